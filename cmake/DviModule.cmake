@@ -1,0 +1,32 @@
+# dvi_module(NAME [PUBLIC lib...] [PRIVATE lib...])
+#
+# One room of the house: every *.cpp of the calling folder makes the library dvi::NAME, every *_test.cpp its tests, every
+# *_bench.cpp its benchmarks. The links are the layer table of ARCHITECTURE.md.
+function(dvi_module name)
+  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  set(tests ${sources})
+  set(benches ${sources})
+  list(FILTER tests INCLUDE REGEX "_test\\.cpp$")
+  list(FILTER benches INCLUDE REGEX "_bench\\.cpp$")
+  list(FILTER sources EXCLUDE REGEX "_(test|bench)\\.cpp$")
+
+  if(sources)
+    add_library(dvi_${name} STATIC ${sources})
+    target_link_libraries(dvi_${name} PUBLIC dvi::settings ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
+  else()
+    add_library(dvi_${name} INTERFACE)
+    target_link_libraries(dvi_${name} INTERFACE dvi::settings ${arg_PUBLIC})
+  endif()
+  add_library(dvi::${name} ALIAS dvi_${name})
+
+  if(DVI_TESTS AND tests)
+    add_executable(dvi_${name}_test ${tests})
+    target_link_libraries(dvi_${name}_test PRIVATE dvi::${name} ${arg_PRIVATE} GTest::gmock GTest::gtest_main)
+    gtest_discover_tests(dvi_${name}_test TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60)
+  endif()
+  if(DVI_BENCH AND benches)
+    add_executable(dvi_${name}_bench ${benches})
+    target_link_libraries(dvi_${name}_bench PRIVATE dvi::${name} ${arg_PRIVATE} benchmark::benchmark_main)
+  endif()
+endfunction()

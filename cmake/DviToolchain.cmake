@@ -1,0 +1,22 @@
+# Compiler and linker settings that hold for every target of the project.
+add_library(dvi_settings INTERFACE)
+add_library(dvi::settings ALIAS dvi_settings)
+target_include_directories(dvi_settings INTERFACE ${PROJECT_SOURCE_DIR}/src)
+target_compile_options(dvi_settings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
+# GCC 12 raises these falsely inside its own string and inside fmt.
+target_compile_options(dvi_settings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict -Wno-stringop-overflow>)
+# The same bytes on every machine: no fused multiply-add where the source has none.
+target_compile_options(dvi_settings INTERFACE -ffp-contract=off)
+
+find_program(DVI_CCACHE ccache)
+if(DVI_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${DVI_CCACHE})
+endif()
+find_program(DVI_MOLD mold)
+if(DVI_MOLD)
+  add_link_options(-fuse-ld=mold)
+endif()
+if(DVI_SANITIZE)
+  add_compile_options(-fsanitize=${DVI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${DVI_SANITIZE})
+endif()

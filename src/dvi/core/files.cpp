@@ -1,0 +1,85 @@
+#include "dvi/core/files.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "dvi/core/error.h"
+
+namespace dvi {
+namespace {
+
+std::string reason() { return std::strerror(errno); }
+
+fs::path temporary(const fs::path& path) {
+  return path.parent_path() / ("." + path.stem().string() + ".part" + std::to_string(getpid()) + path.extension().string());
+}
+
+}  // namespace
+
+std::string read_file(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in || fs::is_directory(path)) throw InputError(path, "cannot be read (" + reason() + ")");
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  return std::move(bytes).str();
+}
+
+std::vector<std::string> read_lines(const fs::path& path) {
+  std::istringstream in(read_file(path));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+void write_beside(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+  const fs::path part = temporary(path);
+  std::error_code error;
+  try {
+    write(part);
+    fs::rename(part, path);
+  } catch (const fs::filesystem_error& e) {
+    fs::remove(part, error);
+    throw InputError(path, "cannot be written (" + e.code().message() + ")", "free space or choose another folder");
+  } catch (...) {
+    fs::remove(part, error);
+    throw;
+  }
+}
+
+void write_file(const fs::path& path, const std::string& bytes) {
+  write_beside(path, [&](const fs::path& part) {
+    std::ofstream out(part, std::ios::binary);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    if (!out) throw InputError(path, "cannot be written (" + reason() + ")", "free space or choose another folder");
+  });
+}
+
+void make_folder(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error || !fs::is_directory(path))
+    throw InputError(path, "cannot be created (" + error.message() + ")", "choose a folder that can be written");
+}
+
+std::vector<fs::path> list_files(const fs::path& folder, const std::vector<std::string>& endings) {
+  std::vector<fs::path> files;
+  if (!fs::is_directory(folder)) return files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string ending = entry.path().extension().string();
+    const bool hidden = entry.path().filename().string().starts_with('.');
+    if (!hidden && std::find(endings.begin(), endings.end(), ending) != endings.end()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace dvi

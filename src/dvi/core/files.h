@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace dvi {
+
+namespace fs = std::filesystem;
+
+/// The whole file. InputError where it cannot be read.
+std::string read_file(const fs::path& path);
+
+/// The lines of a text file without line ends. InputError where it cannot be read.
+std::vector<std::string> read_lines(const fs::path& path);
+
+/// Writes beside `path` and renames, so that `path` is whole or absent. InputError on a full or read-only disk.
+void write_file(const fs::path& path, const std::string& bytes);
+
+/// The same for a file that `write` makes at the temporary path it is given (which keeps the extension of `path`).
+void write_beside(const fs::path& path, const std::function<void(const fs::path&)>& write);
+
+/// Creates the folder and its parents. InputError where that is impossible.
+void make_folder(const fs::path& path);
+
+/// The regular files of a folder with one of the endings (".png"), by name; an empty list where there is no folder.
+std::vector<fs::path> list_files(const fs::path& folder, const std::vector<std::string>& endings);
+
+}  // namespace dvi

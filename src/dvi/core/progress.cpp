@@ -1,0 +1,134 @@
+#include "dvi/core/progress.h"
+
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace dvi {
+namespace {
+
+constexpr double kBarEvery = 0.1, kLineEvery = 5.0;  // seconds
+
+double cpu_seconds(clockid_t clock) {
+  timespec t{};
+  clock_gettime(clock, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+std::string duration(double seconds) {
+  const int s = static_cast<int>(seconds + 0.5);
+  return s < 60 ? fmt::format("{} s", s) : fmt::format("{}:{:02} min", s / 60, s % 60);
+}
+
+}  // namespace
+
+double process_cpu_seconds() { return cpu_seconds(CLOCK_PROCESS_CPUTIME_ID); }
+double thread_cpu_seconds() { return cpu_seconds(CLOCK_THREAD_CPUTIME_ID); }
+
+std::size_t peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+Progress::Progress(ProgressStyle style) : style_(style) {
+  if (style_ == ProgressStyle::automatic) style_ = isatty(STDERR_FILENO) != 0 ? ProgressStyle::bar : ProgressStyle::lines;
+}
+
+Progress::~Progress() { end(); }
+
+void Progress::begin(const std::string& stage, std::size_t total) {
+  throw_if_interrupted();
+  const std::lock_guard lock(mutex_);
+  end_locked();
+  stage_ = stage;
+  total_ = total;
+  done_ = 0;
+  begun_ = shown_ = Clock::now();
+  cpu_begun_ = process_cpu_seconds();
+  show(false);
+}
+
+void Progress::advance() {
+  throw_if_interrupted();
+  const std::lock_guard lock(mutex_);
+  ++done_;
+  const std::chrono::duration<double> since = Clock::now() - shown_;
+  if (since.count() >= (style_ == ProgressStyle::bar ? kBarEvery : kLineEvery)) show(false);
+}
+
+void Progress::end() {
+  const std::lock_guard lock(mutex_);
+  end_locked();
+}
+
+void Progress::end_locked() {
+  if (stage_.empty()) return;
+  show(true);
+  const std::chrono::duration<double> wall = Clock::now() - begun_;
+  times_.push_back({stage_, wall.count(), process_cpu_seconds() - cpu_begun_});
+  stage_.clear();
+}
+
+void Progress::show(bool last) {
+  shown_ = Clock::now();
+  const std::chrono::duration<double> elapsed = shown_ - begun_;
+  const double rate = elapsed.count() > 0 ? static_cast<double>(done_) / elapsed.count() : 0;
+  const double left = rate > 0 && total_ > done_ ? static_cast<double>(total_ - done_) / rate : 0;
+  if (style_ == ProgressStyle::json) {
+    const nlohmann::json line = {{"event", last ? "stage_end" : "progress"},
+                                 {"stage", stage_},
+                                 {"done", done_},
+                                 {"total", total_},
+                                 {"seconds", elapsed.count()}};
+    fmt::print(stderr, "{}\n", line.dump());
+  } else if (style_ == ProgressStyle::bar) {
+    constexpr std::size_t width = 30;
+    const std::size_t full = total_ > 0 ? std::min(width, width * done_ / total_) : 0;
+    fmt::print(stderr, "\r\033[K{:<10} [{:#<{}}{:.<{}}] {}/{}  {:.1f}/s  {}{}", stage_, "", full, "", width - full, done_,
+               total_, rate, last ? duration(elapsed.count()) : duration(left) + " left", last ? "\n" : "");
+    std::fflush(stderr);
+  } else if (style_ == ProgressStyle::lines) {
+    if (last)
+      fmt::print(stderr, "{}: done, {}\n", stage_, duration(elapsed.count()));
+    else if (done_ > 0)
+      fmt::print(stderr, "{}: {} of {}, {:.1f}/s, {} left\n", stage_, done_, total_, rate, duration(left));
+  }
+}
+
+void Progress::print(const char* kind, const std::string& message) {
+  if (style_ == ProgressStyle::json)
+    fmt::print(stderr, "{}\n", nlohmann::json({{"event", kind}, {"message", message}}).dump());
+  else if (style_ != ProgressStyle::quiet)
+    fmt::print(stderr, "{}{}: {}\n", style_ == ProgressStyle::bar ? "\r\033[K" : "", kind, message);
+}
+
+void Progress::warn(const std::string& message) {
+  const std::lock_guard lock(mutex_);
+  if (std::find(warnings_.begin(), warnings_.end(), message) != warnings_.end()) return;
+  warnings_.push_back(message);
+  print("warning", message);
+}
+
+void Progress::note(const std::string& message) {
+  const std::lock_guard lock(mutex_);
+  print("note", message);
+}
+
+std::vector<std::string> Progress::warnings() const {
+  const std::lock_guard lock(mutex_);
+  return warnings_;
+}
+
+std::vector<StageTime> Progress::times() const {
+  const std::lock_guard lock(mutex_);
+  return times_;
+}
+
+}  // namespace dvi

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "dvi/core/interrupt.h"
+
+namespace dvi {
+
+enum class ProgressStyle { automatic, bar, lines, json, quiet };
+
+/// CPU and wall seconds of one stage.
+struct StageTime {
+  std::string stage;
+  double seconds = 0, cpu_seconds = 0;
+};
+
+/// Tells a person (or, as JSON lines, a machine) on stderr how far the work is; collects warnings and times a stage.
+/// `automatic` is a bar on a terminal and a line every few seconds elsewhere. Safe to advance from many threads.
+class Progress {
+ public:
+  explicit Progress(ProgressStyle style = ProgressStyle::automatic);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Begins a stage of `total` units (0: unknown); ends the one before.
+  void begin(const std::string& stage, std::size_t total);
+  void advance();  ///< One unit done. Throws Interrupted after SIGINT or SIGTERM.
+  void end();
+  /// advance() as a stage wants it.
+  Tick tick() {
+    return [this] { advance(); };
+  }
+
+  void warn(const std::string& message);
+  void note(const std::string& message);
+
+  std::vector<std::string> warnings() const;
+  std::vector<StageTime> times() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void show(bool last);
+  void print(const char* kind, const std::string& message);
+  void end_locked();
+
+  mutable std::mutex mutex_;
+  ProgressStyle style_;
+  std::string stage_;
+  std::size_t total_ = 0, done_ = 0;
+  double cpu_begun_ = 0;
+  Clock::time_point begun_, shown_;
+  std::vector<std::string> warnings_;
+  std::vector<StageTime> times_;
+};
+
+/// CPU seconds of this process, and of this thread, so far; peak resident memory in bytes.
+double process_cpu_seconds();
+double thread_cpu_seconds();
+std::size_t peak_memory();
+
+}  // namespace dvi

@@ -1,0 +1,27 @@
+#include "dvi/core/threads.h"
+
+#include <thread>
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+namespace dvi {
+
+struct ThreadLimit::Impl {
+  explicit Impl(std::size_t count) : control(tbb::global_control::max_allowed_parallelism, count) {}
+  tbb::global_control control;
+};
+
+ThreadLimit::ThreadLimit(int count)
+    : impl_(std::make_unique<Impl>(count > 0 ? static_cast<std::size_t>(count)
+                                             : std::max(1U, std::thread::hardware_concurrency()))) {}
+ThreadLimit::~ThreadLimit() = default;
+
+int thread_count() { return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)); }
+
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
+  tbb::parallel_for(std::size_t{0}, count, body);
+}
+
+}  // namespace dvi

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <limits>
+
+#include <opencv2/core/mat.hpp>
+
+namespace dvi {
+
+/// Depth of every pixel of a view.
+struct DepthMap {
+  static constexpr float kUnknown = 0;
+  static constexpr float kSky = std::numeric_limits<float>::infinity();
+
+  cv::Mat1f z;      ///< metres along the optical axis; kUnknown, or kSky above the last return
+  cv::Mat1f sigma;  ///< its standard deviation in metres; 0 where z is unknown or sky
+
+  static bool is_surface(float depth) { return depth > 0 && depth < kSky; }
+};
+
+}  // namespace dvi

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/core/lazy.h"
+#include "dvi/drive/label.h"
+#include "dvi/drive/scan.h"
+#include "dvi/geometry/camera.h"
+#include "dvi/geometry/trajectory.h"
+
+namespace dvi {
+
+/// One image of the drive's chosen camera.
+struct Frame {
+  int number = 0;    ///< the drive's own number, as --frames takes it
+  std::string name;  ///< the image's file name without its ending
+  std::int64_t time_ns = 0;
+  std::filesystem::path file;
+  std::vector<Label> labels;
+};
+
+/// One sweep of the LiDAR. Its stamp is the middle of the sweep.
+struct Sweep {
+  std::string name;
+  std::int64_t time_ns = 0, start_ns = 0, end_ns = 0;
+  std::filesystem::path file;
+};
+
+/// A recording: what a reader found in a folder. Images, scans and masks are read on demand and cached within bounds.
+struct Drive {
+  std::filesystem::path path;
+  std::string format;
+  std::string camera_name;
+  Camera camera;
+  SE3 camera_from_lidar;
+  std::vector<std::string> camera_names;  ///< all that the drive has
+
+  std::vector<Frame> frames;  ///< in order of time
+  std::vector<Sweep> sweeps;  ///< in order of time
+  Trajectory poses;           ///< world_from_lidar as given; empty where none are
+  /// Factor of the given positions to metres of the drive's own place: the Mercator scale of oxts; 1 where poses are
+  /// metric. Two drives share a world when their positions are brought to one scale.
+  double world_scale = 1;
+
+  Lazy<cv::Mat3b> images;  ///< as `frames`; BGR
+  Lazy<Scan> scans;        ///< as `sweeps`
+  Lazy<cv::Mat1b> masks;   ///< as `frames`, 255 = remove; empty where the drive brings none
+
+  /// Files that everything depends on besides images, scans and masks (calibration, poses, labels).
+  std::vector<std::filesystem::path> other_files;
+  /// Mask files as `frames` (an empty path: none for that frame); empty where the drive brings none.
+  std::vector<std::filesystem::path> mask_files;
+  /// Gaps that the rest can bridge, in words that name them.
+  std::vector<std::string> warnings;
+
+  bool has_labels() const {
+    for (const Frame& frame : frames)
+      if (!frame.labels.empty()) return true;
+    return labelled;
+  }
+  bool labelled = false;  ///< the drive came with labels, be they empty
+};
+
+/// A range of frames by the drive's own numbers, both included.
+struct FrameRange {
+  int first = 0, last = 0;
+};
+
+}  // namespace dvi

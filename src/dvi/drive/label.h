@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/geometry/box.h"
+
+namespace dvi {
+
+/// The outline of one object in one image: lengths of runs in column-major order, the first of background (COCO).
+struct Instance {
+  cv::Size size;
+  std::vector<std::uint32_t> runs;
+};
+
+/// One labelled object in one frame, by whatever the labels hold of it.
+struct Label {
+  int track = -1;
+  std::string type;                ///< as the labels name it, in lower case ("car", "van", "pedestrian")
+  std::optional<Box> box;          ///< in LiDAR axes, at the time of the image
+  std::optional<cv::Rect2d> rect;  ///< in the image
+  std::optional<Instance> instance;
+};
+
+}  // namespace dvi

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/core/lazy.h"
+#include "dvi/geometry/camera.h"
+#include "dvi/geometry/se3.h"
+
+namespace dvi {
+
+/// A posed image: one frame of one of the drives. After the map is made, stages know views only, whichever drive or camera
+/// they come from.
+struct View {
+  int drive = 0;          ///< 0 is the target drive
+  std::size_t frame = 0;  ///< its index in that drive
+  std::int64_t time_ns = 0;
+  Camera camera;
+  SE3 camera_from_world;
+};
+
+/// All views: those of the target drive first, in time order, then drive after drive. A view's index is its source number.
+struct Views {
+  std::vector<View> views;
+  Lazy<cv::Mat3b> images;  ///< as `views`
+  Lazy<cv::Mat1b> masks;   ///< as `views`; 255 = remove
+
+  std::size_t size() const { return views.size(); }
+  const View& operator[](std::size_t i) const { return views[i]; }
+  /// Views [first, last) of a drive.
+  std::pair<std::size_t, std::size_t> of_drive(int drive) const {
+    std::size_t first = 0;
+    while (first < size() && views[first].drive != drive) ++first;
+    std::size_t last = first;
+    while (last < size() && views[last].drive == drive) ++last;
+    return {first, last};
+  }
+};
+
+}  // namespace dvi

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "dvi/geometry/se3.h"
+
+namespace dvi {
+
+/// A pose at a time (nanoseconds).
+struct StampedPose {
+  std::int64_t time_ns = 0;
+  SE3 world_from_body;
+};
+
+/// Poses in order of time, interpolated between.
+class Trajectory {
+ public:
+  Trajectory() = default;
+  /// Sorts by time; of poses with the same time the first stays.
+  explicit Trajectory(std::vector<StampedPose> poses);
+
+  bool empty() const { return poses_.empty(); }
+  const std::vector<StampedPose>& poses() const { return poses_; }
+
+  /// The pose at a time. Outside the span the first or last motion goes on, for at most as long as `max_extrapolation`;
+  /// beyond, or inside a gap longer than `max_gap`, there is none.
+  std::optional<SE3> at(std::int64_t time_ns) const;
+
+  /// The same motion seen from another world: other_from_world * pose.
+  Trajectory in(const SE3& other_from_world) const;
+
+  std::int64_t max_extrapolation = 200'000'000;
+  std::int64_t max_gap = 1'000'000'000;
+
+ private:
+  std::vector<StampedPose> poses_;
+};
+
+}  // namespace dvi

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "dvi/core/options.h"
+#include "dvi/depth/depth_map.h"
+#include "dvi/drive/view.h"
+#include "dvi/harmonize/filled_frame.h"
+#include "dvi/sample/candidates.h"
+
+namespace dvi {
+
+struct HarmonizeOptions {
+  bool poisson = true;
+  bool fill_unseen = true;
+
+  void describe(OptionTable& table) {
+    table.section("harmonize");
+    table.add("poisson", poisson, "Solve eq. 5 so that copies meet their surroundings without a seam; false copies as is.");
+    table.add("fill_unseen", fill_unseen, "Interpolate pixels that no frame saw; false leaves them black, kind 5.");
+  }
+};
+
+/// Colours the hole from its candidates (eq. 5): per hole a Poisson equation with the surrounding image as Dirichlet
+/// boundary (Neumann at the image's border). Its guidance is the gradient of the copies; 0 between pixels of different
+/// source frames and at pixels without a source, which the solution then interpolates.
+FilledFrame harmonize(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth,
+                      const HarmonizeOptions& options);
+
+}  // namespace dvi

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/core/mat.hpp>
+
+namespace dvi {
+
+/// Positions in images are held to this part of a pixel, so that a written position reproduces its colour exactly.
+inline constexpr float kSubpixel = 16.0F;
+
+inline cv::Point2f quantised(double x, double y) {
+  return {static_cast<float>(std::floor(x * kSubpixel + 0.5)) / kSubpixel,
+          static_cast<float>(std::floor(y * kSubpixel + 0.5)) / kSubpixel};
+}
+
+/// Bilinear colour at a position within [0, width - 1] x [0, height - 1].
+inline cv::Vec3f bilinear(const cv::Mat3b& image, cv::Point2f at) {
+  const int x = std::clamp(static_cast<int>(at.x), 0, image.cols - 1), x1 = std::min(x + 1, image.cols - 1);
+  const int y = std::clamp(static_cast<int>(at.y), 0, image.rows - 1), y1 = std::min(y + 1, image.rows - 1);
+  const float u = at.x - static_cast<float>(x), v = at.y - static_cast<float>(y);
+  const cv::Vec3b *top = image[y], *bottom = image[y1];
+  cv::Vec3f out;
+  for (int c = 0; c < 3; ++c) {
+    const float a = static_cast<float>(top[x][c]) * (1 - u) + static_cast<float>(top[x1][c]) * u;
+    const float b = static_cast<float>(bottom[x][c]) * (1 - u) + static_cast<float>(bottom[x1][c]) * u;
+    out[c] = a * (1 - v) + b * v;
+  }
+  return out;
+}
+
+}  // namespace dvi

@@ -1,0 +1,32 @@
+#include "dvi/image/region.h"
+
+#include <cstdlib>
+
+#include <opencv2/imgproc.hpp>
+
+namespace dvi {
+
+Region::Region(const cv::Mat1b& mask) : index(mask.size(), -1) {
+  for (int y = 0; y < mask.rows; ++y)
+    for (int x = 0; x < mask.cols; ++x)
+      if (mask(y, x) != 0) {
+        index(y, x) = static_cast<int>(pixels.size());
+        pixels.emplace_back(x, y);
+      }
+}
+
+cv::Mat1b grown(const cv::Mat1b& mask, int radius) {
+  if (radius == 0) return mask.clone();
+  const int side = 2 * std::abs(radius) + 1;
+  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side});
+  cv::Mat1b out;
+  if (radius > 0)
+    cv::dilate(mask, out, disc);
+  else
+    cv::erode(mask, out, disc);
+  return out;
+}
+
+int connected_parts(const cv::Mat1b& mask, cv::Mat1i& labels) { return cv::connectedComponents(mask, labels, 4, CV_32S) - 1; }
+
+}  // namespace dvi

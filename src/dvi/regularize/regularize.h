@@ -1,0 +1,31 @@
+#pragma once
+
+#include "dvi/core/options.h"
+#include "dvi/depth/depth_map.h"
+#include "dvi/drive/view.h"
+#include "dvi/regularize/labelling.h"
+
+namespace dvi {
+
+struct RegularizeOptions {
+  bool enabled = true;
+  int window = 5;
+  int iterations = 20;
+  double alpha = 20;
+
+  void describe(OptionTable& table) {
+    table.section("regularize");
+    table.add("enabled", enabled, "Belief propagation over the hole (eqs. 2-4); false takes the candidates as sampled.");
+    table.add("window", window, {1, 11}, "Labels of a pixel: the window x window pixels round its candidate; odd.");
+    table.add("iterations", iterations, {1, 1000}, "Most rounds of message passing.");
+    table.add("alpha", alpha, {0, 765}, "Data cost of pixels inside the hole, in grey levels over three channels.");
+  }
+};
+
+/// Min-sum belief propagation over the 4-connected hole (section 3.5 of the paper). A pixel's labels are shifts of its
+/// candidate; the data cost (eq. 3) asks that a boundary pixel's source continue into the true image, the discontinuity
+/// cost (eq. 4) that neighbours' sources agree on each other's colour, each neighbour warped by its own depth.
+Labelling regularize(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth,
+                     const RegularizeOptions& options);
+
+}  // namespace dvi
