@@ -1,0 +1,52 @@
+#include "dvi/depth/delaunay.h"
+
+#include <cmath>
+
+#include <boost/polygon/voronoi.hpp>
+
+namespace dvi {
+namespace {
+
+constexpr double kScale = 16;  // the diagram wants integers
+
+struct Site {
+  int x, y;
+};
+
+}  // namespace
+}  // namespace dvi
+
+template <>
+struct boost::polygon::geometry_concept<dvi::Site> {
+  using type = point_concept;
+};
+
+template <>
+struct boost::polygon::point_traits<dvi::Site> {
+  using coordinate_type = int;
+  static int get(const dvi::Site& site, orientation_2d axis) { return axis == HORIZONTAL ? site.x : site.y; }
+};
+
+namespace dvi {
+
+void delaunay(const std::vector<VisiblePoint>& points, const std::function<void(const std::array<std::size_t, 3>&)>& triangle) {
+  std::vector<Site> sites;
+  sites.reserve(points.size());
+  for (const VisiblePoint& p : points)
+    sites.push_back({static_cast<int>(std::lround(p.u * kScale)), static_cast<int>(std::lround(p.v * kScale))});
+  boost::polygon::voronoi_diagram<double> diagram;
+  boost::polygon::construct_voronoi(sites.begin(), sites.end(), &diagram);
+  // The cells round a Voronoi vertex are the corners of a Delaunay polygon: a triangle, or a fan where more are cocircular.
+  for (const auto& vertex : diagram.vertices()) {
+    const auto* first = vertex.incident_edge();
+    std::array<std::size_t, 3> corners{first->cell()->source_index(), 0, 0};
+    int count = 1;
+    for (const auto* edge = first->rot_next(); edge != first; edge = edge->rot_next()) {
+      corners[2] = edge->cell()->source_index();
+      if (++count > 2) triangle(corners);
+      corners[1] = corners[2];
+    }
+  }
+}
+
+}  // namespace dvi

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "dvi/core/interrupt.h"
+#include "dvi/core/options.h"
+#include "dvi/drive/drive.h"
+#include "dvi/map/static_map.h"
+
+namespace dvi {
+
+struct MapOptions {
+  double voxel_m = 0.05;
+  double min_range_m = 2.0;
+  double max_range_m = 120;
+  double box_margin_m = 0.2;
+  bool witnessed_only = true;
+
+  void describe(OptionTable& table) {
+    table.section("map");
+    table.add("voxel_m", voxel_m, {0.005, 1}, "Edge of the voxels the map is thinned by.");
+    table.add("min_range_m", min_range_m, {0, 20}, "Nearer returns are taken for the recording car itself.");
+    table.add("max_range_m", max_range_m, {1, 500}, "Farther returns are left out.");
+    table.add("box_margin_m", box_margin_m, {0, 5}, "Labelled 3D boxes are grown by this before their points are dropped.");
+    table.add("witnessed_only", witnessed_only,
+              "Keep only points that the camera saw, unmasked, when they were scanned: what it did not see may have moved.");
+  }
+};
+
+/// One drive as the map sees it.
+struct MapInput {
+  const Drive* drive = nullptr;
+  Trajectory world_from_lidar;
+  Lazy<cv::Mat1b> masks;  ///< as drive->frames
+};
+
+/// The static map of several drives in one world: scans are compensated for the motion within the sweep, points that project
+/// into the mask of the frame nearest in time or lie in its labelled boxes are dropped, the rest is thinned to one mean point
+/// a voxel (section 3.1 of the paper). Streams over scans; one tick a scan.
+StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const Tick& tick = [] {});
+
+/// How many scans build_map will go through.
+std::size_t scan_count(const std::vector<MapInput>& inputs);
+
+}  // namespace dvi

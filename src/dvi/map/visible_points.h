@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "dvi/drive/view.h"
+#include "dvi/map/static_map.h"
+
+namespace dvi {
+
+/// A map point as a view sees it.
+struct VisiblePoint {
+  float u = 0, v = 0;          ///< pixel, sub-pixel exact
+  float z = 0;                 ///< metres along the optical axis
+  Eigen::Vector3f world;       ///< metres
+  std::size_t index = 0;       ///< in StaticMap::points
+};
+
+/// The points of the map that the view sees, at most one a pixel: the nearest (z-buffer), if no nearer point, taken as a disc
+/// of `splat_m` metres radius, covers it by more than `tolerance` of its depth. In raster order.
+std::vector<VisiblePoint> visible_points(const StaticMap& map, const View& view, double splat_m, double tolerance);
+
+}  // namespace dvi

@@ -1,0 +1,99 @@
+#include "dvi/masks/masks.h"
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/image/region.h"
+
+namespace dvi {
+namespace {
+
+constexpr std::size_t kCached = 16;    // masks
+constexpr double kNearPlane = 0.3;     // metres
+
+void draw_instance(const Instance& instance, cv::Mat1b& mask) {
+  const std::size_t rows = static_cast<std::size_t>(instance.size.height);
+  std::size_t at = 0;
+  bool inside = false;
+  for (const std::uint32_t run : instance.runs) {
+    for (const std::size_t end = at + run; at < end; ++at) {
+      const int x = static_cast<int>(at / rows), y = static_cast<int>(at % rows);
+      if (inside && x < mask.cols && y < mask.rows) mask(y, x) = 255;
+    }
+    inside = !inside;
+  }
+}
+
+// The corners of the part of the box in front of the camera: edges that pass the near plane are cut there.
+std::vector<Eigen::Vector3d> visible_corners(const Box& box, const SE3& camera_from_lidar) {
+  std::array<Eigen::Vector3d, 8> corners = box.corners();
+  for (Eigen::Vector3d& c : corners) c = camera_from_lidar * c;
+  std::vector<Eigen::Vector3d> visible;
+  for (int i = 0; i < 8; ++i) {
+    if (corners[i].z() >= kNearPlane) visible.push_back(corners[i]);
+    for (const int bit : {1, 2, 4}) {
+      const int j = i ^ bit;
+      if (j < i || (corners[i].z() < kNearPlane) == (corners[j].z() < kNearPlane)) continue;
+      const double u = (kNearPlane - corners[i].z()) / (corners[j].z() - corners[i].z());
+      visible.push_back(corners[i] + u * (corners[j] - corners[i]));
+    }
+  }
+  return visible;
+}
+
+void draw_box(Box box, double margin, const Camera& camera, const SE3& camera_from_lidar, cv::Mat1b& mask) {
+  box.size.array() += 2 * margin;
+  std::vector<cv::Point> pixels;
+  for (const Eigen::Vector3d& corner : visible_corners(box, camera_from_lidar)) {
+    const Eigen::Vector2d p = camera.project(corner);
+    // Far outside the image the exact place no longer matters, and the drawing's integers would overflow.
+    pixels.emplace_back(static_cast<int>(std::clamp(std::round(p.x()), -1e5, 1e5)),
+                        static_cast<int>(std::clamp(std::round(p.y()), -1e5, 1e5)));
+  }
+  if (pixels.empty()) return;
+  std::vector<cv::Point> hull;
+  cv::convexHull(pixels, hull);
+  cv::fillConvexPoly(mask, hull, 255);
+}
+
+}  // namespace
+
+cv::Mat1b label_mask(const Label& label, const Camera& camera, const SE3& camera_from_lidar, double box_margin_m) {
+  cv::Mat1b mask(camera.height, camera.width, uchar{0});
+  if (label.instance) {
+    draw_instance(*label.instance, mask);
+  } else if (label.box) {
+    draw_box(*label.box, box_margin_m, camera, camera_from_lidar, mask);
+  } else if (label.rect) {
+    const cv::Rect2d& r = *label.rect;
+    const cv::Point corner(cvFloor(r.x), cvFloor(r.y)), opposite(cvCeil(r.x + r.width), cvCeil(r.y + r.height));
+    mask(cv::Rect(corner, opposite) & cv::Rect(0, 0, mask.cols, mask.rows)) = 255;
+  }
+  return mask;
+}
+
+MaskSource default_mask_source(const Drive& drive) {
+  if (!drive.masks.empty()) return MaskSource::files;
+  if (drive.has_labels()) return MaskSource::labels;
+  throw InputError(drive.path, "has neither masks nor labels, so nothing says what to remove",
+                   "give --masks DIR (PNG files named as the images, 255 = remove) or --masks FILE (labels)");
+}
+
+Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const MaskOptions& options) {
+  if (source == MaskSource::files) {
+    if (drive.masks.empty())
+      throw InputError(drive.path, "brings no mask files", "give --masks DIR, or --masks labels where it has labels");
+    return drive.masks;
+  }
+  if (!drive.has_labels()) throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
+  std::vector<std::vector<Label>> labels;
+  for (const Frame& frame : drive.frames) labels.push_back(frame.labels);
+  return {drive.frames.size(), kCached,
+          [labels = std::move(labels), camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
+            cv::Mat1b mask(camera.height, camera.width, uchar{0});
+            for (const Label& label : labels[i]) mask |= label_mask(label, camera, pose, options.box_margin_m);
+            return grown(mask, options.dilate_px);
+          }};
+}
+
+}  // namespace dvi
