@@ -15,11 +15,11 @@ namespace {
 
 std::string reason() { return std::strerror(errno); }
 
-fs::path temporary(const fs::path& path) {
+}  // namespace
+
+fs::path temporary_beside(const fs::path& path) {
   return path.parent_path() / ("." + path.stem().string() + ".part" + std::to_string(getpid()) + path.extension().string());
 }
-
-}  // namespace
 
 std::string read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -40,7 +40,7 @@ std::vector<std::string> read_lines(const fs::path& path) {
 }
 
 void write_beside(const fs::path& path, const std::function<void(const fs::path&)>& write) {
-  const fs::path part = temporary(path);
+  const fs::path part = temporary_beside(path);
   std::error_code error;
   try {
     write(part);

@@ -15,6 +15,9 @@ std::string read_file(const fs::path& path);
 /// The lines of a text file without line ends. InputError where it cannot be read.
 std::vector<std::string> read_lines(const fs::path& path);
 
+/// Where `path` is written before it is renamed: a hidden file beside it, of the same extension.
+fs::path temporary_beside(const fs::path& path);
+
 /// Writes beside `path` and renames, so that `path` is whole or absent. InputError on a full or read-only disk.
 void write_file(const fs::path& path, const std::string& bytes);
 

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+namespace dvi {
+
+/// One picture of a contact sheet and the words below it.
+struct SheetCell {
+  cv::Mat3b image;
+  std::string caption;
+};
+
+/// The picture at this width, its proportions kept. To build a long sheet hand in thumbnails instead of full images.
+cv::Mat3b thumbnail(const cv::Mat3b& image, int width);
+
+/// The image with the mask tinted red and outlined.
+cv::Mat3b mask_overlay(const cv::Mat3b& image, const cv::Mat1b& mask);
+
+/// One sheet, a row below the other, every picture `cell_width` wide: input | mask_overlay | result of a frame, say. Rows may
+/// differ in length.
+cv::Mat3b contact_sheet(const std::vector<std::vector<SheetCell>>& rows, int cell_width = 480);
+
+}  // namespace dvi

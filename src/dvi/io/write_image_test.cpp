@@ -1,0 +1,81 @@
+#include "dvi/io/write_image.h"
+
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/random.h"
+
+namespace dvi {
+namespace {
+
+class WriteImage : public testing::Test {
+ protected:
+  WriteImage() : folder(fs::path(testing::TempDir()) / ("write_image_" + std::to_string(getpid()))) { make_folder(folder); }
+  ~WriteImage() override { fs::remove_all(folder); }
+  fs::path folder;
+};
+
+template <class T>
+cv::Mat_<T> noise(cv::Size size, int levels) {
+  Random random(1);
+  cv::Mat_<T> image(size);
+  cv::Mat flat = image.reshape(1);
+  for (int y = 0; y < flat.rows; ++y)
+    for (int x = 0; x < flat.cols; ++x) {
+      const int value = random.below(levels);
+      if (flat.depth() == CV_8U) flat.at<uchar>(y, x) = static_cast<uchar>(value);
+      if (flat.depth() == CV_16U) flat.at<ushort>(y, x) = static_cast<ushort>(value);
+    }
+  return image;
+}
+
+bool same(const cv::Mat& a, const cv::Mat& b) {
+  return a.type() == b.type() && a.size() == b.size() && cv::norm(a.reshape(1), b.reshape(1), cv::NORM_INF) == 0;
+}
+
+TEST_F(WriteImage, ReadsBackWhatWasWritten) {
+  const cv::Size size(37, 21);
+  const fs::path path = folder / "1534313591.432032.png";
+  const auto colour = noise<cv::Vec3b>(size, 256);
+  write_png(path, colour);
+  EXPECT_TRUE(same(read_png_colour(path), colour));
+  const auto grey = noise<uchar>(size, 256);
+  write_png(path, grey);
+  EXPECT_TRUE(same(read_png_grey(path), grey));
+  const auto depth = noise<ushort>(size, 65536);
+  write_png(path, depth);
+  EXPECT_TRUE(same(read_png_depth(path), depth));
+  const auto triples = noise<cv::Vec3w>(size, 65536);
+  write_png(path, triples);
+  EXPECT_TRUE(same(read_png_triples(path), triples));
+  EXPECT_EQ(list_files(folder, {".png"}).size(), 1U);
+}
+
+TEST_F(WriteImage, FilesHoldChannelsInTheOrderTheFormatNames) {
+  const fs::path path = folder / "a.png";
+  write_png(path, cv::Mat3b(2, 2, cv::Vec3b(10, 20, 30)));
+  const cv::Mat colour = cv::imread(path.string(), cv::IMREAD_UNCHANGED);  // OpenCV turns the file's RGB to BGR
+  EXPECT_EQ(colour.at<cv::Vec3b>(0, 0), cv::Vec3b(10, 20, 30));
+  write_png(path, cv::Mat_<cv::Vec3w>(2, 2, cv::Vec3w(1, 16 * 500, 16 * 300)));
+  const cv::Mat triples = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
+  EXPECT_EQ(triples.at<cv::Vec3w>(0, 0), cv::Vec3w(16 * 300, 16 * 500, 1));
+}
+
+TEST_F(WriteImage, SaysWhatCannotBeWrittenOrRead) {
+  EXPECT_THROW(write_png(folder / "none" / "a.png", cv::Mat1b(2, 2, uchar{0})), InputError);
+  EXPECT_THROW(read_png_grey(folder / "none.png"), InputError);
+  write_file(folder / "a.png", "not an image");
+  EXPECT_THROW(read_png_colour(folder / "a.png"), InputError);
+  write_file(folder / "a.png", "");
+  EXPECT_THROW(read_png_colour(folder / "a.png"), InputError);
+  write_png(folder / "a.png", cv::Mat1b(2, 2, uchar{0}));
+  EXPECT_THROW(read_png_depth(folder / "a.png"), InputError);
+  EXPECT_THROW(read_png_triples(folder / "a.png"), InputError);
+}
+
+}  // namespace
+}  // namespace dvi
