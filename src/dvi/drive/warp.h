@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "dvi/drive/view.h"
+#include "dvi/image/interpolate.h"
+
+namespace dvi {
+
+/// Takes pixels of a target view, with their depth, to where a source view shows them.
+class Warp {
+ public:
+  Warp(const View& target, const View& source)
+      : target_(&target.camera),
+        source_(&source.camera),
+        source_from_target_(source.camera_from_world * target.camera_from_world.inverse()) {}
+
+  /// Quantised; may lie outside the source's image. Depth z in metres, infinity for the sky. None where the depth is
+  /// unknown (z <= 0) or the point is not in front of the source.
+  std::optional<cv::Point2f> operator()(cv::Point pixel, float z) const {
+    if (!(z > 0)) return std::nullopt;
+    const Eigen::Vector3d ray = target_->ray({pixel.x, pixel.y});
+    const Eigen::Vector3d x = std::isinf(z) ? source_from_target_.R * ray : source_from_target_ * (z * ray);
+    if (!source_->in_front(x)) return std::nullopt;
+    const Eigen::Vector2d at = source_->project(x);
+    return quantised(at.x(), at.y());
+  }
+
+ private:
+  const Camera *target_, *source_;
+  SE3 source_from_target_;
+};
+
+/// Where the source that shows pixel `p` at `shown` shows pixel `q`: each warped by its own depth (`p_at`, `q_at`), and moved
+/// by as much as `shown` is off p's own warp. Where a depth is unknown, as far from `shown` as q is from p.
+inline cv::Point2f beside(cv::Point p, cv::Point2f shown, std::optional<cv::Point2f> p_at, cv::Point q,
+                          std::optional<cv::Point2f> q_at) {
+  if (p_at && q_at) return shown + (*q_at - *p_at);
+  return shown + cv::Point2f(q - p);
+}
+
+/// Whether bilinear interpolation at this position stays within the image and off its mask (255 = remove).
+inline bool can_sample(const cv::Mat1b& mask, cv::Point2f at) {
+  if (!(at.x >= 0 && at.y >= 0 && at.x <= static_cast<float>(mask.cols - 1) && at.y <= static_cast<float>(mask.rows - 1)))
+    return false;
+  const int x = static_cast<int>(at.x), y = static_cast<int>(at.y);
+  const int x1 = static_cast<int>(std::ceil(at.x)), y1 = static_cast<int>(std::ceil(at.y));
+  return (mask(y, x) | mask(y, x1) | mask(y1, x) | mask(y1, x1)) == 0;
+}
+
+}  // namespace dvi

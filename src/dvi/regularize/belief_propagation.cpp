@@ -1,0 +1,133 @@
+#include "dvi/regularize/belief_propagation.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "dvi/regularize/min_sum.h"
+
+namespace dvi {
+namespace {
+
+/// The edge from a node in a direction; what a source cannot say costs nothing.
+EdgeColours edge_colours(const ShiftField& field, std::size_t node, int direction, const std::uint8_t* nothing) {
+  const int other = field.neighbour[node][direction];
+  const int forth = field.expected[node][direction], back = field.expected[other][direction ^ 2];
+  const std::uint8_t* own = field.row(static_cast<int>(node));
+  return {{forth < 0 ? nothing : field.row(forth), back < 0 ? nothing : own},
+          {forth < 0 ? nothing : field.row(other), back < 0 ? nothing : field.row(back)}};
+}
+
+int edge_cost(const EdgeColours& edge, int stride, int i, int j) {
+  int cost = 0;
+  for (int c = 0; c < 6; ++c)
+    cost += std::abs(edge.sender[c / 3][(c % 3) * stride + i] - edge.receiver[c / 3][(c % 3) * stride + j]);
+  return cost;
+}
+
+class Messages {
+ public:
+  explicit Messages(const ShiftField& field)
+      : field_(field),
+        incoming_(field.nodes() * 4 * field.stride),
+        stale_(field.nodes(), true),
+        nothing_(std::size_t{3} * field.stride),
+        belief_(field.stride),
+        without_(field.stride),
+        message_(field.stride) {}
+
+  /// Every node of one square that has heard something new tells its neighbours. Whether any message changed.
+  bool send(bool even) {
+    bool changed = false;
+    for (std::size_t node = 0; node < field_.nodes(); ++node)
+      if (static_cast<bool>(field_.even[node]) == even && stale_[node]) {
+        stale_[node] = false;
+        changed |= send_from(node);
+      }
+    return changed;
+  }
+
+  std::vector<int> labels() {
+    std::vector<int> out(field_.nodes());
+    for (std::size_t node = 0; node < field_.nodes(); ++node) {
+      sum_incoming(node);
+      // The first of equals: the shortest shift. (A small cost on shifts instead would go round the loops and grow.)
+      out[node] = static_cast<int>(std::min_element(belief_.begin(), belief_.begin() + field_.labels()) - belief_.begin());
+    }
+    return out;
+  }
+
+ private:
+  using Cost = std::int16_t;
+
+  /// The message into a node from its neighbour in a direction.
+  Cost* incoming(std::size_t node, int direction) { return &incoming_[(node * 4 + direction) * field_.stride]; }
+
+  void sum_incoming(std::size_t node) {
+    const Cost* data = field_.data_of(node);
+    std::copy(data, data + field_.stride, belief_.begin());
+    for (int d = 0; d < 4; ++d) {
+      if (field_.neighbour[node][d] < 0) continue;
+      const Cost* in = incoming(node, d);
+      for (int i = 0; i < field_.stride; ++i) belief_[i] = static_cast<Cost>(belief_[i] + in[i]);
+    }
+  }
+
+  bool send_from(std::size_t node) {
+    bool changed = false;
+    sum_incoming(node);
+    for (int d = 0; d < 4; ++d) {
+      const int other = field_.neighbour[node][d];
+      if (other < 0) continue;
+      const Cost* in = incoming(node, d);
+      for (int i = 0; i < field_.stride; ++i) without_[i] = static_cast<Cost>(belief_[i] - in[i]);
+      min_sum(without_.data(), edge_colours(field_, node, d, nothing_.data()), field_.labels(), field_.stride, message_.data());
+      Cost* out = incoming(other, d ^ 2);
+      if (std::equal(message_.begin(), message_.begin() + field_.labels(), out)) continue;
+      std::copy(message_.begin(), message_.end(), out);
+      stale_[other] = changed = true;
+    }
+    return changed;
+  }
+
+  const ShiftField& field_;
+  std::vector<Cost> incoming_;
+  std::vector<std::uint8_t> stale_;
+  std::vector<std::uint8_t> nothing_;
+  std::vector<Cost> belief_, without_, message_;
+};
+
+}  // namespace
+
+double energy(const ShiftField& field, const std::vector<int>& labels) {
+  const std::vector<std::uint8_t> nothing(std::size_t{3} * field.stride);
+  double sum = 0;
+  for (std::size_t node = 0; node < field.nodes(); ++node) {
+    sum += field.data_of(node)[labels[node]];
+    for (const int d : {2, 3}) {
+      const int other = field.neighbour[node][d];
+      if (other >= 0) sum += edge_cost(edge_colours(field, node, d, nothing.data()), field.stride, labels[node], labels[other]);
+    }
+  }
+  return sum;
+}
+
+BeliefPropagation propagate(const ShiftField& field, int iterations) {
+  BeliefPropagation out;
+  out.labels.assign(field.nodes(), 0);
+  out.energy_before = out.energy_after = energy(field, out.labels);
+  if (field.labels() == 1) return out;
+  Messages messages(field);
+  for (bool changed = true; changed && out.iterations < iterations; ++out.iterations) {
+    changed = messages.send(true);
+    changed |= messages.send(false);
+    std::vector<int> labels = messages.labels();
+    const double cost = energy(field, labels);
+    if (cost < out.energy_after) {
+      out.energy_after = cost;
+      out.labels = std::move(labels);
+    }
+  }
+  return out;
+}
+
+}  // namespace dvi

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "dvi/regularize/shift_field.h"
+
+namespace dvi {
+
+/// A label for each node, and what it costs.
+struct BeliefPropagation {
+  std::vector<int> labels;
+  double energy_before = 0;  ///< of no shift anywhere
+  double energy_after = 0;   ///< of `labels`; never above energy_before
+  int iterations = 0;        ///< until no message changed, or as many as were allowed
+};
+
+/// Eq. 2: the data costs of all nodes and the discontinuity costs (eq. 4) of all edges, each once.
+double energy(const ShiftField& field, const std::vector<int>& labels);
+
+/// Min-sum loopy belief propagation, the two squares of the checkerboard in turn. Keeps the cheapest labelling it met.
+BeliefPropagation propagate(const ShiftField& field, int iterations);
+
+}  // namespace dvi

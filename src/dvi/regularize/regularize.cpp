@@ -1,0 +1,20 @@
+#include "dvi/regularize/regularize.h"
+
+#include "dvi/core/error.h"
+#include "dvi/regularize/belief_propagation.h"
+#include "dvi/regularize/shift_field.h"
+
+namespace dvi {
+
+Labelling regularize(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth,
+                     const RegularizeOptions& options) {
+  if (options.window % 2 == 0) throw UsageError("regularize.window must be odd");
+  const ShiftField field = shift_field(candidates, views, target, depth, options.enabled ? options.window : 1, options.alpha);
+  const BeliefPropagation solution = propagate(field, options.iterations);
+  Labelling out{candidates, solution.energy_before, solution.energy_after, solution.iterations};
+  for (std::size_t node = 0; node < field.nodes(); ++node)
+    out.candidates.of[field.pixel[node]].position += cv::Point2f(field.shifts[solution.labels[node]]);
+  return out;
+}
+
+}  // namespace dvi

@@ -1,0 +1,45 @@
+#include <benchmark/benchmark.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/drive/flat_scene.h"
+#include "dvi/image/interpolate.h"
+#include "dvi/regularize/regularize.h"
+
+namespace dvi {
+namespace {
+
+/// A hole of some 60,000 (or 100,000) pixels at 1280x720 with candidates from 12 noisy sources, off by up to a pixel.
+void regularize_hole(benchmark::State& state) {
+  const cv::Mat3b truth = waves(1280, 720, 1, 10);
+  cv::Mat1b hole(truth.size(), uchar{0});
+  const double scale = std::sqrt(static_cast<double>(state.range(0)) / 60'000);
+  cv::ellipse(hole, {700, 420}, cv::Size(cvRound(165 * scale), cvRound(115 * scale)), 0, 0, 360, 255, cv::FILLED);
+  FlatScene scene(truth, hole);
+  Random random(2);
+  for (int k = 0; k < 12; ++k) {
+    cv::Mat3b noisy = truth.clone();
+    for (cv::Vec3b& v : noisy)
+      for (int c = 0; c < 3; ++c) v[c] = cv::saturate_cast<uchar>(v[c] + 3 * random.normal());
+    scene.add_source(4 * k - 20, noisy);
+  }
+  Candidates candidates{Region(hole), {}};
+  for (const cv::Point p : candidates.hole.pixels) {
+    const int k = (p.x / 40 + p.y / 25) % 12;
+    candidates.of.push_back({k + 1, cv::Point2f(p + cv::Point(4 * k - 20, 0)) + cv::Point2f(cv::Point(k % 3 - 1, k % 2))});
+  }
+  const Views views = scene.lazy();
+  const DepthMap depth{scene.depth(), scene.depth()};
+  Labelling out;
+  for (auto _ : state) {
+    out = regularize(candidates, views, 0, depth, {});
+    benchmark::DoNotOptimize(out);
+  }
+  state.counters["pixels"] = static_cast<double>(candidates.of.size());
+  state.counters["iterations"] = out.iterations;
+  state.counters["energy_part"] = out.energy_after / out.energy_before;
+}
+BENCHMARK(regularize_hole)->Arg(60'000)->Arg(100'000)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace dvi

@@ -1,0 +1,177 @@
+#include "dvi/regularize/regularize.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/drive/flat_scene.h"
+#include "dvi/image/interpolate.h"
+
+namespace dvi {
+namespace {
+
+cv::Mat1b disc(int width, int height, cv::Point centre, int radius) {
+  cv::Mat1b mask(height, width, uchar{0});
+  cv::circle(mask, centre, radius, 255, cv::FILLED);
+  return mask;
+}
+
+/// Every hole pixel seen by view 1 at its true place plus an error.
+Candidates seen_by_one(const cv::Mat1b& mask, int disparity, cv::Point2f error = {}) {
+  Candidates out{Region(mask), {}};
+  for (const cv::Point p : out.hole.pixels) out.of.push_back({1, cv::Point2f(p + cv::Point(disparity, 0)) + error});
+  return out;
+}
+
+DepthMap flat_depth(const FlatScene& scene) { return {scene.depth(), cv::Mat1f(scene.height, scene.width, 0.01F)}; }
+
+double right_share(const Candidates& found, const Candidates& truth) {
+  std::size_t right = 0;
+  for (std::size_t i = 0; i < truth.of.size(); ++i) right += found.of[i].position == truth.of[i].position;
+  return static_cast<double>(right) / static_cast<double>(truth.of.size());
+}
+
+struct Street {
+  cv::Mat3b truth = waves(90, 70, 7);
+  cv::Mat1b hole = disc(90, 70, {40, 35}, 14);
+  FlatScene scene{truth, hole};
+  Street() {
+    scene.images[0].setTo(cv::Scalar(255, 0, 255), hole);
+    scene.add_source(8, truth);
+    scene.add_source(-5, truth);
+  }
+  Labelling run(const Candidates& candidates, const RegularizeOptions& options = {}) const {
+    return regularize(candidates, scene.lazy(), 0, flat_depth(scene), options);
+  }
+};
+
+TEST(Regularize, LeavesExactCandidatesAlone) {
+  const Street street;
+  const Candidates exact = seen_by_one(street.hole, 8);
+  const Labelling out = street.run(exact);
+  EXPECT_EQ(right_share(out.candidates, exact), 1);
+  EXPECT_EQ(out.energy_before, out.energy_after);
+}
+
+TEST(Regularize, RecoversAUniformShift) {
+  const Street street;
+  const Labelling out = street.run(seen_by_one(street.hole, 8, {1, -2}));
+  EXPECT_GT(right_share(out.candidates, seen_by_one(street.hole, 8)), 0.99);
+  EXPECT_LT(out.energy_after, 0.7 * out.energy_before);
+}
+
+TEST(Regularize, RecoversAShiftOfOneOfTwoSources) {
+  const Street street;
+  Candidates truth = seen_by_one(street.hole, 8), wrong = truth;
+  for (std::size_t i = 0; i < truth.of.size(); ++i) {
+    const cv::Point p = truth.hole.pixels[i];
+    if (p.x <= 40) continue;
+    truth.of[i] = {2, cv::Point2f(p + cv::Point(-5, 0))};
+    wrong.of[i] = {2, truth.of[i].position + cv::Point2f(-1, 1)};
+  }
+  EXPECT_GT(right_share(street.run(wrong).candidates, truth), 0.97);
+}
+
+TEST(Regularize, WarpsNeighboursByTheirOwnDepth) {
+  Street street;
+  // The right half stands nearer: the target's depth says so, and the source shows it moved by twice as much.
+  DepthMap depth = flat_depth(street.scene);
+  cv::Mat3b source(street.truth.size());
+  Candidates exact{Region(street.hole), {}};
+  for (const int near : {0, 1})
+    for (int y = 0; y < 70; ++y)
+      for (int x = 0; x < 90; ++x) {
+        if (near != (x >= 40)) continue;
+        if (near != 0) depth.z(y, x) = static_cast<float>(FlatScene::kDepth) / 2;
+        const int to = x + (near != 0 ? 16 : 8);
+        if (to < 90) source(y, to) = street.truth(y, x);
+      }
+  for (const cv::Point p : exact.hole.pixels) exact.of.push_back({1, cv::Point2f(p + cv::Point(p.x >= 40 ? 16 : 8, 0))});
+  street.scene.images[1] = source;
+  const Labelling out = regularize(exact, street.scene.lazy(), 0, depth, {});
+  EXPECT_EQ(right_share(out.candidates, exact), 1);
+  RegularizeOptions no_inner_cost;
+  no_inner_cost.alpha = 0;
+  EXPECT_EQ(street.scene.images.size(), 3);
+  EXPECT_EQ(regularize(exact, street.scene.lazy(), 0, depth, no_inner_cost).energy_before, 0);
+}
+
+TEST(Regularize, NeverShiftsIntoTheSourcesMaskOrOutOfItsImage) {
+  Street street;
+  street.scene.masks[1](cv::Rect(50, 0, 40, 35)) = 255;
+  Candidates shifted = seen_by_one(street.hole, 8, {2, 2});
+  for (auto& c : shifted.of) c.position.x += 30;  // up to the image's right border
+  const Labelling out = street.run(shifted);
+  for (std::size_t i = 0; i < shifted.of.size(); ++i) {
+    const cv::Point2f from = shifted.of[i].position, to = out.candidates.of[i].position;
+    if (from == to) continue;
+    ASSERT_LE(to.x, 89);
+    ASSERT_EQ(street.scene.masks[1](cv::Point(to)), 0);
+  }
+}
+
+TEST(Regularize, PixelsWithoutCandidateTakeNoPart) {
+  const Street street;
+  Candidates some = seen_by_one(street.hole, 8, {1, 1}), none = some;
+  for (std::size_t i = 0; i < some.of.size(); i += 3) some.of[i] = {};
+  for (auto& c : none.of) c = {};
+  const Labelling out = street.run(some);
+  for (std::size_t i = 0; i < some.of.size(); i += 3) EXPECT_FALSE(out.candidates.of[i].found());
+  EXPECT_EQ(street.run(none).energy_before, 0);
+}
+
+TEST(Regularize, IsOffWithoutIterationsOfAWindow) {
+  const Street street;
+  const Candidates shifted = seen_by_one(street.hole, 8, {1, -2});
+  RegularizeOptions off, one;
+  off.enabled = false;
+  one.window = 1;
+  for (const RegularizeOptions& options : {off, one}) {
+    const Labelling out = street.run(shifted, options);
+    EXPECT_EQ(right_share(out.candidates, shifted), 1);
+    EXPECT_EQ(out.energy_after, out.energy_before);
+    EXPECT_EQ(out.energy_before, street.run(shifted).energy_before);
+  }
+  one.window = 4;
+  EXPECT_THROW(street.run(shifted, one), UsageError);
+}
+
+TEST(Regularize, TakesAnyHole) {
+  const cv::Mat3b picture = waves(24, 16, 3);
+  cv::Mat1b empty(16, 24, uchar{0}), whole(16, 24, uchar{255}), corners = empty.clone();
+  corners(cv::Rect(0, 0, 5, 4)) = 255;
+  corners(cv::Rect(20, 11, 4, 5)) = 255;
+  for (const cv::Mat1b& mask : {empty, whole, corners}) {
+    FlatScene scene(picture, mask);
+    scene.add_source(0, picture);
+    const Candidates exact = seen_by_one(mask, 0);
+    const Labelling out = regularize(exact, scene.lazy(), 0, flat_depth(scene), {});
+    EXPECT_TRUE(exact.of.empty() || right_share(out.candidates, exact) == 1);
+    EXPECT_LE(out.energy_after, out.energy_before);
+  }
+}
+
+TEST(Regularize, UnknownDepthAndSkyAreNoObstacle) {
+  const Street street;
+  DepthMap depth = flat_depth(street.scene);
+  depth.z(cv::Rect(0, 0, 40, 70)) = DepthMap::kUnknown;
+  const Labelling out = regularize(seen_by_one(street.hole, 8, {1, 0}), street.scene.lazy(), 0, depth, {});
+  EXPECT_GT(right_share(out.candidates, seen_by_one(street.hole, 8)), 0.99);
+  depth.z = DepthMap::kSky;
+  EXPECT_LE(regularize(seen_by_one(street.hole, 0), street.scene.lazy(), 0, depth, {}).energy_after, 1e9);
+}
+
+TEST(Regularize, GivesTheSameTwice) {
+  const Street street;
+  Candidates noisy = seen_by_one(street.hole, 8);
+  Random random(5);
+  for (auto& c : noisy.of) c.position += quantised(random.uniform(-2, 2), random.uniform(-2, 2));
+  const Labelling a = street.run(noisy), b = street.run(noisy);
+  EXPECT_EQ(right_share(a.candidates, b.candidates), 1);
+  EXPECT_EQ(a.energy_after, b.energy_after);
+  EXPECT_LT(a.energy_after, a.energy_before);
+}
+
+}  // namespace
+}  // namespace dvi

@@ -1,0 +1,160 @@
+#include "dvi/regularize/shift_field.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+#include <tuple>
+
+#include "dvi/drive/warp.h"
+#include "dvi/image/interpolate.h"
+#include "dvi/regularize/min_sum.h"
+
+namespace dvi {
+namespace {
+
+class Builder {
+ public:
+  Builder(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth, double alpha,
+          ShiftField& field)
+      : candidates_(candidates),
+        views_(views),
+        target_(target),
+        depth_(depth),
+        alpha_(static_cast<std::int16_t>(std::lround(alpha))),
+        field_(field),
+        target_image_(views.images[target]),
+        target_mask_(views.masks[target]),
+        node_(candidates.of.size(), -1),
+        warped_(candidates.of.size()) {}
+
+  void build() {
+    std::map<int, std::vector<int>> of_view;
+    for (std::size_t i = 0; i < candidates_.of.size(); ++i)
+      if (candidates_.of[i].found()) {
+        node_[i] = static_cast<int>(field_.nodes());
+        of_view[candidates_.of[i].view].push_back(node_[i]);
+        field_.pixel.push_back(static_cast<int>(i));
+        field_.even.push_back((pixel(node_[i]).x + pixel(node_[i]).y) % 2 == 0);
+      }
+    const std::array<int, 4> none{-1, -1, -1, -1};
+    field_.neighbour.assign(field_.nodes(), none);
+    field_.expected.assign(field_.nodes(), none);
+    field_.colours.resize(field_.nodes() * row_size());
+    field_.data.resize(field_.nodes() * field_.stride);
+    for (const auto& [view, nodes] : of_view) add_view(view, nodes);
+  }
+
+ private:
+  using Position = std::optional<cv::Point2f>;
+
+  std::size_t row_size() const { return std::size_t{3} * field_.stride; }
+  cv::Point pixel(int node) const { return candidates_.hole.pixels[field_.pixel[node]]; }
+  const Candidate& candidate(int node) const { return candidates_.of[field_.pixel[node]]; }
+
+  void add_view(int view, const std::vector<int>& nodes) {
+    source_image_ = views_.images[view];
+    source_mask_ = views_.masks[view];
+    const Warp warp(views_[target_], views_[view]);
+    for (const int node : nodes) warped_[field_.pixel[node]] = warp(pixel(node), depth_.z(pixel(node)));
+    for (const int node : nodes) add_node(node, warp);
+  }
+
+  void add_node(int node, const Warp& warp) {
+    const Candidate& own = candidate(node);
+    sample(own.position, &field_.colours[node * row_size()]);
+    std::vector<int> boundary_cost(field_.labels());
+    int boundary = 0;
+    for (int d = 0; d < 4; ++d) {
+      const cv::Point q = pixel(node) + cv::Point(kDirections[d][0], kDirections[d][1]);
+      if (!cv::Rect({}, candidates_.hole.index.size()).contains(q)) continue;
+      const int inside = candidates_.hole.index(q);
+      if (inside >= 0)
+        add_edge(node, d, q, inside, warp);
+      else if ((*target_mask_)(q) == 0)
+        boundary += add_boundary(node, q, warp, boundary_cost);
+    }
+    std::int16_t* data = &field_.data[static_cast<std::size_t>(node) * field_.stride];
+    for (int i = 0; i < field_.labels(); ++i) {
+      data[i] = boundary > 0 ? static_cast<std::int16_t>((2 * boundary_cost[i] + boundary) / (2 * boundary)) : alpha_;
+      // The candidate itself stays allowed: whether it may be copied was the sampler's to say.
+      if (i > 0 && !can_sample(*source_mask_, own.position + cv::Point2f(field_.shifts[i]))) data[i] += kForbidden;
+    }
+  }
+
+  void add_edge(int node, int direction, cv::Point q, int inside, const Warp& warp) {
+    const int other = node_[inside];
+    if (other < 0) return;
+    const bool same = candidate(other).view == candidate(node).view;
+    const Position q_at = same ? warped_[inside] : warp(q, depth_.z(q));
+    const cv::Point2f at = beside(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, q_at);
+    field_.neighbour[node][direction] = other;
+    if (same && at == candidate(other).position)
+      field_.expected[node][direction] = other;
+    else if (can_sample(*source_mask_, at))
+      field_.expected[node][direction] = new_row(at);
+  }
+
+  /// Eq. 3 for one neighbour outside the hole; 1 where the source can say what it expects there.
+  int add_boundary(int node, cv::Point q, const Warp& warp, std::vector<int>& cost) {
+    const cv::Point2f at = beside(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, warp(q, depth_.z(q)));
+    if (!can_sample(*source_mask_, at)) return 0;
+    scratch_.resize(row_size());
+    sample(at, scratch_.data());
+    const cv::Vec3b truth = (*target_image_)(q);
+    for (int c = 0; c < 3; ++c)
+      for (int i = 0; i < field_.labels(); ++i) cost[i] += std::abs(scratch_[c * field_.stride + i] - truth[c]);
+    return 1;
+  }
+
+  int new_row(cv::Point2f at) {
+    const std::size_t begin = field_.colours.size();
+    field_.colours.resize(begin + row_size());
+    sample(at, &field_.colours[begin]);
+    return static_cast<int>(begin / row_size());
+  }
+
+  void sample(cv::Point2f at, std::uint8_t* row) const {
+    const cv::Mat3b& image = *source_image_;
+    for (int i = 0; i < field_.labels(); ++i) {
+      const cv::Point2f shifted = at + cv::Point2f(field_.shifts[i]);
+      const cv::Vec3f colour = bilinear(image, {std::clamp(shifted.x, 0.0F, static_cast<float>(image.cols - 1)),
+                                                std::clamp(shifted.y, 0.0F, static_cast<float>(image.rows - 1))});
+      for (int c = 0; c < 3; ++c) row[c * field_.stride + i] = static_cast<std::uint8_t>(colour[c] + 0.5F);
+    }
+  }
+
+  const Candidates& candidates_;
+  const Views& views_;
+  std::size_t target_;
+  const DepthMap& depth_;
+  std::int16_t alpha_;
+  ShiftField& field_;
+  std::shared_ptr<const cv::Mat3b> target_image_, source_image_;
+  std::shared_ptr<const cv::Mat1b> target_mask_, source_mask_;
+  std::vector<int> node_;         // of each hole pixel, or -1
+  std::vector<Position> warped_;  // of each hole pixel, in its candidate's view
+  std::vector<std::uint8_t> scratch_;
+};
+
+}  // namespace
+
+std::vector<cv::Point> window_shifts(int window) {
+  std::vector<cv::Point> shifts;
+  for (int y = -(window / 2); y <= window / 2; ++y)
+    for (int x = -(window / 2); x <= window / 2; ++x) shifts.emplace_back(x, y);
+  const auto key = [](cv::Point o) { return std::tuple(o.dot(o), o.y, o.x); };
+  std::sort(shifts.begin(), shifts.end(), [&](cv::Point a, cv::Point b) { return key(a) < key(b); });
+  return shifts;
+}
+
+ShiftField shift_field(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth, int window,
+                       double alpha) {
+  ShiftField field;
+  field.shifts = window_shifts(window);
+  field.stride = (field.labels() + kLanes - 1) / kLanes * kLanes;
+  Builder(candidates, views, target, depth, alpha, field).build();
+  return field;
+}
+
+}  // namespace dvi
