@@ -29,20 +29,24 @@ class Messages {
   explicit Messages(const ShiftField& field)
       : field_(field),
         incoming_(field.nodes() * 4 * field.stride),
-        stale_(field.nodes(), true),
+        untold_(field.nodes(), kAhead | kBehind),
         nothing_(std::size_t{3} * field.stride),
         belief_(field.stride),
         without_(field.stride),
         message_(field.stride) {}
 
-  /// Every node of one square that has heard something new tells its neighbours. Whether any message changed.
-  bool send(bool even) {
+  /// In raster order every node that has heard something new tells its neighbours ahead (right and below), or, in the
+  /// opposite order, those behind: so news crosses the whole hole at once. Whether any message changed.
+  bool sweep(bool forward) {
     bool changed = false;
-    for (std::size_t node = 0; node < field_.nodes(); ++node)
-      if (static_cast<bool>(field_.even[node]) == even && stale_[node]) {
-        stale_[node] = false;
-        changed |= send_from(node);
-      }
+    const std::size_t nodes = field_.nodes();
+    for (std::size_t k = 0; k < nodes; ++k) {
+      const std::size_t node = forward ? k : nodes - 1 - k;
+      const std::uint8_t mark = forward ? kAhead : kBehind;
+      if ((untold_[node] & mark) == 0) continue;
+      untold_[node] &= static_cast<std::uint8_t>(~mark);
+      changed |= send(node, forward ? 2 : 0);
+    }
     return changed;
   }
 
@@ -58,6 +62,7 @@ class Messages {
 
  private:
   using Cost = std::int16_t;
+  static constexpr std::uint8_t kAhead = 1, kBehind = 2;
 
   /// The message into a node from its neighbour in a direction.
   Cost* incoming(std::size_t node, int direction) { return &incoming_[(node * 4 + direction) * field_.stride]; }
@@ -72,10 +77,10 @@ class Messages {
     }
   }
 
-  bool send_from(std::size_t node) {
+  bool send(std::size_t node, int first_direction) {
     bool changed = false;
     sum_incoming(node);
-    for (int d = 0; d < 4; ++d) {
+    for (int d = first_direction; d < first_direction + 2; ++d) {
       const int other = field_.neighbour[node][d];
       if (other < 0) continue;
       const Cost* in = incoming(node, d);
@@ -84,14 +89,15 @@ class Messages {
       Cost* out = incoming(other, d ^ 2);
       if (std::equal(message_.begin(), message_.begin() + field_.labels(), out)) continue;
       std::copy(message_.begin(), message_.end(), out);
-      stale_[other] = changed = true;
+      untold_[other] = kAhead | kBehind;
+      changed = true;
     }
     return changed;
   }
 
   const ShiftField& field_;
   std::vector<Cost> incoming_;
-  std::vector<std::uint8_t> stale_;
+  std::vector<std::uint8_t> untold_;  // of each node, to whom it has news
   std::vector<std::uint8_t> nothing_;
   std::vector<Cost> belief_, without_, message_;
 };
@@ -118,8 +124,8 @@ BeliefPropagation propagate(const ShiftField& field, int iterations) {
   if (field.labels() == 1) return out;
   Messages messages(field);
   for (bool changed = true; changed && out.iterations < iterations; ++out.iterations) {
-    changed = messages.send(true);
-    changed |= messages.send(false);
+    changed = messages.sweep(true);
+    changed |= messages.sweep(false);
     std::vector<int> labels = messages.labels();
     const double cost = energy(field, labels);
     if (cost < out.energy_after) {

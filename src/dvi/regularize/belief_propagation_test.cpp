@@ -22,7 +22,6 @@ ShiftField random_field(int width, int height, std::uint64_t seed) {
   for (int i = 0; i < nodes; ++i) {
     const int x = i % width, y = i / width;
     field.pixel.push_back(i);
-    field.even.push_back((x + y) % 2 == 0);
     field.neighbour.push_back(
         {x > 0 ? i - 1 : -1, y > 0 ? i - width : -1, x + 1 < width ? i + 1 : -1, y + 1 < height ? i + width : -1});
     field.expected.push_back({-1, -1, -1, -1});

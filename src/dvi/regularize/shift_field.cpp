@@ -35,7 +35,6 @@ class Builder {
         node_[i] = static_cast<int>(field_.nodes());
         of_view[candidates_.of[i].view].push_back(node_[i]);
         field_.pixel.push_back(static_cast<int>(i));
-        field_.even.push_back((pixel(node_[i]).x + pixel(node_[i]).y) % 2 == 0);
       }
     const std::array<int, 4> none{-1, -1, -1, -1};
     field_.neighbour.assign(field_.nodes(), none);

@@ -17,8 +17,7 @@ inline constexpr std::array<std::array<int, 2>, 4> kDirections{{{-1, 0}, {0, -1}
 struct ShiftField {
   std::vector<cv::Point> shifts;              ///< of each label, shortest first; label 0 is no shift
   int stride = 0;                             ///< labels, padded to whole blocks of kLanes
-  std::vector<int> pixel;                     ///< of each node, its number in the hole
-  std::vector<std::uint8_t> even;             ///< of each node: its square of the checkerboard
+  std::vector<int> pixel;                     ///< of each node, its number in the hole; ascending
   std::vector<std::array<int, 4>> neighbour;  ///< of each node and direction: a node, or -1
   std::vector<std::uint8_t> colours;          ///< rows of 3 x stride: a colour a label; row i is what node i copies
   std::vector<std::array<int, 4>> expected;   ///< row with the colours a node's source expects of its neighbour, or -1
