@@ -1,13 +1,19 @@
 #include "dvi/eval/evaluate.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <filesystem>
 #include <set>
+#include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/files.h"
+#include "dvi/core/interrupt.h"
 #include "dvi/core/threads.h"
+#include "dvi/eval/evaluation.h"
 #include "dvi/eval/tally.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/write_image.h"

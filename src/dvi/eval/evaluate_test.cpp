@@ -3,6 +3,8 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +13,9 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/files.h"
 #include "dvi/core/threads.h"
+#include "dvi/eval/evaluation.h"
 #include "dvi/eval/metrics.h"
 #include "dvi/eval/test_scene.h"
 #include "dvi/io/write_image.h"

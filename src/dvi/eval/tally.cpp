@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 
 #include <opencv2/core.hpp>
 
+#include "dvi/eval/evaluation.h"
+#include "dvi/eval/metrics.h"
 #include "dvi/harmonize/filled_frame.h"
 
 namespace dvi {

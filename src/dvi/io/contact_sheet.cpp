@@ -1,6 +1,8 @@
 #include "dvi/io/contact_sheet.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
@@ -16,7 +18,7 @@ int row_height(const std::vector<SheetCell>& row) {
   return height + kCaption + kGap;
 }
 
-void draw(cv::Mat3b sheet, const SheetCell& cell, cv::Point corner, int width) {
+void draw(cv::Mat3b& sheet, const SheetCell& cell, cv::Point corner, int width) {
   cell.image.copyTo(sheet(cv::Rect(corner, cell.image.size())));
   const int y = corner.y + cell.image.rows;
   cv::putText(sheet(cv::Rect(corner.x, y, width, kCaption)), cell.caption, {3, kCaption - 6}, cv::FONT_HERSHEY_SIMPLEX, 0.42,

@@ -1,26 +1,44 @@
 #include "dvi/io/video.h"
 
 #include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <stdexcept>
-#include <utility>
+#include <string>
+#include <system_error>
 
 extern "C" {
 #include <libavcodec/avcodec.h>
+#include <libavcodec/codec.h>
+#include <libavcodec/codec_id.h>
+#include <libavcodec/packet.h>
 #include <libavformat/avformat.h>
+#include <libavformat/avio.h>
+#include <libavutil/avutil.h>
+#include <libavutil/dict.h>
+#include <libavutil/error.h>
+#include <libavutil/frame.h>
+#include <libavutil/log.h>
 #include <libavutil/opt.h>
+#include <libavutil/pixfmt.h>
+#include <libavutil/rational.h>
 #include <libswscale/swscale.h>
 }
 
 #include "dvi/core/error.h"
+#include "dvi/core/files.h"
 
 namespace dvi {
 namespace {
 
-template <auto release>
+template <auto FreeFunction>
 struct Release {
   template <class T>
   void operator()(T* object) const {
-    release(&object);
+    FreeFunction(&object);
   }
 };
 void close_format(AVFormatContext** format) {

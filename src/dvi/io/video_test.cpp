@@ -3,6 +3,10 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <iterator>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -11,11 +15,15 @@
 
 extern "C" {
 #include <libavcodec/avcodec.h>
+#include <libavcodec/codec.h>
+#include <libavcodec/packet.h>
 #include <libavformat/avformat.h>
 #include <libavutil/frame.h>
+#include <libavutil/rational.h>
 }
 
 #include "dvi/core/error.h"
+#include "dvi/core/files.h"
 
 namespace dvi {
 namespace {

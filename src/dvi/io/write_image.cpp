@@ -1,9 +1,15 @@
 #include "dvi/io/write_image.h"
 
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/files.h"
 
 namespace dvi {
 namespace {

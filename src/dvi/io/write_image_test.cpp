@@ -2,11 +2,16 @@
 
 #include <unistd.h>
 
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/files.h"
 #include "dvi/core/random.h"
 
 namespace dvi {

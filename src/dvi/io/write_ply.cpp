@@ -3,10 +3,14 @@
 #include <bit>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <ios>
 #include <stdexcept>
+#include <string>
 
 #include "dvi/core/error.h"
+#include "dvi/core/files.h"
 
 namespace dvi {
 namespace {

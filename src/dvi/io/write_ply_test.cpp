@@ -3,10 +3,15 @@
 #include <unistd.h>
 
 #include <cstring>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/files.h"
 
 namespace dvi {
 namespace {
