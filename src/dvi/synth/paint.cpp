@@ -1,0 +1,96 @@
+#include "dvi/synth/paint.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+namespace dvi::synth {
+
+Random random_for(std::uint64_t seed, std::uint64_t kind, std::int64_t number) {
+  Random mix(seed * 0x9E3779B97F4A7C15ULL + kind);
+  return Random(mix.next() ^ static_cast<std::uint64_t>(number) * 0xD1B54A32D192ED03ULL);
+}
+
+Noise::Noise(std::uint64_t seed) : tile_(cv::Mat1f::zeros(512, 512)) {
+  struct Octave {
+    int cell;
+    float weight;
+  };
+  Random random(seed);
+  const int size = tile_.cols;
+  for (const Octave& octave : {Octave{1, 0.55F}, {2, 0.5F}, {4, 0.35F}, {16, 0.35F}, {64, 0.4F}, {128, 0.3F}}) {
+    const int count = size / octave.cell, margin = 4;
+    cv::Mat1f cells(count, count), wrapped, large;
+    for (float& value : cells) value = static_cast<float>(random.normal()) * octave.weight;
+    cv::copyMakeBorder(cells, wrapped, margin, margin, margin, margin, cv::BORDER_WRAP);
+    cv::resize(wrapped, large, {}, octave.cell, octave.cell, cv::INTER_CUBIC);
+    tile_ += large(cv::Rect(margin * octave.cell, margin * octave.cell, size, size));
+  }
+}
+
+void roughen(cv::Mat3b& picture, const Noise& noise, double amplitude, cv::Point offset) {
+  const auto gain = static_cast<float>(amplitude);
+  for (int y = 0; y < picture.rows; ++y) {
+    cv::Vec3b* row = picture[y];
+    for (int x = 0; x < picture.cols; ++x) {
+      const float add = gain * noise(x + offset.x, y + offset.y) + 0.5F;
+      for (int c = 0; c < 3; ++c) row[x][c] = static_cast<uchar>(std::clamp(static_cast<float>(row[x][c]) + add, 0.0F, 255.0F));
+    }
+  }
+}
+
+Canvas::Canvas(double width_m, double height_m, double pixels_per_m, const cv::Scalar& colour)
+    : picture(std::max(2, static_cast<int>(std::lround(height_m * pixels_per_m))),
+              std::max(2, static_cast<int>(std::lround(width_m * pixels_per_m))),
+              cv::Vec3b(cv::saturate_cast<uchar>(colour[0]), cv::saturate_cast<uchar>(colour[1]),
+                        cv::saturate_cast<uchar>(colour[2]))),
+      scale_(pixels_per_m) {}
+
+cv::Point Canvas::at(double x, double z) const {
+  return {static_cast<int>(std::lround(x * scale_)), picture.rows - static_cast<int>(std::lround(z * scale_))};
+}
+
+void Canvas::box(double x, double z, double w, double h, const cv::Scalar& colour) {
+  const cv::Rect rect(at(x, z + h), at(x + w, z));
+  const cv::Rect inside = rect & cv::Rect({}, picture.size());
+  if (!inside.empty()) picture(inside).setTo(colour);
+}
+
+void Canvas::frame(double x, double z, double w, double h, const cv::Scalar& colour, int thickness) {
+  cv::rectangle(picture, at(x, z + h), at(x + w, z), colour, thickness);
+}
+
+void Canvas::line(double x0, double z0, double x1, double z1, const cv::Scalar& colour, int thickness) {
+  cv::line(picture, at(x0, z0), at(x1, z1), colour, thickness, cv::LINE_AA);
+}
+
+void Canvas::disc(double x, double z, double radius, const cv::Scalar& colour) {
+  cv::circle(picture, at(x, z), std::max(1, static_cast<int>(std::lround(radius * scale_))), colour, cv::FILLED, cv::LINE_AA);
+}
+
+void Canvas::text(double x, double z, double w, double h, const std::string& words, const cv::Scalar& colour) {
+  constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
+  int base = 0;
+  const cv::Size size = cv::getTextSize(words, kFont, 1, 2, &base);
+  const double scale = std::min(w * scale_ / size.width, h * scale_ / size.height);
+  const double left = x + 0.5 * (w - size.width * scale / scale_);
+  cv::putText(picture, words, at(left, z + 0.5 * (h - size.height * scale / scale_)), kFont, scale, colour,
+              std::max(1, static_cast<int>(scale * 2.2)), cv::LINE_AA);
+}
+
+void Canvas::cut_below(double z) {
+  alpha = cv::Mat1b(picture.size(), 255);
+  alpha.rowRange(at(0, z).y, alpha.rows).setTo(0);
+}
+
+void Canvas::uncut(double x, double z, double radius) {
+  cv::circle(alpha, at(x, z), static_cast<int>(radius * scale_), 255, cv::FILLED);
+}
+
+cv::Scalar random_colour(Random& random, double low, double high) {
+  const double b = random.uniform(low, high), g = random.uniform(low, high);
+  return {b, g, random.uniform(low, high)};
+}
+
+}  // namespace dvi::synth

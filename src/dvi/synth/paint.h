@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/core/random.h"
+
+namespace dvi::synth {
+
+/// A random generator for one thing of the street: the same whatever else is built.
+Random random_for(std::uint64_t seed, std::uint64_t kind, std::int64_t number);
+
+/// A square of noise with all scales from one pixel to a quarter of its side; repeats seamlessly. Unit deviation.
+class Noise {
+ public:
+  explicit Noise(std::uint64_t seed);
+  float operator()(int x, int y) const { return tile_(y & (tile_.rows - 1), x & (tile_.cols - 1)); }
+
+ private:
+  cv::Mat1f tile_;
+};
+
+/// Adds noise, its pixel (0, 0) being that of `offset`.
+void roughen(cv::Mat3b& picture, const Noise& noise, double amplitude, cv::Point offset);
+
+/// A picture measured in metres: x to the right, z up from the lower edge.
+class Canvas {
+ public:
+  Canvas(double width_m, double height_m, double pixels_per_m, const cv::Scalar& colour);
+
+  cv::Mat3b picture;
+  cv::Mat1b alpha;  ///< empty until `cut` or `uncut` is called: no holes
+
+  double width() const { return picture.cols / scale_; }
+  double height() const { return picture.rows / scale_; }
+  void box(double x, double z, double w, double h, const cv::Scalar& colour);
+  void frame(double x, double z, double w, double h, const cv::Scalar& colour, int thickness);
+  void line(double x0, double z0, double x1, double z1, const cv::Scalar& colour, int thickness);
+  void disc(double x, double z, double radius, const cv::Scalar& colour);
+  /// Words within a box, as large as fits.
+  void text(double x, double z, double w, double h, const std::string& words, const cv::Scalar& colour);
+  /// Makes the strip below z a hole, but for discs of `uncut`.
+  void cut_below(double z);
+  void uncut(double x, double z, double radius);
+
+ private:
+  cv::Point at(double x, double z) const;
+  double scale_;
+};
+
+cv::Scalar random_colour(Random& random, double low, double high);
+
+}  // namespace dvi::synth

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "dvi/geometry/camera.h"
+#include "dvi/synth/scene.h"
+#include "dvi/synth/tracer.h"
+
+namespace dvi::synth {
+
+/// The image of a camera with and without the movers, antialiased: pixels at edges are traced many times.
+SynthFrame render(const StaticWorld& world, std::vector<PlacedMover> movers, const Camera& camera, const SE3& camera_from_world,
+                  double gain);
+
+}  // namespace dvi::synth

@@ -1,0 +1,170 @@
+#include "dvi/synth/scene.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/core/threads.h"
+#include "dvi/synth/render.h"
+
+namespace dvi {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr std::int64_t kStart = 1'000'000'000'000;
+constexpr double kLidarHeight = 1.73;
+
+// The HDL-64E: its upper half three beams a degree, its lower half two.
+double elevation_deg(int beam, int beams) {
+  if (beams == 64) return beam < 32 ? -24.33 + 0.5 * beam : -8.33 + (beam - 32) / 3.0;
+  return beams == 1 ? -5.0 : -24.8 + 26.8 * beam / (beams - 1);
+}
+
+}  // namespace
+
+struct Scene::World {
+  explicit World(const SynthOptions& options)
+      : noise(static_cast<std::uint64_t>(options.seed)), still(options, noise), movers(synth::make_traffic(options, noise)) {}
+
+  synth::Noise noise;
+  synth::StaticWorld still;
+  std::vector<synth::Mover> movers;
+};
+
+Scene::Scene(const SynthOptions& options) : options_(options) {
+  options.check();
+  camera_.width = options.width;
+  camera_.height = options.height;
+  camera_.fx = camera_.fy = 0.8 * options.width;
+  camera_.cx = 0.5 * (options.width - 1);
+  camera_.cy = 0.5 * (options.height - 1);
+  camera_from_lidar_.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  camera_from_lidar_.R = so3_exp({0.012, -0.008, 0.004}) * camera_from_lidar_.R;
+  camera_from_lidar_.t = camera_from_lidar_.R * -Vector3d(0.27, 0.06, -0.12);
+  world_ = std::make_unique<const World>(options);
+}
+
+Scene::~Scene() = default;
+
+std::string Scene::name(int frame) const { return fmt::format("{:06d}", frame); }
+
+std::int64_t Scene::time_ns(int frame) const {
+  return kStart * options_.day + std::llround(1e9 * (frame + 0.5) / options_.rate_hz);
+}
+
+double Scene::seconds(std::int64_t time_ns) const { return 1e-9 * static_cast<double>(time_ns - this->time_ns(0)); }
+
+SE3 Scene::world_from_lidar(std::int64_t time_ns) const {
+  const double t = seconds(time_ns), p = t + 1.7 * (options_.day - 1);
+  const double s = synth::own_way(options_, t), d = synth::own_lane(options_.day) + 0.12 * std::sin(0.8 * p + 0.3);
+  const double yaw = 0.55 * kDegree * std::sin(1.3 * p + 0.2), roll = 0.25 * kDegree * std::sin(2.3 * p);
+  const double pitch = kDegree * (0.22 * std::sin(6.1 * p) + 0.05 * std::sin(11 * p));
+  const SE3 level = world_->still.street.world_from_place(s, d, kLidarHeight + 0.012 * std::sin(7 * p), yaw);
+  return level * SE3{so3_exp({0, pitch, 0}) * so3_exp({roll, 0, 0}), Vector3d::Zero()};
+}
+
+SE3 Scene::camera_from_world(int frame) const {
+  Random random = synth::random_for(static_cast<std::uint64_t>(options_.seed), 200 + options_.day, frame);
+  const double pitch = random.uniform(-1, 1) * options_.jitter_deg, yaw = random.uniform(-1, 1) * options_.jitter_deg;
+  const SE3 jitter{so3_exp({pitch * kDegree, 0, 0}) * so3_exp({0, yaw * kDegree, 0}), Vector3d::Zero()};
+  return jitter * camera_from_lidar_ * world_from_lidar(time_ns(frame)).inverse();
+}
+
+double Scene::gain(int frame) const {
+  return options_.frames < 2 ? 1 : 1 + options_.exposure_drift * (2.0 * frame / (options_.frames - 1) - 1);
+}
+
+SynthFrame Scene::render(int frame) const {
+  const double t = seconds(time_ns(frame));
+  return synth::render(world_->still, synth::placed(world_->movers, world_->still.street, t, synth::own_way(options_, t)),
+                       camera_, camera_from_world(frame), gain(frame));
+}
+
+cv::Mat3b Scene::record(int frame, const SynthFrame& rendered) const {
+  cv::Mat3b image = rendered.image.clone();
+  if (options_.image_noise == 0) return image;
+  parallel_for(static_cast<std::size_t>(image.rows), [&](std::size_t row) {
+    const auto number = static_cast<std::int64_t>(frame) * image.rows + static_cast<std::int64_t>(row);
+    Random random = synth::random_for(static_cast<std::uint64_t>(options_.seed), 210 + options_.day, number);
+    cv::Vec3b* pixels = image[static_cast<int>(row)];
+    for (int x = 0; x < image.cols; ++x)
+      for (int c = 0; c < 3; ++c)
+        pixels[x][c] = cv::saturate_cast<uchar>(pixels[x][c] + options_.image_noise * random.normal());
+  });
+  return image;
+}
+
+cv::Mat1b Scene::mask(const SynthFrame& rendered) const {
+  const int radius = std::max(2, options_.width / 240);
+  cv::Mat1b mask;
+  cv::dilate(rendered.dynamic, mask, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1}));
+  return mask;
+}
+
+SynthScan Scene::scan(int frame) const {
+  const auto columns = static_cast<std::size_t>(options_.columns);
+  std::vector<SynthScan> parts(columns);
+  const double period = 1 / options_.rate_hz;
+  parallel_for(columns, [&](std::size_t column) {
+    SynthScan& out = parts[column];
+    const double share = static_cast<double>(column) / static_cast<double>(columns), after = (share - 0.5) * period;
+    const std::int64_t time = time_ns(frame) + std::llround(1e9 * after);
+    const double t = seconds(time), azimuth = std::numbers::pi * (1 - 2 * share);
+    const synth::Tracer tracer(world_->still,
+                               synth::placed(world_->movers, world_->still.street, t, synth::own_way(options_, t)));
+    const SE3 pose = world_from_lidar(time);
+    Random random = synth::random_for(static_cast<std::uint64_t>(options_.seed), 220 + options_.day,
+                                      static_cast<std::int64_t>(frame) * options_.columns + static_cast<std::int64_t>(column));
+    for (int beam = 0; beam < options_.beams; ++beam) {
+      const double up = elevation_deg(beam, options_.beams) * kDegree, error = options_.range_noise * random.normal();
+      const Vector3d direction(std::cos(up) * std::cos(azimuth), std::cos(up) * std::sin(azimuth), std::sin(up));
+      const synth::Ray ray{pose.t, pose.R * direction};
+      const synth::Tracer::Seen seen = tracer.trace(ray, options_.range_m);
+      if (seen.t > options_.range_m) continue;
+      const cv::Vec3f colour = tracer.shade(ray, seen);
+      out.scan.points.push_back(((seen.t + error) * direction).cast<float>());
+      out.scan.intensity.push_back(std::min(1.0F, (colour[0] + colour[1] + colour[2]) / 765));
+      out.scan.time.push_back(static_cast<float>(after));
+      out.scan.ring.push_back(static_cast<std::uint16_t>(beam));
+      out.dynamic.push_back(seen.dynamic ? 1 : 0);
+      out.range.push_back(static_cast<float>(seen.t));
+    }
+  });
+  SynthScan whole;
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  for (const SynthScan& part : parts) {
+    append(whole.scan.points, part.scan.points);
+    append(whole.scan.intensity, part.scan.intensity);
+    append(whole.scan.time, part.scan.time);
+    append(whole.scan.ring, part.scan.ring);
+    append(whole.dynamic, part.dynamic);
+    append(whole.range, part.range);
+  }
+  return whole;
+}
+
+std::vector<Label> Scene::boxes(int frame) const {
+  const double t = seconds(time_ns(frame));
+  const SE3 lidar_from_world = world_from_lidar(time_ns(frame)).inverse();
+  std::vector<Label> labels;
+  for (const synth::PlacedMover& placed : synth::placed(world_->movers, world_->still.street, t, synth::own_way(options_, t))) {
+    const synth::Model& model = placed.mover->model;
+    const SE3 pose = lidar_from_world * placed.world_from_mover;
+    const Vector3d centre = pose * Vector3d(0, 0, 0.5 * model.size.z());
+    if (centre.norm() > options_.range_m) continue;
+    // Labels know a turn about z only.
+    const double yaw = std::atan2(pose.R(1, 0), pose.R(0, 0));
+    Label label;
+    label.track = placed.mover->track;
+    label.type = model.type;
+    label.box = Box{{so3_exp({0, 0, yaw}), centre}, model.size};
+    labels.push_back(label);
+  }
+  return labels;
+}
+
+}  // namespace dvi

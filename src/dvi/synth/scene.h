@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/drive/drive.h"
+#include "dvi/drive/view.h"
+#include "dvi/synth/synth_options.h"
+
+namespace dvi {
+
+/// One image of the synthetic street with its truth, all without noise and with the frame's exposure.
+struct SynthFrame {
+  cv::Mat3b image;    ///< with traffic
+  cv::Mat3b clean;    ///< without traffic
+  cv::Mat1f depth;    ///< metres along the optical axis at the pixel's centre, without traffic; 0: sky
+  cv::Mat1b dynamic;  ///< 255 where image differs from clean: traffic and its shadow
+};
+
+/// One sweep with its truth.
+struct SynthScan {
+  Scan scan;
+  std::vector<std::uint8_t> dynamic;  ///< one a point: 1 on traffic
+  std::vector<float> range;           ///< one a point: metres, without noise
+};
+
+/// The synthetic street and its recording, in memory: everything is computed when asked for, and each call for the same
+/// thing gives the same. Frame i is exposed at the middle of sweep i. Safe to use from many threads.
+/// The world is the street's own: x along it, z up, the road at z = 0.
+class Scene {
+ public:
+  explicit Scene(const SynthOptions& options);
+  ~Scene();
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  const SynthOptions& options() const { return options_; }
+  const Camera& camera() const { return camera_; }
+  /// The calibration a recording brings; the true one of a frame differs from it by its jitter.
+  const SE3& camera_from_lidar() const { return camera_from_lidar_; }
+
+  std::string name(int frame) const;
+  std::int64_t time_ns(int frame) const;  ///< of the image, and of the sweep's middle
+  SE3 world_from_lidar(std::int64_t time_ns) const;
+  SE3 camera_from_world(int frame) const;  ///< of the true camera
+  double gain(int frame) const;            ///< exposure: factor of all colours
+
+  SynthFrame render(int frame) const;
+  /// The image as a camera records it: with traffic and noise.
+  cv::Mat3b record(int frame, const SynthFrame& rendered) const;
+  /// What a mask file holds: `dynamic` and some pixels round it.
+  cv::Mat1b mask(const SynthFrame& rendered) const;
+  /// The sweep, each firing from its own place at its own time.
+  SynthScan scan(int frame) const;
+  /// Boxes of the moving traffic within the LiDAR's range, in LiDAR axes at the time of the image.
+  std::vector<Label> boxes(int frame) const;
+
+ private:
+  struct World;
+  double seconds(std::int64_t time_ns) const;
+
+  SynthOptions options_;
+  Camera camera_;
+  SE3 camera_from_lidar_;
+  std::unique_ptr<const World> world_;
+};
+
+/// The recording as a reader would give it, rendered on demand.
+Drive drive_of(std::shared_ptr<const Scene> scene);
+
+/// Its frames with the true cameras, images and masks: input for the stages after alignment.
+Views views_of(std::shared_ptr<const Scene> scene);
+
+}  // namespace dvi

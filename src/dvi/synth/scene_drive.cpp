@@ -1,0 +1,59 @@
+#include "dvi/synth/scene.h"
+
+#include <cmath>
+
+namespace dvi {
+namespace {
+
+constexpr std::size_t kKept = 16;
+
+Lazy<SynthFrame> frames_of(const std::shared_ptr<const Scene>& scene) {
+  return {static_cast<std::size_t>(scene->options().frames), kKept,
+          [scene](std::size_t i) { return scene->render(static_cast<int>(i)); }};
+}
+
+Lazy<cv::Mat3b> images_of(const std::shared_ptr<const Scene>& scene, const Lazy<SynthFrame>& frames) {
+  return {frames.size(), kKept, [scene, frames](std::size_t i) { return scene->record(static_cast<int>(i), *frames[i]); }};
+}
+
+Lazy<cv::Mat1b> masks_of(const std::shared_ptr<const Scene>& scene, const Lazy<SynthFrame>& frames) {
+  return {frames.size(), kKept, [scene, frames](std::size_t i) { return scene->mask(*frames[i]); }};
+}
+
+}  // namespace
+
+Drive drive_of(std::shared_ptr<const Scene> scene) {
+  const std::int64_t half = std::llround(0.5e9 / scene->options().rate_hz);
+  Drive drive;
+  drive.format = "folder";
+  drive.camera_name = "front";
+  drive.camera_names = {"front"};
+  drive.camera = scene->camera();
+  drive.camera_from_lidar = scene->camera_from_lidar();
+  drive.labelled = true;
+  std::vector<StampedPose> poses;
+  for (int i = 0; i < scene->options().frames; ++i) {
+    const std::int64_t time = scene->time_ns(i);
+    drive.frames.push_back({i, scene->name(i), time, {}, scene->boxes(i)});
+    drive.sweeps.push_back({scene->name(i), time, time - half, time + half, {}});
+    poses.push_back({time, scene->world_from_lidar(time)});
+  }
+  drive.poses = Trajectory(poses);
+  const Lazy<SynthFrame> frames = frames_of(scene);
+  drive.images = images_of(scene, frames);
+  drive.masks = masks_of(scene, frames);
+  drive.scans = Lazy<Scan>(frames.size(), kKept, [scene](std::size_t i) { return scene->scan(static_cast<int>(i)).scan; });
+  return drive;
+}
+
+Views views_of(std::shared_ptr<const Scene> scene) {
+  Views views;
+  for (int i = 0; i < scene->options().frames; ++i)
+    views.views.push_back({0, static_cast<std::size_t>(i), scene->time_ns(i), scene->camera(), scene->camera_from_world(i)});
+  const Lazy<SynthFrame> frames = frames_of(scene);
+  views.images = images_of(scene, frames);
+  views.masks = masks_of(scene, frames);
+  return views;
+}
+
+}  // namespace dvi

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "dvi/geometry/se3.h"
+#include "dvi/synth/texture.h"
+
+namespace dvi::synth {
+
+/// A ray and how its direction changes from pixel to pixel (zero: a beam without width).
+struct Ray {
+  Eigen::Vector3d origin, direction;
+  Eigen::Vector3d step_x = Eigen::Vector3d::Zero(), step_y = Eigen::Vector3d::Zero();
+
+  Eigen::Vector3d at(double t) const { return origin + t * direction; }
+};
+
+/// The light of a day: colour factors (BGR) of a surface by its normal.
+struct Light {
+  Eigen::Vector3d to_sun = Eigen::Vector3d::UnitZ();
+  cv::Vec3f sun, ambient;
+
+  cv::Vec3f on(const Eigen::Vector3d& normal) const {
+    return ambient + sun * static_cast<float>(std::max(0.0, normal.dot(to_sun)));
+  }
+};
+
+/// A textured trapezoid (two parallel edges), or an upright cylinder.
+struct Surface {
+  Eigen::Vector3d origin, right, down;  ///< the upper left corner of the bounding parallelogram and its edges
+  Eigen::Vector3d normal, dual_right, dual_down;
+  double taper_left = 0, taper_right = 0;  ///< share of `right` missing at the upper edge
+  double radius = 0;                       ///< of a cylinder round `origin`, as high as `down`; 0: a trapezoid
+  TexturePtr texture;
+  cv::Rect2d part;  ///< of the texture that covers the surface, pixels
+  cv::Vec3f tint{1, 1, 1};
+  bool lit = true;  ///< by its normal; otherwise as the ground is (leaves)
+};
+
+struct Hit {
+  double t = std::numeric_limits<double>::infinity();
+  int surface = -1;
+  double x = 0, y = 0;  ///< in the texture, pixels
+
+  explicit operator bool() const { return surface >= 0; }
+};
+
+/// Surfaces in a bounding volume hierarchy.
+class Solid {
+ public:
+  /// A surface by its corners as seen from outside; the lower and upper edges are parallel.
+  Surface& add(const Eigen::Vector3d& lower_left, const Eigen::Vector3d& lower_right, const Eigen::Vector3d& upper_left,
+               const Eigen::Vector3d& upper_right, TexturePtr texture);
+  /// An upright cylinder standing on `foot`.
+  Surface& add_cylinder(const Eigen::Vector3d& foot, double radius, double height, TexturePtr texture);
+  void add(const Solid& other, const SE3& this_from_other);
+  /// To be called after the last add and before the first trace.
+  void finish();
+
+  /// The nearest surface with t in (near, t_max).
+  Hit trace(const Ray& ray, double t_max, double near = 0.3) const;
+  cv::Vec3f shade(const Ray& ray, const Hit& hit, const Light& light, double pixel_share = 1) const;
+
+  const std::vector<Surface>& surfaces() const { return surfaces_; }
+  /// Smallest box round it.
+  Eigen::Vector3d low() const, high() const;
+
+ private:
+  struct Node {
+    Eigen::Vector3f low, high;
+    int first = 0, count = 0;  ///< of `order_`; count 0: inner node, whose children are `first` and the next
+  };
+  void split(int node, int first, int count, const std::vector<Eigen::AlignedBox3d>& boxes);
+  bool meet(const Surface& surface, const Ray& ray, double near, double t_max, Hit& hit) const;
+
+  std::vector<Surface> surfaces_;
+  std::vector<int> order_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace dvi::synth

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+
+#include "dvi/synth/ground.h"
+#include "dvi/synth/solid.h"
+#include "dvi/synth/synth_options.h"
+
+namespace dvi::synth {
+
+/// A panorama of gradient and clouds, infinitely far.
+class Sky {
+ public:
+  Sky() = default;
+  Sky(const SynthOptions& options, const Noise& noise);
+  cv::Vec3f shade(const Ray& ray, double pixel_share = 1) const;
+
+ private:
+  std::optional<Texture> panorama_;
+};
+
+/// All that does not move on one day, in world axes.
+struct StaticWorld {
+  StaticWorld(const SynthOptions& options, const Noise& noise);
+
+  Street street;
+  Light light;
+  Solid solid;
+  Ground ground;
+  Sky sky;
+};
+
+}  // namespace dvi::synth

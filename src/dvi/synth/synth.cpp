@@ -1,0 +1,129 @@
+#include "dvi/synth/synth.h"
+
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/files.h"
+#include "dvi/core/threads.h"
+
+namespace dvi {
+namespace {
+
+void write_png(const fs::path& path, const cv::Mat& image) {
+  std::vector<uchar> bytes;
+  if (!cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 2})) throw InputError(path, "cannot be encoded");
+  write_file(path, {bytes.begin(), bytes.end()});
+}
+
+std::string numbers(const SE3& pose) {
+  std::string line;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) line += fmt::format(" {:.12g}", column < 3 ? pose.R(row, column) : pose.t(row));
+  return line;
+}
+
+std::string list(std::string text) {
+  text.erase(0, 1);
+  for (std::size_t at = 0; (at = text.find(' ', at)) != std::string::npos; at += 2) text.replace(at, 1, ", ");
+  return text;
+}
+
+std::string settings(const Scene& scene) {
+  const Camera& camera = scene.camera();
+  const SynthOptions& options = scene.options();
+  return fmt::format(
+      "[drive]\nversion = 1\n\n"
+      "[camera.front]\nsize = [{}, {}]\nK = [{}, 0, {}, 0, {}, {}, 0, 0, 1]\ncamera_from_lidar = [{}]\n\n"
+      "[lidar]\nrate = {:.12g}\nbeams = {}\nstamp = \"middle\"\nrotation = \"clockwise\"\nfirst_azimuth_deg = 180.0\n",
+      camera.width, camera.height, camera.fx, camera.cx, camera.fy, camera.cy, list(numbers(scene.camera_from_lidar())),
+      options.rate_hz, options.beams);
+}
+
+std::string readme(const SynthOptions& options) {
+  SynthOptions copy = options;
+  OptionTable table;
+  copy.describe(table);
+  return "A synthetic street, made by `dvi synth`: a drive in the `folder` layout with its exact truth.\n\n"
+         "truth/NAME.png            the frame without traffic and noise, with the frame's exposure\n"
+         "truth_depth/NAME.png      16-bit, depth z in metres x 256 of the static street at pixel centres, 0 sky\n"
+         "truth_points/NAME.label   uint8 a point of lidar/NAME.bin: 0 static, 1 on moving traffic\n"
+         "truth_cameras.txt         NAME, 12 numbers camera_from_world (row-major 3x4) of the true camera, exposure gain\n"
+         "poses.txt                 exact world_from_lidar at the middle of each sweep, when the image is exposed\n\n"
+         "Made with\n\n" +
+         table.dump_toml();
+}
+
+std::string frame_json(const std::vector<Label>& labels) {
+  std::string text;
+  for (const Label& label : labels) {
+    const Eigen::Vector3d &c = label.box->frame_from_box.t, &size = label.box->size;
+    const Eigen::Matrix3d& R = label.box->frame_from_box.R;
+    text += fmt::format(
+        R"({}{{"track":{},"class":"{}","center":[{:.6f},{:.6f},{:.6f}],"size":[{:.6f},{:.6f},{:.6f}],"yaw":{:.8f}}})",
+        text.empty() ? "" : ",\n  ", label.track, label.type, c.x(), c.y(), c.z(), size.x(), size.y(), size.z(),
+        std::atan2(R(1, 0), R(0, 0)));
+  }
+  return text;
+}
+
+std::string bytes_of(const Scan& scan) {
+  std::string bytes(scan.size() * 16, '\0');
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const float values[4] = {scan.points[i].x(), scan.points[i].y(), scan.points[i].z(), scan.intensity[i]};
+    std::memcpy(bytes.data() + 16 * i, values, 16);
+  }
+  return bytes;
+}
+
+void write_frame(const Scene& scene, int frame, const fs::path& out) {
+  const std::string name = scene.name(frame), png = name + ".png";
+  const SynthFrame rendered = scene.render(frame);
+  write_png(out / "images/front" / png, scene.record(frame, rendered));
+  write_png(out / "masks/front" / png, scene.mask(rendered));
+  write_png(out / "truth" / png, rendered.clean);
+  cv::Mat depth;
+  rendered.depth.convertTo(depth, CV_16U, 256);
+  write_png(out / "truth_depth" / png, depth);
+  const SynthScan scan = scene.scan(frame);
+  write_file(out / "lidar" / (name + ".bin"), bytes_of(scan.scan));
+  write_file(out / "truth_points" / (name + ".label"), {scan.dynamic.begin(), scan.dynamic.end()});
+}
+
+void write_tables(const Scene& scene, const fs::path& out) {
+  std::string times, poses, cameras, boxes;
+  for (int i = 0; i < scene.options().frames; ++i) {
+    const std::string name = scene.name(i);
+    const std::int64_t time = scene.time_ns(i);
+    times += fmt::format("{} {}.{:09d}\n", name, time / 1'000'000'000, time % 1'000'000'000);
+    poses += name + numbers(scene.world_from_lidar(time)) + "\n";
+    cameras += name + numbers(scene.camera_from_world(i)) + fmt::format(" {:.12g}\n", scene.gain(i));
+    boxes += fmt::format("{} \"{}\":[{}]", i == 0 ? "\n" : ",\n", name, frame_json(scene.boxes(i)));
+  }
+  write_file(out / "times/front.txt", times);
+  write_file(out / "times/lidar.txt", times);
+  write_file(out / "poses.txt", poses);
+  write_file(out / "truth_cameras.txt", cameras);
+  write_file(out / "boxes.json", "{\"version\":1,\"frames\":{" + boxes + "\n}}\n");
+  write_file(out / "README.txt", readme(scene.options()));
+  // Last: a folder without it is no drive, so that a killed run leaves none that looks whole.
+  write_file(out / "dvi.toml", settings(scene));
+}
+
+}  // namespace
+
+void synthesise(const SynthOptions& options, const fs::path& out, const Tick& tick) {
+  const Scene scene(options);
+  for (const char* folder : {"images/front", "masks/front", "lidar", "times", "truth", "truth_depth", "truth_points"})
+    make_folder(out / folder);
+  parallel_for(static_cast<std::size_t>(options.frames), [&](std::size_t i) {
+    write_frame(scene, static_cast<int>(i), out);
+    if (tick) tick();
+  });
+  write_tables(scene, out);
+}
+
+}  // namespace dvi

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "dvi/core/options.h"
+
+namespace dvi {
+
+/// What street is built and how it is recorded. Two recordings share one street (world coordinates, facades, trees) when
+/// seed, frames, speed_mps, rate_hz and turn_deg agree; `day` changes light, parked cars, lane and traffic.
+struct SynthOptions {
+  int frames = 20;
+  int width = 960, height = 540;
+  int seed = 1;
+  int day = 1;
+  double speed_mps = 8;
+  double turn_deg = 0;
+  bool lorry = false;
+  int beams = 64, columns = 1800;
+  double rate_hz = 10;
+  double range_m = 120;
+  double exposure_drift = 0;
+  double jitter_deg = 0;
+  double image_noise = 1.5, range_noise = 0.02;
+
+  void describe(OptionTable& table);
+  /// UsageError naming the first option out of its range.
+  void check() const;
+
+  /// Metres driven.
+  double distance() const { return speed_mps * frames / rate_hz; }
+};
+
+}  // namespace dvi

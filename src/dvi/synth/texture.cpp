@@ -1,0 +1,78 @@
+#include "dvi/synth/texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+namespace dvi::synth {
+namespace {
+
+constexpr double kMostTaps = 8;
+// Slightly finer than the footprint: bilinear lookup blurs by itself.
+constexpr double kLevelBias = -0.4;
+
+}  // namespace
+
+Texture::Texture(const cv::Mat3b& picture, const cv::Mat1b& alpha) : alpha_(alpha) {
+  levels_.push_back(picture);
+  while (std::min(levels_.back().cols, levels_.back().rows) > 1) {
+    cv::Mat3b half;
+    cv::resize(levels_.back(), half, {levels_.back().cols / 2, levels_.back().rows / 2}, 0, 0, cv::INTER_AREA);
+    levels_.push_back(half);
+  }
+}
+
+bool Texture::solid(double x, double y) const {
+  if (alpha_.empty()) return true;
+  const int column = std::clamp(static_cast<int>(x), 0, alpha_.cols - 1);
+  const int row = std::clamp(static_cast<int>(y), 0, alpha_.rows - 1);
+  return alpha_(row, column) > 127;
+}
+
+cv::Vec3f Texture::bilinear(int level, float x, float y) const {
+  const cv::Mat3b& picture = levels_[level];
+  x = std::clamp(x * static_cast<float>(picture.cols) / static_cast<float>(width()) - 0.5F, 0.0F,
+                 static_cast<float>(picture.cols - 1));
+  y = std::clamp(y * static_cast<float>(picture.rows) / static_cast<float>(height()) - 0.5F, 0.0F,
+                 static_cast<float>(picture.rows - 1));
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const int x1 = std::min(x0 + 1, picture.cols - 1), y1 = std::min(y0 + 1, picture.rows - 1);
+  const float u = x - static_cast<float>(x0), v = y - static_cast<float>(y0);
+  const cv::Vec3b *top = picture[y0], *bottom = picture[y1];
+  cv::Vec3f out;
+  for (int c = 0; c < 3; ++c) {
+    const float a = static_cast<float>(top[x0][c]) * (1 - u) + static_cast<float>(top[x1][c]) * u;
+    const float b = static_cast<float>(bottom[x0][c]) * (1 - u) + static_cast<float>(bottom[x1][c]) * u;
+    out[c] = a * (1 - v) + b * v;
+  }
+  return out;
+}
+
+cv::Vec3f Texture::trilinear(float level, float x, float y) const {
+  level = std::clamp(level, 0.0F, static_cast<float>(levels_.size() - 1));
+  const int fine = static_cast<int>(level);
+  const float part = level - static_cast<float>(fine);
+  cv::Vec3f colour = bilinear(fine, x, y);
+  if (part > 0) colour += (bilinear(fine + 1, x, y) - colour) * part;
+  return colour;
+}
+
+cv::Vec3f Texture::sample(double x, double y, const Eigen::Vector2d& step_x, const Eigen::Vector2d& step_y) const {
+  const bool first_longer = step_x.squaredNorm() > step_y.squaredNorm();
+  const Eigen::Vector2d& along = first_longer ? step_x : step_y;
+  const double major = along.norm();
+  // Width across the longer step: of the parallelogram's area, so that sheared footprints do not alias.
+  const double area = std::abs(step_x.x() * step_y.y() - step_x.y() * step_y.x());
+  const double minor = std::max({area / std::max(major, 1e-9), major / kMostTaps, 1e-6});
+  const int taps = std::clamp(static_cast<int>(std::ceil(major / minor - 0.25)), 1, static_cast<int>(kMostTaps));
+  const auto level = static_cast<float>(std::log2(minor) + kLevelBias);
+  cv::Vec3f sum(0, 0, 0);
+  for (int i = 0; i < taps; ++i) {
+    const double at = (i + 0.5) / taps - 0.5;
+    sum += trilinear(level, static_cast<float>(x + at * along.x()), static_cast<float>(y + at * along.y()));
+  }
+  return sum * (1.0F / static_cast<float>(taps));
+}
+
+}  // namespace dvi::synth

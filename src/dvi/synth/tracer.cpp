@@ -1,0 +1,82 @@
+#include "dvi/synth/tracer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dvi::synth {
+namespace {
+
+constexpr double kNear = 150;  // metres along the street within which movers are considered
+constexpr double kShadowDepth = 0.62;
+enum : int { kSkyId, kRoadId, kPavementId, kFirstSurfaceId, kFirstMoverId = 1 << 24 };
+
+}  // namespace
+
+std::vector<PlacedMover> placed(const std::vector<Mover>& movers, const Street& street, double time, double own_s) {
+  std::vector<PlacedMover> out;
+  for (const Mover& mover : movers) {
+    const Eigen::Vector2d at = mover.place(time);
+    const bool indoors = at.y() > kLeftFacade - 0.4 || at.y() < kRightFacade + 0.4;
+    if (indoors || std::abs(at.x() - own_s) > kNear) continue;
+    const SE3 pose = mover.world_from_mover(street, time);
+    out.push_back({&mover, pose, pose.inverse()});
+  }
+  return out;
+}
+
+Tracer::Seen Tracer::trace(const Ray& ray, double t_max) const {
+  Seen seen;
+  const Ground::Place ground = world_.ground.trace(ray);
+  if (ground.t < t_max) {
+    seen.t = t_max = ground.t;
+    seen.ground = ground;
+    seen.id = ground.pavement ? kPavementId : kRoadId;
+  }
+  if (const Hit hit = world_.solid.trace(ray, t_max)) {
+    seen.t = t_max = hit.t;
+    seen.hit = hit;
+    seen.id = kFirstSurfaceId + hit.surface;
+  }
+  for (std::size_t i = 0; i < movers_.size(); ++i) {
+    const SE3& from_world = movers_[i].mover_from_world;
+    const Hit hit = movers_[i].mover->model.solid.trace({from_world * ray.origin, from_world.R * ray.direction}, t_max);
+    if (!hit) continue;
+    seen.t = t_max = hit.t;
+    seen.hit = hit;
+    seen.id = kFirstMoverId + 4096 * static_cast<int>(i) + hit.surface;
+    seen.dynamic = true;
+    seen.mover = static_cast<int>(i);
+  }
+  return seen;
+}
+
+float Tracer::light_left(const Eigen::Vector3d& x) const {
+  double left = 1;
+  for (const PlacedMover& placed : movers_) {
+    const Eigen::Vector3d local = placed.mover_from_world * x;
+    const Eigen::Vector2d outside =
+        (local.head<2>().cwiseAbs() - 0.5 * placed.mover->model.size.head<2>()).cwiseMax(-kShadowReach);
+    // From full depth well inside the outline to none at the reach outside it.
+    const double distance = outside.cwiseMax(0).norm() + std::min(outside.maxCoeff(), 0.0);
+    const double u = std::clamp((kShadowReach - distance) / (2 * kShadowReach), 0.0, 1.0);
+    left *= 1 - kShadowDepth * u * u * (3 - 2 * u);
+  }
+  return static_cast<float>(left);
+}
+
+cv::Vec3f Tracer::shade(const Ray& ray, const Seen& seen, double pixel_share) const {
+  if (seen.mover >= 0) {
+    const PlacedMover& placed = movers_[static_cast<std::size_t>(seen.mover)];
+    const SE3& from_world = placed.mover_from_world;
+    const Ray local{from_world * ray.origin, from_world.R * ray.direction, from_world.R * ray.step_x,
+                    from_world.R * ray.step_y};
+    Light light = world_.light;
+    light.to_sun = from_world.R * light.to_sun;
+    return placed.mover->model.solid.shade(local, seen.hit, light, pixel_share);
+  }
+  if (seen.id == kSkyId) return world_.sky.shade(ray, pixel_share);
+  if (seen.id >= kFirstSurfaceId) return world_.solid.shade(ray, seen.hit, world_.light, pixel_share);
+  return world_.ground.shade(ray, seen.ground, world_.light, pixel_share) * light_left(ray.at(seen.t));
+}
+
+}  // namespace dvi::synth

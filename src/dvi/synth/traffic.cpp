@@ -1,0 +1,70 @@
+#include "dvi/synth/traffic.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dvi/synth/ground.h"
+
+namespace dvi::synth {
+namespace {
+
+using Eigen::Vector2d;
+
+double smooth_step(double from, double to, double x) {
+  const double u = std::clamp((x - from) / (to - from), 0.0, 1.0);
+  return u * u * (3 - 2 * u);
+}
+
+// To the other lane within the first seconds, back later, again and again.
+double lane_change(double time) {
+  const double phase = time - 14 * std::floor(time / 14);
+  return smooth_step(0.3, 2.3, phase) - smooth_step(7, 9.5, phase);
+}
+
+}  // namespace
+
+double own_lane(int day) { return day == 1 ? -0.5 * kLane : -1.5 * kLane; }
+
+double own_way(const SynthOptions& options, double time) {
+  return options.speed_mps * time + 0.12 * std::sin(0.9 * time + options.day);
+}
+
+SE3 Mover::world_from_mover(const Street& street, double time) const {
+  constexpr double kStep = 1e-3;
+  const Vector2d here = place(time), motion = place(time + kStep) - place(time - kStep);
+  return street.world_from_place(here.x(), here.y(), 0, std::atan2(motion.y(), motion.x()));
+}
+
+std::vector<Mover> make_traffic(const SynthOptions& options, const Noise& noise) {
+  std::vector<Mover> movers;
+  const std::uint64_t seed = static_cast<std::uint64_t>(options.seed) + 1000003ULL * options.day;
+  const auto random = [&] { return random_for(seed, 21, static_cast<std::int64_t>(movers.size())); };
+  const auto add = [&](Model model, std::function<Vector2d(double)> place) {
+    movers.push_back({static_cast<int>(movers.size()), std::move(model), std::move(place)});
+  };
+  const double lane = own_lane(options.day), other = own_lane(3 - options.day), shift = 9.0 * (options.day - 1);
+  const double duration = options.frames / options.rate_hz;
+  const auto way = [options](double time) { return own_way(options, time); };
+
+  if (options.lorry)
+    add(make_lorry(random(), noise), [=](double t) { return Vector2d(way(t) + 13.5, lane); });
+  else
+    add(make_car(random(), noise), [=](double t) {
+      return Vector2d(way(t) + 0.05 * t + 16 + 2.5 * std::sin(0.5 * t), lane + (other - lane) * lane_change(t));
+    });
+  add(make_van(random(), noise), [=](double t) { return Vector2d(44 - shift + (0.6 * options.speed_mps + 0.1) * t, other); });
+  for (int k = 0; 48.0 * k < 60 + (options.speed_mps + 9) * duration; ++k) {
+    const double start = 43 + 48 * k + shift;
+    Model model = k % 3 == 2 ? make_van(random(), noise) : make_car(random(), noise);
+    add(std::move(model), [=](double t) { return Vector2d(start - 9 * t, 0.5 * kLane); });
+  }
+  // Behind the lorry nobody is seen who crosses in front of the recording car.
+  const double ahead = options.lorry ? 36 : 9.5;
+  for (int k = 0; crossing(k) < way(duration) + 60; ++k) {
+    const double when = (crossing(k) - ahead) / std::max(options.speed_mps, 1.0), s = crossing(k) + 1.2 + 0.6 * (k % 2);
+    add(make_pedestrian(random(), noise), [=](double t) { return Vector2d(s, lane - 1.5 * (t - when)); });
+  }
+  return movers;
+}
+
+}  // namespace dvi::synth
