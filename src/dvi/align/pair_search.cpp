@@ -94,7 +94,8 @@ std::vector<Comparison::Sample> Comparison::samples(std::size_t moving, std::siz
   const auto z_buffer = z_buffers_[fixed];
   const auto levels = levels_[fixed];
   std::vector<Sample> out;
-  for (const Eigen::Vector3d& world : *rings_[moving]) {
+  const auto ring = rings_[moving];
+  for (const Eigen::Vector3d& world : *ring) {
     const Eigen::Vector3d p = fixed_from_world * world;
     if (!view.camera.in_front(p)) continue;
     const Eigen::Vector2d pixel = view.camera.project(p);

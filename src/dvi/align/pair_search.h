@@ -7,7 +7,7 @@
 
 namespace dvi {
 
-/// Map points in the ring of a view, as its camera has them.
+/// World points in the ring round a view's mask (in the whole image where there is none), evenly thinned.
 using RingPoints = std::vector<Eigen::Vector3d>;
 
 /// What comparing views needs of each, read lazily: blurred images and a coarse z-buffer for visibility.
@@ -15,8 +15,8 @@ class Comparison {
  public:
   Comparison(const Views& views, const StaticMap& map, const AlignOptions& options);
 
-  /// World points in the ring round the view's mask (the whole image where there is none), evenly thinned.
-  const RingPoints& ring(std::size_t view) const { return *rings_[view]; }
+  Comparison(const Comparison&) = delete;
+  Comparison& operator=(const Comparison&) = delete;
 
   struct Match {
     Eigen::Vector2d angle = Eigen::Vector2d::Zero();   ///< pitch, yaw to apply to `moving` to match `fixed`

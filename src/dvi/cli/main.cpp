@@ -1,1 +1,21 @@
-int main() { return 0; }
+#include <opencv2/core/utility.hpp>
+
+#include "dvi/cli/command.h"
+#include "dvi/core/interrupt.h"
+
+int main(int argc, char** argv) {
+  // Frames are worked on in parallel; OpenCV's own threads inside them would only fight over the cores.
+  cv::setNumThreads(1);
+  dvi::catch_interrupts();
+  dvi::Program program;
+  dvi::add_run(program);
+  dvi::add_map(program);
+  dvi::add_eval(program);
+  dvi::add_check(program);
+  dvi::add_synth(program);
+  dvi::add_demo(program);
+  dvi::add_config(program);
+  dvi::add_formats(program);
+  dvi::add_version(program);
+  return program.main(argc, argv);
+}

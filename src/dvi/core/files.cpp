@@ -22,8 +22,9 @@ fs::path temporary_beside(const fs::path& path) {
 }
 
 std::string read_file(const fs::path& path) {
+  if (fs::is_directory(path)) throw InputError(path, "is a folder", "a file is wanted");
   std::ifstream in(path, std::ios::binary);
-  if (!in || fs::is_directory(path)) throw InputError(path, "cannot be read (" + reason() + ")");
+  if (!in) throw InputError(path, "cannot be read (" + reason() + ")");
   std::ostringstream bytes;
   bytes << in.rdbuf();
   return std::move(bytes).str();
@@ -76,7 +77,8 @@ std::vector<fs::path> list_files(const fs::path& folder, const std::vector<std::
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string ending = entry.path().extension().string();
     const bool hidden = entry.path().filename().string().starts_with('.');
-    if (!hidden && std::find(endings.begin(), endings.end(), ending) != endings.end()) files.push_back(entry.path());
+    if (!hidden && entry.is_regular_file() && std::find(endings.begin(), endings.end(), ending) != endings.end())
+      files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   return files;

@@ -28,8 +28,10 @@ void check(double value, Range range) {
 // A bare word is a string, so that the shell's quotes are enough: --set masks.source=labels.
 OptionValue parse(std::string_view text, const OptionValue& like) {
   if (std::holds_alternative<std::string>(like)) return std::string(text);
+  if (std::holds_alternative<std::vector<std::string>>(like)) return std::vector<std::string>{std::string(text)};
   try {
     const toml::table table = toml::parse(fmt::format("v = {}", text));
+    if (table.size() != 1) throw std::invalid_argument("one value is wanted");
     if (const auto b = table["v"].as_boolean()) return b->get();
     if (const auto i = table["v"].as_integer()) return i->get();
     if (const auto d = table["v"].as_floating_point()) return d->get();
@@ -43,16 +45,36 @@ OptionValue from_toml(const toml::node& node) {
   if (const auto* i = node.as_integer()) return i->get();
   if (const auto* d = node.as_floating_point()) return d->get();
   if (const auto* s = node.as_string()) return s->get();
+  if (const auto* array = node.as_array()) {
+    std::vector<std::string> list;
+    for (const toml::node& item : *array) {
+      if (!item.is_string()) throw std::invalid_argument("a list of strings is wanted");
+      list.push_back(item.as_string()->get());
+    }
+    return list;
+  }
   throw std::invalid_argument("a plain value is wanted");
 }
 
 std::string to_toml(const OptionValue& value) {
   std::ostringstream out;
-  std::visit([&](const auto& v) { out << toml::value<std::decay_t<decltype(v)>>(v); }, value);
+  const auto write = [&](const auto& v) {
+    using T = std::decay_t<decltype(v)>;
+    if constexpr (std::is_same_v<T, std::vector<std::string>>) {
+      toml::array array;
+      for (const std::string& item : v) array.push_back(item);
+      out << array;
+    } else {
+      out << toml::value<T>(v);
+    }
+  };
+  std::visit(write, value);
   return out.str();
 }
 
 }  // namespace
+
+std::string Option::text() const { return to_toml(get()); }
 
 void OptionTable::add(std::string key, bool& field, std::string doc) {
   options_.push_back({section_,
@@ -106,18 +128,23 @@ void OptionTable::add(std::string key, std::string& field, std::vector<std::stri
                       }});
 }
 
+void OptionTable::add(std::string key, std::vector<std::string>& field, std::string doc) {
+  options_.push_back({section_,
+                      std::move(key),
+                      std::move(doc),
+                      {},
+                      [&field] { return OptionValue(field); },
+                      [&field](const OptionValue& v) {
+                        const auto* list = std::get_if<std::vector<std::string>>(&v);
+                        if (list == nullptr) throw std::invalid_argument("a list of strings is wanted");
+                        field = *list;
+                      }});
+}
+
 const Option& OptionTable::find(const std::string& name) const {
   const auto it = std::find_if(options_.begin(), options_.end(), [&](const Option& o) { return o.name() == name; });
   if (it == options_.end()) throw UsageError(fmt::format("there is no option '{}'; `dvi config dump` lists all of them", name));
   return *it;
-}
-
-void OptionTable::assign(const Option& option, const OptionValue& value) const {
-  try {
-    option.set(value);
-  } catch (const std::invalid_argument& e) {
-    throw UsageError(fmt::format("option {}: {}", option.name(), e.what()));
-  }
 }
 
 void OptionTable::set(std::string_view assignment) {
@@ -125,7 +152,7 @@ void OptionTable::set(std::string_view assignment) {
   if (equals == std::string_view::npos) throw UsageError(fmt::format("--set {}: wanted is section.key=value", assignment));
   const Option& option = find(std::string(assignment.substr(0, equals)));
   try {
-    assign(option, parse(assignment.substr(equals + 1), option.get()));
+    option.set(parse(assignment.substr(equals + 1), option.get()));
   } catch (const std::invalid_argument& e) {
     throw UsageError(fmt::format("option {}: {}", option.name(), e.what()));
   }
@@ -143,11 +170,13 @@ void OptionTable::load_toml(const std::filesystem::path& path, const std::vector
     if (std::find(ignore.begin(), ignore.end(), name) != ignore.end()) continue;
     if (!node.is_table()) throw UsageError(fmt::format("{}: '{}' stands outside any table", path.string(), name));
     for (const auto& [key, value] : *node.as_table()) {
-      const Option& option = find(fmt::format("{}.{}", name, key.str()));
+      const std::string full_name = fmt::format("{}.{}", name, key.str());
       try {
-        assign(option, from_toml(value));
+        find(full_name).set(from_toml(value));
       } catch (const std::invalid_argument& e) {
-        throw UsageError(fmt::format("{}: option {}: {}", path.string(), option.name(), e.what()));
+        throw UsageError(fmt::format("{}: option {}: {}", path.string(), full_name, e.what()));
+      } catch (const UsageError& e) {
+        throw UsageError(fmt::format("{}: {}", path.string(), e.what()));
       }
     }
   }
@@ -160,7 +189,7 @@ std::string OptionTable::dump_toml() const {
       section = option.section;
       text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", section);
     }
-    text += fmt::format("# {}\n{} = {}\n", option.doc, option.key, to_toml(option.get()));
+    text += fmt::format("# {}\n{} = {}\n", option.doc, option.key, option.text());
   }
   return text;
 }

@@ -11,7 +11,7 @@
 
 namespace dvi {
 
-using OptionValue = std::variant<bool, std::int64_t, double, std::string>;
+using OptionValue = std::variant<bool, std::int64_t, double, std::string, std::vector<std::string>>;
 
 /// Smallest and largest value of a number.
 struct Range {
@@ -26,6 +26,7 @@ struct Option {
   std::function<void(const OptionValue&)> set;  ///< throws std::invalid_argument with the reason
 
   std::string name() const { return section + "." + key; }
+  std::string text() const;  ///< its value as TOML
 };
 
 /// The one description of all options: a stage's struct describes itself into it, field by field, and everything that
@@ -39,6 +40,7 @@ class OptionTable {
   void add(std::string key, int& field, Range range, std::string doc);
   void add(std::string key, double& field, Range range, std::string doc);
   void add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc);
+  void add(std::string key, std::vector<std::string>& field, std::string doc);
 
   const std::vector<Option>& options() const { return options_; }
 
@@ -50,7 +52,6 @@ class OptionTable {
   std::string dump_toml() const;
 
  private:
-  void assign(const Option& option, const OptionValue& value) const;
   const Option& find(const std::string& name) const;
 
   std::string section_;

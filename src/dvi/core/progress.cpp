@@ -21,6 +21,9 @@ double cpu_seconds(clockid_t clock) {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+// File names may hold bytes that are no UTF-8: they must not end the run.
+std::string dump(const nlohmann::json& json) { return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace); }
+
 std::string duration(double seconds) {
   const int s = static_cast<int>(seconds + 0.5);
   return s < 60 ? fmt::format("{} s", s) : fmt::format("{}:{:02} min", s / 60, s % 60);
@@ -87,7 +90,7 @@ void Progress::show(bool last) {
                                  {"done", done_},
                                  {"total", total_},
                                  {"seconds", elapsed.count()}};
-    fmt::print(stderr, "{}\n", line.dump());
+    fmt::print(stderr, "{}\n", dump(line));
   } else if (style_ == ProgressStyle::bar) {
     constexpr std::size_t width = 30;
     const std::size_t full = total_ > 0 ? std::min(width, width * done_ / total_) : 0;
@@ -104,7 +107,7 @@ void Progress::show(bool last) {
 
 void Progress::print(const char* kind, const std::string& message) {
   if (style_ == ProgressStyle::json)
-    fmt::print(stderr, "{}\n", nlohmann::json({{"event", kind}, {"message", message}}).dump());
+    fmt::print(stderr, "{}\n", dump({{"event", kind}, {"message", message}}));
   else if (style_ != ProgressStyle::quiet)
     fmt::print(stderr, "{}{}: {}\n", style_ == ProgressStyle::bar ? "\r\033[K" : "", kind, message);
 }

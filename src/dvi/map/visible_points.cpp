@@ -30,6 +30,7 @@ bool outside(const Eigen::AlignedBox3f& bounds, const View& view) {
 }
 
 std::vector<VisiblePoint> project(const StaticMap& map, const View& view) {
+  const cv::Rect image(0, 0, view.camera.width, view.camera.height);
   std::vector<VisiblePoint> points;
   for (const StaticMap::Tile& tile : map.tiles) {
     if (outside(tile.bounds, view)) continue;
@@ -38,10 +39,9 @@ std::vector<VisiblePoint> project(const StaticMap& map, const View& view) {
       const Eigen::Vector3d p = view.camera_from_world * world.cast<double>();
       if (p.z() < kNearPlane || !view.camera.in_front(p)) continue;
       const Eigen::Vector2d pixel = view.camera.project(p);
-      if (pixel.x() < -0.5 || pixel.y() < -0.5 || pixel.x() >= view.camera.width - 0.5 ||
-          pixel.y() >= view.camera.height - 0.5)
-        continue;
-      points.push_back({static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), static_cast<float>(p.z()), world, i});
+      const float u = static_cast<float>(pixel.x()), v = static_cast<float>(pixel.y());
+      if (!(std::abs(u) < 1e6F && std::abs(v) < 1e6F) || !image.contains({cvRound(u), cvRound(v)})) continue;
+      points.push_back({u, v, static_cast<float>(p.z()), world, i});
     }
   }
   return points;
@@ -63,7 +63,7 @@ cv::Mat1f occluders(const std::vector<VisiblePoint>& points, const cv::Mat1i& ne
     for (int x = 0; x < nearest.cols; ++x) {
       if (nearest(y, x) < 0) continue;
       const float depth = points[nearest(y, x)].z;
-      const int r = std::min(kMaxSplat, static_cast<int>(splat_px_at_1m / depth));
+      const int r = std::min(kMaxSplat, cvRound(splat_px_at_1m / depth));
       for (int dy = -std::min(r, y); dy <= std::min(r, z.rows - 1 - y); ++dy) {
         const int half = static_cast<int>(std::sqrt(static_cast<double>(r * r - dy * dy)));
         float* row = z[y + dy];

@@ -11,7 +11,7 @@ namespace dvi {
 struct VisiblePoint {
   float u = 0, v = 0;          ///< pixel, sub-pixel exact
   float z = 0;                 ///< metres along the optical axis
-  Eigen::Vector3f world;       ///< metres
+  Eigen::Vector3f world = Eigen::Vector3f::Zero();  ///< metres
   std::size_t index = 0;       ///< in StaticMap::points
 };
 

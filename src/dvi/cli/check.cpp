@@ -1,0 +1,33 @@
+#include "dvi/pipeline/check.h"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "dvi/cli/command.h"
+#include "dvi/cli/job_options.h"
+#include "dvi/core/threads.h"
+
+namespace dvi {
+
+void add_check(Program& program) {
+  struct Arguments {
+    std::string drive;
+    JobOptions options;
+    Common common;
+  };
+  const auto a = std::make_shared<Arguments>();
+  Command command = program.command("check", "What a drive is, whether it is complete and sane, what is missing");
+  command.positional("DRIVE", a->drive, "The drive");
+  a->options.add_to(command);
+  a->common.add_to(command, true);
+  command.run([a] {
+    const ThreadLimit limit(a->common.threads);
+    Progress progress(a->common.style());
+    const CheckReport report = check(a->options.job("", a->drive, {}), progress);
+    progress.end();
+    fmt::print("{}\n", a->common.json ? report.json : report.text);
+  });
+}
+
+}  // namespace dvi

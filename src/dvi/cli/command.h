@@ -1,0 +1,79 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dvi/core/options.h"
+#include "dvi/core/progress.h"
+
+namespace dvi {
+
+/// One command of the program: what it takes and what it does. A thin face of CLI11, whose header is slow to compile.
+/// Fields are left as they are where the command line does not name them.
+class Command {
+ public:
+  struct Impl;
+  explicit Command(std::unique_ptr<Impl> impl);
+  ~Command();
+  Command(Command&&) noexcept;
+  Command& operator=(Command&&) = delete;
+
+  void positional(const std::string& name, std::string& field, const std::string& doc, bool required = true);
+  void positional(const std::string& name, std::vector<std::string>& field, const std::string& doc);
+  void option(const std::string& names, std::string& field, const std::string& doc, bool required = false);
+  void option(const std::string& names, std::optional<std::string>& field, const std::string& doc);
+  void option(const std::string& names, std::vector<std::string>& field, const std::string& doc);
+  void option(const std::string& names, int& field, const std::string& doc);
+  void flag(const std::string& names, bool& field, const std::string& doc);
+  /// Every option of the table that is not there yet by its own name: exposure_drift as --exposure-drift.
+  void options(OptionTable& table);
+  Command subcommand(const std::string& name, const std::string& summary);
+  /// What to do once the whole command line is understood.
+  void run(std::function<void()> action);
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The program: reads the command line and runs the command it names. Returns the exit code: 0, 1 our bug, 2 usage, 3 the
+/// user's data, 130 interrupted.
+class Program {
+ public:
+  Program();
+  ~Program();
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+  Command command(const std::string& name, const std::string& summary);
+  int main(int argc, char** argv);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Options that every working command has.
+struct Common {
+  int threads = 0, seed = 1;
+  bool quiet = false, json_log = false, json = false;
+
+  void add_to(Command& command, bool with_json);
+  ProgressStyle style() const {
+    return quiet ? ProgressStyle::quiet : json_log ? ProgressStyle::json : ProgressStyle::automatic;
+  }
+};
+
+/// Each adds its command; the fields it parses into live as long as the program.
+void add_run(Program& program);
+void add_map(Program& program);
+void add_eval(Program& program);
+void add_check(Program& program);
+void add_synth(Program& program);
+void add_demo(Program& program);
+void add_config(Program& program);
+void add_formats(Program& program);
+void add_version(Program& program);
+
+}  // namespace dvi

@@ -1,0 +1,61 @@
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "dvi/cli/command.h"
+#include "dvi/cli/job_options.h"
+#include "dvi/core/threads.h"
+#include "dvi/eval/evaluate.h"
+#include "dvi/pipeline/run.h"
+#include "dvi/pipeline/summary.h"
+#include "dvi/synth/synth.h"
+
+namespace dvi {
+namespace {
+
+// The street is made once; a later demo finds it.
+std::string demo_street(const fs::path& out, int seed, Progress& progress) {
+  const fs::path street = out / "street";
+  if (!fs::exists(street / "README.txt")) {
+    SynthOptions options;
+    options.seed = seed;
+    progress.begin("synth", static_cast<std::size_t>(options.frames));
+    synthesise(options, street, progress.tick());
+    progress.end();
+  }
+  return street;
+}
+
+}  // namespace
+
+void add_demo(Program& program) {
+  struct Arguments {
+    std::string out = "dvi-demo", drive;
+    JobOptions options;
+    Common common;
+    bool force = false;
+  };
+  const auto a = std::make_shared<Arguments>();
+  Command command = program.command("demo", "The main job end to end, on a synthetic street if no drive is given");
+  command.positional("DRIVE", a->drive, "A drive", false);
+  command.option("-o,--out", a->out, "Folder for everything (default dvi-demo)");
+  a->options.add_to(command);
+  command.flag("--force", a->force, "Replace a result of another drive");
+  a->common.add_to(command, true);
+  command.run([a] {
+    const ThreadLimit limit(a->common.threads);
+    Progress progress(a->common.style());
+    const fs::path out = a->out;
+    const bool synthetic = a->drive.empty();
+    const std::string drive = synthetic ? demo_street(out, a->common.seed, progress) : a->drive;
+    Job job = a->options.job(out / "result", drive, {});
+    job.force = a->force;
+    const std::string report = run(job, progress);
+    progress.end();
+    fmt::print("{}\n", a->common.json ? report : run_summary(report, job.out));
+    if (synthetic && !a->common.json)
+      fmt::print("\nAgainst the truth, inside the mask:\n{}", table(evaluate(job.out, fs::path(drive) / "truth", {}, [] {})));
+  });
+}
+
+}  // namespace dvi

@@ -1,0 +1,14 @@
+#include <fmt/format.h>
+
+#include "dvi/cli/command.h"
+#include "dvi/io/reader.h"
+
+namespace dvi {
+
+void add_formats(Program& program) {
+  program.command("formats", "The layouts of recordings that dvi reads").run([] {
+    for (const DriveFormat& format : drive_formats()) fmt::print("{:<14} {}\n", format.name, format.summary);
+  });
+}
+
+}  // namespace dvi

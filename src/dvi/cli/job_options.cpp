@@ -1,0 +1,46 @@
+#include "dvi/cli/job_options.h"
+
+namespace dvi {
+namespace {
+
+// Left alone where it is no path but a word (labels, auto).
+void make_absolute(std::string& path) {
+  if (!path.empty() && fs::exists(path)) path = fs::absolute(path).lexically_normal().string();
+}
+
+}  // namespace
+
+void JobOptions::add_to(Command& command) {
+  command.option("--frames", frames, "A:B: only these frames, both included, by the drive's own numbers");
+  command.option("--camera", camera, "Camera to use (default: the drive's first)");
+  command.option("--masks", masks, "What to remove: DIR (PNG, 255 = remove), FILE (labels), labels, auto");
+  command.option("--poses", poses, "auto (default), given, or FILE");
+  command.option("--method", method, "dvi (default) or paper (the published form)");
+  command.option("--config", config, "Options from a TOML file, such as the dvi.toml of an earlier result");
+  command.option("--set", set, "section.key=value, any number of times; dvi config dump lists them");
+}
+
+Job JobOptions::job(const std::string& out, const std::string& target, const std::vector<std::string>& sources) const {
+  Job job;
+  OptionTable table = job.table();
+  if (!config.empty()) table.load_toml(config);
+  use_method(method.value_or(job.method), job.options);
+  // Once more: what the file says of single options holds against the method it names.
+  if (!config.empty() && !method) table.load_toml(config);
+  if (method) job.method = *method;
+  if (camera) job.source.camera = *camera;
+  if (frames) job.source.frames = *frames;
+  if (masks) job.source.masks = *masks;
+  if (poses) job.source.poses = *poses;
+  for (const std::string& assignment : set) table.set(assignment);
+  if (!out.empty()) job.out = out;
+  if (!target.empty()) {
+    job.target = target;
+    job.sources = sources;
+  }
+  for (std::string* path : {&job.target, &job.source.masks, &job.source.poses}) make_absolute(*path);
+  for (std::string& path : job.sources) make_absolute(path);
+  return job;
+}
+
+}  // namespace dvi

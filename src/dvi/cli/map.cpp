@@ -1,0 +1,37 @@
+#include "dvi/pipeline/make_map.h"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "dvi/cli/command.h"
+#include "dvi/cli/job_options.h"
+#include "dvi/core/threads.h"
+
+namespace dvi {
+
+void add_map(Program& program) {
+  struct Arguments {
+    std::string out, drive;
+    JobOptions options;
+    Common common;
+  };
+  const auto a = std::make_shared<Arguments>();
+  Command command = program.command("map", "Poses and the static map of a drive");
+  command.positional("DRIVE", a->drive, "The drive");
+  command.option("-o,--out", a->out, "Folder for poses.txt, times.txt, map.ply, map.json", true);
+  a->options.add_to(command);
+  a->common.add_to(command, true);
+  command.run([a] {
+    const ThreadLimit limit(a->common.threads);
+    Progress progress(a->common.style());
+    const std::string report = make_map(a->options.job(a->out, a->drive, {}), progress);
+    progress.end();
+    if (a->common.json)
+      fmt::print("{}\n", report);
+    else
+      fmt::print("{0}/map.ply    the static map\n{0}/poses.txt  the camera's poses\n", a->out);
+  });
+}
+
+}  // namespace dvi

@@ -1,0 +1,40 @@
+#include "dvi/synth/synth.h"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "dvi/cli/command.h"
+#include "dvi/core/threads.h"
+
+namespace dvi {
+
+void add_synth(Program& program) {
+  struct Arguments {
+    std::string out, config;
+    std::vector<std::string> set;
+    SynthOptions options;
+    OptionTable table;
+    Common common;
+  };
+  const auto a = std::make_shared<Arguments>();
+  a->options.describe(a->table);
+  Command command = program.command("synth", "A synthetic street with exact truth, as a drive in the folder layout");
+  command.option("-o,--out", a->out, "Folder of the drive", true);
+  command.option("--config", a->config, "Options from a TOML file, table [synth]");
+  command.option("--set", a->set, "synth.key=value, any number of times");
+  command.options(a->table);
+  a->common.add_to(command, false);
+  command.run([a] {
+    if (!a->config.empty()) a->table.load_toml(a->config);
+    for (const std::string& assignment : a->set) a->table.set(assignment);
+    const ThreadLimit limit(a->common.threads);
+    Progress progress(a->common.style());
+    progress.begin("synth", static_cast<std::size_t>(a->options.frames));
+    synthesise(a->options, a->out, progress.tick());
+    progress.end();
+    fmt::print("{0}          the drive\n{0}/truth    the same frames without traffic\n", a->out);
+  });
+}
+
+}  // namespace dvi

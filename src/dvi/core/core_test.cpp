@@ -1,0 +1,207 @@
+// The small parts of core: errors, fingerprints, random numbers, threads, progress, interruption.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "dvi/core/error.h"
+#include "dvi/core/files.h"
+#include "dvi/core/hash.h"
+#include "dvi/core/interrupt.h"
+#include "dvi/core/progress.h"
+#include "dvi/core/random.h"
+#include "dvi/core/threads.h"
+
+namespace dvi {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(InputError, SaysWhereWhatAndWhatWouldBeRight) {
+  EXPECT_STREQ(InputError("a/b.bin", "is empty", "copy it again").what(), "a/b.bin: is empty; copy it again");
+  EXPECT_STREQ(InputError("a/b.bin", "is empty").what(), "a/b.bin: is empty");
+}
+
+std::string fingerprint(const std::vector<std::string>& parts) {
+  Fingerprint f;
+  for (const std::string& part : parts) f.add(part);
+  return f.hex();
+}
+
+TEST(Fingerprint, DependsOnBytesBoundariesAndOrder) {
+  const std::set<std::string> all = {fingerprint({}),          fingerprint({""}),       fingerprint({"ab", "c"}),
+                                     fingerprint({"a", "bc"}), fingerprint({"abc"}),    fingerprint({"c", "ab"}),
+                                     fingerprint({"", "abc"}), fingerprint({"abc", ""})};
+  EXPECT_EQ(all.size(), 8U);
+  EXPECT_EQ(fingerprint({"ab", "c"}), fingerprint({"ab", "c"}));
+  EXPECT_EQ(fingerprint({"x"}).size(), 32U);
+}
+
+TEST(Fingerprint, NoticesThatAFileWasReplacedOrRemoved) {
+  const fs::path file = fs::path(testing::TempDir()) / "dvi_fingerprint.txt";
+  const auto of_file = [&] {
+    Fingerprint f;
+    f.add_file(file);
+    return f.hex();
+  };
+  write_file(file, "one");
+  const std::string before = of_file();
+  EXPECT_EQ(of_file(), before);
+  fs::last_write_time(file, fs::last_write_time(file) + std::chrono::seconds(1));
+  const std::string touched = of_file();
+  EXPECT_NE(touched, before);
+  fs::remove(file);
+  EXPECT_NE(of_file(), touched);
+}
+
+TEST(Random, IsSplitMix64) {  // reference values of the published generator for seed 1234567
+  Random random(1234567);
+  EXPECT_EQ(random.next(), 6457827717110365317ULL);
+  EXPECT_EQ(random.next(), 3203168211198807973ULL);
+  EXPECT_EQ(random.next(), 9817491932198370423ULL);
+}
+
+TEST(Random, KeepsItsRangesAndMoments) {
+  Random random(1);
+  const int n = 20000;
+  double sum = 0, normal_sum = 0, normal_squares = 0;
+  std::vector<int> counts(7);
+  for (int i = 0; i < n; ++i) {
+    const double u = random.uniform(-2, 3);
+    ASSERT_GE(u, -2);
+    ASSERT_LT(u, 3);
+    sum += u;
+    ++counts.at(static_cast<std::size_t>(random.below(7)));
+    const double x = random.normal();
+    ASSERT_TRUE(std::isfinite(x));
+    normal_sum += x;
+    normal_squares += x * x;
+  }
+  EXPECT_NEAR(sum / n, 0.5, 0.05);
+  EXPECT_NEAR(normal_sum / n, 0, 0.03);
+  EXPECT_NEAR(normal_squares / n, 1, 0.05);
+  EXPECT_GT(*std::min_element(counts.begin(), counts.end()), n / 7 - 300);
+}
+
+TEST(Threads, EveryIndexOnceWhateverTheLimit) {
+  for (const int limit : {1, 2, 0}) {
+    const ThreadLimit threads(limit);
+    EXPECT_TRUE(limit == 0 || thread_count() == limit);
+    std::vector<std::atomic<int>> calls(1000);
+    parallel_for(calls.size(), [&](std::size_t i) { ++calls[i]; });
+    EXPECT_TRUE(std::all_of(calls.begin(), calls.end(), [](const auto& c) { return c == 1; }));
+  }
+  parallel_for(0, [](std::size_t) { FAIL(); });
+}
+
+TEST(Threads, LimitEndsWithItsLife) {
+  const int before = thread_count();
+  {
+    const ThreadLimit one(1);
+  }
+  EXPECT_EQ(thread_count(), before);
+}
+
+TEST(Threads, ExceptionsReachTheCaller) {
+  const auto body = [](std::size_t i) {
+    if (i == 57) throw InputError("scan 57", "is broken");
+  };
+  EXPECT_THROW(parallel_for(100, body), InputError);
+}
+
+TEST(Progress, TimesStagesAndKeepsEachWarningOnce) {
+  testing::internal::CaptureStderr();
+  Progress progress(ProgressStyle::lines);
+  progress.begin("map", 3);
+  parallel_for(3, [&](std::size_t) { progress.tick()(); });
+  progress.warn("frame 7 has no scan");
+  progress.begin("depth", 0);  // ends map
+  progress.warn("frame 7 has no scan");
+  progress.end();
+  progress.end();
+  const std::string text = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(progress.warnings(), ElementsAre("frame 7 has no scan"));
+  EXPECT_THAT(progress.times(),
+              ElementsAre(testing::Field(&StageTime::stage, "map"), testing::Field(&StageTime::stage, "depth")));
+  EXPECT_THAT(text, HasSubstr("warning: frame 7 has no scan\n"));
+  EXPECT_THAT(text, HasSubstr("map: done"));
+}
+
+TEST(Progress, QuietSaysNothingButRemembers) {
+  testing::internal::CaptureStderr();
+  Progress progress(ProgressStyle::quiet);
+  progress.begin("map", 1);
+  progress.advance();
+  progress.warn("gap");
+  progress.end();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(progress.warnings().size(), 1U);
+}
+
+TEST(Progress, JsonIsOneObjectALine) {
+  testing::internal::CaptureStderr();
+  {
+    Progress progress(ProgressStyle::json);
+    progress.begin("map", 1);
+    progress.warn("say \"x\"\n");
+  }
+  const std::string text = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
+  EXPECT_THAT(text, HasSubstr(R"("message":"say \"x\"\n")"));
+  EXPECT_THAT(text, HasSubstr("stage_end"));
+}
+
+TEST(Progress, BarSurvivesMoreUnitsThanPromisedAndBytesThatAreNoText) {
+  testing::internal::CaptureStderr();
+  Progress progress(ProgressStyle::bar);
+  progress.begin("map", 2);
+  for (int i = 0; i < 5; ++i) progress.advance();
+  progress.warn("\xff\xfe");
+  progress.end();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("5/2"));
+}
+
+TEST(Progress, JsonSurvivesNamesThatAreNoUtf8) {
+  testing::internal::CaptureStderr();
+  Progress progress(ProgressStyle::json);
+  EXPECT_NO_THROW(progress.warn("frame \xff.png"));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("frame "));
+}
+
+TEST(Interrupt, StopsTheNextUnitOfWork) {
+  const auto work = [] {
+    catch_interrupts();
+    Progress progress(ProgressStyle::quiet);
+    progress.begin("map", 2);
+    progress.advance();
+    std::raise(SIGTERM);
+    try {
+      progress.advance();
+    } catch (const Interrupted&) {
+      std::_Exit(130);
+    }
+    std::_Exit(0);
+  };
+  EXPECT_EXIT(work(), testing::ExitedWithCode(130), "");
+}
+
+TEST(Usage, CpuTimeAndMemoryAreCounted) {
+  const double before = process_cpu_seconds(), thread_before = thread_cpu_seconds();
+  volatile double x = 1;
+  for (int i = 0; i < 3000000; ++i) x = x * 1.0000001;
+  EXPECT_GT(process_cpu_seconds(), before);
+  EXPECT_GT(thread_cpu_seconds(), thread_before);
+  EXPECT_GT(peak_memory(), std::size_t{1} << 20);
+}
+
+}  // namespace
+}  // namespace dvi

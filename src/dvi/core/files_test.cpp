@@ -1,0 +1,114 @@
+#include "dvi/core/files.h"
+
+#include <sys/resource.h>
+
+#include <csignal>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "dvi/core/error.h"
+
+namespace dvi {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::ThrowsMessage;
+
+class Files : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = fs::path(testing::TempDir()) / "dvi_files" / testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  }
+  std::vector<std::string> names() const {
+    std::vector<std::string> out;
+    for (const auto& entry : fs::directory_iterator(folder)) out.push_back(entry.path().filename());
+    return out;
+  }
+  fs::path folder;
+};
+
+TEST_F(Files, WhatIsWrittenReadsBack) {
+  const std::string bytes("a\0b\r\n\xff", 6);
+  write_file(folder / "x.bin", bytes);
+  EXPECT_EQ(read_file(folder / "x.bin"), bytes);
+  write_file(folder / "x.bin", "");
+  EXPECT_EQ(read_file(folder / "x.bin"), "");
+}
+
+TEST_F(Files, LinesLoseEveryKindOfLineEnd) {
+  write_file(folder / "x.txt", "a\r\n\nb c\nlast");
+  EXPECT_THAT(read_lines(folder / "x.txt"), ElementsAre("a", "", "b c", "last"));
+}
+
+TEST_F(Files, UnreadableIsAnInputErrorThatNamesTheFile) {
+  EXPECT_THAT([&] { read_file(folder / "absent"); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr((folder / "absent").string()), HasSubstr("No such file"))));
+  EXPECT_THAT([&] { read_file(folder); }, ThrowsMessage<InputError>(HasSubstr("is a folder")));
+}
+
+TEST_F(Files, FailedWriterLeavesTheOldFileAndNothingElse) {
+  write_file(folder / "x.png", "old");
+  EXPECT_THROW(write_beside(folder / "x.png",
+                            [](const fs::path& part) {
+                              EXPECT_EQ(part.extension(), ".png");
+                              std::ofstream(part) << "half";
+                              throw std::runtime_error("stop");
+                            }),
+               std::runtime_error);
+  EXPECT_EQ(read_file(folder / "x.png"), "old");
+  EXPECT_THAT(names(), ElementsAre("x.png"));
+}
+
+TEST_F(Files, WriterThatMakesNoFileIsAnError) {
+  EXPECT_THROW(write_beside(folder / "x.png", [](const fs::path&) {}), InputError);
+  EXPECT_THAT(names(), IsEmpty());
+}
+
+TEST_F(Files, NoRoomIsAnInputErrorAndLeavesNothing) {
+  const auto write_without_room = [&] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit small{4096, RLIM_INFINITY};
+    setrlimit(RLIMIT_FSIZE, &small);
+    bool refused = false;
+    try {
+      write_file(folder / "x.bin", std::string(1 << 20, 'x'));
+    } catch (const InputError& e) {
+      refused = std::string(e.what()).find((folder / "x.bin").string()) == 0;
+    }
+    std::_Exit(refused ? 0 : 1);
+  };
+  EXPECT_EXIT(write_without_room(), testing::ExitedWithCode(0), "");
+  EXPECT_THAT(names(), IsEmpty());
+}
+
+TEST_F(Files, MissingFolderIsAnInputError) {
+  EXPECT_THAT([&] { write_file(folder / "no" / "x", "y"); }, ThrowsMessage<InputError>(HasSubstr("No such file")));
+}
+
+TEST_F(Files, FolderWhereAFileStands) {
+  make_folder(folder / "a" / "b");
+  make_folder(folder / "a" / "b");
+  EXPECT_TRUE(fs::is_directory(folder / "a" / "b"));
+  write_file(folder / "file", "x");
+  EXPECT_THROW(make_folder(folder / "file"), InputError);
+  EXPECT_THROW(make_folder(folder / "file" / "below"), InputError);
+}
+
+TEST_F(Files, ListIsSortedByNameAndLeavesOutPartsAndOtherEndings) {
+  for (const char* name : {"b.png", "a.jpg", "c.txt", ".b.part12.png", "a.png"}) write_file(folder / name, "x");
+  fs::create_directory(folder / "folder.png");
+  EXPECT_THAT(list_files(folder, {".png", ".jpg"}), ElementsAre(folder / "a.jpg", folder / "a.png", folder / "b.png"));
+  EXPECT_THAT(list_files(folder / "absent", {".png"}), IsEmpty());
+}
+
+}  // namespace
+}  // namespace dvi

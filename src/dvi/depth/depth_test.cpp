@@ -1,0 +1,146 @@
+#include "dvi/depth/depth.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "dvi/core/random.h"
+#include "dvi/depth/delaunay.h"
+
+namespace dvi {
+namespace {
+
+View test_view() {
+  View view;
+  view.camera = {320, 200, 250, 250, 159.5, 99.5, {}};
+  view.camera_from_world.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;  // along x
+  return view;
+}
+
+void finish(StaticMap& map) {
+  Eigen::AlignedBox3f bounds;
+  for (const MapPoint& p : map.points) bounds.extend(p.position);
+  map.tiles = {{bounds, 0, map.points.size()}};
+}
+
+void add(StaticMap& map, double x, double y, double z) {
+  map.points.push_back({Eigen::Vector3d(x, y, z).cast<float>(), 0, 1});
+}
+
+TEST(Delaunay, CoversTheHullOnceAndKeepsCirclesEmpty) {
+  Random random(1);
+  std::vector<VisiblePoint> points;
+  std::set<std::pair<int, int>> used;
+  for (int i = 0; i < 200; ++i) {
+    const int u = random.below(100), v = random.below(100);
+    if (used.emplace(u, v).second) points.push_back({static_cast<float>(u), static_cast<float>(v), 1, Eigen::Vector3f::Zero(), 0});
+  }
+  for (const auto& [u, v] : {std::pair(0, 0), {100, 0}, {0, 100}, {100, 100}})
+    if (used.emplace(u, v).second) points.push_back({static_cast<float>(u), static_cast<float>(v), 1, Eigen::Vector3f::Zero(), 0});
+  double area = 0;
+  int inside = 0;
+  delaunay(points, [&](const std::array<std::size_t, 3>& t) {
+    const Eigen::Vector2d a(points[t[0]].u, points[t[0]].v), b(points[t[1]].u, points[t[1]].v), c(points[t[2]].u, points[t[2]].v);
+    const Eigen::Vector2d ab = b - a, ac = c - a;
+    const double d = 2 * (ab.x() * ac.y() - ab.y() * ac.x());
+    area += std::abs(d) / 4;
+    if (std::abs(d) < 1e-9) return;
+    const Eigen::Vector2d centre =
+        a + Eigen::Vector2d(ac.y() * ab.squaredNorm() - ab.y() * ac.squaredNorm(), ab.x() * ac.squaredNorm() - ac.x() * ab.squaredNorm()) / d;
+    for (const VisiblePoint& p : points)
+      if ((Eigen::Vector2d(p.u, p.v) - centre).norm() < (a - centre).norm() - 1e-6) ++inside;
+  });
+  EXPECT_NEAR(area, 100 * 100, 1e-6);
+  EXPECT_EQ(inside, 0);
+}
+
+TEST(Depth, SlantedPlaneIsExact) {
+  StaticMap map;  // the ground, 1.6 m below, sampled in rows that get sparse with distance as a LiDAR's do
+  for (double x = 3; x < 60; x *= 1.06)
+    for (double y = -12; y <= 12; y += 0.2) add(map, x, y, -1.6);
+  finish(map);
+  const View view = test_view();
+  const DepthMap depth = depth_map(map, view, {});
+  double worst = 0;
+  int known = 0;
+  for (int y = 115; y < 180; ++y)
+    for (int x = 110; x < 210; ++x) {
+      const double truth = 1.6 * view.camera.fy / (y - view.camera.cy);
+      if (truth > 50) continue;
+      ASSERT_TRUE(DepthMap::is_surface(depth.z(y, x))) << x << " " << y;
+      worst = std::max(worst, std::abs(depth.z(y, x) / truth - 1));
+      ++known;
+    }
+  EXPECT_GT(known, 5000);
+  EXPECT_LT(worst, 0.01);
+}
+
+TEST(Depth, AboveTheLastReturnIsSky) {
+  StaticMap map;
+  for (double y = -8; y <= 8; y += 0.1)
+    for (double z = -1.6; z <= 2; z += 0.1) add(map, 20, y, z);
+  finish(map);
+  const DepthMap depth = depth_map(map, test_view(), {});
+  EXPECT_NEAR(depth.z(100, 160), 20, 0.05);
+  EXPECT_TRUE(std::isinf(depth.z(60, 160))) << "2 m up at 20 m is row 74.5";
+  EXPECT_TRUE(std::isinf(depth.z(100, 10))) << "no return in the column at all";
+  EXPECT_EQ(depth.z(180, 160), DepthMap::kUnknown) << "below the last return nothing is known";
+  EXPECT_EQ(depth.sigma(60, 160), 0);
+  EXPECT_GT(depth.sigma(100, 160), 0);
+}
+
+// A pole at 10 m before a wall at 20 m, both well sampled.
+StaticMap pole_and_wall() {
+  StaticMap map;
+  for (double y = -8; y <= 8; y += 0.08)
+    for (double z = -3; z <= 5; z += 0.08) add(map, 20, y, z);
+  for (double y = -0.2; y <= 0.2; y += 0.05)
+    for (double z = -3; z <= 3; z += 0.05) add(map, 10, y, z);
+  finish(map);
+  return map;
+}
+
+TEST(Depth, EdgesAreCutNotBent) {
+  const DepthMap depth = depth_map(pole_and_wall(), test_view(), {});
+  int between = 0, pole = 0;
+  for (int x = 130; x < 190; ++x) {
+    const float z = depth.z(100, x);
+    pole += std::abs(z - 10) < 0.3 ? 1 : 0;
+    between += z > 10.5 && z < 19.5 ? 1 : 0;
+  }
+  EXPECT_EQ(between, 0);
+  EXPECT_NEAR(pole, 0.4 / 10 * 250, 3) << "the pole keeps its width";
+  DepthOptions linear;
+  linear.split_edges = false;
+  linear.median_px = 0;
+  linear.splat_m = 0;
+  const DepthMap bent = depth_map(pole_and_wall(), test_view(), linear);
+  int bent_pixels = 0;
+  for (int x = 130; x < 190; ++x) bent_pixels += bent.z(100, x) > 10.5F && bent.z(100, x) < 19.5F ? 1 : 0;
+  EXPECT_GT(bent_pixels, 0) << "the published form bends them";
+}
+
+TEST(Depth, NearSurfaceHidesTheFarOneThroughItsGaps) {
+  StaticMap map;
+  for (double y = -8; y <= 8; y += 0.05)
+    for (double z = -3; z <= 3; z += 0.05) add(map, 30, y, z);
+  for (double y = -2; y <= 2; y += 0.1)
+    for (double z = -1; z <= 1; z += 0.1) add(map, 6, y, z);  // a pixel in sixteen
+  finish(map);
+  const DepthMap depth = depth_map(map, test_view(), {});
+  int through = 0;
+  for (int y = 70; y < 130; ++y)
+    for (int x = 90; x < 230; ++x) through += depth.z(y, x) > 7 ? 1 : 0;
+  EXPECT_EQ(through, 0);
+}
+
+TEST(Depth, EmptyMapIsAllSky) {
+  const DepthMap depth = depth_map({}, test_view(), {});
+  EXPECT_EQ(depth.z.size(), cv::Size(320, 200));
+  EXPECT_TRUE(std::isinf(depth.z(0, 0)));
+}
+
+}  // namespace
+}  // namespace dvi

@@ -1,0 +1,189 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "dvi/core/random.h"
+#include "dvi/core/threads.h"
+#include "dvi/map/build_map.h"
+#include "dvi/map/deskew.h"
+#include "dvi/map/visible_points.h"
+
+namespace dvi {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+// A car at 10 m/s along x past points that stand still in the world; each is measured at its own time in the sweep.
+struct MovingCar {
+  std::vector<Eigen::Vector3d> world;
+  Trajectory poses;
+  Sweep sweep;
+  Scan scan;
+
+  explicit MovingCar(double turn_rate = 0.3) {
+    std::vector<StampedPose> stamped;
+    for (int i = -2; i <= 2; ++i) {
+      const double t = 0.1 * i;
+      SE3 pose{so3_exp({0, 0, turn_rate * t}), {0, 0, 0}};
+      // A circle, so that constant twist between stamps is the exact motion.
+      const double r = 10 / turn_rate;
+      pose.t = {r * std::sin(turn_rate * t), r * (1 - std::cos(turn_rate * t)), 0};
+      stamped.push_back({i * 100 * kMs, pose});
+    }
+    poses = Trajectory(stamped);
+    sweep = {"0", 0, -50 * kMs, 50 * kMs, {}};
+    Random random(4);
+    for (int i = 0; i < 500; ++i) {
+      world.push_back({random.uniform(5, 40), random.uniform(-15, 15), random.uniform(-1, 5)});
+      const double t = random.uniform(-0.05, 0.05);
+      const SE3 pose = *poses.at(static_cast<std::int64_t>(std::llround(t * 1e9)));
+      scan.points.push_back((pose.inverse() * world.back()).cast<float>());
+      scan.time.push_back(static_cast<float>(t));
+      scan.intensity.push_back(0.5F);
+    }
+  }
+};
+
+TEST(Deskew, PutsPointsWhereTheyStood) {
+  const MovingCar car;
+  const auto points = to_world(car.scan, car.sweep, car.poses);
+  ASSERT_EQ(points.size(), car.world.size());
+  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_LT((points[i] - car.world[i]).norm(), 0.008) << i;
+}
+
+TEST(Deskew, SaysWhereThereIsNoPose) {
+  MovingCar car;
+  car.sweep.time_ns = 10'000 * kMs;
+  EXPECT_TRUE(to_world(car.scan, car.sweep, car.poses).empty());
+}
+
+// A wall at x = 20 and a box before it, one frame and one sweep at the same time, camera along x.
+Drive wall_drive() {
+  Drive drive;
+  drive.camera = {200, 100, 100, 100, 99.5, 49.5, {}};
+  drive.camera_from_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  drive.frames.resize(1);
+  drive.frames[0].time_ns = 0;
+  drive.sweeps.push_back({"0", 0, -50 * kMs, 50 * kMs, {}});
+  drive.scans = Lazy<Scan>(1, 1, [](std::size_t) {
+    Scan scan;
+    const auto add = [&](float x, float y, float z) {
+      scan.points.emplace_back(x, y, z);
+      scan.intensity.push_back(1);
+      scan.time.push_back(0);
+    };
+    for (int i = -40; i <= 40; ++i) add(20.02F, 0.2F * static_cast<float>(i), 0);  // the wall
+    for (int i = -5; i <= 5; ++i) add(10.02F, 0.1F * static_cast<float>(i), 0.02F);  // the car
+    add(-10.02F, 0, 0);                                                             // behind the camera
+    add(0.5F, 0, 0);                                                                // the own roof
+    return scan;
+  });
+  return drive;
+}
+
+Trajectory standing() { return Trajectory({{-200 * kMs, {}}, {200 * kMs, {}}}); }
+
+Lazy<cv::Mat1b> one_mask(const cv::Rect& hole) {
+  return {1, 1, [hole](std::size_t) {
+            cv::Mat1b mask(100, 200, uchar{0});
+            mask(hole) = 255;
+            return mask;
+          }};
+}
+
+bool has_point_at_x(const StaticMap& map, float x) {
+  for (const MapPoint& p : map.points)
+    if (std::abs(p.position.x() - x) < 0.05F) return true;
+  return false;
+}
+
+TEST(BuildMap, DropsWhatIsMaskedAndTheCarItself) {
+  const Drive drive = wall_drive();
+  MapOptions options;
+  options.witnessed_only = false;
+  const StaticMap map = build_map({{&drive, standing(), one_mask({89, 40, 22, 20})}}, options);
+  EXPECT_FALSE(has_point_at_x(map, 10.02F));
+  EXPECT_TRUE(has_point_at_x(map, 20.02F));
+  EXPECT_TRUE(has_point_at_x(map, -10.02F));
+  EXPECT_EQ(map.counts.returns, 81 + 11 + 2);
+  EXPECT_EQ(map.counts.too_near, 1);
+  EXPECT_GE(map.counts.masked, 11);
+  EXPECT_EQ(map.points.size() + map.counts.masked + 1, map.counts.returns);
+}
+
+TEST(BuildMap, DropsWhatNoCameraSaw) {
+  const Drive drive = wall_drive();
+  const StaticMap map = build_map({{&drive, standing(), one_mask({0, 0, 1, 1})}}, {});
+  EXPECT_FALSE(has_point_at_x(map, -10.02F));
+  EXPECT_EQ(map.counts.unwitnessed, 1);
+}
+
+TEST(BuildMap, DropsPointsInBoxes) {
+  Drive drive = wall_drive();
+  Label label;
+  label.box = Box{{Eigen::Matrix3d::Identity(), {11, 0, 0}}, {2, 2, 2}};
+  drive.frames[0].labels = {label};
+  const StaticMap map = build_map({{&drive, standing(), one_mask({0, 0, 1, 1})}}, {});
+  EXPECT_EQ(map.counts.boxed, 11);
+  EXPECT_FALSE(has_point_at_x(map, 10.02F));
+}
+
+TEST(BuildMap, CountsSweepsWithoutPose) {
+  const Drive drive = wall_drive();
+  const StaticMap map = build_map({{&drive, Trajectory(), one_mask({0, 0, 1, 1})}}, {});
+  EXPECT_EQ(map.counts.sweeps_without_pose, 1);
+  EXPECT_TRUE(map.points.empty());
+}
+
+TEST(BuildMap, ThinsToTheMeanOfAVoxelWhateverTheThreads) {
+  MovingCar car;
+  Drive drive = wall_drive();
+  drive.sweeps.assign(6, drive.sweeps[0]);
+  drive.scans = Lazy<Scan>(6, 6, [](std::size_t i) {
+    Random random(i);
+    Scan scan;
+    for (int k = 0; k < 2000; ++k) {
+      scan.points.emplace_back(random.uniform(10, 11), random.uniform(-1, 1), random.uniform(-1, 1));
+      scan.intensity.push_back(static_cast<float>(random.uniform()));
+      scan.time.push_back(0);
+    }
+    return scan;
+  });
+  MapOptions options;
+  options.voxel_m = 0.25;
+  StaticMap maps[2];
+  for (int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    maps[threads - 1] = build_map({{&drive, standing(), one_mask({0, 0, 1, 1})}}, options);
+  }
+  ASSERT_EQ(maps[0].points.size(), maps[1].points.size());
+  EXPECT_LE(maps[0].points.size(), 5 * 9 * 9);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < maps[0].points.size(); ++i) {
+    EXPECT_EQ(maps[0].points[i].position, maps[1].points[i].position);
+    EXPECT_EQ(maps[0].points[i].intensity, maps[1].points[i].intensity);
+    count += maps[0].points[i].count;
+  }
+  EXPECT_EQ(count, 12000);
+  EXPECT_EQ(maps[0].tiles.back().last, maps[0].points.size());
+}
+
+TEST(VisiblePoints, HidesWhatIsBehindADisc) {
+  StaticMap map;
+  for (const float x : {10.0F, 20.0F}) map.points.push_back({{x, 0.01F * (x - 10), 0}, 0, 1});
+  map.points.push_back({{20.0F, 5, 0}, 0, 1});
+  map.tiles.push_back({Eigen::AlignedBox3f(Eigen::Vector3f(10, 0, 0), Eigen::Vector3f(20, 5, 0)), 0, 3});
+  View view;
+  view.camera = {200, 100, 100, 100, 99.5, 49.5, {}};
+  view.camera_from_world.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  EXPECT_EQ(visible_points(map, view, 0, 0.05).size(), 3) << "a pixel beside its nearer neighbour: seen";
+  const auto visible = visible_points(map, view, 0.3, 0.05);
+  ASSERT_EQ(visible.size(), 2);
+  for (const VisiblePoint& p : visible) EXPECT_NE(p.index, 1);
+  view.camera_from_world.t.z() = -30;  // all points behind
+  EXPECT_TRUE(visible_points(map, view, 0.3, 0.05).empty());
+}
+
+}  // namespace
+}  // namespace dvi

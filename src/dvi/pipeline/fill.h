@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "dvi/align/align.h"
+#include "dvi/depth/depth_map.h"
+#include "dvi/drive/view.h"
+#include "dvi/harmonize/filled_frame.h"
+#include "dvi/pipeline/cpu_clock.h"
+#include "dvi/pipeline/job.h"
+
+namespace dvi {
+
+/// A frame after harmonisation, with what its stages said of themselves.
+struct FilledView {
+  FilledFrame frame;
+  double energy_before = 0, energy_after = 0;  ///< eqs. 2-4
+};
+
+/// Stages 6 to 8 for one view after another: candidates, labels, colours.
+class Filler {
+ public:
+  Filler(const Views& views, const Lazy<DepthMap>& depths, const Options& options, CpuClock& clock)
+      : views_(views), depths_(depths), options_(options), clock_(clock) {}
+  FilledView operator()(std::size_t target) const;
+
+ private:
+  const Views& views_;
+  const Lazy<DepthMap>& depths_;
+  const Options& options_;
+  CpuClock& clock_;
+};
+
+/// Stage 9 over a sliding window: makes the given views (in order, in blocks of parallel work) together with their neighbours
+/// of the same drive, smooths each between them and hands it on.
+class Smoother {
+ public:
+  Smoother(const Filler& filler, std::size_t first, std::size_t last, const SmoothOptions& options, CpuClock& clock)
+      : filler_(filler), first_(first), last_(last), options_(options), clock_(clock) {}
+
+  /// The finished frames of a block of views (ascending).
+  std::vector<FilledView> finish(const std::vector<std::size_t>& block);
+
+ private:
+  void fill(const std::vector<std::size_t>& block);
+
+  const Filler& filler_;
+  std::size_t first_, last_;  // the target drive's views
+  const SmoothOptions& options_;
+  CpuClock& clock_;
+  std::map<std::size_t, std::shared_ptr<const FilledView>> window_;
+};
+
+}  // namespace dvi

@@ -1,0 +1,62 @@
+#include "dvi/pipeline/job.h"
+
+#include <charconv>
+
+#include "dvi/core/error.h"
+
+namespace dvi {
+
+void Options::describe(OptionTable& table) {
+  masks.describe(table);
+  map.describe(table);
+  align.describe(table);
+  depth.describe(table);
+  sample.describe(table);
+  regularize.describe(table);
+  harmonize.describe(table);
+  smooth.describe(table);
+  video.describe(table);
+}
+
+OptionTable Job::table() {
+  OptionTable table;
+  table.section("job");
+  table.add("target", target, {}, "The drive to clean.");
+  table.add("sources", sources, "Further drives of the same place.");
+  table.add("out", out, {}, "The folder of the result.");
+  table.add("camera", source.camera, {}, "The camera to use; empty: the drive's first.");
+  table.add("frames", source.frames, {}, "A:B, both included, by the drive's own numbers; empty: all.");
+  table.add("masks", source.masks, {}, "A folder of PNG, a file of labels, labels, auto; empty: what the drive brings.");
+  table.add("poses", source.poses, {}, "auto, given, or a file of poses.");
+  table.add("method", method, {"dvi", "paper"}, "Whose form of the stages.");
+  options.describe(table);
+  return table;
+}
+
+void use_method(const std::string& method, Options& options) {
+  if (method == "dvi") return;
+  if (method != "paper") throw UsageError("--method " + method + ": there are dvi and paper");
+  // The published form: every point outside masks and boxes, linear depth, plain occlusion test, all stages on.
+  options.map.witnessed_only = false;
+  options.depth.split_edges = false;
+  options.depth.median_px = 5;
+  options.regularize.enabled = true;
+  options.harmonize.poisson = true;
+  options.smooth.enabled = true;
+}
+
+FrameRange parse_frames(const std::string& text) {
+  FrameRange range;
+  const auto colon = text.find(':');
+  const auto number = [&](std::string_view part, int& value) {
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    return error == std::errc() && end == part.data() + part.size();
+  };
+  const std::string_view view = text;
+  if (colon == std::string::npos || !number(view.substr(0, colon), range.first) || !number(view.substr(colon + 1), range.last))
+    throw UsageError("--frames " + text + ": wanted is A:B, two numbers");
+  if (range.first > range.last) throw UsageError("--frames " + text + ": the first is behind the last");
+  return range;
+}
+
+}  // namespace dvi

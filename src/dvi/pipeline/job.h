@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dvi/align/align.h"
+#include "dvi/core/files.h"
+#include "dvi/core/options.h"
+#include "dvi/depth/depth.h"
+#include "dvi/drive/drive.h"
+#include "dvi/harmonize/harmonize.h"
+#include "dvi/io/video.h"
+#include "dvi/map/build_map.h"
+#include "dvi/masks/masks.h"
+#include "dvi/regularize/regularize.h"
+#include "dvi/sample/sample.h"
+#include "dvi/smooth/smooth.h"
+
+namespace dvi {
+
+/// The options of all stages.
+struct Options {
+  MaskOptions masks;
+  MapOptions map;
+  AlignOptions align;
+  DepthOptions depth;
+  SampleOptions sample;
+  RegularizeOptions regularize;
+  HarmonizeOptions harmonize;
+  SmoothOptions smooth;
+  VideoOptions video;
+
+  void describe(OptionTable& table);
+};
+
+/// What to read: shared by every command that opens a drive.
+struct Source {
+  std::string camera;  ///< empty: the drive's first
+  std::string frames;  ///< "A:B"; empty: all
+  std::string masks;   ///< DIR | FILE | labels | auto; empty: the drive's own
+  std::string poses = "auto";  ///< auto | given | FILE
+};
+
+/// One call of `dvi run`.
+struct Job {
+  std::string out, target;
+  std::vector<std::string> sources;  ///< further drives of the same place
+  Source source;
+  std::string method = "dvi";
+  Options options;
+  bool force = false;
+
+  /// Everything that OUT/dvi.toml holds.
+  OptionTable table();
+};
+
+/// Sets the options in which a method differs from the default. UsageError for an unknown one.
+void use_method(const std::string& method, Options& options);
+
+/// "A:B", both included. UsageError otherwise.
+FrameRange parse_frames(const std::string& text);
+
+}  // namespace dvi

@@ -1,0 +1,70 @@
+#include "dvi/pipeline/map_files.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/io/write_ply.h"
+#include "dvi/map/visible_points.h"
+
+namespace dvi {
+namespace {
+
+constexpr int kColourFrames = 40;      // frames, evenly spread, that lend the map their colours
+constexpr double kSplat = 0.07, kTolerance = 0.05;
+const cv::Vec3b kUncoloured(128, 128, 128);
+
+std::string pose_lines(const Views& views) {
+  std::string text;
+  for (const View& view : views.views) {
+    if (view.drive != 0) continue;
+    const SE3 pose = view.camera_from_world.inverse();
+    for (int row = 0; row < 3; ++row)
+      text += fmt::format("{}{:.9g} {:.9g} {:.9g} {:.9g}", row > 0 ? " " : "", pose.R(row, 0), pose.R(row, 1), pose.R(row, 2),
+                          pose.t[row]);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string time_lines(const Views& views) {
+  std::string text;
+  for (const View& view : views.views)
+    if (view.drive == 0) text += fmt::format("{}.{:09}\n", view.time_ns / 1'000'000'000, view.time_ns % 1'000'000'000);
+  return text;
+}
+
+std::vector<cv::Vec3b> colours(const StaticMap& map, const Views& views) {
+  std::vector<cv::Vec3b> out(map.points.size(), kUncoloured);
+  const std::size_t last = views.of_drive(0).second;
+  const std::size_t step = std::max<std::size_t>(1, last / kColourFrames);
+  for (std::size_t i = 0; i < last; i += step) {
+    const auto image = views.images[i];
+    const auto mask = views.masks[i];
+    for (const VisiblePoint& p : visible_points(map, views[i], kSplat, kTolerance)) {
+      const cv::Point pixel(cvRound(p.u), cvRound(p.v));
+      if ((*mask)(pixel) == 0) out[p.index] = (*image)(pixel);  // later frames are nearer and win
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void write_map_files(const fs::path& folder, const StaticMap& map, const Views& views, const Drive& target,
+                     const nlohmann::json& report) {
+  make_folder(folder);
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> intensity;
+  for (const MapPoint& p : map.points) {
+    points.push_back(p.position);
+    intensity.push_back(p.intensity);
+  }
+  const std::vector<cv::Vec3b> colour = colours(map, views);
+  write_file(folder / "poses.txt", pose_lines(views));
+  write_file(folder / "times.txt", time_lines(views));
+  write_ply(folder / "map.ply", {points, colour, {{"intensity", intensity}},
+                                 "dvi map of " + target.path.filename().string()});
+  write_file(folder / "map.json", report.dump(1) + "\n");
+}
+
+}  // namespace dvi

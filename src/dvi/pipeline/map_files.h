@@ -1,0 +1,17 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "dvi/core/files.h"
+#include "dvi/drive/drive.h"
+#include "dvi/drive/view.h"
+#include "dvi/map/static_map.h"
+
+namespace dvi {
+
+/// poses.txt (KITTI: world_from_camera, one line a frame of the target), times.txt (seconds), map.ply (coloured by the
+/// target's frames where they see it), map.json, into a folder.
+void write_map_files(const fs::path& folder, const StaticMap& map, const Views& views, const Drive& target,
+                     const nlohmann::json& report);
+
+}  // namespace dvi

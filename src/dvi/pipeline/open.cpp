@@ -1,0 +1,151 @@
+#include "dvi/pipeline/open.h"
+
+#include <fmt/format.h>
+
+#include "dvi/core/error.h"
+#include "dvi/core/threads.h"
+#include "dvi/io/labels.h"
+#include "dvi/io/mask_folder.h"
+#include "dvi/io/poses.h"
+
+namespace dvi {
+namespace {
+
+constexpr std::size_t kCached = 24;  // images and masks of all views together
+
+MaskSource resolve_masks(Drive& drive, const std::string& from) {
+  if (from.empty() || from == "auto") return default_mask_source(drive);
+  if (from == "labels") return MaskSource::labels;
+  if (fs::is_directory(from)) {
+    attach_masks(drive, from);
+    return MaskSource::files;
+  }
+  if (!fs::exists(from)) throw InputError(from, "does not exist", "--masks takes a folder, a file, labels or auto");
+  const std::vector<std::vector<Label>> labels = read_labels(from, drive);
+  for (std::size_t i = 0; i < labels.size(); ++i) drive.frames[i].labels = labels[i];
+  drive.labelled = true;
+  drive.other_files.emplace_back(from);
+  return MaskSource::labels;
+}
+
+Lazy<cv::Mat1b> masks_of(Drive& drive, const std::string& from, MaskNeed need, const MaskOptions& options) {
+  const bool silent = drive.masks.empty() && !drive.has_labels() && (from.empty() || from == "auto");
+  if (silent && need == MaskNeed::optional)
+    return {drive.frames.size(), 1, [size = cv::Size(drive.camera.width, drive.camera.height)](std::size_t) {
+              return cv::Mat1b(size, uchar{0});
+            }};
+  return find_masks(drive, resolve_masks(drive, from), options);
+}
+
+void resolve_poses(Drive& drive, const std::string& from) {
+  if (from == "auto" || from == "given") return;
+  if (from == "loam") throw UsageError("--poses loam: this version has no odometry; use given or a file of poses");
+  if (!fs::exists(from)) throw InputError(from, "does not exist", "--poses takes auto, given or a file");
+  drive.poses = read_poses(from, drive);
+  drive.world_scale = 1;
+  drive.other_files.emplace_back(from);
+}
+
+// The trajectory in the target's world. Positions of another Mercator scale are brought to the target's first.
+Trajectory to_world_of(const Drive& target, const Drive& drive, const SE3& world_from_given) {
+  const double scale = target.world_scale / drive.world_scale;
+  std::vector<StampedPose> poses = drive.poses.poses();
+  for (StampedPose& p : poses) p.world_from_body.t *= scale;
+  return Trajectory(std::move(poses)).in(world_from_given);
+}
+
+}  // namespace
+
+OpenDrive open_drive(const fs::path& path, const Source& source, MaskNeed need, const MaskOptions& options,
+                     Progress& progress) {
+  ReadOptions read;
+  read.camera = source.camera;
+  if (!source.frames.empty()) read.frames = parse_frames(source.frames);
+  OpenDrive open{read_drive(path, read), {}, {}};
+  resolve_poses(open.drive, source.poses);
+  open.masks = masks_of(open.drive, source.masks, need, options);
+  open.world_from_lidar = open.drive.poses;
+  for (const std::string& warning : open.drive.warnings) progress.warn(path.filename().string() + ": " + warning);
+  return open;
+}
+
+std::vector<OpenDrive> open_drives(const Job& job, MaskNeed need, Progress& progress) {
+  std::vector<OpenDrive> drives;
+  drives.push_back(open_drive(job.target, job.source, need, job.options.masks, progress));
+  // Ranges, masks and poses given by hand are the target's; a further drive is taken as it comes.
+  for (const std::string& path : job.sources)
+    drives.push_back(open_drive(path, {job.source.camera, "", "", "auto"}, need, job.options.masks, progress));
+  for (const OpenDrive& open : drives)
+    if (open.drive.poses.empty())
+      throw InputError(open.drive.path, "has no poses", "give --poses FILE (docs/formats.md says which files)");
+  const Drive& target = drives.front().drive;
+  const std::int64_t start = target.sweeps.empty() ? target.frames.front().time_ns : target.sweeps.front().time_ns;
+  const SE3 first = target.poses.at(start).value_or(target.poses.poses().front().world_from_body);
+  for (OpenDrive& open : drives) open.world_from_lidar = to_world_of(target, open.drive, first.inverse());
+  return drives;
+}
+
+void verify(const std::vector<OpenDrive>& drives, Progress& progress) {
+  std::size_t count = 0;
+  for (const OpenDrive& open : drives) count += open.drive.frames.size() + open.drive.sweeps.size();
+  progress.begin("read", count);
+  for (const OpenDrive& open : drives) {
+    const std::size_t frames = open.drive.frames.size();
+    // The first error in order, whichever thread meets one first.
+    std::vector<std::exception_ptr> errors(frames + open.drive.sweeps.size());
+    parallel_for(errors.size(), [&](std::size_t i) {
+      try {
+        if (i < frames) {
+          open.drive.images[i];
+          open.masks[i];
+        } else {
+          open.drive.scans[i - frames];
+        }
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
+      progress.advance();
+    });
+    for (const std::exception_ptr& error : errors)
+      if (error) std::rethrow_exception(error);
+  }
+  progress.end();
+}
+
+std::vector<MapInput> map_inputs(const std::vector<OpenDrive>& drives) {
+  std::vector<MapInput> inputs;
+  for (const OpenDrive& open : drives) inputs.push_back({&open.drive, open.world_from_lidar, open.masks});
+  return inputs;
+}
+
+Views make_views(const std::vector<OpenDrive>& drives, Progress& progress) {
+  Views out;
+  for (std::size_t d = 0; d < drives.size(); ++d) {
+    const Drive& drive = drives[d].drive;
+    for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+      const std::int64_t time = drive.frames[i].time_ns;
+      const std::optional<SE3> world_from_lidar = drives[d].world_from_lidar.at(time);
+      if (!world_from_lidar) {
+        progress.warn(fmt::format("{}: frame {} has no pose and is left out", drive.path.filename().string(),
+                                  drive.frames[i].name));
+        continue;
+      }
+      out.views.push_back({static_cast<int>(d), i, time, drive.camera, drive.camera_from_lidar * world_from_lidar->inverse()});
+    }
+  }
+  if (out.of_drive(0).second == 0)
+    throw InputError(drives.front().drive.path, "no frame has a pose", "check that poses and images share one clock");
+  const auto of = [views = out.views](std::size_t i) { return std::pair(views[i].drive, views[i].frame); };
+  std::vector<Lazy<cv::Mat3b>> images;
+  std::vector<Lazy<cv::Mat1b>> masks;
+  for (const OpenDrive& open : drives) {
+    images.push_back(open.drive.images);
+    masks.push_back(open.masks);
+  }
+  // The drives' own caches hold the pixels; these only look up the right one.
+  out.images = {out.size(), kCached, [=](std::size_t i) { return *images[of(i).first][of(i).second]; }};
+  out.masks = {out.size(), kCached, [=](std::size_t i) { return *masks[of(i).first][of(i).second]; }};
+  return out;
+}
+
+}  // namespace dvi

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dvi/core/progress.h"
+#include "dvi/io/reader.h"
+#include "dvi/map/build_map.h"
+#include "dvi/pipeline/job.h"
+
+namespace dvi {
+
+/// A drive that is ready for the stages: masks found, poses in the world of the target's first LiDAR pose.
+struct OpenDrive {
+  Drive drive;
+  Lazy<cv::Mat1b> masks;         ///< as drive.frames
+  Trajectory world_from_lidar;
+};
+
+/// Whether a drive must say what to remove; if not, nothing is masked where it does not.
+enum class MaskNeed { required, optional };
+
+/// Opens one drive as `source` says, with warnings told to `progress`. Poses are as given.
+OpenDrive open_drive(const fs::path& path, const Source& source, MaskNeed need, const MaskOptions& options, Progress& progress);
+
+/// Opens the target and the further drives and brings their poses into one world: that of the target's first LiDAR pose.
+/// InputError where a drive has no poses.
+std::vector<OpenDrive> open_drives(const Job& job, MaskNeed need, Progress& progress);
+
+/// Reads every image, mask and scan once, so that bad ones are found before hours of work. InputError at the first.
+void verify(const std::vector<OpenDrive>& drives, Progress& progress);
+
+/// The drives as the map sees them.
+std::vector<MapInput> map_inputs(const std::vector<OpenDrive>& drives);
+
+/// All posed frames of all drives. Frames without a pose are left out with a warning.
+Views make_views(const std::vector<OpenDrive>& drives, Progress& progress);
+
+}  // namespace dvi

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "dvi/align/align.h"
+#include "dvi/core/progress.h"
+#include "dvi/pipeline/cpu_clock.h"
+#include "dvi/pipeline/fill.h"
+#include "dvi/pipeline/open.h"
+
+namespace dvi {
+
+/// What report.json says of one frame.
+nlohmann::json frame_report(const Frame& frame, const FilledView& view, const ViewAlignment& alignment);
+
+/// What map.json says: points, and returns dropped by cause.
+nlohmann::json map_report(const StaticMap& map);
+
+/// One entry a drive: what it is, and what was missing in it.
+nlohmann::json drives_report(const std::vector<OpenDrive>& drives);
+
+/// Wall and CPU seconds a stage, peak memory.
+nlohmann::json cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames);
+
+/// Shares of each kind over all frames, from their reports.
+nlohmann::json hole_report(const std::vector<nlohmann::json>& frames);
+
+}  // namespace dvi

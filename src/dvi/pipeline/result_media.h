@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dvi/core/files.h"
+#include "dvi/core/progress.h"
+#include "dvi/drive/drive.h"
+#include "dvi/io/video.h"
+
+namespace dvi {
+
+/// video.mp4 (the result), compare.mp4 (input above result) and contact.png of the finished frames in a result folder.
+void write_media(const fs::path& out, const Drive& target, const std::vector<std::string>& names, const VideoOptions& options,
+                 Progress& progress);
+
+}  // namespace dvi

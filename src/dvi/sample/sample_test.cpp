@@ -1,0 +1,100 @@
+#include "dvi/sample/sample.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+#include "dvi/drive/flat_scene.h"
+
+namespace dvi {
+namespace {
+
+const cv::Rect kHole(30, 20, 10, 10);
+
+cv::Mat1b hole_mask() {
+  cv::Mat1b mask(60, 80, uchar{0});
+  mask(kHole) = 255;
+  return mask;
+}
+
+Lazy<DepthMap> flat_depths(const FlatScene& scene) {
+  return {scene.views.size(), 8, [d = scene.depth()](std::size_t) {
+            return DepthMap{d.clone(), cv::Mat1f(d.size(), 0.02F)};
+          }};
+}
+
+// Views of one drive in time order with these disparities; the target is the one with disparity 0.
+FlatScene drive_of(const std::vector<int>& disparities) {
+  const cv::Mat3b picture = waves(80, 60, 1);
+  FlatScene scene(picture, hole_mask());
+  for (const int d : disparities) scene.add_source(d, picture);
+  return scene;
+}
+
+TEST(Sample, TakesTheNextFrameAtTheWarpedPosition) {
+  const FlatScene scene = drive_of({3, 6});
+  const Candidates c = sample(scene.lazy(), 0, flat_depths(scene), {});
+  ASSERT_EQ(c.of.size(), 100);
+  for (std::size_t i = 0; i < c.of.size(); ++i) {
+    EXPECT_EQ(c.of[i].view, 1);
+    EXPECT_EQ(c.of[i].position, cv::Point2f(c.hole.pixels[i]) + cv::Point2f(3, 0));
+  }
+}
+
+TEST(Sample, SearchesForwardsThenBackwardsThenOtherDrives) {
+  FlatScene scene = drive_of({1, 2, 3, 4});
+  scene.views[4].drive = 1;
+  EXPECT_EQ(search_order(scene.lazy(), 2), (std::vector<std::size_t>{3, 1, 0, 4}));
+}
+
+TEST(Sample, SkipsSourcesThatMaskThePixel) {
+  FlatScene scene = drive_of({3, 6});
+  scene.masks[1] = hole_mask();
+  const Candidates c = sample(scene.lazy(), 0, flat_depths(scene), {.mask_margin_px = 0});
+  int first = 0, second = 0;
+  for (std::size_t i = 0; i < c.of.size(); ++i) {
+    const bool masked = c.hole.pixels[i].x + 3 < kHole.br().x;
+    EXPECT_EQ(c.of[i].view, masked ? 2 : 1);
+    ++(masked ? second : first);
+  }
+  EXPECT_GT(first, 0);
+  EXPECT_GT(second, 0);
+  const Candidates margin = sample(scene.lazy(), 0, flat_depths(scene), {.mask_margin_px = 4});
+  for (const Candidate& candidate : margin.of) EXPECT_EQ(candidate.view, 2) << "all within the margin of the mask";
+}
+
+TEST(Sample, OutsideTheImageNobodySawIt) {
+  const FlatScene scene = drive_of({60, -60});
+  const Candidates c = sample(scene.lazy(), 0, flat_depths(scene), {});
+  for (const Candidate& candidate : c.of) EXPECT_FALSE(candidate.found());
+}
+
+TEST(Sample, OccludedSourcesDoNotCount) {
+  const FlatScene scene = drive_of({3, 6});
+  const Lazy<DepthMap> depths{3, 3, [d = scene.depth()](std::size_t i) {
+                                DepthMap depth{d.clone(), cv::Mat1f(d.size(), 0.02F)};
+                                if (i == 1) depth.z = 5.0F;  // something stands before the plane there
+                                return depth;
+                              }};
+  for (const Candidate& c : sample(scene.lazy(), 0, depths, {}).of) EXPECT_EQ(c.view, 2);
+  for (const Candidate& c : sample(scene.lazy(), 0, depths, {.occlusion_test = false}).of) EXPECT_EQ(c.view, 1);
+}
+
+TEST(Sample, NoDepthNoCandidate) {
+  const FlatScene scene = drive_of({3});
+  const Lazy<DepthMap> depths{2, 2, [d = scene.depth()](std::size_t) {
+                                DepthMap depth{cv::Mat1f(d.size(), DepthMap::kUnknown), cv::Mat1f(d.size(), 0.0F)};
+                                depth.z.rowRange(0, 25) = DepthMap::kSky;
+                                return depth;
+                              }};
+  for (const Candidate& c : sample(scene.lazy(), 0, depths, {}).of) EXPECT_FALSE(c.found());
+}
+
+TEST(Sample, EmptyHole) {
+  FlatScene scene = drive_of({3});
+  scene.masks[0].setTo(0);
+  EXPECT_TRUE(sample(scene.lazy(), 0, flat_depths(scene), {}).of.empty());
+}
+
+}  // namespace
+}  // namespace dvi
