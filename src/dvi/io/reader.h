@@ -11,9 +11,24 @@
 namespace dvi {
 
 struct ReadOptions {
-  std::string camera;                ///< empty: the drive's first
-  std::optional<FrameRange> frames;  ///< cut the drive to these (frames, and the sweeps near them in time)
+  std::string camera;                                ///< empty: the drive's first
+  std::optional<FrameRange> frames;                  ///< cut the drive to these (frames, and the sweeps near them in time)
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< bound of decoded images, masks and scans kept together
+};
+
+/// Something that some frames lack, in words that go before their numbers: "no scan for frames".
+struct Gap {
+  std::string what;
+  std::vector<int> frames;
+};
+
+/// What a reader finds by looking at names and parsing text. The whole drive: read_drive cuts it to --frames, names the gaps
+/// that remain, and hangs images, masks and scans in.
+struct Recording {
+  Drive drive;
+  std::vector<Gap> gaps;
+  std::function<Scan(const Sweep&)> read_scan;
+  std::size_t scan_bytes = 0;  ///< of one scan in memory; 0: by the size of the files
 };
 
 /// One layout of recordings that dvi can read.
@@ -21,13 +36,18 @@ struct DriveFormat {
   std::string name;     ///< as `dvi formats` lists it
   std::string summary;  ///< one line: how it is recognised
   std::function<bool(const std::filesystem::path&)> recognise;
-  std::function<Drive(const std::filesystem::path&, const ReadOptions&)> read;
+  std::function<Recording(const std::filesystem::path&, const ReadOptions&)> read;
 };
+
+DriveFormat folder_format();
+DriveFormat kitti_raw_format();
+DriveFormat apolloscape_format();
 
 /// All formats; a new reader is one file and one line here.
 const std::vector<DriveFormat>& drive_formats();
 
-/// Opens a drive of whatever format. InputError where the folder is none, or lacks what it needs.
+/// Opens a drive of whatever format: looks at names and parses text, reads no image or scan. InputError where the folder is
+/// none, lacks what it needs, or does not have the frames asked for.
 Drive read_drive(const std::filesystem::path& path, const ReadOptions& options = {});
 
 }  // namespace dvi

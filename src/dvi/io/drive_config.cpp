@@ -1,0 +1,161 @@
+#include "dvi/io/drive_config.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include "dvi/core/error.h"
+#include "dvi/io/rigid.h"
+
+namespace dvi {
+namespace {
+
+constexpr int kVersion = 1;
+constexpr double kDegree = std::numbers::pi / 180;
+
+std::int64_t to_ns(double seconds) { return std::llround(seconds * 1e9); }
+
+// One table of the file; complains with file and line.
+class Table {
+ public:
+  Table(const fs::path& file, std::string name, const toml::table& table, std::vector<std::string> keys)
+      : file_(file), name_(std::move(name)), table_(&table) {
+    for (const auto& [key, node] : table)
+      if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
+        fail(node, fmt::format("[{}] has no key '{}'", name_, key.str()), fmt::format("it has {}", fmt::join(keys, ", ")));
+  }
+
+  std::optional<double> number(const char* key) const {
+    const toml::node* node = table_->get(key);
+    if (!node) return std::nullopt;
+    const auto value = node->value<double>();
+    if (!value || !std::isfinite(*value)) fail(*node, fmt::format("'{}' is not a number", key));
+    return value;
+  }
+  template <std::size_t N>
+  std::optional<std::array<double, N>> numbers(const char* key) const {
+    const toml::node* node = table_->get(key);
+    if (!node) return std::nullopt;
+    const toml::array* list = node->as_array();
+    if (!list || list->size() != N) fail(*node, fmt::format("'{}' is not a list of {} numbers", key, N));
+    std::array<double, N> out;
+    for (std::size_t i = 0; i < N; ++i) {
+      const auto value = (*list)[i].value<double>();
+      if (!value || !std::isfinite(*value)) fail(*node, fmt::format("'{}' is not a list of {} numbers", key, N));
+      out[i] = *value;
+    }
+    return out;
+  }
+  /// The place of a word among those allowed.
+  std::optional<std::size_t> choice(const char* key, const std::vector<std::string>& words) const {
+    const toml::node* node = table_->get(key);
+    if (!node) return std::nullopt;
+    const auto word = std::find(words.begin(), words.end(), node->value_or(std::string()));
+    if (word == words.end()) fail(*node, fmt::format("'{}' is none of {}", key, fmt::join(words, ", ")));
+    return static_cast<std::size_t>(word - words.begin());
+  }
+  [[noreturn]] void fail(const char* key, const std::string& problem) const {
+    fail(*table_->get(key), fmt::format("'{}' {}", key, problem));
+  }
+
+ private:
+  [[noreturn]] void fail(const toml::node& node, const std::string& problem, const std::string& remedy = {}) const {
+    throw InputError(fmt::format("{}:{}", file_.string(), node.source().begin.line), problem, remedy);
+  }
+
+  fs::path file_;
+  std::string name_;
+  const toml::table* table_;
+};
+
+CameraConfig read_camera(const Table& table) {
+  CameraConfig camera;
+  if (const auto size = table.numbers<2>("size")) {
+    camera.size = cv::Size(static_cast<int>((*size)[0]), static_cast<int>((*size)[1]));
+    if (camera.size->width <= 0 || camera.size->height <= 0) table.fail("size", "is not [width, height] in pixels");
+  }
+  camera.K = table.numbers<9>("K");
+  if (camera.K && !((*camera.K)[0] > 0 && (*camera.K)[4] > 0))
+    table.fail("K", "is not [fx, 0, cx, 0, fy, cy, 0, 0, 1] in pixels");
+  camera.distortion = table.numbers<5>("distortion");
+  if (const auto m = table.numbers<12>("camera_from_lidar")) {
+    camera.camera_from_lidar = to_rigid(*m);
+    if (!camera.camera_from_lidar) table.fail("camera_from_lidar", "does not hold a rotation: rows of 3x4 are r r r t");
+  }
+  camera.offset_ns = to_ns(table.number("offset_s").value_or(0));
+  return camera;
+}
+
+LidarConfig read_lidar(const Table& table) {
+  LidarConfig lidar;
+  lidar.rate = table.number("rate").value_or(lidar.rate);
+  if (!(lidar.rate > 0)) table.fail("rate", "is not a number of sweeps a second");
+  if (const auto stamp = table.choice("stamp", {"start", "middle", "end"})) lidar.stamp = LidarConfig::Stamp(*stamp);
+  if (const auto turn = table.choice("rotation", {"clockwise", "counterclockwise", "none"})) lidar.turn = Turn(*turn);
+  if (const auto azimuth = table.number("first_azimuth_deg")) lidar.first_azimuth = *azimuth * kDegree;
+  lidar.offset_ns = to_ns(table.number("offset_s").value_or(0));
+  return lidar;
+}
+
+const toml::table& table_of(const toml::node* node) {
+  static const toml::table none;
+  return node && node->is_table() ? *node->as_table() : none;
+}
+
+}  // namespace
+
+std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
+  DriveConfig config;
+  config.file = drive / "dvi.toml";
+  if (!fs::exists(config.file)) return std::nullopt;
+  toml::table root;
+  try {
+    root = toml::parse(read_file(config.file));
+  } catch (const toml::parse_error& e) {
+    throw InputError(fmt::format("{}:{}", config.file.string(), e.source().begin.line), std::string(e.description()));
+  }
+  Table(config.file, "", root, {"drive", "camera", "lidar"});
+  const Table head(config.file, "drive", table_of(root.get("drive")), {"version"});
+  if (const auto version = head.number("version"); version && *version != kVersion)
+    head.fail("version", fmt::format("is {}, and this program reads {}", *version, kVersion));
+  for (const auto& [name, node] : table_of(root.get("camera")))
+    config.cameras[std::string(name.str())] =
+        read_camera(Table(config.file, fmt::format("camera.{}", name.str()), table_of(&node),
+                          {"size", "K", "distortion", "camera_from_lidar", "offset_s"}));
+  config.lidar = read_lidar(Table(config.file, "lidar", table_of(root.get("lidar")),
+                                  {"rate", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s"}));
+  return config;
+}
+
+void CameraConfig::apply(Drive& drive) const {
+  Camera& camera = drive.camera;
+  if (size) camera.width = size->width, camera.height = size->height;
+  if (K) camera.fx = (*K)[0], camera.cx = (*K)[2], camera.fy = (*K)[4], camera.cy = (*K)[5];
+  if (distortion) camera.distortion = *distortion;
+  if (camera_from_lidar) drive.camera_from_lidar = *camera_from_lidar;
+  for (Frame& frame : drive.frames) frame.time_ns += offset_ns;
+}
+
+void LidarConfig::apply(Drive& drive) const {
+  for (Sweep& sweep : drive.sweeps) sweep.time_ns += offset_ns, sweep.start_ns += offset_ns, sweep.end_ns += offset_ns;
+}
+
+CameraConfig DriveConfig::camera(const std::string& name) const {
+  const auto found = cameras.find(name);
+  return found == cameras.end() ? CameraConfig{} : found->second;
+}
+
+void DriveConfig::apply(Drive& drive) const {
+  for (const auto& [name, config] : cameras)
+    if (std::find(drive.camera_names.begin(), drive.camera_names.end(), name) == drive.camera_names.end())
+      throw InputError(file, fmt::format("[camera.{}] is no camera of this drive", name),
+                       fmt::format("it has {}", fmt::join(drive.camera_names, ", ")));
+  camera(drive.camera_name).apply(drive);
+  lidar.apply(drive);
+  drive.other_files.push_back(file);
+}
+
+}  // namespace dvi

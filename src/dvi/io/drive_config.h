@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "dvi/core/files.h"
+#include "dvi/drive/drive.h"
+#include "dvi/io/scan_time.h"
+
+namespace dvi {
+
+/// What a table [camera.NAME] of a drive's dvi.toml says; what it leaves out is none.
+struct CameraConfig {
+  std::optional<cv::Size> size;
+  std::optional<std::array<double, 9>> K;  ///< row-major
+  std::optional<std::array<double, 5>> distortion;
+  std::optional<SE3> camera_from_lidar;
+  std::int64_t offset_ns = 0;  ///< added to the camera's stamps
+
+  void apply(Drive& drive) const;  ///< to camera, camera_from_lidar and the frames' times
+};
+
+/// What the table [lidar] says.
+struct LidarConfig {
+  double rate = 10;  ///< sweeps a second
+  enum class Stamp { start, middle, end } stamp = Stamp::middle;
+  std::optional<Turn> turn;
+  std::optional<double> first_azimuth;  ///< radians
+  std::int64_t offset_ns = 0;           ///< added to the LiDAR's stamps
+
+  void apply(Drive& drive) const;  ///< to the sweeps' times
+  Rotation rotation() const { return {turn.value_or(Turn::clockwise), first_azimuth.value_or(std::numbers::pi)}; }
+};
+
+/// A drive's dvi.toml: calibration and clocks. `folder` is made of it; in a drive of any other format it overrides.
+struct DriveConfig {
+  fs::path file;
+  std::map<std::string, CameraConfig> cameras;
+  LidarConfig lidar;
+
+  /// What is said of a camera; nothing, if it is not there.
+  CameraConfig camera(const std::string& name) const;
+  /// Overrides calibration and clocks of a drive of another format, and notes the file.
+  void apply(Drive& drive) const;
+};
+
+/// Reads DRIVE/dvi.toml; none where there is no such file. InputError where it is malformed, has keys that are not known, or
+/// is of another version.
+std::optional<DriveConfig> read_drive_config(const fs::path& drive);
+
+}  // namespace dvi

@@ -1,0 +1,63 @@
+#include "dvi/io/kitti_calibration.h"
+
+#include <map>
+
+#include "dvi/core/error.h"
+#include "dvi/io/text.h"
+
+namespace dvi {
+namespace {
+
+// Lines "KEY: numbers".
+class Entries {
+ public:
+  explicit Entries(const fs::path& file) : file_(file) {
+    if (!fs::exists(file)) throw InputError(file, "is missing", "KITTI offers it as the calibration files of that day");
+    for (const TextLine& line : read_text_lines(file))
+      if (line.size() > 0) lines_.emplace(line.word(0), line);
+  }
+  bool has(const std::string& key) const { return lines_.contains(key + ":"); }
+  template <std::size_t N>
+  std::array<double, N> numbers(const std::string& key) const {
+    const auto line = lines_.find(key + ":");
+    if (line == lines_.end()) throw InputError(file_, "has no entry " + key, "take the file as KITTI offers it");
+    if (line->second.size() != N + 1) line->second.fail(key + " does not have " + std::to_string(N) + " numbers");
+    return line->second.numbers<N>(1);
+  }
+  Eigen::Matrix3d matrix(const std::string& key) const {
+    return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers<9>(key).data());
+  }
+  SE3 rigid() const {
+    const auto t = numbers<3>("T");
+    return {nearest_rotation(matrix("R")), {t[0], t[1], t[2]}};
+  }
+
+ private:
+  fs::path file_;
+  std::map<std::string, TextLine> lines_;
+};
+
+}  // namespace
+
+KittiCalibration read_kitti_calibration(const fs::path& date_folder, const std::string& camera) {
+  const fs::path cam_to_cam = date_folder / "calib_cam_to_cam.txt", velo_to_cam = date_folder / "calib_velo_to_cam.txt";
+  const std::string number = camera.substr(camera.size() - 2);
+  const Entries cameras(cam_to_cam), lidar(velo_to_cam);
+  KittiCalibration out;
+  out.files = {cam_to_cam, velo_to_cam};
+  const auto P = cameras.numbers<12>("P_rect_" + number);
+  out.camera.fx = P[0], out.camera.cx = P[2], out.camera.fy = P[5], out.camera.cy = P[6];
+  if (!(P[0] > 0 && P[5] > 0)) throw InputError(cam_to_cam, "P_rect_" + number + " holds no focal length");
+  if (cameras.has("S_rect_" + number)) {
+    const auto size = cameras.numbers<2>("S_rect_" + number);
+    out.camera.width = static_cast<int>(size[0]), out.camera.height = static_cast<int>(size[1]);
+  }
+  // P = K [I | t]: t = K^-1 P's last column.
+  out.camera_from_rect0.t = {(P[3] - P[2] * P[11]) / P[0], (P[7] - P[6] * P[11]) / P[5], P[11]};
+  out.rect0_from_lidar = SE3{nearest_rotation(cameras.matrix("R_rect_00")), {0, 0, 0}} * lidar.rigid();
+  return out;
+}
+
+SE3 read_lidar_from_imu(const fs::path& date_folder) { return Entries(date_folder / "calib_imu_to_velo.txt").rigid(); }
+
+}  // namespace dvi

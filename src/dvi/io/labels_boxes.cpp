@@ -1,0 +1,53 @@
+#include <array>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/io/labels.h"
+#include "dvi/io/text.h"
+
+namespace dvi {
+namespace {
+
+using nlohmann::json;
+constexpr int kVersion = 1;
+
+Eigen::Vector3d vector(const json& value) {
+  const auto v = value.get<std::array<double, 3>>();
+  return {v[0], v[1], v[2]};
+}
+
+Label read_box(const json& box) {
+  Label label;
+  label.track = box.value("track", -1);
+  label.type = lower_case(box.at("class").get<std::string>());
+  label.box = Box{{so3_exp({0, 0, box.at("yaw").get<double>()}), vector(box.at("center"))}, vector(box.at("size"))};
+  if (!(label.box->size.array() > 0).all()) throw std::invalid_argument("a box has no size [length, width, height]");
+  return label;
+}
+
+}  // namespace
+
+LabelsByName read_boxes_json(const fs::path& file) {
+  LabelsByName labels;
+  std::string name;
+  try {
+    const json document = json::parse(read_file(file));
+    if (document.at("version") != kVersion)
+      throw std::invalid_argument(
+          fmt::format("version is {}, and this program reads {}", document.at("version").dump(), kVersion));
+    for (const auto& [frame, boxes] : document.at("frames").items()) {
+      name = frame;
+      for (const json& box : boxes)
+        if (Label label = read_box(box); label.type != "dontcare") labels[frame].push_back(std::move(label));
+    }
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& e) {  // of the JSON library or of ours
+    throw InputError(file, (name.empty() ? "" : "frame " + name + ": ") + e.what(), "docs/formats.md shows the layout");
+  }
+  return labels;
+}
+
+}  // namespace dvi

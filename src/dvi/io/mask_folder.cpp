@@ -1,0 +1,55 @@
+#include "dvi/io/mask_folder.h"
+
+#include <algorithm>
+#include <map>
+
+#include "dvi/core/error.h"
+#include "dvi/io/image_file.h"
+
+namespace dvi {
+namespace {
+
+std::map<std::string, fs::path> masks_by_name(const std::vector<fs::path>& folders) {
+  std::map<std::string, fs::path> masks;
+  for (const fs::path& folder : folders)
+    for (const fs::path& file : list_files(folder, {".png"})) masks[file.stem().string()] = file;
+  return masks;
+}
+
+// Takes what it uses out of `masks`.
+std::vector<fs::path> as_frames(const std::vector<Frame>& frames, std::map<std::string, fs::path>& masks) {
+  std::vector<fs::path> files;
+  for (const Frame& frame : frames) {
+    const auto found = masks.find(frame.name);
+    files.push_back(found == masks.end() ? fs::path() : found->second);
+    if (found != masks.end()) masks.erase(found);
+  }
+  return files;
+}
+
+}  // namespace
+
+std::vector<fs::path> match_masks(const std::vector<Frame>& frames, const std::vector<fs::path>& folders) {
+  std::map<std::string, fs::path> masks = masks_by_name(folders);
+  if (masks.empty()) return {};
+  std::vector<fs::path> files = as_frames(frames, masks);
+  if (!masks.empty())
+    throw InputError(masks.begin()->second, "is a mask for no image of the drive", "name a mask like its image, or remove it");
+  return files;
+}
+
+void attach_masks(Drive& drive, const fs::path& folder) {
+  std::map<std::string, fs::path> masks = masks_by_name({folder});
+  if (masks.empty()) throw InputError(folder, "holds no masks", "masks are PNG files named like the images");
+  const fs::path any = masks.begin()->second;
+  drive.mask_files = as_frames(drive.frames, masks);
+  if (std::all_of(drive.mask_files.begin(), drive.mask_files.end(), [](const fs::path& file) { return file.empty(); }))
+    throw InputError(any, "is a mask for no image of the drive", "name masks like the images");
+  constexpr std::size_t kKept = 16;
+  const cv::Size size(drive.camera.width, drive.camera.height);
+  drive.masks = Lazy<cv::Mat1b>(drive.frames.size(), kKept, [files = drive.mask_files, size](std::size_t i) {
+    return files[i].empty() ? cv::Mat1b(size, uchar{0}) : read_mask(files[i], size);
+  });
+}
+
+}  // namespace dvi

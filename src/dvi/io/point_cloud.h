@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "dvi/core/files.h"
+
+namespace dvi {
+
+/// The points of one file as they stand there.
+struct PointCloud {
+  std::vector<Eigen::Vector3f> points;  ///< metres
+  std::vector<float> intensity;         ///< one a point; 0 where the file tells none
+  std::vector<float> t;                 ///< one a point: seconds after the sweep's start; or empty
+  std::vector<std::uint16_t> ring;      ///< one a point; or empty
+};
+
+/// Reads .bin (float32 x y z intensity), .ply or .pcd (ascii or binary) by its ending. InputError where the file cannot be
+/// parsed, is cut short, holds no points or points that are not finite.
+PointCloud read_point_cloud(const fs::path& path);
+
+}  // namespace dvi

@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "dvi/core/error.h"
+#include "dvi/io/camera_choice.h"
+#include "dvi/io/depth_scan.h"
+#include "dvi/io/drive_config.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/labels.h"
+#include "dvi/io/mask_folder.h"
+#include "dvi/io/point_cloud.h"
+#include "dvi/io/poses.h"
+#include "dvi/io/reader.h"
+#include "dvi/io/text.h"
+
+namespace dvi {
+namespace {
+
+using Times = std::map<std::string, std::int64_t>;  // NAME to nanoseconds
+
+std::vector<fs::path> images_of(const fs::path& drive, const std::string& camera) {
+  return list_files(drive / "images" / camera, {".png", ".jpg", ".jpeg"});
+}
+
+Times read_times(const fs::path& file) {
+  Times times;
+  for (const TextLine& line : read_text_lines(file)) {
+    if (line.size() != 2) line.fail("has " + std::to_string(line.size()) + " entries instead of 2", "lines are: NAME seconds");
+    times[line.word(0)] = line.nanoseconds(1);
+  }
+  return times;
+}
+
+bool numbered(const std::vector<std::string>& names) {
+  std::set<int> numbers;
+  for (const std::string& name : names) {
+    const auto number = all_digits(name) ? to_integer(name) : std::nullopt;
+    if (!number || !numbers.insert(*number).second) return false;
+  }
+  return true;
+}
+
+std::vector<std::string> names_of(const std::vector<fs::path>& files) {
+  std::vector<std::string> names;
+  for (const fs::path& file : files) names.push_back(file.stem().string());
+  return names;
+}
+
+// Without any times, equal names tie image and scan: their numbers, or their places among all names, count sweeps.
+Times count_times(const std::vector<std::string>& images, const std::vector<std::string>& scans, double rate) {
+  std::set<std::string> names(images.begin(), images.end());
+  names.insert(scans.begin(), scans.end());
+  const bool by_number = numbered({names.begin(), names.end()});
+  Times times;
+  for (int index = 0; const std::string& name : names) {
+    const int count = by_number ? *to_integer(name) : index;
+    times[name] = std::llround(1e9 * count / rate);
+    ++index;
+  }
+  return times;
+}
+
+// When images and scans were taken, before the offsets of their clocks.
+struct Clocks {
+  Times camera, lidar;
+  fs::path camera_file, lidar_file;
+};
+
+Clocks read_clocks(Drive& drive, const std::vector<std::string>& images, const std::vector<std::string>& scans, double rate) {
+  Clocks clocks;
+  clocks.camera_file = drive.path / "times" / (drive.camera_name + ".txt");
+  clocks.lidar_file = drive.path / "times" / "lidar.txt";
+  const bool camera = fs::exists(clocks.camera_file), lidar = fs::exists(clocks.lidar_file);
+  if (camera) clocks.camera = read_times(clocks.camera_file), drive.other_files.push_back(clocks.camera_file);
+  if (lidar) clocks.lidar = read_times(clocks.lidar_file), drive.other_files.push_back(clocks.lidar_file);
+  if (!camera) clocks.camera = lidar ? clocks.lidar : count_times(images, scans, rate);
+  if (!lidar) clocks.lidar = clocks.camera;
+  return clocks;
+}
+
+std::int64_t time_of(const Times& times, const fs::path& file, const fs::path& source) {
+  if (const auto time = times.find(file.stem().string()); time != times.end()) return time->second;
+  throw InputError(file, "has no time", "add a line '" + file.stem().string() + " seconds' to " + source.string());
+}
+
+std::vector<Frame> make_frames(const std::vector<fs::path>& files, const Clocks& clocks) {
+  const bool by_number = numbered(names_of(files));
+  std::vector<Frame> frames;
+  for (const fs::path& file : files)
+    frames.push_back({0, file.stem().string(), time_of(clocks.camera, file, clocks.camera_file), file, {}});
+  std::stable_sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) { return a.time_ns < b.time_ns; });
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    frames[i].number = by_number ? *to_integer(frames[i].name) : static_cast<int>(i);
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    if (frames[i].number < frames[i - 1].number)
+      throw InputError(frames[i].file, "comes before " + frames[i - 1].name + " by name but after it by time",
+                       "names sort in time; correct " + clocks.camera_file.string());
+  return frames;
+}
+
+std::vector<Sweep> make_sweeps(const std::vector<fs::path>& files, const Clocks& clocks, std::int64_t length,
+                               LidarConfig::Stamp stamp) {
+  std::vector<Sweep> sweeps;
+  for (const fs::path& file : files) {
+    const std::int64_t time = time_of(clocks.lidar, file, clocks.lidar_file);
+    const std::int64_t half = length / 2;
+    const std::int64_t middle = stamp == LidarConfig::Stamp::start ? time + half
+                                : stamp == LidarConfig::Stamp::end ? time - half
+                                                                   : time;
+    sweeps.push_back({file.stem().string(), middle, middle - half, middle + half, file});
+  }
+  std::stable_sort(sweeps.begin(), sweeps.end(), [](const Sweep& a, const Sweep& b) { return a.time_ns < b.time_ns; });
+  return sweeps;
+}
+
+const Sweep* nearest_sweep(const std::vector<Sweep>& sweeps, std::int64_t time, std::int64_t within) {
+  const auto distance = [&](const Sweep& sweep) { return std::abs(sweep.time_ns - time); };
+  const auto nearest =
+      std::min_element(sweeps.begin(), sweeps.end(), [&](const Sweep& a, const Sweep& b) { return distance(a) < distance(b); });
+  return nearest == sweeps.end() || distance(*nearest) > within ? nullptr : &*nearest;
+}
+
+std::vector<Gap> find_gaps(const Drive& drive, std::int64_t period) {
+  Gap images{"no image for frames", {}}, scans{"no scan for frames", {}}, poses{"no pose for the scans of frames", {}};
+  std::set<std::int64_t> posed;
+  for (const StampedPose& pose : drive.poses.poses()) posed.insert(pose.time_ns);
+  const bool by_scan = !posed.empty() && std::any_of(drive.sweeps.begin(), drive.sweeps.end(),
+                                                     [&](const Sweep& sweep) { return posed.contains(sweep.time_ns); });
+  std::map<int, int> steps;
+  for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+    const Frame& frame = drive.frames[i];
+    if (i > 0) ++steps[frame.number - drive.frames[i - 1].number];
+    const Sweep* sweep = nearest_sweep(drive.sweeps, frame.time_ns, period * 6 / 10);
+    if (!sweep) scans.frames.push_back(frame.number);
+    if (sweep && by_scan && !posed.contains(sweep->time_ns)) poses.frames.push_back(frame.number);
+  }
+  // Numbers are missing only where they otherwise count in even steps, and not where names are times, say.
+  const auto usual = std::max_element(steps.begin(), steps.end(), [](auto& a, auto& b) { return a.second < b.second; });
+  if (usual != steps.end() && 2 * static_cast<std::size_t>(usual->second) >= drive.frames.size() - 1)
+    for (std::size_t i = 1; i < drive.frames.size(); ++i)
+      for (int number = drive.frames[i - 1].number + usual->first; number < drive.frames[i].number; number += usual->first)
+        images.frames.push_back(number);
+  return {images, scans, poses};
+}
+
+DriveConfig read_config(const fs::path& path) {
+  const auto config = read_drive_config(path);
+  if (!config) throw InputError(path / "dvi.toml", "is missing", "docs/formats.md shows one to copy");
+  if (config->cameras.empty())
+    throw InputError(config->file, "has no table [camera.NAME]", "docs/formats.md shows one to copy");
+  return *config;
+}
+
+void set_camera(Drive& drive, const DriveConfig& config, bool depth) {
+  const CameraConfig camera = config.camera(drive.camera_name);
+  const std::string table = "[camera." + drive.camera_name + "]";
+  if (!camera.K) throw InputError(config.file, table + " has no K", "K = [fx, 0, cx, 0, fy, cy, 0, 0, 1] in pixels");
+  if (!camera.camera_from_lidar && !depth)
+    throw InputError(config.file, table + " has no camera_from_lidar", "give the 12 numbers of a 3x4 matrix, row by row");
+  if (!camera.size) {
+    const cv::Size size = image_size(drive.frames.front().file);
+    drive.camera.width = size.width, drive.camera.height = size.height;
+  }
+  camera.apply(drive);
+  if (depth)  // it hangs on the camera's clock
+    for (Sweep& sweep : drive.sweeps) sweep.time_ns += camera.offset_ns, sweep.start_ns = sweep.end_ns = sweep.time_ns;
+}
+
+Recording read(const fs::path& path, const ReadOptions& options) {
+  const DriveConfig config = read_config(path);
+  Recording recording;
+  Drive& drive = recording.drive;
+  drive.path = path;
+  drive.format = "folder";
+  drive.other_files.push_back(config.file);
+  for (const auto& [name, camera] : config.cameras)
+    if (!images_of(path, name).empty()) drive.camera_names.push_back(name);
+  if (drive.camera_names.empty())
+    throw InputError(path / "images", "holds no images of a camera that dvi.toml names", "they belong into images/CAMERA");
+  drive.camera_name = choose_camera(drive, options.camera, "");
+
+  const std::vector<fs::path> images = images_of(path, drive.camera_name);
+  std::vector<fs::path> scans = list_files(path / "lidar", {".bin", ".ply", ".pcd"});
+  const bool depth = scans.empty();
+  if (depth) scans = list_files(path / "depth" / drive.camera_name, {".png"});
+  const std::int64_t period = std::llround(1e9 / config.lidar.rate);
+  const Clocks clocks = read_clocks(drive, names_of(images), names_of(scans), config.lidar.rate);
+  drive.frames = make_frames(images, clocks);
+  drive.sweeps = make_sweeps(scans, clocks, depth ? 0 : period, config.lidar.stamp);
+  set_camera(drive, config, depth);
+  config.lidar.apply(drive);
+  drive.mask_files = match_masks(drive.frames, {path / "masks" / drive.camera_name});
+  if (const fs::path poses = path / "poses.txt"; fs::exists(poses)) {
+    drive.poses = read_poses(poses, drive);
+    drive.other_files.push_back(poses);
+  }
+  if (const fs::path boxes = path / "boxes.json"; fs::exists(boxes)) add_labels(drive, boxes);
+  recording.gaps = find_gaps(drive, period);
+  if (depth) {
+    recording.read_scan = DepthScan{drive.camera, drive.camera_from_lidar.inverse()};
+    recording.scan_bytes = 20 * static_cast<std::size_t>(drive.camera.width * drive.camera.height);
+  } else {
+    recording.read_scan = [rotation = config.lidar.rotation()](const Sweep& sweep) {
+      return to_scan(read_point_cloud(sweep.file), sweep, rotation);
+    };
+  }
+  return recording;
+}
+
+bool recognise(const fs::path& path) {
+  const bool sensors = fs::is_directory(path / "lidar") || fs::is_directory(path / "depth");
+  return fs::is_directory(path / "images") || (sensors && fs::exists(path / "dvi.toml"));
+}
+
+}  // namespace
+
+DriveFormat folder_format() {
+  return {"folder", "dvi.toml and images/CAMERA: the plain layout for your own data (docs/formats.md)", recognise, read};
+}
+
+}  // namespace dvi

@@ -1,0 +1,191 @@
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "dvi/core/error.h"
+#include "dvi/io/camera_choice.h"
+#include "dvi/io/drive_config.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/kitti_calibration.h"
+#include "dvi/io/labels.h"
+#include "dvi/io/point_cloud.h"
+#include "dvi/io/reader.h"
+#include "dvi/io/text.h"
+
+namespace dvi {
+namespace {
+
+using Numbered = std::map<int, fs::path>;
+
+Numbered numbered_files(const fs::path& folder, const std::vector<std::string>& endings) {
+  Numbered files;
+  for (const fs::path& file : list_files(folder, endings))
+    if (all_digits(file.stem().string()))
+      if (const auto number = to_integer(file.stem().string())) files[*number] = file;
+  return files;
+}
+
+Numbered images_of(const fs::path& drive, const std::string& camera) {
+  return numbered_files(drive / camera / "data", {".png", ".jpg"});
+}
+
+// A file of timestamps holds a line for each number of the whole drive, whichever excerpt is there; a blank one is lost.
+class Stamps {
+ public:
+  explicit Stamps(const fs::path& file) : file_(file), lines_(read_lines(file)) {}
+
+  std::int64_t of(int number, const fs::path& data) const {
+    const std::string place = file_.string() + ":" + std::to_string(number + 1);
+    if (static_cast<std::size_t>(number) >= lines_.size())
+      throw InputError(file_, "ends before line " + std::to_string(number + 1) + ", the time of " + data.filename().string());
+    const std::string& line = lines_[static_cast<std::size_t>(number)];
+    if (const auto time = date_to_nanoseconds(line)) return *time;
+    throw InputError(place, line.empty() ? "the line is empty, and " + data.filename().string() + " is there"
+                                         : "'" + line + "' is no time YYYY-MM-DD HH:MM:SS.nnnnnnnnn");
+  }
+
+ private:
+  fs::path file_;
+  std::vector<std::string> lines_;
+};
+
+std::vector<Frame> read_frames(const fs::path& drive, const std::string& camera) {
+  std::vector<Frame> frames;
+  const Stamps stamps(drive / camera / "timestamps.txt");
+  for (const auto& [number, file] : images_of(drive, camera))
+    frames.push_back({number, file.stem().string(), stamps.of(number, file), file, {}});
+  return frames;
+}
+
+std::vector<Sweep> read_sweeps(const fs::path& folder, std::vector<fs::path>& other_files) {
+  constexpr std::int64_t kHalf = 50'000'000;  // of a sweep at 10 Hz
+  std::vector<Sweep> sweeps;
+  const Numbered scans = numbered_files(folder / "data", {".bin"});
+  if (scans.empty()) return sweeps;
+  const fs::path starts = folder / "timestamps_start.txt", ends = folder / "timestamps_end.txt";
+  const bool spans = fs::exists(starts) && fs::exists(ends);
+  const Stamps first(spans ? starts : folder / "timestamps.txt"), last(spans ? ends : folder / "timestamps.txt");
+  for (const auto& [number, file] : scans) {
+    const std::int64_t start = first.of(number, file) - (spans ? 0 : kHalf), end = last.of(number, file) + (spans ? 0 : kHalf);
+    sweeps.push_back({file.stem().string(), start + (end - start) / 2, start, end, file});
+  }
+  if (spans)
+    other_files.insert(other_files.end(), {starts, ends});
+  else
+    other_files.push_back(folder / "timestamps.txt");
+  return sweeps;
+}
+
+// Of a packet: latitude and longitude in degrees, altitude, roll, pitch, yaw in radians.
+std::array<double, 6> read_packet(const fs::path& file) {
+  const std::vector<std::string> lines = read_lines(file);
+  const TextLine line(file, 1, lines.empty() ? "" : lines[0]);
+  std::array<double, 6> packet;
+  for (std::size_t i = 0; i < packet.size(); ++i) packet[i] = line.number(i);
+  if (!(std::abs(packet[0]) < 90)) line.fail("latitude " + line.word(0) + " is not within 90 degrees");
+  return packet;
+}
+
+// The Mercator projection of KITTI's development kit; `scale` is the cosine of the drive's latitude.
+SE3 mercator_pose(const std::array<double, 6>& packet, double scale) {
+  constexpr double kEarthRadius = 6378137, kDegree = std::numbers::pi / 180;
+  const auto [latitude, longitude, altitude, roll, pitch, yaw] = packet;
+  SE3 world_from_imu;
+  world_from_imu.t = {scale * kEarthRadius * longitude * kDegree,
+                      scale * kEarthRadius * std::log(std::tan((90 + latitude) * kDegree / 2)), altitude};
+  world_from_imu.R = so3_exp({0, 0, yaw}) * so3_exp({0, pitch, 0}) * so3_exp({roll, 0, 0});
+  return world_from_imu;
+}
+
+void read_oxts(Drive& drive, const Numbered& packets) {
+  if (packets.empty()) return;
+  const fs::path folder = drive.path / "oxts";
+  const SE3 imu_from_lidar = read_lidar_from_imu(drive.path.parent_path()).inverse();
+  const Stamps stamps(folder / "timestamps.txt");
+  drive.other_files.insert(drive.other_files.end(),
+                           {drive.path.parent_path() / "calib_imu_to_velo.txt", folder / "timestamps.txt"});
+  std::vector<StampedPose> poses;
+  for (const auto& [number, file] : packets) {
+    const std::array<double, 6> packet = read_packet(file);
+    if (poses.empty()) drive.world_scale = std::cos(packet[0] * std::numbers::pi / 180);
+    poses.push_back({stamps.of(number, file), mercator_pose(packet, drive.world_scale) * imu_from_lidar});
+    drive.other_files.push_back(file);
+  }
+  drive.poses = Trajectory(std::move(poses));
+}
+
+std::vector<Gap> find_gaps(const Drive& drive, const Numbered& images, const Numbered& scans, const Numbered& packets) {
+  std::vector<Gap> gaps = {{"no image for frames", {}}, {"no scan for frames", {}}, {"no oxts packet for frames", {}}};
+  for (int number = drive.frames.front().number; number <= drive.frames.back().number; ++number) {
+    if (!images.contains(number)) gaps[0].frames.push_back(number);
+    if (!scans.contains(number)) gaps[1].frames.push_back(number);
+    if (!packets.contains(number)) gaps[2].frames.push_back(number);
+  }
+  return gaps;
+}
+
+void read_own_labels(Drive& drive) {
+  const fs::path tracking = drive.path / "tracking_labels.txt", tracklets = drive.path / "tracklet_labels.xml";
+  const fs::path outlines = drive.path / "mots_instances.txt";
+  if (fs::exists(tracking))
+    add_labels(drive, tracking);
+  else if (fs::exists(tracklets))
+    add_labels(drive, tracklets);
+  if (fs::exists(outlines) && drive.camera_name == "image_02") add_labels(drive, outlines);
+}
+
+// "2" and "02" mean image_02.
+std::string full_name(const std::string& camera) {
+  return all_digits(camera) && camera.size() <= 2 ? "image_0" + camera.substr(camera.size() - 1) : camera;
+}
+
+Recording read(const fs::path& path, const ReadOptions& options) {
+  Recording recording;
+  Drive& drive = recording.drive;
+  drive.path = path;
+  drive.format = "kitti-raw";
+  for (const char* camera : {"image_00", "image_01", "image_02", "image_03"})
+    if (!images_of(path, camera).empty()) drive.camera_names.emplace_back(camera);
+  if (drive.camera_names.empty()) throw InputError(path, "holds no images", "they belong into image_02/data");
+  drive.camera_name = choose_camera(drive, full_name(options.camera), "image_02");
+
+  const KittiCalibration calibration = read_kitti_calibration(path.parent_path(), drive.camera_name);
+  drive.camera = calibration.camera;
+  drive.camera_from_lidar = calibration.camera_from_lidar();
+  drive.other_files = calibration.files;
+  drive.frames = read_frames(path, drive.camera_name);
+  drive.other_files.push_back(path / drive.camera_name / "timestamps.txt");
+  if (drive.camera.width == 0) {
+    const cv::Size size = image_size(drive.frames.front().file);
+    drive.camera.width = size.width, drive.camera.height = size.height;
+  }
+  drive.sweeps = read_sweeps(path / "velodyne_points", drive.other_files);
+  const Numbered packets = numbered_files(path / "oxts" / "data", {".txt"});
+  read_oxts(drive, packets);
+  const Numbered scans = numbered_files(path / "velodyne_points" / "data", {".bin"});
+  recording.gaps = find_gaps(drive, images_of(path, drive.camera_name), scans, packets);
+
+  Rotation rotation;  // clockwise, the front in the middle of the sweep
+  if (const auto config = read_drive_config(path)) {
+    config->apply(drive);
+    rotation = config->lidar.rotation();
+  }
+  read_own_labels(drive);
+  recording.read_scan = [rotation](const Sweep& sweep) { return to_scan(read_point_cloud(sweep.file), sweep, rotation); };
+  return recording;
+}
+
+bool recognise(const fs::path& path) {
+  const std::string name = path.filename().string();
+  if (name.find("_drive_") != std::string::npos && name.ends_with("_sync")) return true;
+  const bool camera = fs::is_directory(path / "image_02" / "data") || fs::is_directory(path / "image_00" / "data");
+  return camera && (fs::is_directory(path / "oxts") || fs::is_directory(path / "velodyne_points"));
+}
+
+}  // namespace
+
+DriveFormat kitti_raw_format() {
+  return {"kitti-raw", "2011_09_26/2011_09_26_drive_0001_sync with image_02/data; calib_*.txt beside it", recognise, read};
+}
+
+}  // namespace dvi

@@ -1,0 +1,134 @@
+#include "dvi/io/reader.h"
+
+#include <algorithm>
+
+#include "dvi/core/error.h"
+#include "dvi/core/files.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/text.h"
+
+namespace dvi {
+namespace {
+
+const DriveFormat* format_of(const fs::path& path) {
+  for (const DriveFormat& format : drive_formats())
+    if (format.recognise(path)) return &format;
+  return nullptr;
+}
+
+// The first drive below a folder, for those who named one of its parents.
+std::optional<fs::path> drive_below(const fs::path& path, int levels) {
+  std::vector<fs::path> folders;
+  for (const auto& entry : fs::directory_iterator(path))
+    if (entry.is_directory()) folders.push_back(entry.path());
+  std::sort(folders.begin(), folders.end());
+  for (const fs::path& folder : folders) {
+    if (format_of(folder)) return folder;
+    if (levels > 1)
+      if (const auto found = drive_below(folder, levels - 1)) return found;
+  }
+  return std::nullopt;
+}
+
+[[noreturn]] void fail_unknown(const fs::path& path) {
+  if (!fs::exists(path)) throw InputError(path, "does not exist", "name the folder of a drive");
+  if (!fs::is_directory(path)) throw InputError(path, "is no folder", "name the folder of a drive");
+  if (const auto below = drive_below(path, 2)) throw InputError(path, "is no drive", "did you mean " + below->string() + "?");
+  std::string known;
+  for (const DriveFormat& format : drive_formats()) known += "\n  " + format.name + ": " + format.summary;
+  throw InputError(path, fs::is_empty(path) ? "is empty" : "is no drive in a format that dvi reads", "it reads" + known);
+}
+
+void check(const Drive& drive) {
+  if (drive.frames.empty()) throw InputError(drive.path, "holds no images of camera " + drive.camera_name);
+  for (std::size_t i = 1; i < drive.frames.size(); ++i)
+    if (drive.frames[i].time_ns <= drive.frames[i - 1].time_ns)
+      throw InputError(drive.frames[i].file, "was not taken after " + drive.frames[i - 1].name + ", by their times",
+                       "correct the times");
+}
+
+void cut(Drive& drive, const FrameRange& range) {
+  constexpr std::int64_t kNear = 10'000'000;  // a clock's worth: the sweep that a frame was taken in must stay
+  const int first = drive.frames.front().number, last = drive.frames.back().number;
+  if (range.first > range.last || range.first < first || range.last > last)
+    throw InputError(drive.path, "frames " + std::to_string(range.first) + ":" + std::to_string(range.last) + " are not in it",
+                     "it has frames " + std::to_string(first) + ":" + std::to_string(last));
+  const auto outside = [&](int number) { return number < range.first || number > range.last; };
+  std::vector<Frame> frames;
+  std::vector<fs::path> masks;
+  for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+    if (outside(drive.frames[i].number)) continue;
+    frames.push_back(std::move(drive.frames[i]));
+    if (!drive.mask_files.empty()) masks.push_back(std::move(drive.mask_files[i]));
+  }
+  drive.frames = std::move(frames);
+  drive.mask_files = std::move(masks);
+  if (drive.frames.empty())
+    throw InputError(drive.path, "has no images for frames " + std::to_string(range.first) + ":" + std::to_string(range.last));
+  const std::int64_t begin = drive.frames.front().time_ns - kNear, end = drive.frames.back().time_ns + kNear;
+  std::erase_if(drive.sweeps, [&](const Sweep& sweep) { return sweep.end_ns < begin || sweep.start_ns > end; });
+}
+
+void warn_of_gaps(Drive& drive, const std::vector<Gap>& gaps) {
+  const int first = drive.frames.front().number, last = drive.frames.back().number;
+  for (const Gap& gap : gaps) {
+    std::vector<int> frames = gap.frames;
+    std::erase_if(frames, [&](int number) { return number < first || number > last; });
+    if (!frames.empty()) drive.warnings.push_back(gap.what + " " + ranges(frames));
+  }
+  std::vector<int> unposed;
+  for (const Frame& frame : drive.frames)
+    if (!drive.poses.empty() && !drive.poses.at(frame.time_ns)) unposed.push_back(frame.number);
+  if (!unposed.empty()) drive.warnings.push_back("no given pose near frames " + ranges(unposed));
+}
+
+std::size_t scan_bytes(const Recording& recording) {
+  if (recording.scan_bytes > 0) return recording.scan_bytes;
+  std::uintmax_t largest = 1;
+  for (const Sweep& sweep : recording.drive.sweeps) largest = std::max(largest, fs::file_size(sweep.file));
+  return static_cast<std::size_t>(largest) * 3 / 2;  // x y z intensity, and a time
+}
+
+void hang_in(Recording& recording, std::size_t cache_bytes) {
+  Drive& drive = recording.drive;
+  const auto capacity = [](std::size_t bytes, std::size_t item) { return std::max<std::size_t>(4, bytes / item); };
+  const cv::Size size(drive.camera.width, drive.camera.height);
+  const std::size_t pixels = static_cast<std::size_t>(size.area());
+
+  std::vector<fs::path> images;
+  for (const Frame& frame : drive.frames) images.push_back(frame.file);
+  drive.images = Lazy<cv::Mat3b>(images.size(), capacity(cache_bytes / 2, 3 * pixels),
+                                 [images, size](std::size_t i) { return read_image(images[i], size); });
+  const auto& masks = drive.mask_files;
+  if (!masks.empty())
+    drive.masks = Lazy<cv::Mat1b>(masks.size(), capacity(cache_bytes / 4, pixels), [masks, size](std::size_t i) {
+      return masks[i].empty() ? cv::Mat1b(size, uchar{0}) : read_mask(masks[i], size);
+    });
+  drive.scans = Lazy<Scan>(drive.sweeps.size(), capacity(cache_bytes / 4, scan_bytes(recording)),
+                           [sweeps = drive.sweeps, read = recording.read_scan](std::size_t i) { return read(sweeps[i]); });
+}
+
+}  // namespace
+
+const std::vector<DriveFormat>& drive_formats() {
+  static const std::vector<DriveFormat> formats = {kitti_raw_format(), apolloscape_format(), folder_format()};
+  return formats;
+}
+
+Drive read_drive(const fs::path& path, const ReadOptions& options) {
+  fs::path root = fs::absolute(path).lexically_normal();
+  if (!root.has_filename()) root = root.parent_path();
+  const DriveFormat* format = fs::is_directory(root) ? format_of(root) : nullptr;
+  if (!format) fail_unknown(root);
+  Recording recording = format->read(root, options);
+  Drive& drive = recording.drive;
+  drive.path = root;
+  drive.format = format->name;
+  check(drive);
+  if (options.frames) cut(drive, *options.frames);
+  warn_of_gaps(drive, recording.gaps);
+  hang_in(recording, options.cache_bytes);
+  return std::move(drive);
+}
+
+}  // namespace dvi
