@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "dvi/depth/depth_map.h"
+#include "dvi/drive/view.h"
+#include "dvi/sample/candidates.h"
+
+namespace dvi {
+
+/// What the sources show for each hole pixel; zeros where there is no candidate.
+struct Copies {
+  std::vector<cv::Vec3f> colour;
+  /// Sum over the pixel's neighbours outside the hole of (its colour - the neighbour's), both as its source shows them.
+  std::vector<cv::Vec3f> outward;
+};
+
+/// Reads one source image at a time.
+Copies copy(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth);
+
+}  // namespace dvi

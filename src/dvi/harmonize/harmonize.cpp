@@ -1,0 +1,184 @@
+#include "dvi/harmonize/harmonize.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/harmonize/confidence.h"
+#include "dvi/harmonize/copies.h"
+#include "dvi/harmonize/poisson.h"
+#include "dvi/image/interpolate.h"
+
+namespace dvi {
+namespace {
+
+/// How a pixel of the frame enters the solution.
+enum class Role : std::uint8_t { fixed, solved, absent };
+
+std::array<cv::Point, 4> around(cv::Point p) {
+  return {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)};
+}
+
+bool inside(const cv::Mat& image, cv::Point p) { return cv::Rect({}, image.size()).contains(p); }
+
+template <class Value>
+cv::Mat1b where(const cv::Mat1b& image, Value value) {
+  cv::Mat1b out;
+  cv::compare(image, static_cast<uchar>(value), out, cv::CMP_EQ);
+  return out;
+}
+
+cv::Mat1b roles_of(const Candidates& candidates, const HarmonizeOptions& options) {
+  cv::Mat1b roles(candidates.hole.index.size(), static_cast<uchar>(Role::fixed));
+  for (std::size_t i = 0; i < candidates.of.size(); ++i) {
+    const bool solved = candidates.of[i].found() ? options.poisson : options.fill_unseen;
+    const Role other = candidates.of[i].found() ? Role::fixed : Role::absent;
+    roles(candidates.hole.pixels[i]) = static_cast<uchar>(solved ? Role::solved : other);
+  }
+  return roles;
+}
+
+/// A connected part of what is to be solved.
+struct Part {
+  bool bounded = false;  ///< something fixed lies beside it
+  bool copied = false;   ///< some of it has a source
+};
+
+std::vector<Part> parts_of(const Candidates& candidates, const cv::Mat1b& roles, cv::Mat1i& labels) {
+  const int count = connected_parts(where(roles, Role::solved), labels);
+  std::vector<Part> parts(count + 1);
+  for (std::size_t i = 0; i < candidates.of.size(); ++i) {
+    const cv::Point p = candidates.hole.pixels[i];
+    Part& part = parts[labels(p)];
+    part.copied |= candidates.of[i].found();
+    for (const cv::Point q : around(p)) part.bounded |= inside(roles, q) && roles(q) == static_cast<uchar>(Role::fixed);
+  }
+  return parts;
+}
+
+/// Eq. 5 for the pixels to be solved. `colour` holds the fixed ones.
+class Equation {
+ public:
+  Equation(const Candidates& candidates, const Copies& copies, const cv::Mat1b& roles, const cv::Mat3f& colour)
+      : candidates_(candidates), copies_(copies), roles_(roles), colour_(colour) {}
+
+  PoissonSystem system(const cv::Mat1i& labels, const std::vector<Part>& parts) const {
+    // A part that nothing bounds is held near its copies, too weakly to be seen in its gradients.
+    constexpr float kAnchor = 1e-4F;
+    PoissonSystem out{Region(where(roles_, Role::solved)), {}, {}};
+    for (const cv::Point p : out.region.pixels) {
+      const int i = candidates_.hole.index(p);
+      const bool copied = candidates_.of[i].found();
+      float diagonal = 0;
+      cv::Vec3f right = copied ? copies_.outward[i] : cv::Vec3f();
+      for (const cv::Point q : around(p)) {
+        if (!inside(roles_, q) || roles_(q) == static_cast<uchar>(Role::absent)) continue;
+        diagonal += 1;
+        right += pull(i, q);
+      }
+      if (!parts[labels(p)].bounded && copied) {
+        diagonal += kAnchor;
+        right += kAnchor * copies_.colour[i];
+      }
+      out.diagonal.push_back(diagonal);
+      out.right.push_back(right);
+    }
+    return out;
+  }
+
+ private:
+  /// What a neighbour adds to the right side: its colour where it is fixed, the gradient of the copies within one source.
+  cv::Vec3f pull(int i, cv::Point q) const {
+    cv::Vec3f out;
+    if (roles_(q) == static_cast<uchar>(Role::fixed)) out += colour_(q);
+    const int j = candidates_.hole.index(q);
+    if (j < 0 || !candidates_.of[i].found() || candidates_.of[j].view != candidates_.of[i].view) return out;
+    return out + copies_.colour[i] - copies_.colour[j];
+  }
+
+  const Candidates& candidates_;
+  const Copies& copies_;
+  const cv::Mat1b& roles_;
+  const cv::Mat3f& colour_;
+};
+
+/// Fills the solved pixels of `colour`.
+void fill(const Candidates& candidates, const Copies& copies, const cv::Mat1b& roles, const cv::Mat1i& labels,
+          const std::vector<Part>& parts, cv::Mat3f& colour) {
+  const PoissonSystem system = Equation(candidates, copies, roles, colour).system(labels, parts);
+  std::vector<cv::Vec3f> x;
+  for (const cv::Point p : system.region.pixels) x.push_back(copies.colour[candidates.hole.index(p)]);
+  solve(system, x);
+  for (std::size_t k = 0; k < x.size(); ++k)
+    for (int c = 0; c < 3; ++c) colour(system.region.pixels[k])[c] = std::clamp(x[k][c], 0.0F, 255.0F);
+}
+
+std::uint16_t sixteenths(float position) { return static_cast<std::uint16_t>(std::lround(position * kSubpixel)); }
+
+void write_receipts(const Candidates& candidates, const Views& views, std::size_t target, FilledFrame& out) {
+  for (std::size_t i = 0; i < candidates.of.size(); ++i) {
+    const Candidate& source = candidates.of[i];
+    if (!source.found()) continue;
+    const bool here = views[source.view].drive == views[target].drive;
+    out.kind(candidates.hole.pixels[i]) = static_cast<uchar>(here ? Kind::copied : Kind::copied_elsewhere);
+    out.provenance(candidates.hole.pixels[i]) = {static_cast<std::uint16_t>(source.view + 1), sixteenths(source.position.x),
+                                                 sixteenths(source.position.y)};
+  }
+}
+
+void write_confidence(const Candidates& candidates, const Copies& copies, const Views& views, std::size_t target,
+                      const DepthMap& depth, FilledFrame& out) {
+  cv::Mat1b guessed = where(out.kind, Kind::interpolated);
+  guessed.setTo(255, where(out.kind, Kind::empty));
+  cv::Mat1f distance;
+  cv::distanceTransform(guessed, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  for (std::size_t i = 0; i < candidates.of.size(); ++i) {
+    const cv::Point p = candidates.hole.pixels[i];
+    double sure = 0;
+    if (candidates.of[i].found()) {
+      const auto apart = std::llabs(views[candidates.of[i].view].time_ns - views[target].time_ns);
+      const cv::Vec3f change = out.colour(p) - copies.colour[i];
+      sure = copied_confidence({static_cast<double>(apart) * 1e-9,
+                                DepthMap::is_surface(depth.z(p)) ? depth.sigma(p) / depth.z(p) : 0.0,
+                                (std::abs(change[0]) + std::abs(change[1]) + std::abs(change[2])) / 3});
+    } else if (out.kind(p) == static_cast<uchar>(Kind::interpolated)) {
+      sure = interpolated_confidence(distance(p));
+    }
+    out.confidence(p) = static_cast<uchar>(std::lround(255 * sure));
+  }
+}
+
+}  // namespace
+
+FilledFrame harmonize(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth,
+                      const HarmonizeOptions& options) {
+  const Region& hole = candidates.hole;
+  const cv::Size size = hole.index.size();
+  FilledFrame out;
+  views.images[target]->convertTo(out.colour, CV_32FC3);
+  out.mask = hole.index >= 0;
+  out.kind = cv::Mat1b(size, static_cast<uchar>(Kind::original));
+  out.provenance = cv::Mat_<cv::Vec3w>(size, cv::Vec3w());
+  out.confidence = cv::Mat1b(size, uchar{255});
+  out.depth = depth.z.clone();
+
+  const Copies copies = copy(candidates, views, target, depth);
+  for (std::size_t i = 0; i < hole.size(); ++i) out.colour(hole.pixels[i]) = copies.colour[i];
+  cv::Mat1b roles = roles_of(candidates, options);
+  cv::Mat1i labels;
+  const std::vector<Part> parts = parts_of(candidates, roles, labels);
+  for (const cv::Point p : hole.pixels) {
+    const Part& part = parts[labels(p)];
+    if (labels(p) > 0 && !part.bounded && !part.copied) roles(p) = static_cast<uchar>(Role::absent);
+    out.kind(p) = static_cast<uchar>(roles(p) == static_cast<uchar>(Role::solved) ? Kind::interpolated : Kind::empty);
+  }
+  fill(candidates, copies, roles, labels, parts, out.colour);
+  write_receipts(candidates, views, target, out);
+  write_confidence(candidates, copies, views, target, depth, out);
+  return out;
+}
+
+}  // namespace dvi

@@ -1,0 +1,220 @@
+#include "dvi/harmonize/harmonize.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/drive/flat_scene.h"
+#include "dvi/image/interpolate.h"
+
+namespace dvi {
+namespace {
+
+constexpr int kWidth = 80, kHeight = 60;
+
+cv::Mat1b rectangle(cv::Rect hole) {
+  cv::Mat1b mask(kHeight, kWidth, uchar{0});
+  mask(hole) = 255;
+  return mask;
+}
+
+cv::Mat3b ramp() {
+  cv::Mat3b out(kHeight, kWidth);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      out(y, x) = cv::Vec3b(cv::saturate_cast<uchar>(2 * x + y), cv::saturate_cast<uchar>(3 * y), 77);
+  return out;
+}
+
+cv::Mat3b brighter(const cv::Mat3b& image, int levels) {
+  cv::Mat3b out;
+  cv::add(image, cv::Scalar::all(levels), out);
+  return out;
+}
+
+/// A target with a magenta hole whose truth is known.
+struct Case {
+  cv::Mat3b truth;
+  cv::Mat1b hole;
+  FlatScene scene;
+  Candidates candidates;
+
+  Case(const cv::Mat3b& picture, const cv::Mat1b& mask) : truth(picture), hole(mask), scene(picture, mask) {
+    scene.images[0].setTo(cv::Scalar(255, 0, 255), hole);
+    candidates = {Region(hole), std::vector<Candidate>(Region(hole).size())};
+  }
+  /// Lets view `view` show the hole's pixels within `where`.
+  void seen(int view, int disparity, cv::Rect where = {0, 0, kWidth, kHeight}) {
+    for (std::size_t i = 0; i < candidates.of.size(); ++i)
+      if (const cv::Point p = candidates.hole.pixels[i]; where.contains(p))
+        candidates.of[i] = {view, cv::Point2f(p + cv::Point(disparity, 0))};
+  }
+  FilledFrame run(const HarmonizeOptions& options = {}) const {
+    const DepthMap depth{scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
+    return harmonize(candidates, scene.lazy(), 0, depth, options);
+  }
+  double worst(const FilledFrame& out) const {
+    cv::Mat3f expected;
+    truth.convertTo(expected, CV_32FC3);
+    return cv::norm(out.colour, expected, cv::NORM_INF);
+  }
+};
+
+TEST(Harmonize, AConstantOffsetOfTheSourceVanishes) {
+  for (const cv::Rect hole : {cv::Rect(25, 20, 30, 20), cv::Rect(0, 0, 20, 20), cv::Rect(10, 40, 40, 20)}) {
+    Case c(waves(kWidth, kHeight, 4), rectangle(hole));
+    c.scene.add_source(10, brighter(c.truth, 25));
+    c.seen(1, 10);
+    EXPECT_LT(c.worst(c.run()), 0.1);
+  }
+}
+
+TEST(Harmonize, UnseenPixelsContinueALinearRamp) {
+  Case c(ramp(), rectangle({20, 15, 40, 30}));
+  c.candidates.of[0] = {};
+  EXPECT_LT(c.worst(c.run()), 0.1);
+}
+
+TEST(Harmonize, AGradientOffsetOfTheSourceVanishesAtTheBorderAndStaysLinearInside) {
+  Case c(waves(kWidth, kHeight, 4), rectangle({20, 15, 40, 30}));
+  cv::Mat3b tinted = c.truth.clone();
+  for (int x = 0; x < kWidth; ++x) tinted.col(x) += cv::Scalar::all(x / 8);
+  c.scene.add_source(0, tinted);
+  c.seen(1, 0);
+  HarmonizeOptions plain;
+  plain.poisson = false;
+  EXPECT_LT(c.worst(c.run()), 0.6 * c.worst(c.run(plain)));
+}
+
+TEST(Harmonize, TwoSourcesMeetWithoutASeam) {
+  Case c(cv::Mat3b(kHeight, kWidth, cv::Vec3b(90, 100, 110)), rectangle({20, 15, 40, 30}));
+  c.scene.add_source(10, brighter(c.truth, 30));
+  c.scene.add_source(-10, brighter(c.truth, -30));
+  c.seen(1, 10, {0, 0, 40, kHeight});
+  c.seen(2, -10, {40, 0, 40, kHeight});
+  EXPECT_LT(c.worst(c.run()), 0.1);
+  HarmonizeOptions plain;
+  plain.poisson = false;
+  EXPECT_NEAR(c.worst(c.run(plain)), 30, 1e-3);
+}
+
+TEST(Harmonize, LeavesAllOutsideTheHoleAlone) {
+  Case c(waves(kWidth, kHeight, 4), rectangle({25, 20, 30, 20}));
+  c.scene.add_source(3, brighter(c.truth, 20));
+  c.seen(1, 3, {0, 0, 40, kHeight});
+  const FilledFrame out = c.run();
+  cv::Mat3f input;
+  c.scene.images[0].convertTo(input, CV_32FC3);
+  cv::Mat1b outside;
+  cv::bitwise_not(c.hole, outside);
+  EXPECT_EQ(cv::norm(out.colour, input, cv::NORM_INF, outside), 0);
+  EXPECT_EQ(cv::norm(out.kind, cv::NORM_INF, outside), 0);
+  EXPECT_EQ(cv::norm(out.provenance, cv::NORM_INF, outside), 0);
+  EXPECT_EQ(cv::countNonZero((out.confidence != 255) & outside), 0);
+  EXPECT_EQ(cv::norm(out.mask, c.hole, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(out.depth, c.scene.depth(), cv::NORM_INF), 0);
+}
+
+TEST(Harmonize, GivesEachPixelItsReceipt) {
+  Case c(waves(kWidth, kHeight, 4), rectangle({20, 15, 40, 30}));
+  c.scene.add_source(10, c.truth);
+  c.scene.add_source(-10, c.truth, 1);
+  c.seen(1, 10, {20, 15, 10, 30});
+  c.seen(2, -10, {30, 15, 10, 30});
+  for (Candidate& of : c.candidates.of)
+    if (of.view == 1) of.position += cv::Point2f(0.0625F, 0.5F);
+  const FilledFrame out = c.run();
+  const auto kind = [&](int x, int y) { return static_cast<Kind>(out.kind(y, x)); };
+  EXPECT_EQ(kind(25, 20), Kind::copied);
+  EXPECT_EQ(kind(35, 20), Kind::copied_elsewhere);
+  EXPECT_EQ(kind(50, 20), Kind::interpolated);
+  EXPECT_EQ(out.provenance(20, 25), cv::Vec3w(2, 35 * 16 + 1, 20 * 16 + 8));
+  EXPECT_EQ(out.provenance(20, 35), cv::Vec3w(3, 25 * 16, 20 * 16));
+  EXPECT_EQ(out.provenance(20, 50), cv::Vec3w());
+  EXPECT_GT(out.confidence(20, 35), out.confidence(20, 50));
+  EXPECT_GT(out.confidence(20, 41), out.confidence(30, 50));
+  EXPECT_GT(out.confidence(30, 50), 0);
+}
+
+TEST(Harmonize, WithoutPoissonCopiesStayAndUnseenPixelsContinueThem) {
+  Case c(cv::Mat3b(kHeight, kWidth, cv::Vec3b(90, 100, 110)), rectangle({20, 15, 40, 30}));
+  c.scene.add_source(0, brighter(c.truth, 30));
+  c.seen(1, 0, {20, 15, 20, 30});
+  HarmonizeOptions plain;
+  plain.poisson = false;
+  const FilledFrame out = c.run(plain);
+  EXPECT_EQ(out.colour(20, 25), cv::Vec3f(120, 130, 140));
+  EXPECT_GT(out.colour(30, 41)[0], 110);
+  EXPECT_LT(out.colour(30, 58)[0], 100);
+  EXPECT_EQ(out.kind(30, 58), static_cast<uchar>(Kind::interpolated));
+}
+
+TEST(Harmonize, UnseenPixelsLeftEmptyAreBlackAndSilent) {
+  Case c(waves(kWidth, kHeight, 4), rectangle({20, 15, 40, 30}));
+  c.scene.add_source(10, brighter(c.truth, 25));
+  c.seen(1, 10, {20, 15, 20, 30});
+  HarmonizeOptions options;
+  options.fill_unseen = false;
+  const FilledFrame out = c.run(options);
+  cv::Mat3f truth;
+  c.truth.convertTo(truth, CV_32FC3);
+  const cv::Rect left(20, 15, 20, 30), right(40, 15, 20, 30);
+  EXPECT_LT(cv::norm(out.colour(left), truth(left), cv::NORM_INF), 0.1);
+  EXPECT_EQ(cv::norm(out.colour(right), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::countNonZero(out.kind(right) != static_cast<uchar>(Kind::empty)), 0);
+  EXPECT_EQ(cv::norm(out.confidence(right), cv::NORM_INF), 0);
+}
+
+TEST(Harmonize, AHoleOfTheWholeFrameKeepsTheMeanOfItsCopies) {
+  Case c(waves(kWidth, kHeight, 4), rectangle({0, 0, kWidth, kHeight}));
+  c.scene.add_source(0, c.truth);
+  c.seen(1, 0);
+  EXPECT_LT(c.worst(c.run()), 0.2);
+  for (std::size_t i = 0; i < c.candidates.of.size(); i += 2) c.candidates.of[i] = {};
+  const FilledFrame half = c.run();
+  EXPECT_NEAR(cv::mean(half.colour)[0], cv::mean(c.truth)[0], 5);
+}
+
+TEST(Harmonize, AHoleOfTheWholeFrameThatNobodySawStaysEmpty) {
+  const Case c(waves(kWidth, kHeight, 4), rectangle({0, 0, kWidth, kHeight}));
+  const FilledFrame out = c.run();
+  EXPECT_EQ(cv::norm(out.colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::countNonZero(out.kind != static_cast<uchar>(Kind::empty)), 0);
+}
+
+TEST(Harmonize, AnEmptyHoleIsTheInput) {
+  const Case c(waves(kWidth, kHeight, 4), cv::Mat1b(kHeight, kWidth, uchar{0}));
+  EXPECT_EQ(c.worst(c.run()), 0);
+}
+
+TEST(Harmonize, TrafficInTheSourceBesideTheHoleDoesNotBleedIn) {
+  Case c(waves(kWidth, kHeight, 4), rectangle({20, 15, 40, 30}));
+  c.scene.add_source(0, c.truth);
+  c.scene.images[1](cv::Rect(5, 25, 15, 10)) = cv::Vec3b(255, 255, 255);
+  c.scene.masks[1](cv::Rect(5, 25, 15, 10)) = 255;
+  c.seen(1, 0);
+  EXPECT_LT(c.worst(c.run()), 30);
+}
+
+TEST(Harmonize, ColoursStayWithinRange) {
+  Case c(cv::Mat3b(kHeight, kWidth, cv::Vec3b(250, 250, 250)), rectangle({20, 15, 40, 30}));
+  c.scene.add_source(0, waves(kWidth, kHeight, 9));
+  c.seen(1, 0);
+  const FilledFrame out = c.run();
+  double least = 0, most = 0;
+  cv::minMaxLoc(out.colour.reshape(1), &least, &most);
+  EXPECT_GE(least, 0);
+  EXPECT_LE(most, 255);
+}
+
+TEST(Harmonize, GivesTheSameTwice) {
+  Case c(waves(kWidth, kHeight, 4), rectangle({20, 15, 40, 30}));
+  c.scene.add_source(10, waves(kWidth, kHeight, 5));
+  c.seen(1, 10, {20, 15, 25, 30});
+  const FilledFrame a = c.run(), b = c.run();
+  EXPECT_EQ(cv::norm(a.colour, b.colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(a.confidence, b.confidence, cv::NORM_INF), 0);
+}
+
+}  // namespace
+}  // namespace dvi

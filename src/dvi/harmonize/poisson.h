@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/image/region.h"
+
+namespace dvi {
+
+/// For each pixel p of the region: diagonal(p) x(p) - sum of x(q) over its 4-neighbours q in the region = right(p).
+/// A diagonal is at least the number of those neighbours, and greater somewhere in each connected part.
+struct PoissonSystem {
+  Region region;
+  std::vector<float> diagonal;
+  std::vector<cv::Vec3f> right;
+};
+
+/// Solves for x from the values it comes with; conjugate gradients, preconditioned by one multigrid cycle on blocks of
+/// 2 x 2 pixels. Stops once the estimated error is below `tolerance` everywhere. Returns the iterations.
+int solve(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double tolerance = 0.02);
+
+}  // namespace dvi

@@ -1,0 +1,94 @@
+#include "dvi/smooth/smooth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+namespace dvi {
+namespace {
+
+constexpr int kMargin = 64;          // px round the hole in which flow is sought
+constexpr int kLeastSide = 32;       // px; DIS needs some pyramid
+constexpr float kMostMismatch = 1;   // px between a flow and the flow back
+constexpr float kColourSpread = 20;  // grey levels at which a neighbour counts 1/e
+
+cv::Mat1b grey(const cv::Mat3f& colour) {
+  cv::Mat3b bytes;
+  colour.convertTo(bytes, CV_8UC3);
+  cv::Mat1b out;
+  cv::cvtColor(bytes, out, cv::COLOR_BGR2GRAY);
+  return out;
+}
+
+cv::Mat2f flow(const cv::Mat1b& from, const cv::Mat1b& to) {
+  cv::Mat2f out;
+  cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM)->calc(from, to, out);
+  return out;
+}
+
+template <class Pixel>
+Pixel bilinear_at(const cv::Mat_<Pixel>& image, cv::Point2f at) {
+  const int x = static_cast<int>(at.x), x1 = std::min(x + 1, image.cols - 1);
+  const int y = static_cast<int>(at.y), y1 = std::min(y + 1, image.rows - 1);
+  const float u = at.x - static_cast<float>(x), v = at.y - static_cast<float>(y);
+  return (image(y, x) * (1 - u) + image(y, x1) * u) * (1 - v) + (image(y1, x) * (1 - u) + image(y1, x1) * u) * v;
+}
+
+/// Weighted colours of the hole's pixels, as another frame shows them along the flow.
+struct Sum {
+  cv::Mat3f colour;
+  cv::Mat1f weight;
+};
+
+void add_neighbour(const FilledFrame& frame, const FilledFrame& other, cv::Rect window, Sum& sum) {
+  const cv::Mat3f here = frame.colour(window), there = other.colour(window);
+  const cv::Mat1b from = grey(here), to = grey(there), mask = frame.mask(window), kind = frame.kind(window);
+  const cv::Mat1b other_kind = other.kind(window);
+  const cv::Mat2f forth = flow(from, to), back = flow(to, from);
+  for (int y = 0; y < window.height; ++y)
+    for (int x = 0; x < window.width; ++x) {
+      if (mask(y, x) == 0 || kind(y, x) == static_cast<uchar>(Kind::empty)) continue;
+      const cv::Vec2f motion = forth(y, x);
+      const cv::Point2f at(static_cast<float>(x) + motion[0], static_cast<float>(y) + motion[1]);
+      if (!(at.x >= 0 && at.y >= 0 && at.x <= static_cast<float>(window.width - 1) &&
+            at.y <= static_cast<float>(window.height - 1)))
+        continue;
+      if (other_kind(cvRound(at.y), cvRound(at.x)) == static_cast<uchar>(Kind::empty)) continue;
+      if (cv::norm(motion + bilinear_at(back, at)) >= kMostMismatch) continue;
+      const cv::Vec3f colour = bilinear_at(there, at);
+      const double off = cv::norm(colour - here(y, x)) / (std::sqrt(3.0) * kColourSpread);
+      const auto weight = static_cast<float>(std::exp(-off * off));
+      sum.colour(y, x) += weight * colour;
+      sum.weight(y, x) += weight;
+    }
+}
+
+cv::Rect grown_box(const cv::Mat1b& mask) {
+  const cv::Rect box = cv::boundingRect(mask);
+  if (box.empty()) return box;
+  const cv::Rect grown(box.x - kMargin, box.y - kMargin, box.width + 2 * kMargin, box.height + 2 * kMargin);
+  return grown & cv::Rect({}, mask.size());
+}
+
+}  // namespace
+
+FilledFrame smooth(const FilledFrame* before, const FilledFrame& frame, const FilledFrame* after,
+                   const SmoothOptions& options) {
+  FilledFrame out = frame;
+  if (!options.enabled) return out;
+  const cv::Rect window = grown_box(frame.mask);
+  if (window.width < kLeastSide || window.height < kLeastSide) return out;
+  out.colour = frame.colour.clone();
+  Sum sum{frame.colour(window).clone(), cv::Mat1f(window.size(), 1.0F)};
+  for (const FilledFrame* other : {before, after})
+    if (other != nullptr) add_neighbour(frame, *other, window, sum);
+  cv::Mat3f inside = out.colour(window);
+  for (int y = 0; y < window.height; ++y)
+    for (int x = 0; x < window.width; ++x)
+      if (sum.weight(y, x) > 1) inside(y, x) = sum.colour(y, x) / sum.weight(y, x);
+  return out;
+}
+
+}  // namespace dvi
