@@ -101,7 +101,7 @@ void paint_shop(Canvas& canvas, Random& random, double x, double w) {
 }  // namespace
 
 TexturePtr paint_facade(Random random, const Noise& noise, double width_m, double height_m) {
-  const double grey = random.uniform(95, 185);
+  const double grey = random.uniform(110, 190);
   const cv::Scalar base(grey * random.uniform(0.7, 1.0), grey * random.uniform(0.85, 1.0), grey * random.uniform(0.95, 1.15));
   Canvas canvas(width_m, height_m, kPixelsPerMetre, base);
   paint_wall(canvas, random, base);

@@ -19,10 +19,10 @@ class GroundPainter {
       : s0_(s0),
         seed_(seed),
         noise_(noise),
-        picture_(pixels(kTop - kBottom), pixels(kChunk + 2 * kMargin), cv::Vec3b(94, 93, 92)) {}
+        picture_(plain(pixels(kTop - kBottom), pixels(kChunk + 2 * kMargin), {106, 105, 103})) {}
 
   cv::Mat3b paint(int number, const std::vector<Shade>& shades) {
-    roughen(picture_, noise_, 9, offset(0));
+    roughen(picture_, noise_, 12, offset(0));
     for (int cell = number - 1; cell <= number + 1; ++cell) paint_wear(cell);
     paint_wheel_tracks();
     paint_lines();
@@ -44,7 +44,7 @@ class GroundPainter {
   void box(double s, double d, double length, double width, const cv::Scalar& colour, cv::Mat* target = nullptr) {
     cv::Mat& on = target ? *target : picture_;
     const cv::Rect rect = cv::Rect(at(s, d), at(s + length, d + width)) & cv::Rect({}, on.size());
-    if (!rect.empty()) on(rect).setTo(colour);
+    if (!rect.empty()) cv::rectangle(on, rect, colour, cv::FILLED);
   }
 
   void paint_wear(int cell) {
@@ -53,7 +53,7 @@ class GroundPainter {
     const auto place = [&] { return cv::Point2d(s + random.uniform(0, kChunk), random.uniform(kRightKerb, kLeftKerb)); };
     for (int i = 0; i < 6; ++i) {  // patches
       const cv::Point2d p = place();
-      const double length = random.uniform(0.5, 4.5), width = random.uniform(0.4, 1.9), tone = random.uniform(-26, 22);
+      const double length = random.uniform(0.5, 4.5), width = random.uniform(0.4, 1.9), tone = random.uniform(-30, 24);
       const cv::Rect rect = cv::Rect(at(p.x, p.y), at(p.x + length, p.y + width)) & cv::Rect({}, picture_.size());
       if (rect.empty()) continue;
       cv::add(picture_(rect), cv::Scalar::all(tone), picture_(rect));

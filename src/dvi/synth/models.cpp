@@ -29,18 +29,18 @@ void add_frustum(Solid& solid, const Rectangle& low, const Rectangle& high, cons
 }
 
 TexturePtr paint_plain(Random random, const Noise& noise, const cv::Scalar& colour, double amplitude) {
-  cv::Mat3b picture(
-      128, 128,
-      cv::Vec3b(cv::saturate_cast<uchar>(colour[0]), cv::saturate_cast<uchar>(colour[1]), cv::saturate_cast<uchar>(colour[2])));
+  cv::Mat3b picture = plain(128, 128, colour);
   roughen(picture, noise, amplitude, {random.below(512), random.below(512)});
   return std::make_shared<Texture>(picture);
 }
 
 TexturePtr paint_leaves(Random random, double cover) {
   constexpr int kSize = 256;
-  cv::Mat3b picture(kSize, kSize, cv::Vec3b(32, 62, 44));
+  cv::Mat3b picture = plain(kSize, kSize, {32, 62, 44});
   cv::Mat1b alpha(kSize, kSize, uchar{0});
   const double autumn = random.uniform(-12, 18);
+  // Mean area of a clump of leaves below; clumps fall anywhere and overlap.
+  const double clumps = -std::log(1 - cover) * kSize * kSize / 510;
   for (int i = 0; i < 1500; ++i) {
     const cv::Point at(random.below(kSize), random.below(kSize));
     const double shade = random.uniform(0.55, 1.35);
@@ -48,7 +48,7 @@ TexturePtr paint_leaves(Random random, double cover) {
     const cv::Size axes(5 + random.below(7), 3 + random.below(4));
     const double angle = random.uniform(0, 180);
     cv::ellipse(picture, at, axes, angle, 0, 360, colour, cv::FILLED, cv::LINE_AA);
-    if (i < 900 * cover) cv::ellipse(alpha, at, axes * 2, angle, 0, 360, 255, cv::FILLED);
+    if (i < clumps) cv::ellipse(alpha, at, axes * 2, angle, 0, 360, 255, cv::FILLED);
   }
   // Round at the rim, so that crossing planes do not show their rectangles.
   for (int y = 0; y < kSize; ++y)
@@ -63,7 +63,7 @@ Model make_tree(Random random, const TexturePtr& bark, const TexturePtr& leaves)
   Model model{"tree", {}, {3.6, 3.6, 7}};
   const double trunk = random.uniform(2.2, 2.8);
   model.solid.add_cylinder({0, 0, 0}, random.uniform(0.11, 0.18), trunk + 1.2, bark);
-  for (int i = 0; i < 22; ++i) {
+  for (int i = 0; i < 18; ++i) {
     const double angle = random.uniform(0, 2 * std::numbers::pi), reach = random.uniform(0.2, 1.1);
     const Vector3d centre(reach * std::cos(angle), reach * std::sin(angle), trunk + random.uniform(0.5, 2.9));
     const Eigen::Matrix3d turn = so3_exp({random.uniform(-0.9, 0.9), random.uniform(-0.9, 0.9), random.uniform(0, 6.28)});

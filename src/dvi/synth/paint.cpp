@@ -29,22 +29,27 @@ Noise::Noise(std::uint64_t seed) : tile_(cv::Mat1f::zeros(512, 512)) {
   }
 }
 
+cv::Mat3b plain(int rows, int cols, const cv::Scalar& colour) {
+  cv::Mat3b picture(rows, cols);
+  picture.setTo(colour);
+  return picture;
+}
+
 void roughen(cv::Mat3b& picture, const Noise& noise, double amplitude, cv::Point offset) {
   const auto gain = static_cast<float>(amplitude);
   for (int y = 0; y < picture.rows; ++y) {
     cv::Vec3b* row = picture[y];
     for (int x = 0; x < picture.cols; ++x) {
-      const float add = gain * noise(x + offset.x, y + offset.y) + 0.5F;
-      for (int c = 0; c < 3; ++c) row[x][c] = static_cast<uchar>(std::clamp(static_cast<float>(row[x][c]) + add, 0.0F, 255.0F));
+      // Rounded, by way of a positive number.
+      const int add = static_cast<int>(gain * noise(x + offset.x, y + offset.y) + 1024.5F) - 1024;
+      for (int c = 0; c < 3; ++c) row[x][c] = cv::saturate_cast<uchar>(row[x][c] + add);
     }
   }
 }
 
 Canvas::Canvas(double width_m, double height_m, double pixels_per_m, const cv::Scalar& colour)
-    : picture(std::max(2, static_cast<int>(std::lround(height_m * pixels_per_m))),
-              std::max(2, static_cast<int>(std::lround(width_m * pixels_per_m))),
-              cv::Vec3b(cv::saturate_cast<uchar>(colour[0]), cv::saturate_cast<uchar>(colour[1]),
-                        cv::saturate_cast<uchar>(colour[2]))),
+    : picture(plain(std::max(2, static_cast<int>(std::lround(height_m * pixels_per_m))),
+                    std::max(2, static_cast<int>(std::lround(width_m * pixels_per_m))), colour)),
       scale_(pixels_per_m) {}
 
 cv::Point Canvas::at(double x, double z) const {
@@ -54,7 +59,7 @@ cv::Point Canvas::at(double x, double z) const {
 void Canvas::box(double x, double z, double w, double h, const cv::Scalar& colour) {
   const cv::Rect rect(at(x, z + h), at(x + w, z));
   const cv::Rect inside = rect & cv::Rect({}, picture.size());
-  if (!inside.empty()) picture(inside).setTo(colour);
+  if (!inside.empty()) cv::rectangle(picture, inside, colour, cv::FILLED);
 }
 
 void Canvas::frame(double x, double z, double w, double h, const cv::Scalar& colour, int thickness) {

@@ -22,6 +22,8 @@ class Noise {
   cv::Mat1f tile_;
 };
 
+/// A picture of one colour.
+cv::Mat3b plain(int rows, int cols, const cv::Scalar& colour);
 /// Adds noise, its pixel (0, 0) being that of `offset`.
 void roughen(cv::Mat3b& picture, const Noise& noise, double amplitude, cv::Point offset);
 

@@ -58,6 +58,10 @@ Surface& Solid::add(const Vector3d& lower_left, const Vector3d& lower_right, con
   const double length2 = surface.right.squaredNorm();
   surface.taper_left = (upper_left - lower_left).dot(surface.right) / length2;
   surface.taper_right = (lower_right - upper_right).dot(surface.right) / length2;
+  if (surface.taper_left < 0 || surface.taper_right < 0) {  // leaning: a sheared parallelogram bounds it
+    surface.taper_right += surface.taper_left;
+    surface.taper_left = 0;
+  }
   surface.origin = upper_left - surface.taper_left * surface.right;
   surface.down = lower_left - surface.origin;
   surface.part = cv::Rect2d(0, 0, texture->width(), texture->height());

@@ -53,7 +53,7 @@ struct Hit {
 /// Surfaces in a bounding volume hierarchy.
 class Solid {
  public:
-  /// A surface by its corners as seen from outside; the lower and upper edges are parallel.
+  /// A surface by its corners as seen from outside; the upper edge is parallel to the lower and no longer.
   Surface& add(const Eigen::Vector3d& lower_left, const Eigen::Vector3d& lower_right, const Eigen::Vector3d& upper_left,
                const Eigen::Vector3d& upper_right, TexturePtr texture);
   /// An upright cylinder standing on `foot`.

@@ -152,7 +152,7 @@ class Builder {
 
   void place_furniture() {
     for (int i = 0; i < 3; ++i) {
-      leaves_[i] = paint_leaves(random(81, i), i == 0 ? 0.5 : 0.38);
+      leaves_[i] = paint_leaves(random(81, i), 0.4 + 0.08 * i);
       planters_[i] = paint_plain(random(82, i), noise_, {120, 140, 158}, 10);
     }
     bark_ = paint_plain(random(83, 0), noise_, {62, 74, 86}, 12);

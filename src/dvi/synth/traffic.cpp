@@ -15,10 +15,10 @@ double smooth_step(double from, double to, double x) {
   return u * u * (3 - 2 * u);
 }
 
-// To the other lane within the first seconds, back later, again and again.
-double lane_change(double time) {
-  const double phase = time - 14 * std::floor(time / 14);
-  return smooth_step(0.3, 2.3, phase) - smooth_step(7, 9.5, phase);
+// To the other lane within the first metres, back before the slower van there is reached, again and again.
+double lane_change(double way) {
+  const double phase = way - 112 * std::floor(way / 112);
+  return smooth_step(2.4, 18, phase) - smooth_step(34, 50, phase);
 }
 
 }  // namespace
@@ -50,9 +50,9 @@ std::vector<Mover> make_traffic(const SynthOptions& options, const Noise& noise)
     add(make_lorry(random(), noise), [=](double t) { return Vector2d(way(t) + 13.5, lane); });
   else
     add(make_car(random(), noise), [=](double t) {
-      return Vector2d(way(t) + 0.05 * t + 16 + 2.5 * std::sin(0.5 * t), lane + (other - lane) * lane_change(t));
+      return Vector2d(way(t) + 0.05 * t + 16 + 2.5 * std::sin(0.5 * t), lane + (other - lane) * lane_change(way(t)));
     });
-  add(make_van(random(), noise), [=](double t) { return Vector2d(44 - shift + (0.6 * options.speed_mps + 0.1) * t, other); });
+  add(make_van(random(), noise), [=](double t) { return Vector2d(46 - 0.2 * shift + 0.6 * way(t) + 0.1 * t, other); });
   for (int k = 0; 48.0 * k < 60 + (options.speed_mps + 9) * duration; ++k) {
     const double start = 43 + 48 * k + shift;
     Model model = k % 3 == 2 ? make_van(random(), noise) : make_car(random(), noise);

@@ -1,0 +1,247 @@
+#include "dvi/synth/scene.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <opencv2/core.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/threads.h"
+#include "dvi/image/interpolate.h"
+#include "dvi/synth/street.h"
+
+namespace dvi {
+namespace {
+
+SynthOptions small() {
+  SynthOptions options;
+  options.frames = 10;
+  options.width = 320;
+  options.height = 180;
+  options.beams = 16;
+  options.columns = 900;
+  options.image_noise = 0;
+  return options;
+}
+
+// Built once: most tests only look.
+const std::shared_ptr<const Scene>& small_scene() {
+  static const auto scene = std::make_shared<const Scene>(small());
+  return scene;
+}
+
+double mean_difference(const cv::Mat3b& a, const cv::Mat3b& b) {
+  return cv::norm(a, b, cv::NORM_L1) / (3.0 * static_cast<double>(a.total()));
+}
+
+TEST(Street, LocateInvertsPointOnStraightsAndArc) {
+  for (const double turn : {0.0, 0.9, -1.2}) {
+    const synth::Street street(12, 40, turn);
+    for (double s = -30; s < 120; s += 3.7)
+      for (const double d : {-12.0, -2.0, 0.0, 5.0, 9.0})
+        EXPECT_LT((street.locate(street.point(s, d)) - Eigen::Vector2d(s, d)).norm(), 1e-9) << turn << " " << s << " " << d;
+  }
+}
+
+TEST(Scene, ShowsTheSameWhateverTheThreads) {
+  SynthFrame frames[2];
+  SynthScan scans[2];
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    const Scene scene(small());
+    frames[threads - 1] = scene.render(3);
+    scans[threads - 1] = scene.scan(3);
+  }
+  EXPECT_EQ(cv::norm(frames[0].image, frames[1].image, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(frames[0].depth, frames[1].depth, cv::NORM_INF), 0);
+  EXPECT_EQ(scans[0].scan.points, scans[1].scan.points);
+  EXPECT_EQ(scans[0].scan.intensity, scans[1].scan.intensity);
+}
+
+// Every static pixel of one frame is found in another by depth and poses, where that frame sees the same place.
+void expect_reprojects(const Scene& scene, int from, int to) {
+  const SynthFrame a = scene.render(from), b = scene.render(to);
+  const SE3 b_from_a = scene.camera_from_world(to) * scene.camera_from_world(from).inverse();
+  const double gain = scene.gain(from) / scene.gain(to);
+  double error = 0, shifted = 0;
+  int count = 0;
+  for (int y = 0; y < a.depth.rows; ++y)
+    for (int x = 0; x < a.depth.cols; ++x) {
+      if (a.depth(y, x) == 0) continue;
+      const Eigen::Vector3d p = b_from_a * (scene.camera().ray({x, y}) * a.depth(y, x));
+      const Eigen::Vector2d q = scene.camera().project(p);
+      if (p.z() < 1 || !scene.camera().contains(q + Eigen::Vector2d(2, 0)) || !scene.camera().contains(q)) continue;
+      const cv::Point at(static_cast<int>(std::lround(q.x())), static_cast<int>(std::lround(q.y())));
+      if (std::abs(b.depth(at) - p.z()) > 0.02 * p.z()) continue;  // hidden
+      const auto difference = [&](double off) {
+        const cv::Vec3f there = bilinear(b.clean, {static_cast<float>(q.x() + off), static_cast<float>(q.y())});
+        return std::abs(there[1] * gain - a.clean(y, x)[1]);
+      };
+      error += difference(0);
+      shifted += difference(2);
+      ++count;
+    }
+  ASSERT_GT(count, 25000);
+  EXPECT_LT(error / count, 7);
+  EXPECT_GT(shifted / count, 1.6 * error / count);
+}
+
+TEST(Scene, DepthAndPosesCarryColoursFromFrameToFrame) { expect_reprojects(*small_scene(), 1, 3); }
+
+TEST(Scene, DepthAndPosesHoldInATurnWithJitterAndDrift) {
+  SynthOptions options = small();
+  options.turn_deg = 25;
+  options.jitter_deg = 0.5;
+  options.exposure_drift = 0.12;
+  expect_reprojects(Scene(options), 4, 6);
+}
+
+TEST(Scene, ScanLiesOnTheDepthSurface) {
+  SynthOptions options = small();
+  options.speed_mps = 0;
+  options.range_noise = 0;
+  const Scene scene(options);
+  const cv::Mat1f depth = scene.render(2).depth;
+  const SynthScan scan = scene.scan(2);
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < scan.scan.size(); ++i) {
+    // The firing's own pose: the car still sways.
+    const SE3 world_from_lidar = scene.world_from_lidar(scene.time_ns(2) + std::llround(1e9 * scan.scan.time[i]));
+    const Eigen::Vector3d p = scene.camera_from_world(2) * (world_from_lidar * scan.scan.points[i].cast<double>());
+    if (scan.dynamic[i] || p.z() < 1 || !scene.camera().contains(scene.camera().project(p))) continue;
+    const Eigen::Vector2d q = scene.camera().project(p);
+    const cv::Point at(static_cast<int>(std::lround(q.x())), static_cast<int>(std::lround(q.y())));
+    errors.push_back(std::abs(depth(at) - p.z()) / p.z());
+  }
+  ASSERT_GT(errors.size(), 1000U);
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 0.005);
+  EXPECT_LT(errors[errors.size() * 9 / 10], 0.05);
+}
+
+TEST(Scene, FiresClockwiseFromBehindWithinThePeriod) {
+  const SynthScan scan = small_scene()->scan(0);
+  ASSERT_GT(scan.scan.size(), 10000U);
+  for (std::size_t i = 0; i < scan.scan.size(); i += 97) {
+    const double azimuth = std::atan2(scan.scan.points[i].y(), scan.scan.points[i].x());
+    const double share = (std::numbers::pi - azimuth) / (2 * std::numbers::pi);
+    const double off = scan.scan.time[i] - (share - 0.5) * 0.1;
+    EXPECT_NEAR(off - 0.1 * std::round(off / 0.1), 0, 1e-6);
+    EXPECT_LE(scan.range[i], 120);
+  }
+}
+
+TEST(Scene, MaskCoversWhatTrafficChanges) {
+  const Scene& scene = *small_scene();
+  for (const int frame : {0, 9}) {
+    const SynthFrame rendered = scene.render(frame);
+    const cv::Mat1b mask = scene.mask(rendered);
+    int changed = 0;
+    for (int y = 0; y < mask.rows; ++y)
+      for (int x = 0; x < mask.cols; ++x)
+        if (rendered.image(y, x) != rendered.clean(y, x)) {
+          ++changed;
+          ASSERT_EQ(mask(y, x), 255);
+        }
+    EXPECT_GT(changed, 500);
+    EXPECT_LT(cv::countNonZero(mask), static_cast<int>(mask.total()) / 4);
+  }
+}
+
+TEST(Scene, BoxesHoldTheDynamicPoints) {
+  const Scene& scene = *small_scene();
+  const SynthScan scan = scene.scan(4);
+  const std::vector<Label> labels = scene.boxes(4);
+  std::vector<std::string> types;
+  for (const Label& label : labels) types.push_back(label.type);
+  EXPECT_GT(std::count(types.begin(), types.end(), "car"), 1);
+  EXPECT_EQ(std::count(types.begin(), types.end(), "pedestrian"), 1);
+  int dynamic = 0;
+  for (std::size_t i = 0; i < scan.scan.size(); ++i) {
+    // What is ahead is hit near the time of the image; compensate for the own motion, leave that of the traffic.
+    const std::int64_t time = scene.time_ns(4);
+    const Eigen::Vector3d world =
+        scene.world_from_lidar(time + std::llround(1e9 * scan.scan.time[i])) * scan.scan.points[i].cast<double>();
+    const Eigen::Vector3d now = scene.world_from_lidar(time).inverse() * world;
+    const bool inside = std::any_of(labels.begin(), labels.end(), [&](const Label& l) { return l.box->contains(now, 0.6); });
+    if (scan.dynamic[i]) {
+      ++dynamic;
+      EXPECT_TRUE(inside);
+    }
+  }
+  EXPECT_GT(dynamic, 50);
+}
+
+TEST(Scene, DriftAndJitterAreWhatTheOptionsSay) {
+  SynthOptions options = small();
+  options.exposure_drift = 0.12;
+  options.jitter_deg = 0.4;
+  const Scene scene(options);
+  EXPECT_NEAR(scene.gain(0), 0.88, 1e-12);
+  EXPECT_NEAR(scene.gain(9), 1.12, 1e-12);
+  double largest = 0;
+  for (int i = 0; i < 10; ++i) {
+    const SE3 nominal = scene.camera_from_lidar() * scene.world_from_lidar(scene.time_ns(i)).inverse();
+    const SE3 jitter = scene.camera_from_world(i) * nominal.inverse();
+    const Eigen::Vector3d turn = so3_log(jitter.R) * 180 / std::numbers::pi;
+    EXPECT_LT(jitter.t.norm(), 1e-9);
+    EXPECT_LT(turn.head<2>().cwiseAbs().maxCoeff(), 0.401);
+    EXPECT_NEAR(turn.z(), 0, 0.01);
+    largest = std::max(largest, turn.norm());
+  }
+  EXPECT_GT(largest, 0.1);
+}
+
+TEST(Scene, LorryStaysAheadAndTheSecondDayIsTheSameStreet) {
+  SynthOptions options = small();
+  options.lorry = true;
+  const Scene scene(options);
+  for (const int frame : {0, 9}) {
+    const std::vector<Label> labels = scene.boxes(frame);
+    const auto lorry = std::find_if(labels.begin(), labels.end(), [](const Label& l) { return l.type == "truck"; });
+    ASSERT_NE(lorry, labels.end());
+    EXPECT_NEAR(lorry->box->frame_from_box.t.x(), 13.5, 0.2);
+  }
+  SynthOptions second = small();
+  second.day = 2;
+  const Scene other(second);
+  const Scene& first = *small_scene();
+  const double apart = (other.world_from_lidar(other.time_ns(0)).t - first.world_from_lidar(first.time_ns(0)).t).norm();
+  EXPECT_GT(apart, 3);
+  EXPECT_LT(apart, 4.5);
+  EXPECT_GT(mean_difference(other.render(0).clean, first.render(0).clean), 10);
+}
+
+TEST(Scene, ADriveInMemoryIsWholeAndConsistent) {
+  const auto& scene = small_scene();
+  const Drive drive = drive_of(scene);
+  const Views views = views_of(scene);
+  ASSERT_EQ(drive.frames.size(), 10U);
+  ASSERT_EQ(views.size(), 10U);
+  EXPECT_EQ(drive.images.size(), drive.masks.size());
+  EXPECT_EQ(drive.scans[1]->size(), scene->scan(1).scan.size());
+  EXPECT_EQ(cv::norm(*drive.images[2], scene->render(2).image, cv::NORM_INF), 0);
+  EXPECT_LT((drive.poses.at(drive.frames[5].time_ns)->t - scene->world_from_lidar(scene->time_ns(5)).t).norm(), 1e-9);
+}
+
+TEST(SynthOptions, RefusesWhatIsOutOfRange) {
+  const auto refused = [](auto change) {
+    SynthOptions options;
+    change(options);
+    EXPECT_THROW(options.check(), UsageError);
+  };
+  refused([](SynthOptions& o) { o.frames = 0; });
+  refused([](SynthOptions& o) { o.day = 3; });
+  refused([](SynthOptions& o) { o.beams = -1; });
+  refused([](SynthOptions& o) { o.speed_mps = std::nan(""); });
+  refused([](SynthOptions& o) { o.turn_deg = 200; });
+  SynthOptions options;
+  options.width = 10;
+  EXPECT_THROW(Scene{options}, UsageError);
+}
+
+}  // namespace
+}  // namespace dvi

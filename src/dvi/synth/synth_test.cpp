@@ -1,0 +1,85 @@
+#include "dvi/synth/synth.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <map>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/files.h"
+#include "dvi/core/threads.h"
+
+namespace dvi {
+namespace {
+
+class Synth : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("dvi_synth_test_" + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+    options_.frames = 3;
+    options_.width = 160;
+    options_.height = 90;
+    options_.beams = 8;
+    options_.columns = 360;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  static std::map<std::string, std::string> files(const fs::path& folder) {
+    std::map<std::string, std::string> out;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+      if (entry.is_regular_file()) out[fs::relative(entry.path(), folder).string()] = read_file(entry.path());
+    return out;
+  }
+
+  fs::path folder_;
+  SynthOptions options_;
+};
+
+TEST_F(Synth, WritesTheSameBytesWithAnyThreads) {
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    synthesise(options_, folder_ / std::to_string(threads));
+  }
+  const auto one = files(folder_ / "1"), two = files(folder_ / "2");
+  ASSERT_EQ(one.size(), 6U * 3 + 7);
+  EXPECT_TRUE(one == two);
+}
+
+TEST_F(Synth, FilesAgreeWithTheScene) {
+  std::atomic<int> ticks = 0;
+  synthesise(options_, folder_, [&] { ++ticks; });
+  EXPECT_EQ(ticks, 3);
+  const Scene scene(options_);
+  const SynthFrame rendered = scene.render(1);
+  const SynthScan scan = scene.scan(1);
+  const auto image = [&](const char* path) { return cv::imread((folder_ / path).string(), cv::IMREAD_UNCHANGED); };
+  EXPECT_EQ(cv::norm(image("truth/000001.png"), rendered.clean, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(image("masks/front/000001.png"), scene.mask(rendered), cv::NORM_INF), 0);
+  const cv::Mat depth = image("truth_depth/000001.png");
+  ASSERT_EQ(depth.type(), CV_16U);
+  cv::Mat1f metres;
+  depth.convertTo(metres, CV_32F, 1.0 / 256);
+  EXPECT_LT(cv::norm(metres, rendered.depth, cv::NORM_INF), 1.0 / 512 + 1e-6);
+  EXPECT_EQ(fs::file_size(folder_ / "lidar/000001.bin"), 16 * scan.scan.size());
+  EXPECT_EQ(fs::file_size(folder_ / "truth_points/000001.label"), scan.scan.size());
+  const double noise = cv::norm(image("images/front/000001.png"), rendered.image, cv::NORM_L2) / std::sqrt(3.0 * 160 * 90);
+  EXPECT_NEAR(noise, 1.5, 0.15);
+  const std::vector<std::string> times = read_lines(folder_ / "times/front.txt");
+  ASSERT_EQ(times.size(), 3U);
+  EXPECT_EQ(times[1], "000001 1000.150000000");
+}
+
+TEST_F(Synth, RefusesBadOptionsAndPlaces) {
+  SynthOptions bad = options_;
+  bad.rate_hz = 0;
+  EXPECT_THROW(synthesise(bad, folder_), UsageError);
+  EXPECT_FALSE(fs::exists(folder_));
+  EXPECT_THROW(synthesise(options_, "/proc/nowhere"), InputError);
+}
+
+}  // namespace
+}  // namespace dvi
