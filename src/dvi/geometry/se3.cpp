@@ -8,6 +8,7 @@ namespace dvi {
 namespace {
 
 constexpr double kSmallAngle = 1e-8;
+constexpr double kSeriesAngle = 1e-4;  // below it 1 - cos has lost half its digits, and the next term of the series is 1e-13
 
 Eigen::Matrix3d hat(const Eigen::Vector3d& w) {
   Eigen::Matrix3d m;
@@ -19,7 +20,7 @@ Eigen::Matrix3d hat(const Eigen::Vector3d& w) {
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& phi) {
   const double angle = phi.norm();
   const Eigen::Matrix3d k = hat(phi);
-  if (angle < kSmallAngle) return Eigen::Matrix3d::Identity() + 0.5 * k;
+  if (angle < kSeriesAngle) return Eigen::Matrix3d::Identity() + 0.5 * k + k * k / 6;
   const double a2 = angle * angle;
   return Eigen::Matrix3d::Identity() + (1 - std::cos(angle)) / a2 * k + (angle - std::sin(angle)) / (a2 * angle) * k * k;
 }

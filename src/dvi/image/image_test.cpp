@@ -1,0 +1,127 @@
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "dvi/core/random.h"
+#include "dvi/image/interpolate.h"
+#include "dvi/image/region.h"
+
+namespace dvi {
+namespace {
+
+cv::Mat1b mask_of(const std::vector<std::string>& rows) {
+  cv::Mat1b mask(static_cast<int>(rows.size()), static_cast<int>(rows[0].size()));
+  for (int y = 0; y < mask.rows; ++y)
+    for (int x = 0; x < mask.cols; ++x) mask(y, x) = rows[y][x] == '#' ? 255 : 0;
+  return mask;
+}
+
+bool equal(const cv::Mat1b& a, const cv::Mat1b& b) { return a.size() == b.size() && cv::countNonZero(a != b) == 0; }
+
+cv::Mat3b noise(int width, int height, std::uint64_t seed) {
+  cv::Mat3b image(height, width);
+  Random random(seed);
+  for (cv::Vec3b& pixel : image)
+    for (int c = 0; c < 3; ++c) pixel[c] = static_cast<uchar>(random.below(256));
+  return image;
+}
+
+TEST(Quantised, IsTheNearestSixteenth) {
+  EXPECT_EQ(quantised(3.0, 7.5), cv::Point2f(3.0F, 7.5F));
+  EXPECT_EQ(quantised(0.031, 0.032), cv::Point2f(0, 1 / 16.0F));
+  Random random(1);
+  for (int i = 0; i < 1000; ++i) {
+    const double x = random.uniform(0, 4000), y = random.uniform(0, 3000);
+    const cv::Point2f q = quantised(x, y);
+    ASSERT_LE(std::abs(q.x - x), 1 / 32.0);
+    ASSERT_LE(std::abs(q.y - y), 1 / 32.0);
+    // What is written to a 16-bit file comes back as it was.
+    const auto written = static_cast<std::uint16_t>(q.x * kSubpixel);
+    ASSERT_EQ(static_cast<float>(written) / kSubpixel, q.x);
+  }
+}
+
+TEST(Bilinear, WholePositionsAreThePixelsThemselves) {
+  const cv::Mat3b image = noise(7, 5, 1);
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x)
+      ASSERT_EQ(bilinear(image, cv::Point2f(static_cast<float>(x), static_cast<float>(y))), cv::Vec3f(image(y, x)));
+}
+
+TEST(Bilinear, RampsAreReproducedExactly) {
+  cv::Mat3b image(10, 12);
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x)
+      image(y, x) = cv::Vec3b(static_cast<uchar>(16 * x), static_cast<uchar>(16 * y), static_cast<uchar>(3 * x + 5 * y));
+  Random random(2);
+  for (int i = 0; i < 1000; ++i) {
+    const cv::Point2f at = quantised(random.uniform(0, 11), random.uniform(0, 9));
+    ASSERT_EQ(bilinear(image, at), cv::Vec3f(16 * at.x, 16 * at.y, 3 * at.x + 5 * at.y)) << at;
+  }
+}
+
+TEST(Bilinear, StaysBetweenItsNeighboursUpToTheVeryEdge) {
+  const cv::Mat3b image = noise(6, 4, 3);
+  double low = 0, high = 0;
+  cv::minMaxLoc(image.reshape(1), &low, &high);
+  for (float y = 0; y <= 3; y += 1 / kSubpixel)
+    for (float x = 0; x <= 5; x += 1 / kSubpixel)
+      for (int c = 0; c < 3; ++c) {
+        const float value = bilinear(image, {x, y})[c];
+        ASSERT_GE(value, low);
+        ASSERT_LE(value, high);
+      }
+}
+
+TEST(Bilinear, OneRowOrColumnIsAnImageToo) {
+  const cv::Mat3b pixel(1, 1, cv::Vec3b(1, 2, 3));
+  EXPECT_EQ(bilinear(pixel, {0, 0}), cv::Vec3f(1, 2, 3));
+  const cv::Mat3b row = (cv::Mat3b(1, 2) << cv::Vec3b(0, 0, 0), cv::Vec3b(100, 50, 10));
+  EXPECT_EQ(bilinear(row, {0.5F, 0}), cv::Vec3f(50, 25, 5));
+}
+
+TEST(Region, NumbersItsPixelsInRasterOrder) {
+  const Region region(mask_of({".#.", "#.#", "..."}));
+  ASSERT_EQ(region.size(), 3U);
+  EXPECT_EQ(region.pixels, (std::vector<cv::Point>{{1, 0}, {0, 1}, {2, 1}}));
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 3; ++x) {
+      const int i = region.index(y, x);
+      if (i >= 0) {
+        EXPECT_EQ(region.pixels[i], cv::Point(x, y));
+      }
+    }
+  EXPECT_EQ(cv::countNonZero(region.index >= 0), 3);
+}
+
+TEST(Region, OfNothingIsEmpty) {
+  EXPECT_EQ(Region().size(), 0U);
+  EXPECT_EQ(Region(mask_of({"...", "..."})).size(), 0U);
+  EXPECT_EQ(Region(cv::Mat1b()).size(), 0U);
+}
+
+TEST(Grown, GrowsAndShrinksByItsRadius) {
+  const cv::Mat1b dot = mask_of({".....", ".....", "..#..", ".....", "....."});
+  EXPECT_TRUE(equal(grown(dot, 0), dot));
+  EXPECT_TRUE(equal(grown(dot, 1), mask_of({".....", "..#..", ".###.", "..#..", "....."})));
+  EXPECT_TRUE(equal(grown(grown(dot, 1), -1), dot));
+  EXPECT_EQ(cv::countNonZero(grown(dot, -1)), 0);
+  EXPECT_EQ(cv::countNonZero(dot), 1) << "the input stays as it is";
+}
+
+TEST(Grown, TheImagesBorderIsNoBoundaryOfTheMask) {
+  const cv::Mat1b full(6, 8, uchar{255});
+  EXPECT_TRUE(equal(grown(full, -2), full));
+}
+
+TEST(ConnectedParts, DiagonalsDoNotConnect) {
+  cv::Mat1i labels;
+  EXPECT_EQ(connected_parts(mask_of({"##..", "..#.", "..##"}), labels), 2);
+  EXPECT_EQ(labels(0, 0), labels(0, 1));
+  EXPECT_EQ(labels(1, 2), labels(2, 3));
+  EXPECT_NE(labels(0, 0), labels(1, 2));
+  EXPECT_EQ(labels(0, 3), 0);
+  EXPECT_EQ(connected_parts(mask_of({"...."}), labels), 0);
+}
+
+}  // namespace
+}  // namespace dvi
