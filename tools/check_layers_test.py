@@ -63,6 +63,7 @@ class CheckLayers(unittest.TestCase):
             self.assert_fails("is heavy", io__a_DOT_h=heavy)
             self.assert_passes(io__a_DOT_cpp=heavy)
         self.assert_passes(io__a_DOT_h="opencv2/core/mat.hpp")
+        self.assert_passes(io__test_folder_DOT_h="opencv2/imgcodecs.hpp")
 
     def test_unknown_modules_and_missing_headers_fail(self):
         self.assert_fails("no place in the layer table", attic__a_DOT_h="vector")
