@@ -14,24 +14,25 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
+constexpr std::size_t kBinPoint = 4 * sizeof(float);
+
 PointCloud read_bin(const fs::path& path) {
-  constexpr std::size_t kPoint = 4 * sizeof(float);
+  check_size(path);
   const std::string bytes = read_file(path);
-  if (bytes.size() % kPoint != 0)
-    throw InputError(path, std::to_string(bytes.size()) + " bytes are no whole number of points",
-                     "a point is 16 bytes: x y z intensity as float32");
   PointCloud cloud;
-  cloud.points.resize(bytes.size() / kPoint);
+  cloud.points.resize(bytes.size() / kBinPoint);
   cloud.intensity.resize(cloud.points.size());
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    std::memcpy(cloud.points[i].data(), bytes.data() + i * kPoint, 3 * sizeof(float));
-    std::memcpy(&cloud.intensity[i], bytes.data() + i * kPoint + 3 * sizeof(float), sizeof(float));
+    std::memcpy(cloud.points[i].data(), bytes.data() + i * kBinPoint, 3 * sizeof(float));
+    std::memcpy(&cloud.intensity[i], bytes.data() + i * kBinPoint + 3 * sizeof(float), sizeof(float));
   }
   return cloud;
 }
 
+constexpr const char* kNoPoints = "remove the file; dvi bridges a missing scan";
+
 void check(const fs::path& path, const PointCloud& cloud) {
-  if (cloud.points.empty()) throw InputError(path, "holds no points", "remove the file; dvi bridges a missing scan");
+  if (cloud.points.empty()) throw InputError(path, "holds no points", kNoPoints);
   const auto bad = std::count_if(cloud.points.begin(), cloud.points.end(), [](const auto& p) { return !p.allFinite(); });
   if (bad > 0)
     throw InputError(path, std::to_string(bad) + " of " + std::to_string(cloud.points.size()) + " points are not finite (NaN)",
@@ -144,6 +145,14 @@ PointCloud decode_ascii(const fs::path& path, const PointTable& table, std::stri
 PointCloud decode_points(const fs::path& path, const PointTable& table, std::string_view data) {
   if (table.fields.empty()) throw InputError(path, "its header declares no fields of points");
   return table.data == PointTable::Data::ascii ? decode_ascii(path, table, data) : decode_binary(path, table, data);
+}
+
+void check_size(const fs::path& path) {
+  const std::uintmax_t bytes = fs::exists(path) ? fs::file_size(path) : 0;
+  if (bytes == 0) throw InputError(path, "holds no points", kNoPoints);
+  if (path.extension() == ".bin" && bytes % kBinPoint != 0)
+    throw InputError(path, std::to_string(bytes) + " bytes are no whole number of points",
+                     "a point is 16 bytes: x y z intensity as float32");
 }
 
 PointCloud read_point_cloud(const fs::path& path) {

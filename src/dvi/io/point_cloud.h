@@ -21,4 +21,7 @@ struct PointCloud {
 /// parsed, is cut short, holds no points or points that are not finite.
 PointCloud read_point_cloud(const fs::path& path);
 
+/// What the size of such a file tells without reading it. InputError where it holds no points, or no whole number of them.
+void check_size(const fs::path& path);
+
 }  // namespace dvi

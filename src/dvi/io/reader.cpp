@@ -5,6 +5,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
 #include "dvi/io/image_file.h"
+#include "dvi/io/point_cloud.h"
 #include "dvi/io/text.h"
 
 namespace dvi {
@@ -126,6 +127,7 @@ Drive read_drive(const fs::path& path, const ReadOptions& options) {
   drive.format = format->name;
   check(drive);
   if (options.frames) cut(drive, *options.frames);
+  for (const Sweep& sweep : drive.sweeps) check_size(sweep.file);
   warn_of_gaps(drive, recording.gaps);
   hang_in(recording, options.cache_bytes);
   return std::move(drive);

@@ -1,0 +1,147 @@
+#include "dvi/io/labels.h"
+
+#include <numbers>
+
+#include "dvi/io/mask_folder.h"
+#include "dvi/io/test_folder.h"
+
+namespace dvi {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr double kNear = 1e-9;
+
+// A camera that looks along the LiDAR's x, without an offset.
+Drive two_frames() {
+  Drive drive;
+  drive.camera.width = 4, drive.camera.height = 3;
+  drive.camera_from_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  drive.frames = {{5, "five", 1, {}, {}}, {6, "six", 2, {}, {}}};
+  return drive;
+}
+
+TEST(Labels, ReadsTracklets) {
+  const TestFolder folder;
+  const auto file = folder.write("tracklet_labels.xml", R"(<?xml version="1.0" encoding="UTF-8" standalone="yes" ?>
+<!DOCTYPE boost_serialization>
+<boost_serialization signature="serialization::archive" version="9">
+<tracklets class_id="0" tracking_level="0" version="0">
+	<count>2</count><item_version>1</item_version>
+	<item class_id="1" tracking_level="0" version="1">
+		<objectType>Van</objectType><h>2</h><w>1.8</w><l>4.5</l><first_frame>5</first_frame>
+		<poses class_id="2" tracking_level="0" version="0"><count>2</count><item_version>2</item_version>
+			<item class_id="3" tracking_level="0" version="2"><tx>10</tx><ty>3</ty><tz>-1.7</tz><rx>0</rx><ry>0</ry><rz>0.5</rz></item>
+			<item><tx>11</tx><ty>3</ty><tz>-1.7</tz><rx>0</rx><ry>0</ry><rz>0.6</rz></item>
+		</poses><finished>1</finished>
+	</item>
+	<item><objectType>Pedestrian</objectType><h>1.8</h><w>0.6</w><l>0.6</l><first_frame>6</first_frame>
+		<poses><count>1</count><item><tx>7</tx><ty>-2</ty><tz>-1.6</tz><rx>0</rx><ry>0</ry><rz>0</rz></item></poses></item>
+</tracklets>
+</boost_serialization>)");
+  const auto labels = read_labels(file, two_frames());
+  ASSERT_EQ(labels[0].size(), 1U);
+  ASSERT_EQ(labels[1].size(), 2U);
+  const Label& van = labels[0][0];
+  EXPECT_EQ(van.type, "van");
+  EXPECT_EQ(van.track, 0);
+  EXPECT_TRUE(van.box->frame_from_box.t.isApprox(Eigen::Vector3d(10, 3, -0.7)));
+  EXPECT_EQ(van.box->size, Eigen::Vector3d(4.5, 1.8, 2));
+  EXPECT_NEAR(so3_log(van.box->frame_from_box.R).z(), 0.5, kNear);
+  EXPECT_EQ(labels[1][1].track, 1);
+}
+
+TEST(Labels, ReadsTrackingIntoLidarAxes) {
+  const TestFolder folder;
+  // 10 m ahead, 2 m to the left, on ground 1.7 m below the camera; yaw -pi/2 looks ahead.
+  const auto file = folder.write("0000.txt",
+                                 "5 -1 DontCare -1 -1 -10 1 1 2 2 -1000 -1000 -1000 -10 -1 -1 -1\n"
+                                 "5 3 Car 0 0 -1.5 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 -1.5707963267948966\n"
+                                 "6 3 Car 0 0 -1.5 1 0 3 2 -1 -1 -1 -1000 -1000 -1000 -10\n");
+  const auto labels = read_labels(file, two_frames());
+  ASSERT_EQ(labels[0].size(), 1U);
+  const Label& car = labels[0][0];
+  EXPECT_EQ(car.track, 3);
+  EXPECT_EQ(*car.rect, cv::Rect2d(1, 0, 2, 2));
+  EXPECT_TRUE(car.box->frame_from_box.t.isApprox(Eigen::Vector3d(10, 2, -0.95)));
+  EXPECT_TRUE(car.box->frame_from_box.R.isApprox(Eigen::Matrix3d::Identity(), kNear));
+  EXPECT_EQ(car.box->size, Eigen::Vector3d(4, 1.6, 1.5));
+  EXPECT_FALSE(labels[1].at(0).box);
+}
+
+TEST(Labels, ReadsOutlinesAndJoinsThem) {
+  const TestFolder folder;
+  // Runs 4 2 1 3 2 of a 3x4 image: the characters are those of COCO's own encoder.
+  const auto outlines = folder.write("instances.txt", "5 1003 1 3 4 42111\n5 10000 10 3 4 42111\n6 2001 2 3 4 <\n");
+  const auto tracking = folder.write("tracking.txt", "5 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n");
+  Drive drive = two_frames();
+  add_labels(drive, tracking);
+  add_labels(drive, outlines);
+  ASSERT_EQ(drive.frames[0].labels.size(), 1U);
+  const Label& car = drive.frames[0].labels[0];
+  EXPECT_TRUE(car.box && car.rect && car.instance);
+  EXPECT_THAT(car.instance->runs, ElementsAre(4, 2, 1, 3, 2));
+  ASSERT_EQ(drive.frames[1].labels.size(), 1U);
+  EXPECT_EQ(drive.frames[1].labels[0].type, "pedestrian");
+  EXPECT_EQ(drive.frames[1].labels[0].track, 1);
+  EXPECT_TRUE(drive.has_labels());
+  EXPECT_EQ(drive.other_files.size(), 2U);
+}
+
+TEST(Labels, ReadsBoxesByName) {
+  const TestFolder folder;
+  const auto file = folder.write("boxes.json", R"({"version":1,"frames":{"six":[{"track":4,"class":"Car","center":[1,2,3],
+    "size":[4,5,6],"yaw":0.25}],"seven":[]}})");
+  const auto labels = read_labels(file, two_frames());
+  EXPECT_TRUE(labels[0].empty());
+  ASSERT_EQ(labels[1].size(), 1U);
+  EXPECT_EQ(labels[1][0].type, "car");
+  EXPECT_EQ(labels[1][0].box->frame_from_box.t, Eigen::Vector3d(1, 2, 3));
+  EXPECT_NEAR(so3_log(labels[1][0].box->frame_from_box.R).z(), 0.25, kNear);
+}
+
+TEST(Labels, RefusesWhatItDoesNotKnow) {
+  const TestFolder folder;
+  const auto error = [&](const std::string& text) {
+    return input_error([&] { read_labels(folder.write("labels", text), two_frames()); });
+  };
+  for (const char* text : {"", "hello world\n", "<html></html>", "1 2 3\n"})
+    EXPECT_THAT(error(text), HasSubstr("no labels that dvi knows"));
+  EXPECT_THAT(error("<tracklets><boost"), HasSubstr("malformed XML"));
+  EXPECT_THAT(error("{\"version\":2,\"frames\":{}}"), HasSubstr("version is 2"));
+  EXPECT_THAT(error("{\"version\":1,\"frames\":{\"six\":[{\"class\":\"car\"}]}}"), HasSubstr("frame six:"));
+  EXPECT_THAT(error("5 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n5 3 Car 0 0 x 1 0 3 y\n"), HasSubstr("labels:2"));
+  EXPECT_THAT(error("5 1003 1 30 40 abc\n"), HasSubstr("40x30 pixels, the drive's are 4x3"));
+  EXPECT_THAT(error("5 1003 1 3 4 42\n"), HasSubstr("does not fill the image"));
+  EXPECT_THAT(error("5 1003 1 3 4 4Z\n"), HasSubstr("outline is cut"));
+}
+
+TEST(MaskFolder, TiesMasksByName) {
+  const TestFolder folder;
+  cv::Mat1b mask(3, 4, uchar{0});
+  mask(1, 2) = 7;
+  folder.write_image("masks/six.png", mask);
+  Drive drive = two_frames();
+  EXPECT_THAT(match_masks(drive.frames, {folder.path / "masks"}), ElementsAre(fs::path(), folder.path / "masks/six.png"));
+  EXPECT_TRUE(match_masks(drive.frames, {folder.path / "none"}).empty());
+  attach_masks(drive, folder.path / "masks");
+  EXPECT_EQ(cv::countNonZero(*drive.masks[0]), 0);
+  EXPECT_EQ((*drive.masks[1])(1, 2), 255);
+}
+
+TEST(MaskFolder, RefusesMasksOfOtherImages) {
+  const TestFolder folder;
+  folder.write_image("masks/nine.png", cv::Mat1b(3, 4, uchar{0}));
+  Drive drive = two_frames();
+  EXPECT_THAT(input_error([&] { match_masks(drive.frames, {folder.path / "masks"}); }),
+              HasSubstr("nine.png: is a mask for no image"));
+  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "masks"); }), HasSubstr("nine.png: is a mask for no image"));
+  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path); }), HasSubstr("holds no masks"));
+  folder.write_image("wrong/six.png", cv::Mat1b(4, 4, uchar{0}));
+  attach_masks(drive, folder.path / "wrong");
+  EXPECT_THAT(input_error([&] { drive.masks[1]; }), HasSubstr("is 4x4 pixels instead of 4x3"));
+}
+
+}  // namespace
+}  // namespace dvi

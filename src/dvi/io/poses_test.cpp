@@ -1,0 +1,55 @@
+#include "dvi/io/poses.h"
+
+#include "dvi/io/test_folder.h"
+
+namespace dvi {
+namespace {
+
+using testing::HasSubstr;
+
+Drive two_scans() {
+  Drive drive;
+  drive.frames = {{0, "a", 100, {}, {}}, {1, "b", 200, {}, {}}};
+  drive.sweeps = {{"a", 110, 60, 160, {}}, {"b", 210, 160, 260, {}}};
+  drive.camera_from_lidar.t = {0, 0, -1};
+  return drive;
+}
+
+TEST(Poses, AreReadInThreeForms) {
+  const TestFolder folder;
+  const Trajectory scans = read_poses(
+      folder.write("a", "a 1 0 0 5 0 1 0 6 0 0 1 7\nb 0 -1 0 8 1 0 0 9 0 0 1 10\nc 1 0 0 0 0 1 0 0 0 0 1 0\n"), two_scans());
+  ASSERT_EQ(scans.poses().size(), 2U);
+  EXPECT_EQ(scans.poses()[1].time_ns, 210);
+  EXPECT_EQ(scans.poses()[1].world_from_body.t, Eigen::Vector3d(8, 9, 10));
+  EXPECT_NEAR(scans.poses()[1].world_from_body.R(0, 1), -1, 1e-12);
+
+  const Trajectory tum =
+      read_poses(folder.write("b", "# t x y z q\n0.000000110 1 2 3 0 0 0.70710678 0.70710678\n"), two_scans());
+  EXPECT_EQ(tum.poses().at(0).time_ns, 110);
+  EXPECT_NEAR(tum.poses().at(0).world_from_body.R(1, 0), 1, 1e-7);
+
+  const Trajectory frames = read_poses(folder.write("c", "1 0 0 0 0 1 0 0 0 0 1 1\n1 0 0 0 0 1 0 0 0 0 1 3\n"), two_scans());
+  EXPECT_EQ(frames.poses().at(1).time_ns, 200);
+  EXPECT_NEAR(frames.poses().at(1).world_from_body.t.z(), 2, 1e-12);
+}
+
+TEST(Poses, SayFileAndLineOfWhatIsWrong) {
+  const TestFolder folder;
+  const auto error = [&](const std::string& text) {
+    return input_error([&] { read_poses(folder.write("poses.txt", text), two_scans()); });
+  };
+  const std::string good = "a 1 0 0 5 0 1 0 6 0 0 1 7\n";
+  EXPECT_THAT(error(""), HasSubstr("poses.txt: holds no poses"));
+  EXPECT_THAT(error(good + "\n"), HasSubstr("poses.txt:2: the line is empty"));
+  EXPECT_THAT(error(good + "b 1 0 0 x 0 1 0 6 0 0 1 7\n"), HasSubstr("poses.txt:2: 'x' is not a number"));
+  EXPECT_THAT(error(good + "b 1 0 0 nan 0 1 0 6 0 0 1 7\n"), HasSubstr("poses.txt:2: 'nan' is not a number"));
+  EXPECT_THAT(error("a 2 0 0 5 0 1 0 6 0 0 1 7\n"), HasSubstr("poses.txt:1: does not hold a rotation"));
+  EXPECT_THAT(error("0.1 1 2 3 0 0 1 1\n"), HasSubstr("quaternion of length 1"));
+  EXPECT_THAT(error("1 2 3\n"), HasSubstr("poses.txt:1: has 3 entries"));
+  EXPECT_THAT(error("z 1 0 0 5 0 1 0 6 0 0 1 7\n"), HasSubstr("no scan of the drive"));
+  EXPECT_THAT(error("1 0 0 0 0 1 0 0 0 0 1 1\n"), HasSubstr("has 1 poses for 2 frames"));
+}
+
+}  // namespace
+}  // namespace dvi

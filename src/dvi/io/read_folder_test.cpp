@@ -1,0 +1,119 @@
+#include "dvi/io/reader.h"
+#include "dvi/io/test_folder.h"
+#include "dvi/io/write_image.h"
+
+namespace dvi {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr const char* kCamera =
+    "[drive]\nversion = 1\n[camera.front]\nsize = [8, 6]\nK = [4, 0, 4, 0, 4, 3, 0, 0, 1]\n"
+    "camera_from_lidar = [0, -1, 0, 0,  0, 0, -1, 0,  1, 0, 0, 0]\n";
+
+class Folder : public testing::Test {
+ protected:
+  Folder() {
+    folder.write("dvi.toml", kCamera);
+    for (const char* name : {"a", "b", "c"}) {
+      folder.write_image(std::string("images/front/") + name + ".png", cv::Mat3b(6, 8, cv::Vec3b()));
+      folder.write_bin(std::string("lidar/") + name + ".bin", {1, 0, 0, 0, 0, 1, 0, 0});
+    }
+  }
+  Drive read() const { return read_drive(folder.path); }
+  std::string error() const {
+    return input_error([&] { read(); });
+  }
+  TestFolder folder;
+};
+
+TEST_F(Folder, TiesEqualNamesAtTheRateWithoutTimes) {
+  folder.write("dvi.toml", std::string(kCamera) + "[lidar]\nrate = 20\n");
+  const Drive drive = read();
+  ASSERT_EQ(drive.frames.size(), 3U);
+  EXPECT_EQ(drive.frames[2].number, 2);
+  EXPECT_EQ(drive.frames[2].time_ns, 100'000'000);
+  EXPECT_EQ(drive.sweeps[2].time_ns, 100'000'000);
+  EXPECT_EQ(drive.sweeps[2].start_ns, 75'000'000);
+  EXPECT_EQ(drive.camera.width, 8);
+  EXPECT_TRUE(drive.poses.empty());
+  EXPECT_TRUE(drive.warnings.empty());
+}
+
+TEST_F(Folder, ReadsTimesPosesMasksAndBoxes) {
+  folder.write("dvi.toml", std::string(kCamera) + "offset_s = 0.001\n[lidar]\nstamp = \"start\"\nrotation = \"none\"\n");
+  folder.write("times/front.txt", "a 1.05\nb 1.15\nc 1.25\n");
+  folder.write("times/lidar.txt", "a 1.0\nb 1.1\nc 1.2\n");
+  folder.write("poses.txt", "a 1 0 0 0 0 1 0 0 0 0 1 0\nc 1 0 0 2 0 1 0 0 0 0 1 0\n");
+  folder.write("boxes.json",
+               R"({"version":1,"frames":{"b":[{"track":0,"class":"car","center":[9,0,0],"size":[4,2,1],"yaw":0}]}})");
+  folder.write_image("masks/front/b.png", cv::Mat1b(6, 8, uchar{1}));
+  const Drive drive = read();
+  EXPECT_EQ(drive.frames[1].time_ns, 1'151'000'000);
+  EXPECT_EQ(drive.sweeps[1].time_ns, 1'150'000'000);
+  EXPECT_EQ(drive.poses.poses()[1].time_ns, 1'250'000'000);
+  EXPECT_NEAR(drive.poses.at(1'150'000'000)->t.x(), 1, 1e-9);
+  EXPECT_EQ(drive.frames[1].labels.size(), 1U);
+  EXPECT_EQ((*drive.masks[1])(0, 0), 255);
+  EXPECT_EQ((*drive.masks[0])(0, 0), 0);
+  EXPECT_EQ(drive.scans[0]->time[1], 0);
+  EXPECT_EQ(drive.other_files.size(), 5U);
+  EXPECT_THAT(drive.warnings, testing::ElementsAre("no pose for the scans of frames 1"));
+}
+
+TEST_F(Folder, MakesScansOfDepthImages) {
+  fs::remove_all(folder.path / "lidar");
+  cv::Mat1w depth(6, 8, ushort{0});
+  depth(3, 6) = 2000;
+  folder.write_image("depth/front/a.png", depth);
+  folder.write_image("depth/front/b.png", cv::Mat1w(6, 8, ushort{0}));
+  folder.write_image("depth/front/c.png", cv::Mat1w(5, 8, ushort{9}));
+  folder.write("dvi.toml", "[camera.front]\nK = [4, 0, 4, 0, 4, 3, 0, 0, 1]\noffset_s = 0.5\n");
+  const Drive drive = read();
+  EXPECT_EQ(drive.sweeps[0].time_ns, 500'000'000);
+  EXPECT_EQ(drive.frames[0].time_ns, 500'000'000);
+  const auto scan = drive.scans[0];
+  ASSERT_EQ(scan->size(), 1U);
+  EXPECT_TRUE(scan->points[0].isApprox(Eigen::Vector3f(1, 0, 2)));
+  EXPECT_EQ(scan->time[0], 0);
+  EXPECT_THAT(input_error([&] { drive.scans[1]; }), HasSubstr("b.png: holds no depth"));
+  EXPECT_THAT(input_error([&] { drive.scans[2]; }), HasSubstr("c.png: is no 16-bit grey image of 8x6"));
+}
+
+TEST_F(Folder, RefusesSettingsThatAreMissingOrMalformed) {
+  const auto with = [&](const std::string& text) { return folder.write("dvi.toml", text), error(); };
+  EXPECT_THAT(with("[camera.front"), HasSubstr("dvi.toml:1:"));
+  EXPECT_THAT(with("[drive]\nversion = 7\n"), HasSubstr("dvi.toml:2: 'version' is 7"));
+  EXPECT_THAT(with("[cammera.front]\n"), HasSubstr("no key 'cammera'"));
+  EXPECT_THAT(with("[camera.front]\nk = []\n"), AllOf(HasSubstr("no key 'k'"), HasSubstr("it has size, K")));
+  EXPECT_THAT(with("[camera.front]\nK = [1, 2]\n"), HasSubstr("'K' is not a list of 9 numbers"));
+  EXPECT_THAT(with("[camera.front]\nsize = [8, 6]\n"), HasSubstr("[camera.front] has no K"));
+  EXPECT_THAT(with("[camera.front]\nK = [4, 0, 4, 0, 4, 3, 0, 0, 1]\n"), HasSubstr("has no camera_from_lidar"));
+  EXPECT_THAT(with("[camera.front]\ncamera_from_lidar = [1,0,0,0,0,1,0,0,0,0,2,0]\n"), HasSubstr("does not hold a rotation"));
+  EXPECT_THAT(with(std::string(kCamera) + "[lidar]\nrotation = \"left\"\n"), HasSubstr("clockwise, counterclockwise, none"));
+  EXPECT_THAT(with("[camera.rear]\n"), HasSubstr("no images of a camera that dvi.toml names"));
+  EXPECT_THAT(with("[lidar]\nrate = 10\n"), HasSubstr("no table [camera.NAME]"));
+  fs::remove(folder.path / "dvi.toml");
+  EXPECT_THAT(error(), HasSubstr("dvi.toml: is missing"));
+}
+
+TEST_F(Folder, RefusesBrokenTimesPosesAndMasks) {
+  folder.write("times/front.txt", "a 1.0\nb\n");
+  EXPECT_THAT(error(), HasSubstr("front.txt:2: has 1 entries"));
+  folder.write("times/front.txt", "a 1.0\nb noon\n");
+  EXPECT_THAT(error(), HasSubstr("front.txt:2: 'noon' is not a time"));
+  folder.write("times/front.txt", "a 1.0\nb 1.1\n");
+  EXPECT_THAT(error(), AllOf(HasSubstr("c.png: has no time"), HasSubstr("front.txt")));
+  folder.write("times/front.txt", "a 1.0\nb 1.0\nc 1.2\n");
+  EXPECT_THAT(error(), HasSubstr("b.png: was not taken after a"));
+  fs::remove_all(folder.path / "times");
+  folder.write("poses.txt", "a 1 0 0 0 0 1 0 0 0 0 1 0\n\n");
+  EXPECT_THAT(error(), HasSubstr("poses.txt:2: the line is empty"));
+  fs::remove(folder.path / "poses.txt");
+  folder.write_image("masks/front/z.png", cv::Mat1b(6, 8, uchar{1}));
+  EXPECT_THAT(error(), HasSubstr("z.png: is a mask for no image"));
+}
+
+}  // namespace
+}  // namespace dvi
