@@ -16,8 +16,6 @@ namespace {
 constexpr int kVersion = 1;
 constexpr double kDegree = std::numbers::pi / 180;
 
-std::int64_t to_ns(double seconds) { return std::llround(seconds * 1e9); }
-
 // One table of the file; complains with file and line.
 class Table {
  public:
@@ -71,11 +69,18 @@ class Table {
   const toml::table* table_;
 };
 
+std::int64_t offset_ns(const Table& table) {
+  const double seconds = table.number("offset_s").value_or(0);
+  if (!(std::abs(seconds) < 1e9)) table.fail("offset_s", "is no offset in seconds");
+  return std::llround(seconds * 1e9);
+}
+
 CameraConfig read_camera(const Table& table) {
   CameraConfig camera;
   if (const auto size = table.numbers<2>("size")) {
+    for (const double side : *size)
+      if (!(side >= 1 && side <= 65536)) table.fail("size", "is not [width, height] in pixels");
     camera.size = cv::Size(static_cast<int>((*size)[0]), static_cast<int>((*size)[1]));
-    if (camera.size->width <= 0 || camera.size->height <= 0) table.fail("size", "is not [width, height] in pixels");
   }
   camera.K = table.numbers<9>("K");
   if (camera.K && !((*camera.K)[0] > 0 && (*camera.K)[4] > 0))
@@ -85,18 +90,18 @@ CameraConfig read_camera(const Table& table) {
     camera.camera_from_lidar = to_rigid(*m);
     if (!camera.camera_from_lidar) table.fail("camera_from_lidar", "does not hold a rotation: rows of 3x4 are r r r t");
   }
-  camera.offset_ns = to_ns(table.number("offset_s").value_or(0));
+  camera.offset_ns = offset_ns(table);
   return camera;
 }
 
 LidarConfig read_lidar(const Table& table) {
   LidarConfig lidar;
   lidar.rate = table.number("rate").value_or(lidar.rate);
-  if (!(lidar.rate > 0)) table.fail("rate", "is not a number of sweeps a second");
+  if (!(lidar.rate >= 0.1 && lidar.rate <= 1000)) table.fail("rate", "is not a number of sweeps a second");
   if (const auto stamp = table.choice("stamp", {"start", "middle", "end"})) lidar.stamp = LidarConfig::Stamp(*stamp);
   if (const auto turn = table.choice("rotation", {"clockwise", "counterclockwise", "none"})) lidar.turn = Turn(*turn);
   if (const auto azimuth = table.number("first_azimuth_deg")) lidar.first_azimuth = *azimuth * kDegree;
-  lidar.offset_ns = to_ns(table.number("offset_s").value_or(0));
+  lidar.offset_ns = offset_ns(table);
   return lidar;
 }
 

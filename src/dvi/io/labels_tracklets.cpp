@@ -30,7 +30,9 @@ LabelsByNumber read_tracklets(const fs::path& file) {
   for (const pugi::xml_node& item : tracklets.children("item")) {
     const std::string type = lower_case(item.child_value("objectType"));
     const Eigen::Vector3d size(number(file, item, "l"), number(file, item, "w"), number(file, item, "h"));
-    int frame = static_cast<int>(number(file, item, "first_frame"));
+    const auto first = to_integer(item.child_value("first_frame"));
+    if (!first) throw InputError(file, "an <item> has no whole number <first_frame>");
+    int frame = *first;
     for (const pugi::xml_node& pose : item.child("poses").children("item")) {
       Label label;
       label.track = track, label.type = type;

@@ -106,8 +106,8 @@ PointCloud decode_binary(const fs::path& path, const PointTable& table, std::str
   std::vector<std::size_t> offsets;
   std::size_t row = 0;
   for (const PointField& field : table.fields) offsets.push_back(row), row += field.bytes * field.count;
-  if (data.size() / row < table.points) fail_short(path, table.points);
   const Columns columns(path, table);
+  if (data.size() / row < table.points) fail_short(path, table.points);
   const bool swap = table.data == PointTable::Data::big_endian;
   PointCloud cloud;
   cloud.points.reserve(table.points);

@@ -11,8 +11,8 @@
 namespace dvi {
 
 struct ReadOptions {
-  std::string camera;                                ///< empty: the drive's first
-  std::optional<FrameRange> frames;                  ///< cut the drive to these (frames, and the sweeps near them in time)
+  std::string camera = {};                           ///< empty: the drive's first
+  std::optional<FrameRange> frames = {};             ///< cut the drive to these (frames, and the sweeps near them in time)
   std::size_t cache_bytes = std::size_t{256} << 20;  ///< bound of decoded images, masks and scans kept together
 };
 

@@ -36,8 +36,11 @@ std::optional<std::int64_t> to_nanoseconds(std::string_view seconds) {
   std::string fraction(dot == std::string_view::npos ? "" : seconds.substr(dot + 1));
   if (whole.empty() || whole.size() > 10 || !all_digits(whole)) return std::nullopt;
   if (!fraction.empty() && !all_digits(fraction)) return std::nullopt;
+  constexpr std::int64_t kLatest = 9'000'000'000;  // seconds that 64 bits of nanoseconds hold
+  const std::int64_t whole_seconds = *parse_whole<std::int64_t>(whole);
+  if (whole_seconds > kLatest) return std::nullopt;
   fraction.resize(9, '0');
-  const std::int64_t ns = *parse_whole<std::int64_t>(whole) * 1'000'000'000 + *parse_whole<std::int64_t>(fraction);
+  const std::int64_t ns = whole_seconds * 1'000'000'000 + *parse_whole<std::int64_t>(fraction);
   return negative ? -ns : ns;
 }
 
@@ -51,7 +54,7 @@ std::optional<std::int64_t> date_to_nanoseconds(std::string_view text) {
   using namespace std::chrono;
   const year_month_day date(std::chrono::year(*year), std::chrono::month(static_cast<unsigned>(*month)),
                             std::chrono::day(static_cast<unsigned>(*day)));
-  if (!date.ok()) return std::nullopt;
+  if (!date.ok() || *year < 1970 || *year > 2200) return std::nullopt;
   const auto whole = sys_days(date).time_since_epoch() + hours(*hour) + minutes(*minute);
   return duration_cast<nanoseconds>(whole).count() + *ns;
 }
