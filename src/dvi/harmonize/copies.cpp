@@ -1,10 +1,16 @@
 #include "dvi/harmonize/copies.h"
 
+#include <cstddef>
 #include <map>
 #include <memory>
+#include <vector>
 
+#include "dvi/depth/depth_map.h"
+#include "dvi/drive/view.h"
 #include "dvi/drive/warp.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/image/region.h"
+#include "dvi/sample/candidates.h"
 
 namespace dvi {
 namespace {

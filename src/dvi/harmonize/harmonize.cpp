@@ -3,14 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/depth/depth_map.h"
+#include "dvi/drive/view.h"
 #include "dvi/harmonize/confidence.h"
 #include "dvi/harmonize/copies.h"
+#include "dvi/harmonize/filled_frame.h"
 #include "dvi/harmonize/poisson.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/image/region.h"
+#include "dvi/sample/candidates.h"
 
 namespace dvi {
 namespace {
@@ -110,6 +117,7 @@ void fill(const Candidates& candidates, const Copies& copies, const cv::Mat1b& r
           const std::vector<Part>& parts, cv::Mat3f& colour) {
   const PoissonSystem system = Equation(candidates, copies, roles, colour).system(labels, parts);
   std::vector<cv::Vec3f> x;
+  x.reserve(system.region.size());
   for (const cv::Point p : system.region.pixels) x.push_back(copies.colour[candidates.hole.index(p)]);
   solve(system, x);
   for (std::size_t k = 0; k < x.size(); ++k)

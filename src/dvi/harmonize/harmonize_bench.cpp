@@ -1,9 +1,14 @@
-#include <benchmark/benchmark.h>
+#include <cmath>
 
+#include <benchmark/benchmark.h>
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/depth/depth_map.h"
 #include "dvi/drive/flat_scene.h"
+#include "dvi/drive/view.h"
 #include "dvi/harmonize/harmonize.h"
+#include "dvi/image/region.h"
+#include "dvi/sample/candidates.h"
 
 namespace dvi {
 namespace {

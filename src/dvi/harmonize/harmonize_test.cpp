@@ -1,11 +1,16 @@
 #include "dvi/harmonize/harmonize.h"
 
-#include <gtest/gtest.h>
+#include <cstddef>
+#include <vector>
 
+#include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/depth/depth_map.h"
 #include "dvi/drive/flat_scene.h"
-#include "dvi/image/interpolate.h"
+#include "dvi/harmonize/filled_frame.h"
+#include "dvi/image/region.h"
+#include "dvi/sample/candidates.h"
 
 namespace dvi {
 namespace {
@@ -78,7 +83,7 @@ TEST(Harmonize, UnseenPixelsContinueALinearRamp) {
 TEST(Harmonize, AGradientOffsetOfTheSourceVanishesAtTheBorderAndStaysLinearInside) {
   Case c(waves(kWidth, kHeight, 4), rectangle({20, 15, 40, 30}));
   cv::Mat3b tinted = c.truth.clone();
-  for (int x = 0; x < kWidth; ++x) tinted.col(x) += cv::Scalar::all(x / 8);
+  for (int x = 0; x < kWidth; ++x) tinted.col(x) += cv::Scalar::all(0.125 * x);
   c.scene.add_source(0, tinted);
   c.seen(1, 0);
   HarmonizeOptions plain;

@@ -1,13 +1,16 @@
 #include "dvi/harmonize/poisson.h"
 
-#include <gtest/gtest.h>
-
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <Eigen/SparseCholesky>
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/random.h"
+#include "dvi/image/region.h"
 
 namespace dvi {
 namespace {

@@ -1,9 +1,13 @@
 #include "dvi/regularize/belief_propagation.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
+#include <utility>
+#include <vector>
 
 #include "dvi/regularize/min_sum.h"
+#include "dvi/regularize/shift_field.h"
 
 namespace dvi {
 namespace {

@@ -1,12 +1,15 @@
 #include "dvi/regularize/belief_propagation.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
+#include <vector>
+
+#include <gtest/gtest.h>
 
 #include "dvi/core/random.h"
 #include "dvi/regularize/min_sum.h"
+#include "dvi/regularize/shift_field.h"
 
 namespace dvi {
 namespace {

@@ -1,5 +1,6 @@
 #include "dvi/regularize/min_sum.h"
 
+#include <cstdint>
 #include <limits>
 
 // One clone a processor generation, chosen when the program starts. Sanitizers run before that choice can be made.

@@ -1,11 +1,12 @@
 #include "dvi/regularize/min_sum.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "dvi/core/random.h"
 

@@ -1,8 +1,14 @@
 #include "dvi/regularize/regularize.h"
 
+#include <cstddef>
+
 #include "dvi/core/error.h"
+#include "dvi/depth/depth_map.h"
+#include "dvi/drive/view.h"
 #include "dvi/regularize/belief_propagation.h"
+#include "dvi/regularize/labelling.h"
 #include "dvi/regularize/shift_field.h"
+#include "dvi/sample/candidates.h"
 
 namespace dvi {
 

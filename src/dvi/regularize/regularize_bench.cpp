@@ -1,10 +1,16 @@
-#include <benchmark/benchmark.h>
+#include <cmath>
 
+#include <benchmark/benchmark.h>
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/core/random.h"
+#include "dvi/depth/depth_map.h"
 #include "dvi/drive/flat_scene.h"
-#include "dvi/image/interpolate.h"
+#include "dvi/drive/view.h"
+#include "dvi/image/region.h"
+#include "dvi/regularize/labelling.h"
 #include "dvi/regularize/regularize.h"
+#include "dvi/sample/candidates.h"
 
 namespace dvi {
 namespace {

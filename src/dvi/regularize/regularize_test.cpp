@@ -1,12 +1,18 @@
 #include "dvi/regularize/regularize.h"
 
-#include <gtest/gtest.h>
+#include <cstddef>
 
+#include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/random.h"
+#include "dvi/depth/depth_map.h"
 #include "dvi/drive/flat_scene.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/image/region.h"
+#include "dvi/regularize/labelling.h"
+#include "dvi/sample/candidates.h"
 
 namespace dvi {
 namespace {

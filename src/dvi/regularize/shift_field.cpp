@@ -1,14 +1,23 @@
 #include "dvi/regularize/shift_field.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
 #include <map>
 #include <memory>
 #include <optional>
 #include <tuple>
+#include <vector>
 
+#include "dvi/depth/depth_map.h"
+#include "dvi/drive/view.h"
 #include "dvi/drive/warp.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/regularize/min_sum.h"
+#include "dvi/sample/candidates.h"
 
 namespace dvi {
 namespace {

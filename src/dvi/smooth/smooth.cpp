@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "dvi/harmonize/filled_frame.h"
+
 namespace dvi {
 namespace {
 
@@ -50,7 +52,7 @@ void add_neighbour(const FilledFrame& frame, const FilledFrame& other, cv::Rect 
   for (int y = 0; y < window.height; ++y)
     for (int x = 0; x < window.width; ++x) {
       if (mask(y, x) == 0 || kind(y, x) == static_cast<uchar>(Kind::empty)) continue;
-      const cv::Vec2f motion = forth(y, x);
+      const cv::Vec2f& motion = forth(y, x);
       const cv::Point2f at(static_cast<float>(x) + motion[0], static_cast<float>(y) + motion[1]);
       if (!(at.x >= 0 && at.y >= 0 && at.x <= static_cast<float>(window.width - 1) &&
             at.y <= static_cast<float>(window.height - 1)))

@@ -1,6 +1,7 @@
 #include <benchmark/benchmark.h>
 
 #include "dvi/drive/flat_scene.h"
+#include "dvi/harmonize/filled_frame.h"
 #include "dvi/smooth/smooth.h"
 
 namespace dvi {

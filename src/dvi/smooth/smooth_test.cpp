@@ -1,13 +1,14 @@
 #include "dvi/smooth/smooth.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <cstdint>
 
+#include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/random.h"
 #include "dvi/drive/flat_scene.h"
+#include "dvi/harmonize/filled_frame.h"
 
 namespace dvi {
 namespace {
