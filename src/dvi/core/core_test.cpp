@@ -1,11 +1,13 @@
 // The small parts of core: errors, fingerprints, random numbers, threads, progress, interruption.
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -178,12 +180,14 @@ TEST(Progress, JsonSurvivesNamesThatAreNoUtf8) {
 }
 
 TEST(Interrupt, StopsTheNextUnitOfWork) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto work = [] {
     catch_interrupts();
     Progress progress(ProgressStyle::quiet);
     progress.begin("map", 2);
     progress.advance();
     std::raise(SIGTERM);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // ThreadSanitizer hands signals on at blocking calls only
     try {
       progress.advance();
     } catch (const Interrupted&) {

@@ -74,6 +74,7 @@ TEST_F(Files, WriterThatMakesNoFileIsAnError) {
 }
 
 TEST_F(Files, NoRoomIsAnInputErrorAndLeavesNothing) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto write_without_room = [&] {
     std::signal(SIGXFSZ, SIG_IGN);
     const rlimit small{4096, RLIM_INFINITY};
