@@ -54,12 +54,21 @@ class Messages {
     return changed;
   }
 
+  /// In raster order the label that is cheapest given those already chosen: beliefs alone would mix optima that tie.
   std::vector<int> labels() {
     std::vector<int> out(field_.nodes());
+    std::vector<int> cost(field_.labels());
     for (std::size_t node = 0; node < field_.nodes(); ++node) {
-      sum_incoming(node);
+      std::copy(field_.data_of(node), field_.data_of(node) + field_.labels(), cost.begin());
+      for (int d = 0; d < 4; ++d) {
+        const int other = field_.neighbour[node][d];
+        if (other < 0) continue;
+        const EdgeColours edge = edge_colours(field_, node, d, nothing_.data());
+        const Cost* in = incoming(node, d);
+        for (int i = 0; i < field_.labels(); ++i) cost[i] += d < 2 ? edge_cost(edge, field_.stride, i, out[other]) : in[i];
+      }
       // The first of equals: the shortest shift. (A small cost on shifts instead would go round the loops and grow.)
-      out[node] = static_cast<int>(std::min_element(belief_.begin(), belief_.begin() + field_.labels()) - belief_.begin());
+      out[node] = static_cast<int>(std::min_element(cost.begin(), cost.end()) - cost.begin());
     }
     return out;
   }

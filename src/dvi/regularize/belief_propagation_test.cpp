@@ -19,7 +19,7 @@ ShiftField random_field(int width, int height, std::uint64_t seed) {
   Random random(seed);
   ShiftField field;
   field.shifts = window_shifts(3);
-  field.stride = kLanes;
+  field.stride = kLanes;  // 9 labels
   const int nodes = width * height;
   int rows = nodes;
   for (int i = 0; i < nodes; ++i) {

@@ -5,7 +5,7 @@
 namespace dvi {
 
 /// Labels come in blocks of this many lanes; rows of labels are padded to whole blocks.
-inline constexpr int kLanes = 32;
+inline constexpr int kLanes = 16;
 
 /// An edge of the MRF as its sender and its receiver see it. Its cost between labels i and j is the L1 distance of
 /// (sender[0](i), sender[1](i)) to (receiver[0](j), receiver[1](j)), each entry a colour: a row of labels a channel.

@@ -15,7 +15,8 @@
 namespace dvi {
 namespace {
 
-/// A hole of some 60,000 (or 100,000) pixels at 1280x720 with candidates from 12 noisy sources, off by up to a pixel.
+/// A hole of some 60,000 (or 100,000) pixels at 1280x720 with candidates from 12 noisy sources, off by up
+/// to a pixel: alike in each patch, or (second argument) each pixel by itself.
 void regularize_hole(benchmark::State& state) {
   const cv::Mat3b truth = waves(1280, 720, 1, 10);
   cv::Mat1b hole(truth.size(), uchar{0});
@@ -29,10 +30,13 @@ void regularize_hole(benchmark::State& state) {
       for (int c = 0; c < 3; ++c) v[c] = cv::saturate_cast<uchar>(v[c] + 3 * random.normal());
     scene.add_source(4 * k - 20, noisy);
   }
+  const bool alone = state.range(1) != 0;
   Candidates candidates{Region(hole), {}};
   for (const cv::Point p : candidates.hole.pixels) {
     const int k = (p.x / 40 + p.y / 25) % 12;
-    candidates.of.push_back({k + 1, cv::Point2f(p + cv::Point(4 * k - 20, 0)) + cv::Point2f(cv::Point(k % 3 - 1, k % 2))});
+    candidates.of.push_back(
+        {k + 1, cv::Point2f(p + cv::Point(4 * k - 20, 0)) +
+                    cv::Point2f(alone ? cv::Point(random.below(3) - 1, random.below(3) - 1) : cv::Point(k % 3 - 1, k % 2))});
   }
   const Views views = scene.lazy();
   const DepthMap depth{scene.depth(), scene.depth()};
@@ -45,7 +49,7 @@ void regularize_hole(benchmark::State& state) {
   state.counters["iterations"] = out.iterations;
   state.counters["energy_part"] = out.energy_after / out.energy_before;
 }
-BENCHMARK(regularize_hole)->Arg(60'000)->Arg(100'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(regularize_hole)->Args({60'000, 0})->Args({100'000, 0})->Args({60'000, 1})->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace dvi
