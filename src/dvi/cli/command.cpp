@@ -92,9 +92,9 @@ int Program::main(int argc, char** argv) {
   }
 }
 
-void Common::add_to(Command& command, bool with_json) {
+void Common::add_to(Command& command, bool with_json, bool with_seed) {
   command.option("--threads", threads, "Threads to use; 0: all cores");
-  command.option("--seed", seed, "Seed of everything random (the synthetic street; filling draws nothing)");
+  if (with_seed) command.option("--seed", seed, "Seed of everything random (the synthetic street; filling draws nothing)");
   command.flag("--quiet", quiet, "No progress, no warnings");
   command.flag("--json-log", json_log, "Progress and warnings as JSON lines on stderr");
   if (with_json) command.flag("--json", json, "The result as one JSON document on stdout");

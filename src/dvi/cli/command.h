@@ -59,7 +59,7 @@ struct Common {
   int threads = 0, seed = 1;
   bool quiet = false, json_log = false, json = false;
 
-  void add_to(Command& command, bool with_json);
+  void add_to(Command& command, bool with_json, bool with_seed = true);
   ProgressStyle style() const {
     return quiet ? ProgressStyle::quiet : json_log ? ProgressStyle::json : ProgressStyle::automatic;
   }

@@ -30,7 +30,7 @@ void add_eval(Program& program) {
     if (a->common.json)
       fmt::print("{}\n", nlohmann::json(evaluation).dump(1));
     else
-      fmt::print("{}", table(evaluation));
+      fmt::print("{}\n", table(evaluation));
   });
 }
 

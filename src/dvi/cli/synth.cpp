@@ -24,7 +24,7 @@ void add_synth(Program& program) {
   command.option("--config", a->config, "Options from a TOML file, table [synth]");
   command.option("--set", a->set, "synth.key=value, any number of times");
   command.options(a->table);
-  a->common.add_to(command, false);
+  a->common.add_to(command, false, false);  // its seed is an option of the street
   command.run([a] {
     if (!a->config.empty()) a->table.load_toml(a->config);
     for (const std::string& assignment : a->set) a->table.set(assignment);

@@ -41,8 +41,15 @@ std::vector<Eigen::Vector3d> visible_corners(const Box& box, const SE3& camera_f
   return visible;
 }
 
-void draw_box(Box box, double margin, const Camera& camera, const SE3& camera_from_lidar, cv::Mat1b& mask) {
-  box.size.array() += 2 * margin;
+// The flat box of the ground below another, grown sideways.
+Box footprint(const Box& box, double margin) {
+  Box ground = box;
+  ground.frame_from_box.t -= 0.5 * box.size.z() * box.frame_from_box.R.col(2);
+  ground.size = {box.size.x() + 2 * margin, box.size.y() + 2 * margin, 0};
+  return ground;
+}
+
+void draw_box(const Box& box, const Camera& camera, const SE3& camera_from_lidar, cv::Mat1b& mask) {
   std::vector<cv::Point> pixels;
   for (const Eigen::Vector3d& corner : visible_corners(box, camera_from_lidar)) {
     const Eigen::Vector2d p = camera.project(corner);
@@ -58,12 +65,15 @@ void draw_box(Box box, double margin, const Camera& camera, const SE3& camera_fr
 
 }  // namespace
 
-cv::Mat1b label_mask(const Label& label, const Camera& camera, const SE3& camera_from_lidar, double box_margin_m) {
+cv::Mat1b label_mask(const Label& label, const Camera& camera, const SE3& camera_from_lidar, const MaskOptions& options) {
   cv::Mat1b mask(camera.height, camera.width, uchar{0});
   if (label.instance) {
     draw_instance(*label.instance, mask);
+    if (label.box) draw_box(footprint(*label.box, options.footprint_margin_m), camera, camera_from_lidar, mask);
   } else if (label.box) {
-    draw_box(*label.box, box_margin_m, camera, camera_from_lidar, mask);
+    Box box = *label.box;
+    box.size.array() += 2 * options.box_margin_m;
+    draw_box(box, camera, camera_from_lidar, mask);
   } else if (label.rect) {
     const cv::Rect2d& r = *label.rect;
     const cv::Point corner(cvFloor(r.x), cvFloor(r.y)), opposite(cvCeil(r.x + r.width), cvCeil(r.y + r.height));
@@ -91,7 +101,7 @@ Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const MaskOpti
   return {drive.frames.size(), kCached,
           [labels = std::move(labels), camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
             cv::Mat1b mask(camera.height, camera.width, uchar{0});
-            for (const Label& label : labels[i]) mask |= label_mask(label, camera, pose, options.box_margin_m);
+            for (const Label& label : labels[i]) mask |= label_mask(label, camera, pose, options);
             return grown(mask, options.dilate_px);
           }};
 }

@@ -8,11 +8,14 @@ namespace dvi {
 struct MaskOptions {
   int dilate_px = 7;
   double box_margin_m = 0.1;
+  double footprint_margin_m = 0.3;
 
   void describe(OptionTable& table) {
     table.section("masks");
     table.add("dilate_px", dilate_px, {0, 100}, "Masks made from labels are grown by this radius.");
     table.add("box_margin_m", box_margin_m, {0, 5}, "3D boxes are grown by this on all sides before they are projected.");
+    table.add("footprint_margin_m", footprint_margin_m, {0, 5},
+              "The ground below a 3D box, grown by this, is masked with its outline: wheels and shadow stand there.");
   }
 };
 
@@ -22,11 +25,11 @@ enum class MaskSource { files, labels };
 /// What a drive offers when nobody says otherwise: mask files where there are any, else labels. InputError if neither.
 MaskSource default_mask_source(const Drive& drive);
 
-/// What to remove from each frame, 255 = remove. Of a labelled object the instance mask where there is one, else the hull of
-/// its projected 3D box, else its 2D box.
+/// What to remove from each frame, 255 = remove. Of a labelled object the instance mask and the ground below its 3D box
+/// where there is one, else the hull of its projected 3D box, else its 2D box.
 Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const MaskOptions& options);
 
 /// The mask of one label in an image of the camera, neither grown nor clipped by others.
-cv::Mat1b label_mask(const Label& label, const Camera& camera, const SE3& camera_from_lidar, double box_margin_m);
+cv::Mat1b label_mask(const Label& label, const Camera& camera, const SE3& camera_from_lidar, const MaskOptions& options);
 
 }  // namespace dvi

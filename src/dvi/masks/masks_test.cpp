@@ -10,6 +10,8 @@
 namespace dvi {
 namespace {
 
+const MaskOptions kNoMargin{.dilate_px = 0, .box_margin_m = 0, .footprint_margin_m = 0};
+
 // A camera that looks along the LiDAR's x axis.
 Drive test_drive() {
   Drive drive;
@@ -28,7 +30,7 @@ Label boxed(double x, double y, double z) {
 
 TEST(Masks, ProjectsABoxToTheHullOfItsCorners) {
   const Drive drive = test_drive();
-  const cv::Mat1b mask = label_mask(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, 0);
+  const cv::Mat1b mask = label_mask(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, kNoMargin);
   // The near face, at 10 m, spans 2 m x 1 m: 20 px x 10 px round the centre.
   EXPECT_EQ(mask(49, 99), 255);
   EXPECT_EQ(mask(49, 91), 255);
@@ -39,35 +41,46 @@ TEST(Masks, ProjectsABoxToTheHullOfItsCorners) {
 
 TEST(Masks, MarginGrowsTheBox) {
   const Drive drive = test_drive();
-  const int plain = cv::countNonZero(label_mask(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, 0));
-  const int grown = cv::countNonZero(label_mask(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, 0.5));
+  const int plain = cv::countNonZero(label_mask(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, kNoMargin));
+  const int grown = cv::countNonZero(label_mask(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, {.box_margin_m = 0.5}));
   EXPECT_GT(grown, 1.5 * plain);
 }
 
 TEST(Masks, CutsABoxAtTheCamera) {
   const Drive drive = test_drive();
-  const cv::Mat1b beside = label_mask(boxed(1, 2, 0), drive.camera, drive.camera_from_lidar, 0);
+  const cv::Mat1b beside = label_mask(boxed(1, 2, 0), drive.camera, drive.camera_from_lidar, kNoMargin);
   EXPECT_GT(cv::countNonZero(beside), 0);
   EXPECT_EQ(beside(49, 199), 0) << "a box to the left leaves the right side alone";
-  EXPECT_EQ(cv::countNonZero(label_mask(boxed(-10, 0, 0), drive.camera, drive.camera_from_lidar, 0)), 0) << "behind";
+  EXPECT_EQ(cv::countNonZero(label_mask(boxed(-10, 0, 0), drive.camera, drive.camera_from_lidar, kNoMargin)), 0) << "behind";
 }
 
 TEST(Masks, DecodesColumnMajorRuns) {
   Drive drive = test_drive();
-  Label label = boxed(12, 0, 0);
+  Label label;
   label.instance = Instance{{200, 100}, {3 * 100 + 10, 5, 95, 5}};  // rows 10..14 of columns 3 and 4
-  const cv::Mat1b mask = label_mask(label, drive.camera, drive.camera_from_lidar, 0);
-  EXPECT_EQ(cv::countNonZero(mask), 10) << "the instance wins over the box";
+  const cv::Mat1b mask = label_mask(label, drive.camera, drive.camera_from_lidar, kNoMargin);
+  EXPECT_EQ(cv::countNonZero(mask), 10);
   EXPECT_EQ(mask(10, 3), 255);
   EXPECT_EQ(mask(14, 4), 255);
   EXPECT_EQ(mask(15, 4), 0);
+}
+
+TEST(Masks, OutlineComesWithTheGroundBelowItsBox) {
+  const Drive drive = test_drive();
+  Label label = boxed(12, 0, -1);  // its bottom, 1.5 m down, spans rows 60 (14 m) to 64.5 (10 m)
+  label.instance = Instance{{200, 100}, {100 * 100}};
+  const cv::Mat1b mask = label_mask(label, drive.camera, drive.camera_from_lidar, kNoMargin);
+  EXPECT_EQ(mask(62, 99), 255);
+  EXPECT_EQ(mask(55, 99), 0) << "the box's own hull does not count";
+  const cv::Mat1b wider = label_mask(label, drive.camera, drive.camera_from_lidar, {.footprint_margin_m = 0.5});
+  EXPECT_GT(cv::countNonZero(wider), cv::countNonZero(mask));
 }
 
 TEST(Masks, RectIsClippedToTheImage) {
   const Drive drive = test_drive();
   Label label;
   label.rect = cv::Rect2d(-20, 90, 30, 50);
-  EXPECT_EQ(cv::countNonZero(label_mask(label, drive.camera, drive.camera_from_lidar, 0)), 10 * 10);
+  EXPECT_EQ(cv::countNonZero(label_mask(label, drive.camera, drive.camera_from_lidar, kNoMargin)), 10 * 10);
 }
 
 TEST(Masks, UnitesAndGrowsTheLabelsOfAFrame) {

@@ -1,0 +1,109 @@
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/version.h"
+#include "program.h"
+
+namespace dvi {
+namespace {
+
+using testing::HasSubstr;
+using CommandLine = ProgramTest;
+
+TEST_F(CommandLine, SaysWhatItIs) {
+  EXPECT_EQ(dvi("version").out, std::string("dvi ") + kVersion + "\n");
+  EXPECT_EQ(dvi("--version").code, 0);
+  EXPECT_EQ(dvi("--help").code, 0);
+  EXPECT_EQ(dvi("run --help").code, 0);
+  const std::string formats = dvi("formats").out;
+  for (const char* format : {"folder", "kitti-raw", "apolloscape"}) EXPECT_THAT(formats, HasSubstr(format));
+}
+
+TEST_F(CommandLine, UsageErrorsEndInTwo) {
+  for (const char* arguments : {"", "fly", "run", "run drive", "run drive -o out --frames 3", "run drive -o out --frames 9:1",
+                                "run drive -o out --set depth.nothing=1", "run drive -o out --set depth.median_px=99",
+                                "run drive -o out --method magic", "run drive -o out --poses loam-of-tomorrow --set x",
+                                "run drive -o out --config missing.toml", "synth", "eval out", "synth -o s --frames none"}) {
+    const Result result = dvi(arguments);
+    EXPECT_EQ(result.code, 2) << arguments << ": " << result.err;
+    EXPECT_THAT(result.err, testing::StartsWith("dvi: ")) << arguments;
+    EXPECT_TRUE(result.out.empty()) << arguments;
+    EXPECT_FALSE(fs::exists(folder / "out")) << arguments;
+  }
+}
+
+TEST_F(CommandLine, DumpedOptionsReadBack) {
+  const Result dump = dvi("config dump --set regularize.alpha=33");
+  EXPECT_THAT(dump.out, HasSubstr("alpha = 33"));
+  write_file(folder / "all.toml", dump.out);
+  EXPECT_EQ(dvi("config dump --config all.toml").out, dump.out);
+  EXPECT_THAT(dvi("config dump --method paper").out, HasSubstr("method = 'paper'"));
+}
+
+TEST_F(CommandLine, CheckDescribesADrive) {
+  small_drive();
+  const Result text = dvi("check drive --quiet");
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("ready for dvi run"));
+  const nlohmann::json j = nlohmann::json::parse(dvi("check drive --quiet --json").out);
+  EXPECT_EQ(j["format"], "folder");
+  EXPECT_EQ(j["frames"]["count"], 6);
+  EXPECT_EQ(j["sweeps"]["count"], 6);
+  EXPECT_EQ(j["frames"]["with_pose"], 6);
+  EXPECT_NEAR(j["frames"]["rate_hz"], 10, 0.01);
+}
+
+TEST_F(CommandLine, MapWritesPosesAndPoints) {
+  small_drive();
+  const Result result = dvi("map drive -o map --quiet --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const nlohmann::json j = nlohmann::json::parse(result.out);
+  EXPECT_GT(j["points"], 1000);
+  EXPECT_EQ(j["sweeps"], 6);
+  EXPECT_EQ(read_lines(folder / "map/poses.txt").size(), 6);
+  EXPECT_EQ(read_lines(folder / "map/times.txt").size(), 6);
+  EXPECT_EQ(read_file(folder / "map/map.ply").substr(0, 4), "ply\n");
+}
+
+TEST_F(CommandLine, EvalScoresAResult) {
+  small_drive();
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  const Result result = dvi("eval out --truth drive/truth --quiet --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_TRUE(nlohmann::json::parse(result.out).is_object());
+  EXPECT_THAT(dvi("eval out --truth drive/truth --quiet").out, HasSubstr("PSNR"));
+  EXPECT_EQ(dvi("eval out --truth nowhere --quiet").code, 3);
+  EXPECT_EQ(dvi("eval drive --truth drive/truth --quiet").code, 3);
+}
+
+TEST_F(CommandLine, DemoRunsOnAGivenDrive) {
+  small_drive();
+  const Result result = dvi("demo drive -o demo --quiet");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("demo/result/video.mp4"));
+  EXPECT_TRUE(fs::exists(folder / "demo/result/contact.png"));
+}
+
+TEST_F(CommandLine, ProgressGoesToStderrOnly) {
+  small_drive();
+  const Result lines = dvi("run drive -o out");
+  EXPECT_THAT(lines.err, HasSubstr("fill"));
+  const Result json = dvi("run drive -o out2 --json-log");
+  std::istringstream stream(json.err);
+  int events = 0;
+  for (std::string line; std::getline(stream, line); ++events) EXPECT_TRUE(nlohmann::json::accept(line)) << line;
+  EXPECT_GT(events, 4);
+  EXPECT_TRUE(dvi("run drive -o out3 --quiet").err.empty());
+}
+
+TEST_F(CommandLine, InterruptEndsIn130) {
+  small_drive();
+  const Result result = shell(std::string("timeout -s INT 0.3 ") + DVI_PROGRAM + " run drive -o out --threads 1 --quiet --set depth.median_px=5");
+  // timeout itself ends in 124 once it has sent its signal; the message is the program's.
+  EXPECT_EQ(result.code, 124);
+  EXPECT_THAT(result.err, HasSubstr("interrupted"));
+}
+
+}  // namespace
+}  // namespace dvi

@@ -1,0 +1,191 @@
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "dvi/io/image_file.h"
+#include "dvi/io/write_image.h"
+#include "program.h"
+
+namespace dvi {
+namespace {
+
+using testing::HasSubstr;
+
+const cv::Size kSize(240, 136);
+
+class Run : public ProgramTest {
+ protected:
+  nlohmann::json report(const std::string& out = "out") const { return nlohmann::json::parse(read_file(folder / out / "report.json")); }
+};
+
+TEST_F(Run, WritesEverythingTheContractNames) {
+  small_drive();
+  const Result result = dvi("run drive -o out --quiet");
+  ASSERT_EQ(result.code, 0) << result.err;
+  for (const char* file : {"sources.json", "map/poses.txt", "map/times.txt", "map/map.ply", "map/map.json", "video.mp4",
+                           "compare.mp4", "contact.png", "report.json", "dvi.toml"})
+    EXPECT_TRUE(fs::exists(folder / "out" / file)) << file;
+  for (const fs::path& input : list_files(folder / "drive/images/front", {".png"})) {
+    const std::string name = input.filename();
+    const cv::Mat1b mask = read_png_grey(folder / "out/masks" / name, kSize);
+    const cv::Mat1b kind = read_png_grey(folder / "out/kind" / name, kSize);
+    const cv::Mat1b confidence = read_png_grey(folder / "out/confidence" / name, kSize);
+    const cv::Mat_<cv::Vec3w> provenance = read_png_triples(folder / "out/provenance" / name, kSize);
+    read_png_depth(folder / "out/depth" / name, kSize);
+    const cv::Mat3b original = read_image(input, kSize), filled = read_image(folder / "out/frames" / name, kSize);
+    const std::size_t sources = nlohmann::json::parse(read_file(folder / "out/sources.json"))["sources"].size();
+    for (int y = 0; y < kSize.height; ++y)
+      for (int x = 0; x < kSize.width; ++x) {
+        const cv::Vec3w source = provenance(y, x);
+        if (mask(y, x) == 0) {
+          ASSERT_EQ(filled(y, x), original(y, x)) << "unmasked pixels are the input's";
+          ASSERT_EQ(kind(y, x), 0);
+          ASSERT_EQ(confidence(y, x), 255);
+        } else {
+          ASSERT_GE(kind(y, x), 1);
+          ASSERT_LE(kind(y, x), 5);
+        }
+        ASSERT_EQ(source[0] > 0, kind(y, x) == 1 || kind(y, x) == 2);
+        ASSERT_LE(source[0], sources);
+        ASSERT_LE(source[1], (kSize.width - 1) * 16);
+        ASSERT_LE(source[2], (kSize.height - 1) * 16);
+      }
+  }
+}
+
+TEST_F(Run, ReportAddsUp) {
+  small_drive();
+  const Result result = dvi("run drive -o out --quiet --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const nlohmann::json j = nlohmann::json::parse(result.out);
+  EXPECT_EQ(j, report());
+  EXPECT_EQ(j["frames"].size(), 6);
+  std::size_t pixels = 0;
+  for (const auto& frame : j["frames"]) {
+    pixels += frame["hole"]["pixels"].get<std::size_t>();
+    EXPECT_LE(frame["energy"]["after"], frame["energy"]["before"]);
+  }
+  const auto& hole = j["hole"];
+  EXPECT_EQ(hole["pixels"].get<std::size_t>(), pixels);
+  EXPECT_EQ(hole["copied"].get<std::size_t>() + hole["copied_elsewhere"].get<std::size_t>() +
+                hole["interpolated"].get<std::size_t>() + hole["synthesised"].get<std::size_t>() + hole["empty"].get<std::size_t>(),
+            pixels);
+  EXPECT_GT(hole["share"]["copied"], 0);
+}
+
+TEST_F(Run, SameBytesWithOneThreadAndTwo) {
+  small_drive();
+  ASSERT_EQ(dvi("run drive -o one --threads 1 --quiet").code, 0);
+  ASSERT_EQ(dvi("run drive -o two --threads 2 --quiet").code, 0);
+  const auto one = contents(folder / "one"), two = contents(folder / "two");
+  ASSERT_EQ(one.size(), two.size());
+  for (const auto& [name, bytes] : one) EXPECT_TRUE(two.at(name) == bytes) << name;
+}
+
+TEST_F(Run, TakesUpAnInterruptedRun) {
+  small_drive();
+  ASSERT_EQ(dvi("run drive -o whole --quiet").code, 0);
+  const auto whole = contents(folder / "whole");
+  // Wherever the signal falls, the next call must end with the same bytes.
+  int interrupted = 0;
+  for (const char* delay : {"0.15", "0.4", "0.7", "1.0"}) {
+    const Result killed = shell(std::string("timeout -s KILL ") + delay + " " + DVI_PROGRAM + " run drive -o out --threads 1 --quiet");
+    interrupted += killed.code == 0 ? 0 : 1;
+  }
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  const auto resumed = contents(folder / "out");
+  EXPECT_GT(interrupted, 0);
+  for (const auto& [name, bytes] : whole) EXPECT_TRUE(resumed.at(name) == bytes) << name;
+  EXPECT_EQ(resumed.size(), whole.size()) << "no part files are left";
+}
+
+TEST_F(Run, KeepsFinishedFramesAndMakesMissingOnes) {
+  small_drive();
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  const auto before = contents(folder / "out");
+  const fs::path first = folder / "out/frames/000000.png", third = folder / "out/frames/000002.png";
+  const auto time = fs::last_write_time(first);
+  fs::remove(folder / "out/.dvi/frames/000002.json");
+  fs::remove(third);
+  const Result again = dvi("run drive -o out");
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(fs::last_write_time(first), time) << "a finished frame is left alone";
+  EXPECT_TRUE(contents(folder / "out") == before);
+  EXPECT_THAT(dvi("run drive -o out").err, HasSubstr("nothing to do"));
+}
+
+TEST_F(Run, OtherOptionsMakeFramesAgain) {
+  small_drive();
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  const auto before = contents(folder / "out");
+  ASSERT_EQ(dvi("run drive -o out --quiet --set harmonize.poisson=false --set smooth.enabled=false --frames 1:4").code, 0);
+  EXPECT_NE(read_file(folder / "out/frames/000002.png"), before.at("frames/000002.png"));
+  EXPECT_FALSE(fs::exists(folder / "out/frames/000000.png")) << "what is no longer part of the result is gone";
+  EXPECT_EQ(report()["frames"].size(), 4);
+}
+
+TEST_F(Run, RefusesFoldersOfOtherDrives) {
+  small_drive();
+  small_drive("other", "--seed 5");
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  const auto before = contents(folder / "out");
+  const Result refused = dvi("run other -o out --quiet");
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_THAT(refused.err, HasSubstr("--force"));
+  EXPECT_TRUE(contents(folder / "out") == before);
+  ASSERT_EQ(dvi("run other -o out --force --quiet").code, 0);
+  EXPECT_FALSE(contents(folder / "out") == before);
+
+  make_folder(folder / "mine");
+  write_file(folder / "mine/thesis.tex", "years of work");
+  EXPECT_EQ(dvi("run drive -o mine --quiet").code, 3);
+  EXPECT_EQ(read_file(folder / "mine/thesis.tex"), "years of work");
+}
+
+TEST_F(Run, ItsOwnOptionsRepeatIt) {
+  small_drive();
+  ASSERT_EQ(dvi("run drive -o out --quiet --set regularize.window=3 --frames 1:4").code, 0);
+  const Result result = dvi("run --config out/dvi.toml -o again --quiet");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_TRUE(contents(folder / "out") == contents(folder / "again"));
+}
+
+TEST_F(Run, FusionFillsWhatOneDriveNeverSaw) {
+  small_drive("one", "--lorry");
+  small_drive("two", "--lorry --day 2");
+  ASSERT_EQ(dvi("run one -o alone --quiet").code, 0);
+  const Result both = dvi("run one two -o both --quiet");
+  ASSERT_EQ(both.code, 0) << both.err;
+  EXPECT_LT(report("both")["hole"]["share"]["never_seen"], report("alone")["hole"]["share"]["never_seen"]);
+  EXPECT_GT(report("both")["hole"]["share"]["copied_elsewhere"], 0);
+  EXPECT_EQ(report("both")["drives"].size(), 2);
+}
+
+TEST_F(Run, EveryStageCanBeSwitchedOff) {
+  small_drive();
+  const std::string off =
+      "--set align.enabled=false --set sample.occlusion_test=false --set regularize.enabled=false "
+      "--set harmonize.poisson=false --set smooth.enabled=false --set harmonize.fill_unseen=false";
+  const Result result = dvi("run drive -o out --quiet " + off);
+  ASSERT_EQ(result.code, 0) << result.err;
+  const auto share = report()["hole"]["share"];
+  EXPECT_EQ(share["interpolated"], 0);
+  EXPECT_EQ(share["empty"], share["never_seen"]);
+  EXPECT_EQ(dvi("run drive -o paper --method paper --quiet").code, 0);
+}
+
+TEST_F(Run, EmptyMasksLeaveTheDriveAsItIs) {
+  const fs::path drive = small_drive();
+  for (const fs::path& mask : list_files(drive / "masks/front", {".png"})) write_png(mask, cv::Mat1b(kSize, uchar{0}));
+  const Result result = dvi("run drive -o out --quiet");
+  ASSERT_EQ(result.code, 0) << result.err;
+  for (const fs::path& input : list_files(drive / "images/front", {".png"})) {
+    cv::Mat difference;
+    cv::absdiff(read_image(input, kSize), read_image(folder / "out/frames" / input.filename(), kSize), difference);
+    EXPECT_EQ(cv::norm(difference, cv::NORM_INF), 0);
+  }
+}
+
+}  // namespace
+}  // namespace dvi
