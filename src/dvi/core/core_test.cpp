@@ -5,7 +5,6 @@
 #include <cmath>
 #include <csignal>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -26,7 +25,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::Not;
 
 TEST(InputError, SaysWhereWhatAndWhatWouldBeRight) {
   EXPECT_STREQ(InputError("a/b.bin", "is empty", "copy it again").what(), "a/b.bin: is empty; copy it again");

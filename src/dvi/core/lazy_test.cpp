@@ -94,6 +94,7 @@ TEST(Lazy, ManyThreadsMakeAnItemOnce) {
     return static_cast<int>(i);
   });
   std::vector<std::thread> threads;
+  threads.reserve(4);
   std::atomic<bool> right = true;
   for (int t = 0; t < 4; ++t)
     threads.emplace_back([&] {

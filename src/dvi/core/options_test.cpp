@@ -1,7 +1,6 @@
 #include "dvi/core/options.h"
 
 #include <filesystem>
-#include <limits>
 #include <string>
 #include <vector>
 
