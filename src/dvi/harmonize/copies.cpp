@@ -21,7 +21,7 @@ struct Source {
   std::shared_ptr<const cv::Mat1b> mask;
 };
 
-/// The source's own gradient from a neighbour outside the hole to p; zero where the source cannot show the neighbour.
+/// The source's own gradient from a neighbour it was not copied for to p; zero where the source cannot show the neighbour.
 cv::Vec3f gradient(const Source& source, cv::Point p, cv::Point2f shown, const cv::Vec3f& colour, cv::Point q,
                    const DepthMap& depth) {
   const cv::Point2f by_depth = beside(p, shown, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
@@ -35,7 +35,8 @@ cv::Vec3f gradient(const Source& source, cv::Point p, cv::Point2f shown, const c
 
 Copies copy(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth) {
   const Region& hole = candidates.hole;
-  Copies out{std::vector<cv::Vec3f>(hole.size()), std::vector<cv::Vec3f>(hole.size())};
+  const std::vector<cv::Vec3f> zeros(hole.size());
+  Copies out{zeros, zeros, zeros};
   std::map<int, std::vector<std::size_t>> of_view;
   for (std::size_t i = 0; i < hole.size(); ++i)
     if (candidates.of[i].found()) of_view[candidates.of[i].view].push_back(i);
@@ -46,8 +47,17 @@ Copies copy(const Candidates& candidates, const Views& views, std::size_t target
       const cv::Point p = hole.pixels[i];
       const cv::Point2f shown = candidates.of[i].position;
       out.colour[i] = bilinear(*source.image, shown);
-      for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)})
-        if (frame.contains(q) && hole.index(q) < 0) out.outward[i] += gradient(source, p, shown, out.colour[i], q, depth);
+      for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
+        if (!frame.contains(q)) continue;
+        const int j = hole.index(q);
+        if (j < 0) {
+          out.outward[i] += gradient(source, p, shown, out.colour[i], q, depth);
+        } else if (candidates.of[j].found() && candidates.of[j].view != view) {
+          const cv::Vec3f half = 0.5F * gradient(source, p, shown, out.colour[i], q, depth);
+          out.seam[i] += half;
+          out.seam[j] -= half;
+        }
+      }
     }
   }
   return out;

@@ -13,6 +13,9 @@ struct Copies {
   std::vector<cv::Vec3f> colour;
   /// Sum over the pixel's neighbours outside the hole of (its colour - the neighbour's), both as its source shows them.
   std::vector<cv::Vec3f> outward;
+  /// Sum over the pixel's neighbours copied from another source of (its colour - the neighbour's), the mean of what both
+  /// sources show of the two.
+  std::vector<cv::Vec3f> seam;
 };
 
 /// Reads one source image at a time.

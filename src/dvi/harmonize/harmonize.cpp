@@ -38,13 +38,10 @@ cv::Mat1b where(const cv::Mat1b& image, Value value) {
   return out;
 }
 
-cv::Mat1b roles_of(const Candidates& candidates, const HarmonizeOptions& options) {
+cv::Mat1b roles_of(const Candidates& candidates, Role copied, Role unseen) {
   cv::Mat1b roles(candidates.hole.index.size(), static_cast<uchar>(Role::fixed));
-  for (std::size_t i = 0; i < candidates.of.size(); ++i) {
-    const bool solved = candidates.of[i].found() ? options.poisson : options.fill_unseen;
-    const Role other = candidates.of[i].found() ? Role::fixed : Role::absent;
-    roles(candidates.hole.pixels[i]) = static_cast<uchar>(solved ? Role::solved : other);
-  }
+  for (std::size_t i = 0; i < candidates.of.size(); ++i)
+    roles(candidates.hole.pixels[i]) = static_cast<uchar>(candidates.of[i].found() ? copied : unseen);
   return roles;
 }
 
@@ -69,8 +66,8 @@ std::vector<Part> parts_of(const Candidates& candidates, const cv::Mat1b& roles,
 /// Eq. 5 for the pixels to be solved. `colour` holds the fixed ones.
 class Equation {
  public:
-  Equation(const Candidates& candidates, const Copies& copies, const cv::Mat1b& roles, const cv::Mat3f& colour)
-      : candidates_(candidates), copies_(copies), roles_(roles), colour_(colour) {}
+  Equation(const Candidates& candidates, const Copies& copies, const cv::Mat1b& roles, const cv::Mat3f& colour, bool seams)
+      : candidates_(candidates), copies_(copies), roles_(roles), colour_(colour), seams_(seams) {}
 
   PoissonSystem system(const cv::Mat1i& labels, const std::vector<Part>& parts) const {
     // A part that nothing bounds is held near its copies, too weakly to be seen in its gradients.
@@ -81,6 +78,7 @@ class Equation {
       const bool copied = candidates_.of[i].found();
       float diagonal = 0;
       cv::Vec3f right = copied ? copies_.outward[i] : cv::Vec3f();
+      if (copied && seams_) right += copies_.seam[i];
       for (const cv::Point q : around(p)) {
         if (!inside(roles_, q) || roles_(q) == static_cast<uchar>(Role::absent)) continue;
         diagonal += 1;
@@ -110,12 +108,16 @@ class Equation {
   const Copies& copies_;
   const cv::Mat1b& roles_;
   const cv::Mat3f& colour_;
+  bool seams_;
 };
 
-/// Fills the solved pixels of `colour`.
-void fill(const Candidates& candidates, const Copies& copies, const cv::Mat1b& roles, const cv::Mat1i& labels,
-          const std::vector<Part>& parts, cv::Mat3f& colour) {
-  const PoissonSystem system = Equation(candidates, copies, roles, colour).system(labels, parts);
+/// Fills the solved pixels of `colour`. Those of which nothing could be told become absent.
+void fill(const Candidates& candidates, const Copies& copies, cv::Mat1b& roles, bool seams, cv::Mat3f& colour) {
+  cv::Mat1i labels;
+  const std::vector<Part> parts = parts_of(candidates, roles, labels);
+  for (const cv::Point p : candidates.hole.pixels)
+    if (labels(p) > 0 && !parts[labels(p)].bounded && !parts[labels(p)].copied) roles(p) = static_cast<uchar>(Role::absent);
+  const PoissonSystem system = Equation(candidates, copies, roles, colour, seams).system(labels, parts);
   std::vector<cv::Vec3f> x;
   x.reserve(system.region.size());
   for (const cv::Point p : system.region.pixels) x.push_back(copies.colour[candidates.hole.index(p)]);
@@ -175,15 +177,16 @@ FilledFrame harmonize(const Candidates& candidates, const Views& views, std::siz
 
   const Copies copies = copy(candidates, views, target, depth);
   for (std::size_t i = 0; i < hole.size(); ++i) out.colour(hole.pixels[i]) = copies.colour[i];
-  cv::Mat1b roles = roles_of(candidates, options);
-  cv::Mat1i labels;
-  const std::vector<Part> parts = parts_of(candidates, roles, labels);
-  for (const cv::Point p : hole.pixels) {
-    const Part& part = parts[labels(p)];
-    if (labels(p) > 0 && !part.bounded && !part.copied) roles(p) = static_cast<uchar>(Role::absent);
-    out.kind(p) = static_cast<uchar>(roles(p) == static_cast<uchar>(Role::solved) ? Kind::interpolated : Kind::empty);
+  const Role copied = options.poisson ? Role::solved : Role::fixed;
+  const Role unseen = options.fill_unseen ? Role::solved : Role::absent;
+  cv::Mat1b roles = roles_of(candidates, copied, options.unseen_last ? Role::absent : unseen);
+  fill(candidates, copies, roles, options.seam_gradients, out.colour);
+  if (options.unseen_last) {
+    roles = roles_of(candidates, Role::fixed, unseen);
+    fill(candidates, copies, roles, options.seam_gradients, out.colour);
   }
-  fill(candidates, copies, roles, labels, parts, out.colour);
+  for (const cv::Point p : hole.pixels)
+    out.kind(p) = static_cast<uchar>(roles(p) == static_cast<uchar>(Role::solved) ? Kind::interpolated : Kind::empty);
   write_receipts(candidates, views, target, out);
   write_confidence(candidates, copies, views, target, depth, out);
   return out;

@@ -10,18 +10,24 @@ namespace dvi {
 
 struct HarmonizeOptions {
   bool poisson = true;
+  bool seam_gradients = true;
+  bool unseen_last = true;
   bool fill_unseen = true;
 
   void describe(OptionTable& table) {
     table.section("harmonize");
     table.add("poisson", poisson, "Solve eq. 5 so that copies meet their surroundings without a seam; false copies as is.");
+    table.add("seam_gradients", seam_gradients,
+              "Between pixels of different sources ask for the gradient the sources show; false: 0, as published.");
+    table.add("unseen_last", unseen_last,
+              "Interpolate unseen pixels after the copies are solved; false: together, as published, which lets them bleed.");
     table.add("fill_unseen", fill_unseen, "Interpolate pixels that no frame saw; false leaves them black, kind 5.");
   }
 };
 
 /// Colours the hole from its candidates (eq. 5): per hole a Poisson equation with the surrounding image as Dirichlet
-/// boundary (Neumann at the image's border). Its guidance is the gradient of the copies; 0 between pixels of different
-/// source frames and at pixels without a source, which the solution then interpolates.
+/// boundary (Neumann at the image's border). Its guidance is the gradient of the copies, between pixels of different sources
+/// what these show there, and 0 at pixels without a source, which are interpolated once the copies stand.
 FilledFrame harmonize(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth,
                       const HarmonizeOptions& options);
 

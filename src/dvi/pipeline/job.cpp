@@ -42,6 +42,8 @@ void use_method(const std::string& method, Options& options) {
   options.depth.median_px = 5;
   options.regularize.enabled = true;
   options.harmonize.poisson = true;
+  options.harmonize.seam_gradients = false;
+  options.harmonize.unseen_last = false;
   options.smooth.enabled = true;
 }
 
