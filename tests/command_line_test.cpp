@@ -22,7 +22,7 @@ TEST_F(CommandLine, SaysWhatItIs) {
 
 TEST_F(CommandLine, UsageErrorsEndInTwo) {
   for (const char* arguments : {"", "fly", "run", "run drive", "run drive -o out --frames 3", "run drive -o out --frames 9:1",
-                                "run drive -o out --set depth.nothing=1", "run drive -o out --set depth.median_px=99",
+                                "run drive -o out --set depth.nothing=1", "run drive -o out --set depth.median_px=99", "run drive -o out --set regularize.window=4",
                                 "run drive -o out --method magic", "run drive -o out --poses loam-of-tomorrow --set x",
                                 "run drive -o out --config missing.toml", "synth", "eval out", "synth -o s --frames none"}) {
     const Result result = dvi(arguments);

@@ -33,6 +33,7 @@ Job JobOptions::job(const std::string& out, const std::string& target, const std
   if (masks) job.source.masks = *masks;
   if (poses) job.source.poses = *poses;
   for (const std::string& assignment : set) table.set(assignment);
+  job.options.check();
   if (!out.empty()) job.out = out;
   if (!target.empty()) {
     job.target = target;

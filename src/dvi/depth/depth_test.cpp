@@ -8,6 +8,7 @@
 
 #include "dvi/core/random.h"
 #include "dvi/depth/delaunay.h"
+#include "dvi/depth/occlusion_map.h"
 
 namespace dvi {
 namespace {
@@ -134,6 +135,19 @@ TEST(Depth, NearSurfaceHidesTheFarOneThroughItsGaps) {
   for (int y = 70; y < 130; ++y)
     for (int x = 90; x < 230; ++x) through += depth.z(y, x) > 7 ? 1 : 0;
   EXPECT_EQ(through, 0);
+}
+
+TEST(OcclusionMap, HidesWhatIsFartherThanAllThatIsSeenThere) {
+  DepthMap depth{cv::Mat1f(7, 9, 10.0F), {}};
+  depth.z.colRange(6, 9) = 20.0F;
+  depth.z(6, 0) = DepthMap::kUnknown;
+  const OcclusionMap map = occlusion_map(depth);
+  EXPECT_FALSE(map.hides({2, 2}, 10.4, 0.05));
+  EXPECT_TRUE(map.hides({2, 2}, 10.6, 0.05));
+  EXPECT_FALSE(map.hides({5.5F, 2}, 19, 0.05)) << "beside the edge either surface counts";
+  EXPECT_TRUE(map.hides({8, 6}, 22, 0.05));
+  EXPECT_FALSE(map.hides({0, 6}, 1000, 0.05)) << "the unknown hides nothing";
+  EXPECT_FALSE(map.hides({8.9F, 6.9F}, 20, 0.05)) << "the last pixel is inside";
 }
 
 TEST(Depth, EmptyMapIsAllSky) {

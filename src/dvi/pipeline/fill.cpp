@@ -1,14 +1,32 @@
 #include "dvi/pipeline/fill.h"
 
+#include <algorithm>
 #include <set>
 
 #include "dvi/core/threads.h"
 
 namespace dvi {
 
+namespace {
+
+constexpr std::size_t kOcclusionBytes = std::size_t{128} << 20;
+
+}  // namespace
+
+Depths::Depths(const StaticMap& map, const Views& views, const DepthOptions& options, CpuClock& clock) {
+  const auto compute = [&map, &views, &options, &clock](std::size_t i) {
+    return clock.time("depth", [&] { return depth_map(map, views[i], options); });
+  };
+  maps = {views.size(), static_cast<std::size_t>(thread_count()) + 2, compute};
+  const auto pixels = static_cast<std::size_t>(views[0].camera.width) * static_cast<std::size_t>(views[0].camera.height);
+  occlusion = {views.size(), std::max<std::size_t>(16, kOcclusionBytes / (pixels / 4 * sizeof(ushort))),
+               [this](std::size_t i) { return occlusion_map(*maps[i]); }};
+}
+
 FilledView Filler::operator()(std::size_t target) const {
-  const std::shared_ptr<const DepthMap> depth = depths_[target];
-  const Candidates candidates = clock_.time("sample", [&] { return sample(views_, target, depths_, options_.sample); });
+  const std::shared_ptr<const DepthMap> depth = depths_.maps[target];
+  const Candidates candidates =
+      clock_.time("sample", [&] { return sample(views_, target, *depth, depths_.occlusion, options_.sample); });
   const Labelling labels =
       clock_.time("regularize", [&] { return regularize(candidates, views_, target, *depth, options_.regularize); });
   FilledFrame frame =

@@ -8,12 +8,24 @@
 
 #include "dvi/align/align.h"
 #include "dvi/depth/depth_map.h"
+#include "dvi/depth/occlusion_map.h"
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/pipeline/cpu_clock.h"
 #include "dvi/pipeline/job.h"
 
 namespace dvi {
+
+/// Stage 5 on demand. As sources, views are asked for their occlusion only, which is kept for many of them; of whole depth maps
+/// only those of the frames in work, so that memory stays flat.
+struct Depths {
+  Depths(const StaticMap& map, const Views& views, const DepthOptions& options, CpuClock& clock);
+  Depths(const Depths&) = delete;
+  Depths& operator=(const Depths&) = delete;
+
+  Lazy<DepthMap> maps;            ///< as views
+  Lazy<OcclusionMap> occlusion;   ///< as views
+};
 
 /// A frame after harmonisation, with what its stages said of themselves.
 struct FilledView {
@@ -24,13 +36,13 @@ struct FilledView {
 /// Stages 6 to 8 for one view after another: candidates, labels, colours.
 class Filler {
  public:
-  Filler(const Views& views, const Lazy<DepthMap>& depths, const Options& options, CpuClock& clock)
+  Filler(const Views& views, const Depths& depths, const Options& options, CpuClock& clock)
       : views_(views), depths_(depths), options_(options), clock_(clock) {}
   FilledView operator()(std::size_t target) const;
 
  private:
   const Views& views_;
-  const Lazy<DepthMap>& depths_;
+  const Depths& depths_;
   const Options& options_;
   CpuClock& clock_;
 };

@@ -33,6 +33,10 @@ OptionTable Job::table() {
   return table;
 }
 
+void Options::check() const {
+  if (regularize.window % 2 == 0) throw UsageError("option regularize.window: an odd number is wanted");
+}
+
 void use_method(const std::string& method, Options& options) {
   if (method == "dvi") return;
   if (method != "paper") throw UsageError("--method " + method + ": there are dvi and paper");
@@ -40,6 +44,7 @@ void use_method(const std::string& method, Options& options) {
   options.map.witnessed_only = false;
   options.depth.split_edges = false;
   options.depth.median_px = 5;
+  options.sample.reach_frames = 0;
   options.regularize.enabled = true;
   options.harmonize.poisson = true;
   options.harmonize.seam_gradients = false;

@@ -32,6 +32,8 @@ struct Options {
   VideoOptions video;
 
   void describe(OptionTable& table);
+  /// UsageError for what the single ranges cannot express.
+  void check() const;
 };
 
 /// What to read: shared by every command that opens a drive.

@@ -19,8 +19,6 @@
 namespace dvi {
 namespace {
 
-constexpr std::size_t kDepthBytes = std::size_t{320} << 20;  // depth maps kept
-
 // Which drives a result is of; a folder made from others is refused.
 std::string identity_of(const std::vector<OpenDrive>& drives) {
   std::string identity;
@@ -49,14 +47,6 @@ std::vector<std::string> frame_names(const Views& views, const Drive& target) {
   for (const View& view : views.views)
     if (view.drive == 0) names.push_back(target.frames[view.frame].name);
   return names;
-}
-
-Lazy<DepthMap> lazy_depths(const StaticMap& map, const Views& views, const DepthOptions& options, CpuClock& clock) {
-  const Camera& camera = views[0].camera;
-  const std::size_t bytes = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height) * 2 * sizeof(float);
-  return {views.size(), std::max<std::size_t>(8, kDepthBytes / bytes), [&map, &views, &options, &clock](std::size_t i) {
-            return clock.time("depth", [&] { return depth_map(map, views[i], options); });
-          }};
 }
 
 nlohmann::json sources_json(const Views& views, const std::vector<OpenDrive>& drives) {
@@ -98,7 +88,7 @@ std::string run(const Job& job, Progress& progress) {
   const std::vector<ViewAlignment> alignment = align(views, map, job.options.align, progress.tick());
 
   CpuClock clock;
-  const Lazy<DepthMap> depths = lazy_depths(map, views, job.options.depth, clock);
+  const Depths depths(map, views, job.options.depth, clock);
   const Filler filler(views, depths, job.options, clock);
   Smoother smoother(filler, 0, names.size(), job.options.smooth, clock);
   progress.begin("fill", open.size());

@@ -1,8 +1,8 @@
 #include "dvi/sample/sample.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <memory>
+#include <utility>
 
 #include "dvi/image/interpolate.h"
 
@@ -34,43 +34,38 @@ bool near_mask(const cv::Mat1b& mask, cv::Point2f at, int margin) {
   return false;
 }
 
-// The source's depth round the position, the farthest of the four: at a depth edge a pixel counts for either side.
-float farthest(const DepthMap& depth, cv::Point2f at) {
-  const int x = static_cast<int>(at.x), x1 = std::min(x + 1, depth.z.cols - 1);
-  const int y = static_cast<int>(at.y), y1 = std::min(y + 1, depth.z.rows - 1);
-  return std::max({depth.z(y, x), depth.z(y, x1), depth.z(y1, x), depth.z(y1, x1)});
-}
-
 }  // namespace
 
-std::vector<std::size_t> search_order(const Views& views, std::size_t target) {
-  std::vector<std::size_t> order;
+std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames) {
+  const std::size_t reach = reach_frames > 0 ? static_cast<std::size_t>(reach_frames) : views.size();
   const auto [first, last] = views.of_drive(views[target].drive);
-  for (std::size_t i = target + 1; i < last; ++i) order.push_back(i);
-  for (std::size_t i = target; i-- > first;) order.push_back(i);
+  std::vector<std::size_t> order;
+  for (std::size_t i = target + 1; i < std::min(last, target + 1 + reach); ++i) order.push_back(i);
+  for (std::size_t i = target; i-- > std::max(first, target - std::min(target, reach));) order.push_back(i);
   // Of further drives the nearest places first: time says nothing across drives.
-  std::vector<std::size_t> others;
-  for (std::size_t i = 0; i < views.size(); ++i)
-    if (views[i].drive != views[target].drive) others.push_back(i);
-  const auto distance = [&](std::size_t i) {
-    return (views[i].camera_from_world.inverse().t - views[target].camera_from_world.inverse().t).norm();
-  };
-  std::stable_sort(others.begin(), others.end(), [&](std::size_t a, std::size_t b) {
-    return views[a].drive != views[b].drive ? views[a].drive < views[b].drive : distance(a) < distance(b);
-  });
-  order.insert(order.end(), others.begin(), others.end());
+  const auto place = [&](std::size_t i) { return views[i].camera_from_world.inverse().t; };
+  for (int drive = 0; views.of_drive(drive).first < views.size(); ++drive) {
+    if (drive == views[target].drive) continue;
+    std::vector<std::pair<double, std::size_t>> near;
+    const auto [begin, end] = views.of_drive(drive);
+    for (std::size_t i = begin; i < end; ++i) near.emplace_back((place(i) - place(target)).norm(), i);
+    std::sort(near.begin(), near.end());
+    near.resize(std::min(near.size(), 2 * reach));
+    for (const auto& [distance, view] : near) order.push_back(view);
+  }
   return order;
 }
 
-Candidates sample(const Views& views, std::size_t target, const Lazy<DepthMap>& depths, const SampleOptions& options) {
+Candidates sample(const Views& views, std::size_t target, const DepthMap& depth, const Lazy<OcclusionMap>& occlusion,
+                  const SampleOptions& options) {
   Candidates out{Region(*views.masks[target]), {}};
   out.of.resize(out.hole.size());
-  std::vector<Seeker> open = seekers(out.hole, views[target], *depths[target]);
-  for (const std::size_t source : search_order(views, target)) {
+  std::vector<Seeker> open = seekers(out.hole, views[target], depth);
+  for (const std::size_t source : search_order(views, target, options.reach_frames)) {
     if (open.empty()) break;
     const View& view = views[source];
     std::shared_ptr<const cv::Mat1b> mask;
-    std::shared_ptr<const DepthMap> depth;
+    std::shared_ptr<const OcclusionMap> before;
     std::erase_if(open, [&](const Seeker& seeker) {
       const Eigen::Vector3d p = view.camera_from_world * seeker.world;
       if (!view.camera.in_front(p)) return false;
@@ -80,9 +75,8 @@ Candidates sample(const Views& views, std::size_t target, const Lazy<DepthMap>& 
       if (!mask) mask = views.masks[source];
       if (near_mask(*mask, at, options.mask_margin_px)) return false;
       if (options.occlusion_test) {
-        if (!depth) depth = depths[source];
-        const float seen = farthest(*depth, at);
-        if (DepthMap::is_surface(seen) && p.z() > seen * (1 + options.occlusion_tolerance)) return false;
+        if (!before) before = occlusion[source];
+        if (before->hides(at, p.z(), options.occlusion_tolerance)) return false;
       }
       out.of[seeker.pixel] = {static_cast<int>(source), at};
       return true;

@@ -17,10 +17,10 @@ cv::Mat1b hole_mask() {
   return mask;
 }
 
-Lazy<DepthMap> flat_depths(const FlatScene& scene) {
-  return {scene.views.size(), 8, [d = scene.depth()](std::size_t) {
-            return DepthMap{d.clone(), cv::Mat1f(d.size(), 0.02F)};
-          }};
+DepthMap flat_depth(const FlatScene& scene) { return {scene.depth(), cv::Mat1f(scene.depth().size(), 0.02F)}; }
+
+Lazy<OcclusionMap> flat_occlusion(const FlatScene& scene) {
+  return {scene.views.size(), 8, [depth = flat_depth(scene)](std::size_t) { return occlusion_map(depth); }};
 }
 
 // Views of one drive in time order with these disparities; the target is the one with disparity 0.
@@ -33,7 +33,7 @@ FlatScene drive_of(const std::vector<int>& disparities) {
 
 TEST(Sample, TakesTheNextFrameAtTheWarpedPosition) {
   const FlatScene scene = drive_of({3, 6});
-  const Candidates c = sample(scene.lazy(), 0, flat_depths(scene), {});
+  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_occlusion(scene), {});
   ASSERT_EQ(c.of.size(), 100);
   for (std::size_t i = 0; i < c.of.size(); ++i) {
     EXPECT_EQ(c.of[i].view, 1);
@@ -44,13 +44,14 @@ TEST(Sample, TakesTheNextFrameAtTheWarpedPosition) {
 TEST(Sample, SearchesForwardsThenBackwardsThenOtherDrives) {
   FlatScene scene = drive_of({1, 2, 3, 4});
   scene.views[4].drive = 1;
-  EXPECT_EQ(search_order(scene.lazy(), 2), (std::vector<std::size_t>{3, 1, 0, 4}));
+  EXPECT_EQ(search_order(scene.lazy(), 2, 0), (std::vector<std::size_t>{3, 1, 0, 4}));
+  EXPECT_EQ(search_order(scene.lazy(), 2, 1), (std::vector<std::size_t>{3, 1, 4}));
 }
 
 TEST(Sample, SkipsSourcesThatMaskThePixel) {
   FlatScene scene = drive_of({3, 6});
   scene.masks[1] = hole_mask();
-  const Candidates c = sample(scene.lazy(), 0, flat_depths(scene), {.mask_margin_px = 0});
+  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_occlusion(scene), {.mask_margin_px = 0});
   int first = 0, second = 0;
   for (std::size_t i = 0; i < c.of.size(); ++i) {
     const bool masked = c.hole.pixels[i].x + 3 < kHole.br().x;
@@ -59,41 +60,40 @@ TEST(Sample, SkipsSourcesThatMaskThePixel) {
   }
   EXPECT_GT(first, 0);
   EXPECT_GT(second, 0);
-  const Candidates margin = sample(scene.lazy(), 0, flat_depths(scene), {.mask_margin_px = 4});
+  const Candidates margin = sample(scene.lazy(), 0, flat_depth(scene), flat_occlusion(scene), {.mask_margin_px = 4});
   for (const Candidate& candidate : margin.of) EXPECT_EQ(candidate.view, 2) << "all within the margin of the mask";
 }
 
 TEST(Sample, OutsideTheImageNobodySawIt) {
   const FlatScene scene = drive_of({60, -60});
-  const Candidates c = sample(scene.lazy(), 0, flat_depths(scene), {});
+  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_occlusion(scene), {});
   for (const Candidate& candidate : c.of) EXPECT_FALSE(candidate.found());
 }
 
 TEST(Sample, OccludedSourcesDoNotCount) {
   const FlatScene scene = drive_of({3, 6});
-  const Lazy<DepthMap> depths{3, 3, [d = scene.depth()](std::size_t i) {
-                                DepthMap depth{d.clone(), cv::Mat1f(d.size(), 0.02F)};
-                                if (i == 1) depth.z = 5.0F;  // something stands before the plane there
-                                return depth;
-                              }};
-  for (const Candidate& c : sample(scene.lazy(), 0, depths, {}).of) EXPECT_EQ(c.view, 2);
-  for (const Candidate& c : sample(scene.lazy(), 0, depths, {.occlusion_test = false}).of) EXPECT_EQ(c.view, 1);
+  const Lazy<OcclusionMap> occlusion{3, 3, [depth = flat_depth(scene)](std::size_t i) {
+                                       DepthMap seen{depth.z.clone(), depth.sigma};
+                                       if (i == 1) seen.z = 5.0F;  // something stands before the plane there
+                                       return occlusion_map(seen);
+                                     }};
+  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), occlusion, {}).of) EXPECT_EQ(c.view, 2);
+  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), occlusion, {.occlusion_test = false}).of)
+    EXPECT_EQ(c.view, 1);
 }
 
 TEST(Sample, NoDepthNoCandidate) {
   const FlatScene scene = drive_of({3});
-  const Lazy<DepthMap> depths{2, 2, [d = scene.depth()](std::size_t) {
-                                DepthMap depth{cv::Mat1f(d.size(), DepthMap::kUnknown), cv::Mat1f(d.size(), 0.0F)};
-                                depth.z.rowRange(0, 25) = DepthMap::kSky;
-                                return depth;
-                              }};
-  for (const Candidate& c : sample(scene.lazy(), 0, depths, {}).of) EXPECT_FALSE(c.found());
+  DepthMap depth = flat_depth(scene);
+  depth.z = DepthMap::kUnknown;
+  depth.z.rowRange(0, 25) = DepthMap::kSky;
+  for (const Candidate& c : sample(scene.lazy(), 0, depth, flat_occlusion(scene), {}).of) EXPECT_FALSE(c.found());
 }
 
 TEST(Sample, EmptyHole) {
   FlatScene scene = drive_of({3});
   scene.masks[0].setTo(0);
-  EXPECT_TRUE(sample(scene.lazy(), 0, flat_depths(scene), {}).of.empty());
+  EXPECT_TRUE(sample(scene.lazy(), 0, flat_depth(scene), flat_occlusion(scene), {}).of.empty());
 }
 
 }  // namespace
