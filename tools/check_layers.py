@@ -29,7 +29,7 @@ TYPES = [
     "map/static_map.h",
     "map/visible_points.h",
     "depth/depth_map.h",
-    "depth/occlusion_map.h",
+    "depth/visibility_map.h",
     "sample/candidates.h",
     "regularize/labelling.h",
     "harmonize/filled_frame.h",

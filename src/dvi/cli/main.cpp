@@ -1,3 +1,5 @@
+#include <malloc.h>
+
 #include <opencv2/core/utility.hpp>
 
 #include "dvi/cli/command.h"
@@ -6,6 +8,8 @@
 int main(int argc, char** argv) {
   // Frames are worked on in parallel; OpenCV's own threads inside them would only fight over the cores.
   cv::setNumThreads(1);
+  // Freed images go back to the system at once, so that memory does not creep up with what lies between them.
+  mallopt(M_MMAP_THRESHOLD, 1 << 18);
   dvi::catch_interrupts();
   dvi::Program program;
   dvi::add_run(program);

@@ -8,7 +8,7 @@
 
 #include "dvi/core/random.h"
 #include "dvi/depth/delaunay.h"
-#include "dvi/depth/occlusion_map.h"
+#include "dvi/depth/visibility_map.h"
 
 namespace dvi {
 namespace {
@@ -137,17 +137,22 @@ TEST(Depth, NearSurfaceHidesTheFarOneThroughItsGaps) {
   EXPECT_EQ(through, 0);
 }
 
-TEST(OcclusionMap, HidesWhatIsFartherThanAllThatIsSeenThere) {
+TEST(VisibilityMap, HidesWhatIsFartherThanAllThatIsSeenThere) {
   DepthMap depth{cv::Mat1f(7, 9, 10.0F), {}};
   depth.z.colRange(6, 9) = 20.0F;
   depth.z(6, 0) = DepthMap::kUnknown;
-  const OcclusionMap map = occlusion_map(depth);
+  cv::Mat1b mask(7, 9, uchar{0});
+  const VisibilityMap map = visibility_map(depth, mask, 0);
   EXPECT_FALSE(map.hides({2, 2}, 10.4, 0.05));
   EXPECT_TRUE(map.hides({2, 2}, 10.6, 0.05));
   EXPECT_FALSE(map.hides({5.5F, 2}, 19, 0.05)) << "beside the edge either surface counts";
   EXPECT_TRUE(map.hides({8, 6}, 22, 0.05));
   EXPECT_FALSE(map.hides({0, 6}, 1000, 0.05)) << "the unknown hides nothing";
   EXPECT_FALSE(map.hides({8.9F, 6.9F}, 20, 0.05)) << "the last pixel is inside";
+  mask(3, 3) = 255;
+  EXPECT_TRUE(visibility_map(depth, mask, 0).masked({2.5F, 3}));
+  EXPECT_FALSE(visibility_map(depth, mask, 0).masked({7, 3}));
+  EXPECT_TRUE(visibility_map(depth, mask, 3).masked({6, 3}));
 }
 
 TEST(Depth, EmptyMapIsAllSky) {

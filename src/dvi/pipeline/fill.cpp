@@ -9,7 +9,7 @@ namespace dvi {
 
 namespace {
 
-constexpr std::size_t kOcclusionBytes = std::size_t{128} << 20;
+constexpr std::size_t kVisibilityBytes = std::size_t{128} << 20;
 
 }  // namespace
 
@@ -19,14 +19,16 @@ Depths::Depths(const StaticMap& map, const Views& views, const DepthOptions& opt
   };
   maps = {views.size(), static_cast<std::size_t>(thread_count()) + 2, compute};
   const auto pixels = static_cast<std::size_t>(views[0].camera.width) * static_cast<std::size_t>(views[0].camera.height);
-  occlusion = {views.size(), std::max<std::size_t>(16, kOcclusionBytes / (pixels / 4 * sizeof(ushort))),
-               [this](std::size_t i) { return occlusion_map(*maps[i]); }};
+  visibility = {views.size(), std::max<std::size_t>(16, kVisibilityBytes / (pixels / 4 * sizeof(ushort))),
+                [this, &views, margin = options.mask_margin_px](std::size_t i) {
+                  return visibility_map(*maps[i], *views.masks[i], margin);
+                }};
 }
 
 FilledView Filler::operator()(std::size_t target) const {
   const std::shared_ptr<const DepthMap> depth = depths_.maps[target];
   const Candidates candidates =
-      clock_.time("sample", [&] { return sample(views_, target, *depth, depths_.occlusion, options_.sample); });
+      clock_.time("sample", [&] { return sample(views_, target, *depth, depths_.visibility, options_.sample); });
   const Labelling labels =
       clock_.time("regularize", [&] { return regularize(candidates, views_, target, *depth, options_.regularize); });
   FilledFrame frame =

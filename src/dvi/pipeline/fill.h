@@ -8,7 +8,7 @@
 
 #include "dvi/align/align.h"
 #include "dvi/depth/depth_map.h"
-#include "dvi/depth/occlusion_map.h"
+#include "dvi/depth/visibility_map.h"
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/pipeline/cpu_clock.h"
@@ -16,15 +16,15 @@
 
 namespace dvi {
 
-/// Stage 5 on demand. As sources, views are asked for their occlusion only, which is kept for many of them; of whole depth maps
-/// only those of the frames in work, so that memory stays flat.
+/// Stage 5 on demand. As sources, views are asked only for what they can lend, which is small and kept for many of them; of
+/// whole depth maps only those of the frames in work are kept, so that memory stays flat.
 struct Depths {
   Depths(const StaticMap& map, const Views& views, const DepthOptions& options, CpuClock& clock);
   Depths(const Depths&) = delete;
   Depths& operator=(const Depths&) = delete;
 
-  Lazy<DepthMap> maps;            ///< as views
-  Lazy<OcclusionMap> occlusion;   ///< as views
+  Lazy<DepthMap> maps;             ///< as views
+  Lazy<VisibilityMap> visibility;  ///< as views
 };
 
 /// A frame after harmonisation, with what its stages said of themselves.

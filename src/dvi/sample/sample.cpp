@@ -26,14 +26,6 @@ std::vector<Seeker> seekers(const Region& hole, const View& view, const DepthMap
   return out;
 }
 
-bool near_mask(const cv::Mat1b& mask, cv::Point2f at, int margin) {
-  const int x = cvRound(at.x), y = cvRound(at.y);
-  const cv::Rect window = cv::Rect(x - margin, y - margin, 2 * margin + 1, 2 * margin + 1) & cv::Rect({}, mask.size());
-  for (int row = window.y; row < window.br().y; ++row)
-    if (std::any_of(mask[row] + window.x, mask[row] + window.br().x, [](uchar m) { return m != 0; })) return true;
-  return false;
-}
-
 }  // namespace
 
 std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames) {
@@ -56,7 +48,7 @@ std::vector<std::size_t> search_order(const Views& views, std::size_t target, in
   return order;
 }
 
-Candidates sample(const Views& views, std::size_t target, const DepthMap& depth, const Lazy<OcclusionMap>& occlusion,
+Candidates sample(const Views& views, std::size_t target, const DepthMap& depth, const Lazy<VisibilityMap>& visibility,
                   const SampleOptions& options) {
   Candidates out{Region(*views.masks[target]), {}};
   out.of.resize(out.hole.size());
@@ -64,20 +56,16 @@ Candidates sample(const Views& views, std::size_t target, const DepthMap& depth,
   for (const std::size_t source : search_order(views, target, options.reach_frames)) {
     if (open.empty()) break;
     const View& view = views[source];
-    std::shared_ptr<const cv::Mat1b> mask;
-    std::shared_ptr<const OcclusionMap> before;
+    std::shared_ptr<const VisibilityMap> lent;
     std::erase_if(open, [&](const Seeker& seeker) {
       const Eigen::Vector3d p = view.camera_from_world * seeker.world;
       if (!view.camera.in_front(p)) return false;
       const Eigen::Vector2d pixel = view.camera.project(p);
       const cv::Point2f at = quantised(pixel.x(), pixel.y());
       if (!view.camera.contains({at.x, at.y})) return false;
-      if (!mask) mask = views.masks[source];
-      if (near_mask(*mask, at, options.mask_margin_px)) return false;
-      if (options.occlusion_test) {
-        if (!before) before = occlusion[source];
-        if (before->hides(at, p.z(), options.occlusion_tolerance)) return false;
-      }
+      if (!lent) lent = visibility[source];
+      if (lent->masked(at)) return false;
+      if (options.occlusion_test && lent->hides(at, p.z(), options.occlusion_tolerance)) return false;
       out.of[seeker.pixel] = {static_cast<int>(source), at};
       return true;
     });

@@ -19,8 +19,10 @@ cv::Mat1b hole_mask() {
 
 DepthMap flat_depth(const FlatScene& scene) { return {scene.depth(), cv::Mat1f(scene.depth().size(), 0.02F)}; }
 
-Lazy<OcclusionMap> flat_occlusion(const FlatScene& scene) {
-  return {scene.views.size(), 8, [depth = flat_depth(scene)](std::size_t) { return occlusion_map(depth); }};
+Lazy<VisibilityMap> flat_visibility(const FlatScene& scene, int margin = 0) {
+  return {scene.views.size(), 8, [depth = flat_depth(scene), masks = scene.masks, margin](std::size_t i) {
+            return visibility_map(depth, masks[i], margin);
+          }};
 }
 
 // Views of one drive in time order with these disparities; the target is the one with disparity 0.
@@ -33,7 +35,7 @@ FlatScene drive_of(const std::vector<int>& disparities) {
 
 TEST(Sample, TakesTheNextFrameAtTheWarpedPosition) {
   const FlatScene scene = drive_of({3, 6});
-  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_occlusion(scene), {});
+  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
   ASSERT_EQ(c.of.size(), 100);
   for (std::size_t i = 0; i < c.of.size(); ++i) {
     EXPECT_EQ(c.of[i].view, 1);
@@ -51,34 +53,39 @@ TEST(Sample, SearchesForwardsThenBackwardsThenOtherDrives) {
 TEST(Sample, SkipsSourcesThatMaskThePixel) {
   FlatScene scene = drive_of({3, 6});
   scene.masks[1] = hole_mask();
-  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_occlusion(scene), {.mask_margin_px = 0});
   int first = 0, second = 0;
+  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
   for (std::size_t i = 0; i < c.of.size(); ++i) {
-    const bool masked = c.hole.pixels[i].x + 3 < kHole.br().x;
-    EXPECT_EQ(c.of[i].view, masked ? 2 : 1);
-    ++(masked ? second : first);
+    const cv::Point2f at = c.of[i].position;
+    ++(c.of[i].view == 1 ? first : second);
+    if (c.of[i].view == 1) {
+      EXPECT_EQ(hole_mask()(cvRound(at.y), cvRound(at.x)), 0);
+    }
+    if (c.hole.pixels[i].x + 3 < kHole.br().x) {
+      EXPECT_EQ(c.of[i].view, 2);
+    }
   }
   EXPECT_GT(first, 0);
   EXPECT_GT(second, 0);
-  const Candidates margin = sample(scene.lazy(), 0, flat_depth(scene), flat_occlusion(scene), {.mask_margin_px = 4});
-  for (const Candidate& candidate : margin.of) EXPECT_EQ(candidate.view, 2) << "all within the margin of the mask";
+  for (const Candidate& near : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene, 5), {}).of)
+    EXPECT_EQ(near.view, 2) << "all within the margin of the mask";
 }
 
 TEST(Sample, OutsideTheImageNobodySawIt) {
   const FlatScene scene = drive_of({60, -60});
-  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_occlusion(scene), {});
+  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
   for (const Candidate& candidate : c.of) EXPECT_FALSE(candidate.found());
 }
 
 TEST(Sample, OccludedSourcesDoNotCount) {
   const FlatScene scene = drive_of({3, 6});
-  const Lazy<OcclusionMap> occlusion{3, 3, [depth = flat_depth(scene)](std::size_t i) {
+  const Lazy<VisibilityMap> visibility{3, 3, [depth = flat_depth(scene)](std::size_t i) {
                                        DepthMap seen{depth.z.clone(), depth.sigma};
                                        if (i == 1) seen.z = 5.0F;  // something stands before the plane there
-                                       return occlusion_map(seen);
+                                       return visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}), 0);
                                      }};
-  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), occlusion, {}).of) EXPECT_EQ(c.view, 2);
-  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), occlusion, {.occlusion_test = false}).of)
+  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {}).of) EXPECT_EQ(c.view, 2);
+  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {.occlusion_test = false}).of)
     EXPECT_EQ(c.view, 1);
 }
 
@@ -87,13 +94,13 @@ TEST(Sample, NoDepthNoCandidate) {
   DepthMap depth = flat_depth(scene);
   depth.z = DepthMap::kUnknown;
   depth.z.rowRange(0, 25) = DepthMap::kSky;
-  for (const Candidate& c : sample(scene.lazy(), 0, depth, flat_occlusion(scene), {}).of) EXPECT_FALSE(c.found());
+  for (const Candidate& c : sample(scene.lazy(), 0, depth, flat_visibility(scene), {}).of) EXPECT_FALSE(c.found());
 }
 
 TEST(Sample, EmptyHole) {
   FlatScene scene = drive_of({3});
   scene.masks[0].setTo(0);
-  EXPECT_TRUE(sample(scene.lazy(), 0, flat_depth(scene), flat_occlusion(scene), {}).of.empty());
+  EXPECT_TRUE(sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {}).of.empty());
 }
 
 }  // namespace
