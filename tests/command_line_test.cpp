@@ -22,9 +22,10 @@ TEST_F(CommandLine, SaysWhatItIs) {
 
 TEST_F(CommandLine, UsageErrorsEndInTwo) {
   for (const char* arguments : {"", "fly", "run", "run drive", "run drive -o out --frames 3", "run drive -o out --frames 9:1",
-                                "run drive -o out --set depth.nothing=1", "run drive -o out --set depth.median_px=99", "run drive -o out --set regularize.window=4",
-                                "run drive -o out --method magic", "run drive -o out --poses loam-of-tomorrow --set x",
-                                "run drive -o out --config missing.toml", "synth", "eval out", "synth -o s --frames none"}) {
+                                "run drive -o out --set depth.nothing=1", "run drive -o out --set depth.median_px=99",
+                                "run drive -o out --set regularize.window=4", "run drive -o out --method magic",
+                                "run drive -o out --poses loam-of-tomorrow --set x", "run drive -o out --config missing.toml",
+                                "synth", "eval out", "synth -o s --frames none"}) {
     const Result result = dvi(arguments);
     EXPECT_EQ(result.code, 2) << arguments << ": " << result.err;
     EXPECT_THAT(result.err, testing::StartsWith("dvi: ")) << arguments;
@@ -99,7 +100,8 @@ TEST_F(CommandLine, ProgressGoesToStderrOnly) {
 
 TEST_F(CommandLine, InterruptEndsIn130) {
   small_drive();
-  const Result result = shell(std::string("timeout -s INT 0.3 ") + DVI_PROGRAM + " run drive -o out --threads 1 --quiet --set depth.median_px=5");
+  const Result result =
+      shell(std::string("timeout -s INT 0.3 ") + DVI_PROGRAM + " run drive -o out --threads 1 --quiet --set depth.median_px=5");
   // timeout itself ends in 124 once it has sent its signal; the message is the program's.
   EXPECT_EQ(result.code, 124);
   EXPECT_THAT(result.err, HasSubstr("interrupted"));

@@ -16,7 +16,9 @@ const cv::Size kSize(240, 136);
 
 class Run : public ProgramTest {
  protected:
-  nlohmann::json report(const std::string& out = "out") const { return nlohmann::json::parse(read_file(folder / out / "report.json")); }
+  nlohmann::json report(const std::string& out = "out") const {
+    return nlohmann::json::parse(read_file(folder / out / "report.json"));
+  }
 };
 
 TEST_F(Run, WritesEverythingTheContractNames) {
@@ -69,7 +71,8 @@ TEST_F(Run, ReportAddsUp) {
   const auto& hole = j["hole"];
   EXPECT_EQ(hole["pixels"].get<std::size_t>(), pixels);
   EXPECT_EQ(hole["copied"].get<std::size_t>() + hole["copied_elsewhere"].get<std::size_t>() +
-                hole["interpolated"].get<std::size_t>() + hole["synthesised"].get<std::size_t>() + hole["empty"].get<std::size_t>(),
+                hole["interpolated"].get<std::size_t>() + hole["synthesised"].get<std::size_t>() +
+                hole["empty"].get<std::size_t>(),
             pixels);
   EXPECT_GT(hole["share"]["copied"], 0);
 }
@@ -90,7 +93,8 @@ TEST_F(Run, TakesUpAnInterruptedRun) {
   // Wherever the signal falls, the next call must end with the same bytes.
   int interrupted = 0;
   for (const char* delay : {"0.15", "0.4", "0.7", "1.0"}) {
-    const Result killed = shell(std::string("timeout -s KILL ") + delay + " " + DVI_PROGRAM + " run drive -o out --threads 1 --quiet");
+    const Result killed =
+        shell(std::string("timeout -s KILL ") + delay + " " + DVI_PROGRAM + " run drive -o out --threads 1 --quiet");
     interrupted += killed.code == 0 ? 0 : 1;
   }
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);

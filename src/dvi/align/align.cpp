@@ -28,7 +28,7 @@ struct Pair {
 std::vector<Pair> match_all(const Comparison& comparison, std::size_t first, std::size_t last,
                             const std::vector<Eigen::Vector2d>& corrections, const Tick& tick) {
   std::vector<std::vector<Pair>> by_view(last - first);
-  parallel_for(last - first, [&](std::size_t i) {
+  parallel_in_order(last - first, [&](std::size_t i) {
     const std::size_t view = first + i;
     for (const std::size_t apart : kApart)
       for (const int side : {-1, 1}) {
@@ -75,7 +75,7 @@ Eigen::VectorXd solve_jointly(const std::vector<Pair>& pairs, std::size_t first,
 std::vector<Comparison::Match> energies(const Comparison& comparison, std::size_t first, std::size_t last,
                                         const std::vector<Eigen::Vector2d>& corrections) {
   std::vector<Comparison::Match> out(last - first);
-  parallel_for(last - first, [&](std::size_t i) {
+  parallel_in_order(last - first, [&](std::size_t i) {
     const std::size_t view = first + i;
     double sum = 0;
     for (const std::size_t other : {view - 1, view + 1}) {

@@ -25,8 +25,7 @@ struct ShakyDrive {
     constexpr double kDepth = 12, kPixelsPerMetre = 40;
     const cv::Mat3b texture = waves(1000, 600, 7, 5);
     for (double x = -10; x <= 10; x += 0.05)
-      for (double y = -6; y <= 6; y += 0.1)
-        map.points.push_back({Eigen::Vector3d(x, y, kDepth).cast<float>(), 0, 1});
+      for (double y = -6; y <= 6; y += 0.1) map.points.push_back({Eigen::Vector3d(x, y, kDepth).cast<float>(), 0, 1});
     map.tiles = {{Eigen::AlignedBox3f(Eigen::Vector3f(-10, -6, 12), Eigen::Vector3f(10, 6, 12)), 0, map.points.size()}};
     Random random(3);
     std::vector<View> list;
@@ -47,8 +46,8 @@ struct ShakyDrive {
           const SE3 world_from_camera = truth.inverse();
           const Eigen::Vector3d ray = world_from_camera.R * view.camera.ray({x, y});
           const Eigen::Vector3d p = world_from_camera.t + (kDepth - world_from_camera.t.z()) / ray.z() * ray;
-          const cv::Vec3f c = bilinear(texture, {static_cast<float>(500 + kPixelsPerMetre * p.x()),
-                                                 static_cast<float>(300 + kPixelsPerMetre * p.y())});
+          const cv::Vec3f c = bilinear(
+              texture, {static_cast<float>(500 + kPixelsPerMetre * p.x()), static_cast<float>(300 + kPixelsPerMetre * p.y())});
           for (int k = 0; k < 3; ++k) image(y, x)[k] = cv::saturate_cast<uchar>(c[k]);
         }
       cv::Mat1b mask(image.size(), uchar{0});

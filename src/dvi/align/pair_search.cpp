@@ -14,16 +14,16 @@
 namespace dvi {
 namespace {
 
-constexpr std::size_t kCached = 24;                  // views whose images, z-buffers and rings are kept
-constexpr std::array<double, 3> kBlur{4, 2, 0.8};    // px, a level
-constexpr std::array<double, 2> kLevelStep{3, 1};    // px: a coarser step than this works on that level
+constexpr std::size_t kCached = 24;                // views whose images, z-buffers and rings are kept
+constexpr std::array<double, 3> kBlur{4, 2, 0.8};  // px, a level
+constexpr std::array<double, 2> kLevelStep{3, 1};  // px: a coarser step than this works on that level
 constexpr double kCoarsestStepDeg = 0.16;
 constexpr int kBufferScale = 4;
-constexpr double kSplat = 0.1;                       // metres
-constexpr double kTolerance = 0.05;                  // of depth
-constexpr double kOutlier = 60;                      // grey levels over three channels: beyond, a difference counts no more
-constexpr int kMaskMargin = 5;                       // px
-constexpr std::size_t kFewest = 60;                  // points
+constexpr double kSplat = 0.1;       // metres
+constexpr double kTolerance = 0.05;  // of depth
+constexpr double kOutlier = 60;      // grey levels over three channels: beyond, a difference counts no more
+constexpr int kMaskMargin = 5;       // px
+constexpr std::size_t kFewest = 60;  // points
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
@@ -172,7 +172,8 @@ std::optional<Comparison::Match> Comparison::match(std::size_t moving, std::size
     for (bool moved = true; moved;) {
       moved = false;
       const Eigen::Vector2d centre = match.angle;
-      for (const Eigen::Vector2d& d : {Eigen::Vector2d(1, 0), Eigen::Vector2d(-1, 0), Eigen::Vector2d(0, 1), Eigen::Vector2d(0, -1)}) {
+      for (const Eigen::Vector2d& d :
+           {Eigen::Vector2d(1, 0), Eigen::Vector2d(-1, 0), Eigen::Vector2d(0, 1), Eigen::Vector2d(0, -1)}) {
         const Eigen::Vector2d angle = centre + step * d;
         if (angle.cwiseAbs().maxCoeff() > limit) continue;
         const double e = energy_at(s, moving, level, angle);

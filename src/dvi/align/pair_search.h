@@ -33,7 +33,7 @@ class Comparison {
 
  private:
   struct Sample {
-    Eigen::Vector3d in_camera;  ///< of the moving view
+    Eigen::Vector3d in_camera;      ///< of the moving view
     std::vector<cv::Vec3f> colour;  ///< a level, as the fixed view has it
   };
   std::vector<Sample> samples(std::size_t moving, std::size_t fixed, const std::vector<Eigen::Vector2d>& corrections) const;

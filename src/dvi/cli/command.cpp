@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "dvi/core/error.h"
 #include "dvi/core/version.h"
@@ -36,9 +36,7 @@ void Command::option(const std::string& names, std::vector<std::string>& field, 
 void Command::option(const std::string& names, int& field, const std::string& doc) {
   impl_->app->add_option(names, field, doc);
 }
-void Command::flag(const std::string& names, bool& field, const std::string& doc) {
-  impl_->app->add_flag(names, field, doc);
-}
+void Command::flag(const std::string& names, bool& field, const std::string& doc) { impl_->app->add_flag(names, field, doc); }
 void Command::options(OptionTable& table) {
   for (const Option& option : table.options()) {
     std::string name = "--" + option.key;

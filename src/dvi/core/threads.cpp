@@ -1,5 +1,6 @@
 #include "dvi/core/threads.h"
 
+#include <algorithm>
 #include <thread>
 
 #include <tbb/global_control.h>
@@ -22,6 +23,12 @@ int thread_count() { return static_cast<int>(tbb::global_control::active_value(t
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
   tbb::parallel_for(std::size_t{0}, count, body);
+}
+
+void parallel_in_order(std::size_t count, const std::function<void(std::size_t)>& body) {
+  const std::size_t block = static_cast<std::size_t>(thread_count());
+  for (std::size_t first = 0; first < count; first += block)
+    parallel_for(std::min(block, count - first), [&](std::size_t i) { body(first + i); });
 }
 
 }  // namespace dvi

@@ -26,4 +26,7 @@ int thread_count();
 /// the caller's, in index order, so that no result depends on scheduling.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
+/// The same, but moving through [0, count) from front to back, so that what neighbours share stays in a bounded cache.
+void parallel_in_order(std::size_t count, const std::function<void(std::size_t)>& body);
+
 }  // namespace dvi

@@ -26,9 +26,7 @@ void finish(StaticMap& map) {
   map.tiles = {{bounds, 0, map.points.size()}};
 }
 
-void add(StaticMap& map, double x, double y, double z) {
-  map.points.push_back({Eigen::Vector3d(x, y, z).cast<float>(), 0, 1});
-}
+void add(StaticMap& map, double x, double y, double z) { map.points.push_back({Eigen::Vector3d(x, y, z).cast<float>(), 0, 1}); }
 
 TEST(Delaunay, CoversTheHullOnceAndKeepsCirclesEmpty) {
   Random random(1);
@@ -36,20 +34,24 @@ TEST(Delaunay, CoversTheHullOnceAndKeepsCirclesEmpty) {
   std::set<std::pair<int, int>> used;
   for (int i = 0; i < 200; ++i) {
     const int u = random.below(100), v = random.below(100);
-    if (used.emplace(u, v).second) points.push_back({static_cast<float>(u), static_cast<float>(v), 1, Eigen::Vector3f::Zero(), 0});
+    if (used.emplace(u, v).second)
+      points.push_back({static_cast<float>(u), static_cast<float>(v), 1, Eigen::Vector3f::Zero(), 0});
   }
   for (const auto& [u, v] : {std::pair(0, 0), {100, 0}, {0, 100}, {100, 100}})
-    if (used.emplace(u, v).second) points.push_back({static_cast<float>(u), static_cast<float>(v), 1, Eigen::Vector3f::Zero(), 0});
+    if (used.emplace(u, v).second)
+      points.push_back({static_cast<float>(u), static_cast<float>(v), 1, Eigen::Vector3f::Zero(), 0});
   double area = 0;
   int inside = 0;
   delaunay(points, [&](const std::array<std::size_t, 3>& t) {
-    const Eigen::Vector2d a(points[t[0]].u, points[t[0]].v), b(points[t[1]].u, points[t[1]].v), c(points[t[2]].u, points[t[2]].v);
+    const Eigen::Vector2d a(points[t[0]].u, points[t[0]].v), b(points[t[1]].u, points[t[1]].v),
+        c(points[t[2]].u, points[t[2]].v);
     const Eigen::Vector2d ab = b - a, ac = c - a;
     const double d = 2 * (ab.x() * ac.y() - ab.y() * ac.x());
     area += std::abs(d) / 4;
     if (std::abs(d) < 1e-9) return;
-    const Eigen::Vector2d centre =
-        a + Eigen::Vector2d(ac.y() * ab.squaredNorm() - ab.y() * ac.squaredNorm(), ab.x() * ac.squaredNorm() - ac.x() * ab.squaredNorm()) / d;
+    const Eigen::Vector2d centre = a + Eigen::Vector2d(ac.y() * ab.squaredNorm() - ab.y() * ac.squaredNorm(),
+                                                       ab.x() * ac.squaredNorm() - ac.x() * ab.squaredNorm()) /
+                                           d;
     for (const VisiblePoint& p : points)
       if ((Eigen::Vector2d(p.u, p.v) - centre).norm() < (a - centre).norm() - 1e-6) ++inside;
   });

@@ -11,8 +11,8 @@ namespace dvi {
 /// What a view can lend to others, small enough to keep for many views: a value for each 2 x 2 block of pixels.
 struct VisibilityMap {
   static constexpr float kScale = 256;
-  static constexpr ushort kMasked = 0;      ///< within the margin of the view's own mask: lends nothing
-  static constexpr ushort kOpen = 0xFFFF;   ///< sky, unknown or farther than the scale holds: hides nothing
+  static constexpr ushort kMasked = 0;     ///< within the margin of the view's own mask: lends nothing
+  static constexpr ushort kOpen = 0xFFFF;  ///< sky, unknown or farther than the scale holds: hides nothing
 
   /// Metres x 256 of the farthest surface within a pixel of the block, so that at a depth edge either surface counts.
   cv::Mat1w farthest;

@@ -11,9 +11,9 @@
 namespace dvi {
 
 struct ReadOptions {
-  std::string camera = {};                           ///< empty: the drive's first
-  std::optional<FrameRange> frames = {};             ///< cut the drive to these (frames, and the sweeps near them in time)
-  std::size_t cache_bytes = std::size_t{96} << 20;  ///< bound of decoded images, masks and scans kept together
+  std::string camera = {};                          ///< empty: the drive's first
+  std::optional<FrameRange> frames = {};            ///< cut the drive to these (frames, and the sweeps near them in time)
+  std::size_t cache_bytes = std::size_t{48} << 20;  ///< bound of decoded images, masks and scans kept together
 };
 
 /// Something that some frames lack, in words that go before their numbers: "no scan for frames".

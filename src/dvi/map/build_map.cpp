@@ -40,8 +40,8 @@ struct Witness {
 std::optional<Witness> witness_of(const Sweep& sweep, const MapInput& input) {
   const std::vector<Frame>& frames = input.drive->frames;
   const auto distance = [&](const Frame& f) { return std::abs(f.time_ns - sweep.time_ns); };
-  const auto nearest = std::min_element(frames.begin(), frames.end(),
-                                        [&](const Frame& a, const Frame& b) { return distance(a) < distance(b); });
+  const auto nearest =
+      std::min_element(frames.begin(), frames.end(), [&](const Frame& a, const Frame& b) { return distance(a) < distance(b); });
   if (nearest == frames.end() || distance(*nearest) > sweep.end_ns - sweep.start_ns) return std::nullopt;
   const std::optional<SE3> pose = input.world_from_lidar.at(nearest->time_ns);
   if (!pose) return std::nullopt;

@@ -73,10 +73,10 @@ Drive wall_drive() {
       scan.intensity.push_back(1);
       scan.time.push_back(0);
     };
-    for (int i = -40; i <= 40; ++i) add(20.02F, 0.2F * static_cast<float>(i), 0);  // the wall
+    for (int i = -40; i <= 40; ++i) add(20.02F, 0.2F * static_cast<float>(i), 0);    // the wall
     for (int i = -5; i <= 5; ++i) add(10.02F, 0.1F * static_cast<float>(i), 0.02F);  // the car
-    add(-10.02F, 0, 0);                                                             // behind the camera
-    add(0.5F, 0, 0);                                                                // the own roof
+    add(-10.02F, 0, 0);                                                              // behind the camera
+    add(0.5F, 0, 0);                                                                 // the own roof
     return scan;
   });
   return drive;

@@ -7,9 +7,9 @@
 namespace dvi {
 namespace {
 
-constexpr float kNearPlane = 0.5F;     // metres
-constexpr int kMaxSplat = 12;          // px
-constexpr double kCullMargin = 0.15;   // of the image size, for what distortion bends in
+constexpr float kNearPlane = 0.5F;    // metres
+constexpr int kMaxSplat = 12;         // px
+constexpr double kCullMargin = 0.15;  // of the image size, for what distortion bends in
 
 // Whether all corners of the tile lie outside one side of the view.
 bool outside(const Eigen::AlignedBox3f& bounds, const View& view) {

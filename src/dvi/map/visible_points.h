@@ -9,10 +9,10 @@ namespace dvi {
 
 /// A map point as a view sees it.
 struct VisiblePoint {
-  float u = 0, v = 0;          ///< pixel, sub-pixel exact
-  float z = 0;                 ///< metres along the optical axis
+  float u = 0, v = 0;                               ///< pixel, sub-pixel exact
+  float z = 0;                                      ///< metres along the optical axis
   Eigen::Vector3f world = Eigen::Vector3f::Zero();  ///< metres
-  std::size_t index = 0;       ///< in StaticMap::points
+  std::size_t index = 0;                            ///< in StaticMap::points
 };
 
 /// The points of the map that the view sees, at most one a pixel: the nearest (z-buffer), if no nearer point, taken as a disc

@@ -8,8 +8,8 @@
 namespace dvi {
 namespace {
 
-constexpr std::size_t kCached = 16;    // masks
-constexpr double kNearPlane = 0.3;     // metres
+constexpr std::size_t kCached = 16;  // masks
+constexpr double kNearPlane = 0.3;   // metres
 
 void draw_instance(const Instance& instance, cv::Mat1b& mask) {
   const std::size_t rows = static_cast<std::size_t>(instance.size.height);

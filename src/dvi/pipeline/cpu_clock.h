@@ -24,8 +24,7 @@ class CpuClock {
 
  private:
   struct Scope {
-    Scope(CpuClock& owner, const std::string& name)
-        : clock(owner), stage(name), outer(inner), begun(thread_cpu_seconds()) {
+    Scope(CpuClock& owner, const std::string& name) : clock(owner), stage(name), outer(inner), begun(thread_cpu_seconds()) {
       inner = 0;
     }
     ~Scope() {

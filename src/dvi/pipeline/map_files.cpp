@@ -9,7 +9,7 @@
 namespace dvi {
 namespace {
 
-constexpr int kColourFrames = 40;      // frames, evenly spread, that lend the map their colours
+constexpr int kColourFrames = 40;  // frames, evenly spread, that lend the map their colours
 constexpr double kSplat = 0.07, kTolerance = 0.05;
 const cv::Vec3b kUncoloured(128, 128, 128);
 
@@ -62,8 +62,7 @@ void write_map_files(const fs::path& folder, const StaticMap& map, const Views& 
   const std::vector<cv::Vec3b> colour = colours(map, views);
   write_file(folder / "poses.txt", pose_lines(views));
   write_file(folder / "times.txt", time_lines(views));
-  write_ply(folder / "map.ply", {points, colour, {{"intensity", intensity}},
-                                 "dvi map of " + target.path.filename().string()});
+  write_ply(folder / "map.ply", {points, colour, {{"intensity", intensity}}, "dvi map of " + target.path.filename().string()});
   write_file(folder / "map.json", report.dump(1) + "\n");
 }
 

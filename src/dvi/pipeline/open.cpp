@@ -11,7 +11,7 @@
 namespace dvi {
 namespace {
 
-constexpr std::size_t kCached = 24;  // images and masks of all views together
+constexpr std::size_t kCached = 20;  // images and masks of all views together
 
 MaskSource resolve_masks(Drive& drive, const std::string& from) {
   if (from.empty() || from == "auto") return default_mask_source(drive);
@@ -31,9 +31,8 @@ MaskSource resolve_masks(Drive& drive, const std::string& from) {
 Lazy<cv::Mat1b> masks_of(Drive& drive, const std::string& from, MaskNeed need, const MaskOptions& options) {
   const bool silent = drive.masks.empty() && !drive.has_labels() && (from.empty() || from == "auto");
   if (silent && need == MaskNeed::optional)
-    return {drive.frames.size(), 1, [size = cv::Size(drive.camera.width, drive.camera.height)](std::size_t) {
-              return cv::Mat1b(size, uchar{0});
-            }};
+    return {drive.frames.size(), 1,
+            [size = cv::Size(drive.camera.width, drive.camera.height)](std::size_t) { return cv::Mat1b(size, uchar{0}); }};
   return find_masks(drive, resolve_masks(drive, from), options);
 }
 
@@ -126,8 +125,8 @@ Views make_views(const std::vector<OpenDrive>& drives, Progress& progress) {
       const std::int64_t time = drive.frames[i].time_ns;
       const std::optional<SE3> world_from_lidar = drives[d].world_from_lidar.at(time);
       if (!world_from_lidar) {
-        progress.warn(fmt::format("{}: frame {} has no pose and is left out", drive.path.filename().string(),
-                                  drive.frames[i].name));
+        progress.warn(
+            fmt::format("{}: frame {} has no pose and is left out", drive.path.filename().string(), drive.frames[i].name));
         continue;
       }
       out.views.push_back({static_cast<int>(d), i, time, drive.camera, drive.camera_from_lidar * world_from_lidar->inverse()});

@@ -13,7 +13,7 @@ namespace dvi {
 /// A drive that is ready for the stages: masks found, poses in the world of the target's first LiDAR pose.
 struct OpenDrive {
   Drive drive;
-  Lazy<cv::Mat1b> masks;         ///< as drive.frames
+  Lazy<cv::Mat1b> masks;  ///< as drive.frames
   Trajectory world_from_lidar;
 };
 

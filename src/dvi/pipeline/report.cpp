@@ -16,10 +16,8 @@ double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 void add_shares(nlohmann::json& hole) {
   const double pixels = hole["pixels"].get<double>();
   nlohmann::json& share = hole["share"];
-  for (std::size_t k = 1; k < kKinds.size(); ++k)
-    share[kKinds[k]] = pixels > 0 ? hole[kKinds[k]].get<double>() / pixels : 0.0;
-  share["never_seen"] =
-      share["interpolated"].get<double>() + share["synthesised"].get<double>() + share["empty"].get<double>();
+  for (std::size_t k = 1; k < kKinds.size(); ++k) share[kKinds[k]] = pixels > 0 ? hole[kKinds[k]].get<double>() / pixels : 0.0;
+  share["never_seen"] = share["interpolated"].get<double>() + share["synthesised"].get<double>() + share["empty"].get<double>();
 }
 
 }  // namespace
@@ -85,7 +83,9 @@ nlohmann::json cost_report(const Progress& progress, const CpuClock& clock, std:
   nlohmann::json stages = nlohmann::json::array();
   const double n = static_cast<double>(std::max<std::size_t>(frames, 1));
   for (const StageTime& t : progress.times())
-    stages.push_back({{"stage", t.stage}, {"seconds", t.seconds}, {"cpu_seconds", t.cpu_seconds},
+    stages.push_back({{"stage", t.stage},
+                      {"seconds", t.seconds},
+                      {"cpu_seconds", t.cpu_seconds},
                       {"cpu_seconds_per_frame", t.cpu_seconds / n}});
   nlohmann::json fill = nlohmann::json::object();
   for (const auto& [stage, seconds] : clock.seconds())

@@ -25,7 +25,8 @@ void write_media(const fs::path& out, const Drive& target, const std::vector<std
   const std::size_t rows = std::min(kSheetRows, names.size());
   std::vector<std::vector<SheetCell>> sheet;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto frame = std::find_if(target.frames.begin(), target.frames.end(), [&](const Frame& f) { return f.name == names[i]; });
+    const auto frame =
+        std::find_if(target.frames.begin(), target.frames.end(), [&](const Frame& f) { return f.name == names[i]; });
     const auto input = target.images[static_cast<std::size_t>(frame - target.frames.begin())];
     const cv::Mat3b result = read_image(out / "frames" / (names[i] + ".png"), size);
     video.push(result);

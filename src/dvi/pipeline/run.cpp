@@ -116,11 +116,15 @@ std::string run(const Job& job, Progress& progress) {
 
   std::vector<nlohmann::json> frames;
   for (const std::string& name : names) frames.push_back(nlohmann::json::parse(result.frame_record(name)));
-  const nlohmann::json report = {{"schema", "dvi-report/1"},       {"version", kVersion},
-                                 {"method", job.method},           {"drives", drives_report(drives)},
-                                 {"hole", hole_report(frames)},    {"map", map_report(map)},
+  const nlohmann::json report = {{"schema", "dvi-report/1"},
+                                 {"version", kVersion},
+                                 {"method", job.method},
+                                 {"drives", drives_report(drives)},
+                                 {"hole", hole_report(frames)},
+                                 {"map", map_report(map)},
                                  {"cost", cost_report(progress, clock, open.size())},
-                                 {"warnings", progress.warnings()}, {"frames", frames}};
+                                 {"warnings", progress.warnings()},
+                                 {"frames", frames}};
   write_file(result.path() / "report.json", report.dump(1) + "\n");
   return report.dump(1);
 }

@@ -17,12 +17,13 @@ std::string run_summary(const std::string& report_json, const std::string& out) 
   double cpu = 0;
   for (const auto& stage : cost["stages"]) cpu += stage["cpu_seconds"].get<double>();
   const double made = std::max(1.0, cost["frames_made"].get<double>());
-  text += fmt::format("\n{:.1f} CPU s a frame, peak memory {:.0f} MB", cpu / made,
-                      cost["peak_memory_bytes"].get<double>() / 1e6);
-  text += fmt::format("\n  {0}/frames       the drive without its traffic\n  {0}/video.mp4    as a video\n"
-                      "  {0}/compare.mp4  input above result\n  {0}/contact.png  some frames on one sheet\n"
-                      "  {0}/report.json  all figures",
-                      out);
+  text +=
+      fmt::format("\n{:.1f} CPU s a frame, peak memory {:.0f} MB", cpu / made, cost["peak_memory_bytes"].get<double>() / 1e6);
+  text += fmt::format(
+      "\n  {0}/frames       the drive without its traffic\n  {0}/video.mp4    as a video\n"
+      "  {0}/compare.mp4  input above result\n  {0}/contact.png  some frames on one sheet\n"
+      "  {0}/report.json  all figures",
+      out);
   return text;
 }
 

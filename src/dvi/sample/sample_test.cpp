@@ -80,10 +80,10 @@ TEST(Sample, OutsideTheImageNobodySawIt) {
 TEST(Sample, OccludedSourcesDoNotCount) {
   const FlatScene scene = drive_of({3, 6});
   const Lazy<VisibilityMap> visibility{3, 3, [depth = flat_depth(scene)](std::size_t i) {
-                                       DepthMap seen{depth.z.clone(), depth.sigma};
-                                       if (i == 1) seen.z = 5.0F;  // something stands before the plane there
-                                       return visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}), 0);
-                                     }};
+                                         DepthMap seen{depth.z.clone(), depth.sigma};
+                                         if (i == 1) seen.z = 5.0F;  // something stands before the plane there
+                                         return visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}), 0);
+                                       }};
   for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {}).of) EXPECT_EQ(c.view, 2);
   for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {.occlusion_test = false}).of)
     EXPECT_EQ(c.view, 1);
