@@ -130,13 +130,28 @@ TEST(MaskFolder, TiesMasksByName) {
   EXPECT_EQ((*drive.masks[1])(1, 2), 255);
 }
 
+TEST(MaskFolder, LeavesMasksOfMissingImagesAlone) {
+  const TestFolder folder;
+  for (const char* name : {"five", "join", "six"})
+    folder.write_image(std::string("masks/") + name + ".png", cv::Mat1b(3, 4, uchar{0}));
+  const std::vector<Frame> frames = two_frames().frames;
+  EXPECT_THAT(match_masks(frames, {folder.path / "masks"}),
+              ElementsAre(folder.path / "masks/five.png", folder.path / "masks/six.png"));
+  for (const char* name : {"early", "sixth"}) {
+    const std::string file = std::string(name) + ".png";
+    folder.write_image("masks/" + file, cv::Mat1b(3, 4, uchar{0}));
+    EXPECT_THAT(input_error([&] { match_masks(frames, {folder.path / "masks"}); }), HasSubstr(file));
+    fs::remove(folder.path / "masks" / file);
+  }
+}
+
 TEST(MaskFolder, RefusesMasksOfOtherImages) {
   const TestFolder folder;
-  folder.write_image("masks/nine.png", cv::Mat1b(3, 4, uchar{0}));
+  folder.write_image("masks/ten.png", cv::Mat1b(3, 4, uchar{0}));
   Drive drive = two_frames();
   EXPECT_THAT(input_error([&] { match_masks(drive.frames, {folder.path / "masks"}); }),
-              HasSubstr("nine.png: is a mask for no image"));
-  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "masks"); }), HasSubstr("nine.png: is a mask for no image"));
+              HasSubstr("ten.png: is a mask for no image"));
+  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "masks"); }), HasSubstr("ten.png: is a mask for no image"));
   EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path); }), HasSubstr("holds no masks"));
   folder.write_image("wrong/six.png", cv::Mat1b(4, 4, uchar{0}));
   attach_masks(drive, folder.path / "wrong");

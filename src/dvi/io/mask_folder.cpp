@@ -27,12 +27,20 @@ std::vector<fs::path> as_frames(const std::vector<Frame>& frames, std::map<std::
   return files;
 }
 
+// A name between those of the first and the last frame is that of an image that is missing, which is said elsewhere.
+bool in_a_gap(const std::string& name, const std::vector<Frame>& frames) {
+  const auto by_name = [](const Frame& a, const Frame& b) { return a.name < b.name; };
+  const auto [first, last] = std::minmax_element(frames.begin(), frames.end(), by_name);
+  return first != frames.end() && first->name < name && name < last->name;
+}
+
 }  // namespace
 
 std::vector<fs::path> match_masks(const std::vector<Frame>& frames, const std::vector<fs::path>& folders) {
   std::map<std::string, fs::path> masks = masks_by_name(folders);
   if (masks.empty()) return {};
   std::vector<fs::path> files = as_frames(frames, masks);
+  std::erase_if(masks, [&](const auto& mask) { return in_a_gap(mask.first, frames); });
   if (!masks.empty())
     throw InputError(masks.begin()->second, "is a mask for no image of the drive", "name a mask like its image, or remove it");
   return files;
