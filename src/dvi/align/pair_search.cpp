@@ -59,7 +59,7 @@ RingPoints ring_points(const StaticMap& map, const View& view, const cv::Mat1b& 
   ring.setTo(0, near);
   RingPoints all;
   for (const VisiblePoint& p : visible_points(map, view, kSplat, kTolerance))
-    if (ring(cvRound(p.v), cvRound(p.u)) != 0) all.push_back(p.world.cast<double>());
+    if (ring(cvRound(p.v), cvRound(p.u)) != 0) all.emplace_back(p.world.cast<double>());
   const std::size_t most = static_cast<std::size_t>(options.points);
   if (all.size() <= most) return all;
   RingPoints thinned(most);

@@ -24,7 +24,7 @@ struct boost::polygon::geometry_concept<dvi::Site> {
 template <>
 struct boost::polygon::point_traits<dvi::Site> {
   using coordinate_type = int;
-  static int get(const dvi::Site& site, orientation_2d axis) { return axis == HORIZONTAL ? site.x : site.y; }
+  static int get(const dvi::Site& site, const orientation_2d& axis) { return axis == HORIZONTAL ? site.x : site.y; }
 };
 
 namespace dvi {

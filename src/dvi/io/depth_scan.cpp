@@ -12,7 +12,7 @@ Scan DepthScan::operator()(const Sweep& sweep) const {
   for (int y = 0; y < depth.rows; ++y)
     for (int x = 0; x < depth.cols; ++x)
       if (depth(y, x) > 0)
-        scan.points.push_back((lidar_from_camera * (kMillimetre * depth(y, x) * camera.ray({x, y}))).cast<float>());
+        scan.points.emplace_back((lidar_from_camera * (kMillimetre * depth(y, x) * camera.ray({x, y}))).cast<float>());
   if (scan.points.empty()) throw InputError(sweep.file, "holds no depth", "remove the file; dvi bridges a missing one");
   scan.intensity.assign(scan.size(), 0.0F);
   scan.time.assign(scan.size(), 0.0F);

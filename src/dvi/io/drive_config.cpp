@@ -122,7 +122,7 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
   } catch (const toml::parse_error& e) {
     throw InputError(fmt::format("{}:{}", config.file.string(), e.source().begin.line), std::string(e.description()));
   }
-  Table(config.file, "", root, {"drive", "camera", "lidar"});
+  const Table whole(config.file, "", root, {"drive", "camera", "lidar"});
   const Table head(config.file, "drive", table_of(root.get("drive")), {"version"});
   if (const auto version = head.number("version"); version && *version != kVersion)
     head.fail("version", fmt::format("is {}, and this program reads {}", *version, kVersion));

@@ -60,7 +60,7 @@ std::string sweep_name(const std::string& file) {
   return name.starts_with("bg_") ? name.substr(3) : name;
 }
 
-std::vector<Frame> read_frames(std::vector<fs::path> folders) {
+std::vector<Frame> read_frames(const std::vector<fs::path>& folders) {
   std::map<std::int64_t, fs::path> images;
   for (const fs::path& folder : folders)
     for (const fs::path& file : list_files(folder, {".jpg"})) images.emplace(time_in_name(file, file.stem().string()), file);

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "dvi/core/error.h"
-#include "dvi/core/files.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/text.h"

@@ -35,7 +35,7 @@ std::vector<Eigen::Vector3d> visible_corners(const Box& box, const SE3& camera_f
       const int j = i ^ bit;
       if (j < i || (corners[i].z() < kNearPlane) == (corners[j].z() < kNearPlane)) continue;
       const double u = (kNearPlane - corners[i].z()) / (corners[j].z() - corners[i].z());
-      visible.push_back(corners[i] + u * (corners[j] - corners[i]));
+      visible.emplace_back(corners[i] + u * (corners[j] - corners[i]));
     }
   }
   return visible;
