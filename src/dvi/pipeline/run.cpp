@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "dvi/core/error.h"
 #include "dvi/core/hash.h"
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
