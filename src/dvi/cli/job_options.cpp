@@ -15,7 +15,8 @@ void JobOptions::add_to(Command& command) {
   command.option("--camera", camera, "Camera to use (default: the drive's first)");
   command.option("--masks", masks, "What to remove: DIR (PNG, 255 = remove), FILE (labels), labels, auto");
   command.option("--poses", poses, "auto (default), given, or FILE");
-  command.option("--method", method, "dvi (default) or paper (the published form)");
+  command.option("--method", method,
+                 "dvi (default), paper (the published form), or, without depth or poses, flow, telea or ns");
   command.option("--config", config, "Options from a TOML file, such as the dvi.toml of an earlier result");
   command.option("--set", set, "section.key=value, any number of times; dvi config dump lists them");
 }

@@ -36,6 +36,17 @@ FilledView Filler::operator()(std::size_t target) const {
   return {std::move(frame), labels.energy_before, labels.energy_after};
 }
 
+FillFrame baseline(const std::string& method, const Views& views, const FlowOptions& options, CpuClock& clock) {
+  if (method == "flow")
+    return [&, flows = hole_flows(views, options)](std::size_t target) -> FilledView {
+      return {clock.time("flow", [&] { return flow_fill(views, target, flows, options); })};
+    };
+  const Inpainting inpainting = method == "telea" ? Inpainting::telea : Inpainting::navier_stokes;
+  return [&, inpainting](std::size_t target) -> FilledView {
+    return {clock.time("inpaint", [&] { return inpaint_frame(views, target, inpainting); })};
+  };
+}
+
 void Smoother::fill(const std::vector<std::size_t>& block) {
   std::set<std::size_t> needed(block.begin(), block.end());
   if (options_.enabled)
@@ -48,7 +59,7 @@ void Smoother::fill(const std::vector<std::size_t>& block) {
   for (const std::size_t view : needed)
     if (!window_.contains(view)) missing.push_back(view);
   std::vector<std::shared_ptr<const FilledView>> made(missing.size());
-  parallel_for(missing.size(), [&](std::size_t i) { made[i] = std::make_shared<FilledView>(filler_(missing[i])); });
+  parallel_for(missing.size(), [&](std::size_t i) { made[i] = std::make_shared<FilledView>(fill_frame_(missing[i])); });
   for (std::size_t i = 0; i < missing.size(); ++i) window_[missing[i]] = made[i];
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -33,6 +34,12 @@ struct FilledView {
   double energy_before = 0, energy_after = 0;  ///< eqs. 2-4
 };
 
+/// Makes the frame of a view of the target drive.
+using FillFrame = std::function<FilledView(std::size_t target)>;
+
+/// The frames of a baseline, by its name.
+FillFrame baseline(const std::string& method, const Views& views, const FlowOptions& options, CpuClock& clock);
+
 /// Stages 6 to 8 for one view after another: candidates, labels, colours.
 class Filler {
  public:
@@ -51,8 +58,8 @@ class Filler {
 /// of the same drive, smooths each between them and hands it on.
 class Smoother {
  public:
-  Smoother(const Filler& filler, std::size_t first, std::size_t last, const SmoothOptions& options, CpuClock& clock)
-      : filler_(filler), first_(first), last_(last), options_(options), clock_(clock) {}
+  Smoother(const FillFrame& fill_frame, std::size_t first, std::size_t last, const SmoothOptions& options, CpuClock& clock)
+      : fill_frame_(fill_frame), first_(first), last_(last), options_(options), clock_(clock) {}
 
   /// The finished frames of a block of views (ascending).
   std::vector<FilledView> finish(const std::vector<std::size_t>& block);
@@ -60,7 +67,7 @@ class Smoother {
  private:
   void fill(const std::vector<std::size_t>& block);
 
-  const Filler& filler_;
+  const FillFrame& fill_frame_;
   std::size_t first_, last_;  // the target drive's views
   const SmoothOptions& options_;
   CpuClock& clock_;

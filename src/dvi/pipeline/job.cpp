@@ -1,6 +1,9 @@
 #include "dvi/pipeline/job.h"
 
+#include <algorithm>
 #include <charconv>
+
+#include <fmt/format.h>
 
 #include "dvi/core/error.h"
 
@@ -15,6 +18,7 @@ void Options::describe(OptionTable& table) {
   regularize.describe(table);
   harmonize.describe(table);
   smooth.describe(table);
+  flow.describe(table);
   video.describe(table);
 }
 
@@ -28,7 +32,7 @@ OptionTable Job::table() {
   table.add("frames", source.frames, {}, "A:B, both included, by the drive's own numbers; empty: all.");
   table.add("masks", source.masks, {}, "A folder of PNG, a file of labels, labels, auto; empty: what the drive brings.");
   table.add("poses", source.poses, {}, "auto, given, or a file of poses.");
-  table.add("method", method, {"dvi", "paper"}, "Whose form of the stages.");
+  table.add("method", method, methods(), "Ours, the published form of the stages, or a baseline without depth.");
   options.describe(table);
   return table;
 }
@@ -37,9 +41,18 @@ void Options::check() const {
   if (regularize.window % 2 == 0) throw UsageError("option regularize.window: an odd number is wanted");
 }
 
+const std::vector<std::string>& methods() {
+  static const std::vector<std::string> all{"dvi", "paper", "flow", "telea", "ns"};
+  return all;
+}
+
+bool is_baseline(const std::string& method) { return method == "flow" || method == "telea" || method == "ns"; }
+
 void use_method(const std::string& method, Options& options) {
-  if (method == "dvi") return;
-  if (method != "paper") throw UsageError("--method " + method + ": there are dvi and paper");
+  if (std::find(methods().begin(), methods().end(), method) == methods().end())
+    throw UsageError(fmt::format("--method {}: there are {}", method, fmt::join(methods(), ", ")));
+  if (is_baseline(method)) options.smooth.enabled = false;
+  if (method != "paper") return;
   // The published form: every point outside masks and boxes, linear depth, plain occlusion test, all stages on.
   options.map.witnessed_only = false;
   options.depth.split_edges = false;

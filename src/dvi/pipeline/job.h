@@ -9,6 +9,7 @@
 #include "dvi/core/options.h"
 #include "dvi/depth/depth.h"
 #include "dvi/drive/drive.h"
+#include "dvi/eval/baselines.h"
 #include "dvi/harmonize/harmonize.h"
 #include "dvi/io/video.h"
 #include "dvi/map/build_map.h"
@@ -29,6 +30,7 @@ struct Options {
   RegularizeOptions regularize;
   HarmonizeOptions harmonize;
   SmoothOptions smooth;
+  FlowOptions flow;
   VideoOptions video;
 
   void describe(OptionTable& table);
@@ -56,6 +58,12 @@ struct Job {
   /// Everything that OUT/dvi.toml holds.
   OptionTable table();
 };
+
+/// What `--method` takes: dvi, its published form, and baselines.
+const std::vector<std::string>& methods();
+
+/// Whether a method looks at images and masks only: it needs no poses and no scans.
+bool is_baseline(const std::string& method);
 
 /// Sets the options in which a method differs from the default. UsageError for an unknown one.
 void use_method(const std::string& method, Options& options);

@@ -53,6 +53,19 @@ Trajectory to_world_of(const Drive& target, const Drive& drive, const SE3& world
   return Trajectory(std::move(poses)).in(world_from_given);
 }
 
+// Images and masks of the views. The drives' own caches hold the pixels; these only look up the right one.
+void attach_pictures(Views& views, const std::vector<OpenDrive>& drives) {
+  const auto of = [list = views.views](std::size_t i) { return std::pair(list[i].drive, list[i].frame); };
+  std::vector<Lazy<cv::Mat3b>> images;
+  std::vector<Lazy<cv::Mat1b>> masks;
+  for (const OpenDrive& open : drives) {
+    images.push_back(open.drive.images);
+    masks.push_back(open.masks);
+  }
+  views.images = {views.size(), kCached, [=](std::size_t i) { return *images[of(i).first][of(i).second]; }};
+  views.masks = {views.size(), kCached, [=](std::size_t i) { return *masks[of(i).first][of(i).second]; }};
+}
+
 }  // namespace
 
 OpenDrive open_drive(const fs::path& path, const Source& source, MaskNeed need, const MaskOptions& options,
@@ -84,6 +97,14 @@ std::vector<OpenDrive> open_drives(const Job& job, MaskNeed need, Progress& prog
   return drives;
 }
 
+std::vector<OpenDrive> open_images(const Job& job, Progress& progress) {
+  OpenDrive open = open_drive(job.target, job.source, MaskNeed::required, job.options.masks, progress);
+  open.drive.sweeps.clear();
+  open.drive.scans = {};
+  if (!job.sources.empty()) progress.warn("method " + job.method + " has no use for further drives");
+  return {open};
+}
+
 void verify(const std::vector<OpenDrive>& drives, Progress& progress) {
   std::size_t count = 0;
   for (const OpenDrive& open : drives) count += open.drive.frames.size() + open.drive.sweeps.size();
@@ -111,6 +132,13 @@ void verify(const std::vector<OpenDrive>& drives, Progress& progress) {
   progress.end();
 }
 
+void add_files(Fingerprint& print, const Drive& drive) {
+  for (const Frame& frame : drive.frames) print.add_file(frame.file);
+  for (const Sweep& sweep : drive.sweeps) print.add_file(sweep.file);
+  for (const fs::path& file : drive.mask_files) print.add_file(file);
+  for (const fs::path& file : drive.other_files) print.add_file(file);
+}
+
 std::vector<MapInput> map_inputs(const std::vector<OpenDrive>& drives) {
   std::vector<MapInput> inputs;
   for (const OpenDrive& open : drives) inputs.push_back({&open.drive, open.world_from_lidar, open.masks});
@@ -134,16 +162,18 @@ Views make_views(const std::vector<OpenDrive>& drives, Progress& progress) {
   }
   if (out.of_drive(0).second == 0)
     throw InputError(drives.front().drive.path, "no frame has a pose", "check that poses and images share one clock");
-  const auto of = [views = out.views](std::size_t i) { return std::pair(views[i].drive, views[i].frame); };
-  std::vector<Lazy<cv::Mat3b>> images;
-  std::vector<Lazy<cv::Mat1b>> masks;
-  for (const OpenDrive& open : drives) {
-    images.push_back(open.drive.images);
-    masks.push_back(open.masks);
+  attach_pictures(out, drives);
+  return out;
+}
+
+Views make_unposed_views(const std::vector<OpenDrive>& drives) {
+  Views out;
+  for (std::size_t d = 0; d < drives.size(); ++d) {
+    const Drive& drive = drives[d].drive;
+    for (std::size_t i = 0; i < drive.frames.size(); ++i)
+      out.views.push_back({static_cast<int>(d), i, drive.frames[i].time_ns, drive.camera, SE3()});
   }
-  // The drives' own caches hold the pixels; these only look up the right one.
-  out.images = {out.size(), kCached, [=](std::size_t i) { return *images[of(i).first][of(i).second]; }};
-  out.masks = {out.size(), kCached, [=](std::size_t i) { return *masks[of(i).first][of(i).second]; }};
+  attach_pictures(out, drives);
   return out;
 }
 

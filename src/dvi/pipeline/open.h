@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "dvi/core/hash.h"
 #include "dvi/core/progress.h"
 #include "dvi/io/reader.h"
 #include "dvi/map/build_map.h"
@@ -27,13 +28,23 @@ OpenDrive open_drive(const fs::path& path, const Source& source, MaskNeed need, 
 /// InputError where a drive has no poses.
 std::vector<OpenDrive> open_drives(const Job& job, MaskNeed need, Progress& progress);
 
+/// Opens the target for what needs images and masks only: its poses and scans are left out, further drives are told to be of
+/// no use.
+std::vector<OpenDrive> open_images(const Job& job, Progress& progress);
+
 /// Reads every image, mask and scan once, so that bad ones are found before hours of work. InputError at the first.
 void verify(const std::vector<OpenDrive>& drives, Progress& progress);
+
+/// Adds every file that the drive is read from.
+void add_files(Fingerprint& print, const Drive& drive);
 
 /// The drives as the map sees them.
 std::vector<MapInput> map_inputs(const std::vector<OpenDrive>& drives);
 
 /// All posed frames of all drives. Frames without a pose are left out with a warning.
 Views make_views(const std::vector<OpenDrive>& drives, Progress& progress);
+
+/// All frames of all drives, whether posed or not, each with the identity for its pose: for what does not look at poses.
+Views make_unposed_views(const std::vector<OpenDrive>& drives);
 
 }  // namespace dvi

@@ -1,6 +1,7 @@
 #include "dvi/pipeline/run.h"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -32,12 +33,7 @@ std::string fingerprint_of(Job job, const std::vector<OpenDrive>& drives) {
   Fingerprint print;
   print.add(kVersion);
   print.add(job.table().dump_toml());
-  for (const OpenDrive& open : drives) {
-    for (const Frame& frame : open.drive.frames) print.add_file(frame.file);
-    for (const Sweep& sweep : open.drive.sweeps) print.add_file(sweep.file);
-    for (const fs::path& file : open.drive.mask_files) print.add_file(file);
-    for (const fs::path& file : open.drive.other_files) print.add_file(file);
-  }
+  for (const OpenDrive& open : drives) add_files(print, open.drive);
   return print.hex();
 }
 
@@ -63,33 +59,47 @@ nlohmann::json sources_json(const Views& views, const std::vector<OpenDrive>& dr
   return {{"schema", "dvi-sources/1"}, {"sources", sources}};
 }
 
-}  // namespace
-
-std::string run(const Job& job, Progress& progress) {
-  const std::vector<OpenDrive> drives = open_drives(job, MaskNeed::required, progress);
-  const Drive& target = drives.front().drive;
-  Views views = make_views(drives, progress);
-  const std::vector<std::string> names = frame_names(views, target);
-  ResultFolder result(job.out, identity_of(drives), fingerprint_of(job, drives), job.force);
+std::vector<std::size_t> unfinished(const ResultFolder& result, const std::vector<std::string>& names) {
   std::vector<std::size_t> open;
   for (std::size_t i = 0; i < names.size(); ++i)
     if (!result.is_finished(names[i])) open.push_back(i);
+  return open;
+}
+
+}  // namespace
+
+std::string run(const Job& job, Progress& progress) {
+  const bool flat = is_baseline(job.method);  // images and masks only: no poses, no map
+  const std::vector<OpenDrive> drives = flat ? open_images(job, progress) : open_drives(job, MaskNeed::required, progress);
+  const Drive& target = drives.front().drive;
+  Views views = flat ? make_unposed_views(drives) : make_views(drives, progress);
+  const std::vector<std::string> names = frame_names(views, target);
+  ResultFolder result(job.out, identity_of(drives), fingerprint_of(job, drives), job.force);
+  const std::vector<std::size_t> open = unfinished(result, names);
   if (open.empty() && fs::exists(result.path() / "report.json")) {
     progress.note("every frame is finished already: nothing to do");
     return read_file(result.path() / "report.json");
   }
 
   verify(drives, progress);
-  progress.begin("map", scan_count(map_inputs(drives)));
-  const StaticMap map = build_map(map_inputs(drives), job.options.map, progress.tick());
-  if (map.points.empty()) progress.warn("the map is empty: no scan left a static point, nothing can be copied");
-  progress.begin("align", job.options.align.enabled ? views.size() * static_cast<std::size_t>(job.options.align.passes) : 0);
-  const std::vector<ViewAlignment> alignment = align(views, map, job.options.align, progress.tick());
-
   CpuClock clock;
-  const Depths depths(map, views, job.options.depth, clock);
-  const Filler filler(views, depths, job.options, clock);
-  Smoother smoother(filler, 0, names.size(), job.options.smooth, clock);
+  StaticMap map;
+  std::vector<ViewAlignment> alignment(views.size());
+  std::optional<Depths> depths;
+  FillFrame fill_frame;
+  if (flat) {
+    fill_frame = baseline(job.method, views, job.options.flow, clock);
+  } else {
+    progress.begin("map", scan_count(map_inputs(drives)));
+    map = build_map(map_inputs(drives), job.options.map, progress.tick());
+    if (map.points.empty()) progress.warn("the map is empty: no scan left a static point, nothing can be copied");
+    progress.begin("align", job.options.align.enabled ? views.size() * static_cast<std::size_t>(job.options.align.passes) : 0);
+    alignment = align(views, map, job.options.align, progress.tick());
+    depths.emplace(map, views, job.options.depth, clock);
+    fill_frame = Filler(views, *depths, job.options, clock);
+  }
+
+  Smoother smoother(fill_frame, 0, names.size(), job.options.smooth, clock);
   progress.begin("fill", open.size());
   const std::size_t block_size = static_cast<std::size_t>(thread_count());
   for (std::size_t at = 0; at < open.size(); at += block_size) {
@@ -106,7 +116,10 @@ std::string run(const Job& job, Progress& progress) {
 
   result.remove_others(names);
   write_file(result.path() / "sources.json", sources_json(views, drives).dump(1) + "\n");
-  write_map_files(result.path() / "map", map, views, target, map_report(map));
+  if (flat)
+    fs::remove_all(result.path() / "map");  // left by another method
+  else
+    write_map_files(result.path() / "map", map, views, target, map_report(map));
   write_media(result.path(), target, names, job.options.video, progress);
   progress.end();
   Job resolved = job;
@@ -118,9 +131,10 @@ std::string run(const Job& job, Progress& progress) {
   const nlohmann::json report = {{"schema", "dvi-report/1"},
                                  {"version", kVersion},
                                  {"method", job.method},
+                                 {"baseline", flat},
                                  {"drives", drives_report(drives)},
                                  {"hole", hole_report(frames)},
-                                 {"map", map_report(map)},
+                                 {"map", flat ? nlohmann::json() : map_report(map)},
                                  {"cost", cost_report(progress, clock, open.size())},
                                  {"warnings", progress.warnings()},
                                  {"frames", frames}};
