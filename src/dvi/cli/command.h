@@ -70,6 +70,8 @@ void add_run(Program& program);
 void add_map(Program& program);
 void add_eval(Program& program);
 void add_check(Program& program);
+void add_holdout(Program& program);
+void add_selfcheck(Program& program);
 void add_synth(Program& program);
 void add_demo(Program& program);
 void add_config(Program& program);

@@ -1,0 +1,38 @@
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "dvi/cli/command.h"
+#include "dvi/cli/job_options.h"
+#include "dvi/core/threads.h"
+#include "dvi/pipeline/make_holdout.h"
+
+namespace dvi {
+
+void add_holdout(Program& program) {
+  struct Arguments {
+    std::string out, drive, scenario = "lead";
+    JobOptions options;
+    Common common;
+  };
+  const auto a = std::make_shared<Arguments>();
+  Command command = program.command("holdout", "Virtual traffic put into a real drive, the truth kept beside it");
+  command.positional("DRIVE", a->drive, "The drive");
+  command.option("-o,--out", a->out, "Folder of the case: drive/, truth/, ignore/, holdout.json", true);
+  command.option("--scenario", a->scenario, "lead (default), oncoming, crossing, parked, truck or banner");
+  a->options.add_to(command);
+  a->common.add_to(command, true);
+  command.run([a] {
+    const HoldoutOptions options{parse_scenario(a->scenario), a->common.seed};
+    const ThreadLimit limit(a->common.threads);
+    Progress progress(a->common.style());
+    make_holdout(a->options.job(a->out, a->drive, {}), options, progress);
+    if (a->common.json)
+      fmt::print("{}", read_file(fs::path(a->out) / "holdout.json"));
+    else
+      fmt::print("{0}/drive   the drive with virtual traffic\n{0}/truth   its frames without\n{0}/ignore  what not to score\n",
+                 a->out);
+  });
+}
+
+}  // namespace dvi

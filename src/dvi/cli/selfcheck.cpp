@@ -1,0 +1,38 @@
+#include "dvi/pipeline/selfcheck.h"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "dvi/cli/command.h"
+#include "dvi/cli/job_options.h"
+#include "dvi/core/threads.h"
+
+namespace dvi {
+
+void add_selfcheck(Program& program) {
+  struct Arguments {
+    std::string out = "dvi-selfcheck", drive;
+    std::vector<std::string> scenarios = {"lead", "oncoming", "crossing", "parked"};
+    JobOptions options;
+    Common common;
+  };
+  const auto a = std::make_shared<Arguments>();
+  Command command = program.command("selfcheck", "How well dvi does on a drive: virtual traffic put in, removed, compared");
+  command.positional("DRIVE", a->drive, "The drive");
+  command.option("-o,--out", a->out, "Folder for cases and results (default dvi-selfcheck)");
+  command.option("--scenario", a->scenarios,
+                 "lead, oncoming, crossing, parked (these by default), truck, banner; any number of times");
+  a->options.add_to(command);
+  a->common.add_to(command, true);
+  command.run([a] {
+    std::vector<Scenario> scenarios;
+    for (const std::string& scenario : a->scenarios) scenarios.push_back(parse_scenario(scenario));
+    const ThreadLimit limit(a->common.threads);
+    Progress progress(a->common.style());
+    const SelfcheckReport report = selfcheck(a->options.job(a->out, a->drive, {}), scenarios, a->common.seed, progress);
+    fmt::print("{}\n", a->common.json ? report.json : report.text);
+  });
+}
+
+}  // namespace dvi

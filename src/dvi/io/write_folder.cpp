@@ -1,0 +1,120 @@
+#include "dvi/io/write_folder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/io/scan_time.h"
+#include "dvi/io/write_ply.h"
+
+namespace dvi {
+namespace {
+
+std::vector<double> row_major(const SE3& pose) {
+  std::vector<double> numbers;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) numbers.push_back(column < 3 ? pose.R(row, column) : pose.t(row));
+  return numbers;
+}
+
+std::string settings(const Drive& drive) {
+  const Camera& c = drive.camera;
+  std::string text = fmt::format(
+      "[drive]\nversion = 1\n\n[camera.\"{}\"]\nsize = [{}, {}]\nK = [{:.12g}, 0, {:.12g}, 0, {:.12g}, {:.12g}, 0, 0, 1]\n",
+      drive.camera_name, c.width, c.height, c.fx, c.cx, c.fy, c.cy);
+  if (c.distorted()) text += fmt::format("distortion = [{:.12g}]\n", fmt::join(c.distortion, ", "));
+  text += fmt::format("camera_from_lidar = [{:.12g}]\n\n", fmt::join(row_major(drive.camera_from_lidar), ", "));
+  return text +
+         fmt::format("[lidar]\nrate = {:.12g}\nstamp = \"middle\"\nrotation = \"clockwise\"\nfirst_azimuth_deg = 180.0\n",
+                     sweep_rate(drive));
+}
+
+template <class Stamped>
+std::string times(const std::vector<Stamped>& items) {
+  std::string text;
+  for (const Stamped& item : items)
+    text += fmt::format("{} {}.{:09d}\n", item.name, item.time_ns / 1'000'000'000, item.time_ns % 1'000'000'000);
+  return text;
+}
+
+std::string poses(const Drive& drive) {
+  std::string text;
+  for (const Sweep& sweep : drive.sweeps)
+    if (const std::optional<SE3> pose = drive.poses.at(sweep.time_ns))
+      text += fmt::format("{} {:.12g}\n", sweep.name, fmt::join(row_major(*pose), " "));
+  return text;
+}
+
+std::string boxes(const Drive& drive) {
+  nlohmann::json frames = nlohmann::json::object();
+  for (const Frame& frame : drive.frames)
+    for (const Label& label : frame.labels) {
+      if (!label.box) continue;
+      const Eigen::Vector3d &c = label.box->frame_from_box.t, &size = label.box->size;
+      const Eigen::Matrix3d& R = label.box->frame_from_box.R;
+      frames[frame.name].push_back({{"track", label.track},
+                                    {"class", label.type},
+                                    {"center", {c.x(), c.y(), c.z()}},
+                                    {"size", {size.x(), size.y(), size.z()}},
+                                    {"yaw", std::atan2(R(1, 0), R(0, 0))}});
+    }
+  return nlohmann::json{{"version", 1}, {"frames", frames}}.dump(1) + "\n";
+}
+
+std::string bin_of(const Scan& scan) {
+  std::string bytes(scan.size() * 16, '\0');
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const float values[4] = {scan.points[i].x(), scan.points[i].y(), scan.points[i].z(), scan.intensity[i]};
+    std::memcpy(bytes.data() + 16 * i, values, 16);
+  }
+  return bytes;
+}
+
+bool times_follow(const Scan& scan, const Sweep& sweep) {
+  constexpr float kTolerance = 1e-4F;  // seconds: 1.5 mm at 15 m/s
+  const std::vector<float> expected = times_by_azimuth(scan.points, sweep, {});
+  return std::equal(expected.begin(), expected.end(), scan.time.begin(),
+                    [](float a, float b) { return std::abs(a - b) <= kTolerance; });
+}
+
+}  // namespace
+
+double sweep_rate(const Drive& drive) {
+  std::vector<std::int64_t> lengths;
+  for (const Sweep& sweep : drive.sweeps) lengths.push_back(sweep.end_ns - sweep.start_ns);
+  if (lengths.empty()) return 10;
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle > 0 ? 1e9 / static_cast<double>(*middle) : 10;
+}
+
+void write_folder_scan(const fs::path& folder, const Sweep& sweep, const Scan& scan, double rate) {
+  const std::int64_t half = std::llround(1e9 / rate) / 2;
+  const Sweep as_read{sweep.name, sweep.time_ns, sweep.time_ns - half, sweep.time_ns + half, {}};
+  if (times_follow(scan, as_read)) {
+    write_file(folder / "lidar" / (sweep.name + ".bin"), bin_of(scan));
+    return;
+  }
+  std::vector<float> t = scan.time;
+  for (float& seconds : t) seconds += static_cast<float>(1e-9 * static_cast<double>(half));
+  const std::vector<float> ring(scan.ring.begin(), scan.ring.end());
+  PlyCloud cloud{scan.points, {}, {{"intensity", scan.intensity}, {"t", t}}, {}};
+  if (!ring.empty()) cloud.scalars.push_back({"ring", ring});
+  write_ply(folder / "lidar" / (sweep.name + ".ply"), cloud);
+}
+
+void write_folder_tables(const fs::path& folder, const Drive& drive) {
+  write_file(folder / "times" / (drive.camera_name + ".txt"), times(drive.frames));
+  write_file(folder / "times/lidar.txt", times(drive.sweeps));
+  write_file(folder / "poses.txt", poses(drive));
+  write_file(folder / "boxes.json", boxes(drive));
+  write_file(folder / "dvi.toml", settings(drive));
+}
+
+}  // namespace dvi

@@ -1,0 +1,51 @@
+#include "dvi/pipeline/make_holdout.h"
+
+#include <fmt/format.h>
+
+#include "dvi/core/error.h"
+#include "dvi/core/hash.h"
+#include "dvi/core/version.h"
+#include "dvi/pipeline/open.h"
+
+namespace dvi {
+namespace {
+
+// All that a case depends on.
+std::string recipe_of(Job job, const HoldoutOptions& options, const Drive& drive) {
+  job.out.clear();
+  Fingerprint print;
+  print.add(kVersion);
+  print.add(fmt::format("{} {} {} {}", name(options.scenario), options.seed, options.margin_px, options.ignore_margin_px));
+  OptionTable masks;
+  job.options.masks.describe(masks);
+  print.add(masks.dump_toml());
+  print.add(drive.camera_name + " " + job.source.masks + " " + job.source.poses);
+  add_files(print, drive);
+  return print.hex();
+}
+
+void make(const Job& job, const HoldoutOptions& options, bool keep, Progress& progress) {
+  if (!keep) require_empty(job.out);
+  const OpenDrive open = std::move(open_drives(job, MaskNeed::optional, progress).front());
+  if (open.drive.masks.empty() && !open.drive.has_labels())
+    progress.warn("the drive brings neither masks nor labels: its real traffic counts as street");
+  const std::string recipe = recipe_of(job, options, open.drive);
+  const std::string kept = keep ? holdout_recipe(job.out) : "";
+  if (kept == recipe) return;
+  if (!kept.empty())
+    throw InputError(job.out, "holds a case made from another drive or with other options",
+                     "remove it or choose another folder");
+  progress.begin(fmt::format("holdout {}", name(options.scenario)), open.drive.frames.size() + open.drive.sweeps.size());
+  write_holdout(Holdout(open.drive, open.masks, open.world_from_lidar, options), job.out, recipe, progress.tick());
+  progress.end();
+}
+
+}  // namespace
+
+void make_holdout(const Job& job, const HoldoutOptions& options, Progress& progress) { make(job, options, false, progress); }
+
+void keep_or_make_holdout(const Job& job, const HoldoutOptions& options, Progress& progress) {
+  make(job, options, true, progress);
+}
+
+}  // namespace dvi

@@ -1,0 +1,68 @@
+#include "dvi/pipeline/selfcheck.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/eval/evaluate.h"
+#include "dvi/pipeline/make_holdout.h"
+#include "dvi/pipeline/run.h"
+
+namespace dvi {
+namespace {
+
+Evaluation check_scenario(const Job& job, Scenario scenario, int seed, Progress& progress) {
+  const fs::path folder = fs::path(job.out) / name(scenario);
+  Job making = job;
+  making.out = folder / "case";
+  keep_or_make_holdout(making, {scenario, seed}, progress);
+  Job running = job;
+  running.target = fs::absolute(folder / "case/drive").lexically_normal();
+  running.out = folder / "result";
+  running.source = {};
+  run(running, progress);
+  progress.begin(fmt::format("eval {}", name(scenario)), 0);
+  Evaluation evaluation = evaluate(folder / "result", folder / "case/truth", folder / "case/ignore", progress.tick());
+  progress.end();
+  for (const std::string& warning : evaluation.warnings) progress.warn(fmt::format("{}: {}", name(scenario), warning));
+  return evaluation;
+}
+
+std::string number(double value, int digits) { return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, digits); }
+
+std::string header() {
+  return fmt::format("{:<10}{:>8}{:>35}{:>35}\n{:<10}{:>8}", "", "", "all scored pixels", "copied pixels", "scenario",
+                     "copied") +
+         fmt::format("{0:>11}{1:>8}{2:>8}{3:>8}{0:>11}{1:>8}{2:>8}{3:>8}\n", "MAE", "RMSE", "PSNR", "SSIM");
+}
+
+std::string row(Scenario scenario, const Evaluation& evaluation) {
+  const Figures& copied = evaluation.total[Origin::copied];
+  std::string text = fmt::format("{:<10}{:>8}", name(scenario), number(100 * copied.share, 1) + " %");
+  for (const Origin origin : {Origin::all, Origin::copied}) {
+    const Figures& f = evaluation.total[origin];
+    text += fmt::format("{:>11}{:>8}{:>8}{:>8}", number(f.mae, 2), number(f.rmse, 2), number(f.psnr, 2), number(f.ssim, 3));
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+SelfcheckReport selfcheck(const Job& job, const std::vector<Scenario>& scenarios, int seed, Progress& progress) {
+  SelfcheckReport report{"", header()};
+  nlohmann::json rows = nlohmann::json::array();
+  for (const Scenario scenario : scenarios) {
+    const Evaluation evaluation = check_scenario(job, scenario, seed, progress);
+    report.text += row(scenario, evaluation);
+    rows.push_back({{"scenario", name(scenario)}, {"evaluation", evaluation}});
+  }
+  report.json = nlohmann::json{{"schema", "dvi-selfcheck/1"}, {"drive", job.target},
+                               {"method", job.method},        {"seed", seed},
+                               {"scenarios", rows},           {"warnings", progress.warnings()}}
+                    .dump(1);
+  write_file(fs::path(job.out) / "selfcheck.json", report.json + "\n");
+  return report;
+}
+
+}  // namespace dvi

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dvi/core/progress.h"
+#include "dvi/eval/evaluation.h"
+#include "dvi/eval/virtual_vehicle.h"
+#include "dvi/pipeline/job.h"
+
+namespace dvi {
+
+/// How well dvi does on a drive of one's own: per scenario a row for people, and all figures for machines.
+struct SelfcheckReport {
+  std::string json, text;
+};
+
+/// For each scenario: `dvi holdout` of job.target into job.out/SCENARIO/case, `dvi run` of it by job's method and options into
+/// job.out/SCENARIO/result, and `dvi eval`. Finished cases and runs are not made again. Also writes job.out/selfcheck.json.
+SelfcheckReport selfcheck(const Job& job, const std::vector<Scenario>& scenarios, int seed, Progress& progress);
+
+}  // namespace dvi
