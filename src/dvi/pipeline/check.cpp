@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/threads.h"
+#include "dvi/pipeline/forecast.h"
 #include "dvi/pipeline/open.h"
 
 namespace dvi {
@@ -114,6 +115,11 @@ std::string text_of(const nlohmann::json& j) {
       j["sweeps"]["count"].get<int>(), j["sweeps"]["rate_hz"].get<double>(), j["sweeps"]["mean_points"].get<double>(),
       j["path_m"].get<double>(), masks["source"].get<std::string>(), 100 * masks["mean_share"].get<double>(),
       100 * masks["largest_share"].get<double>());
+  if (j.contains("forecast")) {
+    const auto& hole = j["forecast"]["hole"];
+    text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never\n",
+                        100 * (1 - hole["never_seen"].get<double>()), 100 * hole["never_seen"].get<double>());
+  }
   for (const auto& warning : j["warnings"]) text += fmt::format("  warning  {}\n", warning.get<std::string>());
   text += j["ready"].get<bool>() ? "  ready for dvi run" : "  not ready for dvi run: see the warnings";
   return text;
@@ -125,7 +131,11 @@ CheckReport check(const Job& job, Progress& progress) {
   const OpenDrive open = open_drive(job.target, job.source, MaskNeed::optional, job.options.masks, progress);
   std::vector<OpenDrive> drives{open};
   verify(drives, progress);
-  const nlohmann::json report = describe(open, open.drive.warnings);
+  nlohmann::json report = describe(open, open.drive.warnings);
+  if (report["ready"].get<bool>()) {
+    share_world(drives);
+    report["forecast"] = forecast_json(drives, job, progress);
+  }
   return {report.dump(1), text_of(report)};
 }
 

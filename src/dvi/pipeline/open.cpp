@@ -87,6 +87,11 @@ std::vector<OpenDrive> open_drives(const Job& job, MaskNeed need, Progress& prog
   // Ranges, masks and poses given by hand are the target's; a further drive is taken as it comes.
   for (const std::string& path : job.sources)
     drives.push_back(open_drive(path, {job.source.camera, "", "", "auto"}, need, job.options.masks, progress));
+  share_world(drives);
+  return drives;
+}
+
+void share_world(std::vector<OpenDrive>& drives) {
   for (const OpenDrive& open : drives)
     if (open.drive.poses.empty())
       throw InputError(open.drive.path, "has no poses", "give --poses FILE (docs/formats.md says which files)");
@@ -94,7 +99,6 @@ std::vector<OpenDrive> open_drives(const Job& job, MaskNeed need, Progress& prog
   const std::int64_t start = target.sweeps.empty() ? target.frames.front().time_ns : target.sweeps.front().time_ns;
   const SE3 first = target.poses.at(start).value_or(target.poses.poses().front().world_from_body);
   for (OpenDrive& open : drives) open.world_from_lidar = to_world_of(target, open.drive, first.inverse());
-  return drives;
 }
 
 std::vector<OpenDrive> open_images(const Job& job, Progress& progress) {

@@ -28,6 +28,10 @@ OpenDrive open_drive(const fs::path& path, const Source& source, MaskNeed need, 
 /// InputError where a drive has no poses.
 std::vector<OpenDrive> open_drives(const Job& job, MaskNeed need, Progress& progress);
 
+/// Brings the poses of open drives, the target first, into the world of the target's first LiDAR pose. InputError where a drive
+/// has no poses.
+void share_world(std::vector<OpenDrive>& drives);
+
 /// Opens the target for what needs images and masks only: its poses and scans are left out, further drives are told to be of
 /// no use.
 std::vector<OpenDrive> open_images(const Job& job, Progress& progress);

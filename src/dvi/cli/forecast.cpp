@@ -1,0 +1,36 @@
+#include "dvi/pipeline/forecast.h"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "dvi/cli/command.h"
+#include "dvi/cli/job_options.h"
+#include "dvi/core/threads.h"
+
+namespace dvi {
+
+void add_forecast(Program& program) {
+  struct Arguments {
+    std::string out, drive;
+    std::vector<std::string> sources;
+    JobOptions options;
+    Common common;
+  };
+  const auto a = std::make_shared<Arguments>();
+  Command command = program.command("forecast", "What share of each hole other frames will have seen, before any filling");
+  command.positional("DRIVE", a->drive, "The drive");
+  command.positional("SOURCE", a->sources, "Further drives of the same place");
+  command.option("-o,--out", a->out, "Folder for forecast.png, a chart");
+  a->options.add_to(command);
+  a->common.add_to(command, true);
+  command.run([a] {
+    const ThreadLimit limit(a->common.threads);
+    Progress progress(a->common.style());
+    const ForecastReport report = forecast_holes(a->options.job(a->out, a->drive, a->sources), progress);
+    progress.end();
+    fmt::print("{}\n", a->common.json ? report.json : report.text);
+  });
+}
+
+}  // namespace dvi

@@ -1,0 +1,69 @@
+#include "dvi/pipeline/forecast.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/eval/forecast.h"
+#include "dvi/io/write_image.h"
+
+namespace dvi {
+namespace {
+
+constexpr int kCoarseFrom = 640;  // px of width from which every second pixel tells enough
+
+Forecast make_forecast(const std::vector<OpenDrive>& drives, const Views& views, const Job& job, Progress& progress) {
+  progress.begin("map", scan_count(map_inputs(drives)));
+  const StaticMap map = build_map(map_inputs(drives), job.options.map, progress.tick());
+  const int step = drives.front().drive.camera.width < kCoarseFrom ? 1 : 2;
+  progress.begin("forecast", views.of_drive(0).second);
+  Forecast out = forecast(views, map, job.options.depth, job.options.sample, step, progress.tick());
+  progress.end();
+  return out;
+}
+
+nlohmann::json json_of(const HoleShares& hole) {
+  return {{"copied", hole.copied}, {"copied_elsewhere", hole.copied_elsewhere}, {"never_seen", hole.never_seen}};
+}
+
+nlohmann::json json_of(const Forecast& forecast, const Views& views, const Drive& target) {
+  nlohmann::json frames = nlohmann::json::array();
+  for (const FrameForecast& f : forecast.frames) {
+    const Frame& frame = target.frames[views[f.view].frame];
+    frames.push_back(
+        {{"number", frame.number}, {"name", frame.name}, {"image_share", f.image_share}, {"hole", json_of(f.hole)}});
+  }
+  return {{"schema", "dvi-forecast/1"}, {"hole", json_of(forecast.total)}, {"frames", frames}};
+}
+
+std::string text_of(const nlohmann::json& j) {
+  const auto row = [](const std::string& name, const std::string& image, const nlohmann::json& hole) {
+    return fmt::format("{:<20}{:>10}{:>14.1f}{:>18.1f}{:>14.1f}", name, image, 100 * hole["copied"].get<double>(),
+                       100 * hole["copied_elsewhere"].get<double>(), 100 * hole["never_seen"].get<double>());
+  };
+  std::string text =
+      fmt::format("{:<20}{:>10}{:>14}{:>18}{:>14}\n", "% of", "image", "hole: seen", "by other drives", "never seen");
+  for (const auto& frame : j["frames"])
+    text += row(frame["name"], fmt::format("{:.1f}", 100 * frame["image_share"].get<double>()), frame["hole"]) + "\n";
+  return text + row("all", "", j["hole"]);
+}
+
+}  // namespace
+
+nlohmann::json forecast_json(const std::vector<OpenDrive>& drives, const Job& job, Progress& progress) {
+  const Views views = make_views(drives, progress);
+  return json_of(make_forecast(drives, views, job, progress), views, drives.front().drive);
+}
+
+ForecastReport forecast_holes(const Job& job, Progress& progress) {
+  const std::vector<OpenDrive> drives = open_drives(job, MaskNeed::required, progress);
+  const Views views = make_views(drives, progress);
+  const Forecast found = make_forecast(drives, views, job, progress);
+  if (!job.out.empty()) {
+    make_folder(job.out);
+    write_png(fs::path(job.out) / "forecast.png", forecast_chart(found));
+  }
+  const nlohmann::json report = json_of(found, views, drives.front().drive);
+  return {report.dump(1), text_of(report)};
+}
+
+}  // namespace dvi
