@@ -70,6 +70,7 @@ void add_run(Program& program);
 void add_map(Program& program);
 void add_eval(Program& program);
 void add_check(Program& program);
+void add_forecast(Program& program);
 void add_holdout(Program& program);
 void add_selfcheck(Program& program);
 void add_synth(Program& program);

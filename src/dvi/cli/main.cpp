@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   dvi::add_map(program);
   dvi::add_eval(program);
   dvi::add_check(program);
+  dvi::add_forecast(program);
   dvi::add_holdout(program);
   dvi::add_selfcheck(program);
   dvi::add_synth(program);
