@@ -59,7 +59,7 @@ void complete(const Region& region, cv::Mat2f& flow) {
 }
 
 bool consistent(const cv::Mat2f& forth, const cv::Mat2f& back, cv::Point p, double tolerance) {
-  const cv::Vec2f motion = forth(p);
+  const cv::Vec2f& motion = forth(p);
   const std::optional<cv::Point2f> home = HoleFlow::at(back, cv::Point2f(kStep * p) + cv::Point2f(motion));
   return home && cv::norm(motion + cv::Vec2f(*home)) <= tolerance;
 }
