@@ -53,7 +53,8 @@ TexturePtr paint_leaves(Random random, double cover) {
   // Round at the rim, so that crossing planes do not show their rectangles.
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x) {
-      const double r = std::hypot(x - kSize / 2, y - kSize / 2) / (kSize / 2);
+      constexpr double kMiddle = kSize / 2.0;
+      const double r = std::hypot(x - kMiddle, y - kMiddle) / kMiddle;
       if (r > 0.86 + 0.1 * std::sin(7 * std::atan2(y - kSize / 2, x - kSize / 2))) alpha(y, x) = 0;
     }
   return std::make_shared<Texture>(picture, alpha);

@@ -1,6 +1,5 @@
 #include "dvi/synth/render.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "dvi/core/threads.h"
@@ -90,7 +89,8 @@ class Painter {
   cv::Vec3f average(const Tracer& tracer, int x, int y, uchar& dynamic) const {
     cv::Vec3f sum(0, 0, 0);
     for (int i = 0; i < kEdgeSamples * kEdgeSamples; ++i) {
-      const double u = (i % kEdgeSamples + 0.5) / kEdgeSamples - 0.5, v = (i / kEdgeSamples + 0.5) / kEdgeSamples - 0.5;
+      const int column = i % kEdgeSamples, row = i / kEdgeSamples;
+      const double u = (column + 0.5) / kEdgeSamples - 0.5, v = (row + 0.5) / kEdgeSamples - 0.5;
       const Ray sample = ray(x + u, y + v);
       const Tracer::Seen seen = tracer.trace(sample);
       if (seen.dynamic) dynamic = 255;

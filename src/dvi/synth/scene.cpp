@@ -126,7 +126,7 @@ SynthScan Scene::scan(int frame) const {
       const synth::Tracer::Seen seen = tracer.trace(ray, options_.range_m);
       if (seen.t > options_.range_m) continue;
       const cv::Vec3f colour = tracer.shade(ray, seen);
-      out.scan.points.push_back(((seen.t + error) * direction).cast<float>());
+      out.scan.points.emplace_back(((seen.t + error) * direction).cast<float>());
       out.scan.intensity.push_back(std::min(1.0F, (colour[0] + colour[1] + colour[2]) / 765));
       out.scan.time.push_back(static_cast<float>(after));
       out.scan.ring.push_back(static_cast<std::uint16_t>(beam));

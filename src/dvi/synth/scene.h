@@ -70,9 +70,9 @@ class Scene {
 };
 
 /// The recording as a reader would give it, rendered on demand.
-Drive drive_of(std::shared_ptr<const Scene> scene);
+Drive drive_of(const std::shared_ptr<const Scene>& scene);
 
 /// Its frames with the true cameras, images and masks: input for the stages after alignment.
-Views views_of(std::shared_ptr<const Scene> scene);
+Views views_of(const std::shared_ptr<const Scene>& scene);
 
 }  // namespace dvi

@@ -22,7 +22,7 @@ Lazy<cv::Mat1b> masks_of(const std::shared_ptr<const Scene>& scene, const Lazy<S
 
 }  // namespace
 
-Drive drive_of(std::shared_ptr<const Scene> scene) {
+Drive drive_of(const std::shared_ptr<const Scene>& scene) {
   const std::int64_t half = std::llround(0.5e9 / scene->options().rate_hz);
   Drive drive;
   drive.format = "folder";
@@ -46,7 +46,7 @@ Drive drive_of(std::shared_ptr<const Scene> scene) {
   return drive;
 }
 
-Views views_of(std::shared_ptr<const Scene> scene) {
+Views views_of(const std::shared_ptr<const Scene>& scene) {
   Views views;
   for (int i = 0; i < scene->options().frames; ++i)
     views.views.push_back({0, static_cast<std::size_t>(i), scene->time_ns(i), scene->camera(), scene->camera_from_world(i)});

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kNear = 150;  // metres along the street within which movers are considered
 constexpr double kShadowDepth = 0.62;
-enum : int { kSkyId, kRoadId, kPavementId, kFirstSurfaceId, kFirstMoverId = 1 << 24 };
+constexpr int kSkyId = 0, kRoadId = 1, kPavementId = 2, kFirstSurfaceId = 3, kFirstMoverId = 1 << 24;
 
 }  // namespace
 
