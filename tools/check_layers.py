@@ -64,7 +64,7 @@ def layer_problem(module, target, is_test):
         if target not in TYPES:
             return f"of an earlier stage only its types may be included ({', '.join(TYPES)})"
         return None
-    if module in STAGES and other == "synth" and is_test:
+    if module in [*STAGES, "eval"] and other == "synth" and is_test:
         return None
     return f"{module} may include {', '.join(ALLOWED[module]) or 'nothing of dvi'}"
 

@@ -1,0 +1,69 @@
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+namespace dvi {
+namespace {
+
+using testing::HasSubstr;
+
+class Holdout : public ProgramTest {
+ protected:
+  void expect_refused(const std::string& arguments, const std::string& word) const {
+    const Result result = dvi(arguments);
+    EXPECT_EQ(result.code, 3) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(word));
+  }
+};
+
+TEST_F(Holdout, CaseIsRunAndScored) {
+  small_drive();
+  const Result made = dvi("holdout drive -o case --scenario lead --quiet --json");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const nlohmann::json j = nlohmann::json::parse(made.out);
+  EXPECT_EQ(j["scenario"], "lead");
+  EXPECT_EQ(j["frames"].size(), 6);
+  EXPECT_GT(j["frames"][0]["scored_pixels"], 50);
+  ASSERT_EQ(dvi("run case/drive -o out --quiet").code, 0);
+  const Result scored = dvi("eval out --truth case/truth --ignore case/ignore --quiet --json");
+  ASSERT_EQ(scored.code, 0) << scored.err;
+  EXPECT_GT(nlohmann::json::parse(scored.out)["all"]["pixels"], 300);
+}
+
+TEST_F(Holdout, SelfcheckDoesAllOfItOnce) {
+  small_drive();
+  const std::string call = "selfcheck drive -o check --scenario parked --scenario banner --quiet";
+  const Result first = dvi(call);
+  ASSERT_EQ(first.code, 0) << first.err;
+  EXPECT_THAT(first.out, testing::AllOf(HasSubstr("parked"), HasSubstr("banner"), HasSubstr("PSNR")));
+  const fs::path made = folder / "check/parked/case/holdout.json", filled = folder / "check/parked/result/frames/000002.png";
+  const auto case_time = fs::last_write_time(made), frame_time = fs::last_write_time(filled);
+  const Result second = dvi(call + " --json");
+  ASSERT_EQ(second.code, 0) << second.err;
+  EXPECT_EQ(fs::last_write_time(made), case_time);
+  EXPECT_EQ(fs::last_write_time(filled), frame_time);
+  const nlohmann::json j = nlohmann::json::parse(second.out);
+  EXPECT_EQ(j, nlohmann::json::parse(read_file(folder / "check/selfcheck.json")));
+  EXPECT_EQ(j["scenarios"][0]["scenario"], "parked");
+  EXPECT_GT(j["scenarios"][1]["evaluation"]["all"]["pixels"], 100);
+  expect_refused("selfcheck drive -o check --scenario parked --seed 2 --quiet", "another drive or with other options");
+}
+
+TEST_F(Holdout, RefusesWhatItCannotDo) {
+  const fs::path drive = small_drive();
+  EXPECT_EQ(dvi("holdout drive -o case --scenario meteor").code, 2);
+  EXPECT_EQ(dvi("selfcheck drive --scenario meteor").code, 2);
+  EXPECT_EQ(dvi("holdout drive").code, 2);
+  EXPECT_FALSE(fs::exists(folder / "case"));
+  make_folder(folder / "mine");
+  write_file(folder / "mine/thesis.tex", "years of work");
+  expect_refused("holdout drive -o mine --quiet", "not an empty folder");
+  fs::remove(drive / "poses.txt");
+  expect_refused("holdout drive -o case --quiet", "poses");
+  EXPECT_FALSE(fs::exists(folder / "case"));
+}
+
+}  // namespace
+}  // namespace dvi
