@@ -103,6 +103,31 @@ TEST(Threads, EveryIndexOnceWhateverTheLimit) {
   parallel_for(0, [](std::size_t) { FAIL(); });
 }
 
+TEST(Threads, BlocksFollowEachOther) {
+  const ThreadLimit three(3);
+  using Blocks = std::vector<std::pair<std::size_t, std::size_t>>;
+  const auto blocks_of = [](std::size_t count) {
+    Blocks blocks;
+    for_blocks(count, [&](std::size_t first, std::size_t last) { blocks.emplace_back(first, last); });
+    return blocks;
+  };
+  EXPECT_EQ(blocks_of(0), Blocks{});
+  EXPECT_EQ(blocks_of(6), (Blocks{{0, 3}, {3, 6}}));
+  EXPECT_EQ(blocks_of(7), (Blocks{{0, 3}, {3, 6}, {6, 7}}));
+}
+
+TEST(Threads, InOrderFinishesABlockBeforeTheNext) {
+  const ThreadLimit three(3);
+  std::vector<std::atomic<int>> calls(100);
+  std::atomic<bool> ahead = false;
+  parallel_in_order(calls.size(), [&](std::size_t i) {
+    for (std::size_t earlier = 0; earlier < i / 3 * 3; ++earlier) ahead = ahead || calls[earlier] != 1;
+    ++calls[i];
+  });
+  EXPECT_FALSE(ahead);
+  EXPECT_TRUE(std::all_of(calls.begin(), calls.end(), [](const auto& c) { return c == 1; }));
+}
+
 TEST(Threads, LimitEndsWithItsLife) {
   const int before = thread_count();
   {

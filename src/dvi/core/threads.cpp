@@ -25,10 +25,14 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
   tbb::parallel_for(std::size_t{0}, count, body);
 }
 
+void for_blocks(std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& body) {
+  const auto block = static_cast<std::size_t>(thread_count());
+  for (std::size_t first = 0; first < count; first += block) body(first, std::min(first + block, count));
+}
+
 void parallel_in_order(std::size_t count, const std::function<void(std::size_t)>& body) {
-  const std::size_t block = static_cast<std::size_t>(thread_count());
-  for (std::size_t first = 0; first < count; first += block)
-    parallel_for(std::min(block, count - first), [&](std::size_t i) { body(first + i); });
+  for_blocks(count,
+             [&](std::size_t first, std::size_t last) { parallel_for(last - first, [&](std::size_t i) { body(first + i); }); });
 }
 
 }  // namespace dvi

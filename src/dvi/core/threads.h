@@ -26,6 +26,10 @@ int thread_count();
 /// the caller's, in index order, so that no result depends on scheduling.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
+/// Calls body(first, last) for one block of thread_count() indices of [0, count) after the other, the last one shorter: for
+/// what is made in parallel and then merged in order, without room for all of it.
+void for_blocks(std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& body);
+
 /// The same, but moving through [0, count) from front to back, so that what neighbours share stays in a bounded cache.
 void parallel_in_order(std::size_t count, const std::function<void(std::size_t)>& body);
 

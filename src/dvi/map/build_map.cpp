@@ -175,9 +175,8 @@ StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& optio
   MapCounts counts;
   for (const MapInput& input : inputs) {
     const Filter filter(input, options);
-    const std::size_t block = static_cast<std::size_t>(thread_count());
-    for (std::size_t first = 0; first < input.drive->sweeps.size(); first += block) {
-      std::vector<SweepResult> results(std::min(block, input.drive->sweeps.size() - first));
+    for_blocks(input.drive->sweeps.size(), [&](std::size_t first, std::size_t last) {
+      std::vector<SweepResult> results(last - first);
       parallel_for(results.size(), [&](std::size_t i) { results[i] = filter(first + i); });
       for (const SweepResult& result : results) {  // in the order of the sweeps, so that sums do not depend on scheduling
         add(counts, result.counts);
@@ -189,7 +188,7 @@ StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& optio
         }
         tick();
       }
-    }
+    });
   }
   StaticMap map = to_map(voxels, options.voxel_m);
   map.counts = counts;

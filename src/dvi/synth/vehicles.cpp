@@ -97,13 +97,9 @@ TexturePtr paint_cargo(Random random, const Noise& noise, const cv::Scalar& colo
   return finish(canvas, random, noise, 5);
 }
 
-}  // namespace
-
-Model make_car(Random random, const Noise& noise) {
-  const cv::Scalar colour = car_colour(random);
-  const double length = random.uniform(3.9, 4.7), half = 0.5 * length, width = random.uniform(1.7, 1.85), h = 0.5 * width;
-  const double belt = random.uniform(0.86, 0.95), roof = belt + random.uniform(0.48, 0.6), sill = 0.26;
-  Model model{"car", {}, {length, width, roof}};
+// Up to the belt line, as long and wide as the model; wheels below the sill. Returns the sheet metal.
+TexturePtr add_body(Model& model, const Random& random, const Noise& noise, const cv::Scalar& colour, double belt, double sill) {
+  const double length = model.size.x(), half = 0.5 * length, width = model.size.y(), h = 0.5 * width;
   const TexturePtr side = paint_side(random, noise, colour, length, belt, sill),
                    plain = paint_plain(random, noise, colour * 1.05, 3);
   add_frustum(model.solid, {-half, half, h, 0}, {-half, half, h, belt}, {side, side, {}, {}, plain});
@@ -113,6 +109,17 @@ Model make_car(Random random, const Noise& noise) {
                paint_end(random, noise, colour, width, belt - sill, true),
                paint_end(random, noise, colour, width, belt - sill, false),
                {}});
+  return plain;
+}
+
+}  // namespace
+
+Model make_car(Random random, const Noise& noise) {
+  const cv::Scalar colour = car_colour(random);
+  const double length = random.uniform(3.9, 4.7), half = 0.5 * length, width = random.uniform(1.7, 1.85), h = 0.5 * width;
+  const double belt = random.uniform(0.86, 0.95), roof = belt + random.uniform(0.48, 0.6), sill = 0.26;
+  Model model{"car", {}, {length, width, roof}};
+  const TexturePtr plain = add_body(model, random, noise, colour, belt, sill);
   const TexturePtr pane = paint_glass(random, noise, colour, width, 0.6, 0),
                    panes = paint_glass(random, noise, colour, 0.6 * length, 0.55, 2);
   add_frustum(model.solid, {-half + 0.15, half - 1.15, h - 0.03, belt}, {-half + 0.65, half - 1.9, h - 0.2, roof},
@@ -126,15 +133,7 @@ Model make_van(Random random, const Noise& noise) {
   const double length = random.uniform(4.9, 5.4), half = 0.5 * length, width = 1.95, h = 0.5 * width, belt = 1.15, roof = 2.15,
                sill = 0.3;
   Model model{"van", {}, {length, width, roof}};
-  const TexturePtr side = paint_side(random, noise, colour, length, belt, sill),
-                   plain = paint_plain(random, noise, colour * 1.05, 3);
-  add_frustum(model.solid, {-half, half, h, 0}, {-half, half, h, belt}, {side, side, {}, {}, plain});
-  add_frustum(model.solid, {-half, half, h, sill}, {-half, half, h, belt},
-              {{},
-               {},
-               paint_end(random, noise, colour, width, belt - sill, true),
-               paint_end(random, noise, colour, width, belt - sill, false),
-               {}});
+  const TexturePtr plain = add_body(model, random, noise, colour, belt, sill);
   const TexturePtr pane = paint_glass(random, noise, colour, width, 1.0, 0),
                    back = paint_glass(random, noise, colour, width, 1.0, 1);
   const TexturePtr sides = paint_glass(random, noise, colour, 0.8 * length, 1.0, 3);
