@@ -25,7 +25,7 @@ TEST_F(CommandLine, UsageErrorsEndInTwo) {
                                 "run drive -o out --set depth.nothing=1", "run drive -o out --set depth.median_px=99",
                                 "run drive -o out --set regularize.window=4", "run drive -o out --method magic",
                                 "run drive -o out --poses loam-of-tomorrow --set x", "run drive -o out --config missing.toml",
-                                "synth", "eval out", "synth -o s --frames none"}) {
+                                "synth", "eval out", "eval out --truth t --external net", "synth -o s --frames none"}) {
     const Result result = dvi(arguments);
     EXPECT_EQ(result.code, 2) << arguments << ": " << result.err;
     EXPECT_THAT(result.err, testing::StartsWith("dvi: ")) << arguments;

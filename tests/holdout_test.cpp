@@ -48,6 +48,15 @@ TEST_F(Holdout, SelfcheckDoesAllOfItOnce) {
   EXPECT_EQ(j, nlohmann::json::parse(read_file(folder / "check/selfcheck.json")));
   EXPECT_EQ(j["scenarios"][0]["scenario"], "parked");
   EXPECT_GT(j["scenarios"][1]["evaluation"]["all"]["pixels"], 100);
+
+  make_folder(folder / "net");
+  fs::copy(folder / "check/banner/case/truth", folder / "net/banner", fs::copy_options::recursive);
+  const std::string with_net = "selfcheck drive -o check --scenario banner --external net=net --quiet";
+  const nlohmann::json held = nlohmann::json::parse(dvi(with_net + " --json").out)["scenarios"][0]["evaluation"];
+  EXPECT_EQ(held["external"]["net"]["all"]["mae"], 0);
+  EXPECT_GT(held["all"]["mae"], 0);
+  EXPECT_THAT(dvi(with_net).out, HasSubstr("\n  net "));
+  expect_refused("selfcheck drive -o check --scenario parked --external net=net --quiet", "net/parked: is not a folder");
   expect_refused("selfcheck drive -o check --scenario parked --seed 2 --quiet", "another drive or with other options");
 }
 

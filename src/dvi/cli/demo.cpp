@@ -54,7 +54,7 @@ void add_demo(Program& program) {
     progress.end();
     fmt::print("{}\n", a->common.json ? report : run_summary(report, job.out));
     if (synthetic && !a->common.json)
-      fmt::print("\nAgainst the truth, inside the mask:\n{}\n", table(evaluate(job.out, fs::path(drive) / "truth", {}, [] {})));
+      fmt::print("\nAgainst the truth, inside the mask:\n{}\n", table(evaluate({job.out, fs::path(drive) / "truth"})));
   });
 }
 

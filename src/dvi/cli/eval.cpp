@@ -1,4 +1,6 @@
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +14,7 @@ namespace dvi {
 void add_eval(Program& program) {
   struct Arguments {
     std::string out, truth, ignore;
+    std::vector<std::string> external;
     Common common;
   };
   const auto a = std::make_shared<Arguments>();
@@ -19,12 +22,15 @@ void add_eval(Program& program) {
   command.positional("OUT", a->out, "A result of dvi run");
   command.option("--truth", a->truth, "Folder of true frames, NAME.png", true);
   command.option("--ignore", a->ignore, "Folder of masks NAME.png, 255 = do not score");
+  command.option("--external", a->external,
+                 "NAME=DIR: score another program's frames (NAME.png or .jpg) on the same pixels; any number of times");
   a->common.add_to(command, true);
   command.run([a] {
+    const EvaluationFolders folders{a->out, a->truth, a->ignore, parse_external(a->external)};
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     progress.begin("eval", 0);
-    const Evaluation evaluation = evaluate(a->out, a->truth, a->ignore, progress.tick());
+    const Evaluation evaluation = evaluate(folders, progress.tick());
     progress.end();
     for (const std::string& warning : evaluation.warnings) progress.warn(warning);
     if (a->common.json)

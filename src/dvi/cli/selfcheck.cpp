@@ -7,13 +7,14 @@
 #include "dvi/cli/command.h"
 #include "dvi/cli/job_options.h"
 #include "dvi/core/threads.h"
+#include "dvi/eval/evaluate.h"
 
 namespace dvi {
 
 void add_selfcheck(Program& program) {
   struct Arguments {
     std::string out = "dvi-selfcheck", drive;
-    std::vector<std::string> scenarios = {"lead", "oncoming", "crossing", "parked"};
+    std::vector<std::string> scenarios = {"lead", "oncoming", "crossing", "parked"}, external;
     JobOptions options;
     Common common;
   };
@@ -23,14 +24,18 @@ void add_selfcheck(Program& program) {
   command.option("-o,--out", a->out, "Folder for cases and results (default dvi-selfcheck)");
   command.option("--scenario", a->scenarios,
                  "lead, oncoming, crossing, parked (these by default), truck, banner; any number of times");
+  command.option("--external", a->external,
+                 "NAME=DIR: hold another program's frames, DIR/SCENARIO/NAME.png or .jpg, against it; any number of times");
   a->options.add_to(command);
   a->common.add_to(command, true);
   command.run([a] {
     std::vector<Scenario> scenarios;
     for (const std::string& scenario : a->scenarios) scenarios.push_back(parse_scenario(scenario));
+    const std::vector<ExternalFrames> external = parse_external(a->external);
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const SelfcheckReport report = selfcheck(a->options.job(a->out, a->drive, {}), scenarios, a->common.seed, progress);
+    const SelfcheckReport report =
+        selfcheck(a->options.job(a->out, a->drive, {}), scenarios, external, a->common.seed, progress);
     fmt::print("{}\n", a->common.json ? report.json : report.text);
   });
 }

@@ -1,6 +1,7 @@
 #include "dvi/eval/evaluate.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <set>
@@ -13,6 +14,7 @@
 #include "dvi/core/files.h"
 #include "dvi/core/interrupt.h"
 #include "dvi/core/threads.h"
+#include "dvi/eval/bootstrap.h"
 #include "dvi/eval/evaluation.h"
 #include "dvi/eval/tally.h"
 #include "dvi/io/image_file.h"
@@ -20,10 +22,6 @@
 
 namespace dvi {
 namespace {
-
-struct Folders {
-  fs::path out, truth, ignore;
-};
 
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> names;
@@ -47,7 +45,7 @@ std::vector<std::string> without(const std::vector<std::string>& names, const st
 }
 
 /// The frames of the result, once all folders are what they should be.
-std::vector<std::string> frames_of(const Folders& folders) {
+std::vector<std::string> frames_of(const EvaluationFolders& folders) {
   for (const char* part : {"frames", "masks", "kind"})
     if (!fs::is_directory(folders.out / part))
       throw InputError(folders.out, std::string("holds no result (there is no ") + part + "/ in it)",
@@ -59,10 +57,20 @@ std::vector<std::string> frames_of(const Folders& folders) {
   if (!folders.ignore.empty() && without(names, names_in(folders.ignore)).size() == names.size())
     throw InputError(folders.ignore, "holds no NAME.png of any frame of " + folders.out.string(),
                      "give the folder of the masks of pixels not to score");
+  for (const ExternalFrames& external : folders.external)
+    if (!fs::is_directory(external.folder))
+      throw InputError(external.folder, "is not a folder", "give the folder of the frames of " + external.name + ", NAME.png");
   return names;
 }
 
-ScoredFrame load(const Folders& folders, const std::string& name) {
+fs::path frame_of(const ExternalFrames& external, const std::string& name) {
+  for (const char* ending : {".png", ".jpg"})
+    if (fs::exists(external.folder / (name + ending))) return external.folder / (name + ending);
+  throw InputError(external.folder / (name + ".png"), "is missing", "every frame with a mask needs its NAME.png or NAME.jpg");
+}
+
+/// The run's frame, or another program's.
+ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* external, const std::string& name) {
   const std::string file = name + ".png";
   const cv::Size size = image_size(folders.out / "frames" / file);
   ScoredFrame frame;
@@ -75,6 +83,10 @@ ScoredFrame load(const Folders& folders, const std::string& name) {
   if (!fs::exists(folders.truth / file))
     throw InputError(folders.truth / file, "is missing", "every frame with a mask needs its truth");
   frame.truth = read_image(folders.truth / file, size);
+  if (external)
+    read_image(frame_of(*external, name), size).copyTo(frame.result, frame.scored);
+  else if (fs::is_directory(folders.out / "confidence"))
+    frame.confidence = read_png_grey(folders.out / "confidence" / file, size);
   frame.clean = frame.result.clone();
   frame.truth.copyTo(frame.clean, frame.scored);
   if (!folders.ignore.empty() && fs::exists(folders.ignore / file))
@@ -86,6 +98,7 @@ ScoredFrame load(const Folders& folders, const std::string& name) {
 struct Collector {
   Evaluation evaluation;
   Tally total;
+  std::array<std::vector<OriginSums>, kOrigins.size()> frames;
 
   void add(const std::string& name, const Tally& tally) {
     if (tally.pixels(Origin::all) == 0) {
@@ -94,6 +107,21 @@ struct Collector {
     }
     evaluation.frames.push_back({name, tally.figures()});
     total += tally;
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      if (tally.origins[i].pixels > 0) frames[i].push_back(tally.origins[i]);
+  }
+
+  Evaluation finish() {
+    evaluation.total = total.figures();
+    evaluation.whole_frame = figures(total.whole_frame);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      evaluation.intervals[i] = bootstrap(frames[i]);
+      evaluation.confidence[i] = total.confidence[i].calibration();
+    }
+    if (total.pixels(Origin::all) == 0)
+      evaluation.warnings.emplace_back("nothing is scored: every mask is empty, or ignored as a whole");
+    warn_of_unknown_origin();
+    return evaluation;
   }
 
   void warn_of_unknown_origin() {
@@ -106,13 +134,10 @@ struct Collector {
   }
 };
 
-}  // namespace
-
-Evaluation evaluate(const fs::path& out, const fs::path& truth, const fs::path& ignore, const Tick& tick) {
-  const Folders folders{out, truth, ignore};
-  const std::vector<std::string> names = frames_of(folders);
+Evaluation score(const EvaluationFolders& folders, const ExternalFrames* external, const std::vector<std::string>& names,
+                 const Tick& tick) {
   Collector collector;
-  const std::vector<std::string> missing = without(names_in(truth), names);
+  const std::vector<std::string> missing = without(names_in(folders.truth), names);
   if (!missing.empty())
     collector.evaluation.warnings.push_back(std::to_string(missing.size()) +
                                             " frames of the truth are not in the result: " + listed(missing));
@@ -122,7 +147,7 @@ Evaluation evaluate(const fs::path& out, const fs::path& truth, const fs::path& 
   for (std::size_t first = 0; first < names.size(); first += block) {
     const std::size_t count = std::min(block, names.size() - first);
     std::vector<ScoredFrame> frames(count);
-    parallel_for(count, [&](std::size_t i) { frames[i] = load(folders, names[first + i]); });
+    parallel_for(count, [&](std::size_t i) { frames[i] = load(folders, external, names[first + i]); });
     std::vector<Tally> tallies(count);
     parallel_for(count, [&](std::size_t i) {
       const ScoredFrame* before = i > 0 ? &frames[i - 1] : &last;
@@ -135,9 +160,30 @@ Evaluation evaluate(const fs::path& out, const fs::path& truth, const fs::path& 
     }
     last = frames.back();
   }
-  collector.evaluation.total = collector.total.figures();
-  collector.warn_of_unknown_origin();
-  return collector.evaluation;
+  return collector.finish();
+}
+
+}  // namespace
+
+std::vector<ExternalFrames> parse_external(const std::vector<std::string>& arguments) {
+  std::vector<ExternalFrames> out;
+  std::set<std::string> names;
+  for (const std::string& argument : arguments) {
+    const std::size_t equals = argument.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == argument.size())
+      throw UsageError("--external " + argument + ": give NAME=DIR");
+    out.push_back({argument.substr(0, equals), argument.substr(equals + 1)});
+    if (!names.insert(out.back().name).second) throw UsageError("--external " + out.back().name + " is given twice");
+  }
+  return out;
+}
+
+Evaluation evaluate(const EvaluationFolders& folders, const Tick& tick) {
+  const std::vector<std::string> names = frames_of(folders);
+  Evaluation evaluation = score(folders, nullptr, names, tick);
+  for (const ExternalFrames& external : folders.external)
+    evaluation.external.push_back({external.name, score(folders, &external, names, tick)});
+  return evaluation;
 }
 
 }  // namespace dvi

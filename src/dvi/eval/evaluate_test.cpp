@@ -1,10 +1,9 @@
 #include "dvi/eval/evaluate.h"
 
-#include <unistd.h>
-
 #include <cmath>
-#include <filesystem>
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,6 +16,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/eval/evaluation.h"
 #include "dvi/eval/metrics.h"
+#include "dvi/eval/result_fixture.h"
 #include "dvi/eval/test_scene.h"
 #include "dvi/io/write_image.h"
 
@@ -26,45 +26,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const cv::Size kSize(96, 72);
-const cv::Rect kHole(30, 20, 40, 30);
-
-cv::Mat1b box(const cv::Rect& rect, uchar value = 255) {
-  cv::Mat1b mask(kSize, uchar{0});
-  mask(rect) = value;
-  return mask;
-}
-
-/// A result folder and its truth, frame by frame; by default a perfect one.
-class Evaluate : public testing::Test {
- protected:
-  Evaluate() : folder(fs::path(testing::TempDir()) / ("evaluate_" + std::to_string(getpid()))) {
-    for (const char* part : {"out/frames", "out/masks", "out/kind", "truth", "ignore"}) make_folder(folder / part);
-  }
-  ~Evaluate() override { fs::remove_all(folder); }
-
-  void add(const std::string& name, const cv::Mat3b& truth, const cv::Mat3b& result, const cv::Mat1b& mask,
-           const cv::Mat1b& kind) const {
-    const std::string file = name + ".png";
-    write_png(folder / "truth" / file, truth);
-    write_png(folder / "out/frames" / file, result);
-    write_png(folder / "out/masks" / file, mask);
-    write_png(folder / "out/kind" / file, kind);
-  }
-  void add_perfect(const std::string& name) const { add(name, scene(kSize, 0), scene(kSize, 0), box(kHole), box(kHole, 1)); }
-  Evaluation run(bool ignore = false) const {
-    return evaluate(folder / "out", folder / "truth", ignore ? folder / "ignore" : fs::path());
-  }
-  std::string error() const {
-    try {
-      run();
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "no error";
-  }
-  fs::path folder;
-};
+class Evaluate : public ResultFixture {};
 
 TEST_F(Evaluate, APerfectResultIsPerfect) {
   add_perfect("000000");
@@ -208,8 +170,117 @@ TEST_F(Evaluate, CountsTicks) {
   add_perfect("a");
   add_perfect("b");
   int ticks = 0;
-  evaluate(folder / "out", folder / "truth", {}, [&] { ++ticks; });
+  evaluate(folders(), [&] { ++ticks; });
   EXPECT_EQ(ticks, 2);
+}
+
+// The figures below are numpy's and scipy's:
+//   y, x, c = np.mgrid[0:72, 0:96, 0:3]                       # channels 0, 1, 2 = B, G, R
+//   a = (128 + 60 * ((x // 4 + y // 3) % 2) - 3 * (x % 7) + 20 * c) % 256
+//   for k in (0, 7, 14): b = (a + (x * y) % (23 + k) - (x + 2 * y) % 11 + 5 * c) % 256 at [20:50, 30:70], a elsewhere
+//   d = b - a of the three; mae, rmse = abs(d).mean(), sqrt((d ** 2).mean()); psnr, ssim: mean of the three frames'
+//   SSIM as in metrics_test.cpp, with scipy.ndimage.gaussian_filter(grey, 1.5, truncate=3.5) as its window
+TEST_F(Evaluate, AgreesWithNumpyInsideTheMaskAndOverWholeFrames) {
+  for (const int k : {0, 7, 14}) {
+    cv::Mat3b truth(kSize), result(kSize);
+    for (int y = 0; y < kSize.height; ++y)
+      for (int x = 0; x < kSize.width; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const int value = (128 + 60 * ((x / 4 + y / 3) % 2) - 3 * (x % 7) + 20 * c) % 256;
+          const int other = (value + (x * y) % (23 + k) - (x + 2 * y) % 11 + 5 * c) % 256;
+          truth(y, x)[c] = static_cast<uchar>(value);
+          result(y, x)[c] = static_cast<uchar>(kHole.contains({x, y}) ? other : value);
+        }
+    add(std::to_string(100 + k), truth, result, box(kHole), box(kHole, 1));
+  }
+  const Evaluation e = run();
+  const Figures& all = e.total[Origin::all];
+  EXPECT_NEAR(all.mae, 16.335, 1e-9);
+  EXPECT_NEAR(all.rmse, 29.110511020108387, 1e-9);
+  EXPECT_NEAR(all.psnr, 19.992394858779537, 1e-9);
+  EXPECT_NEAR(all.ssim, 0.8970865941, 1e-6);
+  EXPECT_NEAR(e.whole_frame.mae, 2.8359375, 1e-9);
+  EXPECT_NEAR(e.whole_frame.rmse, 12.129379591711828, 1e-9);
+  EXPECT_NEAR(e.whole_frame.psnr, 27.596619693011657, 1e-9);
+  EXPECT_NEAR(e.whole_frame.ssim, 0.9805070538, 1e-6);
+}
+
+TEST_F(Evaluate, WholeFramesKnowNothingOfIgnoredPixels) {
+  cv::Mat3b wrong = scene(kSize, 0);
+  wrong(cv::Rect(30, 20, 40, 10)) = cv::Vec3b(0, 0, 0);
+  add("a", scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
+  write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
+  EXPECT_LT(run().whole_frame.ssim, 0.99);
+  EXPECT_EQ(run(true).whole_frame.mae, 0);
+  EXPECT_NEAR(run(true).whole_frame.ssim, 1, 1e-6);
+}
+
+TEST_F(Evaluate, TheOrderOfFramesMattersToFlickerOnly) {
+  const std::vector<double> shifts = {0, 0.6, 1.7, 0.3};
+  const auto add_in_order = [&](const std::vector<std::size_t>& order) {
+    for (std::size_t i = 0; i < order.size(); ++i)
+      add(std::to_string(i), scene(kSize, 0), scene(kSize, shifts[order[i]]), box(kHole), box(kHole, 1));
+  };
+  add_in_order({0, 1, 2, 3});
+  const Evaluation one = run();
+  add_in_order({2, 0, 3, 1});
+  const Evaluation other = run();
+  for (double Figures::* figure :
+       {&Figures::mae, &Figures::rmse, &Figures::psnr, &Figures::ssim, &Figures::sharpness, &Figures::misplaced_px}) {
+    EXPECT_NEAR(one.total[Origin::all].*figure, other.total[Origin::all].*figure, 1e-12);
+    EXPECT_FALSE(std::isnan(one.total[Origin::all].*figure));
+  }
+  EXPECT_NEAR(one.whole_frame.psnr, other.whole_frame.psnr, 1e-12);
+}
+
+TEST_F(Evaluate, GivesIntervalsFromTwoFramesOn) {
+  add("a", scene(kSize, 0), scene(kSize, 1), box(kHole), box(kHole, 1));
+  EXPECT_FALSE(run().intervals[0]);
+  EXPECT_TRUE(nlohmann::json(run())["all"]["interval"].is_null());
+  add("b", scene(kSize, 0), scene(kSize, 2), box(kHole), box(kHole, 4));
+  const Evaluation e = run();
+  const nlohmann::json json = e;
+  EXPECT_TRUE(json["copied"]["interval"].is_null()) << "one frame only has copied pixels";
+  EXPECT_LT(json["all"]["interval"]["psnr"][0], json["all"]["psnr"]);
+  EXPECT_GT(json["all"]["interval"]["psnr"][1], json["all"]["psnr"]);
+  EXPECT_FALSE(json["per_frame"][0]["all"].contains("interval"));
+  EXPECT_THAT(table(e), testing::ContainsRegex("all .*[0-9]\\.\\.[0-9]"));
+}
+
+TEST_F(Evaluate, HoldsTheConfidenceAgainstTheError) {
+  const cv::Mat3b truth(kSize, cv::Vec3b(100, 100, 100));
+  cv::Mat3b result = truth.clone();
+  result(cv::Rect(30, 20, 20, 30)) = cv::Vec3b(100, 111, 100);  // half of the hole
+  add("a", truth, result, box(kHole), box(kHole, 1));
+  EXPECT_TRUE(nlohmann::json(run())["confidence"].is_null());
+  EXPECT_THAT(table(run()), testing::Not(HasSubstr("confidence")));
+
+  make_folder(folder / "out/confidence");
+  EXPECT_THAT(error(), HasSubstr("confidence/a.png"));
+  cv::Mat1b confidence(kSize, uchar{255});
+  confidence(cv::Rect(30, 20, 20, 30)) = 51;
+  write_png(folder / "out/confidence/a.png", confidence);
+  const nlohmann::json json = nlohmann::json(run())["confidence"];
+  EXPECT_EQ(json["pixels"], 1200);
+  EXPECT_DOUBLE_EQ(json["mean"], 0.6);
+  EXPECT_DOUBLE_EQ(json["within"], 0.5);
+  EXPECT_DOUBLE_EQ(json["ece"], 0.1);  // half at 0.2 of which none is, half at 1 of which all are
+  EXPECT_NEAR(json["ause"], 0, 1e-12);
+  ASSERT_EQ(json["deciles"].size(), 2);
+  EXPECT_NEAR(json["deciles"][0]["mae"], 11.0 / 3, 1e-12);
+  EXPECT_EQ(json["deciles"][1]["within"], 1);
+  EXPECT_EQ(json["by_kind"]["copied"]["deciles"], json["deciles"]);
+  EXPECT_TRUE(json["by_kind"]["empty"].is_null());
+  EXPECT_THAT(table(run()), HasSubstr("confidence 0.600 on average, 0.500 of the pixels within 10 grey levels"));
+}
+
+TEST_F(Evaluate, SaysThatNothingIsScored) {
+  add("a", scene(kSize, 0), scene(kSize, 0), box({}), box({}));
+  add("b", scene(kSize, 0), scene(kSize, 0), box({}), box({}));
+  const Evaluation e = run();
+  EXPECT_THAT(e.warnings, ElementsAre(HasSubstr("nothing is scored: every mask is empty")));
+  EXPECT_THAT(table(e), HasSubstr("left out, no pixel to score: a b"));
+  EXPECT_TRUE(nlohmann::json::parse(nlohmann::json(e).dump())["whole_frame"]["psnr"].is_null());
 }
 
 TEST_F(Evaluate, SaysWhatIsWrongWithTheInput) {
@@ -220,6 +291,12 @@ TEST_F(Evaluate, SaysWhatIsWrongWithTheInput) {
 
   write_png(folder / "truth/a.png", cv::Mat3b(10, 10, cv::Vec3b(0, 0, 0)));
   EXPECT_THAT(error(), HasSubstr("truth/a.png"));
+  add_perfect("a");
+  write_png(folder / "out/masks/a.png", cv::Mat1b(10, 10, uchar{0}));
+  EXPECT_THAT(error(), HasSubstr("masks/a.png: is 10x10 pixels instead of 96x72"));
+  fs::remove(folder / "out/masks/a.png");
+  EXPECT_THAT(error(), HasSubstr("masks/a.png"));
+  add_perfect("a");
   fs::rename(folder / "truth/a.png", folder / "truth/b.png");
   EXPECT_THAT(error(), HasSubstr("truth/a.png: is missing"));
   fs::remove(folder / "truth/b.png");

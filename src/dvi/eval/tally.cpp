@@ -8,6 +8,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "dvi/eval/calibration.h"
 #include "dvi/eval/evaluation.h"
 #include "dvi/eval/metrics.h"
 #include "dvi/harmonize/filled_frame.h"
@@ -71,6 +72,20 @@ OriginSums sums(const ScoredFrame& frame, const Maps& maps, const cv::Mat1b& pix
   return out;
 }
 
+OriginSums whole_frame(const ScoredFrame& frame, const ErrorSums& scored) {
+  cv::Mat3b truth = frame.result.clone();
+  frame.truth.copyTo(truth, frame.scored);
+  const cv::Mat1b everywhere(truth.size(), uchar{255});
+  OriginSums out;
+  out.frames = 1;
+  out.pixels = truth.total();
+  out.error = scored;
+  out.error.values = 3 * out.pixels;
+  out.frame_psnr = out.error.psnr();
+  out.frame_ssim = sum_over(ssim_map(frame.result, truth), everywhere).mean();
+  return out;
+}
+
 Lengths misplaced(const ScoredFrame& frame, const cv::Mat1b& copied) {
   Lengths lengths;
   if (cv::countNonZero(copied) == 0) return lengths;
@@ -121,26 +136,35 @@ OriginSums& OriginSums::operator+=(const OriginSums& other) {
 }
 
 Tally& Tally::operator+=(const Tally& other) {
-  for (std::size_t i = 0; i < origins.size(); ++i) origins[i] += other.origins[i];
+  for (std::size_t i = 0; i < origins.size(); ++i) {
+    origins[i] += other.origins[i];
+    confidence[i] += other.confidence[i];
+  }
+  whole_frame += other.whole_frame;
   misplaced += other.misplaced;
   return *this;
+}
+
+Figures figures(const OriginSums& sums) {
+  Figures out;
+  if (sums.pixels == 0) return out;
+  out.frames = sums.frames;
+  out.pixels = sums.pixels;
+  out.mae = sums.error.mae();
+  out.rmse = sums.error.rmse();
+  out.psnr = sums.frame_psnr / static_cast<double>(sums.frames);
+  out.ssim = sums.frame_ssim / static_cast<double>(sums.frames);
+  out.sharpness = ratio(sums.gradient_result, sums.gradient_truth);
+  out.flicker = ratio(sums.change_result, sums.change_truth);
+  return out;
 }
 
 ByOrigin Tally::figures() const {
   ByOrigin out;
   for (const Origin origin : kOrigins) {
-    const OriginSums& s = origins[static_cast<std::size_t>(origin)];
-    if (s.pixels == 0) continue;
-    Figures& f = out[origin];
-    f.frames = s.frames;
-    f.pixels = s.pixels;
-    f.share = static_cast<double>(s.pixels) / static_cast<double>(pixels(Origin::all));
-    f.mae = s.error.mae();
-    f.rmse = s.error.rmse();
-    f.psnr = s.frame_psnr / static_cast<double>(s.frames);
-    f.ssim = s.frame_ssim / static_cast<double>(s.frames);
-    f.sharpness = ratio(s.gradient_result, s.gradient_truth);
-    f.flicker = ratio(s.change_result, s.change_truth);
+    const OriginSums& sums = origins[static_cast<std::size_t>(origin)];
+    out[origin] = dvi::figures(sums);
+    if (sums.pixels > 0) out[origin].share = static_cast<double>(sums.pixels) / static_cast<double>(pixels(Origin::all));
   }
   out[Origin::all].misplaced_px = out[Origin::copied].misplaced_px = misplaced.median();
   return out;
@@ -150,8 +174,13 @@ Tally tally(const ScoredFrame& frame, const ScoredFrame* before) {
   Tally out;
   if (cv::countNonZero(frame.scored) == 0) return out;
   const Maps maps(frame, before);
-  for (const Origin origin : kOrigins)
-    out.origins[static_cast<std::size_t>(origin)] = sums(frame, maps, pixels_of(frame, origin));
+  for (const Origin origin : kOrigins) {
+    const auto i = static_cast<std::size_t>(origin);
+    const cv::Mat1b pixels = pixels_of(frame, origin);
+    out.origins[i] = sums(frame, maps, pixels);
+    if (!frame.confidence.empty()) out.confidence[i] = count_confidence(frame.confidence, frame.result, frame.truth, pixels);
+  }
+  out.whole_frame = whole_frame(frame, out.origins[static_cast<std::size_t>(Origin::all)].error);
   out.misplaced = misplaced(frame, pixels_of(frame, Origin::copied));
   return out;
 }

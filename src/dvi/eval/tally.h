@@ -6,6 +6,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "dvi/eval/calibration.h"
 #include "dvi/eval/evaluation.h"
 #include "dvi/eval/metrics.h"
 
@@ -34,9 +35,14 @@ struct OriginSums {
   OriginSums& operator+=(const OriginSums& other);
 };
 
+/// What they amount to; share and misplaced_px are not known here.
+Figures figures(const OriginSums& sums);
+
 struct Tally {
   std::array<OriginSums, kOrigins.size()> origins;
+  OriginSums whole_frame;  ///< without gradients and changes
   Lengths misplaced;
+  std::array<ConfidenceCounts, kOrigins.size()> confidence;
 
   Tally& operator+=(const Tally& other);
   ByOrigin figures() const;
@@ -49,6 +55,7 @@ struct ScoredFrame {
   cv::Mat3b truth;  ///< as given; empty where nothing is scored
   cv::Mat3b clean;  ///< the truth inside the mask, the result, which is the input, outside: a whole picture
   cv::Mat1b scored, kind;
+  cv::Mat1b confidence;  ///< empty where none is given
 };
 
 /// `before` is the frame before this one, or null.

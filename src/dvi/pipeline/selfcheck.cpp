@@ -1,6 +1,8 @@
 #include "dvi/pipeline/selfcheck.h"
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,7 +14,13 @@
 namespace dvi {
 namespace {
 
-Evaluation check_scenario(const Job& job, Scenario scenario, int seed, Progress& progress) {
+std::vector<ExternalFrames> of_scenario(std::vector<ExternalFrames> external, Scenario scenario) {
+  for (ExternalFrames& frames : external) frames.folder /= name(scenario);
+  return external;
+}
+
+Evaluation check_scenario(const Job& job, Scenario scenario, const std::vector<ExternalFrames>& external, int seed,
+                          Progress& progress) {
   const fs::path folder = fs::path(job.out) / name(scenario);
   Job making = job;
   making.out = folder / "case";
@@ -23,7 +31,8 @@ Evaluation check_scenario(const Job& job, Scenario scenario, int seed, Progress&
   running.source = {};
   run(running, progress);
   progress.begin(fmt::format("eval {}", name(scenario)), 0);
-  Evaluation evaluation = evaluate(folder / "result", folder / "case/truth", folder / "case/ignore", progress.tick());
+  Evaluation evaluation = evaluate(
+      {folder / "result", folder / "case/truth", folder / "case/ignore", of_scenario(external, scenario)}, progress.tick());
   progress.end();
   for (const std::string& warning : evaluation.warnings) progress.warn(fmt::format("{}: {}", name(scenario), warning));
   return evaluation;
@@ -32,29 +41,32 @@ Evaluation check_scenario(const Job& job, Scenario scenario, int seed, Progress&
 std::string number(double value, int digits) { return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, digits); }
 
 std::string header() {
-  return fmt::format("{:<10}{:>8}{:>35}{:>35}\n{:<10}{:>8}", "", "", "all scored pixels", "copied pixels", "scenario",
+  return fmt::format("{:<14}{:>8}{:>35}{:>35}\n{:<14}{:>8}", "", "", "all scored pixels", "copied pixels", "scenario",
                      "copied") +
          fmt::format("{0:>11}{1:>8}{2:>8}{3:>8}{0:>11}{1:>8}{2:>8}{3:>8}\n", "MAE", "RMSE", "PSNR", "SSIM");
 }
 
-std::string row(Scenario scenario, const Evaluation& evaluation) {
+std::string row(const std::string& title, const Evaluation& evaluation) {
   const Figures& copied = evaluation.total[Origin::copied];
-  std::string text = fmt::format("{:<10}{:>8}", name(scenario), number(100 * copied.share, 1) + " %");
+  std::string text = fmt::format("{:<14}{:>8}", title, number(100 * copied.share, 1) + " %");
   for (const Origin origin : {Origin::all, Origin::copied}) {
     const Figures& f = evaluation.total[origin];
     text += fmt::format("{:>11}{:>8}{:>8}{:>8}", number(f.mae, 2), number(f.rmse, 2), number(f.psnr, 2), number(f.ssim, 3));
   }
-  return text + "\n";
+  text += "\n";
+  for (const ExternalEvaluation& external : evaluation.external) text += row("  " + external.name, external.evaluation);
+  return text;
 }
 
 }  // namespace
 
-SelfcheckReport selfcheck(const Job& job, const std::vector<Scenario>& scenarios, int seed, Progress& progress) {
+SelfcheckReport selfcheck(const Job& job, const std::vector<Scenario>& scenarios, const std::vector<ExternalFrames>& external,
+                          int seed, Progress& progress) {
   SelfcheckReport report{"", header()};
   nlohmann::json rows = nlohmann::json::array();
   for (const Scenario scenario : scenarios) {
-    const Evaluation evaluation = check_scenario(job, scenario, seed, progress);
-    report.text += row(scenario, evaluation);
+    const Evaluation evaluation = check_scenario(job, scenario, external, seed, progress);
+    report.text += row(name(scenario), evaluation);
     rows.push_back({{"scenario", name(scenario)}, {"evaluation", evaluation}});
   }
   report.json = nlohmann::json{{"schema", "dvi-selfcheck/1"}, {"drive", job.target},

@@ -4,19 +4,21 @@
 #include <vector>
 
 #include "dvi/core/progress.h"
-#include "dvi/eval/evaluation.h"
+#include "dvi/eval/evaluate.h"
 #include "dvi/eval/virtual_vehicle.h"
 #include "dvi/pipeline/job.h"
 
 namespace dvi {
 
-/// How well dvi does on a drive of one's own: per scenario a row for people, and all figures for machines.
+/// How well dvi, and other programs, do on a drive of one's own: rows per scenario for people, and all figures for machines.
 struct SelfcheckReport {
   std::string json, text;
 };
 
 /// For each scenario: `dvi holdout` of job.target into job.out/SCENARIO/case, `dvi run` of it by job's method and options into
-/// job.out/SCENARIO/result, and `dvi eval`. Finished cases and runs are not made again. Also writes job.out/selfcheck.json.
-SelfcheckReport selfcheck(const Job& job, const std::vector<Scenario>& scenarios, int seed, Progress& progress);
+/// job.out/SCENARIO/result, and `dvi eval`. Finished cases and runs are not made again. Other programs' frames of a
+/// scenario are in FOLDER/SCENARIO. Also writes job.out/selfcheck.json.
+SelfcheckReport selfcheck(const Job& job, const std::vector<Scenario>& scenarios, const std::vector<ExternalFrames>& external,
+                          int seed, Progress& progress);
 
 }  // namespace dvi
