@@ -142,15 +142,14 @@ Evaluation score(const EvaluationFolders& folders, const ExternalFrames* externa
     collector.evaluation.warnings.push_back(std::to_string(missing.size()) +
                                             " frames of the truth are not in the result: " + listed(missing));
 
-  const auto block = static_cast<std::size_t>(thread_count());
-  ScoredFrame last;
-  for (std::size_t first = 0; first < names.size(); first += block) {
-    const std::size_t count = std::min(block, names.size() - first);
+  ScoredFrame previous;
+  for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
+    const std::size_t count = last - first;
     std::vector<ScoredFrame> frames(count);
     parallel_for(count, [&](std::size_t i) { frames[i] = load(folders, external, names[first + i]); });
     std::vector<Tally> tallies(count);
     parallel_for(count, [&](std::size_t i) {
-      const ScoredFrame* before = i > 0 ? &frames[i - 1] : &last;
+      const ScoredFrame* before = i > 0 ? &frames[i - 1] : &previous;
       const bool comparable = before->result.size() == frames[i].result.size();
       tallies[i] = tally(frames[i], comparable ? before : nullptr);
     });
@@ -158,8 +157,8 @@ Evaluation score(const EvaluationFolders& folders, const ExternalFrames* externa
       collector.add(names[first + i], tallies[i]);
       if (tick) tick();
     }
-    last = frames.back();
-  }
+    previous = frames.back();
+  });
   return collector.finish();
 }
 
