@@ -1,0 +1,92 @@
+"""The cases: drives with a truth, each made by commands of dvi that are run in the case's folder."""
+from dataclasses import dataclass
+from pathlib import Path
+
+FRAMES = 20
+SCENARIOS = ("lead", "oncoming", "crossing", "parked", "truck", "banner")
+STREET = "Synthetic street"
+
+
+@dataclass(frozen=True)
+class Case:
+    name: str  # of its folder
+    group: str  # the recording: a table of the page each
+    short: str  # its column there
+    what: str
+    commands: tuple[tuple[str, ...], ...]  # arguments of dvi that make it
+    truth: str  # folders inside the case's
+    ignore: str = ""
+    sources: tuple[str, ...] = ()  # further drives given to `dvi run`
+    ablated: bool = False
+
+
+@dataclass(frozen=True)
+class Recording:
+    name: str
+    path: Path
+    frames: str = ""  # A:B; empty: all
+
+
+def street(size: tuple[int, int] = (640, 360), frames: int = FRAMES) -> list[Case]:
+    """The synthetic street: exact truth, one difficulty a case."""
+    base = ("--width", str(size[0]), "--height", str(size[1]), "--frames", str(frames))
+
+    def synth(folder: str, *more: str) -> tuple[str, ...]:
+        return ("synth", "-o", folder, *base, *more)
+
+    def case(short: str, what: str, *commands: tuple[str, ...], sources: tuple[str, ...] = ()) -> Case:
+        return Case(f"street-{short}", STREET, short, what, commands, "drive/truth", sources=sources, ablated=True)
+
+    return [
+        case("exact", "constant light, exact poses and calibration", synth("drive")),
+        case("drift", "the exposure drifts from -12 % to +12 %", synth("drive", "--exposure-drift", "0.12")),
+        case("jitter", "yaw and pitch of each image are off by up to 0.15 degrees", synth("drive", "--jitter-deg", "0.15")),
+        case("lorry", "a lorry stays close ahead all the time", synth("drive", "--lorry")),
+        case("two-days", "the same lorry; a second drive on another day, in other light, to copy from",
+             synth("drive", "--lorry"), synth("source", "--day", "2"), sources=("source",)),
+    ]
+
+
+HELD_OUT = {
+    "lead": "a car ahead in the own lane",
+    "oncoming": "a car comes towards on the left",
+    "crossing": "a pedestrian walks across",
+    "parked": "a car stands at the right",
+    "truck": "a truck ahead, always as near",
+    "banner": "a rectangle of the image",
+}
+
+
+def held_out(recording: Recording) -> list[Case]:
+    """Virtual traffic in a real drive: what it hides is the truth."""
+    frames = ("--frames", recording.frames) if recording.frames else ()
+
+    def case(scenario: str) -> Case:
+        command = ("holdout", str(recording.path), "-o", ".", "--scenario", scenario, "--seed", "1", *frames)
+        return Case(f"{recording.name}-{scenario}", recording.name, scenario, HELD_OUT[scenario], (command,),
+                    "truth", ignore="ignore", ablated=scenario == "lead")
+
+    return [case(scenario) for scenario in SCENARIOS]
+
+
+def find_recordings(data: Path) -> list[Recording]:
+    """KITTI raw drives below a folder, the first frames of each."""
+    found = []
+    for drive in sorted(data.rglob("*_drive_*_sync")):
+        numbers = sorted(int(image.stem) for image in drive.glob("image_02/data/*") if image.stem.isdigit())
+        if numbers:
+            first = numbers[0]
+            last = numbers[: FRAMES][-1]
+            found.append(Recording(f"kitti-{drive.name.split('_drive_')[1].removesuffix('_sync')}", drive, f"{first}:{last}"))
+    return found
+
+
+def parse_recording(text: str) -> Recording:
+    """NAME=PATH[@A:B]. ValueError otherwise."""
+    name, equals, place = text.partition("=")
+    path, _, frames = place.partition("@")
+    if not (name and equals and path) or "/" in name:
+        raise ValueError(f"--drive {text}: expected NAME=PATH or NAME=PATH@A:B")
+    if not Path(path).is_dir():
+        raise ValueError(f"--drive {text}: {path} is no folder")
+    return Recording(name, Path(path).resolve(), frames)

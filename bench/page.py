@@ -1,0 +1,247 @@
+"""Writes the page of results: Markdown, with its pictures beside it."""
+import os
+import platform
+import re
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import pictures
+from cases import Case
+from scoring import Scorer, picture_names
+from tables import cell, delta, interval, percent, share_of, table
+from variants import DVI, Variant
+
+TREE = Path(__file__).resolve().parent.parent
+READING = TREE / "docs/benchmarks-reading.md"  # written by hand
+ORIGINS = {"copied": "copied", "interpolated": "interpolated", "synthesised": "never seen", "empty": "left empty"}
+
+
+@dataclass
+class Outcome:
+    """All that the page is made of."""
+    cases: list[Case]
+    methods: list[Variant]
+    ablations: list[Variant]
+    differences: list[tuple[str, str, str]]  # option, dvi's value, paper's
+    externals: list[str]
+    results: dict[tuple[str, str], dict]  # case, variant or external -> result
+    failures: list[tuple[str, str, str]]  # case, what, message
+
+    def finished(self) -> list[Case]:
+        return [case for case in self.cases if (case.name, DVI.name) in self.results]
+
+    def ablated(self) -> list[Case]:
+        return [case for case in self.finished() if case.ablated]
+
+    def compared(self) -> list[str]:
+        return [method.name for method in self.methods] + self.externals
+
+    def same_pixels(self, case: Case, name: str) -> dict | None:
+        result = self.results.get((case.name, name))
+        return result["same_pixels"] if result else None
+
+    def evaluation(self, case: Case, name: str) -> dict | None:
+        return self.results.get((case.name, name), {}).get("evaluation")
+
+    def groups(self) -> dict[str, list[Case]]:
+        grouped: dict[str, list[Case]] = {}
+        for case in self.finished():
+            grouped.setdefault(case.group, []).append(case)
+        return grouped
+
+
+def machine() -> str:
+    info = Path("/proc/cpuinfo").read_text().splitlines()
+    model = next((line.split(":", 1)[1].strip() for line in info if line.startswith("model name")), platform.machine())
+    return f"{model}, {os.cpu_count()} cores"
+
+
+def commit() -> str:
+    def git(*arguments: str) -> str:
+        return subprocess.run(["git", "-C", TREE, *arguments], capture_output=True, text=True).stdout.strip()
+
+    changed = " with changes" if git("status", "--porcelain", "--", "src", "bench", "cmake", "CMakeLists.txt") else ""
+    return (git("rev-parse", "--short=12", "HEAD") or "unknown") + changed
+
+
+def head(command: str) -> str:
+    return f"""# Benchmarks
+<!-- Written by ./dev bench quality. The section "Reading the table" is docs/benchmarks-reading.md. -->
+Traffic is removed from drives of which is known what stood behind it, and the fill is compared with that, inside the removed
+pixels only: a synthetic street with exact truth, and real drives into which `dvi holdout` put virtual traffic.
+
+- Machine: {machine()}
+- Commit: `{commit()}`
+- Command: `{command.strip()}`
+
+[metrics.md](metrics.md) defines every figure. All methods are scored on the same pixels, and **copied**, **interpolated** and
+**never seen** are what they are to `dvi`: where it copied from another frame, interpolated from around, or had to make
+something up. Intervals are 95 %, by bootstrap over frames. `-` is undefined.
+"""
+
+
+def summary(outcome: Outcome) -> str:
+    text = ["## Summary", "PSNR in dB: all scored pixels / those that `dvi` copied. The best of each column is bold.\n"]
+    for group, cases in outcome.groups().items():
+        best = {case: max((row["all"]["psnr"] for name in outcome.compared() if (row := outcome.same_pixels(case, name))),
+                          default=None) for case in cases}
+
+        def entry(case: Case, name: str) -> str:
+            if not (row := outcome.same_pixels(case, name)):
+                return "-"
+            both = f"{cell(row['all']['psnr'])} / {cell(row['copied']['psnr'])}"
+            return f"**{both}**" if row["all"]["psnr"] == best[case] else both
+
+        text.append(table([group, *(case.short for case in cases)],
+                          [[name, *(entry(case, name) for case in cases)] for name in outcome.compared()]))
+    text.append(table(["method", "what"], [[f"`{method.name}`", method.what] for method in outcome.methods]
+                      + [[f"`{name}`", "frames of another program"] for name in outcome.externals], words=2))
+    return "\n".join(text)
+
+
+def reading() -> str:
+    return f"## Reading the table\n{READING.read_text().strip()}\n" if READING.exists() else ""
+
+
+def departures(outcome: Outcome) -> str:
+    rows = [[f"`{option}`", ours, published] for option, ours, published in outcome.differences]
+    return ("## What `paper` and `dvi` differ in\nThese options and nothing else:\n\n"
+            + table(["option", "dvi", "paper"], rows))
+
+
+def ablations(outcome: Outcome) -> str:
+    cases = outcome.ablated()
+    if not outcome.ablations or not cases:
+        return ""
+
+    def entries(name: str, origin: str, figure: str, digits: int) -> list[str]:
+        ours = [outcome.evaluation(case, DVI.name)[origin] for case in cases]
+        theirs = [outcome.evaluation(case, name) for case in cases]
+        return [delta(row and row[origin][figure], base[figure], digits) for row, base in zip(theirs, ours)]
+
+    text = ["## Ablations", "`dvi` with one thing changed, against `dvi` as it is: above 0 is better without.\n"]
+    for title, origin, figure, digits in (("PSNR, all, dB", "all", "psnr", 2), ("SSIM, all", "all", "ssim", 3),
+                                          ("PSNR, where each copied, dB", "copied", "psnr", 2)):
+        text.append(table([title, *(case.name for case in cases)],
+                          [[v.name, *entries(v.name, origin, figure, digits)] for v in outcome.ablations]))
+    text.append(table(["ablation", "what"], [[v.name, v.what] for v in outcome.ablations], words=2))
+    return "\n".join(text)
+
+
+def confidence(outcome: Outcome) -> str:
+    rows = []
+    for case in outcome.finished():
+        if told := outcome.evaluation(case, DVI.name)["confidence"]:
+            rows.append([case.name, percent(told["mean"]), percent(told["within"]), cell(told["ece"], 3),
+                         cell(told["ause"], 3)])
+    return ("## Is the confidence true?\nOf `dvi`: what it says on average, what share of the pixels is within 10 grey levels\n"
+            "of the truth, how far the two are apart (ECE), and how badly it ranks the errors (AUSE). 0 is best for both.\n\n"
+            + table(["case", "said", "true", "ECE", "AUSE"], rows))
+
+
+def details(outcome: Outcome, case: Case, scorer: Scorer) -> str:
+    rows, parts = [], []
+    for name in outcome.compared():
+        if not (same := outcome.same_pixels(case, name)):
+            continue
+        result = outcome.results[case.name, name]
+        own, cost, everything, whole = result.get("evaluation"), result.get("cost"), same["all"], same["whole_frame"]
+        rows.append([
+            name, cell(everything["psnr"]), interval(everything), cell(everything["ssim"], 3), cell(everything["mae"]),
+            cell(everything["rmse"]), cell(everything["sharpness"]), cell(everything["flicker"]),
+            cell(everything["misplaced_px"]), share_of(own), f"{cell(whole['psnr'])} / {cell(whole['ssim'], 3)}",
+            cell(cost and sum(stage["cpu_seconds_per_frame"] for stage in cost["stages"])),
+            cell(cost and cost["peak_memory_bytes"] / 1e6, 0),
+        ])
+        parts += [[title, name, cell(figures["psnr"]), interval(figures), cell(figures["ssim"], 3), cell(figures["mae"]),
+                   cell(figures["rmse"]), cell(figures["sharpness"]), cell(figures["flicker"])]
+                  for origin, title in ORIGINS.items() if (figures := same[origin])["pixels"]]
+    ours = outcome.same_pixels(case, DVI.name)
+    shares = ", ".join(f"{title} {percent(ours[origin]['share'])}"
+                       for origin, title in ORIGINS.items() if ours[origin]["pixels"])
+    parts.sort(key=lambda row: list(ORIGINS.values()).index(row[0]))
+    return "\n".join([
+        f"### {case.name}",
+        f"{case.what[0].upper()}{case.what[1:]}. {ours['all']['frames']} frames, {ours['all']['pixels']} pixels scored: "
+        f"{shares}.\n",
+        "```", *(f"dvi {' '.join(shown(part) for part in command)}" for command in case.commands), "```",
+        table(["all scored", "PSNR", "95 %", "SSIM", "MAE", "RMSE", "sharpness", "flicker", "misplaced px",
+               "copied itself: share, PSNR", "whole frame: PSNR / SSIM", "CPU s a frame", "peak MB"], rows),
+        "<details><summary>By origin</summary>\n\n"
+        + table(["where dvi", "method", "PSNR", "95 %", "SSIM", "MAE", "RMSE", "sharpness", "flicker"], parts, words=2)
+        + "\n</details>\n",
+        *warnings(outcome, case),
+    ])
+
+
+def warnings(outcome: Outcome, case: Case) -> list[str]:
+    """What the runs warned of, and which."""
+    by_text: dict[str, list[str]] = {}
+    for name in outcome.compared():
+        for text in outcome.results.get((case.name, name), {}).get("warnings", []):
+            by_text.setdefault(text, []).append(name)
+    return [f"Warning of {', '.join(names)}: {text}\n" for text, names in by_text.items()]
+
+
+def shown(text: str) -> str:
+    """Without the folders of absolute paths: where things lie on this machine says nothing."""
+    return re.sub(r"(?<!\S)/\S*/", "", text)
+
+
+def crops_note(names: dict[str, str]) -> str:
+    return (f"Above: frame {names['median']}, where the error of `dvi` is its median, where most is scored. "
+            f"Below: frame {names['worst']}, its worst, where it errs most. In the last tile green is copied, blue copied from "
+            "another drive, yellow interpolated, red never seen.\n")
+
+
+HOW = """## Another program, another drive
+```
+./dev bench quality                                    all, with the KITTI raw drives found in $DVI_DATA
+./dev bench quality --quick                            three cases, all methods, about 5 minutes on 2 cores
+./dev bench quality --drive NAME=PATH@A:B              a recording of your own as well: all scenarios
+./dev bench quality --external NAME=DIR                frames of another program as well
+```
+To hold ProPainter or a network of your own against these: after a first run the cases are in `build/bench/quality/cases/CASE`.
+Let it read `drive/images/` and fill what `build/bench/quality/results/CASE/dvi/masks/` marks (255), and write whole frames to
+`DIR/CASE/NAME.png`, named and sized as the images are. A case that DIR does not have is left out. Truths are in `truth/` or
+`drive/truth/`: not to be shown to it.
+
+Each pair of case and method is run once; what is finished stays in `build/bench/quality/` until the program, the case or the
+options change.
+"""
+
+
+def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command: str) -> None:
+    images.mkdir(parents=True, exist_ok=True)
+    for old in [*images.glob("*.jpg"), *images.glob("*.svg")]:
+        old.unlink()
+
+    def image(name: str, alt: str) -> str:
+        return f"![{alt}]({os.path.relpath(images / name, target.parent)})\n"
+
+    text = [head(command), summary(outcome)]
+    if outcome.finished():
+        pictures.plot_psnr(outcome, images / "psnr.svg")
+        text.append(image("psnr.svg", "PSNR of each method, case by case"))
+    text += [reading(), departures(outcome), ablations(outcome)]
+    if outcome.ablations and outcome.ablated():
+        pictures.plot_ablations(outcome, images / "ablations.svg")
+        text.append(image("ablations.svg", "What each ablation changes, case by case"))
+    text.append(confidence(outcome))
+    if any(outcome.evaluation(case, DVI.name)["confidence"] for case in outcome.finished()):
+        pictures.plot_confidence(outcome, images / "confidence.svg")
+        text.append(image("confidence.svg", "Confidence against truth and error, by decile"))
+    text.append("## Cases")
+    for case in outcome.finished():
+        text.append(details(outcome, case, scorer))
+        names = picture_names(outcome.evaluation(case, DVI.name))
+        pictures.crops(outcome, case, scorer, names, images / f"{case.name}.jpg")
+        text += [image(f"{case.name}.jpg", f"{case.name}: input, truth and each method"), crops_note(names)]
+    if outcome.failures:
+        rows = [[case, what, shown(message)] for case, what, message in outcome.failures]
+        text += ["## What failed", table(["case", "what", "message"], rows, words=3)]
+    text.append(HOW)
+    new = target.with_suffix(".new")
+    new.write_text("\n".join(part for part in text if part))
+    os.replace(new, target)

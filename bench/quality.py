@@ -1,0 +1,168 @@
+#!/usr/bin/env python3
+"""How good dvi is: all methods and ablations on cases with a truth, written to docs/benchmarks.md.
+
+    ./dev bench quality [--quick] [--external NAME=DIR]... [--drive NAME=PATH[@A:B]]...
+
+Finished parts are not run again; Ctrl-C stops, the same command goes on.
+"""
+import argparse
+import os
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import cases
+import page
+import variants
+from cases import Case
+from page import Outcome
+from scoring import Failed, Scorer
+from variants import Variant
+
+TREE = Path(__file__).resolve().parent.parent
+
+
+def say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def minutes(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min"
+
+
+class Progress:
+    """Counts what has to be run: n of m, what, and when it will be done."""
+
+    def __init__(self, due: int):
+        self.due, self.done, self.begun = due, 0, time.monotonic()
+
+    def tell(self, what: str) -> None:
+        passed = time.monotonic() - self.begun
+        left = f", {minutes(passed / self.done * (self.due - self.done))} left" if self.done else ""
+        self.done += 1
+        say(f"[{self.done} of {self.due}] {what}{left}")
+
+    def skip(self, count: int) -> None:
+        self.due -= count
+
+
+def plan(chosen: list[Case], methods: list[Variant], ablations: list[Variant]) -> list[tuple[Case, list[Variant]]]:
+    """What to run on each case: dvi first, because it tells which pixels are compared and which frames are shown."""
+    others = [method for method in methods if method != variants.DVI]
+    return [(case, [variants.DVI, *others, *(variants.applicable(ablations, bool(case.sources)) if case.ablated else ())])
+            for case in chosen]
+
+
+def attempt(outcome: Outcome, case: Case, what: str, work: Callable[[], dict | None]) -> bool:
+    """Whether it worked. A failure is told, and goes on the page."""
+    try:
+        if (result := work()) is not None:
+            outcome.results[case.name, what] = result
+        return True
+    except Failed as why:
+        say(f"{case.name}: {what} failed: {why}")
+        outcome.failures.append((case.name, what, str(why)))
+        return False
+
+
+def run_all(scorer: Scorer, outcome: Outcome) -> None:
+    todo = plan(outcome.cases, outcome.methods, outcome.ablations)
+    due = [(case, [variant for variant in row if scorer.known(case, variant) is None]) for case, row in todo]
+    progress = Progress(sum(len(row) for _, row in due))
+    for (case, row), (_, missing) in zip(todo, due):
+        if missing and not attempt(outcome, case, "making the case", lambda: scorer.make(case)):
+            progress.skip(len(missing))
+            continue
+        for variant in row:
+            if variant not in missing:
+                outcome.results[case.name, variant.name] = scorer.known(case, variant)
+                continue
+            progress.tell(f"{case.name}: {variant.name}")
+            worked = attempt(outcome, case, variant.name, lambda: scorer.score(case, variant, variant in outcome.methods))
+            if not worked and variant == variants.DVI:
+                progress.skip(len(missing) - 1)  # without dvi there is nothing to compare with
+                break
+
+
+def run_externals(scorer: Scorer, outcome: Outcome, externals: dict[str, Path]) -> None:
+    for name, folder in externals.items():
+        for case in outcome.cases:
+            frames = folder / case.name
+            if (case.name, variants.DVI.name) not in outcome.results:
+                continue
+            if not frames.is_dir():
+                say(f"{name}: no folder {frames}: left out")
+                continue
+            say(f"{case.name}: {name}")
+            attempt(outcome, case, name, lambda: scorer.external(case, name, frames))
+
+
+def choose_cases(recordings: list[cases.Recording], quick: bool) -> list[Case]:
+    chosen = cases.street() + [case for recording in recordings for case in cases.held_out(recording)]
+    if not quick:
+        return chosen
+    first = recordings[0].name if recordings else None
+    return [case for case in chosen if case.name in ("street-exact", "street-two-days", f"{first}-lead")]
+
+
+def parse_external(text: str) -> tuple[str, Path]:
+    """NAME=DIR. ValueError otherwise."""
+    name, equals, folder = text.partition("=")
+    if not (name and equals and folder) or "/" in name:
+        raise ValueError(f"--external {text}: expected NAME=DIR")
+    if name in [variant.name for variant in (*variants.METHODS, *variants.ABLATIONS)] or name.startswith("paper-"):
+        raise ValueError(f"--external {text}: '{name}' is a variant of dvi's; take another name")
+    if not Path(folder).is_dir():
+        raise ValueError(f"--external {text}: {folder} is no folder; expected DIR/CASE/NAME.png")
+    return name, Path(folder)
+
+
+def parse(arguments: list[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="./dev bench quality", description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true",
+                        help="three cases, all methods, no ablations: about 5 minutes; writes build/bench/quality/quick.md")
+    parser.add_argument("--external", action="append", default=[], metavar="NAME=DIR",
+                        help="frames of another program, DIR/CASE/NAME.png, join the tables")
+    parser.add_argument("--drive", action="append", default=[], metavar="NAME=PATH[@A:B]",
+                        help="a recording of your own, beside the KITTI raw drives found in $DVI_DATA")
+    parser.add_argument("--dvi", type=Path, default=TREE / "build/release/bin/dvi", help="the program")
+    options = parser.parse_args(arguments)
+    try:
+        options.external = dict(map(parse_external, options.external))
+        options.drive = list(map(cases.parse_recording, options.drive))
+    except ValueError as wrong:
+        parser.error(str(wrong))
+    return options
+
+
+def recordings(named: list[cases.Recording]) -> list[cases.Recording]:
+    found = cases.find_recordings(Path(os.environ["DVI_DATA"])) if "DVI_DATA" in os.environ else []
+    if not found:
+        say("no KITTI raw drives in $DVI_DATA: without virtual traffic in them")
+    return named + found
+
+
+def main(arguments: list[str]) -> int:
+    given = parse(arguments)
+    root = TREE / "build/bench/quality"
+    scorer = Scorer(given.dvi, root)
+    differing = variants.differences(*(variants.options(given.dvi, method) for method in ("dvi", "paper")))
+    ablations = () if given.quick else (*variants.ABLATIONS, *variants.published_switches(differing))
+    outcome = Outcome(choose_cases(recordings(given.drive), given.quick), list(variants.METHODS), list(ablations), differing,
+                      list(given.external), {}, [])
+    run_all(scorer, outcome)
+    run_externals(scorer, outcome, given.external)
+    target = root / "quick.md" if given.quick else TREE / "docs/benchmarks.md"
+    images = root / "quick" if given.quick else TREE / "docs/images/benchmarks"
+    page.write(target, images, outcome, scorer, "./dev bench quality " + " ".join(arguments))
+    print(target)
+    return 1 if outcome.failures else 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except KeyboardInterrupt:
+        say("stopped; the same command goes on from here")
+        sys.exit(130)

@@ -1,0 +1,154 @@
+#!/usr/bin/env python3
+"""Tests of the quality benchmark.    quality_test.py DVI"""
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import cases
+import variants
+from tables import cell, delta, interval, share_of, table
+
+try:
+    import page
+    import quality
+    from scoring import Failed, Scorer, picture_names
+    MISSING = ""
+except ImportError as why:
+    MISSING = f"{why}: ./dev bench quality installs it"
+
+DVI = Path(sys.argv.pop()) if len(sys.argv) > 1 else None
+
+
+class Tables(unittest.TestCase):
+    def test_what_is_undefined_is_a_dash(self):
+        self.assertEqual(cell(None), "-")
+        self.assertEqual(cell(12.345), "12.35")
+        self.assertEqual(delta(None, 3.0, 2), "-")
+        self.assertEqual(interval({"interval": None}), "-")
+        self.assertEqual(share_of(None), "-")
+        self.assertEqual(share_of({"copied": {"pixels": 0}}), "-")
+
+    def test_differences_have_a_sign_and_no_minus_zero(self):
+        self.assertEqual(delta(20.5, 21.0, 2), "-0.50")
+        self.assertEqual(delta(21.5, 21.0, 2), "+0.50")
+        self.assertEqual(delta(20.999, 21.0, 2), "0")
+
+    def test_markdown(self):
+        self.assertEqual(table(["a", "b"], [["1", "2"]]), "| a | b |\n| --- | ---: |\n| 1 | 2 |\n")
+        self.assertIn("| --- | --- |", table(["a", "b"], [], words=2))
+
+
+class Variants(unittest.TestCase):
+    def test_departures_from_the_paper_are_taken_back_one_by_one(self):
+        ours = {"map.witnessed_only": True, "sample.reach_frames": 120, "align.passes": 3}
+        published = {"map.witnessed_only": False, "sample.reach_frames": 0, "align.passes": 3}
+        differing = variants.differences(ours, published)
+        self.assertEqual(differing, [("map.witnessed_only", "true", "false"), ("sample.reach_frames", "120", "0")])
+        self.assertEqual([variant.arguments for variant in variants.published_switches(differing)],
+                         [("--set", "map.witnessed_only=false"), ("--set", "sample.reach_frames=0")])
+
+    def test_names_are_folders_of_their_own(self):
+        names = [variant.name for variant in (*variants.METHODS, *variants.ABLATIONS)]
+        self.assertEqual(len(names), len(set(names)))
+
+    def test_fusion_is_left_out_only_where_there_is_any(self):
+        self.assertNotIn("no-fusion", [variant.name for variant in variants.applicable(variants.ABLATIONS, False)])
+        self.assertIn("no-fusion", [variant.name for variant in variants.applicable(variants.ABLATIONS, True)])
+
+
+class Cases(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+    def test_kitti_drives_are_found_with_their_first_frames(self):
+        images = self.folder / "2011_09_26/2011_09_26_drive_0042_sync/image_02/data"
+        images.mkdir(parents=True)
+        for number in range(7, 40):
+            (images / f"{number:010d}.png").touch()
+        found = cases.find_recordings(self.folder)
+        self.assertEqual([(drive.name, drive.frames) for drive in found], [("kitti-0042", "7:26")])
+        self.assertEqual([case.name for case in cases.held_out(found[0]) if case.ablated], ["kitti-0042-lead"])
+
+    def test_a_named_drive(self):
+        drive = cases.parse_recording(f"mine={self.folder}@3:9")
+        self.assertEqual((drive.name, drive.path, drive.frames), ("mine", self.folder.resolve(), "3:9"))
+        for wrong in ("mine", "=x", f"a/b={self.folder}", "mine=/nowhere"):
+            with self.assertRaises(ValueError, msg=wrong):
+                cases.parse_recording(wrong)
+
+
+@unittest.skipIf(MISSING, MISSING)
+class Arguments(unittest.TestCase):
+    def test_externals_are_named_folders(self):
+        self.assertEqual(quality.parse_external("net=/tmp"), ("net", Path("/tmp")))
+        for wrong in ("net", "dvi=/tmp", "paper-x=/tmp", "net=/nowhere"):
+            with self.assertRaises(ValueError, msg=wrong):
+                quality.parse_external(wrong)
+
+    def test_the_page_names_no_folders_of_this_machine(self):
+        self.assertEqual(page.shown("/a/b/drive_1: no scans"), "drive_1: no scans")
+        self.assertEqual(page.shown("drive/masks"), "drive/masks")
+
+    def test_dvi_comes_first(self):
+        case = cases.street()[0]
+        [(_, row)] = quality.plan([case], list(variants.METHODS), list(variants.ABLATIONS))
+        self.assertEqual([variant.name for variant in row][:2], ["dvi", "telea"])
+
+    def test_pictures_are_of_the_median_and_the_worst_frame(self):
+        frames = [{"name": name, "all": {"mae": mae, "pixels": 1}} for name, mae in (("a", 9.0), ("b", 1.0), ("c", 3.0))]
+        frames.append({"name": "d", "all": {"mae": None, "pixels": 0}})
+        self.assertEqual(picture_names({"per_frame": frames}), {"median": "c", "worst": "a"})
+
+
+@unittest.skipIf(MISSING or not DVI, MISSING or "no program given")
+class FromEndToEnd(unittest.TestCase):
+    def test_a_small_street(self):
+        root = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        case = cases.street((160, 90), 4)[0]
+        methods = [method for method in variants.METHODS if method.name in ("telea", "dvi")]
+        ablations = [variants.ABLATIONS[0]]
+        scorer = Scorer(DVI, root)
+
+        def outcome():
+            made = page.Outcome([case], methods, ablations, [("a.b", "1", "2")], ["net"], {}, [])
+            quality.run_all(scorer, made)
+            return made
+
+        first = outcome()
+        self.assertEqual(first.failures, [])
+        self.assertEqual({name for _, name in first.results}, {"dvi", "telea", "no-poisson"})
+        times = [file.stat().st_mtime_ns for file in sorted(root.rglob("result.json"))]
+        again = outcome()
+        self.assertEqual(times, [file.stat().st_mtime_ns for file in sorted(root.rglob("result.json"))])
+        self.assertEqual(json.dumps(list(first.results.values())), json.dumps(list(again.results.values())))
+
+        truth = scorer.folder(case) / case.truth
+        (root / "net" / case.name).mkdir(parents=True)
+        for file in truth.iterdir():
+            (root / "net" / case.name / file.name).write_bytes(file.read_bytes())
+        quality.run_externals(scorer, again, {"net": root / "net"})
+        self.assertEqual(again.failures, [])
+        self.assertEqual(again.same_pixels(case, "net")["all"]["mae"], 0)
+
+        page.write(root / "page.md", root / "images", again, scorer, "test")
+        text = (root / "page.md").read_text()
+        self.assertIn("**100.00 / 100.00**", text)
+        self.assertIn("| `a.b` | 1 | 2 |", text)
+        self.assertEqual({file.name for file in (root / "images").iterdir()},
+                         {"psnr.svg", "ablations.svg", "confidence.svg", "street-exact.jpg"})
+
+    def test_what_dvi_refuses_is_told(self):
+        root = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        case = cases.Case("none", "none", "none", "none", (("holdout", "nowhere", "-o", "."),), "truth")
+        outcome = page.Outcome([case], list(variants.METHODS), [], [], [], {}, [])
+        quality.run_all(Scorer(DVI, root), outcome)
+        [(name, what, message)] = outcome.failures
+        self.assertEqual((name, what), ("none", "making the case"))
+        self.assertIn("exit code 3", message)
+        self.assertRaises(Failed, Scorer(DVI, root).call, "nonsense", cwd=root)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,69 @@
+"""What is compared: methods, and the default method with one thing switched off or put back to the published form."""
+import subprocess
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Variant:
+    name: str
+    what: str
+    arguments: tuple[str, ...] = ()  # of `dvi run`
+    fusion: bool = True  # whether further drives are given to it
+
+
+DVI = Variant("dvi", "the default", ("--method", "dvi"))
+
+METHODS = (
+    Variant("telea", "OpenCV's inpainting after Telea: one image", ("--method", "telea")),
+    Variant("ns", "OpenCV's Navier-Stokes inpainting: one image", ("--method", "ns")),
+    Variant("flow", "propagation along optical flow: images and masks", ("--method", "flow")),
+    Variant("paper", "the published form of every stage", ("--method", "paper")),
+    DVI,
+)
+
+
+def _off(name: str, what: str, option: str) -> Variant:
+    return Variant(name, f"{what} (`{option}=false`)", ("--set", f"{option}=false"))
+
+
+ABLATIONS = (
+    _off("no-poisson", "colours as copied, no Poisson blending", "harmonize.poisson"),
+    _off("no-bp", "each pixel takes its best candidate, no belief propagation", "regularize.enabled"),
+    _off("no-align", "poses as given, no refinement", "align.enabled"),
+    _off("no-occlusion-test", "copies from where something stood before the point, too", "sample.occlusion_test"),
+    _off("no-smooth", "no temporal smoothing", "smooth.enabled"),
+    Variant("no-fusion", "without the second drive", fusion=False),
+)
+
+
+def options(dvi: Path, method: str) -> dict[str, object]:
+    """Every option of a method, as `section.key`, without [job]."""
+    dump = subprocess.run([dvi, "config", "dump", "--method", method], capture_output=True, text=True, check=True).stdout
+    tables = tomllib.loads(dump)
+    return {f"{table}.{key}": value for table, rows in tables.items() if table != "job" for key, value in rows.items()}
+
+
+def toml(value: object) -> str:
+    """A value as `--set` takes it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def differences(ours: dict[str, object], published: dict[str, object]) -> list[tuple[str, str, str]]:
+    """(option, value of dvi, value of paper) where they differ: all that makes `--method paper`."""
+    return [(option, toml(value), toml(published[option])) for option, value in ours.items() if value != published[option]]
+
+
+def published_switches(differing: list[tuple[str, str, str]]) -> tuple[Variant, ...]:
+    """dvi with one of its departures from the paper taken back."""
+    return tuple(
+        Variant(f"paper-{option.split('.')[1].replace('_', '-')}", f"as published: `{option}={value}`",
+                ("--set", f"{option}={value}"))
+        for option, _, value in differing
+    )
+
+
+def applicable(variants: tuple[Variant, ...], has_sources: bool) -> list[Variant]:
+    """Without a second drive there is no fusion to leave out."""
+    return [variant for variant in variants if variant.fusion or has_sources]
