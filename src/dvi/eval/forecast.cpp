@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "dvi/core/threads.h"
-#include "dvi/depth/visibility_map.h"
+#include "dvi/depth/depths.h"
 
 namespace dvi {
 namespace {
@@ -63,15 +63,11 @@ Forecast forecast(const Views& views, const StaticMap& map, const DepthOptions& 
   DepthOptions coarse_depth = depth;
   coarse_depth.median_px = depth.median_px >= 3 ? std::max(3, depth.median_px / step) : 0;
   const int margin = std::max(0, cvRound((depth.mask_margin_px + kBlockReach) / step - kBlockReach));
-  const Lazy<DepthMap> depths{coarse.size(), static_cast<std::size_t>(thread_count()) + 2,
-                              [&](std::size_t i) { return depth_map(map, coarse[i], coarse_depth); }};
-  const std::size_t reach = sample_options.reach_frames > 0 ? 2 * static_cast<std::size_t>(sample_options.reach_frames) : 256;
-  const Lazy<VisibilityMap> visibility{coarse.size(), reach + 16,
-                                       [&](std::size_t i) { return visibility_map(*depths[i], *coarse.masks[i], margin); }};
+  const Depths depths(coarse, margin, [&](std::size_t i) { return depth_map(map, coarse[i], coarse_depth); });
   const std::size_t frames = coarse.of_drive(0).second;
   std::vector<Count> counts(frames);
   parallel_for(frames, [&](std::size_t i) {
-    counts[i] = count(sample(coarse, i, *depths[i], visibility, sample_options), coarse);
+    counts[i] = count(sample(coarse, i, *depths.maps[i], depths.visibility, sample_options), coarse);
     tick();
   });
   Forecast out;

@@ -1,29 +1,10 @@
 #include "dvi/pipeline/fill.h"
 
-#include <algorithm>
 #include <set>
 
 #include "dvi/core/threads.h"
 
 namespace dvi {
-
-namespace {
-
-constexpr std::size_t kVisibilityBytes = std::size_t{128} << 20;
-
-}  // namespace
-
-Depths::Depths(const StaticMap& map, const Views& views, const DepthOptions& options, CpuClock& clock) {
-  const auto compute = [&map, &views, &options, &clock](std::size_t i) {
-    return clock.time("depth", [&] { return depth_map(map, views[i], options); });
-  };
-  maps = {views.size(), static_cast<std::size_t>(thread_count()) + 2, compute};
-  const auto pixels = static_cast<std::size_t>(views[0].camera.width) * static_cast<std::size_t>(views[0].camera.height);
-  visibility = {views.size(), std::max<std::size_t>(16, kVisibilityBytes / (pixels / 4 * sizeof(ushort))),
-                [this, &views, margin = options.mask_margin_px](std::size_t i) {
-                  return visibility_map(*maps[i], *views.masks[i], margin);
-                }};
-}
 
 FilledView Filler::operator()(std::size_t target) const {
   const std::shared_ptr<const DepthMap> depth = depths_.maps[target];
@@ -34,17 +15,6 @@ FilledView Filler::operator()(std::size_t target) const {
   FilledFrame frame =
       clock_.time("harmonize", [&] { return harmonize(labels.candidates, views_, target, *depth, options_.harmonize); });
   return {std::move(frame), labels.energy_before, labels.energy_after};
-}
-
-FillFrame baseline(const std::string& method, const Views& views, const FlowOptions& options, CpuClock& clock) {
-  if (method == "flow")
-    return [&, flows = hole_flows(views, options)](std::size_t target) -> FilledView {
-      return {clock.time("flow", [&] { return flow_fill(views, target, flows, options); })};
-    };
-  const Inpainting inpainting = method == "telea" ? Inpainting::telea : Inpainting::navier_stokes;
-  return [&, inpainting](std::size_t target) -> FilledView {
-    return {clock.time("inpaint", [&] { return inpaint_frame(views, target, inpainting); })};
-  };
 }
 
 void Smoother::fill(const std::vector<std::size_t>& block) {

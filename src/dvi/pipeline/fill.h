@@ -7,26 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "dvi/align/align.h"
-#include "dvi/depth/depth_map.h"
-#include "dvi/depth/visibility_map.h"
+#include "dvi/depth/depths.h"
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/pipeline/cpu_clock.h"
 #include "dvi/pipeline/job.h"
 
 namespace dvi {
-
-/// Stage 5 on demand. As sources, views are asked only for what they can lend, which is small and kept for many of them; of
-/// whole depth maps only those of the frames in work are kept, so that memory stays flat.
-struct Depths {
-  Depths(const StaticMap& map, const Views& views, const DepthOptions& options, CpuClock& clock);
-  Depths(const Depths&) = delete;
-  Depths& operator=(const Depths&) = delete;
-
-  Lazy<DepthMap> maps;             ///< as views
-  Lazy<VisibilityMap> visibility;  ///< as views
-};
 
 /// A frame after harmonisation, with what its stages said of themselves.
 struct FilledView {
@@ -36,9 +23,6 @@ struct FilledView {
 
 /// Makes the frame of a view of the target drive.
 using FillFrame = std::function<FilledView(std::size_t target)>;
-
-/// The frames of a baseline, by its name.
-FillFrame baseline(const std::string& method, const Views& views, const FlowOptions& options, CpuClock& clock);
 
 /// Stages 6 to 8 for one view after another: candidates, labels, colours.
 class Filler {

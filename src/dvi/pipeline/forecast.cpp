@@ -5,6 +5,7 @@
 
 #include "dvi/eval/forecast.h"
 #include "dvi/io/write_image.h"
+#include "dvi/pipeline/make_map.h"
 
 namespace dvi {
 namespace {
@@ -12,8 +13,7 @@ namespace {
 constexpr int kCoarseFrom = 640;  // px of width from which every second pixel tells enough
 
 Forecast make_forecast(const std::vector<OpenDrive>& drives, const Views& views, const Job& job, Progress& progress) {
-  progress.begin("map", scan_count(map_inputs(drives)));
-  const StaticMap map = build_map(map_inputs(drives), job.options.map, progress.tick());
+  const StaticMap map = map_drives(drives, job.options.map, progress);
   const int step = drives.front().drive.camera.width < kCoarseFrom ? 1 : 2;
   progress.begin("forecast", views.of_drive(0).second);
   Forecast out = forecast(views, map, job.options.depth, job.options.sample, step, progress.tick());

@@ -3,16 +3,22 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/pipeline/map_files.h"
-#include "dvi/pipeline/open.h"
 #include "dvi/pipeline/report.h"
 
 namespace dvi {
 
+StaticMap map_drives(const std::vector<OpenDrive>& drives, const MapOptions& options, Progress& progress) {
+  const std::vector<MapInput> inputs = map_inputs(drives);
+  progress.begin("map", scan_count(inputs));
+  StaticMap map = build_map(inputs, options, progress.tick());
+  if (map.points.empty()) progress.warn("the map is empty: no scan left a static point, nothing can be copied");
+  return map;
+}
+
 std::string make_map(const Job& job, Progress& progress) {
   const std::vector<OpenDrive> drives = open_drives(job, MaskNeed::optional, progress);
   verify(drives, progress);
-  progress.begin("map", scan_count(map_inputs(drives)));
-  const StaticMap map = build_map(map_inputs(drives), job.options.map, progress.tick());
+  const StaticMap map = map_drives(drives, job.options.map, progress);
   const Views views = make_views(drives, progress);
   progress.begin("write", 0);
   const nlohmann::json report = map_report(map);

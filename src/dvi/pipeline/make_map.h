@@ -1,11 +1,16 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "dvi/core/progress.h"
 #include "dvi/pipeline/job.h"
+#include "dvi/pipeline/open.h"
 
 namespace dvi {
+
+/// Stage 3, as a stage of `progress`; warns where nothing is left.
+StaticMap map_drives(const std::vector<OpenDrive>& drives, const MapOptions& options, Progress& progress);
 
 /// `dvi map`: poses and static map of job.target into job.out. Masks are used where the drive has some. Returns map.json.
 std::string make_map(const Job& job, Progress& progress);

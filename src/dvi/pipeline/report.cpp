@@ -79,6 +79,21 @@ nlohmann::json drives_report(const std::vector<OpenDrive>& drives) {
   return out;
 }
 
+nlohmann::json sources_report(const Views& views, const std::vector<OpenDrive>& drives) {
+  nlohmann::json sources = nlohmann::json::array();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Drive& drive = drives[static_cast<std::size_t>(views[i].drive)].drive;
+    const Frame& frame = drive.frames[views[i].frame];
+    sources.push_back({{"number", i},
+                       {"drive", fs::absolute(drive.path).lexically_normal().string()},
+                       {"camera", drive.camera_name},
+                       {"frame", frame.name},
+                       {"file", fs::absolute(frame.file).lexically_normal().string()},
+                       {"exposure_gain", {1.0, 1.0, 1.0}}});
+  }
+  return {{"schema", "dvi-sources/1"}, {"sources", sources}};
+}
+
 nlohmann::json cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames) {
   nlohmann::json stages = nlohmann::json::array();
   const double n = static_cast<double>(std::max<std::size_t>(frames, 1));

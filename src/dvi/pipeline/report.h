@@ -22,6 +22,9 @@ nlohmann::json map_report(const StaticMap& map);
 /// One entry a drive: what it is, and what was missing in it.
 nlohmann::json drives_report(const std::vector<OpenDrive>& drives);
 
+/// What sources.json says: the image behind each number in a frame's receipts.
+nlohmann::json sources_report(const Views& views, const std::vector<OpenDrive>& drives);
+
 /// Wall and CPU seconds a stage, peak memory.
 nlohmann::json cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames);
 

@@ -1,0 +1,34 @@
+#include "dvi/pipeline/run_baseline.h"
+
+#include "dvi/eval/baselines.h"
+#include "dvi/pipeline/open.h"
+#include "dvi/pipeline/run_result.h"
+
+namespace dvi {
+namespace {
+
+FillFrame filler_of(const Job& job, const Views& views, CpuClock& clock) {
+  if (job.method == "flow")
+    return [&, flows = hole_flows(views, job.options.flow)](std::size_t target) -> FilledView {
+      return {clock.time("flow", [&] { return flow_fill(views, target, flows, job.options.flow); })};
+    };
+  const Inpainting inpainting = job.method == "telea" ? Inpainting::telea : Inpainting::navier_stokes;
+  return [&, inpainting](std::size_t target) -> FilledView {
+    return {clock.time("inpaint", [&] { return inpaint_frame(views, target, inpainting); })};
+  };
+}
+
+}  // namespace
+
+std::string run_baseline(const Job& job, Progress& progress) {
+  const std::vector<OpenDrive> drives = open_images(job, progress);
+  const Views views = make_unposed_views(drives);
+  RunResult result(job, drives, views, progress);
+  if (result.is_complete()) return result.report();
+  verify(drives, progress);
+  CpuClock clock;
+  result.make_frames(filler_of(job, views, clock), std::vector<ViewAlignment>(views.size()), clock);
+  return result.complete(nullptr, clock);
+}
+
+}  // namespace dvi

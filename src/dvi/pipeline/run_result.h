@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dvi/align/align.h"
+#include "dvi/core/progress.h"
+#include "dvi/map/static_map.h"
+#include "dvi/pipeline/cpu_clock.h"
+#include "dvi/pipeline/fill.h"
+#include "dvi/pipeline/open.h"
+#include "dvi/pipeline/result_folder.h"
+
+namespace dvi {
+
+/// What a run leaves: the frames of the target in its folder, and all that is told of them.
+class RunResult {
+ public:
+  /// Takes up what a run of the same drives and options has finished. InputError where the folder is refused.
+  RunResult(const Job& job, const std::vector<OpenDrive>& drives, const Views& views, Progress& progress);
+
+  /// Whether the folder holds all of this very run.
+  bool is_complete() const { return open_.empty() && fs::exists(folder_.path() / "report.json"); }
+  std::string report() const { return read_file(folder_.path() / "report.json"); }
+
+  /// Makes the frames that are not finished yet, block by block, smooths them (stage 9) and writes each with its record.
+  /// `alignment` as views.
+  void make_frames(const FillFrame& fill_frame, const std::vector<ViewAlignment>& alignment, CpuClock& clock);
+
+  /// Writes what stands beside the frames, the report last, and returns that. A baseline has no map: null.
+  std::string complete(const StaticMap* map, const CpuClock& clock);
+
+ private:
+  const Job& job_;
+  const std::vector<OpenDrive>& drives_;
+  const Views& views_;
+  Progress& progress_;
+  std::vector<std::string> names_;  // of the frames, as the target's views
+  ResultFolder folder_;
+  std::vector<std::size_t> open_;  // views that are to be made
+};
+
+}  // namespace dvi
