@@ -98,7 +98,8 @@ TexturePtr paint_cargo(Random random, const Noise& noise, const cv::Scalar& colo
 }
 
 // Up to the belt line, as long and wide as the model; wheels below the sill. Returns the sheet metal.
-TexturePtr add_body(Model& model, const Random& random, const Noise& noise, const cv::Scalar& colour, double belt, double sill) {
+TexturePtr add_body(Model& model, const Random& random, const Noise& noise, const cv::Scalar& colour, double belt,
+                    double sill) {
   const double length = model.size.x(), half = 0.5 * length, width = model.size.y(), h = 0.5 * width;
   const TexturePtr side = paint_side(random, noise, colour, length, belt, sill),
                    plain = paint_plain(random, noise, colour * 1.05, 3);
