@@ -7,7 +7,7 @@
 namespace dvi {
 
 /// How the scene behind the masks moves between two frames, on a grid of every second pixel: their optical flow (DIS, both
-/// ways), in and near the masks of either interpolated smoothly from around them.
+/// ways), in and near the masks of either continued from around them as a thin plate.
 struct HoleFlow {
   cv::Mat2f forth, back;  ///< px of the image, from the first frame to the second and back; NaN: the two disagree
 
