@@ -21,6 +21,15 @@ fs::path temporary_beside(const fs::path& path) {
   return path.parent_path() / ("." + path.stem().string() + ".part" + std::to_string(getpid()) + path.extension().string());
 }
 
+void remove_temporaries(const fs::path& folder) {
+  std::vector<fs::path> found;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('.') && name.find(".part") != std::string::npos) found.push_back(entry.path());
+  }
+  for (const fs::path& file : found) fs::remove(file);
+}
+
 std::string read_file(const fs::path& path) {
   if (fs::is_directory(path)) throw InputError(path, "is a folder", "a file is wanted");
   std::ifstream in(path, std::ios::binary);

@@ -36,6 +36,17 @@ class Files : public testing::Test {
   fs::path folder;
 };
 
+TEST_F(Files, RemovesWhatAKilledProcessWasWriting) {
+  make_folder(folder / "deep");
+  for (const fs::path& file : {folder / "video.mp4", folder / "deep/a.png"}) {
+    write_file(file, "whole");
+    std::ofstream(temporary_beside(file)) << "half";
+  }
+  remove_temporaries(folder);
+  EXPECT_TRUE(fs::exists(folder / "video.mp4") && fs::exists(folder / "deep/a.png"));
+  EXPECT_EQ(std::distance(fs::recursive_directory_iterator(folder), {}), 3);
+}
+
 TEST_F(Files, WhatIsWrittenReadsBack) {
   const std::string bytes("a\0b\r\n\xff", 6);
   write_file(folder / "x.bin", bytes);

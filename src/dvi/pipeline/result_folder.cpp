@@ -59,6 +59,7 @@ void ResultFolder::claim(const std::string& identity, const std::string& fingerp
     throw InputError(out_, "exists and is no result of dvi", "choose another folder, or --force to write into it");
   }
   for (const std::string& folder : picture_folders()) make_folder(out_ / folder);
+  remove_temporaries(out_);
   if (!same) fs::remove_all(out_ / ".dvi/frames");
   make_folder(out_ / ".dvi/frames");
   write_file(job, nlohmann::json{{"schema", kSchema}, {"identity", identity}, {"fingerprint", fingerprint}}.dump(1) + "\n");
