@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dvi/core/interrupt.h"
+#include "dvi/core/options.h"
+#include "dvi/drive/drive.h"
+
+namespace dvi {
+
+struct OdometryOptions {
+  double min_range_m = 2.5;
+  double max_range_m = 90;
+  double spacing_m = 0.2;
+  double cell_m = 0.6;
+  double voxel_m = 0.5;
+  double noise_m = 0.03;
+  double kernel_m = 0.1;
+  int lag = 10;
+
+  void describe(OptionTable& table) {
+    table.section("odometry");
+    table.add("min_range_m", min_range_m, {0, 20}, "Nearer returns are taken for the recording car itself.");
+    table.add("max_range_m", max_range_m, {10, 300}, "Farther returns are left out.");
+    table.add("spacing_m", spacing_m, {0.02, 2}, "Edge of the cubes of which one feature goes into the local map.");
+    table.add("cell_m", cell_m, {0.1, 5}, "Edge of the cubes of which one feature is registered.");
+    table.add("voxel_m", voxel_m, {0.1, 5}, "Edge of the local map's small voxels; large ones are three times as wide.");
+    table.add("noise_m", noise_m, {0.001, 1}, "Standard deviation of returns across a flat surface.");
+    table.add("kernel_m", kernel_m, {0.01, 2}, "Distances to surfaces well beyond this count for nothing.");
+    table.add("lag", lag, {0, 100}, "Sweeps after which one is registered again, against what came after it too; 0: never.");
+  }
+};
+
+/// What became of one sweep.
+struct SweepFit {
+  enum class State { registered, first, no_points, duplicate, lost };
+  State state = State::registered;
+  std::size_t features = 0, inliers = 0;
+  double residual_m = 0;  ///< RMS distance of inliers across the surfaces
+  int degenerate = 0;     ///< directions of motion that the scene does not hold: there the motion goes on as before
+};
+
+struct Odometry {
+  Trajectory world_from_lidar;                        ///< at the middle of each registered sweep; the first is the identity
+  std::vector<SweepFit> sweeps;                       ///< as the drive's
+  std::size_t plane_features = 0, edge_features = 0;  ///< registered, of all sweeps
+  std::string rings;                                  ///< how beams were told: file, order, elevation, none
+  std::vector<std::string> warnings;
+};
+
+/// Poses from the scans alone (Zhang and Singh, LOAM, 2014): each sweep is registered against a local map of planes and lines
+/// that the sweeps before it left, and again when `lag` more have come. A cold start tries several speeds. One tick a sweep.
+Odometry odometry(const Drive& drive, const OdometryOptions& options, const Tick& tick = [] {});
+
+const char* to_string(SweepFit::State state);
+
+}  // namespace dvi
