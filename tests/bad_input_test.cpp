@@ -102,8 +102,9 @@ TEST_F(BadInput, MalformedPoses) {
   expect_refused({"poses.txt"});
 }
 
-TEST_F(BadInput, NoPoses) {
+TEST_F(BadInput, NoPosesAndNoScansToFindThem) {
   fs::remove(folder / "drive/poses.txt");
+  fs::remove_all(folder / "drive/lidar");
   expect_refused({"drive", "--poses"});
 }
 

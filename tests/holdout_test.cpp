@@ -70,6 +70,7 @@ TEST_F(Holdout, RefusesWhatItCannotDo) {
   write_file(folder / "mine/thesis.tex", "years of work");
   expect_refused("holdout drive -o mine --quiet", "not an empty folder");
   fs::remove(drive / "poses.txt");
+  fs::remove_all(drive / "lidar");
   expect_refused("holdout drive -o case --quiet", "poses");
   EXPECT_FALSE(fs::exists(folder / "case"));
 }

@@ -95,9 +95,10 @@ TEST_F(Methods, AnUnknownOneIsToldWhichThereAre) {
   for (const char* method : {"dvi", "paper", "flow", "telea", "ns"}) EXPECT_THAT(result.err, HasSubstr(method));
 }
 
-TEST_F(Methods, OnlyBaselinesDoWithoutPoses) {
+TEST_F(Methods, OnlyBaselinesDoWithoutPosesAndScans) {
   small_drive();
   fs::remove(folder / "drive/poses.txt");
+  fs::remove_all(folder / "drive/lidar");
   for (const char* command : {"run drive -o out --method paper", "map drive -o out --method telea", "forecast drive -o out"}) {
     const Result result = dvi(std::string(command) + " --quiet");
     EXPECT_EQ(result.code, 3) << command;
@@ -133,6 +134,7 @@ TEST_F(Methods, CheckSaysWhatToExpect) {
   const nlohmann::json checked = nlohmann::json::parse(dvi("check drive --quiet --json").out);
   EXPECT_EQ(checked["forecast"], nlohmann::json::parse(dvi("forecast drive --quiet --json").out));
   fs::remove(folder / "drive/poses.txt");
+  fs::remove_all(folder / "drive/lidar");
   const Result unposed = dvi("check drive --quiet");
   EXPECT_EQ(unposed.code, 0);
   EXPECT_THAT(unposed.out, testing::Not(HasSubstr("expected")));

@@ -14,7 +14,8 @@ void JobOptions::add_to(Command& command) {
   command.option("--frames", frames, "A:B: only these frames, both included, by the drive's own numbers");
   command.option("--camera", camera, "Camera to use (default: the drive's first)");
   command.option("--masks", masks, "What to remove: DIR (PNG, 255 = remove), FILE (labels), labels, auto");
-  command.option("--poses", poses, "auto (default), given, or FILE");
+  command.option("--poses", poses,
+                 "auto (default: given or loam, whichever makes the sharper map), given, loam (from the scans), or FILE");
   command.option("--method", method,
                  "dvi (default), paper (the published form), or, without depth or poses, flow, telea or ns");
   command.option("--config", config, "Options from a TOML file, such as the dvi.toml of an earlier result");

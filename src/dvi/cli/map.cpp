@@ -12,7 +12,7 @@ namespace dvi {
 
 void add_map(Program& program) {
   struct Arguments {
-    std::string out, drive;
+    std::string out, drive, trajectory = "none";
     JobOptions options;
     Common common;
   };
@@ -20,12 +20,14 @@ void add_map(Program& program) {
   Command command = program.command("map", "Poses and the static map of a drive");
   command.positional("DRIVE", a->drive, "The drive");
   command.option("-o,--out", a->out, "Folder for poses.txt, times.txt, map.ply, map.json", true);
+  command.option("--trajectory", a->trajectory,
+                 "kitti or tum: also trajectory.txt, the LiDAR's poses at the middles of the sweeps");
   a->options.add_to(command);
   a->common.add_to(command, true);
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const std::string report = make_map(a->options.job(a->out, a->drive, {}), progress);
+    const std::string report = make_map(a->options.job(a->out, a->drive, {}), a->trajectory, progress);
     progress.end();
     if (a->common.json)
       fmt::print("{}\n", report);

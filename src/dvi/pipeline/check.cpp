@@ -29,9 +29,9 @@ double rate(const std::vector<Stamped>& items) {
   return step > 0 ? 1 / step : 0;
 }
 
-double path_length(const Drive& drive) {
+double path_length(const Drive& drive, const Trajectory& trajectory) {
   double length = 0;
-  const auto& poses = drive.poses.poses();
+  const auto& poses = trajectory.poses();
   const std::int64_t first = drive.frames.front().time_ns, last = drive.frames.back().time_ns;
   for (std::size_t i = 1; i < poses.size(); ++i)
     if (poses[i - 1].time_ns >= first && poses[i].time_ns <= last)
@@ -64,11 +64,12 @@ double mean(const std::vector<double>& values) {
 nlohmann::json describe(const OpenDrive& open, std::vector<std::string> warnings) {
   const Drive& drive = open.drive;
   const Contents found = contents(open);
+  const Trajectory& poses = chosen(drive, open.poses);
   std::size_t posed = 0;
-  for (const Frame& frame : drive.frames) posed += drive.poses.at(frame.time_ns) ? 1 : 0;
+  for (const Frame& frame : drive.frames) posed += poses.at(frame.time_ns) ? 1 : 0;
   const bool masks = !drive.masks.empty() || drive.has_labels();
   if (!masks) warnings.emplace_back("neither masks nor labels: give --masks to say what to remove");
-  if (drive.poses.empty()) warnings.emplace_back("no poses: give --poses FILE");
+  if (poses.empty()) warnings.emplace_back("no poses: give --poses FILE");
   if (drive.sweeps.empty()) warnings.emplace_back("no scans: nothing can be copied");
   const auto max_masked = std::max_element(found.masked.begin(), found.masked.end());
   return {{"schema", "dvi-check/1"},
@@ -90,7 +91,8 @@ nlohmann::json describe(const OpenDrive& open, std::vector<std::string> warnings
             {"rate_hz", rate(drive.frames)},
             {"with_pose", posed}}},
           {"sweeps", {{"count", drive.sweeps.size()}, {"rate_hz", rate(drive.sweeps)}, {"mean_points", mean(found.points)}}},
-          {"path_m", path_length(drive)},
+          {"path_m", path_length(drive, poses)},
+          {"poses", poses_report(open.poses)},
           {"masks",
            {{"source", !drive.masks.empty() ? "files"
                        : masks              ? "labels"
@@ -107,14 +109,14 @@ std::string text_of(const nlohmann::json& j) {
   const auto& masks = j["masks"];
   std::string text = fmt::format(
       "{}\n  format   {}\n  camera   {} ({}x{}, fx {:.1f})\n  frames   {} ({}:{}), {:.1f} Hz, {} with pose\n"
-      "  sweeps   {}, {:.1f} Hz, {:.0f} points each\n  path     {:.1f} m\n"
+      "  sweeps   {}, {:.1f} Hz, {:.0f} points each\n  path     {:.1f} m, by {} poses\n"
       "  masks    from {}: {:.1f} % of the image on average, {:.1f} % at most\n",
       j["path"].get<std::string>(), j["format"].get<std::string>(), camera["name"].get<std::string>(),
       camera["width"].get<int>(), camera["height"].get<int>(), camera["fx"].get<double>(), frames["count"].get<int>(),
       frames["first"].get<int>(), frames["last"].get<int>(), frames["rate_hz"].get<double>(), frames["with_pose"].get<int>(),
       j["sweeps"]["count"].get<int>(), j["sweeps"]["rate_hz"].get<double>(), j["sweeps"]["mean_points"].get<double>(),
-      j["path_m"].get<double>(), masks["source"].get<std::string>(), 100 * masks["mean_share"].get<double>(),
-      100 * masks["largest_share"].get<double>());
+      j["path_m"].get<double>(), j["poses"]["from"].get<std::string>(), masks["source"].get<std::string>(),
+      100 * masks["mean_share"].get<double>(), 100 * masks["largest_share"].get<double>());
   if (j.contains("forecast")) {
     const auto& hole = j["forecast"]["hole"];
     text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never\n",
@@ -128,9 +130,11 @@ std::string text_of(const nlohmann::json& j) {
 }  // namespace
 
 CheckReport check(const Job& job, Progress& progress) {
-  const OpenDrive open = open_drive(job.target, job.source, MaskNeed::optional, job.options.masks, progress);
-  std::vector<OpenDrive> drives{open};
+  std::vector<OpenDrive> drives{open_drive(job.target, job.source, MaskNeed::optional, job.options.masks, progress)};
+  OpenDrive& open = drives.front();
   verify(drives, progress);
+  if (!open.drive.poses.empty() || !open.drive.sweeps.empty())
+    open.poses = choose_poses(open.drive, job.source.poses, job.options.odometry, progress);
   nlohmann::json report = describe(open, open.drive.warnings);
   if (report["ready"].get<bool>()) {
     share_world(drives);

@@ -11,6 +11,7 @@ namespace dvi {
 
 void Options::describe(OptionTable& table) {
   masks.describe(table);
+  odometry.describe(table);
   map.describe(table);
   align.describe(table);
   depth.describe(table);
@@ -31,7 +32,8 @@ OptionTable Job::table() {
   table.add("camera", source.camera, {}, "The camera to use; empty: the drive's first.");
   table.add("frames", source.frames, {}, "A:B, both included, by the drive's own numbers; empty: all.");
   table.add("masks", source.masks, {}, "A folder of PNG, a file of labels, labels, auto; empty: what the drive brings.");
-  table.add("poses", source.poses, {}, "auto, given, or a file of poses.");
+  table.add("poses", source.poses, {},
+            "auto (given or loam, whichever makes the sharper map), given, loam (from the scans), or a file of poses.");
   table.add("method", method, methods(), "Ours, the published form of the stages, or a baseline without depth.");
   options.describe(table);
   return table;

@@ -13,6 +13,7 @@
 #include "dvi/harmonize/harmonize.h"
 #include "dvi/io/video.h"
 #include "dvi/map/build_map.h"
+#include "dvi/map/odometry.h"
 #include "dvi/masks/masks.h"
 #include "dvi/regularize/regularize.h"
 #include "dvi/sample/sample.h"
@@ -23,6 +24,7 @@ namespace dvi {
 /// The options of all stages.
 struct Options {
   MaskOptions masks;
+  OdometryOptions odometry;
   MapOptions map;
   AlignOptions align;
   DepthOptions depth;
@@ -43,7 +45,7 @@ struct Source {
   std::string camera;          ///< empty: the drive's first
   std::string frames;          ///< "A:B"; empty: all
   std::string masks;           ///< DIR | FILE | labels | auto; empty: the drive's own
-  std::string poses = "auto";  ///< auto | given | FILE
+  std::string poses = "auto";  ///< auto | given | loam | FILE
 };
 
 /// One call of `dvi run`.

@@ -16,9 +16,10 @@ std::string recipe_of(Job job, const HoldoutOptions& options, const Drive& drive
   Fingerprint print;
   print.add(kVersion);
   print.add(fmt::format("{} {} {} {}", name(options.scenario), options.seed, options.margin_px, options.ignore_margin_px));
-  OptionTable masks;
-  job.options.masks.describe(masks);
-  print.add(masks.dump_toml());
+  OptionTable used;
+  job.options.masks.describe(used);
+  job.options.odometry.describe(used);
+  print.add(used.dump_toml());
   print.add(drive.camera_name + " " + job.source.masks + " " + job.source.poses);
   add_files(print, drive);
   return print.hex();

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/error.h"
 #include "dvi/pipeline/map_files.h"
 #include "dvi/pipeline/report.h"
 
@@ -15,14 +16,20 @@ StaticMap map_drives(const std::vector<OpenDrive>& drives, const MapOptions& opt
   return map;
 }
 
-std::string make_map(const Job& job, Progress& progress) {
+std::string make_map(const Job& job, const std::string& trajectory, Progress& progress) {
+  if (trajectory != "none" && trajectory != "kitti" && trajectory != "tum")
+    throw UsageError("--trajectory " + trajectory + ": there are kitti and tum");
   const std::vector<OpenDrive> drives = open_drives(job, MaskNeed::optional, progress);
   verify(drives, progress);
   const StaticMap map = map_drives(drives, job.options.map, progress);
   const Views views = make_views(drives, progress);
   progress.begin("write", 0);
-  const nlohmann::json report = map_report(map);
-  write_map_files(job.out, map, views, drives.front().drive, report);
+  const OpenDrive& target = drives.front();
+  nlohmann::json report = map_report(map);
+  report["poses"] = poses_report(target.poses);
+  write_map_files(job.out, map, views, target.drive, report);
+  if (trajectory != "none")
+    write_trajectory(fs::path(job.out) / "trajectory.txt", target.drive, target.world_from_lidar, trajectory == "tum");
   return report.dump(1);
 }
 

@@ -12,7 +12,8 @@ namespace dvi {
 /// Stage 3, as a stage of `progress`; warns where nothing is left.
 StaticMap map_drives(const std::vector<OpenDrive>& drives, const MapOptions& options, Progress& progress);
 
-/// `dvi map`: poses and static map of job.target into job.out. Masks are used where the drive has some. Returns map.json.
-std::string make_map(const Job& job, Progress& progress);
+/// `dvi map`: poses and static map of job.target into job.out. Masks are used where the drive has some. `trajectory`: none,
+/// kitti or tum: trajectory.txt beside them. Returns map.json.
+std::string make_map(const Job& job, const std::string& trajectory, Progress& progress);
 
 }  // namespace dvi

@@ -13,15 +13,27 @@ constexpr int kColourFrames = 40;  // frames, evenly spread, that lend the map t
 constexpr double kSplat = 0.07, kTolerance = 0.05;
 const cv::Vec3b kUncoloured(128, 128, 128);
 
+std::string seconds(std::int64_t ns) { return fmt::format("{}.{:09}", ns / 1'000'000'000, ns % 1'000'000'000); }
+
+std::string kitti_line(const SE3& pose) {
+  std::string text;
+  for (int row = 0; row < 3; ++row)
+    text += fmt::format("{}{:.9g} {:.9g} {:.9g} {:.9g}", row > 0 ? " " : "", pose.R(row, 0), pose.R(row, 1), pose.R(row, 2),
+                        pose.t[row]);
+  return text + "\n";
+}
+
+std::string tum_line(std::int64_t time_ns, const SE3& pose) {
+  const Eigen::Quaterniond q(pose.R);
+  return fmt::format("{} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", seconds(time_ns), pose.t.x(), pose.t.y(),
+                     pose.t.z(), q.x(), q.y(), q.z(), q.w());
+}
+
 std::string pose_lines(const Views& views) {
   std::string text;
   for (const View& view : views.views) {
     if (view.drive != 0) continue;
-    const SE3 pose = view.camera_from_world.inverse();
-    for (int row = 0; row < 3; ++row)
-      text += fmt::format("{}{:.9g} {:.9g} {:.9g} {:.9g}", row > 0 ? " " : "", pose.R(row, 0), pose.R(row, 1), pose.R(row, 2),
-                          pose.t[row]);
-    text += "\n";
+    text += kitti_line(view.camera_from_world.inverse());
   }
   return text;
 }
@@ -29,7 +41,7 @@ std::string pose_lines(const Views& views) {
 std::string time_lines(const Views& views) {
   std::string text;
   for (const View& view : views.views)
-    if (view.drive == 0) text += fmt::format("{}.{:09}\n", view.time_ns / 1'000'000'000, view.time_ns % 1'000'000'000);
+    if (view.drive == 0) text += seconds(view.time_ns) + "\n";
   return text;
 }
 
@@ -64,6 +76,14 @@ void write_map_files(const fs::path& folder, const StaticMap& map, const Views& 
   write_file(folder / "times.txt", time_lines(views));
   write_ply(folder / "map.ply", {points, colour, {{"intensity", intensity}}, "dvi map of " + target.path.filename().string()});
   write_file(folder / "map.json", report.dump(1) + "\n");
+}
+
+void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory& world_from_lidar, bool tum) {
+  std::string text;
+  for (const Sweep& sweep : drive.sweeps)
+    if (const std::optional<SE3> pose = world_from_lidar.at(sweep.time_ns))
+      text += tum ? tum_line(sweep.time_ns, *pose) : kitti_line(*pose);
+  write_file(file, text);
 }
 
 }  // namespace dvi

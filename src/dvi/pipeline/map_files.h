@@ -14,4 +14,8 @@ namespace dvi {
 void write_map_files(const fs::path& folder, const StaticMap& map, const Views& views, const Drive& target,
                      const nlohmann::json& report);
 
+/// world_from_lidar at the middle of each sweep that has a pose: 12 numbers a line (KITTI), or seconds and tx ty tz qx qy qz qw
+/// (TUM).
+void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory& world_from_lidar, bool tum);
+
 }  // namespace dvi

@@ -37,9 +37,8 @@ Lazy<cv::Mat1b> masks_of(Drive& drive, const std::string& from, MaskNeed need, c
 }
 
 void resolve_poses(Drive& drive, const std::string& from) {
-  if (from == "auto" || from == "given") return;
-  if (from == "loam") throw UsageError("--poses loam: this version has no odometry; use given or a file of poses");
-  if (!fs::exists(from)) throw InputError(from, "does not exist", "--poses takes auto, given or a file");
+  if (from == "auto" || from == "given" || from == "loam") return;
+  if (!fs::exists(from)) throw InputError(from, "does not exist", "--poses takes auto, given, loam or a file");
   drive.poses = read_poses(from, drive);
   drive.world_scale = 1;
   drive.other_files.emplace_back(from);
@@ -73,7 +72,7 @@ OpenDrive open_drive(const fs::path& path, const Source& source, MaskNeed need, 
   ReadOptions read;
   read.camera = source.camera;
   if (!source.frames.empty()) read.frames = parse_frames(source.frames);
-  OpenDrive open{read_drive(path, read), {}, {}};
+  OpenDrive open{read_drive(path, read), {}, {}, {}};
   resolve_poses(open.drive, source.poses);
   open.masks = masks_of(open.drive, source.masks, need, options);
   open.world_from_lidar = open.drive.poses;
@@ -87,18 +86,29 @@ std::vector<OpenDrive> open_drives(const Job& job, MaskNeed need, Progress& prog
   // Ranges, masks and poses given by hand are the target's; a further drive is taken as it comes.
   for (const std::string& path : job.sources)
     drives.push_back(open_drive(path, {job.source.camera, "", "", "auto"}, need, job.options.masks, progress));
+  for (OpenDrive& open : drives) {
+    const std::string& wish = &open == &drives.front() ? job.source.poses : "auto";
+    open.poses = choose_poses(open.drive, wish, job.options.odometry, progress);
+  }
   share_world(drives);
   return drives;
 }
 
 void share_world(std::vector<OpenDrive>& drives) {
   for (const OpenDrive& open : drives)
-    if (open.drive.poses.empty())
-      throw InputError(open.drive.path, "has no poses", "give --poses FILE (docs/formats.md says which files)");
+    if (chosen(open.drive, open.poses).empty() || (open.drive.poses.empty() && drives.size() > 1))
+      throw InputError(open.drive.path, "has no poses",
+                       "give --poses FILE (docs/formats.md says which files)" +
+                           std::string(drives.size() > 1 ? "; drives can share a world by given poses only" : ""));
   const Drive& target = drives.front().drive;
+  for (OpenDrive& open : drives) {
+    const Trajectory given = to_world_of(target, open.drive, {});
+    open.world_from_lidar = open.poses.from == "loam" ? laid_onto(given, open.poses.odometry->world_from_lidar) : given;
+  }
+  const Trajectory& first = drives.front().world_from_lidar;
   const std::int64_t start = target.sweeps.empty() ? target.frames.front().time_ns : target.sweeps.front().time_ns;
-  const SE3 first = target.poses.at(start).value_or(target.poses.poses().front().world_from_body);
-  for (OpenDrive& open : drives) open.world_from_lidar = to_world_of(target, open.drive, first.inverse());
+  const SE3 target_from_world = first.at(start).value_or(first.poses().front().world_from_body).inverse();
+  for (OpenDrive& open : drives) open.world_from_lidar = open.world_from_lidar.in(target_from_world);
 }
 
 std::vector<OpenDrive> open_images(const Job& job, Progress& progress) {

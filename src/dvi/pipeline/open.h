@@ -7,6 +7,7 @@
 #include "dvi/core/progress.h"
 #include "dvi/io/reader.h"
 #include "dvi/map/build_map.h"
+#include "dvi/pipeline/choose_poses.h"
 #include "dvi/pipeline/job.h"
 
 namespace dvi {
@@ -16,6 +17,7 @@ struct OpenDrive {
   Drive drive;
   Lazy<cv::Mat1b> masks;  ///< as drive.frames
   Trajectory world_from_lidar;
+  PoseChoice poses;  ///< where they come from
 };
 
 /// Whether a drive must say what to remove; if not, nothing is masked where it does not.

@@ -75,6 +75,7 @@ nlohmann::json drives_report(const std::vector<OpenDrive>& drives) {
                    {"camera", open.drive.camera_name},
                    {"frames", open.drive.frames.size()},
                    {"sweeps", open.drive.sweeps.size()},
+                   {"poses", poses_report(open.poses)},
                    {"warnings", open.drive.warnings}});
   return out;
 }

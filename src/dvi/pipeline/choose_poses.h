@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "dvi/core/progress.h"
+#include "dvi/drive/drive.h"
+#include "dvi/map/odometry.h"
+#include "dvi/map/sharpness.h"
+
+namespace dvi {
+
+/// Where a drive's poses come from, and how sharp a map they make.
+struct PoseChoice {
+  std::string from = "given";  ///< given or loam
+  std::optional<Odometry> odometry;
+  std::optional<Sharpness> given, loam;
+};
+
+/// `wish` is auto, given, loam or a file of poses. auto: the given poses or those of the scans, whichever lay the scans
+/// together more sharply; the given ones where they are as good. InputError where loam is wished for and there are no scans.
+PoseChoice choose_poses(const Drive& drive, const std::string& wish, const OdometryOptions& options, Progress& progress);
+
+/// The trajectory that was chosen, in its own world.
+const Trajectory& chosen(const Drive& drive, const PoseChoice& choice);
+
+/// The odometry's motion, laid onto the given poses as a whole where there are some: drives that share a world stay together.
+Trajectory laid_onto(const Trajectory& given, const Trajectory& odometry);
+
+nlohmann::json poses_report(const PoseChoice& choice);
+
+}  // namespace dvi

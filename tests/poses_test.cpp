@@ -1,0 +1,115 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iterator>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "dvi/geometry/se3.h"
+#include "program.h"
+
+namespace dvi {
+namespace {
+
+using testing::HasSubstr;
+
+class Poses : public ProgramTest {
+ protected:
+  /// world_from_lidar a sweep: the last 12 numbers of each line.
+  std::vector<SE3> read(const fs::path& file) const {
+    std::vector<SE3> poses;
+    for (const std::string& line : read_lines(folder / file)) {
+      std::istringstream in(line);
+      std::vector<std::string> words{std::istream_iterator<std::string>(in), {}};
+      if (words.size() < 12 || words[0][0] == '#') continue;
+      SE3 pose;
+      for (std::size_t k = 0; k < 12; ++k) {
+        const double v = std::stod(words[words.size() - 12 + k]);
+        (k % 4 == 3 ? pose.t[static_cast<int>(k / 4)] : pose.R(static_cast<int>(k / 4), static_cast<int>(k % 4))) = v;
+      }
+      poses.push_back(pose);
+    }
+    return poses;
+  }
+
+  /// Metres at most between two tracks, each seen from its first pose.
+  static double apart(const std::vector<SE3>& a, const std::vector<SE3>& b) {
+    double worst = a.size() == b.size() ? 0 : INFINITY;
+    for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+      worst = std::max(worst, ((a[0].inverse() * a[i]).t - (b[0].inverse() * b[i]).t).norm());
+    return worst;
+  }
+
+  nlohmann::json map(const std::string& drive, const std::string& options) const {
+    const Result result = dvi("map " + drive + " -o out --json --quiet --trajectory kitti " + options);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return nlohmann::json::parse(result.out)["poses"];
+  }
+
+  /// Moves every given pose by `metres`, to and fro.
+  void shake(const std::string& drive, double metres) const {
+    std::string text;
+    int line_number = 0;
+    for (const std::string& line : read_lines(folder / drive / "poses.txt")) {
+      const std::size_t last = line.rfind(' ');
+      const double z = std::stod(line.substr(last)) + (line_number++ % 2 == 0 ? metres : -metres);
+      text += line.substr(0, last) + " " + std::to_string(z) + "\n";
+    }
+    write_file(folder / drive / "poses.txt", text);
+  }
+};
+
+TEST_F(Poses, FromScansFollowTheTruth) {
+  small_drive();
+  const nlohmann::json report = map("drive", "--poses loam");
+  EXPECT_EQ(report["from"], "loam");
+  EXPECT_EQ(report["odometry"]["sweeps"].size(), 6);
+  EXPECT_LT(apart(read("out/trajectory.txt"), read("drive/poses.txt")), 0.03);
+  ASSERT_EQ(dvi("map drive -o tum --quiet --poses loam --trajectory tum").code, 0);
+  EXPECT_EQ(read_lines(folder / "tum/trajectory.txt").size(), 6);
+  EXPECT_EQ(dvi("map drive -o out --trajectory evo").code, 2);
+}
+
+TEST_F(Poses, AutoKeepsExactOnesAndMendsShakenOnes) {
+  small_drive();
+  const std::vector<SE3> truth = read("drive/poses.txt");
+  EXPECT_EQ(map("drive", "")["from"], "given");
+  EXPECT_LT(apart(read("out/trajectory.txt"), truth), 1e-6);
+  shake("drive", 0.05);
+  const nlohmann::json report = map("drive", "");
+  EXPECT_EQ(report["from"], "loam");
+  EXPECT_GT(report["sharpness"]["given"]["ground_m"], 0.02);
+  EXPECT_LT(report["sharpness"]["loam"]["ground_m"], 0.01);
+  EXPECT_LT(apart(read("out/trajectory.txt"), truth), 0.03);
+  EXPECT_EQ(map("drive", "--poses given")["from"], "given");
+}
+
+TEST_F(Poses, AreFoundWhereNoneAreGiven) {
+  small_drive();
+  const std::vector<SE3> truth = read("drive/poses.txt");
+  fs::remove(folder / "drive/poses.txt");
+  EXPECT_EQ(map("drive", "")["from"], "loam");
+  EXPECT_LT(apart(read("out/trajectory.txt"), truth), 0.03);
+  EXPECT_THAT(dvi("check drive --quiet").out, HasSubstr("loam poses"));
+  EXPECT_EQ(dvi("map drive -o given --quiet --poses given").code, 3);
+  small_drive("other", "--day 2");
+  const Result both = dvi("run drive other -o both --quiet");
+  EXPECT_EQ(both.code, 3);
+  EXPECT_THAT(both.err, HasSubstr("share a world"));
+}
+
+TEST_F(Poses, OfDrivesInOneWorldStayTogether) {
+  small_drive("one");
+  small_drive("two", "--day 2");
+  shake("two", 0.05);
+  const Result result = dvi("run one two -o out --quiet --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const nlohmann::json drives = nlohmann::json::parse(result.out)["drives"];
+  EXPECT_EQ(drives[0]["poses"]["from"], "given");
+  EXPECT_EQ(drives[1]["poses"]["from"], "loam");
+}
+
+}  // namespace
+}  // namespace dvi
