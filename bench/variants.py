@@ -34,6 +34,7 @@ ABLATIONS = (
     _off("no-align", "poses as given, no refinement", "align.enabled"),
     _off("no-occlusion-test", "copies from where something stood before the point, too", "sample.occlusion_test"),
     _off("no-smooth", "no temporal smoothing", "smooth.enabled"),
+    Variant("no-loam", "poses as the drive gives them, not from the scans (`--poses given`)", ("--poses", "given")),
     Variant("no-fusion", "without the second drive", fusion=False),
 )
 
