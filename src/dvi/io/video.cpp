@@ -135,7 +135,8 @@ void VideoWriter::Impl::open_encoder(const VideoOptions& options) {
 void VideoWriter::Impl::open(const VideoOptions& options) {
   av_log_set_level(AV_LOG_QUIET);  // what went wrong is said by the exception
   AVFormatContext* raw = nullptr;
-  check(avformat_alloc_output_context2(&raw, nullptr, "mp4", part.c_str()));
+  const std::string url = "file:" + part.string();  // or libav takes what stands before a colon for a protocol
+  check(avformat_alloc_output_context2(&raw, nullptr, "mp4", url.c_str()));
   format.reset(raw);
   format->flags |= AVFMT_FLAG_BITEXACT;
   open_encoder(options);
@@ -151,7 +152,7 @@ void VideoWriter::Impl::open(const VideoOptions& options) {
   picture->height = codec->height;
   check(av_frame_get_buffer(picture.get(), 0));
 
-  check(avio_open(&format->pb, part.c_str(), AVIO_FLAG_WRITE));
+  check(avio_open(&format->pb, format->url, AVIO_FLAG_WRITE));
   AVDictionary* muxer = nullptr;
   av_dict_set(&muxer, "movflags", "+faststart", 0);
   const int code = avformat_write_header(format.get(), &muxer);
