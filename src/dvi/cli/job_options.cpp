@@ -16,6 +16,8 @@ void JobOptions::add_to(Command& command) {
   command.option("--masks", masks, "What to remove: DIR (PNG, 255 = remove), FILE (labels), labels, auto");
   command.option("--poses", poses,
                  "auto (default: given or loam, whichever makes the sharper map), given, loam (from the scans), or FILE");
+  command.option("--remove", remove,
+                 "moving, labelled (default: what the masks say), or all (parked vehicles that labels name too)");
   command.option("--method", method,
                  "dvi (default), paper (the published form), or, without depth or poses, flow, telea or ns");
   command.option("--config", config, "Options from a TOML file, such as the dvi.toml of an earlier result");
@@ -34,6 +36,7 @@ Job JobOptions::job(const std::string& out, const std::string& target, const std
   if (frames) job.source.frames = *frames;
   if (masks) job.source.masks = *masks;
   if (poses) job.source.poses = *poses;
+  if (remove) table.set("job.remove=" + *remove);
   for (const std::string& assignment : set) table.set(assignment);
   job.options.check();
   if (!out.empty()) job.out = out;

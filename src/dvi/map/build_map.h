@@ -15,6 +15,8 @@ struct MapOptions {
   double max_range_m = 120;
   double box_margin_m = 0.2;
   bool witnessed_only = true;
+  bool carve = true;
+  double pose_error_m = 0.05;
 
   void describe(OptionTable& table) {
     table.section("map");
@@ -24,6 +26,8 @@ struct MapOptions {
     table.add("box_margin_m", box_margin_m, {0, 5}, "Labelled 3D boxes are grown by this before their points are dropped.");
     table.add("witnessed_only", witnessed_only,
               "Keep only points that the camera saw, unmasked, when they were scanned: what it did not see may have moved.");
+    table.add("carve", carve, "Take out what rays of other sweeps went through: it has moved.");
+    table.add("pose_error_m", pose_error_m, {0, 1}, "How far off poses may be between sweeps; carving keeps this distance.");
   }
 };
 
@@ -34,12 +38,13 @@ struct MapInput {
   Lazy<cv::Mat1b> masks;  ///< as drive->frames
 };
 
-/// The static map of several drives in one world: scans are compensated for the motion within the sweep, points that project
-/// into the mask of the frame nearest in time or lie in its labelled boxes are dropped, the rest is thinned to one mean point
-/// a voxel (section 3.1 of the paper). Streams over scans; one tick a scan.
+/// The static map of several drives in one world: scans are compensated for the motion within the sweep; points that project
+/// into the mask of the frame nearest in time or lie in its labelled boxes are dropped (section 3.1 of the paper), the rest is
+/// thinned to one mean point a voxel; then voxels that rays of other sweeps went through are dropped. Streams over scans:
+/// memory grows with the area seen.
 StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const Tick& tick = [] {});
 
-/// How many scans build_map will go through.
-std::size_t scan_count(const std::vector<MapInput>& inputs);
+/// How often build_map will tick.
+std::size_t map_ticks(const std::vector<MapInput>& inputs, const MapOptions& options);
 
 }  // namespace dvi

@@ -7,6 +7,7 @@
 #include "dvi/core/random.h"
 #include "dvi/map/build_map.h"
 #include "dvi/map/deskew.h"
+#include "dvi/map/free_space.h"
 #include "dvi/map/odometry.h"
 #include "dvi/map/sharpness.h"
 #include "dvi/map/test_street.h"
@@ -70,9 +71,10 @@ struct StreetDrive {
     poses = Trajectory(stamped);
   }
 
-  StaticMap map(bool witnessed_only) const {
+  StaticMap map(bool witnessed_only, bool carve = false) const {
     MapOptions options;
     options.witnessed_only = witnessed_only;
+    options.carve = carve;
     return build_map({{&drive, poses, masks}}, options);
   }
 };
@@ -85,15 +87,29 @@ void deskew(benchmark::State& state) {
 }
 BENCHMARK(deskew)->Unit(benchmark::kMillisecond);
 
-/// Eight sweeps in memory to a map; with the argument 0 also of what no camera saw.
+/// Eight sweeps in memory to a map: of what the camera saw or not (first argument), carved or not (second).
 void build(benchmark::State& state) {
   const StreetDrive street;
   StaticMap map = street.map(false);  // the scans are made here
-  for (auto _ : state) map = street.map(state.range(0) != 0);
+  for (auto _ : state) map = street.map(state.range(0) != 0, state.range(1) != 0);
   state.counters["returns"] = static_cast<double>(map.counts.returns);
   state.counters["points"] = static_cast<double>(map.points.size());
 }
-BENCHMARK(build)->Arg(1)->Arg(0)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+BENCHMARK(build)
+    ->Args({1, 0})
+    ->Args({0, 0})
+    ->Args({1, 1})
+    ->Args({0, 1})
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime();
+
+/// One sweep made ready to ask what its rays passed.
+void free_space(benchmark::State& state) {
+  const StreetDrive street;
+  const auto scan = street.drive.scans[0];
+  for (auto _ : state) benchmark::DoNotOptimize(FreeSpace(*scan, street.drive.sweeps[0], street.poses, 0.05));
+}
+BENCHMARK(free_space)->Unit(benchmark::kMillisecond);
 
 void visible(benchmark::State& state) {
   const StreetDrive street;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -12,7 +13,26 @@ namespace dvi {
 struct MapPoint {
   Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< metres, world axes
   float intensity = 0;
-  std::uint32_t count = 0;  ///< returns in it
+  std::uint32_t count = 0;                           ///< returns in it
+  std::uint32_t first = 0, last = 0;                 ///< the sweeps that saw it first and last, in StaticMap::sweeps
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, towards the sensor that saw it first; zero: none found
+};
+
+/// A sweep that the map is made of.
+struct MapSweep {
+  std::size_t drive = 0;  ///< of the inputs
+  std::int64_t time_ns = 0;
+  Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  ///< where it was in the middle of the sweep, world axes
+};
+
+/// Why a return is not in the map although it was in range: it projects into a mask, lies in a labelled 3D box, or rays of
+/// other sweeps went on behind it.
+enum class Cause : std::uint8_t { masked = 1, boxed = 2, moved = 3 };
+
+/// What was taken out, thinned as the map is.
+struct RemovedPoint {
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();
+  Cause cause = Cause::masked;
 };
 
 /// How many returns went where.
@@ -21,6 +41,7 @@ struct MapCounts {
   std::size_t masked = 0;       ///< dropped: project into a mask
   std::size_t boxed = 0;        ///< dropped: inside a labelled 3D box
   std::size_t unwitnessed = 0;  ///< dropped: no camera saw them, unmasked, when they were scanned
+  std::size_t moved = 0;        ///< dropped: rays of other sweeps went through where they were
   std::size_t too_near = 0;     ///< dropped: the recording car itself
   std::size_t sweeps = 0, sweeps_without_pose = 0;
 };
@@ -33,6 +54,8 @@ struct StaticMap {
   };
   std::vector<MapPoint> points;
   std::vector<Tile> tiles;
+  std::vector<RemovedPoint> removed;
+  std::vector<MapSweep> sweeps;
   MapCounts counts;
 };
 

@@ -55,7 +55,8 @@ nlohmann::json forecast_json(const std::vector<OpenDrive>& drives, const Job& jo
 }
 
 ForecastReport forecast_holes(const Job& job, Progress& progress) {
-  const std::vector<OpenDrive> drives = open_drives(job, MaskNeed::required, progress);
+  std::vector<OpenDrive> drives = open_drives(job, MaskNeed::required, progress);
+  find_poses(drives, job, progress);
   const Views views = make_views(drives, progress);
   const Forecast found = make_forecast(drives, views, job, progress);
   if (!job.out.empty()) {

@@ -34,6 +34,9 @@ OptionTable Job::table() {
   table.add("masks", source.masks, {}, "A folder of PNG, a file of labels, labels, auto; empty: what the drive brings.");
   table.add("poses", source.poses, {},
             "auto (given or loam, whichever makes the sharper map), given, loam (from the scans), or a file of poses.");
+  table.add(
+      "remove", source.remove, {"moving", "labelled", "all"},
+      "moving: of what labels name only what changes its place; labelled: what the masks say; all: both masks and labels.");
   table.add("method", method, methods(), "Ours, the published form of the stages, or a baseline without depth.");
   options.describe(table);
   return table;
@@ -57,6 +60,7 @@ void use_method(const std::string& method, Options& options) {
   if (method != "paper") return;
   // The published form: every point outside masks and boxes, linear depth, plain occlusion test, all stages on.
   options.map.witnessed_only = false;
+  options.map.carve = false;
   options.depth.split_edges = false;
   options.depth.median_px = 5;
   options.sample.reach_frames = 0;

@@ -42,10 +42,11 @@ struct Options {
 
 /// What to read: shared by every command that opens a drive.
 struct Source {
-  std::string camera;          ///< empty: the drive's first
-  std::string frames;          ///< "A:B"; empty: all
-  std::string masks;           ///< DIR | FILE | labels | auto; empty: the drive's own
-  std::string poses = "auto";  ///< auto | given | loam | FILE
+  std::string camera;               ///< empty: the drive's first
+  std::string frames;               ///< "A:B"; empty: all
+  std::string masks;                ///< DIR | FILE | labels | auto; empty: the drive's own
+  std::string poses = "auto";       ///< auto | given | loam | FILE
+  std::string remove = "labelled";  ///< moving | labelled | all
 };
 
 /// One call of `dvi run`.

@@ -27,7 +27,8 @@ std::string recipe_of(Job job, const HoldoutOptions& options, const Drive& drive
 
 void make(const Job& job, const HoldoutOptions& options, bool keep, Progress& progress) {
   if (!keep) require_empty(job.out);
-  const OpenDrive open = std::move(open_drives(job, MaskNeed::optional, progress).front());
+  std::vector<OpenDrive> drives = open_drives(job, MaskNeed::optional, progress);
+  const OpenDrive& open = drives.front();
   if (open.drive.masks.empty() && !open.drive.has_labels())
     progress.warn("the drive brings neither masks nor labels: its real traffic counts as street");
   const std::string recipe = recipe_of(job, options, open.drive);
@@ -36,6 +37,7 @@ void make(const Job& job, const HoldoutOptions& options, bool keep, Progress& pr
   if (!kept.empty())
     throw InputError(job.out, "holds a case made from another drive or with other options",
                      "remove it or choose another folder");
+  find_poses(drives, job, progress);
   progress.begin(fmt::format("holdout {}", name(options.scenario)), open.drive.frames.size() + open.drive.sweeps.size());
   write_holdout(Holdout(open.drive, open.masks, open.world_from_lidar, options), job.out, recipe, progress.tick());
   progress.end();

@@ -10,7 +10,7 @@ namespace dvi {
 
 StaticMap map_drives(const std::vector<OpenDrive>& drives, const MapOptions& options, Progress& progress) {
   const std::vector<MapInput> inputs = map_inputs(drives);
-  progress.begin("map", scan_count(inputs));
+  progress.begin("map", map_ticks(inputs, options));
   StaticMap map = build_map(inputs, options, progress.tick());
   if (map.points.empty()) progress.warn("the map is empty: no scan left a static point, nothing can be copied");
   return map;
@@ -19,7 +19,8 @@ StaticMap map_drives(const std::vector<OpenDrive>& drives, const MapOptions& opt
 std::string make_map(const Job& job, const std::string& trajectory, Progress& progress) {
   if (trajectory != "none" && trajectory != "kitti" && trajectory != "tum")
     throw UsageError("--trajectory " + trajectory + ": there are kitti and tum");
-  const std::vector<OpenDrive> drives = open_drives(job, MaskNeed::optional, progress);
+  std::vector<OpenDrive> drives = open_drives(job, MaskNeed::optional, progress);
+  find_poses(drives, job, progress);
   verify(drives, progress);
   const StaticMap map = map_drives(drives, job.options.map, progress);
   const Views views = make_views(drives, progress);

@@ -1,5 +1,7 @@
 #include "dvi/pipeline/map_files.h"
 
+#include <array>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -60,21 +62,58 @@ std::vector<cv::Vec3b> colours(const StaticMap& map, const Views& views) {
   return out;
 }
 
+void write_map(const fs::path& path, const StaticMap& map, const std::vector<cv::Vec3b>& colour, const std::string& comment) {
+  std::vector<Eigen::Vector3f> points;
+  std::array<std::vector<float>, 7> scalars;
+  const std::array<const char*, 7> names{"nx", "ny", "nz", "intensity", "count", "first", "last"};
+  const auto seconds = [&](std::uint32_t sweep) {
+    return 1e-9F * static_cast<float>(map.sweeps[sweep].time_ns - map.sweeps.front().time_ns);
+  };
+  for (const MapPoint& p : map.points) {
+    points.push_back(p.position);
+    const std::array<float, 7> values{p.normal.x(),     p.normal.y(),   p.normal.z(), p.intensity, static_cast<float>(p.count),
+                                      seconds(p.first), seconds(p.last)};
+    for (std::size_t k = 0; k < values.size(); ++k) scalars[k].push_back(values[k]);
+  }
+  PlyCloud cloud{points, colour, {}, comment};
+  for (std::size_t k = 0; k < names.size(); ++k) cloud.scalars.push_back({names[k], scalars[k]});
+  write_ply(path, cloud);
+}
+
+cv::Vec3b colour_of(Cause cause) {
+  switch (cause) {
+    case Cause::masked:
+      return {230, 120, 30};
+    case Cause::boxed:
+      return {40, 180, 240};
+    case Cause::moved:
+      return {40, 40, 220};
+  }
+  return kUncoloured;
+}
+
+void write_removed(const fs::path& path, const std::vector<RemovedPoint>& removed, const std::string& comment) {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<cv::Vec3b> colour;
+  std::vector<float> cause;
+  for (const RemovedPoint& p : removed) {
+    points.push_back(p.position);
+    colour.push_back(colour_of(p.cause));
+    cause.push_back(static_cast<float>(p.cause));
+  }
+  write_ply(path, {points, colour, {{"cause", cause}}, comment});
+}
+
 }  // namespace
 
 void write_map_files(const fs::path& folder, const StaticMap& map, const Views& views, const Drive& target,
                      const nlohmann::json& report) {
   make_folder(folder);
-  std::vector<Eigen::Vector3f> points;
-  std::vector<float> intensity;
-  for (const MapPoint& p : map.points) {
-    points.push_back(p.position);
-    intensity.push_back(p.intensity);
-  }
-  const std::vector<cv::Vec3b> colour = colours(map, views);
   write_file(folder / "poses.txt", pose_lines(views));
   write_file(folder / "times.txt", time_lines(views));
-  write_ply(folder / "map.ply", {points, colour, {{"intensity", intensity}}, "dvi map of " + target.path.filename().string()});
+  const std::string name = target.path.filename().string();
+  write_map(folder / "map.ply", map, colours(map, views), "dvi map of " + name);
+  write_removed(folder / "moving.ply", map.removed, "taken out of the dvi map of " + name);
   write_file(folder / "map.json", report.dump(1) + "\n");
 }
 

@@ -10,7 +10,7 @@
 namespace dvi {
 
 /// poses.txt (KITTI: world_from_camera, one line a frame of the target), times.txt (seconds), map.ply (coloured by the
-/// target's frames where they see it), map.json, into a folder.
+/// target's frames where they see it), moving.ply (what was taken out, coloured by cause), map.json, into a folder.
 void write_map_files(const fs::path& folder, const StaticMap& map, const Views& views, const Drive& target,
                      const nlohmann::json& report);
 

@@ -7,6 +7,7 @@
 #include "dvi/io/labels.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/poses.h"
+#include "dvi/masks/standing.h"
 
 namespace dvi {
 namespace {
@@ -28,12 +29,18 @@ MaskSource resolve_masks(Drive& drive, const std::string& from) {
   return MaskSource::labels;
 }
 
-Lazy<cv::Mat1b> masks_of(Drive& drive, const std::string& from, MaskNeed need, const MaskOptions& options) {
+Lazy<cv::Mat1b> masks_of(Drive& drive, const Source& source, MaskNeed need, const MaskOptions& options) {
+  const std::string& from = source.masks;
   const bool silent = drive.masks.empty() && !drive.has_labels() && (from.empty() || from == "auto");
   if (silent && need == MaskNeed::optional)
     return {drive.frames.size(), 1,
             [size = cv::Size(drive.camera.width, drive.camera.height)](std::size_t) { return cv::Mat1b(size, uchar{0}); }};
-  return find_masks(drive, resolve_masks(drive, from), options);
+  const MaskSource found = resolve_masks(drive, from);
+  if (source.remove == "moving") drop_standing(drive);
+  const Lazy<cv::Mat1b> masks = find_masks(drive, found, options);
+  if (source.remove != "all" || found == MaskSource::labels || !drive.has_labels()) return masks;
+  const Lazy<cv::Mat1b> labelled = find_masks(drive, MaskSource::labels, options);
+  return {masks.size(), 1, [masks, labelled](std::size_t i) { return cv::Mat1b(*masks[i] | *labelled[i]); }};
 }
 
 void resolve_poses(Drive& drive, const std::string& from) {
@@ -74,7 +81,7 @@ OpenDrive open_drive(const fs::path& path, const Source& source, MaskNeed need, 
   if (!source.frames.empty()) read.frames = parse_frames(source.frames);
   OpenDrive open{read_drive(path, read), {}, {}, {}};
   resolve_poses(open.drive, source.poses);
-  open.masks = masks_of(open.drive, source.masks, need, options);
+  open.masks = masks_of(open.drive, source, need, options);
   open.world_from_lidar = open.drive.poses;
   for (const std::string& warning : open.drive.warnings) progress.warn(path.filename().string() + ": " + warning);
   return open;
@@ -83,15 +90,20 @@ OpenDrive open_drive(const fs::path& path, const Source& source, MaskNeed need, 
 std::vector<OpenDrive> open_drives(const Job& job, MaskNeed need, Progress& progress) {
   std::vector<OpenDrive> drives;
   drives.push_back(open_drive(job.target, job.source, need, job.options.masks, progress));
-  // Ranges, masks and poses given by hand are the target's; a further drive is taken as it comes.
-  for (const std::string& path : job.sources)
-    drives.push_back(open_drive(path, {job.source.camera, "", "", "auto"}, need, job.options.masks, progress));
+  // Ranges and masks given by hand are the target's; a further drive is taken as it comes.
+  Source further;
+  further.camera = job.source.camera;
+  further.remove = job.source.remove;
+  for (const std::string& path : job.sources) drives.push_back(open_drive(path, further, need, job.options.masks, progress));
+  return drives;
+}
+
+void find_poses(std::vector<OpenDrive>& drives, const Job& job, Progress& progress) {
   for (OpenDrive& open : drives) {
-    const std::string& wish = &open == &drives.front() ? job.source.poses : "auto";
+    const std::string wish = &open == &drives.front() ? job.source.poses : "auto";  // what is asked for is the target's
     open.poses = choose_poses(open.drive, wish, job.options.odometry, progress);
   }
   share_world(drives);
-  return drives;
 }
 
 void share_world(std::vector<OpenDrive>& drives) {

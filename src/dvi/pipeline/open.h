@@ -12,12 +12,12 @@
 
 namespace dvi {
 
-/// A drive that is ready for the stages: masks found, poses in the world of the target's first LiDAR pose.
+/// A drive that is ready for the stages once its poses are found.
 struct OpenDrive {
   Drive drive;
-  Lazy<cv::Mat1b> masks;  ///< as drive.frames
-  Trajectory world_from_lidar;
-  PoseChoice poses;  ///< where they come from
+  Lazy<cv::Mat1b> masks;        ///< as drive.frames
+  Trajectory world_from_lidar;  ///< world: the target's first LiDAR pose
+  PoseChoice poses;             ///< where they come from
 };
 
 /// Whether a drive must say what to remove; if not, nothing is masked where it does not.
@@ -26,9 +26,12 @@ enum class MaskNeed { required, optional };
 /// Opens one drive as `source` says, with warnings told to `progress`. Poses are as given.
 OpenDrive open_drive(const fs::path& path, const Source& source, MaskNeed need, const MaskOptions& options, Progress& progress);
 
-/// Opens the target and the further drives and brings their poses into one world: that of the target's first LiDAR pose.
-/// InputError where a drive has no poses.
+/// Opens the target and the further drives. Their places in the world are still to be found.
 std::vector<OpenDrive> open_drives(const Job& job, MaskNeed need, Progress& progress);
+
+/// Finds the poses of each drive as the job asks, by LOAM where it is to be, and shares their world. InputError where a drive
+/// has none.
+void find_poses(std::vector<OpenDrive>& drives, const Job& job, Progress& progress);
 
 /// Brings the poses of open drives, the target first, into the world of the target's first LiDAR pose. InputError where a drive
 /// has no poses.

@@ -64,7 +64,11 @@ nlohmann::json map_report(const StaticMap& map) {
           {"sweeps_without_pose", c.sweeps_without_pose},
           {"returns", c.returns},
           {"dropped",
-           {{"in_masks", c.masked}, {"in_boxes", c.boxed}, {"not_witnessed", c.unwitnessed}, {"out_of_range", c.too_near}}}};
+           {{"in_masks", c.masked},
+            {"in_boxes", c.boxed},
+            {"moved", c.moved},
+            {"not_witnessed", c.unwitnessed},
+            {"out_of_range", c.too_near}}}};
 }
 
 nlohmann::json drives_report(const std::vector<OpenDrive>& drives) {

@@ -12,7 +12,8 @@ namespace dvi {
 std::string run(const Job& job, Progress& progress) {
   if (is_baseline(job.method)) return run_baseline(job, progress);
   const Options& options = job.options;
-  const std::vector<OpenDrive> drives = open_drives(job, MaskNeed::required, progress);
+  std::vector<OpenDrive> drives = open_drives(job, MaskNeed::required, progress);
+  find_poses(drives, job, progress);  // section 3.1: LOAM
   Views views = make_views(drives, progress);
   RunResult result(job, drives, views, progress);
   if (result.is_complete()) return result.report();

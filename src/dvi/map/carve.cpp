@@ -1,0 +1,62 @@
+#include "dvi/map/carve.h"
+
+#include <algorithm>
+
+#include "dvi/core/threads.h"
+#include "dvi/map/free_space.h"
+
+namespace dvi {
+namespace {
+
+using Tile = MapVoxels::Tile;
+
+// Passes a hit that make a thing one that moved: wires and leaves are passed now and then, but hit more often.
+constexpr double kShare = 0.1;
+
+// Tiles that any of the sweeps reach.
+std::vector<std::pair<int, int>> within_reach(const MapVoxels& voxels, const std::vector<FreeSpace>& spaces) {
+  std::vector<std::pair<int, int>> near;
+  for (const auto& [column, tile] : voxels.tiles()) {
+    const Eigen::Vector2d centre((column.first + 0.5) * MapVoxels::kTile, (column.second + 0.5) * MapVoxels::kTile);
+    const auto reaches = [&](const FreeSpace& space) {
+      return space.valid() && (space.sensor().head<2>() - centre).norm() < FreeSpace::kReach + MapVoxels::kTile;
+    };
+    if (std::any_of(spaces.begin(), spaces.end(), reaches)) near.push_back(column);
+  }
+  return near;
+}
+
+void judge(MapVoxels& voxels, Tile& tile, const std::vector<FreeSpace>& spaces) {
+  const double radius = 0.5 * voxels.edge();
+  for (std::size_t i = 0; i < tile.voxels.size(); ++i) {
+    MapVoxel& voxel = tile.voxels[i];
+    const Eigen::Vector3d point = mean(voxels, tile.places[i], voxel);
+    for (const FreeSpace& space : spaces) {
+      if (!space.valid()) continue;
+      const FreeSpace::Seen seen = space.judge(point, radius);
+      if (seen == FreeSpace::Seen::hit && voxel.hits < UINT16_MAX) ++voxel.hits;
+      if (seen == FreeSpace::Seen::passed && voxel.passes < UINT16_MAX) ++voxel.passes;
+    }
+  }
+}
+
+}  // namespace
+
+void see_through(MapVoxels& voxels, const std::vector<MapInput>& inputs, double pose_error_m, const Tick& tick) {
+  for (const MapInput& input : inputs) {
+    const std::vector<Sweep>& sweeps = input.drive->sweeps;
+    for_blocks(sweeps.size(), [&](std::size_t first, std::size_t last) {
+      std::vector<FreeSpace> spaces(last - first);
+      parallel_for(spaces.size(), [&](std::size_t i) {
+        spaces[i] = FreeSpace(*input.drive->scans[first + i], sweeps[first + i], input.world_from_lidar, pose_error_m);
+      });
+      const std::vector<std::pair<int, int>> near = within_reach(voxels, spaces);
+      parallel_for(near.size(), [&](std::size_t i) { judge(voxels, voxels.tiles().at(near[i]), spaces); });
+      for (std::size_t i = first; i < last; ++i) tick();
+    });
+  }
+}
+
+bool has_moved(const MapVoxel& voxel) { return voxel.passes > kShare * static_cast<double>(voxel.hits); }
+
+}  // namespace dvi

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "dvi/map/voxel_grid.h"
+
+namespace dvi {
+
+/// What the returns of one voxel add up to, and what rays saw of it.
+struct MapVoxel {
+  Eigen::Vector3f offset_sum = Eigen::Vector3f::Zero();  ///< of the returns from the voxel's centre, metres
+  float intensity_sum = 0;
+  std::uint32_t count = 0;
+  std::uint32_t first = 0, last = 0;   ///< sweeps, by their number in StaticMap::sweeps
+  std::uint16_t hits = 0, passes = 0;  ///< sweeps whose rays ended there, and went on behind it
+};
+
+using MapVoxels = VoxelGrid<MapVoxel>;
+
+/// The mean of its returns, in world axes.
+inline Eigen::Vector3d mean(const MapVoxels& grid, const Eigen::Vector3i& place, const MapVoxel& voxel) {
+  return grid.centre(place) + (voxel.offset_sum / static_cast<float>(voxel.count)).cast<double>();
+}
+
+}  // namespace dvi

@@ -1,0 +1,73 @@
+#include "dvi/map/normals.h"
+
+#include <Eigen/Eigenvalues>
+
+#include "dvi/core/threads.h"
+#include "dvi/map/voxel_grid.h"
+
+namespace dvi {
+namespace {
+
+constexpr double kCell = 0.2;   // metres
+constexpr int kFewest = 6;      // points
+constexpr float kFlat = 0.25F;  // a plane's smallest variance is at most this share of the middle one
+
+// Sums over points, from the centre of their cell so that float does.
+struct Moments {
+  int count = 0;
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+
+  void add(const Eigen::Vector3f& x) {
+    ++count;
+    sum += x;
+    squares += x * x.transpose();
+  }
+  // Those of another cell, whose centre lies at `offset` from here.
+  void add(const Moments& other, const Eigen::Vector3f& offset) {
+    count += other.count;
+    sum += other.sum + static_cast<float>(other.count) * offset;
+    squares += other.squares + other.sum * offset.transpose() + offset * other.sum.transpose() +
+               static_cast<float>(other.count) * offset * offset.transpose();
+  }
+};
+
+using Cells = VoxelGrid<Moments>;
+
+Eigen::Vector3f normal_at(const Cells& cells, const Eigen::Vector3i& place) {
+  Moments all;
+  for (int i = 0; i < 27; ++i) {
+    const Eigen::Vector3i step(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    if (const Moments* cell = cells.look(place + step)) all.add(*cell, step.cast<float>() * static_cast<float>(kCell));
+  }
+  if (all.count < kFewest) return Eigen::Vector3f::Zero();
+  const Eigen::Vector3f centre = all.sum / static_cast<float>(all.count);
+  const Eigen::Matrix3f covariance = all.squares / static_cast<float>(all.count) - centre * centre.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+  solver.computeDirect(covariance);
+  if (solver.eigenvalues()[0] > kFlat * solver.eigenvalues()[1]) return Eigen::Vector3f::Zero();
+  return solver.eigenvectors().col(0);
+}
+
+}  // namespace
+
+void add_normals(StaticMap& map) {
+  Cells cells(kCell);
+  for (const MapPoint& point : map.points) {
+    const Eigen::Vector3d x = point.position.cast<double>();
+    cells.at(x).add((x - cells.centre(cells.place(x))).cast<float>());
+  }
+  std::vector<Cells::Tile*> tiles;
+  for (auto& [column, tile] : cells.tiles()) tiles.push_back(&tile);
+  parallel_for(tiles.size(), [&](std::size_t t) {
+    for (std::size_t i = 0; i < tiles[t]->voxels.size(); ++i)
+      tiles[t]->voxels[i].normal = normal_at(cells, tiles[t]->places[i]);
+  });
+  for (MapPoint& point : map.points) {
+    point.normal = cells.at(point.position.cast<double>()).normal;
+    if (point.normal.dot(map.sweeps[point.first].sensor - point.position) < 0) point.normal *= -1;
+  }
+}
+
+}  // namespace dvi

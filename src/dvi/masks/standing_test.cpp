@@ -1,0 +1,56 @@
+#include <gtest/gtest.h>
+
+#include "dvi/masks/standing.h"
+
+namespace dvi {
+namespace {
+
+constexpr std::int64_t kStep = 100'000'000;
+
+Label label(int track, double x) {
+  Label out;
+  out.track = track;
+  out.box = Box{{Eigen::Matrix3d::Identity(), {x, 3, 0}}, {4, 2, 1.5}};
+  return out;
+}
+
+// The recording car does 10 m/s; track 1 is parked at x = 30 (and labelled a little off now and then), 2 drives ahead, 3 is
+// seen once, 4 has no box.
+Drive labelled_drive() {
+  Drive drive;
+  std::vector<StampedPose> poses;
+  for (int i = 0; i < 20; ++i) {
+    poses.push_back({i * kStep, {Eigen::Matrix3d::Identity(), {1.0 * i, 0, 0}}});
+    Frame frame;
+    frame.time_ns = i * kStep;
+    Label boxless;
+    boxless.track = 4;
+    frame.labels = {label(1, 30 - i + 0.2 * (i % 3)), label(2, 15), boxless};
+    if (i == 5) frame.labels.push_back(label(3, 8));
+    drive.frames.push_back(frame);
+  }
+  drive.poses = Trajectory(poses);
+  return drive;
+}
+
+TEST(Standing, IsWhatKeepsItsPlaceInTheWorld) { EXPECT_EQ(standing_tracks(labelled_drive()), (std::set<int>{1, 3})); }
+
+TEST(Standing, NothingWithoutPoses) {
+  Drive drive = labelled_drive();
+  drive.poses = {};
+  EXPECT_TRUE(standing_tracks(drive).empty());
+}
+
+TEST(Standing, LabelsAreDropped) {
+  Drive drive = labelled_drive();
+  drop_standing(drive);
+  EXPECT_TRUE(drive.labelled);
+  for (const Frame& frame : drive.frames) {
+    ASSERT_EQ(frame.labels.size(), 2U);
+    EXPECT_EQ(frame.labels[0].track, 2);
+    EXPECT_EQ(frame.labels[1].track, 4);
+  }
+}
+
+}  // namespace
+}  // namespace dvi
