@@ -6,6 +6,7 @@
 namespace dvi {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// A rigid motion, named target_from_source: x_in_target = R x_in_source + t.
 struct SE3 {

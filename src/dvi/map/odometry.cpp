@@ -6,15 +6,15 @@
 
 #include <fmt/format.h>
 
-#include "dvi/map/register_scan.h"
+#include "dvi/map/loop_closure.h"
+#include "dvi/map/odometry_scene.h"
 
 namespace dvi {
 namespace {
 
-constexpr double kLongGap = 0.55;                    // seconds without a sweep, after which the speed is searched for anew
-constexpr double kSpeeds[] = {0, 15, 30, -10};       // m/s forward, tried at a cold start: a start is caught from 10 m/s off
-constexpr std::size_t kStartSweeps = 4;              // that must agree on the speed
-constexpr double kLargeVoxel = 3, kEdgeVoxel = 1.6;  // of the small voxel
+constexpr double kLongGap = 0.55;               // seconds without a sweep, after which the speed is searched for anew
+constexpr double kSpeeds[] = {0, 15, 30, -10};  // m/s forward, tried at a cold start: a start is caught from 10 m/s off
+constexpr std::size_t kStartSweeps = 4;         // that must agree on the speed
 constexpr std::size_t kFewestFeatures = 100;
 constexpr double kLeastShare = 0.25;    // of the features must fit, else the track is lost ...
 constexpr double kLeastOfUsual = 0.75;  // ... and, after a gap, of the usual share
@@ -37,7 +37,7 @@ bool has_ground_below(const Features& features) {
 struct Entry {
   std::size_t sweep = 0;
   std::int64_t time_ns = 0;
-  Features dense, sparse;  // for the map, and for registering
+  ScanFeatures features;
   SE3 pose;
   Vector6d twist = Vector6d::Zero();
 };
@@ -47,16 +47,14 @@ double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 /// The local map and the sweeps that may still move.
 class Track {
  public:
-  explicit Track(const OdometryOptions& options)
-      : options_(&options),
-        scene_{LocalMap(options.voxel_m), LocalMap(kLargeVoxel * options.voxel_m), LocalMap(kEdgeVoxel * options.voxel_m)} {}
+  explicit Track(const OdometryOptions& options) : options_(&options), scene_(empty_scene(options)) {}
 
   const Entry& last() const { return window_.back(); }
   std::size_t size() const { return window_.size(); }
   Surroundings& scene() { return scene_; }
 
   void put(Entry entry) {
-    scene_.add(entry.dense, entry.pose, entry.twist);
+    scene_.add(entry.features.dense, entry.pose, entry.twist);
     window_.push_back(std::move(entry));
   }
 
@@ -82,7 +80,7 @@ class Track {
     Registration fit;
     fit.twist[0] = speed;
     fit.world_from_lidar = se3_exp(fit.twist * dt);
-    RegisterOptions coarse = register_options();
+    RegisterOptions coarse = register_options(*options_);
     coarse.coarse_iterations = 8;
     coarse.iterations = 12;
     coarse.prior_m = 1e3;
@@ -90,8 +88,8 @@ class Track {
       Track fresh(*options_);
       first.twist = fit.twist;
       fresh.put(first);
-      fit =
-          register_scan(second.sparse, fit.world_from_lidar, fit.twist, first.pose, round == 0 ? 0 : dt, fresh.scene_, coarse);
+      fit = register_scan(second.features.sparse, fit.world_from_lidar, fit.twist, first.pose, round == 0 ? 0 : dt,
+                          fresh.scene_, coarse);
       if (round == 0) fit.twist = se3_log(fit.world_from_lidar) / dt;
       coarse.coarse_iterations = 0;
       *this = std::move(fresh);
@@ -106,11 +104,12 @@ class Track {
   /// Registers sweep i of the window again, against all that is in the map but itself.
   void refine(std::size_t i) {
     Entry& entry = window_[i];
-    scene_.remove(entry.dense, entry.pose, entry.twist);
+    scene_.remove(entry.features.dense, entry.pose, entry.twist);
     entry.twist = smooth_twist(i);
-    entry.pose = register_scan(entry.sparse, entry.pose, entry.twist, {}, 0, scene_, register_options()).world_from_lidar;
+    entry.pose = register_scan(entry.features.sparse, entry.pose, entry.twist, {}, 0, scene_, register_options(*options_))
+                     .world_from_lidar;
     entry.twist = smooth_twist(i);
-    scene_.add(entry.dense, entry.pose, entry.twist);
+    scene_.add(entry.features.dense, entry.pose, entry.twist);
   }
 
   Entry pop() {
@@ -120,15 +119,8 @@ class Track {
   }
 
  private:
-  RegisterOptions register_options() const {
-    RegisterOptions out;
-    out.noise_m = options_->noise_m;
-    out.kernel_m = options_->kernel_m;
-    return out;
-  }
-
   Registration register_from(const SE3& guess, const Entry& entry, double dt) {
-    return register_scan(entry.sparse, guess, last().twist, last().pose, dt, scene_, register_options());
+    return register_scan(entry.features.sparse, guess, last().twist, last().pose, dt, scene_, register_options(*options_));
   }
 
   // From the sweep before to the one after.
@@ -178,19 +170,18 @@ class Runner {
     before_ns_ = sweep.time_ns;
     const Rings rings = find_rings(*scan);
     if (out_.rings.empty()) note_rings(rings, *scan);
-    const Features all = find_features(*scan, rings, {options_.min_range_m, options_.max_range_m, 0.75 * options_.spacing_m});
     Entry entry;
     entry.sweep = i;
     entry.time_ns = sweep.time_ns;
-    entry.dense = {thinned(all.planes, options_.spacing_m), all.edges};
-    entry.sparse = {thinned(entry.dense.planes, options_.cell_m), thinned(all.edges, options_.voxel_m)};
-    fit.features = entry.sparse.planes.size() + entry.sparse.edges.size();
+    entry.features = scan_features(*scan, rings, options_);
+    const Features& sparse = entry.features.sparse;
+    fit.features = sparse.planes.size() + sparse.edges.size();
     if (fit.features < kFewestFeatures) {
       fit.state = SweepFit::State::no_points;
       return std::nullopt;
     }
-    out_.plane_features += entry.sparse.planes.size();
-    out_.edge_features += entry.sparse.edges.size();
+    out_.plane_features += sparse.planes.size();
+    out_.edge_features += sparse.edges.size();
     return entry;
   }
 
@@ -220,7 +211,7 @@ class Runner {
   // From each speed through the first sweeps; the one whose sweeps fit best.
   void start() {
     out_.sweeps[starting_.front().sweep].state = SweepFit::State::first;
-    if (!has_ground_below(starting_.front().dense))
+    if (!has_ground_below(starting_.front().features.dense))
       out_.warnings.emplace_back("there is no ground below the LiDAR: its axes must be x forward, y left, z up");
     if (starting_.size() == 1) {
       track_.put(std::move(starting_.front()));
@@ -249,6 +240,7 @@ class Runner {
     out.inliers = fit.inliers;
     out.residual_m = fit.residual_m;
     out.degenerate = fit.degenerate;
+    out.information = fit.information;
     const double share = static_cast<double>(fit.inliers) / static_cast<double>(std::max<std::size_t>(fit.features, 1));
     const bool after_gap = sweep > 0 && seconds(drive_.sweeps[sweep].time_ns - drive_.sweeps[sweep - 1].time_ns) > kLongGap;
     if (share < kLeastShare || (after_gap && share < kLeastOfUsual * usual_share_)) out.state = SweepFit::State::lost;
@@ -299,7 +291,9 @@ class Runner {
 }  // namespace
 
 Odometry odometry(const Drive& drive, const OdometryOptions& options, const Tick& tick) {
-  return Runner(drive, options, tick)();
+  Odometry found = Runner(drive, options, tick)();
+  if (options.loops) close_loops(drive, options, found);
+  return found;
 }
 
 const char* to_string(SweepFit::State state) {

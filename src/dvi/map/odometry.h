@@ -18,6 +18,7 @@ struct OdometryOptions {
   double noise_m = 0.03;
   double kernel_m = 0.1;
   int lag = 10;
+  bool loops = true;
 
   void describe(OptionTable& table) {
     table.section("odometry");
@@ -29,6 +30,7 @@ struct OdometryOptions {
     table.add("noise_m", noise_m, {0.001, 1}, "Standard deviation of returns across a flat surface.");
     table.add("kernel_m", kernel_m, {0.01, 2}, "Distances to surfaces well beyond this count for nothing.");
     table.add("lag", lag, {0, 100}, "Sweeps after which one is registered again, against what came after it too; 0: never.");
+    table.add("loops", loops, "Close loops: where the drive comes back to a place, both passes are laid together.");
   }
 };
 
@@ -39,6 +41,7 @@ struct SweepFit {
   std::size_t features = 0, inliers = 0;
   double residual_m = 0;  ///< RMS distance of inliers across the surfaces
   int degenerate = 0;     ///< directions of motion that the scene does not hold: there the motion goes on as before
+  Matrix6d information = Matrix6d::Zero();  ///< Registration::information
 };
 
 struct Odometry {
@@ -47,10 +50,13 @@ struct Odometry {
   std::size_t plane_features = 0, edge_features = 0;  ///< registered, of all sweeps
   std::string rings;                                  ///< how beams were told: file, order, elevation, none
   std::vector<std::string> warnings;
+  std::size_t loops = 0;            ///< closed
+  double largest_correction_m = 0;  ///< of a pose, by closing them
 };
 
 /// Poses from the scans alone (Zhang and Singh, LOAM, 2014): each sweep is registered against a local map of planes and lines
-/// that the sweeps before it left, and again when `lag` more have come. A cold start tries several speeds. One tick a sweep.
+/// that the sweeps before it left, and again when `lag` more have come. A cold start tries several speeds. Then loops are
+/// closed (loop_closure.h). One tick a sweep.
 Odometry odometry(const Drive& drive, const OdometryOptions& options, const Tick& tick = [] {});
 
 const char* to_string(SweepFit::State state);

@@ -8,8 +8,6 @@
 namespace dvi {
 namespace {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
 // The normal equations of one iteration.
 struct Sums {
   Matrix6d H = Matrix6d::Zero();
@@ -92,6 +90,7 @@ Registration register_scan(const Features& features, const SE3& guess, const Vec
   prior << Eigen::Vector3d::Constant(1 / (options.prior_m * options.prior_m)),
       Eigen::Vector3d::Constant(100 / (options.prior_m * options.prior_m));
   const double noise2 = options.noise_m * options.noise_m;
+  Matrix6d held = prior.asDiagonal();
   out.features = features.planes.size() + features.edges.size();
   for (int i = 0; i < options.iterations; ++i) {
     const bool coarse = i < options.coarse_iterations;
@@ -117,13 +116,16 @@ Registration register_scan(const Features& features, const SE3& guess, const Vec
     out.degenerate = loose_directions(H);
     Vector6d from_guess;
     from_guess << pose.t - guess.t, so3_log(pose.R * guess.R.transpose());
-    const Vector6d step = (H + prior.asDiagonal().toDenseMatrix()).ldlt().solve(sums.b - prior.cwiseProduct(from_guess));
+    held = H + prior.asDiagonal().toDenseMatrix();
+    const Vector6d step = held.ldlt().solve(sums.b - prior.cwiseProduct(from_guess));
     pose.t += step.head<3>();
     pose.R = so3_exp(step.tail<3>()) * pose.R;
     if (i >= options.coarse_iterations + 3 && step.head<3>().norm() < 3e-4 && step.tail<3>().norm() < 1e-5) break;
   }
   out.twist = seconds > 0 ? Vector6d(se3_log(before.inverse() * pose) / seconds) : twist;
   out.world_from_lidar = pose;
+  for (const int i : {0, 3})
+    for (const int j : {0, 3}) out.information.block<3, 3>(i, j) = pose.R.transpose() * held.block<3, 3>(i, j) * pose.R;
   return out;
 }
 

@@ -33,7 +33,8 @@ struct Registration {
   Vector6d twist = Vector6d::Zero();
   double residual_m = 0;  ///< RMS across surfaces, of the inliers
   std::size_t inliers = 0, features = 0;
-  int degenerate = 0;  ///< directions of motion that the scene does not hold
+  int degenerate = 0;                       ///< directions of motion that the scene does not hold
+  Matrix6d information = Matrix6d::Zero();  ///< of the pose, prior included: translation, rotation, in the LiDAR's axes
 };
 
 /// Where a scan fits the scene: Gauss-Newton on SE(3) over distances to planes and lines (Geman-McClure weights). The motion

@@ -37,6 +37,8 @@ nlohmann::json odometry_report(const Odometry& odometry) {
           {"path_m", path},
           {"plane_features", odometry.plane_features},
           {"edge_features", odometry.edge_features},
+          {"loops", odometry.loops},
+          {"largest_correction_m", odometry.largest_correction_m},
           {"sweeps", sweeps}};
 }
 
@@ -50,6 +52,9 @@ PoseChoice choose_poses(const Drive& drive, const std::string& wish, const Odome
   progress.begin("odometry", drive.sweeps.size());
   choice.odometry = odometry(drive, options, progress.tick());
   for (const std::string& warning : choice.odometry->warnings) progress.warn(name + ": " + warning);
+  if (choice.odometry->loops > 0)
+    progress.note(fmt::format("{}: {} loops closed, poses moved by up to {:.2f} m", name, choice.odometry->loops,
+                              choice.odometry->largest_correction_m));
   if (choice.odometry->world_from_lidar.empty()) {
     if (wish == "loam" || drive.poses.empty()) throw InputError(drive.path, "has no scan that odometry could hold on to");
     return choice;
