@@ -48,10 +48,11 @@ class Progress:
 
 
 def plan(chosen: list[Case], methods: list[Variant], ablations: list[Variant]) -> list[tuple[Case, list[Variant]]]:
-    """What to run on each case: dvi first, because it tells which pixels are compared and which frames are shown."""
+    """What to run on each case: all methods before any ablation; dvi first, because it tells which pixels are compared and
+    which frames are shown."""
     others = [method for method in methods if method != variants.DVI]
-    return [(case, [variants.DVI, *others, *(variants.applicable(ablations, bool(case.sources)) if case.ablated else ())])
-            for case in chosen]
+    return ([(case, [variants.DVI, *others]) for case in chosen]
+            + [(case, variants.applicable(ablations, bool(case.sources))) for case in chosen if case.ablated and ablations])
 
 
 def attempt(outcome: Outcome, case: Case, what: str, work: Callable[[], dict | None]) -> bool:
@@ -70,9 +71,14 @@ def run_all(scorer: Scorer, outcome: Outcome) -> None:
     todo = plan(outcome.cases, outcome.methods, outcome.ablations)
     due = [(case, [variant for variant in row if scorer.known(case, variant) is None]) for case, row in todo]
     progress = Progress(sum(len(row) for _, row in due))
+    failed: set[str] = set()  # cases without a result of dvi: there is nothing to compare with
     for (case, row), (_, missing) in zip(todo, due):
+        if case.name in failed:
+            progress.skip(len(missing))
+            continue
         if missing and not attempt(outcome, case, "making the case", lambda: scorer.make(case)):
             progress.skip(len(missing))
+            failed.add(case.name)
             continue
         for variant in row:
             if variant not in missing:
@@ -81,7 +87,8 @@ def run_all(scorer: Scorer, outcome: Outcome) -> None:
             progress.tell(f"{case.name}: {variant.name}")
             worked = attempt(outcome, case, variant.name, lambda: scorer.score(case, variant, variant in outcome.methods))
             if not worked and variant == variants.DVI:
-                progress.skip(len(missing) - 1)  # without dvi there is nothing to compare with
+                progress.skip(len(missing) - 1)
+                failed.add(case.name)
                 break
 
 

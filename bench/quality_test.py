@@ -93,8 +93,9 @@ class Arguments(unittest.TestCase):
 
     def test_dvi_comes_first(self):
         case = cases.street()[0]
-        [(_, row)] = quality.plan([case], list(variants.METHODS), list(variants.ABLATIONS))
-        self.assertEqual([variant.name for variant in row][:2], ["dvi", "telea"])
+        [(_, methods), (_, ablations)] = quality.plan([case], list(variants.METHODS), list(variants.ABLATIONS))
+        self.assertEqual([variant.name for variant in methods][:2], ["dvi", "telea"])
+        self.assertEqual(ablations, list(variants.ABLATIONS) if case.sources else variants.applicable(variants.ABLATIONS, False))
 
     def test_pictures_are_of_the_median_and_the_worst_frame(self):
         frames = [{"name": name, "all": {"mae": mae, "pixels": 1}} for name, mae in (("a", 9.0), ("b", 1.0), ("c", 3.0))]
