@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pictures
-from cases import Case
+from cases import STREET, Case
 from scoring import Scorer, picture_names
 from tables import cell, delta, interval, percent, share_of, table
 from variants import DVI, Variant
@@ -236,8 +236,14 @@ def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command:
     for case in outcome.finished():
         text.append(details(outcome, case, scorer))
         names = picture_names(outcome.evaluation(case, DVI.name))
-        pictures.crops(outcome, case, scorer, names, images / f"{case.name}.jpg")
-        text += [image(f"{case.name}.jpg", f"{case.name}: input, truth and each method"), crops_note(names)]
+        # Recordings have owners, and licences that this repository's does not go with: their pictures stay in build/.
+        ours = case.group == STREET
+        place = (images if ours else scorer.root / "crops") / f"{case.name}.jpg"
+        place.parent.mkdir(parents=True, exist_ok=True)
+        pictures.crops(outcome, case, scorer, names, place)
+        text.append(image(place.name, f"{case.name}: input, truth and each method") if ours
+                    else f"Crops side by side, not part of this repository: `build/bench/quality/crops/{place.name}`.\n")
+        text.append(crops_note(names))
     if outcome.failures:
         rows = [[case, what, shown(message)] for case, what, message in outcome.failures]
         text += ["## What failed", table(["case", "what", "message"], rows, words=3)]
