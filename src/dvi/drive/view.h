@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
+#include <opencv2/core/matx.hpp>
 
 #include "dvi/core/lazy.h"
 #include "dvi/geometry/camera.h"
@@ -21,7 +22,13 @@ struct View {
   std::int64_t time_ns = 0;
   Camera camera;
   SE3 camera_from_world;
+  cv::Vec3f gain{1, 1, 1};  ///< BGR; its colours times this are in the light common to all views
 };
+
+/// What brings the colours of one view into the light of another.
+inline cv::Vec3f gain_to(const View& target, const View& source) {
+  return {source.gain[0] / target.gain[0], source.gain[1] / target.gain[1], source.gain[2] / target.gain[2]};
+}
 
 /// All views: those of the target drive first, in time order, then drive after drive. A view's index is its source number.
 struct Views {
