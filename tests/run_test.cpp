@@ -34,6 +34,7 @@ TEST_F(Run, WritesEverythingTheContractNames) {
     const cv::Mat1b kind = read_png_grey(folder / "out/kind" / name, kSize);
     const cv::Mat1b confidence = read_png_grey(folder / "out/confidence" / name, kSize);
     const cv::Mat_<cv::Vec3w> provenance = read_png_triples(folder / "out/provenance" / name, kSize);
+    const cv::Mat_<cv::Vec3w> harmonisation = read_png_triples(folder / "out/harmonisation" / name, kSize);
     read_png_depth(folder / "out/depth" / name, kSize);
     const cv::Mat3b original = read_image(input, kSize), filled = read_image(folder / "out/frames" / name, kSize);
     const std::size_t sources = nlohmann::json::parse(read_file(folder / "out/sources.json"))["sources"].size();
@@ -49,6 +50,7 @@ TEST_F(Run, WritesEverythingTheContractNames) {
           ASSERT_LE(kind(y, x), 5);
         }
         ASSERT_EQ(source[0] > 0, kind(y, x) == 1 || kind(y, x) == 2);
+        ASSERT_EQ(source[0] > 0, harmonisation(y, x)[0] > 0);
         ASSERT_LE(source[0], sources);
         ASSERT_LE(source[1], (kSize.width - 1) * 16);
         ASSERT_LE(source[2], (kSize.height - 1) * 16);

@@ -69,6 +69,7 @@ struct Common {
 void add_run(Program& program);
 void add_map(Program& program);
 void add_eval(Program& program);
+void add_audit(Program& program);
 void add_check(Program& program);
 void add_forecast(Program& program);
 void add_holdout(Program& program);

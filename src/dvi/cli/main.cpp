@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   dvi::add_run(program);
   dvi::add_map(program);
   dvi::add_eval(program);
+  dvi::add_audit(program);
   dvi::add_check(program);
   dvi::add_forecast(program);
   dvi::add_holdout(program);

@@ -12,6 +12,8 @@ const std::array<const char*, 6> kKinds{"original", "copied", "copied_elsewhere"
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
+std::array<float, 3> rgb(const cv::Vec3f& bgr) { return {bgr[2], bgr[1], bgr[0]}; }
+
 // Shares of the hole; never_seen is what no other frame had, whatever then became of it.
 void add_shares(nlohmann::json& hole) {
   const double pixels = hole["pixels"].get<double>();
@@ -94,7 +96,7 @@ nlohmann::json sources_report(const Views& views, const std::vector<OpenDrive>& 
                        {"camera", drive.camera_name},
                        {"frame", frame.name},
                        {"file", fs::absolute(frame.file).lexically_normal().string()},
-                       {"exposure_gain", {1.0, 1.0, 1.0}}});
+                       {"exposure_gain", rgb(views[i].gain)}});
   }
   return {{"schema", "dvi-sources/1"}, {"sources", sources}};
 }

@@ -31,7 +31,8 @@ cv::Mat3b to_8bit(const FilledFrame& frame) {
 }
 
 const std::vector<std::string>& ResultFolder::picture_folders() {
-  static const std::vector<std::string> folders{"frames", "masks", "kind", "provenance", "confidence", "depth"};
+  static const std::vector<std::string> folders{"frames",        "masks",      "kind", "provenance",
+                                                "harmonisation", "confidence", "depth"};
   return folders;
 }
 
@@ -70,11 +71,13 @@ ResultFolder::~ResultFolder() {
   if (created_ && fs::is_empty(out_ / ".dvi/frames", ignored)) fs::remove_all(out_, ignored);
 }
 
-void ResultFolder::write_frame(const std::string& name, const FilledFrame& frame, const std::string& record_json) {
+void ResultFolder::write_frame(const std::string& name, const FilledFrame& frame, const cv::Mat_<cv::Vec3w>& harmonisation,
+                               const std::string& record_json) {
   const std::string png = name + ".png";
   write_png(out_ / "masks" / png, frame.mask);
   write_png(out_ / "kind" / png, frame.kind);
   write_png(out_ / "provenance" / png, frame.provenance);
+  write_png(out_ / "harmonisation" / png, harmonisation);
   write_png(out_ / "confidence" / png, frame.confidence);
   write_png(out_ / "depth" / png, depth_image(frame.depth));
   write_png(out_ / "frames" / png, to_8bit(frame));

@@ -27,8 +27,9 @@ class ResultFolder {
   /// The JSON that write_frame was given for a finished frame.
   std::string frame_record(const std::string& name) const { return read_file(record(name)); }
 
-  /// Everything of the frame, then its record. Safe to call from several threads.
-  void write_frame(const std::string& name, const FilledFrame& frame, const std::string& record_json);
+  /// Everything of the frame, what harmonisation() says of it, then its record. Safe to call from several threads.
+  void write_frame(const std::string& name, const FilledFrame& frame, const cv::Mat_<cv::Vec3w>& harmonisation,
+                   const std::string& record_json);
 
   /// Removes what a run with other frames left behind; `names` are those of this run.
   void remove_others(const std::vector<std::string>& names);

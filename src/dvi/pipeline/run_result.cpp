@@ -5,6 +5,7 @@
 #include "dvi/core/hash.h"
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
+#include "dvi/harmonize/receipt.h"
 #include "dvi/pipeline/map_files.h"
 #include "dvi/pipeline/report.h"
 #include "dvi/pipeline/result_media.h"
@@ -61,7 +62,11 @@ void RunResult::make_frames(const FillFrame& fill_frame, const std::vector<ViewA
     parallel_for(block.size(), [&](std::size_t i) {
       const Frame& frame = drives_.front().drive.frames[views_[block[i]].frame];
       const nlohmann::json record = frame_report(frame, finished[i], alignment[block[i]]);
-      clock.time("write", [&] { folder_.write_frame(frame.name, finished[i].frame, record.dump(1)); });
+      clock.time("write", [&] {
+        const FilledFrame& filled = finished[i].frame;
+        const cv::Mat_<cv::Vec3w> change = harmonisation(views_, block[i], to_8bit(filled), filled.provenance);
+        folder_.write_frame(frame.name, filled, change, record.dump(1));
+      });
       progress_.advance();
     });
   });

@@ -1,0 +1,41 @@
+#include "dvi/harmonize/receipt.h"
+
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "dvi/image/interpolate.h"
+
+namespace dvi {
+
+Provenance Provenance::of(const cv::Vec3w& triple) {
+  return {static_cast<int>(triple[0]) - 1,
+          {static_cast<float>(triple[1]) / kSubpixel, static_cast<float>(triple[2]) / kSubpixel}};
+}
+
+cv::Vec3i copied_colour(const Views& views, std::size_t target, const cv::Mat3b& source_image, const Provenance& from) {
+  const cv::Vec3f colour = bilinear(source_image, from.position);
+  const cv::Vec3f gain = gain_to(views[target], views[static_cast<std::size_t>(from.view)]);
+  cv::Vec3i out;
+  for (int c = 0; c < 3; ++c) out[c] = static_cast<int>(std::lround(colour[c] * gain[c]));
+  return out;
+}
+
+cv::Mat_<cv::Vec3w> harmonisation(const Views& views, std::size_t target, const cv::Mat3b& written,
+                                  const cv::Mat_<cv::Vec3w>& provenance) {
+  cv::Mat_<cv::Vec3w> out(written.size(), cv::Vec3w());
+  std::map<int, std::vector<cv::Point>> of_view;  // so that each source is decoded once
+  for (int y = 0; y < written.rows; ++y)
+    for (int x = 0; x < written.cols; ++x)
+      if (provenance(y, x)[0] > 0) of_view[Provenance::of(provenance(y, x)).view].emplace_back(x, y);
+  for (const auto& [view, pixels] : of_view) {
+    const auto image = views.images[static_cast<std::size_t>(view)];
+    for (const cv::Point p : pixels) {
+      const cv::Vec3i change = cv::Vec3i(written(p)) - copied_colour(views, target, *image, Provenance::of(provenance(p)));
+      for (int c = 0; c < 3; ++c) out(p)[2 - c] = cv::saturate_cast<ushort>(change[c] + kNoChange);
+    }
+  }
+  return out;
+}
+
+}  // namespace dvi

@@ -1,0 +1,130 @@
+#include "dvi/pipeline/audit_result.h"
+
+#include <array>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/pipeline/open.h"
+
+namespace dvi {
+namespace {
+
+/// A line of sources.json.
+struct ListedSource {
+  std::string drive, frame;
+  cv::Vec3f gain;
+};
+
+std::vector<ListedSource> read_sources(const fs::path& file) {
+  const char* remedy = "dvi audit takes the output folder of dvi run";
+  if (!fs::exists(file)) throw InputError(file.parent_path(), "is no result: it has no sources.json", remedy);
+  std::vector<ListedSource> sources;
+  try {
+    const nlohmann::json document = nlohmann::json::parse(read_file(file));
+    for (const nlohmann::json& s : document.at("sources")) {
+      if (s.at("number").get<std::size_t>() != sources.size()) throw InputError(file, "does not number its sources in order");
+      const auto gain = s.at("exposure_gain").get<std::array<float, 3>>();
+      sources.push_back({s.at("drive"), s.at("frame"), {gain[2], gain[1], gain[0]}});
+    }
+  } catch (const nlohmann::json::exception& e) {
+    throw InputError(file, fmt::format("is not what dvi run writes: {}", e.what()));
+  }
+  if (sources.empty()) throw InputError(file, "names no source", remedy);
+  return sources;
+}
+
+/// The views of the drives as sources.json numbers them.
+Views views_of(const std::vector<ListedSource>& sources, const std::vector<OpenDrive>& drives, const fs::path& out) {
+  const Views all = make_unposed_views(drives);
+  std::map<std::pair<int, std::string>, std::size_t> index;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Drive& drive = drives[static_cast<std::size_t>(all[i].drive)].drive;
+    index[{all[i].drive, drive.frames[all[i].frame].name}] = i;
+  }
+  Views views;
+  std::vector<std::size_t> found;
+  std::vector<std::string> paths;  // of the drives, in the order in which the sources name them
+  for (const ListedSource& source : sources) {
+    if (paths.empty() || paths.back() != source.drive) paths.push_back(source.drive);
+    if (paths.size() > drives.size())
+      throw InputError(out, "has sources of another drive, " + source.drive, "name all its drives, the target first");
+    const auto it = index.find({static_cast<int>(paths.size()) - 1, source.frame});
+    if (it == index.end())
+      throw InputError(drives[paths.size() - 1].drive.path, "has no frame " + source.frame + ", which the result copies from",
+                       "audit a result with the drives it was made from");
+    found.push_back(it->second);
+    views.views.push_back(all[it->second]);
+  }
+  if (paths.size() < drives.size())
+    throw InputError(out, fmt::format("was made from {} drive(s), not {}", paths.size(), drives.size()));
+  views.images = {found.size(), 1, [all, found](std::size_t i) { return *all.images[found[i]]; }};
+  views.masks = {found.size(), 1, [all, found](std::size_t i) { return *all.masks[found[i]]; }};
+  return views;
+}
+
+nlohmann::json json_of(const Audit& audit, const fs::path& out) {
+  nlohmann::json findings = nlohmann::json::object();
+  for (std::size_t b = 0; b < kBreaches.size(); ++b) {
+    const Finding& f = audit.findings[b];
+    findings[kBreaches[b]] = {{"pixels", f.pixels}};
+    if (f.pixels > 0) findings[kBreaches[b]]["first"] = {{"frame", f.frame}, {"x", f.x}, {"y", f.y}};
+  }
+  return {{"schema", "dvi-audit/1"},
+          {"path", out.string()},
+          {"passed", audit.passed()},
+          {"frames", audit.frames},
+          {"removed_pixels", audit.removed},
+          {"copied_pixels", audit.copied},
+          {"harmonisation", {{"median", audit.change_median}, {"p95", audit.change_p95}}},
+          {"findings", findings}};
+}
+
+std::string text_of(const Audit& audit, const fs::path& out) {
+  static const std::array<const char*, kBreaches.size()> kSay{
+      "mask: the result's mask is not what the drive says is to be removed",
+      "outside: outside the mask the result is not the drive's image",
+      "receipt: kind and provenance contradict each other, or name what does not exist",
+      "masked source: copied from inside a mask", "colour: source and recorded harmonisation do not give the colour written"};
+  std::string text = fmt::format(
+      "{}\n  frames   {}\n  removed  {} pixels, {} of them copied: each was traced to its source\n"
+      "  harmonisation changed the copies by {:.1f} grey levels in the median, {:.1f} at the 95th percentile\n",
+      out.string(), audit.frames, audit.removed, audit.copied, audit.change_median, audit.change_p95);
+  for (std::size_t b = 0; b < kBreaches.size(); ++b) {
+    const Finding& f = audit.findings[b];
+    if (f.pixels > 0)
+      text += fmt::format("  {}\n    {} pixels, the first in frame {} at {}, {}\n", kSay[b], f.pixels, f.frame, f.x, f.y);
+  }
+  return text + (audit.passed() ? "  passed: no pixel comes from a mask, every copy can be reproduced" : "  FAILED");
+}
+
+}  // namespace
+
+AuditReport audit_result(const fs::path& out, const std::vector<std::string>& drives, const std::string& masks,
+                         Progress& progress) {
+  const std::vector<ListedSource> sources = read_sources(out / "sources.json");
+  Job job;
+  job.table().load_toml(out / "dvi.toml");
+  if (job.sources.size() + 1 != drives.size())
+    throw InputError(out, fmt::format("was made from {} drive(s), not {}", job.sources.size() + 1, drives.size()),
+                     "name the same drives, the target first");
+  job.target = drives.front();
+  job.sources.assign(drives.begin() + 1, drives.end());
+  if (!masks.empty()) job.source.masks = masks;
+  const std::vector<OpenDrive> open = open_drives(job, MaskNeed::required, progress);
+  Views views = views_of(sources, open, out);
+  for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < views.of_drive(0).second; ++i) names.push_back(sources[i].frame);
+
+  progress.begin("audit", names.size());
+  AuditReport report{audit(out, views, names, progress.tick()), {}, {}};
+  progress.end();
+  report.json = json_of(report.audit, out).dump(1);
+  report.text = text_of(report.audit, out);
+  return report;
+}
+
+}  // namespace dvi
