@@ -66,6 +66,14 @@ TEST_F(Poses, FromScansFollowTheTruth) {
   const nlohmann::json report = map("drive", "--poses loam");
   EXPECT_EQ(report["from"], "loam");
   EXPECT_EQ(report["odometry"]["sweeps"].size(), 6);
+  EXPECT_LT(report["odometry"]["drift"]["second_look"]["largest_m"], 0.05);
+  EXPECT_TRUE(report["odometry"]["drift"]["given_over_10_m"].is_null()) << "the drive is shorter";
+  std::vector<std::string> stages;
+  for (const auto& stage : nlohmann::json::parse(read_file(folder / "out/map.json"))["cost"]["stages"]) {
+    stages.push_back(stage["stage"]);
+    EXPECT_GE(stage["cpu_seconds_per_scan"], 0);
+  }
+  EXPECT_THAT(stages, testing::ElementsAre("odometry", "loops", "sharpness", "read", "map", "carve", "normals", "write"));
   EXPECT_LT(apart(read("out/trajectory.txt"), read("drive/poses.txt")), 0.03);
   ASSERT_EQ(dvi("map drive -o tum --quiet --poses loam --trajectory tum").code, 0);
   EXPECT_EQ(read_lines(folder / "tum/trajectory.txt").size(), 6);

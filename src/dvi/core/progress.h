@@ -35,6 +35,13 @@ class Progress {
   Tick tick() {
     return [this] { advance(); };
   }
+  /// begin() and advance() as a stage of several parts wants them.
+  BeginPart parts() {
+    return [this](const char* part, std::size_t ticks) {
+      begin(part, ticks);
+      return tick();
+    };
+  }
 
   void warn(const std::string& message);
   void note(const std::string& message);

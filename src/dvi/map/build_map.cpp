@@ -113,22 +113,20 @@ StaticMap to_map(const Gathered& gathered, bool carve) {
   for (const auto& [column, tile] : gathered.removed.tiles())
     for (const std::size_t i : in_order(tile))
       map.removed.push_back({gathered.removed.centre(tile.places[i]).cast<float>(), tile.voxels[i].cause});
-  add_normals(map);
   return map;
 }
 
 }  // namespace
 
-std::size_t map_ticks(const std::vector<MapInput>& inputs, const MapOptions& options) {
-  std::size_t count = 0;
-  for (const MapInput& input : inputs) count += input.drive->sweeps.size();
-  return options.carve ? 2 * count : count;
-}
-
-StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const Tick& tick) {
-  Gathered gathered = gather(inputs, options, tick);
-  if (options.carve) see_through(gathered.voxels, inputs, options.pose_error_m, tick);
-  return to_map(gathered, options.carve);
+StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const BeginPart& begin) {
+  std::size_t sweeps = 0;
+  for (const MapInput& input : inputs) sweeps += input.drive->sweeps.size();
+  Gathered gathered = gather(inputs, options, begin("map", sweeps));
+  if (options.carve) see_through(gathered.voxels, inputs, options.pose_error_m, begin("carve", sweeps));
+  begin("normals", 0);
+  StaticMap map = to_map(gathered, options.carve);
+  add_normals(map);
+  return map;
 }
 
 }  // namespace dvi

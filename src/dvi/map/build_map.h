@@ -41,10 +41,7 @@ struct MapInput {
 /// The static map of several drives in one world: scans are compensated for the motion within the sweep; points that project
 /// into the mask of the frame nearest in time or lie in its labelled boxes are dropped (section 3.1 of the paper), the rest is
 /// thinned to one mean point a voxel; then voxels that rays of other sweeps went through are dropped. Streams over scans:
-/// memory grows with the area seen.
-StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const Tick& tick = [] {});
-
-/// How often build_map will tick.
-std::size_t map_ticks(const std::vector<MapInput>& inputs, const MapOptions& options);
+/// memory grows with the area seen. Parts: map, carve, normals.
+StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const BeginPart& begin = untold);
 
 }  // namespace dvi

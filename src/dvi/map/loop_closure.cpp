@@ -218,11 +218,12 @@ class LoopFinder {
   const Course& course_;
 };
 
-std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options, const Course& course) {
+std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options, const Course& course, const Tick& tick) {
   LoopFinder find(drive, options, course);
   std::vector<Loop> loops;
   double next = kLongWay;
   for (std::size_t i = 0; i < course.size(); ++i) {
+    tick();
     if (course.way_m[i] < next) continue;
     const std::optional<std::size_t> earlier = nearest_earlier(course, i);
     if (!earlier) continue;
@@ -241,13 +242,13 @@ Matrix6d no_better_than(const Matrix6d& information, double metres, double radia
 
 }  // namespace
 
-std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options, const Odometry& odometry) {
-  return find_loops(drive, options, course_of(odometry));
+std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options, const Odometry& odometry, const Tick& tick) {
+  return find_loops(drive, options, course_of(odometry), tick);
 }
 
-void close_loops(const Drive& drive, const OdometryOptions& options, Odometry& odometry) {
+void close_loops(const Drive& drive, const OdometryOptions& options, Odometry& odometry, const Tick& tick) {
   const Course course = course_of(odometry);
-  const std::vector<Loop> loops = find_loops(drive, options, course);
+  const std::vector<Loop> loops = find_loops(drive, options, course, tick);
   if (loops.empty()) return;
   std::vector<PoseEdge> edges;
   for (std::size_t i = 1; i < course.size(); ++i) {

@@ -15,10 +15,12 @@ struct Loop {
 
 /// Pairs of poses a long drive apart that odometry puts near each other and whose scans fit together: the later scan is held
 /// against a map of the earlier ones, from starts all over the place, and must fit nearly as well as a scan of its own time
-/// does, and so must one a little before it. Reads the scans it needs again.
-std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options, const Odometry& odometry);
+/// does, and so must one a little before it. Reads the scans it needs again. One tick a pose.
+std::vector<Loop> find_loops(
+    const Drive& drive, const OdometryOptions& options, const Odometry& odometry, const Tick& tick = [] {});
 
 /// Moves the odometry's poses so that loops close (pose_graph.h), the first stays. Without loops nothing changes.
-void close_loops(const Drive& drive, const OdometryOptions& options, Odometry& odometry);
+/// One tick a pose.
+void close_loops(const Drive& drive, const OdometryOptions& options, Odometry& odometry, const Tick& tick = [] {});
 
 }  // namespace dvi

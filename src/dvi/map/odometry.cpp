@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <numeric>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "dvi/map/loop_closure.h"
+#include "dvi/map/motion_prior.h"
 #include "dvi/map/odometry_scene.h"
 
 namespace dvi {
@@ -16,9 +19,11 @@ constexpr double kLongGap = 0.55;               // seconds without a sweep, afte
 constexpr double kSpeeds[] = {0, 15, 30, -10};  // m/s forward, tried at a cold start: a start is caught from 10 m/s off
 constexpr std::size_t kStartSweeps = 4;         // that must agree on the speed
 constexpr std::size_t kFewestFeatures = 100;
-constexpr double kLeastShare = 0.25;    // of the features must fit, else the track is lost ...
-constexpr double kLeastOfUsual = 0.75;  // ... and, after a gap, of the usual share
-constexpr double kMargin = 60;          // metres by which the local map reaches farther than a scan
+constexpr double kLeastShare = 0.25;               // of the features must fit, else the track is lost ...
+constexpr double kLeastOfUsual = 0.75;             // ... and, after a gap, of the usual share
+constexpr double kMargin = 60;                     // metres by which the local map reaches farther than a scan
+constexpr double kAgree = 0.3, kAgreeTurn = 0.03;  // metres and radians between a given step and what it is held against
+constexpr double kBelief = 1.01;  // a given motion that scans do not contradict may fit so much worse than another
 
 /// Whether a fair share of what is flat lies level below the sensor, as the ground does where z is up.
 bool has_ground_below(const Features& features) {
@@ -40,16 +45,24 @@ struct Entry {
   ScanFeatures features;
   SE3 pose;
   Vector6d twist = Vector6d::Zero();
+  bool given = false;  // its motion was guessed from given poses
 };
+
+bool agree(const SE3& a, const SE3& b) {
+  const SE3 off = a.inverse() * b;
+  return off.t.norm() < kAgree && so3_log(off.R).norm() < kAgreeTurn;
+}
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
 /// The local map and the sweeps that may still move.
 class Track {
  public:
-  explicit Track(const OdometryOptions& options) : options_(&options), scene_(empty_scene(options)) {}
+  Track(const OdometryOptions& options, const MotionPrior& prior)
+      : options_(&options), prior_(&prior), scene_(empty_scene(options)) {}
 
   const Entry& last() const { return window_.back(); }
+  const Entry& operator[](std::size_t i) const { return window_[i]; }
   std::size_t size() const { return window_.size(); }
   Surroundings& scene() { return scene_; }
 
@@ -58,34 +71,31 @@ class Track {
     window_.push_back(std::move(entry));
   }
 
-  /// Registers the next sweep from the motion so far.
+  /// Registers the next sweep from the given motion, or from the motion so far.
   Registration follow(Entry entry) {
-    const double dt = seconds(entry.time_ns - last().time_ns);
-    Registration fit = register_from(last().pose * se3_exp(last().twist * dt), entry, dt <= kLongGap ? dt : 0);
-    if (dt > kLongGap)
-      for (const double share : {0.0, 0.25, 0.5, 0.75, 1.25}) {
-        const Registration other = register_from(last().pose * se3_exp(last().twist * dt * share), entry, 0);
-        if (other.inliers > fit.inliers) fit = other;
-      }
-    entry.pose = fit.world_from_lidar;
-    entry.twist = fit.twist;
+    std::optional<Registration> fit = follow_given(entry);
+    entry.given = fit.has_value();
+    if (!fit) fit = follow_motion(entry);
+    entry.pose = fit->world_from_lidar;
+    entry.twist = fit->twist;
     put(std::move(entry));
     scene_.keep_near(last().pose.t, options_->max_range_m + kMargin);
-    return fit;
+    return *fit;
   }
 
-  /// The first two sweeps, if the car moves at about this speed: the first is compensated with what the second finds.
-  Registration begin(Entry first, Entry second, double speed) {
+  /// The first two sweeps, if the car moves about like this: the first is compensated with what the second finds.
+  Registration begin(Entry first, Entry second, const Vector6d& twist, bool given) {
     const double dt = seconds(second.time_ns - first.time_ns);
     Registration fit;
-    fit.twist[0] = speed;
+    fit.twist = twist;
     fit.world_from_lidar = se3_exp(fit.twist * dt);
     RegisterOptions coarse = register_options(*options_);
     coarse.coarse_iterations = 8;
     coarse.iterations = 12;
     coarse.prior_m = 1e3;
+    coarse.guess_holds = second.given = given;
     for (int round = 0; round < 4; ++round) {
-      Track fresh(*options_);
+      Track fresh(*options_, *prior_);
       first.twist = fit.twist;
       fresh.put(first);
       fit = register_scan(second.features.sparse, fit.world_from_lidar, fit.twist, first.pose, round == 0 ? 0 : dt,
@@ -104,10 +114,11 @@ class Track {
   /// Registers sweep i of the window again, against all that is in the map but itself.
   void refine(std::size_t i) {
     Entry& entry = window_[i];
+    RegisterOptions options = register_options(*options_);
+    options.guess_holds = entry.given;
     scene_.remove(entry.features.dense, entry.pose, entry.twist);
     entry.twist = smooth_twist(i);
-    entry.pose = register_scan(entry.features.sparse, entry.pose, entry.twist, {}, 0, scene_, register_options(*options_))
-                     .world_from_lidar;
+    entry.pose = register_scan(entry.features.sparse, entry.pose, entry.twist, {}, 0, scene_, options).world_from_lidar;
     entry.twist = smooth_twist(i);
     scene_.add(entry.features.dense, entry.pose, entry.twist);
   }
@@ -119,8 +130,36 @@ class Track {
   }
 
  private:
-  Registration register_from(const SE3& guess, const Entry& entry, double dt) {
-    return register_scan(entry.features.sparse, guess, last().twist, last().pose, dt, scene_, register_options(*options_));
+  /// None where there is no given motion, or the motion so far fits the scans better.
+  std::optional<Registration> follow_given(const Entry& entry) {
+    const std::optional<SE3> motion = prior_->motion(last().time_ns, entry.time_ns);
+    if (!motion) return std::nullopt;
+    const double dt = seconds(entry.time_ns - last().time_ns);
+    RegisterOptions options = register_options(*options_);
+    options.guess_holds = true;
+    const SE3 guess = last().pose * *motion;
+    const Registration fit = register_scan(entry.features.sparse, guess, se3_log(*motion) / dt, last().pose,
+                                           dt <= kLongGap ? dt : 0, scene_, options);
+    const bool kept = agree(guess, fit.world_from_lidar);
+    if (kept && agree(guess, last().pose * se3_exp(last().twist * dt))) return fit;
+    const double belief = kept ? kBelief : 1 / kBelief;
+    const Registration other = follow_motion(entry);
+    return belief * static_cast<double>(fit.inliers) > static_cast<double>(other.inliers) ? std::optional(fit) : std::nullopt;
+  }
+
+  Registration follow_motion(const Entry& entry) {
+    const double dt = seconds(entry.time_ns - last().time_ns);
+    const auto from = [&](double share, double within) {
+      return register_scan(entry.features.sparse, last().pose * se3_exp(last().twist * dt * share), last().twist, last().pose,
+                           within, scene_, register_options(*options_));
+    };
+    if (dt <= kLongGap) return from(1, dt);
+    Registration fit = from(1, 0);
+    for (const double share : {0.0, 0.25, 0.5, 0.75, 1.25}) {
+      const Registration other = from(share, 0);
+      if (other.inliers > fit.inliers) fit = other;
+    }
+    return fit;
   }
 
   // From the sweep before to the one after.
@@ -132,14 +171,15 @@ class Track {
   }
 
   const OdometryOptions* options_;
+  const MotionPrior* prior_;
   Surroundings scene_;
   std::deque<Entry> window_;
 };
 
 class Runner {
  public:
-  Runner(const Drive& drive, const OdometryOptions& options, const Tick& tick)
-      : drive_(drive), options_(options), tick_(tick), track_(options) {
+  Runner(const Drive& drive, const OdometryOptions& options, const Trajectory& given, const Tick& tick)
+      : drive_(drive), options_(options), prior_(given), tick_(tick), track_(options, prior_) {
     out_.sweeps.resize(drive.sweeps.size());
   }
 
@@ -150,7 +190,7 @@ class Runner {
     }
     if (!starting_.empty()) start();
     for (; refined_ < track_.size(); ++refined_)
-      if (options_.lag > 0) track_.refine(refined_);
+      if (options_.lag > 0) look_again(refined_);
     while (track_.size() > 0) emit(track_.pop());
     finish();
     return std::move(out_);
@@ -198,9 +238,10 @@ class Runner {
       return;
     }
     const std::size_t sweep = entry.sweep;
-    record(sweep, track_.follow(std::move(entry)));
+    const Registration fit = track_.follow(std::move(entry));
+    record(sweep, fit, track_.last().given);
     const auto lag = static_cast<std::size_t>(options_.lag);
-    if (lag > 0 && track_.size() - refined_ > lag) track_.refine(refined_++);
+    if (lag > 0 && track_.size() - refined_ > lag) look_again(refined_++);
     // One sweep that is done stays, for its neighbour's motion.
     while (track_.size() > lag + 2) {
       emit(track_.pop());
@@ -218,28 +259,39 @@ class Runner {
       starting_.clear();
       return;
     }
-    std::size_t most = 0;
+    double most = 0;
     std::vector<Registration> best;
-    for (const double speed : kSpeeds) {
-      Track track(options_);
-      std::vector<Registration> fits{track.begin(starting_[0], starting_[1], speed)};
+    const auto attempt = [&](const Vector6d& twist, bool given) {
+      Track track(options_, prior_);
+      std::vector<Registration> fits{track.begin(starting_[0], starting_[1], twist, given)};
       for (std::size_t i = 2; i < starting_.size(); ++i) fits.push_back(track.follow(starting_[i]));
-      std::size_t inliers = 0;
-      for (const Registration& fit : fits) inliers += fit.inliers;
-      if (inliers <= most) continue;
-      most = inliers;
+      double score = given ? kBelief : 1;
+      score *= std::accumulate(fits.begin(), fits.end(), 0.0,
+                               [](double sum, const Registration& fit) { return sum + static_cast<double>(fit.inliers); });
+      if (score <= most) return;
+      most = score;
       best = std::move(fits);
       track_ = std::move(track);
-    }
-    for (std::size_t i = 0; i < best.size(); ++i) record(starting_[i + 1].sweep, best[i]);
+    };
+    const std::int64_t from = starting_[0].time_ns, to = starting_[1].time_ns;
+    if (const auto motion = prior_.motion(from, to)) attempt(se3_log(*motion) / seconds(to - from), true);
+    for (const double speed : kSpeeds) attempt(speed * Vector6d::Unit(0), false);
+    for (std::size_t i = 0; i < best.size(); ++i) record(starting_[i + 1].sweep, best[i], track_[i + 1].given);
     starting_.clear();
   }
 
-  void record(std::size_t sweep, const Registration& fit) {
+  void look_again(std::size_t i) {
+    const Eigen::Vector3d first = track_[i].pose.t;
+    track_.refine(i);
+    out_.sweeps[track_[i].sweep].second_look_m = (track_[i].pose.t - first).norm();
+  }
+
+  void record(std::size_t sweep, const Registration& fit, bool given) {
     SweepFit& out = out_.sweeps[sweep];
     out.inliers = fit.inliers;
     out.residual_m = fit.residual_m;
     out.degenerate = fit.degenerate;
+    out.given = given;
     out.information = fit.information;
     const double share = static_cast<double>(fit.inliers) / static_cast<double>(std::max<std::size_t>(fit.features, 1));
     const bool after_gap = sweep > 0 && seconds(drive_.sweeps[sweep].time_ns - drive_.sweeps[sweep - 1].time_ns) > kLongGap;
@@ -277,6 +329,7 @@ class Runner {
 
   const Drive& drive_;
   const OdometryOptions& options_;
+  const MotionPrior prior_;
   const Tick& tick_;
   Track track_;
   std::vector<Entry> starting_;
@@ -290,9 +343,9 @@ class Runner {
 
 }  // namespace
 
-Odometry odometry(const Drive& drive, const OdometryOptions& options, const Tick& tick) {
-  Odometry found = Runner(drive, options, tick)();
-  if (options.loops) close_loops(drive, options, found);
+Odometry odometry(const Drive& drive, const OdometryOptions& options, const Trajectory& given, const BeginPart& begin) {
+  Odometry found = Runner(drive, options, given, begin("odometry", drive.sweeps.size()))();
+  if (options.loops) close_loops(drive, options, found, begin("loops", found.world_from_lidar.poses().size()));
   return found;
 }
 

@@ -39,8 +39,10 @@ struct SweepFit {
   enum class State { registered, first, no_points, duplicate, lost };
   State state = State::registered;
   std::size_t features = 0, inliers = 0;
-  double residual_m = 0;  ///< RMS distance of inliers across the surfaces
-  int degenerate = 0;     ///< directions of motion that the scene does not hold: there the motion goes on as before
+  double residual_m = 0;                    ///< RMS distance of inliers across the surfaces
+  int degenerate = 0;                       ///< directions of motion that the scene does not hold
+  bool given = false;                       ///< there the given poses decided; else the motion goes on as before
+  double second_look_m = 0;                 ///< by how much the second look, against what came before and after, moved it
   Matrix6d information = Matrix6d::Zero();  ///< Registration::information
 };
 
@@ -54,10 +56,12 @@ struct Odometry {
   double largest_correction_m = 0;  ///< of a pose, by closing them
 };
 
-/// Poses from the scans alone (Zhang and Singh, LOAM, 2014): each sweep is registered against a local map of planes and lines
-/// that the sweeps before it left, and again when `lag` more have come. A cold start tries several speeds. Then loops are
-/// closed (loop_closure.h). One tick a sweep.
-Odometry odometry(const Drive& drive, const OdometryOptions& options, const Tick& tick = [] {});
+/// Poses from the scans (Zhang and Singh, LOAM, 2014): each sweep is registered against a local map of planes and lines that
+/// the sweeps before it left, and again when `lag` more have come. A start tries several speeds. The motion between sweeps is
+/// guessed to go on as before, or taken from `given` poses where these neither jump nor contradict the scans; it decides in
+/// directions that the scene does not hold. Then loops are closed (loop_closure.h). Parts: odometry, loops.
+Odometry odometry(const Drive& drive, const OdometryOptions& options, const Trajectory& given = {},
+                  const BeginPart& begin = untold);
 
 const char* to_string(SweepFit::State state);
 

@@ -41,14 +41,14 @@ void add(const Shape& shape, const Eigen::Vector3d& p, const Eigen::Vector3d& ce
   }
 }
 
-// Directions of translation, rotation left free, that hold next to none of the information.
-int loose_directions(const Matrix6d& H) {
+// Directions of translation, rotation left free, that hold next to none of the information: one a column.
+Eigen::Matrix3Xd loose_directions(const Matrix6d& H) {
   constexpr double kLoose = 0.002;
   const Eigen::Matrix3d turning = H.bottomRightCorner<3, 3>() + 1e-9 * H.trace() * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d held =
       H.topLeftCorner<3, 3>() - H.topRightCorner<3, 3>() * turning.ldlt().solve(H.bottomLeftCorner<3, 3>());
-  const Eigen::Vector3d values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(held, Eigen::EigenvaluesOnly).eigenvalues();
-  return static_cast<int>((values.array() < kLoose * H.topLeftCorner<3, 3>().trace()).count());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(held);  // eigenvalues rise
+  return solver.eigenvectors().leftCols((solver.eigenvalues().array() < kLoose * H.topLeftCorner<3, 3>().trace()).count());
 }
 
 }  // namespace
@@ -113,11 +113,14 @@ Registration register_scan(const Features& features, const SE3& guess, const Vec
     if (sums.inliers < 20) break;
     out.residual_m = std::sqrt(sums.squares / static_cast<double>(sums.inliers));
     const Matrix6d H = sums.H.selfadjointView<Eigen::Lower>();
-    out.degenerate = loose_directions(H);
+    const Eigen::Matrix3Xd loose = loose_directions(H);
+    out.degenerate = static_cast<int>(loose.cols());
     Vector6d from_guess;
     from_guess << pose.t - guess.t, so3_log(pose.R * guess.R.transpose());
     held = H + prior.asDiagonal().toDenseMatrix();
-    const Vector6d step = held.ldlt().solve(sums.b - prior.cwiseProduct(from_guess));
+    Matrix6d stay = prior.asDiagonal();
+    if (options.guess_holds) stay.topLeftCorner<3, 3>() += H.trace() * loose * loose.transpose();
+    const Vector6d step = (H + stay).ldlt().solve(sums.b - stay * from_guess);
     pose.t += step.head<3>();
     pose.R = so3_exp(step.tail<3>()) * pose.R;
     if (i >= options.coarse_iterations + 3 && step.head<3>().norm() < 3e-4 && step.tail<3>().norm() < 1e-5) break;

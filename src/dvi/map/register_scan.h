@@ -26,6 +26,7 @@ struct RegisterOptions {
   double noise_m = 0.03;      ///< of a return, across a surface
   double kernel_m = 0.1;      ///< residuals well beyond count for nothing
   double prior_m = 0.1;       ///< how far off the guess may be where the scene tells nothing; a tenth of it in radians
+  bool guess_holds = false;   ///< the guess is measured: directions that the scene does not hold stay as guessed
 };
 
 struct Registration {

@@ -92,7 +92,7 @@ nlohmann::json describe(const OpenDrive& open, std::vector<std::string> warnings
             {"with_pose", posed}}},
           {"sweeps", {{"count", drive.sweeps.size()}, {"rate_hz", rate(drive.sweeps)}, {"mean_points", mean(found.points)}}},
           {"path_m", path_length(drive, poses)},
-          {"poses", poses_report(open.poses)},
+          {"poses", poses_report(drive, open.poses)},
           {"masks",
            {{"source", !drive.masks.empty() ? "files"
                        : masks              ? "labels"

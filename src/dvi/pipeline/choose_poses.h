@@ -19,8 +19,9 @@ struct PoseChoice {
   std::optional<Sharpness> given, loam;
 };
 
-/// `wish` is auto, given, loam or a file of poses. auto: the given poses or those of the scans, whichever lay the scans
-/// together more sharply; the given ones where they are as good. InputError where loam is wished for and there are no scans.
+/// `wish` is auto, given, loam or a file of poses. auto: the given poses or those of the scans, which take the given motion for
+/// a guess, whichever lay the scans together more sharply; the given ones where they are as good. InputError where loam is
+/// wished for and there are no scans.
 PoseChoice choose_poses(const Drive& drive, const std::string& wish, const OdometryOptions& options, Progress& progress);
 
 /// The trajectory that was chosen, in its own world.
@@ -29,6 +30,7 @@ const Trajectory& chosen(const Drive& drive, const PoseChoice& choice);
 /// The odometry's motion, laid onto the given poses as a whole where there are some: drives that share a world stay together.
 Trajectory laid_onto(const Trajectory& given, const Trajectory& odometry);
 
-nlohmann::json poses_report(const PoseChoice& choice);
+/// What map.json and report.json say of a drive's poses.
+nlohmann::json poses_report(const Drive& drive, const PoseChoice& choice);
 
 }  // namespace dvi

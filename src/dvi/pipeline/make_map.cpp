@@ -10,8 +10,7 @@ namespace dvi {
 
 StaticMap map_drives(const std::vector<OpenDrive>& drives, const MapOptions& options, Progress& progress) {
   const std::vector<MapInput> inputs = map_inputs(drives);
-  progress.begin("map", map_ticks(inputs, options));
-  StaticMap map = build_map(inputs, options, progress.tick());
+  StaticMap map = build_map(inputs, options, progress.parts());
   if (map.points.empty()) progress.warn("the map is empty: no scan left a static point, nothing can be copied");
   return map;
 }
@@ -26,11 +25,15 @@ std::string make_map(const Job& job, const std::string& trajectory, Progress& pr
   const Views views = make_views(drives, progress);
   progress.begin("write", 0);
   const OpenDrive& target = drives.front();
-  nlohmann::json report = map_report(map);
-  report["poses"] = poses_report(target.poses);
-  write_map_files(job.out, map, views, target.drive, report);
+  const fs::path out = job.out;
+  write_map_files(out, map, views, target.drive);
   if (trajectory != "none")
-    write_trajectory(fs::path(job.out) / "trajectory.txt", target.drive, target.world_from_lidar, trajectory == "tum");
+    write_trajectory(out / "trajectory.txt", target.drive, target.world_from_lidar, trajectory == "tum");
+  progress.end();
+  nlohmann::json report = map_report(map);
+  report["poses"] = poses_report(target.drive, target.poses);
+  report["cost"] = {{"stages", stages_report(progress, "scan", map.sweeps.size())}, {"peak_memory_bytes", peak_memory()}};
+  write_file(out / "map.json", report.dump(1) + "\n");
   return report.dump(1);
 }
 

@@ -3,7 +3,6 @@
 #include <array>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "dvi/io/write_ply.h"
 #include "dvi/map/visible_points.h"
@@ -106,15 +105,13 @@ void write_removed(const fs::path& path, const std::vector<RemovedPoint>& remove
 
 }  // namespace
 
-void write_map_files(const fs::path& folder, const StaticMap& map, const Views& views, const Drive& target,
-                     const nlohmann::json& report) {
+void write_map_files(const fs::path& folder, const StaticMap& map, const Views& views, const Drive& target) {
   make_folder(folder);
   write_file(folder / "poses.txt", pose_lines(views));
   write_file(folder / "times.txt", time_lines(views));
   const std::string name = target.path.filename().string();
   write_map(folder / "map.ply", map, colours(map, views), "dvi map of " + name);
   write_removed(folder / "moving.ply", map.removed, "taken out of the dvi map of " + name);
-  write_file(folder / "map.json", report.dump(1) + "\n");
 }
 
 void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory& world_from_lidar, bool tum) {

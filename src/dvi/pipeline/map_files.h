@@ -1,7 +1,5 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "dvi/core/files.h"
 #include "dvi/drive/drive.h"
 #include "dvi/drive/view.h"
@@ -10,9 +8,8 @@
 namespace dvi {
 
 /// poses.txt (KITTI: world_from_camera, one line a frame of the target), times.txt (seconds), map.ply (coloured by the
-/// target's frames where they see it), moving.ply (what was taken out, coloured by cause), map.json, into a folder.
-void write_map_files(const fs::path& folder, const StaticMap& map, const Views& views, const Drive& target,
-                     const nlohmann::json& report);
+/// target's frames where they see it), moving.ply (what was taken out, coloured by cause) into a folder.
+void write_map_files(const fs::path& folder, const StaticMap& map, const Views& views, const Drive& target);
 
 /// world_from_lidar at the middle of each sweep that has a pose: 12 numbers a line (KITTI), or seconds and tx ty tz qx qy qz qw
 /// (TUM).

@@ -81,7 +81,7 @@ nlohmann::json drives_report(const std::vector<OpenDrive>& drives) {
                    {"camera", open.drive.camera_name},
                    {"frames", open.drive.frames.size()},
                    {"sweeps", open.drive.sweeps.size()},
-                   {"poses", poses_report(open.poses)},
+                   {"poses", poses_report(open.drive, open.poses)},
                    {"warnings", open.drive.warnings}});
   return out;
 }
@@ -101,18 +101,26 @@ nlohmann::json sources_report(const Views& views, const std::vector<OpenDrive>& 
   return {{"schema", "dvi-sources/1"}, {"sources", sources}};
 }
 
-nlohmann::json cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames) {
+nlohmann::json stages_report(const Progress& progress, const std::string& unit, std::size_t count) {
   nlohmann::json stages = nlohmann::json::array();
-  const double n = static_cast<double>(std::max<std::size_t>(frames, 1));
+  const double n = static_cast<double>(std::max<std::size_t>(count, 1));
   for (const StageTime& t : progress.times())
     stages.push_back({{"stage", t.stage},
                       {"seconds", t.seconds},
                       {"cpu_seconds", t.cpu_seconds},
-                      {"cpu_seconds_per_frame", t.cpu_seconds / n}});
+                      {"cpu_seconds_per_" + unit, t.cpu_seconds / n}});
+  return stages;
+}
+
+nlohmann::json cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames) {
+  const double n = static_cast<double>(std::max<std::size_t>(frames, 1));
   nlohmann::json fill = nlohmann::json::object();
   for (const auto& [stage, seconds] : clock.seconds())
     fill[stage] = {{"cpu_seconds", seconds}, {"cpu_seconds_per_frame", seconds / n}};
-  return {{"stages", stages}, {"fill", fill}, {"frames_made", frames}, {"peak_memory_bytes", peak_memory()}};
+  return {{"stages", stages_report(progress, "frame", frames)},
+          {"fill", fill},
+          {"frames_made", frames},
+          {"peak_memory_bytes", peak_memory()}};
 }
 
 }  // namespace dvi

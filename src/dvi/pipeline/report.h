@@ -25,7 +25,10 @@ nlohmann::json drives_report(const std::vector<OpenDrive>& drives);
 /// What sources.json says: the image behind each number in a frame's receipts.
 nlohmann::json sources_report(const Views& views, const std::vector<OpenDrive>& drives);
 
-/// Wall and CPU seconds a stage, peak memory.
+/// Wall and CPU seconds of each stage, and CPU seconds for each of `count` units ("frame").
+nlohmann::json stages_report(const Progress& progress, const std::string& unit, std::size_t count);
+
+/// What a run cost: its stages, what filling was made of, peak memory.
 nlohmann::json cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames);
 
 /// Shares of each kind over all frames, from their reports.

@@ -77,10 +77,12 @@ std::string RunResult::complete(const StaticMap* map, const CpuClock& clock) {
   const fs::path& out = folder_.path();
   folder_.remove_others(names_);
   write_file(out / "sources.json", sources_report(views_, drives_).dump(1) + "\n");
-  if (map)
-    write_map_files(out / "map", *map, views_, target, map_report(*map));
-  else
+  if (map) {
+    write_map_files(out / "map", *map, views_, target);
+    write_file(out / "map/map.json", map_report(*map).dump(1) + "\n");
+  } else {
     fs::remove_all(out / "map");  // left by another method
+  }
   write_media(out, target, names_, job_.options.video, progress_);
   progress_.end();
   Job resolved = job_;
