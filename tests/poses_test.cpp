@@ -69,7 +69,8 @@ TEST_F(Poses, FromScansFollowTheTruth) {
   EXPECT_LT(report["odometry"]["drift"]["second_look"]["largest_m"], 0.05);
   EXPECT_TRUE(report["odometry"]["drift"]["given_over_10_m"].is_null()) << "the drive is shorter";
   std::vector<std::string> stages;
-  for (const auto& stage : nlohmann::json::parse(read_file(folder / "out/map.json"))["cost"]["stages"]) {
+  const nlohmann::json whole = nlohmann::json::parse(read_file(folder / "out/map.json"));
+  for (const auto& stage : whole["cost"]["stages"]) {
     stages.push_back(stage["stage"]);
     EXPECT_GE(stage["cpu_seconds_per_scan"], 0);
   }

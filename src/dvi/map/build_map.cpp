@@ -19,7 +19,7 @@ struct RemovedVoxel {
 
 // What sweeps are gathered into before any of it is judged by the others.
 struct Gathered {
-  explicit Gathered(double edge) : voxels(edge), removed(edge) {}
+  Gathered(double edge, const std::shared_ptr<Scratch>& scratch) : voxels(edge, scratch), removed(edge, scratch) {}
 
   MapVoxels voxels;
   VoxelGrid<RemovedVoxel> removed;
@@ -58,8 +58,7 @@ void Gathered::add(const FilteredSweep& sweep, std::size_t drive, std::int64_t t
   }
 }
 
-Gathered gather(const std::vector<MapInput>& inputs, const MapOptions& options, const Tick& tick) {
-  Gathered all(options.voxel_m);
+void gather(const std::vector<MapInput>& inputs, const MapOptions& options, Gathered& all, const Tick& tick) {
   for (std::size_t drive = 0; drive < inputs.size(); ++drive) {
     const std::vector<Sweep>& sweeps = inputs[drive].drive->sweeps;
     for_blocks(sweeps.size(), [&](std::size_t first, std::size_t last) {
@@ -69,9 +68,9 @@ Gathered gather(const std::vector<MapInput>& inputs, const MapOptions& options, 
         all.add(filtered[i], drive, sweeps[first + i].time_ns);
         tick();
       }
+      all.voxels.rest();
     });
   }
-  return all;
 }
 
 // A tile's voxels in the order of their coordinates.
@@ -87,6 +86,7 @@ std::vector<std::size_t> in_order(const Tile& tile) {
   return order;
 }
 
+// Adds what a tile holds to the map.
 void add_tile(const MapVoxels& voxels, const MapVoxels::Tile& tile, bool carve, StaticMap& map) {
   StaticMap::Tile out{{}, map.points.size(), 0};
   for (const std::size_t i : in_order(tile)) {
@@ -105,11 +105,16 @@ void add_tile(const MapVoxels& voxels, const MapVoxels::Tile& tile, bool carve, 
   if (out.first < out.last) map.tiles.push_back(out);
 }
 
-StaticMap to_map(const Gathered& gathered, bool carve) {
-  StaticMap map;
+// The map of what was gathered, which is given up tile by tile.
+StaticMap to_map(Gathered& gathered, bool carve, const std::shared_ptr<Scratch>& scratch) {
+  StaticMap map(scratch);
   map.sweeps = gathered.sweeps;
   map.counts = gathered.counts;
-  for (const auto& [column, tile] : gathered.voxels.tiles()) add_tile(gathered.voxels, tile, carve, map);
+  for (auto& [column, tile] : gathered.voxels.tiles()) {
+    add_tile(gathered.voxels, tile, carve, map);
+    tile = MapVoxels::Tile(scratch);
+    map.rest();
+  }
   for (const auto& [column, tile] : gathered.removed.tiles())
     for (const std::size_t i : in_order(tile))
       map.removed.push_back({gathered.removed.centre(tile.places[i]).cast<float>(), tile.voxels[i].cause});
@@ -121,10 +126,12 @@ StaticMap to_map(const Gathered& gathered, bool carve) {
 StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const BeginPart& begin) {
   std::size_t sweeps = 0;
   for (const MapInput& input : inputs) sweeps += input.drive->sweeps.size();
-  Gathered gathered = gather(inputs, options, begin("map", sweeps));
+  const auto scratch = std::make_shared<Scratch>(static_cast<std::size_t>(options.memory_mb) * 1'000'000);
+  Gathered gathered(options.voxel_m, scratch);
+  gather(inputs, options, gathered, begin("map", sweeps));
   if (options.carve) see_through(gathered.voxels, inputs, options.pose_error_m, begin("carve", sweeps));
   begin("normals", 0);
-  StaticMap map = to_map(gathered, options.carve);
+  StaticMap map = to_map(gathered, options.carve, scratch);
   add_normals(map);
   return map;
 }

@@ -17,6 +17,7 @@ struct MapOptions {
   bool witnessed_only = true;
   bool carve = true;
   double pose_error_m = 0.05;
+  int memory_mb = 2000;
 
   void describe(OptionTable& table) {
     table.section("map");
@@ -28,6 +29,7 @@ struct MapOptions {
               "Keep only points that the camera saw, unmasked, when they were scanned: what it did not see may have moved.");
     table.add("carve", carve, "Take out what rays of other sweeps went through: it has moved.");
     table.add("pose_error_m", pose_error_m, {0, 1}, "How far off poses may be between sweeps; carving keeps this distance.");
+    table.add("memory_mb", memory_mb, {0, 1e6}, "What of the map does not fit lies in files without a name, in TMPDIR.");
   }
 };
 
@@ -41,7 +43,7 @@ struct MapInput {
 /// The static map of several drives in one world: scans are compensated for the motion within the sweep; points that project
 /// into the mask of the frame nearest in time or lie in its labelled boxes are dropped (section 3.1 of the paper), the rest is
 /// thinned to one mean point a voxel; then voxels that rays of other sweeps went through are dropped. Streams over scans:
-/// memory grows with the area seen. Parts: map, carve, normals.
+/// memory grows with the area seen, up to a bound. Parts: map, carve, normals.
 StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const BeginPart& begin = untold);
 
 }  // namespace dvi

@@ -52,6 +52,7 @@ void see_through(MapVoxels& voxels, const std::vector<MapInput>& inputs, double 
       });
       const std::vector<std::pair<int, int>> near = within_reach(voxels, spaces);
       parallel_for(near.size(), [&](std::size_t i) { judge(voxels, voxels.tiles().at(near[i]), spaces); });
+      voxels.rest();
       for (std::size_t i = first; i < last; ++i) tick();
     });
   }

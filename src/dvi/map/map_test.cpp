@@ -169,6 +169,40 @@ TEST(BuildMap, ThinsToTheMeanOfAVoxelWhateverTheThreads) {
   EXPECT_EQ(maps[0].tiles.back().last, maps[0].points.size());
 }
 
+TEST(BuildMap, IsTheSameWithoutMemoryToSpare) {
+  Drive drive = wall_drive();
+  drive.sweeps.assign(4, drive.sweeps[0]);
+  drive.scans = Lazy<Scan>(4, 4, [](std::size_t i) {
+    Random random(i);
+    Scan scan;
+    for (int k = 0; k < 20000; ++k) {
+      scan.points.emplace_back(random.uniform(5, 60), random.uniform(-20, 20), random.uniform(-1, 1));
+      scan.intensity.push_back(static_cast<float>(random.uniform()));
+      scan.time.push_back(0);
+    }
+    return scan;
+  });
+  View view;
+  view.camera = drive.camera;
+  view.camera_from_world = drive.camera_from_lidar;
+  StaticMap maps[2];
+  for (const int mb : {0, 2000}) {
+    MapOptions options;
+    options.memory_mb = mb;
+    StaticMap& map = maps[mb > 0 ? 1 : 0] = build_map({{&drive, standing(), one_mask({89, 40, 22, 20})}}, options);
+    EXPECT_EQ(map.scratch()->on_disk() > 0, mb == 0);
+  }
+  ASSERT_EQ(maps[0].points.size(), maps[1].points.size());
+  for (std::size_t i = 0; i < maps[0].points.size(); ++i) {
+    const MapPoint &a = maps[0].points[i], &b = maps[1].points[i];
+    ASSERT_TRUE(a.position == b.position && a.normal == b.normal && a.intensity == b.intensity && a.count == b.count) << i;
+  }
+  EXPECT_EQ(maps[0].removed.size(), maps[1].removed.size());
+  const auto a = visible_points(maps[0], view, 0.07, 0.05), b = visible_points(maps[1], view, 0.07, 0.05);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a[i].index, b[i].index);
+}
+
 TEST(VisiblePoints, HidesWhatIsBehindADisc) {
   StaticMap map;
   for (const float x : {10.0F, 20.0F}) map.points.push_back({{x, 0.01F * (x - 10), 0}, 0, 1});

@@ -53,7 +53,7 @@ Eigen::Vector3f normal_at(const Cells& cells, const Eigen::Vector3i& place) {
 }  // namespace
 
 void add_normals(StaticMap& map) {
-  Cells cells(kCell);
+  Cells cells(kCell, map.scratch());
   for (const MapPoint& point : map.points) {
     const Eigen::Vector3d x = point.position.cast<double>();
     cells.at(x).add((x - cells.centre(cells.place(x))).cast<float>());

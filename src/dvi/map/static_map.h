@@ -7,6 +7,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "dvi/core/scratch.h"
+
 namespace dvi {
 
 /// A point of the static scene: the mean of the returns of one voxel.
@@ -52,11 +54,19 @@ struct StaticMap {
     Eigen::AlignedBox3f bounds;
     std::size_t first = 0, last = 0;  ///< its points: [first, last)
   };
-  std::vector<MapPoint> points;
+  explicit StaticMap(const std::shared_ptr<Scratch>& scratch = {}) : points(scratch), removed(scratch) {}
+
+  ScratchVector<MapPoint> points;
   std::vector<Tile> tiles;
-  std::vector<RemovedPoint> removed;
+  ScratchVector<RemovedPoint> removed;
   std::vector<MapSweep> sweeps;
   MapCounts counts;
+
+  std::shared_ptr<Scratch> scratch() const { return points.get_allocator().scratch; }  ///< may be none
+  /// Lets what does not fit into memory leave it until it is looked at again.
+  void rest() const {
+    if (scratch()) scratch()->rest();
+  }
 };
 
 }  // namespace dvi

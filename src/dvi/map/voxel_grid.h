@@ -3,10 +3,13 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "dvi/core/scratch.h"
 
 namespace dvi {
 
@@ -20,8 +23,10 @@ class VoxelGrid {
 
   class Tile {
    public:
-    std::vector<Voxel> voxels;
-    std::vector<Eigen::Vector3i> places;  ///< as `voxels`: position / edge, rounded down
+    explicit Tile(const std::shared_ptr<Scratch>& scratch) : voxels(scratch), places(scratch), slots_(scratch) {}
+
+    ScratchVector<Voxel> voxels;
+    ScratchVector<Eigen::Vector3i> places;  ///< as `voxels`: position / edge, rounded down
 
     Voxel& at(const Eigen::Vector3i& place) {
       if (2 * (voxels.size() + 1) > slots_.size()) grow();
@@ -56,13 +61,17 @@ class VoxelGrid {
       for (std::size_t k = 0; k < places.size(); ++k) slots_[find(places[k])] = static_cast<std::uint32_t>(k + 1);
     }
 
-    std::vector<std::uint32_t> slots_;  // index + 1 in voxels; 0: free. A power of two, at most half full.
+    ScratchVector<std::uint32_t> slots_;  // index + 1 in voxels; 0: free. A power of two, at most half full.
   };
   using Tiles = std::map<std::pair<int, int>, Tile>;
 
-  explicit VoxelGrid(double edge) : edge_(edge) {}
+  explicit VoxelGrid(double edge, std::shared_ptr<Scratch> scratch = {}) : edge_(edge), scratch_(std::move(scratch)) {}
 
   double edge() const { return edge_; }
+  /// Lets what does not fit into memory leave it until it is looked at again.
+  void rest() const {
+    if (scratch_) scratch_->rest();
+  }
   Tiles& tiles() { return tiles_; }
   const Tiles& tiles() const { return tiles_; }
 
@@ -71,7 +80,7 @@ class VoxelGrid {
 
   Voxel& at(const Eigen::Vector3d& point) {
     const Eigen::Vector3i p = place(point);
-    return tiles_[column(p)].at(p);
+    return tiles_.try_emplace(column(p), scratch_).first->second.at(p);
   }
   const Voxel* look(const Eigen::Vector3i& place) const {
     const auto tile = tiles_.find(column(place));
@@ -85,6 +94,7 @@ class VoxelGrid {
   }
 
   double edge_;
+  std::shared_ptr<Scratch> scratch_;
   Tiles tiles_;
 };
 

@@ -62,8 +62,9 @@ std::vector<cv::Vec3b> colours(const StaticMap& map, const Views& views) {
 }
 
 void write_map(const fs::path& path, const StaticMap& map, const std::vector<cv::Vec3b>& colour, const std::string& comment) {
-  std::vector<Eigen::Vector3f> points;
-  std::array<std::vector<float>, 7> scalars;
+  ScratchVector<Eigen::Vector3f> points(map.scratch());
+  std::array<ScratchVector<float>, 7> scalars;
+  scalars.fill(ScratchVector<float>(map.scratch()));
   const std::array<const char*, 7> names{"nx", "ny", "nz", "intensity", "count", "first", "last"};
   const auto seconds = [&](std::uint32_t sweep) {
     return 1e-9F * static_cast<float>(map.sweeps[sweep].time_ns - map.sweeps.front().time_ns);
@@ -91,7 +92,7 @@ cv::Vec3b colour_of(Cause cause) {
   return kUncoloured;
 }
 
-void write_removed(const fs::path& path, const std::vector<RemovedPoint>& removed, const std::string& comment) {
+void write_removed(const fs::path& path, const ScratchVector<RemovedPoint>& removed, const std::string& comment) {
   std::vector<Eigen::Vector3f> points;
   std::vector<cv::Vec3b> colour;
   std::vector<float> cause;

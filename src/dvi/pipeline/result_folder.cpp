@@ -61,7 +61,10 @@ void ResultFolder::claim(const std::string& identity, const std::string& fingerp
   }
   for (const std::string& folder : picture_folders()) make_folder(out_ / folder);
   remove_temporaries(out_);
-  if (!same) fs::remove_all(out_ / ".dvi/frames");
+  if (!same) {
+    fs::remove_all(out_ / ".dvi/frames");
+    fs::remove(out_ / "report.json");  // it tells of other frames, and marks a result as whole
+  }
   make_folder(out_ / ".dvi/frames");
   write_file(job, nlohmann::json{{"schema", kSchema}, {"identity", identity}, {"fingerprint", fingerprint}}.dump(1) + "\n");
 }

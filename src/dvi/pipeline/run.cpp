@@ -13,10 +13,10 @@ std::string run(const Job& job, Progress& progress) {
   if (is_baseline(job.method)) return run_baseline(job, progress);
   const Options& options = job.options;
   std::vector<OpenDrive> drives = open_drives(job, MaskNeed::required, progress);
+  if (const std::optional<std::string> report = finished_report(job, drives, progress)) return *report;
   find_poses(drives, job, progress);  // section 3.1: LOAM
   Views views = make_views(drives, progress);
   RunResult result(job, drives, views, progress);
-  if (result.is_complete()) return result.report();
   verify(drives, progress);
 
   CpuClock clock;

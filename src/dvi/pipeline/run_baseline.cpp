@@ -22,9 +22,9 @@ FillFrame filler_of(const Job& job, const Views& views, CpuClock& clock) {
 
 std::string run_baseline(const Job& job, Progress& progress) {
   const std::vector<OpenDrive> drives = open_images(job, progress);
+  if (const std::optional<std::string> report = finished_report(job, drives, progress)) return *report;
   const Views views = make_unposed_views(drives);
   RunResult result(job, drives, views, progress);
-  if (result.is_complete()) return result.report();
   verify(drives, progress);
   CpuClock clock;
   result.make_frames(filler_of(job, views, clock), std::vector<ViewAlignment>(views.size()), clock);

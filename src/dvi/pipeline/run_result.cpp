@@ -25,7 +25,7 @@ std::string identity_of(const std::vector<OpenDrive>& drives) {
 std::string fingerprint_of(Job job, const std::vector<OpenDrive>& drives) {
   job.out.clear();
   Fingerprint print;
-  print.add(kVersion);
+  print.add(read_file("/proc/self/exe"));  // another build may make other pixels
   print.add(job.table().dump_toml());
   for (const OpenDrive& open : drives) add_files(print, open.drive);
   return print.hex();
@@ -40,6 +40,19 @@ std::vector<std::string> frame_names(const Views& views, const Drive& target) {
 
 }  // namespace
 
+std::optional<std::string> finished_report(const Job& job, const std::vector<OpenDrive>& drives, Progress& progress) {
+  const fs::path file = fs::path(job.out) / "report.json";
+  if (!fs::exists(file)) return std::nullopt;
+  const ResultFolder folder(job.out, identity_of(drives), fingerprint_of(job, drives), job.force);
+  if (!fs::exists(file)) return std::nullopt;  // it was of other options or files
+  const std::string report = read_file(file);
+  const nlohmann::json told = nlohmann::json::parse(report);
+  for (const nlohmann::json& frame : told["frames"])
+    if (!folder.is_finished(frame["name"])) return std::nullopt;
+  progress.note("every frame is finished already: nothing to do");
+  return report;
+}
+
 RunResult::RunResult(const Job& job, const std::vector<OpenDrive>& drives, const Views& views, Progress& progress)
     : job_(job),
       drives_(drives),
@@ -49,7 +62,6 @@ RunResult::RunResult(const Job& job, const std::vector<OpenDrive>& drives, const
       folder_(job.out, identity_of(drives), fingerprint_of(job, drives), job.force) {
   for (std::size_t i = 0; i < names_.size(); ++i)
     if (!folder_.is_finished(names_[i])) open_.push_back(i);
-  if (is_complete()) progress.note("every frame is finished already: nothing to do");
 }
 
 void RunResult::make_frames(const FillFrame& fill_frame, const std::vector<ViewAlignment>& alignment, CpuClock& clock) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,15 +14,14 @@
 
 namespace dvi {
 
+/// The report of this very run, if its folder holds all of it already.
+std::optional<std::string> finished_report(const Job& job, const std::vector<OpenDrive>& drives, Progress& progress);
+
 /// What a run leaves: the frames of the target in its folder, and all that is told of them.
 class RunResult {
  public:
   /// Takes up what a run of the same drives and options has finished. InputError where the folder is refused.
   RunResult(const Job& job, const std::vector<OpenDrive>& drives, const Views& views, Progress& progress);
-
-  /// Whether the folder holds all of this very run.
-  bool is_complete() const { return open_.empty() && fs::exists(folder_.path() / "report.json"); }
-  std::string report() const { return read_file(folder_.path() / "report.json"); }
 
   /// Makes the frames that are not finished yet, block by block, smooths them (stage 9) and writes each with its record.
   /// `alignment` as views.

@@ -1,0 +1,85 @@
+#include "dvi/core/scratch.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "dvi/core/error.h"
+
+namespace dvi {
+namespace {
+
+constexpr std::size_t kSmall = 1 << 16;  // bytes; smaller blocks are not worth a file
+
+/// A file without a name. InputError where the folder has no room for it.
+class NamelessFile {
+ public:
+  NamelessFile(const std::filesystem::path& folder, std::size_t bytes) {
+    std::string name = (folder / "dvi-scratch-XXXXXX").string();
+    file_ = mkstemp(name.data());
+    if (file_ < 0) fail(folder, errno);
+    unlink(name.c_str());
+    if (const int error = posix_fallocate(file_, 0, static_cast<off_t>(bytes))) {
+      close(file_);
+      fail(folder, error);
+    }
+  }
+  ~NamelessFile() { close(file_); }
+  NamelessFile(const NamelessFile&) = delete;
+  NamelessFile& operator=(const NamelessFile&) = delete;
+  int number() const { return file_; }
+
+ private:
+  [[noreturn]] static void fail(const std::filesystem::path& folder, int error) {
+    throw InputError(folder,
+                     std::string("takes no more of the map, which does not fit into memory (") + std::strerror(error) + ")",
+                     "free space, set TMPDIR to a folder with more, or raise map.memory_mb");
+  }
+  int file_ = -1;
+};
+
+}  // namespace
+
+void* Scratch::allocate(std::size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (bytes >= kSmall && in_memory_ + bytes > bound_) return map_file(bytes);
+  void* block = ::operator new(bytes);
+  in_memory_ += bytes;
+  return block;
+}
+
+void* Scratch::map_file(std::size_t bytes) {
+  const NamelessFile file(folder_, bytes);
+  void* block = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file.number(), 0);
+  if (block == MAP_FAILED) throw std::bad_alloc();
+  files_[block] = bytes;
+  return block;
+}
+
+void Scratch::release(void* block, std::size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (files_.erase(block) > 0) {
+    munmap(block, bytes);
+  } else {
+    ::operator delete(block);
+    in_memory_ -= bytes;
+  }
+}
+
+void Scratch::rest() {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [block, bytes] : files_) madvise(block, bytes, MADV_DONTNEED);  // of a shared file: nothing is lost
+}
+
+std::size_t Scratch::on_disk() const {
+  const std::lock_guard lock(mutex_);
+  std::size_t sum = 0;
+  for (const auto& [block, bytes] : files_) sum += bytes;
+  return sum;
+}
+
+}  // namespace dvi

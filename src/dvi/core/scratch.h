@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <vector>
+
+namespace dvi {
+
+/// Memory that may grow beyond what there is: up to a bound it is memory like any other, beyond that blocks lie in files that
+/// have no name and are gone with the process, and the system keeps of them what is in use. Safe to use from several threads.
+class Scratch {
+ public:
+  /// InputError, later, where `folder` has no room for what does not fit into `bound` bytes.
+  explicit Scratch(std::size_t bound, std::filesystem::path folder = std::filesystem::temp_directory_path())
+      : bound_(bound), folder_(std::move(folder)) {}
+
+  void* allocate(std::size_t bytes);
+  void release(void* block, std::size_t bytes);
+
+  /// Lets what lies in files leave memory until it is looked at again.
+  void rest();
+  std::size_t on_disk() const;  ///< bytes
+
+ private:
+  void* map_file(std::size_t bytes);
+
+  mutable std::mutex mutex_;
+  const std::size_t bound_;
+  const std::filesystem::path folder_;
+  std::size_t in_memory_ = 0;
+  std::map<void*, std::size_t> files_;  // size by address
+};
+
+/// For standard containers that live in a Scratch; without one, in memory like any other.
+template <class T>
+struct ScratchAllocator {
+  using value_type = T;
+  using propagate_on_container_copy_assignment = std::true_type;  // NOLINT(readability-identifier-naming)
+  using propagate_on_container_move_assignment = std::true_type;  // NOLINT(readability-identifier-naming)
+  using propagate_on_container_swap = std::true_type;             // NOLINT(readability-identifier-naming)
+
+  ScratchAllocator(std::shared_ptr<Scratch> from = {}) : scratch(std::move(from)) {}  // NOLINT(google-explicit-constructor)
+  template <class Other>
+  ScratchAllocator(const ScratchAllocator<Other>& other) : scratch(other.scratch) {}  // NOLINT(google-explicit-constructor)
+
+  T* allocate(std::size_t n) {
+    return static_cast<T*>(scratch ? scratch->allocate(n * sizeof(T)) : ::operator new(n * sizeof(T)));
+  }
+  void deallocate(T* block, std::size_t n) { scratch ? scratch->release(block, n * sizeof(T)) : ::operator delete(block); }
+  bool operator==(const ScratchAllocator& other) const { return scratch == other.scratch; }
+
+  std::shared_ptr<Scratch> scratch;
+};
+
+template <class T>
+using ScratchVector = std::vector<T, ScratchAllocator<T>>;
+
+}  // namespace dvi
