@@ -1,28 +1,67 @@
 #include "dvi/depth/visibility_map.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include <opencv2/imgproc.hpp>
 
 #include "dvi/image/region.h"
 
 namespace dvi {
+namespace {
+
+/// Where surfaces end: the step to a neighbour is not that from the opposite one, as on a plane it is in 1/z.
+bool at_edge(const cv::Mat1f& inverse, int x, int y) {
+  constexpr float kStep = 0.05F;  // part of 1/z: what triangles of one surface do not bend by
+  const float here = inverse(y, x);
+  const float across = std::abs(inverse(y, x - 1) + inverse(y, x + 1) - 2 * here);
+  const float along = std::abs(inverse(y - 1, x) + inverse(y + 1, x) - 2 * here);
+  return std::max(across, along) > kStep * here;
+}
+
+/// Distance of each pixel to the mask, a depth edge or the border.
+cv::Mat1f clearance(const DepthMap& depth, const cv::Mat1b& masked) {
+  cv::Mat1f inverse(depth.z.size(), 0.0F);
+  for (int y = 0; y < inverse.rows; ++y)
+    for (int x = 0; x < inverse.cols; ++x)
+      if (DepthMap::is_surface(depth.z(y, x))) inverse(y, x) = 1 / depth.z(y, x);
+  cv::Mat1b inner(inverse.size(), uchar{0});
+  for (int y = 1; y + 1 < inner.rows; ++y)
+    for (int x = 1; x + 1 < inner.cols; ++x)
+      if (masked(y, x) == 0 && !at_edge(inverse, x, y)) inner(y, x) = 255;
+  cv::Mat1f out;
+  cv::distanceTransform(inner, out, cv::DIST_L2, cv::DIST_MASK_3);
+  return out;
+}
+
+}  // namespace
 
 VisibilityMap visibility_map(const DepthMap& depth, const cv::Mat1b& mask, int mask_margin_px) {
   const cv::Mat1b lent = grown(mask, mask_margin_px);
-  const cv::Size full = depth.z.size();
-  VisibilityMap out{cv::Mat1w((full.height + 1) / 2, (full.width + 1) / 2, VisibilityMap::kOpen)};
-  for (int y = 0; y < out.farthest.rows; ++y)
-    for (int x = 0; x < out.farthest.cols; ++x) {
-      float far = 0;
+  const cv::Mat1f clear = clearance(depth, lent);
+  const cv::Size full = depth.z.size(), blocks((full.width + 1) / 2, (full.height + 1) / 2);
+  VisibilityMap out{cv::Mat1w(blocks, VisibilityMap::kOpen), cv::Mat1b(blocks, uchar{255}), cv::Mat1b(blocks, uchar{0})};
+  for (int y = 0; y < blocks.height; ++y)
+    for (int x = 0; x < blocks.width; ++x) {
+      float far = 0, near = DepthMap::kSky, clear_px = 255;
       uchar masked = 0;
       for (int v = std::max(0, 2 * y - 1); v <= std::min(full.height - 1, 2 * y + 2); ++v)
         for (int u = std::max(0, 2 * x - 1); u <= std::min(full.width - 1, 2 * x + 2); ++u) {
-          far = std::max(far, depth.z(v, u) == DepthMap::kUnknown ? DepthMap::kSky : depth.z(v, u));
+          const bool known = depth.z(v, u) != DepthMap::kUnknown;
+          const float off = VisibilityMap::kSigmas * depth.sigma(v, u);
+          far = std::max(far, known ? depth.z(v, u) + off : DepthMap::kSky);
+          near = std::min(near, known ? std::max(0.0F, depth.z(v, u) - off) : 0.0F);
+          clear_px = std::min(clear_px, clear(v, u));
           masked |= lent(v, u);
         }
-      if (masked != 0)
+      out.clear(y, x) = static_cast<uchar>(clear_px);
+      if (masked != 0) {
         out.farthest(y, x) = VisibilityMap::kMasked;
-      else if (far * VisibilityMap::kScale < VisibilityMap::kOpen)
+      } else if (far * VisibilityMap::kScale < VisibilityMap::kOpen) {
         out.farthest(y, x) = static_cast<ushort>(std::ceil(far * VisibilityMap::kScale));
+        const float spread = std::ceil((far / near - 1) * VisibilityMap::kSpreadScale);
+        out.spread(y, x) = static_cast<uchar>(std::min(spread, 255.0F));
+      }
     }
   return out;
 }

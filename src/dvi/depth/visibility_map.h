@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include <opencv2/core/mat.hpp>
 
@@ -8,26 +9,38 @@
 
 namespace dvi {
 
-/// What a view can lend to others, small enough to keep for many views: a value for each 2 x 2 block of pixels.
+/// What a view can lend to others, small enough to keep for many views: values for each 2 x 2 block of pixels.
 struct VisibilityMap {
   static constexpr float kScale = 256;
-  static constexpr ushort kMasked = 0;     ///< within the margin of the view's own mask: lends nothing
-  static constexpr ushort kOpen = 0xFFFF;  ///< sky, unknown or farther than the scale holds: hides nothing
+  static constexpr ushort kMasked = 0;       ///< within the margin of the view's own mask: lends nothing
+  static constexpr ushort kOpen = 0xFFFF;    ///< sky, unknown or farther than the scale holds: hides nothing
+  static constexpr float kSpreadScale = 64;  ///< of `spread`
+  static constexpr float kSigmas = 2;        ///< by so many of its standard deviations a surface may be off
 
   /// Metres x 256 of the farthest surface within a pixel of the block, so that at a depth edge either surface counts.
   cv::Mat1w farthest;
+  /// By what part of the nearest surface there the farthest lies behind it, x 64; 255: so much or more, or not known.
+  cv::Mat1b spread;
+  /// Pixels to the view's own mask, to the next depth edge or to the image's border.
+  cv::Mat1b clear;
 
   /// Whether the colour at a position of the full image is masked.
-  bool masked(cv::Point2f at) const { return value(at) == kMasked; }
+  bool masked(cv::Point2f at) const { return farthest(block(at)) == kMasked; }
   /// Whether what is seen there is nearer than `z` by more than the part `tolerance` of its depth.
   bool hides(cv::Point2f at, double z, double tolerance) const {
-    return value(at) != kOpen && z > value(at) / kScale * (1 + tolerance);
+    const ushort far = farthest(block(at));
+    return far != kOpen && z > far / kScale * (1 + tolerance);
   }
+  /// Whether what is seen there is surely farther than `z` by more than the part `tolerance`.
+  bool sees_through(cv::Point2f at, double z, double tolerance) const {
+    const cv::Point b = block(at);
+    return spread(b) < 255 && z * (1 + tolerance) < farthest(b) / kScale / (1 + spread(b) / kSpreadScale);
+  }
+  float clear_px(cv::Point2f at) const { return clear(block(at)); }
 
  private:
-  ushort value(cv::Point2f at) const {
-    return farthest(std::min(static_cast<int>(at.y) / 2, farthest.rows - 1),
-                    std::min(static_cast<int>(at.x) / 2, farthest.cols - 1));
+  cv::Point block(cv::Point2f at) const {
+    return {std::min(static_cast<int>(at.x) / 2, farthest.cols - 1), std::min(static_cast<int>(at.y) / 2, farthest.rows - 1)};
   }
 };
 

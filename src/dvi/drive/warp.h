@@ -49,4 +49,13 @@ inline bool can_sample(const cv::Mat1b& mask, cv::Point2f at) {
   return (mask(y, x) | mask(y, x1) | mask(y1, x) | mask(y1, x1)) == 0;
 }
 
+/// The same for box_mean().
+inline bool can_sample(const cv::Mat1b& mask, cv::Point2f at, cv::Vec2b footprint) {
+  const cv::Point2f first = at - 0.5F * cv::Point2f(static_cast<float>(footprint[0] - 1), static_cast<float>(footprint[1] - 1));
+  for (int y = 0; y < footprint[1]; ++y)
+    for (int x = 0; x < footprint[0]; ++x)
+      if (!can_sample(mask, first + cv::Point2f(static_cast<float>(x), static_cast<float>(y)))) return false;
+  return true;
+}
+
 }  // namespace dvi

@@ -63,11 +63,13 @@ Forecast forecast(const Views& views, const StaticMap& map, const DepthOptions& 
   DepthOptions coarse_depth = depth;
   coarse_depth.median_px = depth.median_px >= 3 ? std::max(3, depth.median_px / step) : 0;
   const int margin = std::max(0, cvRound((depth.mask_margin_px + kBlockReach) / step - kBlockReach));
+  SampleOptions seen_once = sample_options;
+  seen_once.sources = 1;
   const Depths depths(coarse, margin, [&](std::size_t i) { return depth_map(map, coarse[i], coarse_depth); });
   const std::size_t frames = coarse.of_drive(0).second;
   std::vector<Count> counts(frames);
   parallel_for(frames, [&](std::size_t i) {
-    counts[i] = count(sample(coarse, i, *depths.maps[i], depths.visibility, sample_options), coarse);
+    counts[i] = count(sample(coarse, i, *depths.maps[i], depths.visibility, seen_once), coarse);
     tick();
   });
   Forecast out;

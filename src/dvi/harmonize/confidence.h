@@ -2,14 +2,18 @@
 
 namespace dvi {
 
-/// What is known about a copied pixel.
+/// What is known about a copied pixel. Grey levels are means over the channels.
 struct CopyEvidence {
-  double seconds = 0;       ///< between target and source
-  double depth_spread = 0;  ///< standard deviation of the depth, relative to the depth; 0 where there is none
-  double change = 0;        ///< mean of |result - copy| over the channels, grey levels
+  double shift = 0;    ///< px by which the copy is expected to be off
+  double texture = 0;  ///< grey levels by which it differs most from a neighbour: what a pixel of shift costs
+  double spread = 0;   ///< grey levels by which the further sources differ from the leading one
+  bool alone = false;  ///< there is no further source
+  double change = 0;   ///< grey levels from the copy to the result
+  double seconds = 0;  ///< between target and source
 };
 
-/// Probability that a pixel is within 10 grey levels of the truth. Priors, monotone in each argument; not yet calibrated.
+/// Probability that a pixel is within 10 grey levels of the truth, falling with each piece of evidence: they add up to an
+/// expected error, and its logarithm goes through a logistic curve.
 double copied_confidence(const CopyEvidence& evidence);
 
 /// The same for an interpolated pixel, by its distance in pixels to the nearest pixel that was known or copied.

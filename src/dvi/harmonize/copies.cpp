@@ -19,41 +19,46 @@ struct Source {
   Warp warp;
   std::shared_ptr<const cv::Mat3b> image;
   std::shared_ptr<const cv::Mat1b> mask;
+  cv::Vec3f gain;  // into the target's light
 };
 
-/// The source's own gradient from a neighbour it was not copied for to p; zero where the source cannot show the neighbour.
-cv::Vec3f gradient(const Source& source, cv::Point p, cv::Point2f shown, const cv::Vec3f& colour, cv::Point q,
+/// The source's own gradient from a neighbour it was not copied for to p, for which it shows `colour`; zero where the source
+/// cannot show the neighbour.
+cv::Vec3f gradient(const Source& source, cv::Point p, const Candidate& shown, const cv::Vec3f& colour, cv::Point q,
                    const DepthMap& depth) {
-  const cv::Point2f by_depth = beside(p, shown, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
-  const cv::Point2f by_image = shown + cv::Point2f(q - p);
+  const cv::Point2f by_depth = beside(p, shown.position, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
+  const cv::Point2f by_image = shown.position + cv::Point2f(q - p);
   for (const cv::Point2f at : {by_depth, by_image})
-    if (can_sample(*source.mask, at)) return colour - bilinear(*source.image, at);
+    if (can_sample(*source.mask, at, shown.footprint))
+      return colour - box_mean(*source.image, at, shown.footprint).mul(source.gain);
   return {};
 }
 
 }  // namespace
 
-Copies copy(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth) {
+Copies copy(const Fused& fused, const Views& views, std::size_t target, const DepthMap& depth) {
+  const Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
   const std::vector<cv::Vec3f> zeros(hole.size());
-  Copies out{zeros, zeros, zeros};
+  Copies out{fused.colour, zeros, zeros};
   std::map<int, std::vector<std::size_t>> of_view;
   for (std::size_t i = 0; i < hole.size(); ++i)
     if (candidates.of[i].found()) of_view[candidates.of[i].view].push_back(i);
   const cv::Rect frame({}, hole.index.size());
   for (const auto& [view, pixels] : of_view) {
-    const Source source{Warp(views[target], views[view]), views.images[view], views.masks[view]};
+    const Source source{Warp(views[target], views[view]), views.images[view], views.masks[view],
+                        gain_to(views[target], views[view])};
     for (const std::size_t i : pixels) {
       const cv::Point p = hole.pixels[i];
-      const cv::Point2f shown = candidates.of[i].position;
-      out.colour[i] = bilinear(*source.image, shown);
+      const Candidate& shown = candidates.of[i];
+      const cv::Vec3f colour = box_mean(*source.image, shown.position, shown.footprint).mul(source.gain);
       for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
         if (!frame.contains(q)) continue;
         const int j = hole.index(q);
         if (j < 0) {
-          out.outward[i] += gradient(source, p, shown, out.colour[i], q, depth);
+          out.outward[i] += gradient(source, p, shown, colour, q, depth);
         } else if (candidates.of[j].found() && candidates.of[j].view != view) {
-          const cv::Vec3f half = 0.5F * gradient(source, p, shown, out.colour[i], q, depth);
+          const cv::Vec3f half = 0.5F * gradient(source, p, shown, colour, q, depth);
           out.seam[i] += half;
           out.seam[j] -= half;
         }

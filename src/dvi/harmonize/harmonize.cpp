@@ -14,6 +14,7 @@
 #include "dvi/harmonize/confidence.h"
 #include "dvi/harmonize/copies.h"
 #include "dvi/harmonize/filled_frame.h"
+#include "dvi/harmonize/fuse.h"
 #include "dvi/harmonize/poisson.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/region.h"
@@ -128,7 +129,8 @@ void fill(const Candidates& candidates, const Copies& copies, cv::Mat1b& roles, 
 
 std::uint16_t sixteenths(float position) { return static_cast<std::uint16_t>(std::lround(position * kSubpixel)); }
 
-void write_receipts(const Candidates& candidates, const Views& views, std::size_t target, FilledFrame& out) {
+void write_receipts(const Fused& fused, const Views& views, std::size_t target, FilledFrame& out) {
+  const Candidates& candidates = fused.candidates;
   for (std::size_t i = 0; i < candidates.of.size(); ++i) {
     const Candidate& source = candidates.of[i];
     if (!source.found()) continue;
@@ -136,24 +138,36 @@ void write_receipts(const Candidates& candidates, const Views& views, std::size_
     out.kind(candidates.hole.pixels[i]) = static_cast<uchar>(here ? Kind::copied : Kind::copied_elsewhere);
     out.provenance(candidates.hole.pixels[i]) = {static_cast<std::uint16_t>(source.view + 1), sixteenths(source.position.x),
                                                  sixteenths(source.position.y)};
+    out.used(candidates.hole.pixels[i]) = {source.footprint[1], source.footprint[0], fused.sources[i]};
   }
 }
 
-void write_confidence(const Candidates& candidates, const Copies& copies, const Views& views, std::size_t target,
-                      const DepthMap& depth, FilledFrame& out) {
+/// Grey levels, a mean over the channels.
+double difference(const cv::Vec3f& a, const cv::Vec3f& b) {
+  return (std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2])) / 3;
+}
+
+double texture(const cv::Mat3f& image, cv::Point p) {
+  double most = 0;
+  for (const cv::Point q : around(p))
+    if (inside(image, q)) most = std::max(most, difference(image(p), image(q)));
+  return most;
+}
+
+void write_confidence(const Fused& fused, const Views& views, std::size_t target, FilledFrame& out) {
   cv::Mat1b guessed = where(out.kind, Kind::interpolated);
   guessed.setTo(255, where(out.kind, Kind::empty));
   cv::Mat1f distance;
   cv::distanceTransform(guessed, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  for (std::size_t i = 0; i < candidates.of.size(); ++i) {
-    const cv::Point p = candidates.hole.pixels[i];
+  for (std::size_t i = 0; i < fused.colour.size(); ++i) {
+    const cv::Point p = fused.candidates.hole.pixels[i];
+    const Candidate& source = fused.candidates.of[i];
     double sure = 0;
-    if (candidates.of[i].found()) {
-      const auto apart = std::llabs(views[candidates.of[i].view].time_ns - views[target].time_ns);
-      const cv::Vec3f change = out.colour(p) - copies.colour[i];
-      sure = copied_confidence({static_cast<double>(apart) * 1e-9,
-                                DepthMap::is_surface(depth.z(p)) ? depth.sigma(p) / depth.z(p) : 0.0,
-                                (std::abs(change[0]) + std::abs(change[1]) + std::abs(change[2])) / 3});
+    if (source.found()) {
+      const auto apart = std::llabs(views[source.view].time_ns - views[target].time_ns);
+      const bool alone = fused.sources[i] == 1 && fused.spread[i] == 0;
+      sure = copied_confidence({source.misplaced, texture(out.colour, p), fused.spread[i], alone,
+                                difference(out.colour(p), fused.colour[i]), static_cast<double>(apart) * 1e-9});
     } else if (out.kind(p) == static_cast<uchar>(Kind::interpolated)) {
       sure = interpolated_confidence(distance(p));
     }
@@ -163,8 +177,10 @@ void write_confidence(const Candidates& candidates, const Copies& copies, const 
 
 }  // namespace
 
-FilledFrame harmonize(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth,
+FilledFrame harmonize(const Candidates& sampled, const Views& views, std::size_t target, const DepthMap& depth,
                       const HarmonizeOptions& options) {
+  const Fused fused = fuse(sampled, views, target);
+  const Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
   const cv::Size size = hole.index.size();
   FilledFrame out;
@@ -172,10 +188,11 @@ FilledFrame harmonize(const Candidates& candidates, const Views& views, std::siz
   out.mask = hole.index >= 0;
   out.kind = cv::Mat1b(size, static_cast<uchar>(Kind::original));
   out.provenance = cv::Mat_<cv::Vec3w>(size, cv::Vec3w());
+  out.used = cv::Mat3b(size, cv::Vec3b());
   out.confidence = cv::Mat1b(size, uchar{255});
   out.depth = depth.z.clone();
 
-  const Copies copies = copy(candidates, views, target, depth);
+  const Copies copies = copy(fused, views, target, depth);
   for (std::size_t i = 0; i < hole.size(); ++i) out.colour(hole.pixels[i]) = copies.colour[i];
   const Role copied = options.poisson ? Role::solved : Role::fixed;
   const Role unseen = options.fill_unseen ? Role::solved : Role::absent;
@@ -187,8 +204,8 @@ FilledFrame harmonize(const Candidates& candidates, const Views& views, std::siz
   }
   for (const cv::Point p : hole.pixels)
     out.kind(p) = static_cast<uchar>(roles(p) == static_cast<uchar>(Role::solved) ? Kind::interpolated : Kind::empty);
-  write_receipts(candidates, views, target, out);
-  write_confidence(candidates, copies, views, target, depth, out);
+  write_receipts(fused, views, target, out);
+  write_confidence(fused, views, target, out);
   return out;
 }
 

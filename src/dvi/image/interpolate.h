@@ -30,4 +30,16 @@ inline cv::Vec3f bilinear(const cv::Mat3b& image, cv::Point2f at) {
   return out;
 }
 
+/// Mean colour of width x height pixels round a position, bilinear and a pixel apart, all within the image: what a pixel shows
+/// that spans so many of the image.
+inline cv::Vec3f box_mean(const cv::Mat3b& image, cv::Point2f at, cv::Vec2b footprint) {
+  const int width = footprint[0], height = footprint[1];
+  if (width == 1 && height == 1) return bilinear(image, at);
+  const cv::Point2f first = at - 0.5F * cv::Point2f(static_cast<float>(width - 1), static_cast<float>(height - 1));
+  cv::Vec3f sum;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) sum += bilinear(image, first + cv::Point2f(static_cast<float>(x), static_cast<float>(y)));
+  return sum / static_cast<float>(width * height);
+}
+
 }  // namespace dvi

@@ -64,6 +64,8 @@ void use_method(const std::string& method, Options& options) {
   options.depth.split_edges = false;
   options.depth.median_px = 5;
   options.sample.reach_frames = 0;
+  options.sample.scored = false;
+  options.sample.footprint = false;
   options.regularize.enabled = true;
   options.harmonize.poisson = true;
   options.harmonize.seam_gradients = false;

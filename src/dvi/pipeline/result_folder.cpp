@@ -31,8 +31,8 @@ cv::Mat3b to_8bit(const FilledFrame& frame) {
 }
 
 const std::vector<std::string>& ResultFolder::picture_folders() {
-  static const std::vector<std::string> folders{"frames",        "masks",      "kind", "provenance",
-                                                "harmonisation", "confidence", "depth"};
+  static const std::vector<std::string> folders{"frames",       "masks",         "kind",       "provenance",
+                                                "sources_used", "harmonisation", "confidence", "depth"};
   return folders;
 }
 
@@ -80,6 +80,7 @@ void ResultFolder::write_frame(const std::string& name, const FilledFrame& frame
   write_png(out_ / "masks" / png, frame.mask);
   write_png(out_ / "kind" / png, frame.kind);
   write_png(out_ / "provenance" / png, frame.provenance);
+  write_png(out_ / "sources_used" / png, frame.used);
   write_png(out_ / "harmonisation" / png, harmonisation);
   write_png(out_ / "confidence" / png, frame.confidence);
   write_png(out_ / "depth" / png, depth_image(frame.depth));

@@ -11,6 +11,15 @@
 #include "dvi/sample/candidates.h"
 
 namespace dvi {
+namespace {
+
+/// Moves a pixel's leading candidate and, as they are off alike, the further ones.
+void shift(Candidates& candidates, std::size_t pixel, cv::Point2f by) {
+  candidates.of[pixel].position += by;
+  for (Candidate& other : candidates.others(pixel)) other.position += by;
+}
+
+}  // namespace
 
 Labelling regularize(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth,
                      const RegularizeOptions& options) {
@@ -19,7 +28,7 @@ Labelling regularize(const Candidates& candidates, const Views& views, std::size
   const BeliefPropagation solution = propagate(field, options.iterations);
   Labelling out{candidates, solution.energy_before, solution.energy_after, solution.iterations};
   for (std::size_t node = 0; node < field.nodes(); ++node)
-    out.candidates.of[field.pixel[node]].position += cv::Point2f(field.shifts[solution.labels[node]]);
+    shift(out.candidates, static_cast<std::size_t>(field.pixel[node]), cv::Point2f(field.shifts[solution.labels[node]]));
   return out;
 }
 

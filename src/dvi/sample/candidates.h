@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -10,16 +12,24 @@ namespace dvi {
 
 /// Where another frame saw a pixel of the hole.
 struct Candidate {
-  int view = -1;         ///< source number; -1: nobody saw it
-  cv::Point2f position;  ///< in the source's image, quantised to 1/16 px
+  int view = -1;              ///< source number; -1: nobody saw it
+  cv::Point2f position;       ///< in the source's image, quantised to 1/16 px
+  cv::Vec2b footprint{1, 1};  ///< width and height in source pixels of what the pixel shows: box_mean()
+  float trust = 1;            ///< 0..1, see sample/sighting.h
+  float misplaced = 0;        ///< px of the target by which the copy is expected to be off
 
   bool found() const { return view >= 0; }
 };
 
-/// One candidate for each pixel of a frame's hole.
+/// The candidates for each pixel of a frame's hole.
 struct Candidates {
   Region hole;
-  std::vector<Candidate> of;  ///< as hole.pixels
+  std::vector<Candidate> of;         ///< as hole.pixels: the leading one
+  std::size_t more = 0;              ///< how many further ones a pixel may have
+  std::vector<Candidate> further{};  ///< `more` a pixel, by falling trust; those not found last
+
+  std::span<const Candidate> others(std::size_t pixel) const { return {further.data() + pixel * more, more}; }
+  std::span<Candidate> others(std::size_t pixel) { return {further.data() + pixel * more, more}; }
 };
 
 }  // namespace dvi

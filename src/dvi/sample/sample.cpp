@@ -1,39 +1,126 @@
 #include "dvi/sample/sample.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
 #include <memory>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "dvi/image/interpolate.h"
+#include "dvi/sample/sighting.h"
 
 namespace dvi {
 namespace {
 
-/// A hole pixel that still looks for its source.
-struct Seeker {
-  std::size_t pixel;
-  Eigen::Vector3d world;
+double seconds_between(const View& a, const View& b) {
+  if (a.drive != b.drive) return kSecondsElsewhere;
+  return static_cast<double>(std::llabs(a.time_ns - b.time_ns)) * 1e-9;
+}
+
+/// Pixels of the source to be averaged where one pixel of the target spans so many, all of them clear of the mask and of other
+/// surfaces.
+uchar pixels_spanned(double spanned, float clear_px) {
+  constexpr int kMost = 8;
+  const int clear = 2 * static_cast<int>(clear_px) + 1;
+  return static_cast<uchar>(std::clamp(cvRound(spanned), 1, std::min(kMost, clear)));
+}
+
+/// One source, asked for pixels of the target.
+class Source {
+ public:
+  Source(const Views& views, std::size_t target, std::size_t source, const Lazy<VisibilityMap>& visibility,
+         const SampleOptions& options)
+      : number_(source),
+        view_(views[source]),
+        source_from_target_(view_.camera_from_world * views[target].camera_from_world.inverse()),
+        seconds_(seconds_between(view_, views[target])),
+        visibility_(visibility),
+        options_(options) {}
+
+  std::optional<Candidate> show(const SurfacePixel& pixel) {
+    const std::optional<Sighting> seen = sight(pixel, view_.camera, source_from_target_);
+    if (!seen) return std::nullopt;
+    const cv::Point2f at = quantised(seen->position.x(), seen->position.y());
+    if (!view_.camera.contains({at.x, at.y})) return std::nullopt;
+    if (!lent_) lent_ = visibility_[number_];
+    if (lent_->masked(at) || (options_.occlusion_test && !same_surface(at, seen->z, pixel.sigma))) return std::nullopt;
+    Candidate out{static_cast<int>(number_), at};
+    out.misplaced = static_cast<float>(expected_shift(*seen, seconds_));
+    if (options_.footprint) {
+      const float clear = lent_->clear_px(at);
+      out.footprint = {pixels_spanned(seen->across, clear), pixels_spanned(seen->down, clear)};
+    }
+    if (!options_.scored) return out;
+    out.trust = static_cast<float>(trust(*seen, seconds_));
+    return out.trust < static_cast<float>(options_.least_trust) ? std::nullopt : std::optional(out);
+  }
+
+ private:
+  bool same_surface(cv::Point2f at, double z, double sigma) const {
+    const double off = VisibilityMap::kSigmas * sigma;
+    return !lent_->hides(at, z - off, options_.occlusion_tolerance) &&
+           !lent_->sees_through(at, z + off, options_.occlusion_tolerance);
+  }
+
+  std::size_t number_;
+  const View& view_;
+  SE3 source_from_target_;
+  double seconds_;
+  const Lazy<VisibilityMap>& visibility_;
+  const SampleOptions& options_;
+  std::shared_ptr<const VisibilityMap> lent_;  // once a pixel may be seen
 };
 
-std::vector<Seeker> seekers(const Region& hole, const View& view, const DepthMap& depth) {
-  const SE3 world_from_camera = view.camera_from_world.inverse();
-  std::vector<Seeker> out;
-  for (std::size_t i = 0; i < hole.size(); ++i) {
-    const cv::Point p = hole.pixels[i];
-    const float z = depth.z(p);
-    if (DepthMap::is_surface(z)) out.push_back({i, world_from_camera * (z * view.camera.ray({p.x, p.y}))});
+/// The best candidates of each pixel so far.
+class Ranking {
+ public:
+  Ranking(std::size_t pixels, std::size_t ranks) : ranks_(ranks), candidates_(pixels * ranks) {}
+
+  /// Behind those that are trusted as much.
+  void add(std::size_t pixel, const Candidate& candidate) {
+    Candidate* const begin = &candidates_[pixel * ranks_];
+    Candidate* const end = begin + ranks_;
+    Candidate* const place =
+        std::find_if(begin, end, [&](const Candidate& c) { return !c.found() || c.trust < candidate.trust; });
+    if (place == end) return;
+    std::move_backward(place, end - 1, end);
+    *place = candidate;
   }
-  return out;
-}
+  /// Whether no candidate trusted so much or less would be kept.
+  bool is_full(std::size_t pixel, double most) const {
+    const Candidate& last = candidates_[(pixel + 1) * ranks_ - 1];
+    return last.found() && last.trust >= most;
+  }
+  Candidates finish(Region&& hole) const {
+    Candidates out{std::move(hole), {}, ranks_ - 1, {}};
+    for (std::size_t i = 0; i < out.hole.size(); ++i) {
+      const Candidate* const begin = &candidates_[i * ranks_];
+      out.of.push_back(*begin);
+      out.further.insert(out.further.end(), begin + 1, begin + ranks_);
+    }
+    return out;
+  }
+
+ private:
+  std::size_t ranks_;
+  std::vector<Candidate> candidates_;
+};
 
 }  // namespace
 
-std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames) {
+std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames, bool scored) {
   const std::size_t reach = reach_frames > 0 ? static_cast<std::size_t>(reach_frames) : views.size();
   const auto [first, last] = views.of_drive(views[target].drive);
   std::vector<std::size_t> order;
   for (std::size_t i = target + 1; i < std::min(last, target + 1 + reach); ++i) order.push_back(i);
   for (std::size_t i = target; i-- > std::max(first, target - std::min(target, reach));) order.push_back(i);
+  const auto seconds = [&](std::size_t i) { return seconds_between(views[i], views[target]); };
+  if (scored)
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seconds(a) < seconds(b); });
   // Of further drives the nearest places first: time says nothing across drives.
   const auto place = [&](std::size_t i) { return views[i].camera_from_world.inverse().t; };
   for (int drive = 0; views.of_drive(drive).first < views.size(); ++drive) {
@@ -50,27 +137,19 @@ std::vector<std::size_t> search_order(const Views& views, std::size_t target, in
 
 Candidates sample(const Views& views, std::size_t target, const DepthMap& depth, const Lazy<VisibilityMap>& visibility,
                   const SampleOptions& options) {
-  Candidates out{Region(*views.masks[target]), {}};
-  out.of.resize(out.hole.size());
-  std::vector<Seeker> open = seekers(out.hole, views[target], depth);
-  for (const std::size_t source : search_order(views, target, options.reach_frames)) {
+  Region hole(*views.masks[target]);
+  Ranking ranking(hole.size(), options.scored ? static_cast<std::size_t>(options.sources) : 1);
+  std::vector<SurfacePixel> open = surface_pixels(hole, views[target].camera, depth);
+  for (const std::size_t i : search_order(views, target, options.reach_frames, options.scored)) {
+    // Frames of the target's drive come by falling trust: what is full stays as it is.
+    const double most = options.scored ? most_trust(seconds_between(views[i], views[target])) : 1;
+    std::erase_if(open, [&](const SurfacePixel& pixel) { return ranking.is_full(pixel.pixel, most); });
     if (open.empty()) break;
-    const View& view = views[source];
-    std::shared_ptr<const VisibilityMap> lent;
-    std::erase_if(open, [&](const Seeker& seeker) {
-      const Eigen::Vector3d p = view.camera_from_world * seeker.world;
-      if (!view.camera.in_front(p)) return false;
-      const Eigen::Vector2d pixel = view.camera.project(p);
-      const cv::Point2f at = quantised(pixel.x(), pixel.y());
-      if (!view.camera.contains({at.x, at.y})) return false;
-      if (!lent) lent = visibility[source];
-      if (lent->masked(at)) return false;
-      if (options.occlusion_test && lent->hides(at, p.z(), options.occlusion_tolerance)) return false;
-      out.of[seeker.pixel] = {static_cast<int>(source), at};
-      return true;
-    });
+    Source source(views, target, i, visibility, options);
+    for (const SurfacePixel& pixel : open)
+      if (const std::optional<Candidate> candidate = source.show(pixel)) ranking.add(pixel.pixel, *candidate);
   }
-  return out;
+  return ranking.finish(std::move(hole));
 }
 
 }  // namespace dvi

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "dvi/core/options.h"
 #include "dvi/depth/depth_map.h"
 #include "dvi/depth/visibility_map.h"
@@ -12,25 +14,35 @@ struct SampleOptions {
   bool occlusion_test = true;
   double occlusion_tolerance = 0.05;
   int reach_frames = 120;
+  bool scored = true;
+  int sources = 3;
+  double least_trust = 0.01;
+  bool footprint = true;
 
   void describe(OptionTable& table) {
     table.section("sample");
-    table.add("occlusion_test", occlusion_test, "A source counts only if it sees the pixel's surface, not one before it.");
+    table.add("occlusion_test", occlusion_test,
+              "A source counts only if it sees the pixel's surface, none before or behind it.");
     table.add("occlusion_tolerance", occlusion_tolerance, {0, 1},
-              "A surface in the source is before the pixel's if nearer by more than this part.");
+              "Beyond their uncertainty depths may differ by this part and still be of one surface.");
     table.add("reach_frames", reach_frames, {0, 1000000},
               "Frames searched in either direction of time, and nearest ones of further drives; 0: all, as published.");
+    table.add("scored", scored, "Rank sources by trust; false: the first that fits, forwards, then backwards, as published.");
+    table.add("sources", sources, {1, 8}, "Most sources of a pixel; those that agree are averaged.");
+    table.add("least_trust", least_trust, {0, 1}, "A source that is trusted less counts as none.");
+    table.add("footprint", footprint, "Where a source is nearer, take the mean of the pixels that one of the target spans.");
   }
 };
 
 /// Where other frames saw each hole pixel of the target (section 3.4 of the paper): the pixel's point, by its depth, is looked
-/// up forwards in time to the end of the drive, then backwards to its beginning, then in the further drives; the first frame
-/// that has it inside its image, outside its mask and not occluded gives the candidate. `depth` is the target's;
-/// `visibility` is as `views`, and asked only for views that may show a pixel.
+/// up in the frames around it in time, then in the further drives; a frame counts that has it inside its image, outside its
+/// mask, and sees that very surface. Up to `sources` of them, by falling trust(). `depth` is the target's; `visibility` is as
+/// `views`, and asked only for views that may show a pixel.
 Candidates sample(const Views& views, std::size_t target, const DepthMap& depth, const Lazy<VisibilityMap>& visibility,
                   const SampleOptions& options);
 
-/// The order in which sample() asks the other views.
-std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames);
+/// The order in which sample() asks the other views: scored, from the target outwards in time, else as published, forwards,
+/// then backwards; further drives after its own, the nearest places first.
+std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames, bool scored);
 
 }  // namespace dvi

@@ -5,6 +5,8 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/drive/flat_scene.h"
+#include "dvi/image/interpolate.h"
+#include "dvi/sample/sighting.h"
 
 namespace dvi {
 namespace {
@@ -46,8 +48,116 @@ TEST(Sample, TakesTheNextFrameAtTheWarpedPosition) {
 TEST(Sample, SearchesForwardsThenBackwardsThenOtherDrives) {
   FlatScene scene = drive_of({1, 2, 3, 4});
   scene.views[4].drive = 1;
-  EXPECT_EQ(search_order(scene.lazy(), 2, 0), (std::vector<std::size_t>{3, 1, 0, 4}));
-  EXPECT_EQ(search_order(scene.lazy(), 2, 1), (std::vector<std::size_t>{3, 1, 4}));
+  EXPECT_EQ(search_order(scene.lazy(), 2, 0, false), (std::vector<std::size_t>{3, 1, 0, 4}));
+  EXPECT_EQ(search_order(scene.lazy(), 2, 1, false), (std::vector<std::size_t>{3, 1, 4}));
+}
+
+TEST(Sample, RankedSearchGoesOutwardsInTime) {
+  FlatScene scene = drive_of({1, 2, 3, 4});
+  scene.views[4].drive = 1;
+  EXPECT_EQ(search_order(scene.lazy(), 1, 0, true), (std::vector<std::size_t>{2, 0, 3, 4}));
+  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
+  ASSERT_EQ(c.more, 2);
+  for (std::size_t i = 0; i < c.of.size(); ++i) {
+    EXPECT_EQ(c.of[i].view, 1);
+    EXPECT_EQ(c.others(i)[0].view, 2);
+    EXPECT_EQ(c.others(i)[1].view, 3);
+    EXPECT_GT(c.of[i].trust, c.others(i)[0].trust);
+  }
+  for (const Candidate& one : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {.scored = false}).of)
+    EXPECT_EQ(one.trust, 1) << "as published nothing is weighed";
+}
+
+TEST(Sample, FewerSourcesThanAskedFor) {
+  const FlatScene scene = drive_of({3});
+  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {.sources = 5});
+  for (std::size_t i = 0; i < c.of.size(); ++i) {
+    EXPECT_TRUE(c.of[i].found());
+    for (const Candidate& other : c.others(i)) EXPECT_FALSE(other.found());
+  }
+}
+
+TEST(Sample, TooLittleTrustIsNone) {
+  const FlatScene scene = drive_of({3});
+  const Views views = scene.lazy();
+  const double at_most = most_trust(0.1);
+  const auto least = [&](double trust) {
+    return sample(views, 0, flat_depth(scene), flat_visibility(scene), {.least_trust = trust}).of[0].found();
+  };
+  EXPECT_TRUE(least(0.9 * at_most));
+  EXPECT_FALSE(least(1.01 * at_most));
+}
+
+// A camera `forward` metres nearer to the plane shows it larger, by 10 / (10 - forward).
+void move_last(FlatScene& scene, double forward) { scene.views.back().camera_from_world.t.z() = -forward; }
+
+TEST(Sample, ANearerSourceIsFilteredDown) {
+  FlatScene scene = drive_of({0});
+  move_last(scene, 5);
+  cv::Mat3b& checker = scene.images.back();
+  for (int y = 0; y < checker.rows; ++y)
+    for (int x = 0; x < checker.cols; ++x) checker(y, x) = cv::Vec3b::all((x + y) % 2 == 0 ? 0 : 200);
+  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
+  const Candidates plain = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {.footprint = false});
+  for (std::size_t i = 0; i < c.of.size(); ++i) {
+    ASSERT_EQ(c.of[i].footprint, cv::Vec2b(2, 2));
+    EXPECT_EQ(box_mean(checker, c.of[i].position, c.of[i].footprint), cv::Vec3f::all(100));
+    EXPECT_EQ(box_mean(checker, plain.of[i].position, plain.of[i].footprint), cv::Vec3f::all(0)) << "aliased";
+  }
+}
+
+TEST(Sample, TheFootprintKeepsOffTheMask) {
+  FlatScene scene = drive_of({0});
+  move_last(scene, 8);
+  scene.masks.back()(cv::Rect(0, 0, 30, 60)) = 255;
+  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
+  int found = 0;
+  for (const Candidate& one : c.of) {
+    if (!one.found()) continue;
+    ++found;
+    EXPECT_GE(one.position.x - 0.5F * static_cast<float>(one.footprint[0] - 1), 30);
+  }
+  EXPECT_GT(found, 0);
+}
+
+TEST(Sample, AFartherSourceRanksLower) {
+  FlatScene scene = drive_of({0});
+  move_last(scene, -10);
+  scene.add_source(0, scene.images[0]);
+  scene.views[2].time_ns = scene.views[1].time_ns;
+  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
+  for (std::size_t i = 0; i < c.of.size(); ++i) {
+    EXPECT_EQ(c.of[i].view, 2);
+    EXPECT_EQ(c.others(i)[0].view, 1);
+    EXPECT_LT(c.others(i)[0].trust, 0.5F * c.of[i].trust);
+  }
+}
+
+TEST(Sample, GrazingViewsAreToldByTheirSmallestSpan) {
+  const FlatScene scene = drive_of({0});
+  Candidates c{Region(hole_mask()), {}};
+  const std::vector<SurfacePixel> pixels = surface_pixels(c.hole, scene.views[0].camera, flat_depth(scene));
+  ASSERT_EQ(pixels.size(), 100);
+  SE3 turned;  // looks at the plane from the side, at 60 degrees, from as far away
+  turned.R = Eigen::AngleAxisd(1.0472, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  turned.t = Eigen::Vector3d(0, 0, 10) - turned.R * Eigen::Vector3d(0, 0, 10);
+  const std::optional<Sighting> seen = sight(pixels[55], scene.views[0].camera, turned);
+  ASSERT_TRUE(seen);
+  EXPECT_NEAR(seen->smallest, 0.5, 0.1);
+  EXPECT_NEAR(seen->down, 1, 0.1);
+}
+
+TEST(Sample, TrustFollowsItsFormula) {
+  Sighting seen;
+  EXPECT_DOUBLE_EQ(trust(seen, 0), 1);
+  EXPECT_DOUBLE_EQ(trust(seen, 1), 0.5);
+  EXPECT_DOUBLE_EQ(trust(seen, 1), most_trust(1));
+  seen.misplaced = 0.3;
+  EXPECT_DOUBLE_EQ(trust(seen, 0), 0.5);
+  EXPECT_NEAR(expected_shift(seen, 1), 0.3 * std::sqrt(2), 1e-12);
+  seen.misplaced = 0;
+  seen.smallest = 0.625;
+  EXPECT_NEAR(trust(seen, 0), 0.5, 1e-12);
 }
 
 TEST(Sample, SkipsSourcesThatMaskThePixel) {
@@ -87,6 +197,23 @@ TEST(Sample, OccludedSourcesDoNotCount) {
   for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {}).of) EXPECT_EQ(c.view, 2);
   for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {.occlusion_test = false}).of)
     EXPECT_EQ(c.view, 1);
+}
+
+TEST(Sample, SourcesThatSeeAnotherSurfaceBehindDoNotCount) {
+  const FlatScene scene = drive_of({3, 6});
+  const auto behind = [&](float sigma) {
+    return Lazy<VisibilityMap>{3, 3, [depth = flat_depth(scene), sigma](std::size_t i) {
+                                 DepthMap seen{depth.z.clone(), depth.sigma.clone()};
+                                 if (i == 1) {
+                                   seen.z = 20.0F;
+                                   seen.sigma = sigma;
+                                 }
+                                 return visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}), 0);
+                               }};
+  };
+  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), behind(0.1F), {}).of) EXPECT_EQ(c.view, 2);
+  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), behind(6), {}).of)
+    EXPECT_EQ(c.view, 1) << "it is not sure of what it sees";
 }
 
 TEST(Sample, NoDepthNoCandidate) {

@@ -1,0 +1,106 @@
+#include "dvi/harmonize/fuse.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "dvi/drive/warp.h"
+#include "dvi/image/interpolate.h"
+
+namespace dvi {
+namespace {
+
+constexpr float kNoise = 2.5F;                    // grey levels of a camera's pixel, one sigma
+constexpr float kDiffer = 3 * 1.41421F * kNoise;  // two pixels of the same thing differ by no more
+constexpr float kSaturated = 250;
+constexpr float kSaturatedTrust = 0.01F;
+
+float most_different(const cv::Vec3f& a, const cv::Vec3f& b) {
+  return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
+}
+
+float mean_difference(const cv::Vec3f& a, const cv::Vec3f& b) {
+  return (std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2])) / 3;
+}
+
+bool agree(const Shown& a, const Shown& b) { return most_different(a.colour, b.colour) <= kDiffer; }
+
+std::size_t leading_of(std::span<const Shown> shown) {
+  float all = 0;
+  for (const Shown& s : shown) all += s.trust;
+  for (std::size_t k = 0; k < shown.size(); ++k) {
+    float support = 0;
+    for (const Shown& s : shown) support += agree(s, shown[k]) ? s.trust : 0;
+    if (shown[k].trust > 0 && 2 * support >= all) return k;
+  }
+  return static_cast<std::size_t>(
+      std::max_element(shown.begin(), shown.end(), [](const Shown& a, const Shown& b) { return a.trust < b.trust; }) -
+      shown.begin());
+}
+
+}  // namespace
+
+Agreement agreement(std::span<const Shown> shown) {
+  Agreement out;
+  out.leading = leading_of(shown);
+  const Shown& first = shown[out.leading];
+  float weight = 0, others = 0;
+  for (const Shown& s : shown) {
+    if (s.trust <= 0) continue;
+    if (&s != &first) {
+      out.spread += mean_difference(s.colour, first.colour);
+      ++others;
+    }
+    if (!agree(s, first)) continue;
+    out.colour += s.trust * s.colour;
+    weight += s.trust;
+    ++out.sources;
+  }
+  if (weight > 0) out.colour /= weight;
+  if (others > 0) out.spread /= others;
+  return out;
+}
+
+Fused fuse(const Candidates& candidates, const Views& views, std::size_t target) {
+  const std::size_t pixels = candidates.hole.size(), ranks = candidates.more + 1;
+  std::vector<Shown> shown(pixels * ranks);
+  std::vector<cv::Vec2b> footprints(pixels * ranks, cv::Vec2b(1, 1));
+  const auto candidate = [&](std::size_t slot) -> const Candidate& {
+    const std::size_t pixel = slot / ranks, rank = slot % ranks;
+    return rank == 0 ? candidates.of[pixel] : candidates.others(pixel)[rank - 1];
+  };
+  std::map<int, std::vector<std::size_t>> of_view;
+  for (std::size_t slot = 0; slot < shown.size(); ++slot)
+    if (candidate(slot).found()) of_view[candidate(slot).view].push_back(slot);
+  for (const auto& [view, slots] : of_view) {
+    const auto image = views.images[view];
+    const auto mask = views.masks[view];
+    const cv::Vec3f gain = gain_to(views[target], views[view]);
+    for (const std::size_t slot : slots) {
+      const Candidate& from = candidate(slot);
+      // The leading one itself was the sampler's to allow; the others may have been shifted into the mask.
+      if (slot % ranks > 0 && !can_sample(*mask, from.position)) continue;
+      if (can_sample(*mask, from.position, from.footprint)) footprints[slot] = from.footprint;
+      const cv::Vec3f colour = box_mean(*image, from.position, footprints[slot]);
+      const bool saturated = std::max({colour[0], colour[1], colour[2]}) >= kSaturated;
+      shown[slot] = {colour.mul(gain), from.trust * (saturated ? kSaturatedTrust : 1)};
+    }
+  }
+  Fused out{{candidates.hole, std::vector<Candidate>(pixels)},
+            std::vector<cv::Vec3f>(pixels),
+            std::vector<std::uint8_t>(pixels),
+            std::vector<float>(pixels)};
+  for (std::size_t i = 0; i < pixels; ++i) {
+    if (!candidates.of[i].found()) continue;
+    const Agreement agreed = agreement({&shown[i * ranks], ranks});
+    const std::size_t slot = i * ranks + agreed.leading;
+    out.candidates.of[i] = candidate(slot);
+    out.candidates.of[i].footprint = footprints[slot];
+    out.colour[i] = agreed.colour;
+    out.sources[i] = agreed.sources;
+    out.spread[i] = agreed.spread;
+  }
+  return out;
+}
+
+}  // namespace dvi

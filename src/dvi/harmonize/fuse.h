@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "dvi/drive/view.h"
+#include "dvi/sample/candidates.h"
+
+namespace dvi {
+
+/// What a source shows of a pixel, in the light of the target.
+struct Shown {
+  cv::Vec3f colour;
+  float trust = 0;  ///< 0: nothing
+};
+
+/// One colour of several.
+struct Agreement {
+  std::size_t leading = 0;   ///< which of them leads
+  cv::Vec3f colour;          ///< mean of those that agree with it, weighted by trust
+  std::uint8_t sources = 0;  ///< how many these are, itself included
+  float spread = 0;          ///< mean over all others of how far they are from the leading one, grey levels a channel
+};
+
+/// The leading source is the first that at least half of the trust agrees with, so that one that is the odd one out does not
+/// lead; two agree if no channel differs by more than noise does.
+Agreement agreement(std::span<const Shown> shown);
+
+/// The sources of each hole pixel as one.
+struct Fused {
+  Candidates candidates;              ///< `of`: the leading ones, with the footprints that were read; no further ones
+  std::vector<cv::Vec3f> colour;      ///< as hole.pixels; zeros where there is no candidate
+  std::vector<std::uint8_t> sources;  ///< as hole.pixels
+  std::vector<float> spread;          ///< as hole.pixels
+};
+
+/// Reads one source image at a time. Where a box meets the source's mask the pixel itself is taken; saturated colours count
+/// only where there are no others.
+Fused fuse(const Candidates& candidates, const Views& views, std::size_t target);
+
+}  // namespace dvi

@@ -1,0 +1,127 @@
+#include "dvi/harmonize/fuse.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "dvi/core/random.h"
+#include "dvi/drive/flat_scene.h"
+
+namespace dvi {
+namespace {
+
+Shown grey(float level, float trust = 0.5F) { return {cv::Vec3f::all(level), trust}; }
+
+Agreement of(const std::vector<Shown>& shown) { return agreement(shown); }
+
+TEST(Fuse, ThoseThatAgreeAreAveragedByTrust) {
+  const Agreement out = of({grey(100, 0.75F), grey(104, 0.25F)});
+  EXPECT_EQ(out.leading, 0);
+  EXPECT_EQ(out.sources, 2);
+  EXPECT_FLOAT_EQ(out.colour[1], 101);
+  EXPECT_FLOAT_EQ(out.spread, 4);
+}
+
+TEST(Fuse, OneOutlierOfThreeIsIgnored) {
+  for (std::size_t odd = 0; odd < 3; ++odd) {
+    std::vector<Shown> shown{grey(100, 0.6F), grey(100), grey(100)};
+    shown[odd].colour = cv::Vec3f::all(180);
+    const Agreement out = of(shown);
+    EXPECT_EQ(out.leading, odd == 0 ? 1 : 0);
+    EXPECT_EQ(out.colour, cv::Vec3f::all(100));
+    EXPECT_EQ(out.sources, 2);
+    EXPECT_GT(out.spread, 39);
+  }
+}
+
+TEST(Fuse, WhereNoneAgreeTheMostTrustedLeads) {
+  const Agreement out = of({grey(100, 0.6F), grey(150), grey(200)});
+  EXPECT_EQ(out.leading, 0);
+  EXPECT_EQ(out.colour, cv::Vec3f::all(100));
+  EXPECT_EQ(out.sources, 1);
+}
+
+TEST(Fuse, AloneItIsWhatItIs) {
+  const Agreement out = of({grey(100), {}, {}});
+  EXPECT_EQ(out.colour, cv::Vec3f::all(100));
+  EXPECT_EQ(out.sources, 1);
+  EXPECT_EQ(out.spread, 0);
+}
+
+/// A hole whose pixels all sources show at their own place.
+struct Still {
+  cv::Mat1b hole{60, 80, uchar{0}};
+  FlatScene scene;
+  Candidates candidates;
+
+  explicit Still(const std::vector<cv::Mat3b>& sources, const cv::Mat3b& truth) : scene(truth, hole) {
+    hole(cv::Rect(30, 20, 20, 20)) = 255;
+    for (const cv::Mat3b& source : sources) scene.add_source(0, source);
+    candidates = {Region(hole), {}, sources.size() - 1};
+    for (const cv::Point p : candidates.hole.pixels)
+      for (int k = 1; k <= static_cast<int>(sources.size()); ++k)
+        (k == 1 ? candidates.of : candidates.further).push_back({k, cv::Point2f(p)});
+  }
+  Fused run() const { return fuse(candidates, scene.lazy(), 0); }
+};
+
+double mean_square_error(const Still& still, const Fused& fused, const cv::Mat3b& truth) {
+  double sum = 0;
+  for (std::size_t i = 0; i < fused.colour.size(); ++i) {
+    const cv::Vec3f error = fused.colour[i] - cv::Vec3f(truth(still.candidates.hole.pixels[i]));
+    sum += error.dot(error) / 3;
+  }
+  return sum / static_cast<double>(fused.colour.size());
+}
+
+TEST(Fuse, SeveralBeatTheNoiseOfOne) {
+  const cv::Mat3b truth = waves(80, 60, 1);
+  Random random(5);
+  std::vector<cv::Mat3b> noisy;
+  double noise = 0;
+  for (int k = 0; k < 3; ++k) {
+    noisy.push_back(truth.clone());
+    for (cv::Vec3b& p : noisy.back())
+      for (int c = 0; c < 3; ++c) p[c] = static_cast<uchar>(p[c] + random.below(5) - 2);  // variance 2
+  }
+  noise = 2;
+  const Still one({noisy[0]}, truth), three(noisy, truth);
+  EXPECT_NEAR(mean_square_error(one, one.run(), truth), noise, 0.3);
+  EXPECT_NEAR(mean_square_error(three, three.run(), truth), noise / 3, 0.1);
+}
+
+TEST(Fuse, SaturatedSourcesAreAvoided) {
+  const cv::Mat3b truth(60, 80, cv::Vec3b::all(240)), white(60, 80, cv::Vec3b::all(255));
+  const Still some({white, truth}, truth);
+  for (const cv::Vec3f& colour : some.run().colour) EXPECT_NEAR(colour[0], 240, 1);
+  const Still all({white, white}, truth);
+  for (const cv::Vec3f& colour : all.run().colour) EXPECT_EQ(colour[0], 255);
+}
+
+TEST(Fuse, SourcesComeInTheLightOfTheTarget) {
+  const cv::Mat3b truth(60, 80, cv::Vec3b::all(100)), dark(60, 80, cv::Vec3b::all(50));
+  Still still({truth, dark}, truth);
+  still.scene.views[2].gain = {2, 2, 2};
+  const Fused out = still.run();
+  EXPECT_EQ(out.sources[0], 2);
+  EXPECT_EQ(out.colour[0], cv::Vec3f::all(100));
+}
+
+TEST(Fuse, NoMaskedPixelIsRead) {
+  const cv::Mat3b truth = waves(80, 60, 1);
+  cv::Mat3b traffic = truth.clone();
+  traffic(cv::Rect(0, 0, 40, 60)) = cv::Vec3b(255, 0, 255);
+  Still still({truth, traffic}, truth);
+  still.scene.masks[2](cv::Rect(0, 0, 40, 60)) = 255;
+  for (Candidate& c : still.candidates.of) c.footprint = {3, 3};
+  still.scene.masks[1](cv::Rect(0, 0, 30, 60)) = 255;  // beside the hole: the box would reach into it
+  const Fused out = still.run();
+  for (std::size_t i = 0; i < out.colour.size(); ++i) {
+    const cv::Point p = still.candidates.hole.pixels[i];
+    if (p.x < 40) EXPECT_EQ(out.sources[i], 1);
+    EXPECT_EQ(out.candidates.of[i].footprint, p.x == 30 ? cv::Vec2b(1, 1) : cv::Vec2b(3, 3));
+  }
+}
+
+}  // namespace
+}  // namespace dvi

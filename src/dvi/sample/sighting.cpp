@@ -1,0 +1,76 @@
+#include "dvi/sample/sighting.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dvi {
+namespace {
+
+constexpr double kShift = 0.3;  // px: from here on a copy suffers from being off more than from the camera's own blur
+constexpr double kDrift = 0.3;  // px of shift between frames a second apart; a random walk, so it grows with the root
+
+double squared(double x) { return x * x; }
+
+/// The step of 1/z to the next pixel of the same surface: the smaller of those to both sides, as one may lead over an edge.
+float step(float before, float here, float after) {
+  const float back = here - before, forth = after - here;
+  return std::abs(back) < std::abs(forth) ? back : forth;
+}
+
+double shift_squared(const Sighting& sighting, double seconds) {
+  return squared(sighting.misplaced) + squared(kDrift) * seconds;
+}
+
+}  // namespace
+
+std::vector<SurfacePixel> surface_pixels(const Region& hole, const Camera& camera, const DepthMap& depth) {
+  const auto inverse = [&](int x, int y) {
+    const float z = depth.z(std::clamp(y, 0, depth.z.rows - 1), std::clamp(x, 0, depth.z.cols - 1));
+    return DepthMap::is_surface(z) ? 1 / z : 0.0F;
+  };
+  std::vector<SurfacePixel> out;
+  for (std::size_t i = 0; i < hole.size(); ++i) {
+    const auto [x, y] = hole.pixels[i];
+    const float z = depth.z(y, x);
+    if (!DepthMap::is_surface(z)) continue;
+    const float here = 1 / z;
+    const auto stepped = [&](float by) { return 1 / std::max(here + by, 0.5F * here); };
+    const float right = stepped(step(inverse(x - 1, y), here, inverse(x + 1, y)));
+    const float below = stepped(step(inverse(x, y - 1), here, inverse(x, y + 1)));
+    out.push_back(
+        {i, z * camera.ray({x, y}), right * camera.ray({x + 1, y}), below * camera.ray({x, y + 1}), depth.sigma(y, x)});
+  }
+  return out;
+}
+
+std::optional<Sighting> sight(const SurfacePixel& pixel, const Camera& source, const SE3& source_from_target) {
+  const Eigen::Vector3d x = source_from_target * pixel.at;
+  if (!source.in_front(x)) return std::nullopt;
+  Sighting out;
+  out.position = source.project(x);
+  out.z = x.z();
+  if (!source.contains(out.position)) return std::nullopt;
+  Eigen::Matrix2d spans;
+  spans.col(0) = source.project(source_from_target * pixel.right) - out.position;
+  spans.col(1) = source.project(source_from_target * pixel.below) - out.position;
+  out.across = spans.row(0).norm();
+  out.down = spans.row(1).norm();
+  // The smaller singular value, from the sum and the product of both, squared.
+  const double sum = spans.squaredNorm(), product = squared(spans.determinant());
+  out.smallest = std::sqrt(0.5 * std::max(0.0, sum - std::sqrt(std::max(0.0, sum * sum - 4 * product))));
+  const Eigen::Vector3d off = source_from_target * (pixel.at * (1 + pixel.sigma / pixel.at.z()));
+  if (!source.in_front(off)) return std::nullopt;
+  out.misplaced = (source.project(off) - out.position).norm() / std::max(1e-3, std::sqrt(0.5 * sum));
+  return out;
+}
+
+double expected_shift(const Sighting& sighting, double seconds) { return std::sqrt(shift_squared(sighting, seconds)); }
+
+double trust(const Sighting& sighting, double seconds) {
+  const double blur = 0.5 * std::max(0.0, 1 / std::max(sighting.smallest, 1e-3) - 1);
+  return 1 / (1 + (shift_squared(sighting, seconds) + squared(blur)) / squared(kShift));
+}
+
+double most_trust(double seconds) { return 1 / (1 + squared(kDrift) * seconds / squared(kShift)); }
+
+}  // namespace dvi
