@@ -140,7 +140,7 @@ TEST(Depth, NearSurfaceHidesTheFarOneThroughItsGaps) {
 }
 
 TEST(VisibilityMap, HidesWhatIsFartherThanAllThatIsSeenThere) {
-  DepthMap depth{cv::Mat1f(7, 9, 10.0F), {}};
+  DepthMap depth{cv::Mat1f(7, 9, 10.0F), cv::Mat1f(7, 9, 0.0F)};
   depth.z.colRange(6, 9) = 20.0F;
   depth.z(6, 0) = DepthMap::kUnknown;
   cv::Mat1b mask(7, 9, uchar{0});
@@ -155,6 +155,23 @@ TEST(VisibilityMap, HidesWhatIsFartherThanAllThatIsSeenThere) {
   EXPECT_TRUE(visibility_map(depth, mask, 0).masked({2.5F, 3}));
   EXPECT_FALSE(visibility_map(depth, mask, 0).masked({7, 3}));
   EXPECT_TRUE(visibility_map(depth, mask, 3).masked({6, 3}));
+}
+
+TEST(VisibilityMap, KnowsHowSureItIsOfWhatItSees) {
+  DepthMap depth{cv::Mat1f(20, 40, 10.0F), cv::Mat1f(20, 40, 0.5F)};
+  depth.z.colRange(20, 40) = 20.0F;
+  depth.z(2, 38) = DepthMap::kUnknown;
+  const VisibilityMap map = visibility_map(depth, cv::Mat1b(20, 40, uchar{0}), 0);
+  EXPECT_FALSE(map.hides({8, 8}, 10.9, 0)) << "within two standard deviations";
+  EXPECT_TRUE(map.hides({8, 8}, 11.1, 0));
+  EXPECT_FALSE(map.sees_through({8, 8}, 9.1, 0));
+  EXPECT_TRUE(map.sees_through({8, 8}, 8.8, 0));
+  EXPECT_FALSE(map.sees_through({8, 8}, 8.8, 0.05));
+  EXPECT_FALSE(map.sees_through({20, 8}, 10, 0)) << "beside the edge either surface counts";
+  EXPECT_TRUE(map.sees_through({30, 8}, 10, 0));
+  EXPECT_FALSE(map.sees_through({38, 2}, 10, 0)) << "the unknown may be anything";
+  EXPECT_EQ(map.clear_px({20, 8}), 0);
+  EXPECT_NEAR(map.clear_px({10, 10}), 7, 1) << "from the block to the edge or the border of the image";
 }
 
 TEST(Depth, EmptyMapIsAllSky) {

@@ -78,8 +78,6 @@ Fused fuse(const Candidates& candidates, const Views& views, std::size_t target)
     const cv::Vec3f gain = gain_to(views[target], views[view]);
     for (const std::size_t slot : slots) {
       const Candidate& from = candidate(slot);
-      // The leading one itself was the sampler's to allow; the others may have been shifted into the mask.
-      if (slot % ranks > 0 && !can_sample(*mask, from.position)) continue;
       if (can_sample(*mask, from.position, from.footprint)) footprints[slot] = from.footprint;
       const cv::Vec3f colour = box_mean(*image, from.position, footprints[slot]);
       const bool saturated = std::max({colour[0], colour[1], colour[2]}) >= kSaturated;

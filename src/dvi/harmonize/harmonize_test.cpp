@@ -8,6 +8,7 @@
 
 #include "dvi/depth/depth_map.h"
 #include "dvi/drive/flat_scene.h"
+#include "dvi/harmonize/confidence.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/image/region.h"
 #include "dvi/sample/candidates.h"
@@ -136,6 +137,8 @@ TEST(Harmonize, GivesEachPixelItsReceipt) {
   EXPECT_EQ(out.provenance(20, 25), cv::Vec3w(2, 35 * 16 + 1, 20 * 16 + 8));
   EXPECT_EQ(out.provenance(20, 35), cv::Vec3w(3, 25 * 16, 20 * 16));
   EXPECT_EQ(out.provenance(20, 50), cv::Vec3w());
+  EXPECT_EQ(out.used(20, 25), cv::Vec3b(1, 1, 1));
+  EXPECT_EQ(out.used(20, 50), cv::Vec3b());
   EXPECT_GT(out.confidence(20, 35), out.confidence(20, 50));
   EXPECT_GT(out.confidence(20, 41), out.confidence(30, 50));
   EXPECT_GT(out.confidence(30, 50), 0);
@@ -210,6 +213,20 @@ TEST(Harmonize, ColoursStayWithinRange) {
   cv::minMaxLoc(out.colour.reshape(1), &least, &most);
   EXPECT_GE(least, 0);
   EXPECT_LE(most, 255);
+}
+
+TEST(Confidence, FallsWithEachPieceOfEvidence) {
+  const CopyEvidence some{0.3, 10, 3, false, 3, 1};
+  CopyEvidence worse[] = {some, some, some, some, some};
+  worse[0].shift *= 2;
+  worse[1].texture *= 2;
+  worse[2].spread *= 2;
+  worse[3].change *= 2;
+  worse[4].seconds *= 2;
+  for (const CopyEvidence& evidence : worse) EXPECT_LT(copied_confidence(evidence), copied_confidence(some));
+  EXPECT_GT(copied_confidence({}), 0.98);
+  EXPECT_GT(copied_confidence({1e6, 255, 255, false, 255, 1e6}), 0);
+  EXPECT_GT(interpolated_confidence(1), interpolated_confidence(5));
 }
 
 TEST(Harmonize, GivesTheSameTwice) {

@@ -13,10 +13,11 @@
 namespace dvi {
 namespace {
 
-/// Moves a pixel's leading candidate and, as they are off alike, the further ones.
+/// Moves a pixel's leading candidate. The further ones are dropped: of them nobody knows whether they are off alike.
 void shift(Candidates& candidates, std::size_t pixel, cv::Point2f by) {
+  if (by == cv::Point2f()) return;
   candidates.of[pixel].position += by;
-  for (Candidate& other : candidates.others(pixel)) other.position += by;
+  for (Candidate& other : candidates.others(pixel)) other = {};
 }
 
 }  // namespace

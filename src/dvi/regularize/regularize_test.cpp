@@ -117,6 +117,21 @@ TEST(Regularize, NeverShiftsIntoTheSourcesMaskOrOutOfItsImage) {
   }
 }
 
+TEST(Regularize, AMovedPixelKeepsItsLeadingSourceOnly) {
+  const Street street;
+  Candidates shifted = seen_by_one(street.hole, 8, {1, 1});
+  shifted.more = 1;
+  for (const Candidate& c : shifted.of) shifted.further.push_back({2, c.position});
+  const Candidates out = street.run(shifted).candidates;
+  int moved = 0;
+  for (std::size_t i = 0; i < out.of.size(); ++i) {
+    const bool stayed = out.of[i].position == shifted.of[i].position;
+    EXPECT_EQ(out.others(i)[0].found(), stayed);
+    moved += stayed ? 0 : 1;
+  }
+  EXPECT_GT(moved, 0);
+}
+
 TEST(Regularize, PixelsWithoutCandidateTakeNoPart) {
   const Street street;
   Candidates some = seen_by_one(street.hole, 8, {1, 1}), none = some;

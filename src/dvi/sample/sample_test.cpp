@@ -22,8 +22,9 @@ cv::Mat1b hole_mask() {
 DepthMap flat_depth(const FlatScene& scene) { return {scene.depth(), cv::Mat1f(scene.depth().size(), 0.02F)}; }
 
 Lazy<VisibilityMap> flat_visibility(const FlatScene& scene, int margin = 0) {
-  return {scene.views.size(), 8, [depth = flat_depth(scene), masks = scene.masks, margin](std::size_t i) {
-            return visibility_map(depth, masks[i], margin);
+  return {scene.views.size(), 8, [views = scene.views, masks = scene.masks, margin](std::size_t i) {
+            const float z = static_cast<float>(FlatScene::kDepth + views[i].camera_from_world.t.z());
+            return visibility_map({cv::Mat1f(masks[i].size(), z), cv::Mat1f(masks[i].size(), 0.02F)}, masks[i], margin);
           }};
 }
 
