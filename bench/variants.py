@@ -30,7 +30,7 @@ def _off(name: str, what: str, option: str) -> Variant:
 
 ABLATIONS = (
     _off("no-poisson", "colours as copied, no Poisson blending", "harmonize.poisson"),
-    _off("no-bp", "each pixel takes its best candidate, no belief propagation", "regularize.enabled"),
+    Variant("bp", "belief propagation (`regularize.enabled=true`)", ("--set", "regularize.enabled=true")),
     _off("no-align", "poses as given, no refinement", "align.enabled"),
     _off("no-occlusion-test", "copies from where something stood before the point, too", "sample.occlusion_test"),
     _off("no-smooth", "no temporal smoothing", "smooth.enabled"),

@@ -8,14 +8,15 @@
 namespace dvi {
 
 struct RegularizeOptions {
-  bool enabled = true;
+  bool enabled = false;
   int window = 5;
   int iterations = 20;
   double alpha = 20;
 
   void describe(OptionTable& table) {
     table.section("regularize");
-    table.add("enabled", enabled, "Belief propagation over the hole (eqs. 2-4); false takes the candidates as sampled.");
+    table.add("enabled", enabled,
+              "Belief propagation over the hole (eqs. 2-4), as published; false takes the candidates as sampled.");
     table.add("window", window, {1, 11}, "Labels of a pixel: the window x window pixels round its candidate; odd.");
     table.add("iterations", iterations, {1, 1000}, "Most rounds of message passing.");
     table.add("alpha", alpha, {0, 765}, "Data cost of pixels inside the hole, in grey levels over three channels.");

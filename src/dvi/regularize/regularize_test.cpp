@@ -17,6 +17,8 @@
 namespace dvi {
 namespace {
 
+const RegularizeOptions kOn{true};
+
 cv::Mat1b disc(int width, int height, cv::Point centre, int radius) {
   cv::Mat1b mask(height, width, uchar{0});
   cv::circle(mask, centre, radius, 255, cv::FILLED);
@@ -47,7 +49,7 @@ struct Street {
     scene.add_source(8, truth);
     scene.add_source(-5, truth);
   }
-  Labelling run(const Candidates& candidates, const RegularizeOptions& options = {}) const {
+  Labelling run(const Candidates& candidates, const RegularizeOptions& options = kOn) const {
     return regularize(candidates, scene.lazy(), 0, flat_depth(scene), options);
   }
 };
@@ -95,9 +97,9 @@ TEST(Regularize, WarpsNeighboursByTheirOwnDepth) {
       }
   for (const cv::Point p : exact.hole.pixels) exact.of.push_back({1, cv::Point2f(p + cv::Point(p.x >= 40 ? 16 : 8, 0))});
   street.scene.images[1] = source;
-  const Labelling out = regularize(exact, street.scene.lazy(), 0, depth, {});
+  const Labelling out = regularize(exact, street.scene.lazy(), 0, depth, kOn);
   EXPECT_EQ(right_share(out.candidates, exact), 1);
-  RegularizeOptions no_inner_cost;
+  RegularizeOptions no_inner_cost = kOn;
   no_inner_cost.alpha = 0;
   EXPECT_EQ(street.scene.images.size(), 3);
   EXPECT_EQ(regularize(exact, street.scene.lazy(), 0, depth, no_inner_cost).energy_before, 0);
@@ -145,7 +147,7 @@ TEST(Regularize, PixelsWithoutCandidateTakeNoPart) {
 TEST(Regularize, IsOffWithoutIterationsOfAWindow) {
   const Street street;
   const Candidates shifted = seen_by_one(street.hole, 8, {1, -2});
-  RegularizeOptions off, one;
+  RegularizeOptions off = kOn, one = kOn;
   off.enabled = false;
   one.window = 1;
   for (const RegularizeOptions& options : {off, one}) {
@@ -167,7 +169,7 @@ TEST(Regularize, TakesAnyHole) {
     FlatScene scene(picture, mask);
     scene.add_source(0, picture);
     const Candidates exact = seen_by_one(mask, 0);
-    const Labelling out = regularize(exact, scene.lazy(), 0, flat_depth(scene), {});
+    const Labelling out = regularize(exact, scene.lazy(), 0, flat_depth(scene), kOn);
     EXPECT_TRUE(exact.of.empty() || right_share(out.candidates, exact) == 1);
     EXPECT_LE(out.energy_after, out.energy_before);
   }
@@ -177,10 +179,10 @@ TEST(Regularize, UnknownDepthAndSkyAreNoObstacle) {
   const Street street;
   DepthMap depth = flat_depth(street.scene);
   depth.z(cv::Rect(0, 0, 40, 70)) = DepthMap::kUnknown;
-  const Labelling out = regularize(seen_by_one(street.hole, 8, {1, 0}), street.scene.lazy(), 0, depth, {});
+  const Labelling out = regularize(seen_by_one(street.hole, 8, {1, 0}), street.scene.lazy(), 0, depth, kOn);
   EXPECT_GT(right_share(out.candidates, seen_by_one(street.hole, 8)), 0.99);
   depth.z = DepthMap::kSky;
-  EXPECT_LE(regularize(seen_by_one(street.hole, 0), street.scene.lazy(), 0, depth, {}).energy_after, 1e9);
+  EXPECT_LE(regularize(seen_by_one(street.hole, 0), street.scene.lazy(), 0, depth, kOn).energy_after, 1e9);
 }
 
 TEST(Regularize, GivesTheSameTwice) {
