@@ -10,6 +10,7 @@ namespace dvi {
 struct DepthMap {
   static constexpr float kUnknown = 0;
   static constexpr float kSky = std::numeric_limits<float>::infinity();
+  static constexpr float kInfinity = 1e7F;  ///< metres; where views agree on what does not move between them: sky, or as far
 
   cv::Mat1f z;      ///< metres along the optical axis; kUnknown, or kSky above the last return
   cv::Mat1f sigma;  ///< its standard deviation in metres; 0 where z is unknown or sky

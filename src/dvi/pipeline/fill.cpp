@@ -7,7 +7,11 @@
 namespace dvi {
 
 FilledView Filler::operator()(std::size_t target) const {
-  const std::shared_ptr<const DepthMap> depth = depths_.maps[target];
+  std::shared_ptr<const DepthMap> depth = depths_.maps[target];
+  if (options_.sweep.enabled)
+    depth = clock_.time("sweep", [&] {
+      return std::make_shared<const DepthMap>(plane_sweep(*depth, views_, target, depths_.visibility, options_.sweep));
+    });
   const Candidates candidates =
       clock_.time("sample", [&] { return sample(views_, target, *depth, depths_.visibility, options_.sample); });
   const Labelling labels =

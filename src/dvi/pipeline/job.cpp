@@ -15,6 +15,7 @@ void Options::describe(OptionTable& table) {
   map.describe(table);
   align.describe(table);
   depth.describe(table);
+  sweep.describe(table);
   sample.describe(table);
   regularize.describe(table);
   harmonize.describe(table);
@@ -63,6 +64,7 @@ void use_method(const std::string& method, Options& options) {
   options.map.carve = false;
   options.depth.split_edges = false;
   options.depth.median_px = 5;
+  options.sweep.enabled = false;
   options.sample.reach_frames = 0;
   options.sample.scored = false;
   options.sample.footprint = false;

@@ -8,6 +8,7 @@
 #include "dvi/core/files.h"
 #include "dvi/core/options.h"
 #include "dvi/depth/depth.h"
+#include "dvi/depth/plane_sweep.h"
 #include "dvi/drive/drive.h"
 #include "dvi/eval/baselines.h"
 #include "dvi/harmonize/harmonize.h"
@@ -28,6 +29,7 @@ struct Options {
   MapOptions map;
   AlignOptions align;
   DepthOptions depth;
+  SweepOptions sweep;
   SampleOptions sample;
   RegularizeOptions regularize;
   HarmonizeOptions harmonize;

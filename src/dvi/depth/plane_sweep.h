@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+
+#include "dvi/core/lazy.h"
+#include "dvi/core/options.h"
+#include "dvi/depth/depth_map.h"
+#include "dvi/depth/visibility_map.h"
+#include "dvi/drive/view.h"
+
+namespace dvi {
+
+struct SweepOptions {
+  bool enabled = true;
+  int sources = 8;
+  int reach_frames = 40;
+
+  void describe(OptionTable& table) {
+    table.section("sweep");
+    table.add("enabled", enabled, "Find depth inside holes where the map has none, from what several views show.");
+    table.add("sources", sources, {2, 16}, "Most views that are compared.");
+    table.add("reach_frames", reach_frames, {1, 1000}, "Frames from within which they are taken, in either direction of time.");
+  }
+};
+
+/// Depth for the pixels of the target's hole that have none although a surface below them or the sky does: the one at which
+/// the views that show them agree (plane sweep over inverse depth; Collins, 1996), infinity where nothing moves between them.
+/// Kept as it is wherever the views do not tell one depth from the others. `visibility` is as `views`.
+DepthMap plane_sweep(const DepthMap& depth, const Views& views, std::size_t target, const Lazy<VisibilityMap>& visibility,
+                     const SweepOptions& options);
+
+}  // namespace dvi
