@@ -25,10 +25,11 @@ struct View {
   cv::Vec3f gain{1, 1, 1};  ///< BGR; its colours times this are in the light common to all views
 };
 
-/// What brings the colours of one view into the light of another.
-inline cv::Vec3f gain_to(const View& target, const View& source) {
-  return {source.gain[0] / target.gain[0], source.gain[1] / target.gain[1], source.gain[2] / target.gain[2]};
+/// What brings the colours of one view (by its gain) into the light of another.
+inline cv::Vec3f gain_to(const cv::Vec3f& target, const cv::Vec3f& source) {
+  return {source[0] / target[0], source[1] / target[1], source[2] / target[2]};
 }
+inline cv::Vec3f gain_to(const View& target, const View& source) { return gain_to(target.gain, source.gain); }
 
 /// All views: those of the target drive first, in time order, then drive after drive. A view's index is its source number.
 struct Views {

@@ -18,6 +18,7 @@ struct FilledFrame {
   cv::Mat3b used;                  ///< footprint's height and width (1: a pixel), number of sources averaged; zeros: not copied
   cv::Mat1b confidence;            ///< 255 = certain to be within 10 grey levels of the truth
   cv::Mat1f depth;                 ///< as DepthMap::z
+  cv::Vec3f gain{1, 1, 1};         ///< as View::gain
 };
 
 }  // namespace dvi

@@ -191,6 +191,7 @@ FilledFrame harmonize(const Candidates& sampled, const Views& views, std::size_t
   out.used = cv::Mat3b(size, cv::Vec3b());
   out.confidence = cv::Mat1b(size, uchar{255});
   out.depth = depth.z.clone();
+  out.gain = views[target].gain;
 
   const Copies copies = copy(fused, views, target, depth);
   for (std::size_t i = 0; i < hole.size(); ++i) out.colour(hole.pixels[i]) = copies.colour[i];

@@ -13,6 +13,7 @@ void Options::describe(OptionTable& table) {
   masks.describe(table);
   odometry.describe(table);
   map.describe(table);
+  exposure.describe(table);
   align.describe(table);
   depth.describe(table);
   sweep.describe(table);
@@ -59,9 +60,10 @@ void use_method(const std::string& method, Options& options) {
     throw UsageError(fmt::format("--method {}: there are {}", method, fmt::join(methods(), ", ")));
   if (is_baseline(method)) options.smooth.enabled = false;
   if (method != "paper") return;
-  // The published form: every point outside masks and boxes, linear depth, plain occlusion test, all stages on.
+  // The published form: every point outside masks and boxes, no exposure model, linear depth, plain occlusion test.
   options.map.witnessed_only = false;
   options.map.carve = false;
+  options.exposure.enabled = false;
   options.depth.split_edges = false;
   options.depth.median_px = 5;
   options.sweep.enabled = false;

@@ -11,6 +11,7 @@
 #include "dvi/depth/plane_sweep.h"
 #include "dvi/drive/drive.h"
 #include "dvi/eval/baselines.h"
+#include "dvi/harmonize/exposure.h"
 #include "dvi/harmonize/harmonize.h"
 #include "dvi/io/video.h"
 #include "dvi/map/build_map.h"
@@ -27,6 +28,7 @@ struct Options {
   MaskOptions masks;
   OdometryOptions odometry;
   MapOptions map;
+  ExposureOptions exposure;
   AlignOptions align;
   DepthOptions depth;
   SweepOptions sweep;

@@ -45,7 +45,7 @@ nlohmann::json frame_report(const Frame& frame, const FilledView& view, const Vi
             {"energy_before", alignment.energy_before},
             {"energy_after", alignment.energy_after},
             {"points", alignment.points}}},
-          {"exposure_gain", {1.0, 1.0, 1.0}}};
+          {"exposure_gain", rgb(view.frame.gain)}};
 }
 
 nlohmann::json hole_report(const std::vector<nlohmann::json>& frames) {

@@ -63,6 +63,7 @@ class Builder {
   void add_view(int view, const std::vector<int>& nodes) {
     source_image_ = views_.images[view];
     source_mask_ = views_.masks[view];
+    gain_ = gain_to(views_[target_], views_[view]);
     const Warp warp(views_[target_], views_[view]);
     for (const int node : nodes) warped_[field_.pixel[node]] = warp(pixel(node), depth_.z(pixel(node)));
     for (const int node : nodes) add_node(node, warp);
@@ -128,7 +129,7 @@ class Builder {
       const cv::Point2f shifted = at + cv::Point2f(field_.shifts[i]);
       const cv::Vec3f colour = bilinear(image, {std::clamp(shifted.x, 0.0F, static_cast<float>(image.cols - 1)),
                                                 std::clamp(shifted.y, 0.0F, static_cast<float>(image.rows - 1))});
-      for (int c = 0; c < 3; ++c) row[c * field_.stride + i] = static_cast<std::uint8_t>(colour[c] + 0.5F);
+      for (int c = 0; c < 3; ++c) row[c * field_.stride + i] = cv::saturate_cast<std::uint8_t>(colour[c] * gain_[c]);
     }
   }
 
@@ -140,6 +141,7 @@ class Builder {
   ShiftField& field_;
   std::shared_ptr<const cv::Mat3b> target_image_, source_image_;
   std::shared_ptr<const cv::Mat1b> target_mask_, source_mask_;
+  cv::Vec3f gain_;                // of the source, into the target's light
   std::vector<int> node_;         // of each hole pixel, or -1
   std::vector<Position> warped_;  // of each hole pixel, in its candidate's view
   std::vector<std::uint8_t> scratch_;

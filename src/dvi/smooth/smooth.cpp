@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
 
 namespace dvi {
@@ -44,8 +45,15 @@ struct Sum {
   cv::Mat1f weight;
 };
 
+cv::Mat3f in_light_of(const FilledFrame& frame, const FilledFrame& other, cv::Rect window) {
+  cv::Mat3f out = other.colour(window).clone();
+  const cv::Vec3f gain = gain_to(frame.gain, other.gain);
+  for (cv::Vec3f& colour : out) colour = colour.mul(gain);
+  return out;
+}
+
 void add_neighbour(const FilledFrame& frame, const FilledFrame& other, cv::Rect window, Sum& sum) {
-  const cv::Mat3f here = frame.colour(window), there = other.colour(window);
+  const cv::Mat3f here = frame.colour(window), there = in_light_of(frame, other, window);
   const cv::Mat1b from = grey(here), to = grey(there), mask = frame.mask(window), kind = frame.kind(window);
   const cv::Mat1b other_kind = other.kind(window);
   const cv::Mat2f forth = flow(from, to), back = flow(to, from);
