@@ -61,6 +61,7 @@ void use_method(const std::string& method, Options& options) {
   // The published form: every point outside masks and boxes, linear depth, plain occlusion test, all stages on.
   options.map.witnessed_only = false;
   options.map.carve = false;
+  options.align.method = "paper";
   options.depth.split_edges = false;
   options.depth.median_px = 5;
   options.sample.reach_frames = 0;
