@@ -42,8 +42,8 @@ class Tables(unittest.TestCase):
 
 class Variants(unittest.TestCase):
     def test_departures_from_the_paper_are_taken_back_one_by_one(self):
-        ours = {"map.witnessed_only": True, "sample.reach_frames": 120, "align.passes": 3}
-        published = {"map.witnessed_only": False, "sample.reach_frames": 0, "align.passes": 3}
+        ours = {"map.witnessed_only": True, "sample.reach_frames": 120, "align.points": 2000}
+        published = {"map.witnessed_only": False, "sample.reach_frames": 0, "align.points": 2000}
         differing = variants.differences(ours, published)
         self.assertEqual(differing, [("map.witnessed_only", "true", "false"), ("sample.reach_frames", "120", "0")])
         self.assertEqual([variant.arguments for variant in variants.published_switches(differing)],

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "dvi/core/interrupt.h"
@@ -11,38 +12,49 @@ namespace dvi {
 
 struct AlignOptions {
   bool enabled = true;
-  int ring_px = 100;
+  std::string method = "joint";
   int points = 2000;
-  int passes = 3;
-  double max_angle_deg = 0.6;
-  double finest_step_deg = 0.005;
+  double rotation_deg = 0.1;
+  double mounting_deg = 0.2;
+  int ring_px = 100;
 
   void describe(OptionTable& table) {
     table.section("align");
-    table.add("enabled", enabled, "Refine the camera's pitch and yaw per frame (eq. 1).");
-    table.add("ring_px", ring_px, {1, 2000}, "Width of the ring round the mask whose map points are compared.");
-    table.add("points", points, {50, 100000}, "Most map points compared between two frames.");
-    table.add("passes", passes, {1, 20}, "Rounds of search and joint solution.");
-    table.add("max_angle_deg", max_angle_deg, {0.01, 5}, "Largest correction of a frame.");
-    table.add("finest_step_deg", finest_step_deg, {0.0005, 0.5}, "Last step of the search.");
+    table.add("enabled", enabled, "Refine the camera's poses by what its images show.");
+    table.add("method", method, {"joint", "paper"},
+              "joint: all frames of a drive at once; paper: pitch and yaw of each against its neighbours (eq. 1).");
+    table.add("points", points, {50, 100000}, "Most map points a frame that are compared.");
+    table.add("rotation_deg", rotation_deg, {0.001, 5}, "Expected error of a frame's rotation.");
+    table.add("mounting_deg", mounting_deg, {0.001, 5}, "Expected error of the rotation between LiDAR and camera.");
+    table.add("ring_px", ring_px, {1, 2000},
+              "Of method paper: width of the ring round the mask whose map points are compared.");
   }
 };
 
-/// What the refinement did to one view.
+/// What the refinement did to one view: camera_from_world = exp(rotation) * given.
 struct ViewAlignment {
-  double pitch = 0, yaw = 0;  ///< radians, about the camera's x and y axis: camera_from_world = R(pitch, yaw) * given
-  double energy_before = 0, energy_after = 0;  ///< eq. 1, mean over its points
-  int points = 0;
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< radians about the camera's axes: pitch, yaw, roll
+  double offset_before_px = 0, offset_after_px = 0;    ///< median misplacement that the colours tell, of held-out points
+  int points = 0;                                      ///< held out; 0: nothing to compare with, left as given
 };
 
-/// Refines the rotation of all views of each drive by eq. 1 of the paper: E = sum |c(p) - c(q)|^2 over the map points p of the
-/// ring round the mask, c(q) the colour that a frame near in time gives the point. The pitch and yaw between two frames is
-/// found by discrete search, coarse to fine; the frames of a drive are then solved for jointly from all these pairs (least
-/// squares on the differences), so that none is refined against one that is not. Positions stay. A drive's correction is kept
-/// only if it lowers the energy. Returns one entry a view and changes the poses of `views`. One tick a view and pass.
-std::vector<ViewAlignment> align(Views& views, const StaticMap& map, const AlignOptions& options, const Tick& tick = [] {});
+/// What all views of a drive have in common.
+struct DriveAlignment {
+  bool kept = false;                                   ///< whether the update earned its keep; else the poses are as given
+  Eigen::Vector3d mounting = Eigen::Vector3d::Zero();  ///< radians, camera axes: what the rotations have in common
+};
 
-/// The rotation of pitch about x and yaw about y.
-Eigen::Matrix3d pitch_yaw(double pitch, double yaw);
+struct Alignment {
+  std::vector<ViewAlignment> views;    ///< as the views
+  std::vector<DriveAlignment> drives;  ///< by number
+  std::vector<std::string> warnings;
+};
+
+/// Refines the poses of all views, drive by drive, by the colours that several views give the same map points: see
+/// docs/algorithms/align.md. An update is kept only if points that it was not made from agree better after it. Changes the
+/// poses of `views`. Ticks align_steps() times.
+Alignment align(Views& views, const StaticMap& map, const AlignOptions& options, const Tick& tick = [] {});
+
+std::size_t align_steps(const Views& views, const AlignOptions& options);
 
 }  // namespace dvi

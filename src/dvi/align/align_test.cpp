@@ -1,5 +1,6 @@
 #include "dvi/align/align.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "dvi/align/test_wall.h"
@@ -8,61 +9,101 @@
 namespace dvi {
 namespace {
 
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const Shake kExact{}, kJitter{.jitter_deg = 0.2};
+
 TEST(Align, FindsTheJitterOfAllFramesTogether) {
-  ShakyDrive drive(10, 0.3);
-  const double before = drive.residual_deg(std::vector<ViewAlignment>(10));
-  const std::vector<ViewAlignment> found = align(drive.views, drive.map, {});
-  EXPECT_GT(before, 0.12);
-  EXPECT_LT(drive.residual_deg(found), 0.012);
-  for (const ViewAlignment& a : found) EXPECT_LT(a.energy_after, a.energy_before);
+  ShakyDrive drive(10, kJitter);
+  EXPECT_GT(drive.residual_deg(std::vector<ViewAlignment>(10)), 0.08);
+  const Alignment found = align(drive.views, drive.map, {});
+  EXPECT_LT(drive.residual_deg(found.views), 0.015);
+  EXPECT_TRUE(found.drives.at(0).kept);
+  EXPECT_THAT(found.warnings, IsEmpty());
+  for (const ViewAlignment& a : found.views) {
+    EXPECT_LT(a.offset_after_px, a.offset_before_px);
+    EXPECT_LT(a.offset_after_px, 0.2);
+  }
 }
 
-TEST(Align, LeavesExactPosesAlone) {
-  ShakyDrive drive(6, 0);
-  const std::vector<ViewAlignment> found = align(drive.views, drive.map, {});
-  EXPECT_LT(drive.residual_deg(found), 0.006);
+TEST(Align, LeavesExactPosesAsTheyAre) {
+  ShakyDrive drive(8, kExact);
+  for (const ViewAlignment& a : align(drive.views, drive.map, {}).views) EXPECT_LT(a.rotation.norm(), 4e-5);  // .002 degrees
+}
+
+TEST(Align, FramesMayBeExposedDifferently) {
+  ShakyDrive drive(8, {.jitter_deg = 0.2, .gain_step = 0.9});
+  EXPECT_LT(drive.residual_deg(align(drive.views, drive.map, {}).views), 0.015);
 }
 
 TEST(Align, PosesOfTheViewsAreCorrected) {
-  ShakyDrive drive(4, 0.3);
+  ShakyDrive drive(6, kJitter);
   const Views given = drive.views;
-  const std::vector<ViewAlignment> found = align(drive.views, drive.map, {});
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Matrix3d expected = pitch_yaw(found[i].pitch, found[i].yaw) * given[i].camera_from_world.R;
-    EXPECT_LT((drive.views[i].camera_from_world.R - expected).norm(), 1e-12);
-    EXPECT_EQ(drive.views[i].camera_from_world.inverse().t.isApprox(given[i].camera_from_world.inverse().t, 1e-9), true);
+  const Alignment found = align(drive.views, drive.map, {});
+  for (std::size_t i = 0; i < 6; ++i) {
+    const Eigen::Matrix3d expected = so3_exp(found.views[i].rotation) * given[i].camera_from_world.R;
+    EXPECT_LT((drive.views[i].camera_from_world.R - expected).norm(), 1e-9);
+    EXPECT_TRUE(drive.views[i].camera_from_world.inverse().t.isApprox(given[i].camera_from_world.inverse().t, 1e-9));
   }
 }
 
 TEST(Align, SwitchedOffItDoesNothing) {
-  ShakyDrive drive(3, 0.3);
+  ShakyDrive drive(3, kJitter);
   const Eigen::Matrix3d before = drive.views[1].camera_from_world.R;
-  EXPECT_EQ(align(drive.views, drive.map, {.enabled = false})[1].pitch, 0);
+  EXPECT_EQ(align(drive.views, drive.map, {.enabled = false}).views[1].rotation, Eigen::Vector3d::Zero());
   EXPECT_EQ(drive.views[1].camera_from_world.R, before);
 }
 
-TEST(Align, WithoutSharedPointsNothingMoves) {
-  ShakyDrive drive(3, 0.3, {0, 0, 320, 240});  // masks cover whole frames
-  for (const ViewAlignment& a : align(drive.views, drive.map, {})) {
-    EXPECT_EQ(a.points, 0);
-    EXPECT_EQ(a.pitch, 0);
-    EXPECT_EQ(a.yaw, 0);
+TEST(Align, WithoutSharedPointsNothingMovesAndIsSaid) {
+  ShakyDrive drive(3, {.jitter_deg = 0.2, .hole = {0, 0, 320, 240}});  // masks cover whole frames
+  ShakyDrive empty(3, kJitter);
+  for (const Alignment& found : {align(drive.views, drive.map, {}), align(empty.views, StaticMap{}, {})}) {
+    for (const ViewAlignment& a : found.views) {
+      EXPECT_EQ(a.points, 0);
+      EXPECT_EQ(a.rotation, Eigen::Vector3d::Zero());
+    }
+    EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("no two frames")));
   }
-  ShakyDrive empty(3, 0.3);
-  for (const ViewAlignment& a : align(empty.views, {}, {})) EXPECT_EQ(a.yaw, 0);
+}
+
+TEST(Align, OneFrameAloneStaysAsItIs) {
+  ShakyDrive drive(1, kJitter);
+  EXPECT_EQ(align(drive.views, drive.map, {}).views[0].rotation, Eigen::Vector3d::Zero());
+}
+
+TEST(Align, ACameraThatStandsStillHasItsJitterFoundOnly) {
+  ShakyDrive drive(8, {.jitter_deg = 0.2, .speed = {0, 0, 0}});
+  const Alignment found = align(drive.views, drive.map, {});
+  EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("hardly moves")));
+  for (const ViewAlignment& a : found.views) EXPECT_LT(a.offset_after_px, 0.2);
+}
+
+TEST(Align, PosesThatDoNotFitAreSaid) {
+  ShakyDrive drive(10, {.speed = {0, 0, 5}});
+  for (View& view : drive.views.views) view.camera_from_world.t.z() *= -1;  // backwards
+  EXPECT_THAT(align(drive.views, drive.map, {}).warnings, ElementsAre(HasSubstr("misplaced")));
+}
+
+TEST(Align, ThePublishedSearchFindsOneFrameAmongExactOnes) {
+  ShakyDrive exact(3, kExact), drive = exact;
+  const Eigen::Matrix3d off = so3_exp({0.0032, -0.0021, 0});
+  drive.views.views[1].camera_from_world.R = off.transpose() * exact.views[1].camera_from_world.R;
+  drive.views.views[1].camera_from_world.t = off.transpose() * exact.views[1].camera_from_world.t;
+  const Alignment found = align(drive.views, drive.map, {.method = "paper"});
+  EXPECT_NEAR(found.views[1].rotation.x(), 0.0032, 2e-4);
+  EXPECT_NEAR(found.views[1].rotation.y(), -0.0021, 2e-4);
 }
 
 TEST(Align, SameWhateverTheThreads) {
-  std::vector<ViewAlignment> found[2];
+  Alignment found[2];
   for (int threads : {1, 2}) {
     const ThreadLimit limit(threads);
-    ShakyDrive drive(5, 0.3);
+    ShakyDrive drive(6, kJitter);
     found[threads - 1] = align(drive.views, drive.map, {});
   }
-  for (std::size_t i = 0; i < 5; ++i) {
-    EXPECT_EQ(found[0][i].pitch, found[1][i].pitch);
-    EXPECT_EQ(found[0][i].yaw, found[1][i].yaw);
-  }
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(found[0].views[i].rotation, found[1].views[i].rotation);
 }
 
 }  // namespace

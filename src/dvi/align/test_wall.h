@@ -13,16 +13,24 @@
 
 namespace dvi {
 
-/// A world for tests: a textured wall 12 m ahead, seen by a camera that moves sideways and whose pitch and yaw are off by
-/// `errors` (radians).
+/// What is wrong with the poses of a ShakyDrive, and how it moves.
+struct Shake {
+  double jitter_deg = 0;                               ///< largest pitch and yaw of a frame
+  Eigen::Vector3d mounting = Eigen::Vector3d::Zero();  ///< radians, the same in all frames
+  Eigen::Vector3d speed{1, 0, 0};                      ///< metres a second, camera axes
+  cv::Rect hole{140, 100, 40, 40};
+  double gain_step = 1;  ///< of brightness from frame to frame
+};
+
+/// A world for tests: a textured wall 12 m ahead of the first view, whose poses are off by a Shake.
 struct ShakyDrive {
   StaticMap map;
   Views views;
-  std::vector<Eigen::Vector2d> errors;
+  std::vector<Eigen::Vector3d> errors;  ///< radians: the rotation that each pose lacks
 
-  explicit ShakyDrive(std::size_t count, double error_deg, const cv::Rect& hole = {140, 100, 40, 40}) {
+  ShakyDrive(std::size_t count, const Shake& shake) {
     constexpr double kDepth = 12, kPixelsPerMetre = 40;
-    const cv::Mat3b texture = waves(1000, 600, 7, 5);
+    static const cv::Mat3b texture = waves(1000, 600, 7, 5);
     for (double x = -10; x <= 10; x += 0.05)
       for (double y = -6; y <= 6; y += 0.1) map.points.push_back({Eigen::Vector3d(x, y, kDepth).cast<float>(), 0, 1});
     map.tiles = {{Eigen::AlignedBox3f(Eigen::Vector3f(-10, -6, 12), Eigen::Vector3f(10, 6, 12)), 0, map.points.size()}};
@@ -35,23 +43,24 @@ struct ShakyDrive {
       view.frame = i;
       view.time_ns = static_cast<std::int64_t>(i) * 100'000'000;
       view.camera = {320, 240, 400, 400, 159.5, 119.5, {}};
-      view.camera_from_world.t.x() = -0.1 * static_cast<double>(i);
-      const double limit = error_deg * std::numbers::pi / 180;
-      errors.emplace_back(random.uniform(-limit, limit), random.uniform(-limit, limit));
-      const SE3 truth = SE3{pitch_yaw(errors.back().x(), errors.back().y()), {0, 0, 0}} * view.camera_from_world;
+      view.camera_from_world.t = -0.1 * static_cast<double>(i) * shake.speed;
+      const double limit = shake.jitter_deg * std::numbers::pi / 180, gain = std::pow(shake.gain_step, static_cast<double>(i));
+      const double pitch = random.uniform(-limit, limit), yaw = random.uniform(-limit, limit);
+      errors.emplace_back(shake.mounting + Eigen::Vector3d(pitch, yaw, 0));
+      const SE3 truth = SE3{so3_exp(errors.back()), {0, 0, 0}} * view.camera_from_world;
+      const SE3 world_from_camera = truth.inverse();
       cv::Mat3b image(240, 320);
       for (int y = 0; y < 240; ++y)
         for (int x = 0; x < 320; ++x) {
-          const SE3 world_from_camera = truth.inverse();
           const Eigen::Vector3d ray = world_from_camera.R * view.camera.ray({x, y});
           const Eigen::Vector3d p = world_from_camera.t + (kDepth - world_from_camera.t.z()) / ray.z() * ray;
           const cv::Vec3f c = bilinear(
               texture, {static_cast<float>(500 + kPixelsPerMetre * p.x()), static_cast<float>(300 + kPixelsPerMetre * p.y())});
-          for (int k = 0; k < 3; ++k) image(y, x)[k] = cv::saturate_cast<uchar>(c[k]);
+          for (int k = 0; k < 3; ++k) image(y, x)[k] = cv::saturate_cast<uchar>(gain * c[k]);
         }
       cv::Mat1b mask(image.size(), uchar{0});
-      mask(hole) = 255;
-      image(hole) = cv::Vec3b(0, 0, 255);
+      mask(shake.hole) = 255;
+      image(shake.hole) = cv::Vec3b(0, 0, 255);
       list.push_back(view);
       images.push_back(image);
       masks.push_back(mask);
@@ -59,14 +68,14 @@ struct ShakyDrive {
     views = memory_views(list, images, masks);
   }
 
-  /// RMS over frames of the rotation error in degrees, without the part common to all frames (which no image tells).
+  /// RMS over frames of the error that is left in pitch and yaw, degrees, without the part common to all frames, which a flat
+  /// wall hardly tells.
   double residual_deg(const std::vector<ViewAlignment>& found) const {
-    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-    for (std::size_t i = 0; i < errors.size(); ++i) mean += errors[i] - Eigen::Vector2d(found[i].pitch, found[i].yaw);
-    mean /= static_cast<double>(errors.size());
-    double sum = 0;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < errors.size(); ++i)
-      sum += (errors[i] - Eigen::Vector2d(found[i].pitch, found[i].yaw) - mean).squaredNorm();
+      mean += (errors[i] - found[i].rotation) / static_cast<double>(errors.size());
+    double sum = 0;
+    for (std::size_t i = 0; i < errors.size(); ++i) sum += (errors[i] - found[i].rotation - mean).head<2>().squaredNorm();
     return std::sqrt(sum / static_cast<double>(2 * errors.size())) * 180 / std::numbers::pi;
   }
 };

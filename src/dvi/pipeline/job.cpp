@@ -64,6 +64,7 @@ void use_method(const std::string& method, Options& options) {
   options.map.witnessed_only = false;
   options.map.carve = false;
   options.exposure.enabled = false;
+  options.align.method = "paper";
   options.depth.split_edges = false;
   options.depth.median_px = 5;
   options.sweep.enabled = false;

@@ -22,6 +22,14 @@ void add_shares(nlohmann::json& hole) {
   share["never_seen"] = share["interpolated"].get<double>() + share["synthesised"].get<double>() + share["empty"].get<double>();
 }
 
+nlohmann::json in_degrees(const Eigen::Vector3d& rotation) {
+  return {degrees(rotation.x()), degrees(rotation.y()), degrees(rotation.z())};
+}
+
+nlohmann::json alignment_report(const DriveAlignment& drive) {
+  return {{"kept", drive.kept}, {"mounting_deg", in_degrees(drive.mounting)}};
+}
+
 }  // namespace
 
 nlohmann::json frame_report(const Frame& frame, const FilledView& view, const ViewAlignment& alignment) {
@@ -40,10 +48,9 @@ nlohmann::json frame_report(const Frame& frame, const FilledView& view, const Vi
           {"hole", hole},
           {"energy", {{"before", view.energy_before}, {"after", view.energy_after}}},
           {"alignment",
-           {{"pitch_deg", degrees(alignment.pitch)},
-            {"yaw_deg", degrees(alignment.yaw)},
-            {"energy_before", alignment.energy_before},
-            {"energy_after", alignment.energy_after},
+           {{"rotation_deg", in_degrees(alignment.rotation)},
+            {"offset_before_px", alignment.offset_before_px},
+            {"offset_after_px", alignment.offset_after_px},
             {"points", alignment.points}}},
           {"exposure_gain", rgb(view.frame.gain)}};
 }
@@ -73,16 +80,19 @@ nlohmann::json map_report(const StaticMap& map) {
             {"out_of_range", c.too_near}}}};
 }
 
-nlohmann::json drives_report(const std::vector<OpenDrive>& drives) {
+nlohmann::json drives_report(const std::vector<OpenDrive>& drives, const std::vector<DriveAlignment>& alignment) {
   nlohmann::json out = nlohmann::json::array();
-  for (const OpenDrive& open : drives)
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    const OpenDrive& open = drives[i];
     out.push_back({{"path", fs::absolute(open.drive.path).lexically_normal().string()},
                    {"format", open.drive.format},
                    {"camera", open.drive.camera_name},
                    {"frames", open.drive.frames.size()},
                    {"sweeps", open.drive.sweeps.size()},
                    {"poses", poses_report(open.drive, open.poses)},
+                   {"alignment", i < alignment.size() ? alignment_report(alignment[i]) : nlohmann::json()},
                    {"warnings", open.drive.warnings}});
+  }
   return out;
 }
 

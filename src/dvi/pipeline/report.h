@@ -19,8 +19,8 @@ nlohmann::json frame_report(const Frame& frame, const FilledView& view, const Vi
 /// What map.json says: points, and returns dropped by cause.
 nlohmann::json map_report(const StaticMap& map);
 
-/// One entry a drive: what it is, and what was missing in it.
-nlohmann::json drives_report(const std::vector<OpenDrive>& drives);
+/// One entry a drive: what it is, how its poses were aligned (none where `alignment` is empty), and what was missing in it.
+nlohmann::json drives_report(const std::vector<OpenDrive>& drives, const std::vector<DriveAlignment>& alignment);
 
 /// What sources.json says: the image behind each number in a frame's receipts.
 nlohmann::json sources_report(const Views& views, const std::vector<OpenDrive>& drives);

@@ -41,14 +41,15 @@ std::string run(const Job& job, Progress& progress) {
   CpuClock clock;
   const StaticMap map = map_drives(drives, options.map, progress);
   if (options.exposure.enabled) share_light(views, map, drives, progress);
-  progress.begin("align", options.align.enabled ? views.size() * static_cast<std::size_t>(options.align.passes) : 0);
-  const std::vector<ViewAlignment> alignment = align(views, map, options.align, progress.tick());  // eq. 1
+  progress.begin("align", align_steps(views, options.align));
+  const Alignment alignment = align(views, map, options.align, progress.tick());  // eq. 1
+  for (const std::string& warning : alignment.warnings) progress.warn(warning);
   const Depths depths(views, options.depth.mask_margin_px, [&](std::size_t i) {
     return clock.time("depth", [&] { return depth_map(map, views[i], options.depth); });
   });
   const Filler fill(views, depths, options, clock);  // sample; regularize, eqs. 2-4; harmonize, eq. 5
   result.make_frames(fill, alignment, clock);        // ... a frame, and smooth
-  return result.complete(&map, clock);
+  return result.complete(&map, alignment, clock);
 }
 
 }  // namespace dvi

@@ -27,8 +27,9 @@ std::string run_baseline(const Job& job, Progress& progress) {
   RunResult result(job, drives, views, progress);
   verify(drives, progress);
   CpuClock clock;
-  result.make_frames(filler_of(job, views, clock), std::vector<ViewAlignment>(views.size()), clock);
-  return result.complete(nullptr, clock);
+  const Alignment none{std::vector<ViewAlignment>(views.size()), {}, {}};
+  result.make_frames(filler_of(job, views, clock), none, clock);
+  return result.complete(nullptr, none, clock);
 }
 
 }  // namespace dvi

@@ -64,7 +64,7 @@ RunResult::RunResult(const Job& job, const std::vector<OpenDrive>& drives, const
     if (!folder_.is_finished(names_[i])) open_.push_back(i);
 }
 
-void RunResult::make_frames(const FillFrame& fill_frame, const std::vector<ViewAlignment>& alignment, CpuClock& clock) {
+void RunResult::make_frames(const FillFrame& fill_frame, const Alignment& alignment, CpuClock& clock) {
   Smoother smoother(fill_frame, 0, names_.size(), job_.options.smooth, clock);
   progress_.begin("fill", open_.size());
   for_blocks(open_.size(), [&](std::size_t first, std::size_t last) {
@@ -73,7 +73,7 @@ void RunResult::make_frames(const FillFrame& fill_frame, const std::vector<ViewA
     const std::vector<FilledView> finished = smoother.finish(block);
     parallel_for(block.size(), [&](std::size_t i) {
       const Frame& frame = drives_.front().drive.frames[views_[block[i]].frame];
-      const nlohmann::json record = frame_report(frame, finished[i], alignment[block[i]]);
+      const nlohmann::json record = frame_report(frame, finished[i], alignment.views[block[i]]);
       clock.time("write", [&] {
         const FilledFrame& filled = finished[i].frame;
         const cv::Mat_<cv::Vec3w> change = harmonisation(views_, block[i], to_8bit(filled), filled.provenance);
@@ -84,7 +84,7 @@ void RunResult::make_frames(const FillFrame& fill_frame, const std::vector<ViewA
   });
 }
 
-std::string RunResult::complete(const StaticMap* map, const CpuClock& clock) {
+std::string RunResult::complete(const StaticMap* map, const Alignment& alignment, const CpuClock& clock) {
   const Drive& target = drives_.front().drive;
   const fs::path& out = folder_.path();
   folder_.remove_others(names_);
@@ -107,7 +107,7 @@ std::string RunResult::complete(const StaticMap* map, const CpuClock& clock) {
                                  {"version", kVersion},
                                  {"method", job_.method},
                                  {"baseline", is_baseline(job_.method)},
-                                 {"drives", drives_report(drives_)},
+                                 {"drives", drives_report(drives_, alignment.drives)},
                                  {"hole", hole_report(frames)},
                                  {"map", map ? map_report(*map) : nlohmann::json()},
                                  {"cost", cost_report(progress_, clock, open_.size())},

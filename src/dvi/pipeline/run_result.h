@@ -24,11 +24,10 @@ class RunResult {
   RunResult(const Job& job, const std::vector<OpenDrive>& drives, const Views& views, Progress& progress);
 
   /// Makes the frames that are not finished yet, block by block, smooths them (stage 9) and writes each with its record.
-  /// `alignment` as views.
-  void make_frames(const FillFrame& fill_frame, const std::vector<ViewAlignment>& alignment, CpuClock& clock);
+  void make_frames(const FillFrame& fill_frame, const Alignment& alignment, CpuClock& clock);
 
   /// Writes what stands beside the frames, the report last, and returns that. A baseline has no map: null.
-  std::string complete(const StaticMap* map, const CpuClock& clock);
+  std::string complete(const StaticMap* map, const Alignment& alignment, const CpuClock& clock);
 
  private:
   const Job& job_;

@@ -1,0 +1,246 @@
+#include "dvi/align/joint.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "dvi/align/joint_solve.h"
+#include "dvi/align/sight.h"
+#include "dvi/core/threads.h"
+
+namespace dvi {
+namespace {
+
+// Frames that are compared: neighbours, and some farther apart that keep the chain from drifting.
+constexpr std::array<std::size_t, 4> kApart{1, 2, 4, 8};
+constexpr std::size_t kCached = 20;   // views whose images are kept: what a frame is compared with, on both sides
+constexpr double kPairErrorPx = 0.2;  // by which a pair may mislead: surfaces that the map has a little off, light that moves
+constexpr double kFlat = 0.01;        // of log brightness a pixel: no texture below
+constexpr double kReach = 3;          // expected errors that the coarsest level must be able to catch
+constexpr double kNoise = 2;          // standard errors by which held-out points must agree better
+// Of the expected rotations: poses that are good already are better not believed to be off by as much as others.
+constexpr std::array<double, 3> kParts{0.1, 0.3, 1};
+constexpr double kMisplacedPx = 0.6;
+constexpr double kHardlyMoves = 0.5;  // metres
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+class Chain {
+ public:
+  Chain(const Views& views, const StaticMap& map, std::size_t first, std::size_t last, const AlignOptions& options)
+      : views_(views), map_(map), first_(first), count_(last - first), options_(options) {
+    const double caught =
+        kReach * std::max(radians(options.rotation_deg), radians(options.mounting_deg)) * views[first].camera.fx;
+    while (caught > 2 * std::exp2(coarsest_) &&
+           std::min(views[first].camera.width, views[first].camera.height) >> coarsest_ > 64)
+      ++coarsest_;
+    images_ = {count_, kCached, [this](std::size_t i) {
+                 return band_pass(*views_.images[first_ + i], *views_.masks[first_ + i], static_cast<int>(coarsest_) + 1);
+               }};
+  }
+
+  void find_pairs(const Tick& tick);
+  std::vector<PairModel> models(const Corrections& now, std::size_t coarsest, const Tick& tick) const;
+  struct Check {
+    std::vector<double> cost;       // a candidate
+    std::vector<double> offset_px;  // median, a candidate
+    int points = 0;
+  };
+  std::vector<Check> check(const std::vector<PairModel>& models, const std::vector<Corrections>& candidates,
+                           const Tick& tick) const;
+
+  std::size_t coarsest() const { return coarsest_; }
+  SE3 pose(std::size_t i, const Corrections& c) const {
+    return SE3{so3_exp(c.rotations[i]), {0, 0, 0}} * views_[first_ + i].camera_from_world;
+  }
+
+ private:
+  std::vector<VisiblePoint> textured(const Sight& sight, const View& view, const cv::Mat1f& texture) const;
+  PosedImage posed(std::size_t i, const Corrections& c) const { return {views_[first_ + i].camera, pose(i, c), images_[i]}; }
+
+  const Views& views_;
+  const StaticMap& map_;
+  std::size_t first_, count_, coarsest_ = 0;
+  const AlignOptions& options_;
+  Lazy<BandPass> images_;
+  std::vector<std::vector<Pair>> pairs_;  // by moving view
+};
+
+// The most textured point of each cell of a grid over the image.
+std::vector<VisiblePoint> Chain::textured(const Sight& sight, const View& view, const cv::Mat1f& texture) const {
+  const cv::Size size(view.camera.width, view.camera.height);
+  const double cell = std::max(1.0, std::sqrt(static_cast<double>(size.area()) / options_.points));
+  const int columns = static_cast<int>(size.width / cell) + 1, rows = static_cast<int>(size.height / cell) + 1;
+  std::vector<VisiblePoint> best(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  std::vector<double> slope(best.size(), kFlat);
+  for (const VisiblePoint& p : sight.points()) {
+    const auto at =
+        static_cast<std::size_t>(static_cast<int>((p.v + 0.5) / cell) * columns + static_cast<int>((p.u + 0.5) / cell));
+    const double here = spot_at(texture, size, {p.u, p.v}).slope.norm();
+    if (here <= slope[at] || sight.beside_nearer(p)) continue;
+    slope[at] = here;
+    best[at] = p;
+  }
+  std::erase_if(best, [](const VisiblePoint& p) { return p.z == 0; });
+  return best;
+}
+
+void Chain::find_pairs(const Tick& tick) {
+  const Lazy<Sight> sights(count_, kCached,
+                           [this](std::size_t i) { return Sight(map_, views_[first_ + i], *views_.masks[first_ + i]); });
+  pairs_.assign(count_, {});
+  parallel_in_order(count_, [&](std::size_t i) {
+    const std::vector<VisiblePoint> points = textured(*sights[i], views_[first_ + i], images_[i]->front());
+    for (const std::size_t apart : kApart)
+      for (const int side : {-1, 1}) {
+        if ((side < 0 && i < apart) || (side > 0 && i + apart >= count_)) continue;
+        Pair pair{i, side < 0 ? i - apart : i + apart, {}};
+        const View& other = views_[first_ + pair.fixed];
+        const auto sight = sights[pair.fixed];
+        for (const VisiblePoint& point : points) {
+          const Eigen::Vector3d p = other.camera_from_world * point.world.cast<double>();
+          if (!other.camera.in_front(p)) continue;
+          const Eigen::Vector2d pixel = other.camera.project(p);
+          if (other.camera.contains(pixel) && sight->shows(pixel, p.z()))
+            pair.points.push_back({point.world, map_.points[point.index].normal});
+        }
+        if (pair.points.size() >= kFewestPoints) pairs_[i].push_back(std::move(pair));
+      }
+    tick();
+  });
+}
+
+std::vector<PairModel> Chain::models(const Corrections& now, std::size_t coarsest, const Tick& tick) const {
+  const double expected = 2 * std::hypot(radians(options_.rotation_deg), radians(options_.mounting_deg));
+  std::vector<std::vector<PairModel>> by_view(count_);
+  parallel_in_order(count_, [&](std::size_t i) {
+    const PosedImage moving = posed(i, now);
+    for (const Pair& pair : pairs_[i])
+      if (auto model = fit_pair(pair, moving, posed(pair.fixed, now), coarsest, expected)) by_view[i].push_back(*model);
+    tick();
+  });
+  std::vector<PairModel> all;
+  for (const auto& some : by_view) all.insert(all.end(), some.begin(), some.end());
+  return all;
+}
+
+std::vector<Chain::Check> Chain::check(const std::vector<PairModel>& models, const std::vector<Corrections>& candidates,
+                                       const Tick& tick) const {
+  std::vector<Check> out(count_);
+  parallel_in_order(count_, [&](std::size_t i) {
+    for (const Corrections& candidate : candidates) {
+      double cost = 0;
+      int points = 0;
+      std::vector<double> offsets;
+      for (const Pair& pair : pairs_[i]) {
+        const auto model = std::find_if(models.begin(), models.end(),
+                                        [&](const PairModel& m) { return m.moving == pair.moving && m.fixed == pair.fixed; });
+        if (model == models.end()) continue;
+        const Agreement a = held_out(pair, posed(i, candidate), posed(pair.fixed, candidate), model->scale);
+        cost += a.cost * a.points;
+        points += a.points;
+        offsets.insert(offsets.end(), a.offsets_px.begin(), a.offsets_px.end());
+      }
+      out[i].points = points;
+      out[i].cost.push_back(points > 0 ? cost / points : 0);
+      std::sort(offsets.begin(), offsets.end());
+      out[i].offset_px.push_back(offsets.empty() ? 0 : offsets[offsets.size() / 2]);
+    }
+    tick();
+  });
+  return out;
+}
+
+// Whether a measure is lower for candidate b than for a by more than noise, over the views of the drive.
+bool lower(const std::vector<Chain::Check>& checks, std::size_t a, std::size_t b, std::vector<double> Chain::Check::* measure) {
+  double n = 0, sum = 0, squares = 0;
+  for (const Chain::Check& check : checks) {
+    if (check.points == 0) continue;
+    const double gain = (check.*measure)[a] - (check.*measure)[b];
+    n += 1;
+    sum += gain;
+    squares += gain * gain;
+  }
+  if (n < 2) return false;
+  const double mean = sum / n, variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
+  return mean > kNoise * std::sqrt(variance);
+}
+
+// Both the cost and the offsets: each alone can be bought with a systematic error.
+bool better(const std::vector<Chain::Check>& checks, std::size_t a, std::size_t b) {
+  return lower(checks, a, b, &Chain::Check::cost) && lower(checks, a, b, &Chain::Check::offset_px);
+}
+
+Expected expected_errors(const AlignOptions& options, const Camera& camera, double part) {
+  return {.rotation = part * radians(options.rotation_deg),
+          .mounting = part * radians(options.mounting_deg),
+          .pair = kPairErrorPx / camera.fx};
+}
+
+// Metres from the first place to the farthest.
+double extent(const Views& views, std::size_t first, std::size_t last) {
+  double most = 0;
+  for (std::size_t i = first; i < last; ++i)
+    most = std::max(most, (views[i].camera_from_world.inverse().t - views[first].camera_from_world.inverse().t).norm());
+  return most;
+}
+
+// What could not be aligned, in words.
+void warn(const Views& views, std::size_t first, std::size_t last, Alignment& out) {
+  const std::string drive = fmt::format("align: drive {}: ", views[first].drive);
+  std::vector<double> offsets;
+  for (std::size_t i = first; i < last; ++i)
+    if (out.views[i].points > 0) offsets.push_back(out.views[i].offset_after_px);
+  if (offsets.empty()) {
+    out.warnings.push_back(drive + "no two frames show the same map points; all poses stay as given");
+    return;
+  }
+  const std::size_t alone = last - first - offsets.size();
+  if (alone > 0)
+    out.warnings.push_back(
+        fmt::format("{}{} of {} frames share too few map points with others to be aligned", drive, alone, last - first));
+  std::sort(offsets.begin(), offsets.end());
+  const double offset = offsets[offsets.size() / 2];
+  if (offset > kMisplacedPx)
+    out.warnings.push_back(
+        fmt::format("{}colours stay misplaced by {:.1f} px in the median; check camera_from_lidar, the poses, and that camera "
+                    "and LiDAR share one clock",
+                    drive, offset));
+  if (extent(views, first, last) < kHardlyMoves)
+    out.warnings.push_back(drive + "the camera hardly moves; a rotation common to all its frames cannot be told");
+}
+
+}  // namespace
+
+void align_jointly(Views& views, const StaticMap& map, std::size_t first, std::size_t last, const AlignOptions& options,
+                   const Tick& tick, Alignment& out) {
+  Chain chain(views, map, first, last, options);
+  chain.find_pairs(tick);
+  const Corrections given(last - first);
+  const Corrections coarse =
+      solve(chain.models(given, chain.coarsest(), tick), given, expected_errors(options, views[first].camera, 1));
+  const std::vector<PairModel> models = chain.models(coarse, std::min<std::size_t>(chain.coarsest(), 1), tick);
+
+  std::vector<Corrections> candidates{given};
+  for (const double part : kParts)
+    candidates.push_back(solve(models, coarse, expected_errors(options, views[first].camera, part)));
+  const std::vector<Chain::Check> checks = chain.check(models, candidates, tick);
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < candidates.size(); ++k)
+    if (better(checks, best, k)) best = k;
+  const Corrections& chosen = candidates[best];
+  out.drives.push_back({best > 0, chosen.mounting});
+
+  std::vector<SE3> poses;
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    out.views[first + i] = {chosen.rotations[i], checks[i].offset_px[0], checks[i].offset_px[best], checks[i].points};
+    poses.push_back(chain.pose(i, chosen));
+  }
+  for (std::size_t i = 0; i < checks.size(); ++i) views.views[first + i].camera_from_world = poses[i];
+  warn(views, first, last, out);
+}
+
+}  // namespace dvi

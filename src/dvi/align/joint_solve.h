@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "dvi/align/pair_model.h"
+
+namespace dvi {
+
+/// Corrections of a drive's views: camera_from_world = exp(rotation) * given. Radians, in the camera's axes.
+struct Corrections {
+  std::vector<Eigen::Vector3d> rotations;              ///< a view
+  Eigen::Vector3d mounting = Eigen::Vector3d::Zero();  ///< what they have in common
+
+  explicit Corrections(std::size_t views = 0) : rotations(views, Eigen::Vector3d::Zero()) {}
+};
+
+/// Expected sizes (standard deviations, radians) of what is sought.
+struct Expected {
+  double rotation = 0;  ///< of a view, beside the mounting
+  double mounting = 0;  ///< constant over the drive
+  double pair = 0;      ///< by how much a pair may mislead about the rotation between its views
+};
+
+/// The corrections that fit all pairs best. `now` is where the models were made; their views are numbered from 0.
+Corrections solve(const std::vector<PairModel>& models, const Corrections& now, const Expected& expected);
+
+}  // namespace dvi

@@ -1,0 +1,182 @@
+#include "dvi/align/pair_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace dvi {
+namespace {
+
+constexpr double kCauchy = 2.385;  // 95 % efficient on normal noise
+constexpr int kIterations = 10;    // a level
+constexpr double kStill = 0.01;    // px: a step below it is the last
+constexpr double kGrazing = 0.02;  // cosine: a surface seen flatter, or of unknown normal, is taken to face the camera
+constexpr std::size_t kHeldOut = 4;
+constexpr double kSmallestScale = 1e-3;  // of log brightness: nothing agrees better than rounding to 8 bits lets it
+
+bool is_held_out(std::size_t i) { return i % kHeldOut == kHeldOut - 1; }
+
+cv::Size size_of(const PosedImage& view) { return {view.camera.width, view.camera.height}; }
+
+Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+// Derivative of Camera::project by the point.
+Eigen::Matrix<double, 2, 3> project_derivative(const Camera& camera, const Eigen::Vector3d& point) {
+  const double z = point.z(), x = point.x() / z, y = point.y() / z, r2 = x * x + y * y;
+  Eigen::Matrix2d bent = Eigen::Matrix2d::Identity();
+  if (camera.distorted()) {
+    const auto [k1, k2, p1, p2, k3] = camera.distortion;
+    const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3)), slope = 2 * (k1 + r2 * (2 * k2 + r2 * 3 * k3));
+    const double both = x * y * slope + 2 * p1 * x + 2 * p2 * y;
+    bent << radial + x * x * slope + 2 * p1 * y + 6 * p2 * x, both, both, radial + y * y * slope + 6 * p1 * y + 2 * p2 * x;
+  }
+  Eigen::Matrix<double, 2, 3> flat;
+  flat << 1 / z, 0, -x / z, 0, 1 / z, -y / z;
+  return Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() * bent * flat;
+}
+
+// A point that both views show: what the fixed one has there, where it is for the moving one.
+struct Point {
+  const Surfel* surfel;
+  Eigen::Vector3d in_moving;
+  double colour = 0;
+};
+
+std::vector<Point> common_points(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, std::size_t level,
+                                 bool want_held_out) {
+  std::vector<Point> points;
+  for (std::size_t i = 0; i < pair.points.size(); ++i) {
+    if (is_held_out(i) != want_held_out) continue;
+    const Eigen::Vector3d world = pair.points[i].position.cast<double>();
+    const Eigen::Vector3d p = fixed.camera_from_world * world;
+    if (!fixed.camera.in_front(p)) continue;
+    const Eigen::Vector2d pixel = fixed.camera.project(p);
+    if (!fixed.camera.contains(pixel)) continue;
+    const Eigen::Vector3d q = moving.camera_from_world * world;
+    if (!moving.camera.in_front(q) || !moving.camera.contains(moving.camera.project(q))) continue;
+    points.push_back({&pair.points[i], q, spot_at((*fixed.image)[level], size_of(fixed), pixel).value});
+  }
+  return points;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double scale_of(const std::vector<double>& residuals) {
+  std::vector<double> sizes;
+  sizes.reserve(residuals.size());
+  for (const double r : residuals) sizes.push_back(std::abs(r));
+  return std::max(kSmallestScale, 1.4826 * median(std::move(sizes)));
+}
+
+// Residuals and their derivative by the moving view's rotation; a point that leaves the image has none.
+struct Residuals {
+  std::vector<double> r;
+  std::vector<Eigen::RowVector3d> J;
+};
+
+Residuals residuals(const std::vector<Point>& points, const PosedImage& moving, std::size_t level, const Eigen::Matrix3d& R) {
+  Residuals out;
+  out.r.reserve(points.size());
+  out.J.reserve(points.size());
+  for (const Point& point : points) {
+    const Eigen::Vector3d p = R * point.in_moving;
+    const Spot spot = spot_at((*moving.image)[level], size_of(moving), moving.camera.project(p));
+    out.r.push_back(spot.value - point.colour);
+    out.J.emplace_back(-(spot.slope * project_derivative(moving.camera, p)) * cross(p));
+  }
+  return out;
+}
+
+double weight(double r, double scale) { return 1 / (1 + std::pow(r / (kCauchy * scale), 2)); }
+double cost(double r, double scale) { return std::log1p(std::pow(r / (kCauchy * scale), 2)); }
+
+// Gauss-Newton on one level, from w on.
+Eigen::Vector3d refine(const std::vector<Point>& points, const PosedImage& moving, std::size_t level, double expected,
+                       Eigen::Vector3d w) {
+  double scale = 0, best = 0;
+  Eigen::Vector3d step = Eigen::Vector3d::Zero();
+  for (int i = 0; i < kIterations; ++i) {
+    const Residuals now = residuals(points, moving, level, so3_exp(w + step));
+    if (i == 0) scale = scale_of(now.r);
+    Eigen::Matrix3d H = Eigen::Matrix3d::Identity() / (expected * expected);
+    Eigen::Vector3d g = (w + step) / (expected * expected);
+    double total = 0.5 * (w + step).squaredNorm() / (expected * expected);
+    for (std::size_t k = 0; k < now.r.size(); ++k) {
+      const double by = weight(now.r[k], scale) / (scale * scale);
+      H += by * now.J[k].transpose() * now.J[k];
+      g += by * now.r[k] * now.J[k].transpose();
+      total += 0.5 * kCauchy * kCauchy * cost(now.r[k], scale);
+    }
+    if (i > 0 && total >= best) return w;
+    best = total;
+    w += step;
+    step = -H.ldlt().solve(g);
+    if (step.norm() * moving.camera.fx < kStill) return w + step;
+  }
+  return w;
+}
+
+// Where on the surface the fixed view finds the colour if the point q moves in its axes: along the ray nothing changes. The
+// slope of the fixed image is not used: its noise, in the product of both slopes, would hold every view where it is.
+Eigen::Matrix3d along_surface(const Surfel& surfel, const PosedImage& fixed, const Eigen::Vector3d& q) {
+  Eigen::Vector3d normal = fixed.camera_from_world.R * surfel.normal.cast<double>();
+  if (std::abs(normal.dot(q)) < kGrazing * q.norm()) normal = q;
+  return Eigen::Matrix3d::Identity() - q * normal.transpose() / normal.dot(q);
+}
+
+}  // namespace
+
+std::optional<PairModel> fit_pair(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, std::size_t coarsest,
+                                  double expected) {
+  Eigen::Vector3d w = Eigen::Vector3d::Zero();
+  std::vector<Point> points;
+  for (std::size_t level = coarsest + 1; level-- > 0;) {
+    points = common_points(pair, moving, fixed, level, false);
+    if (points.size() < kFewestPoints) return std::nullopt;
+    w = refine(points, moving, level, expected, w);
+  }
+  const Eigen::Matrix3d R = so3_exp(w);
+  const Residuals last = residuals(points, moving, 0, R);
+  const Eigen::Matrix3d moving_from_fixed = R * moving.camera_from_world.R * fixed.camera_from_world.R.transpose();
+  PairModel model{pair.moving, pair.fixed};
+  model.scale = scale_of(last.r);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Eigen::Vector3d p = R * points[k].in_moving, q = fixed.camera_from_world * points[k].surfel->position.cast<double>();
+    const Eigen::RowVector3d by_p =
+        spot_at((*moving.image)[0], size_of(moving), moving.camera.project(p)).slope * project_derivative(moving.camera, p);
+    const Eigen::RowVector3d by_q = -by_p * moving_from_fixed * along_surface(*points[k].surfel, fixed, q);
+    Eigen::Matrix<double, 1, 6> J;
+    J << -by_p * cross(p), -by_q * cross(q);
+    const double by = weight(last.r[k], model.scale) / (model.scale * model.scale);
+    model.H += by * J.transpose() * J;
+    model.g += by * last.r[k] * J.transpose();
+  }
+  model.g -= model.H.leftCols<3>() * w;  // from the fitted place back to the given one
+  return model;
+}
+
+Agreement held_out(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, double scale) {
+  Agreement out;
+  const std::vector<Point> points = common_points(pair, moving, fixed, 0, true);
+  for (const Point& point : points) {
+    const Spot spot = spot_at((*moving.image)[0], size_of(moving), moving.camera.project(point.in_moving));
+    const double r = spot.value - point.colour;
+    out.cost += cost(r, scale);
+    out.offsets_px.push_back(std::abs(r) / std::max(1e-6, spot.slope.norm()));
+  }
+  out.points = static_cast<int>(points.size());
+  if (out.points > 0) out.cost /= out.points;
+  return out;
+}
+
+}  // namespace dvi

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "dvi/align/band_pass.h"
+#include "dvi/drive/view.h"
+
+namespace dvi {
+
+/// A piece of surface, world axes. The normal is zero where none is known.
+struct Surfel {
+  Eigen::Vector3f position = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::Zero();
+};
+
+/// What two views are compared by: what both see of the map, taken where the moving one has texture.
+struct Pair {
+  std::size_t moving = 0, fixed = 0;
+  std::vector<Surfel> points;  ///< every fourth is held out
+};
+
+/// A view as it is believed to be at this moment.
+struct PosedImage {
+  Camera camera;
+  SE3 camera_from_world;
+  std::shared_ptr<const BandPass> image;
+};
+
+/// The photometric cost of a pair as a quadratic of both views' rotations (moving, fixed; radians, camera axes), near the place
+/// where the moving view fits best.
+struct PairModel {
+  std::size_t moving = 0, fixed = 0;
+  Matrix6d H = Matrix6d::Zero();
+  Vector6d g = Vector6d::Zero();  ///< gradient at rotations zero, the views as given to `fit_pair`
+  double scale = 1;               ///< of the residuals
+};
+
+/// The best rotation of the moving view by Gauss-Newton from coarse to fine (levels `coarsest` to 0, Cauchy weights, scale from
+/// the median residual), and the model there. `expected` is the size of a usual rotation, radians. Nothing where too few points
+/// stay in both images.
+std::optional<PairModel> fit_pair(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, std::size_t coarsest,
+                                  double expected);
+
+/// How well the held-out points of a pair agree.
+struct Agreement {
+  double cost = 0;  ///< mean over the points, Cauchy
+  int points = 0;
+  std::vector<double> offsets_px;  ///< residual over slope, a point
+};
+Agreement held_out(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, double scale);
+
+inline constexpr std::size_t kFewestPoints = 40;  ///< of a pair
+
+}  // namespace dvi

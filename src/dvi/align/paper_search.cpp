@@ -1,0 +1,107 @@
+#include "dvi/align/paper_search.h"
+
+#include <algorithm>
+#include <array>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/align/sight.h"
+#include "dvi/core/threads.h"
+#include "dvi/image/interpolate.h"
+
+namespace dvi {
+namespace {
+
+constexpr std::size_t kCached = 4;
+constexpr std::array<double, 2> kSteps{1e-3, 1e-4};  // radians
+constexpr int kToEachSide = 10;
+
+struct Sample {
+  Eigen::Vector3d in_camera;  // of the view that is searched
+  cv::Vec3f colour;           // as the neighbour has it
+};
+
+cv::Vec3f colour_at(const cv::Mat3b& image, const Eigen::Vector2d& pixel) {
+  return bilinear(image, {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())});
+}
+
+// The points in the ring round the mask (in the whole image where there is none), evenly thinned.
+std::vector<VisiblePoint> ring_points(const Sight& sight, const cv::Mat1b& mask, const AlignOptions& options) {
+  cv::Mat1f distance(mask.size(), 0.0F);  // instead of a dilation: a disc of 100 px is slow to dilate by
+  if (cv::countNonZero(mask) > 0) cv::distanceTransform(mask == 0, distance, cv::DIST_L2, 3);
+  std::vector<VisiblePoint> ring;
+  for (const VisiblePoint& p : sight.points())
+    if (distance(cvRound(p.v), cvRound(p.u)) < static_cast<float>(options.ring_px)) ring.push_back(p);
+  const auto most = static_cast<std::size_t>(options.points);
+  if (ring.size() <= most) return ring;
+  std::vector<VisiblePoint> thinned(most);
+  for (std::size_t i = 0; i < most; ++i) thinned[i] = ring[i * ring.size() / most];
+  return thinned;
+}
+
+void add_samples(const std::vector<VisiblePoint>& ring, const View& view, const View& neighbour, const Sight& sight,
+                 const cv::Mat3b& image, std::vector<Sample>& samples) {
+  for (const VisiblePoint& point : ring) {
+    const Eigen::Vector3d world = point.world.cast<double>(), p = neighbour.camera_from_world * world;
+    if (!neighbour.camera.in_front(p)) continue;
+    const Eigen::Vector2d pixel = neighbour.camera.project(p);
+    if (neighbour.camera.contains(pixel) && sight.shows(pixel, p.z()))
+      samples.push_back({view.camera_from_world * world, colour_at(image, pixel)});
+  }
+}
+
+// Eq. 1, mean over the points that stay in the image.
+double energy(const std::vector<Sample>& samples, const Camera& camera, const cv::Mat3b& image, const Eigen::Vector2d& angle) {
+  const Eigen::Matrix3d R = so3_exp({angle.x(), angle.y(), 0});
+  double sum = 0, count = 0;
+  for (const Sample& s : samples) {
+    const Eigen::Vector2d pixel = camera.project(R * s.in_camera);
+    if (!camera.contains(pixel)) continue;
+    const cv::Vec3f difference = colour_at(image, pixel) - s.colour;
+    sum += difference.dot(difference);
+    count += 1;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+Eigen::Vector2d search(const std::vector<Sample>& samples, const Camera& camera, const cv::Mat3b& image) {
+  Eigen::Vector2d angle = Eigen::Vector2d::Zero();
+  for (const double step : kSteps) {
+    const Eigen::Vector2d centre = angle;
+    double least = energy(samples, camera, image, centre);
+    for (int i = -kToEachSide; i <= kToEachSide; ++i)
+      for (int j = -kToEachSide; j <= kToEachSide; ++j) {
+        const Eigen::Vector2d candidate = centre + step * Eigen::Vector2d(i, j);
+        const double e = energy(samples, camera, image, candidate);
+        if (e >= least) continue;
+        least = e;
+        angle = candidate;
+      }
+  }
+  return angle;
+}
+
+}  // namespace
+
+void search_as_published(Views& views, const StaticMap& map, std::size_t first, std::size_t last, const AlignOptions& options,
+                         const Tick& tick, Alignment& out) {
+  const Lazy<Sight> sights(last - first, kCached + static_cast<std::size_t>(thread_count()),
+                           [&](std::size_t i) { return Sight(map, views[first + i], *views.masks[first + i]); });
+  parallel_in_order(last - first, [&](std::size_t i) {
+    const View& view = views[first + i];
+    const std::vector<VisiblePoint> ring = ring_points(*sights[i], *views.masks[first + i], options);
+    std::vector<Sample> samples;
+    if (i > 0) add_samples(ring, view, views[first + i - 1], *sights[i - 1], *views.images[first + i - 1], samples);
+    if (first + i + 1 < last)
+      add_samples(ring, view, views[first + i + 1], *sights[i + 1], *views.images[first + i + 1], samples);
+    const Eigen::Vector2d angle = search(samples, view.camera, *views.images[first + i]);
+    ViewAlignment& found = out.views[first + i];
+    found.rotation = {angle.x(), angle.y(), 0};
+    found.points = static_cast<int>(samples.size());
+    tick();
+  });
+  for (std::size_t i = first; i < last; ++i)
+    views.views[i].camera_from_world = SE3{so3_exp(out.views[i].rotation), {0, 0, 0}} * views[i].camera_from_world;
+}
+
+}  // namespace dvi
