@@ -7,104 +7,89 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dvi/depth/delaunay.h"
-#include "dvi/map/visible_points.h"
+#include "dvi/depth/triangle.h"
 
 namespace dvi {
 namespace {
 
 constexpr float kRangeNoise = 0.02F;  // metres, of the LiDAR
-constexpr float kGroundLike = 0.9F;   // cosine to up: grazing ground is steep in depth without being an edge
+constexpr float kPoseNoise = 0.01F;   // metres between sweeps, across a surface: a grazing view sees much of it
+constexpr float kUpright = 0.3F;      // sine of what a wall may lean
+constexpr float kLanding = 1.1F;      // ratio of depths within which a foot stands on the ground
 
-/// Paints triangles of visible points into inverse depth and its spread.
-class Painter {
- public:
-  Painter(const std::vector<VisiblePoint>& points, const View& view, const DepthOptions& options)
-      : inverse(view.camera.height, view.camera.width, 0.0F),
-        spread(view.camera.height, view.camera.width, 0.0F),
-        points_(points),
-        focal_(static_cast<float>(view.camera.fx)),
-        options_(options) {}
+/// What the triangles show at each pixel.
+struct Picture {
+  Picture(int height, int width)
+      : inverse(height, width, 0.0F), spread(height, width, 0.0F), owner(height, width, -1), gap(height, width, uchar{0}) {}
 
-  void paint(const std::array<std::size_t, 3>& corners) {
-    std::array<const VisiblePoint*, 3> p{&points_[corners[0]], &points_[corners[1]], &points_[corners[2]]};
-    std::sort(p.begin(), p.end(), [](const auto* a, const auto* b) { return a->z < b->z; });
-    const float gap_near = slope(*p[0], *p[1]), gap_far = slope(*p[1], *p[2]);
-    const bool edge = options_.split_edges && std::max(gap_near, gap_far) > options_.max_slope && !ground_like(p);
-    const int near_count = !edge ? 3 : (gap_near > gap_far ? 1 : 2);
-    raster(p, [&](int x, int y, const std::array<float, 3>& weight) {
-      float value = 0;
-      if (!edge)
-        for (int k = 0; k < 3; ++k) value += weight[k] / p[k]->z;
-      else
-        value = 1 / side(p, near_count, static_cast<float>(x), static_cast<float>(y));
-      inverse(y, x) = value;
-      spread(y, x) = edge ? 0.5F * (p[2]->z - p[0]->z) : 0.1F * (p[2]->z - p[0]->z);
-    });
-  }
-
-  cv::Mat1f inverse, spread;
-
- private:
-  // Depth over width of the step between two points: how steeply the surface through both leaves the viewer.
-  float slope(const VisiblePoint& a, const VisiblePoint& b) const {
-    const float px = std::hypot(a.u - b.u, a.v - b.v);
-    const float width = std::max(px, 1.0F) * 0.5F * (a.z + b.z) / focal_;
-    return std::max(0.0F, b.z - a.z - 3 * kRangeNoise) / width;
-  }
-
-  static bool ground_like(const std::array<const VisiblePoint*, 3>& p) {
-    const Eigen::Vector3f normal = (p[1]->world - p[0]->world).cross(p[2]->world - p[0]->world);
-    return std::abs(normal.z()) > kGroundLike * normal.norm();
-  }
-
-  // At an edge the near surface ends within a splat of its last points; what is beyond belongs to the far one.
-  float side(const std::array<const VisiblePoint*, 3>& p, int near_count, float x, float y) const {
-    int best = -1;
-    float best_distance = 0;
-    for (int k = 0; k < 3; ++k) {
-      const float d = std::hypot(p[k]->u - x, p[k]->v - y);
-      const bool is_near = k < near_count;
-      const float reach = std::max(0.7F, 0.5F * static_cast<float>(options_.splat_m) * focal_ / p[k]->z);
-      if (is_near && d > reach) continue;
-      const float rank = is_near ? d - 1e6F : d;
-      if (best < 0 || rank < best_distance) {
-        best = k;
-        best_distance = rank;
-      }
-    }
-    return p[best]->z;
-  }
-
-  template <class Pixel>
-  void raster(const std::array<const VisiblePoint*, 3>& p, const Pixel& pixel) const {
-    const float area = (p[1]->u - p[0]->u) * (p[2]->v - p[0]->v) - (p[2]->u - p[0]->u) * (p[1]->v - p[0]->v);
-    if (std::abs(area) < 1e-6F) return;
-    const auto [u0, u1] = std::minmax({p[0]->u, p[1]->u, p[2]->u});
-    const auto [v0, v1] = std::minmax({p[0]->v, p[1]->v, p[2]->v});
-    const int left = std::max(0, cvCeil(u0 - 0.01F)), right = std::min(inverse.cols - 1, cvFloor(u1 + 0.01F));
-    const int top = std::max(0, cvCeil(v0 - 0.01F)), bottom = std::min(inverse.rows - 1, cvFloor(v1 + 0.01F));
-    for (int y = top; y <= bottom; ++y)
-      for (int x = left; x <= right; ++x) {
-        const float fx = static_cast<float>(x), fy = static_cast<float>(y);
-        std::array<float, 3> w{};
-        w[1] = ((fx - p[0]->u) * (p[2]->v - p[0]->v) - (p[2]->u - p[0]->u) * (fy - p[0]->v)) / area;
-        w[2] = ((p[1]->u - p[0]->u) * (fy - p[0]->v) - (fx - p[0]->u) * (p[1]->v - p[0]->v)) / area;
-        w[0] = 1 - w[1] - w[2];
-        constexpr float kEdge = -1e-4F;  // a pixel on an edge belongs to either side rather than to none
-        if (w[0] >= kEdge && w[1] >= kEdge && w[2] >= kEdge) pixel(x, y, w);
-      }
-  }
-
-  const std::vector<VisiblePoint>& points_;
-  float focal_;
-  const DepthOptions& options_;
+  cv::Mat1f inverse, spread;  ///< as Triangle::Value
+  cv::Mat1i owner;            ///< the surfel whose surface it is; -1: none
+  cv::Mat1b gap;              ///< whether nothing was scanned there
 };
 
+/// Calls `pixel(x, y, weights of the corners)` for all pixels within a triangle.
+template <class Pixel>
+void raster(const Triangle& t, cv::Size size, const Pixel& pixel) {
+  const Surfel &a = t.corner(0), &b = t.corner(1), &c = t.corner(2);
+  const float area = (b.u - a.u) * (c.v - a.v) - (c.u - a.u) * (b.v - a.v);
+  if (std::abs(area) < 1e-6F) return;
+  const auto [u0, u1] = std::minmax({a.u, b.u, c.u});
+  const auto [v0, v1] = std::minmax({a.v, b.v, c.v});
+  const int left = std::max(0, cvCeil(u0 - 0.01F)), right = std::min(size.width - 1, cvFloor(u1 + 0.01F));
+  const int top = std::max(0, cvCeil(v0 - 0.01F)), bottom = std::min(size.height - 1, cvFloor(v1 + 0.01F));
+  for (int y = top; y <= bottom; ++y)
+    for (int x = left; x <= right; ++x) {
+      const float fx = static_cast<float>(x), fy = static_cast<float>(y);
+      std::array<float, 3> w{};
+      w[1] = ((fx - a.u) * (c.v - a.v) - (c.u - a.u) * (fy - a.v)) / area;
+      w[2] = ((b.u - a.u) * (fy - a.v) - (fx - a.u) * (b.v - a.v)) / area;
+      w[0] = 1 - w[1] - w[2];
+      constexpr float kEdge = -1e-4F;  // a pixel on an edge belongs to either side rather than to none
+      if (w[0] >= kEdge && w[1] >= kEdge && w[2] >= kEdge) pixel(x, y, w);
+    }
+}
+
+Picture paint(const SurfelMesh& mesh, const Camera& camera, bool split_edges) {
+  Picture picture(camera.height, camera.width);
+  for (const auto& corners : mesh.triangles) {
+    const Triangle triangle(mesh, corners);
+    raster(triangle, picture.inverse.size(), [&](int x, int y, const std::array<float, 3>& w) {
+      const Triangle::Value value =
+          split_edges ? triangle.at(static_cast<float>(x), static_cast<float>(y), w) : triangle.interpolate(w);
+      picture.inverse(y, x) = value.inverse;
+      picture.spread(y, x) = value.spread;
+      picture.owner(y, x) = static_cast<int>(&triangle.corner(value.corner) - mesh.surfels.data());
+      picture.gap(y, x) = triangle.gap() ? 255 : 0;
+    });
+  }
+  return picture;
+}
+
+/// Where nothing was scanned, what stands upright above goes on downwards if that brings it to the ground: the foot of a pole
+/// or a parked car that the traffic hid. A crown, which would hang down like a curtain, meets the ground behind it first.
+void stand(Picture& picture, const std::vector<Surfel>& surfels) {
+  const int rows = picture.inverse.rows;
+  for (int x = 0; x < picture.inverse.cols; ++x)
+    for (int y = 1; y < rows; ++y) {
+      const int owner = picture.owner(y - 1, x);
+      if (picture.gap(y, x) == 0 || owner < 0 || std::abs(surfels[owner].normal.z()) > kUpright) continue;
+      const auto plane = [&](int v) { return surfels[owner].inverse_at(static_cast<float>(x), static_cast<float>(v)); };
+      int foot = y;
+      while (foot < rows && picture.gap(foot, x) != 0 && plane(foot) > picture.inverse(foot, x)) ++foot;
+      if (foot == rows || picture.owner(foot, x) < 0 || !surfels[picture.owner(foot, x)].is_ground()) continue;
+      const float ratio = plane(foot) / picture.inverse(foot, x);
+      if (ratio > kLanding || ratio * kLanding < 1) continue;
+      for (; y < foot; ++y) {
+        picture.inverse(y, x) = plane(y);
+        picture.owner(y, x) = owner;
+      }
+    }
+}
+
 // Per column, the row of the highest return among the columns near it; rows above are sky.
-std::vector<int> skyline(const std::vector<VisiblePoint>& points, const Camera& camera, double gap_deg) {
+std::vector<int> skyline(const std::vector<Surfel>& surfels, const Camera& camera, double gap_deg) {
   std::vector<int> top(static_cast<std::size_t>(camera.width), camera.height);
-  for (const VisiblePoint& p : points) {
+  for (const Surfel& p : surfels) {
     int& row = top[static_cast<std::size_t>(cvRound(p.u))];
     row = std::min(row, cvRound(p.v));
   }
@@ -118,21 +103,23 @@ std::vector<int> skyline(const std::vector<VisiblePoint>& points, const Camera& 
 }  // namespace
 
 DepthMap depth_map(const StaticMap& map, const View& view, const DepthOptions& options) {
-  const std::vector<VisiblePoint> points = visible_points(map, view, options.splat_m, options.see_through);
-  Painter painter(points, view, options);
-  delaunay(points, [&](const std::array<std::size_t, 3>& corners) { painter.paint(corners); });
-  cv::Mat1f inverse = painter.inverse;
-  if (options.median_px >= 3) cv::medianBlur(painter.inverse, inverse, options.median_px);
+  const SurfelMesh mesh = surfel_mesh(map, view, options.splat_m, options.see_through, options.max_slope);
+  Picture picture = paint(mesh, view.camera, options.split_edges);
+  if (options.split_edges) stand(picture, mesh.surfels);
+  if (options.median_px >= 3) cv::medianBlur(picture.inverse.clone(), picture.inverse, options.median_px);
 
-  const std::vector<int> sky = skyline(points, view.camera, options.sky_gap_deg);
-  DepthMap depth{cv::Mat1f(inverse.size(), DepthMap::kUnknown), cv::Mat1f(inverse.size(), 0.0F)};
-  for (int y = 0; y < inverse.rows; ++y)
-    for (int x = 0; x < inverse.cols; ++x) {
+  const std::vector<int> sky = skyline(mesh.surfels, view.camera, options.sky_gap_deg);
+  DepthMap depth{cv::Mat1f(picture.inverse.size(), DepthMap::kUnknown), cv::Mat1f(picture.inverse.size(), 0.0F)};
+  for (int y = 0; y < depth.z.rows; ++y)
+    for (int x = 0; x < depth.z.cols; ++x) {
+      const float inverse = picture.inverse(y, x);
       if (y < sky[x]) {
         depth.z(y, x) = DepthMap::kSky;
-      } else if (inverse(y, x) > 0) {
-        depth.z(y, x) = 1 / inverse(y, x);
-        depth.sigma(y, x) = std::max(kRangeNoise, painter.spread(y, x));
+      } else if (inverse > 0) {
+        const int owner = picture.owner(y, x);
+        const float across = owner < 0 ? 0 : kPoseNoise / mesh.surfels[owner].cosine;
+        depth.z(y, x) = 1 / inverse;
+        depth.sigma(y, x) = std::max(picture.spread(y, x), std::hypot(kRangeNoise, across));
       }
     }
   return depth;

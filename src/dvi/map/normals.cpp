@@ -8,9 +8,10 @@
 namespace dvi {
 namespace {
 
-constexpr double kCell = 0.2;   // metres
-constexpr int kFewest = 6;      // points
-constexpr float kFlat = 0.25F;  // a plane's smallest variance is at most this share of the middle one
+constexpr double kCell = 0.2;    // metres
+constexpr int kFewest = 6;       // points
+constexpr float kWidth = 0.08F;  // metres, standard deviation: a strip narrower than four times the range noise has no normal
+constexpr float kFlat = 0.25F;   // a plane's smallest variance is at most this share of the middle one
 
 // Sums over points, from the centre of their cell so that float does.
 struct Moments {
@@ -46,6 +47,7 @@ Eigen::Vector3f normal_at(const Cells& cells, const Eigen::Vector3i& place) {
   const Eigen::Matrix3f covariance = all.squares / static_cast<float>(all.count) - centre * centre.transpose();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
   solver.computeDirect(covariance);
+  if (solver.eigenvalues()[1] < kWidth * kWidth) return Eigen::Vector3f::Zero();
   if (solver.eigenvalues()[0] > kFlat * solver.eigenvalues()[1]) return Eigen::Vector3f::Zero();
   return solver.eigenvectors().col(0);
 }

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "dvi/drive/view.h"
+#include "dvi/map/static_map.h"
+
+namespace dvi {
+
+/// A visible point of the map with the plane of the surface it lies on, as a view sees it.
+struct Surfel {
+  float u = 0, v = 0;                                ///< pixel, sub-pixel exact
+  float inverse = 0;                                 ///< 1 / depth, in 1 / metres
+  float slope_u = 0, slope_v = 0;                    ///< change of the plane's inverse depth a pixel
+  float spacing = 0;                                 ///< px between returns on its surface; 0: it stands alone
+  float cosine = 1;                                  ///< of the angle between its normal and the line of sight, at least 0.005
+  bool flat = false;                                 ///< the map knows a normal; else it is taken to face the view, upright
+  Eigen::Vector3f world = Eigen::Vector3f::Zero();   ///< metres
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, world axes, towards the view
+
+  bool is_ground() const { return std::abs(normal.z()) > 0.9F; }
+  /// Inverse depth of the plane at a pixel (linear in the image); not positive where the plane is not before the view.
+  float inverse_at(float x, float y) const { return inverse + slope_u * (x - u) + slope_v * (y - v); }
+};
+
+/// How the surfaces of two surfels meet in between.
+enum class Joint : unsigned char {
+  same,     ///< one surface
+  concave,  ///< each lies before the other's plane, as a wall and the ground do: the nearer plane is seen
+  convex,   ///< each lies behind the other's plane, as two sides of a box do: the farther plane is seen
+  step,     ///< one stands before the other without touching it
+};
+Joint joint(const Surfel& a, const Surfel& b);
+
+/// The visible points, their planes and their Delaunay triangles.
+struct SurfelMesh {
+  std::vector<Surfel> surfels;
+  std::vector<std::array<std::size_t, 3>> triangles;
+};
+
+/// `splat_m`, `see_through`: as visible_points. Planes that leave the view more steeply than `max_slope` (depth over width) are
+/// taken from the map, or for the ground, but not guessed from neighbours.
+SurfelMesh surfel_mesh(const StaticMap& map, const View& view, double splat_m, double see_through, double max_slope);
+
+}  // namespace dvi

@@ -1,0 +1,130 @@
+#include "dvi/depth/surfel_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "dvi/depth/depth.h"
+
+namespace dvi {
+namespace {
+
+View test_view() {
+  View view;
+  view.camera = {320, 200, 250, 250, 159.5, 99.5, {}};
+  view.camera_from_world.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;  // along x, 1.6 m above the ground
+  return view;
+}
+
+void finish(StaticMap& map) {
+  Eigen::AlignedBox3f bounds;
+  for (const MapPoint& p : map.points) bounds.extend(p.position);
+  map.tiles = {{bounds, 0, map.points.size()}};
+}
+
+void add(StaticMap& map, double x, double y, double z) { map.points.push_back({Eigen::Vector3d(x, y, z).cast<float>(), 0, 1}); }
+
+template <class Shadow>
+void add_ground(StaticMap& map, double far, const Shadow& shadow) {
+  for (double x = 4; x < far; x *= 1.03)
+    for (double y = -10; y <= 10; y += 0.15)
+      if (!shadow(x, y)) add(map, x, y, -1.6);
+}
+
+void add_wall(StaticMap& map, double x, double half, double bottom, double top) {
+  for (double y = -half; y <= half; y += 0.1)
+    for (double z = bottom; z <= top; z += 0.1) add(map, x, y, z);
+}
+
+double ground_depth(const View& view, int y) { return 1.6 * view.camera.fy / (y - view.camera.cy); }
+
+Surfel at(const Eigen::Vector3f& world, const Eigen::Vector3f& normal) {
+  Surfel s;
+  s.world = world;
+  s.normal = normal;
+  s.flat = true;
+  return s;
+}
+
+TEST(SurfelMesh, TellsHowSurfacesMeet) {
+  const Eigen::Vector3f up(0, 0, 1), back(-1, 0, 0), left(0, 1, 0);
+  const Surfel ground = at({10, 0, 0}, up), wall = at({12, 0, 1}, back), pole = at({11, 0, 1}, back);
+  EXPECT_EQ(joint(ground, at({18, 2, 0.1F}, up)), Joint::same);
+  EXPECT_EQ(joint(ground, at({10.2F, 0, 0.2F}, up)), Joint::step) << "a kerb";
+  EXPECT_EQ(joint(ground, wall), Joint::concave);
+  EXPECT_EQ(joint(wall, ground), Joint::concave);
+  EXPECT_EQ(joint(at({12, 1, 1}, back), at({14, 2, 1}, left)), Joint::convex) << "the corner of a box";
+  EXPECT_EQ(joint(pole, wall), Joint::step);
+  EXPECT_EQ(joint(pole, at({16, 0, 0}, up)), Joint::step) << "the ground behind a pole";
+}
+
+TEST(SurfelMesh, SparseReturnsTakeThePlaneOfTheirNeighbours) {
+  StaticMap map;  // too few a metre for the map to know normals
+  add_ground(map, 60, [](double, double) { return false; });
+  finish(map);
+  const SurfelMesh mesh = surfel_mesh(map, test_view(), 0.07, 0.05, 10);
+  ASSERT_GT(mesh.surfels.size(), 1000U);
+  const auto level = std::count_if(mesh.surfels.begin(), mesh.surfels.end(),
+                                   [](const Surfel& s) { return s.flat && s.normal.z() > 0.999F && s.spacing > 0; });
+  EXPECT_GT(static_cast<double>(level), 0.98 * static_cast<double>(mesh.surfels.size()));
+}
+
+TEST(Depth, GroundGoesOnThroughAHoleUpToTheWallBehind) {
+  StaticMap map;  // what a vehicle hid from all scans: the ground from 8 m to the wall, and the lower part of that
+  add_ground(map, 24, [](double x, double y) { return x > 8 && std::abs(y) < 2; });
+  add_wall(map, 24, 10, -0.4, 3);
+  finish(map);
+  const View view = test_view();
+  const DepthMap depth = depth_map(map, view, {});
+  int wrong = 0;
+  for (int y = 105; y < 145; ++y)
+    for (int x = 145; x < 175; ++x) {
+      const double truth = std::min(24.0, ground_depth(view, y));
+      if (std::abs(y - 116) > 1 && std::abs(depth.z(y, x) / truth - 1) > 0.02) ++wrong;
+    }
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(Depth, WhatStandsUprightReachesTheGroundWhereNothingWasScanned) {
+  StaticMap map;  // a box 15 m away of which scans saw the top 40 cm, before a wall
+  add_ground(map, 40, [](double x, double y) { return x > 9 && std::abs(y) < 3; });
+  add_wall(map, 15, 1, -0.7, -0.3);
+  add_wall(map, 40, 12, -0.2, 4);
+  finish(map);
+  const View view = test_view();
+  const DepthMap depth = depth_map(map, view, {});
+  int box = 0, ground = 0;
+  for (int x = 150; x < 170; ++x) {
+    for (int y = 107; y < 125; ++y) box += std::abs(depth.z(y, x) - 15) < 0.3 ? 1 : 0;
+    for (int y = 128; y < 140; ++y) ground += std::abs(depth.z(y, x) / ground_depth(view, y) - 1) < 0.02 ? 1 : 0;
+  }
+  EXPECT_GT(box, 0.95 * 20 * 18) << "its foot is at row 126";
+  EXPECT_GT(ground, 0.95 * 20 * 12);
+}
+
+TEST(Depth, WhatHangsDoesNotBecomeACurtain) {
+  StaticMap map;  // a sign at 10 m whose foot would land long before the gap below it ends
+  add_ground(map, 40, [](double x, double y) { return x > 25 && std::abs(y) < 4; });
+  add_wall(map, 10, 0.5, 0.2, 1);
+  add_wall(map, 40, 12, -0.2, 4);
+  finish(map);
+  const DepthMap depth = depth_map(map, test_view(), {});
+  int curtain = 0;
+  for (int y = 98; y < 115; ++y)
+    for (int x = 150; x < 170; ++x) curtain += depth.z(y, x) < 15 ? 1 : 0;
+  EXPECT_EQ(curtain, 0);
+}
+
+TEST(Depth, SigmaGrowsWhereTheSurfaceIsSeenAtAGrazingAngle) {
+  StaticMap map;
+  add_ground(map, 60, [](double, double) { return false; });
+  add_wall(map, 60, 10, -1.6, 3);
+  finish(map);
+  const DepthMap depth = depth_map(map, test_view(), {});
+  EXPECT_LT(depth.sigma(180, 160), 0.05);
+  EXPECT_GT(depth.sigma(110, 160), 0.15) << "a centimetre of height is a quarter of a metre of way at 38 m";
+  EXPECT_LT(depth.sigma(95, 160), 0.03) << "the wall";
+}
+
+}  // namespace
+}  // namespace dvi
