@@ -14,7 +14,8 @@ cv::Mat1f blurred(const cv::Mat1f& weighted, const cv::Mat1f& weight, double sig
   cv::Mat1f above, below;
   cv::GaussianBlur(weighted, above, {}, sigma);
   cv::GaussianBlur(weight, below, {}, sigma);
-  return above / (below + 1e-6F);
+  cv::divide(above, below + 1e-6F, above);
+  return above;
 }
 
 float bilinear(const cv::Mat1f& image, double x, double y) {
@@ -33,7 +34,8 @@ BandPass band_pass(const cv::Mat3b& image, const cv::Mat1b& mask, int levels) {
   grey.convertTo(brightness, CV_32F, 1, kDark);
   cv::log(brightness, brightness);
   cv::Mat1b(mask == 0).convertTo(weight, CV_32F, 1.0 / 255);
-  cv::Mat1f weighted = brightness.mul(weight);
+  cv::Mat1f weighted;
+  cv::multiply(brightness, weight, weighted);
   BandPass out;
   for (int l = 0;; ++l) {
     out.emplace_back(blurred(weighted, weight, kFine) - blurred(weighted, weight, kCoarse));

@@ -175,7 +175,7 @@ TEST(VisibilityMap, KnowsHowSureItIsOfWhatItSees) {
 }
 
 TEST(Depth, EmptyMapIsAllSky) {
-  const DepthMap depth = depth_map({}, test_view(), {});
+  const DepthMap depth = depth_map(StaticMap(), test_view(), {});
   EXPECT_EQ(depth.z.size(), cv::Size(320, 200));
   EXPECT_TRUE(std::isinf(depth.z(0, 0)));
 }

@@ -64,26 +64,33 @@ std::vector<Part> parts_of(const Candidates& candidates, const cv::Mat1b& roles,
   return parts;
 }
 
+struct Guidance {
+  bool seams = true;   ///< between pixels of different sources: the gradient these show
+  float vertical = 1;  ///< weight of vertical neighbours against horizontal ones
+};
+
 /// Eq. 5 for the pixels to be solved. `colour` holds the fixed ones.
 class Equation {
  public:
-  Equation(const Candidates& candidates, const Copies& copies, const cv::Mat1b& roles, const cv::Mat3f& colour, bool seams)
-      : candidates_(candidates), copies_(copies), roles_(roles), colour_(colour), seams_(seams) {}
+  Equation(const Candidates& candidates, const Copies& copies, const cv::Mat1b& roles, const cv::Mat3f& colour,
+           const Guidance& guidance)
+      : candidates_(candidates), copies_(copies), roles_(roles), colour_(colour), guidance_(guidance) {}
 
   PoissonSystem system(const cv::Mat1i& labels, const std::vector<Part>& parts) const {
     // A part that nothing bounds is held near its copies, too weakly to be seen in its gradients.
     constexpr float kAnchor = 1e-4F;
-    PoissonSystem out{Region(where(roles_, Role::solved)), {}, {}};
+    PoissonSystem out{Region(where(roles_, Role::solved)), {}, {}, guidance_.vertical};
     for (const cv::Point p : out.region.pixels) {
       const int i = candidates_.hole.index(p);
       const bool copied = candidates_.of[i].found();
       float diagonal = 0;
       cv::Vec3f right = copied ? copies_.outward[i] : cv::Vec3f();
-      if (copied && seams_) right += copies_.seam[i];
+      if (copied && guidance_.seams) right += copies_.seam[i];
       for (const cv::Point q : around(p)) {
         if (!inside(roles_, q) || roles_(q) == static_cast<uchar>(Role::absent)) continue;
-        diagonal += 1;
-        right += pull(i, q);
+        const float weight = q.y == p.y ? 1 : guidance_.vertical;
+        diagonal += weight;
+        right += weight * pull(i, q);
       }
       if (!parts[labels(p)].bounded && copied) {
         diagonal += kAnchor;
@@ -109,16 +116,16 @@ class Equation {
   const Copies& copies_;
   const cv::Mat1b& roles_;
   const cv::Mat3f& colour_;
-  bool seams_;
+  Guidance guidance_;
 };
 
 /// Fills the solved pixels of `colour`. Those of which nothing could be told become absent.
-void fill(const Candidates& candidates, const Copies& copies, cv::Mat1b& roles, bool seams, cv::Mat3f& colour) {
+void fill(const Candidates& candidates, const Copies& copies, cv::Mat1b& roles, const Guidance& guidance, cv::Mat3f& colour) {
   cv::Mat1i labels;
   const std::vector<Part> parts = parts_of(candidates, roles, labels);
   for (const cv::Point p : candidates.hole.pixels)
     if (labels(p) > 0 && !parts[labels(p)].bounded && !parts[labels(p)].copied) roles(p) = static_cast<uchar>(Role::absent);
-  const PoissonSystem system = Equation(candidates, copies, roles, colour, seams).system(labels, parts);
+  const PoissonSystem system = Equation(candidates, copies, roles, colour, guidance).system(labels, parts);
   std::vector<cv::Vec3f> x;
   x.reserve(system.region.size());
   for (const cv::Point p : system.region.pixels) x.push_back(copies.colour[candidates.hole.index(p)]);
@@ -198,10 +205,10 @@ FilledFrame harmonize(const Candidates& sampled, const Views& views, std::size_t
   const Role copied = options.poisson ? Role::solved : Role::fixed;
   const Role unseen = options.fill_unseen ? Role::solved : Role::absent;
   cv::Mat1b roles = roles_of(candidates, copied, options.unseen_last ? Role::absent : unseen);
-  fill(candidates, copies, roles, options.seam_gradients, out.colour);
+  fill(candidates, copies, roles, {options.seam_gradients, 1}, out.colour);
   if (options.unseen_last) {
     roles = roles_of(candidates, Role::fixed, unseen);
-    fill(candidates, copies, roles, options.seam_gradients, out.colour);
+    fill(candidates, copies, roles, {options.seam_gradients, static_cast<float>(options.unseen_vertical)}, out.colour);
   }
   for (const cv::Point p : hole.pixels)
     out.kind(p) = static_cast<uchar>(roles(p) == static_cast<uchar>(Role::solved) ? Kind::interpolated : Kind::empty);

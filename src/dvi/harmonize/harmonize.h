@@ -12,6 +12,7 @@ struct HarmonizeOptions {
   bool poisson = true;
   bool seam_gradients = true;
   bool unseen_last = true;
+  double unseen_vertical = 0.1;
   bool fill_unseen = true;
 
   void describe(OptionTable& table) {
@@ -21,6 +22,8 @@ struct HarmonizeOptions {
               "Between pixels of different sources ask for the gradient the sources show; false: 0, as published.");
     table.add("unseen_last", unseen_last,
               "Interpolate unseen pixels after the copies are solved; false: together, as published, which lets them bleed.");
+    table.add("unseen_vertical", unseen_vertical, {0.001, 1},
+              "Weight of vertical against horizontal neighbours in that interpolation: streets lie in layers; 1: a membrane.");
     table.add("fill_unseen", fill_unseen, "Interpolate pixels that no frame saw; false leaves them black, kind 5.");
   }
 };

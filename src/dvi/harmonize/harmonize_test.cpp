@@ -81,6 +81,16 @@ TEST(Harmonize, UnseenPixelsContinueALinearRamp) {
   EXPECT_LT(c.worst(c.run()), 0.1);
 }
 
+TEST(Harmonize, UnseenPixelsContinueTheLayersBesideThem) {
+  cv::Mat3b layers(kHeight, kWidth, cv::Vec3b(200, 200, 200));
+  layers.rowRange(30, kHeight) = cv::Scalar(60, 60, 60);
+  Case c(layers, rectangle({30, 15, 12, 30}));
+  c.candidates.of[0] = {};
+  HarmonizeOptions membrane;
+  membrane.unseen_vertical = 1;
+  EXPECT_LT(c.worst(c.run()), 0.8 * c.worst(c.run(membrane)));
+}
+
 TEST(Harmonize, AGradientOffsetOfTheSourceVanishesAtTheBorderAndStaysLinearInside) {
   Case c(waves(kWidth, kHeight, 4), rectangle({20, 15, 40, 30}));
   cv::Mat3b tinted = c.truth.clone();

@@ -63,7 +63,7 @@ Level finest_level(const PoissonSystem& system) {
       const cv::Point q = level.position[i] + step[d];
       if (!image.contains(q) || system.region.index(q) < 0) continue;
       level.neighbour[i][d] = system.region.index(q);
-      level.weight[i][d] = 1;
+      level.weight[i][d] = step[d].y == 0 ? 1 : system.vertical;
     }
   level.finish();
   return level;

@@ -75,6 +75,7 @@ void use_method(const std::string& method, Options& options) {
   options.harmonize.poisson = true;
   options.harmonize.seam_gradients = false;
   options.harmonize.unseen_last = false;
+  options.harmonize.unseen_vertical = 1;
   options.smooth.enabled = true;
 }
 
