@@ -48,11 +48,12 @@ class Progress:
 
 
 def plan(chosen: list[Case], methods: list[Variant], ablations: list[Variant]) -> list[tuple[Case, list[Variant]]]:
-    """What to run on each case: all methods before any ablation; dvi first, because it tells which pixels are compared and
-    which frames are shown."""
+    """What to run on each case: all methods before any ablation, those of real drives first; of methods dvi first, because it
+    tells which pixels are compared and which frames are shown."""
     others = [method for method in methods if method != variants.DVI]
     return ([(case, [variants.DVI, *others]) for case in chosen]
-            + [(case, variants.applicable(ablations, bool(case.sources))) for case in chosen if case.ablated and ablations])
+            + [(case, variants.applicable(ablations, bool(case.sources)))
+               for case in sorted(chosen, key=lambda case: case.group == cases.STREET) if case.ablated and ablations])
 
 
 def attempt(outcome: Outcome, case: Case, what: str, work: Callable[[], dict | None]) -> bool:
@@ -67,7 +68,8 @@ def attempt(outcome: Outcome, case: Case, what: str, work: Callable[[], dict | N
         return False
 
 
-def run_all(scorer: Scorer, outcome: Outcome) -> None:
+def run_all(scorer: Scorer, outcome: Outcome, until: float = float("inf")) -> None:
+    """Up to a time of the monotonic clock; what was not begun by then is missing."""
     todo = plan(outcome.cases, outcome.methods, outcome.ablations)
     due = [(case, [variant for variant in row if scorer.known(case, variant) is None]) for case, row in todo]
     progress = Progress(sum(len(row) for _, row in due))
@@ -83,6 +85,8 @@ def run_all(scorer: Scorer, outcome: Outcome) -> None:
         for variant in row:
             if variant not in missing:
                 outcome.results[case.name, variant.name] = scorer.known(case, variant)
+                continue
+            if time.monotonic() > until:
                 continue
             progress.tell(f"{case.name}: {variant.name}")
             worked = attempt(outcome, case, variant.name, lambda: scorer.score(case, variant, variant in outcome.methods))
@@ -129,6 +133,8 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="./dev bench quality", description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true",
                         help="three cases, all methods, no ablations: about 5 minutes; writes build/bench/quality/quick.md")
+    parser.add_argument("--minutes", type=float, default=float("inf"), metavar="N",
+                        help="begin nothing more after so long, and write the page with what there is")
     parser.add_argument("--external", action="append", default=[], metavar="NAME=DIR",
                         help="frames of another program, DIR/CASE/NAME.png, join the tables")
     parser.add_argument("--drive", action="append", default=[], metavar="NAME=PATH[@A:B]",
@@ -158,7 +164,8 @@ def main(arguments: list[str]) -> int:
     ablations = () if given.quick else (*variants.ABLATIONS, *variants.published_switches(differing))
     outcome = Outcome(choose_cases(recordings(given.drive), given.quick), list(variants.METHODS), list(ablations), differing,
                       list(given.external), {}, [])
-    run_all(scorer, outcome)
+    run_all(scorer, outcome, time.monotonic() + 60 * given.minutes)
+    outcome.cases[:] = [case for case in outcome.cases if (case.name, variants.DVI.name) in outcome.results]
     run_externals(scorer, outcome, given.external)
     target = root / "quick.md" if given.quick else TREE / "docs/benchmarks.md"
     images = root / "quick" if given.quick else TREE / "docs/images/benchmarks"

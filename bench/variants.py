@@ -31,6 +31,11 @@ def _off(name: str, what: str, option: str) -> Variant:
 ABLATIONS = (
     _off("no-poisson", "colours as copied, no Poisson blending", "harmonize.poisson"),
     Variant("bp", "belief propagation (`regularize.enabled=true`)", ("--set", "regularize.enabled=true")),
+    _off("no-exposure", "colours as the frames have them, no common light", "exposure.enabled"),
+    Variant("membrane", "what nobody saw, interpolated from all sides (`harmonize.unseen_vertical=1`)",
+            ("--set", "harmonize.unseen_vertical=1")),
+    _off("no-sweep", "no depth beyond the LiDAR from the images", "sweep.enabled"),
+    Variant("one-source", "one source a pixel (`sample.sources=1`)", ("--set", "sample.sources=1")),
     _off("no-align", "poses as given, no refinement", "align.enabled"),
     _off("no-occlusion-test", "copies from where something stood before the point, too", "sample.occlusion_test"),
     _off("no-smooth", "no temporal smoothing", "smooth.enabled"),
