@@ -77,8 +77,8 @@ std::vector<VisiblePoint> Chain::textured(const Sight& sight, const View& view, 
   std::vector<VisiblePoint> best(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   std::vector<double> slope(best.size(), kFlat);
   for (const VisiblePoint& p : sight.points()) {
-    const auto at =
-        static_cast<std::size_t>(static_cast<int>((p.v + 0.5) / cell) * columns + static_cast<int>((p.u + 0.5) / cell));
+    const int column = static_cast<int>((p.u + 0.5) / cell), row = static_cast<int>((p.v + 0.5) / cell);
+    const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column);
     const double here = spot_at(texture, size, {p.u, p.v}).slope.norm();
     if (here <= slope[at] || sight.beside_nearer(p)) continue;
     slope[at] = here;

@@ -1,6 +1,5 @@
 #include "dvi/align/joint_solve.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -54,12 +53,8 @@ void add_priors(Normal& normal, const Corrections& now, const Expected& expected
 }
 
 std::array<int, 6> places(const PairModel& model) {
-  std::array<int, 6> at{};
-  for (int k = 0; k < 3; ++k) {
-    at[static_cast<std::size_t>(k)] = kViews + 3 * static_cast<int>(model.moving) + k;
-    at[static_cast<std::size_t>(3 + k)] = kViews + 3 * static_cast<int>(model.fixed) + k;
-  }
-  return at;
+  const int moving = kViews + 3 * static_cast<int>(model.moving), fixed = kViews + 3 * static_cast<int>(model.fixed);
+  return {moving, moving + 1, moving + 2, fixed, fixed + 1, fixed + 2};
 }
 
 // What a pair misleads about: the rotation between its views, and one that both have in common. The error that explains a

@@ -1,6 +1,5 @@
 #include "dvi/align/paper_search.h"
 
-#include <algorithm>
 #include <array>
 
 #include <opencv2/imgproc.hpp>

@@ -32,11 +32,16 @@ struct Written {
         mask(read_mask(out / "masks" / (name + ".png"), size)),
         kind(read_png_grey(out / "kind" / (name + ".png"), size)),
         provenance(read_png_triples(out / "provenance" / (name + ".png"), size)),
+        used(read_image(out / "sources_used" / (name + ".png"), size)),
         harmonisation(read_png_triples(out / "harmonisation" / (name + ".png"), size)) {}
+
+  Provenance from(cv::Point p) const { return Provenance::of(provenance(p), used(p)); }
 
   cv::Mat3b frame;
   cv::Mat1b mask, kind;
-  cv::Mat_<cv::Vec3w> provenance, harmonisation;
+  cv::Mat_<cv::Vec3w> provenance;
+  cv::Mat3b used;
+  cv::Mat_<cv::Vec3w> harmonisation;
 };
 
 class FrameAuditor {
@@ -61,7 +66,7 @@ class FrameAuditor {
         if (!is_consistent(p))
           found(Breach::receipt, p);
         else if (written_.provenance(p)[0] > 0)
-          of_view[Provenance::of(written_.provenance(p)).view].push_back(p);
+          of_view[written_.from(p).view].push_back(p);
       }
     refuse_other_image();
     for (const auto& [view, pixels] : of_view) check_copies(static_cast<std::size_t>(view), pixels);
@@ -82,9 +87,10 @@ class FrameAuditor {
     const auto kind = static_cast<Kind>(written_.kind(p));
     const bool copied = kind == Kind::copied || kind == Kind::copied_elsewhere;
     if (kind > Kind::empty || (kind == Kind::original) != (written_.mask(p) == 0)) return false;
-    if (copied != (written_.provenance(p)[0] > 0)) return false;
+    const cv::Vec3b& used = written_.used(p);
+    if (copied != (written_.provenance(p)[0] > 0) || copied != (used[0] > 0 && used[1] > 0 && used[2] > 0)) return false;
     if (!copied) return true;
-    const Provenance from = Provenance::of(written_.provenance(p));
+    const Provenance from = written_.from(p);
     if (static_cast<std::size_t>(from.view) >= views_.size() || static_cast<std::size_t>(from.view) == target_) return false;
     const View& source = views_[static_cast<std::size_t>(from.view)];
     return source.camera.contains({from.position.x, from.position.y}) &&
@@ -96,8 +102,8 @@ class FrameAuditor {
     const auto mask = views_.masks[view];
     result_.audit.copied += pixels.size();
     for (const cv::Point p : pixels) {
-      const Provenance from = Provenance::of(written_.provenance(p));
-      if (!can_sample(*mask, from.position)) found(Breach::masked_source, p);
+      const Provenance from = written_.from(p);
+      if (!can_sample(*mask, from.position, from.footprint)) found(Breach::masked_source, p);
       const cv::Vec3i copy = copied_colour(views_, target_, *image, from);
       std::size_t size = 0;
       bool same = true;

@@ -76,7 +76,7 @@ void RunResult::make_frames(const FillFrame& fill_frame, const Alignment& alignm
       const nlohmann::json record = frame_report(frame, finished[i], alignment.views[block[i]]);
       clock.time("write", [&] {
         const FilledFrame& filled = finished[i].frame;
-        const cv::Mat_<cv::Vec3w> change = harmonisation(views_, block[i], to_8bit(filled), filled.provenance);
+        const cv::Mat_<cv::Vec3w> change = harmonisation(views_, block[i], to_8bit(filled), filled.provenance, filled.used);
         folder_.write_frame(frame.name, filled, change, record.dump(1));
       });
       progress_.advance();
