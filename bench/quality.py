@@ -48,12 +48,12 @@ class Progress:
 
 
 def plan(chosen: list[Case], methods: list[Variant], ablations: list[Variant]) -> list[tuple[Case, list[Variant]]]:
-    """What to run on each case: all methods before any ablation, those of real drives first; of methods dvi first, because it
-    tells which pixels are compared and which frames are shown."""
+    """What to run on each case: all methods before any ablation, and real drives first; of methods dvi first, because it tells
+    which pixels are compared and which frames are shown."""
     others = [method for method in methods if method != variants.DVI]
+    chosen = sorted(chosen, key=lambda case: case.group == cases.STREET)
     return ([(case, [variants.DVI, *others]) for case in chosen]
-            + [(case, variants.applicable(ablations, bool(case.sources)))
-               for case in sorted(chosen, key=lambda case: case.group == cases.STREET) if case.ablated and ablations])
+            + [(case, variants.applicable(ablations, bool(case.sources))) for case in chosen if case.ablated and ablations])
 
 
 def attempt(outcome: Outcome, case: Case, what: str, work: Callable[[], dict | None]) -> bool:
