@@ -32,7 +32,8 @@ DepthMap no_returns() {
 
 Lazy<VisibilityMap> visibility(const FlatScene& scene) {
   return {scene.views.size(), scene.views.size(), [masks = scene.masks](std::size_t i) {
-            return visibility_map({cv::Mat1f(masks[i].size(), DepthMap::kUnknown), {}}, masks[i], 0);
+            const DepthMap unknown{cv::Mat1f(masks[i].size(), DepthMap::kUnknown), cv::Mat1f(masks[i].size(), 0.0F)};
+            return visibility_map(unknown, masks[i], 0);
           }};
 }
 
