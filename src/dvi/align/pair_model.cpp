@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "dvi/core/median.h"
+
 namespace dvi {
 namespace {
 
@@ -62,13 +64,6 @@ std::vector<Point> common_points(const Pair& pair, const PosedImage& moving, con
     points.push_back({&pair.points[i], q, spot_at((*fixed.image)[level], size_of(fixed), pixel).value});
   }
   return points;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double scale_of(const std::vector<double>& residuals) {

@@ -8,25 +8,11 @@
 
 #include "dvi/core/random.h"
 #include "dvi/depth/delaunay.h"
+#include "dvi/depth/test_map.h"
 #include "dvi/depth/visibility_map.h"
 
 namespace dvi {
 namespace {
-
-View test_view() {
-  View view;
-  view.camera = {320, 200, 250, 250, 159.5, 99.5, {}};
-  view.camera_from_world.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;  // along x
-  return view;
-}
-
-void finish(StaticMap& map) {
-  Eigen::AlignedBox3f bounds;
-  for (const MapPoint& p : map.points) bounds.extend(p.position);
-  map.tiles = {{bounds, 0, map.points.size()}};
-}
-
-void add(StaticMap& map, double x, double y, double z) { map.points.push_back({Eigen::Vector3d(x, y, z).cast<float>(), 0, 1}); }
 
 TEST(Delaunay, CoversTheHullOnceAndKeepsCirclesEmpty) {
   Random random(1);

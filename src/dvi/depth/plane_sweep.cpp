@@ -11,6 +11,7 @@
 
 #include "dvi/depth/semi_global.h"
 #include "dvi/depth/sweep_sources.h"
+#include "dvi/image/interpolate.h"
 
 namespace dvi {
 namespace {
@@ -49,11 +50,7 @@ struct Source {
     if (!camera->contains(pixel)) return false;
     const cv::Point2f at(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
     if (visibility->masked(at) || visibility->hides(at, z, 0.05)) return false;
-    const int left = std::min(static_cast<int>(at.x), contrast->cols - 2),
-              top = std::min(static_cast<int>(at.y), contrast->rows - 2);
-    const float u = at.x - static_cast<float>(left), v = at.y - static_cast<float>(top);
-    const float *upper = (*contrast)[top] + left, *lower = (*contrast)[top + 1] + left;
-    value = (upper[0] * (1 - u) + upper[1] * u) * (1 - v) + (lower[0] * (1 - u) + lower[1] * u) * v;
+    value = bilinear(*contrast, at);
     return true;
   }
 };

@@ -5,24 +5,10 @@
 #include <algorithm>
 
 #include "dvi/depth/depth.h"
+#include "dvi/depth/test_map.h"
 
 namespace dvi {
 namespace {
-
-View test_view() {
-  View view;
-  view.camera = {320, 200, 250, 250, 159.5, 99.5, {}};
-  view.camera_from_world.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;  // along x, 1.6 m above the ground
-  return view;
-}
-
-void finish(StaticMap& map) {
-  Eigen::AlignedBox3f bounds;
-  for (const MapPoint& p : map.points) bounds.extend(p.position);
-  map.tiles = {{bounds, 0, map.points.size()}};
-}
-
-void add(StaticMap& map, double x, double y, double z) { map.points.push_back({Eigen::Vector3d(x, y, z).cast<float>(), 0, 1}); }
 
 template <class Shadow>
 void add_ground(StaticMap& map, double far, const Shadow& shadow) {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "dvi/core/error.h"
+#include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 
 namespace dvi {
@@ -95,9 +97,7 @@ void Road::measure_ground(const Drive& drive) {
   if (found.empty())
     throw InputError(drive.path, "its scans show no ground within 15 m of the LiDAR",
                      "virtual traffic needs a LiDAR that sees the road");
-  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
-  std::nth_element(heights.begin(), middle, heights.end());
-  sensor_height_ = *middle;
+  sensor_height_ = median(std::move(heights));
 
   // Means over half a second: the fits of single scans jitter.
   constexpr std::size_t kEitherSide = 2;

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/lazy.h"
+#include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/image/region.h"
 #include "dvi/map/visible_points.h"
@@ -79,12 +80,6 @@ struct Pair {
   std::array<double, 3> ratio{};   ///< of b's colours to a's, so gain a - gain b
   std::array<double, 3> weight{};  ///< 1 / variance
 };
-
-double median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Appends the pair if the views share enough points.
 void compare(std::size_t a, std::size_t b, const Lazy<Sightings>& seen, std::vector<Pair>& out) {

@@ -30,6 +30,15 @@ inline cv::Vec3f bilinear(const cv::Mat3b& image, cv::Point2f at) {
   return out;
 }
 
+/// The same of an image of floats, or of vectors of them.
+template <class Pixel>
+Pixel bilinear(const cv::Mat_<Pixel>& image, cv::Point2f at) {
+  const int x = static_cast<int>(at.x), x1 = std::min(x + 1, image.cols - 1);
+  const int y = static_cast<int>(at.y), y1 = std::min(y + 1, image.rows - 1);
+  const float u = at.x - static_cast<float>(x), v = at.y - static_cast<float>(y);
+  return (image(y, x) * (1 - u) + image(y, x1) * u) * (1 - v) + (image(y1, x) * (1 - u) + image(y1, x1) * u) * v;
+}
+
 /// Mean colour of width x height pixels round a position, bilinear and a pixel apart, all within the image: what a pixel shows
 /// that spans so many of the image.
 inline cv::Vec3f box_mean(const cv::Mat3b& image, cv::Point2f at, cv::Vec2b footprint) {

@@ -1,15 +1,16 @@
 #include "dvi/io/write_folder.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/median.h"
 #include "dvi/io/scan_time.h"
 #include "dvi/io/write_ply.h"
 
@@ -88,10 +89,8 @@ bool times_follow(const Scan& scan, const Sweep& sweep) {
 double sweep_rate(const Drive& drive) {
   std::vector<std::int64_t> lengths;
   for (const Sweep& sweep : drive.sweeps) lengths.push_back(sweep.end_ns - sweep.start_ns);
-  if (lengths.empty()) return 10;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle > 0 ? 1e9 / static_cast<double>(*middle) : 10;
+  const std::int64_t length = median(std::move(lengths));
+  return length > 0 ? 1e9 / static_cast<double>(length) : 10;
 }
 
 void write_folder_scan(const fs::path& folder, const Sweep& sweep, const Scan& scan, double rate) {

@@ -1,7 +1,9 @@
 #include "dvi/map/motion_prior.h"
 
-#include <algorithm>
+#include <cmath>
 #include <vector>
+
+#include "dvi/core/median.h"
 
 namespace dvi {
 namespace {
@@ -9,12 +11,6 @@ namespace {
 constexpr int kAround = 2;                       // stretches looked at before and after
 constexpr std::size_t kFewest = 3;               // of all five, to tell a jump by
 constexpr double kJump = 1.5, kTurnJump = 0.25;  // metres and radians a second: more than braking and turning in do in 0.2 s
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 

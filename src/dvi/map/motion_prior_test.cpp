@@ -41,13 +41,6 @@ TEST(MotionPrior, TellsTheMotionButNoJumps) {
   EXPECT_FALSE(MotionPrior(Trajectory(std::vector<StampedPose>{{0, SE3()}})).motion(900 * kSweep, 901 * kSweep));
 }
 
-double worst_error(const Odometry& found, const Trajectory& path) {
-  double worst = 0;
-  for (const StampedPose& p : found.world_from_lidar.poses())
-    worst = std::max(worst, (p.world_from_body.t - (path.at(0)->inverse() * *path.at(p.time_ns)).t).norm());
-  return worst;
-}
-
 TEST(GivenMotion, DecidesWhereATunnelHoldsNothing) {
   const Trajectory path = TestStreet::path(6, 0, 4);  // speeds up, which a motion that goes on as before misses
   const Drive drive = TestStreet::tunnel().drive(path, 15);

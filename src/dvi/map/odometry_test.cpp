@@ -58,13 +58,6 @@ SE3 truth(const Trajectory& path, std::size_t i) {
   return path.at(0)->inverse() * *path.at(static_cast<std::int64_t>(i) * TestStreet::kSweep);
 }
 
-double worst_error(const Odometry& found, const Trajectory& path) {
-  double worst = 0;
-  for (const StampedPose& p : found.world_from_lidar.poses())
-    worst = std::max(worst, (p.world_from_body.t - (path.at(0)->inverse() * *path.at(p.time_ns)).t).norm());
-  return worst;
-}
-
 TEST(RegisterScan, FindsAKnownMotion) {
   const TestStreet street;
   const Trajectory path = TestStreet::path(0);

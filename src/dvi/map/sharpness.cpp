@@ -7,6 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "dvi/core/median.h"
 #include "dvi/map/deskew.h"
 #include "dvi/map/voxel_key.h"
 
@@ -91,13 +92,6 @@ bool measure(const Patch& patch, double& between_m, Eigen::Vector3d& normal) {
   between_m = std::copysign(std::sqrt(std::abs(variance)), variance);
   normal = plane.normal;
   return true;
-}
-
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace

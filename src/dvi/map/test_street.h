@@ -12,6 +12,7 @@
 
 #include "dvi/core/random.h"
 #include "dvi/drive/drive.h"
+#include "dvi/map/odometry.h"
 
 namespace dvi {
 
@@ -111,5 +112,13 @@ class TestStreet {
     return nearest;
   }
 };
+
+/// How far, in metres, the worst pose lies from where the sensor was.
+inline double worst_error(const Odometry& found, const Trajectory& path) {
+  double worst = 0;
+  for (const StampedPose& p : found.world_from_lidar.poses())
+    worst = std::max(worst, (p.world_from_body.t - (path.at(0)->inverse() * *path.at(p.time_ns)).t).norm());
+  return worst;
+}
 
 }  // namespace dvi

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/pipeline/forecast.h"
 #include "dvi/pipeline/open.h"
@@ -16,9 +18,7 @@ namespace {
 double median_step(std::vector<std::int64_t> times) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < times.size(); ++i) steps.push_back(1e-9 * static_cast<double>(times[i] - times[i - 1]));
-  if (steps.empty()) return 0;
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-  return steps[steps.size() / 2];
+  return median(std::move(steps));
 }
 
 template <class Stamped>

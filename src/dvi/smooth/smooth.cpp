@@ -1,6 +1,5 @@
 #include "dvi/smooth/smooth.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <opencv2/imgproc.hpp>
@@ -8,6 +7,7 @@
 
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
+#include "dvi/image/interpolate.h"
 
 namespace dvi {
 namespace {
@@ -29,14 +29,6 @@ cv::Mat2f flow(const cv::Mat1b& from, const cv::Mat1b& to) {
   cv::Mat2f out;
   cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM)->calc(from, to, out);
   return out;
-}
-
-template <class Pixel>
-Pixel bilinear_at(const cv::Mat_<Pixel>& image, cv::Point2f at) {
-  const int x = static_cast<int>(at.x), x1 = std::min(x + 1, image.cols - 1);
-  const int y = static_cast<int>(at.y), y1 = std::min(y + 1, image.rows - 1);
-  const float u = at.x - static_cast<float>(x), v = at.y - static_cast<float>(y);
-  return (image(y, x) * (1 - u) + image(y, x1) * u) * (1 - v) + (image(y1, x) * (1 - u) + image(y1, x1) * u) * v;
 }
 
 /// Weighted colours of the hole's pixels, as another frame shows them along the flow.
@@ -66,8 +58,8 @@ void add_neighbour(const FilledFrame& frame, const FilledFrame& other, cv::Rect 
             at.y <= static_cast<float>(window.height - 1)))
         continue;
       if (other_kind(cvRound(at.y), cvRound(at.x)) == static_cast<uchar>(Kind::empty)) continue;
-      if (cv::norm(motion + bilinear_at(back, at)) >= kMostMismatch) continue;
-      const cv::Vec3f colour = bilinear_at(there, at);
+      if (cv::norm(motion + bilinear(back, at)) >= kMostMismatch) continue;
+      const cv::Vec3f colour = bilinear(there, at);
       const double off = cv::norm(colour - here(y, x)) / (std::sqrt(3.0) * kColourSpread);
       const auto weight = static_cast<float>(std::exp(-off * off));
       sum.colour(y, x) += weight * colour;
