@@ -138,8 +138,13 @@ TEST(VisibilityMap, HidesWhatIsFartherThanAllThatIsSeenThere) {
   EXPECT_FALSE(map.hides({0, 6}, 1000, 0.05)) << "the unknown hides nothing";
   EXPECT_FALSE(map.hides({8.9F, 6.9F}, 20, 0.05)) << "the last pixel is inside";
   mask(3, 3) = 255;
-  EXPECT_TRUE(visibility_map(depth, mask, 0).masked({2.5F, 3}));
-  EXPECT_FALSE(visibility_map(depth, mask, 0).masked({7, 3}));
+  const VisibilityMap masked = visibility_map(depth, mask, 0);
+  EXPECT_TRUE(masked.masked({3, 3}));
+  EXPECT_TRUE(masked.masked({2.5F, 3}));
+  EXPECT_TRUE(masked.masked({3.9F, 3.9F}));
+  EXPECT_FALSE(masked.masked({2, 3})) << "exact to the pixel, whatever else is in the block";
+  EXPECT_FALSE(masked.masked({4, 3}));
+  EXPECT_FALSE(masked.masked({3, 2}));
   EXPECT_TRUE(visibility_map(depth, mask, 3).masked({6, 3}));
 }
 

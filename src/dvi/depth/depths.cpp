@@ -7,11 +7,11 @@
 namespace dvi {
 namespace {
 
-constexpr std::size_t kVisibilityBytes = std::size_t{256} << 20;
+constexpr std::size_t kVisibilityPixels = std::size_t{200} << 20;  // five bytes for four of them
 
 std::size_t kept_visibility(const Camera& camera) {
   const auto pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
-  return std::max<std::size_t>(16, kVisibilityBytes / pixels);
+  return std::max<std::size_t>(16, kVisibilityPixels / pixels);
 }
 
 }  // namespace

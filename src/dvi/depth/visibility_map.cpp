@@ -40,11 +40,14 @@ VisibilityMap visibility_map(const DepthMap& depth, const cv::Mat1b& mask, int m
   const cv::Mat1b lent = grown(mask, mask_margin_px);
   const cv::Mat1f clear = clearance(depth, lent);
   const cv::Size full = depth.z.size(), blocks((full.width + 1) / 2, (full.height + 1) / 2);
-  VisibilityMap out{cv::Mat1w(blocks, VisibilityMap::kOpen), cv::Mat1b(blocks, uchar{255}), cv::Mat1b(blocks, uchar{0})};
+  VisibilityMap out{cv::Mat1w(blocks, VisibilityMap::kOpen), cv::Mat1b(blocks, uchar{255}), cv::Mat1b(blocks, uchar{0}),
+                    cv::Mat1b(blocks, uchar{0})};
+  for (int y = 0; y < full.height; ++y)
+    for (int x = 0; x < full.width; ++x)
+      if (lent(y, x) != 0) out.mask(y / 2, x / 2) |= static_cast<uchar>(1 << (y % 2 * 2 + x % 2));
   for (int y = 0; y < blocks.height; ++y)
     for (int x = 0; x < blocks.width; ++x) {
       float far = 0, near = DepthMap::kSky, clear_px = 255;
-      uchar masked = 0;
       for (int v = std::max(0, 2 * y - 1); v <= std::min(full.height - 1, 2 * y + 2); ++v)
         for (int u = std::max(0, 2 * x - 1); u <= std::min(full.width - 1, 2 * x + 2); ++u) {
           const bool known = depth.z(v, u) != DepthMap::kUnknown;
@@ -52,16 +55,12 @@ VisibilityMap visibility_map(const DepthMap& depth, const cv::Mat1b& mask, int m
           far = std::max(far, known ? depth.z(v, u) + off : DepthMap::kSky);
           near = std::min(near, known ? std::max(0.0F, depth.z(v, u) - off) : 0.0F);
           clear_px = std::min(clear_px, clear(v, u));
-          masked |= lent(v, u);
         }
       out.clear(y, x) = static_cast<uchar>(clear_px);
-      if (masked != 0) {
-        out.farthest(y, x) = VisibilityMap::kMasked;
-      } else if (far * VisibilityMap::kScale < VisibilityMap::kOpen) {
-        out.farthest(y, x) = static_cast<ushort>(std::ceil(far * VisibilityMap::kScale));
-        const float spread = std::ceil((far / near - 1) * VisibilityMap::kSpreadScale);
-        out.spread(y, x) = static_cast<uchar>(std::min(spread, 255.0F));
-      }
+      if (far * VisibilityMap::kScale >= VisibilityMap::kOpen) continue;
+      out.farthest(y, x) = static_cast<ushort>(std::ceil(far * VisibilityMap::kScale));
+      const float spread = std::ceil((far / near - 1) * VisibilityMap::kSpreadScale);
+      out.spread(y, x) = static_cast<uchar>(std::min(spread, 255.0F));
     }
   return out;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <opencv2/core/mat.hpp>
@@ -9,10 +10,9 @@
 
 namespace dvi {
 
-/// What a view can lend to others, small enough to keep for many views: values for each 2 x 2 block of pixels.
+/// What a view can lend to others, small enough to keep for many views: five bytes for each 2 x 2 block of pixels.
 struct VisibilityMap {
   static constexpr float kScale = 256;
-  static constexpr ushort kMasked = 0;       ///< within the margin of the view's own mask: lends nothing
   static constexpr ushort kOpen = 0xFFFF;    ///< sky, unknown or farther than the scale holds: hides nothing
   static constexpr float kSpreadScale = 64;  ///< of `spread`
   static constexpr float kSigmas = 2;        ///< by so many of its standard deviations a surface may be off
@@ -23,9 +23,15 @@ struct VisibilityMap {
   cv::Mat1b spread;
   /// Pixels to the view's own mask, to the next depth edge or to the image's border.
   cv::Mat1b clear;
+  /// A bit for each pixel of the block, row by row: the view's own mask, grown by the margin.
+  cv::Mat1b mask;
 
-  /// Whether the colour at a position of the full image is masked.
-  bool masked(cv::Point2f at) const { return farthest(block(at)) == kMasked; }
+  /// Whether a pixel that makes up the colour at a position of the full image is masked.
+  bool masked(cv::Point2f at) const {
+    const int x = static_cast<int>(at.x), y = static_cast<int>(at.y);
+    const int x1 = static_cast<int>(std::ceil(at.x)), y1 = static_cast<int>(std::ceil(at.y));
+    return masked_pixel(x, y) || masked_pixel(x1, y) || masked_pixel(x, y1) || masked_pixel(x1, y1);
+  }
   /// Whether what is seen there is nearer than `z` by more than the part `tolerance` of its depth.
   bool hides(cv::Point2f at, double z, double tolerance) const {
     const ushort far = farthest(block(at));
@@ -39,6 +45,7 @@ struct VisibilityMap {
   float clear_px(cv::Point2f at) const { return clear(block(at)); }
 
  private:
+  bool masked_pixel(int x, int y) const { return (mask(y / 2, x / 2) >> (y % 2 * 2 + x % 2) & 1) != 0; }
   cv::Point block(cv::Point2f at) const {
     return {std::min(static_cast<int>(at.x) / 2, farthest.cols - 1), std::min(static_cast<int>(at.y) / 2, farthest.rows - 1)};
   }

@@ -49,12 +49,12 @@ class Source {
     if (lent_->masked(at) || (options_.occlusion_test && !same_surface(at, seen->z, pixel.sigma))) return std::nullopt;
     Candidate out{static_cast<int>(number_), at};
     out.misplaced = static_cast<float>(expected_shift(*seen, seconds_));
+    const float clear = lent_->clear_px(at);
     if (options_.footprint) {
-      const float clear = lent_->clear_px(at);
       out.footprint = {pixels_spanned(seen->across, clear), pixels_spanned(seen->down, clear)};
     }
     if (!options_.scored) return out;
-    out.trust = static_cast<float>(trust(*seen, seconds_));
+    out.trust = static_cast<float>(trust(*seen, seconds_, clear));
     return out.trust < static_cast<float>(options_.least_trust) ? std::nullopt : std::optional(out);
   }
 

@@ -150,22 +150,25 @@ TEST(Sample, GrazingViewsAreToldByTheirSmallestSpan) {
 
 TEST(Sample, TrustFollowsItsFormula) {
   Sighting seen;
-  EXPECT_DOUBLE_EQ(trust(seen, 0), 1);
-  EXPECT_DOUBLE_EQ(trust(seen, 1), 0.5);
-  EXPECT_DOUBLE_EQ(trust(seen, 1), most_trust(1));
+  const double far = 1e18;  // px to masks and edges
+  EXPECT_DOUBLE_EQ(trust(seen, 0, far), 1);
+  EXPECT_DOUBLE_EQ(trust(seen, 1, far), 0.5);
+  EXPECT_DOUBLE_EQ(trust(seen, 1, far), most_trust(1));
+  EXPECT_DOUBLE_EQ(trust(seen, 0, 0.5), 0.5);
+  EXPECT_DOUBLE_EQ(trust(seen, 0, 0), 1.0 / 3);
   seen.misplaced = 0.3;
-  EXPECT_DOUBLE_EQ(trust(seen, 0), 0.5);
+  EXPECT_DOUBLE_EQ(trust(seen, 0, far), 0.5);
   EXPECT_NEAR(expected_shift(seen, 1), 0.3 * std::sqrt(2), 1e-12);
   seen.misplaced = 0;
   seen.smallest = 0.625;
-  EXPECT_NEAR(trust(seen, 0), 0.5, 1e-12);
+  EXPECT_NEAR(trust(seen, 0, far), 0.5, 1e-12);
 }
 
 TEST(Sample, SkipsSourcesThatMaskThePixel) {
   FlatScene scene = drive_of({3, 6});
   scene.masks[1] = hole_mask();
   int first = 0, second = 0;
-  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
+  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {.scored = false});
   for (std::size_t i = 0; i < c.of.size(); ++i) {
     const cv::Point2f at = c.of[i].position;
     ++(c.of[i].view == 1 ? first : second);
@@ -178,6 +181,8 @@ TEST(Sample, SkipsSourcesThatMaskThePixel) {
   }
   EXPECT_GT(first, 0);
   EXPECT_GT(second, 0);
+  for (const Candidate& clear : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {}).of)
+    EXPECT_EQ(clear.view, 2) << "beside its own mask a source ranks lower";
   for (const Candidate& near : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene, 5), {}).of)
     EXPECT_EQ(near.view, 2) << "all within the margin of the mask";
 }

@@ -66,9 +66,10 @@ std::optional<Sighting> sight(const SurfacePixel& pixel, const Camera& source, c
 
 double expected_shift(const Sighting& sighting, double seconds) { return std::sqrt(shift_squared(sighting, seconds)); }
 
-double trust(const Sighting& sighting, double seconds) {
+double trust(const Sighting& sighting, double seconds, double clear_px) {
   const double blur = 0.5 * std::max(0.0, 1 / std::max(sighting.smallest, 1e-3) - 1);
-  return 1 / (1 + (shift_squared(sighting, seconds) + squared(blur)) / squared(kShift));
+  const double clear = clear_px + 0.5;
+  return clear / (clear + 1) / (1 + (shift_squared(sighting, seconds) + squared(blur)) / squared(kShift));
 }
 
 double most_trust(double seconds) { return 1 / (1 + squared(kDrift) * seconds / squared(kShift)); }

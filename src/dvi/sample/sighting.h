@@ -41,9 +41,10 @@ std::optional<Sighting> sight(const SurfacePixel& pixel, const Camera& source, c
 /// which grows with the time between the frames.
 double expected_shift(const Sighting& sighting, double seconds);
 
-/// 0..1, how good a source is: 1 / (1 + (shift^2 + blur^2) / (0.3 px)^2), where `blur` is the detail lost by a source that is
-/// farther away, as half of what its pixel exceeds one of the target.
-double trust(const Sighting& sighting, double seconds);
+/// 0..1, how good a source is: c / (c + 1) / (1 + (shift^2 + blur^2) / (0.3 px)^2). `c` is the middle of a pixel that is
+/// `clear_px` pixels away from the source's own mask, depth edges and border: near them colours are blends. `blur` is the
+/// detail lost by a source that is farther away, as half of what its pixel exceeds one of the target.
+double trust(const Sighting& sighting, double seconds, double clear_px);
 
 /// The most that any source so far away in time can be trusted.
 double most_trust(double seconds);
