@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <array>
+
 #include <nlohmann/json.hpp>
 
 #include "program.h"
@@ -58,6 +60,23 @@ TEST_F(Holdout, SelfcheckDoesAllOfItOnce) {
   EXPECT_THAT(dvi(with_net).out, HasSubstr("\n  net "));
   expect_refused("selfcheck drive -o check --scenario parked --external net=net --quiet", "net/parked: is not a folder");
   expect_refused("selfcheck drive -o check --scenario parked --seed 2 --quiet", "another drive or with other options");
+}
+
+TEST_F(Holdout, WarnsWhereNoPlaceIsFree) {
+  const fs::path drive = small_drive();
+  EXPECT_THAT(dvi("holdout drive -o free --scenario parked").err, testing::Not(HasSubstr("warning")));
+  for (const auto& entry : fs::directory_iterator(drive / "lidar")) {  // a wall to the right
+    std::string returns = read_file(entry.path());
+    for (float x = -30; x < 60; x += 0.5F) {
+      const std::array<float, 4> point{x, -3.1F, -0.8F, 0.5F};
+      returns.append(reinterpret_cast<const char*>(point.data()), sizeof point);
+    }
+    write_file(entry.path(), returns);
+  }
+  const Result walled = dvi("holdout drive -o case --scenario parked --json");
+  ASSERT_EQ(walled.code, 0) << walled.err;
+  EXPECT_THAT(walled.err, testing::AllOf(HasSubstr("no place within 15 m along the road is free"), HasSubstr("--seed")));
+  EXPECT_GT(nlohmann::json::parse(walled.out)["vehicle"]["stand"]["returns"], 0);
 }
 
 TEST_F(Holdout, RefusesWhatItCannotDo) {

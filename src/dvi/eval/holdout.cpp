@@ -82,6 +82,7 @@ Holdout::Holdout(const Drive& drive, Lazy<cv::Mat1b> traffic, const Trajectory& 
     road_ = std::make_shared<const Road>(drive, world_from_lidar);
     vehicle_.emplace(options.scenario, part_seed(options.seed, static_cast<std::uint64_t>(options.scenario)), road_,
                      drive_.frames.front().time_ns, drive_.frames.back().time_ns);
+    if (options.scenario == Scenario::parked) vehicle_->stand_clear(drive, world_from_lidar);
     add_labels();
   }
   std::vector<std::uint8_t> seen(frames_.size());

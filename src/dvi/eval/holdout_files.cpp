@@ -82,6 +82,8 @@ nlohmann::json description(const Holdout& holdout, const std::string& recipe, co
                        {"size", vector(holdout.vehicle()->size())},
                        {"track", holdout.track()},
                        {"sensor_height", holdout.sensor_height()}};
+  if (holdout.vehicle() && holdout.vehicle()->stand())
+    json["vehicle"]["stand"] = {{"moved", holdout.vehicle()->stand()->moved}, {"returns", holdout.vehicle()->stand()->returns}};
   return json;
 }
 

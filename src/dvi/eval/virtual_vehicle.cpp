@@ -10,12 +10,14 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/random.h"
+#include "dvi/eval/obstacles.h"
 
 namespace dvi {
 namespace {
 
-constexpr double kLane = 3.5;      // metres
-constexpr double kSwayPeriod = 6;  // seconds
+constexpr double kLane = 3.5;          // metres
+constexpr double kSwayPeriod = 6;      // seconds
+constexpr double kNearestParked = 10;  // metres ahead of the first frame: in front of its camera
 constexpr double kPi = std::numbers::pi;
 
 }  // namespace
@@ -63,7 +65,7 @@ VirtualVehicle::VirtualVehicle(Scenario scenario, std::uint64_t seed, std::share
       break;
     }
     case Scenario::parked:
-      motion_ = {.along = first + std::clamp(0.8 * travelled, 12.0, 30.0) + random.uniform(-2, 2),
+      motion_ = {.along = first + std::clamp(0.8 * travelled, kNearestParked + 2, 30.0) + random.uniform(-2, 2),
                  .left = -random.uniform(2.9, 3.3)};
       break;
     case Scenario::crossing: {
@@ -77,6 +79,21 @@ VirtualVehicle::VirtualVehicle(Scenario scenario, std::uint64_t seed, std::share
     case Scenario::banner:
       break;
   }
+}
+
+void VirtualVehicle::stand_clear(const Drive& drive, const Trajectory& world_from_lidar) {
+  constexpr double kStep = 0.25;
+  constexpr int kSteps = 60;
+  const double drawn = motion_.along, nearest = road_->along(start_ns_) + kNearestParked;
+  std::vector<double> places{drawn};
+  for (int step = 1; step <= kSteps; ++step) {
+    places.push_back(drawn + step * kStep);
+    if (drawn - step * kStep >= nearest) places.push_back(drawn - step * kStep);
+  }
+  const std::vector<std::size_t> returns = returns_inside(drive, world_from_lidar, *road_, size_, places, motion_.left);
+  const auto fewest = std::min_element(returns.begin(), returns.end());
+  motion_.along = places[static_cast<std::size_t>(fewest - returns.begin())];
+  stand_ = {motion_.along - drawn, *fewest};
 }
 
 Box VirtualVehicle::at(std::int64_t time_ns) const {

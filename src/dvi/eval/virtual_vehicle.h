@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "dvi/eval/road.h"
@@ -25,6 +27,16 @@ class VirtualVehicle {
   VirtualVehicle(Scenario scenario, std::uint64_t seed, std::shared_ptr<const Road> road, std::int64_t start_ns,
                  std::int64_t end_ns);
 
+  /// Moves a parked one along the road, by 15 m at most, to the place nearest to the one drawn at which no return of the
+  /// drive's scans is inside it (obstacles.h); where there is none, to the nearest with the fewest.
+  void stand_clear(const Drive& drive, const Trajectory& world_from_lidar);
+  /// How stand_clear() went.
+  struct Stand {
+    double moved = 0;         ///< metres ahead
+    std::size_t returns = 0;  ///< still inside
+  };
+  const std::optional<Stand>& stand() const { return stand_; }
+
   const std::string& type() const { return type_; }
   const Eigen::Vector3d& size() const { return size_; }
   Box at(std::int64_t time_ns) const;  ///< in the world
@@ -44,6 +56,7 @@ class VirtualVehicle {
   Motion motion_;
   std::shared_ptr<const Road> road_;
   std::int64_t start_ns_;
+  std::optional<Stand> stand_;
 };
 
 }  // namespace dvi

@@ -39,8 +39,14 @@ void make(const Job& job, const HoldoutOptions& options, bool keep, Progress& pr
                      "remove it or choose another folder");
   find_poses(drives, job, progress);
   progress.begin(fmt::format("holdout {}", name(options.scenario)), open.drive.frames.size() + open.drive.sweeps.size());
-  write_holdout(Holdout(open.drive, open.masks, open.world_from_lidar, options), job.out, recipe, progress.tick());
+  const Holdout holdout(open.drive, open.masks, open.world_from_lidar, options);
+  write_holdout(holdout, job.out, recipe, progress.tick());
   progress.end();
+  if (const auto stand = holdout.vehicle() ? holdout.vehicle()->stand() : std::nullopt; stand && stand->returns > 0)
+    progress.warn(
+        fmt::format("the {} vehicle of seed {} stands in what the scans show ({} returns inside it): no place within "
+                    "15 m along the road is free; another --seed may find one",
+                    name(options.scenario), options.seed, stand->returns));
 }
 
 }  // namespace
