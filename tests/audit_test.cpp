@@ -146,6 +146,9 @@ TEST_F(AuditCommand, CoversFurtherDrivesAndBaselines) {
   EXPECT_EQ(dvi("audit both second drive --quiet").code, 3);
   ASSERT_EQ(dvi("run drive -o flow --method flow --quiet").code, 0);
   EXPECT_EQ(dvi("audit flow drive --quiet").code, 0);
+  ASSERT_EQ(dvi("run drive second -o telea --method telea --quiet").code, 0);
+  EXPECT_EQ(dvi("audit telea drive second --quiet").code, 0);
+  EXPECT_EQ(dvi("audit telea drive --quiet").code, 3);
 }
 
 }  // namespace

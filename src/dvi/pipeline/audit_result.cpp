@@ -36,7 +36,7 @@ std::vector<ListedSource> read_sources(const fs::path& file) {
   return sources;
 }
 
-/// The views of the drives as sources.json numbers them.
+/// The views of the drives as sources.json numbers them. Baselines copy from the first drive alone.
 Views views_of(const std::vector<ListedSource>& sources, const std::vector<OpenDrive>& drives, const fs::path& out) {
   const Views all = make_unposed_views(drives);
   std::map<std::pair<int, std::string>, std::size_t> index;
@@ -58,8 +58,6 @@ Views views_of(const std::vector<ListedSource>& sources, const std::vector<OpenD
     found.push_back(it->second);
     views.views.push_back(all[it->second]);
   }
-  if (paths.size() < drives.size())
-    throw InputError(out, fmt::format("was made from {} drive(s), not {}", paths.size(), drives.size()));
   views.images = {found.size(), 1, [all, found](std::size_t i) { return *all.images[found[i]]; }};
   views.masks = {found.size(), 1, [all, found](std::size_t i) { return *all.masks[found[i]]; }};
   return views;
