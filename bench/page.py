@@ -28,6 +28,13 @@ class Outcome:
     results: dict[tuple[str, str], dict]  # case, variant or external -> result
     failures: list[tuple[str, str, str]]  # case, what, message
 
+    def audits(self) -> dict[tuple[str, str], str]:
+        """Of every run what `dvi audit` found wrong; empty: nothing. Frames of other programs have no receipts."""
+        return {key: result["audit"] for key, result in self.results.items() if "audit" in result}
+
+    def failed_audits(self) -> list[tuple[str, str, str]]:
+        return [(case, name, f"fails the audit: {found}") for (case, name), found in self.audits().items() if found]
+
     def finished(self) -> list[Case]:
         return [case for case in self.cases if (case.name, DVI.name) in self.results]
 
@@ -65,7 +72,15 @@ def commit() -> str:
     return (git("rev-parse", "--short=12", "HEAD") or "unknown") + changed
 
 
-def head(command: str) -> str:
+def audited(outcome: Outcome) -> str:
+    runs, failed = len(outcome.audits()), outcome.failed_audits()
+    if failed:
+        named = ", ".join(f"{name} on {case}" for case, name, _ in failed)
+        return f"**{len(failed)} of {runs} runs fail `dvi audit`** ([what failed](#what-failed)): {named}"
+    return f"{runs} runs, all pass `dvi audit`: each copied pixel was reproduced from its source, none comes from inside a mask"
+
+
+def head(outcome: Outcome, command: str) -> str:
     return f"""# Benchmarks
 <!-- Written by ./dev bench quality. The section "Reading the table" is docs/benchmarks-reading.md. -->
 Traffic is removed from drives of which is known what stood behind it, and the fill is compared with that, inside the removed
@@ -74,6 +89,7 @@ pixels only: a synthetic street with exact truth, and real drives into which `dv
 - Machine: {machine()}
 - Commit: `{commit()}`
 - Command: `{command.strip()}`
+- Receipts: {audited(outcome)}
 
 [metrics.md](metrics.md) defines every figure. All methods are scored on the same pixels, and **copied**, **interpolated** and
 **never seen** are what they are to `dvi`: where it copied from another frame, interpolated from around, or had to make
@@ -137,7 +153,9 @@ def confidence(outcome: Outcome) -> str:
                          cell(told["ause"], 3)])
     return ("## Is the confidence true?\nOf `dvi`: what it says on average, what share of the pixels is within 10 grey levels\n"
             "of the truth, how far the two are apart (ECE), and how badly it ranks the errors (AUSE). 0 is best for both.\n\n"
-            + table(["case", "said", "true", "ECE", "AUSE"], rows))
+            + table(["case", "said", "true", "ECE", "AUSE"], rows)
+            + "\nThe plots show said against true, a dot for each tenth of the pixels: on the dashed line the confidence is true, above\n"
+              "it too modest, below it too sure. Under them is the mean error of the same tenths.\n")
 
 
 def details(outcome: Outcome, case: Case, scorer: Scorer) -> str:
@@ -220,7 +238,7 @@ def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command:
     def image(name: str, alt: str) -> str:
         return f"![{alt}]({os.path.relpath(images / name, target.parent)})\n"
 
-    text = [head(command), summary(outcome)]
+    text = [head(outcome, command), summary(outcome)]
     if outcome.finished():
         pictures.plot_psnr(outcome, images / "psnr.svg")
         text.append(image("psnr.svg", "PSNR of each method, case by case"))
@@ -231,7 +249,7 @@ def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command:
     text.append(confidence(outcome))
     if any(outcome.evaluation(case, DVI.name)["confidence"] for case in outcome.finished()):
         pictures.plot_confidence(outcome, images / "confidence.svg")
-        text.append(image("confidence.svg", "Confidence against truth and error, by decile"))
+        text.append(image("confidence.svg", "Reliability of the confidence: said against true, case by case"))
     text.append("## Cases")
     for case in outcome.finished():
         text.append(details(outcome, case, scorer))
@@ -244,8 +262,8 @@ def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command:
         text.append(image(place.name, f"{case.name}: input, truth and each method") if ours
                     else f"Crops side by side, not part of this repository: `build/bench/quality/crops/{place.name}`.\n")
         text.append(crops_note(names))
-    if outcome.failures:
-        rows = [[case, what, shown(message)] for case, what, message in outcome.failures]
+    if failures := [*outcome.failures, *outcome.failed_audits()]:
+        rows = [[case, what, shown(message)] for case, what, message in failures]
         text += ["## What failed", table(["case", "what", "message"], rows, words=3)]
     text.append(HOW)
     new = target.with_suffix(".new")

@@ -56,21 +56,26 @@ def plot_psnr(outcome: Outcome, file: Path) -> None:
 
 
 def plot_confidence(outcome: Outcome, file: Path) -> None:
-    """Deciles of dvi's confidence against the share within 10 grey levels, and against the mean error."""
-    figure, (left, right) = pyplot.subplots(1, 2, figsize=(9.5, 3.6))
-    left.plot([0, 1], [0, 1], color="0.6", linewidth=1, linestyle="--")
-    for color, (group, cases) in enumerate(outcome.groups().items()):
+    """A column a group, a line a case: what dvi's confidence says against the share within 10 grey levels (a reliability diagram,
+    a dot for each tenth of the pixels), and below against the mean error."""
+    groups = outcome.groups()
+    figure, axes = pyplot.subplots(2, len(groups), figsize=(9.5, 5.6), sharex=True, sharey="row", squeeze=False,
+                                   gridspec_kw={"height_ratios": [2, 1]})
+    for (top, bottom), (group, cases) in zip(axes.T, groups.items()):
+        top.plot([0, 1], [0, 1], color="0.4", linewidth=1, linestyle="--")
         for number, case in enumerate(cases):
             if told := outcome.evaluation(case, DVI.name)["confidence"]:
                 x = [decile["confidence"] for decile in told["deciles"]]
-                style = {"color": f"C{color}", "linewidth": 1, "marker": "o", "markersize": 3, "alpha": 0.7}
-                left.plot(x, [decile["within"] for decile in told["deciles"]], label=None if number else group, **style)
-                right.plot(x, [decile["mae"] for decile in told["deciles"]], **style)
-    left.set(xlabel="confidence", ylabel="share within 10 grey levels", xlim=(0, 1), ylim=(0, 1))
-    right.set(xlabel="confidence", ylabel="mean absolute error, grey levels", xlim=(0, 1), ylim=(0, None))
-    left.legend(frameon=False)
-    for axis in (left, right):
-        axis.grid(alpha=0.3)
+                style = {"color": f"C{number}", "linewidth": 1, "marker": "o", "markersize": 3}
+                top.plot(x, [decile["within"] for decile in told["deciles"]], label=case.short, **style)
+                bottom.plot(x, [decile["mae"] for decile in told["deciles"]], **style)
+        top.set(title=group, xlim=(0, 1), ylim=(0, 1))
+        bottom.set(xlabel="confidence: said", ylim=(0, None))
+        top.legend(frameon=False, loc="upper left", fontsize=7)
+        for axis in (top, bottom):
+            axis.grid(alpha=0.3)
+    axes[0][0].set_ylabel("true: share within 10 grey levels")
+    axes[1][0].set_ylabel("mean error, grey levels")
     save(figure, file)
 
 

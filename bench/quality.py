@@ -61,6 +61,8 @@ def attempt(outcome: Outcome, case: Case, what: str, work: Callable[[], dict | N
     try:
         if (result := work()) is not None:
             outcome.results[case.name, what] = result
+            if result.get("audit"):
+                say(f"{case.name}: {what} fails the audit: {result['audit']}")
         return True
     except Failed as why:
         say(f"{case.name}: {what} failed: {why}")
@@ -171,7 +173,7 @@ def main(arguments: list[str]) -> int:
     images = root / "quick" if given.quick else TREE / "docs/images/benchmarks"
     page.write(target, images, outcome, scorer, "./dev bench quality " + " ".join(arguments))
     print(target)
-    return 1 if outcome.failures else 0
+    return 1 if outcome.failures or outcome.failed_audits() else 0
 
 
 if __name__ == "__main__":

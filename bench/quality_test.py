@@ -46,8 +46,14 @@ class Variants(unittest.TestCase):
         published = {"map.witnessed_only": False, "sample.reach_frames": 0, "align.points": 2000}
         differing = variants.differences(ours, published)
         self.assertEqual(differing, [("map.witnessed_only", "true", "false"), ("sample.reach_frames", "120", "0")])
-        self.assertEqual([variant.arguments for variant in variants.published_switches(differing)],
-                         [("--set", "map.witnessed_only=false"), ("--set", "sample.reach_frames=0")])
+        switches = [("--set", "map.witnessed_only=false"), ("--set", "sample.reach_frames=0")]
+        self.assertEqual([variant.arguments for variant in variants.published_switches(differing)], switches)
+
+    def test_nothing_is_run_twice_under_two_names_nor_two_things_under_one(self):
+        differing = [("sweep.enabled", "true", "false"), ("harmonize.unseen_vertical", "0.1", "1.0"), ("map.enabled", "true", "false"),
+                     ("depth.enabled", "true", "false")]
+        self.assertEqual([variant.name for variant in variants.published_switches(differing)],
+                         ["paper-map-enabled", "paper-depth-enabled"])
 
     def test_names_are_folders_of_their_own(self):
         names = [variant.name for variant in (*variants.METHODS, *variants.ABLATIONS)]
@@ -91,6 +97,15 @@ class Arguments(unittest.TestCase):
         self.assertEqual(page.shown("/a/b/drive_1: no scans"), "drive_1: no scans")
         self.assertEqual(page.shown("drive/masks"), "drive/masks")
 
+    def test_audits_are_counted_and_failures_named(self):
+        outcome = page.Outcome([], [], [], [], [], {("a", "dvi"): {"audit": ""}, ("a", "paper"): {"audit": ""}, ("a", "net"): {}}, [])
+        self.assertEqual(outcome.failed_audits(), [])
+        self.assertIn("2 runs, all pass", page.audited(outcome))
+        outcome.results["a", "paper"]["audit"] = "colour: 3 pixels"
+        self.assertEqual(outcome.failed_audits(), [("a", "paper", "fails the audit: colour: 3 pixels")])
+        self.assertIn("**1 of 2 runs fail `dvi audit`**", page.audited(outcome))
+        self.assertIn("paper on a", page.audited(outcome))
+
     def test_dvi_comes_first(self):
         case = cases.street()[0]
         [(_, methods), (_, ablations)] = quality.plan([case], list(variants.METHODS), list(variants.ABLATIONS))
@@ -120,6 +135,7 @@ class FromEndToEnd(unittest.TestCase):
         first = outcome()
         self.assertEqual(first.failures, [])
         self.assertEqual({name for _, name in first.results}, {"dvi", "telea", "no-poisson"})
+        self.assertEqual(first.audits(), {("street-exact", name): "" for name in ("dvi", "telea", "no-poisson")})
         times = [file.stat().st_mtime_ns for file in sorted(root.rglob("result.json"))]
         again = outcome()
         self.assertEqual(times, [file.stat().st_mtime_ns for file in sorted(root.rglob("result.json"))])
@@ -136,9 +152,47 @@ class FromEndToEnd(unittest.TestCase):
         page.write(root / "page.md", root / "images", again, scorer, "test")
         text = (root / "page.md").read_text()
         self.assertIn("**100.00 / 100.00**", text)
+        self.assertIn("Receipts: 3 runs, all pass `dvi audit`", text)
         self.assertIn("| `a.b` | 1 | 2 |", text)
         self.assertEqual({file.name for file in (root / "images").iterdir()},
                          {"psnr.svg", "ablations.svg", "confidence.svg", "street-exact.jpg"})
+
+        scorer.call("run", "drive", "--method", "telea", "-o", root / "telea", cwd=scorer.folder(case))
+        frames = root / "telea/frames"
+        by_dvi = scorer.evaluate(case, scorer.result_folder(case, "dvi"), "--external", f"telea={frames}")
+        self.assertEqual(scorer.beside(case, frames), by_dvi["external"]["telea"])
+        self.assertEqual(again.same_pixels(case, "telea"), by_dvi["external"]["telea"])
+
+    def test_a_run_that_fails_its_audit_is_named_and_the_others_stay(self):
+        root = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        forger = root / "forger"  # dvi, but for a pixel of the first frame of --method telea
+        forger.write_text(f"""#!{sys.executable}
+import subprocess, sys
+from pathlib import Path
+from PIL import Image
+code = subprocess.call(["{DVI.resolve()}", *sys.argv[1:]])
+if sys.argv[1] == "run" and "telea" in sys.argv:
+    frame = sorted(Path(sys.argv[sys.argv.index("-o") + 1], "frames").iterdir())[0]
+    image = Image.open(frame)
+    image.putpixel((3, 2), tuple(255 - level for level in image.getpixel((3, 2))))
+    image.save(frame)
+sys.exit(code)
+""")
+        forger.chmod(0o755)
+        case = cases.street((160, 90), 4)[0]
+        methods = [method for method in variants.METHODS if method.name in ("telea", "dvi")]
+        outcome = page.Outcome([case], methods, [], [], [], {}, [])
+        scorer = Scorer(forger, root)
+        quality.run_all(scorer, outcome)
+        self.assertEqual(outcome.failures, [])
+        self.assertEqual({name for _, name in outcome.results}, {"dvi", "telea"})
+        [(name, what, message)] = outcome.failed_audits()
+        self.assertEqual((name, what), ("street-exact", "telea"))
+        self.assertRegex(message, "outside: 1 pixels, the first in frame 0+ at 3, 2")
+        page.write(root / "page.md", root / "images", outcome, scorer, "test")
+        text = (root / "page.md").read_text()
+        self.assertIn("**1 of 2 runs fail `dvi audit`** ([what failed](#what-failed)): telea on street-exact", text)
+        self.assertIn("| street-exact | telea | fails the audit: outside: 1 pixels", text)
 
     def test_what_dvi_refuses_is_told(self):
         root = Path(self.enterContext(tempfile.TemporaryDirectory()))

@@ -10,6 +10,7 @@ import json
 import os
 import shutil
 import subprocess
+import tempfile
 import time
 from pathlib import Path
 
@@ -43,6 +44,18 @@ def write_json(file: Path, document: dict) -> None:
     os.replace(beside, file)
 
 
+def refusal(done: subprocess.CompletedProcess) -> str:
+    message = (done.stderr.strip() or "no message").splitlines()[-1].removeprefix("dvi: ")
+    return f"{message} (exit code {done.returncode})"
+
+
+def breaches(audit: dict) -> str:
+    """What `dvi audit` found, in words."""
+    return "; ".join(f"{name}: {found['pixels']} pixels, the first in frame {found['first']['frame']} at "
+                     f"{found['first']['x']}, {found['first']['y']}"
+                     for name, found in audit["findings"].items() if found["pixels"])
+
+
 def picture_names(evaluation: dict) -> dict[str, str]:
     """The frames to show: of dvi's median error, and of its largest."""
     ranked = sorted((frame["all"]["mae"], frame["name"]) for frame in evaluation["per_frame"] if frame["all"]["pixels"])
@@ -60,14 +73,17 @@ class Scorer:
     def result_folder(self, case: Case, name: str) -> Path:
         return self.root / "results" / case.name / name
 
-    def call(self, *arguments: str | Path, cwd: Path) -> str:
-        """stdout of dvi. Failed with the last line of its message otherwise."""
+    def start(self, *arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess:
         done = subprocess.run([self.dvi, *arguments, "--quiet"], cwd=cwd, capture_output=True, text=True)
         if done.returncode < 0 or done.returncode == 130:
             raise KeyboardInterrupt
+        return done
+
+    def call(self, *arguments: str | Path, cwd: Path) -> str:
+        """stdout of dvi. Failed with the last line of its message otherwise."""
+        done = self.start(*arguments, cwd=cwd)
         if done.returncode:
-            message = (done.stderr.strip() or "no message").splitlines()[-1].removeprefix("dvi: ")
-            raise Failed(f"{message} (exit code {done.returncode})")
+            raise Failed(refusal(done))
         return done.stdout
 
     def case_key(self, case: Case) -> str:
@@ -84,11 +100,14 @@ class Scorer:
             self.call(*command, cwd=folder)
         write_json(folder / "recipe.json", {"key": key, "commands": [" ".join(("dvi", *command)) for command in case.commands]})
 
+    def drives(self, case: Case, variant: Variant) -> list[str]:
+        return ["drive", *(case.sources if variant.fusion else ())]
+
     def run_arguments(self, case: Case, variant: Variant) -> list[str]:
-        return ["run", "drive", *(case.sources if variant.fusion else ()), *variant.arguments]
+        return ["run", *self.drives(case, variant), *variant.arguments]
 
     def run_key(self, case: Case, variant: Variant) -> str:
-        return key_of(self.case_key(case), case.truth, case.ignore, self.run_arguments(case, variant))
+        return key_of(self.case_key(case), case.truth, case.ignore, self.run_arguments(case, variant), "audit")
 
     def known(self, case: Case, variant: Variant) -> dict | None:
         """The result, if there is one that is still true."""
@@ -96,7 +115,8 @@ class Scorer:
         return result if result and result["key"] == self.run_key(case, variant) else None
 
     def score(self, case: Case, variant: Variant, same_pixels: bool) -> dict:
-        """Runs a variant on a case that was made. With `same_pixels` it is scored on the pixels and kinds of dvi, too."""
+        """Runs a variant on a case that was made, and audits it. With `same_pixels` it is scored on the pixels and kinds of dvi,
+        too."""
         begun = time.monotonic()
         out = self.root / "work"
         shutil.rmtree(out, ignore_errors=True)
@@ -106,6 +126,7 @@ class Scorer:
         result = {
             "key": self.run_key(case, variant),
             "command": " ".join(("dvi", *arguments)),
+            "audit": self.audit(case, variant, out),
             "evaluation": self.evaluate(case, out),
             "cost": report["cost"],
             "warnings": report["warnings"],
@@ -113,27 +134,40 @@ class Scorer:
         if variant == DVI:
             result["same_pixels"] = result["evaluation"]
         elif same_pixels:
-            result["same_pixels"] = self.beside(case, variant.name, out / "frames")
+            result["same_pixels"] = self.beside(case, out / "frames")
         result["seconds"] = time.monotonic() - begun
         self.keep(case, variant.name, out, result, whole=variant == DVI)
         return result
+
+    def audit(self, case: Case, variant: Variant, out: Path) -> str:
+        """What is wrong with a run's receipts; empty: nothing."""
+        done = self.start("audit", out, *self.drives(case, variant), "--json", cwd=self.folder(case))
+        if done.returncode == 0:
+            return ""
+        return breaches(json.loads(done.stdout)) if done.stdout else refusal(done)
 
     def evaluate(self, case: Case, out: Path, *more: str) -> dict:
         folder = self.folder(case)
         ignore = ("--ignore", case.ignore) if case.ignore else ()
         return json.loads(self.call("eval", out, "--truth", case.truth, *ignore, "--json", *more, cwd=folder))
 
-    def beside(self, case: Case, name: str, frames: Path) -> dict:
-        """Frames of any program, on the pixels that dvi filled and by the kinds that it gave them."""
-        out = self.result_folder(case, DVI.name)
-        return self.evaluate(case, out, "--external", f"{name}={frames.resolve()}")["external"][name]
+    def beside(self, case: Case, frames: Path) -> dict:
+        """A run's frames, on the pixels that dvi filled and by the kinds that it gave them: as if they were dvi's result, whose
+        own evaluation is known and not made again."""
+        dvi = self.result_folder(case, DVI.name)
+        with tempfile.TemporaryDirectory(dir=self.root) as folder:
+            for part, place in (("frames", frames), ("masks", dvi / "masks"), ("kind", dvi / "kind")):
+                (Path(folder) / part).symlink_to(place)
+            return self.evaluate(case, Path(folder))
 
     def external(self, case: Case, name: str, frames: Path) -> dict:
         folder = self.result_folder(case, name)
         key = key_of(self.run_key(case, DVI), fingerprint(frames))
         result = read_json(folder / "result.json")
         if not result or result["key"] != key:
-            result = {"key": key, "same_pixels": self.beside(case, name, frames)}
+            dvi = self.result_folder(case, DVI.name)
+            evaluation = self.evaluate(case, dvi, "--external", f"{name}={frames.resolve()}")
+            result = {"key": key, "same_pixels": evaluation["external"][name]}
             shutil.rmtree(self.root / "work", ignore_errors=True)
             shutil.copytree(frames, self.root / "work" / "frames")
             self.keep(case, name, self.root / "work", result, whole=False)

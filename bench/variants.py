@@ -32,8 +32,8 @@ ABLATIONS = (
     _off("no-poisson", "colours as copied, no Poisson blending", "harmonize.poisson"),
     Variant("bp", "belief propagation (`regularize.enabled=true`)", ("--set", "regularize.enabled=true")),
     _off("no-exposure", "colours as the frames have them, no common light", "exposure.enabled"),
-    Variant("membrane", "what nobody saw, interpolated from all sides (`harmonize.unseen_vertical=1`)",
-            ("--set", "harmonize.unseen_vertical=1")),
+    Variant("membrane", "what nobody saw, interpolated from all sides (`harmonize.unseen_vertical=1.0`)",
+            ("--set", "harmonize.unseen_vertical=1.0")),
     _off("no-sweep", "no depth beyond the LiDAR from the images", "sweep.enabled"),
     Variant("one-source", "one source a pixel (`sample.sources=1`)", ("--set", "sample.sources=1")),
     _off("no-align", "poses as given, no refinement", "align.enabled"),
@@ -62,11 +62,12 @@ def differences(ours: dict[str, object], published: dict[str, object]) -> list[t
 
 
 def published_switches(differing: list[tuple[str, str, str]]) -> tuple[Variant, ...]:
-    """dvi with one of its departures from the paper taken back."""
+    """dvi with one of its departures from the paper taken back, but for those that are ablations already."""
+    known = {variant.arguments for variant in ABLATIONS}
+    switches = {f"{option}={value}": option for option, _, value in differing}
     return tuple(
-        Variant(f"paper-{option.split('.')[1].replace('_', '-')}", f"as published: `{option}={value}`",
-                ("--set", f"{option}={value}"))
-        for option, _, value in differing
+        Variant(f"paper-{option.replace('.', '-').replace('_', '-')}", f"as published: `{switch}`", ("--set", switch))
+        for switch, option in switches.items() if ("--set", switch) not in known
     )
 
 
