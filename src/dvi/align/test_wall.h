@@ -28,7 +28,7 @@ struct ShakyDrive {
   Views views;
   std::vector<Eigen::Vector3d> errors;  ///< radians: the rotation that each pose lacks
 
-  ShakyDrive(std::size_t count, const Shake& shake) {
+  ShakyDrive(std::size_t count, const Shake& shake, const Camera& camera = {320, 240, 400, 400, 159.5, 119.5, {}}) {
     constexpr double kDepth = 12, kPixelsPerMetre = 40;
     static const cv::Mat3b texture = waves(1000, 600, 7, 5);
     for (double x = -10; x <= 10; x += 0.05)
@@ -42,16 +42,16 @@ struct ShakyDrive {
       View view;
       view.frame = i;
       view.time_ns = static_cast<std::int64_t>(i) * 100'000'000;
-      view.camera = {320, 240, 400, 400, 159.5, 119.5, {}};
+      view.camera = camera;
       view.camera_from_world.t = -0.1 * static_cast<double>(i) * shake.speed;
       const double limit = shake.jitter_deg * std::numbers::pi / 180, gain = std::pow(shake.gain_step, static_cast<double>(i));
       const double pitch = random.uniform(-limit, limit), yaw = random.uniform(-limit, limit);
       errors.emplace_back(shake.mounting + Eigen::Vector3d(pitch, yaw, 0));
       const SE3 truth = SE3{so3_exp(errors.back()), {0, 0, 0}} * view.camera_from_world;
       const SE3 world_from_camera = truth.inverse();
-      cv::Mat3b image(240, 320);
-      for (int y = 0; y < 240; ++y)
-        for (int x = 0; x < 320; ++x) {
+      cv::Mat3b image(camera.height, camera.width);
+      for (int y = 0; y < camera.height; ++y)
+        for (int x = 0; x < camera.width; ++x) {
           const Eigen::Vector3d ray = world_from_camera.R * view.camera.ray({x, y});
           const Eigen::Vector3d p = world_from_camera.t + (kDepth - world_from_camera.t.z()) / ray.z() * ray;
           const cv::Vec3f c = bilinear(

@@ -1,5 +1,7 @@
 #include "dvi/sample/sample.h"
 
+#include <cmath>
+
 #include <benchmark/benchmark.h>
 #include <opencv2/imgproc.hpp>
 
@@ -8,15 +10,17 @@
 namespace dvi {
 namespace {
 
-/// A hole of 60,000 pixels at 1280x720: a vehicle ahead that all sources mask at the same place, so that each of them sees a
-/// little more of what it hid.
+/// A hole at 1280x720: a vehicle ahead that all sources mask at the same place, so that each of them sees a little more of what
+/// it hid. By sources, and by pixels of the hole.
 void sample_hole(benchmark::State& state) {
+  const int sources = static_cast<int>(state.range(0));
+  const double scale = std::sqrt(static_cast<double>(state.range(1)) / 60'000);
   const cv::Mat3b picture(720, 1280, cv::Vec3b());
   cv::Mat1b hole(picture.size(), uchar{0});
-  cv::ellipse(hole, {700, 420}, {165, 115}, 0, 0, 360, 255, cv::FILLED);
+  cv::ellipse(hole, {420, 360}, {cvRound(165 * scale), cvRound(115 * scale)}, 0, 0, 360, 255, cv::FILLED);
   FlatScene scene(picture, hole);
-  for (int k = 1; k <= state.range(0); ++k) {
-    scene.add_source(240 * k / static_cast<int>(state.range(0)), picture);
+  for (int k = 1; k <= sources; ++k) {
+    scene.add_source(cvRound(240 * scale * k / sources), picture);
     scene.masks.back() = hole;
   }
   const DepthMap depth{scene.depth(), cv::Mat1f(scene.depth().size(), 0.02F)};
@@ -27,10 +31,16 @@ void sample_hole(benchmark::State& state) {
   for (auto _ : state) out = sample(views, 0, depth, visibility, {});
   std::size_t found = 0;
   for (const Candidate& c : out.of) found += c.found() ? 1 : 0;
-  state.counters["pixels"] = static_cast<double>(out.of.size());
   state.counters["found_part"] = static_cast<double>(found) / static_cast<double>(out.of.size());
 }
-BENCHMARK(sample_hole)->Arg(5)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK(sample_hole)
+    ->ArgNames({"sources", "pixels"})
+    ->Args({10, 60'000})
+    ->Args({20, 60'000})
+    ->Args({40, 60'000})
+    ->Args({20, 15'000})
+    ->Args({20, 240'000})
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace dvi
