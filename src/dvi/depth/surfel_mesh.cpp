@@ -137,21 +137,20 @@ void smooth_normals(SurfelMesh& mesh) {
   }
 }
 
-// Half the way to the neighbours on the same surface is how far a surface may reach beyond its last return.
-void set_spacing(SurfelMesh& mesh) {
-  std::vector<float> sum(mesh.surfels.size(), 0.0F);
+// What lies between returns of one surface tells how far it may reach beyond its last one. Rings are much farther apart than
+// their returns, so it depends on the direction.
+void set_ways(SurfelMesh& mesh) {
   std::vector<int> count(mesh.surfels.size(), 0);
   for_edges(mesh, [&](std::size_t i, std::size_t j) {
-    const Surfel &a = mesh.surfels[i], &b = mesh.surfels[j];
+    Surfel &a = mesh.surfels[i], &b = mesh.surfels[j];
     if (joint(a, b) != Joint::same) return;
-    const float length = std::hypot(a.u - b.u, a.v - b.v);
-    for (const std::size_t k : {i, j}) {
-      sum[k] += length;
-      ++count[k];
-    }
+    const Eigen::Vector2f way(a.u - b.u, a.v - b.v);
+    for (Surfel* s : {&a, &b}) s->ways += way * way.transpose();
+    ++count[i];
+    ++count[j];
   });
-  for (std::size_t i = 0; i < sum.size(); ++i)
-    if (count[i] > 0) mesh.surfels[i].spacing = sum[i] / static_cast<float>(count[i]);
+  for (std::size_t i = 0; i < count.size(); ++i)
+    if (count[i] > 0) mesh.surfels[i].ways /= static_cast<float>(count[i]);
 }
 
 }  // namespace
@@ -178,7 +177,7 @@ SurfelMesh surfel_mesh(const StaticMap& map, const View& view, double splat_m, d
   set_planes(mesh, view, static_cast<float>(max_slope));
   smooth_normals(mesh);
   for (Surfel& s : mesh.surfels) set_slope(s, view);
-  set_spacing(mesh);
+  set_ways(mesh);
   return mesh;
 }
 

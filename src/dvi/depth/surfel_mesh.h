@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -15,12 +16,16 @@ struct Surfel {
   float u = 0, v = 0;                                ///< pixel, sub-pixel exact
   float inverse = 0;                                 ///< 1 / depth, in 1 / metres
   float slope_u = 0, slope_v = 0;                    ///< change of the plane's inverse depth a pixel
-  float spacing = 0;                                 ///< px between returns on its surface; 0: it stands alone
+  Eigen::Matrix2f ways = Eigen::Matrix2f::Zero();    ///< px^2: mean of w w^T over the ways w to neighbours on its surface
   float cosine = 1;                                  ///< of the angle between its normal and the line of sight, at least 0.005
   bool flat = false;                                 ///< the map knows a normal; else it is taken to face the view, upright
   Eigen::Vector3f world = Eigen::Vector3f::Zero();   ///< metres
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, world axes, towards the view
 
+  /// Pixels between returns on its surface in a direction; 0: it stands alone. Exact for grids.
+  float spacing(const Eigen::Vector2f& direction) const {
+    return std::sqrt(std::max(0.0F, 1.5F * direction.dot(ways * direction)) / direction.squaredNorm());
+  }
   bool is_ground() const { return std::abs(normal.z()) > 0.9F; }
   /// Inverse depth of the plane at a pixel (linear in the image); not positive where the plane is not before the view.
   float inverse_at(float x, float y) const { return inverse + slope_u * (x - u) + slope_v * (y - v); }

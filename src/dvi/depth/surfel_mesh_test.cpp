@@ -51,7 +51,7 @@ TEST(SurfelMesh, SparseReturnsTakeThePlaneOfTheirNeighbours) {
   const SurfelMesh mesh = surfel_mesh(map, test_view(), 0.07, 0.05, 10);
   ASSERT_GT(mesh.surfels.size(), 1000U);
   const auto level = std::count_if(mesh.surfels.begin(), mesh.surfels.end(),
-                                   [](const Surfel& s) { return s.flat && s.normal.z() > 0.999F && s.spacing > 0; });
+                                   [](const Surfel& s) { return s.flat && s.normal.z() > 0.999F && s.spacing({1, 0}) > 0; });
   EXPECT_GT(static_cast<double>(level), 0.98 * static_cast<double>(mesh.surfels.size()));
 }
 

@@ -9,11 +9,19 @@ namespace {
 constexpr float kGap = 2;  // times the spacing of returns: nothing was scanned in between
 constexpr std::array<std::array<int, 2>, 3> kPairs{{{0, 1}, {0, 2}, {1, 2}}};
 
+// Whether nothing was scanned between two surfels.
+bool apart(const Surfel& a, const Surfel& b) {
+  const float way = std::hypot(a.u - b.u, a.v - b.v);
+  return way > kGap * std::sqrt(std::max({1.0F, a.ways.trace(), b.ways.trace()}));
+}
+
 // Which part of the way from a near surfel to a far one still belongs to the near surface: half its spacing, but no more than
 // its share where the far surface begins as early.
 float cut(const Surfel& near, const Surfel& far) {
-  const float way = std::max(1.0F, std::hypot(near.u - far.u, near.v - far.v));
-  const float a = std::max(1.0F, near.spacing), b = std::max(1.0F, far.spacing);
+  const Eigen::Vector2f to(far.u - near.u, far.v - near.v);
+  const bool hidden = apart(near, far);
+  const auto spacing = [&](const Surfel& s) { return std::max(1.0F, hidden ? std::sqrt(s.ways.trace()) : s.spacing(to)); };
+  const float way = std::max(1.0F, to.norm()), a = spacing(near), b = spacing(far);
   return std::clamp(std::min(0.5F * a / way, a / (a + b)), 0.02F, 0.98F);
 }
 
@@ -26,8 +34,7 @@ Triangle::Triangle(const SurfelMesh& mesh, const std::array<std::size_t, 3>& cor
   for (int i = 0; i < 3; ++i) {
     const auto [a, b] = kPairs[i];
     joints_[i] = joint(*corners_[a], *corners_[b]);
-    const float way = std::hypot(corners_[a]->u - corners_[b]->u, corners_[a]->v - corners_[b]->v);
-    if (joints_[i] != Joint::same && way > kGap * std::max({1.0F, corners_[a]->spacing, corners_[b]->spacing})) gap_ = true;
+    if (joints_[i] != Joint::same && apart(*corners_[a], *corners_[b])) gap_ = true;
     if (joints_[i] != Joint::step) continue;
     cuts_[i] = cut(*corners_[a], *corners_[b]);
     ++steps[a];
