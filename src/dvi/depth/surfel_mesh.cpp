@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "dvi/core/median.h"
 #include "dvi/depth/delaunay.h"
 #include "dvi/map/visible_points.h"
 
@@ -17,6 +18,7 @@ constexpr float kApart = 0.25F;         // metres: no surface is so uneven, howe
 constexpr float kAlike = 0.95F;         // cosine: planes at less than 18 degrees do not make a crease but a bend
 constexpr float kGroundLike = 0.9F;     // cosine to up: grazing ground is steep in depth without being an edge
 constexpr float kLeastCosine = 0.005F;  // planes seen at less than a third of a degree have no slope to go by
+constexpr float kLong = 2;               // times the median way to neighbours: nothing was scanned in between
 constexpr int kRounds = 8;              // of averaging normals: some eight returns to either side
 
 // The upright plane that faces the view: what is known of a trunk or a twig.
@@ -138,19 +140,27 @@ void smooth_normals(SurfelMesh& mesh) {
 }
 
 // What lies between returns of one surface tells how far it may reach beyond its last one. Rings are much farther apart than
-// their returns, so it depends on the direction.
+// their returns, so it depends on the direction. Ways across what was not scanned tell nothing.
 void set_ways(SurfelMesh& mesh) {
-  std::vector<int> count(mesh.surfels.size(), 0);
+  std::vector<std::vector<Eigen::Vector2f>> ways(mesh.surfels.size());
   for_edges(mesh, [&](std::size_t i, std::size_t j) {
-    Surfel &a = mesh.surfels[i], &b = mesh.surfels[j];
+    const Surfel &a = mesh.surfels[i], &b = mesh.surfels[j];
     if (joint(a, b) != Joint::same) return;
-    const Eigen::Vector2f way(a.u - b.u, a.v - b.v);
-    for (Surfel* s : {&a, &b}) s->ways += way * way.transpose();
-    ++count[i];
-    ++count[j];
+    for (const std::size_t k : {i, j}) ways[k].emplace_back(a.u - b.u, a.v - b.v);
   });
-  for (std::size_t i = 0; i < count.size(); ++i)
-    if (count[i] > 0) mesh.surfels[i].ways /= static_cast<float>(count[i]);
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    if (ways[i].empty()) continue;
+    std::vector<float> lengths;
+    for (const Eigen::Vector2f& way : ways[i]) lengths.push_back(way.norm());
+    const float most = kLong * median(lengths);
+    float count = 0;
+    for (const Eigen::Vector2f& way : ways[i]) {
+      if (way.norm() > most) continue;
+      mesh.surfels[i].ways += way * way.transpose();
+      ++count;
+    }
+    mesh.surfels[i].ways /= count;
+  }
 }
 
 }  // namespace
