@@ -49,10 +49,11 @@ void raster(const Triangle& t, cv::Size size, const Pixel& pixel) {
     }
 }
 
-Picture paint(const SurfelMesh& mesh, const Camera& camera, bool split_edges) {
-  Picture picture(camera.height, camera.width);
+Picture paint(const SurfelMesh& mesh, const View& view, bool split_edges) {
+  Picture picture(view.camera.height, view.camera.width);
+  const Kerbs kerbs(mesh, eye_of(view));
   for (const auto& corners : mesh.triangles) {
-    const Triangle triangle(mesh, corners);
+    const Triangle triangle(mesh, corners, kerbs);
     raster(triangle, picture.inverse.size(), [&](int x, int y, const std::array<float, 3>& w) {
       const Triangle::Value value =
           split_edges ? triangle.at(static_cast<float>(x), static_cast<float>(y), w) : triangle.interpolate(w);
@@ -104,7 +105,7 @@ std::vector<int> skyline(const std::vector<Surfel>& surfels, const Camera& camer
 
 DepthMap depth_map(const StaticMap& map, const View& view, const DepthOptions& options) {
   const SurfelMesh mesh = surfel_mesh(map, view, options.splat_m, options.see_through, options.max_slope);
-  Picture picture = paint(mesh, view.camera, options.split_edges);
+  Picture picture = paint(mesh, view, options.split_edges);
   if (options.split_edges) stand(picture, mesh.surfels);
   if (options.median_px >= 3) cv::medianBlur(picture.inverse.clone(), picture.inverse, options.median_px);
 

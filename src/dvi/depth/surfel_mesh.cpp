@@ -18,7 +18,7 @@ constexpr float kApart = 0.25F;         // metres: no surface is so uneven, howe
 constexpr float kAlike = 0.95F;         // cosine: planes at less than 18 degrees do not make a crease but a bend
 constexpr float kGroundLike = 0.9F;     // cosine to up: grazing ground is steep in depth without being an edge
 constexpr float kLeastCosine = 0.005F;  // planes seen at less than a third of a degree have no slope to go by
-constexpr float kLong = 2;               // times the median way to neighbours: nothing was scanned in between
+constexpr float kLong = 2;              // times the median way to neighbours: nothing was scanned in between
 constexpr int kRounds = 8;              // of averaging normals: some eight returns to either side
 
 // The upright plane that faces the view: what is known of a trunk or a twig.
@@ -106,7 +106,7 @@ Eigen::Vector3f plane_of_neighbours(const SurfelMesh& mesh, const Fans& fans, st
 }
 
 void set_planes(SurfelMesh& mesh, const View& view, float max_slope) {
-  const Eigen::Vector3f eye = (-(view.camera_from_world.R.transpose() * view.camera_from_world.t)).cast<float>();
+  const Eigen::Vector3f eye = eye_of(view);
   const Fans fans(mesh);
   std::vector<std::size_t> bare;
   for (std::size_t i = 0; i < mesh.surfels.size(); ++i)

@@ -31,6 +31,11 @@ struct Surfel {
   float inverse_at(float x, float y) const { return inverse + slope_u * (x - u) + slope_v * (y - v); }
 };
 
+/// Where the camera is, world axes.
+inline Eigen::Vector3f eye_of(const View& view) {
+  return (-(view.camera_from_world.R.transpose() * view.camera_from_world.t)).cast<float>();
+}
+
 /// How the surfaces of two surfels meet in between.
 enum class Joint : unsigned char {
   same,     ///< one surface
