@@ -171,10 +171,14 @@ void write_confidence(const Fused& fused, const Views& views, std::size_t target
     const Candidate& source = fused.candidates.of[i];
     double sure = 0;
     if (source.found()) {
-      const auto apart = std::llabs(views[source.view].time_ns - views[target].time_ns);
-      const bool alone = fused.sources[i] == 1 && fused.spread[i] == 0;
-      sure = copied_confidence({source.misplaced, texture(out.colour, p), fused.spread[i], alone,
-                                difference(out.colour(p), fused.colour[i]), static_cast<double>(apart) * 1e-9});
+      const View& from = views[source.view];
+      sure = copied_confidence({.shift = source.misplaced,
+                                .texture = texture(out.colour, p),
+                                .spread = fused.spread[i],
+                                .alone = fused.sources[i] == 1 && fused.spread[i] == 0,
+                                .elsewhere = from.drive != views[target].drive,
+                                .change = difference(out.colour(p), fused.colour[i]),
+                                .seconds = 1e-9 * static_cast<double>(std::llabs(from.time_ns - views[target].time_ns))});
     } else if (out.kind(p) == static_cast<uchar>(Kind::interpolated)) {
       sure = interpolated_confidence(distance(p));
     }

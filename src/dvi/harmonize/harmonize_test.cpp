@@ -226,16 +226,20 @@ TEST(Harmonize, ColoursStayWithinRange) {
 }
 
 TEST(Confidence, FallsWithEachPieceOfEvidence) {
-  const CopyEvidence some{0.3, 10, 3, false, 3, 1};
-  CopyEvidence worse[] = {some, some, some, some, some};
+  const CopyEvidence some{.shift = 0.3, .texture = 10, .spread = 3, .change = 3, .seconds = 1};
+  CopyEvidence worse[] = {some, some, some, some, some, some};
   worse[0].shift *= 2;
   worse[1].texture *= 2;
   worse[2].spread *= 2;
   worse[3].change *= 2;
   worse[4].seconds *= 2;
+  worse[5].elsewhere = true;
   for (const CopyEvidence& evidence : worse) EXPECT_LT(copied_confidence(evidence), copied_confidence(some));
   EXPECT_GT(copied_confidence({}), 0.98);
-  EXPECT_GT(copied_confidence({1e6, 255, 255, false, 255, 1e6}), 0);
+  CopyEvidence other_day = worse[5];
+  other_day.change = 100, other_day.seconds = 1e6;
+  EXPECT_EQ(copied_confidence(other_day), copied_confidence(worse[5])) << "another day's light is another in any case";
+  EXPECT_GT(copied_confidence({.shift = 1e6, .texture = 255, .spread = 255, .change = 255, .seconds = 1e6}), 0);
   EXPECT_GT(interpolated_confidence(1), interpolated_confidence(5));
 }
 
