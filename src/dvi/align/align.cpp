@@ -22,7 +22,7 @@ Alignment align(Views& views, const StaticMap& map, const AlignOptions& options,
 }
 
 std::size_t align_steps(const Views& views, const AlignOptions& options) {
-  constexpr std::size_t kPasses = 4;  // of the joint method
+  constexpr std::size_t kPasses = 5;  // of the joint method
   if (!options.enabled) return 0;
   return views.size() * (options.method == "paper" ? 1 : kPasses);
 }

@@ -25,8 +25,11 @@ constexpr double kNoise = 2;          // standard errors by which held-out point
 constexpr std::array<double, 3> kParts{0.1, 0.3, 1};
 constexpr double kMisplacedPx = 0.6;
 constexpr double kHardlyMoves = 0.5;  // metres
+constexpr double kClock = 0.025;      // seconds: more than cameras are triggered beside the middle of a sweep
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+using Poses = std::vector<SE3>;  // camera_from_world, of a drive's views
 
 class Chain {
  public:
@@ -49,17 +52,15 @@ class Chain {
     std::vector<double> offset_px;  // median, a candidate
     int points = 0;
   };
-  std::vector<Check> check(const std::vector<PairModel>& models, const std::vector<Corrections>& candidates,
-                           const Tick& tick) const;
+  std::vector<Check> check(const std::vector<PairModel>& models, const std::vector<Poses>& candidates, const Tick& tick) const;
 
   std::size_t coarsest() const { return coarsest_; }
-  SE3 pose(std::size_t i, const Corrections& c) const {
-    return SE3{so3_exp(c.rotations[i]), {0, 0, 0}} * views_[first_ + i].camera_from_world;
-  }
+  Poses turned(const Corrections& c) const;
+  Poses later(const Poses& poses, double seconds) const;
 
  private:
   std::vector<VisiblePoint> textured(const Sight& sight, const View& view, const cv::Mat1f& texture) const;
-  PosedImage posed(std::size_t i, const Corrections& c) const { return {views_[first_ + i].camera, pose(i, c), images_[i]}; }
+  PosedImage posed(std::size_t i, const Poses& poses) const { return {views_[first_ + i].camera, poses[i], images_[i]}; }
 
   const Views& views_;
   const StaticMap& map_;
@@ -68,6 +69,27 @@ class Chain {
   Lazy<BandPass> images_;
   std::vector<std::vector<Pair>> pairs_;  // by moving view
 };
+
+Poses Chain::turned(const Corrections& c) const {
+  Poses out;
+  for (std::size_t i = 0; i < count_; ++i)
+    out.push_back(SE3{so3_exp(c.rotations[i]), {0, 0, 0}} * views_[first_ + i].camera_from_world);
+  return out;
+}
+
+// Where the cameras were so much later.
+Poses Chain::later(const Poses& poses, double seconds) const {
+  Poses out;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const std::size_t from = i + 1 < count_ || i == 0 ? i : i - 1, to = std::min(from + 1, count_ - 1);
+    const auto time = [&](std::size_t k) {
+      return 1e-9 * static_cast<double>(views_[first_ + k].time_ns - views_[first_].time_ns);
+    };
+    const double step = time(to) - time(from), u = step > 0 ? (time(i) + seconds - time(from)) / step : 0;
+    out.push_back(interpolate(poses[from].inverse(), poses[to].inverse(), u).inverse());
+  }
+  return out;
+}
 
 // The most textured point of each cell of a grid over the image.
 std::vector<VisiblePoint> Chain::textured(const Sight& sight, const View& view, const cv::Mat1f& texture) const {
@@ -115,11 +137,12 @@ void Chain::find_pairs(const Tick& tick) {
 
 std::vector<PairModel> Chain::models(const Corrections& now, std::size_t coarsest, const Tick& tick) const {
   const double expected = 2 * std::hypot(radians(options_.rotation_deg), radians(options_.mounting_deg));
+  const Poses poses = turned(now);
   std::vector<std::vector<PairModel>> by_view(count_);
   parallel_in_order(count_, [&](std::size_t i) {
-    const PosedImage moving = posed(i, now);
+    const PosedImage moving = posed(i, poses);
     for (const Pair& pair : pairs_[i])
-      if (auto model = fit_pair(pair, moving, posed(pair.fixed, now), coarsest, expected)) by_view[i].push_back(*model);
+      if (auto model = fit_pair(pair, moving, posed(pair.fixed, poses), coarsest, expected)) by_view[i].push_back(*model);
     tick();
   });
   std::vector<PairModel> all;
@@ -127,11 +150,11 @@ std::vector<PairModel> Chain::models(const Corrections& now, std::size_t coarses
   return all;
 }
 
-std::vector<Chain::Check> Chain::check(const std::vector<PairModel>& models, const std::vector<Corrections>& candidates,
+std::vector<Chain::Check> Chain::check(const std::vector<PairModel>& models, const std::vector<Poses>& candidates,
                                        const Tick& tick) const {
   std::vector<Check> out(count_);
   parallel_in_order(count_, [&](std::size_t i) {
-    for (const Corrections& candidate : candidates) {
+    for (const Poses& candidate : candidates) {
       double cost = 0;
       int points = 0;
       std::vector<double> offsets;
@@ -213,6 +236,18 @@ void warn(const Views& views, std::size_t first, std::size_t last, Alignment& ou
     out.warnings.push_back(drive + "the camera hardly moves; a rotation common to all its frames cannot be told");
 }
 
+// Aligned frames agree best where they are, unless their clock is off: then where they were before or are later.
+void check_clock(const Chain& chain, const std::vector<PairModel>& models, const Poses& aligned, int drive, const Tick& tick,
+                 Alignment& out) {
+  const auto checks = chain.check(models, {aligned, chain.later(aligned, -kClock), chain.later(aligned, kClock)}, tick);
+  const bool earlier = lower(checks, 0, 1, &Chain::Check::cost), later = lower(checks, 0, 2, &Chain::Check::cost);
+  if (earlier == later) return;
+  out.warnings.push_back(
+      fmt::format("align: drive {}: frames agree better as if taken {:.0f} ms {} than their times say; check that camera and "
+                  "LiDAR share one clock, and camera_from_lidar",
+                  drive, 1e3 * kClock, earlier ? "earlier" : "later"));
+}
+
 }  // namespace
 
 void align_jointly(Views& views, const StaticMap& map, std::size_t first, std::size_t last, const AlignOptions& options,
@@ -227,20 +262,21 @@ void align_jointly(Views& views, const StaticMap& map, std::size_t first, std::s
   std::vector<Corrections> candidates{given};
   for (const double part : kParts)
     candidates.push_back(solve(models, coarse, expected_errors(options, views[first].camera, part)));
-  const std::vector<Chain::Check> checks = chain.check(models, candidates, tick);
+  std::vector<Poses> poses;
+  for (const Corrections& candidate : candidates) poses.push_back(chain.turned(candidate));
+  const std::vector<Chain::Check> checks = chain.check(models, poses, tick);
   std::size_t best = 0;
   for (std::size_t k = 1; k < candidates.size(); ++k)
     if (better(checks, best, k)) best = k;
   const Corrections& chosen = candidates[best];
   out.drives.push_back({best > 0, chosen.mounting});
 
-  std::vector<SE3> poses;
   for (std::size_t i = 0; i < checks.size(); ++i) {
     out.views[first + i] = {chosen.rotations[i], checks[i].offset_px[0], checks[i].offset_px[best], checks[i].points};
-    poses.push_back(chain.pose(i, chosen));
+    views.views[first + i].camera_from_world = poses[best][i];
   }
-  for (std::size_t i = 0; i < checks.size(); ++i) views.views[first + i].camera_from_world = poses[i];
   warn(views, first, last, out);
+  check_clock(chain, models, poses[best], views[first].drive, tick, out);
 }
 
 }  // namespace dvi
