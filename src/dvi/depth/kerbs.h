@@ -10,6 +10,8 @@ namespace dvi {
 /// Straight steps of the ground, all in one direction: kerbs. They go on where nothing was scanned.
 class Kerbs {
  public:
+  /// None.
+  Kerbs() = default;
   /// From the steps between returns of the ground within 40 m of `eye` (world axes); none if there are few.
   Kerbs(const SurfelMesh& mesh, const Eigen::Vector3f& eye);
 
@@ -28,7 +30,7 @@ class Kerbs {
   /// How much higher the ground is at `to` than at `from`.
   float rise(float from, float to) const;
 
-  Eigen::Vector3f eye_;
+  Eigen::Vector3f eye_ = Eigen::Vector3f::Zero();
   Eigen::Vector2f across_ = Eigen::Vector2f::UnitX();
   std::vector<Line> lines_;
 };
