@@ -7,8 +7,12 @@ import re
 import sys
 from pathlib import Path
 
-STAGES = ["masks", "map", "align", "depth", "sample", "regularize", "harmonize", "smooth"]  # in the order they run
+# In the order they run.
+STAGES = [
+    "masks", "odometry", "map", "exposure", "align", "depth", "plane_sweep", "sample", "regularize", "harmonize", "smooth"
+]
 NOUNS = ["core", "geometry", "image", "drive"]
+MEASURES = ["metrics", "holdout", "baselines", "audit"]
 
 # What each module may include besides its own folder.
 ALLOWED = {
@@ -19,9 +23,9 @@ ALLOWED = {
     "io": NOUNS,
     **{stage: NOUNS + ["io"] for stage in STAGES},
     "synth": NOUNS + ["io"] + STAGES,
-    "eval": NOUNS + ["io"] + STAGES,
-    "pipeline": NOUNS + ["io"] + STAGES + ["synth", "eval"],
-    "cli": NOUNS + ["io"] + STAGES + ["synth", "eval", "pipeline"],
+    **{measure: NOUNS + ["io"] + STAGES for measure in MEASURES},
+    "pipeline": NOUNS + ["io"] + STAGES + ["synth"] + MEASURES,
+    "cli": NOUNS + ["io"] + STAGES + ["synth"] + MEASURES + ["pipeline"],
 }
 
 # The data that stages hand on, and the one way to look at the static map: all that a stage may know of an earlier one.
@@ -64,7 +68,7 @@ def layer_problem(module, target, is_test):
         if target not in TYPES:
             return f"of an earlier stage only its types may be included ({', '.join(TYPES)})"
         return None
-    if module in [*STAGES, "eval"] and other == "synth" and is_test:
+    if module in [*STAGES, *MEASURES] and other == "synth" and is_test:
         return None
     return f"{module} may include {', '.join(ALLOWED[module]) or 'nothing of dvi'}"
 

@@ -45,7 +45,8 @@ class CheckLayers(unittest.TestCase):
     def test_upwards_fails_and_names_the_line(self):
         self.assert_fails("src/dvi/core/a.h:1: must not include \"dvi/drive/view.h\"", core__a_DOT_h="dvi/drive/view.h")
         self.assert_fails("io may include", io__a_DOT_cpp="dvi/masks/masks.h")
-        self.assert_fails("eval may include", eval__a_DOT_cpp="dvi/synth/street.h")
+        self.assert_fails("metrics may include", metrics__a_DOT_cpp="dvi/synth/street.h")
+        self.assert_fails("metrics may include", metrics__a_DOT_cpp="dvi/holdout/holdout.h")
 
     def test_an_earlier_stage_is_known_by_its_types_only(self):
         self.assert_passes(sample__a_DOT_h="dvi/depth/depth_map.h")

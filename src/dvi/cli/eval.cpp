@@ -7,7 +7,7 @@
 
 #include "dvi/cli/command.h"
 #include "dvi/core/threads.h"
-#include "dvi/eval/evaluate.h"
+#include "dvi/metrics/evaluate.h"
 
 namespace dvi {
 

@@ -5,12 +5,9 @@
 #include <benchmark/benchmark.h>
 
 #include "dvi/core/random.h"
+#include "dvi/drive/deskew.h"
 #include "dvi/map/build_map.h"
-#include "dvi/map/deskew.h"
 #include "dvi/map/free_space.h"
-#include "dvi/map/odometry.h"
-#include "dvi/map/sharpness.h"
-#include "dvi/map/test_street.h"
 #include "dvi/map/visible_points.h"
 
 namespace dvi {
@@ -123,30 +120,6 @@ void visible(benchmark::State& state) {
   state.counters["visible"] = static_cast<double>(points.size());
 }
 BENCHMARK(visible)->Unit(benchmark::kMillisecond);
-
-/// Eight sweeps of 64 beams, made beforehand, to poses; and how sharply these lay them together.
-void follow(benchmark::State& state) {
-  TestStreet street;
-  street.beams = kBeams;
-  street.columns = kColumns;
-  const Drive drive = street.drive(TestStreet::path(8, 0.1), kSweeps);
-  Odometry found = odometry(drive, {});
-  for (auto _ : state) found = odometry(drive, {});
-  state.counters["sweeps"] = kSweeps;
-  state.counters["inliers"] = static_cast<double>(found.sweeps.back().inliers);
-}
-BENCHMARK(follow)->Unit(benchmark::kMillisecond);
-
-void measure_sharpness(benchmark::State& state) {
-  TestStreet street;
-  street.beams = kBeams;
-  street.columns = kColumns;
-  const Drive drive = street.drive(TestStreet::path(8), kSweeps);
-  Sharpness found = sharpness(drive, TestStreet::path(8));
-  for (auto _ : state) found = sharpness(drive, TestStreet::path(8));
-  state.counters["patches"] = static_cast<double>(found.ground_patches + found.vertical_patches);
-}
-BENCHMARK(measure_sharpness)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace dvi

@@ -5,8 +5,8 @@
 
 #include "dvi/core/random.h"
 #include "dvi/core/threads.h"
+#include "dvi/drive/deskew.h"
 #include "dvi/map/build_map.h"
-#include "dvi/map/deskew.h"
 #include "dvi/map/visible_points.h"
 
 namespace dvi {

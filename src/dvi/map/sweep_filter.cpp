@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dvi/map/deskew.h"
+#include "dvi/drive/deskew.h"
 
 namespace dvi {
 namespace {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "dvi/audit/audit.h"
 #include "dvi/core/progress.h"
-#include "dvi/eval/audit.h"
 #include "dvi/pipeline/job.h"
 
 namespace dvi {

@@ -7,8 +7,8 @@
 
 #include "dvi/core/progress.h"
 #include "dvi/drive/drive.h"
-#include "dvi/map/odometry.h"
-#include "dvi/map/sharpness.h"
+#include "dvi/odometry/odometry.h"
+#include "dvi/odometry/sharpness.h"
 
 namespace dvi {
 

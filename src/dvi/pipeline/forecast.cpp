@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "dvi/eval/forecast.h"
+#include "dvi/audit/forecast.h"
 #include "dvi/io/write_image.h"
 #include "dvi/pipeline/make_map.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "dvi/core/progress.h"
-#include "dvi/eval/holdout.h"
+#include "dvi/holdout/holdout.h"
 #include "dvi/pipeline/job.h"
 
 namespace dvi {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "dvi/harmonize/exposure.h"
+#include "dvi/exposure/exposure.h"
 
 namespace dvi {
 

@@ -1,6 +1,6 @@
 #include "dvi/pipeline/run_baseline.h"
 
-#include "dvi/eval/baselines.h"
+#include "dvi/baselines/baselines.h"
 #include "dvi/pipeline/open.h"
 #include "dvi/pipeline/run_result.h"
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "dvi/eval/evaluate.h"
+#include "dvi/metrics/evaluate.h"
 #include "dvi/pipeline/make_holdout.h"
 #include "dvi/pipeline/run.h"
 

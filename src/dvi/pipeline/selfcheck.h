@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "dvi/core/progress.h"
-#include "dvi/eval/evaluate.h"
-#include "dvi/eval/virtual_vehicle.h"
+#include "dvi/holdout/virtual_vehicle.h"
+#include "dvi/metrics/evaluate.h"
 #include "dvi/pipeline/job.h"
 
 namespace dvi {

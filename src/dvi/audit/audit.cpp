@@ -1,0 +1,187 @@
+#include "dvi/audit/audit.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <set>
+
+#include "dvi/core/error.h"
+#include "dvi/core/threads.h"
+#include "dvi/drive/warp.h"
+#include "dvi/harmonize/filled_frame.h"
+#include "dvi/harmonize/receipt.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/write_image.h"
+
+namespace dvi {
+namespace {
+
+/// |harmonisation| in thirds of a grey level, the sum over the channels, as a histogram: percentiles in flat memory.
+using Changes = std::vector<std::size_t>;
+constexpr std::size_t kMostChange = 3 * 255;
+
+struct FrameAudit {
+  Audit audit;
+  Changes changes = Changes(kMostChange + 1, 0);
+};
+
+/// The pictures of one frame of a result.
+struct Written {
+  Written(const fs::path& out, const std::string& name, cv::Size size)
+      : frame(read_image(out / "frames" / (name + ".png"), size)),
+        mask(read_mask(out / "masks" / (name + ".png"), size)),
+        kind(read_png_grey(out / "kind" / (name + ".png"), size)),
+        provenance(read_png_triples(out / "provenance" / (name + ".png"), size)),
+        used(read_image(out / "sources_used" / (name + ".png"), size)),
+        harmonisation(read_png_triples(out / "harmonisation" / (name + ".png"), size)) {}
+
+  Provenance from(cv::Point p) const { return Provenance::of(provenance(p), used(p)); }
+
+  cv::Mat3b frame;
+  cv::Mat1b mask, kind;
+  cv::Mat_<cv::Vec3w> provenance;
+  cv::Mat3b used;
+  cv::Mat_<cv::Vec3w> harmonisation;
+};
+
+class FrameAuditor {
+ public:
+  FrameAuditor(const fs::path& out, const Views& views, std::size_t target, const std::string& name)
+      : views_(views),
+        target_(target),
+        name_(name),
+        written_(out, name, {views[target].camera.width, views[target].camera.height}),
+        image_(views.images[target]),
+        mask_(views.masks[target]) {}
+
+  FrameAudit check() {
+    result_.audit.frames = 1;
+    std::map<int, std::vector<cv::Point>> of_view;
+    for (int y = 0; y < mask_->rows; ++y)
+      for (int x = 0; x < mask_->cols; ++x) {
+        const cv::Point p(x, y);
+        if (((*mask_)(p) != 0) != (written_.mask(p) != 0)) found(Breach::mask, p);
+        result_.audit.removed += written_.mask(p) != 0 ? 1 : 0;
+        if (written_.mask(p) == 0 && written_.frame(p) != (*image_)(p)) found(Breach::outside, p);
+        if (!is_consistent(p))
+          found(Breach::receipt, p);
+        else if (written_.provenance(p)[0] > 0)
+          of_view[written_.from(p).view].push_back(p);
+      }
+    refuse_other_image();
+    for (const auto& [view, pixels] : of_view) check_copies(static_cast<std::size_t>(view), pixels);
+    return std::move(result_);
+  }
+
+ private:
+  /// Not a pixel here and there: another picture.
+  void refuse_other_image() const {
+    const std::size_t kept = mask_->total() - result_.audit.removed;
+    if (2 * result_.audit.findings[static_cast<std::size_t>(Breach::outside)].pixels > kept)
+      throw InputError("frame " + name_ +
+                       " of the result is not the drive's image: audit a result with the drives it was made from");
+  }
+
+  /// Kind, mask and provenance say the same, and the source exists.
+  bool is_consistent(cv::Point p) const {
+    const auto kind = static_cast<Kind>(written_.kind(p));
+    const bool copied = kind == Kind::copied || kind == Kind::copied_elsewhere;
+    if (kind > Kind::empty || (kind == Kind::original) != (written_.mask(p) == 0)) return false;
+    const cv::Vec3b& used = written_.used(p);
+    if (copied != (written_.provenance(p)[0] > 0) || copied != (used[0] > 0 && used[1] > 0 && used[2] > 0)) return false;
+    if (!copied) return true;
+    const Provenance from = written_.from(p);
+    if (static_cast<std::size_t>(from.view) >= views_.size() || static_cast<std::size_t>(from.view) == target_) return false;
+    const View& source = views_[static_cast<std::size_t>(from.view)];
+    return source.camera.contains({from.position.x, from.position.y}) &&
+           (source.drive == views_[target_].drive) == (kind == Kind::copied);
+  }
+
+  void check_copies(std::size_t view, const std::vector<cv::Point>& pixels) {
+    const auto image = views_.images[view];
+    const auto mask = views_.masks[view];
+    result_.audit.copied += pixels.size();
+    for (const cv::Point p : pixels) {
+      const Provenance from = written_.from(p);
+      if (!can_sample(*mask, from.position, from.footprint)) found(Breach::masked_source, p);
+      const cv::Vec3i copy = copied_colour(views_, target_, *image, from);
+      std::size_t size = 0;
+      bool same = true;
+      for (int c = 0; c < 3; ++c) {
+        const int change = static_cast<int>(written_.harmonisation(p)[2 - c]) - kNoChange;
+        same &= copy[c] + change == static_cast<int>(written_.frame(p)[c]);
+        size += static_cast<std::size_t>(std::abs(change));
+      }
+      if (!same) found(Breach::colour, p);
+      ++result_.changes[std::min(size, kMostChange)];
+    }
+  }
+
+  void found(Breach breach, cv::Point p) {
+    Finding& finding = result_.audit.findings[static_cast<std::size_t>(breach)];
+    if (finding.pixels++ == 0) {
+      finding.frame = name_;
+      finding.x = p.x;
+      finding.y = p.y;
+    }
+  }
+
+  const Views& views_;
+  std::size_t target_;
+  std::string name_;
+  Written written_;
+  std::shared_ptr<const cv::Mat3b> image_;
+  std::shared_ptr<const cv::Mat1b> mask_;
+  FrameAudit result_;
+};
+
+void add(const FrameAudit& frame, FrameAudit& sum) {
+  sum.audit.frames += frame.audit.frames;
+  sum.audit.removed += frame.audit.removed;
+  sum.audit.copied += frame.audit.copied;
+  for (std::size_t b = 0; b < kBreaches.size(); ++b) {
+    const Finding& more = frame.audit.findings[b];
+    Finding& finding = sum.audit.findings[b];
+    const std::size_t before = finding.pixels;
+    if (before == 0) finding = more;
+    finding.pixels = before + more.pixels;
+  }
+  for (std::size_t i = 0; i < sum.changes.size(); ++i) sum.changes[i] += frame.changes[i];
+}
+
+double percentile(const Changes& changes, std::size_t count, double part) {
+  std::size_t below = 0, i = 0;
+  while (i < kMostChange && static_cast<double>(below += changes[i]) < part * static_cast<double>(count)) ++i;
+  return count > 0 ? static_cast<double>(i) / 3 : 0;
+}
+
+void refuse_other_frames(const fs::path& out, const std::vector<std::string>& names) {
+  const std::set<std::string> known(names.begin(), names.end());
+  for (const fs::path& file : list_files(out / "frames", {".png"}))
+    if (!known.contains(file.stem().string()))
+      throw InputError(file, "is a frame that the drive has not", "audit a result with the drives it was made from");
+}
+
+}  // namespace
+
+bool Audit::passed() const {
+  return std::all_of(findings.begin(), findings.end(), [](const Finding& f) { return f.pixels == 0; });
+}
+
+Audit audit(const fs::path& out, const Views& views, const std::vector<std::string>& names, const Tick& tick) {
+  refuse_other_frames(out, names);
+  FrameAudit sum;
+  for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
+    std::vector<FrameAudit> block(last - first);
+    parallel_in_order(block.size(), [&](std::size_t i) {
+      block[i] = FrameAuditor(out, views, first + i, names[first + i]).check();
+      tick();
+    });
+    for (const FrameAudit& frame : block) add(frame, sum);
+  });
+  sum.audit.change_median = percentile(sum.changes, sum.audit.copied, 0.5);
+  sum.audit.change_p95 = percentile(sum.changes, sum.audit.copied, 0.95);
+  return sum.audit;
+}
+
+}  // namespace dvi

@@ -1,0 +1,88 @@
+#include "dvi/audit/forecast.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "dvi/core/threads.h"
+#include "dvi/depth/depths.h"
+
+namespace dvi {
+namespace {
+
+constexpr double kBlockReach = 1.5;  // px, on average, by which a visibility map grows a mask
+
+/// Hole pixels of a frame.
+struct Count {
+  std::size_t copied = 0, elsewhere = 0, hole = 0;
+};
+
+Count count(const Candidates& candidates, const Views& views) {
+  Count out;
+  for (const Candidate& candidate : candidates.of) {
+    ++out.hole;
+    if (!candidate.found()) continue;
+    ++(views[static_cast<std::size_t>(candidate.view)].drive == 0 ? out.copied : out.elsewhere);
+  }
+  return out;
+}
+
+HoleShares shares(const Count& c) {
+  if (c.hole == 0) return {};
+  const auto hole = static_cast<double>(c.hole);
+  return {static_cast<double>(c.copied) / hole, static_cast<double>(c.elsewhere) / hole,
+          static_cast<double>(c.hole - c.copied - c.elsewhere) / hole};
+}
+
+cv::Mat1b every_nth(const cv::Mat1b& mask, int step) {
+  cv::Mat1b out((mask.rows + step - 1) / step, (mask.cols + step - 1) / step);
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x) out(y, x) = mask(step * y, step * x);
+  return out;
+}
+
+}  // namespace
+
+Views every_nth(const Views& views, int step) {
+  Views out;
+  for (View view : views.views) {
+    Camera& c = view.camera;
+    c.width = (c.width + step - 1) / step;
+    c.height = (c.height + step - 1) / step;
+    for (double* length : {&c.fx, &c.fy, &c.cx, &c.cy}) *length /= step;
+    out.views.push_back(view);
+  }
+  // Small enough to keep many; a mask may be costly to make (labels).
+  out.masks = {views.size(), 256, [masks = views.masks, step](std::size_t i) { return every_nth(*masks[i], step); }};
+  return out;
+}
+
+Forecast forecast(const Views& views, const StaticMap& map, const DepthOptions& depth, const SampleOptions& sample_options,
+                  int step, const Tick& tick) {
+  const Views coarse = every_nth(views, step);
+  DepthOptions coarse_depth = depth;
+  coarse_depth.median_px = depth.median_px >= 3 ? std::max(3, depth.median_px / step) : 0;
+  const int margin = std::max(0, cvRound((depth.mask_margin_px + kBlockReach) / step - kBlockReach));
+  SampleOptions seen_once = sample_options;
+  seen_once.sources = 1;
+  const Depths depths(coarse, margin, [&](std::size_t i) { return depth_map(map, coarse[i], coarse_depth); });
+  const std::size_t frames = coarse.of_drive(0).second;
+  std::vector<Count> counts(frames);
+  parallel_for(frames, [&](std::size_t i) {
+    counts[i] = count(sample(coarse, i, *depths.maps[i], depths.visibility, seen_once), coarse);
+    tick();
+  });
+  Forecast out;
+  Count all;
+  for (std::size_t i = 0; i < frames; ++i) {
+    const auto pixels = static_cast<double>(coarse[i].camera.width) * coarse[i].camera.height;
+    out.frames.push_back({i, static_cast<double>(counts[i].hole) / pixels, shares(counts[i])});
+    all.copied += counts[i].copied;
+    all.elsewhere += counts[i].elsewhere;
+    all.hole += counts[i].hole;
+  }
+  out.total = shares(all);
+  return out;
+}
+
+}  // namespace dvi

@@ -1,0 +1,64 @@
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/audit/forecast.h"
+
+namespace dvi {
+namespace {
+
+constexpr int kHeight = 240, kLeft = 60, kRight = 20, kTop = 40, kBottom = 30;  // px
+constexpr int kLeastWidth = 640, kWidestBar = 24;
+const cv::Scalar kWhite(255, 255, 255), kInk(40, 40, 40), kGrid(215, 215, 215);
+const cv::Scalar kCopied(180, 120, 40), kElsewhere(60, 160, 240), kNever(190, 190, 190);
+
+void write(cv::Mat3b& chart, const std::string& text, cv::Point at) {
+  cv::putText(chart, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.42, kInk, 1, cv::LINE_AA);
+}
+
+int row_of(double share) { return kTop + cvRound((1 - share) * kHeight); }
+
+void axes(cv::Mat3b& chart, int right) {
+  for (const int percent : {0, 25, 50, 75, 100}) {
+    const int y = row_of(percent / 100.0);
+    cv::line(chart, {kLeft, y}, {right, y}, kGrid);
+    write(chart, std::to_string(percent) + " %", {8, y + 4});
+  }
+  write(chart, "first frame to last", {kLeft, kTop + kHeight + 18});
+}
+
+void legend(cv::Mat3b& chart) {
+  int x = kLeft;
+  for (const auto& [colour, text] : {std::pair(kCopied, "seen by this drive"), std::pair(kElsewhere, "by further drives"),
+                                     std::pair(kNever, "never seen")}) {
+    cv::rectangle(chart, cv::Rect(x, 12, 12, 12), colour, cv::FILLED);
+    write(chart, text, {x + 18, 22});
+    x += 170;
+  }
+}
+
+}  // namespace
+
+cv::Mat3b forecast_chart(const Forecast& forecast) {
+  const int frames = static_cast<int>(forecast.frames.size());
+  const int bar = std::clamp(kLeastWidth / std::max(frames, 1), 1, kWidestBar);
+  cv::Mat3b chart(kTop + kHeight + kBottom, std::max(kLeastWidth, frames * bar) + kLeft + kRight);
+  chart.setTo(kWhite);
+  axes(chart, kLeft + frames * bar);
+  legend(chart);
+  for (int i = 0; i < frames; ++i) {
+    const HoleShares& hole = forecast.frames[i].hole;
+    double base = 0;
+    for (const auto& [colour, share] :
+         {std::pair(kCopied, hole.copied), std::pair(kElsewhere, hole.copied_elsewhere), std::pair(kNever, hole.never_seen)}) {
+      const int top = row_of(base + share), bottom = row_of(base);
+      if (bottom > top) chart(cv::Rect(kLeft + i * bar, top, bar > 3 ? bar - 1 : bar, bottom - top)).setTo(colour);
+      base += share;
+    }
+  }
+  return chart;
+}
+
+}  // namespace dvi

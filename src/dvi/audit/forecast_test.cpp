@@ -1,0 +1,104 @@
+#include "dvi/audit/forecast.h"
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "dvi/drive/memory_views.h"
+
+namespace dvi {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 96;
+
+/// A wall 10 m ahead of a camera that moves sideways by `pixels` a frame; the right half of each image is masked where asked.
+class Wall {
+ public:
+  void add(int pixels, cv::Rect hole, int drive = 0) {
+    View view;
+    view.drive = drive;
+    view.frame = views_.size();
+    view.camera = {kWidth, kHeight, 100, 100, kWidth / 2.0, kHeight / 2.0, {}};
+    view.camera_from_world.t.x() = pixels * 0.1;
+    views_.push_back(view);
+    images_.emplace_back(kHeight, kWidth, cv::Vec3b(1, 2, 3));
+    masks_.emplace_back(kHeight, kWidth, uchar{0});
+    masks_.back()(hole) = 255;
+  }
+  Forecast forecast(int step) const { return dvi::forecast(memory_views(views_, images_, masks_), map(), {}, {}, step); }
+
+ private:
+  static StaticMap map() {
+    StaticMap out;
+    StaticMap::Tile tile;
+    for (float y = -8; y <= 8; y += 0.1F)
+      for (float x = -30; x <= 30; x += 0.1F) {
+        MapPoint point;
+        point.position = {x, y, 10};
+        tile.bounds.extend(point.position);
+        out.points.push_back(point);
+      }
+    tile.last = out.points.size();
+    out.tiles.push_back(tile);
+    return out;
+  }
+
+  std::vector<View> views_;
+  std::vector<cv::Mat3b> images_;
+  std::vector<cv::Mat1b> masks_;
+};
+
+TEST(Forecast, CountsWhatOthersSee) {
+  const cv::Rect hole(60, 32, 40, 32);
+  Wall wall;
+  wall.add(0, hole);
+  wall.add(20, hole);  // half of the hole comes out of the mask
+  for (const int step : {1, 2}) {
+    const Forecast found = wall.forecast(step);
+    ASSERT_EQ(found.frames.size(), 2U);
+    EXPECT_NEAR(found.frames[0].hole.copied, 0.5, 0.02);
+    EXPECT_NEAR(found.total.copied + found.total.never_seen, 1, 1e-9);
+    EXPECT_NEAR(found.frames[0].image_share, 40.0 * 32 / (kWidth * kHeight), 0.01);
+  }
+}
+
+TEST(Forecast, TellsFurtherDrivesApart) {
+  const cv::Rect hole(60, 32, 40, 32);
+  Wall wall;
+  wall.add(0, hole);
+  wall.add(20, hole);
+  wall.add(0, {}, 1);
+  const Forecast found = wall.forecast(2);
+  ASSERT_EQ(found.frames.size(), 2U) << "the target drive's only";
+  EXPECT_NEAR(found.total.copied, 0.5, 0.02);
+  EXPECT_NEAR(found.total.copied_elsewhere, 0.5, 0.02);
+  EXPECT_NEAR(found.total.never_seen, 0, 0.01);
+}
+
+TEST(Forecast, FramesWithoutAHoleHaveNothingToTell) {
+  Wall wall;
+  wall.add(0, {});
+  wall.add(5, {});
+  const Forecast found = wall.forecast(2);
+  EXPECT_EQ(found.total.copied, 0);
+  EXPECT_EQ(found.total.never_seen, 0);
+  EXPECT_EQ(found.frames[0].image_share, 0);
+}
+
+TEST(ForecastChart, BarsAreAsHighAsTheShares) {
+  const auto amount = [](const HoleShares& hole) {
+    Forecast forecast;
+    forecast.frames = {{0, 0.1, hole}};
+    cv::Mat1b found;
+    cv::inRange(forecast_chart(forecast), cv::Scalar(180, 120, 40), cv::Scalar(180, 120, 40), found);
+    return cv::countNonZero(found);
+  };
+  const int none = amount({0, 0, 1}), half = amount({0.5, 0, 0.5}), all = amount({1, 0, 0});
+  EXPECT_GT(half, none);
+  EXPECT_NEAR(half - none, (all - none) / 2, 24);
+  Forecast longer;
+  longer.frames.resize(3000);
+  EXPECT_GE(forecast_chart(longer).cols, 3000) << "a long drive has its bars, too";
+}
+
+}  // namespace
+}  // namespace dvi

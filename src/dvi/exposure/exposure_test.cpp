@@ -1,0 +1,149 @@
+#include "dvi/exposure/exposure.h"
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/core/random.h"
+#include "dvi/drive/flat_scene.h"
+#include "dvi/drive/view.h"
+#include "dvi/map/static_map.h"
+
+namespace dvi {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+
+/// Points on the plane of a FlatScene, one for every other pixel of view 0 and beside it.
+StaticMap plane() {
+  StaticMap map;
+  for (int y = 0; y < kHeight; y += 2)
+    for (int x = -kWidth; x < 2 * kWidth; x += 2)
+      map.points.push_back({Eigen::Vector3d((x - kWidth / 2.0) / 10, (y - kHeight / 2.0) / 10, 10).cast<float>(), 0, 1});
+  map.tiles = {{Eigen::AlignedBox3f(Eigen::Vector3f(-30, -10, 9), Eigen::Vector3f(30, 10, 11)), 0, map.points.size()}};
+  return map;
+}
+
+cv::Mat3b times(const cv::Mat3b& image, const cv::Vec3d& factor) {
+  cv::Mat3b out(image.size());
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x)
+      for (int c = 0; c < 3; ++c) out(y, x)[c] = cv::saturate_cast<uchar>(image(y, x)[c] * factor[c]);
+  return out;
+}
+
+/// Views of one wall, each in its own light.
+struct Lit {
+  FlatScene scene;
+  std::vector<cv::Vec3d> light;
+
+  explicit Lit(const std::vector<cv::Vec3d>& factors, int drives = 1)
+      : scene(times(waves(kWidth, kHeight, 5, 30), factors.front()), cv::Mat1b(kHeight, kWidth, uchar{0})), light(factors) {
+    for (std::size_t i = 1; i < factors.size(); ++i)
+      scene.add_source(-2 * static_cast<int>(i % 5), times(waves(kWidth, kHeight, 5, 30), factors[i]),
+                       static_cast<int>(i * drives / factors.size()));
+  }
+  Views found(std::vector<int>* compared = nullptr, const StaticMap& map = plane()) const {
+    Views views = scene.lazy();
+    const std::vector<int> count = estimate_exposure(views, map);
+    if (compared != nullptr) *compared = count;
+    return views;
+  }
+  /// The greatest error of what brings a view into the light of the first, as a part of it.
+  double worst(const Views& views) const {
+    double off = 0;
+    for (std::size_t i = 1; i < views.size(); ++i)
+      for (int c = 0; c < 3; ++c) off = std::max(off, std::abs(gain_to(views[0], views[i])[c] * light[i][c] / light[0][c] - 1));
+    return off;
+  }
+};
+
+std::vector<cv::Vec3d> drifting(int count) {
+  std::vector<cv::Vec3d> out;
+  for (int i = 0; i < count; ++i) out.emplace_back(1 - 0.03 * i, 0.8 + 0.02 * i, 0.9 + 0.1 * std::sin(i));
+  return out;
+}
+
+TEST(Exposure, FindsGainAndWhiteBalance) {
+  const Lit lit(drifting(12));
+  EXPECT_LT(lit.worst(lit.found()), 0.005);
+}
+
+TEST(Exposure, KeepsTheMeanOfTheLogarithms) {
+  const Views views = Lit(drifting(5)).found();
+  for (int c = 0; c < 3; ++c) {
+    double sum = 0;
+    for (const View& view : views.views) sum += std::log(view.gain[c]);
+    EXPECT_NEAR(sum, 0, 1e-4);
+  }
+}
+
+TEST(Exposure, IsNotMisledByWhatMoves) {
+  Lit lit(drifting(12));
+  Random random(4);
+  for (cv::Mat3b& image : lit.scene.images)
+    for (int k = 0; k < 4; ++k)
+      cv::rectangle(image, {static_cast<int>(random.uniform(0, 120)), static_cast<int>(random.uniform(0, 90)), 36, 30},
+                    cv::Scalar(random.uniform(10, 240), random.uniform(10, 240), random.uniform(10, 240)), cv::FILLED);
+  EXPECT_LT(lit.worst(lit.found()), 0.015);
+}
+
+TEST(Exposure, LeavesOutWhatIsMasked) {
+  Lit lit(drifting(4));
+  for (std::size_t i = 0; i < 4; ++i) {
+    const cv::Rect hole(10, 5, 100, 100);
+    lit.scene.masks[i](hole) = 255;
+    lit.scene.images[i](hole) = cv::Vec3b(static_cast<uchar>(60 * i), 90, 130);
+  }
+  EXPECT_LT(lit.worst(lit.found()), 0.005);
+}
+
+TEST(Exposure, LeavesOutWhatIsSaturated) {
+  const Lit lit({{1, 1, 1}, {1.3, 1.3, 1.3}, {0.8, 1.25, 1.1}});
+  EXPECT_LT(lit.worst(lit.found()), 0.005);
+}
+
+TEST(Exposure, FollowsASuddenStep) {
+  std::vector<cv::Vec3d> light(8, {1, 1, 1});
+  light.insert(light.end(), 8, {0.5, 0.5, 0.5});
+  const Lit lit(light);
+  EXPECT_LT(lit.worst(lit.found()), 0.005);
+}
+
+TEST(Exposure, TakesTwoFramesForEnough) {
+  const Lit lit({{1, 1, 1}, {0.8, 0.9, 1.1}});
+  EXPECT_LT(lit.worst(lit.found()), 0.005);
+}
+
+TEST(Exposure, BringsAnotherDriveIntoTheSameLight) {
+  std::vector<cv::Vec3d> light(4, {1, 1, 1});
+  light.insert(light.end(), 4, {1.1, 0.8, 0.6});
+  const Lit lit(light, 2);
+  EXPECT_LT(lit.worst(lit.found()), 0.005);
+}
+
+TEST(Exposure, LeavesBlackAndWhiteFramesAlone) {
+  Lit lit(drifting(6));
+  lit.scene.images[2] = cv::Vec3b(0, 0, 0);
+  lit.scene.images[4] = cv::Vec3b(255, 255, 255);
+  std::vector<int> compared;
+  const Views views = lit.found(&compared);
+  for (const std::size_t i : {2, 4}) {
+    EXPECT_EQ(compared[i], 0);
+    EXPECT_EQ(views[i].gain, cv::Vec3f(1, 1, 1));
+  }
+  for (const std::size_t i : {1, 3, 5}) EXPECT_NEAR(gain_to(views[0], views[i])[0] * lit.light[i][0], 1, 0.005);
+}
+
+TEST(Exposure, LeavesFramesWithoutCommonPointsAlone) {
+  std::vector<int> compared;
+  const Views views = Lit(drifting(3)).found(&compared, StaticMap());
+  EXPECT_EQ(compared, std::vector<int>(3, 0));
+  for (const View& view : views.views) EXPECT_EQ(view.gain, cv::Vec3f(1, 1, 1));
+}
+
+}  // namespace
+}  // namespace dvi

@@ -1,0 +1,155 @@
+#include "dvi/holdout/holdout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/random.h"
+#include "dvi/core/threads.h"
+#include "dvi/image/region.h"
+
+namespace dvi {
+namespace {
+
+constexpr double kRangeNoise = 0.02;  // metres either way
+constexpr float kIntensity = 0.3F;
+
+// What belongs to one thing of a seed: the same whatever is made before it.
+std::uint64_t part_seed(int seed, std::uint64_t a, std::uint64_t b = 0) {
+  return Random(Random(Random(static_cast<std::uint64_t>(seed)).next() ^ a).next() ^ b).next();
+}
+
+template <class Stamped>
+std::vector<std::size_t> posed(std::vector<Stamped>& items, const Trajectory& poses) {
+  std::vector<Stamped> kept;
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (!poses.at(items[i].time_ns)) continue;
+    kept.push_back(items[i]);
+    indices.push_back(i);
+  }
+  items = std::move(kept);
+  return indices;
+}
+
+// Poses as the case's reader will know them.
+Trajectory at_sweeps(const std::vector<Sweep>& sweeps, const Trajectory& poses) {
+  std::vector<StampedPose> out;
+  for (const Sweep& sweep : sweeps) out.push_back({sweep.time_ns, *poses.at(sweep.time_ns)});
+  return Trajectory(std::move(out));
+}
+
+Box moved(const SE3& target_from_source, const Box& box) { return {target_from_source * box.frame_from_box, box.size}; }
+
+// Whether a return of a sweep may lie behind a box that moves during it: a cone round all that it covers.
+class Cone {
+ public:
+  Cone(const Box& lidar_box, double seconds) : axis_(lidar_box.frame_from_box.t.cast<float>()) {
+    constexpr double kFastest = 60;  // m/s of box and sensor together
+    const double radius = 0.5 * lidar_box.size.norm() + kFastest * seconds;
+    const double distance = axis_.norm();
+    nearest_ = static_cast<float>(distance - radius);
+    cosine_ = nearest_ > 0 ? static_cast<float>(std::sqrt(1 - std::pow(radius / distance, 2))) : -2.0F;
+    axis_.normalize();
+  }
+  bool may_hide(const Eigen::Vector3f& p) const {
+    const float range = p.norm();
+    return range > nearest_ && axis_.dot(p) > cosine_ * range;
+  }
+
+ private:
+  Eigen::Vector3f axis_;
+  float nearest_, cosine_;
+};
+
+}  // namespace
+
+Holdout::Holdout(const Drive& drive, Lazy<cv::Mat1b> traffic, const Trajectory& world_from_lidar, const HoldoutOptions& options)
+    : drive_(drive), options_(options), images_(drive.images), traffic_(std::move(traffic)), scans_(drive.scans) {
+  drive_.images = {}, drive_.masks = {}, drive_.scans = {};
+  sweeps_ = posed(drive_.sweeps, world_from_lidar);
+  drive_.poses = at_sweeps(drive_.sweeps, world_from_lidar);
+  drive_.world_scale = 1;
+  frames_ = posed(drive_.frames, drive_.poses);
+  if (frames_.empty())
+    throw InputError(drive.path, "no frame has a pose and a scan near it",
+                     "check that poses, scans and images share one clock");
+  if (options.scenario != Scenario::banner) {
+    road_ = std::make_shared<const Road>(drive, world_from_lidar);
+    vehicle_.emplace(options.scenario, part_seed(options.seed, static_cast<std::uint64_t>(options.scenario)), road_,
+                     drive_.frames.front().time_ns, drive_.frames.back().time_ns);
+    if (options.scenario == Scenario::parked) vehicle_->stand_clear(drive, world_from_lidar);
+    add_labels();
+  }
+  std::vector<std::uint8_t> seen(frames_.size());
+  parallel_for(frames_.size(), [&](std::size_t i) { seen[i] = cv::countNonZero(paint(i).pixels) > 0 ? 1 : 0; });
+  visible_.assign(seen.begin(), seen.end());
+  if (std::find(visible_.begin(), visible_.end(), true) == visible_.end())
+    throw InputError(drive.path,
+                     fmt::format("the {} vehicle of seed {} enters no image of camera {}", name(options.scenario), options.seed,
+                                 drive.camera_name),
+                     "choose another --scenario, --seed, --camera or more --frames");
+}
+
+void Holdout::add_labels() {
+  for (const Frame& frame : drive_.frames)
+    for (const Label& label : frame.labels) track_ = std::max(track_, label.track + 1);
+  for (Frame& frame : drive_.frames) {
+    Label label;
+    label.track = track_, label.type = vehicle_->type();
+    label.box = moved(drive_.poses.at(frame.time_ns)->inverse(), vehicle_->at(frame.time_ns));
+    frame.labels.push_back(std::move(label));
+  }
+}
+
+Painting Holdout::paint(std::size_t frame) const {
+  const std::uint64_t seed = part_seed(options_.seed, 0x9A127);
+  if (!vehicle_) return paint_banner({drive_.camera.width, drive_.camera.height}, seed);
+  const std::int64_t time = drive_.frames[frame].time_ns;
+  const SE3 camera_from_world = drive_.camera_from_lidar * drive_.poses.at(time)->inverse();
+  return paint_box(moved(camera_from_world, vehicle_->at(time)), drive_.camera, seed);
+}
+
+HoldoutFrame Holdout::frame(std::size_t i) const {
+  const Painting painting = paint(i);
+  const auto traffic = traffic_[frames_[i]];
+  HoldoutFrame out;
+  out.held_out = grown(painting.pixels, options_.margin_px);
+  out.mask = out.held_out | *traffic;
+  out.ignore = grown(*traffic, options_.ignore_margin_px);
+  out.image = images_[frames_[i]]->clone();
+  // The margin too: nothing that is scored may show its truth.
+  out.image.setTo(outline_colour(part_seed(options_.seed, 0x9A127)), out.held_out);
+  painting.colours.copyTo(out.image, painting.pixels);
+  return out;
+}
+
+Scan Holdout::scan(std::size_t i) const {
+  Scan scan = *scans_[sweeps_[i]];
+  if (!vehicle_) return scan;
+  const Sweep& sweep = drive_.sweeps[i];
+  const Box lidar_box = moved(drive_.poses.at(sweep.time_ns)->inverse(), vehicle_->at(sweep.time_ns));
+  const auto [first, last] = std::minmax_element(scan.time.begin(), scan.time.end());
+  if (first == scan.time.end()) return scan;
+  const Cone cone(lidar_box, std::max(std::abs(*first), std::abs(*last)));
+  for (std::size_t k = 0; k < scan.size(); ++k) {
+    Eigen::Vector3f& p = scan.points[k];
+    if (!cone.may_hide(p)) continue;
+    const std::int64_t time = sweep.time_ns + std::llround(1e9 * static_cast<double>(scan.time[k]));
+    const std::optional<SE3> pose = drive_.poses.at(time);
+    if (!pose) continue;
+    const auto hit = first_hit(vehicle_->at(time), pose->t, pose->R * p.cast<double>());
+    if (!hit || hit->distance >= 1) continue;
+    Random random(part_seed(options_.seed, i + 1, k));
+    const double noise = random.uniform(-kRangeNoise, kRangeNoise);
+    p *= static_cast<float>(hit->distance + noise / static_cast<double>(p.norm()));
+    scan.intensity[k] = kIntensity + static_cast<float>(random.uniform(-0.1, 0.1));
+  }
+  return scan;
+}
+
+}  // namespace dvi

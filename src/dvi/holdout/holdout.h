@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/core/files.h"
+#include "dvi/core/interrupt.h"
+#include "dvi/drive/drive.h"
+#include "dvi/holdout/painted_box.h"
+#include "dvi/holdout/virtual_vehicle.h"
+
+namespace dvi {
+
+struct HoldoutOptions {
+  Scenario scenario = Scenario::lead;
+  int seed = 1;
+  int margin_px = 3;         ///< masks reach this far beyond the virtual vehicle
+  int ignore_margin_px = 5;  ///< and this far beyond the masks of real traffic nothing is scored
+};
+
+/// One frame of a case.
+struct HoldoutFrame {
+  cv::Mat3b image;     ///< every pixel of `held_out` painted, all others as in the drive
+  cv::Mat1b held_out;  ///< 255: the virtual vehicle and its margin
+  cv::Mat1b mask;      ///< held_out and the drive's own traffic
+  cv::Mat1b ignore;    ///< 255: not to be scored, for its truth shows real traffic
+};
+
+/// A real drive with virtual traffic (docs/holdout.md), in memory: frames and scans are made when asked for, the same at each
+/// call. Safe to use from many threads.
+class Holdout {
+ public:
+  /// `traffic` as the drive's frames. Frames and sweeps without a pose are left out of the case. InputError where no scan shows
+  /// the ground, or the vehicle enters no image.
+  Holdout(const Drive& drive, Lazy<cv::Mat1b> traffic, const Trajectory& world_from_lidar, const HoldoutOptions& options);
+
+  /// The case as a drive of its own: poses at the middle of its sweeps, boxes of traffic real and virtual. Its lazy images,
+  /// masks and scans are not there: see frame() and scan().
+  const Drive& drive() const { return drive_; }
+  const HoldoutOptions& options() const { return options_; }
+  const std::optional<VirtualVehicle>& vehicle() const { return vehicle_; }  ///< none is a banner
+  int track() const { return track_; }                                       ///< of the virtual vehicle among the labels
+  double sensor_height() const { return road_ ? road_->sensor_height() : 0; }
+  const std::vector<bool>& visible() const { return visible_; }  ///< a frame: whether anything is held out
+
+  HoldoutFrame frame(std::size_t i) const;
+  cv::Mat3b truth(std::size_t i) const { return *images_[frames_[i]]; }
+  Scan scan(std::size_t i) const;
+
+ private:
+  void add_labels();
+  Painting paint(std::size_t frame) const;
+
+  Drive drive_;
+  HoldoutOptions options_;
+  Lazy<cv::Mat3b> images_;
+  Lazy<cv::Mat1b> traffic_;
+  Lazy<Scan> scans_;
+  std::vector<std::size_t> frames_, sweeps_;  // of the case, in the drive
+  std::shared_ptr<const Road> road_;
+  std::optional<VirtualVehicle> vehicle_;
+  std::vector<bool> visible_;
+  int track_ = 0;
+};
+
+/// Writes the case: drive/ in the folder layout, truth/NAME.png, ignore/NAME.png and holdout.json, in which `recipe` says what
+/// the case was made from. Everything is written beside CASE and renamed. `tick` is called once a frame and once a sweep.
+/// InputError where the folder is not empty or cannot be written.
+void write_holdout(const Holdout& holdout, const fs::path& case_folder, const std::string& recipe, const Tick& tick = {});
+
+/// The recipe of a whole case; empty where there is none.
+std::string holdout_recipe(const fs::path& case_folder);
+
+/// InputError unless the folder is empty or not there.
+void require_empty(const fs::path& case_folder);
+
+}  // namespace dvi

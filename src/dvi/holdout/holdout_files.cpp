@@ -1,0 +1,137 @@
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/threads.h"
+#include "dvi/core/version.h"
+#include "dvi/holdout/holdout.h"
+#include "dvi/io/write_folder.h"
+#include "dvi/io/write_image.h"
+
+namespace dvi {
+namespace {
+
+// Made beside its place; gone again unless renamed.
+class Draft {
+ public:
+  explicit Draft(const fs::path& place)
+      : place_(fs::absolute(place).lexically_normal() / ""),
+        path_(place_.parent_path().parent_path() / ("." + place_.parent_path().filename().string() + ".part")) {
+    std::error_code ignored;  // a folder that stays in the way is met again by whoever writes into it
+    fs::remove_all(path_, ignored);
+    make_folder(path_);
+  }
+  ~Draft() {
+    std::error_code ignored;
+    if (!done_) fs::remove_all(path_, ignored);
+  }
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+
+  const fs::path& path() const { return path_; }
+  void finish() {
+    std::error_code error;
+    fs::rename(path_, place_.parent_path(), error);
+    if (error) throw InputError(place_.parent_path(), "cannot be made (" + error.message() + ")", "choose another folder");
+    done_ = true;
+  }
+
+ private:
+  fs::path place_, path_;
+  bool done_ = false;
+};
+
+nlohmann::json vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+nlohmann::json rows(const SE3& pose) {
+  nlohmann::json numbers = nlohmann::json::array();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) numbers.push_back(pose.R(row, column));
+    numbers.push_back(pose.t(row));
+  }
+  return numbers;
+}
+
+// `held_out`, `scored`: pixels a frame.
+nlohmann::json description(const Holdout& holdout, const std::string& recipe, const std::vector<int>& held_out,
+                           const std::vector<int>& scored) {
+  const Drive& drive = holdout.drive();
+  nlohmann::json frames = nlohmann::json::array();
+  for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+    nlohmann::json frame = {{"name", drive.frames[i].name},
+                            {"visible", static_cast<bool>(holdout.visible()[i])},
+                            {"held_out_pixels", held_out[i]},
+                            {"scored_pixels", scored[i]}};
+    if (holdout.vehicle()) frame["world_from_box"] = rows(holdout.vehicle()->at(drive.frames[i].time_ns).frame_from_box);
+    frames.push_back(std::move(frame));
+  }
+  nlohmann::json json = {{"schema", "dvi-holdout/1"},
+                         {"version", kVersion},
+                         {"scenario", name(holdout.options().scenario)},
+                         {"seed", holdout.options().seed},
+                         {"margin_px", holdout.options().margin_px},
+                         {"ignore_margin_px", holdout.options().ignore_margin_px},
+                         {"source", {{"drive", drive.path.string()}, {"camera", drive.camera_name}}},
+                         {"recipe", recipe},
+                         {"frames", frames}};
+  if (holdout.vehicle())
+    json["vehicle"] = {{"class", holdout.vehicle()->type()},
+                       {"size", vector(holdout.vehicle()->size())},
+                       {"track", holdout.track()},
+                       {"sensor_height", holdout.sensor_height()}};
+  if (holdout.vehicle() && holdout.vehicle()->stand())
+    json["vehicle"]["stand"] = {{"moved", holdout.vehicle()->stand()->moved}, {"returns", holdout.vehicle()->stand()->returns}};
+  return json;
+}
+
+}  // namespace
+
+void require_empty(const fs::path& folder) {
+  if (fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder)))
+    throw InputError(folder, "is not an empty folder", "name a new one for the case");
+}
+
+std::string holdout_recipe(const fs::path& folder) {
+  if (!fs::exists(folder / "holdout.json")) return {};
+  try {
+    return nlohmann::json::parse(read_file(folder / "holdout.json")).at("recipe").get<std::string>();
+  } catch (const nlohmann::json::exception&) {
+    throw InputError(folder / "holdout.json", "is not what dvi holdout writes", "remove the folder");
+  }
+}
+
+void write_holdout(const Holdout& holdout, const fs::path& case_folder, const std::string& recipe, const Tick& tick) {
+  require_empty(case_folder);
+  Draft draft(case_folder);
+  const fs::path& out = draft.path();
+  const fs::path folder = out / "drive";
+  const Drive& drive = holdout.drive();
+  for (const fs::path& part : {folder / "images" / drive.camera_name, folder / "masks" / drive.camera_name, folder / "lidar",
+                               folder / "times", out / "truth", out / "ignore"})
+    make_folder(part);
+  std::vector<int> held_out(drive.frames.size()), scored(drive.frames.size());
+  parallel_for(drive.frames.size(), [&](std::size_t i) {
+    const HoldoutFrame frame = holdout.frame(i);
+    const std::string png = drive.frames[i].name + ".png";
+    write_png(folder / "images" / drive.camera_name / png, frame.image);
+    write_png(folder / "masks" / drive.camera_name / png, frame.mask);
+    write_png(out / "truth" / png, holdout.truth(i));
+    write_png(out / "ignore" / png, frame.ignore);
+    held_out[i] = cv::countNonZero(frame.held_out);
+    scored[i] = cv::countNonZero(cv::Mat1b(frame.held_out & ~frame.ignore));
+    if (tick) tick();
+  });
+  const double rate = sweep_rate(drive);
+  parallel_for(drive.sweeps.size(), [&](std::size_t i) {
+    write_folder_scan(folder, drive.sweeps[i], holdout.scan(i), rate);
+    if (tick) tick();
+  });
+  write_folder_tables(folder, drive);
+  write_file(out / "holdout.json", description(holdout, recipe, held_out, scored).dump(1) + "\n");
+  draft.finish();
+}
+
+}  // namespace dvi

@@ -1,0 +1,264 @@
+#include "dvi/holdout/holdout.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include <opencv2/core.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/random.h"
+#include "dvi/core/threads.h"
+#include "dvi/io/reader.h"
+#include "dvi/io/scan_time.h"
+#include "dvi/synth/scene.h"
+
+namespace dvi {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kNoise = 0.021;  // metres of range on the vehicle's faces, and rounding
+
+Drive small_street() {
+  SynthOptions options;
+  options.frames = 5, options.width = 160, options.height = 90, options.beams = 16, options.columns = 400;
+  static const auto scene = std::make_shared<const Scene>(options);
+  Drive drive = drive_of(scene);
+  // As files give them: the first firing, straight back, may count as the last.
+  drive.scans = Lazy<Scan>(drive.sweeps.size(), 8, [scans = drive.scans, sweeps = drive.sweeps](std::size_t i) {
+    Scan scan = *scans[i];
+    scan.time = times_by_azimuth(scan.points, sweeps[i], {});
+    return scan;
+  });
+  return drive;
+}
+
+Holdout make(const Drive& drive, Scenario scenario, int seed = 1) {
+  return {drive, drive.masks, drive.poses, {scenario, seed}};
+}
+
+bool same(const cv::Mat& a, const cv::Mat& b) { return a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0; }
+
+// Metres along the ray of a return at which it meets the vehicle; none where it does not.
+std::optional<double> range_to_vehicle(const Holdout& holdout, std::size_t sweep, const Eigen::Vector3f& p, float seconds) {
+  const std::int64_t time = holdout.drive().sweeps[sweep].time_ns + std::llround(1e9 * static_cast<double>(seconds));
+  const auto pose = holdout.drive().poses.at(time);
+  const auto hit = first_hit(holdout.vehicle()->at(time), pose->t, pose->R * p.cast<double>());
+  if (!hit) return std::nullopt;
+  return hit->distance * static_cast<double>(p.norm());
+}
+
+class Folder : public testing::Test {
+ protected:
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "dvi-holdout-XXXXXX").string();
+    folder = mkdtemp(name.data());
+  }
+  ~Folder() override { fs::remove_all(folder); }
+
+  std::map<std::string, std::string> contents(const fs::path& root) const {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(root))
+      if (entry.is_regular_file()) files[fs::relative(entry.path(), root).string()] = read_file(entry.path());
+    return files;
+  }
+  fs::path folder;
+};
+
+class EachScenario : public testing::TestWithParam<Scenario> {};
+
+INSTANTIATE_TEST_SUITE_P(Holdout, EachScenario, testing::ValuesIn(kScenarios),
+                         [](const auto& scenario) { return name(scenario.param); });
+
+TEST_P(EachScenario, PaintsMaskedPixelsOnlyAndAllOfThem) {
+  const Drive drive = small_street();
+  const Holdout holdout = make(drive, GetParam());
+  int painted = 0;
+  for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+    const HoldoutFrame frame = holdout.frame(i);
+    const cv::Mat3b truth = holdout.truth(i);
+    const cv::Mat1b traffic = *drive.masks[i];
+    for (int y = 0; y < truth.rows; ++y)
+      for (int x = 0; x < truth.cols; ++x) {
+        const bool held_out = frame.held_out(y, x) != 0;
+        ASSERT_TRUE(held_out || frame.image(y, x) == truth(y, x));
+        painted += held_out && frame.image(y, x) != truth(y, x) ? 1 : 0;
+        ASSERT_EQ(frame.mask(y, x) != 0, held_out || traffic(y, x) != 0);
+        ASSERT_TRUE(traffic(y, x) == 0 || frame.ignore(y, x) == 255);
+      }
+  }
+  EXPECT_GT(painted, 20);
+}
+
+TEST_P(EachScenario, StandsOnTheRoad) {
+  if (GetParam() == Scenario::banner) GTEST_SKIP() << "a banner stands nowhere";
+  const Drive drive = small_street();
+  const Holdout holdout = make(drive, GetParam());
+  EXPECT_NEAR(holdout.sensor_height(), drive.poses.poses()[0].world_from_body.t.z(), 0.03);
+  for (const Frame& frame : drive.frames) {
+    const Box box = holdout.vehicle()->at(frame.time_ns);
+    const double bottom = (box.frame_from_box * Eigen::Vector3d(0, 0, -0.5 * box.size.z())).z();
+    EXPECT_NEAR(bottom, 0, 0.08) << "the street's road is at z = 0";
+    EXPECT_GT(box.frame_from_box.R(2, 2), 0.999);
+  }
+}
+
+TEST_P(EachScenario, ScansMeetTheVehicleAndNothingBehindIt) {
+  if (GetParam() == Scenario::banner) GTEST_SKIP() << "a banner is no matter of the LiDAR's";
+  const Drive drive = small_street();
+  const Holdout holdout = make(drive, GetParam());
+  int replaced = 0;
+  for (std::size_t i = 0; i < drive.sweeps.size(); ++i) {
+    const Scan before = *drive.scans[i], after = holdout.scan(i);
+    ASSERT_EQ(before.size(), after.size());
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      const auto range = range_to_vehicle(holdout, i, before.points[k], before.time[k]);
+      if (range && *range < static_cast<double>(before.points[k].norm())) {
+        ++replaced;
+        ASSERT_NEAR(after.points[k].norm(), *range, kNoise);
+        ASSERT_LT(after.points[k].normalized().cross(before.points[k].normalized()).norm(), 1e-5F);
+      } else {
+        ASSERT_EQ(after.points[k], before.points[k]);
+        ASSERT_EQ(after.intensity[k], before.intensity[k]);
+      }
+    }
+  }
+  EXPECT_GT(replaced, GetParam() == Scenario::oncoming ? 0 : 10);
+}
+
+TEST(Holdout, IsTheSameWithAnyNumberOfThreadsAndOtherByItsSeed) {
+  const Drive drive = small_street();
+  const ThreadLimit limit(2);
+  const Holdout two = make(drive, Scenario::lead), other = make(drive, Scenario::lead, 2);
+  const ThreadLimit lower(1);
+  const Holdout one = make(drive, Scenario::lead);
+  for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+    EXPECT_TRUE(same(one.frame(i).image, two.frame(i).image));
+    EXPECT_TRUE(one.scan(i).points == two.scan(i).points);
+    EXPECT_TRUE(one.scan(i).intensity == two.scan(i).intensity);
+    EXPECT_FALSE(same(one.frame(i).image, other.frame(i).image));
+    EXPECT_FALSE(one.scan(i).points == other.scan(i).points);
+  }
+}
+
+TEST(Holdout, LeadKeepsAheadAtAVaryingDistance) {
+  const Drive drive = small_street();
+  const Holdout holdout = make(drive, Scenario::lead);
+  std::vector<double> distances;
+  for (const Frame& frame : holdout.drive().frames) {
+    ASSERT_FALSE(frame.labels.empty());
+    const Label& label = frame.labels.back();
+    EXPECT_EQ(label.track, holdout.track());
+    EXPECT_NEAR(label.box->frame_from_box.t.y(), 0, 0.5);
+    distances.push_back(label.box->frame_from_box.t.x());
+    EXPECT_THAT(distances.back(), testing::AllOf(testing::Gt(8.5), testing::Lt(12.5)));
+  }
+  EXPECT_NE(distances.front(), distances.back());
+}
+
+TEST_F(Folder, NothingOfTheTruthLeaksIntoTheCase) {
+  const Drive drive = small_street();
+  for (const Scenario scenario : {Scenario::lead, Scenario::banner}) {
+    const Holdout holdout = make(drive, scenario);
+    Drive other = drive;
+    other.images = Lazy<cv::Mat3b>(drive.frames.size(), 8, [&](std::size_t i) {
+      cv::Mat3b image = drive.images[i]->clone();
+      const cv::Mat1b held_out = holdout.frame(i).held_out;
+      Random random(i);
+      for (int y = 0; y < image.rows; ++y)
+        for (int x = 0; x < image.cols; ++x)
+          for (int c = 0; held_out(y, x) != 0 && c < 3; ++c) image(y, x)[c] = static_cast<uchar>(random.below(256));
+      return image;
+    });
+    const fs::path a = folder / name(scenario) / "a", b = folder / name(scenario) / "b";
+    write_holdout(holdout, a, "");
+    write_holdout(make(other, scenario), b, "");
+    EXPECT_TRUE(contents(a / "drive") == contents(b / "drive")) << name(scenario);
+    EXPECT_FALSE(contents(a / "truth") == contents(b / "truth")) << name(scenario);
+  }
+}
+
+TEST_F(Folder, CaseIsADriveThatReadsBack) {
+  const Drive drive = small_street();
+  const Holdout holdout = make(drive, Scenario::oncoming);
+  write_holdout(holdout, folder / "new/case", "recipe");
+  EXPECT_EQ(holdout_recipe(folder / "new/case"), "recipe");
+  EXPECT_EQ(holdout_recipe(folder / "elsewhere"), "");
+  const Drive read = read_drive(folder / "new/case/drive");
+  EXPECT_TRUE(read.warnings.empty());
+  ASSERT_EQ(read.frames.size(), drive.frames.size());
+  EXPECT_EQ(read.camera.fx, drive.camera.fx);
+  for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+    EXPECT_EQ(read.frames[i].time_ns, drive.frames[i].time_ns);
+    EXPECT_EQ(read.frames[i].labels.size(), drive.frames[i].labels.size() + 1);
+    EXPECT_EQ(read.sweeps[i].time_ns, drive.sweeps[i].time_ns);
+    EXPECT_EQ(read.sweeps[i].file.extension(), ".bin");
+    const HoldoutFrame frame = holdout.frame(i);
+    EXPECT_TRUE(same(*read.images[i], frame.image));
+    EXPECT_TRUE(same(*read.masks[i], frame.mask));
+    const Scan expected = holdout.scan(i);
+    const auto scan = read.scans[i];
+    EXPECT_TRUE(scan->points == expected.points);
+    for (std::size_t k = 0; k < scan->size(); ++k) ASSERT_NEAR(scan->time[k], expected.time[k], 1e-4);
+    const SE3 a = *read.poses.at(read.frames[i].time_ns), b = *drive.poses.at(drive.frames[i].time_ns);
+    EXPECT_LT((a.t - b.t).norm() + (a.R - b.R).norm(), 1e-9);
+  }
+}
+
+TEST_F(Folder, OtherTimesAreWrittenOut) {
+  Drive drive = small_street();
+  drive.scans = Lazy<Scan>(drive.sweeps.size(), 8, [scans = drive.scans](std::size_t i) {
+    Scan scan = *scans[i];
+    for (std::size_t k = 0; k < scan.size(); ++k) scan.time[k] = 1e-5F * static_cast<float>(k % 1000);
+    scan.ring.assign(scan.size(), 7);
+    return scan;
+  });
+  write_holdout(make(drive, Scenario::parked), folder / "case", "");
+  const Drive read = read_drive(folder / "case/drive");
+  EXPECT_EQ(read.sweeps[0].file.extension(), ".ply");
+  for (std::size_t k = 0; k < drive.scans[0]->size(); ++k) {
+    ASSERT_NEAR(read.scans[0]->time[k], drive.scans[0]->time[k], 1e-7);
+    ASSERT_EQ(read.scans[0]->ring[k], 7);
+  }
+}
+
+TEST_F(Folder, RefusesWhatItCannotDo) {
+  const Drive drive = small_street();
+  const Holdout holdout = make(drive, Scenario::lead);
+  make_folder(folder / "mine");
+  write_file(folder / "mine/thesis.tex", "years of work");
+  EXPECT_THROW(write_holdout(holdout, folder / "mine", ""), InputError);
+  EXPECT_EQ(contents(folder / "mine").size(), 1);
+  EXPECT_THROW(parse_scenario("meteor"), UsageError);
+
+  Drive blind = drive;
+  blind.camera_from_lidar = SE3{so3_exp({0, M_PI, 0}), {0, 0, 0}} * drive.camera_from_lidar;  // looks back
+  try {
+    make(blind, Scenario::parked);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("enters no image"));
+  }
+  Drive floating = drive;
+  floating.scans = Lazy<Scan>(drive.sweeps.size(), 8, [](std::size_t) { return Scan{{{5, 5, 5}}, {0}, {0}, {}}; });
+  EXPECT_THROW(make(floating, Scenario::lead), InputError);
+}
+
+TEST(PaintedBox, MeetsTheNearestFace) {
+  const Box box{{Eigen::Matrix3d::Identity(), {10, 0, 0}}, {4, 2, 2}};
+  const auto hit = first_hit(box, {0, 0.5, 0.25}, {2, 0, 0});
+  ASSERT_TRUE(hit);
+  EXPECT_DOUBLE_EQ(hit->distance, 4);
+  EXPECT_EQ(hit->axis, 0);
+  EXPECT_EQ(hit->side, -1);
+  EXPECT_TRUE(hit->point.isApprox(Eigen::Vector3d(-2, 0.5, 0.25)));
+  EXPECT_FALSE(first_hit(box, {0, 1.5, 0}, {1, 0, 0})) << "beside it";
+  EXPECT_FALSE(first_hit(box, {0, 0, 0}, {-1, 0, 0})) << "behind";
+  EXPECT_FALSE(first_hit(box, {10, 0, 0}, {1, 0, 0})) << "from inside";
+  EXPECT_FALSE(first_hit(box, {0, 0, 0}, {1, 1, 0}));
+}
+
+}  // namespace
+}  // namespace dvi

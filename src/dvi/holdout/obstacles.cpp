@@ -1,0 +1,67 @@
+#include "dvi/holdout/obstacles.h"
+
+#include <algorithm>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "dvi/core/threads.h"
+#include "dvi/geometry/box.h"
+#include "dvi/map/sweep_filter.h"
+#include "dvi/masks/standing.h"
+
+namespace dvi {
+namespace {
+
+constexpr double kFar = 30;  // metres: beyond, the road does not know the ground
+
+// The thing as it stands at each place at a time.
+std::vector<Box> boxes_at(const Road& road, const Eigen::Vector3d& size, const std::vector<double>& places, double left,
+                          std::int64_t time_ns) {
+  constexpr double kLowest = 0.3, kClearance = 0.2;
+  const double highest = size.z() + kClearance;
+  const SE3 lifted{Eigen::Matrix3d::Identity(), {0, 0, 0.5 * (kLowest + highest)}};
+  const Eigen::Vector3d grown(size.x() + 2 * kClearance, size.y() + 2 * kClearance, highest - kLowest);
+  std::vector<Box> boxes;
+  for (const double along : places) boxes.push_back({road.at(along, left, time_ns) * lifted, grown});
+  return boxes;
+}
+
+}  // namespace
+
+std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& world_from_lidar, const Road& road,
+                                        const Eigen::Vector3d& size, const std::vector<double>& places, double left) {
+  Drive moving = drive;
+  moving.poses = world_from_lidar;
+  drop_standing(moving);
+  const MapInput input{&moving, world_from_lidar, Lazy<cv::Mat1b>(drive.frames.size(), 1, [&](std::size_t) {
+                         return cv::Mat1b(drive.camera.height, drive.camera.width, uchar{0});
+                       })};
+  MapOptions options;
+  options.witnessed_only = false;
+  options.max_range_m = kFar;
+  options.box_margin_m = 0.5;  // what traffic moves within half a sweep
+  std::vector<std::vector<std::size_t>> counts(drive.sweeps.size());
+  parallel_for(counts.size(), [&](std::size_t i) {
+    const std::int64_t time = drive.sweeps[i].time_ns;
+    const std::optional<SE3> pose = world_from_lidar.at(time);
+    if (!pose) return;
+    const std::vector<Box> boxes = boxes_at(road, size, places, left, time);
+    if (std::none_of(boxes.begin(), boxes.end(),
+                     [&](const Box& box) { return (box.frame_from_box.t - pose->t).norm() < kFar + box.size.norm(); }))
+      return;
+    Eigen::AlignedBox3d all;
+    for (const Box& box : boxes)
+      for (const Eigen::Vector3d& corner : box.corners()) all.extend(corner);
+    counts[i].assign(boxes.size(), 0);
+    for (const FilteredSweep::Kept& point : filter_sweep(input, options, i).kept)
+      for (std::size_t k = 0; all.contains(point.position) && k < boxes.size(); ++k)
+        counts[i][k] += boxes[k].contains(point.position) ? 1 : 0;
+  });
+  std::vector<std::size_t> sum(places.size(), 0);
+  for (const std::vector<std::size_t>& of_sweep : counts)
+    for (std::size_t k = 0; k < of_sweep.size(); ++k) sum[k] += of_sweep[k];
+  return sum;
+}
+
+}  // namespace dvi

@@ -1,0 +1,107 @@
+#include "dvi/holdout/virtual_vehicle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "dvi/core/error.h"
+#include "dvi/core/random.h"
+#include "dvi/holdout/obstacles.h"
+
+namespace dvi {
+namespace {
+
+constexpr double kLane = 3.5;          // metres
+constexpr double kSwayPeriod = 6;      // seconds
+constexpr double kNearestParked = 10;  // metres ahead of the first frame: in front of its camera
+constexpr double kPi = std::numbers::pi;
+
+}  // namespace
+
+const char* name(Scenario scenario) {
+  constexpr std::array kNames = {"lead", "oncoming", "crossing", "parked", "truck", "banner"};
+  return kNames[static_cast<std::size_t>(scenario)];
+}
+
+Scenario parse_scenario(const std::string& text) {
+  std::vector<std::string> names;
+  for (const Scenario scenario : kScenarios) {
+    if (text == name(scenario)) return scenario;
+    names.emplace_back(name(scenario));
+  }
+  throw UsageError(fmt::format("--scenario {}: there are {}", text, fmt::join(names, ", ")));
+}
+
+VirtualVehicle::VirtualVehicle(Scenario scenario, std::uint64_t seed, std::shared_ptr<const Road> road, std::int64_t start_ns,
+                               std::int64_t end_ns)
+    : road_(std::move(road)), start_ns_(start_ns) {
+  Random random(seed);
+  const double first = road_->along(start_ns), travelled = road_->along(end_ns) - first;
+  const double seconds = std::max(0.1, 1e-9 * static_cast<double>(end_ns - start_ns));
+  const double speed = travelled / seconds;
+  switch (scenario) {
+    case Scenario::lead:
+      motion_ = {.along = random.uniform(10.2, 10.8),
+                 .left = random.uniform(-0.3, 0.3),
+                 .follows = true,
+                 .sway = 1.2,
+                 .phase = random.uniform(0, 2 * kPi)};
+      break;
+    case Scenario::truck:
+      type_ = "truck", size_ = {9, 2.5, 3.5};
+      motion_ = {.along = 4.5 + random.uniform(9, 10), .left = random.uniform(-0.2, 0.2), .follows = true};
+      break;
+    case Scenario::oncoming: {
+      // Passes when most of the recording is over, if it is short.
+      const double own = random.uniform(8, 10), closing = own + speed;
+      motion_ = {.along = first + std::clamp(0.7 * seconds * closing, 25.0, 60.0) + random.uniform(-2, 2),
+                 .along_speed = -own,
+                 .left = kLane + random.uniform(-0.2, 0.2),
+                 .turn = kPi};
+      break;
+    }
+    case Scenario::parked:
+      motion_ = {.along = first + std::clamp(0.8 * travelled, kNearestParked + 2, 30.0) + random.uniform(-2, 2),
+                 .left = -random.uniform(2.9, 3.3)};
+      break;
+    case Scenario::crossing: {
+      type_ = "pedestrian", size_ = {0.8, 0.6, 1.8};
+      // Half way across in the middle of the recording, or as early as leaves the lane free when the drive arrives.
+      const double ahead = std::clamp(0.9 * travelled, 12.0, 35.0) + random.uniform(-1, 1), walk = random.uniform(1.3, 1.5);
+      const double arrival = ahead / std::max(speed, 0.1), middle = std::min(0.5 * seconds, arrival - 1.8);
+      motion_ = {.along = first + ahead, .left = -walk * middle, .left_speed = walk, .turn = kPi / 2};
+      break;
+    }
+    case Scenario::banner:
+      break;
+  }
+}
+
+void VirtualVehicle::stand_clear(const Drive& drive, const Trajectory& world_from_lidar) {
+  constexpr double kStep = 0.25;
+  constexpr int kSteps = 60;
+  const double drawn = motion_.along, nearest = road_->along(start_ns_) + kNearestParked;
+  std::vector<double> places{drawn};
+  for (int step = 1; step <= kSteps; ++step) {
+    places.push_back(drawn + step * kStep);
+    if (drawn - step * kStep >= nearest) places.push_back(drawn - step * kStep);
+  }
+  const std::vector<std::size_t> returns = returns_inside(drive, world_from_lidar, *road_, size_, places, motion_.left);
+  const auto fewest = std::min_element(returns.begin(), returns.end());
+  motion_.along = places[static_cast<std::size_t>(fewest - returns.begin())];
+  stand_ = {motion_.along - drawn, *fewest};
+}
+
+Box VirtualVehicle::at(std::int64_t time_ns) const {
+  const double seconds = 1e-9 * static_cast<double>(time_ns - start_ns_);
+  const double sway = motion_.sway * std::sin(2 * kPi * seconds / kSwayPeriod + motion_.phase);
+  const double along = (motion_.follows ? road_->along(time_ns) : 0) + motion_.along + motion_.along_speed * seconds + sway;
+  const SE3 world_from_road = road_->at(along, motion_.left + motion_.left_speed * seconds, time_ns);
+  return {world_from_road * SE3{so3_exp({0, 0, motion_.turn}), {0, 0, 0.5 * size_.z()}}, size_};
+}
+
+}  // namespace dvi

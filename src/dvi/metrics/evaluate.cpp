@@ -1,0 +1,188 @@
+#include "dvi/metrics/evaluate.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/files.h"
+#include "dvi/core/interrupt.h"
+#include "dvi/core/threads.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/write_image.h"
+#include "dvi/metrics/bootstrap.h"
+#include "dvi/metrics/evaluation.h"
+#include "dvi/metrics/tally.h"
+
+namespace dvi {
+namespace {
+
+std::vector<std::string> names_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const fs::path& file : list_files(folder, {".png"})) names.push_back(file.stem().string());
+  return names;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t kShown = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i) text += (i ? ", " : "") + names[i];
+  return names.size() > kShown ? text + " and " + std::to_string(names.size() - kShown) + " more" : text;
+}
+
+std::vector<std::string> without(const std::vector<std::string>& names, const std::vector<std::string>& others) {
+  const std::set<std::string> known(others.begin(), others.end());
+  std::vector<std::string> rest;
+  for (const std::string& name : names)
+    if (!known.contains(name)) rest.push_back(name);
+  return rest;
+}
+
+/// The frames of the result, once all folders are what they should be.
+std::vector<std::string> frames_of(const EvaluationFolders& folders) {
+  for (const char* part : {"frames", "masks", "kind"})
+    if (!fs::is_directory(folders.out / part))
+      throw InputError(folders.out, std::string("holds no result (there is no ") + part + "/ in it)",
+                       "give the folder that `dvi run` wrote");
+  const std::vector<std::string> names = names_in(folders.out / "frames");
+  if (names.empty()) throw InputError(folders.out / "frames", "holds no frames", "give the folder that `dvi run` wrote");
+  const std::vector<std::string> truths = names_in(folders.truth);
+  if (truths.empty()) throw InputError(folders.truth, "holds no PNG files", "give the folder of the true frames, NAME.png");
+  if (!folders.ignore.empty() && without(names, names_in(folders.ignore)).size() == names.size())
+    throw InputError(folders.ignore, "holds no NAME.png of any frame of " + folders.out.string(),
+                     "give the folder of the masks of pixels not to score");
+  for (const ExternalFrames& external : folders.external)
+    if (!fs::is_directory(external.folder))
+      throw InputError(external.folder, "is not a folder", "give the folder of the frames of " + external.name + ", NAME.png");
+  return names;
+}
+
+fs::path frame_of(const ExternalFrames& external, const std::string& name) {
+  for (const char* ending : {".png", ".jpg"})
+    if (fs::exists(external.folder / (name + ending))) return external.folder / (name + ending);
+  throw InputError(external.folder / (name + ".png"), "is missing", "every frame with a mask needs its NAME.png or NAME.jpg");
+}
+
+/// The run's frame, or another program's.
+ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* external, const std::string& name) {
+  const std::string file = name + ".png";
+  const cv::Size size = image_size(folders.out / "frames" / file);
+  ScoredFrame frame;
+  frame.result = read_image(folders.out / "frames" / file, size);
+  frame.clean = frame.result;
+  frame.kind = read_png_grey(folders.out / "kind" / file, size);
+  frame.scored = read_mask(folders.out / "masks" / file, size);
+  if (cv::countNonZero(frame.scored) == 0) return frame;
+
+  if (!fs::exists(folders.truth / file))
+    throw InputError(folders.truth / file, "is missing", "every frame with a mask needs its truth");
+  frame.truth = read_image(folders.truth / file, size);
+  if (external)
+    read_image(frame_of(*external, name), size).copyTo(frame.result, frame.scored);
+  else if (fs::is_directory(folders.out / "confidence"))
+    frame.confidence = read_png_grey(folders.out / "confidence" / file, size);
+  frame.clean = frame.result.clone();
+  frame.truth.copyTo(frame.clean, frame.scored);
+  if (!folders.ignore.empty() && fs::exists(folders.ignore / file))
+    frame.scored.setTo(0, read_mask(folders.ignore / file, size));
+  return frame;
+}
+
+/// Takes the tallies in the order of the frames.
+struct Collector {
+  Evaluation evaluation;
+  Tally total;
+  std::array<std::vector<OriginSums>, kOrigins.size()> frames;
+
+  void add(const std::string& name, const Tally& tally) {
+    if (tally.pixels(Origin::all) == 0) {
+      evaluation.unscored.push_back(name);
+      return;
+    }
+    evaluation.frames.push_back({name, tally.figures()});
+    total += tally;
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      if (tally.origins[i].pixels > 0) frames[i].push_back(tally.origins[i]);
+  }
+
+  Evaluation finish() {
+    evaluation.total = total.figures();
+    evaluation.whole_frame = figures(total.whole_frame);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      evaluation.intervals[i] = bootstrap(frames[i]);
+      evaluation.confidence[i] = total.confidence[i].calibration();
+    }
+    if (total.pixels(Origin::all) == 0)
+      evaluation.warnings.emplace_back("nothing is scored: every mask is empty, or ignored as a whole");
+    warn_of_unknown_origin();
+    return evaluation;
+  }
+
+  void warn_of_unknown_origin() {
+    std::size_t known = 0;
+    for (const Origin origin : kOrigins)
+      if (origin != Origin::all) known += total.pixels(origin);
+    const std::size_t unknown = total.pixels(Origin::all) - known;
+    if (unknown > 0)
+      evaluation.warnings.push_back(std::to_string(unknown) + " scored pixels are of kind 0: counted under `all` only");
+  }
+};
+
+Evaluation score(const EvaluationFolders& folders, const ExternalFrames* external, const std::vector<std::string>& names,
+                 const Tick& tick) {
+  Collector collector;
+  const std::vector<std::string> missing = without(names_in(folders.truth), names);
+  if (!missing.empty())
+    collector.evaluation.warnings.push_back(std::to_string(missing.size()) +
+                                            " frames of the truth are not in the result: " + listed(missing));
+
+  ScoredFrame previous;
+  for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
+    const std::size_t count = last - first;
+    std::vector<ScoredFrame> frames(count);
+    parallel_for(count, [&](std::size_t i) { frames[i] = load(folders, external, names[first + i]); });
+    std::vector<Tally> tallies(count);
+    parallel_for(count, [&](std::size_t i) {
+      const ScoredFrame* before = i > 0 ? &frames[i - 1] : &previous;
+      const bool comparable = before->result.size() == frames[i].result.size();
+      tallies[i] = tally(frames[i], comparable ? before : nullptr);
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+      collector.add(names[first + i], tallies[i]);
+      if (tick) tick();
+    }
+    previous = frames.back();
+  });
+  return collector.finish();
+}
+
+}  // namespace
+
+std::vector<ExternalFrames> parse_external(const std::vector<std::string>& arguments) {
+  std::vector<ExternalFrames> out;
+  std::set<std::string> names;
+  for (const std::string& argument : arguments) {
+    const std::size_t equals = argument.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == argument.size())
+      throw UsageError("--external " + argument + ": give NAME=DIR");
+    out.push_back({argument.substr(0, equals), argument.substr(equals + 1)});
+    if (!names.insert(out.back().name).second) throw UsageError("--external " + out.back().name + " is given twice");
+  }
+  return out;
+}
+
+Evaluation evaluate(const EvaluationFolders& folders, const Tick& tick) {
+  const std::vector<std::string> names = frames_of(folders);
+  Evaluation evaluation = score(folders, nullptr, names, tick);
+  for (const ExternalFrames& external : folders.external)
+    evaluation.external.push_back({external.name, score(folders, &external, names, tick)});
+  return evaluation;
+}
+
+}  // namespace dvi

@@ -1,0 +1,72 @@
+#include <cstddef>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "dvi/metrics/evaluation.h"
+
+namespace dvi {
+
+static void to_json(nlohmann::json& json, const Figures& f) {
+  json = {{"frames", f.frames},   {"pixels", f.pixels},
+          {"share", f.share},     {"mae", f.mae},
+          {"rmse", f.rmse},       {"psnr", f.psnr},
+          {"ssim", f.ssim},       {"sharpness", f.sharpness},
+          {"flicker", f.flicker}, {"misplaced_px", f.misplaced_px}};
+}
+
+static void to_json(nlohmann::json& json, const ByOrigin& figures) {
+  json = nlohmann::json::object();
+  for (const Origin origin : kOrigins) json[name(origin)] = figures[origin];
+}
+
+static void to_json(nlohmann::json& json, const FrameEvaluation& frame) {
+  json = frame.figures;
+  json["name"] = frame.name;
+}
+
+static nlohmann::json document(const std::optional<Intervals>& intervals) {
+  if (!intervals) return nullptr;
+  return {{"mae", intervals->mae},
+          {"rmse", intervals->rmse},
+          {"psnr", intervals->psnr},
+          {"ssim", intervals->ssim},
+          {"sharpness", intervals->sharpness}};
+}
+
+static void to_json(nlohmann::json& json, const Calibration::Decile& decile) {
+  json = {{"confidence", decile.confidence}, {"within", decile.within}, {"mae", decile.mae}, {"pixels", decile.pixels}};
+}
+
+static nlohmann::json document(const std::optional<Calibration>& confidence) {
+  if (!confidence) return nullptr;
+  return {{"pixels", confidence->pixels}, {"mean", confidence->mean}, {"within", confidence->within},
+          {"ece", confidence->ece},       {"ause", confidence->ause}, {"deciles", confidence->deciles}};
+}
+
+static nlohmann::json confidence(const Evaluation& evaluation) {
+  nlohmann::json json = document(evaluation.confidence.front());
+  for (std::size_t i = 1; !json.is_null() && i < kOrigins.size(); ++i)
+    json["by_kind"][name(kOrigins[i])] = document(evaluation.confidence[i]);
+  return json;
+}
+
+static nlohmann::json whole_frame(const Figures& f) {
+  return {{"mae", f.mae}, {"rmse", f.rmse}, {"psnr", f.psnr}, {"ssim", f.ssim}};
+}
+
+void to_json(nlohmann::json& json, const Evaluation& evaluation) {
+  json = evaluation.total;
+  for (const Origin origin : kOrigins)
+    json[name(origin)]["interval"] = document(evaluation.intervals[static_cast<std::size_t>(origin)]);
+  json["whole_frame"] = whole_frame(evaluation.whole_frame);
+  json["confidence"] = confidence(evaluation);
+  json["version"] = 1;
+  json["per_frame"] = evaluation.frames;
+  json["unscored"] = evaluation.unscored;
+  json["warnings"] = evaluation.warnings;
+  json["external"] = nlohmann::json::object();
+  for (const ExternalEvaluation& external : evaluation.external) json["external"][external.name] = external.evaluation;
+}
+
+}  // namespace dvi

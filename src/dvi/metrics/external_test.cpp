@@ -1,0 +1,88 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/metrics/result_fixture.h"
+
+namespace dvi {
+namespace {
+
+using testing::HasSubstr;
+
+class External : public ResultFixture {
+ protected:
+  External() {
+    make_folder(folder / "net");
+    for (int i = 0; i < 3; ++i)
+      add(std::to_string(i), scene(kSize, i), scene(kSize, i + 0.5), box(kHole), box({30, 20, 20, 30}, 1));
+  }
+  void add_external(const cv::Mat3b& (*change)(cv::Mat3b&)) const {
+    for (int i = 0; i < 3; ++i) {
+      cv::Mat3b image = scene(kSize, i + 0.5);
+      write_png(folder / "net" / (std::to_string(i) + ".png"), change(image));
+    }
+  }
+  EvaluationFolders with_net() const { return {folder / "out", folder / "truth", {}, {{"net", folder / "net"}}}; }
+};
+
+TEST_F(External, TheSameFramesGetTheSameFigures) {
+  add_external([](cv::Mat3b& image) -> const cv::Mat3b& { return image; });
+  const nlohmann::json json = evaluate(with_net());
+  nlohmann::json own = json;
+  own["external"] = nlohmann::json::object();
+  EXPECT_GT(own["all"]["mae"], 1);
+  EXPECT_EQ(json["external"]["net"].dump(), own.dump());
+}
+
+TEST_F(External, CountAsTheInputOutsideTheMasks) {
+  add_external([](cv::Mat3b& image) -> const cv::Mat3b& {
+    const cv::Mat3b inside = image(kHole).clone();
+    image = cv::Mat3b(kSize, cv::Vec3b(0, 0, 255));
+    inside.copyTo(image(kHole));
+    return image;
+  });
+  const Evaluation e = evaluate(with_net());
+  EXPECT_EQ(nlohmann::json(e.external[0].evaluation)["all"].dump(), nlohmann::json(e)["all"].dump());
+  EXPECT_EQ(e.external[0].evaluation.whole_frame.ssim, e.whole_frame.ssim);
+}
+
+TEST_F(External, HaveRowsAndNoConfidenceOfTheirOwn) {
+  make_folder(folder / "out/confidence");
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = std::to_string(i);
+    write_png(folder / "out/confidence" / (name + ".png"), cv::Mat1b(kSize, uchar{200}));
+    cv::imwrite((folder / "net" / (name + ".jpg")).string(), scene(kSize, i));  // nearly the truth
+  }
+  const Evaluation e = evaluate(with_net());
+  EXPECT_TRUE(e.confidence[0]);
+  const Evaluation& net = e.external.at(0).evaluation;
+  EXPECT_FALSE(net.confidence[0]);
+  EXPECT_LT(net.total[Origin::all].mae, 0.5 * e.total[Origin::all].mae);
+  EXPECT_EQ(net.total[Origin::copied].pixels, e.total[Origin::copied].pixels);
+  EXPECT_THAT(table(e), testing::ContainsRegex("whole frame(.|\n)*\nnet\n(.|\n)*whole frame"));
+}
+
+TEST_F(External, SayWhatIsWrong) {
+  add_external([](cv::Mat3b& image) -> const cv::Mat3b& { return image; });
+  fs::remove(folder / "net/0.png");
+  EXPECT_THAT(error(with_net()), HasSubstr("net/0.png: is missing"));
+  write_png(folder / "net/0.png", cv::Mat3b(10, 20, cv::Vec3b(0, 0, 0)));
+  EXPECT_THAT(error(with_net()), HasSubstr("net/0.png: is 20x10 pixels instead of 96x72"));
+  fs::remove_all(folder / "net");
+  EXPECT_THAT(error(with_net()), HasSubstr("net: is not a folder"));
+
+  EXPECT_EQ(parse_external({"a=b=c"})[0].folder, "b=c");
+  for (const char* wrong : {"net", "=net", "net="}) EXPECT_THROW(parse_external({wrong}), UsageError) << wrong;
+  EXPECT_THROW(parse_external({"a=b", "a=c"}), UsageError);
+}
+
+}  // namespace
+}  // namespace dvi

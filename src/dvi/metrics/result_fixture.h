@@ -1,0 +1,63 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/files.h"
+#include "dvi/io/write_image.h"
+#include "dvi/metrics/evaluate.h"
+#include "dvi/metrics/test_scene.h"
+
+namespace dvi {
+
+inline const cv::Size kSize(96, 72);
+inline const cv::Rect kHole(30, 20, 40, 30);
+
+inline cv::Mat1b box(const cv::Rect& rect, uchar value = 255) {
+  cv::Mat1b mask(kSize, uchar{0});
+  mask(rect) = value;
+  return mask;
+}
+
+/// A result folder and its truth, frame by frame; by default a perfect one. Gone after the test.
+class ResultFixture : public testing::Test {
+ protected:
+  ResultFixture() : folder(fs::path(testing::TempDir()) / ("evaluate_" + std::to_string(getpid()))) {
+    for (const char* part : {"out/frames", "out/masks", "out/kind", "truth", "ignore"}) make_folder(folder / part);
+  }
+  ~ResultFixture() override { fs::remove_all(folder); }
+
+  void add(const std::string& name, const cv::Mat3b& truth, const cv::Mat3b& result, const cv::Mat1b& mask,
+           const cv::Mat1b& kind) const {
+    const std::string file = name + ".png";
+    write_png(folder / "truth" / file, truth);
+    write_png(folder / "out/frames" / file, result);
+    write_png(folder / "out/masks" / file, mask);
+    write_png(folder / "out/kind" / file, kind);
+  }
+  void add_perfect(const std::string& name) const { add(name, scene(kSize, 0), scene(kSize, 0), box(kHole), box(kHole, 1)); }
+  EvaluationFolders folders() const { return {folder / "out", folder / "truth"}; }
+  Evaluation run(bool ignore = false) const {
+    return evaluate({folder / "out", folder / "truth", ignore ? folder / "ignore" : fs::path()});
+  }
+  std::string error(const EvaluationFolders& of) const {
+    try {
+      evaluate(of);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "no error";
+  }
+  std::string error() const { return error(folders()); }
+
+  fs::path folder;
+};
+
+}  // namespace dvi

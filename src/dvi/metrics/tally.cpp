@@ -1,0 +1,188 @@
+#include "dvi/metrics/tally.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+
+#include <opencv2/core.hpp>
+
+#include "dvi/harmonize/filled_frame.h"
+#include "dvi/metrics/calibration.h"
+#include "dvi/metrics/evaluation.h"
+#include "dvi/metrics/metrics.h"
+
+namespace dvi {
+namespace {
+
+constexpr float kSteps = 256;
+constexpr std::size_t kBins = 64 * 256 + 1;
+
+cv::Mat1b pixels_of(const ScoredFrame& frame, Origin origin) {
+  const auto between = [&](Kind first, Kind last) {
+    cv::Mat1b pixels;
+    cv::inRange(frame.kind, static_cast<int>(first), static_cast<int>(last), pixels);
+    cv::bitwise_and(pixels, frame.scored, pixels);
+    return pixels;
+  };
+  switch (origin) {
+    case Origin::all:
+      return frame.scored;
+    case Origin::copied:
+      return between(Kind::copied, Kind::copied_elsewhere);
+    case Origin::interpolated:
+      return between(Kind::interpolated, Kind::interpolated);
+    case Origin::synthesised:
+      return between(Kind::synthesised, Kind::synthesised);
+    case Origin::empty:
+      return between(Kind::empty, Kind::empty);
+  }
+  throw std::logic_error("no such origin");
+}
+
+/// The per pixel figures of a frame, whatever the origin.
+struct Maps {
+  Maps(const ScoredFrame& frame, const ScoredFrame* before)
+      : ssim(ssim_map(frame.result, frame.truth)),
+        gradient_result(gradient_magnitude(frame.result)),
+        gradient_truth(gradient_magnitude(frame.truth)) {
+    if (!before) return;
+    const cv::Mat2f motion = optical_flow(frame.clean, before->clean);
+    change_result = change_along(frame.result, before->result, motion, frame.scored);
+    change_truth = change_along(frame.clean, before->clean, motion, frame.scored);
+  }
+  cv::Mat1f ssim, gradient_result, gradient_truth, change_result, change_truth;
+};
+
+OriginSums sums(const ScoredFrame& frame, const Maps& maps, const cv::Mat1b& pixels) {
+  OriginSums out;
+  out.pixels = static_cast<std::size_t>(cv::countNonZero(pixels));
+  if (out.pixels == 0) return out;
+  out.frames = 1;
+  out.error = error_sums(frame.result, frame.truth, pixels);
+  out.frame_psnr = out.error.psnr();
+  out.frame_ssim = sum_over(maps.ssim, pixels).mean();
+  out.gradient_result = sum_over(maps.gradient_result, pixels);
+  out.gradient_truth = sum_over(maps.gradient_truth, pixels);
+  if (!maps.change_result.empty()) {
+    out.change_result = sum_over(maps.change_result, pixels);
+    out.change_truth = sum_over(maps.change_truth, pixels);
+  }
+  return out;
+}
+
+OriginSums whole_frame(const ScoredFrame& frame, const ErrorSums& scored) {
+  cv::Mat3b truth = frame.result.clone();
+  frame.truth.copyTo(truth, frame.scored);
+  const cv::Mat1b everywhere(truth.size(), uchar{255});
+  OriginSums out;
+  out.frames = 1;
+  out.pixels = truth.total();
+  out.error = scored;
+  out.error.values = 3 * out.pixels;
+  out.frame_psnr = out.error.psnr();
+  out.frame_ssim = sum_over(ssim_map(frame.result, truth), everywhere).mean();
+  return out;
+}
+
+Lengths misplaced(const ScoredFrame& frame, const cv::Mat1b& copied) {
+  Lengths lengths;
+  if (cv::countNonZero(copied) == 0) return lengths;
+  const cv::Mat1f map = misplacement(frame.result, frame.clean, frame.scored);
+  for (int y = 0; y < map.rows; ++y)
+    for (int x = 0; x < map.cols; ++x)
+      if (copied(y, x)) lengths.add(map(y, x));
+  return lengths;
+}
+
+double ratio(const PixelSum& result, const PixelSum& truth) { return truth.sum > 0 ? result.sum / truth.sum : Figures::kNone; }
+
+}  // namespace
+
+void Lengths::add(float length_px) {
+  bins_.resize(kBins);
+  ++bins_[std::min(kBins - 1, static_cast<std::size_t>(std::min(length_px, 64.0F) * kSteps + 0.5F))];
+  ++count_;
+}
+
+Lengths& Lengths::operator+=(const Lengths& other) {
+  if (other.count_ == 0) return *this;
+  bins_.resize(kBins);
+  for (std::size_t i = 0; i < kBins; ++i) bins_[i] += other.bins_[i];
+  count_ += other.count_;
+  return *this;
+}
+
+double Lengths::median() const {
+  if (count_ == 0) return Figures::kNone;
+  std::uint64_t below = 0;
+  std::size_t bin = 0;
+  while (2 * (below + bins_[bin]) < count_) below += bins_[bin++];
+  return static_cast<double>(bin) / double{kSteps};
+}
+
+OriginSums& OriginSums::operator+=(const OriginSums& other) {
+  frames += other.frames;
+  pixels += other.pixels;
+  error += other.error;
+  frame_psnr += other.frame_psnr;
+  frame_ssim += other.frame_ssim;
+  gradient_result += other.gradient_result;
+  gradient_truth += other.gradient_truth;
+  change_result += other.change_result;
+  change_truth += other.change_truth;
+  return *this;
+}
+
+Tally& Tally::operator+=(const Tally& other) {
+  for (std::size_t i = 0; i < origins.size(); ++i) {
+    origins[i] += other.origins[i];
+    confidence[i] += other.confidence[i];
+  }
+  whole_frame += other.whole_frame;
+  misplaced += other.misplaced;
+  return *this;
+}
+
+Figures figures(const OriginSums& sums) {
+  Figures out;
+  if (sums.pixels == 0) return out;
+  out.frames = sums.frames;
+  out.pixels = sums.pixels;
+  out.mae = sums.error.mae();
+  out.rmse = sums.error.rmse();
+  out.psnr = sums.frame_psnr / static_cast<double>(sums.frames);
+  out.ssim = sums.frame_ssim / static_cast<double>(sums.frames);
+  out.sharpness = ratio(sums.gradient_result, sums.gradient_truth);
+  out.flicker = ratio(sums.change_result, sums.change_truth);
+  return out;
+}
+
+ByOrigin Tally::figures() const {
+  ByOrigin out;
+  for (const Origin origin : kOrigins) {
+    const OriginSums& sums = origins[static_cast<std::size_t>(origin)];
+    out[origin] = dvi::figures(sums);
+    if (sums.pixels > 0) out[origin].share = static_cast<double>(sums.pixels) / static_cast<double>(pixels(Origin::all));
+  }
+  out[Origin::all].misplaced_px = out[Origin::copied].misplaced_px = misplaced.median();
+  return out;
+}
+
+Tally tally(const ScoredFrame& frame, const ScoredFrame* before) {
+  Tally out;
+  if (cv::countNonZero(frame.scored) == 0) return out;
+  const Maps maps(frame, before);
+  for (const Origin origin : kOrigins) {
+    const auto i = static_cast<std::size_t>(origin);
+    const cv::Mat1b pixels = pixels_of(frame, origin);
+    out.origins[i] = sums(frame, maps, pixels);
+    if (!frame.confidence.empty()) out.confidence[i] = count_confidence(frame.confidence, frame.result, frame.truth, pixels);
+  }
+  out.whole_frame = whole_frame(frame, out.origins[static_cast<std::size_t>(Origin::all)].error);
+  out.misplaced = misplaced(frame, pixels_of(frame, Origin::copied));
+  return out;
+}
+
+}  // namespace dvi

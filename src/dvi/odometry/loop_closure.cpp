@@ -1,0 +1,276 @@
+#include "dvi/odometry/loop_closure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "dvi/odometry/odometry_scene.h"
+#include "dvi/odometry/pose_graph.h"
+
+namespace dvi {
+namespace {
+
+// Metres and radians.
+constexpr double kMoved = 0.5;   // steps by which the way is measured: a car that stands does not get on by noise
+constexpr double kLongWay = 30;  // between two passes
+constexpr double kEvery = 5;     // one candidate
+constexpr double kReach = 5, kDrift = 0.03, kFarthest = 15;      // how far off poses may be: more the longer the way between
+constexpr double kPlace = 15, kPlaceStep = 2.5;                  // the map of a place: so far both ways, a sweep each
+constexpr double kCheck = 3;                                     // before the later sweep: one that must agree
+constexpr double kGrid = 1, kTurn = 0.035, kLargestTurn = 0.12;  // starts
+constexpr std::size_t kBestStarts = 3, kEveryFeature = 4;
+constexpr double kLeastShare = 0.7, kMostResidual = 1.3;  // of those of a sweep of the place itself ...
+constexpr double kLeastOwnShare = 0.1;                    // ... which must see something that stands
+constexpr double kAgree = 0.15, kAgreeTurn = 0.01;        // the two sweeps with odometry between them
+constexpr double kLoop = 0.02, kLoopTurn = 0.001;         // standard deviations: of a loop,
+constexpr double kStep = 0.005, kStepTurn = 0.0003;       // of odometry's steps,
+constexpr double kLostStep = 1, kLostStepTurn = 0.05;     // and of those to sweeps that it lost; on top of registration's own
+
+/// The sweeps that odometry gave poses to, by their place in the trajectory.
+struct Course {
+  std::vector<std::size_t> sweep;
+  std::vector<SE3> pose;
+  std::vector<Vector6d> twist;  // per second
+  std::vector<double> way_m;    // since the first
+
+  std::size_t size() const { return pose.size(); }
+};
+
+Course course_of(const Odometry& odometry) {
+  Course out;
+  for (std::size_t i = 0; i < odometry.sweeps.size(); ++i) {
+    const SweepFit::State state = odometry.sweeps[i].state;
+    if (state != SweepFit::State::no_points && state != SweepFit::State::duplicate) out.sweep.push_back(i);
+  }
+  const std::vector<StampedPose>& poses = odometry.world_from_lidar.poses();
+  if (poses.size() != out.sweep.size()) return {};  // a lone scan's second pose
+  std::size_t last = 0;
+  double way = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    out.pose.push_back(poses[i].world_from_body);
+    const StampedPose &a = poses[i > 0 ? i - 1 : 0], &b = poses[std::min(i + 1, poses.size() - 1)];
+    const double seconds = 1e-9 * static_cast<double>(b.time_ns - a.time_ns);
+    out.twist.push_back(seconds > 0 ? Vector6d(se3_log(a.world_from_body.inverse() * b.world_from_body) / seconds)
+                                    : Vector6d(Vector6d::Zero()));
+    const double moved = (out.pose[i].t - out.pose[last].t).norm();
+    if (moved > kMoved) way += moved, last = i;
+    out.way_m.push_back(way);
+  }
+  return out;
+}
+
+double reach(double way_m) { return std::min(kReach + kDrift * way_m, kFarthest); }
+
+/// The nearest of the poses a long way before pose i, if it is within reach.
+std::optional<std::size_t> nearest_earlier(const Course& course, std::size_t i) {
+  std::optional<std::size_t> out;
+  double nearest = kFarthest;
+  for (std::size_t k = 0; k < i && course.way_m[i] - course.way_m[k] > kLongWay; ++k) {
+    const double distance = (course.pose[k].t - course.pose[i].t).norm();
+    if (distance < nearest && distance < reach(course.way_m[i] - course.way_m[k])) out = k, nearest = distance;
+  }
+  return out;
+}
+
+/// Of the features that do not lie on level ground, which looks the same everywhere, those that lie on what stands there.
+double standing_share(const Features& sparse, const Vector6d& twist, const SE3& pose, Surroundings& place) {
+  constexpr double kOn = 0.15, kLevel = 0.8;
+  std::size_t on = 0, all = sparse.edges.size();
+  const auto lies_on = [](const Shape* shape, const Eigen::Vector3d& p) {
+    return shape != nullptr && (shape->axes.leftCols(shape->thin).transpose() * (p - shape->mean)).norm() < kOn;
+  };
+  for (const Feature& f : sparse.planes) {
+    const Eigen::Vector3d p = pose * compensated(f, twist);
+    const Shape* shape = place.fine.at(p, 1);
+    if (shape == nullptr) shape = place.coarse.at(p, 1);
+    const bool found = lies_on(shape, p);
+    if (found && std::abs(shape->axes(2, 0)) > kLevel) continue;
+    ++all;
+    on += found ? 1 : 0;
+  }
+  for (const Feature& f : sparse.edges) {
+    const Eigen::Vector3d p = pose * compensated(f, twist);
+    on += lies_on(place.edges.at(p, 2), p) ? 1 : 0;
+  }
+  return static_cast<double>(on) / static_cast<double>(std::max<std::size_t>(all, 1));
+}
+
+/// Without roll, pitch and height: where a car passes twice, the road holds it the same way.
+SE3 levelled(const SE3& pose) {
+  const double yaw = std::atan2(pose.R(1, 0), pose.R(0, 0));
+  return {so3_exp({0, 0, yaw}), {pose.t.x(), pose.t.y(), 0}};
+}
+
+struct Fit {
+  Registration registration;
+  double share = 0;  // standing_share
+};
+
+class LoopFinder {
+ public:
+  LoopFinder(const Drive& drive, const OdometryOptions& options, const Course& course)
+      : drive_(drive), options_(options), course_(course) {}
+
+  std::optional<Loop> operator()(std::size_t earlier, std::size_t later) {
+    Surroundings place = map_round(earlier, later);
+    const Fit own = fit(features(earlier).sparse, {}, earlier, place, 0);
+    if (own.share < kLeastOwnShare) return std::nullopt;
+    const SE3 guess = levelled(course_.pose[earlier].inverse() * course_.pose[later]);
+    const double radius = reach(course_.way_m[later] - course_.way_m[earlier]);
+    const Features sparse = features(later).sparse;
+    Fit best;
+    for (const SE3& start : starts(sparse, later, guess, radius, place)) {
+      const Fit found = fit(sparse, start, later, place, 8);
+      if (found.share > best.share) best = found;
+    }
+    const SE3& pose = best.registration.world_from_lidar;
+    if (!fits(best, own) || (pose.t - guess.t).norm() > radius || !agrees(pose, own, later, place)) return std::nullopt;
+    return Loop{earlier, later, pose, best.registration.information};
+  }
+
+ private:
+  ScanFeatures features(std::size_t i) const {
+    const std::shared_ptr<const Scan> scan = drive_.scans[course_.sweep[i]];
+    return scan_features(*scan, find_rings(*scan), options_);
+  }
+
+  /// The scene in the axes of pose i, from sweeps before and after it but from long before pose `later`, without its own.
+  Surroundings map_round(std::size_t i, std::size_t later) const {
+    Surroundings scene = empty_scene(options_);
+    const auto add = [&](std::size_t k) {
+      scene.add(features(k).dense, course_.pose[i].inverse() * course_.pose[k], course_.twist[k]);
+    };
+    const double at = course_.way_m[i], last = std::min(at + kPlace, course_.way_m[later] - 0.5 * kLongWay);
+    double next = at - kPlace;
+    for (std::size_t k = 0; k < later && course_.way_m[k] <= last; ++k)
+      if (k != i && course_.way_m[k] >= next) add(k), next = course_.way_m[k] + kPlaceStep;
+    return scene;
+  }
+
+  Fit fit(const Features& sparse, const SE3& guess, std::size_t i, Surroundings& place, int coarse) const {
+    RegisterOptions options = register_options(options_);
+    options.coarse_iterations = coarse;
+    options.iterations += coarse;
+    options.prior_m = 1;
+    Fit out;
+    out.registration = register_scan(sparse, guess, course_.twist[i], {}, 0, place, options);
+    out.share = standing_share(sparse, course_.twist[i], out.registration.world_from_lidar, place);
+    return out;
+  }
+
+  static bool fits(const Fit& fit, const Fit& own) {
+    return fit.registration.degenerate == 0 && fit.share > kLeastShare * own.share &&
+           fit.registration.residual_m < kMostResidual * own.registration.residual_m;
+  }
+
+  /// The starts on a grid round the guess at which most features lie on large planes and lines.
+  std::vector<SE3> starts(const Features& sparse, std::size_t later, const SE3& guess, double radius,
+                          Surroundings& place) const {
+    struct Start {
+      double score;
+      SE3 pose;
+    };
+    std::vector<Eigen::Vector3d> planes, edges;
+    for (std::size_t k = 0; k < sparse.planes.size(); k += kEveryFeature)
+      planes.push_back(compensated(sparse.planes[k], course_.twist[later]));
+    for (const Feature& edge : sparse.edges) edges.push_back(compensated(edge, course_.twist[later]));
+    std::vector<Start> all;
+    const int cells = static_cast<int>(radius / kGrid), turns = static_cast<int>(kLargestTurn / kTurn);
+    for (int x = -cells; x <= cells; ++x)
+      for (int y = -cells; y <= cells; ++y)
+        for (int turn = -turns; turn <= turns && x * x + y * y <= cells * cells; ++turn) {
+          SE3 pose = guess;
+          pose.t += kGrid * Eigen::Vector3d(x, y, 0);
+          pose.R = so3_exp({0, 0, kTurn * turn}) * pose.R;
+          all.push_back({score(planes, pose, 1, place.coarse) + score(edges, pose, 2, place.edges), pose});
+        }
+    std::stable_sort(all.begin(), all.end(), [](const Start& a, const Start& b) { return a.score > b.score; });
+    std::vector<SE3> out{guess};
+    for (std::size_t k = 0; k < std::min(kBestStarts, all.size()); ++k) out.push_back(all[k].pose);
+    return out;
+  }
+
+  static double score(const std::vector<Eigen::Vector3d>& points, const SE3& pose, int thin, LocalMap& map) {
+    constexpr double kNear2 = 0.3 * 0.3;
+    double out = 0;
+    for (const Eigen::Vector3d& point : points) {
+      const Eigen::Vector3d p = pose * point;
+      const Shape* shape = map.at(p, thin);
+      if (shape == nullptr) continue;
+      const double off2 = (shape->axes.leftCols(thin).transpose() * (p - shape->mean)).squaredNorm();
+      out += kNear2 / (kNear2 + off2);
+    }
+    return out;
+  }
+
+  /// Whether a sweep a little before the later one is found where odometry puts it from there.
+  bool agrees(const SE3& found, const Fit& own, std::size_t later, Surroundings& place) const {
+    std::size_t k = later;
+    while (k > 0 && course_.way_m[later] - course_.way_m[k] < kCheck) --k;
+    const SE3 expected = found * (course_.pose[later].inverse() * course_.pose[k]);
+    const Fit other = fit(features(k).sparse, expected, k, place, 4);
+    const SE3 off = expected.inverse() * other.registration.world_from_lidar;
+    return fits(other, own) && off.t.norm() < kAgree && so3_log(off.R).norm() < kAgreeTurn;
+  }
+
+  const Drive& drive_;
+  const OdometryOptions& options_;
+  const Course& course_;
+};
+
+std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options, const Course& course, const Tick& tick) {
+  LoopFinder find(drive, options, course);
+  std::vector<Loop> loops;
+  double next = kLongWay;
+  for (std::size_t i = 0; i < course.size(); ++i) {
+    tick();
+    if (course.way_m[i] < next) continue;
+    const std::optional<std::size_t> earlier = nearest_earlier(course, i);
+    if (!earlier) continue;
+    next = course.way_m[i] + kEvery;
+    if (std::optional<Loop> loop = find(*earlier, i)) loops.push_back(*loop);
+  }
+  return loops;
+}
+
+/// Information that is known no better than to these standard deviations.
+Matrix6d no_better_than(const Matrix6d& information, double metres, double radians) {
+  Vector6d variance;
+  variance << Eigen::Vector3d::Constant(metres * metres), Eigen::Vector3d::Constant(radians * radians);
+  return (information.inverse() + variance.asDiagonal().toDenseMatrix()).inverse();
+}
+
+}  // namespace
+
+std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options, const Odometry& odometry, const Tick& tick) {
+  return find_loops(drive, options, course_of(odometry), tick);
+}
+
+void close_loops(const Drive& drive, const OdometryOptions& options, Odometry& odometry, const Tick& tick) {
+  const Course course = course_of(odometry);
+  const std::vector<Loop> loops = find_loops(drive, options, course, tick);
+  if (loops.empty()) return;
+  std::vector<PoseEdge> edges;
+  for (std::size_t i = 1; i < course.size(); ++i) {
+    const SweepFit& fit = odometry.sweeps[course.sweep[i]];
+    const bool lost = fit.state == SweepFit::State::lost;
+    edges.push_back({i - 1, i, course.pose[i - 1].inverse() * course.pose[i],
+                     no_better_than(fit.information, lost ? kLostStep : kStep, lost ? kLostStepTurn : kStepTurn)});
+  }
+  for (const Loop& loop : loops)
+    edges.push_back(
+        {loop.earlier, loop.later, loop.earlier_from_later, no_better_than(loop.information, kLoop, kLoopTurn), true});
+  std::vector<SE3> poses = course.pose;
+  const std::vector<double> weights = solve_pose_graph(poses, edges);
+  odometry.loops = static_cast<std::size_t>(std::count_if(weights.end() - static_cast<std::ptrdiff_t>(loops.size()),
+                                                          weights.end(), [](double weight) { return weight > 0.25; }));
+  if (odometry.loops == 0) return;
+  std::vector<StampedPose> stamped = odometry.world_from_lidar.poses();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    odometry.largest_correction_m = std::max(odometry.largest_correction_m, (poses[i].t - course.pose[i].t).norm());
+    stamped[i].world_from_body = poses[i];
+  }
+  odometry.world_from_lidar = Trajectory(std::move(stamped));
+}
+
+}  // namespace dvi

@@ -1,0 +1,80 @@
+#include "dvi/odometry/motion_prior.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "dvi/odometry/odometry.h"
+#include "dvi/odometry/test_street.h"
+
+namespace dvi {
+namespace {
+
+constexpr std::int64_t kSweep = TestStreet::kSweep;
+
+/// A path by its poses at the sweeps, each changed by `change(i, pose)`.
+template <class Change>
+Trajectory told(const Trajectory& path, int count, const Change& change) {
+  std::vector<StampedPose> poses;
+  for (int i = -3; i < count + 3; ++i) {
+    SE3 pose = *path.at(i * kSweep);
+    change(i, pose);
+    poses.push_back({i * kSweep, pose});
+  }
+  return Trajectory(poses);
+}
+
+Trajectory jumping(const Trajectory& path, int count, int at) {
+  return told(path, count, [&](int i, SE3& pose) { pose.t.x() += i == at ? 5 : 0; });
+}
+
+TEST(MotionPrior, TellsTheMotionButNoJumps) {
+  const Trajectory path = TestStreet::path(10, 0.3);
+  const MotionPrior prior(jumping(path, 12, 6));
+  for (int i = 0; i + 1 < 12; ++i) {
+    const std::optional<SE3> motion = prior.motion(i * kSweep, (i + 1) * kSweep);
+    ASSERT_EQ(motion.has_value(), i != 5 && i != 6) << i;
+    if (!motion) continue;
+    EXPECT_LT((motion->t - (path.at(i * kSweep)->inverse() * *path.at((i + 1) * kSweep)).t).norm(), 1e-6);
+  }
+  EXPECT_FALSE(prior.motion(1000 * kSweep, 1001 * kSweep));
+  EXPECT_FALSE(MotionPrior().motion(0, kSweep));
+  EXPECT_FALSE(MotionPrior(Trajectory(std::vector<StampedPose>{{0, SE3()}})).motion(900 * kSweep, 901 * kSweep));
+}
+
+TEST(GivenMotion, DecidesWhereATunnelHoldsNothing) {
+  const Trajectory path = TestStreet::path(6, 0, 4);  // speeds up, which a motion that goes on as before misses
+  const Drive drive = TestStreet::tunnel().drive(path, 15);
+  const Odometry found = odometry(drive, {}, path);
+  EXPECT_LT(worst_error(found, path), 0.1);
+  for (std::size_t i = 1; i < 15; ++i) {
+    EXPECT_TRUE(found.sweeps[i].given) << i;
+    EXPECT_EQ(found.sweeps[i].degenerate, 1) << i;
+  }
+  EXPECT_GT(worst_error(odometry(drive, {}), path), 1);
+}
+
+TEST(GivenMotion, ThatJumpsIsBridgedEvenInATunnel) {
+  const Trajectory path = TestStreet::path(10);
+  const Odometry found = odometry(TestStreet::tunnel().drive(path, 15), {}, jumping(path, 15, 8));
+  EXPECT_FALSE(found.sweeps[8].given);
+  EXPECT_FALSE(found.sweeps[9].given);
+  EXPECT_TRUE(found.sweeps[10].given);
+  EXPECT_LT(worst_error(found, path), 0.3);
+}
+
+TEST(GivenMotion, ThatIsWrongDoesNoHarmWhereTheSceneHolds) {
+  const Trajectory path = TestStreet::path(11, 0.15, 2);
+  const Drive drive = TestStreet().drive(path, 15);
+  const double alone = worst_error(odometry(drive, {}), path);
+  const auto error = [&](const Trajectory& given) { return worst_error(odometry(drive, {}, given), path); };
+  Random random(3);
+  EXPECT_LT(error(path), alone + 0.01);
+  EXPECT_LT(error(jumping(path, 15, 5)), alone + 0.01);
+  EXPECT_LT(error(told(path, 15, [](int, SE3& pose) { pose.R = pose.R * so3_exp({0, 0, 1.6}); })), alone + 0.01) << "turned";
+  EXPECT_LT(error(told(path, 15, [](int, SE3& pose) { pose = {}; })), alone + 0.01) << "frozen";
+  const auto shake = [&](int, SE3& pose) { pose.t += 3 * Eigen::Vector3d(random.normal(), random.normal(), random.normal()); };
+  EXPECT_LT(error(told(path, 15, shake)), alone + 0.01) << "garbage";
+}
+
+}  // namespace
+}  // namespace dvi

@@ -1,0 +1,368 @@
+#include "dvi/odometry/odometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <numeric>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "dvi/odometry/loop_closure.h"
+#include "dvi/odometry/motion_prior.h"
+#include "dvi/odometry/odometry_scene.h"
+
+namespace dvi {
+namespace {
+
+constexpr double kLongGap = 0.55;               // seconds without a sweep, after which the speed is searched for anew
+constexpr double kSpeeds[] = {0, 15, 30, -10};  // m/s forward, tried at a cold start: a start is caught from 10 m/s off
+constexpr std::size_t kStartSweeps = 4;         // that must agree on the speed
+constexpr std::size_t kFewestFeatures = 100;
+constexpr double kLeastShare = 0.25;               // of the features must fit, else the track is lost ...
+constexpr double kLeastOfUsual = 0.75;             // ... and, after a gap, of the usual share
+constexpr double kMargin = 60;                     // metres by which the local map reaches farther than a scan
+constexpr double kAgree = 0.3, kAgreeTurn = 0.03;  // metres and radians between a given step and what it is held against
+constexpr double kBelief = 1.01;  // a given motion that scans do not contradict may fit so much worse than another
+
+/// Whether a fair share of what is flat lies level below the sensor, as the ground does where z is up.
+bool has_ground_below(const Features& features) {
+  constexpr double kLeast = 0.05, kLevel = 0.9;
+  LocalMap map(1.5);
+  for (const Feature& f : features.planes) map.add(f.point.cast<double>());
+  std::size_t flat = 0, ground = 0;
+  map.each([&](const Shape& shape) {
+    flat += shape.thin == 1 ? 1 : 0;
+    ground += shape.thin == 1 && shape.mean.z() < 0 && std::abs(shape.axes(2, 0)) > kLevel ? 1 : 0;
+  });
+  return static_cast<double>(ground) >= kLeast * static_cast<double>(flat);
+}
+
+/// A sweep on its way through the window.
+struct Entry {
+  std::size_t sweep = 0;
+  std::int64_t time_ns = 0;
+  ScanFeatures features;
+  SE3 pose;
+  Vector6d twist = Vector6d::Zero();
+  bool given = false;  // its motion was guessed from given poses
+};
+
+bool agree(const SE3& a, const SE3& b) {
+  const SE3 off = a.inverse() * b;
+  return off.t.norm() < kAgree && so3_log(off.R).norm() < kAgreeTurn;
+}
+
+double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+/// The local map and the sweeps that may still move.
+class Track {
+ public:
+  Track(const OdometryOptions& options, const MotionPrior& prior)
+      : options_(&options), prior_(&prior), scene_(empty_scene(options)) {}
+
+  const Entry& last() const { return window_.back(); }
+  const Entry& operator[](std::size_t i) const { return window_[i]; }
+  std::size_t size() const { return window_.size(); }
+  Surroundings& scene() { return scene_; }
+
+  void put(Entry entry) {
+    scene_.add(entry.features.dense, entry.pose, entry.twist);
+    window_.push_back(std::move(entry));
+  }
+
+  /// Registers the next sweep from the given motion, or from the motion so far.
+  Registration follow(Entry entry) {
+    std::optional<Registration> fit = follow_given(entry);
+    entry.given = fit.has_value();
+    if (!fit) fit = follow_motion(entry);
+    entry.pose = fit->world_from_lidar;
+    entry.twist = fit->twist;
+    put(std::move(entry));
+    scene_.keep_near(last().pose.t, options_->max_range_m + kMargin);
+    return *fit;
+  }
+
+  /// The first two sweeps, if the car moves about like this: the first is compensated with what the second finds.
+  Registration begin(Entry first, Entry second, const Vector6d& twist, bool given) {
+    const double dt = seconds(second.time_ns - first.time_ns);
+    Registration fit;
+    fit.twist = twist;
+    fit.world_from_lidar = se3_exp(fit.twist * dt);
+    RegisterOptions coarse = register_options(*options_);
+    coarse.coarse_iterations = 8;
+    coarse.iterations = 12;
+    coarse.prior_m = 1e3;
+    coarse.guess_holds = second.given = given;
+    for (int round = 0; round < 4; ++round) {
+      Track fresh(*options_, *prior_);
+      first.twist = fit.twist;
+      fresh.put(first);
+      fit = register_scan(second.features.sparse, fit.world_from_lidar, fit.twist, first.pose, round == 0 ? 0 : dt,
+                          fresh.scene_, coarse);
+      if (round == 0) fit.twist = se3_log(fit.world_from_lidar) / dt;
+      coarse.coarse_iterations = 0;
+      *this = std::move(fresh);
+    }
+    window_.front().twist = fit.twist;
+    second.pose = fit.world_from_lidar;
+    second.twist = fit.twist;
+    put(std::move(second));
+    return fit;
+  }
+
+  /// Registers sweep i of the window again, against all that is in the map but itself.
+  void refine(std::size_t i) {
+    Entry& entry = window_[i];
+    RegisterOptions options = register_options(*options_);
+    options.guess_holds = entry.given;
+    scene_.remove(entry.features.dense, entry.pose, entry.twist);
+    entry.twist = smooth_twist(i);
+    entry.pose = register_scan(entry.features.sparse, entry.pose, entry.twist, {}, 0, scene_, options).world_from_lidar;
+    entry.twist = smooth_twist(i);
+    scene_.add(entry.features.dense, entry.pose, entry.twist);
+  }
+
+  Entry pop() {
+    Entry entry = std::move(window_.front());
+    window_.pop_front();
+    return entry;
+  }
+
+ private:
+  /// None where there is no given motion, or the motion so far fits the scans better.
+  std::optional<Registration> follow_given(const Entry& entry) {
+    const std::optional<SE3> motion = prior_->motion(last().time_ns, entry.time_ns);
+    if (!motion) return std::nullopt;
+    const double dt = seconds(entry.time_ns - last().time_ns);
+    RegisterOptions options = register_options(*options_);
+    options.guess_holds = true;
+    const SE3 guess = last().pose * *motion;
+    const Registration fit = register_scan(entry.features.sparse, guess, se3_log(*motion) / dt, last().pose,
+                                           dt <= kLongGap ? dt : 0, scene_, options);
+    const bool kept = agree(guess, fit.world_from_lidar);
+    if (kept && agree(guess, last().pose * se3_exp(last().twist * dt))) return fit;
+    const double belief = kept ? kBelief : 1 / kBelief;
+    const Registration other = follow_motion(entry);
+    return belief * static_cast<double>(fit.inliers) > static_cast<double>(other.inliers) ? std::optional(fit) : std::nullopt;
+  }
+
+  Registration follow_motion(const Entry& entry) {
+    const double dt = seconds(entry.time_ns - last().time_ns);
+    const auto from = [&](double share, double within) {
+      return register_scan(entry.features.sparse, last().pose * se3_exp(last().twist * dt * share), last().twist, last().pose,
+                           within, scene_, register_options(*options_));
+    };
+    if (dt <= kLongGap) return from(1, dt);
+    Registration fit = from(1, 0);
+    for (const double share : {0.0, 0.25, 0.5, 0.75, 1.25}) {
+      const Registration other = from(share, 0);
+      if (other.inliers > fit.inliers) fit = other;
+    }
+    return fit;
+  }
+
+  // From the sweep before to the one after.
+  Vector6d smooth_twist(std::size_t i) const {
+    const std::size_t a = i > 0 ? i - 1 : 0, b = std::min(i + 1, window_.size() - 1);
+    const double dt = seconds(window_[b].time_ns - window_[a].time_ns);
+    if (dt <= 0 || dt > 2 * kLongGap) return window_[i].twist;
+    return se3_log(window_[a].pose.inverse() * window_[b].pose) / dt;
+  }
+
+  const OdometryOptions* options_;
+  const MotionPrior* prior_;
+  Surroundings scene_;
+  std::deque<Entry> window_;
+};
+
+class Runner {
+ public:
+  Runner(const Drive& drive, const OdometryOptions& options, const Trajectory& given, const Tick& tick)
+      : drive_(drive), options_(options), prior_(given), tick_(tick), track_(options, prior_) {
+    out_.sweeps.resize(drive.sweeps.size());
+  }
+
+  Odometry operator()() {
+    for (std::size_t i = 0; i < drive_.sweeps.size(); ++i) {
+      if (auto entry = read(i)) take(std::move(*entry));
+      tick_();
+    }
+    if (!starting_.empty()) start();
+    for (; refined_ < track_.size(); ++refined_)
+      if (options_.lag > 0) look_again(refined_);
+    while (track_.size() > 0) emit(track_.pop());
+    finish();
+    return std::move(out_);
+  }
+
+ private:
+  std::optional<Entry> read(std::size_t i) {
+    const Sweep& sweep = drive_.sweeps[i];
+    const std::shared_ptr<const Scan> scan = drive_.scans[i];
+    SweepFit& fit = out_.sweeps[i];
+    const bool same = (before_ && before_->points == scan->points) || (before_ && sweep.time_ns <= before_ns_);
+    before_ = scan;
+    if (same) {
+      fit.state = SweepFit::State::duplicate;
+      return std::nullopt;
+    }
+    before_ns_ = sweep.time_ns;
+    const Rings rings = find_rings(*scan);
+    if (out_.rings.empty()) note_rings(rings, *scan);
+    Entry entry;
+    entry.sweep = i;
+    entry.time_ns = sweep.time_ns;
+    entry.features = scan_features(*scan, rings, options_);
+    const Features& sparse = entry.features.sparse;
+    fit.features = sparse.planes.size() + sparse.edges.size();
+    if (fit.features < kFewestFeatures) {
+      fit.state = SweepFit::State::no_points;
+      return std::nullopt;
+    }
+    out_.plane_features += sparse.planes.size();
+    out_.edge_features += sparse.edges.size();
+    return entry;
+  }
+
+  void note_rings(const Rings& rings, const Scan& scan) {
+    out_.rings = to_string(rings.source);
+    if (!scan.ring.empty() && rings.source != Rings::Source::file)
+      out_.warnings.push_back("the scans' ring numbers do not tell beams apart: beams are found by " + out_.rings);
+  }
+
+  void take(Entry entry) {
+    if (track_.size() == 0) {
+      starting_.push_back(std::move(entry));
+      if (starting_.size() == kStartSweeps) start();
+      return;
+    }
+    const std::size_t sweep = entry.sweep;
+    const Registration fit = track_.follow(std::move(entry));
+    record(sweep, fit, track_.last().given);
+    const auto lag = static_cast<std::size_t>(options_.lag);
+    if (lag > 0 && track_.size() - refined_ > lag) look_again(refined_++);
+    // One sweep that is done stays, for its neighbour's motion.
+    while (track_.size() > lag + 2) {
+      emit(track_.pop());
+      if (refined_ > 0) --refined_;
+    }
+  }
+
+  // From each speed through the first sweeps; the one whose sweeps fit best.
+  void start() {
+    out_.sweeps[starting_.front().sweep].state = SweepFit::State::first;
+    if (!has_ground_below(starting_.front().features.dense))
+      out_.warnings.emplace_back("there is no ground below the LiDAR: its axes must be x forward, y left, z up");
+    if (starting_.size() == 1) {
+      track_.put(std::move(starting_.front()));
+      starting_.clear();
+      return;
+    }
+    double most = 0;
+    std::vector<Registration> best;
+    const auto attempt = [&](const Vector6d& twist, bool given) {
+      Track track(options_, prior_);
+      std::vector<Registration> fits{track.begin(starting_[0], starting_[1], twist, given)};
+      for (std::size_t i = 2; i < starting_.size(); ++i) fits.push_back(track.follow(starting_[i]));
+      double score = given ? kBelief : 1;
+      score *= std::accumulate(fits.begin(), fits.end(), 0.0,
+                               [](double sum, const Registration& fit) { return sum + static_cast<double>(fit.inliers); });
+      if (score <= most) return;
+      most = score;
+      best = std::move(fits);
+      track_ = std::move(track);
+    };
+    const std::int64_t from = starting_[0].time_ns, to = starting_[1].time_ns;
+    if (const auto motion = prior_.motion(from, to)) attempt(se3_log(*motion) / seconds(to - from), true);
+    for (const double speed : kSpeeds) attempt(speed * Vector6d::Unit(0), false);
+    for (std::size_t i = 0; i < best.size(); ++i) record(starting_[i + 1].sweep, best[i], track_[i + 1].given);
+    starting_.clear();
+  }
+
+  void look_again(std::size_t i) {
+    const Eigen::Vector3d first = track_[i].pose.t;
+    track_.refine(i);
+    out_.sweeps[track_[i].sweep].second_look_m = (track_[i].pose.t - first).norm();
+  }
+
+  void record(std::size_t sweep, const Registration& fit, bool given) {
+    SweepFit& out = out_.sweeps[sweep];
+    out.inliers = fit.inliers;
+    out.residual_m = fit.residual_m;
+    out.degenerate = fit.degenerate;
+    out.given = given;
+    out.information = fit.information;
+    const double share = static_cast<double>(fit.inliers) / static_cast<double>(std::max<std::size_t>(fit.features, 1));
+    const bool after_gap = sweep > 0 && seconds(drive_.sweeps[sweep].time_ns - drive_.sweeps[sweep - 1].time_ns) > kLongGap;
+    if (share < kLeastShare || (after_gap && share < kLeastOfUsual * usual_share_)) out.state = SweepFit::State::lost;
+    usual_share_ = usual_share_ > 0 ? 0.8 * usual_share_ + 0.2 * share : share;
+  }
+
+  void emit(const Entry& entry) { poses_.push_back({entry.time_ns, entry.pose}); }
+
+  void finish() {
+    if (poses_.empty()) return;
+    const SE3 first_from_world = poses_.front().world_from_body.inverse();
+    if (poses_.size() == 1) {
+      out_.warnings.emplace_back("only one scan can be used: the car is taken to stand still");
+      poses_.push_back({poses_.front().time_ns + 100'000'000, poses_.front().world_from_body});
+    }
+    out_.world_from_lidar = Trajectory(std::move(poses_)).in(first_from_world);
+    count(SweepFit::State::no_points, "hold too few points to be registered");
+    count(SweepFit::State::duplicate, "repeat the one before and are bridged");
+    count(SweepFit::State::lost, "do not fit the map before them: the poses there are not to be trusted");
+    const auto held = std::count_if(out_.sweeps.begin(), out_.sweeps.end(), [](const SweepFit& f) { return f.degenerate > 0; });
+    if (held > 0)
+      out_.warnings.push_back(
+          fmt::format("{} of {} sweeps see nothing that holds them in some direction", held, out_.sweeps.size()));
+  }
+
+  void count(SweepFit::State state, const char* words) {
+    const auto is = [&](const SweepFit& f) { return f.state == state; };
+    const auto first = std::find_if(out_.sweeps.begin(), out_.sweeps.end(), is);
+    if (first == out_.sweeps.end()) return;
+    out_.warnings.push_back(fmt::format("{} of {} scans {} (the first: {})", std::count_if(first, out_.sweeps.end(), is),
+                                        out_.sweeps.size(), words,
+                                        drive_.sweeps[static_cast<std::size_t>(first - out_.sweeps.begin())].name));
+  }
+
+  const Drive& drive_;
+  const OdometryOptions& options_;
+  const MotionPrior prior_;
+  const Tick& tick_;
+  Track track_;
+  std::vector<Entry> starting_;
+  double usual_share_ = 0;
+  std::size_t refined_ = 0;  // of the window
+  std::vector<StampedPose> poses_;
+  std::shared_ptr<const Scan> before_;
+  std::int64_t before_ns_ = 0;
+  Odometry out_;
+};
+
+}  // namespace
+
+Odometry odometry(const Drive& drive, const OdometryOptions& options, const Trajectory& given, const BeginPart& begin) {
+  Odometry found = Runner(drive, options, given, begin("odometry", drive.sweeps.size()))();
+  if (options.loops) close_loops(drive, options, found, begin("loops", found.world_from_lidar.poses().size()));
+  return found;
+}
+
+const char* to_string(SweepFit::State state) {
+  switch (state) {
+    case SweepFit::State::registered:
+      return "registered";
+    case SweepFit::State::first:
+      return "first";
+    case SweepFit::State::no_points:
+      return "no points";
+    case SweepFit::State::duplicate:
+      return "duplicate";
+    case SweepFit::State::lost:
+      return "lost";
+  }
+  return "";
+}
+
+}  // namespace dvi

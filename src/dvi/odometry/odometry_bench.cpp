@@ -1,0 +1,38 @@
+#include "dvi/odometry/odometry.h"
+
+#include <benchmark/benchmark.h>
+
+#include "dvi/odometry/sharpness.h"
+#include "dvi/odometry/test_street.h"
+
+namespace dvi {
+namespace {
+
+constexpr int kSweeps = 8, kBeams = 64, kColumns = 1800;
+
+/// Eight sweeps of 64 beams, made beforehand, to poses; and how sharply these lay them together.
+void follow(benchmark::State& state) {
+  TestStreet street;
+  street.beams = kBeams;
+  street.columns = kColumns;
+  const Drive drive = street.drive(TestStreet::path(8, 0.1), kSweeps);
+  Odometry found = odometry(drive, {});
+  for (auto _ : state) found = odometry(drive, {});
+  state.counters["sweeps"] = kSweeps;
+  state.counters["inliers"] = static_cast<double>(found.sweeps.back().inliers);
+}
+BENCHMARK(follow)->Unit(benchmark::kMillisecond);
+
+void measure_sharpness(benchmark::State& state) {
+  TestStreet street;
+  street.beams = kBeams;
+  street.columns = kColumns;
+  const Drive drive = street.drive(TestStreet::path(8), kSweeps);
+  Sharpness found = sharpness(drive, TestStreet::path(8));
+  for (auto _ : state) found = sharpness(drive, TestStreet::path(8));
+  state.counters["patches"] = static_cast<double>(found.ground_patches + found.vertical_patches);
+}
+BENCHMARK(measure_sharpness)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace dvi

@@ -1,0 +1,29 @@
+#include "dvi/odometry/odometry_scene.h"
+
+namespace dvi {
+namespace {
+
+constexpr double kLargeVoxel = 3, kEdgeVoxel = 1.6;  // of the small voxel
+
+}  // namespace
+
+ScanFeatures scan_features(const Scan& scan, const Rings& rings, const OdometryOptions& options) {
+  const Features all = find_features(scan, rings, {options.min_range_m, options.max_range_m, 0.75 * options.spacing_m});
+  ScanFeatures out;
+  out.dense = {thinned(all.planes, options.spacing_m), all.edges};
+  out.sparse = {thinned(out.dense.planes, options.cell_m), thinned(all.edges, options.voxel_m)};
+  return out;
+}
+
+Surroundings empty_scene(const OdometryOptions& options) {
+  return {LocalMap(options.voxel_m), LocalMap(kLargeVoxel * options.voxel_m), LocalMap(kEdgeVoxel * options.voxel_m)};
+}
+
+RegisterOptions register_options(const OdometryOptions& options) {
+  RegisterOptions out;
+  out.noise_m = options.noise_m;
+  out.kernel_m = options.kernel_m;
+  return out;
+}
+
+}  // namespace dvi

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "dvi/odometry/odometry.h"
+#include "dvi/odometry/register_scan.h"
+
+namespace dvi {
+
+/// What odometry keeps of a scan.
+struct ScanFeatures {
+  Features dense, sparse;  ///< for the map, and for registering
+};
+
+ScanFeatures scan_features(const Scan& scan, const Rings& rings, const OdometryOptions& options);
+
+Surroundings empty_scene(const OdometryOptions& options);
+
+RegisterOptions register_options(const OdometryOptions& options);
+
+}  // namespace dvi

@@ -1,0 +1,185 @@
+#include "dvi/odometry/odometry.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "dvi/core/threads.h"
+#include "dvi/odometry/local_map.h"
+#include "dvi/odometry/register_scan.h"
+#include "dvi/odometry/sharpness.h"
+#include "dvi/odometry/test_street.h"
+
+namespace dvi {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST(LocalMap, TellsPlanesLinesAndHeapsApart) {
+  LocalMap map(1);
+  Random random(2);
+  for (int i = 0; i < 200; ++i) {
+    map.add({random.uniform(), random.uniform(), 0.3 + 0.01 * random.normal()});
+    map.add({5.5 + 0.02 * random.normal(), 0.5 + 0.02 * random.normal(), random.uniform()});
+    map.add({9 + random.uniform(), random.uniform(), random.uniform()});
+  }
+  const Shape* plane = map.at({0.1, 0.9, 0.9}, 1);
+  ASSERT_NE(plane, nullptr);
+  EXPECT_EQ(plane->thin, 1);
+  EXPECT_GT(std::abs(plane->axes(2, 0)), 0.999);
+  EXPECT_NEAR(plane->variance[0], 1e-4, 3e-5);
+  const Shape* line = map.at({5.5, 0.5, 0.5}, 2);
+  ASSERT_NE(line, nullptr);
+  EXPECT_EQ(line->thin, 2);
+  EXPECT_EQ(map.at({9.5, 0.5, 0.5}, 1), nullptr);
+  EXPECT_EQ(map.at({-50, 0, 0}, 1), nullptr);
+}
+
+TEST(LocalMap, TakesBackWhatWasAdded) {
+  LocalMap map(1), other(1);
+  Random random(2);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 60; ++i) points.push_back({random.uniform(), random.uniform(), 0.01 * random.normal() + 0.5});
+  for (const Eigen::Vector3d& p : points) map.add(p);
+  for (int i = 0; i < 30; ++i) map.add({0.5, 0.5, 0.9});
+  for (int i = 0; i < 30; ++i) map.remove({0.5, 0.5, 0.9});
+  for (const Eigen::Vector3d& p : points) other.add(p);
+  ASSERT_NE(map.at({0.5, 0.5, 0.5}, 1), nullptr);
+  EXPECT_LT((map.at({0.5, 0.5, 0.5}, 1)->mean - other.at({0.5, 0.5, 0.5}, 1)->mean).norm(), 1e-12);
+  map.remove({99, 0, 0});  // long dropped
+  EXPECT_EQ(map.size(), 1);
+  map.keep_near({500, 0, 0}, 100);
+  EXPECT_EQ(map.size(), 0);
+}
+
+/// The pose of the middle of sweep i in the frame of the first, as it was.
+SE3 truth(const Trajectory& path, std::size_t i) {
+  return path.at(0)->inverse() * *path.at(static_cast<std::int64_t>(i) * TestStreet::kSweep);
+}
+
+TEST(RegisterScan, FindsAKnownMotion) {
+  const TestStreet street;
+  const Trajectory path = TestStreet::path(0);
+  const Scan scan = street.scan(path, 0);
+  const Features features = find_features(scan, find_rings(scan), {});
+  Surroundings scene{LocalMap(0.5), LocalMap(1.5), LocalMap(0.8)};
+  Vector6d away;
+  away << 0.3, -0.2, 0.1, 0.01, -0.01, 0.03;
+  scene.add(features, se3_exp(away), Vector6d::Zero());
+  const Registration found = register_scan(features, {}, Vector6d::Zero(), {}, 0, scene, {});
+  EXPECT_LT((found.world_from_lidar.t - se3_exp(away).t).norm(), 0.01);
+  EXPECT_LT(so3_log(found.world_from_lidar.R.transpose() * se3_exp(away).R).norm(), 5e-4);
+  EXPECT_EQ(found.degenerate, 0);
+}
+
+TEST(Odometry, FollowsABendFromAColdStart) {
+  const Trajectory path = TestStreet::path(11, 0.15, 2);
+  const Odometry found = odometry(TestStreet().drive(path, 20), {});
+  EXPECT_THAT(found.warnings, IsEmpty());
+  ASSERT_EQ(found.world_from_lidar.poses().size(), 20);
+  EXPECT_LT(worst_error(found, path), 0.05);  // of 23 m
+  for (std::size_t i = 1; i < 6; ++i) {
+    const auto step = [&](const SE3& a, const SE3& b) { return (a.inverse() * b).t; };
+    const auto& poses = found.world_from_lidar.poses();
+    EXPECT_LT((step(poses[i - 1].world_from_body, poses[i].world_from_body) - step(truth(path, i - 1), truth(path, i))).norm(),
+              0.03)
+        << i;
+  }
+}
+
+TEST(Odometry, StandsStillWithTheCar) {
+  const Trajectory path = TestStreet::path(0);
+  const Odometry found = odometry(TestStreet().drive(path, 6), {});
+  EXPECT_THAT(found.warnings, IsEmpty());
+  EXPECT_LT(worst_error(found, path), 0.01);
+}
+
+TEST(Odometry, SaysWhatATunnelDoesNotHold) {
+  const Odometry found = odometry(TestStreet::tunnel().drive(TestStreet::path(10), 6), {});
+  ASSERT_FALSE(found.warnings.empty());
+  EXPECT_THAT(found.warnings.back(), HasSubstr("nothing that holds them"));
+  EXPECT_EQ(found.sweeps[3].degenerate, 1);
+}
+
+TEST(Odometry, BridgesScansThatAreEmptyOrRepeated) {
+  const Trajectory path = TestStreet::path(8);
+  Drive drive = TestStreet().drive(path, 10);
+  const Lazy<Scan> scans = drive.scans;
+  drive.scans = {10, 10, [scans](std::size_t i) { return i == 4 ? Scan{} : i == 7 ? *scans[6] : *scans[i]; }};
+  const Odometry found = odometry(drive, {});
+  EXPECT_EQ(found.sweeps[4].state, SweepFit::State::no_points);
+  EXPECT_EQ(found.sweeps[7].state, SweepFit::State::duplicate);
+  EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("too few points"), HasSubstr("repeat the one before")));
+  EXPECT_EQ(found.world_from_lidar.poses().size(), 8);
+  EXPECT_LT(worst_error(found, path), 0.03);
+  EXPECT_TRUE(found.world_from_lidar.at(drive.sweeps[7].time_ns));
+}
+
+TEST(Odometry, SaysWhereScansDoNotFitTogether) {
+  const Trajectory path = TestStreet::path(5);
+  Drive drive = TestStreet().drive(path, 12);
+  TestStreet elsewhere;
+  for (auto& box : elsewhere.boxes) box.translate(Eigen::Vector3d(7, 2.5, 0));
+  elsewhere.boxes.resize(9);
+  const Lazy<Scan> here = drive.scans, there = elsewhere.drive(TestStreet::path(5, 0.4), 12).scans;
+  drive.scans = {12, 12, [here, there](std::size_t i) { return i < 6 ? *here[i] : *there[i]; }};
+  for (std::size_t i = 6; i < 12; ++i) drive.sweeps[i].time_ns += 60 * 1'000'000'000LL;
+  const Odometry found = odometry(drive, {});
+  ASSERT_FALSE(found.warnings.empty());
+  EXPECT_THAT(found.warnings.front(), HasSubstr("not to be trusted"));
+}
+
+TEST(Odometry, MissesTheGroundWhereAxesAreOthers) {
+  Drive drive = TestStreet().drive(TestStreet::path(5), 3);
+  const Lazy<Scan> scans = drive.scans;
+  drive.scans = {3, 3, [scans](std::size_t i) {
+                   Scan scan = *scans[i];
+                   for (auto& p : scan.points) p = {p.x(), -p.y(), -p.z()};  // z down
+                   return scan;
+                 }};
+  EXPECT_THAT(odometry(drive, {}).warnings, testing::Contains(HasSubstr("z up")));
+}
+
+TEST(Odometry, TakesDrivesOfOneScanAndOfNone) {
+  const Odometry one = odometry(TestStreet().drive(TestStreet::path(0), 1), {});
+  EXPECT_THAT(one.warnings, ElementsAre(HasSubstr("only one scan")));
+  EXPECT_TRUE(one.world_from_lidar.at(-50'000'000));
+  EXPECT_TRUE(odometry({}, {}).world_from_lidar.empty());
+}
+
+TEST(Odometry, IsTheSameWithAnyNumberOfThreads) {
+  Odometry found[2];
+  for (const int threads : {1, 2}) {
+    const ThreadLimit limit(threads);
+    found[threads - 1] = odometry(TestStreet().drive(TestStreet::path(8), 5), {});
+  }
+  for (std::size_t i = 0; i < 5; ++i) {
+    const SE3 &a = found[0].world_from_lidar.poses()[i].world_from_body,
+              &b = found[1].world_from_lidar.poses()[i].world_from_body;
+    EXPECT_EQ(a.R, b.R);
+    EXPECT_EQ(a.t, b.t);
+  }
+}
+
+TEST(Sharpness, ShowsHowFarPosesAreOff) {
+  const Trajectory path = TestStreet::path(8);
+  const Drive drive = TestStreet().drive(path, 12);
+  const Sharpness exact = sharpness(drive, path);
+  EXPECT_GT(exact.ground_patches, 100);
+  EXPECT_GT(exact.vertical_patches, 30);
+  EXPECT_LT(exact.total_m(), 0.004);
+  Random random(8);
+  std::vector<StampedPose> off;
+  for (const Sweep& sweep : drive.sweeps) {
+    off.push_back({sweep.time_ns, *path.at(sweep.time_ns)});
+    off.back().world_from_body.t += 0.05 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+  }
+  const Sharpness shaken = sharpness(drive, Trajectory(off));
+  EXPECT_NEAR(shaken.ground_m, 0.05, 0.02);
+  EXPECT_NEAR(shaken.vertical_m, 0.05, 0.02);
+  EXPECT_FALSE(sharpness(drive, Trajectory()).known());
+}
+
+}  // namespace
+}  // namespace dvi

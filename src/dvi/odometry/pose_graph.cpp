@@ -1,0 +1,117 @@
+#include "dvi/odometry/pose_graph.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include <Eigen/SparseCholesky>
+
+namespace dvi {
+namespace {
+
+constexpr double kOutlier =
+    30;  // squared error in standard deviations, beyond which a doubtful edge counts for next to nothing
+constexpr int kIterations = 20;
+constexpr double kSmallStep = 1e-7;  // metres, radians
+
+Matrix6d adjoint(const SE3& pose) {
+  Eigen::Matrix3d cross;
+  cross << 0, -pose.t.z(), pose.t.y(), pose.t.z(), 0, -pose.t.x(), -pose.t.y(), pose.t.x(), 0;
+  Matrix6d out = Matrix6d::Zero();
+  out.topLeftCorner<3, 3>() = out.bottomRightCorner<3, 3>() = pose.R;
+  out.topRightCorner<3, 3>() = cross * pose.R;
+  return out;
+}
+
+class Solver {
+ public:
+  Solver(std::vector<SE3>& poses, const std::vector<PoseEdge>& edges)
+      : poses_(poses), edges_(edges), weights_(edges.size(), 1.0) {}
+
+  /// Gauss-Newton with doubtful edges weighed anew in each iteration.
+  void settle(double width) {
+    for (int i = 0; i < kIterations; ++i) {
+      weigh(width);
+      if (step() < kSmallStep) return;
+    }
+  }
+
+  double worst() const {
+    double worst = 0;
+    for (const PoseEdge& edge : edges_)
+      if (edge.doubtful) worst = std::max(worst, squared(edge));
+    return worst;
+  }
+
+  void weigh(double width) {
+    for (std::size_t k = 0; k < edges_.size(); ++k) {
+      const double robust = edges_[k].doubtful ? 1 / (1 + squared(edges_[k]) / width) : 1;
+      weights_[k] = robust * robust;
+    }
+  }
+
+  std::vector<double> weights() && { return std::move(weights_); }
+
+ private:
+  SE3 between(const PoseEdge& edge) const { return poses_[edge.a].inverse() * poses_[edge.b]; }
+  Vector6d error(const PoseEdge& edge) const { return se3_log(edge.a_from_b.inverse() * between(edge)); }
+  double squared(const PoseEdge& edge) const {
+    const Vector6d e = error(edge);
+    return e.dot(edge.information * e);
+  }
+
+  // Adds the lower half of the block between two poses; the first pose is not among the unknowns.
+  void put(std::size_t row, std::size_t column, const Matrix6d& block) {
+    if (row < column || column == 0) return;
+    const auto r = static_cast<int>(6 * (row - 1)), c = static_cast<int>(6 * (column - 1));
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j)
+        if (row != column || j <= i) entries_.emplace_back(r + i, c + j, block(i, j));
+  }
+
+  // The largest change of a pose. The error's own derivative is taken for the identity: it is small where the graph agrees.
+  double step() {
+    const auto unknowns = static_cast<Eigen::Index>(6 * (poses_.size() - 1));
+    entries_.clear();
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);
+    for (std::size_t k = 0; k < edges_.size(); ++k) {
+      const PoseEdge& edge = edges_[k];
+      const Matrix6d weight = weights_[k] * edge.information, by_a = -adjoint(between(edge).inverse());
+      const Vector6d pull = weight * error(edge);
+      put(edge.a, edge.a, by_a.transpose() * weight * by_a);
+      put(edge.b, edge.b, weight);
+      put(edge.a, edge.b, by_a.transpose() * weight);
+      put(edge.b, edge.a, weight * by_a);
+      if (edge.a > 0) right.segment<6>(static_cast<Eigen::Index>(6 * (edge.a - 1))) -= by_a.transpose() * pull;
+      if (edge.b > 0) right.segment<6>(static_cast<Eigen::Index>(6 * (edge.b - 1))) -= pull;
+    }
+    Eigen::SparseMatrix<double> normal(unknowns, unknowns);
+    normal.setFromTriplets(entries_.begin(), entries_.end());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
+    if (solver.info() != Eigen::Success) throw std::logic_error("pose graph: a pose is tied to no other");
+    const Eigen::VectorXd steps = solver.solve(right);
+    for (std::size_t i = 1; i < poses_.size(); ++i)
+      poses_[i] = poses_[i] * se3_exp(steps.segment<6>(static_cast<Eigen::Index>(6 * (i - 1))));
+    return steps.cwiseAbs().maxCoeff();
+  }
+
+  std::vector<SE3>& poses_;
+  const std::vector<PoseEdge>& edges_;
+  std::vector<double> weights_;
+  std::vector<Eigen::Triplet<double>> entries_;
+};
+
+}  // namespace
+
+std::vector<double> solve_pose_graph(std::vector<SE3>& world_from_body, const std::vector<PoseEdge>& edges) {
+  Solver solver(world_from_body, edges);
+  if (world_from_body.size() > 1) {
+    solver.settle(std::numeric_limits<double>::infinity());
+    for (double width = std::max(solver.worst(), kOutlier); width > kOutlier; width /= 2) solver.settle(width);
+    solver.settle(kOutlier);
+  }
+  solver.weigh(kOutlier);
+  return std::move(solver).weights();
+}
+
+}  // namespace dvi

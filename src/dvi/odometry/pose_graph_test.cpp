@@ -1,0 +1,131 @@
+#include "dvi/odometry/pose_graph.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "dvi/core/random.h"
+
+namespace dvi {
+namespace {
+
+Vector6d random_twist(Random& random, double metres, double radians) {
+  Vector6d out;
+  for (int k = 0; k < 6; ++k) out[k] = (k < 3 ? metres : radians) * random.normal();
+  return out;
+}
+
+Matrix6d information(double metres, double radians) {
+  Vector6d out;
+  out << Eigen::Vector3d::Constant(1 / (metres * metres)), Eigen::Vector3d::Constant(1 / (radians * radians));
+  return out.asDiagonal();
+}
+
+/// Twice round a ring of 100 m, by steps of 1 m.
+std::vector<SE3> two_rounds() {
+  std::vector<SE3> poses(201);
+  Vector6d step = Vector6d::Zero();
+  step[0] = 1;
+  step[5] = 2 * 3.14159265358979 / 100;
+  poses[0].t = {4, -2, 1};
+  for (std::size_t i = 1; i < poses.size(); ++i) poses[i] = poses[i - 1] * se3_exp(step);
+  return poses;
+}
+
+std::vector<PoseEdge> chain(const std::vector<SE3>& poses) {
+  std::vector<PoseEdge> edges;
+  for (std::size_t i = 1; i < poses.size(); ++i)
+    edges.push_back({i - 1, i, poses[i - 1].inverse() * poses[i], information(0.01, 0.001), false});
+  return edges;
+}
+
+PoseEdge loop(const std::vector<SE3>& truth, std::size_t a, std::size_t b) {
+  return {a, b, truth[a].inverse() * truth[b], information(0.02, 0.001), true};
+}
+
+/// What odometry makes of the truth: each step is off by a little, always the same way.
+std::vector<SE3> drifted(const std::vector<SE3>& truth) {
+  std::vector<SE3> out{truth[0]};
+  Vector6d drift;
+  drift << 0.01, 0.002, 0.01, 1e-4, -1e-4, 6e-4;
+  for (std::size_t i = 1; i < truth.size(); ++i)
+    out.push_back(out.back() * (truth[i - 1].inverse() * truth[i]) * se3_exp(drift));
+  return out;
+}
+
+double worst(const std::vector<SE3>& poses, const std::vector<SE3>& truth) {
+  double out = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) out = std::max(out, (poses[i].t - truth[i].t).norm());
+  return out;
+}
+
+TEST(PoseGraph, LeavesPosesThatAgree) {
+  const std::vector<SE3> truth = two_rounds();
+  std::vector<SE3> poses = truth;
+  std::vector<PoseEdge> edges = chain(truth);
+  edges.push_back(loop(truth, 3, 103));
+  EXPECT_THAT(solve_pose_graph(poses, edges), testing::Each(testing::DoubleNear(1, 1e-9)));
+  EXPECT_LT(worst(poses, truth), 1e-9);
+}
+
+TEST(PoseGraph, FindsExactPosesFromAnywhereNear) {
+  const std::vector<SE3> truth = two_rounds();
+  std::vector<SE3> poses = truth;
+  Random random(3);
+  for (std::size_t i = 1; i < poses.size(); ++i) poses[i] = poses[i] * se3_exp(random_twist(random, 0.5, 0.1));
+  std::vector<PoseEdge> edges = chain(truth);
+  edges.push_back(loop(truth, 103, 3));  // either way round
+  solve_pose_graph(poses, edges);
+  EXPECT_LT(worst(poses, truth), 1e-6);
+}
+
+TEST(PoseGraph, LoopsTakeBackDriftAndTheFirstPoseStays) {
+  const std::vector<SE3> truth = two_rounds(), odometry = drifted(truth);
+  std::vector<SE3> poses = odometry;
+  std::vector<PoseEdge> edges = chain(odometry);
+  for (std::size_t i = 0; i <= 100; i += 10) edges.push_back(loop(truth, i, i + 100));
+  const std::vector<double> weights = solve_pose_graph(poses, edges);
+  EXPECT_EQ(poses[0].R, truth[0].R);
+  EXPECT_EQ(poses[0].t, truth[0].t);
+  EXPECT_GT(*std::min_element(weights.begin(), weights.end()), 0.5);
+  EXPECT_GT(worst(odometry, truth), 3);
+  EXPECT_LT(worst(poses, truth), 0.5);
+  for (std::size_t i = 0; i <= 100; ++i)  // the two rounds lie on each other
+    EXPECT_LT((truth[i].inverse() * truth[i + 100] * (poses[i].inverse() * poses[i + 100]).inverse()).t.norm(), 0.05) << i;
+}
+
+TEST(PoseGraph, GivesUpALoopThatContradictsTheOthers) {
+  const std::vector<SE3> truth = two_rounds(), odometry = drifted(truth);
+  std::vector<PoseEdge> edges = chain(odometry);
+  for (std::size_t i = 0; i <= 100; i += 10) edges.push_back(loop(truth, i, i + 100));
+  std::vector<SE3> right = odometry, poses = odometry;
+  solve_pose_graph(right, edges);
+  edges.push_back(loop(truth, 45, 145));
+  edges.back().a_from_b.t += Eigen::Vector3d(3, -2, 0);
+  EXPECT_LT(solve_pose_graph(poses, edges).back(), 0.01);
+  EXPECT_LT(worst(poses, right), 0.02);
+}
+
+TEST(PoseGraph, IsAboutTheMotionNotTheWorld) {
+  const std::vector<SE3> truth = two_rounds(), odometry = drifted(truth);
+  std::vector<PoseEdge> edges = chain(odometry);
+  edges.push_back(loop(truth, 0, 200));
+  Random random(5);
+  const SE3 other = se3_exp(random_twist(random, 30, 0.7));
+  std::vector<SE3> here = odometry, there = odometry;
+  for (SE3& pose : there) pose = other * pose;
+  solve_pose_graph(here, edges);
+  solve_pose_graph(there, edges);
+  for (SE3& pose : here) pose = other * pose;
+  EXPECT_LT(worst(here, there), 1e-5);
+}
+
+TEST(PoseGraph, TakesNoPoseAndOne) {
+  std::vector<SE3> none, one(1);
+  EXPECT_THAT(solve_pose_graph(none, {}), testing::IsEmpty());
+  EXPECT_THAT(solve_pose_graph(one, {}), testing::IsEmpty());
+  std::vector<SE3> apart(3);
+  EXPECT_THROW(solve_pose_graph(apart, {{0, 1, {}, information(1, 1), false}}), std::logic_error);
+}
+
+}  // namespace
+}  // namespace dvi

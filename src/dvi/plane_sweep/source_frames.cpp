@@ -1,0 +1,79 @@
+#include "dvi/plane_sweep/source_frames.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace dvi {
+namespace {
+
+constexpr std::size_t kOfOtherDrives = 4;
+
+// Steps in time grow: near frames are alike, far ones bring parallax.
+std::vector<std::size_t> pool(const Views& views, std::size_t target, int reach_frames) {
+  const auto [first, last] = views.of_drive(views[target].drive);
+  std::vector<std::size_t> out;
+  for (std::size_t d = 1; d <= static_cast<std::size_t>(reach_frames); d += std::max<std::size_t>(1, d / 3)) {
+    if (target + d < last) out.push_back(target + d);
+    if (target >= first + d) out.push_back(target - d);
+  }
+  const Eigen::Vector3d here = views[target].camera_from_world.inverse().t;
+  for (int drive = 0; views.of_drive(drive).first < views.size(); ++drive) {
+    if (drive == views[target].drive) continue;
+    std::vector<std::pair<double, std::size_t>> near;
+    const auto [begin, end] = views.of_drive(drive);
+    for (std::size_t i = begin; i < end; ++i) near.emplace_back((views[i].camera_from_world.inverse().t - here).norm(), i);
+    std::sort(near.begin(), near.end());
+    near.resize(std::min(near.size(), kOfOtherDrives));
+    for (const auto& [distance, view] : near) out.push_back(view);
+  }
+  return out;
+}
+
+/// Numbers of the sights, ray by ray and depth by depth, that a view offers.
+std::vector<std::size_t> shown(const View& view, const SE3& world_from_target, const std::vector<Eigen::Vector3d>& rays,
+                               double nearest, const VisibilityMap& visibility) {
+  const SE3 view_from_target = view.camera_from_world * world_from_target;
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < 2 * rays.size(); ++i) {
+    const double w = i % 2 == 0 ? 0 : nearest;
+    const Eigen::Vector3d x = view_from_target.R * rays[i / 2] + w * view_from_target.t;
+    if (!view.camera.in_front(x)) continue;
+    const Eigen::Vector2d at = view.camera.project(x);
+    if (view.camera.contains(at) && !visibility.masked({static_cast<float>(at.x()), static_cast<float>(at.y())}))
+      out.push_back(i);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::size_t> sweep_sources(const Views& views, std::size_t target, const std::vector<Eigen::Vector3d>& rays,
+                                       double nearest, const Lazy<VisibilityMap>& visibility, int count, int reach_frames) {
+  const SE3 world_from_target = views[target].camera_from_world.inverse();
+  const std::vector<std::size_t> candidates = pool(views, target, reach_frames);
+  std::vector<std::vector<std::size_t>> sights;
+  for (const std::size_t view : candidates)
+    sights.push_back(shown(views[view], world_from_target, rays, nearest, *visibility[view]));
+  // Greedily the view that adds most, where each further sight of the same counts half of the one before.
+  std::vector<double> worth(2 * rays.size(), 1);
+  std::vector<std::size_t> out;
+  while (out.size() < static_cast<std::size_t>(count)) {
+    std::size_t best = 0;
+    double most = 0;
+    for (std::size_t i = 0; i < sights.size(); ++i) {
+      double gain = 0;
+      for (const std::size_t sight : sights[i]) gain += worth[sight];
+      if (gain > most) {
+        best = i;
+        most = gain;
+      }
+    }
+    if (most == 0) break;
+    for (const std::size_t sight : sights[best]) worth[sight] /= 2;
+    out.push_back(candidates[best]);
+    sights[best].clear();
+  }
+  return out;
+}
+
+}  // namespace dvi
