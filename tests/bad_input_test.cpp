@@ -77,18 +77,18 @@ TEST_F(BadInput, UnreadableImage) {
 }
 
 TEST_F(BadInput, ImageOfAnotherSize) {
-  write_png(image(), cv::Mat3b(100, 200, cv::Vec3b(1, 2, 3)));
+  io::write_png(image(), cv::Mat3b(100, 200, cv::Vec3b(1, 2, 3)));
   expect_refused({"000002.png", "200", "240"});
 }
 
 TEST_F(BadInput, MaskOfAnotherSize) {
-  write_png(mask(), cv::Mat1b(100, 200, uchar{0}));
+  io::write_png(mask(), cv::Mat1b(100, 200, uchar{0}));
   expect_refused({"000002.png", "200", "240"});
 }
 
 TEST_F(BadInput, MasksForNoFrame) {
   make_folder(folder / "masks");
-  write_png(folder / "masks/holiday.png", cv::Mat1b(136, 240, uchar{255}));
+  io::write_png(folder / "masks/holiday.png", cv::Mat1b(136, 240, uchar{255}));
   expect_refused({"masks"}, "run drive -o out --quiet --masks masks");
   expect_refused({"absent"}, "run drive -o out --quiet --masks absent");
 }

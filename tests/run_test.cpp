@@ -31,13 +31,13 @@ TEST_F(Run, WritesEverythingTheContractNames) {
     EXPECT_TRUE(fs::exists(folder / "out" / file)) << file;
   for (const fs::path& input : list_files(folder / "drive/images/front", {".png"})) {
     const std::string name = input.filename();
-    const cv::Mat1b mask = read_png_grey(folder / "out/masks" / name, kSize);
-    const cv::Mat1b kind = read_png_grey(folder / "out/kind" / name, kSize);
-    const cv::Mat1b confidence = read_png_grey(folder / "out/confidence" / name, kSize);
-    const cv::Mat_<cv::Vec3w> provenance = read_png_triples(folder / "out/provenance" / name, kSize);
-    const cv::Mat_<cv::Vec3w> harmonisation = read_png_triples(folder / "out/harmonisation" / name, kSize);
-    read_png_depth(folder / "out/depth" / name, kSize);
-    const cv::Mat3b original = read_image(input, kSize), filled = read_image(folder / "out/frames" / name, kSize);
+    const cv::Mat1b mask = io::read_png_grey(folder / "out/masks" / name, kSize);
+    const cv::Mat1b kind = io::read_png_grey(folder / "out/kind" / name, kSize);
+    const cv::Mat1b confidence = io::read_png_grey(folder / "out/confidence" / name, kSize);
+    const cv::Mat_<cv::Vec3w> provenance = io::read_png_triples(folder / "out/provenance" / name, kSize);
+    const cv::Mat_<cv::Vec3w> harmonisation = io::read_png_triples(folder / "out/harmonisation" / name, kSize);
+    io::read_png_depth(folder / "out/depth" / name, kSize);
+    const cv::Mat3b original = io::read_image(input, kSize), filled = io::read_image(folder / "out/frames" / name, kSize);
     const std::size_t sources = nlohmann::json::parse(read_file(folder / "out/sources.json"))["sources"].size();
     for (int y = 0; y < kSize.height; ++y)
       for (int x = 0; x < kSize.width; ++x) {
@@ -186,12 +186,12 @@ TEST_F(Run, EveryStageCanBeSwitchedOff) {
 
 TEST_F(Run, EmptyMasksLeaveTheDriveAsItIs) {
   const fs::path drive = small_drive();
-  for (const fs::path& mask : list_files(drive / "masks/front", {".png"})) write_png(mask, cv::Mat1b(kSize, uchar{0}));
+  for (const fs::path& mask : list_files(drive / "masks/front", {".png"})) io::write_png(mask, cv::Mat1b(kSize, uchar{0}));
   const Result result = dvi("run drive -o out --quiet");
   ASSERT_EQ(result.code, 0) << result.err;
   for (const fs::path& input : list_files(drive / "images/front", {".png"})) {
     cv::Mat difference;
-    cv::absdiff(read_image(input, kSize), read_image(folder / "out/frames" / input.filename(), kSize), difference);
+    cv::absdiff(io::read_image(input, kSize), io::read_image(folder / "out/frames" / input.filename(), kSize), difference);
     EXPECT_EQ(cv::norm(difference, cv::NORM_INF), 0);
   }
 }

@@ -3,9 +3,9 @@
 #include "dvi/align/joint.h"
 #include "dvi/align/paper_search.h"
 
-namespace dvi {
+namespace dvi::align {
 
-Alignment align(Views& views, const StaticMap& map, const AlignOptions& options, const Tick& tick) {
+Alignment align(Views& views, const map::StaticMap& map, const AlignOptions& options, const Tick& tick) {
   Alignment out;
   out.views.resize(views.size());
   if (!options.enabled) return out;
@@ -27,4 +27,4 @@ std::size_t align_steps(const Views& views, const AlignOptions& options) {
   return views.size() * (options.method == "paper" ? 1 : kPasses);
 }
 
-}  // namespace dvi
+}  // namespace dvi::align

@@ -8,7 +8,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/map/static_map.h"
 
-namespace dvi {
+namespace dvi::align {
 
 struct AlignOptions {
   bool enabled = true;
@@ -53,8 +53,8 @@ struct Alignment {
 /// Refines the poses of all views, drive by drive, by the colours that several views give the same map points: see
 /// docs/algorithms/align.md. An update is kept only if points that it was not made from agree better after it. Changes the
 /// poses of `views`. Ticks align_steps() times.
-Alignment align(Views& views, const StaticMap& map, const AlignOptions& options, const Tick& tick = [] {});
+Alignment align(Views& views, const map::StaticMap& map, const AlignOptions& options, const Tick& tick = [] {});
 
 std::size_t align_steps(const Views& views, const AlignOptions& options);
 
-}  // namespace dvi
+}  // namespace dvi::align

@@ -4,7 +4,7 @@
 
 #include "dvi/align/test_wall.h"
 
-namespace dvi {
+namespace dvi::align {
 namespace {
 
 /// A whole drive of 1280x720 with a jitter of +-0.15 degrees, by frames. Once: making the drive takes longer.
@@ -29,4 +29,4 @@ BENCHMARK(align_drive)
     ->MeasureProcessCPUTime();
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::align

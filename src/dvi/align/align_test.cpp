@@ -6,7 +6,7 @@
 #include "dvi/align/test_wall.h"
 #include "dvi/core/threads.h"
 
-namespace dvi {
+namespace dvi::align {
 namespace {
 
 using testing::Contains;
@@ -60,7 +60,7 @@ TEST(Align, SwitchedOffItDoesNothing) {
 TEST(Align, WithoutSharedPointsNothingMovesAndIsSaid) {
   ShakyDrive drive(3, {.jitter_deg = 0.2, .hole = {0, 0, 320, 240}});  // masks cover whole frames
   ShakyDrive empty(3, kJitter);
-  for (const Alignment& found : {align(drive.views, drive.map, {}), align(empty.views, StaticMap{}, {})}) {
+  for (const Alignment& found : {align(drive.views, drive.map, {}), align(empty.views, map::StaticMap{}, {})}) {
     for (const ViewAlignment& a : found.views) {
       EXPECT_EQ(a.points, 0);
       EXPECT_EQ(a.rotation, Eigen::Vector3d::Zero());
@@ -120,4 +120,4 @@ TEST(Align, SameWhateverTheThreads) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::align

@@ -4,7 +4,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace dvi {
+namespace dvi::align {
 namespace {
 
 constexpr double kFine = 1, kCoarse = 4;  // px of the level: finer is noise, coarser is light
@@ -55,4 +55,4 @@ Spot spot_at(const cv::Mat1f& level, const cv::Size& image, const Eigen::Vector2
            0.5 * sy * (bilinear(level, x, y + 1) - bilinear(level, x, y - 1))}};
 }
 
-}  // namespace dvi
+}  // namespace dvi::align

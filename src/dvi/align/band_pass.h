@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
-namespace dvi {
+namespace dvi::align {
 
 /// The texture of an image without its light: the logarithm of its brightness between two blurs, so that a gain of the whole
 /// frame, or one that changes slowly across it, drops out. Masked pixels are left out of the blurs. Level l is the image at
@@ -20,4 +20,4 @@ struct Spot {
 };
 Spot spot_at(const cv::Mat1f& level, const cv::Size& image, const Eigen::Vector2d& pixel);
 
-}  // namespace dvi
+}  // namespace dvi::align

@@ -11,7 +11,7 @@
 #include "dvi/align/sight.h"
 #include "dvi/core/threads.h"
 
-namespace dvi {
+namespace dvi::align {
 namespace {
 
 // Frames that are compared: neighbours, and some farther apart that keep the chain from drifting.
@@ -33,7 +33,7 @@ using Poses = std::vector<SE3>;  // camera_from_world, of a drive's views
 
 class Chain {
  public:
-  Chain(const Views& views, const StaticMap& map, std::size_t first, std::size_t last, const AlignOptions& options)
+  Chain(const Views& views, const map::StaticMap& map, std::size_t first, std::size_t last, const AlignOptions& options)
       : views_(views), map_(map), first_(first), count_(last - first), options_(options) {
     const double caught =
         kReach * std::max(radians(options.rotation_deg), radians(options.mounting_deg)) * views[first].camera.fx;
@@ -59,11 +59,11 @@ class Chain {
   Poses later(const Poses& poses, double seconds) const;
 
  private:
-  std::vector<VisiblePoint> textured(const Sight& sight, const View& view, const cv::Mat1f& texture) const;
+  std::vector<map::VisiblePoint> textured(const Sight& sight, const View& view, const cv::Mat1f& texture) const;
   PosedImage posed(std::size_t i, const Poses& poses) const { return {views_[first_ + i].camera, poses[i], images_[i]}; }
 
   const Views& views_;
-  const StaticMap& map_;
+  const map::StaticMap& map_;
   std::size_t first_, count_, coarsest_ = 0;
   const AlignOptions& options_;
   Lazy<BandPass> images_;
@@ -92,13 +92,13 @@ Poses Chain::later(const Poses& poses, double seconds) const {
 }
 
 // The most textured point of each cell of a grid over the image.
-std::vector<VisiblePoint> Chain::textured(const Sight& sight, const View& view, const cv::Mat1f& texture) const {
+std::vector<map::VisiblePoint> Chain::textured(const Sight& sight, const View& view, const cv::Mat1f& texture) const {
   const cv::Size size(view.camera.width, view.camera.height);
   const double cell = std::max(1.0, std::sqrt(static_cast<double>(size.area()) / options_.points));
   const int columns = static_cast<int>(size.width / cell) + 1, rows = static_cast<int>(size.height / cell) + 1;
-  std::vector<VisiblePoint> best(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  std::vector<map::VisiblePoint> best(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   std::vector<double> slope(best.size(), kFlat);
-  for (const VisiblePoint& p : sight.points()) {
+  for (const map::VisiblePoint& p : sight.points()) {
     const int column = static_cast<int>((p.u + 0.5) / cell), row = static_cast<int>((p.v + 0.5) / cell);
     const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column);
     const double here = spot_at(texture, size, {p.u, p.v}).slope.norm();
@@ -106,7 +106,7 @@ std::vector<VisiblePoint> Chain::textured(const Sight& sight, const View& view, 
     slope[at] = here;
     best[at] = p;
   }
-  std::erase_if(best, [](const VisiblePoint& p) { return p.z == 0; });
+  std::erase_if(best, [](const map::VisiblePoint& p) { return p.z == 0; });
   return best;
 }
 
@@ -115,14 +115,14 @@ void Chain::find_pairs(const Tick& tick) {
                            [this](std::size_t i) { return Sight(map_, views_[first_ + i], *views_.masks[first_ + i]); });
   pairs_.assign(count_, {});
   parallel_in_order(count_, [&](std::size_t i) {
-    const std::vector<VisiblePoint> points = textured(*sights[i], views_[first_ + i], images_[i]->front());
+    const std::vector<map::VisiblePoint> points = textured(*sights[i], views_[first_ + i], images_[i]->front());
     for (const std::size_t apart : kApart)
       for (const int side : {-1, 1}) {
         if ((side < 0 && i < apart) || (side > 0 && i + apart >= count_)) continue;
         Pair pair{i, side < 0 ? i - apart : i + apart, {}};
         const View& other = views_[first_ + pair.fixed];
         const auto sight = sights[pair.fixed];
-        for (const VisiblePoint& point : points) {
+        for (const map::VisiblePoint& point : points) {
           const Eigen::Vector3d p = other.camera_from_world * point.world.cast<double>();
           if (!other.camera.in_front(p)) continue;
           const Eigen::Vector2d pixel = other.camera.project(p);
@@ -250,7 +250,7 @@ void check_clock(const Chain& chain, const std::vector<PairModel>& models, const
 
 }  // namespace
 
-void align_jointly(Views& views, const StaticMap& map, std::size_t first, std::size_t last, const AlignOptions& options,
+void align_jointly(Views& views, const map::StaticMap& map, std::size_t first, std::size_t last, const AlignOptions& options,
                    const Tick& tick, Alignment& out) {
   Chain chain(views, map, first, last, options);
   chain.find_pairs(tick);
@@ -279,4 +279,4 @@ void align_jointly(Views& views, const StaticMap& map, std::size_t first, std::s
   check_clock(chain, models, poses[best], views[first].drive, tick, out);
 }
 
-}  // namespace dvi
+}  // namespace dvi::align

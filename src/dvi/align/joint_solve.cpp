@@ -6,7 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
 
-namespace dvi {
+namespace dvi::align {
 namespace {
 
 constexpr int kRounds = 5;      // of weighing pairs by how well they agree with all others
@@ -109,4 +109,4 @@ Corrections solve(const std::vector<PairModel>& models, const Corrections& now, 
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::align

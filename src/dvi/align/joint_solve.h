@@ -4,7 +4,7 @@
 
 #include "dvi/align/pair_model.h"
 
-namespace dvi {
+namespace dvi::align {
 
 /// Corrections of a drive's views: camera_from_world = exp(rotation) * given. Radians, in the camera's axes.
 struct Corrections {
@@ -24,4 +24,4 @@ struct Expected {
 /// The corrections that fit all pairs best. `now` is where the models were made; their views are numbered from 0.
 Corrections solve(const std::vector<PairModel>& models, const Corrections& now, const Expected& expected);
 
-}  // namespace dvi
+}  // namespace dvi::align

@@ -7,7 +7,7 @@
 
 #include "dvi/core/median.h"
 
-namespace dvi {
+namespace dvi::align {
 namespace {
 
 constexpr double kCauchy = 2.385;  // 95 % efficient on normal noise
@@ -174,4 +174,4 @@ Agreement held_out(const Pair& pair, const PosedImage& moving, const PosedImage&
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::align

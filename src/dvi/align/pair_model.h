@@ -7,7 +7,7 @@
 #include "dvi/align/band_pass.h"
 #include "dvi/drive/view.h"
 
-namespace dvi {
+namespace dvi::align {
 
 /// A piece of surface, world axes. The normal is zero where none is known.
 struct Surfel {
@@ -52,4 +52,4 @@ Agreement held_out(const Pair& pair, const PosedImage& moving, const PosedImage&
 
 inline constexpr std::size_t kFewestPoints = 40;  ///< of a pair
 
-}  // namespace dvi
+}  // namespace dvi::align

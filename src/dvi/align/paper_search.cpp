@@ -8,7 +8,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/image/interpolate.h"
 
-namespace dvi {
+namespace dvi::align {
 namespace {
 
 constexpr std::size_t kCached = 4;
@@ -25,22 +25,22 @@ cv::Vec3f colour_at(const cv::Mat3b& image, const Eigen::Vector2d& pixel) {
 }
 
 // The points in the ring round the mask (in the whole image where there is none), evenly thinned.
-std::vector<VisiblePoint> ring_points(const Sight& sight, const cv::Mat1b& mask, const AlignOptions& options) {
+std::vector<map::VisiblePoint> ring_points(const Sight& sight, const cv::Mat1b& mask, const AlignOptions& options) {
   cv::Mat1f distance(mask.size(), 0.0F);  // instead of a dilation: a disc of 100 px is slow to dilate by
   if (cv::countNonZero(mask) > 0) cv::distanceTransform(mask == 0, distance, cv::DIST_L2, 3);
-  std::vector<VisiblePoint> ring;
-  for (const VisiblePoint& p : sight.points())
+  std::vector<map::VisiblePoint> ring;
+  for (const map::VisiblePoint& p : sight.points())
     if (distance(cvRound(p.v), cvRound(p.u)) < static_cast<float>(options.ring_px)) ring.push_back(p);
   const auto most = static_cast<std::size_t>(options.points);
   if (ring.size() <= most) return ring;
-  std::vector<VisiblePoint> thinned(most);
+  std::vector<map::VisiblePoint> thinned(most);
   for (std::size_t i = 0; i < most; ++i) thinned[i] = ring[i * ring.size() / most];
   return thinned;
 }
 
-void add_samples(const std::vector<VisiblePoint>& ring, const View& view, const View& neighbour, const Sight& sight,
+void add_samples(const std::vector<map::VisiblePoint>& ring, const View& view, const View& neighbour, const Sight& sight,
                  const cv::Mat3b& image, std::vector<Sample>& samples) {
-  for (const VisiblePoint& point : ring) {
+  for (const map::VisiblePoint& point : ring) {
     const Eigen::Vector3d world = point.world.cast<double>(), p = neighbour.camera_from_world * world;
     if (!neighbour.camera.in_front(p)) continue;
     const Eigen::Vector2d pixel = neighbour.camera.project(p);
@@ -82,13 +82,13 @@ Eigen::Vector2d search(const std::vector<Sample>& samples, const Camera& camera,
 
 }  // namespace
 
-void search_as_published(Views& views, const StaticMap& map, std::size_t first, std::size_t last, const AlignOptions& options,
-                         const Tick& tick, Alignment& out) {
+void search_as_published(Views& views, const map::StaticMap& map, std::size_t first, std::size_t last,
+                         const AlignOptions& options, const Tick& tick, Alignment& out) {
   const Lazy<Sight> sights(last - first, kCached + static_cast<std::size_t>(thread_count()),
                            [&](std::size_t i) { return Sight(map, views[first + i], *views.masks[first + i]); });
   parallel_in_order(last - first, [&](std::size_t i) {
     const View& view = views[first + i];
-    const std::vector<VisiblePoint> ring = ring_points(*sights[i], *views.masks[first + i], options);
+    const std::vector<map::VisiblePoint> ring = ring_points(*sights[i], *views.masks[first + i], options);
     std::vector<Sample> samples;
     if (i > 0) add_samples(ring, view, views[first + i - 1], *sights[i - 1], *views.images[first + i - 1], samples);
     if (first + i + 1 < last)
@@ -103,4 +103,4 @@ void search_as_published(Views& views, const StaticMap& map, std::size_t first, 
     views.views[i].camera_from_world = SE3{so3_exp(out.views[i].rotation), {0, 0, 0}} * views[i].camera_from_world;
 }
 
-}  // namespace dvi
+}  // namespace dvi::align

@@ -4,7 +4,7 @@
 
 #include "dvi/image/region.h"
 
-namespace dvi {
+namespace dvi::align {
 namespace {
 
 constexpr int kScale = 4;            // px of the image a px of the depths
@@ -22,9 +22,9 @@ float least_round(const cv::Mat1f& z, int x, int y) {
 
 }  // namespace
 
-Sight::Sight(const StaticMap& map, const View& view, const cv::Mat1b& mask)
+Sight::Sight(const map::StaticMap& map, const View& view, const cv::Mat1b& mask)
     : masked_(grown(mask, kMaskMargin)), nearest_(mask.rows / kScale + 1, mask.cols / kScale + 1, 1e9F) {
-  for (const VisiblePoint& p : visible_points(map, view, kSplat, kTolerance)) {
+  for (const map::VisiblePoint& p : map::visible_points(map, view, kSplat, kTolerance)) {
     const cv::Point pixel(cvRound(p.u), cvRound(p.v));
     float& z = nearest_(pixel.y / kScale, pixel.x / kScale);
     z = std::min(z, p.z);
@@ -37,8 +37,8 @@ bool Sight::shows(const Eigen::Vector2d& pixel, double z) const {
   return !masked(at) && z <= least_round(nearest_, at.x / kScale, at.y / kScale) * (1 + 2 * kTolerance);
 }
 
-bool Sight::beside_nearer(const VisiblePoint& p) const {
+bool Sight::beside_nearer(const map::VisiblePoint& p) const {
   return p.z > least_round(nearest_, cvRound(p.u) / kScale, cvRound(p.v) / kScale) * (1 + 2 * kTolerance);
 }
 
-}  // namespace dvi
+}  // namespace dvi::align

@@ -7,26 +7,26 @@
 #include "dvi/drive/view.h"
 #include "dvi/map/visible_points.h"
 
-namespace dvi {
+namespace dvi::align {
 
 /// What a view sees of the map, outside its mask.
 class Sight {
  public:
-  Sight(const StaticMap& map, const View& view, const cv::Mat1b& mask);
+  Sight(const map::StaticMap& map, const View& view, const cv::Mat1b& mask);
 
   /// In raster order.
-  const std::vector<VisiblePoint>& points() const { return points_; }
+  const std::vector<map::VisiblePoint>& points() const { return points_; }
   /// Within the mask or a few pixels round it.
   bool masked(const cv::Point& pixel) const { return masked_(pixel) != 0; }
   /// Whether the view shows a surface of depth z at this pixel (inside the image): not masked, nothing nearer before it.
   bool shows(const Eigen::Vector2d& pixel, double z) const;
   /// Whether something clearly nearer lies within a few pixels: the edge seen there may be that thing's.
-  bool beside_nearer(const VisiblePoint& point) const;
+  bool beside_nearer(const map::VisiblePoint& point) const;
 
  private:
   cv::Mat1b masked_;
   cv::Mat1f nearest_;  // depth, at a part of the image's size
-  std::vector<VisiblePoint> points_;
+  std::vector<map::VisiblePoint> points_;
 };
 
-}  // namespace dvi
+}  // namespace dvi::align

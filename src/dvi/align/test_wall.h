@@ -11,7 +11,7 @@
 #include "dvi/drive/flat_scene.h"
 #include "dvi/image/interpolate.h"
 
-namespace dvi {
+namespace dvi::align {
 
 /// What is wrong with the poses of a ShakyDrive, and how it moves.
 struct Shake {
@@ -24,7 +24,7 @@ struct Shake {
 
 /// A world for tests: a textured wall 12 m ahead of the first view, whose poses are off by a Shake.
 struct ShakyDrive {
-  StaticMap map;
+  map::StaticMap map;
   Views views;
   std::vector<Eigen::Vector3d> errors;  ///< radians: the rotation that each pose lacks
 
@@ -80,4 +80,4 @@ struct ShakyDrive {
   }
 };
 
-}  // namespace dvi
+}  // namespace dvi::align

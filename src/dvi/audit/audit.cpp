@@ -13,7 +13,7 @@
 #include "dvi/io/image_file.h"
 #include "dvi/io/write_image.h"
 
-namespace dvi {
+namespace dvi::audit {
 namespace {
 
 /// |harmonisation| in thirds of a grey level, the sum over the channels, as a histogram: percentiles in flat memory.
@@ -28,14 +28,14 @@ struct FrameAudit {
 /// The pictures of one frame of a result.
 struct Written {
   Written(const fs::path& out, const std::string& name, cv::Size size)
-      : frame(read_image(out / "frames" / (name + ".png"), size)),
-        mask(read_mask(out / "masks" / (name + ".png"), size)),
-        kind(read_png_grey(out / "kind" / (name + ".png"), size)),
-        provenance(read_png_triples(out / "provenance" / (name + ".png"), size)),
-        used(read_image(out / "sources_used" / (name + ".png"), size)),
-        harmonisation(read_png_triples(out / "harmonisation" / (name + ".png"), size)) {}
+      : frame(io::read_image(out / "frames" / (name + ".png"), size)),
+        mask(io::read_mask(out / "masks" / (name + ".png"), size)),
+        kind(io::read_png_grey(out / "kind" / (name + ".png"), size)),
+        provenance(io::read_png_triples(out / "provenance" / (name + ".png"), size)),
+        used(io::read_image(out / "sources_used" / (name + ".png"), size)),
+        harmonisation(io::read_png_triples(out / "harmonisation" / (name + ".png"), size)) {}
 
-  Provenance from(cv::Point p) const { return Provenance::of(provenance(p), used(p)); }
+  harmonize::Provenance from(cv::Point p) const { return harmonize::Provenance::of(provenance(p), used(p)); }
 
   cv::Mat3b frame;
   cv::Mat1b mask, kind;
@@ -84,17 +84,17 @@ class FrameAuditor {
 
   /// Kind, mask and provenance say the same, and the source exists.
   bool is_consistent(cv::Point p) const {
-    const auto kind = static_cast<Kind>(written_.kind(p));
-    const bool copied = kind == Kind::copied || kind == Kind::copied_elsewhere;
-    if (kind > Kind::empty || (kind == Kind::original) != (written_.mask(p) == 0)) return false;
+    const auto kind = static_cast<harmonize::Kind>(written_.kind(p));
+    const bool copied = kind == harmonize::Kind::copied || kind == harmonize::Kind::copied_elsewhere;
+    if (kind > harmonize::Kind::empty || (kind == harmonize::Kind::original) != (written_.mask(p) == 0)) return false;
     const cv::Vec3b& used = written_.used(p);
     if (copied != (written_.provenance(p)[0] > 0) || copied != (used[0] > 0 && used[1] > 0 && used[2] > 0)) return false;
     if (!copied) return true;
-    const Provenance from = written_.from(p);
+    const harmonize::Provenance from = written_.from(p);
     if (static_cast<std::size_t>(from.view) >= views_.size() || static_cast<std::size_t>(from.view) == target_) return false;
     const View& source = views_[static_cast<std::size_t>(from.view)];
     return source.camera.contains({from.position.x, from.position.y}) &&
-           (source.drive == views_[target_].drive) == (kind == Kind::copied);
+           (source.drive == views_[target_].drive) == (kind == harmonize::Kind::copied);
   }
 
   void check_copies(std::size_t view, const std::vector<cv::Point>& pixels) {
@@ -102,13 +102,13 @@ class FrameAuditor {
     const auto mask = views_.masks[view];
     result_.audit.copied += pixels.size();
     for (const cv::Point p : pixels) {
-      const Provenance from = written_.from(p);
+      const harmonize::Provenance from = written_.from(p);
       if (!can_sample(*mask, from.position, from.footprint)) found(Breach::masked_source, p);
-      const cv::Vec3i copy = copied_colour(views_, target_, *image, from);
+      const cv::Vec3i copy = harmonize::copied_colour(views_, target_, *image, from);
       std::size_t size = 0;
       bool same = true;
       for (int c = 0; c < 3; ++c) {
-        const int change = static_cast<int>(written_.harmonisation(p)[2 - c]) - kNoChange;
+        const int change = static_cast<int>(written_.harmonisation(p)[2 - c]) - harmonize::kNoChange;
         same &= copy[c] + change == static_cast<int>(written_.frame(p)[c]);
         size += static_cast<std::size_t>(std::abs(change));
       }
@@ -184,4 +184,4 @@ Audit audit(const fs::path& out, const Views& views, const std::vector<std::stri
   return sum.audit;
 }
 
-}  // namespace dvi
+}  // namespace dvi::audit

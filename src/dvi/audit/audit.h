@@ -9,7 +9,7 @@
 #include "dvi/core/interrupt.h"
 #include "dvi/drive/view.h"
 
-namespace dvi {
+namespace dvi::audit {
 
 /// What can be wrong with a pixel of a result.
 enum class Breach : std::uint8_t {
@@ -41,4 +41,4 @@ struct Audit {
 /// missing, cut short or of another size, or the result has frames that are not the drive's. One tick a frame.
 Audit audit(const fs::path& out, const Views& views, const std::vector<std::string>& names, const Tick& tick = [] {});
 
-}  // namespace dvi
+}  // namespace dvi::audit

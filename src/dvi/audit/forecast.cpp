@@ -7,7 +7,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/depth/depths.h"
 
-namespace dvi {
+namespace dvi::audit {
 namespace {
 
 constexpr double kBlockReach = 1.5;  // px, on average, by which a visibility map grows a mask
@@ -17,9 +17,9 @@ struct Count {
   std::size_t copied = 0, elsewhere = 0, hole = 0;
 };
 
-Count count(const Candidates& candidates, const Views& views) {
+Count count(const sample::Candidates& candidates, const Views& views) {
   Count out;
-  for (const Candidate& candidate : candidates.of) {
+  for (const sample::Candidate& candidate : candidates.of) {
     ++out.hole;
     if (!candidate.found()) continue;
     ++(views[static_cast<std::size_t>(candidate.view)].drive == 0 ? out.copied : out.elsewhere);
@@ -57,19 +57,19 @@ Views every_nth(const Views& views, int step) {
   return out;
 }
 
-Forecast forecast(const Views& views, const StaticMap& map, const DepthOptions& depth, const SampleOptions& sample_options,
-                  int step, const Tick& tick) {
+Forecast forecast(const Views& views, const map::StaticMap& map, const depth::DepthOptions& depth,
+                  const sample::SampleOptions& sample_options, int step, const Tick& tick) {
   const Views coarse = every_nth(views, step);
-  DepthOptions coarse_depth = depth;
+  depth::DepthOptions coarse_depth = depth;
   coarse_depth.median_px = depth.median_px >= 3 ? std::max(3, depth.median_px / step) : 0;
   const int margin = std::max(0, cvRound((depth.mask_margin_px + kBlockReach) / step - kBlockReach));
-  SampleOptions seen_once = sample_options;
+  sample::SampleOptions seen_once = sample_options;
   seen_once.sources = 1;
-  const Depths depths(coarse, margin, [&](std::size_t i) { return depth_map(map, coarse[i], coarse_depth); });
+  const depth::Depths depths(coarse, margin, [&](std::size_t i) { return depth::depth_map(map, coarse[i], coarse_depth); });
   const std::size_t frames = coarse.of_drive(0).second;
   std::vector<Count> counts(frames);
   parallel_for(frames, [&](std::size_t i) {
-    counts[i] = count(sample(coarse, i, *depths.maps[i], depths.visibility, seen_once), coarse);
+    counts[i] = count(sample::sample(coarse, i, *depths.maps[i], depths.visibility, seen_once), coarse);
     tick();
   });
   Forecast out;
@@ -85,4 +85,4 @@ Forecast forecast(const Views& views, const StaticMap& map, const DepthOptions& 
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::audit

@@ -9,7 +9,7 @@
 #include "dvi/map/static_map.h"
 #include "dvi/sample/sample.h"
 
-namespace dvi {
+namespace dvi::audit {
 
 /// Parts of a hole, 0..1, by who else sees them.
 struct HoleShares {
@@ -33,8 +33,8 @@ struct Forecast {
 /// Asks depth and sample for every `step`th row and column of the views only, so that neither colours nor whole depth maps are
 /// needed. One tick a frame of the target drive.
 Forecast forecast(
-    const Views& views, const StaticMap& map, const DepthOptions& depth, const SampleOptions& sample, int step = 2,
-    const Tick& tick = [] {});
+    const Views& views, const map::StaticMap& map, const depth::DepthOptions& depth, const sample::SampleOptions& sample,
+    int step = 2, const Tick& tick = [] {});
 
 /// The same views as cameras of every `step`th row and column. Images are left out.
 Views every_nth(const Views& views, int step);
@@ -43,4 +43,4 @@ Views every_nth(const Views& views, int step);
 /// never seen on top. Frames without a hole stay blank.
 cv::Mat3b forecast_chart(const Forecast& forecast);
 
-}  // namespace dvi
+}  // namespace dvi::audit

@@ -6,7 +6,7 @@
 
 #include "dvi/audit/forecast.h"
 
-namespace dvi {
+namespace dvi::audit {
 namespace {
 
 constexpr int kHeight = 240, kLeft = 60, kRight = 20, kTop = 40, kBottom = 30;  // px
@@ -61,4 +61,4 @@ cv::Mat3b forecast_chart(const Forecast& forecast) {
   return chart;
 }
 
-}  // namespace dvi
+}  // namespace dvi::audit

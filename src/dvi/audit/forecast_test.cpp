@@ -5,7 +5,7 @@
 
 #include "dvi/drive/memory_views.h"
 
-namespace dvi {
+namespace dvi::audit {
 namespace {
 
 constexpr int kWidth = 160, kHeight = 96;
@@ -24,15 +24,15 @@ class Wall {
     masks_.emplace_back(kHeight, kWidth, uchar{0});
     masks_.back()(hole) = 255;
   }
-  Forecast forecast(int step) const { return dvi::forecast(memory_views(views_, images_, masks_), map(), {}, {}, step); }
+  Forecast forecast(int step) const { return dvi::audit::forecast(memory_views(views_, images_, masks_), map(), {}, {}, step); }
 
  private:
-  static StaticMap map() {
-    StaticMap out;
-    StaticMap::Tile tile;
+  static map::StaticMap map() {
+    map::StaticMap out;
+    map::StaticMap::Tile tile;
     for (float y = -8; y <= 8; y += 0.1F)
       for (float x = -30; x <= 30; x += 0.1F) {
-        MapPoint point;
+        map::MapPoint point;
         point.position = {x, y, 10};
         tile.bounds.extend(point.position);
         out.points.push_back(point);
@@ -101,4 +101,4 @@ TEST(ForecastChart, BarsAreAsHighAsTheShares) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::audit

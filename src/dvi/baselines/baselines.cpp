@@ -14,7 +14,7 @@
 #include "dvi/image/region.h"
 #include "dvi/sample/candidates.h"
 
-namespace dvi {
+namespace dvi::baselines {
 namespace {
 
 constexpr double kRadius = 3;  // px, of cv::inpaint
@@ -33,13 +33,13 @@ struct Chain {
 };
 
 // One frame on: those that come out of the masks have found their source, those that lose their way are dropped.
-void advance(Chain& chain, const Views& views, const Lazy<HoleFlow>& flows, Candidates& out) {
+void advance(Chain& chain, const Views& views, const Lazy<HoleFlow>& flows, sample::Candidates& out) {
   const std::size_t next = chain.direction > 0 ? chain.view + 1 : chain.view - 1;
   const auto pair = flows[std::min(chain.view, next)];
   const cv::Mat2f& flow = chain.direction > 0 ? pair->forth : pair->back;
   const auto mask = views.masks[next];
   std::erase_if(chain.open, [&](Seeker& seeker) {
-    Candidate& candidate = out.of[seeker.pixel];
+    sample::Candidate& candidate = out.of[seeker.pixel];
     if (candidate.found()) return true;
     const std::optional<cv::Point2f> motion = HoleFlow::at(flow, seeker.at);
     if (!motion) return true;
@@ -53,8 +53,8 @@ void advance(Chain& chain, const Views& views, const Lazy<HoleFlow>& flows, Cand
 }
 
 // Where each hole pixel leaves the masks, in the frame nearest in time; forwards where both are as near.
-Candidates follow(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows, int max_frames) {
-  Candidates out{Region(*views.masks[target]), {}};
+sample::Candidates follow(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows, int max_frames) {
+  sample::Candidates out{Region(*views.masks[target]), {}};
   out.of.resize(out.hole.size());
   const auto [first, last] = views.of_drive(views[target].drive);
   Chain forwards{target, 1, {}};
@@ -68,16 +68,16 @@ Candidates follow(const Views& views, std::size_t target, const Lazy<HoleFlow>& 
 }
 
 // The candidates' colours as they are, with their receipts; black and of kind empty where there is none.
-FilledFrame copied(const Candidates& candidates, const Views& views, std::size_t target) {
-  HarmonizeOptions as_is;
+harmonize::FilledFrame copied(const sample::Candidates& candidates, const Views& views, std::size_t target) {
+  harmonize::HarmonizeOptions as_is;
   as_is.poisson = as_is.fill_unseen = false;
-  const cv::Mat1f no_depth(candidates.hole.index.size(), DepthMap::kUnknown);
-  return harmonize(candidates, views, target, {no_depth, no_depth}, as_is);
+  const cv::Mat1f no_depth(candidates.hole.index.size(), depth::DepthMap::kUnknown);
+  return harmonize::harmonize(candidates, views, target, {no_depth, no_depth}, as_is);
 }
 
-void inpaint_empty(FilledFrame& frame, Inpainting method) {
+void inpaint_empty(harmonize::FilledFrame& frame, Inpainting method) {
   cv::Mat1b rest;
-  cv::compare(frame.kind, static_cast<uchar>(Kind::empty), rest, cv::CMP_EQ);
+  cv::compare(frame.kind, static_cast<uchar>(harmonize::Kind::empty), rest, cv::CMP_EQ);
   const auto count = static_cast<std::size_t>(cv::countNonZero(rest));
   if (count == 0 || count == rest.total()) return;
   cv::Mat3b known, filled;
@@ -87,17 +87,17 @@ void inpaint_empty(FilledFrame& frame, Inpainting method) {
   cv::distanceTransform(rest, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   for (const cv::Point p : Region(rest).pixels) {
     frame.colour(p) = filled(p);
-    frame.kind(p) = static_cast<uchar>(Kind::interpolated);
-    frame.confidence(p) = static_cast<uchar>(std::lround(255 * interpolated_confidence(distance(p))));
+    frame.kind(p) = static_cast<uchar>(harmonize::Kind::interpolated);
+    frame.confidence(p) = static_cast<uchar>(std::lround(255 * harmonize::interpolated_confidence(distance(p))));
   }
 }
 
 }  // namespace
 
-FilledFrame inpaint_frame(const Views& views, std::size_t target, Inpainting method) {
-  Candidates none{Region(*views.masks[target]), {}};
+harmonize::FilledFrame inpaint_frame(const Views& views, std::size_t target, Inpainting method) {
+  sample::Candidates none{Region(*views.masks[target]), {}};
   none.of.resize(none.hole.size());
-  FilledFrame frame = copied(none, views, target);
+  harmonize::FilledFrame frame = copied(none, views, target);
   inpaint_empty(frame, method);
   return frame;
 }
@@ -111,10 +111,11 @@ Lazy<HoleFlow> hole_flows(const Views& views, const FlowOptions& options) {
           }};
 }
 
-FilledFrame flow_fill(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows, const FlowOptions& options) {
-  FilledFrame frame = copied(follow(views, target, flows, options.max_frames), views, target);
+harmonize::FilledFrame flow_fill(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows,
+                                 const FlowOptions& options) {
+  harmonize::FilledFrame frame = copied(follow(views, target, flows, options.max_frames), views, target);
   inpaint_empty(frame, Inpainting::telea);
   return frame;
 }
 
-}  // namespace dvi
+}  // namespace dvi::baselines

@@ -6,7 +6,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
 
-namespace dvi {
+namespace dvi::baselines {
 
 /// What is done without LiDAR, for comparison: images and masks are all that these look at. Nothing is blended, the depth
 /// of their frames is unknown.
@@ -15,7 +15,7 @@ namespace dvi {
 enum class Inpainting { telea, navier_stokes };
 
 /// Each hole filled from its own frame, radius 3 px. A frame that is all hole stays black, kind 5.
-FilledFrame inpaint_frame(const Views& views, std::size_t target, Inpainting method);
+harmonize::FilledFrame inpaint_frame(const Views& views, std::size_t target, Inpainting method);
 
 struct FlowOptions {
   int max_frames = 30;
@@ -34,6 +34,7 @@ Lazy<HoleFlow> hole_flows(const Views& views, const FlowOptions& options);
 
 /// Each hole pixel is followed along the flow, frame by frame forwards and backwards at once, until one of the two leaves the
 /// masks, and copied from there; what never does, or loses its way, is filled as by Telea. `flows` as hole_flows() gives.
-FilledFrame flow_fill(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows, const FlowOptions& options);
+harmonize::FilledFrame flow_fill(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows,
+                                 const FlowOptions& options);
 
-}  // namespace dvi
+}  // namespace dvi::baselines

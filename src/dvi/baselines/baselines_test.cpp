@@ -11,7 +11,7 @@
 #include "dvi/drive/memory_views.h"
 #include "dvi/image/interpolate.h"
 
-namespace dvi {
+namespace dvi::baselines {
 namespace {
 
 constexpr int kWidth = 200, kHeight = 120, kFrames = 9;
@@ -39,28 +39,30 @@ struct MovingScene {
     for (std::size_t i = 0; i < views.size(); ++i) views[i].time_ns = static_cast<std::int64_t>(i) * 100'000'000;
     return memory_views(views, images, masks);
   }
-  FilledFrame flow(std::size_t target, FlowOptions options = {}) const {
+  harmonize::FilledFrame flow(std::size_t target, FlowOptions options = {}) const {
     return flow_fill(views(), target, hole_flows(views(), options), options);
   }
 };
 
-Kind kind_at(const FilledFrame& frame, cv::Point p) { return static_cast<Kind>(frame.kind(p)); }
+harmonize::Kind kind_at(const harmonize::FilledFrame& frame, cv::Point p) {
+  return static_cast<harmonize::Kind>(frame.kind(p));
+}
 
-double error_at(const FilledFrame& frame, const cv::Mat3b& truth, cv::Point p) {
+double error_at(const harmonize::FilledFrame& frame, const cv::Mat3b& truth, cv::Point p) {
   return cv::norm(frame.colour(p) - cv::Vec3f(truth(p))) / std::sqrt(3.0);
 }
 
-std::size_t count(const FilledFrame& frame, Kind kind) {
+std::size_t count(const harmonize::FilledFrame& frame, harmonize::Kind kind) {
   return static_cast<std::size_t>(cv::countNonZero(frame.kind == static_cast<uchar>(kind)));
 }
 
-void expect_original_outside(const FilledFrame& frame, const cv::Mat3b& image, const cv::Mat1b& mask) {
+void expect_original_outside(const harmonize::FilledFrame& frame, const cv::Mat3b& image, const cv::Mat1b& mask) {
   for (int y = 0; y < mask.rows; ++y)
     for (int x = 0; x < mask.cols; ++x) {
       ASSERT_EQ(frame.mask(y, x), mask(y, x));
       if (mask(y, x) != 0) continue;
       ASSERT_EQ(frame.colour(y, x), cv::Vec3f(image(y, x)));
-      ASSERT_EQ(kind_at(frame, {x, y}), Kind::original);
+      ASSERT_EQ(kind_at(frame, {x, y}), harmonize::Kind::original);
       ASSERT_EQ(frame.confidence(y, x), 255);
     }
 }
@@ -76,9 +78,9 @@ TEST(InpaintFrame, ContinuesAGradient) {
   image.setTo(cv::Scalar(255, 0, 255), mask);
   const Views views = memory_views(std::vector<View>(1), {image}, {mask});
   for (const Inpainting method : {Inpainting::telea, Inpainting::navier_stokes}) {
-    const FilledFrame frame = inpaint_frame(views, 0, method);
+    const harmonize::FilledFrame frame = inpaint_frame(views, 0, method);
     expect_original_outside(frame, image, mask);
-    EXPECT_EQ(count(frame, Kind::interpolated), static_cast<std::size_t>(cv::countNonZero(mask)));
+    EXPECT_EQ(count(frame, harmonize::Kind::interpolated), static_cast<std::size_t>(cv::countNonZero(mask)));
     EXPECT_EQ(cv::countNonZero(frame.depth), 0);
     for (int y = 20; y < 32; ++y)
       for (int x = 30; x < 44; ++x) {
@@ -101,22 +103,22 @@ TEST(InpaintFrame, KnowsNothingOfWhatTheMaskCovers) {
 
 TEST(InpaintFrame, OfNothingButHoleStaysEmpty) {
   const cv::Mat3b image(40, 50, cv::Vec3b(10, 20, 30));
-  const FilledFrame frame =
+  const harmonize::FilledFrame frame =
       inpaint_frame(memory_views(std::vector<View>(1), {image}, {cv::Mat1b(40, 50, uchar{255})}), 0, Inpainting::telea);
-  EXPECT_EQ(count(frame, Kind::empty), frame.kind.total());
+  EXPECT_EQ(count(frame, harmonize::Kind::empty), frame.kind.total());
   EXPECT_EQ(cv::norm(frame.colour), 0);
 }
 
 TEST(FlowFill, FollowsAMovingSceneOutOfTheHole) {
   const MovingScene scene(5, [](int) { return cv::Rect(80, 40, 30, 40); });
   const std::size_t target = 4;
-  const FilledFrame frame = scene.flow(target);
+  const harmonize::FilledFrame frame = scene.flow(target);
   expect_original_outside(frame, scene.images[target], scene.masks[target]);
   double sum = 0;
   std::size_t copied = 0;
   for (int y = 40; y < 80; ++y)
     for (int x = 80; x < 110; ++x) {
-      if (kind_at(frame, {x, y}) != Kind::copied) continue;
+      if (kind_at(frame, {x, y}) != harmonize::Kind::copied) continue;
       ++copied;
       sum += error_at(frame, scene.truth[target], {x, y});
       const cv::Vec3w receipt = frame.provenance(y, x);
@@ -132,14 +134,14 @@ TEST(FlowFill, FollowsAMovingSceneOutOfTheHole) {
     }
   EXPECT_GT(copied, 0.95 * 30 * 40);
   EXPECT_LT(sum / static_cast<double>(copied), 4);
-  EXPECT_EQ(copied + count(frame, Kind::interpolated), 30U * 40U);
+  EXPECT_EQ(copied + count(frame, harmonize::Kind::interpolated), 30U * 40U);
 }
 
 TEST(FlowFill, OfAStaticCameraTakesWhatStoodThereBeforeAndAfter) {
   const MovingScene scene(0, [](int i) { return cv::Rect(20 + 15 * i, 40, 40, 40); });
   for (const std::size_t target : {std::size_t{0}, std::size_t{4}, std::size_t{8}}) {
-    const FilledFrame frame = scene.flow(target);
-    EXPECT_GT(count(frame, Kind::copied), 0.98 * 40 * 40);
+    const harmonize::FilledFrame frame = scene.flow(target);
+    EXPECT_GT(count(frame, harmonize::Kind::copied), 0.98 * 40 * 40);
     double sum = 0;
     for (int y = 40; y < 80; ++y)
       for (int x = 0; x < 40; ++x) sum += error_at(frame, scene.truth[target], {20 + 15 * static_cast<int>(target) + x, y});
@@ -149,9 +151,9 @@ TEST(FlowFill, OfAStaticCameraTakesWhatStoodThereBeforeAndAfter) {
 
 TEST(FlowFill, InterpolatesWhatNeverComesOut) {
   const MovingScene scene(0, [](int) { return cv::Rect(80, 40, 30, 40); });
-  const FilledFrame frame = scene.flow(4);
-  EXPECT_EQ(count(frame, Kind::copied), 0U);
-  EXPECT_EQ(count(frame, Kind::interpolated), 30U * 40U);
+  const harmonize::FilledFrame frame = scene.flow(4);
+  EXPECT_EQ(count(frame, harmonize::Kind::copied), 0U);
+  EXPECT_EQ(count(frame, harmonize::Kind::interpolated), 30U * 40U);
   EXPECT_EQ(cv::norm(frame.colour, inpaint_frame(scene.views(), 4, Inpainting::telea).colour, cv::NORM_INF), 0);
 }
 
@@ -159,25 +161,25 @@ TEST(FlowFill, LooksNoFartherThanItMay) {
   const MovingScene scene(5, [](int) { return cv::Rect(80, 40, 30, 40); });
   FlowOptions near;
   near.max_frames = 1;
-  const FilledFrame frame = scene.flow(4, near);
+  const harmonize::FilledFrame frame = scene.flow(4, near);
   for (int y = 40; y < 80; ++y)
     for (int x = 80; x < 110; ++x) {
-      if (kind_at(frame, {x, y}) != Kind::copied) continue;
+      if (kind_at(frame, {x, y}) != harmonize::Kind::copied) continue;
       ASSERT_LE(std::abs(frame.provenance(y, x)[0] - 1 - 4), 1);
     }
-  EXPECT_GT(count(frame, Kind::interpolated), 15U * 40U);
-  EXPECT_GT(count(frame, Kind::copied), 5U * 40U);
+  EXPECT_GT(count(frame, harmonize::Kind::interpolated), 15U * 40U);
+  EXPECT_GT(count(frame, harmonize::Kind::copied), 5U * 40U);
 }
 
 TEST(FlowFill, ScenesWithoutSurroundingsAreNotFollowed) {
   const MovingScene all(3, [](int) { return cv::Rect(0, 0, kWidth, kHeight); });
-  EXPECT_EQ(count(all.flow(4), Kind::empty), all.masks[4].total());
+  EXPECT_EQ(count(all.flow(4), harmonize::Kind::empty), all.masks[4].total());
   const cv::Mat3b small(16, 20, cv::Vec3b(1, 2, 3));
   cv::Mat1b hole(small.size(), uchar{0});
   hole(cv::Rect(5, 5, 4, 4)) = 255;
   const Views views = memory_views(std::vector<View>(2), {small, small}, {hole, hole});
-  const FilledFrame frame = flow_fill(views, 0, hole_flows(views, {}), {});
-  EXPECT_EQ(count(frame, Kind::interpolated), 16U);
+  const harmonize::FilledFrame frame = flow_fill(views, 0, hole_flows(views, {}), {});
+  EXPECT_EQ(count(frame, harmonize::Kind::interpolated), 16U);
 }
 
 TEST(FlowFill, StaysWithinItsDrive) {
@@ -185,8 +187,8 @@ TEST(FlowFill, StaysWithinItsDrive) {
   std::vector<View> views(kFrames);
   for (std::size_t i = 4; i < kFrames; ++i) views[i].drive = 1;
   const Views two = memory_views(views, scene.images, scene.masks);
-  EXPECT_EQ(count(flow_fill(two, 3, hole_flows(two, {}), {}), Kind::copied), 0U);
+  EXPECT_EQ(count(flow_fill(two, 3, hole_flows(two, {}), {}), harmonize::Kind::copied), 0U);
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::baselines

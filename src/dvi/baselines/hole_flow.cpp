@@ -12,7 +12,7 @@
 
 #include "dvi/image/region.h"
 
-namespace dvi {
+namespace dvi::baselines {
 namespace {
 
 constexpr int kStep = 2;               // px between grid points
@@ -143,4 +143,4 @@ HoleFlow hole_flow(const cv::Mat3b& first, const cv::Mat1b& first_mask, const cv
   return trusted;
 }
 
-}  // namespace dvi
+}  // namespace dvi::baselines

@@ -4,7 +4,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace dvi {
+namespace dvi::baselines {
 
 /// How the scene behind the masks moves between two frames, on a grid of every second pixel: their optical flow (DIS, both
 /// ways), in and near the masks of either continued from around them as a thin plate.
@@ -19,4 +19,4 @@ struct HoleFlow {
 HoleFlow hole_flow(const cv::Mat3b& first, const cv::Mat1b& first_mask, const cv::Mat3b& second, const cv::Mat1b& second_mask,
                    double consistency_px);
 
-}  // namespace dvi
+}  // namespace dvi::baselines

@@ -9,7 +9,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/pipeline/audit_result.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 void add_audit(Program& program) {
   struct Arguments {
@@ -28,10 +28,10 @@ void add_audit(Program& program) {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     a->drives.insert(a->drives.begin(), a->target);
-    const AuditReport report = audit_result(a->out, a->drives, a->masks, progress);
+    const pipeline::AuditReport report = pipeline::audit_result(a->out, a->drives, a->masks, progress);
     fmt::print("{}\n", a->common.json ? report.json : report.text);
     if (!report.audit.passed()) throw InputError(a->out, "fails the audit", "see the report");
   });
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

@@ -8,7 +8,7 @@
 #include "dvi/cli/job_options.h"
 #include "dvi/core/threads.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 void add_check(Program& program) {
   struct Arguments {
@@ -24,10 +24,10 @@ void add_check(Program& program) {
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const CheckReport report = check(a->options.job("", a->drive, {}), progress);
+    const pipeline::CheckReport report = pipeline::check(a->options.job("", a->drive, {}), progress);
     progress.end();
     fmt::print("{}\n", a->common.json ? report.json : report.text);
   });
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

@@ -8,7 +8,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/version.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 struct Command::Impl {
   CLI::App* app;
@@ -98,4 +98,4 @@ void Common::add_to(Command& command, bool with_json, bool with_seed) {
   if (with_json) command.flag("--json", json, "The result as one JSON document on stdout");
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

@@ -9,7 +9,7 @@
 #include "dvi/core/options.h"
 #include "dvi/core/progress.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 /// One command of the program: what it takes and what it does. A thin face of CLI11, whose header is slow to compile.
 /// Fields are left as they are where the command line does not name them.
@@ -80,4 +80,4 @@ void add_config(Program& program);
 void add_formats(Program& program);
 void add_version(Program& program);
 
-}  // namespace dvi
+}  // namespace dvi::cli

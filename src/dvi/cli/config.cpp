@@ -5,7 +5,7 @@
 #include "dvi/cli/command.h"
 #include "dvi/cli/job_options.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 void add_config(Program& program) {
   Command command = program.command("config", "The options");
@@ -15,4 +15,4 @@ void add_config(Program& program) {
   dump.run([options] { fmt::print("{}", options->job("", "", {}).table().dump_toml()); });
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

@@ -10,17 +10,17 @@
 #include "dvi/pipeline/summary.h"
 #include "dvi/synth/synth.h"
 
-namespace dvi {
+namespace dvi::cli {
 namespace {
 
 // The street is made once; a later demo finds it.
 std::string demo_street(const fs::path& out, int seed, Progress& progress) {
   const fs::path street = out / "street";
   if (!fs::exists(street / "README.txt")) {
-    SynthOptions options;
+    synth::SynthOptions options;
     options.seed = seed;
     progress.begin("synth", static_cast<std::size_t>(options.frames));
-    synthesise(options, street, progress.tick());
+    synth::synthesise(options, street, progress.tick());
     progress.end();
   }
   return street;
@@ -48,14 +48,15 @@ void add_demo(Program& program) {
     const fs::path out = a->out;
     const bool synthetic = a->drive.empty();
     const std::string drive = synthetic ? demo_street(out, a->common.seed, progress) : a->drive;
-    Job job = a->options.job(out / "result", drive, {});
+    pipeline::Job job = a->options.job(out / "result", drive, {});
     job.force = a->force;
-    const std::string report = run(job, progress);
+    const std::string report = pipeline::run(job, progress);
     progress.end();
-    fmt::print("{}\n", a->common.json ? report : run_summary(report, job.out));
+    fmt::print("{}\n", a->common.json ? report : pipeline::run_summary(report, job.out));
     if (synthetic && !a->common.json)
-      fmt::print("\nAgainst the truth, inside the mask:\n{}\n", table(evaluate({job.out, fs::path(drive) / "truth"})));
+      fmt::print("\nAgainst the truth, inside the mask:\n{}\n",
+                 metrics::table(metrics::evaluate({job.out, fs::path(drive) / "truth"})));
   });
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

@@ -9,7 +9,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/metrics/evaluate.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 void add_eval(Program& program) {
   struct Arguments {
@@ -26,18 +26,18 @@ void add_eval(Program& program) {
                  "NAME=DIR: score another program's frames (NAME.png or .jpg) on the same pixels; any number of times");
   a->common.add_to(command, true);
   command.run([a] {
-    const EvaluationFolders folders{a->out, a->truth, a->ignore, parse_external(a->external)};
+    const metrics::EvaluationFolders folders{a->out, a->truth, a->ignore, metrics::parse_external(a->external)};
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     progress.begin("eval", 0);
-    const Evaluation evaluation = evaluate(folders, progress.tick());
+    const metrics::Evaluation evaluation = metrics::evaluate(folders, progress.tick());
     progress.end();
     for (const std::string& warning : evaluation.warnings) progress.warn(warning);
     if (a->common.json)
       fmt::print("{}\n", nlohmann::json(evaluation).dump(1));
     else
-      fmt::print("{}\n", table(evaluation));
+      fmt::print("{}\n", metrics::table(evaluation));
   });
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

@@ -8,7 +8,7 @@
 #include "dvi/cli/job_options.h"
 #include "dvi/core/threads.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 void add_forecast(Program& program) {
   struct Arguments {
@@ -27,10 +27,10 @@ void add_forecast(Program& program) {
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const ForecastReport report = forecast_holes(a->options.job(a->out, a->drive, a->sources), progress);
+    const pipeline::ForecastReport report = pipeline::forecast_holes(a->options.job(a->out, a->drive, a->sources), progress);
     progress.end();
     fmt::print("{}\n", a->common.json ? report.json : report.text);
   });
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

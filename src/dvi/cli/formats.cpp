@@ -3,12 +3,12 @@
 #include "dvi/cli/command.h"
 #include "dvi/io/reader.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 void add_formats(Program& program) {
   program.command("formats", "The layouts of recordings that dvi reads").run([] {
-    for (const DriveFormat& format : drive_formats()) fmt::print("{:<14} {}\n", format.name, format.summary);
+    for (const io::DriveFormat& format : io::drive_formats()) fmt::print("{:<14} {}\n", format.name, format.summary);
   });
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

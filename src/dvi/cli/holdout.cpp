@@ -7,7 +7,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/pipeline/make_holdout.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 void add_holdout(Program& program) {
   struct Arguments {
@@ -23,10 +23,10 @@ void add_holdout(Program& program) {
   a->options.add_to(command);
   a->common.add_to(command, true);
   command.run([a] {
-    const HoldoutOptions options{parse_scenario(a->scenario), a->common.seed};
+    const holdout::HoldoutOptions options{holdout::parse_scenario(a->scenario), a->common.seed};
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    make_holdout(a->options.job(a->out, a->drive, {}), options, progress);
+    pipeline::make_holdout(a->options.job(a->out, a->drive, {}), options, progress);
     if (a->common.json)
       fmt::print("{}", read_file(fs::path(a->out) / "holdout.json"));
     else
@@ -35,4 +35,4 @@ void add_holdout(Program& program) {
   });
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

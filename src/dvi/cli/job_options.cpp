@@ -1,6 +1,6 @@
 #include "dvi/cli/job_options.h"
 
-namespace dvi {
+namespace dvi::cli {
 namespace {
 
 // Left alone where it is no path but a word (labels, auto).
@@ -24,11 +24,12 @@ void JobOptions::add_to(Command& command) {
   command.option("--set", set, "section.key=value, any number of times; dvi config dump lists them");
 }
 
-Job JobOptions::job(const std::string& out, const std::string& target, const std::vector<std::string>& sources) const {
-  Job job;
+pipeline::Job JobOptions::job(const std::string& out, const std::string& target,
+                              const std::vector<std::string>& sources) const {
+  pipeline::Job job;
   OptionTable table = job.table();
   if (!config.empty()) table.load_toml(config);
-  use_method(method.value_or(job.method), job.options);
+  pipeline::use_method(method.value_or(job.method), job.options);
   // Once more: what the file says of single options holds against the method it names.
   if (!config.empty() && !method) table.load_toml(config);
   if (method) job.method = *method;
@@ -49,4 +50,4 @@ Job JobOptions::job(const std::string& out, const std::string& target, const std
   return job;
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

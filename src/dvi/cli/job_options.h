@@ -7,7 +7,7 @@
 #include "dvi/cli/command.h"
 #include "dvi/pipeline/job.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 /// The command line of a job: which drives, which of their data, which options. Shared by run, map and config dump.
 struct JobOptions {
@@ -18,7 +18,7 @@ struct JobOptions {
   void add_to(Command& command);
 
   /// The job these make: defaults, then the method's, then --config, then the command line and --set. Paths become absolute.
-  Job job(const std::string& out, const std::string& target, const std::vector<std::string>& sources) const;
+  pipeline::Job job(const std::string& out, const std::string& target, const std::vector<std::string>& sources) const;
 };
 
-}  // namespace dvi
+}  // namespace dvi::cli

@@ -11,19 +11,19 @@ int main(int argc, char** argv) {
   // Freed images go back to the system at once, so that memory does not creep up with what lies between them.
   mallopt(M_MMAP_THRESHOLD, 1 << 18);
   dvi::catch_interrupts();
-  dvi::Program program;
-  dvi::add_run(program);
-  dvi::add_map(program);
-  dvi::add_eval(program);
-  dvi::add_audit(program);
-  dvi::add_check(program);
-  dvi::add_forecast(program);
-  dvi::add_holdout(program);
-  dvi::add_selfcheck(program);
-  dvi::add_synth(program);
-  dvi::add_demo(program);
-  dvi::add_config(program);
-  dvi::add_formats(program);
-  dvi::add_version(program);
+  dvi::cli::Program program;
+  dvi::cli::add_run(program);
+  dvi::cli::add_map(program);
+  dvi::cli::add_eval(program);
+  dvi::cli::add_audit(program);
+  dvi::cli::add_check(program);
+  dvi::cli::add_forecast(program);
+  dvi::cli::add_holdout(program);
+  dvi::cli::add_selfcheck(program);
+  dvi::cli::add_synth(program);
+  dvi::cli::add_demo(program);
+  dvi::cli::add_config(program);
+  dvi::cli::add_formats(program);
+  dvi::cli::add_version(program);
   return program.main(argc, argv);
 }

@@ -8,7 +8,7 @@
 #include "dvi/cli/job_options.h"
 #include "dvi/core/threads.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 void add_map(Program& program) {
   struct Arguments {
@@ -27,7 +27,7 @@ void add_map(Program& program) {
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const std::string report = make_map(a->options.job(a->out, a->drive, {}), a->trajectory, progress);
+    const std::string report = pipeline::make_map(a->options.job(a->out, a->drive, {}), a->trajectory, progress);
     progress.end();
     if (a->common.json)
       fmt::print("{}\n", report);
@@ -36,4 +36,4 @@ void add_map(Program& program) {
   });
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

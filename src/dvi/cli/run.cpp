@@ -10,7 +10,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/pipeline/summary.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 void add_run(Program& program) {
   struct Arguments {
@@ -29,16 +29,16 @@ void add_run(Program& program) {
   command.flag("--force", a->force, "Replace a result of another drive");
   a->common.add_to(command, true);
   command.run([a] {
-    Job job = a->options.job(a->out, a->target, a->sources);
+    pipeline::Job job = a->options.job(a->out, a->target, a->sources);
     job.force = a->force;
     if (job.target.empty()) throw UsageError("dvi run wants a drive: dvi run TARGET -o OUT");
     if (job.out.empty()) throw UsageError("dvi run wants a folder for the result: -o OUT");
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const std::string report = run(job, progress);
+    const std::string report = pipeline::run(job, progress);
     progress.end();
-    fmt::print("{}\n", a->common.json ? report : run_summary(report, job.out));
+    fmt::print("{}\n", a->common.json ? report : pipeline::run_summary(report, job.out));
   });
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

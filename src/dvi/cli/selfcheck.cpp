@@ -9,7 +9,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/metrics/evaluate.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 void add_selfcheck(Program& program) {
   struct Arguments {
@@ -29,15 +29,15 @@ void add_selfcheck(Program& program) {
   a->options.add_to(command);
   a->common.add_to(command, true);
   command.run([a] {
-    std::vector<Scenario> scenarios;
-    for (const std::string& scenario : a->scenarios) scenarios.push_back(parse_scenario(scenario));
-    const std::vector<ExternalFrames> external = parse_external(a->external);
+    std::vector<holdout::Scenario> scenarios;
+    for (const std::string& scenario : a->scenarios) scenarios.push_back(holdout::parse_scenario(scenario));
+    const std::vector<metrics::ExternalFrames> external = metrics::parse_external(a->external);
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const SelfcheckReport report =
-        selfcheck(a->options.job(a->out, a->drive, {}), scenarios, external, a->common.seed, progress);
+    const pipeline::SelfcheckReport report =
+        pipeline::selfcheck(a->options.job(a->out, a->drive, {}), scenarios, external, a->common.seed, progress);
     fmt::print("{}\n", a->common.json ? report.json : report.text);
   });
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

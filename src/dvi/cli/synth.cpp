@@ -7,13 +7,13 @@
 #include "dvi/cli/command.h"
 #include "dvi/core/threads.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 void add_synth(Program& program) {
   struct Arguments {
     std::string out, config;
     std::vector<std::string> set;
-    SynthOptions options;
+    synth::SynthOptions options;
     OptionTable table;
     Common common;
   };
@@ -31,10 +31,10 @@ void add_synth(Program& program) {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     progress.begin("synth", static_cast<std::size_t>(a->options.frames));
-    synthesise(a->options, a->out, progress.tick());
+    synth::synthesise(a->options, a->out, progress.tick());
     progress.end();
     fmt::print("{0}          the drive\n{0}/truth    the same frames without traffic\n", a->out);
   });
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

@@ -4,10 +4,10 @@
 
 #include "dvi/cli/command.h"
 
-namespace dvi {
+namespace dvi::cli {
 
 void add_version(Program& program) {
   program.command("version", "The version of dvi").run([] { fmt::print("dvi {}\n", kVersion); });
 }
 
-}  // namespace dvi
+}  // namespace dvi::cli

@@ -4,7 +4,7 @@
 
 #include <boost/polygon/voronoi.hpp>
 
-namespace dvi {
+namespace dvi::depth {
 namespace {
 
 constexpr double kScale = 16;  // the diagram wants integers
@@ -14,25 +14,26 @@ struct Site {
 };
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::depth
 
 template <>
-struct boost::polygon::geometry_concept<dvi::Site> {
+struct boost::polygon::geometry_concept<dvi::depth::Site> {
   using type = point_concept;
 };
 
 template <>
-struct boost::polygon::point_traits<dvi::Site> {
+struct boost::polygon::point_traits<dvi::depth::Site> {
   using coordinate_type = int;
-  static int get(const dvi::Site& site, const orientation_2d& axis) { return axis == HORIZONTAL ? site.x : site.y; }
+  static int get(const dvi::depth::Site& site, const orientation_2d& axis) { return axis == HORIZONTAL ? site.x : site.y; }
 };
 
-namespace dvi {
+namespace dvi::depth {
 
-void delaunay(const std::vector<VisiblePoint>& points, const std::function<void(const std::array<std::size_t, 3>&)>& triangle) {
+void delaunay(const std::vector<map::VisiblePoint>& points,
+              const std::function<void(const std::array<std::size_t, 3>&)>& triangle) {
   std::vector<Site> sites;
   sites.reserve(points.size());
-  for (const VisiblePoint& p : points)
+  for (const map::VisiblePoint& p : points)
     sites.push_back({static_cast<int>(std::lround(p.u * kScale)), static_cast<int>(std::lround(p.v * kScale))});
   boost::polygon::voronoi_diagram<double> diagram;
   boost::polygon::construct_voronoi(sites.begin(), sites.end(), &diagram);
@@ -49,4 +50,4 @@ void delaunay(const std::vector<VisiblePoint>& points, const std::function<void(
   }
 }
 
-}  // namespace dvi
+}  // namespace dvi::depth

@@ -9,7 +9,7 @@
 
 #include "dvi/depth/triangle.h"
 
-namespace dvi {
+namespace dvi::depth {
 namespace {
 
 constexpr float kRangeNoise = 0.02F;  // metres, of the LiDAR
@@ -103,7 +103,7 @@ std::vector<int> skyline(const std::vector<Surfel>& surfels, const Camera& camer
 
 }  // namespace
 
-DepthMap depth_map(const StaticMap& map, const View& view, const DepthOptions& options) {
+DepthMap depth_map(const map::StaticMap& map, const View& view, const DepthOptions& options) {
   const SurfelMesh mesh = surfel_mesh(map, view, options.splat_m, options.see_through, options.max_slope);
   Picture picture = paint(mesh, view, options.split_edges);
   if (options.split_edges) stand(picture, mesh.surfels);
@@ -126,4 +126,4 @@ DepthMap depth_map(const StaticMap& map, const View& view, const DepthOptions& o
   return depth;
 }
 
-}  // namespace dvi
+}  // namespace dvi::depth

@@ -5,7 +5,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/map/static_map.h"
 
-namespace dvi {
+namespace dvi::depth {
 
 struct DepthOptions {
   double splat_m = 0.07;
@@ -32,6 +32,6 @@ struct DepthOptions {
 /// Depth of a view from the map (section 3.3 of the paper): the visible points with the planes they lie on, and between them
 /// what those surfaces show: one surface interpolated linearly in 1/z (exact for planes), several cut where they meet or hide
 /// each other. Pixels above the last return are sky.
-DepthMap depth_map(const StaticMap& map, const View& view, const DepthOptions& options);
+DepthMap depth_map(const map::StaticMap& map, const View& view, const DepthOptions& options);
 
-}  // namespace dvi
+}  // namespace dvi::depth

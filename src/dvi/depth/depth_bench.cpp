@@ -6,12 +6,12 @@
 #include "dvi/depth/delaunay.h"
 #include "dvi/depth/visibility_map.h"
 
-namespace dvi {
+namespace dvi::depth {
 namespace {
 
 /// Points of a street 60 m long before the camera: ground, facades to either side, trunks along the kerbs.
-StaticMap street_map(int points) {
-  StaticMap map;
+map::StaticMap street_map(int points) {
+  map::StaticMap map;
   Random random(5);
   const auto add = [&](double x, double y, double z) { map.points.push_back({Eigen::Vector3d(x, y, z).cast<float>(), 0, 1}); };
   for (int i = 0; i < 7 * (points / 10); ++i) add(random.uniform(3, 60), random.uniform(-9, 9), -1.7);
@@ -21,7 +21,7 @@ StaticMap street_map(int points) {
     add(8 + 6 * (i % 8) + 0.2 * std::cos(angle), (i % 2 == 0 ? 5 : -5) + 0.2 * std::sin(angle), random.uniform(-1.7, 3));
   }
   Eigen::AlignedBox3f bounds;
-  for (const MapPoint& p : map.points) bounds.extend(p.position);
+  for (const map::MapPoint& p : map.points) bounds.extend(p.position);
   map.tiles = {{bounds, 0, map.points.size()}};
   return map;
 }
@@ -35,7 +35,7 @@ View street_view() {
 
 /// The whole of depth_map at 1280x720, by points of the map; with the argument 0 in the published form.
 void depth(benchmark::State& state) {
-  const StaticMap map = street_map(static_cast<int>(state.range(0)));
+  const map::StaticMap map = street_map(static_cast<int>(state.range(0)));
   DepthOptions options;
   options.split_edges = state.range(1) != 0;
   DepthMap out;
@@ -55,7 +55,7 @@ BENCHMARK(depth)
 void triangulate(benchmark::State& state) {
   const DepthOptions options;
   const auto points =
-      visible_points(street_map(static_cast<int>(state.range(0))), street_view(), options.splat_m, options.see_through);
+      map::visible_points(street_map(static_cast<int>(state.range(0))), street_view(), options.splat_m, options.see_through);
   std::size_t triangles = 0;
   for (auto _ : state) {
     triangles = 0;
@@ -75,4 +75,4 @@ void visibility(benchmark::State& state) {
 BENCHMARK(visibility)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::depth

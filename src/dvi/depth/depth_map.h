@@ -4,7 +4,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace dvi {
+namespace dvi::depth {
 
 /// Depth of every pixel of a view.
 struct DepthMap {
@@ -18,4 +18,4 @@ struct DepthMap {
   static bool is_surface(float depth) { return depth > 0 && depth < kSky; }
 };
 
-}  // namespace dvi
+}  // namespace dvi::depth

@@ -11,12 +11,12 @@
 #include "dvi/depth/test_map.h"
 #include "dvi/depth/visibility_map.h"
 
-namespace dvi {
+namespace dvi::depth {
 namespace {
 
 TEST(Delaunay, CoversTheHullOnceAndKeepsCirclesEmpty) {
   Random random(1);
-  std::vector<VisiblePoint> points;
+  std::vector<map::VisiblePoint> points;
   std::set<std::pair<int, int>> used;
   for (int i = 0; i < 200; ++i) {
     const int u = random.below(100), v = random.below(100);
@@ -38,7 +38,7 @@ TEST(Delaunay, CoversTheHullOnceAndKeepsCirclesEmpty) {
     const Eigen::Vector2d centre = a + Eigen::Vector2d(ac.y() * ab.squaredNorm() - ab.y() * ac.squaredNorm(),
                                                        ab.x() * ac.squaredNorm() - ac.x() * ab.squaredNorm()) /
                                            d;
-    for (const VisiblePoint& p : points)
+    for (const map::VisiblePoint& p : points)
       if ((Eigen::Vector2d(p.u, p.v) - centre).norm() < (a - centre).norm() - 1e-6) ++inside;
   });
   EXPECT_NEAR(area, 100 * 100, 1e-6);
@@ -46,7 +46,7 @@ TEST(Delaunay, CoversTheHullOnceAndKeepsCirclesEmpty) {
 }
 
 TEST(Depth, SlantedPlaneIsExact) {
-  StaticMap map;  // the ground, 1.6 m below, sampled in rows that get sparse with distance as a LiDAR's do
+  map::StaticMap map;  // the ground, 1.6 m below, sampled in rows that get sparse with distance as a LiDAR's do
   for (double x = 3; x < 60; x *= 1.06)
     for (double y = -12; y <= 12; y += 0.2) add(map, x, y, -1.6);
   finish(map);
@@ -67,7 +67,7 @@ TEST(Depth, SlantedPlaneIsExact) {
 }
 
 TEST(Depth, AboveTheLastReturnIsSky) {
-  StaticMap map;
+  map::StaticMap map;
   for (double y = -8; y <= 8; y += 0.1)
     for (double z = -1.6; z <= 2; z += 0.1) add(map, 20, y, z);
   finish(map);
@@ -81,8 +81,8 @@ TEST(Depth, AboveTheLastReturnIsSky) {
 }
 
 // A pole at 10 m before a wall at 20 m, both well sampled.
-StaticMap pole_and_wall() {
-  StaticMap map;
+map::StaticMap pole_and_wall() {
+  map::StaticMap map;
   for (double y = -8; y <= 8; y += 0.08)
     for (double z = -3; z <= 5; z += 0.08) add(map, 20, y, z);
   for (double y = -0.2; y <= 0.2; y += 0.05)
@@ -112,7 +112,7 @@ TEST(Depth, EdgesAreCutNotBent) {
 }
 
 TEST(Depth, NearSurfaceHidesTheFarOneThroughItsGaps) {
-  StaticMap map;
+  map::StaticMap map;
   for (double y = -8; y <= 8; y += 0.05)
     for (double z = -3; z <= 3; z += 0.05) add(map, 30, y, z);
   for (double y = -2; y <= 2; y += 0.1)
@@ -166,10 +166,10 @@ TEST(VisibilityMap, KnowsHowSureItIsOfWhatItSees) {
 }
 
 TEST(Depth, EmptyMapIsAllSky) {
-  const DepthMap depth = depth_map(StaticMap(), test_view(), {});
+  const DepthMap depth = depth_map(map::StaticMap(), test_view(), {});
   EXPECT_EQ(depth.z.size(), cv::Size(320, 200));
   EXPECT_TRUE(std::isinf(depth.z(0, 0)));
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::depth

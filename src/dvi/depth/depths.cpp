@@ -4,7 +4,7 @@
 
 #include "dvi/core/threads.h"
 
-namespace dvi {
+namespace dvi::depth {
 namespace {
 
 constexpr std::size_t kVisibilityPixels = std::size_t{200} << 20;  // five bytes for four of them
@@ -23,4 +23,4 @@ Depths::Depths(const Views& views, int mask_margin_px, const std::function<Depth
                    return visibility_map(*depths[i], *masks[i], mask_margin_px);
                  }) {}
 
-}  // namespace dvi
+}  // namespace dvi::depth

@@ -8,7 +8,7 @@
 #include "dvi/depth/visibility_map.h"
 #include "dvi/drive/view.h"
 
-namespace dvi {
+namespace dvi::depth {
 
 /// Depth on demand. As sources, views are asked only for what they can lend, which is small and kept for many of them; of
 /// whole depth maps only those of the frames in work are kept, so that memory stays flat.
@@ -20,4 +20,4 @@ struct Depths {
   Lazy<VisibilityMap> visibility;  ///< as views
 };
 
-}  // namespace dvi
+}  // namespace dvi::depth

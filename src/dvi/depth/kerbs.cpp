@@ -8,7 +8,7 @@
 
 #include <Eigen/Dense>
 
-namespace dvi {
+namespace dvi::depth {
 namespace {
 
 constexpr float kReach = 40;                   // metres: farther away steps are as high as the noise of poses
@@ -113,4 +113,4 @@ float Kerbs::inverse(const std::array<const Surfel*, 3>& corners, const std::arr
   return inverse;
 }
 
-}  // namespace dvi
+}  // namespace dvi::depth

@@ -5,7 +5,7 @@
 
 #include "dvi/depth/surfel_mesh.h"
 
-namespace dvi {
+namespace dvi::depth {
 
 /// Straight steps of the ground, all in one direction: kerbs. They go on where nothing was scanned.
 class Kerbs {
@@ -35,4 +35,4 @@ class Kerbs {
   std::vector<Line> lines_;
 };
 
-}  // namespace dvi
+}  // namespace dvi::depth

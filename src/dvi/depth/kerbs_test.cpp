@@ -5,7 +5,7 @@
 #include "dvi/depth/depth.h"
 #include "dvi/depth/test_map.h"
 
-namespace dvi {
+namespace dvi::depth {
 namespace {
 
 constexpr double kKerb = 2.55, kHeight = 0.14, kRoad = -1.6;  // the pavement is to the left
@@ -13,12 +13,12 @@ constexpr double kKerb = 2.55, kHeight = 0.14, kRoad = -1.6;  // the pavement is
 double level(double y) { return y > kKerb ? kRoad + kHeight : kRoad; }
 
 /// Road and pavement with their normals, nothing between 9 and 22 m from `hole_from` to `hole_to` (metres left).
-StaticMap street(double height, double hole_from, double hole_to) {
-  StaticMap map;
+map::StaticMap street(double height, double hole_from, double hole_to) {
+  map::StaticMap map;
   for (double x = 4; x < 45; x += 0.06 + 0.012 * x)
     for (double y = -8; y <= 10; y += 0.1)
       if (x < 9 || x > 22 || y < hole_from || y > hole_to) add(map, x, y, y > kKerb ? kRoad + height : kRoad);
-  for (MapPoint& p : map.points) p.normal = Eigen::Vector3f::UnitZ();
+  for (map::MapPoint& p : map.points) p.normal = Eigen::Vector3f::UnitZ();
   finish(map);
   return map;
 }
@@ -41,7 +41,7 @@ TEST(Kerbs, GoOnThroughWhatNobodyScanned) {
 
 TEST(Kerbs, AreNotSeenInLevelGround) {
   const View view = test_view();
-  const StaticMap map = street(0, -1, 6);
+  const map::StaticMap map = street(0, -1, 6);
   EXPECT_TRUE(Kerbs(surfel_mesh(map, view, 0.07, 0.05, 10), eye_of(view)).empty());
   EXPECT_TRUE(Kerbs(SurfelMesh(), eye_of(view)).empty());
 }
@@ -50,7 +50,7 @@ TEST(Kerbs, AreFoundWhereverTheStreetPoints) {
   const View view = test_view();
   for (const double angle : {0.0, 0.3, -0.5}) {
     const Eigen::Rotation2Dd turn(angle);
-    StaticMap map;
+    map::StaticMap map;
     for (double x = 4; x < 40; x += 0.06 + 0.012 * x)
       for (double y = -8; y <= 10; y += 0.1) {
         const Eigen::Vector2d p = turn * Eigen::Vector2d(x, y);
@@ -62,4 +62,4 @@ TEST(Kerbs, AreFoundWhereverTheStreetPoints) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::depth

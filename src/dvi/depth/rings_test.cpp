@@ -11,7 +11,7 @@
 
 // What a LiDAR of 64 beams scans of exact shapes, against the depth of the same shapes at each pixel.
 
-namespace dvi {
+namespace dvi::depth {
 namespace {
 
 using Eigen::Vector3d;
@@ -57,8 +57,8 @@ struct Place {
 };
 
 /// Rings of 64 beams, 0.2 degrees between firings, from some places on the way of a car.
-StaticMap scan(const Place& place, int sweeps) {
-  StaticMap map;
+map::StaticMap scan(const Place& place, int sweeps) {
+  map::StaticMap map;
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (int beam = 0; beam < 64; ++beam)
       for (int firing = -180; firing <= 180; ++firing) {
@@ -186,4 +186,4 @@ TEST_P(Rings, LieOnGroundThatSlants) {
 
 INSTANTIATE_TEST_SUITE_P(Depth, Rings, testing::Values(1, 4));
 
-}  // namespace dvi
+}  // namespace dvi::depth

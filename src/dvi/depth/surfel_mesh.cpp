@@ -8,7 +8,7 @@
 #include "dvi/depth/delaunay.h"
 #include "dvi/map/visible_points.h"
 
-namespace dvi {
+namespace dvi::depth {
 namespace {
 
 constexpr float kNoise = 0.06F;         // metres: three times the range noise of a LiDAR
@@ -37,7 +37,7 @@ void set_slope(Surfel& s, const View& view) {
   s.slope_v = static_cast<float>(n.dot(view.camera.ray({s.u, s.v + 1}) - ray) / offset);
 }
 
-Surfel surfel(const VisiblePoint& p, const StaticMap& map) {
+Surfel surfel(const map::VisiblePoint& p, const map::StaticMap& map) {
   Surfel s;
   s.u = p.u;
   s.v = p.v;
@@ -178,11 +178,11 @@ Joint joint(const Surfel& a, const Surfel& b) {
   return Joint::step;
 }
 
-SurfelMesh surfel_mesh(const StaticMap& map, const View& view, double splat_m, double see_through, double max_slope) {
-  const std::vector<VisiblePoint> points = visible_points(map, view, splat_m, see_through);
+SurfelMesh surfel_mesh(const map::StaticMap& map, const View& view, double splat_m, double see_through, double max_slope) {
+  const std::vector<map::VisiblePoint> points = map::visible_points(map, view, splat_m, see_through);
   SurfelMesh mesh;
   mesh.surfels.reserve(points.size());
-  for (const VisiblePoint& p : points) mesh.surfels.push_back(surfel(p, map));
+  for (const map::VisiblePoint& p : points) mesh.surfels.push_back(surfel(p, map));
   delaunay(points, [&](const std::array<std::size_t, 3>& corners) { mesh.triangles.push_back(corners); });
   set_planes(mesh, view, static_cast<float>(max_slope));
   smooth_normals(mesh);
@@ -191,4 +191,4 @@ SurfelMesh surfel_mesh(const StaticMap& map, const View& view, double splat_m, d
   return mesh;
 }
 
-}  // namespace dvi
+}  // namespace dvi::depth

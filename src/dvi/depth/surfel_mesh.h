@@ -9,7 +9,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/map/static_map.h"
 
-namespace dvi {
+namespace dvi::depth {
 
 /// A visible point of the map with the plane of the surface it lies on, as a view sees it.
 struct Surfel {
@@ -53,6 +53,6 @@ struct SurfelMesh {
 
 /// `splat_m`, `see_through`: as visible_points. Planes that leave the view more steeply than `max_slope` (depth over width) are
 /// taken from the map, or for the ground, but not guessed from neighbours.
-SurfelMesh surfel_mesh(const StaticMap& map, const View& view, double splat_m, double see_through, double max_slope);
+SurfelMesh surfel_mesh(const map::StaticMap& map, const View& view, double splat_m, double see_through, double max_slope);
 
-}  // namespace dvi
+}  // namespace dvi::depth

@@ -7,17 +7,17 @@
 #include "dvi/depth/depth.h"
 #include "dvi/depth/test_map.h"
 
-namespace dvi {
+namespace dvi::depth {
 namespace {
 
 template <class Shadow>
-void add_ground(StaticMap& map, double far, const Shadow& shadow) {
+void add_ground(map::StaticMap& map, double far, const Shadow& shadow) {
   for (double x = 4; x < far; x *= 1.03)
     for (double y = -10; y <= 10; y += 0.15)
       if (!shadow(x, y)) add(map, x, y, -1.6);
 }
 
-void add_wall(StaticMap& map, double x, double half, double bottom, double top) {
+void add_wall(map::StaticMap& map, double x, double half, double bottom, double top) {
   for (double y = -half; y <= half; y += 0.1)
     for (double z = bottom; z <= top; z += 0.1) add(map, x, y, z);
 }
@@ -45,7 +45,7 @@ TEST(SurfelMesh, TellsHowSurfacesMeet) {
 }
 
 TEST(SurfelMesh, SparseReturnsTakeThePlaneOfTheirNeighbours) {
-  StaticMap map;  // too few a metre for the map to know normals
+  map::StaticMap map;  // too few a metre for the map to know normals
   add_ground(map, 60, [](double, double) { return false; });
   finish(map);
   const SurfelMesh mesh = surfel_mesh(map, test_view(), 0.07, 0.05, 10);
@@ -56,7 +56,7 @@ TEST(SurfelMesh, SparseReturnsTakeThePlaneOfTheirNeighbours) {
 }
 
 TEST(Depth, GroundGoesOnThroughAHoleUpToTheWallBehind) {
-  StaticMap map;  // what a vehicle hid from all scans: the ground from 8 m to the wall, and the lower part of that
+  map::StaticMap map;  // what a vehicle hid from all scans: the ground from 8 m to the wall, and the lower part of that
   add_ground(map, 24, [](double x, double y) { return x > 8 && std::abs(y) < 2; });
   add_wall(map, 24, 10, -0.4, 3);
   finish(map);
@@ -72,7 +72,7 @@ TEST(Depth, GroundGoesOnThroughAHoleUpToTheWallBehind) {
 }
 
 TEST(Depth, WhatStandsUprightReachesTheGroundWhereNothingWasScanned) {
-  StaticMap map;  // a box 15 m away of which scans saw the top 40 cm, before a wall
+  map::StaticMap map;  // a box 15 m away of which scans saw the top 40 cm, before a wall
   add_ground(map, 40, [](double x, double y) { return x > 9 && std::abs(y) < 3; });
   add_wall(map, 15, 1, -0.7, -0.3);
   add_wall(map, 40, 12, -0.2, 4);
@@ -89,7 +89,7 @@ TEST(Depth, WhatStandsUprightReachesTheGroundWhereNothingWasScanned) {
 }
 
 TEST(Depth, WhatHangsDoesNotBecomeACurtain) {
-  StaticMap map;  // a sign at 10 m whose foot would land long before the gap below it ends
+  map::StaticMap map;  // a sign at 10 m whose foot would land long before the gap below it ends
   add_ground(map, 40, [](double x, double y) { return x > 25 && std::abs(y) < 4; });
   add_wall(map, 10, 0.5, 0.2, 1);
   add_wall(map, 40, 12, -0.2, 4);
@@ -102,7 +102,7 @@ TEST(Depth, WhatHangsDoesNotBecomeACurtain) {
 }
 
 TEST(Depth, SigmaGrowsWhereTheSurfaceIsSeenAtAGrazingAngle) {
-  StaticMap map;
+  map::StaticMap map;
   add_ground(map, 60, [](double, double) { return false; });
   add_wall(map, 60, 10, -1.6, 3);
   finish(map);
@@ -113,4 +113,4 @@ TEST(Depth, SigmaGrowsWhereTheSurfaceIsSeenAtAGrazingAngle) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::depth

@@ -3,7 +3,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/map/static_map.h"
 
-namespace dvi {
+namespace dvi::depth {
 
 /// Looks along x.
 inline View test_view() {
@@ -14,14 +14,14 @@ inline View test_view() {
 }
 
 /// One tile of all points.
-inline void finish(StaticMap& map) {
+inline void finish(map::StaticMap& map) {
   Eigen::AlignedBox3f bounds;
-  for (const MapPoint& p : map.points) bounds.extend(p.position);
+  for (const map::MapPoint& p : map.points) bounds.extend(p.position);
   map.tiles = {{bounds, 0, map.points.size()}};
 }
 
-inline void add(StaticMap& map, double x, double y, double z) {
+inline void add(map::StaticMap& map, double x, double y, double z) {
   map.points.push_back({Eigen::Vector3d(x, y, z).cast<float>(), 0, 1});
 }
 
-}  // namespace dvi
+}  // namespace dvi::depth

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace dvi {
+namespace dvi::depth {
 namespace {
 
 constexpr float kGap = 2;  // times the spacing of returns: nothing was scanned in between
@@ -115,4 +115,4 @@ Triangle::Value Triangle::at(float x, float y, const std::array<float, 3>& w) co
   return value;
 }
 
-}  // namespace dvi
+}  // namespace dvi::depth

@@ -5,7 +5,7 @@
 #include "dvi/depth/kerbs.h"
 #include "dvi/depth/surfel_mesh.h"
 
-namespace dvi {
+namespace dvi::depth {
 
 /// What is seen within a triangle of three surfels: one surface, or several that meet in it or hide each other.
 class Triangle {
@@ -44,4 +44,4 @@ class Triangle {
   int lone_ = -1;  ///< the corner that a step parts from both others
 };
 
-}  // namespace dvi
+}  // namespace dvi::depth

@@ -7,7 +7,7 @@
 
 #include "dvi/image/region.h"
 
-namespace dvi {
+namespace dvi::depth {
 namespace {
 
 /// Where surfaces end: the step to a neighbour is not that from the opposite one, as on a plane it is in 1/z.
@@ -65,4 +65,4 @@ VisibilityMap visibility_map(const DepthMap& depth, const cv::Mat1b& mask, int m
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::depth

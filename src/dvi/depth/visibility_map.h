@@ -8,7 +8,7 @@
 
 #include "dvi/depth/depth_map.h"
 
-namespace dvi {
+namespace dvi::depth {
 
 /// What a view can lend to others, small enough to keep for many views: five bytes for each 2 x 2 block of pixels.
 struct VisibilityMap {
@@ -53,4 +53,4 @@ struct VisibilityMap {
 
 VisibilityMap visibility_map(const DepthMap& depth, const cv::Mat1b& mask, int mask_margin_px);
 
-}  // namespace dvi
+}  // namespace dvi::depth

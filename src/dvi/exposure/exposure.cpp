@@ -16,7 +16,7 @@
 #include "dvi/image/region.h"
 #include "dvi/map/visible_points.h"
 
-namespace dvi {
+namespace dvi::exposure {
 namespace {
 
 // Views that are compared: neighbours in time, and some farther apart that keep the chain from drifting.
@@ -57,13 +57,13 @@ cv::Mat1b usable(const cv::Mat3b& image, const cv::Mat1b& mask) {
   return out;
 }
 
-Sightings sightings(const StaticMap& map, const View& view, const cv::Mat3b& image, const cv::Mat1b& mask) {
+Sightings sightings(const map::StaticMap& map, const View& view, const cv::Mat3b& image, const cv::Mat1b& mask) {
   const cv::Mat1b use = usable(image, mask);
   cv::Mat3f colours;
   image.convertTo(colours, CV_32FC3);
   cv::GaussianBlur(colours, colours, {}, kBlur);
   Sightings out;
-  for (const VisiblePoint& p : visible_points(map, view, kSplat, kTolerance)) {
+  for (const map::VisiblePoint& p : map::visible_points(map, view, kSplat, kTolerance)) {
     const cv::Point at(cvRound(p.u), cvRound(p.v));
     if (use(at) == 0) continue;
     const cv::Vec3f& c = colours(at);
@@ -120,7 +120,7 @@ std::vector<std::size_t> places(const Views& views, std::size_t view) {
   return out;
 }
 
-std::vector<Pair> compare_all(const Views& views, const StaticMap& map, const Tick& tick) {
+std::vector<Pair> compare_all(const Views& views, const map::StaticMap& map, const Tick& tick) {
   const Lazy<Sightings> seen(views.size(), kCached,
                              [&](std::size_t i) { return sightings(map, views[i], *views.images[i], *views.masks[i]); });
   std::vector<std::vector<Pair>> of_view(views.size());
@@ -163,7 +163,7 @@ Eigen::VectorXd solve(const std::vector<Pair>& pairs, std::size_t views, int cha
 
 }  // namespace
 
-std::vector<int> estimate_exposure(Views& views, const StaticMap& map, const Tick& tick) {
+std::vector<int> estimate_exposure(Views& views, const map::StaticMap& map, const Tick& tick) {
   std::vector<int> compared(views.size(), 0);
   const std::vector<Pair> pairs = compare_all(views, map, tick);
   for (const Pair& p : pairs) {
@@ -179,4 +179,4 @@ std::vector<int> estimate_exposure(Views& views, const StaticMap& map, const Tic
   return compared;
 }
 
-}  // namespace dvi
+}  // namespace dvi::exposure

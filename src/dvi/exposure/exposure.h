@@ -7,7 +7,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/map/static_map.h"
 
-namespace dvi {
+namespace dvi::exposure {
 
 struct ExposureOptions {
   bool enabled = true;
@@ -22,6 +22,6 @@ struct ExposureOptions {
 /// neither black nor saturated; the gains of all views are then solved for jointly and robustly from these ratios (least
 /// squares on their logarithms, reweighted). Their logarithms have mean 0. Poses good to some pixels will do. Returns for each
 /// view the number of views it could be compared with: where that is 0, its gain stays 1. One tick a view.
-std::vector<int> estimate_exposure(Views& views, const StaticMap& map, const Tick& tick = [] {});
+std::vector<int> estimate_exposure(Views& views, const map::StaticMap& map, const Tick& tick = [] {});
 
-}  // namespace dvi
+}  // namespace dvi::exposure

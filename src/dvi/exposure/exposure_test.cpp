@@ -12,14 +12,14 @@
 #include "dvi/drive/view.h"
 #include "dvi/map/static_map.h"
 
-namespace dvi {
+namespace dvi::exposure {
 namespace {
 
 constexpr int kWidth = 160, kHeight = 120;
 
 /// Points on the plane of a FlatScene, one for every other pixel of view 0 and beside it.
-StaticMap plane() {
-  StaticMap map;
+map::StaticMap plane() {
+  map::StaticMap map;
   for (int y = 0; y < kHeight; y += 2)
     for (int x = -kWidth; x < 2 * kWidth; x += 2)
       map.points.push_back({Eigen::Vector3d((x - kWidth / 2.0) / 10, (y - kHeight / 2.0) / 10, 10).cast<float>(), 0, 1});
@@ -46,7 +46,7 @@ struct Lit {
       scene.add_source(-2 * static_cast<int>(i % 5), times(waves(kWidth, kHeight, 5, 30), factors[i]),
                        static_cast<int>(i * drives / factors.size()));
   }
-  Views found(std::vector<int>* compared = nullptr, const StaticMap& map = plane()) const {
+  Views found(std::vector<int>* compared = nullptr, const map::StaticMap& map = plane()) const {
     Views views = scene.lazy();
     const std::vector<int> count = estimate_exposure(views, map);
     if (compared != nullptr) *compared = count;
@@ -140,10 +140,10 @@ TEST(Exposure, LeavesBlackAndWhiteFramesAlone) {
 
 TEST(Exposure, LeavesFramesWithoutCommonPointsAlone) {
   std::vector<int> compared;
-  const Views views = Lit(drifting(3)).found(&compared, StaticMap());
+  const Views views = Lit(drifting(3)).found(&compared, map::StaticMap());
   EXPECT_EQ(compared, std::vector<int>(3, 0));
   for (const View& view : views.views) EXPECT_EQ(view.gain, cv::Vec3f(1, 1, 1));
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::exposure

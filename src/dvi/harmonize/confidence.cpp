@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace dvi {
+namespace dvi::harmonize {
 
 double copied_confidence(const CopyEvidence& evidence) {
   // Fitted by maximum likelihood on synthetic streets, with and without errors in their poses (docs/algorithms/harmonize.md).
@@ -19,4 +19,4 @@ double copied_confidence(const CopyEvidence& evidence) {
 
 double interpolated_confidence(double distance) { return 0.02 + 0.4 * std::exp(-distance / 8); }
 
-}  // namespace dvi
+}  // namespace dvi::harmonize

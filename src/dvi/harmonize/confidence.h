@@ -1,6 +1,6 @@
 #pragma once
 
-namespace dvi {
+namespace dvi::harmonize {
 
 /// What is known about a copied pixel. Grey levels are means over the channels.
 struct CopyEvidence {
@@ -20,4 +20,4 @@ double copied_confidence(const CopyEvidence& evidence);
 /// The same for an interpolated pixel, by its distance in pixels to the nearest pixel that was known or copied.
 double interpolated_confidence(double distance);
 
-}  // namespace dvi
+}  // namespace dvi::harmonize

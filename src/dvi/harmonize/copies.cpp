@@ -12,7 +12,7 @@
 #include "dvi/image/region.h"
 #include "dvi/sample/candidates.h"
 
-namespace dvi {
+namespace dvi::harmonize {
 namespace {
 
 struct Source {
@@ -24,8 +24,8 @@ struct Source {
 
 /// The source's own gradient from a neighbour it was not copied for to p, for which it shows `colour`; zero where the source
 /// cannot show the neighbour.
-cv::Vec3f gradient(const Source& source, cv::Point p, const Candidate& shown, const cv::Vec3f& colour, cv::Point q,
-                   const DepthMap& depth) {
+cv::Vec3f gradient(const Source& source, cv::Point p, const sample::Candidate& shown, const cv::Vec3f& colour, cv::Point q,
+                   const depth::DepthMap& depth) {
   const cv::Point2f by_depth = beside(p, shown.position, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
   const cv::Point2f by_image = shown.position + cv::Point2f(q - p);
   for (const cv::Point2f at : {by_depth, by_image})
@@ -36,8 +36,8 @@ cv::Vec3f gradient(const Source& source, cv::Point p, const Candidate& shown, co
 
 }  // namespace
 
-Copies copy(const Fused& fused, const Views& views, std::size_t target, const DepthMap& depth) {
-  const Candidates& candidates = fused.candidates;
+Copies copy(const Fused& fused, const Views& views, std::size_t target, const depth::DepthMap& depth) {
+  const sample::Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
   const std::vector<cv::Vec3f> zeros(hole.size());
   Copies out{fused.colour, zeros, zeros};
@@ -50,7 +50,7 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const De
                         gain_to(views[target], views[view])};
     for (const std::size_t i : pixels) {
       const cv::Point p = hole.pixels[i];
-      const Candidate& shown = candidates.of[i];
+      const sample::Candidate& shown = candidates.of[i];
       const cv::Vec3f colour = box_mean(*source.image, shown.position, shown.footprint).mul(source.gain);
       for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
         if (!frame.contains(q)) continue;
@@ -68,4 +68,4 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const De
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::harmonize

@@ -6,7 +6,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/fuse.h"
 
-namespace dvi {
+namespace dvi::harmonize {
 
 /// What the sources show for each hole pixel, in the light of the target; zeros where there is no candidate.
 struct Copies {
@@ -19,6 +19,6 @@ struct Copies {
 };
 
 /// Reads one source image at a time.
-Copies copy(const Fused& fused, const Views& views, std::size_t target, const DepthMap& depth);
+Copies copy(const Fused& fused, const Views& views, std::size_t target, const depth::DepthMap& depth);
 
-}  // namespace dvi
+}  // namespace dvi::harmonize

@@ -4,7 +4,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace dvi {
+namespace dvi::harmonize {
 
 /// Where a pixel of the result comes from; the values of kind/NAME.png.
 enum class Kind : std::uint8_t { original = 0, copied = 1, copied_elsewhere = 2, interpolated = 3, synthesised = 4, empty = 5 };
@@ -21,4 +21,4 @@ struct FilledFrame {
   cv::Vec3f gain{1, 1, 1};         ///< as View::gain
 };
 
-}  // namespace dvi
+}  // namespace dvi::harmonize

@@ -7,7 +7,7 @@
 #include "dvi/drive/warp.h"
 #include "dvi/image/interpolate.h"
 
-namespace dvi {
+namespace dvi::harmonize {
 namespace {
 
 constexpr float kNoise = 2.5F;                    // grey levels of a camera's pixel, one sigma
@@ -61,11 +61,11 @@ Agreement agreement(std::span<const Shown> shown) {
   return out;
 }
 
-Fused fuse(const Candidates& candidates, const Views& views, std::size_t target) {
+Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t target) {
   const std::size_t pixels = candidates.hole.size(), ranks = candidates.more + 1;
   std::vector<Shown> shown(pixels * ranks);
   std::vector<cv::Vec2b> footprints(pixels * ranks, cv::Vec2b(1, 1));
-  const auto candidate = [&](std::size_t slot) -> const Candidate& {
+  const auto candidate = [&](std::size_t slot) -> const sample::Candidate& {
     const std::size_t pixel = slot / ranks, rank = slot % ranks;
     return rank == 0 ? candidates.of[pixel] : candidates.others(pixel)[rank - 1];
   };
@@ -77,14 +77,14 @@ Fused fuse(const Candidates& candidates, const Views& views, std::size_t target)
     const auto mask = views.masks[view];
     const cv::Vec3f gain = gain_to(views[target], views[view]);
     for (const std::size_t slot : slots) {
-      const Candidate& from = candidate(slot);
+      const sample::Candidate& from = candidate(slot);
       if (can_sample(*mask, from.position, from.footprint)) footprints[slot] = from.footprint;
       const cv::Vec3f colour = box_mean(*image, from.position, footprints[slot]);
       const bool saturated = std::max({colour[0], colour[1], colour[2]}) >= kSaturated;
       shown[slot] = {colour.mul(gain), from.trust * (saturated ? kSaturatedTrust : 1)};
     }
   }
-  Fused out{{candidates.hole, std::vector<Candidate>(pixels)},
+  Fused out{{candidates.hole, std::vector<sample::Candidate>(pixels)},
             std::vector<cv::Vec3f>(pixels),
             std::vector<std::uint8_t>(pixels),
             std::vector<float>(pixels)};
@@ -101,4 +101,4 @@ Fused fuse(const Candidates& candidates, const Views& views, std::size_t target)
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::harmonize

@@ -8,7 +8,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/sample/candidates.h"
 
-namespace dvi {
+namespace dvi::harmonize {
 
 /// What a source shows of a pixel, in the light of the target.
 struct Shown {
@@ -30,7 +30,7 @@ Agreement agreement(std::span<const Shown> shown);
 
 /// The sources of each hole pixel as one.
 struct Fused {
-  Candidates candidates;              ///< `of`: the leading ones, with the footprints that were read; no further ones
+  sample::Candidates candidates;      ///< `of`: the leading ones, with the footprints that were read; no further ones
   std::vector<cv::Vec3f> colour;      ///< as hole.pixels; zeros where there is no candidate
   std::vector<std::uint8_t> sources;  ///< as hole.pixels
   std::vector<float> spread;          ///< as hole.pixels
@@ -38,6 +38,6 @@ struct Fused {
 
 /// Reads one source image at a time. Where a box meets the source's mask the pixel itself is taken; saturated colours count
 /// only where there are no others.
-Fused fuse(const Candidates& candidates, const Views& views, std::size_t target);
+Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t target);
 
-}  // namespace dvi
+}  // namespace dvi::harmonize

@@ -7,7 +7,7 @@
 #include "dvi/core/random.h"
 #include "dvi/drive/flat_scene.h"
 
-namespace dvi {
+namespace dvi::harmonize {
 namespace {
 
 Shown grey(float level, float trust = 0.5F) { return {cv::Vec3f::all(level), trust}; }
@@ -52,7 +52,7 @@ TEST(Fuse, AloneItIsWhatItIs) {
 struct Still {
   cv::Mat1b hole = cv::Mat1b(60, 80, uchar{0});
   FlatScene scene;
-  Candidates candidates;
+  sample::Candidates candidates;
 
   explicit Still(const std::vector<cv::Mat3b>& sources, const cv::Mat3b& truth) : scene(truth, hole) {
     hole(cv::Rect(30, 20, 20, 20)) = 255;
@@ -110,10 +110,10 @@ TEST(Fuse, FootprintsKeepOffTheMask) {
   const cv::Mat3b truth = waves(80, 60, 1);
   Still still({truth}, truth);
   still.scene.masks[1](cv::Rect(0, 0, 30, 60)) = 255;  // beside the hole: the box would reach into it
-  for (Candidate& c : still.candidates.of) c.footprint = {3, 3};
-  for (const Fused out = still.run(); const Candidate& c : out.candidates.of)
+  for (sample::Candidate& c : still.candidates.of) c.footprint = {3, 3};
+  for (const Fused out = still.run(); const sample::Candidate& c : out.candidates.of)
     EXPECT_EQ(c.footprint, c.position.x == 30 ? cv::Vec2b(1, 1) : cv::Vec2b(3, 3));
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::harmonize

@@ -20,7 +20,7 @@
 #include "dvi/image/region.h"
 #include "dvi/sample/candidates.h"
 
-namespace dvi {
+namespace dvi::harmonize {
 namespace {
 
 /// How a pixel of the frame enters the solution.
@@ -39,7 +39,7 @@ cv::Mat1b where(const cv::Mat1b& image, Value value) {
   return out;
 }
 
-cv::Mat1b roles_of(const Candidates& candidates, Role copied, Role unseen) {
+cv::Mat1b roles_of(const sample::Candidates& candidates, Role copied, Role unseen) {
   cv::Mat1b roles(candidates.hole.index.size(), static_cast<uchar>(Role::fixed));
   for (std::size_t i = 0; i < candidates.of.size(); ++i)
     roles(candidates.hole.pixels[i]) = static_cast<uchar>(candidates.of[i].found() ? copied : unseen);
@@ -52,7 +52,7 @@ struct Part {
   bool copied = false;   ///< some of it has a source
 };
 
-std::vector<Part> parts_of(const Candidates& candidates, const cv::Mat1b& roles, cv::Mat1i& labels) {
+std::vector<Part> parts_of(const sample::Candidates& candidates, const cv::Mat1b& roles, cv::Mat1i& labels) {
   const int count = connected_parts(where(roles, Role::solved), labels);
   std::vector<Part> parts(count + 1);
   for (std::size_t i = 0; i < candidates.of.size(); ++i) {
@@ -72,7 +72,7 @@ struct Guidance {
 /// Eq. 5 for the pixels to be solved. `colour` holds the fixed ones.
 class Equation {
  public:
-  Equation(const Candidates& candidates, const Copies& copies, const cv::Mat1b& roles, const cv::Mat3f& colour,
+  Equation(const sample::Candidates& candidates, const Copies& copies, const cv::Mat1b& roles, const cv::Mat3f& colour,
            const Guidance& guidance)
       : candidates_(candidates), copies_(copies), roles_(roles), colour_(colour), guidance_(guidance) {}
 
@@ -112,7 +112,7 @@ class Equation {
     return out + copies_.colour[i] - copies_.colour[j];
   }
 
-  const Candidates& candidates_;
+  const sample::Candidates& candidates_;
   const Copies& copies_;
   const cv::Mat1b& roles_;
   const cv::Mat3f& colour_;
@@ -120,7 +120,8 @@ class Equation {
 };
 
 /// Fills the solved pixels of `colour`. Those of which nothing could be told become absent.
-void fill(const Candidates& candidates, const Copies& copies, cv::Mat1b& roles, const Guidance& guidance, cv::Mat3f& colour) {
+void fill(const sample::Candidates& candidates, const Copies& copies, cv::Mat1b& roles, const Guidance& guidance,
+          cv::Mat3f& colour) {
   cv::Mat1i labels;
   const std::vector<Part> parts = parts_of(candidates, roles, labels);
   for (const cv::Point p : candidates.hole.pixels)
@@ -137,9 +138,9 @@ void fill(const Candidates& candidates, const Copies& copies, cv::Mat1b& roles, 
 std::uint16_t sixteenths(float position) { return static_cast<std::uint16_t>(std::lround(position * kSubpixel)); }
 
 void write_receipts(const Fused& fused, const Views& views, std::size_t target, FilledFrame& out) {
-  const Candidates& candidates = fused.candidates;
+  const sample::Candidates& candidates = fused.candidates;
   for (std::size_t i = 0; i < candidates.of.size(); ++i) {
-    const Candidate& source = candidates.of[i];
+    const sample::Candidate& source = candidates.of[i];
     if (!source.found()) continue;
     const bool here = views[source.view].drive == views[target].drive;
     out.kind(candidates.hole.pixels[i]) = static_cast<uchar>(here ? Kind::copied : Kind::copied_elsewhere);
@@ -168,7 +169,7 @@ void write_confidence(const Fused& fused, const Views& views, std::size_t target
   cv::distanceTransform(guessed, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   for (std::size_t i = 0; i < fused.colour.size(); ++i) {
     const cv::Point p = fused.candidates.hole.pixels[i];
-    const Candidate& source = fused.candidates.of[i];
+    const sample::Candidate& source = fused.candidates.of[i];
     double sure = 0;
     if (source.found()) {
       const View& from = views[source.view];
@@ -188,10 +189,10 @@ void write_confidence(const Fused& fused, const Views& views, std::size_t target
 
 }  // namespace
 
-FilledFrame harmonize(const Candidates& sampled, const Views& views, std::size_t target, const DepthMap& depth,
+FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std::size_t target, const depth::DepthMap& depth,
                       const HarmonizeOptions& options) {
   const Fused fused = fuse(sampled, views, target);
-  const Candidates& candidates = fused.candidates;
+  const sample::Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
   const cv::Size size = hole.index.size();
   FilledFrame out;
@@ -221,4 +222,4 @@ FilledFrame harmonize(const Candidates& sampled, const Views& views, std::size_t
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::harmonize

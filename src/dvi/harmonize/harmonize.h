@@ -6,7 +6,7 @@
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/sample/candidates.h"
 
-namespace dvi {
+namespace dvi::harmonize {
 
 struct HarmonizeOptions {
   bool poisson = true;
@@ -31,7 +31,7 @@ struct HarmonizeOptions {
 /// Colours the hole from its candidates (eq. 5): per hole a Poisson equation with the surrounding image as Dirichlet
 /// boundary (Neumann at the image's border). Its guidance is the gradient of the copies, between pixels of different sources
 /// what these show there, and 0 at pixels without a source, which are interpolated once the copies stand.
-FilledFrame harmonize(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth,
-                      const HarmonizeOptions& options);
+FilledFrame harmonize(const sample::Candidates& candidates, const Views& views, std::size_t target,
+                      const depth::DepthMap& depth, const HarmonizeOptions& options);
 
-}  // namespace dvi
+}  // namespace dvi::harmonize

@@ -10,7 +10,7 @@
 #include "dvi/image/region.h"
 #include "dvi/sample/candidates.h"
 
-namespace dvi {
+namespace dvi::harmonize {
 namespace {
 
 /// A hole of so many pixels at 1280x720, a tenth of it unseen, the rest from 12 sources of different brightness.
@@ -25,17 +25,18 @@ void harmonize_hole(benchmark::State& state) {
     cv::add(truth, cv::Scalar::all(3 * k - 18), exposed);
     scene.add_source(4 * k - 20, exposed);
   }
-  Candidates candidates{Region(hole), {}};
+  sample::Candidates candidates{Region(hole), {}};
   for (const cv::Point p : candidates.hole.pixels) {
     const int k = (p.x / 40 + p.y / 25) % 12;
-    candidates.of.push_back(p.y % 100 < 10 ? Candidate{} : Candidate{k + 1, cv::Point2f(p + cv::Point(4 * k - 20, 0))});
+    candidates.of.push_back(p.y % 100 < 10 ? sample::Candidate{}
+                                           : sample::Candidate{k + 1, cv::Point2f(p + cv::Point(4 * k - 20, 0))});
   }
   const Views views = scene.lazy();
-  const DepthMap depth{scene.depth(), scene.depth()};
+  const depth::DepthMap depth{scene.depth(), scene.depth()};
   for (auto _ : state) benchmark::DoNotOptimize(harmonize(candidates, views, 0, depth, {}));
   state.counters["pixels"] = static_cast<double>(candidates.of.size());
 }
 BENCHMARK(harmonize_hole)->Arg(60'000)->Arg(100'000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::harmonize

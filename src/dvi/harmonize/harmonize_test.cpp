@@ -13,7 +13,7 @@
 #include "dvi/image/region.h"
 #include "dvi/sample/candidates.h"
 
-namespace dvi {
+namespace dvi::harmonize {
 namespace {
 
 constexpr int kWidth = 80, kHeight = 60;
@@ -43,11 +43,11 @@ struct Case {
   cv::Mat3b truth;
   cv::Mat1b hole;
   FlatScene scene;
-  Candidates candidates;
+  sample::Candidates candidates;
 
   Case(const cv::Mat3b& picture, const cv::Mat1b& mask) : truth(picture), hole(mask), scene(picture, mask) {
     scene.images[0].setTo(cv::Scalar(255, 0, 255), hole);
-    candidates = {Region(hole), std::vector<Candidate>(Region(hole).size())};
+    candidates = {Region(hole), std::vector<sample::Candidate>(Region(hole).size())};
   }
   /// Lets view `view` show the hole's pixels within `where`.
   void seen(int view, int disparity, cv::Rect where = {0, 0, kWidth, kHeight}) {
@@ -56,7 +56,7 @@ struct Case {
         candidates.of[i] = {view, cv::Point2f(p + cv::Point(disparity, 0))};
   }
   FilledFrame run(const HarmonizeOptions& options = {}) const {
-    const DepthMap depth{scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
+    const depth::DepthMap depth{scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
     return harmonize(candidates, scene.lazy(), 0, depth, options);
   }
   double worst(const FilledFrame& out) const {
@@ -137,7 +137,7 @@ TEST(Harmonize, GivesEachPixelItsReceipt) {
   c.scene.add_source(-10, c.truth, 1);
   c.seen(1, 10, {20, 15, 10, 30});
   c.seen(2, -10, {30, 15, 10, 30});
-  for (Candidate& of : c.candidates.of)
+  for (sample::Candidate& of : c.candidates.of)
     if (of.view == 1) of.position += cv::Point2f(0.0625F, 0.5F);
   const FilledFrame out = c.run();
   const auto kind = [&](int x, int y) { return static_cast<Kind>(out.kind(y, x)); };
@@ -253,4 +253,4 @@ TEST(Harmonize, GivesTheSameTwice) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::harmonize

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-namespace dvi {
+namespace dvi::harmonize {
 namespace {
 
 using Colour = Eigen::Array4f;  // the fourth lane is idle
@@ -203,4 +203,4 @@ int solve(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double toleran
   return iteration;
 }
 
-}  // namespace dvi
+}  // namespace dvi::harmonize

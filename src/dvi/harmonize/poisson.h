@@ -6,7 +6,7 @@
 
 #include "dvi/image/region.h"
 
-namespace dvi {
+namespace dvi::harmonize {
 
 /// For each pixel p of the region: diagonal(p) x(p) - sum of w x(q) over its 4-neighbours q in the region = right(p), w being 1
 /// along rows and `vertical` along columns. A diagonal is at least the sum of those w, and greater somewhere in each connected
@@ -22,4 +22,4 @@ struct PoissonSystem {
 /// 2 x 2 pixels. Stops once the estimated error is below `tolerance` everywhere. Returns the iterations.
 int solve(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double tolerance = 0.02);
 
-}  // namespace dvi
+}  // namespace dvi::harmonize

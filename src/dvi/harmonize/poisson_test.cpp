@@ -12,7 +12,7 @@
 #include "dvi/core/random.h"
 #include "dvi/image/region.h"
 
-namespace dvi {
+namespace dvi::harmonize {
 namespace {
 
 /// Dirichlet where the region ends within the image.
@@ -122,4 +122,4 @@ TEST(Poisson, EmptyAndSinglePixels) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::harmonize

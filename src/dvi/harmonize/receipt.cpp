@@ -6,7 +6,7 @@
 
 #include "dvi/image/interpolate.h"
 
-namespace dvi {
+namespace dvi::harmonize {
 
 Provenance Provenance::of(const cv::Vec3w& triple, const cv::Vec3b& used) {
   return {static_cast<int>(triple[0]) - 1,
@@ -40,4 +40,4 @@ cv::Mat_<cv::Vec3w> harmonisation(const Views& views, std::size_t target, const 
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::harmonize

@@ -6,7 +6,7 @@
 
 #include "dvi/drive/view.h"
 
-namespace dvi {
+namespace dvi::harmonize {
 
 /// Where a copied pixel comes from: as provenance/NAME.png has it, R source number + 1 (0: nowhere), G x * 16, B y * 16, and
 /// the footprint of sources_used/NAME.png.
@@ -28,4 +28,4 @@ inline constexpr int kNoChange = 32768;
 cv::Mat_<cv::Vec3w> harmonisation(const Views& views, std::size_t target, const cv::Mat3b& written,
                                   const cv::Mat_<cv::Vec3w>& provenance, const cv::Mat3b& used);
 
-}  // namespace dvi
+}  // namespace dvi::harmonize

@@ -12,7 +12,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/image/region.h"
 
-namespace dvi {
+namespace dvi::holdout {
 namespace {
 
 constexpr double kRangeNoise = 0.02;  // metres either way
@@ -152,4 +152,4 @@ Scan Holdout::scan(std::size_t i) const {
   return scan;
 }
 
-}  // namespace dvi
+}  // namespace dvi::holdout

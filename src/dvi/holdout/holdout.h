@@ -15,7 +15,7 @@
 #include "dvi/holdout/painted_box.h"
 #include "dvi/holdout/virtual_vehicle.h"
 
-namespace dvi {
+namespace dvi::holdout {
 
 struct HoldoutOptions {
   Scenario scenario = Scenario::lead;
@@ -80,4 +80,4 @@ std::string holdout_recipe(const fs::path& case_folder);
 /// InputError unless the folder is empty or not there.
 void require_empty(const fs::path& case_folder);
 
-}  // namespace dvi
+}  // namespace dvi::holdout

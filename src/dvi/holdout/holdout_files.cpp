@@ -11,7 +11,7 @@
 #include "dvi/io/write_folder.h"
 #include "dvi/io/write_image.h"
 
-namespace dvi {
+namespace dvi::holdout {
 namespace {
 
 // Made beside its place; gone again unless renamed.
@@ -116,22 +116,22 @@ void write_holdout(const Holdout& holdout, const fs::path& case_folder, const st
   parallel_for(drive.frames.size(), [&](std::size_t i) {
     const HoldoutFrame frame = holdout.frame(i);
     const std::string png = drive.frames[i].name + ".png";
-    write_png(folder / "images" / drive.camera_name / png, frame.image);
-    write_png(folder / "masks" / drive.camera_name / png, frame.mask);
-    write_png(out / "truth" / png, holdout.truth(i));
-    write_png(out / "ignore" / png, frame.ignore);
+    io::write_png(folder / "images" / drive.camera_name / png, frame.image);
+    io::write_png(folder / "masks" / drive.camera_name / png, frame.mask);
+    io::write_png(out / "truth" / png, holdout.truth(i));
+    io::write_png(out / "ignore" / png, frame.ignore);
     held_out[i] = cv::countNonZero(frame.held_out);
     scored[i] = cv::countNonZero(cv::Mat1b(frame.held_out & ~frame.ignore));
     if (tick) tick();
   });
-  const double rate = sweep_rate(drive);
+  const double rate = io::sweep_rate(drive);
   parallel_for(drive.sweeps.size(), [&](std::size_t i) {
-    write_folder_scan(folder, drive.sweeps[i], holdout.scan(i), rate);
+    io::write_folder_scan(folder, drive.sweeps[i], holdout.scan(i), rate);
     if (tick) tick();
   });
-  write_folder_tables(folder, drive);
+  io::write_folder_tables(folder, drive);
   write_file(out / "holdout.json", description(holdout, recipe, held_out, scored).dump(1) + "\n");
   draft.finish();
 }
 
-}  // namespace dvi
+}  // namespace dvi::holdout

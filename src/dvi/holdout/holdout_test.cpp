@@ -14,7 +14,7 @@
 #include "dvi/io/scan_time.h"
 #include "dvi/synth/scene.h"
 
-namespace dvi {
+namespace dvi::holdout {
 namespace {
 
 using testing::HasSubstr;
@@ -22,14 +22,14 @@ using testing::HasSubstr;
 constexpr double kNoise = 0.021;  // metres of range on the vehicle's faces, and rounding
 
 Drive small_street() {
-  SynthOptions options;
+  synth::SynthOptions options;
   options.frames = 5, options.width = 160, options.height = 90, options.beams = 16, options.columns = 400;
-  static const auto scene = std::make_shared<const Scene>(options);
-  Drive drive = drive_of(scene);
+  static const auto scene = std::make_shared<const synth::Scene>(options);
+  Drive drive = synth::drive_of(scene);
   // As files give them: the first firing, straight back, may count as the last.
   drive.scans = Lazy<Scan>(drive.sweeps.size(), 8, [scans = drive.scans, sweeps = drive.sweeps](std::size_t i) {
     Scan scan = *scans[i];
-    scan.time = times_by_azimuth(scan.points, sweeps[i], {});
+    scan.time = io::times_by_azimuth(scan.points, sweeps[i], {});
     return scan;
   });
   return drive;
@@ -186,7 +186,7 @@ TEST_F(Folder, CaseIsADriveThatReadsBack) {
   write_holdout(holdout, folder / "new/case", "recipe");
   EXPECT_EQ(holdout_recipe(folder / "new/case"), "recipe");
   EXPECT_EQ(holdout_recipe(folder / "elsewhere"), "");
-  const Drive read = read_drive(folder / "new/case/drive");
+  const Drive read = io::read_drive(folder / "new/case/drive");
   EXPECT_TRUE(read.warnings.empty());
   ASSERT_EQ(read.frames.size(), drive.frames.size());
   EXPECT_EQ(read.camera.fx, drive.camera.fx);
@@ -216,7 +216,7 @@ TEST_F(Folder, OtherTimesAreWrittenOut) {
     return scan;
   });
   write_holdout(make(drive, Scenario::parked), folder / "case", "");
-  const Drive read = read_drive(folder / "case/drive");
+  const Drive read = io::read_drive(folder / "case/drive");
   EXPECT_EQ(read.sweeps[0].file.extension(), ".ply");
   for (std::size_t k = 0; k < drive.scans[0]->size(); ++k) {
     ASSERT_NEAR(read.scans[0]->time[k], drive.scans[0]->time[k], 1e-7);
@@ -261,4 +261,4 @@ TEST(PaintedBox, MeetsTheNearestFace) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::holdout

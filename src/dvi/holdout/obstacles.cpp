@@ -10,7 +10,7 @@
 #include "dvi/map/sweep_filter.h"
 #include "dvi/masks/standing.h"
 
-namespace dvi {
+namespace dvi::holdout {
 namespace {
 
 constexpr double kFar = 30;  // metres: beyond, the road does not know the ground
@@ -33,11 +33,11 @@ std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& wo
                                         const Eigen::Vector3d& size, const std::vector<double>& places, double left) {
   Drive moving = drive;
   moving.poses = world_from_lidar;
-  drop_standing(moving);
-  const MapInput input{&moving, world_from_lidar, Lazy<cv::Mat1b>(drive.frames.size(), 1, [&](std::size_t) {
-                         return cv::Mat1b(drive.camera.height, drive.camera.width, uchar{0});
-                       })};
-  MapOptions options;
+  masks::drop_standing(moving);
+  const map::MapInput input{&moving, world_from_lidar, Lazy<cv::Mat1b>(drive.frames.size(), 1, [&](std::size_t) {
+                              return cv::Mat1b(drive.camera.height, drive.camera.width, uchar{0});
+                            })};
+  map::MapOptions options;
   options.witnessed_only = false;
   options.max_range_m = kFar;
   options.box_margin_m = 0.5;  // what traffic moves within half a sweep
@@ -54,7 +54,7 @@ std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& wo
     for (const Box& box : boxes)
       for (const Eigen::Vector3d& corner : box.corners()) all.extend(corner);
     counts[i].assign(boxes.size(), 0);
-    for (const FilteredSweep::Kept& point : filter_sweep(input, options, i).kept)
+    for (const map::FilteredSweep::Kept& point : map::filter_sweep(input, options, i).kept)
       for (std::size_t k = 0; all.contains(point.position) && k < boxes.size(); ++k)
         counts[i][k] += boxes[k].contains(point.position) ? 1 : 0;
   });
@@ -64,4 +64,4 @@ std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& wo
   return sum;
 }
 
-}  // namespace dvi
+}  // namespace dvi::holdout

@@ -6,7 +6,7 @@
 #include "dvi/drive/drive.h"
 #include "dvi/holdout/road.h"
 
-namespace dvi {
+namespace dvi::holdout {
 
 /// How many returns of all scans lie inside a thing of this size (length, width, height) that stands on the road, for each
 /// place (metres along it) at which it might, `left` of the path. What is below 0.3 m is ground, what is nearer than 0.2 m
@@ -14,4 +14,4 @@ namespace dvi {
 std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& world_from_lidar, const Road& road,
                                         const Eigen::Vector3d& size, const std::vector<double>& places, double left);
 
-}  // namespace dvi
+}  // namespace dvi::holdout

@@ -9,7 +9,7 @@
 
 #include "dvi/core/random.h"
 
-namespace dvi {
+namespace dvi::holdout {
 namespace {
 
 constexpr double kGrainM = 0.15;  // side of a grain on a vehicle
@@ -110,4 +110,4 @@ cv::Vec3b outline_colour(std::uint64_t seed) {
   return colour;
 }
 
-}  // namespace dvi
+}  // namespace dvi::holdout

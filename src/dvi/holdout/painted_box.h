@@ -8,7 +8,7 @@
 #include "dvi/geometry/box.h"
 #include "dvi/geometry/camera.h"
 
-namespace dvi {
+namespace dvi::holdout {
 
 /// Where a ray first meets a box.
 struct BoxHit {
@@ -36,4 +36,4 @@ Painting paint_banner(cv::Size image, std::uint64_t seed);
 /// What stands for the edge of anything painted.
 cv::Vec3b outline_colour(std::uint64_t seed);
 
-}  // namespace dvi
+}  // namespace dvi::holdout

@@ -9,7 +9,7 @@
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 
-namespace dvi {
+namespace dvi::holdout {
 namespace {
 
 constexpr double kStanding = 1;  // metres: a shorter path tells no direction
@@ -176,4 +176,4 @@ SE3 Road::at(double along, double left, std::int64_t time_ns) const {
   return now * lidar_from_road;
 }
 
-}  // namespace dvi
+}  // namespace dvi::holdout

@@ -8,7 +8,7 @@
 #include "dvi/geometry/se3.h"
 #include "dvi/geometry/trajectory.h"
 
-namespace dvi {
+namespace dvi::holdout {
 
 /// The way a drive went, and the ground round it as each of its scans saw it. Given poses climb and sink against the ground by
 /// more than wheels may float, so that heights come from the scans of the time, not from the path.
@@ -50,4 +50,4 @@ class Road {
   std::vector<StampedGround> grounds_;  // in order of time
 };
 
-}  // namespace dvi
+}  // namespace dvi::holdout

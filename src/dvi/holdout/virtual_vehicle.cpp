@@ -12,7 +12,7 @@
 #include "dvi/core/random.h"
 #include "dvi/holdout/obstacles.h"
 
-namespace dvi {
+namespace dvi::holdout {
 namespace {
 
 constexpr double kLane = 3.5;          // metres
@@ -104,4 +104,4 @@ Box VirtualVehicle::at(std::int64_t time_ns) const {
   return {world_from_road * SE3{so3_exp({0, 0, motion_.turn}), {0, 0, 0.5 * size_.z()}}, size_};
 }
 
-}  // namespace dvi
+}  // namespace dvi::holdout

@@ -10,7 +10,7 @@
 #include "dvi/geometry/box.h"
 #include "dvi/holdout/road.h"
 
-namespace dvi {
+namespace dvi::holdout {
 
 /// What is put into a drive, as `--scenario` names it (docs/holdout.md).
 enum class Scenario { lead, oncoming, crossing, parked, truck, banner };
@@ -59,4 +59,4 @@ class VirtualVehicle {
   std::optional<Stand> stand_;
 };
 
-}  // namespace dvi
+}  // namespace dvi::holdout

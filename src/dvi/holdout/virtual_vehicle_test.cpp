@@ -7,7 +7,7 @@
 
 #include "dvi/core/threads.h"
 
-namespace dvi {
+namespace dvi::holdout {
 namespace {
 
 constexpr int kSweeps = 11;
@@ -142,4 +142,4 @@ TEST(Parked, TakesThePlaceWithTheFewestReturnsWhereNoneIsFree) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::holdout

@@ -7,7 +7,7 @@
 
 #include "dvi/core/error.h"
 
-namespace dvi {
+namespace dvi::io {
 
 std::string choose_camera(const Drive& drive, const std::string& asked, const std::string& usual) {
   const auto& names = drive.camera_names;
@@ -18,4 +18,4 @@ std::string choose_camera(const Drive& drive, const std::string& asked, const st
   return asked;
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

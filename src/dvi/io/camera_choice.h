@@ -4,10 +4,10 @@
 
 #include "dvi/drive/drive.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// The camera asked for; where none is, `usual` if the drive has it, else its first. InputError where the drive does not
 /// have the one asked for.
 std::string choose_camera(const Drive& drive, const std::string& asked, const std::string& usual);
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 constexpr int kGap = 4, kCaption = 20;
@@ -70,4 +70,4 @@ cv::Mat3b contact_sheet(const std::vector<std::vector<SheetCell>>& rows, int cel
   return sheet;
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -5,7 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace dvi {
+namespace dvi::io {
 
 /// One picture of a contact sheet and the words below it.
 struct SheetCell {
@@ -23,4 +23,4 @@ cv::Mat3b mask_overlay(const cv::Mat3b& image, const cv::Mat1b& mask);
 /// differ in length.
 cv::Mat3b contact_sheet(const std::vector<std::vector<SheetCell>>& rows, int cell_width = 480);
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 TEST(ContactSheet, PutsPicturesSideBySideAtOneWidth) {
@@ -34,4 +34,4 @@ TEST(ContactSheet, LeavesAThumbnailAsItIs) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

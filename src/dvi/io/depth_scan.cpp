@@ -3,7 +3,7 @@
 #include "dvi/core/error.h"
 #include "dvi/io/write_image.h"
 
-namespace dvi {
+namespace dvi::io {
 
 Scan DepthScan::operator()(const Sweep& sweep) const {
   constexpr double kMillimetre = 1e-3;
@@ -19,4 +19,4 @@ Scan DepthScan::operator()(const Sweep& sweep) const {
   return scan;
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

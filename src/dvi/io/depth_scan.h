@@ -2,7 +2,7 @@
 
 #include "dvi/drive/drive.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// Makes a scan of a depth image (16-bit PNG, millimetres along the optical axis, 0 unknown): a point a pixel, all at the
 /// sweep's stamp. InputError where the file is no such image, is of another size or holds no depth.
@@ -13,4 +13,4 @@ struct DepthScan {
   Scan operator()(const Sweep& sweep) const;
 };
 
-}  // namespace dvi
+}  // namespace dvi::io

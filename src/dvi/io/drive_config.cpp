@@ -10,7 +10,7 @@
 #include "dvi/core/error.h"
 #include "dvi/io/rigid.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 constexpr int kVersion = 1;
@@ -163,4 +163,4 @@ void DriveConfig::apply(Drive& drive) const {
   drive.other_files.push_back(file);
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -10,7 +10,7 @@
 #include "dvi/drive/drive.h"
 #include "dvi/io/scan_time.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// What a table [camera.NAME] of a drive's dvi.toml says; what it leaves out is none.
 struct CameraConfig {
@@ -51,4 +51,4 @@ struct DriveConfig {
 /// is of another version.
 std::optional<DriveConfig> read_drive_config(const fs::path& drive);
 
-}  // namespace dvi
+}  // namespace dvi::io

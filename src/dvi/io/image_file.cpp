@@ -8,7 +8,7 @@
 
 #include "dvi/core/error.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 constexpr const char* kRemedy = "replace or remove the file";
@@ -77,4 +77,4 @@ cv::Mat1b read_mask(const fs::path& path, cv::Size size) {
   return mask;
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

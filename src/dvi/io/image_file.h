@@ -4,7 +4,7 @@
 
 #include "dvi/core/files.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// Width and height by the header of a PNG or JPEG, without decoding it. InputError where it is neither.
 cv::Size image_size(const fs::path& path);
@@ -15,4 +15,4 @@ cv::Mat3b read_image(const fs::path& path, cv::Size size);
 /// The mask: 255 where the file is not black. Errors as read_image.
 cv::Mat1b read_mask(const fs::path& path, cv::Size size);
 
-}  // namespace dvi
+}  // namespace dvi::io

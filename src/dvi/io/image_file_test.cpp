@@ -2,7 +2,7 @@
 
 #include "dvi/io/test_folder.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 using testing::AllOf;
@@ -49,4 +49,4 @@ TEST(ImageFile, NamesBothSizes) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

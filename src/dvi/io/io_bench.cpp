@@ -8,7 +8,7 @@
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/write_image.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 /// A folder that goes with the benchmark. The files in it stay in the system's cache: what is measured is decoding.
@@ -58,4 +58,4 @@ void read_sweep(benchmark::State& state) {
 BENCHMARK(read_sweep)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

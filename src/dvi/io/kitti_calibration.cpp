@@ -5,7 +5,7 @@
 #include "dvi/core/error.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 // Lines "KEY: numbers".
@@ -60,4 +60,4 @@ KittiCalibration read_kitti_calibration(const fs::path& date_folder, const std::
 
 SE3 read_lidar_from_imu(const fs::path& date_folder) { return Entries(date_folder / "calib_imu_to_velo.txt").rigid(); }
 
-}  // namespace dvi
+}  // namespace dvi::io

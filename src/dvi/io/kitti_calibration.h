@@ -7,7 +7,7 @@
 #include "dvi/geometry/camera.h"
 #include "dvi/geometry/se3.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// The calibration of a day of KITTI raw as one of its rectified cameras needs it.
 struct KittiCalibration {
@@ -26,4 +26,4 @@ KittiCalibration read_kitti_calibration(const fs::path& date_folder, const std::
 /// Reads calib_imu_to_velo.txt. Errors as above.
 SE3 read_lidar_from_imu(const fs::path& date_folder);
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -4,7 +4,7 @@
 #include "dvi/io/kitti_calibration.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 enum class Kind { tracklets, tracking, mots, boxes, unknown };
@@ -81,4 +81,4 @@ void add_labels(Drive& drive, const fs::path& file) {
   drive.other_files.push_back(file);
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -7,7 +7,7 @@
 #include "dvi/core/files.h"
 #include "dvi/drive/drive.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// The labels of a file as drive.frames. Recognises by content: KITTI's tracklet_labels.xml, KITTI tracking labels, MOTS
 /// instances_txt, boxes.json. What labels leave out of count (DontCare, MOTS' ignore regions) is no label. InputError where
@@ -28,4 +28,4 @@ LabelsByNumber read_kitti_tracking(const fs::path& file, const SE3& lidar_from_c
 LabelsByNumber read_mots(const fs::path& file, cv::Size size);
 LabelsByName read_boxes_json(const fs::path& file);
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -7,7 +7,7 @@
 #include "dvi/io/labels.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 using nlohmann::json;
@@ -50,4 +50,4 @@ LabelsByName read_boxes_json(const fs::path& file) {
   return labels;
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

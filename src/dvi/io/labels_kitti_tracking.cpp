@@ -3,7 +3,7 @@
 #include "dvi/io/labels.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 // Columns of a line of KITTI's tracking labels; 17 may be a score.
@@ -39,4 +39,4 @@ LabelsByNumber read_kitti_tracking(const fs::path& file, const SE3& lidar_from_c
   return labels;
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

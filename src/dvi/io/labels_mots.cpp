@@ -3,7 +3,7 @@
 #include "dvi/io/labels.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 constexpr int kCar = 1, kPedestrian = 2, kIgnore = 10;
@@ -55,4 +55,4 @@ LabelsByNumber read_mots(const fs::path& file, cv::Size size) {
   return labels;
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -5,7 +5,7 @@
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/test_folder.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 using testing::ElementsAre;
@@ -159,4 +159,4 @@ TEST(MaskFolder, RefusesMasksOfOtherImages) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

@@ -4,7 +4,7 @@
 #include "dvi/io/labels.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 double number(const fs::path& file, const pugi::xml_node& node, const char* name) {
@@ -48,4 +48,4 @@ LabelsByNumber read_tracklets(const fs::path& file) {
   return labels;
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

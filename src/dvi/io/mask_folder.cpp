@@ -6,7 +6,7 @@
 #include "dvi/core/error.h"
 #include "dvi/io/image_file.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 std::map<std::string, fs::path> masks_by_name(const std::vector<fs::path>& folders) {
@@ -60,4 +60,4 @@ void attach_masks(Drive& drive, const fs::path& folder) {
   });
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -5,7 +5,7 @@
 #include "dvi/core/files.h"
 #include "dvi/drive/drive.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// The PNG masks of folders as `frames`, tied by NAME; an empty path where a frame has none; an empty list where there are no
 /// masks. Masks of images that are missing between the first and the last are left alone; InputError where a file belongs to
@@ -16,4 +16,4 @@ std::vector<fs::path> match_masks(const std::vector<Frame>& frames, const std::v
 /// alone. InputError where none belongs to a frame.
 void attach_masks(Drive& drive, const fs::path& folder);
 
-}  // namespace dvi
+}  // namespace dvi::io

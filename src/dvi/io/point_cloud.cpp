@@ -9,7 +9,7 @@
 #include "dvi/io/point_table.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -162,4 +162,4 @@ PointCloud read_point_cloud(const fs::path& path) {
   return cloud;
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

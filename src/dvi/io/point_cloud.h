@@ -7,7 +7,7 @@
 
 #include "dvi/core/files.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// The points of one file as they stand there.
 struct PointCloud {
@@ -24,4 +24,4 @@ PointCloud read_point_cloud(const fs::path& path);
 /// What the size of such a file tells without reading it. InputError where it holds no points, or no whole number of them.
 void check_size(const fs::path& path);
 
-}  // namespace dvi
+}  // namespace dvi::io

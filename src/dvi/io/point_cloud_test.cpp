@@ -5,7 +5,7 @@
 #include "dvi/io/test_folder.h"
 #include "dvi/io/write_ply.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 using testing::AllOf;
@@ -120,4 +120,4 @@ TEST(PointCloud, RefusesBrokenHeadersAndCutFiles) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

@@ -6,7 +6,7 @@
 #include "dvi/core/error.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 // Takes the header's lines one by one; what is left behind them is data.
@@ -120,4 +120,4 @@ PointCloud read_pcd(const fs::path& path) {
   return decode_points(path, table, header.rest());
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -6,7 +6,7 @@
 
 #include "dvi/io/point_cloud.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// A number of each point as the header of a PLY or PCD file declares it.
 struct PointField {
@@ -29,4 +29,4 @@ PointCloud decode_points(const fs::path& path, const PointTable& table, std::str
 PointCloud read_ply(const fs::path& path);
 PointCloud read_pcd(const fs::path& path);
 
-}  // namespace dvi
+}  // namespace dvi::io

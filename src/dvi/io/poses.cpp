@@ -6,7 +6,7 @@
 #include "dvi/io/rigid.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 SE3 matrix_pose(const TextLine& line, std::size_t first) {
@@ -67,4 +67,4 @@ Trajectory read_poses(const fs::path& file, const Drive& drive) {
   return Trajectory(std::move(poses));
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -3,7 +3,7 @@
 #include "dvi/core/files.h"
 #include "dvi/drive/drive.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// Poses from a text file, by the number of entries a line:
 ///   13: NAME of a scan and world_from_lidar (3x4, row-major) at the middle of its sweep; names of no scan are left out
@@ -12,4 +12,4 @@ namespace dvi {
 /// InputError naming file and line where a line is empty, is not numbers or holds no rotation.
 Trajectory read_poses(const fs::path& file, const Drive& drive);
 
-}  // namespace dvi
+}  // namespace dvi::io

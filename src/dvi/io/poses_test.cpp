@@ -2,7 +2,7 @@
 
 #include "dvi/io/test_folder.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 using testing::HasSubstr;
@@ -52,4 +52,4 @@ TEST(Poses, SayFileAndLineOfWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

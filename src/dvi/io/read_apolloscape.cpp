@@ -11,7 +11,7 @@
 #include "dvi/io/reader.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 constexpr std::int64_t kSweep = 100'000'000;  // nanoseconds
@@ -182,4 +182,4 @@ DriveFormat apolloscape_format() {
   return {"apolloscape", "lidar_bg, T0-T1 and T0-T1_mask beside each other, image/T.jpg", recognise, read};
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -5,7 +5,7 @@
 #include "dvi/io/reader.h"
 #include "dvi/io/test_folder.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 using testing::AllOf;
@@ -81,4 +81,4 @@ TEST_F(Apolloscape, NamesFramesWithoutAScan) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

@@ -15,7 +15,7 @@
 #include "dvi/io/reader.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 using Times = std::map<std::string, std::int64_t>;  // NAME to nanoseconds
@@ -220,4 +220,4 @@ DriveFormat folder_format() {
   return {"folder", "dvi.toml and images/CAMERA: the plain layout for your own data (docs/formats.md)", recognise, read};
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -2,7 +2,7 @@
 #include "dvi/io/test_folder.h"
 #include "dvi/io/write_image.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 using testing::AllOf;
@@ -116,4 +116,4 @@ TEST_F(Folder, RefusesBrokenTimesPosesAndMasks) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

@@ -12,7 +12,7 @@
 #include "dvi/io/reader.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 using Numbered = std::map<int, fs::path>;
@@ -188,4 +188,4 @@ DriveFormat kitti_raw_format() {
   return {"kitti-raw", "2011_09_26/2011_09_26_drive_0001_sync with image_02/data; calib_*.txt beside it", recognise, read};
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

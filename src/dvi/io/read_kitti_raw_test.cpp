@@ -5,7 +5,7 @@
 #include "dvi/io/reader.h"
 #include "dvi/io/test_folder.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 using testing::AllOf;
@@ -171,4 +171,4 @@ TEST_F(KittiRaw, ReadsLabelsBesideTheImages) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

@@ -7,7 +7,7 @@
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 const DriveFormat* format_of(const fs::path& path) {
@@ -132,4 +132,4 @@ Drive read_drive(const fs::path& path, const ReadOptions& options) {
   return std::move(drive);
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

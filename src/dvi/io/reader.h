@@ -8,7 +8,7 @@
 
 #include "dvi/drive/drive.h"
 
-namespace dvi {
+namespace dvi::io {
 
 struct ReadOptions {
   std::string camera = {};                          ///< empty: the drive's first
@@ -50,4 +50,4 @@ const std::vector<DriveFormat>& drive_formats();
 /// none, lacks what it needs, or does not have the frames asked for.
 Drive read_drive(const std::filesystem::path& path, const ReadOptions& options = {});
 
-}  // namespace dvi
+}  // namespace dvi::io

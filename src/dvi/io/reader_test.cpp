@@ -5,7 +5,7 @@
 #include "dvi/io/test_folder.h"
 #include "dvi/io/text.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 using testing::AllOf;
@@ -165,4 +165,4 @@ TEST_F(Recordings, ApolloscapeHasTheTruePoses) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

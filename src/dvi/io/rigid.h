@@ -5,7 +5,7 @@
 
 #include "dvi/geometry/se3.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// What few digits may cost a rotation that was written as text.
 inline constexpr double kPrintedRotation = 1e-3;
@@ -19,4 +19,4 @@ inline std::optional<SE3> to_rigid(const std::array<double, 12>& m) {
   return SE3{nearest, {m[3], m[7], m[11]}};
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
@@ -71,4 +71,4 @@ Scan to_scan(PointCloud cloud, const Sweep& sweep, const Rotation& rotation) {
   return scan;
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

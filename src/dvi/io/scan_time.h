@@ -8,7 +8,7 @@
 #include "dvi/drive/drive.h"
 #include "dvi/io/point_cloud.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// Which way a LiDAR turns, seen from above. `none`: its scans are compensated for the motion already.
 enum class Turn { clockwise, counterclockwise, none };
@@ -29,4 +29,4 @@ std::vector<float> times_in_order(const std::vector<Eigen::Vector3f>& points, co
 /// The scan of a sweep: the file's own times where it has them, else by azimuth.
 Scan to_scan(PointCloud cloud, const Sweep& sweep, const Rotation& rotation);
 
-}  // namespace dvi
+}  // namespace dvi::io

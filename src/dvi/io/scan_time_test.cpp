@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 using testing::ElementsAre;
@@ -44,4 +44,4 @@ TEST(ScanTime, TakesTheFilesOwnTimes) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

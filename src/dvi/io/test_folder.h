@@ -14,7 +14,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// A folder of a test's own that goes with it.
 class TestFolder {
@@ -60,4 +60,4 @@ std::string input_error(const Body& body) {
   return {};
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -7,7 +7,7 @@
 
 #include "dvi/core/error.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 template <class T>
@@ -128,4 +128,4 @@ std::vector<TextLine> read_text_lines(const fs::path& file) {
   return lines;
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -9,7 +9,7 @@
 
 #include "dvi/core/files.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// A finite number that takes up the whole text, or none.
 std::optional<double> to_number(std::string_view text);
@@ -56,4 +56,4 @@ class TextLine {
 /// All lines of a file; those that begin with '#' are left out.
 std::vector<TextLine> read_text_lines(const fs::path& file);
 
-}  // namespace dvi
+}  // namespace dvi::io

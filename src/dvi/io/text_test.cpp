@@ -2,7 +2,7 @@
 
 #include "dvi/io/test_folder.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 using testing::HasSubstr;
@@ -46,4 +46,4 @@ TEST(Text, SaysFileAndLineOfWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

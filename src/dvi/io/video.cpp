@@ -31,7 +31,7 @@ extern "C" {
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 template <auto FreeFunction>
@@ -216,4 +216,4 @@ void VideoWriter::finish() {
   s.finished = true;
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

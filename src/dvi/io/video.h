@@ -8,7 +8,7 @@
 #include "dvi/core/files.h"
 #include "dvi/core/options.h"
 
-namespace dvi {
+namespace dvi::io {
 
 struct VideoOptions {
   double fps = 10;
@@ -41,4 +41,4 @@ class VideoWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -25,7 +25,7 @@ extern "C" {
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 struct Decoded {
@@ -149,4 +149,4 @@ TEST_F(Video, IsThereWhenFinishedAndNotBefore) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

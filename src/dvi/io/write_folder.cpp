@@ -14,7 +14,7 @@
 #include "dvi/io/scan_time.h"
 #include "dvi/io/write_ply.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 std::vector<double> row_major(const SE3& pose) {
@@ -116,4 +116,4 @@ void write_folder_tables(const fs::path& folder, const Drive& drive) {
   write_file(folder / "dvi.toml", settings(drive));
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -5,7 +5,7 @@
 #include "dvi/core/files.h"
 #include "dvi/drive/drive.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// The files of the `folder` layout (docs/formats.md) for a drive: dvi.toml, times/, poses.txt and boxes.json, of its camera,
 /// clocks, poses (those at the middle of its sweeps) and the boxes of its labels. dvi.toml comes last, so that a folder without
@@ -19,4 +19,4 @@ double sweep_rate(const Drive& drive);
 /// clockwise from behind at `rate`; else lidar/NAME.ply with `t` (and `ring` where known).
 void write_folder_scan(const fs::path& folder, const Sweep& sweep, const Scan& scan, double rate);
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -4,7 +4,7 @@
 
 #include "dvi/core/files.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// Writes a PNG beside its place and renames it. 8-bit grey or BGR (an RGB file); 16-bit grey, or 16-bit triples whose
 /// channels 0, 1, 2 are the file's R, G, B (a receipt has no colour). InputError on a full or read-only disk.
@@ -16,4 +16,4 @@ cv::Mat1b read_png_grey(const fs::path& path, cv::Size size);               ///<
 cv::Mat1w read_png_depth(const fs::path& path, cv::Size size);              ///< 16-bit, one channel
 cv::Mat_<cv::Vec3w> read_png_triples(const fs::path& path, cv::Size size);  ///< 16-bit, R, G, B as channels 0, 1, 2
 
-}  // namespace dvi
+}  // namespace dvi::io

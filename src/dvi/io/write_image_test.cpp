@@ -14,7 +14,7 @@
 #include "dvi/core/files.h"
 #include "dvi/core/random.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 class WriteImage : public testing::Test {
@@ -87,4 +87,4 @@ TEST_F(WriteImage, SaysWhatCannotBeWrittenOrRead) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

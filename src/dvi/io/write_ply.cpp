@@ -12,7 +12,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "points are written as they lie in memory");
@@ -71,4 +71,4 @@ void write_ply(const fs::path& path, const PlyCloud& cloud) {
   });
 }
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -10,7 +10,7 @@
 
 #include "dvi/core/files.h"
 
-namespace dvi {
+namespace dvi::io {
 
 /// One more float a point, by the name viewers show ("intensity", "t").
 struct PlyScalar {
@@ -30,4 +30,4 @@ struct PlyCloud {
 /// or read-only disk.
 void write_ply(const fs::path& path, const PlyCloud& cloud);
 
-}  // namespace dvi
+}  // namespace dvi::io

@@ -13,7 +13,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
 
-namespace dvi {
+namespace dvi::io {
 namespace {
 
 const fs::path kPath = fs::path(testing::TempDir()) / ("write_" + std::to_string(getpid()) + ".ply");
@@ -61,4 +61,4 @@ TEST(WritePly, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::io

@@ -10,7 +10,7 @@
 #include "dvi/map/normals.h"
 #include "dvi/map/sweep_filter.h"
 
-namespace dvi {
+namespace dvi::map {
 namespace {
 
 struct RemovedVoxel {
@@ -40,7 +40,7 @@ void add(MapCounts& sum, const MapCounts& more) {
 }
 
 void Gathered::add(const FilteredSweep& sweep, std::size_t drive, std::int64_t time_ns) {
-  dvi::add(counts, sweep.counts);
+  dvi::map::add(counts, sweep.counts);
   for (const RemovedPoint& point : sweep.removed) {
     RemovedVoxel& voxel = removed.at(point.position.cast<double>());
     voxel.cause = std::max(voxel.cause, point.cause);
@@ -136,4 +136,4 @@ StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& optio
   return map;
 }
 
-}  // namespace dvi
+}  // namespace dvi::map

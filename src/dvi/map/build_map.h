@@ -7,7 +7,7 @@
 #include "dvi/drive/drive.h"
 #include "dvi/map/static_map.h"
 
-namespace dvi {
+namespace dvi::map {
 
 struct MapOptions {
   double voxel_m = 0.05;
@@ -46,4 +46,4 @@ struct MapInput {
 /// memory grows with the area seen, up to a bound. Parts: map, carve, normals.
 StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const BeginPart& begin = untold);
 
-}  // namespace dvi
+}  // namespace dvi::map

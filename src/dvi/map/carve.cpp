@@ -5,7 +5,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/map/free_space.h"
 
-namespace dvi {
+namespace dvi::map {
 namespace {
 
 using Tile = MapVoxels::Tile;
@@ -60,4 +60,4 @@ void see_through(MapVoxels& voxels, const std::vector<MapInput>& inputs, double 
 
 bool has_moved(const MapVoxel& voxel) { return voxel.passes > kShare * static_cast<double>(voxel.hits); }
 
-}  // namespace dvi
+}  // namespace dvi::map

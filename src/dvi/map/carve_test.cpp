@@ -14,7 +14,7 @@
 #include "dvi/map/voxel_grid.h"
 #include "dvi/synth/scene.h"
 
-namespace dvi {
+namespace dvi::map {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -46,16 +46,16 @@ class Occupied {
 // The synthetic street with nothing masked or labelled, and what each return lies on.
 struct UnlabelledStreet {
   Drive drive;
-  std::vector<SynthScan> scans;
+  std::vector<synth::SynthScan> scans;
 
   explicit UnlabelledStreet(int frames) {
-    SynthOptions options;
+    synth::SynthOptions options;
     options.frames = frames;
     options.columns = 900;
     options.width = 160;
     options.height = 90;
-    const auto scene = std::make_shared<const Scene>(options);
-    drive = drive_of(scene);
+    const auto scene = std::make_shared<const synth::Scene>(options);
+    drive = synth::drive_of(scene);
     for (Frame& frame : drive.frames) frame.labels.clear();
     for (int i = 0; i < frames; ++i) scans.push_back(scene->scan(i));
     drive.scans = Lazy<Scan>(scans.size(), scans.size(), [this](std::size_t i) { return scans[i].scan; });
@@ -75,7 +75,7 @@ TEST(Carve, KeepsTheStreetAndDropsItsTrafficUnasked) {
   const Occupied occupied(map, options.voxel_m);
   double count[2]{}, kept[2]{};  // of what stands, of what moves
   for (std::size_t i = 0; i < street.scans.size(); ++i) {
-    const SynthScan& scan = street.scans[i];
+    const synth::SynthScan& scan = street.scans[i];
     const std::vector<Eigen::Vector3d> world = to_world(scan.scan, street.drive.sweeps[i], rough);
     for (std::size_t k = 0; k < world.size(); ++k) {
       if (scan.range[k] < 2.2F || scan.range[k] > 119.8F) continue;
@@ -248,4 +248,4 @@ TEST(Normals, PointFromSurfacesToTheSensor) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::map

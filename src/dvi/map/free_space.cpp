@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace dvi {
+namespace dvi::map {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
@@ -132,4 +132,4 @@ FreeSpace::Seen FreeSpace::judge(const Eigen::Vector3d& world, double radius_m) 
   return farthest_[level](row, column) < range - kDepth ? Seen::hidden : Seen::hit;
 }
 
-}  // namespace dvi
+}  // namespace dvi::map

@@ -7,7 +7,7 @@
 
 #include "dvi/drive/drive.h"
 
-namespace dvi {
+namespace dvi::map {
 
 /// How far the rays of one sweep went, by direction: what lies well before their ends was free then. Kept as images of the
 /// nearest return in windows of several sizes, so that a question costs one look.
@@ -48,4 +48,4 @@ class FreeSpace {
   std::array<cv::Mat1f, kWindows.size()> nearest_, farthest_;
 };
 
-}  // namespace dvi
+}  // namespace dvi::map

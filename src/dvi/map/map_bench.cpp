@@ -10,7 +10,7 @@
 #include "dvi/map/free_space.h"
 #include "dvi/map/visible_points.h"
 
-namespace dvi {
+namespace dvi::map {
 namespace {
 
 constexpr std::int64_t kSweep = 100'000'000;  // nanoseconds
@@ -122,4 +122,4 @@ void visible(benchmark::State& state) {
 BENCHMARK(visible)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::map

@@ -9,7 +9,7 @@
 #include "dvi/map/build_map.h"
 #include "dvi/map/visible_points.h"
 
-namespace dvi {
+namespace dvi::map {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
@@ -220,4 +220,4 @@ TEST(VisiblePoints, HidesWhatIsBehindADisc) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::map

@@ -6,7 +6,7 @@
 
 #include "dvi/map/voxel_grid.h"
 
-namespace dvi {
+namespace dvi::map {
 
 /// What the returns of one voxel add up to, and what rays saw of it.
 struct MapVoxel {
@@ -24,4 +24,4 @@ inline Eigen::Vector3d mean(const MapVoxels& grid, const Eigen::Vector3i& place,
   return grid.centre(place) + (voxel.offset_sum / static_cast<float>(voxel.count)).cast<double>();
 }
 
-}  // namespace dvi
+}  // namespace dvi::map

@@ -5,7 +5,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/map/voxel_grid.h"
 
-namespace dvi {
+namespace dvi::map {
 namespace {
 
 constexpr double kCell = 0.2;    // metres
@@ -72,4 +72,4 @@ void add_normals(StaticMap& map) {
   }
 }
 
-}  // namespace dvi
+}  // namespace dvi::map

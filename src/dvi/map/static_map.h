@@ -9,7 +9,7 @@
 
 #include "dvi/core/scratch.h"
 
-namespace dvi {
+namespace dvi::map {
 
 /// A point of the static scene: the mean of the returns of one voxel.
 struct MapPoint {
@@ -69,4 +69,4 @@ struct StaticMap {
   }
 };
 
-}  // namespace dvi
+}  // namespace dvi::map

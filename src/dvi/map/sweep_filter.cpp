@@ -5,7 +5,7 @@
 
 #include "dvi/drive/deskew.h"
 
-namespace dvi {
+namespace dvi::map {
 namespace {
 
 /// The frame a sweep is judged by: the one nearest in time, if it is of this sweep at all.
@@ -102,4 +102,4 @@ FilteredSweep filter_sweep(const MapInput& input, const MapOptions& options, std
   return Filter(input, options)(index);
 }
 
-}  // namespace dvi
+}  // namespace dvi::map

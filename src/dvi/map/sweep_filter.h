@@ -5,7 +5,7 @@
 
 #include "dvi/map/build_map.h"
 
-namespace dvi {
+namespace dvi::map {
 
 /// What masks, labels and options leave of one sweep.
 struct FilteredSweep {
@@ -22,4 +22,4 @@ struct FilteredSweep {
 /// Sweep `index` of a drive, compensated for its motion and judged by the frame nearest in time (section 3.1 of the paper).
 FilteredSweep filter_sweep(const MapInput& input, const MapOptions& options, std::size_t index);
 
-}  // namespace dvi
+}  // namespace dvi::map

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace dvi {
+namespace dvi::map {
 namespace {
 
 constexpr float kNearPlane = 0.5F;    // metres
@@ -88,4 +88,4 @@ std::vector<VisiblePoint> visible_points(const StaticMap& map, const View& view,
   return visible;
 }
 
-}  // namespace dvi
+}  // namespace dvi::map

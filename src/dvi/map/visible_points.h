@@ -5,7 +5,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/map/static_map.h"
 
-namespace dvi {
+namespace dvi::map {
 
 /// A map point as a view sees it.
 struct VisiblePoint {
@@ -19,4 +19,4 @@ struct VisiblePoint {
 /// of `splat_m` metres radius, covers it by more than `tolerance` of its depth. In raster order.
 std::vector<VisiblePoint> visible_points(const StaticMap& map, const View& view, double splat_m, double tolerance);
 
-}  // namespace dvi
+}  // namespace dvi::map

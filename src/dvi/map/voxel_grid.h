@@ -11,7 +11,7 @@
 
 #include "dvi/core/scratch.h"
 
-namespace dvi {
+namespace dvi::map {
 
 /// A sparse grid of cubes in tiles: columns of kTile metres, so that work near a place need not look at the rest. Voxels are
 /// made when first asked for and lie in that order, tiles in the order of their coordinates: no order depends on the hash.
@@ -98,4 +98,4 @@ class VoxelGrid {
   Tiles tiles_;
 };
 
-}  // namespace dvi
+}  // namespace dvi::map

@@ -5,7 +5,7 @@
 #include "dvi/core/error.h"
 #include "dvi/image/region.h"
 
-namespace dvi {
+namespace dvi::masks {
 namespace {
 
 constexpr std::size_t kCached = 16;  // masks
@@ -106,4 +106,4 @@ Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const MaskOpti
           }};
 }
 
-}  // namespace dvi
+}  // namespace dvi::masks

@@ -3,7 +3,7 @@
 #include "dvi/core/options.h"
 #include "dvi/drive/drive.h"
 
-namespace dvi {
+namespace dvi::masks {
 
 struct MaskOptions {
   int dilate_px = 7;
@@ -32,4 +32,4 @@ Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const MaskOpti
 /// The mask of one label in an image of the camera, neither grown nor clipped by others.
 cv::Mat1b label_mask(const Label& label, const Camera& camera, const SE3& camera_from_lidar, const MaskOptions& options);
 
-}  // namespace dvi
+}  // namespace dvi::masks

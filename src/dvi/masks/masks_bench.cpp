@@ -4,7 +4,7 @@
 
 #include <benchmark/benchmark.h>
 
-namespace dvi {
+namespace dvi::masks {
 namespace {
 
 /// The mask of a frame of 1280x720 from the 3D boxes of twelve cars on three lanes, grown.
@@ -25,4 +25,4 @@ void mask_of_boxes(benchmark::State& state) {
 BENCHMARK(mask_of_boxes)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::masks

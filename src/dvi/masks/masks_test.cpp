@@ -7,7 +7,7 @@
 
 #include "dvi/core/error.h"
 
-namespace dvi {
+namespace dvi::masks {
 namespace {
 
 const MaskOptions kNoMargin{.dilate_px = 0, .box_margin_m = 0, .footprint_margin_m = 0};
@@ -104,4 +104,4 @@ TEST(Masks, SaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::masks

@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-namespace dvi {
+namespace dvi::masks {
 namespace {
 
 constexpr double kStill = 1;  // metres
@@ -32,4 +32,4 @@ void drop_standing(Drive& drive) {
   for (Frame& frame : drive.frames) std::erase_if(frame.labels, [&](const Label& l) { return standing.contains(l.track); });
 }
 
-}  // namespace dvi
+}  // namespace dvi::masks

@@ -4,7 +4,7 @@
 
 #include "dvi/drive/drive.h"
 
-namespace dvi {
+namespace dvi::masks {
 
 /// Tracks whose 3D boxes keep their place in the world while the drive sees them: parked vehicles. Boxes wander by what labels
 /// and poses are wrong, so that a metre is no motion. What is labelled without box or track may move.
@@ -13,4 +13,4 @@ std::set<int> standing_tracks(const Drive& drive);
 /// Takes the labels of standing tracks out of the drive.
 void drop_standing(Drive& drive);
 
-}  // namespace dvi
+}  // namespace dvi::masks

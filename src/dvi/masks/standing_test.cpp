@@ -2,7 +2,7 @@
 
 #include "dvi/masks/standing.h"
 
-namespace dvi {
+namespace dvi::masks {
 namespace {
 
 constexpr std::int64_t kStep = 100'000'000;
@@ -53,4 +53,4 @@ TEST(Standing, LabelsAreDropped) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::masks

@@ -10,7 +10,7 @@
 #include "dvi/metrics/evaluation.h"
 #include "dvi/metrics/tally.h"
 
-namespace dvi {
+namespace dvi::metrics {
 namespace {
 
 constexpr std::size_t kResamples = 1000;
@@ -53,4 +53,4 @@ std::optional<Intervals> bootstrap(const std::vector<OriginSums>& frames) {
                    interval(resamples, &Figures::ssim), interval(resamples, &Figures::sharpness)};
 }
 
-}  // namespace dvi
+}  // namespace dvi::metrics

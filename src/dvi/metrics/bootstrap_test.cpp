@@ -9,7 +9,7 @@
 #include "dvi/core/random.h"
 #include "dvi/metrics/tally.h"
 
-namespace dvi {
+namespace dvi::metrics {
 namespace {
 
 OriginSums frame(double psnr, std::uint64_t absolute = 500) {
@@ -81,4 +81,4 @@ TEST(Bootstrap, IsUndefinedWhereADrawMayBe) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::metrics

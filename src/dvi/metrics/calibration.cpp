@@ -14,7 +14,7 @@
 
 #include "dvi/metrics/evaluation.h"
 
-namespace dvi {
+namespace dvi::metrics {
 namespace {
 
 using Level = ConfidenceCounts::Level;
@@ -136,4 +136,4 @@ ConfidenceCounts count_confidence(const cv::Mat1b& confidence, const cv::Mat3b& 
   return counts;
 }
 
-}  // namespace dvi
+}  // namespace dvi::metrics

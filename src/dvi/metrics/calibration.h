@@ -8,7 +8,7 @@
 
 #include "dvi/metrics/evaluation.h"
 
-namespace dvi {
+namespace dvi::metrics {
 
 /// All that calibration needs to know of any number of pixels, in whole numbers: they may be added in any order.
 struct ConfidenceCounts {
@@ -27,4 +27,4 @@ struct ConfidenceCounts {
 ConfidenceCounts count_confidence(const cv::Mat1b& confidence, const cv::Mat3b& result, const cv::Mat3b& truth,
                                   const cv::Mat1b& pixels);
 
-}  // namespace dvi
+}  // namespace dvi::metrics

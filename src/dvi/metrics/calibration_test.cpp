@@ -11,7 +11,7 @@
 
 #include "dvi/core/random.h"
 
-namespace dvi {
+namespace dvi::metrics {
 namespace {
 
 struct Pixel {
@@ -131,4 +131,4 @@ TEST(Calibration, AddsUpFromParts) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::metrics

@@ -20,7 +20,7 @@
 #include "dvi/metrics/evaluation.h"
 #include "dvi/metrics/tally.h"
 
-namespace dvi {
+namespace dvi::metrics {
 namespace {
 
 std::vector<std::string> names_in(const fs::path& folder) {
@@ -72,25 +72,25 @@ fs::path frame_of(const ExternalFrames& external, const std::string& name) {
 /// The run's frame, or another program's.
 ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* external, const std::string& name) {
   const std::string file = name + ".png";
-  const cv::Size size = image_size(folders.out / "frames" / file);
+  const cv::Size size = io::image_size(folders.out / "frames" / file);
   ScoredFrame frame;
-  frame.result = read_image(folders.out / "frames" / file, size);
+  frame.result = io::read_image(folders.out / "frames" / file, size);
   frame.clean = frame.result;
-  frame.kind = read_png_grey(folders.out / "kind" / file, size);
-  frame.scored = read_mask(folders.out / "masks" / file, size);
+  frame.kind = io::read_png_grey(folders.out / "kind" / file, size);
+  frame.scored = io::read_mask(folders.out / "masks" / file, size);
   if (cv::countNonZero(frame.scored) == 0) return frame;
 
   if (!fs::exists(folders.truth / file))
     throw InputError(folders.truth / file, "is missing", "every frame with a mask needs its truth");
-  frame.truth = read_image(folders.truth / file, size);
+  frame.truth = io::read_image(folders.truth / file, size);
   if (external)
-    read_image(frame_of(*external, name), size).copyTo(frame.result, frame.scored);
+    io::read_image(frame_of(*external, name), size).copyTo(frame.result, frame.scored);
   else if (fs::is_directory(folders.out / "confidence"))
-    frame.confidence = read_png_grey(folders.out / "confidence" / file, size);
+    frame.confidence = io::read_png_grey(folders.out / "confidence" / file, size);
   frame.clean = frame.result.clone();
   frame.truth.copyTo(frame.clean, frame.scored);
   if (!folders.ignore.empty() && fs::exists(folders.ignore / file))
-    frame.scored.setTo(0, read_mask(folders.ignore / file, size));
+    frame.scored.setTo(0, io::read_mask(folders.ignore / file, size));
   return frame;
 }
 
@@ -185,4 +185,4 @@ Evaluation evaluate(const EvaluationFolders& folders, const Tick& tick) {
   return evaluation;
 }
 
-}  // namespace dvi
+}  // namespace dvi::metrics

@@ -7,7 +7,7 @@
 #include "dvi/core/interrupt.h"
 #include "dvi/metrics/evaluation.h"
 
-namespace dvi {
+namespace dvi::metrics {
 
 /// Frames of another program, NAME.png or NAME.jpg.
 struct ExternalFrames {
@@ -30,4 +30,4 @@ struct EvaluationFolders {
 /// a folder is not what it should be, a masked frame has no truth or other program's frame, or sizes differ.
 Evaluation evaluate(const EvaluationFolders& folders, const Tick& tick = {});
 
-}  // namespace dvi
+}  // namespace dvi::metrics

@@ -20,7 +20,7 @@
 #include "dvi/metrics/result_fixture.h"
 #include "dvi/metrics/test_scene.h"
 
-namespace dvi {
+namespace dvi::metrics {
 namespace {
 
 using testing::ElementsAre;
@@ -84,8 +84,8 @@ TEST_F(Evaluate, LeavesOutIgnoredPixelsAndFramesWithoutAny) {
   add("b", scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
   add("c", scene(kSize, 0), wrong, box({}), box({}));
   fs::remove(folder / "truth/c.png");
-  write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
-  write_png(folder / "ignore/b.png", box(kHole));
+  io::write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
+  io::write_png(folder / "ignore/b.png", box(kHole));
   EXPECT_GT(run().total[Origin::all].mae, 0);
   const Evaluation e = run(true);
   EXPECT_EQ(e.total[Origin::all].mae, 0);
@@ -155,7 +155,7 @@ TEST_F(Evaluate, IsTheSameWithAnyNumberOfThreads) {
 
 TEST_F(Evaluate, TellsMachinesAndPeople) {
   add_perfect("a");
-  write_png(folder / "truth/b.png", scene(kSize, 0));
+  io::write_png(folder / "truth/b.png", scene(kSize, 0));
   const Evaluation e = run();
   EXPECT_THAT(e.warnings, ElementsAre(HasSubstr("1 frames of the truth are not in the result: b")));
   const nlohmann::json json = nlohmann::json::parse(nlohmann::json(e).dump());
@@ -209,7 +209,7 @@ TEST_F(Evaluate, WholeFramesKnowNothingOfIgnoredPixels) {
   cv::Mat3b wrong = scene(kSize, 0);
   wrong(cv::Rect(30, 20, 40, 10)) = cv::Vec3b(0, 0, 0);
   add("a", scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
-  write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
+  io::write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
   EXPECT_LT(run().whole_frame.ssim, 0.99);
   EXPECT_EQ(run(true).whole_frame.mae, 0);
   EXPECT_NEAR(run(true).whole_frame.ssim, 1, 1e-6);
@@ -259,7 +259,7 @@ TEST_F(Evaluate, HoldsTheConfidenceAgainstTheError) {
   EXPECT_THAT(error(), HasSubstr("confidence/a.png"));
   cv::Mat1b confidence(kSize, uchar{255});
   confidence(cv::Rect(30, 20, 20, 30)) = 51;
-  write_png(folder / "out/confidence/a.png", confidence);
+  io::write_png(folder / "out/confidence/a.png", confidence);
   const nlohmann::json json = nlohmann::json(run())["confidence"];
   EXPECT_EQ(json["pixels"], 1200);
   EXPECT_DOUBLE_EQ(json["mean"], 0.6);
@@ -286,13 +286,13 @@ TEST_F(Evaluate, SaysThatNothingIsScored) {
 TEST_F(Evaluate, SaysWhatIsWrongWithTheInput) {
   EXPECT_THAT(error(), HasSubstr("holds no frames"));
   add_perfect("a");
-  write_png(folder / "ignore/zzz.png", box({}));
+  io::write_png(folder / "ignore/zzz.png", box({}));
   EXPECT_THROW(run(true), InputError);
 
-  write_png(folder / "truth/a.png", cv::Mat3b(10, 10, cv::Vec3b(0, 0, 0)));
+  io::write_png(folder / "truth/a.png", cv::Mat3b(10, 10, cv::Vec3b(0, 0, 0)));
   EXPECT_THAT(error(), HasSubstr("truth/a.png"));
   add_perfect("a");
-  write_png(folder / "out/masks/a.png", cv::Mat1b(10, 10, uchar{0}));
+  io::write_png(folder / "out/masks/a.png", cv::Mat1b(10, 10, uchar{0}));
   EXPECT_THAT(error(), HasSubstr("masks/a.png: is 10x10 pixels instead of 96x72"));
   fs::remove(folder / "out/masks/a.png");
   EXPECT_THAT(error(), HasSubstr("masks/a.png"));
@@ -303,7 +303,7 @@ TEST_F(Evaluate, SaysWhatIsWrongWithTheInput) {
   EXPECT_THAT(error(), HasSubstr("truth: holds no PNG files"));
 
   add_perfect("a");
-  write_png(folder / "out/kind/a.png", cv::Mat1b(10, 10, uchar{0}));
+  io::write_png(folder / "out/kind/a.png", cv::Mat1b(10, 10, uchar{0}));
   EXPECT_THAT(error(), HasSubstr("kind/a.png"));
   fs::remove(folder / "out/kind/a.png");
   EXPECT_THAT(error(), HasSubstr("kind/a.png"));
@@ -312,4 +312,4 @@ TEST_F(Evaluate, SaysWhatIsWrongWithTheInput) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::metrics

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-namespace dvi {
+namespace dvi::metrics {
 
 /// By where the pixels of the result come from: kinds 1 and 2 are copied, 3 interpolated, 4 synthesised, 5 left empty.
 enum class Origin { all, copied, interpolated, synthesised, empty };
@@ -92,4 +92,4 @@ std::string table(const Evaluation& evaluation);
 /// For machines; what is undefined is null.
 void to_json(nlohmann::json& json, const Evaluation& evaluation);
 
-}  // namespace dvi
+}  // namespace dvi::metrics

@@ -5,7 +5,7 @@
 
 #include "dvi/metrics/evaluation.h"
 
-namespace dvi {
+namespace dvi::metrics {
 
 static void to_json(nlohmann::json& json, const Figures& f) {
   json = {{"frames", f.frames},   {"pixels", f.pixels},
@@ -69,4 +69,4 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   for (const ExternalEvaluation& external : evaluation.external) json["external"][external.name] = external.evaluation;
 }
 
-}  // namespace dvi
+}  // namespace dvi::metrics

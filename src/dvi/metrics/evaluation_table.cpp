@@ -7,7 +7,7 @@
 
 #include "dvi/metrics/evaluation.h"
 
-namespace dvi {
+namespace dvi::metrics {
 namespace {
 
 std::string number(double value, int digits) { return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, digits); }
@@ -69,4 +69,4 @@ std::string table(const Evaluation& evaluation) {
   return text;
 }
 
-}  // namespace dvi
+}  // namespace dvi::metrics

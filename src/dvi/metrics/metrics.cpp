@@ -12,7 +12,7 @@
 
 #include "dvi/image/interpolate.h"
 
-namespace dvi {
+namespace dvi::metrics {
 namespace {
 
 cv::Mat1d blurred(const cv::Mat1d& image) {
@@ -156,4 +156,4 @@ cv::Mat1f misplacement(const cv::Mat3b& result, const cv::Mat3b& truth, const cv
   return length;
 }
 
-}  // namespace dvi
+}  // namespace dvi::metrics

@@ -5,7 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace dvi {
+namespace dvi::metrics {
 
 /// Differences of a result to the truth over some pixels, three channels each, in grey levels 0..255. Sums are whole
 /// numbers: they may be added in any order.
@@ -58,4 +58,4 @@ cv::Mat1f change_along(const cv::Mat3b& now, const cv::Mat3b& before, const cv::
 /// `pixels` are taken from the result, so that their surroundings anchor the flow.
 cv::Mat1f misplacement(const cv::Mat3b& result, const cv::Mat3b& truth, const cv::Mat1b& pixels);
 
-}  // namespace dvi
+}  // namespace dvi::metrics

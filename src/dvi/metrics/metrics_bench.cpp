@@ -4,7 +4,7 @@
 
 #include "dvi/metrics/test_scene.h"
 
-namespace dvi {
+namespace dvi::metrics {
 namespace {
 
 /// A frame of 1280x720, a result that lies half a pixel beside it, and a hole.
@@ -33,4 +33,4 @@ void misplaced(benchmark::State& state) {
 BENCHMARK(misplaced)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::metrics

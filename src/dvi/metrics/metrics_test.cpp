@@ -11,7 +11,7 @@
 
 #include "dvi/metrics/test_scene.h"
 
-namespace dvi {
+namespace dvi::metrics {
 namespace {
 
 TEST(ErrorSums, AreWhatPaperAndPencilSay) {
@@ -99,4 +99,4 @@ TEST(Misplacement, IsTheShiftOfTheContent) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::metrics

@@ -15,7 +15,7 @@
 #include "dvi/metrics/evaluate.h"
 #include "dvi/metrics/test_scene.h"
 
-namespace dvi {
+namespace dvi::metrics {
 
 inline const cv::Size kSize(96, 72);
 inline const cv::Rect kHole(30, 20, 40, 30);
@@ -37,10 +37,10 @@ class ResultFixture : public testing::Test {
   void add(const std::string& name, const cv::Mat3b& truth, const cv::Mat3b& result, const cv::Mat1b& mask,
            const cv::Mat1b& kind) const {
     const std::string file = name + ".png";
-    write_png(folder / "truth" / file, truth);
-    write_png(folder / "out/frames" / file, result);
-    write_png(folder / "out/masks" / file, mask);
-    write_png(folder / "out/kind" / file, kind);
+    io::write_png(folder / "truth" / file, truth);
+    io::write_png(folder / "out/frames" / file, result);
+    io::write_png(folder / "out/masks" / file, mask);
+    io::write_png(folder / "out/kind" / file, kind);
   }
   void add_perfect(const std::string& name) const { add(name, scene(kSize, 0), scene(kSize, 0), box(kHole), box(kHole, 1)); }
   EvaluationFolders folders() const { return {folder / "out", folder / "truth"}; }
@@ -60,4 +60,4 @@ class ResultFixture : public testing::Test {
   fs::path folder;
 };
 
-}  // namespace dvi
+}  // namespace dvi::metrics

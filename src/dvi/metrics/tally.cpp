@@ -13,14 +13,14 @@
 #include "dvi/metrics/evaluation.h"
 #include "dvi/metrics/metrics.h"
 
-namespace dvi {
+namespace dvi::metrics {
 namespace {
 
 constexpr float kSteps = 256;
 constexpr std::size_t kBins = 64 * 256 + 1;
 
 cv::Mat1b pixels_of(const ScoredFrame& frame, Origin origin) {
-  const auto between = [&](Kind first, Kind last) {
+  const auto between = [&](harmonize::Kind first, harmonize::Kind last) {
     cv::Mat1b pixels;
     cv::inRange(frame.kind, static_cast<int>(first), static_cast<int>(last), pixels);
     cv::bitwise_and(pixels, frame.scored, pixels);
@@ -30,13 +30,13 @@ cv::Mat1b pixels_of(const ScoredFrame& frame, Origin origin) {
     case Origin::all:
       return frame.scored;
     case Origin::copied:
-      return between(Kind::copied, Kind::copied_elsewhere);
+      return between(harmonize::Kind::copied, harmonize::Kind::copied_elsewhere);
     case Origin::interpolated:
-      return between(Kind::interpolated, Kind::interpolated);
+      return between(harmonize::Kind::interpolated, harmonize::Kind::interpolated);
     case Origin::synthesised:
-      return between(Kind::synthesised, Kind::synthesised);
+      return between(harmonize::Kind::synthesised, harmonize::Kind::synthesised);
     case Origin::empty:
-      return between(Kind::empty, Kind::empty);
+      return between(harmonize::Kind::empty, harmonize::Kind::empty);
   }
   throw std::logic_error("no such origin");
 }
@@ -163,7 +163,7 @@ ByOrigin Tally::figures() const {
   ByOrigin out;
   for (const Origin origin : kOrigins) {
     const OriginSums& sums = origins[static_cast<std::size_t>(origin)];
-    out[origin] = dvi::figures(sums);
+    out[origin] = dvi::metrics::figures(sums);
     if (sums.pixels > 0) out[origin].share = static_cast<double>(sums.pixels) / static_cast<double>(pixels(Origin::all));
   }
   out[Origin::all].misplaced_px = out[Origin::copied].misplaced_px = misplaced.median();
@@ -185,4 +185,4 @@ Tally tally(const ScoredFrame& frame, const ScoredFrame* before) {
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::metrics

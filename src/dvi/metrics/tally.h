@@ -10,7 +10,7 @@
 #include "dvi/metrics/evaluation.h"
 #include "dvi/metrics/metrics.h"
 
-namespace dvi {
+namespace dvi::metrics {
 
 /// Lengths counted in steps of 1/256 px up to 64 px: a median of any number of them in the same memory.
 class Lengths {
@@ -61,4 +61,4 @@ struct ScoredFrame {
 /// `before` is the frame before this one, or null.
 Tally tally(const ScoredFrame& frame, const ScoredFrame* before);
 
-}  // namespace dvi
+}  // namespace dvi::metrics

@@ -4,7 +4,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace dvi {
+namespace dvi::metrics {
 
 /// A textured picture for the tests of this room, its content shifted to the right.
 inline cv::Mat3b scene(cv::Size size, double shift_px) {
@@ -19,4 +19,4 @@ inline cv::Mat3b scene(cv::Size size, double shift_px) {
   return image;
 }
 
-}  // namespace dvi
+}  // namespace dvi::metrics

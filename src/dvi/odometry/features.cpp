@@ -6,7 +6,7 @@
 
 #include "dvi/odometry/voxel_key.h"
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 constexpr std::size_t kSide = 5;  // neighbours either side
@@ -108,4 +108,4 @@ std::vector<Feature> thinned(const std::vector<Feature>& features, double cell_m
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::odometry

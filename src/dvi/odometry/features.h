@@ -8,7 +8,7 @@
 #include "dvi/drive/scan.h"
 #include "dvi/odometry/rings.h"
 
-namespace dvi {
+namespace dvi::odometry {
 
 /// A point of a scan that the scene's shape can hold on to.
 struct Feature {
@@ -33,4 +33,4 @@ Features find_features(const Scan& scan, const Rings& rings, const FeatureOption
 /// One feature a cube of edge `cell_m`, the first in order.
 std::vector<Feature> thinned(const std::vector<Feature>& features, double cell_m);
 
-}  // namespace dvi
+}  // namespace dvi::odometry

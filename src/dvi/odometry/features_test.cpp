@@ -5,7 +5,7 @@
 
 #include "dvi/odometry/test_street.h"
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 Scan standing_scan(bool rings) {
@@ -114,4 +114,4 @@ TEST(Features, ThinnedKeepsOneACube) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::odometry

@@ -2,7 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 constexpr int kFewest = 6;  // points in a voxel
@@ -58,4 +58,4 @@ void LocalMap::keep_near(const Eigen::Vector3d& position, double radius_m) {
                 [&](const auto& entry) { return (entry.second.origin - position).squaredNorm() > radius_m * radius_m; });
 }
 
-}  // namespace dvi
+}  // namespace dvi::odometry

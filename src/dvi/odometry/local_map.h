@@ -6,7 +6,7 @@
 
 #include "dvi/odometry/voxel_key.h"
 
-namespace dvi {
+namespace dvi::odometry {
 
 /// What the points of one voxel look like.
 struct Shape {
@@ -55,4 +55,4 @@ class LocalMap {
   std::unordered_map<VoxelKey, Voxel, VoxelHash> voxels_;
 };
 
-}  // namespace dvi
+}  // namespace dvi::odometry

@@ -7,7 +7,7 @@
 #include "dvi/odometry/odometry_scene.h"
 #include "dvi/odometry/pose_graph.h"
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 // Metres and radians.
@@ -273,4 +273,4 @@ void close_loops(const Drive& drive, const OdometryOptions& options, Odometry& o
   odometry.world_from_lidar = Trajectory(std::move(stamped));
 }
 
-}  // namespace dvi
+}  // namespace dvi::odometry

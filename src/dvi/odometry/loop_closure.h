@@ -4,7 +4,7 @@
 
 #include "dvi/odometry/odometry.h"
 
-namespace dvi {
+namespace dvi::odometry {
 
 /// A place that the drive came back to.
 struct Loop {
@@ -23,4 +23,4 @@ std::vector<Loop> find_loops(
 /// One tick a pose.
 void close_loops(const Drive& drive, const OdometryOptions& options, Odometry& odometry, const Tick& tick = [] {});
 
-}  // namespace dvi
+}  // namespace dvi::odometry

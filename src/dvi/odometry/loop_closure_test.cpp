@@ -5,7 +5,7 @@
 
 #include "dvi/odometry/test_street.h"
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 using testing::IsEmpty;
@@ -204,4 +204,4 @@ TEST(LoopClosure, TakesACarThatStandsAndDrivesOfOneScanAndOfNone) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::odometry

@@ -5,7 +5,7 @@
 
 #include "dvi/core/median.h"
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 constexpr int kAround = 2;                       // stretches looked at before and after
@@ -37,4 +37,4 @@ std::optional<SE3> MotionPrior::motion(std::int64_t earlier_ns, std::int64_t lat
   return here;
 }
 
-}  // namespace dvi
+}  // namespace dvi::odometry

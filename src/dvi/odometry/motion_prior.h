@@ -4,7 +4,7 @@
 
 #include "dvi/geometry/trajectory.h"
 
-namespace dvi {
+namespace dvi::odometry {
 
 /// How given poses say that the LiDAR moved between two sweeps. They are held against themselves here, against the scans where
 /// they are used.
@@ -21,4 +21,4 @@ class MotionPrior {
   Trajectory given_;
 };
 
-}  // namespace dvi
+}  // namespace dvi::odometry

@@ -6,7 +6,7 @@
 #include "dvi/odometry/odometry.h"
 #include "dvi/odometry/test_street.h"
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 constexpr std::int64_t kSweep = TestStreet::kSweep;
@@ -77,4 +77,4 @@ TEST(GivenMotion, ThatIsWrongDoesNoHarmWhereTheSceneHolds) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::odometry

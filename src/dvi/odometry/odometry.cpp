@@ -12,7 +12,7 @@
 #include "dvi/odometry/motion_prior.h"
 #include "dvi/odometry/odometry_scene.h"
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 constexpr double kLongGap = 0.55;               // seconds without a sweep, after which the speed is searched for anew
@@ -365,4 +365,4 @@ const char* to_string(SweepFit::State state) {
   return "";
 }
 
-}  // namespace dvi
+}  // namespace dvi::odometry

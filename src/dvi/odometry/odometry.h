@@ -7,7 +7,7 @@
 #include "dvi/core/options.h"
 #include "dvi/drive/drive.h"
 
-namespace dvi {
+namespace dvi::odometry {
 
 struct OdometryOptions {
   double min_range_m = 2.5;
@@ -65,4 +65,4 @@ Odometry odometry(const Drive& drive, const OdometryOptions& options, const Traj
 
 const char* to_string(SweepFit::State state);
 
-}  // namespace dvi
+}  // namespace dvi::odometry

@@ -5,7 +5,7 @@
 #include "dvi/odometry/sharpness.h"
 #include "dvi/odometry/test_street.h"
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 constexpr int kSweeps = 8, kBeams = 64, kColumns = 1800;
@@ -35,4 +35,4 @@ void measure_sharpness(benchmark::State& state) {
 BENCHMARK(measure_sharpness)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::odometry

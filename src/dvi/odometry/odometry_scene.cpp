@@ -1,6 +1,6 @@
 #include "dvi/odometry/odometry_scene.h"
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 constexpr double kLargeVoxel = 3, kEdgeVoxel = 1.6;  // of the small voxel
@@ -26,4 +26,4 @@ RegisterOptions register_options(const OdometryOptions& options) {
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::odometry

@@ -3,7 +3,7 @@
 #include "dvi/odometry/odometry.h"
 #include "dvi/odometry/register_scan.h"
 
-namespace dvi {
+namespace dvi::odometry {
 
 /// What odometry keeps of a scan.
 struct ScanFeatures {
@@ -16,4 +16,4 @@ Surroundings empty_scene(const OdometryOptions& options);
 
 RegisterOptions register_options(const OdometryOptions& options);
 
-}  // namespace dvi
+}  // namespace dvi::odometry

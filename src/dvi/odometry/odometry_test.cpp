@@ -9,7 +9,7 @@
 #include "dvi/odometry/sharpness.h"
 #include "dvi/odometry/test_street.h"
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 using testing::ElementsAre;
@@ -182,4 +182,4 @@ TEST(Sharpness, ShowsHowFarPosesAreOff) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::odometry

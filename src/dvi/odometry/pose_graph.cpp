@@ -6,7 +6,7 @@
 
 #include <Eigen/SparseCholesky>
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 constexpr double kOutlier =
@@ -114,4 +114,4 @@ std::vector<double> solve_pose_graph(std::vector<SE3>& world_from_body, const st
   return std::move(solver).weights();
 }
 
-}  // namespace dvi
+}  // namespace dvi::odometry

@@ -5,7 +5,7 @@
 
 #include "dvi/core/random.h"
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 Vector6d random_twist(Random& random, double metres, double radians) {
@@ -128,4 +128,4 @@ TEST(PoseGraph, TakesNoPoseAndOne) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::odometry

@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 // The normal equations of one iteration.
@@ -132,4 +132,4 @@ Registration register_scan(const Features& features, const SE3& guess, const Vec
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::odometry

@@ -6,7 +6,7 @@
 #include "dvi/odometry/features.h"
 #include "dvi/odometry/local_map.h"
 
-namespace dvi {
+namespace dvi::odometry {
 
 /// The scene round the car, planes at two sizes of voxels: the small ones where they hold enough points.
 struct Surroundings {
@@ -44,4 +44,4 @@ struct Registration {
 Registration register_scan(const Features& features, const SE3& guess, const Vector6d& twist, const SE3& before, double seconds,
                            Surroundings& scene, const RegisterOptions& options);
 
-}  // namespace dvi
+}  // namespace dvi::odometry

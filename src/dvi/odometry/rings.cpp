@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
@@ -131,4 +131,4 @@ const char* to_string(Rings::Source source) {
   return "";
 }
 
-}  // namespace dvi
+}  // namespace dvi::odometry

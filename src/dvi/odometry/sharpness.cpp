@@ -11,7 +11,7 @@
 #include "dvi/drive/deskew.h"
 #include "dvi/odometry/voxel_key.h"
 
-namespace dvi {
+namespace dvi::odometry {
 namespace {
 
 constexpr std::size_t kStretch = 20, kStretches = 3;  // sweeps
@@ -133,4 +133,4 @@ Sharpness sharpness(const Drive& drive, const Trajectory& world_from_lidar, cons
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::odometry

@@ -5,7 +5,7 @@
 #include "dvi/core/interrupt.h"
 #include "dvi/drive/drive.h"
 
-namespace dvi {
+namespace dvi::odometry {
 
 /// How far the scans of a drive disagree on where flat things are: per patch of a metre the spread of the scans' mean
 /// distances to the patch's plane, less what the noise within each scan explains; the median over patches. Negative where
@@ -24,4 +24,4 @@ struct Sharpness {
 Sharpness sharpness(const Drive& drive, const Trajectory& world_from_lidar, const Tick& tick = [] {});
 std::size_t sharpness_ticks(const Drive& drive);
 
-}  // namespace dvi
+}  // namespace dvi::odometry

@@ -14,7 +14,7 @@
 #include "dvi/drive/drive.h"
 #include "dvi/odometry/odometry.h"
 
-namespace dvi {
+namespace dvi::odometry {
 
 /// A street of boxes for the tests of this room, scanned by a LiDAR whose motion is known exactly.
 class TestStreet {
@@ -121,4 +121,4 @@ inline double worst_error(const Odometry& found, const Trajectory& path) {
   return worst;
 }
 
-}  // namespace dvi
+}  // namespace dvi::odometry

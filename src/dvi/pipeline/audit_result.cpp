@@ -9,7 +9,7 @@
 #include "dvi/core/error.h"
 #include "dvi/pipeline/open.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 namespace {
 
 /// A line of sources.json.
@@ -63,12 +63,12 @@ Views views_of(const std::vector<ListedSource>& sources, const std::vector<OpenD
   return views;
 }
 
-nlohmann::json json_of(const Audit& audit, const fs::path& out) {
+nlohmann::json json_of(const audit::Audit& audit, const fs::path& out) {
   nlohmann::json findings = nlohmann::json::object();
-  for (std::size_t b = 0; b < kBreaches.size(); ++b) {
-    const Finding& f = audit.findings[b];
-    findings[kBreaches[b]] = {{"pixels", f.pixels}};
-    if (f.pixels > 0) findings[kBreaches[b]]["first"] = {{"frame", f.frame}, {"x", f.x}, {"y", f.y}};
+  for (std::size_t b = 0; b < audit::kBreaches.size(); ++b) {
+    const audit::Finding& f = audit.findings[b];
+    findings[audit::kBreaches[b]] = {{"pixels", f.pixels}};
+    if (f.pixels > 0) findings[audit::kBreaches[b]]["first"] = {{"frame", f.frame}, {"x", f.x}, {"y", f.y}};
   }
   return {{"schema", "dvi-audit/1"},
           {"path", out.string()},
@@ -80,8 +80,8 @@ nlohmann::json json_of(const Audit& audit, const fs::path& out) {
           {"findings", findings}};
 }
 
-std::string text_of(const Audit& audit, const fs::path& out) {
-  static const std::array<const char*, kBreaches.size()> kSay{
+std::string text_of(const audit::Audit& audit, const fs::path& out) {
+  static const std::array<const char*, audit::kBreaches.size()> kSay{
       "mask: the result's mask is not what the drive says is to be removed",
       "outside: outside the mask the result is not the drive's image",
       "receipt: kind and provenance contradict each other, or name what does not exist",
@@ -90,8 +90,8 @@ std::string text_of(const Audit& audit, const fs::path& out) {
       "{}\n  frames   {}\n  removed  {} pixels, {} of them copied: each was traced to its source\n"
       "  harmonisation changed the copies by {:.1f} grey levels in the median, {:.1f} at the 95th percentile\n",
       out.string(), audit.frames, audit.removed, audit.copied, audit.change_median, audit.change_p95);
-  for (std::size_t b = 0; b < kBreaches.size(); ++b) {
-    const Finding& f = audit.findings[b];
+  for (std::size_t b = 0; b < audit::kBreaches.size(); ++b) {
+    const audit::Finding& f = audit.findings[b];
     if (f.pixels > 0)
       text += fmt::format("  {}\n    {} pixels, the first in frame {} at {}, {}\n", kSay[b], f.pixels, f.frame, f.x, f.y);
   }
@@ -118,11 +118,11 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   for (std::size_t i = 0; i < views.of_drive(0).second; ++i) names.push_back(sources[i].frame);
 
   progress.begin("audit", names.size());
-  AuditReport report{audit(out, views, names, progress.tick()), {}, {}};
+  AuditReport report{audit::audit(out, views, names, progress.tick()), {}, {}};
   progress.end();
   report.json = json_of(report.audit, out).dump(1);
   report.text = text_of(report.audit, out);
   return report;
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

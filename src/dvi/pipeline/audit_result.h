@@ -7,10 +7,10 @@
 #include "dvi/core/progress.h"
 #include "dvi/pipeline/job.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 struct AuditReport {
-  Audit audit;
+  audit::Audit audit;
   std::string json, text;
 };
 
@@ -20,4 +20,4 @@ struct AuditReport {
 AuditReport audit_result(const fs::path& out, const std::vector<std::string>& drives, const std::string& masks,
                          Progress& progress);
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

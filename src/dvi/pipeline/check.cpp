@@ -12,7 +12,7 @@
 #include "dvi/pipeline/forecast.h"
 #include "dvi/pipeline/open.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 namespace {
 
 double median_step(std::vector<std::int64_t> times) {
@@ -143,4 +143,4 @@ CheckReport check(const Job& job, Progress& progress) {
   return {report.dump(1), text_of(report)};
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -5,7 +5,7 @@
 #include "dvi/core/progress.h"
 #include "dvi/pipeline/job.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 /// What `dvi check` found, for machines and for people.
 struct CheckReport {
@@ -17,4 +17,4 @@ struct CheckReport {
 /// is too bad to go on with.
 CheckReport check(const Job& job, Progress& progress);
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

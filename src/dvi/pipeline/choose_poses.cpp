@@ -7,14 +7,14 @@
 
 #include "dvi/core/error.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 namespace {
 
 // Poses from the scans must be better by more metres than this: below, the measure cannot tell, and given poses hold over long
 // drives.
 constexpr double kSharper = 0.002;
 
-nlohmann::json sharpness_report(const std::optional<Sharpness>& s) {
+nlohmann::json sharpness_report(const std::optional<odometry::Sharpness>& s) {
   if (!s) return nullptr;
   return {{"ground_m", s->ground_m},
           {"vertical_m", s->vertical_m},
@@ -53,23 +53,23 @@ nlohmann::json against_given(const std::vector<StampedPose>& poses, const Trajec
 }
 
 /// What tells how far off the odometry's poses may be, whether there is a truth or not.
-nlohmann::json drift_report(const Odometry& odometry, const Trajectory& given) {
+nlohmann::json drift_report(const odometry::Odometry& odometry, const Trajectory& given) {
   std::vector<double> second_look;
-  for (const SweepFit& fit : odometry.sweeps)
-    if (fit.state == SweepFit::State::registered) second_look.push_back(fit.second_look_m);
+  for (const odometry::SweepFit& fit : odometry.sweeps)
+    if (fit.state == odometry::SweepFit::State::registered) second_look.push_back(fit.second_look_m);
   return {{"second_look", spread(second_look, "m")},
           {"given_over_10_m", against_given(odometry.world_from_lidar.poses(), given)},
           {"loops", odometry.loops},
           {"largest_correction_m", odometry.largest_correction_m}};
 }
 
-nlohmann::json odometry_report(const Odometry& odometry, const Trajectory& given) {
+nlohmann::json odometry_report(const odometry::Odometry& odometry, const Trajectory& given) {
   nlohmann::json sweeps = nlohmann::json::array();
   double path = 0;
   const auto& poses = odometry.world_from_lidar.poses();
   for (std::size_t i = 1; i < poses.size(); ++i) path += (poses[i].world_from_body.t - poses[i - 1].world_from_body.t).norm();
-  for (const SweepFit& fit : odometry.sweeps)
-    sweeps.push_back({{"state", to_string(fit.state)},
+  for (const odometry::SweepFit& fit : odometry.sweeps)
+    sweeps.push_back({{"state", odometry::to_string(fit.state)},
                       {"features", fit.features},
                       {"inliers", fit.inliers},
                       {"residual_m", fit.residual_m},
@@ -86,12 +86,13 @@ nlohmann::json odometry_report(const Odometry& odometry, const Trajectory& given
 
 }  // namespace
 
-PoseChoice choose_poses(const Drive& drive, const std::string& wish, const OdometryOptions& options, Progress& progress) {
+PoseChoice choose_poses(const Drive& drive, const std::string& wish, const odometry::OdometryOptions& options,
+                        Progress& progress) {
   PoseChoice choice;
   if (wish == "loam" && drive.sweeps.empty()) throw InputError(drive.path, "has no scans", "--poses loam needs them");
   if (wish != "loam" && (wish != "auto" || drive.sweeps.empty())) return choice;
   const std::string name = drive.path.filename().string();
-  choice.odometry = odometry(drive, options, wish == "auto" ? drive.poses : Trajectory(), progress.parts());
+  choice.odometry = odometry::odometry(drive, options, wish == "auto" ? drive.poses : Trajectory(), progress.parts());
   for (const std::string& warning : choice.odometry->warnings) progress.warn(name + ": " + warning);
   if (choice.odometry->loops > 0)
     progress.note(fmt::format("{}: {} loops closed, poses moved by up to {:.2f} m", name, choice.odometry->loops,
@@ -101,11 +102,11 @@ PoseChoice choose_poses(const Drive& drive, const std::string& wish, const Odome
     return choice;
   }
   const bool both = wish == "auto" && !drive.poses.empty();
-  progress.begin("sharpness", (both ? 2 : 1) * sharpness_ticks(drive));
-  choice.loam = sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
-  if (both) choice.given = sharpness(drive, drive.poses, progress.tick());
+  progress.begin("sharpness", (both ? 2 : 1) * odometry::sharpness_ticks(drive));
+  choice.loam = odometry::sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
+  if (both) choice.given = odometry::sharpness(drive, drive.poses, progress.tick());
   const bool lost = std::any_of(choice.odometry->sweeps.begin(), choice.odometry->sweeps.end(),
-                                [](const SweepFit& fit) { return fit.state == SweepFit::State::lost; });
+                                [](const odometry::SweepFit& fit) { return fit.state == odometry::SweepFit::State::lost; });
   const bool sharper = both && !lost && choice.loam->known() && choice.loam->total_m() + kSharper < choice.given->total_m();
   if (!both || sharper) choice.from = "loam";
   progress.end();
@@ -137,4 +138,4 @@ nlohmann::json poses_report(const Drive& drive, const PoseChoice& choice) {
           {"odometry", choice.odometry ? odometry_report(*choice.odometry, drive.poses) : nlohmann::json()}};
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -10,19 +10,20 @@
 #include "dvi/odometry/odometry.h"
 #include "dvi/odometry/sharpness.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 /// Where a drive's poses come from, and how sharp a map they make.
 struct PoseChoice {
   std::string from = "given";  ///< given or loam
-  std::optional<Odometry> odometry;
-  std::optional<Sharpness> given, loam;
+  std::optional<odometry::Odometry> odometry;
+  std::optional<odometry::Sharpness> given, loam;
 };
 
 /// `wish` is auto, given, loam or a file of poses. auto: the given poses or those of the scans, which take the given motion for
 /// a guess, whichever lay the scans together more sharply; the given ones where they are as good. InputError where loam is
 /// wished for and there are no scans.
-PoseChoice choose_poses(const Drive& drive, const std::string& wish, const OdometryOptions& options, Progress& progress);
+PoseChoice choose_poses(const Drive& drive, const std::string& wish, const odometry::OdometryOptions& options,
+                        Progress& progress);
 
 /// The trajectory that was chosen, in its own world.
 const Trajectory& chosen(const Drive& drive, const PoseChoice& choice);
@@ -33,4 +34,4 @@ Trajectory laid_onto(const Trajectory& given, const Trajectory& odometry);
 /// What map.json and report.json say of a drive's poses.
 nlohmann::json poses_report(const Drive& drive, const PoseChoice& choice);
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

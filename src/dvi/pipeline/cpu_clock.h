@@ -6,7 +6,7 @@
 
 #include "dvi/core/progress.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 /// CPU seconds a stage over all threads. Stages nest (sampling asks for depth): the inner one's time is its own only.
 class CpuClock {
@@ -47,4 +47,4 @@ class CpuClock {
   std::map<std::string, double> seconds_;
 };
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

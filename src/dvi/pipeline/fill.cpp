@@ -4,20 +4,21 @@
 
 #include "dvi/core/threads.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 FilledView Filler::operator()(std::size_t target) const {
-  std::shared_ptr<const DepthMap> depth = depths_.maps[target];
+  std::shared_ptr<const depth::DepthMap> depth = depths_.maps[target];
   if (options_.sweep.enabled)
     depth = clock_.time("sweep", [&] {
-      return std::make_shared<const DepthMap>(plane_sweep(*depth, views_, target, depths_.visibility, options_.sweep));
+      return std::make_shared<const depth::DepthMap>(
+          plane_sweep::plane_sweep(*depth, views_, target, depths_.visibility, options_.sweep));
     });
-  const Candidates candidates =
-      clock_.time("sample", [&] { return sample(views_, target, *depth, depths_.visibility, options_.sample); });
-  const Labelling labels =
-      clock_.time("regularize", [&] { return regularize(candidates, views_, target, *depth, options_.regularize); });
-  FilledFrame frame =
-      clock_.time("harmonize", [&] { return harmonize(labels.candidates, views_, target, *depth, options_.harmonize); });
+  const sample::Candidates candidates =
+      clock_.time("sample", [&] { return sample::sample(views_, target, *depth, depths_.visibility, options_.sample); });
+  const regularize::Labelling labels = clock_.time(
+      "regularize", [&] { return regularize::regularize(candidates, views_, target, *depth, options_.regularize); });
+  harmonize::FilledFrame frame = clock_.time(
+      "harmonize", [&] { return harmonize::harmonize(labels.candidates, views_, target, *depth, options_.harmonize); });
   return {std::move(frame), labels.energy_before, labels.energy_after};
 }
 
@@ -39,7 +40,7 @@ void Smoother::fill(const std::vector<std::size_t>& block) {
 
 std::vector<FilledView> Smoother::finish(const std::vector<std::size_t>& block) {
   fill(block);
-  const auto neighbour = [&](std::size_t view) -> const FilledFrame* {
+  const auto neighbour = [&](std::size_t view) -> const harmonize::FilledFrame* {
     const auto it = window_.find(view);
     return it == window_.end() ? nullptr : &it->second->frame;
   };
@@ -47,12 +48,12 @@ std::vector<FilledView> Smoother::finish(const std::vector<std::size_t>& block) 
   parallel_for(block.size(), [&](std::size_t i) {
     const std::size_t view = block[i];
     const FilledView& filled = *window_.at(view);
-    const FilledFrame* before = options_.enabled && view > first_ ? neighbour(view - 1) : nullptr;
-    const FilledFrame* after = options_.enabled && view + 1 < last_ ? neighbour(view + 1) : nullptr;
+    const harmonize::FilledFrame* before = options_.enabled && view > first_ ? neighbour(view - 1) : nullptr;
+    const harmonize::FilledFrame* after = options_.enabled && view + 1 < last_ ? neighbour(view + 1) : nullptr;
     finished[i] = filled;
-    finished[i].frame = clock_.time("smooth", [&] { return smooth(before, filled.frame, after, options_); });
+    finished[i].frame = clock_.time("smooth", [&] { return smooth::smooth(before, filled.frame, after, options_); });
   });
   return finished;
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

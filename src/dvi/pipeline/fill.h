@@ -13,11 +13,11 @@
 #include "dvi/pipeline/cpu_clock.h"
 #include "dvi/pipeline/job.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 /// A frame after harmonisation, with what its stages said of themselves.
 struct FilledView {
-  FilledFrame frame;
+  harmonize::FilledFrame frame;
   double energy_before = 0, energy_after = 0;  ///< eqs. 2-4
 };
 
@@ -27,13 +27,13 @@ using FillFrame = std::function<FilledView(std::size_t target)>;
 /// Stages 6 to 8 for one view after another: candidates, labels, colours.
 class Filler {
  public:
-  Filler(const Views& views, const Depths& depths, const Options& options, CpuClock& clock)
+  Filler(const Views& views, const depth::Depths& depths, const Options& options, CpuClock& clock)
       : views_(views), depths_(depths), options_(options), clock_(clock) {}
   FilledView operator()(std::size_t target) const;
 
  private:
   const Views& views_;
-  const Depths& depths_;
+  const depth::Depths& depths_;
   const Options& options_;
   CpuClock& clock_;
 };
@@ -42,7 +42,8 @@ class Filler {
 /// of the same drive, smooths each between them and hands it on.
 class Smoother {
  public:
-  Smoother(const FillFrame& fill_frame, std::size_t first, std::size_t last, const SmoothOptions& options, CpuClock& clock)
+  Smoother(const FillFrame& fill_frame, std::size_t first, std::size_t last, const smooth::SmoothOptions& options,
+           CpuClock& clock)
       : fill_frame_(fill_frame), first_(first), last_(last), options_(options), clock_(clock) {}
 
   /// The finished frames of a block of views (ascending).
@@ -53,9 +54,9 @@ class Smoother {
 
   const FillFrame& fill_frame_;
   std::size_t first_, last_;  // the target drive's views
-  const SmoothOptions& options_;
+  const smooth::SmoothOptions& options_;
   CpuClock& clock_;
   std::map<std::size_t, std::shared_ptr<const FilledView>> window_;
 };
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

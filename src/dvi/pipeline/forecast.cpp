@@ -7,27 +7,27 @@
 #include "dvi/io/write_image.h"
 #include "dvi/pipeline/make_map.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 namespace {
 
 constexpr int kCoarseFrom = 640;  // px of width from which every second pixel tells enough
 
-Forecast make_forecast(const std::vector<OpenDrive>& drives, const Views& views, const Job& job, Progress& progress) {
-  const StaticMap map = map_drives(drives, job.options.map, progress);
+audit::Forecast make_forecast(const std::vector<OpenDrive>& drives, const Views& views, const Job& job, Progress& progress) {
+  const map::StaticMap map = map_drives(drives, job.options.map, progress);
   const int step = drives.front().drive.camera.width < kCoarseFrom ? 1 : 2;
   progress.begin("forecast", views.of_drive(0).second);
-  Forecast out = forecast(views, map, job.options.depth, job.options.sample, step, progress.tick());
+  audit::Forecast out = audit::forecast(views, map, job.options.depth, job.options.sample, step, progress.tick());
   progress.end();
   return out;
 }
 
-nlohmann::json json_of(const HoleShares& hole) {
+nlohmann::json json_of(const audit::HoleShares& hole) {
   return {{"copied", hole.copied}, {"copied_elsewhere", hole.copied_elsewhere}, {"never_seen", hole.never_seen}};
 }
 
-nlohmann::json json_of(const Forecast& forecast, const Views& views, const Drive& target) {
+nlohmann::json json_of(const audit::Forecast& forecast, const Views& views, const Drive& target) {
   nlohmann::json frames = nlohmann::json::array();
-  for (const FrameForecast& f : forecast.frames) {
+  for (const audit::FrameForecast& f : forecast.frames) {
     const Frame& frame = target.frames[views[f.view].frame];
     frames.push_back(
         {{"number", frame.number}, {"name", frame.name}, {"image_share", f.image_share}, {"hole", json_of(f.hole)}});
@@ -58,13 +58,13 @@ ForecastReport forecast_holes(const Job& job, Progress& progress) {
   std::vector<OpenDrive> drives = open_drives(job, MaskNeed::required, progress);
   find_poses(drives, job, progress);
   const Views views = make_views(drives, progress);
-  const Forecast found = make_forecast(drives, views, job, progress);
+  const audit::Forecast found = make_forecast(drives, views, job, progress);
   if (!job.out.empty()) {
     make_folder(job.out);
-    write_png(fs::path(job.out) / "forecast.png", forecast_chart(found));
+    io::write_png(fs::path(job.out) / "forecast.png", audit::forecast_chart(found));
   }
   const nlohmann::json report = json_of(found, views, drives.front().drive);
   return {report.dump(1), text_of(report)};
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

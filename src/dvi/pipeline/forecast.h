@@ -8,7 +8,7 @@
 #include "dvi/pipeline/job.h"
 #include "dvi/pipeline/open.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 /// What other frames will have seen of each hole, for machines and as a table for people.
 struct ForecastReport {
@@ -22,4 +22,4 @@ ForecastReport forecast_holes(const Job& job, Progress& progress);
 /// The forecast of drives that are open, as JSON; `views` are theirs.
 nlohmann::json forecast_json(const std::vector<OpenDrive>& drives, const Job& job, Progress& progress);
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -7,7 +7,7 @@
 
 #include "dvi/core/error.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 void Options::describe(OptionTable& table) {
   masks.describe(table);
@@ -93,4 +93,4 @@ FrameRange parse_frames(const std::string& text) {
   return range;
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

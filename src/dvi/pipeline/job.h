@@ -21,23 +21,23 @@
 #include "dvi/sample/sample.h"
 #include "dvi/smooth/smooth.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 /// The options of all stages.
 struct Options {
-  MaskOptions masks;
-  OdometryOptions odometry;
-  MapOptions map;
-  ExposureOptions exposure;
-  AlignOptions align;
-  DepthOptions depth;
-  SweepOptions sweep;
-  SampleOptions sample;
-  RegularizeOptions regularize;
-  HarmonizeOptions harmonize;
-  SmoothOptions smooth;
-  FlowOptions flow;
-  VideoOptions video;
+  masks::MaskOptions masks;
+  odometry::OdometryOptions odometry;
+  map::MapOptions map;
+  exposure::ExposureOptions exposure;
+  align::AlignOptions align;
+  depth::DepthOptions depth;
+  plane_sweep::SweepOptions sweep;
+  sample::SampleOptions sample;
+  regularize::RegularizeOptions regularize;
+  harmonize::HarmonizeOptions harmonize;
+  smooth::SmoothOptions smooth;
+  baselines::FlowOptions flow;
+  io::VideoOptions video;
 
   void describe(OptionTable& table);
   /// UsageError for what the single ranges cannot express.
@@ -78,4 +78,4 @@ void use_method(const std::string& method, Options& options);
 /// "A:B", both included. UsageError otherwise.
 FrameRange parse_frames(const std::string& text);
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -7,15 +7,16 @@
 #include "dvi/core/version.h"
 #include "dvi/pipeline/open.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 namespace {
 
 // All that a case depends on.
-std::string recipe_of(Job job, const HoldoutOptions& options, const Drive& drive) {
+std::string recipe_of(Job job, const holdout::HoldoutOptions& options, const Drive& drive) {
   job.out.clear();
   Fingerprint print;
   print.add(kVersion);
-  print.add(fmt::format("{} {} {} {}", name(options.scenario), options.seed, options.margin_px, options.ignore_margin_px));
+  print.add(
+      fmt::format("{} {} {} {}", holdout::name(options.scenario), options.seed, options.margin_px, options.ignore_margin_px));
   OptionTable used;
   job.options.masks.describe(used);
   job.options.odometry.describe(used);
@@ -25,36 +26,39 @@ std::string recipe_of(Job job, const HoldoutOptions& options, const Drive& drive
   return print.hex();
 }
 
-void make(const Job& job, const HoldoutOptions& options, bool keep, Progress& progress) {
-  if (!keep) require_empty(job.out);
+void make(const Job& job, const holdout::HoldoutOptions& options, bool keep, Progress& progress) {
+  if (!keep) holdout::require_empty(job.out);
   std::vector<OpenDrive> drives = open_drives(job, MaskNeed::optional, progress);
   const OpenDrive& open = drives.front();
   if (open.drive.masks.empty() && !open.drive.has_labels())
     progress.warn("the drive brings neither masks nor labels: its real traffic counts as street");
   const std::string recipe = recipe_of(job, options, open.drive);
-  const std::string kept = keep ? holdout_recipe(job.out) : "";
+  const std::string kept = keep ? holdout::holdout_recipe(job.out) : "";
   if (kept == recipe) return;
   if (!kept.empty())
     throw InputError(job.out, "holds a case made from another drive or with other options",
                      "remove it or choose another folder");
   find_poses(drives, job, progress);
-  progress.begin(fmt::format("holdout {}", name(options.scenario)), open.drive.frames.size() + open.drive.sweeps.size());
-  const Holdout holdout(open.drive, open.masks, open.world_from_lidar, options);
-  write_holdout(holdout, job.out, recipe, progress.tick());
+  progress.begin(fmt::format("holdout {}", holdout::name(options.scenario)),
+                 open.drive.frames.size() + open.drive.sweeps.size());
+  const holdout::Holdout holdout(open.drive, open.masks, open.world_from_lidar, options);
+  holdout::write_holdout(holdout, job.out, recipe, progress.tick());
   progress.end();
   if (const auto stand = holdout.vehicle() ? holdout.vehicle()->stand() : std::nullopt; stand && stand->returns > 0)
     progress.warn(
         fmt::format("the {} vehicle of seed {} stands in what the scans show ({} returns inside it): no place within "
                     "15 m along the road is free; another --seed may find one",
-                    name(options.scenario), options.seed, stand->returns));
+                    holdout::name(options.scenario), options.seed, stand->returns));
 }
 
 }  // namespace
 
-void make_holdout(const Job& job, const HoldoutOptions& options, Progress& progress) { make(job, options, false, progress); }
+void make_holdout(const Job& job, const holdout::HoldoutOptions& options, Progress& progress) {
+  make(job, options, false, progress);
+}
 
-void keep_or_make_holdout(const Job& job, const HoldoutOptions& options, Progress& progress) {
+void keep_or_make_holdout(const Job& job, const holdout::HoldoutOptions& options, Progress& progress) {
   make(job, options, true, progress);
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

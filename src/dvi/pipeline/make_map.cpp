@@ -6,11 +6,11 @@
 #include "dvi/pipeline/map_files.h"
 #include "dvi/pipeline/report.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
-StaticMap map_drives(const std::vector<OpenDrive>& drives, const MapOptions& options, Progress& progress) {
-  const std::vector<MapInput> inputs = map_inputs(drives);
-  StaticMap map = build_map(inputs, options, progress.parts());
+map::StaticMap map_drives(const std::vector<OpenDrive>& drives, const map::MapOptions& options, Progress& progress) {
+  const std::vector<map::MapInput> inputs = map_inputs(drives);
+  map::StaticMap map = map::build_map(inputs, options, progress.parts());
   if (map.points.empty()) progress.warn("the map is empty: no scan left a static point, nothing can be copied");
   return map;
 }
@@ -21,7 +21,7 @@ std::string make_map(const Job& job, const std::string& trajectory, Progress& pr
   std::vector<OpenDrive> drives = open_drives(job, MaskNeed::optional, progress);
   find_poses(drives, job, progress);
   verify(drives, progress);
-  const StaticMap map = map_drives(drives, job.options.map, progress);
+  const map::StaticMap map = map_drives(drives, job.options.map, progress);
   const Views views = make_views(drives, progress);
   progress.begin("write", 0);
   const OpenDrive& target = drives.front();
@@ -37,4 +37,4 @@ std::string make_map(const Job& job, const std::string& trajectory, Progress& pr
   return report.dump(1);
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -7,7 +7,7 @@
 #include "dvi/io/write_ply.h"
 #include "dvi/map/visible_points.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 namespace {
 
 constexpr int kColourFrames = 40;  // frames, evenly spread, that lend the map their colours
@@ -46,14 +46,14 @@ std::string time_lines(const Views& views) {
   return text;
 }
 
-std::vector<cv::Vec3b> colours(const StaticMap& map, const Views& views) {
+std::vector<cv::Vec3b> colours(const map::StaticMap& map, const Views& views) {
   std::vector<cv::Vec3b> out(map.points.size(), kUncoloured);
   const std::size_t last = views.of_drive(0).second;
   const std::size_t step = std::max<std::size_t>(1, last / kColourFrames);
   for (std::size_t i = 0; i < last; i += step) {
     const auto image = views.images[i];
     const auto mask = views.masks[i];
-    for (const VisiblePoint& p : visible_points(map, views[i], kSplat, kTolerance)) {
+    for (const map::VisiblePoint& p : map::visible_points(map, views[i], kSplat, kTolerance)) {
       const cv::Point pixel(cvRound(p.u), cvRound(p.v));
       if ((*mask)(pixel) == 0) out[p.index] = (*image)(pixel);  // later frames are nearer and win
     }
@@ -61,7 +61,8 @@ std::vector<cv::Vec3b> colours(const StaticMap& map, const Views& views) {
   return out;
 }
 
-void write_map(const fs::path& path, const StaticMap& map, const std::vector<cv::Vec3b>& colour, const std::string& comment) {
+void write_map(const fs::path& path, const map::StaticMap& map, const std::vector<cv::Vec3b>& colour,
+               const std::string& comment) {
   ScratchVector<Eigen::Vector3f> points(map.scratch());
   std::array<ScratchVector<float>, 7> scalars;
   scalars.fill(ScratchVector<float>(map.scratch()));
@@ -69,44 +70,44 @@ void write_map(const fs::path& path, const StaticMap& map, const std::vector<cv:
   const auto seconds = [&](std::uint32_t sweep) {
     return 1e-9F * static_cast<float>(map.sweeps[sweep].time_ns - map.sweeps.front().time_ns);
   };
-  for (const MapPoint& p : map.points) {
+  for (const map::MapPoint& p : map.points) {
     points.push_back(p.position);
     const std::array<float, 7> values{p.normal.x(),     p.normal.y(),   p.normal.z(), p.intensity, static_cast<float>(p.count),
                                       seconds(p.first), seconds(p.last)};
     for (std::size_t k = 0; k < values.size(); ++k) scalars[k].push_back(values[k]);
   }
-  PlyCloud cloud{points, colour, {}, comment};
+  io::PlyCloud cloud{points, colour, {}, comment};
   for (std::size_t k = 0; k < names.size(); ++k) cloud.scalars.push_back({names[k], scalars[k]});
-  write_ply(path, cloud);
+  io::write_ply(path, cloud);
 }
 
-cv::Vec3b colour_of(Cause cause) {
+cv::Vec3b colour_of(map::Cause cause) {
   switch (cause) {
-    case Cause::masked:
+    case map::Cause::masked:
       return {230, 120, 30};
-    case Cause::boxed:
+    case map::Cause::boxed:
       return {40, 180, 240};
-    case Cause::moved:
+    case map::Cause::moved:
       return {40, 40, 220};
   }
   return kUncoloured;
 }
 
-void write_removed(const fs::path& path, const ScratchVector<RemovedPoint>& removed, const std::string& comment) {
+void write_removed(const fs::path& path, const ScratchVector<map::RemovedPoint>& removed, const std::string& comment) {
   std::vector<Eigen::Vector3f> points;
   std::vector<cv::Vec3b> colour;
   std::vector<float> cause;
-  for (const RemovedPoint& p : removed) {
+  for (const map::RemovedPoint& p : removed) {
     points.push_back(p.position);
     colour.push_back(colour_of(p.cause));
     cause.push_back(static_cast<float>(p.cause));
   }
-  write_ply(path, {points, colour, {{"cause", cause}}, comment});
+  io::write_ply(path, {points, colour, {{"cause", cause}}, comment});
 }
 
 }  // namespace
 
-void write_map_files(const fs::path& folder, const StaticMap& map, const Views& views, const Drive& target) {
+void write_map_files(const fs::path& folder, const map::StaticMap& map, const Views& views, const Drive& target) {
   make_folder(folder);
   write_file(folder / "poses.txt", pose_lines(views));
   write_file(folder / "times.txt", time_lines(views));
@@ -123,4 +124,4 @@ void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory
   write_file(file, text);
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -5,14 +5,14 @@
 #include "dvi/drive/view.h"
 #include "dvi/map/static_map.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 /// poses.txt (KITTI: world_from_camera, one line a frame of the target), times.txt (seconds), map.ply (coloured by the
 /// target's frames where they see it), moving.ply (what was taken out, coloured by cause) into a folder.
-void write_map_files(const fs::path& folder, const StaticMap& map, const Views& views, const Drive& target);
+void write_map_files(const fs::path& folder, const map::StaticMap& map, const Views& views, const Drive& target);
 
 /// world_from_lidar at the middle of each sweep that has a pose: 12 numbers a line (KITTI), or seconds and tx ty tz qx qy qz qw
 /// (TUM).
 void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory& world_from_lidar, bool tum);
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -9,44 +9,44 @@
 #include "dvi/io/poses.h"
 #include "dvi/masks/standing.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 namespace {
 
 constexpr std::size_t kCached = 20;  // images and masks of all views together
 
-MaskSource resolve_masks(Drive& drive, const std::string& from) {
-  if (from.empty() || from == "auto") return default_mask_source(drive);
-  if (from == "labels") return MaskSource::labels;
+masks::MaskSource resolve_masks(Drive& drive, const std::string& from) {
+  if (from.empty() || from == "auto") return masks::default_mask_source(drive);
+  if (from == "labels") return masks::MaskSource::labels;
   if (fs::is_directory(from)) {
-    attach_masks(drive, from);
-    return MaskSource::files;
+    io::attach_masks(drive, from);
+    return masks::MaskSource::files;
   }
   if (!fs::exists(from)) throw InputError(from, "does not exist", "--masks takes a folder, a file, labels or auto");
-  const std::vector<std::vector<Label>> labels = read_labels(from, drive);
+  const std::vector<std::vector<Label>> labels = io::read_labels(from, drive);
   for (std::size_t i = 0; i < labels.size(); ++i) drive.frames[i].labels = labels[i];
   drive.labelled = true;
   drive.other_files.emplace_back(from);
-  return MaskSource::labels;
+  return masks::MaskSource::labels;
 }
 
-Lazy<cv::Mat1b> masks_of(Drive& drive, const Source& source, MaskNeed need, const MaskOptions& options) {
+Lazy<cv::Mat1b> masks_of(Drive& drive, const Source& source, MaskNeed need, const masks::MaskOptions& options) {
   const std::string& from = source.masks;
   const bool silent = drive.masks.empty() && !drive.has_labels() && (from.empty() || from == "auto");
   if (silent && need == MaskNeed::optional)
     return {drive.frames.size(), 1,
             [size = cv::Size(drive.camera.width, drive.camera.height)](std::size_t) { return cv::Mat1b(size, uchar{0}); }};
-  const MaskSource found = resolve_masks(drive, from);
-  if (source.remove == "moving") drop_standing(drive);
-  const Lazy<cv::Mat1b> masks = find_masks(drive, found, options);
-  if (source.remove != "all" || found == MaskSource::labels || !drive.has_labels()) return masks;
-  const Lazy<cv::Mat1b> labelled = find_masks(drive, MaskSource::labels, options);
+  const masks::MaskSource found = resolve_masks(drive, from);
+  if (source.remove == "moving") masks::drop_standing(drive);
+  const Lazy<cv::Mat1b> masks = masks::find_masks(drive, found, options);
+  if (source.remove != "all" || found == masks::MaskSource::labels || !drive.has_labels()) return masks;
+  const Lazy<cv::Mat1b> labelled = masks::find_masks(drive, masks::MaskSource::labels, options);
   return {masks.size(), 1, [masks, labelled](std::size_t i) { return cv::Mat1b(*masks[i] | *labelled[i]); }};
 }
 
 void resolve_poses(Drive& drive, const std::string& from) {
   if (from == "auto" || from == "given" || from == "loam") return;
   if (!fs::exists(from)) throw InputError(from, "does not exist", "--poses takes auto, given, loam or a file");
-  drive.poses = read_poses(from, drive);
+  drive.poses = io::read_poses(from, drive);
   drive.world_scale = 1;
   drive.other_files.emplace_back(from);
 }
@@ -74,12 +74,12 @@ void attach_pictures(Views& views, const std::vector<OpenDrive>& drives) {
 
 }  // namespace
 
-OpenDrive open_drive(const fs::path& path, const Source& source, MaskNeed need, const MaskOptions& options,
+OpenDrive open_drive(const fs::path& path, const Source& source, MaskNeed need, const masks::MaskOptions& options,
                      Progress& progress) {
-  ReadOptions read;
+  io::ReadOptions read;
   read.camera = source.camera;
   if (!source.frames.empty()) read.frames = parse_frames(source.frames);
-  OpenDrive open{read_drive(path, read), {}, {}, {}};
+  OpenDrive open{io::read_drive(path, read), {}, {}, {}};
   resolve_poses(open.drive, source.poses);
   open.masks = masks_of(open.drive, source, need, options);
   open.world_from_lidar = open.drive.poses;
@@ -165,8 +165,8 @@ void add_files(Fingerprint& print, const Drive& drive) {
   for (const fs::path& file : drive.other_files) print.add_file(file);
 }
 
-std::vector<MapInput> map_inputs(const std::vector<OpenDrive>& drives) {
-  std::vector<MapInput> inputs;
+std::vector<map::MapInput> map_inputs(const std::vector<OpenDrive>& drives) {
+  std::vector<map::MapInput> inputs;
   for (const OpenDrive& open : drives) inputs.push_back({&open.drive, open.world_from_lidar, open.masks});
   return inputs;
 }
@@ -203,4 +203,4 @@ Views make_unposed_views(const std::vector<OpenDrive>& drives) {
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -10,7 +10,7 @@
 #include "dvi/pipeline/choose_poses.h"
 #include "dvi/pipeline/job.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 /// A drive that is ready for the stages once its poses are found.
 struct OpenDrive {
@@ -24,7 +24,8 @@ struct OpenDrive {
 enum class MaskNeed { required, optional };
 
 /// Opens one drive as `source` says, with warnings told to `progress`. Poses are as given.
-OpenDrive open_drive(const fs::path& path, const Source& source, MaskNeed need, const MaskOptions& options, Progress& progress);
+OpenDrive open_drive(const fs::path& path, const Source& source, MaskNeed need, const masks::MaskOptions& options,
+                     Progress& progress);
 
 /// Opens the target and the further drives. Their places in the world are still to be found.
 std::vector<OpenDrive> open_drives(const Job& job, MaskNeed need, Progress& progress);
@@ -48,7 +49,7 @@ void verify(const std::vector<OpenDrive>& drives, Progress& progress);
 void add_files(Fingerprint& print, const Drive& drive);
 
 /// The drives as the map sees them.
-std::vector<MapInput> map_inputs(const std::vector<OpenDrive>& drives);
+std::vector<map::MapInput> map_inputs(const std::vector<OpenDrive>& drives);
 
 /// All posed frames of all drives. Frames without a pose are left out with a warning.
 Views make_views(const std::vector<OpenDrive>& drives, Progress& progress);
@@ -56,4 +57,4 @@ Views make_views(const std::vector<OpenDrive>& drives, Progress& progress);
 /// All frames of all drives, whether posed or not, each with the identity for its pose: for what does not look at poses.
 Views make_unposed_views(const std::vector<OpenDrive>& drives);
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -6,13 +6,13 @@
 
 #include "dvi/exposure/exposure.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
-void share_light(Views& views, const StaticMap& map, const std::vector<OpenDrive>& drives, const Options& options,
+void share_light(Views& views, const map::StaticMap& map, const std::vector<OpenDrive>& drives, const Options& options,
                  Progress& progress) {
   if (!options.exposure.enabled) return;
   progress.begin("exposure", views.size());
-  const std::vector<int> compared = estimate_exposure(views, map, progress.tick());
+  const std::vector<int> compared = exposure::estimate_exposure(views, map, progress.tick());
   const auto alone = std::count(compared.begin(), compared.end(), 0);
   if (alone == 0) return;
   const View& first = views[static_cast<std::size_t>(std::find(compared.begin(), compared.end(), 0) - compared.begin())];
@@ -22,11 +22,11 @@ void share_light(Views& views, const StaticMap& map, const std::vector<OpenDrive
                   alone, views.size(), drives[static_cast<std::size_t>(first.drive)].drive.frames[first.frame].name));
 }
 
-Alignment align_views(Views& views, const StaticMap& map, const Options& options, Progress& progress) {
-  progress.begin("align", align_steps(views, options.align));
-  Alignment alignment = align(views, map, options.align, progress.tick());
+align::Alignment align_views(Views& views, const map::StaticMap& map, const Options& options, Progress& progress) {
+  progress.begin("align", align::align_steps(views, options.align));
+  align::Alignment alignment = align::align(views, map, options.align, progress.tick());
   for (const std::string& warning : alignment.warnings) progress.warn(warning);
   return alignment;
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -8,13 +8,13 @@
 #include "dvi/pipeline/job.h"
 #include "dvi/pipeline/open.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 /// estimate_exposure with progress, and a warning for the frames whose light nothing tells.
-void share_light(Views& views, const StaticMap& map, const std::vector<OpenDrive>& drives, const Options& options,
+void share_light(Views& views, const map::StaticMap& map, const std::vector<OpenDrive>& drives, const Options& options,
                  Progress& progress);
 
 /// align with progress and its warnings.
-Alignment align_views(Views& views, const StaticMap& map, const Options& options, Progress& progress);
+align::Alignment align_views(Views& views, const map::StaticMap& map, const Options& options, Progress& progress);
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace dvi {
+namespace dvi::pipeline {
 namespace {
 
 const std::array<const char*, 6> kKinds{"original", "copied", "copied_elsewhere", "interpolated", "synthesised", "empty"};
@@ -26,13 +26,13 @@ nlohmann::json in_degrees(const Eigen::Vector3d& rotation) {
   return {degrees(rotation.x()), degrees(rotation.y()), degrees(rotation.z())};
 }
 
-nlohmann::json alignment_report(const DriveAlignment& drive) {
+nlohmann::json alignment_report(const align::DriveAlignment& drive) {
   return {{"kept", drive.kept}, {"mounting_deg", in_degrees(drive.mounting)}};
 }
 
 }  // namespace
 
-nlohmann::json frame_report(const Frame& frame, const FilledView& view, const ViewAlignment& alignment) {
+nlohmann::json frame_report(const Frame& frame, const FilledView& view, const align::ViewAlignment& alignment) {
   std::array<std::size_t, 6> count{};
   for (const uchar kind : view.frame.kind) ++count[std::min<std::size_t>(kind, 5)];
   nlohmann::json hole;
@@ -66,8 +66,8 @@ nlohmann::json hole_report(const std::vector<nlohmann::json>& frames) {
   return hole;
 }
 
-nlohmann::json map_report(const StaticMap& map) {
-  const MapCounts& c = map.counts;
+nlohmann::json map_report(const map::StaticMap& map) {
+  const map::MapCounts& c = map.counts;
   return {{"points", map.points.size()},
           {"sweeps", c.sweeps},
           {"sweeps_without_pose", c.sweeps_without_pose},
@@ -80,7 +80,7 @@ nlohmann::json map_report(const StaticMap& map) {
             {"out_of_range", c.too_near}}}};
 }
 
-nlohmann::json drives_report(const std::vector<OpenDrive>& drives, const std::vector<DriveAlignment>& alignment) {
+nlohmann::json drives_report(const std::vector<OpenDrive>& drives, const std::vector<align::DriveAlignment>& alignment) {
   nlohmann::json out = nlohmann::json::array();
   for (std::size_t i = 0; i < drives.size(); ++i) {
     const OpenDrive& open = drives[i];
@@ -133,4 +133,4 @@ nlohmann::json cost_report(const Progress& progress, const CpuClock& clock, std:
           {"peak_memory_bytes", peak_memory()}};
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -8,7 +8,7 @@
 #include "dvi/depth/depth_map.h"
 #include "dvi/io/write_image.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 namespace {
 
 constexpr const char* kSchema = "dvi-result/1";
@@ -18,13 +18,14 @@ cv::Mat1w depth_image(const cv::Mat1f& z) {
   cv::Mat1w out(z.size(), ushort{0});
   for (int y = 0; y < z.rows; ++y)
     for (int x = 0; x < z.cols; ++x)
-      if (DepthMap::is_surface(z(y, x)) && z(y, x) < DepthMap::kInfinity) out(y, x) = cv::saturate_cast<ushort>(z(y, x) * 256);
+      if (depth::DepthMap::is_surface(z(y, x)) && z(y, x) < depth::DepthMap::kInfinity)
+        out(y, x) = cv::saturate_cast<ushort>(z(y, x) * 256);
   return out;
 }
 
 }  // namespace
 
-cv::Mat3b to_8bit(const FilledFrame& frame) {
+cv::Mat3b to_8bit(const harmonize::FilledFrame& frame) {
   cv::Mat3b out;
   frame.colour.convertTo(out, CV_8U);
   return out;
@@ -74,17 +75,17 @@ ResultFolder::~ResultFolder() {
   if (created_ && fs::is_empty(out_ / ".dvi/frames", ignored)) fs::remove_all(out_, ignored);
 }
 
-void ResultFolder::write_frame(const std::string& name, const FilledFrame& frame, const cv::Mat_<cv::Vec3w>& harmonisation,
-                               const std::string& record_json) {
+void ResultFolder::write_frame(const std::string& name, const harmonize::FilledFrame& frame,
+                               const cv::Mat_<cv::Vec3w>& harmonisation, const std::string& record_json) {
   const std::string png = name + ".png";
-  write_png(out_ / "masks" / png, frame.mask);
-  write_png(out_ / "kind" / png, frame.kind);
-  write_png(out_ / "provenance" / png, frame.provenance);
-  write_png(out_ / "sources_used" / png, frame.used);
-  write_png(out_ / "harmonisation" / png, harmonisation);
-  write_png(out_ / "confidence" / png, frame.confidence);
-  write_png(out_ / "depth" / png, depth_image(frame.depth));
-  write_png(out_ / "frames" / png, to_8bit(frame));
+  io::write_png(out_ / "masks" / png, frame.mask);
+  io::write_png(out_ / "kind" / png, frame.kind);
+  io::write_png(out_ / "provenance" / png, frame.provenance);
+  io::write_png(out_ / "sources_used" / png, frame.used);
+  io::write_png(out_ / "harmonisation" / png, harmonisation);
+  io::write_png(out_ / "confidence" / png, frame.confidence);
+  io::write_png(out_ / "depth" / png, depth_image(frame.depth));
+  io::write_png(out_ / "frames" / png, to_8bit(frame));
   write_file(record(name), record_json);
 }
 
@@ -99,4 +100,4 @@ void ResultFolder::remove_others(const std::vector<std::string>& names) {
     if (!is_ours(file)) fs::remove(file);
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

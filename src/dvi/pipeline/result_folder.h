@@ -6,7 +6,7 @@
 #include "dvi/core/files.h"
 #include "dvi/harmonize/filled_frame.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 /// The output folder of a run: which frames in it are finished, and how a frame is written.
 ///
@@ -28,7 +28,7 @@ class ResultFolder {
   std::string frame_record(const std::string& name) const { return read_file(record(name)); }
 
   /// Everything of the frame, what harmonisation() says of it, then its record. Safe to call from several threads.
-  void write_frame(const std::string& name, const FilledFrame& frame, const cv::Mat_<cv::Vec3w>& harmonisation,
+  void write_frame(const std::string& name, const harmonize::FilledFrame& frame, const cv::Mat_<cv::Vec3w>& harmonisation,
                    const std::string& record_json);
 
   /// Removes what a run with other frames left behind; `names` are those of this run.
@@ -46,6 +46,6 @@ class ResultFolder {
 };
 
 /// 8-bit image of a filled frame, rounded.
-cv::Mat3b to_8bit(const FilledFrame& frame);
+cv::Mat3b to_8bit(const harmonize::FilledFrame& frame);
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -8,10 +8,10 @@
 #include "dvi/drive/drive.h"
 #include "dvi/io/video.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 /// video.mp4 (the result), compare.mp4 (input above result) and contact.png of the finished frames in a result folder.
-void write_media(const fs::path& out, const Drive& target, const std::vector<std::string>& names, const VideoOptions& options,
-                 Progress& progress);
+void write_media(const fs::path& out, const Drive& target, const std::vector<std::string>& names,
+                 const io::VideoOptions& options, Progress& progress);
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

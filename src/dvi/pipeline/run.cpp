@@ -8,7 +8,7 @@
 #include "dvi/pipeline/run_baseline.h"
 #include "dvi/pipeline/run_result.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 std::string run(const Job& job, Progress& progress) {
   if (is_baseline(job.method)) return run_baseline(job, progress);
@@ -21,15 +21,15 @@ std::string run(const Job& job, Progress& progress) {
   verify(drives, progress);
 
   CpuClock clock;
-  const StaticMap map = map_drives(drives, options.map, progress);
+  const map::StaticMap map = map_drives(drives, options.map, progress);
   share_light(views, map, drives, options, progress);
-  const Alignment alignment = align_views(views, map, options, progress);  // eq. 1
-  const Depths depths(views, options.depth.mask_margin_px, [&](std::size_t i) {
-    return clock.time("depth", [&] { return depth_map(map, views[i], options.depth); });
+  const align::Alignment alignment = align_views(views, map, options, progress);  // eq. 1
+  const depth::Depths depths(views, options.depth.mask_margin_px, [&](std::size_t i) {
+    return clock.time("depth", [&] { return depth::depth_map(map, views[i], options.depth); });
   });
   const Filler fill(views, depths, options, clock);  // sample; regularize, eqs. 2-4; harmonize, eq. 5
   result.make_frames(fill, alignment, clock);        // ... a frame, and smooth
   return result.complete(&map, alignment, clock);
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -4,17 +4,18 @@
 #include "dvi/pipeline/open.h"
 #include "dvi/pipeline/run_result.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 namespace {
 
 FillFrame filler_of(const Job& job, const Views& views, CpuClock& clock) {
   if (job.method == "flow")
-    return [&, flows = hole_flows(views, job.options.flow)](std::size_t target) -> FilledView {
-      return {clock.time("flow", [&] { return flow_fill(views, target, flows, job.options.flow); })};
+    return [&, flows = baselines::hole_flows(views, job.options.flow)](std::size_t target) -> FilledView {
+      return {clock.time("flow", [&] { return baselines::flow_fill(views, target, flows, job.options.flow); })};
     };
-  const Inpainting inpainting = job.method == "telea" ? Inpainting::telea : Inpainting::navier_stokes;
+  const baselines::Inpainting inpainting =
+      job.method == "telea" ? baselines::Inpainting::telea : baselines::Inpainting::navier_stokes;
   return [&, inpainting](std::size_t target) -> FilledView {
-    return {clock.time("inpaint", [&] { return inpaint_frame(views, target, inpainting); })};
+    return {clock.time("inpaint", [&] { return baselines::inpaint_frame(views, target, inpainting); })};
   };
 }
 
@@ -27,9 +28,9 @@ std::string run_baseline(const Job& job, Progress& progress) {
   RunResult result(job, drives, views, progress);
   verify(drives, progress);
   CpuClock clock;
-  const Alignment none{std::vector<ViewAlignment>(views.size()), {}, {}};
+  const align::Alignment none{std::vector<align::ViewAlignment>(views.size()), {}, {}};
   result.make_frames(filler_of(job, views, clock), none, clock);
   return result.complete(nullptr, none, clock);
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -10,7 +10,7 @@
 #include "dvi/pipeline/report.h"
 #include "dvi/pipeline/result_media.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 namespace {
 
 // Which drives a result is of; a folder made from others is refused.
@@ -64,7 +64,7 @@ RunResult::RunResult(const Job& job, const std::vector<OpenDrive>& drives, const
     if (!folder_.is_finished(names_[i])) open_.push_back(i);
 }
 
-void RunResult::make_frames(const FillFrame& fill_frame, const Alignment& alignment, CpuClock& clock) {
+void RunResult::make_frames(const FillFrame& fill_frame, const align::Alignment& alignment, CpuClock& clock) {
   Smoother smoother(fill_frame, 0, names_.size(), job_.options.smooth, clock);
   progress_.begin("fill", open_.size());
   for_blocks(open_.size(), [&](std::size_t first, std::size_t last) {
@@ -75,8 +75,9 @@ void RunResult::make_frames(const FillFrame& fill_frame, const Alignment& alignm
       const Frame& frame = drives_.front().drive.frames[views_[block[i]].frame];
       const nlohmann::json record = frame_report(frame, finished[i], alignment.views[block[i]]);
       clock.time("write", [&] {
-        const FilledFrame& filled = finished[i].frame;
-        const cv::Mat_<cv::Vec3w> change = harmonisation(views_, block[i], to_8bit(filled), filled.provenance, filled.used);
+        const harmonize::FilledFrame& filled = finished[i].frame;
+        const cv::Mat_<cv::Vec3w> change =
+            harmonize::harmonisation(views_, block[i], to_8bit(filled), filled.provenance, filled.used);
         folder_.write_frame(frame.name, filled, change, record.dump(1));
       });
       progress_.advance();
@@ -84,7 +85,7 @@ void RunResult::make_frames(const FillFrame& fill_frame, const Alignment& alignm
   });
 }
 
-std::string RunResult::complete(const StaticMap* map, const Alignment& alignment, const CpuClock& clock) {
+std::string RunResult::complete(const map::StaticMap* map, const align::Alignment& alignment, const CpuClock& clock) {
   const Drive& target = drives_.front().drive;
   const fs::path& out = folder_.path();
   folder_.remove_others(names_);
@@ -117,4 +118,4 @@ std::string RunResult::complete(const StaticMap* map, const Alignment& alignment
   return report.dump(1);
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -12,7 +12,7 @@
 #include "dvi/pipeline/open.h"
 #include "dvi/pipeline/result_folder.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 /// The report of this very run, if its folder holds all of it already.
 std::optional<std::string> finished_report(const Job& job, const std::vector<OpenDrive>& drives, Progress& progress);
@@ -24,10 +24,10 @@ class RunResult {
   RunResult(const Job& job, const std::vector<OpenDrive>& drives, const Views& views, Progress& progress);
 
   /// Makes the frames that are not finished yet, block by block, smooths them (stage 9) and writes each with its record.
-  void make_frames(const FillFrame& fill_frame, const Alignment& alignment, CpuClock& clock);
+  void make_frames(const FillFrame& fill_frame, const align::Alignment& alignment, CpuClock& clock);
 
   /// Writes what stands beside the frames, the report last, and returns that. A baseline has no map: null.
-  std::string complete(const StaticMap* map, const Alignment& alignment, const CpuClock& clock);
+  std::string complete(const map::StaticMap* map, const align::Alignment& alignment, const CpuClock& clock);
 
  private:
   const Job& job_;
@@ -39,4 +39,4 @@ class RunResult {
   std::vector<std::size_t> open_;  // views that are to be made
 };
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

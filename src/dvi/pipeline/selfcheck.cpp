@@ -11,17 +11,17 @@
 #include "dvi/pipeline/make_holdout.h"
 #include "dvi/pipeline/run.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 namespace {
 
-std::vector<ExternalFrames> of_scenario(std::vector<ExternalFrames> external, Scenario scenario) {
-  for (ExternalFrames& frames : external) frames.folder /= name(scenario);
+std::vector<metrics::ExternalFrames> of_scenario(std::vector<metrics::ExternalFrames> external, holdout::Scenario scenario) {
+  for (metrics::ExternalFrames& frames : external) frames.folder /= holdout::name(scenario);
   return external;
 }
 
-Evaluation check_scenario(const Job& job, Scenario scenario, const std::vector<ExternalFrames>& external, int seed,
-                          Progress& progress) {
-  const fs::path folder = fs::path(job.out) / name(scenario);
+metrics::Evaluation check_scenario(const Job& job, holdout::Scenario scenario,
+                                   const std::vector<metrics::ExternalFrames>& external, int seed, Progress& progress) {
+  const fs::path folder = fs::path(job.out) / holdout::name(scenario);
   Job making = job;
   making.out = folder / "case";
   keep_or_make_holdout(making, {scenario, seed}, progress);
@@ -30,11 +30,11 @@ Evaluation check_scenario(const Job& job, Scenario scenario, const std::vector<E
   running.out = folder / "result";
   running.source = {};
   run(running, progress);
-  progress.begin(fmt::format("eval {}", name(scenario)), 0);
-  Evaluation evaluation = evaluate(
+  progress.begin(fmt::format("eval {}", holdout::name(scenario)), 0);
+  metrics::Evaluation evaluation = metrics::evaluate(
       {folder / "result", folder / "case/truth", folder / "case/ignore", of_scenario(external, scenario)}, progress.tick());
   progress.end();
-  for (const std::string& warning : evaluation.warnings) progress.warn(fmt::format("{}: {}", name(scenario), warning));
+  for (const std::string& warning : evaluation.warnings) progress.warn(fmt::format("{}: {}", holdout::name(scenario), warning));
   return evaluation;
 }
 
@@ -46,28 +46,29 @@ std::string header() {
          fmt::format("{0:>11}{1:>8}{2:>8}{3:>8}{0:>11}{1:>8}{2:>8}{3:>8}\n", "MAE", "RMSE", "PSNR", "SSIM");
 }
 
-std::string row(const std::string& title, const Evaluation& evaluation) {
-  const Figures& copied = evaluation.total[Origin::copied];
+std::string row(const std::string& title, const metrics::Evaluation& evaluation) {
+  const metrics::Figures& copied = evaluation.total[metrics::Origin::copied];
   std::string text = fmt::format("{:<14}{:>8}", title, number(100 * copied.share, 1) + " %");
-  for (const Origin origin : {Origin::all, Origin::copied}) {
-    const Figures& f = evaluation.total[origin];
+  for (const metrics::Origin origin : {metrics::Origin::all, metrics::Origin::copied}) {
+    const metrics::Figures& f = evaluation.total[origin];
     text += fmt::format("{:>11}{:>8}{:>8}{:>8}", number(f.mae, 2), number(f.rmse, 2), number(f.psnr, 2), number(f.ssim, 3));
   }
   text += "\n";
-  for (const ExternalEvaluation& external : evaluation.external) text += row("  " + external.name, external.evaluation);
+  for (const metrics::ExternalEvaluation& external : evaluation.external)
+    text += row("  " + external.name, external.evaluation);
   return text;
 }
 
 }  // namespace
 
-SelfcheckReport selfcheck(const Job& job, const std::vector<Scenario>& scenarios, const std::vector<ExternalFrames>& external,
-                          int seed, Progress& progress) {
+SelfcheckReport selfcheck(const Job& job, const std::vector<holdout::Scenario>& scenarios,
+                          const std::vector<metrics::ExternalFrames>& external, int seed, Progress& progress) {
   SelfcheckReport report{"", header()};
   nlohmann::json rows = nlohmann::json::array();
-  for (const Scenario scenario : scenarios) {
-    const Evaluation evaluation = check_scenario(job, scenario, external, seed, progress);
-    report.text += row(name(scenario), evaluation);
-    rows.push_back({{"scenario", name(scenario)}, {"evaluation", evaluation}});
+  for (const holdout::Scenario scenario : scenarios) {
+    const metrics::Evaluation evaluation = check_scenario(job, scenario, external, seed, progress);
+    report.text += row(holdout::name(scenario), evaluation);
+    rows.push_back({{"scenario", holdout::name(scenario)}, {"evaluation", evaluation}});
   }
   report.json = nlohmann::json{{"schema", "dvi-selfcheck/1"}, {"drive", job.target},
                                {"method", job.method},        {"seed", seed},
@@ -77,4 +78,4 @@ SelfcheckReport selfcheck(const Job& job, const std::vector<Scenario>& scenarios
   return report;
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -8,7 +8,7 @@
 #include "dvi/metrics/evaluate.h"
 #include "dvi/pipeline/job.h"
 
-namespace dvi {
+namespace dvi::pipeline {
 
 /// How well dvi, and other programs, do on a drive of one's own: rows per scenario for people, and all figures for machines.
 struct SelfcheckReport {
@@ -18,7 +18,7 @@ struct SelfcheckReport {
 /// For each scenario: `dvi holdout` of job.target into job.out/SCENARIO/case, `dvi run` of it by job's method and options into
 /// job.out/SCENARIO/result, and `dvi eval`. Finished cases and runs are not made again. Other programs' frames of a
 /// scenario are in FOLDER/SCENARIO. Also writes job.out/selfcheck.json.
-SelfcheckReport selfcheck(const Job& job, const std::vector<Scenario>& scenarios, const std::vector<ExternalFrames>& external,
-                          int seed, Progress& progress);
+SelfcheckReport selfcheck(const Job& job, const std::vector<holdout::Scenario>& scenarios,
+                          const std::vector<metrics::ExternalFrames>& external, int seed, Progress& progress);
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace dvi {
+namespace dvi::pipeline {
 
 std::string run_summary(const std::string& report_json, const std::string& out) {
   const nlohmann::json report = nlohmann::json::parse(report_json);
@@ -27,4 +27,4 @@ std::string run_summary(const std::string& report_json, const std::string& out) 
   return text;
 }
 
-}  // namespace dvi
+}  // namespace dvi::pipeline

@@ -13,7 +13,7 @@
 #include "dvi/plane_sweep/semi_global.h"
 #include "dvi/plane_sweep/source_frames.h"
 
-namespace dvi {
+namespace dvi::plane_sweep {
 namespace {
 
 constexpr int kMargin = 12;  // px round a hole, where the target itself shows what is there
@@ -41,7 +41,7 @@ struct Source {
   const Camera* camera;
   SE3 source_from_target;
   std::shared_ptr<const cv::Mat1f> contrast;
-  std::shared_ptr<const VisibilityMap> visibility;
+  std::shared_ptr<const depth::VisibilityMap> visibility;
 
   /// What it shows of the point at `x` (its axes; depth z in it), if it does.
   bool shows(const Eigen::Vector3d& x, double z, float& value) const {
@@ -63,7 +63,7 @@ struct Piece {
   double step = 0;
   std::vector<Source> sources;
 
-  double inverse_depth(int label) const { return label == 0 ? 1 / DepthMap::kInfinity : label * step; }
+  double inverse_depth(int label) const { return label == 0 ? 1 / depth::DepthMap::kInfinity : label * step; }
 };
 
 // An image without its light: the difference to the mean of the surroundings, over that mean.
@@ -179,7 +179,7 @@ cv::Mat1f aggregate(const Piece& piece, cv::Mat& cost, cv::Mat& seen) {
 
 // The labels that win, where they may be believed, as depth.
 void decide(const Piece& piece, const Camera& target, const cv::Mat1b& hole, const cv::Mat& cost, const cv::Mat& seen,
-            const cv::Mat1f& average, DepthMap& out) {
+            const cv::Mat1f& average, depth::DepthMap& out) {
   const cv::Mat sum = semi_global(cost, piece.member, kSmallStep, kLargeStep);
   for (int y = 0; y < piece.box.height; ++y)
     for (int x = 0; x < piece.box.width; ++x) {
@@ -197,22 +197,22 @@ void decide(const Piece& piece, const Camera& target, const cv::Mat1b& hole, con
         if (bend > 0) w += 0.5 * piece.step * (s[k - 1] - s[k + 1]) / bend;
       }
       if (!believable(piece, target, p, w)) continue;
-      out.z(p) = k == 0 ? DepthMap::kInfinity : static_cast<float>(1 / w);
+      out.z(p) = k == 0 ? depth::DepthMap::kInfinity : static_cast<float>(1 / w);
       out.sigma(p) = k == 0 ? 0 : static_cast<float>(0.5 * piece.step / (w * w));
     }
 }
 
 // The pixels without depth that lie above a surface, or are sky; the inverse depth of the nearest surface below them.
-double find_members(const DepthMap& depth, Piece& piece) {
+double find_members(const depth::DepthMap& depth, Piece& piece) {
   piece.member = cv::Mat1b(piece.box.size(), uchar{0});
   double nearest = 0;
   for (int x = piece.box.x; x < piece.box.br().x; ++x) {
     double w = 0;
     for (int y = depth.z.rows - 1; y >= piece.box.y; --y) {
       const float z = depth.z(y, x);
-      if (DepthMap::is_surface(z)) {
+      if (depth::DepthMap::is_surface(z)) {
         w = 1 / z;
-      } else if (y < piece.box.br().y && (w > 0 || z == DepthMap::kSky)) {
+      } else if (y < piece.box.br().y && (w > 0 || z == depth::DepthMap::kSky)) {
         piece.member(cv::Point(x, y) - piece.box.tl()) = 255;
         nearest = std::max(nearest, w > 0 ? w : 1 / kNearest);
       }
@@ -250,9 +250,9 @@ std::vector<cv::Rect> boxes(const cv::Mat1b& hole) {
 
 }  // namespace
 
-DepthMap plane_sweep(const DepthMap& depth, const Views& views, std::size_t target, const Lazy<VisibilityMap>& visibility,
-                     const SweepOptions& options) {
-  DepthMap out{depth.z.clone(), depth.sigma.clone()};
+depth::DepthMap plane_sweep(const depth::DepthMap& depth, const Views& views, std::size_t target,
+                            const Lazy<depth::VisibilityMap>& visibility, const SweepOptions& options) {
+  depth::DepthMap out{depth.z.clone(), depth.sigma.clone()};
   const cv::Mat1b hole = *views.masks[target];
   const Camera& camera = views[target].camera;
   std::map<std::size_t, std::shared_ptr<const cv::Mat1f>> contrasts;
@@ -291,4 +291,4 @@ DepthMap plane_sweep(const DepthMap& depth, const Views& views, std::size_t targ
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::plane_sweep

@@ -8,7 +8,7 @@
 #include "dvi/depth/visibility_map.h"
 #include "dvi/drive/view.h"
 
-namespace dvi {
+namespace dvi::plane_sweep {
 
 struct SweepOptions {
   bool enabled = true;
@@ -26,7 +26,7 @@ struct SweepOptions {
 /// Depth for the pixels of the target's hole that have none although a surface below them or the sky does: the one at which
 /// the views that show them agree (plane sweep over inverse depth; Collins, 1996), infinity where nothing moves between them.
 /// Kept as it is wherever the views do not tell one depth from the others. `visibility` is as `views`.
-DepthMap plane_sweep(const DepthMap& depth, const Views& views, std::size_t target, const Lazy<VisibilityMap>& visibility,
-                     const SweepOptions& options);
+depth::DepthMap plane_sweep(const depth::DepthMap& depth, const Views& views, std::size_t target,
+                            const Lazy<depth::VisibilityMap>& visibility, const SweepOptions& options);
 
-}  // namespace dvi
+}  // namespace dvi::plane_sweep

@@ -12,7 +12,7 @@
 #include "dvi/drive/flat_scene.h"
 #include "dvi/plane_sweep/semi_global.h"
 
-namespace dvi {
+namespace dvi::plane_sweep {
 namespace {
 
 const cv::Rect kHole(35, 15, 24, 20);
@@ -24,20 +24,21 @@ cv::Mat1b mask_of(const cv::Rect& hole) {
 }
 
 /// Sky all over, but for a surface 5 m before the camera at the bottom.
-DepthMap no_returns() {
-  DepthMap depth{cv::Mat1f(64, 96, DepthMap::kSky), cv::Mat1f(64, 96, 0.0F)};
+depth::DepthMap no_returns() {
+  depth::DepthMap depth{cv::Mat1f(64, 96, depth::DepthMap::kSky), cv::Mat1f(64, 96, 0.0F)};
   depth.z.rowRange(58, 64) = 5.0F;
   return depth;
 }
 
-Lazy<VisibilityMap> visibility(const FlatScene& scene) {
+Lazy<depth::VisibilityMap> visibility(const FlatScene& scene) {
   return {scene.views.size(), scene.views.size(), [masks = scene.masks](std::size_t i) {
-            const DepthMap unknown{cv::Mat1f(masks[i].size(), DepthMap::kUnknown), cv::Mat1f(masks[i].size(), 0.0F)};
-            return visibility_map(unknown, masks[i], 0);
+            const depth::DepthMap unknown{cv::Mat1f(masks[i].size(), depth::DepthMap::kUnknown),
+                                          cv::Mat1f(masks[i].size(), 0.0F)};
+            return depth::visibility_map(unknown, masks[i], 0);
           }};
 }
 
-DepthMap swept(const FlatScene& scene, const DepthMap& depth = no_returns()) {
+depth::DepthMap swept(const FlatScene& scene, const depth::DepthMap& depth = no_returns()) {
   return plane_sweep(depth, scene.lazy(), 0, visibility(scene), {});
 }
 
@@ -58,7 +59,7 @@ FlatScene far_away(const cv::Mat3b& picture) {
   return scene;
 }
 
-double part(const DepthMap& depth, const std::function<bool(float)>& is) {
+double part(const depth::DepthMap& depth, const std::function<bool(float)>& is) {
   int count = 0;
   for (int y = kHole.y; y < kHole.br().y; ++y)
     for (int x = kHole.x; x < kHole.br().x; ++x) count += is(depth.z(y, x)) ? 1 : 0;
@@ -66,23 +67,23 @@ double part(const DepthMap& depth, const std::function<bool(float)>& is) {
 }
 
 bool at_wall(float z) { return std::abs(z / FlatScene::kDepth - 1) < 0.03; }
-bool at_infinity(float z) { return z == DepthMap::kInfinity; }
-bool kept(float z) { return z == DepthMap::kSky; }
+bool at_infinity(float z) { return z == depth::DepthMap::kInfinity; }
+bool kept(float z) { return z == depth::DepthMap::kSky; }
 
 /// Most of it is found, and nothing wrong: spots that are too plain are left out.
-void expect_wall(const DepthMap& depth, double least) {
+void expect_wall(const depth::DepthMap& depth, double least) {
   EXPECT_GT(part(depth, at_wall), least);
   EXPECT_GT(part(depth, [](float z) { return at_wall(z) || kept(z); }), 0.98);
 }
 
 TEST(PlaneSweep, FindsAWallWithoutReturns) {
-  const DepthMap out = swept(wall(waves(96, 64, 1)));
+  const depth::DepthMap out = swept(wall(waves(96, 64, 1)));
   expect_wall(out, 0.75);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 96; ++x) {
       if (!kHole.contains({x, y})) {
         EXPECT_EQ(out.z(y, x), no_returns().z(y, x));
-      } else if (DepthMap::is_surface(out.z(y, x))) {
+      } else if (depth::DepthMap::is_surface(out.z(y, x))) {
         EXPECT_GT(out.sigma(y, x), 0);
       }
     }
@@ -120,16 +121,16 @@ TEST(PlaneSweep, ViewsThatDisagreeFindNothing) {
 }
 
 TEST(PlaneSweep, ReturnsAreKept) {
-  DepthMap depth = no_returns();
+  depth::DepthMap depth = no_returns();
   depth.z(kHole) = 12.0F;
-  const DepthMap out = swept(wall(waves(96, 64, 1)), depth);
+  const depth::DepthMap out = swept(wall(waves(96, 64, 1)), depth);
   EXPECT_EQ(cv::norm(out.z(kHole), depth.z(kHole), cv::NORM_INF), 0);
 }
 
 TEST(PlaneSweep, BelowTheLowestReturnNothingIsLookedFor) {
-  DepthMap depth = no_returns();
-  depth.z.setTo(DepthMap::kUnknown);
-  EXPECT_EQ(part(swept(wall(waves(96, 64, 1)), depth), [](float z) { return z == DepthMap::kUnknown; }), 1);
+  depth::DepthMap depth = no_returns();
+  depth.z.setTo(depth::DepthMap::kUnknown);
+  EXPECT_EQ(part(swept(wall(waves(96, 64, 1)), depth), [](float z) { return z == depth::DepthMap::kUnknown; }), 1);
 }
 
 TEST(PlaneSweep, ACameraThatStandsSeesAllAsAtInfinity) {
@@ -179,4 +180,4 @@ TEST(SemiGlobal, NeighboursOutvoteADoubtfulPixelButNotASureOne) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::plane_sweep

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace dvi {
+namespace dvi::plane_sweep {
 namespace {
 
 /// Adds one step of a path: the costs of a pixel given those on the path before it (nullptr: it begins here).
@@ -48,4 +48,4 @@ cv::Mat semi_global(const cv::Mat& cost, const cv::Mat1b& member, float small_st
   return sum;
 }
 
-}  // namespace dvi
+}  // namespace dvi::plane_sweep

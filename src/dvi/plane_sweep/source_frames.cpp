@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace dvi {
+namespace dvi::plane_sweep {
 namespace {
 
 constexpr std::size_t kOfOtherDrives = 4;
@@ -31,7 +31,7 @@ std::vector<std::size_t> pool(const Views& views, std::size_t target, int reach_
 
 /// Numbers of the sights, ray by ray and depth by depth, that a view offers.
 std::vector<std::size_t> shown(const View& view, const SE3& world_from_target, const std::vector<Eigen::Vector3d>& rays,
-                               double nearest, const VisibilityMap& visibility) {
+                               double nearest, const depth::VisibilityMap& visibility) {
   const SE3 view_from_target = view.camera_from_world * world_from_target;
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < 2 * rays.size(); ++i) {
@@ -48,7 +48,8 @@ std::vector<std::size_t> shown(const View& view, const SE3& world_from_target, c
 }  // namespace
 
 std::vector<std::size_t> sweep_sources(const Views& views, std::size_t target, const std::vector<Eigen::Vector3d>& rays,
-                                       double nearest, const Lazy<VisibilityMap>& visibility, int count, int reach_frames) {
+                                       double nearest, const Lazy<depth::VisibilityMap>& visibility, int count,
+                                       int reach_frames) {
   const SE3 world_from_target = views[target].camera_from_world.inverse();
   const std::vector<std::size_t> candidates = pool(views, target, reach_frames);
   std::vector<std::vector<std::size_t>> sights;
@@ -76,4 +77,4 @@ std::vector<std::size_t> sweep_sources(const Views& views, std::size_t target, c
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::plane_sweep

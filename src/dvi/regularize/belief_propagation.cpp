@@ -9,7 +9,7 @@
 #include "dvi/regularize/min_sum.h"
 #include "dvi/regularize/shift_field.h"
 
-namespace dvi {
+namespace dvi::regularize {
 namespace {
 
 /// The edge from a node in a direction; what a source cannot say costs nothing.
@@ -149,4 +149,4 @@ BeliefPropagation propagate(const ShiftField& field, int iterations) {
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::regularize

@@ -4,7 +4,7 @@
 
 #include "dvi/regularize/shift_field.h"
 
-namespace dvi {
+namespace dvi::regularize {
 
 /// A label for each node, and what it costs.
 struct BeliefPropagation {
@@ -21,4 +21,4 @@ double energy(const ShiftField& field, const std::vector<int>& labels);
 /// it met.
 BeliefPropagation propagate(const ShiftField& field, int iterations);
 
-}  // namespace dvi
+}  // namespace dvi::regularize

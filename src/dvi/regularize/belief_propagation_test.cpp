@@ -11,7 +11,7 @@
 #include "dvi/regularize/min_sum.h"
 #include "dvi/regularize/shift_field.h"
 
-namespace dvi {
+namespace dvi::regularize {
 namespace {
 
 /// A grid of nodes with random costs and colours.
@@ -95,4 +95,4 @@ TEST(BeliefPropagation, CountsTheEdgeOnceFromEitherSide) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::regularize

@@ -12,7 +12,7 @@
 #define DVI_TARGET_CLONES
 #endif
 
-namespace dvi {
+namespace dvi::regularize {
 
 namespace {
 
@@ -59,4 +59,4 @@ void min_sum(const std::int16_t* belief, const EdgeColours& edge, int labels, in
   for (int j = 0; j < stride; ++j) out[j] = j < labels ? static_cast<std::int16_t>(out[j] - least) : std::int16_t{0};
 }
 
-}  // namespace dvi
+}  // namespace dvi::regularize

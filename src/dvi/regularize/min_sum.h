@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace dvi {
+namespace dvi::regularize {
 
 /// Labels come in blocks of this many lanes; rows of labels are padded to whole blocks.
 inline constexpr int kLanes = 16;
@@ -18,4 +18,4 @@ struct EdgeColours {
 /// (whole blocks) of which `labels` count; 0 <= belief < 16384. Integers, so the same on every processor.
 void min_sum(const std::int16_t* belief, const EdgeColours& edge, int labels, int stride, std::int16_t* out);
 
-}  // namespace dvi
+}  // namespace dvi::regularize

@@ -10,7 +10,7 @@
 
 #include "dvi/core/random.h"
 
-namespace dvi {
+namespace dvi::regularize {
 namespace {
 
 std::vector<std::int16_t> plain(const std::vector<std::int16_t>& belief, const EdgeColours& edge, int labels, int stride) {
@@ -50,4 +50,4 @@ TEST(MinSum, EqualsThePlainMinimum) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::regularize

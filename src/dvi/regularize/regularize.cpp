@@ -10,19 +10,19 @@
 #include "dvi/regularize/shift_field.h"
 #include "dvi/sample/candidates.h"
 
-namespace dvi {
+namespace dvi::regularize {
 namespace {
 
 /// Moves a pixel's leading candidate. The further ones are dropped: of them nobody knows whether they are off alike.
-void shift(Candidates& candidates, std::size_t pixel, cv::Point2f by) {
+void shift(sample::Candidates& candidates, std::size_t pixel, cv::Point2f by) {
   if (by == cv::Point2f()) return;
   candidates.of[pixel].position += by;
-  for (Candidate& other : candidates.others(pixel)) other = {};
+  for (sample::Candidate& other : candidates.others(pixel)) other = {};
 }
 
 }  // namespace
 
-Labelling regularize(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth,
+Labelling regularize(const sample::Candidates& candidates, const Views& views, std::size_t target, const depth::DepthMap& depth,
                      const RegularizeOptions& options) {
   if (options.window % 2 == 0) throw UsageError("regularize.window must be odd");
   const ShiftField field = shift_field(candidates, views, target, depth, options.enabled ? options.window : 1, options.alpha);
@@ -33,4 +33,4 @@ Labelling regularize(const Candidates& candidates, const Views& views, std::size
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::regularize

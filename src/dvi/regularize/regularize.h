@@ -5,7 +5,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/regularize/labelling.h"
 
-namespace dvi {
+namespace dvi::regularize {
 
 struct RegularizeOptions {
   bool enabled = false;
@@ -26,7 +26,7 @@ struct RegularizeOptions {
 /// Min-sum belief propagation over the 4-connected hole (section 3.5 of the paper). A pixel's labels are shifts of its
 /// candidate; the data cost (eq. 3) asks that a boundary pixel's source continue into the true image, the discontinuity
 /// cost (eq. 4) that neighbours' sources agree on each other's colour, each neighbour warped by its own depth.
-Labelling regularize(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth,
+Labelling regularize(const sample::Candidates& candidates, const Views& views, std::size_t target, const depth::DepthMap& depth,
                      const RegularizeOptions& options);
 
-}  // namespace dvi
+}  // namespace dvi::regularize

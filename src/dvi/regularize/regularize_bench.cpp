@@ -12,7 +12,7 @@
 #include "dvi/regularize/regularize.h"
 #include "dvi/sample/candidates.h"
 
-namespace dvi {
+namespace dvi::regularize {
 namespace {
 
 /// A hole of some 60,000 (or 100,000) pixels at 1280x720 with candidates from 12 noisy sources, off by up
@@ -31,7 +31,7 @@ void regularize_hole(benchmark::State& state) {
     scene.add_source(4 * k - 20, noisy);
   }
   const bool alone = state.range(1) != 0;
-  Candidates candidates{Region(hole), {}};
+  sample::Candidates candidates{Region(hole), {}};
   for (const cv::Point p : candidates.hole.pixels) {
     const int k = (p.x / 40 + p.y / 25) % 12;
     candidates.of.push_back(
@@ -39,7 +39,7 @@ void regularize_hole(benchmark::State& state) {
                     cv::Point2f(alone ? cv::Point(random.below(3) - 1, random.below(3) - 1) : cv::Point(k % 3 - 1, k % 2))});
   }
   const Views views = scene.lazy();
-  const DepthMap depth{scene.depth(), scene.depth()};
+  const depth::DepthMap depth{scene.depth(), scene.depth()};
   Labelling out;
   for (auto _ : state) {
     out = regularize(candidates, views, 0, depth, {true});
@@ -52,4 +52,4 @@ void regularize_hole(benchmark::State& state) {
 BENCHMARK(regularize_hole)->Args({60'000, 0})->Args({100'000, 0})->Args({60'000, 1})->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::regularize

@@ -14,7 +14,7 @@
 #include "dvi/regularize/labelling.h"
 #include "dvi/sample/candidates.h"
 
-namespace dvi {
+namespace dvi::regularize {
 namespace {
 
 const RegularizeOptions kOn{true};
@@ -26,15 +26,15 @@ cv::Mat1b disc(int width, int height, cv::Point centre, int radius) {
 }
 
 /// Every hole pixel seen by view 1 at its true place plus an error.
-Candidates seen_by_one(const cv::Mat1b& mask, int disparity, cv::Point2f error = {}) {
-  Candidates out{Region(mask), {}};
+sample::Candidates seen_by_one(const cv::Mat1b& mask, int disparity, cv::Point2f error = {}) {
+  sample::Candidates out{Region(mask), {}};
   for (const cv::Point p : out.hole.pixels) out.of.push_back({1, cv::Point2f(p + cv::Point(disparity, 0)) + error});
   return out;
 }
 
-DepthMap flat_depth(const FlatScene& scene) { return {scene.depth(), cv::Mat1f(scene.height, scene.width, 0.01F)}; }
+depth::DepthMap flat_depth(const FlatScene& scene) { return {scene.depth(), cv::Mat1f(scene.height, scene.width, 0.01F)}; }
 
-double right_share(const Candidates& found, const Candidates& truth) {
+double right_share(const sample::Candidates& found, const sample::Candidates& truth) {
   std::size_t right = 0;
   for (std::size_t i = 0; i < truth.of.size(); ++i) right += found.of[i].position == truth.of[i].position;
   return static_cast<double>(right) / static_cast<double>(truth.of.size());
@@ -49,14 +49,14 @@ struct Street {
     scene.add_source(8, truth);
     scene.add_source(-5, truth);
   }
-  Labelling run(const Candidates& candidates, const RegularizeOptions& options = kOn) const {
+  Labelling run(const sample::Candidates& candidates, const RegularizeOptions& options = kOn) const {
     return regularize(candidates, scene.lazy(), 0, flat_depth(scene), options);
   }
 };
 
 TEST(Regularize, LeavesExactCandidatesAlone) {
   const Street street;
-  const Candidates exact = seen_by_one(street.hole, 8);
+  const sample::Candidates exact = seen_by_one(street.hole, 8);
   const Labelling out = street.run(exact);
   EXPECT_EQ(right_share(out.candidates, exact), 1);
   EXPECT_EQ(out.energy_before, out.energy_after);
@@ -71,7 +71,7 @@ TEST(Regularize, RecoversAUniformShift) {
 
 TEST(Regularize, RecoversAShiftOfOneOfTwoSources) {
   const Street street;
-  Candidates truth = seen_by_one(street.hole, 8), wrong = truth;
+  sample::Candidates truth = seen_by_one(street.hole, 8), wrong = truth;
   for (std::size_t i = 0; i < truth.of.size(); ++i) {
     const cv::Point p = truth.hole.pixels[i];
     if (p.x <= 40) continue;
@@ -84,9 +84,9 @@ TEST(Regularize, RecoversAShiftOfOneOfTwoSources) {
 TEST(Regularize, WarpsNeighboursByTheirOwnDepth) {
   Street street;
   // The right half stands nearer: the target's depth says so, and the source shows it moved by twice as much.
-  DepthMap depth = flat_depth(street.scene);
+  depth::DepthMap depth = flat_depth(street.scene);
   cv::Mat3b source(street.truth.size());
-  Candidates exact{Region(street.hole), {}};
+  sample::Candidates exact{Region(street.hole), {}};
   for (const int near : {0, 1})
     for (int y = 0; y < 70; ++y)
       for (int x = 0; x < 90; ++x) {
@@ -108,7 +108,7 @@ TEST(Regularize, WarpsNeighboursByTheirOwnDepth) {
 TEST(Regularize, NeverShiftsIntoTheSourcesMaskOrOutOfItsImage) {
   Street street;
   street.scene.masks[1](cv::Rect(50, 0, 40, 35)) = 255;
-  Candidates shifted = seen_by_one(street.hole, 8, {2, 2});
+  sample::Candidates shifted = seen_by_one(street.hole, 8, {2, 2});
   for (auto& c : shifted.of) c.position.x += 30;  // up to the image's right border
   const Labelling out = street.run(shifted);
   for (std::size_t i = 0; i < shifted.of.size(); ++i) {
@@ -121,10 +121,10 @@ TEST(Regularize, NeverShiftsIntoTheSourcesMaskOrOutOfItsImage) {
 
 TEST(Regularize, AMovedPixelKeepsItsLeadingSourceOnly) {
   const Street street;
-  Candidates shifted = seen_by_one(street.hole, 8, {1, 1});
+  sample::Candidates shifted = seen_by_one(street.hole, 8, {1, 1});
   shifted.more = 1;
-  for (const Candidate& c : shifted.of) shifted.further.push_back({2, c.position});
-  const Candidates out = street.run(shifted).candidates;
+  for (const sample::Candidate& c : shifted.of) shifted.further.push_back({2, c.position});
+  const sample::Candidates out = street.run(shifted).candidates;
   int moved = 0;
   for (std::size_t i = 0; i < out.of.size(); ++i) {
     const bool stayed = out.of[i].position == shifted.of[i].position;
@@ -136,7 +136,7 @@ TEST(Regularize, AMovedPixelKeepsItsLeadingSourceOnly) {
 
 TEST(Regularize, PixelsWithoutCandidateTakeNoPart) {
   const Street street;
-  Candidates some = seen_by_one(street.hole, 8, {1, 1}), none = some;
+  sample::Candidates some = seen_by_one(street.hole, 8, {1, 1}), none = some;
   for (std::size_t i = 0; i < some.of.size(); i += 3) some.of[i] = {};
   for (auto& c : none.of) c = {};
   const Labelling out = street.run(some);
@@ -146,7 +146,7 @@ TEST(Regularize, PixelsWithoutCandidateTakeNoPart) {
 
 TEST(Regularize, IsOffWithoutIterationsOfAWindow) {
   const Street street;
-  const Candidates shifted = seen_by_one(street.hole, 8, {1, -2});
+  const sample::Candidates shifted = seen_by_one(street.hole, 8, {1, -2});
   RegularizeOptions off = kOn, one = kOn;
   off.enabled = false;
   one.window = 1;
@@ -168,7 +168,7 @@ TEST(Regularize, TakesAnyHole) {
   for (const cv::Mat1b& mask : {empty, whole, corners}) {
     FlatScene scene(picture, mask);
     scene.add_source(0, picture);
-    const Candidates exact = seen_by_one(mask, 0);
+    const sample::Candidates exact = seen_by_one(mask, 0);
     const Labelling out = regularize(exact, scene.lazy(), 0, flat_depth(scene), kOn);
     EXPECT_TRUE(exact.of.empty() || right_share(out.candidates, exact) == 1);
     EXPECT_LE(out.energy_after, out.energy_before);
@@ -177,17 +177,17 @@ TEST(Regularize, TakesAnyHole) {
 
 TEST(Regularize, UnknownDepthAndSkyAreNoObstacle) {
   const Street street;
-  DepthMap depth = flat_depth(street.scene);
-  depth.z(cv::Rect(0, 0, 40, 70)) = DepthMap::kUnknown;
+  depth::DepthMap depth = flat_depth(street.scene);
+  depth.z(cv::Rect(0, 0, 40, 70)) = depth::DepthMap::kUnknown;
   const Labelling out = regularize(seen_by_one(street.hole, 8, {1, 0}), street.scene.lazy(), 0, depth, kOn);
   EXPECT_GT(right_share(out.candidates, seen_by_one(street.hole, 8)), 0.99);
-  depth.z = DepthMap::kSky;
+  depth.z = depth::DepthMap::kSky;
   EXPECT_LE(regularize(seen_by_one(street.hole, 0), street.scene.lazy(), 0, depth, kOn).energy_after, 1e9);
 }
 
 TEST(Regularize, GivesTheSameTwice) {
   const Street street;
-  Candidates noisy = seen_by_one(street.hole, 8);
+  sample::Candidates noisy = seen_by_one(street.hole, 8);
   Random random(5);
   for (auto& c : noisy.of) c.position += quantised(random.uniform(-2, 2), random.uniform(-2, 2));
   const Labelling a = street.run(noisy), b = street.run(noisy);
@@ -197,4 +197,4 @@ TEST(Regularize, GivesTheSameTwice) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::regularize

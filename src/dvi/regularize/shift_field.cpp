@@ -19,13 +19,13 @@
 #include "dvi/regularize/min_sum.h"
 #include "dvi/sample/candidates.h"
 
-namespace dvi {
+namespace dvi::regularize {
 namespace {
 
 class Builder {
  public:
-  Builder(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth, double alpha,
-          ShiftField& field)
+  Builder(const sample::Candidates& candidates, const Views& views, std::size_t target, const depth::DepthMap& depth,
+          double alpha, ShiftField& field)
       : candidates_(candidates),
         views_(views),
         target_(target),
@@ -58,7 +58,7 @@ class Builder {
 
   std::size_t row_size() const { return std::size_t{3} * field_.stride; }
   cv::Point pixel(int node) const { return candidates_.hole.pixels[field_.pixel[node]]; }
-  const Candidate& candidate(int node) const { return candidates_.of[field_.pixel[node]]; }
+  const sample::Candidate& candidate(int node) const { return candidates_.of[field_.pixel[node]]; }
 
   void add_view(int view, const std::vector<int>& nodes) {
     source_image_ = views_.images[view];
@@ -70,7 +70,7 @@ class Builder {
   }
 
   void add_node(int node, const Warp& warp) {
-    const Candidate& own = candidate(node);
+    const sample::Candidate& own = candidate(node);
     sample(own.position, &field_.colours[node * row_size()]);
     std::vector<int> boundary_cost(field_.labels());
     int boundary = 0;
@@ -133,10 +133,10 @@ class Builder {
     }
   }
 
-  const Candidates& candidates_;
+  const sample::Candidates& candidates_;
   const Views& views_;
   std::size_t target_;
-  const DepthMap& depth_;
+  const depth::DepthMap& depth_;
   std::int16_t alpha_;
   ShiftField& field_;
   std::shared_ptr<const cv::Mat3b> target_image_, source_image_;
@@ -158,8 +158,8 @@ std::vector<cv::Point> window_shifts(int window) {
   return shifts;
 }
 
-ShiftField shift_field(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth, int window,
-                       double alpha) {
+ShiftField shift_field(const sample::Candidates& candidates, const Views& views, std::size_t target,
+                       const depth::DepthMap& depth, int window, double alpha) {
   ShiftField field;
   field.shifts = window_shifts(window);
   field.stride = (field.labels() + kLanes - 1) / kLanes * kLanes;
@@ -167,4 +167,4 @@ ShiftField shift_field(const Candidates& candidates, const Views& views, std::si
   return field;
 }
 
-}  // namespace dvi
+}  // namespace dvi::regularize

@@ -8,7 +8,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/sample/candidates.h"
 
-namespace dvi {
+namespace dvi::regularize {
 
 /// The neighbours of a pixel: left, up, right, down. The opposite of direction d is d ^ 2.
 inline constexpr std::array<std::array<int, 2>, 4> kDirections{{{-1, 0}, {0, -1}, {1, 0}, {0, 1}}};
@@ -36,7 +36,7 @@ inline constexpr int kForbidden = 8192;
 std::vector<cv::Point> window_shifts(int window);
 
 /// Samples all colours, one source image at a time.
-ShiftField shift_field(const Candidates& candidates, const Views& views, std::size_t target, const DepthMap& depth, int window,
-                       double alpha);
+ShiftField shift_field(const sample::Candidates& candidates, const Views& views, std::size_t target,
+                       const depth::DepthMap& depth, int window, double alpha);
 
-}  // namespace dvi
+}  // namespace dvi::regularize

@@ -8,7 +8,7 @@
 
 #include "dvi/image/region.h"
 
-namespace dvi {
+namespace dvi::sample {
 
 /// Where another frame saw a pixel of the hole.
 struct Candidate {
@@ -32,4 +32,4 @@ struct Candidates {
   std::span<Candidate> others(std::size_t pixel) { return {further.data() + pixel * more, more}; }
 };
 
-}  // namespace dvi
+}  // namespace dvi::sample

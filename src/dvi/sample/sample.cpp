@@ -12,7 +12,7 @@
 #include "dvi/image/interpolate.h"
 #include "dvi/sample/sighting.h"
 
-namespace dvi {
+namespace dvi::sample {
 namespace {
 
 double seconds_between(const View& a, const View& b) {
@@ -31,7 +31,7 @@ uchar pixels_spanned(double spanned, float clear_px) {
 /// One source, asked for pixels of the target.
 class Source {
  public:
-  Source(const Views& views, std::size_t target, std::size_t source, const Lazy<VisibilityMap>& visibility,
+  Source(const Views& views, std::size_t target, std::size_t source, const Lazy<depth::VisibilityMap>& visibility,
          const SampleOptions& options)
       : number_(source),
         view_(views[source]),
@@ -60,7 +60,7 @@ class Source {
 
  private:
   bool same_surface(cv::Point2f at, double z, double sigma) const {
-    const double off = VisibilityMap::kSigmas * sigma;
+    const double off = depth::VisibilityMap::kSigmas * sigma;
     return !lent_->hides(at, z - off, options_.occlusion_tolerance) &&
            !lent_->sees_through(at, z + off, options_.occlusion_tolerance);
   }
@@ -69,9 +69,9 @@ class Source {
   const View& view_;
   SE3 source_from_target_;
   double seconds_;
-  const Lazy<VisibilityMap>& visibility_;
+  const Lazy<depth::VisibilityMap>& visibility_;
   const SampleOptions& options_;
-  std::shared_ptr<const VisibilityMap> lent_;  // once a pixel may be seen
+  std::shared_ptr<const depth::VisibilityMap> lent_;  // once a pixel may be seen
 };
 
 /// The best candidates of each pixel so far.
@@ -134,8 +134,8 @@ std::vector<std::size_t> search_order(const Views& views, std::size_t target, in
   return order;
 }
 
-Candidates sample(const Views& views, std::size_t target, const DepthMap& depth, const Lazy<VisibilityMap>& visibility,
-                  const SampleOptions& options) {
+Candidates sample(const Views& views, std::size_t target, const depth::DepthMap& depth,
+                  const Lazy<depth::VisibilityMap>& visibility, const SampleOptions& options) {
   Region hole(*views.masks[target]);
   Ranking ranking(hole.size(), options.scored ? static_cast<std::size_t>(options.sources) : 1);
   std::vector<SurfacePixel> open = surface_pixels(hole, views[target].camera, depth);
@@ -151,4 +151,4 @@ Candidates sample(const Views& views, std::size_t target, const DepthMap& depth,
   return ranking.finish(std::move(hole));
 }
 
-}  // namespace dvi
+}  // namespace dvi::sample

@@ -8,7 +8,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/sample/candidates.h"
 
-namespace dvi {
+namespace dvi::sample {
 
 struct SampleOptions {
   bool occlusion_test = true;
@@ -38,11 +38,11 @@ struct SampleOptions {
 /// up in the frames around it in time, then in the further drives; a frame counts that has it inside its image, outside its
 /// mask, and sees that very surface. Up to `sources` of them, by falling trust(). `depth` is the target's; `visibility` is as
 /// `views`, and asked only for views that may show a pixel.
-Candidates sample(const Views& views, std::size_t target, const DepthMap& depth, const Lazy<VisibilityMap>& visibility,
-                  const SampleOptions& options);
+Candidates sample(const Views& views, std::size_t target, const depth::DepthMap& depth,
+                  const Lazy<depth::VisibilityMap>& visibility, const SampleOptions& options);
 
 /// The order in which sample() asks the other views: scored, from the target outwards in time, else as published, forwards,
 /// then backwards; further drives after its own, the nearest places first.
 std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames, bool scored);
 
-}  // namespace dvi
+}  // namespace dvi::sample

@@ -7,7 +7,7 @@
 
 #include "dvi/drive/flat_scene.h"
 
-namespace dvi {
+namespace dvi::sample {
 namespace {
 
 /// A hole at 1280x720: a vehicle ahead that all sources mask at the same place, so that each of them sees a little more of what
@@ -23,9 +23,9 @@ void sample_hole(benchmark::State& state) {
     scene.add_source(cvRound(240 * scale * k / sources), picture);
     scene.masks.back() = hole;
   }
-  const DepthMap depth{scene.depth(), cv::Mat1f(scene.depth().size(), 0.02F)};
-  const VisibilityMap same = visibility_map(depth, hole, 2);
-  const Lazy<VisibilityMap> visibility(scene.views.size(), scene.views.size(), [&](std::size_t) { return same; });
+  const depth::DepthMap depth{scene.depth(), cv::Mat1f(scene.depth().size(), 0.02F)};
+  const depth::VisibilityMap same = depth::visibility_map(depth, hole, 2);
+  const Lazy<depth::VisibilityMap> visibility(scene.views.size(), scene.views.size(), [&](std::size_t) { return same; });
   const Views views = scene.lazy();
   Candidates out;
   for (auto _ : state) out = sample(views, 0, depth, visibility, {});
@@ -43,4 +43,4 @@ BENCHMARK(sample_hole)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::sample

@@ -8,7 +8,7 @@
 #include "dvi/image/interpolate.h"
 #include "dvi/sample/sighting.h"
 
-namespace dvi {
+namespace dvi::sample {
 namespace {
 
 const cv::Rect kHole(30, 20, 10, 10);
@@ -19,12 +19,12 @@ cv::Mat1b hole_mask() {
   return mask;
 }
 
-DepthMap flat_depth(const FlatScene& scene) { return {scene.depth(), cv::Mat1f(scene.depth().size(), 0.02F)}; }
+depth::DepthMap flat_depth(const FlatScene& scene) { return {scene.depth(), cv::Mat1f(scene.depth().size(), 0.02F)}; }
 
-Lazy<VisibilityMap> flat_visibility(const FlatScene& scene, int margin = 0) {
+Lazy<depth::VisibilityMap> flat_visibility(const FlatScene& scene, int margin = 0) {
   return {scene.views.size(), 8, [views = scene.views, masks = scene.masks, margin](std::size_t i) {
             const float z = static_cast<float>(FlatScene::kDepth + views[i].camera_from_world.t.z());
-            return visibility_map({cv::Mat1f(masks[i].size(), z), cv::Mat1f(masks[i].size(), 0.02F)}, masks[i], margin);
+            return depth::visibility_map({cv::Mat1f(masks[i].size(), z), cv::Mat1f(masks[i].size(), 0.02F)}, masks[i], margin);
           }};
 }
 
@@ -195,11 +195,11 @@ TEST(Sample, OutsideTheImageNobodySawIt) {
 
 TEST(Sample, OccludedSourcesDoNotCount) {
   const FlatScene scene = drive_of({3, 6});
-  const Lazy<VisibilityMap> visibility{3, 3, [depth = flat_depth(scene)](std::size_t i) {
-                                         DepthMap seen{depth.z.clone(), depth.sigma};
-                                         if (i == 1) seen.z = 5.0F;  // something stands before the plane there
-                                         return visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}), 0);
-                                       }};
+  const Lazy<depth::VisibilityMap> visibility{3, 3, [depth = flat_depth(scene)](std::size_t i) {
+                                                depth::DepthMap seen{depth.z.clone(), depth.sigma};
+                                                if (i == 1) seen.z = 5.0F;  // something stands before the plane there
+                                                return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}), 0);
+                                              }};
   for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {}).of) EXPECT_EQ(c.view, 2);
   for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {.occlusion_test = false}).of)
     EXPECT_EQ(c.view, 1);
@@ -208,14 +208,14 @@ TEST(Sample, OccludedSourcesDoNotCount) {
 TEST(Sample, SourcesThatSeeAnotherSurfaceBehindDoNotCount) {
   const FlatScene scene = drive_of({3, 6});
   const auto behind = [&](float sigma) {
-    return Lazy<VisibilityMap>{3, 3, [depth = flat_depth(scene), sigma](std::size_t i) {
-                                 DepthMap seen{depth.z.clone(), depth.sigma.clone()};
-                                 if (i == 1) {
-                                   seen.z = 20.0F;
-                                   seen.sigma = sigma;
-                                 }
-                                 return visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}), 0);
-                               }};
+    return Lazy<depth::VisibilityMap>{3, 3, [depth = flat_depth(scene), sigma](std::size_t i) {
+                                        depth::DepthMap seen{depth.z.clone(), depth.sigma.clone()};
+                                        if (i == 1) {
+                                          seen.z = 20.0F;
+                                          seen.sigma = sigma;
+                                        }
+                                        return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}), 0);
+                                      }};
   };
   for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), behind(0.1F), {}).of) EXPECT_EQ(c.view, 2);
   for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), behind(6), {}).of)
@@ -224,9 +224,9 @@ TEST(Sample, SourcesThatSeeAnotherSurfaceBehindDoNotCount) {
 
 TEST(Sample, NoDepthNoCandidate) {
   const FlatScene scene = drive_of({3});
-  DepthMap depth = flat_depth(scene);
-  depth.z = DepthMap::kUnknown;
-  depth.z.rowRange(0, 25) = DepthMap::kSky;
+  depth::DepthMap depth = flat_depth(scene);
+  depth.z = depth::DepthMap::kUnknown;
+  depth.z.rowRange(0, 25) = depth::DepthMap::kSky;
   for (const Candidate& c : sample(scene.lazy(), 0, depth, flat_visibility(scene), {}).of) EXPECT_FALSE(c.found());
 }
 
@@ -237,4 +237,4 @@ TEST(Sample, EmptyHole) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::sample

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace dvi {
+namespace dvi::sample {
 namespace {
 
 constexpr double kShift = 0.3;  // px: from here on a copy suffers from being off more than from the camera's own blur
@@ -23,16 +23,16 @@ double shift_squared(const Sighting& sighting, double seconds) {
 
 }  // namespace
 
-std::vector<SurfacePixel> surface_pixels(const Region& hole, const Camera& camera, const DepthMap& depth) {
+std::vector<SurfacePixel> surface_pixels(const Region& hole, const Camera& camera, const depth::DepthMap& depth) {
   const auto inverse = [&](int x, int y) {
     const float z = depth.z(std::clamp(y, 0, depth.z.rows - 1), std::clamp(x, 0, depth.z.cols - 1));
-    return DepthMap::is_surface(z) ? 1 / z : 0.0F;
+    return depth::DepthMap::is_surface(z) ? 1 / z : 0.0F;
   };
   std::vector<SurfacePixel> out;
   for (std::size_t i = 0; i < hole.size(); ++i) {
     const auto [x, y] = hole.pixels[i];
     const float z = depth.z(y, x);
-    if (!DepthMap::is_surface(z)) continue;
+    if (!depth::DepthMap::is_surface(z)) continue;
     const float here = 1 / z;
     const auto stepped = [&](float by) { return 1 / std::max(here + by, 0.5F * here); };
     const float right = stepped(step(inverse(x - 1, y), here, inverse(x + 1, y)));
@@ -74,4 +74,4 @@ double trust(const Sighting& sighting, double seconds, double clear_px) {
 
 double most_trust(double seconds) { return 1 / (1 + squared(kDrift) * seconds / squared(kShift)); }
 
-}  // namespace dvi
+}  // namespace dvi::sample

@@ -12,7 +12,7 @@
 #include "dvi/geometry/se3.h"
 #include "dvi/image/region.h"
 
-namespace dvi {
+namespace dvi::sample {
 
 /// A hole pixel on its surface.
 struct SurfacePixel {
@@ -23,7 +23,7 @@ struct SurfacePixel {
 };
 
 /// The hole's pixels that show a surface.
-std::vector<SurfacePixel> surface_pixels(const Region& hole, const Camera& camera, const DepthMap& depth);
+std::vector<SurfacePixel> surface_pixels(const Region& hole, const Camera& camera, const depth::DepthMap& depth);
 
 /// How a source sees a pixel of the target.
 struct Sighting {
@@ -52,4 +52,4 @@ double most_trust(double seconds);
 /// Frames of other drives are taken to be so far away: another light, and poses that were registered to each other.
 inline constexpr double kSecondsElsewhere = 10;
 
-}  // namespace dvi
+}  // namespace dvi::sample

@@ -9,7 +9,7 @@
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/image/interpolate.h"
 
-namespace dvi {
+namespace dvi::smooth {
 namespace {
 
 constexpr int kMargin = 64;          // px round the hole in which flow is sought
@@ -37,27 +37,27 @@ struct Sum {
   cv::Mat1f weight;
 };
 
-cv::Mat3f in_light_of(const FilledFrame& frame, const FilledFrame& other, cv::Rect window) {
+cv::Mat3f in_light_of(const harmonize::FilledFrame& frame, const harmonize::FilledFrame& other, cv::Rect window) {
   cv::Mat3f out = other.colour(window).clone();
   const cv::Vec3f gain = gain_to(frame.gain, other.gain);
   for (cv::Vec3f& colour : out) colour = colour.mul(gain);
   return out;
 }
 
-void add_neighbour(const FilledFrame& frame, const FilledFrame& other, cv::Rect window, Sum& sum) {
+void add_neighbour(const harmonize::FilledFrame& frame, const harmonize::FilledFrame& other, cv::Rect window, Sum& sum) {
   const cv::Mat3f here = frame.colour(window), there = in_light_of(frame, other, window);
   const cv::Mat1b from = grey(here), to = grey(there), mask = frame.mask(window), kind = frame.kind(window);
   const cv::Mat1b other_kind = other.kind(window);
   const cv::Mat2f forth = flow(from, to), back = flow(to, from);
   for (int y = 0; y < window.height; ++y)
     for (int x = 0; x < window.width; ++x) {
-      if (mask(y, x) == 0 || kind(y, x) == static_cast<uchar>(Kind::empty)) continue;
+      if (mask(y, x) == 0 || kind(y, x) == static_cast<uchar>(harmonize::Kind::empty)) continue;
       const cv::Vec2f& motion = forth(y, x);
       const cv::Point2f at(static_cast<float>(x) + motion[0], static_cast<float>(y) + motion[1]);
       if (!(at.x >= 0 && at.y >= 0 && at.x <= static_cast<float>(window.width - 1) &&
             at.y <= static_cast<float>(window.height - 1)))
         continue;
-      if (other_kind(cvRound(at.y), cvRound(at.x)) == static_cast<uchar>(Kind::empty)) continue;
+      if (other_kind(cvRound(at.y), cvRound(at.x)) == static_cast<uchar>(harmonize::Kind::empty)) continue;
       if (cv::norm(motion + bilinear(back, at)) >= kMostMismatch) continue;
       const cv::Vec3f colour = bilinear(there, at);
       const double off = cv::norm(colour - here(y, x)) / (std::sqrt(3.0) * kColourSpread);
@@ -76,15 +76,15 @@ cv::Rect grown_box(const cv::Mat1b& mask) {
 
 }  // namespace
 
-FilledFrame smooth(const FilledFrame* before, const FilledFrame& frame, const FilledFrame* after,
-                   const SmoothOptions& options) {
-  FilledFrame out = frame;
+harmonize::FilledFrame smooth(const harmonize::FilledFrame* before, const harmonize::FilledFrame& frame,
+                              const harmonize::FilledFrame* after, const SmoothOptions& options) {
+  harmonize::FilledFrame out = frame;
   if (!options.enabled) return out;
   const cv::Rect window = grown_box(frame.mask);
   if (window.width < kLeastSide || window.height < kLeastSide) return out;
   out.colour = frame.colour.clone();
   Sum sum{frame.colour(window).clone(), cv::Mat1f(window.size(), 1.0F)};
-  for (const FilledFrame* other : {before, after})
+  for (const harmonize::FilledFrame* other : {before, after})
     if (other != nullptr) add_neighbour(frame, *other, window, sum);
   cv::Mat3f inside = out.colour(window);
   for (int y = 0; y < window.height; ++y)
@@ -93,4 +93,4 @@ FilledFrame smooth(const FilledFrame* before, const FilledFrame& frame, const Fi
   return out;
 }
 
-}  // namespace dvi
+}  // namespace dvi::smooth

@@ -3,7 +3,7 @@
 #include "dvi/core/options.h"
 #include "dvi/harmonize/filled_frame.h"
 
-namespace dvi {
+namespace dvi::smooth {
 
 struct SmoothOptions {
   bool enabled = true;
@@ -16,6 +16,7 @@ struct SmoothOptions {
 
 /// The frame with its hole averaged with where the flow (DIS, forward and backward) finds it in the frames before and after
 /// (null at the ends of the drive).
-FilledFrame smooth(const FilledFrame* before, const FilledFrame& frame, const FilledFrame* after, const SmoothOptions& options);
+harmonize::FilledFrame smooth(const harmonize::FilledFrame* before, const harmonize::FilledFrame& frame,
+                              const harmonize::FilledFrame* after, const SmoothOptions& options);
 
-}  // namespace dvi
+}  // namespace dvi::smooth

@@ -4,11 +4,11 @@
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/smooth/smooth.h"
 
-namespace dvi {
+namespace dvi::smooth {
 namespace {
 
-FilledFrame moved(int shift, cv::Rect hole) {
-  FilledFrame frame;
+harmonize::FilledFrame moved(int shift, cv::Rect hole) {
+  harmonize::FilledFrame frame;
   const cv::Mat3b wide = waves(1360, 720, 1, 12);
   wide(cv::Rect(40 + shift, 0, 1280, 720)).convertTo(frame.colour, CV_32FC3);
   frame.mask = cv::Mat1b(720, 1280, uchar{0});
@@ -21,11 +21,11 @@ FilledFrame moved(int shift, cv::Rect hole) {
 void smooth_hole(benchmark::State& state) {
   const int width = static_cast<int>(state.range(0));
   const cv::Rect hole = cv::Rect(640 - width / 2, 360 - width * 7 / 20, width, width * 7 / 10) & cv::Rect(0, 0, 1280, 720);
-  const FilledFrame before = moved(-6, hole), frame = moved(0, hole), after = moved(6, hole);
+  const harmonize::FilledFrame before = moved(-6, hole), frame = moved(0, hole), after = moved(6, hole);
   for (auto _ : state) benchmark::DoNotOptimize(smooth(&before, frame, &after, {}));
   state.counters["pixels"] = hole.area();
 }
 BENCHMARK(smooth_hole)->Arg(300)->Arg(1100)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::smooth

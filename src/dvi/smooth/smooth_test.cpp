@@ -10,14 +10,14 @@
 #include "dvi/drive/flat_scene.h"
 #include "dvi/harmonize/filled_frame.h"
 
-namespace dvi {
+namespace dvi::smooth {
 namespace {
 
 constexpr int kWidth = 200, kHeight = 150;
 const cv::Rect kHole(60, 40, 80, 60);
 
-FilledFrame filled(const cv::Mat3f& colour, cv::Rect hole = kHole) {
-  FilledFrame frame;
+harmonize::FilledFrame filled(const cv::Mat3f& colour, cv::Rect hole = kHole) {
+  harmonize::FilledFrame frame;
   frame.colour = colour.clone();
   frame.mask = cv::Mat1b(colour.size(), uchar{0});
   frame.mask(hole) = 255;
@@ -49,7 +49,8 @@ double rms(const cv::Mat3f& a, const cv::Mat3f& b, cv::Rect where) {
 
 TEST(Smooth, AveragesTheNoiseOfAStillScene) {
   const cv::Mat3f truth = texture();
-  const FilledFrame before = filled(noisy(truth, 3, 1)), frame = filled(noisy(truth, 3, 2)), after = filled(noisy(truth, 3, 3));
+  const harmonize::FilledFrame before = filled(noisy(truth, 3, 1)), frame = filled(noisy(truth, 3, 2)),
+                               after = filled(noisy(truth, 3, 3));
   const double noise = rms(smooth(&before, frame, &after, {}).colour, truth, kHole) / rms(frame.colour, truth, kHole);
   EXPECT_LT(noise, 0.68);
   EXPECT_GT(noise, 0.5);
@@ -58,8 +59,8 @@ TEST(Smooth, AveragesTheNoiseOfAStillScene) {
 }
 
 TEST(Smooth, FollowsMotionWithoutBlur) {
-  const FilledFrame before = filled(texture(-5)), frame = filled(texture(0)), after = filled(texture(5));
-  const FilledFrame out = smooth(&before, frame, &after, {});
+  const harmonize::FilledFrame before = filled(texture(-5)), frame = filled(texture(0)), after = filled(texture(5));
+  const harmonize::FilledFrame out = smooth(&before, frame, &after, {});
   EXPECT_LT(rms(out.colour, frame.colour, kHole), 1.5);
   const auto sharpness = [](const cv::Mat3f& image) {
     cv::Mat dx;
@@ -70,26 +71,26 @@ TEST(Smooth, FollowsMotionWithoutBlur) {
 }
 
 TEST(Smooth, TakesNothingFromAnotherScene) {
-  const FilledFrame frame = filled(texture());
+  const harmonize::FilledFrame frame = filled(texture());
   cv::Mat3f other;
   waves(kWidth, kHeight, 99, 8).convertTo(other, CV_32FC3);
-  const FilledFrame before = filled(other);
+  const harmonize::FilledFrame before = filled(other);
   EXPECT_LT(rms(smooth(&before, frame, nullptr, {}).colour, frame.colour, kHole), 6);
 }
 
 TEST(Smooth, CalmsFlickerOfTheFill) {
   const cv::Mat3f truth = texture();
-  FilledFrame before = filled(truth), frame = filled(truth), after = filled(truth);
+  harmonize::FilledFrame before = filled(truth), frame = filled(truth), after = filled(truth);
   frame.colour(kHole) += cv::Scalar::all(8);
   EXPECT_LT(rms(smooth(&before, frame, &after, {}).colour, truth, kHole), 4);
 }
 
 TEST(Smooth, ChangesColoursOfTheHoleOnly) {
-  const FilledFrame before = filled(noisy(texture(), 3, 1)), after = filled(noisy(texture(), 3, 3));
-  FilledFrame frame = filled(noisy(texture(), 3, 2));
-  frame.kind(70, 100) = static_cast<uchar>(Kind::empty);
+  const harmonize::FilledFrame before = filled(noisy(texture(), 3, 1)), after = filled(noisy(texture(), 3, 3));
+  harmonize::FilledFrame frame = filled(noisy(texture(), 3, 2));
+  frame.kind(70, 100) = static_cast<uchar>(harmonize::Kind::empty);
   const cv::Mat3f input = frame.colour.clone();
-  const FilledFrame out = smooth(&before, frame, &after, {});
+  const harmonize::FilledFrame out = smooth(&before, frame, &after, {});
   EXPECT_EQ(cv::norm(frame.colour, input, cv::NORM_INF), 0) << "the input is not touched";
   EXPECT_EQ(cv::norm(out.colour, input, cv::NORM_INF, frame.mask == 0), 0);
   EXPECT_GT(cv::norm(out.colour, input, cv::NORM_INF), 0);
@@ -100,7 +101,8 @@ TEST(Smooth, ChangesColoursOfTheHoleOnly) {
 }
 
 TEST(Smooth, IsTheInputWithoutNeighboursOrHoleOrSwitchedOff) {
-  const FilledFrame before = filled(noisy(texture(), 3, 1)), frame = filled(texture()), whole = filled(texture(), {});
+  const harmonize::FilledFrame before = filled(noisy(texture(), 3, 1)), frame = filled(texture()),
+                               whole = filled(texture(), {});
   SmoothOptions off;
   off.enabled = false;
   EXPECT_EQ(cv::norm(smooth(nullptr, frame, nullptr, {}).colour, frame.colour, cv::NORM_INF), 0);
@@ -112,22 +114,22 @@ TEST(Smooth, TakesAnyHoleAndAnySize) {
   const auto cut = [](int width, int height, cv::Rect hole) { return filled(texture()(cv::Rect(0, 0, width, height)), hole); };
   for (const cv::Size size : {cv::Size(200, 150), cv::Size(40, 33), cv::Size(33, 90), cv::Size(16, 16), cv::Size(3, 2)})
     for (const cv::Rect& hole : {cv::Rect({}, size), cv::Rect(0, 0, 1, 1), cv::Rect(size.width - 1, size.height - 2, 1, 2)}) {
-      const FilledFrame frame = cut(size.width, size.height, hole);
-      const FilledFrame out = smooth(&frame, frame, &frame, {});
+      const harmonize::FilledFrame frame = cut(size.width, size.height, hole);
+      const harmonize::FilledFrame out = smooth(&frame, frame, &frame, {});
       EXPECT_LT(cv::norm(out.colour, frame.colour, cv::NORM_INF), 30) << size;
     }
 }
 
 TEST(Smooth, GivesTheSameWhateverTheThreads) {
-  const FilledFrame before = filled(noisy(texture(-3), 3, 1)), frame = filled(noisy(texture(), 3, 2));
+  const harmonize::FilledFrame before = filled(noisy(texture(-3), 3, 1)), frame = filled(noisy(texture(), 3, 2));
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
-  const FilledFrame one = smooth(&before, frame, nullptr, {});
+  const harmonize::FilledFrame one = smooth(&before, frame, nullptr, {});
   cv::setNumThreads(4);
-  const FilledFrame four = smooth(&before, frame, nullptr, {});
+  const harmonize::FilledFrame four = smooth(&before, frame, nullptr, {});
   cv::setNumThreads(threads);
   EXPECT_EQ(cv::norm(one.colour, four.colour, cv::NORM_INF), 0);
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::smooth

@@ -9,7 +9,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/synth/render.h"
 
-namespace dvi {
+namespace dvi::synth {
 namespace {
 
 using Eigen::Vector3d;
@@ -30,9 +30,9 @@ struct Scene::World {
   explicit World(const SynthOptions& options)
       : noise(static_cast<std::uint64_t>(options.seed)), still(options, noise), movers(synth::make_traffic(options, noise)) {}
 
-  synth::Noise noise;
-  synth::StaticWorld still;
-  std::vector<synth::Mover> movers;
+  Noise noise;
+  StaticWorld still;
+  std::vector<Mover> movers;
 };
 
 Scene::Scene(const SynthOptions& options) : options_(options) {
@@ -114,16 +114,15 @@ SynthScan Scene::scan(int frame) const {
     const double share = static_cast<double>(column) / static_cast<double>(columns), after = (share - 0.5) * period;
     const std::int64_t time = time_ns(frame) + std::llround(1e9 * after);
     const double t = seconds(time), azimuth = std::numbers::pi * (1 - 2 * share);
-    const synth::Tracer tracer(world_->still,
-                               synth::placed(world_->movers, world_->still.street, t, synth::own_way(options_, t)));
+    const Tracer tracer(world_->still, synth::placed(world_->movers, world_->still.street, t, synth::own_way(options_, t)));
     const SE3 pose = world_from_lidar(time);
     Random random = synth::random_for(static_cast<std::uint64_t>(options_.seed), 220 + options_.day,
                                       static_cast<std::int64_t>(frame) * options_.columns + static_cast<std::int64_t>(column));
     for (int beam = 0; beam < options_.beams; ++beam) {
       const double up = elevation_deg(beam, options_.beams) * kDegree, error = options_.range_noise * random.normal();
       const Vector3d direction(std::cos(up) * std::cos(azimuth), std::cos(up) * std::sin(azimuth), std::sin(up));
-      const synth::Ray ray{pose.t, pose.R * direction};
-      const synth::Tracer::Seen seen = tracer.trace(ray, options_.range_m);
+      const Ray ray{pose.t, pose.R * direction};
+      const Tracer::Seen seen = tracer.trace(ray, options_.range_m);
       if (seen.t > options_.range_m) continue;
       const cv::Vec3f colour = tracer.shade(ray, seen);
       out.scan.points.emplace_back(((seen.t + error) * direction).cast<float>());
@@ -151,8 +150,8 @@ std::vector<Label> Scene::boxes(int frame) const {
   const double t = seconds(time_ns(frame));
   const SE3 lidar_from_world = world_from_lidar(time_ns(frame)).inverse();
   std::vector<Label> labels;
-  for (const synth::PlacedMover& placed : synth::placed(world_->movers, world_->still.street, t, synth::own_way(options_, t))) {
-    const synth::Model& model = placed.mover->model;
+  for (const PlacedMover& placed : synth::placed(world_->movers, world_->still.street, t, synth::own_way(options_, t))) {
+    const Model& model = placed.mover->model;
     const SE3 pose = lidar_from_world * placed.world_from_mover;
     const Vector3d centre = pose * Vector3d(0, 0, 0.5 * model.size.z());
     if (centre.norm() > options_.range_m) continue;
@@ -167,4 +166,4 @@ std::vector<Label> Scene::boxes(int frame) const {
   return labels;
 }
 
-}  // namespace dvi
+}  // namespace dvi::synth

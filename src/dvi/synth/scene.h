@@ -11,7 +11,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/synth/synth_options.h"
 
-namespace dvi {
+namespace dvi::synth {
 
 /// One image of the synthetic street with its truth, all without noise and with the frame's exposure.
 struct SynthFrame {
@@ -75,4 +75,4 @@ Drive drive_of(const std::shared_ptr<const Scene>& scene);
 /// Its frames with the true cameras, images and masks: input for the stages after alignment.
 Views views_of(const std::shared_ptr<const Scene>& scene);
 
-}  // namespace dvi
+}  // namespace dvi::synth

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace dvi {
+namespace dvi::synth {
 namespace {
 
 constexpr std::size_t kKept = 16;
@@ -56,4 +56,4 @@ Views views_of(const std::shared_ptr<const Scene>& scene) {
   return views;
 }
 
-}  // namespace dvi
+}  // namespace dvi::synth

@@ -13,7 +13,7 @@
 #include "dvi/image/interpolate.h"
 #include "dvi/synth/street.h"
 
-namespace dvi {
+namespace dvi::synth {
 namespace {
 
 SynthOptions small() {
@@ -39,7 +39,7 @@ double mean_difference(const cv::Mat3b& a, const cv::Mat3b& b) {
 
 TEST(Street, LocateInvertsPointOnStraightsAndArc) {
   for (const double turn : {0.0, 0.9, -1.2}) {
-    const synth::Street street(12, 40, turn);
+    const Street street(12, 40, turn);
     for (double s = -30; s < 120; s += 3.7)
       for (const double d : {-12.0, -2.0, 0.0, 5.0, 9.0})
         EXPECT_LT((street.locate(street.point(s, d)) - Eigen::Vector2d(s, d)).norm(), 1e-9) << turn << " " << s << " " << d;
@@ -244,4 +244,4 @@ TEST(SynthOptions, RefusesWhatIsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::synth

@@ -10,7 +10,7 @@
 #include "dvi/core/files.h"
 #include "dvi/core/threads.h"
 
-namespace dvi {
+namespace dvi::synth {
 namespace {
 
 void write_png(const fs::path& path, const cv::Mat& image) {
@@ -126,4 +126,4 @@ void synthesise(const SynthOptions& options, const fs::path& out, const Tick& ti
   write_tables(scene, out);
 }
 
-}  // namespace dvi
+}  // namespace dvi::synth

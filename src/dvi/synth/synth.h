@@ -6,7 +6,7 @@
 #include "dvi/synth/scene.h"
 #include "dvi/synth/synth_options.h"
 
-namespace dvi {
+namespace dvi::synth {
 
 /// Writes the recording of a synthetic street in the `folder` layout (camera "front") and its exact truth beside:
 ///   truth/NAME.png          the frame without traffic and without noise, with the frame's exposure
@@ -16,4 +16,4 @@ namespace dvi {
 /// `tick` is called once a frame. UsageError for bad options, InputError where the folder cannot be written.
 void synthesise(const SynthOptions& options, const std::filesystem::path& out, const Tick& tick = {});
 
-}  // namespace dvi
+}  // namespace dvi::synth

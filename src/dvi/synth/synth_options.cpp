@@ -4,7 +4,7 @@
 
 #include "dvi/core/error.h"
 
-namespace dvi {
+namespace dvi::synth {
 
 void SynthOptions::describe(OptionTable& table) {
   table.section("synth");
@@ -40,4 +40,4 @@ void SynthOptions::check() const {
   }
 }
 
-}  // namespace dvi
+}  // namespace dvi::synth

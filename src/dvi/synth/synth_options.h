@@ -2,7 +2,7 @@
 
 #include "dvi/core/options.h"
 
-namespace dvi {
+namespace dvi::synth {
 
 /// What street is built and how it is recorded. Two recordings share one street (world coordinates, facades, trees) when
 /// seed, frames, speed_mps, rate_hz and turn_deg agree; `day` changes light, parked cars, lane and traffic.
@@ -29,4 +29,4 @@ struct SynthOptions {
   double distance() const { return speed_mps * frames / rate_hz; }
 };
 
-}  // namespace dvi
+}  // namespace dvi::synth

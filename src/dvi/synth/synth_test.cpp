@@ -12,7 +12,7 @@
 #include "dvi/core/files.h"
 #include "dvi/core/threads.h"
 
-namespace dvi {
+namespace dvi::synth {
 namespace {
 
 class Synth : public testing::Test {
@@ -82,4 +82,4 @@ TEST_F(Synth, RefusesBadOptionsAndPlaces) {
 }
 
 }  // namespace
-}  // namespace dvi
+}  // namespace dvi::synth
