@@ -5,9 +5,12 @@
 
 namespace dvi::align {
 
-Alignment align(Views& views, const map::StaticMap& map, const AlignOptions& options, const Tick& tick) {
-  Alignment out;
-  out.views.resize(views.size());
+Cameras::Cameras(const Views& given) : views(given.size()) {
+  for (const View& view : given.views) camera_from_world.push_back(view.camera_from_world);
+}
+
+Cameras align(const Views& views, const map::StaticMap& map, const AlignOptions& options, const Tick& tick) {
+  Cameras out(views);
   if (!options.enabled) return out;
   for (int drive = 0;; ++drive) {
     const auto [first, last] = views.of_drive(drive);

@@ -44,16 +44,21 @@ struct DriveAlignment {
   Eigen::Vector3d mounting = Eigen::Vector3d::Zero();  ///< radians, camera axes: what the rotations have in common
 };
 
-struct Alignment {
+/// The refined poses of all views, and how they came about.
+struct Cameras {
+  std::vector<SE3> camera_from_world;  ///< as the views
   std::vector<ViewAlignment> views;    ///< as the views
   std::vector<DriveAlignment> drives;  ///< by number
   std::vector<std::string> warnings;
+
+  Cameras() = default;
+  explicit Cameras(const Views& given);  ///< poses as given, nothing compared
 };
 
 /// Refines the poses of all views, drive by drive, by the colours that several views give the same map points: see
-/// docs/algorithms/align.md. An update is kept only if points that it was not made from agree better after it. Changes the
-/// poses of `views`. Ticks align_steps() times.
-Alignment align(Views& views, const map::StaticMap& map, const AlignOptions& options, const Tick& tick = [] {});
+/// docs/algorithms/align.md. An update is kept only if points that it was not made from agree better after it. Ticks
+/// align_steps() times.
+Cameras align(const Views& views, const map::StaticMap& map, const AlignOptions& options, const Tick& tick = [] {});
 
 std::size_t align_steps(const Views& views, const AlignOptions& options);
 

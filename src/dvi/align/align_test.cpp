@@ -19,7 +19,7 @@ const Shake kExact{}, kJitter{.jitter_deg = 0.2};
 TEST(Align, FindsTheJitterOfAllFramesTogether) {
   ShakyDrive drive(10, kJitter);
   EXPECT_GT(drive.residual_deg(std::vector<ViewAlignment>(10)), 0.08);
-  const Alignment found = align(drive.views, drive.map, {});
+  const Cameras found = align(drive.views, drive.map, {});
   EXPECT_LT(drive.residual_deg(found.views), 0.015);
   EXPECT_TRUE(found.drives.at(0).kept);
   EXPECT_THAT(found.warnings, IsEmpty());
@@ -41,26 +41,26 @@ TEST(Align, FramesMayBeExposedDifferently) {
 
 TEST(Align, PosesOfTheViewsAreCorrected) {
   ShakyDrive drive(6, kJitter);
-  const Views given = drive.views;
-  const Alignment found = align(drive.views, drive.map, {});
+  const Views& given = drive.views;
+  const Cameras found = align(drive.views, drive.map, {});
   for (std::size_t i = 0; i < 6; ++i) {
     const Eigen::Matrix3d expected = so3_exp(found.views[i].rotation) * given[i].camera_from_world.R;
-    EXPECT_LT((drive.views[i].camera_from_world.R - expected).norm(), 1e-9);
-    EXPECT_TRUE(drive.views[i].camera_from_world.inverse().t.isApprox(given[i].camera_from_world.inverse().t, 1e-9));
+    EXPECT_LT((found.camera_from_world[i].R - expected).norm(), 1e-9);
+    EXPECT_TRUE(found.camera_from_world[i].inverse().t.isApprox(given[i].camera_from_world.inverse().t, 1e-9));
   }
 }
 
 TEST(Align, SwitchedOffItDoesNothing) {
   ShakyDrive drive(3, kJitter);
-  const Eigen::Matrix3d before = drive.views[1].camera_from_world.R;
-  EXPECT_EQ(align(drive.views, drive.map, {.enabled = false}).views[1].rotation, Eigen::Vector3d::Zero());
-  EXPECT_EQ(drive.views[1].camera_from_world.R, before);
+  const Cameras found = align(drive.views, drive.map, {.enabled = false});
+  EXPECT_EQ(found.views[1].rotation, Eigen::Vector3d::Zero());
+  EXPECT_EQ(found.camera_from_world[1].R, drive.views[1].camera_from_world.R);
 }
 
 TEST(Align, WithoutSharedPointsNothingMovesAndIsSaid) {
   ShakyDrive drive(3, {.jitter_deg = 0.2, .hole = {0, 0, 320, 240}});  // masks cover whole frames
   ShakyDrive empty(3, kJitter);
-  for (const Alignment& found : {align(drive.views, drive.map, {}), align(empty.views, map::StaticMap{}, {})}) {
+  for (const Cameras& found : {align(drive.views, drive.map, {}), align(empty.views, map::StaticMap{}, {})}) {
     for (const ViewAlignment& a : found.views) {
       EXPECT_EQ(a.points, 0);
       EXPECT_EQ(a.rotation, Eigen::Vector3d::Zero());
@@ -76,7 +76,7 @@ TEST(Align, OneFrameAloneStaysAsItIs) {
 
 TEST(Align, ACameraThatStandsStillHasItsJitterFoundOnly) {
   ShakyDrive drive(8, {.jitter_deg = 0.2, .speed = {0, 0, 0}});
-  const Alignment found = align(drive.views, drive.map, {});
+  const Cameras found = align(drive.views, drive.map, {});
   EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("hardly moves")));
   for (const ViewAlignment& a : found.views) EXPECT_LT(a.offset_after_px, 0.2);
 }
@@ -91,7 +91,7 @@ TEST(Align, AClockThatIsOffIsSaid) {
   for (const double seconds : {-0.2, 0.0, 0.2}) {
     ShakyDrive drive(10, {.speed = {0, 0, 5}});
     for (View& view : drive.views.views) view.camera_from_world.t.z() -= 5 * seconds;  // the place so much later
-    const Alignment found = align(drive.views, drive.map, {});
+    const Cameras found = align(drive.views, drive.map, {});
     if (seconds == 0)
       EXPECT_THAT(found.warnings, IsEmpty());
     else
@@ -104,13 +104,13 @@ TEST(Align, ThePublishedSearchFindsOneFrameAmongExactOnes) {
   const Eigen::Matrix3d off = so3_exp({0.0032, -0.0021, 0});
   drive.views.views[1].camera_from_world.R = off.transpose() * exact.views[1].camera_from_world.R;
   drive.views.views[1].camera_from_world.t = off.transpose() * exact.views[1].camera_from_world.t;
-  const Alignment found = align(drive.views, drive.map, {.method = "paper"});
+  const Cameras found = align(drive.views, drive.map, {.method = "paper"});
   EXPECT_NEAR(found.views[1].rotation.x(), 0.0032, 2e-4);
   EXPECT_NEAR(found.views[1].rotation.y(), -0.0021, 2e-4);
 }
 
 TEST(Align, SameWhateverTheThreads) {
-  Alignment found[2];
+  Cameras found[2];
   for (int threads : {1, 2}) {
     const ThreadLimit limit(threads);
     ShakyDrive drive(6, kJitter);

@@ -212,7 +212,7 @@ double extent(const Views& views, std::size_t first, std::size_t last) {
 }
 
 // What could not be aligned, in words.
-void warn(const Views& views, std::size_t first, std::size_t last, Alignment& out) {
+void warn(const Views& views, std::size_t first, std::size_t last, Cameras& out) {
   const std::string drive = fmt::format("align: drive {}: ", views[first].drive);
   std::vector<double> offsets;
   for (std::size_t i = first; i < last; ++i)
@@ -238,7 +238,7 @@ void warn(const Views& views, std::size_t first, std::size_t last, Alignment& ou
 
 // Aligned frames agree best where they are, unless their clock is off: then where they were before or are later.
 void check_clock(const Chain& chain, const std::vector<PairModel>& models, const Poses& aligned, int drive, const Tick& tick,
-                 Alignment& out) {
+                 Cameras& out) {
   const auto checks = chain.check(models, {aligned, chain.later(aligned, -kClock), chain.later(aligned, kClock)}, tick);
   const bool earlier = lower(checks, 0, 1, &Chain::Check::cost), later = lower(checks, 0, 2, &Chain::Check::cost);
   if (earlier == later) return;
@@ -250,8 +250,8 @@ void check_clock(const Chain& chain, const std::vector<PairModel>& models, const
 
 }  // namespace
 
-void align_jointly(Views& views, const map::StaticMap& map, std::size_t first, std::size_t last, const AlignOptions& options,
-                   const Tick& tick, Alignment& out) {
+void align_jointly(const Views& views, const map::StaticMap& map, std::size_t first, std::size_t last,
+                   const AlignOptions& options, const Tick& tick, Cameras& out) {
   Chain chain(views, map, first, last, options);
   chain.find_pairs(tick);
   const Corrections given(last - first);
@@ -273,7 +273,7 @@ void align_jointly(Views& views, const map::StaticMap& map, std::size_t first, s
 
   for (std::size_t i = 0; i < checks.size(); ++i) {
     out.views[first + i] = {chosen.rotations[i], checks[i].offset_px[0], checks[i].offset_px[best], checks[i].points};
-    views.views[first + i].camera_from_world = poses[best][i];
+    out.camera_from_world[first + i] = poses[best][i];
   }
   warn(views, first, last, out);
   check_clock(chain, models, poses[best], views[first].drive, tick, out);

@@ -82,8 +82,8 @@ Eigen::Vector2d search(const std::vector<Sample>& samples, const Camera& camera,
 
 }  // namespace
 
-void search_as_published(Views& views, const map::StaticMap& map, std::size_t first, std::size_t last,
-                         const AlignOptions& options, const Tick& tick, Alignment& out) {
+void search_as_published(const Views& views, const map::StaticMap& map, std::size_t first, std::size_t last,
+                         const AlignOptions& options, const Tick& tick, Cameras& out) {
   const Lazy<Sight> sights(last - first, kCached + static_cast<std::size_t>(thread_count()),
                            [&](std::size_t i) { return Sight(map, views[first + i], *views.masks[first + i]); });
   parallel_in_order(last - first, [&](std::size_t i) {
@@ -100,7 +100,7 @@ void search_as_published(Views& views, const map::StaticMap& map, std::size_t fi
     tick();
   });
   for (std::size_t i = first; i < last; ++i)
-    views.views[i].camera_from_world = SE3{so3_exp(out.views[i].rotation), {0, 0, 0}} * views[i].camera_from_world;
+    out.camera_from_world[i] = SE3{so3_exp(out.views[i].rotation), {0, 0, 0}} * views[i].camera_from_world;
 }
 
 }  // namespace dvi::align

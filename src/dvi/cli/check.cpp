@@ -26,7 +26,7 @@ void add_check(Program& program) {
     Progress progress(a->common.style());
     const pipeline::CheckReport report = pipeline::check(a->options.job("", a->drive, {}), progress);
     progress.end();
-    fmt::print("{}\n", a->common.json ? report.json : report.text);
+    fmt::print("{}\n", a->common.json ? pipeline::to_json(report) : report.brief());
   });
 }
 

@@ -7,7 +7,6 @@
 #include "dvi/core/threads.h"
 #include "dvi/metrics/evaluate.h"
 #include "dvi/pipeline/run.h"
-#include "dvi/pipeline/summary.h"
 #include "dvi/synth/synth.h"
 
 namespace dvi::cli {
@@ -50,9 +49,9 @@ void add_demo(Program& program) {
     const std::string drive = synthetic ? demo_street(out, a->common.seed, progress) : a->drive;
     pipeline::Job job = a->options.job(out / "result", drive, {});
     job.force = a->force;
-    const std::string report = pipeline::run(job, progress);
+    const pipeline::RunReport report = pipeline::run(job, progress);
     progress.end();
-    fmt::print("{}\n", a->common.json ? report : pipeline::run_summary(report, job.out));
+    fmt::print("{}\n", a->common.json ? to_json(report) : report.brief(job.out));
     if (synthetic && !a->common.json)
       fmt::print("\nAgainst the truth, inside the mask:\n{}\n",
                  metrics::table(metrics::evaluate({job.out, fs::path(drive) / "truth"})));

@@ -29,7 +29,7 @@ void add_forecast(Program& program) {
     Progress progress(a->common.style());
     const pipeline::ForecastReport report = pipeline::forecast_holes(a->options.job(a->out, a->drive, a->sources), progress);
     progress.end();
-    fmt::print("{}\n", a->common.json ? report.json : report.text);
+    fmt::print("{}\n", a->common.json ? pipeline::to_json(report) : report.table());
   });
 }
 

@@ -8,7 +8,6 @@
 #include "dvi/cli/job_options.h"
 #include "dvi/core/error.h"
 #include "dvi/core/threads.h"
-#include "dvi/pipeline/summary.h"
 
 namespace dvi::cli {
 
@@ -35,9 +34,9 @@ void add_run(Program& program) {
     if (job.out.empty()) throw UsageError("dvi run wants a folder for the result: -o OUT");
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const std::string report = pipeline::run(job, progress);
+    const pipeline::RunReport report = pipeline::run(job, progress);
     progress.end();
-    fmt::print("{}\n", a->common.json ? report : pipeline::run_summary(report, job.out));
+    fmt::print("{}\n", a->common.json ? pipeline::to_json(report) : report.brief(job.out));
   });
 }
 

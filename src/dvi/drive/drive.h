@@ -64,6 +64,11 @@ struct Drive {
       if (!frame.labels.empty()) return true;
     return labelled;
   }
+  FrameLabels labels() const {
+    FrameLabels out;
+    for (const Frame& frame : frames) out.push_back(frame.labels);
+    return out;
+  }
   bool labelled = false;  ///< the drive came with labels, be they empty
 };
 

@@ -26,4 +26,7 @@ struct Label {
   std::optional<Instance> instance;
 };
 
+/// The labels of each frame of a drive.
+using FrameLabels = std::vector<std::vector<Label>>;
+
 }  // namespace dvi

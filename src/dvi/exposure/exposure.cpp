@@ -163,20 +163,19 @@ Eigen::VectorXd solve(const std::vector<Pair>& pairs, std::size_t views, int cha
 
 }  // namespace
 
-std::vector<int> estimate_exposure(Views& views, const map::StaticMap& map, const Tick& tick) {
-  std::vector<int> compared(views.size(), 0);
+Gains estimate_exposure(const Views& views, const map::StaticMap& map, const Tick& tick) {
+  Gains gains(views.size());
   const std::vector<Pair> pairs = compare_all(views, map, tick);
   for (const Pair& p : pairs) {
-    ++compared[p.a];
-    ++compared[p.b];
+    ++gains.compared[p.a];
+    ++gains.compared[p.b];
   }
   for (int c = 0; c < 3; ++c) {
     const Eigen::VectorXd gain = solve(pairs, views.size(), c);
     for (std::size_t i = 0; i < views.size(); ++i)
-      views.views[i].gain[c] =
-          static_cast<float>(std::exp(std::clamp(gain[static_cast<Eigen::Index>(i)], -kLargest, kLargest)));
+      gains.of_view[i][c] = static_cast<float>(std::exp(std::clamp(gain[static_cast<Eigen::Index>(i)], -kLargest, kLargest)));
   }
-  return compared;
+  return gains;
 }
 
 }  // namespace dvi::exposure

@@ -18,10 +18,18 @@ struct ExposureOptions {
   }
 };
 
-/// Finds each view's gain: views are compared in the colours that both show of the same points of the map, unmasked, unhidden,
-/// neither black nor saturated; the gains of all views are then solved for jointly and robustly from these ratios (least
-/// squares on their logarithms, reweighted). Their logarithms have mean 0. Poses good to some pixels will do. Returns for each
-/// view the number of views it could be compared with: where that is 0, its gain stays 1. One tick a view.
-std::vector<int> estimate_exposure(Views& views, const map::StaticMap& map, const Tick& tick = [] {});
+/// One gain a view.
+struct Gains {
+  std::vector<cv::Vec3f> of_view;  ///< BGR; a view's colours times this are in the light common to all views
+  std::vector<int> compared;       ///< with how many views; where it is 0 the gain is 1
+
+  explicit Gains(std::size_t views = 0) : of_view(views, cv::Vec3f(1, 1, 1)), compared(views, 0) {}
+};
+
+/// Estimates each view's gain: views are compared in the colours that both show of the same points of the map, unmasked,
+/// unhidden, neither black nor saturated; the gains of all views are then solved for jointly and robustly from these ratios
+/// (least squares on their logarithms, reweighted). Their logarithms have mean 0. Poses good to some pixels will do. One tick a
+/// view.
+Gains estimate_exposure(const Views& views, const map::StaticMap& map, const Tick& tick = [] {});
 
 }  // namespace dvi::exposure

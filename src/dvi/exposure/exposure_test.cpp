@@ -48,8 +48,9 @@ struct Lit {
   }
   Views found(std::vector<int>* compared = nullptr, const map::StaticMap& map = plane()) const {
     Views views = scene.lazy();
-    const std::vector<int> count = estimate_exposure(views, map);
-    if (compared != nullptr) *compared = count;
+    const Gains gains = estimate_exposure(views, map);
+    if (compared != nullptr) *compared = gains.compared;
+    for (std::size_t i = 0; i < views.size(); ++i) views.views[i].gain = gains.of_view[i];
     return views;
   }
   /// The greatest error of what brings a view into the light of the first, as a part of it.

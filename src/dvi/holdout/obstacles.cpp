@@ -31,12 +31,9 @@ std::vector<Box> boxes_at(const Road& road, const Eigen::Vector3d& size, const s
 
 std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& world_from_lidar, const Road& road,
                                         const Eigen::Vector3d& size, const std::vector<double>& places, double left) {
-  Drive moving = drive;
-  moving.poses = world_from_lidar;
-  masks::drop_standing(moving);
-  const map::MapInput input{&moving, world_from_lidar, Lazy<cv::Mat1b>(drive.frames.size(), 1, [&](std::size_t) {
-                              return cv::Mat1b(drive.camera.height, drive.camera.width, uchar{0});
-                            })};
+  const Lazy<cv::Mat1b> no_masks(drive.frames.size(), 1,
+                                 [&](std::size_t) { return cv::Mat1b(drive.camera.height, drive.camera.width, uchar{0}); });
+  const map::MapInput input{&drive, world_from_lidar, no_masks, masks::without_standing(drive, world_from_lidar)};
   map::MapOptions options;
   options.witnessed_only = false;
   options.max_range_m = kFar;

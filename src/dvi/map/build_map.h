@@ -38,6 +38,7 @@ struct MapInput {
   const Drive* drive = nullptr;
   Trajectory world_from_lidar;
   Lazy<cv::Mat1b> masks;  ///< as drive->frames
+  FrameLabels objects{};  ///< labels of what is removed, as drive->frames; empty: none
 };
 
 /// The static map of several drives in one world: scans are compensated for the motion within the sweep; points that project

@@ -60,8 +60,9 @@ class Filter {
 
  private:
   bool boxed(const Witness& witness, const Eigen::Vector3d& point) const {
+    if (input_.objects.empty()) return false;
     const Eigen::Vector3d in_lidar = witness.lidar_from_world * point;
-    const std::vector<Label>& labels = input_.drive->frames[witness.frame].labels;
+    const std::vector<Label>& labels = input_.objects[witness.frame];
     return std::any_of(labels.begin(), labels.end(),
                        [&](const Label& l) { return l.box && l.box->contains(in_lidar, options_.box_margin_m); });
   }

@@ -89,19 +89,17 @@ MaskSource default_mask_source(const Drive& drive) {
                    "give --masks DIR (PNG files named as the images, 255 = remove) or --masks FILE (labels)");
 }
 
-Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const MaskOptions& options) {
+Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const FrameLabels& objects, const MaskOptions& options) {
   if (source == MaskSource::files) {
     if (drive.masks.empty())
       throw InputError(drive.path, "brings no mask files", "give --masks DIR, or --masks labels where it has labels");
     return drive.masks;
   }
   if (!drive.has_labels()) throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
-  std::vector<std::vector<Label>> labels;
-  for (const Frame& frame : drive.frames) labels.push_back(frame.labels);
   return {drive.frames.size(), kCached,
-          [labels = std::move(labels), camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
+          [objects, camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
             cv::Mat1b mask(camera.height, camera.width, uchar{0});
-            for (const Label& label : labels[i]) mask |= label_mask(label, camera, pose, options);
+            for (const Label& label : objects[i]) mask |= label_mask(label, camera, pose, options);
             return grown(mask, options.dilate_px);
           }};
 }

@@ -89,7 +89,7 @@ TEST(Masks, UnitesAndGrowsTheLabelsOfAFrame) {
   a.rect = cv::Rect2d(20, 20, 10, 10);
   b.rect = cv::Rect2d(100, 20, 10, 10);
   drive.frames[1].labels = {a, b};
-  const Lazy<cv::Mat1b> masks = find_masks(drive, MaskSource::labels, {.dilate_px = 2});
+  const Lazy<cv::Mat1b> masks = find_masks(drive, MaskSource::labels, drive.labels(), {.dilate_px = 2});
   EXPECT_EQ(cv::countNonZero(*masks[0]), 0);
   EXPECT_EQ((*masks[1])(25, 18), 255);
   EXPECT_EQ((*masks[1])(25, 17), 0);
@@ -99,8 +99,8 @@ TEST(Masks, UnitesAndGrowsTheLabelsOfAFrame) {
 TEST(Masks, SaysWhatIsMissing) {
   const Drive drive = test_drive();
   EXPECT_THROW(default_mask_source(drive), InputError);
-  EXPECT_THROW(find_masks(drive, MaskSource::labels, {}), InputError);
-  EXPECT_THROW(find_masks(drive, MaskSource::files, {}), InputError);
+  EXPECT_THROW(find_masks(drive, MaskSource::labels, {}, {}), InputError);
+  EXPECT_THROW(find_masks(drive, MaskSource::files, {}, {}), InputError);
 }
 
 }  // namespace

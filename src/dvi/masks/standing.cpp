@@ -12,13 +12,12 @@ constexpr double kStill = 1;  // metres
 
 }  // namespace
 
-std::set<int> standing_tracks(const Drive& drive) {
+std::set<int> standing_tracks(const Drive& drive, const Trajectory& world_from_lidar) {
   std::map<int, Eigen::AlignedBox3d> range;
   for (const Frame& frame : drive.frames) {
-    const std::optional<SE3> world_from_lidar = drive.poses.at(frame.time_ns);
+    const std::optional<SE3> pose = world_from_lidar.at(frame.time_ns);
     for (const Label& label : frame.labels)
-      if (label.track >= 0 && label.box && world_from_lidar)
-        range[label.track].extend(*world_from_lidar * label.box->frame_from_box.t);
+      if (label.track >= 0 && label.box && pose) range[label.track].extend(*pose * label.box->frame_from_box.t);
   }
   std::set<int> standing;
   for (const auto& [track, box] : range)
@@ -26,10 +25,11 @@ std::set<int> standing_tracks(const Drive& drive) {
   return standing;
 }
 
-void drop_standing(Drive& drive) {
-  const std::set<int> standing = standing_tracks(drive);
-  drive.labelled = drive.has_labels();  // even if none remains
-  for (Frame& frame : drive.frames) std::erase_if(frame.labels, [&](const Label& l) { return standing.contains(l.track); });
+FrameLabels without_standing(const Drive& drive, const Trajectory& world_from_lidar) {
+  const std::set<int> standing = standing_tracks(drive, world_from_lidar);
+  FrameLabels labels = drive.labels();
+  for (std::vector<Label>& frame : labels) std::erase_if(frame, [&](const Label& l) { return standing.contains(l.track); });
+  return labels;
 }
 
 }  // namespace dvi::masks

@@ -8,9 +8,9 @@ namespace dvi::masks {
 
 /// Tracks whose 3D boxes keep their place in the world while the drive sees them: parked vehicles. Boxes wander by what labels
 /// and poses are wrong, so that a metre is no motion. What is labelled without box or track may move.
-std::set<int> standing_tracks(const Drive& drive);
+std::set<int> standing_tracks(const Drive& drive, const Trajectory& world_from_lidar);
 
-/// Takes the labels of standing tracks out of the drive.
-void drop_standing(Drive& drive);
+/// The drive's labels without those of standing tracks.
+FrameLabels without_standing(const Drive& drive, const Trajectory& world_from_lidar);
 
 }  // namespace dvi::masks

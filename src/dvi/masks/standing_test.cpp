@@ -33,22 +33,19 @@ Drive labelled_drive() {
   return drive;
 }
 
-TEST(Standing, IsWhatKeepsItsPlaceInTheWorld) { EXPECT_EQ(standing_tracks(labelled_drive()), (std::set<int>{1, 3})); }
-
-TEST(Standing, NothingWithoutPoses) {
-  Drive drive = labelled_drive();
-  drive.poses = {};
-  EXPECT_TRUE(standing_tracks(drive).empty());
+TEST(Standing, IsWhatKeepsItsPlaceInTheWorld) {
+  const Drive drive = labelled_drive();
+  EXPECT_EQ(standing_tracks(drive, drive.poses), (std::set<int>{1, 3}));
 }
 
-TEST(Standing, LabelsAreDropped) {
-  Drive drive = labelled_drive();
-  drop_standing(drive);
-  EXPECT_TRUE(drive.labelled);
-  for (const Frame& frame : drive.frames) {
-    ASSERT_EQ(frame.labels.size(), 2U);
-    EXPECT_EQ(frame.labels[0].track, 2);
-    EXPECT_EQ(frame.labels[1].track, 4);
+TEST(Standing, NothingWithoutPoses) { EXPECT_TRUE(standing_tracks(labelled_drive(), {}).empty()); }
+
+TEST(Standing, LabelsAreLeftOut) {
+  const Drive drive = labelled_drive();
+  for (const std::vector<Label>& frame : without_standing(drive, drive.poses)) {
+    ASSERT_EQ(frame.size(), 2U);
+    EXPECT_EQ(frame[0].track, 2);
+    EXPECT_EQ(frame[1].track, 4);
   }
 }
 

@@ -7,7 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
-#include "dvi/pipeline/open.h"
+#include "dvi/io/poses.h"
+#include "dvi/pipeline/make_views.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -37,8 +38,8 @@ std::vector<ListedSource> read_sources(const fs::path& file) {
 }
 
 /// The views of the drives as sources.json numbers them. Baselines copy from the first drive alone.
-Views views_of(const std::vector<ListedSource>& sources, const std::vector<OpenDrive>& drives, const fs::path& out) {
-  const Views all = make_unposed_views(drives);
+Views views_of(const std::vector<ListedSource>& sources, const Recordings& drives, const Masks& masks, const fs::path& out) {
+  const Views all = make_unposed_views(drives, masks);
   std::map<std::pair<int, std::string>, std::size_t> index;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Drive& drive = drives[static_cast<std::size_t>(all[i].drive)].drive;
@@ -61,6 +62,15 @@ Views views_of(const std::vector<ListedSource>& sources, const std::vector<OpenD
   views.images = {found.size(), 1, [all, found](std::size_t i) { return *all.images[found[i]]; }};
   views.masks = {found.size(), 1, [all, found](std::size_t i) { return *all.masks[found[i]]; }};
   return views;
+}
+
+// The poses along which the run decided what stands; a baseline has the given ones only.
+Poses poses_of(const fs::path& out, const Recordings& drives, const Job& job) {
+  Poses poses = given_poses(drives);
+  const fs::path file = out / "map/poses.txt";
+  if (job.source.remove == "moving" && fs::exists(file))
+    poses.front().world_from_lidar = io::read_poses(file, drives.front().drive);
+  return poses;
 }
 
 nlohmann::json json_of(const audit::Audit& audit, const fs::path& out) {
@@ -111,8 +121,8 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   job.target = drives.front();
   job.sources.assign(drives.begin() + 1, drives.end());
   if (!masks.empty()) job.source.masks = masks;
-  const std::vector<OpenDrive> open = open_drives(job, MaskNeed::required, progress);
-  Views views = views_of(sources, open, out);
+  const Recordings open = open_recordings(job, MaskNeed::required, progress);
+  Views views = views_of(sources, open, find_masks(open, poses_of(out, open, job), job), out);
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < views.of_drive(0).second; ++i) names.push_back(sources[i].frame);

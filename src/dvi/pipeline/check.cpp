@@ -10,7 +10,7 @@
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/pipeline/forecast.h"
-#include "dvi/pipeline/open.h"
+#include "dvi/pipeline/report_json.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -44,16 +44,16 @@ struct Contents {
   std::vector<double> masked, points;
 };
 
-Contents contents(const OpenDrive& open) {
+Contents contents(const Drive& drive, const Lazy<cv::Mat1b>& masks) {
   Contents out;
-  out.masked.resize(open.drive.frames.size());
-  out.points.resize(open.drive.sweeps.size());
+  out.masked.resize(drive.frames.size());
+  out.points.resize(drive.sweeps.size());
   parallel_for(out.masked.size(), [&](std::size_t i) {
-    const auto mask = open.masks[i];
+    const auto mask = masks[i];
     out.masked[i] = static_cast<double>(std::count_if(mask->begin(), mask->end(), [](uchar m) { return m != 0; })) /
                     static_cast<double>(mask->total());
   });
-  parallel_for(out.points.size(), [&](std::size_t i) { out.points[i] = static_cast<double>(open.drive.scans[i]->size()); });
+  parallel_for(out.points.size(), [&](std::size_t i) { out.points[i] = static_cast<double>(drive.scans[i]->size()); });
   return out;
 }
 
@@ -61,86 +61,99 @@ double mean(const std::vector<double>& values) {
   return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-nlohmann::json describe(const OpenDrive& open, std::vector<std::string> warnings) {
+CheckReport describe(const Recording& open, const PoseChoice& choice, const Masks& masks) {
   const Drive& drive = open.drive;
-  const Contents found = contents(open);
-  const Trajectory& poses = chosen(drive, open.poses);
-  std::size_t posed = 0;
-  for (const Frame& frame : drive.frames) posed += poses.at(frame.time_ns) ? 1 : 0;
-  const bool masks = !drive.masks.empty() || drive.has_labels();
-  if (!masks) warnings.emplace_back("neither masks nor labels: give --masks to say what to remove");
-  if (poses.empty()) warnings.emplace_back("no poses: give --poses FILE");
-  if (drive.sweeps.empty()) warnings.emplace_back("no scans: nothing can be copied");
-  const auto max_masked = std::max_element(found.masked.begin(), found.masked.end());
-  return {{"schema", "dvi-check/1"},
-          {"path", drive.path.string()},
-          {"format", drive.format},
-          {"camera",
-           {{"name", drive.camera_name},
-            {"all", drive.camera_names},
-            {"width", drive.camera.width},
-            {"height", drive.camera.height},
-            {"fx", drive.camera.fx},
-            {"fy", drive.camera.fy},
-            {"cx", drive.camera.cx},
-            {"cy", drive.camera.cy}}},
-          {"frames",
-           {{"count", drive.frames.size()},
-            {"first", drive.frames.front().number},
-            {"last", drive.frames.back().number},
-            {"rate_hz", rate(drive.frames)},
-            {"with_pose", posed}}},
-          {"sweeps", {{"count", drive.sweeps.size()}, {"rate_hz", rate(drive.sweeps)}, {"mean_points", mean(found.points)}}},
-          {"path_m", path_length(drive, poses)},
-          {"poses", poses_report(drive, open.poses)},
-          {"masks",
-           {{"source", !drive.masks.empty() ? "files"
-                       : masks              ? "labels"
-                                            : "none"},
-            {"mean_share", mean(found.masked)},
-            {"largest_share", found.masked.empty() ? 0.0 : *max_masked}}},
-          {"ready", masks && posed > 0 && !drive.sweeps.empty()},
-          {"warnings", warnings}};
-}
-
-std::string text_of(const nlohmann::json& j) {
-  const auto& camera = j["camera"];
-  const auto& frames = j["frames"];
-  const auto& masks = j["masks"];
-  std::string text = fmt::format(
-      "{}\n  format   {}\n  camera   {} ({}x{}, fx {:.1f})\n  frames   {} ({}:{}), {:.1f} Hz, {} with pose\n"
-      "  sweeps   {}, {:.1f} Hz, {:.0f} points each\n  path     {:.1f} m, by {} poses\n"
-      "  masks    from {}: {:.1f} % of the image on average, {:.1f} % at most\n",
-      j["path"].get<std::string>(), j["format"].get<std::string>(), camera["name"].get<std::string>(),
-      camera["width"].get<int>(), camera["height"].get<int>(), camera["fx"].get<double>(), frames["count"].get<int>(),
-      frames["first"].get<int>(), frames["last"].get<int>(), frames["rate_hz"].get<double>(), frames["with_pose"].get<int>(),
-      j["sweeps"]["count"].get<int>(), j["sweeps"]["rate_hz"].get<double>(), j["sweeps"]["mean_points"].get<double>(),
-      j["path_m"].get<double>(), j["poses"]["from"].get<std::string>(), masks["source"].get<std::string>(),
-      100 * masks["mean_share"].get<double>(), 100 * masks["largest_share"].get<double>());
-  if (j.contains("forecast")) {
-    const auto& hole = j["forecast"]["hole"];
-    text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never\n",
-                        100 * (1 - hole["never_seen"].get<double>()), 100 * hole["never_seen"].get<double>());
-  }
-  for (const auto& warning : j["warnings"]) text += fmt::format("  warning  {}\n", warning.get<std::string>());
-  text += j["ready"].get<bool>() ? "  ready for dvi run" : "  not ready for dvi run: see the warnings";
-  return text;
+  const Contents found = contents(drive, masks.front().images);
+  const Trajectory& poses = chosen(drive, choice);
+  CheckReport out{.path = drive.path.string(),
+                  .format = drive.format,
+                  .camera_name = drive.camera_name,
+                  .camera_names = drive.camera_names,
+                  .camera = drive.camera,
+                  .frames = drive.frames.size(),
+                  .first_frame = drive.frames.front().number,
+                  .last_frame = drive.frames.back().number,
+                  .frame_rate_hz = rate(drive.frames),
+                  .sweeps = drive.sweeps.size(),
+                  .sweep_rate_hz = rate(drive.sweeps),
+                  .mean_points = mean(found.points),
+                  .path_m = path_length(drive, poses),
+                  .poses = poses_report(drive, choice),
+                  .mask_source = !open.masks_from                               ? "none"
+                                 : *open.masks_from == masks::MaskSource::files ? "files"
+                                                                                : "labels",
+                  .mean_masked = mean(found.masked),
+                  .largest_masked = found.masked.empty() ? 0.0 : *std::max_element(found.masked.begin(), found.masked.end()),
+                  .warnings = drive.warnings,
+                  .forecast = {}};
+  for (const Frame& frame : drive.frames) out.frames_with_pose += poses.at(frame.time_ns) ? 1 : 0;
+  if (!open.masks_from) out.warnings.emplace_back("neither masks nor labels: give --masks to say what to remove");
+  if (poses.empty()) out.warnings.emplace_back("no poses: give --poses FILE");
+  if (drive.sweeps.empty()) out.warnings.emplace_back("no scans: nothing can be copied");
+  out.ready = open.masks_from && out.frames_with_pose > 0 && !drive.sweeps.empty();
+  return out;
 }
 
 }  // namespace
 
+std::string CheckReport::brief() const {
+  std::string text = fmt::format(
+      "{}\n  format   {}\n  camera   {} ({}x{}, fx {:.1f})\n  frames   {} ({}:{}), {:.1f} Hz, {} with pose\n"
+      "  sweeps   {}, {:.1f} Hz, {:.0f} points each\n  path     {:.1f} m, by {} poses\n"
+      "  masks    from {}: {:.1f} % of the image on average, {:.1f} % at most\n",
+      path, format, camera_name, camera.width, camera.height, camera.fx, frames, first_frame, last_frame, frame_rate_hz,
+      frames_with_pose, sweeps, sweep_rate_hz, mean_points, path_m, poses.from, mask_source, 100 * mean_masked,
+      100 * largest_masked);
+  if (forecast)
+    text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never\n",
+                        100 * (1 - forecast->hole.never_seen), 100 * forecast->hole.never_seen);
+  for (const std::string& warning : warnings) text += fmt::format("  warning  {}\n", warning);
+  return text + (ready ? "  ready for dvi run" : "  not ready for dvi run: see the warnings");
+}
+
+std::string to_json(const CheckReport& r) {
+  nlohmann::json j = {
+      {"schema", "dvi-check/1"},
+      {"path", r.path},
+      {"format", r.format},
+      {"camera",
+       {{"name", r.camera_name},
+        {"all", r.camera_names},
+        {"width", r.camera.width},
+        {"height", r.camera.height},
+        {"fx", r.camera.fx},
+        {"fy", r.camera.fy},
+        {"cx", r.camera.cx},
+        {"cy", r.camera.cy}}},
+      {"frames",
+       {{"count", r.frames},
+        {"first", r.first_frame},
+        {"last", r.last_frame},
+        {"rate_hz", r.frame_rate_hz},
+        {"with_pose", r.frames_with_pose}}},
+      {"sweeps", {{"count", r.sweeps}, {"rate_hz", r.sweep_rate_hz}, {"mean_points", r.mean_points}}},
+      {"path_m", r.path_m},
+      {"poses", r.poses},
+      {"masks", {{"source", r.mask_source}, {"mean_share", r.mean_masked}, {"largest_share", r.largest_masked}}},
+      {"ready", r.ready},
+      {"warnings", r.warnings}};
+  if (r.forecast) j["forecast"] = *r.forecast;
+  return j.dump(1);
+}
+
 CheckReport check(const Job& job, Progress& progress) {
-  std::vector<OpenDrive> drives{open_drive(job.target, job.source, MaskNeed::optional, job.options.masks, progress)};
-  OpenDrive& open = drives.front();
+  const Recordings drives{open_recording(job.target, job.source, MaskNeed::optional, progress)};
+  const Drive& drive = drives.front().drive;
   verify(drives, progress);
-  if (!open.drive.poses.empty() || !open.drive.sweeps.empty())
-    open.poses = choose_poses(open.drive, job.source.poses, job.options.odometry, progress);
-  nlohmann::json report = describe(open, open.drive.warnings);
-  if (report["ready"].get<bool>()) {
-    share_world(drives);
-    report["forecast"] = forecast_json(drives, job, progress);
-  }
-  return {report.dump(1), text_of(report)};
+  PoseChoice choice;
+  if (!drive.poses.empty() || !drive.sweeps.empty())
+    choice = choose_poses(drive, job.source.poses, job.options.odometry, progress);
+  const bool posed = !chosen(drive, choice).empty();
+  const Poses poses = posed ? in_one_world(drives, {choice}) : given_poses(drives);
+  const Masks masks = find_masks(drives, poses, job);
+  CheckReport report = describe(drives.front(), choice, masks);
+  if (report.ready) report.forecast = forecast_holes(drives, poses, masks, job, progress);
+  return report;
 }
 
 }  // namespace dvi::pipeline

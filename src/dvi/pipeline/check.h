@@ -1,20 +1,41 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "dvi/core/progress.h"
-#include "dvi/pipeline/job.h"
+#include "dvi/pipeline/forecast.h"
+#include "dvi/pipeline/poses_report.h"
 
 namespace dvi::pipeline {
 
-/// What `dvi check` found, for machines and for people.
+/// What `dvi check` found.
 struct CheckReport {
-  std::string json, text;
-};
+  std::string path, format, camera_name;
+  std::vector<std::string> camera_names;  ///< all that the drive has
+  Camera camera;
+  std::size_t frames = 0, frames_with_pose = 0;
+  int first_frame = 0, last_frame = 0;
+  double frame_rate_hz = 0;
+  std::size_t sweeps = 0;
+  double sweep_rate_hz = 0, mean_points = 0;  ///< points of a scan
+  double path_m = 0;
+  PosesReport poses;
+  std::string mask_source;                     ///< files, labels, none
+  double mean_masked = 0, largest_masked = 0;  ///< parts of an image
+  bool ready = false;                          ///< for a run
+  std::vector<std::string> warnings;
+  std::optional<ForecastReport> forecast;  ///< if it is ready
 
-/// Reads all of job.target once and says what it is: format, camera, frames, sweeps, points, poses, masks, what of it is
-/// missing or odd, and, if it is ready for a run, how much of its holes other frames will have seen. InputError where something
-/// is too bad to go on with.
+  std::string brief() const;  ///< some lines for a person
+};
+std::string to_json(const CheckReport& report);
+
+/// Reads all of job.target once and says what it is: format, camera, frames, scans, points, poses, masks, what of it is missing
+/// or odd, and, if it is ready for a run, how much of its holes other frames will have seen. InputError where something is too
+/// bad to go on with.
 CheckReport check(const Job& job, Progress& progress);
 
 }  // namespace dvi::pipeline

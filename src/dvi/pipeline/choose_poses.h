@@ -3,8 +3,6 @@
 #include <optional>
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "dvi/core/progress.h"
 #include "dvi/drive/drive.h"
 #include "dvi/odometry/odometry.h"
@@ -30,8 +28,5 @@ const Trajectory& chosen(const Drive& drive, const PoseChoice& choice);
 
 /// The odometry's motion, laid onto the given poses as a whole where there are some: drives that share a world stay together.
 Trajectory laid_onto(const Trajectory& given, const Trajectory& odometry);
-
-/// What map.json and report.json say of a drive's poses.
-nlohmann::json poses_report(const Drive& drive, const PoseChoice& choice);
 
 }  // namespace dvi::pipeline

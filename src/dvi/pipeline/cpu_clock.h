@@ -1,8 +1,10 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
+#include <utility>
 
 #include "dvi/core/progress.h"
 
@@ -11,11 +13,11 @@ namespace dvi::pipeline {
 /// CPU seconds a stage over all threads. Stages nest (sampling asks for depth): the inner one's time is its own only.
 class CpuClock {
  public:
-  /// Runs `work` and books its CPU time, less what stages inside it book.
-  template <class Work>
-  auto time(const std::string& stage, const Work& work) {
-    const Scope scope(*this, stage);
-    return work();
+  /// Calls `stage` and books its CPU time under `name`, less what stages inside it book.
+  template <class Stage, class... Arguments>
+  auto time(const std::string& name, const Stage& stage, Arguments&&... arguments) {
+    const Scope scope(*this, name);
+    return std::invoke(stage, std::forward<Arguments>(arguments)...);
   }
   std::map<std::string, double> seconds() const {
     const std::lock_guard lock(mutex_);

@@ -1,25 +1,37 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "dvi/audit/forecast.h"
 #include "dvi/core/progress.h"
-#include "dvi/pipeline/job.h"
-#include "dvi/pipeline/open.h"
+#include "dvi/pipeline/find_masks.h"
 
 namespace dvi::pipeline {
 
-/// What other frames will have seen of each hole, for machines and as a table for people.
-struct ForecastReport {
-  std::string json, text;
+struct FrameForecastReport {
+  int number = 0;
+  std::string name;
+  double image_share = 0;  ///< of the image that is hole
+  audit::HoleShares hole;
 };
 
-/// `dvi forecast`: of job.target (with further drives), by the poses as they are given. Writes forecast.png into job.out
-/// unless that is empty. InputError where there are no masks or poses.
+/// What other frames will have seen of each hole.
+struct ForecastReport {
+  audit::HoleShares hole;  ///< of all frames
+  std::vector<FrameForecastReport> frames;
+
+  std::string table() const;  ///< for people
+};
+std::string to_json(const ForecastReport& report);
+
+/// `dvi forecast`: of job.target (with further drives). Writes forecast.png into job.out unless that is empty. InputError where
+/// there are no masks or poses.
 ForecastReport forecast_holes(const Job& job, Progress& progress);
 
-/// The forecast of drives that are open, as JSON; `views` are theirs.
-nlohmann::json forecast_json(const std::vector<OpenDrive>& drives, const Job& job, Progress& progress);
+/// The same for drives whose poses and masks are known.
+ForecastReport forecast_holes(const Recordings& drives, const Poses& poses, const Masks& masks, const Job& job,
+                              Progress& progress);
 
 }  // namespace dvi::pipeline

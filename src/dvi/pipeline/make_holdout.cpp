@@ -5,7 +5,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/hash.h"
 #include "dvi/core/version.h"
-#include "dvi/pipeline/open.h"
+#include "dvi/pipeline/find_masks.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -28,20 +28,22 @@ std::string recipe_of(Job job, const holdout::HoldoutOptions& options, const Dri
 
 void make(const Job& job, const holdout::HoldoutOptions& options, bool keep, Progress& progress) {
   if (!keep) holdout::require_empty(job.out);
-  std::vector<OpenDrive> drives = open_drives(job, MaskNeed::optional, progress);
-  const OpenDrive& open = drives.front();
-  if (open.drive.masks.empty() && !open.drive.has_labels())
-    progress.warn("the drive brings neither masks nor labels: its real traffic counts as street");
+  const Recordings drives = open_recordings(job, MaskNeed::optional, progress);
+  const Recording& open = drives.front();
+  if (!open.masks_from) progress.warn("the drive brings neither masks nor labels: its real traffic counts as street");
   const std::string recipe = recipe_of(job, options, open.drive);
   const std::string kept = keep ? holdout::holdout_recipe(job.out) : "";
   if (kept == recipe) return;
   if (!kept.empty())
     throw InputError(job.out, "holds a case made from another drive or with other options",
                      "remove it or choose another folder");
-  find_poses(drives, job, progress);
+  const Poses poses = estimate_poses(drives, job, progress);
+  const Masks masks = find_masks(drives, poses, job);
   progress.begin(fmt::format("holdout {}", holdout::name(options.scenario)),
                  open.drive.frames.size() + open.drive.sweeps.size());
-  const holdout::Holdout holdout(open.drive, open.masks, open.world_from_lidar, options);
+  Drive drive = open.drive;
+  for (std::size_t i = 0; i < drive.frames.size(); ++i) drive.frames[i].labels = masks.front().objects[i];
+  const holdout::Holdout holdout(drive, masks.front().images, poses.front().world_from_lidar, options);
   holdout::write_holdout(holdout, job.out, recipe, progress.tick());
   progress.end();
   if (const auto stand = holdout.vehicle() ? holdout.vehicle()->stand() : std::nullopt; stand && stand->returns > 0)

@@ -1,16 +1,15 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "dvi/core/progress.h"
-#include "dvi/pipeline/job.h"
-#include "dvi/pipeline/open.h"
+#include "dvi/pipeline/find_masks.h"
 
 namespace dvi::pipeline {
 
-/// Stage 3, as a stage of `progress`; warns where nothing is left.
-map::StaticMap map_drives(const std::vector<OpenDrive>& drives, const map::MapOptions& options, Progress& progress);
+/// The static map of all drives (section 3.1 of the paper), as a stage of `progress`; warns where nothing is left.
+map::StaticMap build_map(const Recordings& drives, const Poses& poses, const Masks& masks, const map::MapOptions& options,
+                         Progress& progress);
 
 /// `dvi map`: poses and static map of job.target into job.out. Masks are used where the drive has some. `trajectory`: none,
 /// kitti or tum: trajectory.txt beside them. Returns map.json.

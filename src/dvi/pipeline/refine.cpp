@@ -4,29 +4,29 @@
 
 #include <fmt/format.h>
 
-#include "dvi/exposure/exposure.h"
-
 namespace dvi::pipeline {
 
-void share_light(Views& views, const map::StaticMap& map, const std::vector<OpenDrive>& drives, const Options& options,
-                 Progress& progress) {
-  if (!options.exposure.enabled) return;
+exposure::Gains estimate_exposure(const Views& views, const map::StaticMap& map, const Recordings& drives,
+                                  const Options& options, Progress& progress) {
+  if (!options.exposure.enabled) return exposure::Gains(views.size());
   progress.begin("exposure", views.size());
-  const std::vector<int> compared = exposure::estimate_exposure(views, map, progress.tick());
-  const auto alone = std::count(compared.begin(), compared.end(), 0);
-  if (alone == 0) return;
-  const View& first = views[static_cast<std::size_t>(std::find(compared.begin(), compared.end(), 0) - compared.begin())];
+  exposure::Gains gains = exposure::estimate_exposure(views, map, progress.tick());
+  const auto alone = std::count(gains.compared.begin(), gains.compared.end(), 0);
+  if (alone == 0) return gains;
+  const auto first_alone = std::find(gains.compared.begin(), gains.compared.end(), 0) - gains.compared.begin();
+  const View& first = views[static_cast<std::size_t>(first_alone)];
   progress.warn(
       fmt::format("exposure: {} of {} frames (first: {}) show too few points of the map in common with others; their "
                   "light is taken as it is",
                   alone, views.size(), drives[static_cast<std::size_t>(first.drive)].drive.frames[first.frame].name));
+  return gains;
 }
 
-align::Alignment align_views(Views& views, const map::StaticMap& map, const Options& options, Progress& progress) {
+align::Cameras align(const Views& views, const map::StaticMap& map, const Options& options, Progress& progress) {
   progress.begin("align", align::align_steps(views, options.align));
-  align::Alignment alignment = align::align(views, map, options.align, progress.tick());
-  for (const std::string& warning : alignment.warnings) progress.warn(warning);
-  return alignment;
+  align::Cameras cameras = align::align(views, map, options.align, progress.tick());
+  for (const std::string& warning : cameras.warnings) progress.warn(warning);
+  return cameras;
 }
 
 }  // namespace dvi::pipeline

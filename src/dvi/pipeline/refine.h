@@ -1,20 +1,18 @@
 #pragma once
 
-#include <vector>
-
 #include "dvi/align/align.h"
 #include "dvi/core/progress.h"
+#include "dvi/exposure/exposure.h"
 #include "dvi/map/static_map.h"
-#include "dvi/pipeline/job.h"
-#include "dvi/pipeline/open.h"
+#include "dvi/pipeline/recordings.h"
 
 namespace dvi::pipeline {
 
-/// estimate_exposure with progress, and a warning for the frames whose light nothing tells.
-void share_light(Views& views, const map::StaticMap& map, const std::vector<OpenDrive>& drives, const Options& options,
-                 Progress& progress);
+/// estimate_exposure with progress, and a warning for the frames whose gain nothing tells. All 1 where it is switched off.
+exposure::Gains estimate_exposure(const Views& views, const map::StaticMap& map, const Recordings& drives,
+                                  const Options& options, Progress& progress);
 
 /// align with progress and its warnings.
-align::Alignment align_views(Views& views, const map::StaticMap& map, const Options& options, Progress& progress);
+align::Cameras align(const Views& views, const map::StaticMap& map, const Options& options, Progress& progress);
 
 }  // namespace dvi::pipeline

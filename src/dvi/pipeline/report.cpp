@@ -1,136 +1,92 @@
 #include "dvi/pipeline/report.h"
 
-#include <array>
+#include <algorithm>
 #include <numbers>
 
-#include <nlohmann/json.hpp>
+#include <fmt/format.h>
 
 namespace dvi::pipeline {
 namespace {
 
-const std::array<const char*, 6> kKinds{"original", "copied", "copied_elsewhere", "interpolated", "synthesised", "empty"};
-
-double degrees(double radians) { return radians * 180 / std::numbers::pi; }
-
-std::array<float, 3> rgb(const cv::Vec3f& bgr) { return {bgr[2], bgr[1], bgr[0]}; }
-
-// Shares of the hole; never_seen is what no other frame had, whatever then became of it.
-void add_shares(nlohmann::json& hole) {
-  const double pixels = hole["pixels"].get<double>();
-  nlohmann::json& share = hole["share"];
-  for (std::size_t k = 1; k < kKinds.size(); ++k) share[kKinds[k]] = pixels > 0 ? hole[kKinds[k]].get<double>() / pixels : 0.0;
-  share["never_seen"] = share["interpolated"].get<double>() + share["synthesised"].get<double>() + share["empty"].get<double>();
-}
-
-nlohmann::json in_degrees(const Eigen::Vector3d& rotation) {
-  return {degrees(rotation.x()), degrees(rotation.y()), degrees(rotation.z())};
-}
-
-nlohmann::json alignment_report(const align::DriveAlignment& drive) {
-  return {{"kept", drive.kept}, {"mounting_deg", in_degrees(drive.mounting)}};
+std::array<double, 3> in_degrees(const Eigen::Vector3d& rotation) {
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  return {rotation.x() * kDegrees, rotation.y() * kDegrees, rotation.z() * kDegrees};
 }
 
 }  // namespace
 
-nlohmann::json frame_report(const Frame& frame, const FilledView& view, const align::ViewAlignment& alignment) {
-  std::array<std::size_t, 6> count{};
-  for (const uchar kind : view.frame.kind) ++count[std::min<std::size_t>(kind, 5)];
-  nlohmann::json hole;
-  std::size_t pixels = 0;
-  for (std::size_t k = 1; k < kKinds.size(); ++k) {
-    hole[kKinds[k]] = count[k];
-    pixels += count[k];
-  }
-  hole["pixels"] = pixels;
-  add_shares(hole);
-  return {{"number", frame.number},
-          {"name", frame.name},
-          {"hole", hole},
-          {"energy", {{"before", view.energy_before}, {"after", view.energy_after}}},
-          {"alignment",
-           {{"rotation_deg", in_degrees(alignment.rotation)},
-            {"offset_before_px", alignment.offset_before_px},
-            {"offset_after_px", alignment.offset_after_px},
-            {"points", alignment.points}}},
-          {"exposure_gain", rgb(view.frame.gain)}};
-}
-
-nlohmann::json hole_report(const std::vector<nlohmann::json>& frames) {
-  nlohmann::json hole;
-  for (const char* kind : kKinds)
-    if (kind != kKinds[0]) hole[kind] = 0;
-  hole["pixels"] = 0;
-  for (const nlohmann::json& frame : frames)
-    for (auto& [key, value] : hole.items()) value = value.get<std::size_t>() + frame["hole"][key].get<std::size_t>();
-  add_shares(hole);
-  return hole;
-}
-
-nlohmann::json map_report(const map::StaticMap& map) {
-  const map::MapCounts& c = map.counts;
-  return {{"points", map.points.size()},
-          {"sweeps", c.sweeps},
-          {"sweeps_without_pose", c.sweeps_without_pose},
-          {"returns", c.returns},
-          {"dropped",
-           {{"in_masks", c.masked},
-            {"in_boxes", c.boxed},
-            {"moved", c.moved},
-            {"not_witnessed", c.unwitnessed},
-            {"out_of_range", c.too_near}}}};
-}
-
-nlohmann::json drives_report(const std::vector<OpenDrive>& drives, const std::vector<align::DriveAlignment>& alignment) {
-  nlohmann::json out = nlohmann::json::array();
-  for (std::size_t i = 0; i < drives.size(); ++i) {
-    const OpenDrive& open = drives[i];
-    out.push_back({{"path", fs::absolute(open.drive.path).lexically_normal().string()},
-                   {"format", open.drive.format},
-                   {"camera", open.drive.camera_name},
-                   {"frames", open.drive.frames.size()},
-                   {"sweeps", open.drive.sweeps.size()},
-                   {"poses", poses_report(open.drive, open.poses)},
-                   {"alignment", i < alignment.size() ? alignment_report(alignment[i]) : nlohmann::json()},
-                   {"warnings", open.drive.warnings}});
-  }
+HoleParts HoleReport::share() const {
+  const auto part = [this](std::size_t count) {
+    return pixels > 0 ? static_cast<double>(count) / static_cast<double>(pixels) : 0.0;
+  };
+  HoleParts out{part(copied), part(copied_elsewhere), part(interpolated), part(synthesised), part(empty), 0};
+  out.never_seen = out.interpolated + out.synthesised + out.empty;
   return out;
 }
 
-nlohmann::json sources_report(const Views& views, const std::vector<OpenDrive>& drives) {
-  nlohmann::json sources = nlohmann::json::array();
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const Drive& drive = drives[static_cast<std::size_t>(views[i].drive)].drive;
-    const Frame& frame = drive.frames[views[i].frame];
-    sources.push_back({{"number", i},
-                       {"drive", fs::absolute(drive.path).lexically_normal().string()},
-                       {"camera", drive.camera_name},
-                       {"frame", frame.name},
-                       {"file", fs::absolute(frame.file).lexically_normal().string()},
-                       {"exposure_gain", rgb(views[i].gain)}});
-  }
-  return {{"schema", "dvi-sources/1"}, {"sources", sources}};
+HoleReport& HoleReport::operator+=(const HoleReport& other) {
+  pixels += other.pixels;
+  copied += other.copied;
+  copied_elsewhere += other.copied_elsewhere;
+  interpolated += other.interpolated;
+  synthesised += other.synthesised;
+  empty += other.empty;
+  return *this;
 }
 
-nlohmann::json stages_report(const Progress& progress, const std::string& unit, std::size_t count) {
-  nlohmann::json stages = nlohmann::json::array();
-  const double n = static_cast<double>(std::max<std::size_t>(count, 1));
-  for (const StageTime& t : progress.times())
-    stages.push_back({{"stage", t.stage},
-                      {"seconds", t.seconds},
-                      {"cpu_seconds", t.cpu_seconds},
-                      {"cpu_seconds_per_" + unit, t.cpu_seconds / n}});
-  return stages;
+FrameReport frame_report(const Frame& frame, const FilledView& view, const align::ViewAlignment& alignment) {
+  std::array<std::size_t, 6> count{};
+  for (const uchar kind : view.frame.kind) ++count[std::min<std::size_t>(kind, 5)];
+  const auto of = [&](harmonize::Kind kind) { return count[static_cast<std::size_t>(kind)]; };
+  const cv::Vec3f& gain = view.frame.gain;
+  return {
+      .number = frame.number,
+      .name = frame.name,
+      .hole = {.pixels = view.frame.kind.total() - of(harmonize::Kind::original),
+               .copied = of(harmonize::Kind::copied),
+               .copied_elsewhere = of(harmonize::Kind::copied_elsewhere),
+               .interpolated = of(harmonize::Kind::interpolated),
+               .synthesised = of(harmonize::Kind::synthesised),
+               .empty = of(harmonize::Kind::empty)},
+      .energy = {view.energy_before, view.energy_after},
+      .alignment = {in_degrees(alignment.rotation), alignment.offset_before_px, alignment.offset_after_px, alignment.points},
+      .exposure_gain = {gain[2], gain[1], gain[0]}};
 }
 
-nlohmann::json cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames) {
-  const double n = static_cast<double>(std::max<std::size_t>(frames, 1));
-  nlohmann::json fill = nlohmann::json::object();
-  for (const auto& [stage, seconds] : clock.seconds())
-    fill[stage] = {{"cpu_seconds", seconds}, {"cpu_seconds_per_frame", seconds / n}};
-  return {{"stages", stages_report(progress, "frame", frames)},
-          {"fill", fill},
-          {"frames_made", frames},
-          {"peak_memory_bytes", peak_memory()}};
+MapReport map_report(const map::StaticMap& map) { return {map.points.size(), map.counts}; }
+
+DriveReport drive_report(const Drive& drive, const PoseChoice& poses, const align::DriveAlignment* alignment) {
+  DriveReport out{.path = fs::absolute(drive.path).lexically_normal().string(),
+                  .format = drive.format,
+                  .camera = drive.camera_name,
+                  .frames = drive.frames.size(),
+                  .sweeps = drive.sweeps.size(),
+                  .poses = poses_report(drive, poses),
+                  .alignment = {},
+                  .warnings = drive.warnings};
+  if (alignment != nullptr) out.alignment = DriveAlignmentReport{alignment->kept, in_degrees(alignment->mounting)};
+  return out;
+}
+
+CostReport cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames_made) {
+  return {progress.times(), clock.seconds(), frames_made, peak_memory()};
+}
+
+std::string RunReport::brief(const std::string& out) const {
+  const HoleParts share = hole.share();
+  std::string text = fmt::format("{} frames, {} hole pixels: {:.1f} % copied", frames.size(), hole.pixels, 100 * share.copied);
+  if (share.copied_elsewhere > 0) text += fmt::format(", {:.1f} % from other drives", 100 * share.copied_elsewhere);
+  text += fmt::format(", {:.1f} % never seen", 100 * share.never_seen);
+  double cpu = 0;
+  for (const StageTime& stage : cost.stages) cpu += stage.cpu_seconds;
+  text += fmt::format("\n{:.1f} CPU s a frame, peak memory {:.0f} MB",
+                      cpu / static_cast<double>(std::max<std::size_t>(1, cost.frames_made)),
+                      static_cast<double>(cost.peak_memory_bytes) / 1e6);
+  return text + fmt::format(
+                    "\n  {0}/frames       the drive without its traffic\n  {0}/video.mp4    as a video\n"
+                    "  {0}/compare.mp4  input above result\n  {0}/contact.png  some frames on one sheet\n"
+                    "  {0}/report.json  all figures",
+                    out);
 }
 
 }  // namespace dvi::pipeline

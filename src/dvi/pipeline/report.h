@@ -1,37 +1,106 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "dvi/align/align.h"
+#include "dvi/core/files.h"
 #include "dvi/core/progress.h"
+#include "dvi/map/static_map.h"
 #include "dvi/pipeline/cpu_clock.h"
-#include "dvi/pipeline/fill.h"
-#include "dvi/pipeline/open.h"
+#include "dvi/pipeline/poses_report.h"
+#include "dvi/pipeline/smoothed_frames.h"
 
 namespace dvi::pipeline {
 
-/// What report.json says of one frame.
-nlohmann::json frame_report(const Frame& frame, const FilledView& view, const align::ViewAlignment& alignment);
+/// Parts of a hole by where its pixels come from, 0..1. never_seen: what no other frame had, whatever then became of it.
+struct HoleParts {
+  double copied = 0, copied_elsewhere = 0, interpolated = 0, synthesised = 0, empty = 0, never_seen = 0;
+};
 
-/// What map.json says: points, and returns dropped by cause.
-nlohmann::json map_report(const map::StaticMap& map);
+/// Pixels of a hole by where they come from.
+struct HoleReport {
+  std::size_t pixels = 0, copied = 0, copied_elsewhere = 0, interpolated = 0, synthesised = 0, empty = 0;
 
-/// One entry a drive: what it is, how its poses were aligned (none where `alignment` is empty), and what was missing in it.
-nlohmann::json drives_report(const std::vector<OpenDrive>& drives, const std::vector<align::DriveAlignment>& alignment);
+  HoleParts share() const;
+  HoleReport& operator+=(const HoleReport& other);
+};
 
-/// What sources.json says: the image behind each number in a frame's receipts.
-nlohmann::json sources_report(const Views& views, const std::vector<OpenDrive>& drives);
+/// Energies of eqs. 2-4 before and after regularisation.
+struct EnergyReport {
+  double before = 0, after = 0;
+};
 
-/// Wall and CPU seconds of each stage, and CPU seconds for each of `count` units ("frame").
-nlohmann::json stages_report(const Progress& progress, const std::string& unit, std::size_t count);
+struct FrameAlignmentReport {
+  std::array<double, 3> rotation_deg{};  ///< pitch, yaw, roll
+  double offset_before_px = 0, offset_after_px = 0;
+  int points = 0;
+};
 
-/// What a run cost: its stages, what filling was made of, peak memory.
-nlohmann::json cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames);
+struct FrameReport {
+  int number = 0;
+  std::string name;
+  HoleReport hole;
+  EnergyReport energy;
+  FrameAlignmentReport alignment;
+  std::array<float, 3> exposure_gain{};  ///< RGB
+};
 
-/// Shares of each kind over all frames, from their reports.
-nlohmann::json hole_report(const std::vector<nlohmann::json>& frames);
+struct DriveAlignmentReport {
+  bool kept = false;  ///< whether held-out points agree better with the refined poses; else they stay as given
+  std::array<double, 3> mounting_deg{};
+};
+
+struct DriveReport {
+  std::string path, format, camera;
+  std::size_t frames = 0, sweeps = 0;
+  PosesReport poses;
+  std::optional<DriveAlignmentReport> alignment;
+  std::vector<std::string> warnings;
+};
+
+struct MapReport {
+  std::size_t points = 0;
+  map::MapCounts counts;
+};
+
+struct CostReport {
+  std::vector<StageTime> stages;
+  std::map<std::string, double> fill_cpu_seconds;  ///< what the stage "fill" is made of
+  std::size_t frames_made = 0;
+  std::size_t peak_memory_bytes = 0;
+};
+
+/// What report.json holds.
+struct RunReport {
+  std::string version, method;
+  bool baseline = false;
+  std::vector<DriveReport> drives;
+  HoleReport hole;               ///< of all frames
+  std::optional<MapReport> map;  ///< a baseline has none
+  CostReport cost;
+  std::vector<std::string> warnings;
+  std::vector<FrameReport> frames;
+
+  /// A few lines for a person: what was filled, from where, what was never seen, where to look in `out`.
+  std::string brief(const std::string& out) const;
+};
+
+FrameReport frame_report(const Frame& frame, const FilledView& view, const align::ViewAlignment& alignment);
+MapReport map_report(const map::StaticMap& map);
+DriveReport drive_report(const Drive& drive, const PoseChoice& poses, const align::DriveAlignment* alignment);
+
+/// What a run cost so far.
+CostReport cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames_made);
+
+/// As written to disk and read back. InputError where `text`, the content of `file`, is not what dvi writes.
+std::string to_json(const FrameReport& report);
+std::string to_json(const RunReport& report);
+FrameReport read_frame_report(const fs::path& file);
+RunReport read_run_report(const fs::path& file);
 
 }  // namespace dvi::pipeline

@@ -1,12 +1,27 @@
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "dvi/core/files.h"
-#include "dvi/harmonize/filled_frame.h"
+#include "dvi/pipeline/make_views.h"
+#include "dvi/pipeline/report.h"
 
 namespace dvi::pipeline {
+
+/// InputError where `out` holds anything but a result of dvi, unless forced. Looks only.
+void require_usable_folder(const fs::path& out, bool force);
+
+/// What a run found out, for what stands beside its frames.
+struct RunResults {
+  const Views& views;
+  const map::StaticMap* map = nullptr;  ///< a baseline has none
+  const Poses& poses;
+  const align::Cameras& cameras;
+  const CpuClock& cpu;
+};
 
 /// The output folder of a run: which frames in it are finished, and how a frame is written.
 ///
@@ -15,37 +30,44 @@ namespace dvi::pipeline {
 /// options or from files that have changed are made again.
 class ResultFolder {
  public:
-  /// `identity`: which drives and camera; `fingerprint`: all that the frames depend on. InputError where the folder is
-  /// refused or cannot be written.
-  ResultFolder(const fs::path& out, const std::string& identity, const std::string& fingerprint, bool force);
+  /// InputError where the folder is refused. Looks only.
+  ResultFolder(const Job& job, const Recordings& drives);
   ~ResultFolder();  ///< removes the folder again if it was made here and nothing was written
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
 
-  const fs::path& path() const { return out_; }
-  bool is_finished(const std::string& name) const { return fs::exists(record(name)); }
-  /// The JSON that write_frame was given for a finished frame.
-  std::string frame_record(const std::string& name) const { return read_file(record(name)); }
+  /// The report of this very run, if the folder holds all of it already.
+  std::optional<RunReport> finished_report(Progress& progress) const;
 
-  /// Everything of the frame, what harmonisation() says of it, then its record. Safe to call from several threads.
-  void write_frame(const std::string& name, const harmonize::FilledFrame& frame, const cv::Mat_<cv::Vec3w>& harmonisation,
-                   const std::string& record_json);
+  /// Takes the folder for this run: what belongs to other options or files is removed. InputError where it cannot be written.
+  void claim();
 
-  /// Removes what a run with other frames left behind; `names` are those of this run.
-  void remove_others(const std::vector<std::string>& names);
+  /// The views of the target that are still to be made, ascending.
+  std::vector<std::size_t> missing_frames(const Views& views);
 
-  /// The pictures of a frame: `frames/NAME.png` and so on.
-  static const std::vector<std::string>& picture_folders();
+  /// Writes everything of a frame, its record last. Safe to call from several threads.
+  std::function<void(std::size_t view, const FilledView& finished)> writer(const Views& views, const align::Cameras& cameras,
+                                                                           CpuClock& cpu, Progress& progress) const;
+
+  /// Writes what stands beside the frames, the report last, and removes frames of earlier runs.
+  RunReport complete(const RunResults& results, Progress& progress);
 
  private:
   fs::path record(const std::string& name) const { return out_ / ".dvi/frames" / (name + ".json"); }
-  void claim(const std::string& identity, const std::string& fingerprint, bool force);
+  std::string frame_name(const Views& views, std::size_t view) const;
+  void remove_other_frames() const;
+  RunReport report(const RunResults& results, const Progress& progress) const;
 
-  fs::path out_;
-  bool created_ = false;
+  const Job& job_;
+  const Recordings& drives_;
+  const fs::path out_;
+  const std::string identity_, fingerprint_;
+  bool same_ = false, created_ = false;
+  std::vector<std::string> names_;  // of the target's views
+  std::size_t made_ = 0;            // frames that were missing
 };
 
-/// 8-bit image of a filled frame, rounded.
-cv::Mat3b to_8bit(const harmonize::FilledFrame& frame);
+/// The pictures of a frame: `frames/NAME.png` and so on.
+const std::vector<std::string>& picture_folders();
 
 }  // namespace dvi::pipeline

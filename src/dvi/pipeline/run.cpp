@@ -1,35 +1,62 @@
 #include "dvi/pipeline/run.h"
 
 #include "dvi/depth/depths.h"
-#include "dvi/pipeline/fill.h"
 #include "dvi/pipeline/make_map.h"
-#include "dvi/pipeline/open.h"
+#include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/refine.h"
+#include "dvi/pipeline/result_folder.h"
 #include "dvi/pipeline/run_baseline.h"
-#include "dvi/pipeline/run_result.h"
+#include "dvi/pipeline/smoothed_frames.h"
 
 namespace dvi::pipeline {
 
-std::string run(const Job& job, Progress& progress) {
+using align::Cameras;
+using depth::DepthMap, depth::Depths;
+using exposure::Gains;
+using harmonize::FilledFrame;
+using map::StaticMap;
+using regularize::Labelling;
+using sample::Candidates;
+
+RunReport run(const Job& job, Progress& progress) {
+  require_usable_folder(job.out, job.force);
   if (is_baseline(job.method)) return run_baseline(job, progress);
   const Options& options = job.options;
-  std::vector<OpenDrive> drives = open_drives(job, MaskNeed::required, progress);
-  if (const std::optional<std::string> report = finished_report(job, drives, progress)) return *report;
-  find_poses(drives, job, progress);  // section 3.1: LOAM
-  Views views = make_views(drives, progress);
-  RunResult result(job, drives, views, progress);
-  verify(drives, progress);
+  const Recordings drives = open_recordings(job, MaskNeed::required, progress);
+  ResultFolder out(job, drives);
+  if (const std::optional<RunReport> finished = out.finished_report(progress)) return *finished;
+  out.claim();
+  verify(drives, progress);  // what is damaged is said before hours of work
 
-  CpuClock clock;
-  const map::StaticMap map = map_drives(drives, options.map, progress);
-  share_light(views, map, drives, options, progress);
-  const align::Alignment alignment = align_views(views, map, options, progress);  // eq. 1
-  const depth::Depths depths(views, options.depth.mask_margin_px, [&](std::size_t i) {
-    return clock.time("depth", [&] { return depth::depth_map(map, views[i], options.depth); });
+  const Poses poses = estimate_poses(drives, job, progress);                     // section 3.1: LOAM
+  const Masks masks = find_masks(drives, poses, job);                            // what moves is decided along the poses
+  const StaticMap map = build_map(drives, poses, masks, options.map, progress);  // 3.1: static points only
+  const Views posed = make_views(drives, poses, masks, progress);
+  const Gains gains = estimate_exposure(posed, map, drives, options, progress);
+  const Cameras cameras = align(posed, map, options, progress);  // 3.2, eq. 1
+  const Views views = refined(posed, gains, cameras);
+
+  CpuClock cpu;
+  const Depths depths(views, options.depth.mask_margin_px, [&](std::size_t i) {  // 3.3
+    return cpu.time("depth", depth::depth_map, map, views[i], options.depth);
   });
-  const Filler fill(views, depths, options, clock);  // sample; regularize, eqs. 2-4; harmonize, eq. 5
-  result.make_frames(fill, alignment, clock);        // ... a frame, and smooth
-  return result.complete(&map, alignment, clock);
+  const auto fill = [&](std::size_t i) {
+    const DepthMap depth =
+        cpu.time("plane_sweep", plane_sweep::plane_sweep, *depths.maps[i], views, i, depths.visibility, options.sweep);
+    const Candidates candidates =
+        cpu.time("sample", sample::sample, views, i, depth, depths.visibility, options.sample);  // 3.4
+    const Labelling labels =
+        cpu.time("regularize", regularize::regularize, candidates, views, i, depth, options.regularize);  // 3.5, eqs. 2-4
+    FilledFrame frame =
+        cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, options.harmonize);  // 3.6, eq. 5
+    return FilledView{std::move(frame), labels.energy_before, labels.energy_after};
+  };
+  const std::vector<std::size_t> missing = out.missing_frames(views);
+  progress.begin("fill", missing.size());
+  for_each_smoothed(
+      missing, views.of_drive(0).second,
+      {.fill = fill, .smooth = smoother(options.smooth, cpu), .write = out.writer(views, cameras, cpu, progress)});
+  return out.complete({.views = views, .map = &map, .poses = poses, .cameras = cameras, .cpu = cpu}, progress);
 }
 
 }  // namespace dvi::pipeline

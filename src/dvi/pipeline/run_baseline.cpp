@@ -1,36 +1,44 @@
 #include "dvi/pipeline/run_baseline.h"
 
 #include "dvi/baselines/baselines.h"
-#include "dvi/pipeline/open.h"
-#include "dvi/pipeline/run_result.h"
+#include "dvi/pipeline/make_views.h"
+#include "dvi/pipeline/result_folder.h"
 
 namespace dvi::pipeline {
 namespace {
 
-FillFrame filler_of(const Job& job, const Views& views, CpuClock& clock) {
+std::function<FilledView(std::size_t)> filler_of(const Job& job, const Views& views, CpuClock& cpu) {
   if (job.method == "flow")
-    return [&, flows = baselines::hole_flows(views, job.options.flow)](std::size_t target) -> FilledView {
-      return {clock.time("flow", [&] { return baselines::flow_fill(views, target, flows, job.options.flow); })};
+    return [&, flows = baselines::hole_flows(views, job.options.flow)](std::size_t i) -> FilledView {
+      return {cpu.time("flow", baselines::flow_fill, views, i, flows, job.options.flow)};
     };
   const baselines::Inpainting inpainting =
       job.method == "telea" ? baselines::Inpainting::telea : baselines::Inpainting::navier_stokes;
-  return [&, inpainting](std::size_t target) -> FilledView {
-    return {clock.time("inpaint", [&] { return baselines::inpaint_frame(views, target, inpainting); })};
+  return [&, inpainting](std::size_t i) -> FilledView {
+    return {cpu.time("inpaint", baselines::inpaint_frame, views, i, inpainting)};
   };
 }
 
 }  // namespace
 
-std::string run_baseline(const Job& job, Progress& progress) {
-  const std::vector<OpenDrive> drives = open_images(job, progress);
-  if (const std::optional<std::string> report = finished_report(job, drives, progress)) return *report;
-  const Views views = make_unposed_views(drives);
-  RunResult result(job, drives, views, progress);
+RunReport run_baseline(const Job& job, Progress& progress) {
+  const Recordings drives = open_images(job, progress);
+  ResultFolder out(job, drives);
+  if (const std::optional<RunReport> finished = out.finished_report(progress)) return *finished;
+  out.claim();
   verify(drives, progress);
-  CpuClock clock;
-  const align::Alignment none{std::vector<align::ViewAlignment>(views.size()), {}, {}};
-  result.make_frames(filler_of(job, views, clock), none, clock);
-  return result.complete(nullptr, none, clock);
+
+  const Poses poses = given_poses(drives);
+  const Views views = make_unposed_views(drives, find_masks(drives, poses, job));
+  const align::Cameras cameras(views);
+  CpuClock cpu;
+  const std::vector<std::size_t> missing = out.missing_frames(views);
+  progress.begin("fill", missing.size());
+  for_each_smoothed(missing, views.of_drive(0).second,
+                    {.fill = filler_of(job, views, cpu),
+                     .smooth = smoother(job.options.smooth, cpu),
+                     .write = out.writer(views, cameras, cpu, progress)});
+  return out.complete({.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu}, progress);
 }
 
 }  // namespace dvi::pipeline

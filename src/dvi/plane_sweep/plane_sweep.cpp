@@ -252,6 +252,7 @@ std::vector<cv::Rect> boxes(const cv::Mat1b& hole) {
 
 depth::DepthMap plane_sweep(const depth::DepthMap& depth, const Views& views, std::size_t target,
                             const Lazy<depth::VisibilityMap>& visibility, const SweepOptions& options) {
+  if (!options.enabled) return depth;
   depth::DepthMap out{depth.z.clone(), depth.sigma.clone()};
   const cv::Mat1b hole = *views.masks[target];
   const Camera& camera = views[target].camera;

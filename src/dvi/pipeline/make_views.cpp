@@ -1,0 +1,68 @@
+#include "dvi/pipeline/make_views.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "dvi/core/error.h"
+
+namespace dvi::pipeline {
+namespace {
+
+constexpr std::size_t kCached = 20;  // images and masks of all views together
+
+// Images and masks of the views. The drives' own caches hold the pixels; these only look up the right one.
+void attach_pictures(Views& views, const Recordings& drives, const Masks& masks_of_drives) {
+  const auto of = [list = views.views](std::size_t i) { return std::pair(list[i].drive, list[i].frame); };
+  std::vector<Lazy<cv::Mat3b>> images;
+  std::vector<Lazy<cv::Mat1b>> masks;
+  for (const Recording& open : drives) images.push_back(open.drive.images);
+  for (const DriveMasks& drive : masks_of_drives) masks.push_back(drive.images);
+  views.images = {views.size(), kCached, [=](std::size_t i) { return *images[of(i).first][of(i).second]; }};
+  views.masks = {views.size(), kCached, [=](std::size_t i) { return *masks[of(i).first][of(i).second]; }};
+}
+
+}  // namespace
+
+Views make_views(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress) {
+  Views out;
+  for (std::size_t d = 0; d < drives.size(); ++d) {
+    const Drive& drive = drives[d].drive;
+    for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+      const std::int64_t time = drive.frames[i].time_ns;
+      const std::optional<SE3> world_from_lidar = poses[d].world_from_lidar.at(time);
+      if (!world_from_lidar) {
+        progress.warn(
+            fmt::format("{}: frame {} has no pose and is left out", drive.path.filename().string(), drive.frames[i].name));
+        continue;
+      }
+      out.views.push_back({static_cast<int>(d), i, time, drive.camera, drive.camera_from_lidar * world_from_lidar->inverse()});
+    }
+  }
+  if (out.of_drive(0).second == 0)
+    throw InputError(drives.front().drive.path, "no frame has a pose", "check that poses and images share one clock");
+  attach_pictures(out, drives, masks);
+  return out;
+}
+
+Views make_unposed_views(const Recordings& drives, const Masks& masks) {
+  Views out;
+  for (std::size_t d = 0; d < drives.size(); ++d) {
+    const Drive& drive = drives[d].drive;
+    for (std::size_t i = 0; i < drive.frames.size(); ++i)
+      out.views.push_back({static_cast<int>(d), i, drive.frames[i].time_ns, drive.camera, SE3()});
+  }
+  attach_pictures(out, drives, masks);
+  return out;
+}
+
+Views refined(const Views& views, const exposure::Gains& gains, const align::Cameras& cameras) {
+  Views out = views;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out.views[i].gain = gains.of_view[i];
+    out.views[i].camera_from_world = cameras.camera_from_world[i];
+  }
+  return out;
+}
+
+}  // namespace dvi::pipeline

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "dvi/align/align.h"
+#include "dvi/core/progress.h"
+#include "dvi/drive/view.h"
+#include "dvi/exposure/exposure.h"
+#include "dvi/pipeline/find_masks.h"
+#include "dvi/pipeline/poses.h"
+#include "dvi/pipeline/recordings.h"
+
+namespace dvi::pipeline {
+
+/// All posed frames of all drives. Frames without a pose are left out with a warning. InputError where the target has none.
+Views make_views(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress);
+
+/// All frames of all drives, whether posed or not, each with the identity for its pose: for what does not look at poses.
+Views make_unposed_views(const Recordings& drives, const Masks& masks);
+
+/// The same views with the gains and poses that were found for them.
+Views refined(const Views& views, const exposure::Gains& gains, const align::Cameras& cameras);
+
+}  // namespace dvi::pipeline

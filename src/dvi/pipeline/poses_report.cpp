@@ -1,0 +1,80 @@
+#include "dvi/pipeline/poses_report.h"
+
+#include <algorithm>
+
+namespace dvi::pipeline {
+namespace {
+
+std::optional<SharpnessReport> sharpness_report(const std::optional<odometry::Sharpness>& s) {
+  if (!s) return std::nullopt;
+  return SharpnessReport{s->ground_m, s->vertical_m, s->ground_patches, s->vertical_patches};
+}
+
+std::optional<LengthReport> spread(std::vector<double> values) {
+  if (values.empty()) return std::nullopt;
+  std::sort(values.begin(), values.end());
+  return LengthReport{values[values.size() / 2], values.back()};
+}
+
+/// How far the odometry's motion over 10 m is from the given poses'.
+std::optional<MotionReport> against_given(const std::vector<StampedPose>& poses, const Trajectory& given) {
+  constexpr double kWay = 10;
+  std::vector<double> metres, degrees;
+  std::size_t last = 0;
+  double way = 0;
+  for (std::size_t first = 0; first < poses.size(); ++first) {
+    for (; last + 1 < poses.size() && way < kWay; ++last)
+      way += (poses[last + 1].world_from_body.t - poses[last].world_from_body.t).norm();
+    const std::optional<SE3> a = given.at(poses[first].time_ns), b = given.at(poses[last].time_ns);
+    if (way >= kWay && a && b) {
+      const SE3 off = (poses[first].world_from_body.inverse() * poses[last].world_from_body).inverse() * (a->inverse() * *b);
+      metres.push_back(off.t.norm());
+      degrees.push_back(so3_log(off.R).norm() * 180 / M_PI);
+    }
+    if (first < last) way -= (poses[first + 1].world_from_body.t - poses[first].world_from_body.t).norm();
+  }
+  const std::optional<LengthReport> m = spread(metres), deg = spread(degrees);
+  if (!m) return std::nullopt;
+  return MotionReport{m->median_m, m->largest_m, deg->median_m, deg->largest_m};
+}
+
+DriftReport drift_report(const odometry::Odometry& odometry, const Trajectory& given) {
+  std::vector<double> second_look;
+  for (const odometry::SweepFit& fit : odometry.sweeps)
+    if (fit.state == odometry::SweepFit::State::registered) second_look.push_back(fit.second_look_m);
+  return {spread(second_look), against_given(odometry.world_from_lidar.poses(), given), odometry.loops,
+          odometry.largest_correction_m};
+}
+
+ScanReport scan_report(const odometry::SweepFit& fit) {
+  return {.state = odometry::to_string(fit.state),
+          .guess = fit.given ? "given" : "motion",
+          .features = fit.features,
+          .inliers = fit.inliers,
+          .residual_m = fit.residual_m,
+          .second_look_m = fit.second_look_m,
+          .degenerate_directions = fit.degenerate};
+}
+
+OdometryReport odometry_report(const odometry::Odometry& odometry, const Trajectory& given) {
+  OdometryReport out{.rings = odometry.rings,
+                     .plane_features = odometry.plane_features,
+                     .edge_features = odometry.edge_features,
+                     .drift = drift_report(odometry, given),
+                     .sweeps = {}};
+  const auto& poses = odometry.world_from_lidar.poses();
+  for (std::size_t i = 1; i < poses.size(); ++i)
+    out.path_m += (poses[i].world_from_body.t - poses[i - 1].world_from_body.t).norm();
+  for (const odometry::SweepFit& fit : odometry.sweeps) out.sweeps.push_back(scan_report(fit));
+  return out;
+}
+
+}  // namespace
+
+PosesReport poses_report(const Drive& drive, const PoseChoice& choice) {
+  PosesReport out{choice.from, sharpness_report(choice.given), sharpness_report(choice.loam), {}};
+  if (choice.odometry) out.odometry = odometry_report(*choice.odometry, drive.poses);
+  return out;
+}
+
+}  // namespace dvi::pipeline

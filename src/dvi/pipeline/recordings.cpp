@@ -1,0 +1,105 @@
+#include "dvi/pipeline/recordings.h"
+
+#include "dvi/core/error.h"
+#include "dvi/core/threads.h"
+#include "dvi/io/labels.h"
+#include "dvi/io/mask_folder.h"
+#include "dvi/io/poses.h"
+
+namespace dvi::pipeline {
+namespace {
+
+std::optional<masks::MaskSource> resolve_masks(Drive& drive, const std::string& from, MaskNeed need) {
+  if (from.empty() || from == "auto") {
+    if (need == MaskNeed::optional && drive.masks.empty() && !drive.has_labels()) return std::nullopt;
+    return masks::default_mask_source(drive);
+  }
+  if (from == "labels") {
+    if (!drive.has_labels()) throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
+    return masks::MaskSource::labels;
+  }
+  if (fs::is_directory(from)) {
+    io::attach_masks(drive, from);
+    return masks::MaskSource::files;
+  }
+  if (!fs::exists(from)) throw InputError(from, "does not exist", "--masks takes a folder, a file, labels or auto");
+  const FrameLabels labels = io::read_labels(from, drive);
+  for (std::size_t i = 0; i < labels.size(); ++i) drive.frames[i].labels = labels[i];
+  drive.labelled = true;
+  drive.other_files.emplace_back(from);
+  return masks::MaskSource::labels;
+}
+
+void resolve_poses(Drive& drive, const std::string& from) {
+  if (from == "auto" || from == "given" || from == "loam") return;
+  if (!fs::exists(from)) throw InputError(from, "does not exist", "--poses takes auto, given, loam or a file");
+  drive.poses = io::read_poses(from, drive);
+  drive.world_scale = 1;
+  drive.other_files.emplace_back(from);
+}
+
+}  // namespace
+
+Recording open_recording(const fs::path& path, const Source& source, MaskNeed need, Progress& progress) {
+  io::ReadOptions read;
+  read.camera = source.camera;
+  if (!source.frames.empty()) read.frames = parse_frames(source.frames);
+  Recording open{io::read_drive(path, read), {}};
+  resolve_poses(open.drive, source.poses);
+  open.masks_from = resolve_masks(open.drive, source.masks, need);
+  for (const std::string& warning : open.drive.warnings) progress.warn(path.filename().string() + ": " + warning);
+  return open;
+}
+
+Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress) {
+  Recordings drives;
+  drives.push_back(open_recording(job.target, job.source, need, progress));
+  Source further;
+  further.camera = job.source.camera;
+  for (const std::string& path : job.sources) drives.push_back(open_recording(path, further, need, progress));
+  return drives;
+}
+
+Recordings open_images(const Job& job, Progress& progress) {
+  Recording open = open_recording(job.target, job.source, MaskNeed::required, progress);
+  open.drive.sweeps.clear();
+  open.drive.scans = {};
+  if (!job.sources.empty()) progress.warn("method " + job.method + " has no use for further drives");
+  return {open};
+}
+
+void verify(const Recordings& drives, Progress& progress) {
+  std::size_t count = 0;
+  for (const Recording& open : drives) count += open.drive.frames.size() + open.drive.sweeps.size();
+  progress.begin("read", count);
+  for (const Recording& open : drives) {
+    const std::size_t frames = open.drive.frames.size();
+    // The first error in order, whichever thread meets one first.
+    std::vector<std::exception_ptr> errors(frames + open.drive.sweeps.size());
+    parallel_for(errors.size(), [&](std::size_t i) {
+      try {
+        if (i < frames) {
+          open.drive.images[i];
+          if (open.masks_from == masks::MaskSource::files) open.drive.masks[i];
+        } else {
+          open.drive.scans[i - frames];
+        }
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
+      progress.advance();
+    });
+    for (const std::exception_ptr& error : errors)
+      if (error) std::rethrow_exception(error);
+  }
+  progress.end();
+}
+
+void add_files(Fingerprint& print, const Drive& drive) {
+  for (const Frame& frame : drive.frames) print.add_file(frame.file);
+  for (const Sweep& sweep : drive.sweeps) print.add_file(sweep.file);
+  for (const fs::path& file : drive.mask_files) print.add_file(file);
+  for (const fs::path& file : drive.other_files) print.add_file(file);
+}
+
+}  // namespace dvi::pipeline

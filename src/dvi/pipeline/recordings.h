@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "dvi/core/hash.h"
+#include "dvi/core/progress.h"
+#include "dvi/io/reader.h"
+#include "dvi/masks/masks.h"
+#include "dvi/pipeline/job.h"
+
+namespace dvi::pipeline {
+
+/// A drive as it was opened: its data on demand, its poses as given, nothing estimated yet.
+struct Recording {
+  Drive drive;
+  std::optional<masks::MaskSource> masks_from;  ///< none: nothing says what to remove, so nothing is
+};
+
+/// The target first, then the further drives.
+using Recordings = std::vector<Recording>;
+
+/// Whether a drive must say what to remove; if not, nothing is masked where it does not.
+enum class MaskNeed { required, optional };
+
+/// Opens one drive as `source` says; warnings go to `progress`.
+Recording open_recording(const fs::path& path, const Source& source, MaskNeed need, Progress& progress);
+
+/// Opens the target and the further drives. Ranges of frames, masks and poses given by hand are the target's.
+Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress);
+
+/// Opens the target for what needs images and masks only: its scans are left out, and a warning says that further drives are
+/// not used.
+Recordings open_images(const Job& job, Progress& progress);
+
+/// Reads every image, mask file and scan once, so that damaged ones are found before hours of work. InputError at the first.
+void verify(const Recordings& drives, Progress& progress);
+
+/// Adds every file that the drive is read from.
+void add_files(Fingerprint& print, const Drive& drive);
+
+}  // namespace dvi::pipeline

@@ -1,0 +1,177 @@
+#include "dvi/pipeline/report_json.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "dvi/core/error.h"
+#include "dvi/core/files.h"
+#include "dvi/pipeline/json_optional.h"
+
+namespace dvi::audit {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HoleShares, copied, copied_elsewhere, never_seen)
+
+}  // namespace dvi::audit
+
+namespace dvi::pipeline {
+
+using nlohmann::json;
+
+// Fields are named as the keys.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SharpnessReport, ground_m, vertical_m, ground_patches, vertical_patches)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LengthReport, median_m, largest_m)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MotionReport, median_m, largest_m, median_deg, largest_deg)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriftReport, second_look, given_over_10_m, loops, largest_correction_m)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ScanReport, state, guess, features, inliers, residual_m, second_look_m,
+                                   degenerate_directions)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OdometryReport, rings, path_m, plane_features, edge_features, drift, sweeps)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HoleParts, copied, copied_elsewhere, interpolated, synthesised, empty, never_seen)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EnergyReport, before, after)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameAlignmentReport, rotation_deg, offset_before_px, offset_after_px, points)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveAlignmentReport, kept, mounting_deg)
+
+void to_json(json& j, const PosesReport& report) {
+  j = {{"from", report.from}, {"sharpness", {{"given", report.given}, {"loam", report.loam}}}, {"odometry", report.odometry}};
+}
+void from_json(const json& j, PosesReport& report) {
+  j.at("from").get_to(report.from);
+  j.at("sharpness").at("given").get_to(report.given);
+  j.at("sharpness").at("loam").get_to(report.loam);
+  j.at("odometry").get_to(report.odometry);
+}
+
+void to_json(json& j, const HoleReport& hole) {
+  j = {{"pixels", hole.pixels},
+       {"copied", hole.copied},
+       {"copied_elsewhere", hole.copied_elsewhere},
+       {"interpolated", hole.interpolated},
+       {"synthesised", hole.synthesised},
+       {"empty", hole.empty},
+       {"share", hole.share()}};
+}
+void from_json(const json& j, HoleReport& hole) {
+  j.at("pixels").get_to(hole.pixels);
+  j.at("copied").get_to(hole.copied);
+  j.at("copied_elsewhere").get_to(hole.copied_elsewhere);
+  j.at("interpolated").get_to(hole.interpolated);
+  j.at("synthesised").get_to(hole.synthesised);
+  j.at("empty").get_to(hole.empty);
+}
+
+void to_json(json& j, const MapReport& map) {
+  const map::MapCounts& c = map.counts;
+  j = {{"points", map.points},
+       {"sweeps", c.sweeps},
+       {"sweeps_without_pose", c.sweeps_without_pose},
+       {"returns", c.returns},
+       {"dropped",
+        {{"in_masks", c.masked},
+         {"in_boxes", c.boxed},
+         {"moved", c.moved},
+         {"not_witnessed", c.unwitnessed},
+         {"out_of_range", c.too_near}}}};
+}
+void from_json(const json& j, MapReport& map) {
+  map::MapCounts& c = map.counts;
+  j.at("points").get_to(map.points);
+  j.at("sweeps").get_to(c.sweeps);
+  j.at("sweeps_without_pose").get_to(c.sweeps_without_pose);
+  j.at("returns").get_to(c.returns);
+  const json& dropped = j.at("dropped");
+  dropped.at("in_masks").get_to(c.masked);
+  dropped.at("in_boxes").get_to(c.boxed);
+  dropped.at("moved").get_to(c.moved);
+  dropped.at("not_witnessed").get_to(c.unwitnessed);
+  dropped.at("out_of_range").get_to(c.too_near);
+}
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameReport, number, name, hole, energy, alignment, exposure_gain)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveReport, path, format, camera, frames, sweeps, poses, alignment, warnings)
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameForecastReport, number, name, image_share, hole)
+
+void to_json(json& j, const ForecastReport& report) {
+  j = {{"schema", "dvi-forecast/1"}, {"hole", report.hole}, {"frames", report.frames}};
+}
+
+json stages_json(const std::vector<StageTime>& stages, const std::string& unit, std::size_t count) {
+  json out = json::array();
+  const double n = static_cast<double>(std::max<std::size_t>(count, 1));
+  for (const StageTime& t : stages)
+    out.push_back({{"stage", t.stage},
+                   {"seconds", t.seconds},
+                   {"cpu_seconds", t.cpu_seconds},
+                   {"cpu_seconds_per_" + unit, t.cpu_seconds / n}});
+  return out;
+}
+
+void to_json(json& j, const CostReport& cost) {
+  const double n = static_cast<double>(std::max<std::size_t>(cost.frames_made, 1));
+  json fill = json::object();
+  for (const auto& [stage, seconds] : cost.fill_cpu_seconds)
+    fill[stage] = {{"cpu_seconds", seconds}, {"cpu_seconds_per_frame", seconds / n}};
+  j = {{"stages", stages_json(cost.stages, "frame", cost.frames_made)},
+       {"fill", fill},
+       {"frames_made", cost.frames_made},
+       {"peak_memory_bytes", cost.peak_memory_bytes}};
+}
+void from_json(const json& j, CostReport& cost) {
+  for (const json& stage : j.at("stages"))
+    cost.stages.push_back({stage.at("stage"), stage.at("seconds"), stage.at("cpu_seconds")});
+  for (const auto& [stage, seconds] : j.at("fill").items()) cost.fill_cpu_seconds[stage] = seconds.at("cpu_seconds");
+  j.at("frames_made").get_to(cost.frames_made);
+  j.at("peak_memory_bytes").get_to(cost.peak_memory_bytes);
+}
+
+namespace {
+
+constexpr const char* kSchema = "dvi-report/1";
+
+void to_json(json& j, const RunReport& report) {
+  j = {{"schema", kSchema},           {"version", report.version}, {"method", report.method}, {"baseline", report.baseline},
+       {"drives", report.drives},     {"hole", report.hole},       {"map", report.map},       {"cost", report.cost},
+       {"warnings", report.warnings}, {"frames", report.frames}};
+}
+void from_json(const json& j, RunReport& report) {
+  j.at("version").get_to(report.version);
+  j.at("method").get_to(report.method);
+  j.at("baseline").get_to(report.baseline);
+  j.at("drives").get_to(report.drives);
+  j.at("hole").get_to(report.hole);
+  j.at("map").get_to(report.map);
+  j.at("cost").get_to(report.cost);
+  j.at("warnings").get_to(report.warnings);
+  j.at("frames").get_to(report.frames);
+}
+
+template <class Report>
+Report read_report(const fs::path& file) {
+  try {
+    Report report;
+    const json document = json::parse(read_file(file));
+    from_json(document, report);
+    return report;
+  } catch (const json::exception& e) {
+    throw InputError(file, fmt::format("is not what dvi run writes: {}", e.what()), "run again with --force");
+  }
+}
+
+}  // namespace
+
+std::string to_json(const FrameReport& report) {
+  json document;
+  to_json(document, report);
+  return document.dump(1);
+}
+
+std::string to_json(const RunReport& report) {
+  json document;
+  to_json(document, report);
+  return document.dump(1);
+}
+
+FrameReport read_frame_report(const fs::path& file) { return read_report<FrameReport>(file); }
+RunReport read_run_report(const fs::path& file) { return read_report<RunReport>(file); }
+
+}  // namespace dvi::pipeline

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "dvi/pipeline/forecast.h"
+#include "dvi/pipeline/report.h"
+
+namespace dvi::pipeline {
+
+// The reports as JSON, for those who write it: only .cpp files that write a document include this.
+void to_json(nlohmann::json& json, const PosesReport& report);
+void from_json(const nlohmann::json& json, PosesReport& report);
+void to_json(nlohmann::json& json, const MapReport& report);
+void from_json(const nlohmann::json& json, MapReport& report);
+
+void to_json(nlohmann::json& json, const ForecastReport& report);
+
+/// Wall and CPU seconds of each stage, and CPU seconds for each of `count` units ("frame").
+nlohmann::json stages_json(const std::vector<StageTime>& stages, const std::string& unit, std::size_t count);
+
+}  // namespace dvi::pipeline

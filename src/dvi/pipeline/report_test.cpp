@@ -1,0 +1,101 @@
+#include "dvi/pipeline/report.h"
+
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "dvi/core/error.h"
+
+namespace dvi::pipeline {
+namespace {
+
+using testing::HasSubstr;
+
+RunReport whole_report() {
+  RunReport report{.version = "1.2.3", .method = "dvi", .baseline = false};
+  DriveReport drive{.path = "/a/drive", .format = "folder", .camera = "front", .frames = 7, .sweeps = 9};
+  drive.poses.from = "loam";
+  drive.poses.loam = SharpnessReport{0.01, 0.02, 30, 40};
+  drive.poses.odometry = OdometryReport{.rings = "file", .path_m = 12.5, .plane_features = 3, .edge_features = 4};
+  drive.poses.odometry->drift.second_look = LengthReport{0.001, 0.01};
+  drive.poses.odometry->sweeps.push_back({.state = "registered", .guess = "motion", .features = 5});
+  drive.alignment = DriveAlignmentReport{true, {0.1, 0.2, 0.3}};
+  drive.warnings = {"a scan is missing"};
+  report.drives = {drive};
+  report.frames = {{.number = 3,
+                    .name = "0003",
+                    .hole = {.pixels = 100, .copied = 60, .copied_elsewhere = 10, .interpolated = 25, .empty = 5},
+                    .exposure_gain = {1, 1.5F, 2}}};
+  report.hole = report.frames[0].hole;
+  report.map = MapReport{.points = 1000, .counts = {.returns = 5000, .masked = 70}};
+  report.cost = {{{"map", 2, 3}, {"fill", 5, 9}}, {{"depth", 1.5}}, 2, 123'000'000};
+  report.warnings = {"something"};
+  return report;
+}
+
+class ReportFile : public testing::Test {
+ protected:
+  ReportFile() : file(fs::path(testing::TempDir()) / ("report_" + std::to_string(getpid()) + ".json")) {}
+  ~ReportFile() override { fs::remove(file); }
+  fs::path file;
+};
+
+TEST(HoleReport, SharesAddUp) {
+  const HoleReport hole{
+      .pixels = 200, .copied = 100, .copied_elsewhere = 20, .interpolated = 50, .synthesised = 10, .empty = 20};
+  const HoleParts share = hole.share();
+  EXPECT_DOUBLE_EQ(share.copied, 0.5);
+  EXPECT_DOUBLE_EQ(share.never_seen, 0.4);
+  EXPECT_DOUBLE_EQ(share.copied + share.copied_elsewhere + share.never_seen, 1);
+  HoleReport sum = hole;
+  sum += hole;
+  EXPECT_EQ(sum.pixels, 400U);
+  EXPECT_DOUBLE_EQ(sum.share().empty, share.empty);
+}
+
+TEST(HoleReport, AFrameWithoutAHoleHasNoShares) { EXPECT_EQ(HoleReport{}.share().never_seen, 0); }
+
+TEST_F(ReportFile, IsReadBackAsItWasWritten) {
+  const RunReport report = whole_report();
+  write_file(file, to_json(report));
+  const RunReport read = read_run_report(file);
+  EXPECT_EQ(to_json(read), to_json(report));
+  EXPECT_EQ(read.brief("out"), report.brief("out"));
+  write_file(file, to_json(report.frames[0]));
+  EXPECT_EQ(to_json(read_frame_report(file)), to_json(report.frames[0]));
+}
+
+TEST_F(ReportFile, WhatIsNoReportIsRefusedByName) {
+  for (const char* text : {"", "{", "[]", R"({"frames": 3})"}) {
+    write_file(file, text);
+    try {
+      read_run_report(file);
+      FAIL() << text;
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), HasSubstr(file.string()));
+    }
+  }
+}
+
+TEST(RunReport, BriefSaysWhatWasFilledAndWhatItCost) {
+  const std::string text = whole_report().brief("out");
+  for (const char* part : {"1 frames, 100 hole pixels: 60.0 % copied, 10.0 % from other drives, 30.0 % never seen",
+                           "6.0 CPU s a frame, peak memory 123 MB", "out/compare.mp4"})
+    EXPECT_THAT(text, HasSubstr(part));
+}
+
+TEST(CpuClock, NestedStagesAreBookedOnce) {
+  CpuClock clock;
+  const auto spin = [](double seconds) {
+    for (const double begun = thread_cpu_seconds(); thread_cpu_seconds() < begun + seconds;) {
+    }
+    return 7;
+  };
+  EXPECT_EQ(clock.time("outer", [&] { return clock.time("inner", spin, 0.02); }), 7);
+  EXPECT_GE(clock.seconds().at("inner"), 0.02);
+  EXPECT_LT(clock.seconds().at("outer"), clock.seconds().at("inner"));
+}
+
+}  // namespace
+}  // namespace dvi::pipeline

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "dvi/harmonize/filled_frame.h"
+#include "dvi/pipeline/cpu_clock.h"
+#include "dvi/regularize/labelling.h"
+#include "dvi/smooth/smooth.h"
+
+namespace dvi::pipeline {
+
+/// A frame after harmonisation, with what its stages said of themselves.
+struct FilledView {
+  harmonize::FilledFrame frame;
+  double energy_before = 0, energy_after = 0;  ///< eqs. 2-4
+};
+
+/// What is done to single frames, each called from several threads.
+struct FrameSteps {
+  std::function<FilledView(std::size_t view)> fill;
+  /// Stage 9: the frame between those before and after it (null at the ends of the drive); empty: frames stay as filled.
+  std::function<harmonize::FilledFrame(const harmonize::FilledFrame* before, const harmonize::FilledFrame& frame,
+                                       const harmonize::FilledFrame* after)>
+      smooth;
+  std::function<void(std::size_t view, const FilledView& finished)> write;
+};
+
+/// smooth() as a step, its CPU time booked; empty where it is switched off.
+decltype(FrameSteps::smooth) smoother(const smooth::SmoothOptions& options, CpuClock& cpu);
+
+/// Fills the given views of [0, count), ascending, in blocks of parallel work, together with the neighbours that smoothing
+/// needs; smooths each between its neighbours and writes it. Each view is filled once as long as it stays in the window of a
+/// block.
+void for_each_smoothed(const std::vector<std::size_t>& views, std::size_t count, const FrameSteps& steps);
+
+}  // namespace dvi::pipeline
