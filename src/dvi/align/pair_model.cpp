@@ -21,12 +21,6 @@ bool is_held_out(std::size_t i) { return i % kHeldOut == kHeldOut - 1; }
 
 cv::Size size_of(const PosedImage& view) { return {view.camera.width, view.camera.height}; }
 
-Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
 // Derivative of Camera::project by the point.
 Eigen::Matrix<double, 2, 3> project_derivative(const Camera& camera, const Eigen::Vector3d& point) {
   const double z = point.z(), x = point.x() / z, y = point.y() / z, r2 = x * x + y * y;
@@ -87,7 +81,7 @@ Residuals residuals(const std::vector<Point>& points, const PosedImage& moving, 
     const Eigen::Vector3d p = R * point.in_moving;
     const Spot spot = spot_at((*moving.image)[level], size_of(moving), moving.camera.project(p));
     out.r.push_back(spot.value - point.colour);
-    out.J.emplace_back(-(spot.slope * project_derivative(moving.camera, p)) * cross(p));
+    out.J.emplace_back(-(spot.slope * project_derivative(moving.camera, p)) * skew(p));
   }
   return out;
 }
@@ -151,7 +145,7 @@ std::optional<PairModel> fit_pair(const Pair& pair, const PosedImage& moving, co
         spot_at((*moving.image)[0], size_of(moving), moving.camera.project(p)).slope * project_derivative(moving.camera, p);
     const Eigen::RowVector3d by_q = -by_p * moving_from_fixed * along_surface(*points[k].surfel, fixed, q);
     Eigen::Matrix<double, 1, 6> J;
-    J << -by_p * cross(p), -by_q * cross(q);
+    J << -by_p * skew(p), -by_q * skew(q);
     const double by = weight(last.r[k], model.scale) / (model.scale * model.scale);
     model.H += by * J.transpose() * J;
     model.g += by * last.r[k] * J.transpose();

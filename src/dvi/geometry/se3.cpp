@@ -10,16 +10,10 @@ namespace {
 constexpr double kSmallAngle = 1e-8;
 constexpr double kSeriesAngle = 1e-4;  // below it 1 - cos has lost half its digits, and the next term of the series is 1e-13
 
-Eigen::Matrix3d hat(const Eigen::Vector3d& w) {
-  Eigen::Matrix3d m;
-  m << 0, -w.z(), w.y(), w.z(), 0, -w.x(), -w.y(), w.x(), 0;
-  return m;
-}
-
 // The left Jacobian of SO(3): translation of exp(rho, phi) = J(phi) rho.
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& phi) {
   const double angle = phi.norm();
-  const Eigen::Matrix3d k = hat(phi);
+  const Eigen::Matrix3d k = skew(phi);
   if (angle < kSeriesAngle) return Eigen::Matrix3d::Identity() + 0.5 * k + k * k / 6;
   const double a2 = angle * angle;
   return Eigen::Matrix3d::Identity() + (1 - std::cos(angle)) / a2 * k + (angle - std::sin(angle)) / (a2 * angle) * k * k;
@@ -29,7 +23,7 @@ Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& phi) {
 
 Eigen::Matrix3d so3_exp(const Eigen::Vector3d& w) {
   const double angle = w.norm();
-  if (angle < kSmallAngle) return nearest_rotation(Eigen::Matrix3d::Identity() + hat(w));
+  if (angle < kSmallAngle) return nearest_rotation(Eigen::Matrix3d::Identity() + skew(w));
   return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
 }
 

@@ -28,6 +28,15 @@ SE3 random_pose(Random& random) { return {so3_exp(random_rotation_vector(random)
 
 double distance(const SE3& a, const SE3& b) { return (a.R - b.R).norm() + (a.t - b.t).norm(); }
 
+TEST(SE3, SkewIsTheCrossProduct) {
+  Random random(11);
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Vector3d v = random_vector(random, 3), x = random_vector(random, 3);
+    EXPECT_EQ(skew(v) * x, v.cross(x));
+    EXPECT_EQ(skew(v).transpose(), -skew(v));
+  }
+}
+
 TEST(SE3, RotationVectorsComeBack) {
   Random random(1);
   for (int i = 0; i < kTrials; ++i) {

@@ -15,11 +15,9 @@ constexpr int kIterations = 20;
 constexpr double kSmallStep = 1e-7;  // metres, radians
 
 Matrix6d adjoint(const SE3& pose) {
-  Eigen::Matrix3d cross;
-  cross << 0, -pose.t.z(), pose.t.y(), pose.t.z(), 0, -pose.t.x(), -pose.t.y(), pose.t.x(), 0;
   Matrix6d out = Matrix6d::Zero();
   out.topLeftCorner<3, 3>() = out.bottomRightCorner<3, 3>() = pose.R;
-  out.topRightCorner<3, 3>() = cross * pose.R;
+  out.topRightCorner<3, 3>() = skew(pose.t) * pose.R;
   return out;
 }
 
