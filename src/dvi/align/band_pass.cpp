@@ -4,6 +4,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/image/grey.h"
+
 namespace dvi::align {
 namespace {
 
@@ -28,10 +30,8 @@ float bilinear(const cv::Mat1f& image, double x, double y) {
 }  // namespace
 
 BandPass band_pass(const cv::Mat3b& image, const cv::Mat1b& mask, int levels) {
-  cv::Mat1b grey;
-  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   cv::Mat1f brightness, weight;
-  grey.convertTo(brightness, CV_32F, 1, kDark);
+  grey_8bit(image).convertTo(brightness, CV_32F, 1, kDark);
   cv::log(brightness, brightness);
   cv::Mat1b(mask == 0).convertTo(weight, CV_32F, 1.0 / 255);
   cv::Mat1f weighted;

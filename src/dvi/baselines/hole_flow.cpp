@@ -7,9 +7,9 @@
 #include <vector>
 
 #include <Eigen/SparseCholesky>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/video/tracking.hpp>
 
+#include "dvi/image/grey.h"
+#include "dvi/image/optical_flow.h"
 #include "dvi/image/region.h"
 
 namespace dvi::baselines {
@@ -19,13 +19,6 @@ constexpr int kStep = 2;               // px between grid points
 constexpr int kMargin = 8;             // px: the reach of DIS' patches, within which what is masked spoils the flow
 constexpr int kBand = 8;               // grid points around the masks whose flow is continued into them
 constexpr double kSpring = 1 / 256.0;  // against bending: noise finer than 4 grid points is evened out
-constexpr int kLeastSide = 32;         // px; DIS needs some pyramid
-
-cv::Mat1b grey(const cv::Mat3b& image) {
-  cv::Mat1b out;
-  cv::cvtColor(image, out, cv::COLOR_BGR2GRAY);
-  return out;
-}
 
 template <class Pixel>
 cv::Mat_<Pixel> every_second(const cv::Mat_<Pixel>& image) {
@@ -33,12 +26,6 @@ cv::Mat_<Pixel> every_second(const cv::Mat_<Pixel>& image) {
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) out(y, x) = image(kStep * y, kStep * x);
   return out;
-}
-
-cv::Mat2f grid_flow(const cv::Mat1b& from, const cv::Mat1b& to) {
-  cv::Mat2f flow;
-  cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM)->calc(from, to, flow);
-  return every_second(flow);
 }
 
 /// Grid points, as steps from a first one, whose weighted sum is a second derivative.
@@ -128,10 +115,10 @@ HoleFlow hole_flow(const cv::Mat3b& first, const cv::Mat1b& first_mask, const cv
   cv::Mat1b either;
   cv::bitwise_or(first_mask, second_mask, either);
   const cv::Mat1b spoilt = every_second<uchar>(grown(either, kMargin));
-  if (static_cast<std::size_t>(cv::countNonZero(spoilt)) == spoilt.total() || std::min(first.cols, first.rows) < kLeastSide)
+  if (static_cast<std::size_t>(cv::countNonZero(spoilt)) == spoilt.total() || std::min(first.cols, first.rows) < kLeastFlowSide)
     return unknown(spoilt.size());
-  const cv::Mat1b from = grey(first), to = grey(second);
-  HoleFlow flow{grid_flow(from, to), grid_flow(to, from)};
+  const cv::Mat1b from = grey_8bit(first), to = grey_8bit(second);
+  HoleFlow flow{every_second(optical_flow(from, to)), every_second(optical_flow(to, from))};
   complete(spoilt, flow);
   HoleFlow trusted{flow.forth.clone(), flow.back.clone()};
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();

@@ -8,9 +8,10 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/video/tracking.hpp>
 
+#include "dvi/image/grey.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/image/optical_flow.h"
 
 namespace dvi::metrics {
 namespace {
@@ -25,12 +26,6 @@ cv::Mat1d blurred_product(const cv::Mat1d& a, const cv::Mat1d& b) {
   cv::Mat1d product;
   cv::multiply(a, b, product);
   return blurred(product);
-}
-
-cv::Mat1b grey_8bit(const cv::Mat3b& image) {
-  cv::Mat1b out;
-  cv::cvtColor(image, out, cv::COLOR_BGR2GRAY);
-  return out;
 }
 
 }  // namespace
@@ -121,12 +116,6 @@ cv::Mat1f gradient_magnitude(const cv::Mat3b& image) {
   return length;
 }
 
-cv::Mat2f optical_flow(const cv::Mat3b& from, const cv::Mat3b& to) {
-  cv::Mat2f flow;
-  cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM)->calc(grey_8bit(from), grey_8bit(to), flow);
-  return flow;
-}
-
 cv::Mat1f change_along(const cv::Mat3b& now, const cv::Mat3b& before, const cv::Mat2f& before_from_now,
                        const cv::Mat1b& pixels) {
   cv::Mat1f change(now.size(), std::numeric_limits<float>::quiet_NaN());
@@ -149,7 +138,7 @@ cv::Mat1f change_along(const cv::Mat3b& now, const cv::Mat3b& before, const cv::
 cv::Mat1f misplacement(const cv::Mat3b& result, const cv::Mat3b& truth, const cv::Mat1b& pixels) {
   cv::Mat3b anchored = truth.clone();
   result.copyTo(anchored, pixels);
-  const cv::Mat2f flow = optical_flow(truth, anchored);
+  const cv::Mat2f flow = optical_flow(grey_8bit(truth), grey_8bit(anchored));
   cv::Mat1f length(flow.size());
   for (int y = 0; y < flow.rows; ++y)
     for (int x = 0; x < flow.cols; ++x) length(y, x) = std::hypot(flow(y, x)[0], flow(y, x)[1]);

@@ -46,9 +46,6 @@ cv::Mat1f ssim_map(const cv::Mat3b& a, const cv::Mat3b& b);
 /// Length of the grey image's gradient by central differences, grey levels a pixel.
 cv::Mat1f gradient_magnitude(const cv::Mat3b& image);
 
-/// Optical flow (DIS, its medium preset; Kroeger et al., 2016): from(p) looks as to(p + flow(p)).
-cv::Mat2f optical_flow(const cv::Mat3b& from, const cv::Mat3b& to);
-
 /// How much each pixel changed along the motion: |now(p) - before(p + flow(p))|, mean of the three channels, bilinear.
 /// Outside `pixels`, and where the motion leaves the image: NaN.
 cv::Mat1f change_along(const cv::Mat3b& now, const cv::Mat3b& before, const cv::Mat2f& before_from_now,

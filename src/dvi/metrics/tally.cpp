@@ -9,6 +9,8 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/harmonize/filled_frame.h"
+#include "dvi/image/grey.h"
+#include "dvi/image/optical_flow.h"
 #include "dvi/metrics/calibration.h"
 #include "dvi/metrics/evaluation.h"
 #include "dvi/metrics/metrics.h"
@@ -48,7 +50,7 @@ struct Maps {
         gradient_result(gradient_magnitude(frame.result)),
         gradient_truth(gradient_magnitude(frame.truth)) {
     if (!before) return;
-    const cv::Mat2f motion = optical_flow(frame.clean, before->clean);
+    const cv::Mat2f motion = optical_flow(grey_8bit(frame.clean), grey_8bit(before->clean));
     change_result = change_along(frame.result, before->result, motion, frame.scored);
     change_truth = change_along(frame.clean, before->clean, motion, frame.scored);
   }

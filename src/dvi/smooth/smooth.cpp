@@ -3,32 +3,24 @@
 #include <cmath>
 
 #include <opencv2/imgproc.hpp>
-#include <opencv2/video/tracking.hpp>
 
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
+#include "dvi/image/grey.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/image/optical_flow.h"
 
 namespace dvi::smooth {
 namespace {
 
 constexpr int kMargin = 64;          // px round the hole in which flow is sought
-constexpr int kLeastSide = 32;       // px; DIS needs some pyramid
 constexpr float kMostMismatch = 1;   // px between a flow and the flow back
 constexpr float kColourSpread = 20;  // grey levels at which a neighbour counts 1/e
 
 cv::Mat1b grey(const cv::Mat3f& colour) {
   cv::Mat3b bytes;
   colour.convertTo(bytes, CV_8UC3);
-  cv::Mat1b out;
-  cv::cvtColor(bytes, out, cv::COLOR_BGR2GRAY);
-  return out;
-}
-
-cv::Mat2f flow(const cv::Mat1b& from, const cv::Mat1b& to) {
-  cv::Mat2f out;
-  cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM)->calc(from, to, out);
-  return out;
+  return grey_8bit(bytes);
 }
 
 /// Weighted colours of the hole's pixels, as another frame shows them along the flow.
@@ -48,7 +40,7 @@ void add_neighbour(const harmonize::FilledFrame& frame, const harmonize::FilledF
   const cv::Mat3f here = frame.colour(window), there = in_light_of(frame, other, window);
   const cv::Mat1b from = grey(here), to = grey(there), mask = frame.mask(window), kind = frame.kind(window);
   const cv::Mat1b other_kind = other.kind(window);
-  const cv::Mat2f forth = flow(from, to), back = flow(to, from);
+  const cv::Mat2f forth = optical_flow(from, to), back = optical_flow(to, from);
   for (int y = 0; y < window.height; ++y)
     for (int x = 0; x < window.width; ++x) {
       if (mask(y, x) == 0 || kind(y, x) == static_cast<uchar>(harmonize::Kind::empty)) continue;
@@ -81,7 +73,7 @@ harmonize::FilledFrame smooth(const harmonize::FilledFrame* before, const harmon
   harmonize::FilledFrame out = frame;
   if (!options.enabled) return out;
   const cv::Rect window = grown_box(frame.mask);
-  if (window.width < kLeastSide || window.height < kLeastSide) return out;
+  if (window.width < kLeastFlowSide || window.height < kLeastFlowSide) return out;
   out.colour = frame.colour.clone();
   Sum sum{frame.colour(window).clone(), cv::Mat1f(window.size(), 1.0F)};
   for (const harmonize::FilledFrame* other : {before, after})

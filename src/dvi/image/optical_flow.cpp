@@ -1,0 +1,13 @@
+#include "dvi/image/optical_flow.h"
+
+#include <opencv2/video/tracking.hpp>
+
+namespace dvi {
+
+cv::Mat2f optical_flow(const cv::Mat1b& from, const cv::Mat1b& to) {
+  cv::Mat2f flow;
+  cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM)->calc(from, to, flow);
+  return flow;
+}
+
+}  // namespace dvi

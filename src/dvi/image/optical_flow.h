@@ -1,0 +1,13 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+namespace dvi {
+
+/// Optical flow (DIS, its medium preset; Kroeger et al., 2016) in pixels: from(p) looks as to(p + flow(p)). Both images are of
+/// one size, at least kLeastFlowSide each way.
+cv::Mat2f optical_flow(const cv::Mat1b& from, const cv::Mat1b& to);
+
+inline constexpr int kLeastFlowSide = 32;  ///< px; DIS needs some pyramid
+
+}  // namespace dvi

@@ -1,0 +1,35 @@
+#include "dvi/image/optical_flow.h"
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/core/random.h"
+#include "dvi/image/grey.h"
+
+namespace dvi {
+namespace {
+
+TEST(OpticalFlow, PointsFromOneImageIntoTheOther) {
+  constexpr int kShift = 3;  // px
+  Random random(5);
+  cv::Mat1b wide(96, 128 + kShift);
+  for (uchar& pixel : wide) pixel = static_cast<uchar>(random.below(256));
+  cv::GaussianBlur(wide, wide, {}, 2);
+  const cv::Mat1b from = wide(cv::Rect(kShift, 0, 128, 96)).clone(), to = wide(cv::Rect(0, 0, 128, 96)).clone();
+  const cv::Mat2f flow = optical_flow(from, to);
+  double sum = 0;
+  for (int y = 20; y < 76; ++y)
+    for (int x = 20; x < 108; ++x) sum += cv::norm(flow(y, x) - cv::Vec2f(kShift, 0));
+  EXPECT_LT(sum / (56 * 88), 0.1);
+}
+
+TEST(Grey, IsWeightedAndRounded) {
+  const cv::Mat3b colours =
+      (cv::Mat3b(1, 4) << cv::Vec3b(255, 0, 0), cv::Vec3b(0, 255, 0), cv::Vec3b(0, 0, 255), cv::Vec3b(90, 90, 90));
+  const cv::Mat1b grey = grey_8bit(colours);
+  EXPECT_EQ(std::vector<int>(grey.begin(), grey.end()), (std::vector<int>{29, 150, 76, 90}));
+}
+
+}  // namespace
+}  // namespace dvi
