@@ -13,6 +13,7 @@
 #include "dvi/core/lazy.h"
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
+#include "dvi/drive/near_views.h"
 #include "dvi/image/region.h"
 #include "dvi/map/visible_points.h"
 
@@ -21,7 +22,8 @@ namespace {
 
 // Views that are compared: neighbours in time, and some farther apart that keep the chain from drifting.
 constexpr std::array<std::size_t, 5> kApart{1, 2, 4, 8, 16};
-constexpr int kPlaces = 3;  // views of earlier drives, nearest in place, that a view of a further drive is compared with
+constexpr std::size_t kPlaces = 3;   // views of earlier drives, nearest in place, that one of a further drive is compared with
+constexpr double kRadian = 10;       // metres that count as much as a radian between directions
 constexpr std::size_t kCached = 40;  // views whose sightings are kept
 constexpr double kBlur = 2.5;        // px: poses are not refined yet
 constexpr int kMargin = 6;           // px round masks and saturated pixels that the blur reaches
@@ -105,19 +107,7 @@ void compare(std::size_t a, std::size_t b, const Lazy<Sightings>& seen, std::vec
 
 /// The views of earlier drives that look from nearest to where a view does, by place and direction.
 std::vector<std::size_t> places(const Views& views, std::size_t view) {
-  const auto place = [&](std::size_t i) { return views[i].camera_from_world.inverse(); };
-  const SE3 here = place(view);
-  std::vector<std::pair<double, std::size_t>> near;
-  for (std::size_t i = 0; i < views.size() && views[i].drive < views[view].drive; ++i) {
-    const SE3 there = place(i);
-    // A radian counts as much as 10 m.
-    near.emplace_back((there.t - here.t).norm() + 10 * (there.R.col(2) - here.R.col(2)).norm(), i);
-  }
-  const std::size_t most = std::min<std::size_t>(near.size(), kPlaces);
-  std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(most), near.end());
-  std::vector<std::size_t> out;
-  for (std::size_t i = 0; i < most; ++i) out.push_back(near[i].second);
-  return out;
+  return nearest_views(views, view, {0, views.of_drive(views[view].drive).first}, kPlaces, kRadian);
 }
 
 std::vector<Pair> compare_all(const Views& views, const map::StaticMap& map, const Tick& tick) {

@@ -1,7 +1,8 @@
 #include "dvi/plane_sweep/source_frames.h"
 
 #include <algorithm>
-#include <utility>
+
+#include "dvi/drive/near_views.h"
 
 namespace dvi::plane_sweep {
 namespace {
@@ -16,16 +17,7 @@ std::vector<std::size_t> pool(const Views& views, std::size_t target, int reach_
     if (target + d < last) out.push_back(target + d);
     if (target >= first + d) out.push_back(target - d);
   }
-  const Eigen::Vector3d here = views[target].camera_from_world.inverse().t;
-  for (int drive = 0; views.of_drive(drive).first < views.size(); ++drive) {
-    if (drive == views[target].drive) continue;
-    std::vector<std::pair<double, std::size_t>> near;
-    const auto [begin, end] = views.of_drive(drive);
-    for (std::size_t i = begin; i < end; ++i) near.emplace_back((views[i].camera_from_world.inverse().t - here).norm(), i);
-    std::sort(near.begin(), near.end());
-    near.resize(std::min(near.size(), kOfOtherDrives));
-    for (const auto& [distance, view] : near) out.push_back(view);
-  }
+  for (const std::size_t view : nearest_of_other_drives(views, target, kOfOtherDrives)) out.push_back(view);
   return out;
 }
 

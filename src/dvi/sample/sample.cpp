@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "dvi/drive/near_views.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/sample/sighting.h"
 
@@ -120,17 +121,7 @@ std::vector<std::size_t> search_order(const Views& views, std::size_t target, in
   const auto seconds = [&](std::size_t i) { return seconds_between(views[i], views[target]); };
   if (scored)
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seconds(a) < seconds(b); });
-  // Of further drives the nearest places first: time says nothing across drives.
-  const auto place = [&](std::size_t i) { return views[i].camera_from_world.inverse().t; };
-  for (int drive = 0; views.of_drive(drive).first < views.size(); ++drive) {
-    if (drive == views[target].drive) continue;
-    std::vector<std::pair<double, std::size_t>> near;
-    const auto [begin, end] = views.of_drive(drive);
-    for (std::size_t i = begin; i < end; ++i) near.emplace_back((place(i) - place(target)).norm(), i);
-    std::sort(near.begin(), near.end());
-    near.resize(std::min(near.size(), 2 * reach));
-    for (const auto& [distance, view] : near) order.push_back(view);
-  }
+  for (const std::size_t i : nearest_of_other_drives(views, target, 2 * reach)) order.push_back(i);
   return order;
 }
 

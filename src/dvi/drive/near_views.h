@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "dvi/drive/view.h"
+
+namespace dvi {
+
+/// The `most` views of [range.first, range.second) nearest to view `target`, nearest first and by number where they are as
+/// near. A radian between the directions in which they look counts as much as `radian_m` metres between their places.
+std::vector<std::size_t> nearest_views(const Views& views, std::size_t target, std::pair<std::size_t, std::size_t> range,
+                                       std::size_t most, double radian_m = 0);
+
+/// Of each drive but the target's own the `most` nearest views by place, drive after drive: time says nothing across drives.
+std::vector<std::size_t> nearest_of_other_drives(const Views& views, std::size_t target, std::size_t most);
+
+}  // namespace dvi
