@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "dvi/core/threads.h"
+#include "dvi/geometry/moments.h"
 #include "dvi/map/voxel_grid.h"
 
 namespace dvi::map {
@@ -13,40 +14,22 @@ constexpr int kFewest = 6;       // points
 constexpr float kWidth = 0.08F;  // metres, standard deviation: a strip narrower than four times the range noise has no normal
 constexpr float kFlat = 0.25F;   // a plane's smallest variance is at most this share of the middle one
 
-// Sums over points, from the centre of their cell so that float does.
-struct Moments {
-  int count = 0;
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
+struct Cell {
+  Moments<float> moments;  // from the cell's centre, so that float does
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-
-  void add(const Eigen::Vector3f& x) {
-    ++count;
-    sum += x;
-    squares += x * x.transpose();
-  }
-  // Those of another cell, whose centre lies at `offset` from here.
-  void add(const Moments& other, const Eigen::Vector3f& offset) {
-    count += other.count;
-    sum += other.sum + static_cast<float>(other.count) * offset;
-    squares += other.squares + other.sum * offset.transpose() + offset * other.sum.transpose() +
-               static_cast<float>(other.count) * offset * offset.transpose();
-  }
 };
 
-using Cells = VoxelGrid<Moments>;
+using Cells = VoxelGrid<Cell>;
 
 Eigen::Vector3f normal_at(const Cells& cells, const Eigen::Vector3i& place) {
-  Moments all;
+  Moments<float> all;
   for (int i = 0; i < 27; ++i) {
     const Eigen::Vector3i step(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-    if (const Moments* cell = cells.look(place + step)) all.add(*cell, step.cast<float>() * static_cast<float>(kCell));
+    if (const Cell* cell = cells.look(place + step)) all.add(cell->moments, step.cast<float>() * static_cast<float>(kCell));
   }
   if (all.count < kFewest) return Eigen::Vector3f::Zero();
-  const Eigen::Vector3f centre = all.sum / static_cast<float>(all.count);
-  const Eigen::Matrix3f covariance = all.squares / static_cast<float>(all.count) - centre * centre.transpose();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
-  solver.computeDirect(covariance);
+  solver.computeDirect(all.covariance());
   if (solver.eigenvalues()[1] < kWidth * kWidth) return Eigen::Vector3f::Zero();
   if (solver.eigenvalues()[0] > kFlat * solver.eigenvalues()[1]) return Eigen::Vector3f::Zero();
   return solver.eigenvectors().col(0);
@@ -58,7 +41,7 @@ void add_normals(StaticMap& map) {
   Cells cells(kCell, map.scratch());
   for (const MapPoint& point : map.points) {
     const Eigen::Vector3d x = point.position.cast<double>();
-    cells.at(x).add((x - cells.centre(cells.place(x))).cast<float>());
+    cells.at(x).moments.add((x - cells.centre(cells.place(x))).cast<float>());
   }
   std::vector<Cells::Tile*> tiles;
   for (auto& [column, tile] : cells.tiles()) tiles.push_back(&tile);

@@ -16,9 +16,7 @@ void LocalMap::change(const Eigen::Vector3d& point, int sign) {
   Voxel& voxel = it->second;
   if (fresh) voxel.origin = point;
   const Eigen::Vector3d x = point - voxel.origin;
-  voxel.sum += sign * x;
-  voxel.squares += sign * x * x.transpose();
-  voxel.count += sign;
+  sign > 0 ? voxel.moments.add(x) : voxel.moments.remove(x);
   voxel.fitted = false;
 }
 
@@ -29,18 +27,16 @@ const Shape* LocalMap::at(const Eigen::Vector3d& point, int thin) {
 }
 
 const Shape* LocalMap::shape_of(Voxel& voxel) const {
-  if (voxel.count < kFewest) return nullptr;
+  if (voxel.moments.count < kFewest) return nullptr;
   if (!voxel.fitted) fit(voxel);
   return voxel.shape.thin > 0 ? &voxel.shape : nullptr;
 }
 
 void LocalMap::fit(Voxel& voxel) const {
-  const double n = voxel.count;
-  const Eigen::Vector3d mean = voxel.sum / n;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(Eigen::Matrix3d(voxel.squares / n - mean * mean.transpose()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(voxel.moments.covariance());
   Shape& shape = voxel.shape;
-  shape.count = n;
-  shape.mean = voxel.origin + mean;
+  shape.count = voxel.moments.count;
+  shape.mean = voxel.origin + voxel.moments.mean();
   shape.axes = solver.eigenvectors();
   shape.variance = solver.eigenvalues().cwiseMax(0.0);
   const double thick = std::max(0.01, 0.0036 * voxel_m_ * voxel_m_);  // variance; a plane of the voxel's width has voxel^2 / 12

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "dvi/geometry/moments.h"
 #include "dvi/odometry/voxel_key.h"
 
 namespace dvi::odometry {
@@ -40,10 +41,8 @@ class LocalMap {
 
  private:
   struct Voxel {
-    Eigen::Vector3d origin;  // of the sums
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-    int count = 0;
+    Eigen::Vector3d origin;  // of the moments
+    Moments<double> moments;
     bool fitted = false;
     Shape shape;
   };

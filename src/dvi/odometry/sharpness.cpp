@@ -9,6 +9,7 @@
 
 #include "dvi/core/median.h"
 #include "dvi/drive/deskew.h"
+#include "dvi/geometry/moments.h"
 #include "dvi/odometry/voxel_key.h"
 
 namespace dvi::odometry {
@@ -42,18 +43,13 @@ struct Plane {
 };
 
 Plane plane_of(const Patch& patch, const std::vector<bool>& inside) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-  double n = 0;
+  Moments<double> moments;
   const Eigen::Vector3f origin = patch.front().point;
-  for (std::size_t i = 0; i < patch.size(); ++i) {
-    if (!inside[i]) continue;
-    const Eigen::Vector3d x = (patch[i].point - origin).cast<double>();
-    sum += x, squares += x * x.transpose(), n += 1;
-  }
-  const Eigen::Vector3d mean = sum / n;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(Eigen::Matrix3d(squares / n - mean * mean.transpose()));
-  return {origin.cast<double>() + mean, solver.eigenvectors().col(0), std::sqrt(std::max(solver.eigenvalues()[1], 0.0))};
+  for (std::size_t i = 0; i < patch.size(); ++i)
+    if (inside[i]) moments.add((patch[i].point - origin).cast<double>());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments.covariance());
+  return {origin.cast<double>() + moments.mean(), solver.eigenvectors().col(0),
+          std::sqrt(std::max(solver.eigenvalues()[1], 0.0))};
 }
 
 // Signed square root of the variance between scans, and the plane's normal; false where the patch is no plane.
