@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/SparseCholesky>
+
+#include "dvi/geometry/normal_equations.h"
 
 namespace dvi::align {
 namespace {
@@ -27,11 +28,7 @@ class Normal {
     add(at, at, information);
     right_[at] -= information * value;
   }
-  Eigen::VectorXd solve() const {
-    Eigen::SparseMatrix<double> matrix(right_.size(), right_.size());
-    matrix.setFromTriplets(entries_.begin(), entries_.end());
-    return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(right_);
-  }
+  Eigen::VectorXd solve() const { return solve_normal_equations(entries_, right_); }
 
  private:
   std::vector<Eigen::Triplet<double>> entries_;

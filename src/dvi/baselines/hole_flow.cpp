@@ -6,8 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/SparseCholesky>
-
+#include "dvi/geometry/normal_equations.h"
 #include "dvi/image/grey.h"
 #include "dvi/image/optical_flow.h"
 #include "dvi/image/region.h"
@@ -73,9 +72,7 @@ void complete(const cv::Mat1b& spoilt, HoleFlow& flow) {
             if (const int j = region.index(cv::Point(x, y) + other); j >= 0) entries.emplace_back(i, j, weight * its_weight);
         }
       }
-  Eigen::SparseMatrix<double> matrix(size, size);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::MatrixX4d plate = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(right);
+  const Eigen::MatrixX4d plate = solve_normal_equations(entries, right);
   for (Eigen::Index i = 0; i < size; ++i) {
     const cv::Point p = region.pixels[static_cast<std::size_t>(i)];
     if (spoilt(p) == 0) continue;

@@ -7,13 +7,13 @@
 #include <memory>
 #include <utility>
 
-#include <Eigen/SparseCholesky>
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/lazy.h"
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/near_views.h"
+#include "dvi/geometry/normal_equations.h"
 #include "dvi/image/region.h"
 #include "dvi/map/visible_points.h"
 
@@ -144,9 +144,7 @@ Eigen::VectorXd solve(const std::vector<Pair>& pairs, std::size_t views, int cha
       right[a] += w * p.ratio[channel];
       right[b] -= w * p.ratio[channel];
     }
-    Eigen::SparseMatrix<double> normal(n, n);
-    normal.setFromTriplets(entries.begin(), entries.end());
-    gain = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(normal).solve(right);
+    gain = solve_normal_equations(entries, right);
   }
   return gain;
 }

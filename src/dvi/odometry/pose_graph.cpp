@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <stdexcept>
 
-#include <Eigen/SparseCholesky>
+#include "dvi/geometry/normal_equations.h"
 
 namespace dvi::odometry {
 namespace {
@@ -83,11 +82,7 @@ class Solver {
       if (edge.a > 0) right.segment<6>(static_cast<Eigen::Index>(6 * (edge.a - 1))) -= by_a.transpose() * pull;
       if (edge.b > 0) right.segment<6>(static_cast<Eigen::Index>(6 * (edge.b - 1))) -= pull;
     }
-    Eigen::SparseMatrix<double> normal(unknowns, unknowns);
-    normal.setFromTriplets(entries_.begin(), entries_.end());
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
-    if (solver.info() != Eigen::Success) throw std::logic_error("pose graph: a pose is tied to no other");
-    const Eigen::VectorXd steps = solver.solve(right);
+    const Eigen::VectorXd steps = solve_normal_equations(entries_, right);  // every pose is tied to another
     for (std::size_t i = 1; i < poses_.size(); ++i)
       poses_[i] = poses_[i] * se3_exp(steps.segment<6>(static_cast<Eigen::Index>(6 * (i - 1))));
     return steps.cwiseAbs().maxCoeff();
