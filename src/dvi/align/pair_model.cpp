@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "dvi/core/median.h"
+#include "dvi/geometry/skew.h"
 
 namespace dvi::align {
 namespace {

@@ -4,6 +4,8 @@
 
 #include <Eigen/SVD>
 
+#include "dvi/geometry/skew.h"
+
 namespace dvi {
 namespace {
 

@@ -18,13 +18,6 @@ struct SE3 {
   SE3 inverse() const { return {R.transpose(), -(R.transpose() * t)}; }
 };
 
-/// The skew-symmetric matrix of the cross product: skew(v) x = v.cross(x).
-inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
 /// Rotation of the rotation vector w (Rodrigues), and back for angles below pi.
 Eigen::Matrix3d so3_exp(const Eigen::Vector3d& w);
 Eigen::Vector3d so3_log(const Eigen::Matrix3d& R);

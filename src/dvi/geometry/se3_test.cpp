@@ -7,6 +7,7 @@
 
 #include "dvi/core/random.h"
 #include "dvi/geometry/box.h"
+#include "dvi/geometry/skew.h"
 
 namespace dvi {
 namespace {

@@ -8,6 +8,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
 #include "dvi/holdout/holdout.h"
+#include "dvi/io/rigid.h"
 #include "dvi/io/write_folder.h"
 #include "dvi/io/write_image.h"
 
@@ -46,15 +47,6 @@ class Draft {
 
 nlohmann::json vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-nlohmann::json rows(const SE3& pose) {
-  nlohmann::json numbers = nlohmann::json::array();
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) numbers.push_back(pose.R(row, column));
-    numbers.push_back(pose.t(row));
-  }
-  return numbers;
-}
-
 // `held_out`, `scored`: pixels a frame.
 nlohmann::json description(const Holdout& holdout, const std::string& recipe, const std::vector<int>& held_out,
                            const std::vector<int>& scored) {
@@ -65,7 +57,8 @@ nlohmann::json description(const Holdout& holdout, const std::string& recipe, co
                             {"visible", static_cast<bool>(holdout.visible()[i])},
                             {"held_out_pixels", held_out[i]},
                             {"scored_pixels", scored[i]}};
-    if (holdout.vehicle()) frame["world_from_box"] = rows(holdout.vehicle()->at(drive.frames[i].time_ns).frame_from_box);
+    if (holdout.vehicle())
+      frame["world_from_box"] = io::row_major(holdout.vehicle()->at(drive.frames[i].time_ns).frame_from_box);
     frames.push_back(std::move(frame));
   }
   nlohmann::json json = {{"schema", "dvi-holdout/1"},

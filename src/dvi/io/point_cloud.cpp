@@ -162,4 +162,13 @@ PointCloud read_point_cloud(const fs::path& path) {
   return cloud;
 }
 
+std::string bin_bytes(const Scan& scan) {
+  std::string bytes(scan.size() * kBinPoint, '\0');
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    std::memcpy(bytes.data() + i * kBinPoint, scan.points[i].data(), 3 * sizeof(float));
+    std::memcpy(bytes.data() + i * kBinPoint + 3 * sizeof(float), &scan.intensity[i], sizeof(float));
+  }
+  return bytes;
+}
+
 }  // namespace dvi::io

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "dvi/core/files.h"
+#include "dvi/drive/scan.h"
 
 namespace dvi::io {
 
@@ -20,6 +21,9 @@ struct PointCloud {
 /// Reads .bin (float32 x y z intensity), .ply or .pcd (ascii or binary) by its ending. InputError where the file cannot be
 /// parsed, is cut short, holds no points or points that are not finite.
 PointCloud read_point_cloud(const fs::path& path);
+
+/// The bytes of a .bin of a scan's points and intensities.
+std::string bin_bytes(const Scan& scan);
 
 /// What the size of such a file tells without reading it. InputError where it holds no points, or no whole number of them.
 void check_size(const fs::path& path);

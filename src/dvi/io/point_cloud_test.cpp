@@ -32,6 +32,14 @@ TEST(PointCloud, ReadsBin) {
   EXPECT_TRUE(cloud.t.empty() && cloud.ring.empty());
 }
 
+TEST(PointCloud, ReadsBackTheBytesOfABin) {
+  const TestFolder folder;
+  const Scan scan{{{1, 2, 3}, {-4, 5.5F, 6}}, {0.5F, 1}, {0, 0}, {}};
+  const PointCloud cloud = read_point_cloud(folder.write("a.bin", bin_bytes(scan)));
+  EXPECT_EQ(cloud.points, scan.points);
+  EXPECT_EQ(cloud.intensity, scan.intensity);
+}
+
 TEST(PointCloud, ReadsAsciiPly) {
   const TestFolder folder;
   const PointCloud cloud = read_point_cloud(folder.write(

@@ -1,5 +1,6 @@
 #include "dvi/io/poses.h"
 
+#include "dvi/io/rigid.h"
 #include "dvi/io/test_folder.h"
 
 namespace dvi::io {
@@ -32,6 +33,18 @@ TEST(Poses, AreReadInThreeForms) {
   const Trajectory frames = read_poses(folder.write("c", "1 0 0 0 0 1 0 0 0 0 1 1\n1 0 0 0 0 1 0 0 0 0 1 3\n"), two_scans());
   EXPECT_EQ(frames.poses().at(1).time_ns, 200);
   EXPECT_NEAR(frames.poses().at(1).world_from_body.t.z(), 2, 1e-12);
+}
+
+TEST(Poses, WrittenRowByRowComeBack) {
+  const SE3 pose{so3_exp({0.3, -1.2, 0.7}), {5, -6, 7.5}};
+  const std::array<double, 12> rows = row_major(pose);
+  EXPECT_EQ(rows[1], pose.R(0, 1));
+  EXPECT_EQ(rows[4], pose.R(1, 0));
+  EXPECT_EQ(rows[7], -6);
+  const std::optional<SE3> back = to_rigid(rows);
+  ASSERT_TRUE(back);
+  EXPECT_LT((back->R - pose.R).norm(), 1e-12);
+  EXPECT_EQ(back->t, pose.t);
 }
 
 TEST(Poses, SayFileAndLineOfWhatIsWrong) {

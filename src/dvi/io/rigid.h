@@ -19,4 +19,12 @@ inline std::optional<SE3> to_rigid(const std::array<double, 12>& m) {
   return SE3{nearest, {m[3], m[7], m[11]}};
 }
 
+/// The 3x4 matrix [R t], row by row, as files hold it.
+inline std::array<double, 12> row_major(const SE3& pose) {
+  std::array<double, 12> out;
+  Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(out.data());
+  matrix << pose.R, pose.t;
+  return out;
+}
+
 }  // namespace dvi::io

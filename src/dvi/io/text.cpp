@@ -4,6 +4,9 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
+
+#include <fmt/format.h>
 
 #include "dvi/core/error.h"
 
@@ -42,6 +45,12 @@ std::optional<std::int64_t> to_nanoseconds(std::string_view seconds) {
   fraction.resize(9, '0');
   const std::int64_t ns = whole_seconds * 1'000'000'000 + *parse_whole<std::int64_t>(fraction);
   return negative ? -ns : ns;
+}
+
+std::string to_seconds(std::int64_t nanoseconds) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  return fmt::format("{}{}.{:09}", nanoseconds < 0 ? "-" : "", std::abs(nanoseconds / kSecond),
+                     std::abs(nanoseconds % kSecond));
 }
 
 std::optional<std::int64_t> date_to_nanoseconds(std::string_view text) {

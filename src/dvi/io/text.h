@@ -16,6 +16,8 @@ std::optional<double> to_number(std::string_view text);
 std::optional<int> to_integer(std::string_view text);
 /// Decimal seconds ("1534313591.432032") as nanoseconds, exactly; digits after the ninth are dropped.
 std::optional<std::int64_t> to_nanoseconds(std::string_view seconds);
+/// The same back: "1534313591.432032000".
+std::string to_seconds(std::int64_t nanoseconds);
 /// KITTI's 'YYYY-MM-DD HH:MM:SS.nnnnnnnnn' as nanoseconds since 1970.
 std::optional<std::int64_t> date_to_nanoseconds(std::string_view text);
 

@@ -27,6 +27,12 @@ TEST(Text, ReadsTimesExactly) {
     EXPECT_FALSE(date_to_nanoseconds(text)) << text;
 }
 
+TEST(Text, WritesTimesAsItReadsThem) {
+  EXPECT_EQ(to_seconds(1534313591432032000), "1534313591.432032000");
+  for (const std::int64_t time : {0L, 1L, -1L, 999'999'999L, -500'000'000L, -1'500'000'000L, 1534313591123456789L})
+    EXPECT_EQ(to_nanoseconds(to_seconds(time)), time);
+}
+
 TEST(Text, NamesRangesOfNumbers) {
   EXPECT_EQ(ranges({3, 177, 178, 179, 180}), "3, 177-180");
   std::vector<int> many;

@@ -1,7 +1,6 @@
 #include "dvi/io/write_folder.h"
 
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -11,18 +10,14 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/median.h"
+#include "dvi/io/point_cloud.h"
+#include "dvi/io/rigid.h"
 #include "dvi/io/scan_time.h"
+#include "dvi/io/text.h"
 #include "dvi/io/write_ply.h"
 
 namespace dvi::io {
 namespace {
-
-std::vector<double> row_major(const SE3& pose) {
-  std::vector<double> numbers;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column) numbers.push_back(column < 3 ? pose.R(row, column) : pose.t(row));
-  return numbers;
-}
 
 std::string settings(const Drive& drive) {
   const Camera& c = drive.camera;
@@ -39,8 +34,7 @@ std::string settings(const Drive& drive) {
 template <class Stamped>
 std::string times(const std::vector<Stamped>& items) {
   std::string text;
-  for (const Stamped& item : items)
-    text += fmt::format("{} {}.{:09d}\n", item.name, item.time_ns / 1'000'000'000, item.time_ns % 1'000'000'000);
+  for (const Stamped& item : items) text += fmt::format("{} {}\n", item.name, to_seconds(item.time_ns));
   return text;
 }
 
@@ -68,15 +62,6 @@ std::string boxes(const Drive& drive) {
   return nlohmann::json{{"version", 1}, {"frames", frames}}.dump(1) + "\n";
 }
 
-std::string bin_of(const Scan& scan) {
-  std::string bytes(scan.size() * 16, '\0');
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const float values[4] = {scan.points[i].x(), scan.points[i].y(), scan.points[i].z(), scan.intensity[i]};
-    std::memcpy(bytes.data() + 16 * i, values, 16);
-  }
-  return bytes;
-}
-
 bool times_follow(const Scan& scan, const Sweep& sweep) {
   constexpr float kTolerance = 1e-4F;  // seconds: 1.5 mm at 15 m/s
   const std::vector<float> expected = times_by_azimuth(scan.points, sweep, {});
@@ -97,7 +82,7 @@ void write_folder_scan(const fs::path& folder, const Sweep& sweep, const Scan& s
   const std::int64_t half = std::llround(1e9 / rate) / 2;
   const Sweep as_read{sweep.name, sweep.time_ns, sweep.time_ns - half, sweep.time_ns + half, {}};
   if (times_follow(scan, as_read)) {
-    write_file(folder / "lidar" / (sweep.name + ".bin"), bin_of(scan));
+    write_file(folder / "lidar" / (sweep.name + ".bin"), bin_bytes(scan));
     return;
   }
   std::vector<float> t = scan.time;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "dvi/geometry/normal_equations.h"
+#include "dvi/geometry/skew.h"
 
 namespace dvi::odometry {
 namespace {

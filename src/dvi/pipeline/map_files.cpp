@@ -3,7 +3,10 @@
 #include <array>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "dvi/io/rigid.h"
+#include "dvi/io/text.h"
 #include "dvi/io/write_ply.h"
 #include "dvi/map/visible_points.h"
 
@@ -14,19 +17,11 @@ constexpr int kColourFrames = 40;  // frames, evenly spread, that lend the map t
 constexpr double kSplat = 0.07, kTolerance = 0.05;
 const cv::Vec3b kUncoloured(128, 128, 128);
 
-std::string seconds(std::int64_t ns) { return fmt::format("{}.{:09}", ns / 1'000'000'000, ns % 1'000'000'000); }
-
-std::string kitti_line(const SE3& pose) {
-  std::string text;
-  for (int row = 0; row < 3; ++row)
-    text += fmt::format("{}{:.9g} {:.9g} {:.9g} {:.9g}", row > 0 ? " " : "", pose.R(row, 0), pose.R(row, 1), pose.R(row, 2),
-                        pose.t[row]);
-  return text + "\n";
-}
+std::string kitti_line(const SE3& pose) { return fmt::format("{:.9g}\n", fmt::join(io::row_major(pose), " ")); }
 
 std::string tum_line(std::int64_t time_ns, const SE3& pose) {
   const Eigen::Quaterniond q(pose.R);
-  return fmt::format("{} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", seconds(time_ns), pose.t.x(), pose.t.y(),
+  return fmt::format("{} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", io::to_seconds(time_ns), pose.t.x(), pose.t.y(),
                      pose.t.z(), q.x(), q.y(), q.z(), q.w());
 }
 
@@ -42,7 +37,7 @@ std::string pose_lines(const Views& views) {
 std::string time_lines(const Views& views) {
   std::string text;
   for (const View& view : views.views)
-    if (view.drive == 0) text += seconds(view.time_ns) + "\n";
+    if (view.drive == 0) text += io::to_seconds(view.time_ns) + "\n";
   return text;
 }
 

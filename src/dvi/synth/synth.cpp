@@ -1,14 +1,17 @@
 #include "dvi/synth/synth.h"
 
 #include <cmath>
-#include <cstring>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
 #include "dvi/core/threads.h"
+#include "dvi/io/point_cloud.h"
+#include "dvi/io/rigid.h"
+#include "dvi/io/text.h"
 
 namespace dvi::synth {
 namespace {
@@ -19,17 +22,8 @@ void write_png(const fs::path& path, const cv::Mat& image) {
   write_file(path, {bytes.begin(), bytes.end()});
 }
 
-std::string numbers(const SE3& pose) {
-  std::string line;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column) line += fmt::format(" {:.12g}", column < 3 ? pose.R(row, column) : pose.t(row));
-  return line;
-}
-
-std::string list(std::string text) {
-  text.erase(0, 1);
-  for (std::size_t at = 0; (at = text.find(' ', at)) != std::string::npos; at += 2) text.replace(at, 1, ", ");
-  return text;
+std::string numbers(const SE3& pose, const char* between) {
+  return fmt::format("{:.12g}", fmt::join(io::row_major(pose), between));
 }
 
 std::string settings(const Scene& scene) {
@@ -39,7 +33,7 @@ std::string settings(const Scene& scene) {
       "[drive]\nversion = 1\n\n"
       "[camera.front]\nsize = [{}, {}]\nK = [{}, 0, {}, 0, {}, {}, 0, 0, 1]\ncamera_from_lidar = [{}]\n\n"
       "[lidar]\nrate = {:.12g}\nbeams = {}\nstamp = \"middle\"\nrotation = \"clockwise\"\nfirst_azimuth_deg = 180.0\n",
-      camera.width, camera.height, camera.fx, camera.cx, camera.fy, camera.cy, list(numbers(scene.camera_from_lidar())),
+      camera.width, camera.height, camera.fx, camera.cx, camera.fy, camera.cy, numbers(scene.camera_from_lidar(), ", "),
       options.rate_hz, options.beams);
 }
 
@@ -70,15 +64,6 @@ std::string frame_json(const std::vector<Label>& labels) {
   return text;
 }
 
-std::string bytes_of(const Scan& scan) {
-  std::string bytes(scan.size() * 16, '\0');
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const float values[4] = {scan.points[i].x(), scan.points[i].y(), scan.points[i].z(), scan.intensity[i]};
-    std::memcpy(bytes.data() + 16 * i, values, 16);
-  }
-  return bytes;
-}
-
 void write_frame(const Scene& scene, int frame, const fs::path& out) {
   const std::string name = scene.name(frame), png = name + ".png";
   const SynthFrame rendered = scene.render(frame);
@@ -89,7 +74,7 @@ void write_frame(const Scene& scene, int frame, const fs::path& out) {
   rendered.depth.convertTo(depth, CV_16U, 256);
   write_png(out / "truth_depth" / png, depth);
   const SynthScan scan = scene.scan(frame);
-  write_file(out / "lidar" / (name + ".bin"), bytes_of(scan.scan));
+  write_file(out / "lidar" / (name + ".bin"), io::bin_bytes(scan.scan));
   write_file(out / "truth_points" / (name + ".label"), {scan.dynamic.begin(), scan.dynamic.end()});
 }
 
@@ -98,9 +83,9 @@ void write_tables(const Scene& scene, const fs::path& out) {
   for (int i = 0; i < scene.options().frames; ++i) {
     const std::string name = scene.name(i);
     const std::int64_t time = scene.time_ns(i);
-    times += fmt::format("{} {}.{:09d}\n", name, time / 1'000'000'000, time % 1'000'000'000);
-    poses += name + numbers(scene.world_from_lidar(time)) + "\n";
-    cameras += name + numbers(scene.camera_from_world(i)) + fmt::format(" {:.12g}\n", scene.gain(i));
+    times += fmt::format("{} {}\n", name, io::to_seconds(time));
+    poses += fmt::format("{} {}\n", name, numbers(scene.world_from_lidar(time), " "));
+    cameras += fmt::format("{} {} {:.12g}\n", name, numbers(scene.camera_from_world(i), " "), scene.gain(i));
     boxes += fmt::format("{} \"{}\":[{}]", i == 0 ? "\n" : ",\n", name, frame_json(scene.boxes(i)));
   }
   write_file(out / "times/front.txt", times);
