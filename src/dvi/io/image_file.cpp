@@ -38,17 +38,20 @@ bool whole(const std::string& bytes) {
   return true;
 }
 
-cv::Mat decode(const fs::path& path, cv::Size size, cv::ImreadModes mode) {
+// Empty where it is no image, or not all of one.
+cv::Mat decode(const fs::path& path, cv::ImreadModes mode) {
   const std::string bytes = read_file(path);
-  cv::Mat image;
-  if (!bytes.empty() && whole(bytes)) {
-    try {
-      const cv::Mat1b buffer(1, static_cast<int>(bytes.size()), reinterpret_cast<uchar*>(const_cast<char*>(bytes.data())));
-      image = cv::imdecode(buffer, mode);
-    } catch (const cv::Exception& e) {
-      throw InputError(path, "cannot be decoded (" + e.err + ")", kRemedy);
-    }
+  if (bytes.empty() || !whole(bytes)) return {};
+  try {
+    const cv::Mat1b buffer(1, static_cast<int>(bytes.size()), reinterpret_cast<uchar*>(const_cast<char*>(bytes.data())));
+    return cv::imdecode(buffer, mode);
+  } catch (const cv::Exception& e) {
+    throw InputError(path, "cannot be decoded (" + e.err + ")", kRemedy);
   }
+}
+
+cv::Mat decode(const fs::path& path, cv::Size size, cv::ImreadModes mode) {
+  cv::Mat image = decode(path, mode);
   if (image.empty()) throw InputError(path, "cannot be decoded as an image", kRemedy);
   if (image.size() != size)
     throw InputError(path, "is " + text(image.size()) + " pixels instead of " + text(size),
@@ -70,6 +73,8 @@ cv::Size image_size(const fs::path& path) {
 }
 
 cv::Mat3b read_image(const fs::path& path, cv::Size size) { return decode(path, size, cv::IMREAD_COLOR); }
+
+cv::Mat read_unchanged(const fs::path& path) { return decode(path, cv::IMREAD_UNCHANGED); }
 
 cv::Mat1b read_mask(const fs::path& path, cv::Size size) {
   cv::Mat1b mask;

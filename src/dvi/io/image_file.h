@@ -15,4 +15,7 @@ cv::Mat3b read_image(const fs::path& path, cv::Size size);
 /// The mask: 255 where the file is not black. Errors as read_image.
 cv::Mat1b read_mask(const fs::path& path, cv::Size size);
 
+/// The image as the file has it: its depth and channels (BGR where there are three). Empty where it is no whole image.
+cv::Mat read_unchanged(const fs::path& path);
+
 }  // namespace dvi::io

@@ -13,6 +13,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
 #include "dvi/core/random.h"
+#include "dvi/io/image_file.h"
 
 namespace dvi::io {
 namespace {
@@ -58,6 +59,18 @@ TEST_F(WriteImage, ReadsBackWhatWasWritten) {
   write_png(path, triples);
   EXPECT_TRUE(same(read_png_triples(path, size), triples));
   EXPECT_EQ(list_files(folder, {".png"}).size(), 1U);
+}
+
+TEST_F(WriteImage, EffortChangesTheBytesOnly) {
+  const cv::Size size(64, 48);
+  cv::Mat3b image(size);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) image(y, x) = cv::Vec3b::all(static_cast<uchar>(4 * (x % 7) + y));
+  write_png(folder / "fast.png", image);
+  write_png(folder / "small.png", image, PngEffort::small);
+  EXPECT_LT(fs::file_size(folder / "small.png"), fs::file_size(folder / "fast.png"));
+  EXPECT_TRUE(same(read_unchanged(folder / "small.png"), image));
+  EXPECT_TRUE(same(read_unchanged(folder / "fast.png"), image));
 }
 
 TEST_F(WriteImage, FilesHoldChannelsInTheOrderTheFormatNames) {

@@ -4,23 +4,16 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <opencv2/imgcodecs.hpp>
 
-#include "dvi/core/error.h"
 #include "dvi/core/files.h"
 #include "dvi/core/threads.h"
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/rigid.h"
 #include "dvi/io/text.h"
+#include "dvi/io/write_image.h"
 
 namespace dvi::synth {
 namespace {
-
-void write_png(const fs::path& path, const cv::Mat& image) {
-  std::vector<uchar> bytes;
-  if (!cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 2})) throw InputError(path, "cannot be encoded");
-  write_file(path, {bytes.begin(), bytes.end()});
-}
 
 std::string numbers(const SE3& pose, const char* between) {
   return fmt::format("{:.12g}", fmt::join(io::row_major(pose), between));
@@ -67,12 +60,12 @@ std::string frame_json(const std::vector<Label>& labels) {
 void write_frame(const Scene& scene, int frame, const fs::path& out) {
   const std::string name = scene.name(frame), png = name + ".png";
   const SynthFrame rendered = scene.render(frame);
-  write_png(out / "images/front" / png, scene.record(frame, rendered));
-  write_png(out / "masks/front" / png, scene.mask(rendered));
-  write_png(out / "truth" / png, rendered.clean);
+  io::write_png(out / "images/front" / png, scene.record(frame, rendered), io::PngEffort::small);
+  io::write_png(out / "masks/front" / png, scene.mask(rendered), io::PngEffort::small);
+  io::write_png(out / "truth" / png, rendered.clean, io::PngEffort::small);
   cv::Mat depth;
   rendered.depth.convertTo(depth, CV_16U, 256);
-  write_png(out / "truth_depth" / png, depth);
+  io::write_png(out / "truth_depth" / png, depth, io::PngEffort::small);
   const SynthScan scan = scene.scan(frame);
   write_file(out / "lidar" / (name + ".bin"), io::bin_bytes(scan.scan));
   write_file(out / "truth_points" / (name + ".label"), {scan.dynamic.begin(), scan.dynamic.end()});
