@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "dvi/core/files.h"
+#include "dvi/core/test_folder.h"
 
 namespace dvi {
 
@@ -20,16 +20,6 @@ class ProgramTest : public testing::Test {
     int code = -1;
     std::string out, err;
   };
-
-  ProgramTest() {
-    std::string name = (fs::temp_directory_path() / "dvi-test-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  ~ProgramTest() override {
-    std::error_code ignored;
-    fs::permissions(folder, fs::perms::owner_all, ignored);
-    fs::remove_all(folder, ignored);
-  }
 
   /// Runs `dvi ARGUMENTS` in the test's folder.
   Result dvi(const std::string& arguments) const { return shell(std::string(DVI_PROGRAM) + " " + arguments); }
@@ -43,11 +33,10 @@ class ProgramTest : public testing::Test {
 
   /// A small synthetic drive, made once for all tests of the process and copied.
   fs::path small_drive(const std::string& name = "drive", const std::string& options = "") const {
-    static std::map<std::string, fs::path> made;
-    fs::path& original = made[options];
-    if (original.empty()) {
-      std::string keep = (fs::temp_directory_path() / "dvi-test-drive-XXXXXX").string();
-      original = fs::path(mkdtemp(keep.data())) / "drive";
+    static std::map<std::string, TempFolder> made;
+    const bool fresh = !made.contains(options);
+    const fs::path original = made[options].path / "drive";
+    if (fresh) {
       const Result result = dvi("synth -o " + original.string() +
                                 " --frames 6 --width 240 --height 136 --beams 32 --columns 900 --quiet " + options);
       EXPECT_EQ(result.code, 0) << result.err;
@@ -58,16 +47,13 @@ class ProgramTest : public testing::Test {
 
   /// Every file below a folder by its relative path, but for what tells times.
   std::map<std::string, std::string> contents(const fs::path& root) const {
-    std::map<std::string, std::string> files;
-    for (const auto& entry : fs::recursive_directory_iterator(root)) {
-      const std::string name = fs::relative(entry.path(), root).string();
-      if (entry.is_regular_file() && name != "report.json" && name != ".dvi/job.json" && name != "dvi.toml")
-        files[name] = read_file(entry.path());
-    }
+    std::map<std::string, std::string> files = ::dvi::contents(root);
+    for (const char* tells_times : {"report.json", ".dvi/job.json", "dvi.toml"}) files.erase(tells_times);
     return files;
   }
 
-  fs::path folder;
+  const TempFolder temporary;
+  const fs::path folder = temporary.path;
 };
 
 }  // namespace dvi

@@ -18,6 +18,7 @@
 #include "dvi/core/interrupt.h"
 #include "dvi/core/progress.h"
 #include "dvi/core/random.h"
+#include "dvi/core/test_folder.h"
 #include "dvi/core/threads.h"
 
 namespace dvi {
@@ -47,7 +48,8 @@ TEST(Fingerprint, DependsOnBytesBoundariesAndOrder) {
 }
 
 TEST(Fingerprint, NoticesThatAFileWasReplacedOrRemoved) {
-  const fs::path file = fs::path(testing::TempDir()) / "dvi_fingerprint.txt";
+  const TempFolder folder;
+  const fs::path file = folder.path / "fingerprint.txt";
   const auto of_file = [&] {
     Fingerprint f;
     f.add_file(file);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "dvi/core/draft.h"
 #include "dvi/core/error.h"
 
 namespace dvi {
@@ -50,18 +51,9 @@ std::vector<std::string> read_lines(const fs::path& path) {
 }
 
 void write_beside(const fs::path& path, const std::function<void(const fs::path&)>& write) {
-  const fs::path part = temporary_beside(path);
-  std::error_code error;
-  try {
-    write(part);
-    fs::rename(part, path);
-  } catch (const fs::filesystem_error& e) {
-    fs::remove(part, error);
-    throw InputError(path, "cannot be written (" + e.code().message() + ")", "free space or choose another folder");
-  } catch (...) {
-    fs::remove(part, error);
-    throw;
-  }
+  Draft draft(path, temporary_beside(path));
+  write(draft.path());
+  draft.finish();
 }
 
 void write_file(const fs::path& path, const std::string& bytes) {

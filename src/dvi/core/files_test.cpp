@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/test_folder.h"
 
 namespace dvi {
 namespace {
@@ -23,17 +24,13 @@ using testing::ThrowsMessage;
 
 class Files : public testing::Test {
  protected:
-  void SetUp() override {
-    folder = fs::path(testing::TempDir()) / "dvi_files" / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder);
-    fs::create_directories(folder);
-  }
   std::vector<std::string> names() const {
     std::vector<std::string> out;
     for (const auto& entry : fs::directory_iterator(folder)) out.push_back(entry.path().filename());
     return out;
   }
-  fs::path folder;
+  const TempFolder temporary;
+  const fs::path folder = temporary.path;
 };
 
 TEST_F(Files, RemovesWhatAKilledProcessWasWriting) {

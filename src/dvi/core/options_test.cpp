@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "dvi/core/error.h"
-#include "dvi/core/files.h"
+#include "dvi/core/test_folder.h"
 
 namespace dvi {
 namespace {
@@ -47,8 +47,8 @@ class Options : public testing::Test {
   }
   Settings settings;
   OptionTable table;
-  fs::path file =
-      fs::path(testing::TempDir()) / (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + ".toml");
+  const TempFolder temporary;
+  const fs::path file = temporary.path / "options.toml";
 };
 
 TEST_F(Options, SetTakesEveryType) {

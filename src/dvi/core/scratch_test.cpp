@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "dvi/core/error.h"
+#include "dvi/core/test_folder.h"
 
 namespace dvi {
 namespace {
@@ -46,12 +47,7 @@ TEST(Scratch, GivesBackWhatIsReleased) {
 
 TEST(Scratch, SaysWhereThereIsNoRoom) {
   const auto message = [](const std::filesystem::path& folder, std::size_t count) {
-    try {
-      Numbers(scratch(0, folder)).reserve(count);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return input_error([&] { Numbers(scratch(0, folder)).reserve(count); });
   };
   EXPECT_THAT(message("/nowhere", 100'000), testing::HasSubstr("TMPDIR"));
   EXPECT_THAT(message(std::filesystem::temp_directory_path(), std::size_t{1} << 56), testing::HasSubstr("memory_mb"));

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
+#include "dvi/core/draft.h"
 #include "dvi/core/error.h"
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
@@ -15,35 +16,8 @@
 namespace dvi::holdout {
 namespace {
 
-// Made beside its place; gone again unless renamed.
-class Draft {
- public:
-  explicit Draft(const fs::path& place)
-      : place_(fs::absolute(place).lexically_normal() / ""),
-        path_(place_.parent_path().parent_path() / ("." + place_.parent_path().filename().string() + ".part")) {
-    std::error_code ignored;  // a folder that stays in the way is met again by whoever writes into it
-    fs::remove_all(path_, ignored);
-    make_folder(path_);
-  }
-  ~Draft() {
-    std::error_code ignored;
-    if (!done_) fs::remove_all(path_, ignored);
-  }
-  Draft(const Draft&) = delete;
-  Draft& operator=(const Draft&) = delete;
-
-  const fs::path& path() const { return path_; }
-  void finish() {
-    std::error_code error;
-    fs::rename(path_, place_.parent_path(), error);
-    if (error) throw InputError(place_.parent_path(), "cannot be made (" + error.message() + ")", "choose another folder");
-    done_ = true;
-  }
-
- private:
-  fs::path place_, path_;
-  bool done_ = false;
-};
+// The case's folder; another run for the same place takes over what a killed one left.
+fs::path hidden_beside(const fs::path& folder) { return folder.parent_path() / ("." + folder.filename().string() + ".part"); }
 
 nlohmann::json vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -98,7 +72,8 @@ std::string holdout_recipe(const fs::path& folder) {
 
 void write_holdout(const Holdout& holdout, const fs::path& case_folder, const std::string& recipe, const Tick& tick) {
   require_empty(case_folder);
-  Draft draft(case_folder);
+  const fs::path place = (fs::absolute(case_folder).lexically_normal() / "").parent_path();
+  Draft draft(place, hidden_beside(place));
   const fs::path& out = draft.path();
   const fs::path folder = out / "drive";
   const Drive& drive = holdout.drive();

@@ -9,6 +9,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/random.h"
+#include "dvi/core/test_folder.h"
 #include "dvi/core/threads.h"
 #include "dvi/io/reader.h"
 #include "dvi/io/scan_time.h"
@@ -52,19 +53,8 @@ std::optional<double> range_to_vehicle(const Holdout& holdout, std::size_t sweep
 
 class Folder : public testing::Test {
  protected:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "dvi-holdout-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  ~Folder() override { fs::remove_all(folder); }
-
-  std::map<std::string, std::string> contents(const fs::path& root) const {
-    std::map<std::string, std::string> files;
-    for (const auto& entry : fs::recursive_directory_iterator(root))
-      if (entry.is_regular_file()) files[fs::relative(entry.path(), root).string()] = read_file(entry.path());
-    return files;
-  }
-  fs::path folder;
+  const TempFolder temporary;
+  const fs::path folder = temporary.path;
 };
 
 class EachScenario : public testing::TestWithParam<Scenario> {};
@@ -235,12 +225,7 @@ TEST_F(Folder, RefusesWhatItCannotDo) {
 
   Drive blind = drive;
   blind.camera_from_lidar = SE3{so3_exp({0, M_PI, 0}), {0, 0, 0}} * drive.camera_from_lidar;  // looks back
-  try {
-    make(blind, Scenario::parked);
-    FAIL();
-  } catch (const InputError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("enters no image"));
-  }
+  EXPECT_THAT(input_error([&] { make(blind, Scenario::parked); }), HasSubstr("enters no image"));
   Drive floating = drive;
   floating.scans = Lazy<Scan>(drive.sweeps.size(), 8, [](std::size_t) { return Scan{{{5, 5, 5}}, {0}, {0}, {}}; });
   EXPECT_THROW(make(floating, Scenario::lead), InputError);

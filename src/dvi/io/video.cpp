@@ -4,11 +4,10 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <system_error>
+#include <utility>
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -28,8 +27,8 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
+#include "dvi/core/draft.h"
 #include "dvi/core/error.h"
-#include "dvi/core/files.h"
 
 namespace dvi::io {
 namespace {
@@ -86,9 +85,9 @@ void repeat_last_column_and_row(AVFrame& picture, cv::Size size) {
 }  // namespace
 
 struct VideoWriter::Impl {
-  fs::path path, part;
+  fs::path path;
   cv::Size size;
-  bool finished = false;
+  Draft draft{path, temporary_beside(path)};  // before `format`, which is closed first
   std::int64_t count = 0;
   Format format;
   Codec codec;
@@ -96,6 +95,8 @@ struct VideoWriter::Impl {
   Picture picture;
   Packet packet{av_packet_alloc()};
   AVStream* stream = nullptr;
+
+  Impl(fs::path place, cv::Size frame_size) : path(std::move(place)), size(frame_size) {}
 
   void check(int code) const {
     if (code >= 0) return;
@@ -135,7 +136,7 @@ void VideoWriter::Impl::open_encoder(const VideoOptions& options) {
 void VideoWriter::Impl::open(const VideoOptions& options) {
   av_log_set_level(AV_LOG_QUIET);  // what went wrong is said by the exception
   AVFormatContext* raw = nullptr;
-  const std::string url = "file:" + part.string();  // or libav takes what stands before a colon for a protocol
+  const std::string url = "file:" + draft.path().string();  // or libav takes what stands before a colon for a protocol
   check(avformat_alloc_output_context2(&raw, nullptr, "mp4", url.c_str()));
   format.reset(raw);
   format->flags |= AVFMT_FLAG_BITEXACT;
@@ -175,25 +176,12 @@ void VideoWriter::Impl::encode(const AVFrame* frame) {
   }
 }
 
-VideoWriter::VideoWriter(const fs::path& path, cv::Size size, const VideoOptions& options) : impl_(std::make_unique<Impl>()) {
-  impl_->path = path;
-  impl_->part = temporary_beside(path);
-  impl_->size = size;
-  try {
-    impl_->open(options);
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove(impl_->part, ignored);
-    throw;
-  }
+VideoWriter::VideoWriter(const fs::path& path, cv::Size size, const VideoOptions& options)
+    : impl_(std::make_unique<Impl>(path, size)) {
+  impl_->open(options);
 }
 
-VideoWriter::~VideoWriter() {
-  if (impl_->finished) return;
-  impl_->format.reset();
-  std::error_code ignored;
-  fs::remove(impl_->part, ignored);
-}
+VideoWriter::~VideoWriter() = default;
 
 void VideoWriter::push(const cv::Mat3b& frame) {
   Impl& s = *impl_;
@@ -212,8 +200,7 @@ void VideoWriter::finish() {
   s.encode(nullptr);
   s.check(av_write_trailer(s.format.get()));
   s.check(avio_closep(&s.format->pb));
-  write_beside(s.path, [](const fs::path&) {});  // only the renaming is left
-  s.finished = true;
+  s.draft.finish();
 }
 
 }  // namespace dvi::io

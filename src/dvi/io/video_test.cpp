@@ -1,7 +1,5 @@
 #include "dvi/io/video.h"
 
-#include <unistd.h>
-
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
@@ -23,7 +21,7 @@ extern "C" {
 }
 
 #include "dvi/core/error.h"
-#include "dvi/core/files.h"
+#include "dvi/core/test_folder.h"
 
 namespace dvi::io {
 namespace {
@@ -80,9 +78,6 @@ cv::Mat3b picture(cv::Size size, int i) {
 
 class Video : public testing::Test {
  protected:
-  Video() : folder(fs::path(testing::TempDir()) / ("video_" + std::to_string(getpid()))) { make_folder(folder); }
-  ~Video() override { fs::remove_all(folder); }
-
   fs::path write(const std::string& name, cv::Size size, int frames, const VideoOptions& options = {}) const {
     VideoWriter video(folder / name, size, options);
     for (int i = 0; i < frames; ++i) video.push(picture(size, i));
@@ -92,7 +87,8 @@ class Video : public testing::Test {
   std::size_t files() const {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
   }
-  fs::path folder;
+  const TempFolder temporary;
+  const fs::path folder = temporary.path;
 };
 
 TEST_F(Video, DecodesToTheFramesThatWerePushed) {

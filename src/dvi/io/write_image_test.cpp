@@ -1,7 +1,5 @@
 #include "dvi/io/write_image.h"
 
-#include <unistd.h>
-
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -10,9 +8,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "dvi/core/error.h"
-#include "dvi/core/files.h"
 #include "dvi/core/random.h"
+#include "dvi/core/test_folder.h"
 #include "dvi/io/image_file.h"
 
 namespace dvi::io {
@@ -20,9 +17,8 @@ namespace {
 
 class WriteImage : public testing::Test {
  protected:
-  WriteImage() : folder(fs::path(testing::TempDir()) / ("write_image_" + std::to_string(getpid()))) { make_folder(folder); }
-  ~WriteImage() override { fs::remove_all(folder); }
-  fs::path folder;
+  const TempFolder temporary;
+  const fs::path folder = temporary.path;
 };
 
 template <class T>

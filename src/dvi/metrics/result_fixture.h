@@ -1,7 +1,5 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <string>
 
@@ -9,8 +7,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "dvi/core/error.h"
-#include "dvi/core/files.h"
+#include "dvi/core/test_folder.h"
 #include "dvi/io/write_image.h"
 #include "dvi/metrics/evaluate.h"
 #include "dvi/metrics/test_scene.h"
@@ -29,10 +26,9 @@ inline cv::Mat1b box(const cv::Rect& rect, uchar value = 255) {
 /// A result folder and its truth, frame by frame; by default a perfect one. Gone after the test.
 class ResultFixture : public testing::Test {
  protected:
-  ResultFixture() : folder(fs::path(testing::TempDir()) / ("evaluate_" + std::to_string(getpid()))) {
+  ResultFixture() {
     for (const char* part : {"out/frames", "out/masks", "out/kind", "truth", "ignore"}) make_folder(folder / part);
   }
-  ~ResultFixture() override { fs::remove_all(folder); }
 
   void add(const std::string& name, const cv::Mat3b& truth, const cv::Mat3b& result, const cv::Mat1b& mask,
            const cv::Mat1b& kind) const {
@@ -48,16 +44,12 @@ class ResultFixture : public testing::Test {
     return evaluate({folder / "out", folder / "truth", ignore ? folder / "ignore" : fs::path()});
   }
   std::string error(const EvaluationFolders& of) const {
-    try {
-      evaluate(of);
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "no error";
+    return input_error([&] { evaluate(of); });
   }
   std::string error() const { return error(folders()); }
 
-  fs::path folder;
+  const TempFolder temporary;
+  const fs::path folder = temporary.path;
 };
 
 }  // namespace dvi::metrics

@@ -1,7 +1,6 @@
 #include "dvi/synth/synth.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <map>
@@ -9,7 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "dvi/core/error.h"
-#include "dvi/core/files.h"
+#include "dvi/core/test_folder.h"
 #include "dvi/core/threads.h"
 
 namespace dvi::synth {
@@ -18,24 +17,15 @@ namespace {
 class Synth : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("dvi_synth_test_" + std::to_string(::getpid()));
-    fs::remove_all(folder_);
     options_.frames = 3;
     options_.width = 160;
     options_.height = 90;
     options_.beams = 8;
     options_.columns = 360;
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  static std::map<std::string, std::string> files(const fs::path& folder) {
-    std::map<std::string, std::string> out;
-    for (const auto& entry : fs::recursive_directory_iterator(folder))
-      if (entry.is_regular_file()) out[fs::relative(entry.path(), folder).string()] = read_file(entry.path());
-    return out;
-  }
-
-  fs::path folder_;
+  const TempFolder temporary_;
+  const fs::path folder_ = temporary_.path / "drive";
   SynthOptions options_;
 };
 
@@ -44,7 +34,7 @@ TEST_F(Synth, WritesTheSameBytesWithAnyThreads) {
     const ThreadLimit limit(threads);
     synthesise(options_, folder_ / std::to_string(threads));
   }
-  const auto one = files(folder_ / "1"), two = files(folder_ / "2");
+  const auto one = contents(folder_ / "1"), two = contents(folder_ / "2");
   ASSERT_EQ(one.size(), 6U * 3 + 7);
   EXPECT_TRUE(one == two);
 }

@@ -1,0 +1,31 @@
+#include "dvi/core/draft.h"
+
+#include <system_error>
+#include <utility>
+
+#include "dvi/core/error.h"
+
+namespace dvi {
+namespace {
+
+void remove(const fs::path& path) {
+  std::error_code ignored;  // what stays in the way is met again by whoever writes there
+  fs::remove_all(path, ignored);
+}
+
+}  // namespace
+
+Draft::Draft(fs::path place, fs::path part) : place_(std::move(place)), part_(std::move(part)) { remove(part_); }
+
+Draft::~Draft() {
+  if (!finished_) remove(part_);
+}
+
+void Draft::finish() {
+  std::error_code error;
+  fs::rename(part_, place_, error);
+  if (error) throw InputError(place_, "cannot be written (" + error.message() + ")", "free space or choose another folder");
+  finished_ = true;
+}
+
+}  // namespace dvi

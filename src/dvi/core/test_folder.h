@@ -1,0 +1,62 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <system_error>
+
+#include <gtest/gtest.h>
+
+#include "dvi/core/error.h"
+#include "dvi/core/files.h"
+
+namespace dvi {
+
+/// A folder of a test's own that goes with it.
+class TempFolder {
+ public:
+  TempFolder() {
+    std::string name = (fs::path(testing::TempDir()) / "dvi-test-XXXXXX").string();
+    path = mkdtemp(name.data());
+  }
+  ~TempFolder() {
+    std::error_code ignored;
+    fs::permissions(path, fs::perms::owner_all, ignored);  // a test may have made it read-only
+    fs::remove_all(path, ignored);
+  }
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+
+  /// Writes a file, its folders with it, and returns its path.
+  fs::path write(const fs::path& name, const std::string& bytes) const {
+    make_folder((path / name).parent_path());
+    write_file(path / name, bytes);
+    return path / name;
+  }
+
+  fs::path path;
+};
+
+/// Every file below a folder by its relative path.
+inline std::map<std::string, std::string> contents(const fs::path& root) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(root))
+    if (entry.is_regular_file()) files[fs::relative(entry.path(), root).string()] = read_file(entry.path());
+  return files;
+}
+
+/// What the InputError says that this throws; a failure if it throws none.
+template <class Body>
+std::string input_error(const Body& body) {
+  try {
+    body();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  ADD_FAILURE() << "no InputError was thrown";
+  return {};
+}
+
+}  // namespace dvi
