@@ -8,17 +8,17 @@
 namespace dvi {
 namespace {
 
-void remove(const fs::path& path) {
+void discard(const fs::path& path) {
   std::error_code ignored;  // what stays in the way is met again by whoever writes there
   fs::remove_all(path, ignored);
 }
 
 }  // namespace
 
-Draft::Draft(fs::path place, fs::path part) : place_(std::move(place)), part_(std::move(part)) { remove(part_); }
+Draft::Draft(fs::path place, fs::path part) : place_(std::move(place)), part_(std::move(part)) { discard(part_); }
 
 Draft::~Draft() {
-  if (!finished_) remove(part_);
+  if (!finished_) discard(part_);
 }
 
 void Draft::finish() {

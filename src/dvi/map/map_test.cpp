@@ -135,20 +135,27 @@ TEST(BuildMap, CountsSweepsWithoutPose) {
   EXPECT_TRUE(map.points.empty());
 }
 
-TEST(BuildMap, ThinsToTheMeanOfAVoxelWhateverTheThreads) {
-  MovingCar car;
-  Drive drive = wall_drive();
-  drive.sweeps.assign(6, drive.sweeps[0]);
-  drive.scans = Lazy<Scan>(6, 6, [](std::size_t i) {
+// Scans of `points` returns each, anywhere in a box.
+Lazy<Scan> random_scans(std::size_t count, int points, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+  return Lazy<Scan>(count, count, [=](std::size_t i) {
     Random random(i);
     Scan scan;
-    for (int k = 0; k < 2000; ++k) {
-      scan.points.emplace_back(random.uniform(10, 11), random.uniform(-1, 1), random.uniform(-1, 1));
+    for (int k = 0; k < points; ++k) {
+      Eigen::Vector3d p;
+      for (int axis = 0; axis < 3; ++axis) p[axis] = random.uniform(low[axis], high[axis]);
+      scan.points.push_back(p.cast<float>());
       scan.intensity.push_back(static_cast<float>(random.uniform()));
       scan.time.push_back(0);
     }
     return scan;
   });
+}
+
+TEST(BuildMap, ThinsToTheMeanOfAVoxelWhateverTheThreads) {
+  MovingCar car;
+  Drive drive = wall_drive();
+  drive.sweeps.assign(6, drive.sweeps[0]);
+  drive.scans = random_scans(6, 2000, {10, -1, -1}, {11, 1, 1});
   MapOptions options;
   options.voxel_m = 0.25;
   StaticMap maps[2];
@@ -171,16 +178,7 @@ TEST(BuildMap, ThinsToTheMeanOfAVoxelWhateverTheThreads) {
 TEST(BuildMap, IsTheSameWithoutMemoryToSpare) {
   Drive drive = wall_drive();
   drive.sweeps.assign(4, drive.sweeps[0]);
-  drive.scans = Lazy<Scan>(4, 4, [](std::size_t i) {
-    Random random(i);
-    Scan scan;
-    for (int k = 0; k < 20000; ++k) {
-      scan.points.emplace_back(random.uniform(5, 60), random.uniform(-20, 20), random.uniform(-1, 1));
-      scan.intensity.push_back(static_cast<float>(random.uniform()));
-      scan.time.push_back(0);
-    }
-    return scan;
-  });
+  drive.scans = random_scans(4, 20000, {5, -20, -1}, {60, 20, 1});
   View view;
   view.camera = drive.camera;
   view.camera_from_world = drive.camera_from_lidar;

@@ -1,0 +1,102 @@
+#include "dvi/align/joint_solve.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "dvi/core/random.h"
+
+namespace dvi::align {
+namespace {
+
+constexpr double kRotation = 2e-3, kMounting = 4e-3, kPair = 2e-4;  // radians
+
+// The quadratic of a pair that sees the rotations `moving` and `fixed` exactly: the residual is their difference, and much less
+// what both have in common.
+PairModel exact_pair(std::size_t moving, std::size_t fixed, const Eigen::Vector3d& moving_truth,
+                     const Eigen::Vector3d& fixed_truth) {
+  constexpr double kInformation = 1e9, kCommon = 1e8;
+  PairModel model{moving, fixed};
+  Eigen::Matrix<double, 3, 6> apart, common;
+  apart << Eigen::Matrix3d::Identity(), -Eigen::Matrix3d::Identity();
+  common << 0.5 * Eigen::Matrix3d::Identity(), 0.5 * Eigen::Matrix3d::Identity();
+  model.H = kInformation * apart.transpose() * apart + kCommon * common.transpose() * common;
+  Vector6d truth;
+  truth << moving_truth, fixed_truth;
+  model.g = -model.H * truth;
+  return model;
+}
+
+std::vector<Eigen::Vector3d> random_rotations(std::size_t count, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Eigen::Vector3d> out;
+  for (std::size_t i = 0; i < count; ++i) out.emplace_back(kRotation * random.normal(), kRotation * random.normal(), 0);
+  return out;
+}
+
+std::vector<PairModel> chain(const std::vector<Eigen::Vector3d>& truth) {
+  std::vector<PairModel> models;
+  for (const std::size_t apart : {1, 2, 4})
+    for (std::size_t i = 0; i + apart < truth.size(); ++i) {
+      models.push_back(exact_pair(i, i + apart, truth[i], truth[i + apart]));
+      models.push_back(exact_pair(i + apart, i, truth[i + apart], truth[i]));
+    }
+  return models;
+}
+
+// The largest error of a view's rotation against the next one's.
+double worst_step(const Corrections& found, const std::vector<Eigen::Vector3d>& truth) {
+  double worst = 0;
+  for (std::size_t i = 0; i + 1 < truth.size(); ++i)
+    worst = std::max(worst, (found.rotations[i + 1] - found.rotations[i] - truth[i + 1] + truth[i]).norm());
+  return worst;
+}
+
+TEST(JointSolve, RecoversTheRotationsOfAllViews) {
+  const auto truth = random_rotations(12, 1);
+  const Corrections found = solve(chain(truth), Corrections(12), {kRotation, kMounting, kPair});
+  EXPECT_LT(worst_step(found, truth), 0.02 * kRotation);
+  for (std::size_t i = 0; i < 12; ++i) EXPECT_LT((found.rotations[i] - truth[i]).norm(), 0.1 * kRotation) << i;
+}
+
+TEST(JointSolve, WhatIsCommonToAllIsTheMounting) {
+  auto truth = random_rotations(16, 2);
+  const Eigen::Vector3d mounting(3e-3, -5e-3, 0);
+  for (Eigen::Vector3d& rotation : truth) rotation += mounting;
+  const Corrections found = solve(chain(truth), Corrections(16), {kRotation, kMounting, kPair});
+  EXPECT_LT((found.mounting - mounting).norm(), 0.4 * mounting.norm());
+  for (std::size_t i = 0; i < 16; ++i) EXPECT_LT((found.rotations[i] - truth[i]).norm(), 0.15 * mounting.norm()) << i;
+}
+
+TEST(JointSolve, OnePairThatMisleadsIsOutvoted) {
+  const auto truth = random_rotations(12, 3);
+  std::vector<PairModel> models = chain(truth);
+  const Eigen::Vector3d wrong = truth[5] + Eigen::Vector3d(0.02, 0, 0);  // a hundred times what is expected of a pair
+  models[10] = exact_pair(5, 6, wrong, truth[6]);
+  const Corrections found = solve(models, Corrections(12), {kRotation, kMounting, kPair});
+  EXPECT_LT(worst_step(found, truth), 0.1 * kRotation);
+}
+
+TEST(JointSolve, ViewsWithoutPairsStayAtTheMounting) {
+  const auto truth = random_rotations(6, 4);
+  const Corrections found = solve(chain(truth), Corrections(7), {kRotation, kMounting, kPair});
+  EXPECT_LT((found.rotations[6] - found.mounting).norm(), 1e-12);
+  const Corrections nothing = solve({}, Corrections(3), {kRotation, kMounting, kPair});
+  for (const Eigen::Vector3d& rotation : nothing.rotations) EXPECT_EQ(rotation, Eigen::Vector3d::Zero());
+}
+
+TEST(JointSolve, GoesOnFromWhereTheModelsWereMade) {
+  const auto truth = random_rotations(12, 5);
+  Corrections now(12);
+  std::vector<Eigen::Vector3d> left = truth;
+  for (std::size_t i = 0; i < 12; ++i) {
+    now.rotations[i] = 0.7 * truth[i];
+    left[i] -= now.rotations[i];
+  }
+  const Corrections at_once = solve(chain(truth), Corrections(12), {kRotation, kMounting, kPair});
+  const Corrections in_steps = solve(chain(left), now, {kRotation, kMounting, kPair});
+  for (std::size_t i = 0; i < 12; ++i) EXPECT_LT((at_once.rotations[i] - in_steps.rotations[i]).norm(), 0.02 * kRotation) << i;
+}
+
+}  // namespace
+}  // namespace dvi::align
