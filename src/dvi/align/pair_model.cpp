@@ -18,7 +18,9 @@ constexpr double kGrazing = 0.02;  // cosine: a surface seen flatter, or of unkn
 constexpr std::size_t kHeldOut = 4;
 constexpr double kSmallestScale = 1e-3;  // of log brightness: nothing agrees better than rounding to 8 bits lets it
 
-bool is_held_out(std::size_t i) { return i % kHeldOut == kHeldOut - 1; }
+enum class Part { fitted, held_out };  // of a pair's points
+
+Part part_of(std::size_t i) { return i % kHeldOut == kHeldOut - 1 ? Part::held_out : Part::fitted; }
 
 cv::Size size_of(const PosedImage& view) { return {view.camera.width, view.camera.height}; }
 
@@ -45,10 +47,10 @@ struct Point {
 };
 
 std::vector<Point> common_points(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, std::size_t level,
-                                 bool want_held_out) {
+                                 Part part) {
   std::vector<Point> points;
   for (std::size_t i = 0; i < pair.points.size(); ++i) {
-    if (is_held_out(i) != want_held_out) continue;
+    if (part_of(i) != part) continue;
     const Eigen::Vector3d world = pair.points[i].position.cast<double>();
     const Eigen::Vector3d p = fixed.camera_from_world * world;
     if (!fixed.camera.in_front(p)) continue;
@@ -131,7 +133,7 @@ std::optional<PairModel> fit_pair(const Pair& pair, const PosedImage& moving, co
   Eigen::Vector3d w = Eigen::Vector3d::Zero();
   std::vector<Point> points;
   for (std::size_t level = coarsest + 1; level-- > 0;) {
-    points = common_points(pair, moving, fixed, level, false);
+    points = common_points(pair, moving, fixed, level, Part::fitted);
     if (points.size() < kFewestPoints) return std::nullopt;
     w = refine(points, moving, level, expected, w);
   }
@@ -157,7 +159,7 @@ std::optional<PairModel> fit_pair(const Pair& pair, const PosedImage& moving, co
 
 Agreement held_out(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, double scale) {
   Agreement out;
-  const std::vector<Point> points = common_points(pair, moving, fixed, 0, true);
+  const std::vector<Point> points = common_points(pair, moving, fixed, 0, Part::held_out);
   for (const Point& point : points) {
     const Spot spot = spot_at((*moving.image)[0], size_of(moving), moving.camera.project(point.in_moving));
     const double r = spot.value - point.colour;

@@ -1,0 +1,83 @@
+#include "dvi/cli/job_options.h"
+
+#include <gtest/gtest.h>
+
+#include "dvi/core/error.h"
+#include "dvi/core/test_folder.h"
+
+namespace dvi::cli {
+namespace {
+
+TEST(JobOptions, WithoutAnyTheDefaultsHold) {
+  const pipeline::Job job = JobOptions().job("", "", {});
+  EXPECT_EQ(job.table().dump_toml(), pipeline::Job().table().dump_toml());
+}
+
+TEST(JobOptions, SetBeatsTheFileAndTheFileTheDefaults) {
+  const TempFolder folder;
+  JobOptions options;
+  options.config = folder.write("dvi.toml", "[regularize]\nalpha = 33.0\nwindow = 7\n").string();
+  options.set = {"regularize.window=9"};
+  const pipeline::Job job = options.job("", "", {});
+  EXPECT_EQ(job.options.regularize.alpha, 33);
+  EXPECT_EQ(job.options.regularize.window, 9);
+}
+
+TEST(JobOptions, MethodOfTheFileYieldsToItsOwnOptionsAndToTheCommandLine) {
+  const TempFolder folder;
+  const std::string config = folder.write("dvi.toml", "[job]\nmethod = \"paper\"\n[exposure]\nenabled = true\n").string();
+  JobOptions options;
+  options.config = config;
+  const pipeline::Job from_file = options.job("", "", {});
+  EXPECT_EQ(from_file.method, "paper");
+  EXPECT_TRUE(from_file.options.exposure.enabled) << "said by the file";
+  EXPECT_TRUE(from_file.options.regularize.enabled) << "said by the method that the file names";
+  options.method = "flow";
+  const pipeline::Job from_line = options.job("", "", {});
+  EXPECT_EQ(from_line.method, "flow");
+  EXPECT_FALSE(from_line.options.smooth.enabled);
+  options.method = "magic";
+  EXPECT_THROW(options.job("", "", {}), UsageError);
+}
+
+TEST(JobOptions, CommandLineNamesTheDataAndKeepsTheRestOfTheFile) {
+  const TempFolder folder;
+  JobOptions options;
+  options.config = folder.write("dvi.toml", "[job]\nframes = \"1:9\"\ncamera = \"left\"\nremove = \"all\"\n").string();
+  options.frames = "2:3";
+  const pipeline::Job job = options.job("out", "drive", {"other"});
+  EXPECT_EQ(job.source.frames, "2:3");
+  EXPECT_EQ(job.source.camera, "left");
+  EXPECT_EQ(job.source.remove, "all");
+  EXPECT_EQ(job.out, "out");
+  options.remove = "everything";
+  EXPECT_THROW(options.job("", "", {}), UsageError);
+}
+
+TEST(JobOptions, PathsThatAreThereBecomeAbsolute) {
+  const TempFolder folder;
+  folder.write("drive/dvi.toml", "");
+  const fs::path before = fs::current_path();
+  fs::current_path(folder.path);
+  JobOptions options;
+  options.masks = "labels";
+  options.poses = "auto";
+  const pipeline::Job job = options.job("out", "./drive/", {"drive", "nowhere"});
+  const fs::path here = fs::current_path();
+  fs::current_path(before);
+  EXPECT_EQ(fs::path(job.target), here / "drive/");
+  EXPECT_EQ(job.sources, (std::vector<std::string>{(here / "drive").string(), "nowhere"}));
+  EXPECT_EQ(job.source.masks, "labels");
+  EXPECT_EQ(job.source.poses, "auto");
+}
+
+TEST(JobOptions, SetMustNameAnOptionAndFitIt) {
+  JobOptions options;
+  for (const char* assignment : {"depth.nothing=1", "regularize.alpha", "regularize.window=4", "regularize.alpha=much"}) {
+    options.set = {assignment};
+    EXPECT_THROW(options.job("", "", {}), UsageError) << assignment;
+  }
+}
+
+}  // namespace
+}  // namespace dvi::cli
