@@ -1,10 +1,11 @@
 # Compiler and linker settings that hold for every target of the project.
 add_library(dvi_settings INTERFACE)
 add_library(dvi::settings ALIAS dvi_settings)
-target_include_directories(dvi_settings INTERFACE ${PROJECT_SOURCE_DIR}/src)
-target_compile_options(dvi_settings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
-# GCC 12 raises these falsely inside its own string and inside fmt.
-target_compile_options(dvi_settings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict -Wno-stringop-overflow>)
+target_include_directories(dvi_settings INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)
+target_compile_options(dvi_settings INTERFACE
+  "$<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion>"
+  # GCC 12 raises these falsely inside its own string and inside fmt.
+  "$<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-stringop-overflow>>")
 # The same bytes on every machine: no fused multiply-add where the source has none.
 target_compile_options(dvi_settings INTERFACE -ffp-contract=off)
 

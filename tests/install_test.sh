@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# install_test.sh SOURCE BUILD SANITIZERS: installs the build into a folder of its own, builds the example against it, runs both.
+set -euo pipefail
+source=$1 build=$2 sanitizers=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+cmake --install "$build" --prefix "$work/prefix" >/dev/null
+flags=${sanitizers:+-fsanitize=$sanitizers}
+cmake -S "$source/examples" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$work/prefix" \
+  -DCMAKE_CXX_FLAGS="$flags" >/dev/null
+cmake --build "$work/build"
+
+"$work/prefix/bin/dvi" synth -o "$work/drive" --frames 3 --width 160 --height 90 --beams 16 --columns 600 --quiet
+"$work/build/fill_drive" "$work/drive" "$work/out" | tee "$work/brief"
+grep -q "3 frames" "$work/brief"
+test "$(find "$work/out/frames" -name '*.png' | wc -l)" = 3
+echo "installed, built and run"
