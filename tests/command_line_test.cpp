@@ -50,7 +50,7 @@ TEST_F(CommandLine, CheckDescribesADrive) {
   const nlohmann::json j = nlohmann::json::parse(dvi("check drive --quiet --json").out);
   EXPECT_EQ(j["format"], "folder");
   EXPECT_EQ(j["frames"]["count"], 6);
-  EXPECT_EQ(j["sweeps"]["count"], 6);
+  EXPECT_EQ(j["scans"]["count"], 6);
   EXPECT_EQ(j["frames"]["with_pose"], 6);
   EXPECT_NEAR(j["frames"]["rate_hz"], 10, 0.01);
 }
@@ -61,7 +61,7 @@ TEST_F(CommandLine, MapWritesPosesAndPoints) {
   ASSERT_EQ(result.code, 0) << result.err;
   const nlohmann::json j = nlohmann::json::parse(result.out);
   EXPECT_GT(j["points"], 1000);
-  EXPECT_EQ(j["sweeps"], 6);
+  EXPECT_EQ(j["scans"], 6);
   EXPECT_EQ(read_lines(folder / "map/poses.txt").size(), 6);
   EXPECT_EQ(read_lines(folder / "map/times.txt").size(), 6);
   EXPECT_EQ(read_file(folder / "map/map.ply").substr(0, 4), "ply\n");

@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 class Poses : public ProgramTest {
  protected:
-  /// world_from_lidar a sweep: the last 12 numbers of each line.
+  /// world_from_lidar a scan: the last 12 numbers of each line.
   std::vector<SE3> read(const fs::path& file) const {
     std::vector<SE3> poses;
     for (const std::string& line : read_lines(folder / file)) {
@@ -65,7 +65,7 @@ TEST_F(Poses, FromScansFollowTheTruth) {
   small_drive();
   const nlohmann::json report = map("drive", "--poses loam");
   EXPECT_EQ(report["from"], "loam");
-  EXPECT_EQ(report["odometry"]["sweeps"].size(), 6);
+  EXPECT_EQ(report["odometry"]["scans"].size(), 6);
   EXPECT_LT(report["odometry"]["drift"]["second_look"]["largest_m"], 0.05);
   EXPECT_TRUE(report["odometry"]["drift"]["given_over_10_m"].is_null()) << "the drive is shorter";
   std::vector<std::string> stages;

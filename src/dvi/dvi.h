@@ -3,13 +3,13 @@
 // The library in one header: what a program of your own needs to check a drive, fill it, and score the result. After
 // `cmake --install`, `find_package(dvi)` gives the target dvi::pipeline; examples/fill_drive.cpp is a whole program.
 //
-// All of it throws dvi::InputError where the data are wrong, dvi::UsageError where an option is, dvi::Interrupted after SIGINT or
-// SIGTERM if dvi::catch_interrupts() was called.
+// All of it throws dvi::InputError where the data are wrong, dvi::UsageError where an option is, dvi::Interrupted after SIGINT
+// or SIGTERM if dvi::catch_interrupts() was called.
 
-#include "dvi/core/error.h"           // IWYU pragma: export
-#include "dvi/core/progress.h"        // IWYU pragma: export
-#include "dvi/core/threads.h"         // IWYU pragma: export
-#include "dvi/metrics/evaluate.h"     // IWYU pragma: export
-#include "dvi/pipeline/check.h"       // IWYU pragma: export
-#include "dvi/pipeline/make_map.h"    // IWYU pragma: export
-#include "dvi/pipeline/run.h"         // IWYU pragma: export
+#include "dvi/core/error.h"         // IWYU pragma: export
+#include "dvi/core/progress.h"      // IWYU pragma: export
+#include "dvi/core/threads.h"       // IWYU pragma: export
+#include "dvi/metrics/evaluate.h"   // IWYU pragma: export
+#include "dvi/pipeline/check.h"     // IWYU pragma: export
+#include "dvi/pipeline/make_map.h"  // IWYU pragma: export
+#include "dvi/pipeline/run.h"       // IWYU pragma: export

@@ -19,13 +19,13 @@ constexpr std::array<std::size_t, 4> kApart{1, 2, 4, 8};
 constexpr std::size_t kCached = 20;   // views whose images are kept: what a frame is compared with, on both sides
 constexpr double kPairErrorPx = 0.2;  // by which a pair may mislead: surfaces that the map has a little off, light that moves
 constexpr double kFlat = 0.01;        // of log brightness a pixel: no texture below
-constexpr double kReach = 3;          // expected errors that the coarsest level must be able to catch
+constexpr double kLeastCaught = 3;    // expected errors that the coarsest level must be able to catch
 constexpr double kNoise = 2;          // standard errors by which held-out points must agree better
 // Of the expected rotations: poses that are good already are better not believed to be off by as much as others.
 constexpr std::array<double, 3> kParts{0.1, 0.3, 1};
 constexpr double kMisplacedPx = 0.6;
 constexpr double kHardlyMoves = 0.5;  // metres
-constexpr double kClock = 0.025;      // seconds: more than cameras are triggered beside the middle of a sweep
+constexpr double kClock = 0.025;      // seconds: more than cameras are triggered beside the middle of a scan
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
@@ -36,7 +36,7 @@ class Chain {
   Chain(const Views& views, const map::StaticMap& map, std::size_t first, std::size_t last, const AlignOptions& options)
       : views_(views), map_(map), first_(first), count_(last - first), options_(options) {
     const double caught =
-        kReach * std::max(radians(options.rotation_deg), radians(options.mounting_deg)) * views[first].camera.fx;
+        kLeastCaught * std::max(radians(options.rotation_deg), radians(options.mounting_deg)) * views[first].camera.fx;
     while (caught > 2 * std::exp2(coarsest_) &&
            std::min(views[first].camera.width, views[first].camera.height) >> coarsest_ > 64)
       ++coarsest_;
@@ -162,7 +162,7 @@ std::vector<Chain::Check> Chain::check(const std::vector<PairModel>& models, con
         const auto model = std::find_if(models.begin(), models.end(),
                                         [&](const PairModel& m) { return m.moving == pair.moving && m.fixed == pair.fixed; });
         if (model == models.end()) continue;
-        const Agreement a = held_out(pair, posed(i, candidate), posed(pair.fixed, candidate), model->scale);
+        const HeldOutCost a = held_out(pair, posed(i, candidate), posed(pair.fixed, candidate), model->scale);
         cost += a.cost * a.points;
         points += a.points;
         offsets.insert(offsets.end(), a.offsets_px.begin(), a.offsets_px.end());

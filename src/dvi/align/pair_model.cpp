@@ -41,7 +41,7 @@ Eigen::Matrix<double, 2, 3> project_derivative(const Camera& camera, const Eigen
 
 // A point that both views show: what the fixed one has there, where it is for the moving one.
 struct Point {
-  const Surfel* surfel;
+  const SurfacePoint* surfel;
   Eigen::Vector3d in_moving;
   double colour = 0;
 };
@@ -120,7 +120,7 @@ Eigen::Vector3d refine(const std::vector<Point>& points, const PosedImage& movin
 
 // Where on the surface the fixed view finds the colour if the point q moves in its axes: along the ray nothing changes. The
 // slope of the fixed image is not used: its noise, in the product of both slopes, would hold every view where it is.
-Eigen::Matrix3d along_surface(const Surfel& surfel, const PosedImage& fixed, const Eigen::Vector3d& q) {
+Eigen::Matrix3d along_surface(const SurfacePoint& surfel, const PosedImage& fixed, const Eigen::Vector3d& q) {
   Eigen::Vector3d normal = fixed.camera_from_world.R * surfel.normal.cast<double>();
   if (std::abs(normal.dot(q)) < kGrazing * q.norm()) normal = q;
   return Eigen::Matrix3d::Identity() - q * normal.transpose() / normal.dot(q);
@@ -157,8 +157,8 @@ std::optional<PairModel> fit_pair(const Pair& pair, const PosedImage& moving, co
   return model;
 }
 
-Agreement held_out(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, double scale) {
-  Agreement out;
+HeldOutCost held_out(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, double scale) {
+  HeldOutCost out;
   const std::vector<Point> points = common_points(pair, moving, fixed, 0, Part::held_out);
   for (const Point& point : points) {
     const Spot spot = spot_at((*moving.image)[0], size_of(moving), moving.camera.project(point.in_moving));

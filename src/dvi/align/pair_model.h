@@ -9,15 +9,15 @@
 
 namespace dvi::align {
 
-/// A piece of surface, world axes. The normal is zero where none is known.
-struct Surfel {
+/// A point on a surface of the map, world axes. The normal is zero where none is known.
+struct SurfacePoint {
   Eigen::Vector3f position = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::Zero();
 };
 
 /// What two views are compared by: what both see of the map, taken where the moving one has texture.
 struct Pair {
   std::size_t moving = 0, fixed = 0;
-  std::vector<Surfel> points;  ///< every fourth is held out
+  std::vector<SurfacePoint> points;  ///< every fourth is held out
 };
 
 /// A view as it is believed to be at this moment.
@@ -43,12 +43,12 @@ std::optional<PairModel> fit_pair(const Pair& pair, const PosedImage& moving, co
                                   double expected);
 
 /// How well the held-out points of a pair agree.
-struct Agreement {
+struct HeldOutCost {
   double cost = 0;  ///< mean over the points, Cauchy
   int points = 0;
   std::vector<double> offsets_px;  ///< residual over slope, a point
 };
-Agreement held_out(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, double scale);
+HeldOutCost held_out(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, double scale);
 
 inline constexpr std::size_t kFewestPoints = 40;  ///< of a pair
 

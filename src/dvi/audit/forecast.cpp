@@ -10,7 +10,7 @@
 namespace dvi::audit {
 namespace {
 
-constexpr double kBlockReach = 1.5;  // px, on average, by which a visibility map grows a mask
+constexpr double kBlockGrowth = 1.5;  // px, on average, by which a visibility map grows a mask
 
 /// Hole pixels of a frame.
 struct Count {
@@ -19,7 +19,7 @@ struct Count {
 
 Count count(const sample::Candidates& candidates, const Views& views) {
   Count out;
-  for (const sample::Candidate& candidate : candidates.of) {
+  for (const sample::Candidate& candidate : candidates.leading) {
     ++out.hole;
     if (!candidate.found()) continue;
     ++(views[static_cast<std::size_t>(candidate.view)].drive == 0 ? out.copied : out.elsewhere);
@@ -62,7 +62,7 @@ Forecast forecast(const Views& views, const map::StaticMap& map, const depth::De
   const Views coarse = every_nth(views, step);
   depth::DepthOptions coarse_depth = depth;
   coarse_depth.median_px = depth.median_px >= 3 ? std::max(3, depth.median_px / step) : 0;
-  const int margin = std::max(0, cvRound((depth.mask_margin_px + kBlockReach) / step - kBlockReach));
+  const int margin = std::max(0, cvRound((depth.mask_margin_px + kBlockGrowth) / step - kBlockGrowth));
   sample::SampleOptions seen_once = sample_options;
   seen_once.sources = 1;
   const depth::Depths depths(coarse, margin, [&](std::size_t i) { return depth::depth_map(map, coarse[i], coarse_depth); });

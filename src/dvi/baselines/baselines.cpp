@@ -39,7 +39,7 @@ void advance(Chain& chain, const Views& views, const Lazy<HoleFlow>& flows, samp
   const cv::Mat2f& flow = chain.direction > 0 ? pair->forth : pair->back;
   const auto mask = views.masks[next];
   std::erase_if(chain.open, [&](Seeker& seeker) {
-    sample::Candidate& candidate = out.of[seeker.pixel];
+    sample::Candidate& candidate = out.leading[seeker.pixel];
     if (candidate.found()) return true;
     const std::optional<cv::Point2f> motion = HoleFlow::at(flow, seeker.at);
     if (!motion) return true;
@@ -55,7 +55,7 @@ void advance(Chain& chain, const Views& views, const Lazy<HoleFlow>& flows, samp
 // Where each hole pixel leaves the masks, in the frame nearest in time; forwards where both are as near.
 sample::Candidates follow(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows, int max_frames) {
   sample::Candidates out{Region(*views.masks[target]), {}};
-  out.of.resize(out.hole.size());
+  out.leading.resize(out.hole.size());
   const auto [first, last] = views.of_drive(views[target].drive);
   Chain forwards{target, 1, {}};
   for (std::size_t i = 0; i < out.hole.size(); ++i) forwards.open.push_back({i, cv::Point2f(out.hole.pixels[i])});
@@ -96,7 +96,7 @@ void inpaint_empty(harmonize::FilledFrame& frame, Inpainting method) {
 
 harmonize::FilledFrame inpaint_frame(const Views& views, std::size_t target, Inpainting method) {
   sample::Candidates none{Region(*views.masks[target]), {}};
-  none.of.resize(none.hole.size());
+  none.leading.resize(none.hole.size());
   harmonize::FilledFrame frame = copied(none, views, target);
   inpaint_empty(frame, method);
   return frame;

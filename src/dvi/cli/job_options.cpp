@@ -33,10 +33,10 @@ pipeline::Job JobOptions::job(const std::string& out, const std::string& target,
   // Once more: what the file says of single options holds against the method it names.
   if (!config.empty() && !method) table.load_toml(config);
   if (method) job.method = *method;
-  if (camera) job.source.camera = *camera;
-  if (frames) job.source.frames = *frames;
-  if (masks) job.source.masks = *masks;
-  if (poses) job.source.poses = *poses;
+  if (camera) job.read.camera = *camera;
+  if (frames) job.read.frames = *frames;
+  if (masks) job.read.masks = *masks;
+  if (poses) job.read.poses = *poses;
   if (remove) table.set("job.remove=" + *remove);
   for (const std::string& assignment : set) table.set(assignment);
   job.options.check();
@@ -45,7 +45,7 @@ pipeline::Job JobOptions::job(const std::string& out, const std::string& target,
     job.target = target;
     job.sources = sources;
   }
-  for (std::string* path : {&job.target, &job.source.masks, &job.source.poses}) make_absolute(*path);
+  for (std::string* path : {&job.target, &job.read.masks, &job.read.poses}) make_absolute(*path);
   for (std::string& path : job.sources) make_absolute(path);
   return job;
 }

@@ -46,9 +46,9 @@ TEST(JobOptions, CommandLineNamesTheDataAndKeepsTheRestOfTheFile) {
   options.config = folder.write("dvi.toml", "[job]\nframes = \"1:9\"\ncamera = \"left\"\nremove = \"all\"\n").string();
   options.frames = "2:3";
   const pipeline::Job job = options.job("out", "drive", {"other"});
-  EXPECT_EQ(job.source.frames, "2:3");
-  EXPECT_EQ(job.source.camera, "left");
-  EXPECT_EQ(job.source.remove, "all");
+  EXPECT_EQ(job.read.frames, "2:3");
+  EXPECT_EQ(job.read.camera, "left");
+  EXPECT_EQ(job.read.remove, "all");
   EXPECT_EQ(job.out, "out");
   options.remove = "everything";
   EXPECT_THROW(options.job("", "", {}), UsageError);
@@ -67,8 +67,8 @@ TEST(JobOptions, PathsThatAreThereBecomeAbsolute) {
   fs::current_path(before);
   EXPECT_EQ(fs::path(job.target), here / "drive/");
   EXPECT_EQ(job.sources, (std::vector<std::string>{(here / "drive").string(), "nowhere"}));
-  EXPECT_EQ(job.source.masks, "labels");
-  EXPECT_EQ(job.source.poses, "auto");
+  EXPECT_EQ(job.read.masks, "labels");
+  EXPECT_EQ(job.read.poses, "auto");
 }
 
 TEST(JobOptions, SetMustNameAnOptionAndFitIt) {

@@ -10,7 +10,7 @@ using Tick = std::function<void()>;
 
 /// Called by a stage as it begins each part of its work, with how often the tick that this returns will be called.
 using BeginPart = std::function<Tick(const char* part, std::size_t ticks)>;
-inline Tick untold(const char*, std::size_t) {
+inline Tick no_parts(const char*, std::size_t) {
   return [] {};
 }
 

@@ -70,7 +70,7 @@ void Scratch::release(void* block, std::size_t bytes) {
   }
 }
 
-void Scratch::rest() {
+void Scratch::page_out() {
   const std::lock_guard lock(mutex_);
   for (const auto& [block, bytes] : files_) madvise(block, bytes, MADV_DONTNEED);  // of a shared file: nothing is lost
 }

@@ -21,8 +21,8 @@ class Scratch {
   void* allocate(std::size_t bytes);
   void release(void* block, std::size_t bytes);
 
-  /// Lets what lies in files leave memory until it is looked at again.
-  void rest();
+  /// Pages out what lies in files: it leaves memory until it is read again.
+  void page_out();
   std::size_t on_disk() const;  ///< bytes
 
  private:

@@ -24,7 +24,7 @@ TEST(Scratch, HoldsTheSameInMemoryAndOnDisk) {
     Numbers numbers(memory);
     for (std::size_t i = 0; i < kCount; ++i) numbers.push_back(i);
     EXPECT_EQ(memory->on_disk() > 0, bound == 0);
-    memory->rest();
+    memory->page_out();
     EXPECT_EQ(std::accumulate(numbers.begin(), numbers.end(), std::size_t{0}), kCount * (kCount - 1) / 2);
     Numbers moved;
     moved = std::move(numbers);

@@ -23,8 +23,9 @@ struct DepthOptions {
     table.add("split_edges", split_edges, "Triangles between several surfaces are cut instead of bent.");
     table.add("max_slope", max_slope, {1, 1000}, "Depth over width from which on sparse returns are no surface.");
     table.add("median_px", median_px, {0, 5}, "Side of the median filter after interpolation: 0 (none), 3 or 5.");
-    table.add("mask_margin_px", mask_margin_px, {0, 50},
-              "A view lends no pixel from within this distance of its own mask; what is near it ranks lower in any case.");
+    table.add(
+        "mask_margin_px", mask_margin_px, {0, 50},
+        "No pixel is copied from within this distance of a source frame's own mask; pixels near it rank lower in any case.");
     table.add("sky_gap_deg", sky_gap_deg, {0, 10}, "Pixels above all returns within this angle to either side are sky.");
   }
 };

@@ -10,7 +10,7 @@
 
 namespace dvi::depth {
 
-/// Depth on demand. As sources, views are asked only for what they can lend, which is small and kept for many of them; of
+/// Depth on demand. Of source frames only the visibility map is asked for, which is small and kept for many of them; of
 /// whole depth maps only those of the frames in work are kept, so that memory stays flat.
 struct Depths {
   /// `make`: the depth map of a view.

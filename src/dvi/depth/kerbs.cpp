@@ -11,7 +11,7 @@
 namespace dvi::depth {
 namespace {
 
-constexpr float kReach = 40;                   // metres: farther away steps are as high as the noise of poses
+constexpr float kMaxRange = 40;                // metres: farther away steps are as high as the noise of poses
 constexpr float kLeast = 0.06F, kMost = 0.3F;  // metres of height: three times the range noise; higher is no kerb
 constexpr float kNear = 1;                     // metres between returns on either side
 constexpr float kClear = 0.15F;                // metres beside a kerb: no return there is on its face
@@ -26,7 +26,7 @@ int bin(float at) { return static_cast<int>(std::floor(at / kBin)); }
 Kerbs::Kerbs(const SurfelMesh& mesh, const Eigen::Vector3f& eye) : eye_(eye) {
   std::vector<Eigen::Vector3f> ground;
   for (const Surfel& s : mesh.surfels)
-    if (s.is_ground() && (s.world - eye).norm() < kReach) ground.push_back(s.world);
+    if (s.is_ground() && (s.world - eye).norm() < kMaxRange) ground.push_back(s.world);
   std::vector<Eigen::Vector2f> steps;
   for (const auto& t : mesh.triangles)
     for (int k = 0; k < 3; ++k) {
@@ -34,7 +34,7 @@ Kerbs::Kerbs(const SurfelMesh& mesh, const Eigen::Vector3f& eye) : eye_(eye) {
       const Eigen::Vector3f way = b.world - a.world;
       // Each step is met from both sides, once on the way up.
       if (!a.is_ground() || !b.is_ground() || way.z() < kLeast || way.z() > kMost || way.norm() > kNear) continue;
-      if ((a.world - eye).norm() < kReach) steps.emplace_back(0.5F * (a.world + b.world).head<2>());
+      if ((a.world - eye).norm() < kMaxRange) steps.emplace_back(0.5F * (a.world + b.world).head<2>());
     }
   if (steps.size() < kFew) return;
   find_direction(steps);

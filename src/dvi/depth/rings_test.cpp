@@ -57,14 +57,14 @@ struct Place {
 };
 
 /// Rings of 64 beams, 0.2 degrees between firings, from some places on the way of a car.
-map::StaticMap scan(const Place& place, int sweeps) {
+map::StaticMap scan(const Place& place, int scans) {
   map::StaticMap map;
-  for (int sweep = 0; sweep < sweeps; ++sweep)
+  for (int index = 0; index < scans; ++index)
     for (int beam = 0; beam < 64; ++beam)
       for (int firing = -180; firing <= 180; ++firing) {
-        const Vector3d eye(-0.8 * sweep, 0, 0.1);
+        const Vector3d eye(-0.8 * index, 0, 0.1);
         const double up = (2 - beam * 26.8 / 63) * std::numbers::pi / 180;
-        const double left = (firing + 0.37 * sweep) * 0.2 * std::numbers::pi / 180;
+        const double left = (firing + 0.37 * index) * 0.2 * std::numbers::pi / 180;
         const Vector3d ray(std::cos(up) * std::cos(left), std::cos(up) * std::sin(left), std::sin(up));
         const double way = place.way(eye, ray);
         if (way > 100) continue;
@@ -109,10 +109,10 @@ int wrong(const DepthMap& depth, const std::vector<cv::Mat1d>& places, const cv:
 class Poles : public testing::TestWithParam<std::tuple<double, int>> {};
 
 TEST_P(Poles, KeepTheirWidthAndLeaveNothingBetween) {
-  const auto [distance, sweeps] = GetParam();
+  const auto [distance, scans] = GetParam();
   const Place street{{kGround, kFacade}}, place{{kGround, kFacade, pole(distance, 0.013, 0.1, 5)}};
   const View of = view();
-  const DepthMap depth = depth_map(scan(place, sweeps), of, {});
+  const DepthMap depth = depth_map(scan(place, scans), of, {});
   const int last = cvFloor(of.camera.cy + 1.6 * of.camera.fy / (1.1 * distance));  // farther down the ground is as near
   const double half = of.camera.fx * std::tan(std::asin(0.1 / distance)),
                middle = of.camera.cx - of.camera.fx * 0.013 / distance;

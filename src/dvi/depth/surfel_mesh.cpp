@@ -178,8 +178,9 @@ Joint joint(const Surfel& a, const Surfel& b) {
   return Joint::step;
 }
 
-SurfelMesh surfel_mesh(const map::StaticMap& map, const View& view, double splat_m, double see_through, double max_slope) {
-  const std::vector<map::VisiblePoint> points = map::visible_points(map, view, splat_m, see_through);
+SurfelMesh surfel_mesh(const map::StaticMap& map, const View& view, double splat_m, double occlusion_tolerance,
+                       double max_slope) {
+  const std::vector<map::VisiblePoint> points = map::visible_points(map, view, splat_m, occlusion_tolerance);
   SurfelMesh mesh;
   mesh.surfels.reserve(points.size());
   for (const map::VisiblePoint& p : points) mesh.surfels.push_back(surfel(p, map));

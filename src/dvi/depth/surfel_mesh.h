@@ -53,6 +53,7 @@ struct SurfelMesh {
 
 /// `splat_m`, `see_through`: as visible_points. Planes that leave the view more steeply than `max_slope` (depth over width) are
 /// taken from the map, or for the ground, but not guessed from neighbours.
-SurfelMesh surfel_mesh(const map::StaticMap& map, const View& view, double splat_m, double see_through, double max_slope);
+SurfelMesh surfel_mesh(const map::StaticMap& map, const View& view, double splat_m, double occlusion_tolerance,
+                       double max_slope);
 
 }  // namespace dvi::depth

@@ -10,7 +10,8 @@
 
 namespace dvi::depth {
 
-/// What a view can lend to others, small enough to keep for many views: five bytes for each 2 x 2 block of pixels.
+/// Which pixels of a source frame can be copied, small enough to keep for many views: five bytes for each 2 x 2 block of
+/// pixels.
 struct VisibilityMap {
   static constexpr float kScale = 256;
   static constexpr ushort kOpen = 0xFFFF;    ///< sky, unknown or farther than the scale holds: hides nothing

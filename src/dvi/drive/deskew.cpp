@@ -7,17 +7,17 @@
 namespace dvi {
 namespace {
 
-// Poses a sweep is cut into: 0.2 ms of a 10 Hz sweep either way, 3 mm at 15 m/s.
+// Poses a scan is cut into: 0.2 ms of a 10 Hz scan either way, 3 mm at 15 m/s.
 constexpr int kSlices = 256;
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> to_world(const Scan& scan, const Sweep& sweep, const Trajectory& world_from_lidar) {
+std::vector<Eigen::Vector3d> to_world(const Scan& scan, const ScanHeader& header, const Trajectory& world_from_lidar) {
   const auto [first, last] = std::minmax_element(scan.time.begin(), scan.time.end());
   if (first == scan.time.end()) return {};
   const double begin = *first, span = std::max(1e-9, static_cast<double>(*last) - *first);
   const auto pose_after = [&](double seconds) {
-    return world_from_lidar.at(sweep.time_ns + static_cast<std::int64_t>(std::llround(seconds * 1e9)));
+    return world_from_lidar.at(header.time_ns + static_cast<std::int64_t>(std::llround(seconds * 1e9)));
   };
   if (!pose_after(begin) || !pose_after(begin + span)) return {};
   std::vector<std::optional<SE3>> slices(kSlices + 1);

@@ -25,8 +25,8 @@ struct Frame {
   std::vector<Label> labels;
 };
 
-/// One sweep of the LiDAR. Its stamp is the middle of the sweep.
-struct Sweep {
+/// What is known of a scan, one revolution of the LiDAR, before its points are read. Its stamp is the middle of the scan.
+struct ScanHeader {
   std::string name;
   std::int64_t time_ns = 0, start_ns = 0, end_ns = 0;
   std::filesystem::path file;
@@ -41,15 +41,15 @@ struct Drive {
   SE3 camera_from_lidar;
   std::vector<std::string> camera_names;  ///< all that the drive has
 
-  std::vector<Frame> frames;  ///< in order of time
-  std::vector<Sweep> sweeps;  ///< in order of time
-  Trajectory poses;           ///< world_from_lidar as given; empty where none are
+  std::vector<Frame> frames;             ///< in order of time
+  std::vector<ScanHeader> scan_headers;  ///< in order of time
+  Trajectory poses;                      ///< world_from_lidar as given; empty where none are
   /// Factor of the given positions to metres of the drive's own place: the Mercator scale of oxts; 1 where poses are
   /// metric. Two drives share a world when their positions are brought to one scale.
   double world_scale = 1;
 
   Lazy<cv::Mat3b> images;  ///< as `frames`; BGR
-  Lazy<Scan> scans;        ///< as `sweeps`
+  Lazy<Scan> scans;        ///< as `scan_headers`
   Lazy<cv::Mat1b> masks;   ///< as `frames`, 255 = remove; empty where the drive brings none
 
   /// Files that everything depends on besides images, scans and masks (calibration, poses, labels).

@@ -32,12 +32,12 @@ class Warp {
   SE3 source_from_target_;
 };
 
-/// Where the source that shows pixel `p` at `shown` shows pixel `q`: each warped by its own depth (`p_at`, `q_at`), and moved
-/// by as much as `shown` is off p's own warp. Where a depth is unknown, as far from `shown` as q is from p.
-inline cv::Point2f beside(cv::Point p, cv::Point2f shown, std::optional<cv::Point2f> p_at, cv::Point q,
-                          std::optional<cv::Point2f> q_at) {
-  if (p_at && q_at) return shown + (*q_at - *p_at);
-  return shown + cv::Point2f(q - p);
+/// Where the source frame that shows pixel `p` at `p_in_source` shows its neighbour `q`: both are warped by their own depths
+/// (`p_at`, `q_at`), and q is shifted as p_in_source is from p_at. Where a depth is unknown, q - p is added to p_in_source.
+inline cv::Point2f neighbour_in_source(cv::Point p, cv::Point2f p_in_source, std::optional<cv::Point2f> p_at, cv::Point q,
+                                       std::optional<cv::Point2f> q_at) {
+  if (p_at && q_at) return p_in_source + (*q_at - *p_at);
+  return p_in_source + cv::Point2f(q - p);
 }
 
 /// Whether bilinear interpolation at this position stays within the image and off its mask (255 = remove).

@@ -26,7 +26,8 @@ struct Source {
 /// cannot show the neighbour.
 cv::Vec3f gradient(const Source& source, cv::Point p, const sample::Candidate& shown, const cv::Vec3f& colour, cv::Point q,
                    const depth::DepthMap& depth) {
-  const cv::Point2f by_depth = beside(p, shown.position, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
+  const cv::Point2f by_depth =
+      neighbour_in_source(p, shown.position, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
   const cv::Point2f by_image = shown.position + cv::Point2f(q - p);
   for (const cv::Point2f at : {by_depth, by_image})
     if (can_sample(*source.mask, at, shown.footprint))
@@ -43,21 +44,21 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const de
   Copies out{fused.colour, zeros, zeros};
   std::map<int, std::vector<std::size_t>> of_view;
   for (std::size_t i = 0; i < hole.size(); ++i)
-    if (candidates.of[i].found()) of_view[candidates.of[i].view].push_back(i);
+    if (candidates.leading[i].found()) of_view[candidates.leading[i].view].push_back(i);
   const cv::Rect frame({}, hole.index.size());
   for (const auto& [view, pixels] : of_view) {
     const Source source{Warp(views[target], views[view]), views.images[view], views.masks[view],
                         gain_to(views[target], views[view])};
     for (const std::size_t i : pixels) {
       const cv::Point p = hole.pixels[i];
-      const sample::Candidate& shown = candidates.of[i];
+      const sample::Candidate& shown = candidates.leading[i];
       const cv::Vec3f colour = box_mean(*source.image, shown.position, shown.footprint).mul(source.gain);
       for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
         if (!frame.contains(q)) continue;
         const int j = hole.index(q);
         if (j < 0) {
           out.outward[i] += gradient(source, p, shown, colour, q, depth);
-        } else if (candidates.of[j].found() && candidates.of[j].view != view) {
+        } else if (candidates.leading[j].found() && candidates.leading[j].view != view) {
           const cv::Vec3f half = 0.5F * gradient(source, p, shown, colour, q, depth);
           out.seam[i] += half;
           out.seam[j] -= half;

@@ -62,12 +62,12 @@ Agreement agreement(std::span<const Shown> shown) {
 }
 
 Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t target) {
-  const std::size_t pixels = candidates.hole.size(), ranks = candidates.more + 1;
+  const std::size_t pixels = candidates.hole.size(), ranks = candidates.extra_per_pixel + 1;
   std::vector<Shown> shown(pixels * ranks);
   std::vector<cv::Vec2b> footprints(pixels * ranks, cv::Vec2b(1, 1));
   const auto candidate = [&](std::size_t slot) -> const sample::Candidate& {
     const std::size_t pixel = slot / ranks, rank = slot % ranks;
-    return rank == 0 ? candidates.of[pixel] : candidates.others(pixel)[rank - 1];
+    return rank == 0 ? candidates.leading[pixel] : candidates.others(pixel)[rank - 1];
   };
   std::map<int, std::vector<std::size_t>> of_view;
   for (std::size_t slot = 0; slot < shown.size(); ++slot)
@@ -89,11 +89,11 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
             std::vector<std::uint8_t>(pixels),
             std::vector<float>(pixels)};
   for (std::size_t i = 0; i < pixels; ++i) {
-    if (!candidates.of[i].found()) continue;
+    if (!candidates.leading[i].found()) continue;
     const Agreement agreed = agreement({&shown[i * ranks], ranks});
     const std::size_t slot = i * ranks + agreed.leading;
-    out.candidates.of[i] = candidate(slot);
-    out.candidates.of[i].footprint = footprints[slot];
+    out.candidates.leading[i] = candidate(slot);
+    out.candidates.leading[i].footprint = footprints[slot];
     out.colour[i] = agreed.colour;
     out.sources[i] = agreed.sources;
     out.spread[i] = agreed.spread;

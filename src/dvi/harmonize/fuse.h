@@ -30,7 +30,7 @@ Agreement agreement(std::span<const Shown> shown);
 
 /// The sources of each hole pixel as one.
 struct Fused {
-  sample::Candidates candidates;      ///< `of`: the leading ones, with the footprints that were read; no further ones
+  sample::Candidates candidates;      ///< `leading` only, with the footprints that were read; no further ones
   std::vector<cv::Vec3f> colour;      ///< as hole.pixels; zeros where there is no candidate
   std::vector<std::uint8_t> sources;  ///< as hole.pixels
   std::vector<float> spread;          ///< as hole.pixels

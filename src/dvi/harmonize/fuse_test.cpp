@@ -60,7 +60,7 @@ struct Still {
     candidates = {Region(hole), {}, sources.size() - 1};
     for (const cv::Point p : candidates.hole.pixels)
       for (int k = 1; k <= static_cast<int>(sources.size()); ++k)
-        (k == 1 ? candidates.of : candidates.further).push_back({k, cv::Point2f(p)});
+        (k == 1 ? candidates.leading : candidates.extra).push_back({k, cv::Point2f(p)});
   }
   Fused run() const { return fuse(candidates, scene.lazy(), 0); }
 };
@@ -110,8 +110,8 @@ TEST(Fuse, FootprintsKeepOffTheMask) {
   const cv::Mat3b truth = waves(80, 60, 1);
   Still still({truth}, truth);
   still.scene.masks[1](cv::Rect(0, 0, 30, 60)) = 255;  // beside the hole: the box would reach into it
-  for (sample::Candidate& c : still.candidates.of) c.footprint = {3, 3};
-  for (const Fused out = still.run(); const sample::Candidate& c : out.candidates.of)
+  for (sample::Candidate& c : still.candidates.leading) c.footprint = {3, 3};
+  for (const Fused out = still.run(); const sample::Candidate& c : out.candidates.leading)
     EXPECT_EQ(c.footprint, c.position.x == 30 ? cv::Vec2b(1, 1) : cv::Vec2b(3, 3));
 }
 

@@ -41,8 +41,8 @@ cv::Mat1b where(const cv::Mat1b& image, Value value) {
 
 cv::Mat1b roles_of(const sample::Candidates& candidates, Role copied, Role unseen) {
   cv::Mat1b roles(candidates.hole.index.size(), static_cast<uchar>(Role::fixed));
-  for (std::size_t i = 0; i < candidates.of.size(); ++i)
-    roles(candidates.hole.pixels[i]) = static_cast<uchar>(candidates.of[i].found() ? copied : unseen);
+  for (std::size_t i = 0; i < candidates.leading.size(); ++i)
+    roles(candidates.hole.pixels[i]) = static_cast<uchar>(candidates.leading[i].found() ? copied : unseen);
   return roles;
 }
 
@@ -55,10 +55,10 @@ struct Part {
 std::vector<Part> parts_of(const sample::Candidates& candidates, const cv::Mat1b& roles, cv::Mat1i& labels) {
   const int count = connected_parts(where(roles, Role::solved), labels);
   std::vector<Part> parts(count + 1);
-  for (std::size_t i = 0; i < candidates.of.size(); ++i) {
+  for (std::size_t i = 0; i < candidates.leading.size(); ++i) {
     const cv::Point p = candidates.hole.pixels[i];
     Part& part = parts[labels(p)];
-    part.copied |= candidates.of[i].found();
+    part.copied |= candidates.leading[i].found();
     for (const cv::Point q : around(p)) part.bounded |= inside(roles, q) && roles(q) == static_cast<uchar>(Role::fixed);
   }
   return parts;
@@ -82,7 +82,7 @@ class Equation {
     PoissonSystem out{Region(where(roles_, Role::solved)), {}, {}, guidance_.vertical};
     for (const cv::Point p : out.region.pixels) {
       const int i = candidates_.hole.index(p);
-      const bool copied = candidates_.of[i].found();
+      const bool copied = candidates_.leading[i].found();
       float diagonal = 0;
       cv::Vec3f right = copied ? copies_.outward[i] : cv::Vec3f();
       if (copied && guidance_.seams) right += copies_.seam[i];
@@ -108,7 +108,7 @@ class Equation {
     cv::Vec3f out;
     if (roles_(q) == static_cast<uchar>(Role::fixed)) out += colour_(q);
     const int j = candidates_.hole.index(q);
-    if (j < 0 || !candidates_.of[i].found() || candidates_.of[j].view != candidates_.of[i].view) return out;
+    if (j < 0 || !candidates_.leading[i].found() || candidates_.leading[j].view != candidates_.leading[i].view) return out;
     return out + copies_.colour[i] - copies_.colour[j];
   }
 
@@ -139,8 +139,8 @@ std::uint16_t sixteenths(float position) { return static_cast<std::uint16_t>(std
 
 void write_receipts(const Fused& fused, const Views& views, std::size_t target, FilledFrame& out) {
   const sample::Candidates& candidates = fused.candidates;
-  for (std::size_t i = 0; i < candidates.of.size(); ++i) {
-    const sample::Candidate& source = candidates.of[i];
+  for (std::size_t i = 0; i < candidates.leading.size(); ++i) {
+    const sample::Candidate& source = candidates.leading[i];
     if (!source.found()) continue;
     const bool here = views[source.view].drive == views[target].drive;
     out.kind(candidates.hole.pixels[i]) = static_cast<uchar>(here ? Kind::copied : Kind::copied_elsewhere);
@@ -169,7 +169,7 @@ void write_confidence(const Fused& fused, const Views& views, std::size_t target
   cv::distanceTransform(guessed, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   for (std::size_t i = 0; i < fused.colour.size(); ++i) {
     const cv::Point p = fused.candidates.hole.pixels[i];
-    const sample::Candidate& source = fused.candidates.of[i];
+    const sample::Candidate& source = fused.candidates.leading[i];
     double sure = 0;
     if (source.found()) {
       const View& from = views[source.view];

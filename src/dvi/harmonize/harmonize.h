@@ -23,7 +23,8 @@ struct HarmonizeOptions {
     table.add("unseen_last", unseen_last,
               "Interpolate unseen pixels after the copies are solved; false: together, as published, which lets them bleed.");
     table.add("unseen_vertical", unseen_vertical, {0.001, 1},
-              "Weight of vertical against horizontal neighbours in that interpolation: streets lie in layers; 1: a membrane.");
+              "Weight of vertical against horizontal neighbours in that interpolation: structure mostly follows image rows; 1: "
+              "a membrane.");
     table.add("fill_unseen", fill_unseen, "Interpolate pixels that no frame saw; false leaves them black, kind 5.");
   }
 };

@@ -28,13 +28,13 @@ void harmonize_hole(benchmark::State& state) {
   sample::Candidates candidates{Region(hole), {}};
   for (const cv::Point p : candidates.hole.pixels) {
     const int k = (p.x / 40 + p.y / 25) % 12;
-    candidates.of.push_back(p.y % 100 < 10 ? sample::Candidate{}
-                                           : sample::Candidate{k + 1, cv::Point2f(p + cv::Point(4 * k - 20, 0))});
+    candidates.leading.push_back(p.y % 100 < 10 ? sample::Candidate{}
+                                                : sample::Candidate{k + 1, cv::Point2f(p + cv::Point(4 * k - 20, 0))});
   }
   const Views views = scene.lazy();
   const depth::DepthMap depth{scene.depth(), scene.depth()};
   for (auto _ : state) benchmark::DoNotOptimize(harmonize(candidates, views, 0, depth, {}));
-  state.counters["pixels"] = static_cast<double>(candidates.of.size());
+  state.counters["pixels"] = static_cast<double>(candidates.leading.size());
 }
 BENCHMARK(harmonize_hole)->Arg(60'000)->Arg(100'000)->Unit(benchmark::kMillisecond);
 

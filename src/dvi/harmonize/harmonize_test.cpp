@@ -51,9 +51,9 @@ struct Case {
   }
   /// Lets view `view` show the hole's pixels within `where`.
   void seen(int view, int disparity, cv::Rect where = {0, 0, kWidth, kHeight}) {
-    for (std::size_t i = 0; i < candidates.of.size(); ++i)
+    for (std::size_t i = 0; i < candidates.leading.size(); ++i)
       if (const cv::Point p = candidates.hole.pixels[i]; where.contains(p))
-        candidates.of[i] = {view, cv::Point2f(p + cv::Point(disparity, 0))};
+        candidates.leading[i] = {view, cv::Point2f(p + cv::Point(disparity, 0))};
   }
   FilledFrame run(const HarmonizeOptions& options = {}) const {
     const depth::DepthMap depth{scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
@@ -77,7 +77,7 @@ TEST(Harmonize, AConstantOffsetOfTheSourceVanishes) {
 
 TEST(Harmonize, UnseenPixelsContinueALinearRamp) {
   Case c(ramp(), rectangle({20, 15, 40, 30}));
-  c.candidates.of[0] = {};
+  c.candidates.leading[0] = {};
   EXPECT_LT(c.worst(c.run()), 0.1);
 }
 
@@ -85,7 +85,7 @@ TEST(Harmonize, UnseenPixelsContinueTheLayersBesideThem) {
   cv::Mat3b layers(kHeight, kWidth, cv::Vec3b(200, 200, 200));
   layers.rowRange(30, kHeight) = cv::Scalar(60, 60, 60);
   Case c(layers, rectangle({30, 15, 12, 30}));
-  c.candidates.of[0] = {};
+  c.candidates.leading[0] = {};
   HarmonizeOptions membrane;
   membrane.unseen_vertical = 1;
   EXPECT_LT(c.worst(c.run()), 0.8 * c.worst(c.run(membrane)));
@@ -137,7 +137,7 @@ TEST(Harmonize, GivesEachPixelItsReceipt) {
   c.scene.add_source(-10, c.truth, 1);
   c.seen(1, 10, {20, 15, 10, 30});
   c.seen(2, -10, {30, 15, 10, 30});
-  for (sample::Candidate& of : c.candidates.of)
+  for (sample::Candidate& of : c.candidates.leading)
     if (of.view == 1) of.position += cv::Point2f(0.0625F, 0.5F);
   const FilledFrame out = c.run();
   const auto kind = [&](int x, int y) { return static_cast<Kind>(out.kind(y, x)); };
@@ -188,7 +188,7 @@ TEST(Harmonize, AHoleOfTheWholeFrameKeepsTheMeanOfItsCopies) {
   c.scene.add_source(0, c.truth);
   c.seen(1, 0);
   EXPECT_LT(c.worst(c.run()), 0.2);
-  for (std::size_t i = 0; i < c.candidates.of.size(); i += 2) c.candidates.of[i] = {};
+  for (std::size_t i = 0; i < c.candidates.leading.size(); i += 2) c.candidates.leading[i] = {};
   const FilledFrame half = c.run();
   EXPECT_NEAR(cv::mean(half.colour)[0], cv::mean(c.truth)[0], 5);
 }

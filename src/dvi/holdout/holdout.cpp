@@ -37,15 +37,15 @@ std::vector<std::size_t> posed(std::vector<Stamped>& items, const Trajectory& po
 }
 
 // Poses as the case's reader will know them.
-Trajectory at_sweeps(const std::vector<Sweep>& sweeps, const Trajectory& poses) {
+Trajectory at_scans(const std::vector<ScanHeader>& scan_headers, const Trajectory& poses) {
   std::vector<StampedPose> out;
-  for (const Sweep& sweep : sweeps) out.push_back({sweep.time_ns, *poses.at(sweep.time_ns)});
+  for (const ScanHeader& header : scan_headers) out.push_back({header.time_ns, *poses.at(header.time_ns)});
   return Trajectory(std::move(out));
 }
 
 Box moved(const SE3& target_from_source, const Box& box) { return {target_from_source * box.frame_from_box, box.size}; }
 
-// Whether a return of a sweep may lie behind a box that moves during it: a cone round all that it covers.
+// Whether a return of a scan may lie behind a box that moves during it: a cone round all that it covers.
 class Cone {
  public:
   Cone(const Box& lidar_box, double seconds) : axis_(lidar_box.frame_from_box.t.cast<float>()) {
@@ -71,8 +71,8 @@ class Cone {
 Holdout::Holdout(const Drive& drive, Lazy<cv::Mat1b> traffic, const Trajectory& world_from_lidar, const HoldoutOptions& options)
     : drive_(drive), options_(options), images_(drive.images), traffic_(std::move(traffic)), scans_(drive.scans) {
   drive_.images = {}, drive_.masks = {}, drive_.scans = {};
-  sweeps_ = posed(drive_.sweeps, world_from_lidar);
-  drive_.poses = at_sweeps(drive_.sweeps, world_from_lidar);
+  scan_numbers_ = posed(drive_.scan_headers, world_from_lidar);
+  drive_.poses = at_scans(drive_.scan_headers, world_from_lidar);
   drive_.world_scale = 1;
   frames_ = posed(drive_.frames, drive_.poses);
   if (frames_.empty())
@@ -129,17 +129,17 @@ HoldoutFrame Holdout::frame(std::size_t i) const {
 }
 
 Scan Holdout::scan(std::size_t i) const {
-  Scan scan = *scans_[sweeps_[i]];
+  Scan scan = *scans_[scan_numbers_[i]];
   if (!vehicle_) return scan;
-  const Sweep& sweep = drive_.sweeps[i];
-  const Box lidar_box = moved(drive_.poses.at(sweep.time_ns)->inverse(), vehicle_->at(sweep.time_ns));
+  const ScanHeader& header = drive_.scan_headers[i];
+  const Box lidar_box = moved(drive_.poses.at(header.time_ns)->inverse(), vehicle_->at(header.time_ns));
   const auto [first, last] = std::minmax_element(scan.time.begin(), scan.time.end());
   if (first == scan.time.end()) return scan;
   const Cone cone(lidar_box, std::max(std::abs(*first), std::abs(*last)));
   for (std::size_t k = 0; k < scan.size(); ++k) {
     Eigen::Vector3f& p = scan.points[k];
     if (!cone.may_hide(p)) continue;
-    const std::int64_t time = sweep.time_ns + std::llround(1e9 * static_cast<double>(scan.time[k]));
+    const std::int64_t time = header.time_ns + std::llround(1e9 * static_cast<double>(scan.time[k]));
     const std::optional<SE3> pose = drive_.poses.at(time);
     if (!pose) continue;
     const auto hit = first_hit(vehicle_->at(time), pose->t, pose->R * p.cast<double>());

@@ -36,11 +36,11 @@ struct HoldoutFrame {
 /// call. Safe to use from many threads.
 class Holdout {
  public:
-  /// `traffic` as the drive's frames. Frames and sweeps without a pose are left out of the case. InputError where no scan shows
+  /// `traffic` as the drive's frames. Frames and scans without a pose are left out of the case. InputError where no scan shows
   /// the ground, or the vehicle enters no image.
   Holdout(const Drive& drive, Lazy<cv::Mat1b> traffic, const Trajectory& world_from_lidar, const HoldoutOptions& options);
 
-  /// The case as a drive of its own: poses at the middle of its sweeps, boxes of traffic real and virtual. Its lazy images,
+  /// The case as a drive of its own: poses at the middle of its scans, boxes of traffic real and virtual. Its lazy images,
   /// masks and scans are not there: see frame() and scan().
   const Drive& drive() const { return drive_; }
   const HoldoutOptions& options() const { return options_; }
@@ -62,7 +62,7 @@ class Holdout {
   Lazy<cv::Mat3b> images_;
   Lazy<cv::Mat1b> traffic_;
   Lazy<Scan> scans_;
-  std::vector<std::size_t> frames_, sweeps_;  // of the case, in the drive
+  std::vector<std::size_t> frames_, scan_numbers_;  // of the case, in the drive
   std::shared_ptr<const Road> road_;
   std::optional<VirtualVehicle> vehicle_;
   std::vector<bool> visible_;
@@ -70,7 +70,7 @@ class Holdout {
 };
 
 /// Writes the case: drive/ in the folder layout, truth/NAME.png, ignore/NAME.png and holdout.json, in which `recipe` says what
-/// the case was made from. Everything is written beside CASE and renamed. `tick` is called once a frame and once a sweep.
+/// the case was made from. Everything is written beside CASE and renamed. `tick` is called once a frame and once a scan.
 /// InputError where the folder is not empty or cannot be written.
 void write_holdout(const Holdout& holdout, const fs::path& case_folder, const std::string& recipe, const Tick& tick = {});
 

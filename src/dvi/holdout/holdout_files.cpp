@@ -92,9 +92,9 @@ void write_holdout(const Holdout& holdout, const fs::path& case_folder, const st
     scored[i] = cv::countNonZero(cv::Mat1b(frame.held_out & ~frame.ignore));
     if (tick) tick();
   });
-  const double rate = io::sweep_rate(drive);
-  parallel_for(drive.sweeps.size(), [&](std::size_t i) {
-    io::write_folder_scan(folder, drive.sweeps[i], holdout.scan(i), rate);
+  const double rate = io::scan_rate(drive);
+  parallel_for(drive.scan_headers.size(), [&](std::size_t i) {
+    io::write_folder_scan(folder, drive.scan_headers[i], holdout.scan(i), rate);
     if (tick) tick();
   });
   io::write_folder_tables(folder, drive);

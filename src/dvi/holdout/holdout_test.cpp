@@ -28,11 +28,12 @@ Drive small_street() {
   static const auto scene = std::make_shared<const synth::Scene>(options);
   Drive drive = synth::drive_of(scene);
   // As files give them: the first firing, straight back, may count as the last.
-  drive.scans = Lazy<Scan>(drive.sweeps.size(), 8, [scans = drive.scans, sweeps = drive.sweeps](std::size_t i) {
-    Scan scan = *scans[i];
-    scan.time = io::times_by_azimuth(scan.points, sweeps[i], {});
-    return scan;
-  });
+  drive.scans =
+      Lazy<Scan>(drive.scan_headers.size(), 8, [scans = drive.scans, scan_headers = drive.scan_headers](std::size_t i) {
+        Scan scan = *scans[i];
+        scan.time = io::times_by_azimuth(scan.points, scan_headers[i], {});
+        return scan;
+      });
   return drive;
 }
 
@@ -43,8 +44,9 @@ Holdout make(const Drive& drive, Scenario scenario, int seed = 1) {
 bool same(const cv::Mat& a, const cv::Mat& b) { return a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0; }
 
 // Metres along the ray of a return at which it meets the vehicle; none where it does not.
-std::optional<double> range_to_vehicle(const Holdout& holdout, std::size_t sweep, const Eigen::Vector3f& p, float seconds) {
-  const std::int64_t time = holdout.drive().sweeps[sweep].time_ns + std::llround(1e9 * static_cast<double>(seconds));
+std::optional<double> range_to_vehicle(const Holdout& holdout, std::size_t scan_index, const Eigen::Vector3f& p,
+                                       float seconds) {
+  const std::int64_t time = holdout.drive().scan_headers[scan_index].time_ns + std::llround(1e9 * static_cast<double>(seconds));
   const auto pose = holdout.drive().poses.at(time);
   const auto hit = first_hit(holdout.vehicle()->at(time), pose->t, pose->R * p.cast<double>());
   if (!hit) return std::nullopt;
@@ -100,7 +102,7 @@ TEST_P(EachScenario, ScansMeetTheVehicleAndNothingBehindIt) {
   const Drive drive = small_street();
   const Holdout holdout = make(drive, GetParam());
   int replaced = 0;
-  for (std::size_t i = 0; i < drive.sweeps.size(); ++i) {
+  for (std::size_t i = 0; i < drive.scan_headers.size(); ++i) {
     const Scan before = *drive.scans[i], after = holdout.scan(i);
     ASSERT_EQ(before.size(), after.size());
     for (std::size_t k = 0; k < before.size(); ++k) {
@@ -183,8 +185,8 @@ TEST_F(Folder, CaseIsADriveThatReadsBack) {
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
     EXPECT_EQ(read.frames[i].time_ns, drive.frames[i].time_ns);
     EXPECT_EQ(read.frames[i].labels.size(), drive.frames[i].labels.size() + 1);
-    EXPECT_EQ(read.sweeps[i].time_ns, drive.sweeps[i].time_ns);
-    EXPECT_EQ(read.sweeps[i].file.extension(), ".bin");
+    EXPECT_EQ(read.scan_headers[i].time_ns, drive.scan_headers[i].time_ns);
+    EXPECT_EQ(read.scan_headers[i].file.extension(), ".bin");
     const HoldoutFrame frame = holdout.frame(i);
     EXPECT_TRUE(same(*read.images[i], frame.image));
     EXPECT_TRUE(same(*read.masks[i], frame.mask));
@@ -199,7 +201,7 @@ TEST_F(Folder, CaseIsADriveThatReadsBack) {
 
 TEST_F(Folder, OtherTimesAreWrittenOut) {
   Drive drive = small_street();
-  drive.scans = Lazy<Scan>(drive.sweeps.size(), 8, [scans = drive.scans](std::size_t i) {
+  drive.scans = Lazy<Scan>(drive.scan_headers.size(), 8, [scans = drive.scans](std::size_t i) {
     Scan scan = *scans[i];
     for (std::size_t k = 0; k < scan.size(); ++k) scan.time[k] = 1e-5F * static_cast<float>(k % 1000);
     scan.ring.assign(scan.size(), 7);
@@ -207,7 +209,7 @@ TEST_F(Folder, OtherTimesAreWrittenOut) {
   });
   write_holdout(make(drive, Scenario::parked), folder / "case", "");
   const Drive read = io::read_drive(folder / "case/drive");
-  EXPECT_EQ(read.sweeps[0].file.extension(), ".ply");
+  EXPECT_EQ(read.scan_headers[0].file.extension(), ".ply");
   for (std::size_t k = 0; k < drive.scans[0]->size(); ++k) {
     ASSERT_NEAR(read.scans[0]->time[k], drive.scans[0]->time[k], 1e-7);
     ASSERT_EQ(read.scans[0]->ring[k], 7);
@@ -227,7 +229,7 @@ TEST_F(Folder, RefusesWhatItCannotDo) {
   blind.camera_from_lidar = SE3{so3_exp({0, M_PI, 0}), {0, 0, 0}} * drive.camera_from_lidar;  // looks back
   EXPECT_THAT(input_error([&] { make(blind, Scenario::parked); }), HasSubstr("enters no image"));
   Drive floating = drive;
-  floating.scans = Lazy<Scan>(drive.sweeps.size(), 8, [](std::size_t) { return Scan{{{5, 5, 5}}, {0}, {0}, {}}; });
+  floating.scans = Lazy<Scan>(drive.scan_headers.size(), 8, [](std::size_t) { return Scan{{{5, 5, 5}}, {0}, {0}, {}}; });
   EXPECT_THROW(make(floating, Scenario::lead), InputError);
 }
 

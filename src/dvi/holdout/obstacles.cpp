@@ -7,7 +7,7 @@
 
 #include "dvi/core/threads.h"
 #include "dvi/geometry/box.h"
-#include "dvi/map/sweep_filter.h"
+#include "dvi/map/scan_filter.h"
 #include "dvi/masks/standing.h"
 
 namespace dvi::holdout {
@@ -37,10 +37,10 @@ std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& wo
   map::MapOptions options;
   options.witnessed_only = false;
   options.max_range_m = kFar;
-  options.box_margin_m = 0.5;  // what traffic moves within half a sweep
-  std::vector<std::vector<std::size_t>> counts(drive.sweeps.size());
+  options.box_margin_m = 0.5;  // what traffic moves within half a scan
+  std::vector<std::vector<std::size_t>> counts(drive.scan_headers.size());
   parallel_for(counts.size(), [&](std::size_t i) {
-    const std::int64_t time = drive.sweeps[i].time_ns;
+    const std::int64_t time = drive.scan_headers[i].time_ns;
     const std::optional<SE3> pose = world_from_lidar.at(time);
     if (!pose) return;
     const std::vector<Box> boxes = boxes_at(road, size, places, left, time);
@@ -51,13 +51,13 @@ std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& wo
     for (const Box& box : boxes)
       for (const Eigen::Vector3d& corner : box.corners()) all.extend(corner);
     counts[i].assign(boxes.size(), 0);
-    for (const map::FilteredSweep::Kept& point : map::filter_sweep(input, options, i).kept)
+    for (const map::FilteredScan::Kept& point : map::filter_scan(input, options, i).kept)
       for (std::size_t k = 0; all.contains(point.position) && k < boxes.size(); ++k)
         counts[i][k] += boxes[k].contains(point.position) ? 1 : 0;
   });
   std::vector<std::size_t> sum(places.size(), 0);
-  for (const std::vector<std::size_t>& of_sweep : counts)
-    for (std::size_t k = 0; k < of_sweep.size(); ++k) sum[k] += of_sweep[k];
+  for (const std::vector<std::size_t>& of_scan : counts)
+    for (std::size_t k = 0; k < of_scan.size(); ++k) sum[k] += of_scan[k];
   return sum;
 }
 

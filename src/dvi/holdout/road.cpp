@@ -81,9 +81,9 @@ Road::Road(const Drive& drive, const Trajectory& world_from_lidar) : world_from_
 }
 
 void Road::measure_ground(const Drive& drive) {
-  std::vector<std::optional<Eigen::Vector2d>> lines(drive.sweeps.size());
+  std::vector<std::optional<Eigen::Vector2d>> lines(drive.scan_headers.size());
   parallel_for(lines.size(), [&](std::size_t i) {
-    const std::int64_t time = drive.sweeps[i].time_ns;
+    const std::int64_t time = drive.scan_headers[i].time_ns;
     if (const std::optional<SE3> pose = world_from_lidar_.at(time))
       lines[i] = fit_ground(*drive.scans[i], pose->R.transpose() * tangent(along(time)));
   });
@@ -91,7 +91,7 @@ void Road::measure_ground(const Drive& drive) {
   std::vector<double> heights;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (!lines[i]) continue;
-    found.push_back({drive.sweeps[i].time_ns, {-lines[i]->x(), lines[i]->y()}});
+    found.push_back({drive.scan_headers[i].time_ns, {-lines[i]->x(), lines[i]->y()}});
     heights.push_back(-lines[i]->x());
   }
   if (found.empty())

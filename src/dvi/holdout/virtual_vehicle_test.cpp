@@ -10,7 +10,7 @@
 namespace dvi::holdout {
 namespace {
 
-constexpr int kSweeps = 11;
+constexpr int kScans = 11;
 constexpr double kHeight = 1.7;  // metres of the LiDAR
 constexpr double kClearance = 0.2;
 constexpr std::uint64_t kSeed = 6;
@@ -22,14 +22,14 @@ std::vector<Eigen::Vector3d> post(double x, double y, double from = 0.5, double 
   return points;
 }
 
-// Straight ahead along x at 10 m/s on the plane z = 0: each sweep sees the ground round it, and `things`, each return from
+// Straight ahead along x at 10 m/s on the plane z = 0: each scan sees the ground round it, and `things`, each return from
 // where the LiDAR is at its own time.
 Drive drive_past(const std::vector<Eigen::Vector3d>& things) {
   Drive drive;
   std::vector<StampedPose> poses;
-  for (int i = 0; i < kSweeps; ++i) {
+  for (int i = 0; i < kScans; ++i) {
     const std::int64_t time = i * 100'000'000LL;
-    drive.sweeps.push_back({std::to_string(i), time, time - 50'000'000, time + 50'000'000, {}});
+    drive.scan_headers.push_back({std::to_string(i), time, time - 50'000'000, time + 50'000'000, {}});
     Frame frame;
     frame.time_ns = time;
     drive.frames.push_back(frame);
@@ -37,7 +37,7 @@ Drive drive_past(const std::vector<Eigen::Vector3d>& things) {
   }
   drive.poses = Trajectory(poses);
   drive.camera_from_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  drive.scans = Lazy<Scan>(kSweeps, kSweeps, [things](std::size_t sweep) {
+  drive.scans = Lazy<Scan>(kScans, kScans, [things](std::size_t index) {
     Scan scan;
     const auto add = [&](const Eigen::Vector3d& lidar_point, float time) {
       scan.points.push_back(lidar_point.cast<float>()), scan.time.push_back(time), scan.intensity.push_back(0);
@@ -46,7 +46,7 @@ Drive drive_past(const std::vector<Eigen::Vector3d>& things) {
       for (double y = -5; y < 5; y += 0.5) add({x, y, -kHeight}, 0);
     for (std::size_t k = 0; k < things.size(); ++k) {
       const double time = k % 2 == 0 ? -0.04 : 0.04;
-      add(things[k] - Eigen::Vector3d(static_cast<double>(sweep) + 10 * time, 0, kHeight), static_cast<float>(time));
+      add(things[k] - Eigen::Vector3d(static_cast<double>(index) + 10 * time, 0, kHeight), static_cast<float>(time));
     }
     return scan;
   });
@@ -104,7 +104,7 @@ TEST(Parked, MovesToTheNearestFreePlace) {
 Drive drive_past_labelled(double metres_per_frame) {
   Drive drive = drive_past(post(drawn().x(), drawn().y()));
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
-    const double moved = metres_per_frame * (static_cast<double>(i) - kSweeps / 2);
+    const double moved = metres_per_frame * (static_cast<double>(i) - kScans / 2);
     Label label;
     label.track = 3;
     label.box = {SE3{Eigen::Matrix3d::Identity(), drawn() + Eigen::Vector3d(moved - static_cast<double>(i), 0, -kHeight)},
@@ -136,9 +136,9 @@ TEST(Parked, TakesThePlaceWithTheFewestReturnsWhereNoneIsFree) {
     for (const Eigen::Vector3d& p : post(drawn().x() + x + 0.125, drawn().y(), 0.5, x >= 4 && x < 10 ? 0.6 : 1.5))
       wall.push_back(p);
   const VirtualVehicle vehicle = parked(drive_past(wall));
-  // 18 posts of one return each fit into the 4.6 m of the box and its clearance, from every sweep.
+  // 18 posts of one return each fit into the 4.6 m of the box and its clearance, from every scan.
   EXPECT_DOUBLE_EQ(vehicle.stand()->moved, 6.25);
-  EXPECT_EQ(vehicle.stand()->returns, 18 * kSweeps);
+  EXPECT_EQ(vehicle.stand()->returns, 18 * kScans);
 }
 
 }  // namespace

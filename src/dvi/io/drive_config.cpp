@@ -97,7 +97,7 @@ CameraConfig read_camera(const Table& table) {
 LidarConfig read_lidar(const Table& table) {
   LidarConfig lidar;
   lidar.rate = table.number("rate").value_or(lidar.rate);
-  if (!(lidar.rate >= 0.1 && lidar.rate <= 1000)) table.fail("rate", "is not a number of sweeps a second");
+  if (!(lidar.rate >= 0.1 && lidar.rate <= 1000)) table.fail("rate", "is not a number of scans a second");
   if (const auto stamp = table.choice("stamp", {"start", "middle", "end"})) lidar.stamp = LidarConfig::Stamp(*stamp);
   if (const auto turn = table.choice("rotation", {"clockwise", "counterclockwise", "none"})) lidar.turn = Turn(*turn);
   if (const auto azimuth = table.number("first_azimuth_deg")) lidar.first_azimuth = *azimuth * kDegree;
@@ -145,7 +145,8 @@ void CameraConfig::apply(Drive& drive) const {
 }
 
 void LidarConfig::apply(Drive& drive) const {
-  for (Sweep& sweep : drive.sweeps) sweep.time_ns += offset_ns, sweep.start_ns += offset_ns, sweep.end_ns += offset_ns;
+  for (ScanHeader& header : drive.scan_headers)
+    header.time_ns += offset_ns, header.start_ns += offset_ns, header.end_ns += offset_ns;
 }
 
 CameraConfig DriveConfig::camera(const std::string& name) const {

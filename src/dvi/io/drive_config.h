@@ -25,13 +25,13 @@ struct CameraConfig {
 
 /// What the table [lidar] says.
 struct LidarConfig {
-  double rate = 10;  ///< sweeps a second
+  double rate = 10;  ///< scans a second
   enum class Stamp { start, middle, end } stamp = Stamp::middle;
   std::optional<Turn> turn;
   std::optional<double> first_azimuth;  ///< radians
   std::int64_t offset_ns = 0;           ///< added to the LiDAR's stamps
 
-  void apply(Drive& drive) const;  ///< to the sweeps' times
+  void apply(Drive& drive) const;  ///< to the scans' times
   Rotation rotation() const { return {turn.value_or(Turn::clockwise), first_azimuth.value_or(std::numbers::pi)}; }
 };
 

@@ -44,8 +44,8 @@ void write_picture(benchmark::State& state) {
 }
 BENCHMARK(write_picture)->Unit(benchmark::kMillisecond);
 
-/// A sweep of 120,000 points as KITTI stores it.
-void read_sweep(benchmark::State& state) {
+/// A scan of 120,000 points as KITTI stores it.
+void read_scan(benchmark::State& state) {
   const Folder folder;
   Random random(4);
   std::vector<float> numbers;
@@ -55,7 +55,7 @@ void read_sweep(benchmark::State& state) {
   for (auto _ : state) points = read_point_cloud(folder.path / "a.bin").points.size();
   state.counters["points"] = static_cast<double>(points);
 }
-BENCHMARK(read_sweep)->Unit(benchmark::kMillisecond);
+BENCHMARK(read_scan)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace dvi::io

@@ -39,7 +39,7 @@ void check(const fs::path& path, const PointCloud& cloud) {
                      "leave such points out of the file");
   constexpr float kLongest = 10;  // seconds; beyond, the column is in another unit or counts from elsewhere
   if (std::any_of(cloud.t.begin(), cloud.t.end(), [](float t) { return !(std::abs(t) <= kLongest); }))
-    throw InputError(path, "its times t are not seconds after the sweep's start", "convert them or leave the field out");
+    throw InputError(path, "its times t are not seconds after the scan's start", "convert them or leave the field out");
 }
 
 template <class T>

@@ -14,7 +14,7 @@ namespace dvi::io {
 struct PointCloud {
   std::vector<Eigen::Vector3f> points;  ///< metres
   std::vector<float> intensity;         ///< one a point; 0 where the file tells none
-  std::vector<float> t;                 ///< one a point: seconds after the sweep's start; or empty
+  std::vector<float> t;                 ///< one a point: seconds after the scan's start; or empty
   std::vector<std::uint16_t> ring;      ///< one a point; or empty
 };
 

@@ -24,7 +24,7 @@ SE3 quaternion_pose(const TextLine& line) {
 
 std::vector<StampedPose> by_scan(const std::vector<TextLine>& lines, const Drive& drive) {
   std::map<std::string, std::int64_t> times;
-  for (const Sweep& sweep : drive.sweeps) times[sweep.name] = sweep.time_ns;
+  for (const ScanHeader& header : drive.scan_headers) times[header.name] = header.time_ns;
   std::vector<StampedPose> poses;
   for (const TextLine& line : lines) {
     const SE3 pose = matrix_pose(line, 1);

@@ -11,7 +11,7 @@ using testing::HasSubstr;
 Drive two_scans() {
   Drive drive;
   drive.frames = {{0, "a", 100, {}, {}}, {1, "b", 200, {}, {}}};
-  drive.sweeps = {{"a", 110, 60, 160, {}}, {"b", 210, 160, 260, {}}};
+  drive.scan_headers = {{"a", 110, 60, 160, {}}, {"b", 210, 160, 260, {}}};
   drive.camera_from_lidar.t = {0, 0, -1};
   return drive;
 }

@@ -14,8 +14,8 @@
 namespace dvi::io {
 namespace {
 
-constexpr std::int64_t kSweep = 100'000'000;  // nanoseconds
-constexpr const char* kCamera = "front";      // the layout knows one camera and does not name it
+constexpr std::int64_t kScanPeriod = 100'000'000;  // nanoseconds
+constexpr const char* kCamera = "front";           // the layout knows one camera and does not name it
 
 // LiDAR axes of the files are x left, y back, z up; those of their poses, as LOAM has them, back, up, left.
 const Eigen::Matrix3d kLidarFromNative = (Eigen::Matrix3d() << 0, -1, 0, 1, 0, 0, 0, 0, 1).finished();
@@ -54,7 +54,7 @@ std::int64_t time_in_name(const fs::path& file, const std::string& name) {
 }
 
 // "lidar_bg/bg_1534313591.532032.pcd.ply" -> "1534313591.532032"
-std::string sweep_name(const std::string& file) {
+std::string scan_name(const std::string& file) {
   std::string name = fs::path(file).filename().string();
   name = name.substr(0, name.find(".p"));
   return name.starts_with("bg_") ? name.substr(3) : name;
@@ -70,15 +70,16 @@ std::vector<Frame> read_frames(const std::vector<fs::path>& folders) {
   return frames;
 }
 
-std::vector<Sweep> read_sweeps(const fs::path& folder) {
-  std::vector<Sweep> sweeps;
+std::vector<ScanHeader> read_scan_headers(const fs::path& folder) {
+  std::vector<ScanHeader> scan_headers;
   for (const fs::path& file : list_files(folder, {".ply"})) {
-    const std::string name = sweep_name(file.string());
+    const std::string name = scan_name(file.string());
     const std::int64_t end = time_in_name(file, name);
-    sweeps.push_back({name, end - kSweep / 2, end - kSweep, end, file});
+    scan_headers.push_back({name, end - kScanPeriod / 2, end - kScanPeriod, end, file});
   }
-  std::sort(sweeps.begin(), sweeps.end(), [](const Sweep& a, const Sweep& b) { return a.time_ns < b.time_ns; });
-  return sweeps;
+  std::sort(scan_headers.begin(), scan_headers.end(),
+            [](const ScanHeader& a, const ScanHeader& b) { return a.time_ns < b.time_ns; });
+  return scan_headers;
 }
 
 Eigen::Matrix3d turn(const Eigen::Vector3d& axis, double angle) { return so3_exp(angle * axis); }
@@ -88,8 +89,8 @@ template <class Compose>
 std::map<std::int64_t, SE3> read_lines_of(const fs::path& file, const Compose& compose) {
   std::map<std::int64_t, SE3> poses;
   for (const TextLine& line : read_text_lines(file)) {
-    const auto end = to_nanoseconds(sweep_name(line.word(0)));
-    if (!end) line.fail("'" + line.word(0) + "' does not name a sweep by its time");
+    const auto end = to_nanoseconds(scan_name(line.word(0)));
+    if (!end) line.fail("'" + line.word(0) + "' does not name a scan by its time");
     const auto v = line.numbers<6>(1);
     poses[*end] = {compose(turn(Eigen::Vector3d::UnitX(), v[0]), turn(Eigen::Vector3d::UnitY(), v[1]),
                            turn(Eigen::Vector3d::UnitZ(), v[2])),
@@ -98,8 +99,8 @@ std::map<std::int64_t, SE3> read_lines_of(const fs::path& file, const Compose& c
   return poses;
 }
 
-// The motion within a sweep is even: a pose at its start and one at its end tell it. The end of a sweep is the start of the
-// next one, so that only the first sweep and those after a gap bring a start of their own.
+// The motion within a scan is even: a pose at its start and one at its end tell it. The end of a scan is the start of the
+// next one, so that only the first scan and those after a gap bring a start of their own.
 std::vector<StampedPose> read_span_poses(const fs::path& folder, std::vector<fs::path>& other_files) {
   const SE3 lidar_from_loam{kLidarFromNative * kLoamFromNative.transpose(), {0, 0, 0}};
   const fs::path global = folder / "global_poses.txt", relative = folder / "rel_poses.txt";
@@ -116,8 +117,8 @@ std::vector<StampedPose> read_span_poses(const fs::path& folder, std::vector<fs:
   other_files.push_back(relative);
   for (const auto& [end, motion] : end_from_start) {
     const auto pose = map_from_end.find(end);
-    const auto before = map_from_end.lower_bound(end - kSweep * 3 / 2);
-    if (pose != map_from_end.end() && before->first == end) add(end - kSweep, pose->second * motion);
+    const auto before = map_from_end.lower_bound(end - kScanPeriod * 3 / 2);
+    if (pose != map_from_end.end() && before->first == end) add(end - kScanPeriod, pose->second * motion);
   }
   return poses;
 }
@@ -125,16 +126,16 @@ std::vector<StampedPose> read_span_poses(const fs::path& folder, std::vector<fs:
 Gap frames_without_scan(const Drive& drive) {
   Gap gap{"no scan for frames", {}};
   for (const Frame& frame : drive.frames)
-    if (std::none_of(drive.sweeps.begin(), drive.sweeps.end(),
-                     [&](const Sweep& sweep) { return std::abs(sweep.start_ns - frame.time_ns) <= kSweep / 2; }))
+    if (std::none_of(drive.scan_headers.begin(), drive.scan_headers.end(),
+                     [&](const ScanHeader& header) { return std::abs(header.start_ns - frame.time_ns) <= kScanPeriod / 2; }))
       gap.frames.push_back(frame.number);
   return gap;
 }
 
-Scan read_scan(const Sweep& sweep) {
-  PointCloud cloud = read_point_cloud(sweep.file);
+Scan read_scan(const ScanHeader& header) {
+  PointCloud cloud = read_point_cloud(header.file);
   Scan scan;
-  scan.time = times_in_order(cloud.points, sweep);
+  scan.time = times_in_order(cloud.points, header);
   const Eigen::Matrix3f R = kLidarFromNative.cast<float>();
   for (Eigen::Vector3f& p : cloud.points) p = R * p;
   scan.points = std::move(cloud.points);
@@ -155,7 +156,7 @@ Recording read(const fs::path& path, const ReadOptions& options) {
   drive.frames = read_frames(image_folders);
   if (drive.frames.empty()) throw InputError(path, "holds no images", "they belong into image/ and are named T.jpg");
   drive.mask_files = match_masks(drive.frames, mask_folders);
-  drive.sweeps = read_sweeps(path / "lidar_bg");
+  drive.scan_headers = read_scan_headers(path / "lidar_bg");
   calibrate(drive);
   const cv::Size size = image_size(drive.frames.front().file);
   drive.camera.width = size.width, drive.camera.height = size.height;

@@ -11,7 +11,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// Three sweeps of a straight drive at 10 m/s; LOAM's axes are back, up, left.
+// Three scans of a straight drive at 10 m/s; LOAM's axes are back, up, left.
 class Apolloscape : public testing::Test {
  protected:
   Apolloscape() {
@@ -37,12 +37,12 @@ class Apolloscape : public testing::Test {
   TestFolder folder;
 };
 
-TEST_F(Apolloscape, ReadsSweepsIntoOurAxes) {
+TEST_F(Apolloscape, ReadsScansIntoOurAxes) {
   const Drive drive = read_drive(folder.path);
   EXPECT_EQ(drive.format, "apolloscape");
   ASSERT_EQ(drive.frames.size(), 3U);
   EXPECT_EQ(drive.frames[1].number, 1);
-  EXPECT_EQ(drive.sweeps[1].start_ns, drive.frames[1].time_ns);
+  EXPECT_EQ(drive.scan_headers[1].start_ns, drive.frames[1].time_ns);
   EXPECT_TRUE(drive.warnings.empty());
   const auto scan = drive.scans[0];
   EXPECT_TRUE(scan->points[0].isApprox(Eigen::Vector3f(7, 0, 1)));
@@ -56,12 +56,12 @@ TEST_F(Apolloscape, ReadsSweepsIntoOurAxes) {
   EXPECT_NEAR(ahead.y(), 342, 60);
 }
 
-TEST_F(Apolloscape, HasPosesAtTheStartOfTheFirstSweepAndTheEndOfEach) {
+TEST_F(Apolloscape, HasPosesAtTheStartOfTheFirstScanAndTheEndOfEach) {
   const Drive drive = read_drive(folder.path);
   ASSERT_EQ(drive.poses.poses().size(), 4U);
   EXPECT_EQ(drive.poses.poses()[0].time_ns, drive.frames[0].time_ns);
   EXPECT_NEAR(drive.poses.poses()[0].world_from_body.t.x(), 0, 1e-9);
-  EXPECT_NEAR(drive.poses.at(drive.sweeps[2].end_ns)->t.x(), 3, 1e-9);
+  EXPECT_NEAR(drive.poses.at(drive.scan_headers[2].end_ns)->t.x(), 3, 1e-9);
 }
 
 TEST_F(Apolloscape, SaysWhatIsWrong) {

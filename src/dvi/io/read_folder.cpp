@@ -48,7 +48,7 @@ std::vector<std::string> names_of(const std::vector<fs::path>& files) {
   return names;
 }
 
-// Without any times, equal names tie image and scan: their numbers, or their places among all names, count sweeps.
+// Without any times, equal names tie image and scan: their numbers, or their places among all names, count scans.
 Times count_times(const std::vector<std::string>& images, const std::vector<std::string>& scans, double rate) {
   std::set<std::string> names(images.begin(), images.end());
   names.insert(scans.begin(), scans.end());
@@ -100,41 +100,42 @@ std::vector<Frame> make_frames(const std::vector<fs::path>& files, const Clocks&
   return frames;
 }
 
-std::vector<Sweep> make_sweeps(const std::vector<fs::path>& files, const Clocks& clocks, std::int64_t length,
-                               LidarConfig::Stamp stamp) {
-  std::vector<Sweep> sweeps;
+std::vector<ScanHeader> make_scan_headers(const std::vector<fs::path>& files, const Clocks& clocks, std::int64_t length,
+                                          LidarConfig::Stamp stamp) {
+  std::vector<ScanHeader> scan_headers;
   for (const fs::path& file : files) {
     const std::int64_t time = time_of(clocks.lidar, file, clocks.lidar_file);
     const std::int64_t half = length / 2;
     const std::int64_t middle = stamp == LidarConfig::Stamp::start ? time + half
                                 : stamp == LidarConfig::Stamp::end ? time - half
                                                                    : time;
-    sweeps.push_back({file.stem().string(), middle, middle - half, middle + half, file});
+    scan_headers.push_back({file.stem().string(), middle, middle - half, middle + half, file});
   }
-  std::stable_sort(sweeps.begin(), sweeps.end(), [](const Sweep& a, const Sweep& b) { return a.time_ns < b.time_ns; });
-  return sweeps;
+  std::stable_sort(scan_headers.begin(), scan_headers.end(),
+                   [](const ScanHeader& a, const ScanHeader& b) { return a.time_ns < b.time_ns; });
+  return scan_headers;
 }
 
-const Sweep* nearest_sweep(const std::vector<Sweep>& sweeps, std::int64_t time, std::int64_t within) {
-  const auto distance = [&](const Sweep& sweep) { return std::abs(sweep.time_ns - time); };
-  const auto nearest =
-      std::min_element(sweeps.begin(), sweeps.end(), [&](const Sweep& a, const Sweep& b) { return distance(a) < distance(b); });
-  return nearest == sweeps.end() || distance(*nearest) > within ? nullptr : &*nearest;
+const ScanHeader* nearest_scan(const std::vector<ScanHeader>& scan_headers, std::int64_t time, std::int64_t within) {
+  const auto distance = [&](const ScanHeader& header) { return std::abs(header.time_ns - time); };
+  const auto nearest = std::min_element(scan_headers.begin(), scan_headers.end(),
+                                        [&](const ScanHeader& a, const ScanHeader& b) { return distance(a) < distance(b); });
+  return nearest == scan_headers.end() || distance(*nearest) > within ? nullptr : &*nearest;
 }
 
 std::vector<Gap> find_gaps(const Drive& drive, std::int64_t period) {
   Gap images{"no image for frames", {}}, scans{"no scan for frames", {}}, poses{"no pose for the scans of frames", {}};
   std::set<std::int64_t> posed;
   for (const StampedPose& pose : drive.poses.poses()) posed.insert(pose.time_ns);
-  const bool by_scan = !posed.empty() && std::any_of(drive.sweeps.begin(), drive.sweeps.end(),
-                                                     [&](const Sweep& sweep) { return posed.contains(sweep.time_ns); });
+  const bool by_scan = !posed.empty() && std::any_of(drive.scan_headers.begin(), drive.scan_headers.end(),
+                                                     [&](const ScanHeader& header) { return posed.contains(header.time_ns); });
   std::map<int, int> steps;
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
     const Frame& frame = drive.frames[i];
     if (i > 0) ++steps[frame.number - drive.frames[i - 1].number];
-    const Sweep* sweep = nearest_sweep(drive.sweeps, frame.time_ns, period * 6 / 10);
-    if (!sweep) scans.frames.push_back(frame.number);
-    if (sweep && by_scan && !posed.contains(sweep->time_ns)) poses.frames.push_back(frame.number);
+    const ScanHeader* header = nearest_scan(drive.scan_headers, frame.time_ns, period * 6 / 10);
+    if (!header) scans.frames.push_back(frame.number);
+    if (header && by_scan && !posed.contains(header->time_ns)) poses.frames.push_back(frame.number);
   }
   // Numbers are missing only where they otherwise count in even steps, and not where names are times, say.
   const auto usual = std::max_element(steps.begin(), steps.end(), [](auto& a, auto& b) { return a.second < b.second; });
@@ -165,7 +166,8 @@ void set_camera(Drive& drive, const DriveConfig& config, bool depth) {
   }
   camera.apply(drive);
   if (depth)  // it hangs on the camera's clock
-    for (Sweep& sweep : drive.sweeps) sweep.time_ns += camera.offset_ns, sweep.start_ns = sweep.end_ns = sweep.time_ns;
+    for (ScanHeader& header : drive.scan_headers)
+      header.time_ns += camera.offset_ns, header.start_ns = header.end_ns = header.time_ns;
 }
 
 Recording read(const fs::path& path, const ReadOptions& options) {
@@ -188,7 +190,7 @@ Recording read(const fs::path& path, const ReadOptions& options) {
   const std::int64_t period = std::llround(1e9 / config.lidar.rate);
   const Clocks clocks = read_clocks(drive, names_of(images), names_of(scans), config.lidar.rate);
   drive.frames = make_frames(images, clocks);
-  drive.sweeps = make_sweeps(scans, clocks, depth ? 0 : period, config.lidar.stamp);
+  drive.scan_headers = make_scan_headers(scans, clocks, depth ? 0 : period, config.lidar.stamp);
   set_camera(drive, config, depth);
   config.lidar.apply(drive);
   drive.mask_files = match_masks(drive.frames, {path / "masks" / drive.camera_name});
@@ -202,8 +204,8 @@ Recording read(const fs::path& path, const ReadOptions& options) {
     recording.read_scan = DepthScan{drive.camera, drive.camera_from_lidar.inverse()};
     recording.scan_bytes = 20 * static_cast<std::size_t>(drive.camera.width * drive.camera.height);
   } else {
-    recording.read_scan = [rotation = config.lidar.rotation()](const Sweep& sweep) {
-      return to_scan(read_point_cloud(sweep.file), sweep, rotation);
+    recording.read_scan = [rotation = config.lidar.rotation()](const ScanHeader& header) {
+      return to_scan(read_point_cloud(header.file), header, rotation);
     };
   }
   return recording;

@@ -34,8 +34,8 @@ TEST_F(Folder, TiesEqualNamesAtTheRateWithoutTimes) {
   ASSERT_EQ(drive.frames.size(), 3U);
   EXPECT_EQ(drive.frames[2].number, 2);
   EXPECT_EQ(drive.frames[2].time_ns, 100'000'000);
-  EXPECT_EQ(drive.sweeps[2].time_ns, 100'000'000);
-  EXPECT_EQ(drive.sweeps[2].start_ns, 75'000'000);
+  EXPECT_EQ(drive.scan_headers[2].time_ns, 100'000'000);
+  EXPECT_EQ(drive.scan_headers[2].start_ns, 75'000'000);
   EXPECT_EQ(drive.camera.width, 8);
   EXPECT_TRUE(drive.poses.empty());
   EXPECT_TRUE(drive.warnings.empty());
@@ -51,7 +51,7 @@ TEST_F(Folder, ReadsTimesPosesMasksAndBoxes) {
   folder.write_image("masks/front/b.png", cv::Mat1b(6, 8, uchar{1}));
   const Drive drive = read();
   EXPECT_EQ(drive.frames[1].time_ns, 1'151'000'000);
-  EXPECT_EQ(drive.sweeps[1].time_ns, 1'150'000'000);
+  EXPECT_EQ(drive.scan_headers[1].time_ns, 1'150'000'000);
   EXPECT_EQ(drive.poses.poses()[1].time_ns, 1'250'000'000);
   EXPECT_NEAR(drive.poses.at(1'150'000'000)->t.x(), 1, 1e-9);
   EXPECT_EQ(drive.frames[1].labels.size(), 1U);
@@ -71,7 +71,7 @@ TEST_F(Folder, MakesScansOfDepthImages) {
   folder.write_image("depth/front/c.png", cv::Mat1w(5, 8, ushort{9}));
   folder.write("dvi.toml", "[camera.front]\nK = [4, 0, 4, 0, 4, 3, 0, 0, 1]\noffset_s = 0.5\n");
   const Drive drive = read();
-  EXPECT_EQ(drive.sweeps[0].time_ns, 500'000'000);
+  EXPECT_EQ(drive.scan_headers[0].time_ns, 500'000'000);
   EXPECT_EQ(drive.frames[0].time_ns, 500'000'000);
   const auto scan = drive.scans[0];
   ASSERT_EQ(scan->size(), 1U);

@@ -57,23 +57,23 @@ std::vector<Frame> read_frames(const fs::path& drive, const std::string& camera)
   return frames;
 }
 
-std::vector<Sweep> read_sweeps(const fs::path& folder, std::vector<fs::path>& other_files) {
-  constexpr std::int64_t kHalf = 50'000'000;  // of a sweep at 10 Hz
-  std::vector<Sweep> sweeps;
+std::vector<ScanHeader> read_scan_headers(const fs::path& folder, std::vector<fs::path>& other_files) {
+  constexpr std::int64_t kHalf = 50'000'000;  // of a scan at 10 Hz
+  std::vector<ScanHeader> scan_headers;
   const Numbered scans = numbered_files(folder / "data", {".bin"});
-  if (scans.empty()) return sweeps;
+  if (scans.empty()) return scan_headers;
   const fs::path starts = folder / "timestamps_start.txt", ends = folder / "timestamps_end.txt";
   const bool spans = fs::exists(starts) && fs::exists(ends);
   const Stamps first(spans ? starts : folder / "timestamps.txt"), last(spans ? ends : folder / "timestamps.txt");
   for (const auto& [number, file] : scans) {
     const std::int64_t start = first.of(number, file) - (spans ? 0 : kHalf), end = last.of(number, file) + (spans ? 0 : kHalf);
-    sweeps.push_back({file.stem().string(), start + (end - start) / 2, start, end, file});
+    scan_headers.push_back({file.stem().string(), start + (end - start) / 2, start, end, file});
   }
   if (spans)
     other_files.insert(other_files.end(), {starts, ends});
   else
     other_files.push_back(folder / "timestamps.txt");
-  return sweeps;
+  return scan_headers;
 }
 
 // Of a packet: latitude and longitude in degrees, altitude, roll, pitch, yaw in radians.
@@ -159,19 +159,21 @@ Recording read(const fs::path& path, const ReadOptions& options) {
     const cv::Size size = image_size(drive.frames.front().file);
     drive.camera.width = size.width, drive.camera.height = size.height;
   }
-  drive.sweeps = read_sweeps(path / "velodyne_points", drive.other_files);
+  drive.scan_headers = read_scan_headers(path / "velodyne_points", drive.other_files);
   const Numbered packets = numbered_files(path / "oxts" / "data", {".txt"});
   read_oxts(drive, packets);
   const Numbered scans = numbered_files(path / "velodyne_points" / "data", {".bin"});
   recording.gaps = find_gaps(drive, images_of(path, drive.camera_name), scans, packets);
 
-  Rotation rotation;  // clockwise, the front in the middle of the sweep
+  Rotation rotation;  // clockwise, the front in the middle of the scan
   if (const auto config = read_drive_config(path)) {
     config->apply(drive);
     rotation = config->lidar.rotation();
   }
   read_own_labels(drive);
-  recording.read_scan = [rotation](const Sweep& sweep) { return to_scan(read_point_cloud(sweep.file), sweep, rotation); };
+  recording.read_scan = [rotation](const ScanHeader& header) {
+    return to_scan(read_point_cloud(header.file), header, rotation);
+  };
   return recording;
 }
 

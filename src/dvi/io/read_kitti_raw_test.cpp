@@ -67,9 +67,9 @@ TEST_F(KittiRaw, ReadsAnExcerpt) {
   EXPECT_EQ(read.frames[0].number, 20);
   EXPECT_EQ(read.frames[0].name, "0000000020");
   EXPECT_EQ(read.frames[0].time_ns % 60'000'000'000, 12'000'000'000);
-  ASSERT_EQ(read.sweeps.size(), 5U);
-  EXPECT_EQ(read.sweeps[0].time_ns, read.frames[0].time_ns);
-  EXPECT_EQ(read.sweeps[0].end_ns - read.sweeps[0].start_ns, 100'000'000);
+  ASSERT_EQ(read.scan_headers.size(), 5U);
+  EXPECT_EQ(read.scan_headers[0].time_ns, read.frames[0].time_ns);
+  EXPECT_EQ(read.scan_headers[0].end_ns - read.scan_headers[0].start_ns, 100'000'000);
   // A point straight ahead is 6 cm right of the camera's middle at f = 4.
   const Eigen::Vector3d ahead = read.camera_from_lidar * Eigen::Vector3d(6, 0, 0);
   EXPECT_TRUE(ahead.isApprox(Eigen::Vector3d(0.06, 0, 6)));
@@ -156,7 +156,7 @@ TEST_F(KittiRaw, LetsDviTomlOverrideCalibrationAndClocks) {
   put("dvi.toml", "[camera.image_02]\nK=[5,0,4,0,5,3,0,0,1]\noffset_s=0.002\n[lidar]\noffset_s=-0.001\n");
   const Drive read = read_drive(drive);
   EXPECT_EQ(read.camera.fx, 5);
-  EXPECT_EQ(read.frames[0].time_ns - read.sweeps[0].time_ns, 3'000'000);
+  EXPECT_EQ(read.frames[0].time_ns - read.scan_headers[0].time_ns, 3'000'000);
   EXPECT_THAT(read.other_files, Contains(drive / "dvi.toml"));
   put("dvi.toml", "[camera.front]\noffset_s=0.002\n");
   EXPECT_THAT(error(), AllOf(HasSubstr("[camera.front]"), HasSubstr("it has image_02")));

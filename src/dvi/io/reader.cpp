@@ -48,7 +48,7 @@ void check(const Drive& drive) {
 }
 
 void cut(Drive& drive, const FrameRange& range) {
-  constexpr std::int64_t kNear = 10'000'000;  // a clock's worth: the sweep that a frame was taken in must stay
+  constexpr std::int64_t kNear = 10'000'000;  // a clock's worth: the scan that a frame was taken in must stay
   const int first = drive.frames.front().number, last = drive.frames.back().number;
   if (range.first > range.last || range.first < first || range.last > last)
     throw InputError(drive.path, "frames " + std::to_string(range.first) + ":" + std::to_string(range.last) + " are not in it",
@@ -66,7 +66,7 @@ void cut(Drive& drive, const FrameRange& range) {
   if (drive.frames.empty())
     throw InputError(drive.path, "has no images for frames " + std::to_string(range.first) + ":" + std::to_string(range.last));
   const std::int64_t begin = drive.frames.front().time_ns - kNear, end = drive.frames.back().time_ns + kNear;
-  std::erase_if(drive.sweeps, [&](const Sweep& sweep) { return sweep.end_ns < begin || sweep.start_ns > end; });
+  std::erase_if(drive.scan_headers, [&](const ScanHeader& header) { return header.end_ns < begin || header.start_ns > end; });
 }
 
 void warn_of_gaps(Drive& drive, const std::vector<Gap>& gaps) {
@@ -85,11 +85,11 @@ void warn_of_gaps(Drive& drive, const std::vector<Gap>& gaps) {
 std::size_t scan_bytes(const Recording& recording) {
   if (recording.scan_bytes > 0) return recording.scan_bytes;
   std::uintmax_t largest = 1;
-  for (const Sweep& sweep : recording.drive.sweeps) largest = std::max(largest, fs::file_size(sweep.file));
+  for (const ScanHeader& header : recording.drive.scan_headers) largest = std::max(largest, fs::file_size(header.file));
   return static_cast<std::size_t>(largest) * 3 / 2;  // x y z intensity, and a time
 }
 
-void hang_in(Recording& recording, std::size_t cache_bytes) {
+void attach_lazy_readers(Recording& recording, std::size_t cache_bytes) {
   Drive& drive = recording.drive;
   const auto capacity = [](std::size_t bytes, std::size_t item) { return std::max<std::size_t>(4, bytes / item); };
   const cv::Size size(drive.camera.width, drive.camera.height);
@@ -104,8 +104,9 @@ void hang_in(Recording& recording, std::size_t cache_bytes) {
     drive.masks = Lazy<cv::Mat1b>(masks.size(), capacity(cache_bytes / 4, pixels), [masks, size](std::size_t i) {
       return masks[i].empty() ? cv::Mat1b(size, uchar{0}) : read_mask(masks[i], size);
     });
-  drive.scans = Lazy<Scan>(drive.sweeps.size(), capacity(cache_bytes / 4, scan_bytes(recording)),
-                           [sweeps = drive.sweeps, read = recording.read_scan](std::size_t i) { return read(sweeps[i]); });
+  drive.scans = Lazy<Scan>(
+      drive.scan_headers.size(), capacity(cache_bytes / 4, scan_bytes(recording)),
+      [scan_headers = drive.scan_headers, read = recording.read_scan](std::size_t i) { return read(scan_headers[i]); });
 }
 
 }  // namespace
@@ -126,9 +127,9 @@ Drive read_drive(const fs::path& path, const ReadOptions& options) {
   drive.format = format->name;
   check(drive);
   if (options.frames) cut(drive, *options.frames);
-  for (const Sweep& sweep : drive.sweeps) check_size(sweep.file);
+  for (const ScanHeader& header : drive.scan_headers) check_size(header.file);
   warn_of_gaps(drive, recording.gaps);
-  hang_in(recording, options.cache_bytes);
+  attach_lazy_readers(recording, options.cache_bytes);
   return std::move(drive);
 }
 

@@ -12,7 +12,7 @@ namespace dvi::io {
 
 struct ReadOptions {
   std::string camera = {};                          ///< empty: the drive's first
-  std::optional<FrameRange> frames = {};            ///< cut the drive to these (frames, and the sweeps near them in time)
+  std::optional<FrameRange> frames = {};            ///< cut the drive to these (frames, and the scans near them in time)
   std::size_t cache_bytes = std::size_t{48} << 20;  ///< bound of decoded images, masks and scans kept together
 };
 
@@ -27,7 +27,7 @@ struct Gap {
 struct Recording {
   Drive drive;
   std::vector<Gap> gaps;
-  std::function<Scan(const Sweep&)> read_scan;
+  std::function<Scan(const ScanHeader&)> read_scan;
   std::size_t scan_bytes = 0;  ///< of one scan in memory; 0: by the size of the files
 };
 

@@ -21,7 +21,7 @@ void write_drive(const TestFolder& folder) {
   for (const char* name : {"10", "11", "14"}) folder.write_bin(std::string("lidar/") + name + ".bin", {1, 2, 3, 4});
 }
 
-TEST(Reader, CutsToFramesAndTheSweepsTheyNeed) {
+TEST(Reader, CutsToFramesAndTheScansTheyNeed) {
   const TestFolder folder;
   write_drive(folder);
   const Drive all = read_drive(folder.path);
@@ -32,8 +32,8 @@ TEST(Reader, CutsToFramesAndTheSweepsTheyNeed) {
   ASSERT_EQ(cut.frames.size(), 2U);
   EXPECT_EQ(cut.frames[0].number, 11);
   EXPECT_EQ(cut.images.size(), 2U);
-  ASSERT_EQ(cut.sweeps.size(), 1U);
-  EXPECT_EQ(cut.sweeps[0].name, "11");
+  ASSERT_EQ(cut.scan_headers.size(), 1U);
+  EXPECT_EQ(cut.scan_headers[0].name, "11");
   EXPECT_EQ((*cut.images[1])(0, 0), cv::Vec3b(1, 2, 3));
 }
 
@@ -118,7 +118,7 @@ TEST_F(Recordings, KittiRaw) {
     EXPECT_EQ(drive.format, "kitti-raw");
     EXPECT_EQ(drive.frames.size(), e.frames);
     EXPECT_EQ(drive.frames.front().number, e.first);
-    EXPECT_EQ(drive.sweeps.size(), e.frames);
+    EXPECT_EQ(drive.scan_headers.size(), e.frames);
     EXPECT_EQ(drive.poses.poses().size(), e.frames);
     EXPECT_TRUE(drive.warnings.empty());
     std::size_t labels = 0;
@@ -148,7 +148,7 @@ TEST_F(Recordings, ApolloscapeHasTheTruePoses) {
   SKIP_WITHOUT(path);
   const Drive drive = read_drive(path);
   EXPECT_EQ(drive.format, "apolloscape");
-  EXPECT_EQ(drive.sweeps.size(), 22U);
+  EXPECT_EQ(drive.scan_headers.size(), 22U);
   EXPECT_EQ(drive.masks.size(), 22U);
   EXPECT_TRUE(drive.warnings.empty());
   const std::vector<TextLine> truth = read_text_lines(path / "gt_poses.txt");

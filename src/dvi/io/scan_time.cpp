@@ -14,12 +14,12 @@ double wrapped(double angle) {
   return angle < 0 ? angle + kTurn : angle;
 }
 
-// Seconds after the stamp of a fraction of the sweep.
+// Seconds after the stamp of a fraction of the scan.
 class Clock {
  public:
-  explicit Clock(const Sweep& sweep)
-      : start_(1e-9 * static_cast<double>(sweep.start_ns - sweep.time_ns)),
-        length_(1e-9 * static_cast<double>(sweep.end_ns - sweep.start_ns)) {}
+  explicit Clock(const ScanHeader& header)
+      : start_(1e-9 * static_cast<double>(header.start_ns - header.time_ns)),
+        length_(1e-9 * static_cast<double>(header.end_ns - header.start_ns)) {}
   float operator()(double fraction) const { return static_cast<float>(start_ + fraction * length_); }
 
  private:
@@ -28,24 +28,25 @@ class Clock {
 
 }  // namespace
 
-std::vector<float> times_by_azimuth(const std::vector<Eigen::Vector3f>& points, const Sweep& sweep, const Rotation& rotation) {
+std::vector<float> times_by_azimuth(const std::vector<Eigen::Vector3f>& points, const ScanHeader& header,
+                                    const Rotation& rotation) {
   std::vector<float> times(points.size(), 0.0F);
   if (rotation.turn == Turn::none) return times;
   const double sign = rotation.turn == Turn::clockwise ? 1 : -1;
-  const Clock at(sweep);
+  const Clock at(header);
   for (std::size_t i = 0; i < points.size(); ++i)
     times[i] = at(wrapped(sign * (rotation.first_azimuth - azimuth(points[i]))) / kTurn);
   return times;
 }
 
-std::vector<float> times_in_order(const std::vector<Eigen::Vector3f>& points, const Sweep& sweep) {
+std::vector<float> times_in_order(const std::vector<Eigen::Vector3f>& points, const ScanHeader& header) {
   constexpr double kSeam = 0.2;  // radians that returns may be out of order
   std::vector<float> times(points.size(), 0.0F);
   if (points.empty()) return times;
   const double first = azimuth(points.front());
   double span = wrapped(first - azimuth(points.back()));
   if (span < std::numbers::pi) span += kTurn;  // a little more than one turn, or exactly one
-  const Clock at(sweep);
+  const Clock at(header);
   double furthest = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     double angle = wrapped(first - azimuth(points[i]));
@@ -57,12 +58,12 @@ std::vector<float> times_in_order(const std::vector<Eigen::Vector3f>& points, co
   return times;
 }
 
-Scan to_scan(PointCloud cloud, const Sweep& sweep, const Rotation& rotation) {
+Scan to_scan(PointCloud cloud, const ScanHeader& header, const Rotation& rotation) {
   Scan scan;
   if (cloud.t.empty()) {
-    scan.time = times_by_azimuth(cloud.points, sweep, rotation);
+    scan.time = times_by_azimuth(cloud.points, header, rotation);
   } else {
-    const Clock at(sweep);
+    const Clock at(header);
     for (const float t : cloud.t) scan.time.push_back(at(0) + t);
   }
   scan.points = std::move(cloud.points);

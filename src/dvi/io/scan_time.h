@@ -13,20 +13,21 @@ namespace dvi::io {
 /// Which way a LiDAR turns, seen from above. `none`: its scans are compensated for the motion already.
 enum class Turn { clockwise, counterclockwise, none };
 
-/// How the azimuth atan2(y, x) of a return tells when within the sweep it was measured.
+/// How the azimuth atan2(y, x) of a return tells when within the scan it was measured.
 struct Rotation {
   Turn turn = Turn::clockwise;
-  double first_azimuth = std::numbers::pi;  ///< of the sweep's first firing, radians
+  double first_azimuth = std::numbers::pi;  ///< of the scan's first firing, radians
 };
 
-/// Seconds after the sweep's stamp of each point, by its azimuth and the sweep's start and end.
-std::vector<float> times_by_azimuth(const std::vector<Eigen::Vector3f>& points, const Sweep& sweep, const Rotation& rotation);
+/// Seconds after the scan's stamp of each point, by its azimuth and the scan's start and end.
+std::vector<float> times_by_azimuth(const std::vector<Eigen::Vector3f>& points, const ScanHeader& header,
+                                    const Rotation& rotation);
 
-/// The same for points in order of time of a LiDAR that turns clockwise: the first point is at the sweep's start, the last
+/// The same for points in order of time of a LiDAR that turns clockwise: the first point is at the scan's start, the last
 /// one at its end. Returns fire a few degrees ahead of or behind each other, so that order decides at the seam.
-std::vector<float> times_in_order(const std::vector<Eigen::Vector3f>& points, const Sweep& sweep);
+std::vector<float> times_in_order(const std::vector<Eigen::Vector3f>& points, const ScanHeader& header);
 
-/// The scan of a sweep: the file's own times where it has them, else by azimuth.
-Scan to_scan(PointCloud cloud, const Sweep& sweep, const Rotation& rotation);
+/// A scan from its file: the file's own times where it has them, else by azimuth.
+Scan to_scan(PointCloud cloud, const ScanHeader& header, const Rotation& rotation);
 
 }  // namespace dvi::io

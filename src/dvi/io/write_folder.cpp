@@ -28,7 +28,7 @@ std::string settings(const Drive& drive) {
   text += fmt::format("camera_from_lidar = [{:.12g}]\n\n", fmt::join(row_major(drive.camera_from_lidar), ", "));
   return text +
          fmt::format("[lidar]\nrate = {:.12g}\nstamp = \"middle\"\nrotation = \"clockwise\"\nfirst_azimuth_deg = 180.0\n",
-                     sweep_rate(drive));
+                     scan_rate(drive));
 }
 
 template <class Stamped>
@@ -40,9 +40,9 @@ std::string times(const std::vector<Stamped>& items) {
 
 std::string poses(const Drive& drive) {
   std::string text;
-  for (const Sweep& sweep : drive.sweeps)
-    if (const std::optional<SE3> pose = drive.poses.at(sweep.time_ns))
-      text += fmt::format("{} {:.12g}\n", sweep.name, fmt::join(row_major(*pose), " "));
+  for (const ScanHeader& header : drive.scan_headers)
+    if (const std::optional<SE3> pose = drive.poses.at(header.time_ns))
+      text += fmt::format("{} {:.12g}\n", header.name, fmt::join(row_major(*pose), " "));
   return text;
 }
 
@@ -62,27 +62,27 @@ std::string boxes(const Drive& drive) {
   return nlohmann::json{{"version", 1}, {"frames", frames}}.dump(1) + "\n";
 }
 
-bool times_follow(const Scan& scan, const Sweep& sweep) {
+bool times_follow(const Scan& scan, const ScanHeader& header) {
   constexpr float kTolerance = 1e-4F;  // seconds: 1.5 mm at 15 m/s
-  const std::vector<float> expected = times_by_azimuth(scan.points, sweep, {});
+  const std::vector<float> expected = times_by_azimuth(scan.points, header, {});
   return std::equal(expected.begin(), expected.end(), scan.time.begin(),
                     [](float a, float b) { return std::abs(a - b) <= kTolerance; });
 }
 
 }  // namespace
 
-double sweep_rate(const Drive& drive) {
+double scan_rate(const Drive& drive) {
   std::vector<std::int64_t> lengths;
-  for (const Sweep& sweep : drive.sweeps) lengths.push_back(sweep.end_ns - sweep.start_ns);
+  for (const ScanHeader& header : drive.scan_headers) lengths.push_back(header.end_ns - header.start_ns);
   const std::int64_t length = median(std::move(lengths));
   return length > 0 ? 1e9 / static_cast<double>(length) : 10;
 }
 
-void write_folder_scan(const fs::path& folder, const Sweep& sweep, const Scan& scan, double rate) {
+void write_folder_scan(const fs::path& folder, const ScanHeader& header, const Scan& scan, double rate) {
   const std::int64_t half = std::llround(1e9 / rate) / 2;
-  const Sweep as_read{sweep.name, sweep.time_ns, sweep.time_ns - half, sweep.time_ns + half, {}};
+  const ScanHeader as_read{header.name, header.time_ns, header.time_ns - half, header.time_ns + half, {}};
   if (times_follow(scan, as_read)) {
-    write_file(folder / "lidar" / (sweep.name + ".bin"), bin_bytes(scan));
+    write_file(folder / "lidar" / (header.name + ".bin"), bin_bytes(scan));
     return;
   }
   std::vector<float> t = scan.time;
@@ -90,12 +90,12 @@ void write_folder_scan(const fs::path& folder, const Sweep& sweep, const Scan& s
   const std::vector<float> ring(scan.ring.begin(), scan.ring.end());
   PlyCloud cloud{scan.points, {}, {{"intensity", scan.intensity}, {"t", t}}, {}};
   if (!ring.empty()) cloud.scalars.push_back({"ring", ring});
-  write_ply(folder / "lidar" / (sweep.name + ".ply"), cloud);
+  write_ply(folder / "lidar" / (header.name + ".ply"), cloud);
 }
 
 void write_folder_tables(const fs::path& folder, const Drive& drive) {
   write_file(folder / "times" / (drive.camera_name + ".txt"), times(drive.frames));
-  write_file(folder / "times/lidar.txt", times(drive.sweeps));
+  write_file(folder / "times/lidar.txt", times(drive.scan_headers));
   write_file(folder / "poses.txt", poses(drive));
   write_file(folder / "boxes.json", boxes(drive));
   write_file(folder / "dvi.toml", settings(drive));

@@ -8,7 +8,7 @@
 #include "dvi/map/carve.h"
 #include "dvi/map/map_voxel.h"
 #include "dvi/map/normals.h"
-#include "dvi/map/sweep_filter.h"
+#include "dvi/map/scan_filter.h"
 
 namespace dvi::map {
 namespace {
@@ -17,38 +17,38 @@ struct RemovedVoxel {
   Cause cause = Cause::masked;
 };
 
-// What sweeps are gathered into before any of it is judged by the others.
+// What scans are gathered into before any of it is judged by the others.
 struct Gathered {
   Gathered(double edge, const std::shared_ptr<Scratch>& scratch) : voxels(edge, scratch), removed(edge, scratch) {}
 
   MapVoxels voxels;
   VoxelGrid<RemovedVoxel> removed;
-  std::vector<MapSweep> sweeps;
+  std::vector<MapScan> scans;
   MapCounts counts;
 
-  void add(const FilteredSweep& sweep, std::size_t drive, std::int64_t time_ns);
+  void add(const FilteredScan& scan, std::size_t drive, std::int64_t time_ns);
 };
 
 void add(MapCounts& sum, const MapCounts& more) {
   sum.returns += more.returns;
   sum.masked += more.masked;
   sum.boxed += more.boxed;
-  sum.unwitnessed += more.unwitnessed;
+  sum.unseen_by_camera += more.unseen_by_camera;
   sum.too_near += more.too_near;
-  sum.sweeps += more.sweeps;
-  sum.sweeps_without_pose += more.sweeps_without_pose;
+  sum.scans += more.scans;
+  sum.scans_without_pose += more.scans_without_pose;
 }
 
-void Gathered::add(const FilteredSweep& sweep, std::size_t drive, std::int64_t time_ns) {
-  dvi::map::add(counts, sweep.counts);
-  for (const RemovedPoint& point : sweep.removed) {
+void Gathered::add(const FilteredScan& scan, std::size_t drive, std::int64_t time_ns) {
+  dvi::map::add(counts, scan.counts);
+  for (const RemovedPoint& point : scan.removed) {
     RemovedVoxel& voxel = removed.at(point.position.cast<double>());
     voxel.cause = std::max(voxel.cause, point.cause);
   }
-  if (!sweep.sensor) return;
-  const auto number = static_cast<std::uint32_t>(sweeps.size());
-  sweeps.push_back({drive, time_ns, *sweep.sensor});
-  for (const FilteredSweep::Kept& point : sweep.kept) {
+  if (!scan.sensor) return;
+  const auto number = static_cast<std::uint32_t>(scans.size());
+  scans.push_back({drive, time_ns, *scan.sensor});
+  for (const FilteredScan::Kept& point : scan.kept) {
     MapVoxel& voxel = voxels.at(point.position);
     if (voxel.count == 0) voxel.first = number;
     voxel.last = number;
@@ -60,15 +60,15 @@ void Gathered::add(const FilteredSweep& sweep, std::size_t drive, std::int64_t t
 
 void gather(const std::vector<MapInput>& inputs, const MapOptions& options, Gathered& all, const Tick& tick) {
   for (std::size_t drive = 0; drive < inputs.size(); ++drive) {
-    const std::vector<Sweep>& sweeps = inputs[drive].drive->sweeps;
-    for_blocks(sweeps.size(), [&](std::size_t first, std::size_t last) {
-      std::vector<FilteredSweep> filtered(last - first);
-      parallel_for(filtered.size(), [&](std::size_t i) { filtered[i] = filter_sweep(inputs[drive], options, first + i); });
+    const std::vector<ScanHeader>& scan_headers = inputs[drive].drive->scan_headers;
+    for_blocks(scan_headers.size(), [&](std::size_t first, std::size_t last) {
+      std::vector<FilteredScan> filtered(last - first);
+      parallel_for(filtered.size(), [&](std::size_t i) { filtered[i] = filter_scan(inputs[drive], options, first + i); });
       for (std::size_t i = 0; i < filtered.size(); ++i) {  // in order, so that sums do not depend on scheduling
-        all.add(filtered[i], drive, sweeps[first + i].time_ns);
+        all.add(filtered[i], drive, scan_headers[first + i].time_ns);
         tick();
       }
-      all.voxels.rest();
+      all.voxels.page_out();
     });
   }
 }
@@ -108,12 +108,12 @@ void add_tile(const MapVoxels& voxels, const MapVoxels::Tile& tile, bool carve, 
 // The map of what was gathered, which is given up tile by tile.
 StaticMap to_map(Gathered& gathered, bool carve, const std::shared_ptr<Scratch>& scratch) {
   StaticMap map(scratch);
-  map.sweeps = gathered.sweeps;
+  map.scans = gathered.scans;
   map.counts = gathered.counts;
   for (auto& [column, tile] : gathered.voxels.tiles()) {
     add_tile(gathered.voxels, tile, carve, map);
     tile = MapVoxels::Tile(scratch);
-    map.rest();
+    map.page_out();
   }
   for (const auto& [column, tile] : gathered.removed.tiles())
     for (const std::size_t i : in_order(tile))
@@ -124,12 +124,12 @@ StaticMap to_map(Gathered& gathered, bool carve, const std::shared_ptr<Scratch>&
 }  // namespace
 
 StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const BeginPart& begin) {
-  std::size_t sweeps = 0;
-  for (const MapInput& input : inputs) sweeps += input.drive->sweeps.size();
+  std::size_t scans = 0;
+  for (const MapInput& input : inputs) scans += input.drive->scan_headers.size();
   const auto scratch = std::make_shared<Scratch>(static_cast<std::size_t>(options.memory_mb) * 1'000'000);
   Gathered gathered(options.voxel_m, scratch);
-  gather(inputs, options, gathered, begin("map", sweeps));
-  if (options.carve) see_through(gathered.voxels, inputs, options.pose_error_m, begin("carve", sweeps));
+  gather(inputs, options, gathered, begin("map", scans));
+  if (options.carve) count_hits_and_passes(gathered.voxels, inputs, options.pose_error_m, begin("carve", scans));
   begin("normals", 0);
   StaticMap map = to_map(gathered, options.carve, scratch);
   add_normals(map);

@@ -13,13 +13,13 @@ using Tile = MapVoxels::Tile;
 // Passes a hit that make a thing one that moved: wires and leaves are passed now and then, but hit more often.
 constexpr double kShare = 0.1;
 
-// Tiles that any of the sweeps reach.
+// Tiles that any of the scans reach.
 std::vector<std::pair<int, int>> within_reach(const MapVoxels& voxels, const std::vector<FreeSpace>& spaces) {
   std::vector<std::pair<int, int>> near;
   for (const auto& [column, tile] : voxels.tiles()) {
     const Eigen::Vector2d centre((column.first + 0.5) * MapVoxels::kTile, (column.second + 0.5) * MapVoxels::kTile);
     const auto reaches = [&](const FreeSpace& space) {
-      return space.valid() && (space.sensor().head<2>() - centre).norm() < FreeSpace::kReach + MapVoxels::kTile;
+      return space.valid() && (space.sensor().head<2>() - centre).norm() < FreeSpace::kMaxRange + MapVoxels::kTile;
     };
     if (std::any_of(spaces.begin(), spaces.end(), reaches)) near.push_back(column);
   }
@@ -42,17 +42,17 @@ void judge(MapVoxels& voxels, Tile& tile, const std::vector<FreeSpace>& spaces) 
 
 }  // namespace
 
-void see_through(MapVoxels& voxels, const std::vector<MapInput>& inputs, double pose_error_m, const Tick& tick) {
+void count_hits_and_passes(MapVoxels& voxels, const std::vector<MapInput>& inputs, double pose_error_m, const Tick& tick) {
   for (const MapInput& input : inputs) {
-    const std::vector<Sweep>& sweeps = input.drive->sweeps;
-    for_blocks(sweeps.size(), [&](std::size_t first, std::size_t last) {
+    const std::vector<ScanHeader>& scan_headers = input.drive->scan_headers;
+    for_blocks(scan_headers.size(), [&](std::size_t first, std::size_t last) {
       std::vector<FreeSpace> spaces(last - first);
       parallel_for(spaces.size(), [&](std::size_t i) {
-        spaces[i] = FreeSpace(*input.drive->scans[first + i], sweeps[first + i], input.world_from_lidar, pose_error_m);
+        spaces[i] = FreeSpace(*input.drive->scans[first + i], scan_headers[first + i], input.world_from_lidar, pose_error_m);
       });
       const std::vector<std::pair<int, int>> near = within_reach(voxels, spaces);
       parallel_for(near.size(), [&](std::size_t i) { judge(voxels, voxels.tiles().at(near[i]), spaces); });
-      voxels.rest();
+      voxels.page_out();
       for (std::size_t i = first; i < last; ++i) tick();
     });
   }

@@ -7,12 +7,12 @@
 
 namespace dvi::map {
 
-/// Counts for every voxel in how many sweeps rays ended at it and in how many they went on behind it (map/free_space.h).
+/// Counts for every voxel the scans whose rays ended in it (hits) and those whose rays passed through it (map/free_space.h).
 /// Streams over scans; one tick a scan. After DUFOMap (Duberg et al. 2024): what was once seen to be free does not belong to
 /// the static map, where free is claimed only within the errors of sensor and poses.
-void see_through(MapVoxels& voxels, const std::vector<MapInput>& inputs, double pose_error_m, const Tick& tick);
+void count_hits_and_passes(MapVoxels& voxels, const std::vector<MapInput>& inputs, double pose_error_m, const Tick& tick);
 
-/// Whether the rays say that what a voxel holds did not stay there.
+/// Whether rays passed through the voxel too often for what it holds to be static.
 bool has_moved(const MapVoxel& voxel);
 
 }  // namespace dvi::map

@@ -76,7 +76,7 @@ TEST(Carve, KeepsTheStreetAndDropsItsTrafficUnasked) {
   double count[2]{}, kept[2]{};  // of what stands, of what moves
   for (std::size_t i = 0; i < street.scans.size(); ++i) {
     const synth::SynthScan& scan = street.scans[i];
-    const std::vector<Eigen::Vector3d> world = to_world(scan.scan, street.drive.sweeps[i], rough);
+    const std::vector<Eigen::Vector3d> world = to_world(scan.scan, street.drive.scan_headers[i], rough);
     for (std::size_t k = 0; k < world.size(); ++k) {
       if (scan.range[k] < 2.2F || scan.range[k] > 119.8F) continue;
       ++count[scan.dynamic[k]];
@@ -116,17 +116,17 @@ Eigen::AlignedBox3d car_at(double x, double y) {
   return {Eigen::Vector3d(x, y, -1.65), Eigen::Vector3d(x + 4.2, y + 1.8, -0.2)};
 }
 
-Drive plain_drive(int sweeps, const World& world) {
+Drive plain_drive(int scans, const World& world) {
   Drive drive;
   drive.camera = {160, 90, 130, 130, 79.5, 44.5, {}};
   std::vector<StampedPose> poses;
-  for (int i = -1; i <= sweeps; ++i) {
+  for (int i = -1; i <= scans; ++i) {
     poses.push_back({i * 100 * kMs, {Eigen::Matrix3d::Identity(), {0.8 * i, 0, 0}}});
-    if (i < 0 || i == sweeps) continue;
-    drive.sweeps.push_back({"", i * 100 * kMs, i * 100 * kMs - 50 * kMs, i * 100 * kMs + 50 * kMs, {}});
+    if (i < 0 || i == scans) continue;
+    drive.scan_headers.push_back({"", i * 100 * kMs, i * 100 * kMs - 50 * kMs, i * 100 * kMs + 50 * kMs, {}});
   }
   drive.poses = Trajectory(poses);
-  const auto count = static_cast<std::size_t>(sweeps);
+  const auto count = static_cast<std::size_t>(scans);
   drive.scans = Lazy<Scan>(count, count, [world](std::size_t i) {
     Random random(i + 1);
     Scan scan;
@@ -199,17 +199,17 @@ TEST(Carve, IsTheSameWithAnyNumberOfThreads) {
 
 TEST(Carve, BearsAnEmptyScanAndOneWithoutPose) {
   Drive drive = plain_drive(3, with_traffic);
-  drive.sweeps[2].time_ns = 10'000 * kMs;
+  drive.scan_headers[2].time_ns = 10'000 * kMs;
   drive.scans = Lazy<Scan>(3, 3, [scans = drive.scans](std::size_t i) { return i == 1 ? Scan() : *scans[i]; });
   const StaticMap map = build_map({{&drive, drive.poses, no_masks(drive)}}, carving());
-  EXPECT_EQ(map.counts.sweeps_without_pose, 2U);
+  EXPECT_EQ(map.counts.scans_without_pose, 2U);
   EXPECT_FALSE(map.points.empty());
 }
 
 TEST(FreeSpace, KnowsWhatItsRaysPassed) {
   const Drive drive = plain_drive(
       1, [](const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, double) { return std::min(ground(origin, ray), 20.0); });
-  const FreeSpace space(*drive.scans[0], drive.sweeps[0], drive.poses, 0.05);
+  const FreeSpace space(*drive.scans[0], drive.scan_headers[0], drive.poses, 0.05);
   ASSERT_TRUE(space.valid());
   using Seen = FreeSpace::Seen;
   const auto seen = [&](double x, double y, double z) { return space.judge({x, y, z}, 0.025); };

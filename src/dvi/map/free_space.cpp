@@ -55,7 +55,7 @@ cv::Size spacing(const cv::Mat1f& nearest) {
 
 }  // namespace
 
-FreeSpace::FreeSpace(const Scan& scan, const Sweep& sweep, const Trajectory& world_from_lidar, double pose_error_m)
+FreeSpace::FreeSpace(const Scan& scan, const ScanHeader& header, const Trajectory& world_from_lidar, double pose_error_m)
     : pose_error_(pose_error_m) {
   float high = -kPi;
   low_ = kPi;
@@ -65,7 +65,7 @@ FreeSpace::FreeSpace(const Scan& scan, const Sweep& sweep, const Trajectory& wor
       high = std::max(high, elevation(p));
     }
   if (low_ > high) return;
-  place(scan, sweep, world_from_lidar);
+  place(scan, header, world_from_lidar);
   if (!valid()) return;
   cv::Mat1f nearest(static_cast<int>(std::lround((high - low_) / kCell)) + 1, kColumns, kNone);
   for (const Eigen::Vector3f& p : scan.points)
@@ -77,7 +77,7 @@ FreeSpace::FreeSpace(const Scan& scan, const Sweep& sweep, const Trajectory& wor
 }
 
 // The sensor's pose when it swept each column; of columns without returns, that of the one before.
-void FreeSpace::place(const Scan& scan, const Sweep& sweep, const Trajectory& world_from_lidar) {
+void FreeSpace::place(const Scan& scan, const ScanHeader& header, const Trajectory& world_from_lidar) {
   std::vector<std::optional<float>> time(kColumns);
   for (std::size_t i = 0; i < scan.size(); ++i)
     if (is_return(scan.points[i])) time[column_of(scan.points[i])] = scan.time[i];
@@ -86,7 +86,7 @@ void FreeSpace::place(const Scan& scan, const Sweep& sweep, const Trajectory& wo
   std::vector<SE3> lidar_from_world;
   for (const std::optional<float>& t : time) {
     last = t.value_or(last);
-    const std::optional<SE3> pose = world_from_lidar.at(sweep.time_ns + std::llround(1e9 * static_cast<double>(last)));
+    const std::optional<SE3> pose = world_from_lidar.at(header.time_ns + std::llround(1e9 * static_cast<double>(last)));
     if (!pose) return;
     lidar_from_world.push_back(pose->inverse());
   }
@@ -119,7 +119,7 @@ FreeSpace::Seen FreeSpace::judge(const Eigen::Vector3d& world, double radius_m) 
   // When it was swept depends on where it is seen, which depends on when: once round is right to a millisecond.
   const Eigen::Vector3f p = seen_from(column_of(seen_from(kColumns / 2)));
   const float range = p.norm();
-  if (range > kReach) return Seen::unknown;
+  if (range > kMaxRange) return Seen::unknown;
   const float reach = static_cast<float>(pose_error_ + radius_m) / (range * kCell);
   const auto window = std::find_if(kWindows.begin(), kWindows.end(), [&](int w) { return static_cast<float>(w) >= reach; });
   const int row = static_cast<int>(std::lround((elevation(p) - low_) / kCell));

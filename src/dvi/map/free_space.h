@@ -9,26 +9,26 @@
 
 namespace dvi::map {
 
-/// How far the rays of one sweep went, by direction: what lies well before their ends was free then. Kept as images of the
+/// How far the rays of one scan went, by direction: what lies well before their ends was free then. Kept as images of the
 /// nearest return in windows of several sizes, so that a question costs one look.
 class FreeSpace {
  public:
   FreeSpace() = default;
-  /// Answers hold for poses, between sweeps, that are right to `pose_error_m` across the ray.
-  FreeSpace(const Scan& scan, const Sweep& sweep, const Trajectory& world_from_lidar, double pose_error_m);
+  /// Answers hold for poses, between scans, that are right to `pose_error_m` across the ray.
+  FreeSpace(const Scan& scan, const ScanHeader& header, const Trajectory& world_from_lidar, double pose_error_m);
 
-  /// False where the poses do not cover the sweep or it has no returns: then everything is unknown.
+  /// False where the poses do not cover the scan or it has no returns: then everything is unknown.
   bool valid() const { return !poses_.empty(); }
-  /// Where the sensor was in the middle of the sweep.
+  /// Where the sensor was in the middle of the scan.
   const Eigen::Vector3d& sensor() const { return sensor_; }
 
   enum class Seen { unknown, hidden, hit, passed };
-  /// What the sweep saw of a small thing of radius `radius_m` in world axes. `passed`: every ray within its radius and the
+  /// What the scan saw of a small thing of radius `radius_m` in world axes. `passed`: every ray within its radius and the
   /// pose error, and the next rays above and below, went on behind it.
   Seen judge(const Eigen::Vector3d& world, double radius_m) const;
 
-  static constexpr double kReach = 80;   ///< metres; beyond, rays are too far apart to tell
-  static constexpr float kDepth = 0.2F;  ///< metres: returns nearer together are of one thing
+  static constexpr double kMaxRange = 80;  ///< metres; beyond, rays are too far apart to tell
+  static constexpr float kDepth = 0.2F;    ///< metres: returns nearer together are of one thing
 
  private:
   static constexpr std::array<int, 5> kWindows{1, 2, 3, 5, 8};  // cells each way
@@ -37,7 +37,7 @@ class FreeSpace {
     Eigen::Vector3f t;  // of the world moved to sensor_
   };
 
-  void place(const Scan& scan, const Sweep& sweep, const Trajectory& world_from_lidar);
+  void place(const Scan& scan, const ScanHeader& header, const Trajectory& world_from_lidar);
   void erode(const cv::Mat1f& nearest);
 
   double pose_error_ = 0;

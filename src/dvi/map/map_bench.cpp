@@ -13,8 +13,8 @@
 namespace dvi::map {
 namespace {
 
-constexpr std::int64_t kSweep = 100'000'000;  // nanoseconds
-constexpr int kSweeps = 8, kBeams = 64, kColumns = 1800;
+constexpr std::int64_t kScanPeriod = 100'000'000;  // nanoseconds
+constexpr int kScans = 8, kBeams = 64, kColumns = 1800;
 
 /// Metres to the street along a ray from 1.7 m above it: ground, facades 9 m to either side, nothing above 6 m.
 float range_along(const Eigen::Vector3f& ray) {
@@ -23,7 +23,7 @@ float range_along(const Eigen::Vector3f& ray) {
   return std::min(ground, facade * ray.z() < 4.3F ? facade : 1e9F);
 }
 
-/// A sweep within the street, the same from everywhere along it but for its noise.
+/// A scan within the street, the same from everywhere along it but for its noise.
 Scan street_scan(std::uint64_t seed) {
   Random random(seed);
   Scan scan;
@@ -43,11 +43,11 @@ Scan street_scan(std::uint64_t seed) {
   return scan;
 }
 
-/// Sweeps and frames of a car at 8 m/s; a vehicle ahead is masked.
+/// Scans and frames of a car at 8 m/s; a vehicle ahead is masked.
 struct StreetDrive {
   Drive drive;
   Trajectory poses;
-  Lazy<cv::Mat1b> masks{kSweeps, kSweeps, [](std::size_t) {
+  Lazy<cv::Mat1b> masks{kScans, kScans, [](std::size_t) {
                           cv::Mat1b mask(720, 1280, uchar{0});
                           mask(cv::Rect(500, 300, 300, 210)) = 255;
                           return mask;
@@ -57,14 +57,14 @@ struct StreetDrive {
     drive.camera = {1280, 720, 1000, 1000, 639.5, 359.5, {}};
     drive.camera_from_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
     std::vector<StampedPose> stamped;
-    for (int i = -1; i <= kSweeps; ++i) {
-      const std::int64_t time = i * kSweep;
+    for (int i = -1; i <= kScans; ++i) {
+      const std::int64_t time = i * kScanPeriod;
       stamped.push_back({time, {Eigen::Matrix3d::Identity(), {0.8 * i, 0, 0}}});
-      if (i < 0 || i == kSweeps) continue;
+      if (i < 0 || i == kScans) continue;
       drive.frames.push_back({i, "", time, {}, {}});
-      drive.sweeps.push_back({"", time, time - kSweep / 2, time + kSweep / 2, {}});
+      drive.scan_headers.push_back({"", time, time - kScanPeriod / 2, time + kScanPeriod / 2, {}});
     }
-    drive.scans = {kSweeps, kSweeps, street_scan};
+    drive.scans = {kScans, kScans, street_scan};
     poses = Trajectory(stamped);
   }
 
@@ -79,12 +79,12 @@ struct StreetDrive {
 void deskew(benchmark::State& state) {
   const StreetDrive street;
   const auto scan = street.drive.scans[0];
-  for (auto _ : state) benchmark::DoNotOptimize(to_world(*scan, street.drive.sweeps[0], street.poses));
+  for (auto _ : state) benchmark::DoNotOptimize(to_world(*scan, street.drive.scan_headers[0], street.poses));
   state.counters["points"] = static_cast<double>(scan->size());
 }
 BENCHMARK(deskew)->Unit(benchmark::kMillisecond);
 
-/// Eight sweeps in memory to a map: of what the camera saw or not (first argument), carved or not (second).
+/// Eight scans in memory to a map: of what the camera saw or not (first argument), carved or not (second).
 void build(benchmark::State& state) {
   const StreetDrive street;
   StaticMap map = street.map(false);  // the scans are made here
@@ -100,11 +100,11 @@ BENCHMARK(build)
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime();
 
-/// One sweep made ready to ask what its rays passed.
+/// One scan made ready to ask what its rays passed.
 void free_space(benchmark::State& state) {
   const StreetDrive street;
   const auto scan = street.drive.scans[0];
-  for (auto _ : state) benchmark::DoNotOptimize(FreeSpace(*scan, street.drive.sweeps[0], street.poses, 0.05));
+  for (auto _ : state) benchmark::DoNotOptimize(FreeSpace(*scan, street.drive.scan_headers[0], street.poses, 0.05));
 }
 BENCHMARK(free_space)->Unit(benchmark::kMillisecond);
 

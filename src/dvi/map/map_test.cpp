@@ -14,11 +14,11 @@ namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
 
-// A car at 10 m/s along x past points that stand still in the world; each is measured at its own time in the sweep.
+// A car at 10 m/s along x past points that stand still in the world; each is measured at its own time in the scan.
 struct MovingCar {
   std::vector<Eigen::Vector3d> world;
   Trajectory poses;
-  Sweep sweep;
+  ScanHeader header;
   Scan scan;
 
   explicit MovingCar(double turn_rate = 0.3) {
@@ -32,7 +32,7 @@ struct MovingCar {
       stamped.push_back({i * 100 * kMs, pose});
     }
     poses = Trajectory(stamped);
-    sweep = {"0", 0, -50 * kMs, 50 * kMs, {}};
+    header = {"0", 0, -50 * kMs, 50 * kMs, {}};
     Random random(4);
     for (int i = 0; i < 500; ++i) {
       world.push_back({random.uniform(5, 40), random.uniform(-15, 15), random.uniform(-1, 5)});
@@ -47,25 +47,25 @@ struct MovingCar {
 
 TEST(Deskew, PutsPointsWhereTheyStood) {
   const MovingCar car;
-  const auto points = to_world(car.scan, car.sweep, car.poses);
+  const auto points = to_world(car.scan, car.header, car.poses);
   ASSERT_EQ(points.size(), car.world.size());
   for (std::size_t i = 0; i < points.size(); ++i) EXPECT_LT((points[i] - car.world[i]).norm(), 0.008) << i;
 }
 
 TEST(Deskew, SaysWhereThereIsNoPose) {
   MovingCar car;
-  car.sweep.time_ns = 10'000 * kMs;
-  EXPECT_TRUE(to_world(car.scan, car.sweep, car.poses).empty());
+  car.header.time_ns = 10'000 * kMs;
+  EXPECT_TRUE(to_world(car.scan, car.header, car.poses).empty());
 }
 
-// A wall at x = 20 and a box before it, one frame and one sweep at the same time, camera along x.
+// A wall at x = 20 and a box before it, one frame and one scan at the same time, camera along x.
 Drive wall_drive() {
   Drive drive;
   drive.camera = {200, 100, 100, 100, 99.5, 49.5, {}};
   drive.camera_from_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
   drive.frames.resize(1);
   drive.frames[0].time_ns = 0;
-  drive.sweeps.push_back({"0", 0, -50 * kMs, 50 * kMs, {}});
+  drive.scan_headers.push_back({"0", 0, -50 * kMs, 50 * kMs, {}});
   drive.scans = Lazy<Scan>(1, 1, [](std::size_t) {
     Scan scan;
     const auto add = [&](float x, float y, float z) {
@@ -116,7 +116,7 @@ TEST(BuildMap, DropsWhatNoCameraSaw) {
   const Drive drive = wall_drive();
   const StaticMap map = build_map({{&drive, standing(), one_mask({0, 0, 1, 1})}}, {});
   EXPECT_FALSE(has_point_at_x(map, -10.02F));
-  EXPECT_EQ(map.counts.unwitnessed, 1);
+  EXPECT_EQ(map.counts.unseen_by_camera, 1);
 }
 
 TEST(BuildMap, DropsPointsInBoxes) {
@@ -128,10 +128,10 @@ TEST(BuildMap, DropsPointsInBoxes) {
   EXPECT_FALSE(has_point_at_x(map, 10.02F));
 }
 
-TEST(BuildMap, CountsSweepsWithoutPose) {
+TEST(BuildMap, CountsScansWithoutPose) {
   const Drive drive = wall_drive();
   const StaticMap map = build_map({{&drive, Trajectory(), one_mask({0, 0, 1, 1})}}, {});
-  EXPECT_EQ(map.counts.sweeps_without_pose, 1);
+  EXPECT_EQ(map.counts.scans_without_pose, 1);
   EXPECT_TRUE(map.points.empty());
 }
 
@@ -154,7 +154,7 @@ Lazy<Scan> random_scans(std::size_t count, int points, const Eigen::Vector3d& lo
 TEST(BuildMap, ThinsToTheMeanOfAVoxelWhateverTheThreads) {
   MovingCar car;
   Drive drive = wall_drive();
-  drive.sweeps.assign(6, drive.sweeps[0]);
+  drive.scan_headers.assign(6, drive.scan_headers[0]);
   drive.scans = random_scans(6, 2000, {10, -1, -1}, {11, 1, 1});
   MapOptions options;
   options.voxel_m = 0.25;
@@ -177,7 +177,7 @@ TEST(BuildMap, ThinsToTheMeanOfAVoxelWhateverTheThreads) {
 
 TEST(BuildMap, IsTheSameWithoutMemoryToSpare) {
   Drive drive = wall_drive();
-  drive.sweeps.assign(4, drive.sweeps[0]);
+  drive.scan_headers.assign(4, drive.scan_headers[0]);
   drive.scans = random_scans(4, 20000, {5, -20, -1}, {60, 20, 1});
   View view;
   view.camera = drive.camera;

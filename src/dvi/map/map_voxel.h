@@ -13,8 +13,8 @@ struct MapVoxel {
   Eigen::Vector3f offset_sum = Eigen::Vector3f::Zero();  ///< of the returns from the voxel's centre, metres
   float intensity_sum = 0;
   std::uint32_t count = 0;
-  std::uint32_t first = 0, last = 0;   ///< sweeps, by their number in StaticMap::sweeps
-  std::uint16_t hits = 0, passes = 0;  ///< sweeps whose rays ended there, and went on behind it
+  std::uint32_t first = 0, last = 0;   ///< scans, by their number in StaticMap::scans
+  std::uint16_t hits = 0, passes = 0;  ///< scans whose rays ended there, and went on behind it
 };
 
 using MapVoxels = VoxelGrid<MapVoxel>;

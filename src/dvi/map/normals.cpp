@@ -51,7 +51,7 @@ void add_normals(StaticMap& map) {
   });
   for (MapPoint& point : map.points) {
     point.normal = cells.at(point.position.cast<double>()).normal;
-    if (point.normal.dot(map.sweeps[point.first].sensor - point.position) < 0) point.normal *= -1;
+    if (point.normal.dot(map.scans[point.first].sensor - point.position) < 0) point.normal *= -1;
   }
 }
 

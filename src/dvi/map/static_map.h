@@ -16,19 +16,19 @@ struct MapPoint {
   Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< metres, world axes
   float intensity = 0;
   std::uint32_t count = 0;                           ///< returns in it
-  std::uint32_t first = 0, last = 0;                 ///< the sweeps that saw it first and last, in StaticMap::sweeps
+  std::uint32_t first = 0, last = 0;                 ///< the scans that saw it first and last, in StaticMap::scans
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, towards the sensor that saw it first; zero: none found
 };
 
-/// A sweep that the map is made of.
-struct MapSweep {
+/// A scan that the map is made of.
+struct MapScan {
   std::size_t drive = 0;  ///< of the inputs
   std::int64_t time_ns = 0;
-  Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  ///< where it was in the middle of the sweep, world axes
+  Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  ///< where it was in the middle of the scan, world axes
 };
 
 /// Why a return is not in the map although it was in range: it projects into a mask, lies in a labelled 3D box, or rays of
-/// other sweeps went on behind it.
+/// other scans went on behind it.
 enum class Cause : std::uint8_t { masked = 1, boxed = 2, moved = 3 };
 
 /// What was taken out, thinned as the map is.
@@ -39,13 +39,13 @@ struct RemovedPoint {
 
 /// How many returns went where.
 struct MapCounts {
-  std::size_t returns = 0;      ///< all that were read
-  std::size_t masked = 0;       ///< dropped: project into a mask
-  std::size_t boxed = 0;        ///< dropped: inside a labelled 3D box
-  std::size_t unwitnessed = 0;  ///< dropped: no camera saw them, unmasked, when they were scanned
-  std::size_t moved = 0;        ///< dropped: rays of other sweeps went through where they were
-  std::size_t too_near = 0;     ///< dropped: the recording car itself
-  std::size_t sweeps = 0, sweeps_without_pose = 0;
+  std::size_t returns = 0;           ///< all that were read
+  std::size_t masked = 0;            ///< dropped: project into a mask
+  std::size_t boxed = 0;             ///< dropped: inside a labelled 3D box
+  std::size_t unseen_by_camera = 0;  ///< dropped: no camera saw them, unmasked, when they were scanned
+  std::size_t moved = 0;             ///< dropped: rays of other scans went through where they were
+  std::size_t too_near = 0;          ///< dropped: the recording car itself
+  std::size_t scans = 0, scans_without_pose = 0;
 };
 
 /// What never moved, in tiles so that a view can leave out what it cannot see.
@@ -59,13 +59,13 @@ struct StaticMap {
   ScratchVector<MapPoint> points;
   std::vector<Tile> tiles;
   ScratchVector<RemovedPoint> removed;
-  std::vector<MapSweep> sweeps;
+  std::vector<MapScan> scans;
   MapCounts counts;
 
   std::shared_ptr<Scratch> scratch() const { return points.get_allocator().scratch; }  ///< may be none
   /// Lets what does not fit into memory leave it until it is looked at again.
-  void rest() const {
-    if (scratch()) scratch()->rest();
+  void page_out() const {
+    if (scratch()) scratch()->page_out();
   }
 };
 

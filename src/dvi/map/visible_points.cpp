@@ -77,7 +77,7 @@ cv::Mat1f occluders(const std::vector<VisiblePoint>& points, const cv::Mat1i& ne
 
 std::vector<VisiblePoint> visible_points(const StaticMap& map, const View& view, double splat_m, double tolerance) {
   const std::vector<VisiblePoint> points = project(map, view);
-  map.rest();
+  map.page_out();
   const cv::Mat1i nearest = z_buffer(points, view.camera);
   const cv::Mat1f occluder = occluders(points, nearest, splat_m * view.camera.fx);
   std::vector<VisiblePoint> visible;

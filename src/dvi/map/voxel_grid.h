@@ -69,8 +69,8 @@ class VoxelGrid {
 
   double edge() const { return edge_; }
   /// Lets what does not fit into memory leave it until it is looked at again.
-  void rest() const {
-    if (scratch_) scratch_->rest();
+  void page_out() const {
+    if (scratch_) scratch_->page_out();
   }
   Tiles& tiles() { return tiles_; }
   const Tiles& tiles() const { return tiles_; }

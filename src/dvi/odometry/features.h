@@ -13,7 +13,7 @@ namespace dvi::odometry {
 /// A point of a scan that the scene's shape can hold on to.
 struct Feature {
   Eigen::Vector3f point;  ///< metres, LiDAR axes, as measured
-  float time;             ///< seconds after the sweep's stamp
+  float time;             ///< seconds after the scan's stamp
 };
 
 struct Features {

@@ -14,21 +14,21 @@ namespace {
 constexpr double kMoved = 0.5;   // steps by which the way is measured: a car that stands does not get on by noise
 constexpr double kLongWay = 30;  // between two passes
 constexpr double kEvery = 5;     // one candidate
-constexpr double kReach = 5, kDrift = 0.03, kFarthest = 15;      // how far off poses may be: more the longer the way between
-constexpr double kPlace = 15, kPlaceStep = 2.5;                  // the map of a place: so far both ways, a sweep each
-constexpr double kCheck = 3;                                     // before the later sweep: one that must agree
-constexpr double kGrid = 1, kTurn = 0.035, kLargestTurn = 0.12;  // starts
+constexpr double kLeastError = 5, kDrift = 0.03, kMostError = 15;  // how far off poses may be: more the longer the way between
+constexpr double kPlace = 15, kPlaceStep = 2.5;                    // the map of a place: so far both ways, a scan each
+constexpr double kCheck = 3;                                       // before the later scan: one that must agree
+constexpr double kGrid = 1, kTurn = 0.035, kLargestTurn = 0.12;    // starts
 constexpr std::size_t kBestStarts = 3, kEveryFeature = 4;
-constexpr double kLeastShare = 0.7, kMostResidual = 1.3;  // of those of a sweep of the place itself ...
+constexpr double kLeastShare = 0.7, kMostResidual = 1.3;  // of those of a scan of the place itself ...
 constexpr double kLeastOwnShare = 0.1;                    // ... which must see something that stands
-constexpr double kAgree = 0.15, kAgreeTurn = 0.01;        // the two sweeps with odometry between them
+constexpr double kAgree = 0.15, kAgreeTurn = 0.01;        // the two scans with odometry between them
 constexpr double kLoop = 0.02, kLoopTurn = 0.001;         // standard deviations: of a loop,
 constexpr double kStep = 0.005, kStepTurn = 0.0003;       // of odometry's steps,
-constexpr double kLostStep = 1, kLostStepTurn = 0.05;     // and of those to sweeps that it lost; on top of registration's own
+constexpr double kLostStep = 1, kLostStepTurn = 0.05;     // and of those to scans that it lost; on top of registration's own
 
-/// The sweeps that odometry gave poses to, by their place in the trajectory.
+/// The scans that odometry gave poses to, by their place in the trajectory.
 struct Course {
-  std::vector<std::size_t> sweep;
+  std::vector<std::size_t> scan_index;
   std::vector<SE3> pose;
   std::vector<Vector6d> twist;  // per second
   std::vector<double> way_m;    // since the first
@@ -38,12 +38,12 @@ struct Course {
 
 Course course_of(const Odometry& odometry) {
   Course out;
-  for (std::size_t i = 0; i < odometry.sweeps.size(); ++i) {
-    const SweepFit::State state = odometry.sweeps[i].state;
-    if (state != SweepFit::State::no_points && state != SweepFit::State::duplicate) out.sweep.push_back(i);
+  for (std::size_t i = 0; i < odometry.scans.size(); ++i) {
+    const ScanFit::State state = odometry.scans[i].state;
+    if (state != ScanFit::State::no_points && state != ScanFit::State::duplicate) out.scan_index.push_back(i);
   }
   const std::vector<StampedPose>& poses = odometry.world_from_lidar.poses();
-  if (poses.size() != out.sweep.size()) return {};  // a lone scan's second pose
+  if (poses.size() != out.scan_index.size()) return {};  // a lone scan's second pose
   std::size_t last = 0;
   double way = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -59,15 +59,15 @@ Course course_of(const Odometry& odometry) {
   return out;
 }
 
-double reach(double way_m) { return std::min(kReach + kDrift * way_m, kFarthest); }
+double pose_error(double way_m) { return std::min(kLeastError + kDrift * way_m, kMostError); }
 
 /// The nearest of the poses a long way before pose i, if it is within reach.
 std::optional<std::size_t> nearest_earlier(const Course& course, std::size_t i) {
   std::optional<std::size_t> out;
-  double nearest = kFarthest;
+  double nearest = kMostError;
   for (std::size_t k = 0; k < i && course.way_m[i] - course.way_m[k] > kLongWay; ++k) {
     const double distance = (course.pose[k].t - course.pose[i].t).norm();
-    if (distance < nearest && distance < reach(course.way_m[i] - course.way_m[k])) out = k, nearest = distance;
+    if (distance < nearest && distance < pose_error(course.way_m[i] - course.way_m[k])) out = k, nearest = distance;
   }
   return out;
 }
@@ -116,7 +116,7 @@ class LoopFinder {
     const Fit own = fit(features(earlier).sparse, {}, earlier, place, 0);
     if (own.share < kLeastOwnShare) return std::nullopt;
     const SE3 guess = levelled(course_.pose[earlier].inverse() * course_.pose[later]);
-    const double radius = reach(course_.way_m[later] - course_.way_m[earlier]);
+    const double radius = pose_error(course_.way_m[later] - course_.way_m[earlier]);
     const Features sparse = features(later).sparse;
     Fit best;
     for (const SE3& start : starts(sparse, later, guess, radius, place)) {
@@ -130,11 +130,11 @@ class LoopFinder {
 
  private:
   ScanFeatures features(std::size_t i) const {
-    const std::shared_ptr<const Scan> scan = drive_.scans[course_.sweep[i]];
+    const std::shared_ptr<const Scan> scan = drive_.scans[course_.scan_index[i]];
     return scan_features(*scan, find_rings(*scan), options_);
   }
 
-  /// The scene in the axes of pose i, from sweeps before and after it but from long before pose `later`, without its own.
+  /// The scene in the axes of pose i, from scans before and after it but from long before pose `later`, without its own.
   Surroundings map_round(std::size_t i, std::size_t later) const {
     Surroundings scene = empty_scene(options_);
     const auto add = [&](std::size_t k) {
@@ -203,7 +203,7 @@ class LoopFinder {
     return out;
   }
 
-  /// Whether a sweep a little before the later one is found where odometry puts it from there.
+  /// Whether a scan a little before the later one is found where odometry puts it from there.
   bool agrees(const SE3& found, const Fit& own, std::size_t later, Surroundings& place) const {
     std::size_t k = later;
     while (k > 0 && course_.way_m[later] - course_.way_m[k] < kCheck) --k;
@@ -252,8 +252,8 @@ void close_loops(const Drive& drive, const OdometryOptions& options, Odometry& o
   if (loops.empty()) return;
   std::vector<PoseEdge> edges;
   for (std::size_t i = 1; i < course.size(); ++i) {
-    const SweepFit& fit = odometry.sweeps[course.sweep[i]];
-    const bool lost = fit.state == SweepFit::State::lost;
+    const ScanFit& fit = odometry.scans[course.scan_index[i]];
+    const bool lost = fit.state == ScanFit::State::lost;
     edges.push_back({i - 1, i, course.pose[i - 1].inverse() * course.pose[i],
                      no_better_than(fit.information, lost ? kLostStep : kStep, lost ? kLostStepTurn : kStepTurn)});
   }

@@ -6,7 +6,7 @@
 
 namespace dvi::odometry {
 
-/// How given poses say that the LiDAR moved between two sweeps. They are held against themselves here, against the scans where
+/// The LiDAR's motion between two scans by the given poses. Poses are checked for jumps here, and against the scans where
 /// they are used.
 class MotionPrior {
  public:

@@ -9,16 +9,16 @@
 namespace dvi::odometry {
 namespace {
 
-constexpr std::int64_t kSweep = TestStreet::kSweep;
+constexpr std::int64_t kScanPeriod = TestStreet::kScanPeriod;
 
-/// A path by its poses at the sweeps, each changed by `change(i, pose)`.
+/// A path by its poses at the scans, each changed by `change(i, pose)`.
 template <class Change>
 Trajectory told(const Trajectory& path, int count, const Change& change) {
   std::vector<StampedPose> poses;
   for (int i = -3; i < count + 3; ++i) {
-    SE3 pose = *path.at(i * kSweep);
+    SE3 pose = *path.at(i * kScanPeriod);
     change(i, pose);
-    poses.push_back({i * kSweep, pose});
+    poses.push_back({i * kScanPeriod, pose});
   }
   return Trajectory(poses);
 }
@@ -31,14 +31,14 @@ TEST(MotionPrior, TellsTheMotionButNoJumps) {
   const Trajectory path = TestStreet::path(10, 0.3);
   const MotionPrior prior(jumping(path, 12, 6));
   for (int i = 0; i + 1 < 12; ++i) {
-    const std::optional<SE3> motion = prior.motion(i * kSweep, (i + 1) * kSweep);
+    const std::optional<SE3> motion = prior.motion(i * kScanPeriod, (i + 1) * kScanPeriod);
     ASSERT_EQ(motion.has_value(), i != 5 && i != 6) << i;
     if (!motion) continue;
-    EXPECT_LT((motion->t - (path.at(i * kSweep)->inverse() * *path.at((i + 1) * kSweep)).t).norm(), 1e-6);
+    EXPECT_LT((motion->t - (path.at(i * kScanPeriod)->inverse() * *path.at((i + 1) * kScanPeriod)).t).norm(), 1e-6);
   }
-  EXPECT_FALSE(prior.motion(1000 * kSweep, 1001 * kSweep));
-  EXPECT_FALSE(MotionPrior().motion(0, kSweep));
-  EXPECT_FALSE(MotionPrior(Trajectory(std::vector<StampedPose>{{0, SE3()}})).motion(900 * kSweep, 901 * kSweep));
+  EXPECT_FALSE(prior.motion(1000 * kScanPeriod, 1001 * kScanPeriod));
+  EXPECT_FALSE(MotionPrior().motion(0, kScanPeriod));
+  EXPECT_FALSE(MotionPrior(Trajectory(std::vector<StampedPose>{{0, SE3()}})).motion(900 * kScanPeriod, 901 * kScanPeriod));
 }
 
 TEST(GivenMotion, DecidesWhereATunnelHoldsNothing) {
@@ -47,8 +47,8 @@ TEST(GivenMotion, DecidesWhereATunnelHoldsNothing) {
   const Odometry found = odometry(drive, {}, path);
   EXPECT_LT(worst_error(found, path), 0.1);
   for (std::size_t i = 1; i < 15; ++i) {
-    EXPECT_TRUE(found.sweeps[i].given) << i;
-    EXPECT_EQ(found.sweeps[i].degenerate, 1) << i;
+    EXPECT_TRUE(found.scans[i].given) << i;
+    EXPECT_EQ(found.scans[i].degenerate, 1) << i;
   }
   EXPECT_GT(worst_error(odometry(drive, {}), path), 1);
 }
@@ -56,9 +56,9 @@ TEST(GivenMotion, DecidesWhereATunnelHoldsNothing) {
 TEST(GivenMotion, ThatJumpsIsBridgedEvenInATunnel) {
   const Trajectory path = TestStreet::path(10);
   const Odometry found = odometry(TestStreet::tunnel().drive(path, 15), {}, jumping(path, 15, 8));
-  EXPECT_FALSE(found.sweeps[8].given);
-  EXPECT_FALSE(found.sweeps[9].given);
-  EXPECT_TRUE(found.sweeps[10].given);
+  EXPECT_FALSE(found.scans[8].given);
+  EXPECT_FALSE(found.scans[9].given);
+  EXPECT_TRUE(found.scans[10].given);
   EXPECT_LT(worst_error(found, path), 0.3);
 }
 

@@ -15,9 +15,9 @@
 namespace dvi::odometry {
 namespace {
 
-constexpr double kLongGap = 0.55;               // seconds without a sweep, after which the speed is searched for anew
+constexpr double kLongGap = 0.55;               // seconds without a scan, after which the speed is searched for anew
 constexpr double kSpeeds[] = {0, 15, 30, -10};  // m/s forward, tried at a cold start: a start is caught from 10 m/s off
-constexpr std::size_t kStartSweeps = 4;         // that must agree on the speed
+constexpr std::size_t kStartScans = 4;          // that must agree on the speed
 constexpr std::size_t kFewestFeatures = 100;
 constexpr double kLeastShare = 0.25;               // of the features must fit, else the track is lost ...
 constexpr double kLeastOfUsual = 0.75;             // ... and, after a gap, of the usual share
@@ -38,9 +38,9 @@ bool has_ground_below(const Features& features) {
   return static_cast<double>(ground) >= kLeast * static_cast<double>(flat);
 }
 
-/// A sweep on its way through the window.
+/// A scan on its way through the window.
 struct Entry {
-  std::size_t sweep = 0;
+  std::size_t scan_index = 0;
   std::int64_t time_ns = 0;
   ScanFeatures features;
   SE3 pose;
@@ -55,7 +55,7 @@ bool agree(const SE3& a, const SE3& b) {
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
-/// The local map and the sweeps that may still move.
+/// The local map and the scans that may still move.
 class Track {
  public:
   Track(const OdometryOptions& options, const MotionPrior& prior)
@@ -71,7 +71,7 @@ class Track {
     window_.push_back(std::move(entry));
   }
 
-  /// Registers the next sweep from the given motion, or from the motion so far.
+  /// Registers the next scan from the given motion, or from the motion so far.
   Registration follow(Entry entry) {
     std::optional<Registration> fit = follow_given(entry);
     entry.given = fit.has_value();
@@ -83,7 +83,7 @@ class Track {
     return *fit;
   }
 
-  /// The first two sweeps, if the car moves about like this: the first is compensated with what the second finds.
+  /// The first two scans, if the car moves about like this: the first is compensated with what the second finds.
   Registration begin(Entry first, Entry second, const Vector6d& twist, bool given) {
     const double dt = seconds(second.time_ns - first.time_ns);
     Registration fit;
@@ -111,7 +111,7 @@ class Track {
     return fit;
   }
 
-  /// Registers sweep i of the window again, against all that is in the map but itself.
+  /// Registers scan i of the window again, against all that is in the map but itself.
   void refine(std::size_t i) {
     Entry& entry = window_[i];
     RegisterOptions options = register_options(*options_);
@@ -162,7 +162,7 @@ class Track {
     return fit;
   }
 
-  // From the sweep before to the one after.
+  // From the scan before to the one after.
   Vector6d smooth_twist(std::size_t i) const {
     const std::size_t a = i > 0 ? i - 1 : 0, b = std::min(i + 1, window_.size() - 1);
     const double dt = seconds(window_[b].time_ns - window_[a].time_ns);
@@ -180,17 +180,17 @@ class Runner {
  public:
   Runner(const Drive& drive, const OdometryOptions& options, const Trajectory& given, const Tick& tick)
       : drive_(drive), options_(options), prior_(given), tick_(tick), track_(options, prior_) {
-    out_.sweeps.resize(drive.sweeps.size());
+    out_.scans.resize(drive.scan_headers.size());
   }
 
   Odometry operator()() {
-    for (std::size_t i = 0; i < drive_.sweeps.size(); ++i) {
+    for (std::size_t i = 0; i < drive_.scan_headers.size(); ++i) {
       if (auto entry = read(i)) take(std::move(*entry));
       tick_();
     }
     if (!starting_.empty()) start();
     for (; refined_ < track_.size(); ++refined_)
-      if (options_.lag > 0) look_again(refined_);
+      if (options_.lag > 0) refine_with_lag(refined_);
     while (track_.size() > 0) emit(track_.pop());
     finish();
     return std::move(out_);
@@ -198,26 +198,26 @@ class Runner {
 
  private:
   std::optional<Entry> read(std::size_t i) {
-    const Sweep& sweep = drive_.sweeps[i];
+    const ScanHeader& header = drive_.scan_headers[i];
     const std::shared_ptr<const Scan> scan = drive_.scans[i];
-    SweepFit& fit = out_.sweeps[i];
-    const bool same = (before_ && before_->points == scan->points) || (before_ && sweep.time_ns <= before_ns_);
+    ScanFit& fit = out_.scans[i];
+    const bool same = (before_ && before_->points == scan->points) || (before_ && header.time_ns <= before_ns_);
     before_ = scan;
     if (same) {
-      fit.state = SweepFit::State::duplicate;
+      fit.state = ScanFit::State::duplicate;
       return std::nullopt;
     }
-    before_ns_ = sweep.time_ns;
+    before_ns_ = header.time_ns;
     const Rings rings = find_rings(*scan);
     if (out_.rings.empty()) note_rings(rings, *scan);
     Entry entry;
-    entry.sweep = i;
-    entry.time_ns = sweep.time_ns;
+    entry.scan_index = i;
+    entry.time_ns = header.time_ns;
     entry.features = scan_features(*scan, rings, options_);
     const Features& sparse = entry.features.sparse;
     fit.features = sparse.planes.size() + sparse.edges.size();
     if (fit.features < kFewestFeatures) {
-      fit.state = SweepFit::State::no_points;
+      fit.state = ScanFit::State::no_points;
       return std::nullopt;
     }
     out_.plane_features += sparse.planes.size();
@@ -234,24 +234,24 @@ class Runner {
   void take(Entry entry) {
     if (track_.size() == 0) {
       starting_.push_back(std::move(entry));
-      if (starting_.size() == kStartSweeps) start();
+      if (starting_.size() == kStartScans) start();
       return;
     }
-    const std::size_t sweep = entry.sweep;
+    const std::size_t scan_index = entry.scan_index;
     const Registration fit = track_.follow(std::move(entry));
-    record(sweep, fit, track_.last().given);
+    record(scan_index, fit, track_.last().given);
     const auto lag = static_cast<std::size_t>(options_.lag);
-    if (lag > 0 && track_.size() - refined_ > lag) look_again(refined_++);
-    // One sweep that is done stays, for its neighbour's motion.
+    if (lag > 0 && track_.size() - refined_ > lag) refine_with_lag(refined_++);
+    // One scan that is done stays, for its neighbour's motion.
     while (track_.size() > lag + 2) {
       emit(track_.pop());
       if (refined_ > 0) --refined_;
     }
   }
 
-  // From each speed through the first sweeps; the one whose sweeps fit best.
+  // From each speed through the first scans; the one whose scans fit best.
   void start() {
-    out_.sweeps[starting_.front().sweep].state = SweepFit::State::first;
+    out_.scans[starting_.front().scan_index].state = ScanFit::State::first;
     if (!has_ground_below(starting_.front().features.dense))
       out_.warnings.emplace_back("there is no ground below the LiDAR: its axes must be x forward, y left, z up");
     if (starting_.size() == 1) {
@@ -276,26 +276,27 @@ class Runner {
     const std::int64_t from = starting_[0].time_ns, to = starting_[1].time_ns;
     if (const auto motion = prior_.motion(from, to)) attempt(se3_log(*motion) / seconds(to - from), true);
     for (const double speed : kSpeeds) attempt(speed * Vector6d::Unit(0), false);
-    for (std::size_t i = 0; i < best.size(); ++i) record(starting_[i + 1].sweep, best[i], track_[i + 1].given);
+    for (std::size_t i = 0; i < best.size(); ++i) record(starting_[i + 1].scan_index, best[i], track_[i + 1].given);
     starting_.clear();
   }
 
-  void look_again(std::size_t i) {
+  void refine_with_lag(std::size_t i) {
     const Eigen::Vector3d first = track_[i].pose.t;
     track_.refine(i);
-    out_.sweeps[track_[i].sweep].second_look_m = (track_[i].pose.t - first).norm();
+    out_.scans[track_[i].scan_index].lag_correction_m = (track_[i].pose.t - first).norm();
   }
 
-  void record(std::size_t sweep, const Registration& fit, bool given) {
-    SweepFit& out = out_.sweeps[sweep];
+  void record(std::size_t scan_index, const Registration& fit, bool given) {
+    ScanFit& out = out_.scans[scan_index];
     out.inliers = fit.inliers;
     out.residual_m = fit.residual_m;
     out.degenerate = fit.degenerate;
     out.given = given;
     out.information = fit.information;
     const double share = static_cast<double>(fit.inliers) / static_cast<double>(std::max<std::size_t>(fit.features, 1));
-    const bool after_gap = sweep > 0 && seconds(drive_.sweeps[sweep].time_ns - drive_.sweeps[sweep - 1].time_ns) > kLongGap;
-    if (share < kLeastShare || (after_gap && share < kLeastOfUsual * usual_share_)) out.state = SweepFit::State::lost;
+    const bool after_gap = scan_index > 0 && seconds(drive_.scan_headers[scan_index].time_ns -
+                                                     drive_.scan_headers[scan_index - 1].time_ns) > kLongGap;
+    if (share < kLeastShare || (after_gap && share < kLeastOfUsual * usual_share_)) out.state = ScanFit::State::lost;
     usual_share_ = usual_share_ > 0 ? 0.8 * usual_share_ + 0.2 * share : share;
   }
 
@@ -309,22 +310,22 @@ class Runner {
       poses_.push_back({poses_.front().time_ns + 100'000'000, poses_.front().world_from_body});
     }
     out_.world_from_lidar = Trajectory(std::move(poses_)).in(first_from_world);
-    count(SweepFit::State::no_points, "hold too few points to be registered");
-    count(SweepFit::State::duplicate, "repeat the one before and are bridged");
-    count(SweepFit::State::lost, "do not fit the map before them: the poses there are not to be trusted");
-    const auto held = std::count_if(out_.sweeps.begin(), out_.sweeps.end(), [](const SweepFit& f) { return f.degenerate > 0; });
+    count(ScanFit::State::no_points, "hold too few points to be registered");
+    count(ScanFit::State::duplicate, "repeat the one before and are bridged");
+    count(ScanFit::State::lost, "do not fit the map before them: the poses there are not to be trusted");
+    const auto held = std::count_if(out_.scans.begin(), out_.scans.end(), [](const ScanFit& f) { return f.degenerate > 0; });
     if (held > 0)
       out_.warnings.push_back(
-          fmt::format("{} of {} sweeps see nothing that holds them in some direction", held, out_.sweeps.size()));
+          fmt::format("{} of {} scans see nothing that holds them in some direction", held, out_.scans.size()));
   }
 
-  void count(SweepFit::State state, const char* words) {
-    const auto is = [&](const SweepFit& f) { return f.state == state; };
-    const auto first = std::find_if(out_.sweeps.begin(), out_.sweeps.end(), is);
-    if (first == out_.sweeps.end()) return;
-    out_.warnings.push_back(fmt::format("{} of {} scans {} (the first: {})", std::count_if(first, out_.sweeps.end(), is),
-                                        out_.sweeps.size(), words,
-                                        drive_.sweeps[static_cast<std::size_t>(first - out_.sweeps.begin())].name));
+  void count(ScanFit::State state, const char* words) {
+    const auto is = [&](const ScanFit& f) { return f.state == state; };
+    const auto first = std::find_if(out_.scans.begin(), out_.scans.end(), is);
+    if (first == out_.scans.end()) return;
+    out_.warnings.push_back(fmt::format("{} of {} scans {} (the first: {})", std::count_if(first, out_.scans.end(), is),
+                                        out_.scans.size(), words,
+                                        drive_.scan_headers[static_cast<std::size_t>(first - out_.scans.begin())].name));
   }
 
   const Drive& drive_;
@@ -344,22 +345,22 @@ class Runner {
 }  // namespace
 
 Odometry odometry(const Drive& drive, const OdometryOptions& options, const Trajectory& given, const BeginPart& begin) {
-  Odometry found = Runner(drive, options, given, begin("odometry", drive.sweeps.size()))();
+  Odometry found = Runner(drive, options, given, begin("odometry", drive.scan_headers.size()))();
   if (options.loops) close_loops(drive, options, found, begin("loops", found.world_from_lidar.poses().size()));
   return found;
 }
 
-const char* to_string(SweepFit::State state) {
+const char* to_string(ScanFit::State state) {
   switch (state) {
-    case SweepFit::State::registered:
+    case ScanFit::State::registered:
       return "registered";
-    case SweepFit::State::first:
+    case ScanFit::State::first:
       return "first";
-    case SweepFit::State::no_points:
+    case ScanFit::State::no_points:
       return "no points";
-    case SweepFit::State::duplicate:
+    case ScanFit::State::duplicate:
       return "duplicate";
-    case SweepFit::State::lost:
+    case ScanFit::State::lost:
       return "lost";
   }
   return "";

@@ -22,47 +22,47 @@ struct OdometryOptions {
 
   void describe(OptionTable& table) {
     table.section("odometry");
-    table.add("min_range_m", min_range_m, {0, 20}, "Nearer returns are taken for the recording car itself.");
+    table.add("min_range_m", min_range_m, {0, 20}, "Nearer returns are assumed to be the recording car itself.");
     table.add("max_range_m", max_range_m, {10, 300}, "Farther returns are left out.");
     table.add("spacing_m", spacing_m, {0.02, 2}, "Edge of the cubes of which one feature goes into the local map.");
     table.add("cell_m", cell_m, {0.1, 5}, "Edge of the cubes of which one feature is registered.");
     table.add("voxel_m", voxel_m, {0.1, 5}, "Edge of the local map's small voxels; large ones are three times as wide.");
     table.add("noise_m", noise_m, {0.001, 1}, "Standard deviation of returns across a flat surface.");
     table.add("kernel_m", kernel_m, {0.01, 2}, "Distances to surfaces well beyond this count for nothing.");
-    table.add("lag", lag, {0, 100}, "Sweeps after which one is registered again, against what came after it too; 0: never.");
+    table.add("lag", lag, {0, 100}, "Scans after which one is registered again, against what came after it too; 0: never.");
     table.add("loops", loops, "Close loops: where the drive comes back to a place, both passes are laid together.");
   }
 };
 
-/// What became of one sweep.
-struct SweepFit {
+/// How the registration of one scan went.
+struct ScanFit {
   enum class State { registered, first, no_points, duplicate, lost };
   State state = State::registered;
   std::size_t features = 0, inliers = 0;
-  double residual_m = 0;                    ///< RMS distance of inliers across the surfaces
-  int degenerate = 0;                       ///< directions of motion that the scene does not hold
-  bool given = false;                       ///< there the given poses decided; else the motion goes on as before
-  double second_look_m = 0;                 ///< by how much the second look, against what came before and after, moved it
+  double residual_m = 0;        ///< RMS distance of inliers across the surfaces
+  int degenerate = 0;           ///< directions of motion that the scene does not hold
+  bool given = false;           ///< there the given poses decided; else the motion goes on as before
+  double lag_correction_m = 0;  ///< by how much the fixed-lag registration, against what came before and after, moved it
   Matrix6d information = Matrix6d::Zero();  ///< Registration::information
 };
 
 struct Odometry {
-  Trajectory world_from_lidar;                        ///< at the middle of each registered sweep; the first is the identity
-  std::vector<SweepFit> sweeps;                       ///< as the drive's
-  std::size_t plane_features = 0, edge_features = 0;  ///< registered, of all sweeps
+  Trajectory world_from_lidar;                        ///< at the middle of each registered scan; the first is the identity
+  std::vector<ScanFit> scans;                         ///< as the drive's
+  std::size_t plane_features = 0, edge_features = 0;  ///< registered, of all scans
   std::string rings;                                  ///< how beams were told: file, order, elevation, none
   std::vector<std::string> warnings;
   std::size_t loops = 0;            ///< closed
   double largest_correction_m = 0;  ///< of a pose, by closing them
 };
 
-/// Poses from the scans (Zhang and Singh, LOAM, 2014): each sweep is registered against a local map of planes and lines that
-/// the sweeps before it left, and again when `lag` more have come. A start tries several speeds. The motion between sweeps is
+/// Poses from the scans (Zhang and Singh, LOAM, 2014): each scan is registered against a local map of planes and lines that
+/// the scans before it left, and again when `lag` more have come. A start tries several speeds. The motion between scans is
 /// guessed to go on as before, or taken from `given` poses where these neither jump nor contradict the scans; it decides in
 /// directions that the scene does not hold. Then loops are closed (loop_closure.h). Parts: odometry, loops.
 Odometry odometry(const Drive& drive, const OdometryOptions& options, const Trajectory& given = {},
-                  const BeginPart& begin = untold);
+                  const BeginPart& begin = no_parts);
 
-const char* to_string(SweepFit::State state);
+const char* to_string(ScanFit::State state);
 
 }  // namespace dvi::odometry

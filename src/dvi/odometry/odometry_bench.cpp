@@ -8,18 +8,18 @@
 namespace dvi::odometry {
 namespace {
 
-constexpr int kSweeps = 8, kBeams = 64, kColumns = 1800;
+constexpr int kScans = 8, kBeams = 64, kColumns = 1800;
 
-/// Eight sweeps of 64 beams, made beforehand, to poses; and how sharply these lay them together.
+/// Eight scans of 64 beams, made beforehand, to poses; and how sharply these lay them together.
 void follow(benchmark::State& state) {
   TestStreet street;
   street.beams = kBeams;
   street.columns = kColumns;
-  const Drive drive = street.drive(TestStreet::path(8, 0.1), kSweeps);
+  const Drive drive = street.drive(TestStreet::path(8, 0.1), kScans);
   Odometry found = odometry(drive, {});
   for (auto _ : state) found = odometry(drive, {});
-  state.counters["sweeps"] = kSweeps;
-  state.counters["inliers"] = static_cast<double>(found.sweeps.back().inliers);
+  state.counters["scans"] = kScans;
+  state.counters["inliers"] = static_cast<double>(found.scans.back().inliers);
 }
 BENCHMARK(follow)->Unit(benchmark::kMillisecond);
 
@@ -27,7 +27,7 @@ void measure_sharpness(benchmark::State& state) {
   TestStreet street;
   street.beams = kBeams;
   street.columns = kColumns;
-  const Drive drive = street.drive(TestStreet::path(8), kSweeps);
+  const Drive drive = street.drive(TestStreet::path(8), kScans);
   Sharpness found = sharpness(drive, TestStreet::path(8));
   for (auto _ : state) found = sharpness(drive, TestStreet::path(8));
   state.counters["patches"] = static_cast<double>(found.ground_patches + found.vertical_patches);

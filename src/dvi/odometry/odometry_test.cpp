@@ -53,9 +53,9 @@ TEST(LocalMap, TakesBackWhatWasAdded) {
   EXPECT_EQ(map.size(), 0);
 }
 
-/// The pose of the middle of sweep i in the frame of the first, as it was.
+/// The pose of the middle of scan i in the frame of the first, as it was.
 SE3 truth(const Trajectory& path, std::size_t i) {
-  return path.at(0)->inverse() * *path.at(static_cast<std::int64_t>(i) * TestStreet::kSweep);
+  return path.at(0)->inverse() * *path.at(static_cast<std::int64_t>(i) * TestStreet::kScanPeriod);
 }
 
 TEST(RegisterScan, FindsAKnownMotion) {
@@ -99,7 +99,7 @@ TEST(Odometry, SaysWhatATunnelDoesNotHold) {
   const Odometry found = odometry(TestStreet::tunnel().drive(TestStreet::path(10), 6), {});
   ASSERT_FALSE(found.warnings.empty());
   EXPECT_THAT(found.warnings.back(), HasSubstr("nothing that holds them"));
-  EXPECT_EQ(found.sweeps[3].degenerate, 1);
+  EXPECT_EQ(found.scans[3].degenerate, 1);
 }
 
 TEST(Odometry, BridgesScansThatAreEmptyOrRepeated) {
@@ -108,12 +108,12 @@ TEST(Odometry, BridgesScansThatAreEmptyOrRepeated) {
   const Lazy<Scan> scans = drive.scans;
   drive.scans = {10, 10, [scans](std::size_t i) { return i == 4 ? Scan{} : i == 7 ? *scans[6] : *scans[i]; }};
   const Odometry found = odometry(drive, {});
-  EXPECT_EQ(found.sweeps[4].state, SweepFit::State::no_points);
-  EXPECT_EQ(found.sweeps[7].state, SweepFit::State::duplicate);
+  EXPECT_EQ(found.scans[4].state, ScanFit::State::no_points);
+  EXPECT_EQ(found.scans[7].state, ScanFit::State::duplicate);
   EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("too few points"), HasSubstr("repeat the one before")));
   EXPECT_EQ(found.world_from_lidar.poses().size(), 8);
   EXPECT_LT(worst_error(found, path), 0.03);
-  EXPECT_TRUE(found.world_from_lidar.at(drive.sweeps[7].time_ns));
+  EXPECT_TRUE(found.world_from_lidar.at(drive.scan_headers[7].time_ns));
 }
 
 TEST(Odometry, SaysWhereScansDoNotFitTogether) {
@@ -124,7 +124,7 @@ TEST(Odometry, SaysWhereScansDoNotFitTogether) {
   elsewhere.boxes.resize(9);
   const Lazy<Scan> here = drive.scans, there = elsewhere.drive(TestStreet::path(5, 0.4), 12).scans;
   drive.scans = {12, 12, [here, there](std::size_t i) { return i < 6 ? *here[i] : *there[i]; }};
-  for (std::size_t i = 6; i < 12; ++i) drive.sweeps[i].time_ns += 60 * 1'000'000'000LL;
+  for (std::size_t i = 6; i < 12; ++i) drive.scan_headers[i].time_ns += 60 * 1'000'000'000LL;
   const Odometry found = odometry(drive, {});
   ASSERT_FALSE(found.warnings.empty());
   EXPECT_THAT(found.warnings.front(), HasSubstr("not to be trusted"));
@@ -171,8 +171,8 @@ TEST(Sharpness, ShowsHowFarPosesAreOff) {
   EXPECT_LT(exact.total_m(), 0.004);
   Random random(8);
   std::vector<StampedPose> off;
-  for (const Sweep& sweep : drive.sweeps) {
-    off.push_back({sweep.time_ns, *path.at(sweep.time_ns)});
+  for (const ScanHeader& header : drive.scan_headers) {
+    off.push_back({header.time_ns, *path.at(header.time_ns)});
     off.back().world_from_body.t += 0.05 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
   }
   const Sharpness shaken = sharpness(drive, Trajectory(off));

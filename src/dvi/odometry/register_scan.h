@@ -17,7 +17,7 @@ struct Surroundings {
   void keep_near(const Eigen::Vector3d& position, double radius_m);
 };
 
-/// How a sweep moves round its middle: constant twist, per second, in the LiDAR's axes at the middle.
+/// The LiDAR's motion about the middle of a scan: constant twist, per second, in the LiDAR's axes at the middle.
 Eigen::Vector3d compensated(const Feature& feature, const Vector6d& twist);
 
 struct RegisterOptions {
@@ -39,7 +39,7 @@ struct Registration {
 };
 
 /// Where a scan fits the scene: Gauss-Newton on SE(3) over distances to planes and lines (Geman-McClure weights). The motion
-/// within the sweep follows from the pose `seconds` before: the scan is compensated anew each iteration. With `seconds` 0 the
+/// within the scan follows from the pose `seconds` before: the scan is compensated anew each iteration. With `seconds` 0 the
 /// twist stays as given.
 Registration register_scan(const Features& features, const SE3& guess, const Vector6d& twist, const SE3& before, double seconds,
                            Surroundings& scene, const RegisterOptions& options);

@@ -15,7 +15,7 @@
 namespace dvi::odometry {
 namespace {
 
-constexpr std::size_t kStretch = 20, kStretches = 3;  // sweeps
+constexpr std::size_t kStretch = 20, kStretches = 3;  // scans
 constexpr std::size_t kEvery = 2;                     // of the points
 constexpr float kNear = 3, kFar = 40;                 // metres
 constexpr double kPatch = 0.8;                        // metres, edge of the cubes
@@ -30,10 +30,10 @@ struct Seen {
 };
 using Patch = std::vector<Seen>;
 
-std::vector<std::size_t> stretches(std::size_t sweeps) {
+std::vector<std::size_t> stretches(std::size_t scans) {
   std::vector<std::size_t> firsts;
-  const std::size_t count = std::clamp<std::size_t>(sweeps / kStretch, 1, kStretches);
-  for (std::size_t k = 0; k < count; ++k) firsts.push_back(count == 1 ? 0 : k * (sweeps - kStretch) / (count - 1));
+  const std::size_t count = std::clamp<std::size_t>(scans / kStretch, 1, kStretches);
+  for (std::size_t k = 0; k < count; ++k) firsts.push_back(count == 1 ? 0 : k * (scans - kStretch) / (count - 1));
   return firsts;
 }
 
@@ -95,20 +95,20 @@ bool measure(const Patch& patch, double& between_m, Eigen::Vector3d& normal) {
 double Sharpness::total_m() const { return std::hypot(std::max(ground_m, 0.0), std::max(vertical_m, 0.0)); }
 
 std::size_t sharpness_ticks(const Drive& drive) {
-  return std::min(kStretch * stretches(drive.sweeps.size()).size(), drive.sweeps.size());
+  return std::min(kStretch * stretches(drive.scan_headers.size()).size(), drive.scan_headers.size());
 }
 
 Sharpness sharpness(const Drive& drive, const Trajectory& world_from_lidar, const Tick& tick) {
   const double kUpright = std::cos(10 * M_PI / 180), kFlat = std::sin(10 * M_PI / 180);
   std::vector<double> ground, vertical;
-  for (const std::size_t first : stretches(drive.sweeps.size())) {
+  for (const std::size_t first : stretches(drive.scan_headers.size())) {
     std::unordered_map<VoxelKey, Patch, VoxelHash> patches;
     std::optional<SE3> here_from_world;
-    const std::size_t last = std::min(first + kStretch, drive.sweeps.size());
+    const std::size_t last = std::min(first + kStretch, drive.scan_headers.size());
     for (std::size_t i = first; i < last; ++i) {
       const std::shared_ptr<const Scan> scan = drive.scans[i];
-      const std::vector<Eigen::Vector3d> world = to_world(*scan, drive.sweeps[i], world_from_lidar);
-      if (!here_from_world && !world.empty()) here_from_world = world_from_lidar.at(drive.sweeps[i].time_ns)->inverse();
+      const std::vector<Eigen::Vector3d> world = to_world(*scan, drive.scan_headers[i], world_from_lidar);
+      if (!here_from_world && !world.empty()) here_from_world = world_from_lidar.at(drive.scan_headers[i].time_ns)->inverse();
       for (std::size_t k = 0; k < world.size(); k += kEvery) {
         const float range = scan->points[k].norm();
         if (range < kNear || range > kFar) continue;

@@ -19,8 +19,8 @@ struct Sharpness {
   bool known() const { return ground_patches + vertical_patches >= 20; }
 };
 
-/// Over at most three stretches of sweeps, evenly spread, each point placed by the trajectory at its own time. One tick a
-/// sweep, sharpness_ticks() in all.
+/// Over at most three stretches of scans, evenly spread, each point placed by the trajectory at its own time. One tick a
+/// scan, sharpness_ticks() in all.
 Sharpness sharpness(const Drive& drive, const Trajectory& world_from_lidar, const Tick& tick = [] {});
 std::size_t sharpness_ticks(const Drive& drive);
 

@@ -49,12 +49,12 @@ class TestStreet {
 
   void add(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { boxes.emplace_back(a, b); }
 
-  /// One sweep round `time_s`, clockwise from the back, each firing from its own place.
-  Scan scan(const Trajectory& world_from_lidar, double time_s, double sweep_s = 0.1) const {
+  /// One scan round `time_s`, clockwise from the back, each firing from its own place.
+  Scan scan(const Trajectory& world_from_lidar, double time_s, double scan_s = 0.1) const {
     Random random(static_cast<std::uint64_t>(1e3 * (time_s + 100)));
     Scan out;
     for (int c = 0; c < columns; ++c) {
-      const double fraction = (c + 0.5) / columns, t = sweep_s * (fraction - 0.5);
+      const double fraction = (c + 0.5) / columns, t = scan_s * (fraction - 0.5);
       const SE3 pose = *world_from_lidar.at(std::llround(1e9 * (time_s + t)));
       for (int b = 0; b < beams; ++b) {
         const double azimuth = std::numbers::pi * (1 - 2 * fraction);
@@ -72,14 +72,14 @@ class TestStreet {
     return out;
   }
 
-  /// A drive of `count` sweeps, 0.1 s apart, of a car that follows `path`.
+  /// A drive of `count` scans, 0.1 s apart, of a car that follows `path`.
   Drive drive(const Trajectory& path, int count) const {
     Drive out;
     for (int i = 0; i < count; ++i) {
-      const std::int64_t t = i * kSweep;
-      out.sweeps.push_back({std::to_string(i), t, t - kSweep / 2, t + kSweep / 2, {}});
+      const std::int64_t t = i * kScanPeriod;
+      out.scan_headers.push_back({std::to_string(i), t, t - kScanPeriod / 2, t + kScanPeriod / 2, {}});
     }
-    out.scans = {out.sweeps.size(), out.sweeps.size(),
+    out.scans = {out.scan_headers.size(), out.scan_headers.size(),
                  [street = *this, path](std::size_t i) { return street.scan(path, 0.1 * static_cast<double>(i)); }};
     return out;
   }
@@ -90,7 +90,7 @@ class TestStreet {
     SE3 pose;
     pose.t = {-3, 0, 1.8};
     for (int i = -10; i < 400; ++i) {
-      poses.push_back({i * kSweep / 10, pose});
+      poses.push_back({i * kScanPeriod / 10, pose});
       Vector6d step = Vector6d::Zero();
       step[0] = 0.01 * (speed + push * 0.01 * std::max(i, 0));
       step[5] = 0.01 * turn;
@@ -99,7 +99,7 @@ class TestStreet {
     return Trajectory(poses);
   }
 
-  static constexpr std::int64_t kSweep = 100'000'000;
+  static constexpr std::int64_t kScanPeriod = 100'000'000;
 
  private:
   double hit(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) const {

@@ -47,7 +47,7 @@ struct Contents {
 Contents contents(const Drive& drive, const Lazy<cv::Mat1b>& masks) {
   Contents out;
   out.masked.resize(drive.frames.size());
-  out.points.resize(drive.sweeps.size());
+  out.points.resize(drive.scan_headers.size());
   parallel_for(out.masked.size(), [&](std::size_t i) {
     const auto mask = masks[i];
     out.masked[i] = static_cast<double>(std::count_if(mask->begin(), mask->end(), [](uchar m) { return m != 0; })) /
@@ -74,8 +74,8 @@ CheckReport describe(const Recording& open, const PoseChoice& choice, const Mask
                   .first_frame = drive.frames.front().number,
                   .last_frame = drive.frames.back().number,
                   .frame_rate_hz = rate(drive.frames),
-                  .sweeps = drive.sweeps.size(),
-                  .sweep_rate_hz = rate(drive.sweeps),
+                  .scan_headers = drive.scan_headers.size(),
+                  .sweep_rate_hz = rate(drive.scan_headers),
                   .mean_points = mean(found.points),
                   .path_m = path_length(drive, poses),
                   .poses = poses_report(drive, choice),
@@ -89,8 +89,8 @@ CheckReport describe(const Recording& open, const PoseChoice& choice, const Mask
   for (const Frame& frame : drive.frames) out.frames_with_pose += poses.at(frame.time_ns) ? 1 : 0;
   if (!open.masks_from) out.warnings.emplace_back("neither masks nor labels: give --masks to say what to remove");
   if (poses.empty()) out.warnings.emplace_back("no poses: give --poses FILE");
-  if (drive.sweeps.empty()) out.warnings.emplace_back("no scans: nothing can be copied");
-  out.ready = open.masks_from && out.frames_with_pose > 0 && !drive.sweeps.empty();
+  if (drive.scan_headers.empty()) out.warnings.emplace_back("no scans: nothing can be copied");
+  out.ready = open.masks_from && out.frames_with_pose > 0 && !drive.scan_headers.empty();
   return out;
 }
 
@@ -99,10 +99,10 @@ CheckReport describe(const Recording& open, const PoseChoice& choice, const Mask
 std::string CheckReport::brief() const {
   std::string text = fmt::format(
       "{}\n  format   {}\n  camera   {} ({}x{}, fx {:.1f})\n  frames   {} ({}:{}), {:.1f} Hz, {} with pose\n"
-      "  sweeps   {}, {:.1f} Hz, {:.0f} points each\n  path     {:.1f} m, by {} poses\n"
+      "  scans    {}, {:.1f} Hz, {:.0f} points each\n  path     {:.1f} m, by {} poses\n"
       "  masks    from {}: {:.1f} % of the image on average, {:.1f} % at most\n",
       path, format, camera_name, camera.width, camera.height, camera.fx, frames, first_frame, last_frame, frame_rate_hz,
-      frames_with_pose, sweeps, sweep_rate_hz, mean_points, path_m, poses.from, mask_source, 100 * mean_masked,
+      frames_with_pose, scan_headers, sweep_rate_hz, mean_points, path_m, poses.from, mask_source, 100 * mean_masked,
       100 * largest_masked);
   if (forecast)
     text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never\n",
@@ -131,7 +131,7 @@ std::string to_json(const CheckReport& r) {
         {"last", r.last_frame},
         {"rate_hz", r.frame_rate_hz},
         {"with_pose", r.frames_with_pose}}},
-      {"sweeps", {{"count", r.sweeps}, {"rate_hz", r.sweep_rate_hz}, {"mean_points", r.mean_points}}},
+      {"scans", {{"count", r.scan_headers}, {"rate_hz", r.sweep_rate_hz}, {"mean_points", r.mean_points}}},
       {"path_m", r.path_m},
       {"poses", r.poses},
       {"masks", {{"source", r.mask_source}, {"mean_share", r.mean_masked}, {"largest_share", r.largest_masked}}},
@@ -142,12 +142,12 @@ std::string to_json(const CheckReport& r) {
 }
 
 CheckReport check(const Job& job, Progress& progress) {
-  const Recordings drives{open_recording(job.target, job.source, MaskNeed::optional, progress)};
+  const Recordings drives{open_recording(job.target, job.read, MaskNeed::optional, progress)};
   const Drive& drive = drives.front().drive;
   verify(drives, progress);
   PoseChoice choice;
-  if (!drive.poses.empty() || !drive.sweeps.empty())
-    choice = choose_poses(drive, job.source.poses, job.options.odometry, progress);
+  if (!drive.poses.empty() || !drive.scan_headers.empty())
+    choice = choose_poses(drive, job.read.poses, job.options.odometry, progress);
   const bool posed = !chosen(drive, choice).empty();
   const Poses poses = posed ? in_one_world(drives, {choice}) : given_poses(drives);
   const Masks masks = find_masks(drives, poses, job);

@@ -19,7 +19,7 @@ struct CheckReport {
   std::size_t frames = 0, frames_with_pose = 0;
   int first_frame = 0, last_frame = 0;
   double frame_rate_hz = 0;
-  std::size_t sweeps = 0;
+  std::size_t scan_headers = 0;
   double sweep_rate_hz = 0, mean_points = 0;  ///< points of a scan
   double path_m = 0;
   PosesReport poses;

@@ -18,8 +18,8 @@ constexpr double kSharper = 0.002;
 PoseChoice choose_poses(const Drive& drive, const std::string& wish, const odometry::OdometryOptions& options,
                         Progress& progress) {
   PoseChoice choice;
-  if (wish == "loam" && drive.sweeps.empty()) throw InputError(drive.path, "has no scans", "--poses loam needs them");
-  if (wish != "loam" && (wish != "auto" || drive.sweeps.empty())) return choice;
+  if (wish == "loam" && drive.scan_headers.empty()) throw InputError(drive.path, "has no scans", "--poses loam needs them");
+  if (wish != "loam" && (wish != "auto" || drive.scan_headers.empty())) return choice;
   const std::string name = drive.path.filename().string();
   choice.odometry = odometry::odometry(drive, options, wish == "auto" ? drive.poses : Trajectory(), progress.parts());
   for (const std::string& warning : choice.odometry->warnings) progress.warn(name + ": " + warning);
@@ -34,8 +34,8 @@ PoseChoice choose_poses(const Drive& drive, const std::string& wish, const odome
   progress.begin("sharpness", (both ? 2 : 1) * odometry::sharpness_ticks(drive));
   choice.loam = odometry::sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
   if (both) choice.given = odometry::sharpness(drive, drive.poses, progress.tick());
-  const bool lost = std::any_of(choice.odometry->sweeps.begin(), choice.odometry->sweeps.end(),
-                                [](const odometry::SweepFit& fit) { return fit.state == odometry::SweepFit::State::lost; });
+  const bool lost = std::any_of(choice.odometry->scans.begin(), choice.odometry->scans.end(),
+                                [](const odometry::ScanFit& fit) { return fit.state == odometry::ScanFit::State::lost; });
   const bool sharper = both && !lost && choice.loam->known() && choice.loam->total_m() + kSharper < choice.given->total_m();
   if (!both || sharper) choice.from = "loam";
   progress.end();

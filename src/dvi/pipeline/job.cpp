@@ -16,7 +16,7 @@ void Options::describe(OptionTable& table) {
   exposure.describe(table);
   align.describe(table);
   depth.describe(table);
-  sweep.describe(table);
+  plane_sweep.describe(table);
   sample.describe(table);
   regularize.describe(table);
   harmonize.describe(table);
@@ -31,13 +31,13 @@ OptionTable Job::table() {
   table.add("target", target, {}, "The drive to clean.");
   table.add("sources", sources, "Further drives of the same place.");
   table.add("out", out, {}, "The folder of the result.");
-  table.add("camera", source.camera, {}, "The camera to use; empty: the drive's first.");
-  table.add("frames", source.frames, {}, "A:B, both included, by the drive's own numbers; empty: all.");
-  table.add("masks", source.masks, {}, "A folder of PNG, a file of labels, labels, auto; empty: what the drive brings.");
-  table.add("poses", source.poses, {},
+  table.add("camera", read.camera, {}, "The camera to use; empty: the drive's first.");
+  table.add("frames", read.frames, {}, "A:B, both included, by the drive's own numbers; empty: all.");
+  table.add("masks", read.masks, {}, "A folder of PNG, a file of labels, labels, auto; empty: what the drive brings.");
+  table.add("poses", read.poses, {},
             "auto (given or loam, whichever makes the sharper map), given, loam (from the scans), or a file of poses.");
   table.add(
-      "remove", source.remove, {"moving", "labelled", "all"},
+      "remove", read.remove, {"moving", "labelled", "all"},
       "moving: of what labels name only what changes its place; labelled: what the masks say; all: both masks and labels.");
   table.add("method", method, methods(), "Ours, the published form of the stages, or a baseline without depth.");
   options.describe(table);
@@ -67,7 +67,7 @@ void use_method(const std::string& method, Options& options) {
   options.align.method = "paper";
   options.depth.split_edges = false;
   options.depth.median_px = 5;
-  options.sweep.enabled = false;
+  options.plane_sweep.enabled = false;
   options.sample.reach_frames = 0;
   options.sample.scored = false;
   options.sample.footprint = false;

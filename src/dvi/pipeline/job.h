@@ -31,7 +31,7 @@ struct Options {
   exposure::ExposureOptions exposure;
   align::AlignOptions align;
   depth::DepthOptions depth;
-  plane_sweep::SweepOptions sweep;
+  plane_sweep::PlaneSweepOptions plane_sweep;
   sample::SampleOptions sample;
   regularize::RegularizeOptions regularize;
   harmonize::HarmonizeOptions harmonize;
@@ -45,7 +45,7 @@ struct Options {
 };
 
 /// What to read: shared by every command that opens a drive.
-struct Source {
+struct ReadChoice {
   std::string camera;               ///< empty: the drive's first
   std::string frames;               ///< "A:B"; empty: all
   std::string masks;                ///< DIR | FILE | labels | auto; empty: the drive's own
@@ -57,7 +57,7 @@ struct Source {
 struct Job {
   std::string out, target;
   std::vector<std::string> sources;  ///< further drives of the same place
-  Source source;
+  ReadChoice read;
   std::string method = "dvi";
   Options options;
   bool force = false;

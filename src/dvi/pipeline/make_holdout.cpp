@@ -21,7 +21,7 @@ std::string recipe_of(Job job, const holdout::HoldoutOptions& options, const Dri
   job.options.masks.describe(used);
   job.options.odometry.describe(used);
   print.add(used.dump_toml());
-  print.add(drive.camera_name + " " + job.source.masks + " " + job.source.poses);
+  print.add(drive.camera_name + " " + job.read.masks + " " + job.read.poses);
   add_files(print, drive);
   return print.hex();
 }
@@ -40,7 +40,7 @@ void make(const Job& job, const holdout::HoldoutOptions& options, bool keep, Pro
   const Poses poses = estimate_poses(drives, job, progress);
   const Masks masks = find_masks(drives, poses, job);
   progress.begin(fmt::format("holdout {}", holdout::name(options.scenario)),
-                 open.drive.frames.size() + open.drive.sweeps.size());
+                 open.drive.frames.size() + open.drive.scan_headers.size());
   Drive drive = open.drive;
   for (std::size_t i = 0; i < drive.frames.size(); ++i) drive.frames[i].labels = masks.front().objects[i];
   const holdout::Holdout holdout(drive, masks.front().images, poses.front().world_from_lidar, options);

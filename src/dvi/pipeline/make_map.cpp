@@ -37,7 +37,7 @@ std::string make_map(const Job& job, const std::string& trajectory, Progress& pr
   progress.end();
   nlohmann::json report = map_report(map);
   report["poses"] = poses_report(target, poses.front().choice);
-  report["cost"] = {{"stages", stages_json(progress.times(), "scan", map.sweeps.size())}, {"peak_memory_bytes", peak_memory()}};
+  report["cost"] = {{"stages", stages_json(progress.times(), "scan", map.scans.size())}, {"peak_memory_bytes", peak_memory()}};
   write_file(out / "map.json", report.dump(1) + "\n");
   return report.dump(1);
 }

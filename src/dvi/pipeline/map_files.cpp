@@ -62,8 +62,8 @@ void write_map(const fs::path& path, const map::StaticMap& map, const std::vecto
   std::array<ScratchVector<float>, 7> scalars;
   scalars.fill(ScratchVector<float>(map.scratch()));
   const std::array<const char*, 7> names{"nx", "ny", "nz", "intensity", "count", "first", "last"};
-  const auto seconds = [&](std::uint32_t sweep) {
-    return 1e-9F * static_cast<float>(map.sweeps[sweep].time_ns - map.sweeps.front().time_ns);
+  const auto seconds = [&](std::uint32_t scan) {
+    return 1e-9F * static_cast<float>(map.scans[scan].time_ns - map.scans.front().time_ns);
   };
   for (const map::MapPoint& p : map.points) {
     points.push_back(p.position);
@@ -113,9 +113,9 @@ void write_map_files(const fs::path& folder, const map::StaticMap& map, const Vi
 
 void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory& world_from_lidar, bool tum) {
   std::string text;
-  for (const Sweep& sweep : drive.sweeps)
-    if (const std::optional<SE3> pose = world_from_lidar.at(sweep.time_ns))
-      text += tum ? tum_line(sweep.time_ns, *pose) : kitti_line(*pose);
+  for (const ScanHeader& header : drive.scan_headers)
+    if (const std::optional<SE3> pose = world_from_lidar.at(header.time_ns))
+      text += tum ? tum_line(header.time_ns, *pose) : kitti_line(*pose);
   write_file(file, text);
 }
 

@@ -11,7 +11,7 @@ namespace dvi::pipeline {
 /// target's frames where they see it), moving.ply (what was taken out, coloured by cause) into a folder.
 void write_map_files(const fs::path& folder, const map::StaticMap& map, const Views& views, const Drive& target);
 
-/// world_from_lidar at the middle of each sweep that has a pose: 12 numbers a line (KITTI), or seconds and tx ty tz qx qy qz qw
+/// world_from_lidar at the middle of each scan that has a pose: 12 numbers a line (KITTI), or seconds and tx ty tz qx qy qz qw
 /// (TUM).
 void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory& world_from_lidar, bool tum);
 

@@ -38,7 +38,7 @@ Poses in_one_world(const Recordings& drives, std::vector<PoseChoice> choices) {
     poses.push_back({std::move(choices[i]), std::move(trajectory)});
   }
   const Trajectory& first = poses.front().world_from_lidar;
-  const std::int64_t start = target.sweeps.empty() ? target.frames.front().time_ns : target.sweeps.front().time_ns;
+  const std::int64_t start = target.scan_headers.empty() ? target.frames.front().time_ns : target.scan_headers.front().time_ns;
   const SE3 target_from_world = first.at(start).value_or(first.poses().front().world_from_body).inverse();
   for (DrivePoses& drive : poses) drive.world_from_lidar = drive.world_from_lidar.in(target_from_world);
   return poses;
@@ -48,7 +48,7 @@ Poses estimate_poses(const Recordings& drives, const Job& job, Progress& progres
   std::vector<PoseChoice> choices;
   for (const Recording& open : drives) {
     const bool is_target = choices.empty();
-    choices.push_back(choose_poses(open.drive, is_target ? job.source.poses : "auto", job.options.odometry, progress));
+    choices.push_back(choose_poses(open.drive, is_target ? job.read.poses : "auto", job.options.odometry, progress));
   }
   return in_one_world(drives, std::move(choices));
 }

@@ -40,13 +40,13 @@ std::optional<MotionReport> against_given(const std::vector<StampedPose>& poses,
 
 DriftReport drift_report(const odometry::Odometry& odometry, const Trajectory& given) {
   std::vector<double> second_look;
-  for (const odometry::SweepFit& fit : odometry.sweeps)
-    if (fit.state == odometry::SweepFit::State::registered) second_look.push_back(fit.second_look_m);
+  for (const odometry::ScanFit& fit : odometry.scan_headers)
+    if (fit.state == odometry::ScanFit::State::registered) second_look.push_back(fit.second_look_m);
   return {spread(second_look), against_given(odometry.world_from_lidar.poses(), given), odometry.loops,
           odometry.largest_correction_m};
 }
 
-ScanReport scan_report(const odometry::SweepFit& fit) {
+ScanReport scan_report(const odometry::ScanFit& fit) {
   return {.state = odometry::to_string(fit.state),
           .guess = fit.given ? "given" : "motion",
           .features = fit.features,
@@ -61,11 +61,11 @@ OdometryReport odometry_report(const odometry::Odometry& odometry, const Traject
                      .plane_features = odometry.plane_features,
                      .edge_features = odometry.edge_features,
                      .drift = drift_report(odometry, given),
-                     .sweeps = {}};
+                     .scan_headers = {}};
   const auto& poses = odometry.world_from_lidar.poses();
   for (std::size_t i = 1; i < poses.size(); ++i)
     out.path_m += (poses[i].world_from_body.t - poses[i - 1].world_from_body.t).norm();
-  for (const odometry::SweepFit& fit : odometry.sweeps) out.sweeps.push_back(scan_report(fit));
+  for (const odometry::ScanFit& fit : odometry.scan_headers) out.scan_headers.push_back(scan_report(fit));
   return out;
 }
 

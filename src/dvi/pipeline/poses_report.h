@@ -44,7 +44,7 @@ struct OdometryReport {
   double path_m = 0;
   std::size_t plane_features = 0, edge_features = 0;
   DriftReport drift;
-  std::vector<ScanReport> sweeps;
+  std::vector<ScanReport> scan_headers;
 };
 
 /// What map.json and report.json say of a drive's poses.

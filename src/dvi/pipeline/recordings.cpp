@@ -40,29 +40,29 @@ void resolve_poses(Drive& drive, const std::string& from) {
 
 }  // namespace
 
-Recording open_recording(const fs::path& path, const Source& source, MaskNeed need, Progress& progress) {
+Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNeed need, Progress& progress) {
   io::ReadOptions read;
-  read.camera = source.camera;
-  if (!source.frames.empty()) read.frames = parse_frames(source.frames);
+  read.camera = choice.camera;
+  if (!choice.frames.empty()) read.frames = parse_frames(choice.frames);
   Recording open{io::read_drive(path, read), {}};
-  resolve_poses(open.drive, source.poses);
-  open.masks_from = resolve_masks(open.drive, source.masks, need);
+  resolve_poses(open.drive, choice.poses);
+  open.masks_from = resolve_masks(open.drive, choice.masks, need);
   for (const std::string& warning : open.drive.warnings) progress.warn(path.filename().string() + ": " + warning);
   return open;
 }
 
 Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress) {
   Recordings drives;
-  drives.push_back(open_recording(job.target, job.source, need, progress));
-  Source further;
-  further.camera = job.source.camera;
+  drives.push_back(open_recording(job.target, job.read, need, progress));
+  ReadChoice further;
+  further.camera = job.read.camera;
   for (const std::string& path : job.sources) drives.push_back(open_recording(path, further, need, progress));
   return drives;
 }
 
 Recordings open_images(const Job& job, Progress& progress) {
-  Recording open = open_recording(job.target, job.source, MaskNeed::required, progress);
-  open.drive.sweeps.clear();
+  Recording open = open_recording(job.target, job.read, MaskNeed::required, progress);
+  open.drive.scan_headers.clear();
   open.drive.scans = {};
   if (!job.sources.empty()) progress.warn("method " + job.method + " has no use for further drives");
   return {open};
@@ -70,12 +70,12 @@ Recordings open_images(const Job& job, Progress& progress) {
 
 void verify(const Recordings& drives, Progress& progress) {
   std::size_t count = 0;
-  for (const Recording& open : drives) count += open.drive.frames.size() + open.drive.sweeps.size();
+  for (const Recording& open : drives) count += open.drive.frames.size() + open.drive.scan_headers.size();
   progress.begin("read", count);
   for (const Recording& open : drives) {
     const std::size_t frames = open.drive.frames.size();
     // The first error in order, whichever thread meets one first.
-    std::vector<std::exception_ptr> errors(frames + open.drive.sweeps.size());
+    std::vector<std::exception_ptr> errors(frames + open.drive.scan_headers.size());
     parallel_for(errors.size(), [&](std::size_t i) {
       try {
         if (i < frames) {
@@ -97,7 +97,7 @@ void verify(const Recordings& drives, Progress& progress) {
 
 void add_files(Fingerprint& print, const Drive& drive) {
   for (const Frame& frame : drive.frames) print.add_file(frame.file);
-  for (const Sweep& sweep : drive.sweeps) print.add_file(sweep.file);
+  for (const ScanHeader& header : drive.scan_headers) print.add_file(header.file);
   for (const fs::path& file : drive.mask_files) print.add_file(file);
   for (const fs::path& file : drive.other_files) print.add_file(file);
 }

@@ -24,7 +24,7 @@ using Recordings = std::vector<Recording>;
 enum class MaskNeed { required, optional };
 
 /// Opens one drive as `source` says; warnings go to `progress`.
-Recording open_recording(const fs::path& path, const Source& source, MaskNeed need, Progress& progress);
+Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNeed need, Progress& progress);
 
 /// Opens the target and the further drives. Ranges of frames, masks and poses given by hand are the target's.
 Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress);

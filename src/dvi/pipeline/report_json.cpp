@@ -25,7 +25,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MotionReport, median_m, largest_m, median_deg
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriftReport, second_look, given_over_10_m, loops, largest_correction_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ScanReport, state, guess, features, inliers, residual_m, second_look_m,
                                    degenerate_directions)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OdometryReport, rings, path_m, plane_features, edge_features, drift, sweeps)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OdometryReport, rings, path_m, plane_features, edge_features, drift, scan_headers)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HoleParts, copied, copied_elsewhere, interpolated, synthesised, empty, never_seen)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EnergyReport, before, after)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameAlignmentReport, rotation_deg, offset_before_px, offset_after_px, points)
@@ -62,32 +62,32 @@ void from_json(const json& j, HoleReport& hole) {
 void to_json(json& j, const MapReport& map) {
   const map::MapCounts& c = map.counts;
   j = {{"points", map.points},
-       {"sweeps", c.sweeps},
-       {"sweeps_without_pose", c.sweeps_without_pose},
+       {"scans", c.scan_headers},
+       {"scans_without_pose", c.scans_without_pose},
        {"returns", c.returns},
        {"dropped",
         {{"in_masks", c.masked},
          {"in_boxes", c.boxed},
          {"moved", c.moved},
-         {"not_witnessed", c.unwitnessed},
+         {"not_witnessed", c.unseen_by_camera},
          {"out_of_range", c.too_near}}}};
 }
 void from_json(const json& j, MapReport& map) {
   map::MapCounts& c = map.counts;
   j.at("points").get_to(map.points);
-  j.at("sweeps").get_to(c.sweeps);
-  j.at("sweeps_without_pose").get_to(c.sweeps_without_pose);
+  j.at("scans").get_to(c.scan_headers);
+  j.at("scans_without_pose").get_to(c.scans_without_pose);
   j.at("returns").get_to(c.returns);
   const json& dropped = j.at("dropped");
   dropped.at("in_masks").get_to(c.masked);
   dropped.at("in_boxes").get_to(c.boxed);
   dropped.at("moved").get_to(c.moved);
-  dropped.at("not_witnessed").get_to(c.unwitnessed);
+  dropped.at("not_witnessed").get_to(c.unseen_by_camera);
   dropped.at("out_of_range").get_to(c.too_near);
 }
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameReport, number, name, hole, energy, alignment, exposure_gain)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveReport, path, format, camera, frames, sweeps, poses, alignment, warnings)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveReport, path, format, camera, frames, scan_headers, poses, alignment, warnings)
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameForecastReport, number, name, image_share, hole)
 

@@ -42,7 +42,7 @@ RunReport run(const Job& job, Progress& progress) {
   });
   const auto fill = [&](std::size_t i) {
     const DepthMap depth =
-        cpu.time("plane_sweep", plane_sweep::plane_sweep, *depths.maps[i], views, i, depths.visibility, options.sweep);
+        cpu.time("plane_sweep", plane_sweep::plane_sweep, *depths.maps[i], views, i, depths.visibility, options.plane_sweep);
     const Candidates candidates =
         cpu.time("sample", sample::sample, views, i, depth, depths.visibility, options.sample);  // 3.4
     const Labelling labels =

@@ -28,7 +28,7 @@ metrics::Evaluation check_scenario(const Job& job, holdout::Scenario scenario,
   Job running = job;
   running.target = fs::absolute(folder / "case/drive").lexically_normal();
   running.out = folder / "result";
-  running.source = {};
+  running.read = {};
   run(running, progress);
   progress.begin(fmt::format("eval {}", holdout::name(scenario)), 0);
   metrics::Evaluation evaluation = metrics::evaluate(

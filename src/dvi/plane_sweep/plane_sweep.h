@@ -10,7 +10,7 @@
 
 namespace dvi::plane_sweep {
 
-struct SweepOptions {
+struct PlaneSweepOptions {
   bool enabled = true;
   int sources = 8;
   int reach_frames = 40;
@@ -27,6 +27,6 @@ struct SweepOptions {
 /// the views that show them agree (plane sweep over inverse depth; Collins, 1996), infinity where nothing moves between them.
 /// Kept as it is wherever the views do not tell one depth from the others. `visibility` is as `views`.
 depth::DepthMap plane_sweep(const depth::DepthMap& depth, const Views& views, std::size_t target,
-                            const Lazy<depth::VisibilityMap>& visibility, const SweepOptions& options);
+                            const Lazy<depth::VisibilityMap>& visibility, const PlaneSweepOptions& options);
 
 }  // namespace dvi::plane_sweep

@@ -39,9 +39,9 @@ std::vector<std::size_t> shown(const View& view, const SE3& world_from_target, c
 
 }  // namespace
 
-std::vector<std::size_t> sweep_sources(const Views& views, std::size_t target, const std::vector<Eigen::Vector3d>& rays,
-                                       double nearest, const Lazy<depth::VisibilityMap>& visibility, int count,
-                                       int reach_frames) {
+std::vector<std::size_t> choose_source_frames(const Views& views, std::size_t target, const std::vector<Eigen::Vector3d>& rays,
+                                              double nearest, const Lazy<depth::VisibilityMap>& visibility, int count,
+                                              int reach_frames) {
   const SE3 world_from_target = views[target].camera_from_world.inverse();
   const std::vector<std::size_t> candidates = pool(views, target, reach_frames);
   std::vector<std::vector<std::size_t>> sights;

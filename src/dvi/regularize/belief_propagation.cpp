@@ -33,7 +33,7 @@ class Messages {
   explicit Messages(const ShiftField& field)
       : field_(field),
         incoming_(field.nodes() * 4 * field.stride),
-        untold_(field.nodes(), kAhead | kBehind),
+        unsent_(field.nodes(), kAhead | kBehind),
         nothing_(std::size_t{3} * field.stride),
         belief_(field.stride),
         without_(field.stride),
@@ -47,8 +47,8 @@ class Messages {
     for (std::size_t k = 0; k < nodes; ++k) {
       const std::size_t node = forward ? k : nodes - 1 - k;
       const std::uint8_t mark = forward ? kAhead : kBehind;
-      if ((untold_[node] & mark) == 0) continue;
-      untold_[node] &= static_cast<std::uint8_t>(~mark);
+      if ((unsent_[node] & mark) == 0) continue;
+      unsent_[node] &= static_cast<std::uint8_t>(~mark);
       changed |= send(node, forward ? 2 : 0);
     }
     return changed;
@@ -102,7 +102,7 @@ class Messages {
       Cost* out = incoming(other, d ^ 2);
       if (std::equal(message_.begin(), message_.begin() + field_.labels(), out)) continue;
       std::copy(message_.begin(), message_.end(), out);
-      untold_[other] = kAhead | kBehind;
+      unsent_[other] = kAhead | kBehind;
       changed = true;
     }
     return changed;
@@ -110,7 +110,7 @@ class Messages {
 
   const ShiftField& field_;
   std::vector<Cost> incoming_;
-  std::vector<std::uint8_t> untold_;  // of each node, to whom it has news
+  std::vector<std::uint8_t> unsent_;  // of each node, to whom it has news
   std::vector<std::uint8_t> nothing_;
   std::vector<Cost> belief_, without_, message_;
 };

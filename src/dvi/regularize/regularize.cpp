@@ -16,7 +16,7 @@ namespace {
 /// Moves a pixel's leading candidate. The further ones are dropped: of them nobody knows whether they are off alike.
 void shift(sample::Candidates& candidates, std::size_t pixel, cv::Point2f by) {
   if (by == cv::Point2f()) return;
-  candidates.of[pixel].position += by;
+  candidates.leading[pixel].position += by;
   for (sample::Candidate& other : candidates.others(pixel)) other = {};
 }
 

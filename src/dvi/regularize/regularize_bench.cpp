@@ -34,7 +34,7 @@ void regularize_hole(benchmark::State& state) {
   sample::Candidates candidates{Region(hole), {}};
   for (const cv::Point p : candidates.hole.pixels) {
     const int k = (p.x / 40 + p.y / 25) % 12;
-    candidates.of.push_back(
+    candidates.leading.push_back(
         {k + 1, cv::Point2f(p + cv::Point(4 * k - 20, 0)) +
                     cv::Point2f(alone ? cv::Point(random.below(3) - 1, random.below(3) - 1) : cv::Point(k % 3 - 1, k % 2))});
   }
@@ -45,7 +45,7 @@ void regularize_hole(benchmark::State& state) {
     out = regularize(candidates, views, 0, depth, {true});
     benchmark::DoNotOptimize(out);
   }
-  state.counters["pixels"] = static_cast<double>(candidates.of.size());
+  state.counters["pixels"] = static_cast<double>(candidates.leading.size());
   state.counters["iterations"] = out.iterations;
   state.counters["energy_part"] = out.energy_after / out.energy_before;
 }

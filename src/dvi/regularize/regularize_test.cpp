@@ -28,7 +28,7 @@ cv::Mat1b disc(int width, int height, cv::Point centre, int radius) {
 /// Every hole pixel seen by view 1 at its true place plus an error.
 sample::Candidates seen_by_one(const cv::Mat1b& mask, int disparity, cv::Point2f error = {}) {
   sample::Candidates out{Region(mask), {}};
-  for (const cv::Point p : out.hole.pixels) out.of.push_back({1, cv::Point2f(p + cv::Point(disparity, 0)) + error});
+  for (const cv::Point p : out.hole.pixels) out.leading.push_back({1, cv::Point2f(p + cv::Point(disparity, 0)) + error});
   return out;
 }
 
@@ -36,8 +36,8 @@ depth::DepthMap flat_depth(const FlatScene& scene) { return {scene.depth(), cv::
 
 double right_share(const sample::Candidates& found, const sample::Candidates& truth) {
   std::size_t right = 0;
-  for (std::size_t i = 0; i < truth.of.size(); ++i) right += found.of[i].position == truth.of[i].position;
-  return static_cast<double>(right) / static_cast<double>(truth.of.size());
+  for (std::size_t i = 0; i < truth.leading.size(); ++i) right += found.leading[i].position == truth.leading[i].position;
+  return static_cast<double>(right) / static_cast<double>(truth.leading.size());
 }
 
 struct Street {
@@ -72,11 +72,11 @@ TEST(Regularize, RecoversAUniformShift) {
 TEST(Regularize, RecoversAShiftOfOneOfTwoSources) {
   const Street street;
   sample::Candidates truth = seen_by_one(street.hole, 8), wrong = truth;
-  for (std::size_t i = 0; i < truth.of.size(); ++i) {
+  for (std::size_t i = 0; i < truth.leading.size(); ++i) {
     const cv::Point p = truth.hole.pixels[i];
     if (p.x <= 40) continue;
-    truth.of[i] = {2, cv::Point2f(p + cv::Point(-5, 0))};
-    wrong.of[i] = {2, truth.of[i].position + cv::Point2f(-1, 1)};
+    truth.leading[i] = {2, cv::Point2f(p + cv::Point(-5, 0))};
+    wrong.leading[i] = {2, truth.leading[i].position + cv::Point2f(-1, 1)};
   }
   EXPECT_GT(right_share(street.run(wrong).candidates, truth), 0.97);
 }
@@ -95,7 +95,7 @@ TEST(Regularize, WarpsNeighboursByTheirOwnDepth) {
         const int to = x + (near != 0 ? 16 : 8);
         if (to < 90) source(y, to) = street.truth(y, x);
       }
-  for (const cv::Point p : exact.hole.pixels) exact.of.push_back({1, cv::Point2f(p + cv::Point(p.x >= 40 ? 16 : 8, 0))});
+  for (const cv::Point p : exact.hole.pixels) exact.leading.push_back({1, cv::Point2f(p + cv::Point(p.x >= 40 ? 16 : 8, 0))});
   street.scene.images[1] = source;
   const Labelling out = regularize(exact, street.scene.lazy(), 0, depth, kOn);
   EXPECT_EQ(right_share(out.candidates, exact), 1);
@@ -109,10 +109,10 @@ TEST(Regularize, NeverShiftsIntoTheSourcesMaskOrOutOfItsImage) {
   Street street;
   street.scene.masks[1](cv::Rect(50, 0, 40, 35)) = 255;
   sample::Candidates shifted = seen_by_one(street.hole, 8, {2, 2});
-  for (auto& c : shifted.of) c.position.x += 30;  // up to the image's right border
+  for (auto& c : shifted.leading) c.position.x += 30;  // up to the image's right border
   const Labelling out = street.run(shifted);
-  for (std::size_t i = 0; i < shifted.of.size(); ++i) {
-    const cv::Point2f from = shifted.of[i].position, to = out.candidates.of[i].position;
+  for (std::size_t i = 0; i < shifted.leading.size(); ++i) {
+    const cv::Point2f from = shifted.leading[i].position, to = out.candidates.leading[i].position;
     if (from == to) continue;
     ASSERT_LE(to.x, 89);
     ASSERT_EQ(street.scene.masks[1](cv::Point(to)), 0);
@@ -122,12 +122,12 @@ TEST(Regularize, NeverShiftsIntoTheSourcesMaskOrOutOfItsImage) {
 TEST(Regularize, AMovedPixelKeepsItsLeadingSourceOnly) {
   const Street street;
   sample::Candidates shifted = seen_by_one(street.hole, 8, {1, 1});
-  shifted.more = 1;
-  for (const sample::Candidate& c : shifted.of) shifted.further.push_back({2, c.position});
+  shifted.extra_per_pixel = 1;
+  for (const sample::Candidate& c : shifted.leading) shifted.extra.push_back({2, c.position});
   const sample::Candidates out = street.run(shifted).candidates;
   int moved = 0;
-  for (std::size_t i = 0; i < out.of.size(); ++i) {
-    const bool stayed = out.of[i].position == shifted.of[i].position;
+  for (std::size_t i = 0; i < out.leading.size(); ++i) {
+    const bool stayed = out.leading[i].position == shifted.leading[i].position;
     EXPECT_EQ(out.others(i)[0].found(), stayed);
     moved += stayed ? 0 : 1;
   }
@@ -137,10 +137,10 @@ TEST(Regularize, AMovedPixelKeepsItsLeadingSourceOnly) {
 TEST(Regularize, PixelsWithoutCandidateTakeNoPart) {
   const Street street;
   sample::Candidates some = seen_by_one(street.hole, 8, {1, 1}), none = some;
-  for (std::size_t i = 0; i < some.of.size(); i += 3) some.of[i] = {};
-  for (auto& c : none.of) c = {};
+  for (std::size_t i = 0; i < some.leading.size(); i += 3) some.leading[i] = {};
+  for (auto& c : none.leading) c = {};
   const Labelling out = street.run(some);
-  for (std::size_t i = 0; i < some.of.size(); i += 3) EXPECT_FALSE(out.candidates.of[i].found());
+  for (std::size_t i = 0; i < some.leading.size(); i += 3) EXPECT_FALSE(out.candidates.leading[i].found());
   EXPECT_EQ(street.run(none).energy_before, 0);
 }
 
@@ -170,7 +170,7 @@ TEST(Regularize, TakesAnyHole) {
     scene.add_source(0, picture);
     const sample::Candidates exact = seen_by_one(mask, 0);
     const Labelling out = regularize(exact, scene.lazy(), 0, flat_depth(scene), kOn);
-    EXPECT_TRUE(exact.of.empty() || right_share(out.candidates, exact) == 1);
+    EXPECT_TRUE(exact.leading.empty() || right_share(out.candidates, exact) == 1);
     EXPECT_LE(out.energy_after, out.energy_before);
   }
 }
@@ -189,7 +189,7 @@ TEST(Regularize, GivesTheSameTwice) {
   const Street street;
   sample::Candidates noisy = seen_by_one(street.hole, 8);
   Random random(5);
-  for (auto& c : noisy.of) c.position += quantised(random.uniform(-2, 2), random.uniform(-2, 2));
+  for (auto& c : noisy.leading) c.position += quantised(random.uniform(-2, 2), random.uniform(-2, 2));
   const Labelling a = street.run(noisy), b = street.run(noisy);
   EXPECT_EQ(right_share(a.candidates, b.candidates), 1);
   EXPECT_EQ(a.energy_after, b.energy_after);

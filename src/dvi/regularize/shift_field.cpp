@@ -34,15 +34,15 @@ class Builder {
         field_(field),
         target_image_(views.images[target]),
         target_mask_(views.masks[target]),
-        node_(candidates.of.size(), -1),
-        warped_(candidates.of.size()) {}
+        node_(candidates.leading.size(), -1),
+        warped_(candidates.leading.size()) {}
 
   void build() {
     std::map<int, std::vector<int>> of_view;
-    for (std::size_t i = 0; i < candidates_.of.size(); ++i)
-      if (candidates_.of[i].found()) {
+    for (std::size_t i = 0; i < candidates_.leading.size(); ++i)
+      if (candidates_.leading[i].found()) {
         node_[i] = static_cast<int>(field_.nodes());
-        of_view[candidates_.of[i].view].push_back(node_[i]);
+        of_view[candidates_.leading[i].view].push_back(node_[i]);
         field_.pixel.push_back(static_cast<int>(i));
       }
     const std::array<int, 4> none{-1, -1, -1, -1};
@@ -58,7 +58,7 @@ class Builder {
 
   std::size_t row_size() const { return std::size_t{3} * field_.stride; }
   cv::Point pixel(int node) const { return candidates_.hole.pixels[field_.pixel[node]]; }
-  const sample::Candidate& candidate(int node) const { return candidates_.of[field_.pixel[node]]; }
+  const sample::Candidate& candidate(int node) const { return candidates_.leading[field_.pixel[node]]; }
 
   void add_view(int view, const std::vector<int>& nodes) {
     source_image_ = views_.images[view];
@@ -96,7 +96,7 @@ class Builder {
     if (other < 0) return;
     const bool same = candidate(other).view == candidate(node).view;
     const Position q_at = same ? warped_[inside] : warp(q, depth_.z(q));
-    const cv::Point2f at = beside(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, q_at);
+    const cv::Point2f at = neighbour_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, q_at);
     field_.neighbour[node][direction] = other;
     if (same && at == candidate(other).position)
       field_.expected[node][direction] = other;
@@ -106,7 +106,8 @@ class Builder {
 
   /// Eq. 3 for one neighbour outside the hole; 1 where the source can say what it expects there.
   int add_boundary(int node, cv::Point q, const Warp& warp, std::vector<int>& cost) {
-    const cv::Point2f at = beside(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, warp(q, depth_.z(q)));
+    const cv::Point2f at =
+        neighbour_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, warp(q, depth_.z(q)));
     if (!can_sample(*source_mask_, at)) return 0;
     scratch_.resize(row_size());
     sample(at, scratch_.data());

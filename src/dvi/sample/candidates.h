@@ -24,12 +24,14 @@ struct Candidate {
 /// The candidates for each pixel of a frame's hole.
 struct Candidates {
   Region hole;
-  std::vector<Candidate> of;         ///< as hole.pixels: the leading one
-  std::size_t more = 0;              ///< how many further ones a pixel may have
-  std::vector<Candidate> further{};  ///< `more` a pixel, by falling trust; those not found last
+  std::vector<Candidate> leading;   ///< as hole.pixels: the one copied from
+  std::size_t extra_per_pixel = 0;  ///< how many further ones a pixel may have
+  std::vector<Candidate> extra{};   ///< extra_per_pixel each, by falling trust; those not found last
 
-  std::span<const Candidate> others(std::size_t pixel) const { return {further.data() + pixel * more, more}; }
-  std::span<Candidate> others(std::size_t pixel) { return {further.data() + pixel * more, more}; }
+  std::span<const Candidate> others(std::size_t pixel) const {
+    return {extra.data() + pixel * extra_per_pixel, extra_per_pixel};
+  }
+  std::span<Candidate> others(std::size_t pixel) { return {extra.data() + pixel * extra_per_pixel, extra_per_pixel}; }
 };
 
 }  // namespace dvi::sample

@@ -99,8 +99,8 @@ class Ranking {
     Candidates out{std::move(hole), {}, ranks_ - 1, {}};
     for (std::size_t i = 0; i < out.hole.size(); ++i) {
       const Candidate* const begin = &candidates_[i * ranks_];
-      out.of.push_back(*begin);
-      out.further.insert(out.further.end(), begin + 1, begin + ranks_);
+      out.leading.push_back(*begin);
+      out.extra.insert(out.extra.end(), begin + 1, begin + ranks_);
     }
     return out;
   }

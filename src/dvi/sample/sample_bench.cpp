@@ -30,8 +30,8 @@ void sample_hole(benchmark::State& state) {
   Candidates out;
   for (auto _ : state) out = sample(views, 0, depth, visibility, {});
   std::size_t found = 0;
-  for (const Candidate& c : out.of) found += c.found() ? 1 : 0;
-  state.counters["found_part"] = static_cast<double>(found) / static_cast<double>(out.of.size());
+  for (const Candidate& c : out.leading) found += c.found() ? 1 : 0;
+  state.counters["found_part"] = static_cast<double>(found) / static_cast<double>(out.leading.size());
 }
 BENCHMARK(sample_hole)
     ->ArgNames({"sources", "pixels"})

@@ -39,10 +39,10 @@ FlatScene drive_of(const std::vector<int>& disparities) {
 TEST(Sample, TakesTheNextFrameAtTheWarpedPosition) {
   const FlatScene scene = drive_of({3, 6});
   const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
-  ASSERT_EQ(c.of.size(), 100);
-  for (std::size_t i = 0; i < c.of.size(); ++i) {
-    EXPECT_EQ(c.of[i].view, 1);
-    EXPECT_EQ(c.of[i].position, cv::Point2f(c.hole.pixels[i]) + cv::Point2f(3, 0));
+  ASSERT_EQ(c.leading.size(), 100);
+  for (std::size_t i = 0; i < c.leading.size(); ++i) {
+    EXPECT_EQ(c.leading[i].view, 1);
+    EXPECT_EQ(c.leading[i].position, cv::Point2f(c.hole.pixels[i]) + cv::Point2f(3, 0));
   }
 }
 
@@ -58,22 +58,22 @@ TEST(Sample, RankedSearchGoesOutwardsInTime) {
   scene.views[4].drive = 1;
   EXPECT_EQ(search_order(scene.lazy(), 1, 0, true), (std::vector<std::size_t>{2, 0, 3, 4}));
   const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
-  ASSERT_EQ(c.more, 2);
-  for (std::size_t i = 0; i < c.of.size(); ++i) {
-    EXPECT_EQ(c.of[i].view, 1);
+  ASSERT_EQ(c.extra_per_pixel, 2);
+  for (std::size_t i = 0; i < c.leading.size(); ++i) {
+    EXPECT_EQ(c.leading[i].view, 1);
     EXPECT_EQ(c.others(i)[0].view, 2);
     EXPECT_EQ(c.others(i)[1].view, 3);
-    EXPECT_GT(c.of[i].trust, c.others(i)[0].trust);
+    EXPECT_GT(c.leading[i].trust, c.others(i)[0].trust);
   }
-  for (const Candidate& one : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {.scored = false}).of)
+  for (const Candidate& one : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {.scored = false}).leading)
     EXPECT_EQ(one.trust, 1) << "as published nothing is weighed";
 }
 
 TEST(Sample, FewerSourcesThanAskedFor) {
   const FlatScene scene = drive_of({3});
   const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {.sources = 5});
-  for (std::size_t i = 0; i < c.of.size(); ++i) {
-    EXPECT_TRUE(c.of[i].found());
+  for (std::size_t i = 0; i < c.leading.size(); ++i) {
+    EXPECT_TRUE(c.leading[i].found());
     for (const Candidate& other : c.others(i)) EXPECT_FALSE(other.found());
   }
 }
@@ -83,7 +83,7 @@ TEST(Sample, TooLittleTrustIsNone) {
   const Views views = scene.lazy();
   const double at_most = most_trust(0.1);
   const auto least = [&](double trust) {
-    return sample(views, 0, flat_depth(scene), flat_visibility(scene), {.least_trust = trust}).of[0].found();
+    return sample(views, 0, flat_depth(scene), flat_visibility(scene), {.least_trust = trust}).leading[0].found();
   };
   EXPECT_TRUE(least(0.9 * at_most));
   EXPECT_FALSE(least(1.01 * at_most));
@@ -100,10 +100,10 @@ TEST(Sample, ANearerSourceIsFilteredDown) {
     for (int x = 0; x < checker.cols; ++x) checker(y, x) = cv::Vec3b::all((x + y) % 2 == 0 ? 0 : 200);
   const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
   const Candidates plain = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {.footprint = false});
-  for (std::size_t i = 0; i < c.of.size(); ++i) {
-    ASSERT_EQ(c.of[i].footprint, cv::Vec2b(2, 2));
-    EXPECT_EQ(box_mean(checker, c.of[i].position, c.of[i].footprint), cv::Vec3f::all(100));
-    EXPECT_EQ(box_mean(checker, plain.of[i].position, plain.of[i].footprint), cv::Vec3f::all(0)) << "aliased";
+  for (std::size_t i = 0; i < c.leading.size(); ++i) {
+    ASSERT_EQ(c.leading[i].footprint, cv::Vec2b(2, 2));
+    EXPECT_EQ(box_mean(checker, c.leading[i].position, c.leading[i].footprint), cv::Vec3f::all(100));
+    EXPECT_EQ(box_mean(checker, plain.leading[i].position, plain.leading[i].footprint), cv::Vec3f::all(0)) << "aliased";
   }
 }
 
@@ -113,7 +113,7 @@ TEST(Sample, TheFootprintKeepsOffTheMask) {
   scene.masks.back()(cv::Rect(0, 0, 30, 60)) = 255;
   const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
   int found = 0;
-  for (const Candidate& one : c.of) {
+  for (const Candidate& one : c.leading) {
     if (!one.found()) continue;
     ++found;
     EXPECT_GE(one.position.x - 0.5F * static_cast<float>(one.footprint[0] - 1), 30);
@@ -127,10 +127,10 @@ TEST(Sample, AFartherSourceRanksLower) {
   scene.add_source(0, scene.images[0]);
   scene.views[2].time_ns = scene.views[1].time_ns;
   const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
-  for (std::size_t i = 0; i < c.of.size(); ++i) {
-    EXPECT_EQ(c.of[i].view, 2);
+  for (std::size_t i = 0; i < c.leading.size(); ++i) {
+    EXPECT_EQ(c.leading[i].view, 2);
     EXPECT_EQ(c.others(i)[0].view, 1);
-    EXPECT_LT(c.others(i)[0].trust, 0.5F * c.of[i].trust);
+    EXPECT_LT(c.others(i)[0].trust, 0.5F * c.leading[i].trust);
   }
 }
 
@@ -169,28 +169,28 @@ TEST(Sample, SkipsSourcesThatMaskThePixel) {
   scene.masks[1] = hole_mask();
   int first = 0, second = 0;
   const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {.scored = false});
-  for (std::size_t i = 0; i < c.of.size(); ++i) {
-    const cv::Point2f at = c.of[i].position;
-    ++(c.of[i].view == 1 ? first : second);
-    if (c.of[i].view == 1) {
+  for (std::size_t i = 0; i < c.leading.size(); ++i) {
+    const cv::Point2f at = c.leading[i].position;
+    ++(c.leading[i].view == 1 ? first : second);
+    if (c.leading[i].view == 1) {
       EXPECT_EQ(hole_mask()(cvRound(at.y), cvRound(at.x)), 0);
     }
     if (c.hole.pixels[i].x + 3 < kHole.br().x) {
-      EXPECT_EQ(c.of[i].view, 2);
+      EXPECT_EQ(c.leading[i].view, 2);
     }
   }
   EXPECT_GT(first, 0);
   EXPECT_GT(second, 0);
-  for (const Candidate& clear : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {}).of)
+  for (const Candidate& clear : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {}).leading)
     EXPECT_EQ(clear.view, 2) << "beside its own mask a source ranks lower";
-  for (const Candidate& near : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene, 5), {}).of)
+  for (const Candidate& near : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene, 5), {}).leading)
     EXPECT_EQ(near.view, 2) << "all within the margin of the mask";
 }
 
 TEST(Sample, OutsideTheImageNobodySawIt) {
   const FlatScene scene = drive_of({60, -60});
   const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
-  for (const Candidate& candidate : c.of) EXPECT_FALSE(candidate.found());
+  for (const Candidate& candidate : c.leading) EXPECT_FALSE(candidate.found());
 }
 
 TEST(Sample, OccludedSourcesDoNotCount) {
@@ -200,8 +200,8 @@ TEST(Sample, OccludedSourcesDoNotCount) {
                                                 if (i == 1) seen.z = 5.0F;  // something stands before the plane there
                                                 return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}), 0);
                                               }};
-  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {}).of) EXPECT_EQ(c.view, 2);
-  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {.occlusion_test = false}).of)
+  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {}).leading) EXPECT_EQ(c.view, 2);
+  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {.occlusion_test = false}).leading)
     EXPECT_EQ(c.view, 1);
 }
 
@@ -217,8 +217,8 @@ TEST(Sample, SourcesThatSeeAnotherSurfaceBehindDoNotCount) {
                                         return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}), 0);
                                       }};
   };
-  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), behind(0.1F), {}).of) EXPECT_EQ(c.view, 2);
-  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), behind(6), {}).of)
+  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), behind(0.1F), {}).leading) EXPECT_EQ(c.view, 2);
+  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), behind(6), {}).leading)
     EXPECT_EQ(c.view, 1) << "it is not sure of what it sees";
 }
 
@@ -227,13 +227,13 @@ TEST(Sample, NoDepthNoCandidate) {
   depth::DepthMap depth = flat_depth(scene);
   depth.z = depth::DepthMap::kUnknown;
   depth.z.rowRange(0, 25) = depth::DepthMap::kSky;
-  for (const Candidate& c : sample(scene.lazy(), 0, depth, flat_visibility(scene), {}).of) EXPECT_FALSE(c.found());
+  for (const Candidate& c : sample(scene.lazy(), 0, depth, flat_visibility(scene), {}).leading) EXPECT_FALSE(c.found());
 }
 
 TEST(Sample, EmptyHole) {
   FlatScene scene = drive_of({3});
   scene.masks[0].setTo(0);
-  EXPECT_TRUE(sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {}).of.empty());
+  EXPECT_TRUE(sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {}).leading.empty());
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ struct SynthFrame {
   cv::Mat1b dynamic;  ///< 255 where image differs from clean: traffic and its shadow
 };
 
-/// One sweep with its truth.
+/// A scan with its truth.
 struct SynthScan {
   Scan scan;
   std::vector<std::uint8_t> dynamic;  ///< one a point: 1 on traffic
@@ -29,7 +29,7 @@ struct SynthScan {
 };
 
 /// The synthetic street and its recording, in memory: everything is computed when asked for, and each call for the same
-/// thing gives the same. Frame i is exposed at the middle of sweep i. Safe to use from many threads.
+/// thing gives the same. Frame i is exposed at the middle of scan i. Safe to use from many threads.
 /// The world is the street's own: x along it, z up, the road at z = 0.
 class Scene {
  public:
@@ -44,7 +44,7 @@ class Scene {
   const SE3& camera_from_lidar() const { return camera_from_lidar_; }
 
   std::string name(int frame) const;
-  std::int64_t time_ns(int frame) const;  ///< of the image, and of the sweep's middle
+  std::int64_t time_ns(int frame) const;  ///< of the image, and of the scan's middle
   SE3 world_from_lidar(std::int64_t time_ns) const;
   SE3 camera_from_world(int frame) const;  ///< of the true camera
   double gain(int frame) const;            ///< exposure: factor of all colours
@@ -54,7 +54,7 @@ class Scene {
   cv::Mat3b record(int frame, const SynthFrame& rendered) const;
   /// What a mask file holds: `dynamic` and some pixels round it.
   cv::Mat1b mask(const SynthFrame& rendered) const;
-  /// The sweep, each firing from its own place at its own time.
+  /// The scan, each firing from its own place at its own time.
   SynthScan scan(int frame) const;
   /// Boxes of the moving traffic within the LiDAR's range, in LiDAR axes at the time of the image.
   std::vector<Label> boxes(int frame) const;

@@ -35,7 +35,7 @@ Drive drive_of(const std::shared_ptr<const Scene>& scene) {
   for (int i = 0; i < scene->options().frames; ++i) {
     const std::int64_t time = scene->time_ns(i);
     drive.frames.push_back({i, scene->name(i), time, {}, scene->boxes(i)});
-    drive.sweeps.push_back({scene->name(i), time, time - half, time + half, {}});
+    drive.scan_headers.push_back({scene->name(i), time, time - half, time + half, {}});
     poses.push_back({time, scene->world_from_lidar(time)});
   }
   drive.poses = Trajectory(poses);

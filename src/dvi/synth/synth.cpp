@@ -39,7 +39,7 @@ std::string readme(const SynthOptions& options) {
          "truth_depth/NAME.png      16-bit, depth z in metres x 256 of the static street at pixel centres, 0 sky\n"
          "truth_points/NAME.label   uint8 a point of lidar/NAME.bin: 0 static, 1 on moving traffic\n"
          "truth_cameras.txt         NAME, 12 numbers camera_from_world (row-major 3x4) of the true camera, exposure gain\n"
-         "poses.txt                 exact world_from_lidar at the middle of each sweep, when the image is exposed\n\n"
+         "poses.txt                 exact world_from_lidar at the middle of each scan, when the image is exposed\n\n"
          "Made with\n\n" +
          table.dump_toml();
 }

@@ -8,7 +8,7 @@ namespace dvi::synth {
 
 void SynthOptions::describe(OptionTable& table) {
   table.section("synth");
-  table.add("frames", frames, {1, 2000}, "Images, and as many sweeps of the LiDAR.");
+  table.add("frames", frames, {1, 2000}, "Images, and as many scans of the LiDAR.");
   table.add("width", width, {32, 4096}, "Image width in pixels.");
   table.add("height", height, {32, 4096}, "Image height in pixels.");
   table.add("seed", seed, {0, 1e9}, "The street and its traffic.");
@@ -17,8 +17,8 @@ void SynthOptions::describe(OptionTable& table) {
   table.add("turn_deg", turn_deg, {-90, 90}, "Angle by which the street bends, left positive.");
   table.add("lorry", lorry, "A lorry stays close ahead during the whole drive.");
   table.add("beams", beams, {1, 256}, "Beams of the LiDAR, from -24.8 to +2 degrees.");
-  table.add("columns", columns, {36, 7200}, "Firings a sweep.");
-  table.add("rate_hz", rate_hz, {1, 50}, "Sweeps and images a second.");
+  table.add("columns", columns, {36, 7200}, "Firings a scan.");
+  table.add("rate_hz", rate_hz, {1, 50}, "Scans and images a second.");
   table.add("range_m", range_m, {5, 300}, "Largest range of the LiDAR in metres.");
   table.add("exposure_drift", exposure_drift, {0, 0.8}, "Change of the exposure over the drive: 0.12 is from -12 % to +12 %.");
   table.add("jitter_deg", jitter_deg, {0, 5},
