@@ -66,7 +66,7 @@ TEST_F(Poses, FromScansFollowTheTruth) {
   const nlohmann::json report = map("drive", "--poses loam");
   EXPECT_EQ(report["from"], "loam");
   EXPECT_EQ(report["odometry"]["scans"].size(), 6);
-  EXPECT_LT(report["odometry"]["drift"]["second_look"]["largest_m"], 0.05);
+  EXPECT_LT(report["odometry"]["drift"]["lag_correction"]["largest_m"], 0.05);
   EXPECT_TRUE(report["odometry"]["drift"]["given_over_10_m"].is_null()) << "the drive is shorter";
   std::vector<std::string> stages;
   const nlohmann::json whole = nlohmann::json::parse(read_file(folder / "out/map.json"));

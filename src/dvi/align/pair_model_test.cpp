@@ -83,9 +83,9 @@ TEST_F(PairOfViews, HeldOutPointsAgreeBetterAtTheTruth) {
     std::sort(offsets.begin(), offsets.end());
     return offsets[offsets.size() / 2];
   };
-  const Agreement given = held_out(pair, posed[1], posed[0], model->scale);
-  const Agreement truth = held_out(pair, turned(posed[1], lacking), posed[0], model->scale);
-  const Agreement beyond = held_out(pair, turned(posed[1], 3 * lacking), posed[0], model->scale);
+  const HeldOutCost given = held_out(pair, posed[1], posed[0], model->scale);
+  const HeldOutCost truth = held_out(pair, turned(posed[1], lacking), posed[0], model->scale);
+  const HeldOutCost beyond = held_out(pair, turned(posed[1], 3 * lacking), posed[0], model->scale);
   EXPECT_GT(truth.points, 100);
   EXPECT_EQ(truth.offsets_px.size(), static_cast<std::size_t>(truth.points));
   EXPECT_LT(truth.cost, 0.5 * given.cost);

@@ -9,7 +9,7 @@ namespace dvi::cli {
 namespace {
 
 TEST(JobOptions, WithoutAnyTheDefaultsHold) {
-  const pipeline::Job job = JobOptions().job("", "", {});
+  pipeline::Job job = JobOptions().job("", "", {});
   EXPECT_EQ(job.table().dump_toml(), pipeline::Job().table().dump_toml());
 }
 

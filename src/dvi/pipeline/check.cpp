@@ -74,8 +74,8 @@ CheckReport describe(const Recording& open, const PoseChoice& choice, const Mask
                   .first_frame = drive.frames.front().number,
                   .last_frame = drive.frames.back().number,
                   .frame_rate_hz = rate(drive.frames),
-                  .scan_headers = drive.scan_headers.size(),
-                  .sweep_rate_hz = rate(drive.scan_headers),
+                  .scans = drive.scan_headers.size(),
+                  .scan_rate_hz = rate(drive.scan_headers),
                   .mean_points = mean(found.points),
                   .path_m = path_length(drive, poses),
                   .poses = poses_report(drive, choice),
@@ -102,7 +102,7 @@ std::string CheckReport::brief() const {
       "  scans    {}, {:.1f} Hz, {:.0f} points each\n  path     {:.1f} m, by {} poses\n"
       "  masks    from {}: {:.1f} % of the image on average, {:.1f} % at most\n",
       path, format, camera_name, camera.width, camera.height, camera.fx, frames, first_frame, last_frame, frame_rate_hz,
-      frames_with_pose, scan_headers, sweep_rate_hz, mean_points, path_m, poses.from, mask_source, 100 * mean_masked,
+      frames_with_pose, scans, scan_rate_hz, mean_points, path_m, poses.from, mask_source, 100 * mean_masked,
       100 * largest_masked);
   if (forecast)
     text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never\n",
@@ -131,7 +131,7 @@ std::string to_json(const CheckReport& r) {
         {"last", r.last_frame},
         {"rate_hz", r.frame_rate_hz},
         {"with_pose", r.frames_with_pose}}},
-      {"scans", {{"count", r.scan_headers}, {"rate_hz", r.sweep_rate_hz}, {"mean_points", r.mean_points}}},
+      {"scans", {{"count", r.scans}, {"rate_hz", r.scan_rate_hz}, {"mean_points", r.mean_points}}},
       {"path_m", r.path_m},
       {"poses", r.poses},
       {"masks", {{"source", r.mask_source}, {"mean_share", r.mean_masked}, {"largest_share", r.largest_masked}}},

@@ -19,8 +19,8 @@ struct CheckReport {
   std::size_t frames = 0, frames_with_pose = 0;
   int first_frame = 0, last_frame = 0;
   double frame_rate_hz = 0;
-  std::size_t scan_headers = 0;
-  double sweep_rate_hz = 0, mean_points = 0;  ///< points of a scan
+  std::size_t scans = 0;
+  double scan_rate_hz = 0, mean_points = 0;  ///< points of a scan
   double path_m = 0;
   PosesReport poses;
   std::string mask_source;                     ///< files, labels, none

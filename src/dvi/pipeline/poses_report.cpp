@@ -39,10 +39,10 @@ std::optional<MotionReport> against_given(const std::vector<StampedPose>& poses,
 }
 
 DriftReport drift_report(const odometry::Odometry& odometry, const Trajectory& given) {
-  std::vector<double> second_look;
-  for (const odometry::ScanFit& fit : odometry.scan_headers)
-    if (fit.state == odometry::ScanFit::State::registered) second_look.push_back(fit.second_look_m);
-  return {spread(second_look), against_given(odometry.world_from_lidar.poses(), given), odometry.loops,
+  std::vector<double> lag_correction;
+  for (const odometry::ScanFit& fit : odometry.scans)
+    if (fit.state == odometry::ScanFit::State::registered) lag_correction.push_back(fit.lag_correction_m);
+  return {spread(lag_correction), against_given(odometry.world_from_lidar.poses(), given), odometry.loops,
           odometry.largest_correction_m};
 }
 
@@ -52,7 +52,7 @@ ScanReport scan_report(const odometry::ScanFit& fit) {
           .features = fit.features,
           .inliers = fit.inliers,
           .residual_m = fit.residual_m,
-          .second_look_m = fit.second_look_m,
+          .lag_correction_m = fit.lag_correction_m,
           .degenerate_directions = fit.degenerate};
 }
 
@@ -61,11 +61,11 @@ OdometryReport odometry_report(const odometry::Odometry& odometry, const Traject
                      .plane_features = odometry.plane_features,
                      .edge_features = odometry.edge_features,
                      .drift = drift_report(odometry, given),
-                     .scan_headers = {}};
+                     .scans = {}};
   const auto& poses = odometry.world_from_lidar.poses();
   for (std::size_t i = 1; i < poses.size(); ++i)
     out.path_m += (poses[i].world_from_body.t - poses[i - 1].world_from_body.t).norm();
-  for (const odometry::ScanFit& fit : odometry.scan_headers) out.scan_headers.push_back(scan_report(fit));
+  for (const odometry::ScanFit& fit : odometry.scans) out.scans.push_back(scan_report(fit));
   return out;
 }
 

@@ -25,7 +25,7 @@ struct MotionReport {
 
 /// What tells how far off the odometry's poses may be, whether there is a truth or not.
 struct DriftReport {
-  std::optional<LengthReport> second_look;
+  std::optional<LengthReport> lag_correction;
   std::optional<MotionReport> given_over_10_m;
   std::size_t loops = 0;
   double largest_correction_m = 0;
@@ -35,7 +35,7 @@ struct DriftReport {
 struct ScanReport {
   std::string state, guess;
   std::size_t features = 0, inliers = 0;
-  double residual_m = 0, second_look_m = 0;
+  double residual_m = 0, lag_correction_m = 0;
   int degenerate_directions = 0;
 };
 
@@ -44,7 +44,7 @@ struct OdometryReport {
   double path_m = 0;
   std::size_t plane_features = 0, edge_features = 0;
   DriftReport drift;
-  std::vector<ScanReport> scan_headers;
+  std::vector<ScanReport> scans;
 };
 
 /// What map.json and report.json say of a drive's poses.

@@ -60,7 +60,7 @@ DriveReport drive_report(const Drive& drive, const PoseChoice& poses, const alig
                   .format = drive.format,
                   .camera = drive.camera_name,
                   .frames = drive.frames.size(),
-                  .scan_headers = drive.scan_headers.size(),
+                  .scans = drive.scan_headers.size(),
                   .poses = poses_report(drive, poses),
                   .alignment = {},
                   .warnings = drive.warnings};

@@ -57,7 +57,7 @@ struct DriveAlignmentReport {
 
 struct DriveReport {
   std::string path, format, camera;
-  std::size_t frames = 0, scan_headers = 0;
+  std::size_t frames = 0, scans = 0;
   PosesReport poses;
   std::optional<DriveAlignmentReport> alignment;
   std::vector<std::string> warnings;

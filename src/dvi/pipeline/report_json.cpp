@@ -22,10 +22,10 @@ using nlohmann::json;
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SharpnessReport, ground_m, vertical_m, ground_patches, vertical_patches)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LengthReport, median_m, largest_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MotionReport, median_m, largest_m, median_deg, largest_deg)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriftReport, second_look, given_over_10_m, loops, largest_correction_m)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ScanReport, state, guess, features, inliers, residual_m, second_look_m,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriftReport, lag_correction, given_over_10_m, loops, largest_correction_m)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ScanReport, state, guess, features, inliers, residual_m, lag_correction_m,
                                    degenerate_directions)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OdometryReport, rings, path_m, plane_features, edge_features, drift, scan_headers)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OdometryReport, rings, path_m, plane_features, edge_features, drift, scans)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HoleParts, copied, copied_elsewhere, interpolated, synthesised, empty, never_seen)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EnergyReport, before, after)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameAlignmentReport, rotation_deg, offset_before_px, offset_after_px, points)
@@ -62,7 +62,7 @@ void from_json(const json& j, HoleReport& hole) {
 void to_json(json& j, const MapReport& map) {
   const map::MapCounts& c = map.counts;
   j = {{"points", map.points},
-       {"scans", c.scan_headers},
+       {"scans", c.scans},
        {"scans_without_pose", c.scans_without_pose},
        {"returns", c.returns},
        {"dropped",
@@ -75,7 +75,7 @@ void to_json(json& j, const MapReport& map) {
 void from_json(const json& j, MapReport& map) {
   map::MapCounts& c = map.counts;
   j.at("points").get_to(map.points);
-  j.at("scans").get_to(c.scan_headers);
+  j.at("scans").get_to(c.scans);
   j.at("scans_without_pose").get_to(c.scans_without_pose);
   j.at("returns").get_to(c.returns);
   const json& dropped = j.at("dropped");
@@ -87,7 +87,7 @@ void from_json(const json& j, MapReport& map) {
 }
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameReport, number, name, hole, energy, alignment, exposure_gain)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveReport, path, format, camera, frames, scan_headers, poses, alignment, warnings)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveReport, path, format, camera, frames, scans, poses, alignment, warnings)
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameForecastReport, number, name, image_share, hole)
 

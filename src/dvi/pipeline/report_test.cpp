@@ -14,12 +14,12 @@ using testing::HasSubstr;
 
 RunReport whole_report() {
   RunReport report{.version = "1.2.3", .method = "dvi", .baseline = false};
-  DriveReport drive{.path = "/a/drive", .format = "folder", .camera = "front", .frames = 7, .scan_headers = 9};
+  DriveReport drive{.path = "/a/drive", .format = "folder", .camera = "front", .frames = 7, .scans = 9};
   drive.poses.from = "loam";
   drive.poses.loam = SharpnessReport{0.01, 0.02, 30, 40};
   drive.poses.odometry = OdometryReport{.rings = "file", .path_m = 12.5, .plane_features = 3, .edge_features = 4};
-  drive.poses.odometry->drift.second_look = LengthReport{0.001, 0.01};
-  drive.poses.odometry->scan_headers.push_back({.state = "registered", .guess = "motion", .features = 5});
+  drive.poses.odometry->drift.lag_correction = LengthReport{0.001, 0.01};
+  drive.poses.odometry->scans.push_back({.state = "registered", .guess = "motion", .features = 5});
   drive.alignment = DriveAlignmentReport{true, {0.1, 0.2, 0.3}};
   drive.warnings = {"a scan is missing"};
   report.drives = {drive};
