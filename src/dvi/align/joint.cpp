@@ -16,7 +16,6 @@ namespace {
 
 // Frames that are compared: neighbours, and some farther apart that keep the chain from drifting.
 constexpr std::array<std::size_t, 4> kApart{1, 2, 4, 8};
-constexpr std::size_t kCached = 20;   // views whose images are kept: what a frame is compared with, on both sides
 constexpr double kPairErrorPx = 0.2;  // by which a pair may mislead: surfaces that the map has a little off, light that moves
 constexpr double kFlat = 0.01;        // of log brightness a pixel: no texture below
 constexpr double kLeastCaught = 3;    // expected errors that the coarsest level must be able to catch
@@ -40,7 +39,7 @@ class Chain {
     while (caught > 2 * std::exp2(coarsest_) &&
            std::min(views[first].camera.width, views[first].camera.height) >> coarsest_ > 64)
       ++coarsest_;
-    images_ = {count_, kCached, [this](std::size_t i) {
+    images_ = {count_, [this](std::size_t i) {
                  return band_pass(*views_.images[first_ + i], *views_.masks[first_ + i], static_cast<int>(coarsest_) + 1);
                }};
   }
@@ -111,7 +110,7 @@ std::vector<map::VisiblePoint> Chain::textured(const Sight& sight, const View& v
 }
 
 void Chain::find_pairs(const Tick& tick) {
-  const Lazy<Sight> sights(count_, kCached,
+  const Lazy<Sight> sights(count_,
                            [this](std::size_t i) { return Sight(map_, views_[first_ + i], *views_.masks[first_ + i]); });
   pairs_.assign(count_, {});
   parallel_in_order(count_, [&](std::size_t i) {

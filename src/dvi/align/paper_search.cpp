@@ -11,7 +11,6 @@
 namespace dvi::align {
 namespace {
 
-constexpr std::size_t kCached = 4;
 constexpr std::array<double, 2> kSteps{1e-3, 1e-4};  // radians
 constexpr int kToEachSide = 10;
 
@@ -84,8 +83,7 @@ Eigen::Vector2d search(const std::vector<Sample>& samples, const Camera& camera,
 
 void search_as_published(const Views& views, const map::StaticMap& map, std::size_t first, std::size_t last,
                          const AlignOptions& options, const Tick& tick, Cameras& out) {
-  const Lazy<Sight> sights(last - first, kCached + static_cast<std::size_t>(thread_count()),
-                           [&](std::size_t i) { return Sight(map, views[first + i], *views.masks[first + i]); });
+  const Lazy<Sight> sights(last - first, [&](std::size_t i) { return Sight(map, views[first + i], *views.masks[first + i]); });
   parallel_in_order(last - first, [&](std::size_t i) {
     const View& view = views[first + i];
     const std::vector<map::VisiblePoint> ring = ring_points(*sights[i], *views.masks[first + i], options);

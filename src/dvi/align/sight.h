@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
+#include "dvi/core/cache_budget.h"
 #include "dvi/drive/view.h"
 #include "dvi/map/visible_points.h"
 
@@ -22,6 +24,7 @@ class Sight {
   bool shows(const Eigen::Vector2d& pixel, double z) const;
   /// Whether something clearly nearer lies within a few pixels: the edge seen there may be that thing's.
   bool beside_nearer(const map::VisiblePoint& point) const;
+  std::size_t bytes() const { return bytes_of(masked_) + bytes_of(nearest_) + bytes_of(points_); }
 
  private:
   cv::Mat1b masked_;

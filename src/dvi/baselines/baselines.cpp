@@ -103,9 +103,7 @@ harmonize::FilledFrame inpaint_frame(const Views& views, std::size_t target, Inp
 }
 
 Lazy<HoleFlow> hole_flows(const Views& views, const FlowOptions& options) {
-  // What the frames in work look at, all of them neighbours.
-  const auto kept = 2 * static_cast<std::size_t>(options.max_frames) + static_cast<std::size_t>(thread_count());
-  return {views.size() - 1, kept, [views, options](std::size_t i) {
+  return {views.size() - 1, [views, options](std::size_t i) {
             return hole_flow(*views.images[i], *views.masks[i], *views.images[i + 1], *views.masks[i + 1],
                              options.consistency_px);
           }};

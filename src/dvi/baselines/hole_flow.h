@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include <opencv2/core/mat.hpp>
+
+#include "dvi/core/cache_budget.h"
 
 namespace dvi::baselines {
 
@@ -11,6 +14,7 @@ namespace dvi::baselines {
 struct HoleFlow {
   cv::Mat2f forth, back;  ///< px of the image, from the first frame to the second and back; NaN: the two disagree
 
+  std::size_t bytes() const { return bytes_of(forth) + bytes_of(back); }
   /// The motion of a position of the image; none outside it and where the flow is not trusted.
   static std::optional<cv::Point2f> at(const cv::Mat2f& flow, cv::Point2f position);
 };

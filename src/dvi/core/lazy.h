@@ -3,41 +3,52 @@
 #include <algorithm>
 #include <condition_variable>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <set>
-#include <unordered_map>
 #include <utility>
 
 #include <tbb/task_arena.h>
 
+#include "dvi/core/cache_budget.h"
+
 namespace dvi {
 
-/// A sequence whose items are made on demand and kept, least recently used first out, up to `capacity` of them.
-/// Copies share the cache. Safe to read from many threads; an item is made by one of them while the others wait.
+/// A sequence whose items are made on demand and kept within the budget that all sequences share, least recently used first
+/// out. Copies share the items. Safe to read from many threads; an item is made by one of them while the others wait.
 template <class T>
 class Lazy {
  public:
   using Make = std::function<T(std::size_t)>;
+  using Find = std::function<std::shared_ptr<const T>(std::size_t)>;
 
   Lazy() = default;
+  Lazy(std::size_t count, Make make)
+      : state_(std::make_shared<State>(count, std::move(make), CacheBudget::of_process(),
+                                       [](const T& item) { return bytes_of(item); })) {}
+  /// Apart from the shared budget: keeps up to `capacity` items, whatever their size.
   Lazy(std::size_t count, std::size_t capacity, Make make)
-      : state_(std::make_shared<State>(count, std::max<std::size_t>(capacity, 1), std::move(make))) {}
+      : state_(std::make_shared<State>(count, std::move(make),
+                                       std::make_shared<CacheBudget>(std::max<std::size_t>(capacity, 1)),
+                                       [](const T&) { return std::size_t{1}; })) {}
+  /// Items that others keep: `find` is asked each time.
+  static Lazy through(std::size_t count, Find find) {
+    Lazy out(count, 1, nullptr);
+    out.state_->find = std::move(find);
+    return out;
+  }
 
   std::size_t size() const { return state_ ? state_->count : 0; }
   bool empty() const { return size() == 0; }
 
-  /// The item; stays alive as long as the caller holds it, cached or not. Rethrows what making it threw.
+  /// The item; stays alive as long as the caller holds it, kept or not. Rethrows what making it threw.
   std::shared_ptr<const T> operator[](std::size_t i) const {
     State& s = *state_;
+    if (s.find) return s.find(i);
     std::unique_lock lock(s.mutex);
     s.changed.wait(lock, [&] { return !s.in_work.contains(i); });
-    if (const auto it = s.items.find(i); it != s.items.end()) {
-      it->second.used = ++s.clock;
-      return it->second.value;
-    }
+    if (CacheBudget::Value kept = s.budget->find(&s, i)) return std::static_pointer_cast<const T>(std::move(kept));
     s.in_work.insert(i);
     lock.unlock();
     std::shared_ptr<const T> value;
@@ -50,36 +61,29 @@ class Lazy {
       s.changed.notify_all();
       throw;
     }
+    s.budget->keep(&s, i, value, s.size_of(*value));
     lock.lock();
     s.in_work.erase(i);
-    s.items[i] = {value, ++s.clock};
-    s.evict();
     s.changed.notify_all();
     return value;
   }
 
  private:
-  struct Item {
-    std::shared_ptr<const T> value;
-    std::uint64_t used = 0;
-  };
   struct State {
-    State(std::size_t n, std::size_t keep, Make m) : count(n), capacity(keep), make(std::move(m)) {}
-    void evict() {
-      while (items.size() > capacity) {
-        auto oldest = items.begin();
-        for (auto it = items.begin(); it != items.end(); ++it)
-          if (it->second.used < oldest->second.used) oldest = it;
-        items.erase(oldest);
-      }
-    }
-    std::size_t count, capacity;
+    State(std::size_t n, Make m, std::shared_ptr<CacheBudget> b, std::function<std::size_t(const T&)> size)
+        : count(n), make(std::move(m)), budget(std::move(b)), size_of(std::move(size)) {}
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+    ~State() { budget->forget(this, count); }
+
+    std::size_t count;
     Make make;
+    Find find;
+    std::shared_ptr<CacheBudget> budget;
+    std::function<std::size_t(const T&)> size_of;
     std::mutex mutex;
     std::condition_variable changed;
     std::set<std::size_t> in_work;
-    std::unordered_map<std::size_t, Item> items;
-    std::uint64_t clock = 0;
   };
   std::shared_ptr<State> state_;
 };

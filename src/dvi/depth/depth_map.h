@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <limits>
 
 #include <opencv2/core/mat.hpp>
+
+#include "dvi/core/cache_budget.h"
 
 namespace dvi::depth {
 
@@ -15,6 +18,7 @@ struct DepthMap {
   cv::Mat1f z;      ///< metres along the optical axis; kUnknown, or kSky above the last return
   cv::Mat1f sigma;  ///< its standard deviation in metres; 0 where z is unknown or sky
 
+  std::size_t bytes() const { return bytes_of(z) + bytes_of(sigma); }
   static bool is_surface(float depth) { return depth > 0 && depth < kSky; }
 };
 

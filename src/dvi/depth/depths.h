@@ -10,8 +10,7 @@
 
 namespace dvi::depth {
 
-/// Depth on demand. Of source frames only the visibility map is asked for, which is small and kept for many of them; of
-/// whole depth maps only those of the frames in work are kept, so that memory stays flat.
+/// Depth on demand. As sources, views are asked only for what they can lend, which is small, so that many stay in the caches.
 struct Depths {
   /// `make`: the depth map of a view.
   Depths(const Views& views, int mask_margin_px, const std::function<DepthMap(std::size_t)>& make);

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include <opencv2/core/mat.hpp>
 
+#include "dvi/core/cache_budget.h"
 #include "dvi/depth/depth_map.h"
 
 namespace dvi::depth {
@@ -43,6 +45,7 @@ struct VisibilityMap {
     const cv::Point b = block(at);
     return spread(b) < 255 && z * (1 + tolerance) < farthest(b) / kScale / (1 + spread(b) / kSpreadScale);
   }
+  std::size_t bytes() const { return bytes_of(farthest) + bytes_of(spread) + bytes_of(clear) + bytes_of(mask); }
   float clear_px(cv::Point2f at) const { return clear(block(at)); }
 
  private:

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "dvi/core/cache_budget.h"
 
 namespace dvi {
 
@@ -15,6 +18,7 @@ struct Scan {
   std::vector<std::uint16_t> ring;      ///< one a point, or empty where the file does not tell
 
   std::size_t size() const { return points.size(); }
+  std::size_t bytes() const { return bytes_of(points) + bytes_of(intensity) + bytes_of(time) + bytes_of(ring); }
 };
 
 }  // namespace dvi

@@ -66,7 +66,8 @@ TEST(Warp, NoneWithoutDepthOrBehindTheSource) {
 
 TEST(NeighbourInSource, NeighboursKeepTheirOwnMotion) {
   const cv::Point2f shown(50.5, 20);
-  EXPECT_EQ(neighbour_in_source({10, 10}, shown, cv::Point2f(50, 20), {11, 10}, cv::Point2f(52, 20.25)), cv::Point2f(52.5, 20.25));
+  EXPECT_EQ(neighbour_in_source({10, 10}, shown, cv::Point2f(50, 20), {11, 10}, cv::Point2f(52, 20.25)),
+            cv::Point2f(52.5, 20.25));
   EXPECT_EQ(neighbour_in_source({10, 10}, shown, std::nullopt, {11, 10}, cv::Point2f(52, 20)), cv::Point2f(51.5, 20));
   EXPECT_EQ(neighbour_in_source({10, 10}, shown, cv::Point2f(50, 20), {10, 9}, std::nullopt), cv::Point2f(50.5, 19));
 }

@@ -24,7 +24,6 @@ namespace {
 constexpr std::array<std::size_t, 5> kApart{1, 2, 4, 8, 16};
 constexpr std::size_t kPlaces = 3;   // views of earlier drives, nearest in place, that one of a further drive is compared with
 constexpr double kRadian = 10;       // metres that count as much as a radian between directions
-constexpr std::size_t kCached = 40;  // views whose sightings are kept
 constexpr double kBlur = 2.5;        // px: poses are not refined yet
 constexpr int kMargin = 6;           // px round masks and saturated pixels that the blur reaches
 constexpr uchar kBlack = 8;          // grey levels; darker, noise and the sensor's offset outweigh the light
@@ -111,7 +110,7 @@ std::vector<std::size_t> places(const Views& views, std::size_t view) {
 }
 
 std::vector<Pair> compare_all(const Views& views, const map::StaticMap& map, const Tick& tick) {
-  const Lazy<Sightings> seen(views.size(), kCached,
+  const Lazy<Sightings> seen(views.size(),
                              [&](std::size_t i) { return sightings(map, views[i], *views.images[i], *views.masks[i]); });
   std::vector<std::vector<Pair>> of_view(views.size());
   parallel_in_order(views.size(), [&](std::size_t i) {

@@ -53,9 +53,8 @@ void attach_masks(Drive& drive, const fs::path& folder) {
   drive.mask_files = as_frames(drive.frames, masks);
   if (std::all_of(drive.mask_files.begin(), drive.mask_files.end(), [](const fs::path& file) { return file.empty(); }))
     throw InputError(any, "is a mask for no image of the drive", "name masks like the images");
-  constexpr std::size_t kKept = 16;
   const cv::Size size(drive.camera.width, drive.camera.height);
-  drive.masks = Lazy<cv::Mat1b>(drive.frames.size(), kKept, [files = drive.mask_files, size](std::size_t i) {
+  drive.masks = Lazy<cv::Mat1b>(drive.frames.size(), [files = drive.mask_files, size](std::size_t i) {
     return files[i].empty() ? cv::Mat1b(size, uchar{0}) : read_mask(files[i], size);
   });
 }

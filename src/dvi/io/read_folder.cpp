@@ -202,7 +202,6 @@ Recording read(const fs::path& path, const ReadOptions& options) {
   recording.gaps = find_gaps(drive, period);
   if (depth) {
     recording.read_scan = DepthScan{drive.camera, drive.camera_from_lidar.inverse()};
-    recording.scan_bytes = 20 * static_cast<std::size_t>(drive.camera.width * drive.camera.height);
   } else {
     recording.read_scan = [rotation = config.lidar.rotation()](const ScanHeader& header) {
       return to_scan(read_point_cloud(header.file), header, rotation);

@@ -82,31 +82,20 @@ void warn_of_gaps(Drive& drive, const std::vector<Gap>& gaps) {
   if (!unposed.empty()) drive.warnings.push_back("no given pose near frames " + ranges(unposed));
 }
 
-std::size_t scan_bytes(const Recording& recording) {
-  if (recording.scan_bytes > 0) return recording.scan_bytes;
-  std::uintmax_t largest = 1;
-  for (const ScanHeader& header : recording.drive.scan_headers) largest = std::max(largest, fs::file_size(header.file));
-  return static_cast<std::size_t>(largest) * 3 / 2;  // x y z intensity, and a time
-}
-
-void attach_lazy_readers(Recording& recording, std::size_t cache_bytes) {
+void attach_lazy_readers(Recording& recording) {
   Drive& drive = recording.drive;
-  const auto capacity = [](std::size_t bytes, std::size_t item) { return std::max<std::size_t>(4, bytes / item); };
   const cv::Size size(drive.camera.width, drive.camera.height);
-  const std::size_t pixels = static_cast<std::size_t>(size.area());
 
   std::vector<fs::path> images;
   for (const Frame& frame : drive.frames) images.push_back(frame.file);
-  drive.images = Lazy<cv::Mat3b>(images.size(), capacity(cache_bytes / 2, 3 * pixels),
-                                 [images, size](std::size_t i) { return read_image(images[i], size); });
+  drive.images = Lazy<cv::Mat3b>(images.size(), [images, size](std::size_t i) { return read_image(images[i], size); });
   const auto& masks = drive.mask_files;
   if (!masks.empty())
-    drive.masks = Lazy<cv::Mat1b>(masks.size(), capacity(cache_bytes / 4, pixels), [masks, size](std::size_t i) {
+    drive.masks = Lazy<cv::Mat1b>(masks.size(), [masks, size](std::size_t i) {
       return masks[i].empty() ? cv::Mat1b(size, uchar{0}) : read_mask(masks[i], size);
     });
-  drive.scans = Lazy<Scan>(
-      drive.scan_headers.size(), capacity(cache_bytes / 4, scan_bytes(recording)),
-      [scan_headers = drive.scan_headers, read = recording.read_scan](std::size_t i) { return read(scan_headers[i]); });
+  drive.scans = Lazy<Scan>(drive.scan_headers.size(), [scan_headers = drive.scan_headers, read = recording.read_scan](
+                                                          std::size_t i) { return read(scan_headers[i]); });
 }
 
 }  // namespace
@@ -129,7 +118,7 @@ Drive read_drive(const fs::path& path, const ReadOptions& options) {
   if (options.frames) cut(drive, *options.frames);
   for (const ScanHeader& header : drive.scan_headers) check_size(header.file);
   warn_of_gaps(drive, recording.gaps);
-  attach_lazy_readers(recording, options.cache_bytes);
+  attach_lazy_readers(recording);
   return std::move(drive);
 }
 

@@ -11,9 +11,8 @@
 namespace dvi::io {
 
 struct ReadOptions {
-  std::string camera = {};                          ///< empty: the drive's first
-  std::optional<FrameRange> frames = {};            ///< cut the drive to these (frames, and the scans near them in time)
-  std::size_t cache_bytes = std::size_t{48} << 20;  ///< bound of decoded images, masks and scans kept together
+  std::string camera = {};                ///< empty: the drive's first
+  std::optional<FrameRange> frames = {};  ///< cut the drive to these (frames, and the scans near them in time)
 };
 
 /// Something that some frames lack, in words that go before their numbers: "no scan for frames".
@@ -28,7 +27,6 @@ struct Recording {
   Drive drive;
   std::vector<Gap> gaps;
   std::function<Scan(const ScanHeader&)> read_scan;
-  std::size_t scan_bytes = 0;  ///< of one scan in memory; 0: by the size of the files
 };
 
 /// One layout of recordings that dvi can read.

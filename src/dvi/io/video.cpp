@@ -1,5 +1,6 @@
 #include "dvi/io/video.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstddef>
@@ -24,7 +25,6 @@ extern "C" {
 #include <libavutil/opt.h>
 #include <libavutil/pixfmt.h>
 #include <libavutil/rational.h>
-#include <libswscale/swscale.h>
 }
 
 #include "dvi/core/draft.h"
@@ -44,13 +44,11 @@ void close_format(AVFormatContext** format) {
   if ((*format)->pb) avio_closep(&(*format)->pb);
   avformat_free_context(*format);
 }
-void free_scaler(SwsContext** scaler) { sws_freeContext(*scaler); }
 
 using Format = std::unique_ptr<AVFormatContext, Release<close_format>>;
 using Codec = std::unique_ptr<AVCodecContext, Release<avcodec_free_context>>;
 using Picture = std::unique_ptr<AVFrame, Release<av_frame_free>>;
 using Packet = std::unique_ptr<AVPacket, Release<av_packet_free>>;
-using Scaler = std::unique_ptr<SwsContext, Release<free_scaler>>;
 
 const AVCodec* find_encoder(const std::string& name) {
   const AVCodec* codec = name == "mpeg4" ? nullptr : avcodec_find_encoder_by_name("libx264");
@@ -64,22 +62,41 @@ void describe_colours(AVCodecContext& codec) {
   codec.color_trc = AVCOL_TRC_BT709;
   codec.colorspace = AVCOL_SPC_BT709;
   codec.color_range = AVCOL_RANGE_MPEG;
+  codec.chroma_sample_location = AVCHROMA_LOC_CENTER;
 }
 
-Scaler make_scaler(cv::Size size) {
-  Scaler scaler(sws_getContext(size.width, size.height, AV_PIX_FMT_BGR24, size.width, size.height, AV_PIX_FMT_YUV420P,
-                               SWS_BICUBIC | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr, nullptr));
-  if (!scaler) throw std::runtime_error("libswscale converts no BGR to YUV 4:2:0");
-  constexpr int kFullRange = 1, kVideoRange = 0, kOne = 1 << 16;
-  sws_setColorspaceDetails(scaler.get(), sws_getCoefficients(SWS_CS_ITU709), kFullRange, sws_getCoefficients(SWS_CS_ITU709),
-                           kVideoRange, 0, kOne, kOne);
-  return scaler;
+int even(int size) { return size + size % 2; }
+
+/// Parts of 2^16 by which B, G, R of full range count in Y, Cb, Cr of video range, BT.709.
+constexpr std::array<int, 3> kLuma{4064, 40254, 11966}, kBlue{28784, -22188, -6596}, kRed{-2639, -26145, 28784};
+
+uchar weighted(const std::array<int, 3>& weights, const std::array<int, 3>& bgr, int offset, int shift) {
+  const int sum = weights[0] * bgr[0] + weights[1] * bgr[1] + weights[2] * bgr[2];
+  return static_cast<uchar>((sum + (offset << shift) + (1 << (shift - 1))) >> shift);
 }
 
-void repeat_last_column_and_row(AVFrame& picture, cv::Size size) {
-  cv::Mat1b luma(picture.height, picture.width, picture.data[0], static_cast<std::size_t>(picture.linesize[0]));
-  if (size.width < luma.cols) luma.col(size.width - 1).copyTo(luma.col(size.width));
-  if (size.height < luma.rows) luma.row(size.height - 1).copyTo(luma.row(size.height));
+/// Converts an image into rows `top`.. of the planes of a picture, chroma as the mean of 2 x 2 pixels. Odd sizes repeat the
+/// last column and row.
+void convert(const cv::Mat3b& image, AVFrame& picture, int top) {
+  const auto row_of = [&](int plane, int y) {
+    return picture.data[plane] + static_cast<std::ptrdiff_t>(y) * picture.linesize[plane];
+  };
+  for (int y = 0; y < image.rows; y += 2) {
+    const std::array<const cv::Vec3b*, 2> in{image[y], image[std::min(y + 1, image.rows - 1)]};
+    const std::array<uchar*, 2> luma{row_of(0, top + y), row_of(0, top + y + 1)};
+    uchar *blue = row_of(1, (top + y) / 2), *red = row_of(2, (top + y) / 2);
+    for (int x = 0; x < image.cols; x += 2) {
+      std::array<int, 3> sum{};
+      for (const int row : {0, 1})
+        for (const int column : {x, x + 1}) {
+          const cv::Vec3b& bgr = in[row][std::min(column, image.cols - 1)];
+          luma[row][column] = weighted(kLuma, {bgr[0], bgr[1], bgr[2]}, 16, 16);
+          for (int c = 0; c < 3; ++c) sum[c] += bgr[c];
+        }
+      blue[x / 2] = weighted(kBlue, sum, 128, 18);
+      red[x / 2] = weighted(kRed, sum, 128, 18);
+    }
+  }
 }
 
 }  // namespace
@@ -91,7 +108,6 @@ struct VideoWriter::Impl {
   std::int64_t count = 0;
   Format format;
   Codec codec;
-  Scaler scaler;
   Picture picture;
   Packet packet{av_packet_alloc()};
   AVStream* stream = nullptr;
@@ -113,8 +129,8 @@ struct VideoWriter::Impl {
 void VideoWriter::Impl::open_encoder(const VideoOptions& options) {
   const AVCodec* encoder = find_encoder(options.encoder);
   codec.reset(avcodec_alloc_context3(encoder));
-  codec->width = size.width + size.width % 2;
-  codec->height = size.height + size.height % 2;
+  codec->width = even(size.width);
+  codec->height = even(size.height);
   codec->framerate = av_d2q(options.fps, 1000000);
   codec->time_base = av_inv_q(codec->framerate);
   codec->thread_count = 1;  // the bytes depend on it
@@ -146,7 +162,6 @@ void VideoWriter::Impl::open(const VideoOptions& options) {
   stream->avg_frame_rate = codec->framerate;
   check(avcodec_parameters_from_context(stream->codecpar, codec.get()));
 
-  scaler = make_scaler(size);
   picture.reset(av_frame_alloc());
   picture->format = codec->pix_fmt;
   picture->width = codec->width;
@@ -183,14 +198,20 @@ VideoWriter::VideoWriter(const fs::path& path, cv::Size size, const VideoOptions
 
 VideoWriter::~VideoWriter() = default;
 
-void VideoWriter::push(const cv::Mat3b& frame) {
+void VideoWriter::push(const cv::Mat3b& frame) { push_stacked({frame}); }
+
+void VideoWriter::push_stacked(const std::vector<cv::Mat3b>& images) {
   Impl& s = *impl_;
-  if (frame.size() != s.size) throw std::logic_error("a video's frames are of one size");
+  int height = 0;
+  for (const cv::Mat3b& image : images) height += even(image.rows);
+  for (const cv::Mat3b& image : images)
+    if (image.cols != s.size.width || height != even(s.size.height)) throw std::logic_error("a video's frames are of one size");
   s.check(av_frame_make_writable(s.picture.get()));
-  const std::array<const std::uint8_t*, 1> data{frame.data};
-  const std::array<int, 1> stride{static_cast<int>(frame.step[0])};
-  sws_scale(s.scaler.get(), data.data(), stride.data(), 0, frame.rows, s.picture->data, s.picture->linesize);
-  repeat_last_column_and_row(*s.picture, s.size);
+  int top = 0;
+  for (const cv::Mat3b& image : images) {
+    convert(image, *s.picture, top);
+    top += even(image.rows);
+  }
   s.picture->pts = s.count++;
   s.encode(s.picture.get());
 }

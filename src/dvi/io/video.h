@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
@@ -34,7 +35,9 @@ class VideoWriter {
   VideoWriter& operator=(const VideoWriter&) = delete;
 
   void push(const cv::Mat3b& frame);  ///< of the size given at the start
-  void finish();                      ///< the video is at its path afterwards, not before
+  /// Images one below the other, each of an even number of rows or extended to one; together of the size given at the start.
+  void push_stacked(const std::vector<cv::Mat3b>& images);
+  void finish();  ///< the video is at its path afterwards, not before
 
  private:
   struct Impl;

@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <filesystem>
 #include <iterator>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -123,6 +125,31 @@ TEST_F(Video, OddSizesRepeatTheLastColumnAndRow) {
   const cv::Mat1b& luma = video.luma[0];
   EXPECT_LT(cv::norm(luma.col(96), luma.col(97), cv::NORM_INF), 12);
   EXPECT_LT(cv::norm(luma.row(64), luma.row(65), cv::NORM_INF), 12);
+}
+
+// BT.709 in video range: white 235, black 16, pure red, green and blue as the standard's weights say.
+TEST_F(Video, ColoursAreThoseOfTheStandard) {
+  const cv::Size size(64, 64);
+  const std::vector<std::pair<cv::Vec3b, int>> cases{
+      {{255, 255, 255}, 235}, {{0, 0, 0}, 16}, {{0, 0, 255}, 63}, {{0, 255, 0}, 173}, {{255, 0, 0}, 32}};
+  VideoWriter video(folder / "a.mp4", size, {.crf = 1});
+  for (const auto& [colour, luma] : cases) video.push(cv::Mat3b(size, colour));
+  video.finish();
+  const Decoded decoded = decode(folder / "a.mp4");
+  ASSERT_EQ(decoded.luma.size(), cases.size());
+  for (std::size_t i = 0; i < cases.size(); ++i) EXPECT_NEAR(decoded.luma[i](32, 32), cases[i].second, 1) << i;
+}
+
+TEST_F(Video, StackedImagesBeginOnEvenRows) {
+  const cv::Size size(97, 65);
+  VideoWriter video(folder / "a.mp4", {97, 132});
+  video.push_stacked({cv::Mat3b(size, cv::Vec3b::all(0)), cv::Mat3b(size, cv::Vec3b::all(255))});
+  EXPECT_THROW(video.push_stacked({cv::Mat3b(size)}), std::logic_error);
+  video.finish();
+  const Decoded decoded = decode(folder / "a.mp4");
+  ASSERT_EQ(decoded.size, cv::Size(98, 132));
+  EXPECT_NEAR(decoded.luma.at(0)(64, 50), 16, 8);
+  EXPECT_NEAR(decoded.luma.at(0)(67, 50), 235, 8);
 }
 
 TEST_F(Video, LowerCrfIsLargerAndMpeg4IsThereToo) {

@@ -6,11 +6,9 @@
 
 namespace dvi::io {
 
-enum class PngEffort { fast, small };
-
 /// Writes a PNG beside its place and renames it. 8-bit grey or BGR (an RGB file); 16-bit grey, or 16-bit triples whose
 /// channels 0, 1, 2 are the file's R, G, B (a receipt has no colour). InputError on a full or read-only disk.
-void write_png(const fs::path& path, const cv::Mat& image, PngEffort effort = PngEffort::fast);
+void write_png(const fs::path& path, const cv::Mat& image);
 
 /// Receipts as write_png wrote them, without any conversion (pictures and masks: io/image_file.h). InputError where the file
 /// cannot be read or holds another kind or size of image.

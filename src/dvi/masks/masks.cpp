@@ -8,8 +8,7 @@
 namespace dvi::masks {
 namespace {
 
-constexpr std::size_t kCached = 16;  // masks
-constexpr double kNearPlane = 0.3;   // metres
+constexpr double kNearPlane = 0.3;  // metres
 
 void draw_instance(const Instance& instance, cv::Mat1b& mask) {
   const std::size_t rows = static_cast<std::size_t>(instance.size.height);
@@ -96,8 +95,7 @@ Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const FrameLab
     return drive.masks;
   }
   if (!drive.has_labels()) throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
-  return {drive.frames.size(), kCached,
-          [objects, camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
+  return {drive.frames.size(), [objects, camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
             cv::Mat1b mask(camera.height, camera.width, uchar{0});
             for (const Label& label : objects[i]) mask |= label_mask(label, camera, pose, options);
             return grown(mask, options.dilate_px);

@@ -59,8 +59,8 @@ Views views_of(const std::vector<ListedSource>& sources, const Recordings& drive
     found.push_back(it->second);
     views.views.push_back(all[it->second]);
   }
-  views.images = {found.size(), 1, [all, found](std::size_t i) { return *all.images[found[i]]; }};
-  views.masks = {found.size(), 1, [all, found](std::size_t i) { return *all.masks[found[i]]; }};
+  views.images = Lazy<cv::Mat3b>::through(found.size(), [all, found](std::size_t i) { return all.images[found[i]]; });
+  views.masks = Lazy<cv::Mat1b>::through(found.size(), [all, found](std::size_t i) { return all.masks[found[i]]; });
   return views;
 }
 

@@ -8,8 +8,8 @@ namespace {
 DriveMasks masks_of(const Recording& open, const Trajectory& world_from_lidar, const Job& job) {
   const Drive& drive = open.drive;
   if (!open.masks_from) {
-    const cv::Size size(drive.camera.width, drive.camera.height);
-    return {{drive.frames.size(), 1, [size](std::size_t) { return cv::Mat1b(size, uchar{0}); }}, drive.labels()};
+    const auto nothing = std::make_shared<const cv::Mat1b>(drive.camera.height, drive.camera.width, uchar{0});
+    return {Lazy<cv::Mat1b>::through(drive.frames.size(), [nothing](std::size_t) { return nothing; }), drive.labels()};
   }
   DriveMasks out;
   out.objects = job.read.remove == "moving" ? masks::without_standing(drive, world_from_lidar) : drive.labels();
@@ -17,8 +17,7 @@ DriveMasks masks_of(const Recording& open, const Trajectory& world_from_lidar, c
   const bool labels_too = job.read.remove == "all" && open.masks_from == masks::MaskSource::files && drive.has_labels();
   if (!labels_too) return out;
   const Lazy<cv::Mat1b> labelled = find_masks(drive, masks::MaskSource::labels, out.objects, job.options.masks);
-  out.images = {labelled.size(), 1,
-                [files = out.images, labelled](std::size_t i) { return cv::Mat1b(*files[i] | *labelled[i]); }};
+  out.images = {labelled.size(), [files = out.images, labelled](std::size_t i) { return cv::Mat1b(*files[i] | *labelled[i]); }};
   return out;
 }
 

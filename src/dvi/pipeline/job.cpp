@@ -40,6 +40,8 @@ OptionTable Job::table() {
       "remove", read.remove, {"moving", "labelled", "all"},
       "moving: of what labels name only what changes its place; labelled: what the masks say; all: both masks and labels.");
   table.add("method", method, methods(), "Ours, the published form of the stages, or a baseline without depth.");
+  table.add("memory_mb", memory_mb, {16, 1000000},
+            "Bound of the images, scans, masks and depth maps that are kept, so that they need not be made again.");
   options.describe(table);
   return table;
 }

@@ -59,6 +59,7 @@ struct Job {
   std::vector<std::string> sources;  ///< further drives of the same place
   ReadChoice read;
   std::string method = "dvi";
+  int memory_mb = 1000;  ///< of images, scans, masks and depth kept for further use
   Options options;
   bool force = false;
 

@@ -9,8 +9,6 @@
 namespace dvi::pipeline {
 namespace {
 
-constexpr std::size_t kCached = 20;  // images and masks of all views together
-
 // Images and masks of the views. The drives' own caches hold the pixels; these only look up the right one.
 void attach_pictures(Views& views, const Recordings& drives, const Masks& masks_of_drives) {
   const auto of = [list = views.views](std::size_t i) { return std::pair(list[i].drive, list[i].frame); };
@@ -18,8 +16,8 @@ void attach_pictures(Views& views, const Recordings& drives, const Masks& masks_
   std::vector<Lazy<cv::Mat1b>> masks;
   for (const Recording& open : drives) images.push_back(open.drive.images);
   for (const DriveMasks& drive : masks_of_drives) masks.push_back(drive.images);
-  views.images = {views.size(), kCached, [=](std::size_t i) { return *images[of(i).first][of(i).second]; }};
-  views.masks = {views.size(), kCached, [=](std::size_t i) { return *masks[of(i).first][of(i).second]; }};
+  views.images = Lazy<cv::Mat3b>::through(views.size(), [=](std::size_t i) { return images[of(i).first][of(i).second]; });
+  views.masks = Lazy<cv::Mat1b>::through(views.size(), [=](std::size_t i) { return masks[of(i).first][of(i).second]; });
 }
 
 }  // namespace

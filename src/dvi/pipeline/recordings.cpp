@@ -38,6 +38,8 @@ void resolve_poses(Drive& drive, const std::string& from) {
   drive.other_files.emplace_back(from);
 }
 
+void bound_caches(const Job& job) { CacheBudget::of_process()->set_bound(static_cast<std::size_t>(job.memory_mb) << 20); }
+
 }  // namespace
 
 Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNeed need, Progress& progress) {
@@ -52,6 +54,7 @@ Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNee
 }
 
 Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress) {
+  bound_caches(job);
   Recordings drives;
   drives.push_back(open_recording(job.target, job.read, need, progress));
   ReadChoice further;
@@ -61,6 +64,7 @@ Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress) {
 }
 
 Recordings open_images(const Job& job, Progress& progress) {
+  bound_caches(job);
   Recording open = open_recording(job.target, job.read, MaskNeed::required, progress);
   open.drive.scan_headers.clear();
   open.drive.scans = {};

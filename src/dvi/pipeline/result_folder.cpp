@@ -30,6 +30,7 @@ std::string identity_of(const Recordings& drives) {
 // All that the frames depend on: options, and every file that is read.
 std::string fingerprint_of(Job job, const Recordings& drives) {
   job.out.clear();
+  job.memory_mb = 0;  // changes no pixel
   Fingerprint print;
   print.add(read_file("/proc/self/exe"));  // another build may make other pixels
   print.add(job.table().dump_toml());

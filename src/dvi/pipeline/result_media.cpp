@@ -4,6 +4,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "dvi/core/threads.h"
 #include "dvi/io/contact_sheet.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/write_image.h"
@@ -21,27 +22,34 @@ void write_media(const fs::path& out, const Drive& target, const std::vector<std
   progress.begin("video", names.size());
   const cv::Size size(target.camera.width, target.camera.height);
   io::VideoWriter video(out / "video.mp4", size, options);
-  io::VideoWriter compare(out / "compare.mp4", {size.width, 2 * size.height}, options);
+  io::VideoWriter compare(out / "compare.mp4", {size.width, 2 * (size.height + size.height % 2)}, options);
   const std::size_t rows = std::min(kSheetRows, names.size());
   std::vector<std::vector<io::SheetCell>> sheet;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto frame =
-        std::find_if(target.frames.begin(), target.frames.end(), [&](const Frame& f) { return f.name == names[i]; });
-    const auto input = target.images[static_cast<std::size_t>(frame - target.frames.begin())];
-    const cv::Mat3b result = io::read_image(out / "frames" / (names[i] + ".png"), size);
-    video.push(result);
-    cv::Mat3b both;
-    cv::vconcat(*input, result, both);
-    compare.push(both);
-    // Rows evenly spread over the drive, the first and the last frame among them.
-    if (sheet.size() < rows && i == (rows > 1 ? sheet.size() * (names.size() - 1) / (rows - 1) : 0)) {
-      const cv::Mat1b mask = io::read_mask(out / "masks" / (names[i] + ".png"), size);
-      sheet.push_back({{io::thumbnail(*input, kCellWidth), names[i]},
-                       {io::thumbnail(io::mask_overlay(*input, mask), kCellWidth), "mask"},
-                       {io::thumbnail(result, kCellWidth), "result"}});
+  const auto add_to_sheet = [&](std::size_t i, const cv::Mat3b& input, const cv::Mat3b& result) {
+    const cv::Mat1b mask = io::read_mask(out / "masks" / (names[i] + ".png"), size);
+    sheet.push_back({{io::thumbnail(input, kCellWidth), names[i]},
+                     {io::thumbnail(io::mask_overlay(input, mask), kCellWidth), "mask"},
+                     {io::thumbnail(result, kCellWidth), "result"}});
+  };
+  for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
+    std::vector<cv::Mat3b> inputs(last - first), results(last - first);
+    parallel_for(last - first, [&](std::size_t i) {
+      const auto frame =
+          std::find_if(target.frames.begin(), target.frames.end(), [&](const Frame& f) { return f.name == names[first + i]; });
+      inputs[i] = *target.images[static_cast<std::size_t>(frame - target.frames.begin())];
+      results[i] = io::read_image(out / "frames" / (names[first + i] + ".png"), size);
+    });
+    parallel_for(2, [&](std::size_t which) {
+      for (std::size_t i = 0; i < results.size(); ++i)
+        which == 0 ? compare.push_stacked({inputs[i], results[i]}) : video.push(results[i]);
+    });
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      // Rows evenly spread over the drive, the first and the last frame among them.
+      if (sheet.size() < rows && first + i == (rows > 1 ? sheet.size() * (names.size() - 1) / (rows - 1) : 0))
+        add_to_sheet(first + i, inputs[i], results[i]);
+      progress.advance();
     }
-    progress.advance();
-  }
+  });
   video.finish();
   compare.finish();
   io::write_png(out / "contact.png", io::contact_sheet(sheet, kCellWidth));

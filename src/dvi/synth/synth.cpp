@@ -60,12 +60,12 @@ std::string frame_json(const std::vector<Label>& labels) {
 void write_frame(const Scene& scene, int frame, const fs::path& out) {
   const std::string name = scene.name(frame), png = name + ".png";
   const SynthFrame rendered = scene.render(frame);
-  io::write_png(out / "images/front" / png, scene.record(frame, rendered), io::PngEffort::small);
-  io::write_png(out / "masks/front" / png, scene.mask(rendered), io::PngEffort::small);
-  io::write_png(out / "truth" / png, rendered.clean, io::PngEffort::small);
+  io::write_png(out / "images/front" / png, scene.record(frame, rendered));
+  io::write_png(out / "masks/front" / png, scene.mask(rendered));
+  io::write_png(out / "truth" / png, rendered.clean);
   cv::Mat depth;
   rendered.depth.convertTo(depth, CV_16U, 256);
-  io::write_png(out / "truth_depth" / png, depth, io::PngEffort::small);
+  io::write_png(out / "truth_depth" / png, depth);
   const SynthScan scan = scene.scan(frame);
   write_file(out / "lidar" / (name + ".bin"), io::bin_bytes(scan.scan));
   write_file(out / "truth_points" / (name + ".label"), {scan.dynamic.begin(), scan.dynamic.end()});
