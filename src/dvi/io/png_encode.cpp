@@ -51,7 +51,8 @@ void to_file_order(const cv::Mat& image, int y, std::uint8_t* row) {
 inline std::uint8_t predicted(std::uint8_t left, std::uint8_t above, std::uint8_t corner) {
   const std::int16_t dl = static_cast<std::int16_t>(above - corner), da = static_cast<std::int16_t>(left - corner);
   const std::int16_t dc = static_cast<std::int16_t>(dl + da);
-  const std::int16_t to_left = dl < 0 ? -dl : dl, to_above = da < 0 ? -da : da, to_corner = dc < 0 ? -dc : dc;
+  const auto size = [](std::int16_t value) { return static_cast<std::int16_t>(value < 0 ? -value : value); };
+  const std::int16_t to_left = size(dl), to_above = size(da), to_corner = size(dc);
   const std::uint8_t other = to_above <= to_corner ? above : corner;
   return to_left <= to_above && to_left <= to_corner ? left : other;
 }
@@ -80,8 +81,8 @@ std::vector<std::uint8_t> filtered(const cv::Mat& image) {
   const int pixel = static_cast<int>(image.elemSize()), size = image.cols * pixel;
   const auto stride = static_cast<std::size_t>(size) + 1;
   std::vector<std::uint8_t> out(stride * static_cast<std::size_t>(image.rows));
-  std::vector<std::uint8_t> row(static_cast<std::size_t>(pixel + size)), above(row), zeros(row),
-      attempt(static_cast<std::size_t>(size));
+  const std::vector<std::uint8_t> zeros(static_cast<std::size_t>(pixel + size));
+  std::vector<std::uint8_t> row = zeros, above = zeros, attempt(static_cast<std::size_t>(size));
   bool empty_above = true;
   for (int y = 0; y < image.rows; ++y) {
     std::uint8_t* to = out.data() + static_cast<std::size_t>(y) * stride;
