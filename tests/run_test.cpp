@@ -69,7 +69,7 @@ TEST_F(Run, ReportAddsUp) {
   std::size_t pixels = 0;
   for (const auto& frame : j["frames"]) {
     pixels += frame["hole"]["pixels"].get<std::size_t>();
-    EXPECT_LE(frame["energy"]["after"], frame["energy"]["before"]);
+    EXPECT_TRUE(frame["energy"].is_null()) << "nothing minimises it by default";
   }
   const auto& hole = j["hole"];
   EXPECT_EQ(hole["pixels"].get<std::size_t>(), pixels);
@@ -181,7 +181,8 @@ TEST_F(Run, EveryStageCanBeSwitchedOff) {
   const auto share = report()["hole"]["share"];
   EXPECT_EQ(share["interpolated"], 0);
   EXPECT_EQ(share["empty"], share["never_seen"]);
-  EXPECT_EQ(dvi("run drive -o paper --method paper --quiet").code, 0);
+  ASSERT_EQ(dvi("run drive -o paper --method paper --quiet").code, 0);
+  for (const auto& frame : report("paper")["frames"]) EXPECT_LE(frame["energy"]["after"], frame["energy"]["before"]);
 }
 
 TEST_F(Run, EmptyMasksLeaveTheDriveAsItIs) {

@@ -48,7 +48,7 @@ FrameReport frame_report(const Frame& frame, const FilledView& view, const align
                .interpolated = of(harmonize::Kind::interpolated),
                .synthesised = of(harmonize::Kind::synthesised),
                .empty = of(harmonize::Kind::empty)},
-      .energy = {view.energy_before, view.energy_after},
+      .energy = view.energy,
       .alignment = {in_degrees(alignment.rotation), alignment.offset_before_px, alignment.offset_after_px, alignment.points},
       .exposure_gain = {gain[2], gain[1], gain[0]}};
 }

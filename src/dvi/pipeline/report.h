@@ -30,11 +30,6 @@ struct HoleReport {
   HoleReport& operator+=(const HoleReport& other);
 };
 
-/// Energies of eqs. 2-4 before and after regularisation.
-struct EnergyReport {
-  double before = 0, after = 0;
-};
-
 struct FrameAlignmentReport {
   std::array<double, 3> rotation_deg{};  ///< pitch, yaw, roll
   double offset_before_px = 0, offset_after_px = 0;
@@ -45,7 +40,7 @@ struct FrameReport {
   int number = 0;
   std::string name;
   HoleReport hole;
-  EnergyReport energy;
+  std::optional<regularize::Energies> energy;  ///< where they were minimised
   FrameAlignmentReport alignment;
   std::array<float, 3> exposure_gain{};  ///< RGB
 };

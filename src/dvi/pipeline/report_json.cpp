@@ -14,6 +14,12 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HoleShares, copied, copied_elsewhere, never_s
 
 }  // namespace dvi::audit
 
+namespace dvi::regularize {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Energies, before, after)
+
+}  // namespace dvi::regularize
+
 namespace dvi::pipeline {
 
 using nlohmann::json;
@@ -27,7 +33,6 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ScanReport, state, guess, features, inliers, 
                                    degenerate_directions)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OdometryReport, rings, path_m, plane_features, edge_features, drift, scans)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HoleParts, copied, copied_elsewhere, interpolated, synthesised, empty, never_seen)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EnergyReport, before, after)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameAlignmentReport, rotation_deg, offset_before_px, offset_after_px, points)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveAlignmentReport, kept, mounting_deg)
 

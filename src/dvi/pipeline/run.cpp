@@ -49,7 +49,7 @@ RunReport run(const Job& job, Progress& progress) {
         cpu.time("regularize", regularize::regularize, candidates, views, i, depth, options.regularize);  // 3.5, eqs. 2-4
     FilledFrame frame =
         cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, options.harmonize);  // 3.6, eq. 5
-    return FilledView{std::move(frame), labels.energy_before, labels.energy_after};
+    return FilledView{std::move(frame), labels.energy};
   };
   const std::vector<std::size_t> missing = out.missing_frames(views);
   progress.begin("fill", missing.size());

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "dvi/harmonize/filled_frame.h"
@@ -14,7 +15,7 @@ namespace dvi::pipeline {
 /// A frame after harmonisation, with what its stages said of themselves.
 struct FilledView {
   harmonize::FilledFrame frame;
-  double energy_before = 0, energy_after = 0;  ///< eqs. 2-4
+  std::optional<regularize::Energies> energy;  ///< eqs. 2-4, where they were minimised
 };
 
 /// What is done to single frames, each called from several threads.

@@ -1,14 +1,21 @@
 #pragma once
 
+#include <optional>
+
 #include "dvi/sample/candidates.h"
 
 namespace dvi::regularize {
 
-/// The candidates after the MRF has moved each within its window, with the energies of eqs. 2-4.
+/// Eqs. 2-4.
+struct Energies {
+  double before = 0;  ///< of the candidates as sampled
+  double after = 0;
+};
+
+/// The candidates after the MRF has moved each within its window.
 struct Labelling {
   sample::Candidates candidates;
-  double energy_before = 0;  ///< of the candidates as sampled
-  double energy_after = 0;
+  std::optional<Energies> energy;  ///< none where nothing was to be moved
   int iterations = 0;
 };
 

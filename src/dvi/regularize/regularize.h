@@ -25,8 +25,9 @@ struct RegularizeOptions {
 
 /// Min-sum belief propagation over the 4-connected hole (section 3.5 of the paper). A pixel's labels are shifts of its
 /// candidate; the data cost (eq. 3) asks that a boundary pixel's source continue into the true image, the discontinuity
-/// cost (eq. 4) that neighbours' sources agree on each other's colour, each neighbour warped by its own depth.
-Labelling regularize(const sample::Candidates& candidates, const Views& views, std::size_t target, const depth::DepthMap& depth,
+/// cost (eq. 4) that neighbours' sources agree on each other's colour, each neighbour warped by its own depth. Switched off, it
+/// hands on the candidates as they are, and computes no energy.
+Labelling regularize(sample::Candidates candidates, const Views& views, std::size_t target, const depth::DepthMap& depth,
                      const RegularizeOptions& options);
 
 }  // namespace dvi::regularize

@@ -47,7 +47,7 @@ void regularize_hole(benchmark::State& state) {
   }
   state.counters["pixels"] = static_cast<double>(candidates.leading.size());
   state.counters["iterations"] = out.iterations;
-  state.counters["energy_part"] = out.energy_after / out.energy_before;
+  state.counters["energy_part"] = out.energy->after / out.energy->before;
 }
 BENCHMARK(regularize_hole)->Args({60'000, 0})->Args({100'000, 0})->Args({60'000, 1})->Unit(benchmark::kMillisecond);
 

@@ -59,14 +59,14 @@ TEST(Regularize, LeavesExactCandidatesAlone) {
   const sample::Candidates exact = seen_by_one(street.hole, 8);
   const Labelling out = street.run(exact);
   EXPECT_EQ(right_share(out.candidates, exact), 1);
-  EXPECT_EQ(out.energy_before, out.energy_after);
+  EXPECT_EQ(out.energy->before, out.energy->after);
 }
 
 TEST(Regularize, RecoversAUniformShift) {
   const Street street;
   const Labelling out = street.run(seen_by_one(street.hole, 8, {1, -2}));
   EXPECT_GT(right_share(out.candidates, seen_by_one(street.hole, 8)), 0.99);
-  EXPECT_LT(out.energy_after, 0.7 * out.energy_before);
+  EXPECT_LT(out.energy->after, 0.7 * out.energy->before);
 }
 
 TEST(Regularize, RecoversAShiftOfOneOfTwoSources) {
@@ -102,7 +102,7 @@ TEST(Regularize, WarpsNeighboursByTheirOwnDepth) {
   RegularizeOptions no_inner_cost = kOn;
   no_inner_cost.alpha = 0;
   EXPECT_EQ(street.scene.images.size(), 3);
-  EXPECT_EQ(regularize(exact, street.scene.lazy(), 0, depth, no_inner_cost).energy_before, 0);
+  EXPECT_EQ(regularize(exact, street.scene.lazy(), 0, depth, no_inner_cost).energy->before, 0);
 }
 
 TEST(Regularize, NeverShiftsIntoTheSourcesMaskOrOutOfItsImage) {
@@ -141,7 +141,7 @@ TEST(Regularize, PixelsWithoutCandidateTakeNoPart) {
   for (auto& c : none.leading) c = {};
   const Labelling out = street.run(some);
   for (std::size_t i = 0; i < some.leading.size(); i += 3) EXPECT_FALSE(out.candidates.leading[i].found());
-  EXPECT_EQ(street.run(none).energy_before, 0);
+  EXPECT_EQ(street.run(none).energy->before, 0);
 }
 
 TEST(Regularize, IsOffWithoutIterationsOfAWindow) {
@@ -153,9 +153,11 @@ TEST(Regularize, IsOffWithoutIterationsOfAWindow) {
   for (const RegularizeOptions& options : {off, one}) {
     const Labelling out = street.run(shifted, options);
     EXPECT_EQ(right_share(out.candidates, shifted), 1);
-    EXPECT_EQ(out.energy_after, out.energy_before);
-    EXPECT_EQ(out.energy_before, street.run(shifted).energy_before);
+    EXPECT_EQ(out.energy.has_value(), options.enabled);
   }
+  const Labelling alone = street.run(shifted, one);
+  EXPECT_EQ(alone.energy->after, alone.energy->before);
+  EXPECT_EQ(alone.energy->before, street.run(shifted).energy->before);
   one.window = 4;
   EXPECT_THROW(street.run(shifted, one), UsageError);
 }
@@ -171,7 +173,7 @@ TEST(Regularize, TakesAnyHole) {
     const sample::Candidates exact = seen_by_one(mask, 0);
     const Labelling out = regularize(exact, scene.lazy(), 0, flat_depth(scene), kOn);
     EXPECT_TRUE(exact.leading.empty() || right_share(out.candidates, exact) == 1);
-    EXPECT_LE(out.energy_after, out.energy_before);
+    EXPECT_LE(out.energy->after, out.energy->before);
   }
 }
 
@@ -182,7 +184,7 @@ TEST(Regularize, UnknownDepthAndSkyAreNoObstacle) {
   const Labelling out = regularize(seen_by_one(street.hole, 8, {1, 0}), street.scene.lazy(), 0, depth, kOn);
   EXPECT_GT(right_share(out.candidates, seen_by_one(street.hole, 8)), 0.99);
   depth.z = depth::DepthMap::kSky;
-  EXPECT_LE(regularize(seen_by_one(street.hole, 0), street.scene.lazy(), 0, depth, kOn).energy_after, 1e9);
+  EXPECT_LE(regularize(seen_by_one(street.hole, 0), street.scene.lazy(), 0, depth, kOn).energy->after, 1e9);
 }
 
 TEST(Regularize, GivesTheSameTwice) {
@@ -192,8 +194,8 @@ TEST(Regularize, GivesTheSameTwice) {
   for (auto& c : noisy.leading) c.position += quantised(random.uniform(-2, 2), random.uniform(-2, 2));
   const Labelling a = street.run(noisy), b = street.run(noisy);
   EXPECT_EQ(right_share(a.candidates, b.candidates), 1);
-  EXPECT_EQ(a.energy_after, b.energy_after);
-  EXPECT_LT(a.energy_after, a.energy_before);
+  EXPECT_EQ(a.energy->after, b.energy->after);
+  EXPECT_LT(a.energy->after, a.energy->before);
 }
 
 }  // namespace
