@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -41,16 +43,21 @@ class Source {
         visibility_(visibility),
         options_(options) {}
 
-  std::optional<Candidate> show(const SurfacePixel& pixel) {
-    const std::optional<Sighting> seen = sight(pixel, view_.camera, source_from_target_);
-    if (!seen) return std::nullopt;
-    const cv::Point2f at = quantised(seen->position.x(), seen->position.y());
+  /// None unless it is trusted more than `than`.
+  std::optional<Candidate> show(const SurfacePixel& pixel, float than) {
+    const std::optional<Place> place = locate(pixel, view_.camera, source_from_target_);
+    if (!place) return std::nullopt;
+    const cv::Point2f at = quantised(place->position.x(), place->position.y());
     if (!view_.camera.contains({at.x, at.y})) return std::nullopt;
     if (!lent_) lent_ = visibility_[number_];
-    if (lent_->masked(at) || (options_.occlusion_test && !same_surface(at, seen->z, pixel.sigma))) return std::nullopt;
+    if (lent_->masked(at)) return std::nullopt;
+    const float clear = lent_->clear_px(at);
+    if (options_.scored && static_cast<float>(most_trust(seconds_, clear)) <= than) return std::nullopt;
+    if (options_.occlusion_test && !same_surface(at, place->z, pixel.sigma)) return std::nullopt;
+    const std::optional<Sighting> seen = sight(pixel, *place, view_.camera, source_from_target_);
+    if (!seen) return std::nullopt;
     Candidate out{static_cast<int>(number_), at};
     out.misplaced = static_cast<float>(expected_shift(*seen, seconds_));
-    const float clear = lent_->clear_px(at);
     if (options_.footprint) {
       out.footprint = {pixels_spanned(seen->across, clear), pixels_spanned(seen->down, clear)};
     }
@@ -78,7 +85,7 @@ class Source {
 /// The best candidates of each pixel so far.
 class Ranking {
  public:
-  Ranking(std::size_t pixels, std::size_t ranks) : ranks_(ranks), candidates_(pixels * ranks) {}
+  Ranking(std::size_t pixels, std::size_t ranks) : ranks_(ranks), candidates_(pixels * ranks), least_(pixels, kOpen) {}
 
   /// Behind those that are trusted as much.
   void add(std::size_t pixel, const Candidate& candidate) {
@@ -89,14 +96,14 @@ class Ranking {
     if (place == end) return;
     std::move_backward(place, end - 1, end);
     *place = candidate;
+    if (end[-1].found()) least_[pixel] = end[-1].trust;
   }
-  /// Whether no candidate trusted so much or less would be kept.
-  bool is_full(std::size_t pixel, double most) const {
-    const Candidate& last = candidates_[(pixel + 1) * ranks_ - 1];
-    return last.found() && last.trust >= most;
-  }
+  /// A candidate is kept if it is trusted more than this.
+  float least(std::size_t pixel) const { return least_[pixel]; }
   Candidates finish(Region&& hole) const {
     Candidates out{std::move(hole), {}, ranks_ - 1, {}};
+    out.leading.reserve(out.hole.size());
+    out.extra.reserve(out.hole.size() * out.more);
     for (std::size_t i = 0; i < out.hole.size(); ++i) {
       const Candidate* const begin = &candidates_[i * ranks_];
       out.leading.push_back(*begin);
@@ -106,8 +113,10 @@ class Ranking {
   }
 
  private:
+  static constexpr float kOpen = -1;
   std::size_t ranks_;
   std::vector<Candidate> candidates_;
+  std::vector<float> least_;  // the trust of each pixel's last one
 };
 
 }  // namespace
@@ -129,15 +138,20 @@ Candidates sample(const Views& views, std::size_t target, const depth::DepthMap&
                   const Lazy<depth::VisibilityMap>& visibility, const SampleOptions& options) {
   Region hole(*views.masks[target]);
   Ranking ranking(hole.size(), options.scored ? static_cast<std::size_t>(options.sources) : 1);
-  std::vector<SurfacePixel> open = surface_pixels(hole, views[target].camera, depth);
+  const std::vector<SurfacePixel> surface = surface_pixels(hole, views[target].camera, depth);
+  std::vector<std::uint32_t> open(surface.size());  // those that may still find a better source
+  std::iota(open.begin(), open.end(), 0U);
   for (const std::size_t i : search_order(views, target, options.reach_frames, options.scored)) {
     // Frames of the target's drive come by falling trust: what is full stays as it is.
     const double most = options.scored ? most_trust(seconds_between(views[i], views[target])) : 1;
-    std::erase_if(open, [&](const SurfacePixel& pixel) { return ranking.is_full(pixel.pixel, most); });
+    std::erase_if(open, [&](std::uint32_t k) { return ranking.least(surface[k].pixel) >= most; });
     if (open.empty()) break;
     Source source(views, target, i, visibility, options);
-    for (const SurfacePixel& pixel : open)
-      if (const std::optional<Candidate> candidate = source.show(pixel)) ranking.add(pixel.pixel, *candidate);
+    for (const std::uint32_t k : open) {
+      const std::size_t pixel = surface[k].pixel;
+      const std::optional<Candidate> candidate = source.show(surface[k], ranking.least(pixel));
+      if (candidate) ranking.add(pixel, *candidate);
+    }
   }
   return ranking.finish(std::move(hole));
 }

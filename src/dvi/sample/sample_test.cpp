@@ -142,7 +142,10 @@ TEST(Sample, GrazingViewsAreToldByTheirSmallestSpan) {
   SE3 turned;  // looks at the plane from the side, at 60 degrees, from as far away
   turned.R = Eigen::AngleAxisd(1.0472, Eigen::Vector3d::UnitY()).toRotationMatrix();
   turned.t = Eigen::Vector3d(0, 0, 10) - turned.R * Eigen::Vector3d(0, 0, 10);
-  const std::optional<Sighting> seen = sight(pixels[55], scene.views[0].camera, turned);
+  const Camera& camera = scene.views[0].camera;
+  const std::optional<Place> place = locate(pixels[55], camera, turned);
+  ASSERT_TRUE(place);
+  const std::optional<Sighting> seen = sight(pixels[55], *place, camera, turned);
   ASSERT_TRUE(seen);
   EXPECT_NEAR(seen->smallest, 0.5, 0.1);
   EXPECT_NEAR(seen->down, 1, 0.1);
@@ -156,6 +159,7 @@ TEST(Sample, TrustFollowsItsFormula) {
   EXPECT_DOUBLE_EQ(trust(seen, 1, far), most_trust(1));
   EXPECT_DOUBLE_EQ(trust(seen, 0, 0.5), 0.5);
   EXPECT_DOUBLE_EQ(trust(seen, 0, 0), 1.0 / 3);
+  EXPECT_EQ(trust(seen, 0.7, 2.3), most_trust(0.7, 2.3));
   seen.misplaced = 0.3;
   EXPECT_DOUBLE_EQ(trust(seen, 0, far), 0.5);
   EXPECT_NEAR(expected_shift(seen, 1), 0.3 * std::sqrt(2), 1e-12);

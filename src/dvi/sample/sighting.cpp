@@ -29,6 +29,7 @@ std::vector<SurfacePixel> surface_pixels(const Region& hole, const Camera& camer
     return depth::DepthMap::is_surface(z) ? 1 / z : 0.0F;
   };
   std::vector<SurfacePixel> out;
+  out.reserve(hole.size());
   for (std::size_t i = 0; i < hole.size(); ++i) {
     const auto [x, y] = hole.pixels[i];
     const float z = depth.z(y, x);
@@ -37,30 +38,34 @@ std::vector<SurfacePixel> surface_pixels(const Region& hole, const Camera& camer
     const auto stepped = [&](float by) { return 1 / std::max(here + by, 0.5F * here); };
     const float right = stepped(step(inverse(x - 1, y), here, inverse(x + 1, y)));
     const float below = stepped(step(inverse(x, y - 1), here, inverse(x, y + 1)));
-    out.push_back(
-        {i, z * camera.ray({x, y}), right * camera.ray({x + 1, y}), below * camera.ray({x, y + 1}), depth.sigma(y, x)});
+    const Eigen::Vector3d at = z * camera.ray({x, y});
+    const double sigma = depth.sigma(y, x);
+    out.push_back({i, at, right * camera.ray({x + 1, y}), below * camera.ray({x, y + 1}), at * (1 + sigma / at.z()), sigma});
   }
   return out;
 }
 
-std::optional<Sighting> sight(const SurfacePixel& pixel, const Camera& source, const SE3& source_from_target) {
+std::optional<Place> locate(const SurfacePixel& pixel, const Camera& source, const SE3& source_from_target) {
   const Eigen::Vector3d x = source_from_target * pixel.at;
   if (!source.in_front(x)) return std::nullopt;
+  const Place out{source.project(x), x.z()};
+  return source.contains(out.position) ? std::optional(out) : std::nullopt;
+}
+
+std::optional<Sighting> sight(const SurfacePixel& pixel, const Place& place, const Camera& source,
+                              const SE3& source_from_target) {
+  const Eigen::Vector3d deeper = source_from_target * pixel.deeper;
+  if (!source.in_front(deeper)) return std::nullopt;
   Sighting out;
-  out.position = source.project(x);
-  out.z = x.z();
-  if (!source.contains(out.position)) return std::nullopt;
   Eigen::Matrix2d spans;
-  spans.col(0) = source.project(source_from_target * pixel.right) - out.position;
-  spans.col(1) = source.project(source_from_target * pixel.below) - out.position;
+  spans.col(0) = source.project(source_from_target * pixel.right) - place.position;
+  spans.col(1) = source.project(source_from_target * pixel.below) - place.position;
   out.across = spans.row(0).norm();
   out.down = spans.row(1).norm();
   // The smaller singular value, from the sum and the product of both, squared.
   const double sum = spans.squaredNorm(), product = squared(spans.determinant());
   out.smallest = std::sqrt(0.5 * std::max(0.0, sum - std::sqrt(std::max(0.0, sum * sum - 4 * product))));
-  const Eigen::Vector3d off = source_from_target * (pixel.at * (1 + pixel.sigma / pixel.at.z()));
-  if (!source.in_front(off)) return std::nullopt;
-  out.misplaced = (source.project(off) - out.position).norm() / std::max(1e-3, std::sqrt(0.5 * sum));
+  out.misplaced = (source.project(deeper) - place.position).norm() / std::max(1e-3, std::sqrt(0.5 * sum));
   return out;
 }
 
@@ -73,5 +78,11 @@ double trust(const Sighting& sighting, double seconds, double clear_px) {
 }
 
 double most_trust(double seconds) { return 1 / (1 + squared(kDrift) * seconds / squared(kShift)); }
+
+// In the order of trust(), so that rounding does not take it below.
+double most_trust(double seconds, double clear_px) {
+  const double clear = clear_px + 0.5;
+  return clear / (clear + 1) / (1 + squared(kDrift) * seconds / squared(kShift));
+}
 
 }  // namespace dvi::sample

@@ -19,23 +19,32 @@ struct SurfacePixel {
   std::size_t pixel = 0;  ///< its number in the hole
   /// What it and, on the same plane, the next pixels to its right and below it show, in the axes of the target's camera.
   Eigen::Vector3d at, right, below;
-  double sigma = 0;  ///< metres, of its depth
+  Eigen::Vector3d deeper;  ///< what it shows if its depth is one sigma more
+  double sigma = 0;        ///< metres, of its depth
 };
 
 /// The hole's pixels that show a surface.
 std::vector<SurfacePixel> surface_pixels(const Region& hole, const Camera& camera, const depth::DepthMap& depth);
 
-/// How a source sees a pixel of the target.
+/// Where a source sees a pixel of the target.
+struct Place {
+  Eigen::Vector2d position;  ///< within the source's image
+  double z = 0;              ///< depth in the source
+};
+
+/// None where the source's image does not hold it.
+std::optional<Place> locate(const SurfacePixel& pixel, const Camera& source, const SE3& source_from_target);
+
+/// How it sees it there.
 struct Sighting {
-  Eigen::Vector2d position;     ///< within the source's image
-  double z = 0;                 ///< depth in the source
   double across = 1, down = 1;  ///< source pixels that the pixel spans in x and y
   double smallest = 1;          ///< and in the direction in which it spans least
   double misplaced = 0;         ///< px of the target by which an error of one sigma in depth moves it
 };
 
-/// None where the source's image does not hold it.
-std::optional<Sighting> sight(const SurfacePixel& pixel, const Camera& source, const SE3& source_from_target);
+/// None where an error of one sigma takes the pixel behind the source.
+std::optional<Sighting> sight(const SurfacePixel& pixel, const Place& place, const Camera& source,
+                              const SE3& source_from_target);
 
 /// By how many pixels of the target a copy may be off, one sigma: by its depth, and by what is left of errors of the poses,
 /// which grows with the time between the frames.
@@ -46,8 +55,9 @@ double expected_shift(const Sighting& sighting, double seconds);
 /// detail lost by a source that is farther away, as half of what its pixel exceeds one of the target.
 double trust(const Sighting& sighting, double seconds, double clear_px);
 
-/// The most that any source so far away in time can be trusted.
+/// The most that any source so far away in time can be trusted, anywhere or where it is so clear.
 double most_trust(double seconds);
+double most_trust(double seconds, double clear_px);
 
 /// Frames of other drives are taken to be so far away: another light, and poses that were registered to each other.
 inline constexpr double kSecondsElsewhere = 10;
