@@ -39,10 +39,28 @@ cv::Mat1b where(const cv::Mat1b& image, Value value) {
   return out;
 }
 
-cv::Mat1b roles_of(const sample::Candidates& candidates, Role copied, Role unseen) {
-  cv::Mat1b roles(candidates.hole.index.size(), static_cast<uchar>(Role::fixed));
-  for (std::size_t i = 0; i < candidates.leading.size(); ++i)
-    roles(candidates.hole.pixels[i]) = static_cast<uchar>(candidates.leading[i].found() ? copied : unseen);
+/// The hole with what lies round it, all that filling it looks at. Pixels are those of the box.
+struct Window {
+  explicit Window(const sample::Candidates& candidates) : copies(candidates) {
+    const Region& hole = candidates.hole;
+    if (hole.pixels.empty()) return;
+    const cv::Rect within = cv::boundingRect(hole.pixels);
+    box = cv::Rect(within.x - 1, within.y - 1, within.width + 2, within.height + 2) & cv::Rect({}, hole.index.size());
+    index = hole.index(box);
+  }
+
+  const sample::Candidates& copies;
+  cv::Rect box;
+  cv::Mat1i index;  ///< of hole.pixels, or -1
+
+  std::size_t size() const { return copies.leading.size(); }
+  cv::Point pixel(std::size_t i) const { return copies.hole.pixels[i] - box.tl(); }
+};
+
+cv::Mat1b roles_of(const Window& window, Role copied, Role unseen) {
+  cv::Mat1b roles(window.box.size(), static_cast<uchar>(Role::fixed));
+  for (std::size_t i = 0; i < window.size(); ++i)
+    roles(window.pixel(i)) = static_cast<uchar>(window.copies.leading[i].found() ? copied : unseen);
   return roles;
 }
 
@@ -52,13 +70,13 @@ struct Part {
   bool copied = false;   ///< some of it has a source
 };
 
-std::vector<Part> parts_of(const sample::Candidates& candidates, const cv::Mat1b& roles, cv::Mat1i& labels) {
+std::vector<Part> parts_of(const Window& window, const cv::Mat1b& roles, cv::Mat1i& labels) {
   const int count = connected_parts(where(roles, Role::solved), labels);
   std::vector<Part> parts(count + 1);
-  for (std::size_t i = 0; i < candidates.leading.size(); ++i) {
-    const cv::Point p = candidates.hole.pixels[i];
+  for (std::size_t i = 0; i < window.size(); ++i) {
+    const cv::Point p = window.pixel(i);
     Part& part = parts[labels(p)];
-    part.copied |= candidates.leading[i].found();
+    part.copied |= window.copies.leading[i].found();
     for (const cv::Point q : around(p)) part.bounded |= inside(roles, q) && roles(q) == static_cast<uchar>(Role::fixed);
   }
   return parts;
@@ -72,17 +90,19 @@ struct Guidance {
 /// Eq. 5 for the pixels to be solved. `colour` holds the fixed ones.
 class Equation {
  public:
-  Equation(const sample::Candidates& candidates, const Copies& copies, const cv::Mat1b& roles, const cv::Mat3f& colour,
+  Equation(const Window& window, const Copies& copies, const cv::Mat1b& roles, const cv::Mat3f& colour,
            const Guidance& guidance)
-      : candidates_(candidates), copies_(copies), roles_(roles), colour_(colour), guidance_(guidance) {}
+      : window_(window), copies_(copies), roles_(roles), colour_(colour), guidance_(guidance) {}
 
   PoissonSystem system(const cv::Mat1i& labels, const std::vector<Part>& parts) const {
     // A part that nothing bounds is held near its copies, too weakly to be seen in its gradients.
     constexpr float kAnchor = 1e-4F;
     PoissonSystem out{Region(where(roles_, Role::solved)), {}, {}, guidance_.vertical};
+    out.diagonal.reserve(out.region.size());
+    out.right.reserve(out.region.size());
     for (const cv::Point p : out.region.pixels) {
-      const int i = candidates_.hole.index(p);
-      const bool copied = candidates_.leading[i].found();
+      const int i = window_.index(p);
+      const bool copied = window_.copies.leading[i].found();
       float diagonal = 0;
       cv::Vec3f right = copied ? copies_.outward[i] : cv::Vec3f();
       if (copied && guidance_.seams) right += copies_.seam[i];
@@ -107,29 +127,32 @@ class Equation {
   cv::Vec3f pull(int i, cv::Point q) const {
     cv::Vec3f out;
     if (roles_(q) == static_cast<uchar>(Role::fixed)) out += colour_(q);
-    const int j = candidates_.hole.index(q);
-    if (j < 0 || !candidates_.leading[i].found() || candidates_.leading[j].view != candidates_.leading[i].view) return out;
+    const int j = window_.index(q);
+    const std::vector<sample::Candidate>& of = window_.copies.leading;
+    if (j < 0 || !of[i].found() || of[j].view != of[i].view) return out;
     return out + copies_.colour[i] - copies_.colour[j];
   }
 
-  const sample::Candidates& candidates_;
+  const Window& window_;
   const Copies& copies_;
   const cv::Mat1b& roles_;
   const cv::Mat3f& colour_;
   Guidance guidance_;
 };
 
-/// Fills the solved pixels of `colour`. Those of which nothing could be told become absent.
-void fill(const sample::Candidates& candidates, const Copies& copies, cv::Mat1b& roles, const Guidance& guidance,
-          cv::Mat3f& colour) {
+/// Fills the solved pixels of the window's `colour`. Those of which nothing could be told become absent.
+void fill(const Window& window, const Copies& copies, cv::Mat1b& roles, const Guidance& guidance, cv::Mat3f& colour) {
+  if (window.size() == 0) return;
   cv::Mat1i labels;
-  const std::vector<Part> parts = parts_of(candidates, roles, labels);
-  for (const cv::Point p : candidates.hole.pixels)
+  const std::vector<Part> parts = parts_of(window, roles, labels);
+  for (std::size_t i = 0; i < window.size(); ++i) {
+    const cv::Point p = window.pixel(i);
     if (labels(p) > 0 && !parts[labels(p)].bounded && !parts[labels(p)].copied) roles(p) = static_cast<uchar>(Role::absent);
-  const PoissonSystem system = Equation(candidates, copies, roles, colour, guidance).system(labels, parts);
+  }
+  const PoissonSystem system = Equation(window, copies, roles, colour, guidance).system(labels, parts);
   std::vector<cv::Vec3f> x;
   x.reserve(system.region.size());
-  for (const cv::Point p : system.region.pixels) x.push_back(copies.colour[candidates.hole.index(p)]);
+  for (const cv::Point p : system.region.pixels) x.push_back(copies.colour[window.index(p)]);
   solve(system, x);
   for (std::size_t k = 0; k < x.size(); ++k)
     for (int c = 0; c < 3; ++c) colour(system.region.pixels[k])[c] = std::clamp(x[k][c], 0.0F, 255.0F);
@@ -162,11 +185,18 @@ double texture(const cv::Mat3f& image, cv::Point p) {
   return most;
 }
 
-void write_confidence(const Fused& fused, const Views& views, std::size_t target, FilledFrame& out) {
-  cv::Mat1b guessed = where(out.kind, Kind::interpolated);
-  guessed.setTo(255, where(out.kind, Kind::empty));
+/// Of the window's pixels without a source to what is known. Nothing beyond the window is nearer than its border.
+cv::Mat1f distance_to_known(const cv::Mat1b& kind) {
+  if (kind.empty()) return {};
+  cv::Mat1b guessed = where(kind, Kind::interpolated);
+  guessed.setTo(255, where(kind, Kind::empty));
   cv::Mat1f distance;
   cv::distanceTransform(guessed, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  return distance;
+}
+
+void write_confidence(const Fused& fused, const Window& window, const Views& views, std::size_t target, FilledFrame& out) {
+  const cv::Mat1f distance = distance_to_known(out.kind(window.box));
   for (std::size_t i = 0; i < fused.colour.size(); ++i) {
     const cv::Point p = fused.candidates.hole.pixels[i];
     const sample::Candidate& source = fused.candidates.leading[i];
@@ -181,7 +211,7 @@ void write_confidence(const Fused& fused, const Views& views, std::size_t target
                                 .change = difference(out.colour(p), fused.colour[i]),
                                 .seconds = 1e-9 * static_cast<double>(std::llabs(from.time_ns - views[target].time_ns))});
     } else if (out.kind(p) == static_cast<uchar>(Kind::interpolated)) {
-      sure = interpolated_confidence(distance(p));
+      sure = interpolated_confidence(distance(window.pixel(i)));
     }
     out.confidence(p) = static_cast<uchar>(std::lround(255 * sure));
   }
@@ -209,16 +239,20 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
   for (std::size_t i = 0; i < hole.size(); ++i) out.colour(hole.pixels[i]) = copies.colour[i];
   const Role copied = options.poisson ? Role::solved : Role::fixed;
   const Role unseen = options.fill_unseen ? Role::solved : Role::absent;
-  cv::Mat1b roles = roles_of(candidates, copied, options.unseen_last ? Role::absent : unseen);
-  fill(candidates, copies, roles, {options.seam_gradients, 1}, out.colour);
+  const Window window(candidates);
+  cv::Mat3f colour = out.colour(window.box);
+  cv::Mat1b roles = roles_of(window, copied, options.unseen_last ? Role::absent : unseen);
+  fill(window, copies, roles, {options.seam_gradients, 1}, colour);
   if (options.unseen_last) {
-    roles = roles_of(candidates, Role::fixed, unseen);
-    fill(candidates, copies, roles, {options.seam_gradients, static_cast<float>(options.unseen_vertical)}, out.colour);
+    roles = roles_of(window, Role::fixed, unseen);
+    fill(window, copies, roles, {options.seam_gradients, static_cast<float>(options.unseen_vertical)}, colour);
   }
-  for (const cv::Point p : hole.pixels)
-    out.kind(p) = static_cast<uchar>(roles(p) == static_cast<uchar>(Role::solved) ? Kind::interpolated : Kind::empty);
+  for (std::size_t i = 0; i < hole.size(); ++i) {
+    const bool solved = roles(window.pixel(i)) == static_cast<uchar>(Role::solved);
+    out.kind(hole.pixels[i]) = static_cast<uchar>(solved ? Kind::interpolated : Kind::empty);
+  }
   write_receipts(fused, views, target, out);
-  write_confidence(fused, views, target, out);
+  write_confidence(fused, window, views, target, out);
   return out;
 }
 

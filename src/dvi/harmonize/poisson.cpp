@@ -15,92 +15,117 @@ using Colour = Eigen::Array4f;  // the fourth lane is idle
 using Field = std::vector<Colour>;
 using Sums = Eigen::Array4d;
 
+bool is_red(cv::Point p) { return (p.x + p.y) % 2 == 0; }
+
 /// A grid equation: diagonal x - sum of weight x over the neighbours = right. Neighbours are of different squares of the
-/// checkerboard, so each can be relaxed at once.
+/// checkerboard, so each can be relaxed at once. Fields have a last entry more, which is 0: the neighbour that does not exist.
 struct Level {
-  std::vector<cv::Point> position;
-  std::vector<std::array<int, 4>> neighbour;  // itself, with weight 0, where there is none
-  std::vector<std::array<float, 4>> weight;
+  float vertical = 1;               // about how much weightier vertical neighbours are than horizontal ones
+  std::vector<cv::Point> position;  // the red ones first
+  int reds = 0;
+  std::vector<std::array<int, 4>> neighbour;
+  std::vector<std::array<float, 4>> weight;  // of the finest level none: 1, and `vertical`
   std::vector<float> diagonal, inverse;
-  std::vector<int> red, black;
   std::vector<int> parent;  // the node of the next level that it is part of
   Field x, right;
 
-  std::size_t size() const { return position.size(); }
+  int size() const { return static_cast<int>(position.size()); }
 
-  void add_node(cv::Point at, float diag) {
-    const int self = static_cast<int>(size());
-    position.push_back(at);
-    neighbour.push_back({self, self, self, self});
-    weight.push_back({0, 0, 0, 0});
-    diagonal.push_back(diag);
+  void place(std::vector<cv::Point> nodes) {
+    reds = static_cast<int>(std::stable_partition(nodes.begin(), nodes.end(), is_red) - nodes.begin());
+    position = std::move(nodes);
+    const int none = size();
+    neighbour.assign(position.size(), {none, none, none, none});
+    diagonal.assign(position.size(), 0);
+    x.assign(position.size() + 1, Colour::Zero());
+    right.assign(position.size() + 1, Colour::Zero());
   }
   void finish() {
-    for (std::size_t i = 0; i < size(); ++i) {
-      ((position[i].x + position[i].y) % 2 == 0 ? red : black).push_back(static_cast<int>(i));
-      inverse.push_back(diagonal[i] > 0 ? 1 / diagonal[i] : 0);
-    }
-    x.assign(size(), Colour::Zero());
-    right.assign(size(), Colour::Zero());
+    inverse.reserve(diagonal.size());
+    for (const float d : diagonal) inverse.push_back(d > 0 ? 1 / d : 0);
   }
+  /// The neighbours' sum.
+  template <bool finest>
   Colour pull(int i, const Field& of) const {
     const auto& [a, b, c, d] = neighbour[i];
+    if constexpr (finest) return of[a] + of[c] + vertical * (of[b] + of[d]);
     const auto& [wa, wb, wc, wd] = weight[i];
     return wa * of[a] + wb * of[b] + wc * of[c] + wd * of[d];
   }
-  void relax(const std::vector<int>& nodes) {
-    for (const int i : nodes) x[i] = (right[i] + pull(i, x)) * inverse[i];
+  template <bool finest>
+  void relax(int first, int last) {
+    for (int i = first; i < last; ++i) x[i] = (right[i] + pull<finest>(i, x)) * inverse[i];
   }
 };
 
+cv::Mat1i numbers(const std::vector<cv::Point>& nodes) {
+  cv::Point last;
+  for (const cv::Point p : nodes) last = {std::max(last.x, p.x), std::max(last.y, p.y)};
+  cv::Mat1i out(last.y + 1, last.x + 1, -1);
+  for (std::size_t i = 0; i < nodes.size(); ++i) out(nodes[i]) = static_cast<int>(i);
+  return out;
+}
+
 Level finest_level(const PoissonSystem& system) {
   Level level;
-  for (std::size_t i = 0; i < system.region.size(); ++i) level.add_node(system.region.pixels[i], system.diagonal[i]);
+  level.vertical = system.vertical;
+  level.place(system.region.pixels);
+  const cv::Mat1i number = numbers(level.position);
   const cv::Point step[4] = {{-1, 0}, {0, -1}, {1, 0}, {0, 1}};
-  const cv::Rect image({}, system.region.index.size());
-  for (std::size_t i = 0; i < level.size(); ++i)
+  const cv::Rect inside({}, number.size());
+  for (int i = 0; i < level.size(); ++i) {
+    level.diagonal[i] = system.diagonal[system.region.index(level.position[i])];
     for (int d = 0; d < 4; ++d) {
       const cv::Point q = level.position[i] + step[d];
-      if (!image.contains(q) || system.region.index(q) < 0) continue;
-      level.neighbour[i][d] = system.region.index(q);
-      level.weight[i][d] = step[d].y == 0 ? 1 : system.vertical;
+      if (inside.contains(q) && number(q) >= 0) level.neighbour[i][d] = number(q);
     }
+  }
   level.finish();
   return level;
 }
 
-/// The nodes of each block of 2 x 2 as one. Sums over piecewise constants make the edges of a coarser grid twice too stiff
+/// Places the nodes of the next level: a block of 2 x 2 each, or 2 x 1 where rows hold together more.
+Level blocks_of(Level& fine, cv::Point block) {
+  std::vector<cv::Point> at;
+  for (const cv::Point p : fine.position) at.emplace_back(p.x / block.x, p.y / block.y);
+  cv::Mat1i number = numbers(at);
+  std::vector<cv::Point> nodes;  // each once, at its last pixel
+  for (std::size_t i = 0; i < at.size(); ++i)
+    if (number(at[i]) == static_cast<int>(i)) nodes.push_back(at[i]);
+  Level level;
+  level.place(std::move(nodes));
+  number = numbers(level.position);
+  for (const cv::Point p : at) fine.parent.push_back(number(p));
+  fine.parent.push_back(level.size());
+  return level;
+}
+
+/// Sums over piecewise constants make the edges of a coarser grid twice too stiff along the direction that was coarsened
 /// (Braess 1995), hence the half.
 Level coarser(Level& fine) {
-  Level level;
-  int columns = 0, rows = 0;
-  for (const cv::Point p : fine.position) {
-    columns = std::max(columns, p.x / 2 + 1);
-    rows = std::max(rows, p.y / 2 + 1);
-  }
-  cv::Mat1i block(rows, columns, -1);
-  fine.parent.resize(fine.size());
-  for (std::size_t i = 0; i < fine.size(); ++i) {
-    const cv::Point at = fine.position[i] / 2;
-    if (block(at) < 0) {
-      block(at) = static_cast<int>(level.size());
-      level.add_node(at, 0);
-    }
-    fine.parent[i] = block(at);
-  }
-  for (std::size_t i = 0; i < fine.size(); ++i) {
+  constexpr float kIsotropic = 0.5F;
+  constexpr float kHeld = 2.0F / 3;  // what holds a block lies one and a half pixels from its centre, the next block two
+  const bool along_rows = fine.vertical < kIsotropic;
+  const float across = along_rows ? 1 : 0.5F;
+  const float stiff[4] = {0.5F, across, 0.5F, across};
+  Level level = blocks_of(fine, {2, along_rows ? 1 : 2});
+  level.vertical = along_rows ? 4 * fine.vertical : fine.vertical;
+  level.weight.assign(level.position.size(), {});
+  const std::array<float, 4> uniform{1, fine.vertical, 1, fine.vertical};
+  for (int i = 0; i < fine.size(); ++i) {
     const int parent = fine.parent[i];
-    level.diagonal[parent] += 0.5F * fine.diagonal[i];
+    const std::array<float, 4>& weight = fine.weight.empty() ? uniform : fine.weight[i];
+    float held = fine.diagonal[i];  // by what is not in the region
     for (int d = 0; d < 4; ++d) {
+      if (fine.neighbour[i][d] == fine.size()) continue;
+      held -= weight[d];
       const int other = fine.parent[fine.neighbour[i][d]];
-      const float w = 0.5F * fine.weight[i][d];
-      if (other == parent) {
-        level.diagonal[parent] -= w;
-      } else {
-        level.neighbour[parent][d] = other;
-        level.weight[parent][d] += w;
-      }
+      if (other == parent) continue;
+      level.neighbour[parent][d] = other;
+      level.weight[parent][d] += stiff[d] * weight[d];
+      level.diagonal[parent] += stiff[d] * weight[d];
     }
+    level.diagonal[parent] += kHeld * std::max(held, 0.0F);
   }
   level.finish();
   return level;
@@ -119,87 +144,92 @@ class Multigrid {
   const Level& finest() const { return levels_.front(); }
 
   /// About A^-1 `right`: one symmetric cycle.
-  const Field& precondition(const Field& right) {
-    levels_[0].right = right;
-    cycle(0);
+  const Field& precondition(Field& right) {
+    levels_[0].right.swap(right);
+    cycle<true>(0);
+    levels_[0].right.swap(right);
     return levels_[0].x;
   }
 
  private:
-  static constexpr std::size_t kCoarsest = 16;
+  static constexpr int kCoarsest = 16;
 
+  template <bool finest>
   void cycle(std::size_t depth) {
     Level& level = levels_[depth];
-    for (const int i : level.red) level.x[i] = level.right[i] * level.inverse[i];
-    level.relax(level.black);
+    const int reds = level.reds, all = level.size();
+    for (int i = 0; i < reds; ++i) level.x[i] = level.right[i] * level.inverse[i];
+    level.relax<finest>(reds, all);
     if (depth + 1 == levels_.size()) {
       for (int sweep = 0; sweep < 10; ++sweep) {
-        level.relax(level.red);
-        level.relax(level.black);
+        level.relax<finest>(0, reds);
+        level.relax<finest>(reds, all);
       }
       for (int sweep = 0; sweep < 10; ++sweep) {
-        level.relax(level.black);
-        level.relax(level.red);
+        level.relax<finest>(reds, all);
+        level.relax<finest>(0, reds);
       }
     } else {
       Level& below = levels_[depth + 1];
       std::fill(below.right.begin(), below.right.end(), Colour::Zero());
-      for (const int i : level.red)  // the black ones have just been solved
-        below.right[level.parent[i]] += level.right[i] + level.pull(i, level.x) - level.diagonal[i] * level.x[i];
-      cycle(depth + 1);
-      for (std::size_t i = 0; i < level.size(); ++i) level.x[i] += below.x[level.parent[i]];
+      for (int i = 0; i < reds; ++i)  // the black ones have just been solved
+        below.right[level.parent[i]] += level.right[i] + level.pull<finest>(i, level.x) - level.diagonal[i] * level.x[i];
+      cycle<false>(depth + 1);
+      for (int i = 0; i < all; ++i) level.x[i] += below.x[level.parent[i]];
     }
-    level.relax(level.black);
-    level.relax(level.red);
+    level.relax<finest>(reds, all);
+    level.relax<finest>(0, reds);
   }
 
   std::vector<Level> levels_;
 };
 
-Sums dot(const Field& a, const Field& b) {
-  Sums sum = Sums::Zero();
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] * b[i]).cast<double>();
-  return sum;
-}
-
 Colour ratio(const Sums& a, const Sums& b) { return (b > 0).select(a / b, Sums::Zero()).cast<float>(); }
 
-double largest(const Field& of) {
-  Colour most = Colour::Zero();
-  for (const Colour& c : of) most = most.max(c.abs());
-  return most.maxCoeff();
-}
+Colour colour(const cv::Vec3f& c) { return {c[0], c[1], c[2], 0}; }
 
 }  // namespace
 
 int solve(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double tolerance) {
   constexpr int kMost = 200;
-  const std::size_t n = system.region.size();
-  if (n == 0) return 0;
+  if (system.region.size() == 0) return 0;
   Multigrid multigrid(system);
   const Level& a = multigrid.finest();
-  Field solution(n), residual(n), direction(n), image(n);
-  for (std::size_t i = 0; i < n; ++i) solution[i] = {x[i][0], x[i][1], x[i][2], 0};
-  for (std::size_t i = 0; i < n; ++i)
-    residual[i] = Colour(system.right[i][0], system.right[i][1], system.right[i][2], 0) +
-                  a.pull(static_cast<int>(i), solution) - a.diagonal[i] * solution[i];
+  const int n = a.size();
+  const Field none(a.x.size(), Colour::Zero());
+  Field solution = none, residual = none, direction = none, image = none;
+  for (int i = 0; i < n; ++i) solution[i] = colour(x[system.region.index(a.position[i])]);
+  for (int i = 0; i < n; ++i)
+    residual[i] =
+        colour(system.right[system.region.index(a.position[i])]) + a.pull<true>(i, solution) - a.diagonal[i] * solution[i];
   Sums before = Sums::Zero();
   int iteration = 0;
   for (; iteration < kMost; ++iteration) {
     const Field& error = multigrid.precondition(residual);
-    if (largest(error) < tolerance) break;
-    const Sums now = dot(residual, error);
+    Colour largest = Colour::Zero();
+    Sums now = Sums::Zero(), energy = Sums::Zero();
+    for (int i = 0; i < n; ++i) {
+      largest = largest.max(error[i].abs());
+      now += (residual[i] * error[i]).cast<double>();
+    }
+    if (largest.maxCoeff() < tolerance) break;
     const Colour keep = ratio(now, before);
     before = now;
-    for (std::size_t i = 0; i < n; ++i) direction[i] = iteration == 0 ? error[i] : error[i] + keep * direction[i];
-    for (std::size_t i = 0; i < n; ++i) image[i] = a.diagonal[i] * direction[i] - a.pull(static_cast<int>(i), direction);
-    const Colour step = ratio(now, dot(direction, image));
-    for (std::size_t i = 0; i < n; ++i) {
+    for (int i = 0; i < n; ++i) direction[i] = error[i] + keep * direction[i];
+    for (int i = 0; i < n; ++i) {
+      image[i] = a.diagonal[i] * direction[i] - a.pull<true>(i, direction);
+      energy += (direction[i] * image[i]).cast<double>();
+    }
+    const Colour step = ratio(now, energy);
+    for (int i = 0; i < n; ++i) {
       solution[i] += step * direction[i];
       residual[i] -= step * image[i];
     }
   }
-  for (std::size_t i = 0; i < n; ++i) x[i] = {solution[i][0], solution[i][1], solution[i][2]};
+  for (int i = 0; i < n; ++i) {
+    const Colour& c = solution[i];
+    x[system.region.index(a.position[i])] = {c[0], c[1], c[2]};
+  }
   return iteration;
 }
 
