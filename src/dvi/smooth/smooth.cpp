@@ -1,6 +1,9 @@
 #include "dvi/smooth/smooth.h"
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
@@ -23,47 +26,82 @@ cv::Mat1b grey(const cv::Mat3f& colour) {
   return grey_8bit(bytes);
 }
 
-/// Weighted colours of the hole's pixels, as another frame shows them along the flow.
-struct Sum {
+/// What a frame before or after shows of a window, in this frame's light.
+struct Neighbour {
   cv::Mat3f colour;
-  cv::Mat1f weight;
+  cv::Mat1b kind;
+  cv::Mat2f forth, back;
 };
 
-cv::Mat3f in_light_of(const harmonize::FilledFrame& frame, const harmonize::FilledFrame& other, cv::Rect window) {
-  cv::Mat3f out = other.colour(window).clone();
+Neighbour neighbour(const harmonize::FilledFrame& frame, const cv::Mat1b& from, const harmonize::FilledFrame& other,
+                    cv::Rect window) {
+  Neighbour out{other.colour(window).clone(), other.kind(window), {}, {}};
   const cv::Vec3f gain = gain_to(frame.gain, other.gain);
-  for (cv::Vec3f& colour : out) colour = colour.mul(gain);
+  for (cv::Vec3f& colour : out.colour) colour = colour.mul(gain);
+  const cv::Mat1b to = grey(out.colour);
+  out.forth = optical_flow(from, to);
+  out.back = optical_flow(to, from);
   return out;
 }
 
-void add_neighbour(const harmonize::FilledFrame& frame, const harmonize::FilledFrame& other, cv::Rect window, Sum& sum) {
-  const cv::Mat3f here = frame.colour(window), there = in_light_of(frame, other, window);
-  const cv::Mat1b from = grey(here), to = grey(there), mask = frame.mask(window), kind = frame.kind(window);
-  const cv::Mat1b other_kind = other.kind(window);
-  const cv::Mat2f forth = optical_flow(from, to), back = optical_flow(to, from);
+/// A colour of a pixel and how much it counts.
+struct Weighted {
+  cv::Vec3f colour;
+  float weight = 0;
+};
+
+/// As a neighbour shows the pixel along the flow; nothing where it does not.
+Weighted along_flow(const Neighbour& other, cv::Point p, const cv::Vec3f& here) {
+  const cv::Vec2f& motion = other.forth(p);
+  const cv::Point2f at(static_cast<float>(p.x) + motion[0], static_cast<float>(p.y) + motion[1]);
+  if (!(at.x >= 0 && at.y >= 0 && at.x <= static_cast<float>(other.kind.cols - 1) &&
+        at.y <= static_cast<float>(other.kind.rows - 1)))
+    return {};
+  if (other.kind(cvRound(at.y), cvRound(at.x)) == static_cast<uchar>(harmonize::Kind::empty)) return {};
+  if (cv::norm(motion + bilinear(other.back, at)) >= kMostMismatch) return {};
+  const cv::Vec3f colour = bilinear(other.colour, at);
+  const double off = cv::norm(colour - here) / (std::sqrt(3.0) * kColourSpread);
+  return {colour, static_cast<float>(std::exp(-off * off))};
+}
+
+void smooth_window(const harmonize::FilledFrame& frame, std::initializer_list<const harmonize::FilledFrame*> others,
+                   cv::Rect window, cv::Mat3f& smoothed) {
+  const cv::Mat3f colour = frame.colour(window);
+  const cv::Mat1b mask = frame.mask(window), kind = frame.kind(window), from = grey(colour);
+  std::vector<Neighbour> neighbours;
+  for (const harmonize::FilledFrame* other : others)
+    if (other != nullptr) neighbours.push_back(neighbour(frame, from, *other, window));
   for (int y = 0; y < window.height; ++y)
     for (int x = 0; x < window.width; ++x) {
       if (mask(y, x) == 0 || kind(y, x) == static_cast<uchar>(harmonize::Kind::empty)) continue;
-      const cv::Vec2f& motion = forth(y, x);
-      const cv::Point2f at(static_cast<float>(x) + motion[0], static_cast<float>(y) + motion[1]);
-      if (!(at.x >= 0 && at.y >= 0 && at.x <= static_cast<float>(window.width - 1) &&
-            at.y <= static_cast<float>(window.height - 1)))
-        continue;
-      if (other_kind(cvRound(at.y), cvRound(at.x)) == static_cast<uchar>(harmonize::Kind::empty)) continue;
-      if (cv::norm(motion + bilinear(back, at)) >= kMostMismatch) continue;
-      const cv::Vec3f colour = bilinear(there, at);
-      const double off = cv::norm(colour - here(y, x)) / (std::sqrt(3.0) * kColourSpread);
-      const auto weight = static_cast<float>(std::exp(-off * off));
-      sum.colour(y, x) += weight * colour;
-      sum.weight(y, x) += weight;
+      cv::Vec3f sum = colour(y, x);
+      float weight = 1;
+      for (const Neighbour& other : neighbours) {
+        const Weighted shown = along_flow(other, {x, y}, colour(y, x));
+        sum += shown.weight * shown.colour;
+        weight += shown.weight;
+      }
+      if (weight > 1) smoothed(window.tl() + cv::Point(x, y)) = sum / weight;
     }
 }
 
-cv::Rect grown_box(const cv::Mat1b& mask) {
-  const cv::Rect box = cv::boundingRect(mask);
-  if (box.empty()) return box;
-  const cv::Rect grown(box.x - kMargin, box.y - kMargin, box.width + 2 * kMargin, box.height + 2 * kMargin);
-  return grown & cv::Rect({}, mask.size());
+/// A box round each part of the hole, those that meet as one.
+std::vector<cv::Rect> windows(const cv::Mat1b& mask) {
+  cv::Mat1i labels, boxes;
+  cv::Mat1d centres;
+  const int count = cv::connectedComponentsWithStats(mask, labels, boxes, centres, 8, CV_32S);
+  std::vector<cv::Rect> out;
+  for (int i = 1; i < count; ++i) {
+    const int* box = boxes[i];
+    cv::Rect window = cv::Rect(box[cv::CC_STAT_LEFT] - kMargin, box[cv::CC_STAT_TOP] - kMargin,
+                               box[cv::CC_STAT_WIDTH] + 2 * kMargin, box[cv::CC_STAT_HEIGHT] + 2 * kMargin) &
+                      cv::Rect({}, mask.size());
+    const auto meets = [&](const cv::Rect& other) { return !(other & window).empty(); };
+    for (auto other = out.begin(); (other = std::find_if(out.begin(), out.end(), meets)) != out.end(); out.erase(other))
+      window |= *other;
+    out.push_back(window);
+  }
+  return out;
 }
 
 }  // namespace
@@ -71,17 +109,10 @@ cv::Rect grown_box(const cv::Mat1b& mask) {
 harmonize::FilledFrame smooth(const harmonize::FilledFrame* before, const harmonize::FilledFrame& frame,
                               const harmonize::FilledFrame* after, const SmoothOptions& options) {
   harmonize::FilledFrame out = frame;
-  if (!options.enabled) return out;
-  const cv::Rect window = grown_box(frame.mask);
-  if (window.width < kLeastFlowSide || window.height < kLeastFlowSide) return out;
+  if (!options.enabled || (before == nullptr && after == nullptr)) return out;
   out.colour = frame.colour.clone();
-  Sum sum{frame.colour(window).clone(), cv::Mat1f(window.size(), 1.0F)};
-  for (const harmonize::FilledFrame* other : {before, after})
-    if (other != nullptr) add_neighbour(frame, *other, window, sum);
-  cv::Mat3f inside = out.colour(window);
-  for (int y = 0; y < window.height; ++y)
-    for (int x = 0; x < window.width; ++x)
-      if (sum.weight(y, x) > 1) inside(y, x) = sum.colour(y, x) / sum.weight(y, x);
+  for (const cv::Rect window : windows(frame.mask))
+    if (window.width >= kLeastFlowSide && window.height >= kLeastFlowSide) smooth_window(frame, {before, after}, window, out.colour);
   return out;
 }
 

@@ -120,6 +120,25 @@ TEST(Smooth, TakesAnyHoleAndAnySize) {
     }
 }
 
+TEST(Smooth, TreatsHolesThatLieApartAlike) {
+  const auto wide = [&](int shift) {
+    cv::Mat3f out(kHeight, 500, cv::Vec3f::all(128));
+    texture(shift).copyTo(out(cv::Rect(0, 0, kWidth, kHeight)));
+    texture(shift).copyTo(out(cv::Rect(300, 0, kWidth, kHeight)));
+    harmonize::FilledFrame frame = filled(noisy(out, 3, 7 + shift));
+    frame.mask(kHole + cv::Point(300, 0)) = 255;
+    frame.kind = frame.mask / 255;
+    return frame;
+  };
+  const harmonize::FilledFrame before = wide(-2), frame = wide(0), after = wide(2);
+  const harmonize::FilledFrame out = smooth(&before, frame, &after, {});
+  for (const int x : {0, 300}) {
+    const cv::Rect place(x, 0, kWidth, kHeight);
+    const double noise = rms(out.colour(place), texture(), kHole) / rms(frame.colour(place), texture(), kHole);
+    EXPECT_LT(noise, 0.8) << x;
+  }
+}
+
 TEST(Smooth, GivesTheSameWhateverTheThreads) {
   const harmonize::FilledFrame before = filled(noisy(texture(-3), 3, 1)), frame = filled(noisy(texture(), 3, 2));
   const int threads = cv::getNumThreads();
