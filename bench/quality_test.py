@@ -42,16 +42,16 @@ class Tables(unittest.TestCase):
 
 class Variants(unittest.TestCase):
     def test_departures_from_the_paper_are_taken_back_one_by_one(self):
-        ours = {"map.witnessed_only": True, "sample.reach_frames": 120, "align.points": 2000}
-        published = {"map.witnessed_only": False, "sample.reach_frames": 0, "align.points": 2000}
+        ours = {"map.require_camera_visibility": True, "sample.max_frame_gap": 120, "align.points": 2000}
+        published = {"map.require_camera_visibility": False, "sample.max_frame_gap": 0, "align.points": 2000}
         differing = variants.differences(ours, published)
-        self.assertEqual(differing, [("map.witnessed_only", "true", "false"), ("sample.reach_frames", "120", "0")])
-        switches = [("--set", "map.witnessed_only=false"), ("--set", "sample.reach_frames=0")]
+        self.assertEqual(differing, [("map.require_camera_visibility", "true", "false"), ("sample.max_frame_gap", "120", "0")])
+        switches = [("--set", "map.require_camera_visibility=false"), ("--set", "sample.max_frame_gap=0")]
         self.assertEqual([variant.arguments for variant in variants.published_switches(differing)], switches)
 
     def test_nothing_is_run_twice_under_two_names_nor_two_things_under_one(self):
-        differing = [("sweep.enabled", "true", "false"), ("harmonize.unseen_vertical", "0.1", "1.0"), ("map.enabled", "true", "false"),
-                     ("depth.enabled", "true", "false")]
+        differing = [("stages.plane_sweep", "true", "false"), ("harmonize.never_seen_vertical", "0.1", "1.0"),
+                     ("map.enabled", "true", "false"), ("depth.enabled", "true", "false")]
         self.assertEqual([variant.name for variant in variants.published_switches(differing)],
                          ["paper-map-enabled", "paper-depth-enabled"])
 

@@ -30,23 +30,24 @@ def _off(name: str, what: str, option: str) -> Variant:
 
 ABLATIONS = (
     _off("no-poisson", "colours as copied, no Poisson blending", "harmonize.poisson"),
-    Variant("bp", "belief propagation (`regularize.enabled=true`)", ("--set", "regularize.enabled=true")),
-    _off("no-exposure", "colours as the frames have them, no common light", "exposure.enabled"),
-    Variant("membrane", "what nobody saw, interpolated from all sides (`harmonize.unseen_vertical=1.0`)",
-            ("--set", "harmonize.unseen_vertical=1.0")),
-    _off("no-sweep", "no depth beyond the LiDAR from the images", "sweep.enabled"),
+    Variant("bp", "belief propagation (`stages.regularize=true`)", ("--set", "stages.regularize=true")),
+    _off("no-exposure", "colours as the frames have them, no common light", "stages.exposure"),
+    Variant("membrane", "what nobody saw, interpolated from all sides (`harmonize.never_seen_vertical=1.0`)",
+            ("--set", "harmonize.never_seen_vertical=1.0")),
+    _off("no-sweep", "no depth beyond the LiDAR from the images", "stages.plane_sweep"),
     Variant("one-source", "one source a pixel (`sample.sources=1`)", ("--set", "sample.sources=1")),
-    _off("no-align", "poses as given, no refinement", "align.enabled"),
+    _off("no-align", "poses as given, no refinement", "stages.align"),
     _off("no-occlusion-test", "copies from where something stood before the point, too", "sample.occlusion_test"),
-    _off("no-smooth", "no temporal smoothing", "smooth.enabled"),
+    _off("no-smooth", "no temporal smoothing", "stages.smooth"),
     Variant("no-loam", "poses as the drive gives them, not from the scans (`--poses given`)", ("--poses", "given")),
     Variant("no-fusion", "without the second drive", fusion=False),
 )
 
 
 def options(dvi: Path, method: str) -> dict[str, object]:
-    """Every option of a method, as `section.key`, without [job]."""
-    dump = subprocess.run([dvi, "config", "dump", "--method", method], capture_output=True, text=True, check=True).stdout
+    """Every option of a method, the developer's too, as `section.key`, without [job]."""
+    dump = subprocess.run([dvi, "config", "dump", "--all", "--method", method], capture_output=True, text=True,
+                          check=True).stdout
     tables = tomllib.loads(dump)
     return {f"{table}.{key}": value for table, rows in tables.items() if table != "job" for key, value in rows.items()}
 

@@ -9,6 +9,7 @@ namespace dvi {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 using CommandLine = ProgramTest;
 
 TEST_F(CommandLine, SaysWhatItIs) {
@@ -21,11 +22,26 @@ TEST_F(CommandLine, SaysWhatItIs) {
 }
 
 TEST_F(CommandLine, UsageErrorsEndInTwo) {
-  for (const char* arguments : {"", "fly", "run", "run drive", "run drive -o out --frames 3", "run drive -o out --frames 9:1",
-                                "run drive -o out --set depth.nothing=1", "run drive -o out --set depth.median_px=99",
-                                "run drive -o out --set regularize.window=4", "run drive -o out --method magic",
-                                "run drive -o out --poses loam-of-tomorrow --set x", "run drive -o out --config missing.toml",
-                                "synth", "eval out", "eval out --truth t --external net", "synth -o s --frames none"}) {
+  for (const char* arguments : {"",
+                                "fly",
+                                "run",
+                                "run drive",
+                                "run drive -o out --frames 3",
+                                "run drive -o out --frames 9:1",
+                                "run drive -o out --set depth.nothing=1",
+                                "run drive -o out --set depth.median_px=99",
+                                "run drive -o out --set regularize.window=4",
+                                "run drive -o out --set depth.median_px=4",
+                                "run drive -o out --set lidar.min_range_m=20 --set lidar.max_range_m=10",
+                                "run drive -o out --set odometry.min_range_m=3",
+                                "run drive -o out --method magic",
+                                "run drive -o out --remove none",
+                                "run drive -o out --poses loam-of-tomorrow --set x",
+                                "run drive -o out --config missing.toml",
+                                "synth",
+                                "eval out",
+                                "eval out --truth t --external net",
+                                "synth -o s --frames none"}) {
     const Result result = dvi(arguments);
     EXPECT_EQ(result.code, 2) << arguments << ": " << result.err;
     EXPECT_THAT(result.err, testing::StartsWith("dvi: ")) << arguments;
@@ -35,11 +51,20 @@ TEST_F(CommandLine, UsageErrorsEndInTwo) {
 }
 
 TEST_F(CommandLine, DumpedOptionsReadBack) {
-  const Result dump = dvi("config dump --set regularize.alpha=33");
-  EXPECT_THAT(dump.out, HasSubstr("alpha = 33"));
+  const Result dump = dvi("config dump --all --set regularize.window=3");
+  EXPECT_THAT(dump.out, HasSubstr("window = 3"));
   write_file(folder / "all.toml", dump.out);
-  EXPECT_EQ(dvi("config dump --config all.toml").out, dump.out);
+  EXPECT_EQ(dvi("config dump --all --config all.toml").out, dump.out);
   EXPECT_THAT(dvi("config dump --method paper").out, HasSubstr("method = 'paper'"));
+  EXPECT_THAT(dvi("config dump").out, Not(HasSubstr("[regularize]"))) << "developer options are asked for";
+}
+
+TEST_F(CommandLine, FilesOfEarlierVersionsAreAnsweredWithTodaysNames) {
+  write_file(folder / "old.toml", "[odometry]\nmin_range_m = 3\n[regularize]\nalpha = 20\n");
+  const Result result = dvi("run drive -o out --config old.toml");
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, HasSubstr("option odometry.min_range_m is now lidar.min_range_m"));
+  EXPECT_THAT(result.err, HasSubstr("option regularize.alpha is gone: "));
 }
 
 TEST_F(CommandLine, CheckDescribesADrive) {

@@ -128,7 +128,7 @@ TEST_F(Run, OtherOptionsMakeFramesAgain) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   const auto before = contents(folder / "out");
-  ASSERT_EQ(dvi("run drive -o out --quiet --set harmonize.poisson=false --set smooth.enabled=false --frames 1:4").code, 0);
+  ASSERT_EQ(dvi("run drive -o out --quiet --set harmonize.poisson=false --set stages.smooth=false --frames 1:4").code, 0);
   EXPECT_NE(read_file(folder / "out/frames/000002.png"), before.at("frames/000002.png"));
   EXPECT_FALSE(fs::exists(folder / "out/frames/000000.png")) << "what is no longer part of the result is gone";
   EXPECT_EQ(report()["frames"].size(), 4);
@@ -174,8 +174,8 @@ TEST_F(Run, FusionFillsWhatOneDriveNeverSaw) {
 TEST_F(Run, EveryStageCanBeSwitchedOff) {
   small_drive();
   const std::string off =
-      "--set align.enabled=false --set sample.occlusion_test=false --set regularize.enabled=false "
-      "--set harmonize.poisson=false --set smooth.enabled=false --set harmonize.fill_unseen=false";
+      "--set stages.align=false --set sample.occlusion_test=false --set stages.regularize=false "
+      "--set harmonize.poisson=false --set stages.smooth=false --set harmonize.fill_never_seen=false";
   const Result result = dvi("run drive -o out --quiet " + off);
   ASSERT_EQ(result.code, 0) << result.err;
   const auto share = report()["hole"]["share"];

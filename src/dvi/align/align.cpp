@@ -15,7 +15,7 @@ Cameras align(const Views& views, const map::StaticMap& map, const AlignOptions&
   for (int drive = 0;; ++drive) {
     const auto [first, last] = views.of_drive(drive);
     if (first == last) return out;
-    if (options.method == "paper") {
+    if (options.method == AlignMethod::paper) {
       search_as_published(views, map, first, last, options, tick, out);
       out.drives.push_back({.kept = true});
     } else {
@@ -27,7 +27,7 @@ Cameras align(const Views& views, const map::StaticMap& map, const AlignOptions&
 std::size_t align_steps(const Views& views, const AlignOptions& options) {
   constexpr std::size_t kPasses = 5;  // of the joint method
   if (!options.enabled) return 0;
-  return views.size() * (options.method == "paper" ? 1 : kPasses);
+  return views.size() * (options.method == AlignMethod::paper ? 1 : kPasses);
 }
 
 }  // namespace dvi::align

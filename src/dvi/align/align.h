@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "dvi/core/interrupt.h"
@@ -10,25 +12,32 @@
 
 namespace dvi::align {
 
+/// joint: all frames of a drive at once; paper: the published search.
+enum class AlignMethod { joint, paper };
+constexpr auto names_of(AlignMethod) {
+  return std::array{std::pair{AlignMethod::joint, "joint"}, std::pair{AlignMethod::paper, "paper"}};
+}
+
 struct AlignOptions {
   bool enabled = true;
-  std::string method = "joint";
+  AlignMethod method = AlignMethod::joint;
   int points = 2000;
   double rotation_deg = 0.1;
   double mounting_deg = 0.2;
   int ring_px = 100;
 
   void describe(OptionTable& table) {
+    table.section("stages");
+    table.add("align", enabled, "Refine the camera's rotations from its images.");
     table.section("align");
-    table.add("enabled", enabled, "Refine the camera's poses by what its images show.");
-    table.add("method", method, {"joint", "paper"},
-              "joint: all frames of a drive at once; paper: pitch and yaw of each against its neighbours (eq. 1).");
-    table.add("points", points, {50, 100000}, "Most map points a frame that are compared.");
     table.add("rotation_deg", rotation_deg, {0.001, 5}, "Expected error of a frame's rotation.");
     table.add("mounting_deg", mounting_deg, {0.001, 5}, "Expected error of the rotation between LiDAR and camera.");
-    table.add("ring_px", ring_px, {1, 2000},
-              "Of method paper: width of the ring round the mask whose map points are compared.");
+    table.developer();
+    table.add("method", method, "All frames of a drive at once, or pitch and yaw of each against its neighbours (eq. 1).");
+    table.add("points", points, {50, 100000}, "Most map points per frame that are compared.");
+    table.add("ring_px", ring_px, {1, 2000}, "Method paper: width of the ring around the mask whose map points are compared.");
   }
+  void check() const { check_ranges(*this); }
 };
 
 /// What the refinement did to one view: camera_from_world = exp(rotation) * given.

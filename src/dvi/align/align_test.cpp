@@ -104,7 +104,7 @@ TEST(Align, ThePublishedSearchFindsOneFrameAmongExactOnes) {
   const Eigen::Matrix3d off = so3_exp({0.0032, -0.0021, 0});
   drive.views.views[1].camera_from_world.R = off.transpose() * exact.views[1].camera_from_world.R;
   drive.views.views[1].camera_from_world.t = off.transpose() * exact.views[1].camera_from_world.t;
-  const Cameras found = align(drive.views, drive.map, {.method = "paper"});
+  const Cameras found = align(drive.views, drive.map, {.method = AlignMethod::paper});
   EXPECT_NEAR(found.views[1].rotation.x(), 0.0032, 2e-4);
   EXPECT_NEAR(found.views[1].rotation.y(), -0.0021, 2e-4);
 }

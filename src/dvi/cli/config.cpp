@@ -10,9 +10,14 @@ namespace dvi::cli {
 void add_config(Program& program) {
   Command command = program.command("config", "The options");
   const auto options = std::make_shared<JobOptions>();
-  Command dump = command.subcommand("dump", "Every option with its default and meaning, as TOML for --config");
+  const auto all = std::make_shared<bool>(false);
+  Command dump = command.subcommand("dump", "The options with their values and meaning, as TOML for --config");
   options->add_to(dump);
-  dump.run([options] { fmt::print("{}", options->job("", "", {}).table().dump_toml()); });
+  dump.flag("--all", *all, "Developer options too: for ablations and tuning");
+  dump.run([options, all] {
+    const auto listed = [&](const Option& option) { return *all || option.audience == Audience::user; };
+    fmt::print("{}", options->job("", "", {}).table().dump_toml(listed));
+  });
 }
 
 }  // namespace dvi::cli

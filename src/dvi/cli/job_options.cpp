@@ -1,11 +1,28 @@
 #include "dvi/cli/job_options.h"
 
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "dvi/core/error.h"
+
 namespace dvi::cli {
 namespace {
 
-// Left alone where it is no path but a word (labels, auto).
+// Left alone where there is nothing: the message is to name what was typed.
 void make_absolute(std::string& path) {
   if (!path.empty() && fs::exists(path)) path = fs::absolute(path).lexically_normal().string();
+}
+
+// What stands behind a flag, in the type of its field.
+template <class Choice, class Parse>
+void take(const std::optional<std::string>& text, const char* flag, Parse parse, Choice& field) {
+  if (!text) return;
+  try {
+    field = parse(*text);
+  } catch (const std::invalid_argument& e) {
+    throw UsageError(fmt::format("{} {}: {}", flag, *text, e.what()));
+  }
 }
 
 }  // namespace
@@ -29,15 +46,15 @@ pipeline::Job JobOptions::job(const std::string& out, const std::string& target,
   pipeline::Job job;
   OptionTable table = job.table();
   if (!config.empty()) table.load_toml(config);
-  pipeline::use_method(method.value_or(job.method), job.options);
+  take(method, "--method", parse_name<pipeline::Method>, job.method);
+  pipeline::use_method(job.method, job.options);
   // Once more: what the file says of single options holds against the method it names.
   if (!config.empty() && !method) table.load_toml(config);
-  if (method) job.method = *method;
   if (camera) job.read.camera = *camera;
   if (frames) job.read.frames = *frames;
-  if (masks) job.read.masks = *masks;
-  if (poses) job.read.poses = *poses;
-  if (remove) table.set("job.remove=" + *remove);
+  take(masks, "--masks", pipeline::MasksFrom::parse, job.read.masks);
+  take(poses, "--poses", pipeline::PosesFrom::parse, job.read.poses);
+  take(remove, "--remove", parse_name<pipeline::Remove>, job.read.remove);
   for (const std::string& assignment : set) table.set(assignment);
   job.options.check();
   if (!out.empty()) job.out = out;
@@ -45,7 +62,7 @@ pipeline::Job JobOptions::job(const std::string& out, const std::string& target,
     job.target = target;
     job.sources = sources;
   }
-  for (std::string* path : {&job.target, &job.read.masks, &job.read.poses}) make_absolute(*path);
+  for (std::string* path : {&job.target, &job.read.masks.path, &job.read.poses.file}) make_absolute(*path);
   for (std::string& path : job.sources) make_absolute(path);
   return job;
 }

@@ -17,12 +17,18 @@ namespace {
 double number(const OptionValue& value) {
   if (const auto* i = std::get_if<std::int64_t>(&value)) return static_cast<double>(*i);
   if (const auto* d = std::get_if<double>(&value)) return *d;
-  throw std::invalid_argument("a number is wanted");
+  throw std::invalid_argument("must be a number");
 }
 
-void check(double value, Range range) {
+double whole_number(const OptionValue& value) {
+  const double d = number(value);
+  if (d != std::floor(d)) throw std::invalid_argument("must be a whole number");
+  return d;
+}
+
+void require_within(double value, Range range) {
   if (!(value >= range.low && value <= range.high))
-    throw std::invalid_argument(fmt::format("{} is outside {} .. {}", value, range.low, range.high));
+    throw std::invalid_argument(fmt::format("must be within {} .. {}", range.low, range.high));
 }
 
 // A bare word is a string, so that the shell's quotes are enough: --set masks.source=labels.
@@ -31,13 +37,13 @@ OptionValue parse(std::string_view text, const OptionValue& like) {
   if (std::holds_alternative<std::vector<std::string>>(like)) return std::vector<std::string>{std::string(text)};
   try {
     const toml::table table = toml::parse(fmt::format("v = {}", text));
-    if (table.size() != 1) throw std::invalid_argument("one value is wanted");
+    if (table.size() != 1) throw std::invalid_argument("must be one value");
     if (const auto b = table["v"].as_boolean()) return b->get();
     if (const auto i = table["v"].as_integer()) return i->get();
     if (const auto d = table["v"].as_floating_point()) return d->get();
   } catch (const toml::parse_error&) {  // answered below
   }
-  throw std::invalid_argument(std::holds_alternative<bool>(like) ? "true or false is wanted" : "a number is wanted");
+  throw std::invalid_argument(std::holds_alternative<bool>(like) ? "must be true or false" : "must be a number");
 }
 
 OptionValue from_toml(const toml::node& node) {
@@ -48,12 +54,12 @@ OptionValue from_toml(const toml::node& node) {
   if (const auto* array = node.as_array()) {
     std::vector<std::string> list;
     for (const toml::node& item : *array) {
-      if (!item.is_string()) throw std::invalid_argument("a list of strings is wanted");
+      if (!item.is_string()) throw std::invalid_argument("must be a list of strings");
       list.push_back(item.as_string()->get());
     }
     return list;
   }
-  throw std::invalid_argument("a plain value is wanted");
+  throw std::invalid_argument("must be a plain value");
 }
 
 std::string to_toml(const OptionValue& value) {
@@ -72,89 +78,138 @@ std::string to_toml(const OptionValue& value) {
   return out.str();
 }
 
+std::string fate(const RetiredOption& old) {
+  if (old.now.empty()) return fmt::format("option {} is gone: {}", old.name, old.note);
+  return fmt::format("option {} is now {}{}", old.name, old.now, old.note.empty() ? "" : "; " + old.note);
+}
+
 }  // namespace
 
 std::string Option::text() const { return to_toml(get()); }
 
+void Option::assign(const OptionValue& value) const {
+  try {
+    set(value);
+  } catch (const std::invalid_argument& e) {
+    throw UsageError(fmt::format("option {} = {}: {}", name(), to_toml(value), e.what()));
+  }
+}
+
+void OptionTable::add(Option option) {
+  option.section = section_;
+  option.audience = audience_;
+  options_.push_back(std::move(option));
+}
+
 void OptionTable::add(std::string key, bool& field, std::string doc) {
-  options_.push_back({section_,
-                      std::move(key),
-                      std::move(doc),
-                      {},
-                      [&field] { return OptionValue(field); },
-                      [&field](const OptionValue& v) {
-                        if (!std::holds_alternative<bool>(v)) throw std::invalid_argument("true or false is wanted");
-                        field = std::get<bool>(v);
-                      }});
+  add({.key = std::move(key),
+       .doc = std::move(doc),
+       .get = [&field] { return OptionValue(field); },
+       .set =
+           [&field](const OptionValue& v) {
+             if (!std::holds_alternative<bool>(v)) throw std::invalid_argument("must be true or false");
+             field = std::get<bool>(v);
+           }});
 }
 
 void OptionTable::add(std::string key, int& field, Range range, std::string doc) {
   doc += fmt::format(" [{} .. {}]", range.low, range.high);
-  options_.push_back({section_,
-                      std::move(key),
-                      std::move(doc),
-                      {},
-                      [&field] { return OptionValue(std::int64_t{field}); },
-                      [&field, range](const OptionValue& v) {
-                        const double d = number(v);
-                        if (d != std::floor(d)) throw std::invalid_argument("a whole number is wanted");
-                        check(d, range);
-                        field = static_cast<int>(d);
-                      }});
+  add({.key = std::move(key),
+       .doc = std::move(doc),
+       .get = [&field] { return OptionValue(std::int64_t{field}); },
+       .set =
+           [&field, range](const OptionValue& v) {
+             const double d = whole_number(v);
+             require_within(d, range);
+             field = static_cast<int>(d);
+           }});
+}
+
+void OptionTable::add_one_of(std::string key, int& field, std::vector<int> allowed, std::string doc) {
+  doc += fmt::format(" [{}]", fmt::join(allowed, " | "));
+  add({.key = std::move(key),
+       .doc = std::move(doc),
+       .get = [&field] { return OptionValue(std::int64_t{field}); },
+       .set =
+           [&field, allowed = std::move(allowed)](const OptionValue& v) {
+             const double d = whole_number(v);
+             const auto it = std::find(allowed.begin(), allowed.end(), d);
+             if (it == allowed.end()) throw std::invalid_argument(fmt::format("must be one of {}", fmt::join(allowed, ", ")));
+             field = *it;
+           }});
 }
 
 void OptionTable::add(std::string key, double& field, Range range, std::string doc) {
+  add(std::move(key), std::vector<double*>{&field}, range, std::move(doc));
+}
+
+void OptionTable::add(std::string key, std::vector<double*> fields, Range range, std::string doc) {
   doc += fmt::format(" [{} .. {}]", range.low, range.high);
-  options_.push_back({section_,
-                      std::move(key),
-                      std::move(doc),
-                      {},
-                      [&field] { return OptionValue(field); },
-                      [&field, range](const OptionValue& v) {
-                        check(number(v), range);
-                        field = number(v);
-                      }});
+  add({.key = std::move(key),
+       .doc = std::move(doc),
+       .get = [first = fields.front()] { return OptionValue(*first); },
+       .set =
+           [fields = std::move(fields), range](const OptionValue& v) {
+             require_within(number(v), range);
+             for (double* field : fields) *field = number(v);
+           }});
 }
 
 void OptionTable::add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc) {
+  add_text(
+      std::move(key), choices, [&field] { return field; },
+      [&field, choices](const std::string& text) {
+        if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
+          throw std::invalid_argument(fmt::format("must be one of {}", fmt::join(choices, ", ")));
+        field = text;
+      },
+      std::move(doc));
+}
+
+void OptionTable::add_text(std::string key, std::vector<std::string> choices, std::function<std::string()> get,
+                           std::function<void(const std::string&)> set, std::string doc) {
   if (!choices.empty()) doc += fmt::format(" [{}]", fmt::join(choices, " | "));
-  options_.push_back({section_, std::move(key), std::move(doc), choices, [&field] { return OptionValue(field); },
-                      [&field, choices](const OptionValue& v) {
-                        const auto* s = std::get_if<std::string>(&v);
-                        if (s == nullptr) throw std::invalid_argument("a string is wanted");
-                        if (!choices.empty() && std::find(choices.begin(), choices.end(), *s) == choices.end())
-                          throw std::invalid_argument(fmt::format("'{}' is none of {}", *s, fmt::join(choices, ", ")));
-                        field = *s;
-                      }});
+  add({.key = std::move(key),
+       .doc = std::move(doc),
+       .choices = std::move(choices),
+       .get = [get = std::move(get)] { return OptionValue(get()); },
+       .set =
+           [set = std::move(set)](const OptionValue& v) {
+             const auto* s = std::get_if<std::string>(&v);
+             if (s == nullptr) throw std::invalid_argument("must be a string");
+             set(*s);
+           }});
 }
 
 void OptionTable::add(std::string key, std::vector<std::string>& field, std::string doc) {
-  options_.push_back({section_,
-                      std::move(key),
-                      std::move(doc),
-                      {},
-                      [&field] { return OptionValue(field); },
-                      [&field](const OptionValue& v) {
-                        const auto* list = std::get_if<std::vector<std::string>>(&v);
-                        if (list == nullptr) throw std::invalid_argument("a list of strings is wanted");
-                        field = *list;
-                      }});
+  add({.key = std::move(key),
+       .doc = std::move(doc),
+       .get = [&field] { return OptionValue(field); },
+       .set =
+           [&field](const OptionValue& v) {
+             const auto* list = std::get_if<std::vector<std::string>>(&v);
+             if (list == nullptr) throw std::invalid_argument("must be a list of strings");
+             field = *list;
+           }});
 }
 
 const Option& OptionTable::find(const std::string& name) const {
   const auto it = std::find_if(options_.begin(), options_.end(), [&](const Option& o) { return o.name() == name; });
-  if (it == options_.end()) throw UsageError(fmt::format("there is no option '{}'; `dvi config dump` lists all of them", name));
-  return *it;
+  if (it != options_.end()) return *it;
+  const auto old = std::find_if(retired_.begin(), retired_.end(), [&](const RetiredOption& r) { return r.name == name; });
+  if (old != retired_.end()) throw UsageError(fate(*old));
+  throw UsageError(fmt::format("there is no option '{}'; `dvi config dump --all` lists all of them", name));
 }
 
 void OptionTable::set(std::string_view assignment) {
   const auto equals = assignment.find('=');
-  if (equals == std::string_view::npos) throw UsageError(fmt::format("--set {}: wanted is section.key=value", assignment));
+  if (equals == std::string_view::npos) throw UsageError(fmt::format("--set {}: must be section.key=value", assignment));
   const Option& option = find(std::string(assignment.substr(0, equals)));
+  const std::string_view text = assignment.substr(equals + 1);
   try {
-    option.set(parse(assignment.substr(equals + 1), option.get()));
+    option.assign(parse(text, option.get()));
   } catch (const std::invalid_argument& e) {
-    throw UsageError(fmt::format("option {}: {}", option.name(), e.what()));
+    throw UsageError(fmt::format("option {} = {}: {}", option.name(), text, e.what()));
   }
 }
 
@@ -165,6 +220,12 @@ void OptionTable::load_toml(const std::filesystem::path& path, const std::vector
   } catch (const toml::parse_error& e) {
     throw UsageError(fmt::format("{}:{}: {}", path.string(), e.source().begin.line, e.description()));
   }
+  std::vector<std::string> fates;
+  for (const RetiredOption& old : retired_) {
+    const auto dot = old.name.find('.');
+    if (table[old.name.substr(0, dot)][old.name.substr(dot + 1)]) fates.push_back(fate(old));
+  }
+  if (!fates.empty()) throw UsageError(fmt::format("{}: {}", path.string(), fmt::join(fates, "\n  ")));
   for (const auto& [section, node] : table) {
     const std::string name(section.str());
     if (std::find(ignore.begin(), ignore.end(), name) != ignore.end()) continue;
@@ -172,7 +233,7 @@ void OptionTable::load_toml(const std::filesystem::path& path, const std::vector
     for (const auto& [key, value] : *node.as_table()) {
       const std::string full_name = fmt::format("{}.{}", name, key.str());
       try {
-        find(full_name).set(from_toml(value));
+        find(full_name).assign(from_toml(value));
       } catch (const std::invalid_argument& e) {
         throw UsageError(fmt::format("{}: option {}: {}", path.string(), full_name, e.what()));
       } catch (const UsageError& e) {
@@ -182,16 +243,21 @@ void OptionTable::load_toml(const std::filesystem::path& path, const std::vector
   }
 }
 
-std::string OptionTable::dump_toml() const {
-  std::string text, section;
+std::string OptionTable::dump_toml(const std::function<bool(const Option&)>& wanted) const {
+  std::vector<std::pair<std::string, std::string>> sections;
   for (const Option& option : options_) {
-    if (option.section != section) {
-      section = option.section;
-      text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", section);
-    }
-    text += fmt::format("# {}\n{} = {}\n", option.doc, option.key, option.text());
+    if (wanted && !wanted(option)) continue;
+    auto it = std::find_if(sections.begin(), sections.end(), [&](const auto& s) { return s.first == option.section; });
+    if (it == sections.end()) it = sections.insert(it, {option.section, ""});
+    it->second += fmt::format("# {}\n{} = {}\n", option.doc, option.key, option.text());
   }
+  std::string text;
+  for (const auto& [name, lines] : sections) text += fmt::format("{}[{}]\n{}", text.empty() ? "" : "\n", name, lines);
   return text;
+}
+
+void OptionTable::check() const {
+  for (const Option& option : options_) option.assign(option.get());
 }
 
 }  // namespace dvi

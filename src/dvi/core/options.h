@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -8,6 +9,8 @@
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include "dvi/core/named.h"
 
 namespace dvi {
 
@@ -18,44 +21,105 @@ struct Range {
   double low = 0, high = 0;
 };
 
+/// Whom an option is for. Developer options serve ablations and tuning: `--set` and files take them like all others, but only
+/// `dvi config dump --all` lists them.
+enum class Audience { user, developer };
+
+/// A type that is written as text: to_string(value) and T::parse(text), which throws std::invalid_argument with the reason.
+template <class T>
+concept Textual = requires(const T& value, const std::string& text) {
+  { to_string(value) } -> std::convertible_to<std::string>;
+  { T::parse(text) } -> std::same_as<T>;
+};
+
 /// One field of an options struct as TOML, `--set`, `dvi config dump` and the docs see it.
 struct Option {
-  std::string section, key, doc;
-  std::vector<std::string> choices;  ///< of a string option; empty: any string
-  std::function<OptionValue()> get;
-  std::function<void(const OptionValue&)> set;  ///< throws std::invalid_argument with the reason
+  std::string section = {}, key = {}, doc = {};
+  Audience audience = Audience::user;
+  std::vector<std::string> choices = {};  ///< of a string option; empty: any string
+  std::function<OptionValue()> get = {};
+  std::function<void(const OptionValue&)> set = {};  ///< throws std::invalid_argument with the reason
 
   std::string name() const { return section + "." + key; }
   std::string text() const;  ///< its value as TOML
+  /// set(), with a UsageError that names option, value and what would be right.
+  void assign(const OptionValue& value) const;
+};
+
+/// An option of an earlier version.
+struct RetiredOption {
+  std::string name;
+  std::string now;   ///< what it is called today; empty: it is gone
+  std::string note;  ///< what differs under the new name, or why it is gone
 };
 
 /// The one description of all options: a stage's struct describes itself into it, field by field, and everything that
 /// reads, writes or documents options works from it. Holds references to the fields.
 class OptionTable {
  public:
-  /// Fields added from now on belong to this section.
-  void section(std::string name) { section_ = std::move(name); }
+  /// Fields added from now on belong to this section and are the user's.
+  void section(std::string name) {
+    section_ = std::move(name);
+    audience_ = Audience::user;
+  }
+  /// Fields added from now on, up to the next section, are the developer's.
+  void developer() { audience_ = Audience::developer; }
 
   void add(std::string key, bool& field, std::string doc);
   void add(std::string key, int& field, Range range, std::string doc);
   void add(std::string key, double& field, Range range, std::string doc);
+  /// One option that several structs share: it reads the first field and sets all of them.
+  void add(std::string key, std::vector<double*> fields, Range range, std::string doc);
+  /// A number of which only these values have a meaning.
+  void add_one_of(std::string key, int& field, std::vector<int> allowed, std::string doc);
   void add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc);
   void add(std::string key, std::vector<std::string>& field, std::string doc);
+  template <Named E>
+  void add(std::string key, E& field, const std::string& doc) {
+    add_text(
+        std::move(key), all_names<E>(), [&field] { return to_string(field); },
+        [&field](const std::string& text) { field = parse_name<E>(text); }, doc);
+  }
+  template <Textual T>
+  void add(std::string key, T& field, const std::string& doc) {
+    add_text(
+        std::move(key), {}, [&field] { return to_string(field); },
+        [&field](const std::string& text) { field = T::parse(text); }, doc);
+  }
+
+  /// Names of earlier versions: whoever sets one is told what became of it.
+  void retire(std::vector<RetiredOption> retired) { retired_ = std::move(retired); }
 
   const std::vector<Option>& options() const { return options_; }
 
   /// `section.key=value`, as `--set` takes it. UsageError with what would be right.
   void set(std::string_view assignment);
-  /// Sets what the file's tables name; tables not known here are left to others if in `ignore`. UsageError otherwise.
+  /// Sets what the file's tables name; tables not known here are left to others if in `ignore`. UsageError otherwise; where the
+  /// file holds options of an earlier version, it names all of these at once.
   void load_toml(const std::filesystem::path& path, const std::vector<std::string>& ignore = {});
-  /// Every option with its doc line as TOML that load_toml reads back.
-  std::string dump_toml() const;
+  /// Every option, or those that are wanted, with its doc line as TOML that load_toml reads back. One table a section.
+  std::string dump_toml(const std::function<bool(const Option&)>& wanted = {}) const;
+  /// UsageError for the first field that holds what set() would refuse.
+  void check() const;
 
  private:
+  void add(Option option);
+  void add_text(std::string key, std::vector<std::string> choices, std::function<std::string()> get,
+                std::function<void(const std::string&)> set, std::string doc);
   const Option& find(const std::string& name) const;
 
   std::string section_;
+  Audience audience_ = Audience::user;
   std::vector<Option> options_;
+  std::vector<RetiredOption> retired_;
 };
+
+/// What the check() of an options struct does: UsageError for the first field outside its range, however it came there.
+template <class Described>
+void check_ranges(Described options) {
+  OptionTable table;
+  options.describe(table);
+  table.check();
+}
 
 }  // namespace dvi

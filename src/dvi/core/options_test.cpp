@@ -1,7 +1,10 @@
 #include "dvi/core/options.h"
 
+#include <array>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -16,7 +19,21 @@ namespace {
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
+using testing::StrEq;
 using testing::ThrowsMessage;
+
+enum class Colour { red, green };
+constexpr auto names_of(Colour) { return std::array{std::pair{Colour::red, "red"}, std::pair{Colour::green, "green"}}; }
+
+struct Percent {
+  int value = 0;
+  static Percent parse(const std::string& text) {
+    if (text.empty() || text.back() != '%') throw std::invalid_argument("must end in %");
+    return {std::stoi(text)};
+  }
+};
+std::string to_string(const Percent& p) { return std::to_string(p.value) + "%"; }
 
 struct Settings {
   bool enabled = true;
@@ -25,6 +42,10 @@ struct Settings {
   std::string source = "auto";
   std::string note;
   std::vector<std::string> paths;
+  int side = 3;
+  double low = 2, twin = 2;
+  Colour colour = Colour::red;
+  Percent share = {};
 
   void describe(OptionTable& table) {
     table.section("first");
@@ -35,7 +56,17 @@ struct Settings {
     table.add("source", source, {"auto", "labels"}, "From where.");
     table.add("note", note, {}, "Anything.");
     table.add("paths", paths, "Where.");
+    table.section("third");
+    table.developer();
+    table.add_one_of("side", side, {0, 3, 5}, "How large.");
+    table.add("low", {&low, &twin}, {0, 20}, "From where on.");
+    table.add("colour", colour, "Which.");
+    table.add("share", share, "What part.");
+    table.section("first");
+    table.add("late", late, {0, 9}, "Of the first section.");
   }
+  void check() const { check_ranges(*this); }
+  int late = 1;
 };
 
 class Options : public testing::Test {
@@ -43,6 +74,8 @@ class Options : public testing::Test {
   Options() { settings.describe(table); }
   void load(const std::string& toml) {
     write_file(file, toml);
+    table.retire(
+        {{"old.window", "first.window", ""}, {"second.depth", "second.alpha", "in metres"}, {"second.gone", "", "no use"}});
     table.load_toml(file, {"drive"});
   }
   Settings settings;
@@ -73,7 +106,8 @@ TEST_F(Options, WholeNumbersServeAsReals) {
 }
 
 TEST_F(Options, DumpReadsBackExactly) {
-  settings = {false, 3, 0.1 + 0.2, "labels", "say \"x\" \\ \n\t#", {}};
+  settings.enabled = false, settings.window = 3, settings.alpha = 0.1 + 0.2, settings.source = "labels";
+  settings.note = "say \"x\" \\ \n\t#";
   const std::string text = table.dump_toml();
   EXPECT_THAT(text,
               AllOf(HasSubstr("[first]"), HasSubstr("# How wide. [1 .. 11]"), HasSubstr("# From where. [auto | labels]")));
@@ -114,23 +148,73 @@ TEST_F(Options, BadAssignmentsNameTheOptionAndTheReason) {
     }
     return "accepted";
   };
-  EXPECT_THAT(message("first.window=12"), AllOf(HasSubstr("first.window"), HasSubstr("12 is outside 1 .. 11")));
-  EXPECT_THAT(message("first.window=0"), HasSubstr("outside"));
+  EXPECT_THAT(message("first.window=12"),
+              AllOf(HasSubstr("first.window"), HasSubstr("option first.window = 12: must be within 1 .. 11")));
+  EXPECT_THAT(message("first.window=0"), HasSubstr("within"));
   EXPECT_THAT(message("first.window=2.5"), HasSubstr("whole number"));
-  EXPECT_THAT(message("first.window=wide"), HasSubstr("a number is wanted"));
-  EXPECT_THAT(message("first.window="), HasSubstr("a number is wanted"));
-  EXPECT_THAT(message("first.window=true"), HasSubstr("a number is wanted"));
-  EXPECT_THAT(message("first.window=99999999999999999999"), HasSubstr("a number is wanted"));
-  EXPECT_THAT(message("first.window=3\nx=4"), HasSubstr("one value is wanted"));
-  EXPECT_THAT(message("second.alpha=nan"), HasSubstr("outside"));
-  EXPECT_THAT(message("second.alpha=inf"), HasSubstr("outside"));
+  EXPECT_THAT(message("first.window=wide"), HasSubstr("must be a number"));
+  EXPECT_THAT(message("first.window="), HasSubstr("must be a number"));
+  EXPECT_THAT(message("first.window=true"), HasSubstr("must be a number"));
+  EXPECT_THAT(message("first.window=99999999999999999999"), HasSubstr("must be a number"));
+  EXPECT_THAT(message("first.window=3\nx=4"), HasSubstr("must be one value"));
+  EXPECT_THAT(message("second.alpha=nan"), HasSubstr("within"));
+  EXPECT_THAT(message("second.alpha=inf"), HasSubstr("within"));
   EXPECT_THAT(message("first.enabled=1"), HasSubstr("true or false"));
   EXPECT_THAT(message("first.enabled=yes"), HasSubstr("true or false"));
-  EXPECT_THAT(message("second.source=moon"), AllOf(HasSubstr("'moon' is none of auto, labels")));
-  EXPECT_THAT(message("first.widow=3"), AllOf(HasSubstr("first.widow"), HasSubstr("config dump")));
+  EXPECT_THAT(message("second.source=moon"), HasSubstr("second.source = 'moon': must be one of auto, labels"));
+  EXPECT_THAT(message("first.widow=3"), AllOf(HasSubstr("first.widow"), HasSubstr("config dump --all")));
   EXPECT_THAT(message("first.window"), HasSubstr("section.key=value"));
+  EXPECT_THAT(message("third.side=4"), HasSubstr("option third.side = 4: must be one of 0, 3, 5"));
+  EXPECT_THAT(message("third.colour=blue"), HasSubstr("option third.colour = 'blue': must be one of red, green"));
+  EXPECT_THAT(message("third.share=9"), HasSubstr("option third.share = '9': must end in %"));
   EXPECT_EQ(settings.window, 5) << "a refused value must not stay";
   EXPECT_EQ(settings.alpha, 0.1);
+}
+
+TEST_F(Options, EnumsAndTypesOfTheirOwnAreWrittenAsText) {
+  for (const char* assignment : {"third.colour=green", "third.share=40%", "third.side=0", "third.low=3"}) table.set(assignment);
+  EXPECT_EQ(settings.colour, Colour::green);
+  EXPECT_EQ(settings.share.value, 40);
+  EXPECT_EQ(settings.side, 0);
+  EXPECT_EQ(settings.low, 3);
+  EXPECT_EQ(settings.twin, 3) << "one option may be shared by several structs";
+  const std::string text = table.dump_toml();
+  EXPECT_THAT(text, AllOf(HasSubstr("# Which. [red | green]\ncolour = 'green'"), HasSubstr("share = '40%'")));
+  load(text);
+  EXPECT_EQ(table.dump_toml(), text);
+}
+
+TEST_F(Options, DumpShowsWhatIsWantedOneTableASection) {
+  const std::string users = table.dump_toml([](const Option& option) { return option.audience == Audience::user; });
+  EXPECT_THAT(users, Not(HasSubstr("[third]")));
+  EXPECT_THAT(users, HasSubstr("late"));
+  EXPECT_EQ(users.find("[first]"), users.rfind("[first]"));
+  EXPECT_THAT(table.dump_toml(), HasSubstr("[third]"));
+}
+
+TEST_F(Options, RetiredNamesSayWhatBecameOfThem) {
+  load("");
+  const auto setting = [this](const char* assignment) { return [this, assignment] { table.set(assignment); }; };
+  EXPECT_THAT(setting("old.window=3"), ThrowsMessage<UsageError>(StrEq("option old.window is now first.window")));
+  EXPECT_THAT(setting("second.depth=3"),
+              ThrowsMessage<UsageError>(StrEq("option second.depth is now second.alpha; in metres")));
+  EXPECT_THAT(setting("second.gone=3"), ThrowsMessage<UsageError>(StrEq("option second.gone is gone: no use")));
+  EXPECT_THAT([this] { load("[old]\nwindow = 3\n[second]\nnote = 'x'\ngone = 1"); },
+              ThrowsMessage<UsageError>(
+                  StrEq(file.string() + ": option old.window is now first.window\n  option second.gone is gone: no use")))
+      << "a file is told of all at once";
+  EXPECT_EQ(settings.note, "");
+}
+
+TEST(OptionRanges, HoldForStructsFilledByCode) {
+  Settings bad;
+  EXPECT_NO_THROW(bad.check());
+  bad.side = 4;
+  EXPECT_THAT([&] { bad.check(); }, ThrowsMessage<UsageError>(StrEq("option third.side = 4: must be one of 0, 3, 5")));
+  bad.side = 3, bad.twin = 30;
+  EXPECT_NO_THROW(bad.check());
+  bad.low = 30;
+  EXPECT_THAT([&] { bad.check(); }, ThrowsMessage<UsageError>(StrEq("option third.low = 30.0: must be within 0 .. 20")));
 }
 
 TEST_F(Options, TomlLeavesForeignTablesAlone) {

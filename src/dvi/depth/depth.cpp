@@ -104,7 +104,7 @@ std::vector<int> skyline(const std::vector<Surfel>& surfels, const Camera& camer
 }  // namespace
 
 DepthMap depth_map(const map::StaticMap& map, const View& view, const DepthOptions& options) {
-  const SurfelMesh mesh = surfel_mesh(map, view, options.splat_m, options.see_through, options.max_slope);
+  const SurfelMesh mesh = surfel_mesh(map, view, options.splat_m, options.occlusion_tolerance, options.max_slope);
   Picture picture = paint(mesh, view, options.split_edges);
   if (options.split_edges) stand(picture, mesh.surfels);
   if (options.median_px >= 3) cv::medianBlur(picture.inverse.clone(), picture.inverse, options.median_px);

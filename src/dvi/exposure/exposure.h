@@ -13,9 +13,10 @@ struct ExposureOptions {
   bool enabled = true;
 
   void describe(OptionTable& table) {
-    table.section("exposure");
-    table.add("enabled", enabled, "Bring all frames into one light: a gain a frame and channel, from the map's points.");
+    table.section("stages");
+    table.add("exposure", enabled, "Estimate a gain per frame and channel from map points that several frames show.");
   }
+  void check() const { check_ranges(*this); }
 };
 
 /// One gain a view.

@@ -238,14 +238,14 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
   const Copies copies = copy(fused, views, target, depth);
   for (std::size_t i = 0; i < hole.size(); ++i) out.colour(hole.pixels[i]) = copies.colour[i];
   const Role copied = options.poisson ? Role::solved : Role::fixed;
-  const Role unseen = options.fill_unseen ? Role::solved : Role::absent;
+  const Role unseen = options.fill_never_seen ? Role::solved : Role::absent;
   const Window window(candidates);
   cv::Mat3f colour = out.colour(window.box);
-  cv::Mat1b roles = roles_of(window, copied, options.unseen_last ? Role::absent : unseen);
+  cv::Mat1b roles = roles_of(window, copied, options.never_seen_last ? Role::absent : unseen);
   fill(window, copies, roles, {options.seam_gradients, 1}, colour);
-  if (options.unseen_last) {
+  if (options.never_seen_last) {
     roles = roles_of(window, Role::fixed, unseen);
-    fill(window, copies, roles, {options.seam_gradients, static_cast<float>(options.unseen_vertical)}, colour);
+    fill(window, copies, roles, {options.seam_gradients, static_cast<float>(options.never_seen_vertical)}, colour);
   }
   for (std::size_t i = 0; i < hole.size(); ++i) {
     const bool solved = roles(window.pixel(i)) == static_cast<uchar>(Role::solved);

@@ -11,22 +11,23 @@ namespace dvi::harmonize {
 struct HarmonizeOptions {
   bool poisson = true;
   bool seam_gradients = true;
-  bool unseen_last = true;
-  double unseen_vertical = 0.1;
-  bool fill_unseen = true;
+  bool never_seen_last = true;
+  double never_seen_vertical = 0.1;
+  bool fill_never_seen = true;
 
   void describe(OptionTable& table) {
     table.section("harmonize");
-    table.add("poisson", poisson, "Solve eq. 5 so that copies meet their surroundings without a seam; false copies as is.");
+    table.add("fill_never_seen", fill_never_seen, "Interpolate pixels that no frame saw; false leaves them black, kind 5.");
+    table.developer();
+    table.add("poisson", poisson, "Blend copies seamlessly into their surroundings (eq. 5); false copies colours unchanged.");
     table.add("seam_gradients", seam_gradients,
-              "Between pixels of different sources ask for the gradient the sources show; false: 0, as published.");
-    table.add("unseen_last", unseen_last,
-              "Interpolate unseen pixels after the copies are solved; false: together, as published, which lets them bleed.");
-    table.add("unseen_vertical", unseen_vertical, {0.001, 1},
-              "Weight of vertical against horizontal neighbours in that interpolation: structure mostly follows image rows; 1: "
-              "a membrane.");
-    table.add("fill_unseen", fill_unseen, "Interpolate pixels that no frame saw; false leaves them black, kind 5.");
+              "Between pixels of different sources use the gradient that the sources show; false: 0, as published.");
+    table.add("never_seen_last", never_seen_last,
+              "Interpolate never-seen pixels after the copies are solved; false: together, as published.");
+    table.add("never_seen_vertical", never_seen_vertical, {0.001, 1},
+              "Weight of vertical against horizontal neighbours in that interpolation; 1: a membrane.");
   }
+  void check() const { check_ranges(*this); }
 };
 
 /// Colours the hole from its candidates (eq. 5): per hole a Poisson equation with the surrounding image as Dirichlet

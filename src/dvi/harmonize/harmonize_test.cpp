@@ -87,7 +87,7 @@ TEST(Harmonize, UnseenPixelsContinueTheLayersBesideThem) {
   Case c(layers, rectangle({30, 15, 12, 30}));
   c.candidates.leading[0] = {};
   HarmonizeOptions membrane;
-  membrane.unseen_vertical = 1;
+  membrane.never_seen_vertical = 1;
   EXPECT_LT(c.worst(c.run()), 0.8 * c.worst(c.run(membrane)));
 }
 
@@ -172,7 +172,7 @@ TEST(Harmonize, UnseenPixelsLeftEmptyAreBlackAndSilent) {
   c.scene.add_source(10, brighter(c.truth, 25));
   c.seen(1, 10, {20, 15, 20, 30});
   HarmonizeOptions options;
-  options.fill_unseen = false;
+  options.fill_never_seen = false;
   const FilledFrame out = c.run(options);
   cv::Mat3f truth;
   c.truth.convertTo(truth, CV_32FC3);

@@ -35,7 +35,7 @@ std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& wo
                                  [&](std::size_t) { return cv::Mat1b(drive.camera.height, drive.camera.width, uchar{0}); });
   const map::MapInput input{&drive, world_from_lidar, no_masks, masks::without_standing(drive, world_from_lidar)};
   map::MapOptions options;
-  options.witnessed_only = false;
+  options.require_camera_visibility = false;
   options.max_range_m = kFar;
   options.box_margin_m = 0.5;  // what traffic moves within half a scan
   std::vector<std::vector<std::size_t>> counts(drive.scan_headers.size());

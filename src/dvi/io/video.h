@@ -18,10 +18,11 @@ struct VideoOptions {
 
   void describe(OptionTable& table) {
     table.section("video");
-    table.add("fps", fps, {0.1, 240}, "Frames a second of the videos.");
-    table.add("crf", crf, {0, 51}, "Quality of the videos: 0 is lossless, 18 looks so, 28 is small.");
-    table.add("encoder", encoder, {"auto", "h264", "mpeg4"}, "Encoder of the videos; auto is h264 where there is one.");
+    table.add("fps", fps, {0.1, 240}, "Frames per second of the videos.");
+    table.add("crf", crf, {0, 51}, "Quality of the videos: 0 is lossless, 18 visually lossless, 28 small.");
+    table.add("encoder", encoder, {"auto", "h264", "mpeg4"}, "Encoder of the videos; auto uses h264 where available.");
   }
+  void check() const { check_ranges(*this); }
 };
 
 /// An mp4 (yuv420p, BT.709, playable while it loads) that takes frame after frame and keeps none. The same frames give the

@@ -11,28 +11,27 @@ namespace dvi::map {
 
 struct MapOptions {
   double voxel_m = 0.05;
-  double min_range_m = 2.0;
-  double max_range_m = 120;
+  double min_range_m = 2, max_range_m = 120;  ///< of the scan
   double box_margin_m = 0.2;
-  bool witnessed_only = true;
+  bool require_camera_visibility = true;
   bool carve = true;
   double pose_error_m = 0.05;
   int memory_mb = 2000;
 
   void describe(OptionTable& table) {
     table.section("map");
-    table.add("voxel_m", voxel_m, {0.005, 1}, "Edge of the voxels the map is thinned by.");
-    table.add("min_range_m", min_range_m, {0, 20}, "Nearer returns are assumed to be the recording car itself.");
-    table.add("max_range_m", max_range_m, {1, 500}, "Farther returns are left out.");
-    table.add("box_margin_m", box_margin_m, {0, 5}, "Labelled 3D boxes are grown by this before their points are dropped.");
-    table.add("witnessed_only", witnessed_only,
-              "Keep only points that the camera saw, unmasked, when they were scanned: what it did not see may have moved.");
-    table.add("carve", carve, "Free-space carving: remove points that rays of other scans passed through.");
+    table.add("voxel_m", voxel_m, {0.005, 1}, "Edge of the voxels that hold one map point each.");
     table.add("pose_error_m", pose_error_m, {0, 1},
-              "Assumed pose error between scans; carving keeps this distance from surfaces.");
-    table.add("memory_mb", memory_mb, {0, 1e6},
-              "Memory for the map; beyond it, tiles are paged to unlinked temporary files in TMPDIR.");
+              "Expected position error between scans; free-space carving keeps this distance from rays.");
+    table.add("memory_mb", memory_mb, {0, 1e6}, "Memory of the map; the rest is paged to unlinked temporary files in TMPDIR.");
+    table.add("require_camera_visibility", require_camera_visibility,
+              "Keep only points that the camera saw unmasked when they were scanned; others may belong to traffic.");
+    table.developer();
+    table.add("carve", carve, "Free-space carving: remove points that rays of other scans passed through.");
+    table.add("box_margin_m", box_margin_m, {0, 5},
+              "Margin added to labelled 3D boxes before their points are dropped; objects move while they are scanned.");
   }
+  void check() const { check_ranges(*this); }
 };
 
 /// One drive as the map sees it.

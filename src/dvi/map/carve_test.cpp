@@ -21,7 +21,7 @@ constexpr std::int64_t kMs = 1'000'000;
 
 MapOptions carving(bool carve = true) {
   MapOptions options;
-  options.witnessed_only = false;
+  options.require_camera_visibility = false;
   options.carve = carve;
   return options;
 }

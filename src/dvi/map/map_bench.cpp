@@ -70,7 +70,7 @@ struct StreetDrive {
 
   StaticMap map(bool witnessed_only, bool carve = false) const {
     MapOptions options;
-    options.witnessed_only = witnessed_only;
+    options.require_camera_visibility = witnessed_only;
     options.carve = carve;
     return build_map({{&drive, poses, masks}}, options);
   }

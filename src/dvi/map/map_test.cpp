@@ -101,7 +101,7 @@ bool has_point_at_x(const StaticMap& map, float x) {
 TEST(BuildMap, DropsWhatIsMaskedAndTheCarItself) {
   const Drive drive = wall_drive();
   MapOptions options;
-  options.witnessed_only = false;
+  options.require_camera_visibility = false;
   const StaticMap map = build_map({{&drive, standing(), one_mask({89, 40, 22, 20})}}, options);
   EXPECT_FALSE(has_point_at_x(map, 10.02F));
   EXPECT_TRUE(has_point_at_x(map, 20.02F));

@@ -87,7 +87,7 @@ class Filter {
         }
       }
     }
-    if (!seen && options_.witnessed_only)
+    if (!seen && options_.require_camera_visibility)
       ++out.counts.unseen_by_camera;
     else
       out.kept.push_back({point, intensity});

@@ -12,11 +12,12 @@ struct MaskOptions {
 
   void describe(OptionTable& table) {
     table.section("masks");
-    table.add("dilate_px", dilate_px, {0, 100}, "Masks made from labels are grown by this radius.");
-    table.add("box_margin_m", box_margin_m, {0, 5}, "3D boxes are grown by this on all sides before they are projected.");
+    table.add("dilate_px", dilate_px, {0, 100}, "Radius by which masks made from labels are dilated.");
+    table.add("box_margin_m", box_margin_m, {0, 5}, "Margin added to all sides of 3D boxes before they are projected.");
     table.add("footprint_margin_m", footprint_margin_m, {0, 5},
-              "The ground below a 3D box, grown by this, is masked with its outline: wheels and shadow stand there.");
+              "Margin of the ground below a 3D box that is masked with the object: it holds wheels and shadow.");
   }
+  void check() const { check_ranges(*this); }
 };
 
 /// Where masks come from: the drive's own PNG files, or its labels.

@@ -79,7 +79,7 @@ class Track {
     entry.pose = fit->world_from_lidar;
     entry.twist = fit->twist;
     put(std::move(entry));
-    scene_.keep_near(last().pose.t, options_->max_range_m + kMargin);
+    scene_.keep_near(last().pose.t, feature_range(*options_) + kMargin);
     return *fit;
   }
 

@@ -10,8 +10,7 @@
 namespace dvi::odometry {
 
 struct OdometryOptions {
-  double min_range_m = 2.5;
-  double max_range_m = 90;
+  double min_range_m = 2, max_range_m = 120;  ///< of the scan; features are taken from somewhat less, see scan_features()
   double spacing_m = 0.2;
   double cell_m = 0.6;
   double voxel_m = 0.5;
@@ -22,16 +21,16 @@ struct OdometryOptions {
 
   void describe(OptionTable& table) {
     table.section("odometry");
-    table.add("min_range_m", min_range_m, {0, 20}, "Nearer returns are assumed to be the recording car itself.");
-    table.add("max_range_m", max_range_m, {10, 300}, "Farther returns are left out.");
-    table.add("spacing_m", spacing_m, {0.02, 2}, "Edge of the cubes of which one feature goes into the local map.");
-    table.add("cell_m", cell_m, {0.1, 5}, "Edge of the cubes of which one feature is registered.");
-    table.add("voxel_m", voxel_m, {0.1, 5}, "Edge of the local map's small voxels; large ones are three times as wide.");
+    table.add("loops", loops, "Close loops where the drive returns to a place.");
+    table.developer();
+    table.add("spacing_m", spacing_m, {0.02, 2}, "Edge of the cubes that give one feature each to the local map.");
+    table.add("cell_m", cell_m, {0.1, 5}, "Edge of the cubes that give one feature each to registration.");
+    table.add("voxel_m", voxel_m, {0.1, 5}, "Edge of the small voxels of the local map; large ones are three times as wide.");
     table.add("noise_m", noise_m, {0.001, 1}, "Standard deviation of returns across a flat surface.");
-    table.add("kernel_m", kernel_m, {0.01, 2}, "Distances to surfaces well beyond this count for nothing.");
-    table.add("lag", lag, {0, 100}, "Scans after which one is registered again, against what came after it too; 0: never.");
-    table.add("loops", loops, "Close loops: where the drive comes back to a place, both passes are laid together.");
+    table.add("kernel_m", kernel_m, {0.01, 2}, "Scale of the robust kernel: larger distances to a surface are outliers.");
+    table.add("lag", lag, {0, 100}, "Fixed lag in scans after which a pose is estimated again from both sides; 0: never.");
   }
+  void check() const { check_ranges(*this); }
 };
 
 /// How the registration of one scan went.

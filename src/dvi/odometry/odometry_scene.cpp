@@ -3,12 +3,17 @@
 namespace dvi::odometry {
 namespace {
 
+// Of the scan's range: features next to the recording car may be its own edges, far ones are too sparse to tell planes.
+constexpr double kNear = 1.25, kFar = 0.75;
 constexpr double kLargeVoxel = 3, kEdgeVoxel = 1.6;  // of the small voxel
 
 }  // namespace
 
+double feature_range(const OdometryOptions& options) { return kFar * options.max_range_m; }
+
 ScanFeatures scan_features(const Scan& scan, const Rings& rings, const OdometryOptions& options) {
-  const Features all = find_features(scan, rings, {options.min_range_m, options.max_range_m, 0.75 * options.spacing_m});
+  const Features all =
+      find_features(scan, rings, {kNear * options.min_range_m, feature_range(options), 0.75 * options.spacing_m});
   ScanFeatures out;
   out.dense = {thinned(all.planes, options.spacing_m), all.edges};
   out.sparse = {thinned(out.dense.planes, options.cell_m), thinned(all.edges, options.voxel_m)};

@@ -10,6 +10,9 @@ struct ScanFeatures {
   Features dense, sparse;  ///< for the map, and for registering
 };
 
+/// Distance in metres up to which features are taken from a scan.
+double feature_range(const OdometryOptions& options);
+
 ScanFeatures scan_features(const Scan& scan, const Rings& rings, const OdometryOptions& options);
 
 Surroundings empty_scene(const OdometryOptions& options);

@@ -68,7 +68,7 @@ Views views_of(const std::vector<ListedSource>& sources, const Recordings& drive
 Poses poses_of(const fs::path& out, const Recordings& drives, const Job& job) {
   Poses poses = given_poses(drives);
   const fs::path file = out / "map/poses.txt";
-  if (job.read.remove == "moving" && fs::exists(file))
+  if (job.read.remove == Remove::moving && fs::exists(file))
     poses.front().world_from_lidar = io::read_poses(file, drives.front().drive);
   return poses;
 }
@@ -120,7 +120,7 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
                      "name the same drives, the target first");
   job.target = drives.front();
   job.sources.assign(drives.begin() + 1, drives.end());
-  if (!masks.empty()) job.read.masks = masks;
+  if (!masks.empty()) job.read.masks = MasksFrom::parse(masks);
   const Recordings open = open_recordings(job, MaskNeed::required, progress);
   Views views = views_of(sources, open, find_masks(open, poses_of(out, open, job), job), out);
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;

@@ -15,35 +15,36 @@ constexpr double kSharper = 0.002;
 
 }  // namespace
 
-PoseChoice choose_poses(const Drive& drive, const std::string& wish, const odometry::OdometryOptions& options,
+PoseChoice choose_poses(const Drive& drive, const PosesFrom& wish, const odometry::OdometryOptions& options,
                         Progress& progress) {
   PoseChoice choice;
-  if (wish == "loam" && drive.scan_headers.empty()) throw InputError(drive.path, "has no scans", "--poses loam needs them");
-  if (wish != "loam" && (wish != "auto" || drive.scan_headers.empty())) return choice;
+  const bool automatic = wish.kind == PosesFrom::Kind::automatic, loam = wish.kind == PosesFrom::Kind::loam;
+  if (loam && drive.scan_headers.empty()) throw InputError(drive.path, "has no scans", "--poses loam needs them");
+  if (!loam && (!automatic || drive.scan_headers.empty())) return choice;
   const std::string name = drive.path.filename().string();
-  choice.odometry = odometry::odometry(drive, options, wish == "auto" ? drive.poses : Trajectory(), progress.parts());
+  choice.odometry = odometry::odometry(drive, options, automatic ? drive.poses : Trajectory(), progress.parts());
   for (const std::string& warning : choice.odometry->warnings) progress.warn(name + ": " + warning);
   if (choice.odometry->loops > 0)
     progress.note(fmt::format("{}: {} loops closed, poses moved by up to {:.2f} m", name, choice.odometry->loops,
                               choice.odometry->largest_correction_m));
   if (choice.odometry->world_from_lidar.empty()) {
-    if (wish == "loam" || drive.poses.empty()) throw InputError(drive.path, "has no scan that odometry could hold on to");
+    if (loam || drive.poses.empty()) throw InputError(drive.path, "has no scan that odometry could hold on to");
     return choice;
   }
-  const bool both = wish == "auto" && !drive.poses.empty();
+  const bool both = automatic && !drive.poses.empty();
   progress.begin("sharpness", (both ? 2 : 1) * odometry::sharpness_ticks(drive));
   choice.loam = odometry::sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
   if (both) choice.given = odometry::sharpness(drive, drive.poses, progress.tick());
   const bool lost = std::any_of(choice.odometry->scans.begin(), choice.odometry->scans.end(),
                                 [](const odometry::ScanFit& fit) { return fit.state == odometry::ScanFit::State::lost; });
   const bool sharper = both && !lost && choice.loam->known() && choice.loam->total_m() + kSharper < choice.given->total_m();
-  if (!both || sharper) choice.from = "loam";
+  if (!both || sharper) choice.from = PoseOrigin::loam;
   progress.end();
   return choice;
 }
 
 const Trajectory& chosen(const Drive& drive, const PoseChoice& choice) {
-  return choice.from == "loam" ? choice.odometry->world_from_lidar : drive.poses;
+  return choice.from == PoseOrigin::loam ? choice.odometry->world_from_lidar : drive.poses;
 }
 
 Trajectory laid_onto(const Trajectory& given, const Trajectory& odometry) {

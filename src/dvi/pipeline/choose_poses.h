@@ -1,26 +1,33 @@
 #pragma once
 
+#include <array>
 #include <optional>
-#include <string>
+#include <utility>
 
 #include "dvi/core/progress.h"
 #include "dvi/drive/drive.h"
 #include "dvi/odometry/odometry.h"
 #include "dvi/odometry/sharpness.h"
+#include "dvi/pipeline/choices.h"
 
 namespace dvi::pipeline {
 
+enum class PoseOrigin { given, loam };
+constexpr auto names_of(PoseOrigin) {
+  return std::array{std::pair{PoseOrigin::given, "given"}, std::pair{PoseOrigin::loam, "loam"}};
+}
+
 /// Where a drive's poses come from, and how sharp a map they make.
 struct PoseChoice {
-  std::string from = "given";  ///< given or loam
+  PoseOrigin from = PoseOrigin::given;
   std::optional<odometry::Odometry> odometry;
   std::optional<odometry::Sharpness> given, loam;
 };
 
-/// `wish` is auto, given, loam or a file of poses. auto: the given poses or those of the scans, which take the given motion for
+/// automatic: the given poses or those of the scans, which take the given motion for
 /// a guess, whichever lay the scans together more sharply; the given ones where they are as good. InputError where loam is
 /// wished for and there are no scans.
-PoseChoice choose_poses(const Drive& drive, const std::string& wish, const odometry::OdometryOptions& options,
+PoseChoice choose_poses(const Drive& drive, const PosesFrom& wish, const odometry::OdometryOptions& options,
                         Progress& progress);
 
 /// The trajectory that was chosen, in its own world.

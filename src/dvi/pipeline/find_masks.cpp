@@ -12,9 +12,9 @@ DriveMasks masks_of(const Recording& open, const Trajectory& world_from_lidar, c
     return {Lazy<cv::Mat1b>::through(drive.frames.size(), [nothing](std::size_t) { return nothing; }), drive.labels()};
   }
   DriveMasks out;
-  out.objects = job.read.remove == "moving" ? masks::without_standing(drive, world_from_lidar) : drive.labels();
+  out.objects = job.read.remove == Remove::moving ? masks::without_standing(drive, world_from_lidar) : drive.labels();
   out.images = find_masks(drive, *open.masks_from, out.objects, job.options.masks);
-  const bool labels_too = job.read.remove == "all" && open.masks_from == masks::MaskSource::files && drive.has_labels();
+  const bool labels_too = job.read.remove == Remove::all && open.masks_from == masks::MaskSource::files && drive.has_labels();
   if (!labels_too) return out;
   const Lazy<cv::Mat1b> labelled = find_masks(drive, masks::MaskSource::labels, out.objects, job.options.masks);
   out.images = {labelled.size(), [files = out.images, labelled](std::size_t i) { return cv::Mat1b(*files[i] | *labelled[i]); }};

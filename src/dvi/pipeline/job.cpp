@@ -1,15 +1,18 @@
 #include "dvi/pipeline/job.h"
 
-#include <algorithm>
 #include <charconv>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/pipeline/retired_options.h"
 
 namespace dvi::pipeline {
 
 void Options::describe(OptionTable& table) {
+  describe_lidar(table);
   masks.describe(table);
   odometry.describe(table);
   map.describe(table);
@@ -25,60 +28,86 @@ void Options::describe(OptionTable& table) {
   video.describe(table);
 }
 
+void Options::describe_lidar(OptionTable& table) {
+  table.section("lidar");
+  table.add("min_range_m", {&map.min_range_m, &odometry.min_range_m}, {0, 20},
+            "Nearer returns are the recording car and are left out.");
+  table.add("max_range_m", {&map.max_range_m, &odometry.max_range_m}, {1, 500}, "Farther returns are left out.");
+}
+
+void Options::check() const {
+  masks.check();
+  odometry.check();
+  map.check();
+  exposure.check();
+  align.check();
+  depth.check();
+  plane_sweep.check();
+  sample.check();
+  regularize.check();
+  harmonize.check();
+  smooth.check();
+  flow.check();
+  video.check();
+  if (map.max_range_m <= map.min_range_m)
+    throw UsageError(fmt::format("option lidar.max_range_m = {}: must be greater than lidar.min_range_m = {}", map.max_range_m,
+                                 map.min_range_m));
+}
+
 OptionTable Job::table() {
   OptionTable table;
+  table.retire(retired_options());
   table.section("job");
   table.add("target", target, {}, "The drive to clean.");
   table.add("sources", sources, "Further drives of the same place.");
   table.add("out", out, {}, "The folder of the result.");
   table.add("camera", read.camera, {}, "The camera to use; empty: the drive's first.");
   table.add("frames", read.frames, {}, "A:B, both included, by the drive's own numbers; empty: all.");
-  table.add("masks", read.masks, {}, "A folder of PNG, a file of labels, labels, auto; empty: what the drive brings.");
-  table.add("poses", read.poses, {},
+  table.add("masks", read.masks,
+            "auto (mask files of the drive, else its labels), labels, a folder of PNG, or a file of labels.");
+  table.add("poses", read.poses,
             "auto (given or loam, whichever makes the sharper map), given, loam (from the scans), or a file of poses.");
-  table.add(
-      "remove", read.remove, {"moving", "labelled", "all"},
-      "moving: of what labels name only what changes its place; labelled: what the masks say; all: both masks and labels.");
-  table.add("method", method, methods(), "Ours, the published form of the stages, or a baseline without depth.");
+  table.add("remove", read.remove, "Remove labelled objects that move, what the masks say, or that and all labelled objects.");
+  table.add("method", method, "Ours, the published form of the stages, or a baseline without depth.");
   table.add("memory_mb", memory_mb, {16, 1000000},
             "Bound of the images, scans, masks and depth maps that are kept, so that they need not be made again.");
   options.describe(table);
   return table;
 }
 
-void Options::check() const {
-  if (regularize.window % 2 == 0) throw UsageError("option regularize.window: an odd number is wanted");
-}
-
-const std::vector<std::string>& methods() {
-  static const std::vector<std::string> all{"dvi", "paper", "flow", "telea", "ns"};
-  return all;
-}
-
-bool is_baseline(const std::string& method) { return method == "flow" || method == "telea" || method == "ns"; }
-
-void use_method(const std::string& method, Options& options) {
-  if (std::find(methods().begin(), methods().end(), method) == methods().end())
-    throw UsageError(fmt::format("--method {}: there are {}", method, fmt::join(methods(), ", ")));
+void use_method(Method method, Options& options) {
   if (is_baseline(method)) options.smooth.enabled = false;
-  if (method != "paper") return;
+  if (method != Method::paper) return;
   // The published form: every point outside masks and boxes, no exposure model, linear depth, plain occlusion test.
-  options.map.witnessed_only = false;
+  options.map.require_camera_visibility = false;
   options.map.carve = false;
   options.exposure.enabled = false;
-  options.align.method = "paper";
+  options.align.method = align::AlignMethod::paper;
   options.depth.split_edges = false;
   options.depth.median_px = 5;
   options.plane_sweep.enabled = false;
-  options.sample.reach_frames = 0;
+  options.sample.max_frame_gap = 0;
   options.sample.scored = false;
   options.sample.footprint = false;
   options.regularize.enabled = true;
   options.harmonize.poisson = true;
   options.harmonize.seam_gradients = false;
-  options.harmonize.unseen_last = false;
-  options.harmonize.unseen_vertical = 1;
+  options.harmonize.never_seen_last = false;
+  options.harmonize.never_seen_vertical = 1;
   options.smooth.enabled = true;
+}
+
+std::string effective_toml(Job job) {
+  // A later run starts from the method's values, a later version perhaps from other ones: both have to find what differs.
+  Job plain, of_method;
+  use_method(job.method, of_method.options);
+  std::map<std::string, std::pair<std::string, std::string>> defaults;
+  for (const Option& option : plain.table().options()) defaults[option.name()].first = option.text();
+  for (const Option& option : of_method.table().options()) defaults[option.name()].second = option.text();
+  return job.table().dump_toml([&](const Option& option) {
+    const auto& [ours, methods] = defaults.at(option.name());
+    return option.audience == Audience::user || option.text() != ours || option.text() != methods;
+  });
 }
 
 FrameRange parse_frames(const std::string& text) {

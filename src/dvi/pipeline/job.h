@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +15,7 @@
 #include "dvi/map/build_map.h"
 #include "dvi/masks/masks.h"
 #include "dvi/odometry/odometry.h"
+#include "dvi/pipeline/choices.h"
 #include "dvi/plane_sweep/plane_sweep.h"
 #include "dvi/regularize/regularize.h"
 #include "dvi/sample/sample.h"
@@ -40,17 +40,20 @@ struct Options {
   io::VideoOptions video;
 
   void describe(OptionTable& table);
-  /// UsageError for what the single ranges cannot express.
+  /// UsageError that names the first option with a value that is not allowed.
   void check() const;
+
+ private:
+  void describe_lidar(OptionTable& table);
 };
 
 /// What to read: shared by every command that opens a drive.
 struct ReadChoice {
-  std::string camera;               ///< empty: the drive's first
-  std::string frames;               ///< "A:B"; empty: all
-  std::string masks;                ///< DIR | FILE | labels | auto; empty: the drive's own
-  std::string poses = "auto";       ///< auto | given | loam | FILE
-  std::string remove = "labelled";  ///< moving | labelled | all
+  std::string camera;  ///< empty: the drive's first
+  std::string frames;  ///< "A:B"; empty: all
+  MasksFrom masks;
+  PosesFrom poses;
+  Remove remove = Remove::labelled;
 };
 
 /// One call of `dvi run`.
@@ -58,23 +61,20 @@ struct Job {
   std::string out, target;
   std::vector<std::string> sources;  ///< further drives of the same place
   ReadChoice read;
-  std::string method = "dvi";
+  Method method = Method::dvi;
   int memory_mb = 1000;  ///< of images, scans, masks and depth kept for further use
   Options options;
   bool force = false;
 
-  /// Everything that OUT/dvi.toml holds.
+  /// Every option, and section [job].
   OptionTable table();
 };
 
-/// What `--method` takes: dvi, its published form, and baselines.
-const std::vector<std::string>& methods();
+/// Sets the options in which a method differs from the default.
+void use_method(Method method, Options& options);
 
-/// Whether a method looks at images and masks only: it needs no poses and no scans.
-bool is_baseline(const std::string& method);
-
-/// Sets the options in which a method differs from the default. UsageError for an unknown one.
-void use_method(const std::string& method, Options& options);
+/// OUT/dvi.toml: all options of the user's, and of the developer's those that differ from their default or their method's.
+std::string effective_toml(Job job);
 
 /// "A:B", both included. UsageError otherwise.
 FrameRange parse_frames(const std::string& text);

@@ -1,5 +1,7 @@
 #include "dvi/pipeline/make_holdout.h"
 
+#include <set>
+
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
@@ -17,11 +19,9 @@ std::string recipe_of(Job job, const holdout::HoldoutOptions& options, const Dri
   print.add(kVersion);
   print.add(
       fmt::format("{} {} {} {}", holdout::name(options.scenario), options.seed, options.margin_px, options.ignore_margin_px));
-  OptionTable used;
-  job.options.masks.describe(used);
-  job.options.odometry.describe(used);
-  print.add(used.dump_toml());
-  print.add(drive.camera_name + " " + job.read.masks + " " + job.read.poses);
+  const std::set<std::string> used{"lidar", "masks", "odometry"};
+  print.add(job.table().dump_toml([&](const Option& option) { return used.contains(option.section); }));
+  print.add(drive.camera_name + " " + to_string(job.read.masks) + " " + to_string(job.read.poses));
   add_files(print, drive);
   return print.hex();
 }

@@ -33,7 +33,7 @@ Poses in_one_world(const Recordings& drives, std::vector<PoseChoice> choices) {
   Poses poses;
   for (std::size_t i = 0; i < drives.size(); ++i) {
     const Trajectory given = given_in_target_scale(target, drives[i].drive);
-    const bool loam = choices[i].from == "loam";
+    const bool loam = choices[i].from == PoseOrigin::loam;
     Trajectory trajectory = loam ? laid_onto(given, choices[i].odometry->world_from_lidar) : given;
     poses.push_back({std::move(choices[i]), std::move(trajectory)});
   }
@@ -48,7 +48,7 @@ Poses estimate_poses(const Recordings& drives, const Job& job, Progress& progres
   std::vector<PoseChoice> choices;
   for (const Recording& open : drives) {
     const bool is_target = choices.empty();
-    choices.push_back(choose_poses(open.drive, is_target ? job.read.poses : "auto", job.options.odometry, progress));
+    choices.push_back(choose_poses(open.drive, is_target ? job.read.poses : PosesFrom(), job.options.odometry, progress));
   }
   return in_one_world(drives, std::move(choices));
 }

@@ -72,7 +72,7 @@ OdometryReport odometry_report(const odometry::Odometry& odometry, const Traject
 }  // namespace
 
 PosesReport poses_report(const Drive& drive, const PoseChoice& choice) {
-  PosesReport out{choice.from, sharpness_report(choice.given), sharpness_report(choice.loam), {}};
+  PosesReport out{to_string(choice.from), sharpness_report(choice.given), sharpness_report(choice.loam), {}};
   if (choice.odometry) out.odometry = odometry_report(*choice.odometry, drive.poses);
   return out;
 }

@@ -9,33 +9,33 @@
 namespace dvi::pipeline {
 namespace {
 
-std::optional<masks::MaskSource> resolve_masks(Drive& drive, const std::string& from, MaskNeed need) {
-  if (from.empty() || from == "auto") {
+std::optional<masks::MaskSource> resolve_masks(Drive& drive, const MasksFrom& from, MaskNeed need) {
+  if (from.kind == MasksFrom::Kind::automatic) {
     if (need == MaskNeed::optional && drive.masks.empty() && !drive.has_labels()) return std::nullopt;
     return masks::default_mask_source(drive);
   }
-  if (from == "labels") {
+  if (from.kind == MasksFrom::Kind::labels) {
     if (!drive.has_labels()) throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
     return masks::MaskSource::labels;
   }
-  if (fs::is_directory(from)) {
-    io::attach_masks(drive, from);
+  if (fs::is_directory(from.path)) {
+    io::attach_masks(drive, from.path);
     return masks::MaskSource::files;
   }
-  if (!fs::exists(from)) throw InputError(from, "does not exist", "--masks takes a folder, a file, labels or auto");
-  const FrameLabels labels = io::read_labels(from, drive);
+  if (!fs::exists(from.path)) throw InputError(from.path, "does not exist", "--masks takes a folder, a file, labels or auto");
+  const FrameLabels labels = io::read_labels(from.path, drive);
   for (std::size_t i = 0; i < labels.size(); ++i) drive.frames[i].labels = labels[i];
   drive.labelled = true;
-  drive.other_files.emplace_back(from);
+  drive.other_files.emplace_back(from.path);
   return masks::MaskSource::labels;
 }
 
-void resolve_poses(Drive& drive, const std::string& from) {
-  if (from == "auto" || from == "given" || from == "loam") return;
-  if (!fs::exists(from)) throw InputError(from, "does not exist", "--poses takes auto, given, loam or a file");
-  drive.poses = io::read_poses(from, drive);
+void resolve_poses(Drive& drive, const PosesFrom& from) {
+  if (from.kind != PosesFrom::Kind::file) return;
+  if (!fs::exists(from.file)) throw InputError(from.file, "does not exist", "--poses takes auto, given, loam or a file");
+  drive.poses = io::read_poses(from.file, drive);
   drive.world_scale = 1;
-  drive.other_files.emplace_back(from);
+  drive.other_files.emplace_back(from.file);
 }
 
 void bound_caches(const Job& job) { CacheBudget::of_process()->set_bound(static_cast<std::size_t>(job.memory_mb) << 20); }
@@ -68,7 +68,7 @@ Recordings open_images(const Job& job, Progress& progress) {
   Recording open = open_recording(job.target, job.read, MaskNeed::required, progress);
   open.drive.scan_headers.clear();
   open.drive.scans = {};
-  if (!job.sources.empty()) progress.warn("method " + job.method + " has no use for further drives");
+  if (!job.sources.empty()) progress.warn("method " + to_string(job.method) + " has no use for further drives");
   return {open};
 }
 

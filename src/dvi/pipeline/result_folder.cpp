@@ -148,7 +148,7 @@ void ResultFolder::remove_other_frames() const {
 RunReport ResultFolder::report(const RunResults& results, const Progress& progress) const {
   RunReport report;
   report.version = kVersion;
-  report.method = job_.method;
+  report.method = to_string(job_.method);
   report.baseline = is_baseline(job_.method);
   for (std::size_t i = 0; i < drives_.size(); ++i) {
     const bool aligned = i < results.cameras.drives.size();
@@ -179,7 +179,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   progress.end();
   Job resolved = job_;
   resolved.out = fs::absolute(job_.out).lexically_normal().string();
-  write_file(out_ / "dvi.toml", resolved.table().dump_toml());
+  write_file(out_ / "dvi.toml", effective_toml(resolved));
   RunReport finished = report(results, progress);
   write_file(out_ / "report.json", to_json(finished) + "\n");
   return finished;

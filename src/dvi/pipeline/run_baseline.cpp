@@ -8,12 +8,12 @@ namespace dvi::pipeline {
 namespace {
 
 std::function<FilledView(std::size_t)> filler_of(const Job& job, const Views& views, CpuClock& cpu) {
-  if (job.method == "flow")
+  if (job.method == Method::flow)
     return [&, flows = baselines::hole_flows(views, job.options.flow)](std::size_t i) -> FilledView {
       return {cpu.time("flow", baselines::flow_fill, views, i, flows, job.options.flow)};
     };
   const baselines::Inpainting inpainting =
-      job.method == "telea" ? baselines::Inpainting::telea : baselines::Inpainting::navier_stokes;
+      job.method == Method::telea ? baselines::Inpainting::telea : baselines::Inpainting::navier_stokes;
   return [&, inpainting](std::size_t i) -> FilledView {
     return {cpu.time("inpaint", baselines::inpaint_frame, views, i, inpainting)};
   };

@@ -70,9 +70,12 @@ SelfcheckReport selfcheck(const Job& job, const std::vector<holdout::Scenario>& 
     report.text += row(holdout::name(scenario), evaluation);
     rows.push_back({{"scenario", holdout::name(scenario)}, {"evaluation", evaluation}});
   }
-  report.json = nlohmann::json{{"schema", "dvi-selfcheck/1"}, {"drive", job.target},
-                               {"method", job.method},        {"seed", seed},
-                               {"scenarios", rows},           {"warnings", progress.warnings()}}
+  report.json = nlohmann::json{{"schema", "dvi-selfcheck/1"},
+                               {"drive", job.target},
+                               {"method", to_string(job.method)},
+                               {"seed", seed},
+                               {"scenarios", rows},
+                               {"warnings", progress.warnings()}}
                     .dump(1);
   write_file(fs::path(job.out) / "selfcheck.json", report.json + "\n");
   return report;

@@ -273,7 +273,7 @@ depth::DepthMap plane_sweep(const depth::DepthMap& depth, const Views& views, st
     for (std::size_t i = 0; i < wanted.size(); i += wanted.size() / kRays + 1)
       rays.push_back(camera.ray({wanted[i].x + box.x, wanted[i].y + box.y}));
     for (const std::size_t view :
-         choose_source_frames(views, target, rays, nearest, visibility, options.sources, options.reach_frames))
+         choose_source_frames(views, target, rays, nearest, visibility, options.sources, options.max_frame_gap))
       piece.sources.push_back(source_of(view));
     if (piece.sources.empty()) continue;
     double most = 0;

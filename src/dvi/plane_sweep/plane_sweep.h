@@ -13,14 +13,17 @@ namespace dvi::plane_sweep {
 struct PlaneSweepOptions {
   bool enabled = true;
   int sources = 8;
-  int reach_frames = 40;
+  int max_frame_gap = 40;
 
   void describe(OptionTable& table) {
-    table.section("sweep");
-    table.add("enabled", enabled, "Find depth inside holes where the map has none, from what several views show.");
+    table.section("stages");
+    table.add("plane_sweep", enabled, "Estimate depth inside holes where the map has none, from several views.");
+    table.section("plane_sweep");
+    table.developer();
     table.add("sources", sources, {2, 16}, "Most views that are compared.");
-    table.add("reach_frames", reach_frames, {1, 1000}, "Frames from within which they are taken, in either direction of time.");
+    table.add("max_frame_gap", max_frame_gap, {1, 1000}, "Views are taken from up to this many frames before and after.");
   }
+  void check() const { check_ranges(*this); }
 };
 
 /// Depth for the pixels of the target's hole that have none although a surface below them or the sky does: the one at which

@@ -11,16 +11,18 @@ struct RegularizeOptions {
   bool enabled = false;
   int window = 5;
   int iterations = 20;
-  double alpha = 20;
+  double alpha = 20;  ///< of eq. 3, in grey levels over three channels; no label depends on it, only the energy
 
   void describe(OptionTable& table) {
+    table.section("stages");
+    table.developer();
+    table.add("regularize", enabled, "Belief propagation over the hole (eqs. 2-4), as published; false keeps the candidates.");
     table.section("regularize");
-    table.add("enabled", enabled,
-              "Belief propagation over the hole (eqs. 2-4), as published; false takes the candidates as sampled.");
-    table.add("window", window, {1, 11}, "Labels of a pixel: the window x window pixels round its candidate; odd.");
+    table.developer();
+    table.add_one_of("window", window, {1, 3, 5, 7, 9, 11}, "Labels of a pixel: window x window pixels around its candidate.");
     table.add("iterations", iterations, {1, 1000}, "Most rounds of message passing.");
-    table.add("alpha", alpha, {0, 765}, "Data cost of pixels inside the hole, in grey levels over three channels.");
   }
+  void check() const { check_ranges(*this); }
 };
 
 /// Min-sum belief propagation over the 4-connected hole (section 3.5 of the paper). A pixel's labels are shifts of its

@@ -63,7 +63,7 @@ class Source {
     }
     if (!options_.scored) return out;
     out.trust = static_cast<float>(trust(*seen, seconds_, clear));
-    return out.trust < static_cast<float>(options_.least_trust) ? std::nullopt : std::optional(out);
+    return out.trust < static_cast<float>(options_.min_trust) ? std::nullopt : std::optional(out);
   }
 
  private:
@@ -141,7 +141,7 @@ Candidates sample(const Views& views, std::size_t target, const depth::DepthMap&
   const std::vector<SurfacePixel> surface = surface_pixels(hole, views[target].camera, depth);
   std::vector<std::uint32_t> open(surface.size());  // those that may still find a better source
   std::iota(open.begin(), open.end(), 0U);
-  for (const std::size_t i : search_order(views, target, options.reach_frames, options.scored)) {
+  for (const std::size_t i : search_order(views, target, options.max_frame_gap, options.scored)) {
     // Frames of the target's drive come by falling trust: what is full stays as it is.
     const double most = options.scored ? most_trust(seconds_between(views[i], views[target])) : 1;
     std::erase_if(open, [&](std::uint32_t k) { return ranking.least(surface[k].pixel) >= most; });

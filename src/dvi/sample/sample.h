@@ -13,25 +13,26 @@ namespace dvi::sample {
 struct SampleOptions {
   bool occlusion_test = true;
   double occlusion_tolerance = 0.05;
-  int reach_frames = 120;
+  int max_frame_gap = 120;
   bool scored = true;
   int sources = 3;
-  double least_trust = 0.01;
+  double min_trust = 0.01;
   bool footprint = true;
 
   void describe(OptionTable& table) {
     table.section("sample");
-    table.add("occlusion_test", occlusion_test,
-              "A source counts only if it sees the pixel's surface, none before or behind it.");
+    table.add("max_frame_gap", max_frame_gap, {0, 1000000},
+              "Source frames are searched up to this many frames before and after, and as many of each further drive; 0: all.");
+    table.developer();
+    table.add("occlusion_test", occlusion_test, "Reject source frames that see another surface before or behind the pixel's.");
     table.add("occlusion_tolerance", occlusion_tolerance, {0, 1},
-              "Beyond their uncertainty depths may differ by this part and still be of one surface.");
-    table.add("reach_frames", reach_frames, {0, 1000000},
-              "Frames searched in either direction of time, and nearest ones of further drives; 0: all, as published.");
+              "Part of the depth by which two depths of one surface may differ beyond their uncertainty.");
     table.add("scored", scored, "Rank sources by trust; false: the first that fits, forwards, then backwards, as published.");
     table.add("sources", sources, {1, 8}, "Most sources of a pixel; those that agree are averaged.");
-    table.add("least_trust", least_trust, {0, 1}, "A source that is trusted less counts as none.");
-    table.add("footprint", footprint, "Where a source is nearer, take the mean of the pixels that one of the target spans.");
+    table.add("min_trust", min_trust, {0, 1}, "Sources with less trust are not used.");
+    table.add("footprint", footprint, "Average the source pixels that one target pixel covers.");
   }
+  void check() const { check_ranges(*this); }
 };
 
 /// Where other frames saw each hole pixel of the target (section 3.4 of the paper): the pixel's point, by its depth, is looked

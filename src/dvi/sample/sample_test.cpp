@@ -83,7 +83,7 @@ TEST(Sample, TooLittleTrustIsNone) {
   const Views views = scene.lazy();
   const double at_most = most_trust(0.1);
   const auto least = [&](double trust) {
-    return sample(views, 0, flat_depth(scene), flat_visibility(scene), {.least_trust = trust}).leading[0].found();
+    return sample(views, 0, flat_depth(scene), flat_visibility(scene), {.min_trust = trust}).leading[0].found();
   };
   EXPECT_TRUE(least(0.9 * at_most));
   EXPECT_FALSE(least(1.01 * at_most));

@@ -9,9 +9,10 @@ struct SmoothOptions {
   bool enabled = true;
 
   void describe(OptionTable& table) {
-    table.section("smooth");
-    table.add("enabled", enabled, "Average the hole along the optical flow to the frames before and after.");
+    table.section("stages");
+    table.add("smooth", enabled, "Average the hole along optical flow over neighbouring frames.");
   }
+  void check() const { check_ranges(*this); }
 };
 
 /// The frame with its hole averaged with where the flow (DIS, forward and backward) finds it in the frames before and after

@@ -1,9 +1,5 @@
 #include "dvi/synth/synth_options.h"
 
-#include <stdexcept>
-
-#include "dvi/core/error.h"
-
 namespace dvi::synth {
 
 void SynthOptions::describe(OptionTable& table) {
@@ -13,31 +9,18 @@ void SynthOptions::describe(OptionTable& table) {
   table.add("height", height, {32, 4096}, "Image height in pixels.");
   table.add("seed", seed, {0, 1e9}, "The street and its traffic.");
   table.add("day", day, {1, 2}, "The same street on another day: other light, parked cars, lane and traffic.");
-  table.add("speed_mps", speed_mps, {0, 30}, "Speed of the recording car in metres a second.");
+  table.add("speed_mps", speed_mps, {0, 30}, "Speed of the recording car in metres per second.");
   table.add("turn_deg", turn_deg, {-90, 90}, "Angle by which the street bends, left positive.");
   table.add("lorry", lorry, "A lorry stays close ahead during the whole drive.");
   table.add("beams", beams, {1, 256}, "Beams of the LiDAR, from -24.8 to +2 degrees.");
-  table.add("columns", columns, {36, 7200}, "Firings a scan.");
-  table.add("rate_hz", rate_hz, {1, 50}, "Scans and images a second.");
+  table.add("columns", columns, {36, 7200}, "Firings per scan.");
+  table.add("rate_hz", rate_hz, {1, 50}, "Scans and images per second.");
   table.add("range_m", range_m, {5, 300}, "Largest range of the LiDAR in metres.");
   table.add("exposure_drift", exposure_drift, {0, 0.8}, "Change of the exposure over the drive: 0.12 is from -12 % to +12 %.");
   table.add("jitter_deg", jitter_deg, {0, 5},
             "Largest error of the calibration in yaw and pitch, drawn anew for each image, in degrees.");
   table.add("image_noise", image_noise, {0, 50}, "Standard deviation of the image noise in grey levels.");
   table.add("range_noise", range_noise, {0, 1}, "Standard deviation of the ranges in metres.");
-}
-
-void SynthOptions::check() const {
-  SynthOptions copy = *this;
-  OptionTable table;
-  copy.describe(table);
-  for (const Option& option : table.options()) {
-    try {
-      option.set(option.get());
-    } catch (const std::invalid_argument& e) {
-      throw UsageError(option.name() + ": " + e.what());
-    }
-  }
 }
 
 }  // namespace dvi::synth

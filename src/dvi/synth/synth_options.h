@@ -23,7 +23,7 @@ struct SynthOptions {
 
   void describe(OptionTable& table);
   /// UsageError naming the first option out of its range.
-  void check() const;
+  void check() const { check_ranges(*this); }
 
   /// Metres driven.
   double distance() const { return speed_mps * frames / rate_hz; }

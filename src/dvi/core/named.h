@@ -1,0 +1,44 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace dvi {
+
+/// An enum whose values have names in options and reports. Beside such an enum E stands
+///   constexpr auto names_of(E) { return std::array{std::pair{E::first, "first"}, ...}; }
+template <class E>
+concept Named = std::is_enum_v<E> && requires(E e) { names_of(e); };
+
+template <Named E>
+std::vector<std::string> all_names() {
+  std::vector<std::string> out;
+  for (const auto& [value, name] : names_of(E{})) out.emplace_back(name);
+  return out;
+}
+
+template <Named E>
+std::string to_string(E value) {
+  for (const auto& [known, name] : names_of(value))
+    if (known == value) return name;
+  throw std::logic_error("an enum value has no name");
+}
+
+/// The value of a name. std::invalid_argument with the names there are.
+template <Named E>
+E parse_name(std::string_view text) {
+  for (const auto& [value, name] : names_of(E{}))
+    if (text == name) return value;
+  throw std::invalid_argument(fmt::format("must be one of {}", fmt::join(all_names<E>(), ", ")));
+}
+
+}  // namespace dvi

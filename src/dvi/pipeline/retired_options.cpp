@@ -1,0 +1,29 @@
+#include "dvi/pipeline/retired_options.h"
+
+namespace dvi::pipeline {
+
+std::vector<RetiredOption> retired_options() {
+  return {
+      {"odometry.min_range_m", "lidar.min_range_m", "odometry uses returns from 1.25 times this range"},
+      {"odometry.max_range_m", "lidar.max_range_m", "odometry uses returns up to 0.75 times this range"},
+      {"map.min_range_m", "lidar.min_range_m", ""},
+      {"map.max_range_m", "lidar.max_range_m", ""},
+      {"map.witnessed_only", "map.require_camera_visibility", ""},
+      {"exposure.enabled", "stages.exposure", ""},
+      {"align.enabled", "stages.align", ""},
+      {"sweep.enabled", "stages.plane_sweep", ""},
+      {"sweep.sources", "plane_sweep.sources", ""},
+      {"sweep.reach_frames", "plane_sweep.max_frame_gap", ""},
+      {"depth.see_through", "depth.occlusion_tolerance", ""},
+      {"sample.reach_frames", "sample.max_frame_gap", ""},
+      {"sample.least_trust", "sample.min_trust", ""},
+      {"regularize.enabled", "stages.regularize", ""},
+      {"regularize.alpha", "", "no result depended on it, only the reported energy"},
+      {"harmonize.unseen_last", "harmonize.never_seen_last", ""},
+      {"harmonize.unseen_vertical", "harmonize.never_seen_vertical", ""},
+      {"harmonize.fill_unseen", "harmonize.fill_never_seen", ""},
+      {"smooth.enabled", "stages.smooth", ""},
+  };
+}
+
+}  // namespace dvi::pipeline
