@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <string>
@@ -8,9 +7,6 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace dvi {
 
@@ -33,12 +29,15 @@ std::string to_string(E value) {
   throw std::logic_error("an enum value has no name");
 }
 
+/// std::invalid_argument: must be one of these.
+[[noreturn]] void refuse_name(const std::vector<std::string>& names);
+
 /// The value of a name. std::invalid_argument with the names there are.
 template <Named E>
 E parse_name(std::string_view text) {
   for (const auto& [value, name] : names_of(E{}))
     if (text == name) return value;
-  throw std::invalid_argument(fmt::format("must be one of {}", fmt::join(all_names<E>(), ", ")));
+  refuse_name(all_names<E>());
 }
 
 }  // namespace dvi

@@ -159,8 +159,7 @@ void OptionTable::add(std::string key, std::string& field, std::vector<std::stri
   add_text(
       std::move(key), choices, [&field] { return field; },
       [&field, choices](const std::string& text) {
-        if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
-          throw std::invalid_argument(fmt::format("must be one of {}", fmt::join(choices, ", ")));
+        if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) refuse_name(choices);
         field = text;
       },
       std::move(doc));

@@ -49,6 +49,10 @@ void Options::check() const {
   smooth.check();
   flow.check();
   video.check();
+  Options copy = *this;
+  OptionTable lidar;
+  copy.describe_lidar(lidar);
+  lidar.check();
   if (map.max_range_m <= map.min_range_m)
     throw UsageError(fmt::format("option lidar.max_range_m = {}: must be greater than lidar.min_range_m = {}", map.max_range_m,
                                  map.min_range_m));
@@ -102,8 +106,9 @@ std::string effective_toml(Job job) {
   Job plain, of_method;
   use_method(job.method, of_method.options);
   std::map<std::string, std::pair<std::string, std::string>> defaults;
-  for (const Option& option : plain.table().options()) defaults[option.name()].first = option.text();
-  for (const Option& option : of_method.table().options()) defaults[option.name()].second = option.text();
+  const OptionTable plain_table = plain.table(), method_table = of_method.table();
+  for (const Option& option : plain_table.options()) defaults[option.name()].first = option.text();
+  for (const Option& option : method_table.options()) defaults[option.name()].second = option.text();
   return job.table().dump_toml([&](const Option& option) {
     const auto& [ours, methods] = defaults.at(option.name());
     return option.audience == Audience::user || option.text() != ours || option.text() != methods;
