@@ -16,25 +16,25 @@ TEST(JobOptions, WithoutAnyTheDefaultsHold) {
 TEST(JobOptions, SetBeatsTheFileAndTheFileTheDefaults) {
   const TempFolder folder;
   JobOptions options;
-  options.config = folder.write("dvi.toml", "[regularize]\nalpha = 33.0\nwindow = 7\n").string();
+  options.config = folder.write("dvi.toml", "[regularize]\niterations = 33\nwindow = 7\n").string();
   options.set = {"regularize.window=9"};
   const pipeline::Job job = options.job("", "", {});
-  EXPECT_EQ(job.options.regularize.alpha, 33);
+  EXPECT_EQ(job.options.regularize.iterations, 33);
   EXPECT_EQ(job.options.regularize.window, 9);
 }
 
 TEST(JobOptions, MethodOfTheFileYieldsToItsOwnOptionsAndToTheCommandLine) {
   const TempFolder folder;
-  const std::string config = folder.write("dvi.toml", "[job]\nmethod = \"paper\"\n[exposure]\nenabled = true\n").string();
+  const std::string config = folder.write("dvi.toml", "[job]\nmethod = \"paper\"\n[stages]\nexposure = true\n").string();
   JobOptions options;
   options.config = config;
   const pipeline::Job from_file = options.job("", "", {});
-  EXPECT_EQ(from_file.method, "paper");
+  EXPECT_EQ(from_file.method, pipeline::Method::paper);
   EXPECT_TRUE(from_file.options.exposure.enabled) << "said by the file";
   EXPECT_TRUE(from_file.options.regularize.enabled) << "said by the method that the file names";
   options.method = "flow";
   const pipeline::Job from_line = options.job("", "", {});
-  EXPECT_EQ(from_line.method, "flow");
+  EXPECT_EQ(from_line.method, pipeline::Method::flow);
   EXPECT_FALSE(from_line.options.smooth.enabled);
   options.method = "magic";
   EXPECT_THROW(options.job("", "", {}), UsageError);
@@ -48,7 +48,7 @@ TEST(JobOptions, CommandLineNamesTheDataAndKeepsTheRestOfTheFile) {
   const pipeline::Job job = options.job("out", "drive", {"other"});
   EXPECT_EQ(job.read.frames, "2:3");
   EXPECT_EQ(job.read.camera, "left");
-  EXPECT_EQ(job.read.remove, "all");
+  EXPECT_EQ(job.read.remove, pipeline::Remove::all);
   EXPECT_EQ(job.out, "out");
   options.remove = "everything";
   EXPECT_THROW(options.job("", "", {}), UsageError);
@@ -67,13 +67,14 @@ TEST(JobOptions, PathsThatAreThereBecomeAbsolute) {
   fs::current_path(before);
   EXPECT_EQ(fs::path(job.target), here / "drive/");
   EXPECT_EQ(job.sources, (std::vector<std::string>{(here / "drive").string(), "nowhere"}));
-  EXPECT_EQ(job.read.masks, "labels");
-  EXPECT_EQ(job.read.poses, "auto");
+  EXPECT_EQ(to_string(job.read.masks), "labels");
+  EXPECT_EQ(to_string(job.read.poses), "auto");
 }
 
 TEST(JobOptions, SetMustNameAnOptionAndFitIt) {
   JobOptions options;
-  for (const char* assignment : {"depth.nothing=1", "regularize.alpha", "regularize.window=4", "regularize.alpha=much"}) {
+  for (const char* assignment :
+       {"depth.nothing=1", "regularize.iterations", "regularize.window=4", "regularize.iterations=much"}) {
     options.set = {assignment};
     EXPECT_THROW(options.job("", "", {}), UsageError) << assignment;
   }

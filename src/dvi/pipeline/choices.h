@@ -8,6 +8,8 @@
 
 namespace dvi::pipeline {
 
+using dvi::to_string;  // of the enums below, beside the overloads of this namespace
+
 /// What `--method` takes: ours, its published form, and baselines without depth.
 enum class Method { dvi, paper, flow, telea, ns };
 constexpr auto names_of(Method) {

@@ -103,7 +103,7 @@ class Ranking {
   Candidates finish(Region&& hole) const {
     Candidates out{std::move(hole), {}, ranks_ - 1, {}};
     out.leading.reserve(out.hole.size());
-    out.extra.reserve(out.hole.size() * out.more);
+    out.extra.reserve(out.hole.size() * out.extra_per_pixel);
     for (std::size_t i = 0; i < out.hole.size(); ++i) {
       const Candidate* const begin = &candidates_[i * ranks_];
       out.leading.push_back(*begin);

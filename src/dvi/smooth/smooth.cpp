@@ -112,7 +112,8 @@ harmonize::FilledFrame smooth(const harmonize::FilledFrame* before, const harmon
   if (!options.enabled || (before == nullptr && after == nullptr)) return out;
   out.colour = frame.colour.clone();
   for (const cv::Rect window : windows(frame.mask))
-    if (window.width >= kLeastFlowSide && window.height >= kLeastFlowSide) smooth_window(frame, {before, after}, window, out.colour);
+    if (window.width >= kLeastFlowSide && window.height >= kLeastFlowSide)
+      smooth_window(frame, {before, after}, window, out.colour);
   return out;
 }
 
