@@ -68,7 +68,7 @@ Forecast forecast(const Views& views, const map::StaticMap& map, const depth::De
   const depth::Depths depths(coarse, margin, [&](std::size_t i) { return depth::depth_map(map, coarse[i], coarse_depth); });
   const std::size_t frames = coarse.of_drive(0).second;
   std::vector<Count> counts(frames);
-  parallel_for(frames, [&](std::size_t i) {
+  parallel_in_order(frames, [&](std::size_t i) {
     counts[i] = count(sample::sample(coarse, i, *depths.maps[i], depths.visibility, seen_once), coarse);
     tick();
   });

@@ -1,5 +1,6 @@
 #include "dvi/depth/kerbs.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -44,13 +45,17 @@ Kerbs::Kerbs(const SurfelMesh& mesh, const Eigen::Vector3f& eye) : eye_(eye) {
 // The direction in which the steps line up: few places across that hold many.
 void Kerbs::find_direction(const std::vector<Eigen::Vector2f>& steps) {
   double most = 0;
+  std::vector<int> bins(steps.size());
+  std::vector<std::size_t> count;
   for (int i = 0; i < kAngles; ++i) {
     const float angle = static_cast<float>(i) * std::numbers::pi_v<float> / kAngles;
     const Eigen::Vector2f direction(std::cos(angle), std::sin(angle));
-    std::map<int, double> count;
-    for (const Eigen::Vector2f& s : steps) ++count[bin(direction.dot(s))];
+    std::transform(steps.begin(), steps.end(), bins.begin(), [&](const Eigen::Vector2f& s) { return bin(direction.dot(s)); });
+    const auto [low, high] = std::minmax_element(bins.begin(), bins.end());
+    count.assign(static_cast<std::size_t>(*high - *low) + 1, 0);
+    for (const int at : bins) ++count[static_cast<std::size_t>(at - *low)];
     double sum = 0;
-    for (const auto& [at, n] : count) sum += n * n;
+    for (const std::size_t n : count) sum += static_cast<double>(n * n);
     if (sum <= most) continue;
     most = sum;
     across_ = direction;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "dvi/core/median.h"
 #include "dvi/depth/delaunay.h"
 #include "dvi/map/visible_points.h"
 
@@ -55,6 +54,9 @@ void for_edges(const SurfelMesh& mesh, const Edge& edge) {
       if (t[k] < t[(k + 1) % 3]) edge(t[k], t[(k + 1) % 3]);
 }
 
+// How far one surface may leave a plane of a point of it.
+float allowed_off(float way) { return std::min(kNoise + kBend * way, kApart); }
+
 // The triangles round each surfel: those of surfel i are [first[i], first[i + 1]).
 struct Fans {
   explicit Fans(const SurfelMesh& mesh) : first(mesh.surfels.size() + 1, 0), triangles(3 * mesh.triangles.size()) {
@@ -72,10 +74,10 @@ struct Fans {
 // neighbour, which most of its neighbours lie on. Planes that leave the view more steeply than `max_slope` are none, but the
 // ground is.
 Eigen::Vector3f plane_of_neighbours(const SurfelMesh& mesh, const Fans& fans, std::size_t i, const Eigen::Vector3f& to_view,
-                                    float max_slope) {
+                                    float max_slope, std::vector<std::size_t>& round) {
   const Eigen::Vector3f& at = mesh.surfels[i].world;
   const Eigen::Vector3f sight = to_view.normalized();
-  std::vector<std::size_t> round;
+  round.clear();
   for (std::size_t f = fans.first[i]; f < fans.first[i + 1]; ++f)
     for (const std::size_t k : mesh.triangles[fans.triangles[f]])
       if (k != i) round.push_back(k);
@@ -112,8 +114,9 @@ void set_planes(SurfelMesh& mesh, const View& view, float max_slope) {
   for (std::size_t i = 0; i < mesh.surfels.size(); ++i)
     if (!mesh.surfels[i].flat) bare.push_back(i);
   std::vector<Eigen::Vector3f> found(bare.size());
+  std::vector<std::size_t> round;
   for (std::size_t b = 0; b < bare.size(); ++b)
-    found[b] = plane_of_neighbours(mesh, fans, bare[b], eye - mesh.surfels[bare[b]].world, max_slope);
+    found[b] = plane_of_neighbours(mesh, fans, bare[b], eye - mesh.surfels[bare[b]].world, max_slope, round);
   for (std::size_t b = 0; b < bare.size(); ++b) {
     Surfel& s = mesh.surfels[bare[b]];
     s.flat = !found[b].isZero();
@@ -124,55 +127,94 @@ void set_planes(SurfelMesh& mesh, const View& view, float max_slope) {
     if (s.is_ground() ? s.normal.z() < 0 : s.normal.dot(eye - s.world) < 0) s.normal *= -1;
 }
 
+/// What joint() asks of two surfels that both know their planes, with what does not change when the planes turn.
+struct Link {
+  std::size_t a, b;
+  Eigen::Vector3f way;
+  float allowed;
+
+  bool same(const Eigen::Vector3f& normal_a, const Eigen::Vector3f& normal_b) const {
+    const float b_before_a = normal_a.dot(way), a_before_b = -normal_b.dot(way);
+    return (std::abs(b_before_a) < allowed && std::abs(a_before_b) < allowed) ||
+           (b_before_a * a_before_b > 0 && normal_a.dot(normal_b) > kAlike);
+  }
+};
+
 // Normals of a few returns are off by degrees; those of one surface agree.
 void smooth_normals(SurfelMesh& mesh) {
-  std::vector<Eigen::Vector3f> sum(mesh.surfels.size());
+  std::vector<Link> links;
+  links.reserve(2 * mesh.triangles.size());
+  for_edges(mesh, [&](std::size_t i, std::size_t j) {
+    const Surfel &a = mesh.surfels[i], &b = mesh.surfels[j];
+    if (!a.flat || !b.flat) return;
+    const Eigen::Vector3f way = b.world - a.world;
+    links.push_back({i, j, way, allowed_off(way.norm())});
+  });
+  std::vector<Eigen::Vector3f> normal(mesh.surfels.size()), sum;
+  for (std::size_t i = 0; i < normal.size(); ++i) normal[i] = mesh.surfels[i].normal;
   for (int round = 0; round < kRounds; ++round) {
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = mesh.surfels[i].normal;
-    for_edges(mesh, [&](std::size_t i, std::size_t j) {
-      const Surfel &a = mesh.surfels[i], &b = mesh.surfels[j];
-      if (!a.flat || !b.flat || joint(a, b) != Joint::same) return;
-      sum[i] += b.normal;
-      sum[j] += a.normal;
-    });
-    for (std::size_t i = 0; i < sum.size(); ++i) mesh.surfels[i].normal = sum[i].normalized();
+    sum = normal;
+    for (const Link& link : links) {
+      if (!link.same(normal[link.a], normal[link.b])) continue;
+      sum[link.a] += normal[link.b];
+      sum[link.b] += normal[link.a];
+    }
+    for (std::size_t i = 0; i < sum.size(); ++i) normal[i] = sum[i].normalized();
   }
+  for (std::size_t i = 0; i < normal.size(); ++i) mesh.surfels[i].normal = normal[i];
+}
+
+// The mean of w w^T over the ways that are no longer than usual.
+Eigen::Matrix2f mean_square(const Eigen::Vector2f* first, const Eigen::Vector2f* last, std::vector<float>& lengths) {
+  lengths.clear();
+  for (const Eigen::Vector2f* way = first; way != last; ++way) lengths.push_back(way->norm());
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  const float most = kLong * *middle;
+  Eigen::Matrix2f sum = Eigen::Matrix2f::Zero();
+  float count = 0;
+  for (const Eigen::Vector2f* way = first; way != last; ++way) {
+    if (way->norm() > most) continue;
+    sum += *way * way->transpose();
+    ++count;
+  }
+  return sum / count;
 }
 
 // What lies between returns of one surface tells how far it may reach beyond its last one. Rings are much farther apart than
 // their returns, so it depends on the direction. Ways across what was not scanned tell nothing.
 void set_ways(SurfelMesh& mesh) {
-  std::vector<std::vector<Eigen::Vector2f>> ways(mesh.surfels.size());
+  std::vector<std::array<std::size_t, 2>> same;
+  same.reserve(2 * mesh.triangles.size());
+  std::vector<std::size_t> first(mesh.surfels.size() + 1, 0);  // the ways of surfel i are [first[i], first[i + 1])
   for_edges(mesh, [&](std::size_t i, std::size_t j) {
-    const Surfel &a = mesh.surfels[i], &b = mesh.surfels[j];
-    if (joint(a, b) != Joint::same) return;
-    for (const std::size_t k : {i, j}) ways[k].emplace_back(a.u - b.u, a.v - b.v);
+    if (joint(mesh.surfels[i], mesh.surfels[j]) != Joint::same) return;
+    same.push_back({i, j});
+    ++first[i + 1];
+    ++first[j + 1];
   });
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    if (ways[i].empty()) continue;
-    std::vector<float> lengths;
-    for (const Eigen::Vector2f& way : ways[i]) lengths.push_back(way.norm());
-    const float most = kLong * median(lengths);
-    float count = 0;
-    for (const Eigen::Vector2f& way : ways[i]) {
-      if (way.norm() > most) continue;
-      mesh.surfels[i].ways += way * way.transpose();
-      ++count;
-    }
-    mesh.surfels[i].ways /= count;
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<Eigen::Vector2f> ways(2 * same.size());
+  std::vector<std::size_t> next(first.begin(), first.end() - 1);
+  for (const auto& [i, j] : same) {
+    const Surfel &a = mesh.surfels[i], &b = mesh.surfels[j];
+    ways[next[i]++] = ways[next[j]++] = {a.u - b.u, a.v - b.v};
   }
+  std::vector<float> lengths;
+  for (std::size_t i = 0; i < mesh.surfels.size(); ++i)
+    if (first[i] < first[i + 1]) mesh.surfels[i].ways = mean_square(&ways[first[i]], ways.data() + first[i + 1], lengths);
 }
 
 }  // namespace
 
 Joint joint(const Surfel& a, const Surfel& b) {
   const Eigen::Vector3f way = b.world - a.world;
-  const float allowed = std::min(kNoise + kBend * way.norm(), kApart);
+  const float length = way.norm(), allowed = allowed_off(length);
   const float b_before_a = a.normal.dot(way), a_before_b = -b.normal.dot(way);
   const bool on_a = std::abs(b_before_a) < allowed, on_b = std::abs(a_before_b) < allowed;
   if (a.flat == b.flat ? on_a && on_b : (a.flat ? on_a : on_b)) return Joint::same;
   if (b_before_a * a_before_b > 0 && a.normal.dot(b.normal) > kAlike) return Joint::same;  // bends
-  const float tilt = kTilt * way.norm();
+  const float tilt = kTilt * length;
   if (b_before_a > -tilt && a_before_b > -tilt) return Joint::concave;
   if (b_before_a < tilt && a_before_b < tilt && a.flat && b.flat) return Joint::convex;
   return Joint::step;
