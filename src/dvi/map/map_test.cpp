@@ -200,6 +200,21 @@ TEST(BuildMap, IsTheSameWithoutMemoryToSpare) {
   for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a[i].index, b[i].index);
 }
 
+TEST(VisiblePoints, EndWhereAPixelSpansHalfAMetre) {
+  StaticMap map;
+  for (const float x : {49.0F, 51.0F}) {
+    map.points.push_back({{x, 0.1F * (x - 50), 0}, 0, 1});
+    const std::size_t n = map.points.size();
+    map.tiles.push_back({Eigen::AlignedBox3f(map.points.back().position, map.points.back().position), n - 1, n});
+  }
+  View view;
+  view.camera = {200, 100, 100, 100, 99.5, 49.5, {}};
+  view.camera_from_world.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  const auto visible = visible_points(map, view, 0, 0.05);
+  ASSERT_EQ(visible.size(), 1);
+  EXPECT_EQ(visible[0].index, 0);
+}
+
 TEST(VisiblePoints, HidesWhatIsBehindADisc) {
   StaticMap map;
   for (const float x : {10.0F, 20.0F}) map.points.push_back({{x, 0.01F * (x - 10), 0}, 0, 1});

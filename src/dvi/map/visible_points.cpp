@@ -10,13 +10,17 @@ namespace {
 constexpr float kNearPlane = 0.5F;    // metres
 constexpr int kMaxSplat = 12;         // px
 constexpr double kCullMargin = 0.15;  // of the image size, for what distortion bends in
+constexpr double kFarPixel = 0.5;     // metres that a pixel spans where the view ends: nothing farther can be told apart
+
+double far_plane(const Camera& camera) { return kFarPixel * camera.fx; }
 
 // Whether all corners of the tile lie outside one side of the view.
 bool outside(const Eigen::AlignedBox3f& bounds, const View& view) {
   const Camera& c = view.camera;
   const double left = (-kCullMargin * c.width - c.cx) / c.fx, right = ((1 + kCullMargin) * c.width - c.cx) / c.fx;
   const double top = (-kCullMargin * c.height - c.cy) / c.fy, bottom = ((1 + kCullMargin) * c.height - c.cy) / c.fy;
-  std::array<int, 5> beyond{};
+  const double far = far_plane(c);
+  std::array<int, 6> beyond{};
   for (int i = 0; i < 8; ++i) {
     const auto corner = static_cast<Eigen::AlignedBox3f::CornerType>(i);
     const Eigen::Vector3d p = view.camera_from_world * bounds.corner(corner).cast<double>();
@@ -25,49 +29,68 @@ bool outside(const Eigen::AlignedBox3f& bounds, const View& view) {
     beyond[2] += p.x() > right * p.z() ? 1 : 0;
     beyond[3] += p.y() < top * p.z() ? 1 : 0;
     beyond[4] += p.y() > bottom * p.z() ? 1 : 0;
+    beyond[5] += p.z() > far ? 1 : 0;
   }
   return std::find(beyond.begin(), beyond.end(), 8) != beyond.end();
 }
 
-std::vector<VisiblePoint> project(const StaticMap& map, const View& view) {
-  const cv::Rect image(0, 0, view.camera.width, view.camera.height);
-  std::vector<VisiblePoint> points;
+/// The nearest point of each pixel, in `points`; -1: none.
+struct Nearest {
+  explicit Nearest(const Camera& camera) : index(camera.height, camera.width, -1), z(camera.height, camera.width, 1e9F) {}
+
+  void add(const VisiblePoint& point) {
+    const int x = cvRound(point.u), y = cvRound(point.v);
+    if (x < 0 || y < 0 || x >= z.cols || y >= z.rows || point.z >= z(y, x)) return;
+    z(y, x) = point.z;
+    index(y, x) = static_cast<int>(points.size());
+    points.push_back(point);
+  }
+
+  std::vector<VisiblePoint> points;  ///< and some that others hide
+  cv::Mat1i index;
+  cv::Mat1f z;
+};
+
+Nearest project(const StaticMap& map, const View& view) {
+  Nearest nearest(view.camera);
+  const double far = far_plane(view.camera);
   for (const StaticMap::Tile& tile : map.tiles) {
     if (outside(tile.bounds, view)) continue;
     for (std::size_t i = tile.first; i < tile.last; ++i) {
       const Eigen::Vector3f& world = map.points[i].position;
       const Eigen::Vector3d p = view.camera_from_world * world.cast<double>();
-      if (p.z() < kNearPlane || !view.camera.in_front(p)) continue;
+      if (p.z() < kNearPlane || p.z() > far || !view.camera.in_front(p)) continue;
       const Eigen::Vector2d pixel = view.camera.project(p);
       const float u = static_cast<float>(pixel.x()), v = static_cast<float>(pixel.y());
-      if (!(std::abs(u) < 1e6F && std::abs(v) < 1e6F) || !image.contains({cvRound(u), cvRound(v)})) continue;
-      points.push_back({u, v, static_cast<float>(p.z()), world, i});
+      if (std::abs(u) < 1e6F && std::abs(v) < 1e6F) nearest.add({u, v, static_cast<float>(p.z()), world, i});
     }
-  }
-  return points;
-}
-
-cv::Mat1i z_buffer(const std::vector<VisiblePoint>& points, const Camera& camera) {
-  cv::Mat1i nearest(camera.height, camera.width, -1);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    int& at = nearest(cvRound(points[i].v), cvRound(points[i].u));
-    if (at < 0 || points[i].z < points[at].z) at = static_cast<int>(i);
   }
   return nearest;
 }
 
+// Half the width of the rows of a disc, by its radius and their distance from its middle.
+using Disc = std::array<int, kMaxSplat + 1>;
+std::array<Disc, kMaxSplat + 1> discs() {
+  std::array<Disc, kMaxSplat + 1> out{};
+  for (int r = 0; r <= kMaxSplat; ++r)
+    for (int dy = 0; dy <= r; ++dy) out[r][dy] = static_cast<int>(std::sqrt(static_cast<double>(r * r - dy * dy)));
+  return out;
+}
+
 // Depth of the nearest disc at each pixel.
-cv::Mat1f occluders(const std::vector<VisiblePoint>& points, const cv::Mat1i& nearest, double splat_px_at_1m) {
-  cv::Mat1f z(nearest.size(), 1e9F);
-  for (int y = 0; y < nearest.rows; ++y)
-    for (int x = 0; x < nearest.cols; ++x) {
-      if (nearest(y, x) < 0) continue;
-      const float depth = points[nearest(y, x)].z;
+cv::Mat1f occluders(const Nearest& nearest, double splat_px_at_1m) {
+  const std::array<Disc, kMaxSplat + 1> half_width = discs();
+  cv::Mat1f z = nearest.z.clone();
+  for (int y = 0; y < z.rows; ++y)
+    for (int x = 0; x < z.cols; ++x) {
+      if (nearest.index(y, x) < 0) continue;
+      const float depth = nearest.z(y, x);
       const int r = std::min(kMaxSplat, cvRound(splat_px_at_1m / depth));
+      if (r == 0) continue;
       for (int dy = -std::min(r, y); dy <= std::min(r, z.rows - 1 - y); ++dy) {
-        const int half = static_cast<int>(std::sqrt(static_cast<double>(r * r - dy * dy)));
+        const int half = half_width[r][std::abs(dy)], last = std::min(z.cols - 1, x + half);
         float* row = z[y + dy];
-        for (int xx = std::max(0, x - half); xx <= std::min(z.cols - 1, x + half); ++xx) row[xx] = std::min(row[xx], depth);
+        for (int xx = std::max(0, x - half); xx <= last; ++xx) row[xx] = std::min(row[xx], depth);
       }
     }
   return z;
@@ -76,15 +99,14 @@ cv::Mat1f occluders(const std::vector<VisiblePoint>& points, const cv::Mat1i& ne
 }  // namespace
 
 std::vector<VisiblePoint> visible_points(const StaticMap& map, const View& view, double splat_m, double tolerance) {
-  const std::vector<VisiblePoint> points = project(map, view);
+  const Nearest nearest = project(map, view);
   map.page_out();
-  const cv::Mat1i nearest = z_buffer(points, view.camera);
-  const cv::Mat1f occluder = occluders(points, nearest, splat_m * view.camera.fx);
+  const cv::Mat1f occluder = occluders(nearest, splat_m * view.camera.fx);
   std::vector<VisiblePoint> visible;
-  for (int y = 0; y < nearest.rows; ++y)
-    for (int x = 0; x < nearest.cols; ++x)
-      if (nearest(y, x) >= 0 && points[nearest(y, x)].z <= occluder(y, x) * (1 + tolerance))
-        visible.push_back(points[nearest(y, x)]);
+  for (int y = 0; y < occluder.rows; ++y)
+    for (int x = 0; x < occluder.cols; ++x)
+      if (nearest.index(y, x) >= 0 && nearest.z(y, x) <= occluder(y, x) * (1 + tolerance))
+        visible.push_back(nearest.points[nearest.index(y, x)]);
   return visible;
 }
 

@@ -16,7 +16,8 @@ struct VisiblePoint {
 };
 
 /// The points of the map that the view sees, at most one a pixel: the nearest (z-buffer), if no nearer point, taken as a disc
-/// of `splat_m` metres radius, covers it by more than `tolerance` of its depth. In raster order.
+/// of `splat_m` metres radius, covers it by more than `tolerance` of its depth. In raster order. Only
+/// as far as a pixel spans half a metre, so that the cost of a view does not grow with the map.
 std::vector<VisiblePoint> visible_points(const StaticMap& map, const View& view, double splat_m, double tolerance);
 
 }  // namespace dvi::map
