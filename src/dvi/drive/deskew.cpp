@@ -12,7 +12,8 @@ constexpr int kSlices = 256;
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> to_world(const Scan& scan, const ScanHeader& header, const Trajectory& world_from_lidar) {
+std::vector<Eigen::Vector3d> to_world(const Scan& scan, const ScanHeader& header, const Trajectory& world_from_lidar,
+                                      std::size_t every) {
   const auto [first, last] = std::minmax_element(scan.time.begin(), scan.time.end());
   if (first == scan.time.end()) return {};
   const double begin = *first, span = std::max(1e-9, static_cast<double>(*last) - *first);
@@ -22,7 +23,7 @@ std::vector<Eigen::Vector3d> to_world(const Scan& scan, const ScanHeader& header
   if (!pose_after(begin) || !pose_after(begin + span)) return {};
   std::vector<std::optional<SE3>> slices(kSlices + 1);
   std::vector<Eigen::Vector3d> world(scan.size());
-  for (std::size_t i = 0; i < scan.size(); ++i) {
+  for (std::size_t i = 0; i < scan.size(); i += every) {
     const int slice = static_cast<int>(std::lround((scan.time[i] - begin) / span * kSlices));
     std::optional<SE3>& pose = slices[slice];
     if (!pose) pose = pose_after(begin + span * slice / kSlices);

@@ -107,20 +107,25 @@ Sharpness sharpness(const Drive& drive, const Trajectory& world_from_lidar, cons
     const std::size_t last = std::min(first + kStretch, drive.scan_headers.size());
     for (std::size_t i = first; i < last; ++i) {
       const std::shared_ptr<const Scan> scan = drive.scans[i];
-      const std::vector<Eigen::Vector3d> world = to_world(*scan, drive.scan_headers[i], world_from_lidar);
+      const std::vector<Eigen::Vector3d> world = to_world(*scan, drive.scan_headers[i], world_from_lidar, kEvery);
       if (!here_from_world && !world.empty()) here_from_world = world_from_lidar.at(drive.scan_headers[i].time_ns)->inverse();
+      VoxelKey last_key = 0;
+      Patch* patch = nullptr;  // neighbours of a beam mostly lie in one
       for (std::size_t k = 0; k < world.size(); k += kEvery) {
         const float range = scan->points[k].norm();
         if (range < kNear || range > kFar) continue;
         const Eigen::Vector3d p = *here_from_world * world[k];
-        patches[voxel_key(p, kPatch)].push_back({p.cast<float>(), static_cast<std::uint32_t>(i)});
+        const VoxelKey key = voxel_key(p, kPatch);
+        if (patch == nullptr || key != last_key) patch = &patches[key];
+        last_key = key;
+        patch->push_back({p.cast<float>(), static_cast<std::uint32_t>(i)});
       }
       tick();
     }
-    for (const auto& [key, patch] : patches) {
+    for (const auto& [key, seen] : patches) {
       double between = 0;
       Eigen::Vector3d normal;
-      if (!measure(patch, between, normal)) continue;
+      if (!measure(seen, between, normal)) continue;
       if (std::abs(normal.z()) > kUpright) ground.push_back(between);
       if (std::abs(normal.z()) < kFlat) vertical.push_back(between);
     }
