@@ -10,8 +10,6 @@
 namespace dvi::audit {
 namespace {
 
-constexpr double kBlockGrowth = 1.5;  // px, on average, by which a visibility map grows a mask
-
 /// Hole pixels of a frame.
 struct Count {
   std::size_t copied = 0, elsewhere = 0, hole = 0;
@@ -62,10 +60,9 @@ Forecast forecast(const Views& views, const map::StaticMap& map, const depth::De
   const Views coarse = every_nth(views, step);
   depth::DepthOptions coarse_depth = depth;
   coarse_depth.median_px = depth.median_px >= 3 ? std::max(3, depth.median_px / step) : 0;
-  const int margin = std::max(0, cvRound((depth.mask_margin_px + kBlockGrowth) / step - kBlockGrowth));
   sample::SampleOptions seen_once = sample_options;
   seen_once.sources = 1;
-  const depth::Depths depths(coarse, margin, [&](std::size_t i) { return depth::depth_map(map, coarse[i], coarse_depth); });
+  const depth::Depths depths(coarse, [&](std::size_t i) { return depth::depth_map(map, coarse[i], coarse_depth); });
   const std::size_t frames = coarse.of_drive(0).second;
   std::vector<Count> counts(frames);
   parallel_in_order(frames, [&](std::size_t i) {

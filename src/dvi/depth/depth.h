@@ -14,12 +14,9 @@ struct DepthOptions {
   double max_slope = 10;
   int median_px = 3;
   double sky_gap_deg = 0.4;
-  int mask_margin_px = 0;
 
   void describe(OptionTable& table) {
     table.section("depth");
-    table.add("mask_margin_px", mask_margin_px, {0, 50},
-              "No pixel is copied from within this distance of a source frame's mask; pixels near it rank lower anyway.");
     table.developer();
     table.add("splat_m", splat_m, {0, 1}, "Radius within which a map point occludes points behind it; 0: one pixel.");
     table.add("occlusion_tolerance", occlusion_tolerance, {0, 1},

@@ -70,7 +70,7 @@ void visibility(benchmark::State& state) {
   const DepthMap of = depth_map(street_map(200'000), street_view(), {});
   cv::Mat1b mask(of.z.size(), uchar{0});
   mask(cv::Rect(500, 300, 300, 210)) = 255;
-  for (auto _ : state) benchmark::DoNotOptimize(visibility_map(of, mask, DepthOptions().mask_margin_px));
+  for (auto _ : state) benchmark::DoNotOptimize(visibility_map(of, mask));
 }
 BENCHMARK(visibility)->Unit(benchmark::kMillisecond);
 

@@ -130,7 +130,7 @@ TEST(VisibilityMap, HidesWhatIsFartherThanAllThatIsSeenThere) {
   depth.z.colRange(6, 9) = 20.0F;
   depth.z(6, 0) = DepthMap::kUnknown;
   cv::Mat1b mask(7, 9, uchar{0});
-  const VisibilityMap map = visibility_map(depth, mask, 0);
+  const VisibilityMap map = visibility_map(depth, mask);
   EXPECT_FALSE(map.hides({2, 2}, 10.4, 0.05));
   EXPECT_TRUE(map.hides({2, 2}, 10.6, 0.05));
   EXPECT_FALSE(map.hides({5.5F, 2}, 19, 0.05)) << "beside the edge either surface counts";
@@ -138,21 +138,20 @@ TEST(VisibilityMap, HidesWhatIsFartherThanAllThatIsSeenThere) {
   EXPECT_FALSE(map.hides({0, 6}, 1000, 0.05)) << "the unknown hides nothing";
   EXPECT_FALSE(map.hides({8.9F, 6.9F}, 20, 0.05)) << "the last pixel is inside";
   mask(3, 3) = 255;
-  const VisibilityMap masked = visibility_map(depth, mask, 0);
+  const VisibilityMap masked = visibility_map(depth, mask);
   EXPECT_TRUE(masked.masked({3, 3}));
   EXPECT_TRUE(masked.masked({2.5F, 3}));
   EXPECT_TRUE(masked.masked({3.9F, 3.9F}));
   EXPECT_FALSE(masked.masked({2, 3})) << "exact to the pixel, whatever else is in the block";
   EXPECT_FALSE(masked.masked({4, 3}));
   EXPECT_FALSE(masked.masked({3, 2}));
-  EXPECT_TRUE(visibility_map(depth, mask, 3).masked({6, 3}));
 }
 
 TEST(VisibilityMap, KnowsHowSureItIsOfWhatItSees) {
   DepthMap depth{cv::Mat1f(20, 40, 10.0F), cv::Mat1f(20, 40, 0.5F)};
   depth.z.colRange(20, 40) = 20.0F;
   depth.z(2, 38) = DepthMap::kUnknown;
-  const VisibilityMap map = visibility_map(depth, cv::Mat1b(20, 40, uchar{0}), 0);
+  const VisibilityMap map = visibility_map(depth, cv::Mat1b(20, 40, uchar{0}));
   EXPECT_FALSE(map.hides({8, 8}, 10.9, 0)) << "within two standard deviations";
   EXPECT_TRUE(map.hides({8, 8}, 11.1, 0));
   EXPECT_FALSE(map.sees_through({8, 8}, 9.1, 0));

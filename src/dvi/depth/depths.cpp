@@ -58,7 +58,7 @@ class Waiting {
 
 }  // namespace
 
-Depths::Depths(const Views& views, int mask_margin_px, const std::function<DepthMap(std::size_t)>& make) {
+Depths::Depths(const Views& views, const std::function<DepthMap(std::size_t)>& make) {
   const std::size_t in_work = static_cast<std::size_t>(thread_count()) + 2;
   const Lazy<DepthMap> whole(views.size(), in_work, make);
   const auto waiting = std::make_shared<Waiting>();
@@ -66,12 +66,11 @@ Depths::Depths(const Views& views, int mask_margin_px, const std::function<Depth
             const std::optional<PackedDepth> packed = waiting->take(i);
             return packed ? packed->unpack(*masks[i]) : *whole[i];
           }};
-  visibility = {views.size(),
-                [whole, waiting, masks = views.masks, mask_margin_px, targets = views.of_drive(0).second](std::size_t i) {
+  visibility = {views.size(), [whole, waiting, masks = views.masks, targets = views.of_drive(0).second](std::size_t i) {
                   const std::shared_ptr<const DepthMap> depth = whole[i];
                   const std::shared_ptr<const cv::Mat1b> mask = masks[i];
                   if (i < targets) waiting->put(i, *depth, *mask);
-                  return visibility_map(*depth, *mask, mask_margin_px);
+                  return visibility_map(*depth, *mask);
                 }};
 }
 

@@ -15,7 +15,7 @@ namespace dvi::depth {
 /// asked as a source first keeps its depth, packed and within a bound, until its own turn comes: it is made once.
 struct Depths {
   /// `make`: the depth map of a view.
-  Depths(const Views& views, int mask_margin_px, const std::function<DepthMap(std::size_t)>& make);
+  Depths(const Views& views, const std::function<DepthMap(std::size_t)>& make);
 
   Lazy<DepthMap> maps;             ///< as views; of those of the target drive, sigma within the mask only
   Lazy<VisibilityMap> visibility;  ///< as views

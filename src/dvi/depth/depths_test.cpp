@@ -68,14 +68,14 @@ TEST(Depths, AreMadeOnceWhetherSourceOrTargetFirst) {
   const Views views = memory_views(std::vector<View>(kViews, view), std::vector<cv::Mat3b>(kViews),
                                    std::vector<cv::Mat1b>(kViews, some_hole()));
   std::atomic<int> made = 0;
-  const Depths depths(views, 0, [&](std::size_t i) {
+  const Depths depths(views, [&](std::size_t i) {
     ++made;
     return some_depth(i);
   });
   for (std::size_t target = 0; target < kViews; ++target) {
     expect_same(*depths.maps[target], some_depth(target), some_hole());
     for (std::size_t source = 0; source < kViews; ++source) {
-      const VisibilityMap expected = visibility_map(some_depth(source), some_hole(), 0);
+      const VisibilityMap expected = visibility_map(some_depth(source), some_hole());
       EXPECT_TRUE(equal(depths.visibility[source]->farthest, expected.farthest));
       EXPECT_TRUE(equal(depths.visibility[source]->spread, expected.spread));
     }

@@ -36,15 +36,14 @@ cv::Mat1f clearance(const DepthMap& depth, const cv::Mat1b& masked) {
 
 }  // namespace
 
-VisibilityMap visibility_map(const DepthMap& depth, const cv::Mat1b& mask, int mask_margin_px) {
-  const cv::Mat1b lent = grown(mask, mask_margin_px);
-  const cv::Mat1f clear = clearance(depth, lent);
+VisibilityMap visibility_map(const DepthMap& depth, const cv::Mat1b& mask) {
+  const cv::Mat1f clear = clearance(depth, mask);
   const cv::Size full = depth.z.size(), blocks((full.width + 1) / 2, (full.height + 1) / 2);
   VisibilityMap out{cv::Mat1w(blocks, VisibilityMap::kOpen), cv::Mat1b(blocks, uchar{255}), cv::Mat1b(blocks, uchar{0}),
                     cv::Mat1b(blocks, uchar{0})};
   for (int y = 0; y < full.height; ++y)
     for (int x = 0; x < full.width; ++x)
-      if (lent(y, x) != 0) out.mask(y / 2, x / 2) |= static_cast<uchar>(1 << (y % 2 * 2 + x % 2));
+      if (mask(y, x) != 0) out.mask(y / 2, x / 2) |= static_cast<uchar>(1 << (y % 2 * 2 + x % 2));
   for (int y = 0; y < blocks.height; ++y)
     for (int x = 0; x < blocks.width; ++x) {
       float far = 0, near = DepthMap::kSky, clear_px = 255;

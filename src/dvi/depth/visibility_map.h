@@ -55,6 +55,6 @@ struct VisibilityMap {
   }
 };
 
-VisibilityMap visibility_map(const DepthMap& depth, const cv::Mat1b& mask, int mask_margin_px);
+VisibilityMap visibility_map(const DepthMap& depth, const cv::Mat1b& mask);
 
 }  // namespace dvi::depth

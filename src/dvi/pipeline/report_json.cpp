@@ -1,24 +1,44 @@
 #include "dvi/pipeline/report_json.h"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
-#include "dvi/pipeline/json_optional.h"
 
-namespace dvi::audit {
+/// A value or null.
+template <class T>
+struct nlohmann::adl_serializer<std::optional<T>> {
+  static void to_json(nlohmann::json& json, const std::optional<T>& value) {
+    json = value ? nlohmann::json(*value) : nlohmann::json();
+  }
+  static void from_json(const nlohmann::json& json, std::optional<T>& value) {
+    value = json.is_null() ? std::nullopt : std::optional<T>(json.get<T>());
+  }
+};
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HoleShares, copied, copied_elsewhere, never_seen)
+template <>
+struct nlohmann::adl_serializer<dvi::regularize::Energies> {
+  static void to_json(nlohmann::json& json, const dvi::regularize::Energies& energy) {
+    json = {{"before", energy.before}, {"after", energy.after}};
+  }
+  static void from_json(const nlohmann::json& json, dvi::regularize::Energies& energy) {
+    energy = {json.at("before"), json.at("after")};
+  }
+};
 
-}  // namespace dvi::audit
-
-namespace dvi::regularize {
-
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Energies, before, after)
-
-}  // namespace dvi::regularize
+template <>
+struct nlohmann::adl_serializer<dvi::audit::HoleShares> {
+  static void to_json(nlohmann::json& json, const dvi::audit::HoleShares& hole) {
+    json = {{"copied", hole.copied}, {"copied_elsewhere", hole.copied_elsewhere}, {"never_seen", hole.never_seen}};
+  }
+  static void from_json(const nlohmann::json& json, dvi::audit::HoleShares& hole) {
+    hole = {json.at("copied"), json.at("copied_elsewhere"), json.at("never_seen")};
+  }
+};
 
 namespace dvi::pipeline {
 

@@ -15,6 +15,7 @@ std::vector<RetiredOption> retired_options() {
       {"sweep.sources", "plane_sweep.sources", ""},
       {"sweep.reach_frames", "plane_sweep.max_frame_gap", ""},
       {"depth.see_through", "depth.occlusion_tolerance", ""},
+      {"depth.mask_margin_px", "", "a margin lost good sources and gained nothing: pixels near a mask rank lower anyway"},
       {"sample.reach_frames", "sample.max_frame_gap", ""},
       {"sample.least_trust", "sample.min_trust", ""},
       {"regularize.enabled", "stages.regularize", ""},

@@ -1,5 +1,7 @@
 #include "dvi/pipeline/run.h"
 
+#include <utility>
+
 #include "dvi/depth/depths.h"
 #include "dvi/pipeline/make_map.h"
 #include "dvi/pipeline/make_views.h"
@@ -37,16 +39,15 @@ RunReport run(const Job& job, Progress& progress) {
   const Views views = refined(posed, gains, cameras);
 
   CpuClock cpu;
-  const Depths depths(views, options.depth.mask_margin_px, [&](std::size_t i) {  // 3.3
+  const Depths depths(views, [&](std::size_t i) {  // 3.3
     return cpu.time("depth", depth::depth_map, map, views[i], options.depth);
   });
   const auto fill = [&](std::size_t i) {
     const DepthMap depth =
         cpu.time("plane_sweep", plane_sweep::plane_sweep, *depths.maps[i], views, i, depths.visibility, options.plane_sweep);
-    const Candidates candidates =
-        cpu.time("sample", sample::sample, views, i, depth, depths.visibility, options.sample);  // 3.4
-    const Labelling labels =
-        cpu.time("regularize", regularize::regularize, candidates, views, i, depth, options.regularize);  // 3.5, eqs. 2-4
+    Candidates candidates = cpu.time("sample", sample::sample, views, i, depth, depths.visibility, options.sample);  // 3.4
+    const Labelling labels = cpu.time("regularize", regularize::regularize, std::move(candidates), views, i, depth,
+                                      options.regularize);  // 3.5, eqs. 2-4
     FilledFrame frame =
         cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, options.harmonize);  // 3.6, eq. 5
     return FilledView{std::move(frame), labels.energy};

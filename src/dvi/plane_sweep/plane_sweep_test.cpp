@@ -34,7 +34,7 @@ Lazy<depth::VisibilityMap> visibility(const FlatScene& scene) {
   return {scene.views.size(), scene.views.size(), [masks = scene.masks](std::size_t i) {
             const depth::DepthMap unknown{cv::Mat1f(masks[i].size(), depth::DepthMap::kUnknown),
                                           cv::Mat1f(masks[i].size(), 0.0F)};
-            return depth::visibility_map(unknown, masks[i], 0);
+            return depth::visibility_map(unknown, masks[i]);
           }};
 }
 

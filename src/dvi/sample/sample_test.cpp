@@ -21,10 +21,10 @@ cv::Mat1b hole_mask() {
 
 depth::DepthMap flat_depth(const FlatScene& scene) { return {scene.depth(), cv::Mat1f(scene.depth().size(), 0.02F)}; }
 
-Lazy<depth::VisibilityMap> flat_visibility(const FlatScene& scene, int margin = 0) {
-  return {scene.views.size(), 8, [views = scene.views, masks = scene.masks, margin](std::size_t i) {
+Lazy<depth::VisibilityMap> flat_visibility(const FlatScene& scene) {
+  return {scene.views.size(), 8, [views = scene.views, masks = scene.masks](std::size_t i) {
             const float z = static_cast<float>(FlatScene::kDepth + views[i].camera_from_world.t.z());
-            return depth::visibility_map({cv::Mat1f(masks[i].size(), z), cv::Mat1f(masks[i].size(), 0.02F)}, masks[i], margin);
+            return depth::visibility_map({cv::Mat1f(masks[i].size(), z), cv::Mat1f(masks[i].size(), 0.02F)}, masks[i]);
           }};
 }
 
@@ -187,8 +187,6 @@ TEST(Sample, SkipsSourcesThatMaskThePixel) {
   EXPECT_GT(second, 0);
   for (const Candidate& clear : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {}).leading)
     EXPECT_EQ(clear.view, 2) << "beside its own mask a source ranks lower";
-  for (const Candidate& near : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene, 5), {}).leading)
-    EXPECT_EQ(near.view, 2) << "all within the margin of the mask";
 }
 
 TEST(Sample, OutsideTheImageNobodySawIt) {
@@ -202,7 +200,7 @@ TEST(Sample, OccludedSourcesDoNotCount) {
   const Lazy<depth::VisibilityMap> visibility{3, 3, [depth = flat_depth(scene)](std::size_t i) {
                                                 depth::DepthMap seen{depth.z.clone(), depth.sigma};
                                                 if (i == 1) seen.z = 5.0F;  // something stands before the plane there
-                                                return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}), 0);
+                                                return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}));
                                               }};
   for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {}).leading) EXPECT_EQ(c.view, 2);
   for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {.occlusion_test = false}).leading)
@@ -218,7 +216,7 @@ TEST(Sample, SourcesThatSeeAnotherSurfaceBehindDoNotCount) {
                                           seen.z = 20.0F;
                                           seen.sigma = sigma;
                                         }
-                                        return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}), 0);
+                                        return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}));
                                       }};
   };
   for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), behind(0.1F), {}).leading) EXPECT_EQ(c.view, 2);
