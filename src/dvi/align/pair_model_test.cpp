@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "dvi/align/test_wall.h"
 

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <opencv2/core.hpp>
+
 #include "dvi/geometry/normal_equations.h"
 #include "dvi/image/grey.h"
 #include "dvi/image/optical_flow.h"
