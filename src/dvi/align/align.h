@@ -49,7 +49,7 @@ struct ViewAlignment {
 
 /// What all views of a drive have in common.
 struct DriveAlignment {
-  bool kept = false;                                   ///< whether the held-out residual improved; else the poses are as given
+  bool kept = false;                                   ///< whether the held-out residual improved; else as given
   Eigen::Vector3d mounting = Eigen::Vector3d::Zero();  ///< radians, camera axes: what the rotations have in common
 };
 

@@ -14,7 +14,7 @@ namespace dvi::audit {
 /// Parts of a hole, 0..1, by who else sees them.
 struct HoleShares {
   double copied = 0;            ///< other frames of the same drive
-  double copied_elsewhere = 0;  ///< further drives
+  double copied_elsewhere = 0;  ///< source drives
   double never_seen = 0;
 };
 
@@ -39,7 +39,7 @@ Forecast forecast(
 /// The same views as cameras of every `step`th row and column. Images are left out.
 Views every_nth(const Views& views, int step);
 
-/// A bar a frame from left to right, as high as its hole is seen: this drive's part below, further drives' above it, what is
+/// A bar a frame from left to right, as high as its hole is seen: this drive's part below, source drives' above it, what is
 /// never seen on top. Frames without a hole stay blank.
 cv::Mat3b forecast_chart(const Forecast& forecast);
 

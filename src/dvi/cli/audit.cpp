@@ -18,11 +18,11 @@ void add_audit(Program& program) {
     Common common;
   };
   const auto a = std::make_shared<Arguments>();
-  Command command = program.command("audit", "Re-check the receipts of a result: every copied pixel against its source");
+  Command command = program.command("audit", "Check the receipts of a result: every copied pixel against its source frame");
   command.positional("OUT", a->out, "A result of dvi run");
   command.positional("DRIVE", a->target, "The drive it was made from");
-  command.positional("SOURCE", a->drives, "The further drives it was made from, in the same order");
-  command.option("--masks", a->masks, "What was to be removed, if not what OUT/dvi.toml says: DIR, FILE, labels or auto");
+  command.positional("SOURCE", a->drives, "The source drives it was made from, in the same order");
+  command.option("--masks", a->masks, "What to remove, if different from OUT/dvi.toml: DIR, FILE, labels or auto");
   a->common.add_to(command, true, false);
   command.run([a] {
     const ThreadLimit limit(a->common.threads);

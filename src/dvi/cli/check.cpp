@@ -17,7 +17,7 @@ void add_check(Program& program) {
     Common common;
   };
   const auto a = std::make_shared<Arguments>();
-  Command command = program.command("check", "What a drive is, whether it is complete and sane, what is missing");
+  Command command = program.command("check", "What a drive is, whether it is complete and consistent, what is missing");
   command.positional("DRIVE", a->drive, "The drive");
   a->options.add_to(command);
   a->common.add_to(command, true);

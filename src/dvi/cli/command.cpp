@@ -55,7 +55,7 @@ Command Command::subcommand(const std::string& name, const std::string& summary)
 void Command::run(std::function<void()> action) { impl_->app->callback(std::move(action)); }
 
 struct Program::Impl {
-  CLI::App app{"dvi: a recording of a drive in, the same drive without its traffic out.", "dvi"};
+  CLI::App app{"dvi: removes traffic from recorded drives.", "dvi"};
 };
 
 Program::Program() : impl_(std::make_unique<Impl>()) {
@@ -84,7 +84,7 @@ int Program::main(int argc, char** argv) {
   } catch (const InputError& e) {
     return fail(3, e.what());
   } catch (const Interrupted&) {
-    return fail(130, "interrupted; call the same command again to go on from here");
+    return fail(130, "interrupted; call the same command again to resume");
   } catch (const std::exception& e) {
     return fail(1, fmt::format("{}\nThis is a bug in dvi {}: please report it with the command line.", e.what(), kVersion));
   }
@@ -92,7 +92,7 @@ int Program::main(int argc, char** argv) {
 
 void Common::add_to(Command& command, bool with_json, bool with_seed) {
   command.option("--threads", threads, "Threads to use; 0: all cores");
-  if (with_seed) command.option("--seed", seed, "Seed of everything random (the synthetic street; filling draws nothing)");
+  if (with_seed) command.option("--seed", seed, "Random seed of streets and virtual traffic; filling uses none");
   command.flag("--quiet", quiet, "No progress, no warnings");
   command.flag("--json-log", json_log, "Progress and warnings as JSON lines on stderr");
   if (with_json) command.flag("--json", json, "The result as one JSON document on stdout");

@@ -35,7 +35,7 @@ void add_demo(Program& program) {
     bool force = false;
   };
   const auto a = std::make_shared<Arguments>();
-  Command command = program.command("demo", "The main job end to end, on a synthetic street if no drive is given");
+  Command command = program.command("demo", "Run the main job end to end, on a synthetic street if no drive is given");
   command.positional("DRIVE", a->drive, "A drive", false);
   command.option("-o,--out", a->out, "Folder for everything (default dvi-demo)");
   a->options.add_to(command);

@@ -18,9 +18,9 @@ void add_forecast(Program& program) {
     Common common;
   };
   const auto a = std::make_shared<Arguments>();
-  Command command = program.command("forecast", "What share of each hole other frames will have seen, before any filling");
+  Command command = program.command("forecast", "Predict what share of each hole other frames see, without filling");
   command.positional("DRIVE", a->drive, "The drive");
-  command.positional("SOURCE", a->sources, "Further drives of the same place");
+  command.positional("SOURCE", a->sources, "Source drives of the same street");
   command.option("-o,--out", a->out, "Folder for forecast.png, a chart");
   a->options.add_to(command);
   a->common.add_to(command, true);

@@ -16,7 +16,7 @@ void add_holdout(Program& program) {
     Common common;
   };
   const auto a = std::make_shared<Arguments>();
-  Command command = program.command("holdout", "Virtual traffic put into a real drive, the truth kept beside it");
+  Command command = program.command("holdout", "Insert virtual traffic into a real drive and keep the true background");
   command.positional("DRIVE", a->drive, "The drive");
   command.option("-o,--out", a->out, "Folder of the case: drive/, truth/, ignore/, holdout.json", true);
   command.option("--scenario", a->scenario, "lead (default), oncoming, crossing, parked, truck or banner");

@@ -28,17 +28,17 @@ void take(const std::optional<std::string>& text, const char* flag, Parse parse,
 }  // namespace
 
 void JobOptions::add_to(Command& command) {
-  command.option("--frames", frames, "A:B: only these frames, both included, by the drive's own numbers");
+  command.option("--frames", frames, "A:B: only these frames, inclusive, by the drive's own numbers");
   command.option("--camera", camera, "Camera to use (default: the drive's first)");
   command.option("--masks", masks, "What to remove: DIR (PNG, 255 = remove), FILE (labels), labels, auto");
   command.option("--poses", poses,
-                 "auto (default: given or loam, whichever makes the sharper map), given, loam (from the scans), or FILE");
+                 "auto (default: given or loam, whichever map is sharper), given, loam (estimated from scans), or FILE");
   command.option("--remove", remove,
-                 "moving, labelled (default: what the masks say), or all (parked vehicles that labels name too)");
+                 "moving, labelled (default: what the masks say), or all (masks and every labelled object)");
   command.option("--method", method,
-                 "dvi (default), paper (the published form), or, without depth or poses, flow, telea or ns");
+                 "dvi (default), paper (the published form), or a baseline without depth and poses: flow, telea, ns");
   command.option("--config", config, "Options from a TOML file, such as the dvi.toml of an earlier result");
-  command.option("--set", set, "section.key=value, any number of times; dvi config dump lists them");
+  command.option("--set", set, "section.key=value, repeatable; dvi config dump --all lists all options");
 }
 
 pipeline::Job JobOptions::job(const std::string& out, const std::string& target,

@@ -21,7 +21,7 @@ void add_map(Program& program) {
   command.positional("DRIVE", a->drive, "The drive");
   command.option("-o,--out", a->out, "Folder for poses.txt, times.txt, map.ply, map.json", true);
   command.option("--trajectory", a->trajectory,
-                 "kitti or tum: also trajectory.txt, the LiDAR's poses at the middles of the scans");
+                 "kitti or tum: also write trajectory.txt, the LiDAR poses at the middle of each scan");
   a->options.add_to(command);
   a->common.add_to(command, true);
   command.run([a] {

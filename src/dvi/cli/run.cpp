@@ -22,7 +22,7 @@ void add_run(Program& program) {
   const auto a = std::make_shared<Arguments>();
   Command command = program.command("run", "Remove the traffic from a drive");
   command.positional("TARGET", a->target, "The drive to clean", false);
-  command.positional("SOURCE", a->sources, "Further drives of the same place to take pixels from");
+  command.positional("SOURCE", a->sources, "Source drives of the same street to copy pixels from");
   command.option("-o,--out", a->out, "Folder of the result");
   a->options.add_to(command);
   command.flag("--force", a->force, "Replace a result of another drive");
@@ -30,8 +30,8 @@ void add_run(Program& program) {
   command.run([a] {
     pipeline::Job job = a->options.job(a->out, a->target, a->sources);
     job.force = a->force;
-    if (job.target.empty()) throw UsageError("dvi run wants a drive: dvi run TARGET -o OUT");
-    if (job.out.empty()) throw UsageError("dvi run wants a folder for the result: -o OUT");
+    if (job.target.empty()) throw UsageError("dvi run needs a drive: dvi run TARGET -o OUT");
+    if (job.out.empty()) throw UsageError("dvi run needs a folder for the result: -o OUT");
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     const pipeline::RunReport report = pipeline::run(job, progress);

@@ -19,13 +19,13 @@ void add_selfcheck(Program& program) {
     Common common;
   };
   const auto a = std::make_shared<Arguments>();
-  Command command = program.command("selfcheck", "How well dvi does on a drive: virtual traffic put in, removed, compared");
+  Command command = program.command("selfcheck", "Score dvi on a drive: insert virtual traffic, remove it, compare");
   command.positional("DRIVE", a->drive, "The drive");
   command.option("-o,--out", a->out, "Folder for cases and results (default dvi-selfcheck)");
   command.option("--scenario", a->scenarios,
                  "lead, oncoming, crossing, parked (these by default), truck, banner; any number of times");
   command.option("--external", a->external,
-                 "NAME=DIR: hold another program's frames, DIR/SCENARIO/NAME.png or .jpg, against it; any number of times");
+                 "NAME=DIR: also score another program's frames, DIR/SCENARIO/NAME.png or .jpg; repeatable");
   a->options.add_to(command);
   a->common.add_to(command, true);
   command.run([a] {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kSmall = 1 << 16;  // bytes; smaller blocks are not worth a file
 
-/// A file without a name. InputError where the folder has no room for it.
+/// An unlinked temporary file. InputError where the folder has no room for it.
 class NamelessFile {
  public:
   NamelessFile(const std::filesystem::path& folder, std::size_t bytes) {

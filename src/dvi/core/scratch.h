@@ -10,8 +10,8 @@
 
 namespace dvi {
 
-/// Memory that may grow beyond what there is: up to a bound it is memory like any other, beyond that blocks lie in files that
-/// have no name and are gone with the process, and the system keeps of them what is in use. Safe to use from several threads.
+/// Memory with a bound: blocks beyond it are paged to unlinked temporary files, which disappear with the process. The system
+/// keeps only the pages in use. Safe to use from several threads.
 class Scratch {
  public:
   /// InputError, later, where `folder` has no room for what does not fit into `bound` bytes.
@@ -21,7 +21,7 @@ class Scratch {
   void* allocate(std::size_t bytes);
   void release(void* block, std::size_t bytes);
 
-  /// Pages out what lies in files: it leaves memory until it is read again.
+  /// Releases the pages of file-backed blocks from memory until they are next read.
   void page_out();
   std::size_t on_disk() const;  ///< bytes
 

@@ -10,9 +10,9 @@
 
 namespace dvi::depth {
 
-/// Depth on demand. Of source frames only the visibility map is asked for, which is small and kept for many of them; of
-/// whole depth maps only those of the frames in work are kept, so that memory stays flat. A view of the target drive that is
-/// asked as a source first keeps its depth, packed and within a bound, until its own turn comes: it is made once.
+/// Depth maps and visibility maps, made on demand. Visibility maps are small and cached for many source frames. Depth maps
+/// are cached only for the frames in progress, so that memory stays bounded. A view of the target drive that is first used as
+/// a source frame keeps its depth, packed and within a bound, until its own turn, so that it is computed once.
 struct Depths {
   /// `make`: the depth map of a view.
   Depths(const Views& views, const std::function<DepthMap(std::size_t)>& make);

@@ -12,8 +12,7 @@
 
 namespace dvi::depth {
 
-/// Which pixels of a source frame can be copied, small enough to keep for many views: five bytes for each 2 x 2 block of
-/// pixels.
+/// What a source frame shows and hides, small enough to cache for many: five bytes per 2 x 2 block of pixels.
 struct VisibilityMap {
   static constexpr float kScale = 256;
   static constexpr ushort kOpen = 0xFFFF;    ///< sky, unknown or farther than the scale holds: hides nothing
@@ -26,7 +25,7 @@ struct VisibilityMap {
   cv::Mat1b spread;
   /// Pixels to the view's own mask, to the next depth edge or to the image's border.
   cv::Mat1b clear;
-  /// A bit for each pixel of the block, row by row: the view's own mask, grown by the margin.
+  /// A bit for each pixel of the block, row by row: the view's own mask.
   cv::Mat1b mask;
 
   /// Whether a pixel that makes up the colour at a position of the full image is masked.

@@ -22,7 +22,7 @@ namespace {
 
 // Views that are compared: neighbours in time, and some farther apart that keep the chain from drifting.
 constexpr std::array<std::size_t, 5> kApart{1, 2, 4, 8, 16};
-constexpr std::size_t kPlaces = 3;   // views of earlier drives, nearest in place, that one of a further drive is compared with
+constexpr std::size_t kPlaces = 3;   // views of earlier drives, nearest in place, that one of a source drive is compared with
 constexpr double kRadian = 10;       // metres that count as much as a radian between directions
 constexpr double kBlur = 2.5;        // px: poses are not refined yet
 constexpr int kMargin = 6;           // px round masks and saturated pixels that the blur reaches

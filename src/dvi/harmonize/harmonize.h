@@ -21,11 +21,11 @@ struct HarmonizeOptions {
     table.developer();
     table.add("poisson", poisson, "Blend copies seamlessly into their surroundings (eq. 5); false copies colours unchanged.");
     table.add("seam_gradients", seam_gradients,
-              "Between pixels of different sources use the gradient that the sources show; false: 0, as published.");
+              "Between pixels of different source frames, use the gradient in the source frames; false: 0, as published.");
     table.add("never_seen_last", never_seen_last,
-              "Interpolate never-seen pixels after the copies are solved; false: together, as published.");
+              "Interpolate never-seen pixels after the copies are solved; false: together, as published (bleeds).");
     table.add("never_seen_vertical", never_seen_vertical, {0.001, 1},
-              "Weight of vertical against horizontal neighbours in that interpolation; 1: a membrane.");
+              "Smoothness along columns relative to rows for never-seen pixels; 1: a membrane.");
   }
   void check() const { check_ranges(*this); }
 };

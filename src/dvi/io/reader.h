@@ -21,8 +21,8 @@ struct Gap {
   std::vector<int> frames;
 };
 
-/// What a reader finds by looking at names and parsing text. The whole drive: read_drive cuts it to --frames, names the gaps
-/// that remain, and hangs images, masks and scans in.
+/// What a reader finds from file names and text files, for the whole drive. read_drive cuts it to --frames, reports the
+/// remaining gaps, and attaches the lazy images, masks and scans.
 struct Recording {
   Drive drive;
   std::vector<Gap> gaps;

@@ -14,7 +14,7 @@ struct MapVoxel {
   float intensity_sum = 0;
   std::uint32_t count = 0;
   std::uint32_t first = 0, last = 0;   ///< scans, by their number in StaticMap::scans
-  std::uint16_t hits = 0, passes = 0;  ///< scans whose rays ended there, and went on behind it
+  std::uint16_t hits = 0, passes = 0;  ///< hit and pass-through counts, in scans
 };
 
 using MapVoxels = VoxelGrid<MapVoxel>;

@@ -28,10 +28,10 @@ struct MapScan {
 };
 
 /// Why a return is not in the map although it was in range: it projects into a mask, lies in a labelled 3D box, or rays of
-/// other scans went on behind it.
+/// other scans passed through it.
 enum class Cause : std::uint8_t { masked = 1, boxed = 2, moved = 3 };
 
-/// What was taken out, thinned as the map is.
+/// What was removed, thinned as the map is.
 struct RemovedPoint {
   Eigen::Vector3f position = Eigen::Vector3f::Zero();
   Cause cause = Cause::masked;
@@ -42,7 +42,7 @@ struct MapCounts {
   std::size_t returns = 0;           ///< all that were read
   std::size_t masked = 0;            ///< dropped: project into a mask
   std::size_t boxed = 0;             ///< dropped: inside a labelled 3D box
-  std::size_t unseen_by_camera = 0;  ///< dropped: no camera saw them, unmasked, when they were scanned
+  std::size_t unseen_by_camera = 0;  ///< dropped by require_camera_visibility: no camera saw them unmasked when scanned
   std::size_t moved = 0;             ///< dropped: rays of other scans went through where they were
   std::size_t too_near = 0;          ///< dropped: the recording car itself
   std::size_t scans = 0, scans_without_pose = 0;

@@ -38,10 +38,10 @@ struct ScanFit {
   enum class State { registered, first, no_points, duplicate, lost };
   State state = State::registered;
   std::size_t features = 0, inliers = 0;
-  double residual_m = 0;        ///< RMS distance of inliers across the surfaces
-  int degenerate = 0;           ///< directions of motion that the scene does not hold
-  bool given = false;           ///< there the given poses decided; else the motion goes on as before
-  double lag_correction_m = 0;  ///< by how much the fixed-lag registration, against what came before and after, moved it
+  double residual_m = 0;                    ///< RMS distance of inliers across the surfaces
+  int degenerate = 0;                       ///< directions of motion that the scene does not hold
+  bool given = false;                       ///< there the given poses decided; else the motion goes on as before
+  double lag_correction_m = 0;              ///< how far the fixed-lag registration moved it
   Matrix6d information = Matrix6d::Zero();  ///< Registration::information
 };
 

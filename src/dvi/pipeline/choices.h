@@ -20,7 +20,7 @@ constexpr auto names_of(Method) {
 /// Whether a method looks at images and masks only: it needs no poses and no scans.
 constexpr bool is_baseline(Method method) { return method != Method::dvi && method != Method::paper; }
 
-/// moving: of what labels name only what changes its place; labelled: what the masks say; all: both masks and labels.
+/// moving: only labelled objects that move; labelled: what the masks say; all: both masks and labels.
 enum class Remove { moving, labelled, all };
 constexpr auto names_of(Remove) {
   return std::array{std::pair{Remove::moving, "moving"}, std::pair{Remove::labelled, "labelled"},

@@ -26,7 +26,7 @@ struct ForecastReport {
 };
 std::string to_json(const ForecastReport& report);
 
-/// `dvi forecast`: of job.target (with further drives). Writes forecast.png into job.out unless that is empty. InputError where
+/// `dvi forecast`: of job.target (with source drives). Writes forecast.png into job.out unless that is empty. InputError where
 /// there are no masks or poses.
 ForecastReport forecast_holes(const Job& job, Progress& progress);
 

@@ -63,16 +63,16 @@ OptionTable Job::table() {
   table.retire(retired_options());
   table.section("job");
   table.add("target", target, {}, "The drive to clean.");
-  table.add("sources", sources, "Further drives of the same place.");
+  table.add("sources", sources, "Source drives of the same street.");
   table.add("out", out, {}, "The folder of the result.");
   table.add("camera", read.camera, {}, "The camera to use; empty: the drive's first.");
-  table.add("frames", read.frames, {}, "A:B, both included, by the drive's own numbers; empty: all.");
-  table.add("masks", read.masks,
-            "auto (mask files of the drive, else its labels), labels, a folder of PNG, or a file of labels.");
+  table.add("frames", read.frames, {}, "A:B, inclusive, by the drive's own numbers; empty: all.");
+  table.add("masks", read.masks, "auto (the drive's mask files, else its labels), labels, a folder of PNG, or a label file.");
   table.add("poses", read.poses,
-            "auto (given or loam, whichever makes the sharper map), given, loam (from the scans), or a file of poses.");
-  table.add("remove", read.remove, "Remove labelled objects that move, what the masks say, or that and all labelled objects.");
-  table.add("method", method, "Ours, the published form of the stages, or a baseline without depth.");
+            "auto (given or loam, whichever map is sharper), given, loam (estimated from scans), or a file of poses.");
+  table.add("remove", read.remove,
+            "moving: only labelled objects that move; labelled: what the masks say; all: both masks and labels.");
+  table.add("method", method, "dvi, the published form (paper), or a baseline without depth.");
   table.add("memory_mb", memory_mb, {16, 1000000},
             "Bound of the images, scans, masks and depth maps that are kept, so that they need not be made again.");
   options.describe(table);

@@ -59,7 +59,7 @@ struct ReadChoice {
 /// One call of `dvi run`.
 struct Job {
   std::string out, target;
-  std::vector<std::string> sources;  ///< further drives of the same place
+  std::vector<std::string> sources;  ///< source drives of the same street
   ReadChoice read;
   Method method = Method::dvi;
   int memory_mb = 1000;  ///< of images, scans, masks and depth kept for further use

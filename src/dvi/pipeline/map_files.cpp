@@ -13,7 +13,7 @@
 namespace dvi::pipeline {
 namespace {
 
-constexpr int kColourFrames = 40;  // frames, evenly spread, that lend the map their colours
+constexpr int kColourFrames = 40;  // frames, evenly spread, from which the map takes its colours
 constexpr double kSplat = 0.07, kTolerance = 0.05;
 const cv::Vec3b kUncoloured(128, 128, 128);
 

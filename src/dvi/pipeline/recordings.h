@@ -17,7 +17,7 @@ struct Recording {
   std::optional<masks::MaskSource> masks_from;  ///< none: nothing says what to remove, so nothing is
 };
 
-/// The target first, then the further drives.
+/// The target first, then the source drives.
 using Recordings = std::vector<Recording>;
 
 /// Whether a drive must say what to remove; if not, nothing is masked where it does not.
@@ -26,10 +26,10 @@ enum class MaskNeed { required, optional };
 /// Opens one drive as `source` says; warnings go to `progress`.
 Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNeed need, Progress& progress);
 
-/// Opens the target and the further drives. Ranges of frames, masks and poses given by hand are the target's.
+/// Opens the target and the source drives. Ranges of frames, masks and poses given by hand are the target's.
 Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress);
 
-/// Opens the target for what needs images and masks only: its scans are left out, and a warning says that further drives are
+/// Opens the target for what needs images and masks only: its scans are left out, and a warning says that source drives are
 /// not used.
 Recordings open_images(const Job& job, Progress& progress);
 

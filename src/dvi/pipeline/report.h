@@ -17,7 +17,7 @@
 
 namespace dvi::pipeline {
 
-/// Parts of a hole by where its pixels come from, 0..1. never_seen: what no other frame had, whatever then became of it.
+/// Shares of a hole by the origin of its pixels, 0..1. never_seen: seen by no other frame, however it was filled.
 struct HoleParts {
   double copied = 0, copied_elsewhere = 0, interpolated = 0, synthesised = 0, empty = 0, never_seen = 0;
 };

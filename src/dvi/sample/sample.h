@@ -22,7 +22,7 @@ struct SampleOptions {
   void describe(OptionTable& table) {
     table.section("sample");
     table.add("max_frame_gap", max_frame_gap, {0, 1000000},
-              "Source frames are searched up to this many frames before and after, and as many of each further drive; 0: all.");
+              "Source frames: up to this many before and after, twice as many of each source drive; 0: all.");
     table.developer();
     table.add("occlusion_test", occlusion_test, "Reject source frames that see another surface before or behind the pixel's.");
     table.add("occlusion_tolerance", occlusion_tolerance, {0, 1},
@@ -36,14 +36,14 @@ struct SampleOptions {
 };
 
 /// Where other frames saw each hole pixel of the target (section 3.4 of the paper): the pixel's point, by its depth, is looked
-/// up in the frames around it in time, then in the further drives; a frame counts that has it inside its image, outside its
+/// up in the frames around it in time, then in the source drives; a frame counts that has it inside its image, outside its
 /// mask, and sees that very surface. Up to `sources` of them, by falling trust(). `depth` is the target's; `visibility` is as
 /// `views`, and asked only for views that may show a pixel.
 Candidates sample(const Views& views, std::size_t target, const depth::DepthMap& depth,
                   const Lazy<depth::VisibilityMap>& visibility, const SampleOptions& options);
 
 /// The order in which sample() asks the other views: scored, from the target outwards in time, else as published, forwards,
-/// then backwards; further drives after its own, the nearest places first.
+/// then backwards; source drives after its own, the nearest places first.
 std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames, bool scored);
 
 }  // namespace dvi::sample
