@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -44,7 +47,8 @@ class Chain {
                }};
   }
 
-  void find_pairs(const Tick& tick);
+  /// Returns their models where the views are as given.
+  std::vector<PairModel> find_pairs(const Tick& tick);
   std::vector<PairModel> models(const Corrections& now, std::size_t coarsest, const Tick& tick) const;
   struct Check {
     std::vector<double> cost;       // a candidate
@@ -58,6 +62,8 @@ class Chain {
   Poses later(const Poses& poses, double seconds) const;
 
  private:
+  void find_pairs_of(std::size_t i, const Lazy<Sight>& sights);
+  std::vector<PairModel> models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const;
   std::vector<map::VisiblePoint> textured(const Sight& sight, const View& view, const cv::Mat1f& texture) const;
   PosedImage posed(std::size_t i, const Poses& poses) const { return {views_[first_ + i].camera, poses[i], images_[i]}; }
 
@@ -109,44 +115,75 @@ std::vector<map::VisiblePoint> Chain::textured(const Sight& sight, const View& v
   return best;
 }
 
-void Chain::find_pairs(const Tick& tick) {
-  const Lazy<Sight> sights(count_,
-                           [this](std::size_t i) { return Sight(map_, views_[first_ + i], *views_.masks[first_ + i]); });
-  pairs_.assign(count_, {});
-  parallel_in_order(count_, [&](std::size_t i) {
-    const std::vector<map::VisiblePoint> points = textured(*sights[i], views_[first_ + i], images_[i]->front());
-    for (const std::size_t apart : kApart)
-      for (const int side : {-1, 1}) {
-        if ((side < 0 && i < apart) || (side > 0 && i + apart >= count_)) continue;
-        Pair pair{i, side < 0 ? i - apart : i + apart, {}};
-        const View& other = views_[first_ + pair.fixed];
-        const auto sight = sights[pair.fixed];
-        for (const map::VisiblePoint& point : points) {
-          const Eigen::Vector3d p = other.camera_from_world * point.world.cast<double>();
-          if (!other.camera.in_front(p)) continue;
-          const Eigen::Vector2d pixel = other.camera.project(p);
-          if (other.camera.contains(pixel) && sight->shows(pixel, p.z()))
-            pair.points.push_back({point.world, map_.points[point.index].normal});
-        }
-        if (pair.points.size() >= kFewestPoints) pairs_[i].push_back(std::move(pair));
+void Chain::find_pairs_of(std::size_t i, const Lazy<Sight>& sights) {
+  const std::vector<map::VisiblePoint> points = textured(*sights[i], views_[first_ + i], images_[i]->front());
+  std::vector<SurfacePoint> points_of_view;
+  for (const map::VisiblePoint& point : points) points_of_view.push_back({point.world, map_.points[point.index].normal});
+  const auto shared = std::make_shared<const std::vector<SurfacePoint>>(std::move(points_of_view));
+  for (const std::size_t apart : kApart)
+    for (const int side : {-1, 1}) {
+      if ((side < 0 && i < apart) || (side > 0 && i + apart >= count_)) continue;
+      Pair pair{i, side < 0 ? i - apart : i + apart, shared, {}};
+      const View& other = views_[first_ + pair.fixed];
+      const auto sight = sights[pair.fixed];
+      for (std::size_t k = 0; k < points.size(); ++k) {
+        const Eigen::Vector3d p = other.camera_from_world * points[k].world.cast<double>();
+        if (!other.camera.in_front(p)) continue;
+        const Eigen::Vector2d pixel = other.camera.project(p);
+        if (other.camera.contains(pixel) && sight->shows(pixel, p.z())) pair.seen.push_back(static_cast<std::uint32_t>(k));
       }
-    tick();
-  });
+      pair.seen.shrink_to_fit();
+      if (pair.seen.size() >= kFewestPoints) pairs_[i].push_back(std::move(pair));
+    }
 }
 
-std::vector<PairModel> Chain::models(const Corrections& now, std::size_t coarsest, const Tick& tick) const {
+std::vector<PairModel> Chain::models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const {
   const double expected = 2 * std::hypot(radians(options_.rotation_deg), radians(options_.mounting_deg));
-  const Poses poses = turned(now);
-  std::vector<std::vector<PairModel>> by_view(count_);
-  parallel_in_order(count_, [&](std::size_t i) {
-    const PosedImage moving = posed(i, poses);
-    for (const Pair& pair : pairs_[i])
-      if (auto model = fit_pair(pair, moving, posed(pair.fixed, poses), coarsest, expected)) by_view[i].push_back(*model);
-    tick();
-  });
+  const PosedImage moving = posed(i, poses);
+  std::vector<PairModel> out;
+  for (const Pair& pair : pairs_[i])
+    if (auto model = fit_pair(pair, moving, posed(pair.fixed, poses), coarsest, expected)) out.push_back(*model);
+  return out;
+}
+
+std::vector<PairModel> joined(const std::vector<std::vector<PairModel>>& by_view) {
   std::vector<PairModel> all;
   for (const auto& some : by_view) all.insert(all.end(), some.begin(), some.end());
   return all;
+}
+
+// In one pass, while the images are at hand.
+std::vector<PairModel> Chain::find_pairs(const Tick& tick) {
+  const Lazy<Sight> sights(count_,
+                           [this](std::size_t i) { return Sight(map_, views_[first_ + i], *views_.masks[first_ + i]); });
+  const Poses given = turned(Corrections(count_));
+  pairs_.assign(count_, {});
+  std::vector<std::vector<PairModel>> by_view(count_);
+  parallel_in_order(count_, [&](std::size_t i) {
+    find_pairs_of(i, sights);
+    by_view[i] = models_of(i, given, coarsest_);
+    tick();
+  });
+  return joined(by_view);
+}
+
+std::vector<PairModel> Chain::models(const Corrections& now, std::size_t coarsest, const Tick& tick) const {
+  const Poses poses = turned(now);
+  std::vector<std::vector<PairModel>> by_view(count_);
+  parallel_in_order(count_, [&](std::size_t i) {
+    by_view[i] = models_of(i, poses, coarsest);
+    tick();
+  });
+  return joined(by_view);
+}
+
+// The model of a pair; they lie in the order of the moving views. None where there was too little to fit.
+const PairModel* model_of(const Pair& pair, const std::vector<PairModel>& models) {
+  auto model = std::lower_bound(models.begin(), models.end(), pair.moving,
+                                [](const PairModel& m, std::size_t moving) { return m.moving < moving; });
+  for (; model != models.end() && model->moving == pair.moving; ++model)
+    if (model->fixed == pair.fixed) return &*model;
+  return nullptr;
 }
 
 std::vector<Chain::Check> Chain::check(const std::vector<PairModel>& models, const std::vector<Poses>& candidates,
@@ -158,9 +195,8 @@ std::vector<Chain::Check> Chain::check(const std::vector<PairModel>& models, con
       int points = 0;
       std::vector<double> offsets;
       for (const Pair& pair : pairs_[i]) {
-        const auto model = std::find_if(models.begin(), models.end(),
-                                        [&](const PairModel& m) { return m.moving == pair.moving && m.fixed == pair.fixed; });
-        if (model == models.end()) continue;
+        const PairModel* const model = model_of(pair, models);
+        if (model == nullptr) continue;
         const HeldOutCost a = held_out(pair, posed(i, candidate), posed(pair.fixed, candidate), model->scale);
         cost += a.cost * a.points;
         points += a.points;
@@ -252,10 +288,8 @@ void check_clock(const Chain& chain, const std::vector<PairModel>& models, const
 void align_jointly(const Views& views, const map::StaticMap& map, std::size_t first, std::size_t last,
                    const AlignOptions& options, const Tick& tick, Cameras& out) {
   Chain chain(views, map, first, last, options);
-  chain.find_pairs(tick);
   const Corrections given(last - first);
-  const Corrections coarse =
-      solve(chain.models(given, chain.coarsest(), tick), given, expected_errors(options, views[first].camera, 1));
+  const Corrections coarse = solve(chain.find_pairs(tick), given, expected_errors(options, views[first].camera, 1));
   const std::vector<PairModel> models = chain.models(coarse, std::min<std::size_t>(chain.coarsest(), 1), tick);
 
   std::vector<Corrections> candidates{given};

@@ -49,16 +49,17 @@ struct Point {
 std::vector<Point> common_points(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, std::size_t level,
                                  Part part) {
   std::vector<Point> points;
-  for (std::size_t i = 0; i < pair.points.size(); ++i) {
+  for (std::size_t i = 0; i < pair.seen.size(); ++i) {
     if (part_of(i) != part) continue;
-    const Eigen::Vector3d world = pair.points[i].position.cast<double>();
+    const SurfacePoint& surfel = (*pair.points)[pair.seen[i]];
+    const Eigen::Vector3d world = surfel.position.cast<double>();
     const Eigen::Vector3d p = fixed.camera_from_world * world;
     if (!fixed.camera.in_front(p)) continue;
     const Eigen::Vector2d pixel = fixed.camera.project(p);
     if (!fixed.camera.contains(pixel)) continue;
     const Eigen::Vector3d q = moving.camera_from_world * world;
     if (!moving.camera.in_front(q) || !moving.camera.contains(moving.camera.project(q))) continue;
-    points.push_back({&pair.points[i], q, spot_at((*fixed.image)[level], size_of(fixed), pixel).value});
+    points.push_back({&surfel, q, spot_at((*fixed.image)[level], size_of(fixed), pixel).value});
   }
   return points;
 }
@@ -92,6 +93,18 @@ Residuals residuals(const std::vector<Point>& points, const PosedImage& moving, 
 double weight(double r, double scale) { return 1 / (1 + std::pow(r / (kCauchy * scale), 2)); }
 double cost(double r, double scale) { return std::log1p(std::pow(r / (kCauchy * scale), 2)); }
 
+// The sum of all costs, a logarithm for every eight.
+double cost(const std::vector<double>& residuals, double scale) {
+  double sum = 0, product = 1;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    product *= 1 + std::pow(residuals[i] / (kCauchy * scale), 2);
+    if (i % 8 != 7 && i + 1 < residuals.size()) continue;
+    sum += std::log(product);
+    product = 1;
+  }
+  return sum;
+}
+
 // Gauss-Newton on one level, from w on.
 Eigen::Vector3d refine(const std::vector<Point>& points, const PosedImage& moving, std::size_t level, double expected,
                        Eigen::Vector3d w) {
@@ -100,16 +113,15 @@ Eigen::Vector3d refine(const std::vector<Point>& points, const PosedImage& movin
   for (int i = 0; i < kIterations; ++i) {
     const Residuals now = residuals(points, moving, level, so3_exp(w + step));
     if (i == 0) scale = scale_of(now.r);
+    const double total = 0.5 * (w + step).squaredNorm() / (expected * expected) + 0.5 * kCauchy * kCauchy * cost(now.r, scale);
+    if (i > 0 && total >= best) return w;
     Eigen::Matrix3d H = Eigen::Matrix3d::Identity() / (expected * expected);
     Eigen::Vector3d g = (w + step) / (expected * expected);
-    double total = 0.5 * (w + step).squaredNorm() / (expected * expected);
     for (std::size_t k = 0; k < now.r.size(); ++k) {
       const double by = weight(now.r[k], scale) / (scale * scale);
       H += by * now.J[k].transpose() * now.J[k];
       g += by * now.r[k] * now.J[k].transpose();
-      total += 0.5 * kCauchy * kCauchy * cost(now.r[k], scale);
     }
-    if (i > 0 && total >= best) return w;
     best = total;
     w += step;
     step = -H.ldlt().solve(g);

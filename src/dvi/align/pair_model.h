@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -17,7 +19,8 @@ struct SurfacePoint {
 /// What two views are compared by: what both see of the map, taken where the moving one has texture.
 struct Pair {
   std::size_t moving = 0, fixed = 0;
-  std::vector<SurfacePoint> points;  ///< every fourth is held out
+  std::shared_ptr<const std::vector<SurfacePoint>> points;  ///< of all pairs of the moving view
+  std::vector<std::uint32_t> seen;                          ///< those that both see; every fourth is held out
 };
 
 /// A view as it is believed to be at this moment.

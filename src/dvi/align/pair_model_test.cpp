@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <numeric>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
@@ -27,8 +30,15 @@ class PairOfViews : public testing::Test {
       const Eigen::Vector3f& position = drive.map.points[k].position;
       const Eigen::Vector2d at = posed[0].camera.project(posed[0].camera_from_world * position.cast<double>());
       const bool clear = !cv::Rect(120, 80, 80, 80).contains(cv::Point(at.x(), at.y()));  // of the hole
-      if (clear && posed[0].camera.contains(at)) pair.points.push_back({position, {0, 0, -1}});
+      if (clear && posed[0].camera.contains(at)) points.push_back({position, {0, 0, -1}});
     }
+    look_at(points);
+  }
+  /// Compares the views by these points.
+  void look_at(const std::vector<SurfacePoint>& some) {
+    pair.points = std::make_shared<const std::vector<SurfacePoint>>(some);
+    pair.seen.resize(some.size());
+    std::iota(pair.seen.begin(), pair.seen.end(), 0U);
   }
   static PosedImage turned(PosedImage view, const Eigen::Vector3d& rotation) {
     view.camera_from_world = SE3{so3_exp(rotation), {0, 0, 0}} * view.camera_from_world;
@@ -40,7 +50,8 @@ class PairOfViews : public testing::Test {
   const ShakyDrive drive{2, {.jitter_deg = 0.2, .speed = {5, 0, 0}, .gain_step = 0.85}};
   const Eigen::Vector3d lacking = drive.errors[1];
   PosedImage posed[2];
-  Pair pair{1, 0, {}};
+  std::vector<SurfacePoint> points;
+  Pair pair{1, 0, {}, {}};
 };
 
 TEST_F(PairOfViews, FitFindsTheRotationThatIsLacking) {
@@ -71,7 +82,8 @@ TEST_F(PairOfViews, ModelIsSymmetricAndNeverNegative) {
 
 TEST_F(PairOfViews, HeldOutPointsHaveNoSayInTheFit) {
   const auto model = fit_pair(pair, posed[1], posed[0], 1, kExpected);
-  for (std::size_t i = 3; i < pair.points.size(); i += 4) pair.points[i].position.x() += 1;
+  for (std::size_t i = 3; i < points.size(); i += 4) points[i].position.x() += 1;
+  look_at(points);
   const auto misled = fit_pair(pair, posed[1], posed[0], 1, kExpected);
   ASSERT_TRUE(model && misled);
   EXPECT_EQ(best(*model), best(*misled));
@@ -96,9 +108,9 @@ TEST_F(PairOfViews, HeldOutPointsAgreeBetterAtTheTruth) {
 }
 
 TEST_F(PairOfViews, TooFewPointsGiveNoModel) {
-  pair.points.resize(kFewestPoints);  // a quarter of them is held out
+  pair.seen.resize(kFewestPoints);  // a quarter of them is held out
   EXPECT_FALSE(fit_pair(pair, posed[1], posed[0], 1, kExpected));
-  EXPECT_EQ(held_out({1, 0, {}}, posed[1], posed[0], 1).points, 0);
+  EXPECT_EQ(held_out({1, 0, {}, {}}, posed[1], posed[0], 1).points, 0);
 }
 
 }  // namespace
