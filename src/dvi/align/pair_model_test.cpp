@@ -29,7 +29,7 @@ class PairOfViews : public testing::Test {
     for (std::size_t k = 0; k < drive.map.points.size(); k += 7) {
       const Eigen::Vector3f& position = drive.map.points[k].position;
       const Eigen::Vector2d at = posed[0].camera.project(posed[0].camera_from_world * position.cast<double>());
-      const bool clear = !cv::Rect(120, 80, 80, 80).contains(cv::Point(at.x(), at.y()));  // of the hole
+      const bool clear = !cv::Rect(120, 80, 80, 80).contains(cv::Point(cvRound(at.x()), cvRound(at.y())));  // of the hole
       if (clear && posed[0].camera.contains(at)) points.push_back({position, {0, 0, -1}});
     }
     look_at(points);

@@ -13,22 +13,32 @@ namespace {
 using testing::HasSubstr;
 
 RunReport whole_report() {
-  RunReport report{.version = "1.2.3", .method = "dvi", .baseline = false};
-  DriveReport drive{.path = "/a/drive", .format = "folder", .camera = "front", .frames = 7, .scans = 9};
+  RunReport report;
+  report.version = "1.2.3";
+  report.method = "dvi";
+  DriveReport drive;
+  drive.path = "/a/drive";
+  drive.frames = 7;
+  drive.scans = 9;
   drive.poses.from = "loam";
   drive.poses.loam = SharpnessReport{0.01, 0.02, 30, 40};
-  drive.poses.odometry = OdometryReport{.rings = "file", .path_m = 12.5, .plane_features = 3, .edge_features = 4};
+  drive.poses.odometry.emplace();
+  drive.poses.odometry->path_m = 12.5;
   drive.poses.odometry->drift.lag_correction = LengthReport{0.001, 0.01};
-  drive.poses.odometry->scans.push_back({.state = "registered", .guess = "motion", .features = 5});
+  drive.poses.odometry->scans.emplace_back().features = 5;
   drive.alignment = DriveAlignmentReport{true, {0.1, 0.2, 0.3}};
   drive.warnings = {"a scan is missing"};
   report.drives = {drive};
-  report.frames = {{.number = 3,
-                    .name = "0003",
-                    .hole = {.pixels = 100, .copied = 60, .copied_elsewhere = 10, .interpolated = 25, .empty = 5},
-                    .exposure_gain = {1, 1.5F, 2}}};
+  FrameReport frame;
+  frame.number = 3;
+  frame.name = "0003";
+  frame.hole = {.pixels = 100, .copied = 60, .copied_elsewhere = 10, .interpolated = 25, .synthesised = 0, .empty = 5};
+  frame.exposure_gain = {1, 1.5F, 2};
+  report.frames = {frame};
   report.hole = report.frames[0].hole;
-  report.map = MapReport{.points = 1000, .counts = {.returns = 5000, .masked = 70}};
+  report.map.emplace();
+  report.map->points = 1000;
+  report.map->counts.returns = 5000;
   report.cost = {{{"map", 2, 3}, {"fill", 5, 9}}, {{"depth", 1.5}}, 2, 123'000'000};
   report.warnings = {"something"};
   return report;
