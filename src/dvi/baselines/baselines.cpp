@@ -7,7 +7,6 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/photo.hpp>
 
-#include "dvi/core/threads.h"
 #include "dvi/drive/warp.h"
 #include "dvi/harmonize/confidence.h"
 #include "dvi/harmonize/harmonize.h"

@@ -156,13 +156,11 @@ void OptionTable::add(std::string key, std::vector<double*> fields, Range range,
 }
 
 void OptionTable::add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc) {
-  add_text(
-      std::move(key), choices, [&field] { return field; },
-      [&field, choices](const std::string& text) {
-        if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) refuse_name(choices);
-        field = text;
-      },
-      std::move(doc));
+  auto set = [&field, choices](const std::string& text) {
+    if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) refuse_name(choices);
+    field = text;
+  };
+  add_text(std::move(key), std::move(choices), [&field] { return field; }, std::move(set), std::move(doc));
 }
 
 void OptionTable::add_text(std::string key, std::vector<std::string> choices, std::function<std::string()> get,

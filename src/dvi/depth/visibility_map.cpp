@@ -5,7 +5,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dvi/image/region.h"
 
 namespace dvi::depth {
 namespace {

@@ -45,16 +45,16 @@ struct Level {
     for (const float d : diagonal) inverse.push_back(d > 0 ? 1 / d : 0);
   }
   /// The neighbours' sum.
-  template <bool finest>
+  template <bool Finest>
   Colour pull(int i, const Field& of) const {
     const auto& [a, b, c, d] = neighbour[i];
-    if constexpr (finest) return of[a] + of[c] + vertical * (of[b] + of[d]);
+    if constexpr (Finest) return of[a] + of[c] + vertical * (of[b] + of[d]);
     const auto& [wa, wb, wc, wd] = weight[i];
     return wa * of[a] + wb * of[b] + wc * of[c] + wd * of[d];
   }
-  template <bool finest>
+  template <bool Finest>
   void relax(int first, int last) {
-    for (int i = first; i < last; ++i) x[i] = (right[i] + pull<finest>(i, x)) * inverse[i];
+    for (int i = first; i < last; ++i) x[i] = (right[i] + pull<Finest>(i, x)) * inverse[i];
   }
 };
 
@@ -154,31 +154,31 @@ class Multigrid {
  private:
   static constexpr int kCoarsest = 16;
 
-  template <bool finest>
+  template <bool Finest>
   void cycle(std::size_t depth) {
     Level& level = levels_[depth];
     const int reds = level.reds, all = level.size();
     for (int i = 0; i < reds; ++i) level.x[i] = level.right[i] * level.inverse[i];
-    level.relax<finest>(reds, all);
+    level.relax<Finest>(reds, all);
     if (depth + 1 == levels_.size()) {
       for (int sweep = 0; sweep < 10; ++sweep) {
-        level.relax<finest>(0, reds);
-        level.relax<finest>(reds, all);
+        level.relax<Finest>(0, reds);
+        level.relax<Finest>(reds, all);
       }
       for (int sweep = 0; sweep < 10; ++sweep) {
-        level.relax<finest>(reds, all);
-        level.relax<finest>(0, reds);
+        level.relax<Finest>(reds, all);
+        level.relax<Finest>(0, reds);
       }
     } else {
       Level& below = levels_[depth + 1];
       std::fill(below.right.begin(), below.right.end(), Colour::Zero());
       for (int i = 0; i < reds; ++i)  // the black ones have just been solved
-        below.right[level.parent[i]] += level.right[i] + level.pull<finest>(i, level.x) - level.diagonal[i] * level.x[i];
+        below.right[level.parent[i]] += level.right[i] + level.pull<Finest>(i, level.x) - level.diagonal[i] * level.x[i];
       cycle<false>(depth + 1);
       for (int i = 0; i < all; ++i) level.x[i] += below.x[level.parent[i]];
     }
-    level.relax<finest>(reds, all);
-    level.relax<finest>(0, reds);
+    level.relax<Finest>(reds, all);
+    level.relax<Finest>(0, reds);
   }
 
   std::vector<Level> levels_;

@@ -1,7 +1,6 @@
 #include "dvi/io/png_encode.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <cstring>
 #include <memory>

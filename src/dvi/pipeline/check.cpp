@@ -10,7 +10,7 @@
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/pipeline/forecast.h"
-#include "dvi/pipeline/report_json.h"
+#include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
 
 namespace dvi::pipeline {
 namespace {

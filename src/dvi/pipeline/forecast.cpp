@@ -6,7 +6,7 @@
 #include "dvi/io/write_image.h"
 #include "dvi/pipeline/make_map.h"
 #include "dvi/pipeline/make_views.h"
-#include "dvi/pipeline/report_json.h"
+#include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
 
 namespace dvi::pipeline {
 namespace {

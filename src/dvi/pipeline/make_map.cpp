@@ -5,7 +5,7 @@
 #include "dvi/core/error.h"
 #include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/map_files.h"
-#include "dvi/pipeline/report_json.h"
+#include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
 
 namespace dvi::pipeline {
 

@@ -9,7 +9,7 @@
 #include "dvi/core/version.h"
 #include "dvi/pipeline/frame_files.h"
 #include "dvi/pipeline/map_files.h"
-#include "dvi/pipeline/report_json.h"
+#include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
 #include "dvi/pipeline/result_media.h"
 
 namespace dvi::pipeline {

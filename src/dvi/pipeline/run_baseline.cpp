@@ -10,12 +10,12 @@ namespace {
 std::function<FilledView(std::size_t)> filler_of(const Job& job, const Views& views, CpuClock& cpu) {
   if (job.method == Method::flow)
     return [&, flows = baselines::hole_flows(views, job.options.flow)](std::size_t i) -> FilledView {
-      return {cpu.time("flow", baselines::flow_fill, views, i, flows, job.options.flow)};
+      return {cpu.time("flow", baselines::flow_fill, views, i, flows, job.options.flow), std::nullopt};
     };
   const baselines::Inpainting inpainting =
       job.method == Method::telea ? baselines::Inpainting::telea : baselines::Inpainting::navier_stokes;
   return [&, inpainting](std::size_t i) -> FilledView {
-    return {cpu.time("inpaint", baselines::inpaint_frame, views, i, inpainting)};
+    return {cpu.time("inpaint", baselines::inpaint_frame, views, i, inpainting), std::nullopt};
   };
 }
 
