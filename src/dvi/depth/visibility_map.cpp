@@ -5,7 +5,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-
 namespace dvi::depth {
 namespace {
 
