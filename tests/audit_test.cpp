@@ -12,8 +12,6 @@ namespace {
 
 using testing::HasSubstr;
 
-const cv::Size kSize(240, 136);
-
 class AuditCommand : public ProgramTest {
  protected:
   AuditCommand() {

@@ -14,8 +14,6 @@ namespace {
 
 using testing::HasSubstr;
 
-const cv::Size kSize(240, 136);
-
 class Methods : public ProgramTest {
  protected:
   nlohmann::json json(const std::string& file) const { return nlohmann::json::parse(read_file(folder / file)); }

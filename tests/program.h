@@ -8,6 +8,7 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <opencv2/core/types.hpp>
 
 #include "dvi/core/test_folder.h"
 
@@ -16,6 +17,9 @@ namespace dvi {
 /// A folder of its own for each test, gone after it.
 class ProgramTest : public testing::Test {
  protected:
+  /// Of the pictures of a small drive.
+  inline static const cv::Size kSize{240, 136};
+
   struct Result {
     int code = -1;
     std::string out, err;

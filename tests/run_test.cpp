@@ -13,8 +13,6 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-const cv::Size kSize(240, 136);
-
 class Run : public ProgramTest {
  protected:
   nlohmann::json report(const std::string& out = "out") const {

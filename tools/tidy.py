@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Runs clang-tidy on the .cpp files named on stdin, and remembers which passed.
+"""Runs clang-tidy on the .cpp files named on stdin, and remembers what passed.
 
-    tidy.py --build build/release [--jobs N]
+    tidy.py --build build/release [--jobs N] [--alone]
 
-A file that passed is left out until it, a header of the project that it includes, or .clang-tidy changes.
+Files of one room are read together: most of the time goes into the headers of libraries, which are then read once. With
+--alone each file is read by itself, for the checks that ask for it. What passed is left out until one of its files, a header
+of the project that they include, or .clang-tidy changes.
 """
 import argparse
 import hashlib
@@ -12,11 +14,16 @@ import re
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from itertools import groupby
 from pathlib import Path
 
 from check_layers import includes
 
 ROOT = Path(__file__).resolve().parent.parent
+PASSED = ROOT / "build" / "tidy"
+UNIT = 12  # files read together
+# The first looks at the main file only; the second grows with the square of the files read together.
+ALONE = ["misc-include-cleaner", "performance-unnecessary-value-param"]
 
 
 def with_headers(file, known=None):
@@ -30,9 +37,9 @@ def with_headers(file, known=None):
     return known
 
 
-def fingerprint(file):
-    digest = hashlib.sha256((ROOT / ".clang-tidy").read_bytes())
-    for part in sorted(with_headers(file)):
+def fingerprint(files, checks):
+    digest = hashlib.sha256((ROOT / ".clang-tidy").read_bytes() + checks.encode())
+    for part in sorted(set().union(*map(with_headers, files))):
         digest.update(str(part.relative_to(ROOT)).encode() + b"\0" + part.read_bytes())
     return digest.hexdigest()
 
@@ -43,36 +50,68 @@ def findings(output):
     return [block for block in blocks if block.strip() and "no header providing" not in block.splitlines()[0]]
 
 
-def tidy(file, build):
+def tidy(file, checks, build):
     """Empty if the file is in order."""
-    command = ["clang-tidy-19", "--quiet", "-p", build, "--extra-arg=-Wno-unknown-warning-option", file]
+    command = ["clang-tidy-19", "--quiet", "-p", build, f"--checks={checks}", "--extra-arg=-Wno-unknown-warning-option", file]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     broken = done.returncode != 0 and not done.stdout.strip()
     return done.stderr if broken else "".join(findings(done.stdout))
+
+
+class Unit:
+    """Files that are read together."""
+
+    def __init__(self, files, checks):
+        self.files, self.checks = files, checks
+        self.mark = PASSED / fingerprint(files, checks)
+        self.name = str(files[0].relative_to(ROOT)) + (f" and {len(files) - 1} more" if len(files) > 1 else "")
+
+    def tidy(self, build):
+        if len(self.files) == 1:
+            return tidy(self.files[0], self.checks, build)
+        source = self.mark.with_suffix(".cpp")
+        source.write_text("".join(f'#include "{file}"\n' for file in self.files))
+        try:
+            return tidy(source, self.checks, build)
+        finally:
+            source.unlink()
+
+
+def units(files, alone):
+    if alone:
+        return [Unit([file], "-*," + ",".join(ALONE)) for file in files]
+    checks = ",".join(f"-{check}" for check in ALONE)
+    rooms = groupby(sorted(files), key=lambda file: file.parent)
+    return [Unit(part, checks) for _, room in rooms for part in in_parts(list(room))]
+
+
+def in_parts(files):
+    """Of about the same size, none larger than a unit."""
+    count = -(-len(files) // UNIT)
+    return [files[len(files) * k // count:len(files) * (k + 1) // count] for k in range(count)]
 
 
 def main():
     arguments = argparse.ArgumentParser()
     arguments.add_argument("--build", required=True)
     arguments.add_argument("--jobs", type=int, default=os.cpu_count())
+    arguments.add_argument("--alone", action="store_true")
     arguments = arguments.parse_args()
 
-    passed = ROOT / "build" / "tidy"
-    passed.mkdir(parents=True, exist_ok=True)
-    files = [(ROOT / line.strip()) for line in sys.stdin if line.strip()]
-    marks = {file: passed / fingerprint(file) for file in files}
-    due = [file for file in files if not marks[file].exists()]
-    print(f"clang-tidy: {len(due)} of {len(files)} files are new or changed", flush=True)
+    PASSED.mkdir(parents=True, exist_ok=True)
+    every = units([ROOT / line.strip() for line in sys.stdin if line.strip()], arguments.alone)
+    due = [unit for unit in every if not unit.mark.exists()]
+    print(f"clang-tidy: {len(due)} of {len(every)} units are new or changed", flush=True)
 
     failed = 0
     with ThreadPoolExecutor(arguments.jobs) as pool:
-        for number, (file, output) in enumerate(zip(due, pool.map(lambda f: tidy(f, arguments.build), due)), 1):
-            print(f"[{number}/{len(due)}] {file.relative_to(ROOT)}{': FAILED' if output else ''}", flush=True)
+        for number, (unit, output) in enumerate(zip(due, pool.map(lambda u: u.tidy(arguments.build), due)), 1):
+            print(f"[{number}/{len(due)}] {unit.name}{': FAILED' if output else ''}", flush=True)
             if output:
                 failed += 1
                 print(output.replace(f"{ROOT}/", ""), flush=True)
             else:
-                marks[file].touch()
+                unit.mark.touch()
     return 1 if failed else 0
 
 

@@ -20,7 +20,7 @@ cv::Mat1f blurred(const cv::Mat1f& weighted, const cv::Mat1f& weight, double sig
   return above;
 }
 
-float bilinear(const cv::Mat1f& image, double x, double y) {
+float value_at(const cv::Mat1f& image, double x, double y) {
   const int x0 = std::clamp(static_cast<int>(x), 0, image.cols - 2), y0 = std::clamp(static_cast<int>(y), 0, image.rows - 2);
   const float u = static_cast<float>(x - x0), v = static_cast<float>(y - y0);
   const float *top = image[y0] + x0, *bottom = image[y0 + 1] + x0;
@@ -50,9 +50,9 @@ Spot spot_at(const cv::Mat1f& level, const cv::Size& image, const Eigen::Vector2
   const double sx = static_cast<double>(level.cols) / image.width, sy = static_cast<double>(level.rows) / image.height;
   const double x = std::clamp((pixel.x() + 0.5) * sx - 0.5, 1.0, level.cols - 2.0);
   const double y = std::clamp((pixel.y() + 0.5) * sy - 0.5, 1.0, level.rows - 2.0);
-  return {bilinear(level, x, y),
-          {0.5 * sx * (bilinear(level, x + 1, y) - bilinear(level, x - 1, y)),
-           0.5 * sy * (bilinear(level, x, y + 1) - bilinear(level, x, y - 1))}};
+  return {value_at(level, x, y),
+          {0.5 * sx * (value_at(level, x + 1, y) - value_at(level, x - 1, y)),
+           0.5 * sy * (value_at(level, x, y + 1) - value_at(level, x, y - 1))}};
 }
 
 }  // namespace dvi::align

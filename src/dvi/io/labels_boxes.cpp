@@ -11,7 +11,7 @@ namespace dvi::io {
 namespace {
 
 using nlohmann::json;
-constexpr int kVersion = 1;
+constexpr int kBoxesVersion = 1;
 
 Eigen::Vector3d vector(const json& value) {
   const auto v = value.get<std::array<double, 3>>();
@@ -34,9 +34,9 @@ LabelsByName read_boxes_json(const fs::path& file) {
   std::string name;
   try {
     const json document = json::parse(read_file(file));
-    if (document.at("version") != kVersion)
+    if (document.at("version") != kBoxesVersion)
       throw std::invalid_argument(
-          fmt::format("version is {}, and this program reads {}", document.at("version").dump(), kVersion));
+          fmt::format("version is {}, and this program reads {}", document.at("version").dump(), kBoxesVersion));
     for (const auto& [frame, boxes] : document.at("frames").items()) {
       name = frame;
       for (const json& box : boxes)

@@ -11,7 +11,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr double kNear = 1e-9;
+constexpr double kTolerance = 1e-9;
 
 // A camera that looks along the LiDAR's x, without an offset.
 Drive two_frames() {
@@ -48,7 +48,7 @@ TEST(Labels, ReadsTracklets) {
   EXPECT_EQ(van.track, 0);
   EXPECT_TRUE(van.box->frame_from_box.t.isApprox(Eigen::Vector3d(10, 3, -0.7)));
   EXPECT_EQ(van.box->size, Eigen::Vector3d(4.5, 1.8, 2));
-  EXPECT_NEAR(so3_log(van.box->frame_from_box.R).z(), 0.5, kNear);
+  EXPECT_NEAR(so3_log(van.box->frame_from_box.R).z(), 0.5, kTolerance);
   EXPECT_EQ(labels[1][1].track, 1);
 }
 
@@ -65,7 +65,7 @@ TEST(Labels, ReadsTrackingIntoLidarAxes) {
   EXPECT_EQ(car.track, 3);
   EXPECT_EQ(*car.rect, cv::Rect2d(1, 0, 2, 2));
   EXPECT_TRUE(car.box->frame_from_box.t.isApprox(Eigen::Vector3d(10, 2, -0.95)));
-  EXPECT_TRUE(car.box->frame_from_box.R.isApprox(Eigen::Matrix3d::Identity(), kNear));
+  EXPECT_TRUE(car.box->frame_from_box.R.isApprox(Eigen::Matrix3d::Identity(), kTolerance));
   EXPECT_EQ(car.box->size, Eigen::Vector3d(4, 1.6, 1.5));
   EXPECT_FALSE(labels[1].at(0).box);
 }
@@ -98,7 +98,7 @@ TEST(Labels, ReadsBoxesByName) {
   ASSERT_EQ(labels[1].size(), 1U);
   EXPECT_EQ(labels[1][0].type, "car");
   EXPECT_EQ(labels[1][0].box->frame_from_box.t, Eigen::Vector3d(1, 2, 3));
-  EXPECT_NEAR(so3_log(labels[1][0].box->frame_from_box.R).z(), 0.25, kNear);
+  EXPECT_NEAR(so3_log(labels[1][0].box->frame_from_box.R).z(), 0.25, kTolerance);
 }
 
 TEST(Labels, RefusesWhatItDoesNotKnow) {

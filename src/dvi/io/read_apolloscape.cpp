@@ -144,7 +144,7 @@ Scan read_scan(const ScanHeader& header) {
   return scan;
 }
 
-Recording read(const fs::path& path, const ReadOptions& options) {
+Recording read_apolloscape(const fs::path& path, const ReadOptions& options) {
   Recording recording;
   Drive& drive = recording.drive;
   drive.path = path;
@@ -173,14 +173,15 @@ Recording read(const fs::path& path, const ReadOptions& options) {
   return recording;
 }
 
-bool recognise(const fs::path& path) {
+bool recognise_apolloscape(const fs::path& path) {
   return fs::is_directory(path / "lidar_bg") && !(span_folders(path, "").empty() && span_folders(path, "_mask").empty());
 }
 
 }  // namespace
 
 DriveFormat apolloscape_format() {
-  return {"apolloscape", "lidar_bg, T0-T1 and T0-T1_mask beside each other, image/T.jpg", recognise, read};
+  return {"apolloscape", "lidar_bg, T0-T1 and T0-T1_mask beside each other, image/T.jpg", recognise_apolloscape,
+          read_apolloscape};
 }
 
 }  // namespace dvi::io

@@ -170,7 +170,7 @@ void set_camera(Drive& drive, const DriveConfig& config, bool depth) {
       header.time_ns += camera.offset_ns, header.start_ns = header.end_ns = header.time_ns;
 }
 
-Recording read(const fs::path& path, const ReadOptions& options) {
+Recording read_folder(const fs::path& path, const ReadOptions& options) {
   const DriveConfig config = read_config(path);
   Recording recording;
   Drive& drive = recording.drive;
@@ -210,7 +210,7 @@ Recording read(const fs::path& path, const ReadOptions& options) {
   return recording;
 }
 
-bool recognise(const fs::path& path) {
+bool recognise_folder(const fs::path& path) {
   const bool sensors = fs::is_directory(path / "lidar") || fs::is_directory(path / "depth");
   return fs::is_directory(path / "images") || (sensors && fs::exists(path / "dvi.toml"));
 }
@@ -218,7 +218,8 @@ bool recognise(const fs::path& path) {
 }  // namespace
 
 DriveFormat folder_format() {
-  return {"folder", "dvi.toml and images/CAMERA: the plain layout for your own data (docs/formats.md)", recognise, read};
+  return {"folder", "dvi.toml and images/CAMERA: the plain layout for your own data (docs/formats.md)", recognise_folder,
+          read_folder};
 }
 
 }  // namespace dvi::io

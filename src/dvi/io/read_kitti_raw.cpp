@@ -25,7 +25,7 @@ Numbered numbered_files(const fs::path& folder, const std::vector<std::string>& 
   return files;
 }
 
-Numbered images_of(const fs::path& drive, const std::string& camera) {
+Numbered numbered_images(const fs::path& drive, const std::string& camera) {
   return numbered_files(drive / camera / "data", {".png", ".jpg"});
 }
 
@@ -52,7 +52,7 @@ class Stamps {
 std::vector<Frame> read_frames(const fs::path& drive, const std::string& camera) {
   std::vector<Frame> frames;
   const Stamps stamps(drive / camera / "timestamps.txt");
-  for (const auto& [number, file] : images_of(drive, camera))
+  for (const auto& [number, file] : numbered_images(drive, camera))
     frames.push_back({number, file.stem().string(), stamps.of(number, file), file, {}});
   return frames;
 }
@@ -139,13 +139,13 @@ std::string full_name(const std::string& camera) {
   return all_digits(camera) && camera.size() <= 2 ? "image_0" + camera.substr(camera.size() - 1) : camera;
 }
 
-Recording read(const fs::path& path, const ReadOptions& options) {
+Recording read_kitti(const fs::path& path, const ReadOptions& options) {
   Recording recording;
   Drive& drive = recording.drive;
   drive.path = path;
   drive.format = "kitti-raw";
   for (const char* camera : {"image_00", "image_01", "image_02", "image_03"})
-    if (!images_of(path, camera).empty()) drive.camera_names.emplace_back(camera);
+    if (!numbered_images(path, camera).empty()) drive.camera_names.emplace_back(camera);
   if (drive.camera_names.empty()) throw InputError(path, "holds no images", "they belong into image_02/data");
   drive.camera_name = choose_camera(drive, full_name(options.camera), "image_02");
 
@@ -163,7 +163,7 @@ Recording read(const fs::path& path, const ReadOptions& options) {
   const Numbered packets = numbered_files(path / "oxts" / "data", {".txt"});
   read_oxts(drive, packets);
   const Numbered scans = numbered_files(path / "velodyne_points" / "data", {".bin"});
-  recording.gaps = find_gaps(drive, images_of(path, drive.camera_name), scans, packets);
+  recording.gaps = find_gaps(drive, numbered_images(path, drive.camera_name), scans, packets);
 
   Rotation rotation;  // clockwise, the front in the middle of the scan
   if (const auto config = read_drive_config(path)) {
@@ -177,7 +177,7 @@ Recording read(const fs::path& path, const ReadOptions& options) {
   return recording;
 }
 
-bool recognise(const fs::path& path) {
+bool recognise_kitti(const fs::path& path) {
   const std::string name = path.filename().string();
   if (name.find("_drive_") != std::string::npos && name.ends_with("_sync")) return true;
   const bool camera = fs::is_directory(path / "image_02" / "data") || fs::is_directory(path / "image_00" / "data");
@@ -187,7 +187,8 @@ bool recognise(const fs::path& path) {
 }  // namespace
 
 DriveFormat kitti_raw_format() {
-  return {"kitti-raw", "2011_09_26/2011_09_26_drive_0001_sync with image_02/data; calib_*.txt beside it", recognise, read};
+  return {"kitti-raw", "2011_09_26/2011_09_26_drive_0001_sync with image_02/data; calib_*.txt beside it", recognise_kitti,
+          read_kitti};
 }
 
 }  // namespace dvi::io

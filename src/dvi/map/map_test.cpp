@@ -12,7 +12,7 @@
 namespace dvi::map {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kMillisecond = 1'000'000;
 
 // A car at 10 m/s along x past points that stand still in the world; each is measured at its own time in the scan.
 struct MovingCar {
@@ -29,10 +29,10 @@ struct MovingCar {
       // A circle, so that constant twist between stamps is the exact motion.
       const double r = 10 / turn_rate;
       pose.t = {r * std::sin(turn_rate * t), r * (1 - std::cos(turn_rate * t)), 0};
-      stamped.push_back({i * 100 * kMs, pose});
+      stamped.push_back({i * 100 * kMillisecond, pose});
     }
     poses = Trajectory(stamped);
-    header = {"0", 0, -50 * kMs, 50 * kMs, {}};
+    header = {"0", 0, -50 * kMillisecond, 50 * kMillisecond, {}};
     Random random(4);
     for (int i = 0; i < 500; ++i) {
       world.push_back({random.uniform(5, 40), random.uniform(-15, 15), random.uniform(-1, 5)});
@@ -54,7 +54,7 @@ TEST(Deskew, PutsPointsWhereTheyStood) {
 
 TEST(Deskew, SaysWhereThereIsNoPose) {
   MovingCar car;
-  car.header.time_ns = 10'000 * kMs;
+  car.header.time_ns = 10'000 * kMillisecond;
   EXPECT_TRUE(to_world(car.scan, car.header, car.poses).empty());
 }
 
@@ -65,7 +65,7 @@ Drive wall_drive() {
   drive.camera_from_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
   drive.frames.resize(1);
   drive.frames[0].time_ns = 0;
-  drive.scan_headers.push_back({"0", 0, -50 * kMs, 50 * kMs, {}});
+  drive.scan_headers.push_back({"0", 0, -50 * kMillisecond, 50 * kMillisecond, {}});
   drive.scans = Lazy<Scan>(1, 1, [](std::size_t) {
     Scan scan;
     const auto add = [&](float x, float y, float z) {
@@ -82,7 +82,7 @@ Drive wall_drive() {
   return drive;
 }
 
-Trajectory standing() { return Trajectory({{-200 * kMs, {}}, {200 * kMs, {}}}); }
+Trajectory standing() { return Trajectory({{-200 * kMillisecond, {}}, {200 * kMillisecond, {}}}); }
 
 Lazy<cv::Mat1b> one_mask(const cv::Rect& hole) {
   return {1, 1, [hole](std::size_t) {

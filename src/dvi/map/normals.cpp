@@ -9,8 +9,8 @@
 namespace dvi::map {
 namespace {
 
-constexpr double kCell = 0.2;    // metres
-constexpr int kFewest = 6;       // points
+constexpr double kNeighbourhood = 0.2;  // metres
+constexpr int kFewest = 6;              // points
 constexpr float kWidth = 0.08F;  // metres, standard deviation: a strip narrower than four times the range noise has no normal
 constexpr float kFlat = 0.25F;   // a plane's smallest variance is at most this share of the middle one
 
@@ -25,7 +25,8 @@ Eigen::Vector3f normal_at(const Cells& cells, const Eigen::Vector3i& place) {
   Moments<float> all;
   for (int i = 0; i < 27; ++i) {
     const Eigen::Vector3i step(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-    if (const Cell* cell = cells.look(place + step)) all.add(cell->moments, step.cast<float>() * static_cast<float>(kCell));
+    if (const Cell* cell = cells.look(place + step))
+      all.add(cell->moments, step.cast<float>() * static_cast<float>(kNeighbourhood));
   }
   if (all.count < kFewest) return Eigen::Vector3f::Zero();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
@@ -38,7 +39,7 @@ Eigen::Vector3f normal_at(const Cells& cells, const Eigen::Vector3i& place) {
 }  // namespace
 
 void add_normals(StaticMap& map) {
-  Cells cells(kCell, map.scratch());
+  Cells cells(kNeighbourhood, map.scratch());
   for (const MapPoint& point : map.points) {
     const Eigen::Vector3d x = point.position.cast<double>();
     cells.at(x).moments.add((x - cells.centre(cells.place(x))).cast<float>());

@@ -9,11 +9,11 @@
 namespace dvi::odometry {
 namespace {
 
-constexpr std::size_t kSide = 5;  // neighbours either side
-constexpr float kJump = 0.03F;    // of the range: what parts two things along a beam
-constexpr float kSmooth = 0.03F;  // metres off the chord: still smooth
-constexpr float kBent = 0.12F;    // metres off the chord: a corner
-constexpr float kThin = 0.4F;     // metres, the widest pole
+constexpr std::size_t kSide = 5;     // neighbours either side
+constexpr float kRangeJump = 0.03F;  // of the range: what parts two things along a beam
+constexpr float kSmooth = 0.03F;     // metres off the chord: still smooth
+constexpr float kBent = 0.12F;       // metres off the chord: a corner
+constexpr float kThin = 0.4F;        // metres, the widest pole
 
 // One beam, with the ends of its unbroken runs.
 class Beam {
@@ -41,7 +41,7 @@ class Beam {
   Feature feature(std::size_t k) const { return {at(k), scan_.time[index_[k]]}; }
 
   bool breaks_after(std::size_t k) const {
-    const float step = std::max(0.15F, kJump * range_[k]);
+    const float step = std::max(0.15F, kRangeJump * range_[k]);
     return (at(k + 1) - at(k)).squaredNorm() > step * step;
   }
 

@@ -5,7 +5,7 @@
 namespace dvi::odometry {
 namespace {
 
-constexpr int kFewest = 6;  // points in a voxel
+constexpr int kFewestPoints = 6;  // points in a voxel
 
 }  // namespace
 
@@ -27,7 +27,7 @@ const Shape* LocalMap::at(const Eigen::Vector3d& point, int thin) {
 }
 
 const Shape* LocalMap::shape_of(Voxel& voxel) const {
-  if (voxel.moments.count < kFewest) return nullptr;
+  if (voxel.moments.count < kFewestPoints) return nullptr;
   if (!voxel.fitted) fit(voxel);
   return voxel.shape.thin > 0 ? &voxel.shape : nullptr;
 }

@@ -19,12 +19,12 @@ constexpr double kPlace = 15, kPlaceStep = 2.5;                    // the map of
 constexpr double kCheck = 3;                                       // before the later scan: one that must agree
 constexpr double kGrid = 1, kTurn = 0.035, kLargestTurn = 0.12;    // starts
 constexpr std::size_t kBestStarts = 3, kEveryFeature = 4;
-constexpr double kLeastShare = 0.7, kMostResidual = 1.3;  // of those of a scan of the place itself ...
-constexpr double kLeastOwnShare = 0.1;                    // ... which must see something that stands
-constexpr double kAgree = 0.15, kAgreeTurn = 0.01;        // the two scans with odometry between them
-constexpr double kLoop = 0.02, kLoopTurn = 0.001;         // standard deviations: of a loop,
-constexpr double kStep = 0.005, kStepTurn = 0.0003;       // of odometry's steps,
-constexpr double kLostStep = 1, kLostStepTurn = 0.05;     // and of those to scans that it lost; on top of registration's own
+constexpr double kLeastLoopShare = 0.7, kMostResidual = 1.3;  // of those of a scan of the place itself ...
+constexpr double kLeastOwnShare = 0.1;                        // ... which must see something that stands
+constexpr double kLoopAgree = 0.15, kLoopAgreeTurn = 0.01;    // the two scans with odometry between them
+constexpr double kLoop = 0.02, kLoopTurn = 0.001;             // standard deviations: of a loop,
+constexpr double kStep = 0.005, kStepTurn = 0.0003;           // of odometry's steps,
+constexpr double kLostStep = 1, kLostStepTurn = 0.05;  // and of those to scans that it lost; on top of registration's own
 
 /// The scans that odometry gave poses to, by their place in the trajectory.
 struct Course {
@@ -159,7 +159,7 @@ class LoopFinder {
   }
 
   static bool fits(const Fit& fit, const Fit& own) {
-    return fit.registration.degenerate == 0 && fit.share > kLeastShare * own.share &&
+    return fit.registration.degenerate == 0 && fit.share > kLeastLoopShare * own.share &&
            fit.registration.residual_m < kMostResidual * own.registration.residual_m;
   }
 
@@ -210,7 +210,7 @@ class LoopFinder {
     const SE3 expected = found * (course_.pose[later].inverse() * course_.pose[k]);
     const Fit other = fit(features(k).sparse, expected, k, place, 4);
     const SE3 off = expected.inverse() * other.registration.world_from_lidar;
-    return fits(other, own) && off.t.norm() < kAgree && so3_log(off.R).norm() < kAgreeTurn;
+    return fits(other, own) && off.t.norm() < kLoopAgree && so3_log(off.R).norm() < kLoopAgreeTurn;
   }
 
   const Drive& drive_;

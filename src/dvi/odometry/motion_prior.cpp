@@ -8,9 +8,10 @@
 namespace dvi::odometry {
 namespace {
 
-constexpr int kAround = 2;                       // stretches looked at before and after
-constexpr std::size_t kFewest = 3;               // of all five, to tell a jump by
-constexpr double kJump = 1.5, kTurnJump = 0.25;  // metres and radians a second: more than braking and turning in do in 0.2 s
+constexpr int kAround = 2;               // stretches looked at before and after
+constexpr std::size_t kFewestSteps = 3;  // of all five, to tell a jump by
+constexpr double kSpeedJump = 1.5,
+                 kTurnJump = 0.25;  // metres and radians a second: more than braking and turning in do in 0.2 s
 
 }  // namespace
 
@@ -26,13 +27,13 @@ std::optional<SE3> MotionPrior::motion(std::int64_t earlier_ns, std::int64_t lat
   std::vector<Vector6d> around;
   for (int k = -kAround; k <= kAround; ++k)
     if (const std::optional<SE3> other = step(k)) around.push_back(se3_log(*other));
-  if (around.size() < kFewest) return std::nullopt;
+  if (around.size() < kFewestSteps) return std::nullopt;
   const double seconds = 1e-9 * static_cast<double>(span);
   const Vector6d twist = se3_log(*here);
   for (int axis = 0; axis < 6; ++axis) {
     std::vector<double> values;
     for (const Vector6d& other : around) values.push_back(other[axis]);
-    if (std::abs(twist[axis] - median(values)) > (axis < 3 ? kJump : kTurnJump) * seconds) return std::nullopt;
+    if (std::abs(twist[axis] - median(values)) > (axis < 3 ? kSpeedJump : kTurnJump) * seconds) return std::nullopt;
   }
   return here;
 }

@@ -54,7 +54,7 @@ TEST(LocalMap, TakesBackWhatWasAdded) {
 }
 
 /// The pose of the middle of scan i in the frame of the first, as it was.
-SE3 truth(const Trajectory& path, std::size_t i) {
+SE3 truth_from_start(const Trajectory& path, std::size_t i) {
   return path.at(0)->inverse() * *path.at(static_cast<std::int64_t>(i) * TestStreet::kScanPeriod);
 }
 
@@ -82,7 +82,9 @@ TEST(Odometry, FollowsABendFromAColdStart) {
   for (std::size_t i = 1; i < 6; ++i) {
     const auto step = [&](const SE3& a, const SE3& b) { return (a.inverse() * b).t; };
     const auto& poses = found.world_from_lidar.poses();
-    EXPECT_LT((step(poses[i - 1].world_from_body, poses[i].world_from_body) - step(truth(path, i - 1), truth(path, i))).norm(),
+    EXPECT_LT((step(poses[i - 1].world_from_body, poses[i].world_from_body) -
+               step(truth_from_start(path, i - 1), truth_from_start(path, i)))
+                  .norm(),
               0.03)
         << i;
   }

@@ -9,8 +9,8 @@ namespace {
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
-constexpr double kTurn = 2 * std::numbers::pi;
-constexpr std::size_t kFewest = 8, kMost = 160;  // beams of a LiDAR
+constexpr double kFullTurn = 2 * std::numbers::pi;
+constexpr std::size_t kFewestBeams = 8, kMostBeams = 160;  // beams of a LiDAR
 
 float elevation(const Eigen::Vector3f& p) { return std::atan2(p.z(), std::hypot(p.x(), p.y())); }
 
@@ -27,7 +27,7 @@ void sort_by_time(Lists& lists, const Scan& scan) {
 
 // Within a beam the elevation hardly changes, against what it does from beam to beam.
 bool are_beams(const Lists& lists, const Scan& scan) {
-  if (lists.size() < kFewest || lists.size() > kMost) return false;
+  if (lists.size() < kFewestBeams || lists.size() > kMostBeams) return false;
   float low = 10, high = -10;
   double change = 0;
   std::size_t count = 0;
@@ -52,18 +52,19 @@ Lists by_turns(const Scan& scan) {
   constexpr double kBack = 0.05;  // radians that a return may lie behind the one before
   const auto azimuth = [&](std::size_t i) { return std::atan2(scan.points[i].y(), scan.points[i].x()); };
   std::size_t forward = 0;
-  for (std::size_t i = 1; i < scan.size(); i += 16) forward += std::remainder(azimuth(i) - azimuth(i - 1), kTurn) > 0 ? 1 : 0;
+  for (std::size_t i = 1; i < scan.size(); i += 16)
+    forward += std::remainder(azimuth(i) - azimuth(i - 1), kFullTurn) > 0 ? 1 : 0;
   const double sign = 32 * forward > scan.size() ? 1 : -1;
   Lists lists(1);
   double turned = 0, before = azimuth(0);
   for (std::uint32_t i = 0; i < scan.size(); ++i) {
     const double now = azimuth(i);
     double step = sign * (now - before);
-    step -= kTurn * std::floor((step + kBack) / kTurn);
+    step -= kFullTurn * std::floor((step + kBack) / kFullTurn);
     before = now;
     turned += step;
-    if (turned >= kTurn * static_cast<double>(lists.size())) {
-      if (lists.size() == kMost) return {};
+    if (turned >= kFullTurn * static_cast<double>(lists.size())) {
+      if (lists.size() == kMostBeams) return {};
       lists.emplace_back();
     }
     lists.back().push_back(i);
@@ -76,7 +77,7 @@ Lists by_elevation(const Scan& scan) {
   constexpr double kBin = 0.05 * std::numbers::pi / 180;
   constexpr int kBins = 3600;  // from straight down to straight up
   const auto bin_of = [&](std::size_t i) {
-    return std::clamp(static_cast<int>((elevation(scan.points[i]) + 0.25 * kTurn) / kBin), 0, kBins - 1);
+    return std::clamp(static_cast<int>((elevation(scan.points[i]) + 0.25 * kFullTurn) / kBin), 0, kBins - 1);
   };
   std::vector<std::size_t> histogram(kBins, 0);
   for (std::size_t i = 0; i < scan.size(); ++i) ++histogram[static_cast<std::size_t>(bin_of(i))];
@@ -93,7 +94,7 @@ Lists by_elevation(const Scan& scan) {
     last = b;
   }
   const auto count = static_cast<std::size_t>(groups);
-  if (count < kFewest || count > kMost || 2 * filled > last - first) return {};
+  if (count < kFewestBeams || count > kMostBeams || 2 * filled > last - first) return {};
   Lists lists(count);
   for (std::uint32_t i = 0; i < scan.size(); ++i)
     if (const int g = group[static_cast<std::size_t>(bin_of(i))]; g >= 0) lists[static_cast<std::size_t>(g)].push_back(i);

@@ -16,8 +16,8 @@ namespace dvi::odometry {
 namespace {
 
 constexpr std::size_t kStretch = 20, kStretches = 3;  // scans
-constexpr std::size_t kEvery = 2;                     // of the points
-constexpr float kNear = 3, kFar = 40;                 // metres
+constexpr std::size_t kPointStep = 2;                 // of the points
+constexpr float kNearest = 3, kFarthest = 40;         // metres
 constexpr double kPatch = 0.8;                        // metres, edge of the cubes
 constexpr double kTolerance = 0.2;                    // metres off the plane: another thing
 constexpr double kLeastInside = 0.85;                 // of a patch's points
@@ -107,13 +107,13 @@ Sharpness sharpness(const Drive& drive, const Trajectory& world_from_lidar, cons
     const std::size_t last = std::min(first + kStretch, drive.scan_headers.size());
     for (std::size_t i = first; i < last; ++i) {
       const std::shared_ptr<const Scan> scan = drive.scans[i];
-      const std::vector<Eigen::Vector3d> world = to_world(*scan, drive.scan_headers[i], world_from_lidar, kEvery);
+      const std::vector<Eigen::Vector3d> world = to_world(*scan, drive.scan_headers[i], world_from_lidar, kPointStep);
       if (!here_from_world && !world.empty()) here_from_world = world_from_lidar.at(drive.scan_headers[i].time_ns)->inverse();
       VoxelKey last_key = 0;
       Patch* patch = nullptr;  // neighbours of a beam mostly lie in one
-      for (std::size_t k = 0; k < world.size(); k += kEvery) {
+      for (std::size_t k = 0; k < world.size(); k += kPointStep) {
         const float range = scan->points[k].norm();
-        if (range < kNear || range > kFar) continue;
+        if (range < kNearest || range > kFarthest) continue;
         const Eigen::Vector3d p = *here_from_world * world[k];
         const VoxelKey key = voxel_key(p, kPatch);
         if (patch == nullptr || key != last_key) patch = &patches[key];

@@ -151,10 +151,10 @@ void from_json(const json& j, CostReport& cost) {
 
 namespace {
 
-constexpr const char* kSchema = "dvi-report/1";
+constexpr const char* kReportSchema = "dvi-report/1";
 
 void to_json(json& j, const RunReport& report) {
-  j = {{"schema", kSchema},           {"version", report.version}, {"method", report.method}, {"baseline", report.baseline},
+  j = {{"schema", kReportSchema},     {"version", report.version}, {"method", report.method}, {"baseline", report.baseline},
        {"drives", report.drives},     {"hole", report.hole},       {"map", report.map},       {"cost", report.cost},
        {"warnings", report.warnings}, {"frames", report.frames}};
 }

@@ -15,7 +15,7 @@
 namespace dvi::pipeline {
 namespace {
 
-constexpr const char* kSchema = "dvi-result/1";
+constexpr const char* kResultSchema = "dvi-result/1";
 
 fs::path job_file(const fs::path& out) { return out / ".dvi/job.json"; }
 
@@ -73,7 +73,7 @@ ResultFolder::ResultFolder(const Job& job, const Recordings& drives)
     : job_(job), drives_(drives), out_(job.out), identity_(identity_of(drives)), fingerprint_(fingerprint_of(job, drives)) {
   if (!fs::exists(job_file(out_))) return;
   const nlohmann::json old = nlohmann::json::parse(read_file(job_file(out_)), nullptr, false);
-  const bool ours = old.is_object() && old.value("schema", "") == kSchema && old.value("identity", "") == identity_;
+  const bool ours = old.is_object() && old.value("schema", "") == kResultSchema && old.value("identity", "") == identity_;
   if (!ours && !job.force)
     throw InputError(out_, "is the result of another drive", "choose another folder, or --force to replace it");
   same_ = ours && old.value("fingerprint", "") == fingerprint_;
@@ -103,7 +103,7 @@ void ResultFolder::claim() {
     fs::remove(out_ / "report.json");  // it tells of other frames, and marks a result as whole
   }
   make_folder(out_ / ".dvi/frames");
-  const nlohmann::json job{{"schema", kSchema}, {"identity", identity_}, {"fingerprint", fingerprint_}};
+  const nlohmann::json job{{"schema", kResultSchema}, {"identity", identity_}, {"fingerprint", fingerprint_}};
   write_file(job_file(out_), job.dump(1) + "\n");
 }
 

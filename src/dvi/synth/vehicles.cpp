@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPixelsPerMetre = 100;
+constexpr double kBodyPixelsPerMetre = 100;
 const cv::Scalar kTyre(24, 24, 25), kGlass(62, 52, 45), kPlate(226, 228, 226), kRed(40, 35, 200);
 
 TexturePtr finish(Canvas& canvas, Random& random, const Noise& noise, double amplitude = 3.5) {
@@ -41,7 +41,7 @@ void paint_wheel(Canvas& canvas, double x, double radius) {
 
 // Front to the left; wheels and a gap below the body.
 TexturePtr paint_side(Random random, const Noise& noise, const cv::Scalar& colour, double length, double height, double sill) {
-  Canvas canvas(length, height, kPixelsPerMetre, colour);
+  Canvas canvas(length, height, kBodyPixelsPerMetre, colour);
   canvas.cut_below(sill);
   canvas.box(0, sill, length, 0.14, colour * 0.45);
   canvas.line(0, 0.72 * height, length, 0.76 * height, colour * 1.25, 3);
@@ -58,7 +58,7 @@ TexturePtr paint_side(Random random, const Noise& noise, const cv::Scalar& colou
 }
 
 TexturePtr paint_end(Random random, const Noise& noise, const cv::Scalar& colour, double width, double height, bool front) {
-  Canvas canvas(width, height, kPixelsPerMetre, colour);
+  Canvas canvas(width, height, kBodyPixelsPerMetre, colour);
   canvas.box(0, 0, width, 0.3 * height, colour * 0.5);
   canvas.line(0, 0.33 * height, width, 0.33 * height, colour * 0.35, 2);
   const cv::Scalar lamp = front ? cv::Scalar(220, 225, 228) : kRed;
@@ -74,7 +74,7 @@ TexturePtr paint_end(Random random, const Noise& noise, const cv::Scalar& colour
 }
 
 TexturePtr paint_glass(Random random, const Noise& noise, const cv::Scalar& colour, double width, double height, int bars) {
-  Canvas canvas(width, height, kPixelsPerMetre, colour);
+  Canvas canvas(width, height, kBodyPixelsPerMetre, colour);
   canvas.box(0.06, 0.04, width - 0.12, height - 0.1, kGlass);
   canvas.box(0.06, 0.55 * height, width - 0.12, 0.45 * height - 0.06, kGlass * 1.6);
   canvas.line(0.25 * width, 0.06, 0.5 * width, height - 0.08, {140, 135, 128}, 5);
