@@ -9,17 +9,17 @@ Cameras::Cameras(const Views& given) : views(given.size()) {
   for (const View& view : given.views) camera_from_world.push_back(view.camera_from_world);
 }
 
-Cameras align(const Views& views, const map::StaticMap& map, const AlignOptions& options, const Tick& tick) {
+Cameras align(const Views& views, const map::VisibleMap& map, const AlignOptions& options, const Tick& tick) {
   Cameras out(views);
   if (!options.enabled) return out;
   for (int drive = 0;; ++drive) {
     const auto [first, last] = views.of_drive(drive);
     if (first == last) return out;
     if (options.method == AlignMethod::paper) {
-      search_as_published(views, map, first, last, options, tick, out);
+      search_as_published({views, map, first, last}, options, tick, out);
       out.drives.push_back({.kept = true});
     } else {
-      align_jointly(views, map, first, last, options, tick, out);
+      align_jointly({views, map, first, last}, options, tick, out);
     }
   }
 }

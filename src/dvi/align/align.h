@@ -8,7 +8,7 @@
 #include "dvi/core/interrupt.h"
 #include "dvi/core/options.h"
 #include "dvi/drive/view.h"
-#include "dvi/map/static_map.h"
+#include "dvi/map/visible_points.h"
 
 namespace dvi::align {
 
@@ -67,7 +67,7 @@ struct Cameras {
 /// Refines the poses of all views, drive by drive, by the colours that several views give the same map points: see
 /// docs/algorithms/align.md. An update is kept only if points that it was not made from agree better after it. Ticks
 /// align_steps() times.
-Cameras align(const Views& views, const map::StaticMap& map, const AlignOptions& options, const Tick& tick = [] {});
+Cameras align(const Views& views, const map::VisibleMap& map, const AlignOptions& options, const Tick& tick = [] {});
 
 std::size_t align_steps(const Views& views, const AlignOptions& options);
 

@@ -19,7 +19,7 @@ const Shake kExact{}, kJitter{.jitter_deg = 0.2};
 TEST(Align, FindsTheJitterOfAllFramesTogether) {
   ShakyDrive drive(10, kJitter);
   EXPECT_GT(drive.residual_deg(std::vector<ViewAlignment>(10)), 0.08);
-  const Cameras found = align(drive.views, drive.map, {});
+  const Cameras found = align(drive.views, {drive.map, drive.views}, {});
   EXPECT_LT(drive.residual_deg(found.views), 0.015);
   EXPECT_TRUE(found.drives.at(0).kept);
   EXPECT_THAT(found.warnings, IsEmpty());
@@ -31,18 +31,19 @@ TEST(Align, FindsTheJitterOfAllFramesTogether) {
 
 TEST(Align, LeavesExactPosesAsTheyAre) {
   ShakyDrive drive(8, kExact);
-  for (const ViewAlignment& a : align(drive.views, drive.map, {}).views) EXPECT_LT(a.rotation.norm(), 4e-5);  // .002 degrees
+  for (const ViewAlignment& a : align(drive.views, {drive.map, drive.views}, {}).views)
+    EXPECT_LT(a.rotation.norm(), 4e-5);  // .002 degrees
 }
 
 TEST(Align, FramesMayBeExposedDifferently) {
   ShakyDrive drive(8, {.jitter_deg = 0.2, .gain_step = 0.9});
-  EXPECT_LT(drive.residual_deg(align(drive.views, drive.map, {}).views), 0.015);
+  EXPECT_LT(drive.residual_deg(align(drive.views, {drive.map, drive.views}, {}).views), 0.015);
 }
 
 TEST(Align, PosesOfTheViewsAreCorrected) {
   ShakyDrive drive(6, kJitter);
   const Views& given = drive.views;
-  const Cameras found = align(drive.views, drive.map, {});
+  const Cameras found = align(drive.views, {drive.map, drive.views}, {});
   for (std::size_t i = 0; i < 6; ++i) {
     const Eigen::Matrix3d expected = so3_exp(found.views[i].rotation) * given[i].camera_from_world.R;
     EXPECT_LT((found.camera_from_world[i].R - expected).norm(), 1e-9);
@@ -52,7 +53,7 @@ TEST(Align, PosesOfTheViewsAreCorrected) {
 
 TEST(Align, SwitchedOffItDoesNothing) {
   ShakyDrive drive(3, kJitter);
-  const Cameras found = align(drive.views, drive.map, {.enabled = false});
+  const Cameras found = align(drive.views, {drive.map, drive.views}, {.enabled = false});
   EXPECT_EQ(found.views[1].rotation, Eigen::Vector3d::Zero());
   EXPECT_EQ(found.camera_from_world[1].R, drive.views[1].camera_from_world.R);
 }
@@ -60,7 +61,9 @@ TEST(Align, SwitchedOffItDoesNothing) {
 TEST(Align, WithoutSharedPointsNothingMovesAndIsSaid) {
   ShakyDrive drive(3, {.jitter_deg = 0.2, .hole = {0, 0, 320, 240}});  // masks cover whole frames
   ShakyDrive empty(3, kJitter);
-  for (const Cameras& found : {align(drive.views, drive.map, {}), align(empty.views, map::StaticMap{}, {})}) {
+  const map::StaticMap no_map;
+  for (const Cameras& found :
+       {align(drive.views, {drive.map, drive.views}, {}), align(empty.views, {no_map, empty.views}, {})}) {
     for (const ViewAlignment& a : found.views) {
       EXPECT_EQ(a.points, 0);
       EXPECT_EQ(a.rotation, Eigen::Vector3d::Zero());
@@ -71,12 +74,12 @@ TEST(Align, WithoutSharedPointsNothingMovesAndIsSaid) {
 
 TEST(Align, OneFrameAloneStaysAsItIs) {
   ShakyDrive drive(1, kJitter);
-  EXPECT_EQ(align(drive.views, drive.map, {}).views[0].rotation, Eigen::Vector3d::Zero());
+  EXPECT_EQ(align(drive.views, {drive.map, drive.views}, {}).views[0].rotation, Eigen::Vector3d::Zero());
 }
 
 TEST(Align, ACameraThatStandsStillHasItsJitterFoundOnly) {
   ShakyDrive drive(8, {.jitter_deg = 0.2, .speed = {0, 0, 0}});
-  const Cameras found = align(drive.views, drive.map, {});
+  const Cameras found = align(drive.views, {drive.map, drive.views}, {});
   EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("hardly moves")));
   for (const ViewAlignment& a : found.views) EXPECT_LT(a.offset_after_px, 0.2);
 }
@@ -84,14 +87,14 @@ TEST(Align, ACameraThatStandsStillHasItsJitterFoundOnly) {
 TEST(Align, PosesThatDoNotFitAreSaid) {
   ShakyDrive drive(10, {.speed = {0, 0, 5}});
   for (View& view : drive.views.views) view.camera_from_world.t.z() *= -1;  // backwards
-  EXPECT_THAT(align(drive.views, drive.map, {}).warnings, ElementsAre(HasSubstr("misplaced")));
+  EXPECT_THAT(align(drive.views, {drive.map, drive.views}, {}).warnings, ElementsAre(HasSubstr("misplaced")));
 }
 
 TEST(Align, AClockThatIsOffIsSaid) {
   for (const double seconds : {-0.2, 0.0, 0.2}) {
     ShakyDrive drive(10, {.speed = {0, 0, 5}});
     for (View& view : drive.views.views) view.camera_from_world.t.z() -= 5 * seconds;  // the place so much later
-    const Cameras found = align(drive.views, drive.map, {});
+    const Cameras found = align(drive.views, {drive.map, drive.views}, {});
     if (seconds == 0)
       EXPECT_THAT(found.warnings, IsEmpty());
     else
@@ -104,7 +107,7 @@ TEST(Align, ThePublishedSearchFindsOneFrameAmongExactOnes) {
   const Eigen::Matrix3d off = so3_exp({0.0032, -0.0021, 0});
   drive.views.views[1].camera_from_world.R = off.transpose() * exact.views[1].camera_from_world.R;
   drive.views.views[1].camera_from_world.t = off.transpose() * exact.views[1].camera_from_world.t;
-  const Cameras found = align(drive.views, drive.map, {.method = AlignMethod::paper});
+  const Cameras found = align(drive.views, {drive.map, drive.views}, {.method = AlignMethod::paper});
   EXPECT_NEAR(found.views[1].rotation.x(), 0.0032, 2e-4);
   EXPECT_NEAR(found.views[1].rotation.y(), -0.0021, 2e-4);
 }
@@ -114,7 +117,7 @@ TEST(Align, SameWhateverTheThreads) {
   for (int threads : {1, 2}) {
     const ThreadLimit limit(threads);
     ShakyDrive drive(6, kJitter);
-    found[threads - 1] = align(drive.views, drive.map, {});
+    found[threads - 1] = align(drive.views, {drive.map, drive.views}, {});
   }
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(found[0].views[i].rotation, found[1].views[i].rotation);
 }

@@ -35,13 +35,11 @@ using Poses = std::vector<SE3>;  // camera_from_world, of a drive's views
 
 class Chain {
  public:
-  Chain(const Views& views, const map::StaticMap& map, std::size_t first, std::size_t last, const AlignOptions& options)
-      : views_(views), map_(map), first_(first), count_(last - first), options_(options) {
-    const double caught =
-        kLeastCaught * std::max(radians(options.rotation_deg), radians(options.mounting_deg)) * views[first].camera.fx;
-    while (caught > 2 * std::exp2(coarsest_) &&
-           std::min(views[first].camera.width, views[first].camera.height) >> coarsest_ > 64)
-      ++coarsest_;
+  Chain(const DriveViews& drive, const AlignOptions& options)
+      : views_(drive.views), map_(drive.map), first_(drive.first), count_(drive.last - drive.first), options_(options) {
+    const Camera& camera = views_[first_].camera;
+    const double caught = kLeastCaught * std::max(radians(options.rotation_deg), radians(options.mounting_deg)) * camera.fx;
+    while (caught > 2 * std::exp2(coarsest_) && std::min(camera.width, camera.height) >> coarsest_ > 64) ++coarsest_;
     images_ = {count_, [this](std::size_t i) {
                  return band_pass(*views_.images[first_ + i], *views_.masks[first_ + i], static_cast<int>(coarsest_) + 1);
                }};
@@ -68,7 +66,7 @@ class Chain {
   PosedImage posed(std::size_t i, const Poses& poses) const { return {views_[first_ + i].camera, poses[i], images_[i]}; }
 
   const Views& views_;
-  const map::StaticMap& map_;
+  const map::VisibleMap& map_;
   std::size_t first_, count_, coarsest_ = 0;
   const AlignOptions& options_;
   Lazy<BandPass> images_;
@@ -118,7 +116,7 @@ std::vector<map::VisiblePoint> Chain::textured(const Sight& sight, const View& v
 void Chain::find_pairs_of(std::size_t i, const Lazy<Sight>& sights) {
   const std::vector<map::VisiblePoint> points = textured(*sights[i], views_[first_ + i], images_[i]->front());
   std::vector<SurfacePoint> points_of_view;
-  for (const map::VisiblePoint& point : points) points_of_view.push_back({point.world, map_.points[point.index].normal});
+  for (const map::VisiblePoint& point : points) points_of_view.push_back({point.world, map_.map.points[point.index].normal});
   const auto shared = std::make_shared<const std::vector<SurfacePoint>>(std::move(points_of_view));
   for (const std::size_t apart : kApart)
     for (const int side : {-1, 1}) {
@@ -155,7 +153,7 @@ std::vector<PairModel> joined(const std::vector<std::vector<PairModel>>& by_view
 // In one pass, while the images are at hand.
 std::vector<PairModel> Chain::find_pairs(const Tick& tick) {
   const Lazy<Sight> sights(count_,
-                           [this](std::size_t i) { return Sight(map_, views_[first_ + i], *views_.masks[first_ + i]); });
+                           [this](std::size_t i) { return Sight(*map_.points[first_ + i], *views_.masks[first_ + i]); });
   const Poses given = turned(Corrections(count_));
   pairs_.assign(count_, {});
   std::vector<std::vector<PairModel>> by_view(count_);
@@ -285,9 +283,10 @@ void check_clock(const Chain& chain, const std::vector<PairModel>& models, const
 
 }  // namespace
 
-void align_jointly(const Views& views, const map::StaticMap& map, std::size_t first, std::size_t last,
-                   const AlignOptions& options, const Tick& tick, Cameras& out) {
-  Chain chain(views, map, first, last, options);
+void align_jointly(const DriveViews& drive, const AlignOptions& options, const Tick& tick, Cameras& out) {
+  const Views& views = drive.views;
+  const std::size_t first = drive.first, last = drive.last;
+  Chain chain(drive, options);
   const Corrections given(last - first);
   const Corrections coarse = solve(chain.find_pairs(tick), given, expected_errors(options, views[first].camera, 1));
   const std::vector<PairModel> models = chain.models(coarse, std::min<std::size_t>(chain.coarsest(), 1), tick);

@@ -7,10 +7,9 @@
 namespace dvi::align {
 namespace {
 
-constexpr int kScale = 4;            // px of the image a px of the depths
-constexpr double kSplat = 0.1;       // metres
-constexpr double kTolerance = 0.05;  // of depth
-constexpr int kMaskMargin = 5;       // px
+constexpr int kScale = 4;  // px of the image a px of the depths
+constexpr double kTolerance = map::VisibleMap::kTolerance;
+constexpr int kMaskMargin = 5;  // px
 
 float least_round(const cv::Mat1f& z, int x, int y) {
   float least = 1e9F;
@@ -22,9 +21,9 @@ float least_round(const cv::Mat1f& z, int x, int y) {
 
 }  // namespace
 
-Sight::Sight(const map::StaticMap& map, const View& view, const cv::Mat1b& mask)
+Sight::Sight(const std::vector<map::VisiblePoint>& visible, const cv::Mat1b& mask)
     : masked_(grown(mask, kMaskMargin)), nearest_(mask.rows / kScale + 1, mask.cols / kScale + 1, 1e9F) {
-  for (const map::VisiblePoint& p : map::visible_points(map, view, kSplat, kTolerance)) {
+  for (const map::VisiblePoint& p : visible) {
     const cv::Point pixel(cvRound(p.u), cvRound(p.v));
     float& z = nearest_(pixel.y / kScale, pixel.x / kScale);
     z = std::min(z, p.z);

@@ -11,10 +11,17 @@
 
 namespace dvi::align {
 
+/// The views [first, last) of one drive, with what they see of the map.
+struct DriveViews {
+  const Views& views;
+  const map::VisibleMap& map;
+  std::size_t first = 0, last = 0;
+};
+
 /// What a view sees of the map, outside its mask.
 class Sight {
  public:
-  Sight(const map::StaticMap& map, const View& view, const cv::Mat1b& mask);
+  Sight(const std::vector<map::VisiblePoint>& visible, const cv::Mat1b& mask);
 
   /// In raster order.
   const std::vector<map::VisiblePoint>& points() const { return points_; }

@@ -28,8 +28,6 @@ constexpr double kBlur = 2.5;        // px: poses are not refined yet
 constexpr int kMargin = 6;           // px round masks and saturated pixels that the blur reaches
 constexpr uchar kBlack = 8;          // grey levels; darker, noise and the sensor's offset outweigh the light
 constexpr uchar kSaturated = 250;    // grey levels
-constexpr double kSplat = 0.1;       // metres
-constexpr double kTolerance = 0.05;  // of depth
 constexpr std::size_t kFewest = 50;  // points
 constexpr double kFloor = 0.005;     // of a ratio's logarithm: what no number of points makes surer
 constexpr double kOutlier = 0.03;    // of a ratio's logarithm: from here on a pair counts less
@@ -58,13 +56,13 @@ cv::Mat1b usable(const cv::Mat3b& image, const cv::Mat1b& mask) {
   return out;
 }
 
-Sightings sightings(const map::StaticMap& map, const View& view, const cv::Mat3b& image, const cv::Mat1b& mask) {
+Sightings sightings(const std::vector<map::VisiblePoint>& points, const cv::Mat3b& image, const cv::Mat1b& mask) {
   const cv::Mat1b use = usable(image, mask);
   cv::Mat3f colours;
   image.convertTo(colours, CV_32FC3);
   cv::GaussianBlur(colours, colours, {}, kBlur);
   Sightings out;
-  for (const map::VisiblePoint& p : map::visible_points(map, view, kSplat, kTolerance)) {
+  for (const map::VisiblePoint& p : points) {
     const cv::Point at(cvRound(p.u), cvRound(p.v));
     if (use(at) == 0) continue;
     const cv::Vec3f& c = colours(at);
@@ -109,9 +107,9 @@ std::vector<std::size_t> places(const Views& views, std::size_t view) {
   return nearest_views(views, view, {0, views.of_drive(views[view].drive).first}, kPlaces, kRadian);
 }
 
-std::vector<Pair> compare_all(const Views& views, const map::StaticMap& map, const Tick& tick) {
+std::vector<Pair> compare_all(const Views& views, const map::VisibleMap& map, const Tick& tick) {
   const Lazy<Sightings> seen(views.size(),
-                             [&](std::size_t i) { return sightings(map, views[i], *views.images[i], *views.masks[i]); });
+                             [&](std::size_t i) { return sightings(*map.points[i], *views.images[i], *views.masks[i]); });
   std::vector<std::vector<Pair>> of_view(views.size());
   parallel_in_order(views.size(), [&](std::size_t i) {
     for (const std::size_t apart : kApart)
@@ -150,7 +148,7 @@ Eigen::VectorXd solve(const std::vector<Pair>& pairs, std::size_t views, int cha
 
 }  // namespace
 
-Gains estimate_exposure(const Views& views, const map::StaticMap& map, const Tick& tick) {
+Gains estimate_exposure(const Views& views, const map::VisibleMap& map, const Tick& tick) {
   Gains gains(views.size());
   const std::vector<Pair> pairs = compare_all(views, map, tick);
   for (const Pair& p : pairs) {

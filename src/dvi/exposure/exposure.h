@@ -5,7 +5,7 @@
 #include "dvi/core/interrupt.h"
 #include "dvi/core/options.h"
 #include "dvi/drive/view.h"
-#include "dvi/map/static_map.h"
+#include "dvi/map/visible_points.h"
 
 namespace dvi::exposure {
 
@@ -31,6 +31,6 @@ struct Gains {
 /// unhidden, neither black nor saturated; the gains of all views are then solved for jointly and robustly from these ratios
 /// (least squares on their logarithms, reweighted). Their logarithms have mean 0. Poses good to some pixels will do. One tick a
 /// view.
-Gains estimate_exposure(const Views& views, const map::StaticMap& map, const Tick& tick = [] {});
+Gains estimate_exposure(const Views& views, const map::VisibleMap& map, const Tick& tick = [] {});
 
 }  // namespace dvi::exposure

@@ -48,7 +48,7 @@ struct Lit {
   }
   Views found(std::vector<int>* compared = nullptr, const map::StaticMap& map = plane()) const {
     Views views = scene.lazy();
-    const Gains gains = estimate_exposure(views, map);
+    const Gains gains = estimate_exposure(views, {map, views});
     if (compared != nullptr) *compared = gains.compared;
     for (std::size_t i = 0; i < views.size(); ++i) views.views[i].gain = gains.of_view[i];
     return views;

@@ -20,4 +20,19 @@ struct VisiblePoint {
 /// as far as a pixel spans half a metre, so that the cost of a view does not grow with the map.
 std::vector<VisiblePoint> visible_points(const StaticMap& map, const View& view, double splat_m, double tolerance);
 
+/// The map with what each view sees of it, for the stages that compare the colours of views at its points: projected once, on
+/// demand, and shared.
+struct VisibleMap {
+  static constexpr double kSplat = 0.1;       ///< metres: poses are not refined yet
+  static constexpr double kTolerance = 0.05;  ///< of depth
+
+  VisibleMap(const StaticMap& of, const Views& views)  // NOLINT(google-explicit-constructor): {map, views} as an argument
+      : map(of), points(views.size(), [&of, list = views.views](std::size_t i) {
+          return visible_points(of, list[i], kSplat, kTolerance);
+        }) {}
+
+  const StaticMap& map;
+  Lazy<std::vector<VisiblePoint>> points;  ///< as the views
+};
+
 }  // namespace dvi::map

@@ -6,7 +6,7 @@
 
 namespace dvi::pipeline {
 
-exposure::Gains estimate_exposure(const Views& views, const map::StaticMap& map, const Recordings& drives,
+exposure::Gains estimate_exposure(const Views& views, const map::VisibleMap& map, const Recordings& drives,
                                   const Options& options, Progress& progress) {
   if (!options.exposure.enabled) return exposure::Gains(views.size());
   progress.begin("exposure", views.size());
@@ -22,7 +22,7 @@ exposure::Gains estimate_exposure(const Views& views, const map::StaticMap& map,
   return gains;
 }
 
-align::Cameras align(const Views& views, const map::StaticMap& map, const Options& options, Progress& progress) {
+align::Cameras align(const Views& views, const map::VisibleMap& map, const Options& options, Progress& progress) {
   progress.begin("align", align::align_steps(views, options.align));
   align::Cameras cameras = align::align(views, map, options.align, progress.tick());
   for (const std::string& warning : cameras.warnings) progress.warn(warning);

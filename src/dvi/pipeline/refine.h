@@ -3,16 +3,16 @@
 #include "dvi/align/align.h"
 #include "dvi/core/progress.h"
 #include "dvi/exposure/exposure.h"
-#include "dvi/map/static_map.h"
+#include "dvi/map/visible_points.h"
 #include "dvi/pipeline/recordings.h"
 
 namespace dvi::pipeline {
 
 /// estimate_exposure with progress, and a warning for the frames whose gain nothing tells. All 1 where it is switched off.
-exposure::Gains estimate_exposure(const Views& views, const map::StaticMap& map, const Recordings& drives,
+exposure::Gains estimate_exposure(const Views& views, const map::VisibleMap& map, const Recordings& drives,
                                   const Options& options, Progress& progress);
 
 /// align with progress and its warnings.
-align::Cameras align(const Views& views, const map::StaticMap& map, const Options& options, Progress& progress);
+align::Cameras align(const Views& views, const map::VisibleMap& map, const Options& options, Progress& progress);
 
 }  // namespace dvi::pipeline

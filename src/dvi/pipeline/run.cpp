@@ -16,7 +16,7 @@ using align::Cameras;
 using depth::DepthMap, depth::Depths;
 using exposure::Gains;
 using harmonize::FilledFrame;
-using map::StaticMap;
+using map::StaticMap, map::VisibleMap;
 using regularize::Labelling;
 using sample::Candidates;
 
@@ -34,8 +34,9 @@ RunReport run(const Job& job, Progress& progress) {
   const Masks masks = find_masks(drives, poses, job);                            // what moves is decided along the poses
   const StaticMap map = build_map(drives, poses, masks, options.map, progress);  // 3.1: static points only
   const Views posed = make_views(drives, poses, masks, progress);
-  const Gains gains = estimate_exposure(posed, map, drives, options, progress);
-  const Cameras cameras = align(posed, map, options, progress);  // 3.2, eq. 1
+  const VisibleMap visible(map, posed);
+  const Gains gains = estimate_exposure(posed, visible, drives, options, progress);
+  const Cameras cameras = align(posed, visible, options, progress);  // 3.2, eq. 1
   const Views views = refined(posed, gains, cameras);
 
   CpuClock cpu;
