@@ -10,7 +10,7 @@ import pictures
 from cases import STREET, Case
 from scoring import Scorer, picture_names
 from tables import cell, delta, interval, percent, share_of, table
-from variants import DVI, Variant
+from variants import DVI, Variant, applies
 
 TREE = Path(__file__).resolve().parent.parent
 READING = TREE / "docs/benchmarks-reading.md"  # written by hand
@@ -40,6 +40,11 @@ class Outcome:
 
     def ablated(self) -> list[Case]:
         return [case for case in self.finished() if case.ablated]
+
+    def whole_ablations(self) -> list[Variant]:
+        """Those that were run on every case they apply to: no table has holes."""
+        return [ablation for ablation in self.ablations
+                if all(self.evaluation(case, ablation.name) for case in self.ablated() if applies(ablation, case))]
 
     def compared(self) -> list[str]:
         return [method.name for method in self.methods] + self.externals
@@ -127,21 +132,24 @@ def departures(outcome: Outcome) -> str:
 
 
 def ablations(outcome: Outcome) -> str:
-    cases = outcome.ablated()
-    if not outcome.ablations or not cases:
+    cases, whole = outcome.ablated(), outcome.whole_ablations()
+    if not whole or not cases:
         return ""
 
-    def entries(name: str, origin: str, figure: str, digits: int) -> list[str]:
-        ours = [outcome.evaluation(case, DVI.name)[origin] for case in cases]
-        theirs = [outcome.evaluation(case, name) for case in cases]
-        return [delta(row and row[origin][figure], base[figure], digits) for row, base in zip(theirs, ours)]
+    def entry(ablation: Variant, case: Case, origin: str, figure: str, digits: int) -> str:
+        if not applies(ablation, case):
+            return "n/a"
+        theirs, ours = outcome.evaluation(case, ablation.name)[origin], outcome.evaluation(case, DVI.name)[origin]
+        return delta(theirs[figure], ours[figure], digits)
 
-    text = ["## Ablations", "`dvi` with one thing changed, against `dvi` as it is: above 0 is better without.\n"]
+    text = ["## Ablations", "`dvi` with one thing changed, against `dvi` as it is: above 0 is better without.\n`n/a`: a single drive.\n"]
     for title, origin, figure, digits in (("PSNR, all, dB", "all", "psnr", 2), ("SSIM, all", "all", "ssim", 3),
                                           ("PSNR, where each copied, dB", "copied", "psnr", 2)):
         text.append(table([title, *(case.name for case in cases)],
-                          [[v.name, *entries(v.name, origin, figure, digits)] for v in outcome.ablations]))
-    text.append(table(["ablation", "what"], [[v.name, v.what] for v in outcome.ablations], words=2))
+                          [[v.name, *(entry(v, case, origin, figure, digits) for case in cases)] for v in whole]))
+    text.append(table(["ablation", "what"], [[v.name, v.what] for v in whole], words=2))
+    if left := [v.name for v in outcome.ablations if v not in whole]:
+        text.append(f"Not run on every case, and therefore left out: {', '.join(left)}.\n")
     return "\n".join(text)
 
 
@@ -243,7 +251,7 @@ def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command:
         pictures.plot_psnr(outcome, images / "psnr.svg")
         text.append(image("psnr.svg", "PSNR of each method, case by case"))
     text += [reading(), departures(outcome), ablations(outcome)]
-    if outcome.ablations and outcome.ablated():
+    if outcome.whole_ablations() and outcome.ablated():
         pictures.plot_ablations(outcome, images / "ablations.svg")
         text.append(image("ablations.svg", "What each ablation changes, case by case"))
     text.append(confidence(outcome))

@@ -81,7 +81,7 @@ def plot_confidence(outcome: Outcome, file: Path) -> None:
 
 def plot_ablations(outcome: Outcome, file: Path) -> None:
     """A row an ablation, a dot a case: what it changes in the PSNR of dvi, over all scored pixels and where each copied."""
-    cases, names = outcome.ablated(), [variant.name for variant in outcome.ablations]
+    cases, names = outcome.ablated(), [ablation.name for ablation in outcome.whole_ablations()]
     figure, axes = pyplot.subplots(1, 2, figsize=(9.5, 0.28 * len(names) + 0.9), sharey=True)
     for axis, origin in zip(axes, ("all", "copied")):
         axis.axvline(0, color="0.6", linewidth=1)

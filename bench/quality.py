@@ -49,11 +49,12 @@ class Progress:
 
 def plan(chosen: list[Case], methods: list[Variant], ablations: list[Variant]) -> list[tuple[Case, list[Variant]]]:
     """What to run on each case: all methods before any ablation, and real drives first; of methods dvi first, because it tells
-    which pixels are compared and which frames are shown."""
+    which pixels are compared and which frames are shown. Ablations one by one on all cases: the page shows whole rows."""
     others = [method for method in methods if method != variants.DVI]
     chosen = sorted(chosen, key=lambda case: case.group == cases.STREET)
     return ([(case, [variants.DVI, *others]) for case in chosen]
-            + [(case, variants.applicable(ablations, bool(case.sources))) for case in chosen if case.ablated and ablations])
+            + [(case, [ablation]) for ablation in ablations for case in chosen
+               if case.ablated and variants.applies(ablation, case)])
 
 
 def attempt(outcome: Outcome, case: Case, what: str, work: Callable[[], dict | None]) -> bool:

@@ -59,10 +59,6 @@ class Variants(unittest.TestCase):
         names = [variant.name for variant in (*variants.METHODS, *variants.ABLATIONS)]
         self.assertEqual(len(names), len(set(names)))
 
-    def test_fusion_is_left_out_only_where_there_is_any(self):
-        self.assertNotIn("no-fusion", [variant.name for variant in variants.applicable(variants.ABLATIONS, False)])
-        self.assertIn("no-fusion", [variant.name for variant in variants.applicable(variants.ABLATIONS, True)])
-
 
 class Cases(unittest.TestCase):
     def setUp(self):
@@ -107,10 +103,24 @@ class Arguments(unittest.TestCase):
         self.assertIn("paper on a", page.audited(outcome))
 
     def test_dvi_comes_first(self):
-        case = cases.street()[0]
-        [(_, methods), (_, ablations)] = quality.plan([case], list(variants.METHODS), list(variants.ABLATIONS))
-        self.assertEqual([variant.name for variant in methods][:2], ["dvi", "telea"])
-        self.assertEqual(ablations, list(variants.ABLATIONS) if case.sources else variants.applicable(variants.ABLATIONS, False))
+        one, two = cases.street()[0], cases.street()[-1]  # the last has a second drive
+        no_fusion = next(ablation for ablation in variants.ABLATIONS if not ablation.fusion)
+        rows = quality.plan([one, two], list(variants.METHODS), [variants.ABLATIONS[0], no_fusion])
+        self.assertEqual([variant.name for variant in rows[0][1]][:2], ["dvi", "telea"])
+        self.assertEqual([(case.short, [v.name for v in row]) for case, row in rows[2:]],
+                         [(one.short, ["no-poisson"]), (two.short, ["no-poisson"]), (two.short, ["no-fusion"])])
+
+    def test_ablations_without_all_their_cases_are_named_instead(self):
+        one, two = cases.street()[0], cases.street()[-1]
+        first, second, fusion = variants.ABLATIONS[0], variants.ABLATIONS[1], variants.ABLATIONS[-1]
+        figures = {origin: {"psnr": 20.0, "ssim": 0.5} for origin in ("all", "copied")}
+        results = {(case.name, name): {"evaluation": figures} for case, name in (
+            (one, "dvi"), (two, "dvi"), (one, first.name), (two, first.name), (one, second.name), (two, fusion.name))}
+        text = page.ablations(page.Outcome([one, two], [], [first, second, fusion], [], [], results, []))
+        self.assertIn(f"| {first.name} | 0 | 0 |", text)
+        self.assertIn(f"| {fusion.name} | n/a | 0 |", text)
+        self.assertIn(f"left out: {second.name}.", text)
+        self.assertNotIn(f"| {second.name} |", text)
 
     def test_pictures_are_of_the_median_and_the_worst_frame(self):
         frames = [{"name": name, "all": {"mae": mae, "pixels": 1}} for name, mae in (("a", 9.0), ("b", 1.0), ("c", 3.0))]

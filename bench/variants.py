@@ -4,6 +4,8 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
+from cases import Case
+
 
 @dataclass(frozen=True)
 class Variant:
@@ -34,7 +36,7 @@ ABLATIONS = (
     _off("no-exposure", "colours as the frames have them, no common light", "stages.exposure"),
     Variant("membrane", "what nobody saw, interpolated from all sides (`harmonize.never_seen_vertical=1.0`)",
             ("--set", "harmonize.never_seen_vertical=1.0")),
-    _off("no-sweep", "no depth beyond the LiDAR from the images", "stages.plane_sweep"),
+    _off("no-plane-sweep", "no depth beyond the LiDAR's reach from the images", "stages.plane_sweep"),
     Variant("one-source", "one source a pixel (`sample.sources=1`)", ("--set", "sample.sources=1")),
     _off("no-align", "poses as given, no refinement", "stages.align"),
     _off("no-occlusion-test", "copies from where something stood before the point, too", "sample.occlusion_test"),
@@ -72,6 +74,6 @@ def published_switches(differing: list[tuple[str, str, str]]) -> tuple[Variant, 
     )
 
 
-def applicable(variants: tuple[Variant, ...], has_sources: bool) -> list[Variant]:
+def applies(variant: Variant, case: Case) -> bool:
     """Without a second drive there is no fusion to leave out."""
-    return [variant for variant in variants if variant.fusion or has_sources]
+    return variant.fusion or bool(case.sources)

@@ -13,7 +13,7 @@
 namespace dvi::holdout {
 namespace {
 
-constexpr double kFar = 30;  // metres: beyond, the road does not know the ground
+constexpr double kKnownGround = 30;  // metres: beyond, the road does not know the ground
 
 // The thing as it stands at each place at a time.
 std::vector<Box> boxes_at(const Road& road, const Eigen::Vector3d& size, const std::vector<double>& places, double left,
@@ -36,7 +36,7 @@ std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& wo
   const map::MapInput input{&drive, world_from_lidar, no_masks, masks::without_standing(drive, world_from_lidar)};
   map::MapOptions options;
   options.require_camera_visibility = false;
-  options.max_range_m = kFar;
+  options.max_range_m = kKnownGround;
   options.box_margin_m = 0.5;  // what traffic moves within half a scan
   std::vector<std::vector<std::size_t>> counts(drive.scan_headers.size());
   parallel_for(counts.size(), [&](std::size_t i) {
@@ -45,7 +45,7 @@ std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& wo
     if (!pose) return;
     const std::vector<Box> boxes = boxes_at(road, size, places, left, time);
     if (std::none_of(boxes.begin(), boxes.end(),
-                     [&](const Box& box) { return (box.frame_from_box.t - pose->t).norm() < kFar + box.size.norm(); }))
+                     [&](const Box& box) { return (box.frame_from_box.t - pose->t).norm() < kKnownGround + box.size.norm(); }))
       return;
     Eigen::AlignedBox3d all;
     for (const Box& box : boxes)

@@ -23,4 +23,7 @@ cv::Mat1b grown(const cv::Mat1b& mask, int radius);
 /// 4-connected parts of a mask: labels 1..count, 0 outside.
 int connected_parts(const cv::Mat1b& mask, cv::Mat1i& labels);
 
+/// The bounding boxes of the 8-connected parts of a mask.
+std::vector<cv::Rect> part_boxes(const cv::Mat1b& mask);
+
 }  // namespace dvi

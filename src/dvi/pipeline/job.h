@@ -62,7 +62,7 @@ struct Job {
   std::vector<std::string> sources;  ///< source drives of the same street
   ReadChoice read;
   Method method = Method::dvi;
-  int memory_mb = 1000;  ///< of images, scans, masks and depth kept for further use
+  int memory_mb = 400;  ///< of images, scans, masks and depth kept for further use
   Options options;
   bool force = false;
 

@@ -125,10 +125,10 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::writer(const V
                                                                          CpuClock& cpu, Progress& progress) const {
   return [&, this](std::size_t view, const FilledView& finished) {
     const Frame& frame = drives_.front().drive.frames[views[view].frame];
-    const std::string json = to_json(frame_report(frame, finished, cameras.views[view]));
+    const std::string report = to_json(frame_report(frame, finished, cameras.views[view]));
     cpu.time("write", [&] {
       write_pictures(out_, frame.name, finished.frame, views, view);
-      write_file(record(frame.name), json);
+      write_file(record(frame.name), report);
     });
     progress.advance();
   };

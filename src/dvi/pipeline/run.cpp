@@ -57,7 +57,7 @@ RunReport run(const Job& job, Progress& progress) {
   progress.begin("fill", missing.size());
   for_each_smoothed(
       missing, views.of_drive(0).second,
-      {.fill = fill, .smooth = smoother(options.smooth, cpu), .write = out.writer(views, cameras, cpu, progress)});
+      {.fill = fill, .smoothing = smoothing(options.smooth, cpu), .write = out.writer(views, cameras, cpu, progress)});
   return out.complete({.views = views, .map = &map, .poses = poses, .cameras = cameras, .cpu = cpu}, progress);
 }
 

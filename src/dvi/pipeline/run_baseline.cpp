@@ -36,7 +36,7 @@ RunReport run_baseline(const Job& job, Progress& progress) {
   progress.begin("fill", missing.size());
   for_each_smoothed(missing, views.of_drive(0).second,
                     {.fill = filler_of(job, views, cpu),
-                     .smooth = smoother(job.options.smooth, cpu),
+                     .smoothing = smoothing(job.options.smooth, cpu),
                      .write = out.writer(views, cameras, cpu, progress)});
   return out.complete({.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu}, progress);
 }

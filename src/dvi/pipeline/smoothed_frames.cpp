@@ -9,58 +9,78 @@
 namespace dvi::pipeline {
 namespace {
 
-using Window = std::map<std::size_t, std::shared_ptr<const FilledView>>;
-
-std::set<std::size_t> with_neighbours(const std::vector<std::size_t>& block, std::size_t count) {
-  std::set<std::size_t> out(block.begin(), block.end());
-  for (const std::size_t view : block) {
-    if (view > 0) out.insert(view - 1);
-    if (view + 1 < count) out.insert(view + 1);
-  }
-  return out;
-}
-
-/// Brings the window to hold just these views.
-void move_window(Window& window, const std::set<std::size_t>& needed, const FrameSteps& steps) {
+/// Brings a window to hold just what is needed; what is missing is made in parallel.
+template <class Item, class Make>
+void move_window(std::map<std::size_t, std::shared_ptr<const Item>>& window, const std::set<std::size_t>& needed,
+                 const Make& make) {
   std::erase_if(window, [&](const auto& item) { return !needed.contains(item.first); });
   std::vector<std::size_t> missing;
-  for (const std::size_t view : needed)
-    if (!window.contains(view)) missing.push_back(view);
-  std::vector<std::shared_ptr<const FilledView>> made(missing.size());
-  parallel_for(missing.size(), [&](std::size_t i) { made[i] = std::make_shared<FilledView>(steps.fill(missing[i])); });
+  for (const std::size_t i : needed)
+    if (!window.contains(i)) missing.push_back(i);
+  std::vector<std::shared_ptr<const Item>> made(missing.size());
+  parallel_for(missing.size(), [&](std::size_t i) { made[i] = std::make_shared<const Item>(make(missing[i])); });
   for (std::size_t i = 0; i < missing.size(); ++i) window[missing[i]] = made[i];
 }
 
-FilledView finished(const Window& window, std::size_t view, const FrameSteps& steps) {
-  FilledView out = *window.at(view);
-  if (!steps.smooth) return out;
-  const auto frame_at = [&](std::size_t i) -> const harmonize::FilledFrame* {
-    const auto it = window.find(i);
-    return it == window.end() ? nullptr : &it->second->frame;
-  };
-  out.frame = steps.smooth(view > 0 ? frame_at(view - 1) : nullptr, window.at(view)->frame, frame_at(view + 1));
-  return out;
-}
+/// The frames that a block of views needs at a time.
+class FrameWindow {
+ public:
+  FrameWindow(std::size_t count, const FrameSteps& steps) : count_(count), steps_(steps) {}
+
+  void move_to(const std::vector<std::size_t>& block) {
+    std::set<std::size_t> views(block.begin(), block.end()), pairs;
+    if (steps_.smoothing)
+      for (const std::size_t view : block)
+        for (const std::size_t earlier : {view - 1, view})
+          if (earlier < count_ && earlier + 1 < count_) {  // view - 1 of the first view is beyond any count
+            pairs.insert(earlier);
+            views.insert({earlier, earlier + 1});
+          }
+    std::erase_if(pairs_, [&](const auto& pair) { return !pairs.contains(pair.first); });  // before the frames they refer to
+    move_window(views_, views, steps_.fill);
+    move_window(pairs_, pairs, [&](std::size_t earlier) {
+      return steps_.smoothing->pair(views_.at(earlier)->frame, views_.at(earlier + 1)->frame);
+    });
+  }
+
+  FilledView finished(std::size_t view) const {
+    FilledView out = *views_.at(view);
+    if (steps_.smoothing) out.frame = steps_.smoothing->smooth(pair(view - 1), views_.at(view)->frame, pair(view));
+    return out;
+  }
+
+ private:
+  const smooth::FramePair* pair(std::size_t earlier) const {
+    const auto it = pairs_.find(earlier);
+    return it == pairs_.end() ? nullptr : it->second.get();
+  }
+
+  std::size_t count_;
+  const FrameSteps& steps_;
+  std::map<std::size_t, std::shared_ptr<const FilledView>> views_;
+  std::map<std::size_t, std::shared_ptr<const smooth::FramePair>> pairs_;  // by the earlier frame
+};
 
 }  // namespace
 
-decltype(FrameSteps::smooth) smoother(const smooth::SmoothOptions& options, CpuClock& cpu) {
+std::optional<Smoothing> smoothing(const smooth::SmoothOptions& options, CpuClock& cpu) {
   if (!options.enabled) return {};
-  return [&options, &cpu](const harmonize::FilledFrame* before, const harmonize::FilledFrame& frame,
-                          const harmonize::FilledFrame* after) {
-    return cpu.time("smooth", smooth::smooth, before, frame, after, options);
-  };
+  return Smoothing{
+      .pair =
+          [&cpu](const harmonize::FilledFrame& earlier, const harmonize::FilledFrame& later) {
+            return cpu.time("smooth", [&] { return smooth::FramePair(earlier, later); });
+          },
+      .smooth = [&cpu](const smooth::FramePair* before, const harmonize::FilledFrame& frame,
+                       const smooth::FramePair* after) { return cpu.time("smooth", smooth::smooth, before, frame, after); }};
 }
 
 void for_each_smoothed(const std::vector<std::size_t>& views, std::size_t count, const FrameSteps& steps) {
-  Window window;
+  FrameWindow window(count, steps);
   for_blocks(views.size(), [&](std::size_t first, std::size_t last) {
     const std::vector<std::size_t> block(views.begin() + static_cast<std::ptrdiff_t>(first),
                                          views.begin() + static_cast<std::ptrdiff_t>(last));
-    const std::set<std::size_t> needed =
-        steps.smooth ? with_neighbours(block, count) : std::set<std::size_t>(block.begin(), block.end());
-    move_window(window, needed, steps);
-    parallel_for(block.size(), [&](std::size_t i) { steps.write(block[i], finished(window, block[i], steps)); });
+    window.move_to(block);
+    parallel_for(block.size(), [&](std::size_t i) { steps.write(block[i], window.finished(block[i])); });
   });
 }
 

@@ -18,22 +18,27 @@ struct FilledView {
   std::optional<regularize::Energies> energy;  ///< eqs. 2-4, where they were minimised
 };
 
+/// Stage 9: pairs a frame with the next, and smooths it between its pairs (null at the ends of the drive).
+struct Smoothing {
+  std::function<smooth::FramePair(const harmonize::FilledFrame& earlier, const harmonize::FilledFrame& later)> pair;
+  std::function<harmonize::FilledFrame(const smooth::FramePair* before, const harmonize::FilledFrame& frame,
+                                       const smooth::FramePair* after)>
+      smooth;
+};
+
 /// What is done to single frames, each called from several threads.
 struct FrameSteps {
   std::function<FilledView(std::size_t view)> fill;
-  /// Stage 9: the frame between those before and after it (null at the ends of the drive); empty: frames stay as filled.
-  std::function<harmonize::FilledFrame(const harmonize::FilledFrame* before, const harmonize::FilledFrame& frame,
-                                       const harmonize::FilledFrame* after)>
-      smooth;
+  std::optional<Smoothing> smoothing;  ///< none: frames stay as filled
   std::function<void(std::size_t view, const FilledView& finished)> write;
 };
 
-/// smooth() as a step, its CPU time booked; empty where it is switched off.
-decltype(FrameSteps::smooth) smoother(const smooth::SmoothOptions& options, CpuClock& cpu);
+/// Its CPU time booked; none where it is switched off.
+std::optional<Smoothing> smoothing(const smooth::SmoothOptions& options, CpuClock& cpu);
 
 /// Fills the given views of [0, count), ascending, in blocks of parallel work, together with the neighbours that smoothing
-/// needs; smooths each between its neighbours and writes it. Each view is filled once as long as it stays in the window of a
-/// block.
+/// needs; smooths each between its neighbours and writes it. Each view is filled and each pair made once as long as it stays in
+/// the window of a block.
 void for_each_smoothed(const std::vector<std::size_t>& views, std::size_t count, const FrameSteps& steps);
 
 }  // namespace dvi::pipeline

@@ -18,13 +18,14 @@ using testing::Pair;
 FilledView numbered(std::size_t view) {
   FilledView out;
   out.frame.colour = cv::Mat3f(1, 1, cv::Vec3f(static_cast<float>(view), -1, -1));
+  out.frame.mask = cv::Mat1b(1, 1, uchar{0});
   return out;
 }
 
 float number(const harmonize::FilledFrame* frame) { return frame == nullptr ? -1.0F : frame->colour(0, 0)[0]; }
 
 struct Recorded {
-  std::map<std::size_t, int> filled;
+  std::map<std::size_t, int> filled, paired;
   std::map<std::size_t, cv::Vec3f> written;  // view, before, after
 };
 
@@ -38,12 +39,21 @@ Recorded run(const std::vector<std::size_t>& views, std::size_t count, bool smoo
     return numbered(view);
   };
   if (smooth)
-    steps.smooth = [](const harmonize::FilledFrame* before, const harmonize::FilledFrame& frame,
-                      const harmonize::FilledFrame* after) {
-      harmonize::FilledFrame smoothed = frame;
-      smoothed.colour = cv::Mat3f(1, 1, cv::Vec3f(number(&frame), number(before), number(after)));
-      return smoothed;
-    };
+    steps.smoothing = Smoothing{
+        .pair =
+            [&](const harmonize::FilledFrame& earlier, const harmonize::FilledFrame& later) {
+              const std::lock_guard lock(mutex);
+              ++out.paired[static_cast<std::size_t>(number(&earlier))];
+              return smooth::FramePair(earlier, later);
+            },
+        .smooth =
+            [](const smooth::FramePair* before, const harmonize::FilledFrame& frame, const smooth::FramePair* after) {
+              harmonize::FilledFrame smoothed = frame;
+              smoothed.colour = cv::Mat3f(1, 1,
+                                          cv::Vec3f(number(&frame), number(before == nullptr ? nullptr : &before->earlier),
+                                                    number(after == nullptr ? nullptr : &after->later)));
+              return smoothed;
+            }};
   steps.write = [&](std::size_t view, const FilledView& finished) {
     const std::lock_guard lock(mutex);
     out.written[view] = finished.frame.colour(0, 0);
@@ -62,6 +72,7 @@ TEST(SmoothedFrames, EachFrameMeetsItsNeighbours) {
       EXPECT_EQ(all.written.at(i), cv::Vec3f(at, at - 1, i == 4 ? -1 : at + 1)) << i;
       EXPECT_EQ(all.filled.at(i), 1) << i;
     }
+    EXPECT_THAT(all.paired, ElementsAre(Pair(0, 1), Pair(1, 1), Pair(2, 1), Pair(3, 1)));
   }
 }
 

@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/image/interpolate.h"
+#include "dvi/image/region.h"
 #include "dvi/plane_sweep/semi_global.h"
 #include "dvi/plane_sweep/source_frames.h"
 
@@ -232,17 +233,13 @@ double parallax(const Source& source, const Eigen::Vector3d& ray) {
 
 // The boxes of the hole's parts, with a margin, large ones cut.
 std::vector<cv::Rect> boxes(const cv::Mat1b& hole) {
-  cv::Mat1i labels, stats;
-  cv::Mat1d centres;
-  const int parts = cv::connectedComponentsWithStats(hole, labels, stats, centres, 8, CV_32S);
   std::vector<cv::Rect> out;
-  for (int i = 1; i < parts; ++i) {
-    const int left = stats(i, cv::CC_STAT_LEFT), top = stats(i, cv::CC_STAT_TOP);
-    const int right = left + stats(i, cv::CC_STAT_WIDTH), bottom = top + stats(i, cv::CC_STAT_HEIGHT);
-    for (int y = top; y < bottom; y += kTile)
-      for (int x = left; x < right; x += kTile)
+  for (const cv::Rect& part : part_boxes(hole)) {
+    const cv::Point end = part.br();
+    for (int y = part.y; y < end.y; y += kTile)
+      for (int x = part.x; x < end.x; x += kTile)
         out.push_back(cv::Rect(cv::Point(x - kMargin, y - kMargin),
-                               cv::Point(std::min(x + kTile, right) + kMargin, std::min(y + kTile, bottom) + kMargin)) &
+                               cv::Point(std::min(x + kTile, end.x) + kMargin, std::min(y + kTile, end.y) + kMargin)) &
                       cv::Rect({}, hole.size()));
   }
   return out;

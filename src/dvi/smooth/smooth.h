@@ -1,5 +1,9 @@
 #pragma once
 
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
 #include "dvi/core/options.h"
 #include "dvi/harmonize/filled_frame.h"
 
@@ -15,9 +19,23 @@ struct SmoothOptions {
   void check() const { check_ranges(*this); }
 };
 
-/// The frame with its hole averaged with where the flow (DIS, forward and backward) finds it in the frames before and after
-/// (null at the ends of the drive).
-harmonize::FilledFrame smooth(const harmonize::FilledFrame* before, const harmonize::FilledFrame& frame,
-                              const harmonize::FilledFrame* after, const SmoothOptions& options);
+/// Optical flow (DIS) between two frames in a box of both, in pixels.
+struct FlowWindow {
+  cv::Rect box;
+  cv::Mat2f forward, backward;  ///< from the earlier frame to the later one, and back
+};
+
+/// Two filled frames that follow each other, and the flow between them round the holes of either. It refers to both frames.
+struct FramePair {
+  FramePair(const harmonize::FilledFrame& first, const harmonize::FilledFrame& second);
+
+  const harmonize::FilledFrame& earlier;
+  const harmonize::FilledFrame& later;
+  std::vector<FlowWindow> windows;  ///< do not overlap
+};
+
+/// The frame with its hole averaged with where the flow finds it in the frames before and after: before->later and
+/// after->earlier are this frame; null at the ends of the drive.
+harmonize::FilledFrame smooth(const FramePair* before, const harmonize::FilledFrame& frame, const FramePair* after);
 
 }  // namespace dvi::smooth

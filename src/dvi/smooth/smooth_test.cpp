@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -28,6 +29,14 @@ harmonize::FilledFrame filled(const cv::Mat3f& colour, cv::Rect hole = kHole) {
   return frame;
 }
 
+harmonize::FilledFrame smoothed(const harmonize::FilledFrame* before, const harmonize::FilledFrame& frame,
+                                const harmonize::FilledFrame* after) {
+  std::optional<FramePair> to_before, to_after;
+  if (before != nullptr) to_before.emplace(*before, frame);
+  if (after != nullptr) to_after.emplace(frame, *after);
+  return smooth(to_before ? &*to_before : nullptr, frame, to_after ? &*to_after : nullptr);
+}
+
 cv::Mat3f texture(int shift = 0, double wavelength = 8) {
   const cv::Mat3b wide = waves(kWidth + 40, kHeight, 3, wavelength);
   cv::Mat3f out;
@@ -51,16 +60,16 @@ TEST(Smooth, AveragesTheNoiseOfAStillScene) {
   const cv::Mat3f truth = texture();
   const harmonize::FilledFrame before = filled(noisy(truth, 3, 1)), frame = filled(noisy(truth, 3, 2)),
                                after = filled(noisy(truth, 3, 3));
-  const double noise = rms(smooth(&before, frame, &after, {}).colour, truth, kHole) / rms(frame.colour, truth, kHole);
+  const double noise = rms(smoothed(&before, frame, &after).colour, truth, kHole) / rms(frame.colour, truth, kHole);
   EXPECT_LT(noise, 0.68);
   EXPECT_GT(noise, 0.5);
-  const double one_sided = rms(smooth(nullptr, frame, &after, {}).colour, truth, kHole) / rms(frame.colour, truth, kHole);
+  const double one_sided = rms(smoothed(nullptr, frame, &after).colour, truth, kHole) / rms(frame.colour, truth, kHole);
   EXPECT_LT(one_sided, 0.8);
 }
 
 TEST(Smooth, FollowsMotionWithoutBlur) {
   const harmonize::FilledFrame before = filled(texture(-5)), frame = filled(texture(0)), after = filled(texture(5));
-  const harmonize::FilledFrame out = smooth(&before, frame, &after, {});
+  const harmonize::FilledFrame out = smoothed(&before, frame, &after);
   EXPECT_LT(rms(out.colour, frame.colour, kHole), 1.5);
   const auto sharpness = [](const cv::Mat3f& image) {
     cv::Mat dx;
@@ -75,14 +84,14 @@ TEST(Smooth, TakesNothingFromAnotherScene) {
   cv::Mat3f other;
   waves(kWidth, kHeight, 99, 8).convertTo(other, CV_32FC3);
   const harmonize::FilledFrame before = filled(other);
-  EXPECT_LT(rms(smooth(&before, frame, nullptr, {}).colour, frame.colour, kHole), 6);
+  EXPECT_LT(rms(smoothed(&before, frame, nullptr).colour, frame.colour, kHole), 6);
 }
 
 TEST(Smooth, CalmsFlickerOfTheFill) {
   const cv::Mat3f truth = texture();
   harmonize::FilledFrame before = filled(truth), frame = filled(truth), after = filled(truth);
   frame.colour(kHole) += cv::Scalar::all(8);
-  EXPECT_LT(rms(smooth(&before, frame, &after, {}).colour, truth, kHole), 4);
+  EXPECT_LT(rms(smoothed(&before, frame, &after).colour, truth, kHole), 4);
 }
 
 TEST(Smooth, ChangesColoursOfTheHoleOnly) {
@@ -90,7 +99,7 @@ TEST(Smooth, ChangesColoursOfTheHoleOnly) {
   harmonize::FilledFrame frame = filled(noisy(texture(), 3, 2));
   frame.kind(70, 100) = static_cast<uchar>(harmonize::Kind::empty);
   const cv::Mat3f input = frame.colour.clone();
-  const harmonize::FilledFrame out = smooth(&before, frame, &after, {});
+  const harmonize::FilledFrame out = smoothed(&before, frame, &after);
   EXPECT_EQ(cv::norm(frame.colour, input, cv::NORM_INF), 0) << "the input is not touched";
   EXPECT_EQ(cv::norm(out.colour, input, cv::NORM_INF, frame.mask == 0), 0);
   EXPECT_GT(cv::norm(out.colour, input, cv::NORM_INF), 0);
@@ -100,14 +109,11 @@ TEST(Smooth, ChangesColoursOfTheHoleOnly) {
   EXPECT_EQ(cv::norm(out.confidence, frame.confidence, cv::NORM_INF), 0);
 }
 
-TEST(Smooth, IsTheInputWithoutNeighboursOrHoleOrSwitchedOff) {
+TEST(Smooth, IsTheInputWithoutNeighboursOrHole) {
   const harmonize::FilledFrame before = filled(noisy(texture(), 3, 1)), frame = filled(texture()),
                                whole = filled(texture(), {});
-  SmoothOptions off;
-  off.enabled = false;
-  EXPECT_EQ(cv::norm(smooth(nullptr, frame, nullptr, {}).colour, frame.colour, cv::NORM_INF), 0);
-  EXPECT_EQ(cv::norm(smooth(&before, whole, nullptr, {}).colour, whole.colour, cv::NORM_INF), 0);
-  EXPECT_EQ(cv::norm(smooth(&before, frame, nullptr, off).colour, frame.colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(smoothed(nullptr, frame, nullptr).colour, frame.colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(smoothed(&before, whole, nullptr).colour, whole.colour, cv::NORM_INF), 0);
 }
 
 TEST(Smooth, TakesAnyHoleAndAnySize) {
@@ -115,7 +121,7 @@ TEST(Smooth, TakesAnyHoleAndAnySize) {
   for (const cv::Size size : {cv::Size(200, 150), cv::Size(40, 33), cv::Size(33, 90), cv::Size(16, 16), cv::Size(3, 2)})
     for (const cv::Rect& hole : {cv::Rect({}, size), cv::Rect(0, 0, 1, 1), cv::Rect(size.width - 1, size.height - 2, 1, 2)}) {
       const harmonize::FilledFrame frame = cut(size.width, size.height, hole);
-      const harmonize::FilledFrame out = smooth(&frame, frame, &frame, {});
+      const harmonize::FilledFrame out = smoothed(&frame, frame, &frame);
       EXPECT_LT(cv::norm(out.colour, frame.colour, cv::NORM_INF), 30) << size;
     }
 }
@@ -131,7 +137,7 @@ TEST(Smooth, TreatsHolesThatLieApartAlike) {
     return frame;
   };
   const harmonize::FilledFrame before = wide(-2), frame = wide(0), after = wide(2);
-  const harmonize::FilledFrame out = smooth(&before, frame, &after, {});
+  const harmonize::FilledFrame out = smoothed(&before, frame, &after);
   for (const int x : {0, 300}) {
     const cv::Rect place(x, 0, kWidth, kHeight);
     const double noise = rms(out.colour(place), texture(), kHole) / rms(frame.colour(place), texture(), kHole);
@@ -139,13 +145,27 @@ TEST(Smooth, TreatsHolesThatLieApartAlike) {
   }
 }
 
+TEST(Smooth, OnePairServesBothItsFrames) {
+  harmonize::FilledFrame earlier = filled(noisy(texture(-3), 3, 1)),
+                         later = filled(noisy(texture(), 3, 2), kHole + cv::Point(30, 10));
+  later.gain = cv::Vec3f(2, 2, 2);  // darker by half: the same colours in the exposure of both
+  later.colour *= 0.5;
+  const FramePair pair(earlier, later);
+  const harmonize::FilledFrame first = smooth(nullptr, earlier, &pair), second = smooth(&pair, later, nullptr);
+  EXPECT_LT(rms(first.colour, texture(-3), kHole) / rms(earlier.colour, texture(-3), kHole), 0.8);
+  cv::Mat3f light = second.colour.clone(), given = later.colour.clone();
+  light *= 2;
+  given *= 2;
+  EXPECT_LT(rms(light, texture(), kHole + cv::Point(30, 10)) / rms(given, texture(), kHole + cv::Point(30, 10)), 0.8);
+}
+
 TEST(Smooth, GivesTheSameWhateverTheThreads) {
   const harmonize::FilledFrame before = filled(noisy(texture(-3), 3, 1)), frame = filled(noisy(texture(), 3, 2));
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
-  const harmonize::FilledFrame one = smooth(&before, frame, nullptr, {});
+  const harmonize::FilledFrame one = smoothed(&before, frame, nullptr);
   cv::setNumThreads(4);
-  const harmonize::FilledFrame four = smooth(&before, frame, nullptr, {});
+  const harmonize::FilledFrame four = smoothed(&before, frame, nullptr);
   cv::setNumThreads(threads);
   EXPECT_EQ(cv::norm(one.colour, four.colour, cv::NORM_INF), 0);
 }
