@@ -82,7 +82,7 @@ TEST_F(Methods, FurtherDrivesAreOfNoUseToBaselines) {
   small_drive("other", "--day 2");
   const Result result = dvi("run drive other -o out --method flow");
   EXPECT_EQ(result.code, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("further drives"));
+  EXPECT_THAT(result.err, HasSubstr("source drives"));
   EXPECT_EQ(json("out/report.json")["drives"].size(), 1);
 }
 

@@ -31,7 +31,7 @@ void axes(cv::Mat3b& chart, int right) {
 
 void legend(cv::Mat3b& chart) {
   int x = kLeft;
-  for (const auto& [colour, text] : {std::pair(kCopied, "seen by this drive"), std::pair(kElsewhere, "by further drives"),
+  for (const auto& [colour, text] : {std::pair(kCopied, "seen by this drive"), std::pair(kElsewhere, "seen by source drives"),
                                      std::pair(kNever, "never seen")}) {
     cv::rectangle(chart, cv::Rect(x, 12, 12, 12), colour, cv::FILLED);
     write(chart, text, {x + 18, 22});

@@ -68,9 +68,9 @@ struct StreetDrive {
     poses = Trajectory(stamped);
   }
 
-  StaticMap map(bool witnessed_only, bool carve = false) const {
+  StaticMap map(bool require_camera_visibility, bool carve = false) const {
     MapOptions options;
-    options.require_camera_visibility = witnessed_only;
+    options.require_camera_visibility = require_camera_visibility;
     options.carve = carve;
     return build_map({{&drive, poses, masks}}, options);
   }

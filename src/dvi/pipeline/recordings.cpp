@@ -68,7 +68,7 @@ Recordings open_images(const Job& job, Progress& progress) {
   Recording open = open_recording(job.target, job.read, MaskNeed::required, progress);
   open.drive.scan_headers.clear();
   open.drive.scans = {};
-  if (!job.sources.empty()) progress.warn("method " + to_string(job.method) + " has no use for further drives");
+  if (!job.sources.empty()) progress.warn("method " + to_string(job.method) + " does not use source drives");
   return {open};
 }
 

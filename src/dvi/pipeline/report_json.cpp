@@ -94,7 +94,7 @@ void to_json(json& j, const MapReport& map) {
         {{"in_masks", c.masked},
          {"in_boxes", c.boxed},
          {"moved", c.moved},
-         {"not_witnessed", c.unseen_by_camera},
+         {"unseen_by_camera", c.unseen_by_camera},
          {"out_of_range", c.too_near}}}};
 }
 void from_json(const json& j, MapReport& map) {
@@ -107,7 +107,7 @@ void from_json(const json& j, MapReport& map) {
   dropped.at("in_masks").get_to(c.masked);
   dropped.at("in_boxes").get_to(c.boxed);
   dropped.at("moved").get_to(c.moved);
-  dropped.at("not_witnessed").get_to(c.unseen_by_camera);
+  dropped.at("unseen_by_camera").get_to(c.unseen_by_camera);
   dropped.at("out_of_range").get_to(c.too_near);
 }
 
