@@ -122,6 +122,94 @@ TEST_F(Run, KeepsFinishedFramesAndMakesMissingOnes) {
   EXPECT_THAT(whole.err, Not(HasSubstr("odometry"))) << "that is found out first";
 }
 
+TEST_F(Run, WhatIsDamagedIsMadeAgain) {
+  small_drive();
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  const auto whole = contents(folder / "out");
+  const auto damage = [&](const std::string& file, const std::function<void(const fs::path&)>& how) {
+    how(folder / "out" / file);
+    const Result again = dvi("run drive -o out --quiet");
+    EXPECT_EQ(again.code, 0) << file << ": " << again.err;
+    EXPECT_TRUE(contents(folder / "out") == whole) << file;
+    EXPECT_TRUE(fs::exists(folder / "out/report.json")) << file;
+  };
+  const auto cut = [](const fs::path& file) { fs::resize_file(file, fs::file_size(file) / 2); };
+  const auto empty = [](const fs::path& file) { fs::resize_file(file, 0); };
+  const auto gone = [](const fs::path& file) { fs::remove(file); };
+  const auto other = [](const fs::path& file) {
+    std::string bytes = read_file(file);
+    bytes[bytes.size() / 2] ^= 1;
+    write_file(file, bytes);
+  };
+  damage("frames/000001.png", gone);
+  damage("provenance/000003.png", cut);
+  damage("depth/000004.png", other);
+  damage("video.mp4", cut);
+  damage("map/map.ply", other);
+  damage("sources.json", gone);
+  damage("report.json", gone);
+  damage("report.json", cut);
+  damage(".dvi/frames/000002.json", empty);
+  damage(".dvi/result.json", cut);
+  damage(".dvi/job.json", empty);
+}
+
+TEST_F(Run, DeletesNothingButItsOwn) {
+  small_drive();
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  make_folder(folder / "elsewhere");
+  const std::vector<fs::path> foreign{folder / "out/frames/holiday.png", folder / "out/.notes.part.txt",
+                                      folder / "elsewhere/.a.part12.png"};
+  for (const fs::path& file : foreign) write_file(file, "mine");
+  fs::create_directory_symlink(folder / "elsewhere", folder / "out/photos");
+  ASSERT_EQ(dvi("run drive -o out --quiet --frames 1:4").code, 0);
+  EXPECT_FALSE(fs::exists(folder / "out/frames/000000.png")) << "no longer part of the result";
+  for (const fs::path& file : foreign) EXPECT_EQ(read_file(file), "mine") << file;
+}
+
+TEST_F(Run, NeverWritesIntoItsInputs) {
+  const fs::path drive = small_drive();
+  fs::copy(drive / "masks/front", folder / "masks");
+  const auto before = ::dvi::contents(folder / "drive");
+  for (const char* arguments : {"-o drive", "-o .", "-o drive/out", "-o drive/images/front", "--masks masks -o masks",
+                                "--masks masks -o masks/out", "-o masks/../drive"}) {
+    const Result refused = dvi(std::string("run drive --force --quiet ") + arguments);
+    EXPECT_EQ(refused.code, 3) << arguments;
+    EXPECT_THAT(refused.err, HasSubstr("input of the run")) << arguments;
+  }
+  EXPECT_TRUE(::dvi::contents(folder / "drive") == before);
+  EXPECT_EQ(list_files(folder / "masks", {".png"}).size(), 6U);
+}
+
+TEST_F(Run, TwoAtOnceInOneFolderDoNotMix) {
+  small_drive();
+  ASSERT_EQ(dvi("run drive -o alone --quiet").code, 0);
+  const Result both =
+      shell(std::string("( ") + DVI_PROGRAM + " run drive -o out --quiet; echo first $? >>codes ) & ( " + DVI_PROGRAM +
+            " run drive -o out --quiet --set stages.smooth=false; echo second $? >>codes ) & wait");
+  const std::string codes = read_file(folder / "codes");
+  const bool first = codes.find("first 0") != std::string::npos, second = codes.find("second 0") != std::string::npos;
+  EXPECT_TRUE(first || second) << codes << both.err;
+  if (!(first && second)) EXPECT_THAT(both.err, HasSubstr("is being written by process"));
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  EXPECT_TRUE(contents(folder / "out") == contents(folder / "alone"));
+}
+
+TEST_F(Run, NoticesAChangedScanOfTheSameSizeAndTime) {
+  const fs::path drive = small_drive();
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  const fs::path scan = list_files(drive / "lidar", {".ply", ".bin", ".pcd"}).front();
+  const fs::file_time_type time = fs::last_write_time(scan);
+  std::string bytes = read_file(scan);
+  bytes[bytes.size() - 2] ^= 1;
+  write_file(scan, bytes);
+  fs::last_write_time(scan, time);
+  const Result again = dvi("run drive -o out");
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("6 of 6 frames"));
+  EXPECT_THAT(again.err, HasSubstr("made again"));
+}
+
 TEST_F(Run, OtherOptionsMakeFramesAgain) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);

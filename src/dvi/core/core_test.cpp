@@ -47,22 +47,19 @@ TEST(Fingerprint, DependsOnBytesBoundariesAndOrder) {
   EXPECT_EQ(fingerprint({"x"}).size(), 32U);
 }
 
-TEST(Fingerprint, NoticesThatAFileWasReplacedOrRemoved) {
+TEST(Fingerprint, OfAFileIsThatOfItsContent) {
   const TempFolder folder;
-  const fs::path file = folder.path / "fingerprint.txt";
-  const auto of_file = [&] {
-    Fingerprint f;
-    f.add_file(file);
-    return f.hex();
-  };
-  write_file(file, "one");
-  const std::string before = of_file();
-  EXPECT_EQ(of_file(), before);
-  fs::last_write_time(file, fs::last_write_time(file) + std::chrono::seconds(1));
-  const std::string touched = of_file();
-  EXPECT_NE(touched, before);
+  const fs::path file = folder.path / "fingerprint.bin";
+  write_file(file, std::string(3'000'000, 'a'));
+  const std::string before = hash_of_file(file);
+  const fs::file_time_type time = fs::last_write_time(file);
+  EXPECT_EQ(hash_of_file(file), before);
+  write_file(file, std::string(2'999'999, 'a') + "b");
+  fs::last_write_time(file, time);
+  EXPECT_NE(hash_of_file(file), before) << "of the same size and time";
   fs::remove(file);
-  EXPECT_NE(of_file(), touched);
+  EXPECT_THROW(hash_of_file(file), InputError);
+  EXPECT_THROW(hash_of_file(folder.path), InputError);
 }
 
 TEST(Random, IsSplitMix64) {  // reference values of the published generator for seed 1234567

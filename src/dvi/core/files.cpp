@@ -1,5 +1,6 @@
 #include "dvi/core/files.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +17,22 @@ namespace {
 
 std::string reason() { return std::strerror(errno); }
 
+/// Whether temporary_beside() gives such names: .NAME.partPID.EXTENSION.
+bool is_temporary(const fs::path& path) {
+  const std::string stem = path.stem().string();
+  const std::size_t mark = stem.rfind(".part");
+  return stem.starts_with('.') && mark != std::string::npos && mark + 5 < stem.size() &&
+         stem.find_first_not_of("0123456789", mark + 5) == std::string::npos;
+}
+
+void sync(const fs::path& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
+  const std::string why = reason();
+  if (descriptor >= 0) close(descriptor);
+  if (!synced) throw InputError(path, "cannot be written (" + why + ")", "free space or choose another folder");
+}
+
 }  // namespace
 
 fs::path temporary_beside(const fs::path& path) {
@@ -24,10 +41,8 @@ fs::path temporary_beside(const fs::path& path) {
 
 void remove_temporaries(const fs::path& folder) {
   std::vector<fs::path> found;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with('.') && name.find(".part") != std::string::npos) found.push_back(entry.path());
-  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (!entry.is_symlink() && entry.is_regular_file() && is_temporary(entry.path())) found.push_back(entry.path());
   for (const fs::path& file : found) fs::remove(file);
 }
 
@@ -62,6 +77,7 @@ void write_file(const fs::path& path, const std::string& bytes) {
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     out.close();
     if (!out) throw InputError(path, "cannot be written (" + reason() + ")", "free space or choose another folder");
+    sync(part);
   });
 }
 

@@ -18,10 +18,11 @@ std::vector<std::string> read_lines(const fs::path& path);
 /// Where `path` is written before it is renamed: a hidden file beside it, of the same extension.
 fs::path temporary_beside(const fs::path& path);
 
-/// Removes such files from a folder and all below it: what a killed process was writing.
+/// Removes such files from a folder, not from those below it: what a killed process was writing.
 void remove_temporaries(const fs::path& folder);
 
-/// Writes beside `path` and renames, so that `path` is whole or absent. InputError on a full or read-only disk.
+/// Writes beside `path`, syncs and renames, so that `path` is whole or as before, after a power cut too. InputError on a full
+/// or read-only disk.
 void write_file(const fs::path& path, const std::string& bytes);
 
 /// The same for a file that `write` makes at the temporary path it is given (which keeps the extension of `path`).

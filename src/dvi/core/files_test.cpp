@@ -39,9 +39,12 @@ TEST_F(Files, RemovesWhatAKilledProcessWasWriting) {
     write_file(file, "whole");
     std::ofstream(temporary_beside(file)) << "half";
   }
+  for (const char* foreign : {".notes.part.txt", ".a.part7b.png", "a.part7.png"}) write_file(folder / foreign, "mine");
   remove_temporaries(folder);
+  EXPECT_TRUE(fs::exists(temporary_beside(folder / "deep/a.png"))) << "one folder at a time";
+  remove_temporaries(folder / "deep");
   EXPECT_TRUE(fs::exists(folder / "video.mp4") && fs::exists(folder / "deep/a.png"));
-  EXPECT_EQ(std::distance(fs::recursive_directory_iterator(folder), {}), 3);
+  EXPECT_EQ(std::distance(fs::recursive_directory_iterator(folder), {}), 6) << "names of others stay";
 }
 
 TEST_F(Files, WhatIsWrittenReadsBack) {

@@ -1,7 +1,12 @@
 #include "dvi/core/hash.h"
 
+#include <fstream>
+
 #include <fmt/format.h>
 #include <xxhash.h>
+
+#include "dvi/core/error.h"
+#include "dvi/core/files.h"
 
 namespace dvi {
 
@@ -19,16 +24,22 @@ void Fingerprint::add(std::string_view bytes) {
   XXH3_128bits_update(state_->xxh, bytes.data(), bytes.size());
 }
 
-void Fingerprint::add_file(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(path, error);
-  const auto time = std::filesystem::last_write_time(path, error).time_since_epoch().count();
-  add(fmt::format("{} {} {}", std::filesystem::absolute(path).lexically_normal().string(), size, time));
-}
-
 std::string Fingerprint::hex() const {
   const XXH128_hash_t h = XXH3_128bits_digest(state_->xxh);
   return fmt::format("{:016x}{:016x}", h.high64, h.low64);
+}
+
+std::string hash_of_file(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (fs::is_directory(path) || !in) throw InputError(path, "cannot be read");
+  Fingerprint print;
+  std::string block(std::size_t{1} << 20, '\0');
+  while (in) {
+    in.read(block.data(), static_cast<std::streamsize>(block.size()));
+    print.add(std::string_view(block).substr(0, static_cast<std::size_t>(in.gcount())));
+  }
+  if (in.bad()) throw InputError(path, "cannot be read");
+  return print.hex();
 }
 
 }  // namespace dvi

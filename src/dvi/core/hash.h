@@ -17,13 +17,14 @@ class Fingerprint {
   Fingerprint& operator=(const Fingerprint&) = delete;
 
   void add(std::string_view bytes);
-  /// A file by its absolute path, size and time of change: cheap, and enough to notice that it was replaced.
-  void add_file(const std::filesystem::path& path);
   std::string hex() const;
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// The fingerprint of what a file holds. InputError where it cannot be read.
+std::string hash_of_file(const std::filesystem::path& path);
 
 }  // namespace dvi

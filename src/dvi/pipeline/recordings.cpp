@@ -100,10 +100,17 @@ void verify(const Recordings& drives, Progress& progress) {
 }
 
 void add_files(Fingerprint& print, const Drive& drive) {
-  for (const Frame& frame : drive.frames) print.add_file(frame.file);
-  for (const ScanHeader& header : drive.scan_headers) print.add_file(header.file);
-  for (const fs::path& file : drive.mask_files) print.add_file(file);
-  for (const fs::path& file : drive.other_files) print.add_file(file);
+  std::vector<fs::path> files;
+  for (const Frame& frame : drive.frames) files.push_back(frame.file);
+  for (const ScanHeader& header : drive.scan_headers) files.push_back(header.file);
+  files.insert(files.end(), drive.mask_files.begin(), drive.mask_files.end());
+  files.insert(files.end(), drive.other_files.begin(), drive.other_files.end());
+  std::vector<std::string> hashes(files.size());
+  parallel_for(files.size(), [&](std::size_t i) { hashes[i] = files[i].empty() ? "" : hash_of_file(files[i]); });
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    print.add(fs::absolute(files[i]).lexically_normal().string());
+    print.add(hashes[i]);
+  }
 }
 
 }  // namespace dvi::pipeline

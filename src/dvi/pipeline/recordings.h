@@ -36,7 +36,7 @@ Recordings open_images(const Job& job, Progress& progress);
 /// Reads every image, mask file and scan once, so that damaged ones are found before hours of work. InputError at the first.
 void verify(const Recordings& drives, Progress& progress);
 
-/// Adds every file that the drive is read from.
+/// Adds the path and the content of every file that the drive is read from. InputError where one cannot be read.
 void add_files(Fingerprint& print, const Drive& drive);
 
 }  // namespace dvi::pipeline

@@ -92,10 +92,8 @@ DriveReport drive_report(const Drive& drive, const PoseChoice& poses, const alig
 /// What a run cost so far.
 CostReport cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames_made);
 
-/// As written to disk and read back. InputError where `text`, the content of `file`, is not what dvi writes.
-std::string to_json(const FrameReport& report);
+/// As written to disk and read back; nothing where the file is missing or damaged.
 std::string to_json(const RunReport& report);
-FrameReport read_frame_report(const fs::path& file);
-RunReport read_run_report(const fs::path& file);
+std::optional<RunReport> read_run_report(const fs::path& file);
 
 }  // namespace dvi::pipeline

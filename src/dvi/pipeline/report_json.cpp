@@ -111,7 +111,19 @@ void from_json(const json& j, MapReport& map) {
   dropped.at("out_of_range").get_to(c.too_near);
 }
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameReport, number, name, hole, energy, alignment, exposure_gain)
+void to_json(json& j, const FrameReport& frame) {
+  j = {{"number", frame.number}, {"name", frame.name},           {"hole", frame.hole},
+       {"energy", frame.energy}, {"alignment", frame.alignment}, {"exposure_gain", frame.exposure_gain}};
+}
+void from_json(const json& j, FrameReport& frame) {
+  j.at("number").get_to(frame.number);
+  j.at("name").get_to(frame.name);
+  j.at("hole").get_to(frame.hole);
+  j.at("energy").get_to(frame.energy);
+  j.at("alignment").get_to(frame.alignment);
+  j.at("exposure_gain").get_to(frame.exposure_gain);
+}
+
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveReport, path, format, camera, frames, scans, poses, alignment, warnings)
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameForecastReport, number, name, image_share, hole)
@@ -170,25 +182,7 @@ void from_json(const json& j, RunReport& report) {
   j.at("frames").get_to(report.frames);
 }
 
-template <class Report>
-Report read_report(const fs::path& file) {
-  try {
-    Report report;
-    const json document = json::parse(read_file(file));
-    from_json(document, report);
-    return report;
-  } catch (const json::exception& e) {
-    throw InputError(file, fmt::format("is not what dvi run writes: {}", e.what()), "run again with --force");
-  }
-}
-
 }  // namespace
-
-std::string to_json(const FrameReport& report) {
-  json document;
-  to_json(document, report);
-  return document.dump(1);
-}
 
 std::string to_json(const RunReport& report) {
   json document;
@@ -196,7 +190,15 @@ std::string to_json(const RunReport& report) {
   return document.dump(1);
 }
 
-FrameReport read_frame_report(const fs::path& file) { return read_report<FrameReport>(file); }
-RunReport read_run_report(const fs::path& file) { return read_report<RunReport>(file); }
+std::optional<RunReport> read_run_report(const fs::path& file) {
+  if (!fs::is_regular_file(file)) return std::nullopt;
+  try {
+    RunReport report;
+    from_json(json::parse(read_file(file)), report);
+    return report;
+  } catch (const json::exception&) {  // answered: cut by a crash, or by hand
+    return std::nullopt;
+  }
+}
 
 }  // namespace dvi::pipeline

@@ -16,6 +16,9 @@ void from_json(const nlohmann::json& json, PosesReport& report);
 void to_json(nlohmann::json& json, const MapReport& report);
 void from_json(const nlohmann::json& json, MapReport& report);
 
+void to_json(nlohmann::json& json, const FrameReport& report);
+void from_json(const nlohmann::json& json, FrameReport& report);
+
 void to_json(nlohmann::json& json, const ForecastReport& report);
 
 /// Wall and CPU seconds of each stage, and CPU seconds for each of `count` units ("frame").

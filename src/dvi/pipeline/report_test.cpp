@@ -69,22 +69,17 @@ TEST(HoleReport, AFrameWithoutAHoleHasNoShares) { EXPECT_EQ(HoleReport{}.share()
 TEST_F(ReportFile, IsReadBackAsItWasWritten) {
   const RunReport report = whole_report();
   write_file(file, to_json(report));
-  const RunReport read = read_run_report(file);
-  EXPECT_EQ(to_json(read), to_json(report));
-  EXPECT_EQ(read.brief("out"), report.brief("out"));
-  write_file(file, to_json(report.frames[0]));
-  EXPECT_EQ(to_json(read_frame_report(file)), to_json(report.frames[0]));
+  const std::optional<RunReport> read = read_run_report(file);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(to_json(*read), to_json(report));
+  EXPECT_EQ(read->brief("out"), report.brief("out"));
 }
 
-TEST_F(ReportFile, WhatIsNoReportIsRefusedByName) {
+TEST_F(ReportFile, WhatIsNoReportCountsAsNone) {
+  EXPECT_FALSE(read_run_report(file));
   for (const char* text : {"", "{", "[]", R"({"frames": 3})"}) {
     write_file(file, text);
-    try {
-      read_run_report(file);
-      FAIL() << text;
-    } catch (const InputError& e) {
-      EXPECT_THAT(e.what(), HasSubstr(file.string()));
-    }
+    EXPECT_FALSE(read_run_report(file)) << text;
   }
 }
 

@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/threads.h"
 #include "dvi/core/version.h"
 #include "dvi/pipeline/frame_files.h"
 #include "dvi/pipeline/map_files.h"
+#include "dvi/pipeline/records.h"
 #include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
 #include "dvi/pipeline/result_media.h"
 
@@ -57,6 +61,50 @@ nlohmann::json sources_json(const Views& views, const Recordings& drives) {
 
 }  // namespace
 
+namespace {
+
+std::vector<std::string> pictures_of(const std::string& name) {
+  std::vector<std::string> files;
+  for (const std::string& folder : picture_folders()) files.push_back(folder + "/" + name + ".png");
+  return files;
+}
+
+/// Where a run writes.
+std::vector<fs::path> own_folders(const fs::path& out) {
+  std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames"};
+  for (const std::string& folder : picture_folders()) folders.push_back(out / folder);
+  if (fs::exists(out / "map")) folders.push_back(out / "map");
+  return folders;
+}
+
+/// What complete() writes, as far as it is there: a baseline has no map. Not the report and the options, which tell times and
+/// places.
+std::vector<std::string> files_beside_frames(const fs::path& out) {
+  std::vector<std::string> files{"sources.json",  "video.mp4",    "compare.mp4", "contact.png",   "map/poses.txt",
+                                 "map/times.txt", "map/map.json", "map/map.ply", "map/moving.ply"};
+  std::erase_if(files, [&](const std::string& file) { return !fs::exists(out / file); });
+  return files;
+}
+
+/// Everything on disk that the run reads, as named by the user.
+std::vector<fs::path> inputs_of(const Job& job) {
+  std::vector<fs::path> inputs{job.target};
+  inputs.insert(inputs.end(), job.sources.begin(), job.sources.end());
+  if (job.read.masks.kind == MasksFrom::Kind::path) inputs.emplace_back(job.read.masks.path);
+  if (job.read.poses.kind == PosesFrom::Kind::file) inputs.emplace_back(job.read.poses.file);
+  return inputs;
+}
+
+void require_apart(const fs::path& out, const fs::path& input) {
+  const fs::path a = fs::weakly_canonical(out), b = fs::weakly_canonical(input);
+  const auto [in_a, in_b] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
+  if (in_a == a.end() || in_b == b.end())
+    throw InputError(out, fmt::format("is, holds or lies in an input of the run ({})", input.string()),
+                     "choose another folder");
+}
+
+}  // namespace
+
 const std::vector<std::string>& picture_folders() {
   static const std::vector<std::string> folders{"frames",       "masks",         "kind",       "provenance",
                                                 "sources_used", "harmonisation", "confidence", "depth"};
@@ -71,12 +119,8 @@ void require_usable_folder(const fs::path& out, bool force) {
 
 ResultFolder::ResultFolder(const Job& job, const Recordings& drives)
     : job_(job), drives_(drives), out_(job.out), identity_(identity_of(drives)), fingerprint_(fingerprint_of(job, drives)) {
-  if (!fs::exists(job_file(out_))) return;
-  const nlohmann::json old = nlohmann::json::parse(read_file(job_file(out_)), nullptr, false);
-  const bool ours = old.is_object() && old.value("schema", "") == kResultSchema && old.value("identity", "") == identity_;
-  if (!ours && !job.force)
-    throw InputError(out_, "is the result of another drive", "choose another folder, or --force to replace it");
-  same_ = ours && old.value("fingerprint", "") == fingerprint_;
+  for (const fs::path& input : inputs_of(job)) require_apart(out_, input);
+  refuse_other_drives();
 }
 
 ResultFolder::~ResultFolder() {
@@ -85,25 +129,43 @@ ResultFolder::~ResultFolder() {
   if (created_ && (!fs::exists(frames, ignored) || fs::is_empty(frames, ignored))) fs::remove_all(out_, ignored);
 }
 
+void ResultFolder::refuse_other_drives() const {
+  if (job_.force || !fs::exists(job_file(out_))) return;
+  const nlohmann::json old = nlohmann::json::parse(read_file(job_file(out_)), nullptr, false);
+  if (!old.is_object()) return;  // cut by a crash: the frames' records tell what they are of
+  if (old.value("schema", "") != kResultSchema || old.value("identity", "") != identity_)
+    throw InputError(out_, "is the result of another drive", "choose another folder, or --force to replace it");
+}
+
+std::optional<FrameReport> ResultFolder::finished_frame(const std::string& name) const {
+  const std::optional<Record> record = read_record(this->record(name));
+  if (!record || !record->frame || record->fingerprint != fingerprint_ || !record->holds(out_)) return std::nullopt;
+  return record->frame;
+}
+
 std::optional<RunReport> ResultFolder::finished_report(Progress& progress) const {
-  if (!same_ || !fs::exists(out_ / "report.json")) return std::nullopt;
-  const RunReport report = read_run_report(out_ / "report.json");
-  for (const FrameReport& frame : report.frames)
-    if (!fs::exists(record(frame.name))) return std::nullopt;
+  const std::optional<Record> result = read_record(result_record());
+  if (!result || result->fingerprint != fingerprint_ || !result->holds(out_)) return std::nullopt;
+  const std::optional<RunReport> read = read_run_report(out_ / "report.json");
+  if (!read || !fs::exists(out_ / "dvi.toml")) return std::nullopt;
+  const RunReport& report = *read;
+  std::vector<char> finished(report.frames.size());
+  parallel_for(finished.size(), [&](std::size_t i) { finished[i] = finished_frame(report.frames[i].name) ? 1 : 0; });
+  if (std::count(finished.begin(), finished.end(), 0) > 0) return std::nullopt;
   progress.note("every frame is finished already: nothing to do");
   return report;
 }
 
 void ResultFolder::claim() {
   created_ = !fs::exists(out_);
-  for (const std::string& folder : picture_folders()) make_folder(out_ / folder);
-  remove_temporaries(out_);
-  if (!same_) {
-    fs::remove_all(out_ / ".dvi/frames");
-    fs::remove(out_ / "report.json");  // it tells of other frames, and marks a result as whole
-  }
   make_folder(out_ / ".dvi/frames");
-  const nlohmann::json job{{"schema", kResultSchema}, {"identity", identity_}, {"fingerprint", fingerprint_}};
+  lock_.emplace(out_, out_ / ".dvi/lock");
+  refuse_other_drives();  // another run may have begun and ended since the first look
+  for (const fs::path& folder : own_folders(out_)) {
+    make_folder(folder);
+    remove_temporaries(folder);
+  }
+  const nlohmann::json job{{"schema", kResultSchema}, {"identity", identity_}};
   write_file(job_file(out_), job.dump(1) + "\n");
 }
 
@@ -111,12 +173,21 @@ std::string ResultFolder::frame_name(const Views& views, std::size_t view) const
   return drives_.front().drive.frames[views[view].frame].name;
 }
 
-std::vector<std::size_t> ResultFolder::missing_frames(const Views& views) {
+std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progress& progress) {
+  const std::size_t count = views.of_drive(0).second;
+  for (std::size_t i = 0; i < count; ++i) names_.push_back(frame_name(views, i));
+  std::vector<char> finished(count), stale(count);
+  parallel_for(count, [&](std::size_t i) {
+    finished[i] = finished_frame(names_[i]) ? 1 : 0;
+    stale[i] = finished[i] == 0 && fs::exists(record(names_[i])) ? 1 : 0;
+  });
   std::vector<std::size_t> missing;
-  for (std::size_t i = 0; i < views.of_drive(0).second; ++i) {
-    names_.push_back(frame_name(views, i));
-    if (!fs::exists(record(names_.back()))) missing.push_back(i);
-  }
+  for (std::size_t i = 0; i < count; ++i)
+    if (finished[i] == 0) missing.push_back(i);
+  if (const auto again = std::count(stale.begin(), stale.end(), 1); again > 0)
+    progress.note(fmt::format("{} of {} frames in {} are of other options or inputs, or damaged: they are made again", again,
+                              count, out_.string()));
+  for (const fs::path& mark : {result_record(), out_ / "report.json"}) fs::remove(mark);
   made_ = missing.size();
   return missing;
 }
@@ -125,24 +196,32 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::writer(const V
                                                                          CpuClock& cpu, Progress& progress) const {
   return [&, this](std::size_t view, const FilledView& finished) {
     const Frame& frame = drives_.front().drive.frames[views[view].frame];
-    const std::string report = to_json(frame_report(frame, finished, cameras.views[view]));
     cpu.time("write", [&] {
+      std::ofstream begun(record(frame.name));  // empty: the pictures are dvi's, and not finished
+      begun.close();
       write_pictures(out_, frame.name, finished.frame, views, view);
-      write_file(record(frame.name), report);
+      write_record(record(frame.name), {fingerprint_, record_files(out_, pictures_of(frame.name)),
+                                        frame_report(frame, finished, cameras.views[view])});
     });
     progress.advance();
   };
 }
 
 void ResultFolder::remove_other_frames() const {
-  const auto is_ours = [&](const fs::path& file) {
-    return std::find(names_.begin(), names_.end(), file.stem().string()) != names_.end();
-  };
-  for (const std::string& folder : picture_folders())
-    for (const fs::path& file : list_files(out_ / folder, {".png"}))
-      if (!is_ours(file)) fs::remove(file);
-  for (const fs::path& file : list_files(out_ / ".dvi/frames", {".json"}))
-    if (!is_ours(file)) fs::remove(file);
+  for (const fs::path& record : list_files(out_ / ".dvi/frames", {".json"})) {
+    const std::string name = record.stem().string();
+    if (std::find(names_.begin(), names_.end(), name) != names_.end()) continue;
+    for (const std::string& picture : pictures_of(name))
+      if (const fs::path file = out_ / picture; !fs::is_symlink(file.parent_path())) fs::remove(file);
+    fs::remove(record);
+  }
+}
+
+void ResultFolder::remove_map() const {
+  if (!fs::is_directory(fs::symlink_status(out_ / "map"))) return;
+  for (const std::string& file : files_beside_frames(out_))
+    if (file.starts_with("map/")) fs::remove(out_ / file);
+  if (fs::is_empty(out_ / "map")) fs::remove(out_ / "map");
 }
 
 RunReport ResultFolder::report(const RunResults& results, const Progress& progress) const {
@@ -156,8 +235,11 @@ RunReport ResultFolder::report(const RunResults& results, const Progress& progre
         drive_report(drives_[i].drive, results.poses[i].choice, aligned ? &results.cameras.drives[i] : nullptr));
   }
   for (const std::string& name : names_) {
-    report.frames.push_back(read_frame_report(record(name)));
-    report.hole += report.frames.back().hole;
+    const std::optional<Record> record = read_record(this->record(name));
+    if (!record || !record->frame)
+      throw InputError(this->record(name), "was changed by another program during the run", "run again");
+    report.frames.push_back(*record->frame);
+    report.hole += record->frame->hole;
   }
   if (results.map != nullptr) report.map = map_report(*results.map);
   report.cost = cost_report(progress, results.cpu, made_);
@@ -173,7 +255,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
     write_map_files(out_ / "map", *results.map, results.views, target);
     write_file(out_ / "map/map.json", nlohmann::json(map_report(*results.map)).dump(1) + "\n");
   } else {
-    fs::remove_all(out_ / "map");  // left by another method
+    remove_map();  // left by another method
   }
   write_media(out_, target, names_, job_.options.video, progress);
   progress.end();
@@ -182,6 +264,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   write_file(out_ / "dvi.toml", effective_toml(resolved));
   RunReport finished = report(results, progress);
   write_file(out_ / "report.json", to_json(finished) + "\n");
+  write_record(result_record(), {fingerprint_, record_files(out_, files_beside_frames(out_)), std::nullopt});
   return finished;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dvi/core/files.h"
+#include "dvi/core/folder_lock.h"
 #include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/report.h"
 
@@ -25,9 +26,10 @@ struct RunResults {
 
 /// The output folder of a run: which frames in it are finished, and how a frame is written.
 ///
-/// OUT/.dvi/job.json says what the folder was made from; OUT/.dvi/frames/NAME.json is written after a frame's images and so
-/// marks it as finished. A folder of other drives, or of anything else, is refused unless forced; frames made from other
-/// options or from files that have changed are made again.
+/// OUT/.dvi/job.json says which drives the folder is of. OUT/.dvi/frames/NAME.json is written after a frame's pictures, and
+/// OUT/.dvi/result.json after everything else: each says what its files were made from, their sizes and hashes. What is
+/// missing, damaged, or made from other options or inputs is made again. A folder of other drives, or of anything else, is
+/// refused unless forced; one that is, holds or lies in an input always. Only files that a frame's record names are deleted.
 class ResultFolder {
  public:
   /// InputError where the folder is refused. Looks only.
@@ -39,11 +41,11 @@ class ResultFolder {
   /// The report of this very run, if the folder holds all of it already.
   std::optional<RunReport> finished_report(Progress& progress) const;
 
-  /// Takes the folder for this run: what belongs to other options or files is removed. InputError where it cannot be written.
+  /// Takes the folder for this run. InputError where it cannot be written, or another process writes into it.
   void claim();
 
-  /// The views of the target that are still to be made, ascending.
-  std::vector<std::size_t> missing_frames(const Views& views);
+  /// The views of the target that are still to be made, ascending. From here on the result counts as unfinished.
+  std::vector<std::size_t> missing_frames(const Views& views, Progress& progress);
 
   /// Writes everything of a frame, its record last. Safe to call from several threads.
   std::function<void(std::size_t view, const FilledView& finished)> writer(const Views& views, const align::Cameras& cameras,
@@ -54,15 +56,20 @@ class ResultFolder {
 
  private:
   fs::path record(const std::string& name) const { return out_ / ".dvi/frames" / (name + ".json"); }
+  fs::path result_record() const { return out_ / ".dvi/result.json"; }
+  void refuse_other_drives() const;
+  std::optional<FrameReport> finished_frame(const std::string& name) const;
   std::string frame_name(const Views& views, std::size_t view) const;
   void remove_other_frames() const;
+  void remove_map() const;
   RunReport report(const RunResults& results, const Progress& progress) const;
 
   const Job& job_;
   const Recordings& drives_;
   const fs::path out_;
   const std::string identity_, fingerprint_;
-  bool same_ = false, created_ = false;
+  bool created_ = false;
+  std::optional<FolderLock> lock_;
   std::vector<std::string> names_;  // of the target's views
   std::size_t made_ = 0;            // frames that were missing
 };

@@ -53,7 +53,7 @@ RunReport run(const Job& job, Progress& progress) {
         cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, options.harmonize);  // 3.6, eq. 5
     return FilledView{std::move(frame), labels.energy};
   };
-  const std::vector<std::size_t> missing = out.missing_frames(views);
+  const std::vector<std::size_t> missing = out.missing_frames(views, progress);
   progress.begin("fill", missing.size());
   for_each_smoothed(
       missing, views.of_drive(0).second,

@@ -32,7 +32,7 @@ RunReport run_baseline(const Job& job, Progress& progress) {
   const Views views = make_unposed_views(drives, find_masks(drives, poses, job));
   const align::Cameras cameras(views);
   CpuClock cpu;
-  const std::vector<std::size_t> missing = out.missing_frames(views);
+  const std::vector<std::size_t> missing = out.missing_frames(views, progress);
   progress.begin("fill", missing.size());
   for_each_smoothed(missing, views.of_drive(0).second,
                     {.fill = filler_of(job, views, cpu),

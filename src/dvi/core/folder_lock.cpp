@@ -1,0 +1,49 @@
+#include "dvi/core/folder_lock.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include "dvi/core/error.h"
+
+namespace dvi {
+namespace {
+
+std::string this_process() {
+  std::array<char, 256> host{};
+  if (gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
+  return "process " + std::to_string(getpid()) + " on " + (host[0] == '\0' ? "an unnamed host" : host.data());
+}
+
+}  // namespace
+
+FolderLock::FolderLock(const fs::path& folder, const fs::path& file)
+    : descriptor_(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666)) {
+  if (descriptor_ < 0)
+    throw InputError(file, std::string("cannot be written (") + std::strerror(errno) + ")",
+                     "choose a folder that can be written");
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    const bool taken = errno == EWOULDBLOCK;
+    const std::string reason = std::strerror(errno);
+    close(descriptor_);
+    if (!taken) throw InputError(file, "cannot be locked (" + reason + ")", "choose a folder on another file system");
+    const std::string holder = read_file(file);
+    throw InputError(folder, "is being written by " + (holder.empty() ? "another process" : holder),
+                     "wait for it, or choose another folder");
+  }
+  const std::string holder = this_process();
+  // Only for the message to others: the lock holds without it, on a full disk too.
+  [[maybe_unused]] const bool named =
+      ftruncate(descriptor_, 0) == 0 && pwrite(descriptor_, holder.data(), holder.size(), 0) > 0;
+}
+
+FolderLock::~FolderLock() {
+  [[maybe_unused]] const int emptied = ftruncate(descriptor_, 0);  // else the next holder writes over it
+  close(descriptor_);
+}
+
+}  // namespace dvi

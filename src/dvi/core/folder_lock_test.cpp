@@ -1,0 +1,61 @@
+#include "dvi/core/folder_lock.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "dvi/core/error.h"
+#include "dvi/core/test_folder.h"
+
+namespace dvi {
+namespace {
+
+using testing::HasSubstr;
+
+class Lock : public testing::Test {
+ protected:
+  std::string refusal() const {
+    try {
+      const FolderLock lock(folder.path, file);
+      return "";
+    } catch (const InputError& e) {
+      return e.what();
+    }
+  }
+  const TempFolder folder;
+  const fs::path file = folder.path / "lock";
+};
+
+TEST_F(Lock, NamesTheProcessThatHoldsIt) {
+  {
+    const FolderLock lock(folder.path, file);
+    EXPECT_THAT(refusal(), HasSubstr("process " + std::to_string(getpid()) + " on "));
+    EXPECT_THAT(refusal(), HasSubstr(folder.path.string()));
+  }
+  EXPECT_EQ(refusal(), "") << "free again";
+  EXPECT_EQ(read_file(file), "") << "the same bytes whoever held it";
+}
+
+TEST_F(Lock, IsFreeOnceItsHolderWasKilled) {
+  const pid_t child = fork();
+  if (child == 0) {
+    const FolderLock lock(folder.path, file);
+    raise(SIGKILL);
+  }
+  ASSERT_EQ(waitpid(child, nullptr, 0), child);
+  EXPECT_THAT(read_file(file), HasSubstr(std::to_string(child)));
+  EXPECT_EQ(refusal(), "");
+}
+
+TEST_F(Lock, WhereNothingCanBeWrittenSaysSo) {
+  EXPECT_THROW(FolderLock(folder.path, folder.path / "missing/lock"), InputError);
+  fs::create_symlink("/etc/hostname", folder.path / "link");
+  EXPECT_THROW(FolderLock(folder.path, folder.path / "link"), InputError) << "no link is followed out of the folder";
+}
+
+}  // namespace
+}  // namespace dvi
