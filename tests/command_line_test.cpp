@@ -26,7 +26,7 @@ TEST_F(CommandLine, UsageErrorsEndInTwo) {
                                 "fly",
                                 "run",
                                 "run drive",
-                                "run drive -o out --frames 3",
+                                "run drive -o out --frames 3:",
                                 "run drive -o out --frames 9:1",
                                 "run drive -o out --set depth.nothing=1",
                                 "run drive -o out --set depth.median_px=99",
@@ -78,6 +78,14 @@ TEST_F(CommandLine, CheckDescribesADrive) {
   EXPECT_EQ(j["scans"]["count"], 6);
   EXPECT_EQ(j["frames"]["with_pose"], 6);
   EXPECT_NEAR(j["frames"]["rate_hz"], 10, 0.01);
+}
+
+TEST_F(CommandLine, OneFrameAloneIsSaid) {
+  small_drive();
+  const Result result = dvi("check drive --frames 3 --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out)["frames"]["count"], 1);
+  EXPECT_THAT(result.err, HasSubstr("note: frame 3 only (--frames A:B for a range)"));
 }
 
 TEST_F(CommandLine, MapWritesPosesAndPoints) {
