@@ -107,6 +107,7 @@ TEST_F(CommandLine, EvalScoresAResult) {
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_TRUE(nlohmann::json::parse(result.out).is_object());
   EXPECT_THAT(dvi("eval out --truth drive/truth --quiet").out, HasSubstr("PSNR"));
+  EXPECT_THAT(dvi("eval out --truth drive/truth --json-log").err, HasSubstr(R"("stage":"eval","total":6)"));
   EXPECT_EQ(dvi("eval out --truth nowhere --quiet").code, 3);
   EXPECT_EQ(dvi("eval drive --truth drive/truth --quiet").code, 3);
 }
