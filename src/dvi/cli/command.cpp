@@ -9,10 +9,31 @@
 
 #include "dvi/cli/nearest.h"
 #include "dvi/core/error.h"
+#include "dvi/core/interrupt.h"
 #include "dvi/core/version.h"
 
 namespace dvi::cli {
 namespace {
+
+// Interrupted, and what is kept of the work.
+class InterruptedCommand : public Interrupted {
+ public:
+  explicit InterruptedCommand(const std::string& kept) : text_("interrupted; " + kept) {}
+  const char* what() const noexcept override { return text_.c_str(); }
+
+ private:
+  std::string text_;
+};
+
+// What a signal cuts short, such as a blocked read, may fail in its own way.
+void run_interruptibly(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (...) {
+    throw_if_interrupted();
+    throw;
+  }
+}
 
 std::string ask_for(const std::string& word) { return word.empty() ? "" : fmt::format("; did you mean {}?", word); }
 
@@ -116,7 +137,15 @@ Command Command::subcommand(const std::string& name, const std::string& summary)
   impl_->app->require_subcommand(1);
   return Command(std::make_unique<Impl>(Impl{impl_->app->add_subcommand(name, summary)}));
 }
-void Command::run(std::function<void()> action) { impl_->app->callback(std::move(action)); }
+void Command::run(std::function<void()> action, std::function<std::string()> kept) {
+  impl_->app->callback([action = std::move(action), kept = std::move(kept)] {
+    try {
+      run_interruptibly(action);
+    } catch (const Interrupted&) {
+      throw InterruptedCommand(kept ? kept() : "nothing is kept, the same command starts again");
+    }
+  });
+}
 
 struct Program::Impl {
   CLI::App app{"dvi: removes traffic from recorded drives.", "dvi"};
@@ -147,8 +176,8 @@ int Program::main(int argc, char** argv) {
     return fail(2, e.what());
   } catch (const InputError& e) {
     return fail(3, e.what());
-  } catch (const Interrupted&) {
-    return fail(130, "interrupted; call the same command again to resume");
+  } catch (const Interrupted& e) {
+    return fail(130, e.what());
   } catch (const std::exception& e) {
     return fail(1, fmt::format("{}\nThis is a bug in dvi {}: please report it with the command line.", e.what(), kVersion));
   }

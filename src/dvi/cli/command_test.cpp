@@ -52,8 +52,16 @@ TEST(Program, ExitCodesTellWhoseFaultItIs) {
 TEST(Program, EachFailureIsOneMessageOnStderr) {
   EXPECT_THAT(run([] { throw std::logic_error("index"); }).err, AllOf(StartsWith("dvi: index\n"), HasSubstr("please report")));
   EXPECT_EQ(run([] { throw InputError("a.png", "is no image", "replace it"); }).err.find("dvi: a.png: is no image"), 0);
-  EXPECT_THAT(run([] { throw Interrupted(); }).err, HasSubstr("call the same command again"));
+  EXPECT_EQ(run([] { throw Interrupted(); }).err, "dvi: interrupted; nothing is kept, the same command starts again\n");
   EXPECT_THAT(run([] { throw UsageError("--frames"); }).out, IsEmpty());
+}
+
+TEST(Program, AnInterruptedCommandSaysWhatIsKept) {
+  Program program;
+  program.command("work", "For tests").run([] { throw Interrupted(); }, [] { return "3 frames are kept"; });
+  const Outcome outcome = call(program, {"work"});
+  EXPECT_EQ(outcome.code, 130);
+  EXPECT_EQ(outcome.err, "dvi: interrupted; 3 frames are kept\n");
 }
 
 TEST(Program, WrongCommandLinesPointToTheHelp) {
