@@ -150,7 +150,7 @@ CheckReport check(const Job& job, bool with_forecast, Progress& progress) {
     choice = choose_poses(drive, job.read.poses, job.options.odometry, progress);
   const bool posed = !chosen(drive, choice).empty();
   const Poses poses = posed ? in_one_world(drives, {choice}) : given_poses(drives);
-  const Masks masks = find_masks(drives, poses, job);
+  const Masks masks = find_masks(drives, poses, job, progress);
   CheckReport report = describe(drives.front(), choice, masks);
   if (with_forecast && report.ready) report.forecast = forecast_holes(drives, poses, masks, job, progress);
   return report;
