@@ -37,9 +37,10 @@ void run_interruptibly(const std::function<void()>& action) {
 
 std::string ask_for(const std::string& word) { return word.empty() ? "" : fmt::format("; did you mean {}?", word); }
 
-std::vector<std::string> names(const std::vector<const CLI::App*>& commands) {
+std::vector<std::string> commands_of(const CLI::App& command) {
   std::vector<std::string> out;
-  for (const CLI::App* command : commands) out.push_back(command->get_name());
+  for (const CLI::App* choice : command.get_subcommands([](const CLI::App*) { return true; }))
+    out.push_back(choice->get_name());
   return out;
 }
 
@@ -68,8 +69,12 @@ std::vector<Understood> understood(const CLI::App& program) {
 }
 
 std::optional<std::string> unknown_option(const Understood& in) {
+  const bool wants_command = !commands_of(*in.command).empty();
   for (const std::string& word : in.command->remaining()) {
-    if (word.size() < 2 || word.front() != '-') continue;
+    if (word.size() < 2 || word.front() != '-') {
+      if (wants_command) return std::nullopt;  // what is behind an unknown command would be its options
+      continue;
+    }
     const std::string option = word.substr(0, word.find('='));
     return fmt::format("{} has no option {}{}\n{}", in.words.empty() ? "dvi without a command" : in.words, option,
                        ask_for(nearest(option, long_names(*in.command))), in.see_help());
@@ -83,7 +88,7 @@ std::string explain(const CLI::App& program, const CLI::ParseError& error) {
   for (const Understood& in : commands)
     if (const std::optional<std::string> unknown = unknown_option(in)) return *unknown;
   const Understood& last = commands.back();
-  const std::vector<std::string> choices = names(last.command->get_subcommands([](const CLI::App*) { return true; }));
+  const std::vector<std::string> choices = commands_of(*last.command);
   if (choices.empty()) return fmt::format("{}\n{}", error.what(), last.see_help());
   const std::vector<std::string> rest = last.command->remaining();
   if (rest.empty()) return fmt::format("a command is missing: dvi {}\n\n{}", last.behind("COMMAND"), program.help());
