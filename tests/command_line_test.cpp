@@ -26,7 +26,7 @@ TEST_F(CommandLine, UsageErrorsEndInTwo) {
                                 "fly",
                                 "run",
                                 "run drive",
-                                "run drive -o out --frames 3",
+                                "run drive -o out --frames 3:",
                                 "run drive -o out --frames 9:1",
                                 "run drive -o out --set depth.nothing=1",
                                 "run drive -o out --set depth.median_px=99",
@@ -71,13 +71,22 @@ TEST_F(CommandLine, CheckDescribesADrive) {
   small_drive();
   const Result text = dvi("check drive --quiet");
   EXPECT_EQ(text.code, 0) << text.err;
-  EXPECT_THAT(text.out, HasSubstr("ready for dvi run"));
+  EXPECT_THAT(text.out, testing::AllOf(HasSubstr("ready for dvi run"), Not(HasSubstr("expected"))));
   const nlohmann::json j = nlohmann::json::parse(dvi("check drive --quiet --json").out);
   EXPECT_EQ(j["format"], "folder");
+  EXPECT_FALSE(j.contains("forecast"));
   EXPECT_EQ(j["frames"]["count"], 6);
   EXPECT_EQ(j["scans"]["count"], 6);
   EXPECT_EQ(j["frames"]["with_pose"], 6);
   EXPECT_NEAR(j["frames"]["rate_hz"], 10, 0.01);
+}
+
+TEST_F(CommandLine, OneFrameAloneIsSaid) {
+  small_drive();
+  const Result result = dvi("check drive --frames 3 --json");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out)["frames"]["count"], 1);
+  EXPECT_THAT(result.err, HasSubstr("note: frame 3 only (--frames A:B for a range)"));
 }
 
 TEST_F(CommandLine, MapWritesPosesAndPoints) {
@@ -99,6 +108,7 @@ TEST_F(CommandLine, EvalScoresAResult) {
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_TRUE(nlohmann::json::parse(result.out).is_object());
   EXPECT_THAT(dvi("eval out --truth drive/truth --quiet").out, HasSubstr("PSNR"));
+  EXPECT_THAT(dvi("eval out --truth drive/truth --json-log").err, HasSubstr(R"("stage":"eval","total":6)"));
   EXPECT_EQ(dvi("eval out --truth nowhere --quiet").code, 3);
   EXPECT_EQ(dvi("eval drive --truth drive/truth --quiet").code, 3);
 }
@@ -130,7 +140,7 @@ TEST_F(CommandLine, InterruptEndsIn130) {
                               " run drive -o out --threads 1 2> log & pid=$!; until grep -q read log; do sleep 0.01; done; "
                               "kill -INT $pid; wait $pid; code=$?; cat log >&2; exit $code; }");
   EXPECT_EQ(result.code, 130);
-  EXPECT_THAT(result.err, HasSubstr("interrupted"));
+  EXPECT_THAT(result.err, HasSubstr("interrupted; no frame was finished, the same command starts again"));
 }
 
 }  // namespace

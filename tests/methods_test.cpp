@@ -86,6 +86,17 @@ TEST_F(Methods, FurtherDrivesAreOfNoUseToBaselines) {
   EXPECT_EQ(json("out/report.json")["drives"].size(), 1);
 }
 
+TEST_F(Methods, MovingObjectsAreToldByPosesAndLabelsOnly) {
+  small_drive();
+  fs::remove(folder / "drive/poses.txt");
+  const std::string run = "run drive --method telea --remove moving ";
+  EXPECT_THAT(dvi(run + "--masks labels -o unposed").err, HasSubstr("without poses it is unknown what stands still"));
+  EXPECT_THAT(dvi(run + "--masks drive/masks -o files").err, HasSubstr("mask files do not say what stands still"));
+  small_drive("posed");
+  EXPECT_THAT(dvi("run posed --method telea --remove moving --masks labels -o out").err,
+              testing::Not(HasSubstr("what stands still")));
+}
+
 TEST_F(Methods, AnUnknownOneIsToldWhichThereAre) {
   small_drive();
   const Result result = dvi("run drive -o out --method magic");
@@ -128,12 +139,12 @@ TEST_F(Methods, ForecastSaysWhatTheRunThenReports) {
 
 TEST_F(Methods, CheckSaysWhatToExpect) {
   small_drive();
-  EXPECT_THAT(dvi("check drive --quiet").out, HasSubstr("of the hole seen elsewhere"));
-  const nlohmann::json checked = nlohmann::json::parse(dvi("check drive --quiet --json").out);
+  EXPECT_THAT(dvi("check drive --forecast --quiet").out, HasSubstr("of the hole seen elsewhere"));
+  const nlohmann::json checked = nlohmann::json::parse(dvi("check drive --forecast --quiet --json").out);
   EXPECT_EQ(checked["forecast"], nlohmann::json::parse(dvi("forecast drive --quiet --json").out));
   fs::remove(folder / "drive/poses.txt");
   fs::remove_all(folder / "drive/lidar");
-  const Result unposed = dvi("check drive --quiet");
+  const Result unposed = dvi("check drive --forecast --quiet");
   EXPECT_EQ(unposed.code, 0);
   EXPECT_THAT(unposed.out, testing::Not(HasSubstr("expected")));
 }

@@ -15,16 +15,18 @@ void add_check(Program& program) {
     std::string drive;
     JobOptions options;
     Common common;
+    bool forecast = false;
   };
   const auto a = std::make_shared<Arguments>();
   Command command = program.command("check", "What a drive is, whether it is complete and consistent, what is missing");
   command.positional("DRIVE", a->drive, "The drive");
+  command.flag("--forecast", a->forecast, "Also say what share of the holes other frames see; takes much longer");
   a->options.add_to(command);
   a->common.add_to(command, true);
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const pipeline::CheckReport report = pipeline::check(a->options.job("", a->drive, {}), progress);
+    const pipeline::CheckReport report = pipeline::check(a->options.job("", a->drive, {}), a->forecast, progress);
     progress.end();
     fmt::print("{}\n", a->common.json ? pipeline::to_json(report) : report.brief());
   });

@@ -1,14 +1,103 @@
 #include "dvi/cli/command.h"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "dvi/cli/nearest.h"
 #include "dvi/core/error.h"
+#include "dvi/core/interrupt.h"
 #include "dvi/core/version.h"
 
 namespace dvi::cli {
+namespace {
+
+// Interrupted, and what is kept of the work.
+class InterruptedCommand : public Interrupted {
+ public:
+  explicit InterruptedCommand(const std::string& kept) : text_("interrupted; " + kept) {}
+  const char* what() const noexcept override { return text_.c_str(); }
+
+ private:
+  std::string text_;
+};
+
+// What a signal cuts short, such as a blocked read, may fail in its own way.
+void run_interruptibly(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (...) {
+    throw_if_interrupted();
+    throw;
+  }
+}
+
+std::string ask_for(const std::string& word) { return word.empty() ? "" : fmt::format("; did you mean {}?", word); }
+
+std::vector<std::string> commands_of(const CLI::App& command) {
+  std::vector<std::string> out;
+  for (const CLI::App* choice : command.get_subcommands([](const CLI::App*) { return true; }))
+    out.push_back(choice->get_name());
+  return out;
+}
+
+std::vector<std::string> long_names(const CLI::App& command) {
+  std::vector<std::string> out;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) out.push_back("--" + name);
+  return out;
+}
+
+// A command that was understood and the words that name it: none for the program itself, "config", "config dump".
+struct Understood {
+  const CLI::App* command;
+  std::string words;
+
+  std::string behind(const std::string& word) const { return words.empty() ? word : words + " " + word; }
+  std::string see_help() const { return fmt::format("See dvi {}.", behind("--help")); }
+};
+
+// The program, then each command within the one before.
+std::vector<Understood> understood(const CLI::App& program) {
+  std::vector<Understood> out = {{&program, ""}};
+  for (std::vector<CLI::App*> next = program.get_subcommands(); !next.empty(); next = next.front()->get_subcommands())
+    out.push_back({next.front(), out.back().behind(next.front()->get_name())});
+  return out;
+}
+
+std::optional<std::string> unknown_option(const Understood& in) {
+  const bool wants_command = !commands_of(*in.command).empty();
+  for (const std::string& word : in.command->remaining()) {
+    if (word.size() < 2 || word.front() != '-') {
+      if (wants_command) return std::nullopt;  // what is behind an unknown command would be its options
+      continue;
+    }
+    const std::string option = word.substr(0, word.find('='));
+    return fmt::format("{} has no option {}{}\n{}", in.words.empty() ? "dvi without a command" : in.words, option,
+                       ask_for(nearest(option, long_names(*in.command))), in.see_help());
+  }
+  return std::nullopt;
+}
+
+// What is wrong with a command line that was not understood. Unknown words come first: CLI11 would name what is missing.
+std::string explain(const CLI::App& program, const CLI::ParseError& error) {
+  const std::vector<Understood> commands = understood(program);
+  for (const Understood& in : commands)
+    if (const std::optional<std::string> unknown = unknown_option(in)) return *unknown;
+  const Understood& last = commands.back();
+  const std::vector<std::string> choices = commands_of(*last.command);
+  if (choices.empty()) return fmt::format("{}\n{}", error.what(), last.see_help());
+  const std::vector<std::string> rest = last.command->remaining();
+  if (rest.empty()) return fmt::format("a command is missing: dvi {}\n\n{}", last.behind("COMMAND"), program.help());
+  const std::string meant = nearest(rest.front(), choices);
+  return fmt::format("there is no command '{}'{}\n{}", last.behind(rest.front()),
+                     ask_for(meant.empty() ? "" : last.behind(meant)), last.see_help());
+}
+
+}  // namespace
 
 struct Command::Impl {
   CLI::App* app;
@@ -50,9 +139,18 @@ void Command::options(OptionTable& table) {
   }
 }
 Command Command::subcommand(const std::string& name, const std::string& summary) {
+  impl_->app->require_subcommand(1);
   return Command(std::make_unique<Impl>(Impl{impl_->app->add_subcommand(name, summary)}));
 }
-void Command::run(std::function<void()> action) { impl_->app->callback(std::move(action)); }
+void Command::run(std::function<void()> action, std::function<std::string()> kept) {
+  impl_->app->callback([action = std::move(action), kept = std::move(kept)] {
+    try {
+      run_interruptibly(action);
+    } catch (const Interrupted&) {
+      throw InterruptedCommand(kept ? kept() : "nothing is kept, the same command starts again");
+    }
+  });
+}
 
 struct Program::Impl {
   CLI::App app{"dvi: removes traffic from recorded drives.", "dvi"};
@@ -78,13 +176,13 @@ int Program::main(int argc, char** argv) {
     return 0;
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return impl_->app.exit(e);  // --help, --version
-    return fail(2, fmt::format("{}\nSee dvi --help, or dvi COMMAND --help.", e.what()));
+    return fail(2, explain(impl_->app, e));
   } catch (const UsageError& e) {
     return fail(2, e.what());
   } catch (const InputError& e) {
     return fail(3, e.what());
-  } catch (const Interrupted&) {
-    return fail(130, "interrupted; call the same command again to resume");
+  } catch (const Interrupted& e) {
+    return fail(130, e.what());
   } catch (const std::exception& e) {
     return fail(1, fmt::format("{}\nThis is a bug in dvi {}: please report it with the command line.", e.what(), kVersion));
   }

@@ -31,8 +31,9 @@ class Command {
   /// Every option of the table that is not there yet by its own name: exposure_drift as --exposure-drift.
   void options(OptionTable& table);
   Command subcommand(const std::string& name, const std::string& summary);
-  /// What to do once the whole command line is understood.
-  void run(std::function<void()> action);
+  /// What to do once the whole command line is understood. `kept` says after an interrupt what the next call finds done ("3
+  /// frames are kept"); without it, nothing is.
+  void run(std::function<void()> action, std::function<std::string()> kept = {});
 
  private:
   std::unique_ptr<Impl> impl_;

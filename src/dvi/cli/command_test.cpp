@@ -1,10 +1,12 @@
 #include "dvi/cli/command.h"
 
 #include <stdexcept>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "dvi/cli/nearest.h"
 #include "dvi/core/error.h"
 #include "dvi/core/interrupt.h"
 
@@ -50,8 +52,16 @@ TEST(Program, ExitCodesTellWhoseFaultItIs) {
 TEST(Program, EachFailureIsOneMessageOnStderr) {
   EXPECT_THAT(run([] { throw std::logic_error("index"); }).err, AllOf(StartsWith("dvi: index\n"), HasSubstr("please report")));
   EXPECT_EQ(run([] { throw InputError("a.png", "is no image", "replace it"); }).err.find("dvi: a.png: is no image"), 0);
-  EXPECT_THAT(run([] { throw Interrupted(); }).err, HasSubstr("call the same command again"));
+  EXPECT_EQ(run([] { throw Interrupted(); }).err, "dvi: interrupted; nothing is kept, the same command starts again\n");
   EXPECT_THAT(run([] { throw UsageError("--frames"); }).out, IsEmpty());
+}
+
+TEST(Program, AnInterruptedCommandSaysWhatIsKept) {
+  Program program;
+  program.command("work", "For tests").run([] { throw Interrupted(); }, [] { return "3 frames are kept"; });
+  const Outcome outcome = call(program, {"work"});
+  EXPECT_EQ(outcome.code, 130);
+  EXPECT_EQ(outcome.err, "dvi: interrupted; 3 frames are kept\n");
 }
 
 TEST(Program, WrongCommandLinesPointToTheHelp) {
@@ -69,6 +79,55 @@ TEST(Program, WrongCommandLinesPointToTheHelp) {
   const Outcome help = call(program, {"--help"});
   EXPECT_EQ(help.code, 0);
   EXPECT_THAT(help.out, HasSubstr("Does what tests want"));
+}
+
+// A program with commands "run" (option --frames, required -o) and "config dump".
+Outcome call_typed(const std::vector<std::string>& words) {
+  Program program;
+  std::string out, frames;
+  Command run = program.command("run", "Does the work");
+  run.option("--frames", frames, "");
+  run.option("-o,--out", out, "", true);
+  program.command("config", "The options").subcommand("dump", "Prints them").run([] {});
+  return call(program, words);
+}
+
+TEST(Program, TypingErrorsAreAnsweredWithWhatWasMeant) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"rnu"}, "dvi: there is no command 'rnu'; did you mean run?\n"},
+      {{"rnu", "drive", "-o", "x"}, "dvi: there is no command 'rnu'; did you mean run?\n"},
+      {{"config", "dmup"}, "dvi: there is no command 'config dmup'; did you mean config dump?\n"},
+      {{"fly"}, "dvi: there is no command 'fly'\n"},
+      {{"run", "--frmes", "3"}, "dvi: run has no option --frmes; did you mean --frames?\n"},
+      {{"run", "--frmes=3"}, "dvi: run has no option --frmes; did you mean --frames?\n"},
+      {{"run", "-o", "x", "--colour"}, "dvi: run has no option --colour\n"},
+      {{"--frames", "run"}, "dvi: dvi without a command has no option --frames\n"}};
+  for (const auto& [words, message] : cases) {
+    const Outcome outcome = call_typed(words);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, AllOf(StartsWith(message), HasSubstr("--help")));
+    EXPECT_THAT(outcome.out, IsEmpty());
+  }
+}
+
+TEST(Program, WithoutACommandItsHelpIsShown) {
+  const Outcome bare = call_typed({}), config = call_typed({"config"});
+  EXPECT_EQ(bare.code, 2);
+  EXPECT_EQ(config.code, 2);
+  EXPECT_THAT(bare.err, AllOf(StartsWith("dvi: a command is missing: dvi COMMAND\n"), HasSubstr("Does the work")));
+  EXPECT_THAT(config.err, AllOf(StartsWith("dvi: a command is missing: dvi config COMMAND\n"), HasSubstr("Prints them")));
+}
+
+TEST(Nearest, IsTheWordWithTheFewestTypingErrors) {
+  const std::vector<std::string> words = {"run", "map", "eval", "forecast", "formats"};
+  EXPECT_EQ(nearest("rnu", words), "run");
+  EXPECT_EQ(nearest("mapp", words), "map");
+  EXPECT_EQ(nearest("forcast", words), "forecast");
+  EXPECT_EQ(nearest("format", words), "formats");
+  EXPECT_EQ(nearest("evl", words), "eval");
+  EXPECT_EQ(nearest("xyz", words), "");
+  EXPECT_EQ(nearest("", words), "");
+  EXPECT_EQ(nearest("run", {}), "");
 }
 
 TEST(Command, FillsItsFieldsAndLeavesTheOthers) {

@@ -6,6 +6,7 @@
 #include "dvi/cli/job_options.h"
 #include "dvi/core/threads.h"
 #include "dvi/metrics/evaluate.h"
+#include "dvi/pipeline/result_folder.h"
 #include "dvi/pipeline/run.h"
 #include "dvi/synth/synth.h"
 
@@ -41,21 +42,23 @@ void add_demo(Program& program) {
   a->options.add_to(command);
   command.flag("--force", a->force, "Replace a result of another drive");
   a->common.add_to(command, true);
-  command.run([a] {
-    const ThreadLimit limit(a->common.threads);
-    Progress progress(a->common.style());
-    const fs::path out = a->out;
-    const bool synthetic = a->drive.empty();
-    const std::string drive = synthetic ? demo_street(out, a->common.seed, progress) : a->drive;
-    pipeline::Job job = a->options.job(out / "result", drive, {});
-    job.force = a->force;
-    const pipeline::RunReport report = pipeline::run(job, progress);
-    progress.end();
-    fmt::print("{}\n", a->common.json ? to_json(report) : report.brief(job.out));
-    if (synthetic && !a->common.json)
-      fmt::print("\nAgainst the truth, inside the mask:\n{}\n",
-                 metrics::table(metrics::evaluate({job.out, fs::path(drive) / "truth"})));
-  });
+  command.run(
+      [a] {
+        const ThreadLimit limit(a->common.threads);
+        Progress progress(a->common.style());
+        const fs::path out = a->out;
+        const bool synthetic = a->drive.empty();
+        const std::string drive = synthetic ? demo_street(out, a->common.seed, progress) : a->drive;
+        pipeline::Job job = a->options.job(out / "result", drive, {});
+        job.force = a->force;
+        const pipeline::RunReport report = pipeline::run(job, progress);
+        progress.end();
+        fmt::print("{}\n", a->common.json ? to_json(report) : report.brief(job.out));
+        if (synthetic && !a->common.json)
+          fmt::print("\nAgainst the truth, inside the mask:\n{}\n",
+                     metrics::table(metrics::evaluate({job.out, fs::path(drive) / "truth"})));
+      },
+      [a] { return pipeline::kept_in(fs::path(a->out) / "result"); });
 }
 
 }  // namespace dvi::cli

@@ -29,8 +29,7 @@ void add_eval(Program& program) {
     const metrics::EvaluationFolders folders{a->out, a->truth, a->ignore, metrics::parse_external(a->external)};
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    progress.begin("eval", 0);
-    const metrics::Evaluation evaluation = metrics::evaluate(folders, progress.tick());
+    const metrics::Evaluation evaluation = metrics::evaluate(folders, progress.parts());
     progress.end();
     for (const std::string& warning : evaluation.warnings) progress.warn(warning);
     if (a->common.json)

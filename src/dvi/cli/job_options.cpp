@@ -28,7 +28,7 @@ void take(const std::optional<std::string>& text, const char* flag, Parse parse,
 }  // namespace
 
 void JobOptions::add_to(Command& command) {
-  command.option("--frames", frames, "A:B: only these frames, inclusive, by the drive's own numbers");
+  command.option("--frames", frames, "A:B: only these frames, inclusive, by the drive's own numbers; A: only that frame");
   command.option("--camera", camera, "Camera to use (default: the drive's first)");
   command.option("--masks", masks, "What to remove: DIR (PNG, 255 = remove), FILE (labels), labels, auto");
   command.option("--poses", poses,

@@ -80,5 +80,15 @@ TEST(JobOptions, SetMustNameAnOptionAndFitIt) {
   }
 }
 
+TEST(JobOptions, FramesAreARangeOrOneFrame) {
+  const FrameRange range = pipeline::parse_frames("3:9"), one = pipeline::parse_frames("272");
+  EXPECT_EQ(range.first, 3);
+  EXPECT_EQ(range.last, 9);
+  EXPECT_EQ(one.first, 272);
+  EXPECT_EQ(one.last, 272);
+  for (const char* text : {"9:3", "three", "3:", ":3", "3:4:5", "3-4", ""})
+    EXPECT_THROW(pipeline::parse_frames(text), UsageError) << text;
+}
+
 }  // namespace
 }  // namespace dvi::cli

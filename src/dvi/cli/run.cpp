@@ -8,6 +8,7 @@
 #include "dvi/cli/job_options.h"
 #include "dvi/core/error.h"
 #include "dvi/core/threads.h"
+#include "dvi/pipeline/result_folder.h"
 
 namespace dvi::cli {
 
@@ -27,17 +28,20 @@ void add_run(Program& program) {
   a->options.add_to(command);
   command.flag("--force", a->force, "Replace a result of another drive");
   a->common.add_to(command, true);
-  command.run([a] {
-    pipeline::Job job = a->options.job(a->out, a->target, a->sources);
-    job.force = a->force;
-    if (job.target.empty()) throw UsageError("dvi run needs a drive: dvi run TARGET -o OUT");
-    if (job.out.empty()) throw UsageError("dvi run needs a folder for the result: -o OUT");
-    const ThreadLimit limit(a->common.threads);
-    Progress progress(a->common.style());
-    const pipeline::RunReport report = pipeline::run(job, progress);
-    progress.end();
-    fmt::print("{}\n", a->common.json ? pipeline::to_json(report) : report.brief(job.out));
-  });
+  command.run(
+      [a] {
+        pipeline::Job job = a->options.job(a->out, a->target, a->sources);
+        job.force = a->force;
+        a->out = job.out;
+        if (job.target.empty()) throw UsageError("dvi run needs a drive: dvi run TARGET -o OUT");
+        if (job.out.empty()) throw UsageError("dvi run needs a folder for the result: -o OUT");
+        const ThreadLimit limit(a->common.threads);
+        Progress progress(a->common.style());
+        const pipeline::RunReport report = pipeline::run(job, progress);
+        progress.end();
+        fmt::print("{}\n", a->common.json ? pipeline::to_json(report) : report.brief(job.out));
+      },
+      [a] { return pipeline::kept_in(a->out); });
 }
 
 }  // namespace dvi::cli

@@ -28,16 +28,18 @@ void add_selfcheck(Program& program) {
                  "NAME=DIR: also score another program's frames, DIR/SCENARIO/NAME.png or .jpg; repeatable");
   a->options.add_to(command);
   a->common.add_to(command, true);
-  command.run([a] {
-    std::vector<holdout::Scenario> scenarios;
-    for (const std::string& scenario : a->scenarios) scenarios.push_back(holdout::parse_scenario(scenario));
-    const std::vector<metrics::ExternalFrames> external = metrics::parse_external(a->external);
-    const ThreadLimit limit(a->common.threads);
-    Progress progress(a->common.style());
-    const pipeline::SelfcheckReport report =
-        pipeline::selfcheck(a->options.job(a->out, a->drive, {}), scenarios, external, a->common.seed, progress);
-    fmt::print("{}\n", a->common.json ? report.json : report.text);
-  });
+  command.run(
+      [a] {
+        std::vector<holdout::Scenario> scenarios;
+        for (const std::string& scenario : a->scenarios) scenarios.push_back(holdout::parse_scenario(scenario));
+        const std::vector<metrics::ExternalFrames> external = metrics::parse_external(a->external);
+        const ThreadLimit limit(a->common.threads);
+        Progress progress(a->common.style());
+        const pipeline::SelfcheckReport report =
+            pipeline::selfcheck(a->options.job(a->out, a->drive, {}), scenarios, external, a->common.seed, progress);
+        fmt::print("{}\n", a->common.json ? report.json : report.text);
+      },
+      [] { return "finished scenarios and frames are kept, the same command does the rest"; });
 }
 
 }  // namespace dvi::cli

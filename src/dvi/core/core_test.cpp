@@ -1,6 +1,11 @@
 // The small parts of core: errors, fingerprints, random numbers, threads, progress, interruption.
+#include <pthread.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -216,6 +221,24 @@ TEST(Interrupt, StopsTheNextUnitOfWork) {
       std::_Exit(130);
     }
     std::_Exit(0);
+  };
+  EXPECT_EXIT(work(), testing::ExitedWithCode(130), "");
+}
+
+TEST(Interrupt, BlockedReadsReturn) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto work = [] {
+    catch_interrupts();
+    std::array<int, 2> ends{};
+    if (pipe(ends.data()) != 0) std::_Exit(1);
+    const pthread_t reader = pthread_self();
+    std::thread([reader] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      pthread_kill(reader, SIGINT);
+    }).detach();
+    char byte = 0;
+    const bool returned = read(ends[0], &byte, 1) == -1 && errno == EINTR;
+    std::_Exit(returned ? 130 : 0);
   };
   EXPECT_EXIT(work(), testing::ExitedWithCode(130), "");
 }

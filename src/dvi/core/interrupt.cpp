@@ -1,5 +1,7 @@
 #include "dvi/core/interrupt.h"
 
+#include <signal.h>
+
 #include <csignal>
 
 #include "dvi/core/error.h"
@@ -9,17 +11,17 @@ namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
 
-// A second signal ends the process the usual way: the first may be waiting for a long step.
-void remember(int signal) {
-  interrupted = 1;
-  std::signal(signal, SIG_DFL);
-}
+void remember(int) { interrupted = 1; }
 
 }  // namespace
 
 void catch_interrupts() {
-  std::signal(SIGINT, remember);
-  std::signal(SIGTERM, remember);
+  struct sigaction action{};
+  action.sa_handler = remember;
+  // No SA_RESTART: a blocked read returns. A second signal ends the process the usual way: the first may be waiting for a long
+  // step.
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
 
 void throw_if_interrupted() {

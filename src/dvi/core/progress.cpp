@@ -1,5 +1,6 @@
 #include "dvi/core/progress.h"
 
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
@@ -9,6 +10,8 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "dvi/core/progress_line.h"
 
 namespace dvi {
 namespace {
@@ -24,9 +27,10 @@ double cpu_seconds(clockid_t clock) {
 // File names may hold bytes that are no UTF-8: they must not end the run.
 std::string dump(const nlohmann::json& json) { return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace); }
 
-std::string duration(double seconds) {
-  const int s = static_cast<int>(seconds + 0.5);
-  return s < 60 ? fmt::format("{} s", s) : fmt::format("{}:{:02} min", s / 60, s % 60);
+// Of the terminal that stderr is.
+std::size_t terminal_columns() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
 }  // namespace
@@ -81,27 +85,19 @@ void Progress::end_locked() {
 
 void Progress::show(bool last) {
   shown_ = Clock::now();
-  const std::chrono::duration<double> elapsed = shown_ - begun_;
-  const double rate = elapsed.count() > 0 ? static_cast<double>(done_) / elapsed.count() : 0;
-  const double left = rate > 0 && total_ > done_ ? static_cast<double>(total_ - done_) / rate : 0;
+  const StageProgress at{stage_, done_, total_, std::chrono::duration<double>(shown_ - begun_).count()};
   if (style_ == ProgressStyle::json) {
     const nlohmann::json line = {{"event", last ? "stage_end" : "progress"},
-                                 {"stage", stage_},
-                                 {"done", done_},
-                                 {"total", total_},
-                                 {"seconds", elapsed.count()}};
+                                 {"stage", at.stage},
+                                 {"done", at.done},
+                                 {"total", at.total},
+                                 {"seconds", at.seconds}};
     fmt::print(stderr, "{}\n", dump(line));
   } else if (style_ == ProgressStyle::bar) {
-    constexpr std::size_t width = 30;
-    const std::size_t full = total_ > 0 ? std::min(width, width * done_ / total_) : 0;
-    fmt::print(stderr, "\r\033[K{:<10} [{:#<{}}{:.<{}}] {}/{}  {:.1f}/s  {}{}", stage_, "", full, "", width - full, done_,
-               total_, rate, last ? duration(elapsed.count()) : duration(left) + " left", last ? "\n" : "");
+    fmt::print(stderr, "\r\033[K{}{}", bar_line(at, last, terminal_columns()), last ? "\n" : "");
     std::fflush(stderr);
-  } else if (style_ == ProgressStyle::lines) {
-    if (last)
-      fmt::print(stderr, "{}: done, {}\n", stage_, duration(elapsed.count()));
-    else if (done_ > 0)
-      fmt::print(stderr, "{}: {} of {}, {:.1f}/s, {} left\n", stage_, done_, total_, rate, duration(left));
+  } else if (style_ == ProgressStyle::lines && (last || at.done > 0)) {
+    fmt::print(stderr, "{}\n", log_line(at, last));
   }
 }
 

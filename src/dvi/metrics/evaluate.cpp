@@ -155,7 +155,7 @@ Evaluation score(const EvaluationFolders& folders, const ExternalFrames* externa
     });
     for (std::size_t i = 0; i < count; ++i) {
       collector.add(names[first + i], tallies[i]);
-      if (tick) tick();
+      tick();
     }
     previous = frames.back();
   });
@@ -177,8 +177,9 @@ std::vector<ExternalFrames> parse_external(const std::vector<std::string>& argum
   return out;
 }
 
-Evaluation evaluate(const EvaluationFolders& folders, const Tick& tick) {
+Evaluation evaluate(const EvaluationFolders& folders, const BeginPart& begin) {
   const std::vector<std::string> names = frames_of(folders);
+  const Tick tick = begin("eval", names.size() * (1 + folders.external.size()));
   Evaluation evaluation = score(folders, nullptr, names, tick);
   for (const ExternalFrames& external : folders.external)
     evaluation.external.push_back({external.name, score(folders, &external, names, tick)});

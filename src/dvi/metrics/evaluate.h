@@ -26,8 +26,9 @@ struct EvaluationFolders {
 };
 
 /// Scores a run against the truth, and the frames of other programs on the same pixels: outside the run's masks they count as
-/// the input, whatever they show. `tick` is called once a frame and program. Holds a frame a thread at a time. InputError where
-/// a folder is not what it should be, a masked frame has no truth or other program's frame, or sizes differ.
-Evaluation evaluate(const EvaluationFolders& folders, const Tick& tick = {});
+/// the input, whatever they show. Its one part, "eval", ticks once a frame
+/// and program. Holds a frame a thread at a time. InputError where a folder is not what it should be, a masked frame has no
+/// truth or other program's frame, or sizes differ.
+Evaluation evaluate(const EvaluationFolders& folders, const BeginPart& begin = no_parts);
 
 }  // namespace dvi::metrics

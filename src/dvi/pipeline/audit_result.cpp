@@ -122,7 +122,7 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   job.sources.assign(drives.begin() + 1, drives.end());
   if (!masks.empty()) job.read.masks = MasksFrom::parse(masks);
   const Recordings open = open_recordings(job, MaskNeed::required, progress);
-  Views views = views_of(sources, open, find_masks(open, poses_of(out, open, job), job), out);
+  Views views = views_of(sources, open, find_masks(open, poses_of(out, open, job), job, progress), out);
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < views.of_drive(0).second; ++i) names.push_back(sources[i].frame);

@@ -141,7 +141,7 @@ std::string to_json(const CheckReport& r) {
   return j.dump(1);
 }
 
-CheckReport check(const Job& job, Progress& progress) {
+CheckReport check(const Job& job, bool with_forecast, Progress& progress) {
   const Recordings drives{open_recording(job.target, job.read, MaskNeed::optional, progress)};
   const Drive& drive = drives.front().drive;
   verify(drives, progress);
@@ -150,9 +150,9 @@ CheckReport check(const Job& job, Progress& progress) {
     choice = choose_poses(drive, job.read.poses, job.options.odometry, progress);
   const bool posed = !chosen(drive, choice).empty();
   const Poses poses = posed ? in_one_world(drives, {choice}) : given_poses(drives);
-  const Masks masks = find_masks(drives, poses, job);
+  const Masks masks = find_masks(drives, poses, job, progress);
   CheckReport report = describe(drives.front(), choice, masks);
-  if (report.ready) report.forecast = forecast_holes(drives, poses, masks, job, progress);
+  if (with_forecast && report.ready) report.forecast = forecast_holes(drives, poses, masks, job, progress);
   return report;
 }
 

@@ -27,15 +27,15 @@ struct CheckReport {
   double mean_masked = 0, largest_masked = 0;  ///< parts of an image
   bool ready = false;                          ///< for a run
   std::vector<std::string> warnings;
-  std::optional<ForecastReport> forecast;  ///< if it is ready
+  std::optional<ForecastReport> forecast;  ///< if asked for and ready
 
   std::string brief() const;  ///< some lines for a person
 };
 std::string to_json(const CheckReport& report);
 
 /// Reads all of job.target once and says what it is: format, camera, frames, scans, points, poses, masks, what of it is missing
-/// or odd, and, if it is ready for a run, how much of its holes other frames will have seen. InputError where something is too
-/// bad to go on with.
-CheckReport check(const Job& job, Progress& progress);
+/// or odd, and, if `with_forecast` and it is ready for a run, how much of its holes other frames will have seen, which takes
+/// much longer. InputError where something is too bad to go on with.
+CheckReport check(const Job& job, bool with_forecast, Progress& progress);
 
 }  // namespace dvi::pipeline

@@ -1,5 +1,9 @@
 #include "dvi/pipeline/find_masks.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
+
 #include "dvi/masks/standing.h"
 
 namespace dvi::pipeline {
@@ -21,11 +25,36 @@ DriveMasks masks_of(const Recording& open, const Trajectory& world_from_lidar, c
   return out;
 }
 
+bool has_boxes_with_tracks(const Drive& drive) {
+  return std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& frame) {
+    return std::any_of(frame.labels.begin(), frame.labels.end(), [](const Label& l) { return l.track >= 0 && l.box; });
+  });
+}
+
+// --remove moving needs to know what stands.
+void warn_of_all_removed(const Recording& open, const Trajectory& world_from_lidar, Progress& progress) {
+  if (!open.masks_from) return;
+  const Drive& drive = open.drive;
+  const auto warn = [&](const char* reason, const char* remedy) {
+    progress.warn(fmt::format("{}: --remove moving: {}, so everything masked is removed; {}", drive.path.filename().string(),
+                              reason, remedy));
+  };
+  if (*open.masks_from == masks::MaskSource::files)
+    warn("mask files do not say what stands still", "leave out of them what is to stay, or use labels with 3D boxes");
+  else if (world_from_lidar.empty())
+    warn("without poses it is unknown what stands still", "give --poses FILE");
+  else if (!has_boxes_with_tracks(drive))
+    warn("no label has a 3D box and a track to tell what stands still", "give such labels with --masks FILE");
+}
+
 }  // namespace
 
-Masks find_masks(const Recordings& drives, const Poses& poses, const Job& job) {
+Masks find_masks(const Recordings& drives, const Poses& poses, const Job& job, Progress& progress) {
   Masks masks;
-  for (std::size_t i = 0; i < drives.size(); ++i) masks.push_back(masks_of(drives[i], poses[i].world_from_lidar, job));
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    if (job.read.remove == Remove::moving) warn_of_all_removed(drives[i], poses[i].world_from_lidar, progress);
+    masks.push_back(masks_of(drives[i], poses[i].world_from_lidar, job));
+  }
   return masks;
 }
 

@@ -16,7 +16,8 @@ struct DriveMasks {
 /// As the recordings.
 using Masks = std::vector<DriveMasks>;
 
-/// Decides what is removed from each drive, as the job asks. Which labelled objects stand is decided along `poses`.
-Masks find_masks(const Recordings& drives, const Poses& poses, const Job& job);
+/// Decides what is removed from each drive, as the job asks. Which labelled objects stand is decided along `poses`;
+/// a warning says where that cannot be told, so that nothing is left in the picture.
+Masks find_masks(const Recordings& drives, const Poses& poses, const Job& job, Progress& progress);
 
 }  // namespace dvi::pipeline

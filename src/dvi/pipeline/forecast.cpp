@@ -54,7 +54,7 @@ ForecastReport forecast_holes(const Recordings& drives, const Poses& poses, cons
 ForecastReport forecast_holes(const Job& job, Progress& progress) {
   const Recordings drives = open_recordings(job, MaskNeed::required, progress);
   const Poses poses = estimate_poses(drives, job, progress);
-  return forecast_holes(drives, poses, find_masks(drives, poses, job), job, progress);
+  return forecast_holes(drives, poses, find_masks(drives, poses, job, progress), job, progress);
 }
 
 }  // namespace dvi::pipeline

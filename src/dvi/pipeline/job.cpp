@@ -66,7 +66,7 @@ OptionTable Job::table() {
   table.add("sources", sources, "Source drives of the same street.");
   table.add("out", out, {}, "The folder of the result.");
   table.add("camera", read.camera, {}, "The camera to use; empty: the drive's first.");
-  table.add("frames", read.frames, {}, "A:B, inclusive, by the drive's own numbers; empty: all.");
+  table.add("frames", read.frames, {}, "A:B, inclusive, or A, one frame, by the drive's own numbers; empty: all.");
   table.add("masks", read.masks, "auto (the drive's mask files, else its labels), labels, a folder of PNG, or a label file.");
   table.add("poses", read.poses,
             "auto (given or loam, whichever map is sharper), given, loam (estimated from scans), or a file of poses.");
@@ -116,15 +116,17 @@ std::string effective_toml(Job job) {
 }
 
 FrameRange parse_frames(const std::string& text) {
-  FrameRange range;
-  const auto colon = text.find(':');
-  const auto number = [&](std::string_view part, int& value) {
+  const auto number = [&](std::string_view part) {
+    int value = 0;
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    return error == std::errc() && end == part.data() + part.size();
+    if (error != std::errc() || end != part.data() + part.size())
+      throw UsageError("--frames " + text + ": wanted is A:B, two numbers, or A, one");
+    return value;
   };
   const std::string_view view = text;
-  if (colon == std::string::npos || !number(view.substr(0, colon), range.first) || !number(view.substr(colon + 1), range.last))
-    throw UsageError("--frames " + text + ": wanted is A:B, two numbers");
+  const std::size_t colon = view.find(':');
+  const int first = number(view.substr(0, colon));
+  const FrameRange range{first, colon == std::string_view::npos ? first : number(view.substr(colon + 1))};
   if (range.first > range.last) throw UsageError("--frames " + text + ": the first is behind the last");
   return range;
 }

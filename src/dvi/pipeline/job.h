@@ -50,7 +50,7 @@ struct Options {
 /// What to read: shared by every command that opens a drive.
 struct ReadChoice {
   std::string camera;  ///< empty: the drive's first
-  std::string frames;  ///< "A:B"; empty: all
+  std::string frames;  ///< "A:B" or "A"; empty: all
   MasksFrom masks;
   PosesFrom poses;
   Remove remove = Remove::labelled;
@@ -76,7 +76,7 @@ void use_method(Method method, Options& options);
 /// OUT/dvi.toml: all options of the user's, and of the developer's those that differ from their default or their method's.
 std::string effective_toml(Job job);
 
-/// "A:B", both included. UsageError otherwise.
+/// "A:B", both included, or "A", that frame only. UsageError otherwise.
 FrameRange parse_frames(const std::string& text);
 
 }  // namespace dvi::pipeline

@@ -38,7 +38,7 @@ void make(const Job& job, const holdout::HoldoutOptions& options, bool keep, Pro
     throw InputError(job.out, "holds a case made from another drive or with other options",
                      "remove it or choose another folder");
   const Poses poses = estimate_poses(drives, job, progress);
-  const Masks masks = find_masks(drives, poses, job);
+  const Masks masks = find_masks(drives, poses, job, progress);
   progress.begin(fmt::format("holdout {}", holdout::name(options.scenario)),
                  open.drive.frames.size() + open.drive.scan_headers.size());
   Drive drive = open.drive;

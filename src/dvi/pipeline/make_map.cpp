@@ -25,7 +25,7 @@ std::string make_map(const Job& job, const std::string& trajectory, Progress& pr
   const Recordings drives = open_recordings(job, MaskNeed::optional, progress);
   verify(drives, progress);
   const Poses poses = estimate_poses(drives, job, progress);
-  const Masks masks = find_masks(drives, poses, job);
+  const Masks masks = find_masks(drives, poses, job, progress);
   const map::StaticMap map = build_map(drives, poses, masks, job.options.map, progress);
   const Views views = make_views(drives, poses, masks, progress);
   progress.begin("write", 0);

@@ -1,5 +1,7 @@
 #include "dvi/pipeline/recordings.h"
 
+#include <fmt/format.h>
+
 #include "dvi/core/error.h"
 #include "dvi/core/threads.h"
 #include "dvi/io/labels.h"
@@ -47,6 +49,9 @@ Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNee
   read.camera = choice.camera;
   if (!choice.frames.empty()) read.frames = parse_frames(choice.frames);
   Recording open{io::read_drive(path, read), {}};
+  if (read.frames && read.frames->first == read.frames->last)
+    progress.note(fmt::format("frame {} only (--frames A:B for a range): nothing is copied from the drive's other frames",
+                              read.frames->first));
   resolve_poses(open.drive, choice.poses);
   open.masks_from = resolve_masks(open.drive, choice.masks, need);
   for (const std::string& warning : open.drive.warnings) progress.warn(path.filename().string() + ": " + warning);

@@ -111,6 +111,16 @@ const std::vector<std::string>& picture_folders() {
   return folders;
 }
 
+std::string kept_in(const fs::path& out) {
+  const fs::path records = out / ".dvi/frames";
+  const std::size_t finished = fs::is_directory(records) ? list_files(records, {".json"}).size() : 0;
+  if (finished == 0) return "no frame was finished, the same command starts again";
+  return fmt::format(
+      "{} finished frames are kept: the same command fills the others, after it has computed poses, map and "
+      "alignment again",
+      finished);
+}
+
 void require_usable_folder(const fs::path& out, bool force) {
   if (force || fs::exists(job_file(out)) || !fs::exists(out)) return;
   if (!fs::is_directory(out) || !fs::is_empty(out))

@@ -74,6 +74,9 @@ class ResultFolder {
   std::size_t made_ = 0;            // frames that were missing
 };
 
+/// After an interrupted run into `out`: what the same run, called again, finds done there, for a person.
+std::string kept_in(const fs::path& out);
+
 /// The pictures of a frame: `frames/NAME.png` and so on.
 const std::vector<std::string>& picture_folders();
 

@@ -31,7 +31,7 @@ RunReport run(const Job& job, Progress& progress) {
   verify(drives, progress);  // what is damaged is said before hours of work
 
   const Poses poses = estimate_poses(drives, job, progress);                     // section 3.1: LOAM
-  const Masks masks = find_masks(drives, poses, job);                            // what moves is decided along the poses
+  const Masks masks = find_masks(drives, poses, job, progress);                  // what moves is decided along the poses
   const StaticMap map = build_map(drives, poses, masks, options.map, progress);  // 3.1: static points only
   const Views posed = make_views(drives, poses, masks, progress);
   const VisibleMap visible(map, posed);

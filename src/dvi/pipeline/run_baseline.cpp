@@ -29,7 +29,7 @@ RunReport run_baseline(const Job& job, Progress& progress) {
   verify(drives, progress);
 
   const Poses poses = given_poses(drives);
-  const Views views = make_unposed_views(drives, find_masks(drives, poses, job));
+  const Views views = make_unposed_views(drives, find_masks(drives, poses, job, progress));
   const align::Cameras cameras(views);
   CpuClock cpu;
   const std::vector<std::size_t> missing = out.missing_frames(views, progress);

@@ -30,9 +30,12 @@ metrics::Evaluation check_scenario(const Job& job, holdout::Scenario scenario,
   running.out = folder / "result";
   running.read = {};
   run(running, progress);
-  progress.begin(fmt::format("eval {}", holdout::name(scenario)), 0);
+  const auto begin = [&](const char* part, std::size_t ticks) {
+    progress.begin(fmt::format("{} {}", part, holdout::name(scenario)), ticks);
+    return progress.tick();
+  };
   metrics::Evaluation evaluation = metrics::evaluate(
-      {folder / "result", folder / "case/truth", folder / "case/ignore", of_scenario(external, scenario)}, progress.tick());
+      {folder / "result", folder / "case/truth", folder / "case/ignore", of_scenario(external, scenario)}, begin);
   progress.end();
   for (const std::string& warning : evaluation.warnings) progress.warn(fmt::format("{}: {}", holdout::name(scenario), warning));
   return evaluation;
