@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""Damages one file of a small drive per case, and looks at what dvi makes of it.
+
+    fuzz.py --program build/release/bin/dvi [--cases N] [--seed S] [--case K] [--keep DIR] [--jobs N]
+
+Prints a table of exits by mutation, and each finding with the command that repeats it. Exits with 1 if there are findings.
+"""
+import argparse
+import os
+import random
+import shutil
+import sys
+import tempfile
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import NamedTuple
+
+import classify
+import drives
+import mutations
+from program import SECONDS, Program
+
+
+class Case(NamedTuple):
+    number: int
+    mutation: str
+    what: str
+    code: int | None
+    findings: list
+    cpu: float
+
+
+def run_case(program, layouts, seed, number, folder):
+    """The case of this seed and number: the same mutant on every machine."""
+    rng = random.Random(f"{seed}/{number}")
+    mutation = mutations.ALL[number % len(mutations.ALL)]
+    layout = rng.choice(sorted(layouts))
+    source, inner = layouts[layout]
+    root = folder / "drive"
+    shutil.copytree(source, root)
+    path, done = mutations.mutate(root, rng, mutation)
+    name = ascii(str(path.relative_to(root)))[1:-1] if path else ""
+    code, found, cpu = classify.findings(program, root / inner, folder / "out", path)
+    return Case(number, mutation.__name__, f"{layout}: {name}: {done}", code, found, cpu)
+
+
+def in_folder(program, layouts, seed, number, work, keep):
+    folder = work / f"case-{number}"
+    folder.mkdir()
+    try:
+        return run_case(program, layouts, seed, number, folder)
+    finally:
+        if keep:
+            shutil.copytree(folder, keep / folder.name, symlinks=True, dirs_exist_ok=True,
+                            ignore=lambda at, names: [n for n in names if (Path(at) / n).is_fifo()])
+        shutil.rmtree(folder)
+
+
+def table(cases):
+    counts = Counter((case.mutation, case.code) for case in cases)
+    codes = sorted({case.code for case in cases}, key=lambda code: -1 if code is None else code)
+    lines = [f"{'mutation':18}" + "".join(f"{'hang' if code is None else f'exit {code}':>9}" for code in codes) + "  findings"]
+    for mutation in [m.__name__ for m in mutations.ALL]:
+        row = [counts[mutation, code] for code in codes]
+        if sum(row):
+            bad = sum(1 for case in cases if case.mutation == mutation and case.findings)
+            lines.append(f"{mutation:18}" + "".join(f"{n or '':>9}" for n in row) + f"{bad or '':>10}")
+    return "\n".join(lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--program", type=Path, required=True)
+    parser.add_argument("--cases", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--case", type=int, help="only this one")
+    parser.add_argument("--keep", type=Path, help="copies drives and results to this folder")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--seconds", type=float, default=SECONDS, help="time limit of one call")
+    options = parser.parse_args()
+    program = Program(options.program.resolve(), options.seconds)
+    numbers = range(options.cases) if options.case is None else [options.case]
+    with tempfile.TemporaryDirectory(prefix="dvi-fuzz-") as temporary:
+        work = Path(temporary)
+        layouts = drives.all_layouts(program, work / "layouts")
+        with ThreadPoolExecutor(options.jobs) as pool:
+            cases = list(pool.map(lambda n: in_folder(program, layouts, options.seed, n, work, options.keep), numbers))
+    print(table(cases))
+    for case in cases:
+        for finding in case.findings:
+            print(f"--seed {options.seed} --case {case.number}: {case.mutation}: {case.what}\n    {finding}")
+        if options.case is not None:
+            print(f"case {case.number}: {case.mutation}: {case.what}: exit {case.code}")
+    bad = sum(1 for case in cases if case.findings)
+    print(f"{len(cases)} cases, {bad} with findings, {sum(c.cpu for c in cases) / len(cases):.2f} CPU s per case")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
