@@ -70,7 +70,8 @@ def snapshot(folder):
 
 def wrong_pixels(drive, out):
     """Pixels outside of the mask that differ from the input's; pictures we cannot decode ourselves are left to the audit."""
-    inputs = {path.stem: path for folder in ("images/front", "image_02/data") for path in (drive / folder).glob("*.png")}
+    inputs = {path.stem: path for folder in ("images/front", "image_02/data") for path in (drive / folder).glob("*.png")
+              if path.is_file()}
     found = []
     for frame in sorted((out / "frames").glob("*.png")):
         mask = png.decode((out / "masks" / frame.name).read_bytes())

@@ -21,6 +21,8 @@ import drives
 import mutations
 from program import SECONDS, Program
 
+HUGE_BYTES = 1 << 30
+
 
 class Case(NamedTuple):
     number: int
@@ -45,6 +47,12 @@ def run_case(program, layouts, seed, number, folder):
     return Case(number, mutation.__name__, f"{layout}: {name}: {done}", code, found, cpu)
 
 
+def not_copied(folder, names):
+    """FIFOs, which block, and huge files, which take no disk only until they are copied."""
+    paths = [Path(folder) / name for name in names]
+    return [path.name for path in paths if path.is_fifo() or path.lstat().st_size > HUGE_BYTES]
+
+
 def in_folder(program, layouts, seed, number, work, keep):
     folder = work / f"case-{number}"
     folder.mkdir()
@@ -52,8 +60,8 @@ def in_folder(program, layouts, seed, number, work, keep):
         return run_case(program, layouts, seed, number, folder)
     finally:
         if keep:
-            shutil.copytree(folder, keep / folder.name, symlinks=True, dirs_exist_ok=True,
-                            ignore=lambda at, names: [n for n in names if (Path(at) / n).is_fifo()])
+            shutil.rmtree(keep / folder.name, ignore_errors=True)
+            shutil.copytree(folder, keep / folder.name, symlinks=True, ignore=not_copied)
         shutil.rmtree(folder)
 
 
@@ -89,7 +97,7 @@ def main():
     print(table(cases))
     for case in cases:
         for finding in case.findings:
-            print(f"--seed {options.seed} --case {case.number}: {case.mutation}: {case.what}\n    {finding}")
+            print(f"./dev fuzz --seed {options.seed} --case {case.number}: {case.mutation}: {case.what}\n    {finding}")
         if options.case is not None:
             print(f"case {case.number}: {case.mutation}: {case.what}: exit {case.code}")
     bad = sum(1 for case in cases if case.findings)

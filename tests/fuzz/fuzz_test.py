@@ -7,6 +7,7 @@ import struct
 import sys
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 import apolloscape
@@ -177,7 +178,10 @@ class Judgement(Temporary):
         self.expect("run exits with 2", '[ $1 = check ] || exit 2')
         self.expect("ends by signal 11", "kill -SEGV $$")
         self.expect("hangs", "exec sleep 60", seconds=0.3)
-        self.expect("MB", f"exec {sys.executable} -c 'x = b\"1\" * (1100 << 20)'")
+
+    def test_too_much_memory(self):
+        with unittest.mock.patch.object(classify, "MEMORY_BYTES", 200 << 20):
+            self.expect("check takes", f"exec {sys.executable} -c 'x = b\"1\" * (250 << 20)'")
 
     def test_wrong_messages(self):
         self.expect("names no file", 'echo "dvi: something is wrong" >&2; exit 3')

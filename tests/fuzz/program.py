@@ -1,7 +1,7 @@
 """Runs the program under limits, and says what it cost."""
+import contextlib
 import os
 import resource
-import signal
 import subprocess
 import tempfile
 import time
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 SECONDS = 60
 MEMORY_BYTES = 1 << 30       # resident; more is a finding
-DATA_BYTES = 2 << 30         # allocated; keeps a runaway from taking the machine down
+DATA_BYTES = 3 << 30         # allocated; keeps a runaway from taking the machine down
 
 
 class Ended(NamedTuple):
@@ -28,16 +28,19 @@ class Program:
         self.path, self.seconds = str(path), seconds
 
     def start(self, *arguments, err=subprocess.DEVNULL, file_bytes=None):
-        """A call in a process group of its own. No file may grow beyond `file_bytes`: writing fails as on a full disk."""
-        def limit():
-            if "asan" not in self.path and "tsan" not in self.path:  # sanitizers reserve terabytes
-                resource.setrlimit(resource.RLIMIT_DATA, (DATA_BYTES, DATA_BYTES))
-            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-            if file_bytes is not None:
-                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-                resource.setrlimit(resource.RLIMIT_FSIZE, (file_bytes, file_bytes))
-        return subprocess.Popen([self.path, *map(str, arguments), "--quiet"], stdin=subprocess.DEVNULL,
-                                stdout=subprocess.DEVNULL, stderr=err, preexec_fn=limit, start_new_session=True)
+        """A call in a session of its own. No file may grow beyond `file_bytes`: writing fails as on a full disk."""
+        process = subprocess.Popen([self.path, *map(str, arguments), "--quiet"], stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.DEVNULL, stderr=err, start_new_session=True,
+                                   restore_signals=file_bytes is None)  # Python ignores SIGXFSZ, and so does the call then
+        limits = {resource.RLIMIT_CORE: 0}
+        if "asan" not in self.path and "tsan" not in self.path:  # sanitizers reserve terabytes
+            limits[resource.RLIMIT_DATA] = DATA_BYTES
+        if file_bytes is not None:
+            limits[resource.RLIMIT_FSIZE] = file_bytes
+        with contextlib.suppress(ProcessLookupError):  # it may have ended
+            for limit, value in limits.items():
+                resource.prlimit(process.pid, limit, (value, value))
+        return process
 
     def call(self, *arguments, file_bytes=None):
         with tempfile.TemporaryFile() as err:
