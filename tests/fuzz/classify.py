@@ -8,9 +8,13 @@ REFUSED = 3
 LONGEST_MESSAGE = 4000
 
 
-def findings(program, drive, out, mutated=None):
-    """Calls check, run and, if it succeeded, audit; returns (exit of run, findings, CPU seconds)."""
-    before, beside = snapshot(drive), set(drive.parent.iterdir())
+def findings(program, drive, out, mutated=None, root=None):
+    """Calls check, run and, if it succeeded, audit; returns (exit of run, findings, CPU seconds).
+
+    `root` is all that belongs to the drive, if more than its folder; nothing else lies beside OUT.
+    """
+    root = root or drive
+    before = snapshot(root)
     check, run = program.call("check", drive), program.call("run", drive, "-o", out)
     found, calls = judge(check, drive, mutated) + judge(run, drive, mutated), [check, run]
     if run.code == 0:
@@ -21,9 +25,9 @@ def findings(program, drive, out, mutated=None):
         found += wrong_pixels(drive, out)
     elif run.code == REFUSED and out.exists():
         found.append("a result is left although the run was refused")
-    if snapshot(drive) != before:
+    if snapshot(root) != before:
         found.append("the drive was changed")
-    if set(drive.parent.iterdir()) - beside - {out}:
+    if set(out.parent.iterdir()) - {root, out}:
         found.append("files were written outside of the result")
     return run.code, found, sum(call.cpu for call in calls)
 

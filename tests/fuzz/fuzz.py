@@ -43,7 +43,7 @@ def run_case(program, layouts, seed, number, folder):
     shutil.copytree(source, root)
     path, done = mutations.mutate(root, rng, mutation)
     name = ascii(str(path.relative_to(root)))[1:-1] if path else ""
-    code, found, cpu = classify.findings(program, root / inner, folder / "out", path)
+    code, found, cpu = classify.findings(program, root / inner, folder / "out", path, root)
     return Case(number, mutation.__name__, f"{layout}: {name}: {done}", code, found, cpu)
 
 

@@ -157,12 +157,11 @@ class Judgement(Temporary):
     COPY = ('[ $1 = run ] || exit 0\nmkdir -p $4/frames $4/masks\ncp $2/images/front/* $4/frames\ncp $2/masks/front/* $4/masks\n')
 
     def findings(self, script, seconds=20):
-        drive = self.small_drive()
+        drive, out = self.small_drive("case/drive"), self.folder / "case/out"
         try:
-            return classify.findings(self.program(script, seconds), drive, self.folder / "out", drive / "poses.txt")[:2]
+            return classify.findings(self.program(script, seconds), drive, out, drive / "poses.txt")[:2]
         finally:
-            shutil.rmtree(drive)
-            shutil.rmtree(self.folder / "out", ignore_errors=True)
+            shutil.rmtree(drive.parent)
 
     def test_right_answers(self):
         self.assertEqual(self.findings(self.COPY), (0, []))
