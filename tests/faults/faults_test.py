@@ -66,7 +66,7 @@ class Faults(unittest.TestCase):
         names = set()
         for seed in range(40):
             scene = self.scene(CAREFUL, seed)
-            names.add(scenarios.damage(scene.complete, scene.rng, lambda name: True)[0])
+            names.add(scenarios.damage(scene.complete, scene.rng, lambda name: True, scenarios.LOST)[0])
         self.assertEqual(names, {"frames/000001.png", "report.json", ".dvi/frames/000001.json"})
 
 

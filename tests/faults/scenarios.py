@@ -13,6 +13,7 @@ from program import wait
 from results import contents, differences, kind_of
 
 REFUSED, INTERRUPTED = 3, 130
+LOST = ("deleted", "cut", "emptied", "zeroed")  # what disks do to files
 
 
 class Scene:
@@ -92,14 +93,18 @@ def read_only(scene):
 def damaged(scene):
     """One file of a complete result is deleted, cut, emptied or changed; a run makes it again."""
     shutil.copytree(scene.complete, scene.out)
-    path, done = damage(scene.out, scene.rng, lambda name: not name.startswith(".dvi/"))
+    path, done = damage(scene.out, scene.rng, lambda name: not name.startswith(".dvi/"), (*LOST, "changed"))
     return f"{path}: {done}", scene.finish()
 
 
 def power_cut(scene):
-    """Records that the disk lost: cut anywhere, emptied, or of the right size but zero; also several."""
+    """Records that the disk lost: cut anywhere, emptied, or of the right size but zero; also several, also before the end."""
     shutil.copytree(scene.complete, scene.out)
-    done = [": ".join(damage(scene.out, scene.rng, lambda name: name.startswith(".dvi/")))
+    done = []
+    if scene.rng.random() < 0.7:
+        (scene.out / "report.json").unlink()  # it is written last
+        done.append("an unfinished run")
+    done += [": ".join(damage(scene.out, scene.rng, lambda name: name.startswith(".dvi/"), LOST))
             for _ in range(scene.rng.choice((1, 1, 3)))]
     found = scene.finish()
     if found and any("job.json" in what for what in done):  # without it, the folder may be anyone's
@@ -110,14 +115,15 @@ def power_cut(scene):
     return ", ".join(done), found
 
 
-def damage(out, rng, wanted):
+def damage(out, rng, wanted, ways):
+    """One file, each kind as often; returns (its path in OUT, what was done)."""
     kinds = {}
     for path in sorted(p for p in out.rglob("*") if p.is_file()):
         name = str(path.relative_to(out))
         if wanted(name):
             kinds.setdefault(kind_of(name), []).append(path)
     path = rng.choice(kinds[rng.choice(sorted(kinds))])
-    data, done = path.read_bytes(), rng.choice(("deleted", "cut", "emptied", "changed", "zeroed"))
+    data, done = path.read_bytes(), rng.choice(ways)
     if done == "deleted":
         path.unlink()
     else:

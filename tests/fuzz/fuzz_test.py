@@ -130,8 +130,9 @@ class Mutations(Temporary):
 
     @staticmethod
     def bytes_of(drive):
-        return {os.fsencode(p.relative_to(drive)): os.readlink(p) if p.is_symlink() else p.read_bytes() if p.is_file() else p.is_dir()
-                for p in drive.rglob("*")}
+        def content(path):
+            return os.readlink(path) if path.is_symlink() else path.read_bytes() if path.is_file() else path.is_dir()
+        return {os.fsencode(path.relative_to(drive)): content(path) for path in drive.rglob("*")}
 
 
 class Layouts(Temporary):

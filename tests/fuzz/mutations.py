@@ -98,7 +98,8 @@ def edit_lines(path, rng, edit, done):
 def encoding(path, rng):
     if not is_text(path):
         return None
-    text, kind = path.read_bytes().decode("latin-1"), rng.choice(("utf-16", "utf-16-be", "utf-8-sig", "latin-1", "cr", "crlf", "nul"))
+    text = path.read_bytes().decode("latin-1")
+    kind = rng.choice(("utf-16", "utf-16-be", "utf-8-sig", "latin-1", "cr", "crlf", "nul"))
     at = rng.randrange(len(text) + 1)
     if kind in ("cr", "crlf"):
         data = text.replace("\n", "\r" if kind == "cr" else "\r\n").encode("latin-1")
