@@ -3,7 +3,7 @@
 
     faults.py --program build/release/bin/dvi [--cases N] [--seed S] [--case K] [--jobs N]
 
-Prints a table of cases by scenario, and each finding with the command that repeats it. Exits with 1 if there are findings.
+Prints each finding below the command that repeats it, and a table of cases by scenario. Exits with 1 if there are findings.
 """
 import argparse
 import os
@@ -63,6 +63,15 @@ def table(cases):
     return "\n".join(lines)
 
 
+def tell(case, seed):
+    """The case's findings, below the command that repeats it."""
+    if case.findings:
+        print(f"./dev fuzz --seed {seed} --fault {case.number}: {case.scenario}: {case.what}", flush=True)
+    for finding in case.findings:
+        print(f"    {finding}", flush=True)
+    return case
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--program", type=Path, required=True)
@@ -78,13 +87,11 @@ def main():
         work = Path(temporary)
         undisturbed = Undisturbed(program, work)
         with ThreadPoolExecutor(options.jobs) as pool:
-            cases = list(pool.map(lambda n: run_case(program, undisturbed, options.seed, n, work), numbers))
+            run = pool.map(lambda n: run_case(program, undisturbed, options.seed, n, work), numbers)
+            cases = [tell(case, options.seed) for case in run]
+    if options.case is not None:
+        print(f"{cases[0].scenario}: {cases[0].what}")
     print(table(cases))
-    for case in cases:
-        for finding in case.findings:
-            print(f"./dev fuzz --seed {options.seed} --fault {case.number}: {case.scenario}: {case.what}\n    {finding}")
-        if options.case is not None:
-            print(f"case {case.number}: {case.scenario}: {case.what}")
     bad = sum(1 for case in cases if case.findings)
     skipped = sum(1 for case in cases if case.what.startswith("skipped"))
     print(f"{len(cases)} faults, {bad} with findings" + (f", {skipped} skipped" if skipped else ""))

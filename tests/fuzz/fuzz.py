@@ -3,7 +3,7 @@
 
     fuzz.py --program build/release/bin/dvi [--cases N] [--seed S] [--case K] [--keep DIR] [--jobs N]
 
-Prints a table of exits by mutation, and each finding with the command that repeats it. Exits with 1 if there are findings.
+Prints each finding below the command that repeats it, and a table of exits by mutation. Exits with 1 if there are findings.
 """
 import argparse
 import os
@@ -77,6 +77,15 @@ def table(cases):
     return "\n".join(lines)
 
 
+def tell(case, seed):
+    """The case's findings, below the command that repeats it."""
+    if case.findings:
+        print(f"./dev fuzz --seed {seed} --case {case.number}: {case.mutation}: {case.what}", flush=True)
+    for finding in case.findings:
+        print(f"    {finding}", flush=True)
+    return case
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--program", type=Path, required=True)
@@ -93,13 +102,11 @@ def main():
         work = Path(temporary)
         layouts = drives.all_layouts(program, work / "layouts")
         with ThreadPoolExecutor(options.jobs) as pool:
-            cases = list(pool.map(lambda n: in_folder(program, layouts, options.seed, n, work, options.keep), numbers))
+            run = pool.map(lambda n: in_folder(program, layouts, options.seed, n, work, options.keep), numbers)
+            cases = [tell(case, options.seed) for case in run]
+    if options.case is not None:
+        print(f"{cases[0].mutation}: {cases[0].what}: exit {cases[0].code}")
     print(table(cases))
-    for case in cases:
-        for finding in case.findings:
-            print(f"./dev fuzz --seed {options.seed} --case {case.number}: {case.mutation}: {case.what}\n    {finding}")
-        if options.case is not None:
-            print(f"case {case.number}: {case.mutation}: {case.what}: exit {case.code}")
     bad = sum(1 for case in cases if case.findings)
     print(f"{len(cases)} cases, {bad} with findings, {sum(c.cpu for c in cases) / len(cases):.2f} CPU s per case")
     return 1 if bad else 0
