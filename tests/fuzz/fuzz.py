@@ -100,7 +100,7 @@ def main():
     numbers = range(options.cases) if options.case is None else [options.case]
     with tempfile.TemporaryDirectory(prefix="dvi-fuzz-") as temporary:
         work = Path(temporary)
-        layouts = drives.all_layouts(program, work / "layouts")
+        layouts = drives.all_layouts(Program(program.path), work / "layouts")
         with ThreadPoolExecutor(options.jobs) as pool:
             run = pool.map(lambda n: in_folder(program, layouts, options.seed, n, work, options.keep), numbers)
             cases = [tell(case, options.seed) for case in run]
