@@ -1,0 +1,98 @@
+"""What dvi may answer to a drive, and what is a finding."""
+import re
+
+import png
+from program import MEMORY_BYTES
+
+REFUSED = 3
+LONGEST_MESSAGE = 4000
+
+
+def findings(program, drive, out, mutated=None, root=None):
+    """Calls check, run and, if it succeeded, audit; returns (exit of run, findings, CPU seconds).
+
+    `root` is all that belongs to the drive, if more than its folder; nothing else lies beside OUT.
+    """
+    root = root or drive
+    before = snapshot(root)
+    check, run = program.call("check", drive), program.call("run", drive, "-o", out)
+    found, calls = judge(check, drive, mutated) + judge(run, drive, mutated), [check, run]
+    if run.code == 0:
+        audit = program.call("audit", out, drive)
+        calls.append(audit)
+        if audit.code != 0:
+            found.append(f"wrong result: audit exits with {audit.code}: {first_line(audit.err)}")
+        found += wrong_pixels(drive, out)
+    elif run.code == REFUSED and out.exists():
+        found.append("a result is left although the run was refused")
+    if snapshot(root) != before:
+        found.append("the drive was changed")
+    if set(out.parent.iterdir()) - {root, out}:
+        found.append("files were written outside of the result")
+    return run.code, found, sum(call.cpu for call in calls)
+
+
+def judge(ended, drive, mutated=None):
+    """Findings of one call: how it ended, what it said, what it took."""
+    found, command = [], ended.arguments[0]
+    if ended.code is None:
+        found.append(f"{command} hangs")
+    elif ended.code >= 128:
+        found.append(f"{command} ends by signal {ended.code - 128}")
+    elif ended.code not in (0, REFUSED):
+        found.append(f"{command} exits with {ended.code}: {first_line(ended.err)}")
+    elif ended.code == REFUSED:
+        found += [f"{command}: {problem}: {first_line(ended.err)}" for problem in bad_message(ended.err, drive, mutated)]
+    if ended.peak_bytes > MEMORY_BYTES:
+        found.append(f"{command} takes {ended.peak_bytes >> 20} MB")
+    return found
+
+
+def bad_message(text, drive, mutated=None):
+    """Problems of a message for a person, who wants to know which file to look at."""
+    problems = []
+    if not text.startswith("dvi: "):
+        problems.append("the message does not begin with 'dvi: '")
+    if str(drive) not in text and not (mutated and mutated.name in text):
+        problems.append("the message names no file")
+    if re.search(r"[\x00-\x08\x0b-\x1f\x7f]", text):
+        problems.append("the message holds control characters")
+    if len(text) > LONGEST_MESSAGE:
+        problems.append("the message is long")
+    return problems
+
+
+def first_line(text):
+    return ascii(text.strip().split("\n")[0][:200])[1:-1]
+
+
+def snapshot(folder):
+    """All that a program could change in a drive."""
+    return {path: (status.st_size, status.st_mtime_ns, status.st_mode)
+            for path in [folder, *folder.rglob("*")] for status in [path.lstat()]}
+
+
+def wrong_pixels(drive, out):
+    """Pixels outside of the mask that differ from the input's; pictures we cannot decode ourselves are left to the audit."""
+    inputs = {path.stem: path for folder in ("images/front", "image_02/data") for path in (drive / folder).glob("*.png")
+              if path.is_file()}
+    found = []
+    for frame in sorted((out / "frames").glob("*.png")):
+        mask = png.decode((out / "masks" / frame.name).read_bytes())
+        result = png.decode(frame.read_bytes())
+        if mask is None or result is None or (result.width, result.height) != (mask.width, mask.height):
+            found.append(f"wrong result: {frame.name} or its mask is no picture")
+            continue
+        source = png.decode(inputs[frame.stem].read_bytes()) if frame.stem in inputs else None
+        if source is None or source.depth != 8 or source.colour not in (png.GREY, png.RGB):
+            continue
+        if differs_outside(png.rgb(source), png.rgb(result), mask.data):
+            found.append(f"wrong result: {frame.name} differs from its image outside of the mask")
+    return found
+
+
+def differs_outside(source, result, mask):
+    if len(source) != len(result):
+        return True
+    return source != result and any(source[3 * i:3 * i + 3] != result[3 * i:3 * i + 3]
+                                    for i, removed in enumerate(mask) if not removed)

@@ -1,0 +1,94 @@
+"""Tiny drives in every layout that the program reads, so that each reader has files to damage."""
+import shutil
+import struct
+import tomllib
+
+import apolloscape
+import kitti
+import png
+
+SYNTH = ("--frames", 4, "--width", 128, "--height", 80, "--beams", 16, "--columns", 200)
+
+
+def synthetic(program, folder, *options):
+    """A drive as `dvi synth` makes it, without its truth; its PNG masks are used, its boxes are not."""
+    made = program.call("synth", "-o", folder, *SYNTH, *options)
+    if made.code != 0:
+        raise SystemExit(f"fuzz: dvi synth failed: {made.err}")
+    for truth in folder.glob("truth*"):
+        shutil.rmtree(truth) if truth.is_dir() else truth.unlink()
+    (folder / "README.txt").unlink(missing_ok=True)
+    return folder
+
+
+def calibration_of(drive):
+    return tomllib.loads((drive / "dvi.toml").read_text())["camera"]["front"]
+
+
+def poses_of(drive):
+    lines = [line.split() for line in (drive / "poses.txt").read_text().splitlines()]
+    return {words[0]: [float(word) for word in words[1:]] for words in lines}
+
+
+def boxes_and_clouds(source, target):
+    """JPEG images, boxes instead of masks, PLY and PCD scans of both kinds, TUM poses."""
+    shutil.copytree(source, target)
+    shutil.rmtree(target / "masks")
+    for image in sorted((target / "images/front").glob("*.png")):
+        image.with_suffix(".jpg").write_bytes(png.blocky_jpeg(png.decode(image.read_bytes())))
+        image.unlink()
+    for i, scan in enumerate(sorted((target / "lidar").glob("*.bin"))):
+        points = list(struct.iter_unpack("<4f", scan.read_bytes()))
+        scan.with_suffix(".pcd" if i % 2 else ".ply").write_bytes(pcd(points, i > 1) if i % 2 else ply(points, i > 1))
+        scan.unlink()
+    times = [line.split()[1] for line in (target / "times/lidar.txt").read_text().splitlines()]
+    tum = "".join(f"{time} {p[3]} {p[7]} {p[11]} 0 0 0 1\n" for time, p in zip(times, poses_of(source).values()))
+    (target / "poses.txt").write_text(tum)
+    return target
+
+
+def ply(points, binary):
+    header = f"ply\nformat {'binary_little_endian' if binary else 'ascii'} 1.0\nelement vertex {len(points)}\n" + "".join(
+        f"property float {name}\n" for name in ("x", "y", "z", "intensity")) + "property ushort ring\nend_header\n"
+    if binary:
+        return header.encode() + b"".join(struct.pack("<4fH", *p, 0) for p in points)
+    return (header + "".join("%.6g %.6g %.6g %.3g 0\n" % p for p in points)).encode()
+
+
+def pcd(points, binary):
+    header = (f"# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n"
+              f"WIDTH {len(points)}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {len(points)}\n"
+              f"DATA {'binary' if binary else 'ascii'}\n")
+    if binary:
+        return header.encode() + b"".join(struct.pack("<4f", *p) for p in points)
+    return (header + "".join("%.6g %.6g %.6g %.3g\n" % p for p in points)).encode()
+
+
+def depth_images(source, target):
+    """Depth images instead of scans: the ground and a wall that comes nearer, in millimetres."""
+    shutil.copytree(source, target)
+    shutil.rmtree(target / "lidar")
+    (target / "depth/front").mkdir(parents=True)
+    (target / "times/lidar.txt").unlink()
+    calibration = calibration_of(source)
+    (width, height), k = calibration["size"], calibration["K"]
+    for i, image in enumerate(sorted((target / "images/front").glob("*.png"))):
+        wall = 20 - 0.8 * i
+        rows = [min(wall, 1.7 * k[4] / (y - k[5])) if y > k[5] else wall for y in range(height)]
+        data = b"".join(struct.pack(">H", int(1000 * z)) * width for z in rows)
+        (target / "depth/front" / image.name).write_bytes(png.encode(png.Image(width, height, png.GREY, 16, data)))
+    return target
+
+
+def all_layouts(program, folder):
+    """Layout name -> (folder to copy, the drive's path in it). The folders hold nothing else."""
+    source = synthetic(program, folder / "folder")
+    calibration, poses = calibration_of(source), poses_of(source)
+    boxes_and_clouds(source, folder / "boxes")
+    depth_images(source, folder / "depth")
+    kitti_drive = kitti.convert(source, folder / "kitti", calibration, poses, "tracklets")
+    kitti.convert(source, folder / "kitti-outlines", calibration, poses, "outlines")
+    apolloscape.convert(source, folder / "apolloscape", calibration, poses)
+    inner = kitti_drive.relative_to(folder / "kitti")
+    return {name: (folder / name, inner if name.startswith("kitti") else "")
+            for name in ("folder", "boxes", "depth", "kitti", "kitti-outlines", "apolloscape")}
