@@ -230,7 +230,7 @@ TEST_F(Options, BadTomlNamesTheFile) {
   EXPECT_THAT(loading("[first]\nwindow = 12"), ThrowsMessage<UsageError>(HasSubstr(file.string())));
   EXPECT_THAT(loading("[first]\nwidow = 3"), ThrowsMessage<UsageError>(HasSubstr(file.string())));
   EXPECT_THAT(loading("window = 3"), ThrowsMessage<UsageError>(HasSubstr("outside any table")));
-  EXPECT_THAT([this] { table.load_toml("/nowhere/x.toml"); }, ThrowsMessage<UsageError>(HasSubstr("/nowhere/x.toml")));
+  EXPECT_THAT([this] { table.load_toml("/nowhere/x.toml"); }, ThrowsMessage<InputError>(HasSubstr("/nowhere/x.toml")));
 }
 
 }  // namespace
