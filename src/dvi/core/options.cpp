@@ -215,6 +215,8 @@ void OptionTable::load_toml(const std::filesystem::path& path, const std::vector
   toml::table table;
   try {
     table = toml::parse(read_settings(path));
+  } catch (const InputError& e) {
+    throw UsageError(e.what());
   } catch (const toml::parse_error& e) {
     throw UsageError(fmt::format("{}:{}: {}", path.string(), e.source().begin.line, e.description()));
   }

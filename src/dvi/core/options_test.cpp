@@ -230,7 +230,10 @@ TEST_F(Options, BadTomlNamesTheFile) {
   EXPECT_THAT(loading("[first]\nwindow = 12"), ThrowsMessage<UsageError>(HasSubstr(file.string())));
   EXPECT_THAT(loading("[first]\nwidow = 3"), ThrowsMessage<UsageError>(HasSubstr(file.string())));
   EXPECT_THAT(loading("window = 3"), ThrowsMessage<UsageError>(HasSubstr("outside any table")));
-  EXPECT_THAT([this] { table.load_toml("/nowhere/x.toml"); }, ThrowsMessage<InputError>(HasSubstr("/nowhere/x.toml")));
+  std::string deep = "[first]\na";
+  for (int i = 0; i < 200'000; ++i) deep += ".a";
+  EXPECT_THAT(loading(deep + " = 1\n"), ThrowsMessage<UsageError>(HasSubstr(file.string() + ":2: the line has")));
+  EXPECT_THAT([this] { table.load_toml("/nowhere/x.toml"); }, ThrowsMessage<UsageError>(HasSubstr("/nowhere/x.toml")));
 }
 
 }  // namespace

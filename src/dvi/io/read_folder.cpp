@@ -165,6 +165,7 @@ void set_camera(Drive& drive, const DriveConfig& config, bool depth) {
     drive.camera.width = size.width, drive.camera.height = size.height;
   }
   camera.apply(drive);
+  config.require_plausible(drive);
   if (depth)  // it hangs on the camera's clock
     for (ScanHeader& header : drive.scan_headers)
       header.time_ns += camera.offset_ns, header.start_ns = header.end_ns = header.time_ns;

@@ -8,6 +8,7 @@
 #include "dvi/io/image_file.h"
 #include "dvi/io/kitti_calibration.h"
 #include "dvi/io/labels.h"
+#include "dvi/io/plausible.h"
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/reader.h"
 #include "dvi/io/text.h"
@@ -159,6 +160,7 @@ Recording read_kitti(const fs::path& path, const ReadOptions& options) {
     const cv::Size size = image_size(drive.frames.front().file);
     drive.camera.width = size.width, drive.camera.height = size.height;
   }
+  require_plausible(drive.camera, calibration.files.front(), "P_rect_" + drive.camera_name.substr(6));
   drive.scan_headers = read_scan_headers(path / "velodyne_points", drive.other_files);
   const Numbered packets = numbered_files(path / "oxts" / "data", {".txt"});
   read_oxts(drive, packets);

@@ -123,6 +123,22 @@ TEST_F(KittiRaw, RefusesCalibrationThatIsMissingOrMalformed) {
   EXPECT_THAT(error(), HasSubstr("calib_velo_to_cam.txt:1: 'zero' is not a number"));
 }
 
+TEST_F(KittiRaw, RefusesCalibrationThatCannotBe) {
+  const auto with = [&](const char* name, const char* text) {
+    put(name, text);
+    const std::string message = error();
+    write_calibration();
+    return message;
+  };
+  EXPECT_THAT(with("../calib_velo_to_cam.txt", "R: 0 0 0 0 0 0 0 0 0\nT: 0 0 0\n"),
+              HasSubstr("calib_velo_to_cam.txt: R does not hold a rotation"));
+  EXPECT_THAT(with("../calib_velo_to_cam.txt", "R: 0 1 0 0 0 -1 1 0 0\nT: 0 0 0\n"), HasSubstr("it mirrors"));
+  const std::string rest = "R_rect_00: 1 0 0 0 1 0 0 0 1\nP_rect_02: ";
+  const auto camera = [&](const char* P) { return with("../calib_cam_to_cam.txt", (rest + P + "\nS_rect_02: 8 6\n").c_str()); };
+  EXPECT_THAT(camera("4 0 4 0 0 4 3 0 0 0 0 0"), HasSubstr("P_rect_02 has 0 0 0 as its last row"));
+  EXPECT_THAT(camera("1e12 0 4 0 0 4 3 0 0 0 1 0"), HasSubstr("calib_cam_to_cam.txt: P_rect_02: fx = 1e+12 px"));
+}
+
 TEST_F(KittiRaw, RefusesBrokenOxts) {
   const std::string packet = "oxts/data/" + file_name(22, "txt");
   put(packet, "");
