@@ -8,6 +8,7 @@
 namespace dvi::io {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -123,8 +124,11 @@ TEST(MaskFolder, TiesMasksByName) {
   mask(1, 2) = 7;
   folder.write_image("masks/six.png", mask);
   Drive drive = two_frames();
-  EXPECT_THAT(match_masks(drive.frames, {folder.path / "masks"}), ElementsAre(fs::path(), folder.path / "masks/six.png"));
-  EXPECT_TRUE(match_masks(drive.frames, {folder.path / "none"}).empty());
+  match_masks(drive, {folder.path / "none"});
+  EXPECT_TRUE(drive.mask_files.empty());
+  match_masks(drive, {folder.path / "masks"});
+  EXPECT_THAT(drive.mask_files, ElementsAre(fs::path(), folder.path / "masks/six.png"));
+  EXPECT_EQ(frames_without_mask(drive), "1 of 2 frames have no mask file and keep their traffic: 5");
   attach_masks(drive, folder.path / "masks");
   EXPECT_EQ(cv::countNonZero(*drive.masks[0]), 0);
   EXPECT_EQ((*drive.masks[1])(1, 2), 255);
@@ -134,25 +138,48 @@ TEST(MaskFolder, LeavesMasksOfMissingImagesAlone) {
   const TestFolder folder;
   for (const char* name : {"five", "join", "six"})
     folder.write_image(std::string("masks/") + name + ".png", cv::Mat1b(3, 4, uchar{0}));
-  const std::vector<Frame> frames = two_frames().frames;
-  EXPECT_THAT(match_masks(frames, {folder.path / "masks"}),
-              ElementsAre(folder.path / "masks/five.png", folder.path / "masks/six.png"));
-  for (const char* name : {"early", "sixth"}) {
-    const std::string file = std::string(name) + ".png";
-    folder.write_image("masks/" + file, cv::Mat1b(3, 4, uchar{0}));
-    EXPECT_THAT(input_error([&] { match_masks(frames, {folder.path / "masks"}); }), HasSubstr(file));
-    fs::remove(folder.path / "masks" / file);
-  }
+  Drive drive = two_frames();
+  match_masks(drive, {folder.path / "masks"});
+  EXPECT_THAT(drive.mask_files, ElementsAre(folder.path / "masks/five.png", folder.path / "masks/six.png"));
+  EXPECT_TRUE(drive.warnings.empty());
+  EXPECT_FALSE(frames_without_mask(drive));
+}
+
+TEST(MaskFolder, WarnsOfMasksOfNoFrame) {
+  const TestFolder folder;
+  for (const char* name : {"five", "early", "sixth"})
+    folder.write_image(std::string("masks/") + name + ".png", cv::Mat1b(3, 4, uchar{0}));
+  Drive drive = two_frames();
+  match_masks(drive, {folder.path / "masks"});
+  ASSERT_EQ(drive.warnings.size(), 1U);
+  EXPECT_THAT(drive.warnings[0], AllOf(HasSubstr("2 mask files are of no image"), HasSubstr("early.png")));
+  Drive given = two_frames();
+  given.frames[0].file = given.frames[1].file = folder.write("images/sixth.jpg", "an image that --frames left out");
+  attach_masks(given, folder.path / "masks");
+  ASSERT_EQ(given.warnings.size(), 1U);
+  EXPECT_THAT(given.warnings[0], AllOf(HasSubstr("1 mask file is of no image"), HasSubstr("early.png")));
+}
+
+TEST(MaskFolder, FindsMasksInTheFolderAboveOrBelow) {
+  const TestFolder folder;
+  folder.write_image("masks/six.png", cv::Mat1b(3, 4, uchar{0}));
+  make_folder(folder.path / "masks/front");
+  Drive drive = two_frames();
+  match_masks(drive, {folder.path / "masks/front"});
+  EXPECT_TRUE(drive.mask_files.empty());
+  ASSERT_EQ(drive.warnings.size(), 1U);
+  EXPECT_THAT(drive.warnings[0], HasSubstr("are not used: they belong into " + (folder.path / "masks/front").string()));
+  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path); }),
+              HasSubstr("holds no masks; did you mean " + (folder.path / "masks").string()));
 }
 
 TEST(MaskFolder, RefusesMasksOfOtherImages) {
   const TestFolder folder;
   folder.write_image("masks/ten.png", cv::Mat1b(3, 4, uchar{0}));
   Drive drive = two_frames();
-  EXPECT_THAT(input_error([&] { match_masks(drive.frames, {folder.path / "masks"}); }),
-              HasSubstr("ten.png: is a mask for no image"));
+  EXPECT_THAT(input_error([&] { match_masks(drive, {folder.path / "masks"}); }), HasSubstr("ten.png: is a mask for no image"));
   EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "masks"); }), HasSubstr("ten.png: is a mask for no image"));
-  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path); }), HasSubstr("holds no masks"));
+  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "none"); }), HasSubstr("holds no masks"));
   folder.write_image("wrong/six.png", cv::Mat1b(4, 4, uchar{0}));
   attach_masks(drive, folder.path / "wrong");
   EXPECT_THAT(input_error([&] { drive.masks[1]; }), HasSubstr("is 4x4 pixels instead of 4x3"));

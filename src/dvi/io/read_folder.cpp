@@ -194,7 +194,7 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
   drive.scan_headers = make_scan_headers(scans, clocks, depth ? 0 : period, config.lidar.stamp);
   set_camera(drive, config, depth);
   config.lidar.apply(drive);
-  drive.mask_files = match_masks(drive.frames, {path / "masks" / drive.camera_name});
+  match_masks(drive, {path / "masks" / drive.camera_name});
   if (const fs::path poses = path / "poses.txt"; fs::exists(poses)) {
     drive.poses = read_poses(poses, drive);
     drive.other_files.push_back(poses);

@@ -47,9 +47,18 @@ Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNee
   read.camera = choice.camera;
   if (!choice.frames.empty()) read.frames = parse_frames(choice.frames);
   Recording open{io::read_drive(path, read), {}};
-  resolve_poses(open.drive, choice.poses);
-  open.masks_from = resolve_masks(open.drive, choice.masks, need);
-  for (const std::string& warning : open.drive.warnings) progress.warn(path.filename().string() + ": " + warning);
+  Drive& drive = open.drive;
+  std::size_t warned = 0;
+  const auto warn = [&] {
+    for (; warned < drive.warnings.size(); ++warned)
+      progress.warn(drive.path.filename().string() + ": " + drive.warnings[warned]);
+  };
+  warn();  // before what may end the program: it may name the cause
+  resolve_poses(drive, choice.poses);
+  open.masks_from = resolve_masks(drive, choice.masks, need);
+  if (open.masks_from == masks::MaskSource::files)
+    if (const auto bare = io::frames_without_mask(drive)) drive.warnings.push_back(*bare);
+  warn();
   return open;
 }
 
@@ -102,7 +111,12 @@ void verify(const Recordings& drives, Progress& progress) {
 void add_files(Fingerprint& print, const Drive& drive) {
   for (const Frame& frame : drive.frames) print.add_file(frame.file);
   for (const ScanHeader& header : drive.scan_headers) print.add_file(header.file);
-  for (const fs::path& file : drive.mask_files) print.add_file(file);
+  for (const fs::path& file : drive.mask_files) {
+    if (file.empty())
+      print.add("no mask");
+    else
+      print.add_file(file);
+  }
   for (const fs::path& file : drive.other_files) print.add_file(file);
 }
 
