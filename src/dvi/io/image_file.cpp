@@ -82,7 +82,8 @@ cv::Mat decode(const fs::path& path, cv::Size size, int mode) {
 cv::Mat1b not_zero(const cv::Mat& image, int channel) {
   cv::Mat values;
   cv::extractChannel(image, values, channel);
-  return values != 0;
+  cv::compare(values, 0, values, cv::CMP_NE);
+  return values;
 }
 
 // Transparency alone tells where the colours tell nothing and it tells pixels apart; opaque everywhere, it says nothing.
@@ -105,7 +106,10 @@ cv::Mat3b read_image(const fs::path& path, cv::Size size) {
   return decode(path, size, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
 }
 
-cv::Mat read_unchanged(const fs::path& path) { return decode(path, read_file(path), cv::IMREAD_UNCHANGED); }
+cv::Mat read_unchanged(const fs::path& path, cv::Size size) {
+  const std::string bytes = read_file(path);
+  return stated_size(path, bytes) == size ? decode(path, bytes, cv::IMREAD_UNCHANGED) : cv::Mat();
+}
 
 cv::Mat1b read_mask(const fs::path& path, cv::Size size) { return mask_of(decode(path, size, cv::IMREAD_UNCHANGED)); }
 

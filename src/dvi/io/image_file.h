@@ -22,8 +22,8 @@ cv::Mat3b read_image(const fs::path& path, cv::Size size);
 /// are all black and where some alpha is 0. Errors and orientation as read_image.
 cv::Mat1b read_mask(const fs::path& path, cv::Size size);
 
-/// The image as the file has it: its depth and channels (BGR where there are three). Empty where it is no whole PNG
-/// or JPEG; InputError where it is too large.
-cv::Mat read_unchanged(const fs::path& path);
+/// The image as the file has it: its depth and channels (BGR where there are three). Empty where it is no whole PNG or JPEG of
+/// that size; InputError where it is too large.
+cv::Mat read_unchanged(const fs::path& path, cv::Size size);
 
 }  // namespace dvi::io

@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/test_folder.h"
 
@@ -41,7 +43,7 @@ TEST(Labels, ReadsTracklets) {
 		<poses><count>1</count><item><tx>7</tx><ty>-2</ty><tz>-1.6</tz><rx>0</rx><ry>0</ry><rz>0</rz></item></poses></item>
 </tracklets>
 </boost_serialization>)");
-  const auto labels = read_labels(file, two_frames());
+  const FrameLabels labels = read_labels(file, two_frames()).frames;
   ASSERT_EQ(labels[0].size(), 1U);
   ASSERT_EQ(labels[1].size(), 2U);
   const Label& van = labels[0][0];
@@ -60,7 +62,7 @@ TEST(Labels, ReadsTrackingIntoLidarAxes) {
                                  "5 -1 DontCare -1 -1 -10 1 1 2 2 -1000 -1000 -1000 -10 -1 -1 -1\n"
                                  "5 3 Car 0 0 -1.5 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 -1.5707963267948966\n"
                                  "6 3 Car 0 0 -1.5 1 0 3 2 -1 -1 -1 -1000 -1000 -1000 -10\n");
-  const auto labels = read_labels(file, two_frames());
+  const FrameLabels labels = read_labels(file, two_frames()).frames;
   ASSERT_EQ(labels[0].size(), 1U);
   const Label& car = labels[0][0];
   EXPECT_EQ(car.track, 3);
@@ -94,12 +96,31 @@ TEST(Labels, ReadsBoxesByName) {
   const TestFolder folder;
   const auto file = folder.write("boxes.json", R"({"version":1,"frames":{"six":[{"track":4,"class":"Car","center":[1,2,3],
     "size":[4,5,6],"yaw":0.25}],"seven":[]}})");
-  const auto labels = read_labels(file, two_frames());
+  const FrameLabels labels = read_labels(file, two_frames()).frames;
   EXPECT_TRUE(labels[0].empty());
   ASSERT_EQ(labels[1].size(), 1U);
   EXPECT_EQ(labels[1][0].type, "car");
   EXPECT_EQ(labels[1][0].box->frame_from_box.t, Eigen::Vector3d(1, 2, 3));
   EXPECT_NEAR(so3_log(labels[1][0].box->frame_from_box.R).z(), 0.25, kTolerance);
+}
+
+TEST(Labels, WarnsOfFramesItDoesNotHave) {
+  const TestFolder folder;
+  const auto box = R"([{"class":"car","center":[1,2,3],"size":[4,5,6],"yaw":0}])";
+  const auto boxes =
+      folder.write("boxes.json", fmt::format(R"({{"version":1,"frames":{{"five":{},"ten":{},"two":{}}}}})", box, box, box));
+  const FileLabels read = read_labels(boxes, two_frames());
+  EXPECT_THAT(read.warnings, ElementsAre("boxes.json labels 2 frames that are none of the drive, the first is ten"));
+  EXPECT_EQ(read.after_the_last.what, "boxes.json ends early: it has no labels for frames");
+  EXPECT_THAT(read.after_the_last.frames, ElementsAre(6));
+  const auto all = folder.write("all.json", fmt::format(R"({{"version":1,"frames":{{"five":{},"six":[]}}}})", box));
+  EXPECT_TRUE(read_labels(all, two_frames()).after_the_last.frames.empty()) << "an empty list says that there is nothing";
+  const auto tracking = folder.write("tracking.txt",
+                                     "6 -1 DontCare -1 -1 -10 1 1 2 2 -1000 -1000 -1000 -10 -1 -1 -1\n"
+                                     "9 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n");
+  Drive drive = two_frames();
+  EXPECT_TRUE(add_labels(drive, tracking).frames.empty());
+  EXPECT_THAT(drive.warnings, ElementsAre("tracking.txt labels 1 frames that are none of the drive, the first is 9"));
 }
 
 TEST(Labels, RefusesWhatItDoesNotKnow) {

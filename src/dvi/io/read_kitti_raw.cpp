@@ -115,8 +115,9 @@ void read_oxts(Drive& drive, const Numbered& packets) {
   drive.poses = Trajectory(std::move(poses));
 }
 
-std::vector<Gap> find_gaps(const Drive& drive, const Numbered& images, const Numbered& scans, const Numbered& packets) {
+std::vector<Gap> find_gaps(Drive& drive, const Numbered& images, const Numbered& scans, const Numbered& packets) {
   std::vector<Gap> gaps = {{"no image for frames", {}}, {"no scan for frames", {}}, {"no oxts packet for frames", {}}};
+  if (!can_list_numbers(drive, 1)) return {};
   for (int number = drive.frames.front().number; number <= drive.frames.back().number; ++number) {
     if (!images.contains(number)) gaps[0].frames.push_back(number);
     if (!scans.contains(number)) gaps[1].frames.push_back(number);
@@ -125,14 +126,16 @@ std::vector<Gap> find_gaps(const Drive& drive, const Numbered& images, const Num
   return gaps;
 }
 
-void read_own_labels(Drive& drive) {
+std::vector<Gap> read_own_labels(Drive& drive) {
+  std::vector<Gap> gaps;
   const fs::path tracking = drive.path / "tracking_labels.txt", tracklets = drive.path / "tracklet_labels.xml";
   const fs::path outlines = drive.path / "mots_instances.txt";
   if (fs::exists(tracking))
-    add_labels(drive, tracking);
+    gaps.push_back(add_labels(drive, tracking));
   else if (fs::exists(tracklets))
-    add_labels(drive, tracklets);
-  if (fs::exists(outlines) && drive.camera_name == "image_02") add_labels(drive, outlines);
+    gaps.push_back(add_labels(drive, tracklets));
+  if (fs::exists(outlines) && drive.camera_name == "image_02") gaps.push_back(add_labels(drive, outlines));
+  return gaps;
 }
 
 // "2" and "02" mean image_02.
@@ -172,7 +175,7 @@ Recording read_kitti(const fs::path& path, const ReadOptions& options) {
     config->apply(drive);
     rotation = config->lidar.rotation();
   }
-  read_own_labels(drive);
+  for (Gap& gap : read_own_labels(drive)) recording.gaps.push_back(std::move(gap));
   recording.read_scan = [rotation](const ScanHeader& header) {
     return to_scan(read_point_cloud(header.file), header, rotation);
   };

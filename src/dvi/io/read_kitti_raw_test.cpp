@@ -184,6 +184,12 @@ TEST_F(KittiRaw, ReadsLabelsBesideTheImages) {
   ASSERT_EQ(read.frames[1].labels.size(), 1U);
   EXPECT_TRUE(read.frames[1].labels[0].box->frame_from_box.t.isApprox(Eigen::Vector3d(10, 2, -0.95)));
   EXPECT_TRUE(read.labelled);
+  // Frames 0-29 were recorded, of which 20-24 are there.
+  EXPECT_THAT(read.warnings, testing::ElementsAre("tracking_labels.txt ends early: it has no labels for frames 22-24"));
+  const std::string car = " 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n";
+  put("tracking_labels.txt", "24" + car + "29" + car + "30" + car);
+  EXPECT_THAT(read_drive(drive).warnings,
+              testing::ElementsAre("tracking_labels.txt labels 1 frames that are none of the drive, the first is 30"));
 }
 
 }  // namespace

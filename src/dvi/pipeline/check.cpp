@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/json_text.h"
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/pipeline/forecast.h"
@@ -138,7 +139,7 @@ std::string to_json(const CheckReport& r) {
       {"ready", r.ready},
       {"warnings", r.warnings}};
   if (r.forecast) j["forecast"] = *r.forecast;
-  return j.dump(1);
+  return json_text(j);
 }
 
 CheckReport check(const Job& job, Progress& progress) {

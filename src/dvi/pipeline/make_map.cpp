@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
 #include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/map_files.h"
 #include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
@@ -38,8 +39,8 @@ std::string make_map(const Job& job, const std::string& trajectory, Progress& pr
   nlohmann::json report = map_report(map);
   report["poses"] = poses_report(target, poses.front().choice);
   report["cost"] = {{"stages", stages_json(progress.times(), "scan", map.scans.size())}, {"peak_memory_bytes", peak_memory()}};
-  write_file(out / "map.json", report.dump(1) + "\n");
-  return report.dump(1);
+  write_file(out / "map.json", json_text(report) + "\n");
+  return json_text(report);
 }
 
 }  // namespace dvi::pipeline

@@ -5,6 +5,7 @@
 #include "dvi/io/labels.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/poses.h"
+#include "dvi/io/text.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -23,8 +24,11 @@ std::optional<masks::MaskSource> resolve_masks(Drive& drive, const MasksFrom& fr
     return masks::MaskSource::files;
   }
   if (!fs::exists(from.path)) throw InputError(from.path, "does not exist", "--masks takes a folder, a file, labels or auto");
-  const FrameLabels labels = io::read_labels(from.path, drive);
-  for (std::size_t i = 0; i < labels.size(); ++i) drive.frames[i].labels = labels[i];
+  const io::FileLabels read = io::read_labels(from.path, drive);
+  for (std::size_t i = 0; i < read.frames.size(); ++i) drive.frames[i].labels = read.frames[i];
+  drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
+  if (const io::Gap& gap = read.after_the_last; !gap.frames.empty())
+    drive.warnings.push_back(gap.what + " " + io::ranges(gap.frames));
   drive.labelled = true;
   drive.other_files.emplace_back(from.path);
   return masks::MaskSource::labels;

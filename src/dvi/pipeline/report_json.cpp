@@ -8,6 +8,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
+#include "dvi/core/json_text.h"
 
 /// A value or null.
 template <class T>
@@ -187,13 +188,13 @@ Report read_report(const fs::path& file) {
 std::string to_json(const FrameReport& report) {
   json document;
   to_json(document, report);
-  return document.dump(1);
+  return json_text(document);
 }
 
 std::string to_json(const RunReport& report) {
   json document;
   to_json(document, report);
-  return document.dump(1);
+  return json_text(document);
 }
 
 FrameReport read_frame_report(const fs::path& file) { return read_report<FrameReport>(file); }

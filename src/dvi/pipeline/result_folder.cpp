@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
 #include "dvi/core/version.h"
 #include "dvi/pipeline/frame_files.h"
 #include "dvi/pipeline/map_files.h"
@@ -104,7 +105,7 @@ void ResultFolder::claim() {
   }
   make_folder(out_ / ".dvi/frames");
   const nlohmann::json job{{"schema", kResultSchema}, {"identity", identity_}, {"fingerprint", fingerprint_}};
-  write_file(job_file(out_), job.dump(1) + "\n");
+  write_file(job_file(out_), json_text(job) + "\n");
 }
 
 std::string ResultFolder::frame_name(const Views& views, std::size_t view) const {
@@ -168,10 +169,10 @@ RunReport ResultFolder::report(const RunResults& results, const Progress& progre
 RunReport ResultFolder::complete(const RunResults& results, Progress& progress) {
   const Drive& target = drives_.front().drive;
   remove_other_frames();
-  write_file(out_ / "sources.json", sources_json(results.views, drives_).dump(1) + "\n");
+  write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
   if (results.map != nullptr) {
     write_map_files(out_ / "map", *results.map, results.views, target);
-    write_file(out_ / "map/map.json", nlohmann::json(map_report(*results.map)).dump(1) + "\n");
+    write_file(out_ / "map/map.json", json_text(map_report(*results.map)) + "\n");
   } else {
     fs::remove_all(out_ / "map");  // left by another method
   }
