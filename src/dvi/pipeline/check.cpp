@@ -145,7 +145,7 @@ std::string to_json(const CheckReport& r) {
 CheckReport check(const Job& job, Progress& progress) {
   const Recordings drives{open_recording(job.target, job.read, MaskNeed::optional, progress)};
   const Drive& drive = drives.front().drive;
-  verify(drives, progress);
+  const std::vector<std::string> range_warnings = verify(drives, job, progress);
   PoseChoice choice;
   if (!drive.poses.empty() || !drive.scan_headers.empty())
     choice = choose_poses(drive, job.read.poses, job.options.odometry, progress);
@@ -153,6 +153,7 @@ CheckReport check(const Job& job, Progress& progress) {
   const Poses poses = posed ? in_one_world(drives, {choice}) : given_poses(drives);
   const Masks masks = find_masks(drives, poses, job);
   CheckReport report = describe(drives.front(), choice, masks);
+  report.warnings.insert(report.warnings.end(), range_warnings.begin(), range_warnings.end());
   if (report.ready) report.forecast = forecast_holes(drives, poses, masks, job, progress);
   return report;
 }

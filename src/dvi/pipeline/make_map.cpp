@@ -24,7 +24,7 @@ std::string make_map(const Job& job, const std::string& trajectory, Progress& pr
   if (trajectory != "none" && trajectory != "kitti" && trajectory != "tum")
     throw UsageError("--trajectory " + trajectory + ": there are kitti and tum");
   const Recordings drives = open_recordings(job, MaskNeed::optional, progress);
-  verify(drives, progress);
+  verify(drives, job, progress);
   const Poses poses = estimate_poses(drives, job, progress);
   const Masks masks = find_masks(drives, poses, job);
   const map::StaticMap map = build_map(drives, poses, masks, job.options.map, progress);

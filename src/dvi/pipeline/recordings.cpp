@@ -1,5 +1,7 @@
 #include "dvi/pipeline/recordings.h"
 
+#include <fmt/format.h>
+
 #include "dvi/core/error.h"
 #include "dvi/core/threads.h"
 #include "dvi/io/labels.h"
@@ -40,6 +42,31 @@ void resolve_poses(Drive& drive, const PosesFrom& from) {
   drive.poses = io::read_poses(from.file, drive);
   drive.world_scale = 1;
   drive.other_files.emplace_back(from.file);
+}
+
+struct Returns {
+  std::size_t all = 0, near = 0, far = 0;  // near and far: outside the range
+};
+
+Returns count_returns(const Scan& scan, const map::MapOptions& range) {
+  Returns out{.all = scan.size()};
+  for (const Eigen::Vector3f& point : scan.points) {
+    if (point.norm() < range.min_range_m) ++out.near;
+    if (point.norm() > range.max_range_m) ++out.far;
+  }
+  return out;
+}
+
+std::optional<std::string> range_warning(const std::vector<Returns>& scans, const map::MapOptions& range) {
+  constexpr double kMany = 0.1;
+  Returns sum;
+  for (const Returns& scan : scans) sum.all += scan.all, sum.near += scan.near, sum.far += scan.far;
+  const double all = static_cast<double>(sum.all), near = static_cast<double>(sum.near), far = static_cast<double>(sum.far);
+  if (near + far <= kMany * all) return std::nullopt;
+  return fmt::format(
+      "{:.0f} % of all returns are not used: {:.0f} % are nearer than lidar.min_range_m = {:g}, {:.0f} % farther than "
+      "lidar.max_range_m = {:g}; set these to what the sensor sees, such as --set lidar.min_range_m=0.1 for a depth camera",
+      100 * (near + far) / all, 100 * near / all, range.min_range_m, 100 * far / all, range.max_range_m);
 }
 
 void bound_caches(const Job& job) { CacheBudget::of_process()->set_bound(static_cast<std::size_t>(job.memory_mb) << 20); }
@@ -85,21 +112,23 @@ Recordings open_images(const Job& job, Progress& progress) {
   return {open};
 }
 
-void verify(const Recordings& drives, Progress& progress) {
+std::vector<std::string> verify(const Recordings& drives, const Job& job, Progress& progress) {
   std::size_t count = 0;
   for (const Recording& open : drives) count += open.drive.frames.size() + open.drive.scan_headers.size();
   progress.begin("read", count);
+  std::vector<std::string> warnings;
   for (const Recording& open : drives) {
     const std::size_t frames = open.drive.frames.size();
     // The first error in order, whichever thread meets one first.
     std::vector<std::exception_ptr> errors(frames + open.drive.scan_headers.size());
+    std::vector<Returns> returns(open.drive.scan_headers.size());
     parallel_for(errors.size(), [&](std::size_t i) {
       try {
         if (i < frames) {
           open.drive.images[i];
           if (open.masks_from == masks::MaskSource::files) open.drive.masks[i];
         } else {
-          open.drive.scans[i - frames];
+          returns[i - frames] = count_returns(*open.drive.scans[i - frames], job.options.map);
         }
       } catch (...) {
         errors[i] = std::current_exception();
@@ -108,8 +137,12 @@ void verify(const Recordings& drives, Progress& progress) {
     });
     for (const std::exception_ptr& error : errors)
       if (error) std::rethrow_exception(error);
+    if (const auto warning = range_warning(returns, job.options.map))
+      warnings.push_back(open.drive.path.filename().string() + ": " + *warning);
   }
   progress.end();
+  for (const std::string& warning : warnings) progress.warn(warning);
+  return warnings;
 }
 
 void add_files(Fingerprint& print, const Drive& drive) {
