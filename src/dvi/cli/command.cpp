@@ -1,6 +1,7 @@
 #include "dvi/cli/command.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -181,6 +182,10 @@ int Program::main(int argc, char** argv) {
     return fail(2, e.what());
   } catch (const InputError& e) {
     return fail(3, e.what());
+  } catch (const std::filesystem::filesystem_error& e) {
+    // A folder that may not be read, a loop of links, a name that is too long: the user's, wherever it was met.
+    const std::string path = e.path1().empty() ? "an empty path" : e.path1().string();
+    return fail(3, fmt::format("{}: cannot be used ({}); check the path and its permissions", path, e.code().message()));
   } catch (const Interrupted& e) {
     return fail(130, e.what());
   } catch (const std::exception& e) {

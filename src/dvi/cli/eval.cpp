@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/cli/command.h"
+#include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/metrics/evaluate.h"
 
@@ -33,7 +34,7 @@ void add_eval(Program& program) {
     progress.end();
     for (const std::string& warning : evaluation.warnings) progress.warn(warning);
     if (a->common.json)
-      fmt::print("{}\n", nlohmann::json(evaluation).dump(1));
+      fmt::print("{}\n", json_text(evaluation));
     else
       fmt::print("{}\n", metrics::table(evaluation));
   });

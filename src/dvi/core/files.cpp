@@ -46,13 +46,39 @@ void remove_temporaries(const fs::path& folder) {
   for (const fs::path& file : found) fs::remove(file);
 }
 
-std::string read_file(const fs::path& path) {
-  if (fs::is_directory(path)) throw InputError(path, "is a folder", "a file is wanted");
+void require_regular_file(const fs::path& path, std::uintmax_t most) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::status_known(status) || !fs::exists(status)) throw InputError(path, "cannot be read (" + error.message() + ")");
+  if (fs::is_directory(status)) throw InputError(path, "is a folder", "a file is wanted");
+  if (!fs::is_regular_file(status)) throw InputError(path, "is a pipe or a device", "a regular file is wanted");
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (!error && size > most)
+    throw InputError(path, "has " + std::to_string(size) + " bytes, and at most " + std::to_string(most) + " are read");
+}
+
+std::string read_file(const fs::path& path, std::uintmax_t most) {
+  require_regular_file(path, most);
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(path, "cannot be read (" + reason() + ")");
   std::ostringstream bytes;
   bytes << in.rdbuf();
   return std::move(bytes).str();
+}
+
+std::string read_settings(const fs::path& path) {
+  constexpr std::size_t kLongestLine = 10'000;
+  std::string text = read_file(path, std::uintmax_t{1} << 20);
+  std::size_t number = 1;
+  for (std::size_t begin = 0; begin < text.size(); ++number) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    if (end - begin > kLongestLine)
+      throw InputError(
+          path.string() + ":" + std::to_string(number),
+          "the line has " + std::to_string(end - begin) + " bytes, and at most " + std::to_string(kLongestLine) + " are read");
+    begin = end + 1;
+  }
+  return text;
 }
 
 std::vector<std::string> read_lines(const fs::path& path) {

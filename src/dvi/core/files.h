@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -9,8 +10,18 @@ namespace dvi {
 
 namespace fs = std::filesystem;
 
-/// The whole file. InputError where it cannot be read.
-std::string read_file(const fs::path& path);
+/// The largest file that is read as a whole, in bytes.
+inline constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;
+
+/// InputError where it cannot be read, is no regular file (a pipe or device may never end) or is larger than `most` bytes.
+void require_regular_file(const fs::path& path, std::uintmax_t most = kLargestFile);
+
+/// The whole file. InputError as require_regular_file().
+std::string read_file(const fs::path& path, std::uintmax_t most = kLargestFile);
+
+/// The text of a file of settings. InputError as read_file, and where it has more than 1 MiB or lines of more than 10,000
+/// bytes: parsers recurse by the parts of a key.
+std::string read_settings(const fs::path& path);
 
 /// The lines of a text file without line ends. InputError where it cannot be read.
 std::vector<std::string> read_lines(const fs::path& path);

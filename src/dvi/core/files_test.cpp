@@ -1,6 +1,7 @@
 #include "dvi/core/files.h"
 
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <csignal>
 #include <fstream>
@@ -64,6 +65,27 @@ TEST_F(Files, UnreadableIsAnInputErrorThatNamesTheFile) {
   EXPECT_THAT([&] { read_file(folder / "absent"); },
               ThrowsMessage<InputError>(AllOf(HasSubstr((folder / "absent").string()), HasSubstr("No such file"))));
   EXPECT_THAT([&] { read_file(folder); }, ThrowsMessage<InputError>(HasSubstr("is a folder")));
+}
+
+TEST_F(Files, OnlyRegularFilesOfBoundedSizeAreRead) {
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THAT([&] { read_file(folder / "pipe"); }, ThrowsMessage<InputError>(HasSubstr("pipe: is a pipe or a device")));
+  EXPECT_THAT([] { read_file("/dev/zero"); }, ThrowsMessage<InputError>(HasSubstr("/dev/zero: is a pipe or a device")));
+  write_file(folder / "x.bin", "12345");
+  EXPECT_THAT([&] { read_file(folder / "x.bin", 4); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("x.bin: has 5 bytes"), HasSubstr("at most 4"))));
+  fs::create_symlink("loop", folder / "loop");
+  EXPECT_THAT([&] { read_file(folder / "loop"); }, ThrowsMessage<InputError>(HasSubstr("loop: cannot be read")));
+  EXPECT_THAT([&] { read_file(folder / std::string(300, 'n')); }, ThrowsMessage<InputError>(HasSubstr("cannot be read")));
+}
+
+TEST_F(Files, SettingsHaveShortLines) {
+  write_file(folder / "a.toml", "a = 1\n" + std::string(10'000, 'b') + "\n");
+  EXPECT_EQ(read_settings(folder / "a.toml").size(), 10'007U);
+  write_file(folder / "a.toml", "a = 1\n" + std::string(10'001, 'b'));
+  EXPECT_THAT([&] { read_settings(folder / "a.toml"); }, ThrowsMessage<InputError>(HasSubstr("a.toml:2: the line has 10001")));
+  write_file(folder / "a.toml", std::string((1 << 20) + 1, '\n'));
+  EXPECT_THAT([&] { read_settings(folder / "a.toml"); }, ThrowsMessage<InputError>(HasSubstr("at most 1048576")));
 }
 
 TEST_F(Files, FailedWriterLeavesTheOldFileAndNothingElse) {

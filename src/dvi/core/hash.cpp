@@ -1,6 +1,8 @@
 #include "dvi/core/hash.h"
 
+#include <cstdint>
 #include <fstream>
+#include <limits>
 
 #include <fmt/format.h>
 #include <xxhash.h>
@@ -29,9 +31,16 @@ std::string Fingerprint::hex() const {
   return fmt::format("{:016x}{:016x}", h.high64, h.low64);
 }
 
+std::string hash_of(std::string_view bytes) {
+  Fingerprint print;
+  print.add(bytes);
+  return print.hex();
+}
+
 std::string hash_of_file(const std::filesystem::path& path) {
+  require_regular_file(path, std::numeric_limits<std::uintmax_t>::max());
   std::ifstream in(path, std::ios::binary);
-  if (fs::is_directory(path) || !in) throw InputError(path, "cannot be read");
+  if (!in) throw InputError(path, "cannot be read");
   Fingerprint print;
   std::string block(std::size_t{1} << 20, '\0');
   while (in) {

@@ -24,6 +24,8 @@ class Fingerprint {
   std::unique_ptr<State> state_;
 };
 
+std::string hash_of(std::string_view bytes);
+
 /// The fingerprint of what a file holds. InputError where it cannot be read.
 std::string hash_of_file(const std::filesystem::path& path);
 

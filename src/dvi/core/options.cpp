@@ -10,6 +10,7 @@
 #include <toml++/toml.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/files.h"
 
 namespace dvi {
 namespace {
@@ -213,7 +214,9 @@ void OptionTable::set(std::string_view assignment) {
 void OptionTable::load_toml(const std::filesystem::path& path, const std::vector<std::string>& ignore) {
   toml::table table;
   try {
-    table = toml::parse_file(path.string());
+    table = toml::parse(read_settings(path));
+  } catch (const InputError& e) {
+    throw UsageError(e.what());
   } catch (const toml::parse_error& e) {
     throw UsageError(fmt::format("{}:{}: {}", path.string(), e.source().begin.line, e.description()));
   }

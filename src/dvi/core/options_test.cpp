@@ -230,6 +230,9 @@ TEST_F(Options, BadTomlNamesTheFile) {
   EXPECT_THAT(loading("[first]\nwindow = 12"), ThrowsMessage<UsageError>(HasSubstr(file.string())));
   EXPECT_THAT(loading("[first]\nwidow = 3"), ThrowsMessage<UsageError>(HasSubstr(file.string())));
   EXPECT_THAT(loading("window = 3"), ThrowsMessage<UsageError>(HasSubstr("outside any table")));
+  std::string deep = "[first]\na";
+  for (int i = 0; i < 200'000; ++i) deep += ".a";
+  EXPECT_THAT(loading(deep + " = 1\n"), ThrowsMessage<UsageError>(HasSubstr(file.string() + ":2: the line has")));
   EXPECT_THAT([this] { table.load_toml("/nowhere/x.toml"); }, ThrowsMessage<UsageError>(HasSubstr("/nowhere/x.toml")));
 }
 

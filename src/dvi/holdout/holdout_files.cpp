@@ -6,6 +6,7 @@
 
 #include "dvi/core/draft.h"
 #include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
 #include "dvi/holdout/holdout.h"
@@ -98,7 +99,7 @@ void write_holdout(const Holdout& holdout, const fs::path& case_folder, const st
     if (tick) tick();
   });
   io::write_folder_tables(folder, drive);
-  write_file(out / "holdout.json", description(holdout, recipe, held_out, scored).dump(1) + "\n");
+  write_file(out / "holdout.json", json_text(description(holdout, recipe, held_out, scored)) + "\n");
   draft.finish();
 }
 

@@ -8,6 +8,8 @@
 #include <toml++/toml.h>
 
 #include "dvi/core/error.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/plausible.h"
 #include "dvi/io/rigid.h"
 
 namespace dvi::io {
@@ -78,17 +80,22 @@ std::int64_t offset_ns(const Table& table) {
 CameraConfig read_camera(const Table& table) {
   CameraConfig camera;
   if (const auto size = table.numbers<2>("size")) {
+    constexpr double kLongest = 1 << 20;
     for (const double side : *size)
-      if (!(side >= 1 && side <= 65536)) table.fail("size", "is not [width, height] in pixels");
+      if (!(side >= 1 && side <= kLongest && side == std::floor(side)))
+        table.fail("size", "is not [width, height] in whole pixels");
+    if ((*size)[0] * (*size)[1] > static_cast<double>(kMostPixels))
+      table.fail("size", fmt::format("is {:.0f}x{:.0f}, more than the 2^28 pixels that dvi reads", (*size)[0], (*size)[1]));
     camera.size = cv::Size(static_cast<int>((*size)[0]), static_cast<int>((*size)[1]));
   }
   camera.K = table.numbers<9>("K");
-  if (camera.K && !((*camera.K)[0] > 0 && (*camera.K)[4] > 0))
-    table.fail("K", "is not [fx, 0, cx, 0, fy, cy, 0, 0, 1] in pixels");
+  if (camera.K)
+    if (const std::string problem = camera_matrix_problem(*camera.K); !problem.empty()) table.fail("K", problem);
   camera.distortion = table.numbers<5>("distortion");
   if (const auto m = table.numbers<12>("camera_from_lidar")) {
     camera.camera_from_lidar = to_rigid(*m);
-    if (!camera.camera_from_lidar) table.fail("camera_from_lidar", "does not hold a rotation: rows of 3x4 are r r r t");
+    if (!camera.camera_from_lidar)
+      table.fail("camera_from_lidar", rotation_problem(left_part(*m)) + "; it is a 3x4 matrix, row by row, each row r r r t");
   }
   camera.offset_ns = offset_ns(table);
   return camera;
@@ -118,7 +125,7 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
   if (!fs::exists(config.file)) return std::nullopt;
   toml::table root;
   try {
-    root = toml::parse(read_file(config.file));
+    root = toml::parse(read_settings(config.file));
   } catch (const toml::parse_error& e) {
     throw InputError(fmt::format("{}:{}", config.file.string(), e.source().begin.line), std::string(e.description()));
   }
@@ -126,10 +133,12 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
   const Table head(config.file, "drive", table_of(root.get("drive")), {"version"});
   if (const auto version = head.number("version"); version && *version != kVersion)
     head.fail("version", fmt::format("is {}, and this program reads {}", *version, kVersion));
-  for (const auto& [name, node] : table_of(root.get("camera")))
+  for (const auto& [name, node] : table_of(root.get("camera"))) {
+    require_plain_name(std::string(name.str()), config.file, "a camera");
     config.cameras[std::string(name.str())] =
         read_camera(Table(config.file, fmt::format("camera.{}", name.str()), table_of(&node),
                           {"size", "K", "distortion", "camera_from_lidar", "offset_s"}));
+  }
   config.lidar = read_lidar(Table(config.file, "lidar", table_of(root.get("lidar")),
                                   {"rate", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s"}));
   return config;
@@ -149,6 +158,11 @@ void LidarConfig::apply(Drive& drive) const {
     header.time_ns += offset_ns, header.start_ns += offset_ns, header.end_ns += offset_ns;
 }
 
+void DriveConfig::require_plausible(const Drive& drive) const {
+  const CameraConfig ours = camera(drive.camera_name);
+  if (ours.K || ours.size) io::require_plausible(drive.camera, file, fmt::format("[camera.{}]", drive.camera_name));
+}
+
 CameraConfig DriveConfig::camera(const std::string& name) const {
   const auto found = cameras.find(name);
   return found == cameras.end() ? CameraConfig{} : found->second;
@@ -160,6 +174,7 @@ void DriveConfig::apply(Drive& drive) const {
       throw InputError(file, fmt::format("[camera.{}] is no camera of this drive", name),
                        fmt::format("it has {}", fmt::join(drive.camera_names, ", ")));
   camera(drive.camera_name).apply(drive);
+  require_plausible(drive);
   lidar.apply(drive);
   drive.other_files.push_back(file);
 }

@@ -45,6 +45,8 @@ struct DriveConfig {
   CameraConfig camera(const std::string& name) const;
   /// Overrides calibration and clocks of a drive of another format, and notes the file.
   void apply(Drive& drive) const;
+  /// InputError where it made the drive's camera one that cannot be.
+  void require_plausible(const Drive& drive) const;
 };
 
 /// Reads DRIVE/dvi.toml; none where there is no such file. InputError where it is malformed, has keys that are not known, or

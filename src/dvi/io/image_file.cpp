@@ -1,5 +1,6 @@
 #include "dvi/io/image_file.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -38,10 +39,23 @@ bool whole(const std::string& bytes) {
   return true;
 }
 
+std::optional<cv::Size> png_size(const std::string& bytes) {
+  if (bytes.size() < 24) return std::nullopt;
+  return cv::Size(big_endian(bytes, 16) << 16 | big_endian(bytes, 18), big_endian(bytes, 20) << 16 | big_endian(bytes, 22));
+}
+
+// By the header of a PNG or JPEG; none where it is neither.
+std::optional<cv::Size> stated_size(const fs::path& path, const std::string& bytes) {
+  const std::optional<cv::Size> size = is_png(bytes) ? png_size(bytes) : is_jpeg(bytes) ? jpeg_size(bytes) : std::nullopt;
+  if (!size || size->width <= 0 || size->height <= 0) return std::nullopt;
+  if (std::int64_t{size->width} * size->height > kMostPixels)
+    throw InputError(path, "is " + text(*size) + " pixels, more than dvi reads", "at most 2^28 pixels are read");
+  return size;
+}
+
 // Empty where it is no image, or not all of one.
-cv::Mat decode(const fs::path& path, cv::ImreadModes mode) {
-  const std::string bytes = read_file(path);
-  if (bytes.empty() || !whole(bytes)) return {};
+cv::Mat decode(const fs::path& path, const std::string& bytes, int mode) {
+  if (!stated_size(path, bytes) || !whole(bytes)) return {};
   try {
     const cv::Mat1b buffer(1, static_cast<int>(bytes.size()), reinterpret_cast<uchar*>(const_cast<char*>(bytes.data())));
     return cv::imdecode(buffer, mode);
@@ -50,36 +64,53 @@ cv::Mat decode(const fs::path& path, cv::ImreadModes mode) {
   }
 }
 
-cv::Mat decode(const fs::path& path, cv::Size size, cv::ImreadModes mode) {
-  cv::Mat image = decode(path, mode);
-  if (image.empty()) throw InputError(path, "cannot be decoded as an image", kRemedy);
-  if (image.size() != size)
-    throw InputError(path, "is " + text(image.size()) + " pixels instead of " + text(size),
+void require(const fs::path& path, cv::Size found, cv::Size wanted) {
+  if (found != wanted)
+    throw InputError(path, "is " + text(found) + " pixels instead of " + text(wanted),
                      "images, masks and calibration must be of one size");
+}
+
+cv::Mat decode(const fs::path& path, cv::Size size, int mode) {
+  const std::string bytes = read_file(path);
+  if (const auto stated = stated_size(path, bytes)) require(path, *stated, size);
+  cv::Mat image = decode(path, bytes, mode);
+  if (image.empty()) throw InputError(path, "cannot be decoded as an image", kRemedy);
+  require(path, image.size(), size);
   return image;
+}
+
+cv::Mat1b not_zero(const cv::Mat& image, int channel) {
+  cv::Mat values;
+  cv::extractChannel(image, values, channel);
+  cv::compare(values, 0, values, cv::CMP_NE);
+  return values;
+}
+
+// Transparency alone tells where the colours tell nothing and it tells pixels apart; opaque everywhere, it says nothing.
+cv::Mat1b mask_of(const cv::Mat& image) {
+  cv::Mat1b mask(image.size(), uchar{0});
+  for (int channel = 0; channel < std::min(image.channels(), 3); ++channel) mask |= not_zero(image, channel);
+  if (image.channels() < 4 || cv::countNonZero(mask) > 0) return mask;
+  const cv::Mat1b alpha = not_zero(image, 3);
+  return cv::countNonZero(alpha) == static_cast<int>(alpha.total()) ? mask : alpha;
 }
 
 }  // namespace
 
 cv::Size image_size(const fs::path& path) {
+  if (const auto size = stated_size(path, read_file(path))) return *size;
+  throw InputError(path, "cannot be decoded as an image", "PNG and JPEG are read");
+}
+
+cv::Mat3b read_image(const fs::path& path, cv::Size size) {
+  return decode(path, size, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
+cv::Mat read_unchanged(const fs::path& path, cv::Size size) {
   const std::string bytes = read_file(path);
-  std::optional<cv::Size> size;
-  if (is_png(bytes) && bytes.size() > 24)
-    size = cv::Size(big_endian(bytes, 16) << 16 | big_endian(bytes, 18), big_endian(bytes, 20) << 16 | big_endian(bytes, 22));
-  if (is_jpeg(bytes)) size = jpeg_size(bytes);
-  if (!size || size->width <= 0 || size->height <= 0)
-    throw InputError(path, "cannot be decoded as an image", "PNG and JPEG are read");
-  return *size;
+  return stated_size(path, bytes) == size ? decode(path, bytes, cv::IMREAD_UNCHANGED) : cv::Mat();
 }
 
-cv::Mat3b read_image(const fs::path& path, cv::Size size) { return decode(path, size, cv::IMREAD_COLOR); }
-
-cv::Mat read_unchanged(const fs::path& path) { return decode(path, cv::IMREAD_UNCHANGED); }
-
-cv::Mat1b read_mask(const fs::path& path, cv::Size size) {
-  cv::Mat1b mask;
-  cv::compare(decode(path, size, cv::IMREAD_GRAYSCALE), 0, mask, cv::CMP_GT);
-  return mask;
-}
+cv::Mat1b read_mask(const fs::path& path, cv::Size size) { return mask_of(decode(path, size, cv::IMREAD_UNCHANGED)); }
 
 }  // namespace dvi::io

@@ -1,21 +1,29 @@
 #pragma once
 
+#include <cstdint>
+
 #include <opencv2/core/mat.hpp>
 
 #include "dvi/core/files.h"
 
 namespace dvi::io {
 
-/// Width and height by the header of a PNG or JPEG, without decoding it. InputError where it is neither.
+/// Larger images are refused before they are decoded: width times height.
+inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
+
+/// Width and height by the header of a PNG or JPEG, without decoding it. InputError where it is neither or is too large.
 cv::Size image_size(const fs::path& path);
 
-/// The image in BGR. InputError where it cannot be decoded as a whole or has another size.
+/// The image in BGR, as it is stored: an EXIF orientation is not applied, because calibration and scans do not turn with it.
+/// InputError where it cannot be decoded as a whole or has another size, which the header tells.
 cv::Mat3b read_image(const fs::path& path, cv::Size size);
 
-/// The mask: 255 where the file is not black. Errors as read_image.
+/// The mask: 255 where any channel of the file is not 0, of whatever depth. Transparency counts only in a file whose colours
+/// are all black and where some alpha is 0. Errors and orientation as read_image.
 cv::Mat1b read_mask(const fs::path& path, cv::Size size);
 
-/// The image as the file has it: its depth and channels (BGR where there are three). Empty where it is no whole image.
-cv::Mat read_unchanged(const fs::path& path);
+/// The image as the file has it: its depth and channels (BGR where there are three). Empty where it is no whole PNG or JPEG of
+/// that size; InputError where it is too large.
+cv::Mat read_unchanged(const fs::path& path, cv::Size size);
 
 }  // namespace dvi::io

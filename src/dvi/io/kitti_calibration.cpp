@@ -3,6 +3,7 @@
 #include <map>
 
 #include "dvi/core/error.h"
+#include "dvi/io/plausible.h"
 #include "dvi/io/text.h"
 
 namespace dvi::io {
@@ -27,9 +28,15 @@ class Entries {
   Eigen::Matrix3d matrix(const std::string& key) const {
     return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers<9>(key).data());
   }
+  Eigen::Matrix3d rotation(const std::string& key) const {
+    const Eigen::Matrix3d R = matrix(key);
+    const std::string problem = rotation_problem(R);
+    if (!problem.empty()) throw InputError(file_, key + " " + problem, "take the file as KITTI offers it");
+    return nearest_rotation(R);
+  }
   SE3 rigid() const {
     const auto t = numbers<3>("T");
-    return {nearest_rotation(matrix("R")), {t[0], t[1], t[2]}};
+    return {rotation("R"), {t[0], t[1], t[2]}};
   }
 
  private:
@@ -47,14 +54,19 @@ KittiCalibration read_kitti_calibration(const fs::path& date_folder, const std::
   out.files = {cam_to_cam, velo_to_cam};
   const auto P = cameras.numbers<12>("P_rect_" + number);
   out.camera.fx = P[0], out.camera.cx = P[2], out.camera.fy = P[5], out.camera.cy = P[6];
-  if (!(P[0] > 0 && P[5] > 0)) throw InputError(cam_to_cam, "P_rect_" + number + " holds no focal length");
+  const std::array<double, 9> K = {P[0], P[1], P[2], P[4], P[5], P[6], P[8], P[9], P[10]};
+  if (const std::string problem = camera_matrix_problem(K); !problem.empty())
+    throw InputError(cam_to_cam, "P_rect_" + number + " " + problem);
   if (cameras.has("S_rect_" + number)) {
     const auto size = cameras.numbers<2>("S_rect_" + number);
+    for (const double side : size)
+      if (!(side >= 1 && side <= 1 << 20))
+        throw InputError(cam_to_cam, "S_rect_" + number + " is not the width and height of an image in pixels");
     out.camera.width = static_cast<int>(size[0]), out.camera.height = static_cast<int>(size[1]);
   }
   // P = K [I | t]: t = K^-1 P's last column.
   out.camera_from_rect0.t = {(P[3] - P[2] * P[11]) / P[0], (P[7] - P[6] * P[11]) / P[5], P[11]};
-  out.rect0_from_lidar = SE3{nearest_rotation(cameras.matrix("R_rect_00")), {0, 0, 0}} * lidar.rigid();
+  out.rect0_from_lidar = SE3{cameras.rotation("R_rect_00"), {0, 0, 0}} * lidar.rigid();
   return out;
 }
 

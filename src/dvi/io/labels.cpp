@@ -1,7 +1,13 @@
 #include "dvi/io/labels.h"
 
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
 #include "dvi/core/error.h"
 #include "dvi/io/kitti_calibration.h"
+#include "dvi/io/mask_folder.h"
 #include "dvi/io/text.h"
 
 namespace dvi::io {
@@ -45,27 +51,76 @@ LabelsByNumber read_numbered(Kind kind, const fs::path& file, const Drive& drive
   return labels;
 }
 
+// Numbers of the whole recording, of which the drive may be an excerpt.
+std::set<int> recorded_numbers(const Drive& drive) {
+  std::set<int> numbers;
+  for (const Frame& frame : drive.frames) numbers.insert(frame.number);
+  const fs::path stamps = drive.path / drive.camera_name / "timestamps.txt";
+  if (drive.format == "kitti-raw" && fs::exists(stamps)) {
+    const int lines = static_cast<int>(read_lines(stamps).size());
+    for (int number = 0; number < lines; ++number) numbers.insert(numbers.end(), number);
+    return numbers;
+  }
+  for (int index = 0; const std::string& name : recorded_names(drive)) {
+    const auto number = all_digits(name) ? to_integer(name) : std::nullopt;
+    numbers.insert(number.value_or(index++));
+  }
+  return numbers;
+}
+
+std::string text(const std::string& name) { return name; }
+std::string text(int number) { return std::to_string(number); }
+
+template <class Labels, class Recorded>
+std::vector<std::string> strays(const fs::path& file, const Labels& labels, const Recorded& recorded) {
+  std::size_t count = 0;
+  std::string first;
+  for (const auto& [frame, list] : labels)
+    if (!list.empty() && !recorded.contains(frame) && count++ == 0) first = text(frame);
+  if (count == 0) return {};
+  return {
+      fmt::format("{} labels {} frames that are none of the drive, the first is {}", file.filename().string(), count, first)};
+}
+
+template <class Labels, class Key>
+FileLabels as_frames(const fs::path& file, Labels labels, const Drive& drive, const Key& key) {
+  FileLabels out;
+  out.frames.resize(drive.frames.size());
+  std::size_t known = 0;  // frames up to the last that the file names
+  for (std::size_t i = 0; i < drive.frames.size(); ++i)
+    if (const auto found = labels.find(key(drive.frames[i])); found != labels.end())
+      out.frames[i] = std::move(found->second), known = i + 1;
+  if (labels.empty() || 20 * (drive.frames.size() - known) <= drive.frames.size()) return out;
+  out.after_the_last.what = fmt::format("{} ends early: it has no labels for frames", file.filename().string());
+  for (std::size_t i = known; i < drive.frames.size(); ++i) out.after_the_last.frames.push_back(drive.frames[i].number);
+  return out;
+}
+
+template <class Labels, class Recorded, class Key>
+FileLabels matched(const fs::path& file, Labels labels, Recorded recorded, const Drive& drive, const Key& key) {
+  for (const Frame& frame : drive.frames) recorded.insert(key(frame));
+  std::vector<std::string> warnings = strays(file, labels, recorded);
+  FileLabels out = as_frames(file, std::move(labels), drive, key);
+  out.warnings = std::move(warnings);
+  return out;
+}
+
 }  // namespace
 
-std::vector<std::vector<Label>> read_labels(const fs::path& file, const Drive& drive) {
+FileLabels read_labels(const fs::path& file, const Drive& drive) {
   const Kind kind = kind_of(file);
   if (kind == Kind::unknown)
     throw InputError(file, "holds no labels that dvi knows",
                      "it reads tracklet_labels.xml, KITTI tracking labels, MOTS instances_txt and boxes.json");
-  std::vector<std::vector<Label>> out(drive.frames.size());
-  const auto hand_out = [&](auto labels, const auto& key) {
-    for (std::size_t i = 0; i < out.size(); ++i)
-      if (const auto found = labels.find(key(drive.frames[i])); found != labels.end()) out[i] = std::move(found->second);
-  };
   if (kind == Kind::boxes)
-    hand_out(read_boxes_json(file), [](const Frame& frame) { return frame.name; });
-  else
-    hand_out(read_numbered(kind, file, drive), [](const Frame& frame) { return frame.number; });
-  return out;
+    return matched(file, read_boxes_json(file), recorded_names(drive), drive, [](const Frame& frame) { return frame.name; });
+  return matched(file, read_numbered(kind, file, drive), recorded_numbers(drive), drive,
+                 [](const Frame& frame) { return frame.number; });
 }
 
-void add_labels(Drive& drive, const fs::path& file) {
-  std::vector<std::vector<Label>> added = read_labels(file, drive);
+Gap add_labels(Drive& drive, const fs::path& file) {
+  FileLabels read = read_labels(file, drive);
+  FrameLabels& added = read.frames;
   for (std::size_t i = 0; i < added.size(); ++i)
     for (Label& label : added[i]) {
       std::vector<Label>& labels = drive.frames[i].labels;
@@ -77,8 +132,10 @@ void add_labels(Drive& drive, const fs::path& file) {
       else
         labels.push_back(std::move(label));
     }
+  drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
   drive.labelled = true;
   drive.other_files.push_back(file);
+  return std::move(read.after_the_last);
 }
 
 }  // namespace dvi::io

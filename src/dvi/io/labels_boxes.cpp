@@ -34,11 +34,11 @@ LabelsByName read_boxes_json(const fs::path& file) {
   std::string name;
   try {
     const json document = json::parse(read_file(file));
-    if (document.at("version") != kBoxesVersion)
-      throw std::invalid_argument(
-          fmt::format("version is {}, and this program reads {}", document.at("version").dump(), kBoxesVersion));
+    if (const int version = document.at("version").get<int>(); version != kBoxesVersion)
+      throw std::invalid_argument(fmt::format("version is {}, and this program reads {}", version, kBoxesVersion));
     for (const auto& [frame, boxes] : document.at("frames").items()) {
       name = frame;
+      labels[frame];
       for (const json& box : boxes)
         if (Label label = read_box(box); label.type != "dontcare") labels[frame].push_back(std::move(label));
     }

@@ -26,6 +26,7 @@ LabelsByNumber read_kitti_tracking(const fs::path& file, const SE3& lidar_from_c
   for (const TextLine& line : read_text_lines(file)) {
     Label label;
     label.type = lower_case(line.word(type));
+    std::vector<Label>& frame_labels = labels[line.integer(frame)];
     if (label.type == "dontcare") continue;
     if (line.size() < yaw + 1) line.fail("has " + std::to_string(line.size()) + " entries instead of 17");
     label.track = line.integer(track);
@@ -34,7 +35,7 @@ LabelsByNumber read_kitti_tracking(const fs::path& file, const SE3& lidar_from_c
     // Objects that were outlined in the image only carry sizes of -1.
     if (line.number(height) > 0 && line.number(width) > 0 && line.number(length) > 0)
       label.box = box_of(line, lidar_from_camera);
-    labels[line.integer(frame)].push_back(std::move(label));
+    frame_labels.push_back(std::move(label));
   }
   return labels;
 }

@@ -38,6 +38,7 @@ LabelsByNumber read_mots(const fs::path& file, cv::Size size) {
     if (line.size() != 6)
       line.fail("has " + std::to_string(line.size()) + " entries instead of 6", "frame id class height width rle");
     const int type = line.integer(2);
+    std::vector<Label>& frame_labels = labels[line.integer(0)];
     if (type == kIgnore) continue;
     const cv::Size own(line.integer(4), line.integer(3));
     if (own != size)
@@ -50,7 +51,7 @@ LabelsByNumber read_mots(const fs::path& file, cv::Size size) {
     const auto& runs = label.instance->runs;
     if (std::accumulate(runs.begin(), runs.end(), std::int64_t{0}) != own.area())
       line.fail("its outline does not fill the image");
-    labels[line.integer(0)].push_back(std::move(label));
+    frame_labels.push_back(std::move(label));
   }
   return labels;
 }

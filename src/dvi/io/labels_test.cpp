@@ -2,12 +2,15 @@
 
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/test_folder.h"
 
 namespace dvi::io {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -40,7 +43,7 @@ TEST(Labels, ReadsTracklets) {
 		<poses><count>1</count><item><tx>7</tx><ty>-2</ty><tz>-1.6</tz><rx>0</rx><ry>0</ry><rz>0</rz></item></poses></item>
 </tracklets>
 </boost_serialization>)");
-  const auto labels = read_labels(file, two_frames());
+  const FrameLabels labels = read_labels(file, two_frames()).frames;
   ASSERT_EQ(labels[0].size(), 1U);
   ASSERT_EQ(labels[1].size(), 2U);
   const Label& van = labels[0][0];
@@ -59,7 +62,7 @@ TEST(Labels, ReadsTrackingIntoLidarAxes) {
                                  "5 -1 DontCare -1 -1 -10 1 1 2 2 -1000 -1000 -1000 -10 -1 -1 -1\n"
                                  "5 3 Car 0 0 -1.5 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 -1.5707963267948966\n"
                                  "6 3 Car 0 0 -1.5 1 0 3 2 -1 -1 -1 -1000 -1000 -1000 -10\n");
-  const auto labels = read_labels(file, two_frames());
+  const FrameLabels labels = read_labels(file, two_frames()).frames;
   ASSERT_EQ(labels[0].size(), 1U);
   const Label& car = labels[0][0];
   EXPECT_EQ(car.track, 3);
@@ -93,12 +96,31 @@ TEST(Labels, ReadsBoxesByName) {
   const TestFolder folder;
   const auto file = folder.write("boxes.json", R"({"version":1,"frames":{"six":[{"track":4,"class":"Car","center":[1,2,3],
     "size":[4,5,6],"yaw":0.25}],"seven":[]}})");
-  const auto labels = read_labels(file, two_frames());
+  const FrameLabels labels = read_labels(file, two_frames()).frames;
   EXPECT_TRUE(labels[0].empty());
   ASSERT_EQ(labels[1].size(), 1U);
   EXPECT_EQ(labels[1][0].type, "car");
   EXPECT_EQ(labels[1][0].box->frame_from_box.t, Eigen::Vector3d(1, 2, 3));
   EXPECT_NEAR(so3_log(labels[1][0].box->frame_from_box.R).z(), 0.25, kTolerance);
+}
+
+TEST(Labels, WarnsOfFramesItDoesNotHave) {
+  const TestFolder folder;
+  const auto box = R"([{"class":"car","center":[1,2,3],"size":[4,5,6],"yaw":0}])";
+  const auto boxes =
+      folder.write("boxes.json", fmt::format(R"({{"version":1,"frames":{{"five":{},"ten":{},"two":{}}}}})", box, box, box));
+  const FileLabels read = read_labels(boxes, two_frames());
+  EXPECT_THAT(read.warnings, ElementsAre("boxes.json labels 2 frames that are none of the drive, the first is ten"));
+  EXPECT_EQ(read.after_the_last.what, "boxes.json ends early: it has no labels for frames");
+  EXPECT_THAT(read.after_the_last.frames, ElementsAre(6));
+  const auto all = folder.write("all.json", fmt::format(R"({{"version":1,"frames":{{"five":{},"six":[]}}}})", box));
+  EXPECT_TRUE(read_labels(all, two_frames()).after_the_last.frames.empty()) << "an empty list says that there is nothing";
+  const auto tracking = folder.write("tracking.txt",
+                                     "6 -1 DontCare -1 -1 -10 1 1 2 2 -1000 -1000 -1000 -10 -1 -1 -1\n"
+                                     "9 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n");
+  Drive drive = two_frames();
+  EXPECT_TRUE(add_labels(drive, tracking).frames.empty());
+  EXPECT_THAT(drive.warnings, ElementsAre("tracking.txt labels 1 frames that are none of the drive, the first is 9"));
 }
 
 TEST(Labels, RefusesWhatItDoesNotKnow) {
@@ -123,8 +145,11 @@ TEST(MaskFolder, TiesMasksByName) {
   mask(1, 2) = 7;
   folder.write_image("masks/six.png", mask);
   Drive drive = two_frames();
-  EXPECT_THAT(match_masks(drive.frames, {folder.path / "masks"}), ElementsAre(fs::path(), folder.path / "masks/six.png"));
-  EXPECT_TRUE(match_masks(drive.frames, {folder.path / "none"}).empty());
+  match_masks(drive, {folder.path / "none"});
+  EXPECT_TRUE(drive.mask_files.empty());
+  match_masks(drive, {folder.path / "masks"});
+  EXPECT_THAT(drive.mask_files, ElementsAre(fs::path(), folder.path / "masks/six.png"));
+  EXPECT_EQ(frames_without_mask(drive), "1 of 2 frames have no mask file and keep their traffic: 5");
   attach_masks(drive, folder.path / "masks");
   EXPECT_EQ(cv::countNonZero(*drive.masks[0]), 0);
   EXPECT_EQ((*drive.masks[1])(1, 2), 255);
@@ -134,25 +159,48 @@ TEST(MaskFolder, LeavesMasksOfMissingImagesAlone) {
   const TestFolder folder;
   for (const char* name : {"five", "join", "six"})
     folder.write_image(std::string("masks/") + name + ".png", cv::Mat1b(3, 4, uchar{0}));
-  const std::vector<Frame> frames = two_frames().frames;
-  EXPECT_THAT(match_masks(frames, {folder.path / "masks"}),
-              ElementsAre(folder.path / "masks/five.png", folder.path / "masks/six.png"));
-  for (const char* name : {"early", "sixth"}) {
-    const std::string file = std::string(name) + ".png";
-    folder.write_image("masks/" + file, cv::Mat1b(3, 4, uchar{0}));
-    EXPECT_THAT(input_error([&] { match_masks(frames, {folder.path / "masks"}); }), HasSubstr(file));
-    fs::remove(folder.path / "masks" / file);
-  }
+  Drive drive = two_frames();
+  match_masks(drive, {folder.path / "masks"});
+  EXPECT_THAT(drive.mask_files, ElementsAre(folder.path / "masks/five.png", folder.path / "masks/six.png"));
+  EXPECT_TRUE(drive.warnings.empty());
+  EXPECT_FALSE(frames_without_mask(drive));
+}
+
+TEST(MaskFolder, WarnsOfMasksOfNoFrame) {
+  const TestFolder folder;
+  for (const char* name : {"five", "early", "sixth"})
+    folder.write_image(std::string("masks/") + name + ".png", cv::Mat1b(3, 4, uchar{0}));
+  Drive drive = two_frames();
+  match_masks(drive, {folder.path / "masks"});
+  ASSERT_EQ(drive.warnings.size(), 1U);
+  EXPECT_THAT(drive.warnings[0], AllOf(HasSubstr("2 mask files are of no image"), HasSubstr("early.png")));
+  Drive given = two_frames();
+  given.frames[0].file = given.frames[1].file = folder.write("images/sixth.jpg", "an image that --frames left out");
+  attach_masks(given, folder.path / "masks");
+  ASSERT_EQ(given.warnings.size(), 1U);
+  EXPECT_THAT(given.warnings[0], AllOf(HasSubstr("1 mask file is of no image"), HasSubstr("early.png")));
+}
+
+TEST(MaskFolder, FindsMasksInTheFolderAboveOrBelow) {
+  const TestFolder folder;
+  folder.write_image("masks/six.png", cv::Mat1b(3, 4, uchar{0}));
+  make_folder(folder.path / "masks/front");
+  Drive drive = two_frames();
+  match_masks(drive, {folder.path / "masks/front"});
+  EXPECT_TRUE(drive.mask_files.empty());
+  ASSERT_EQ(drive.warnings.size(), 1U);
+  EXPECT_THAT(drive.warnings[0], HasSubstr("are not used: they belong into " + (folder.path / "masks/front").string()));
+  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path); }),
+              HasSubstr("holds no masks; did you mean " + (folder.path / "masks").string()));
 }
 
 TEST(MaskFolder, RefusesMasksOfOtherImages) {
   const TestFolder folder;
   folder.write_image("masks/ten.png", cv::Mat1b(3, 4, uchar{0}));
   Drive drive = two_frames();
-  EXPECT_THAT(input_error([&] { match_masks(drive.frames, {folder.path / "masks"}); }),
-              HasSubstr("ten.png: is a mask for no image"));
+  EXPECT_THAT(input_error([&] { match_masks(drive, {folder.path / "masks"}); }), HasSubstr("ten.png: is a mask for no image"));
   EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "masks"); }), HasSubstr("ten.png: is a mask for no image"));
-  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path); }), HasSubstr("holds no masks"));
+  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "none"); }), HasSubstr("holds no masks"));
   folder.write_image("wrong/six.png", cv::Mat1b(4, 4, uchar{0}));
   attach_masks(drive, folder.path / "wrong");
   EXPECT_THAT(input_error([&] { drive.masks[1]; }), HasSubstr("is 4x4 pixels instead of 4x3"));

@@ -31,7 +31,9 @@ LabelsByNumber read_tracklets(const fs::path& file) {
     const std::string type = lower_case(item.child_value("objectType"));
     const Eigen::Vector3d size(number(file, item, "l"), number(file, item, "w"), number(file, item, "h"));
     const auto first = to_integer(item.child_value("first_frame"));
-    if (!first) throw InputError(file, "an <item> has no whole number <first_frame>");
+    constexpr int kMostFrames = 100'000'000;
+    if (!first || *first < 0 || *first > kMostFrames)
+      throw InputError(file, "an <item> has no whole number <first_frame>, from 0 on");
     int frame = *first;
     for (const pugi::xml_node& pose : item.child("poses").children("item")) {
       Label label;

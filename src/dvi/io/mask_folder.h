@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "dvi/core/files.h"
@@ -7,13 +10,19 @@
 
 namespace dvi::io {
 
-/// The PNG masks of folders as `frames`, tied by NAME; an empty path where a frame has none; an empty list where there are no
-/// masks. Masks of images that are missing between the first and the last are left alone; InputError where a file belongs to
-/// neither.
-std::vector<fs::path> match_masks(const std::vector<Frame>& frames, const std::vector<fs::path>& folders);
+/// Sets drive.mask_files to the PNG masks of folders, tied to frames by NAME: an empty path where a frame has none, an empty
+/// list where there are no masks. Warns of masks that belong to no frame, except those of images that are missing between the
+/// first and the last, and of masks that lie in the folder above or in one below. InputError where no mask belongs to a frame.
+void match_masks(Drive& drive, const std::vector<fs::path>& folders);
 
-/// Gives an open drive the masks of a folder instead of its own. The drive may have been cut: masks of other frames are left
-/// alone. InputError where none belongs to a frame.
+/// Gives an open drive the masks of a folder instead of its own. The drive may have been cut: masks of its other images are
+/// left alone. Warns of masks of no image. InputError where none belongs to a frame.
 void attach_masks(Drive& drive, const fs::path& folder);
+
+/// Names the frames without a mask file, which keep their traffic; none where all have one.
+std::optional<std::string> frames_without_mask(const Drive& drive);
+
+/// The names of all images beside those of the drive's frames, also of those that --frames left out.
+std::set<std::string> recorded_names(const Drive& drive);
 
 }  // namespace dvi::io

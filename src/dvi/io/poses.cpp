@@ -2,6 +2,8 @@
 
 #include <map>
 
+#include <fmt/format.h>
+
 #include "dvi/core/error.h"
 #include "dvi/io/rigid.h"
 #include "dvi/io/text.h"
@@ -10,15 +12,17 @@ namespace dvi::io {
 namespace {
 
 SE3 matrix_pose(const TextLine& line, std::size_t first) {
-  if (const auto pose = to_rigid(line.numbers<12>(first))) return *pose;
-  line.fail("does not hold a rotation: rows of 3x4 are r r r t");
+  const auto numbers = line.numbers<12>(first);
+  if (const auto pose = to_rigid(numbers)) return *pose;
+  line.fail(rotation_problem(left_part(numbers)), "a pose is a 3x4 matrix, row by row, each row r r r t");
 }
 
 SE3 quaternion_pose(const TextLine& line) {
   const auto v = line.numbers<7>(1);
   const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
-  if (std::abs(q.norm() - 1) > kPrintedRotation)
-    line.fail("does not hold a quaternion of length 1: seconds tx ty tz qx qy qz qw");
+  if (!(std::abs(q.norm() - 1) <= kPrintedRotation))
+    line.fail(fmt::format("does not hold a quaternion of length 1 but of {:.4g}", q.norm()),
+              "lines are: seconds tx ty tz qx qy qz qw");
   return {q.normalized().toRotationMatrix(), {v[0], v[1], v[2]}};
 }
 

@@ -155,7 +155,7 @@ Recording read_apolloscape(const fs::path& path, const ReadOptions& options) {
   image_folders.insert(image_folders.begin(), path / "image");
   drive.frames = read_frames(image_folders);
   if (drive.frames.empty()) throw InputError(path, "holds no images", "they belong into image/ and are named T.jpg");
-  drive.mask_files = match_masks(drive.frames, mask_folders);
+  match_masks(drive, mask_folders);
   drive.scan_headers = read_scan_headers(path / "lidar_bg");
   calibrate(drive);
   const cv::Size size = image_size(drive.frames.front().file);

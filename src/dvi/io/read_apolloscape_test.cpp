@@ -70,6 +70,7 @@ TEST_F(Apolloscape, SaysWhatIsWrong) {
   folder.write("100-101/global_poses.txt", "lidar_bg/bg_100.200000.pcd.ply 0 0 0 1 2 3\n\n");
   EXPECT_THAT(error(), HasSubstr("global_poses.txt:2: the line is empty"));
   folder.write_image("100-101_mask/7.png", cv::Mat1b(720, 1280, uchar{3}));
+  fs::remove(folder.path / "100-101_mask/100.200000.png");
   EXPECT_THAT(error(), HasSubstr("7.png: is a mask for no image"));
   folder.write_image("image/front.jpg", cv::Mat3b(720, 1280, cv::Vec3b(5, 5, 5)));
   EXPECT_THAT(error(), HasSubstr("front.jpg: is not named by its time"));

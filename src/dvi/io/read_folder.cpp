@@ -49,13 +49,18 @@ std::vector<std::string> names_of(const std::vector<fs::path>& files) {
 }
 
 // Without any times, equal names tie image and scan: their numbers, or their places among all names, count scans.
-Times count_times(const std::vector<std::string>& images, const std::vector<std::string>& scans, double rate) {
+Times count_times(const fs::path& drive, const std::vector<std::string>& images, const std::vector<std::string>& scans,
+                  double rate) {
   std::set<std::string> names(images.begin(), images.end());
   names.insert(scans.begin(), scans.end());
   const bool by_number = numbered({names.begin(), names.end()});
   Times times;
   for (int index = 0; const std::string& name : names) {
     const int count = by_number ? *to_integer(name) : index;
+    constexpr double kLatest = 9e9;  // seconds that 64 bits of nanoseconds hold
+    if (!(count / rate < kLatest))
+      throw InputError(drive / "images", "'" + name + "' is too large a number to count scans",
+                       "remove the file, or give times/");
     times[name] = std::llround(1e9 * count / rate);
     ++index;
   }
@@ -75,7 +80,7 @@ Clocks read_clocks(Drive& drive, const std::vector<std::string>& images, const s
   const bool camera = fs::exists(clocks.camera_file), lidar = fs::exists(clocks.lidar_file);
   if (camera) clocks.camera = read_times(clocks.camera_file), drive.other_files.push_back(clocks.camera_file);
   if (lidar) clocks.lidar = read_times(clocks.lidar_file), drive.other_files.push_back(clocks.lidar_file);
-  if (!camera) clocks.camera = lidar ? clocks.lidar : count_times(images, scans, rate);
+  if (!camera) clocks.camera = lidar ? clocks.lidar : count_times(drive.path, images, scans, rate);
   if (!lidar) clocks.lidar = clocks.camera;
   return clocks;
 }
@@ -123,7 +128,7 @@ const ScanHeader* nearest_scan(const std::vector<ScanHeader>& scan_headers, std:
   return nearest == scan_headers.end() || distance(*nearest) > within ? nullptr : &*nearest;
 }
 
-std::vector<Gap> find_gaps(const Drive& drive, std::int64_t period) {
+std::vector<Gap> find_gaps(Drive& drive, std::int64_t period) {
   Gap images{"no image for frames", {}}, scans{"no scan for frames", {}}, poses{"no pose for the scans of frames", {}};
   std::set<std::int64_t> posed;
   for (const StampedPose& pose : drive.poses.poses()) posed.insert(pose.time_ns);
@@ -139,7 +144,8 @@ std::vector<Gap> find_gaps(const Drive& drive, std::int64_t period) {
   }
   // Numbers are missing only where they otherwise count in even steps, and not where names are times, say.
   const auto usual = std::max_element(steps.begin(), steps.end(), [](auto& a, auto& b) { return a.second < b.second; });
-  if (usual != steps.end() && 2 * static_cast<std::size_t>(usual->second) >= drive.frames.size() - 1)
+  const bool even = usual != steps.end() && 2 * static_cast<std::size_t>(usual->second) >= drive.frames.size() - 1;
+  if (even && can_list_numbers(drive, usual->first))
     for (std::size_t i = 1; i < drive.frames.size(); ++i)
       for (int number = drive.frames[i - 1].number + usual->first; number < drive.frames[i].number; number += usual->first)
         images.frames.push_back(number);
@@ -165,6 +171,7 @@ void set_camera(Drive& drive, const DriveConfig& config, bool depth) {
     drive.camera.width = size.width, drive.camera.height = size.height;
   }
   camera.apply(drive);
+  config.require_plausible(drive);
   if (depth)  // it hangs on the camera's clock
     for (ScanHeader& header : drive.scan_headers)
       header.time_ns += camera.offset_ns, header.start_ns = header.end_ns = header.time_ns;
@@ -193,13 +200,13 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
   drive.scan_headers = make_scan_headers(scans, clocks, depth ? 0 : period, config.lidar.stamp);
   set_camera(drive, config, depth);
   config.lidar.apply(drive);
-  drive.mask_files = match_masks(drive.frames, {path / "masks" / drive.camera_name});
+  match_masks(drive, {path / "masks" / drive.camera_name});
   if (const fs::path poses = path / "poses.txt"; fs::exists(poses)) {
     drive.poses = read_poses(poses, drive);
     drive.other_files.push_back(poses);
   }
-  if (const fs::path boxes = path / "boxes.json"; fs::exists(boxes)) add_labels(drive, boxes);
   recording.gaps = find_gaps(drive, period);
+  if (const fs::path boxes = path / "boxes.json"; fs::exists(boxes)) recording.gaps.push_back(add_labels(drive, boxes));
   if (depth) {
     recording.read_scan = DepthScan{drive.camera, drive.camera_from_lidar.inverse()};
   } else {

@@ -59,7 +59,8 @@ TEST_F(Folder, ReadsTimesPosesMasksAndBoxes) {
   EXPECT_EQ((*drive.masks[0])(0, 0), 0);
   EXPECT_EQ(drive.scans[0]->time[1], 0);
   EXPECT_EQ(drive.other_files.size(), 5U);
-  EXPECT_THAT(drive.warnings, testing::ElementsAre("no pose for the scans of frames 1"));
+  EXPECT_THAT(drive.warnings, testing::ElementsAre("no pose for the scans of frames 1",
+                                                   "boxes.json ends early: it has no labels for frames 2"));
 }
 
 TEST_F(Folder, MakesScansOfDepthImages) {
@@ -90,6 +91,14 @@ TEST_F(Folder, RefusesSettingsThatAreMissingOrMalformed) {
   EXPECT_THAT(with("[camera.front]\nK = [1, 2]\n"), HasSubstr("'K' is not a list of 9 numbers"));
   EXPECT_THAT(with("[camera.front]\nsize = [8, 6]\n"), HasSubstr("[camera.front] has no K"));
   EXPECT_THAT(with("[camera.front]\nK = [4, 0, 4, 0, 4, 3, 0, 0, 1]\n"), HasSubstr("has no camera_from_lidar"));
+  EXPECT_THAT(with("[camera.front]\nK = [4, 0, 0, 0, 4, 0, 4, 3, 1]\n"), HasSubstr("dvi.toml:2: 'K' is transposed"));
+  EXPECT_THAT(with("[camera.front]\nsize = [65536, 65536]\n"), HasSubstr("'size' is 65536x65536"));
+  EXPECT_THAT(with("[camera.front]\nsize = [8.5, 6]\n"), HasSubstr("whole pixels"));
+  EXPECT_THAT(with("[camera.front]\nK = [1e12, 0, 4, 0, 4, 3, 0, 0, 1]\ncamera_from_lidar=[1,0,0,0,0,1,0,0,0,0,1,0]\n"),
+              HasSubstr("dvi.toml: [camera.front]: fx = 1e+12 px is not within"));
+  EXPECT_THAT(with("[camera.\"../../evil\"]\n"), HasSubstr("'../../evil' is no name of a camera"));
+  EXPECT_THAT(with("[camera.\"\"]\n"), HasSubstr("'' is no name of a camera"));
+  EXPECT_THAT(with("[camera.front]\ncamera_from_lidar = [1,0,0,0,0,1,0,0,0,0,-1,0]\n"), HasSubstr("it mirrors"));
   EXPECT_THAT(with("[camera.front]\ncamera_from_lidar = [1,0,0,0,0,1,0,0,0,0,2,0]\n"), HasSubstr("does not hold a rotation"));
   EXPECT_THAT(with(std::string(kCamera) + "[lidar]\nrotation = \"left\"\n"), HasSubstr("clockwise, counterclockwise, none"));
   EXPECT_THAT(with("[camera.rear]\n"), HasSubstr("no images of a camera that dvi.toml names"));

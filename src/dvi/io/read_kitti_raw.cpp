@@ -8,6 +8,7 @@
 #include "dvi/io/image_file.h"
 #include "dvi/io/kitti_calibration.h"
 #include "dvi/io/labels.h"
+#include "dvi/io/plausible.h"
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/reader.h"
 #include "dvi/io/text.h"
@@ -114,8 +115,9 @@ void read_oxts(Drive& drive, const Numbered& packets) {
   drive.poses = Trajectory(std::move(poses));
 }
 
-std::vector<Gap> find_gaps(const Drive& drive, const Numbered& images, const Numbered& scans, const Numbered& packets) {
+std::vector<Gap> find_gaps(Drive& drive, const Numbered& images, const Numbered& scans, const Numbered& packets) {
   std::vector<Gap> gaps = {{"no image for frames", {}}, {"no scan for frames", {}}, {"no oxts packet for frames", {}}};
+  if (!can_list_numbers(drive, 1)) return {};
   for (int number = drive.frames.front().number; number <= drive.frames.back().number; ++number) {
     if (!images.contains(number)) gaps[0].frames.push_back(number);
     if (!scans.contains(number)) gaps[1].frames.push_back(number);
@@ -124,14 +126,16 @@ std::vector<Gap> find_gaps(const Drive& drive, const Numbered& images, const Num
   return gaps;
 }
 
-void read_own_labels(Drive& drive) {
+std::vector<Gap> read_own_labels(Drive& drive) {
+  std::vector<Gap> gaps;
   const fs::path tracking = drive.path / "tracking_labels.txt", tracklets = drive.path / "tracklet_labels.xml";
   const fs::path outlines = drive.path / "mots_instances.txt";
   if (fs::exists(tracking))
-    add_labels(drive, tracking);
+    gaps.push_back(add_labels(drive, tracking));
   else if (fs::exists(tracklets))
-    add_labels(drive, tracklets);
-  if (fs::exists(outlines) && drive.camera_name == "image_02") add_labels(drive, outlines);
+    gaps.push_back(add_labels(drive, tracklets));
+  if (fs::exists(outlines) && drive.camera_name == "image_02") gaps.push_back(add_labels(drive, outlines));
+  return gaps;
 }
 
 // "2" and "02" mean image_02.
@@ -159,6 +163,7 @@ Recording read_kitti(const fs::path& path, const ReadOptions& options) {
     const cv::Size size = image_size(drive.frames.front().file);
     drive.camera.width = size.width, drive.camera.height = size.height;
   }
+  require_plausible(drive.camera, calibration.files.front(), "P_rect_" + drive.camera_name.substr(6));
   drive.scan_headers = read_scan_headers(path / "velodyne_points", drive.other_files);
   const Numbered packets = numbered_files(path / "oxts" / "data", {".txt"});
   read_oxts(drive, packets);
@@ -170,7 +175,7 @@ Recording read_kitti(const fs::path& path, const ReadOptions& options) {
     config->apply(drive);
     rotation = config->lidar.rotation();
   }
-  read_own_labels(drive);
+  for (Gap& gap : read_own_labels(drive)) recording.gaps.push_back(std::move(gap));
   recording.read_scan = [rotation](const ScanHeader& header) {
     return to_scan(read_point_cloud(header.file), header, rotation);
   };

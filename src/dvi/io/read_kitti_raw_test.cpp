@@ -123,6 +123,22 @@ TEST_F(KittiRaw, RefusesCalibrationThatIsMissingOrMalformed) {
   EXPECT_THAT(error(), HasSubstr("calib_velo_to_cam.txt:1: 'zero' is not a number"));
 }
 
+TEST_F(KittiRaw, RefusesCalibrationThatCannotBe) {
+  const auto with = [&](const char* name, const char* text) {
+    put(name, text);
+    const std::string message = error();
+    write_calibration();
+    return message;
+  };
+  EXPECT_THAT(with("../calib_velo_to_cam.txt", "R: 0 0 0 0 0 0 0 0 0\nT: 0 0 0\n"),
+              HasSubstr("calib_velo_to_cam.txt: R does not hold a rotation"));
+  EXPECT_THAT(with("../calib_velo_to_cam.txt", "R: 0 1 0 0 0 -1 1 0 0\nT: 0 0 0\n"), HasSubstr("it mirrors"));
+  const std::string rest = "R_rect_00: 1 0 0 0 1 0 0 0 1\nP_rect_02: ";
+  const auto camera = [&](const char* P) { return with("../calib_cam_to_cam.txt", (rest + P + "\nS_rect_02: 8 6\n").c_str()); };
+  EXPECT_THAT(camera("4 0 4 0 0 4 3 0 0 0 0 0"), HasSubstr("P_rect_02 has 0 0 0 as its last row"));
+  EXPECT_THAT(camera("1e12 0 4 0 0 4 3 0 0 0 1 0"), HasSubstr("calib_cam_to_cam.txt: P_rect_02: fx = 1e+12 px"));
+}
+
 TEST_F(KittiRaw, RefusesBrokenOxts) {
   const std::string packet = "oxts/data/" + file_name(22, "txt");
   put(packet, "");
@@ -168,6 +184,12 @@ TEST_F(KittiRaw, ReadsLabelsBesideTheImages) {
   ASSERT_EQ(read.frames[1].labels.size(), 1U);
   EXPECT_TRUE(read.frames[1].labels[0].box->frame_from_box.t.isApprox(Eigen::Vector3d(10, 2, -0.95)));
   EXPECT_TRUE(read.labelled);
+  // Frames 0-29 were recorded, of which 20-24 are there.
+  EXPECT_THAT(read.warnings, testing::ElementsAre("tracking_labels.txt ends early: it has no labels for frames 22-24"));
+  const std::string car = " 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n";
+  put("tracking_labels.txt", "24" + car + "29" + car + "30" + car);
+  EXPECT_THAT(read_drive(drive).warnings,
+              testing::ElementsAre("tracking_labels.txt labels 1 frames that are none of the drive, the first is 30"));
 }
 
 }  // namespace

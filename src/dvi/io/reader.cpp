@@ -4,6 +4,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/io/image_file.h"
+#include "dvi/io/plausible.h"
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/text.h"
 
@@ -19,7 +20,7 @@ const DriveFormat* format_of(const fs::path& path) {
 // The first drive below a folder, for those who named one of its parents.
 std::optional<fs::path> drive_below(const fs::path& path, int levels) {
   std::vector<fs::path> folders;
-  for (const auto& entry : fs::directory_iterator(path))
+  for (const auto& entry : fs::directory_iterator(path, fs::directory_options::skip_permission_denied))
     if (entry.is_directory()) folders.push_back(entry.path());
   std::sort(folders.begin(), folders.end());
   for (const fs::path& folder : folders) {
@@ -45,6 +46,12 @@ void check(const Drive& drive) {
     if (drive.frames[i].time_ns <= drive.frames[i - 1].time_ns)
       throw InputError(drive.frames[i].file, "was not taken after " + drive.frames[i - 1].name + ", by their times",
                        "correct the times");
+}
+
+void require_plain_names(const Drive& drive) {
+  require_plain_name(drive.camera_name, drive.path, "a camera");
+  for (const Frame& frame : drive.frames) require_plain_name(frame.name, frame.file, "an image");
+  for (const ScanHeader& header : drive.scan_headers) require_plain_name(header.name, header.file, "a scan");
 }
 
 void cut(Drive& drive, const FrameRange& range) {
@@ -105,7 +112,21 @@ const std::vector<DriveFormat>& drive_formats() {
   return formats;
 }
 
+bool can_list_numbers(Drive& drive, int step) {
+  const std::vector<Frame>& frames = drive.frames;
+  const auto distance = [](const Frame& a, const Frame& b) { return std::int64_t{b.number} - a.number; };
+  if (frames.empty() || distance(frames.front(), frames.back()) / step <= 10 * static_cast<std::int64_t>(frames.size()))
+    return true;
+  std::size_t jump = 1;
+  for (std::size_t i = 2; i < frames.size(); ++i)
+    if (distance(frames[i - 1], frames[i]) > distance(frames[jump - 1], frames[jump])) jump = i;
+  drive.warnings.push_back("frame numbers jump from " + frames[jump - 1].name + " to " + frames[jump].name +
+                           ": is an image named wrongly? Gaps are not listed");
+  return false;
+}
+
 Drive read_drive(const fs::path& path, const ReadOptions& options) {
+  if (path.empty()) throw InputError("the drive's path is empty; name the folder of a drive");
   fs::path root = fs::absolute(path).lexically_normal();
   if (!root.has_filename()) root = root.parent_path();
   const DriveFormat* format = fs::is_directory(root) ? format_of(root) : nullptr;
@@ -115,6 +136,7 @@ Drive read_drive(const fs::path& path, const ReadOptions& options) {
   drive.path = root;
   drive.format = format->name;
   check(drive);
+  require_plain_names(drive);
   if (options.frames) cut(drive, *options.frames);
   for (const ScanHeader& header : drive.scan_headers) check_size(header.file);
   warn_of_gaps(drive, recording.gaps);

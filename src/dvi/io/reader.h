@@ -29,6 +29,10 @@ struct Recording {
   std::function<Scan(const ScanHeader&)> read_scan;
 };
 
+/// Whether the numbers from the first frame to the last, in steps, can be listed one by one; where a stray file name makes them
+/// more than ten times the frames, warns of it instead.
+bool can_list_numbers(Drive& drive, int step);
+
 /// One layout of recordings that dvi can read.
 struct DriveFormat {
   std::string name;     ///< as `dvi formats` lists it

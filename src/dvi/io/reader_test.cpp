@@ -52,6 +52,15 @@ TEST(Reader, NamesGapsOfTheFramesChosen) {
   EXPECT_TRUE(read_drive(folder.path, {.frames = FrameRange{10, 11}}).warnings.empty());
 }
 
+TEST(Reader, DoesNotListTheGapBeforeAStrayNumber) {
+  const TestFolder folder;
+  write_drive(folder);
+  folder.write_image("images/front/2000000000.png", cv::Mat3b(6, 8, cv::Vec3b()));
+  const std::vector<std::string> warnings = read_drive(folder.path).warnings;
+  EXPECT_THAT(warnings, Contains(HasSubstr("frame numbers jump from 14 to 2000000000")));
+  for (const std::string& warning : warnings) EXPECT_THAT(warning, testing::Not(HasSubstr("no image for")));
+}
+
 TEST(Reader, SaysWhatItReadsWhereThereIsNoDrive) {
   const TestFolder folder;
   const auto error = [](const fs::path& path) { return input_error([&] { read_drive(path); }); };
@@ -60,6 +69,7 @@ TEST(Reader, SaysWhatItReadsWhereThereIsNoDrive) {
   folder.write("notes.txt", "x");
   EXPECT_THAT(error(folder.path), AllOf(HasSubstr("no drive in a format"), HasSubstr("kitti-raw")));
   EXPECT_THAT(error(folder.path / "none"), HasSubstr("does not exist"));
+  EXPECT_THAT(error(""), HasSubstr("path is empty"));
   EXPECT_THAT(error(folder.path / "notes.txt"), HasSubstr("is no folder"));
   make_folder(folder.path / "day/one/images");
   EXPECT_THAT(error(folder.path), HasSubstr("did you mean " + (folder.path / "day/one").string()));

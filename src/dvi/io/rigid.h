@@ -4,19 +4,20 @@
 #include <optional>
 
 #include "dvi/geometry/se3.h"
+#include "dvi/io/plausible.h"
 
 namespace dvi::io {
 
-/// What few digits may cost a rotation that was written as text.
-inline constexpr double kPrintedRotation = 1e-3;
+/// The left part of a 3x4 matrix (row-major).
+inline Eigen::Matrix3d left_part(const std::array<double, 12>& m) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(m.data()).leftCols<3>();
+}
 
-/// The motion of a 3x4 matrix (row-major) whose left part is a rotation but for rounding; none if it is not.
+/// The motion of a 3x4 matrix whose left part is a rotation but for rounding; none if rotation_problem() finds fault with it.
 inline std::optional<SE3> to_rigid(const std::array<double, 12>& m) {
-  Eigen::Matrix3d R;
-  R << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
-  const Eigen::Matrix3d nearest = nearest_rotation(R);
-  if (!((nearest - R).cwiseAbs().maxCoeff() <= kPrintedRotation)) return std::nullopt;
-  return SE3{nearest, {m[3], m[7], m[11]}};
+  const Eigen::Matrix3d R = left_part(m);
+  if (!rotation_problem(R).empty()) return std::nullopt;
+  return SE3{nearest_rotation(R), {m[3], m[7], m[11]}};
 }
 
 /// The 3x4 matrix [R t], row by row, as files hold it.

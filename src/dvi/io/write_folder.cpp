@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/json_text.h"
 #include "dvi/core/median.h"
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/rigid.h"
@@ -48,7 +49,8 @@ std::string poses(const Drive& drive) {
 
 std::string boxes(const Drive& drive) {
   nlohmann::json frames = nlohmann::json::object();
-  for (const Frame& frame : drive.frames)
+  for (const Frame& frame : drive.frames) {
+    frames[frame.name] = nlohmann::json::array();  // labelled, though it shows none
     for (const Label& label : frame.labels) {
       if (!label.box) continue;
       const Eigen::Vector3d &c = label.box->frame_from_box.t, &size = label.box->size;
@@ -59,7 +61,8 @@ std::string boxes(const Drive& drive) {
                                     {"size", {size.x(), size.y(), size.z()}},
                                     {"yaw", std::atan2(R(1, 0), R(0, 0))}});
     }
-  return nlohmann::json{{"version", 1}, {"frames", frames}}.dump(1) + "\n";
+  }
+  return json_text({{"version", 1}, {"frames", frames}}) + "\n";
 }
 
 bool times_follow(const Scan& scan, const ScanHeader& header) {

@@ -15,7 +15,7 @@ namespace dvi::io {
 namespace {
 
 cv::Mat read_as(const fs::path& path, cv::Size size, int type, const std::string& expected) {
-  cv::Mat image = read_unchanged(path);
+  cv::Mat image = read_unchanged(path, size);
   if (image.type() != type || image.size() != size)
     throw InputError(path, "is no " + expected + " image of " + std::to_string(size.width) + "x" + std::to_string(size.height),
                      "let the program that wrote it write it anew");

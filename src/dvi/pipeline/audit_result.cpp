@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
 #include "dvi/io/poses.h"
 #include "dvi/pipeline/make_views.h"
 
@@ -130,7 +131,7 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   progress.begin("audit", names.size());
   AuditReport report{audit::audit(out, views, names, progress.tick()), {}, {}};
   progress.end();
-  report.json = json_of(report.audit, out).dump(1);
+  report.json = json_text(json_of(report.audit, out));
   report.text = text_of(report.audit, out);
   return report;
 }

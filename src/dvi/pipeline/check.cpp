@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/json_text.h"
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/pipeline/forecast.h"
@@ -138,13 +139,13 @@ std::string to_json(const CheckReport& r) {
       {"ready", r.ready},
       {"warnings", r.warnings}};
   if (r.forecast) j["forecast"] = *r.forecast;
-  return j.dump(1);
+  return json_text(j);
 }
 
 CheckReport check(const Job& job, bool with_forecast, Progress& progress) {
   const Recordings drives{open_recording(job.target, job.read, MaskNeed::optional, progress)};
   const Drive& drive = drives.front().drive;
-  verify(drives, progress);
+  const std::vector<std::string> range_warnings = verify(drives, job, progress);
   PoseChoice choice;
   if (!drive.poses.empty() || !drive.scan_headers.empty())
     choice = choose_poses(drive, job.read.poses, job.options.odometry, progress);
@@ -152,6 +153,7 @@ CheckReport check(const Job& job, bool with_forecast, Progress& progress) {
   const Poses poses = posed ? in_one_world(drives, {choice}) : given_poses(drives);
   const Masks masks = find_masks(drives, poses, job, progress);
   CheckReport report = describe(drives.front(), choice, masks);
+  report.warnings.insert(report.warnings.end(), range_warnings.begin(), range_warnings.end());
   if (with_forecast && report.ready) report.forecast = forecast_holes(drives, poses, masks, job, progress);
   return report;
 }

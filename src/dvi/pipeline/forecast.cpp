@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/json_text.h"
 #include "dvi/io/write_image.h"
 #include "dvi/pipeline/make_map.h"
 #include "dvi/pipeline/make_views.h"
@@ -28,7 +29,7 @@ std::string ForecastReport::table() const {
   return text + row("all", "", hole);
 }
 
-std::string to_json(const ForecastReport& report) { return nlohmann::json(report).dump(1); }
+std::string to_json(const ForecastReport& report) { return json_text(report); }
 
 ForecastReport forecast_holes(const Recordings& drives, const Poses& poses, const Masks& masks, const Job& job,
                               Progress& progress) {

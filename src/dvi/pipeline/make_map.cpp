@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
 #include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/map_files.h"
 #include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
@@ -23,7 +24,7 @@ std::string make_map(const Job& job, const std::string& trajectory, Progress& pr
   if (trajectory != "none" && trajectory != "kitti" && trajectory != "tum")
     throw UsageError("--trajectory " + trajectory + ": there are kitti and tum");
   const Recordings drives = open_recordings(job, MaskNeed::optional, progress);
-  verify(drives, progress);
+  verify(drives, job, progress);
   const Poses poses = estimate_poses(drives, job, progress);
   const Masks masks = find_masks(drives, poses, job, progress);
   const map::StaticMap map = build_map(drives, poses, masks, job.options.map, progress);
@@ -38,8 +39,8 @@ std::string make_map(const Job& job, const std::string& trajectory, Progress& pr
   nlohmann::json report = map_report(map);
   report["poses"] = poses_report(target, poses.front().choice);
   report["cost"] = {{"stages", stages_json(progress.times(), "scan", map.scans.size())}, {"peak_memory_bytes", peak_memory()}};
-  write_file(out / "map.json", report.dump(1) + "\n");
-  return report.dump(1);
+  write_file(out / "map.json", json_text(report) + "\n");
+  return json_text(report);
 }
 
 }  // namespace dvi::pipeline

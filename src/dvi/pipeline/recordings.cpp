@@ -7,6 +7,7 @@
 #include "dvi/io/labels.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/poses.h"
+#include "dvi/io/text.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -25,8 +26,11 @@ std::optional<masks::MaskSource> resolve_masks(Drive& drive, const MasksFrom& fr
     return masks::MaskSource::files;
   }
   if (!fs::exists(from.path)) throw InputError(from.path, "does not exist", "--masks takes a folder, a file, labels or auto");
-  const FrameLabels labels = io::read_labels(from.path, drive);
-  for (std::size_t i = 0; i < labels.size(); ++i) drive.frames[i].labels = labels[i];
+  const io::FileLabels read = io::read_labels(from.path, drive);
+  for (std::size_t i = 0; i < read.frames.size(); ++i) drive.frames[i].labels = read.frames[i];
+  drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
+  if (const io::Gap& gap = read.after_the_last; !gap.frames.empty())
+    drive.warnings.push_back(gap.what + " " + io::ranges(gap.frames));
   drive.labelled = true;
   drive.other_files.emplace_back(from.path);
   return masks::MaskSource::labels;
@@ -38,6 +42,31 @@ void resolve_poses(Drive& drive, const PosesFrom& from) {
   drive.poses = io::read_poses(from.file, drive);
   drive.world_scale = 1;
   drive.other_files.emplace_back(from.file);
+}
+
+struct Returns {
+  std::size_t all = 0, near = 0, far = 0;  // near and far: outside the range
+};
+
+Returns count_returns(const Scan& scan, const map::MapOptions& range) {
+  Returns out{.all = scan.size()};
+  for (const Eigen::Vector3f& point : scan.points) {
+    if (point.norm() < range.min_range_m) ++out.near;
+    if (point.norm() > range.max_range_m) ++out.far;
+  }
+  return out;
+}
+
+std::optional<std::string> range_warning(const std::vector<Returns>& scans, const map::MapOptions& range) {
+  constexpr double kMany = 0.1;
+  Returns sum;
+  for (const Returns& scan : scans) sum.all += scan.all, sum.near += scan.near, sum.far += scan.far;
+  const double all = static_cast<double>(sum.all), near = static_cast<double>(sum.near), far = static_cast<double>(sum.far);
+  if (near + far <= kMany * all) return std::nullopt;
+  return fmt::format(
+      "{:.0f} % of all returns are not used: {:.0f} % are nearer than lidar.min_range_m = {:g}, {:.0f} % farther than "
+      "lidar.max_range_m = {:g}; set these to what the sensor sees, such as --set lidar.min_range_m=0.1 for a depth camera",
+      100 * (near + far) / all, 100 * near / all, range.min_range_m, 100 * far / all, range.max_range_m);
 }
 
 void bound_caches(const Job& job) { CacheBudget::of_process()->set_bound(static_cast<std::size_t>(job.memory_mb) << 20); }
@@ -52,9 +81,18 @@ Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNee
   if (read.frames && read.frames->first == read.frames->last)
     progress.note(fmt::format("frame {} only (--frames A:B for a range): nothing is copied from the drive's other frames",
                               read.frames->first));
-  resolve_poses(open.drive, choice.poses);
-  open.masks_from = resolve_masks(open.drive, choice.masks, need);
-  for (const std::string& warning : open.drive.warnings) progress.warn(path.filename().string() + ": " + warning);
+  Drive& drive = open.drive;
+  std::size_t warned = 0;
+  const auto warn = [&] {
+    for (; warned < drive.warnings.size(); ++warned)
+      progress.warn(drive.path.filename().string() + ": " + drive.warnings[warned]);
+  };
+  warn();  // before what may end the program: it may name the cause
+  resolve_poses(drive, choice.poses);
+  open.masks_from = resolve_masks(drive, choice.masks, need);
+  if (open.masks_from == masks::MaskSource::files)
+    if (const auto bare = io::frames_without_mask(drive)) drive.warnings.push_back(*bare);
+  warn();
   return open;
 }
 
@@ -77,21 +115,23 @@ Recordings open_images(const Job& job, Progress& progress) {
   return {open};
 }
 
-void verify(const Recordings& drives, Progress& progress) {
+std::vector<std::string> verify(const Recordings& drives, const Job& job, Progress& progress) {
   std::size_t count = 0;
   for (const Recording& open : drives) count += open.drive.frames.size() + open.drive.scan_headers.size();
   progress.begin("read", count);
+  std::vector<std::string> warnings;
   for (const Recording& open : drives) {
     const std::size_t frames = open.drive.frames.size();
     // The first error in order, whichever thread meets one first.
     std::vector<std::exception_ptr> errors(frames + open.drive.scan_headers.size());
+    std::vector<Returns> returns(open.drive.scan_headers.size());
     parallel_for(errors.size(), [&](std::size_t i) {
       try {
         if (i < frames) {
           open.drive.images[i];
           if (open.masks_from == masks::MaskSource::files) open.drive.masks[i];
         } else {
-          open.drive.scans[i - frames];
+          returns[i - frames] = count_returns(*open.drive.scans[i - frames], job.options.map);
         }
       } catch (...) {
         errors[i] = std::current_exception();
@@ -100,8 +140,12 @@ void verify(const Recordings& drives, Progress& progress) {
     });
     for (const std::exception_ptr& error : errors)
       if (error) std::rethrow_exception(error);
+    if (const auto warning = range_warning(returns, job.options.map))
+      warnings.push_back(open.drive.path.filename().string() + ": " + *warning);
   }
   progress.end();
+  for (const std::string& warning : warnings) progress.warn(warning);
+  return warnings;
 }
 
 void add_files(Fingerprint& print, const Drive& drive) {
@@ -111,7 +155,11 @@ void add_files(Fingerprint& print, const Drive& drive) {
   files.insert(files.end(), drive.mask_files.begin(), drive.mask_files.end());
   files.insert(files.end(), drive.other_files.begin(), drive.other_files.end());
   std::vector<std::string> hashes(files.size());
-  parallel_for(files.size(), [&](std::size_t i) { hashes[i] = files[i].empty() ? "" : hash_of_file(files[i]); });
+  parallel_for(files.size(), [&](std::size_t i) {
+    if (files[i].empty()) return;  // a frame without a mask
+    require_regular_file(files[i]);
+    hashes[i] = hash_of_file(files[i]);
+  });
   for (std::size_t i = 0; i < files.size(); ++i) {
     print.add(fs::absolute(files[i]).lexically_normal().string());
     print.add(hashes[i]);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "dvi/core/hash.h"
@@ -34,7 +35,8 @@ Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress);
 Recordings open_images(const Job& job, Progress& progress);
 
 /// Reads every image, mask file and scan once, so that damaged ones are found before hours of work. InputError at the first.
-void verify(const Recordings& drives, Progress& progress);
+/// Warns, and returns the warnings, where the job's range of the LiDAR leaves out more than a tenth of a drive's returns.
+std::vector<std::string> verify(const Recordings& drives, const Job& job, Progress& progress);
 
 /// Adds the path and the content of every file that the drive is read from. InputError where one cannot be read.
 void add_files(Fingerprint& print, const Drive& drive);

@@ -6,6 +6,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/hash.h"
+#include "dvi/core/json_text.h"
 #include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
 
 namespace dvi::pipeline {
@@ -48,7 +49,7 @@ bool Record::holds(const fs::path& out) const {
 void write_record(const fs::path& file, const Record& record) {
   nlohmann::json json{{"schema", kRecordSchema}, {"fingerprint", record.fingerprint}, {"files", record.files}};
   if (record.frame) json["frame"] = *record.frame;
-  write_file(file, json.dump(1));
+  write_file(file, json_text(json));
 }
 
 std::optional<Record> read_record(const fs::path& file) {

@@ -8,6 +8,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
+#include "dvi/core/json_text.h"
 
 /// A value or null.
 template <class T>
@@ -187,7 +188,7 @@ void from_json(const json& j, RunReport& report) {
 std::string to_json(const RunReport& report) {
   json document;
   to_json(document, report);
-  return document.dump(1);
+  return json_text(document);
 }
 
 std::optional<RunReport> read_run_report(const fs::path& file) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
 #include "dvi/pipeline/frame_files.h"
@@ -143,7 +144,7 @@ void ResultFolder::refuse_other_drives() const {
   if (job_.force || !fs::exists(job_file(out_))) return;
   const nlohmann::json old = nlohmann::json::parse(read_file(job_file(out_)), nullptr, false);
   if (!old.is_object()) return;  // cut by a crash: the frames' records tell what they are of
-  if (old.value("schema", "") != kResultSchema || old.value("identity", "") != identity_)
+  if (old.value("schema", "") != kResultSchema || old.value("identity", "") != hash_of(identity_))
     throw InputError(out_, "is the result of another drive", "choose another folder, or --force to replace it");
 }
 
@@ -175,8 +176,8 @@ void ResultFolder::claim() {
     make_folder(folder);
     remove_temporaries(folder);
   }
-  const nlohmann::json job{{"schema", kResultSchema}, {"identity", identity_}};
-  write_file(job_file(out_), job.dump(1) + "\n");
+  const nlohmann::json job{{"schema", kResultSchema}, {"drives", identity_}, {"identity", hash_of(identity_)}};
+  write_file(job_file(out_), json_text(job) + "\n");
 }
 
 std::string ResultFolder::frame_name(const Views& views, std::size_t view) const {
@@ -260,10 +261,10 @@ RunReport ResultFolder::report(const RunResults& results, const Progress& progre
 RunReport ResultFolder::complete(const RunResults& results, Progress& progress) {
   const Drive& target = drives_.front().drive;
   remove_other_frames();
-  write_file(out_ / "sources.json", sources_json(results.views, drives_).dump(1) + "\n");
+  write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
   if (results.map != nullptr) {
     write_map_files(out_ / "map", *results.map, results.views, target);
-    write_file(out_ / "map/map.json", nlohmann::json(map_report(*results.map)).dump(1) + "\n");
+    write_file(out_ / "map/map.json", json_text(map_report(*results.map)) + "\n");
   } else {
     remove_map();  // left by another method
   }

@@ -28,7 +28,7 @@ RunReport run(const Job& job, Progress& progress) {
   ResultFolder out(job, drives);
   if (const std::optional<RunReport> finished = out.finished_report(progress)) return *finished;
   out.claim();
-  verify(drives, progress);  // what is damaged is said before hours of work
+  verify(drives, job, progress);  // what is damaged is said before hours of work
 
   const Poses poses = estimate_poses(drives, job, progress);                     // section 3.1: LOAM
   const Masks masks = find_masks(drives, poses, job, progress);                  // what moves is decided along the poses

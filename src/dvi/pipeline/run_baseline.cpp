@@ -26,7 +26,7 @@ RunReport run_baseline(const Job& job, Progress& progress) {
   ResultFolder out(job, drives);
   if (const std::optional<RunReport> finished = out.finished_report(progress)) return *finished;
   out.claim();
-  verify(drives, progress);
+  verify(drives, job, progress);
 
   const Poses poses = given_poses(drives);
   const Views views = make_unposed_views(drives, find_masks(drives, poses, job, progress));

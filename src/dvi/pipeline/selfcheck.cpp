@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/json_text.h"
 #include "dvi/metrics/evaluate.h"
 #include "dvi/pipeline/make_holdout.h"
 #include "dvi/pipeline/run.h"
@@ -73,13 +74,12 @@ SelfcheckReport selfcheck(const Job& job, const std::vector<holdout::Scenario>& 
     report.text += row(holdout::name(scenario), evaluation);
     rows.push_back({{"scenario", holdout::name(scenario)}, {"evaluation", evaluation}});
   }
-  report.json = nlohmann::json{{"schema", "dvi-selfcheck/1"},
-                               {"drive", job.target},
-                               {"method", to_string(job.method)},
-                               {"seed", seed},
-                               {"scenarios", rows},
-                               {"warnings", progress.warnings()}}
-                    .dump(1);
+  report.json = json_text({{"schema", "dvi-selfcheck/1"},
+                           {"drive", job.target},
+                           {"method", to_string(job.method)},
+                           {"seed", seed},
+                           {"scenarios", rows},
+                           {"warnings", progress.warnings()}});
   write_file(fs::path(job.out) / "selfcheck.json", report.json + "\n");
   return report;
 }

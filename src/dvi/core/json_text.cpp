@@ -1,0 +1,11 @@
+#include "dvi/core/json_text.h"
+
+#include <nlohmann/json.hpp>
+
+namespace dvi {
+
+std::string json_text(const nlohmann::json& document) {
+  return document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace dvi

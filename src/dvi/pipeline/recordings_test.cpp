@@ -1,0 +1,54 @@
+#include "dvi/pipeline/recordings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "dvi/core/test_folder.h"
+#include "dvi/io/write_image.h"
+
+namespace dvi::pipeline {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+
+class OpenedDrive : public testing::Test {
+ protected:
+  OpenedDrive() {
+    folder.write("dvi.toml",
+                 "[camera.front]\nsize=[8,6]\nK=[4,0,4,0,4,3,0,0,1]\ncamera_from_lidar=[0,-1,0,0, 0,0,-1,0, 1,0,0,0]\n");
+    const float points[] = {1, 0, 0, 0, 9, 0, 0, 0};  // one near, one in range
+    for (const char* name : {"0", "1"}) {
+      folder.write(std::string("lidar/") + name + ".bin", std::string(reinterpret_cast<const char*>(points), sizeof points));
+      make_folder(folder.path / "images/front");
+      io::write_png(folder.path / "images/front" / (std::string(name) + ".png"), cv::Mat3b(6, 8, cv::Vec3b()));
+    }
+    make_folder(folder.path / "masks/front");
+    io::write_png(folder.path / "masks/front/0.png", cv::Mat1b(6, 8, uchar{255}));
+    job.target = folder.path.string();
+  }
+  TempFolder folder;
+  Job job;
+  Progress progress{ProgressStyle::quiet};
+};
+
+TEST_F(OpenedDrive, WarnsOfFramesWithoutAMaskAndFingerprintsThem) {
+  const Recordings drives = open_recordings(job, MaskNeed::required, progress);
+  EXPECT_THAT(drives.front().drive.warnings, Contains("1 of 2 frames have no mask file and keep their traffic: 1"));
+  Fingerprint print;
+  add_files(print, drives.front().drive);
+  EXPECT_FALSE(print.hex().empty());
+}
+
+TEST_F(OpenedDrive, WarnsWhereTheRangeLeavesOutManyReturns) {
+  const Recordings drives = open_recordings(job, MaskNeed::required, progress);
+  EXPECT_THAT(verify(drives, job, progress),
+              Contains(AllOf(HasSubstr("50 % of all returns are not used"), HasSubstr("lidar.min_range_m = 2"))));
+  job.options.map.min_range_m = 0.1;
+  EXPECT_TRUE(verify(drives, job, progress).empty());
+}
+
+}  // namespace
+}  // namespace dvi::pipeline
