@@ -190,7 +190,9 @@ TEST_F(Run, TwoAtOnceInOneFolderDoNotMix) {
   const std::string codes = read_file(folder / "codes");
   const bool first = codes.find("first 0") != std::string::npos, second = codes.find("second 0") != std::string::npos;
   EXPECT_TRUE(first || second) << codes << both.err;
-  if (!(first && second)) EXPECT_THAT(both.err, HasSubstr("is being written by process"));
+  if (!(first && second)) {
+    EXPECT_THAT(both.err, HasSubstr("is being written by process"));
+  }
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   EXPECT_TRUE(contents(folder / "out") == contents(folder / "alone"));
 }

@@ -166,12 +166,16 @@ TEST_F(Evaluate, TellsMachinesAndPeople) {
   EXPECT_THAT(table(e), HasSubstr("copied        100.0 %    0.00    0.00  100.00   1.000"));
 }
 
-TEST_F(Evaluate, CountsTicks) {
+TEST_F(Evaluate, TellsHowManyFramesThereAreAndCountsThem) {
   add_perfect("a");
   add_perfect("b");
-  int ticks = 0;
-  evaluate(folders(), [&] { ++ticks; });
-  EXPECT_EQ(ticks, 2);
+  std::size_t frames = 0, ticks = 0;
+  evaluate(folders(), [&](const char*, std::size_t count) {
+    frames = count;
+    return [&] { ++ticks; };
+  });
+  EXPECT_EQ(frames, 2U);
+  EXPECT_EQ(ticks, 2U);
 }
 
 // The figures below are numpy's and scipy's:

@@ -33,7 +33,7 @@ struct Light {
 /// A textured trapezoid (two parallel edges), or an upright cylinder.
 struct Surface {
   Eigen::Vector3d origin, right, down;  ///< the upper left corner of the bounding parallelogram and its edges
-  Eigen::Vector3d normal, dual_right, dual_down;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero(), dual_right = Eigen::Vector3d::Zero(), dual_down = Eigen::Vector3d::Zero();
   double taper_left = 0, taper_right = 0;  ///< share of `right` missing at the upper edge
   double radius = 0;                       ///< of a cylinder round `origin`, as high as `down`; 0: a trapezoid
   TexturePtr texture;
