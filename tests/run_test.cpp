@@ -185,8 +185,8 @@ TEST_F(Run, TwoAtOnceInOneFolderDoNotMix) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o alone --quiet").code, 0);
   const Result both =
-      shell(std::string("( ") + DVI_PROGRAM + " run drive -o out --quiet; echo first $? >>codes ) & ( " + DVI_PROGRAM +
-            " run drive -o out --quiet --set stages.smooth=false; echo second $? >>codes ) & wait");
+      shell(std::string("{ ( ") + DVI_PROGRAM + " run drive -o out --quiet; echo first $? >>codes ) & ( " + DVI_PROGRAM +
+            " run drive -o out --quiet --set stages.smooth=false; echo second $? >>codes ) & wait; }");
   const std::string codes = read_file(folder / "codes");
   const bool first = codes.find("first 0") != std::string::npos, second = codes.find("second 0") != std::string::npos;
   EXPECT_TRUE(first || second) << codes << both.err;

@@ -161,7 +161,7 @@ void add_files(Fingerprint& print, const Drive& drive) {
     hashes[i] = hash_of_file(files[i]);
   });
   for (std::size_t i = 0; i < files.size(); ++i) {
-    print.add(fs::absolute(files[i]).lexically_normal().string());
+    print.add(files[i].empty() ? "" : fs::absolute(files[i]).lexically_normal().string());
     print.add(hashes[i]);
   }
 }

@@ -24,6 +24,13 @@ constexpr const char* kResultSchema = "dvi-result/1";
 
 fs::path job_file(const fs::path& out) { return out / ".dvi/job.json"; }
 
+// What job.json says; nothing where it is missing or damaged.
+std::optional<nlohmann::json> read_job(const fs::path& out) {
+  if (!fs::exists(job_file(out))) return std::nullopt;
+  const nlohmann::json job = nlohmann::json::parse(read_file(job_file(out)), nullptr, false);
+  return job.is_object() ? std::optional(job) : std::nullopt;
+}
+
 // Which drives a result is of; a folder made from others is refused.
 std::string identity_of(const Recordings& drives) {
   std::string identity;
@@ -141,10 +148,9 @@ ResultFolder::~ResultFolder() {
 }
 
 void ResultFolder::refuse_other_drives() const {
-  if (job_.force || !fs::exists(job_file(out_))) return;
-  const nlohmann::json old = nlohmann::json::parse(read_file(job_file(out_)), nullptr, false);
-  if (!old.is_object()) return;  // cut by a crash: the frames' records tell what they are of
-  if (old.value("schema", "") != kResultSchema || old.value("identity", "") != hash_of(identity_))
+  const std::optional<nlohmann::json> old = read_job(out_);
+  if (job_.force || !old) return;  // cut by a crash: the frames' records tell what they are of
+  if (old->value("schema", "") != kResultSchema || old->value("identity", "") != hash_of(identity_))
     throw InputError(out_, "is the result of another drive", "choose another folder, or --force to replace it");
 }
 
@@ -158,7 +164,7 @@ std::optional<RunReport> ResultFolder::finished_report(Progress& progress) const
   const std::optional<Record> result = read_record(result_record());
   if (!result || result->fingerprint != fingerprint_ || !result->holds(out_)) return std::nullopt;
   const std::optional<RunReport> read = read_run_report(out_ / "report.json");
-  if (!read || !fs::exists(out_ / "dvi.toml")) return std::nullopt;
+  if (!read || !fs::exists(out_ / "dvi.toml") || !read_job(out_)) return std::nullopt;
   const RunReport& report = *read;
   std::vector<char> finished(report.frames.size());
   parallel_for(finished.size(), [&](std::size_t i) { finished[i] = finished_frame(report.frames[i].name) ? 1 : 0; });
