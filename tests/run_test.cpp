@@ -148,6 +148,7 @@ TEST_F(Run, WhatIsDamagedIsMadeAgain) {
   damage("map/map.ply", other);
   damage("sources.json", gone);
   damage("report.json", gone);
+  damage("dvi.toml", cut);
   damage("report.json", cut);
   damage(".dvi/frames/000002.json", empty);
   damage(".dvi/result.json", cut);

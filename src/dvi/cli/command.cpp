@@ -169,7 +169,7 @@ Command Program::command(const std::string& name, const std::string& summary) {
 
 int Program::main(int argc, char** argv) {
   const auto fail = [](int code, const std::string& message) {
-    fmt::print(stderr, "dvi: {}\n", message);
+    fmt::print(stderr, "dvi: {}\n", printable(message));
     return code;
   };
   try {

@@ -52,6 +52,14 @@ TEST(Fingerprint, DependsOnBytesBoundariesAndOrder) {
   EXPECT_EQ(fingerprint({"x"}).size(), 32U);
 }
 
+TEST(Printable, ControlCharactersAreShownNotObeyed) {
+  EXPECT_EQ(printable("a\x1b[2Jb\tc\nd\x7f"), "a\\x1b[2Jb\\x09c\nd\\x7f");
+  EXPECT_EQ(printable("Stra\xc3\x9f"
+                      "e"),
+            "Stra\xc3\x9f"
+            "e");
+}
+
 TEST(Fingerprint, OfAFileIsThatOfItsContent) {
   const TempFolder folder;
   const fs::path file = folder.path / "fingerprint.bin";

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace dvi {
 
@@ -24,5 +25,8 @@ class Interrupted : public std::runtime_error {
  public:
   Interrupted() : std::runtime_error("interrupted") {}
 };
+
+/// A message as a terminal may show it: control characters but line ends as \xNN. File names and contents can hold any byte.
+std::string printable(std::string_view message);
 
 }  // namespace dvi

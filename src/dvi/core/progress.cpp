@@ -105,7 +105,7 @@ void Progress::print(const char* kind, const std::string& message) {
   if (style_ == ProgressStyle::json)
     fmt::print(stderr, "{}\n", dump({{"event", kind}, {"message", message}}));
   else if (style_ != ProgressStyle::quiet)
-    fmt::print(stderr, "{}{}: {}\n", style_ == ProgressStyle::bar ? "\r\033[K" : "", kind, message);
+    fmt::print(stderr, "{}{}: {}\n", style_ == ProgressStyle::bar ? "\r\033[K" : "", kind, printable(message));
 }
 
 void Progress::warn(const std::string& message) {

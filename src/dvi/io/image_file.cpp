@@ -1,9 +1,11 @@
 #include "dvi/io/image_file.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <string>
 
+#include <libdeflate.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -32,11 +34,25 @@ std::optional<cv::Size> jpeg_size(const std::string& bytes) {
   return std::nullopt;
 }
 
+// Every chunk has its check sum, up to the last. libpng would write what it finds wrong to the terminal.
+bool png_is_whole(const std::string& bytes) {
+  for (std::size_t at = 8; at + 12 <= bytes.size();) {
+    const auto number = [&](std::size_t i) {
+      return static_cast<std::uint32_t>(big_endian(bytes, i)) << 16 | static_cast<std::uint32_t>(big_endian(bytes, i + 2));
+    };
+    const std::size_t length = number(at);
+    if (length > bytes.size() - at - 12) return false;
+    if (libdeflate_crc32(0, bytes.data() + at + 4, length + 4) != number(at + 8 + length)) return false;
+    if (bytes.compare(at + 4, 4, "IEND") == 0) return true;
+    at += 12 + length;
+  }
+  return false;
+}
+
 // libjpeg fills what is missing of a cut file with grey and calls it a success; the end marker tells.
 bool whole(const std::string& bytes) {
   if (is_jpeg(bytes)) return bytes.find("\xFF\xD9", bytes.size() / 2) != std::string::npos;
-  if (is_png(bytes)) return bytes.rfind("IEND") != std::string::npos;
-  return true;
+  return !is_png(bytes) || png_is_whole(bytes);
 }
 
 std::optional<cv::Size> png_size(const std::string& bytes) {

@@ -160,11 +160,18 @@ std::optional<FrameReport> ResultFolder::finished_frame(const std::string& name)
   return record->frame;
 }
 
+std::string ResultFolder::own_options() const {
+  Job resolved = job_;
+  resolved.out = fs::absolute(job_.out).lexically_normal().string();
+  return effective_toml(resolved);
+}
+
 std::optional<RunReport> ResultFolder::finished_report(Progress& progress) const {
   const std::optional<Record> result = read_record(result_record());
   if (!result || result->fingerprint != fingerprint_ || !result->holds(out_)) return std::nullopt;
   const std::optional<RunReport> read = read_run_report(out_ / "report.json");
-  if (!read || !fs::exists(out_ / "dvi.toml") || !read_job(out_)) return std::nullopt;
+  if (!read || !fs::exists(out_ / "dvi.toml") || read_file(out_ / "dvi.toml") != own_options() || !read_job(out_))
+    return std::nullopt;
   const RunReport& report = *read;
   std::vector<char> finished(report.frames.size());
   parallel_for(finished.size(), [&](std::size_t i) { finished[i] = finished_frame(report.frames[i].name) ? 1 : 0; });
@@ -276,9 +283,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   }
   write_media(out_, target, names_, job_.options.video, progress);
   progress.end();
-  Job resolved = job_;
-  resolved.out = fs::absolute(job_.out).lexically_normal().string();
-  write_file(out_ / "dvi.toml", effective_toml(resolved));
+  write_file(out_ / "dvi.toml", own_options());
   RunReport finished = report(results, progress);
   write_file(out_ / "report.json", to_json(finished) + "\n");
   write_record(result_record(), {fingerprint_, record_files(out_, files_beside_frames(out_)), std::nullopt});

@@ -58,6 +58,7 @@ class ResultFolder {
   fs::path record(const std::string& name) const { return out_ / ".dvi/frames" / (name + ".json"); }
   fs::path result_record() const { return out_ / ".dvi/result.json"; }
   void refuse_other_drives() const;
+  std::string own_options() const;  ///< what dvi.toml says
   std::optional<FrameReport> finished_frame(const std::string& name) const;
   std::string frame_name(const Views& views, std::size_t view) const;
   void remove_other_frames() const;
