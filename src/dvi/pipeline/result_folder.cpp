@@ -67,10 +67,6 @@ nlohmann::json sources_json(const Views& views, const Recordings& drives) {
   return {{"schema", "dvi-sources/1"}, {"sources", sources}};
 }
 
-}  // namespace
-
-namespace {
-
 std::vector<std::string> pictures_of(const std::string& name) {
   std::vector<std::string> files;
   for (const std::string& folder : picture_folders()) files.push_back(folder + "/" + name + ".png");
@@ -120,8 +116,11 @@ const std::vector<std::string>& picture_folders() {
 }
 
 std::string kept_in(const fs::path& out) {
-  const fs::path records = out / ".dvi/frames";
-  const std::size_t finished = fs::is_directory(records) ? list_files(records, {".json"}).size() : 0;
+  const std::vector<fs::path> records = list_files(out / ".dvi/frames", {".json"});
+  const auto finished = std::count_if(records.begin(), records.end(), [](const fs::path& file) {
+    const std::optional<Record> record = read_record(file);
+    return record && record->frame;
+  });
   if (finished == 0) return "no frame was finished, the same command starts again";
   return fmt::format(
       "{} finished frames are kept: the same command fills the others, after it has computed poses, map and "
@@ -181,9 +180,10 @@ std::optional<RunReport> ResultFolder::finished_report(Progress& progress) const
 }
 
 void ResultFolder::claim() {
-  created_ = !fs::exists(out_);
+  const bool created = !fs::exists(out_);
   make_folder(out_ / ".dvi/frames");
   lock_.emplace(out_, out_ / ".dvi/lock");
+  created_ = created;     // only who holds the folder may remove it again
   refuse_other_drives();  // another run may have begun and ended since the first look
   for (const fs::path& folder : own_folders(out_)) {
     make_folder(folder);
