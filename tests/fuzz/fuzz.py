@@ -5,8 +5,6 @@
 
 Prints each finding below the command that repeats it, and a table of exits by mutation. Exits with 1 if there are findings.
 """
-import argparse
-import os
 import random
 import shutil
 import sys
@@ -16,10 +14,11 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
+import cases
 import classify
 import drives
 import mutations
-from program import SECONDS, Program
+from program import Program
 
 HUGE_BYTES = 1 << 30
 
@@ -65,50 +64,34 @@ def in_folder(program, layouts, seed, number, work, keep):
         shutil.rmtree(folder)
 
 
-def table(cases):
-    counts = Counter((case.mutation, case.code) for case in cases)
-    codes = sorted({case.code for case in cases}, key=lambda code: -1 if code is None else code)
+def table(told):
+    counts = Counter((case.mutation, case.code) for case in told)
+    codes = sorted({case.code for case in told}, key=lambda code: -1 if code is None else code)
     lines = [f"{'mutation':18}" + "".join(f"{'hang' if code is None else f'exit {code}':>9}" for code in codes) + "  findings"]
     for mutation in [m.__name__ for m in mutations.ALL]:
         row = [counts[mutation, code] for code in codes]
         if sum(row):
-            bad = sum(1 for case in cases if case.mutation == mutation and case.findings)
+            bad = sum(1 for case in told if case.mutation == mutation and case.findings)
             lines.append(f"{mutation:18}" + "".join(f"{n or '':>9}" for n in row) + f"{bad or '':>10}")
     return "\n".join(lines)
 
 
-def tell(case, seed):
-    """The case's findings, below the command that repeats it."""
-    if case.findings:
-        print(f"./dev fuzz --seed {seed} --case {case.number}: {case.mutation}: {case.what}", flush=True)
-    for finding in case.findings:
-        print(f"    {finding}", flush=True)
-    return case
-
-
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--program", type=Path, required=True)
-    parser.add_argument("--cases", type=int, default=300)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--case", type=int, help="only this one")
+    parser = cases.parser(__doc__, 300)
     parser.add_argument("--keep", type=Path, help="copies drives and results to this folder")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--seconds", type=float, default=SECONDS, help="time limit of one call")
     options = parser.parse_args()
     program = Program(options.program.resolve(), options.seconds)
-    numbers = range(options.cases) if options.case is None else [options.case]
     with tempfile.TemporaryDirectory(prefix="dvi-fuzz-") as temporary:
         work = Path(temporary)
         layouts = drives.all_layouts(Program(program.path), work / "layouts")
         with ThreadPoolExecutor(options.jobs) as pool:
-            run = pool.map(lambda n: in_folder(program, layouts, options.seed, n, work, options.keep), numbers)
-            cases = [tell(case, options.seed) for case in run]
+            run = pool.map(lambda n: in_folder(program, layouts, options.seed, n, work, options.keep), cases.numbers(options))
+            told = [cases.tell(case, case.mutation, "--case", options.seed) for case in run]
     if options.case is not None:
-        print(f"{cases[0].mutation}: {cases[0].what}: exit {cases[0].code}")
-    print(table(cases))
-    bad = sum(1 for case in cases if case.findings)
-    print(f"{len(cases)} cases, {bad} with findings, {sum(c.cpu for c in cases) / len(cases):.2f} CPU s per case")
+        print(f"{told[0].mutation}: {told[0].what}: exit {told[0].code}")
+    print(table(told))
+    bad = sum(1 for case in told if case.findings)
+    print(f"{len(told)} cases, {bad} with findings, {sum(c.cpu for c in told) / len(told):.2f} CPU s per case")
     return 1 if bad else 0
 
 

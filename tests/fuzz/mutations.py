@@ -165,10 +165,16 @@ def no_permission(path, rng):
     return "no permission"
 
 
-def rename(path, rng):
+def free_name(path, rng):
+    """A name of the list and the file beside it that would have it; no file where there is one already."""
     name = rng.choice(NAMES)
     target = os.fsencode(path.parent) + b"/" + name + os.fsencode(path.suffix)
-    if os.path.lexists(target):
+    return name, None if os.path.lexists(target) else target
+
+
+def rename(path, rng):
+    name, target = free_name(path, rng)
+    if target is None:
         return None
     os.rename(path, target)
     return f"renamed to {name!r}"
@@ -177,9 +183,8 @@ def rename(path, rng):
 def stray(path, rng):
     if not path.is_file():
         return None
-    name = rng.choice(NAMES)
-    target = os.fsencode(path.parent) + b"/" + name + os.fsencode(path.suffix)
-    if os.path.lexists(target):
+    name, target = free_name(path, rng)
+    if target is None:
         return None
     shutil.copyfile(path, target)
     return f"copied to {name!r}"
