@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <fstream>
-#include <limits>
 
 #include <fmt/format.h>
 #include <xxhash.h>
@@ -37,8 +36,8 @@ std::string hash_of(std::string_view bytes) {
   return print.hex();
 }
 
-std::string hash_of_file(const std::filesystem::path& path) {
-  require_regular_file(path, std::numeric_limits<std::uintmax_t>::max());
+std::string hash_of_file(const std::filesystem::path& path, std::uintmax_t most) {
+  require_regular_file(path, most);
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(path, "cannot be read");
   Fingerprint print;

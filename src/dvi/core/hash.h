@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -26,7 +27,7 @@ class Fingerprint {
 
 std::string hash_of(std::string_view bytes);
 
-/// The fingerprint of what a file holds. InputError where it cannot be read.
-std::string hash_of_file(const std::filesystem::path& path);
+/// The fingerprint of what a file holds. InputError where it cannot be read or is larger than `most` bytes.
+std::string hash_of_file(const std::filesystem::path& path, std::uintmax_t most = std::numeric_limits<std::uintmax_t>::max());
 
 }  // namespace dvi

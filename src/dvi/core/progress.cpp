@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/json_text.h"
 #include "dvi/core/progress_line.h"
 
 namespace dvi {
@@ -23,9 +24,6 @@ double cpu_seconds(clockid_t clock) {
   clock_gettime(clock, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
-
-// File names may hold bytes that are no UTF-8: they must not end the run.
-std::string dump(const nlohmann::json& json) { return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace); }
 
 // Of the terminal that stderr is.
 std::size_t terminal_columns() {
@@ -92,7 +90,7 @@ void Progress::show(bool last) {
                                  {"done", at.done},
                                  {"total", at.total},
                                  {"seconds", at.seconds}};
-    fmt::print(stderr, "{}\n", dump(line));
+    fmt::print(stderr, "{}\n", json_text(line, -1));
   } else if (style_ == ProgressStyle::bar) {
     fmt::print(stderr, "\r\033[K{}{}", bar_line(at, last, terminal_columns()), last ? "\n" : "");
     std::fflush(stderr);
@@ -103,7 +101,7 @@ void Progress::show(bool last) {
 
 void Progress::print(const char* kind, const std::string& message) {
   if (style_ == ProgressStyle::json)
-    fmt::print(stderr, "{}\n", dump({{"event", kind}, {"message", message}}));
+    fmt::print(stderr, "{}\n", json_text({{"event", kind}, {"message", message}}, -1));
   else if (style_ != ProgressStyle::quiet)
     fmt::print(stderr, "{}{}: {}\n", style_ == ProgressStyle::bar ? "\r\033[K" : "", kind, printable(message));
 }

@@ -156,9 +156,7 @@ void add_files(Fingerprint& print, const Drive& drive) {
   files.insert(files.end(), drive.other_files.begin(), drive.other_files.end());
   std::vector<std::string> hashes(files.size());
   parallel_for(files.size(), [&](std::size_t i) {
-    if (files[i].empty()) return;  // a frame without a mask
-    require_regular_file(files[i]);
-    hashes[i] = hash_of_file(files[i]);
+    if (!files[i].empty()) hashes[i] = hash_of_file(files[i], kLargestFile);  // empty: a frame without a mask
   });
   for (std::size_t i = 0; i < files.size(); ++i) {
     print.add(files[i].empty() ? "" : fs::absolute(files[i]).lexically_normal().string());

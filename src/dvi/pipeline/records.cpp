@@ -7,7 +7,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/hash.h"
 #include "dvi/core/json_text.h"
-#include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
+#include "dvi/pipeline/report_json.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -48,7 +48,7 @@ bool Record::holds(const fs::path& out) const {
 
 void write_record(const fs::path& file, const Record& record) {
   nlohmann::json json{{"schema", kRecordSchema}, {"fingerprint", record.fingerprint}, {"files", record.files}};
-  if (record.frame) json["frame"] = *record.frame;
+  if (record.frame) json["frame"] = json_of(*record.frame);
   write_file(file, json_text(json));
 }
 
@@ -58,7 +58,7 @@ std::optional<Record> read_record(const fs::path& file) {
     const nlohmann::json json = nlohmann::json::parse(read_file(file));
     if (json.at("schema") != kRecordSchema) return std::nullopt;
     Record record{json.at("fingerprint"), json.at("files"), std::nullopt};
-    if (json.contains("frame")) record.frame = json.at("frame").get<FrameReport>();
+    if (json.contains("frame")) record.frame = frame_of(json.at("frame"));
     return record;
   } catch (const nlohmann::json::exception&) {  // answered: cut by a crash, or by hand
     return std::nullopt;

@@ -112,19 +112,7 @@ void from_json(const json& j, MapReport& map) {
   dropped.at("out_of_range").get_to(c.too_near);
 }
 
-void to_json(json& j, const FrameReport& frame) {
-  j = {{"number", frame.number}, {"name", frame.name},           {"hole", frame.hole},
-       {"energy", frame.energy}, {"alignment", frame.alignment}, {"exposure_gain", frame.exposure_gain}};
-}
-void from_json(const json& j, FrameReport& frame) {
-  j.at("number").get_to(frame.number);
-  j.at("name").get_to(frame.name);
-  j.at("hole").get_to(frame.hole);
-  j.at("energy").get_to(frame.energy);
-  j.at("alignment").get_to(frame.alignment);
-  j.at("exposure_gain").get_to(frame.exposure_gain);
-}
-
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameReport, number, name, hole, energy, alignment, exposure_gain)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveReport, path, format, camera, frames, scans, poses, alignment, warnings)
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameForecastReport, number, name, image_share, hole)
@@ -184,6 +172,9 @@ void from_json(const json& j, RunReport& report) {
 }
 
 }  // namespace
+
+json json_of(const FrameReport& report) { return report; }
+FrameReport frame_of(const json& j) { return j.get<FrameReport>(); }
 
 std::string to_json(const RunReport& report) {
   json document;

@@ -16,8 +16,8 @@ void from_json(const nlohmann::json& json, PosesReport& report);
 void to_json(nlohmann::json& json, const MapReport& report);
 void from_json(const nlohmann::json& json, MapReport& report);
 
-void to_json(nlohmann::json& json, const FrameReport& report);
-void from_json(const nlohmann::json& json, FrameReport& report);
+nlohmann::json json_of(const FrameReport& report);
+FrameReport frame_of(const nlohmann::json& json);
 
 void to_json(nlohmann::json& json, const ForecastReport& report);
 
