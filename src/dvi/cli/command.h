@@ -69,6 +69,7 @@ struct Common {
 /// Each adds its command; the fields it parses into live as long as the program.
 void add_run(Program& program);
 void add_map(Program& program);
+void add_mask(Program& program);
 void add_eval(Program& program);
 void add_audit(Program& program);
 void add_check(Program& program);

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   dvi::cli::Program program;
   dvi::cli::add_run(program);
   dvi::cli::add_map(program);
+  dvi::cli::add_mask(program);
   dvi::cli::add_eval(program);
   dvi::cli::add_audit(program);
   dvi::cli::add_check(program);

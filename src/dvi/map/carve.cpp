@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "dvi/core/threads.h"
-#include "dvi/map/free_space.h"
+#include "dvi/drive/free_space.h"
 
 namespace dvi::map {
 namespace {

@@ -10,7 +10,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/drive/deskew.h"
 #include "dvi/map/build_map.h"
-#include "dvi/map/free_space.h"
+#include "dvi/drive/free_space.h"
 #include "dvi/map/voxel_grid.h"
 #include "dvi/synth/scene.h"
 

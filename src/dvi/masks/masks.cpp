@@ -83,9 +83,7 @@ cv::Mat1b label_mask(const Label& label, const Camera& camera, const SE3& camera
 
 MaskSource default_mask_source(const Drive& drive) {
   if (!drive.masks.empty()) return MaskSource::files;
-  if (drive.has_labels()) return MaskSource::labels;
-  throw InputError(drive.path, "has neither masks nor labels, so nothing says what to remove",
-                   "give --masks DIR (PNG files named as the images, 255 = remove) or --masks FILE (labels)");
+  return drive.has_labels() ? MaskSource::labels : MaskSource::found;
 }
 
 Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const FrameLabels& objects, const MaskOptions& options) {
@@ -94,10 +92,15 @@ Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const FrameLab
       throw InputError(drive.path, "brings no mask files", "give --masks DIR, or --masks labels where it has labels");
     return drive.masks;
   }
-  if (!drive.has_labels()) throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
-  return {drive.frames.size(), [objects, camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
+  if (source == MaskSource::labels && !drive.has_labels())
+    throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
+  return {drive.frames.size(),
+          [objects, source, camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
             cv::Mat1b mask(camera.height, camera.width, uchar{0});
-            for (const Label& label : objects[i]) mask |= label_mask(label, camera, pose, options);
+            for (Label label : objects[i]) {
+              if (source == MaskSource::found) label.box.reset();  // outlines that were found reach down to the ground
+              mask |= label_mask(label, camera, pose, options);
+            }
             return grown(mask, options.dilate_px);
           }};
 }

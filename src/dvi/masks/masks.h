@@ -20,10 +20,11 @@ struct MaskOptions {
   void check() const { check_ranges(*this); }
 };
 
-/// Where masks come from: the drive's own PNG files, or its labels.
-enum class MaskSource { files, labels };
+/// Where masks come from: the drive's own PNG files, its labels, or the drive's own scans and images, in which what moves is
+/// found.
+enum class MaskSource { files, labels, found };
 
-/// What a drive offers when nobody says otherwise: mask files where there are any, else labels. InputError if neither.
+/// What a drive offers when nobody says otherwise: mask files where there are any, else labels, else what is found.
 MaskSource default_mask_source(const Drive& drive);
 
 /// What to remove from each frame, 255 = remove: the drive's mask files, or masks made from `objects` (as its frames). Of a

@@ -5,18 +5,31 @@
 #include <fmt/format.h>
 
 #include "dvi/masks/standing.h"
+#include "dvi/traffic/find_traffic.h"
 
 namespace dvi::pipeline {
 namespace {
 
-DriveMasks masks_of(const Recording& open, const Trajectory& world_from_lidar, const Job& job) {
+FrameLabels objects_of(const Recording& open, const Trajectory& world_from_lidar, const Job& job, Progress& progress) {
+  const Drive& drive = open.drive;
+  if (open.masks_from == masks::MaskSource::found) {
+    progress.begin("traffic", drive.scan_headers.size());
+    traffic::Traffic found =
+        traffic::find_traffic(drive, world_from_lidar, job.options.map.pose_error_m, [&] { progress.advance(); });
+    progress.end();
+    return std::move(found.labels);
+  }
+  return job.read.remove == Remove::moving ? masks::without_standing(drive, world_from_lidar) : drive.labels();
+}
+
+DriveMasks masks_of(const Recording& open, const Trajectory& world_from_lidar, const Job& job, Progress& progress) {
   const Drive& drive = open.drive;
   if (!open.masks_from) {
     const auto nothing = std::make_shared<const cv::Mat1b>(drive.camera.height, drive.camera.width, uchar{0});
     return {Lazy<cv::Mat1b>::through(drive.frames.size(), [nothing](std::size_t) { return nothing; }), drive.labels()};
   }
   DriveMasks out;
-  out.objects = job.read.remove == Remove::moving ? masks::without_standing(drive, world_from_lidar) : drive.labels();
+  out.objects = objects_of(open, world_from_lidar, job, progress);
   out.images = find_masks(drive, *open.masks_from, out.objects, job.options.masks);
   const bool labels_too = job.read.remove == Remove::all && open.masks_from == masks::MaskSource::files && drive.has_labels();
   if (!labels_too) return out;
@@ -33,7 +46,7 @@ bool has_boxes_with_tracks(const Drive& drive) {
 
 // --remove moving needs to know what stands.
 void warn_of_all_removed(const Recording& open, const Trajectory& world_from_lidar, Progress& progress) {
-  if (!open.masks_from) return;
+  if (!open.masks_from || open.masks_from == masks::MaskSource::found) return;
   const Drive& drive = open.drive;
   const auto warn = [&](const char* reason, const char* remedy) {
     progress.warn(fmt::format("{}: --remove moving: {}, so everything masked is removed; {}", drive.path.filename().string(),
@@ -53,7 +66,7 @@ Masks find_masks(const Recordings& drives, const Poses& poses, const Job& job, P
   Masks masks;
   for (std::size_t i = 0; i < drives.size(); ++i) {
     if (job.read.remove == Remove::moving) warn_of_all_removed(drives[i], poses[i].world_from_lidar, progress);
-    masks.push_back(masks_of(drives[i], poses[i].world_from_lidar, job));
+    masks.push_back(masks_of(drives[i], poses[i].world_from_lidar, job, progress));
   }
   return masks;
 }

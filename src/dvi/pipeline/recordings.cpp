@@ -14,8 +14,10 @@ namespace {
 
 std::optional<masks::MaskSource> resolve_masks(Drive& drive, const MasksFrom& from, MaskNeed need) {
   if (from.kind == MasksFrom::Kind::automatic) {
-    if (need == MaskNeed::optional && drive.masks.empty() && !drive.has_labels()) return std::nullopt;
-    return masks::default_mask_source(drive);
+    const masks::MaskSource source = masks::default_mask_source(drive);
+    if (source != masks::MaskSource::found) return source;
+    if (need == MaskNeed::optional) return std::nullopt;
+    return source;
   }
   if (from.kind == MasksFrom::Kind::labels) {
     if (!drive.has_labels()) throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");

@@ -1,4 +1,4 @@
-#include "dvi/map/free_space.h"
+#include "dvi/drive/free_space.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace dvi::map {
+namespace dvi {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
@@ -132,4 +132,10 @@ FreeSpace::Seen FreeSpace::judge(const Eigen::Vector3d& world, double radius_m) 
   return farthest_[level](row, column) < range - kDepth ? Seen::hidden : Seen::hit;
 }
 
-}  // namespace dvi::map
+std::size_t FreeSpace::bytes() const {
+  std::size_t bytes = bytes_of(poses_);
+  for (std::size_t level = 0; level < kWindows.size(); ++level) bytes += bytes_of(nearest_[level]) + bytes_of(farthest_[level]);
+  return bytes;
+}
+
+}  // namespace dvi

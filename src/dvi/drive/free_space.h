@@ -7,7 +7,7 @@
 
 #include "dvi/drive/drive.h"
 
-namespace dvi::map {
+namespace dvi {
 
 /// How far the rays of one scan went, by direction: what lies well before their ends was free then. Kept as images of the
 /// nearest return in windows of several sizes, so that a question costs one look.
@@ -26,6 +26,8 @@ class FreeSpace {
   /// What the scan saw of a small thing of radius `radius_m` in world axes. `passed`: every ray within its radius and the
   /// pose error, and the next rays above and below, went on behind it.
   Seen judge(const Eigen::Vector3d& world, double radius_m) const;
+
+  std::size_t bytes() const;
 
   static constexpr double kMaxRange = 80;  ///< metres; beyond, rays are too far apart to tell
   static constexpr float kDepth = 0.2F;    ///< metres: returns nearer together are of one thing
@@ -48,4 +50,4 @@ class FreeSpace {
   std::array<cv::Mat1f, kWindows.size()> nearest_, farthest_;
 };
 
-}  // namespace dvi::map
+}  // namespace dvi

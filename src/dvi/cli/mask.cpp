@@ -1,0 +1,36 @@
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "dvi/cli/command.h"
+#include "dvi/cli/job_options.h"
+#include "dvi/core/threads.h"
+#include "dvi/pipeline/make_masks.h"
+
+namespace dvi::cli {
+
+void add_mask(Program& program) {
+  struct Arguments {
+    std::string out, drive;
+    JobOptions options;
+    Common common;
+  };
+  const auto a = std::make_shared<Arguments>();
+  Command command = program.command("mask", "What would be removed from a drive: masks to look at and to correct");
+  command.positional("DRIVE", a->drive, "The drive");
+  command.option("-o,--out", a->out, "Folder for masks/CAMERA/NAME.png, contact.png, masks.json", true);
+  a->options.add_to(command);
+  a->common.add_to(command, true);
+  command.run([a] {
+    const ThreadLimit limit(a->common.threads);
+    Progress progress(a->common.style());
+    const std::string report = pipeline::make_masks(a->options.job(a->out, a->drive, {}), progress);
+    progress.end();
+    if (a->common.json)
+      fmt::print("{}\n", report);
+    else
+      fmt::print("{0}/contact.png  the masks on the frames\n{0}/masks        one PNG a frame: dvi run --masks {0}\n", a->out);
+  });
+}
+
+}  // namespace dvi::cli

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dvi/core/progress.h"
+#include "dvi/pipeline/find_masks.h"
+
+namespace dvi::pipeline {
+
+/// `dvi mask`: what is removed from job.target, as a run would decide it, without running: job.out/masks/CAMERA/NAME.png,
+/// contact.png and masks.json, which `--masks` takes back. Returns masks.json.
+std::string make_masks(const Job& job, Progress& progress);
+
+}  // namespace dvi::pipeline

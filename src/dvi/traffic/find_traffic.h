@@ -1,0 +1,19 @@
+#pragma once
+
+#include "dvi/core/interrupt.h"
+#include "dvi/core/options.h"
+#include "dvi/traffic/tracks.h"
+
+namespace dvi::traffic {
+
+/// What moves in a drive.
+struct Traffic {
+  std::vector<Track> tracks;
+  FrameLabels labels;  ///< as the drive's frames; track: its index in `tracks`
+};
+
+/// Finds moving objects without labels: returns where other scans saw free space, grouped, tracked over time, and their
+/// outlines in the images. One tick a scan.
+Traffic find_traffic(const Drive& drive, const Trajectory& world_from_lidar, double pose_error_m, const Tick& tick);
+
+}  // namespace dvi::traffic

@@ -1,0 +1,100 @@
+#include "dvi/traffic/outlines.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+namespace dvi::traffic {
+namespace {
+
+constexpr double kOutlineWindow = 0.25;  // seconds each way in which an object hardly turns
+constexpr double kNearPlane = 0.3;       // metres
+constexpr double kPerson = 1.2;          // metres: what is longer is a vehicle
+
+struct Body {
+  std::vector<Eigen::Vector3d> points;  // world axes, at the time of the image
+  Eigen::Vector2d heading = Eigen::Vector2d::UnitX();
+};
+
+double seconds_between(std::int64_t a, std::int64_t b) { return std::abs(1e-9 * static_cast<double>(a - b)); }
+
+// The returns of the scan nearest to a time, moved to it; each also put onto the ground: there are the wheels and feet.
+Body body_at(const Track& track, std::int64_t time_ns) {
+  const auto apart = [&](const Track::Observation& o) { return seconds_between(o.cluster.mean_time_ns, time_ns); };
+  const auto nearest = std::min_element(track.observations.begin(), track.observations.end(),
+                                        [&](const auto& a, const auto& b) { return apart(a) < apart(b); });
+  Body body;
+  if (apart(*nearest) > kOutlineWindow) return body;
+  const Eigen::Vector2d velocity = track.velocity(static_cast<std::size_t>(nearest - track.observations.begin()));
+  if (velocity.norm() > 1) body.heading = velocity.normalized();
+  const Cluster& cluster = nearest->cluster;
+  for (std::size_t k = 0; k < cluster.points.size(); ++k) {
+    Eigen::Vector3d x = cluster.points[k];
+    x.head<2>() += velocity * 1e-9 * static_cast<double>(time_ns - cluster.time_ns[k]);
+    body.points.push_back(x);
+    body.points.emplace_back(x.x(), x.y(), cluster.ground[k]);
+  }
+  return body;
+}
+
+Box box_round(const Body& body) {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.col(0).head<2>() = body.heading;
+  R.col(1).head<2>() = Eigen::Vector2d(-body.heading.y(), body.heading.x());
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
+  for (const Eigen::Vector3d& x : body.points) {
+    low = low.cwiseMin(R.transpose() * x);
+    high = high.cwiseMax(R.transpose() * x);
+  }
+  return {SE3{R, R * (0.5 * (low + high))}, high - low};
+}
+
+Instance to_instance(const cv::Mat1b& mask) {
+  Instance out{mask.size(), {}};
+  std::uint32_t run = 0;
+  bool inside = false;
+  for (int x = 0; x < mask.cols; ++x)
+    for (int y = 0; y < mask.rows; ++y) {
+      if ((mask(y, x) != 0) != inside) {
+        out.runs.push_back(run);
+        run = 0;
+        inside = !inside;
+      }
+      ++run;
+    }
+  out.runs.push_back(run);
+  return out;
+}
+
+}  // namespace
+
+std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Camera& camera, const SE3& world_from_lidar,
+                             const SE3& camera_from_lidar) {
+  const Body body = body_at(track, time_ns);
+  if (body.points.empty()) return std::nullopt;
+  const SE3 lidar_from_world = world_from_lidar.inverse(), camera_from_world = camera_from_lidar * lidar_from_world;
+  std::vector<cv::Point> pixels;
+  for (const Eigen::Vector3d& x : body.points) {
+    const Eigen::Vector3d in_camera = camera_from_world * x;
+    if (in_camera.z() < kNearPlane) continue;
+    const Eigen::Vector2d p = camera.project(in_camera);
+    pixels.emplace_back(static_cast<int>(std::clamp(std::round(p.x()), -1e5, 1e5)),
+                        static_cast<int>(std::clamp(std::round(p.y()), -1e5, 1e5)));
+  }
+  if (pixels.size() < 3) return std::nullopt;
+  std::vector<cv::Point> hull;
+  cv::convexHull(pixels, hull);
+  cv::Mat1b mask(camera.height, camera.width, uchar{0});
+  cv::fillConvexPoly(mask, hull, 255);
+  if (cv::countNonZero(mask) == 0) return std::nullopt;
+  Box box = box_round(body);
+  Label label;
+  label.type = box.size.head<2>().maxCoeff() > kPerson ? "vehicle" : "person";
+  box.frame_from_box = lidar_from_world * box.frame_from_box;
+  label.box = box;
+  label.instance = to_instance(mask);
+  return label;
+}
+
+}  // namespace dvi::traffic

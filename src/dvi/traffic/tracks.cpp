@@ -1,0 +1,105 @@
+#include "dvi/traffic/tracks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "dvi/core/median.h"
+
+namespace dvi::traffic {
+namespace {
+
+constexpr double kLongestGap = 0.55;            // seconds without an observation
+constexpr double kFastest = 40;                 // metres a second
+constexpr double kGate = 1;                     // metres between prediction and observation
+constexpr double kAcceleration = 10;            // metres a second squared: hard braking
+constexpr double kVelocityWindow = 0.5;         // seconds each way that a velocity is fitted over
+constexpr std::size_t kFewestObservations = 4;  // observations of an object
+constexpr double kMovingShare = 0.5;
+constexpr double kLeastWay = 1;    // metres: labels, poses and the visible side of things wander less
+constexpr double kStraight = 0.5;  // of its way, the distance it gets
+
+double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+std::int64_t time_of(const Track::Observation& o) { return o.cluster.mean_time_ns; }
+
+// How far an observation is from where the track should be; negative: it cannot be its next one.
+double distance(const Track& track, const Cluster& cluster) {
+  const Track::Observation& last = track.observations.back();
+  const double dt = seconds(cluster.mean_time_ns - time_of(last));
+  const Eigen::Vector2d step = cluster.centre - last.cluster.centre;
+  if (track.observations.size() == 1) return step.norm() < kFastest * dt + kGate ? step.norm() : -1;
+  const double miss = (step - track.velocity(track.observations.size() - 1) * dt).norm();
+  return miss < kGate + 0.5 * kAcceleration * dt * dt + 0.5 * last.cluster.extent_m ? miss : -1;
+}
+
+}  // namespace
+
+Eigen::Vector2d Track::velocity(std::size_t observation) const {
+  const std::int64_t origin = time_of(observations[observation]);
+  double n = 0, t = 0, tt = 0;
+  Eigen::Vector2d x = Eigen::Vector2d::Zero(), tx = Eigen::Vector2d::Zero();
+  for (const Observation& o : observations) {
+    const double dt = seconds(time_of(o) - origin);
+    if (std::abs(dt) > kVelocityWindow) continue;
+    n += 1, t += dt, tt += dt * dt;
+    x += o.cluster.centre, tx += dt * o.cluster.centre;
+  }
+  const double spread = n * tt - t * t;
+  if (n < 2 || spread < 1e-6) return Eigen::Vector2d::Zero();
+  return (n * tx - t * x) / spread;
+}
+
+bool moves(const Track& track) {
+  const auto& seen = track.observations;
+  if (seen.size() < kFewestObservations) return false;
+  std::vector<double> shares, extents;
+  for (const Track::Observation& o : seen) {
+    shares.push_back(o.cluster.moving_share);
+    extents.push_back(o.cluster.extent_m);
+  }
+  double farthest = 0, way = 0;
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < seen.size(); ++i) {
+    farthest = std::max(farthest, (seen[i].cluster.centre - seen.front().cluster.centre).norm());
+    if (seconds(time_of(seen[i]) - time_of(seen[last])) < kVelocityWindow && i + 1 < seen.size()) continue;
+    way += (seen[i].cluster.centre - seen[last].cluster.centre).norm();
+    last = i;
+  }
+  return median(shares) >= kMovingShare && farthest >= std::max(kLeastWay, 0.5 * median(extents)) &&
+         farthest >= kStraight * way;
+}
+
+void Tracker::add(std::size_t scan, std::vector<Cluster> clusters) {
+  std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
+  for (std::size_t t = 0; t < active_.size(); ++t)
+    for (std::size_t c = 0; c < clusters.size(); ++c)
+      if (const double d = distance(active_[t], clusters[c]); d >= 0) pairs.emplace_back(d, t, c);
+  std::sort(pairs.begin(), pairs.end());
+  std::vector<bool> track_taken(active_.size()), cluster_taken(clusters.size());
+  for (const auto& [d, t, c] : pairs) {
+    if (track_taken[t] || cluster_taken[c]) continue;
+    track_taken[t] = cluster_taken[c] = true;
+    active_[t].observations.push_back({scan, clusters[c]});
+  }
+  std::int64_t now = 0;
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    now = std::max(now, clusters[c].mean_time_ns);
+    if (!cluster_taken[c]) active_.push_back({{{scan, std::move(clusters[c])}}});
+  }
+  const auto ended = std::stable_partition(active_.begin(), active_.end(), [&](const Track& track) {
+    return seconds(now - time_of(track.observations.back())) < kLongestGap;
+  });
+  for (auto track = ended; track != active_.end(); ++track)
+    if (moves(*track)) ended_.push_back(std::move(*track));
+  active_.erase(ended, active_.end());
+}
+
+std::vector<Track> Tracker::finish() {
+  for (Track& track : active_)
+    if (moves(track)) ended_.push_back(std::move(track));
+  active_.clear();
+  return std::move(ended_);
+}
+
+}  // namespace dvi::traffic

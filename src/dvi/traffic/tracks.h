@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "dvi/traffic/clusters.h"
+
+namespace dvi::traffic {
+
+/// One object over time.
+struct Track {
+  struct Observation {
+    std::size_t scan = 0;
+    Cluster cluster;
+  };
+  std::vector<Observation> observations;  ///< in order of time
+
+  /// Metres a second at an observation, by a line through those within half a second.
+  Eigen::Vector2d velocity(std::size_t observation) const;
+};
+
+/// Whether what was tracked is an object that moves of itself: it gets somewhere, straight enough, and what it leaves is
+/// free. Glass, edges and leaves that rays pass now and then do none of this.
+bool moves(const Track& track);
+
+/// Ties the clusters of following scans together: constant velocity, nearest first.
+class Tracker {
+ public:
+  void add(std::size_t scan, std::vector<Cluster> clusters);
+  /// All tracks that move.
+  std::vector<Track> finish();
+
+ private:
+  std::vector<Track> active_, ended_;
+};
+
+}  // namespace dvi::traffic
