@@ -96,6 +96,7 @@ void FreeSpace::place(const Scan& scan, const ScanHeader& header, const Trajecto
 
 void FreeSpace::erode(const cv::Mat1f& nearest) {
   const cv::Size gap = spacing(nearest);
+  rise_ = static_cast<float>(gap.height) * kCell;
   cv::Mat1f padded;
   cv::copyMakeBorder(nearest, padded, 0, 0, kPad, kPad, cv::BORDER_WRAP);
   cv::Mat1f ends = padded.clone();

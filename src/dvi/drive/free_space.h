@@ -22,6 +22,9 @@ class FreeSpace {
   /// Where the sensor was in the middle of the scan.
   const Eigen::Vector3d& sensor() const { return sensor_; }
 
+  /// Radians from one ray to the next above it.
+  float rise() const { return rise_; }
+
   enum class Seen { unknown, hidden, hit, passed };
   /// What the scan saw of a small thing of radius `radius_m` in world axes. `passed`: every ray within its radius and the
   /// pose error, and the next rays above and below, went on behind it.
@@ -46,6 +49,7 @@ class FreeSpace {
   Eigen::Vector3d sensor_ = Eigen::Vector3d::Zero();
   std::vector<LidarFromWorld> poses_;  // one a column: when it was swept
   float low_ = 0;                      // elevation of row 0
+  float rise_ = 0;
   // The nearest return round a direction, 0: not between returns; and the farthest above and below it.
   std::array<cv::Mat1f, kWindows.size()> nearest_, farthest_;
 };

@@ -9,6 +9,7 @@ struct MaskOptions {
   int dilate_px = 7;
   double box_margin_m = 0.1;
   double footprint_margin_m = 0.3;
+  bool shadows = true;
 
   void describe(OptionTable& table) {
     table.section("masks");
@@ -16,6 +17,7 @@ struct MaskOptions {
     table.add("box_margin_m", box_margin_m, {0, 5}, "Margin added to all sides of 3D boxes before they are projected.");
     table.add("footprint_margin_m", footprint_margin_m, {0, 5},
               "Margin of the ground below a 3D box that is masked with the object: it holds wheels and shadow.");
+    table.add("shadows", shadows, "Remove cast shadows and reflections on the ground with their objects.");
   }
   void check() const { check_ranges(*this); }
 };

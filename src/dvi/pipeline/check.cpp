@@ -80,9 +80,7 @@ CheckReport describe(const Recording& open, const PoseChoice& choice, const Mask
                   .mean_points = mean(found.points),
                   .path_m = path_length(drive, poses),
                   .poses = poses_report(drive, choice),
-                  .mask_source = !open.masks_from                               ? "none"
-                                 : *open.masks_from == masks::MaskSource::files ? "files"
-                                                                                : "labels",
+                  .mask_source = mask_source(open),
                   .mean_masked = mean(found.masked),
                   .largest_masked = found.masked.empty() ? 0.0 : *std::max_element(found.masked.begin(), found.masked.end()),
                   .warnings = drive.warnings,

@@ -1,5 +1,7 @@
 #include "dvi/pipeline/make_masks.h"
 
+#include <set>
+
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
@@ -7,6 +9,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/io/contact_sheet.h"
 #include "dvi/io/write_image.h"
+#include "dvi/masks/motion.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -27,6 +30,26 @@ cv::Mat3b sheet(const Drive& drive, const Lazy<cv::Mat1b>& masks) {
   return io::contact_sheet(rows, 640);
 }
 
+nlohmann::json tracks_json(const Drive& drive, const FrameLabels& labels, const FrameLabels& removed,
+                           const Trajectory& world_from_lidar) {
+  std::set<int> gone;
+  for (const std::vector<Label>& frame : removed)
+    for (const Label& label : frame) gone.insert(label.track);
+  nlohmann::json tracks = nlohmann::json::array();
+  for (const masks::TrackMotion& motion : masks::track_motions(drive, labels, world_from_lidar))
+    tracks.push_back({{"track", motion.track},
+                      {"type", motion.type},
+                      {"moves", motion.moves},
+                      {"removed", gone.contains(motion.track)},
+                      {"speed_mps", motion.speed_mps},
+                      {"way_m", motion.way_m},
+                      {"way_sigma_m", motion.way_sigma_m},
+                      {"first_frame", drive.frames[motion.first].number},
+                      {"last_frame", drive.frames[motion.last].number},
+                      {"frames", motion.frames}});
+  return tracks;
+}
+
 }  // namespace
 
 std::string make_masks(const Job& job, Progress& progress) {
@@ -34,19 +57,31 @@ std::string make_masks(const Job& job, Progress& progress) {
   verify(drives, job, progress);
   const Poses poses = estimate_poses(drives, job, progress);
   const Masks masks = find_masks(drives, poses, job, progress);
-  const Drive& drive = drives.front().drive;
+  const Recording& open = drives.front();
+  const Drive& drive = open.drive;
+  const DriveMasks& found = masks.front();
   const fs::path out = job.out, folder = out / "masks" / drive.camera_name;
   fs::create_directories(folder);
-  nlohmann::json frames = nlohmann::json::array();
-  for (const Frame& frame : drive.frames) frames.push_back({{"number", frame.number}, {"name", frame.name}});
+  std::vector<double> shares(drive.frames.size());
   progress.begin("write", drive.frames.size());
   parallel_for(drive.frames.size(), [&](std::size_t i) {
-    io::write_png(folder / (drive.frames[i].name + ".png"), *masks.front().images[i]);
+    const cv::Mat1b& mask = *found.images[i];
+    shares[i] = static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
+    io::write_png(folder / (drive.frames[i].name + ".png"), mask);
     progress.advance();
   });
-  io::write_png(out / "contact.png", sheet(drive, masks.front().images));
-  nlohmann::json report{{"schema", "dvi-masks/1"}, {"camera", drive.camera_name}, {"frames", frames}};
-  const std::string text = json_text(report);
+  io::write_png(out / "contact.png", sheet(drive, found.images));
+  nlohmann::json frames = nlohmann::json::array();
+  for (std::size_t i = 0; i < shares.size(); ++i)
+    frames.push_back({{"number", drive.frames[i].number}, {"name", drive.frames[i].name}, {"share", shares[i]}});
+  const FrameLabels labels = open.masks_from == masks::MaskSource::found ? found.objects : drive.labels();
+  const std::string text = json_text({{"schema", "dvi-masks/1"},
+                                      {"drive", drive.path.string()},
+                                      {"camera", drive.camera_name},
+                                      {"source", mask_source(open)},
+                                      {"remove", to_string(job.read.remove)},
+                                      {"tracks", tracks_json(drive, labels, found.objects, poses.front().world_from_lidar)},
+                                      {"frames", frames}});
   write_file(out / "masks.json", text + "\n");
   progress.end();
   return text;

@@ -75,6 +75,19 @@ void bound_caches(const Job& job) { CacheBudget::of_process()->set_bound(static_
 
 }  // namespace
 
+std::string mask_source(const Recording& open) {
+  if (!open.masks_from) return "none";
+  switch (*open.masks_from) {
+    case masks::MaskSource::files:
+      return "files";
+    case masks::MaskSource::labels:
+      return "labels";
+    case masks::MaskSource::found:
+      return "found";
+  }
+  return "none";
+}
+
 Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNeed need, Progress& progress) {
   io::ReadOptions read;
   read.camera = choice.camera;

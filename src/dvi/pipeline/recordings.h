@@ -18,6 +18,9 @@ struct Recording {
   std::optional<masks::MaskSource> masks_from;  ///< none: nothing says what to remove, so nothing is
 };
 
+/// files, labels, found or none, for a person.
+std::string mask_source(const Recording& open);
+
 /// The target first, then the source drives.
 using Recordings = std::vector<Recording>;
 

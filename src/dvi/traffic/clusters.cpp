@@ -42,6 +42,15 @@ std::map<ClusterSquare, int> groups_of(const ObstacleReturns& returns) {
   return groups;
 }
 
+}  // namespace
+
+void add(Cluster& cluster, const ObstacleReturns& returns, std::size_t i) {
+  cluster.points.push_back(returns.points[i]);
+  cluster.time_ns.push_back(returns.time_ns[i]);
+  cluster.ground.push_back(returns.ground[i]);
+  cluster.rise.push_back(returns.rise[i]);
+}
+
 void measure(Cluster& cluster) {
   Eigen::Vector2d low = cluster.points.front().head<2>(), high = low;
   std::int64_t time = 0;
@@ -54,8 +63,6 @@ void measure(Cluster& cluster) {
   cluster.extent_m = (high - low).maxCoeff();
   cluster.mean_time_ns = cluster.time_ns.front() + time / static_cast<std::int64_t>(cluster.points.size());
 }
-
-}  // namespace
 
 std::vector<Cluster> clusters_of(const ObstacleReturns& returns) {
   const std::map<ClusterSquare, int> groups = groups_of(returns);
@@ -70,9 +77,7 @@ std::vector<Cluster> clusters_of(const ObstacleReturns& returns) {
     counts.moving += returns.witness[i] == Witness::moving;
     counts.standing += returns.witness[i] == Witness::standing;
     if (returns.witness[i] == Witness::standing) continue;
-    cluster.points.push_back(returns.points[i]);
-    cluster.time_ns.push_back(returns.time_ns[i]);
-    cluster.ground.push_back(returns.ground[i]);
+    add(cluster, returns, i);
   }
   std::vector<Cluster> clusters;
   for (auto& [group, entry] : found) {

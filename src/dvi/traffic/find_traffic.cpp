@@ -1,12 +1,14 @@
 #include "dvi/traffic/find_traffic.h"
 
 #include "dvi/core/threads.h"
+#include "dvi/traffic/follow.h"
 #include "dvi/traffic/outlines.h"
 
 namespace dvi::traffic {
 
-Traffic find_traffic(const Drive& drive, const Trajectory& world_from_lidar, double pose_error_m, const Tick& tick) {
-  const MovingReturns returns(drive, world_from_lidar, pose_error_m);
+Traffic find_traffic(const Drive& drive, const Trajectory& world_from_lidar, const Ground& ground, double pose_error_m,
+                     const Tick& tick) {
+  const MovingReturns returns(drive, world_from_lidar, ground, pose_error_m);
   Tracker tracker;
   for_blocks(drive.scan_headers.size(), [&](std::size_t first, std::size_t last) {
     std::vector<std::vector<Cluster>> clusters(last - first);
@@ -16,7 +18,7 @@ Traffic find_traffic(const Drive& drive, const Trajectory& world_from_lidar, dou
       tick();
     }
   });
-  Traffic traffic{tracker.finish(), FrameLabels(drive.frames.size())};
+  Traffic traffic{followed(tracker.finish(), returns), FrameLabels(drive.frames.size())};
   parallel_for(drive.frames.size(), [&](std::size_t i) {
     const std::int64_t time = drive.frames[i].time_ns;
     const auto pose = world_from_lidar.at(time);

@@ -2,6 +2,7 @@
 
 #include "dvi/core/interrupt.h"
 #include "dvi/core/options.h"
+#include "dvi/traffic/ground.h"
 #include "dvi/traffic/tracks.h"
 
 namespace dvi::traffic {
@@ -14,6 +15,7 @@ struct Traffic {
 
 /// Finds moving objects without labels: returns where other scans saw free space, grouped, tracked over time, and their
 /// outlines in the images. One tick a scan.
-Traffic find_traffic(const Drive& drive, const Trajectory& world_from_lidar, double pose_error_m, const Tick& tick);
+Traffic find_traffic(const Drive& drive, const Trajectory& world_from_lidar, const Ground& ground, double pose_error_m,
+                     const Tick& tick);
 
 }  // namespace dvi::traffic

@@ -1,9 +1,7 @@
 #include "dvi/traffic/ground.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <tuple>
 #include <vector>
 
 #include "dvi/core/threads.h"
@@ -13,61 +11,107 @@ namespace dvi::traffic {
 namespace {
 
 constexpr double kGroundSquare = 1, kLevel = 0.1;  // metres
-constexpr double kGroundReach = 60;                // metres: beyond, rays meet the ground at less than 2 degrees
+constexpr double kGroundReach = 80;                // metres: as far as objects are looked for
 constexpr std::size_t kEvery = 4;                  // returns of a scan that are looked at: the ground has plenty
+constexpr double kSteepest = 0.3;                  // rise over run: no road and no garden is steeper
+constexpr int kAround = 4;                         // squares each way: a vehicle is not longer
 constexpr int kErrors = 3;                         // returns that may be errors
 constexpr double kErrorShare = 0.02;               // of a square's returns: likewise
 
-using Level = std::tuple<int, int, int>;  // x, y of the square, height in steps
+// Returns of one square at one height.
+struct Level {
+  int x, y, step;
+  double z;
+};
+
+struct Heap {
+  int count = 0;
+  double sum = 0;
+};
+
+int steps(double v, double size) { return static_cast<int>(std::floor(v / size)); }
 
 std::vector<Level> levels_of(const Scan& scan, const ScanHeader& header, const Trajectory& world_from_lidar) {
   std::vector<Level> levels;
   const std::vector<Eigen::Vector3d> world = to_world(scan, header, world_from_lidar, kEvery);
   for (std::size_t i = 0; i < world.size(); i += kEvery) {
+    const Eigen::Vector3d& x = world[i];
     if (scan.points[i].norm() > kGroundReach) continue;
-    const auto step = [](double v, double size) { return static_cast<int>(std::floor(v / size)); };
-    levels.emplace_back(step(world[i].x(), kGroundSquare), step(world[i].y(), kGroundSquare), step(world[i].z(), kLevel));
+    levels.push_back({steps(x.x(), kGroundSquare), steps(x.y(), kGroundSquare), steps(x.z(), kLevel), x.z()});
   }
   return levels;
 }
 
-// The top of the lowest two levels in a row that hold more than errors.
-std::optional<double> lowest(const std::map<int, int>& counts) {
+// The mean of the lowest two levels in a row that hold more than errors.
+std::optional<double> lowest(const std::map<int, Heap>& heaps) {
   int all = 0;
-  for (const auto& [level, count] : counts) all += count;
-  for (const auto& [level, count] : counts) {
-    const auto above = counts.find(level + 1);
-    const int here = count + (above == counts.end() ? 0 : above->second);
-    if (here > kErrors && here > kErrorShare * all) return kLevel * (level + 1);
+  for (const auto& [step, heap] : heaps) all += heap.count;
+  for (const auto& [step, heap] : heaps) {
+    Heap here = heap;
+    if (const auto above = heaps.find(step + 1); above != heaps.end())
+      here = {here.count + above->second.count, here.sum + above->second.sum};
+    if (here.count > kErrors && here.count > kErrorShare * all) return here.sum / here.count;
   }
   return std::nullopt;
+}
+
+// Where no ray met the ground, the lowest returns are of what stands on it: ground rises no faster than from the squares
+// around.
+double held_down(const std::map<std::pair<int, int>, double>& lows, const std::pair<int, int>& square) {
+  double height = lows.at(square);
+  for (int dy = -kAround; dy <= kAround; ++dy)
+    for (int dx = -kAround; dx <= kAround; ++dx) {
+      const auto other = lows.find({square.first + dx, square.second + dy});
+      if (other == lows.end()) continue;
+      height = std::min(height, other->second + kSteepest * kGroundSquare * std::hypot(dx, dy));
+    }
+  return height;
 }
 
 }  // namespace
 
 Ground::Ground(const Drive& drive, const Trajectory& world_from_lidar) {
-  std::map<Square, std::map<int, int>> counts;
+  std::map<Square, std::map<int, Heap>> squares;
   for_blocks(drive.scan_headers.size(), [&](std::size_t first, std::size_t last) {
     std::vector<std::vector<Level>> levels(last - first);
     parallel_for(levels.size(), [&](std::size_t i) {
       levels[i] = levels_of(*drive.scans[first + i], drive.scan_headers[first + i], world_from_lidar);
-      std::sort(levels[i].begin(), levels[i].end());
     });
     for (const std::vector<Level>& scan : levels)
-      for (const auto& [x, y, z] : scan) ++counts[{x, y}][z];
+      for (const Level& level : scan) {
+        Heap& heap = squares[{level.x, level.y}][level.step];
+        ++heap.count;
+        heap.sum += level.z;
+      }
   });
-  for (const auto& [square, levels] : counts)
-    if (const auto height = lowest(levels)) heights_.emplace(square, *height);
+  std::map<Square, double> lows;
+  for (const auto& [square, heaps] : squares)
+    if (const auto height = lowest(heaps)) lows.emplace(square, *height);
+  for (const auto& [square, low] : lows) heights_.emplace(square, held_down(lows, square));
 }
 
-std::optional<double> Ground::height(const Eigen::Vector3d& place) const {
-  const int x = static_cast<int>(std::floor(place.x() / kGroundSquare)),
-            y = static_cast<int>(std::floor(place.y() / kGroundSquare));
-  for (int reach = 0; reach <= 2; ++reach) {
+std::optional<double> Ground::height(const Eigen::Vector2d& place) const {
+  const Eigen::Vector2d at = place / kGroundSquare - Eigen::Vector2d::Constant(0.5);  // squares are known at their middle
+  const int x = static_cast<int>(std::floor(at.x())), y = static_cast<int>(std::floor(at.y()));
+  const double u = at.x() - x, v = at.y() - y;
+  double sum = 0, weights = 0;
+  for (const int dy : {0, 1})
+    for (const int dx : {0, 1}) {
+      const auto found = heights_.find({x + dx, y + dy});
+      if (found == heights_.end()) continue;
+      const double weight = (dx ? u : 1 - u) * (dy ? v : 1 - v) + 1e-6;
+      sum += weight * found->second;
+      weights += weight;
+    }
+  if (weights > 0) return sum / weights;
+  return nearest(steps(place.x(), kGroundSquare), steps(place.y(), kGroundSquare));
+}
+
+std::optional<double> Ground::nearest(int x, int y) const {
+  for (int reach = 1; reach <= 2; ++reach) {
     std::optional<double> low;
     for (int dy = -reach; dy <= reach; ++dy)
       for (int dx = -reach; dx <= reach; ++dx) {
-        if (std::max(std::abs(dx), std::abs(dy)) != reach) continue;
         const auto found = heights_.find({x + dx, y + dy});
         if (found != heights_.end() && (!low || found->second < *low)) low = found->second;
       }

@@ -27,10 +27,10 @@ struct Votes {
 
 }  // namespace
 
-MovingReturns::MovingReturns(const Drive& drive, const Trajectory& world_from_lidar, double pose_error_m)
+MovingReturns::MovingReturns(const Drive& drive, const Trajectory& world_from_lidar, const Ground& ground, double pose_error_m)
     : drive_(drive),
       world_from_lidar_(world_from_lidar),
-      ground_(drive, world_from_lidar),
+      ground_(ground),
       spaces_(drive.scan_headers.size(), [&drive, world_from_lidar, pose_error_m](std::size_t i) {
         return FreeSpace(*drive.scans[i], drive.scan_headers[i], world_from_lidar, pose_error_m);
       }) {
@@ -51,20 +51,27 @@ std::vector<std::size_t> MovingReturns::witnesses_far(std::size_t scan) const {
   return far;
 }
 
-ObstacleReturns MovingReturns::find(std::size_t scan) const {
+ObstacleReturns MovingReturns::obstacles(std::size_t scan) const {
   ObstacleReturns out;
+  const float rise = spaces_[scan]->rise();
   const auto returns = drive_.scans[scan];
   const ScanHeader& header = drive_.scan_headers[scan];
   const std::vector<Eigen::Vector3d> world = to_world(*returns, header, world_from_lidar_);
   for (std::size_t i = 0; i < world.size(); ++i) {
     const float range = returns->points[i].norm();
     if (range < 1 || range > FreeSpace::kMaxRange) continue;
-    const auto ground = ground_.height(world[i]);
+    const auto ground = ground_.height(world[i].head<2>());
     if (!ground || world[i].z() < *ground + kLowest || world[i].z() > *ground + kHighest) continue;
     out.points.push_back(world[i]);
     out.time_ns.push_back(header.time_ns + std::llround(1e9 * static_cast<double>(returns->time[i])));
     out.ground.push_back(*ground);
+    out.rise.push_back(static_cast<double>(rise * range));
   }
+  return out;
+}
+
+ObstacleReturns MovingReturns::find(std::size_t scan) const {
+  ObstacleReturns out = obstacles(scan);
   std::vector<Votes> near(out.points.size()), far(out.points.size());
   const auto ask = [&](std::size_t other, std::vector<Votes>& votes) {
     const auto space = spaces_[other];

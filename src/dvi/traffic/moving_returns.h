@@ -18,23 +18,26 @@ struct ObstacleReturns {
   std::vector<Eigen::Vector3d> points;  ///< metres, world axes
   std::vector<std::int64_t> time_ns;    ///< as `points`: when each was measured
   std::vector<double> ground;           ///< as `points`: height of the ground below, world axes
-  std::vector<Witness> witness;         ///< as `points`
+  std::vector<double> rise;             ///< as `points`: metres to the next ray above
+  std::vector<Witness> witness;         ///< as `points`; empty where nobody asked
 };
 
 /// Compares each scan with others: those shortly before and after, and some of the whole drive, so that what stood for long
 /// and then left is told as well.
 class MovingReturns {
  public:
-  MovingReturns(const Drive& drive, const Trajectory& world_from_lidar, double pose_error_m);
+  MovingReturns(const Drive& drive, const Trajectory& world_from_lidar, const Ground& ground, double pose_error_m);
 
-  ObstacleReturns find(std::size_t scan) const;
+  std::size_t scans() const { return sensors_.size(); }
+  ObstacleReturns obstacles(std::size_t scan) const;
+  ObstacleReturns find(std::size_t scan) const;  ///< the same, with their witnesses
 
  private:
   std::vector<std::size_t> witnesses_far(std::size_t scan) const;
 
   const Drive& drive_;
   Trajectory world_from_lidar_;
-  Ground ground_;
+  const Ground& ground_;
   Lazy<FreeSpace> spaces_;                // as the scans
   std::vector<Eigen::Vector2d> sensors_;  // as the scans
 };

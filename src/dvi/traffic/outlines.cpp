@@ -19,12 +19,14 @@ struct Body {
 
 double seconds_between(std::int64_t a, std::int64_t b) { return std::abs(1e-9 * static_cast<double>(a - b)); }
 
-// The returns of the scan nearest to a time, moved to it; each also put onto the ground: there are the wheels and feet.
+// The returns of the scan nearest to a time, moved to it; each also put onto the ground, where wheels and
+// feet are.
 Body body_at(const Track& track, std::int64_t time_ns) {
   const auto apart = [&](const Track::Observation& o) { return seconds_between(o.cluster.mean_time_ns, time_ns); };
+  Body body;
+  if (track.observations.empty()) return body;
   const auto nearest = std::min_element(track.observations.begin(), track.observations.end(),
                                         [&](const auto& a, const auto& b) { return apart(a) < apart(b); });
-  Body body;
   if (apart(*nearest) > kOutlineWindow) return body;
   const Eigen::Vector2d velocity = track.velocity(static_cast<std::size_t>(nearest - track.observations.begin()));
   if (velocity.norm() > 1) body.heading = velocity.normalized();
@@ -34,6 +36,9 @@ Body body_at(const Track& track, std::int64_t time_ns) {
     x.head<2>() += velocity * 1e-9 * static_cast<double>(time_ns - cluster.time_ns[k]);
     body.points.push_back(x);
     body.points.emplace_back(x.x(), x.y(), cluster.ground[k]);
+    // It may go on up to the next ray, but no higher than it was ever seen.
+    const double above = std::min(x.z() + cluster.rise[k], cluster.ground[k] + track.height_m);
+    if (above > x.z()) body.points.emplace_back(x.x(), x.y(), above);
   }
   return body;
 }

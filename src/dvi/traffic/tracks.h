@@ -14,6 +14,7 @@ struct Track {
     Cluster cluster;
   };
   std::vector<Observation> observations;  ///< in order of time
+  double height_m = 0;                    ///< above the ground, the highest seen
 
   /// Metres a second at an observation, by a line through those within half a second.
   Eigen::Vector2d velocity(std::size_t observation) const;

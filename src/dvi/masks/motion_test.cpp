@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "dvi/masks/standing.h"
+#include <algorithm>
+
+#include "dvi/masks/motion.h"
 
 namespace dvi::masks {
 namespace {
@@ -31,6 +33,26 @@ Drive labelled_drive() {
   }
   drive.poses = Trajectory(poses);
   return drive;
+}
+
+TEST(Motion, OfWhatWaitsAndThenDrivesOffAndOfWhatComesFromFar) {
+  Drive drive = labelled_drive();
+  for (int i = 0; i < 20; ++i) {
+    std::vector<Label>& labels = drive.frames[static_cast<std::size_t>(i)].labels;
+    labels.push_back(label(5, 12 - i + (i < 12 ? 0 : 0.3 * (i - 12) * (i - 12))));  // waits, then drives off
+    labels.push_back(label(7, 70 - i + 0.5 * (i % 2)));                             // parked far away, labelled badly
+  }
+  const std::vector<TrackMotion> motions = track_motions(drive, drive.labels(), drive.poses);
+  ASSERT_EQ(motions.size(), 5U);
+  const auto moves = [&](int track) {
+    return std::find_if(motions.begin(), motions.end(), [&](const TrackMotion& m) { return m.track == track; })->moves;
+  };
+  EXPECT_TRUE(moves(5));
+  EXPECT_FALSE(moves(7));
+  EXPECT_TRUE(moves(2));
+  EXPECT_EQ(motions[1].track, 2);
+  EXPECT_NEAR(motions[1].speed_mps, 10, 1e-6);
+  EXPECT_EQ(motions[1].frames, 20U);
 }
 
 TEST(Standing, IsWhatKeepsItsPlaceInTheWorld) {

@@ -1,0 +1,120 @@
+#include "dvi/traffic/follow.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "dvi/core/threads.h"
+
+namespace dvi::traffic {
+namespace {
+
+constexpr double kBeyond = 1;       // seconds for which a motion goes on
+constexpr double kBoxMargin = 0.3;  // metres
+constexpr double kUsual = 0.9;      // quantile of the sizes seen: single ones hold returns of others
+constexpr std::size_t kFewestInBox = 4;
+
+double seconds(std::int64_t from, std::int64_t to) { return 1e-9 * static_cast<double>(to - from); }
+
+double quantile(std::vector<double> values) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// Where an object is at any time, and how large it is: length along its heading, width.
+class Motion {
+ public:
+  explicit Motion(const Track& track) : track_(&track) {
+    std::vector<double> lengths, widths;
+    Eigen::Vector2d heading = Eigen::Vector2d::UnitX();
+    for (std::size_t i = 0; i < track.observations.size(); ++i) {
+      velocities_.push_back(track.velocity(i));
+      if (velocities_.back().norm() > 0.5) heading = velocities_.back().normalized();
+      headings_.push_back(heading);
+      const auto [length, width] = size(track.observations[i].cluster, heading);
+      lengths.push_back(length);
+      widths.push_back(width);
+    }
+    half_ = {0.5 * quantile(lengths) + kBoxMargin, 0.5 * quantile(widths) + kBoxMargin};
+  }
+
+  /// Whether it is followed at a time, and then the observation nearest to it.
+  std::optional<std::size_t> at(std::int64_t time_ns) const {
+    const auto& seen = track_->observations;
+    if (seconds(time_ns, seen.front().cluster.mean_time_ns) > kBeyond) return std::nullopt;
+    if (seconds(seen.back().cluster.mean_time_ns, time_ns) > kBeyond) return std::nullopt;
+    const auto apart = [&](const Track::Observation& o) { return std::abs(seconds(o.cluster.mean_time_ns, time_ns)); };
+    const auto nearest =
+        std::min_element(seen.begin(), seen.end(), [&](const auto& a, const auto& b) { return apart(a) < apart(b); });
+    return static_cast<std::size_t>(nearest - seen.begin());
+  }
+  bool holds(std::size_t nearest, const Eigen::Vector3d& x, std::int64_t time_ns) const {
+    const Cluster& cluster = track_->observations[nearest].cluster;
+    const Eigen::Vector2d centre = cluster.centre + velocities_[nearest] * seconds(cluster.mean_time_ns, time_ns);
+    const Eigen::Vector2d off = x.head<2>() - centre, &along = headings_[nearest];
+    return std::abs(off.dot(along)) < half_.x() && std::abs(off.x() * along.y() - off.y() * along.x()) < half_.y();
+  }
+
+ private:
+  static std::pair<double, double> size(const Cluster& cluster, const Eigen::Vector2d& heading) {
+    Eigen::Array2d low = Eigen::Array2d::Constant(1e9), high = -low;
+    for (const Eigen::Vector3d& x : cluster.points) {
+      const Eigen::Array2d at(x.head<2>().dot(heading), x.y() * heading.x() - x.x() * heading.y());
+      low = low.min(at);
+      high = high.max(at);
+    }
+    return {high.x() - low.x(), high.y() - low.y()};
+  }
+
+  const Track* track_;
+  std::vector<Eigen::Vector2d> velocities_, headings_;  // as the observations
+  Eigen::Vector2d half_;
+};
+
+// What a scan shows of each object that is near, by its number.
+std::map<std::size_t, Cluster> look(const std::vector<Motion>& motions, const ObstacleReturns& returns) {
+  std::map<std::size_t, Cluster> found;
+  if (returns.points.empty()) return found;
+  const std::int64_t middle = returns.time_ns[returns.time_ns.size() / 2];
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    const auto nearest = motions[k].at(middle);
+    if (!nearest) continue;
+    Cluster cluster;
+    for (std::size_t i = 0; i < returns.points.size(); ++i)
+      if (motions[k].holds(*nearest, returns.points[i], returns.time_ns[i])) add(cluster, returns, i);
+    if (cluster.points.size() < kFewestInBox) continue;
+    measure(cluster);
+    found.emplace(k, std::move(cluster));
+  }
+  return found;
+}
+
+double height(const Track& track) {
+  std::vector<double> heights;
+  for (const Track::Observation& o : track.observations) {
+    double high = 0;
+    for (std::size_t i = 0; i < o.cluster.points.size(); ++i)
+      high = std::max(high, o.cluster.points[i].z() - o.cluster.ground[i] + 0.5 * o.cluster.rise[i]);
+    heights.push_back(high);
+  }
+  return quantile(heights);
+}
+
+}  // namespace
+
+std::vector<Track> followed(const std::vector<Track>& tracks, const MovingReturns& returns) {
+  const std::vector<Motion> motions(tracks.begin(), tracks.end());
+  std::vector<Track> out(tracks.size());
+  for_blocks(returns.scans(), [&](std::size_t first, std::size_t last) {
+    std::vector<std::map<std::size_t, Cluster>> seen(last - first);
+    parallel_for(seen.size(), [&](std::size_t i) { seen[i] = look(motions, returns.obstacles(first + i)); });
+    for (std::size_t i = first; i < last; ++i)
+      for (auto& [track, cluster] : seen[i - first]) out[track].observations.push_back({i, std::move(cluster)});
+  });
+  for (std::size_t k = 0; k < out.size(); ++k) out[k].height_m = height(out[k].observations.empty() ? tracks[k] : out[k]);
+  return out;
+}
+
+}  // namespace dvi::traffic

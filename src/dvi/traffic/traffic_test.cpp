@@ -1,0 +1,239 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/core/random.h"
+#include "dvi/drive/memory_views.h"
+#include "dvi/image/region.h"
+#include "dvi/synth/scene.h"
+#include "dvi/traffic/find_traffic.h"
+#include "dvi/traffic/shadows.h"
+
+namespace dvi::traffic {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+struct Street {
+  std::shared_ptr<const synth::Scene> scene;
+  Drive drive;
+
+  explicit Street(int frames, int seed = 1) {
+    synth::SynthOptions options;
+    options.frames = frames;
+    options.seed = seed;
+    options.columns = 900;
+    options.width = 320;
+    options.height = 180;
+    scene = std::make_shared<const synth::Scene>(options);
+    drive = synth::drive_of(scene);
+    for (Frame& frame : drive.frames) frame.labels.clear();
+  }
+};
+
+cv::Mat1b drawn(const std::vector<Label>& labels, cv::Size size) {
+  cv::Mat1b mask(size, uchar{0});
+  for (const Label& label : labels) {
+    std::size_t at = 0;
+    bool inside = false;
+    for (const std::uint32_t run : label.instance->runs) {
+      for (const std::size_t end = at + run; at < end; ++at)
+        if (inside) mask(static_cast<int>(at % size.height), static_cast<int>(at / size.height)) = 255;
+      inside = !inside;
+    }
+  }
+  return mask;
+}
+
+TEST(Traffic, FindsWhatMovesAndNothingThatStands) {
+  const Street street(14);
+  const Traffic traffic = find_traffic(street.drive, street.drive.poses, Ground(street.drive, street.drive.poses), 0.05, [] {});
+  ASSERT_EQ(traffic.labels.size(), street.drive.frames.size());
+  double covered = 0, all = 0;
+  for (std::size_t i = 0; i < traffic.labels.size(); ++i) {
+    const synth::SynthFrame truth = street.scene->render(static_cast<int>(i));
+    const cv::Mat1b found = drawn(traffic.labels[i], truth.dynamic.size());
+    covered += cv::countNonZero(grown(found, 3) & truth.dynamic);
+    all += cv::countNonZero(truth.dynamic);
+    for (const Label& label : traffic.labels[i]) {
+      const cv::Mat1b own = drawn({label}, truth.dynamic.size());
+      EXPECT_GT(cv::countNonZero(own & grown(truth.dynamic, 3)), cv::countNonZero(own) / 3)
+          << "frame " << i << " track " << label.track;
+      ASSERT_TRUE(label.box);
+      EXPECT_GT(label.box->size.minCoeff(), 0);
+    }
+  }
+  EXPECT_GT(covered / all, 0.75);  // shadows are part of the truth, not of the outlines
+  RecordProperty("recall", std::to_string(covered / all));
+}
+
+TEST(Traffic, OneScanOrNoPoseFindsNothing) {
+  const Street street(1);
+  const Ground ground(street.drive, street.drive.poses);
+  EXPECT_TRUE(find_traffic(street.drive, street.drive.poses, ground, 0.05, [] {}).tracks.empty());
+  const Traffic unposed = find_traffic(street.drive, Trajectory(), Ground(street.drive, Trajectory()), 0.05, [] {});
+  EXPECT_TRUE(unposed.tracks.empty());
+  EXPECT_EQ(unposed.labels.size(), 1U);
+}
+
+// A drive along x over ground of a given height, scanned in rings, filmed by a camera that looks along x.
+struct Plain {
+  Drive drive;
+
+  explicit Plain(int scans, double slope, double outliers = 0) {
+    drive.camera = {160, 96, 120, 120, 79.5, 40.5, {}};
+    drive.camera_from_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+    std::vector<StampedPose> poses;
+    for (int i = 0; i < scans; ++i) {
+      const double x = 0.8 * i;
+      poses.push_back({i * 100 * kMs, {Eigen::Matrix3d::Identity(), {x, 0, slope * x + 1.7}}});
+      drive.scan_headers.push_back({"", i * 100 * kMs, i * 100 * kMs, i * 100 * kMs, {}});
+      drive.frames.push_back({i, std::to_string(i), i * 100 * kMs, {}, {}});
+    }
+    drive.poses = Trajectory(poses);
+    drive.scans = Lazy<Scan>(scans, 4, [slope, outliers](std::size_t i) {
+      Scan scan;
+      Random random(i + 1);
+      for (double range = 2; range < 45; range += 0.4)
+        for (int a = 0; a < 360; a += 2) {
+          const double angle = a * std::numbers::pi / 180, x = range * std::cos(angle), y = range * std::sin(angle);
+          const double below = random.uniform(0, 1) < outliers ? -1.5 : 0;
+          scan.points.emplace_back(x, y, slope * x - 1.7 + below + 0.02 * random.normal());
+          scan.time.push_back(0);
+        }
+      return scan;
+    });
+  }
+};
+
+TEST(GroundOfADrive, FollowsSlopesAndIgnoresWhatMirrorsShowBelow) {
+  const Plain plain(12, 0.08, 0.005);
+  const Ground ground(plain.drive, plain.drive.poses);
+  for (const double x : {1.3, 7.7, 15.2, 24.9})
+    for (const double y : {-8.4, -0.3, 6.1}) {
+      const auto height = ground.height({x, y});
+      ASSERT_TRUE(height) << x << ' ' << y;
+      EXPECT_NEAR(*height, 0.08 * x, 0.05) << x << ' ' << y;
+    }
+  EXPECT_FALSE(ground.height({500, 0}));
+}
+
+float road(const Eigen::Vector2d& x) {
+  return static_cast<float>(120 + 25 * std::sin(0.9 * x.x()) + 25 * std::sin(1.3 * x.y()));
+}
+
+// Films the plain with an upright board ahead that moves away, masked, and its shadow to the left of it, not masked.
+struct Shadowed {
+  Views views;
+  std::vector<cv::Mat1b> shadows;
+
+  Shadowed(const Drive& drive, bool with_shadow, double light_step = 0) {
+    std::vector<cv::Mat3b> images;
+    std::vector<cv::Mat1b> masks;
+    for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+      const SE3 world_from_lidar = *drive.poses.at(drive.frames[i].time_ns);
+      const SE3 camera_from_world = drive.camera_from_lidar * world_from_lidar.inverse(),
+                world_from_camera = camera_from_world.inverse();
+      views.views.push_back({0, i, drive.frames[i].time_ns, drive.camera, camera_from_world});
+      const double board = 9 + 1.6 * static_cast<double>(i);  // metres along x
+      const double light = 1 + light_step * static_cast<double>(i);
+      cv::Mat3b image(drive.camera.height, drive.camera.width, cv::Vec3b(200, 180, 160));
+      cv::Mat1b mask(image.size(), uchar{0}), shadow(image.size(), uchar{0});
+      for (int y = 0; y < image.rows; ++y)
+        for (int x = 0; x < image.cols; ++x) {
+          const Eigen::Vector3d ray = world_from_camera.R * drive.camera.ray({x, y});
+          const double to_board = (board - world_from_camera.t.x()) / ray.x();
+          const Eigen::Vector3d on_board = world_from_camera.t + to_board * ray;
+          if (std::abs(on_board.y()) < 0.9 && on_board.z() > 0 && on_board.z() < 1.6) {
+            mask(y, x) = 255;
+            image(y, x) = {30, 30, 200};
+            continue;
+          }
+          if (ray.z() >= 0) continue;
+          const Eigen::Vector2d foot = (world_from_camera.t - world_from_camera.t.z() / ray.z() * ray).head<2>();
+          const bool dark = with_shadow && foot.x() > board - 0.2 && foot.x() < board + 1.2 && foot.y() > 0.5 && foot.y() < 2.6;
+          if (dark && foot.y() > 0.9) shadow(y, x) = 255;
+          const double level = road(foot) * light * (dark ? 0.45 : 1.0);
+          image(y, x) = cv::Vec3b::all(cv::saturate_cast<uchar>(level));
+        }
+      images.push_back(image);
+      masks.push_back(mask);
+      shadows.push_back(shadow);
+    }
+    views = memory_views(views.views, images, masks);
+  }
+};
+
+TEST(Shadows, JoinTheirObjectAlsoWhenTheLightDrifts) {
+  const Plain plain(40, 0);
+  const auto ground = std::make_shared<const Ground>(plain.drive, plain.drive.poses);
+  for (const double drift : {0.0, 0.01}) {
+    const Shadowed filmed(plain.drive, true, drift);
+    const Lazy<cv::Mat1b> masks = with_shadows(filmed.views, ground);
+    for (const std::size_t i : {std::size_t{6}, std::size_t{20}}) {
+      const cv::Mat1b base = *filmed.views.masks[i], mask = *masks[i], shadow = filmed.shadows[i] & ~base;
+      ASSERT_GT(cv::countNonZero(shadow), 30);
+      EXPECT_EQ(cv::countNonZero(base & ~mask), 0);
+      EXPECT_GT(cv::countNonZero(mask & shadow), 0.9 * cv::countNonZero(shadow)) << "frame " << i;
+      EXPECT_LT(cv::countNonZero(mask & ~grown(base | shadow, 4)), 0.02 * mask.total()) << "frame " << i;
+    }
+  }
+}
+
+TEST(Shadows, LeaveGroundThatOnlyLooksDarkAndFramesThatNobodyElseSaw) {
+  const Plain plain(40, 0);
+  const auto ground = std::make_shared<const Ground>(plain.drive, plain.drive.poses);
+  const Shadowed filmed(plain.drive, false);
+  const Lazy<cv::Mat1b> masks = with_shadows(filmed.views, ground);
+  const cv::Mat1b base = *filmed.views.masks[20];
+  EXPECT_EQ(cv::countNonZero(*masks[20] & ~grown(base, 4)), 0);
+  Views alone = filmed.views;
+  alone.views.resize(1);
+  alone.images = {1, 1, [of = filmed.views.images](std::size_t) { return of[0]->clone(); }};
+  alone.masks = {1, 1, [of = filmed.views.masks](std::size_t) { return of[0]->clone(); }};
+  EXPECT_EQ(cv::norm(*with_shadows(alone, ground)[0], *filmed.views.masks[0], cv::NORM_INF), 0);
+}
+
+Cluster cluster_at(double x, double y, double seconds, double moving_share = 1) {
+  Cluster cluster;
+  cluster.centre = {x, y};
+  cluster.extent_m = 0.8;
+  cluster.mean_time_ns = std::llround(1e9 * seconds);
+  cluster.moving_share = moving_share;
+  return cluster;
+}
+
+TEST(Tracker, KeepsTwoThatPassEachOtherApart) {
+  Tracker tracker;
+  for (int i = 0; i < 20; ++i) {
+    const double t = 0.1 * i;
+    if (i == 9) continue;  // hidden for a moment
+    tracker.add(static_cast<std::size_t>(i), {cluster_at(8 * t, 0, t), cluster_at(16 - 8 * t, 2.5, t)});
+  }
+  const std::vector<Track> tracks = tracker.finish();
+  ASSERT_EQ(tracks.size(), 2U);
+  for (const Track& track : tracks) {
+    EXPECT_EQ(track.observations.size(), 19U);
+    EXPECT_NEAR(std::abs(track.velocity(10).x()), 8, 1e-6);
+    EXPECT_NEAR(track.velocity(10).y(), 0, 1e-6);
+  }
+}
+
+TEST(Tracker, DropsWhatStaysWhatWandersAndWhatIsMostlyStanding) {
+  Random random(5);
+  Tracker tracker;
+  for (int i = 0; i < 30; ++i) {
+    const double t = 0.1 * i;
+    tracker.add(static_cast<std::size_t>(i),
+                {cluster_at(0.05 * random.normal(), 0, t),
+                 cluster_at(30 + random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7), t), cluster_at(3 * t, 60, t, 0.25)});
+  }
+  EXPECT_TRUE(tracker.finish().empty());
+}
+
+}  // namespace
+}  // namespace dvi::traffic
