@@ -42,6 +42,9 @@ struct MapInput {
   FrameLabels objects{};  ///< labels of what is removed, as drive->frames; empty: none
 };
 
+/// A map without points, with the bound of memory that the options ask for.
+StaticMap empty_map(const MapOptions& options);
+
 /// The static map of several drives in one world: scans are compensated for the motion within the scan; points that project
 /// into the mask of the frame nearest in time or lie in its labelled boxes are dropped (section 3.1 of the paper), the rest is
 /// thinned to one mean point a voxel; then voxels that rays of other scans went through are dropped. Streams over scans:

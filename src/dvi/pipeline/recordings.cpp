@@ -158,8 +158,10 @@ void add_files(Fingerprint& print, const Drive& drive) {
   parallel_for(files.size(), [&](std::size_t i) {
     if (!files[i].empty()) hashes[i] = hash_of_file(files[i], kLargestFile);  // empty: a frame without a mask
   });
+  print.add(drive.path.filename().string());  // warnings say it
+  print.add(fmt::format("{} {} {}", drive.frames.size(), drive.scan_headers.size(), drive.mask_files.size()));
   for (std::size_t i = 0; i < files.size(); ++i) {
-    print.add(files[i].empty() ? "" : fs::absolute(files[i]).lexically_normal().string());
+    print.add(files[i].filename().string());
     print.add(hashes[i]);
   }
 }

@@ -38,7 +38,8 @@ Recordings open_images(const Job& job, Progress& progress);
 /// Warns, and returns the warnings, where the job's range of the LiDAR leaves out more than a tenth of a drive's returns.
 std::vector<std::string> verify(const Recordings& drives, const Job& job, Progress& progress);
 
-/// Adds the path and the content of every file that the drive is read from. InputError where one cannot be read.
+/// Adds the name of the drive, and name and content of every file that it is read from, wherever they lie. InputError where one
+/// cannot be read.
 void add_files(Fingerprint& print, const Drive& drive);
 
 }  // namespace dvi::pipeline
