@@ -24,6 +24,14 @@ std::vector<std::string> recorded_stages(const fs::path& out) {
   return names;
 }
 
+void remove_stages(const fs::path& out) {
+  if (fs::is_symlink(out / kFolder)) return;
+  for (const std::string& name : recorded_stages(out)) {
+    fs::remove(out / file_of(name));
+    fs::remove(record_of(out, name));
+  }
+}
+
 KeptStages::KeptStages(fs::path out, std::string fingerprint, Progress& progress)
     : out_(std::move(out)), fingerprint_(std::move(fingerprint)), progress_(progress) {
   make_folder(out_ / kFolder);

@@ -43,4 +43,7 @@ class KeptStages {
 /// The stages that records in OUT name, whatever they were made from, by name.
 std::vector<std::string> recorded_stages(const fs::path& out);
 
+/// Removes them: a result that is of another method now has no use for them.
+void remove_stages(const fs::path& out);
+
 }  // namespace dvi::pipeline

@@ -311,7 +311,8 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
     write_map_files(out_ / "map", *results.map, results.views, target);
     write_file(out_ / "map/map.json", json_text(map_report(*results.map)) + "\n");
   } else {
-    remove_map();  // left by another method
+    remove_map();  // left by another method, as the stages
+    remove_stages(out_);
   }
   write_media(out_, target, names_, job_.options.video, progress);
   progress.end();
