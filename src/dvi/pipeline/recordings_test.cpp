@@ -50,5 +50,13 @@ TEST_F(OpenedDrive, WarnsWhereTheRangeLeavesOutManyReturns) {
   EXPECT_TRUE(verify(drives, job, progress).empty());
 }
 
+TEST_F(OpenedDrive, TheLeastRangeIsThatOfTheSensorUnlessTheUserSaysOtherwise) {
+  Recordings drives = open_recordings(job, MaskNeed::required, progress);
+  drives.front().drive.sensor = Sensor::depth_camera;
+  EXPECT_TRUE(verify(drives, job, progress).empty());
+  job.table().set("lidar.min_range_m=2");
+  EXPECT_THAT(verify(drives, job, progress), Contains(HasSubstr("lidar.min_range_m = 2")));
+}
+
 }  // namespace
 }  // namespace dvi::pipeline
