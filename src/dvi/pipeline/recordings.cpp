@@ -14,7 +14,11 @@ namespace {
 
 std::optional<masks::MaskSource> resolve_masks(Drive& drive, const MasksFrom& from, MaskNeed need) {
   if (from.kind == MasksFrom::Kind::automatic) {
-    if (need == MaskNeed::optional && drive.masks.empty() && !drive.has_labels()) return std::nullopt;
+    if (need != MaskNeed::required && drive.masks.empty() && !drive.has_labels()) {
+      if (need == MaskNeed::wanted)
+        drive.warnings.emplace_back("has neither masks nor labels, so its traffic may be copied into the result");
+      return std::nullopt;
+    }
     return masks::default_mask_source(drive);
   }
   if (from.kind == MasksFrom::Kind::labels) {
@@ -111,7 +115,8 @@ Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress) {
   drives.push_back(open_recording(job.target, job.read, need, progress));
   ReadChoice further;
   further.camera = job.read.camera;
-  for (const std::string& path : job.sources) drives.push_back(open_recording(path, further, need, progress));
+  const MaskNeed of_sources = need == MaskNeed::required ? MaskNeed::wanted : need;
+  for (const std::string& path : job.sources) drives.push_back(open_recording(path, further, of_sources, progress));
   return drives;
 }
 
