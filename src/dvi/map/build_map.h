@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "dvi/core/interrupt.h"
@@ -11,7 +12,8 @@ namespace dvi::map {
 
 struct MapOptions {
   double voxel_m = 0.05;
-  double min_range_m = 2, max_range_m = 120;  ///< of the scan
+  std::optional<double> min_range_m;  ///< of the scan; none: Drive::least_range_m()
+  double max_range_m = 120;
   double box_margin_m = 0.2;
   bool require_camera_visibility = true;
   bool carve = true;

@@ -1,9 +1,13 @@
 #include "dvi/pipeline/find_masks.h"
 
 #include <algorithm>
+#include <numeric>
+#include <set>
 
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 
+#include "dvi/core/threads.h"
 #include "dvi/masks/standing.h"
 
 namespace dvi::pipeline {
@@ -56,6 +60,27 @@ Masks find_masks(const Recordings& drives, const Poses& poses, const Job& job, P
     masks.push_back(masks_of(drives[i], poses[i].world_from_lidar, job));
   }
   return masks;
+}
+
+std::optional<StandingTracks> standing_tracks(const Recording& open, const Trajectory& world_from_lidar, const Job& job) {
+  if (open.masks_from != masks::MaskSource::labels || job.read.remove == Remove::moving) return std::nullopt;
+  const Drive& drive = open.drive;
+  StandingTracks out{.standing = masks::standing_tracks(drive, world_from_lidar).size()};
+  if (out.standing == 0) return std::nullopt;
+  std::set<int> tracks;
+  for (const Frame& frame : drive.frames)
+    for (const Label& label : frame.labels)
+      if (label.track >= 0) tracks.insert(label.track);
+  out.tracks = tracks.size();
+  Job moving = job;
+  moving.read.remove = Remove::moving;
+  const Lazy<cv::Mat1b> now = masks_of(open, world_from_lidar, job).images;
+  const Lazy<cv::Mat1b> then = masks_of(open, world_from_lidar, moving).images;
+  std::vector<std::size_t> pixels(now.size());
+  parallel_for(pixels.size(),
+               [&](std::size_t i) { pixels[i] = static_cast<std::size_t>(cv::countNonZero(cv::Mat1b(*now[i] & ~*then[i]))); });
+  out.pixels = std::accumulate(pixels.begin(), pixels.end(), std::size_t{0});
+  return out;
 }
 
 }  // namespace dvi::pipeline

@@ -14,7 +14,11 @@ namespace {
 
 std::optional<masks::MaskSource> resolve_masks(Drive& drive, const MasksFrom& from, MaskNeed need) {
   if (from.kind == MasksFrom::Kind::automatic) {
-    if (need == MaskNeed::optional && drive.masks.empty() && !drive.has_labels()) return std::nullopt;
+    if (need != MaskNeed::required && drive.masks.empty() && !drive.has_labels()) {
+      if (need == MaskNeed::wanted)
+        drive.warnings.emplace_back("has neither masks nor labels, so its traffic may be copied into the result");
+      return std::nullopt;
+    }
     return masks::default_mask_source(drive);
   }
   if (from.kind == MasksFrom::Kind::labels) {
@@ -44,20 +48,29 @@ void resolve_poses(Drive& drive, const PosesFrom& from) {
   drive.other_files.emplace_back(from.file);
 }
 
+// Metres from the sensor to the returns that are used.
+struct UsedRange {
+  double least, most;
+};
+
+UsedRange used_range(const Drive& drive, const map::MapOptions& options) {
+  return {options.min_range_m.value_or(drive.least_range_m()), options.max_range_m};
+}
+
 struct Returns {
   std::size_t all = 0, near = 0, far = 0;  // near and far: outside the range
 };
 
-Returns count_returns(const Scan& scan, const map::MapOptions& range) {
+Returns count_returns(const Scan& scan, const UsedRange& range) {
   Returns out{.all = scan.size()};
   for (const Eigen::Vector3f& point : scan.points) {
-    if (point.norm() < range.min_range_m) ++out.near;
-    if (point.norm() > range.max_range_m) ++out.far;
+    if (point.norm() < range.least) ++out.near;
+    if (point.norm() > range.most) ++out.far;
   }
   return out;
 }
 
-std::optional<std::string> range_warning(const std::vector<Returns>& scans, const map::MapOptions& range) {
+std::optional<std::string> range_warning(const std::vector<Returns>& scans, const UsedRange& range) {
   constexpr double kMany = 0.1;
   Returns sum;
   for (const Returns& scan : scans) sum.all += scan.all, sum.near += scan.near, sum.far += scan.far;
@@ -65,8 +78,8 @@ std::optional<std::string> range_warning(const std::vector<Returns>& scans, cons
   if (near + far <= kMany * all) return std::nullopt;
   return fmt::format(
       "{:.0f} % of all returns are not used: {:.0f} % are nearer than lidar.min_range_m = {:g}, {:.0f} % farther than "
-      "lidar.max_range_m = {:g}; set these to what the sensor sees, such as --set lidar.min_range_m=0.1 for a depth camera",
-      100 * (near + far) / all, 100 * near / all, range.min_range_m, 100 * far / all, range.max_range_m);
+      "lidar.max_range_m = {:g}; set these to what the sensor sees, such as --set lidar.min_range_m=0.1",
+      100 * (near + far) / all, 100 * near / all, range.least, 100 * far / all, range.most);
 }
 
 void bound_caches(const Job& job) { CacheBudget::of_process()->set_bound(static_cast<std::size_t>(job.memory_mb) << 20); }
@@ -102,7 +115,8 @@ Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress) {
   drives.push_back(open_recording(job.target, job.read, need, progress));
   ReadChoice further;
   further.camera = job.read.camera;
-  for (const std::string& path : job.sources) drives.push_back(open_recording(path, further, need, progress));
+  const MaskNeed of_sources = need == MaskNeed::required ? MaskNeed::wanted : need;
+  for (const std::string& path : job.sources) drives.push_back(open_recording(path, further, of_sources, progress));
   return drives;
 }
 
@@ -122,6 +136,7 @@ std::vector<std::string> verify(const Recordings& drives, const Job& job, Progre
   std::vector<std::string> warnings;
   for (const Recording& open : drives) {
     const std::size_t frames = open.drive.frames.size();
+    const UsedRange range = used_range(open.drive, job.options.map);
     // The first error in order, whichever thread meets one first.
     std::vector<std::exception_ptr> errors(frames + open.drive.scan_headers.size());
     std::vector<Returns> returns(open.drive.scan_headers.size());
@@ -131,7 +146,7 @@ std::vector<std::string> verify(const Recordings& drives, const Job& job, Progre
           open.drive.images[i];
           if (open.masks_from == masks::MaskSource::files) open.drive.masks[i];
         } else {
-          returns[i - frames] = count_returns(*open.drive.scans[i - frames], job.options.map);
+          returns[i - frames] = count_returns(*open.drive.scans[i - frames], range);
         }
       } catch (...) {
         errors[i] = std::current_exception();
@@ -140,7 +155,7 @@ std::vector<std::string> verify(const Recordings& drives, const Job& job, Progre
     });
     for (const std::exception_ptr& error : errors)
       if (error) std::rethrow_exception(error);
-    if (const auto warning = range_warning(returns, job.options.map))
+    if (const auto warning = range_warning(returns, range))
       warnings.push_back(open.drive.path.filename().string() + ": " + *warning);
   }
   progress.end();

@@ -21,13 +21,14 @@ struct Recording {
 /// The target first, then the source drives.
 using Recordings = std::vector<Recording>;
 
-/// Whether a drive must say what to remove; if not, nothing is masked where it does not.
-enum class MaskNeed { required, optional };
+/// Whether a drive must say what to remove. Where it need not and does not, nothing is masked; wanted: a warning says so.
+enum class MaskNeed { required, wanted, optional };
 
 /// Opens one drive as `source` says; warnings go to `progress`.
 Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNeed need, Progress& progress);
 
-/// Opens the target and the source drives. Ranges of frames, masks and poses given by hand are the target's.
+/// Opens the target and the source drives. Ranges of frames, masks and poses given by hand are the target's. A source drive
+/// need not say what to remove: where the target must, the source drive is warned of.
 Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress);
 
 /// Opens the target for what needs images and masks only: its scans are left out, and a warning says that source drives are

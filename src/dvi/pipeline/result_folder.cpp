@@ -297,6 +297,7 @@ RunReport ResultFolder::report(const RunResults& results, const Progress& progre
     report.frames.push_back(*record->frame);
     report.hole += record->frame->hole;
   }
+  report.standing = standing_tracks(drives_.front(), results.poses.front().world_from_lidar, job_);
   if (results.map != nullptr) report.map = map_report(*results.map);
   report.cost = cost_report(progress, results.cpu, made_);
   report.warnings = progress.warnings();
