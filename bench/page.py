@@ -88,8 +88,8 @@ def audited(outcome: Outcome) -> str:
 def head(outcome: Outcome, command: str) -> str:
     return f"""# Benchmarks
 <!-- Written by ./dev bench quality. The section "Reading the table" is docs/benchmarks-reading.md. -->
-Traffic is removed from drives of which is known what stood behind it, and the fill is compared with that, inside the removed
-pixels only: a synthetic street with exact truth, and real drives into which `dvi holdout` put virtual traffic.
+We remove traffic from drives whose true background is known, and compare the fill with it, inside the removed pixels only. The
+drives are synthetic streets with exact truth, and real drives into which `dvi holdout` inserted virtual traffic.
 
 - Machine: {machine()}
 - Commit: `{commit()}`
@@ -97,8 +97,8 @@ pixels only: a synthetic street with exact truth, and real drives into which `dv
 - Receipts: {audited(outcome)}
 
 [metrics.md](metrics.md) defines every figure. All methods are scored on the same pixels, and **copied**, **interpolated** and
-**never seen** are what they are to `dvi`: where it copied from another frame, interpolated from around, or had to make
-something up. Intervals are 95 %, by bootstrap over frames. `-` is undefined.
+**never seen** refer to the result of `dvi`: pixels copied from another frame, interpolated from their
+surroundings, or seen by no frame. Intervals are 95 %, by bootstrap over frames. `-` is undefined.
 """
 
 

@@ -20,6 +20,12 @@ class Run : public ProgramTest {
   }
 };
 
+// A report less what it cost.
+nlohmann::json timeless(nlohmann::json report) {
+  report.erase("cost");
+  return report;
+}
+
 TEST_F(Run, WritesEverythingTheContractNames) {
   small_drive();
   const Result result = dvi("run drive -o out --quiet");
@@ -113,10 +119,15 @@ TEST_F(Run, KeepsFinishedFramesAndMakesMissingOnes) {
   const auto time = fs::last_write_time(first);
   fs::remove(folder / "out/.dvi/frames/000002.json");
   fs::remove(third);
+  const nlohmann::json told = timeless(report());
   const Result again = dvi("run drive -o out");
   ASSERT_EQ(again.code, 0) << again.err;
   EXPECT_EQ(fs::last_write_time(first), time) << "a finished frame is left alone";
   EXPECT_TRUE(contents(folder / "out") == before);
+  EXPECT_THAT(again.err, HasSubstr("alignment, exposure, map, poses of an earlier call are used"));
+  for (const char* stage : {"read:", "odometry:", "carve:", "exposure:", "align:"})
+    EXPECT_THAT(again.err, Not(HasSubstr(std::string("\n") + stage))) << "the stage is kept";
+  EXPECT_EQ(timeless(report()), told) << "poses, map, warnings as on the first call";
   const Result whole = dvi("run drive -o out");
   EXPECT_THAT(whole.err, HasSubstr("nothing to do"));
   EXPECT_THAT(whole.err, Not(HasSubstr("odometry"))) << "that is found out first";
@@ -153,6 +164,12 @@ TEST_F(Run, WhatIsDamagedIsMadeAgain) {
   damage(".dvi/frames/000002.json", empty);
   damage(".dvi/result.json", cut);
   damage(".dvi/job.json", empty);
+  for (const std::string stage : {"poses", "map", "exposure", "alignment"}) {
+    fs::remove(folder / "out/.dvi/frames/000001.json");
+    damage(".dvi/stages/" + stage + ".bin", other);
+    fs::remove(folder / "out/.dvi/frames/000001.json");
+    damage(".dvi/stages/" + stage + ".json", gone);
+  }
 }
 
 TEST_F(Run, DeletesNothingButItsOwn) {
@@ -221,6 +238,17 @@ TEST_F(Run, OtherOptionsMakeFramesAgain) {
   EXPECT_NE(read_file(folder / "out/frames/000002.png"), before.at("frames/000002.png"));
   EXPECT_FALSE(fs::exists(folder / "out/frames/000000.png")) << "what is no longer part of the result is gone";
   EXPECT_EQ(report()["frames"].size(), 4);
+}
+
+TEST_F(Run, OptionsOfTheFillLeaveTheStagesBeforeIt) {
+  small_drive();
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  const Result fill = dvi("run drive -o out --frames 0:5 --set harmonize.poisson=false --set map.memory_mb=0");
+  ASSERT_EQ(fill.code, 0) << fill.err;
+  EXPECT_THAT(fill.err, HasSubstr("alignment, exposure, map, poses of an earlier call are used"));
+  const Result stages = dvi("run drive -o out --set map.voxel_m=0.1");
+  ASSERT_EQ(stages.code, 0) << stages.err;
+  EXPECT_THAT(stages.err, Not(HasSubstr("of an earlier call")));
 }
 
 TEST_F(Run, RefusesFoldersOfOtherDrives) {

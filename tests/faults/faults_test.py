@@ -14,8 +14,10 @@ import scenarios  # noqa: E402
 from program import Program  # noqa: E402
 
 # OUT is $4. A file that is there is believed, as a careless program would.
-CARELESS = ('mkdir -p $4/.dvi/frames $4/frames\n[ -e $4/frames/000001.png ] || cat $2/in.txt > $4/frames/000001.png\n'
-            'echo "{}" > $4/report.json\necho record > $4/.dvi/frames/000001.json\n')
+CARELESS = ('mkdir -p $4/.dvi/frames $4/.dvi/stages $4/frames\n[ -e $4/frames/000001.png ] || cat $2/in.txt > $4/frames/000001.png\n'
+            'echo "{}" > $4/report.json\necho record > $4/.dvi/frames/000001.json\n'
+            'for s in poses map exposure alignment; do [ -e $4/.dvi/stages/$s.json ] || { echo $s > $4/.dvi/stages/$s.bin;'
+            ' echo record > $4/.dvi/stages/$s.json; sleep 0.01; }; done\n')
 CAREFUL = CARELESS.replace("[ -e $4/frames/000001.png ] || ", "")
 
 
@@ -54,7 +56,8 @@ class Faults(unittest.TestCase):
                          ["result: not expected: more.png", "result: other than undisturbed: report.json"])
 
     def test_a_careful_program_passes(self):
-        for seed, scenario in enumerate((scenarios.killed, scenarios.damaged, scenarios.power_cut, scenarios.two_at_once)):
+        for seed, scenario in enumerate((scenarios.killed, scenarios.killed_after_stage, scenarios.stages_damaged, scenarios.damaged,
+                                          scenarios.power_cut, scenarios.two_at_once)):
             self.assertEqual(scenario(self.scene(CAREFUL, seed))[1], [], scenario.__name__)
 
     def test_a_damaged_picture_is_found(self):
@@ -62,11 +65,16 @@ class Faults(unittest.TestCase):
         self.assertTrue(any("other than undisturbed: frames/000001.png" in f for _, findings in found for f in findings), found)
         self.assertTrue(all(findings == [] for what, findings in found if "deleted" in what), found)
 
+    def test_a_stage_that_is_made_again_is_found(self):
+        forgetful = CAREFUL.replace("[ -e $4/.dvi/stages/$s.json ] ||", "")
+        found = [scenarios.killed_after_stage(self.scene(forgetful, seed))[1] for seed in range(3)]
+        self.assertTrue(any("was made again" in f for findings in found for f in findings), found)
+
     def test_each_kind_of_file_is_damaged(self):
         names = set()
         for seed in range(40):
             scene = self.scene(CAREFUL, seed)
-            names.add(scenarios.damage(scene.complete, scene.rng, lambda name: True, scenarios.LOST)[0])
+            names.add(scenarios.damage(scene.complete, scene.rng, lambda name: "stages" not in name, scenarios.LOST)[0])
         self.assertEqual(names, {"frames/000001.png", "report.json", ".dvi/frames/000001.json"})
 
 

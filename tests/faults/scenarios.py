@@ -13,6 +13,7 @@ from program import wait
 from results import contents, differences, kind_of
 
 REFUSED, INTERRUPTED = 3, 130
+STAGES = ("poses", "map", "exposure", "alignment")  # as a run makes and keeps them
 LOST = ("deleted", "cut", "emptied", "zeroed")  # what disks do to files
 
 
@@ -55,6 +56,35 @@ def killed(scene):
                 found.append(f"{name} after {moment:.2f} s: exit {code}")
         done.append(f"{name} at {moment:.2f} s")
     return ", ".join(done), found + scene.finish()
+
+
+def killed_after_stage(scene):
+    """Killed as soon as a stage is kept, several times over; a later call uses what was kept, and does not make it again."""
+    done, kept = [], {}
+    for name in sorted(scene.rng.sample(range(len(STAGES)), scene.rng.randint(1, 3))):
+        record = scene.out / f".dvi/stages/{STAGES[name]}.json"
+        process = scene.program.start("run", scene.drive, "-o", scene.out)
+        end = time.monotonic() + scene.program.seconds
+        while process.poll() is None and not record.exists() and time.monotonic() < end:
+            time.sleep(0.001)
+        process.kill()
+        process.wait()
+        if record.exists():
+            file = record.with_suffix(".bin")
+            kept.setdefault(file, file.stat().st_mtime_ns)
+        done.append(f"SIGKILL after {STAGES[name]}")
+    found = scene.finish()
+    again = [file.stem for file, written in kept.items() if file.stat().st_mtime_ns != written]
+    return ", ".join(done), found + [f"{name} was made again" for name in again]
+
+
+def stages_damaged(scene):
+    """Frames are missing, and files of kept stages too, or they are damaged."""
+    shutil.copytree(scene.complete, scene.out)
+    done = [": ".join(damage(scene.out, scene.rng, lambda name: name.startswith("frames/"), ("deleted",)))]
+    done += [": ".join(damage(scene.out, scene.rng, lambda name: name.startswith(".dvi/stages/"), (*LOST, "changed")))
+             for _ in range(scene.rng.choice((1, 1, 2, 4)))]
+    return ", ".join(done), scene.finish()
 
 
 def disk_full(scene):
@@ -217,4 +247,5 @@ class Tmpfs:
         subprocess.run(["umount", self.folder], check=True)
 
 
-ALL = (killed, damaged, power_cut, disk_full, damaged, killed, two_at_once, read_only, input_changed, damaged)
+ALL = (killed, damaged, power_cut, disk_full, stages_damaged, killed, two_at_once, read_only, input_changed, damaged,
+       killed_after_stage, stages_damaged)

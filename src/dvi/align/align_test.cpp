@@ -82,6 +82,17 @@ TEST(Align, ACameraThatStandsStillHasItsJitterFoundOnly) {
   const Cameras found = align(drive.views, {drive.map, drive.views}, {});
   EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("hardly moves")));
   for (const ViewAlignment& a : found.views) EXPECT_LT(a.offset_after_px, 0.2);
+  EXPECT_LT(drive.residual_deg(found.views), 0.015);
+}
+
+TEST(Align, ACameraThatStandsStillIsNotTurnedAsAWhole) {
+  ShakyDrive drive(8, {.jitter_deg = 0.2, .mounting = {0.004, -0.003, 0}, .speed = {0, 0, 0}});
+  const Cameras found = align(drive.views, {drive.map, drive.views}, {});
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const ViewAlignment& a : found.views) sum += a.rotation;
+  EXPECT_TRUE(found.drives.at(0).kept);
+  EXPECT_LT(sum.norm(), 1e-9);
+  EXPECT_LT(found.drives.at(0).mounting.norm(), 1e-9);
 }
 
 TEST(Align, PosesThatDoNotFitAreSaid) {

@@ -230,18 +230,19 @@ bool better(const std::vector<Chain::Check>& checks, std::size_t a, std::size_t 
   return lower(checks, a, b, &Chain::Check::cost) && lower(checks, a, b, &Chain::Check::offset_px);
 }
 
-Expected expected_errors(const AlignOptions& options, const Camera& camera, double part) {
+Expected expected_errors(const AlignOptions& options, const Camera& camera, double part, bool common) {
   return {.rotation = part * radians(options.rotation_deg),
           .mounting = part * radians(options.mounting_deg),
-          .pair = kPairErrorPx / camera.fx};
+          .pair = kPairErrorPx / camera.fx,
+          .common = common};
 }
 
-// Metres from the first place to the farthest.
-double extent(const Views& views, std::size_t first, std::size_t last) {
-  double most = 0;
+// Whether surfaces come nearer, or pass by, so that a rotation common to all frames shows.
+bool moves(const Views& views, std::size_t first, std::size_t last) {
+  double most = 0;  // metres from the first place to the farthest
   for (std::size_t i = first; i < last; ++i)
     most = std::max(most, (views[i].camera_from_world.inverse().t - views[first].camera_from_world.inverse().t).norm());
-  return most;
+  return most >= kHardlyMoves;
 }
 
 // What could not be aligned, in words.
@@ -265,8 +266,9 @@ void warn(const Views& views, std::size_t first, std::size_t last, Cameras& out)
         fmt::format("{}colours stay misplaced by {:.1f} px in the median; check camera_from_lidar, the poses, and that camera "
                     "and LiDAR share one clock",
                     drive, offset));
-  if (extent(views, first, last) < kHardlyMoves)
-    out.warnings.push_back(drive + "the camera hardly moves; a rotation common to all its frames cannot be told");
+  if (!moves(views, first, last))
+    out.warnings.push_back(
+        drive + "the camera hardly moves; a rotation common to all its frames cannot be estimated and is assumed to be none");
 }
 
 // Aligned frames agree best where they are, unless their clock is off: then where they were before or are later.
@@ -288,12 +290,14 @@ void align_jointly(const DriveViews& drive, const AlignOptions& options, const T
   const std::size_t first = drive.first, last = drive.last;
   Chain chain(drive, options);
   const Corrections given(last - first);
-  const Corrections coarse = solve(chain.find_pairs(tick), given, expected_errors(options, views[first].camera, 1));
+  const auto expected = [&, common = moves(views, first, last)](double part) {
+    return expected_errors(options, views[first].camera, part, common);
+  };
+  const Corrections coarse = solve(chain.find_pairs(tick), given, expected(1));
   const std::vector<PairModel> models = chain.models(coarse, std::min<std::size_t>(chain.coarsest(), 1), tick);
 
   std::vector<Corrections> candidates{given};
-  for (const double part : kParts)
-    candidates.push_back(solve(models, coarse, expected_errors(options, views[first].camera, part)));
+  for (const double part : kParts) candidates.push_back(solve(models, coarse, expected(part)));
   std::vector<Poses> poses;
   for (const Corrections& candidate : candidates) poses.push_back(chain.turned(candidate));
   const std::vector<Chain::Check> checks = chain.check(models, poses, tick);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include <Eigen/Cholesky>
 
@@ -29,6 +30,17 @@ class Normal {
     right_[at] -= information * value;
   }
   Eigen::VectorXd solve() const { return solve_normal_equations(entries_, right_); }
+  // The change after which the rotations of all views, whose sum is `sum` now, add up to none. By Lagrange multipliers.
+  Eigen::VectorXd solve_without_common(const Eigen::Vector3d& sum) const {
+    const Eigen::Index views = (right_.size() - kViews) / 3;
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(right_.size(), 4);
+    columns.col(0) = right_;
+    columns.bottomRightCorner(3 * views, 3) = Eigen::Matrix3d::Identity().replicate(views, 1);
+    const Eigen::MatrixXd solved = solve_normal_equations(entries_, columns);
+    const Eigen::MatrixXd sums = columns.rightCols<3>().transpose() * solved;
+    const Eigen::Vector3d multipliers = sums.rightCols<3>().ldlt().solve(sums.col(0) + sum);
+    return solved.col(0) - solved.rightCols<3>() * multipliers;
+  }
 
  private:
   std::vector<Eigen::Triplet<double>> entries_;
@@ -84,13 +96,14 @@ void add_pair(Normal& normal, const PairModel& model, double info) {
 
 Corrections solve(const std::vector<PairModel>& models, const Corrections& now, const Expected& expected) {
   const double info = information(expected.pair);
+  const Eigen::Vector3d sum = std::accumulate(now.rotations.begin(), now.rotations.end(), Eigen::Vector3d(0, 0, 0));
   std::vector<double> trust(models.size(), 1);
   Eigen::VectorXd change;
   for (int round = 0; round < kRounds; ++round) {
     Normal normal(now.rotations.size());
     add_priors(normal, now, expected);
     for (std::size_t i = 0; i < models.size(); ++i) add_pair(normal, models[i], trust[i] * info);
-    change = normal.solve();
+    change = expected.common ? normal.solve() : normal.solve_without_common(sum);
     for (std::size_t i = 0; i < models.size(); ++i) {
       Vector6d own;
       const auto at = places(models[i]);

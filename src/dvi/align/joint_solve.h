@@ -19,6 +19,7 @@ struct Expected {
   double rotation = 0;  ///< of a view, beside the mounting
   double mounting = 0;  ///< constant over the drive
   double pair = 0;      ///< by how much a pair may mislead about the rotation between its views
+  bool common = true;   ///< false: the rotations of all views add up to none, and the mounting is none
 };
 
 /// The corrections that fit all pairs best. `now` is where the models were made; their views are numbered from 0.

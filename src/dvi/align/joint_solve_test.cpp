@@ -68,6 +68,19 @@ TEST(JointSolve, WhatIsCommonToAllIsTheMounting) {
   for (std::size_t i = 0; i < 16; ++i) EXPECT_LT((found.rotations[i] - truth[i]).norm(), 0.15 * mounting.norm()) << i;
 }
 
+TEST(JointSolve, NothingIsCommonToAllWhereItIsNotSought) {
+  auto truth = random_rotations(16, 2);
+  for (Eigen::Vector3d& rotation : truth) rotation += Eigen::Vector3d(3e-3, -5e-3, 0);
+  Corrections now(16);
+  now.rotations[3] = {1e-3, 0, 0};
+  const Corrections found =
+      solve(chain(truth), now, {.rotation = kRotation, .mounting = kMounting, .pair = kPair, .common = false});
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& rotation : found.rotations) sum += rotation;
+  EXPECT_LT(sum.norm(), 1e-9);
+  EXPECT_LT(found.mounting.norm(), 1e-9);
+}
+
 TEST(JointSolve, OnePairThatMisleadsIsOutvoted) {
   const auto truth = random_rotations(12, 3);
   std::vector<PairModel> models = chain(truth);

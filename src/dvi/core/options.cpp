@@ -33,7 +33,9 @@ void require_within(double value, Range range) {
 }
 
 // A bare word is a string, so that the shell's quotes are enough: --set masks.source=labels.
-OptionValue parse(std::string_view text, const OptionValue& like) {
+OptionValue parse(std::string_view text, const Option& option) {
+  if (option.automatic && text == kAutomatic) return std::string(text);
+  const OptionValue like = option.automatic ? OptionValue(0.0) : option.get();
   if (std::holds_alternative<std::string>(like)) return std::string(text);
   if (std::holds_alternative<std::vector<std::string>>(like)) return std::vector<std::string>{std::string(text)};
   try {
@@ -156,6 +158,23 @@ void OptionTable::add(std::string key, std::vector<double*> fields, Range range,
            }});
 }
 
+void OptionTable::add_automatic(std::string key, std::vector<std::optional<double>*> fields, Range range, std::string doc) {
+  doc += fmt::format(" [{} | {} .. {}]", kAutomatic, range.low, range.high);
+  add({.key = std::move(key),
+       .doc = std::move(doc),
+       .automatic = true,
+       .get = [first = fields.front()] { return *first ? OptionValue(**first) : OptionValue(std::string(kAutomatic)); },
+       .set =
+           [fields = std::move(fields), range](const OptionValue& v) {
+             std::optional<double> value;
+             if (const auto* text = std::get_if<std::string>(&v); text == nullptr || *text != kAutomatic) {
+               require_within(number(v), range);
+               value = number(v);
+             }
+             for (std::optional<double>* field : fields) *field = value;
+           }});
+}
+
 void OptionTable::add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc) {
   auto set = [&field, choices](const std::string& text) {
     if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) refuse_name(choices);
@@ -205,7 +224,7 @@ void OptionTable::set(std::string_view assignment) {
   const Option& option = find(std::string(assignment.substr(0, equals)));
   const std::string_view text = assignment.substr(equals + 1);
   try {
-    option.assign(parse(text, option.get()));
+    option.assign(parse(text, option));
   } catch (const std::invalid_argument& e) {
     throw UsageError(fmt::format("option {} = {}: {}", option.name(), text, e.what()));
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,6 +16,9 @@
 namespace dvi {
 
 using OptionValue = std::variant<bool, std::int64_t, double, std::string, std::vector<std::string>>;
+
+/// What stands for a number that the program is to choose from the data.
+inline constexpr const char* kAutomatic = "auto";
 
 /// Smallest and largest value of a number.
 struct Range {
@@ -37,6 +41,7 @@ struct Option {
   std::string section = {}, key = {}, doc = {};
   Audience audience = Audience::user;
   std::vector<std::string> choices = {};  ///< of a string option; empty: any string
+  bool automatic = false;                 ///< a number that may also be kAutomatic
   std::function<OptionValue()> get = {};
   std::function<void(const OptionValue&)> set = {};  ///< throws std::invalid_argument with the reason
 
@@ -70,6 +75,8 @@ class OptionTable {
   void add(std::string key, double& field, Range range, std::string doc);
   /// One option that several structs share: it reads the first field and sets all of them.
   void add(std::string key, std::vector<double*> fields, Range range, std::string doc);
+  /// The same for a number that may be left to the program: none is kAutomatic.
+  void add_automatic(std::string key, std::vector<std::optional<double>*> fields, Range range, std::string doc);
   /// A number of which only these values have a meaning.
   void add_one_of(std::string key, int& field, std::vector<int> allowed, std::string doc);
   void add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -44,6 +45,7 @@ struct Settings {
   std::vector<std::string> paths;
   int side = 3;
   double low = 2, twin = 2;
+  std::optional<double> near, near_twin;
   Colour colour = Colour::red;
   Percent share = {};
 
@@ -60,6 +62,7 @@ struct Settings {
     table.developer();
     table.add_one_of("side", side, {0, 3, 5}, "How large.");
     table.add("low", {&low, &twin}, {0, 20}, "From where on.");
+    table.add_automatic("near", {&near, &near_twin}, {0, 20}, "How near.");
     table.add("colour", colour, "Which.");
     table.add("share", share, "What part.");
     table.section("first");
@@ -119,6 +122,22 @@ TEST_F(Options, DumpReadsBackExactly) {
   EXPECT_EQ(settings.source, "labels");
   EXPECT_EQ(settings.note, "say \"x\" \\ \n\t#");
   EXPECT_EQ(table.dump_toml(), text);
+}
+
+TEST_F(Options, ANumberMayBeLeftToTheProgram) {
+  EXPECT_THAT(table.dump_toml(), HasSubstr("# How near. [auto | 0 .. 20]\nnear = 'auto'\n"));
+  table.set("third.near=0.5");
+  EXPECT_EQ(settings.near, 0.5);
+  EXPECT_EQ(settings.near_twin, 0.5);
+  table.set("third.near=auto");
+  EXPECT_FALSE(settings.near || settings.near_twin);
+  load("[third]\nnear = 0");
+  EXPECT_EQ(settings.near, 0);
+  load("[third]\nnear = \"auto\"");
+  EXPECT_FALSE(settings.near);
+  EXPECT_THROW(table.set("third.near=21"), UsageError);
+  EXPECT_THROW(table.set("third.near=none"), UsageError);
+  EXPECT_THROW(load("[third]\nnear = \"none\""), UsageError);
 }
 
 TEST_F(Options, ListsOfStrings) {

@@ -32,6 +32,9 @@ struct ScanHeader {
   std::filesystem::path file;
 };
 
+/// What measured the scans.
+enum class Sensor { lidar, depth_camera };
+
 /// A recording: what a reader found in a folder. Images, scans and masks are read on demand and cached within bounds.
 struct Drive {
   std::filesystem::path path;
@@ -43,7 +46,8 @@ struct Drive {
 
   std::vector<Frame> frames;             ///< in order of time
   std::vector<ScanHeader> scan_headers;  ///< in order of time
-  Trajectory poses;                      ///< world_from_lidar as given; empty where none are
+  Sensor sensor = Sensor::lidar;
+  Trajectory poses;  ///< world_from_lidar as given; empty where none are
   /// Factor of the given positions to metres of the drive's own place: the Mercator scale of oxts; 1 where poses are
   /// metric. Two drives share a world when their positions are brought to one scale.
   double world_scale = 1;
@@ -69,6 +73,9 @@ struct Drive {
     for (const Frame& frame : frames) out.push_back(frame.labels);
     return out;
   }
+  /// Metres below which returns are left out, unless the user says otherwise. A LiDAR on a car measures the car itself; a depth
+  /// camera sees nothing of its bearer, and measures no nearer.
+  double least_range_m() const { return sensor == Sensor::depth_camera ? 0.1 : 2; }
   bool labelled = false;  ///< the drive came with labels, be they empty
 };
 

@@ -199,6 +199,13 @@ TEST_F(Folder, CaseIsADriveThatReadsBack) {
   }
 }
 
+TEST_F(Folder, CaseOfADepthCameraSaysSo) {
+  Drive drive = small_street();
+  drive.sensor = Sensor::depth_camera;
+  write_holdout(make(drive, Scenario::lead), folder / "case", "recipe");
+  EXPECT_EQ(io::read_drive(folder / "case/drive").sensor, Sensor::depth_camera);
+}
+
 TEST_F(Folder, OtherTimesAreWrittenOut) {
   Drive drive = small_street();
   drive.scans = Lazy<Scan>(drive.scan_headers.size(), 8, [scans = drive.scans](std::size_t i) {

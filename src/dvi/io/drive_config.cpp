@@ -105,6 +105,7 @@ LidarConfig read_lidar(const Table& table) {
   LidarConfig lidar;
   lidar.rate = table.number("rate").value_or(lidar.rate);
   if (!(lidar.rate >= 0.1 && lidar.rate <= 1000)) table.fail("rate", "is not a number of scans a second");
+  if (const auto sensor = table.choice("sensor", {"lidar", "depth_camera"})) lidar.sensor = Sensor(*sensor);
   if (const auto stamp = table.choice("stamp", {"start", "middle", "end"})) lidar.stamp = LidarConfig::Stamp(*stamp);
   if (const auto turn = table.choice("rotation", {"clockwise", "counterclockwise", "none"})) lidar.turn = Turn(*turn);
   if (const auto azimuth = table.number("first_azimuth_deg")) lidar.first_azimuth = *azimuth * kDegree;
@@ -140,7 +141,7 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
                           {"size", "K", "distortion", "camera_from_lidar", "offset_s"}));
   }
   config.lidar = read_lidar(Table(config.file, "lidar", table_of(root.get("lidar")),
-                                  {"rate", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s"}));
+                                  {"rate", "sensor", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s"}));
   return config;
 }
 
@@ -154,6 +155,7 @@ void CameraConfig::apply(Drive& drive) const {
 }
 
 void LidarConfig::apply(Drive& drive) const {
+  if (sensor) drive.sensor = *sensor;
   for (ScanHeader& header : drive.scan_headers)
     header.time_ns += offset_ns, header.start_ns += offset_ns, header.end_ns += offset_ns;
 }

@@ -26,12 +26,13 @@ struct CameraConfig {
 /// What the table [lidar] says.
 struct LidarConfig {
   double rate = 10;  ///< scans a second
+  std::optional<Sensor> sensor;
   enum class Stamp { start, middle, end } stamp = Stamp::middle;
   std::optional<Turn> turn;
   std::optional<double> first_azimuth;  ///< radians
   std::int64_t offset_ns = 0;           ///< added to the LiDAR's stamps
 
-  void apply(Drive& drive) const;  ///< to the scans' times
+  void apply(Drive& drive) const;  ///< to the sensor and the scans' times
   Rotation rotation() const { return {turn.value_or(Turn::clockwise), first_azimuth.value_or(std::numbers::pi)}; }
 };
 

@@ -87,7 +87,9 @@ void match_masks(Drive& drive, const std::vector<fs::path>& folders) {
   warn_of_strays(drive, masks);
 }
 
-void attach_masks(Drive& drive, const fs::path& folder) {
+void attach_masks(Drive& drive, const fs::path& given) {
+  const fs::path of_camera = given / "masks" / drive.camera_name;  // as dvi mask writes them
+  const fs::path folder = fs::is_directory(of_camera) ? of_camera : given;
   MaskFiles masks = masks_by_name({folder});
   if (masks.empty()) {
     const auto other = masks_nearby(folder, drive.frames);

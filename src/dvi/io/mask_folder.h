@@ -15,9 +15,9 @@ namespace dvi::io {
 /// first and the last, and of masks that lie in the folder above or in one below. InputError where no mask belongs to a frame.
 void match_masks(Drive& drive, const std::vector<fs::path>& folders);
 
-/// Gives an open drive the masks of a folder instead of its own. The drive may have been cut: masks of its other images are
-/// left alone. Warns of masks of no image. InputError where none belongs to a frame.
-void attach_masks(Drive& drive, const fs::path& folder);
+/// Gives an open drive the masks of a folder, or of its masks/CAMERA, instead of its own. The drive may have been cut: masks of
+/// its other images are left alone. Warns of masks of no image. InputError where none belongs to a frame.
+void attach_masks(Drive& drive, const fs::path& given);
 
 /// Names the frames without a mask file, which keep their traffic; none where all have one.
 std::optional<std::string> frames_without_mask(const Drive& drive);

@@ -193,6 +193,7 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
   const std::vector<fs::path> images = images_of(path, drive.camera_name);
   std::vector<fs::path> scans = list_files(path / "lidar", {".bin", ".ply", ".pcd"});
   const bool depth = scans.empty();
+  if (depth) drive.sensor = Sensor::depth_camera;
   if (depth) scans = list_files(path / "depth" / drive.camera_name, {".png"});
   const std::int64_t period = std::llround(1e9 / config.lidar.rate);
   const Clocks clocks = read_clocks(drive, names_of(images), names_of(scans), config.lidar.rate);

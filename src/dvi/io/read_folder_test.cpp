@@ -72,6 +72,7 @@ TEST_F(Folder, MakesScansOfDepthImages) {
   folder.write_image("depth/front/c.png", cv::Mat1w(5, 8, ushort{9}));
   folder.write("dvi.toml", "[camera.front]\nK = [4, 0, 4, 0, 4, 3, 0, 0, 1]\noffset_s = 0.5\n");
   const Drive drive = read();
+  EXPECT_EQ(drive.sensor, Sensor::depth_camera);
   EXPECT_EQ(drive.scan_headers[0].time_ns, 500'000'000);
   EXPECT_EQ(drive.frames[0].time_ns, 500'000'000);
   const auto scan = drive.scans[0];
@@ -80,6 +81,14 @@ TEST_F(Folder, MakesScansOfDepthImages) {
   EXPECT_EQ(scan->time[0], 0);
   EXPECT_THAT(input_error([&] { drive.scans[1]; }), HasSubstr("b.png: holds no depth"));
   EXPECT_THAT(input_error([&] { drive.scans[2]; }), HasSubstr("c.png: is no 16-bit grey image of 8x6"));
+}
+
+TEST_F(Folder, ScansAreOfALidarUnlessDviTomlSaysOtherwise) {
+  EXPECT_EQ(read().sensor, Sensor::lidar);
+  folder.write("dvi.toml", std::string(kCamera) + "[lidar]\nsensor = \"depth_camera\"\n");
+  EXPECT_EQ(read().sensor, Sensor::depth_camera);
+  folder.write("dvi.toml", std::string(kCamera) + "[lidar]\nsensor = \"radar\"\n");
+  EXPECT_THAT(error(), HasSubstr("'sensor' is none of lidar, depth_camera"));
 }
 
 TEST_F(Folder, RefusesSettingsThatAreMissingOrMalformed) {

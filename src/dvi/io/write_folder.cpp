@@ -27,9 +27,10 @@ std::string settings(const Drive& drive) {
       drive.camera_name, c.width, c.height, c.fx, c.cx, c.fy, c.cy);
   if (c.distorted()) text += fmt::format("distortion = [{:.12g}]\n", fmt::join(c.distortion, ", "));
   text += fmt::format("camera_from_lidar = [{:.12g}]\n\n", fmt::join(row_major(drive.camera_from_lidar), ", "));
-  return text +
-         fmt::format("[lidar]\nrate = {:.12g}\nstamp = \"middle\"\nrotation = \"clockwise\"\nfirst_azimuth_deg = 180.0\n",
-                     scan_rate(drive));
+  text += fmt::format("[lidar]\nrate = {:.12g}\nstamp = \"middle\"\nrotation = \"clockwise\"\nfirst_azimuth_deg = 180.0\n",
+                      scan_rate(drive));
+  if (drive.sensor == Sensor::depth_camera) text += "sensor = \"depth_camera\"\n";
+  return text;
 }
 
 template <class Stamped>

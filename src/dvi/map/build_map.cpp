@@ -105,33 +105,35 @@ void add_tile(const MapVoxels& voxels, const MapVoxels::Tile& tile, bool carve, 
   if (out.first < out.last) map.tiles.push_back(out);
 }
 
-// The map of what was gathered, which is given up tile by tile.
-StaticMap to_map(Gathered& gathered, bool carve, const std::shared_ptr<Scratch>& scratch) {
-  StaticMap map(scratch);
+// Moves what was gathered into the map, tile by tile.
+void move_to_map(Gathered& gathered, bool carve, StaticMap& map) {
   map.scans = gathered.scans;
   map.counts = gathered.counts;
   for (auto& [column, tile] : gathered.voxels.tiles()) {
     add_tile(gathered.voxels, tile, carve, map);
-    tile = MapVoxels::Tile(scratch);
+    tile = MapVoxels::Tile(map.scratch());
     map.page_out();
   }
   for (const auto& [column, tile] : gathered.removed.tiles())
     for (const std::size_t i : in_order(tile))
       map.removed.push_back({gathered.removed.centre(tile.places[i]).cast<float>(), tile.voxels[i].cause});
-  return map;
 }
 
 }  // namespace
 
+StaticMap empty_map(const MapOptions& options) {
+  return StaticMap(std::make_shared<Scratch>(static_cast<std::size_t>(options.memory_mb) * 1'000'000));
+}
+
 StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const BeginPart& begin) {
   std::size_t scans = 0;
   for (const MapInput& input : inputs) scans += input.drive->scan_headers.size();
-  const auto scratch = std::make_shared<Scratch>(static_cast<std::size_t>(options.memory_mb) * 1'000'000);
-  Gathered gathered(options.voxel_m, scratch);
+  StaticMap map = empty_map(options);
+  Gathered gathered(options.voxel_m, map.scratch());
   gather(inputs, options, gathered, begin("map", scans));
   if (options.carve) count_hits_and_passes(gathered.voxels, inputs, options.pose_error_m, begin("carve", scans));
   begin("normals", 0);
-  StaticMap map = to_map(gathered, options.carve, scratch);
+  move_to_map(gathered, options.carve, map);
   add_normals(map);
   return map;
 }

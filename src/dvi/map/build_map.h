@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "dvi/core/interrupt.h"
@@ -11,7 +12,8 @@ namespace dvi::map {
 
 struct MapOptions {
   double voxel_m = 0.05;
-  double min_range_m = 2, max_range_m = 120;  ///< of the scan
+  std::optional<double> min_range_m;  ///< of the scan; none: Drive::least_range_m()
+  double max_range_m = 120;
   double box_margin_m = 0.2;
   bool require_camera_visibility = true;
   bool carve = true;
@@ -41,6 +43,9 @@ struct MapInput {
   Lazy<cv::Mat1b> masks;  ///< as drive->frames
   FrameLabels objects{};  ///< labels of what is removed, as drive->frames; empty: none
 };
+
+/// A map without points, with the bound of memory that the options ask for.
+StaticMap empty_map(const MapOptions& options);
 
 /// The static map of several drives in one world: scans are compensated for the motion within the scan; points that project
 /// into the mask of the frame nearest in time or lie in its labelled boxes are dropped (section 3.1 of the paper), the rest is

@@ -112,6 +112,16 @@ TEST(BuildMap, DropsWhatIsMaskedAndTheCarItself) {
   EXPECT_EQ(map.points.size() + map.counts.masked + 1, map.counts.returns);
 }
 
+TEST(BuildMap, DepthCamerasMeasureNoCarOfTheirOwn) {
+  Drive drive = wall_drive();
+  drive.sensor = Sensor::depth_camera;
+  const auto too_near = [&](const MapOptions& options) {
+    return build_map({{&drive, standing(), one_mask({0, 0, 1, 1})}}, options).counts.too_near;
+  };
+  EXPECT_EQ(too_near({}), 0);
+  EXPECT_EQ(too_near({.min_range_m = 2}), 1) << "the user's word";
+}
+
 TEST(BuildMap, DropsWhatNoCameraSaw) {
   const Drive drive = wall_drive();
   const StaticMap map = build_map({{&drive, standing(), one_mask({0, 0, 1, 1})}}, {});

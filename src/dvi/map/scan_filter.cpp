@@ -46,9 +46,10 @@ class Filter {
     if (const std::optional<SE3> middle = input_.world_from_lidar.at(header.time_ns)) out.sensor = middle->t.cast<float>();
     const std::optional<NearestFrame> nearest = nearest_frame(header, input_);
     const std::shared_ptr<const cv::Mat1b> mask = nearest ? input_.masks[nearest->frame] : nullptr;
+    const double nearest_m = options_.min_range_m.value_or(input_.drive->least_range_m());
     for (std::size_t i = 0; i < world.size(); ++i) {
       const float range = scan->points[i].norm();
-      if (range < options_.min_range_m || range > options_.max_range_m)
+      if (range < nearest_m || range > options_.max_range_m)
         ++out.counts.too_near;
       else if (nearest && boxed(*nearest, world[i]))
         drop(world[i], Cause::boxed, out.counts.boxed, out);

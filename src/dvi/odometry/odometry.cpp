@@ -213,7 +213,7 @@ class Runner {
     Entry entry;
     entry.scan_index = i;
     entry.time_ns = header.time_ns;
-    entry.features = scan_features(*scan, rings, options_);
+    entry.features = scan_features(drive_, *scan, rings, options_);
     const Features& sparse = entry.features.sparse;
     fit.features = sparse.planes.size() + sparse.edges.size();
     if (fit.features < kFewestFeatures) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,8 @@
 namespace dvi::odometry {
 
 struct OdometryOptions {
-  double min_range_m = 2, max_range_m = 120;  ///< of the scan; features are taken from somewhat less, see scan_features()
+  std::optional<double> min_range_m;  ///< of the scan; none: Drive::least_range_m()
+  double max_range_m = 120;           ///< features are taken from somewhat less than both, see scan_features()
   double spacing_m = 0.2;
   double cell_m = 0.6;
   double voxel_m = 0.5;

@@ -11,9 +11,9 @@ constexpr double kLargeVoxel = 3, kEdgeVoxel = 1.6;  // of the small voxel
 
 double feature_range(const OdometryOptions& options) { return kFar * options.max_range_m; }
 
-ScanFeatures scan_features(const Scan& scan, const Rings& rings, const OdometryOptions& options) {
-  const Features all =
-      find_features(scan, rings, {kNear * options.min_range_m, feature_range(options), 0.75 * options.spacing_m});
+ScanFeatures scan_features(const Drive& drive, const Scan& scan, const Rings& rings, const OdometryOptions& options) {
+  const double nearest = kNear * options.min_range_m.value_or(drive.least_range_m());
+  const Features all = find_features(scan, rings, {nearest, feature_range(options), 0.75 * options.spacing_m});
   ScanFeatures out;
   out.dense = {thinned(all.planes, options.spacing_m), all.edges};
   out.sparse = {thinned(out.dense.planes, options.cell_m), thinned(all.edges, options.voxel_m)};

@@ -13,7 +13,8 @@ struct ScanFeatures {
 /// Distance in metres up to which features are taken from a scan.
 double feature_range(const OdometryOptions& options);
 
-ScanFeatures scan_features(const Scan& scan, const Rings& rings, const OdometryOptions& options);
+/// Of a scan of the drive.
+ScanFeatures scan_features(const Drive& drive, const Scan& scan, const Rings& rings, const OdometryOptions& options);
 
 Surroundings empty_scene(const OdometryOptions& options);
 

@@ -8,6 +8,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
+#include "dvi/io/image_file.h"
 #include "dvi/io/poses.h"
 #include "dvi/pipeline/make_views.h"
 
@@ -74,6 +75,16 @@ Poses poses_of(const fs::path& out, const Recordings& drives, const Job& job) {
   return poses;
 }
 
+/// Shadows and what was found to move come on top of the masks that the drives bring: of each frame of the result all that it
+/// removed, which nothing may be copied from.
+Lazy<cv::Mat1b> with_removed(const Views& views, const std::vector<std::string>& names, const fs::path& out) {
+  return {views.size(), [views, names, out](std::size_t i) {
+            if (i >= names.size()) return views.masks[i]->clone();
+            const cv::Size size(views[i].camera.width, views[i].camera.height);
+            return cv::Mat1b(*views.masks[i] | io::read_mask(out / "masks" / (names[i] + ".png"), size));
+          }};
+}
+
 nlohmann::json json_of(const audit::Audit& audit, const fs::path& out) {
   nlohmann::json findings = nlohmann::json::object();
   for (std::size_t b = 0; b < audit::kBreaches.size(); ++b) {
@@ -93,7 +104,7 @@ nlohmann::json json_of(const audit::Audit& audit, const fs::path& out) {
 
 std::string text_of(const audit::Audit& audit, const fs::path& out) {
   static const std::array<const char*, audit::kBreaches.size()> kSay{
-      "mask: the result's mask is not what the drive says is to be removed",
+      "mask: the result's mask leaves out what the drive says is to be removed, or holds more",
       "outside: outside the mask the result is not the drive's image",
       "receipt: kind and provenance contradict each other, or name what does not exist",
       "masked source: copied from inside a mask", "colour: source and recorded harmonisation do not give the colour written"};
@@ -122,11 +133,19 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   job.target = drives.front();
   job.sources.assign(drives.begin() + 1, drives.end());
   if (!masks.empty()) job.read.masks = MasksFrom::parse(masks);
-  const Recordings open = open_recordings(job, MaskNeed::required, progress);
+  Recordings open = open_recordings(job, MaskNeed::required, progress);
+  bool more_removed = job.options.masks.shadows;
+  job.options.masks.shadows = false;
+  for (Recording& recording : open)
+    if (recording.masks_from == masks::MaskSource::found) {
+      recording.masks_from.reset();
+      more_removed = true;
+    }
   Views views = views_of(sources, open, find_masks(open, poses_of(out, open, job), job, progress), out);
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < views.of_drive(0).second; ++i) names.push_back(sources[i].frame);
+  if (more_removed) views.masks = with_removed(views, names, out);
 
   progress.begin("audit", names.size());
   AuditReport report{audit::audit(out, views, names, progress.tick()), {}, {}};

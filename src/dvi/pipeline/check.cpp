@@ -86,10 +86,9 @@ CheckReport describe(const Recording& open, const PoseChoice& choice, const Mask
                   .warnings = drive.warnings,
                   .forecast = {}};
   for (const Frame& frame : drive.frames) out.frames_with_pose += poses.at(frame.time_ns) ? 1 : 0;
-  if (!open.masks_from) out.warnings.emplace_back("neither masks nor labels: give --masks to say what to remove");
   if (poses.empty()) out.warnings.emplace_back("no poses: give --poses FILE");
   if (drive.scan_headers.empty()) out.warnings.emplace_back("no scans: nothing can be copied");
-  out.ready = open.masks_from && out.frames_with_pose > 0 && !drive.scan_headers.empty();
+  out.ready = out.frames_with_pose > 0 && !drive.scan_headers.empty();
   return out;
 }
 
@@ -99,10 +98,12 @@ std::string CheckReport::brief() const {
   std::string text = fmt::format(
       "{}\n  format   {}\n  camera   {} ({}x{}, fx {:.1f})\n  frames   {} ({}:{}), {:.1f} Hz, {} with pose\n"
       "  scans    {}, {:.1f} Hz, {:.0f} points each\n  path     {:.1f} m, by {} poses\n"
-      "  masks    from {}: {:.1f} % of the image on average, {:.1f} % at most\n",
+      "  masks    {}\n",
       path, format, camera_name, camera.width, camera.height, camera.fx, frames, first_frame, last_frame, frame_rate_hz,
-      frames_with_pose, scans, scan_rate_hz, mean_points, path_m, poses.from, mask_source, 100 * mean_masked,
-      100 * largest_masked);
+      frames_with_pose, scans, scan_rate_hz, mean_points, path_m, poses.from,
+      mask_source == "none" ? "none: dvi run finds what moves; dvi mask shows it"
+                            : fmt::format("from {}: {:.1f} % of the image on average, {:.1f} % at most", mask_source,
+                                          100 * mean_masked, 100 * largest_masked));
   if (forecast)
     text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never\n",
                         100 * (1 - forecast->hole.never_seen), 100 * forecast->hole.never_seen);

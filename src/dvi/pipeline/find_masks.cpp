@@ -2,77 +2,45 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 
+#include "dvi/core/threads.h"
 #include "dvi/masks/motion.h"
+#include "dvi/pipeline/shadowed_masks.h"
 #include "dvi/traffic/find_traffic.h"
-#include "dvi/traffic/shadows.h"
 
 namespace dvi::pipeline {
 namespace {
 
-// The views of the frames that have a pose, masked as given; and of each frame the number of its view, or -1.
-std::pair<Views, std::vector<int>> posed_views(const Drive& drive, const Trajectory& world_from_lidar,
-                                               const Lazy<cv::Mat1b>& masks) {
-  Views views;
-  std::vector<int> view_of;
-  for (std::size_t i = 0; i < drive.frames.size(); ++i) {
-    const std::int64_t time = drive.frames[i].time_ns;
-    const auto pose = world_from_lidar.at(time);
-    view_of.push_back(pose ? static_cast<int>(views.size()) : -1);
-    if (pose) views.views.push_back({0, i, time, drive.camera, drive.camera_from_lidar * pose->inverse()});
-  }
-  const auto frame = [list = views.views](std::size_t i) { return list[i].frame; };
-  views.images = Lazy<cv::Mat3b>::through(views.size(), [=, of = drive.images](std::size_t i) { return of[frame(i)]; });
-  views.masks = Lazy<cv::Mat1b>::through(views.size(), [=](std::size_t i) { return masks[frame(i)]; });
-  return {views, view_of};
-}
-
-Lazy<cv::Mat1b> with_shadows(const Drive& drive, const Trajectory& world_from_lidar, const Lazy<cv::Mat1b>& masks,
-                             const std::shared_ptr<const traffic::Ground>& ground) {
-  const auto [views, view_of] = posed_views(drive, world_from_lidar, masks);
-  const Lazy<cv::Mat1b> shadowed = traffic::with_shadows(views, ground);
-  return Lazy<cv::Mat1b>::through(drive.frames.size(), [=, view_of = view_of](std::size_t i) {
-    return view_of[i] < 0 ? masks[i] : shadowed[static_cast<std::size_t>(view_of[i])];
-  });
-}
-
-FrameLabels objects_of(const Recording& open, const Trajectory& world_from_lidar,
-                       const std::shared_ptr<const traffic::Ground>& ground, const Job& job, Progress& progress) {
+FrameLabels objects_of(const Recording& open, const Trajectory& world_from_lidar, const Job& job, Progress& progress) {
   const Drive& drive = open.drive;
-  if (open.masks_from == masks::MaskSource::found) {
-    progress.begin("traffic", drive.scan_headers.size());
-    traffic::Traffic found =
-        traffic::find_traffic(drive, world_from_lidar, *ground, job.options.map.pose_error_m, [&] { progress.advance(); });
-    progress.end();
-    return std::move(found.labels);
-  }
-  return job.read.remove == Remove::moving ? masks::without_standing(drive, world_from_lidar) : drive.labels();
+  if (open.masks_from != masks::MaskSource::found)
+    return job.read.remove == Remove::moving ? masks::without_standing(drive, world_from_lidar) : drive.labels();
+  progress.begin("traffic", drive.scan_headers.size());
+  traffic::Traffic found = traffic::find_traffic(drive, world_from_lidar, traffic::Ground(drive, world_from_lidar),
+                                                 job.options.map.pose_error_m, [&] { progress.advance(); });
+  progress.end();
+  if (found.tracks.empty())
+    progress.warn(drive.path.filename().string() + ": nothing moves in it, as far as its scans tell: nothing is removed");
+  return std::move(found.labels);
 }
 
-DriveMasks masks_of(const Recording& open, const Trajectory& world_from_lidar, const Job& job, Progress& progress) {
+Lazy<cv::Mat1b> masks_of(const Recording& open, const FrameLabels& objects, const Job& job) {
   const Drive& drive = open.drive;
   if (!open.masks_from) {
     const auto nothing = std::make_shared<const cv::Mat1b>(drive.camera.height, drive.camera.width, uchar{0});
-    return {Lazy<cv::Mat1b>::through(drive.frames.size(), [nothing](std::size_t) { return nothing; }), drive.labels()};
+    return Lazy<cv::Mat1b>::through(drive.frames.size(), [nothing](std::size_t) { return nothing; });
   }
-  DriveMasks out;
-  const bool shadows = job.options.masks.shadows && !world_from_lidar.empty() && !drive.scan_headers.empty();
-  std::shared_ptr<const traffic::Ground> ground;
-  if (shadows || open.masks_from == masks::MaskSource::found)
-    ground = std::make_shared<const traffic::Ground>(drive, world_from_lidar);
-  out.objects = objects_of(open, world_from_lidar, ground, job, progress);
-  out.images = find_masks(drive, *open.masks_from, out.objects, job.options.masks);
+  const Lazy<cv::Mat1b> masks = find_masks(drive, *open.masks_from, objects, job.options.masks);
   const bool labels_too = job.read.remove == Remove::all && open.masks_from == masks::MaskSource::files && drive.has_labels();
-  if (labels_too) {
-    const Lazy<cv::Mat1b> labelled = find_masks(drive, masks::MaskSource::labels, out.objects, job.options.masks);
-    out.images = {labelled.size(),
-                  [files = out.images, labelled](std::size_t i) { return cv::Mat1b(*files[i] | *labelled[i]); }};
-  }
-  if (shadows) out.images = with_shadows(drive, world_from_lidar, out.images, ground);
-  return out;
+  if (!labels_too) return masks;
+  const Lazy<cv::Mat1b> labelled = find_masks(drive, masks::MaskSource::labels, objects, job.options.masks);
+  return {labelled.size(), [masks, labelled](std::size_t i) { return cv::Mat1b(*masks[i] | *labelled[i]); }};
 }
 
 bool has_boxes_with_tracks(const Drive& drive) {
@@ -99,13 +67,44 @@ void warn_of_all_removed(const Recording& open, const Trajectory& world_from_lid
 
 }  // namespace
 
-Masks find_masks(const Recordings& drives, const Poses& poses, const Job& job, Progress& progress) {
-  Masks masks;
+Objects find_objects(const Recordings& drives, const Poses& poses, const Job& job, Progress& progress) {
+  Objects objects;
   for (std::size_t i = 0; i < drives.size(); ++i) {
     if (job.read.remove == Remove::moving) warn_of_all_removed(drives[i], poses[i].world_from_lidar, progress);
-    masks.push_back(masks_of(drives[i], poses[i].world_from_lidar, job, progress));
+    objects.push_back(objects_of(drives[i], poses[i].world_from_lidar, job, progress));
+  }
+  return objects;
+}
+
+Masks find_masks(const Recordings& drives, const Poses& poses, const Objects& objects, const Job& job, Progress& progress) {
+  Masks masks;
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    const Trajectory& world_from_lidar = poses[i].world_from_lidar;
+    Lazy<cv::Mat1b> images = masks_of(drives[i], objects[i], job);
+    if (job.options.masks.shadows && drives[i].masks_from)
+      images = with_shadows(drives[i].drive, world_from_lidar, images, progress);
+    masks.push_back({images, objects[i]});
   }
   return masks;
+}
+
+std::optional<StandingTracks> standing_tracks(const Recording& open, const Trajectory& world_from_lidar, const Job& job) {
+  if (open.masks_from != masks::MaskSource::labels || job.read.remove == Remove::moving) return std::nullopt;
+  const Drive& drive = open.drive;
+  StandingTracks out{.standing = masks::standing_tracks(drive, world_from_lidar).size()};
+  if (out.standing == 0) return std::nullopt;
+  std::set<int> tracks;
+  for (const Frame& frame : drive.frames)
+    for (const Label& label : frame.labels)
+      if (label.track >= 0) tracks.insert(label.track);
+  out.tracks = tracks.size();
+  const Lazy<cv::Mat1b> now = masks_of(open, drive.labels(), job);
+  const Lazy<cv::Mat1b> then = masks_of(open, masks::without_standing(drive, world_from_lidar), job);
+  std::vector<std::size_t> pixels(now.size());
+  parallel_for(pixels.size(),
+               [&](std::size_t i) { pixels[i] = static_cast<std::size_t>(cv::countNonZero(cv::Mat1b(*now[i] & ~*then[i]))); });
+  out.pixels = std::accumulate(pixels.begin(), pixels.end(), std::size_t{0});
+  return out;
 }
 
 }  // namespace dvi::pipeline

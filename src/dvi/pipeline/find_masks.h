@@ -1,11 +1,16 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "dvi/drive/label.h"
 #include "dvi/pipeline/poses.h"
 
 namespace dvi::pipeline {
+
+/// Labels of what is removed, for each recording as its frames.
+using Objects = std::vector<FrameLabels>;
 
 /// What is removed from one drive.
 struct DriveMasks {
@@ -16,8 +21,24 @@ struct DriveMasks {
 /// As the recordings.
 using Masks = std::vector<DriveMasks>;
 
-/// Decides what is removed from each drive, as the job asks. Which labelled objects stand is decided along `poses`;
-/// a warning says where that cannot be told, so that nothing is left in the picture.
-Masks find_masks(const Recordings& drives, const Poses& poses, const Job& job, Progress& progress);
+/// The objects to remove from each drive, as the job asks: those labelled, without those that stand along `poses` if it wants
+/// moving ones only; or what moves, where a drive brings neither masks nor labels. A warning says where it cannot be told what
+/// stands, so that nothing is left in the picture.
+Objects find_objects(const Recordings& drives, const Poses& poses, const Job& job, Progress& progress);
+
+/// The masks of the drives: files, or drawn from `objects`, and the shadows beside them where the poses allow to find them.
+Masks find_masks(const Recordings& drives, const Poses& poses, const Objects& objects, const Job& job, Progress& progress);
+inline Masks find_masks(const Recordings& drives, const Poses& poses, const Job& job, Progress& progress) {
+  return find_masks(drives, poses, find_objects(drives, poses, job, progress), job, progress);
+}
+
+/// Removed tracks of a drive that stand, as masks::standing_tracks says.
+struct StandingTracks {
+  std::size_t tracks = 0, standing = 0;  ///< removed tracks; those of them that stand
+  std::size_t pixels = 0;                ///< of the hole, that `--remove moving` would not remove
+};
+
+/// What the job removes of a drive although it stands; none where the masks do not say what stands.
+std::optional<StandingTracks> standing_tracks(const Recording& open, const Trajectory& world_from_lidar, const Job& job);
 
 }  // namespace dvi::pipeline

@@ -30,8 +30,9 @@ void Options::describe(OptionTable& table) {
 
 void Options::describe_lidar(OptionTable& table) {
   table.section("lidar");
-  table.add("min_range_m", {&map.min_range_m, &odometry.min_range_m}, {0, 20},
-            "Nearer returns are the recording car and are left out.");
+  table.add_automatic(
+      "min_range_m", {&map.min_range_m, &odometry.min_range_m}, {0, 20},
+      "Nearer returns are left out, such as the recording car; auto: 2 m for a LiDAR, 0.1 m for a depth camera.");
   table.add("max_range_m", {&map.max_range_m, &odometry.max_range_m}, {1, 500}, "Farther returns are left out.");
 }
 
@@ -53,9 +54,9 @@ void Options::check() const {
   OptionTable lidar;
   copy.describe_lidar(lidar);
   lidar.check();
-  if (map.max_range_m <= map.min_range_m)
+  if (map.min_range_m && map.max_range_m <= *map.min_range_m)
     throw UsageError(fmt::format("option lidar.max_range_m = {}: must be greater than lidar.min_range_m = {}", map.max_range_m,
-                                 map.min_range_m));
+                                 *map.min_range_m));
 }
 
 OptionTable Job::table() {

@@ -51,6 +51,7 @@ TEST(Job, UsersAreShownFewOptions) {
 
 TEST(Job, RangeOfTheScansIsOneOptionForOdometryAndMap) {
   Job job;
+  EXPECT_FALSE(job.options.map.min_range_m) << "the sensor's";
   job.table().set("lidar.min_range_m=3");
   EXPECT_EQ(job.options.odometry.min_range_m, 3);
   EXPECT_EQ(job.options.map.min_range_m, 3);

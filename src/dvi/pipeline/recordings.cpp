@@ -17,7 +17,12 @@ std::optional<masks::MaskSource> resolve_masks(Drive& drive, const MasksFrom& fr
     const masks::MaskSource source = masks::default_mask_source(drive);
     if (source != masks::MaskSource::found) return source;
     if (need == MaskNeed::optional) return std::nullopt;
-    return source;
+    if (!drive.scan_headers.empty()) return source;
+    if (need == MaskNeed::required)
+      throw InputError(drive.path, "has neither masks nor labels, and no scans in which what moves could be found",
+                       "give --masks DIR (PNG files named as the images, 255 = remove) or --masks FILE (labels)");
+    drive.warnings.emplace_back("has neither masks nor labels nor scans, so its traffic may be copied into the result");
+    return std::nullopt;
   }
   if (from.kind == MasksFrom::Kind::labels) {
     if (!drive.has_labels()) throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
@@ -46,20 +51,29 @@ void resolve_poses(Drive& drive, const PosesFrom& from) {
   drive.other_files.emplace_back(from.file);
 }
 
+// Metres from the sensor to the returns that are used.
+struct UsedRange {
+  double least, most;
+};
+
+UsedRange used_range(const Drive& drive, const map::MapOptions& options) {
+  return {options.min_range_m.value_or(drive.least_range_m()), options.max_range_m};
+}
+
 struct Returns {
   std::size_t all = 0, near = 0, far = 0;  // near and far: outside the range
 };
 
-Returns count_returns(const Scan& scan, const map::MapOptions& range) {
+Returns count_returns(const Scan& scan, const UsedRange& range) {
   Returns out{.all = scan.size()};
   for (const Eigen::Vector3f& point : scan.points) {
-    if (point.norm() < range.min_range_m) ++out.near;
-    if (point.norm() > range.max_range_m) ++out.far;
+    if (point.norm() < range.least) ++out.near;
+    if (point.norm() > range.most) ++out.far;
   }
   return out;
 }
 
-std::optional<std::string> range_warning(const std::vector<Returns>& scans, const map::MapOptions& range) {
+std::optional<std::string> range_warning(const std::vector<Returns>& scans, const UsedRange& range) {
   constexpr double kMany = 0.1;
   Returns sum;
   for (const Returns& scan : scans) sum.all += scan.all, sum.near += scan.near, sum.far += scan.far;
@@ -67,8 +81,8 @@ std::optional<std::string> range_warning(const std::vector<Returns>& scans, cons
   if (near + far <= kMany * all) return std::nullopt;
   return fmt::format(
       "{:.0f} % of all returns are not used: {:.0f} % are nearer than lidar.min_range_m = {:g}, {:.0f} % farther than "
-      "lidar.max_range_m = {:g}; set these to what the sensor sees, such as --set lidar.min_range_m=0.1 for a depth camera",
-      100 * (near + far) / all, 100 * near / all, range.min_range_m, 100 * far / all, range.max_range_m);
+      "lidar.max_range_m = {:g}; set these to what the sensor sees, such as --set lidar.min_range_m=0.1",
+      100 * (near + far) / all, 100 * near / all, range.least, 100 * far / all, range.most);
 }
 
 void bound_caches(const Job& job) { CacheBudget::of_process()->set_bound(static_cast<std::size_t>(job.memory_mb) << 20); }
@@ -117,13 +131,17 @@ Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress) {
   drives.push_back(open_recording(job.target, job.read, need, progress));
   ReadChoice further;
   further.camera = job.read.camera;
-  for (const std::string& path : job.sources) drives.push_back(open_recording(path, further, need, progress));
+  const MaskNeed of_sources = need == MaskNeed::required ? MaskNeed::wanted : need;
+  for (const std::string& path : job.sources) drives.push_back(open_recording(path, further, of_sources, progress));
   return drives;
 }
 
 Recordings open_images(const Job& job, Progress& progress) {
   bound_caches(job);
   Recording open = open_recording(job.target, job.read, MaskNeed::required, progress);
+  if (open.masks_from == masks::MaskSource::found)
+    throw InputError(open.drive.path, "has neither masks nor labels, and method " + to_string(job.method) + " finds none",
+                     "make some with dvi mask, and give --masks DIR");
   open.drive.scan_headers.clear();
   open.drive.scans = {};
   if (!job.sources.empty()) progress.warn("method " + to_string(job.method) + " does not use source drives");
@@ -137,6 +155,7 @@ std::vector<std::string> verify(const Recordings& drives, const Job& job, Progre
   std::vector<std::string> warnings;
   for (const Recording& open : drives) {
     const std::size_t frames = open.drive.frames.size();
+    const UsedRange range = used_range(open.drive, job.options.map);
     // The first error in order, whichever thread meets one first.
     std::vector<std::exception_ptr> errors(frames + open.drive.scan_headers.size());
     std::vector<Returns> returns(open.drive.scan_headers.size());
@@ -146,7 +165,7 @@ std::vector<std::string> verify(const Recordings& drives, const Job& job, Progre
           open.drive.images[i];
           if (open.masks_from == masks::MaskSource::files) open.drive.masks[i];
         } else {
-          returns[i - frames] = count_returns(*open.drive.scans[i - frames], job.options.map);
+          returns[i - frames] = count_returns(*open.drive.scans[i - frames], range);
         }
       } catch (...) {
         errors[i] = std::current_exception();
@@ -155,7 +174,7 @@ std::vector<std::string> verify(const Recordings& drives, const Job& job, Progre
     });
     for (const std::exception_ptr& error : errors)
       if (error) std::rethrow_exception(error);
-    if (const auto warning = range_warning(returns, job.options.map))
+    if (const auto warning = range_warning(returns, range))
       warnings.push_back(open.drive.path.filename().string() + ": " + *warning);
   }
   progress.end();
@@ -173,8 +192,10 @@ void add_files(Fingerprint& print, const Drive& drive) {
   parallel_for(files.size(), [&](std::size_t i) {
     if (!files[i].empty()) hashes[i] = hash_of_file(files[i], kLargestFile);  // empty: a frame without a mask
   });
+  print.add(drive.path.filename().string());  // warnings say it
+  print.add(fmt::format("{} {} {}", drive.frames.size(), drive.scan_headers.size(), drive.mask_files.size()));
   for (std::size_t i = 0; i < files.size(); ++i) {
-    print.add(files[i].empty() ? "" : fs::absolute(files[i]).lexically_normal().string());
+    print.add(files[i].filename().string());
     print.add(hashes[i]);
   }
 }

@@ -24,13 +24,14 @@ std::string mask_source(const Recording& open);
 /// The target first, then the source drives.
 using Recordings = std::vector<Recording>;
 
-/// Whether a drive must say what to remove; if not, nothing is masked where it does not.
-enum class MaskNeed { required, optional };
+/// Whether a drive must say what to remove. Where it need not and does not, nothing is masked; wanted: a warning says so.
+enum class MaskNeed { required, wanted, optional };
 
 /// Opens one drive as `source` says; warnings go to `progress`.
 Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNeed need, Progress& progress);
 
-/// Opens the target and the source drives. Ranges of frames, masks and poses given by hand are the target's.
+/// Opens the target and the source drives. Ranges of frames, masks and poses given by hand are the target's. A source drive
+/// need not say what to remove: where the target must, the source drive is warned of.
 Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress);
 
 /// Opens the target for what needs images and masks only: its scans are left out, and a warning says that source drives are
@@ -41,7 +42,8 @@ Recordings open_images(const Job& job, Progress& progress);
 /// Warns, and returns the warnings, where the job's range of the LiDAR leaves out more than a tenth of a drive's returns.
 std::vector<std::string> verify(const Recordings& drives, const Job& job, Progress& progress);
 
-/// Adds the path and the content of every file that the drive is read from. InputError where one cannot be read.
+/// Adds the name of the drive, and name and content of every file that it is read from, wherever they lie. InputError where one
+/// cannot be read.
 void add_files(Fingerprint& print, const Drive& drive);
 
 }  // namespace dvi::pipeline

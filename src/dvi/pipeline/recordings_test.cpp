@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "dvi/core/error.h"
 #include "dvi/core/test_folder.h"
 #include "dvi/io/write_image.h"
 
@@ -42,12 +43,35 @@ TEST_F(OpenedDrive, WarnsOfFramesWithoutAMaskAndFingerprintsThem) {
   EXPECT_FALSE(print.hex().empty());
 }
 
+TEST_F(OpenedDrive, OnlyASourceDriveMayDoWithoutMasks) {
+  const TempFolder bare;
+  fs::copy(folder.path, bare.path, fs::copy_options::recursive);
+  fs::remove_all(bare.path / "masks");
+  job.sources = {bare.path.string()};
+  const Recordings drives = open_recordings(job, MaskNeed::required, progress);
+  ASSERT_EQ(drives.size(), 2);
+  EXPECT_FALSE(drives[1].masks_from);
+  EXPECT_THAT(drives[1].drive.warnings, Contains(HasSubstr("its traffic may be copied into the result")));
+  const std::string name = bare.path.filename().string();
+  EXPECT_THAT(progress.warnings(), Contains(HasSubstr(name + ": has neither masks nor labels")));
+  job.target = bare.path.string();
+  EXPECT_THROW(open_recordings(job, MaskNeed::required, progress), InputError);
+}
+
 TEST_F(OpenedDrive, WarnsWhereTheRangeLeavesOutManyReturns) {
   const Recordings drives = open_recordings(job, MaskNeed::required, progress);
   EXPECT_THAT(verify(drives, job, progress),
               Contains(AllOf(HasSubstr("50 % of all returns are not used"), HasSubstr("lidar.min_range_m = 2"))));
   job.options.map.min_range_m = 0.1;
   EXPECT_TRUE(verify(drives, job, progress).empty());
+}
+
+TEST_F(OpenedDrive, TheLeastRangeIsThatOfTheSensorUnlessTheUserSaysOtherwise) {
+  Recordings drives = open_recordings(job, MaskNeed::required, progress);
+  drives.front().drive.sensor = Sensor::depth_camera;
+  EXPECT_TRUE(verify(drives, job, progress).empty());
+  job.table().set("lidar.min_range_m=2");
+  EXPECT_THAT(verify(drives, job, progress), Contains(HasSubstr("lidar.min_range_m = 2")));
 }
 
 }  // namespace

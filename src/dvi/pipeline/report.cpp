@@ -77,6 +77,10 @@ std::string RunReport::brief(const std::string& out) const {
   std::string text = fmt::format("{} frames, {} hole pixels: {:.1f} % copied", frames.size(), hole.pixels, 100 * share.copied);
   if (share.copied_elsewhere > 0) text += fmt::format(", {:.1f} % from other drives", 100 * share.copied_elsewhere);
   text += fmt::format(", {:.1f} % never seen", 100 * share.never_seen);
+  const auto part = [&] { return static_cast<double>(standing->pixels) / static_cast<double>(hole.pixels); };
+  if (standing && hole.pixels > 0 && part() > 0.5)
+    text += fmt::format("\n{} of {} removed tracks stand; they are {:.0f} % of the hole; --remove moving would keep them",
+                        standing->standing, standing->tracks, 100 * part());
   double cpu = 0;
   for (const StageTime& stage : cost.stages) cpu += stage.cpu_seconds;
   text += fmt::format("\n{:.1f} CPU s a frame, peak memory {:.0f} MB",

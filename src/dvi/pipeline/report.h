@@ -12,6 +12,7 @@
 #include "dvi/core/progress.h"
 #include "dvi/map/static_map.h"
 #include "dvi/pipeline/cpu_clock.h"
+#include "dvi/pipeline/find_masks.h"
 #include "dvi/pipeline/poses_report.h"
 #include "dvi/pipeline/smoothed_frames.h"
 
@@ -75,8 +76,9 @@ struct RunReport {
   std::string version, method;
   bool baseline = false;
   std::vector<DriveReport> drives;
-  HoleReport hole;               ///< of all frames
-  std::optional<MapReport> map;  ///< a baseline has none
+  HoleReport hole;                         ///< of all frames
+  std::optional<StandingTracks> standing;  ///< removed from the target
+  std::optional<MapReport> map;            ///< a baseline has none
   CostReport cost;
   std::vector<std::string> warnings;
   std::vector<FrameReport> frames;

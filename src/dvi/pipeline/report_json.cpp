@@ -112,6 +112,8 @@ void from_json(const json& j, MapReport& map) {
   dropped.at("out_of_range").get_to(c.too_near);
 }
 
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StandingTracks, tracks, standing, pixels)
+
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameReport, number, name, hole, energy, alignment, exposure_gain)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveReport, path, format, camera, frames, scans, poses, alignment, warnings)
 
@@ -155,9 +157,9 @@ namespace {
 constexpr const char* kReportSchema = "dvi-report/1";
 
 void to_json(json& j, const RunReport& report) {
-  j = {{"schema", kReportSchema},     {"version", report.version}, {"method", report.method}, {"baseline", report.baseline},
-       {"drives", report.drives},     {"hole", report.hole},       {"map", report.map},       {"cost", report.cost},
-       {"warnings", report.warnings}, {"frames", report.frames}};
+  j = {{"schema", kReportSchema}, {"version", report.version},   {"method", report.method},     {"baseline", report.baseline},
+       {"drives", report.drives}, {"hole", report.hole},         {"standing", report.standing}, {"map", report.map},
+       {"cost", report.cost},     {"warnings", report.warnings}, {"frames", report.frames}};
 }
 void from_json(const json& j, RunReport& report) {
   j.at("version").get_to(report.version);
@@ -165,6 +167,7 @@ void from_json(const json& j, RunReport& report) {
   j.at("baseline").get_to(report.baseline);
   j.at("drives").get_to(report.drives);
   j.at("hole").get_to(report.hole);
+  j.at("standing").get_to(report.standing);
   j.at("map").get_to(report.map);
   j.at("cost").get_to(report.cost);
   j.at("warnings").get_to(report.warnings);

@@ -11,6 +11,7 @@ namespace dvi::pipeline {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 RunReport whole_report() {
   RunReport report;
@@ -36,6 +37,7 @@ RunReport whole_report() {
   frame.exposure_gain = {1, 1.5F, 2};
   report.frames = {frame};
   report.hole = report.frames[0].hole;
+  report.standing = StandingTracks{.tracks = 5, .standing = 4, .pixels = 80};
   report.map.emplace();
   report.map->points = 1000;
   report.map->counts.returns = 5000;
@@ -86,8 +88,15 @@ TEST_F(ReportFile, WhatIsNoReportCountsAsNone) {
 TEST(RunReport, BriefSaysWhatWasFilledAndWhatItCost) {
   const std::string text = whole_report().brief("out");
   for (const char* part : {"1 frames, 100 hole pixels: 60.0 % copied, 10.0 % from other drives, 30.0 % never seen",
+                           "4 of 5 removed tracks stand; they are 80 % of the hole; --remove moving would keep them",
                            "6.0 CPU s a frame, peak memory 123 MB", "out/compare.mp4"})
     EXPECT_THAT(text, HasSubstr(part));
+}
+
+TEST(RunReport, BriefLeavesOutWhatStandsWhereItIsLittleOfTheHole) {
+  RunReport report = whole_report();
+  report.standing->pixels = 50;
+  EXPECT_THAT(report.brief("out"), Not(HasSubstr("stand")));
 }
 
 TEST(CpuClock, NestedStagesAreBookedOnce) {

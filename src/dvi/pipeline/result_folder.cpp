@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
@@ -39,15 +40,38 @@ std::string identity_of(const Recordings& drives) {
   return identity;
 }
 
-// All that the frames depend on: options, and every file that is read.
-std::string fingerprint_of(Job job, const Recordings& drives) {
-  job.out.clear();
-  job.memory_mb = 0;  // changes no pixel
+// The program and every file that is read, wherever they lie.
+std::string content_of(const Recordings& drives) {
   Fingerprint print;
   print.add(read_file("/proc/self/exe"));  // another build may make other pixels
-  print.add(job.table().dump_toml());
   for (const Recording& open : drives) add_files(print, open.drive);
   return print.hex();
+}
+
+// All that the frames depend on.
+std::string fingerprint_of(Job job, const std::string& content) {
+  job.out.clear();
+  job.memory_mb = job.options.map.memory_mb = 0;  // change no pixel
+  return hash_of(content + job.table().dump_toml());
+}
+
+// All that the stages before the fill depend on: not what only the fill is told, nor the names of what `content` is of.
+std::string stages_fingerprint_of(Job job, const std::string& content) {
+  job.target.clear();
+  job.sources.clear();
+  job.read.frames.clear();
+  job.read.masks.path.clear();
+  job.read.poses.file.clear();
+  const Options plain;
+  job.options.depth = plain.depth;
+  job.options.plane_sweep = plain.plane_sweep;
+  job.options.sample = plain.sample;
+  job.options.regularize = plain.regularize;
+  job.options.harmonize = plain.harmonize;
+  job.options.smooth = plain.smooth;
+  job.options.flow = plain.flow;
+  job.options.video = plain.video;
+  return fingerprint_of(job, content);
 }
 
 // What sources.json says: the image behind each number in a frame's receipts.
@@ -121,11 +145,10 @@ std::string kept_in(const fs::path& out) {
     const std::optional<Record> record = read_record(file);
     return record && record->frame;
   });
-  if (finished == 0) return "no frame was finished, the same command starts again";
-  return fmt::format(
-      "{} finished frames are kept: the same command fills the others, after it has computed poses, map and "
-      "alignment again",
-      finished);
+  std::vector<std::string> kept = recorded_stages(out);
+  if (finished > 0) kept.push_back(fmt::format("{} finished frames", finished));
+  if (kept.empty()) return "nothing was finished, the same command starts again";
+  return fmt::format("{} are kept: the same command goes on from there", fmt::join(kept, ", "));
 }
 
 void require_usable_folder(const fs::path& out, bool force) {
@@ -135,15 +158,20 @@ void require_usable_folder(const fs::path& out, bool force) {
 }
 
 ResultFolder::ResultFolder(const Job& job, const Recordings& drives)
-    : job_(job), drives_(drives), out_(job.out), identity_(identity_of(drives)), fingerprint_(fingerprint_of(job, drives)) {
+    : job_(job),
+      drives_(drives),
+      out_(job.out),
+      identity_(identity_of(drives)),
+      content_(content_of(drives)),
+      fingerprint_(fingerprint_of(job, content_)) {
   for (const fs::path& input : inputs_of(job)) require_apart(out_, input);
   refuse_other_drives();
 }
 
 ResultFolder::~ResultFolder() {
   std::error_code ignored;  // a destructor cannot do more than try
-  const fs::path frames = out_ / ".dvi/frames";
-  if (created_ && (!fs::exists(frames, ignored) || fs::is_empty(frames, ignored))) fs::remove_all(out_, ignored);
+  const auto unused = [&](const fs::path& folder) { return !fs::exists(folder, ignored) || fs::is_empty(folder, ignored); };
+  if (created_ && unused(out_ / ".dvi/frames") && unused(out_ / ".dvi/stages")) fs::remove_all(out_, ignored);
 }
 
 void ResultFolder::refuse_other_drives() const {
@@ -191,6 +219,10 @@ void ResultFolder::claim() {
   }
   const nlohmann::json job{{"schema", kResultSchema}, {"drives", identity_}, {"identity", hash_of(identity_)}};
   write_file(job_file(out_), json_text(job) + "\n");
+}
+
+KeptStages ResultFolder::kept_stages(Progress& progress) const {
+  return {out_, stages_fingerprint_of(job_, content_), progress};
 }
 
 std::string ResultFolder::frame_name(const Views& views, std::size_t view) const {
@@ -265,6 +297,7 @@ RunReport ResultFolder::report(const RunResults& results, const Progress& progre
     report.frames.push_back(*record->frame);
     report.hole += record->frame->hole;
   }
+  report.standing = standing_tracks(drives_.front(), results.poses.front().world_from_lidar, job_);
   if (results.map != nullptr) report.map = map_report(*results.map);
   report.cost = cost_report(progress, results.cpu, made_);
   report.warnings = progress.warnings();
@@ -279,7 +312,8 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
     write_map_files(out_ / "map", *results.map, results.views, target);
     write_file(out_ / "map/map.json", json_text(map_report(*results.map)) + "\n");
   } else {
-    remove_map();  // left by another method
+    remove_map();  // left by another method, as the stages
+    remove_stages(out_);
   }
   write_media(out_, target, names_, job_.options.video, progress);
   progress.end();

@@ -7,6 +7,7 @@
 
 #include "dvi/core/files.h"
 #include "dvi/core/folder_lock.h"
+#include "dvi/pipeline/kept_stages.h"
 #include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/report.h"
 
@@ -44,6 +45,9 @@ class ResultFolder {
   /// Takes the folder for this run. InputError where it cannot be written, or another process writes into it.
   void claim();
 
+  /// What earlier calls computed before they filled frames.
+  KeptStages kept_stages(Progress& progress) const;
+
   /// The views of the target that are still to be made, ascending. From here on the result counts as unfinished.
   std::vector<std::size_t> missing_frames(const Views& views, Progress& progress);
 
@@ -68,7 +72,7 @@ class ResultFolder {
   const Job& job_;
   const Recordings& drives_;
   const fs::path out_;
-  const std::string identity_, fingerprint_;
+  const std::string identity_, content_, fingerprint_;
   bool created_ = false;
   std::optional<FolderLock> lock_;
   std::vector<std::string> names_;  // of the target's views

@@ -9,6 +9,7 @@
 #include "dvi/pipeline/result_folder.h"
 #include "dvi/pipeline/run_baseline.h"
 #include "dvi/pipeline/smoothed_frames.h"
+#include "dvi/pipeline/stage_fields.h"  // IWYU pragma: keep
 
 namespace dvi::pipeline {
 
@@ -28,15 +29,20 @@ RunReport run(const Job& job, Progress& progress) {
   ResultFolder out(job, drives);
   if (const std::optional<RunReport> finished = out.finished_report(progress)) return *finished;
   out.claim();
-  verify(drives, job, progress);  // what is damaged is said before hours of work
+  const KeptStages kept = out.kept_stages(progress);
 
-  const Poses poses = estimate_poses(drives, job, progress);                     // section 3.1: LOAM
-  const Masks masks = find_masks(drives, poses, job, progress);                  // what moves is decided along the poses
-  const StaticMap map = build_map(drives, poses, masks, options.map, progress);  // 3.1: static points only
+  const Poses poses = kept("poses", [&] {
+    verify(drives, job, progress);                 // what is damaged is said before hours of work
+    return estimate_poses(drives, job, progress);  // section 3.1: LOAM
+  });
+  const Objects objects = kept("objects", [&] { return find_objects(drives, poses, job, progress); });  // along the poses
+  const Masks masks = find_masks(drives, poses, objects, job, progress);
+  const auto static_points = [&] { return build_map(drives, poses, masks, options.map, progress); };  // 3.1
+  const StaticMap map = kept("map", static_points, map::empty_map(options.map));
   const Views posed = make_views(drives, poses, masks, progress);
   const VisibleMap visible(map, posed);
-  const Gains gains = estimate_exposure(posed, visible, drives, options, progress);
-  const Cameras cameras = align(posed, visible, options, progress);  // 3.2, eq. 1
+  const Gains gains = kept("exposure", [&] { return estimate_exposure(posed, visible, drives, options, progress); });
+  const Cameras cameras = kept("alignment", [&] { return align(posed, visible, options, progress); });  // 3.2, eq. 1
   const Views views = refined(posed, gains, cameras);
 
   CpuClock cpu;
