@@ -8,7 +8,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/geometry/box.h"
 #include "dvi/map/scan_filter.h"
-#include "dvi/masks/standing.h"
+#include "dvi/masks/motion.h"
 
 namespace dvi::holdout {
 namespace {

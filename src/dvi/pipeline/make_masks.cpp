@@ -14,19 +14,19 @@
 namespace dvi::pipeline {
 namespace {
 
-constexpr std::size_t kSheetRows = 12, kSheetColumns = 2;
+constexpr std::size_t kMaskRows = 12, kMaskColumns = 2;
 
 cv::Mat3b sheet(const Drive& drive, const Lazy<cv::Mat1b>& masks) {
-  const std::size_t count = std::min(drive.frames.size(), kSheetRows * kSheetColumns);
+  const std::size_t count = std::min(drive.frames.size(), kMaskRows * kMaskColumns);
   std::vector<io::SheetCell> cells(count);
   parallel_for(count, [&](std::size_t k) {
     const std::size_t i = count < 2 ? 0 : k * (drive.frames.size() - 1) / (count - 1);
     cells[k] = {io::thumbnail(io::mask_overlay(*drive.images[i], *masks[i]), 640), drive.frames[i].name};
   });
   std::vector<std::vector<io::SheetCell>> rows;
-  for (std::size_t k = 0; k < count; k += kSheetColumns)
+  for (std::size_t k = 0; k < count; k += kMaskColumns)
     rows.emplace_back(cells.begin() + static_cast<std::ptrdiff_t>(k),
-                      cells.begin() + static_cast<std::ptrdiff_t>(std::min(count, k + kSheetColumns)));
+                      cells.begin() + static_cast<std::ptrdiff_t>(std::min(count, k + kMaskColumns)));
   return io::contact_sheet(rows, 640);
 }
 
