@@ -20,6 +20,8 @@ find_program(DVI_MOLD mold)
 if(DVI_MOLD)
   add_link_options(-fuse-ld=mold)
 endif()
+# Calls into libraries are bound at the start, and their table is read-only from then on.
+add_link_options(-Wl,-z,relro,-z,now)
 if(DVI_SANITIZE)
   add_compile_options(-fsanitize=${DVI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${DVI_SANITIZE})
