@@ -41,8 +41,8 @@ def counts(log):
 
 def headline(log):
     """The line that says what is wrong."""
-    for pattern in (r"dvi: does not hold: .*", r".*: Assertion .* failed", r".*: runtime error: .*", r"terminate called after .*(?:\n +what\(\).*)?",
-                    r"ERROR: (?:AddressSanitizer|LeakSanitizer|libFuzzer): .*"):
+    for pattern in (r"dvi: does not hold: .*", r".*: Assertion .* failed", r".*: runtime error: .*",
+                    r"terminate called after .*(?:\n +what\(\).*)?", r"ERROR: (?:AddressSanitizer|LeakSanitizer|libFuzzer): .*"):
         if found := re.search(pattern, log):
             return " ".join(found[0].split())
     return "ended without a word"
