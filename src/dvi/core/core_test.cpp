@@ -58,6 +58,8 @@ TEST(Printable, ControlCharactersAreShownNotObeyed) {
                       "e"),
             "Stra\xc3\x9f"
             "e");
+  EXPECT_EQ(printable(std::string(3000, 'a')), std::string(3000, 'a'));
+  EXPECT_EQ(printable(std::string(5000, 'a')), std::string(3000, 'a') + " ... (5000 bytes in all)");
 }
 
 TEST(Fingerprint, OfAFileIsThatOfItsContent) {

@@ -8,8 +8,10 @@ InputError::InputError(const std::filesystem::path& path, const std::string& pro
     : std::runtime_error(path.string() + ": " + problem + (remedy.empty() ? "" : "; " + remedy)) {}
 
 std::string printable(std::string_view message) {
+  constexpr std::size_t kLongest = 3000;  // bytes; a word of a file may have a gigabyte
   std::string out;
   for (const char c : message) {
+    if (out.size() >= kLongest) return out + fmt::format(" ... ({} bytes in all)", message.size());
     const auto byte = static_cast<unsigned char>(c);
     if ((byte >= 0x20 && byte != 0x7F) || c == '\n')
       out += c;

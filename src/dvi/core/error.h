@@ -26,7 +26,8 @@ class Interrupted : public std::runtime_error {
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
-/// A message as a terminal may show it: control characters but line ends as \xNN. File names and contents can hold any byte.
+/// A message as a terminal may show it: control characters but line ends as \xNN, and cut where it is very long. File names
+/// and contents can hold any byte, and many.
 std::string printable(std::string_view message);
 
 }  // namespace dvi

@@ -10,7 +10,7 @@
 #include <toml++/toml.h>
 
 #include "dvi/core/error.h"
-#include "dvi/core/files.h"
+#include "dvi/core/toml_file.h"
 
 namespace dvi {
 namespace {
@@ -44,7 +44,7 @@ OptionValue parse(std::string_view text, const Option& option) {
     if (const auto b = table["v"].as_boolean()) return b->get();
     if (const auto i = table["v"].as_integer()) return i->get();
     if (const auto d = table["v"].as_floating_point()) return d->get();
-  } catch (const toml::parse_error&) {  // answered below
+  } catch (const std::runtime_error&) {  // malformed (parse_error, TOML_ASSERT): answered below
   }
   throw std::invalid_argument(std::holds_alternative<bool>(like) ? "must be true or false" : "must be a number");
 }
@@ -233,11 +233,9 @@ void OptionTable::set(std::string_view assignment) {
 void OptionTable::load_toml(const std::filesystem::path& path, const std::vector<std::string>& ignore) {
   toml::table table;
   try {
-    table = toml::parse(read_settings(path));
+    table = read_toml(path);
   } catch (const InputError& e) {
     throw UsageError(e.what());
-  } catch (const toml::parse_error& e) {
-    throw UsageError(fmt::format("{}:{}: {}", path.string(), e.source().begin.line, e.description()));
   }
   std::vector<std::string> fates;
   for (const RetiredOption& old : retired_) {

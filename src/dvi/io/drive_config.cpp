@@ -8,9 +8,11 @@
 #include <toml++/toml.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/toml_file.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/plausible.h"
 #include "dvi/io/rigid.h"
+#include "dvi/io/text.h"
 
 namespace dvi::io {
 namespace {
@@ -73,7 +75,7 @@ class Table {
 
 std::int64_t offset_ns(const Table& table) {
   const double seconds = table.number("offset_s").value_or(0);
-  if (!(std::abs(seconds) < 1e9)) table.fail("offset_s", "is no offset in seconds");
+  if (!(std::abs(seconds) < kLongestOffset)) table.fail("offset_s", "is no offset in seconds");
   return std::llround(seconds * 1e9);
 }
 
@@ -124,12 +126,7 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
   DriveConfig config;
   config.file = drive / "dvi.toml";
   if (!fs::exists(config.file)) return std::nullopt;
-  toml::table root;
-  try {
-    root = toml::parse(read_settings(config.file));
-  } catch (const toml::parse_error& e) {
-    throw InputError(fmt::format("{}:{}", config.file.string(), e.source().begin.line), std::string(e.description()));
-  }
+  const toml::table root = read_toml(config.file);
   const Table whole(config.file, "", root, {"drive", "camera", "lidar"});
   const Table head(config.file, "drive", table_of(root.get("drive")), {"version"});
   if (const auto version = head.number("version"); version && *version != kVersion)

@@ -1,3 +1,4 @@
+#include <limits>
 #include <numeric>
 
 #include "dvi/io/labels.h"
@@ -24,7 +25,7 @@ std::vector<std::uint32_t> decode_runs(const TextLine& line, const std::string& 
     }
     if (bits & kSign) run -= std::int64_t{1} << (5 * digit);
     if (runs.size() > 2) run += runs[runs.size() - 2];
-    if (run < 0) line.fail("its outline is malformed");
+    if (run < 0 || run > std::numeric_limits<std::uint32_t>::max()) line.fail("its outline is malformed");
     runs.push_back(run);
   }
   return {runs.begin(), runs.end()};

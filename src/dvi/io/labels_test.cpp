@@ -137,6 +137,8 @@ TEST(Labels, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(error("5 1003 1 30 40 abc\n"), HasSubstr("40x30 pixels, the drive's are 4x3"));
   EXPECT_THAT(error("5 1003 1 3 4 42\n"), HasSubstr("does not fill the image"));
   EXPECT_THAT(error("5 1003 1 3 4 4Z\n"), HasSubstr("outline is cut"));
+  // A first run of 2^32 + 4, which 32 bits would take for 4.
+  EXPECT_THAT(error("5 1003 1 3 4 TPPPPP42111\n"), HasSubstr("outline is malformed"));
 }
 
 TEST(MaskFolder, TiesMasksByName) {

@@ -63,6 +63,14 @@ void require_plausible(const Camera& camera, const fs::path& file, const std::st
   require_within(camera.cy, -0.5 * height, 1.5 * height, "cy", file, field, kCentre);
 }
 
+void require_near(const Eigen::Vector3d& position, const fs::path& file, const std::string& what) {
+  constexpr double kFarthest = 1e8;  // metres
+  const double farthest = position.cwiseAbs().maxCoeff();
+  if (!(farthest < kFarthest))
+    throw InputError(file, fmt::format("{} lies {:g} m from the origin", what, farthest),
+                     fmt::format("positions are metres, less than {:g}", kFarthest));
+}
+
 void require_plain_name(const std::string& name, const fs::path& file, const std::string& what) {
   const bool plain = !name.empty() && name != "." && name != ".." && name.find_first_of("/\\") == std::string::npos &&
                      name.find('\0') == std::string::npos;

@@ -23,6 +23,9 @@ std::string camera_matrix_problem(const std::array<double, 9>& K);
 /// read; fx and fy are 0.05 to 50 times its width; the principal point is within the image enlarged by half its size each way.
 void require_plausible(const Camera& camera, const fs::path& file, const std::string& field);
 
+/// InputError where a position is 1e8 m or farther from the origin, beyond any map projection. Voxels are counted in integers.
+void require_near(const Eigen::Vector3d& position, const fs::path& file, const std::string& what);
+
 /// InputError where a name could lead out of its folder: it is not empty, has no '/' or '\', and is not '.' or '..'.
 void require_plain_name(const std::string& name, const fs::path& file, const std::string& what);
 

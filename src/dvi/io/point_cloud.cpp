@@ -95,7 +95,8 @@ class Columns {
     cloud.points.emplace_back(value(0), value(1), value(2));
     cloud.intensity.push_back(at_[3] < 0 ? 0.0F : value(3));
     if (at_[4] >= 0) cloud.t.push_back(value(4));
-    if (at_[5] >= 0) cloud.ring.push_back(static_cast<std::uint16_t>(std::clamp(value(5), 0.0F, 65535.0F)));
+    // In this order NaN becomes 0.
+    if (at_[5] >= 0) cloud.ring.push_back(static_cast<std::uint16_t>(std::max(0.0F, std::min(value(5), 65535.0F))));
   }
 
  private:

@@ -53,6 +53,14 @@ TEST(PointCloud, ReadsAsciiPly) {
   EXPECT_THAT(cloud.intensity, ElementsAre(0, 0));
 }
 
+TEST(PointCloud, KeepsRingsWithinTheirType) {
+  const TestFolder folder;
+  const PointCloud cloud = read_point_cloud(folder.write(
+      "a.pcd",
+      "FIELDS x y z ring\nSIZE 4 4 4 4\nTYPE F F F F\nPOINTS 4\nDATA ascii\n1 2 3 nan\n1 2 3 -1\n1 2 3 1e9\n1 2 3 7\n"));
+  EXPECT_THAT(cloud.ring, ElementsAre(0, 0, 65535, 7));
+}
+
 TEST(PointCloud, ReadsBinaryPlyOfEitherEnd) {
   const TestFolder folder;
   for (const bool big : {false, true}) {

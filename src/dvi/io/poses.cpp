@@ -67,6 +67,7 @@ Trajectory read_poses(const fs::path& file, const Drive& drive) {
     default:
       lines.front().fail("has " + std::to_string(lines.front().size()) + " entries", "docs/formats.md shows lines of poses");
   }
+  for (const StampedPose& pose : poses) require_near(pose.world_from_body.t, file, "a pose");
   if (poses.empty()) throw InputError(file, "its names are those of no scan of the drive");
   return Trajectory(std::move(poses));
 }

@@ -57,8 +57,7 @@ Times count_times(const fs::path& drive, const std::vector<std::string>& images,
   Times times;
   for (int index = 0; const std::string& name : names) {
     const int count = by_number ? *to_integer(name) : index;
-    constexpr double kLatest = 9e9;  // seconds that 64 bits of nanoseconds hold
-    if (!(count / rate < kLatest))
+    if (!(count / rate < kLatestSecond))
       throw InputError(drive / "images", "'" + name + "' is too large a number to count scans",
                        "remove the file, or give times/");
     times[name] = std::llround(1e9 * count / rate);
@@ -147,8 +146,9 @@ std::vector<Gap> find_gaps(Drive& drive, std::int64_t period) {
   const bool even = usual != steps.end() && 2 * static_cast<std::size_t>(usual->second) >= drive.frames.size() - 1;
   if (even && can_list_numbers(drive, usual->first))
     for (std::size_t i = 1; i < drive.frames.size(); ++i)
-      for (int number = drive.frames[i - 1].number + usual->first; number < drive.frames[i].number; number += usual->first)
-        images.frames.push_back(number);
+      for (std::int64_t number = std::int64_t{drive.frames[i - 1].number} + usual->first; number < drive.frames[i].number;
+           number += usual->first)
+        images.frames.push_back(static_cast<int>(number));
   return {images, scans, poses};
 }
 

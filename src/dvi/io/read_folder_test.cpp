@@ -94,6 +94,8 @@ TEST_F(Folder, ScansAreOfALidarUnlessDviTomlSaysOtherwise) {
 TEST_F(Folder, RefusesSettingsThatAreMissingOrMalformed) {
   const auto with = [&](const std::string& text) { return folder.write("dvi.toml", text), error(); };
   EXPECT_THAT(with("[camera.front"), HasSubstr("dvi.toml:1:"));
+  for (const char* text : {"[.front]\n", "[=]\n", "[[#\n", "[\x19]\n", "[", "K = ["})  // the library asserts a key here
+    EXPECT_THAT(with(text), HasSubstr("dvi.toml")) << text;
   EXPECT_THAT(with("[drive]\nversion = 7\n"), HasSubstr("dvi.toml:2: 'version' is 7"));
   EXPECT_THAT(with("[cammera.front]\n"), HasSubstr("no key 'cammera'"));
   EXPECT_THAT(with("[camera.front]\nk = []\n"), AllOf(HasSubstr("no key 'k'"), HasSubstr("it has size, K")));

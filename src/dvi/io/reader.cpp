@@ -46,6 +46,8 @@ void check(const Drive& drive) {
     if (drive.frames[i].time_ns <= drive.frames[i - 1].time_ns)
       throw InputError(drive.frames[i].file, "was not taken after " + drive.frames[i - 1].name + ", by their times",
                        "correct the times");
+  require_near(drive.camera_from_lidar.t, drive.path, "its camera");
+  for (const StampedPose& pose : drive.poses.poses()) require_near(pose.world_from_body.t, drive.path, "a given pose");
 }
 
 void require_plain_names(const Drive& drive) {

@@ -61,6 +61,29 @@ TEST(Reader, DoesNotListTheGapBeforeAStrayNumber) {
   for (const std::string& warning : warnings) EXPECT_THAT(warning, testing::Not(HasSubstr("no image for")));
 }
 
+TEST(Reader, ListsGapsUpToTheLargestNumber) {
+  const TestFolder folder;
+  write_drive(folder);
+  fs::remove_all(folder.path / "images");
+  fs::remove_all(folder.path / "lidar");
+  for (const char* name : {"2147483600", "2147483610", "2147483630", "2147483640", "2147483647"}) {
+    folder.write_image(std::string("images/front/") + name + ".png", cv::Mat3b(6, 8, cv::Vec3b()));
+    folder.write_bin(std::string("lidar/") + name + ".bin", {1, 2, 3, 4});
+  }
+  EXPECT_THAT(read_drive(folder.path).warnings, testing::ElementsAre("no image for frames 2147483620"));
+}
+
+TEST(Reader, RefusesPositionsBeyondAnyMap) {
+  const TestFolder folder;
+  write_drive(folder);
+  folder.write("poses.txt", "10 1 0 0 0 0 1 0 1e300 0 0 1 0\n");
+  EXPECT_THAT(input_error([&] { read_drive(folder.path); }), AllOf(HasSubstr("poses.txt"), HasSubstr("lies 1e+300 m")));
+  fs::remove(folder.path / "poses.txt");
+  folder.write("dvi.toml",
+               "[camera.front]\nsize=[8,6]\nK=[4,0,4,0,4,3,0,0,1]\ncamera_from_lidar=[0,-1,0,1e9, 0,0,-1,0, 1,0,0,0]\n");
+  EXPECT_THAT(input_error([&] { read_drive(folder.path); }), HasSubstr("its camera lies 1e+09 m"));
+}
+
 TEST(Reader, SaysWhatItReadsWhereThereIsNoDrive) {
   const TestFolder folder;
   const auto error = [](const fs::path& path) { return input_error([&] { read_drive(path); }); };

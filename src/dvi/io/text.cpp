@@ -39,9 +39,8 @@ std::optional<std::int64_t> to_nanoseconds(std::string_view seconds) {
   std::string fraction(dot == std::string_view::npos ? "" : seconds.substr(dot + 1));
   if (whole.empty() || whole.size() > 10 || !all_digits(whole)) return std::nullopt;
   if (!fraction.empty() && !all_digits(fraction)) return std::nullopt;
-  constexpr std::int64_t kLatest = 9'000'000'000;  // seconds that 64 bits of nanoseconds hold
   const std::int64_t whole_seconds = *parse_whole<std::int64_t>(whole);
-  if (whole_seconds > kLatest) return std::nullopt;
+  if (whole_seconds > kLatestSecond) return std::nullopt;
   fraction.resize(9, '0');
   const std::int64_t ns = whole_seconds * 1'000'000'000 + *parse_whole<std::int64_t>(fraction);
   return negative ? -ns : ns;
@@ -60,11 +59,14 @@ std::optional<std::int64_t> date_to_nanoseconds(std::string_view text) {
   const auto hour = to_integer(text.substr(11, 2)), minute = to_integer(text.substr(14, 2));
   const auto ns = to_nanoseconds(text.substr(17));
   if (!year || !month || !day || !hour || !minute || !ns) return std::nullopt;
+  constexpr std::int64_t kLongestMinute = 61'000'000'000;  // with a leap second
+  const bool in_day = *hour >= 0 && *hour < 24 && *minute >= 0 && *minute < 60 && *ns >= 0 && *ns < kLongestMinute;
   using namespace std::chrono;
   const year_month_day date(std::chrono::year(*year), std::chrono::month(static_cast<unsigned>(*month)),
                             std::chrono::day(static_cast<unsigned>(*day)));
-  if (!date.ok() || *year < 1970 || *year > 2200) return std::nullopt;
+  if (!in_day || !date.ok() || *year < 1970) return std::nullopt;
   const auto whole = sys_days(date).time_since_epoch() + hours(*hour) + minutes(*minute);
+  if (whole >= seconds(kLatestSecond)) return std::nullopt;
   return duration_cast<nanoseconds>(whole).count() + *ns;
 }
 

@@ -14,6 +14,10 @@ namespace dvi::io {
 /// A finite number that takes up the whole text, or none.
 std::optional<double> to_number(std::string_view text);
 std::optional<int> to_integer(std::string_view text);
+/// No time is farther from 1970, in seconds (2096), so that the difference of any two fits 64 bits of nanoseconds, also after
+/// the clocks' offsets.
+inline constexpr std::int64_t kLatestSecond = 4'000'000'000;
+inline constexpr double kLongestOffset = 5e8;
 /// Decimal seconds ("1534313591.432032") as nanoseconds, exactly; digits after the ninth are dropped.
 std::optional<std::int64_t> to_nanoseconds(std::string_view seconds);
 /// The same back: "1534313591.432032000".

@@ -20,10 +20,13 @@ TEST(Text, ReadsTimesExactly) {
   EXPECT_EQ(to_nanoseconds("1534313591.123456789"), 1534313591123456789);
   EXPECT_EQ(to_nanoseconds("0.1234567891"), 123456789);
   EXPECT_EQ(to_nanoseconds("-0.5"), -500'000'000);
-  for (const char* text : {"", ".5", "1e9", "12:30", "1.-5", "9999999999"}) EXPECT_FALSE(to_nanoseconds(text)) << text;
+  for (const char* text : {"", ".5", "1e9", "12:30", "1.-5", "4000000001", "9999999999"})
+    EXPECT_FALSE(to_nanoseconds(text)) << text;
   EXPECT_EQ(date_to_nanoseconds("2011-09-26 13:10:51.168593664"), 1317042651168593664);
   EXPECT_EQ(date_to_nanoseconds("1970-01-02 00:00:00"), 86'400'000'000'000);
-  for (const char* text : {"", "2011-09-26", "2011-13-26 13:10:51.1", "26.09.2011 13:10:51.168"})
+  for (const char* text : {"", "2011-09-26", "2011-13-26 13:10:51.1", "26.09.2011 13:10:51.168", "2011-09-26 24:10:51.1",
+                           "2011-09-26 -1:10:51.1", "2011-09-26 13:60:51.1", "2011-09-26 13:10:61.1", "2011-09-26 13:10:-1",
+                           "2011-09-26 13:10:4000000000", "2097-09-26 13:10:51.1"})
     EXPECT_FALSE(date_to_nanoseconds(text)) << text;
 }
 

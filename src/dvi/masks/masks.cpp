@@ -48,13 +48,15 @@ Box footprint(const Box& box, double margin) {
   return ground;
 }
 
+// Far outside the image the exact place no longer matters, and the drawing's integers would overflow. In this order NaN, which
+// extreme distortion makes, becomes the lower end.
+int pixel(double place) { return static_cast<int>(std::max(-1e5, std::min(place, 1e5))); }
+
 void draw_box(const Box& box, const Camera& camera, const SE3& camera_from_lidar, cv::Mat1b& mask) {
   std::vector<cv::Point> pixels;
   for (const Eigen::Vector3d& corner : visible_corners(box, camera_from_lidar)) {
     const Eigen::Vector2d p = camera.project(corner);
-    // Far outside the image the exact place no longer matters, and the drawing's integers would overflow.
-    pixels.emplace_back(static_cast<int>(std::clamp(std::round(p.x()), -1e5, 1e5)),
-                        static_cast<int>(std::clamp(std::round(p.y()), -1e5, 1e5)));
+    pixels.emplace_back(pixel(std::round(p.x())), pixel(std::round(p.y())));
   }
   if (pixels.empty()) return;
   std::vector<cv::Point> hull;
@@ -75,7 +77,8 @@ cv::Mat1b label_mask(const Label& label, const Camera& camera, const SE3& camera
     draw_box(box, camera, camera_from_lidar, mask);
   } else if (label.rect) {
     const cv::Rect2d& r = *label.rect;
-    const cv::Point corner(cvFloor(r.x), cvFloor(r.y)), opposite(cvCeil(r.x + r.width), cvCeil(r.y + r.height));
+    const cv::Point corner(pixel(std::floor(r.x)), pixel(std::floor(r.y)));
+    const cv::Point opposite(pixel(std::ceil(r.x + r.width)), pixel(std::ceil(r.y + r.height)));
     mask(cv::Rect(corner, opposite) & cv::Rect(0, 0, mask.cols, mask.rows)) = 255;
   }
   return mask;

@@ -81,6 +81,16 @@ TEST(Masks, RectIsClippedToTheImage) {
   Label label;
   label.rect = cv::Rect2d(-20, 90, 30, 50);
   EXPECT_EQ(cv::countNonZero(label_mask(label, drive.camera, drive.camera_from_lidar, kNoMargin)), 10 * 10);
+  label.rect = cv::Rect2d(-1e300, -1e300, 2e300, 2e300);
+  EXPECT_EQ(cv::countNonZero(label_mask(label, drive.camera, drive.camera_from_lidar, kNoMargin)), 200 * 100);
+}
+
+TEST(Masks, ABoxWithoutEndCoversTheImageThroughAnyLens) {
+  Drive drive = test_drive();
+  drive.camera.distortion = {1e300, 0, 0, 0, -1e300};  // inf - inf
+  Label label = boxed(12, 0, 0);
+  label.box->size = {4, 1e60, 1e60};
+  EXPECT_EQ(cv::countNonZero(label_mask(label, drive.camera, drive.camera_from_lidar, kNoMargin)), 200 * 100);
 }
 
 TEST(Masks, UnitesAndGrowsTheLabelsOfAFrame) {

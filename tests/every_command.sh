@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# every_command.sh PROGRAM [--once]: every command and method on drives of some hundred pixels, where each must succeed; what it
+# is for are the sanitizers. --once: only one run of two drives, with threads. Writes below $TMPDIR.
+set -euo pipefail
+program=$(realpath "$1") only=${2:-}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+dvi() {
+  local code=0
+  "$program" "$@" --quiet >stdout 2>stderr || code=$?
+  ((code == 0)) && return
+  printf 'exit %d: dvi %s\n' "$code" "$*"
+  cat stdout stderr
+  exit 1
+}
+street() { dvi synth --frames 6 --width 160 --height 96 --beams 24 --columns 500 --lorry "$@"; }
+
+street -o one
+street -o two --day 2
+dvi run one two -o both --threads 4 --set stages.regularize=true
+[[ $only == --once ]] && exit
+
+dvi run one -o own --poses loam --remove all
+rm own/frames/000003.png
+dvi run one -o own --poses loam --remove all   # resumes
+for method in paper flow telea ns; do dvi run one -o "$method" --method "$method"; done
+dvi run one -o labels --masks labels --remove moving --set align.method=paper
+dvi check one --forecast --json
+dvi forecast one two -o forecast
+dvi map one -o map --poses loam --trajectory kitti
+dvi run one -o filed --poses map/poses.txt
+dvi audit own one
+dvi audit both one two
+dvi eval own --truth one/truth --external other=flow/frames --json
+dvi holdout one -o case
+dvi selfcheck one -o selfcheck --scenario parked
+dvi demo two -o demo
+echo "every command succeeded"

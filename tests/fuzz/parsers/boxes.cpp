@@ -1,0 +1,7 @@
+#include "dvi/io/labels.h"
+#include "parser.h"
+
+void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
+  for (const auto& [name, labels] : io::read_boxes_json(put(folder / "boxes.json", bytes)))
+    for (const Label& label : labels) require((label.box->size.array() > 0).all(), "a box has a size");
+}

@@ -1,0 +1,6 @@
+#include "dvi/io/labels.h"
+#include "parser.h"
+
+void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
+  io::read_kitti_tracking(put(folder / "tracking_labels.txt", bytes), {});
+}
