@@ -110,6 +110,9 @@ StaticMap to_map(Gathered& gathered, bool carve, const std::shared_ptr<Scratch>&
   StaticMap map(scratch);
   map.scans = gathered.scans;
   map.counts = gathered.counts;
+  std::size_t voxels = 0;
+  for (const auto& [column, tile] : gathered.voxels.tiles()) voxels += tile.voxels.size();
+  map.points.reserve(voxels);  // at once: while a vector grows, it is in memory twice
   for (auto& [column, tile] : gathered.voxels.tiles()) {
     add_tile(gathered.voxels, tile, carve, map);
     tile = MapVoxels::Tile(scratch);
