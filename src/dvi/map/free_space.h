@@ -42,6 +42,7 @@ class FreeSpace {
 
   double pose_error_ = 0;
   Eigen::Vector3d sensor_ = Eigen::Vector3d::Zero();
+  float reach_ = 0;                    // metres from sensor_; nothing farther is within kMaxRange at any time of the scan
   std::vector<LidarFromWorld> poses_;  // one a column: when it was swept
   float low_ = 0;                      // elevation of row 0
   // The nearest return round a direction, 0: not between returns; and the farthest above and below it.
