@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "dvi/depth/depths.h"
+#include "dvi/pipeline/doubt_setup.h"
 #include "dvi/pipeline/make_map.h"
 #include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/refine.h"
@@ -32,6 +33,7 @@ RunReport run(const Job& job, Progress& progress) {
 
   const Poses poses = estimate_poses(drives, job, progress);                     // section 3.1: LOAM
   const Masks masks = find_masks(drives, poses, job, progress);                  // what moves is decided along the poses
+  doubt_setup(drives, poses, masks, progress);                                   // before hours of work, too
   const StaticMap map = build_map(drives, poses, masks, options.map, progress);  // 3.1: static points only
   const Views posed = make_views(drives, poses, masks, progress);
   const VisibleMap visible(map, posed);
