@@ -41,9 +41,10 @@ void compare_sharpness(const Drive& drive, bool both, Progress& progress, PoseCh
   if (both) choice.given = odometry::sharpness(drive, drive.poses, progress.tick());
   progress.end();
   if (both && !supported(*choice.given, *choice.loam) && choice.loam->known())
-    choice.warnings.push_back(fmt::format("by the given poses scans share {} flat patches, by those of the scans {}: the given "
-                                          "ones lay the scans beside each other",
-                                          support(*choice.given), support(*choice.loam)));
+    choice.warnings.push_back(
+        fmt::format("by the given poses scans share {} flat patches, by those of the scans {}: the given "
+                    "ones lay the scans beside each other",
+                    support(*choice.given), support(*choice.loam)));
 }
 
 PoseChoice judged(const Drive& drive, const PosesFrom& wish, const odometry::OdometryOptions& options, Progress& progress) {

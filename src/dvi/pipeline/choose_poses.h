@@ -26,9 +26,9 @@ struct PoseChoice {
   PoseOrigin from = PoseOrigin::given;
   std::optional<odometry::Odometry> odometry;
   std::optional<odometry::Sharpness> given, loam;
-  std::vector<plausibility::ScanTrack> tracks;        ///< what the poses are held against
+  std::vector<plausibility::ScanTrack> tracks;       ///< what the poses are held against
   std::optional<plausibility::PoseReading> misread;  ///< the given poses mean something else; then they are no guess
-  std::vector<std::string> warnings;                  ///< that they are, and maps that hold too little to be judged
+  std::vector<std::string> warnings;                 ///< that they are, and maps that hold too little to be judged
 };
 
 /// automatic: the given poses or those of the scans, which take the given motion for a guess, whichever lay the scans together

@@ -10,8 +10,8 @@
 
 namespace dvi::pipeline {
 
-/// Warns where a recording contradicts its camera, its clock or its labels (plausibility/), and returns the warnings. Labels are
-/// not judged where the camera is in doubt: boxes may come from it.
+/// Warns where a recording contradicts its camera, its clock or its labels (plausibility/), and returns the warnings. Labels
+/// are not judged where the camera is in doubt: boxes may come from it.
 std::vector<std::string> doubt_setup(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress);
 
 }  // namespace dvi::pipeline

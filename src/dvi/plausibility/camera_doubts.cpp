@@ -15,12 +15,13 @@ namespace {
 constexpr std::size_t kFewestPairs = 5;
 constexpr double kExplained = 0.6;  // a cost above: most returns do not move as predicted, the reading explains nothing
 constexpr double kBetter = 0.75;    // of the cost as given: below, another reading is clearly better
-constexpr double kSure = 5;         // standard errors
+constexpr double kSure = 5;         // standard errors of an error, by which it is not zero
+constexpr double kAgreed = 3;       // standard errors of the gain, by which the pairs agree on it
 // What alignment does not make up for: several times its expected error of the mounting, and the search range of clocks.
 constexpr double kLeastRotation = std::numbers::pi / 180, kLeastLate = 0.04;
 constexpr double kMostRotation = 8 * std::numbers::pi / 180, kRotationStep = 2 * std::numbers::pi / 180;
 constexpr double kMostLate = 0.6, kLateStep = 0.1;
-constexpr double kAlone = 0.9;        // of the gain of rotation and clock together: then one alone is wrong
+constexpr double kAlone = 0.9;         // of the gain of rotation and clock together: then one alone is wrong
 constexpr double kFewReturns = 0.002;  // of a scan's returns, in the image
 
 constexpr FreeParts kRotation{true, true, true, false}, kClock{false, false, false, true}, kBoth{true, true, true, true};
@@ -97,7 +98,7 @@ bool surely_better(const std::vector<double>& given, const std::vector<double>& 
   }
   if (n < static_cast<double>(kFewestPairs)) return false;
   const double mean = sum / n, variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
-  return mean > kSure * std::sqrt(variance);
+  return mean > kAgreed * std::sqrt(variance);
 }
 
 std::string rotation_words(const Eigen::Vector3d& rotation) {
@@ -105,7 +106,8 @@ std::string rotation_words(const Eigen::Vector3d& rotation) {
   std::string parts;
   for (int k = 0; k < 3; ++k)
     if (std::abs(rotation[k]) >= 0.5 * kLeastRotation)
-      parts += fmt::format("{}{:+.1f} degrees about {}", parts.empty() ? "" : ", ", rotation[k] * 180 / std::numbers::pi, kAbout[k]);
+      parts +=
+          fmt::format("{}{:+.1f} degrees about {}", parts.empty() ? "" : ", ", rotation[k] * 180 / std::numbers::pi, kAbout[k]);
   return fmt::format(
       "the images move as if the camera were rotated against the LiDAR by {}: check camera_from_lidar, whose rotation would "
       "have to be multiplied from the left by the rotation vector ({:.3f}, {:.3f}, {:.3f}), and the camera's K",
@@ -115,7 +117,8 @@ std::string rotation_words(const Eigen::Vector3d& rotation) {
 std::string clock_words(double late_s) {
   return fmt::format(
       "the images' times look {} by about {:.2f} s against the LiDAR's: check that both share one clock; adding {:.2f} to "
-      "offset_s of the camera in dvi.toml would make up for it (on a straight road, a camera mounted that much of the way {} looks alike)",
+      "offset_s of the camera in dvi.toml would make up for it (on a straight road, a camera mounted that much of the way {} "
+      "looks alike)",
       late_s > 0 ? "late" : "early", std::abs(late_s), -late_s, late_s > 0 ? "farther behind" : "farther ahead");
 }
 

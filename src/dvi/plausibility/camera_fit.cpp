@@ -13,10 +13,10 @@
 namespace dvi::plausibility {
 namespace {
 
-constexpr double kNearest = 0.1;                 // metres along the optical axis
-constexpr std::size_t kMostReturns = 1500;              // returns of a pair
-constexpr std::size_t kFewestReturns = 100;             // of them with flow, else the pair tells nothing
-constexpr double kBorder = 0.2;                  // image widths round the image: what rotations may bring into it
+constexpr double kNearest = 0.1;                     // metres along the optical axis
+constexpr std::size_t kMostReturns = 1500;           // returns of a pair
+constexpr std::size_t kFewestReturns = 100;          // of them with flow, else the pair tells nothing
+constexpr double kBorder = 0.2;                      // image widths round the image: what rotations may bring into it
 constexpr double kSlackPx = 0.5, kSlackShare = 0.1;  // error of flow, and share of the flow that depth may be wrong by
 constexpr int kIterations = 25;
 

@@ -24,8 +24,8 @@ struct FlowPairs {
   std::vector<FlowPair> pairs;
 };
 
-/// At most a dozen pairs of images along the tracks, between which the drive moved far enough to tell near from far: few or none
-/// where it stands. `masks`, as the drive's frames, leave pixels out; may be empty.
+/// At most a dozen pairs of images along the tracks, between which the drive moved far enough to tell near from far: few or
+/// none where it stands. `masks`, as the drive's frames, leave pixels out; may be empty.
 FlowPairs flow_pairs(const Drive& drive, const std::vector<ScanTrack>& tracks, const Lazy<cv::Mat1b>& masks);
 
 }  // namespace dvi::plausibility

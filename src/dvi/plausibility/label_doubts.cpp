@@ -12,13 +12,13 @@ namespace dvi::plausibility {
 namespace {
 
 constexpr std::size_t kFrames = 12;
-constexpr std::int64_t kNextToBox = 60'000'000;  // ns
+constexpr std::int64_t kNextToBox = 60'000'000;       // ns
 constexpr double kNearestBox = 3, kFarthestBox = 40;  // metres
 constexpr double kShrink = 0.1, kGround = 0.3;        // metres: labels are loose, and stand on ground that returns
-constexpr std::size_t kFewestRays = 30;                   // rays that meet a box, so that it counts
+constexpr std::size_t kFewestRays = 30;               // rays that meet a box, so that it counts
 constexpr double kSeenThrough = 0.9;                  // of them reach beyond: windows are not all of a vehicle
 constexpr std::size_t kFewestBoxes = 10, kFewestFrames = 3;
-constexpr double kMostThrough = 2.0 / 3;  // of the boxes
+constexpr double kMostThrough = 0.25;  // of the boxes; of right ones one in a hundred is
 
 struct Boxes {
   std::size_t seen = 0, seen_through = 0;
@@ -73,7 +73,8 @@ Boxes boxes_of(const Drive& drive, const Frame& frame) {
 std::vector<std::string> label_doubts(const Drive& drive) {
   std::vector<std::size_t> labelled;
   for (std::size_t i = 0; i < drive.frames.size(); ++i)
-    if (std::any_of(drive.frames[i].labels.begin(), drive.frames[i].labels.end(), [](const Label& l) { return l.box.has_value(); }))
+    if (std::any_of(drive.frames[i].labels.begin(), drive.frames[i].labels.end(),
+                    [](const Label& l) { return l.box.has_value(); }))
       labelled.push_back(i);
   const std::size_t count = std::min(kFrames, labelled.size());
   std::vector<Boxes> found(count);
@@ -89,9 +90,10 @@ std::vector<std::string> label_doubts(const Drive& drive) {
   if (all.seen < kFewestBoxes || frames < kFewestFrames ||
       static_cast<double>(all.seen_through) <= kMostThrough * static_cast<double>(all.seen))
     return {};
-  return {fmt::format("the LiDAR looks through {} of {} labelled boxes: the labels look like those of another drive, of other "
-                      "frames, or of other axes",
-                      all.seen_through, all.seen)};
+  return {
+      fmt::format("the LiDAR looks through {} of {} labelled boxes: the labels look like those of another drive, of other "
+                  "frames, or of other axes",
+                  all.seen_through, all.seen)};
 }
 
 }  // namespace dvi::plausibility

@@ -10,7 +10,7 @@
 namespace dvi::plausibility {
 namespace {
 
-constexpr std::size_t kScansApart = 4;       // scans: motion well above the noise of registration
+constexpr std::size_t kScansApart = 4;  // scans: motion well above the noise of registration
 constexpr double kLeastMotion = 0.3;    // metres between them, rotation at kArm counted in
 constexpr double kArm = 5;              // metres: at which a rotation is as much motion as a translation
 constexpr std::size_t kFewestSteps = 5;
@@ -60,7 +60,8 @@ std::vector<Eigen::Matrix3d> turned_axes() {
   for (int x = 0; x < 6; ++x)
     for (int y = 0; y < 6; ++y) {
       if (x % 3 == y % 3) continue;
-      const Eigen::Vector3d a = (x < 3 ? 1 : -1) * Eigen::Vector3d::Unit(x % 3), b = (y < 3 ? 1 : -1) * Eigen::Vector3d::Unit(y % 3);
+      const Eigen::Vector3d a = (x < 3 ? 1 : -1) * Eigen::Vector3d::Unit(x % 3),
+                            b = (y < 3 ? 1 : -1) * Eigen::Vector3d::Unit(y % 3);
       Eigen::Matrix3d lidar_from_body;
       lidar_from_body << a, b, a.cross(b);
       if (!lidar_from_body.isIdentity()) out.push_back(lidar_from_body);

@@ -9,7 +9,7 @@ namespace dvi::plausibility {
 namespace {
 
 constexpr std::size_t kStretch = 20, kStretches = 3;  // scans
-constexpr std::size_t kFewestScans = 5;                    // scans
+constexpr std::size_t kFewestScans = 5;               // scans
 
 Drive stretch_of(const Drive& drive, std::size_t first, std::size_t last) {
   Drive out;
