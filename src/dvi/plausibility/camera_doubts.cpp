@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t kFewestPairs = 5;
 constexpr double kExplained = 0.6;  // a cost above: most returns do not move as predicted, the reading explains nothing
 constexpr double kBetter = 0.75;    // of the cost as given: below, another reading is clearly better
-constexpr double kSure = 5;         // standard errors of an error, by which it is not zero
-constexpr double kAgreed = 3;       // standard errors of the gain, by which the pairs agree on it
+constexpr double kSure = 3;         // standard errors by which an error is not zero
+constexpr double kAgreed = 0.75;    // of the pairs must fit better: one with a truck in it must not decide
 // What alignment does not make up for: several times its expected error of the mounting, and the search range of clocks.
 constexpr double kLeastRotation = std::numbers::pi / 180, kLeastLate = 0.04;
 constexpr double kMostRotation = 8 * std::numbers::pi / 180, kRotationStep = 2 * std::numbers::pi / 180;
@@ -88,17 +88,15 @@ CameraError standard_errors(const CameraFit& fit, const Found& found, std::size_
   return (squares * (1 - 1 / static_cast<double>(pairs))).cwiseSqrt();
 }
 
-/// Whether the pairs agree that they fit better: the mean gain is several standard errors.
+/// Whether the pairs agree that they fit better.
 bool surely_better(const std::vector<double>& given, const std::vector<double>& other) {
-  double sum = 0, squares = 0, n = 0;
+  std::size_t known = 0, better = 0;
   for (std::size_t i = 0; i < given.size(); ++i) {
     if (std::isnan(given[i]) || std::isnan(other[i])) continue;
-    const double gain = given[i] - other[i];
-    sum += gain, squares += gain * gain, n += 1;
+    ++known;
+    better += other[i] < given[i] ? 1 : 0;
   }
-  if (n < static_cast<double>(kFewestPairs)) return false;
-  const double mean = sum / n, variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
-  return mean > kAgreed * std::sqrt(variance);
+  return known >= kFewestPairs && static_cast<double>(better) >= kAgreed * static_cast<double>(known);
 }
 
 std::string rotation_words(const Eigen::Vector3d& rotation) {
@@ -135,13 +133,14 @@ std::vector<std::string> words_of(const CameraFit& fit, const Found& found, std:
   return out;
 }
 
-/// The camera matrix of another resolution, where the principal point lies on the image's diagonal but far from its middle.
+/// By how much K is to be multiplied where its principal point lies on the image's diagonal but far from its middle, as in a
+/// K of another resolution.
 std::optional<double> other_resolution(const Camera& camera) {
-  constexpr double kFar = 1.25, kDiagonal = 1.15;
+  constexpr double kNear = 1.15;
   const double x = 0.5 * (camera.width - 1) / camera.cx, y = 0.5 * (camera.height - 1) / camera.cy;
-  if (!(x > 0 && y > 0) || std::max(x / y, y / x) > kDiagonal) return std::nullopt;
-  const double factor = std::sqrt(x * y);
-  return std::max(factor, 1 / factor) > kFar ? std::optional(factor) : std::nullopt;
+  for (const double factor : {0.25, 1.0 / 3, 0.5, 2.0 / 3, 1.5, 2.0, 3.0, 4.0})
+    if (x < kNear * factor && factor < kNear * x && y < kNear * factor && factor < kNear * y) return factor;
+  return std::nullopt;
 }
 
 Camera scaled(Camera camera, double factor) {
