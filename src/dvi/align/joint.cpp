@@ -26,7 +26,6 @@ constexpr double kNoise = 2;          // standard errors by which held-out point
 constexpr std::array<double, 3> kParts{0.1, 0.3, 1};
 constexpr double kMisplacedPx = 0.6;
 constexpr double kHardlyMoves = 0.5;  // metres
-constexpr double kClock = 0.025;      // seconds: more than cameras are triggered beside the middle of a scan
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
@@ -61,7 +60,6 @@ class Chain {
 
   std::size_t coarsest() const { return coarsest_; }
   Poses turned(const Corrections& c) const;
-  Poses later(const Poses& poses, double seconds) const;
 
  private:
   std::vector<SharedPoint> shared_points(std::size_t i, const Lazy<Sight>& sights) const;
@@ -83,20 +81,6 @@ Poses Chain::turned(const Corrections& c) const {
   Poses out;
   for (std::size_t i = 0; i < count_; ++i)
     out.push_back(SE3{so3_exp(c.rotations[i]), {0, 0, 0}} * views_[first_ + i].camera_from_world);
-  return out;
-}
-
-// Where the cameras were so much later.
-Poses Chain::later(const Poses& poses, double seconds) const {
-  Poses out;
-  for (std::size_t i = 0; i < count_; ++i) {
-    const std::size_t from = i + 1 < count_ || i == 0 ? i : i - 1, to = std::min(from + 1, count_ - 1);
-    const auto time = [&](std::size_t k) {
-      return 1e-9 * static_cast<double>(views_[first_ + k].time_ns - views_[first_].time_ns);
-    };
-    const double step = time(to) - time(from), u = step > 0 ? (time(i) + seconds - time(from)) / step : 0;
-    out.push_back(interpolate(poses[from].inverse(), poses[to].inverse(), u).inverse());
-  }
   return out;
 }
 
@@ -278,18 +262,6 @@ void warn(const Views& views, std::size_t first, std::size_t last, Cameras& out)
         drive + "the camera hardly moves; a rotation common to all its frames cannot be estimated and is assumed to be none");
 }
 
-// Aligned frames agree best where they are, unless their clock is off: then where they were before or are later.
-void check_clock(const Chain& chain, const std::vector<PairModel>& models, const Poses& aligned, int drive, const Tick& tick,
-                 Cameras& out) {
-  const auto checks = chain.check(models, {aligned, chain.later(aligned, -kClock), chain.later(aligned, kClock)}, tick);
-  const bool earlier = lower(checks, 0, 1, &Chain::Check::cost), later = lower(checks, 0, 2, &Chain::Check::cost);
-  if (earlier == later) return;
-  out.warnings.push_back(
-      fmt::format("align: drive {}: frames agree better as if taken {:.0f} ms {} than their times say; check that camera and "
-                  "LiDAR share one clock, and camera_from_lidar",
-                  drive, 1e3 * kClock, earlier ? "earlier" : "later"));
-}
-
 }  // namespace
 
 void align_jointly(const DriveViews& drive, const AlignOptions& options, const Tick& tick, Cameras& out) {
@@ -319,7 +291,6 @@ void align_jointly(const DriveViews& drive, const AlignOptions& options, const T
     out.camera_from_world[first + i] = poses[best][i];
   }
   warn(views, first, last, out);
-  check_clock(chain, models, poses[best], views[first].drive, tick, out);
 }
 
 }  // namespace dvi::align

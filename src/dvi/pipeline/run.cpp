@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "dvi/depth/depths.h"
+#include "dvi/pipeline/doubt_setup.h"
 #include "dvi/pipeline/make_map.h"
 #include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/refine.h"
@@ -36,7 +37,10 @@ RunReport run(const Job& job, Progress& progress) {
     return estimate_poses(drives, job, progress);  // section 3.1: LOAM
   });
   const Masks masks = find_masks(drives, poses, job, progress);  // what moves is decided along the poses
-  const auto static_points = [&] { return build_map(drives, poses, masks, options.map, progress); };  // 3.1
+  const auto static_points = [&] {
+    doubt_setup(drives, poses, masks, progress);                    // what contradicts the recording, likewise
+    return build_map(drives, poses, masks, options.map, progress);  // 3.1
+  };
   const StaticMap map = kept("map", static_points, map::empty_map(options.map));
   const Views posed = make_views(drives, poses, masks, progress);
   const VisibleMap visible(map, posed);
