@@ -74,7 +74,8 @@ TEST_F(Poses, FromScansFollowTheTruth) {
     stages.push_back(stage["stage"]);
     EXPECT_GE(stage["cpu_seconds_per_scan"], 0);
   }
-  EXPECT_THAT(stages, testing::ElementsAre("read", "odometry", "loops", "sharpness", "map", "carve", "normals", "write"));
+  EXPECT_THAT(stages, testing::ElementsAre("read", "plausibility", "odometry", "loops", "sharpness", "map", "carve", "normals",
+                                           "write"));
   EXPECT_LT(apart(read("out/trajectory.txt"), read("drive/poses.txt")), 0.03);
   ASSERT_EQ(dvi("map drive -o tum --quiet --poses loam --trajectory tum").code, 0);
   EXPECT_EQ(read_lines(folder / "tum/trajectory.txt").size(), 6);
@@ -93,6 +94,23 @@ TEST_F(Poses, AutoKeepsExactOnesAndMendsShakenOnes) {
   EXPECT_LT(report["sharpness"]["loam"]["ground_m"], 0.01);
   EXPECT_LT(apart(read("out/trajectory.txt"), truth), 0.03);
   EXPECT_EQ(map("drive", "--poses given")["from"], "given");
+}
+
+TEST_F(Poses, ThatAreInvertedAreSaidAndNotUsed) {
+  small_drive();
+  const std::vector<SE3> truth = read("drive/poses.txt");
+  std::string text;
+  std::size_t i = 0;
+  for (const std::string& line : read_lines(folder / "drive/poses.txt")) {
+    const SE3 inverse = truth[i++].inverse();
+    text += line.substr(0, line.find(' '));
+    for (int k = 0; k < 12; ++k) text += " " + std::to_string(k % 4 == 3 ? inverse.t[k / 4] : inverse.R(k / 4, k % 4));
+    text += "\n";
+  }
+  write_file(folder / "drive/poses.txt", text);
+  EXPECT_EQ(map("drive", "")["from"], "loam");
+  EXPECT_LT(apart(read("out/trajectory.txt"), truth), 0.03);
+  EXPECT_THAT(dvi("check drive --quiet").out, HasSubstr("look inverted"));
 }
 
 TEST_F(Poses, AreFoundWhereNoneAreGiven) {

@@ -12,7 +12,7 @@ STAGES = [
     "masks", "odometry", "traffic", "map", "exposure", "align", "depth", "plane_sweep", "sample", "regularize", "harmonize", "smooth"
 ]
 NOUNS = ["core", "geometry", "image", "drive"]
-MEASURES = ["metrics", "holdout", "baselines", "audit"]
+MEASURES = ["metrics", "holdout", "baselines", "audit", "plausibility"]
 
 # What each module may include besides its own folder.
 ALLOWED = {

@@ -12,20 +12,22 @@ Cameras::Cameras(const Views& given) : views(given.size()) {
 Cameras align(const Views& views, const map::VisibleMap& map, const AlignOptions& options, const Tick& tick) {
   Cameras out(views);
   if (!options.enabled) return out;
-  for (int drive = 0;; ++drive) {
+  for (int drive = 0; drive < views.drives(); ++drive) {
     const auto [first, last] = views.of_drive(drive);
-    if (first == last) return out;
-    if (options.method == AlignMethod::paper) {
+    if (first == last) {
+      out.drives.emplace_back();
+    } else if (options.method == AlignMethod::paper) {
       search_as_published({views, map, first, last}, options, tick, out);
       out.drives.push_back({.kept = true});
     } else {
       align_jointly({views, map, first, last}, options, tick, out);
     }
   }
+  return out;
 }
 
 std::size_t align_steps(const Views& views, const AlignOptions& options) {
-  constexpr std::size_t kPasses = 4;  // of the joint method
+  constexpr std::size_t kPasses = 3;  // of the joint method
   if (!options.enabled) return 0;
   return views.size() * (options.method == AlignMethod::paper ? 1 : kPasses);
 }

@@ -4,21 +4,20 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "dvi/align/joint_solve.h"
+#include "dvi/align/pair_store.h"
 #include "dvi/align/sight.h"
 #include "dvi/core/threads.h"
 
 namespace dvi::align {
 namespace {
 
-// Frames that are compared: neighbours, and some farther apart that keep the chain from drifting.
-constexpr std::array<std::size_t, 4> kApart{1, 2, 4, 8};
 constexpr double kPairErrorPx = 0.2;  // by which a pair may mislead: surfaces that the map has a little off, light that moves
 constexpr double kFlat = 0.01;        // of log brightness a pixel: no texture below
 constexpr double kLeastCaught = 3;    // expected errors that the coarsest level must be able to catch
@@ -27,7 +26,6 @@ constexpr double kNoise = 2;          // standard errors by which held-out point
 constexpr std::array<double, 3> kParts{0.1, 0.3, 1};
 constexpr double kMisplacedPx = 0.6;
 constexpr double kHardlyMoves = 0.5;  // metres
-constexpr double kClock = 0.025;      // seconds: more than cameras are triggered beside the middle of a scan
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
@@ -36,7 +34,12 @@ using Poses = std::vector<SE3>;  // camera_from_world, of a drive's views
 class Chain {
  public:
   Chain(const DriveViews& drive, const AlignOptions& options)
-      : views_(drive.views), map_(drive.map), first_(drive.first), count_(drive.last - drive.first), options_(options) {
+      : views_(drive.views),
+        map_(drive.map),
+        first_(drive.first),
+        count_(drive.last - drive.first),
+        options_(options),
+        pairs_(drive.map.map, count_) {
     const Camera& camera = views_[first_].camera;
     const double caught = kLeastCaught * std::max(radians(options.rotation_deg), radians(options.mounting_deg)) * camera.fx;
     while (caught > 2 * std::exp2(coarsest_) && std::min(camera.width, camera.height) >> coarsest_ > 64) ++coarsest_;
@@ -57,11 +60,12 @@ class Chain {
 
   std::size_t coarsest() const { return coarsest_; }
   Poses turned(const Corrections& c) const;
-  Poses later(const Poses& poses, double seconds) const;
 
  private:
-  void find_pairs_of(std::size_t i, const Lazy<Sight>& sights);
+  std::vector<SharedPoint> shared_points(std::size_t i, const Lazy<Sight>& sights) const;
   std::vector<PairModel> models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const;
+  void add_models(std::size_t first, std::size_t last, const Poses& poses, std::size_t coarsest, std::vector<PairModel>& all,
+                  const Tick& tick) const;
   std::vector<map::VisiblePoint> textured(const Sight& sight, const View& view, const cv::Mat1f& texture) const;
   PosedImage posed(std::size_t i, const Poses& poses) const { return {views_[first_ + i].camera, poses[i], images_[i]}; }
 
@@ -70,27 +74,13 @@ class Chain {
   std::size_t first_, count_, coarsest_ = 0;
   const AlignOptions& options_;
   Lazy<BandPass> images_;
-  std::vector<std::vector<Pair>> pairs_;  // by moving view
+  PairStore pairs_;  // by moving view
 };
 
 Poses Chain::turned(const Corrections& c) const {
   Poses out;
   for (std::size_t i = 0; i < count_; ++i)
     out.push_back(SE3{so3_exp(c.rotations[i]), {0, 0, 0}} * views_[first_ + i].camera_from_world);
-  return out;
-}
-
-// Where the cameras were so much later.
-Poses Chain::later(const Poses& poses, double seconds) const {
-  Poses out;
-  for (std::size_t i = 0; i < count_; ++i) {
-    const std::size_t from = i + 1 < count_ || i == 0 ? i : i - 1, to = std::min(from + 1, count_ - 1);
-    const auto time = [&](std::size_t k) {
-      return 1e-9 * static_cast<double>(views_[first_ + k].time_ns - views_[first_].time_ns);
-    };
-    const double step = time(to) - time(from), u = step > 0 ? (time(i) + seconds - time(from)) / step : 0;
-    out.push_back(interpolate(poses[from].inverse(), poses[to].inverse(), u).inverse());
-  }
   return out;
 }
 
@@ -113,41 +103,44 @@ std::vector<map::VisiblePoint> Chain::textured(const Sight& sight, const View& v
   return best;
 }
 
-void Chain::find_pairs_of(std::size_t i, const Lazy<Sight>& sights) {
-  const std::vector<map::VisiblePoint> points = textured(*sights[i], views_[first_ + i], images_[i]->front());
-  std::vector<SurfacePoint> points_of_view;
-  for (const map::VisiblePoint& point : points) points_of_view.push_back({point.world, map_.map.points[point.index].normal});
-  const auto shared = std::make_shared<const std::vector<SurfacePoint>>(std::move(points_of_view));
-  for (const std::size_t apart : kApart)
-    for (const int side : {-1, 1}) {
-      if ((side < 0 && i < apart) || (side > 0 && i + apart >= count_)) continue;
-      Pair pair{i, side < 0 ? i - apart : i + apart, shared, {}};
-      const View& other = views_[first_ + pair.fixed];
-      const auto sight = sights[pair.fixed];
-      for (std::size_t k = 0; k < points.size(); ++k) {
-        const Eigen::Vector3d p = other.camera_from_world * points[k].world.cast<double>();
-        if (!other.camera.in_front(p)) continue;
-        const Eigen::Vector2d pixel = other.camera.project(p);
-        if (other.camera.contains(pixel) && sight->shows(pixel, p.z())) pair.seen.push_back(static_cast<std::uint32_t>(k));
-      }
-      pair.seen.shrink_to_fit();
-      if (pair.seen.size() >= kFewestPoints) pairs_[i].push_back(std::move(pair));
+std::vector<SharedPoint> Chain::shared_points(std::size_t i, const Lazy<Sight>& sights) const {
+  std::vector<SharedPoint> out;
+  for (const map::VisiblePoint& point : textured(*sights[i], views_[first_ + i], images_[i]->front()))
+    out.push_back({.index = point.index, .seen_by = 0});
+  for (std::size_t k = 0; k < kPartners; ++k) {
+    const std::optional<std::size_t> partner = partner_of(i, k, count_);
+    if (!partner) continue;
+    const View& other = views_[first_ + *partner];
+    const auto sight = sights[*partner];
+    for (SharedPoint& point : out) {
+      const Eigen::Vector3d p = other.camera_from_world * map_.map.points[point.index].position.cast<double>();
+      if (!other.camera.in_front(p)) continue;
+      const Eigen::Vector2d pixel = other.camera.project(p);
+      if (other.camera.contains(pixel) && sight->shows(pixel, p.z()))
+        point.seen_by = static_cast<std::uint8_t>(point.seen_by | 1U << k);
     }
+  }
+  return out;
 }
 
 std::vector<PairModel> Chain::models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const {
   const double expected = 2 * std::hypot(radians(options_.rotation_deg), radians(options_.mounting_deg));
   const PosedImage moving = posed(i, poses);
   std::vector<PairModel> out;
-  for (const Pair& pair : pairs_[i])
+  for (const Pair& pair : pairs_.of(i))
     if (auto model = fit_pair(pair, moving, posed(pair.fixed, poses), coarsest, expected)) out.push_back(*model);
   return out;
 }
 
-std::vector<PairModel> joined(const std::vector<std::vector<PairModel>>& by_view) {
-  std::vector<PairModel> all;
+// Appends the models of the views [first, last).
+void Chain::add_models(std::size_t first, std::size_t last, const Poses& poses, std::size_t coarsest,
+                       std::vector<PairModel>& all, const Tick& tick) const {
+  std::vector<std::vector<PairModel>> by_view(last - first);
+  parallel_for(by_view.size(), [&](std::size_t i) {
+    by_view[i] = models_of(first + i, poses, coarsest);
+    tick();
+  });
   for (const auto& some : by_view) all.insert(all.end(), some.begin(), some.end());
-  return all;
 }
 
 // In one pass, while the images are at hand.
@@ -155,24 +148,21 @@ std::vector<PairModel> Chain::find_pairs(const Tick& tick) {
   const Lazy<Sight> sights(count_,
                            [this](std::size_t i) { return Sight(*map_.points[first_ + i], *views_.masks[first_ + i]); });
   const Poses given = turned(Corrections(count_));
-  pairs_.assign(count_, {});
-  std::vector<std::vector<PairModel>> by_view(count_);
-  parallel_in_order(count_, [&](std::size_t i) {
-    find_pairs_of(i, sights);
-    by_view[i] = models_of(i, given, coarsest_);
-    tick();
+  std::vector<PairModel> all;
+  for_blocks(count_, [&](std::size_t first, std::size_t last) {
+    std::vector<std::vector<SharedPoint>> points(last - first);
+    parallel_for(points.size(), [&](std::size_t i) { points[i] = shared_points(first + i, sights); });
+    for (const std::vector<SharedPoint>& of_view : points) pairs_.add(of_view);
+    add_models(first, last, given, coarsest_, all, tick);
   });
-  return joined(by_view);
+  return all;
 }
 
 std::vector<PairModel> Chain::models(const Corrections& now, std::size_t coarsest, const Tick& tick) const {
   const Poses poses = turned(now);
-  std::vector<std::vector<PairModel>> by_view(count_);
-  parallel_in_order(count_, [&](std::size_t i) {
-    by_view[i] = models_of(i, poses, coarsest);
-    tick();
-  });
-  return joined(by_view);
+  std::vector<PairModel> all;
+  for_blocks(count_, [&](std::size_t first, std::size_t last) { add_models(first, last, poses, coarsest, all, tick); });
+  return all;
 }
 
 // The model of a pair; they lie in the order of the moving views. None where there was too little to fit.
@@ -188,11 +178,12 @@ std::vector<Chain::Check> Chain::check(const std::vector<PairModel>& models, con
                                        const Tick& tick) const {
   std::vector<Check> out(count_);
   parallel_in_order(count_, [&](std::size_t i) {
+    const std::vector<Pair> pairs = pairs_.of(i);
     for (const Poses& candidate : candidates) {
       double cost = 0;
       int points = 0;
       std::vector<double> offsets;
-      for (const Pair& pair : pairs_[i]) {
+      for (const Pair& pair : pairs) {
         const PairModel* const model = model_of(pair, models);
         if (model == nullptr) continue;
         const HeldOutCost a = held_out(pair, posed(i, candidate), posed(pair.fixed, candidate), model->scale);
@@ -271,18 +262,6 @@ void warn(const Views& views, std::size_t first, std::size_t last, Cameras& out)
         drive + "the camera hardly moves; a rotation common to all its frames cannot be estimated and is assumed to be none");
 }
 
-// Aligned frames agree best where they are, unless their clock is off: then where they were before or are later.
-void check_clock(const Chain& chain, const std::vector<PairModel>& models, const Poses& aligned, int drive, const Tick& tick,
-                 Cameras& out) {
-  const auto checks = chain.check(models, {aligned, chain.later(aligned, -kClock), chain.later(aligned, kClock)}, tick);
-  const bool earlier = lower(checks, 0, 1, &Chain::Check::cost), later = lower(checks, 0, 2, &Chain::Check::cost);
-  if (earlier == later) return;
-  out.warnings.push_back(
-      fmt::format("align: drive {}: frames agree better as if taken {:.0f} ms {} than their times say; check that camera and "
-                  "LiDAR share one clock, and camera_from_lidar",
-                  drive, 1e3 * kClock, earlier ? "earlier" : "later"));
-}
-
 }  // namespace
 
 void align_jointly(const DriveViews& drive, const AlignOptions& options, const Tick& tick, Cameras& out) {
@@ -312,7 +291,6 @@ void align_jointly(const DriveViews& drive, const AlignOptions& options, const T
     out.camera_from_world[first + i] = poses[best][i];
   }
   warn(views, first, last, out);
-  check_clock(chain, models, poses[best], views[first].drive, tick, out);
 }
 
 }  // namespace dvi::align

@@ -22,7 +22,10 @@ class Normal {
  public:
   explicit Normal(std::size_t views) : right_(Eigen::VectorXd::Zero(kViews + 3 * static_cast<int>(views))) {}
 
-  void add(int row, int col, double value) { entries_.emplace_back(row, col, value); }
+  // The upper half of the matrix is left out.
+  void add(int row, int col, double value) {
+    if (row >= col) entries_.emplace_back(row, col, value);
+  }
   void add_right(int row, double value) { right_[row] += value; }
   // information * (value + change of an unknown)^2
   void add_prior(int at, double value, double information) {
@@ -57,7 +60,6 @@ void add_priors(Normal& normal, const Corrections& now, const Expected& expected
       normal.add_prior(at, apart, rotation);
       normal.add_prior(kMounting + k, -apart, rotation);
       normal.add(at, kMounting + k, -rotation);
-      normal.add(kMounting + k, at, -rotation);
     }
 }
 

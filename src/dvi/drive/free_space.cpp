@@ -91,7 +91,10 @@ void FreeSpace::place(const Scan& scan, const ScanHeader& header, const Trajecto
     lidar_from_world.push_back(pose->inverse());
   }
   sensor_ = lidar_from_world[kColumns / 2].inverse().t;
-  for (const SE3& pose : lidar_from_world) poses_.push_back({pose.R.cast<float>(), (pose * sensor_).cast<float>()});
+  for (const SE3& pose : lidar_from_world) {
+    poses_.push_back({pose.R.cast<float>(), (pose * sensor_).cast<float>()});
+    reach_ = std::max(reach_, static_cast<float>(kMaxRange) + poses_.back().t.norm() + kDepth);
+  }
 }
 
 void FreeSpace::erode(const cv::Mat1f& nearest) {
@@ -116,6 +119,7 @@ void FreeSpace::erode(const cv::Mat1f& nearest) {
 
 FreeSpace::Seen FreeSpace::judge(const Eigen::Vector3d& world, double radius_m) const {
   const Eigen::Vector3f x = (world - sensor_).cast<float>();
+  if (x.squaredNorm() > reach_ * reach_) return Seen::unknown;
   const auto seen_from = [&](int column) -> Eigen::Vector3f { return poses_[column].R * x + poses_[column].t; };
   // When it was swept depends on where it is seen, which depends on when: once round is right to a millisecond.
   const Eigen::Vector3f p = seen_from(column_of(seen_from(kColumns / 2)));

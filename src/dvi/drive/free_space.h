@@ -47,6 +47,7 @@ class FreeSpace {
 
   double pose_error_ = 0;
   Eigen::Vector3d sensor_ = Eigen::Vector3d::Zero();
+  float reach_ = 0;                    // metres from sensor_; nothing farther is within kMaxRange at any time of the scan
   std::vector<LidarFromWorld> poses_;  // one a column: when it was swept
   float low_ = 0;                      // elevation of row 0
   float rise_ = 0;

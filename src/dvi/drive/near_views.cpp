@@ -21,7 +21,7 @@ std::vector<std::size_t> nearest_views(const Views& views, std::size_t target, s
 
 std::vector<std::size_t> nearest_of_other_drives(const Views& views, std::size_t target, std::size_t most) {
   std::vector<std::size_t> out;
-  for (int drive = 0; views.of_drive(drive).first < views.size(); ++drive) {
+  for (int drive = 0; drive < views.drives(); ++drive) {
     if (drive == views[target].drive) continue;
     for (const std::size_t view : nearest_views(views, target, views.of_drive(drive), most)) out.push_back(view);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -39,13 +40,15 @@ struct Views {
 
   std::size_t size() const { return views.size(); }
   const View& operator[](std::size_t i) const { return views[i]; }
+  /// The number of the last drive, plus one.
+  int drives() const { return views.empty() ? 0 : views.back().drive + 1; }
   /// Views [first, last) of a drive.
   std::pair<std::size_t, std::size_t> of_drive(int drive) const {
-    std::size_t first = 0;
-    while (first < size() && views[first].drive != drive) ++first;
-    std::size_t last = first;
-    while (last < size() && views[last].drive == drive) ++last;
-    return {first, last};
+    const auto begin_of = [this](int number) {
+      const auto at = std::partition_point(views.begin(), views.end(), [&](const View& v) { return v.drive < number; });
+      return static_cast<std::size_t>(at - views.begin());
+    };
+    return {begin_of(drive), begin_of(drive + 1)};
   }
 };
 

@@ -46,6 +46,16 @@ TEST(Views, GainsBringOneLightIntoAnother) {
   EXPECT_EQ(gain_to(source, source), cv::Vec3f(1, 1, 1));
 }
 
+TEST(Views, OfADriveAreFoundByItsNumber) {
+  const Views views = views_at({{0, 0}, {0, 1}, {2, 7}, {2, 1}, {2, 2}});  // drive 1 has no pose
+  using Range = std::pair<std::size_t, std::size_t>;
+  EXPECT_EQ(views.drives(), 3);
+  EXPECT_EQ(views.of_drive(0), Range(0, 2));
+  EXPECT_EQ(views.of_drive(1), Range(2, 2));
+  EXPECT_EQ(views.of_drive(2), Range(2, 5));
+  EXPECT_EQ(Views().drives(), 0);
+}
+
 TEST(NearViews, AreInOrderOfDistance) {
   const Views views = views_at({{0, 10}, {0, 0}, {0, 13}, {0, 9}, {0, 5}});
   EXPECT_THAT(nearest_views(views, 0, {1, 5}, 3), ElementsAre(3, 2, 4));
@@ -73,6 +83,7 @@ TEST(NearViews, DirectionsCountInMetres) {
 TEST(NearViews, OfOtherDrivesLeaveOutTheTargetsOwn) {
   const Views views = views_at({{0, 0}, {0, 1}, {1, 7}, {1, 1}, {1, 2}, {2, 9}, {2, 0}});
   EXPECT_THAT(nearest_of_other_drives(views, 0, 2), ElementsAre(3, 4, 6, 5));
+  EXPECT_THAT(nearest_of_other_drives(views_at({{0, 0}, {2, 7}}), 0, 2), ElementsAre(1));
   EXPECT_THAT(nearest_of_other_drives(views, 3, 1), ElementsAre(1, 6));
   EXPECT_THAT(nearest_of_other_drives(views_at({{0, 0}, {0, 1}}), 0, 4), IsEmpty());
 }

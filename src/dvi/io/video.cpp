@@ -140,7 +140,7 @@ void VideoWriter::Impl::open_encoder(const VideoOptions& options) {
   if (encoder->id == AV_CODEC_ID_H264) {
     check(av_opt_set(codec->priv_data, "preset", "veryfast", 0));
     check(av_opt_set_double(codec->priv_data, "crf", options.crf, 0));
-    // Its AVX-512 path gave different bytes in one run of three, even with one thread.
+    // It gives other bytes from run to run, most often where two encoders work at once (seen at 162x184 with 12 frames).
     check(av_opt_set_int(codec->priv_data, "mbtree", 0, 0));
   } else {
     codec->flags |= AV_CODEC_FLAG_QSCALE;

@@ -1,5 +1,6 @@
 #include "dvi/io/video.h"
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
@@ -24,6 +25,7 @@ extern "C" {
 
 #include "dvi/core/error.h"
 #include "dvi/core/test_folder.h"
+#include "dvi/core/threads.h"
 
 namespace dvi::io {
 namespace {
@@ -111,6 +113,24 @@ TEST_F(Video, DecodesToTheFramesThatWerePushed) {
 
 TEST_F(Video, SameFramesSameBytes) {
   EXPECT_EQ(read_file(write("a.mp4", {96, 64}, 20)), read_file(write("b.mp4", {96, 64}, 20)));
+}
+
+// Also of odd sizes, where chroma asks for pixels beyond the last column and row: what lies in memory there is no part of it.
+TEST_F(Video, BytesDependOnThePixelsOnly) {
+  const cv::Size size(97, 65);
+  const std::array<std::string, 4> names{"a.mp4", "b.mp4", "c.mp4", "d.mp4"};
+  parallel_for(names.size(), [&](std::size_t k) {
+    VideoWriter video(folder / names[k], {size.width, 132});
+    const auto around = static_cast<uchar>(80 * k);
+    for (int i = 0; i < 20; ++i) {
+      cv::Mat3b large(size.height + 2, size.width + 32, cv::Vec3b::all(around));
+      const cv::Mat3b image = large(cv::Rect({0, 0}, size));
+      picture(size, i).copyTo(image);
+      video.push_stacked({image, image});
+    }
+    video.finish();
+  });
+  for (const std::string& name : names) EXPECT_EQ(read_file(folder / name), read_file(folder / names[0])) << name;
 }
 
 TEST_F(Video, CanBePlayedWhileItLoads) {

@@ -109,6 +109,9 @@ void add_tile(const MapVoxels& voxels, const MapVoxels::Tile& tile, bool carve, 
 void move_to_map(Gathered& gathered, bool carve, StaticMap& map) {
   map.scans = gathered.scans;
   map.counts = gathered.counts;
+  std::size_t voxels = 0;
+  for (const auto& [column, tile] : gathered.voxels.tiles()) voxels += tile.voxels.size();
+  map.points.reserve(voxels);  // at once: while a vector grows, it is in memory twice
   for (auto& [column, tile] : gathered.voxels.tiles()) {
     add_tile(gathered.voxels, tile, carve, map);
     tile = MapVoxels::Tile(map.scratch());

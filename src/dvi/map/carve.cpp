@@ -1,6 +1,8 @@
 #include "dvi/map/carve.h"
 
-#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
 
 #include "dvi/core/threads.h"
 #include "dvi/drive/free_space.h"
@@ -13,15 +15,17 @@ using Tile = MapVoxels::Tile;
 // Passes a hit that make a thing one that moved: wires and leaves are passed now and then, but hit more often.
 constexpr double kShare = 0.1;
 
-// Tiles that any of the scans reach.
-std::vector<std::pair<int, int>> within_reach(const MapVoxels& voxels, const std::vector<FreeSpace>& spaces) {
-  std::vector<std::pair<int, int>> near;
-  for (const auto& [column, tile] : voxels.tiles()) {
-    const Eigen::Vector2d centre((column.first + 0.5) * MapVoxels::kTile, (column.second + 0.5) * MapVoxels::kTile);
-    const auto reaches = [&](const FreeSpace& space) {
-      return space.valid() && (space.sensor().head<2>() - centre).norm() < FreeSpace::kMaxRange + MapVoxels::kTile;
-    };
-    if (std::any_of(spaces.begin(), spaces.end(), reaches)) near.push_back(column);
+// Columns of tiles that a scan reaches.
+std::set<std::pair<int, int>> within_reach(const std::vector<FreeSpace>& spaces) {
+  constexpr double kReach = FreeSpace::kMaxRange + MapVoxels::kTile;
+  const auto tile_of = [](double metres) { return static_cast<int>(std::floor(metres / MapVoxels::kTile)); };
+  std::set<std::pair<int, int>> near;
+  for (const FreeSpace& space : spaces) {
+    if (!space.valid()) continue;
+    const Eigen::Vector2d at = space.sensor().head<2>();
+    for (int x = tile_of(at.x() - kReach); x <= tile_of(at.x() + kReach); ++x)
+      for (int y = tile_of(at.y() - kReach); y <= tile_of(at.y() + kReach); ++y)
+        if ((at - MapVoxels::kTile * Eigen::Vector2d(x + 0.5, y + 0.5)).norm() < kReach) near.emplace(x, y);
   }
   return near;
 }
@@ -50,8 +54,10 @@ void count_hits_and_passes(MapVoxels& voxels, const std::vector<MapInput>& input
       parallel_for(spaces.size(), [&](std::size_t i) {
         spaces[i] = FreeSpace(*input.drive->scans[first + i], scan_headers[first + i], input.world_from_lidar, pose_error_m);
       });
-      const std::vector<std::pair<int, int>> near = within_reach(voxels, spaces);
-      parallel_for(near.size(), [&](std::size_t i) { judge(voxels, voxels.tiles().at(near[i]), spaces); });
+      std::vector<Tile*> near;
+      for (const auto& column : within_reach(spaces))
+        if (const auto tile = voxels.tiles().find(column); tile != voxels.tiles().end()) near.push_back(&tile->second);
+      parallel_for(near.size(), [&](std::size_t i) { judge(voxels, *near[i], spaces); });
       voxels.page_out();
       for (std::size_t i = first; i < last; ++i) tick();
     });

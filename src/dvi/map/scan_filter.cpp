@@ -18,8 +18,8 @@ struct NearestFrame {
 std::optional<NearestFrame> nearest_frame(const ScanHeader& header, const MapInput& input) {
   const std::vector<Frame>& frames = input.drive->frames;
   const auto distance = [&](const Frame& f) { return std::abs(f.time_ns - header.time_ns); };
-  const auto nearest =
-      std::min_element(frames.begin(), frames.end(), [&](const Frame& a, const Frame& b) { return distance(a) < distance(b); });
+  auto nearest = std::partition_point(frames.begin(), frames.end(), [&](const Frame& f) { return f.time_ns < header.time_ns; });
+  if (nearest != frames.begin() && (nearest == frames.end() || distance(*(nearest - 1)) <= distance(*nearest))) --nearest;
   if (nearest == frames.end() || distance(*nearest) > header.end_ns - header.start_ns) return std::nullopt;
   const std::optional<SE3> pose = input.world_from_lidar.at(nearest->time_ns);
   if (!pose) return std::nullopt;

@@ -14,6 +14,14 @@ constexpr double kFarPixel = 0.5;     // metres that a pixel spans where the vie
 
 double far_plane(const Camera& camera) { return kFarPixel * camera.fx; }
 
+// Whether the tile lies farther away than any corner of the view where it ends, as most of a long drive's do.
+bool beyond(const Eigen::AlignedBox3f& bounds, const Eigen::Vector3f& eye, const Camera& c) {
+  const double x = (0.5 + kCullMargin) * c.width + std::abs(c.cx - 0.5 * c.width);
+  const double y = (0.5 + kCullMargin) * c.height + std::abs(c.cy - 0.5 * c.height);
+  const double farthest = far_plane(c) * std::hypot(1, x / c.fx, y / c.fy);
+  return bounds.squaredExteriorDistance(eye) > farthest * farthest;
+}
+
 // Whether all corners of the tile lie outside one side of the view.
 bool outside(const Eigen::AlignedBox3f& bounds, const View& view) {
   const Camera& c = view.camera;
@@ -54,8 +62,9 @@ struct Nearest {
 Nearest project(const StaticMap& map, const View& view) {
   Nearest nearest(view.camera);
   const double far = far_plane(view.camera);
+  const Eigen::Vector3f eye = view.camera_from_world.inverse().t.cast<float>();
   for (const StaticMap::Tile& tile : map.tiles) {
-    if (outside(tile.bounds, view)) continue;
+    if (beyond(tile.bounds, eye, view.camera) || outside(tile.bounds, view)) continue;
     for (std::size_t i = tile.first; i < tile.last; ++i) {
       const Eigen::Vector3f& world = map.points[i].position;
       const Eigen::Vector3d p = view.camera_from_world * world.cast<double>();

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "dvi/odometry/odometry_scene.h"
 #include "dvi/odometry/pose_graph.h"
@@ -61,16 +64,39 @@ Course course_of(const Odometry& odometry) {
 
 double pose_error(double way_m) { return std::min(kLeastError + kDrift * way_m, kMostError); }
 
-/// The nearest of the poses a long way before pose i, if it is within reach.
-std::optional<std::size_t> nearest_earlier(const Course& course, std::size_t i) {
-  std::optional<std::size_t> out;
-  double nearest = kMostError;
-  for (std::size_t k = 0; k < i && course.way_m[i] - course.way_m[k] > kLongWay; ++k) {
-    const double distance = (course.pose[k].t - course.pose[i].t).norm();
-    if (distance < nearest && distance < pose_error(course.way_m[i] - course.way_m[k])) out = k, nearest = distance;
+/// The poses a long way before one that moves along the course, by place.
+class EarlierPoses {
+ public:
+  explicit EarlierPoses(const Course& course) : course_(course) {}
+
+  /// The one nearest to pose i, if it is within reach. `i` never falls.
+  std::optional<std::size_t> nearest_to(std::size_t i) {
+    for (; far_before(next_, i); ++next_) cells_[cell_of(next_)].push_back(next_);
+    std::optional<std::size_t> out;
+    double nearest = kMostError;
+    const auto [x, y] = cell_of(i);
+    for (const int column : {x - 1, x, x + 1})
+      for (const int row : {y - 1, y, y + 1})
+        if (const auto cell = cells_.find({column, row}); cell != cells_.end())
+          for (const std::size_t k : cell->second) {
+            const double distance = (course_.pose[k].t - course_.pose[i].t).norm();
+            if (distance > nearest || distance >= pose_error(course_.way_m[i] - course_.way_m[k])) continue;
+            if (distance < nearest || (out && k < *out)) out = k, nearest = distance;
+          }
+    return out;
   }
-  return out;
-}
+
+ private:
+  bool far_before(std::size_t k, std::size_t i) const { return k < i && course_.way_m[i] - course_.way_m[k] > kLongWay; }
+  std::pair<int, int> cell_of(std::size_t i) const {
+    const auto of = [](double metres) { return static_cast<int>(std::floor(metres / kMostError)); };
+    return {of(course_.pose[i].t.x()), of(course_.pose[i].t.y())};
+  }
+
+  const Course& course_;
+  std::size_t next_ = 0;
+  std::map<std::pair<int, int>, std::vector<std::size_t>> cells_;  // of kMostError metres
+};
 
 /// Of the features that do not lie on level ground, which looks the same everywhere, those that lie on what stands there.
 double standing_share(const Features& sparse, const Vector6d& twist, const SE3& pose, Surroundings& place) {
@@ -142,7 +168,8 @@ class LoopFinder {
     };
     const double at = course_.way_m[i], last = std::min(at + kPlace, course_.way_m[later] - 0.5 * kLongWay);
     double next = at - kPlace;
-    for (std::size_t k = 0; k < later && course_.way_m[k] <= last; ++k)
+    const auto from = std::partition_point(course_.way_m.begin(), course_.way_m.end(), [&](double way) { return way < next; });
+    for (auto k = static_cast<std::size_t>(from - course_.way_m.begin()); k < later && course_.way_m[k] <= last; ++k)
       if (k != i && course_.way_m[k] >= next) add(k), next = course_.way_m[k] + kPlaceStep;
     return scene;
   }
@@ -221,11 +248,12 @@ class LoopFinder {
 std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options, const Course& course, const Tick& tick) {
   LoopFinder find(drive, options, course);
   std::vector<Loop> loops;
+  EarlierPoses earlier_poses(course);
   double next = kLongWay;
   for (std::size_t i = 0; i < course.size(); ++i) {
     tick();
     if (course.way_m[i] < next) continue;
-    const std::optional<std::size_t> earlier = nearest_earlier(course, i);
+    const std::optional<std::size_t> earlier = earlier_poses.nearest_to(i);
     if (!earlier) continue;
     next = course.way_m[i] + kEvery;
     if (std::optional<Loop> loop = find(*earlier, i)) loops.push_back(*loop);

@@ -10,6 +10,7 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
+#include "dvi/pipeline/doubt_setup.h"
 #include "dvi/pipeline/forecast.h"
 #include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
 
@@ -86,6 +87,7 @@ CheckReport describe(const Recording& open, const PoseChoice& choice, const Mask
                   .warnings = drive.warnings,
                   .forecast = {}};
   for (const Frame& frame : drive.frames) out.frames_with_pose += poses.at(frame.time_ns) ? 1 : 0;
+  out.warnings.insert(out.warnings.end(), choice.warnings.begin(), choice.warnings.end());
   if (poses.empty()) out.warnings.emplace_back("no poses: give --poses FILE");
   if (drive.scan_headers.empty()) out.warnings.emplace_back("no scans: nothing can be copied");
   out.ready = out.frames_with_pose > 0 && !drive.scan_headers.empty();
@@ -153,6 +155,8 @@ CheckReport check(const Job& job, bool with_forecast, Progress& progress) {
   const Masks masks = find_masks(drives, poses, job, progress);
   CheckReport report = describe(drives.front(), choice, masks);
   report.warnings.insert(report.warnings.end(), range_warnings.begin(), range_warnings.end());
+  const std::vector<std::string> doubts = doubt_setup(drives, poses, masks, progress);
+  report.warnings.insert(report.warnings.end(), doubts.begin(), doubts.end());
   if (with_forecast && report.ready) report.forecast = forecast_holes(drives, poses, masks, job, progress);
   return report;
 }

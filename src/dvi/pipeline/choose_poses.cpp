@@ -12,34 +12,71 @@ namespace {
 // Poses from the scans must be better by more metres than this: below, the measure cannot tell, and given poses hold over long
 // drives.
 constexpr double kSharper = 0.002;
+// A trajectory that lays so much fewer patches together than the other smears the rest: those few say nothing of it.
+constexpr double kLeastSupport = 0.5;
 
-}  // namespace
+std::size_t support(const odometry::Sharpness& map) { return map.ground_patches + map.vertical_patches; }
 
-PoseChoice choose_poses(const Drive& drive, const PosesFrom& wish, const odometry::OdometryOptions& options,
-                        Progress& progress) {
+bool supported(const odometry::Sharpness& map, const odometry::Sharpness& other) {
+  return map.known() && static_cast<double>(support(map)) >= kLeastSupport * static_cast<double>(support(other));
+}
+
+/// Whether the poses of the scans are the better ones.
+bool sharper(const odometry::Sharpness& loam, const odometry::Sharpness& given) {
+  if (!supported(loam, given)) return false;
+  return !supported(given, loam) || loam.total_m() + kSharper < given.total_m();
+}
+
+void hold_against_scans(const Drive& drive, const odometry::OdometryOptions& options, Progress& progress, PoseChoice& choice) {
+  progress.begin("plausibility", plausibility::scan_tracks_ticks(drive));
+  choice.tracks = plausibility::scan_tracks(drive, options, progress.tick());
+  choice.misread = plausibility::better_reading(drive.poses, drive.camera_from_lidar, choice.tracks);
+  if (choice.misread) choice.warnings.push_back(choice.misread->words);
+  progress.end();
+}
+
+void compare_sharpness(const Drive& drive, bool both, Progress& progress, PoseChoice& choice) {
+  progress.begin("sharpness", (both ? 2 : 1) * odometry::sharpness_ticks(drive));
+  choice.loam = odometry::sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
+  if (both) choice.given = odometry::sharpness(drive, drive.poses, progress.tick());
+  progress.end();
+  if (both && !supported(*choice.given, *choice.loam) && choice.loam->known())
+    choice.warnings.push_back(
+        fmt::format("by the given poses scans share {} flat patches, by those of the scans {}: the given "
+                    "ones lay the scans beside each other",
+                    support(*choice.given), support(*choice.loam)));
+}
+
+PoseChoice judged(const Drive& drive, const PosesFrom& wish, const odometry::OdometryOptions& options, Progress& progress) {
   PoseChoice choice;
   const bool automatic = wish.kind == PosesFrom::Kind::automatic, loam = wish.kind == PosesFrom::Kind::loam;
   if (loam && drive.scan_headers.empty()) throw InputError(drive.path, "has no scans", "--poses loam needs them");
+  hold_against_scans(drive, options, progress, choice);
   if (!loam && (!automatic || drive.scan_headers.empty())) return choice;
-  const std::string name = drive.path.filename().string();
-  choice.odometry = odometry::odometry(drive, options, automatic ? drive.poses : Trajectory(), progress.parts());
-  for (const std::string& warning : choice.odometry->warnings) progress.warn(name + ": " + warning);
+  const bool guess = automatic && !choice.misread;
+  choice.odometry = odometry::odometry(drive, options, guess ? drive.poses : Trajectory(), progress.parts());
+  choice.warnings.insert(choice.warnings.end(), choice.odometry->warnings.begin(), choice.odometry->warnings.end());
   if (choice.odometry->loops > 0)
-    progress.note(fmt::format("{}: {} loops closed, poses moved by up to {:.2f} m", name, choice.odometry->loops,
-                              choice.odometry->largest_correction_m));
+    progress.note(fmt::format("{}: {} loops closed, poses moved by up to {:.2f} m", drive.path.filename().string(),
+                              choice.odometry->loops, choice.odometry->largest_correction_m));
   if (choice.odometry->world_from_lidar.empty()) {
     if (loam || drive.poses.empty()) throw InputError(drive.path, "has no scan that odometry could hold on to");
     return choice;
   }
   const bool both = automatic && !drive.poses.empty();
-  progress.begin("sharpness", (both ? 2 : 1) * odometry::sharpness_ticks(drive));
-  choice.loam = odometry::sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
-  if (both) choice.given = odometry::sharpness(drive, drive.poses, progress.tick());
+  compare_sharpness(drive, both, progress, choice);
   const bool lost = std::any_of(choice.odometry->scans.begin(), choice.odometry->scans.end(),
                                 [](const odometry::ScanFit& fit) { return fit.state == odometry::ScanFit::State::lost; });
-  const bool sharper = both && !lost && choice.loam->known() && choice.loam->total_m() + kSharper < choice.given->total_m();
-  if (!both || sharper) choice.from = PoseOrigin::loam;
-  progress.end();
+  if (!both || choice.misread || (!lost && sharper(*choice.loam, *choice.given))) choice.from = PoseOrigin::loam;
+  return choice;
+}
+
+}  // namespace
+
+PoseChoice choose_poses(const Drive& drive, const PosesFrom& wish, const odometry::OdometryOptions& options,
+                        Progress& progress) {
+  PoseChoice choice = judged(drive, wish, options, progress);
+  for (const std::string& warning : choice.warnings) progress.warn(drive.path.filename().string() + ": " + warning);
   return choice;
 }
 

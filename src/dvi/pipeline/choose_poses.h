@@ -2,13 +2,17 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "dvi/core/progress.h"
 #include "dvi/drive/drive.h"
 #include "dvi/odometry/odometry.h"
 #include "dvi/odometry/sharpness.h"
 #include "dvi/pipeline/choices.h"
+#include "dvi/plausibility/pose_reading.h"
+#include "dvi/plausibility/scan_tracks.h"
 
 namespace dvi::pipeline {
 
@@ -22,11 +26,14 @@ struct PoseChoice {
   PoseOrigin from = PoseOrigin::given;
   std::optional<odometry::Odometry> odometry;
   std::optional<odometry::Sharpness> given, loam;
+  std::vector<plausibility::ScanTrack> tracks;       ///< what the poses are held against
+  std::optional<plausibility::PoseReading> misread;  ///< the given poses mean something else; then they are no guess
+  std::vector<std::string> warnings;                 ///< that they are, and maps that hold too little to be judged
 };
 
-/// automatic: the given poses or those of the scans, which take the given motion for
-/// a guess, whichever lay the scans together more sharply; the given ones where they are as good. InputError where loam is
-/// wished for and there are no scans.
+/// automatic: the given poses or those of the scans, which take the given motion for a guess, whichever lay the scans together
+/// more sharply; the given ones where they are as good, unless the scans show that they mean something else. Whatever is wished
+/// for, a warning says if they do. InputError where loam is wished for and there are no scans.
 PoseChoice choose_poses(const Drive& drive, const PosesFrom& wish, const odometry::OdometryOptions& options,
                         Progress& progress);
 

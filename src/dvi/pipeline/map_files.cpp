@@ -41,8 +41,10 @@ std::string time_lines(const Views& views) {
   return text;
 }
 
-std::vector<cv::Vec3b> colours(const map::StaticMap& map, const Views& views) {
-  std::vector<cv::Vec3b> out(map.points.size(), kUncoloured);
+using Colours = ScratchVector<cv::Vec3b>;
+
+Colours colours(const map::StaticMap& map, const Views& views) {
+  Colours out(map.points.size(), kUncoloured, map.scratch());
   const std::size_t last = views.of_drive(0).second;
   const std::size_t step = std::max<std::size_t>(1, last / kColourFrames);
   for (std::size_t i = 0; i < last; i += step) {
@@ -56,11 +58,12 @@ std::vector<cv::Vec3b> colours(const map::StaticMap& map, const Views& views) {
   return out;
 }
 
-void write_map(const fs::path& path, const map::StaticMap& map, const std::vector<cv::Vec3b>& colour,
-               const std::string& comment) {
+void write_map(const fs::path& path, const map::StaticMap& map, const Colours& colour, const std::string& comment) {
   ScratchVector<Eigen::Vector3f> points(map.scratch());
+  points.reserve(map.points.size());
   std::array<ScratchVector<float>, 7> scalars;
   scalars.fill(ScratchVector<float>(map.scratch()));
+  for (ScratchVector<float>& of_points : scalars) of_points.reserve(map.points.size());
   const std::array<const char*, 7> names{"nx", "ny", "nz", "intensity", "count", "first", "last"};
   const auto seconds = [&](std::uint32_t scan) {
     return 1e-9F * static_cast<float>(map.scans[scan].time_ns - map.scans.front().time_ns);
@@ -89,9 +92,13 @@ cv::Vec3b colour_of(map::Cause cause) {
 }
 
 void write_removed(const fs::path& path, const ScratchVector<map::RemovedPoint>& removed, const std::string& comment) {
-  std::vector<Eigen::Vector3f> points;
-  std::vector<cv::Vec3b> colour;
-  std::vector<float> cause;
+  const std::shared_ptr<Scratch> scratch = removed.get_allocator().scratch;
+  ScratchVector<Eigen::Vector3f> points(scratch);
+  Colours colour(scratch);
+  ScratchVector<float> cause(scratch);
+  points.reserve(removed.size());
+  colour.reserve(removed.size());
+  cause.reserve(removed.size());
   for (const map::RemovedPoint& p : removed) {
     points.push_back(p.position);
     colour.push_back(colour_of(p.cause));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -264,9 +265,10 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::writer(const V
 }
 
 void ResultFolder::remove_other_frames() const {
+  const std::set<std::string> own(names_.begin(), names_.end());
   for (const fs::path& record : list_files(out_ / ".dvi/frames", {".json"})) {
     const std::string name = record.stem().string();
-    if (std::find(names_.begin(), names_.end(), name) != names_.end()) continue;
+    if (own.contains(name)) continue;
     for (const std::string& picture : pictures_of(name))
       if (const fs::path file = out_ / picture; !fs::is_symlink(file.parent_path())) fs::remove(file);
     fs::remove(record);

@@ -1,6 +1,7 @@
 #include "dvi/pipeline/result_media.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include <opencv2/core.hpp>
 
@@ -25,6 +26,8 @@ void write_media(const fs::path& out, const Drive& target, const std::vector<std
   io::VideoWriter compare(out / "compare.mp4", {size.width, 2 * (size.height + size.height % 2)}, options);
   const std::size_t rows = std::min(kSheetRows, names.size());
   std::vector<std::vector<io::SheetCell>> sheet;
+  std::unordered_map<std::string, std::size_t> number;  // of a frame, by its name
+  for (std::size_t i = 0; i < target.frames.size(); ++i) number[target.frames[i].name] = i;
   const auto add_to_sheet = [&](std::size_t i, const cv::Mat3b& input, const cv::Mat3b& result) {
     const cv::Mat1b mask = io::read_mask(out / "masks" / (names[i] + ".png"), size);
     sheet.push_back({{io::thumbnail(input, kCellWidth), names[i]},
@@ -34,9 +37,7 @@ void write_media(const fs::path& out, const Drive& target, const std::vector<std
   for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
     std::vector<cv::Mat3b> inputs(last - first), results(last - first);
     parallel_for(last - first, [&](std::size_t i) {
-      const auto frame =
-          std::find_if(target.frames.begin(), target.frames.end(), [&](const Frame& f) { return f.name == names[first + i]; });
-      inputs[i] = *target.images[static_cast<std::size_t>(frame - target.frames.begin())];
+      inputs[i] = *target.images[number.at(names[first + i])];
       results[i] = io::read_image(out / "frames" / (names[first + i] + ".png"), size);
     });
     parallel_for(2, [&](std::size_t which) {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "dvi/depth/depths.h"
+#include "dvi/pipeline/doubt_setup.h"
 #include "dvi/pipeline/make_map.h"
 #include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/refine.h"
@@ -37,7 +38,10 @@ RunReport run(const Job& job, Progress& progress) {
   });
   const Objects objects = kept("objects", [&] { return find_objects(drives, poses, job, progress); });  // along the poses
   const Masks masks = find_masks(drives, poses, objects, job, progress);
-  const auto static_points = [&] { return build_map(drives, poses, masks, options.map, progress); };  // 3.1
+  const auto static_points = [&] {
+    doubt_setup(drives, poses, masks, progress);                    // what contradicts the recording, likewise
+    return build_map(drives, poses, masks, options.map, progress);  // 3.1
+  };
   const StaticMap map = kept("map", static_points, map::empty_map(options.map));
   const Views posed = make_views(drives, poses, masks, progress);
   const VisibleMap visible(map, posed);

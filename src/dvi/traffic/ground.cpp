@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/deskew.h"
 
@@ -13,7 +14,7 @@ namespace {
 constexpr double kGroundSquare = 1, kLevel = 0.1;  // metres
 constexpr double kGroundReach = 80;                // metres: as far as objects are looked for
 constexpr std::size_t kEvery = 4;                  // returns of a scan that are looked at: the ground has plenty
-constexpr double kSteepest = 0.3;                  // rise over run: no road and no garden is steeper
+constexpr double kObstacle = 0.3;                  // metres: no kerb is higher
 constexpr int kAround = 4;                         // squares each way: a vehicle is not longer
 constexpr int kErrors = 3;                         // returns that may be errors
 constexpr double kErrorShare = 0.02;               // of a square's returns: likewise
@@ -55,17 +56,15 @@ std::optional<double> lowest(const std::map<int, Heap>& heaps) {
   return std::nullopt;
 }
 
-// Where no ray met the ground, the lowest returns are of what stands on it: ground rises no faster than from the squares
-// around.
-double held_down(const std::map<std::pair<int, int>, double>& lows, const std::pair<int, int>& square) {
-  double height = lows.at(square);
+// Where no ray met the ground, the lowest returns are of what stands on it: they rise above the squares around.
+double without_obstacle(const std::map<std::pair<int, int>, double>& lows, const std::pair<int, int>& square) {
+  std::vector<double> around;
   for (int dy = -kAround; dy <= kAround; ++dy)
-    for (int dx = -kAround; dx <= kAround; ++dx) {
-      const auto other = lows.find({square.first + dx, square.second + dy});
-      if (other == lows.end()) continue;
-      height = std::min(height, other->second + kSteepest * kGroundSquare * std::hypot(dx, dy));
-    }
-  return height;
+    for (int dx = -kAround; dx <= kAround; ++dx)
+      if (const auto other = lows.find({square.first + dx, square.second + dy}); other != lows.end())
+        around.push_back(other->second);
+  const double usual = median(around), here = lows.at(square);
+  return here > usual + kObstacle ? usual : here;
 }
 
 }  // namespace
@@ -87,7 +86,7 @@ Ground::Ground(const Drive& drive, const Trajectory& world_from_lidar) {
   std::map<Square, double> lows;
   for (const auto& [square, heaps] : squares)
     if (const auto height = lowest(heaps)) lows.emplace(square, *height);
-  for (const auto& [square, low] : lows) heights_.emplace(square, held_down(lows, square));
+  for (const auto& [square, low] : lows) heights_.emplace(square, without_obstacle(lows, square));
 }
 
 std::optional<double> Ground::height(const Eigen::Vector2d& place) const {

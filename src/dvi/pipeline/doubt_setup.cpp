@@ -1,0 +1,32 @@
+#include "dvi/pipeline/doubt_setup.h"
+
+#include "dvi/plausibility/camera_doubts.h"
+#include "dvi/plausibility/flow_pairs.h"
+#include "dvi/plausibility/label_doubts.h"
+
+namespace dvi::pipeline {
+namespace {
+
+std::vector<std::string> doubts_of(const Drive& drive, const DrivePoses& poses, const DriveMasks& masks) {
+  const plausibility::FlowPairs pairs = plausibility::flow_pairs(drive, poses.choice.tracks, masks.images);
+  std::vector<std::string> doubts = plausibility::camera_doubts(pairs, drive.camera_from_lidar);
+  return doubts.empty() ? plausibility::label_doubts(drive) : doubts;
+}
+
+}  // namespace
+
+std::vector<std::string> doubt_setup(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress) {
+  std::vector<std::string> warnings;
+  progress.begin("camera and labels", drives.size());
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    const Drive& drive = drives[i].drive;
+    for (const std::string& doubt : doubts_of(drive, poses[i], masks[i]))
+      warnings.push_back(drive.path.filename().string() + ": " + doubt);
+    progress.advance();
+  }
+  progress.end();
+  for (const std::string& warning : warnings) progress.warn(warning);
+  return warnings;
+}
+
+}  // namespace dvi::pipeline

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dvi/drive/drive.h"
+
+namespace dvi::plausibility {
+
+/// Says so where the LiDAR looks through most labelled boxes, as through those of another drive; empty where boxes hold
+/// returns, or are too few or too far to tell.
+std::vector<std::string> label_doubts(const Drive& drive);
+
+}  // namespace dvi::plausibility

@@ -1,0 +1,39 @@
+#include "dvi/plausibility/label_doubts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "dvi/plausibility/test_drive.h"
+
+namespace dvi::plausibility {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST(LabelDoubts, RightLabelsAreNotDoubted) {
+  EXPECT_THAT(label_doubts(test_drive(1, 0)), IsEmpty());
+  EXPECT_THAT(label_doubts(test_drive(2, 40)), IsEmpty());
+}
+
+TEST(LabelDoubts, LabelsOfAnotherDriveAreSaid) {
+  Drive drive = test_drive(1, 0);
+  const Drive other = test_drive(2, 40);
+  for (std::size_t i = 0; i < drive.frames.size(); ++i) drive.frames[i].labels = other.frames[i].labels;
+  EXPECT_THAT(label_doubts(drive), ElementsAre(HasSubstr("another drive")));
+}
+
+TEST(LabelDoubts, FewOrNoBoxesTellNothing) {
+  Drive drive = test_drive(1, 0);
+  for (Frame& frame : drive.frames)
+    for (Label& label : frame.labels) label.box->frame_from_box.t.z() += 500;
+  EXPECT_THAT(label_doubts(drive), IsEmpty()) << "out of sight";
+  for (Frame& frame : drive.frames) frame.labels.clear();
+  EXPECT_THAT(label_doubts(drive), IsEmpty());
+  drive.scan_headers.clear();
+  EXPECT_THAT(label_doubts(drive), IsEmpty());
+}
+
+}  // namespace
+}  // namespace dvi::plausibility
