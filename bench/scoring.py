@@ -104,7 +104,8 @@ class Scorer:
         return ["drive", *(case.sources if variant.fusion else ())]
 
     def run_arguments(self, case: Case, variant: Variant) -> list[str]:
-        return ["run", *self.drives(case, variant), *variant.arguments]
+        # Shadows would join the masks of the methods that know poses only: all fill the same pixels.
+        return ["run", *self.drives(case, variant), "--set", "masks.shadows=false", *variant.arguments]
 
     def run_key(self, case: Case, variant: Variant) -> str:
         return key_of(self.case_key(case), case.truth, case.ignore, self.run_arguments(case, variant), "audit")

@@ -105,12 +105,15 @@ TEST_F(BadInput, MalformedPoses) {
 TEST_F(BadInput, NoPosesAndNoScansToFindThem) {
   fs::remove(folder / "drive/poses.txt");
   fs::remove_all(folder / "drive/lidar");
+  fs::remove(folder / "drive/poses.txt");
   expect_refused({"drive", "--poses"});
 }
 
-TEST_F(BadInput, NeitherMasksNorLabels) {
+TEST_F(BadInput, NeitherMasksNorLabelsNorScans) {
   fs::remove_all(folder / "drive/masks");
   fs::remove(folder / "drive/boxes.json");
+  fs::remove_all(folder / "drive/lidar");
+  fs::remove(folder / "drive/poses.txt");
   expect_refused({"--masks"});
 }
 

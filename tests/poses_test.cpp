@@ -97,7 +97,7 @@ TEST_F(Poses, AutoKeepsExactOnesAndMendsShakenOnes) {
 }
 
 TEST_F(Poses, ThatAreInvertedAreSaidAndNotUsed) {
-  small_drive();
+  small_drive("drive", "", 16);
   const std::vector<SE3> truth = read("drive/poses.txt");
   std::string text;
   std::size_t i = 0;

@@ -36,13 +36,14 @@ class ProgramTest : public testing::Test {
   }
 
   /// A small synthetic drive, made once for all tests of the process and copied.
-  fs::path small_drive(const std::string& name = "drive", const std::string& options = "") const {
+  fs::path small_drive(const std::string& name = "drive", const std::string& options = "", int frames = 6) const {
     static std::map<std::string, TempFolder> made;
-    const bool fresh = !made.contains(options);
-    const fs::path original = made[options].path / "drive";
+    const std::string size = " --frames " + std::to_string(frames) + " ";
+    const bool fresh = !made.contains(size + options);
+    const fs::path original = made[size + options].path / "drive";
     if (fresh) {
-      const Result result = dvi("synth -o " + original.string() +
-                                " --frames 6 --width 240 --height 136 --beams 32 --columns 900 --quiet " + options);
+      const Result result =
+          dvi("synth -o " + original.string() + size + "--width 240 --height 136 --beams 32 --columns 900 --quiet " + options);
       EXPECT_EQ(result.code, 0) << result.err;
     }
     fs::copy(original, folder / name, fs::copy_options::recursive);

@@ -124,7 +124,7 @@ TEST_F(Run, KeepsFinishedFramesAndMakesMissingOnes) {
   ASSERT_EQ(again.code, 0) << again.err;
   EXPECT_EQ(fs::last_write_time(first), time) << "a finished frame is left alone";
   EXPECT_TRUE(contents(folder / "out") == before);
-  EXPECT_THAT(again.err, HasSubstr("alignment, exposure, map, poses of an earlier call are used"));
+  EXPECT_THAT(again.err, HasSubstr("alignment, exposure, map, objects, poses of an earlier call are used"));
   for (const char* stage : {"read:", "odometry:", "carve:", "exposure:", "align:"})
     EXPECT_THAT(again.err, Not(HasSubstr(std::string("\n") + stage))) << "the stage is kept";
   EXPECT_EQ(timeless(report()), told) << "poses, map, warnings as on the first call";
@@ -245,7 +245,7 @@ TEST_F(Run, OptionsOfTheFillLeaveTheStagesBeforeIt) {
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   const Result fill = dvi("run drive -o out --frames 0:5 --set harmonize.poisson=false --set map.memory_mb=0");
   ASSERT_EQ(fill.code, 0) << fill.err;
-  EXPECT_THAT(fill.err, HasSubstr("alignment, exposure, map, poses of an earlier call are used"));
+  EXPECT_THAT(fill.err, HasSubstr("alignment, exposure, map, objects, poses of an earlier call are used"));
   const Result stages = dvi("run drive -o out --set map.voxel_m=0.1");
   ASSERT_EQ(stages.code, 0) << stages.err;
   EXPECT_THAT(stages.err, Not(HasSubstr("of an earlier call")));

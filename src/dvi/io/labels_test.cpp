@@ -1,5 +1,6 @@
 #include "dvi/io/labels.h"
 
+#include <algorithm>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -188,12 +189,23 @@ TEST(MaskFolder, FindsMasksInTheFolderAboveOrBelow) {
   folder.write_image("masks/six.png", cv::Mat1b(3, 4, uchar{0}));
   make_folder(folder.path / "masks/front");
   Drive drive = two_frames();
+  drive.camera_name = "front";
   match_masks(drive, {folder.path / "masks/front"});
   EXPECT_TRUE(drive.mask_files.empty());
   ASSERT_EQ(drive.warnings.size(), 1U);
   EXPECT_THAT(drive.warnings[0], HasSubstr("are not used: they belong into " + (folder.path / "masks/front").string()));
   EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path); }),
               HasSubstr("holds no masks; did you mean " + (folder.path / "masks").string()));
+}
+
+TEST(MaskFolder, TakesTheFoldersThatDviMaskWrites) {
+  const TestFolder folder;
+  folder.write_image("masks/front/six.png", cv::Mat1b(3, 4, uchar{255}));
+  Drive drive = two_frames();
+  drive.camera_name = "front";
+  attach_masks(drive, folder.path);
+  ASSERT_EQ(drive.mask_files.size(), 2U);
+  EXPECT_EQ(std::count_if(drive.mask_files.begin(), drive.mask_files.end(), [](const fs::path& f) { return !f.empty(); }), 1);
 }
 
 TEST(MaskFolder, RefusesMasksOfOtherImages) {

@@ -43,19 +43,20 @@ TEST_F(OpenedDrive, WarnsOfFramesWithoutAMaskAndFingerprintsThem) {
   EXPECT_FALSE(print.hex().empty());
 }
 
-TEST_F(OpenedDrive, OnlyASourceDriveMayDoWithoutMasks) {
+TEST_F(OpenedDrive, WithoutMasksAndLabelsWhatMovesIsFound) {
   const TempFolder bare;
   fs::copy(folder.path, bare.path, fs::copy_options::recursive);
   fs::remove_all(bare.path / "masks");
   job.sources = {bare.path.string()};
   const Recordings drives = open_recordings(job, MaskNeed::required, progress);
   ASSERT_EQ(drives.size(), 2);
-  EXPECT_FALSE(drives[1].masks_from);
-  EXPECT_THAT(drives[1].drive.warnings, Contains(HasSubstr("its traffic may be copied into the result")));
-  const std::string name = bare.path.filename().string();
-  EXPECT_THAT(progress.warnings(), Contains(HasSubstr(name + ": has neither masks nor labels")));
+  EXPECT_EQ(drives[0].masks_from, masks::MaskSource::files);
+  EXPECT_EQ(drives[1].masks_from, masks::MaskSource::found);
+  job.sources.clear();
   job.target = bare.path.string();
-  EXPECT_THROW(open_recordings(job, MaskNeed::required, progress), InputError);
+  EXPECT_FALSE(open_recordings(job, MaskNeed::optional, progress).front().masks_from);
+  job.method = Method::telea;
+  EXPECT_THAT(input_error([&] { open_images(job, progress); }), HasSubstr("dvi mask"));
 }
 
 TEST_F(OpenedDrive, WarnsWhereTheRangeLeavesOutManyReturns) {

@@ -41,8 +41,17 @@ constexpr auto fields_of(Of<odometry::Sharpness>) {
   using odometry::Sharpness;
   return std::tuple{&Sharpness::ground_m, &Sharpness::vertical_m, &Sharpness::ground_patches, &Sharpness::vertical_patches};
 }
+constexpr auto fields_of(Of<plausibility::ScanTrack>) {
+  using plausibility::ScanTrack;
+  return std::tuple{&ScanTrack::first, &ScanTrack::last, &ScanTrack::world_from_lidar};
+}
+constexpr auto fields_of(Of<plausibility::PoseReading>) {
+  using plausibility::PoseReading;
+  return std::tuple{&PoseReading::words, &PoseReading::as_given, &PoseReading::as_read};
+}
 constexpr auto fields_of(Of<PoseChoice>) {
-  return std::tuple{&PoseChoice::from, &PoseChoice::odometry, &PoseChoice::given, &PoseChoice::loam};
+  return std::tuple{&PoseChoice::from,   &PoseChoice::odometry, &PoseChoice::given,   &PoseChoice::loam,
+                    &PoseChoice::tracks, &PoseChoice::misread,  &PoseChoice::warnings};
 }
 constexpr auto fields_of(Of<DrivePoses>) { return std::tuple{&DrivePoses::choice, &DrivePoses::world_from_lidar}; }
 

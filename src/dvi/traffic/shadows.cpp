@@ -17,8 +17,9 @@ namespace {
 
 constexpr int kScale = 2;         // images are compared at half their size: shadows are large, poses good to a pixel
 constexpr double kFarthest = 60;  // metres: beyond, a pixel covers metres of ground
-constexpr std::array kApart{0.5, 1.0, 1.5, 2.0, 3.0, 4.0};  // seconds, both ways: what moves has left the place
-constexpr std::size_t kFewestViews = 3;
+constexpr std::array kApart{0.3, 0.5, 0.7, 1.0, 1.3,
+                            1.6, 2.0, 2.5, 3.0, 4.0};  // seconds, both ways: what moves has left the place
+constexpr std::size_t kFewestViews = 2;
 constexpr double kDarker = 0.85;   // part of its usual brightness below which ground may be in shadow
 constexpr float kNoise = 6;        // levels: of two images' averages
 constexpr float kSpreads = 2.5F;   // times the usual spread between views
@@ -94,11 +95,14 @@ class Finder {
     const std::vector<GroundPixel> light = ground_pixels(target, small->mask == 0, kLight);
     std::vector<std::vector<cv::Vec3f>> seen(band.size());
     for (const std::size_t source : sources_of(target)) look(*small, source, band, light, seen);
-    cv::Mat1b differs(small->mask.size(), uchar{0});
+    cv::Mat1b differs(small->mask.size(), uchar{0}), unseen = differs.clone();
     for (std::size_t i = 0; i < band.size(); ++i)
-      if (is_other(small->image(band[i].at), seen[i])) differs(band[i].at) = 255;
+      if (seen[i].size() < kFewestViews)
+        unseen(band[i].at) = 255;
+      else if (is_other(small->image(band[i].at), seen[i]))
+        differs(band[i].at) = 255;
     cv::medianBlur(differs, differs, 3);
-    return joined(mask, small->mask, differs);
+    return joined(mask, small->mask, differs, unseen);
   }
 
  private:
@@ -169,7 +173,6 @@ class Finder {
 
   // Whether a colour is not what the views show that saw the place at other times.
   static bool is_other(const cv::Vec3f& here, const std::vector<cv::Vec3f>& seen) {
-    if (seen.size() < kFewestViews) return false;
     bool darker = true;
     float difference = 0;
     for (int c = 0; c < 3; ++c) {
@@ -184,26 +187,28 @@ class Finder {
     return darker || difference > kDifference;
   }
 
-  // What differs and hangs together with the mask, at full size.
-  static cv::Mat1b joined(const cv::Mat1b& mask, const cv::Mat1b& small_mask, const cv::Mat1b& differs) {
+  // What differs and hangs together with the mask, if need be across ground that nobody else saw; at full size.
+  static cv::Mat1b joined(const cv::Mat1b& mask, const cv::Mat1b& small_mask, const cv::Mat1b& differs,
+                          const cv::Mat1b& unseen) {
     cv::Mat1i parts;
-    const int count = connected_parts(differs, parts);
+    const int count = connected_parts(differs | unseen, parts);
     const cv::Mat1b near = grown(small_mask, kTouch);
     std::vector<int> pixels(static_cast<std::size_t>(count) + 1, 0);
     std::vector<bool> touches(pixels.size(), false);
     for (int y = 0; y < parts.rows; ++y)
       for (int x = 0; x < parts.cols; ++x) {
         const auto part = static_cast<std::size_t>(parts(y, x));
-        ++pixels[part];
+        if (differs(y, x) != 0) ++pixels[part];
         if (near(y, x) != 0) touches[part] = true;
       }
     cv::Mat1b shadow(differs.size(), uchar{0});
     for (int y = 0; y < parts.rows; ++y)
       for (int x = 0; x < parts.cols; ++x)
-        if (const auto part = static_cast<std::size_t>(parts(y, x)); part > 0 && touches[part] && pixels[part] >= kSpeck)
+        if (const auto part = static_cast<std::size_t>(parts(y, x));
+            differs(y, x) != 0 && touches[part] && pixels[part] >= kSpeck)
           shadow(y, x) = 255;
     cv::Mat1b full;
-    cv::resize(grown(shadow, 1), full, mask.size(), 0, 0, cv::INTER_NEAREST);
+    cv::resize(grown(shadow, 2), full, mask.size(), 0, 0, cv::INTER_NEAREST);
     return full | mask;
   }
 

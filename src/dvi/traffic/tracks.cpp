@@ -17,6 +17,7 @@ constexpr double kVelocityWindow = 0.5;         // seconds each way that a veloc
 constexpr std::size_t kFewestObservations = 4;  // observations of an object
 constexpr double kMovingShare = 0.5;
 constexpr double kLeastWay = 1;    // metres: labels, poses and the visible side of things wander less
+constexpr double kOff = 0.25;      // of the distance it gets, what it is off a smooth motion
 constexpr double kStraight = 0.5;  // of its way, the distance it gets
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
@@ -35,7 +36,7 @@ double distance(const Track& track, const Cluster& cluster) {
 
 }  // namespace
 
-Eigen::Vector2d Track::velocity(std::size_t observation) const {
+Track::State Track::state(std::size_t observation) const {
   const std::int64_t origin = time_of(observations[observation]);
   double n = 0, t = 0, tt = 0;
   Eigen::Vector2d x = Eigen::Vector2d::Zero(), tx = Eigen::Vector2d::Zero();
@@ -46,8 +47,9 @@ Eigen::Vector2d Track::velocity(std::size_t observation) const {
     x += o.cluster.centre, tx += dt * o.cluster.centre;
   }
   const double spread = n * tt - t * t;
-  if (n < 2 || spread < 1e-6) return Eigen::Vector2d::Zero();
-  return (n * tx - t * x) / spread;
+  if (n < 2 || spread < 1e-6) return {observations[observation].cluster.centre, Eigen::Vector2d::Zero()};
+  const Eigen::Vector2d velocity = (n * tx - t * x) / spread;
+  return {(x - t * velocity) / n, velocity};
 }
 
 bool moves(const Track& track) {
@@ -58,8 +60,10 @@ bool moves(const Track& track) {
     shares.push_back(o.cluster.moving_share);
     extents.push_back(o.cluster.extent_m);
   }
-  double farthest = 0, way = 0;
+  double farthest = 0, way = 0, off = 0;
   std::size_t last = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    off += (seen[i].cluster.centre - track.state(i).place).squaredNorm() / static_cast<double>(seen.size());
   for (std::size_t i = 1; i < seen.size(); ++i) {
     farthest = std::max(farthest, (seen[i].cluster.centre - seen.front().cluster.centre).norm());
     if (seconds(time_of(seen[i]) - time_of(seen[last])) < kVelocityWindow && i + 1 < seen.size()) continue;
@@ -67,7 +71,7 @@ bool moves(const Track& track) {
     last = i;
   }
   return median(shares) >= kMovingShare && farthest >= std::max(kLeastWay, 0.5 * median(extents)) &&
-         farthest >= kStraight * way;
+         farthest >= kStraight * way && std::sqrt(off) < kOff * farthest;
 }
 
 void Tracker::add(std::size_t scan, std::vector<Cluster> clusters) {

@@ -16,8 +16,12 @@ struct Track {
   std::vector<Observation> observations;  ///< in order of time
   double height_m = 0;                    ///< above the ground, the highest seen
 
-  /// Metres a second at an observation, by a line through those within half a second.
-  Eigen::Vector2d velocity(std::size_t observation) const;
+  /// Where it is and how fast, metres a second, at an observation: a line through those within half a second.
+  struct State {
+    Eigen::Vector2d place, velocity;
+  };
+  State state(std::size_t observation) const;
+  Eigen::Vector2d velocity(std::size_t observation) const { return state(observation).velocity; }
 };
 
 /// Whether what was tracked is an object that moves of itself: it gets somewhere, straight enough, and what it leaves is
