@@ -7,9 +7,9 @@
 
 namespace dvi::map {
 
-/// Hit and pass-through counts of every voxel: scans whose rays ended in it, and scans whose rays passed it (drive/free_space.h).
-/// Streams over scans; one tick a scan. After DUFOMap (Duberg et al. 2024): what was once seen to be free does not belong to
-/// the static map, where free is claimed only within the errors of sensor and poses.
+/// Hit and pass-through counts of every voxel: scans whose rays ended in it, and scans whose rays passed it
+/// (drive/free_space.h). Streams over scans; one tick a scan. After DUFOMap (Duberg et al. 2024): what was once seen to be free
+/// does not belong to the static map, where free is claimed only within the errors of sensor and poses.
 void count_hits_and_passes(MapVoxels& voxels, const std::vector<MapInput>& inputs, double pose_error_m, const Tick& tick);
 
 /// Whether rays passed through the voxel too often for what it holds to be static.

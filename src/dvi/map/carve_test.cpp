@@ -9,8 +9,8 @@
 #include "dvi/core/random.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/deskew.h"
-#include "dvi/map/build_map.h"
 #include "dvi/drive/free_space.h"
+#include "dvi/map/build_map.h"
 #include "dvi/map/voxel_grid.h"
 #include "dvi/synth/scene.h"
 

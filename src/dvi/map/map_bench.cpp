@@ -6,8 +6,8 @@
 
 #include "dvi/core/random.h"
 #include "dvi/drive/deskew.h"
-#include "dvi/map/build_map.h"
 #include "dvi/drive/free_space.h"
+#include "dvi/map/build_map.h"
 #include "dvi/map/visible_points.h"
 
 namespace dvi::map {
