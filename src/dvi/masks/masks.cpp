@@ -104,8 +104,7 @@ Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const FrameLab
               if (source == MaskSource::found) label.box.reset();  // outlines that were found reach down to the ground
               mask |= label_mask(label, camera, pose, options);
             }
-            // Outlines that were found reach up to the next rays already.
-            return grown(mask, source == MaskSource::found ? (options.dilate_px + 1) / 2 : options.dilate_px);
+            return source == MaskSource::found ? mask : grown(mask, options.dilate_px);  // what was found has its margin
           }};
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 
+#include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 
 namespace dvi::traffic {
@@ -23,10 +24,21 @@ double quantile(std::vector<double> values) {
   return *at;
 }
 
-// Where an object is at any time, and how large it is: length along its heading, width.
+double height(const Track& track) {
+  std::vector<double> heights;
+  for (const Track::Observation& o : track.observations) {
+    double high = 0;
+    for (std::size_t i = 0; i < o.cluster.points.size(); ++i)
+      high = std::max(high, o.cluster.points[i].z() - o.cluster.ground[i] + 0.5 * o.cluster.rise[i]);
+    heights.push_back(high);
+  }
+  return median(heights);  // leaves above it may move, too
+}
+
+// Where an object is at any time, and how large it is: length along its heading, width, height.
 class Motion {
  public:
-  explicit Motion(const Track& track) : track_(&track) {
+  explicit Motion(const Track& track) : track_(&track), height_(height(track)) {
     std::vector<double> lengths, widths;
     Eigen::Vector2d heading = Eigen::Vector2d::UnitX();
     for (std::size_t i = 0; i < track.observations.size(); ++i) {
@@ -50,7 +62,8 @@ class Motion {
         std::min_element(seen.begin(), seen.end(), [&](const auto& a, const auto& b) { return apart(a) < apart(b); });
     return static_cast<std::size_t>(nearest - seen.begin());
   }
-  bool holds(std::size_t nearest, const Eigen::Vector3d& x, std::int64_t time_ns) const {
+  bool holds(std::size_t nearest, const Eigen::Vector3d& x, double ground, std::int64_t time_ns) const {
+    if (x.z() - ground > height_ + kBoxMargin) return false;  // trees above the road
     const Cluster& cluster = track_->observations[nearest].cluster;
     const Eigen::Vector2d centre = cluster.centre + velocities_[nearest] * seconds(cluster.mean_time_ns, time_ns);
     const Eigen::Vector2d off = x.head<2>() - centre, &along = headings_[nearest];
@@ -71,6 +84,7 @@ class Motion {
   const Track* track_;
   std::vector<Eigen::Vector2d> velocities_, headings_;  // as the observations
   Eigen::Vector2d half_;
+  double height_;
 };
 
 // What a scan shows of each object that is near, by its number.
@@ -83,23 +97,12 @@ std::map<std::size_t, Cluster> look(const std::vector<Motion>& motions, const Ob
     if (!nearest) continue;
     Cluster cluster;
     for (std::size_t i = 0; i < returns.points.size(); ++i)
-      if (motions[k].holds(*nearest, returns.points[i], returns.time_ns[i])) add(cluster, returns, i);
+      if (motions[k].holds(*nearest, returns.points[i], returns.ground[i], returns.time_ns[i])) add(cluster, returns, i);
     if (cluster.points.size() < kFewestInBox) continue;
     measure(cluster);
     found.emplace(k, std::move(cluster));
   }
   return found;
-}
-
-double height(const Track& track) {
-  std::vector<double> heights;
-  for (const Track::Observation& o : track.observations) {
-    double high = 0;
-    for (std::size_t i = 0; i < o.cluster.points.size(); ++i)
-      high = std::max(high, o.cluster.points[i].z() - o.cluster.ground[i] + 0.5 * o.cluster.rise[i]);
-    heights.push_back(high);
-  }
-  return quantile(heights);
 }
 
 }  // namespace
@@ -113,7 +116,7 @@ std::vector<Track> followed(const std::vector<Track>& tracks, const MovingReturn
     for (std::size_t i = first; i < last; ++i)
       for (auto& [track, cluster] : seen[i - first]) out[track].observations.push_back({i, std::move(cluster)});
   });
-  for (std::size_t k = 0; k < out.size(); ++k) out[k].height_m = height(out[k].observations.empty() ? tracks[k] : out[k]);
+  for (std::size_t k = 0; k < out.size(); ++k) out[k].height_m = height(tracks[k]);
   return out;
 }
 

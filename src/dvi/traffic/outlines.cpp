@@ -5,11 +5,17 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/image/region.h"
+
 namespace dvi::traffic {
 namespace {
 
 constexpr double kOutlineWindow = 0.25;  // seconds each way in which an object hardly turns
 constexpr double kNearPlane = 0.3;       // metres
+constexpr double kRoof = 0.5;            // metres: windows are no higher
+constexpr double kMargin = 0.05;         // metres round the returns: the ends of an object lie between rays
+constexpr double kAlongside = 6;         // metres: of what is nearer, the part within the image is farther away
+constexpr int kBlur = 4;                 // pixels at least: the image's own
 constexpr double kPerson = 1.2;          // metres: what is longer is a vehicle
 
 struct Body {
@@ -36,8 +42,9 @@ Body body_at(const Track& track, std::int64_t time_ns) {
     x.head<2>() += velocity * 1e-9 * static_cast<double>(time_ns - cluster.time_ns[k]);
     body.points.push_back(x);
     body.points.emplace_back(x.x(), x.y(), cluster.ground[k]);
-    // It may go on up to the next ray, but no higher than it was ever seen.
-    const double above = std::min(x.z() + cluster.rise[k], cluster.ground[k] + track.height_m);
+    // It may go on up to the next ray, but no higher than it was ever seen; glass below a roof returns little.
+    const double top = cluster.ground[k] + track.height_m;
+    const double above = x.z() > top - kRoof ? top : std::min(x.z() + cluster.rise[k], top);
     if (above > x.z()) body.points.emplace_back(x.x(), x.y(), above);
   }
   return body;
@@ -80,9 +87,11 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
   if (body.points.empty()) return std::nullopt;
   const SE3 lidar_from_world = world_from_lidar.inverse(), camera_from_world = camera_from_lidar * lidar_from_world;
   std::vector<cv::Point> pixels;
+  double nearest = 1e9;
   for (const Eigen::Vector3d& x : body.points) {
     const Eigen::Vector3d in_camera = camera_from_world * x;
     if (in_camera.z() < kNearPlane) continue;
+    nearest = std::min(nearest, in_camera.z());
     const Eigen::Vector2d p = camera.project(in_camera);
     pixels.emplace_back(static_cast<int>(std::clamp(std::round(p.x()), -1e5, 1e5)),
                         static_cast<int>(std::clamp(std::round(p.y()), -1e5, 1e5)));
@@ -93,6 +102,7 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
   cv::Mat1b mask(camera.height, camera.width, uchar{0});
   cv::fillConvexPoly(mask, hull, 255);
   if (cv::countNonZero(mask) == 0) return std::nullopt;
+  mask = grown(mask, std::max(kBlur, cvRound(kMargin * camera.fx / std::max(kAlongside, nearest))));
   Box box = box_round(body);
   Label label;
   label.type = box.size.head<2>().maxCoeff() > kPerson ? "vehicle" : "person";
