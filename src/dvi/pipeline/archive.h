@@ -23,12 +23,12 @@ struct AnyValue {
   operator T() const;  // NOLINT(google-explicit-constructor): that it converts is all it does
 };
 
-/// Whether braces with `count` values make a T.
-template <class T, std::size_t count>
+/// Whether braces with `Count` values make a T.
+template <class T, std::size_t Count>
 constexpr bool takes_values() {
-  return []<std::size_t... i>(std::index_sequence<i...>) {
-    return requires { T{((void)i, AnyValue{})...}; };
-  }(std::make_index_sequence<count>());
+  return []<std::size_t... I>(std::index_sequence<I...>) {
+    return requires { T{((void)I, AnyValue{})...}; };
+  }(std::make_index_sequence<Count>());
 }
 
 /// Names a type.

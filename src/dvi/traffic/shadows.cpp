@@ -92,7 +92,7 @@ class Finder {
     if (cv::countNonZero(mask) == 0) return mask;
     const auto small = small_[target];
     const std::vector<GroundPixel> band = ground_pixels(target, band_round(small->mask), 1);
-    const std::vector<GroundPixel> light = ground_pixels(target, small->mask == 0, kLight);
+    const std::vector<GroundPixel> light = ground_pixels(target, cv::Mat1b(small->mask == 0), kLight);
     std::vector<std::vector<cv::Vec3f>> seen(band.size());
     for (const std::size_t source : sources_of(target)) look(*small, source, band, light, seen);
     cv::Mat1b differs(small->mask.size(), uchar{0}), unseen = differs.clone();
@@ -191,7 +191,7 @@ class Finder {
   static cv::Mat1b joined(const cv::Mat1b& mask, const cv::Mat1b& small_mask, const cv::Mat1b& differs,
                           const cv::Mat1b& unseen) {
     cv::Mat1i parts;
-    const int count = connected_parts(differs | unseen, parts);
+    const int count = connected_parts(cv::Mat1b(differs | unseen), parts);
     const cv::Mat1b near = grown(small_mask, kTouch);
     std::vector<int> pixels(static_cast<std::size_t>(count) + 1, 0);
     std::vector<bool> touches(pixels.size(), false);
@@ -209,7 +209,7 @@ class Finder {
           shadow(y, x) = 255;
     cv::Mat1b full;
     cv::resize(grown(shadow, 2), full, mask.size(), 0, 0, cv::INTER_NEAREST);
-    return full | mask;
+    return cv::Mat1b(full | mask);
   }
 
   Views views_;
