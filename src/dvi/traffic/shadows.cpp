@@ -24,6 +24,7 @@ constexpr double kDarker = 0.85;   // part of its usual brightness below which g
 constexpr float kNoise = 6;        // levels: of two images' averages
 constexpr float kSpreads = 2.5F;   // times the usual spread between views
 constexpr float kDifference = 25;  // levels by which a reflection differs at least
+constexpr int kMisplaced = 5;      // half pixels across: what poses and the ground are wrong by, each way two
 constexpr int kTouch = 3;          // half pixels between an object's mask and its shadow
 constexpr int kSpeck = 20;         // half pixels, of a part: smaller ones are noise
 constexpr int kLight = 12;         // half pixels between the places at which light is compared
@@ -80,6 +81,43 @@ struct GroundPixel {
   Eigen::Vector3d world;
 };
 
+// What ground looks like at other times: between the medians of what the views show of the pixels around, because poses are
+// wrong by some, give or take the spread between views.
+class Usual {
+ public:
+  Usual(const std::vector<GroundPixel>& band, const std::vector<std::vector<cv::Vec3f>>& seen, cv::Size size)
+      : low_(size, cv::Vec3f::all(1e9F)), high_(size, cv::Vec3f::all(-1e9F)), spread_(size, cv::Vec3f::all(0)) {
+    for (std::size_t i = 0; i < band.size(); ++i) {
+      if (seen[i].size() < kFewestViews) continue;
+      for (int c = 0; c < 3; ++c) {
+        std::vector<float> values;
+        for (const cv::Vec3f& colour : seen[i]) values.push_back(colour[c]);
+        const float middle = median(values);
+        for (float& value : values) value = std::abs(value - middle);
+        low_(band[i].at)[c] = high_(band[i].at)[c] = middle;
+        spread_(band[i].at)[c] = median(values);
+      }
+    }
+    const cv::Mat around = cv::Mat1b::ones(kMisplaced, kMisplaced);
+    cv::erode(low_, low_, around);
+    cv::dilate(high_, high_, around);
+  }
+
+  // Darker as in a shadow, or otherwise different.
+  bool excludes(cv::Point at, const cv::Vec3f& here) const {
+    bool darker = true, other = false;
+    for (int c = 0; c < 3; ++c) {
+      const float low = low_(at)[c], high = high_(at)[c], off = kSpreads * spread_(at)[c];
+      darker = darker && here[c] < kDarker * low && low - here[c] > kNoise + off;
+      other = other || std::max(low - here[c], here[c] - high) > kDifference + off;
+    }
+    return darker || other;
+  }
+
+ private:
+  Patch low_, high_, spread_;
+};
+
 class Finder {
  public:
   Finder(const Views& views, std::shared_ptr<const Ground> ground)
@@ -96,10 +134,11 @@ class Finder {
     std::vector<std::vector<cv::Vec3f>> seen(band.size());
     for (const std::size_t source : sources_of(target)) look(*small, source, band, light, seen);
     cv::Mat1b differs(small->mask.size(), uchar{0}), unseen = differs.clone();
+    const Usual usual(band, seen, small->mask.size());
     for (std::size_t i = 0; i < band.size(); ++i)
       if (seen[i].size() < kFewestViews)
         unseen(band[i].at) = 255;
-      else if (is_other(small->image(band[i].at), seen[i]))
+      else if (usual.excludes(band[i].at, small->image(band[i].at)))
         differs(band[i].at) = 255;
     cv::medianBlur(differs, differs, 3);
     return joined(mask, small->mask, differs, unseen);
@@ -169,22 +208,6 @@ class Finder {
     const cv::Vec3f gain(median(ratios[0]), median(ratios[1]), median(ratios[2]));
     for (std::size_t i = 0; i < band.size(); ++i)
       if (const auto there = colour(view, *small, band[i].world)) seen[i].push_back(there->mul(gain));
-  }
-
-  // Whether a colour is not what the views show that saw the place at other times.
-  static bool is_other(const cv::Vec3f& here, const std::vector<cv::Vec3f>& seen) {
-    bool darker = true;
-    float difference = 0;
-    for (int c = 0; c < 3; ++c) {
-      std::vector<float> values, spread;
-      for (const cv::Vec3f& colour : seen) values.push_back(colour[c]);
-      const float usual = median(values);
-      for (const float value : values) spread.push_back(std::abs(value - usual));
-      const float off = kNoise + kSpreads * median(spread);
-      darker = darker && here[c] < static_cast<float>(kDarker) * usual && usual - here[c] > off;
-      difference = std::max(difference, std::abs(here[c] - usual) - kSpreads * median(spread));
-    }
-    return darker || difference > kDifference;
   }
 
   // What differs and hangs together with the mask, if need be across ground that nobody else saw; at full size.
