@@ -2,7 +2,7 @@
 # Debian ships OpenCVConfig.cmake only with all of OpenCV (VTK and Qt included: more than a gigabyte).
 include(FindPackageHandleStandardArgs)
 find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4)
-set(OPENCV_PARTS core imgproc imgcodecs video photo)
+set(OPENCV_PARTS core imgproc imgcodecs video photo dnn)
 foreach(part ${OPENCV_PARTS})
   find_library(OPENCV_${part}_LIBRARY opencv_${part})
   list(APPEND OPENCV_VARIABLES OPENCV_${part}_LIBRARY)

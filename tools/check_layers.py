@@ -9,7 +9,7 @@ from pathlib import Path
 
 # In the order they run.
 STAGES = [
-    "masks", "odometry", "traffic", "map", "exposure", "align", "depth", "plane_sweep", "sample", "regularize", "harmonize", "smooth"
+    "masks", "odometry", "traffic", "detect", "map", "exposure", "align", "depth", "plane_sweep", "sample", "regularize", "harmonize", "smooth"
 ]
 NOUNS = ["core", "geometry", "image", "drive"]
 MEASURES = ["metrics", "holdout", "baselines", "audit", "plausibility"]
