@@ -109,6 +109,15 @@ TEST_F(BadInput, NoPosesAndNoScansToFindThem) {
   expect_refused({"drive", "--poses"});
 }
 
+TEST_F(BadInput, NoFrameAtTheTimeOfAPose) {
+  std::string times;
+  for (const fs::path& image : list_files(folder / "drive/images/front", {".png"}))
+    times += image.stem().string() + " 9" + image.stem().string().substr(2) + "\n";  // hours after the scans
+  write_file(folder / "drive/times/front.txt", times);
+  for (const char* command : {"run", "map", "mask", "forecast", "holdout"})
+    expect_refused({"drive: no frame has a pose", "share one clock"}, std::string(command) + " drive -o out --quiet");
+}
+
 TEST_F(BadInput, NeitherMasksNorLabelsNorScans) {
   fs::remove_all(folder / "drive/masks");
   fs::remove(folder / "drive/boxes.json");

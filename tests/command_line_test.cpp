@@ -36,6 +36,7 @@ TEST_F(CommandLine, UsageErrorsEndInTwo) {
                                 "run drive -o out --set odometry.min_range_m=3",
                                 "run drive -o out --method magic",
                                 "run drive -o out --remove none",
+                                "run drive -o out --polarity grey",
                                 "run drive -o out --poses loam-of-tomorrow --set x",
                                 "run drive -o out --config missing.toml",
                                 "synth",
@@ -99,6 +100,19 @@ TEST_F(CommandLine, MapWritesPosesAndPoints) {
   EXPECT_EQ(read_lines(folder / "map/poses.txt").size(), 6);
   EXPECT_EQ(read_lines(folder / "map/times.txt").size(), 6);
   EXPECT_EQ(read_file(folder / "map/map.ply").substr(0, 4), "ply\n");
+}
+
+TEST_F(CommandLine, MapNeverWritesIntoItsInputs) {
+  const fs::path drive = small_drive();
+  const auto before = ::dvi::contents(drive);
+  for (const char* arguments : {"-o drive", "-o .", "-o drive/map", "--poses drive/poses.txt -o drive/poses.txt/map",
+                                "--masks drive/masks/front -o drive/masks"}) {
+    const Result refused = dvi(std::string("map drive --quiet ") + arguments);
+    EXPECT_EQ(refused.code, 3) << arguments;
+    EXPECT_THAT(refused.err, HasSubstr("input of the run")) << arguments;
+  }
+  EXPECT_EQ(shell("cd drive && " DVI_PROGRAM " map . --quiet -o map").code, 3);
+  EXPECT_TRUE(::dvi::contents(drive) == before);
 }
 
 TEST_F(CommandLine, EvalScoresAResult) {

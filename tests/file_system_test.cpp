@@ -34,7 +34,7 @@ TEST_F(FileSystem, PathsThatCannotBe) {
   for (const std::string& path : {std::string("loop"), std::string("file/x"), std::string(300, 'a'), deep}) {
     const std::string begin = path.substr(0, path.find('/'));
     for (const char* before : {"check ", "run drive -o ", "run drive -o out --masks ", "run drive -o out --poses ",
-                               "map drive -o ", "synth --frames 1 -o ", "holdout drive -o ", "selfcheck "})
+                               "map drive -o ", "mask drive -o ", "synth --frames 1 -o ", "holdout drive -o ", "selfcheck "})
       expect_refused(before + path, begin);
     expect_refused("run " + path + " -o out", begin);
     expect_refused("eval " + path + " --truth drive/truth", begin);
@@ -59,7 +59,7 @@ TEST_F(FileSystem, ReadOnlyMount) {
   make_folder(folder / "disk");
   if (mount("tmpfs", (folder / "disk").c_str(), "tmpfs", MS_RDONLY, "size=64k") != 0)
     GTEST_SKIP() << "needs the right to mount a tmpfs";
-  for (const char* before : {"run drive -o ", "map drive -o ", "synth --frames 1 -o ", "holdout drive -o "})
+  for (const char* before : {"run drive -o ", "map drive -o ", "mask drive -o ", "synth --frames 1 -o ", "holdout drive -o "})
     expect_refused(std::string(before) + "disk/new", "disk");
   umount((folder / "disk").c_str());
 }

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include <nlohmann/json.hpp>
 
 #include "program.h"
@@ -34,6 +36,17 @@ TEST_F(MasksOfDrives, ADriveWithoutMasksAndLabelsJustRuns) {
   EXPECT_EQ(dvi("audit out drive --quiet").code, 0);
 }
 
+TEST_F(MasksOfDrives, CheckPromisesOnlyWhatRunFinds) {
+  const fs::path drive = unlabelled("drive");
+  fs::remove_all(drive / "lidar");
+  fs::remove(drive / "poses.txt");
+  const Result check = dvi("check drive --quiet");
+  EXPECT_EQ(check.code, 0) << check.err;
+  EXPECT_THAT(check.out, testing::Not(HasSubstr("finds what moves")));
+  EXPECT_THAT(check.out, HasSubstr("warning  neither masks nor labels nor scans say what to remove"));
+  EXPECT_EQ(dvi("run drive -o out --quiet").code, 3);
+}
+
 TEST_F(MasksOfDrives, WhatMaskWritesRunTakes) {
   unlabelled("drive");
   const Result mask = dvi("mask drive -o masks --poses given --quiet");
@@ -46,6 +59,30 @@ TEST_F(MasksOfDrives, WhatMaskWritesRunTakes) {
   ASSERT_EQ(dvi("run drive -o found --poses given --quiet").code, 0);
   ASSERT_EQ(dvi("run drive -o given --poses given --quiet --masks masks --set masks.shadows=false").code, 0);
   EXPECT_EQ(::dvi::contents(folder / "found/masks"), ::dvi::contents(folder / "given/masks"));
+}
+
+TEST_F(MasksOfDrives, MaskOverwritesNothing) {
+  small_drive();
+  const std::string call = "mask drive --masks labels --poses given --quiet -o ";
+  make_folder(folder / "empty");
+  ASSERT_EQ(dvi(call + "empty").code, 0);
+  write_file(folder / "empty/masks/front/000002.png", "corrected");
+  make_folder(folder / "mine");
+  write_file(folder / "mine/thesis.tex", "years of work");
+  const auto present = [&] {
+    return std::array{::dvi::contents(folder / "drive"), ::dvi::contents(folder / "empty"), ::dvi::contents(folder / "mine")};
+  };
+  const auto before = present();
+  const auto expect_refused = [&](const std::string& arguments, const std::string& word) {
+    const Result result = dvi(arguments);
+    EXPECT_EQ(result.code, 3) << arguments;
+    EXPECT_THAT(result.err, HasSubstr(word)) << arguments;
+  };
+  for (const char* full : {"empty", "mine", "mine/thesis.tex"}) expect_refused(call + full, "not an empty folder");
+  for (const char* input : {"drive", ".", "drive/new", "mine/../drive/images/front"})
+    expect_refused(call + input, "input of the run");
+  expect_refused("mask drive --quiet --masks empty/masks/front -o empty/masks/front/new", "input of the run");
+  EXPECT_TRUE(present() == before);
 }
 
 TEST_F(MasksOfDrives, LabelsSayWhatMovesAndOneFrameHasNothingThatDoes) {

@@ -30,7 +30,13 @@ void take(const std::optional<std::string>& text, const char* flag, Parse parse,
 void JobOptions::add_to(Command& command) {
   command.option("--frames", frames, "A:B: only these frames, inclusive, by the drive's own numbers; A: only that frame");
   command.option("--camera", camera, "Camera to use (default: the drive's first)");
-  command.option("--masks", masks, "What to remove: DIR (PNG, 255 = remove), FILE (labels), labels, auto");
+  command.option("--masks", masks,
+                 "What to remove: DIR (PNG masks), FILE (labels: KITTI, MOTS, COCO, CVAT, boxes.json), labels, auto");
+  command.option("--polarity", polarity, "Of PNG masks: white = remove, black = remove, or auto (default: by their shares)");
+  command.option("--classes", classes,
+                 "Of masks that are pictures of class ids, or of labels: car,truck or semantic-kitti:car or 26,27");
+  command.option("--ego-mask", ego_mask, "PNG of what hides the view in every frame, such as the bonnet; it is removed too");
+  command.option("--detector", detector, "What to remove: what a network of yours sees, MODEL.onnx with MODEL.toml beside it");
   command.option("--poses", poses,
                  "auto (default: given or loam, whichever map is sharper), given, loam (estimated from scans), or FILE");
   command.option("--remove", remove,
@@ -52,7 +58,14 @@ pipeline::Job JobOptions::job(const std::string& out, const std::string& target,
   if (!config.empty() && !method) table.load_toml(config);
   if (camera) job.read.camera = *camera;
   if (frames) job.read.frames = *frames;
+  if (masks && detector) throw UsageError("--detector and --masks both say what to remove: give one of them");
+  if (masks) job.read.detector.clear();  // what a file says of the other
+  if (detector) job.read.masks = {};
   take(masks, "--masks", pipeline::MasksFrom::parse, job.read.masks);
+  if (detector) job.read.detector = *detector;
+  take(polarity, "--polarity", parse_name<io::Polarity>, job.read.mask_files.polarity);
+  if (classes) job.read.mask_files.classes = *classes;
+  if (ego_mask) job.read.ego_mask = *ego_mask;
   take(poses, "--poses", pipeline::PosesFrom::parse, job.read.poses);
   take(remove, "--remove", parse_name<pipeline::Remove>, job.read.remove);
   for (const std::string& assignment : set) table.set(assignment);
@@ -62,7 +75,8 @@ pipeline::Job JobOptions::job(const std::string& out, const std::string& target,
     job.target = target;
     job.sources = sources;
   }
-  for (std::string* path : {&job.target, &job.read.masks.path, &job.read.poses.file}) make_absolute(*path);
+  for (std::string* path : {&job.target, &job.read.masks.path, &job.read.ego_mask, &job.read.detector, &job.read.poses.file})
+    make_absolute(*path);
   for (std::string& path : job.sources) make_absolute(path);
   return job;
 }

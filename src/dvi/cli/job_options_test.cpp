@@ -71,6 +71,23 @@ TEST(JobOptions, PathsThatAreThereBecomeAbsolute) {
   EXPECT_EQ(to_string(job.read.poses), "auto");
 }
 
+TEST(JobOptions, DetectorAndMasksReplaceEachOtherFromAFile) {
+  const TempFolder folder;
+  JobOptions options;
+  options.config = folder.write("masks.toml", "[job]\nmasks = \"a/folder\"\n");
+  options.detector = "net.onnx";
+  const pipeline::Job detected = options.job("", "", {});
+  EXPECT_EQ(detected.read.detector, "net.onnx");
+  EXPECT_EQ(to_string(detected.read.masks), "auto");
+  options = {};
+  options.config = folder.write("detector.toml", "[job]\ndetector = \"net.onnx\"\n");
+  EXPECT_EQ(options.job("", "", {}).read.detector, "net.onnx");
+  options.masks = "labels";
+  EXPECT_EQ(options.job("", "", {}).read.detector, "");
+  options.detector = "net.onnx";
+  EXPECT_THROW(options.job("", "", {}), UsageError);
+}
+
 TEST(JobOptions, SetMustNameAnOptionAndFitIt) {
   JobOptions options;
   for (const char* assignment :

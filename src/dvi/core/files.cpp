@@ -114,6 +114,11 @@ void make_folder(const fs::path& path) {
     throw InputError(path, "cannot be created (" + error.message() + ")", "choose a folder that can be written");
 }
 
+void require_empty(const fs::path& folder, const std::string& what) {
+  if (fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder)))
+    throw InputError(folder, "is not an empty folder", "name a new one for the " + what);
+}
+
 std::vector<fs::path> list_files(const fs::path& folder, const std::vector<std::string>& endings) {
   std::vector<fs::path> files;
   if (!fs::is_directory(folder)) return files;

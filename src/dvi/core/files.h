@@ -42,6 +42,9 @@ void write_beside(const fs::path& path, const std::function<void(const fs::path&
 /// Creates the folder and its parents. InputError where that is impossible.
 void make_folder(const fs::path& path);
 
+/// InputError unless the folder is empty or not there; `what` is to go into it, for the message.
+void require_empty(const fs::path& folder, const std::string& what);
+
 /// The regular files of a folder with one of the endings (".png"), by name; an empty list where there is no folder.
 std::vector<fs::path> list_files(const fs::path& folder, const std::vector<std::string>& endings);
 

@@ -56,6 +56,16 @@ TEST_F(Files, WhatIsWrittenReadsBack) {
   EXPECT_EQ(read_file(folder / "x.bin"), "");
 }
 
+TEST_F(Files, OnlyEmptyAndNewFoldersAreEmpty) {
+  require_empty(folder / "new", "case");
+  make_folder(folder / "empty");
+  require_empty(folder / "empty", "case");
+  write_file(folder / "empty/.hidden", "");
+  const auto refusal = ThrowsMessage<InputError>(AllOf(HasSubstr("is not an empty folder"), HasSubstr("new one for the case")));
+  EXPECT_THAT([&] { require_empty(folder / "empty", "case"); }, refusal);
+  EXPECT_THAT([&] { require_empty(folder / "empty/.hidden", "case"); }, refusal);
+}
+
 TEST_F(Files, LinesLoseEveryKindOfLineEnd) {
   write_file(folder / "x.txt", "a\r\n\nb c\nlast");
   EXPECT_THAT(read_lines(folder / "x.txt"), ElementsAre("a", "", "b c", "last"));

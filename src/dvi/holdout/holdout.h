@@ -77,7 +77,4 @@ void write_holdout(const Holdout& holdout, const fs::path& case_folder, const st
 /// The recipe of a whole case; empty where there is none.
 std::string holdout_recipe(const fs::path& case_folder);
 
-/// InputError unless the folder is empty or not there.
-void require_empty(const fs::path& case_folder);
-
 }  // namespace dvi::holdout

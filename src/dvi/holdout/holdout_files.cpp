@@ -57,11 +57,6 @@ nlohmann::json description(const Holdout& holdout, const std::string& recipe, co
 
 }  // namespace
 
-void require_empty(const fs::path& folder) {
-  if (fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder)))
-    throw InputError(folder, "is not an empty folder", "name a new one for the case");
-}
-
 std::string holdout_recipe(const fs::path& folder) {
   if (!fs::exists(folder / "holdout.json")) return {};
   try {
@@ -72,7 +67,7 @@ std::string holdout_recipe(const fs::path& folder) {
 }
 
 void write_holdout(const Holdout& holdout, const fs::path& case_folder, const std::string& recipe, const Tick& tick) {
-  require_empty(case_folder);
+  require_empty(case_folder, "case");
   const fs::path place = (fs::absolute(case_folder).lexically_normal() / "").parent_path();
   Draft draft(place, hidden_beside(place));
   const fs::path& out = draft.path();

@@ -86,14 +86,15 @@ void require(const fs::path& path, cv::Size found, cv::Size wanted) {
                      "images, masks and calibration must be of one size");
 }
 
-cv::Mat decode(const fs::path& path, cv::Size size, int mode) {
-  const std::string bytes = read_file(path);
+cv::Mat decode(const fs::path& path, const std::string& bytes, cv::Size size, int mode) {
   if (const auto stated = stated_size(path, bytes)) require(path, *stated, size);
   cv::Mat image = decode(path, bytes, mode);
   if (image.empty()) throw InputError(path, "cannot be decoded as an image", kRemedy);
   require(path, image.size(), size);
   return image;
 }
+
+cv::Mat decode(const fs::path& path, cv::Size size, int mode) { return decode(path, read_file(path), size, mode); }
 
 cv::Mat1b not_zero(const cv::Mat& image, int channel) {
   cv::Mat values;
@@ -102,13 +103,30 @@ cv::Mat1b not_zero(const cv::Mat& image, int channel) {
   return values;
 }
 
-// Transparency alone tells where the colours tell nothing and it tells pixels apart; opaque everywhere, it says nothing.
-cv::Mat1b mask_of(const cv::Mat& image) {
-  cv::Mat1b mask(image.size(), uchar{0});
-  for (int channel = 0; channel < std::min(image.channels(), 3); ++channel) mask |= not_zero(image, channel);
-  if (image.channels() < 4 || cv::countNonZero(mask) > 0) return mask;
-  const cv::Mat1b alpha = not_zero(image, 3);
-  return cv::countNonZero(alpha) == static_cast<int>(alpha.total()) ? mask : alpha;
+bool varies(const cv::Mat& image, int channel) {
+  cv::Mat values;
+  cv::extractChannel(image, values, channel);
+  double low = 0, high = 0;
+  cv::minMaxLoc(values, &low, &high);
+  return low != high;
+}
+
+// A PNG with a palette as one in grey, whose pixels are then the indices; none where there is no palette.
+std::optional<std::string> without_palette(const std::string& png) {
+  constexpr std::size_t kHeader = 33, kColourType = 25, kChecked = 12, kCheckSum = 29;
+  constexpr char kPalette = 3, kGrey = 0;
+  if (!is_png(png) || png.size() < kHeader || png[kColourType] != kPalette || !png_is_whole(png)) return std::nullopt;
+  std::string out = png.substr(0, kHeader);
+  out[kColourType] = kGrey;
+  const std::uint32_t sum = libdeflate_crc32(0, out.data() + kChecked, kCheckSum - kChecked);
+  for (std::size_t i = 0; i < 4; ++i) out[kCheckSum + i] = static_cast<char>(sum >> (24 - 8 * i));
+  for (std::size_t at = kHeader; at + 12 <= png.size();) {
+    const std::size_t chunk =
+        12 + (static_cast<std::size_t>(big_endian(png, at)) << 16 | static_cast<std::size_t>(big_endian(png, at + 2)));
+    if (png.compare(at + 4, 4, "IDAT") == 0 || png.compare(at + 4, 4, "IEND") == 0) out += png.substr(at, chunk);
+    at += chunk;
+  }
+  return out;
 }
 
 }  // namespace
@@ -125,6 +143,26 @@ cv::Mat3b read_image(const fs::path& path, cv::Size size) {
 cv::Mat read_unchanged(const fs::path& path, cv::Size size) {
   const std::string bytes = read_file(path);
   return stated_size(path, bytes) == size ? decode(path, bytes, cv::IMREAD_UNCHANGED) : cv::Mat();
+}
+
+cv::Mat1b mask_of(const cv::Mat& picture) {
+  cv::Mat1b mask(picture.size(), uchar{0});
+  bool coloured = false;
+  for (int channel = 0; channel < std::min(picture.channels(), 3); ++channel) {
+    mask |= not_zero(picture, channel);
+    coloured |= varies(picture, channel);
+  }
+  return picture.channels() < 4 || coloured || !varies(picture, 3) ? mask : not_zero(picture, 3);
+}
+
+cv::Mat read_indices(const fs::path& path, cv::Size size) {
+  const std::string bytes = read_file(path);
+  const std::optional<std::string> grey = without_palette(bytes);
+  if (!grey) return decode(path, bytes, size, cv::IMREAD_UNCHANGED);
+  constexpr std::size_t kBits = 24;  // a pixel; the decoder stretches fewer than 8 to the whole range
+  const int largest = (1 << std::clamp(byte(bytes, kBits), 1, 8)) - 1, stretched = 255 / largest;
+  cv::Mat indices = decode(path, *grey, size, cv::IMREAD_UNCHANGED);
+  return indices.depth() == CV_8U ? cv::Mat(indices / stretched) : indices;
 }
 
 cv::Mat1b read_mask(const fs::path& path, cv::Size size) { return mask_of(decode(path, size, cv::IMREAD_UNCHANGED)); }

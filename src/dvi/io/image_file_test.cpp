@@ -74,6 +74,10 @@ TEST(ImageFile, TakesTransparencyOnlyWhereColoursSayNothing) {
   EXPECT_EQ(count(drawn), 0);
   drawn(1, 1) = drawn(1, 2) = {0, 0, 0, 128};
   EXPECT_EQ(count(drawn), 2);
+  cv::Mat4b white(4, 6, cv::Vec4b(255, 255, 255, 0));
+  white(1, 1) = {255, 255, 255, 255};
+  EXPECT_EQ(count(white), 1) << "painted in one colour on nothing";
+  EXPECT_EQ(count(cv::Mat4b(4, 6, cv::Vec4b(255, 255, 255, 255))), 24);
 }
 
 TEST(ImageFile, ReadsMasksWithAPalette) {
@@ -88,6 +92,10 @@ TEST(ImageFile, ReadsMasksWithAPalette) {
   const cv::Mat1b mask = read_mask(folder.write("m.png", std::string(bytes.begin(), bytes.end())), {2, 1});
   EXPECT_EQ(mask(0, 0), 0);
   EXPECT_EQ(mask(0, 1), 255);
+  const cv::Mat indices = read_indices(folder.path / "m.png", {2, 1});
+  ASSERT_EQ(indices.type(), CV_8UC1);
+  EXPECT_EQ(indices.at<uchar>(0, 0), 0);
+  EXPECT_EQ(indices.at<uchar>(0, 1), 1);
 }
 
 // A JPEG with the EXIF tag "turn by a quarter".

@@ -4,6 +4,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "dvi/core/error.h"
 #include "dvi/io/kitti_calibration.h"
@@ -12,21 +13,6 @@
 
 namespace dvi::io {
 namespace {
-
-enum class Kind { tracklets, tracking, mots, boxes, unknown };
-
-Kind kind_of(const fs::path& file) {
-  const std::string text = read_file(file);
-  const std::size_t begin = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-  if (begin == std::string::npos) return Kind::unknown;
-  if (text[begin] == '<') return text.find("<tracklets", begin) != std::string::npos ? Kind::tracklets : Kind::unknown;
-  if (text[begin] == '{') return Kind::boxes;
-  const std::vector<std::string> words = split_words(std::string_view(text).substr(begin, text.find('\n', begin) - begin));
-  const bool numbered = words.size() >= 6 && to_integer(words[0]) && to_integer(words[1]);
-  if (numbered && words.size() == 6 && to_integer(words[2]) && to_integer(words[3])) return Kind::mots;
-  if (numbered && (words.size() == 17 || words.size() == 18) && !to_number(words[2])) return Kind::tracking;
-  return Kind::unknown;
-}
 
 // KITTI's boxes stand in the axes of the rectified camera 0; of another drive only its own camera is known.
 SE3 lidar_from_label_camera(const Drive& drive) {
@@ -37,13 +23,13 @@ SE3 lidar_from_label_camera(const Drive& drive) {
 // KITTI's rectangles and outlines are drawn in image_02.
 bool of_this_camera(const Drive& drive) { return drive.format != "kitti-raw" || drive.camera_name == "image_02"; }
 
-LabelsByNumber read_numbered(Kind kind, const fs::path& file, const Drive& drive) {
-  if (kind == Kind::tracklets) return read_tracklets(file);
-  if (kind == Kind::mots) {
-    if (!of_this_camera(drive))
-      throw InputError(file, "holds outlines in image_02, not in " + drive.camera_name, "use --camera image_02 or boxes");
-    return read_mots(file, {drive.camera.width, drive.camera.height});
-  }
+LabelsByNumber read_mots_of(const fs::path& file, const Drive& drive) {
+  if (!of_this_camera(drive))
+    throw InputError(file, "holds outlines in image_02, not in " + drive.camera_name, "use --camera image_02 or boxes");
+  return read_mots(file, {drive.camera.width, drive.camera.height});
+}
+
+LabelsByNumber read_tracking_of(const fs::path& file, const Drive& drive) {
   LabelsByNumber labels = read_kitti_tracking(file, lidar_from_label_camera(drive));
   if (!of_this_camera(drive))
     for (auto& [number, frame] : labels)
@@ -105,17 +91,69 @@ FileLabels matched(const fs::path& file, Labels labels, Recorded recorded, const
   return out;
 }
 
+FileLabels by_number(const fs::path& file, LabelsByNumber labels, const Drive& drive) {
+  return matched(file, std::move(labels), recorded_numbers(drive), drive, [](const Frame& frame) { return frame.number; });
+}
+
+FileLabels by_name(const fs::path& file, NamedLabels labels, const Drive& drive) {
+  FileLabels out =
+      matched(file, std::move(labels.frames), recorded_names(drive), drive, [](const Frame& frame) { return frame.name; });
+  out.warnings.insert(out.warnings.end(), labels.warnings.begin(), labels.warnings.end());
+  return out;
+}
+
+bool has(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
+
+// The words of a line that begins with two numbers, frame and track.
+std::vector<std::string> numbered_line(std::string_view text) {
+  std::vector<std::string> words = split_words(text.substr(0, text.find('\n')));
+  const bool numbered = words.size() >= 6 && to_integer(words[0]) && to_integer(words[1]);
+  return numbered ? std::move(words) : std::vector<std::string>();
+}
+
+bool is_tracking(std::string_view text) {
+  const std::vector<std::string> words = numbered_line(text);
+  return (words.size() == 17 || words.size() == 18) && !to_number(words[2]);
+}
+
+bool is_mots(std::string_view text) {
+  const std::vector<std::string> words = numbered_line(text);
+  return words.size() == 6 && to_integer(words[2]) && to_integer(words[3]);
+}
+
+bool is_coco(std::string_view text) { return text.starts_with('{') && has(text, "\"annotations\"") && has(text, "\"images\""); }
+
 }  // namespace
 
+const std::vector<LabelFormat>& label_formats() {
+  using Text = std::string_view;
+  using Path = const fs::path&;
+  static const std::vector<LabelFormat> formats = {
+      {"KITTI's tracklet_labels.xml", [](Text t) { return t.starts_with('<') && has(t, "<tracklets"); },
+       [](Path file, const Drive& drive) { return by_number(file, read_tracklets(file), drive); }},
+      {"KITTI tracking labels", is_tracking,
+       [](Path file, const Drive& drive) { return by_number(file, read_tracking_of(file, drive), drive); }},
+      {"MOTS instances_txt", is_mots,
+       [](Path file, const Drive& drive) { return by_number(file, read_mots_of(file, drive), drive); }},
+      {"COCO JSON", is_coco, [](Path file, const Drive& drive) { return by_name(file, read_coco(file, drive), drive); }},
+      {"CVAT XML (for video or for images)", [](Text t) { return t.starts_with('<') && has(t, "<annotations"); },
+       [](Path file, const Drive& drive) { return by_name(file, read_cvat(file, drive), drive); }},
+      {"boxes.json", [](Text t) { return t.starts_with('{'); },  // after all others in JSON
+       [](Path file, const Drive& drive) { return by_name(file, {read_boxes_json(file), {}}, drive); }},
+  };
+  return formats;
+}
+
 FileLabels read_labels(const fs::path& file, const Drive& drive) {
-  const Kind kind = kind_of(file);
-  if (kind == Kind::unknown)
-    throw InputError(file, "holds no labels that dvi knows",
-                     "it reads tracklet_labels.xml, KITTI tracking labels, MOTS instances_txt and boxes.json");
-  if (kind == Kind::boxes)
-    return matched(file, read_boxes_json(file), recorded_names(drive), drive, [](const Frame& frame) { return frame.name; });
-  return matched(file, read_numbered(kind, file, drive), recorded_numbers(drive), drive,
-                 [](const Frame& frame) { return frame.number; });
+  const std::string all = read_file(file);
+  const std::string_view text =
+      std::string_view(all).substr(std::min(all.find_first_not_of(" \t\r\n\xEF\xBB\xBF"), all.size()));
+  std::vector<std::string> known;
+  for (const LabelFormat& format : label_formats()) {
+    if (!text.empty() && format.recognise(text)) return format.read(file, drive);
+    known.push_back(format.name);
+  }
+  throw InputError(file, "holds no labels that dvi knows", fmt::format("it reads {}", fmt::join(known, ", ")));
 }
 
 Gap add_labels(Drive& drive, const fs::path& file) {

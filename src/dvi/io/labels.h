@@ -1,7 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "dvi/core/files.h"
@@ -17,9 +19,18 @@ struct FileLabels {
   Gap after_the_last;                 ///< frames behind the last one the file knows, where they are more than a twentieth
 };
 
-/// The labels of a file. Recognises by content: KITTI's tracklet_labels.xml, KITTI tracking labels, MOTS
-/// instances_txt, boxes.json. What labels leave out of count (DontCare, MOTS' ignore regions) is no label. InputError where
-/// the file is none of these, is malformed or was made for another camera.
+/// One kind of label files.
+struct LabelFormat {
+  std::string name;                                      ///< for a person
+  std::function<bool(std::string_view text)> recognise;  ///< of the text from its first character that is no blank on
+  std::function<FileLabels(const fs::path&, const Drive&)> read;
+};
+
+/// All kinds; a new reader is one file and one line there.
+const std::vector<LabelFormat>& label_formats();
+
+/// The labels of a file, recognised by its content. What labels leave out of count (DontCare, MOTS' ignore regions) is no
+/// label. InputError where the file is none of these formats, is malformed or was made for another camera.
 FileLabels read_labels(const fs::path& file, const Drive& drive);
 
 /// Adds the labels of a file to drive.frames, and notes the file and its warnings. Outlines join the label of the same track.
@@ -29,7 +40,13 @@ Gap add_labels(Drive& drive, const fs::path& file);
 using LabelsByNumber = std::map<int, std::vector<Label>>;
 using LabelsByName = std::map<std::string, std::vector<Label>>;
 
-/// The four formats, of a file's whole text. A frame that the file names without an object has an empty list. All boxes are in
+/// Labels by the names of frames, and what does not fit.
+struct NamedLabels {
+  LabelsByName frames;
+  std::vector<std::string> warnings;
+};
+
+/// The formats, of a file's whole text. A frame that the file names without an object has an empty list. All boxes are in
 /// LiDAR axes.
 LabelsByNumber read_tracklets(const fs::path& file);
 /// Boxes stand in the axes of a camera; `lidar_from_camera` takes them from there.
@@ -37,5 +54,11 @@ LabelsByNumber read_kitti_tracking(const fs::path& file, const SE3& lidar_from_c
 /// `size` is that of the images. Track numbers are those of the tracking labels.
 LabelsByNumber read_mots(const fs::path& file, cv::Size size);
 LabelsByName read_boxes_json(const fs::path& file);
+/// COCO: polygons (all parts are one object), run lengths, or boxes where there is no segmentation. Image files are frames by
+/// their names.
+NamedLabels read_coco(const fs::path& file, const Drive& drive);
+/// CVAT 1.1, for video and for images. Frame n of a track is the n-th image of the recording, from 0. Between two shapes of a
+/// track corners move linearly; after the last it stays to the end of the task, unless it is outside.
+NamedLabels read_cvat(const fs::path& file, const Drive& drive);
 
 }  // namespace dvi::io

@@ -158,6 +158,16 @@ TEST(MaskFolder, TiesMasksByName) {
   EXPECT_EQ((*drive.masks[1])(1, 2), 255);
 }
 
+TEST(MaskFolder, TakesNamesWithTheEndingOfTheImage) {
+  const TestFolder folder;
+  for (const char* name : {"five.jpg.png", "six.png.png", "six.png"})
+    folder.write_image(std::string("masks/") + name, cv::Mat1b(3, 4, uchar{0}));
+  Drive drive = two_frames();
+  match_masks(drive, {folder.path / "masks"});
+  EXPECT_THAT(drive.mask_files, ElementsAre(folder.path / "masks/five.jpg.png", folder.path / "masks/six.png"));
+  EXPECT_TRUE(drive.warnings.empty());
+}
+
 TEST(MaskFolder, LeavesMasksOfMissingImagesAlone) {
   const TestFolder folder;
   for (const char* name : {"five", "join", "six"})

@@ -14,10 +14,16 @@ namespace {
 
 using MaskFiles = std::map<std::string, fs::path>;  // by name
 
+// COLMAP's masks keep the ending of their image: NAME.jpg.png. NAME.png comes before them.
 MaskFiles masks_by_name(const std::vector<fs::path>& folders) {
-  MaskFiles masks;
+  MaskFiles masks, longer;
   for (const fs::path& folder : folders)
-    for (const fs::path& file : list_files(folder, {".png"})) masks[file.stem().string()] = file;
+    for (const fs::path& file : list_files(folder, {".png"})) {
+      const std::string ending = lower_case(file.stem().extension().string());
+      const bool of_image = ending == ".jpg" || ending == ".jpeg" || ending == ".png";
+      (of_image ? longer[file.stem().stem().string()] : masks[file.stem().string()]) = file;
+    }
+  masks.merge(longer);
   return masks;
 }
 
@@ -102,6 +108,10 @@ void attach_masks(Drive& drive, const fs::path& given) {
   const std::set<std::string> recorded = recorded_names(drive);
   std::erase_if(masks, [&](const auto& mask) { return recorded.contains(mask.first) || in_a_gap(mask.first, drive.frames); });
   warn_of_strays(drive, masks);
+  attach_mask_files(drive);
+}
+
+void attach_mask_files(Drive& drive) {
   const cv::Size size(drive.camera.width, drive.camera.height);
   drive.masks = Lazy<cv::Mat1b>(drive.frames.size(), [files = drive.mask_files, size](std::size_t i) {
     return files[i].empty() ? cv::Mat1b(size, uchar{0}) : read_mask(files[i], size);

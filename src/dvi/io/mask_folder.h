@@ -10,7 +10,8 @@
 
 namespace dvi::io {
 
-/// Sets drive.mask_files to the PNG masks of folders, tied to frames by NAME: an empty path where a frame has none, an empty
+/// Sets drive.mask_files to the PNG masks of folders, tied to frames by NAME (NAME.png, or NAME.jpg.png as for
+/// COLMAP): an empty path where a frame has none, an empty
 /// list where there are no masks. Warns of masks that belong to no frame, except those of images that are missing between the
 /// first and the last, and of masks that lie in the folder above or in one below. InputError where no mask belongs to a frame.
 void match_masks(Drive& drive, const std::vector<fs::path>& folders);
@@ -18,6 +19,9 @@ void match_masks(Drive& drive, const std::vector<fs::path>& folders);
 /// Gives an open drive the masks of a folder, or of its masks/CAMERA, instead of its own. The drive may have been cut: masks of
 /// its other images are left alone. Warns of masks of no image. InputError where none belongs to a frame.
 void attach_masks(Drive& drive, const fs::path& given);
+
+/// Sets drive.masks to the drive.mask_files: 255 where they are not 0, and nothing where a frame has none.
+void attach_mask_files(Drive& drive);
 
 /// Names the frames without a mask file, which keep their traffic; none where all have one.
 std::optional<std::string> frames_without_mask(const Drive& drive);

@@ -4,6 +4,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/io/image_file.h"
+#include "dvi/io/mask_folder.h"
 #include "dvi/io/plausible.h"
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/text.h"
@@ -98,11 +99,7 @@ void attach_lazy_readers(Recording& recording) {
   std::vector<fs::path> images;
   for (const Frame& frame : drive.frames) images.push_back(frame.file);
   drive.images = Lazy<cv::Mat3b>(images.size(), [images, size](std::size_t i) { return read_image(images[i], size); });
-  const auto& masks = drive.mask_files;
-  if (!masks.empty())
-    drive.masks = Lazy<cv::Mat1b>(masks.size(), [masks, size](std::size_t i) {
-      return masks[i].empty() ? cv::Mat1b(size, uchar{0}) : read_mask(masks[i], size);
-    });
+  if (!drive.mask_files.empty()) attach_mask_files(drive);
   drive.scans = Lazy<Scan>(drive.scan_headers.size(), [scan_headers = drive.scan_headers, read = recording.read_scan](
                                                           std::size_t i) { return read(scan_headers[i]); });
 }

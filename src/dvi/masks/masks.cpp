@@ -1,27 +1,13 @@
 #include "dvi/masks/masks.h"
 
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/drive/outline.h"
 #include "dvi/image/region.h"
 
 namespace dvi::masks {
 namespace {
-
-constexpr double kNearPlane = 0.3;  // metres
-
-void draw_instance(const Instance& instance, cv::Mat1b& mask) {
-  const std::size_t rows = static_cast<std::size_t>(instance.size.height);
-  std::size_t at = 0;
-  bool inside = false;
-  for (const std::uint32_t run : instance.runs) {
-    for (const std::size_t end = at + run; at < end; ++at) {
-      const int x = static_cast<int>(at / rows), y = static_cast<int>(at % rows);
-      if (inside && x < mask.cols && y < mask.rows) mask(y, x) = 255;
-    }
-    inside = !inside;
-  }
-}
 
 // The corners of the part of the box in front of the camera: edges that pass the near plane are cut there.
 std::vector<Eigen::Vector3d> visible_corners(const Box& box, const SE3& camera_from_lidar) {
@@ -48,37 +34,22 @@ Box footprint(const Box& box, double margin) {
   return ground;
 }
 
-// Far outside the image the exact place no longer matters, and the drawing's integers would overflow. In this order NaN, which
-// extreme distortion makes, becomes the lower end.
-int pixel(double place) { return static_cast<int>(std::max(-1e5, std::min(place, 1e5))); }
-
-void draw_box(const Box& box, const Camera& camera, const SE3& camera_from_lidar, cv::Mat1b& mask) {
-  std::vector<cv::Point> pixels;
-  for (const Eigen::Vector3d& corner : visible_corners(box, camera_from_lidar)) {
-    const Eigen::Vector2d p = camera.project(corner);
-    pixels.emplace_back(pixel(std::round(p.x())), pixel(std::round(p.y())));
-  }
-  if (pixels.empty()) return;
-  std::vector<cv::Point> hull;
-  cv::convexHull(pixels, hull);
-  cv::fillConvexPoly(mask, hull, 255);
-}
-
 }  // namespace
 
 cv::Mat1b label_mask(const Label& label, const Camera& camera, const SE3& camera_from_lidar, const MaskOptions& options) {
   cv::Mat1b mask(camera.height, camera.width, uchar{0});
   if (label.instance) {
-    draw_instance(*label.instance, mask);
-    if (label.box) draw_box(footprint(*label.box, options.footprint_margin_m), camera, camera_from_lidar, mask);
+    draw(*label.instance, mask);
+    if (label.box)
+      draw_hull(visible_corners(footprint(*label.box, options.footprint_margin_m), camera_from_lidar), camera, mask);
   } else if (label.box) {
     Box box = *label.box;
     box.size.array() += 2 * options.box_margin_m;
-    draw_box(box, camera, camera_from_lidar, mask);
+    draw_hull(visible_corners(box, camera_from_lidar), camera, mask);
   } else if (label.rect) {
     const cv::Rect2d& r = *label.rect;
-    const cv::Point corner(pixel(std::floor(r.x)), pixel(std::floor(r.y)));
-    const cv::Point opposite(pixel(std::ceil(r.x + r.width)), pixel(std::ceil(r.y + r.height)));
+    const cv::Point corner = drawing_pixel(std::floor(r.x), std::floor(r.y));
+    const cv::Point opposite = drawing_pixel(std::ceil(r.x + r.width), std::ceil(r.y + r.height));
     mask(cv::Rect(corner, opposite) & cv::Rect(0, 0, mask.cols, mask.rows)) = 255;
   }
   return mask;

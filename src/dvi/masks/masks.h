@@ -1,5 +1,9 @@
 #pragma once
 
+#include <array>
+#include <utility>
+
+#include "dvi/core/named.h"
 #include "dvi/core/options.h"
 #include "dvi/drive/drive.h"
 
@@ -22,9 +26,13 @@ struct MaskOptions {
   void check() const { check_ranges(*this); }
 };
 
-/// Where masks come from: the drive's own PNG files, its labels, or the drive's own scans and images, in which what moves is
-/// found.
-enum class MaskSource { files, labels, found };
+/// Where masks come from: the drive's own PNG files, its labels, a network that sees objects in its images, or the drive's own
+/// scans and images, in which what moves is found.
+enum class MaskSource { files, labels, detected, found };
+constexpr auto names_of(MaskSource) {
+  return std::array{std::pair{MaskSource::files, "files"}, std::pair{MaskSource::labels, "labels"},
+                    std::pair{MaskSource::detected, "detector"}, std::pair{MaskSource::found, "found"}};
+}
 
 /// What a drive offers when nobody says otherwise: mask files where there are any, else labels, else what is found.
 MaskSource default_mask_source(const Drive& drive);

@@ -75,8 +75,8 @@ Poses poses_of(const fs::path& out, const Recordings& drives, const Job& job) {
   return poses;
 }
 
-/// Shadows and what was found to move come on top of the masks that the drives bring: of each frame of the result all that it
-/// removed, which nothing may be copied from.
+/// Shadows and what was detected or found to move come on top of the masks that the drives bring: of each frame of the result
+/// all that it removed, which nothing may be copied from.
 Lazy<cv::Mat1b> with_removed(const Views& views, const std::vector<std::string>& names, const fs::path& out) {
   return {views.size(), [views, names, out](std::size_t i) {
             if (i >= names.size()) return views.masks[i]->clone();
@@ -133,11 +133,13 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   job.target = drives.front();
   job.sources.assign(drives.begin() + 1, drives.end());
   if (!masks.empty()) job.read.masks = MasksFrom::parse(masks);
-  Recordings open = open_recordings(job, MaskNeed::required, progress);
+  const bool detected = !job.read.detector.empty() && masks.empty();
+  job.read.detector.clear();
+  Recordings open = open_recordings(job, detected ? MaskNeed::optional : MaskNeed::required, progress);
   bool more_removed = job.options.masks.shadows;
   job.options.masks.shadows = false;
   for (Recording& recording : open)
-    if (recording.masks_from == masks::MaskSource::found) {
+    if (detected || recording.masks_from == masks::MaskSource::found) {
       recording.masks_from.reset();
       more_removed = true;
     }

@@ -90,8 +90,17 @@ CheckReport describe(const Recording& open, const PoseChoice& choice, const Mask
   out.warnings.insert(out.warnings.end(), choice.warnings.begin(), choice.warnings.end());
   if (poses.empty()) out.warnings.emplace_back("no poses: give --poses FILE");
   if (drive.scan_headers.empty()) out.warnings.emplace_back("no scans: nothing can be copied");
+  if (!open.masks_from && drive.scan_headers.empty())
+    out.warnings.emplace_back("neither masks nor labels nor scans say what to remove: give --masks DIR or --masks FILE");
   out.ready = out.frames_with_pose > 0 && !drive.scan_headers.empty();
   return out;
+}
+
+std::string masks_line(const CheckReport& report) {
+  if (report.mask_source != "none")
+    return fmt::format("from {}: {:.1f} % of the image on average, {:.1f} % at most", report.mask_source,
+                       100 * report.mean_masked, 100 * report.largest_masked);
+  return report.scans > 0 ? "none: dvi run finds what moves; dvi mask shows it" : "none";
 }
 
 }  // namespace
@@ -102,10 +111,7 @@ std::string CheckReport::brief() const {
       "  scans    {}, {:.1f} Hz, {:.0f} points each\n  path     {:.1f} m, by {} poses\n"
       "  masks    {}\n",
       path, format, camera_name, camera.width, camera.height, camera.fx, frames, first_frame, last_frame, frame_rate_hz,
-      frames_with_pose, scans, scan_rate_hz, mean_points, path_m, poses.from,
-      mask_source == "none" ? "none: dvi run finds what moves; dvi mask shows it"
-                            : fmt::format("from {}: {:.1f} % of the image on average, {:.1f} % at most", mask_source,
-                                          100 * mean_masked, 100 * largest_masked));
+      frames_with_pose, scans, scan_rate_hz, mean_points, path_m, poses.from, masks_line(*this));
   if (forecast)
     text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never\n",
                         100 * (1 - forecast->hole.never_seen), 100 * forecast->hole.never_seen);

@@ -23,7 +23,7 @@ struct CheckReport {
   double scan_rate_hz = 0, mean_points = 0;  ///< points of a scan
   double path_m = 0;
   PosesReport poses;
-  std::string mask_source;                     ///< files, labels, none
+  std::string mask_source;                     ///< files, labels, detector, none
   double mean_masked = 0, largest_masked = 0;  ///< parts of an image
   bool ready = false;                          ///< for a run
   std::vector<std::string> warnings;

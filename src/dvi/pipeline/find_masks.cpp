@@ -17,8 +17,18 @@
 namespace dvi::pipeline {
 namespace {
 
+FrameLabels detected_in(const Recording& open, Progress& progress) {
+  progress.begin("detect", open.drive.frames.size());
+  FrameLabels labels = detect::find_objects(open.drive, *open.detector, [&] { progress.advance(); });
+  progress.end();
+  if (std::all_of(labels.begin(), labels.end(), [](const std::vector<Label>& frame) { return frame.empty(); }))
+    progress.warn(open.drive.path.filename().string() + ": the detector sees nothing that is to be removed in any frame");
+  return labels;
+}
+
 FrameLabels objects_of(const Recording& open, const Trajectory& world_from_lidar, const Job& job, Progress& progress) {
   const Drive& drive = open.drive;
+  if (open.masks_from == masks::MaskSource::detected) return detected_in(open, progress);
   if (open.masks_from != masks::MaskSource::found)
     return job.read.remove == Remove::moving ? masks::without_standing(drive, world_from_lidar) : drive.labels();
   progress.begin("traffic", drive.scan_headers.size());
@@ -30,17 +40,27 @@ FrameLabels objects_of(const Recording& open, const Trajectory& world_from_lidar
   return std::move(found.labels);
 }
 
+// Of nothing but the ego mask.
+Lazy<cv::Mat1b> always_masked(const Recording& open) {
+  const Drive& drive = open.drive;
+  const auto mask = open.ego_mask.empty() ? std::make_shared<const cv::Mat1b>(drive.camera.height, drive.camera.width, uchar{0})
+                                          : std::make_shared<const cv::Mat1b>(open.ego_mask);
+  return Lazy<cv::Mat1b>::through(drive.frames.size(), [mask](std::size_t) { return mask; });
+}
+
+Lazy<cv::Mat1b> with_ego(const Recording& open, const Lazy<cv::Mat1b>& masks) {
+  if (open.ego_mask.empty()) return masks;
+  return {masks.size(), [masks, ego = open.ego_mask](std::size_t i) { return cv::Mat1b(*masks[i] | ego); }};
+}
+
 Lazy<cv::Mat1b> masks_of(const Recording& open, const FrameLabels& objects, const Job& job) {
   const Drive& drive = open.drive;
-  if (!open.masks_from) {
-    const auto nothing = std::make_shared<const cv::Mat1b>(drive.camera.height, drive.camera.width, uchar{0});
-    return Lazy<cv::Mat1b>::through(drive.frames.size(), [nothing](std::size_t) { return nothing; });
-  }
+  if (!open.masks_from) return always_masked(open);
   const Lazy<cv::Mat1b> masks = find_masks(drive, *open.masks_from, objects, job.options.masks);
   const bool labels_too = job.read.remove == Remove::all && open.masks_from == masks::MaskSource::files && drive.has_labels();
-  if (!labels_too) return masks;
+  if (!labels_too) return with_ego(open, masks);
   const Lazy<cv::Mat1b> labelled = find_masks(drive, masks::MaskSource::labels, objects, job.options.masks);
-  return {labelled.size(), [masks, labelled](std::size_t i) { return cv::Mat1b(*masks[i] | *labelled[i]); }};
+  return with_ego(open, {labelled.size(), [masks, labelled](std::size_t i) { return cv::Mat1b(*masks[i] | *labelled[i]); }});
 }
 
 bool has_boxes_with_tracks(const Drive& drive) {
@@ -57,7 +77,10 @@ void warn_of_all_removed(const Recording& open, const Trajectory& world_from_lid
     progress.warn(fmt::format("{}: --remove moving: {}, so everything masked is removed; {}", drive.path.filename().string(),
                               reason, remedy));
   };
-  if (*open.masks_from == masks::MaskSource::files)
+  if (*open.masks_from == masks::MaskSource::detected)
+    warn("a detector does not say what stands still",
+         "leave it out of the masks that dvi mask writes, or use labels with 3D boxes");
+  else if (*open.masks_from == masks::MaskSource::files)
     warn("mask files do not say what stands still", "leave out of them what is to stay, or use labels with 3D boxes");
   else if (world_from_lidar.empty())
     warn("without poses it is unknown what stands still", "give --poses FILE");

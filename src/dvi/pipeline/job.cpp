@@ -69,6 +69,13 @@ OptionTable Job::table() {
   table.add("camera", read.camera, {}, "The camera to use; empty: the drive's first.");
   table.add("frames", read.frames, {}, "A:B, inclusive, or A, one frame, by the drive's own numbers; empty: all.");
   table.add("masks", read.masks, "auto (the drive's mask files, else its labels), labels, a folder of PNG, or a label file.");
+  table.add("polarity", read.mask_files.polarity,
+            "Of mask files: white = remove, black = remove, or auto: white, unless most of most masks is white.");
+  table.add("classes", read.mask_files.classes, {},
+            "Classes to remove, where mask files are pictures of class ids, or of labels; empty: all that is masked.");
+  table.add("ego_mask", read.ego_mask, {}, "A PNG of what hides the view in all frames, such as the bonnet; empty: none.");
+  table.add("detector", read.detector, {},
+            "A network (MODEL.onnx, with MODEL.toml beside it) whose detections are removed; empty: masks says what.");
   table.add("poses", read.poses,
             "auto (given or loam, whichever map is sharper), given, loam (estimated from scans), or a file of poses.");
   table.add("remove", read.remove,

@@ -11,6 +11,7 @@
 #include "dvi/drive/drive.h"
 #include "dvi/exposure/exposure.h"
 #include "dvi/harmonize/harmonize.h"
+#include "dvi/io/mask_reading.h"
 #include "dvi/io/video.h"
 #include "dvi/map/build_map.h"
 #include "dvi/masks/masks.h"
@@ -52,6 +53,10 @@ struct ReadChoice {
   std::string camera;  ///< empty: the drive's first
   std::string frames;  ///< "A:B" or "A"; empty: all
   MasksFrom masks;
+  io::MaskReading mask_files;  ///< how they are read, of source drives too
+  bool is_source = false;      ///< classes choose among mask files only: what is labelled in a source drive is no background
+  std::string ego_mask;        ///< a file: one mask for all frames of the camera; empty: none
+  std::string detector;        ///< MODEL.onnx that says what to remove from all drives; empty: `masks` does
   PosesFrom poses;
   Remove remove = Remove::labelled;
 };

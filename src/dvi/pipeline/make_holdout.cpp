@@ -22,12 +22,13 @@ std::string recipe_of(Job job, const holdout::HoldoutOptions& options, const Dri
   const std::set<std::string> used{"lidar", "masks", "odometry"};
   print.add(job.table().dump_toml([&](const Option& option) { return used.contains(option.section); }));
   print.add(drive.camera_name + " " + to_string(job.read.masks) + " " + to_string(job.read.poses));
+  print.add(to_string(job.read.mask_files.polarity) + " " + job.read.mask_files.classes + " " + job.read.ego_mask);
   add_files(print, drive);
   return print.hex();
 }
 
 void make(const Job& job, const holdout::HoldoutOptions& options, bool keep, Progress& progress) {
-  if (!keep) holdout::require_empty(job.out);
+  if (!keep) require_empty(job.out, "case");
   const Recordings drives = open_recordings(job, MaskNeed::optional, progress);
   const Recording& open = drives.front();
   if (!open.masks_from) progress.warn("the drive brings neither masks nor labels: its real traffic counts as street");

@@ -7,6 +7,7 @@
 #include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/map_files.h"
 #include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
+#include "dvi/pipeline/result_folder.h"
 
 namespace dvi::pipeline {
 
@@ -23,6 +24,7 @@ map::StaticMap build_map(const Recordings& drives, const Poses& poses, const Mas
 std::string make_map(const Job& job, const std::string& trajectory, Progress& progress) {
   if (trajectory != "none" && trajectory != "kitti" && trajectory != "tum")
     throw UsageError("--trajectory " + trajectory + ": there are kitti and tum");
+  require_apart(job);
   const Recordings drives = open_recordings(job, MaskNeed::optional, progress);
   verify(drives, job, progress);
   const Poses poses = estimate_poses(drives, job, progress);

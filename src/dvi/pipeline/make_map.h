@@ -12,7 +12,7 @@ map::StaticMap build_map(const Recordings& drives, const Poses& poses, const Mas
                          Progress& progress);
 
 /// `dvi map`: poses and static map of job.target into job.out. Masks are used where the drive has some. `trajectory`: none,
-/// kitti or tum: trajectory.txt beside them. Returns map.json.
+/// kitti or tum: trajectory.txt beside them. Returns map.json. InputError where job.out is, holds or lies in an input.
 std::string make_map(const Job& job, const std::string& trajectory, Progress& progress);
 
 }  // namespace dvi::pipeline

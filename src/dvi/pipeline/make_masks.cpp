@@ -1,5 +1,6 @@
 #include "dvi/pipeline/make_masks.h"
 
+#include <map>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "dvi/io/contact_sheet.h"
 #include "dvi/io/write_image.h"
 #include "dvi/masks/motion.h"
+#include "dvi/pipeline/result_folder.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -30,8 +32,33 @@ cv::Mat3b sheet(const Drive& drive, const Lazy<cv::Mat1b>& masks) {
   return io::contact_sheet(rows, 640);
 }
 
-nlohmann::json tracks_json(const Drive& drive, const FrameLabels& labels, const FrameLabels& removed,
-                           const Trajectory& world_from_lidar) {
+nlohmann::json detected_tracks_json(const Drive& drive, const FrameLabels& objects) {
+  struct Span {
+    std::string type;
+    std::size_t first = 0, last = 0, frames = 0;
+  };
+  std::map<int, Span> spans;
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    for (const Label& label : objects[i]) {
+      Span& span = spans.try_emplace(label.track, Span{label.type, i}).first->second;
+      span.last = i;
+      ++span.frames;
+    }
+  nlohmann::json tracks = nlohmann::json::array();
+  for (const auto& [track, span] : spans)
+    tracks.push_back({{"track", track},
+                      {"type", span.type},
+                      {"removed", true},
+                      {"first_frame", drive.frames[span.first].number},
+                      {"last_frame", drive.frames[span.last].number},
+                      {"frames", span.frames}});
+  return tracks;
+}
+
+nlohmann::json tracks_json(const Recording& open, const FrameLabels& removed, const Trajectory& world_from_lidar) {
+  const Drive& drive = open.drive;
+  if (open.masks_from == masks::MaskSource::detected) return detected_tracks_json(drive, removed);
+  const FrameLabels labels = open.masks_from == masks::MaskSource::found ? removed : drive.labels();
   std::set<int> gone;
   for (const std::vector<Label>& frame : removed)
     for (const Label& label : frame) gone.insert(label.track);
@@ -53,6 +80,8 @@ nlohmann::json tracks_json(const Drive& drive, const FrameLabels& labels, const 
 }  // namespace
 
 std::string make_masks(const Job& job, Progress& progress) {
+  require_apart(job);
+  require_empty(job.out, "masks");  // what is there may have been corrected by hand
   const Recordings drives{open_recording(job.target, job.read, MaskNeed::required, progress)};
   verify(drives, job, progress);
   const Poses poses = estimate_poses(drives, job, progress);
@@ -61,7 +90,7 @@ std::string make_masks(const Job& job, Progress& progress) {
   const Drive& drive = open.drive;
   const DriveMasks& found = masks.front();
   const fs::path out = job.out, folder = out / "masks" / drive.camera_name;
-  fs::create_directories(folder);
+  make_folder(folder);
   std::vector<double> shares(drive.frames.size());
   progress.begin("write", drive.frames.size());
   parallel_for(drive.frames.size(), [&](std::size_t i) {
@@ -74,13 +103,12 @@ std::string make_masks(const Job& job, Progress& progress) {
   nlohmann::json frames = nlohmann::json::array();
   for (std::size_t i = 0; i < shares.size(); ++i)
     frames.push_back({{"number", drive.frames[i].number}, {"name", drive.frames[i].name}, {"share", shares[i]}});
-  const FrameLabels labels = open.masks_from == masks::MaskSource::found ? found.objects : drive.labels();
   const std::string text = json_text({{"schema", "dvi-masks/1"},
                                       {"drive", drive.path.string()},
                                       {"camera", drive.camera_name},
                                       {"source", mask_source(open)},
                                       {"remove", to_string(job.read.remove)},
-                                      {"tracks", tracks_json(drive, labels, found.objects, poses.front().world_from_lidar)},
+                                      {"tracks", tracks_json(open, found.objects, poses.front().world_from_lidar)},
                                       {"frames", frames}});
   write_file(out / "masks.json", text + "\n");
   progress.end();

@@ -9,7 +9,8 @@
 namespace dvi::pipeline {
 
 /// `dvi mask`: what is removed from job.target, as a run would decide it, without running: job.out/masks/CAMERA/NAME.png,
-/// contact.png and masks.json, which `--masks` takes back. Returns masks.json.
+/// contact.png and masks.json, which `--masks` takes back. Returns masks.json. InputError where job.out is not empty, or is,
+/// holds or lies in an input.
 std::string make_masks(const Job& job, Progress& progress);
 
 }  // namespace dvi::pipeline

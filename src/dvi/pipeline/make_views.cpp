@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "dvi/core/error.h"
-
 namespace dvi::pipeline {
 namespace {
 
@@ -22,23 +20,25 @@ void attach_pictures(Views& views, const Recordings& drives, const Masks& masks_
 
 }  // namespace
 
+std::optional<View> posed_view(const Drive& drive, int number, std::size_t frame, const Trajectory& world_from_lidar) {
+  const std::int64_t time = drive.frames[frame].time_ns;
+  const std::optional<SE3> pose = world_from_lidar.at(time);
+  if (!pose) return std::nullopt;
+  return View{number, frame, time, drive.camera, drive.camera_from_lidar * pose->inverse()};
+}
+
 Views make_views(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress) {
   Views out;
   for (std::size_t d = 0; d < drives.size(); ++d) {
     const Drive& drive = drives[d].drive;
     for (std::size_t i = 0; i < drive.frames.size(); ++i) {
-      const std::int64_t time = drive.frames[i].time_ns;
-      const std::optional<SE3> world_from_lidar = poses[d].world_from_lidar.at(time);
-      if (!world_from_lidar) {
+      if (const auto view = posed_view(drive, static_cast<int>(d), i, poses[d].world_from_lidar))
+        out.views.push_back(*view);
+      else
         progress.warn(
             fmt::format("{}: frame {} has no pose and is left out", drive.path.filename().string(), drive.frames[i].name));
-        continue;
-      }
-      out.views.push_back({static_cast<int>(d), i, time, drive.camera, drive.camera_from_lidar * world_from_lidar->inverse()});
     }
   }
-  if (out.of_drive(0).second == 0)
-    throw InputError(drives.front().drive.path, "no frame has a pose", "check that poses and images share one clock");
   attach_pictures(out, drives, masks);
   return out;
 }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
+
 #include "dvi/align/align.h"
 #include "dvi/core/progress.h"
 #include "dvi/drive/view.h"
@@ -10,7 +13,10 @@
 
 namespace dvi::pipeline {
 
-/// All posed frames of all drives. Frames without a pose are left out with a warning. InputError where the target has none.
+/// The view of a frame, by its index; none where the trajectory holds no pose for its time. `number`: of the drive.
+std::optional<View> posed_view(const Drive& drive, int number, std::size_t frame, const Trajectory& world_from_lidar);
+
+/// All posed frames of all drives. Frames without a pose are left out with a warning.
 Views make_views(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress);
 
 /// All frames of all drives, whether posed or not, each with the identity for its pose: for what does not look at poses.

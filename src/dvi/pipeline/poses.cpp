@@ -1,5 +1,6 @@
 #include "dvi/pipeline/poses.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "dvi/core/error.h"
@@ -23,6 +24,11 @@ void require_poses(const Recordings& drives, const std::vector<PoseChoice>& choi
                        "give --poses FILE (docs/formats.md says which files)" +
                            std::string(drives.size() > 1 ? "; drives can share a world by given poses only" : ""));
   }
+}
+
+void require_posed_frame(const Drive& drive, const Trajectory& world_from_lidar) {
+  if (std::none_of(drive.frames.begin(), drive.frames.end(), [&](const Frame& f) { return world_from_lidar.at(f.time_ns); }))
+    throw InputError(drive.path, "no frame has a pose", "check that poses and images share one clock");
 }
 
 }  // namespace
@@ -50,7 +56,9 @@ Poses estimate_poses(const Recordings& drives, const Job& job, Progress& progres
     const bool is_target = choices.empty();
     choices.push_back(choose_poses(open.drive, is_target ? job.read.poses : PosesFrom(), job.options.odometry, progress));
   }
-  return in_one_world(drives, std::move(choices));
+  Poses poses = in_one_world(drives, std::move(choices));
+  require_posed_frame(drives.front().drive, poses.front().world_from_lidar);
+  return poses;
 }
 
 Poses given_poses(const Recordings& drives) {

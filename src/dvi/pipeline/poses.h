@@ -18,7 +18,7 @@ struct DrivePoses {
 using Poses = std::vector<DrivePoses>;
 
 /// Poses of all drives in one world (section 3.1 of the paper): as the job asks for the target, estimated or given, whichever
-/// makes the sharper map, for source drives. InputError where a drive has none.
+/// makes the sharper map, for source drives. InputError where a drive has none, or no frame of the target has one.
 Poses estimate_poses(const Recordings& drives, const Job& job, Progress& progress);
 
 /// The poses that each choice names, brought into the world of the target's first LiDAR pose. InputError where there are none.

@@ -4,8 +4,10 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/threads.h"
+#include "dvi/io/class_ids.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/mask_folder.h"
+#include "dvi/io/mask_reading.h"
 #include "dvi/io/poses.h"
 #include "dvi/io/text.h"
 
@@ -41,6 +43,25 @@ std::optional<masks::MaskSource> resolve_masks(Drive& drive, const MasksFrom& fr
   drive.labelled = true;
   drive.other_files.emplace_back(from.path);
   return masks::MaskSource::labels;
+}
+
+std::shared_ptr<const detect::Detector> load_detector(const ReadChoice& choice) {
+  if (choice.detector.empty()) return nullptr;
+  if (choice.masks.kind != MasksFrom::Kind::automatic)
+    throw UsageError("--detector and --masks both say what to remove: give one of them");
+  return std::make_shared<const detect::Detector>(choice.detector);
+}
+
+// Leaves out labels of other classes, and reads mask files as the user says.
+void choose_masked(Drive& drive, const std::optional<masks::MaskSource>& from, const ReadChoice& choice) {
+  const std::string& classes = choice.mask_files.classes;
+  if (from == masks::MaskSource::files) return io::read_masks(drive, choice.mask_files);
+  if (classes.empty() || choice.is_source) return;
+  if (from == masks::MaskSource::detected)
+    throw UsageError("--classes " + classes + ": of a detector, MODEL.toml says which classes are removed");
+  if (from != masks::MaskSource::labels)
+    throw UsageError("--classes " + classes + ": the drive has neither mask files nor labels to choose from");
+  io::keep_label_types(drive, classes);
 }
 
 void resolve_poses(Drive& drive, const PosesFrom& from) {
@@ -85,24 +106,14 @@ std::optional<std::string> range_warning(const std::vector<Returns>& scans, cons
       100 * (near + far) / all, 100 * near / all, range.least, 100 * far / all, range.most);
 }
 
-void bound_caches(const Job& job) { CacheBudget::of_process()->set_bound(static_cast<std::size_t>(job.memory_mb) << 20); }
-
-}  // namespace
-
-std::string mask_source(const Recording& open) {
-  if (!open.masks_from) return "none";
-  switch (*open.masks_from) {
-    case masks::MaskSource::files:
-      return "files";
-    case masks::MaskSource::labels:
-      return "labels";
-    case masks::MaskSource::found:
-      return "found";
-  }
-  return "none";
+bool same_camera(const Drive& a, const Drive& b) {
+  return a.camera_name == b.camera_name && a.camera.width == b.camera.width && a.camera.height == b.camera.height;
 }
 
-Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNeed need, Progress& progress) {
+void bound_caches(const Job& job) { CacheBudget::of_process()->set_bound(static_cast<std::size_t>(job.memory_mb) << 20); }
+
+Recording open_with(const fs::path& path, const ReadChoice& choice, const std::shared_ptr<const detect::Detector>& detector,
+                    MaskNeed need, Progress& progress) {
   io::ReadOptions read;
   read.camera = choice.camera;
   if (!choice.frames.empty()) read.frames = parse_frames(choice.frames);
@@ -118,21 +129,42 @@ Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNee
   };
   warn();  // before what may end the program: it may name the cause
   resolve_poses(drive, choice.poses);
-  open.masks_from = resolve_masks(drive, choice.masks, need);
+  if (detector) {
+    open.masks_from = masks::MaskSource::detected;
+    open.detector = detector;
+    for (const fs::path& file : detector->files()) drive.other_files.push_back(file);
+  } else {
+    open.masks_from = resolve_masks(drive, choice.masks, need);
+  }
+  choose_masked(drive, open.masks_from, choice);
+  if (!choice.ego_mask.empty()) open.ego_mask = io::read_static_mask(drive, choice.ego_mask, choice.mask_files.polarity);
   if (open.masks_from == masks::MaskSource::files)
     if (const auto bare = io::frames_without_mask(drive)) drive.warnings.push_back(*bare);
   warn();
   return open;
 }
 
+}  // namespace
+
+std::string mask_source(const Recording& open) { return open.masks_from ? to_string(*open.masks_from) : "none"; }
+
+Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNeed need, Progress& progress) {
+  return open_with(path, choice, load_detector(choice), need, progress);
+}
+
 Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress) {
   bound_caches(job);
   Recordings drives;
-  drives.push_back(open_recording(job.target, job.read, need, progress));
+  const std::shared_ptr<const detect::Detector> detector = load_detector(job.read);
+  drives.push_back(open_with(job.target, job.read, detector, need, progress));
   ReadChoice further;
   further.camera = job.read.camera;
+  further.mask_files = job.read.mask_files;
+  further.is_source = true;
   const MaskNeed of_sources = need == MaskNeed::required ? MaskNeed::wanted : need;
-  for (const std::string& path : job.sources) drives.push_back(open_recording(path, further, of_sources, progress));
+  for (const std::string& path : job.sources) drives.push_back(open_with(path, further, detector, of_sources, progress));
+  for (Recording& open : drives)
+    if (same_camera(open.drive, drives.front().drive)) open.ego_mask = drives.front().ego_mask;
   return drives;
 }
 

@@ -62,6 +62,8 @@ std::string stages_fingerprint_of(Job job, const std::string& content) {
   job.sources.clear();
   job.read.frames.clear();
   job.read.masks.path.clear();
+  job.read.detector.clear();
+  job.read.ego_mask.clear();
   job.read.poses.file.clear();
   const Options plain;
   job.options.depth = plain.depth;
@@ -120,12 +122,14 @@ std::vector<fs::path> inputs_of(const Job& job) {
   std::vector<fs::path> inputs{job.target};
   inputs.insert(inputs.end(), job.sources.begin(), job.sources.end());
   if (job.read.masks.kind == MasksFrom::Kind::path) inputs.emplace_back(job.read.masks.path);
+  if (!job.read.detector.empty()) inputs.emplace_back(job.read.detector);
+  if (!job.read.ego_mask.empty()) inputs.emplace_back(job.read.ego_mask);
   if (job.read.poses.kind == PosesFrom::Kind::file) inputs.emplace_back(job.read.poses.file);
   return inputs;
 }
 
-void require_apart(const fs::path& out, const fs::path& input) {
-  const fs::path a = fs::weakly_canonical(out), b = fs::weakly_canonical(input);
+void require_apart_from(const fs::path& input, const fs::path& out) {
+  const fs::path a = fs::weakly_canonical(fs::absolute(out)), b = fs::weakly_canonical(fs::absolute(input));
   const auto [in_a, in_b] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
   if (in_a == a.end() || in_b == b.end())
     throw InputError(out, fmt::format("is, holds or lies in an input of the run ({})", input.string()),
@@ -152,9 +156,14 @@ std::string kept_in(const fs::path& out) {
   return fmt::format("{} are kept: the same command goes on from there", fmt::join(kept, ", "));
 }
 
+void require_apart(const Job& job) {
+  for (const fs::path& input : inputs_of(job)) require_apart_from(input, job.out);
+}
+
 void require_usable_folder(const fs::path& out, bool force) {
-  if (force || fs::exists(job_file(out)) || !fs::exists(out)) return;
-  if (!fs::is_directory(out) || !fs::is_empty(out))
+  if (force || !fs::exists(out) || (fs::is_directory(out) && fs::is_empty(out))) return;
+  // Asked last: a run that begins in OUT at this moment makes .dvi before anything else.
+  if (!fs::is_directory(out / ".dvi"))
     throw InputError(out, "exists and is no result of dvi", "choose another folder, or --force to write into it");
 }
 
@@ -165,7 +174,7 @@ ResultFolder::ResultFolder(const Job& job, const Recordings& drives)
       identity_(identity_of(drives)),
       content_(content_of(drives)),
       fingerprint_(fingerprint_of(job, content_)) {
-  for (const fs::path& input : inputs_of(job)) require_apart(out_, input);
+  require_apart(job);
   refuse_other_drives();
 }
 

@@ -16,6 +16,9 @@ namespace dvi::pipeline {
 /// InputError where `out` holds anything but a result of dvi, unless forced. Looks only.
 void require_usable_folder(const fs::path& out, bool force);
 
+/// InputError where job.out is, holds or lies in an input of the job. Looks only.
+void require_apart(const Job& job);
+
 /// What a run found out, for what stands beside its frames.
 struct RunResults {
   const Views& views;

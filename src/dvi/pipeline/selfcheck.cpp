@@ -30,6 +30,7 @@ metrics::Evaluation check_scenario(const Job& job, holdout::Scenario scenario,
   running.target = fs::absolute(folder / "case/drive").lexically_normal();
   running.out = folder / "result";
   running.read = {};
+  running.read.mask_files.polarity = io::Polarity::white;  // as the case has them
   run(running, progress);
   const auto begin = [&](const char* part, std::size_t ticks) {
     progress.begin(fmt::format("{} {}", part, holdout::name(scenario)), ticks);

@@ -1,9 +1,11 @@
 #include "dvi/pipeline/shadowed_masks.h"
 
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "dvi/pipeline/make_views.h"
 #include "dvi/traffic/shadows.h"
 
 namespace dvi::pipeline {
@@ -15,10 +17,9 @@ std::pair<Views, std::vector<int>> posed_views(const Drive& drive, const Traject
   Views views;
   std::vector<int> view_of;
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
-    const std::int64_t time = drive.frames[i].time_ns;
-    const auto pose = world_from_lidar.at(time);
-    view_of.push_back(pose ? static_cast<int>(views.size()) : -1);
-    if (pose) views.views.push_back({0, i, time, drive.camera, drive.camera_from_lidar * pose->inverse()});
+    const std::optional<View> view = posed_view(drive, 0, i, world_from_lidar);
+    view_of.push_back(view ? static_cast<int>(views.size()) : -1);
+    if (view) views.views.push_back(*view);
   }
   const auto frame = [list = views.views](std::size_t i) { return list[i].frame; };
   views.images = Lazy<cv::Mat3b>::through(views.size(), [=, of = drive.images](std::size_t i) { return of[frame(i)]; });

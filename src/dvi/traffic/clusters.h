@@ -12,6 +12,7 @@ struct Cluster {
   std::vector<std::int64_t> time_ns;    ///< as `points`
   std::vector<double> ground;           ///< as `points`: height of the ground below
   std::vector<double> rise;             ///< as `points`: metres to the next ray above
+  std::size_t scan = 0;                 ///< its number in the drive
   Eigen::Vector2d centre;               ///< of the bounding rectangle
   double extent_m = 0;                  ///< its longer side
   std::int64_t mean_time_ns = 0;

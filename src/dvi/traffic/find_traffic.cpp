@@ -1,6 +1,7 @@
 #include "dvi/traffic/find_traffic.h"
 
 #include "dvi/core/threads.h"
+#include "dvi/traffic/complete.h"
 #include "dvi/traffic/follow.h"
 #include "dvi/traffic/outlines.h"
 
@@ -14,11 +15,11 @@ Traffic find_traffic(const Drive& drive, const Trajectory& world_from_lidar, con
     std::vector<std::vector<Cluster>> clusters(last - first);
     parallel_for(clusters.size(), [&](std::size_t i) { clusters[i] = clusters_of(returns.find(first + i)); });
     for (std::size_t i = first; i < last; ++i) {
-      tracker.add(i, std::move(clusters[i - first]));
+      tracker.add(std::move(clusters[i - first]));
       tick();
     }
   });
-  Traffic traffic{followed(tracker.finish(), returns), FrameLabels(drive.frames.size())};
+  Traffic traffic{completed(followed(tracker.finish(), returns), returns), FrameLabels(drive.frames.size())};
   parallel_for(drive.frames.size(), [&](std::size_t i) {
     const std::int64_t time = drive.frames[i].time_ns;
     const auto pose = world_from_lidar.at(time);

@@ -26,10 +26,9 @@ double quantile(std::vector<double> values) {
 
 double height(const Track& track) {
   std::vector<double> heights;
-  for (const Track::Observation& o : track.observations) {
+  for (const Cluster& o : track.observations) {
     double high = 0;
-    for (std::size_t i = 0; i < o.cluster.points.size(); ++i)
-      high = std::max(high, o.cluster.points[i].z() - o.cluster.ground[i] + 0.5 * o.cluster.rise[i]);
+    for (std::size_t i = 0; i < o.points.size(); ++i) high = std::max(high, o.points[i].z() - o.ground[i] + 0.5 * o.rise[i]);
     heights.push_back(high);
   }
   return median(heights);  // leaves above it may move, too
@@ -45,7 +44,7 @@ class Motion {
       velocities_.push_back(track.velocity(i));
       if (velocities_.back().norm() > 0.5) heading = velocities_.back().normalized();
       headings_.push_back(heading);
-      const auto [length, width] = size(track.observations[i].cluster, heading);
+      const auto [length, width] = size(track.observations[i], heading);
       lengths.push_back(length);
       widths.push_back(width);
     }
@@ -55,16 +54,16 @@ class Motion {
   /// Whether it is followed at a time, and then the observation nearest to it.
   std::optional<std::size_t> at(std::int64_t time_ns) const {
     const auto& seen = track_->observations;
-    if (seconds(time_ns, seen.front().cluster.mean_time_ns) > kBeyond) return std::nullopt;
-    if (seconds(seen.back().cluster.mean_time_ns, time_ns) > kBeyond) return std::nullopt;
-    const auto apart = [&](const Track::Observation& o) { return std::abs(seconds(o.cluster.mean_time_ns, time_ns)); };
+    if (seconds(time_ns, seen.front().mean_time_ns) > kBeyond) return std::nullopt;
+    if (seconds(seen.back().mean_time_ns, time_ns) > kBeyond) return std::nullopt;
+    const auto apart = [&](const Cluster& o) { return std::abs(seconds(o.mean_time_ns, time_ns)); };
     const auto nearest =
         std::min_element(seen.begin(), seen.end(), [&](const auto& a, const auto& b) { return apart(a) < apart(b); });
     return static_cast<std::size_t>(nearest - seen.begin());
   }
   bool holds(std::size_t nearest, const Eigen::Vector3d& x, double ground, std::int64_t time_ns) const {
     if (x.z() - ground > height_ + kBoxMargin) return false;  // trees above the road
-    const Cluster& cluster = track_->observations[nearest].cluster;
+    const Cluster& cluster = track_->observations[nearest];
     const Eigen::Vector2d centre = cluster.centre + velocities_[nearest] * seconds(cluster.mean_time_ns, time_ns);
     const Eigen::Vector2d off = x.head<2>() - centre, &along = headings_[nearest];
     return std::abs(off.dot(along)) < half_.x() && std::abs(off.x() * along.y() - off.y() * along.x()) < half_.y();
@@ -114,7 +113,10 @@ std::vector<Track> followed(const std::vector<Track>& tracks, const MovingReturn
     std::vector<std::map<std::size_t, Cluster>> seen(last - first);
     parallel_for(seen.size(), [&](std::size_t i) { seen[i] = look(motions, returns.obstacles(first + i)); });
     for (std::size_t i = first; i < last; ++i)
-      for (auto& [track, cluster] : seen[i - first]) out[track].observations.push_back({i, std::move(cluster)});
+      for (auto& [track, cluster] : seen[i - first]) {
+        cluster.scan = i;
+        out[track].observations.push_back(std::move(cluster));
+      }
   });
   for (std::size_t k = 0; k < out.size(); ++k) out[k].height_m = height(tracks[k]);
   return out;

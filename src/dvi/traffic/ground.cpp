@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <queue>
+#include <tuple>
 #include <vector>
 
 #include "dvi/core/median.h"
@@ -15,7 +18,11 @@ constexpr double kGroundSquare = 1, kLevel = 0.1;  // metres
 constexpr double kGroundReach = 80;                // metres: as far as objects are looked for
 constexpr std::size_t kEvery = 4;                  // returns of a scan that are looked at: the ground has plenty
 constexpr double kObstacle = 0.3;                  // metres: no kerb is higher
-constexpr int kAround = 4;                         // squares each way: a vehicle is not longer
+constexpr double kBeside = 3;                      // metres from the way: the lane
+constexpr double kStep = 0.1, kSlope = 0.15;       // metres, metres a metre: kerbs and banks
+constexpr double kRise = 0.4;                      // metres at most, however far: a bonnet is higher
+constexpr double kAround = 4;                      // metres: no bank is that long and then ends
+constexpr double kReach = 8;                       // metres: between rays on the ground, and below a lorry
 constexpr int kErrors = 3;                         // returns that may be errors
 constexpr double kErrorShare = 0.02;               // of a square's returns: likewise
 
@@ -56,15 +63,80 @@ std::optional<double> lowest(const std::map<int, Heap>& heaps) {
   return std::nullopt;
 }
 
-// Where no ray met the ground, the lowest returns are of what stands on it: they rise above the squares around.
-double without_obstacle(const std::map<std::pair<int, int>, double>& lows, const std::pair<int, int>& square) {
-  std::vector<double> around;
-  for (int dy = -kAround; dy <= kAround; ++dy)
-    for (int dx = -kAround; dx <= kAround; ++dx)
-      if (const auto other = lows.find({square.first + dx, square.second + dy}); other != lows.end())
-        around.push_back(other->second);
-  const double usual = median(around), here = lows.at(square);
-  return here > usual + kObstacle ? usual : here;
+using Square = std::pair<int, int>;
+
+double distance(const Square& a, const Square& b) { return kGroundSquare * std::hypot(a.first - b.first, a.second - b.second); }
+
+template <class Visit>
+void for_squares_around(const Square& centre, double reach, const Visit& visit) {
+  const int n = steps(reach, kGroundSquare);
+  for (int dy = -n; dy <= n; ++dy)
+    for (int dx = -n; dx <= n; ++dx) visit(Square{centre.first + dx, centre.second + dy});
+}
+
+// The squares beside the way that lie as deep below the sensor as most of them do: what carries the vehicle is ground.
+std::vector<Square> beside_the_way(const std::map<Square, double>& lows, const std::vector<Eigen::Vector3d>& way) {
+  std::vector<std::pair<Square, double>> beside;
+  std::vector<double> depths;
+  for (const Eigen::Vector3d& x : way)
+    for_squares_around({steps(x.x(), kGroundSquare), steps(x.y(), kGroundSquare)}, kBeside, [&](const Square& square) {
+      if (const auto found = lows.find(square); found != lows.end()) {
+        beside.emplace_back(square, x.z() - found->second);
+        depths.push_back(beside.back().second);
+      }
+    });
+  const double usual = median(depths);
+  std::vector<Square> ground;
+  for (const auto& [square, depth] : beside)
+    if (std::abs(depth - usual) < kObstacle) ground.push_back(square);
+  return ground;
+}
+
+// A way from a square that is ground to one that may be.
+struct Hop {
+  double length;
+  Square to, from;
+  bool operator>(const Hop& other) const { return std::tie(length, to, from) > std::tie(other.length, other.to, other.from); }
+};
+
+double rise_within(double length) { return std::min(kStep + kSlope * length, kRise); }
+
+// What rises no steeper than a bank from all ground nearby is ground, and falls no steeper. The other squares have returns of
+// what stands on it only, or of mirrors and second echoes below it: the ground goes on there as it is nearby. Squares without
+// ground within reach keep their lowest level.
+std::map<Square, double> grown_from(const std::vector<Square>& start, std::map<Square, double> lows) {
+  std::map<Square, bool> ground;  // of the squares that are decided
+  std::priority_queue<Hop, std::vector<Hop>, std::greater<>> hops;
+  const auto accept = [&](const Square& square) {
+    if (!ground.emplace(square, true).second) return;
+    for_squares_around(square, kReach, [&](const Square& other) {
+      if (lows.contains(other) && !ground.contains(other)) hops.push({distance(square, other), other, square});
+    });
+  };
+  const auto rises_from = [&](const Square& square) {
+    bool rises = false;
+    for_squares_around(square, kAround, [&](const Square& other) {
+      const auto found = ground.find(other);
+      rises |=
+          found != ground.end() && found->second && lows.at(square) > lows.at(other) + rise_within(distance(square, other));
+    });
+    return rises;
+  };
+  for (const Square& square : start) accept(square);
+  std::map<Square, double> nearby;  // of squares that are not ground so far, the height of the nearest that is
+  for (; !hops.empty(); hops.pop()) {
+    const Hop hop = hops.top();
+    if (ground.contains(hop.to)) continue;
+    if (lows.at(hop.from) - lows.at(hop.to) <= rise_within(hop.length) && !rises_from(hop.to)) {
+      nearby.erase(hop.to);
+      accept(hop.to);
+      continue;
+    }
+    nearby.emplace(hop.to, lows.at(hop.from));
+    if (hop.length < 1.5 * kGroundSquare) ground.emplace(hop.to, false);
+  }
+  for (const auto& [square, height] : nearby) lows[square] = height;
+  return lows;
 }
 
 }  // namespace
@@ -86,7 +158,11 @@ Ground::Ground(const Drive& drive, const Trajectory& world_from_lidar) {
   std::map<Square, double> lows;
   for (const auto& [square, heaps] : squares)
     if (const auto height = lowest(heaps)) lows.emplace(square, *height);
-  for (const auto& [square, low] : lows) heights_.emplace(square, without_obstacle(lows, square));
+  std::vector<Eigen::Vector3d> way;
+  for (const ScanHeader& header : drive.scan_headers)
+    if (const auto pose = world_from_lidar.at(header.time_ns)) way.push_back(pose->t);
+  const std::vector<Square> start = beside_the_way(lows, way);
+  heights_ = grown_from(start, std::move(lows));
 }
 
 std::optional<double> Ground::height(const Eigen::Vector2d& place) const {

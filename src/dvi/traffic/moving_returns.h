@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "dvi/drive/drive.h"
@@ -31,6 +32,7 @@ class MovingReturns {
   std::size_t scans() const { return sensors_.size(); }
   ObstacleReturns obstacles(std::size_t scan) const;
   ObstacleReturns find(std::size_t scan) const;  ///< the same, with their witnesses
+  std::shared_ptr<const FreeSpace> free_space(std::size_t scan) const { return spaces_[scan]; }
 
  private:
   std::vector<std::size_t> witnesses_far(std::size_t scan) const;

@@ -3,23 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 
+#include "dvi/drive/outline.h"
 #include "dvi/image/region.h"
 
 namespace dvi::traffic {
 namespace {
 
 constexpr double kOutlineWindow = 0.25;  // seconds each way in which an object hardly turns
-constexpr double kNearPlane = 0.3;       // metres
 constexpr double kRoof = 0.5;            // metres: windows are no higher
+constexpr double kFootprint = 0.3;       // metres of ground round an object: its wheels, and the darkest of its shadow
 constexpr double kMargin = 0.05;         // metres round the returns: the ends of an object lie between rays
 constexpr double kAlongside = 6;         // metres: of what is nearer, the part within the image is farther away
 constexpr int kBlur = 4;                 // pixels at least: the image's own
 constexpr double kPerson = 1.2;          // metres: what is longer is a vehicle
 
 struct Body {
-  std::vector<Eigen::Vector3d> points;  // world axes, at the time of the image
+  std::vector<Eigen::Vector3d> points;     // world axes, at the time of the image
+  std::vector<Eigen::Vector3d> footprint;  // likewise: of the ground round them
   Eigen::Vector2d heading = Eigen::Vector2d::UnitX();
 };
 
@@ -28,7 +30,7 @@ double seconds_between(std::int64_t a, std::int64_t b) { return std::abs(1e-9 * 
 // The returns of the scan nearest to a time, moved to it; each also put onto the ground, where wheels and
 // feet are.
 Body body_at(const Track& track, std::int64_t time_ns) {
-  const auto apart = [&](const Track::Observation& o) { return seconds_between(o.cluster.mean_time_ns, time_ns); };
+  const auto apart = [&](const Cluster& o) { return seconds_between(o.mean_time_ns, time_ns); };
   Body body;
   if (track.observations.empty()) return body;
   const auto nearest = std::min_element(track.observations.begin(), track.observations.end(),
@@ -36,13 +38,15 @@ Body body_at(const Track& track, std::int64_t time_ns) {
   if (apart(*nearest) > kOutlineWindow) return body;
   const Eigen::Vector2d velocity = track.velocity(static_cast<std::size_t>(nearest - track.observations.begin()));
   if (velocity.norm() > 1) body.heading = velocity.normalized();
-  const Cluster& cluster = nearest->cluster;
+  const Cluster& cluster = *nearest;
   for (std::size_t k = 0; k < cluster.points.size(); ++k) {
     Eigen::Vector3d x = cluster.points[k];
     x.head<2>() += velocity * 1e-9 * static_cast<double>(time_ns - cluster.time_ns[k]);
     body.points.push_back(x);
     body.points.emplace_back(x.x(), x.y(), cluster.ground[k]);
-    // It may go on up to the next ray, but no higher than it was ever seen; glass below a roof returns little.
+    for (const double dx : {-kFootprint, kFootprint})
+      for (const double dy : {-kFootprint, kFootprint}) body.footprint.emplace_back(x.x() + dx, x.y() + dy, cluster.ground[k]);
+    // It may go on up to the next ray, but no higher than it usually is; glass below a roof returns little.
     const double top = cluster.ground[k] + track.height_m;
     const double above = x.z() > top - kRoof ? top : std::min(x.z() + cluster.rise[k], top);
     if (above > x.z()) body.points.emplace_back(x.x(), x.y(), above);
@@ -62,23 +66,6 @@ Box box_round(const Body& body) {
   return {SE3{R, R * (0.5 * (low + high))}, high - low};
 }
 
-Instance to_instance(const cv::Mat1b& mask) {
-  Instance out{mask.size(), {}};
-  std::uint32_t run = 0;
-  bool inside = false;
-  for (int x = 0; x < mask.cols; ++x)
-    for (int y = 0; y < mask.rows; ++y) {
-      if ((mask(y, x) != 0) != inside) {
-        out.runs.push_back(run);
-        run = 0;
-        inside = !inside;
-      }
-      ++run;
-    }
-  out.runs.push_back(run);
-  return out;
-}
-
 }  // namespace
 
 std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Camera& camera, const SE3& world_from_lidar,
@@ -86,21 +73,15 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
   const Body body = body_at(track, time_ns);
   if (body.points.empty()) return std::nullopt;
   const SE3 lidar_from_world = world_from_lidar.inverse(), camera_from_world = camera_from_lidar * lidar_from_world;
-  std::vector<cv::Point> pixels;
+  std::vector<Eigen::Vector3d> in_camera;
   double nearest = 1e9;
   for (const Eigen::Vector3d& x : body.points) {
-    const Eigen::Vector3d in_camera = camera_from_world * x;
-    if (in_camera.z() < kNearPlane) continue;
-    nearest = std::min(nearest, in_camera.z());
-    const Eigen::Vector2d p = camera.project(in_camera);
-    pixels.emplace_back(static_cast<int>(std::clamp(std::round(p.x()), -1e5, 1e5)),
-                        static_cast<int>(std::clamp(std::round(p.y()), -1e5, 1e5)));
+    in_camera.push_back(camera_from_world * x);
+    if (in_camera.back().z() >= kNearPlane) nearest = std::min(nearest, in_camera.back().z());
   }
-  if (pixels.size() < 3) return std::nullopt;
-  std::vector<cv::Point> hull;
-  cv::convexHull(pixels, hull);
+  for (const Eigen::Vector3d& x : body.footprint) in_camera.push_back(camera_from_world * x);
   cv::Mat1b mask(camera.height, camera.width, uchar{0});
-  cv::fillConvexPoly(mask, hull, 255);
+  if (!draw_hull(in_camera, camera, mask)) return std::nullopt;
   if (cv::countNonZero(mask) == 0) return std::nullopt;
   mask = grown(mask, std::max(kBlur, cvRound(kMargin * camera.fx / std::max(kAlongside, nearest))));
   Box box = box_round(body);
@@ -108,7 +89,7 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
   label.type = box.size.head<2>().maxCoeff() > kPerson ? "vehicle" : "person";
   box.frame_from_box = lidar_from_world * box.frame_from_box;
   label.box = box;
-  label.instance = to_instance(mask);
+  label.instance = outline_of(mask);
   return label;
 }
 

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/median.h"
+#include "dvi/drive/outline.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/region.h"
 
@@ -244,7 +245,14 @@ class Finder {
 
 Lazy<cv::Mat1b> with_shadows(const Views& views, const std::shared_ptr<const Ground>& ground) {
   const auto finder = std::make_shared<const Finder>(views, ground);
-  return {views.size(), [finder](std::size_t i) { return (*finder)(i); }};
+  // Found once: a mask that the shared budget drops is drawn again from its outline, some kilobytes that are always kept.
+  const Lazy<Instance> outlines(views.size(), views.size(), [finder](std::size_t i) { return outline_of((*finder)(i)); });
+  return {views.size(), [outlines](std::size_t i) {
+            const auto outline = outlines[i];
+            cv::Mat1b mask(outline->size, uchar{0});
+            draw(*outline, mask);
+            return mask;
+          }};
 }
 
 }  // namespace dvi::traffic

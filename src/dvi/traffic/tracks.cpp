@@ -22,32 +22,31 @@ constexpr double kStraight = 0.5;  // of its way, the distance it gets
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
-std::int64_t time_of(const Track::Observation& o) { return o.cluster.mean_time_ns; }
-
 // How far an observation is from where the track should be; negative: it cannot be its next one.
 double distance(const Track& track, const Cluster& cluster) {
-  const Track::Observation& last = track.observations.back();
-  const double dt = seconds(cluster.mean_time_ns - time_of(last));
-  const Eigen::Vector2d step = cluster.centre - last.cluster.centre;
+  const Cluster& last = track.observations.back();
+  const double dt = seconds(cluster.mean_time_ns - last.mean_time_ns);
+  if (dt >= kLongestGap) return -1;  // the track has ended
+  const Eigen::Vector2d step = cluster.centre - last.centre;
   if (track.observations.size() == 1) return step.norm() < kFastest * dt + kGate ? step.norm() : -1;
   const double miss = (step - track.velocity(track.observations.size() - 1) * dt).norm();
-  return miss < kGate + 0.5 * kAcceleration * dt * dt + 0.5 * last.cluster.extent_m ? miss : -1;
+  return miss < kGate + 0.5 * kAcceleration * dt * dt + 0.5 * last.extent_m ? miss : -1;
 }
 
 }  // namespace
 
 Track::State Track::state(std::size_t observation) const {
-  const std::int64_t origin = time_of(observations[observation]);
+  const std::int64_t origin = observations[observation].mean_time_ns;
   double n = 0, t = 0, tt = 0;
   Eigen::Vector2d x = Eigen::Vector2d::Zero(), tx = Eigen::Vector2d::Zero();
-  for (const Observation& o : observations) {
-    const double dt = seconds(time_of(o) - origin);
+  for (const Cluster& o : observations) {
+    const double dt = seconds(o.mean_time_ns - origin);
     if (std::abs(dt) > kVelocityWindow) continue;
     n += 1, t += dt, tt += dt * dt;
-    x += o.cluster.centre, tx += dt * o.cluster.centre;
+    x += o.centre, tx += dt * o.centre;
   }
   const double spread = n * tt - t * t;
-  if (n < 2 || spread < 1e-6) return {observations[observation].cluster.centre, Eigen::Vector2d::Zero()};
+  if (n < 2 || spread < 1e-6) return {observations[observation].centre, Eigen::Vector2d::Zero()};
   const Eigen::Vector2d velocity = (n * tx - t * x) / spread;
   return {(x - t * velocity) / n, velocity};
 }
@@ -56,25 +55,25 @@ bool moves(const Track& track) {
   const auto& seen = track.observations;
   if (seen.size() < kFewestObservations) return false;
   std::vector<double> shares, extents;
-  for (const Track::Observation& o : seen) {
-    shares.push_back(o.cluster.moving_share);
-    extents.push_back(o.cluster.extent_m);
+  for (const Cluster& o : seen) {
+    shares.push_back(o.moving_share);
+    extents.push_back(o.extent_m);
   }
   double farthest = 0, way = 0, off = 0;
   std::size_t last = 0;
   for (std::size_t i = 0; i < seen.size(); ++i)
-    off += (seen[i].cluster.centre - track.state(i).place).squaredNorm() / static_cast<double>(seen.size());
+    off += (seen[i].centre - track.state(i).place).squaredNorm() / static_cast<double>(seen.size());
   for (std::size_t i = 1; i < seen.size(); ++i) {
-    farthest = std::max(farthest, (seen[i].cluster.centre - seen.front().cluster.centre).norm());
-    if (seconds(time_of(seen[i]) - time_of(seen[last])) < kVelocityWindow && i + 1 < seen.size()) continue;
-    way += (seen[i].cluster.centre - seen[last].cluster.centre).norm();
+    farthest = std::max(farthest, (seen[i].centre - seen.front().centre).norm());
+    if (seconds(seen[i].mean_time_ns - seen[last].mean_time_ns) < kVelocityWindow && i + 1 < seen.size()) continue;
+    way += (seen[i].centre - seen[last].centre).norm();
     last = i;
   }
   return median(shares) >= kMovingShare && farthest >= std::max(kLeastWay, 0.5 * median(extents)) &&
          farthest >= kStraight * way && std::sqrt(off) < kOff * farthest;
 }
 
-void Tracker::add(std::size_t scan, std::vector<Cluster> clusters) {
+void Tracker::add(std::vector<Cluster> clusters) {
   std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
   for (std::size_t t = 0; t < active_.size(); ++t)
     for (std::size_t c = 0; c < clusters.size(); ++c)
@@ -84,15 +83,15 @@ void Tracker::add(std::size_t scan, std::vector<Cluster> clusters) {
   for (const auto& [d, t, c] : pairs) {
     if (track_taken[t] || cluster_taken[c]) continue;
     track_taken[t] = cluster_taken[c] = true;
-    active_[t].observations.push_back({scan, clusters[c]});
+    active_[t].observations.push_back(clusters[c]);
   }
   std::int64_t now = 0;
   for (std::size_t c = 0; c < clusters.size(); ++c) {
     now = std::max(now, clusters[c].mean_time_ns);
-    if (!cluster_taken[c]) active_.push_back({{{scan, std::move(clusters[c])}}});
+    if (!cluster_taken[c]) active_.push_back({{std::move(clusters[c])}});
   }
   const auto ended = std::stable_partition(active_.begin(), active_.end(), [&](const Track& track) {
-    return seconds(now - time_of(track.observations.back())) < kLongestGap;
+    return seconds(now - track.observations.back().mean_time_ns) < kLongestGap;
   });
   for (auto track = ended; track != active_.end(); ++track)
     if (moves(*track)) ended_.push_back(std::move(*track));

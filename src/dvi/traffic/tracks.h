@@ -9,12 +9,8 @@ namespace dvi::traffic {
 
 /// One object over time.
 struct Track {
-  struct Observation {
-    std::size_t scan = 0;
-    Cluster cluster;
-  };
-  std::vector<Observation> observations;  ///< in order of time
-  double height_m = 0;                    ///< above the ground, the highest seen
+  std::vector<Cluster> observations;  ///< one a scan, in order of time
+  double height_m = 0;                ///< above the ground: the median over its scans
 
   /// Where it is and how fast, metres a second, at an observation: a line through those within half a second.
   struct State {
@@ -28,10 +24,12 @@ struct Track {
 /// free. Glass, edges and leaves that rays pass now and then do none of this.
 bool moves(const Track& track);
 
-/// Ties the clusters of following scans together: constant velocity, nearest first.
+/// Ties the clusters of following scans together: constant velocity, nearest first. What is not seen for half a second has
+/// ended.
 class Tracker {
  public:
-  void add(std::size_t scan, std::vector<Cluster> clusters);
+  /// The clusters of the next scan.
+  void add(std::vector<Cluster> clusters);
   /// All tracks that move.
   std::vector<Track> finish();
 

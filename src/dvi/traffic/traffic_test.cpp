@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -8,6 +9,7 @@
 
 #include "dvi/core/random.h"
 #include "dvi/drive/memory_views.h"
+#include "dvi/drive/outline.h"
 #include "dvi/image/region.h"
 #include "dvi/synth/scene.h"
 #include "dvi/traffic/find_traffic.h"
@@ -37,15 +39,7 @@ struct Street {
 
 cv::Mat1b drawn(const std::vector<Label>& labels, cv::Size size) {
   cv::Mat1b mask(size, uchar{0});
-  for (const Label& label : labels) {
-    std::size_t at = 0;
-    bool inside = false;
-    for (const std::uint32_t run : label.instance->runs) {
-      for (const std::size_t end = at + run; at < end; ++at)
-        if (inside) mask(static_cast<int>(at % size.height), static_cast<int>(at / size.height)) = 255;
-      inside = !inside;
-    }
-  }
+  for (const Label& label : labels) draw(*label.instance, mask);
   return mask;
 }
 
@@ -198,6 +192,25 @@ TEST(Shadows, LeaveGroundThatOnlyLooksDarkAndFramesThatNobodyElseSaw) {
   EXPECT_EQ(cv::norm(*with_shadows(alone, ground)[0], *filmed.views.masks[0], cv::NORM_INF), 0);
 }
 
+TEST(Shadows, AreFoundOnceHoweverLittleIsKept) {
+  const Plain plain(40, 0);
+  Shadowed filmed(plain.drive, true);
+  const auto asked = std::make_shared<std::atomic<int>>(0);
+  filmed.views.images = Lazy<cv::Mat3b>::through(filmed.views.size(), [asked, of = filmed.views.images](std::size_t i) {
+    ++*asked;
+    return of[i];
+  });
+  const Lazy<cv::Mat1b> masks = with_shadows(filmed.views, std::make_shared<const Ground>(plain.drive, plain.drive.poses));
+  const cv::Mat1b found = masks[12]->clone();
+  CacheBudget& budget = *CacheBudget::of_process();
+  budget.set_bound(0);  // of all sequences together, one item stays
+  masks[0];
+  const int looks = *asked;
+  EXPECT_EQ(cv::norm(*masks[12], found, cv::NORM_INF), 0);
+  EXPECT_EQ(*asked, looks);
+  budget.set_bound(std::size_t{1000} << 20);
+}
+
 Cluster cluster_at(double x, double y, double seconds, double moving_share = 1) {
   Cluster cluster;
   cluster.centre = {x, y};
@@ -212,7 +225,7 @@ TEST(Tracker, KeepsTwoThatPassEachOtherApart) {
   for (int i = 0; i < 20; ++i) {
     const double t = 0.1 * i;
     if (i == 9) continue;  // hidden for a moment
-    tracker.add(static_cast<std::size_t>(i), {cluster_at(8 * t, 0, t), cluster_at(16 - 8 * t, 2.5, t)});
+    tracker.add({cluster_at(8 * t, 0, t), cluster_at(16 - 8 * t, 2.5, t)});
   }
   const std::vector<Track> tracks = tracker.finish();
   ASSERT_EQ(tracks.size(), 2U);
@@ -223,13 +236,23 @@ TEST(Tracker, KeepsTwoThatPassEachOtherApart) {
   }
 }
 
+TEST(Tracker, DoesNotResumeWhatWasNotSeenForLong) {
+  for (const double gap : {0.5, 0.6}) {
+    Tracker tracker;
+    for (int i = 0; i < 20; ++i) {
+      const double t = 0.1 * i + (i < 10 ? 0 : gap - 0.1);
+      tracker.add({cluster_at(8 * t, 0, t)});
+    }
+    EXPECT_EQ(tracker.finish().size(), gap < 0.55 ? 1U : 2U) << gap << " s";
+  }
+}
+
 TEST(Tracker, DropsWhatStaysWhatWandersAndWhatIsMostlyStanding) {
   Random random(5);
   Tracker tracker;
   for (int i = 0; i < 30; ++i) {
     const double t = 0.1 * i;
-    tracker.add(static_cast<std::size_t>(i),
-                {cluster_at(0.05 * random.normal(), 0, t),
+    tracker.add({cluster_at(0.05 * random.normal(), 0, t),
                  cluster_at(30 + random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7), t), cluster_at(3 * t, 60, t, 0.25)});
   }
   EXPECT_TRUE(tracker.finish().empty());

@@ -1,0 +1,112 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "dvi/detect/test_models.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/write_image.h"
+#include "program.h"
+
+namespace dvi {
+namespace {
+
+using testing::HasSubstr;
+
+// A drive of which nobody said what to remove, with a magenta rectangle painted into its frames.
+class DetectorOption : public ProgramTest {
+ protected:
+  void SetUp() override {
+    if (!detect::make_test_models(folder)) GTEST_SKIP() << "takes a Python with onnx (Debian's python3-onnx)";
+    write_file(folder / "semantic.toml", detect::test_description("semantic"));
+    write_file(folder / "topk.toml", detect::test_description("semantic"));
+    paint("drive");
+  }
+  static cv::Rect at(std::size_t frame) { return {30 + 8 * static_cast<int>(frame), 60, 40, 30}; }
+
+  void paint(const std::string& name) const {
+    const fs::path drive = small_drive(name);
+    fs::remove_all(drive / "masks");
+    fs::remove(drive / "boxes.json");
+    const std::vector<fs::path> images = list_files(drive / "images/front", {".png"});
+    ASSERT_EQ(images.size(), 6U);
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      if (i == 3) continue;  // the network misses it there
+      cv::Mat3b image = io::read_image(images[i], kSize);
+      image(at(i)) = cv::Vec3b(255, 0, 255);
+      io::write_png(images[i], image);
+    }
+  }
+  nlohmann::json json(const fs::path& file) const { return nlohmann::json::parse(read_file(folder / file)); }
+};
+
+TEST_F(DetectorOption, MasksWhatTheNetworkSeesInEveryFrame) {
+  const Result mask = dvi("mask drive -o masks --detector semantic.onnx --poses given --quiet --set masks.shadows=false");
+  ASSERT_EQ(mask.code, 0) << mask.err;
+  const nlohmann::json masks = json("masks/masks.json");
+  EXPECT_EQ(masks.at("source"), "detector");
+  ASSERT_EQ(masks.at("tracks").size(), 1U) << masks.at("tracks");
+  EXPECT_EQ(masks.at("tracks")[0].at("type"), "car");
+  EXPECT_EQ(masks.at("tracks")[0].at("frames"), 6);
+  const std::vector<fs::path> files = list_files(folder / "masks/masks/front", {".png"});
+  ASSERT_EQ(files.size(), 6U);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const cv::Mat1b seen = io::read_mask(files[i], kSize);
+    EXPECT_EQ(cv::countNonZero(seen(at(i))), at(i).area()) << i;
+    EXPECT_LT(cv::countNonZero(seen), 3 * at(i).area()) << i;
+  }
+}
+
+TEST_F(DetectorOption, RunsAndIsAudited) {
+  const std::string arguments = "run drive -o out --detector semantic.onnx --poses given --quiet --threads ";
+  const Result run = dvi(arguments + "1");
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_GE(json("out/report.json").at("hole").at("pixels").get<int>(), 6 * at(0).area());
+  const auto first = contents(folder / "out/frames");
+  fs::remove_all(folder / "out");
+  ASSERT_EQ(dvi(arguments + "4").code, 0);
+  EXPECT_EQ(contents(folder / "out/frames"), first);
+  EXPECT_THAT(dvi("run --config out/dvi.toml").err, HasSubstr("nothing to do"));
+
+  fs::rename(folder / "semantic.onnx", folder / "moved.onnx");
+  EXPECT_EQ(dvi("audit out drive --quiet").code, 0) << "takes no network";
+  fs::rename(folder / "moved.onnx", folder / "semantic.onnx");
+  write_file(folder / "semantic.toml", detect::test_description("semantic") + "remove = [\"person\"]\n");
+  const Result other = dvi("run drive -o out --detector semantic.onnx --poses given");
+  EXPECT_EQ(other.code, 0) << other.err;
+  EXPECT_THAT(other.err, HasSubstr("the detector sees nothing")) << "its description is an input, too";
+}
+
+TEST_F(DetectorOption, WorksWithoutScansAndWithSourceDrives) {
+  paint("second");
+  fs::remove_all(folder / "drive/lidar");
+  fs::remove(folder / "drive/poses.txt");
+  const Result telea = dvi("run drive -o telea --method telea --detector semantic.onnx --quiet");
+  EXPECT_EQ(telea.code, 0) << telea.err;
+  EXPECT_EQ(dvi("audit telea drive --quiet").code, 0);
+  paint("third");
+  const Result both = dvi("run second third -o both --detector semantic.onnx --poses given --remove moving");
+  EXPECT_EQ(both.code, 0) << both.err;
+  EXPECT_THAT(both.err, HasSubstr("third: --remove moving: a detector does not say what stands still"));
+  EXPECT_EQ(dvi("audit both second third --quiet").code, 0);
+  EXPECT_THAT(dvi("check second --detector semantic.onnx --poses given --quiet").out, HasSubstr("from detector"));
+}
+
+TEST_F(DetectorOption, RefusesInOneLine) {
+  const auto refused = [&](const std::string& arguments, int code) {
+    const Result result = dvi("mask drive -o masks --quiet " + arguments);
+    EXPECT_EQ(result.code, code) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    return result.err;
+  };
+  EXPECT_THAT(refused("--detector topk.onnx", 3), HasSubstr("cannot run node 'head/top' (TopK)"));
+  EXPECT_THAT(refused("--detector ids.onnx", 3), HasSubstr("docs/detector.md has a template"));
+  EXPECT_THAT(refused("--detector nowhere.onnx", 3), HasSubstr("nowhere.onnx"));
+  EXPECT_THAT(refused("--detector semantic.toml", 3), HasSubstr("is no ONNX file"));
+  EXPECT_THAT(refused("--detector semantic.onnx --masks auto", 2), HasSubstr("give one of them"));
+  EXPECT_THAT(refused("--set job.detector=semantic.onnx --masks labels", 2), HasSubstr("give one of them"));
+}
+
+}  // namespace
+}  // namespace dvi

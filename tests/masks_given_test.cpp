@@ -1,0 +1,120 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "dvi/drive/outline.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/write_image.h"
+#include "program.h"
+
+namespace dvi {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// Masks that other programs made.
+class GivenMasks : public ProgramTest {
+ protected:
+  GivenMasks() {
+    small_drive();
+    for (const fs::path& file : list_files(folder / "drive/masks/front", {".png"})) own.push_back(io::read_mask(file, kSize));
+  }
+
+  std::string name(std::size_t i) const { return fmt::format("{:06}", i); }
+
+  cv::Mat1b result(const std::string& out, std::size_t i) const {
+    const fs::path folders = fs::exists(folder / out / "masks/front") ? folder / out / "masks/front" : folder / out / "masks";
+    return io::read_mask(folders / (name(i) + ".png"), kSize);
+  }
+
+  static int differing(const cv::Mat1b& a, const cv::Mat1b& b) { return cv::countNonZero(cv::Mat1b(a != b)); }
+
+  // The drive's own masks, a COCO annotation each.
+  fs::path coco() const {
+    nlohmann::json images = nlohmann::json::array(), annotations = nlohmann::json::array();
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      images.push_back({{"id", i}, {"file_name", "export/" + name(i) + ".jpg"}, {"width", 240}, {"height", 136}});
+      annotations.push_back({{"id", 100 + i},
+                             {"image_id", i},
+                             {"category_id", 3},
+                             {"iscrowd", 1},
+                             {"segmentation", {{"size", {136, 240}}, {"counts", outline_of(own[i]).runs}}}});
+    }
+    write_file(folder / "coco.json",
+               nlohmann::json{{"images", images}, {"categories", {{{"id", 3}, {"name", "car"}}}}, {"annotations", annotations}}
+                   .dump());
+    return folder / "coco.json";
+  }
+
+  std::vector<cv::Mat1b> own;
+  const std::string exactly = " --quiet --poses given --set masks.shadows=false --set masks.dilate_px=0 ";
+};
+
+TEST_F(GivenMasks, RunTakesCoco) {
+  coco();
+  const Result run = dvi("run drive -o out --masks coco.json" + exactly);
+  ASSERT_EQ(run.code, 0) << run.err;
+  for (std::size_t i = 0; i < own.size(); ++i) EXPECT_EQ(differing(result("out", i), own[i]), 0) << i;
+  EXPECT_EQ(dvi("audit out drive --quiet").code, 0);
+  EXPECT_EQ(dvi("mask drive -o cars --masks coco.json --classes car" + exactly).code, 0);
+  EXPECT_EQ(differing(result("cars", 1), own[1]), 0);
+  const Result lorries = dvi("mask drive -o none --masks coco.json --classes lorry" + exactly);
+  EXPECT_EQ(lorries.code, 2);
+  EXPECT_THAT(lorries.err, HasSubstr("no label is called 'lorry'; there are car"));
+}
+
+TEST_F(GivenMasks, RunTakesCvat) {
+  write_file(
+      folder / "annotations.xml",
+      "<annotations><meta><task><size>6</size></task></meta><track id=\"0\" label=\"car\">"
+      "<box frame=\"1\" outside=\"0\" keyframe=\"1\" xtl=\"20\" ytl=\"40\" xbr=\"60\" ybr=\"80\"/>"
+      "<box frame=\"5\" outside=\"0\" keyframe=\"1\" xtl=\"60\" ytl=\"44\" xbr=\"100\" ybr=\"84\"/></track></annotations>");
+  const Result run = dvi("run drive -o out --masks annotations.xml" + exactly);
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(cv::countNonZero(result("out", 0)), 0);
+  for (std::size_t i = 1; i < 6; ++i) {
+    const int step = static_cast<int>(i) - 1;
+    cv::Mat1b box(kSize, uchar{0});
+    box(cv::Rect(20 + 10 * step, 40 + step, 40, 40)) = 255;
+    EXPECT_EQ(differing(result("out", i), box), 0) << i;
+  }
+  EXPECT_EQ(dvi("audit out drive --quiet").code, 0);
+}
+
+TEST_F(GivenMasks, BlackMayMeanRemove) {
+  make_folder(folder / "colmap");
+  for (std::size_t i = 0; i < own.size(); ++i) io::write_png(folder / ("colmap/" + name(i) + ".jpg.png"), cv::Mat1b(~own[i]));
+  const Result mask = dvi("mask drive -o masks --masks colmap --poses given --set masks.shadows=false");
+  ASSERT_EQ(mask.code, 0) << mask.err;
+  EXPECT_THAT(mask.err, AllOf(HasSubstr("black means remove"), HasSubstr("--polarity white")));
+  for (std::size_t i = 0; i < own.size(); ++i) EXPECT_EQ(differing(result("masks", i), own[i]), 0) << i;
+  ASSERT_EQ(dvi("mask drive -o white --masks colmap --polarity white" + exactly).code, 0);
+  EXPECT_EQ(differing(result("white", 2), cv::Mat1b(~own[2])), 0);
+}
+
+TEST_F(GivenMasks, AnEgoMaskIsPartOfEveryMask) {
+  cv::Mat1b ego(kSize, uchar{0});
+  ego.rowRange(120, 136) = 255;
+  io::write_png(folder / "ego.png", ego);
+  const std::string run = "run drive -o out --ego-mask ego.png" + exactly;
+  const Result first = dvi(run);
+  ASSERT_EQ(first.code, 0) << first.err;
+  for (std::size_t i = 0; i < own.size(); ++i) EXPECT_EQ(differing(result("out", i), cv::Mat1b(own[i] | ego)), 0) << i;
+  const Result audit = dvi("audit out drive --quiet");
+  EXPECT_EQ(audit.code, 0) << audit.out;
+  ego.rowRange(110, 120) = 255;
+  io::write_png(folder / "ego.png", ego);
+  ASSERT_EQ(dvi(run).code, 0);
+  EXPECT_EQ(differing(result("out", 3), cv::Mat1b(own[3] | ego)), 0) << "it is an input of the run";
+  io::write_png(folder / "ego.png", cv::Mat1b(ego.rowRange(0, 100)));
+  const Result small = dvi(run);
+  EXPECT_EQ(small.code, 3);
+  EXPECT_THAT(small.err, HasSubstr("ego.png: is 240x100 pixels instead of 240x136"));
+}
+
+}  // namespace
+}  // namespace dvi
