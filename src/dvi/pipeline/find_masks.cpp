@@ -32,8 +32,9 @@ FrameLabels objects_of(const Recording& open, const Trajectory& world_from_lidar
   if (open.masks_from != masks::MaskSource::found)
     return job.read.remove == Remove::moving ? masks::without_standing(drive, world_from_lidar) : drive.labels();
   progress.begin("traffic", drive.scan_headers.size());
-  traffic::Traffic found = traffic::find_traffic(drive, world_from_lidar, traffic::Ground(drive, world_from_lidar),
-                                                 job.options.map.pose_error_m, [&] { progress.advance(); });
+  traffic::Traffic found =
+      traffic::find_traffic(drive, world_from_lidar, traffic::Ground(drive, world_from_lidar),
+                            {job.options.map.pose_error_m, job.options.masks.footprint_margin_m}, [&] { progress.advance(); });
   progress.end();
   if (found.tracks.empty())
     progress.warn(drive.path.filename().string() + ": nothing moves in it, as far as its scans tell: nothing is removed");

@@ -5,20 +5,19 @@
 #include <utility>
 
 #include "dvi/core/threads.h"
+#include "dvi/traffic/seconds.h"
 
 namespace dvi::traffic {
 namespace {
 
 constexpr double kShapeWindow = 0.35;  // seconds each way, three scans: over longer, the error of the speed adds up
 
-double passed_seconds(std::int64_t from, std::int64_t to) { return 1e-9 * static_cast<double>(to - from); }
-
 // Adds the returns of another scan, as they stand at the time of this one. Those in plain sight of this scan would only be
 // smeared by the error of the speed.
 void add_hidden(const Cluster& other, const Eigen::Vector2d& velocity, const FreeSpace& seen, Cluster& cluster) {
   for (std::size_t k = 0; k < other.points.size(); ++k) {
     Eigen::Vector3d x = other.points[k];
-    x.head<2>() += velocity * passed_seconds(other.time_ns[k], cluster.mean_time_ns);
+    x.head<2>() += velocity * seconds_from(other.time_ns[k], cluster.mean_time_ns);
     if (seen.judge(x, 0) != FreeSpace::Seen::hidden) continue;
     cluster.points.push_back(x);
     cluster.time_ns.push_back(cluster.mean_time_ns);
@@ -32,7 +31,7 @@ Cluster complete(const Track& track, std::size_t at, const FreeSpace& seen) {
   const Eigen::Vector2d velocity = track.velocity(at);
   for (std::size_t j = 0; j < track.observations.size(); ++j) {
     const Cluster& other = track.observations[j];
-    if (j != at && std::abs(passed_seconds(other.mean_time_ns, cluster.mean_time_ns)) < kShapeWindow)
+    if (j != at && std::abs(seconds_from(other.mean_time_ns, cluster.mean_time_ns)) < kShapeWindow)
       add_hidden(other, velocity, seen, cluster);
   }
   return cluster;

@@ -7,9 +7,9 @@
 
 namespace dvi::traffic {
 
-Traffic find_traffic(const Drive& drive, const Trajectory& world_from_lidar, const Ground& ground, double pose_error_m,
+Traffic find_traffic(const Drive& drive, const Trajectory& world_from_lidar, const Ground& ground, const Allowances& allowances,
                      const Tick& tick) {
-  const MovingReturns returns(drive, world_from_lidar, ground, pose_error_m);
+  const MovingReturns returns(drive, world_from_lidar, ground, allowances.pose_error_m);
   Tracker tracker;
   for_blocks(drive.scan_headers.size(), [&](std::size_t first, std::size_t last) {
     std::vector<std::vector<Cluster>> clusters(last - first);
@@ -25,7 +25,7 @@ Traffic find_traffic(const Drive& drive, const Trajectory& world_from_lidar, con
     const auto pose = world_from_lidar.at(time);
     if (!pose) return;
     for (std::size_t k = 0; k < traffic.tracks.size(); ++k) {
-      auto label = outline(traffic.tracks[k], time, drive.camera, *pose, drive.camera_from_lidar);
+      auto label = outline(traffic.tracks[k], time, drive.camera, *pose, drive.camera_from_lidar, allowances.footprint_m);
       if (!label) continue;
       label->track = static_cast<int>(k);
       traffic.labels[i].push_back(std::move(*label));

@@ -7,6 +7,7 @@
 
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
+#include "dvi/traffic/seconds.h"
 
 namespace dvi::traffic {
 namespace {
@@ -15,8 +16,6 @@ constexpr double kBeyond = 1;       // seconds for which a motion goes on
 constexpr double kBoxMargin = 0.3;  // metres
 constexpr double kUsual = 0.9;      // quantile of the sizes seen: single ones hold returns of others
 constexpr std::size_t kFewestInBox = 4;
-
-double seconds(std::int64_t from, std::int64_t to) { return 1e-9 * static_cast<double>(to - from); }
 
 double quantile(std::vector<double> values) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(values.size() - 1));
@@ -54,9 +53,9 @@ class Motion {
   /// Whether it is followed at a time, and then the observation nearest to it.
   std::optional<std::size_t> at(std::int64_t time_ns) const {
     const auto& seen = track_->observations;
-    if (seconds(time_ns, seen.front().mean_time_ns) > kBeyond) return std::nullopt;
-    if (seconds(seen.back().mean_time_ns, time_ns) > kBeyond) return std::nullopt;
-    const auto apart = [&](const Cluster& o) { return std::abs(seconds(o.mean_time_ns, time_ns)); };
+    if (seconds_from(time_ns, seen.front().mean_time_ns) > kBeyond) return std::nullopt;
+    if (seconds_from(seen.back().mean_time_ns, time_ns) > kBeyond) return std::nullopt;
+    const auto apart = [&](const Cluster& o) { return std::abs(seconds_from(o.mean_time_ns, time_ns)); };
     const auto nearest =
         std::min_element(seen.begin(), seen.end(), [&](const auto& a, const auto& b) { return apart(a) < apart(b); });
     return static_cast<std::size_t>(nearest - seen.begin());
@@ -64,7 +63,7 @@ class Motion {
   bool holds(std::size_t nearest, const Eigen::Vector3d& x, double ground, std::int64_t time_ns) const {
     if (x.z() - ground > height_ + kBoxMargin) return false;  // trees above the road
     const Cluster& cluster = track_->observations[nearest];
-    const Eigen::Vector2d centre = cluster.centre + velocities_[nearest] * seconds(cluster.mean_time_ns, time_ns);
+    const Eigen::Vector2d centre = cluster.centre + velocities_[nearest] * seconds_from(cluster.mean_time_ns, time_ns);
     const Eigen::Vector2d off = x.head<2>() - centre, &along = headings_[nearest];
     return std::abs(off.dot(along)) < half_.x() && std::abs(off.x() * along.y() - off.y() * along.x()) < half_.y();
   }

@@ -104,40 +104,50 @@ double rise_within(double length) { return std::min(kStep + kSlope * length, kRi
 // What rises no steeper than a bank from all ground nearby is ground, and falls no steeper. The other squares have returns of
 // what stands on it only, or of mirrors and second echoes below it: the ground goes on there as it is nearby. Squares without
 // ground within reach keep their lowest level.
-std::map<Square, double> grown_from(const std::vector<Square>& start, std::map<Square, double> lows) {
-  std::map<Square, bool> ground;  // of the squares that are decided
-  std::priority_queue<Hop, std::vector<Hop>, std::greater<>> hops;
-  const auto accept = [&](const Square& square) {
-    if (!ground.emplace(square, true).second) return;
+class Growth {
+ public:
+  explicit Growth(std::map<Square, double> lows) : lows_(std::move(lows)) {}
+
+  std::map<Square, double> from(const std::vector<Square>& start) {
+    for (const Square& square : start) accept(square);
+    for (; !hops_.empty(); hops_.pop()) take(Hop(hops_.top()));
+    for (const auto& [square, height] : nearby_) lows_[square] = height;
+    return std::move(lows_);
+  }
+
+ private:
+  void accept(const Square& square) {
+    if (!ground_.emplace(square, true).second) return;
     for_squares_around(square, kReach, [&](const Square& other) {
-      if (lows.contains(other) && !ground.contains(other)) hops.push({distance(square, other), other, square});
+      if (lows_.contains(other) && !ground_.contains(other)) hops_.push({distance(square, other), other, square});
     });
-  };
-  const auto rises_from = [&](const Square& square) {
+  }
+  void take(const Hop& hop) {
+    if (ground_.contains(hop.to)) return;
+    if (lows_.at(hop.from) - lows_.at(hop.to) <= rise_within(hop.length) && !rises(hop.to)) {
+      nearby_.erase(hop.to);
+      accept(hop.to);
+      return;
+    }
+    nearby_.emplace(hop.to, lows_.at(hop.from));
+    if (hop.length < 1.5 * kGroundSquare) ground_.emplace(hop.to, false);
+  }
+  // Steeper than a bank, from any ground around.
+  bool rises(const Square& square) const {
     bool rises = false;
     for_squares_around(square, kAround, [&](const Square& other) {
-      const auto found = ground.find(other);
+      const auto found = ground_.find(other);
       rises |=
-          found != ground.end() && found->second && lows.at(square) > lows.at(other) + rise_within(distance(square, other));
+          found != ground_.end() && found->second && lows_.at(square) > lows_.at(other) + rise_within(distance(square, other));
     });
     return rises;
-  };
-  for (const Square& square : start) accept(square);
-  std::map<Square, double> nearby;  // of squares that are not ground so far, the height of the nearest that is
-  for (; !hops.empty(); hops.pop()) {
-    const Hop hop = hops.top();
-    if (ground.contains(hop.to)) continue;
-    if (lows.at(hop.from) - lows.at(hop.to) <= rise_within(hop.length) && !rises_from(hop.to)) {
-      nearby.erase(hop.to);
-      accept(hop.to);
-      continue;
-    }
-    nearby.emplace(hop.to, lows.at(hop.from));
-    if (hop.length < 1.5 * kGroundSquare) ground.emplace(hop.to, false);
   }
-  for (const auto& [square, height] : nearby) lows[square] = height;
-  return lows;
-}
+
+  std::map<Square, double> lows_;
+  std::map<Square, bool> ground_;    // of the squares that are decided
+  std::map<Square, double> nearby_;  // of squares that are not ground so far, the height of the nearest that is
+  std::priority_queue<Hop, std::vector<Hop>, std::greater<>> hops_;
+};
 
 }  // namespace
 
@@ -162,7 +172,7 @@ Ground::Ground(const Drive& drive, const Trajectory& world_from_lidar) {
   for (const ScanHeader& header : drive.scan_headers)
     if (const auto pose = world_from_lidar.at(header.time_ns)) way.push_back(pose->t);
   const std::vector<Square> start = beside_the_way(lows, way);
-  heights_ = grown_from(start, std::move(lows));
+  heights_ = Growth(std::move(lows)).from(start);
 }
 
 std::optional<double> Ground::height(const Eigen::Vector2d& place) const {

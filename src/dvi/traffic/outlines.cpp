@@ -7,13 +7,13 @@
 
 #include "dvi/drive/outline.h"
 #include "dvi/image/region.h"
+#include "dvi/traffic/seconds.h"
 
 namespace dvi::traffic {
 namespace {
 
 constexpr double kOutlineWindow = 0.25;  // seconds each way in which an object hardly turns
 constexpr double kRoof = 0.5;            // metres: windows are no higher
-constexpr double kFootprint = 0.3;       // metres of ground round an object: its wheels, and the darkest of its shadow
 constexpr double kMargin = 0.05;         // metres round the returns: the ends of an object lie between rays
 constexpr double kAlongside = 6;         // metres: of what is nearer, the part within the image is farther away
 constexpr int kBlur = 4;                 // pixels at least: the image's own
@@ -25,12 +25,10 @@ struct Body {
   Eigen::Vector2d heading = Eigen::Vector2d::UnitX();
 };
 
-double seconds_between(std::int64_t a, std::int64_t b) { return std::abs(1e-9 * static_cast<double>(a - b)); }
-
 // The returns of the scan nearest to a time, moved to it; each also put onto the ground, where wheels and
 // feet are.
-Body body_at(const Track& track, std::int64_t time_ns) {
-  const auto apart = [&](const Cluster& o) { return seconds_between(o.mean_time_ns, time_ns); };
+Body body_at(const Track& track, std::int64_t time_ns, double footprint_m) {
+  const auto apart = [&](const Cluster& o) { return std::abs(seconds_from(o.mean_time_ns, time_ns)); };
   Body body;
   if (track.observations.empty()) return body;
   const auto nearest = std::min_element(track.observations.begin(), track.observations.end(),
@@ -41,11 +39,12 @@ Body body_at(const Track& track, std::int64_t time_ns) {
   const Cluster& cluster = *nearest;
   for (std::size_t k = 0; k < cluster.points.size(); ++k) {
     Eigen::Vector3d x = cluster.points[k];
-    x.head<2>() += velocity * 1e-9 * static_cast<double>(time_ns - cluster.time_ns[k]);
+    x.head<2>() += velocity * seconds_from(cluster.time_ns[k], time_ns);
     body.points.push_back(x);
     body.points.emplace_back(x.x(), x.y(), cluster.ground[k]);
-    for (const double dx : {-kFootprint, kFootprint})
-      for (const double dy : {-kFootprint, kFootprint}) body.footprint.emplace_back(x.x() + dx, x.y() + dy, cluster.ground[k]);
+    for (const double dx : {-footprint_m, footprint_m})
+      for (const double dy : {-footprint_m, footprint_m})
+        body.footprint.emplace_back(x.x() + dx, x.y() + dy, cluster.ground[k]);
     // It may go on up to the next ray, but no higher than it usually is; glass below a roof returns little.
     const double top = cluster.ground[k] + track.height_m;
     const double above = x.z() > top - kRoof ? top : std::min(x.z() + cluster.rise[k], top);
@@ -69,8 +68,8 @@ Box box_round(const Body& body) {
 }  // namespace
 
 std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Camera& camera, const SE3& world_from_lidar,
-                             const SE3& camera_from_lidar) {
-  const Body body = body_at(track, time_ns);
+                             const SE3& camera_from_lidar, double footprint_m) {
+  const Body body = body_at(track, time_ns, footprint_m);
   if (body.points.empty()) return std::nullopt;
   const SE3 lidar_from_world = world_from_lidar.inverse(), camera_from_world = camera_from_lidar * lidar_from_world;
   std::vector<Eigen::Vector3d> in_camera;

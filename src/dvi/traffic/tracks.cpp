@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "dvi/core/median.h"
+#include "dvi/traffic/seconds.h"
 
 namespace dvi::traffic {
 namespace {
@@ -20,12 +21,10 @@ constexpr double kLeastWay = 1;    // metres: labels, poses and the visible side
 constexpr double kOff = 0.25;      // of the distance it gets, what it is off a smooth motion
 constexpr double kStraight = 0.5;  // of its way, the distance it gets
 
-double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
-
 // How far an observation is from where the track should be; negative: it cannot be its next one.
 double distance(const Track& track, const Cluster& cluster) {
   const Cluster& last = track.observations.back();
-  const double dt = seconds(cluster.mean_time_ns - last.mean_time_ns);
+  const double dt = seconds_from(last.mean_time_ns, cluster.mean_time_ns);
   if (dt >= kLongestGap) return -1;  // the track has ended
   const Eigen::Vector2d step = cluster.centre - last.centre;
   if (track.observations.size() == 1) return step.norm() < kFastest * dt + kGate ? step.norm() : -1;
@@ -40,7 +39,7 @@ Track::State Track::state(std::size_t observation) const {
   double n = 0, t = 0, tt = 0;
   Eigen::Vector2d x = Eigen::Vector2d::Zero(), tx = Eigen::Vector2d::Zero();
   for (const Cluster& o : observations) {
-    const double dt = seconds(o.mean_time_ns - origin);
+    const double dt = seconds_from(origin, o.mean_time_ns);
     if (std::abs(dt) > kVelocityWindow) continue;
     n += 1, t += dt, tt += dt * dt;
     x += o.centre, tx += dt * o.centre;
@@ -65,7 +64,7 @@ bool moves(const Track& track) {
     off += (seen[i].centre - track.state(i).place).squaredNorm() / static_cast<double>(seen.size());
   for (std::size_t i = 1; i < seen.size(); ++i) {
     farthest = std::max(farthest, (seen[i].centre - seen.front().centre).norm());
-    if (seconds(seen[i].mean_time_ns - seen[last].mean_time_ns) < kVelocityWindow && i + 1 < seen.size()) continue;
+    if (seconds_from(seen[last].mean_time_ns, seen[i].mean_time_ns) < kVelocityWindow && i + 1 < seen.size()) continue;
     way += (seen[i].centre - seen[last].centre).norm();
     last = i;
   }
@@ -91,7 +90,7 @@ void Tracker::add(std::vector<Cluster> clusters) {
     if (!cluster_taken[c]) active_.push_back({{std::move(clusters[c])}});
   }
   const auto ended = std::stable_partition(active_.begin(), active_.end(), [&](const Track& track) {
-    return seconds(now - track.observations.back().mean_time_ns) < kLongestGap;
+    return seconds_from(track.observations.back().mean_time_ns, now) < kLongestGap;
   });
   for (auto track = ended; track != active_.end(); ++track)
     if (moves(*track)) ended_.push_back(std::move(*track));

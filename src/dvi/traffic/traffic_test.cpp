@@ -45,7 +45,8 @@ cv::Mat1b drawn(const std::vector<Label>& labels, cv::Size size) {
 
 TEST(Traffic, FindsWhatMovesAndNothingThatStands) {
   const Street street(14);
-  const Traffic traffic = find_traffic(street.drive, street.drive.poses, Ground(street.drive, street.drive.poses), 0.05, [] {});
+  const Traffic traffic =
+      find_traffic(street.drive, street.drive.poses, Ground(street.drive, street.drive.poses), {0.05, 0.3}, [] {});
   ASSERT_EQ(traffic.labels.size(), street.drive.frames.size());
   double covered = 0, all = 0;
   for (std::size_t i = 0; i < traffic.labels.size(); ++i) {
@@ -68,8 +69,8 @@ TEST(Traffic, FindsWhatMovesAndNothingThatStands) {
 TEST(Traffic, OneScanOrNoPoseFindsNothing) {
   const Street street(1);
   const Ground ground(street.drive, street.drive.poses);
-  EXPECT_TRUE(find_traffic(street.drive, street.drive.poses, ground, 0.05, [] {}).tracks.empty());
-  const Traffic unposed = find_traffic(street.drive, Trajectory(), Ground(street.drive, Trajectory()), 0.05, [] {});
+  EXPECT_TRUE(find_traffic(street.drive, street.drive.poses, ground, {0.05, 0.3}, [] {}).tracks.empty());
+  const Traffic unposed = find_traffic(street.drive, Trajectory(), Ground(street.drive, Trajectory()), {0.05, 0.3}, [] {});
   EXPECT_TRUE(unposed.tracks.empty());
   EXPECT_EQ(unposed.labels.size(), 1U);
 }
