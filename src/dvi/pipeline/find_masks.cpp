@@ -105,8 +105,9 @@ Masks find_masks(const Recordings& drives, const Poses& poses, const Objects& ob
   for (std::size_t i = 0; i < drives.size(); ++i) {
     const Trajectory& world_from_lidar = poses[i].world_from_lidar;
     Lazy<cv::Mat1b> images = masks_of(drives[i], objects[i], job);
-    if (job.options.masks.shadows && drives[i].masks_from)
-      images = with_shadows(drives[i].drive, world_from_lidar, images, progress);
+    const bool found = drives[i].masks_from == masks::MaskSource::found, shadows = job.options.masks.shadows;
+    if (drives[i].masks_from && (found || shadows))
+      images = compared(drives[i].drive, world_from_lidar, images, {found ? &objects[i] : nullptr, shadows}, progress);
     masks.push_back({images, objects[i]});
   }
   return masks;

@@ -7,40 +7,56 @@
 
 #include "dvi/pipeline/make_views.h"
 #include "dvi/traffic/shadows.h"
+#include "dvi/traffic/silhouettes.h"
+#include "dvi/traffic/standing.h"
 
 namespace dvi::pipeline {
 namespace {
 
 // The views of the frames that have a pose, masked as given; and of each frame the number of its view, or -1.
-std::pair<Views, std::vector<int>> posed_views(const Drive& drive, const Trajectory& world_from_lidar,
-                                               const Lazy<cv::Mat1b>& masks) {
+struct PosedFrames {
   Views views;
   std::vector<int> view_of;
-  for (std::size_t i = 0; i < drive.frames.size(); ++i) {
-    const std::optional<View> view = posed_view(drive, 0, i, world_from_lidar);
-    view_of.push_back(view ? static_cast<int>(views.size()) : -1);
-    if (view) views.views.push_back(*view);
+
+  PosedFrames(const Drive& drive, const Trajectory& world_from_lidar, const Lazy<cv::Mat1b>& masks) {
+    for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+      const std::optional<View> view = posed_view(drive, 0, i, world_from_lidar);
+      view_of.push_back(view ? static_cast<int>(views.size()) : -1);
+      if (view) views.views.push_back(*view);
+    }
+    const auto frame = [list = views.views](std::size_t i) { return list[i].frame; };
+    views.images = Lazy<cv::Mat3b>::through(views.size(), [=, of = drive.images](std::size_t i) { return of[frame(i)]; });
+    views.masks = Lazy<cv::Mat1b>::through(views.size(), [=](std::size_t i) { return masks[frame(i)]; });
   }
-  const auto frame = [list = views.views](std::size_t i) { return list[i].frame; };
-  views.images = Lazy<cv::Mat3b>::through(views.size(), [=, of = drive.images](std::size_t i) { return of[frame(i)]; });
-  views.masks = Lazy<cv::Mat1b>::through(views.size(), [=](std::size_t i) { return masks[frame(i)]; });
-  return {views, view_of};
-}
+
+  // Masks of the views, as the drive's frames again.
+  Lazy<cv::Mat1b> of_frames(const Lazy<cv::Mat1b>& found, const Lazy<cv::Mat1b>& masks) const {
+    return Lazy<cv::Mat1b>::through(view_of.size(), [=, of = view_of](std::size_t i) {
+      return of[i] < 0 ? masks[i] : found[static_cast<std::size_t>(of[i])];
+    });
+  }
+};
 
 }  // namespace
 
-Lazy<cv::Mat1b> with_shadows(const Drive& drive, const Trajectory& world_from_lidar, const Lazy<cv::Mat1b>& masks,
-                             Progress& progress) {
+Lazy<cv::Mat1b> compared(const Drive& drive, const Trajectory& world_from_lidar, const Lazy<cv::Mat1b>& masks,
+                         const Compared& what, Progress& progress) {
   if (world_from_lidar.empty() || drive.scan_headers.empty()) {
     progress.note(drive.path.filename().string() + ": without poses and scans, shadows beside the masks are not looked for");
     return masks;
   }
   const auto ground = std::make_shared<const traffic::Ground>(drive, world_from_lidar);
-  const auto [views, view_of] = posed_views(drive, world_from_lidar, masks);
-  const Lazy<cv::Mat1b> shadowed = traffic::with_shadows(views, ground);
-  return Lazy<cv::Mat1b>::through(drive.frames.size(), [=, view_of = view_of](std::size_t i) {
-    return view_of[i] < 0 ? masks[i] : shadowed[static_cast<std::size_t>(view_of[i])];
-  });
+  Lazy<cv::Mat1b> out = masks;
+  if (what.found != nullptr) {
+    const PosedFrames posed(drive, world_from_lidar, out);
+    const Lazy<cv::Mat1f> standing = traffic::standing_depth(drive, world_from_lidar, *what.found, posed.views, ground);
+    out = posed.of_frames(traffic::silhouettes(posed.views, standing, ground), out);
+  }
+  if (what.shadows) {
+    const PosedFrames posed(drive, world_from_lidar, out);
+    out = posed.of_frames(traffic::with_shadows(posed.views, ground), out);
+  }
+  return out;
 }
 
 }  // namespace dvi::pipeline
