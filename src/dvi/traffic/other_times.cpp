@@ -17,6 +17,19 @@ constexpr double kDarker = 0.85;   // part of its usual brightness below which g
 constexpr float kNoise = 6;        // levels: of two images' averages
 constexpr float kSpreads = 2.5F;   // times the usual spread between views
 constexpr float kDifference = 25;  // levels by which a reflection differs at least
+constexpr float kSaturated = 250;
+
+bool saturated(const cv::Vec3f& colour) { return std::max({colour[0], colour[1], colour[2]}) >= kSaturated; }
+
+// A colour in another light, as far as a camera shows it; none where it shows less than there was.
+std::optional<cv::Vec3f> in_light(const cv::Vec3f& colour, const cv::Vec3f& gain) {
+  cv::Vec3f out;
+  for (int c = 0; c < 3; ++c) {
+    if (colour[c] >= kSaturated && gain[c] < 1) return std::nullopt;
+    out[c] = std::min(colour[c] * gain[c], 255.F);
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -82,12 +95,13 @@ void OtherTimes::look(const HalfView& target, std::size_t source, const std::vec
   const View& view = views_[source];
   std::array<std::vector<float>, 3> ratios;
   for (const Place& place : light)
-    if (const auto there = colour(view, *half, place.world))
+    if (const auto there = colour(view, *half, place.world); there && !saturated(*there) && !saturated(target.image(place.at)))
       for (int c = 0; c < 3; ++c) ratios[c].push_back((target.image(place.at)[c] + 1) / ((*there)[c] + 1));
   if (ratios[0].size() < 20) return;
   const cv::Vec3f gain(median(ratios[0]), median(ratios[1]), median(ratios[2]));
   for (std::size_t i = 0; i < places.size(); ++i)
-    if (const auto there = colour(view, *half, places[i].world)) seen[i].push_back(there->mul(gain));
+    if (const auto there = colour(view, *half, places[i].world))
+      if (const auto here = in_light(*there, gain)) seen[i].push_back(*here);
 }
 
 Usual::Usual(const std::vector<Place>& places, const std::vector<std::vector<cv::Vec3f>>& seen, cv::Size size, int around)

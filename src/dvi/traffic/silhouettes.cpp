@@ -22,7 +22,7 @@ constexpr double kRim = 0.25;     // of an outline's shorter side, each way: how
 constexpr int kLeastRim = 4;      // half pixels
 constexpr int kLeastPart = 20;    // half pixels: smaller ones are noise
 constexpr double kNotch = 0.125;  // of the shorter side: objects have no deeper ones, but look like their background by chance
-constexpr int kHalo = 1;          // half pixels that lens and motion smear an object over
+constexpr int kHalo = 2;          // half pixels that lens and motion smear an object over
 constexpr int kLightGrid = 12;    // half pixels between the places at which light is compared
 constexpr double kEndless = 1e4;  // metres: of what no scan reached
 
@@ -105,31 +105,38 @@ class Silhouettes {
         continue;
       }
       const cv::Rect box = cv::boundingRect(part);
-      const cv::Mat1b seed(grown(whole, -rim_of(box)));
+      cv::Mat1b seed(grown(whole, -rim_of(box)));
+      if (cv::countNonZero(seed) == 0) seed = whole;
       const int notch = std::max(kLeastRim - 1, cvRound(kNotch * std::min(box.width, box.height)));
-      out |= grown(grown(cv::Mat1b(own | seed), notch), -notch) & part;
+      out |= touching(seed, cv::Mat1b(grown(grown(cv::Mat1b(own | seed), notch), -notch) & part));
     }
     return grown(out, kHalo);
+  }
+
+  // The parts of a mask that overlap another one and are no specks.
+  static cv::Mat1b touching(const cv::Mat1b& other, const cv::Mat1b& mask) {
+    cv::Mat1i parts;
+    const std::size_t count = static_cast<std::size_t>(connected_parts(mask, parts)) + 1;
+    std::vector<int> pixels(count, 0);
+    std::vector<bool> touches(count, false);
+    for (int y = 0; y < parts.rows; ++y)
+      for (int x = 0; x < parts.cols; ++x) {
+        const auto part = static_cast<std::size_t>(parts(y, x));
+        ++pixels[part];
+        if (other(y, x) != 0) touches[part] = true;
+      }
+    cv::Mat1b out(mask.size(), uchar{0});
+    for (int y = 0; y < parts.rows; ++y)
+      for (int x = 0; x < parts.cols; ++x)
+        if (const auto part = static_cast<std::size_t>(parts(y, x)); part != 0 && touches[part] && pixels[part] >= kLeastPart)
+          out(y, x) = 255;
+    return out;
   }
 
   // What differs, or nobody else saw, and hangs together with the outline; beyond it nothing thin, as edges that are displaced.
   static cv::Mat1b joined(const cv::Mat1b& outline, const Evidence& evidence) {
     const cv::Mat1b within(outline & evidence.unseen);
-    cv::Mat1i parts;
-    const int count = connected_parts(cv::Mat1b(evidence.differs | within), parts);
-    std::vector<int> pixels(static_cast<std::size_t>(count) + 1, 0);
-    std::vector<bool> touches(pixels.size(), false);
-    for (int y = 0; y < parts.rows; ++y)
-      for (int x = 0; x < parts.cols; ++x) {
-        const auto part = static_cast<std::size_t>(parts(y, x));
-        ++pixels[part];
-        if (outline(y, x) != 0) touches[part] = true;
-      }
-    cv::Mat1b out(outline.size(), uchar{0});
-    for (int y = 0; y < parts.rows; ++y)
-      for (int x = 0; x < parts.cols; ++x)
-        if (const auto part = static_cast<std::size_t>(parts(y, x)); part != 0 && touches[part] && pixels[part] >= kLeastPart)
-          out(y, x) = 255;
+    const cv::Mat1b out = touching(outline, cv::Mat1b(evidence.differs | within));
     const cv::Mat1b beyond(grown(grown(cv::Mat1b(out & ~outline), -1), 1));
     return cv::Mat1b((out & outline) | beyond);
   }
