@@ -6,12 +6,12 @@
 
 namespace dvi::traffic {
 
-HalfView half_view(const cv::Mat3b& image, const cv::Mat1b& mask) {
+HalfView half_view(const cv::Mat3b& image, const cv::Mat1b& mask, int blur) {
   HalfView out;
   const cv::Size size(image.cols / kScale, image.rows / kScale);
   cv::Mat3b half;
   cv::resize(image, half, size, 0, 0, cv::INTER_AREA);
-  cv::blur(half, half, {3, 3});
+  if (blur > 1) cv::blur(half, half, {blur, blur});
   half.convertTo(out.image, CV_32FC3);
   cv::resize(grown(mask, kScale), out.mask, size, 0, 0, cv::INTER_NEAREST);
   return out;

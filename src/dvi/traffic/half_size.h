@@ -14,7 +14,7 @@ inline constexpr int kScale = 2;
 
 using Patch = cv::Mat_<cv::Vec3f>;
 
-/// A view's image at half size, smoothed over what poses are wrong by.
+/// A view's image at half size.
 struct HalfView {
   Patch image;
   cv::Mat1b mask;  ///< 255 where any of the pixels, or one beside them, is masked
@@ -22,7 +22,8 @@ struct HalfView {
   std::size_t bytes() const { return bytes_of(image) + bytes_of(mask); }
 };
 
-HalfView half_view(const cv::Mat3b& image, const cv::Mat1b& mask);
+/// `blur`: pixels of half size across that are averaged; 1: none.
+HalfView half_view(const cv::Mat3b& image, const cv::Mat1b& mask, int blur);
 
 /// Where the middle of a pixel of half size lies in the image, and back.
 Eigen::Vector2d full_size(cv::Point half);

@@ -49,8 +49,9 @@ std::optional<Eigen::Vector3d> on_ground(const View& view, const SE3& world_from
   return x;
 }
 
-OtherTimes::OtherTimes(const Views& views)
-    : views_(views), half_(views.size(), [views](std::size_t i) { return half_view(*views.images[i], *views.masks[i]); }) {}
+OtherTimes::OtherTimes(const Views& views, int blur)
+    : views_(views),
+      half_(views.size(), [views, blur](std::size_t i) { return half_view(*views.images[i], *views.masks[i], blur); }) {}
 
 std::vector<std::vector<cv::Vec3f>> OtherTimes::colours(std::size_t target, std::span<const double> apart,
                                                         const std::vector<Place>& places,

@@ -16,6 +16,7 @@ namespace dvi::traffic {
 struct Place {
   cv::Point at;
   Eigen::Vector3d world;
+  bool on_ground = true;
 };
 
 /// Where a pixel's ray meets the ground; none above the horizon, beyond 60 m (a pixel covers metres of ground there) or where
@@ -25,7 +26,8 @@ std::optional<Eigen::Vector3d> on_ground(const View& view, const SE3& world_from
 /// What the places of one view look like in others of its drive, taken at other times.
 class OtherTimes {
  public:
-  explicit OtherTimes(const Views& views);
+  /// `blur`: as of half_view().
+  OtherTimes(const Views& views, int blur);
 
   const Views& views() const { return views_; }
   std::shared_ptr<const HalfView> half(std::size_t view) const { return half_[view]; }

@@ -17,26 +17,30 @@ namespace {
 
 // Seconds, both ways. The nearest show the background least displaced, the later ones after the object has left it.
 constexpr std::array kTimes{0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0};
+constexpr int kSharp = 1;         // half pixels across: roof rails and mirrors are thin
 constexpr int kDisplaced = 3;     // half pixels across: what poses and depth are wrong by, each way one
 constexpr double kRim = 0.25;     // of an outline's shorter side, each way: how far an object may go beyond it, or end within
 constexpr int kLeastRim = 4;      // half pixels
 constexpr int kLeastPart = 20;    // half pixels: smaller ones are noise
 constexpr double kNotch = 0.125;  // of the shorter side: objects have no deeper ones, but look like their background by chance
-constexpr int kHalo = 2;          // half pixels that lens and motion smear an object over
-constexpr int kLightGrid = 12;    // half pixels between the places at which light is compared
-constexpr double kEndless = 1e4;  // metres: of what no scan reached
+constexpr std::size_t kColours = 64;  // of an object that are compared with its background
+constexpr double kTelling = 0.5;      // of these, that the background must exclude
+constexpr int kHalo = 2;              // half pixels that lens and motion smear an object over
+constexpr int kLightGrid = 12;        // half pixels between the places at which light is compared
+constexpr double kEndless = 1e4;      // metres: of what no scan reached
 
 // What a comparison says of the pixels of half a view.
 struct Evidence {
   cv::Mat1b differs;  // from what others show there
-  cv::Mat1b unseen;   // by others
+  cv::Mat1b untold;   // others did not see it, or the object would look alike
+  cv::Mat1b ground;
 };
 
 class Silhouettes {
  public:
   /// The masks of `views` say where their backgrounds are hidden.
   Silhouettes(const Views& views, Lazy<cv::Mat1b> outlines, Lazy<cv::Mat1f> standing, std::shared_ptr<const Ground> ground)
-      : others_(views), outlines_(std::move(outlines)), standing_(std::move(standing)), ground_(std::move(ground)) {}
+      : others_(views, kSharp), outlines_(std::move(outlines)), standing_(std::move(standing)), ground_(std::move(ground)) {}
 
   cv::Mat1b operator()(std::size_t target) const {
     const cv::Mat1b outline = *outlines_[target];
@@ -44,12 +48,13 @@ class Silhouettes {
     cv::Mat1b half;
     cv::resize(outline, half, {outline.cols / kScale, outline.rows / kScale}, 0, 0, cv::INTER_AREA);
     half = cv::Mat1b(half > 0);
-    const cv::Mat1b found = ended(half, compare(target, half));
-    // What lies within the outline ends with it: its rim has been widened enough.
-    cv::Mat1b full, beyond;
-    cv::resize(found, full, outline.size(), 0, 0, cv::INTER_NEAREST);
-    cv::resize(cv::Mat1b(grown(cv::Mat1b(found & ~grown(half, 1)), 2)), beyond, outline.size(), 0, 0, cv::INTER_NEAREST);
-    return cv::Mat1b(full & (outline | beyond));
+    const Evidence evidence = compare(target, half);
+    const cv::Mat1b object = joined(half, evidence);
+    // What lies beyond the outline has no margin yet; within it there is one, and more where it ends earlier.
+    cv::Mat1b within, beyond;
+    cv::resize(grown(ended(half, object, evidence), kHalo), within, outline.size(), 0, 0, cv::INTER_NEAREST);
+    cv::resize(grown(cv::Mat1b(object & ~half), kHalo), beyond, outline.size(), 0, 0, cv::INTER_NEAREST);
+    return cv::Mat1b((within & outline) | beyond);
   }
 
  private:
@@ -66,14 +71,33 @@ class Silhouettes {
     const std::vector<Place> places = places_of(target, band, 1);
     const auto seen = others_.colours(target, kTimes, places, places_of(target, cv::Mat1b(half->mask == 0), kLightGrid));
     const Usual usual(places, seen, band.size(), kDisplaced);
-    Evidence out{cv::Mat1b(band.size(), uchar{0}), cv::Mat1b(band.size(), uchar{0})};
+    Evidence out{cv::Mat1b(band.size(), uchar{0}), cv::Mat1b(band.size(), uchar{0}), cv::Mat1b(band.size(), uchar{0})};
+    for (const Place& place : places) out.ground(place.at) = place.on_ground ? 255 : 0;
     for (std::size_t i = 0; i < places.size(); ++i)
       if (seen[i].size() < kFewestViews)
-        out.unseen(places[i].at) = 255;
+        out.untold(places[i].at) = 255;
       else if (usual.excludes(places[i].at, half->image(places[i].at)))
         out.differs(places[i].at) = 255;
     cv::medianBlur(out.differs, out.differs, 3);
+    for (const cv::Rect& part : part_boxes(outline)) tell(part, outline, half->image, usual, out);
     return out;
+  }
+
+  // Where an object would hardly differ from its background, nothing is told.
+  static void tell(const cv::Rect& part, const cv::Mat1b& outline, const Patch& image, const Usual& usual, Evidence& evidence) {
+    std::vector<cv::Vec3f> colours;
+    for (int y = part.y; y < part.br().y; ++y)
+      for (int x = part.x; x < part.br().x; ++x)
+        if (outline(y, x) != 0 && evidence.differs(y, x) != 0) colours.push_back(image(y, x));
+    const std::size_t every = colours.size() / kColours + 1;
+    for (int y = part.y; y < part.br().y; ++y)
+      for (int x = part.x; x < part.br().x; ++x) {
+        if (outline(y, x) == 0 || evidence.differs(y, x) != 0 || evidence.untold(y, x) != 0 || evidence.ground(y, x) != 0)
+          continue;
+        std::size_t asked = 0, excluded = 0;
+        for (std::size_t i = 0; i < colours.size(); i += every, ++asked) excluded += usual.excludes({x, y}, colours[i]);
+        if (static_cast<double>(excluded) < kTelling * static_cast<double>(asked)) evidence.untold(y, x) = 255;
+      }
   }
 
   // Pixels with what stands there: the nearer of the ground and what rises from it, or else something endlessly far.
@@ -88,13 +112,13 @@ class Silhouettes {
         const auto ground = on_ground(view, world_from_camera, *ground_, {x, y});
         const double z = (*standing)(y, x) > 0 ? static_cast<double>((*standing)(y, x)) : kEndless;
         const bool on_it = ground && (view.camera_from_world * *ground).z() < z;
-        out.push_back({{x, y}, on_it ? *ground : world_from_camera * Eigen::Vector3d(z * view.camera.ray(full_size({x, y})))});
+        out.push_back(
+            {{x, y}, on_it ? *ground : world_from_camera * Eigen::Vector3d(z * view.camera.ray(full_size({x, y}))), on_it});
       }
     return out;
   }
 
-  static cv::Mat1b ended(const cv::Mat1b& outline, const Evidence& evidence) {
-    const cv::Mat1b object = joined(outline, evidence);
+  static cv::Mat1b ended(const cv::Mat1b& outline, const cv::Mat1b& object, const Evidence& evidence) {
     cv::Mat1b out(outline.size(), uchar{0});
     cv::Mat1i parts;
     const int count = connected_parts(cv::Mat1b(outline | object), parts);
@@ -110,7 +134,7 @@ class Silhouettes {
       const int notch = std::max(kLeastRim - 1, cvRound(kNotch * std::min(box.width, box.height)));
       out |= touching(seed, cv::Mat1b(grown(grown(cv::Mat1b(own | seed), notch), -notch) & part));
     }
-    return grown(out, kHalo);
+    return out;
   }
 
   // The parts of a mask that overlap another one and are no specks.
@@ -135,7 +159,7 @@ class Silhouettes {
 
   // What differs, or nobody else saw, and hangs together with the outline; beyond it nothing thin, as edges that are displaced.
   static cv::Mat1b joined(const cv::Mat1b& outline, const Evidence& evidence) {
-    const cv::Mat1b within(outline & evidence.unseen);
+    const cv::Mat1b within(outline & evidence.untold);
     const cv::Mat1b out = touching(outline, cv::Mat1b(evidence.differs | within));
     const cv::Mat1b beyond(grown(grown(cv::Mat1b(out & ~outline), -1), 1));
     return cv::Mat1b((out & outline) | beyond);
@@ -157,7 +181,7 @@ Lazy<cv::Mat1b> silhouettes(const Views& views, const Lazy<cv::Mat1f>& standing,
   // Generous outlines hide each other's background: once more with those that were found.
   Views narrower = views;
   narrower.masks = pass(views);
-  return std::getenv("ONE") ? narrower.masks : pass(narrower);
+  return pass(narrower);
 }
 
 }  // namespace dvi::traffic
