@@ -24,8 +24,9 @@ constexpr int kLeastRim = 4;      // half pixels
 constexpr int kLeastPart = 20;    // half pixels: smaller ones are noise
 constexpr double kNotch = 0.125;  // of the shorter side: objects have no deeper ones, but look like their background by chance
 constexpr std::size_t kColours = 64;  // of an object that are compared with its background
-constexpr double kTelling = 0.5;      // of these, that the background must exclude
+constexpr double kTelling = 0.75;     // of these, that the background must exclude
 constexpr int kHalo = 2;              // half pixels that lens and motion smear an object over
+constexpr int kThin = 3;              // likewise above the ground, with rails and mirrors too thin to tell
 constexpr int kLightGrid = 12;        // half pixels between the places at which light is compared
 constexpr double kEndless = 1e4;      // metres: of what no scan reached
 
@@ -62,8 +63,10 @@ class Silhouettes {
     const Evidence evidence = compare(target, half);
     const cv::Mat1b object = joined(half, evidence);
     // What lies beyond the outline has no margin yet; within it there is one, and more where it ends earlier.
+    const cv::Mat1b end = ended(half, object, evidence);
     cv::Mat1b within, beyond;
-    cv::resize(grown(ended(half, object, evidence), kHalo), within, outline.size(), 0, 0, cv::INTER_NEAREST);
+    cv::resize(cv::Mat1b(grown(end, kHalo) | (grown(end, kThin) & ~evidence.ground)), within, outline.size(), 0, 0,
+               cv::INTER_NEAREST);
     cv::resize(grown(cv::Mat1b(object & ~half), kHalo), beyond, outline.size(), 0, 0, cv::INTER_NEAREST);
     return cv::Mat1b((within & outline) | beyond);
   }
