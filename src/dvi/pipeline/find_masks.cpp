@@ -11,7 +11,7 @@
 
 #include "dvi/core/threads.h"
 #include "dvi/masks/motion.h"
-#include "dvi/pipeline/shadowed_masks.h"
+#include "dvi/pipeline/compared_masks.h"
 #include "dvi/traffic/find_traffic.h"
 
 namespace dvi::pipeline {

@@ -1,4 +1,4 @@
-#include "dvi/pipeline/shadowed_masks.h"
+#include "dvi/pipeline/compared_masks.h"
 
 #include <memory>
 #include <optional>
