@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -13,6 +14,7 @@ namespace dvi::traffic {
 namespace {
 
 constexpr double kFarthest = 60;   // metres
+constexpr double kSettled = 1e-3;  // metres
 constexpr double kDarker = 0.85;   // part of its usual brightness below which ground may be in shadow
 constexpr float kNoise = 6;        // levels: of two images' averages
 constexpr float kSpreads = 2.5F;   // times the usual spread between views
@@ -44,7 +46,8 @@ std::optional<Eigen::Vector3d> on_ground(const View& view, const SE3& world_from
     if (!height) return std::nullopt;
     const double length = (*height - world_from_camera.t.z()) / ray.z();
     if (length < 0 || length * ray.norm() > kFarthest) return std::nullopt;
-    x = world_from_camera.t + length * ray;
+    const Eigen::Vector3d before = std::exchange(x, world_from_camera.t + length * ray);
+    if ((x - before).squaredNorm() < kSettled * kSettled) break;
   }
   return x;
 }
