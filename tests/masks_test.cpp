@@ -4,7 +4,9 @@
 #include <array>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 
+#include "dvi/io/image_file.h"
 #include "program.h"
 
 namespace dvi {
@@ -59,6 +61,22 @@ TEST_F(MasksOfDrives, WhatMaskWritesRunTakes) {
   ASSERT_EQ(dvi("run drive -o found --poses given --quiet").code, 0);
   ASSERT_EQ(dvi("run drive -o given --poses given --quiet --masks masks --set masks.shadows=false").code, 0);
   EXPECT_EQ(::dvi::contents(folder / "found/masks"), ::dvi::contents(folder / "given/masks"));
+}
+
+TEST_F(MasksOfDrives, FoundMasksHoldWhatMovesAndLittleElse) {
+  const fs::path truth = small_drive("labelled", "", 12) / "masks/front";
+  unlabelled("drive");
+  ASSERT_EQ(dvi("mask drive -o masks --poses given --quiet").code, 0);
+  double both = 0, moving = 0, masked = 0;
+  for (const fs::directory_entry& file : fs::directory_iterator(truth)) {
+    const cv::Mat1b wanted = io::read_mask(file.path(), kSize);
+    const cv::Mat1b found = io::read_mask(folder / "masks/masks/front" / file.path().filename(), kSize);
+    both += cv::countNonZero(wanted & found);
+    moving += cv::countNonZero(wanted);
+    masked += cv::countNonZero(found);
+  }
+  EXPECT_GT(both / moving, 0.95);
+  EXPECT_GT(both / masked, 0.75);
 }
 
 TEST_F(MasksOfDrives, MaskOverwritesNothing) {
