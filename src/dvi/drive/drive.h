@@ -47,6 +47,8 @@ struct Drive {
   std::vector<Frame> frames;             ///< in order of time
   std::vector<ScanHeader> scan_headers;  ///< in order of time
   Sensor sensor = Sensor::lidar;
+  /// Depth images whose pixels are those of the images by definition: nothing turns the camera against the sensor.
+  bool registered_depth = false;
   Trajectory poses;  ///< world_from_lidar as given; empty where none are
   /// Factor of the given positions to metres of the drive's own place: the Mercator scale of oxts; 1 where poses are
   /// metric. Two drives share a world when their positions are brought to one scale.

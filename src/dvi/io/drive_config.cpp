@@ -79,28 +79,45 @@ std::int64_t offset_ns(const Table& table) {
   return std::llround(seconds * 1e9);
 }
 
+std::optional<cv::Size> read_size(const Table& table) {
+  const auto size = table.numbers<2>("size");
+  if (!size) return std::nullopt;
+  constexpr double kLongest = 1 << 20;
+  for (const double side : *size)
+    if (!(side >= 1 && side <= kLongest && side == std::floor(side)))
+      table.fail("size", "is not [width, height] in whole pixels");
+  if ((*size)[0] * (*size)[1] > static_cast<double>(kMostPixels))
+    table.fail("size", fmt::format("is {:.0f}x{:.0f}, more than the 2^28 pixels that dvi reads", (*size)[0], (*size)[1]));
+  return cv::Size(static_cast<int>((*size)[0]), static_cast<int>((*size)[1]));
+}
+
+std::optional<std::array<double, 9>> read_K(const Table& table) {
+  const auto K = table.numbers<9>("K");
+  if (K)
+    if (const std::string problem = camera_matrix_problem(*K); !problem.empty()) table.fail("K", problem);
+  return K;
+}
+
+std::optional<SE3> read_rigid(const Table& table, const char* key) {
+  const auto m = table.numbers<12>(key);
+  if (!m) return std::nullopt;
+  const std::optional<SE3> motion = to_rigid(*m);
+  if (!motion) table.fail(key, rotation_problem(left_part(*m)) + "; it is a 3x4 matrix, row by row, each row r r r t");
+  return motion;
+}
+
 CameraConfig read_camera(const Table& table) {
-  CameraConfig camera;
-  if (const auto size = table.numbers<2>("size")) {
-    constexpr double kLongest = 1 << 20;
-    for (const double side : *size)
-      if (!(side >= 1 && side <= kLongest && side == std::floor(side)))
-        table.fail("size", "is not [width, height] in whole pixels");
-    if ((*size)[0] * (*size)[1] > static_cast<double>(kMostPixels))
-      table.fail("size", fmt::format("is {:.0f}x{:.0f}, more than the 2^28 pixels that dvi reads", (*size)[0], (*size)[1]));
-    camera.size = cv::Size(static_cast<int>((*size)[0]), static_cast<int>((*size)[1]));
-  }
-  camera.K = table.numbers<9>("K");
-  if (camera.K)
-    if (const std::string problem = camera_matrix_problem(*camera.K); !problem.empty()) table.fail("K", problem);
-  camera.distortion = table.numbers<5>("distortion");
-  if (const auto m = table.numbers<12>("camera_from_lidar")) {
-    camera.camera_from_lidar = to_rigid(*m);
-    if (!camera.camera_from_lidar)
-      table.fail("camera_from_lidar", rotation_problem(left_part(*m)) + "; it is a 3x4 matrix, row by row, each row r r r t");
-  }
-  camera.offset_ns = offset_ns(table);
-  return camera;
+  return {read_size(table), read_K(table), table.numbers<5>("distortion"), read_rigid(table, "camera_from_lidar"),
+          offset_ns(table)};
+}
+
+DepthConfig read_depth(const Table& table) {
+  DepthConfig depth{read_K(table), table.numbers<5>("distortion"), read_rigid(table, "depth_from_color"),
+                    table.number("units_per_metre")};
+  if (depth.units_per_metre && !(*depth.units_per_metre >= 1 && *depth.units_per_metre <= 1e6))
+    table.fail("units_per_metre", "is not between 1 and 1000000, such as 1000 for millimetres");
+  if (depth.distortion && !depth.K) table.fail("distortion", "needs K: the depth images have their own camera then");
+  return depth;
 }
 
 LidarConfig read_lidar(const Table& table) {
@@ -127,7 +144,7 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
   config.file = drive / "dvi.toml";
   if (!fs::exists(config.file)) return std::nullopt;
   const toml::table root = read_toml(config.file);
-  const Table whole(config.file, "", root, {"drive", "camera", "lidar"});
+  const Table whole(config.file, "", root, {"drive", "camera", "lidar", "depth"});
   const Table head(config.file, "drive", table_of(root.get("drive")), {"version"});
   if (const auto version = head.number("version"); version && *version != kVersion)
     head.fail("version", fmt::format("is {}, and this program reads {}", *version, kVersion));
@@ -139,7 +156,18 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
   }
   config.lidar = read_lidar(Table(config.file, "lidar", table_of(root.get("lidar")),
                                   {"rate", "sensor", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s"}));
+  config.depth = read_depth(Table(config.file, "depth", table_of(root.get("depth")),
+                                  {"K", "distortion", "depth_from_color", "units_per_metre"}));
   return config;
+}
+
+void DepthConfig::apply(DepthCamera& depth) const {
+  if (K) {
+    depth.camera = Camera{.fx = (*K)[0], .fy = (*K)[4], .cx = (*K)[2], .cy = (*K)[5]};
+    if (distortion) depth.camera->distortion = *distortion;
+  }
+  if (depth_from_color) depth.depth_from_color = depth_from_color;
+  if (units_per_metre) depth.units_per_metre = *units_per_metre;
 }
 
 void CameraConfig::apply(Drive& drive) const {

@@ -8,6 +8,7 @@
 
 #include "dvi/core/files.h"
 #include "dvi/drive/drive.h"
+#include "dvi/io/depth_scan.h"
 #include "dvi/io/scan_time.h"
 
 namespace dvi::io {
@@ -36,11 +37,22 @@ struct LidarConfig {
   Rotation rotation() const { return {turn.value_or(Turn::clockwise), first_azimuth.value_or(std::numbers::pi)}; }
 };
 
+/// What the table [depth] says of the camera that took the depth images.
+struct DepthConfig {
+  std::optional<std::array<double, 9>> K;  ///< row-major
+  std::optional<std::array<double, 5>> distortion;
+  std::optional<SE3> depth_from_color;
+  std::optional<double> units_per_metre;
+
+  void apply(DepthCamera& depth) const;
+};
+
 /// A drive's dvi.toml: calibration and clocks. `folder` is made of it; in a drive of any other format it overrides.
 struct DriveConfig {
   fs::path file;
   std::map<std::string, CameraConfig> cameras;
   LidarConfig lidar;
+  DepthConfig depth;
 
   /// What is said of a camera; nothing, if it is not there.
   CameraConfig camera(const std::string& name) const;

@@ -193,13 +193,21 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
   const std::vector<fs::path> images = images_of(path, drive.camera_name);
   std::vector<fs::path> scans = list_files(path / "lidar", {".bin", ".ply", ".pcd"});
   const bool depth = scans.empty();
-  if (depth) drive.sensor = Sensor::depth_camera;
   if (depth) scans = list_files(path / "depth" / drive.camera_name, {".png"});
   const std::int64_t period = std::llround(1e9 / config.lidar.rate);
   const Clocks clocks = read_clocks(drive, names_of(images), names_of(scans), config.lidar.rate);
   drive.frames = make_frames(images, clocks);
   drive.scan_headers = make_scan_headers(scans, clocks, depth ? 0 : period, config.lidar.stamp);
   set_camera(drive, config, depth);
+  if (depth) {
+    DepthCamera camera;
+    config.depth.apply(camera);
+    recording.read_scan = attach_depth_camera(drive, camera);
+  } else {
+    recording.read_scan = [rotation = config.lidar.rotation()](const ScanHeader& header) {
+      return to_scan(read_point_cloud(header.file), header, rotation);
+    };
+  }
   config.lidar.apply(drive);
   match_masks(drive, {path / "masks" / drive.camera_name});
   if (const fs::path poses = path / "poses.txt"; fs::exists(poses)) {
@@ -208,13 +216,6 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
   }
   recording.gaps = find_gaps(drive, period);
   if (const fs::path boxes = path / "boxes.json"; fs::exists(boxes)) recording.gaps.push_back(add_labels(drive, boxes));
-  if (depth) {
-    recording.read_scan = DepthScan{drive.camera, drive.camera_from_lidar.inverse()};
-  } else {
-    recording.read_scan = [rotation = config.lidar.rotation()](const ScanHeader& header) {
-      return to_scan(read_point_cloud(header.file), header, rotation);
-    };
-  }
   return recording;
 }
 

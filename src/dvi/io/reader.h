@@ -44,6 +44,9 @@ struct DriveFormat {
 DriveFormat folder_format();
 DriveFormat kitti_raw_format();
 DriveFormat apolloscape_format();
+DriveFormat seven_scenes_format();
+DriveFormat tum_rgbd_format();
+DriveFormat scannet_format();
 
 /// All formats; a new reader is one file and one line here.
 const std::vector<DriveFormat>& drive_formats();

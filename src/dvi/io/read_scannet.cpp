@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <map>
+
+#include "dvi/core/error.h"
+#include "dvi/io/mask_folder.h"
+#include "dvi/io/rgbd.h"
+#include "dvi/io/text.h"
+
+namespace dvi::io {
+namespace {
+
+// Files N.ENDING by their number, which has no leading zeros.
+std::map<int, fs::path> files_by_number(const fs::path& folder, const std::vector<std::string>& endings) {
+  std::map<int, fs::path> out;
+  for (const fs::path& file : list_files(folder, endings)) {
+    const auto number = to_integer(file.stem().string());
+    if (!number || *number < 0) throw InputError(file, "is not named by its number", "files are named 0.jpg, 1.jpg, ...");
+    if (!out.emplace(*number, file).second)
+      throw InputError(file, "has the number of " + out.at(*number).string(), "remove one of them");
+  }
+  return out;
+}
+
+Camera read_intrinsic(const fs::path& path, const char* name, Drive& drive) {
+  const fs::path file = path / "intrinsic" / name;
+  if (!fs::exists(file)) throw InputError(file, "is missing", "SensReader writes it with --export_intrinsics");
+  const auto K = read_matrix(file);
+  if (!K) throw InputError(file, "holds numbers that are not finite");
+  drive.other_files.push_back(file);
+  return {.fx = (*K)[0], .fy = (*K)[5], .cx = (*K)[2], .cy = (*K)[6]};
+}
+
+// Rig from camera; the identity where the file is not there.
+SE3 read_extrinsic(const fs::path& path, const char* name, Drive& drive) {
+  const fs::path file = path / "intrinsic" / name;
+  if (!fs::exists(file)) return {};
+  const auto pose = read_pose_matrix(file);
+  if (!pose) throw InputError(file, "holds numbers that are not finite");
+  drive.other_files.push_back(file);
+  return *pose;
+}
+
+// Of another size than the images, but of the same place where the recording was calibrated: then both are the identity.
+DepthCamera read_depth_camera_of(const fs::path& path, Drive& drive) {
+  DepthCamera depth{.camera = read_intrinsic(path, "intrinsic_depth.txt", drive)};
+  const SE3 rig_from_color = read_extrinsic(path, "extrinsic_color.txt", drive);
+  const SE3 depth_from_color = read_extrinsic(path, "extrinsic_depth.txt", drive).inverse() * rig_from_color;
+  constexpr double kNone = 1e-6;
+  if (depth_from_color.t.norm() > kNone || so3_log(depth_from_color.R).norm() > kNone)
+    depth.depth_from_color = depth_from_color;
+  return depth;
+}
+
+Recording read_scannet(const fs::path& path, const ReadOptions& options) {
+  Recording recording;
+  Drive& drive = recording.drive;
+  drive.path = path;
+  name_camera(drive, options.camera, "color");
+  for (const auto& [number, file] : files_by_number(path / "color", {".jpg", ".png"}))
+    drive.frames.push_back({number, file.stem().string(), frame_time(number), file, {}});
+  for (const auto& [number, file] : files_by_number(path / "depth", {".png"}))
+    drive.scan_headers.push_back({file.stem().string(), frame_time(number), frame_time(number), frame_time(number), file});
+  std::vector<StampedPose> poses;
+  for (const auto& [number, file] : files_by_number(path / "pose", {".txt"})) {
+    drive.other_files.push_back(file);
+    if (const auto world_from_depth = read_pose_matrix(file))
+      poses.push_back({frame_time(number), *world_from_depth * camera_from_level()});
+  }
+  drive.poses = Trajectory(std::move(poses));
+  match_masks(drive, {path / "masks"});
+  recording.gaps = {frames_without_depth(drive, 0)};
+  drive.camera = read_intrinsic(path, "intrinsic_color.txt", drive);
+  set_rgbd_cameras(recording, read_depth_camera_of(path, drive), PosedCamera::depth);
+  return recording;
+}
+
+bool recognise_scannet(const fs::path& path) {
+  return fs::is_directory(path / "color") && fs::is_directory(path / "depth") && fs::is_directory(path / "intrinsic");
+}
+
+}  // namespace
+
+DriveFormat scannet_format() {
+  return {"scannet", "color/N.jpg, depth/N.png, pose/N.txt and intrinsic/ beside each other, as SensReader exports them",
+          recognise_scannet, read_scannet};
+}
+
+}  // namespace dvi::io

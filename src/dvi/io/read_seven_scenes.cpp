@@ -1,0 +1,79 @@
+#include <algorithm>
+
+#include "dvi/core/error.h"
+#include "dvi/io/mask_folder.h"
+#include "dvi/io/rgbd.h"
+#include "dvi/io/text.h"
+
+namespace dvi::io {
+namespace {
+
+struct NumberedFile {
+  int number = 0;
+  std::string name;  // "frame-000012"
+  fs::path file;
+};
+
+// Files "frame-N.color.png" and the like.
+std::vector<NumberedFile> files_of_kind(const fs::path& path, const std::string& kind, const std::vector<std::string>& endings) {
+  std::vector<NumberedFile> out;
+  for (const fs::path& file : list_files(path, endings)) {
+    const std::string stem = file.stem().string();
+    if (!stem.starts_with("frame-") || !stem.ends_with("." + kind)) continue;
+    const std::string name = stem.substr(0, stem.size() - kind.size() - 1);
+    if (const auto number = to_integer(name.substr(name.find('-') + 1))) out.push_back({*number, name, file});
+  }
+  std::sort(out.begin(), out.end(), [](const NumberedFile& a, const NumberedFile& b) { return a.number < b.number; });
+  return out;
+}
+
+// The camera of the depth images, whose poses these are. The sensors were not calibrated; the authors give this one.
+Camera read_depth_camera(const fs::path& path, Drive& drive) {
+  Camera camera{.fx = 585, .fy = 585, .cx = 320, .cy = 240};
+  if (const fs::path file = path / "camera-intrinsics.txt"; fs::exists(file)) {
+    const std::vector<TextLine> lines = read_text_lines(file);
+    if (lines.size() != 3) throw InputError(file, "has " + std::to_string(lines.size()) + " lines instead of 3");
+    const auto first = lines[0].numbers<3>(0), second = lines[1].numbers<3>(0);
+    camera.fx = first[0], camera.cx = first[2], camera.fy = second[1], camera.cy = second[2];
+    drive.other_files.push_back(file);
+  }
+  return camera;
+}
+
+Recording read_seven_scenes(const fs::path& path, const ReadOptions& options) {
+  Recording recording;
+  Drive& drive = recording.drive;
+  drive.path = path;
+  name_camera(drive, options.camera, "color");
+  for (const NumberedFile& image : files_of_kind(path, "color", {".png", ".jpg"}))
+    drive.frames.push_back({image.number, image.name, frame_time(image.number), image.file, {}});
+  for (const NumberedFile& depth : files_of_kind(path, "depth", {".png"})) {
+    const std::int64_t time = frame_time(depth.number);
+    drive.scan_headers.push_back({depth.name, time, time, time, depth.file});
+  }
+  std::vector<StampedPose> poses;
+  for (const NumberedFile& pose : files_of_kind(path, "pose", {".txt"})) {
+    drive.other_files.push_back(pose.file);
+    if (const auto world_from_depth = read_pose_matrix(pose.file))
+      poses.push_back({frame_time(pose.number), *world_from_depth * camera_from_level()});
+  }
+  drive.poses = Trajectory(std::move(poses));
+  match_masks(drive, {path / "masks"});
+  recording.gaps = {missing_numbers(drive), frames_without_depth(drive, 0)};
+  drive.camera = read_depth_camera(path, drive);
+  set_rgbd_cameras(recording, {.camera = drive.camera}, PosedCamera::depth);
+  return recording;
+}
+
+bool recognise_seven_scenes(const fs::path& path) {
+  return !files_of_kind(path, "color", {".png", ".jpg"}).empty() && !files_of_kind(path, "depth", {".png"}).empty();
+}
+
+}  // namespace
+
+DriveFormat seven_scenes_format() {
+  return {"7-scenes", "frame-N.color.png, frame-N.depth.png and frame-N.pose.txt in one folder", recognise_seven_scenes,
+          read_seven_scenes};
+}
+
+}  // namespace dvi::io

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dvi/io/depth_scan.h"
+#include "dvi/io/drive_config.h"
+#include "dvi/io/reader.h"
+
+namespace dvi::io {
+
+/// What the layouts of handheld RGB-D recordings have in common. Their scans are in axes x forward, y left, z up at the place
+/// of the camera that their poses are of.
+SE3 camera_from_level();
+
+/// When a frame was taken that is known by its number only: 30 are taken a second.
+std::int64_t frame_time(int number);
+
+/// The one camera of the layout, which --camera may name.
+void name_camera(Drive& drive, const std::string& wanted, const char* name);
+
+/// Whose poses a layout gives.
+enum class PosedCamera { color, depth };
+
+/// Overrides the cameras by the drive's dvi.toml, if there is one; then sets camera_from_lidar, the sensor, and what reads its
+/// scans. `drive.camera` is set, but for its size.
+void set_rgbd_cameras(Recording& recording, DepthCamera depth, PosedCamera posed);
+
+/// A 4x4 matrix in a text file of its own; none where its numbers are not finite, as tracking writes them where it was lost.
+/// InputError where the file holds something else.
+std::optional<std::array<double, 16>> read_matrix(const fs::path& file);
+
+/// The motion that a 4x4 matrix is; none where it was lost. InputError where it is none.
+std::optional<SE3> read_pose_matrix(const fs::path& file);
+
+/// Frames without a depth image within `within_ns` of their time.
+Gap frames_without_depth(const Drive& drive, std::int64_t within_ns);
+
+/// Numbers missing between the first frame and the last, if their names count every image.
+Gap missing_numbers(Drive& drive);
+
+}  // namespace dvi::io
