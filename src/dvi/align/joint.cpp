@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "dvi/align/joint_solve.h"
 #include "dvi/align/pair_store.h"
 #include "dvi/align/sight.h"
+#include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 
 namespace dvi::align {
@@ -25,7 +27,9 @@ constexpr double kNoise = 2;          // standard errors by which held-out point
 // Of the expected rotations: poses that are good already are better not believed to be off by as much as others.
 constexpr std::array<double, 3> kParts{0.1, 0.3, 1};
 constexpr double kMisplacedPx = 0.6;
-constexpr double kHardlyMoves = 0.5;  // metres
+// Metres, and part of the depth of what is seen: over less, a rotation common to all frames displaces their colours against
+// each other by too little to be told.
+constexpr double kHardlyMoves = 0.5, kHardlyMovesOfDepth = 0.05;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
@@ -228,16 +232,24 @@ Expected expected_errors(const AlignOptions& options, const Camera& camera, doub
           .common = common};
 }
 
+// Median depth of what a view sees of the map; infinite where it sees nothing.
+double depth_of(const std::vector<map::VisiblePoint>& points) {
+  std::vector<float> z;
+  for (const map::VisiblePoint& point : points) z.push_back(point.z);
+  return z.empty() ? std::numeric_limits<double>::infinity() : median(z);
+}
+
 // Whether surfaces come nearer, or pass by, so that a rotation common to all frames shows.
-bool moves(const Views& views, std::size_t first, std::size_t last) {
+bool moves(const DriveViews& drive) {
+  const auto place = [&](std::size_t i) { return drive.views[i].camera_from_world.inverse().t; };
   double most = 0;  // metres from the first place to the farthest
-  for (std::size_t i = first; i < last; ++i)
-    most = std::max(most, (views[i].camera_from_world.inverse().t - views[first].camera_from_world.inverse().t).norm());
-  return most >= kHardlyMoves;
+  for (std::size_t i = drive.first; i < drive.last; ++i) most = std::max(most, (place(i) - place(drive.first)).norm());
+  return most >= kHardlyMoves || most >= kHardlyMovesOfDepth * depth_of(*drive.map.points[drive.first]);
 }
 
 // What could not be aligned, in words.
-void warn(const Views& views, std::size_t first, std::size_t last, Cameras& out) {
+void warn(const DriveViews& aligned, Cameras& out) {
+  const auto& [views, map, first, last] = aligned;
   const std::string drive = fmt::format("align: drive {}: ", views[first].drive);
   std::vector<double> offsets;
   for (std::size_t i = first; i < last; ++i)
@@ -257,7 +269,7 @@ void warn(const Views& views, std::size_t first, std::size_t last, Cameras& out)
         fmt::format("{}colours stay misplaced by {:.1f} px in the median; check camera_from_lidar, the poses, and that camera "
                     "and LiDAR share one clock",
                     drive, offset));
-  if (!moves(views, first, last))
+  if (!views[first].registered_depth && !moves(aligned))
     out.warnings.push_back(
         drive + "the camera hardly moves; a rotation common to all its frames cannot be estimated and is assumed to be none");
 }
@@ -269,7 +281,7 @@ void align_jointly(const DriveViews& drive, const AlignOptions& options, const T
   const std::size_t first = drive.first, last = drive.last;
   Chain chain(drive, options);
   const Corrections given(last - first);
-  const auto expected = [&, common = moves(views, first, last)](double part) {
+  const auto expected = [&, common = !views[first].registered_depth && moves(drive)](double part) {
     return expected_errors(options, views[first].camera, part, common);
   };
   const Corrections coarse = solve(chain.find_pairs(tick), given, expected(1));
@@ -290,7 +302,7 @@ void align_jointly(const DriveViews& drive, const AlignOptions& options, const T
     out.views[first + i] = {chosen.rotations[i], checks[i].offset_px[0], checks[i].offset_px[best], checks[i].points};
     out.camera_from_world[first + i] = poses[best][i];
   }
-  warn(views, first, last, out);
+  warn(drive, out);
 }
 
 }  // namespace dvi::align

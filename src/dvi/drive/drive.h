@@ -75,9 +75,11 @@ struct Drive {
     for (const Frame& frame : frames) out.push_back(frame.labels);
     return out;
   }
-  /// Metres below which returns are left out, unless the user says otherwise. A LiDAR on a car measures the car itself; a depth
-  /// camera sees nothing of its bearer, and measures no nearer.
+  /// Metres below and beyond which returns are left out, unless the user says otherwise. A LiDAR on a car measures the car
+  /// itself; a depth camera sees nothing of its bearer, and measures no nearer. The noise of a depth camera grows with the
+  /// square of the depth, to decimetres at 10 m.
   double least_range_m() const { return sensor == Sensor::depth_camera ? 0.1 : 2; }
+  double most_range_m() const { return sensor == Sensor::depth_camera ? 10 : 120; }
   bool labelled = false;  ///< the drive came with labels, be they empty
 };
 

@@ -24,6 +24,7 @@ struct View {
   Camera camera;
   SE3 camera_from_world;
   cv::Vec3f gain{1, 1, 1};  ///< BGR; its colours times this are in the light common to all views
+  bool registered_depth = false;  ///< its drive's: nothing turns the camera against the sensor that made the map
 };
 
 /// What brings the colours of one view (by its gain) into the light of another.

@@ -27,7 +27,19 @@ std::vector<NumberedFile> files_of_kind(const fs::path& path, const std::string&
   return out;
 }
 
-// The camera of the depth images, whose poses these are. The sensors were not calibrated; the authors give this one.
+// The depth camera that the authors give. They did not calibrate the colour camera, nor register the depth to it: as usual with
+// these recordings, it is taken as the nominal one of the first Kinect, mounted as measured on another one
+// (https://projet.liris.cnrs.fr/voir/activities-dataset/kinect-calibration.html).
+constexpr Camera kKinectColor{.fx = 525, .fy = 525, .cx = 320, .cy = 240};
+
+SE3 color_from_kinect_depth() {
+  const Eigen::Matrix3d R = (Eigen::Matrix3d() << 0.999965, 0.0026765, -0.0079041,  //
+                             -0.0027409, 0.999963, -0.0081505,                      //
+                             0.0078820, 0.0081718, 0.9999355)
+                                .finished();
+  return {nearest_rotation(R), {-0.025559, 0.000101, 0.002032}};
+}
+
 Camera read_depth_camera(const fs::path& path, Drive& drive) {
   Camera camera{.fx = 585, .fy = 585, .cx = 320, .cy = 240};
   if (const fs::path file = path / "camera-intrinsics.txt"; fs::exists(file)) {
@@ -60,8 +72,10 @@ Recording read_seven_scenes(const fs::path& path, const ReadOptions& options) {
   drive.poses = Trajectory(std::move(poses));
   match_masks(drive, {path / "masks"});
   recording.gaps = {missing_numbers(drive), frames_without_depth(drive, 0)};
-  drive.camera = read_depth_camera(path, drive);
-  set_rgbd_cameras(recording, {.camera = drive.camera}, PosedCamera::depth);
+  drive.camera = kKinectColor;
+  set_rgbd_cameras(recording,
+                   {.camera = read_depth_camera(path, drive), .depth_from_color = color_from_kinect_depth().inverse()},
+                   PosedCamera::depth);
   return recording;
 }
 

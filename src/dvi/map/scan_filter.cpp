@@ -47,9 +47,10 @@ class Filter {
     const std::optional<NearestFrame> nearest = nearest_frame(header, input_);
     const std::shared_ptr<const cv::Mat1b> mask = nearest ? input_.masks[nearest->frame] : nullptr;
     const double nearest_m = options_.min_range_m.value_or(input_.drive->least_range_m());
+    const double farthest_m = options_.max_range_m.value_or(input_.drive->most_range_m());
     for (std::size_t i = 0; i < world.size(); ++i) {
       const float range = scan->points[i].norm();
-      if (range < nearest_m || range > options_.max_range_m)
+      if (range < nearest_m || range > farthest_m)
         ++out.counts.too_near;
       else if (nearest && boxed(*nearest, world[i]))
         drop(world[i], Cause::boxed, out.counts.boxed, out);

@@ -157,7 +157,7 @@ class LoopFinder {
  private:
   ScanFeatures features(std::size_t i) const {
     const std::shared_ptr<const Scan> scan = drive_.scans[course_.scan_index[i]];
-    return scan_features(drive_, *scan, find_rings(*scan), options_);
+    return scan_features(drive_, *scan, rings_of(drive_, *scan), options_);
   }
 
   /// The scene in the axes of pose i, from scans before and after it but from long before pose `later`, without its own.

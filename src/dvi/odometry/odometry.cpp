@@ -208,7 +208,7 @@ class Runner {
       return std::nullopt;
     }
     before_ns_ = header.time_ns;
-    const Rings rings = find_rings(*scan);
+    const Rings rings = rings_of(drive_, *scan);
     if (out_.rings.empty()) note_rings(rings, *scan);
     Entry entry;
     entry.scan_index = i;
@@ -345,8 +345,9 @@ class Runner {
 }  // namespace
 
 Odometry odometry(const Drive& drive, const OdometryOptions& options, const Trajectory& given, const BeginPart& begin) {
-  Odometry found = Runner(drive, options, given, begin("odometry", drive.scan_headers.size()))();
-  if (options.loops) close_loops(drive, options, found, begin("loops", found.world_from_lidar.poses().size()));
+  const OdometryOptions suited = for_sensor(options, drive);
+  Odometry found = Runner(drive, suited, given, begin("odometry", drive.scan_headers.size()))();
+  if (suited.loops) close_loops(drive, suited, found, begin("loops", found.world_from_lidar.poses().size()));
   return found;
 }
 

@@ -12,7 +12,7 @@ namespace dvi::odometry {
 
 struct OdometryOptions {
   std::optional<double> min_range_m;  ///< of the scan; none: Drive::least_range_m()
-  double max_range_m = 120;           ///< features are taken from somewhat less than both, see scan_features()
+  std::optional<double> max_range_m;  ///< none: Drive::most_range_m(); features come from somewhat less than both
   double spacing_m = 0.2;
   double cell_m = 0.6;
   double voxel_m = 0.5;

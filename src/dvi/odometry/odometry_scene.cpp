@@ -1,15 +1,36 @@
 #include "dvi/odometry/odometry_scene.h"
 
+#include <limits>
+
 namespace dvi::odometry {
 namespace {
 
 // Of the scan's range: features next to the recording car may be its own edges, far ones are too sparse to tell planes.
 constexpr double kNear = 1.25, kFar = 0.75;
+// Of the lengths for streets: 3, 6 and 10 cm; 1 cm of noise.
+constexpr double kRoomSpacing = 0.15, kRoomCell = 0.1, kRoomVoxel = 0.2, kRoomNoise = 0.33;
 constexpr double kLargeVoxel = 3, kEdgeVoxel = 1.6;  // of the small voxel
 
 }  // namespace
 
-double feature_range(const OdometryOptions& options) { return kFar * options.max_range_m; }
+OdometryOptions for_sensor(OdometryOptions options, const Drive& drive) {
+  options.max_range_m = options.max_range_m.value_or(drive.most_range_m());
+  if (drive.sensor != Sensor::depth_camera) return options;
+  options.spacing_m *= kRoomSpacing;
+  options.cell_m *= kRoomCell;
+  options.voxel_m *= kRoomVoxel;
+  options.noise_m *= kRoomNoise;
+  options.kernel_m *= kRoomNoise;
+  return options;
+}
+
+Rings rings_of(const Drive& drive, const Scan& scan) {
+  return drive.sensor == Sensor::depth_camera ? Rings{} : find_rings(scan);
+}
+
+double feature_range(const OdometryOptions& options) {
+  return kFar * options.max_range_m.value_or(std::numeric_limits<double>::infinity());
+}
 
 ScanFeatures scan_features(const Drive& drive, const Scan& scan, const Rings& rings, const OdometryOptions& options) {
   const double nearest = kNear * options.min_range_m.value_or(drive.least_range_m());

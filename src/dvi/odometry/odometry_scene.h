@@ -10,6 +10,13 @@ struct ScanFeatures {
   Features dense, sparse;  ///< for the map, and for registering
 };
 
+/// The range of the drive's sensor, where the user gives none, and lengths that suit it: the options hold those of streets. What
+/// a depth camera sees is nearer and denser, its surfaces are smaller.
+OdometryOptions for_sensor(OdometryOptions options, const Drive& drive);
+
+/// The beams of a scan of the drive; none of a depth image.
+Rings rings_of(const Drive& drive, const Scan& scan);
+
 /// Distance in metres up to which features are taken from a scan.
 double feature_range(const OdometryOptions& options);
 

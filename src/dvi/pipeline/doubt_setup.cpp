@@ -1,6 +1,7 @@
 #include "dvi/pipeline/doubt_setup.h"
 
 #include "dvi/plausibility/camera_doubts.h"
+#include "dvi/plausibility/fast_motion.h"
 #include "dvi/plausibility/flow_pairs.h"
 #include "dvi/plausibility/label_doubts.h"
 
@@ -10,7 +11,9 @@ namespace {
 std::vector<std::string> doubts_of(const Drive& drive, const DrivePoses& poses, const DriveMasks& masks) {
   const plausibility::FlowPairs pairs = plausibility::flow_pairs(drive, poses.choice.tracks, masks.images);
   std::vector<std::string> doubts = plausibility::camera_doubts(pairs, drive.camera_from_lidar);
-  return doubts.empty() ? plausibility::label_doubts(drive) : doubts;
+  if (doubts.empty()) doubts = plausibility::label_doubts(drive);
+  for (const std::string& fast : plausibility::fast_motion(drive, poses.world_from_lidar)) doubts.push_back(fast);
+  return doubts;
 }
 
 }  // namespace

@@ -33,7 +33,8 @@ void Options::describe_lidar(OptionTable& table) {
   table.add_automatic(
       "min_range_m", {&map.min_range_m, &odometry.min_range_m}, {0, 20},
       "Nearer returns are left out, such as the recording car; auto: 2 m for a LiDAR, 0.1 m for a depth camera.");
-  table.add("max_range_m", {&map.max_range_m, &odometry.max_range_m}, {1, 500}, "Farther returns are left out.");
+  table.add_automatic("max_range_m", {&map.max_range_m, &odometry.max_range_m}, {1, 500},
+                      "Farther returns are left out; auto: 120 m for a LiDAR, 10 m for a depth camera.");
 }
 
 void Options::check() const {
@@ -54,8 +55,8 @@ void Options::check() const {
   OptionTable lidar;
   copy.describe_lidar(lidar);
   lidar.check();
-  if (map.min_range_m && map.max_range_m <= *map.min_range_m)
-    throw UsageError(fmt::format("option lidar.max_range_m = {}: must be greater than lidar.min_range_m = {}", map.max_range_m,
+  if (map.min_range_m && map.max_range_m && *map.max_range_m <= *map.min_range_m)
+    throw UsageError(fmt::format("option lidar.max_range_m = {}: must be greater than lidar.min_range_m = {}", *map.max_range_m,
                                  *map.min_range_m));
 }
 

@@ -24,7 +24,9 @@ std::optional<View> posed_view(const Drive& drive, int number, std::size_t frame
   const std::int64_t time = drive.frames[frame].time_ns;
   const std::optional<SE3> pose = world_from_lidar.at(time);
   if (!pose) return std::nullopt;
-  return View{number, frame, time, drive.camera, drive.camera_from_lidar * pose->inverse()};
+  View view{number, frame, time, drive.camera, drive.camera_from_lidar * pose->inverse()};
+  view.registered_depth = drive.registered_depth;
+  return view;
 }
 
 Views make_views(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress) {

@@ -78,7 +78,7 @@ struct UsedRange {
 };
 
 UsedRange used_range(const Drive& drive, const map::MapOptions& options) {
-  return {options.min_range_m.value_or(drive.least_range_m()), options.max_range_m};
+  return {options.min_range_m.value_or(drive.least_range_m()), options.max_range_m.value_or(drive.most_range_m())};
 }
 
 struct Returns {
