@@ -18,7 +18,8 @@ TEST_F(CommandLine, SaysWhatItIs) {
   EXPECT_EQ(dvi("--help").code, 0);
   EXPECT_EQ(dvi("run --help").code, 0);
   const std::string formats = dvi("formats").out;
-  for (const char* format : {"folder", "kitti-raw", "apolloscape", "7-scenes", "tum-rgbd", "scannet"}) EXPECT_THAT(formats, HasSubstr(format));
+  for (const char* format : {"folder", "kitti-raw", "apolloscape", "7-scenes", "tum-rgbd", "scannet"})
+    EXPECT_THAT(formats, HasSubstr(format));
 }
 
 TEST_F(CommandLine, UsageErrorsEndInTwo) {

@@ -23,7 +23,7 @@ struct View {
   std::int64_t time_ns = 0;
   Camera camera;
   SE3 camera_from_world;
-  cv::Vec3f gain{1, 1, 1};  ///< BGR; its colours times this are in the light common to all views
+  cv::Vec3f gain{1, 1, 1};        ///< BGR; its colours times this are in the light common to all views
   bool registered_depth = false;  ///< its drive's: nothing turns the camera against the sensor that made the map
 };
 

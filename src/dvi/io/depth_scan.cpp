@@ -58,12 +58,12 @@ void require_depths(const cv::Mat1w& depth, double metre, const fs::path& file) 
     if (is_depth(value)) least = std::min(least, value), most = std::max(most, value);
   if (most == 0) throw InputError(file, "holds no depth", "remove the file; dvi bridges a missing one");
   if (most * metre >= kNearest && least * metre <= kFarthest) return;
-  throw InputError(
-      file,
-      fmt::format("holds values from {} to {}, which would be {:.3g} to {:.3g} m at {:g} units per metre", least, most,
-                  least * metre, most * metre, 1 / metre),
-      most * metre < kNearest ? "depth images are in millimetres; are these in metres? Give [depth] units_per_metre in dvi.toml"
-                              : "give [depth] units_per_metre in dvi.toml");
+  throw InputError(file,
+                   fmt::format("holds values from {} to {}, which would be {:.3g} to {:.3g} m at {:g} units per metre", least,
+                               most, least * metre, most * metre, 1 / metre),
+                   most * metre < kNearest
+                       ? "depth images are in millimetres; are these in metres? Give [depth] units_per_metre in dvi.toml"
+                       : "give [depth] units_per_metre in dvi.toml");
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace dvi::io {
 /// The camera that took depth images, and what their values mean: 16-bit PNG, depth along the optical axis; 0 and 65535 are no
 /// depth.
 struct DepthCamera {
-  std::optional<Camera> camera = {};        ///< none: its pixels are those of the colour images
+  std::optional<Camera> camera = {};         ///< none: its pixels are those of the colour images
   std::optional<SE3> depth_from_color = {};  ///< none: registered, it measures from the place of the colour camera
   double units_per_metre = 1000;
 };

@@ -156,8 +156,8 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
   }
   config.lidar = read_lidar(Table(config.file, "lidar", table_of(root.get("lidar")),
                                   {"rate", "sensor", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s"}));
-  config.depth = read_depth(Table(config.file, "depth", table_of(root.get("depth")),
-                                  {"K", "distortion", "depth_from_color", "units_per_metre"}));
+  config.depth = read_depth(
+      Table(config.file, "depth", table_of(root.get("depth")), {"K", "distortion", "depth_from_color", "units_per_metre"}));
   return config;
 }
 

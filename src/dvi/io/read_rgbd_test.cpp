@@ -91,8 +91,8 @@ TEST_F(SevenScenes, KeepsASlopingFloor) {
 
 TEST_F(SevenScenes, RefusesDepthThatCannotBe) {
   folder.write_image("frame-000008.depth.png", wall(640, 480, 2));
-  EXPECT_THAT(error_of(folder), AllOf(HasSubstr("frame-000008.depth.png"), HasSubstr("0.002 to 0.002 m"), HasSubstr("in metres?"),
-                                      HasSubstr("units_per_metre")));
+  EXPECT_THAT(error_of(folder), AllOf(HasSubstr("frame-000008.depth.png"), HasSubstr("0.002 to 0.002 m"),
+                                      HasSubstr("in metres?"), HasSubstr("units_per_metre")));
   folder.write_image("frame-000008.depth.png", wall(640, 480, 65535));
   EXPECT_THAT(error_of(folder), HasSubstr("holds no depth"));
   folder.write_image("frame-000007.depth.png", wall(320, 240, 2000));
@@ -159,8 +159,9 @@ class Scannet : public testing::Test {
       const std::string name = std::to_string(number);
       folder.write_image("color/" + name + ".jpg", cv::Mat3b(96, 128, cv::Vec3b(5, 5, 5)));
       folder.write_image("depth/" + name + ".png", wall(64, 48, 2000));
-      folder.write("pose/" + name + ".txt", number == 9 ? kIdentity : "-inf -inf -inf -inf\n-inf -inf -inf -inf\n"
-                                                                      "-inf -inf -inf -inf\n-inf -inf -inf -inf\n");
+      folder.write("pose/" + name + ".txt", number == 9 ? kIdentity
+                                                        : "-inf -inf -inf -inf\n-inf -inf -inf -inf\n"
+                                                          "-inf -inf -inf -inf\n-inf -inf -inf -inf\n");
     }
     folder.write("intrinsic/intrinsic_color.txt", "100 0 64 0\n0 100 48 0\n0 0 1 0\n0 0 0 1\n");
     folder.write("intrinsic/intrinsic_depth.txt", "50 0 32 0\n0 50 24 0\n0 0 1 0\n0 0 0 1\n");

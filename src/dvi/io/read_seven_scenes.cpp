@@ -15,7 +15,8 @@ struct NumberedFile {
 };
 
 // Files "frame-N.color.png" and the like.
-std::vector<NumberedFile> files_of_kind(const fs::path& path, const std::string& kind, const std::vector<std::string>& endings) {
+std::vector<NumberedFile> files_of_kind(const fs::path& path, const std::string& kind,
+                                        const std::vector<std::string>& endings) {
   std::vector<NumberedFile> out;
   for (const fs::path& file : list_files(path, endings)) {
     const std::string stem = file.stem().string();

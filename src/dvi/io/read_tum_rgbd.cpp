@@ -39,8 +39,9 @@ Camera camera_of(const Drive& drive, std::vector<std::string>& warnings) {
   const std::string name = lower_case(drive.path.filename().string());
   if (name.find("freiburg3") != std::string::npos) return {.fx = 535.4, .fy = 539.2, .cx = 320.1, .cy = 247.6};
   if (name.find("freiburg") == std::string::npos && !fs::exists(drive.path / "dvi.toml"))
-    warnings.emplace_back("nothing tells its camera: fx = fy = 525, cx = 319.5, cy = 239.5 are assumed; [camera.rgb] K in dvi.toml "
-                          "says better");
+    warnings.emplace_back(
+        "nothing tells its camera: fx = fy = 525, cx = 319.5, cy = 239.5 are assumed; [camera.rgb] K in dvi.toml "
+        "says better");
   return {.fx = 525, .fy = 525, .cx = 319.5, .cy = 239.5};
 }
 

@@ -107,9 +107,8 @@ void attach_lazy_readers(Recording& recording) {
 }  // namespace
 
 const std::vector<DriveFormat>& drive_formats() {
-  static const std::vector<DriveFormat> formats = {kitti_raw_format(), apolloscape_format(),
-                                                   seven_scenes_format(), tum_rgbd_format(),
-                                                   scannet_format(), folder_format()};
+  static const std::vector<DriveFormat> formats = {kitti_raw_format(), apolloscape_format(), seven_scenes_format(),
+                                                   tum_rgbd_format(),  scannet_format(),     folder_format()};
   return formats;
 }
 

@@ -78,9 +78,8 @@ std::optional<SE3> read_pose_matrix(const fs::path& file) {
 Gap frames_without_depth(const Drive& drive, std::int64_t within_ns) {
   Gap gap{"no depth image for frames", {}};
   for (const Frame& frame : drive.frames)
-    if (std::none_of(drive.scan_headers.begin(), drive.scan_headers.end(), [&](const ScanHeader& header) {
-          return std::abs(header.time_ns - frame.time_ns) <= within_ns;
-        }))
+    if (std::none_of(drive.scan_headers.begin(), drive.scan_headers.end(),
+                     [&](const ScanHeader& header) { return std::abs(header.time_ns - frame.time_ns) <= within_ns; }))
       gap.frames.push_back(frame.number);
   return gap;
 }

@@ -10,8 +10,8 @@ struct ScanFeatures {
   Features dense, sparse;  ///< for the map, and for registering
 };
 
-/// The range of the drive's sensor, where the user gives none, and lengths that suit it: the options hold those of streets. What
-/// a depth camera sees is nearer and denser, its surfaces are smaller.
+/// The range of the drive's sensor, where the user gives none, and lengths that suit it: the options hold those of streets.
+/// What a depth camera sees is nearer and denser, its surfaces are smaller.
 OdometryOptions for_sensor(OdometryOptions options, const Drive& drive);
 
 /// The beams of a scan of the drive; none of a depth image.

@@ -32,9 +32,10 @@ std::vector<std::string> fast_motion(const Drive& drive, const Trajectory& world
     most_px = std::max(most_px, px);
   }
   if (fast.empty()) return {};
-  return {fmt::format("the camera turns fast: by up to {:.0f} px while an image of a rolling shutter is read, in frames {}; they "
-                      "may be blurred and bent, which is not corrected",
-                      most_px, io::ranges(fast))};
+  return {
+      fmt::format("the camera turns fast: by up to {:.0f} px while an image of a rolling shutter is read, in frames {}; they "
+                  "may be blurred and bent, which is not corrected",
+                  most_px, io::ranges(fast))};
 }
 
 }  // namespace dvi::plausibility
