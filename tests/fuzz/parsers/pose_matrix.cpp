@@ -1,0 +1,6 @@
+#include "dvi/io/rgbd.h"
+#include "parser.h"
+
+void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
+  io::read_pose_matrix(put(folder / "pose.txt", bytes));
+}
