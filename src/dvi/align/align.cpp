@@ -9,18 +9,24 @@ Cameras::Cameras(const Views& given) : views(given.size()) {
   for (const View& view : given.views) camera_from_world.push_back(view.camera_from_world);
 }
 
+double expected_rotation_deg(const AlignOptions& options, Sensor sensor) {
+  return options.rotation_deg.value_or(sensor == Sensor::depth_camera ? 0.5 : 0.1);
+}
+
 Cameras align(const Views& views, const map::VisibleMap& map, const AlignOptions& options, const Tick& tick) {
   Cameras out(views);
   if (!options.enabled) return out;
   for (int drive = 0; drive < views.drives(); ++drive) {
     const auto [first, last] = views.of_drive(drive);
+    AlignOptions suited = options;
+    if (first != last) suited.rotation_deg = expected_rotation_deg(options, views[first].sensor);
     if (first == last) {
       out.drives.emplace_back();
     } else if (options.method == AlignMethod::paper) {
       search_as_published({views, map, first, last}, options, tick, out);
       out.drives.push_back({.kept = true});
     } else {
-      align_jointly({views, map, first, last}, options, tick, out);
+      align_jointly({views, map, first, last}, suited, tick, out);
     }
   }
   return out;

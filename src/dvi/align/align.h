@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,7 +23,7 @@ struct AlignOptions {
   bool enabled = true;
   AlignMethod method = AlignMethod::joint;
   int points = 2000;
-  double rotation_deg = 0.1;
+  std::optional<double> rotation_deg = {};  ///< none: expected_rotation_deg() of the sensor
   double mounting_deg = 0.2;
   int ring_px = 100;
 
@@ -30,7 +31,8 @@ struct AlignOptions {
     table.section("stages");
     table.add("align", enabled, "Refine the camera's rotations from its images.");
     table.section("align");
-    table.add("rotation_deg", rotation_deg, {0.001, 5}, "Expected error of a frame's rotation.");
+    table.add_automatic("rotation_deg", {&rotation_deg}, {0.001, 5},
+                        "Expected error of a frame's rotation; auto: 0.1 degrees for a LiDAR, 0.5 for a depth camera.");
     table.add("mounting_deg", mounting_deg, {0.001, 5}, "Expected error of the rotation between LiDAR and camera.");
     table.developer();
     table.add("method", method, "All frames of a drive at once, or pitch and yaw of each against its neighbours (eq. 1).");
@@ -39,6 +41,10 @@ struct AlignOptions {
   }
   void check() const { check_ranges(*this); }
 };
+
+/// Degrees. Given poses are those of the sensor. Colour and depth of a handheld camera are exposed up to half an image period
+/// apart, 15 ms, in which the hand turns by 30 degrees a second.
+double expected_rotation_deg(const AlignOptions& options, Sensor sensor);
 
 /// What the refinement did to one view: camera_from_world = exp(rotation) * given.
 struct ViewAlignment {

@@ -45,7 +45,7 @@ class Chain {
         options_(options),
         pairs_(drive.map.map, count_) {
     const Camera& camera = views_[first_].camera;
-    const double caught = kLeastCaught * std::max(radians(options.rotation_deg), radians(options.mounting_deg)) * camera.fx;
+    const double caught = kLeastCaught * std::max(radians(*options.rotation_deg), radians(options.mounting_deg)) * camera.fx;
     while (caught > 2 * std::exp2(coarsest_) && std::min(camera.width, camera.height) >> coarsest_ > 64) ++coarsest_;
     images_ = {count_, [this](std::size_t i) {
                  return band_pass(*views_.images[first_ + i], *views_.masks[first_ + i], static_cast<int>(coarsest_) + 1);
@@ -128,7 +128,7 @@ std::vector<SharedPoint> Chain::shared_points(std::size_t i, const Lazy<Sight>& 
 }
 
 std::vector<PairModel> Chain::models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const {
-  const double expected = 2 * std::hypot(radians(options_.rotation_deg), radians(options_.mounting_deg));
+  const double expected = 2 * std::hypot(radians(*options_.rotation_deg), radians(options_.mounting_deg));
   const PosedImage moving = posed(i, poses);
   std::vector<PairModel> out;
   for (const Pair& pair : pairs_.of(i))
@@ -226,7 +226,7 @@ bool better(const std::vector<Chain::Check>& checks, std::size_t a, std::size_t 
 }
 
 Expected expected_errors(const AlignOptions& options, const Camera& camera, double part, bool common) {
-  return {.rotation = part * radians(options.rotation_deg),
+  return {.rotation = part * radians(*options.rotation_deg),
           .mounting = part * radians(options.mounting_deg),
           .pair = kPairErrorPx / camera.fx,
           .common = common};

@@ -11,6 +11,7 @@
 #include "dvi/core/lazy.h"
 #include "dvi/drive/label.h"
 #include "dvi/drive/scan.h"
+#include "dvi/drive/sensor.h"
 #include "dvi/geometry/camera.h"
 #include "dvi/geometry/trajectory.h"
 
@@ -31,9 +32,6 @@ struct ScanHeader {
   std::int64_t time_ns = 0, start_ns = 0, end_ns = 0;
   std::filesystem::path file;
 };
-
-/// What measured the scans.
-enum class Sensor { lidar, depth_camera };
 
 /// A recording: what a reader found in a folder. Images, scans and masks are read on demand and cached within bounds.
 struct Drive {

@@ -10,6 +10,7 @@
 #include <opencv2/core/matx.hpp>
 
 #include "dvi/core/lazy.h"
+#include "dvi/drive/sensor.h"
 #include "dvi/geometry/camera.h"
 #include "dvi/geometry/se3.h"
 
@@ -24,6 +25,7 @@ struct View {
   Camera camera;
   SE3 camera_from_world;
   cv::Vec3f gain{1, 1, 1};        ///< BGR; its colours times this are in the light common to all views
+  Sensor sensor = Sensor::lidar;  ///< its drive's
   bool registered_depth = false;  ///< its drive's: nothing turns the camera against the sensor that made the map
 };
 

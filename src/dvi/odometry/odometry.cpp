@@ -252,7 +252,8 @@ class Runner {
   // From each speed through the first scans; the one whose scans fit best.
   void start() {
     out_.scans[starting_.front().scan_index].state = ScanFit::State::first;
-    if (!has_ground_below(starting_.front().features.dense))
+    const bool handheld = drive_.sensor == Sensor::depth_camera;  // may look anywhere, and starts slowly
+    if (!handheld && !has_ground_below(starting_.front().features.dense))
       out_.warnings.emplace_back("there is no ground below the LiDAR: its axes must be x forward, y left, z up");
     if (starting_.size() == 1) {
       track_.put(std::move(starting_.front()));
@@ -275,7 +276,8 @@ class Runner {
     };
     const std::int64_t from = starting_[0].time_ns, to = starting_[1].time_ns;
     if (const auto motion = prior_.motion(from, to)) attempt(se3_log(*motion) / seconds(to - from), true);
-    for (const double speed : kSpeeds) attempt(speed * Vector6d::Unit(0), false);
+    for (const double speed : kSpeeds)
+      if (!handheld || speed == 0) attempt(speed * Vector6d::Unit(0), false);
     for (std::size_t i = 0; i < best.size(); ++i) record(starting_[i + 1].scan_index, best[i], track_[i + 1].given);
     starting_.clear();
   }

@@ -25,6 +25,7 @@ std::optional<View> posed_view(const Drive& drive, int number, std::size_t frame
   const std::optional<SE3> pose = world_from_lidar.at(time);
   if (!pose) return std::nullopt;
   View view{number, frame, time, drive.camera, drive.camera_from_lidar * pose->inverse()};
+  view.sensor = drive.sensor;
   view.registered_depth = drive.registered_depth;
   return view;
 }
