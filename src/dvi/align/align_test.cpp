@@ -94,6 +94,23 @@ TEST(Align, ACameraThatStandsStillIsNotTurnedAsAWhole) {
   EXPECT_LT(found.drives.at(0).mounting.norm(), 1e-9);
 }
 
+TEST(Align, ACameraOfRegisteredDepthIsNotTurnedAsAWhole) {
+  ShakyDrive drive(8, {.jitter_deg = 0.2, .mounting = {0.004, -0.003, 0}});
+  for (View& view : drive.views.views) view.registered_depth = true;
+  const Cameras found = align(drive.views, {drive.map, drive.views}, {});
+  EXPECT_LT(found.drives.at(0).mounting.norm(), 1e-9);
+  for (View& view : drive.views.views) view.registered_depth = false;
+  EXPECT_GT(align(drive.views, {drive.map, drive.views}, {}).drives.at(0).mounting.norm(), 1e-3);
+}
+
+TEST(Align, ExpectsMoreOfAHandThanOfACar) {
+  EXPECT_EQ(expected_rotation_deg({}, Sensor::lidar), 0.1);
+  EXPECT_EQ(expected_rotation_deg({}, Sensor::depth_camera), 0.5);
+  AlignOptions given;
+  given.rotation_deg = 0.2;
+  EXPECT_EQ(expected_rotation_deg(given, Sensor::depth_camera), 0.2);
+}
+
 TEST(Align, PosesThatDoNotFitAreSaid) {
   ShakyDrive drive(10, {.speed = {0, 0, 5}});
   for (View& view : drive.views.views) view.camera_from_world.t.z() *= -1;  // backwards
