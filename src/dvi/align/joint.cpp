@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -14,7 +13,6 @@
 #include "dvi/align/joint_solve.h"
 #include "dvi/align/pair_store.h"
 #include "dvi/align/sight.h"
-#include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 
 namespace dvi::align {
@@ -27,9 +25,9 @@ constexpr double kNoise = 2;          // standard errors by which held-out point
 // Of the expected rotations: poses that are good already are better not believed to be off by as much as others.
 constexpr std::array<double, 3> kParts{0.1, 0.3, 1};
 constexpr double kMisplacedPx = 0.6;
-// Metres, and part of the depth of what is seen: over less, a rotation common to all frames displaces their colours against
-// each other by too little to be told.
-constexpr double kHardlyMoves = 0.5, kHardlyMovesOfDepth = 0.05;
+// Metres over which a rotation common to all frames shows. An error of a position looks like one, by itself over this motion:
+// those of handheld cameras, about a centimetre, like less than the expected 0.2 degrees only over 3 m.
+constexpr double kHardlyMoves = 0.5, kHandHardlyMoves = 3;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
@@ -232,19 +230,12 @@ Expected expected_errors(const AlignOptions& options, const Camera& camera, doub
           .common = common};
 }
 
-// Median depth of what a view sees of the map; infinite where it sees nothing.
-double depth_of(const std::vector<map::VisiblePoint>& points) {
-  std::vector<float> z;
-  for (const map::VisiblePoint& point : points) z.push_back(point.z);
-  return z.empty() ? std::numeric_limits<double>::infinity() : median(z);
-}
-
 // Whether surfaces come nearer, or pass by, so that a rotation common to all frames shows.
 bool moves(const DriveViews& drive) {
   const auto place = [&](std::size_t i) { return drive.views[i].camera_from_world.inverse().t; };
   double most = 0;  // metres from the first place to the farthest
   for (std::size_t i = drive.first; i < drive.last; ++i) most = std::max(most, (place(i) - place(drive.first)).norm());
-  return most >= kHardlyMoves || most >= kHardlyMovesOfDepth * depth_of(*drive.map.points[drive.first]);
+  return most >= (drive.views[drive.first].sensor == Sensor::depth_camera ? kHandHardlyMoves : kHardlyMoves);
 }
 
 // What could not be aligned, in words.
