@@ -11,7 +11,7 @@
 namespace dvi::odometry {
 
 struct OdometryOptions {
-  std::optional<double> min_range_m;  ///< of the scan; none: Drive::least_range_m()
+  std::optional<double> min_range_m;       ///< of the scan; none: Drive::least_range_m()
   std::optional<double> max_range_m = {};  ///< none: Drive::most_range_m(); features come from somewhat less than both
   double spacing_m = 0.2;
   double cell_m = 0.6;

@@ -18,7 +18,8 @@ Drive handheld() {
 Trajectory turning_from_second(double radians_a_second) {
   std::vector<StampedPose> poses;
   for (int i = 0; i < 8; ++i)
-    poses.push_back({i * 50'000'000, {so3_exp(Eigen::Vector3d(0, 0, radians_a_second * 0.05 * std::max(0, i - 3))), {}}});
+    poses.push_back(
+        {i * 50'000'000, {so3_exp(Eigen::Vector3d(0, 0, radians_a_second * 0.05 * std::max(0, i - 3))), {0, 0, 0}}});
   return Trajectory(poses);
 }
 
