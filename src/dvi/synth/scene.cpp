@@ -17,6 +17,7 @@ using Eigen::Vector3d;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::int64_t kStart = 1'000'000'000'000;
 constexpr double kLidarHeight = 1.73;
+constexpr double kRightGain = 1.05;  // no two cameras see alike
 
 // The HDL-64E: its upper half three beams a degree, its lower half two.
 double elevation_deg(int beam, int beams) {
@@ -42,9 +43,12 @@ Scene::Scene(const SynthOptions& options) : options_(options) {
   camera_.fx = camera_.fy = 0.8 * options.width;
   camera_.cx = 0.5 * (options.width - 1);
   camera_.cy = 0.5 * (options.height - 1);
-  camera_from_lidar_.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  camera_from_lidar_.R = so3_exp({0.012, -0.008, 0.004}) * camera_from_lidar_.R;
-  camera_from_lidar_.t = camera_from_lidar_.R * -Vector3d(0.27, 0.06, -0.12);
+  SE3 front;
+  front.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  front.R = so3_exp({0.012, -0.008, 0.004}) * front.R;
+  front.t = front.R * -Vector3d(0.27, 0.06, -0.12);
+  cameras_.push_back({"front", front});
+  if (options.stereo_m > 0) cameras_.push_back({"right", SE3{front.R, front.t - Vector3d(options.stereo_m, 0, 0)}, kRightGain});
   world_ = std::make_unique<const World>(options);
 }
 
@@ -67,29 +71,33 @@ SE3 Scene::world_from_lidar(std::int64_t time_ns) const {
   return level * SE3{so3_exp({0, pitch, 0}) * so3_exp({roll, 0, 0}), Vector3d::Zero()};
 }
 
-SE3 Scene::camera_from_world(int frame) const {
-  Random random = synth::random_for(static_cast<std::uint64_t>(options_.seed), 200 + options_.day, frame);
+SE3 Scene::camera_from_world(int frame, std::size_t camera) const {
+  Random random = synth::random_for(static_cast<std::uint64_t>(options_.seed), stream(200, camera), frame);
   const double pitch = random.uniform(-1, 1) * options_.jitter_deg, yaw = random.uniform(-1, 1) * options_.jitter_deg;
   const SE3 jitter{so3_exp({pitch * kDegree, 0, 0}) * so3_exp({0, yaw * kDegree, 0}), Vector3d::Zero()};
-  return jitter * camera_from_lidar_ * world_from_lidar(time_ns(frame)).inverse();
+  return jitter * cameras_[camera].camera_from_lidar * world_from_lidar(time_ns(frame)).inverse();
 }
 
-double Scene::gain(int frame) const {
-  return options_.frames < 2 ? 1 : 1 + options_.exposure_drift * (2.0 * frame / (options_.frames - 1) - 1);
+// Random numbers of their own for each purpose, day and camera.
+int Scene::stream(int purpose, std::size_t camera) const { return purpose + options_.day + 100 * static_cast<int>(camera); }
+
+double Scene::gain(int frame, std::size_t camera) const {
+  const double drift = options_.frames < 2 ? 0 : options_.exposure_drift * (2.0 * frame / (options_.frames - 1) - 1);
+  return cameras_[camera].gain * (1 + drift);
 }
 
-SynthFrame Scene::render(int frame) const {
+SynthFrame Scene::render(int frame, std::size_t camera) const {
   const double t = seconds(time_ns(frame));
   return synth::render(world_->still, synth::placed(world_->movers, world_->still.street, t, synth::own_way(options_, t)),
-                       camera_, camera_from_world(frame), gain(frame));
+                       camera_, camera_from_world(frame, camera), gain(frame, camera));
 }
 
-cv::Mat3b Scene::record(int frame, const SynthFrame& rendered) const {
+cv::Mat3b Scene::record(int frame, const SynthFrame& rendered, std::size_t camera) const {
   cv::Mat3b image = rendered.image.clone();
   if (options_.image_noise == 0) return image;
   parallel_for(static_cast<std::size_t>(image.rows), [&](std::size_t row) {
     const auto number = static_cast<std::int64_t>(frame) * image.rows + static_cast<std::int64_t>(row);
-    Random random = synth::random_for(static_cast<std::uint64_t>(options_.seed), 210 + options_.day, number);
+    Random random = synth::random_for(static_cast<std::uint64_t>(options_.seed), stream(210, camera), number);
     cv::Vec3b* pixels = image[static_cast<int>(row)];
     for (int x = 0; x < image.cols; ++x)
       for (int c = 0; c < 3; ++c)

@@ -28,6 +28,13 @@ struct SynthScan {
   std::vector<float> range;           ///< one a point: metres, without noise
 };
 
+/// One camera of the rig; all have the same lens.
+struct SceneCamera {
+  std::string name;
+  SE3 camera_from_lidar;  ///< the calibration a recording brings; the true one of a frame differs from it by its jitter
+  double gain = 1;        ///< factor of all its colours
+};
+
 /// The synthetic street and its recording, in memory: everything is computed when asked for, and each call for the same
 /// thing gives the same. Frame i is exposed at the middle of scan i. Safe to use from many threads.
 /// The world is the street's own: x along it, z up, the road at z = 0.
@@ -40,18 +47,17 @@ class Scene {
 
   const SynthOptions& options() const { return options_; }
   const Camera& camera() const { return camera_; }
-  /// The calibration a recording brings; the true one of a frame differs from it by its jitter.
-  const SE3& camera_from_lidar() const { return camera_from_lidar_; }
+  const std::vector<SceneCamera>& cameras() const { return cameras_; }  ///< "front" first
 
   std::string name(int frame) const;
   std::int64_t time_ns(int frame) const;  ///< of the image, and of the scan's middle
   SE3 world_from_lidar(std::int64_t time_ns) const;
-  SE3 camera_from_world(int frame) const;  ///< of the true camera
-  double gain(int frame) const;            ///< exposure: factor of all colours
+  SE3 camera_from_world(int frame, std::size_t camera = 0) const;  ///< of the true camera
+  double gain(int frame, std::size_t camera = 0) const;            ///< exposure: factor of all colours
 
-  SynthFrame render(int frame) const;
+  SynthFrame render(int frame, std::size_t camera = 0) const;
   /// The image as a camera records it: with traffic and noise.
-  cv::Mat3b record(int frame, const SynthFrame& rendered) const;
+  cv::Mat3b record(int frame, const SynthFrame& rendered, std::size_t camera = 0) const;
   /// What a mask file holds: `dynamic` and some pixels round it.
   cv::Mat1b mask(const SynthFrame& rendered) const;
   /// The scan, each firing from its own place at its own time.
@@ -62,10 +68,11 @@ class Scene {
  private:
   struct World;
   double seconds(std::int64_t time_ns) const;
+  int stream(int purpose, std::size_t camera) const;
 
   SynthOptions options_;
   Camera camera_;
-  SE3 camera_from_lidar_;
+  std::vector<SceneCamera> cameras_;
   std::unique_ptr<const World> world_;
 };
 

@@ -29,7 +29,7 @@ Drive drive_of(const std::shared_ptr<const Scene>& scene) {
   drive.camera_name = "front";
   drive.camera_names = {"front"};
   drive.camera = scene->camera();
-  drive.camera_from_lidar = scene->camera_from_lidar();
+  drive.camera_from_lidar = scene->cameras().front().camera_from_lidar;
   drive.labelled = true;
   std::vector<StampedPose> poses;
   for (int i = 0; i < scene->options().frames; ++i) {

@@ -184,7 +184,7 @@ TEST(Scene, DriftAndJitterAreWhatTheOptionsSay) {
   EXPECT_NEAR(scene.gain(9), 1.12, 1e-12);
   double largest = 0;
   for (int i = 0; i < 10; ++i) {
-    const SE3 nominal = scene.camera_from_lidar() * scene.world_from_lidar(scene.time_ns(i)).inverse();
+    const SE3 nominal = scene.cameras().front().camera_from_lidar * scene.world_from_lidar(scene.time_ns(i)).inverse();
     const SE3 jitter = scene.camera_from_world(i) * nominal.inverse();
     const Eigen::Vector3d turn = so3_log(jitter.R) * 180 / std::numbers::pi;
     EXPECT_LT(jitter.t.norm(), 1e-9);

@@ -22,12 +22,15 @@ std::string numbers(const SE3& pose, const char* between) {
 std::string settings(const Scene& scene) {
   const Camera& camera = scene.camera();
   const SynthOptions& options = scene.options();
-  return fmt::format(
-      "[drive]\nversion = 1\n\n"
-      "[camera.front]\nsize = [{}, {}]\nK = [{}, 0, {}, 0, {}, {}, 0, 0, 1]\ncamera_from_lidar = [{}]\n\n"
-      "[lidar]\nrate = {:.12g}\nbeams = {}\nstamp = \"middle\"\nrotation = \"clockwise\"\nfirst_azimuth_deg = 180.0\n",
-      camera.width, camera.height, camera.fx, camera.cx, camera.fy, camera.cy, numbers(scene.camera_from_lidar(), ", "),
-      options.rate_hz, options.beams);
+  std::string text = "[drive]\nversion = 1\n\n";
+  for (const SceneCamera& one : scene.cameras())
+    text += fmt::format("[camera.{}]\nsize = [{}, {}]\nK = [{}, 0, {}, 0, {}, {}, 0, 0, 1]\ncamera_from_lidar = [{}]\n\n",
+                        one.name, camera.width, camera.height, camera.fx, camera.cx, camera.fy, camera.cy,
+                        numbers(one.camera_from_lidar, ", "));
+  return text + fmt::format(
+                    "[lidar]\nrate = {:.12g}\nbeams = {}\nstamp = \"middle\"\nrotation = \"clockwise\"\n"
+                    "first_azimuth_deg = 180.0\n",
+                    options.rate_hz, options.beams);
 }
 
 std::string readme(const SynthOptions& options) {
@@ -57,11 +60,19 @@ std::string frame_json(const std::vector<Label>& labels) {
   return text;
 }
 
+void write_image(const Scene& scene, int frame, std::size_t camera, const SynthFrame& rendered, const fs::path& out) {
+  const std::string& folder = scene.cameras()[camera].name;
+  const std::string png = scene.name(frame) + ".png";
+  io::write_png(out / "images" / folder / png, scene.record(frame, rendered, camera));
+  io::write_png(out / "masks" / folder / png, scene.mask(rendered));
+}
+
 void write_frame(const Scene& scene, int frame, const fs::path& out) {
   const std::string name = scene.name(frame), png = name + ".png";
   const SynthFrame rendered = scene.render(frame);
-  io::write_png(out / "images/front" / png, scene.record(frame, rendered));
-  io::write_png(out / "masks/front" / png, scene.mask(rendered));
+  write_image(scene, frame, 0, rendered, out);
+  for (std::size_t camera = 1; camera < scene.cameras().size(); ++camera)
+    write_image(scene, frame, camera, scene.render(frame, camera), out);
   io::write_png(out / "truth" / png, rendered.clean);
   cv::Mat depth;
   rendered.depth.convertTo(depth, CV_16U, 256);
@@ -81,7 +92,7 @@ void write_tables(const Scene& scene, const fs::path& out) {
     cameras += fmt::format("{} {} {:.12g}\n", name, numbers(scene.camera_from_world(i), " "), scene.gain(i));
     boxes += fmt::format("{} \"{}\":[{}]", i == 0 ? "\n" : ",\n", name, frame_json(scene.boxes(i)));
   }
-  write_file(out / "times/front.txt", times);
+  for (const SceneCamera& camera : scene.cameras()) write_file(out / "times" / (camera.name + ".txt"), times);
   write_file(out / "times/lidar.txt", times);
   write_file(out / "poses.txt", poses);
   write_file(out / "truth_cameras.txt", cameras);
@@ -95,8 +106,9 @@ void write_tables(const Scene& scene, const fs::path& out) {
 
 void synthesise(const SynthOptions& options, const fs::path& out, const Tick& tick) {
   const Scene scene(options);
-  for (const char* folder : {"images/front", "masks/front", "lidar", "times", "truth", "truth_depth", "truth_points"})
-    make_folder(out / folder);
+  for (const char* folder : {"lidar", "times", "truth", "truth_depth", "truth_points"}) make_folder(out / folder);
+  for (const SceneCamera& camera : scene.cameras())
+    for (const char* folder : {"images", "masks"}) make_folder(out / folder / camera.name);
   parallel_for(static_cast<std::size_t>(options.frames), [&](std::size_t i) {
     write_frame(scene, static_cast<int>(i), out);
     if (tick) tick();

@@ -12,6 +12,8 @@ void SynthOptions::describe(OptionTable& table) {
   table.add("speed_mps", speed_mps, {0, 30}, "Speed of the recording car in metres per second.");
   table.add("turn_deg", turn_deg, {-90, 90}, "Angle by which the street bends, left positive.");
   table.add("lorry", lorry, "A lorry stays close ahead during the whole drive.");
+  table.add("stereo_m", stereo_m, {0, 5},
+            "A second camera, \"right\", that far to the right of the first, in metres; 0: none.");
   table.add("beams", beams, {1, 256}, "Beams of the LiDAR, from -24.8 to +2 degrees.");
   table.add("columns", columns, {36, 7200}, "Firings per scan.");
   table.add("rate_hz", rate_hz, {1, 50}, "Scans and images per second.");

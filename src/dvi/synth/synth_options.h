@@ -14,6 +14,7 @@ struct SynthOptions {
   double speed_mps = 8;
   double turn_deg = 0;
   bool lorry = false;
+  double stereo_m = 0;
   int beams = 64, columns = 1800;
   double rate_hz = 10;
   double range_m = 120;
