@@ -68,14 +68,19 @@ class Cone {
 
 }  // namespace
 
-Holdout::Holdout(const Drive& drive, Lazy<cv::Mat1b> traffic, const Trajectory& world_from_lidar, const HoldoutOptions& options)
-    : drive_(drive), options_(options), images_(drive.images), traffic_(std::move(traffic)), scans_(drive.scans) {
-  drive_.images = {}, drive_.masks = {}, drive_.scans = {};
+Holdout::Holdout(const std::vector<HoldoutCamera>& cameras, const Trajectory& world_from_lidar, const HoldoutOptions& options)
+    : drive_(cameras.front().drive), options_(options), scans_(drive_.scans) {
+  const Drive& drive = cameras.front().drive;
   scan_numbers_ = posed(drive_.scan_headers, world_from_lidar);
   drive_.poses = at_scans(drive_.scan_headers, world_from_lidar);
   drive_.world_scale = 1;
-  frames_ = posed(drive_.frames, drive_.poses);
-  if (frames_.empty())
+  target_ = take_pictures(cameras.front(), drive_);
+  for (std::size_t k = 1; k < cameras.size(); ++k) {
+    more_drives_.push_back(cameras[k].drive);
+    more_drives_.back().poses = drive_.poses;
+    more_.push_back(take_pictures(cameras[k], more_drives_.back()));
+  }
+  if (target_.frames.empty())
     throw InputError(drive.path, "no frame has a pose and a scan near it",
                      "check that poses, scans and images share one clock");
   if (options.scenario != Scenario::banner) {
@@ -85,14 +90,20 @@ Holdout::Holdout(const Drive& drive, Lazy<cv::Mat1b> traffic, const Trajectory& 
     if (options.scenario == Scenario::parked) vehicle_->stand_clear(drive, world_from_lidar);
     add_labels();
   }
-  std::vector<std::uint8_t> seen(frames_.size());
-  parallel_for(frames_.size(), [&](std::size_t i) { seen[i] = cv::countNonZero(paint(i).pixels) > 0 ? 1 : 0; });
+  std::vector<std::uint8_t> seen(target_.frames.size());
+  parallel_for(seen.size(), [&](std::size_t i) { seen[i] = cv::countNonZero(paint(drive_, i).pixels) > 0 ? 1 : 0; });
   visible_.assign(seen.begin(), seen.end());
   if (std::find(visible_.begin(), visible_.end(), true) == visible_.end())
     throw InputError(drive.path,
                      fmt::format("the {} vehicle of seed {} enters no image of camera {}", name(options.scenario), options.seed,
                                  drive.camera_name),
                      "choose another --scenario, --seed, --camera or more --frames");
+}
+
+// Leaves the frames in the drive that have a pose, and what is lazy out of it.
+Holdout::Pictures Holdout::take_pictures(const HoldoutCamera& camera, Drive& drive) const {
+  drive.images = {}, drive.masks = {}, drive.scans = {};
+  return {camera.drive.images, camera.traffic, posed(drive.frames, drive.poses)};
 }
 
 void Holdout::add_labels() {
@@ -106,22 +117,22 @@ void Holdout::add_labels() {
   }
 }
 
-Painting Holdout::paint(std::size_t frame) const {
+Painting Holdout::paint(const Drive& drive, std::size_t frame) const {
   const std::uint64_t seed = part_seed(options_.seed, 0x9A127);
-  if (!vehicle_) return paint_banner({drive_.camera.width, drive_.camera.height}, seed);
-  const std::int64_t time = drive_.frames[frame].time_ns;
-  const SE3 camera_from_world = drive_.camera_from_lidar * drive_.poses.at(time)->inverse();
-  return paint_box(moved(camera_from_world, vehicle_->at(time)), drive_.camera, seed);
+  if (!vehicle_) return paint_banner({drive.camera.width, drive.camera.height}, seed);
+  const std::int64_t time = drive.frames[frame].time_ns;
+  const SE3 camera_from_world = drive.camera_from_lidar * drive.poses.at(time)->inverse();
+  return paint_box(moved(camera_from_world, vehicle_->at(time)), drive.camera, seed);
 }
 
-HoldoutFrame Holdout::frame(std::size_t i) const {
-  const Painting painting = paint(i);
-  const auto traffic = traffic_[frames_[i]];
+HoldoutFrame Holdout::frame_of(const Drive& drive, const Pictures& pictures, std::size_t i) const {
+  const Painting painting = paint(drive, i);
+  const auto traffic = pictures.traffic[pictures.frames[i]];
   HoldoutFrame out;
   out.held_out = grown(painting.pixels, options_.margin_px);
   out.mask = out.held_out | *traffic;
   out.ignore = grown(*traffic, options_.ignore_margin_px);
-  out.image = images_[frames_[i]]->clone();
+  out.image = pictures.images[pictures.frames[i]]->clone();
   // The margin too: nothing that is scored may show its truth.
   out.image.setTo(outline_colour(part_seed(options_.seed, 0x9A127)), out.held_out);
   painting.colours.copyTo(out.image, painting.pixels);

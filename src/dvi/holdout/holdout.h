@@ -32,37 +32,57 @@ struct HoldoutFrame {
   cv::Mat1b ignore;    ///< 255: not to be scored, for its truth shows real traffic
 };
 
+/// What one camera of the drive saw, and where its real traffic is.
+struct HoldoutCamera {
+  Drive drive;
+  Lazy<cv::Mat1b> traffic;  ///< as the drive's frames
+};
+
 /// A real drive with virtual traffic (docs/holdout.md), in memory: frames and scans are made when asked for, the same at each
 /// call. Safe to use from many threads.
 class Holdout {
  public:
-  /// `traffic` as the drive's frames. Frames and scans without a pose are left out of the case. InputError where no scan shows
-  /// the ground, or the vehicle enters no image.
-  Holdout(const Drive& drive, Lazy<cv::Mat1b> traffic, const Trajectory& world_from_lidar, const HoldoutOptions& options);
+  /// `cameras`: the drive as each of its cameras saw it, that of the target first. Frames and scans without a pose are left out
+  /// of the case. InputError where no scan shows the ground, or the vehicle enters no image of the target.
+  Holdout(const std::vector<HoldoutCamera>& cameras, const Trajectory& world_from_lidar, const HoldoutOptions& options);
 
   /// The case as a drive of its own: poses at the middle of its scans, boxes of traffic real and virtual. Its lazy images,
   /// masks and scans are not there: see frame() and scan().
   const Drive& drive() const { return drive_; }
+  /// The same, of the cameras behind the target's.
+  const std::vector<Drive>& more_cameras() const { return more_drives_; }
   const HoldoutOptions& options() const { return options_; }
   const std::optional<VirtualVehicle>& vehicle() const { return vehicle_; }  ///< none is a banner
   int track() const { return track_; }                                       ///< of the virtual vehicle among the labels
   double sensor_height() const { return road_ ? road_->sensor_height() : 0; }
   const std::vector<bool>& visible() const { return visible_; }  ///< a frame: whether anything is held out
 
-  HoldoutFrame frame(std::size_t i) const;
-  cv::Mat3b truth(std::size_t i) const { return *images_[frames_[i]]; }
+  HoldoutFrame frame(std::size_t i) const { return frame_of(drive_, target_, i); }
+  HoldoutFrame frame_of_camera(std::size_t camera, std::size_t i) const {
+    return frame_of(more_drives_[camera], more_[camera], i);
+  }
+  cv::Mat3b truth(std::size_t i) const { return *target_.images[target_.frames[i]]; }
   Scan scan(std::size_t i) const;
 
  private:
+  struct Pictures {
+    Lazy<cv::Mat3b> images;
+    Lazy<cv::Mat1b> traffic;
+    std::vector<std::size_t> frames;  // of the case, in the drive
+  };
+
+  Pictures take_pictures(const HoldoutCamera& camera, Drive& drive) const;
   void add_labels();
-  Painting paint(std::size_t frame) const;
+  Painting paint(const Drive& drive, std::size_t frame) const;
+  HoldoutFrame frame_of(const Drive& drive, const Pictures& pictures, std::size_t i) const;
 
   Drive drive_;
   HoldoutOptions options_;
-  Lazy<cv::Mat3b> images_;
-  Lazy<cv::Mat1b> traffic_;
   Lazy<Scan> scans_;
-  std::vector<std::size_t> frames_, scan_numbers_;  // of the case, in the drive
+  std::vector<std::size_t> scan_numbers_;  // of the case, in the drive
+  Pictures target_;
+  std::vector<Drive> more_drives_;
+  std::vector<Pictures> more_;  // as more_drives_
   std::shared_ptr<const Road> road_;
   std::optional<VirtualVehicle> vehicle_;
   std::vector<bool> visible_;

@@ -55,6 +55,16 @@ nlohmann::json description(const Holdout& holdout, const std::string& recipe, co
   return json;
 }
 
+void make_camera_folders(const fs::path& folder, const Drive& camera) {
+  for (const char* kind : {"images", "masks"}) make_folder(folder / kind / camera.camera_name);
+}
+
+void write_pictures(const fs::path& folder, const Drive& camera, std::size_t i, const HoldoutFrame& frame) {
+  const std::string png = camera.frames[i].name + ".png";
+  io::write_png(folder / "images" / camera.camera_name / png, frame.image);
+  io::write_png(folder / "masks" / camera.camera_name / png, frame.mask);
+}
+
 }  // namespace
 
 std::string holdout_recipe(const fs::path& folder) {
@@ -73,27 +83,33 @@ void write_holdout(const Holdout& holdout, const fs::path& case_folder, const st
   const fs::path& out = draft.path();
   const fs::path folder = out / "drive";
   const Drive& drive = holdout.drive();
-  for (const fs::path& part : {folder / "images" / drive.camera_name, folder / "masks" / drive.camera_name, folder / "lidar",
-                               folder / "times", out / "truth", out / "ignore"})
-    make_folder(part);
+  for (const fs::path& part : {folder / "lidar", folder / "times", out / "truth", out / "ignore"}) make_folder(part);
   std::vector<int> held_out(drive.frames.size()), scored(drive.frames.size());
+  make_camera_folders(folder, drive);
   parallel_for(drive.frames.size(), [&](std::size_t i) {
     const HoldoutFrame frame = holdout.frame(i);
     const std::string png = drive.frames[i].name + ".png";
-    io::write_png(folder / "images" / drive.camera_name / png, frame.image);
-    io::write_png(folder / "masks" / drive.camera_name / png, frame.mask);
+    write_pictures(folder, drive, i, frame);
     io::write_png(out / "truth" / png, holdout.truth(i));
     io::write_png(out / "ignore" / png, frame.ignore);
     held_out[i] = cv::countNonZero(frame.held_out);
     scored[i] = cv::countNonZero(cv::Mat1b(frame.held_out & ~frame.ignore));
     if (tick) tick();
   });
+  for (std::size_t k = 0; k < holdout.more_cameras().size(); ++k) {
+    const Drive& other = holdout.more_cameras()[k];
+    make_camera_folders(folder, other);
+    parallel_for(other.frames.size(), [&](std::size_t i) {
+      write_pictures(folder, other, i, holdout.frame_of_camera(k, i));
+      if (tick) tick();
+    });
+  }
   const double rate = io::scan_rate(drive);
   parallel_for(drive.scan_headers.size(), [&](std::size_t i) {
     io::write_folder_scan(folder, drive.scan_headers[i], holdout.scan(i), rate);
     if (tick) tick();
   });
-  io::write_folder_tables(folder, drive);
+  io::write_folder_tables(folder, drive, holdout.more_cameras());
   write_file(out / "holdout.json", json_text(description(holdout, recipe, held_out, scored)) + "\n");
   draft.finish();
 }

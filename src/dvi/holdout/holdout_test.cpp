@@ -1,4 +1,5 @@
 #include "dvi/holdout/holdout.h"
+#include "dvi/image/region.h"
 
 #include <gmock/gmock.h>
 
@@ -38,7 +39,7 @@ Drive small_street() {
 }
 
 Holdout make(const Drive& drive, Scenario scenario, int seed = 1) {
-  return {drive, drive.masks, drive.poses, {scenario, seed}};
+  return {{{drive, drive.masks}}, drive.poses, {scenario, seed}};
 }
 
 bool same(const cv::Mat& a, const cv::Mat& b) { return a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0; }
@@ -118,6 +119,28 @@ TEST_P(EachScenario, ScansMeetTheVehicleAndNothingBehindIt) {
     }
   }
   EXPECT_GT(replaced, GetParam() == Scenario::oncoming ? 0 : 10);
+}
+
+TEST(Holdout, PaintsTheVehicleInAllCameras) {
+  const Drive drive = small_street();
+  Drive right = drive;
+  right.camera_name = "right";
+  right.camera_from_lidar.t.x() -= 1;
+  const Holdout holdout({{drive, drive.masks}, {right, drive.masks}}, drive.poses, {Scenario::lead, 1});
+  ASSERT_EQ(holdout.more_cameras().size(), 1U);
+  for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+    const cv::Mat1b vehicle(~grown(cv::Mat1b(~holdout.frame_of_camera(0, i).held_out), 4));  // without its margin
+    ASSERT_GT(cv::countNonZero(vehicle), 20) << i;
+    const std::int64_t time = drive.frames[i].time_ns;
+    const SE3 world_from_camera = *drive.poses.at(time) * right.camera_from_lidar.inverse();
+    for (int y = 0; y < vehicle.rows; ++y)
+      for (int x = 0; x < vehicle.cols; ++x)
+        if (vehicle(y, x) != 0) {
+          EXPECT_TRUE(
+              first_hit(holdout.vehicle()->at(time), world_from_camera.t, world_from_camera.R * drive.camera.ray({x, y})))
+              << x << ", " << y;
+        }
+  }
 }
 
 TEST(Holdout, IsTheSameWithAnyNumberOfThreadsAndOtherByItsSeed) {

@@ -20,13 +20,17 @@
 namespace dvi::io {
 namespace {
 
-std::string settings(const Drive& drive) {
+std::string camera_settings(const Drive& drive) {
   const Camera& c = drive.camera;
-  std::string text = fmt::format(
-      "[drive]\nversion = 1\n\n[camera.\"{}\"]\nsize = [{}, {}]\nK = [{:.12g}, 0, {:.12g}, 0, {:.12g}, {:.12g}, 0, 0, 1]\n",
-      drive.camera_name, c.width, c.height, c.fx, c.cx, c.fy, c.cy);
+  std::string text = fmt::format("[camera.\"{}\"]\nsize = [{}, {}]\nK = [{:.12g}, 0, {:.12g}, 0, {:.12g}, {:.12g}, 0, 0, 1]\n",
+                                 drive.camera_name, c.width, c.height, c.fx, c.cx, c.fy, c.cy);
   if (c.distorted()) text += fmt::format("distortion = [{:.12g}]\n", fmt::join(c.distortion, ", "));
-  text += fmt::format("camera_from_lidar = [{:.12g}]\n\n", fmt::join(row_major(drive.camera_from_lidar), ", "));
+  return text + fmt::format("camera_from_lidar = [{:.12g}]\n\n", fmt::join(row_major(drive.camera_from_lidar), ", "));
+}
+
+std::string settings(const Drive& drive, const std::vector<Drive>& more_cameras) {
+  std::string text = "[drive]\nversion = 1\n\n" + camera_settings(drive);
+  for (const Drive& camera : more_cameras) text += camera_settings(camera);
   text += fmt::format("[lidar]\nrate = {:.12g}\nstamp = \"middle\"\nrotation = \"clockwise\"\nfirst_azimuth_deg = 180.0\n",
                       scan_rate(drive));
   if (drive.sensor == Sensor::depth_camera) text += "sensor = \"depth_camera\"\n";
@@ -97,12 +101,13 @@ void write_folder_scan(const fs::path& folder, const ScanHeader& header, const S
   write_ply(folder / "lidar" / (header.name + ".ply"), cloud);
 }
 
-void write_folder_tables(const fs::path& folder, const Drive& drive) {
+void write_folder_tables(const fs::path& folder, const Drive& drive, const std::vector<Drive>& more_cameras) {
   write_file(folder / "times" / (drive.camera_name + ".txt"), times(drive.frames));
+  for (const Drive& camera : more_cameras) write_file(folder / "times" / (camera.camera_name + ".txt"), times(camera.frames));
   write_file(folder / "times/lidar.txt", times(drive.scan_headers));
   write_file(folder / "poses.txt", poses(drive));
   write_file(folder / "boxes.json", boxes(drive));
-  write_file(folder / "dvi.toml", settings(drive));
+  write_file(folder / "dvi.toml", settings(drive, more_cameras));
 }
 
 }  // namespace dvi::io
