@@ -16,15 +16,15 @@ double expected_rotation_deg(const AlignOptions& options, Sensor sensor) {
 Cameras align(const Views& views, const map::VisibleMap& map, const AlignOptions& options, const Tick& tick) {
   Cameras out(views);
   if (!options.enabled) return out;
-  for (int drive = 0; drive < views.drives(); ++drive) {
-    const auto [first, last] = views.of_drive(drive);
+  for (int sequence = 0; sequence < views.sequences(); ++sequence) {
+    const auto [first, last] = views.of_sequence(sequence);
     AlignOptions suited = options;
     if (first != last) suited.rotation_deg = expected_rotation_deg(options, views[first].sensor);
     if (first == last) {
-      out.drives.emplace_back();
+      out.sequences.emplace_back();
     } else if (options.method == AlignMethod::paper) {
       search_as_published({views, map, first, last}, options, tick, out);
-      out.drives.push_back({.kept = true});
+      out.sequences.push_back({.kept = true});
     } else {
       align_jointly({views, map, first, last}, suited, tick, out);
     }

@@ -13,7 +13,7 @@
 
 namespace dvi::align {
 
-/// joint: all frames of a drive at once; paper: the published search.
+/// joint: all frames of a sequence at once; paper: the published search.
 enum class AlignMethod { joint, paper };
 constexpr auto names_of(AlignMethod) {
   return std::array{std::pair{AlignMethod::joint, "joint"}, std::pair{AlignMethod::paper, "paper"}};
@@ -53,24 +53,24 @@ struct ViewAlignment {
   int points = 0;                                      ///< held out; 0: nothing to compare with, left as given
 };
 
-/// What all views of a drive have in common.
-struct DriveAlignment {
+/// What all views of a sequence have in common.
+struct SequenceAlignment {
   bool kept = false;                                   ///< whether the held-out residual improved; else as given
   Eigen::Vector3d mounting = Eigen::Vector3d::Zero();  ///< radians, camera axes: what the rotations have in common
+  std::vector<std::string> warnings = {};
 };
 
 /// The refined poses of all views, and how they came about.
 struct Cameras {
-  std::vector<SE3> camera_from_world;  ///< as the views
-  std::vector<ViewAlignment> views;    ///< as the views
-  std::vector<DriveAlignment> drives;  ///< by number
-  std::vector<std::string> warnings;
+  std::vector<SE3> camera_from_world;        ///< as the views
+  std::vector<ViewAlignment> views;          ///< as the views
+  std::vector<SequenceAlignment> sequences;  ///< by number
 
   Cameras() = default;
   explicit Cameras(const Views& given);  ///< poses as given, nothing compared
 };
 
-/// Refines the poses of all views, drive by drive, by the colours that several views give the same map points: see
+/// Refines the poses of all views, sequence by sequence, by the colours that several views give the same map points: see
 /// docs/algorithms/align.md. An update is kept only if points that it was not made from agree better after it. Ticks
 /// align_steps() times.
 Cameras align(const Views& views, const map::VisibleMap& map, const AlignOptions& options, const Tick& tick = [] {});

@@ -20,8 +20,8 @@ TEST(Align, FindsTheJitterOfAllFramesTogether) {
   EXPECT_GT(drive.residual_deg(std::vector<ViewAlignment>(10)), 0.08);
   const Cameras found = align(drive.views, {drive.map, drive.views}, {});
   EXPECT_LT(drive.residual_deg(found.views), 0.015);
-  EXPECT_TRUE(found.drives.at(0).kept);
-  EXPECT_THAT(found.warnings, IsEmpty());
+  EXPECT_TRUE(found.sequences.at(0).kept);
+  EXPECT_THAT(found.sequences.front().warnings, IsEmpty());
   for (const ViewAlignment& a : found.views) {
     EXPECT_LT(a.offset_after_px, a.offset_before_px);
     EXPECT_LT(a.offset_after_px, 0.2);
@@ -67,7 +67,7 @@ TEST(Align, WithoutSharedPointsNothingMovesAndIsSaid) {
       EXPECT_EQ(a.points, 0);
       EXPECT_EQ(a.rotation, Eigen::Vector3d::Zero());
     }
-    EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("no two frames")));
+    EXPECT_THAT(found.sequences.front().warnings, ElementsAre(HasSubstr("no two frames")));
   }
 }
 
@@ -79,7 +79,7 @@ TEST(Align, OneFrameAloneStaysAsItIs) {
 TEST(Align, ACameraThatStandsStillHasItsJitterFoundOnly) {
   ShakyDrive drive(8, {.jitter_deg = 0.2, .speed = {0, 0, 0}});
   const Cameras found = align(drive.views, {drive.map, drive.views}, {});
-  EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("hardly moves")));
+  EXPECT_THAT(found.sequences.front().warnings, ElementsAre(HasSubstr("hardly moves")));
   for (const ViewAlignment& a : found.views) EXPECT_LT(a.offset_after_px, 0.2);
   EXPECT_LT(drive.residual_deg(found.views), 0.015);
 }
@@ -89,18 +89,18 @@ TEST(Align, ACameraThatStandsStillIsNotTurnedAsAWhole) {
   const Cameras found = align(drive.views, {drive.map, drive.views}, {});
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const ViewAlignment& a : found.views) sum += a.rotation;
-  EXPECT_TRUE(found.drives.at(0).kept);
+  EXPECT_TRUE(found.sequences.at(0).kept);
   EXPECT_LT(sum.norm(), 1e-9);
-  EXPECT_LT(found.drives.at(0).mounting.norm(), 1e-9);
+  EXPECT_LT(found.sequences.at(0).mounting.norm(), 1e-9);
 }
 
 TEST(Align, ACameraOfRegisteredDepthIsNotTurnedAsAWhole) {
   ShakyDrive drive(8, {.jitter_deg = 0.2, .mounting = {0.004, -0.003, 0}});
   for (View& view : drive.views.views) view.registered_depth = true;
   const Cameras found = align(drive.views, {drive.map, drive.views}, {});
-  EXPECT_LT(found.drives.at(0).mounting.norm(), 1e-9);
+  EXPECT_LT(found.sequences.at(0).mounting.norm(), 1e-9);
   for (View& view : drive.views.views) view.registered_depth = false;
-  EXPECT_GT(align(drive.views, {drive.map, drive.views}, {}).drives.at(0).mounting.norm(), 1e-3);
+  EXPECT_GT(align(drive.views, {drive.map, drive.views}, {}).sequences.at(0).mounting.norm(), 1e-3);
 }
 
 TEST(Align, ExpectsMoreOfAHandThanOfACar) {
@@ -114,7 +114,7 @@ TEST(Align, ExpectsMoreOfAHandThanOfACar) {
 TEST(Align, PosesThatDoNotFitAreSaid) {
   ShakyDrive drive(10, {.speed = {0, 0, 5}});
   for (View& view : drive.views.views) view.camera_from_world.t.z() *= -1;  // backwards
-  EXPECT_THAT(align(drive.views, {drive.map, drive.views}, {}).warnings, ElementsAre(HasSubstr("misplaced")));
+  EXPECT_THAT(align(drive.views, {drive.map, drive.views}, {}).sequences.front().warnings, ElementsAre(HasSubstr("misplaced")));
 }
 
 TEST(Align, ThePublishedSearchFindsOneFrameAmongExactOnes) {

@@ -31,17 +31,17 @@ constexpr double kHardlyMoves = 0.5, kHandHardlyMoves = 3;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
-using Poses = std::vector<SE3>;  // camera_from_world, of a drive's views
+using Poses = std::vector<SE3>;  // camera_from_world, of a sequence's views
 
 class Chain {
  public:
-  Chain(const DriveViews& drive, const AlignOptions& options)
-      : views_(drive.views),
-        map_(drive.map),
-        first_(drive.first),
-        count_(drive.last - drive.first),
+  Chain(const SequenceViews& sequence, const AlignOptions& options)
+      : views_(sequence.views),
+        map_(sequence.map),
+        first_(sequence.first),
+        count_(sequence.last - sequence.first),
         options_(options),
-        pairs_(drive.map.map, count_) {
+        pairs_(sequence.map.map, count_) {
     const Camera& camera = views_[first_].camera;
     const double caught = kLeastCaught * std::max(radians(*options.rotation_deg), radians(options.mounting_deg)) * camera.fx;
     while (caught > 2 * std::exp2(coarsest_) && std::min(camera.width, camera.height) >> coarsest_ > 64) ++coarsest_;
@@ -231,48 +231,45 @@ Expected expected_errors(const AlignOptions& options, const Camera& camera, doub
 }
 
 // Whether surfaces come nearer, or pass by, so that a rotation common to all frames shows.
-bool moves(const DriveViews& drive) {
-  const auto place = [&](std::size_t i) { return drive.views[i].camera_from_world.inverse().t; };
+bool moves(const SequenceViews& sequence) {
+  const auto place = [&](std::size_t i) { return sequence.views[i].camera_from_world.inverse().t; };
   double most = 0;  // metres from the first place to the farthest
-  for (std::size_t i = drive.first; i < drive.last; ++i) most = std::max(most, (place(i) - place(drive.first)).norm());
-  return most >= (drive.views[drive.first].sensor == Sensor::depth_camera ? kHandHardlyMoves : kHardlyMoves);
+  for (std::size_t i = sequence.first; i < sequence.last; ++i) most = std::max(most, (place(i) - place(sequence.first)).norm());
+  return most >= (sequence.views[sequence.first].sensor == Sensor::depth_camera ? kHandHardlyMoves : kHardlyMoves);
 }
 
 // What could not be aligned, in words.
-void warn(const DriveViews& aligned, Cameras& out) {
+std::vector<std::string> warnings(const SequenceViews& aligned, const Cameras& found) {
   const auto& [views, map, first, last] = aligned;
-  const std::string drive = fmt::format("align: drive {}: ", views[first].drive);
+  std::vector<std::string> out;
   std::vector<double> offsets;
   for (std::size_t i = first; i < last; ++i)
-    if (out.views[i].points > 0) offsets.push_back(out.views[i].offset_after_px);
-  if (offsets.empty()) {
-    out.warnings.push_back(drive + "no two frames show the same map points; all poses stay as given");
-    return;
-  }
+    if (found.views[i].points > 0) offsets.push_back(found.views[i].offset_after_px);
+  if (offsets.empty()) return {"no two frames show the same map points; all poses stay as given"};
   const std::size_t alone = last - first - offsets.size();
   if (alone > 0)
-    out.warnings.push_back(
-        fmt::format("{}{} of {} frames share too few map points with others to be aligned", drive, alone, last - first));
+    out.push_back(fmt::format("{} of {} frames share too few map points with others to be aligned", alone, last - first));
   std::sort(offsets.begin(), offsets.end());
   const double offset = offsets[offsets.size() / 2];
   if (offset > kMisplacedPx)
-    out.warnings.push_back(
-        fmt::format("{}colours stay misplaced by {:.1f} px in the median; check camera_from_lidar, the poses, and that camera "
+    out.push_back(
+        fmt::format("colours stay misplaced by {:.1f} px in the median; check camera_from_lidar, the poses, and that camera "
                     "and LiDAR share one clock",
-                    drive, offset));
+                    offset));
   if (!views[first].registered_depth && !moves(aligned))
-    out.warnings.push_back(
-        drive + "the camera hardly moves; a rotation common to all its frames cannot be estimated and is assumed to be none");
+    out.emplace_back(
+        "the camera hardly moves; a rotation common to all its frames cannot be estimated and is assumed to be none");
+  return out;
 }
 
 }  // namespace
 
-void align_jointly(const DriveViews& drive, const AlignOptions& options, const Tick& tick, Cameras& out) {
-  const Views& views = drive.views;
-  const std::size_t first = drive.first, last = drive.last;
-  Chain chain(drive, options);
+void align_jointly(const SequenceViews& sequence, const AlignOptions& options, const Tick& tick, Cameras& out) {
+  const Views& views = sequence.views;
+  const std::size_t first = sequence.first, last = sequence.last;
+  Chain chain(sequence, options);
   const Corrections given(last - first);
-  const auto expected = [&, common = !views[first].registered_depth && moves(drive)](double part) {
+  const auto expected = [&, common = !views[first].registered_depth && moves(sequence)](double part) {
     return expected_errors(options, views[first].camera, part, common);
   };
   const Corrections coarse = solve(chain.find_pairs(tick), given, expected(1));
@@ -287,13 +284,13 @@ void align_jointly(const DriveViews& drive, const AlignOptions& options, const T
   for (std::size_t k = 1; k < candidates.size(); ++k)
     if (better(checks, best, k)) best = k;
   const Corrections& chosen = candidates[best];
-  out.drives.push_back({best > 0, chosen.mounting});
+  out.sequences.push_back({best > 0, chosen.mounting, {}});
 
   for (std::size_t i = 0; i < checks.size(); ++i) {
     out.views[first + i] = {chosen.rotations[i], checks[i].offset_px[0], checks[i].offset_px[best], checks[i].points};
     out.camera_from_world[first + i] = poses[best][i];
   }
-  warn(drive, out);
+  out.sequences.back().warnings = warnings(sequence, out);
 }
 
 }  // namespace dvi::align

@@ -5,7 +5,7 @@
 
 namespace dvi::align {
 
-/// Aligns the views of one drive jointly: fills their entries of `out`, adds the drive's and warnings.
-void align_jointly(const DriveViews& drive, const AlignOptions& options, const Tick& tick, Cameras& out);
+/// Aligns the views of one sequence jointly: fills their entries of `out` and adds the sequence's.
+void align_jointly(const SequenceViews& sequence, const AlignOptions& options, const Tick& tick, Cameras& out);
 
 }  // namespace dvi::align

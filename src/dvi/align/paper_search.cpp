@@ -81,11 +81,11 @@ Eigen::Vector2d search(const std::vector<Sample>& samples, const Camera& camera,
 
 }  // namespace
 
-void search_as_published(const DriveViews& drive, const AlignOptions& options, const Tick& tick, Cameras& out) {
-  const Views& views = drive.views;
-  const std::size_t first = drive.first, last = drive.last;
+void search_as_published(const SequenceViews& sequence, const AlignOptions& options, const Tick& tick, Cameras& out) {
+  const Views& views = sequence.views;
+  const std::size_t first = sequence.first, last = sequence.last;
   const Lazy<Sight> sights(last - first,
-                           [&](std::size_t i) { return Sight(*drive.map.points[first + i], *views.masks[first + i]); });
+                           [&](std::size_t i) { return Sight(*sequence.map.points[first + i], *views.masks[first + i]); });
   parallel_in_order(last - first, [&](std::size_t i) {
     const View& view = views[first + i];
     const std::vector<map::VisiblePoint> ring = ring_points(*sights[i], *views.masks[first + i], options);

@@ -11,8 +11,8 @@
 
 namespace dvi::align {
 
-/// The views [first, last) of one drive, with what they see of the map.
-struct DriveViews {
+/// The views [first, last) of one sequence, with what they see of the map.
+struct SequenceViews {
   const Views& views;
   const map::VisibleMap& map;
   std::size_t first = 0, last = 0;

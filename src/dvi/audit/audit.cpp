@@ -94,7 +94,7 @@ class FrameAuditor {
     if (static_cast<std::size_t>(from.view) >= views_.size() || static_cast<std::size_t>(from.view) == target_) return false;
     const View& source = views_[static_cast<std::size_t>(from.view)];
     return source.camera.contains({from.position.x, from.position.y}) &&
-           (source.drive == views_[target_].drive) == (kind == harmonize::Kind::copied);
+           (source.sequence == views_[target_].sequence) == (kind == harmonize::Kind::copied);
   }
 
   void check_copies(std::size_t view, const std::vector<cv::Point>& pixels) {

@@ -20,7 +20,7 @@ Count count(const sample::Candidates& candidates, const Views& views) {
   for (const sample::Candidate& candidate : candidates.leading) {
     ++out.hole;
     if (!candidate.found()) continue;
-    ++(views[static_cast<std::size_t>(candidate.view)].drive == 0 ? out.copied : out.elsewhere);
+    ++(views[static_cast<std::size_t>(candidate.view)].sequence == 0 ? out.copied : out.elsewhere);
   }
   return out;
 }
@@ -63,7 +63,7 @@ Forecast forecast(const Views& views, const map::StaticMap& map, const depth::De
   sample::SampleOptions seen_once = sample_options;
   seen_once.sources = 1;
   const depth::Depths depths(coarse, [&](std::size_t i) { return depth::depth_map(map, coarse[i], coarse_depth); });
-  const std::size_t frames = coarse.of_drive(0).second;
+  const std::size_t frames = coarse.of_sequence(0).second;
   std::vector<Count> counts(frames);
   parallel_in_order(frames, [&](std::size_t i) {
     counts[i] = count(sample::sample(coarse, i, *depths.maps[i], depths.visibility, seen_once), coarse);

@@ -15,7 +15,7 @@ class Wall {
  public:
   void add(int pixels, cv::Rect hole, int drive = 0) {
     View view;
-    view.drive = drive;
+    view.sequence = view.drive = drive;
     view.frame = views_.size();
     view.camera = {kWidth, kHeight, 100, 100, kWidth / 2.0, kHeight / 2.0, {}};
     view.camera_from_world.t.x() = pixels * 0.1;

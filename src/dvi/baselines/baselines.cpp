@@ -55,7 +55,7 @@ void advance(Chain& chain, const Views& views, const Lazy<HoleFlow>& flows, samp
 sample::Candidates follow(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows, int max_frames) {
   sample::Candidates out{Region(*views.masks[target]), {}};
   out.leading.resize(out.hole.size());
-  const auto [first, last] = views.of_drive(views[target].drive);
+  const auto [first, last] = views.of_sequence(views[target].sequence);
   Chain forwards{target, 1, {}};
   for (std::size_t i = 0; i < out.hole.size(); ++i) forwards.open.push_back({i, cv::Point2f(out.hole.pixels[i])});
   Chain backwards{target, -1, forwards.open};

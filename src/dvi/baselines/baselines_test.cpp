@@ -185,7 +185,7 @@ TEST(FlowFill, ScenesWithoutSurroundingsAreNotFollowed) {
 TEST(FlowFill, StaysWithinItsDrive) {
   const MovingScene scene(0, [](int i) { return i < 4 ? cv::Rect(80, 40, 30, 40) : cv::Rect(0, 0, 0, 0); });
   std::vector<View> views(kFrames);
-  for (std::size_t i = 4; i < kFrames; ++i) views[i].drive = 1;
+  for (std::size_t i = 4; i < kFrames; ++i) views[i].sequence = views[i].drive = 1;
   const Views two = memory_views(views, scene.images, scene.masks);
   EXPECT_EQ(count(flow_fill(two, 3, hole_flows(two, {}), {}), harmonize::Kind::copied), 0U);
 }

@@ -66,7 +66,7 @@ Depths::Depths(const Views& views, const std::function<DepthMap(std::size_t)>& m
             const std::optional<PackedDepth> packed = waiting->take(i);
             return packed ? packed->unpack(*masks[i]) : *whole[i];
           }};
-  visibility = {views.size(), [whole, waiting, masks = views.masks, targets = views.of_drive(0).second](std::size_t i) {
+  visibility = {views.size(), [whole, waiting, masks = views.masks, targets = views.of_sequence(0).second](std::size_t i) {
                   const std::shared_ptr<const DepthMap> depth = whole[i];
                   const std::shared_ptr<const cv::Mat1b> mask = masks[i];
                   if (i < targets) waiting->put(i, *depth, *mask);

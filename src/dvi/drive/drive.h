@@ -78,12 +78,18 @@ struct Drive {
   /// square of the depth, to decimetres at 10 m.
   double least_range_m() const { return sensor == Sensor::depth_camera ? 0.1 : 2; }
   double most_range_m() const { return sensor == Sensor::depth_camera ? 10 : 120; }
-  bool labelled = false;  ///< the drive came with labels, be they empty
+  bool labelled = false;         ///< the drive came with labels, be they empty
+  bool labelled_around = false;  ///< they hold for all cameras: 3D boxes of what stands all round
 };
 
 /// A range of frames by the drive's own numbers, both included.
 struct FrameRange {
   int first = 0, last = 0;
+};
+
+/// Nanoseconds, both included.
+struct TimeSpan {
+  std::int64_t first = 0, last = 0;
 };
 
 }  // namespace dvi

@@ -38,7 +38,7 @@ struct FlatScene {
  private:
   void add(int disparity, const cv::Mat3b& image, const cv::Mat1b& mask, int drive = 0) {
     View view;
-    view.drive = drive;
+    view.sequence = view.drive = drive;
     view.frame = views.size();
     view.time_ns = static_cast<std::int64_t>(views.size()) * 100'000'000;
     view.camera = {width, height, 100, 100, width / 2.0, height / 2.0, {}};

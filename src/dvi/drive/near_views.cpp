@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace dvi {
+namespace {
+
+constexpr std::int64_t kAlone = 50'000'000;  // ns each way round a frame without neighbours: half a usual step
+
+}  // namespace
 
 std::vector<std::size_t> nearest_views(const Views& views, std::size_t target, std::pair<std::size_t, std::size_t> range,
                                        std::size_t most, double radian_m) {
@@ -19,11 +24,30 @@ std::vector<std::size_t> nearest_views(const Views& views, std::size_t target, s
   return out;
 }
 
+std::vector<std::size_t> of_other_cameras(const Views& views, std::size_t target, std::size_t steps) {
+  const auto [first, last] = views.of_sequence(views[target].sequence);
+  // Half a step more: the cameras of a rig need not be triggered at once.
+  const auto time = [&views](std::size_t i) { return views[i].time_ns; };
+  const std::size_t before = target - std::min(steps, target - first), behind = std::min(last - 1, target + steps);
+  const std::int64_t half = last - first > 1
+                                ? (time(last - 1) - time(first)) / static_cast<std::int64_t>(2 * (last - first - 1))
+                                : std::int64_t{kAlone};
+  std::vector<std::size_t> out;
+  for (int sequence = 0; sequence < views.sequences(); ++sequence) {
+    const auto [begin, end] = views.of_sequence(sequence);
+    if (begin == end || begin == first || views[begin].drive != views[target].drive) continue;
+    for (std::size_t i = begin; i < end; ++i)
+      if (time(i) >= time(before) - half && time(i) <= time(behind) + half) out.push_back(i);
+  }
+  return out;
+}
+
 std::vector<std::size_t> nearest_of_other_drives(const Views& views, std::size_t target, std::size_t most) {
   std::vector<std::size_t> out;
-  for (int drive = 0; drive < views.drives(); ++drive) {
-    if (drive == views[target].drive) continue;
-    for (const std::size_t view : nearest_views(views, target, views.of_drive(drive), most)) out.push_back(view);
+  for (int sequence = 0; sequence < views.sequences(); ++sequence) {
+    const auto range = views.of_sequence(sequence);
+    if (range.first == range.second || views[range.first].drive == views[target].drive) continue;
+    for (const std::size_t view : nearest_views(views, target, range, most)) out.push_back(view);
   }
   return out;
 }

@@ -13,7 +13,11 @@ namespace dvi {
 std::vector<std::size_t> nearest_views(const Views& views, std::size_t target, std::pair<std::size_t, std::size_t> range,
                                        std::size_t most, double radian_m = 0);
 
-/// Of each drive but the target's own the `most` nearest views by place, drive after drive: time says nothing across drives.
+/// The views of the other cameras on the target's drive that were taken while its own `steps` views before and behind it were,
+/// camera after camera.
+std::vector<std::size_t> of_other_cameras(const Views& views, std::size_t target, std::size_t steps);
+
+/// Of each sequence of another drive the `most` nearest views by place, sequence after sequence: time says nothing there.
 std::vector<std::size_t> nearest_of_other_drives(const Views& views, std::size_t target, std::size_t most);
 
 }  // namespace dvi

@@ -16,17 +16,18 @@
 
 namespace dvi {
 
-/// A posed image: one frame of one of the drives. After the map is made, stages know views only, whichever drive or camera
-/// they come from.
+/// A posed image: one frame of a sequence, which is what one camera saw on one drive. After the map is made, stages know views
+/// only, whichever drive or camera they come from.
 struct View {
-  int drive = 0;          ///< 0 is the target drive
-  std::size_t frame = 0;  ///< its index in that drive
+  int sequence = 0;       ///< 0 is the target's
+  std::size_t frame = 0;  ///< its index in that sequence
   std::int64_t time_ns = 0;
   Camera camera;
   SE3 camera_from_world;
   cv::Vec3f gain{1, 1, 1};        ///< BGR; its colours times this are in the light common to all views
   Sensor sensor = Sensor::lidar;  ///< its drive's
   bool registered_depth = false;  ///< its drive's: nothing turns the camera against the sensor that made the map
+  int drive = 0;                  ///< 0 is the target's; the cameras of one drive share it, and only their times compare
 };
 
 /// What brings the colours of one view (by its gain) into the light of another.
@@ -35,7 +36,7 @@ inline cv::Vec3f gain_to(const cv::Vec3f& target, const cv::Vec3f& source) {
 }
 inline cv::Vec3f gain_to(const View& target, const View& source) { return gain_to(target.gain, source.gain); }
 
-/// All views: those of the target drive first, in time order, then drive after drive. A view's index is its source number.
+/// All views: those of the target first, in time order, then sequence after sequence. A view's index is its source number.
 struct Views {
   std::vector<View> views;
   Lazy<cv::Mat3b> images;  ///< as `views`
@@ -43,15 +44,15 @@ struct Views {
 
   std::size_t size() const { return views.size(); }
   const View& operator[](std::size_t i) const { return views[i]; }
-  /// The number of the last drive, plus one.
-  int drives() const { return views.empty() ? 0 : views.back().drive + 1; }
-  /// Views [first, last) of a drive.
-  std::pair<std::size_t, std::size_t> of_drive(int drive) const {
+  /// The number of the last sequence, plus one.
+  int sequences() const { return views.empty() ? 0 : views.back().sequence + 1; }
+  /// Views [first, last) of a sequence.
+  std::pair<std::size_t, std::size_t> of_sequence(int sequence) const {
     const auto begin_of = [this](int number) {
-      const auto at = std::partition_point(views.begin(), views.end(), [&](const View& v) { return v.drive < number; });
+      const auto at = std::partition_point(views.begin(), views.end(), [&](const View& v) { return v.sequence < number; });
       return static_cast<std::size_t>(at - views.begin());
     };
-    return {begin_of(drive), begin_of(drive + 1)};
+    return {begin_of(sequence), begin_of(sequence + 1)};
   }
 };
 

@@ -18,24 +18,24 @@ Views views_at(const std::vector<std::pair<int, double>>& places) {
   Views out;
   for (const auto& [drive, x] : places) {
     View view;
-    view.drive = drive;
+    view.sequence = view.drive = drive;
     view.camera_from_world.t.x() = -x;
     out.views.push_back(view);
   }
   return out;
 }
 
-TEST(Views, OfDriveIsItsRange) {
+TEST(Views, OfSequenceIsItsRange) {
   const Views views = views_at({{0, 0}, {0, 1}, {1, 0}, {2, 0}, {2, 1}, {2, 2}});
-  EXPECT_EQ(views.of_drive(0), std::pair(std::size_t{0}, std::size_t{2}));
-  EXPECT_EQ(views.of_drive(1), std::pair(std::size_t{2}, std::size_t{3}));
-  EXPECT_EQ(views.of_drive(2), std::pair(std::size_t{3}, std::size_t{6}));
+  EXPECT_EQ(views.of_sequence(0), std::pair(std::size_t{0}, std::size_t{2}));
+  EXPECT_EQ(views.of_sequence(1), std::pair(std::size_t{2}, std::size_t{3}));
+  EXPECT_EQ(views.of_sequence(2), std::pair(std::size_t{3}, std::size_t{6}));
 }
 
 TEST(Views, OfADriveThatIsNotThereIsEmptyAtTheEnd) {
   const Views views = views_at({{0, 0}, {0, 1}});
-  EXPECT_EQ(views.of_drive(1), std::pair(std::size_t{2}, std::size_t{2}));
-  EXPECT_EQ(Views().of_drive(0), std::pair(std::size_t{0}, std::size_t{0}));
+  EXPECT_EQ(views.of_sequence(1), std::pair(std::size_t{2}, std::size_t{2}));
+  EXPECT_EQ(Views().of_sequence(0), std::pair(std::size_t{0}, std::size_t{0}));
 }
 
 TEST(Views, GainsBringOneLightIntoAnother) {
@@ -49,11 +49,11 @@ TEST(Views, GainsBringOneLightIntoAnother) {
 TEST(Views, OfADriveAreFoundByItsNumber) {
   const Views views = views_at({{0, 0}, {0, 1}, {2, 7}, {2, 1}, {2, 2}});  // drive 1 has no pose
   using Range = std::pair<std::size_t, std::size_t>;
-  EXPECT_EQ(views.drives(), 3);
-  EXPECT_EQ(views.of_drive(0), Range(0, 2));
-  EXPECT_EQ(views.of_drive(1), Range(2, 2));
-  EXPECT_EQ(views.of_drive(2), Range(2, 5));
-  EXPECT_EQ(Views().drives(), 0);
+  EXPECT_EQ(views.sequences(), 3);
+  EXPECT_EQ(views.of_sequence(0), Range(0, 2));
+  EXPECT_EQ(views.of_sequence(1), Range(2, 2));
+  EXPECT_EQ(views.of_sequence(2), Range(2, 5));
+  EXPECT_EQ(Views().sequences(), 0);
 }
 
 TEST(NearViews, AreInOrderOfDistance) {
@@ -86,6 +86,23 @@ TEST(NearViews, OfOtherDrivesLeaveOutTheTargetsOwn) {
   EXPECT_THAT(nearest_of_other_drives(views_at({{0, 0}, {2, 7}}), 0, 2), ElementsAre(1));
   EXPECT_THAT(nearest_of_other_drives(views, 3, 1), ElementsAre(1, 6));
   EXPECT_THAT(nearest_of_other_drives(views_at({{0, 0}, {0, 1}}), 0, 4), IsEmpty());
+}
+
+TEST(NearViews, OfOtherCamerasAreThoseOfTheSameTime) {
+  constexpr std::int64_t kStep = 100;
+  Views views;
+  for (int sequence = 0; sequence < 3; ++sequence)  // the second camera is triggered later, the third is of another drive
+    for (int i = 0; i < 5; ++i) {
+      View view;
+      view.sequence = sequence;
+      view.drive = sequence == 2 ? 2 : 0;
+      view.time_ns = i * kStep + (sequence == 1 ? 40 : 0);
+      views.views.push_back(view);
+    }
+  EXPECT_THAT(of_other_cameras(views, 2, 0), ElementsAre(7));
+  EXPECT_THAT(of_other_cameras(views, 2, 1), ElementsAre(6, 7, 8));
+  EXPECT_THAT(of_other_cameras(views, 0, 9), ElementsAre(5, 6, 7, 8, 9));
+  EXPECT_THAT(of_other_cameras(views, 12, 9), IsEmpty());
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ namespace {
 
 // Views that are compared: neighbours in time, and some farther apart that keep the chain from drifting.
 constexpr std::array<std::size_t, 5> kApart{1, 2, 4, 8, 16};
-constexpr std::size_t kPlaces = 3;   // views of earlier drives, nearest in place, that one of a source drive is compared with
+constexpr std::size_t kPlaces = 3;   // views of earlier sequences, nearest in place, that one of another is compared with
 constexpr double kRadian = 10;       // metres that count as much as a radian between directions
 constexpr double kBlur = 2.5;        // px: poses are not refined yet
 constexpr int kMargin = 6;           // px round masks and saturated pixels that the blur reaches
@@ -102,9 +102,9 @@ void compare(std::size_t a, std::size_t b, const Lazy<Sightings>& seen, std::vec
   out.push_back(pair);
 }
 
-/// The views of earlier drives that look from nearest to where a view does, by place and direction.
+/// The views of earlier sequences that look from nearest to where a view does, by place and direction.
 std::vector<std::size_t> places(const Views& views, std::size_t view) {
-  return nearest_views(views, view, {0, views.of_drive(views[view].drive).first}, kPlaces, kRadian);
+  return nearest_views(views, view, {0, views.of_sequence(views[view].sequence).first}, kPlaces, kRadian);
 }
 
 std::vector<Pair> compare_all(const Views& views, const map::VisibleMap& map, const Tick& tick) {
@@ -113,7 +113,7 @@ std::vector<Pair> compare_all(const Views& views, const map::VisibleMap& map, co
   std::vector<std::vector<Pair>> of_view(views.size());
   parallel_in_order(views.size(), [&](std::size_t i) {
     for (const std::size_t apart : kApart)
-      if (apart <= i && views[i - apart].drive == views[i].drive) compare(i - apart, i, seen, of_view[i]);
+      if (apart <= i && views[i - apart].sequence == views[i].sequence) compare(i - apart, i, seen, of_view[i]);
     for (const std::size_t other : places(views, i)) compare(other, i, seen, of_view[i]);
     tick();
   });

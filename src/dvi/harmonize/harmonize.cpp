@@ -165,7 +165,7 @@ void write_receipts(const Fused& fused, const Views& views, std::size_t target, 
   for (std::size_t i = 0; i < candidates.leading.size(); ++i) {
     const sample::Candidate& source = candidates.leading[i];
     if (!source.found()) continue;
-    const bool here = views[source.view].drive == views[target].drive;
+    const bool here = views[source.view].sequence == views[target].sequence;
     out.kind(candidates.hole.pixels[i]) = static_cast<uchar>(here ? Kind::copied : Kind::copied_elsewhere);
     out.provenance(candidates.hole.pixels[i]) = {static_cast<std::uint16_t>(source.view + 1), sixteenths(source.position.x),
                                                  sixteenths(source.position.y)};

@@ -139,7 +139,11 @@ const std::vector<LabelFormat>& label_formats() {
       {"CVAT XML (for video or for images)", [](Text t) { return t.starts_with('<') && has(t, "<annotations"); },
        [](Path file, const Drive& drive) { return by_name(file, read_cvat(file, drive), drive); }},
       {"boxes.json", [](Text t) { return t.starts_with('{'); },  // after all others in JSON
-       [](Path file, const Drive& drive) { return by_name(file, {read_boxes_json(file), {}}, drive); }},
+       [](Path file, const Drive& drive) {
+         FileLabels read = by_name(file, {read_boxes_json(file), {}}, drive);
+         read.all_round = true;
+         return read;
+       }},
   };
   return formats;
 }
@@ -171,6 +175,7 @@ Gap add_labels(Drive& drive, const fs::path& file) {
         labels.push_back(std::move(label));
     }
   drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
+  drive.labelled_around = read.all_round && (drive.labelled_around || !drive.labelled);
   drive.labelled = true;
   drive.other_files.push_back(file);
   return std::move(read.after_the_last);

@@ -16,6 +16,7 @@ namespace dvi::io {
 struct FileLabels {
   FrameLabels frames;                 ///< as drive.frames
   std::vector<std::string> warnings;  ///< labels of no frame of the recording, in words that name them
+  bool all_round = false;             ///< 3D boxes of whatever stands round the vehicle, not only of what one camera sees
   Gap after_the_last;                 ///< frames behind the last one the file knows, where they are more than a twentieth
 };
 

@@ -57,26 +57,36 @@ void require_plain_names(const Drive& drive) {
   for (const ScanHeader& header : drive.scan_headers) require_plain_name(header.name, header.file, "a scan");
 }
 
-void cut(Drive& drive, const FrameRange& range) {
+// Keeps the frames that are `wanted` and the scans near them.
+void keep(Drive& drive, const std::function<bool(const Frame&)>& wanted) {
   constexpr std::int64_t kNear = 10'000'000;  // a clock's worth: the scan that a frame was taken in must stay
-  const int first = drive.frames.front().number, last = drive.frames.back().number;
-  if (range.first > range.last || range.first < first || range.last > last)
-    throw InputError(drive.path, "frames " + std::to_string(range.first) + ":" + std::to_string(range.last) + " are not in it",
-                     "it has frames " + std::to_string(first) + ":" + std::to_string(last));
-  const auto outside = [&](int number) { return number < range.first || number > range.last; };
   std::vector<Frame> frames;
   std::vector<fs::path> masks;
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
-    if (outside(drive.frames[i].number)) continue;
+    if (!wanted(drive.frames[i])) continue;
     frames.push_back(std::move(drive.frames[i]));
     if (!drive.mask_files.empty()) masks.push_back(std::move(drive.mask_files[i]));
   }
   drive.frames = std::move(frames);
   drive.mask_files = std::move(masks);
-  if (drive.frames.empty())
-    throw InputError(drive.path, "has no images for frames " + std::to_string(range.first) + ":" + std::to_string(range.last));
+  if (drive.frames.empty()) return;
   const std::int64_t begin = drive.frames.front().time_ns - kNear, end = drive.frames.back().time_ns + kNear;
   std::erase_if(drive.scan_headers, [&](const ScanHeader& header) { return header.end_ns < begin || header.start_ns > end; });
+}
+
+void cut(Drive& drive, const FrameRange& range) {
+  const int first = drive.frames.front().number, last = drive.frames.back().number;
+  if (range.first > range.last || range.first < first || range.last > last)
+    throw InputError(drive.path, "frames " + std::to_string(range.first) + ":" + std::to_string(range.last) + " are not in it",
+                     "it has frames " + std::to_string(first) + ":" + std::to_string(last));
+  keep(drive, [&](const Frame& frame) { return frame.number >= range.first && frame.number <= range.last; });
+  if (drive.frames.empty())
+    throw InputError(drive.path, "has no images for frames " + std::to_string(range.first) + ":" + std::to_string(range.last));
+}
+
+void cut(Drive& drive, const TimeSpan& span) {
+  keep(drive, [&](const Frame& frame) { return frame.time_ns >= span.first && frame.time_ns <= span.last; });
+  if (drive.frames.empty()) throw InputError(drive.path, "camera " + drive.camera_name + " took no image during these frames");
 }
 
 void warn_of_gaps(Drive& drive, const std::vector<Gap>& gaps) {
@@ -138,6 +148,7 @@ Drive read_drive(const fs::path& path, const ReadOptions& options) {
   check(drive);
   require_plain_names(drive);
   if (options.frames) cut(drive, *options.frames);
+  if (options.span) cut(drive, *options.span);
   for (const ScanHeader& header : drive.scan_headers) check_size(header.file);
   warn_of_gaps(drive, recording.gaps);
   attach_lazy_readers(recording);

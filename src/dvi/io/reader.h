@@ -13,6 +13,7 @@ namespace dvi::io {
 struct ReadOptions {
   std::string camera = {};                ///< empty: the drive's first
   std::optional<FrameRange> frames = {};  ///< cut the drive to these (frames, and the scans near them in time)
+  std::optional<TimeSpan> span = {};      ///< instead of `frames`
 };
 
 /// Something that some frames lack, in words that go before their numbers: "no scan for frames".

@@ -36,21 +36,28 @@ struct MapOptions {
   void check() const { check_ranges(*this); }
 };
 
+/// What another camera of a drive saw.
+struct MapCamera {
+  const Drive* drive = nullptr;
+  Lazy<cv::Mat1b> masks;  ///< as drive->frames
+};
+
 /// One drive as the map sees it.
 struct MapInput {
   const Drive* drive = nullptr;
   Trajectory world_from_lidar;
-  Lazy<cv::Mat1b> masks;  ///< as drive->frames
-  FrameLabels objects{};  ///< labels of what is removed, as drive->frames; empty: none
+  Lazy<cv::Mat1b> masks;                  ///< as drive->frames
+  FrameLabels objects{};                  ///< labels of what is removed, as drive->frames; empty: none
+  std::vector<MapCamera> more_cameras{};  ///< whose sight of a point counts as much
 };
 
 /// A map without points, with the bound of memory that the options ask for.
 StaticMap empty_map(const MapOptions& options);
 
 /// The static map of several drives in one world: scans are compensated for the motion within the scan; points that project
-/// into the mask of the frame nearest in time or lie in its labelled boxes are dropped (section 3.1 of the paper), the rest is
-/// thinned to one mean point a voxel; then voxels that rays of other scans went through are dropped. Streams over scans:
-/// memory grows with the area seen, up to a bound. Parts: map, carve, normals.
+/// into the mask of the frame nearest in time, unless another camera saw them unmasked, or lie in its labelled boxes are
+/// dropped (section 3.1 of the paper), the rest is thinned to one mean point a voxel; then voxels that rays of other scans went
+/// through are dropped. Streams over scans: memory grows with the area seen, up to a bound. Parts: map, carve, normals.
 StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const BeginPart& begin = no_parts);
 
 }  // namespace dvi::map

@@ -11,21 +11,34 @@ namespace {
 /// The frame a scan is judged by: the one nearest in time, if it is of this scan at all.
 struct NearestFrame {
   std::size_t frame = 0;
-  SE3 camera_from_world;
   SE3 lidar_from_world;
+  SE3 camera_from_world;
+  const Camera* camera = nullptr;
+  std::shared_ptr<const cv::Mat1b> mask;
 };
 
-std::optional<NearestFrame> nearest_frame(const ScanHeader& header, const MapInput& input) {
-  const std::vector<Frame>& frames = input.drive->frames;
+enum class Sight { none, masked, clear };
+
+Sight sight_of(const Eigen::Vector3d& point, const NearestFrame& frame) {
+  const Eigen::Vector3d in_camera = frame.camera_from_world * point;
+  if (!frame.camera->in_front(in_camera)) return Sight::none;
+  const Eigen::Vector2d pixel = frame.camera->project(in_camera);
+  if (!frame.camera->contains(pixel)) return Sight::none;
+  return (*frame.mask)(cvRound(pixel.y()), cvRound(pixel.x())) != 0 ? Sight::masked : Sight::clear;
+}
+
+std::optional<NearestFrame> nearest_frame(const ScanHeader& header, const Drive& drive, const Lazy<cv::Mat1b>& masks,
+                                          const Trajectory& world_from_lidar) {
+  const std::vector<Frame>& frames = drive.frames;
   const auto distance = [&](const Frame& f) { return std::abs(f.time_ns - header.time_ns); };
   auto nearest = std::partition_point(frames.begin(), frames.end(), [&](const Frame& f) { return f.time_ns < header.time_ns; });
   if (nearest != frames.begin() && (nearest == frames.end() || distance(*(nearest - 1)) <= distance(*nearest))) --nearest;
   if (nearest == frames.end() || distance(*nearest) > header.end_ns - header.start_ns) return std::nullopt;
-  const std::optional<SE3> pose = input.world_from_lidar.at(nearest->time_ns);
+  const std::optional<SE3> pose = world_from_lidar.at(nearest->time_ns);
   if (!pose) return std::nullopt;
   const SE3 lidar_from_world = pose->inverse();
-  return NearestFrame{static_cast<std::size_t>(nearest - frames.begin()), input.drive->camera_from_lidar * lidar_from_world,
-                      lidar_from_world};
+  const auto frame = static_cast<std::size_t>(nearest - frames.begin());
+  return NearestFrame{frame, lidar_from_world, drive.camera_from_lidar * lidar_from_world, &drive.camera, masks[frame]};
 }
 
 class Filter {
@@ -44,8 +57,11 @@ class Filter {
     }
     out.counts.scans = 1;
     if (const std::optional<SE3> middle = input_.world_from_lidar.at(header.time_ns)) out.sensor = middle->t.cast<float>();
-    const std::optional<NearestFrame> nearest = nearest_frame(header, input_);
-    const std::shared_ptr<const cv::Mat1b> mask = nearest ? input_.masks[nearest->frame] : nullptr;
+    const std::optional<NearestFrame> nearest = nearest_frame(header, *input_.drive, input_.masks, input_.world_from_lidar);
+    std::vector<NearestFrame> more;
+    for (const MapCamera& camera : input_.more_cameras)
+      if (auto frame = nearest_frame(header, *camera.drive, camera.masks, input_.world_from_lidar))
+        more.push_back(std::move(*frame));
     const double nearest_m = options_.min_range_m.value_or(input_.drive->least_range_m());
     const double farthest_m = options_.max_range_m.value_or(input_.drive->most_range_m());
     for (std::size_t i = 0; i < world.size(); ++i) {
@@ -55,7 +71,7 @@ class Filter {
       else if (nearest && boxed(*nearest, world[i]))
         drop(world[i], Cause::boxed, out.counts.boxed, out);
       else
-        judge(world[i], scan->intensity[i], nearest, mask.get(), out);
+        judge(world[i], scan->intensity[i], nearest, more, out);
     }
     return out;
   }
@@ -74,22 +90,14 @@ class Filter {
     out.removed.push_back({point.cast<float>(), cause});
   }
 
-  void judge(const Eigen::Vector3d& point, float intensity, const std::optional<NearestFrame>& nearest, const cv::Mat1b* mask,
-             FilteredScan& out) const {
-    bool seen = false;
-    if (nearest) {
-      const Camera& camera = input_.drive->camera;
-      const Eigen::Vector3d in_camera = nearest->camera_from_world * point;
-      if (camera.in_front(in_camera)) {
-        const Eigen::Vector2d pixel = camera.project(in_camera);
-        seen = camera.contains(pixel);
-        if (seen && (*mask)(cvRound(pixel.y()), cvRound(pixel.x())) != 0) {
-          drop(point, Cause::masked, out.counts.masked, out);
-          return;
-        }
-      }
-    }
-    if (!seen && options_.require_camera_visibility)
+  void judge(const Eigen::Vector3d& point, float intensity, const std::optional<NearestFrame>& nearest,
+             const std::vector<NearestFrame>& more, FilteredScan& out) const {
+    Sight sight = nearest ? sight_of(point, *nearest) : Sight::none;
+    for (const NearestFrame& other : more)
+      if (sight != Sight::clear) sight = std::max(sight, sight_of(point, other));
+    if (sight == Sight::masked)
+      drop(point, Cause::masked, out.counts.masked, out);
+    else if (sight == Sight::none && options_.require_camera_visibility)
       ++out.counts.unseen_by_camera;
     else
       out.kept.push_back({point, intensity});

@@ -18,20 +18,22 @@ struct MaskOptions {
   void describe(OptionTable& table) {
     table.section("masks");
     table.add("dilate_px", dilate_px, {0, 100}, "Radius by which masks made from labels are dilated.");
+    table.add("shadows", shadows, "Remove cast shadows and reflections on the ground with their objects.");
+    table.developer();
     table.add("box_margin_m", box_margin_m, {0, 5}, "Margin added to all sides of 3D boxes before they are projected.");
     table.add("footprint_margin_m", footprint_margin_m, {0, 5},
               "Margin of the ground below a 3D box that is masked with the object: it holds wheels and shadow.");
-    table.add("shadows", shadows, "Remove cast shadows and reflections on the ground with their objects.");
   }
   void check() const { check_ranges(*this); }
 };
 
-/// Where masks come from: the drive's own PNG files, its labels, a network that sees objects in its images, or the drive's own
-/// scans and images, in which what moves is found.
-enum class MaskSource { files, labels, detected, found };
+/// Where masks come from: the drive's own PNG files, its labels, a network that sees objects in its images, the drive's own
+/// scans and images, in which what moves is found, or the masks of the rig's first camera (carried.h).
+enum class MaskSource { files, labels, detected, found, carried };
 constexpr auto names_of(MaskSource) {
   return std::array{std::pair{MaskSource::files, "files"}, std::pair{MaskSource::labels, "labels"},
-                    std::pair{MaskSource::detected, "detector"}, std::pair{MaskSource::found, "found"}};
+                    std::pair{MaskSource::detected, "detector"}, std::pair{MaskSource::found, "found"},
+                    std::pair{MaskSource::carried, "carried"}};
 }
 
 /// What a drive offers when nobody says otherwise: mask files where there are any, else labels, else what is found.

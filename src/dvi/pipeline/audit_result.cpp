@@ -11,13 +11,16 @@
 #include "dvi/io/image_file.h"
 #include "dvi/io/poses.h"
 #include "dvi/pipeline/make_views.h"
+#include "dvi/pipeline/rig.h"
 
 namespace dvi::pipeline {
 namespace {
 
 /// A line of sources.json.
 struct ListedSource {
-  std::string drive, frame;
+  std::string drive, camera, frame;
+
+  bool of_sequence(const ListedSource& other) const { return drive == other.drive && camera == other.camera; }
   cv::Vec3f gain;
 };
 
@@ -30,7 +33,7 @@ std::vector<ListedSource> read_sources(const fs::path& file) {
     for (const nlohmann::json& s : document.at("sources")) {
       if (s.at("number").get<std::size_t>() != sources.size()) throw InputError(file, "does not number its sources in order");
       const auto gain = s.at("exposure_gain").get<std::array<float, 3>>();
-      sources.push_back({s.at("drive"), s.at("frame"), {gain[2], gain[1], gain[0]}});
+      sources.push_back({s.at("drive"), s.at("camera"), s.at("frame"), {gain[2], gain[1], gain[0]}});
     }
   } catch (const nlohmann::json::exception& e) {
     throw InputError(file, fmt::format("is not what dvi run writes: {}", e.what()));
@@ -39,24 +42,27 @@ std::vector<ListedSource> read_sources(const fs::path& file) {
   return sources;
 }
 
-/// The views of the drives as sources.json numbers them. Baselines copy from the first drive alone.
+/// The views as sources.json numbers them. Baselines copy from the first drive alone.
 Views views_of(const std::vector<ListedSource>& sources, const Recordings& drives, const Masks& masks, const fs::path& out) {
   const Views all = make_unposed_views(drives, masks);
   std::map<std::pair<int, std::string>, std::size_t> index;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const Drive& drive = drives[static_cast<std::size_t>(all[i].drive)].drive;
-    index[{all[i].drive, drive.frames[all[i].frame].name}] = i;
+    const Drive& drive = drives[static_cast<std::size_t>(all[i].sequence)].drive;
+    index[{all[i].sequence, drive.frames[all[i].frame].name}] = i;
   }
   Views views;
   std::vector<std::size_t> found;
-  std::vector<std::string> paths;  // of the drives, in the order in which the sources name them
-  for (const ListedSource& source : sources) {
-    if (paths.empty() || paths.back() != source.drive) paths.push_back(source.drive);
-    if (paths.size() > drives.size())
-      throw InputError(out, "has sources of another drive, " + source.drive, "name all its drives, the target first");
-    const auto it = index.find({static_cast<int>(paths.size()) - 1, source.frame});
+  std::size_t sequence = 0;  // sources come sequence by sequence
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const ListedSource& source = sources[i];
+    if (i > 0 && !source.of_sequence(sources[i - 1])) ++sequence;
+    while (sequence < drives.size() && drives[sequence].drive.camera_name != source.camera) ++sequence;
+    if (sequence >= drives.size())
+      throw InputError(out, fmt::format("has sources of another drive or camera, {} {}", source.drive, source.camera),
+                       "name all its drives, the target first");
+    const auto it = index.find({static_cast<int>(sequence), source.frame});
     if (it == index.end())
-      throw InputError(drives[paths.size() - 1].drive.path, "has no frame " + source.frame + ", which the result copies from",
+      throw InputError(drives[sequence].drive.path, "has no frame " + source.frame + ", which the result copies from",
                        "audit a result with the drives it was made from");
     found.push_back(it->second);
     views.views.push_back(all[it->second]);
@@ -136,17 +142,18 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   const bool detected = !job.read.detector.empty() && masks.empty();
   job.read.detector.clear();
   Recordings open = open_recordings(job, detected ? MaskNeed::optional : MaskNeed::required, progress);
+  if (!is_baseline(job.method)) open = with_other_cameras(std::move(open), job, progress);
   bool more_removed = job.options.masks.shadows;
   job.options.masks.shadows = false;
   for (Recording& recording : open)
-    if (detected || recording.masks_from == masks::MaskSource::found) {
+    if (detected || recording.masks_from == masks::MaskSource::found || recording.masks_from == masks::MaskSource::carried) {
       recording.masks_from.reset();
       more_removed = true;
     }
   Views views = views_of(sources, open, find_masks(open, poses_of(out, open, job), job, progress), out);
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < views.of_drive(0).second; ++i) names.push_back(sources[i].frame);
+  for (std::size_t i = 0; i < views.of_sequence(0).second; ++i) names.push_back(sources[i].frame);
   if (more_removed) views.masks = with_removed(views, names, out);
 
   progress.begin("audit", names.size());

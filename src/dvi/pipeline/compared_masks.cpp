@@ -20,7 +20,7 @@ struct PosedFrames {
 
   PosedFrames(const Drive& drive, const Trajectory& world_from_lidar, const Lazy<cv::Mat1b>& masks) {
     for (std::size_t i = 0; i < drive.frames.size(); ++i) {
-      const std::optional<View> view = posed_view(drive, 0, i, world_from_lidar);
+      const std::optional<View> view = posed_view(drive, i, world_from_lidar);
       view_of.push_back(view ? static_cast<int>(views.size()) : -1);
       if (view) views.views.push_back(*view);
     }

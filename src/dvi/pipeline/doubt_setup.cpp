@@ -8,9 +8,11 @@
 namespace dvi::pipeline {
 namespace {
 
-std::vector<std::string> doubts_of(const Drive& drive, const DrivePoses& poses, const DriveMasks& masks) {
+std::vector<std::string> doubts_of(const Recording& open, const DrivePoses& poses, const DriveMasks& masks) {
+  const Drive& drive = open.drive;
   const plausibility::FlowPairs pairs = plausibility::flow_pairs(drive, poses.choice.tracks, masks.images);
   std::vector<std::string> doubts = plausibility::camera_doubts(pairs, drive.camera_from_lidar);
+  if (open.rig_of) return doubts;
   if (doubts.empty()) doubts = plausibility::label_doubts(drive);
   for (const std::string& fast : plausibility::fast_motion(drive, poses.world_from_lidar)) doubts.push_back(fast);
   return doubts;
@@ -22,9 +24,8 @@ std::vector<std::string> doubt_setup(const Recordings& drives, const Poses& pose
   std::vector<std::string> warnings;
   progress.begin("camera and labels", drives.size());
   for (std::size_t i = 0; i < drives.size(); ++i) {
-    const Drive& drive = drives[i].drive;
-    for (const std::string& doubt : doubts_of(drive, poses[i], masks[i]))
-      warnings.push_back(drive.path.filename().string() + ": " + doubt);
+    for (const std::string& doubt : doubts_of(drives[i], poses[i], masks[i]))
+      warnings.push_back(name_of(drives[i]) + ": " + doubt);
     progress.advance();
   }
   progress.end();

@@ -1,6 +1,7 @@
 #include "dvi/pipeline/find_masks.h"
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <set>
@@ -12,6 +13,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/masks/motion.h"
 #include "dvi/pipeline/compared_masks.h"
+#include "dvi/pipeline/rig.h"
 #include "dvi/traffic/find_traffic.h"
 
 namespace dvi::pipeline {
@@ -28,17 +30,20 @@ FrameLabels detected_in(const Recording& open, Progress& progress) {
 
 FrameLabels objects_of(const Recording& open, const Trajectory& world_from_lidar, const Job& job, Progress& progress) {
   const Drive& drive = open.drive;
+  if (open.masks_from == masks::MaskSource::carried) return FrameLabels(drive.frames.size());
   if (open.masks_from == masks::MaskSource::detected) return detected_in(open, progress);
-  if (open.masks_from != masks::MaskSource::found)
-    return job.read.remove == Remove::moving ? masks::without_standing(drive, world_from_lidar) : drive.labels();
+  return job.read.remove == Remove::moving ? masks::without_standing(drive, world_from_lidar) : drive.labels();
+}
+
+std::vector<traffic::Track> moving_in(const Recording& open, const Trajectory& world_from_lidar, const Job& job,
+                                      Progress& progress) {
+  const Drive& drive = open.drive;
   progress.begin("traffic", drive.scan_headers.size());
-  traffic::Traffic found =
-      traffic::find_traffic(drive, world_from_lidar, traffic::Ground(drive, world_from_lidar),
-                            {job.options.map.pose_error_m, job.options.masks.footprint_margin_m}, [&] { progress.advance(); });
+  std::vector<traffic::Track> found = traffic::find_traffic(drive, world_from_lidar, traffic::Ground(drive, world_from_lidar),
+                                                            job.options.map.pose_error_m, [&] { progress.advance(); });
   progress.end();
-  if (found.tracks.empty())
-    progress.warn(drive.path.filename().string() + ": nothing moves in it, as far as its scans tell: nothing is removed");
-  return std::move(found.labels);
+  if (found.empty()) progress.warn(name_of(open) + ": nothing moves in it, as far as its scans tell: nothing is removed");
+  return found;
 }
 
 // Of nothing but the ego mask.
@@ -93,9 +98,19 @@ void warn_of_all_removed(const Recording& open, const Trajectory& world_from_lid
 
 Objects find_objects(const Recordings& drives, const Poses& poses, const Job& job, Progress& progress) {
   Objects objects;
+  std::map<std::size_t, std::vector<traffic::Track>> moving;  // by drive: its cameras share them
   for (std::size_t i = 0; i < drives.size(); ++i) {
-    if (job.read.remove == Remove::moving) warn_of_all_removed(drives[i], poses[i].world_from_lidar, progress);
-    objects.push_back(objects_of(drives[i], poses[i].world_from_lidar, job, progress));
+    const Recording& open = drives[i];
+    const Trajectory& world_from_lidar = poses[i].world_from_lidar;
+    if (job.read.remove == Remove::moving && !open.rig_of) warn_of_all_removed(open, world_from_lidar, progress);
+    if (open.masks_from != masks::MaskSource::found) {
+      objects.push_back(objects_of(open, world_from_lidar, job, progress));
+      continue;
+    }
+    const std::size_t drive = open.rig_of.value_or(i);
+    if (drive == i) moving[i] = moving_in(open, world_from_lidar, job, progress);
+    objects.push_back(
+        traffic::outlines(moving[drive], open.drive, world_from_lidar, job.options.masks.footprint_margin_m));
   }
   return objects;
 }
@@ -104,6 +119,11 @@ Masks find_masks(const Recordings& drives, const Poses& poses, const Objects& ob
   Masks masks;
   for (std::size_t i = 0; i < drives.size(); ++i) {
     const Trajectory& world_from_lidar = poses[i].world_from_lidar;
+    if (drives[i].masks_from == masks::MaskSource::carried) {
+      const std::size_t own = *drives[i].rig_of;
+      masks.push_back({carried_masks(drives[own].drive, masks[own].images, drives[i].drive, world_from_lidar), objects[i]});
+      continue;
+    }
     Lazy<cv::Mat1b> images = masks_of(drives[i], objects[i], job);
     const bool found = drives[i].masks_from == masks::MaskSource::found, shadows = job.options.masks.shadows;
     if (drives[i].masks_from && (found || shadows))

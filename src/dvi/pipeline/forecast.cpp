@@ -8,6 +8,7 @@
 #include "dvi/pipeline/make_map.h"
 #include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
+#include "dvi/pipeline/rig.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -37,7 +38,7 @@ ForecastReport forecast_holes(const Recordings& drives, const Poses& poses, cons
   const map::StaticMap map = build_map(drives, poses, masks, job.options.map, progress);
   const Drive& target = drives.front().drive;
   const int step = target.camera.width < kCoarseFrom ? 1 : 2;
-  progress.begin("forecast", views.of_drive(0).second);
+  progress.begin("forecast", views.of_sequence(0).second);
   const audit::Forecast found = audit::forecast(views, map, job.options.depth, job.options.sample, step, progress.tick());
   progress.end();
   if (!job.out.empty()) {
@@ -53,7 +54,7 @@ ForecastReport forecast_holes(const Recordings& drives, const Poses& poses, cons
 }
 
 ForecastReport forecast_holes(const Job& job, Progress& progress) {
-  const Recordings drives = open_recordings(job, MaskNeed::required, progress);
+  const Recordings drives = with_other_cameras(open_recordings(job, MaskNeed::required, progress), job, progress);
   const Poses poses = estimate_poses(drives, job, progress);
   return forecast_holes(drives, poses, find_masks(drives, poses, job, progress), job, progress);
 }

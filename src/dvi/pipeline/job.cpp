@@ -68,6 +68,8 @@ OptionTable Job::table() {
   table.add("sources", sources, "Source drives of the same street.");
   table.add("out", out, {}, "The folder of the result.");
   table.add("camera", read.camera, {}, "The camera to use; empty: the drive's first.");
+  table.add("source_cameras", read.source_cameras, {},
+            "Other cameras of the drives that lend pixels: all, none, or NAME,NAME.");
   table.add("frames", read.frames, {}, "A:B, inclusive, or A, one frame, by the drive's own numbers; empty: all.");
   table.add("masks", read.masks, "auto (the drive's mask files, else its labels), labels, a folder of PNG, or a label file.");
   table.add("polarity", read.mask_files.polarity,

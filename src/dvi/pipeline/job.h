@@ -58,6 +58,7 @@ struct ReadChoice {
   std::string ego_mask;        ///< a file: one mask for all frames of the camera; empty: none
   std::string detector;        ///< MODEL.onnx that says what to remove from all drives; empty: `masks` does
   PosesFrom poses;
+  std::string source_cameras = "all";  ///< other cameras of each drive that lend: all, none, or NAME,NAME
   Remove remove = Remove::labelled;
 };
 

@@ -8,12 +8,13 @@
 #include "dvi/core/hash.h"
 #include "dvi/core/version.h"
 #include "dvi/pipeline/find_masks.h"
+#include "dvi/pipeline/rig.h"
 
 namespace dvi::pipeline {
 namespace {
 
 // All that a case depends on.
-std::string recipe_of(Job job, const holdout::HoldoutOptions& options, const Drive& drive) {
+std::string recipe_of(Job job, const holdout::HoldoutOptions& options, const Recordings& drives) {
   job.out.clear();
   Fingerprint print;
   print.add(kVersion);
@@ -21,18 +22,19 @@ std::string recipe_of(Job job, const holdout::HoldoutOptions& options, const Dri
       fmt::format("{} {} {} {}", holdout::name(options.scenario), options.seed, options.margin_px, options.ignore_margin_px));
   const std::set<std::string> used{"lidar", "masks", "odometry"};
   print.add(job.table().dump_toml([&](const Option& option) { return used.contains(option.section); }));
-  print.add(drive.camera_name + " " + to_string(job.read.masks) + " " + to_string(job.read.poses));
+  for (const Recording& open : drives) print.add(open.drive.camera_name);
+  print.add(to_string(job.read.masks) + " " + to_string(job.read.poses));
   print.add(to_string(job.read.mask_files.polarity) + " " + job.read.mask_files.classes + " " + job.read.ego_mask);
-  add_files(print, drive);
+  for (const Recording& open : drives) add_files(print, open);
   return print.hex();
 }
 
 void make(const Job& job, const holdout::HoldoutOptions& options, bool keep, Progress& progress) {
   if (!keep) require_empty(job.out, "case");
-  const Recordings drives = open_recordings(job, MaskNeed::optional, progress);
+  const Recordings drives = with_other_cameras(open_recordings(job, MaskNeed::optional, progress), job, progress);
   const Recording& open = drives.front();
   if (!open.masks_from) progress.warn("the drive brings neither masks nor labels: its real traffic counts as street");
-  const std::string recipe = recipe_of(job, options, open.drive);
+  const std::string recipe = recipe_of(job, options, drives);
   const std::string kept = keep ? holdout::holdout_recipe(job.out) : "";
   if (kept == recipe) return;
   if (!kept.empty())
@@ -41,10 +43,12 @@ void make(const Job& job, const holdout::HoldoutOptions& options, bool keep, Pro
   const Poses poses = estimate_poses(drives, job, progress);
   const Masks masks = find_masks(drives, poses, job, progress);
   progress.begin(fmt::format("holdout {}", holdout::name(options.scenario)),
-                 open.drive.frames.size() + open.drive.scan_headers.size());
-  Drive drive = open.drive;
+                 drives.size() * open.drive.frames.size() + open.drive.scan_headers.size());
+  std::vector<holdout::HoldoutCamera> cameras;
+  for (std::size_t i = 0; i < drives.size(); ++i) cameras.push_back({drives[i].drive, masks[i].images});
+  Drive& drive = cameras.front().drive;
   for (std::size_t i = 0; i < drive.frames.size(); ++i) drive.frames[i].labels = masks.front().objects[i];
-  const holdout::Holdout holdout(drive, masks.front().images, poses.front().world_from_lidar, options);
+  const holdout::Holdout holdout(cameras, poses.front().world_from_lidar, options);
   holdout::write_holdout(holdout, job.out, recipe, progress.tick());
   progress.end();
   if (const auto stand = holdout.vehicle() ? holdout.vehicle()->stand() : std::nullopt; stand && stand->returns > 0)

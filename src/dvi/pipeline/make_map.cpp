@@ -14,8 +14,13 @@ namespace dvi::pipeline {
 map::StaticMap build_map(const Recordings& drives, const Poses& poses, const Masks& masks, const map::MapOptions& options,
                          Progress& progress) {
   std::vector<map::MapInput> inputs;
-  for (std::size_t i = 0; i < drives.size(); ++i)
-    inputs.push_back({&drives[i].drive, poses[i].world_from_lidar, masks[i].images, masks[i].objects});
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    const Drive& drive = drives[i].drive;
+    if (drives[i].rig_of)
+      inputs[*drives[i].rig_of].more_cameras.push_back({&drive, masks[i].images});
+    else
+      inputs.push_back({&drive, poses[i].world_from_lidar, masks[i].images, masks[i].objects, {}});
+  }
   map::StaticMap map = build_map(inputs, options, progress.parts());
   if (map.points.empty()) progress.warn("the map is empty: no scan left a static point, nothing can be copied");
   return map;

@@ -9,7 +9,7 @@ namespace {
 
 // Images and masks of the views. The drives' own caches hold the pixels; these only look up the right one.
 void attach_pictures(Views& views, const Recordings& drives, const Masks& masks_of_drives) {
-  const auto of = [list = views.views](std::size_t i) { return std::pair(list[i].drive, list[i].frame); };
+  const auto of = [list = views.views](std::size_t i) { return std::pair(list[i].sequence, list[i].frame); };
   std::vector<Lazy<cv::Mat3b>> images;
   std::vector<Lazy<cv::Mat1b>> masks;
   for (const Recording& open : drives) images.push_back(open.drive.images);
@@ -18,13 +18,19 @@ void attach_pictures(Views& views, const Recordings& drives, const Masks& masks_
   views.masks = Lazy<cv::Mat1b>::through(views.size(), [=](std::size_t i) { return masks[of(i).first][of(i).second]; });
 }
 
+View numbered(View view, const Recordings& drives, std::size_t sequence) {
+  view.sequence = static_cast<int>(sequence);
+  view.drive = static_cast<int>(drives[sequence].rig_of.value_or(sequence));
+  return view;
+}
+
 }  // namespace
 
-std::optional<View> posed_view(const Drive& drive, int number, std::size_t frame, const Trajectory& world_from_lidar) {
+std::optional<View> posed_view(const Drive& drive, std::size_t frame, const Trajectory& world_from_lidar) {
   const std::int64_t time = drive.frames[frame].time_ns;
   const std::optional<SE3> pose = world_from_lidar.at(time);
   if (!pose) return std::nullopt;
-  View view{number, frame, time, drive.camera, drive.camera_from_lidar * pose->inverse()};
+  View view{0, frame, time, drive.camera, drive.camera_from_lidar * pose->inverse()};
   view.sensor = drive.sensor;
   view.registered_depth = drive.registered_depth;
   return view;
@@ -35,11 +41,10 @@ Views make_views(const Recordings& drives, const Poses& poses, const Masks& mask
   for (std::size_t d = 0; d < drives.size(); ++d) {
     const Drive& drive = drives[d].drive;
     for (std::size_t i = 0; i < drive.frames.size(); ++i) {
-      if (const auto view = posed_view(drive, static_cast<int>(d), i, poses[d].world_from_lidar))
-        out.views.push_back(*view);
+      if (const auto view = posed_view(drive, i, poses[d].world_from_lidar))
+        out.views.push_back(numbered(*view, drives, d));
       else
-        progress.warn(
-            fmt::format("{}: frame {} has no pose and is left out", drive.path.filename().string(), drive.frames[i].name));
+        progress.warn(fmt::format("{}: frame {} has no pose and is left out", name_of(drives[d]), drive.frames[i].name));
     }
   }
   attach_pictures(out, drives, masks);
@@ -51,7 +56,7 @@ Views make_unposed_views(const Recordings& drives, const Masks& masks) {
   for (std::size_t d = 0; d < drives.size(); ++d) {
     const Drive& drive = drives[d].drive;
     for (std::size_t i = 0; i < drive.frames.size(); ++i)
-      out.views.push_back({static_cast<int>(d), i, drive.frames[i].time_ns, drive.camera, SE3()});
+      out.views.push_back(numbered({0, i, drive.frames[i].time_ns, drive.camera, SE3()}, drives, d));
   }
   attach_pictures(out, drives, masks);
   return out;

@@ -13,8 +13,8 @@
 
 namespace dvi::pipeline {
 
-/// The view of a frame, by its index; none where the trajectory holds no pose for its time. `number`: of the drive.
-std::optional<View> posed_view(const Drive& drive, int number, std::size_t frame, const Trajectory& world_from_lidar);
+/// The view of a frame, by its index; none where the trajectory holds no pose for its time.
+std::optional<View> posed_view(const Drive& drive, std::size_t frame, const Trajectory& world_from_lidar);
 
 /// All posed frames of all drives. Frames without a pose are left out with a warning.
 Views make_views(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress);

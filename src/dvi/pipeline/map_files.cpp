@@ -28,7 +28,7 @@ std::string tum_line(std::int64_t time_ns, const SE3& pose) {
 std::string pose_lines(const Views& views) {
   std::string text;
   for (const View& view : views.views) {
-    if (view.drive != 0) continue;
+    if (view.sequence != 0) continue;
     text += kitti_line(view.camera_from_world.inverse());
   }
   return text;
@@ -37,7 +37,7 @@ std::string pose_lines(const Views& views) {
 std::string time_lines(const Views& views) {
   std::string text;
   for (const View& view : views.views)
-    if (view.drive == 0) text += io::to_seconds(view.time_ns) + "\n";
+    if (view.sequence == 0) text += io::to_seconds(view.time_ns) + "\n";
   return text;
 }
 
@@ -45,7 +45,7 @@ using Colours = ScratchVector<cv::Vec3b>;
 
 Colours colours(const map::StaticMap& map, const Views& views) {
   Colours out(map.points.size(), kUncoloured, map.scratch());
-  const std::size_t last = views.of_drive(0).second;
+  const std::size_t last = views.of_sequence(0).second;
   const std::size_t step = std::max<std::size_t>(1, last / kColourFrames);
   for (std::size_t i = 0; i < last; i += step) {
     const auto image = views.images[i];

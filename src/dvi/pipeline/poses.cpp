@@ -17,12 +17,12 @@ Trajectory given_in_target_scale(const Drive& target, const Drive& drive) {
 }
 
 void require_poses(const Recordings& drives, const std::vector<PoseChoice>& choices) {
-  for (std::size_t i = 0; i < drives.size(); ++i) {
+  for (std::size_t i = 0; i < choices.size(); ++i) {
     const Drive& drive = drives[i].drive;
-    if (chosen(drive, choices[i]).empty() || (drive.poses.empty() && drives.size() > 1))
+    if (chosen(drive, choices[i]).empty() || (drive.poses.empty() && choices.size() > 1))
       throw InputError(drive.path, "has no poses",
                        "give --poses FILE (docs/formats.md says which files)" +
-                           std::string(drives.size() > 1 ? "; drives can share a world by given poses only" : ""));
+                           std::string(choices.size() > 1 ? "; drives can share a world by given poses only" : ""));
   }
 }
 
@@ -37,7 +37,7 @@ Poses in_one_world(const Recordings& drives, std::vector<PoseChoice> choices) {
   require_poses(drives, choices);
   const Drive& target = drives.front().drive;
   Poses poses;
-  for (std::size_t i = 0; i < drives.size(); ++i) {
+  for (std::size_t i = 0; i < choices.size(); ++i) {
     const Trajectory given = given_in_target_scale(target, drives[i].drive);
     const bool loam = choices[i].from == PoseOrigin::loam;
     Trajectory trajectory = loam ? laid_onto(given, choices[i].odometry->world_from_lidar) : given;
@@ -47,12 +47,15 @@ Poses in_one_world(const Recordings& drives, std::vector<PoseChoice> choices) {
   const std::int64_t start = target.scan_headers.empty() ? target.frames.front().time_ns : target.scan_headers.front().time_ns;
   const SE3 target_from_world = first.at(start).value_or(first.poses().front().world_from_body).inverse();
   for (DrivePoses& drive : poses) drive.world_from_lidar = drive.world_from_lidar.in(target_from_world);
+  for (const Recording& open : drives)
+    if (open.rig_of) poses.push_back(poses[*open.rig_of]);
   return poses;
 }
 
 Poses estimate_poses(const Recordings& drives, const Job& job, Progress& progress) {
   std::vector<PoseChoice> choices;
   for (const Recording& open : drives) {
+    if (open.rig_of) continue;
     const bool is_target = choices.empty();
     choices.push_back(choose_poses(open.drive, is_target ? job.read.poses : PosesFrom(), job.options.odometry, progress));
   }

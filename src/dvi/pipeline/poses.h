@@ -21,7 +21,8 @@ using Poses = std::vector<DrivePoses>;
 /// makes the sharper map, for source drives. InputError where a drive has none, or no frame of the target has one.
 Poses estimate_poses(const Recordings& drives, const Job& job, Progress& progress);
 
-/// The poses that each choice names, brought into the world of the target's first LiDAR pose. InputError where there are none.
+/// The poses that each drive's choice names, brought into the world of the target's first LiDAR pose. InputError where there
+/// are none.
 Poses in_one_world(const Recordings& drives, std::vector<PoseChoice> choices);
 
 /// The given poses, each drive in its own world; empty where none are given.

@@ -41,6 +41,7 @@ std::optional<masks::MaskSource> resolve_masks(Drive& drive, const MasksFrom& fr
   if (const io::Gap& gap = read.after_the_last; !gap.frames.empty())
     drive.warnings.push_back(gap.what + " " + io::ranges(gap.frames));
   drive.labelled = true;
+  drive.labelled_around = read.all_round;
   drive.other_files.emplace_back(from.path);
   return masks::MaskSource::labels;
 }
@@ -146,6 +147,10 @@ Recording open_with(const fs::path& path, const ReadChoice& choice, const std::s
 
 }  // namespace
 
+std::string name_of(const Recording& open) {
+  return open.drive.path.filename().string() + (open.rig_of ? " " + open.drive.camera_name : "");
+}
+
 std::string mask_source(const Recording& open) { return open.masks_from ? to_string(*open.masks_from) : "none"; }
 
 Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNeed need, Progress& progress) {
@@ -182,15 +187,16 @@ Recordings open_images(const Job& job, Progress& progress) {
 
 std::vector<std::string> verify(const Recordings& drives, const Job& job, Progress& progress) {
   std::size_t count = 0;
-  for (const Recording& open : drives) count += open.drive.frames.size() + open.drive.scan_headers.size();
+  const auto scans_of = [](const Recording& open) { return open.rig_of ? 0 : open.drive.scan_headers.size(); };
+  for (const Recording& open : drives) count += open.drive.frames.size() + scans_of(open);
   progress.begin("read", count);
   std::vector<std::string> warnings;
   for (const Recording& open : drives) {
     const std::size_t frames = open.drive.frames.size();
     const UsedRange range = used_range(open.drive, job.options.map);
     // The first error in order, whichever thread meets one first.
-    std::vector<std::exception_ptr> errors(frames + open.drive.scan_headers.size());
-    std::vector<Returns> returns(open.drive.scan_headers.size());
+    std::vector<std::exception_ptr> errors(frames + scans_of(open));
+    std::vector<Returns> returns(scans_of(open));
     parallel_for(errors.size(), [&](std::size_t i) {
       try {
         if (i < frames) {
@@ -206,18 +212,19 @@ std::vector<std::string> verify(const Recordings& drives, const Job& job, Progre
     });
     for (const std::exception_ptr& error : errors)
       if (error) std::rethrow_exception(error);
-    if (const auto warning = range_warning(returns, range))
-      warnings.push_back(open.drive.path.filename().string() + ": " + *warning);
+    if (const auto warning = range_warning(returns, range)) warnings.push_back(name_of(open) + ": " + *warning);
   }
   progress.end();
   for (const std::string& warning : warnings) progress.warn(warning);
   return warnings;
 }
 
-void add_files(Fingerprint& print, const Drive& drive) {
+void add_files(Fingerprint& print, const Recording& open) {
+  const Drive& drive = open.drive;
   std::vector<fs::path> files;
   for (const Frame& frame : drive.frames) files.push_back(frame.file);
-  for (const ScanHeader& header : drive.scan_headers) files.push_back(header.file);
+  if (!open.rig_of)
+    for (const ScanHeader& header : drive.scan_headers) files.push_back(header.file);
   files.insert(files.end(), drive.mask_files.begin(), drive.mask_files.end());
   files.insert(files.end(), drive.other_files.begin(), drive.other_files.end());
   std::vector<std::string> hashes(files.size());

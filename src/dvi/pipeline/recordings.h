@@ -14,18 +14,23 @@
 
 namespace dvi::pipeline {
 
-/// A drive as it was opened: its data on demand, its poses as given, nothing estimated yet.
+/// A drive as one of its cameras saw it, as it was opened: its data on demand, its poses as given, nothing estimated yet.
 struct Recording {
   Drive drive;
   std::optional<masks::MaskSource> masks_from = {};       ///< none: nothing says what to remove, so nothing is
   std::shared_ptr<const detect::Detector> detector = {};  ///< where they are detected
   cv::Mat1b ego_mask = {};                                ///< removed in all frames, 255; empty: none
+  /// Of another camera of a drive: the number of that drive's own recording, whose scans, poses and moving objects it shares.
+  std::optional<std::size_t> rig_of = {};
 };
+
+/// The name of its folder, and that of the camera where it is not the drive's own.
+std::string name_of(const Recording& open);
 
 /// files, labels, detector, found or none, for a person.
 std::string mask_source(const Recording& open);
 
-/// The target first, then the source drives.
+/// The target first, then the source drives, then other cameras of these (rig.h).
 using Recordings = std::vector<Recording>;
 
 /// Whether masks are needed. required: of a drive with neither masks nor labels, what moves is found in its scans; InputError
@@ -36,8 +41,8 @@ enum class MaskNeed { required, wanted, optional };
 /// Opens one drive as `source` says; warnings go to `progress`.
 Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNeed need, Progress& progress);
 
-/// Opens the target and the source drives. Ranges of frames, masks and poses given by hand are the target's; a detector is for
-/// all. Where the target's masks are required, those of source drives are wanted. The ego mask also
+/// Opens the target and the source drives, each with one camera. Ranges of frames, masks and poses given by hand are the
+/// target's; a detector is for all. Where the target's masks are required, those of source drives are wanted. The ego mask also
 /// holds for source drives whose camera has the name and size of the target's.
 Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress);
 
@@ -49,8 +54,8 @@ Recordings open_images(const Job& job, Progress& progress);
 /// Warns, and returns the warnings, where the job's range of the LiDAR leaves out more than a tenth of a drive's returns.
 std::vector<std::string> verify(const Recordings& drives, const Job& job, Progress& progress);
 
-/// Adds the name of the drive, and name and content of every file that it is read from, wherever they lie. InputError where one
+/// Adds the name of the drive, and name and content of every file that is read of it, wherever they lie. InputError where one
 /// cannot be read.
-void add_files(Fingerprint& print, const Drive& drive);
+void add_files(Fingerprint& print, const Recording& open);
 
 }  // namespace dvi::pipeline

@@ -18,14 +18,17 @@ exposure::Gains estimate_exposure(const Views& views, const map::VisibleMap& map
   progress.warn(
       fmt::format("exposure: {} of {} frames (first: {}) show too few points of the map in common with others; their "
                   "light is taken as it is",
-                  alone, views.size(), drives[static_cast<std::size_t>(first.drive)].drive.frames[first.frame].name));
+                  alone, views.size(), drives[static_cast<std::size_t>(first.sequence)].drive.frames[first.frame].name));
   return gains;
 }
 
-align::Cameras align(const Views& views, const map::VisibleMap& map, const Options& options, Progress& progress) {
+align::Cameras align(const Views& views, const map::VisibleMap& map, const Recordings& drives, const Options& options,
+                     Progress& progress) {
   progress.begin("align", align::align_steps(views, options.align));
   align::Cameras cameras = align::align(views, map, options.align, progress.tick());
-  for (const std::string& warning : cameras.warnings) progress.warn(warning);
+  for (std::size_t i = 0; i < cameras.sequences.size(); ++i)
+    for (const std::string& warning : cameras.sequences[i].warnings)
+      progress.warn(fmt::format("align: {}: {}", name_of(drives[i]), warning));
   return cameras;
 }
 

@@ -13,6 +13,7 @@ exposure::Gains estimate_exposure(const Views& views, const map::VisibleMap& map
                                   const Options& options, Progress& progress);
 
 /// align with progress and its warnings.
-align::Cameras align(const Views& views, const map::VisibleMap& map, const Options& options, Progress& progress);
+align::Cameras align(const Views& views, const map::VisibleMap& map, const Recordings& drives, const Options& options,
+                     Progress& progress);
 
 }  // namespace dvi::pipeline

@@ -55,17 +55,30 @@ FrameReport frame_report(const Frame& frame, const FilledView& view, const align
 
 MapReport map_report(const map::StaticMap& map) { return {map.points.size(), map.counts}; }
 
-DriveReport drive_report(const Drive& drive, const PoseChoice& poses, const align::DriveAlignment* alignment) {
-  DriveReport out{.path = fs::absolute(drive.path).lexically_normal().string(),
-                  .format = drive.format,
-                  .camera = drive.camera_name,
-                  .frames = drive.frames.size(),
-                  .scans = drive.scan_headers.size(),
-                  .poses = poses_report(drive, poses),
-                  .alignment = {},
-                  .warnings = drive.warnings};
-  if (alignment != nullptr) out.alignment = DriveAlignmentReport{alignment->kept, in_degrees(alignment->mounting)};
-  return out;
+std::vector<DriveReport> drive_reports(const Recordings& drives, const Poses& poses, const align::Cameras& cameras) {
+  const auto alignment = [&](std::size_t sequence) -> std::optional<DriveAlignmentReport> {
+    if (sequence >= cameras.sequences.size()) return std::nullopt;
+    const align::SequenceAlignment& found = cameras.sequences[sequence];
+    return DriveAlignmentReport{found.kept, in_degrees(found.mounting)};
+  };
+  std::vector<DriveReport> reports;
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    const Drive& drive = drives[i].drive;
+    if (drives[i].rig_of)
+      reports[*drives[i].rig_of].other_cameras.push_back(
+          {drive.camera_name, mask_source(drives[i]), drive.frames.size(), alignment(i), drive.warnings});
+    else
+      reports.push_back({.path = fs::absolute(drive.path).lexically_normal().string(),
+                         .format = drive.format,
+                         .camera = drive.camera_name,
+                         .frames = drive.frames.size(),
+                         .scans = drive.scan_headers.size(),
+                         .poses = poses_report(drive, poses[i].choice),
+                         .alignment = alignment(i),
+                         .warnings = drive.warnings,
+                         .other_cameras = {}});
+  }
+  return reports;
 }
 
 CostReport cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames_made) {
@@ -75,7 +88,7 @@ CostReport cost_report(const Progress& progress, const CpuClock& clock, std::siz
 std::string RunReport::brief(const std::string& out) const {
   const HoleParts share = hole.share();
   std::string text = fmt::format("{} frames, {} hole pixels: {:.1f} % copied", frames.size(), hole.pixels, 100 * share.copied);
-  if (share.copied_elsewhere > 0) text += fmt::format(", {:.1f} % from other drives", 100 * share.copied_elsewhere);
+  if (share.copied_elsewhere > 0) text += fmt::format(", {:.1f} % from other cameras or drives", 100 * share.copied_elsewhere);
   text += fmt::format(", {:.1f} % never seen", 100 * share.never_seen);
   const auto part = [&] { return static_cast<double>(standing->pixels) / static_cast<double>(hole.pixels); };
   if (standing && hole.pixels > 0 && part() > 0.5)

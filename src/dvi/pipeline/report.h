@@ -51,12 +51,21 @@ struct DriveAlignmentReport {
   std::array<double, 3> mounting_deg{};
 };
 
+/// Another camera of a drive, which lends.
+struct CameraReport {
+  std::string camera, masks;  ///< its name; what tells its traffic
+  std::size_t frames = 0;
+  std::optional<DriveAlignmentReport> alignment;
+  std::vector<std::string> warnings;
+};
+
 struct DriveReport {
   std::string path, format, camera;
   std::size_t frames = 0, scans = 0;
   PosesReport poses;
   std::optional<DriveAlignmentReport> alignment;
   std::vector<std::string> warnings;
+  std::vector<CameraReport> other_cameras;
 };
 
 struct MapReport {
@@ -89,7 +98,8 @@ struct RunReport {
 
 FrameReport frame_report(const Frame& frame, const FilledView& view, const align::ViewAlignment& alignment);
 MapReport map_report(const map::StaticMap& map);
-DriveReport drive_report(const Drive& drive, const PoseChoice& poses, const align::DriveAlignment* alignment);
+/// One entry a drive, with its other cameras.
+std::vector<DriveReport> drive_reports(const Recordings& drives, const Poses& poses, const align::Cameras& cameras);
 
 /// What a run cost so far.
 CostReport cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames_made);

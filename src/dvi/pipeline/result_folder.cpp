@@ -45,7 +45,7 @@ std::string identity_of(const Recordings& drives) {
 std::string content_of(const Recordings& drives) {
   Fingerprint print;
   print.add(read_file("/proc/self/exe"));  // another build may make other pixels
-  for (const Recording& open : drives) add_files(print, open.drive);
+  for (const Recording& open : drives) add_files(print, open);
   return print.hex();
 }
 
@@ -81,7 +81,7 @@ std::string stages_fingerprint_of(Job job, const std::string& content) {
 nlohmann::json sources_json(const Views& views, const Recordings& drives) {
   nlohmann::json sources = nlohmann::json::array();
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const Drive& drive = drives[static_cast<std::size_t>(views[i].drive)].drive;
+    const Drive& drive = drives[static_cast<std::size_t>(views[i].sequence)].drive;
     const Frame& frame = drive.frames[views[i].frame];
     const cv::Vec3f& gain = views[i].gain;
     sources.push_back({{"number", i},
@@ -240,7 +240,7 @@ std::string ResultFolder::frame_name(const Views& views, std::size_t view) const
 }
 
 std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progress& progress) {
-  const std::size_t count = views.of_drive(0).second;
+  const std::size_t count = views.of_sequence(0).second;
   for (std::size_t i = 0; i < count; ++i) names_.push_back(frame_name(views, i));
   std::vector<char> finished(count), stale(count);
   parallel_for(count, [&](std::size_t i) {
@@ -296,11 +296,7 @@ RunReport ResultFolder::report(const RunResults& results, const Progress& progre
   report.version = kVersion;
   report.method = to_string(job_.method);
   report.baseline = is_baseline(job_.method);
-  for (std::size_t i = 0; i < drives_.size(); ++i) {
-    const bool aligned = i < results.cameras.drives.size();
-    report.drives.push_back(
-        drive_report(drives_[i].drive, results.poses[i].choice, aligned ? &results.cameras.drives[i] : nullptr));
-  }
+  report.drives = drive_reports(drives_, results.poses, results.cameras);
   for (const std::string& name : names_) {
     const std::optional<Record> record = read_record(this->record(name));
     if (!record || !record->frame)

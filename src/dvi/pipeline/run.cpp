@@ -8,6 +8,7 @@
 #include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/refine.h"
 #include "dvi/pipeline/result_folder.h"
+#include "dvi/pipeline/rig.h"
 #include "dvi/pipeline/run_baseline.h"
 #include "dvi/pipeline/smoothed_frames.h"
 #include "dvi/pipeline/stage_fields.h"  // IWYU pragma: keep
@@ -26,7 +27,7 @@ RunReport run(const Job& job, Progress& progress) {
   require_usable_folder(job.out, job.force);
   if (is_baseline(job.method)) return run_baseline(job, progress);
   const Options& options = job.options;
-  const Recordings drives = open_recordings(job, MaskNeed::required, progress);
+  const Recordings drives = with_other_cameras(open_recordings(job, MaskNeed::required, progress), job, progress);
   ResultFolder out(job, drives);
   if (const std::optional<RunReport> finished = out.finished_report(progress)) return *finished;
   out.claim();
@@ -46,7 +47,7 @@ RunReport run(const Job& job, Progress& progress) {
   const Views posed = make_views(drives, poses, masks, progress);
   const VisibleMap visible(map, posed);
   const Gains gains = kept("exposure", [&] { return estimate_exposure(posed, visible, drives, options, progress); });
-  const Cameras cameras = kept("alignment", [&] { return align(posed, visible, options, progress); });  // 3.2, eq. 1
+  const Cameras cameras = kept("alignment", [&] { return align(posed, visible, drives, options, progress); });  // 3.2, eq. 1
   const Views views = refined(posed, gains, cameras);
 
   CpuClock cpu;
@@ -66,7 +67,7 @@ RunReport run(const Job& job, Progress& progress) {
   const std::vector<std::size_t> missing = out.missing_frames(views, progress);
   progress.begin("fill", missing.size());
   for_each_smoothed(
-      missing, views.of_drive(0).second,
+      missing, views.of_sequence(0).second,
       {.fill = fill, .smoothing = smoothing(options.smooth, cpu), .write = out.writer(views, cameras, cpu, progress)});
   return out.complete({.views = views, .map = &map, .poses = poses, .cameras = cameras, .cpu = cpu}, progress);
 }

@@ -34,7 +34,7 @@ RunReport run_baseline(const Job& job, Progress& progress) {
   CpuClock cpu;
   const std::vector<std::size_t> missing = out.missing_frames(views, progress);
   progress.begin("fill", missing.size());
-  for_each_smoothed(missing, views.of_drive(0).second,
+  for_each_smoothed(missing, views.of_sequence(0).second,
                     {.fill = filler_of(job, views, cpu),
                      .smoothing = smoothing(job.options.smooth, cpu),
                      .write = out.writer(views, cameras, cpu, progress)});

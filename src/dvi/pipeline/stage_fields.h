@@ -95,12 +95,13 @@ constexpr auto fields_of(Of<align::ViewAlignment>) {
   return std::tuple{&ViewAlignment::rotation, &ViewAlignment::offset_before_px, &ViewAlignment::offset_after_px,
                     &ViewAlignment::points};
 }
-constexpr auto fields_of(Of<align::DriveAlignment>) {
-  return std::tuple{&align::DriveAlignment::kept, &align::DriveAlignment::mounting};
+constexpr auto fields_of(Of<align::SequenceAlignment>) {
+  using align::SequenceAlignment;
+  return std::tuple{&SequenceAlignment::kept, &SequenceAlignment::mounting, &SequenceAlignment::warnings};
 }
 constexpr auto fields_of(Of<align::Cameras>) {
   using align::Cameras;
-  return std::tuple{&Cameras::camera_from_world, &Cameras::views, &Cameras::drives, &Cameras::warnings};
+  return std::tuple{&Cameras::camera_from_world, &Cameras::views, &Cameras::sequences};
 }
 
 }  // namespace dvi::pipeline

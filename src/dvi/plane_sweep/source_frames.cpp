@@ -7,16 +7,18 @@
 namespace dvi::plane_sweep {
 namespace {
 
+constexpr std::size_t kOfOtherCameras = 1;  // steps each way: the parallax is between the cameras
 constexpr std::size_t kOfOtherDrives = 4;
 
 // Steps in time grow: near frames are alike, far ones bring parallax.
 std::vector<std::size_t> pool(const Views& views, std::size_t target, int reach_frames) {
-  const auto [first, last] = views.of_drive(views[target].drive);
+  const auto [first, last] = views.of_sequence(views[target].sequence);
   std::vector<std::size_t> out;
   for (std::size_t d = 1; d <= static_cast<std::size_t>(reach_frames); d += std::max<std::size_t>(1, d / 3)) {
     if (target + d < last) out.push_back(target + d);
     if (target >= first + d) out.push_back(target - d);
   }
+  for (const std::size_t view : of_other_cameras(views, target, kOfOtherCameras)) out.push_back(view);
   for (const std::size_t view : nearest_of_other_drives(views, target, kOfOtherDrives)) out.push_back(view);
   return out;
 }

@@ -123,10 +123,11 @@ class Ranking {
 
 std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames, bool scored) {
   const std::size_t reach = reach_frames > 0 ? static_cast<std::size_t>(reach_frames) : views.size();
-  const auto [first, last] = views.of_drive(views[target].drive);
+  const auto [first, last] = views.of_sequence(views[target].sequence);
   std::vector<std::size_t> order;
   for (std::size_t i = target + 1; i < std::min(last, target + 1 + reach); ++i) order.push_back(i);
   for (std::size_t i = target; i-- > std::max(first, target - std::min(target, reach));) order.push_back(i);
+  for (const std::size_t i : of_other_cameras(views, target, reach)) order.push_back(i);
   const auto seconds = [&](std::size_t i) { return seconds_between(views[i], views[target]); };
   if (scored)
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seconds(a) < seconds(b); });

@@ -48,14 +48,23 @@ TEST(Sample, TakesTheNextFrameAtTheWarpedPosition) {
 
 TEST(Sample, SearchesForwardsThenBackwardsThenOtherDrives) {
   FlatScene scene = drive_of({1, 2, 3, 4});
-  scene.views[4].drive = 1;
+  scene.views[4].sequence = scene.views[4].drive = 1;
   EXPECT_EQ(search_order(scene.lazy(), 2, 0, false), (std::vector<std::size_t>{3, 1, 0, 4}));
   EXPECT_EQ(search_order(scene.lazy(), 2, 1, false), (std::vector<std::size_t>{3, 1, 4}));
 }
 
+TEST(Sample, SearchesOtherCamerasOfTheDriveByTime) {
+  FlatScene scene = drive_of({1, 2, 3, 4});
+  scene.views[3].sequence = scene.views[4].sequence = 1;
+  scene.views[3].time_ns = scene.views[1].time_ns + 1;
+  scene.views[4].time_ns = scene.views[2].time_ns + 1;
+  EXPECT_EQ(search_order(scene.lazy(), 0, 0, true), (std::vector<std::size_t>{1, 3, 2, 4}));
+  EXPECT_EQ(search_order(scene.lazy(), 0, 1, true), (std::vector<std::size_t>{1, 3})) << "as far as its own frames";
+}
+
 TEST(Sample, RankedSearchGoesOutwardsInTime) {
   FlatScene scene = drive_of({1, 2, 3, 4});
-  scene.views[4].drive = 1;
+  scene.views[4].sequence = scene.views[4].drive = 1;
   EXPECT_EQ(search_order(scene.lazy(), 1, 0, true), (std::vector<std::size_t>{2, 0, 3, 4}));
   const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
   ASSERT_EQ(c.extra_per_pixel, 2);

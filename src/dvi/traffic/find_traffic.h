@@ -7,21 +7,14 @@
 
 namespace dvi::traffic {
 
-/// What moves in a drive.
-struct Traffic {
-  std::vector<Track> tracks;
-  FrameLabels labels;  ///< as the drive's frames; track: its index in `tracks`
-};
+/// Finds moving objects without labels: returns where other scans saw free space, grouped, tracked over time. One tick a
+/// scan.
+std::vector<Track> find_traffic(const Drive& drive, const Trajectory& world_from_lidar, const Ground& ground,
+                                double pose_error_m, const Tick& tick);
 
-/// What allowances are made for, in metres.
-struct Allowances {
-  double pose_error_m;  ///< of poses between scans, across a ray
-  double footprint_m;   ///< of ground round an object: its wheels, and the darkest of its shadow
-};
-
-/// Finds moving objects without labels: returns where other scans saw free space, grouped, tracked over time, and their
-/// outlines in the images. One tick a scan.
-Traffic find_traffic(const Drive& drive, const Trajectory& world_from_lidar, const Ground& ground, const Allowances& allowances,
-                     const Tick& tick);
+/// The outlines of tracks in the images of a drive, as its frames; track: its index in `tracks`. `footprint_m`: ground round an
+/// object that belongs to it, its wheels and the darkest of its shadow, metres.
+FrameLabels outlines(const std::vector<Track>& tracks, const Drive& drive, const Trajectory& world_from_lidar,
+                     double footprint_m);
 
 }  // namespace dvi::traffic

@@ -44,16 +44,17 @@ cv::Mat1b drawn(const std::vector<Label>& labels, cv::Size size) {
 
 TEST(Traffic, FindsWhatMovesAndNothingThatStands) {
   const Street street(14);
-  const Traffic traffic =
-      find_traffic(street.drive, street.drive.poses, Ground(street.drive, street.drive.poses), {0.05, 0.3}, [] {});
-  ASSERT_EQ(traffic.labels.size(), street.drive.frames.size());
+  const std::vector<Track> tracks =
+      find_traffic(street.drive, street.drive.poses, Ground(street.drive, street.drive.poses), 0.05, [] {});
+  const FrameLabels labels = outlines(tracks, street.drive, street.drive.poses, 0.3);
+  ASSERT_EQ(labels.size(), street.drive.frames.size());
   double covered = 0, all = 0;
-  for (std::size_t i = 0; i < traffic.labels.size(); ++i) {
+  for (std::size_t i = 0; i < labels.size(); ++i) {
     const synth::SynthFrame truth = street.scene->render(static_cast<int>(i));
-    const cv::Mat1b found = drawn(traffic.labels[i], truth.dynamic.size());
+    const cv::Mat1b found = drawn(labels[i], truth.dynamic.size());
     covered += cv::countNonZero(grown(found, 3) & truth.dynamic);
     all += cv::countNonZero(truth.dynamic);
-    for (const Label& label : traffic.labels[i]) {
+    for (const Label& label : labels[i]) {
       const cv::Mat1b own = drawn({label}, truth.dynamic.size());
       EXPECT_GT(cv::countNonZero(own & grown(truth.dynamic, 3)), cv::countNonZero(own) / 3)
           << "frame " << i << " track " << label.track;
@@ -68,10 +69,10 @@ TEST(Traffic, FindsWhatMovesAndNothingThatStands) {
 TEST(Traffic, OneScanOrNoPoseFindsNothing) {
   const Street street(1);
   const Ground ground(street.drive, street.drive.poses);
-  EXPECT_TRUE(find_traffic(street.drive, street.drive.poses, ground, {0.05, 0.3}, [] {}).tracks.empty());
-  const Traffic unposed = find_traffic(street.drive, Trajectory(), Ground(street.drive, Trajectory()), {0.05, 0.3}, [] {});
-  EXPECT_TRUE(unposed.tracks.empty());
-  EXPECT_EQ(unposed.labels.size(), 1U);
+  EXPECT_TRUE(find_traffic(street.drive, street.drive.poses, ground, 0.05, [] {}).empty());
+  const std::vector<Track> unposed = find_traffic(street.drive, Trajectory(), Ground(street.drive, Trajectory()), 0.05, [] {});
+  EXPECT_TRUE(unposed.empty());
+  EXPECT_EQ(outlines(unposed, street.drive, Trajectory(), 0.3).size(), 1U);
 }
 
 TEST(GroundOfADrive, FollowsSlopesAndIgnoresWhatMirrorsShowBelow) {

@@ -1,0 +1,159 @@
+#include "dvi/pipeline/rig.h"
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "dvi/core/error.h"
+#include "dvi/drive/deskew.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/mask_folder.h"
+#include "dvi/io/mask_reading.h"
+#include "dvi/masks/carried.h"
+
+namespace dvi::pipeline {
+namespace {
+
+constexpr std::int64_t kTogether = 20'000'000;  // ns between images of one time: traffic at 15 m/s goes .3 m
+
+// None: whichever there are.
+std::optional<std::set<std::string>> cameras_asked_for(const std::string& text) {
+  if (text == "all" || text.empty()) return std::nullopt;
+  std::set<std::string> names;
+  if (text == "none") return names;
+  std::istringstream list(text);
+  for (std::string name; std::getline(list, name, ',');)
+    if (!name.empty()) names.insert(name);
+  return names;
+}
+
+void require_there(const std::optional<std::set<std::string>>& asked, const Recordings& drives) {
+  if (!asked) return;
+  for (const std::string& name : *asked) {
+    const auto has = [&](const Recording& open) {
+      const auto& names = open.drive.camera_names;
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    if (std::none_of(drives.begin(), drives.end(), has))
+      throw UsageError(
+          fmt::format("--sources {}: there are all, none, {}", name, fmt::join(drives.front().drive.camera_names, ", ")));
+  }
+}
+
+TimeSpan span_of(const Drive& drive) {
+  return {drive.frames.front().time_ns - kTogether, drive.frames.back().time_ns + kTogether};
+}
+
+bool is_grey(const Drive& drive) {
+  const cv::Mat picture = io::read_unchanged(drive.frames.front().file, cv::Size(drive.camera.width, drive.camera.height));
+  return picture.channels() == 1;
+}
+
+// What tells this camera's traffic; sets its mask files.
+std::optional<masks::MaskSource> masks_of(Drive& drive, const Recording& own, const ReadChoice& choice) {
+  if (!own.masks_from) return std::nullopt;
+  const MasksFrom from = own.rig_of || choice.is_source ? MasksFrom() : choice.masks;
+  const fs::path folder = fs::path(from.path) / "masks" / drive.camera_name;
+  if (from.kind == MasksFrom::Kind::path && fs::is_directory(folder)) io::attach_masks(drive, from.path);
+  if (!drive.masks.empty() && (from.kind != MasksFrom::Kind::path || fs::is_directory(folder))) {
+    io::read_masks(drive, choice.mask_files);
+    return masks::MaskSource::files;
+  }
+  if (own.masks_from == masks::MaskSource::found) return masks::MaskSource::found;
+  if (own.masks_from == masks::MaskSource::labels && own.drive.labelled_around) return masks::MaskSource::labels;
+  return masks::MaskSource::carried;
+}
+
+// Labels that hold all round are those of the frame that was taken at the same time.
+void share_labels(const Drive& from, Drive& to) {
+  for (Frame& frame : to.frames) {
+    const auto nearest = std::min_element(from.frames.begin(), from.frames.end(), [&](const Frame& a, const Frame& b) {
+      return std::abs(a.time_ns - frame.time_ns) < std::abs(b.time_ns - frame.time_ns);
+    });
+    frame.labels = nearest->labels;
+  }
+  to.labelled = to.labelled_around = true;
+}
+
+Recording open_camera(const Recordings& drives, std::size_t number, const std::string& camera, const ReadChoice& choice) {
+  const Recording& own = drives[number];
+  io::ReadOptions read;
+  read.camera = camera;
+  read.span = span_of(own.drive);
+  Recording open{io::read_drive(own.drive.path, read)};
+  Drive& drive = open.drive;
+  drive.scan_headers = own.drive.scan_headers;
+  drive.scans = own.drive.scans;
+  drive.poses = own.drive.poses;
+  std::erase_if(drive.warnings, [&](const std::string& warning) {  // of scans, poses and labels
+    return std::find(own.drive.warnings.begin(), own.drive.warnings.end(), warning) != own.drive.warnings.end();
+  });
+  open.rig_of = number;
+  open.masks_from = masks_of(drive, own, choice);
+  if (open.masks_from == masks::MaskSource::labels) share_labels(own.drive, drive);
+  return open;
+}
+
+const Frame* together_with(const Frame& frame, const Drive& drive) {
+  const auto apart = [&](const Frame& other) { return std::abs(other.time_ns - frame.time_ns); };
+  const auto nearest = std::min_element(drive.frames.begin(), drive.frames.end(),
+                                        [&](const Frame& a, const Frame& b) { return apart(a) < apart(b); });
+  return nearest == drive.frames.end() || apart(*nearest) > kTogether ? nullptr : &*nearest;
+}
+
+// The returns of the scan nearest to a time, world axes.
+std::vector<Eigen::Vector3d> returns_near(const Drive& drive, std::int64_t time_ns, const Trajectory& world_from_lidar) {
+  const auto apart = [&](const ScanHeader& header) { return std::abs(header.time_ns - time_ns); };
+  const auto nearest = std::min_element(drive.scan_headers.begin(), drive.scan_headers.end(),
+                                        [&](const ScanHeader& a, const ScanHeader& b) { return apart(a) < apart(b); });
+  if (nearest == drive.scan_headers.end() || time_ns < nearest->start_ns - kTogether || time_ns > nearest->end_ns + kTogether)
+    return {};
+  return to_world(*drive.scans[static_cast<std::size_t>(nearest - drive.scan_headers.begin())], *nearest, world_from_lidar);
+}
+
+}  // namespace
+
+Recordings with_other_cameras(Recordings drives, const Job& job, Progress& progress) {
+  const auto asked = cameras_asked_for(job.read.source_cameras);
+  require_there(asked, drives);
+  const std::size_t own = drives.size();
+  for (std::size_t i = 0; i < own; ++i) {
+    ReadChoice choice = job.read;
+    choice.is_source = i > 0;
+    for (const std::string& camera : std::vector<std::string>(drives[i].drive.camera_names)) {
+      if (camera == drives[i].drive.camera_name || (asked && !asked->contains(camera))) continue;
+      try {
+        Recording open = open_camera(drives, i, camera, choice);
+        if (is_grey(open.drive)) {
+          if (asked) progress.warn(name_of(open) + ": is grey and lends no colours");
+          continue;
+        }
+        for (const std::string& warning : open.drive.warnings) progress.warn(name_of(open) + ": " + warning);
+        drives.push_back(std::move(open));
+      } catch (const InputError& e) {
+        progress.warn(fmt::format("camera {} lends nothing: {}", camera, e.what()));
+      }
+    }
+  }
+  return drives;
+}
+
+Lazy<cv::Mat1b> carried_masks(const Drive& drive, const Lazy<cv::Mat1b>& own, const Drive& other,
+                              const Trajectory& world_from_lidar) {
+  return {other.frames.size(), [=](std::size_t i) {
+            const Frame& frame = other.frames[i];
+            const Frame* const together = together_with(frame, drive);
+            const auto here = world_from_lidar.at(frame.time_ns);
+            const auto there = together ? world_from_lidar.at(together->time_ns) : std::nullopt;
+            if (!here || !there) return cv::Mat1b(other.camera.height, other.camera.width, uchar{255});
+            const auto mask = own[static_cast<std::size_t>(together - drive.frames.data())];
+            return masks::carried_mask(*mask, {drive.camera, drive.camera_from_lidar * there->inverse()},
+                                       {other.camera, other.camera_from_lidar * here->inverse()},
+                                       returns_near(other, frame.time_ns, world_from_lidar));
+          }};
+}
+
+}  // namespace dvi::pipeline

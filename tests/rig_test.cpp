@@ -1,0 +1,115 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "dvi/core/files.h"
+#include "program.h"
+
+namespace dvi {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr uchar kOtherCamera = 2;
+
+class Rig : public ProgramTest {
+ protected:
+  fs::path stereo_drive() const { return small_drive("drive", "--stereo-m 0.5 --lorry"); }
+  nlohmann::json cameras_of(const std::string& out) const {
+    return nlohmann::json::parse(read_file(folder / out / "report.json")).at("drives").at(0).at("other_cameras");
+  }
+  std::vector<fs::path> frames(const std::string& out) const { return list_files(folder / out / "frames", {".png"}); }
+  cv::Mat read(const fs::path& file) const { return cv::imread(file.string(), cv::IMREAD_UNCHANGED); }
+
+  struct Lent {
+    int pixels = 0;
+    double error = 0;  // grey levels, mean
+  };
+  // What came from the other camera, against the street without its traffic.
+  Lent lent(const std::string& out) const {
+    Lent sum;
+    for (const fs::path& file : frames(out)) {
+      const cv::Mat1b kind = read(folder / out / "kind" / file.filename());
+      const cv::Mat3b frame = read(file), truth = read(folder / "drive/truth" / file.filename());
+      for (int y = 0; y < kind.rows; ++y)
+        for (int x = 0; x < kind.cols; ++x)
+          if (kind(y, x) == kOtherCamera) {
+            ++sum.pixels;
+            sum.error += cv::norm(frame(y, x) - truth(y, x), cv::NORM_L1) / 3;
+          }
+    }
+    sum.error /= std::max(1, sum.pixels);
+    return sum;
+  }
+};
+
+TEST_F(Rig, TheOtherCameraLends) {
+  stereo_drive();
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  ASSERT_EQ(cameras_of("out").size(), 1U);
+  EXPECT_EQ(cameras_of("out")[0]["camera"], "right");
+  EXPECT_EQ(cameras_of("out")[0]["masks"], "files");
+  const Lent found = lent("out");
+  EXPECT_GT(found.pixels, 100);
+  EXPECT_LT(found.error, 20);
+  const Result audit = dvi("audit out drive");
+  EXPECT_EQ(audit.code, 0) << audit.out << audit.err;
+  EXPECT_THAT(read_file(folder / "out/sources.json"), HasSubstr("\"camera\": \"right\""));
+}
+
+TEST_F(Rig, WithoutMasksOfItsOwnItTakesThoseOfTheFirst) {
+  stereo_drive();
+  fs::remove_all(folder / "drive/masks/right");
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  EXPECT_EQ(cameras_of("out")[0]["masks"], "carried");
+  const Lent found = lent("out");
+  EXPECT_GT(found.pixels, 100);
+  EXPECT_LT(found.error, 20) << "no traffic is copied";
+  EXPECT_EQ(dvi("audit out drive").code, 0);
+}
+
+TEST_F(Rig, FindsTheTrafficOfAllCamerasInTheScans) {
+  stereo_drive();
+  for (const char* given : {"masks", "boxes.json"}) fs::remove_all(folder / "drive" / given);
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  EXPECT_EQ(cameras_of("out")[0]["masks"], "found");
+}
+
+TEST_F(Rig, SourcesSayWhichCamerasLend) {
+  stereo_drive();
+  ASSERT_EQ(dvi("run drive -o out --quiet --sources none").code, 0);
+  EXPECT_TRUE(cameras_of("out").empty());
+  EXPECT_EQ(lent("out").pixels, 0);
+  ASSERT_EQ(dvi("run drive -o named --quiet --sources right").code, 0);
+  EXPECT_EQ(cameras_of("named").size(), 1U);
+  const Result refused = dvi("run drive -o other --quiet --sources left");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("front, right"));
+  EXPECT_FALSE(fs::exists(folder / "other"));
+}
+
+TEST_F(Rig, ACameraThatCannotBeReadIsLeftOut) {
+  const fs::path drive = stereo_drive();
+  std::string config = read_file(drive / "dvi.toml");
+  config.erase(config.rfind("camera_from_lidar"), config.find("[lidar]") - config.rfind("camera_from_lidar"));
+  write_file(drive / "dvi.toml", config);
+  const Result run = dvi("run drive -o out");
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("camera right lends nothing"));
+  EXPECT_TRUE(cameras_of("out").empty());
+}
+
+TEST_F(Rig, ADamagedImageOfTheOtherCameraIsNamed) {
+  const fs::path drive = stereo_drive();
+  write_file(drive / "images/right/000003.png", "damaged");
+  const Result run = dvi("run drive -o out --quiet");
+  EXPECT_EQ(run.code, 3);
+  EXPECT_THAT(run.err, HasSubstr("right/000003.png"));
+  EXPECT_THAT(run.err, Not(HasSubstr("front")));
+}
+
+}  // namespace
+}  // namespace dvi
