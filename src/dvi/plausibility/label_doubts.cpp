@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -14,39 +16,47 @@ namespace {
 constexpr std::size_t kFrames = 12;
 constexpr std::int64_t kNextToBox = 60'000'000;       // ns
 constexpr double kNearestBox = 3, kFarthestBox = 40;  // metres
-constexpr double kShrink = 0.1, kGround = 0.3;        // metres: labels are loose, and stand on ground that returns
-constexpr std::size_t kFewestRays = 30;               // rays that meet a box, so that it counts
-constexpr double kSeenThrough = 0.9;                  // of them reach beyond: windows are not all of a vehicle
+constexpr double kShortest = 2.5;                     // metres: rays pass between the legs of people and the parts of cycles
+// A vehicle's core, as shares of its box: below the windows, above what is open between the wheels, away from bevelled ends.
+// Right labels, a hand's breadth too wide or too narrow, do not let rays reach it.
+constexpr double kCoreWidth = 0.7, kCoreBottom = 0.25, kCoreTop = 0.55;
+constexpr double kLoose = 0.2;           // metres by which returns may lie before a box
+constexpr std::size_t kFewestRays = 30;  // rays that meet a box, so that it counts
+constexpr double kSeenThrough = 0.5;     // of them go through the core
 constexpr std::size_t kFewestBoxes = 10, kFewestFrames = 3;
-constexpr double kMostThrough = 0.25;  // of the boxes; of right ones one in a hundred is
+constexpr double kMostThrough = 0.25;  // of the boxes; of right ones hardly any is, of another drive's three in four are
 
 struct Boxes {
   std::size_t seen = 0, seen_through = 0;
 };
 
-/// Where the way from the LiDAR to a return enters and leaves the box, as shares of the way; leaves before it enters: misses.
-std::pair<double, double> crossing(const Box& box, const Eigen::Vector3d& x) {
-  const Eigen::Vector3d begin = box.frame_from_box.inverse().t, way = box.frame_from_box.R.transpose() * x;
-  Eigen::Array3d low = -0.5 * box.size.array() + kShrink;
-  const Eigen::Array3d high = 0.5 * box.size.array() - kShrink;
-  low.z() += kGround - kShrink;
-  const Eigen::Array3d a = (low - begin.array()) / way.array(), b = (high - begin.array()) / way.array();
+/// Where the way from the LiDAR to x enters and leaves a part of a box, as shares of the way; leaves before it enters: misses.
+/// All in the box's axes.
+std::pair<double, double> crossing(const Eigen::Array3d& low, const Eigen::Array3d& high, const Eigen::Array3d& lidar,
+                                   const Eigen::Array3d& way) {
+  const Eigen::Array3d a = (low - lidar) / way, b = (high - lidar) / way;
   return {a.min(b).maxCoeff(), a.max(b).minCoeff()};
 }
 
-bool is_seen_through(const Box& box, const Scan& scan, bool& counts) {
-  const double reach = 0.5 * box.size.norm();
+/// Of the rays towards the box's core that something before it does not stop: whether most reach beyond. None for too few.
+std::optional<bool> is_seen_through(const Box& box, const Scan& scan) {
+  const Eigen::Array3d half = 0.5 * box.size.array(), outer = half + kLoose;
+  Eigen::Array3d low = -kCoreWidth * half, high = kCoreWidth * half;
+  low.z() = (2 * kCoreBottom - 1) * half.z(), high.z() = (2 * kCoreTop - 1) * half.z();
+  const Eigen::Array3d lidar = box.frame_from_box.inverse().t.array();
+  const auto reach = static_cast<float>(half.matrix().squaredNorm());
   const Eigen::Vector3f centre = box.frame_from_box.t.cast<float>();
-  std::size_t inside = 0, beyond = 0;
+  std::size_t stopped = 0, beyond = 0;
   for (const Eigen::Vector3f& point : scan.points) {
     const float along = point.dot(centre) / std::max(point.norm(), 1e-3F);
-    if (along <= 0 || centre.squaredNorm() - along * along > static_cast<float>(reach * reach)) continue;
-    const auto [enters, leaves] = crossing(box, point.cast<double>());
-    if (enters > leaves || enters > 1) continue;
-    (leaves < 1 ? beyond : inside) += 1;
+    if (along <= 0 || centre.squaredNorm() - along * along > reach) continue;
+    const Eigen::Array3d way = (box.frame_from_box.R.transpose() * point.cast<double>()).array();
+    const auto [enters, leaves] = crossing(low, high, lidar, way);
+    if (enters > leaves || crossing(-outer, outer, lidar, way).first > 1) continue;
+    (leaves < 1 ? beyond : stopped) += 1;
   }
-  counts = inside + beyond >= kFewestRays;
-  return counts && static_cast<double>(beyond) >= kSeenThrough * static_cast<double>(inside + beyond);
+  if (stopped + beyond < kFewestRays) return std::nullopt;
+  return static_cast<double>(beyond) > kSeenThrough * static_cast<double>(stopped + beyond);
 }
 
 Boxes boxes_of(const Drive& drive, const Frame& frame) {
@@ -59,11 +69,10 @@ Boxes boxes_of(const Drive& drive, const Frame& frame) {
   for (const Label& label : frame.labels) {
     if (!label.box) continue;
     const double range = label.box->frame_from_box.t.norm();
-    if (range < kNearestBox || range > kFarthestBox) continue;
-    bool counts = false;
-    const bool through = is_seen_through(*label.box, *scan, counts);
-    out.seen += counts ? 1 : 0;
-    out.seen_through += through ? 1 : 0;
+    if (range < kNearestBox || range > kFarthestBox || label.box->size.head<2>().maxCoeff() < kShortest) continue;
+    const std::optional<bool> through = is_seen_through(*label.box, *scan);
+    out.seen += through ? 1 : 0;
+    out.seen_through += through.value_or(false) ? 1 : 0;
   }
   return out;
 }

@@ -7,8 +7,8 @@
 
 namespace dvi::plausibility {
 
-/// Says so where the LiDAR looks through most labelled boxes, as through those of another drive; empty where boxes hold
-/// returns, or are too few or too far to tell.
+/// Says so where the LiDAR looks through the middle of labelled vehicles, as through those of another drive; empty where they
+/// stop its rays, or are too few or too far to tell.
 std::vector<std::string> label_doubts(const Drive& drive);
 
 }  // namespace dvi::plausibility
