@@ -1,9 +1,10 @@
-# dvi_module(NAME [PUBLIC lib...] [PRIVATE lib...])
+# dvi_module(NAME [TESTS_TOGETHER] [PUBLIC lib...] [PRIVATE lib...])
 #
 # One room of the house: every *.cpp of the calling folder makes the library dvi::NAME, every *_test.cpp its tests, every
-# *_bench.cpp its benchmarks. The links are the layer table of ARCHITECTURE.md.
+# *_bench.cpp its benchmarks. The links are the layer table of ARCHITECTURE.md. TESTS_TOGETHER: all tests run in one process, as
+# they share what takes long to make; else each runs in its own.
 function(dvi_module name)
-  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(arg "TESTS_TOGETHER" "" "PUBLIC;PRIVATE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   set(tests ${sources})
   set(benches ${sources})
@@ -24,7 +25,11 @@ function(dvi_module name)
   if(DVI_TESTS AND tests)
     add_executable(dvi_${name}_test ${tests})
     target_link_libraries(dvi_${name}_test PRIVATE dvi::${name} ${arg_PRIVATE} GTest::gmock GTest::gtest_main)
-    gtest_discover_tests(dvi_${name}_test TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60)
+    if(arg_TESTS_TOGETHER)
+      add_test(NAME ${name}.all COMMAND dvi_${name}_test)
+    else()
+      gtest_discover_tests(dvi_${name}_test TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60)
+    endif()
   endif()
   if(DVI_BENCH AND benches)
     add_executable(dvi_${name}_bench ${benches})

@@ -20,7 +20,7 @@ street() { dvi synth --frames 6 --width 160 --height 96 --beams 24 --columns 500
 street -o one
 street -o two --day 2
 dvi run one two -o both --threads 4 --set stages.regularize=true
-[[ $only == --once ]] && exit
+[[ $only != --once ]] || exit 0
 
 dvi run one -o own --poses loam --remove all
 rm own/frames/000003.png

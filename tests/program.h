@@ -2,10 +2,12 @@
 
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <string>
+#include <system_error>
 
 #include <gtest/gtest.h>
 #include <opencv2/core/types.hpp>
@@ -35,16 +37,23 @@ class ProgramTest : public testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_file(out), read_file(err)};
   }
 
-  /// A small synthetic drive, made once for all tests of the process and copied.
+  /// A small synthetic drive, made once and copied: for all tests of ctest's run, or of the process where ctest does not run
+  /// it.
   fs::path small_drive(const std::string& name = "drive", const std::string& options = "", int frames = 6) const {
-    static std::map<std::string, TempFolder> made;
-    const std::string size = " --frames " + std::to_string(frames) + " ";
-    const bool fresh = !made.contains(size + options);
-    const fs::path original = made[size + options].path / "drive";
-    if (fresh) {
-      const Result result =
-          dvi("synth -o " + original.string() + size + "--width 240 --height 136 --beams 32 --columns 900 --quiet " + options);
+    static const TempFolder own;
+    const char* shared = std::getenv("DVI_TEST_DRIVES");
+    std::string drive = std::to_string(frames) + options;
+    std::replace(drive.begin(), drive.end(), ' ', '_');
+    const fs::path original = (shared != nullptr ? fs::path(shared) : own.path) / drive;
+    if (!fs::exists(original)) {
+      fs::create_directories(original.parent_path());
+      const fs::path draft = original.string() + "-" + folder.filename().string();  // another process may be making it as well
+      const Result result = dvi("synth -o " + draft.string() + " --frames " + std::to_string(frames) +
+                                " --width 240 --height 136 --beams 32 --columns 900 --quiet " + options);
       EXPECT_EQ(result.code, 0) << result.err;
+      std::error_code made_by_another;
+      fs::rename(draft, original, made_by_another);
+      if (made_by_another) fs::remove_all(draft);
     }
     fs::copy(original, folder / name, fs::copy_options::recursive);
     return folder / name;
