@@ -6,24 +6,47 @@ namespace dvi::odometry {
 namespace {
 
 constexpr int kFewestPoints = 6;  // points in a voxel
+constexpr std::size_t kFewestSlots = 1024;
 
 }  // namespace
 
+LocalMap::LocalMap(double voxel_m) : voxel_m_(voxel_m), slots_(kFewestSlots) {}
+
 void LocalMap::change(const Eigen::Vector3d& point, int sign) {
   const VoxelKey key = voxel_key(point, voxel_m_);
-  if (sign < 0 && !voxels_.contains(key)) return;  // dropped meanwhile
-  const auto [it, fresh] = voxels_.try_emplace(key);
-  Voxel& voxel = it->second;
-  if (fresh) voxel.origin = point;
+  if (sign > 0 && 2 * (voxels_.size() + 1) > slots_.size()) index(2 * slots_.size());
+  Slot& slot = slot_of(key);
+  if (slot.voxel == kFree) {
+    if (sign < 0) return;  // dropped meanwhile
+    slot = {key, static_cast<std::uint32_t>(voxels_.size()), kUnknown};
+    voxels_.push_back({key, point, {}, false, {}});
+  }
+  Voxel& voxel = voxels_[slot.voxel];
   const Eigen::Vector3d x = point - voxel.origin;
   sign > 0 ? voxel.moments.add(x) : voxel.moments.remove(x);
   voxel.fitted = false;
+  slot.thin = kUnknown;
 }
 
 const Shape* LocalMap::at(const Eigen::Vector3d& point, int thin) {
-  const auto it = voxels_.find(voxel_key(point, voxel_m_));
-  const Shape* shape = it == voxels_.end() ? nullptr : shape_of(it->second);
-  return shape != nullptr && shape->thin == thin ? shape : nullptr;
+  Slot& slot = slot_of(voxel_key(point, voxel_m_));
+  if (slot.voxel == kFree || (slot.thin != kUnknown && slot.thin != thin)) return nullptr;
+  const Shape* shape = shape_of(voxels_[slot.voxel]);
+  slot.thin = static_cast<std::int8_t>(shape != nullptr ? shape->thin : 0);
+  return slot.thin == thin ? shape : nullptr;
+}
+
+LocalMap::Slot& LocalMap::slot_of(VoxelKey key) {
+  const std::size_t last = slots_.size() - 1;
+  std::size_t i = VoxelHash()(key) & last;
+  while (slots_[i].voxel != kFree && slots_[i].key != key) i = (i + 1) & last;
+  return slots_[i];
+}
+
+void LocalMap::index(std::size_t slots) {
+  slots_.assign(slots, {});
+  for (std::size_t i = 0; i < voxels_.size(); ++i)
+    slot_of(voxels_[i].key) = {voxels_[i].key, static_cast<std::uint32_t>(i), kUnknown};
 }
 
 const Shape* LocalMap::shape_of(Voxel& voxel) const {
@@ -50,8 +73,8 @@ void LocalMap::fit(Voxel& voxel) const {
 }
 
 void LocalMap::keep_near(const Eigen::Vector3d& position, double radius_m) {
-  std::erase_if(voxels_,
-                [&](const auto& entry) { return (entry.second.origin - position).squaredNorm() > radius_m * radius_m; });
+  const auto far = [&](const Voxel& voxel) { return (voxel.origin - position).squaredNorm() > radius_m * radius_m; };
+  if (std::erase_if(voxels_, far) > 0) index(slots_.size());
 }
 
 }  // namespace dvi::odometry
