@@ -1,8 +1,11 @@
 #include "dvi/pipeline/recordings.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/io/class_ids.h"
 #include "dvi/io/labels.h"
@@ -105,6 +108,22 @@ std::optional<std::string> range_warning(const std::vector<Returns>& scans, cons
       "{:.0f} % of all returns are not used: {:.0f} % are nearer than lidar.min_range_m = {:g}, {:.0f} % farther than "
       "lidar.max_range_m = {:g}; set these to what the sensor sees, such as --set lidar.min_range_m=0.1",
       100 * (near + far) / all, 100 * near / all, range.least, 100 * far / all, range.most);
+}
+
+/// A revolution of a LiDAR returns about as much as the others, unless its file was cut.
+std::optional<std::string> cut_warning(const Drive& drive, const std::vector<Returns>& scans) {
+  constexpr double kLeast = 0.1;  // of the usual
+  if (drive.sensor != Sensor::lidar) return std::nullopt;
+  std::vector<double> counts;
+  for (const Returns& scan : scans) counts.push_back(static_cast<double>(scan.all));
+  const double usual = median(counts);
+  const auto is_cut = [&](double count) { return count < kLeast * usual; };
+  const auto first = std::find_if(counts.begin(), counts.end(), is_cut);
+  if (first == counts.end()) return std::nullopt;
+  return fmt::format(
+      "{} of {} scans have less than a tenth of the usual {:.0f} returns, the first is {} with {:.0f}: is it cut?",
+      std::count_if(counts.begin(), counts.end(), is_cut), counts.size(), usual,
+      drive.scan_headers[static_cast<std::size_t>(first - counts.begin())].name, *first);
 }
 
 bool same_camera(const Drive& a, const Drive& b) {
@@ -212,7 +231,8 @@ std::vector<std::string> verify(const Recordings& drives, const Job& job, Progre
     });
     for (const std::exception_ptr& error : errors)
       if (error) std::rethrow_exception(error);
-    if (const auto warning = range_warning(returns, range)) warnings.push_back(name_of(open) + ": " + *warning);
+    for (const std::optional<std::string>& warning : {range_warning(returns, range), cut_warning(open.drive, returns)})
+      if (warning) warnings.push_back(name_of(open) + ": " + *warning);
   }
   progress.end();
   for (const std::string& warning : warnings) progress.warn(warning);

@@ -67,6 +67,19 @@ TEST_F(OpenedDrive, WarnsWhereTheRangeLeavesOutManyReturns) {
   EXPECT_TRUE(verify(drives, job, progress).empty());
 }
 
+TEST_F(OpenedDrive, WarnsOfAScanThatWasCut) {
+  std::string points;
+  for (int i = 0; i < 20; ++i) {
+    const float point[] = {9, 0, 0, 0};
+    points.append(reinterpret_cast<const char*>(point), sizeof point);
+  }
+  for (const char* name : {"0", "1"}) folder.write(std::string("lidar/") + name + ".bin", points);
+  EXPECT_TRUE(verify(open_recordings(job, MaskNeed::required, progress), job, progress).empty());
+  folder.write("lidar/1.bin", points.substr(0, 16));
+  EXPECT_THAT(verify(open_recordings(job, MaskNeed::required, progress), job, progress),
+              Contains(AllOf(HasSubstr("1 of 2 scans"), HasSubstr("the first is 1 with 1"))));
+}
+
 TEST_F(OpenedDrive, TheLeastRangeIsThatOfTheSensorUnlessTheUserSaysOtherwise) {
   Recordings drives = open_recordings(job, MaskNeed::required, progress);
   drives.front().drive.sensor = Sensor::depth_camera;
