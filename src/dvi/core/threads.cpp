@@ -7,6 +7,10 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#ifdef __SANITIZE_THREAD__
+#include <sanitizer/tsan_interface.h>
+#endif
+
 namespace dvi {
 
 struct ThreadLimit::Impl {
@@ -21,9 +25,28 @@ ThreadLimit::~ThreadLimit() = default;
 
 int thread_count() { return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)); }
 
+#ifdef __SANITIZE_THREAD__
+// Debian's TBB is not instrumented. The sanitizer is told what TBB guarantees: each body begins after what came before the
+// loop, and ends before what comes after it. Bodies of one loop remain unordered.
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
+  char before = 0, after = 0;
+  struct Ends {
+    char* after;
+    ~Ends() { __tsan_release(after); }
+  };
+  __tsan_release(&before);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    const Ends ends{&after};
+    __tsan_acquire(&before);
+    body(i);
+  });
+  __tsan_acquire(&after);
+}
+#else
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
   tbb::parallel_for(std::size_t{0}, count, body);
 }
+#endif
 
 void for_blocks(std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& body) {
   const auto block = static_cast<std::size_t>(thread_count());
