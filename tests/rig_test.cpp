@@ -78,6 +78,19 @@ TEST_F(Rig, FindsTheTrafficOfAllCamerasInTheScans) {
   EXPECT_EQ(cameras_of("out")[0]["masks"], "found");
 }
 
+TEST_F(Rig, VirtualTrafficStandsInAllCameras) {
+  stereo_drive();
+  ASSERT_EQ(dvi("holdout drive --scenario lead --camera right -o case --quiet").code, 0);
+  for (const char* camera : {"front", "right"})
+    EXPECT_EQ(list_files(folder / "case/drive/images" / camera, {".png"}).size(), 6U) << camera;
+  ASSERT_EQ(dvi("run case/drive -o out --quiet").code, 0);
+  const nlohmann::json drive = nlohmann::json::parse(read_file(folder / "out/report.json")).at("drives").at(0);
+  EXPECT_EQ(drive["camera"], "right") << "the one whose truth is known";
+  ASSERT_EQ(drive["other_cameras"].size(), 1U);
+  EXPECT_EQ(drive["other_cameras"][0]["masks"], "files");
+  EXPECT_EQ(dvi("eval out --truth case/truth --ignore case/ignore --quiet").code, 0);
+}
+
 TEST_F(Rig, SourcesSayWhichCamerasLend) {
   stereo_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet --sources none").code, 0);

@@ -62,7 +62,9 @@ TEST_F(Networks, SeeTheSameWithAnyNumberOfThreads) {
   const Detector detector(described("semantic", test_description("semantic")));
   cv::Mat3b noise(200, 300);
   for (int y = 0; y < noise.rows; ++y)
-    for (int x = 0; x < noise.cols; ++x) noise(y, x) = (x / 20 + y / 20) % 3 == 0 ? kMagenta : cv::Vec3b(x % 256, y, 90);
+    for (int x = 0; x < noise.cols; ++x)
+      noise(y, x) =
+          (x / 20 + y / 20) % 3 == 0 ? kMagenta : cv::Vec3b(cv::saturate_cast<uchar>(x % 256), cv::saturate_cast<uchar>(y), 90);
   const auto detect = [&](int threads) {
     const ThreadLimit limit(threads);
     return detector.detect({noise, noise, noise});

@@ -145,7 +145,7 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
   if (!fs::exists(config.file)) return std::nullopt;
   const toml::table root = read_toml(config.file);
   const Table whole(config.file, "", root, {"drive", "camera", "lidar", "depth"});
-  const Table head(config.file, "drive", table_of(root.get("drive")), {"version"});
+  const Table head(config.file, "drive", table_of(root.get("drive")), {"version", "camera"});
   if (const auto version = head.number("version"); version && *version != kVersion)
     head.fail("version", fmt::format("is {}, and this program reads {}", *version, kVersion));
   for (const auto& [name, node] : table_of(root.get("camera"))) {
@@ -154,6 +154,9 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
         read_camera(Table(config.file, fmt::format("camera.{}", name.str()), table_of(&node),
                           {"size", "K", "distortion", "camera_from_lidar", "offset_s"}));
   }
+  std::vector<std::string> names;
+  for (const auto& [name, camera] : config.cameras) names.push_back(name);
+  if (const auto place = head.choice("camera", names)) config.usual_camera = names[*place];
   config.lidar = read_lidar(Table(config.file, "lidar", table_of(root.get("lidar")),
                                   {"rate", "sensor", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s"}));
   config.depth = read_depth(
@@ -196,6 +199,8 @@ CameraConfig DriveConfig::camera(const std::string& name) const {
 }
 
 void DriveConfig::apply(Drive& drive) const {
+  if (!usual_camera.empty())
+    throw InputError(file, "[drive] camera is for the plain layout only", "name the camera with --camera");
   for (const auto& [name, config] : cameras)
     if (std::find(drive.camera_names.begin(), drive.camera_names.end(), name) == drive.camera_names.end())
       throw InputError(file, fmt::format("[camera.{}] is no camera of this drive", name),

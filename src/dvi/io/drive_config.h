@@ -51,6 +51,7 @@ struct DepthConfig {
 struct DriveConfig {
   fs::path file;
   std::map<std::string, CameraConfig> cameras;
+  std::string usual_camera;  ///< which is used where none is asked for; empty: the first
   LidarConfig lidar;
   DepthConfig depth;
 

@@ -188,7 +188,7 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
     if (!images_of(path, name).empty()) drive.camera_names.push_back(name);
   if (drive.camera_names.empty())
     throw InputError(path / "images", "holds no images of a camera that dvi.toml names", "they belong into images/CAMERA");
-  drive.camera_name = choose_camera(drive, options.camera, "");
+  drive.camera_name = choose_camera(drive, options.camera, config.usual_camera);
 
   const std::vector<fs::path> images = images_of(path, drive.camera_name);
   std::vector<fs::path> scans = list_files(path / "lidar", {".bin", ".ply", ".pcd"});

@@ -91,6 +91,19 @@ TEST_F(Folder, ScansAreOfALidarUnlessDviTomlSaysOtherwise) {
   EXPECT_THAT(error(), HasSubstr("'sensor' is none of lidar, depth_camera"));
 }
 
+TEST_F(Folder, UsesTheCameraThatDviTomlNames) {
+  const std::string rear = std::string(kCamera).replace(std::string(kCamera).find("front"), 5, "a_rear");
+  for (const char* name : {"a", "b", "c"})
+    folder.write_image(std::string("images/a_rear/") + name + ".png", cv::Mat3b(6, 8, cv::Vec3b()));
+  folder.write("dvi.toml", kCamera + rear);
+  EXPECT_EQ(read().camera_name, "a_rear") << "the first by name";
+  folder.write("dvi.toml", "[drive]\ncamera = \"front\"\n" + std::string(kCamera) + rear);
+  EXPECT_EQ(read().camera_name, "front");
+  EXPECT_EQ(read_drive(folder.path, {.camera = "a_rear"}).camera_name, "a_rear");
+  folder.write("dvi.toml", "[drive]\ncamera = \"left\"\n" + std::string(kCamera) + rear);
+  EXPECT_THAT(error(), HasSubstr("'camera' is none of a_rear, front"));
+}
+
 TEST_F(Folder, RefusesSettingsThatAreMissingOrMalformed) {
   const auto with = [&](const std::string& text) { return folder.write("dvi.toml", text), error(); };
   EXPECT_THAT(with("[camera.front"), HasSubstr("dvi.toml:1:"));

@@ -29,7 +29,7 @@ std::string camera_settings(const Drive& drive) {
 }
 
 std::string settings(const Drive& drive, const std::vector<Drive>& more_cameras) {
-  std::string text = "[drive]\nversion = 1\n\n" + camera_settings(drive);
+  std::string text = fmt::format("[drive]\nversion = 1\ncamera = \"{}\"\n\n", drive.camera_name) + camera_settings(drive);
   for (const Drive& camera : more_cameras) text += camera_settings(camera);
   text += fmt::format("[lidar]\nrate = {:.12g}\nstamp = \"middle\"\nrotation = \"clockwise\"\nfirst_azimuth_deg = 180.0\n",
                       scan_rate(drive));

@@ -12,11 +12,11 @@ namespace dvi::odometry {
 
 /// What the points of one voxel look like.
 struct Shape {
-  Eigen::Vector3d mean;      ///< metres, world
-  Eigen::Matrix3d axes;      ///< columns: thinnest first
-  Eigen::Vector3d variance;  ///< along the axes, m^2
-  double count = 0;          ///< of points
-  int thin = 0;              ///< along how many axes it is thin: 1 a plane, 2 a line, 0 neither
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();      ///< metres, world
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< columns: thinnest first
+  Eigen::Vector3d variance = Eigen::Vector3d::Zero();  ///< along the axes, m^2
+  double count = 0;                                    ///< of points
+  int thin = 0;                                        ///< along how many axes it is thin: 1 a plane, 2 a line, 0 neither
 };
 
 /// The scene round the car as means and covariances of voxels (as in NDT and VGICP). Odometry spends most of its time in at():
@@ -45,7 +45,7 @@ class LocalMap {
  private:
   struct Voxel {
     VoxelKey key;
-    Eigen::Vector3d origin;  // of the moments
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // of the moments
     Moments<double> moments;
     bool fitted = false;
     Shape shape;

@@ -109,8 +109,7 @@ Objects find_objects(const Recordings& drives, const Poses& poses, const Job& jo
     }
     const std::size_t drive = open.rig_of.value_or(i);
     if (drive == i) moving[i] = moving_in(open, world_from_lidar, job, progress);
-    objects.push_back(
-        traffic::outlines(moving[drive], open.drive, world_from_lidar, job.options.masks.footprint_margin_m));
+    objects.push_back(traffic::outlines(moving[drive], open.drive, world_from_lidar, job.options.masks.footprint_margin_m));
   }
   return objects;
 }
