@@ -92,15 +92,17 @@ TEST_F(Folder, ScansAreOfALidarUnlessDviTomlSaysOtherwise) {
 }
 
 TEST_F(Folder, UsesTheCameraThatDviTomlNames) {
-  const std::string rear = std::string(kCamera).replace(std::string(kCamera).find("front"), 5, "a_rear");
   for (const char* name : {"a", "b", "c"})
     folder.write_image(std::string("images/a_rear/") + name + ".png", cv::Mat3b(6, 8, cv::Vec3b()));
-  folder.write("dvi.toml", kCamera + rear);
+  const std::string front = std::string(kCamera).substr(std::string(kCamera).find("[camera"));
+  const std::string rear = "[camera.a_rear]" + front.substr(front.find('\n'));
+  const auto write = [&](const std::string& head) { folder.write("dvi.toml", "[drive]\n" + head + front + rear); };
+  write("");
   EXPECT_EQ(read().camera_name, "a_rear") << "the first by name";
-  folder.write("dvi.toml", "[drive]\ncamera = \"front\"\n" + std::string(kCamera) + rear);
+  write("camera = \"front\"\n");
   EXPECT_EQ(read().camera_name, "front");
-  EXPECT_EQ(read_drive(folder.path, {.camera = "a_rear"}).camera_name, "a_rear");
-  folder.write("dvi.toml", "[drive]\ncamera = \"left\"\n" + std::string(kCamera) + rear);
+  EXPECT_EQ(read_drive(folder.path, {.camera = "a_rear", .frames = {}, .span = {}}).camera_name, "a_rear");
+  write("camera = \"left\"\n");
   EXPECT_THAT(error(), HasSubstr("'camera' is none of a_rear, front"));
 }
 

@@ -118,7 +118,7 @@ TEST(BuildMap, DepthCamerasMeasureNoCarOfTheirOwn) {
   const auto too_near = [&](const MapOptions& options) {
     return build_map({{&drive, standing(), one_mask({0, 0, 1, 1})}}, options).counts.too_near;
   };
-  EXPECT_EQ(too_near({.max_range_m = 120}), 0);
+  EXPECT_EQ(too_near({.min_range_m = {}, .max_range_m = 120}), 0);
   EXPECT_EQ(too_near({.min_range_m = 2, .max_range_m = 120}), 1) << "the user's word";
 }
 
