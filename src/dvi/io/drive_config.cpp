@@ -91,7 +91,7 @@ std::optional<cv::Size> read_size(const Table& table) {
   return cv::Size(static_cast<int>((*size)[0]), static_cast<int>((*size)[1]));
 }
 
-std::optional<std::array<double, 9>> read_K(const Table& table) {
+std::optional<std::array<double, 9>> read_intrinsics(const Table& table) {
   const auto K = table.numbers<9>("K");
   if (K)
     if (const std::string problem = camera_matrix_problem(*K); !problem.empty()) table.fail("K", problem);
@@ -107,12 +107,12 @@ std::optional<SE3> read_rigid(const Table& table, const char* key) {
 }
 
 CameraConfig read_camera(const Table& table) {
-  return {read_size(table), read_K(table), table.numbers<5>("distortion"), read_rigid(table, "camera_from_lidar"),
+  return {read_size(table), read_intrinsics(table), table.numbers<5>("distortion"), read_rigid(table, "camera_from_lidar"),
           offset_ns(table)};
 }
 
 DepthConfig read_depth(const Table& table) {
-  DepthConfig depth{read_K(table), table.numbers<5>("distortion"), read_rigid(table, "depth_from_color"),
+  DepthConfig depth{read_intrinsics(table), table.numbers<5>("distortion"), read_rigid(table, "depth_from_color"),
                     table.number("units_per_metre")};
   if (depth.units_per_metre && !(*depth.units_per_metre >= 1 && *depth.units_per_metre <= 1e6))
     table.fail("units_per_metre", "is not between 1 and 1000000, such as 1000 for millimetres");

@@ -16,6 +16,7 @@ constexpr double kAbove = 0.2;         // metres: what is lower is drawn as grou
 constexpr double kScanMargin = 0.5;    // metres: objects move while they are scanned
 constexpr int kGap = 2;                // half pixels each side that are filled
 constexpr double kNearest = 1;         // metres from the camera
+constexpr double kFarthest = 80;       // metres from the LiDAR: beyond, rays are too far apart to tell where something ends
 
 // World axes.
 using StandingReturns = std::vector<Eigen::Vector3f>;
@@ -35,11 +36,11 @@ struct Source {
     const std::vector<Box> boxes = boxes_at(header.time_ns);
     for (const Eigen::Vector3d& x : world) {
       const double range = (x - pose->t).norm();
-      if (range < drive.least_range_m() || range > 80) continue;
+      if (range < drive.least_range_m() || range > kFarthest) continue;
       const auto height = ground->height(x.head<2>());
       if (height && x.z() < *height + kAbove) continue;
       if (std::any_of(boxes.begin(), boxes.end(), [&](const Box& box) { return box.contains(x, kScanMargin); })) continue;
-      out.push_back(x.cast<float>());
+      out.emplace_back(x.cast<float>());
     }
     return out;
   }
