@@ -11,12 +11,12 @@
 namespace dvi::traffic {
 namespace {
 
-constexpr double kStandingWindow = 1;  // seconds each way: scans fill each other's gaps, and see past what moves
-constexpr double kAbove = 0.2;         // metres: what is lower is drawn as ground, of which the height is better known
-constexpr double kScanMargin = 0.5;    // metres: objects move while they are scanned
-constexpr int kGap = 2;                // half pixels each side that are filled
-constexpr double kNearest = 1;         // metres from the camera
-constexpr double kFarthest = 80;       // metres from the LiDAR: beyond, rays are too far apart to tell where something ends
+constexpr double kStandingWindow = 1;   // seconds each way: scans fill each other's gaps, and see past what moves
+constexpr double kAbove = 0.2;          // metres: what is lower is drawn as ground, of which the height is better known
+constexpr double kScanMargin = 0.5;     // metres: objects move while they are scanned
+constexpr int kGap = 2;                 // half pixels each side that are filled
+constexpr double kNearest = 1;          // metres from the camera
+constexpr double kFarthestReturn = 80;  // metres from the LiDAR: beyond, rays are too far apart to tell where something ends
 
 // World axes.
 using StandingReturns = std::vector<Eigen::Vector3f>;
@@ -36,7 +36,7 @@ struct Source {
     const std::vector<Box> boxes = boxes_at(header.time_ns);
     for (const Eigen::Vector3d& x : world) {
       const double range = (x - pose->t).norm();
-      if (range < drive.least_range_m() || range > kFarthest) continue;
+      if (range < drive.least_range_m() || range > kFarthestReturn) continue;
       const auto height = ground->height(x.head<2>());
       if (height && x.z() < *height + kAbove) continue;
       if (std::any_of(boxes.begin(), boxes.end(), [&](const Box& box) { return box.contains(x, kScanMargin); })) continue;
