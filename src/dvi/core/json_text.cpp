@@ -1,11 +1,21 @@
 #include "dvi/core/json_text.h"
 
+#include <stdexcept>
+
 #include <nlohmann/json.hpp>
 
 namespace dvi {
 
 std::string json_text(const nlohmann::json& document, int indent) {
   return document.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::int64_t whole_number(const nlohmann::json& value, const std::string& what, std::int64_t least, std::int64_t most) {
+  const bool fits = value.is_number_unsigned() ? value.get<std::uint64_t>() <= static_cast<std::uint64_t>(INT64_MAX)
+                                               : value.is_number_integer();
+  if (fits)
+    if (const auto number = value.get<std::int64_t>(); number >= least && number <= most) return number;
+  throw std::invalid_argument(what + " is not a whole number from " + std::to_string(least) + " to " + std::to_string(most));
 }
 
 }  // namespace dvi

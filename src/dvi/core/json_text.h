@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,5 +10,8 @@ namespace dvi {
 /// A document as text, indented by so many spaces; -1: in one line. Bytes that are not UTF-8, as in Latin-1 file names, become
 /// U+FFFD; dump() would throw.
 std::string json_text(const nlohmann::json& document, int indent = 1);
+
+/// A whole number of a document within [least, most]. std::invalid_argument with `what` otherwise: the library would cut it.
+std::int64_t whole_number(const nlohmann::json& value, const std::string& what, std::int64_t least, std::int64_t most);
 
 }  // namespace dvi

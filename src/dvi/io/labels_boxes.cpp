@@ -1,9 +1,11 @@
 #include <array>
+#include <limits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/text.h"
 
@@ -11,7 +13,7 @@ namespace dvi::io {
 namespace {
 
 using nlohmann::json;
-constexpr int kBoxesVersion = 1;
+constexpr int kBoxesVersion = 1, kNewest = 1000;
 
 Eigen::Vector3d vector(const json& value) {
   const auto v = value.get<std::array<double, 3>>();
@@ -20,7 +22,8 @@ Eigen::Vector3d vector(const json& value) {
 
 Label read_box(const json& box) {
   Label label;
-  label.track = box.value("track", -1);
+  if (const auto track = box.find("track"); track != box.end())
+    label.track = static_cast<int>(whole_number(*track, "track", -1, std::numeric_limits<int>::max()));
   label.type = lower_case(box.at("class").get<std::string>());
   label.box = Box{{so3_exp({0, 0, box.at("yaw").get<double>()}), vector(box.at("center"))}, vector(box.at("size"))};
   if (!(label.box->size.array() > 0).all()) throw std::invalid_argument("a box has no size [length, width, height]");
@@ -34,7 +37,7 @@ LabelsByName read_boxes_json(const fs::path& file) {
   std::string name;
   try {
     const json document = json::parse(read_file(file));
-    if (const int version = document.at("version").get<int>(); version != kBoxesVersion)
+    if (const auto version = whole_number(document.at("version"), "version", 0, kNewest); version != kBoxesVersion)
       throw std::invalid_argument(fmt::format("version is {}, and this program reads {}", version, kBoxesVersion));
     for (const auto& [frame, boxes] : document.at("frames").items()) {
       name = frame;

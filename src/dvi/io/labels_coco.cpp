@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
 #include "dvi/io/coco_runs.h"
 #include "dvi/io/image_labels.h"
 #include "dvi/io/labels.h"
@@ -17,11 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-std::int64_t whole(const json& value, const char* what, std::int64_t most) {
-  if (!value.is_number_integer() || value.get<std::int64_t>() < 0 || value.get<std::int64_t>() > most)
-    throw std::invalid_argument(fmt::format("{} is not a whole number from 0 to {}", what, most));
-  return value.get<std::int64_t>();
-}
+std::int64_t whole(const json& value, const char* what, std::int64_t most) { return whole_number(value, what, 0, most); }
 
 cv::Size pixels(const json& width, const json& height) {
   constexpr int kMostAcross = std::numeric_limits<int>::max();

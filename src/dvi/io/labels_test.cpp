@@ -133,6 +133,7 @@ TEST(Labels, RefusesWhatItDoesNotKnow) {
     EXPECT_THAT(error(text), HasSubstr("no labels that dvi knows"));
   EXPECT_THAT(error("<tracklets><boost"), HasSubstr("malformed XML"));
   EXPECT_THAT(error("{\"version\":2,\"frames\":{}}"), HasSubstr("version is 2"));
+  EXPECT_THAT(error("{\"version\":1e30,\"frames\":{}}"), HasSubstr("version is not a whole number"));
   EXPECT_THAT(error("{\"version\":1,\"frames\":{\"six\":[{\"class\":\"car\"}]}}"), HasSubstr("frame six:"));
   EXPECT_THAT(error("5 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n5 3 Car 0 0 x 1 0 3 y\n"), HasSubstr("labels:2"));
   EXPECT_THAT(error("5 1003 1 30 40 abc\n"), HasSubstr("40x30 pixels, the drive's are 4x3"));

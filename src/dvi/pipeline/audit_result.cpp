@@ -31,7 +31,7 @@ std::vector<ListedSource> read_sources(const fs::path& file) {
   try {
     const nlohmann::json document = nlohmann::json::parse(read_file(file));
     for (const nlohmann::json& s : document.at("sources")) {
-      if (s.at("number").get<std::size_t>() != sources.size()) throw InputError(file, "does not number its sources in order");
+      if (s.at("number") != sources.size()) throw InputError(file, "does not number its sources in order");
       const auto gain = s.at("exposure_gain").get<std::array<float, 3>>();
       sources.push_back({s.at("drive"), s.at("camera"), s.at("frame"), {gain[2], gain[1], gain[0]}});
     }
