@@ -40,6 +40,8 @@ class Stamps {
     if (static_cast<std::size_t>(number) >= lines_.size())
       throw InputError(file_, "ends before line " + std::to_string(number + 1) + ", the time of " + data.filename().string());
     const std::string& line = lines_[static_cast<std::size_t>(number)];
+    const bool cut = &line == &lines_.back() && !line.empty() && line.size() < lines_.front().size();
+    if (cut) throw InputError(place, "'" + line + "' is shorter than the lines before it: the file was cut");
     if (const auto time = date_to_nanoseconds(line)) return *time;
     throw InputError(place, line.empty() ? "the line is empty, and " + data.filename().string() + " is there"
                                          : "'" + line + "' is no time YYYY-MM-DD HH:MM:SS.nnnnnnnnn");

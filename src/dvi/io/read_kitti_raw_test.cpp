@@ -158,6 +158,9 @@ TEST_F(KittiRaw, RefusesBrokenTimestamps) {
   text.replace(text.find("13:00:12.2"), 8, "yesterda");
   put("image_02/timestamps.txt", text);
   EXPECT_THAT(error(), HasSubstr("timestamps.txt:23:"));
+  text = stamps(0);
+  put("image_02/timestamps.txt", text.substr(0, text.find("13:00:12.4") + 10));
+  EXPECT_THAT(error(), AllOf(HasSubstr("timestamps.txt:25:"), HasSubstr("was cut")));
   drop("image_02/timestamps.txt");
   EXPECT_THAT(error(), HasSubstr("image_02/timestamps.txt: cannot be read"));
 }
