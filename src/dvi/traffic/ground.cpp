@@ -110,7 +110,11 @@ class Growth {
 
   std::map<Square, double> from(const std::vector<Square>& start) {
     for (const Square& square : start) accept(square);
-    for (; !hops_.empty(); hops_.pop()) take(Hop(hops_.top()));
+    while (!hops_.empty()) {
+      const Hop shortest = hops_.top();
+      hops_.pop();  // first: taking it adds others, shorter ones too
+      take(shortest);
+    }
     for (const auto& [square, height] : nearby_) lows_[square] = height;
     return std::move(lows_);
   }
