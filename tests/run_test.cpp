@@ -215,6 +215,13 @@ TEST_F(Run, TwoAtOnceInOneFolderDoNotMix) {
   EXPECT_TRUE(contents(folder / "out") == contents(folder / "alone"));
 }
 
+TEST_F(Run, AFolderThatAnotherRunHasJustBegunIsAResult) {
+  small_drive();
+  make_folder(folder / "out/.dvi/frames");  // what it makes first
+  EXPECT_EQ(dvi("run drive -o out --quiet").code, 0);
+  EXPECT_TRUE(fs::exists(folder / "out/report.json"));
+}
+
 TEST_F(Run, NoticesAChangedScanOfTheSameSizeAndTime) {
   const fs::path drive = small_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
