@@ -106,8 +106,7 @@ class Silhouettes {
     const std::size_t every = colours.size() / kColours + 1;
     for (int y = part.y; y < part.br().y; ++y)
       for (int x = part.x; x < part.br().x; ++x) {
-        if (outline(y, x) == 0 || evidence.differs(y, x) != 0 || evidence.untold(y, x) != 0 || evidence.ground(y, x) != 0)
-          continue;
+        if (outline(y, x) == 0 || evidence.differs(y, x) != 0 || evidence.untold(y, x) != 0) continue;
         std::size_t asked = 0, excluded = 0;
         for (std::size_t i = 0; i < colours.size(); i += every, ++asked) excluded += usual.excludes({x, y}, colours[i]);
         if (static_cast<double>(excluded) < kTelling * static_cast<double>(asked)) evidence.untold(y, x) = 255;
