@@ -1,6 +1,7 @@
 #include "dvi/drive/near_views.h"
 
 #include <algorithm>
+#include <ranges>
 
 namespace dvi {
 namespace {
@@ -36,8 +37,11 @@ std::vector<std::size_t> of_other_cameras(const Views& views, std::size_t target
   for (int sequence = 0; sequence < views.sequences(); ++sequence) {
     const auto [begin, end] = views.of_sequence(sequence);
     if (begin == end || begin == first || views[begin].drive != views[target].drive) continue;
-    for (std::size_t i = begin; i < end; ++i)
-      if (time(i) >= time(before) - half && time(i) <= time(behind) + half) out.push_back(i);
+    const auto all = std::views::iota(begin, end);
+    const auto early = [&](std::size_t i) { return time(i) < time(before) - half; };
+    const auto not_late = [&](std::size_t i) { return time(i) <= time(behind) + half; };
+    const std::size_t to = *std::ranges::partition_point(all, not_late);
+    for (std::size_t i = *std::ranges::partition_point(all, early); i < to; ++i) out.push_back(i);
   }
   return out;
 }

@@ -78,6 +78,8 @@ void require_any(const Drive& drive, const fs::path& file) {
 
 }  // namespace
 
+fs::path camera_masks(const fs::path& folder, const std::string& camera) { return folder / "masks" / camera; }
+
 void match_masks(Drive& drive, const std::vector<fs::path>& folders) {
   MaskFiles masks = masks_by_name(folders);
   if (masks.empty()) {
@@ -94,7 +96,7 @@ void match_masks(Drive& drive, const std::vector<fs::path>& folders) {
 }
 
 void attach_masks(Drive& drive, const fs::path& given) {
-  const fs::path of_camera = given / "masks" / drive.camera_name;  // as dvi mask writes them
+  const fs::path of_camera = camera_masks(given, drive.camera_name);
   const fs::path folder = fs::is_directory(of_camera) ? of_camera : given;
   MaskFiles masks = masks_by_name({folder});
   if (masks.empty()) {

@@ -16,6 +16,9 @@ namespace dvi::io {
 /// first and the last, and of masks that lie in the folder above or in one below. InputError where no mask belongs to a frame.
 void match_masks(Drive& drive, const std::vector<fs::path>& folders);
 
+/// Where the masks of a camera lie in a folder that holds those of several, as `dvi mask` writes it.
+fs::path camera_masks(const fs::path& folder, const std::string& camera);
+
 /// Gives an open drive the masks of a folder, or of its masks/CAMERA, instead of its own. The drive may have been cut: masks of
 /// its other images are left alone. Warns of masks of no image. InputError where none belongs to a frame.
 void attach_masks(Drive& drive, const fs::path& given);

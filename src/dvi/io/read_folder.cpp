@@ -4,6 +4,7 @@
 #include <set>
 
 #include "dvi/core/error.h"
+#include "dvi/drive/nearest_in_time.h"
 #include "dvi/io/camera_choice.h"
 #include "dvi/io/depth_scan.h"
 #include "dvi/io/drive_config.h"
@@ -120,13 +121,6 @@ std::vector<ScanHeader> make_scan_headers(const std::vector<fs::path>& files, co
   return scan_headers;
 }
 
-const ScanHeader* nearest_scan(const std::vector<ScanHeader>& scan_headers, std::int64_t time, std::int64_t within) {
-  const auto distance = [&](const ScanHeader& header) { return std::abs(header.time_ns - time); };
-  const auto nearest = std::min_element(scan_headers.begin(), scan_headers.end(),
-                                        [&](const ScanHeader& a, const ScanHeader& b) { return distance(a) < distance(b); });
-  return nearest == scan_headers.end() || distance(*nearest) > within ? nullptr : &*nearest;
-}
-
 std::vector<Gap> find_gaps(Drive& drive, std::int64_t period) {
   Gap images{"no image for frames", {}}, scans{"no scan for frames", {}}, poses{"no pose for the scans of frames", {}};
   std::set<std::int64_t> posed;
@@ -137,7 +131,7 @@ std::vector<Gap> find_gaps(Drive& drive, std::int64_t period) {
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
     const Frame& frame = drive.frames[i];
     if (i > 0) ++steps[frame.number - drive.frames[i - 1].number];
-    const ScanHeader* header = nearest_scan(drive.scan_headers, frame.time_ns, period * 6 / 10);
+    const ScanHeader* header = nearest_in_time(drive.scan_headers, frame.time_ns, period * 6 / 10);
     if (!header) scans.frames.push_back(frame.number);
     if (header && by_scan && !posed.contains(header->time_ns)) poses.frames.push_back(frame.number);
   }
@@ -209,7 +203,7 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
     };
   }
   config.lidar.apply(drive);
-  match_masks(drive, {path / "masks" / drive.camera_name});
+  match_masks(drive, {camera_masks(path, drive.camera_name)});
   if (const fs::path poses = path / "poses.txt"; fs::exists(poses)) {
     drive.poses = read_poses(poses, drive);
     drive.other_files.push_back(poses);

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <map>
 
 #include "dvi/core/error.h"
@@ -9,15 +8,17 @@
 namespace dvi::io {
 namespace {
 
-// Files N.ENDING by their number, which has no leading zeros.
-std::map<int, fs::path> files_by_number(const fs::path& folder, const std::vector<std::string>& endings) {
-  std::map<int, fs::path> out;
+// Files N.ENDING in order of their number, which has no leading zeros.
+std::vector<NumberedFile> files_by_number(const fs::path& folder, const std::vector<std::string>& endings) {
+  std::map<int, fs::path> by_number;
   for (const fs::path& file : list_files(folder, endings)) {
     const auto number = to_integer(file.stem().string());
     if (!number || *number < 0) throw InputError(file, "is not named by its number", "files are named 0.jpg, 1.jpg, ...");
-    if (!out.emplace(*number, file).second)
-      throw InputError(file, "has the number of " + out.at(*number).string(), "remove one of them");
+    if (!by_number.emplace(*number, file).second)
+      throw InputError(file, "has the number of " + by_number.at(*number).string(), "remove one of them");
   }
+  std::vector<NumberedFile> out;
+  for (const auto& [number, file] : by_number) out.push_back({number, file.stem().string(), file});
   return out;
 }
 
@@ -56,17 +57,8 @@ Recording read_scannet(const fs::path& path, const ReadOptions& options) {
   Drive& drive = recording.drive;
   drive.path = path;
   name_camera(drive, options.camera, "color");
-  for (const auto& [number, file] : files_by_number(path / "color", {".jpg", ".png"}))
-    drive.frames.push_back({number, file.stem().string(), frame_time(number), file, {}});
-  for (const auto& [number, file] : files_by_number(path / "depth", {".png"}))
-    drive.scan_headers.push_back({file.stem().string(), frame_time(number), frame_time(number), frame_time(number), file});
-  std::vector<StampedPose> poses;
-  for (const auto& [number, file] : files_by_number(path / "pose", {".txt"})) {
-    drive.other_files.push_back(file);
-    if (const auto world_from_depth = read_pose_matrix(file))
-      poses.push_back({frame_time(number), *world_from_depth * camera_from_level()});
-  }
-  drive.poses = Trajectory(std::move(poses));
+  set_numbered_files(drive, files_by_number(path / "color", {".jpg", ".png"}), files_by_number(path / "depth", {".png"}),
+                     files_by_number(path / "pose", {".txt"}));
   match_masks(drive, {path / "masks"});
   recording.gaps = {frames_without_depth(drive, 0)};
   drive.camera = read_intrinsic(path, "intrinsic_color.txt", drive);

@@ -8,12 +8,6 @@
 namespace dvi::io {
 namespace {
 
-struct NumberedFile {
-  int number = 0;
-  std::string name;  // "frame-000012"
-  fs::path file;
-};
-
 // Files "frame-N.color.png" and the like.
 std::vector<NumberedFile> files_of_kind(const fs::path& path, const std::string& kind,
                                         const std::vector<std::string>& endings) {
@@ -58,19 +52,8 @@ Recording read_seven_scenes(const fs::path& path, const ReadOptions& options) {
   Drive& drive = recording.drive;
   drive.path = path;
   name_camera(drive, options.camera, "color");
-  for (const NumberedFile& image : files_of_kind(path, "color", {".png", ".jpg"}))
-    drive.frames.push_back({image.number, image.name, frame_time(image.number), image.file, {}});
-  for (const NumberedFile& depth : files_of_kind(path, "depth", {".png"})) {
-    const std::int64_t time = frame_time(depth.number);
-    drive.scan_headers.push_back({depth.name, time, time, time, depth.file});
-  }
-  std::vector<StampedPose> poses;
-  for (const NumberedFile& pose : files_of_kind(path, "pose", {".txt"})) {
-    drive.other_files.push_back(pose.file);
-    if (const auto world_from_depth = read_pose_matrix(pose.file))
-      poses.push_back({frame_time(pose.number), *world_from_depth * camera_from_level()});
-  }
-  drive.poses = Trajectory(std::move(poses));
+  set_numbered_files(drive, files_of_kind(path, "color", {".png", ".jpg"}), files_of_kind(path, "depth", {".png"}),
+                     files_of_kind(path, "pose", {".txt"}));
   match_masks(drive, {path / "masks"});
   recording.gaps = {missing_numbers(drive), frames_without_depth(drive, 0)};
   drive.camera = kKinectColor;

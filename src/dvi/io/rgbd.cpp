@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dvi/core/error.h"
+#include "dvi/drive/nearest_in_time.h"
 #include "dvi/io/camera_choice.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/plausible.h"
@@ -19,13 +20,27 @@ bool not_finite(const std::string& word) {
          lower.find("#ind") != std::string::npos;
 }
 
-constexpr double kRate = 30;  // frames a second
+constexpr double kRate = 30;  // frames a second, where only numbers tell the time
+
+std::int64_t time_of(const NumberedFile& file) { return std::llround(1e9 * file.number / kRate); }
 
 }  // namespace
 
-std::int64_t frame_time(int number) { return std::llround(1e9 * number / kRate); }
-
 SE3 camera_from_level() { return {(Eigen::Matrix3d() << 0, -1, 0, 0, 0, -1, 1, 0, 0).finished(), {0, 0, 0}}; }
+
+void set_numbered_files(Drive& drive, const std::vector<NumberedFile>& images, const std::vector<NumberedFile>& depths,
+                        const std::vector<NumberedFile>& poses) {
+  for (const NumberedFile& image : images) drive.frames.push_back({image.number, image.name, time_of(image), image.file, {}});
+  for (const NumberedFile& depth : depths)
+    drive.scan_headers.push_back({depth.name, time_of(depth), time_of(depth), time_of(depth), depth.file});
+  std::vector<StampedPose> stamped;
+  for (const NumberedFile& pose : poses) {
+    drive.other_files.push_back(pose.file);
+    if (const auto world_from_camera = read_pose_matrix(pose.file))
+      stamped.push_back({time_of(pose), *world_from_camera * camera_from_level()});
+  }
+  drive.poses = Trajectory(std::move(stamped));
+}
 
 void name_camera(Drive& drive, const std::string& wanted, const char* name) {
   drive.camera_names = {name};
@@ -78,9 +93,7 @@ std::optional<SE3> read_pose_matrix(const fs::path& file) {
 Gap frames_without_depth(const Drive& drive, std::int64_t within_ns) {
   Gap gap{"no depth image for frames", {}};
   for (const Frame& frame : drive.frames)
-    if (std::none_of(drive.scan_headers.begin(), drive.scan_headers.end(),
-                     [&](const ScanHeader& header) { return std::abs(header.time_ns - frame.time_ns) <= within_ns; }))
-      gap.frames.push_back(frame.number);
+    if (!nearest_in_time(drive.scan_headers, frame.time_ns, within_ns)) gap.frames.push_back(frame.number);
   return gap;
 }
 

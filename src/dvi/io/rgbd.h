@@ -15,8 +15,16 @@ namespace dvi::io {
 /// of the camera that their poses are of.
 SE3 camera_from_level();
 
-/// When a frame was taken that is known by its number only: 30 are taken a second.
-std::int64_t frame_time(int number);
+struct NumberedFile {
+  int number = 0;
+  std::string name;  ///< of the frame, the same for image, depth and pose
+  fs::path file;
+};
+
+/// Sets frames, scans and poses of a recording that numbers its images, depth images and 4x4 matrices world_from_camera, each
+/// in order of their numbers. What has no finite matrix has no pose.
+void set_numbered_files(Drive& drive, const std::vector<NumberedFile>& images, const std::vector<NumberedFile>& depths,
+                        const std::vector<NumberedFile>& poses);
 
 /// The one camera of the layout, which --camera may name.
 void name_camera(Drive& drive, const std::string& wanted, const char* name);

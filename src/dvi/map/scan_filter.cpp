@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dvi/drive/deskew.h"
+#include "dvi/drive/nearest_in_time.h"
 
 namespace dvi::map {
 namespace {
@@ -30,14 +31,12 @@ Sight sight_of(const Eigen::Vector3d& point, const NearestFrame& frame) {
 std::optional<NearestFrame> nearest_frame(const ScanHeader& header, const Drive& drive, const Lazy<cv::Mat1b>& masks,
                                           const Trajectory& world_from_lidar) {
   const std::vector<Frame>& frames = drive.frames;
-  const auto distance = [&](const Frame& f) { return std::abs(f.time_ns - header.time_ns); };
-  auto nearest = std::partition_point(frames.begin(), frames.end(), [&](const Frame& f) { return f.time_ns < header.time_ns; });
-  if (nearest != frames.begin() && (nearest == frames.end() || distance(*(nearest - 1)) <= distance(*nearest))) --nearest;
-  if (nearest == frames.end() || distance(*nearest) > header.end_ns - header.start_ns) return std::nullopt;
+  const Frame* const nearest = nearest_in_time(frames, header.time_ns, header.end_ns - header.start_ns);
+  if (!nearest) return std::nullopt;
   const std::optional<SE3> pose = world_from_lidar.at(nearest->time_ns);
   if (!pose) return std::nullopt;
   const SE3 lidar_from_world = pose->inverse();
-  const auto frame = static_cast<std::size_t>(nearest - frames.begin());
+  const auto frame = static_cast<std::size_t>(nearest - frames.data());
   return NearestFrame{frame, lidar_from_world, drive.camera_from_lidar * lidar_from_world, &drive.camera, masks[frame]};
 }
 

@@ -9,6 +9,7 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/io/contact_sheet.h"
+#include "dvi/io/mask_folder.h"
 #include "dvi/io/write_image.h"
 #include "dvi/masks/motion.h"
 #include "dvi/pipeline/result_folder.h"
@@ -89,7 +90,7 @@ std::string make_masks(const Job& job, Progress& progress) {
   const Recording& open = drives.front();
   const Drive& drive = open.drive;
   const DriveMasks& found = masks.front();
-  const fs::path out = job.out, folder = out / "masks" / drive.camera_name;
+  const fs::path out = job.out, folder = io::camera_masks(out, drive.camera_name);
   make_folder(folder);
   std::vector<double> shares(drive.frames.size());
   progress.begin("write", drive.frames.size());

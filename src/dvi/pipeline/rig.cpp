@@ -9,6 +9,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/drive/deskew.h"
+#include "dvi/drive/nearest_in_time.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/mask_reading.h"
@@ -55,10 +56,10 @@ bool is_grey(const Drive& drive) {
 // What tells this camera's traffic; sets its mask files.
 std::optional<masks::MaskSource> masks_of(Drive& drive, const Recording& own, const ReadChoice& choice) {
   if (!own.masks_from) return std::nullopt;
-  const MasksFrom from = own.rig_of || choice.is_source ? MasksFrom() : choice.masks;
-  const fs::path folder = fs::path(from.path) / "masks" / drive.camera_name;
-  if (from.kind == MasksFrom::Kind::path && fs::is_directory(folder)) io::attach_masks(drive, from.path);
-  if (!drive.masks.empty() && (from.kind != MasksFrom::Kind::path || fs::is_directory(folder))) {
+  const MasksFrom from = choice.is_source ? MasksFrom() : choice.masks;
+  const bool given = from.kind == MasksFrom::Kind::path;
+  if (given ? fs::is_directory(io::camera_masks(from.path, drive.camera_name)) : !drive.masks.empty()) {
+    if (given) io::attach_masks(drive, from.path);
     io::read_masks(drive, choice.mask_files);
     return masks::MaskSource::files;
   }
@@ -69,12 +70,7 @@ std::optional<masks::MaskSource> masks_of(Drive& drive, const Recording& own, co
 
 // Labels that hold all round are those of the frame that was taken at the same time.
 void share_labels(const Drive& from, Drive& to) {
-  for (Frame& frame : to.frames) {
-    const auto nearest = std::min_element(from.frames.begin(), from.frames.end(), [&](const Frame& a, const Frame& b) {
-      return std::abs(a.time_ns - frame.time_ns) < std::abs(b.time_ns - frame.time_ns);
-    });
-    frame.labels = nearest->labels;
-  }
+  for (Frame& frame : to.frames) frame.labels = nearest_in_time(from.frames.begin(), from.frames.end(), frame.time_ns)->labels;
   to.labelled = to.labelled_around = true;
 }
 
@@ -97,18 +93,9 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
   return open;
 }
 
-const Frame* together_with(const Frame& frame, const Drive& drive) {
-  const auto apart = [&](const Frame& other) { return std::abs(other.time_ns - frame.time_ns); };
-  const auto nearest = std::min_element(drive.frames.begin(), drive.frames.end(),
-                                        [&](const Frame& a, const Frame& b) { return apart(a) < apart(b); });
-  return nearest == drive.frames.end() || apart(*nearest) > kTogether ? nullptr : &*nearest;
-}
-
 // The returns of the scan nearest to a time, world axes.
 std::vector<Eigen::Vector3d> returns_near(const Drive& drive, std::int64_t time_ns, const Trajectory& world_from_lidar) {
-  const auto apart = [&](const ScanHeader& header) { return std::abs(header.time_ns - time_ns); };
-  const auto nearest = std::min_element(drive.scan_headers.begin(), drive.scan_headers.end(),
-                                        [&](const ScanHeader& a, const ScanHeader& b) { return apart(a) < apart(b); });
+  const auto nearest = nearest_in_time(drive.scan_headers.begin(), drive.scan_headers.end(), time_ns);
   if (nearest == drive.scan_headers.end() || time_ns < nearest->start_ns - kTogether || time_ns > nearest->end_ns + kTogether)
     return {};
   return to_world(*drive.scans[static_cast<std::size_t>(nearest - drive.scan_headers.begin())], *nearest, world_from_lidar);
@@ -145,7 +132,7 @@ Lazy<cv::Mat1b> carried_masks(const Drive& drive, const Lazy<cv::Mat1b>& own, co
                               const Trajectory& world_from_lidar) {
   return {other.frames.size(), [=](std::size_t i) {
             const Frame& frame = other.frames[i];
-            const Frame* const together = together_with(frame, drive);
+            const Frame* const together = nearest_in_time(drive.frames, frame.time_ns, kTogether);
             const auto here = world_from_lidar.at(frame.time_ns);
             const auto there = together ? world_from_lidar.at(together->time_ns) : std::nullopt;
             if (!here || !there) return cv::Mat1b(other.camera.height, other.camera.width, uchar{255});

@@ -12,6 +12,7 @@
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/deskew.h"
+#include "dvi/drive/nearest_in_time.h"
 #include "dvi/image/grey.h"
 #include "dvi/image/optical_flow.h"
 
@@ -38,9 +39,8 @@ double median_range(const Scan& scan) {
 
 std::size_t scan_next_to(const Drive& drive, const ScanTrack& track, std::int64_t time_ns) {
   const auto begin = drive.scan_headers.begin();
-  const auto nearest = std::min_element(
-      begin + static_cast<std::ptrdiff_t>(track.first), begin + static_cast<std::ptrdiff_t>(track.last),
-      [&](const ScanHeader& a, const ScanHeader& b) { return std::abs(a.time_ns - time_ns) < std::abs(b.time_ns - time_ns); });
+  const auto nearest = nearest_in_time(begin + static_cast<std::ptrdiff_t>(track.first),
+                                       begin + static_cast<std::ptrdiff_t>(track.last), time_ns);
   return static_cast<std::size_t>(nearest - begin);
 }
 

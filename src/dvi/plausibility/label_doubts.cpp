@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "dvi/core/threads.h"
+#include "dvi/drive/nearest_in_time.h"
 
 namespace dvi::plausibility {
 namespace {
@@ -61,11 +62,9 @@ std::optional<bool> is_seen_through(const Box& box, const Scan& scan) {
 
 Boxes boxes_of(const Drive& drive, const Frame& frame) {
   Boxes out;
-  const auto off = [&](const ScanHeader& h) { return std::abs(h.time_ns - frame.time_ns); };
-  const auto nearest = std::min_element(drive.scan_headers.begin(), drive.scan_headers.end(),
-                                        [&](const ScanHeader& a, const ScanHeader& b) { return off(a) < off(b); });
-  if (nearest == drive.scan_headers.end() || off(*nearest) > kNextToBox) return out;
-  const auto scan = drive.scans[static_cast<std::size_t>(nearest - drive.scan_headers.begin())];
+  const ScanHeader* const nearest = nearest_in_time(drive.scan_headers, frame.time_ns, kNextToBox);
+  if (!nearest) return out;
+  const auto scan = drive.scans[static_cast<std::size_t>(nearest - drive.scan_headers.data())];
   for (const Label& label : frame.labels) {
     if (!label.box) continue;
     const double range = label.box->frame_from_box.t.norm();

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "dvi/drive/deskew.h"
+#include "dvi/drive/nearest_in_time.h"
 #include "dvi/traffic/half_size.h"
-#include "dvi/traffic/seconds.h"
 
 namespace dvi::traffic {
 namespace {
@@ -49,9 +49,7 @@ struct Source {
   // World axes, of the frame nearest in time.
   std::vector<Box> boxes_at(std::int64_t time_ns) const {
     std::vector<Box> boxes;
-    const auto nearest = std::min_element(drive.frames.begin(), drive.frames.end(), [&](const Frame& a, const Frame& b) {
-      return std::abs(seconds_from(a.time_ns, time_ns)) < std::abs(seconds_from(b.time_ns, time_ns));
-    });
+    const auto nearest = nearest_in_time(drive.frames.begin(), drive.frames.end(), time_ns);
     if (nearest == drive.frames.end()) return boxes;
     const auto pose = world_from_lidar.at(nearest->time_ns);
     if (!pose) return boxes;
