@@ -29,6 +29,7 @@ struct AlignOptions {
 
   void describe(OptionTable& table) {
     table.section("stages");
+    table.developer();
     table.add("align", enabled, "Refine the camera's rotations from its images.");
     table.section("align");
     table.add_automatic("rotation_deg", {&rotation_deg}, {0.001, 5},

@@ -14,6 +14,7 @@ struct ExposureOptions {
 
   void describe(OptionTable& table) {
     table.section("stages");
+    table.developer();
     table.add("exposure", enabled, "Estimate a gain per frame and channel from map points that several frames show.");
   }
   void check() const { check_ranges(*this); }

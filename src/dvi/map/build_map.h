@@ -26,9 +26,9 @@ struct MapOptions {
     table.add("pose_error_m", pose_error_m, {0, 1},
               "Expected position error between scans; free-space carving keeps this distance from rays.");
     table.add("memory_mb", memory_mb, {0, 1e6}, "Memory of the map; the rest is paged to unlinked temporary files in TMPDIR.");
+    table.developer();
     table.add("require_camera_visibility", require_camera_visibility,
               "Keep only points that the camera saw unmasked when they were scanned; others may belong to traffic.");
-    table.developer();
     table.add("carve", carve, "Free-space carving: remove points that rays of other scans passed through.");
     table.add("box_margin_m", box_margin_m, {0, 5},
               "Margin added to labelled 3D boxes before their points are dropped; objects move while they are scanned.");

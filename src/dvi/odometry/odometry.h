@@ -23,8 +23,8 @@ struct OdometryOptions {
 
   void describe(OptionTable& table) {
     table.section("odometry");
-    table.add("loops", loops, "Close loops where the drive returns to a place.");
     table.developer();
+    table.add("loops", loops, "Close loops where the drive returns to a place.");
     table.add("spacing_m", spacing_m, {0.02, 2}, "Edge of the cubes that give one feature each to the local map.");
     table.add("cell_m", cell_m, {0.1, 5}, "Edge of the cubes that give one feature each to registration.");
     table.add("voxel_m", voxel_m, {0.1, 5}, "Edge of the small voxels of the local map; large ones are three times as wide.");

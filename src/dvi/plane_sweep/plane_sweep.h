@@ -17,6 +17,7 @@ struct PlaneSweepOptions {
 
   void describe(OptionTable& table) {
     table.section("stages");
+    table.developer();
     table.add("plane_sweep", enabled, "Estimate depth inside holes where the map has none, from several views.");
     table.section("plane_sweep");
     table.developer();

@@ -14,6 +14,7 @@ struct SmoothOptions {
 
   void describe(OptionTable& table) {
     table.section("stages");
+    table.developer();
     table.add("smooth", enabled, "Average the hole along optical flow over neighbouring frames.");
   }
   void check() const { check_ranges(*this); }
