@@ -19,7 +19,7 @@ void add_holdout(Program& program) {
   Command command = program.command("holdout", "Insert virtual traffic into a real drive and keep the true background");
   command.positional("DRIVE", a->drive, "The drive");
   command.option("-o,--out", a->out, "Folder of the case: drive/, truth/, ignore/, holdout.json", true);
-  command.option("--scenario", a->scenario, "lead (default), oncoming, crossing, parked, truck or banner");
+  command.option("--scenario", a->scenario, "lead (default), oncoming, crossing, parked, truck, far or banner");
   a->options.add_to(command);
   a->common.add_to(command, true);
   command.run([a] {

@@ -23,7 +23,7 @@ void add_selfcheck(Program& program) {
   command.positional("DRIVE", a->drive, "The drive");
   command.option("-o,--out", a->out, "Folder for cases and results (default dvi-selfcheck)");
   command.option("--scenario", a->scenarios,
-                 "lead, oncoming, crossing, parked (these by default), truck, banner; any number of times");
+                 "lead, oncoming, crossing, parked (these by default), truck, far, banner; any number of times");
   command.option("--external", a->external,
                  "NAME=DIR: also score another program's frames, DIR/SCENARIO/NAME.png or .jpg; repeatable");
   a->options.add_to(command);

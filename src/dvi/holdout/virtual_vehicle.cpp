@@ -23,7 +23,7 @@ constexpr double kPi = std::numbers::pi;
 }  // namespace
 
 const char* name(Scenario scenario) {
-  constexpr std::array kNames = {"lead", "oncoming", "crossing", "parked", "truck", "banner"};
+  constexpr std::array kNames = {"lead", "oncoming", "crossing", "parked", "truck", "banner", "far"};
   return kNames[static_cast<std::size_t>(scenario)];
 }
 
@@ -54,6 +54,14 @@ VirtualVehicle::VirtualVehicle(Scenario scenario, std::uint64_t seed, std::share
     case Scenario::truck:
       type_ = "truck", size_ = {9, 2.5, 3.5};
       motion_ = {.along = 4.5 + random.uniform(9, 10), .left = random.uniform(-0.2, 0.2), .follows = true};
+      break;
+    case Scenario::far:  // its body hides the vanishing point all the time
+      type_ = "van", size_ = {5.5, 2, 2.4};
+      motion_ = {.along = random.uniform(30, 35),
+                 .left = random.uniform(-0.2, 0.2),
+                 .follows = true,
+                 .sway = 5,
+                 .phase = random.uniform(0, 2 * kPi)};
       break;
     case Scenario::oncoming: {
       // Passes when most of the recording is over, if it is short.

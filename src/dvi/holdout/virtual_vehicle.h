@@ -13,9 +13,9 @@
 namespace dvi::holdout {
 
 /// What is put into a drive, as `--scenario` names it (docs/holdout.md).
-enum class Scenario { lead, oncoming, crossing, parked, truck, banner };
-inline constexpr std::array kScenarios = {Scenario::lead,   Scenario::oncoming, Scenario::crossing,
-                                          Scenario::parked, Scenario::truck,    Scenario::banner};
+enum class Scenario { lead, oncoming, crossing, parked, truck, banner, far };
+inline constexpr std::array kScenarios = {Scenario::lead,  Scenario::oncoming, Scenario::crossing, Scenario::parked,
+                                          Scenario::truck, Scenario::banner,   Scenario::far};
 const char* name(Scenario scenario);
 /// UsageError for an unknown one.
 Scenario parse_scenario(const std::string& text);

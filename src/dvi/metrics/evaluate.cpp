@@ -179,8 +179,9 @@ std::vector<ExternalFrames> parse_external(const std::vector<std::string>& argum
 
 Evaluation evaluate(const EvaluationFolders& folders, const BeginPart& begin) {
   const std::vector<std::string> names = frames_of(folders);
-  const Tick tick = begin("eval", names.size() * (1 + folders.external.size()));
+  const Tick tick = begin("eval", names.size() * (2 + folders.external.size()));
   Evaluation evaluation = score(folders, nullptr, names, tick);
+  evaluation.artefacts = count_artefacts(folders.out, names, tick);
   for (const ExternalFrames& external : folders.external)
     evaluation.external.push_back({external.name, score(folders, &external, names, tick)});
   return evaluation;

@@ -9,6 +9,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "dvi/metrics/artefacts.h"
+
 namespace dvi::metrics {
 
 /// By where the pixels of the result come from: kinds 1 and 2 are copied, 3 interpolated, 4 synthesised, 5 left empty.
@@ -77,6 +79,7 @@ struct Evaluation {
   std::vector<FrameEvaluation> frames;                                 ///< those scored, in order
   std::vector<std::string> unscored;                                   ///< frames left out: no pixel of theirs is to be scored
   std::vector<std::string> warnings;
+  std::optional<Artefacts> artefacts;  ///< of the run; not counted in other programs' frames
   std::vector<ExternalEvaluation> external;
 };
 
@@ -90,6 +93,8 @@ struct ExternalEvaluation {
 std::string table(const Evaluation& evaluation);
 
 /// For machines; what is undefined is null.
+void to_json(nlohmann::json& json, const Artefacts& artefacts);
+void from_json(const nlohmann::json& json, Artefacts& artefacts);
 void to_json(nlohmann::json& json, const Evaluation& evaluation);
 
 }  // namespace dvi::metrics

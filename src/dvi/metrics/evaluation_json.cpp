@@ -55,6 +55,21 @@ static nlohmann::json whole_frame(const Figures& f) {
   return {{"mae", f.mae}, {"rmse", f.rmse}, {"psnr", f.psnr}, {"ssim", f.ssim}};
 }
 
+void to_json(nlohmann::json& json, const Artefacts& a) {
+  json = {{"flash_ppm", a.flash_ppm()}, {"flash_ring_ppm", a.ring_flash_ppm()}, {"overshoot_ppm", a.overshoot_ppm()},
+          {"hole_pixels", a.hole},      {"hole_between", a.hole_between},       {"ring_between", a.ring_between},
+          {"flashes", a.flashes},       {"ring_flashes", a.ring_flashes},       {"overshoots", a.overshoots}};
+}
+
+void from_json(const nlohmann::json& json, Artefacts& a) {
+  a = {.hole = json.at("hole_pixels"),
+       .overshoots = json.at("overshoots"),
+       .hole_between = json.at("hole_between"),
+       .ring_between = json.at("ring_between"),
+       .flashes = json.at("flashes"),
+       .ring_flashes = json.at("ring_flashes")};
+}
+
 void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   json = evaluation.total;
   for (const Origin origin : kOrigins)
@@ -65,6 +80,7 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   json["per_frame"] = evaluation.frames;
   json["unscored"] = evaluation.unscored;
   json["warnings"] = evaluation.warnings;
+  json["artefacts"] = evaluation.artefacts ? nlohmann::json(*evaluation.artefacts) : nlohmann::json();
   json["external"] = nlohmann::json::object();
   for (const ExternalEvaluation& external : evaluation.external) json["external"][external.name] = external.evaluation;
 }

@@ -11,6 +11,7 @@
 #include "dvi/core/files.h"
 #include "dvi/core/progress.h"
 #include "dvi/map/static_map.h"
+#include "dvi/metrics/artefacts.h"
 #include "dvi/pipeline/cpu_clock.h"
 #include "dvi/pipeline/find_masks.h"
 #include "dvi/pipeline/poses_report.h"
@@ -86,6 +87,7 @@ struct RunReport {
   bool baseline = false;
   std::vector<DriveReport> drives;
   HoleReport hole;                         ///< of all frames
+  metrics::Artefacts artefacts;            ///< what draws the eye in them
   std::optional<StandingTracks> standing;  ///< removed from the target
   std::optional<MapReport> map;            ///< a baseline has none
   CostReport cost;

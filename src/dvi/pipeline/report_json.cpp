@@ -9,6 +9,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
 #include "dvi/core/json_text.h"
+#include "dvi/metrics/evaluation.h"
 
 /// A value or null.
 template <class T>
@@ -158,9 +159,9 @@ namespace {
 constexpr const char* kReportSchema = "dvi-report/1";
 
 void to_json(json& j, const RunReport& report) {
-  j = {{"schema", kReportSchema}, {"version", report.version},   {"method", report.method},     {"baseline", report.baseline},
-       {"drives", report.drives}, {"hole", report.hole},         {"standing", report.standing}, {"map", report.map},
-       {"cost", report.cost},     {"warnings", report.warnings}, {"frames", report.frames}};
+  j = {{"schema", kReportSchema}, {"version", report.version}, {"method", report.method},       {"baseline", report.baseline},
+       {"drives", report.drives}, {"hole", report.hole},       {"artefacts", report.artefacts}, {"standing", report.standing},
+       {"map", report.map},       {"cost", report.cost},       {"warnings", report.warnings},   {"frames", report.frames}};
 }
 void from_json(const json& j, RunReport& report) {
   j.at("version").get_to(report.version);
@@ -168,6 +169,7 @@ void from_json(const json& j, RunReport& report) {
   j.at("baseline").get_to(report.baseline);
   j.at("drives").get_to(report.drives);
   j.at("hole").get_to(report.hole);
+  j.at("artefacts").get_to(report.artefacts);
   j.at("standing").get_to(report.standing);
   j.at("map").get_to(report.map);
   j.at("cost").get_to(report.cost);

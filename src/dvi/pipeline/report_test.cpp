@@ -37,6 +37,7 @@ RunReport whole_report() {
   frame.exposure_gain = {1, 1.5F, 2};
   report.frames = {frame};
   report.hole = report.frames[0].hole;
+  report.artefacts = {.hole = 100, .overshoots = 1, .hole_between = 90, .ring_between = 50, .flashes = 2, .ring_flashes = 3};
   report.standing = StandingTracks{.tracks = 5, .standing = 4, .pixels = 80};
   report.map.emplace();
   report.map->points = 1000;

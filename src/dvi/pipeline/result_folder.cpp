@@ -323,9 +323,11 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
     remove_stages(out_);
   }
   write_media(out_, target, names_, job_.options.video, progress);
+  const metrics::Artefacts artefacts = metrics::count_artefacts(out_, names_, progress.parts()("artefacts", names_.size()));
   progress.end();
   write_file(out_ / "dvi.toml", own_options());
   RunReport finished = report(results, progress);
+  finished.artefacts = artefacts;
   write_file(out_ / "report.json", to_json(finished) + "\n");
   write_record(result_record(), {fingerprint_, record_files(out_, files_beside_frames(out_)), std::nullopt});
   return finished;
