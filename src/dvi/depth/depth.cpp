@@ -51,9 +51,8 @@ void raster(const Triangle& t, cv::Size size, const Pixel& pixel) {
 
 Picture paint(const SurfelMesh& mesh, const View& view, bool split_edges) {
   Picture picture(view.camera.height, view.camera.width);
-  const Kerbs kerbs = split_edges ? Kerbs(mesh, eye_of(view)) : Kerbs();
   for (const auto& corners : mesh.triangles) {
-    const Triangle triangle(mesh, corners, kerbs);
+    const Triangle triangle(mesh, corners);
     raster(triangle, picture.inverse.size(), [&](int x, int y, const std::array<float, 3>& w) {
       const Triangle::Value value =
           split_edges ? triangle.at(static_cast<float>(x), static_cast<float>(y), w) : triangle.interpolate(w);

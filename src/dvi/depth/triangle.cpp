@@ -27,26 +27,20 @@ float cut(const Surfel& near, const Surfel& far) {
 
 }  // namespace
 
-Triangle::Triangle(const SurfelMesh& mesh, const std::array<std::size_t, 3>& corners, const Kerbs& kerbs) {
+Triangle::Triangle(const SurfelMesh& mesh, const std::array<std::size_t, 3>& corners) {
   for (int k = 0; k < 3; ++k) corners_[k] = &mesh.surfels[corners[k]];
   std::sort(corners_.begin(), corners_.end(), [](const Surfel* a, const Surfel* b) { return a->inverse > b->inverse; });
   std::array<int, 3> steps{};
-  bool wide = false;
   for (int i = 0; i < 3; ++i) {
     const auto [a, b] = kPairs[i];
     joints_[i] = joint(*corners_[a], *corners_[b]);
-    if (apart(*corners_[a], *corners_[b])) {
-      wide = true;
-      if (joints_[i] != Joint::same) gap_ = true;
-    }
+    if (joints_[i] != Joint::same && apart(*corners_[a], *corners_[b])) gap_ = true;
     if (joints_[i] != Joint::step) continue;
     cuts_[i] = cut(*corners_[a], *corners_[b]);
     ++steps[a];
     ++steps[b];
   }
   whole_ = std::count(joints_.begin(), joints_.end(), Joint::same) >= 2;
-  const bool ground = std::all_of(corners_.begin(), corners_.end(), [](const Surfel* s) { return s->is_ground(); });
-  if (wide && whole_ && ground && !kerbs.empty()) kerbs_ = &kerbs;
   const auto lone = std::find(steps.begin(), steps.end(), 2);
   if (!whole_ && lone != steps.end()) lone_ = static_cast<int>(lone - steps.begin());
 }
@@ -105,11 +99,7 @@ Triangle::Value Triangle::shown(float x, float y, const std::array<float, 3>& w)
 }
 
 Triangle::Value Triangle::at(float x, float y, const std::array<float, 3>& w) const {
-  if (whole_) {
-    Value value = interpolate(w);
-    if (kerbs_ != nullptr) value.inverse = kerbs_->inverse(corners_, w);
-    return value;
-  }
+  if (whole_) return interpolate(w);
   Value value = shown(x, y, w);
   value.spread = 0.5F * (1 / corners_[2]->inverse - 1 / corners_[0]->inverse);
   return value;

@@ -2,7 +2,6 @@
 
 #include <array>
 
-#include "dvi/depth/kerbs.h"
 #include "dvi/depth/surfel_mesh.h"
 
 namespace dvi::depth {
@@ -16,8 +15,7 @@ class Triangle {
     int corner = 0;     ///< whose surface it is
   };
 
-  /// `kerbs` go on through it where nothing was scanned.
-  Triangle(const SurfelMesh& mesh, const std::array<std::size_t, 3>& corners, const Kerbs& kerbs);
+  Triangle(const SurfelMesh& mesh, const std::array<std::size_t, 3>& corners);
 
   const Surfel& corner(int k) const { return *corners_[k]; }
   /// Wider than returns lie apart: nothing was scanned within.
@@ -38,7 +36,6 @@ class Triangle {
   std::array<const Surfel*, 3> corners_;  ///< from near to far
   std::array<Joint, 3> joints_{};         ///< of corners 0-1, 0-2, 1-2
   std::array<float, 3> cuts_{};           ///< part of the way between them, from the nearer, that belongs to it
-  const Kerbs* kerbs_ = nullptr;          ///< that may go through it
   bool whole_ = false;
   bool gap_ = false;
   int lone_ = -1;  ///< the corner that a step parts from both others
