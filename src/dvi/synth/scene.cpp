@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr std::int64_t kStart = 1'000'000'000'000;
+constexpr std::int64_t kStart = 1'000'000'000'000, kReverseLater = 500'000'000'000;
 constexpr double kLidarHeight = 1.73;
 constexpr double kRightGain = 1.05;  // no two cameras see alike
 
@@ -29,10 +29,18 @@ double elevation_deg(int beam, int beams) {
 
 struct Scene::World {
   explicit World(const SynthOptions& options)
-      : noise(static_cast<std::uint64_t>(options.seed)), still(options, noise), movers(synth::make_traffic(options, noise)) {}
+      : noise(static_cast<std::uint64_t>(options.seed)),
+        still(options, noise),
+        course(options),
+        movers(synth::make_traffic(options, course, noise)) {}
+
+  std::vector<PlacedMover> placed(double time) const {
+    return synth::placed(movers, still.street, time, course.place(course.way(time), 0).x());
+  }
 
   Noise noise;
   StaticWorld still;
+  Course course;
   std::vector<Mover> movers;
 };
 
@@ -57,17 +65,20 @@ Scene::~Scene() = default;
 std::string Scene::name(int frame) const { return fmt::format("{:06d}", frame); }
 
 std::int64_t Scene::time_ns(int frame) const {
-  return kStart * options_.day + std::llround(1e9 * (frame + 0.5) / options_.rate_hz);
+  const std::int64_t start = kStart * options_.day + (options_.reverse ? kReverseLater : 0);
+  return start + std::llround(1e9 * (frame + 0.5) / options_.rate_hz);
 }
 
 double Scene::seconds(std::int64_t time_ns) const { return 1e-9 * static_cast<double>(time_ns - this->time_ns(0)); }
 
 SE3 Scene::world_from_lidar(std::int64_t time_ns) const {
   const double t = seconds(time_ns), p = t + 1.7 * (options_.day - 1);
-  const double s = synth::own_way(options_, t), d = synth::own_lane(options_.day) + 0.12 * std::sin(0.8 * p + 0.3);
+  const Course& course = world_->course;
+  const double sway = 0.12 * std::sin(0.8 * p + 0.3);
   const double yaw = 0.55 * kDegree * std::sin(1.3 * p + 0.2), roll = 0.25 * kDegree * std::sin(2.3 * p);
   const double pitch = kDegree * (0.22 * std::sin(6.1 * p) + 0.05 * std::sin(11 * p));
-  const SE3 level = world_->still.street.world_from_place(s, d, kLidarHeight + 0.012 * std::sin(7 * p), yaw);
+  const SE3 level = course.world_from_place(world_->still.street, course.way(t), course.lane() + sway,
+                                            kLidarHeight + 0.012 * std::sin(7 * p), yaw);
   return level * SE3{so3_exp({0, pitch, 0}) * so3_exp({roll, 0, 0}), Vector3d::Zero()};
 }
 
@@ -78,8 +89,10 @@ SE3 Scene::camera_from_world(int frame, std::size_t camera) const {
   return jitter * cameras_[camera].camera_from_lidar * world_from_lidar(time_ns(frame)).inverse();
 }
 
-// Random numbers of their own for each purpose, day and camera.
-int Scene::stream(int purpose, std::size_t camera) const { return purpose + options_.day + 100 * static_cast<int>(camera); }
+// Random numbers of their own for each purpose, day, direction and camera.
+int Scene::stream(int purpose, std::size_t camera) const {
+  return purpose + options_.day + 100 * static_cast<int>(camera) + (options_.reverse ? 1000 : 0);
+}
 
 double Scene::gain(int frame, std::size_t camera) const {
   const double drift = options_.frames < 2 ? 0 : options_.exposure_drift * (2.0 * frame / (options_.frames - 1) - 1);
@@ -88,8 +101,7 @@ double Scene::gain(int frame, std::size_t camera) const {
 
 SynthFrame Scene::render(int frame, std::size_t camera) const {
   const double t = seconds(time_ns(frame));
-  return synth::render(world_->still, synth::placed(world_->movers, world_->still.street, t, synth::own_way(options_, t)),
-                       camera_, camera_from_world(frame, camera), gain(frame, camera));
+  return synth::render(world_->still, world_->placed(t), camera_, camera_from_world(frame, camera), gain(frame, camera));
 }
 
 cv::Mat3b Scene::record(int frame, const SynthFrame& rendered, std::size_t camera) const {
@@ -122,9 +134,9 @@ SynthScan Scene::scan(int frame) const {
     const double share = static_cast<double>(column) / static_cast<double>(columns), after = (share - 0.5) * period;
     const std::int64_t time = time_ns(frame) + std::llround(1e9 * after);
     const double t = seconds(time), azimuth = std::numbers::pi * (1 - 2 * share);
-    const Tracer tracer(world_->still, synth::placed(world_->movers, world_->still.street, t, synth::own_way(options_, t)));
+    const Tracer tracer(world_->still, world_->placed(t));
     const SE3 pose = world_from_lidar(time);
-    Random random = synth::random_for(static_cast<std::uint64_t>(options_.seed), 220 + options_.day,
+    Random random = synth::random_for(static_cast<std::uint64_t>(options_.seed), stream(220, 0),
                                       static_cast<std::int64_t>(frame) * options_.columns + static_cast<std::int64_t>(column));
     for (int beam = 0; beam < options_.beams; ++beam) {
       const double up = elevation_deg(beam, options_.beams) * kDegree, error = options_.range_noise * random.normal();
@@ -158,7 +170,7 @@ std::vector<Label> Scene::boxes(int frame) const {
   const double t = seconds(time_ns(frame));
   const SE3 lidar_from_world = world_from_lidar(time_ns(frame)).inverse();
   std::vector<Label> labels;
-  for (const PlacedMover& placed : synth::placed(world_->movers, world_->still.street, t, synth::own_way(options_, t))) {
+  for (const PlacedMover& placed : world_->placed(t)) {
     const Model& model = placed.mover->model;
     const SE3 pose = lidar_from_world * placed.world_from_mover;
     const Vector3d centre = pose * Vector3d(0, 0, 0.5 * model.size.z());

@@ -215,6 +215,55 @@ TEST(Scene, LorryStaysAheadAndTheSecondDayIsTheSameStreet) {
   EXPECT_GT(mean_difference(other.render(0).clean, first.render(0).clean), 10);
 }
 
+// A place that both drives see has the same position in both: they share one world.
+TEST(Scene, ReverseComesBackAlongTheSameStreet) {
+  for (const double turn : {0.0, 40.0}) {
+    SynthOptions options = small();
+    options.frames = 30;
+    options.turn_deg = turn;
+    const Scene forth(options);
+    options.reverse = true;
+    const Scene back(options);
+    const auto ahead = [](const Scene& scene, int frame) {
+      return Eigen::Vector3d(scene.world_from_lidar(scene.time_ns(frame)).R.col(0));
+    };
+    EXPECT_LT(ahead(forth, 29).dot(ahead(back, 0)), -0.97) << turn;
+    // Roofs and walls far from traffic, scanned by one drive, lie on surfaces that the other scanned.
+    const auto points = [](const Scene& scene, int frame) {
+      const SynthScan scan = scene.scan(frame);
+      std::vector<Eigen::Vector3d> out;
+      for (std::size_t i = 0; i < scan.scan.size(); ++i)
+        if (scan.dynamic[i] == 0)
+          out.push_back(scene.world_from_lidar(scene.time_ns(frame) + std::llround(1e9 * scan.scan.time[i])) *
+                        scan.scan.points[i].cast<double>());
+      return out;
+    };
+    const std::vector<Eigen::Vector3d> a = points(forth, 29), b = points(back, 12);
+    std::vector<double> nearest;
+    for (std::size_t i = 0; i < a.size(); i += 37) {
+      if (a[i].z() < 1.5 || a[i].z() > 3 || (a[i] - forth.world_from_lidar(forth.time_ns(29)).t).norm() > 15) continue;
+      double best = 1e9;
+      for (const Eigen::Vector3d& p : b) best = std::min(best, (p - a[i]).norm());
+      nearest.push_back(best);
+    }
+    ASSERT_GT(nearest.size(), 20U);
+    std::nth_element(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2), nearest.end());
+    EXPECT_LT(nearest[nearest.size() / 2], 0.35) << turn;
+  }
+}
+
+TEST(Scene, EveryDayHasItsOwnParkedCars) {
+  SynthOptions options = small();
+  options.lorry = true;
+  std::vector<cv::Mat3b> days;
+  for (int day = 1; day <= 5; ++day) {
+    options.day = day;
+    days.push_back(Scene(options).render(0).clean);
+    for (std::size_t i = 0; i + 1 < days.size(); ++i)
+      EXPECT_GT(mean_difference(days.back(), days[i]), 5) << i + 1 << " " << day;
+  }
+}
+
 TEST(Scene, ADriveInMemoryIsWholeAndConsistent) {
   const auto& scene = small_scene();
   const Drive drive = drive_of(scene);
@@ -234,7 +283,7 @@ TEST(SynthOptions, RefusesWhatIsOutOfRange) {
     EXPECT_THROW(options.check(), UsageError);
   };
   refused([](SynthOptions& o) { o.frames = 0; });
-  refused([](SynthOptions& o) { o.day = 3; });
+  refused([](SynthOptions& o) { o.day = 10; });
   refused([](SynthOptions& o) { o.beams = -1; });
   refused([](SynthOptions& o) { o.speed_mps = std::nan(""); });
   refused([](SynthOptions& o) { o.turn_deg = 200; });

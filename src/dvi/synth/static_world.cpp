@@ -25,9 +25,13 @@ Street make_street(const SynthOptions& options) {
   return {0.2 * options.distance() + 4, length, turn};
 }
 
+// Odd days are clear, the others overcast. The sun stands elsewhere on each pair of days.
+bool is_clear(int day) { return day % 2 == 1; }
+
 Light make_light(int day) {
-  if (day == 1) return {Vector3d(-0.35, -0.55, 0.75).normalized(), {0.44F, 0.5F, 0.54F}, {0.68F, 0.63F, 0.6F}};
-  return {Vector3d(0.5, 0.45, 0.75).normalized(), {0.27F, 0.26F, 0.25F}, {0.65F, 0.6F, 0.56F}};
+  const Eigen::Matrix3d later = so3_exp({0, 0, 0.6 * ((day - 1) / 2)});
+  if (is_clear(day)) return {later * Vector3d(-0.35, -0.55, 0.75).normalized(), {0.44F, 0.5F, 0.54F}, {0.68F, 0.63F, 0.6F}};
+  return {later * Vector3d(0.5, 0.45, 0.75).normalized(), {0.27F, 0.26F, 0.25F}, {0.65F, 0.6F, 0.56F}};
 }
 
 struct House {
@@ -105,8 +109,8 @@ class Builder {
                        {house.end + ds, d + dd},
                        {house.end, d},
                        {house.end, back}},
-                      options_.day == 1 ? 0.36 : 0.16,
-                      options_.day == 1 ? 0.12 : 0.4});
+                      is_clear(options_.day) ? 0.36 : 0.16,
+                      is_clear(options_.day) ? 0.12 : 0.4});
   }
 
   void place_signs(const House& house, double d, double inward) {
@@ -250,7 +254,7 @@ class Builder {
 
 Sky::Sky(const SynthOptions& options, const Noise& noise) {
   cv::Mat3b picture(256, 1024);
-  const bool clear = options.day == 1;
+  const bool clear = is_clear(options.day);
   const cv::Vec3f zenith = clear ? cv::Vec3f(212, 160, 112) : cv::Vec3f(188, 176, 164), haze(232, 224, 214),
                   cloud(246, 243, 240);
   for (int y = 0; y < picture.rows; ++y)

@@ -8,7 +8,9 @@ void SynthOptions::describe(OptionTable& table) {
   table.add("width", width, {32, 4096}, "Image width in pixels.");
   table.add("height", height, {32, 4096}, "Image height in pixels.");
   table.add("seed", seed, {0, 1e9}, "The street and its traffic.");
-  table.add("day", day, {1, 2}, "The same street on another day: other light, parked cars, lane and traffic.");
+  table.add("day", day, {1, 9}, "The same street on another day: other light, parked cars, lane and traffic.");
+  table.add("reverse", reverse,
+            "The same street, driven the other way: it begins 20 m beyond the end and comes back in the opposite lane.");
   table.add("speed_mps", speed_mps, {0, 30}, "Speed of the recording car in metres per second.");
   table.add("turn_deg", turn_deg, {-90, 90}, "Angle by which the street bends, left positive.");
   table.add("lorry", lorry, "A lorry stays close ahead during the whole drive.");

@@ -5,12 +5,14 @@
 namespace dvi::synth {
 
 /// What street is built and how it is recorded. Two recordings share one street (world coordinates, facades, trees) when
-/// seed, frames, speed_mps, rate_hz and turn_deg agree; `day` changes light, parked cars, lane and traffic.
+/// seed, frames, speed_mps, rate_hz and turn_deg agree; `day` changes light, parked cars, lane and traffic, `reverse` the
+/// direction.
 struct SynthOptions {
   int frames = 20;
   int width = 960, height = 540;
   int seed = 1;
   int day = 1;
+  bool reverse = false;
   double speed_mps = 8;
   double turn_deg = 0;
   bool lorry = false;

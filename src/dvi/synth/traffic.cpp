@@ -23,28 +23,23 @@ double lane_change(double way) {
 
 }  // namespace
 
-double own_lane(int day) { return day == 1 ? -0.5 * kLane : -1.5 * kLane; }
-
-double own_way(const SynthOptions& options, double time) {
-  return options.speed_mps * time + 0.12 * std::sin(0.9 * time + options.day);
-}
-
 SE3 Mover::world_from_mover(const Street& street, double time) const {
   constexpr double kStep = 1e-3;
   const Vector2d here = place(time), motion = place(time + kStep) - place(time - kStep);
   return street.world_from_place(here.x(), here.y(), 0, std::atan2(motion.y(), motion.x()));
 }
 
-std::vector<Mover> make_traffic(const SynthOptions& options, const Noise& noise) {
+std::vector<Mover> make_traffic(const SynthOptions& options, const Course& course, const Noise& noise) {
   std::vector<Mover> movers;
   const std::uint64_t seed = static_cast<std::uint64_t>(options.seed) + 1000003ULL * options.day;
-  const auto random = [&] { return random_for(seed, 21, static_cast<std::int64_t>(movers.size())); };
+  const auto random = [&] { return random_for(seed, options.reverse ? 22 : 21, static_cast<std::int64_t>(movers.size())); };
   const auto add = [&](Model model, std::function<Vector2d(double)> place) {
-    movers.push_back({static_cast<int>(movers.size()), std::move(model), std::move(place)});
+    movers.push_back({static_cast<int>(movers.size()), std::move(model),
+                      [course, place = std::move(place)](double t) { return course.place(place(t).x(), place(t).y()); }});
   };
-  const double lane = own_lane(options.day), other = own_lane(3 - options.day), shift = 9.0 * (options.day - 1);
+  const double lane = course.lane(), other = course.other_lane(), shift = std::fmod(9.0 * (options.day - 1), 48.0);
   const double duration = options.frames / options.rate_hz;
-  const auto way = [options](double time) { return own_way(options, time); };
+  const auto way = [course](double time) { return course.way(time); };
 
   if (options.lorry)
     add(make_lorry(random(), noise), [=](double t) { return Vector2d(way(t) + 13.5, lane); });
@@ -52,7 +47,8 @@ std::vector<Mover> make_traffic(const SynthOptions& options, const Noise& noise)
     add(make_car(random(), noise), [=](double t) {
       return Vector2d(way(t) + 0.05 * t + 16 + 2.5 * std::sin(0.5 * t), lane + (other - lane) * lane_change(way(t)));
     });
-  add(make_van(random(), noise), [=](double t) { return Vector2d(46 - 0.2 * shift + 0.6 * way(t) + 0.1 * t, other); });
+  if (other != lane)
+    add(make_van(random(), noise), [=](double t) { return Vector2d(46 - 0.2 * shift + 0.6 * way(t) + 0.1 * t, other); });
   for (int k = 0; 48.0 * k < 60 + (options.speed_mps + 9) * duration; ++k) {
     const double start = 43 + 48 * k + shift;
     Model model = k % 3 == 2 ? make_van(random(), noise) : make_car(random(), noise);
@@ -60,9 +56,11 @@ std::vector<Mover> make_traffic(const SynthOptions& options, const Noise& noise)
   }
   // Behind the lorry nobody is seen who crosses in front of the recording car.
   const double ahead = options.lorry ? 36 : 9.5;
-  for (int k = 0; crossing(k) < way(duration) + 60; ++k) {
-    const double when = (crossing(k) - ahead) / std::max(options.speed_mps, 1.0), s = crossing(k) + 1.2 + 0.6 * (k % 2);
-    add(make_pedestrian(random(), noise), [=](double t) { return Vector2d(s, lane - 1.5 * (t - when)); });
+  for (int k = 0; crossing(k) < options.distance() + 80; ++k) {
+    const double there = course.way_at(crossing(k)), when = (there - ahead) / std::max(options.speed_mps, 1.0),
+                 on_way = course.way_at(crossing(k) + 1.2 + 0.6 * (k % 2));
+    if (there < 0 || there >= way(duration) + 60) continue;
+    add(make_pedestrian(random(), noise), [=](double t) { return Vector2d(on_way, lane - 1.5 * (t - when)); });
   }
   return movers;
 }

@@ -3,15 +3,11 @@
 #include <functional>
 #include <vector>
 
+#include "dvi/synth/course.h"
 #include "dvi/synth/models.h"
-#include "dvi/synth/street.h"
 #include "dvi/synth/synth_options.h"
 
 namespace dvi::synth {
-
-/// Where the recording car drives: metres left of the centreline, and metres along it after `time` seconds.
-double own_lane(int day);
-double own_way(const SynthOptions& options, double time);
 
 /// Something that moves: its model, and its place (s, d) at a time in seconds after the first frame.
 struct Mover {
@@ -22,8 +18,8 @@ struct Mover {
   SE3 world_from_mover(const Street& street, double time) const;
 };
 
-/// The traffic of the drive: a vehicle ahead that changes lane (or a lorry that stays), a slower van beside, oncoming cars,
-/// pedestrians who cross. All of it moves all the time.
-std::vector<Mover> make_traffic(const SynthOptions& options, const Noise& noise);
+/// The traffic of the drive: a vehicle ahead that changes lane where there are two (or a lorry that stays), a slower van in the
+/// second lane, oncoming cars, pedestrians who cross. All of it moves all the time.
+std::vector<Mover> make_traffic(const SynthOptions& options, const Course& course, const Noise& noise);
 
 }  // namespace dvi::synth
