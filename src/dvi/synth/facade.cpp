@@ -133,4 +133,12 @@ TexturePtr paint_sign(Random random, const Noise& noise, double width_m, double 
   return std::make_shared<Texture>(canvas.picture);
 }
 
+TexturePtr paint_barrier(Random random, const Noise& noise) {
+  Canvas canvas(1.8, 0.25, 100, {225, 228, 230});
+  for (double x = 0; x < 1.8; x += 0.4)
+    for (double z = 0; z < 0.25; z += 0.01) canvas.box(x + 0.4 * z, z, 0.2, 0.01, {40, 35, 190});
+  roughen(canvas.picture, noise, 5, {random.below(512), random.below(512)});
+  return std::make_shared<Texture>(canvas.picture);
+}
+
 }  // namespace dvi::synth

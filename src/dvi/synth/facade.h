@@ -9,5 +9,7 @@ namespace dvi::synth {
 TexturePtr paint_facade(Random random, const Noise& noise, double width_m, double height_m);
 /// A blade sign, a poster: words on a coloured board.
 TexturePtr paint_sign(Random random, const Noise& noise, double width_m, double height_m);
+/// The board of a barrier: red and white, 1.8 x 0.25 m.
+TexturePtr paint_barrier(Random random, const Noise& noise);
 
 }  // namespace dvi::synth

@@ -21,7 +21,7 @@ class GroundPainter {
         noise_(noise),
         picture_(plain(pixels(kTop - kBottom), pixels(kChunk + 2 * kMargin), {106, 105, 103})) {}
 
-  cv::Mat3b paint(int number, const std::vector<Shade>& shades) {
+  cv::Mat3b paint(int number, const std::vector<Shade>& shades, bool wet) {
     roughen(picture_, noise_, 12, offset(0));
     for (int cell = number - 1; cell <= number + 1; ++cell) paint_wear(cell);
     paint_wheel_tracks();
@@ -32,6 +32,7 @@ class GroundPainter {
     }
     paint_pavement(kLeftKerb, kTop);
     paint_pavement(kBottom, kRightKerb);
+    if (wet) paint_water();
     for (const Shade& shade : shades) paint_shade(shade);
     return picture_;
   }
@@ -81,6 +82,16 @@ class GroundPainter {
       for (int k = -15; k <= 15; k += 5)
         cv::line(picture_, centre + cv::Point(k, -12), centre + cv::Point(k, 12), {104, 102, 98}, 2, cv::LINE_AA);
     }
+  }
+
+  // Wet asphalt takes more light, puddles take most.
+  void paint_water() {
+    for (int y = 0; y < picture_.rows; ++y)
+      for (int x = 0; x < picture_.cols; ++x) {
+        const cv::Point at = cv::Point(x, y) + offset(0);
+        const bool puddle = noise_(at.x / 3 + 300, at.y / 3) > 1.1F;
+        picture_(y, x) *= puddle ? 0.42 : 0.62;
+      }
   }
 
   // Tyres polish two bands of each lane.
@@ -176,13 +187,13 @@ class GroundPainter {
 double crossing(int number) { return 26 + 70.0 * number; }
 
 Ground::Ground(const Street& street, std::uint64_t seed, const Noise& noise, double s_begin, double s_end,
-               const std::vector<Shade>& shades)
+               const std::vector<Shade>& shades, bool wet)
     : street_(street), begin_(kChunk * std::floor(s_begin / kChunk)) {
   const auto count = static_cast<std::size_t>(std::ceil((s_end - begin_) / kChunk));
   std::vector<cv::Mat3b> pictures(count);
   parallel_for(count, [&](std::size_t i) {
     const double s = begin_ + kChunk * static_cast<double>(i);
-    pictures[i] = GroundPainter(s - kMargin, seed, noise).paint(static_cast<int>(std::lround(s / kChunk)), shades);
+    pictures[i] = GroundPainter(s - kMargin, seed, noise).paint(static_cast<int>(std::lround(s / kChunk)), shades, wet);
   });
   for (const cv::Mat3b& picture : pictures) chunks_.emplace_back(picture);
 }

@@ -20,7 +20,7 @@ class Ground {
  public:
   Ground() = default;
   Ground(const Street& street, std::uint64_t seed, const Noise& noise, double s_begin, double s_end,
-         const std::vector<Shade>& shades);
+         const std::vector<Shade>& shades, bool wet);
 
   struct Place {
     double t = std::numeric_limits<double>::infinity();

@@ -16,6 +16,10 @@ Model make_car(Random random, const Noise& noise);
 Model make_van(Random random, const Noise& noise);
 Model make_lorry(Random random, const Noise& noise);
 Model make_pedestrian(Random random, const Noise& noise);
+/// A person who walks: one model for each of kGaitPhases equal parts of a stride of kStride metres, two steps.
+inline constexpr int kGaitPhases = 16;
+inline constexpr double kStride = 1.4;
+std::vector<Model> make_walker(Random random, const Noise& noise);
 
 /// Leaves with gaps between them; `cover` is about the share that is leaf.
 TexturePtr paint_leaves(Random random, double cover);

@@ -50,20 +50,25 @@ class Painter {
   }
 
   /// Marks the pixels that a mover or its shadow may change.
-  void mark(const PlacedMover& placed, cv::Mat1b& wanted) const {
-    const Vector3d size = placed.mover->model.size + Vector3d::Constant(2 * kShadowReach);
-    const Box box{placed.world_from_mover * SE3{Eigen::Matrix3d::Identity(), {0, 0, 0.5 * placed.mover->model.size.z()}}, size};
+  void mark(const PlacedMover& placed, const Vector3d& to_sun, cv::Mat1b& wanted) const {
+    const Vector3d size = placed.model->size + Vector3d::Constant(2 * kShadowReach);
+    const Box box{placed.world_from_mover * SE3{Eigen::Matrix3d::Identity(), {0, 0, 0.5 * placed.model->size.z()}}, size};
+    std::vector<Vector3d> corners;
+    for (const Vector3d& corner : box.corners()) {
+      corners.push_back(corner);
+      if (placed.mover->walks()) corners.push_back(corner - to_sun * (size.z() / to_sun.z()));
+    }
     const SE3 camera_from_world = world_from_camera_.inverse();
     Eigen::AlignedBox2d area;
-    int behind = 0;
-    for (const Vector3d& corner : box.corners()) {
+    std::size_t behind = 0;
+    for (const Vector3d& corner : corners) {
       const Vector3d x = camera_from_world * corner;
       if (x.z() < 0.3)
         ++behind;
       else
         area.extend(camera_.project(x));
     }
-    if (behind == 8) return;
+    if (behind == corners.size()) return;
     if (behind > 0) area.extend(Eigen::Vector2d::Zero()).extend(Eigen::Vector2d(wanted.cols, wanted.rows));
     const Eigen::Vector2d limit(wanted.cols, wanted.rows);
     const Eigen::Vector2d low = area.min().cwiseMax(-2.0).cwiseMin(limit), high = area.max().cwiseMax(-2.0).cwiseMin(limit);
@@ -114,13 +119,13 @@ SynthFrame render(const StaticWorld& world, std::vector<PlacedMover> movers, con
   painter.paint(Tracer(world, {}), cv::Mat1b(size, 255), still);
 
   cv::Mat1b wanted(size, uchar{0});
-  for (const PlacedMover& mover : movers) painter.mark(mover, wanted);
+  for (const PlacedMover& mover : movers) painter.mark(mover, world.light.to_sun, wanted);
   Layer busy{still.id.clone(), still.depth.clone(), cv::Mat1b(size, uchar{0}), still.image.clone()};
   painter.paint(Tracer(world, std::move(movers)), wanted, busy);
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x)
       if (busy.image(y, x) != still.image(y, x)) busy.dynamic(y, x) = 255;
-  return {busy.image, still.image, still.depth, busy.dynamic};
+  return {busy.image, still.image, still.depth, busy.depth, busy.dynamic};
 }
 
 }  // namespace dvi::synth

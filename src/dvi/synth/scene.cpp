@@ -8,6 +8,8 @@
 
 #include "dvi/core/threads.h"
 #include "dvi/synth/render.h"
+#include "dvi/synth/rig.h"
+#include "dvi/synth/room.h"
 
 namespace dvi::synth {
 namespace {
@@ -17,7 +19,6 @@ using Eigen::Vector3d;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::int64_t kStart = 1'000'000'000'000, kReverseLater = 500'000'000'000;
 constexpr double kLidarHeight = 1.73;
-constexpr double kRightGain = 1.05;  // no two cameras see alike
 
 // The HDL-64E: its upper half three beams a degree, its lower half two.
 double elevation_deg(int beam, int beams) {
@@ -32,7 +33,7 @@ struct Scene::World {
       : noise(static_cast<std::uint64_t>(options.seed)),
         still(options, noise),
         course(options),
-        movers(synth::make_traffic(options, course, noise)) {}
+        movers(options.room ? make_visitors(options, noise) : make_traffic(options, course, noise)) {}
 
   std::vector<PlacedMover> placed(double time) const {
     return synth::placed(movers, still.street, time, course.place(course.way(time), 0).x());
@@ -46,17 +47,8 @@ struct Scene::World {
 
 Scene::Scene(const SynthOptions& options) : options_(options) {
   options.check();
-  camera_.width = options.width;
-  camera_.height = options.height;
-  camera_.fx = camera_.fy = 0.8 * options.width;
-  camera_.cx = 0.5 * (options.width - 1);
-  camera_.cy = 0.5 * (options.height - 1);
-  SE3 front;
-  front.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  front.R = so3_exp({0.012, -0.008, 0.004}) * front.R;
-  front.t = front.R * -Vector3d(0.27, 0.06, -0.12);
-  cameras_.push_back({"front", front});
-  if (options.stereo_m > 0) cameras_.push_back({"right", SE3{front.R, front.t - Vector3d(options.stereo_m, 0, 0)}, kRightGain});
+  camera_ = make_lens(options);
+  cameras_ = make_rig(options);
   world_ = std::make_unique<const World>(options);
 }
 
@@ -73,6 +65,7 @@ double Scene::seconds(std::int64_t time_ns) const { return 1e-9 * static_cast<do
 
 SE3 Scene::world_from_lidar(std::int64_t time_ns) const {
   const double t = seconds(time_ns), p = t + 1.7 * (options_.day - 1);
+  if (options_.room) return world_from_hand(options_, t);
   const Course& course = world_->course;
   const double sway = 0.12 * std::sin(0.8 * p + 0.3);
   const double yaw = 0.55 * kDegree * std::sin(1.3 * p + 0.2), roll = 0.25 * kDegree * std::sin(2.3 * p);
@@ -125,6 +118,11 @@ cv::Mat1b Scene::mask(const SynthFrame& rendered) const {
   return mask;
 }
 
+cv::Mat1w Scene::depth_image(int frame, const SynthFrame& rendered) const {
+  return measured_depth(rendered.seen, options_.range_noise,
+                        synth::random_for(static_cast<std::uint64_t>(options_.seed), stream(230, 0), frame));
+}
+
 SynthScan Scene::scan(int frame) const {
   const auto columns = static_cast<std::size_t>(options_.columns);
   std::vector<SynthScan> parts(columns);
@@ -171,7 +169,7 @@ std::vector<Label> Scene::boxes(int frame) const {
   const SE3 lidar_from_world = world_from_lidar(time_ns(frame)).inverse();
   std::vector<Label> labels;
   for (const PlacedMover& placed : world_->placed(t)) {
-    const Model& model = placed.mover->model;
+    const Model& model = *placed.model;
     const SE3 pose = lidar_from_world * placed.world_from_mover;
     const Vector3d centre = pose * Vector3d(0, 0, 0.5 * model.size.z());
     if (centre.norm() > options_.range_m) continue;

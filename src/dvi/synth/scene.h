@@ -13,11 +13,12 @@
 
 namespace dvi::synth {
 
-/// One image of the synthetic street with its truth, all without noise and with the frame's exposure.
+/// One image of the scene with its truth, all without noise and with the frame's exposure.
 struct SynthFrame {
   cv::Mat3b image;    ///< with traffic
   cv::Mat3b clean;    ///< without traffic
   cv::Mat1f depth;    ///< metres along the optical axis at the pixel's centre, without traffic; 0: sky
+  cv::Mat1f seen;     ///< the same with traffic: what a depth camera measures
   cv::Mat1b dynamic;  ///< 255 where image differs from clean: traffic and its shadow
 };
 
@@ -35,9 +36,10 @@ struct SceneCamera {
   double gain = 1;        ///< factor of all its colours
 };
 
-/// The synthetic street and its recording, in memory: everything is computed when asked for, and each call for the same
-/// thing gives the same. Frame i is exposed at the middle of scan i. Safe to use from many threads.
-/// The world is the street's own: x along it, z up, the road at z = 0.
+/// The synthetic street, or room, and its recording, in memory: everything is computed when asked for, and each call for the
+/// same thing gives the same. Frame i is exposed at the middle of scan i. Safe to use from many threads. The world is the
+/// street's own: x along it, z up, the road at z = 0. A room's origin is in the middle of its floor. Its camera measures depth
+/// as well; the axes that are elsewhere those of the LiDAR are x forward, y left, z up at the camera.
 class Scene {
  public:
   explicit Scene(const SynthOptions& options);
@@ -60,6 +62,8 @@ class Scene {
   cv::Mat3b record(int frame, const SynthFrame& rendered, std::size_t camera = 0) const;
   /// What a mask file holds: `dynamic` and some pixels round it.
   cv::Mat1b mask(const SynthFrame& rendered) const;
+  /// What the depth camera in a room records: millimetres, 0 nothing.
+  cv::Mat1w depth_image(int frame, const SynthFrame& rendered) const;
   /// The scan, each firing from its own place at its own time.
   SynthScan scan(int frame) const;
   /// Boxes of the moving traffic within the LiDAR's range, in LiDAR axes at the time of the image.

@@ -26,8 +26,8 @@ Drive drive_of(const std::shared_ptr<const Scene>& scene) {
   const std::int64_t half = std::llround(0.5e9 / scene->options().rate_hz);
   Drive drive;
   drive.format = "folder";
-  drive.camera_name = "front";
-  drive.camera_names = {"front"};
+  drive.camera_name = scene->cameras().front().name;
+  drive.camera_names = {drive.camera_name};
   drive.camera = scene->camera();
   drive.camera_from_lidar = scene->cameras().front().camera_from_lidar;
   drive.labelled = true;

@@ -11,6 +11,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/threads.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/synth/models.h"
 #include "dvi/synth/street.h"
 
 namespace dvi::synth {
@@ -62,10 +63,11 @@ TEST(Scene, ShowsTheSameWhateverTheThreads) {
 }
 
 // Every static pixel of one frame is found in another by depth and poses, where that frame sees the same place.
-void expect_reprojects(const Scene& scene, int from, int to) {
-  const SynthFrame a = scene.render(from), b = scene.render(to);
-  const SE3 b_from_a = scene.camera_from_world(to) * scene.camera_from_world(from).inverse();
-  const double gain = scene.gain(from) / scene.gain(to);
+void expect_reprojects(const Scene& scene, int from, int to, std::size_t from_camera = 0, std::size_t to_camera = 0,
+                       int at_least = 25000) {
+  const SynthFrame a = scene.render(from, from_camera), b = scene.render(to, to_camera);
+  const SE3 b_from_a = scene.camera_from_world(to, to_camera) * scene.camera_from_world(from, from_camera).inverse();
+  const double gain = scene.gain(from, from_camera) / scene.gain(to, to_camera);
   double error = 0, shifted = 0;
   int count = 0;
   for (int y = 0; y < a.depth.rows; ++y)
@@ -84,7 +86,7 @@ void expect_reprojects(const Scene& scene, int from, int to) {
       shifted += difference(2);
       ++count;
     }
-  ASSERT_GT(count, 25000);
+  ASSERT_GT(count, at_least);
   EXPECT_LT(error / count, 7);
   EXPECT_GT(shifted / count, 1.6 * error / count);
 }
@@ -97,6 +99,118 @@ TEST(Scene, DepthAndPosesHoldInATurnWithJitterAndDrift) {
   options.jitter_deg = 0.5;
   options.exposure_drift = 0.12;
   expect_reprojects(Scene(options), 4, 6);
+}
+
+TEST(Scene, SideCamerasSeeTheSameStreet) {
+  SynthOptions options = small();
+  options.side_cameras = true;
+  options.jitter_deg = 0.5;
+  const Scene scene(options);
+  ASSERT_EQ(scene.cameras().size(), 3U);
+  const auto looks = [&](std::size_t camera) { return Eigen::Vector3d(scene.cameras()[camera].camera_from_lidar.R.row(2)); };
+  EXPECT_GT(looks(1).y(), 0.8) << "to the left";
+  EXPECT_LT(looks(2).y(), -0.8) << "to the right";
+  // What the front camera sees now passes a side camera some frames later.
+  expect_reprojects(scene, 0, 8, 0, 1, 800);
+  expect_reprojects(scene, 0, 8, 0, 2, 800);
+  expect_reprojects(scene, 4, 5, 1, 1);
+}
+
+TEST(Scene, WetRoadsAndChangesLeaveTheRestAsItIs) {
+  const cv::Mat3b dry = small_scene()->render(0).clean;
+  const cv::Rect road(0, 130, 320, 50), sky(130, 0, 60, 40);
+  SynthOptions options = small();
+  options.wet = true;
+  const cv::Mat3b wet = Scene(options).render(0).clean;
+  EXPECT_LT(cv::mean(wet(road))[1], 0.75 * cv::mean(dry(road))[1]);
+  EXPECT_EQ(mean_difference(wet(sky), dry(sky)), 0);
+  options.wet = false;
+  options.changes = true;
+  const cv::Mat3b changed = Scene(options).render(0).clean;
+  EXPECT_GT(mean_difference(changed, dry), 2);
+  EXPECT_LT(mean_difference(changed(road), dry(road)), 1) << "but for the building site";
+}
+
+TEST(Scene, WhoWalksStandsOnTheGroundAndSwingsLegs) {
+  const std::vector<Model> gait = make_walker(Random(1), Noise(1));
+  ASSERT_EQ(gait.size(), static_cast<std::size_t>(kGaitPhases));
+  double longest = 0, shortest = 9;
+  for (const Model& model : gait) {
+    EXPECT_NEAR(model.solid.low().z(), 0, 0.02);
+    EXPECT_LE(model.solid.high().z(), model.size.z() + 0.02);
+    EXPECT_LE(std::max(model.solid.high().x(), -model.solid.low().x()), 0.5 * model.size.x() + 0.02);
+    const double step = model.solid.high().x() - model.solid.low().x();
+    longest = std::max(longest, step);
+    shortest = std::min(shortest, step);
+  }
+  EXPECT_GT(longest, 0.6);
+  EXPECT_LT(shortest, 0.5);
+}
+
+TEST(Scene, WhoWalksCastsAShadow) {
+  SynthOptions options = small();
+  options.walker = true;
+  const Scene scene(options);
+  const SynthFrame frame = scene.render(9);
+  const std::vector<Label> labels = scene.boxes(9);
+  // The shadow falls on the ground beside the box: pixels that change, below nobody.
+  int beside = 0;
+  for (int y = 0; y < frame.dynamic.rows; ++y)
+    for (int x = 0; x < frame.dynamic.cols; ++x) {
+      if (frame.dynamic(y, x) == 0 || frame.seen(y, x) != frame.depth(y, x) || frame.depth(y, x) == 0) continue;
+      const Eigen::Vector3d ground = scene.cameras()[0].camera_from_lidar.inverse() *
+                                     (scene.camera().ray({x, y}) * static_cast<double>(frame.depth(y, x)));
+      for (const Label& label : labels) {
+        const Eigen::Vector3d in_box = label.box->frame_from_box.inverse() * ground;
+        const double outside = (in_box.head<2>().cwiseAbs() - 0.5 * label.box->size.head<2>()).maxCoeff();
+        if (label.type == "pedestrian" && outside > 0.45 && in_box.head<2>().norm() < 2) ++beside;
+      }
+    }
+  EXPECT_GT(beside, 5);
+}
+
+SynthOptions small_room() {
+  SynthOptions options = small();
+  options.room = true;
+  return options;
+}
+
+TEST(Scene, ARoomIsClosedAndReprojects) {
+  const Scene scene(small_room());
+  EXPECT_EQ(scene.cameras().front().name, "color");
+  EXPECT_EQ(cv::countNonZero(scene.render(3).depth == 0), 0);
+  expect_reprojects(scene, 1, 8);
+}
+
+TEST(Scene, ADepthCameraMeasuresWhatItSees) {
+  SynthOptions options = small_room();
+  const Scene noisy(options);
+  options.range_noise = 0;
+  const Scene exact(options);
+  const SynthFrame frame = exact.render(5);
+  EXPECT_GT(cv::countNonZero(frame.seen < frame.depth), 500) << "the person";
+  const cv::Mat1w depth = exact.depth_image(5, frame), measured = noisy.depth_image(5, frame);
+  double squares = 0, expected = 0;
+  int missing = 0;
+  for (int y = 0; y < depth.rows; ++y)
+    for (int x = 0; x < depth.cols; ++x) {
+      ASSERT_NEAR(depth(y, x), 1000 * frame.seen(y, x), 0.51);
+      if (measured(y, x) == 0) {
+        ++missing;
+        continue;
+      }
+      squares += std::pow(0.001 * measured(y, x) - frame.seen(y, x), 2);
+      expected += std::pow(0.02 * std::pow(frame.seen(y, x) / 5, 2), 2);
+    }
+  EXPECT_GT(missing, 500) << "beside jumps";
+  EXPECT_LT(missing, depth.size().area() / 10);
+  EXPECT_NEAR(squares / expected, 1, 0.05);
+}
+
+TEST(Scene, ARoomHasNoStreet) {
+  SynthOptions options = small_room();
+  options.lorry = true;
+  EXPECT_THROW(Scene{options}, UsageError);
 }
 
 TEST(Scene, ScanLiesOnTheDepthSurface) {

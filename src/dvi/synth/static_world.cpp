@@ -9,6 +9,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/synth/facade.h"
 #include "dvi/synth/models.h"
+#include "dvi/synth/room.h"
 
 namespace dvi::synth {
 namespace {
@@ -72,6 +73,7 @@ class Builder {
     place_kerbs();
     place_furniture();
     place_parked_cars();
+    if (options_.changes) place_sites();
     solid.finish();
   }
 
@@ -86,8 +88,12 @@ class Builder {
     return {p.x(), p.y(), z};
   }
 
+  // Of a house whose front has changed, all but its shape is another one's.
+  bool is_changed(const House& house) const { return options_.changes && random(55 + house.side, house.number).below(3) == 0; }
+
   TexturePtr paint(const House& house) const {
-    return paint_facade(random(41 + house.side, house.number), noise_, house.end - house.begin, house.height);
+    return paint_facade(random((is_changed(house) ? 48 : 41) + house.side, house.number), noise_, house.end - house.begin,
+                        house.height);
   }
 
   void place_house(const House& house, const TexturePtr& front) {
@@ -114,7 +120,7 @@ class Builder {
   }
 
   void place_signs(const House& house, double d, double inward) {
-    Random dice = random(61 + house.side, house.number);
+    Random dice = random((is_changed(house) ? 65 : 61) + house.side, house.number);
     if (dice.below(3) != 0) {  // a blade across the pavement, to be read along the street
       const double s = dice.uniform(house.begin + 1, house.end - 1), z = dice.uniform(3.2, 4.4),
                    height = dice.uniform(0.8, 1.9);
@@ -221,12 +227,41 @@ class Builder {
         // Crossings are kept free.
         const double past = s - crossing(0) - 70 * std::floor((s - crossing(0) + 5) / 70);
         if (dice.uniform() > 0.5 || past < 6.5) continue;
+        if (options_.changes && side < 0 && on_site(s)) continue;
         const Model car = dice.below(5) == 0 ? make_van(dice, noise_) : make_car(dice, noise_);
         const double drift = dice.uniform(-0.3, 0.3);
         solid.add(car.solid,
                   street_.world_from_place(s + drift, d + dice.uniform(-0.1, 0.1), 0, side > 0 ? std::numbers::pi : 0));
         shades.push_back({rectangle(s + drift, d, car.size.x() + 0.15, car.size.y() + 0.15), 0.62, 0.3});
       }
+  }
+
+  // Building sites, where cars park on the right.
+  static constexpr double kSiteBegin = 8, kSiteLength = 9, kSiteEvery = 50;
+  static bool on_site(double s) {
+    const double past = s + 4 - kSiteBegin - kSiteEvery * std::floor((s + 4 - kSiteBegin) / kSiteEvery);
+    return past < kSiteLength + 8;
+  }
+
+  void place_sites() {
+    const TexturePtr board = paint_barrier(random(76, 0), noise_), wood = paint_plain(random(76, 1), noise_, {92, 128, 150}, 9),
+                     sand = paint_plain(random(76, 2), noise_, {120, 160, 182}, 14);
+    Model fence, heap;
+    for (const double z : {0.25, 0.75}) {
+      fence.solid.add({-0.9, 0, z}, {0.9, 0, z}, {-0.9, 0, z + 0.25}, {0.9, 0, z + 0.25}, board);
+      fence.solid.add({0.9, 0.03, z}, {-0.9, 0.03, z}, {0.9, 0.03, z + 0.25}, {-0.9, 0.03, z + 0.25}, board);
+    }
+    for (const double x : {-0.8, 0.8}) fence.solid.add_cylinder({x, 0.015, 0}, 0.03, 1.1, wood);
+    add_frustum(heap.solid, {-1.8, 1.8, 0.8, 0}, {-0.5, 0.6, 0.15, 0.9}, {sand, sand, sand, sand, sand});
+    for (double begin = kSiteBegin; begin < end_ - 20; begin += kSiteEvery) {
+      const double left = -2 * kLane - 0.2, right = kRightKerb + 0.25, middle = 0.5 * (left + right);
+      for (double s = begin + 0.9; s < begin + kSiteLength; s += 1.8)
+        for (const double d : {left, right}) solid.add(fence.solid, street_.world_from_place(s, d));
+      for (const double s : {begin, begin + kSiteLength})
+        solid.add(fence.solid, street_.world_from_place(s, middle, 0, 0.5 * std::numbers::pi));
+      solid.add(heap.solid, street_.world_from_place(begin + 5.5, middle));
+      shades.push_back({rectangle(begin + 5.5, middle, 3.8, 1.8), 0.5, 0.2});
+    }
   }
 
   static std::vector<Eigen::Vector2d> rectangle(double s, double d, double length, double width) {
@@ -250,6 +285,15 @@ class Builder {
   TexturePtr bark_, metal_;
 };
 
+// Left and right end of the panorama meet behind the car: towards its right end, it becomes the mirrored left one.
+void close_behind(cv::Mat3b& panorama) {
+  constexpr int kWidth = 96;
+  for (int x = panorama.cols - kWidth; x < panorama.cols; ++x) {
+    const double other = (x - panorama.cols + kWidth + 0.5) / kWidth;
+    cv::addWeighted(panorama.col(x), 1 - other, panorama.col(panorama.cols - 1 - x), other, 0, panorama.col(x));
+  }
+}
+
 }  // namespace
 
 Sky::Sky(const SynthOptions& options, const Noise& noise) {
@@ -270,11 +314,13 @@ Sky::Sky(const SynthOptions& options, const Noise& noise) {
     }
   // Clouds are soft.
   cv::GaussianBlur(picture, picture, {}, 2.5, 0, cv::BORDER_REFLECT);
+  close_behind(picture);
   panorama_.emplace(picture);
 }
 
 cv::Vec3f Sky::shade(const Ray& ray, double pixel_share) const {
-  const double ahead = std::atan2(ray.direction.y(), ray.direction.x()) / std::numbers::pi;  // mirrored behind: no seam
+  if (!panorama_) return {};
+  const double ahead = std::atan2(ray.direction.y(), ray.direction.x()) / std::numbers::pi;
   const double up = std::atan2(ray.direction.z(), ray.direction.head<2>().norm()) / (0.5 * std::numbers::pi);
   const double width = panorama_->width(), height = panorama_->height(),
                step = pixel_share * ray.step_x.norm() / ray.direction.norm();
@@ -282,12 +328,20 @@ cv::Vec3f Sky::shade(const Ray& ray, double pixel_share) const {
                            {step * width / (2 * std::numbers::pi), 0}, {0, step * height / (0.5 * std::numbers::pi)});
 }
 
-StaticWorld::StaticWorld(const SynthOptions& options, const Noise& noise)
-    : street(make_street(options)), light(make_light(options.day)), sky(options, noise) {
+StaticWorld::StaticWorld(const SynthOptions& options, const Noise& noise) {
+  if (options.room) {
+    light = room_light(options.day);
+    solid = make_room(options, noise);
+    return;
+  }
+  street = make_street(options);
+  light = make_light(options.day);
+  sky = Sky(options, noise);
   Builder builder(options, noise, street);
   builder.build();
   solid = std::move(builder.solid);
-  ground = Ground(street, static_cast<std::uint64_t>(options.seed), noise, kBegin, builder.end() + 2, builder.shades);
+  ground =
+      Ground(street, static_cast<std::uint64_t>(options.seed), noise, kBegin, builder.end() + 2, builder.shades, options.wet);
 }
 
 }  // namespace dvi::synth

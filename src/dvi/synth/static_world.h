@@ -19,7 +19,7 @@ class Sky {
   std::optional<Texture> panorama_;
 };
 
-/// All that does not move on one day, in world axes.
+/// All that does not move on one day, in world axes. A room has neither ground nor sky: it is closed.
 struct StaticWorld {
   StaticWorld(const SynthOptions& options, const Noise& noise);
 

@@ -27,6 +27,7 @@ std::string settings(const Scene& scene) {
     text += fmt::format("[camera.{}]\nsize = [{}, {}]\nK = [{}, 0, {}, 0, {}, {}, 0, 0, 1]\ncamera_from_lidar = [{}]\n\n",
                         one.name, camera.width, camera.height, camera.fx, camera.cx, camera.fy, camera.cy,
                         numbers(one.camera_from_lidar, ", "));
+  if (options.room) return text + fmt::format("[lidar]\nsensor = \"depth_camera\"\nrate = {:.12g}\n", options.rate_hz);
   return text + fmt::format(
                     "[lidar]\nrate = {:.12g}\nbeams = {}\nstamp = \"middle\"\nrotation = \"clockwise\"\n"
                     "first_azimuth_deg = 180.0\n",
@@ -37,14 +38,17 @@ std::string readme(const SynthOptions& options) {
   SynthOptions copy = options;
   OptionTable table;
   copy.describe(table);
-  return "A synthetic street, made by `dvi synth`: a drive in the `folder` layout with its exact truth.\n\n"
+  return std::string("A synthetic ") + (options.room ? "room" : "street") +
+         ", made by `dvi synth`: a drive in the `folder` layout with its exact truth.\n\n"
          "truth/NAME.png            the frame without traffic and noise, with the frame's exposure\n"
-         "truth_depth/NAME.png      16-bit, depth z in metres x 256 of the static street at pixel centres, 0 sky\n"
-         "truth_points/NAME.label   uint8 a point of lidar/NAME.bin: 0 static, 1 on moving traffic\n"
+         "truth_depth/NAME.png      16-bit, depth z in metres x 256 of what stands still, at pixel centres, 0 sky\n"
          "truth_cameras.txt         NAME, 12 numbers camera_from_world (row-major 3x4) of the true camera, exposure gain\n"
-         "poses.txt                 exact world_from_lidar at the middle of each scan, when the image is exposed\n\n"
-         "Made with\n\n" +
-         table.dump_toml();
+         "truth/CAMERA/ and so on   the same of a camera that is not the first\n" +
+         (options.room
+              ? "poses.txt                 exact world_from_lidar of each image; axes x forward, y left, z up at the camera\n\n"
+              : "truth_points/NAME.label   uint8 a point of lidar/NAME.bin: 0 static, 1 on moving traffic\n"
+                "poses.txt                 exact world_from_lidar at the middle of each scan, when the image is exposed\n\n") +
+         "Made with\n\n" + table.dump_toml();
 }
 
 std::string frame_json(const std::vector<Label>& labels) {
@@ -60,42 +64,57 @@ std::string frame_json(const std::vector<Label>& labels) {
   return text;
 }
 
+/// In `folder`, of a camera: the first one's files stand in the folder itself.
+fs::path of_camera(const Scene& scene, std::size_t camera, const fs::path& folder) {
+  return camera == 0 ? folder : folder / scene.cameras()[camera].name;
+}
+
 void write_image(const Scene& scene, int frame, std::size_t camera, const SynthFrame& rendered, const fs::path& out) {
   const std::string& folder = scene.cameras()[camera].name;
   const std::string png = scene.name(frame) + ".png";
   io::write_png(out / "images" / folder / png, scene.record(frame, rendered, camera));
   io::write_png(out / "masks" / folder / png, scene.mask(rendered));
+  io::write_png(of_camera(scene, camera, out / "truth") / png, rendered.clean);
+  cv::Mat depth;
+  rendered.depth.convertTo(depth, CV_16U, 256);
+  io::write_png(of_camera(scene, camera, out / "truth_depth") / png, depth);
+  if (scene.options().room) io::write_png(out / "depth" / folder / png, scene.depth_image(frame, rendered));
 }
 
 void write_frame(const Scene& scene, int frame, const fs::path& out) {
-  const std::string name = scene.name(frame), png = name + ".png";
-  const SynthFrame rendered = scene.render(frame);
-  write_image(scene, frame, 0, rendered, out);
-  for (std::size_t camera = 1; camera < scene.cameras().size(); ++camera)
+  for (std::size_t camera = 0; camera < scene.cameras().size(); ++camera)
     write_image(scene, frame, camera, scene.render(frame, camera), out);
-  io::write_png(out / "truth" / png, rendered.clean);
-  cv::Mat depth;
-  rendered.depth.convertTo(depth, CV_16U, 256);
-  io::write_png(out / "truth_depth" / png, depth);
+  if (scene.options().room) return;
+  const std::string name = scene.name(frame);
   const SynthScan scan = scene.scan(frame);
   write_file(out / "lidar" / (name + ".bin"), io::bin_bytes(scan.scan));
   write_file(out / "truth_points" / (name + ".label"), {scan.dynamic.begin(), scan.dynamic.end()});
 }
 
+std::string true_cameras(const Scene& scene, std::size_t camera) {
+  std::string text;
+  for (int i = 0; i < scene.options().frames; ++i)
+    text +=
+        fmt::format("{} {} {:.12g}\n", scene.name(i), numbers(scene.camera_from_world(i, camera), " "), scene.gain(i, camera));
+  return text;
+}
+
 void write_tables(const Scene& scene, const fs::path& out) {
-  std::string times, poses, cameras, boxes;
+  std::string times, poses, boxes;
   for (int i = 0; i < scene.options().frames; ++i) {
     const std::string name = scene.name(i);
     const std::int64_t time = scene.time_ns(i);
     times += fmt::format("{} {}\n", name, io::to_seconds(time));
     poses += fmt::format("{} {}\n", name, numbers(scene.world_from_lidar(time), " "));
-    cameras += fmt::format("{} {} {:.12g}\n", name, numbers(scene.camera_from_world(i), " "), scene.gain(i));
     boxes += fmt::format("{} \"{}\":[{}]", i == 0 ? "\n" : ",\n", name, frame_json(scene.boxes(i)));
   }
-  for (const SceneCamera& camera : scene.cameras()) write_file(out / "times" / (camera.name + ".txt"), times);
-  write_file(out / "times/lidar.txt", times);
+  for (std::size_t i = 0; i < scene.cameras().size(); ++i) {
+    const std::string& camera = scene.cameras()[i].name;
+    write_file(out / "times" / (camera + ".txt"), times);
+    write_file(out / (i == 0 ? "truth_cameras.txt" : "truth_cameras_" + camera + ".txt"), true_cameras(scene, i));
+  }
+  if (!scene.options().room) write_file(out / "times/lidar.txt", times);
   write_file(out / "poses.txt", poses);
-  write_file(out / "truth_cameras.txt", cameras);
   write_file(out / "boxes.json", "{\"version\":1,\"frames\":{" + boxes + "\n}}\n");
   write_file(out / "README.txt", readme(scene.options()));
   // Last: a folder without it is no drive, so that a killed run leaves none that looks whole.
@@ -106,9 +125,14 @@ void write_tables(const Scene& scene, const fs::path& out) {
 
 void synthesise(const SynthOptions& options, const fs::path& out, const Tick& tick) {
   const Scene scene(options);
-  for (const char* folder : {"lidar", "times", "truth", "truth_depth", "truth_points"}) make_folder(out / folder);
-  for (const SceneCamera& camera : scene.cameras())
-    for (const char* folder : {"images", "masks"}) make_folder(out / folder / camera.name);
+  make_folder(out / "times");
+  for (const char* folder : {"lidar", "truth_points"})
+    if (!options.room) make_folder(out / folder);
+  for (std::size_t i = 0; i < scene.cameras().size(); ++i) {
+    for (const char* folder : {"images", "masks"}) make_folder(out / folder / scene.cameras()[i].name);
+    if (options.room) make_folder(out / "depth" / scene.cameras()[i].name);
+    for (const char* folder : {"truth", "truth_depth"}) make_folder(of_camera(scene, i, out / folder));
+  }
   parallel_for(static_cast<std::size_t>(options.frames), [&](std::size_t i) {
     write_frame(scene, static_cast<int>(i), out);
     if (tick) tick();

@@ -4,9 +4,9 @@
 
 namespace dvi::synth {
 
-/// What street is built and how it is recorded. Two recordings share one street (world coordinates, facades, trees) when
-/// seed, frames, speed_mps, rate_hz and turn_deg agree; `day` changes light, parked cars, lane and traffic, `reverse` the
-/// direction.
+/// What street, or room, is built and how it is recorded. Two recordings share one street (world coordinates, facades, trees)
+/// when seed, frames, speed_mps, rate_hz and turn_deg agree; `day` changes light, parked cars, lane and traffic, `reverse` the
+/// direction, `wet` and `changes` the street itself. Two recordings share one room when seed agrees.
 struct SynthOptions {
   int frames = 20;
   int width = 960, height = 540;
@@ -16,7 +16,11 @@ struct SynthOptions {
   double speed_mps = 8;
   double turn_deg = 0;
   bool lorry = false;
+  bool walker = false;
+  bool wet = false, changes = false;
   double stereo_m = 0;
+  bool side_cameras = false;
+  bool room = false;
   int beams = 64, columns = 1800;
   double rate_hz = 10;
   double range_m = 120;
@@ -25,8 +29,8 @@ struct SynthOptions {
   double image_noise = 1.5, range_noise = 0.02;
 
   void describe(OptionTable& table);
-  /// UsageError naming the first option out of its range.
-  void check() const { check_ranges(*this); }
+  /// UsageError naming the first option out of its range, or those that a room does not have.
+  void check() const;
 
   /// Metres driven.
   double distance() const { return speed_mps * frames / rate_hz; }

@@ -63,6 +63,29 @@ TEST_F(Synth, FilesAgreeWithTheScene) {
   EXPECT_EQ(times[1], "000001 1000.150000000");
 }
 
+TEST_F(Synth, EachCameraHasItsTruth) {
+  options_.side_cameras = true;
+  synthesise(options_, folder_);
+  const Scene scene(options_);
+  const std::string other = scene.cameras()[2].name;
+  EXPECT_EQ(other, "side-right");
+  const cv::Mat truth = cv::imread((folder_ / "truth" / other / "000001.png").string());
+  EXPECT_EQ(cv::norm(truth, scene.render(1, 2).clean, cv::NORM_INF), 0);
+  EXPECT_EQ(read_lines(folder_ / ("truth_cameras_" + other + ".txt")).size(), 3U);
+  for (const char* folder : {"images", "masks", "truth_depth"})
+    EXPECT_TRUE(fs::exists(folder_ / folder / other / "000002.png")) << folder;
+}
+
+TEST_F(Synth, ARoomHasDepthImagesInsteadOfScans) {
+  options_.room = true;
+  synthesise(options_, folder_);
+  EXPECT_FALSE(fs::exists(folder_ / "lidar"));
+  const Scene scene(options_);
+  const cv::Mat depth = cv::imread((folder_ / "depth/color/000001.png").string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(depth.type(), CV_16U);
+  EXPECT_EQ(cv::norm(depth, scene.depth_image(1, scene.render(1)), cv::NORM_INF), 0);
+}
+
 TEST_F(Synth, RefusesBadOptionsAndPlaces) {
   SynthOptions bad = options_;
   bad.rate_hz = 0;

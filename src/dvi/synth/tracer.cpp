@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kNear = 150;  // metres along the street within which movers are considered
 constexpr double kShadowDepth = 0.62;
-constexpr int kSkyId = 0, kRoadId = 1, kPavementId = 2, kFirstSurfaceId = 3, kFirstMoverId = 1 << 24;
+constexpr int kSkyId = 0, kRoadId = 1, kPavementId = 2, kFirstSurfaceId = 3, kFirstMoverId = 1 << 24, kShadedId = 1 << 30;
 
 }  // namespace
 
@@ -19,7 +19,7 @@ std::vector<PlacedMover> placed(const std::vector<Mover>& movers, const Street& 
     const bool indoors = at.y() > kLeftFacade - 0.4 || at.y() < kRightFacade + 0.4;
     if (indoors || std::abs(at.x() - own_s) > kNear) continue;
     const SE3 pose = mover.world_from_mover(street, time);
-    out.push_back({&mover, pose, pose.inverse()});
+    out.push_back({&mover, &mover.model(time), pose, pose.inverse()});
   }
   return out;
 }
@@ -39,7 +39,7 @@ Tracer::Seen Tracer::trace(const Ray& ray, double t_max) const {
   }
   for (std::size_t i = 0; i < movers_.size(); ++i) {
     const SE3& from_world = movers_[i].mover_from_world;
-    const Hit hit = movers_[i].mover->model.solid.trace({from_world * ray.origin, from_world.R * ray.direction}, t_max);
+    const Hit hit = movers_[i].model->solid.trace({from_world * ray.origin, from_world.R * ray.direction}, t_max);
     if (!hit) continue;
     seen.t = t_max = hit.t;
     seen.hit = hit;
@@ -47,15 +47,26 @@ Tracer::Seen Tracer::trace(const Ray& ray, double t_max) const {
     seen.dynamic = true;
     seen.mover = static_cast<int>(i);
   }
+  if (!seen.dynamic && seen.id != kSkyId && in_shadow(ray.at(seen.t))) {
+    seen.shaded = true;
+    seen.id |= kShadedId;  // an edge
+  }
   return seen;
+}
+
+bool Tracer::in_shadow(const Eigen::Vector3d& x) const {
+  return std::any_of(movers_.begin(), movers_.end(), [&](const PlacedMover& placed) {
+    if (!placed.mover->walks()) return false;
+    const Ray to_sun{placed.mover_from_world * x, placed.mover_from_world.R * world_.light.to_sun};
+    return static_cast<bool>(placed.model->solid.trace(to_sun, 5, 0.01));
+  });
 }
 
 float Tracer::light_left(const Eigen::Vector3d& x) const {
   double left = 1;
   for (const PlacedMover& placed : movers_) {
     const Eigen::Vector3d local = placed.mover_from_world * x;
-    const Eigen::Vector2d outside =
-        (local.head<2>().cwiseAbs() - 0.5 * placed.mover->model.size.head<2>()).cwiseMax(-kShadowReach);
+    const Eigen::Vector2d outside = (local.head<2>().cwiseAbs() - 0.5 * placed.model->size.head<2>()).cwiseMax(-kShadowReach);
     // From full depth well inside the outline to none at the reach outside it.
     const double distance = outside.cwiseMax(0).norm() + std::min(outside.maxCoeff(), 0.0);
     const double u = std::clamp((kShadowReach - distance) / (2 * kShadowReach), 0.0, 1.0);
@@ -72,11 +83,13 @@ cv::Vec3f Tracer::shade(const Ray& ray, const Seen& seen, double pixel_share) co
                     from_world.R * ray.step_y};
     Light light = world_.light;
     light.to_sun = from_world.R * light.to_sun;
-    return placed.mover->model.solid.shade(local, seen.hit, light, pixel_share);
+    return placed.model->solid.shade(local, seen.hit, light, pixel_share);
   }
   if (seen.id == kSkyId) return world_.sky.shade(ray, pixel_share);
-  if (seen.id >= kFirstSurfaceId) return world_.solid.shade(ray, seen.hit, world_.light, pixel_share);
-  return world_.ground.shade(ray, seen.ground, world_.light, pixel_share) * light_left(ray.at(seen.t));
+  Light light = world_.light;
+  if (seen.shaded) light.sun = {};
+  if (seen.hit) return world_.solid.shade(ray, seen.hit, light, pixel_share);
+  return world_.ground.shade(ray, seen.ground, light, pixel_share) * light_left(ray.at(seen.t));
 }
 
 }  // namespace dvi::synth

@@ -10,6 +10,7 @@ namespace dvi::synth {
 /// A mover at one time.
 struct PlacedMover {
   const Mover* mover;
+  const Model* model;
   SE3 world_from_mover, mover_from_world;
 };
 
@@ -25,6 +26,7 @@ class Tracer {
     double t = std::numeric_limits<double>::infinity();  ///< infinite: sky
     int id = 0;  ///< of the surface; neighbouring rays with equal ids see one smooth surface
     bool dynamic = false;
+    bool shaded = false;  ///< from the sun, by someone who walks
     int mover = -1;
     Hit hit;
     Ground::Place ground;
@@ -37,6 +39,7 @@ class Tracer {
 
  private:
   float light_left(const Eigen::Vector3d& x) const;
+  bool in_shadow(const Eigen::Vector3d& x) const;
 
   const StaticWorld& world_;
   std::vector<PlacedMover> movers_;

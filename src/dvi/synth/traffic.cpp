@@ -23,6 +23,12 @@ double lane_change(double way) {
 
 }  // namespace
 
+const Model& Mover::model(double time) const {
+  if (!walks()) return models.front();
+  const double walked = (place(time) - place(0)).norm(), strides = walked / kStride;
+  return models[static_cast<std::size_t>((strides - std::floor(strides)) * kGaitPhases) % kGaitPhases];
+}
+
 SE3 Mover::world_from_mover(const Street& street, double time) const {
   constexpr double kStep = 1e-3;
   const Vector2d here = place(time), motion = place(time + kStep) - place(time - kStep);
@@ -33,10 +39,11 @@ std::vector<Mover> make_traffic(const SynthOptions& options, const Course& cours
   std::vector<Mover> movers;
   const std::uint64_t seed = static_cast<std::uint64_t>(options.seed) + 1000003ULL * options.day;
   const auto random = [&] { return random_for(seed, options.reverse ? 22 : 21, static_cast<std::int64_t>(movers.size())); };
-  const auto add = [&](Model model, std::function<Vector2d(double)> place) {
-    movers.push_back({static_cast<int>(movers.size()), std::move(model),
+  const auto add_all = [&](std::vector<Model> models, std::function<Vector2d(double)> place) {
+    movers.push_back({static_cast<int>(movers.size()), std::move(models),
                       [course, place = std::move(place)](double t) { return course.place(place(t).x(), place(t).y()); }});
   };
+  const auto add = [&](Model model, std::function<Vector2d(double)> place) { add_all({std::move(model)}, std::move(place)); };
   const double lane = course.lane(), other = course.other_lane(), shift = std::fmod(9.0 * (options.day - 1), 48.0);
   const double duration = options.frames / options.rate_hz;
   const auto way = [course](double time) { return course.way(time); };
@@ -61,6 +68,9 @@ std::vector<Mover> make_traffic(const SynthOptions& options, const Course& cours
                  on_way = course.way_at(crossing(k) + 1.2 + 0.6 * (k % 2));
     if (there < 0 || there >= way(duration) + 60) continue;
     add(make_pedestrian(random(), noise), [=](double t) { return Vector2d(on_way, lane - 1.5 * (t - when)); });
+    if (!options.walker) continue;
+    const double later = (there - 13) / std::max(options.speed_mps, 1.0), beside = course.way_at(crossing(k) + 3.2);
+    add_all(make_walker(random(), noise), [=](double t) { return Vector2d(beside, lane + 1.3 * (t - later)); });
   }
   return movers;
 }

@@ -9,12 +9,15 @@
 
 namespace dvi::synth {
 
-/// Something that moves: its model, and its place (s, d) at a time in seconds after the first frame.
+/// Something that moves: its model, and its place (s, d) at a time in seconds after the first frame. People who walk have one
+/// model for each part of a stride, and a shadow from the sun; under everything else it is dark.
 struct Mover {
   int track = 0;
-  Model model;
+  std::vector<Model> models;
   std::function<Eigen::Vector2d(double)> place;
 
+  bool walks() const { return models.size() > 1; }
+  const Model& model(double time) const;
   SE3 world_from_mover(const Street& street, double time) const;
 };
 
