@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -5,6 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "dvi/core/files.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/write_image.h"
 #include "program.h"
 
 namespace dvi {
@@ -18,6 +21,17 @@ constexpr uchar kOtherCamera = 2;
 class Rig : public ProgramTest {
  protected:
   fs::path stereo_drive() const { return small_drive("drive", "--stereo-m 0.5 --lorry"); }
+  /// The receipts of a frame, and its first pixel that came from another camera.
+  std::pair<fs::path, cv::Point> first_lent(const std::string& out) const {
+    for (const fs::path& file : frames(out)) {
+      const cv::Mat1b kind = read(folder / out / "kind" / file.filename());
+      for (int y = 0; y < kind.rows; ++y)
+        for (int x = 0; x < kind.cols; ++x)
+          if (kind(y, x) == kOtherCamera) return {folder / out / "provenance" / file.filename(), {x, y}};
+    }
+    ADD_FAILURE() << "nothing came from another camera";
+    return {};
+  }
   nlohmann::json cameras_of(const std::string& out) const {
     return nlohmann::json::parse(read_file(folder / out / "report.json")).at("drives").at(0).at("other_cameras");
   }
@@ -69,6 +83,38 @@ TEST_F(Rig, WithoutMasksOfItsOwnItTakesThoseOfTheFirst) {
   EXPECT_GT(found.pixels, 100);
   EXPECT_LT(found.error, 20) << "no traffic is copied";
   EXPECT_EQ(dvi("audit out drive").code, 0);
+}
+
+TEST_F(Rig, AuditChecksTheMasksOfTheOtherCamera) {
+  stereo_drive();
+  fs::rename(folder / "drive/masks/right", folder / "originals");
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  ASSERT_EQ(cameras_of("out")[0]["masks"], "carried");
+  const nlohmann::json sources = nlohmann::json::parse(read_file(folder / "out/sources.json")).at("sources");
+  const auto [picture, p] = first_lent("out");
+  cv::Mat_<cv::Vec3w> provenance = io::read_png_triples(picture, kSize);
+  const std::size_t source = provenance(p)[0] - 1U;
+  ASSERT_EQ(sources.at(source).at("camera"), "right");
+  const fs::path kept = folder / "out/.dvi/masks" / fmt::format("{:06d}.png", source);
+  std::vector<cv::Point> masked;
+  cv::findNonZero(cv::Mat1b(read(kept)), masked);
+  ASSERT_FALSE(masked.empty());
+  // The lorry, as far as its mask could be carried over.
+  const cv::Mat1b true_mask = read(folder / "originals" / (sources.at(source).at("frame").get<std::string>() + ".png"));
+  EXPECT_GT(cv::countNonZero(cv::Mat1b(read(kept) & true_mask)), cv::countNonZero(true_mask) / 2);
+
+  provenance(p) = {provenance(p)[0], static_cast<ushort>(masked.front().x * 16), static_cast<ushort>(masked.front().y * 16)};
+  io::write_png(picture, provenance);
+  const Result audit = dvi("audit out drive --json --quiet");
+  EXPECT_EQ(audit.code, 3);
+  EXPECT_EQ(nlohmann::json::parse(audit.out).at("findings").at("masked_source").at("pixels"), 1);
+
+  fs::remove(kept);
+  const Result missing = dvi("audit out drive --quiet");
+  EXPECT_EQ(missing.code, 3);
+  EXPECT_THAT(missing.err, HasSubstr(kept.filename().string()));
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  EXPECT_EQ(dvi("audit out drive").code, 0) << "the run makes again what is missing";
 }
 
 TEST_F(Rig, FindsTheTrafficOfAllCamerasInTheScans) {

@@ -12,6 +12,7 @@
 #include "dvi/io/poses.h"
 #include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/rig.h"
+#include "dvi/pipeline/source_masks.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -81,13 +82,22 @@ Poses poses_of(const fs::path& out, const Recordings& drives, const Job& job) {
   return poses;
 }
 
-/// Shadows and what was detected or found to move come on top of the masks that the drives bring: of each frame of the result
-/// all that it removed, which nothing may be copied from.
-Lazy<cv::Mat1b> with_removed(const Views& views, const std::vector<std::string>& names, const fs::path& out) {
-  return {views.size(), [views, names, out](std::size_t i) {
-            if (i >= names.size()) return views.masks[i]->clone();
-            const cv::Size size(views[i].camera.width, views[i].camera.height);
-            return cv::Mat1b(*views.masks[i] | io::read_mask(out / "masks" / (names[i] + ".png"), size));
+cv::Mat1b kept_mask(const fs::path& file, const Camera& camera) {
+  if (!fs::exists(file))
+    throw InputError(file, "is missing: it holds what was masked in a frame that pixels are copied from",
+                     "dvi run writes it; run again into another folder");
+  return io::read_mask(file, {camera.width, camera.height});
+}
+
+/// Shadows and what was detected, found to move or carried over come on top of the masks that the drives bring: of each frame
+/// all that the run masked, from which nothing may be copied. `more_removed`: in the target's own frames too.
+Lazy<cv::Mat1b> with_removed(const Views& views, const std::vector<std::string>& names, bool more_removed,
+                             const fs::path& out) {
+  return {views.size(), [views, names, more_removed, out](std::size_t i) {
+            const bool own = i < names.size();
+            if (own && !more_removed) return views.masks[i]->clone();
+            const std::string file = own ? "masks/" + names[i] + ".png" : source_mask_file(i);
+            return cv::Mat1b(*views.masks[i] | kept_mask(out / file, views[i].camera));
           }};
 }
 
@@ -154,7 +164,7 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < views.of_sequence(0).second; ++i) names.push_back(sources[i].frame);
-  if (more_removed) views.masks = with_removed(views, names, out);
+  views.masks = with_removed(views, names, more_removed, out);
 
   progress.begin("audit", names.size());
   AuditReport report{audit::audit(out, views, names, progress.tick()), {}, {}};

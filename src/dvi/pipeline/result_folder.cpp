@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <memory>
 #include <set>
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@
 #include "dvi/pipeline/records.h"
 #include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
 #include "dvi/pipeline/result_media.h"
+#include "dvi/pipeline/source_masks.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -102,7 +104,7 @@ std::vector<std::string> pictures_of(const std::string& name) {
 
 /// Where a run writes.
 std::vector<fs::path> own_folders(const fs::path& out) {
-  std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames"};
+  std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames", out / ".dvi/masks"};
   for (const std::string& folder : picture_folders()) folders.push_back(out / folder);
   if (fs::exists(out / "map")) folders.push_back(out / "map");
   return folders;
@@ -260,14 +262,18 @@ std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progre
 
 std::function<void(std::size_t, const FilledView&)> ResultFolder::writer(const Views& views, const align::Cameras& cameras,
                                                                          CpuClock& cpu, Progress& progress) const {
-  return [&, this](std::size_t view, const FilledView& finished) {
+  const auto source_masks = std::make_shared<SourceMasks>(out_, views);
+  return [&, this, source_masks](std::size_t view, const FilledView& finished) {
     const Frame& frame = drives_.front().drive.frames[views[view].frame];
     cpu.time("write", [&] {
       std::ofstream begun(record(frame.name));  // empty: the pictures are dvi's, and not finished
       begun.close();
       write_pictures(out_, frame.name, finished.frame, views, view);
-      write_record(record(frame.name), {fingerprint_, record_files(out_, pictures_of(frame.name)),
-                                        frame_report(frame, finished, cameras.views[view])});
+      std::vector<std::string> files = pictures_of(frame.name);
+      const std::vector<std::string> masks = source_masks->keep(finished.frame.provenance);
+      files.insert(files.end(), masks.begin(), masks.end());
+      write_record(record(frame.name),
+                   {fingerprint_, record_files(out_, files), frame_report(frame, finished, cameras.views[view])});
     });
     progress.advance();
   };
@@ -282,6 +288,15 @@ void ResultFolder::remove_other_frames() const {
       if (const fs::path file = out_ / picture; !fs::is_symlink(file.parent_path())) fs::remove(file);
     fs::remove(record);
   }
+}
+
+void ResultFolder::remove_other_source_masks() const {
+  std::set<std::string> own;
+  for (const std::string& name : names_)
+    if (const std::optional<Record> record = read_record(this->record(name)))
+      for (const FileRecord& file : record->files) own.insert(file.file);
+  for (const fs::path& mask : list_files(out_ / ".dvi/masks", {".png"}))
+    if (!own.contains(".dvi/masks/" + mask.filename().string())) fs::remove(mask);
 }
 
 void ResultFolder::remove_map() const {
@@ -314,6 +329,7 @@ RunReport ResultFolder::report(const RunResults& results, const Progress& progre
 RunReport ResultFolder::complete(const RunResults& results, Progress& progress) {
   const Drive& target = drives_.front().drive;
   remove_other_frames();
+  remove_other_source_masks();
   write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
   if (results.map != nullptr) {
     write_map_files(out_ / "map", *results.map, results.views, target);

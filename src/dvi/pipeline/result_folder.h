@@ -32,8 +32,9 @@ struct RunResults {
 ///
 /// OUT/.dvi/job.json says which drives the folder is of. OUT/.dvi/frames/NAME.json is written after a frame's pictures, and
 /// OUT/.dvi/result.json after everything else: each says what its files were made from, their sizes and hashes. What is
-/// missing, damaged, or made from other options or inputs is made again. A folder of other drives, or of anything else, is
-/// refused unless forced; one that is, holds or lies in an input always. Only files that a frame's record names are deleted.
+/// missing, damaged, or made from other options or inputs is made again. OUT/.dvi/masks is what source_masks.h keeps. A folder
+/// of other drives, or of anything else, is refused unless forced; one that is, holds or lies in an input always. Only files
+/// that a frame's record names are deleted.
 class ResultFolder {
  public:
   /// InputError where the folder is refused. Looks only.
@@ -69,6 +70,7 @@ class ResultFolder {
   std::optional<FrameReport> finished_frame(const std::string& name) const;
   std::string frame_name(const Views& views, std::size_t view) const;
   void remove_other_frames() const;
+  void remove_other_source_masks() const;
   void remove_map() const;
   RunReport report(const RunResults& results, const Progress& progress) const;
 
