@@ -161,6 +161,37 @@ TEST_F(Rig, ACameraThatCannotBeReadIsLeftOut) {
   EXPECT_TRUE(cameras_of("out").empty());
 }
 
+TEST_F(Rig, AGreyCameraLendsNoColours) {
+  const fs::path drive = stereo_drive();
+  for (const fs::path& file : list_files(drive / "images/right", {".png"}))
+    io::write_png(file, cv::imread(file.string(), cv::IMREAD_GRAYSCALE));
+  ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+  ASSERT_EQ(cameras_of("out").size(), 1U);
+  EXPECT_TRUE(cameras_of("out")[0]["grey"].get<bool>());
+  EXPECT_EQ(lent("out").pixels, 0);
+  EXPECT_EQ(dvi("audit out drive").code, 0);
+  // As the target it is filled from its own frames: no colours come into a grey picture.
+  ASSERT_EQ(dvi("run drive -o right --quiet --camera right").code, 0);
+  EXPECT_EQ(lent("right").pixels, 0);
+  EXPECT_EQ(dvi("audit right drive").code, 0);
+}
+
+TEST_F(Rig, ADamagedFirstImageIsNotTakenForAGreyOne) {
+  const fs::path drive = stereo_drive();
+  write_file(drive / "images/right/000000.png", "damaged");
+  const Result run = dvi("run drive -o out --quiet");
+  EXPECT_EQ(run.code, 3);
+  EXPECT_THAT(run.err, HasSubstr("right/000000.png"));
+}
+
+TEST_F(Rig, FramesOfTheOtherCameraWithoutAMaskFileAreNamed) {
+  const fs::path drive = stereo_drive();
+  fs::remove(drive / "masks/right/000004.png");
+  const Result run = dvi("run drive -o out");
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("drive right: 1 of 6 frames have no mask file and keep their traffic: 4"));
+}
+
 TEST_F(Rig, ADamagedImageOfTheOtherCameraIsNamed) {
   const fs::path drive = stereo_drive();
   write_file(drive / "images/right/000003.png", "damaged");

@@ -93,7 +93,7 @@ class FrameAuditor {
     const harmonize::Provenance from = written_.from(p);
     if (static_cast<std::size_t>(from.view) >= views_.size() || static_cast<std::size_t>(from.view) == target_) return false;
     const View& source = views_[static_cast<std::size_t>(from.view)];
-    return source.camera.contains({from.position.x, from.position.y}) &&
+    return source.camera.contains({from.position.x, from.position.y}) && shares_colours(source, views_[target_]) &&
            (source.sequence == views_[target_].sequence) == (kind == harmonize::Kind::copied);
   }
 

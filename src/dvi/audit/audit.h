@@ -15,7 +15,8 @@ namespace dvi::audit {
 enum class Breach : std::uint8_t {
   mask,           ///< the result's mask is not what the drive's masks say
   outside,        ///< outside the mask the result is not the drive's image
-  receipt,        ///< kind and provenance contradict each other, or name a source or position that does not exist
+  receipt,        ///< kind and provenance contradict each other, or name a source or position that does not exist or has no
+                  ///< colours
   masked_source,  ///< was copied from inside a mask
   colour,         ///< source and recorded harmonisation do not give the colour that was written
 };

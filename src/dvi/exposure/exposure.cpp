@@ -112,9 +112,11 @@ std::vector<Pair> compare_all(const Views& views, const map::VisibleMap& map, co
                              [&](std::size_t i) { return sightings(*map.points[i], *views.images[i], *views.masks[i]); });
   std::vector<std::vector<Pair>> of_view(views.size());
   parallel_in_order(views.size(), [&](std::size_t i) {
+    if (!shares_colours(views[i], views[0])) return tick();
     for (const std::size_t apart : kApart)
       if (apart <= i && views[i - apart].sequence == views[i].sequence) compare(i - apart, i, seen, of_view[i]);
-    for (const std::size_t other : places(views, i)) compare(other, i, seen, of_view[i]);
+    for (const std::size_t other : places(views, i))
+      if (shares_colours(views[other], views[i])) compare(other, i, seen, of_view[i]);
     tick();
   });
   std::vector<Pair> pairs;

@@ -30,8 +30,8 @@ struct Gains {
 
 /// Estimates each view's gain: views are compared in the colours that both show of the same points of the map, unmasked,
 /// unhidden, neither black nor saturated; the gains of all views are then solved for jointly and robustly from these ratios
-/// (least squares on their logarithms, reweighted). Their logarithms have mean 0. Poses good to some pixels will do. One tick a
-/// view.
+/// (least squares on their logarithms, reweighted). Their logarithms have mean 0. Poses good to some pixels will do. Grey
+/// views among coloured ones, whose colours nobody takes, stay as they are (and coloured ones among grey). One tick a view.
 Gains estimate_exposure(const Views& views, const map::VisibleMap& map, const Tick& tick = [] {});
 
 }  // namespace dvi::exposure

@@ -20,6 +20,7 @@ struct Recording {
   std::optional<masks::MaskSource> masks_from = {};       ///< none: nothing says what to remove, so nothing is
   std::shared_ptr<const detect::Detector> detector = {};  ///< where they are detected
   cv::Mat1b ego_mask = {};                                ///< removed in all frames, 255; empty: none
+  bool grey = false;                                      ///< its images have no colours
   /// Of another camera of a drive: the number of that drive's own recording, whose scans, poses and moving objects it shares.
   std::optional<std::size_t> rig_of = {};
 };

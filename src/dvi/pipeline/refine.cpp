@@ -11,14 +11,15 @@ exposure::Gains estimate_exposure(const Views& views, const map::VisibleMap& map
   if (!options.exposure.enabled) return exposure::Gains(views.size());
   progress.begin("exposure", views.size());
   exposure::Gains gains = exposure::estimate_exposure(views, map, progress.tick());
-  const auto alone = std::count(gains.compared.begin(), gains.compared.end(), 0);
-  if (alone == 0) return gains;
-  const auto first_alone = std::find(gains.compared.begin(), gains.compared.end(), 0) - gains.compared.begin();
-  const View& first = views[static_cast<std::size_t>(first_alone)];
+  std::vector<std::size_t> alone;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (gains.compared[i] == 0 && shares_colours(views[i], views[0])) alone.push_back(i);
+  if (alone.empty()) return gains;
+  const View& first = views[alone.front()];
   progress.warn(
       fmt::format("exposure: {} of {} frames (first: {}) show too few points of the map in common with others; their "
                   "light is taken as it is",
-                  alone, views.size(), drives[static_cast<std::size_t>(first.sequence)].drive.frames[first.frame].name));
+                  alone.size(), views.size(), drives[static_cast<std::size_t>(first.sequence)].drive.frames[first.frame].name));
   return gains;
 }
 

@@ -66,7 +66,7 @@ std::vector<DriveReport> drive_reports(const Recordings& drives, const Poses& po
     const Drive& drive = drives[i].drive;
     if (drives[i].rig_of)
       reports[*drives[i].rig_of].other_cameras.push_back(
-          {drive.camera_name, mask_source(drives[i]), drive.frames.size(), alignment(i), drive.warnings});
+          {drive.camera_name, mask_source(drives[i]), drives[i].grey, drive.frames.size(), alignment(i), drive.warnings});
     else
       reports.push_back({.path = fs::absolute(drive.path).lexically_normal().string(),
                          .format = drive.format,

@@ -52,9 +52,10 @@ struct DriveAlignmentReport {
   std::array<double, 3> mounting_deg{};
 };
 
-/// Another camera of a drive, which lends.
+/// Another camera of a drive, which lends: pixels, or where it has no colours for them, structure to find depth by.
 struct CameraReport {
   std::string camera, masks;  ///< its name; what tells its traffic
+  bool grey = false;
   std::size_t frames = 0;
   std::optional<DriveAlignmentReport> alignment;
   std::vector<std::string> warnings;

@@ -116,7 +116,7 @@ void from_json(const json& j, MapReport& map) {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StandingTracks, tracks, standing, pixels)
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameReport, number, name, hole, energy, alignment, exposure_gain)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CameraReport, camera, masks, frames, alignment, warnings)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CameraReport, camera, masks, grey, frames, alignment, warnings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveReport, path, format, camera, frames, scans, poses, alignment, warnings, other_cameras)
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameForecastReport, number, name, image_share, hole)

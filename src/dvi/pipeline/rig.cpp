@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <set>
 #include <sstream>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
 #include "dvi/drive/deskew.h"
@@ -48,9 +50,13 @@ TimeSpan span_of(const Drive& drive) {
   return {drive.frames.front().time_ns - kTogether, drive.frames.back().time_ns + kTogether};
 }
 
+// By the first image. A damaged one is named when it is read.
 bool is_grey(const Drive& drive) {
   const cv::Mat picture = io::read_unchanged(drive.frames.front().file, cv::Size(drive.camera.width, drive.camera.height));
-  return picture.channels() == 1;
+  if (picture.empty() || picture.channels() < 3) return !picture.empty();
+  std::vector<cv::Mat> channels;
+  cv::split(picture, channels);
+  return cv::norm(channels[0], channels[1], cv::NORM_INF) == 0 && cv::norm(channels[1], channels[2], cv::NORM_INF) == 0;
 }
 
 // What tells this camera's traffic; sets its mask files.
@@ -90,6 +96,9 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
   open.rig_of = number;
   open.masks_from = masks_of(drive, own, choice);
   if (open.masks_from == masks::MaskSource::labels) share_labels(own.drive, drive);
+  if (open.masks_from == masks::MaskSource::files)
+    if (const auto bare = io::frames_without_mask(drive)) drive.warnings.push_back(*bare);
+  open.grey = is_grey(drive);
   return open;
 }
 
@@ -114,10 +123,6 @@ Recordings with_other_cameras(Recordings drives, const Job& job, Progress& progr
       if (camera == drives[i].drive.camera_name || (asked && !asked->contains(camera))) continue;
       try {
         Recording open = open_camera(drives, i, camera, choice);
-        if (is_grey(open.drive)) {
-          if (asked) progress.warn(name_of(open) + ": is grey and lends no colours");
-          continue;
-        }
         for (const std::string& warning : open.drive.warnings) progress.warn(name_of(open) + ": " + warning);
         drives.push_back(std::move(open));
       } catch (const InputError& e) {
@@ -125,6 +130,10 @@ Recordings with_other_cameras(Recordings drives, const Job& job, Progress& progr
       }
     }
   }
+  if (drives.size() > 1)
+    for (std::size_t i = 0; i < own; ++i) drives[i].grey = is_grey(drives[i].drive);
+  std::stable_partition(drives.begin() + static_cast<std::ptrdiff_t>(own), drives.end(),
+                        [](const Recording& open) { return !open.grey; });
   return drives;
 }
 

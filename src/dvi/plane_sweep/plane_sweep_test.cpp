@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "dvi/drive/flat_scene.h"
 #include "dvi/plane_sweep/semi_global.h"
@@ -94,6 +95,18 @@ TEST(PlaneSweep, FindsItInAnotherLight) {
   scene.images[2] = 0.6 * scene.images[2];
   scene.images[3] = 1.15 * scene.images[3];
   expect_wall(swept(scene), 0.7);
+}
+
+TEST(PlaneSweep, GreyViewsTellDepthToo) {
+  // Coloured views from the target's place tell no depth; grey ones beside it do.
+  FlatScene scene = wall(waves(96, 64, 1), {0, 0, -6, 6});
+  for (const std::size_t i : {3U, 4U}) {
+    cv::Mat1b grey;
+    cv::cvtColor(scene.images[i], grey, cv::COLOR_BGR2GRAY);
+    cv::cvtColor(grey, scene.images[i], cv::COLOR_GRAY2BGR);
+    scene.views[i].grey = true;
+  }
+  expect_wall(swept(scene), 0.6);
 }
 
 TEST(PlaneSweep, OneWrongViewDoesNotMatter) {

@@ -132,6 +132,7 @@ std::vector<std::size_t> search_order(const Views& views, std::size_t target, in
   if (scored)
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seconds(a) < seconds(b); });
   for (const std::size_t i : nearest_of_other_drives(views, target, 2 * reach)) order.push_back(i);
+  std::erase_if(order, [&](std::size_t i) { return !shares_colours(views[i], views[target]); });
   return order;
 }
 

@@ -62,6 +62,16 @@ TEST(Sample, SearchesOtherCamerasOfTheDriveByTime) {
   EXPECT_EQ(search_order(scene.lazy(), 0, 1, true), (std::vector<std::size_t>{1, 3})) << "as far as its own frames";
 }
 
+TEST(Sample, GreyAndColouredViewsDoNotMix) {
+  FlatScene scene = drive_of({1, 2, 3, 4});
+  scene.views[3].sequence = scene.views[4].sequence = 1;
+  scene.views[3].time_ns = scene.views[1].time_ns + 1;
+  scene.views[4].time_ns = scene.views[2].time_ns + 1;
+  scene.views[3].grey = scene.views[4].grey = true;
+  EXPECT_EQ(search_order(scene.lazy(), 0, 0, true), (std::vector<std::size_t>{1, 2}));
+  EXPECT_EQ(search_order(scene.lazy(), 3, 0, true), (std::vector<std::size_t>{4}));
+}
+
 TEST(Sample, RankedSearchGoesOutwardsInTime) {
   FlatScene scene = drive_of({1, 2, 3, 4});
   scene.views[4].sequence = scene.views[4].drive = 1;
