@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a run costs: CPU seconds a frame by stage and peak memory, by image size and by length of the drive.
+"""What a run costs: CPU seconds a frame by stage and peak memory, by image size, by length of the drive and by number of drives.
 
     whole_run.py [--quick] [--rounds N]
 
@@ -26,6 +26,9 @@ SIZES = ((320, 180, 20), (640, 360, 20), (1280, 720, 20))
 LENGTHS = ((640, 360, 20), (640, 360, 40), (640, 360, 80))
 QUICK_SIZES = ((160, 90, 10), (320, 180, 10))
 QUICK_LENGTHS = ((320, 180, 10), (320, 180, 20))
+# (width, height, frames) of each drive, and how many days of the street go into a run.
+DRIVES, DAYS = (320, 180, 20), (1, 2, 3, 4, 5)
+QUICK_DAYS = (1, 2)
 
 
 class Failed(Exception):
@@ -44,35 +47,37 @@ def call(command, **more):
     return done.stdout
 
 
-def drive(width, height, frames):
+def drive(width, height, frames, day=1):
     """The synthetic drive, made if it is not there. A stop leaves no half a drive under its name."""
-    path = WORK / "drives" / f"{width}x{height}-{frames}"
+    path = WORK / "drives" / (f"{width}x{height}-{frames}" + (f"-day{day}" if day > 1 else ""))
     if not path.is_dir():
         say(f"making {path.relative_to(ROOT)}")
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=path.parent) as folder:
             made = Path(folder) / "drive"
-            call([DVI, "synth", "-o", made, "--width", width, "--height", height, "--frames", frames, "--quiet"])
+            call([DVI, "synth", "-o", made, "--width", width, "--height", height, "--frames", frames, "--day", day,
+                  "--quiet"])
             made.rename(path)
     return path
 
 
-def run(program, target):
-    """The costs of one run; its result is not kept."""
+def run(program, *drives):
+    """The costs of one run, the target's drive first; its result is not kept."""
     WORK.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=WORK, prefix="out-") as out:
-        call([program, "run", target, "-o", Path(out) / "result", "--quiet"])
+        call([program, "run", *drives, "-o", Path(out) / "result", "--quiet"])
         return costs(json.loads((Path(out) / "result" / "report.json").read_text(encoding="utf-8")))
 
 
 def measure(cases, rounds):
-    """{case: costs}, the medians of so many runs each, in turn, so that a busy minute of the machine hits all alike."""
+    """{case: costs}, the medians of so many runs each, in turn, so that a busy minute of the machine hits all alike. A case is
+    width, height, frames and number of drives."""
     found = {case: [] for case in cases}
-    drives = {case: drive(*case) for case in cases}
+    drives = {case: [drive(*case[:3], day) for day in range(1, case[3] + 1)] for case in cases}
     for number in range(rounds):
         for case in cases:
-            say(f"round {number + 1} of {rounds}: {drives[case].name}")
-            found[case].append(run(DVI, drives[case]))
+            say(f"round {number + 1} of {rounds}: {', '.join(path.name for path in drives[case])}")
+            found[case].append(run(DVI, *drives[case]))
     return {case: medians(runs) for case, runs in found.items()}
 
 
@@ -101,16 +106,19 @@ def at_least_one(text):
 
 
 def main():
-    arguments = argparse.ArgumentParser(prog="./dev bench whole", description="What a run costs, by image size and length.")
+    arguments = argparse.ArgumentParser(prog="./dev bench whole", description="What a run costs, by image size, length and drives.")
     arguments.add_argument("--quick", action="store_true", help="smaller and shorter drives: a minute")
     arguments.add_argument("--rounds", type=at_least_one, default=3, metavar="N", help="runs of each, of which medians are shown")
     arguments = arguments.parse_args()
 
     sizes, lengths = (QUICK_SIZES, QUICK_LENGTHS) if arguments.quick else (SIZES, LENGTHS)
-    found = measure(list(dict.fromkeys(sizes + lengths)), arguments.rounds)
+    days = QUICK_DAYS if arguments.quick else DAYS
+    cases = [(*size, 1) for size in sizes + lengths] + [(*DRIVES, count) for count in days]
+    found = measure(list(dict.fromkeys(cases)), arguments.rounds)
     print(f"{machine()}; CPU s a frame, medians of {arguments.rounds} runs\n")
-    print(cost_table(f"{sizes[0][2]} frames", {f"{w}x{h}": found[w, h, n] for w, h, n in sizes}) + "\n")
-    print(cost_table(f"{lengths[0][0]}x{lengths[0][1]}", {f"{n} frames": found[w, h, n] for w, h, n in lengths}))
+    print(cost_table(f"{sizes[0][2]} frames", {f"{w}x{h}": found[w, h, n, 1] for w, h, n in sizes}) + "\n")
+    print(cost_table(f"{lengths[0][0]}x{lengths[0][1]}", {f"{n} frames": found[w, h, n, 1] for w, h, n in lengths}) + "\n")
+    print(cost_table(f"{DRIVES[0]}x{DRIVES[1]}, a frame of the target", {f"{n} drive{'s' * (n > 1)}": found[*DRIVES, n] for n in days}))
 
 
 if __name__ == "__main__":
