@@ -22,6 +22,11 @@ street -o two --day 2
 dvi run one two -o both --threads 4 --set stages.regularize=true
 [[ $only != --once ]] || exit 0
 
+dvi synth -o room --room --frames 6 --width 160 --height 120
+dvi run room -o tidy
+street -o rig --side-cameras --walker --wet --changes --reverse
+dvi run rig -o seen
+dvi audit seen rig
 dvi run one -o own --poses loam --remove all
 rm own/frames/000003.png
 dvi run one -o own --poses loam --remove all   # resumes

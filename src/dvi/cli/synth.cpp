@@ -19,7 +19,7 @@ void add_synth(Program& program) {
   };
   const auto a = std::make_shared<Arguments>();
   a->options.describe(a->table);
-  Command command = program.command("synth", "A synthetic street with exact truth, as a drive in the folder layout");
+  Command command = program.command("synth", "A synthetic street, or room, with exact truth, as a drive in the folder layout");
   command.option("-o,--out", a->out, "Folder of the drive", true);
   command.option("--config", a->config, "Options from a TOML file, table [synth]");
   command.option("--set", a->set, "synth.key=value, any number of times");
