@@ -170,6 +170,8 @@ TEST_F(Rig, AGreyCameraLendsNoColours) {
   EXPECT_TRUE(cameras_of("out")[0]["grey"].get<bool>());
   EXPECT_EQ(lent("out").pixels, 0);
   EXPECT_EQ(dvi("audit out drive").code, 0);
+  ASSERT_EQ(dvi("holdout drive --scenario lead -o case --quiet").code, 0);
+  EXPECT_FALSE(fs::exists(folder / "case/drive/images/right")) << "virtual vehicles have colours";
   // As the target it is filled from its own frames: no colours come into a grey picture.
   ASSERT_EQ(dvi("run drive -o right --quiet --camera right").code, 0);
   EXPECT_EQ(lent("right").pixels, 0);

@@ -31,7 +31,9 @@ std::string recipe_of(Job job, const holdout::HoldoutOptions& options, const Rec
 
 void make(const Job& job, const holdout::HoldoutOptions& options, bool keep, Progress& progress) {
   if (!keep) require_empty(job.out, "case");
-  const Recordings drives = with_other_cameras(open_recordings(job, MaskNeed::optional, progress), job, progress);
+  Recordings drives = with_other_cameras(open_recordings(job, MaskNeed::optional, progress), job, progress);
+  // A coloured vehicle in a grey picture would pass for a camera in colour.
+  std::erase_if(drives, [grey = drives.front().grey](const Recording& other) { return other.grey != grey; });
   const Recording& open = drives.front();
   if (!open.masks_from) progress.warn("the drive brings neither masks nor labels: its real traffic counts as street");
   const std::string recipe = recipe_of(job, options, drives);
