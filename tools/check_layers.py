@@ -12,6 +12,7 @@ STAGES = [
     "masks", "odometry", "traffic", "detect", "map", "exposure", "align", "depth", "plane_sweep", "sample", "regularize", "harmonize", "smooth"
 ]
 NOUNS = ["core", "geometry", "image", "drive"]
+SERVICES = ["io", "scan_match"]
 MEASURES = ["metrics", "holdout", "baselines", "audit", "plausibility"]
 
 # What each module may include besides its own folder.
@@ -21,11 +22,12 @@ ALLOWED = {
     "image": ["core"],
     "drive": ["core", "geometry", "image"],
     "io": NOUNS,
-    **{stage: NOUNS + ["io"] for stage in STAGES},
-    "synth": NOUNS + ["io"] + STAGES,
-    **{measure: NOUNS + ["io"] + STAGES for measure in MEASURES},
-    "pipeline": NOUNS + ["io"] + STAGES + ["synth"] + MEASURES,
-    "cli": NOUNS + ["io"] + STAGES + ["synth"] + MEASURES + ["pipeline"],
+    "scan_match": NOUNS,
+    **{stage: NOUNS + SERVICES for stage in STAGES},
+    "synth": NOUNS + SERVICES + STAGES,
+    **{measure: NOUNS + SERVICES + STAGES for measure in MEASURES},
+    "pipeline": NOUNS + SERVICES + STAGES + ["synth"] + MEASURES,
+    "cli": NOUNS + SERVICES + STAGES + ["synth"] + MEASURES + ["pipeline"],
     "dvi.h": NOUNS + MEASURES + ["pipeline"],  # the library in one header
 }
 

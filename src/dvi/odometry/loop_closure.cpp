@@ -7,10 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "dvi/odometry/odometry_scene.h"
-#include "dvi/odometry/pose_graph.h"
+#include "dvi/scan_match/scan_features.h"
+#include "dvi/scan_match/pose_graph.h"
 
 namespace dvi::odometry {
+
+using namespace scan_match;
+
 namespace {
 
 // Metres and radians.
@@ -97,29 +100,6 @@ class EarlierPoses {
   std::size_t next_ = 0;
   std::map<std::pair<int, int>, std::vector<std::size_t>> cells_;  // of kMostError metres
 };
-
-/// Of the features that do not lie on level ground, which looks the same everywhere, those that lie on what stands there.
-double standing_share(const Features& sparse, const Vector6d& twist, const SE3& pose, Surroundings& place) {
-  constexpr double kOn = 0.15, kLevel = 0.8;
-  std::size_t on = 0, all = sparse.edges.size();
-  const auto lies_on = [](const Shape* shape, const Eigen::Vector3d& p) {
-    return shape != nullptr && (shape->axes.leftCols(shape->thin).transpose() * (p - shape->mean)).norm() < kOn;
-  };
-  for (const Feature& f : sparse.planes) {
-    const Eigen::Vector3d p = pose * compensated(f, twist);
-    const Shape* shape = place.fine.at(p, 1);
-    if (shape == nullptr) shape = place.coarse.at(p, 1);
-    const bool found = lies_on(shape, p);
-    if (found && std::abs(shape->axes(2, 0)) > kLevel) continue;
-    ++all;
-    on += found ? 1 : 0;
-  }
-  for (const Feature& f : sparse.edges) {
-    const Eigen::Vector3d p = pose * compensated(f, twist);
-    on += lies_on(place.edges.at(p, 2), p) ? 1 : 0;
-  }
-  return static_cast<double>(on) / static_cast<double>(std::max<std::size_t>(all, 1));
-}
 
 /// Without roll, pitch and height: where a car passes twice, the road holds it the same way.
 SE3 levelled(const SE3& pose) {

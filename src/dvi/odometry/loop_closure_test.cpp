@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "dvi/odometry/test_street.h"
+#include "dvi/scan_match/test_street.h"
 
 namespace dvi::odometry {
+
+using namespace scan_match;
+
 namespace {
 
 using testing::IsEmpty;

@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "dvi/odometry/odometry.h"
-#include "dvi/odometry/test_street.h"
+#include "dvi/scan_match/test_street.h"
 
 namespace dvi::odometry {
+
+using namespace scan_match;
+
 namespace {
 
 constexpr std::int64_t kScanPeriod = TestStreet::kScanPeriod;
@@ -45,12 +48,12 @@ TEST(GivenMotion, DecidesWhereATunnelHoldsNothing) {
   const Trajectory path = TestStreet::path(6, 0, 4);  // speeds up, which a motion that goes on as before misses
   const Drive drive = TestStreet::tunnel().drive(path, 15);
   const Odometry found = odometry(drive, {}, path);
-  EXPECT_LT(worst_error(found, path), 0.1);
+  EXPECT_LT(worst_error(found.world_from_lidar, path), 0.1);
   for (std::size_t i = 1; i < 15; ++i) {
     EXPECT_TRUE(found.scans[i].given) << i;
     EXPECT_EQ(found.scans[i].degenerate, 1) << i;
   }
-  EXPECT_GT(worst_error(odometry(drive, {}), path), 1);
+  EXPECT_GT(worst_error(odometry(drive, {}).world_from_lidar, path), 1);
 }
 
 TEST(GivenMotion, ThatJumpsIsBridgedEvenInATunnel) {
@@ -59,14 +62,14 @@ TEST(GivenMotion, ThatJumpsIsBridgedEvenInATunnel) {
   EXPECT_FALSE(found.scans[8].given);
   EXPECT_FALSE(found.scans[9].given);
   EXPECT_TRUE(found.scans[10].given);
-  EXPECT_LT(worst_error(found, path), 0.3);
+  EXPECT_LT(worst_error(found.world_from_lidar, path), 0.3);
 }
 
 TEST(GivenMotion, ThatIsWrongDoesNoHarmWhereTheSceneHolds) {
   const Trajectory path = TestStreet::path(11, 0.15, 2);
   const Drive drive = TestStreet().drive(path, 15);
-  const double alone = worst_error(odometry(drive, {}), path);
-  const auto error = [&](const Trajectory& given) { return worst_error(odometry(drive, {}, given), path); };
+  const double alone = worst_error(odometry(drive, {}).world_from_lidar, path);
+  const auto error = [&](const Trajectory& given) { return worst_error(odometry(drive, {}, given).world_from_lidar, path); };
   Random random(3);
   EXPECT_LT(error(path), alone + 0.01);
   EXPECT_LT(error(jumping(path, 15, 5)), alone + 0.01);

@@ -10,9 +10,12 @@
 
 #include "dvi/odometry/loop_closure.h"
 #include "dvi/odometry/motion_prior.h"
-#include "dvi/odometry/odometry_scene.h"
+#include "dvi/scan_match/scan_features.h"
 
 namespace dvi::odometry {
+
+using namespace scan_match;
+
 namespace {
 
 constexpr double kLongGap = 0.55;               // seconds without a scan, after which the speed is searched for anew
@@ -347,7 +350,8 @@ class Runner {
 }  // namespace
 
 Odometry odometry(const Drive& drive, const OdometryOptions& options, const Trajectory& given, const BeginPart& begin) {
-  const OdometryOptions suited = for_sensor(options, drive);
+  OdometryOptions suited = options;
+  static_cast<MatchOptions&>(suited) = for_sensor(options, drive);
   Odometry found = Runner(drive, suited, given, begin("odometry", drive.scan_headers.size()))();
   if (suited.loops) close_loops(drive, suited, found, begin("loops", found.world_from_lidar.poses().size()));
   return found;

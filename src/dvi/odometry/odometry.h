@@ -7,17 +7,11 @@
 #include "dvi/core/interrupt.h"
 #include "dvi/core/options.h"
 #include "dvi/drive/drive.h"
+#include "dvi/scan_match/scan_features.h"
 
 namespace dvi::odometry {
 
-struct OdometryOptions {
-  std::optional<double> min_range_m;       ///< of the scan; none: Drive::least_range_m()
-  std::optional<double> max_range_m = {};  ///< none: Drive::most_range_m(); features come from somewhat less than both
-  double spacing_m = 0.2;
-  double cell_m = 0.6;
-  double voxel_m = 0.5;
-  double noise_m = 0.03;
-  double kernel_m = 0.1;
+struct OdometryOptions : scan_match::MatchOptions {
   int lag = 10;
   bool loops = true;
 

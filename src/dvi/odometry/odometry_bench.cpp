@@ -3,9 +3,12 @@
 #include <benchmark/benchmark.h>
 
 #include "dvi/odometry/sharpness.h"
-#include "dvi/odometry/test_street.h"
+#include "dvi/scan_match/test_street.h"
 
 namespace dvi::odometry {
+
+using namespace scan_match;
+
 namespace {
 
 constexpr int kScans = 8, kBeams = 64, kColumns = 1800;

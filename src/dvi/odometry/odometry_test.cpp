@@ -4,12 +4,15 @@
 #include <gtest/gtest.h>
 
 #include "dvi/core/threads.h"
-#include "dvi/odometry/local_map.h"
-#include "dvi/odometry/register_scan.h"
+#include "dvi/scan_match/local_map.h"
+#include "dvi/scan_match/register_scan.h"
 #include "dvi/odometry/sharpness.h"
-#include "dvi/odometry/test_street.h"
+#include "dvi/scan_match/test_street.h"
 
 namespace dvi::odometry {
+
+using namespace scan_match;
+
 namespace {
 
 using testing::ElementsAre;
@@ -78,7 +81,7 @@ TEST(Odometry, FollowsABendFromAColdStart) {
   const Odometry found = odometry(TestStreet().drive(path, 20), {});
   EXPECT_THAT(found.warnings, IsEmpty());
   ASSERT_EQ(found.world_from_lidar.poses().size(), 20);
-  EXPECT_LT(worst_error(found, path), 0.05);  // of 23 m
+  EXPECT_LT(worst_error(found.world_from_lidar, path), 0.05);  // of 23 m
   for (std::size_t i = 1; i < 6; ++i) {
     const auto step = [&](const SE3& a, const SE3& b) { return (a.inverse() * b).t; };
     const auto& poses = found.world_from_lidar.poses();
@@ -94,7 +97,7 @@ TEST(Odometry, StandsStillWithTheCar) {
   const Trajectory path = TestStreet::path(0);
   const Odometry found = odometry(TestStreet().drive(path, 6), {});
   EXPECT_THAT(found.warnings, IsEmpty());
-  EXPECT_LT(worst_error(found, path), 0.01);
+  EXPECT_LT(worst_error(found.world_from_lidar, path), 0.01);
 }
 
 TEST(Odometry, SaysWhatATunnelDoesNotHold) {
@@ -114,7 +117,7 @@ TEST(Odometry, BridgesScansThatAreEmptyOrRepeated) {
   EXPECT_EQ(found.scans[7].state, ScanFit::State::duplicate);
   EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("too few points"), HasSubstr("repeat the one before")));
   EXPECT_EQ(found.world_from_lidar.poses().size(), 8);
-  EXPECT_LT(worst_error(found, path), 0.03);
+  EXPECT_LT(worst_error(found.world_from_lidar, path), 0.03);
   EXPECT_TRUE(found.world_from_lidar.at(drive.scan_headers[7].time_ns));
 }
 

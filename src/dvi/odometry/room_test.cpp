@@ -7,9 +7,12 @@
 
 #include "dvi/core/random.h"
 #include "dvi/odometry/odometry.h"
-#include "dvi/odometry/odometry_scene.h"
+#include "dvi/scan_match/scan_features.h"
 
 namespace dvi::odometry {
+
+using namespace scan_match;
+
 namespace {
 
 constexpr std::int64_t kPeriod = 33'333'333;

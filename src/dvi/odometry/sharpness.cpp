@@ -10,9 +10,12 @@
 #include "dvi/core/median.h"
 #include "dvi/drive/deskew.h"
 #include "dvi/geometry/moments.h"
-#include "dvi/odometry/voxel_key.h"
+#include "dvi/scan_match/voxel_key.h"
 
 namespace dvi::odometry {
+
+using namespace scan_match;
+
 namespace {
 
 constexpr std::size_t kStretch = 20, kStretches = 3;  // scans

@@ -1,11 +1,11 @@
-#include "dvi/odometry/features.h"
+#include "dvi/scan_match/features.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "dvi/odometry/test_street.h"
+#include "dvi/scan_match/test_street.h"
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 namespace {
 
 Scan standing_scan(bool rings) {
@@ -114,4 +114,4 @@ TEST(Features, ThinnedKeepsOneACube) {
 }
 
 }  // namespace
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match

@@ -1,10 +1,10 @@
-#include "dvi/odometry/rings.h"
+#include "dvi/scan_match/rings.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 namespace {
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
@@ -132,4 +132,4 @@ const char* to_string(Rings::Source source) {
   return "";
 }
 
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match

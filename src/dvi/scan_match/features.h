@@ -6,9 +6,9 @@
 #include <Eigen/Geometry>
 
 #include "dvi/drive/scan.h"
-#include "dvi/odometry/rings.h"
+#include "dvi/scan_match/rings.h"
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 
 /// A point of a scan that the scene's shape can hold on to.
 struct Feature {
@@ -33,4 +33,4 @@ Features find_features(const Scan& scan, const Rings& rings, const FeatureOption
 /// One feature a cube of edge `cell_m`, the first in order.
 std::vector<Feature> thinned(const std::vector<Feature>& features, double cell_m);
 
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match

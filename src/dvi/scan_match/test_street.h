@@ -12,9 +12,8 @@
 
 #include "dvi/core/random.h"
 #include "dvi/drive/drive.h"
-#include "dvi/odometry/odometry.h"
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 
 /// A street of boxes for the tests of this room, scanned by a LiDAR whose motion is known exactly.
 class TestStreet {
@@ -114,11 +113,11 @@ class TestStreet {
 };
 
 /// How far, in metres, the worst pose lies from where the sensor was.
-inline double worst_error(const Odometry& found, const Trajectory& path) {
+inline double worst_error(const Trajectory& found, const Trajectory& path) {
   double worst = 0;
-  for (const StampedPose& p : found.world_from_lidar.poses())
+  for (const StampedPose& p : found.poses())
     worst = std::max(worst, (p.world_from_body.t - (path.at(0)->inverse() * *path.at(p.time_ns)).t).norm());
   return worst;
 }
 
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match

@@ -5,7 +5,7 @@
 
 #include "dvi/geometry/se3.h"
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 
 /// A measured motion between two poses.
 struct PoseEdge {
@@ -21,4 +21,4 @@ struct PoseEdge {
 /// residual; Ceres would bring a dozen packages.
 std::vector<double> solve_pose_graph(std::vector<SE3>& world_from_body, const std::vector<PoseEdge>& edges);
 
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match

@@ -1,4 +1,4 @@
-#include "dvi/odometry/local_map.h"
+#include "dvi/scan_match/local_map.h"
 
 #include <algorithm>
 #include <map>
@@ -8,7 +8,7 @@
 
 #include "dvi/core/random.h"
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 namespace {
 
 constexpr double kVoxel = 0.5;
@@ -88,4 +88,4 @@ TEST(LocalMap, WhatWasDroppedIsNoMore) {
 }
 
 }  // namespace
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match

@@ -1,11 +1,11 @@
-#include "dvi/odometry/pose_graph.h"
+#include "dvi/scan_match/pose_graph.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "dvi/core/random.h"
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 namespace {
 
 Vector6d random_twist(Random& random, double metres, double radians) {
@@ -128,4 +128,4 @@ TEST(PoseGraph, TakesNoPoseAndOne) {
 }
 
 }  // namespace
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match

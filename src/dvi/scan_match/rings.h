@@ -5,7 +5,7 @@
 
 #include "dvi/drive/scan.h"
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 
 /// The points of a scan beam by beam, each in the order in which the beam turned.
 struct Rings {
@@ -20,4 +20,4 @@ Rings find_rings(const Scan& scan);
 
 const char* to_string(Rings::Source source);
 
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match

@@ -1,11 +1,12 @@
-#include "dvi/odometry/register_scan.h"
+#include "dvi/scan_match/register_scan.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 namespace {
 
 // The normal equations of one iteration.
@@ -132,4 +133,26 @@ Registration register_scan(const Features& features, const SE3& guess, const Vec
   return out;
 }
 
-}  // namespace dvi::odometry
+double standing_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, Surroundings& scene) {
+  constexpr double kOn = 0.15, kLevel = 0.8;
+  std::size_t on = 0, all = features.edges.size();
+  const auto lies_on = [](const Shape* shape, const Eigen::Vector3d& p) {
+    return shape != nullptr && (shape->axes.leftCols(shape->thin).transpose() * (p - shape->mean)).norm() < kOn;
+  };
+  for (const Feature& f : features.planes) {
+    const Eigen::Vector3d p = world_from_lidar * compensated(f, twist);
+    const Shape* shape = scene.fine.at(p, 1);
+    if (shape == nullptr) shape = scene.coarse.at(p, 1);
+    const bool found = lies_on(shape, p);
+    if (found && std::abs(shape->axes(2, 0)) > kLevel) continue;
+    ++all;
+    on += found ? 1 : 0;
+  }
+  for (const Feature& f : features.edges) {
+    const Eigen::Vector3d p = world_from_lidar * compensated(f, twist);
+    on += lies_on(scene.edges.at(p, 2), p) ? 1 : 0;
+  }
+  return static_cast<double>(on) / static_cast<double>(std::max<std::size_t>(all, 1));
+}
+
+}  // namespace dvi::scan_match

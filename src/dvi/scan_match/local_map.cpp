@@ -1,8 +1,8 @@
-#include "dvi/odometry/local_map.h"
+#include "dvi/scan_match/local_map.h"
 
 #include <Eigen/Eigenvalues>
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 namespace {
 
 constexpr int kFewestPoints = 6;  // points in a voxel
@@ -77,4 +77,4 @@ void LocalMap::keep_near(const Eigen::Vector3d& position, double radius_m) {
   if (std::erase_if(voxels_, far) > 0) index(slots_.size());
 }
 
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match

@@ -1,8 +1,8 @@
-#include "dvi/odometry/odometry_scene.h"
+#include "dvi/scan_match/scan_features.h"
 
 #include <limits>
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 namespace {
 
 // Of the scan's range: features next to the recording car may be its own edges, far ones are too sparse to tell planes.
@@ -13,7 +13,7 @@ constexpr double kLargeVoxel = 3, kEdgeVoxel = 1.6;  // of the small voxel
 
 }  // namespace
 
-OdometryOptions for_sensor(OdometryOptions options, const Drive& drive) {
+MatchOptions for_sensor(MatchOptions options, const Drive& drive) {
   options.max_range_m = options.max_range_m.value_or(drive.most_range_m());
   if (drive.sensor != Sensor::depth_camera) return options;
   options.spacing_m *= kRoomSpacing;
@@ -28,11 +28,11 @@ Rings rings_of(const Drive& drive, const Scan& scan) {
   return drive.sensor == Sensor::depth_camera ? Rings{} : find_rings(scan);
 }
 
-double feature_range(const OdometryOptions& options) {
+double feature_range(const MatchOptions& options) {
   return kFar * options.max_range_m.value_or(std::numeric_limits<double>::infinity());
 }
 
-ScanFeatures scan_features(const Drive& drive, const Scan& scan, const Rings& rings, const OdometryOptions& options) {
+ScanFeatures scan_features(const Drive& drive, const Scan& scan, const Rings& rings, const MatchOptions& options) {
   const double nearest = kNear * options.min_range_m.value_or(drive.least_range_m());
   const Features all = find_features(scan, rings, {nearest, feature_range(options), 0.75 * options.spacing_m});
   ScanFeatures out;
@@ -41,15 +41,15 @@ ScanFeatures scan_features(const Drive& drive, const Scan& scan, const Rings& ri
   return out;
 }
 
-Surroundings empty_scene(const OdometryOptions& options) {
+Surroundings empty_scene(const MatchOptions& options) {
   return {LocalMap(options.voxel_m), LocalMap(kLargeVoxel * options.voxel_m), LocalMap(kEdgeVoxel * options.voxel_m)};
 }
 
-RegisterOptions register_options(const OdometryOptions& options) {
+RegisterOptions register_options(const MatchOptions& options) {
   RegisterOptions out;
   out.noise_m = options.noise_m;
   out.kernel_m = options.kernel_m;
   return out;
 }
 
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match

@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "dvi/geometry/se3.h"
-#include "dvi/odometry/features.h"
-#include "dvi/odometry/local_map.h"
+#include "dvi/scan_match/features.h"
+#include "dvi/scan_match/local_map.h"
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 
 /// The scene round the car, planes at two sizes of voxels: the small ones where they hold enough points.
 struct Surroundings {
@@ -44,4 +44,8 @@ struct Registration {
 Registration register_scan(const Features& features, const SE3& guess, const Vector6d& twist, const SE3& before, double seconds,
                            Surroundings& scene, const RegisterOptions& options);
 
-}  // namespace dvi::odometry
+/// Of the features that do not lie on level ground, which looks the same everywhere, the share that lies on what stands in the
+/// scene, 0 to 1. The scene's z points up.
+double standing_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, Surroundings& scene);
+
+}  // namespace dvi::scan_match

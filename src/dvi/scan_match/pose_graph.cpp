@@ -1,4 +1,4 @@
-#include "dvi/odometry/pose_graph.h"
+#include "dvi/scan_match/pose_graph.h"
 
 #include <algorithm>
 #include <limits>
@@ -6,7 +6,7 @@
 #include "dvi/geometry/normal_equations.h"
 #include "dvi/geometry/skew.h"
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 namespace {
 
 constexpr double kOutlier =
@@ -108,4 +108,4 @@ std::vector<double> solve_pose_graph(std::vector<SE3>& world_from_body, const st
   return std::move(solver).weights();
 }
 
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match

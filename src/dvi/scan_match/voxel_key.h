@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 
 /// Which cube of a grid a point lies in: 21 bits an axis.
 using VoxelKey = std::uint64_t;
@@ -27,4 +27,4 @@ struct VoxelHash {
   }
 };
 
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match

@@ -1,12 +1,12 @@
-#include "dvi/odometry/features.h"
+#include "dvi/scan_match/features.h"
 
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
 
-#include "dvi/odometry/voxel_key.h"
+#include "dvi/scan_match/voxel_key.h"
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 namespace {
 
 constexpr std::size_t kSide = 5;     // neighbours either side
@@ -108,4 +108,4 @@ std::vector<Feature> thinned(const std::vector<Feature>& features, double cell_m
   return out;
 }
 
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match

@@ -6,9 +6,9 @@
 #include <Eigen/Core>
 
 #include "dvi/geometry/moments.h"
-#include "dvi/odometry/voxel_key.h"
+#include "dvi/scan_match/voxel_key.h"
 
-namespace dvi::odometry {
+namespace dvi::scan_match {
 
 /// What the points of one voxel look like.
 struct Shape {
@@ -72,4 +72,4 @@ class LocalMap {
   std::vector<Slot> slots_;  // at most half are taken
 };
 
-}  // namespace dvi::odometry
+}  // namespace dvi::scan_match
