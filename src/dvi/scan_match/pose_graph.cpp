@@ -1,7 +1,9 @@
 #include "dvi/scan_match/pose_graph.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <utility>
 
 #include "dvi/geometry/normal_equations.h"
 #include "dvi/geometry/skew.h"
@@ -24,7 +26,9 @@ Matrix6d adjoint(const SE3& pose) {
 class Solver {
  public:
   Solver(std::vector<SE3>& poses, const std::vector<PoseEdge>& edges)
-      : poses_(poses), edges_(edges), weights_(edges.size(), 1.0) {}
+      : Solver(poses, edges, std::vector<double>(edges.size(), 1.0)) {}
+  Solver(std::vector<SE3>& poses, const std::vector<PoseEdge>& edges, std::vector<double> weights)
+      : poses_(poses), edges_(edges), weights_(std::move(weights)) {}
 
   /// Gauss-Newton with doubtful edges weighed anew in each iteration.
   void settle(double width) {
@@ -50,6 +54,19 @@ class Solver {
 
   std::vector<double> weights() && { return std::move(weights_); }
 
+  Matrix6d relative_covariance(std::size_t a, std::size_t b) {
+    Eigen::VectorXd right = normal_equations();
+    // Columns: how each of the twelve errors moves with the others.
+    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(right.size(), 12);
+    const std::array<std::size_t, 2> pose{a, b};
+    for (Eigen::Index k = 0; k < 2; ++k)
+      if (pose[k] > 0) unit.block<6, 6>(static_cast<Eigen::Index>(6 * (pose[k] - 1)), 6 * k).setIdentity();
+    const Eigen::MatrixXd joint = unit.transpose() * solve_normal_equations(entries_, unit);
+    Eigen::Matrix<double, 6, 12> to_relative;
+    to_relative << -adjoint(poses_[b].inverse() * poses_[a]), Matrix6d::Identity();
+    return to_relative * joint * to_relative.transpose();
+  }
+
  private:
   SE3 between(const PoseEdge& edge) const { return poses_[edge.a].inverse() * poses_[edge.b]; }
   Vector6d error(const PoseEdge& edge) const { return se3_log(edge.a_from_b.inverse() * between(edge)); }
@@ -67,8 +84,9 @@ class Solver {
         if (row != column || j <= i) entries_.emplace_back(r + i, c + j, block(i, j));
   }
 
-  // The largest change of a pose. The error's own derivative is taken for the identity: it is small where the graph agrees.
-  double step() {
+  // Fills entries_ and gives the right side. The error's own derivative is taken for the identity: it is small where the graph
+  // agrees.
+  Eigen::VectorXd normal_equations() {
     const auto unknowns = static_cast<Eigen::Index>(6 * (poses_.size() - 1));
     entries_.clear();
     Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);
@@ -83,6 +101,12 @@ class Solver {
       if (edge.a > 0) right.segment<6>(static_cast<Eigen::Index>(6 * (edge.a - 1))) -= by_a.transpose() * pull;
       if (edge.b > 0) right.segment<6>(static_cast<Eigen::Index>(6 * (edge.b - 1))) -= pull;
     }
+    return right;
+  }
+
+  // The largest change of a pose.
+  double step() {
+    const Eigen::VectorXd right = normal_equations();
     const Eigen::VectorXd steps = solve_normal_equations(entries_, right);  // every pose is tied to another
     for (std::size_t i = 1; i < poses_.size(); ++i)
       poses_[i] = poses_[i] * se3_exp(steps.segment<6>(static_cast<Eigen::Index>(6 * (i - 1))));
@@ -106,6 +130,11 @@ std::vector<double> solve_pose_graph(std::vector<SE3>& world_from_body, const st
   }
   solver.weigh(kOutlier);
   return std::move(solver).weights();
+}
+
+Matrix6d relative_covariance(std::vector<SE3> world_from_body, const std::vector<PoseEdge>& edges, std::vector<double> weights,
+                             std::size_t a, std::size_t b) {
+  return Solver(world_from_body, edges, std::move(weights)).relative_covariance(a, b);
 }
 
 }  // namespace dvi::scan_match

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "dvi/core/interrupt.h"
+#include "dvi/drive/drive.h"
+#include "dvi/scan_match/scan_features.h"
+
+namespace dvi::registration {
+
+/// One drive, the target or a source drive.
+struct DriveTrack {
+  const Drive* drive = nullptr;
+  Trajectory world_from_lidar;  ///< in the target's world, or in any
+  bool shares_world = false;    ///< of a source drive: its poses claim to be in the target's world
+};
+
+/// Where a source drive lies in the target's world.
+struct Placement {
+  Trajectory world_from_lidar;  ///< bent onto the target; empty: not found
+  SE3 target_from_source;       ///< from the world of its own trajectory, on the whole
+  double overlap = 0;           ///< share of its scans that lie on what earlier drives saw
+  double residual_m = 0;        ///< of these, RMS across surfaces
+  double bound_m = 0, bound_deg = 0;          ///< 95 % of errors are smaller
+  std::size_t things = 0, things_agree = 0;   ///< what single things say of the place: how many, how many agree (confirm.h)
+  double rival = 0;  ///< how well the second best place fits, of this one; 1: as well
+
+  bool found() const { return !world_from_lidar.empty(); }
+};
+
+struct Registered {
+  Trajectory target;               ///< its trajectory, bent where source drives say so
+  std::vector<Placement> sources;  ///< as the source drives
+};
+
+/// Lays source drives onto the target by their scans (docs/algorithms/register.md). Where nothing is known, places are
+/// recognised from above (bird_view.h); what claims to share the target's world is looked for there first. A place counts once
+/// the single things there confirm it (confirm.h) and no other place does nearly as well. From there each scan is registered to
+/// the scans of the drives placed so far, as far as they overlap, and one pose graph ties all drives together. A source drive
+/// that overlaps with another source drive only is placed by that. `hold_target`: its trajectory stays as it is. One part a
+/// source drive, "register".
+Registered register_drives(const DriveTrack& target, const std::vector<DriveTrack>& sources,
+                           const scan_match::MatchOptions& options, bool hold_target, const BeginPart& begin = no_parts);
+
+}  // namespace dvi::registration
