@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "dvi/core/error.h"
+#include "dvi/pipeline/register_sources.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -19,10 +20,10 @@ Trajectory given_in_target_scale(const Drive& target, const Drive& drive) {
 void require_poses(const Recordings& drives, const std::vector<PoseChoice>& choices) {
   for (std::size_t i = 0; i < choices.size(); ++i) {
     const Drive& drive = drives[i].drive;
-    if (chosen(drive, choices[i]).empty() || (drive.poses.empty() && choices.size() > 1))
-      throw InputError(drive.path, "has no poses",
-                       "give --poses FILE (docs/formats.md says which files)" +
-                           std::string(choices.size() > 1 ? "; drives can share a world by given poses only" : ""));
+    if (!chosen(drive, choices[i]).empty()) continue;
+    if (i == 0) throw InputError(drive.path, "has no poses", "give --poses FILE (docs/formats.md says which files)");
+    throw InputError(drive.path, "has neither poses nor scans that could place it in " + drives.front().drive.path.string(),
+                     "give both drives poses in one world (docs/more_drives.md)");
   }
 }
 
@@ -32,6 +33,8 @@ void require_posed_frame(const Drive& drive, const Trajectory& world_from_lidar)
 }
 
 }  // namespace
+
+bool shares_world(const Drive& target, const Drive& drive) { return !target.poses.empty() && !drive.poses.empty(); }
 
 Poses in_one_world(const Recordings& drives, std::vector<PoseChoice> choices) {
   require_poses(drives, choices);
@@ -46,9 +49,8 @@ Poses in_one_world(const Recordings& drives, std::vector<PoseChoice> choices) {
   const Trajectory& first = poses.front().world_from_lidar;
   const std::int64_t start = target.scan_headers.empty() ? target.frames.front().time_ns : target.scan_headers.front().time_ns;
   const SE3 target_from_world = first.at(start).value_or(first.poses().front().world_from_body).inverse();
-  for (DrivePoses& drive : poses) drive.world_from_lidar = drive.world_from_lidar.in(target_from_world);
-  for (const Recording& open : drives)
-    if (open.rig_of) poses.push_back(poses[*open.rig_of]);
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    if (i == 0 || shares_world(target, drives[i].drive)) poses[i].world_from_lidar = poses[i].world_from_lidar.in(target_from_world);
   return poses;
 }
 
@@ -60,6 +62,9 @@ Poses estimate_poses(const Recordings& drives, const Job& job, Progress& progres
     choices.push_back(choose_poses(open.drive, is_target ? job.read.poses : PosesFrom(), job.options.odometry, progress));
   }
   Poses poses = in_one_world(drives, std::move(choices));
+  register_sources(drives, job, poses, progress);
+  for (const Recording& open : drives)
+    if (open.rig_of) poses.push_back(poses[*open.rig_of]);
   require_posed_frame(drives.front().drive, poses.front().world_from_lidar);
   return poses;
 }

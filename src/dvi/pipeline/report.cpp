@@ -13,6 +13,26 @@ std::array<double, 3> in_degrees(const Eigen::Vector3d& rotation) {
   return {rotation.x() * kDegrees, rotation.y() * kDegrees, rotation.z() * kDegrees};
 }
 
+/// Of a source drive that its scans put where it is.
+std::optional<RegistrationReport> registration_report(const Drive& drive, const DrivePoses& poses) {
+  if (!poses.placed) return std::nullopt;
+  const registration::PlacementFigures& placed = *poses.placed;
+  RegistrationReport out{.overlap = placed.overlap,
+                         .residual_m = placed.residual_m,
+                         .bound_m = placed.bound_m,
+                         .bound_deg = placed.bound_deg,
+                         .things = placed.things,
+                         .things_agree = placed.things_agree,
+                         .rival = placed.rival};
+  const Trajectory& trajectory = poses.world_from_lidar;
+  const SE3 first = trajectory.at(drive.scan_headers.front().time_ns).value_or(trajectory.poses().front().world_from_body);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) out.target_from_source[row][column] = first.R(row, column);
+    out.target_from_source[row][3] = first.t[row];
+  }
+  return out;
+}
+
 }  // namespace
 
 HoleParts HoleReport::share() const {
@@ -74,6 +94,7 @@ std::vector<DriveReport> drive_reports(const Recordings& drives, const Poses& po
                          .frames = drive.frames.size(),
                          .scans = drive.scan_headers.size(),
                          .poses = poses_report(drive, poses[i].choice),
+                         .registration = registration_report(drive, poses[i]),
                          .alignment = alignment(i),
                          .warnings = drive.warnings,
                          .other_cameras = {}});
@@ -94,6 +115,11 @@ std::string RunReport::brief(const std::string& out) const {
   if (standing && hole.pixels > 0 && part() > 0.5)
     text += fmt::format("\n{} of {} removed tracks stand; they are {:.0f} % of the hole; --remove moving would keep them",
                         standing->standing, standing->tracks, 100 * part());
+  for (const DriveReport& drive : drives)
+    if (const std::optional<RegistrationReport>& placed = drive.registration)
+      text += fmt::format("\n{}: {:.0f} % of its scans overlap; placed to {:.1f} cm and {:.2f} degrees (95 %)",
+                          fs::path(drive.path).filename().string(), 100 * placed->overlap, 100 * placed->bound_m,
+                          placed->bound_deg);
   double cpu = 0;
   for (const StageTime& stage : cost.stages) cpu += stage.cpu_seconds;
   text += fmt::format("\n{:.1f} CPU s a frame, peak memory {:.0f} MB",

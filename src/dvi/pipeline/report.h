@@ -61,10 +61,21 @@ struct CameraReport {
   std::vector<std::string> warnings;
 };
 
+/// Where a source drive lies in the target's world, as its scans say (registration/registration.h).
+struct RegistrationReport {
+  std::array<std::array<double, 4>, 3> target_from_source{};  ///< from its own first LiDAR pose, [R | t]
+  double overlap = 0;                                         ///< share of its scans that lie on what earlier drives saw
+  double residual_m = 0;
+  double bound_m = 0, bound_deg = 0;  ///< 95 % of errors are smaller
+  std::size_t things = 0, things_agree = 0;
+  double rival = 0;
+};
+
 struct DriveReport {
   std::string path, format, camera;
   std::size_t frames = 0, scans = 0;
   PosesReport poses;
+  std::optional<RegistrationReport> registration;  ///< none: of the target, and where given poses are kept
   std::optional<DriveAlignmentReport> alignment;
   std::vector<std::string> warnings;
   std::vector<CameraReport> other_cameras;

@@ -53,7 +53,15 @@ constexpr auto fields_of(Of<PoseChoice>) {
   return std::tuple{&PoseChoice::from,   &PoseChoice::odometry, &PoseChoice::given,   &PoseChoice::loam,
                     &PoseChoice::tracks, &PoseChoice::misread,  &PoseChoice::warnings};
 }
-constexpr auto fields_of(Of<DrivePoses>) { return std::tuple{&DrivePoses::choice, &DrivePoses::world_from_lidar}; }
+constexpr auto fields_of(Of<registration::PlacementFigures>) {
+  using registration::PlacementFigures;
+  return std::tuple{&PlacementFigures::target_from_source, &PlacementFigures::overlap,   &PlacementFigures::residual_m,
+                    &PlacementFigures::bound_m,            &PlacementFigures::bound_deg, &PlacementFigures::things,
+                    &PlacementFigures::things_agree,       &PlacementFigures::rival};
+}
+constexpr auto fields_of(Of<DrivePoses>) {
+  return std::tuple{&DrivePoses::choice, &DrivePoses::world_from_lidar, &DrivePoses::placed};
+}
 
 constexpr auto fields_of(Of<cv::Size>) { return std::tuple{&cv::Size::width, &cv::Size::height}; }
 constexpr auto fields_of(Of<cv::Rect2d>) {

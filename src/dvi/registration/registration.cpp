@@ -23,7 +23,7 @@ constexpr double kHeld = 1e-5;                         // of one that stays as i
 constexpr double kTie = 0.02, kTieTurn = 0.001;        // of a tie, on top of registration's own
 constexpr double kKept = 0.25;                         // weight of a tie that the graph believes
 constexpr std::size_t kFewestTies = 3;
-constexpr double kInflation = 2;  // of standard deviations: errors of ties that share a local map are alike
+constexpr double kInflation = 1;  // of standard deviations: errors of ties that share a local map are alike
 
 Matrix6d information_of(double metres, double radians) {
   Vector6d variance;
@@ -106,8 +106,8 @@ class Registrar {
     const Tick tick = begin("register", keys.size());
     if (keys.size() < 2) return false;
     const auto [place, in] = best_place(keys, source.shares_world);
-    Placement& out = out_.sources[i];
     if (!place) return false;
+    PlacementFigures& out = out_.sources[i].figures;
     out.things = place->things.all();
     out.things_agree = place->things.confirmed;
     out.rival = place->rival;
@@ -172,7 +172,7 @@ class Registrar {
 
   void report(const Placed& placed, const std::vector<SE3>& poses, const std::vector<PoseEdge>& edges,
               const std::vector<double>& weights, const std::vector<std::size_t>& first, std::size_t first_tie, std::size_t p) {
-    Placement& out = out_.sources[placed.drive - 1];
+    PlacementFigures& out = out_.sources[placed.drive - 1].figures;
     std::vector<std::size_t> tied, edge;
     double squares = 0;
     for (std::size_t k = 0; k < placed.ties.size(); ++k) {
@@ -182,7 +182,7 @@ class Registrar {
       squares += placed.ties[k].residual_m * placed.ties[k].residual_m;
     }
     const SE3* moved = poses.data() + first[p];
-    out.world_from_lidar = bent(placed.world_from_lidar, placed.keys, moved);
+    out_.sources[placed.drive - 1].world_from_lidar = bent(placed.world_from_lidar, placed.keys, moved);
     out.overlap = static_cast<double>(tied.size()) / static_cast<double>(placed.keys.size());
     if (tied.empty()) return;
     out.residual_m = std::sqrt(squares / static_cast<double>(tied.size()));

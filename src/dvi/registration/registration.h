@@ -17,15 +17,20 @@ struct DriveTrack {
   bool shares_world = false;    ///< of a source drive: its poses claim to be in the target's world
 };
 
-/// Where a source drive lies in the target's world.
+/// How well a source drive fits where it was put.
+struct PlacementFigures {
+  SE3 target_from_source;             ///< from the world of its own trajectory, on the whole
+  double overlap = 0;                 ///< share of its scans that lie on what earlier drives saw
+  double residual_m = 0;              ///< of these, RMS across surfaces
+  double bound_m = 0, bound_deg = 0;  ///< 95 % of errors are smaller
+  std::size_t things = 0;             ///< single things that say something of the place (confirm.h) ...
+  std::size_t things_agree = 0;       ///< ... and those that agree
+  double rival = 0;                   ///< how well the second best place fits, of this one; 1: as well
+};
+
 struct Placement {
-  Trajectory world_from_lidar;  ///< bent onto the target; empty: not found
-  SE3 target_from_source;       ///< from the world of its own trajectory, on the whole
-  double overlap = 0;           ///< share of its scans that lie on what earlier drives saw
-  double residual_m = 0;        ///< of these, RMS across surfaces
-  double bound_m = 0, bound_deg = 0;          ///< 95 % of errors are smaller
-  std::size_t things = 0, things_agree = 0;   ///< what single things say of the place: how many, how many agree (confirm.h)
-  double rival = 0;  ///< how well the second best place fits, of this one; 1: as well
+  Trajectory world_from_lidar;  ///< in the target's world, bent onto the target; empty: not found
+  PlacementFigures figures;     ///< where it is not found: of the best place there was
 
   bool found() const { return !world_from_lidar.empty(); }
 };

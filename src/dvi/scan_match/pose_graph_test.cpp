@@ -127,5 +127,22 @@ TEST(PoseGraph, TakesNoPoseAndOne) {
   EXPECT_THROW(solve_pose_graph(apart, {{0, 1, {}, information(1, 1), false}}), std::logic_error);
 }
 
+TEST(PoseGraph, CovarianceGrowsAlongAChainAndHalvesWithASecondMeasurement) {
+  std::vector<SE3> poses(5);
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i].t = {2.0 * static_cast<double>(i), 0, 0};
+  std::vector<PoseEdge> edges = chain(poses);
+  const auto variance = [&](std::size_t a, std::size_t b) {
+    return relative_covariance(poses, edges, std::vector<double>(edges.size(), 1.0), a, b).diagonal().eval();
+  };
+  EXPECT_NEAR(variance(0, 1)[0], 1e-4, 1e-9);
+  EXPECT_NEAR(variance(0, 4)[0], 4e-4, 1e-9) << "four steps of 1 cm";
+  EXPECT_NEAR(variance(1, 3)[0], 2e-4, 1e-9) << "whatever lies outside";
+  // A turn of 1 mrad moves what is 2, 4 and 6 m ahead.
+  EXPECT_NEAR(variance(0, 4)[1], 4e-4 + 1e-6 * (4 + 16 + 36), 1e-8);
+  EXPECT_NEAR(variance(0, 4)[5], 4e-6, 1e-11);
+  edges.push_back(edges[1]);
+  EXPECT_NEAR(variance(1, 2)[0], 0.5e-4, 1e-9);
+}
+
 }  // namespace
 }  // namespace dvi::scan_match
