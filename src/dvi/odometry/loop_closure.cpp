@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "dvi/scan_match/scan_features.h"
 #include "dvi/scan_match/pose_graph.h"
+#include "dvi/scan_match/scan_features.h"
 
 namespace dvi::odometry {
 

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "dvi/core/threads.h"
+#include "dvi/odometry/sharpness.h"
 #include "dvi/scan_match/local_map.h"
 #include "dvi/scan_match/register_scan.h"
-#include "dvi/odometry/sharpness.h"
 #include "dvi/scan_match/test_street.h"
 
 namespace dvi::odometry {

@@ -50,7 +50,8 @@ Poses in_one_world(const Recordings& drives, std::vector<PoseChoice> choices) {
   const std::int64_t start = target.scan_headers.empty() ? target.frames.front().time_ns : target.scan_headers.front().time_ns;
   const SE3 target_from_world = first.at(start).value_or(first.poses().front().world_from_body).inverse();
   for (std::size_t i = 0; i < poses.size(); ++i)
-    if (i == 0 || shares_world(target, drives[i].drive)) poses[i].world_from_lidar = poses[i].world_from_lidar.in(target_from_world);
+    if (i == 0 || shares_world(target, drives[i].drive))
+      poses[i].world_from_lidar = poses[i].world_from_lidar.in(target_from_world);
   return poses;
 }
 

@@ -12,8 +12,8 @@ namespace dvi::pipeline {
 
 /// Where the LiDAR of one drive was.
 struct DrivePoses {
-  PoseChoice choice;            ///< where the poses come from
-  Trajectory world_from_lidar;  ///< world: the target's first LiDAR pose
+  PoseChoice choice;                                          ///< where the poses come from
+  Trajectory world_from_lidar;                                ///< world: the target's first LiDAR pose
   std::optional<registration::PlacementFigures> placed = {};  ///< of a source drive that its scans put there
 };
 
@@ -21,12 +21,12 @@ struct DrivePoses {
 using Poses = std::vector<DrivePoses>;
 
 /// Poses of all drives in one world (section 3.1 of the paper): as the job asks for the target, estimated or given, whichever
-/// makes the sharper map, for source drives, which are then laid onto the target by their scans (register_sources.h). InputError
-/// where a drive has none, or no frame of the target has one.
+/// makes the sharper map, for source drives, which are then laid onto the target by their scans (register_sources.h).
+/// InputError where a drive has none, or no frame of the target has one.
 Poses estimate_poses(const Recordings& drives, const Job& job, Progress& progress);
 
-/// The poses that each drive's choice names, brought into the world of the target's first LiDAR pose; a source drive whose given
-/// poses cannot be compared with the target's stays in a world of its own. InputError where there are none.
+/// The poses that each drive's choice names, brought into the world of the target's first LiDAR pose; a source drive whose
+/// given poses cannot be compared with the target's stays in a world of its own. InputError where there are none.
 Poses in_one_world(const Recordings& drives, std::vector<PoseChoice> choices);
 
 /// Whether a drive's given poses say where it lies to the target.

@@ -11,8 +11,8 @@
 namespace dvi::pipeline {
 namespace {
 
-constexpr double kFarApart = 150;       // metres between trajectories: no camera sees what the other drive saw
-constexpr double kFarFromGiven = 5;     // metres: given poses that lie farther off are of another world
+constexpr double kFarApart = 150;    // metres between trajectories: no camera sees what the other drive saw
+constexpr double kFarFromGiven = 5;  // metres: given poses that lie farther off are of another world
 constexpr const char* kRemedy = "leave it out, or give both drives poses in one world (docs/more_drives.md)";
 
 /// The same recording under another name: its first scan is that of the target, point by point.
@@ -24,7 +24,8 @@ bool same_scans(const Drive& a, const Drive& b) {
 
 void require_another(const Drive& target, const Drive& source) {
   if (fs::weakly_canonical(target.path) == fs::weakly_canonical(source.path) || same_scans(target, source))
-    throw InputError(source.path, "is the target given as its own source drive", "give another drive of the same street, or none");
+    throw InputError(source.path, "is the target given as its own source drive",
+                     "give another drive of the same street, or none");
 }
 
 double nearest_m(const Trajectory& a, const Trajectory& b) {
@@ -47,17 +48,20 @@ std::string agreement(const registration::PlacementFigures& figures) {
 [[noreturn]] void refuse(const Drive& target, const Drive& source, const registration::PlacementFigures& figures) {
   const std::string name = target.path.filename().string();
   if (figures.overlap > 0)
-    throw InputError(source.path, fmt::format("overlaps with {} in {:.0f} % of its scans only", name, 100 * figures.overlap), kRemedy);
-  if (figures.rival > 0.6 && figures.things_agree > 0)
-    throw InputError(source.path,
-                     fmt::format("fits {} in several places equally well, so its overlap cannot be told (0 % is sure; in the best "
-                                 "place {})",
-                                 name, agreement(figures)),
+    throw InputError(source.path, fmt::format("overlaps with {} in {:.0f} % of its scans only", name, 100 * figures.overlap),
                      kRemedy);
-  throw InputError(source.path,
-                   fmt::format("does not overlap with {}: no scan of it surely shows the same street (0 %; in the best place {})",
-                               name, agreement(figures)),
-                   kRemedy);
+  if (figures.rival > 0.6 && figures.things_agree > 0)
+    throw InputError(
+        source.path,
+        fmt::format("fits {} in several places equally well, so its overlap cannot be told (0 % is sure; in the best "
+                    "place {})",
+                    name, agreement(figures)),
+        kRemedy);
+  throw InputError(
+      source.path,
+      fmt::format("does not overlap with {}: no scan of it surely shows the same street (0 %; in the best place {})", name,
+                  agreement(figures)),
+      kRemedy);
 }
 
 }  // namespace
@@ -88,8 +92,8 @@ void register_sources(const Recordings& drives, const Job& job, Poses& poses, Pr
     }
   }
   if (tracks.empty()) return;
-  registration::Registered found = registration::register_drives(
-      {&target, poses.front().world_from_lidar, true}, tracks, job.options.odometry, keep_given, progress.parts());
+  registration::Registered found = registration::register_drives({&target, poses.front().world_from_lidar, true}, tracks,
+                                                                 job.options.odometry, keep_given, progress.parts());
   progress.end();
   poses.front().world_from_lidar = std::move(found.target);
   for (std::size_t k = 0; k < tracks.size(); ++k) {
@@ -97,8 +101,9 @@ void register_sources(const Recordings& drives, const Job& job, Poses& poses, Pr
     registration::Placement& placement = found.sources[k];
     if (placement.found()) {
       if (const double off = placement.figures.target_from_source.t.norm(); tracks[k].shares_world && off > kFarFromGiven)
-        progress.warn(fmt::format("{}: its scans put it {:.1f} m from where its given poses do, which are not of the target's world",
-                                  source.path.filename().string(), off));
+        progress.warn(
+            fmt::format("{}: its scans put it {:.1f} m from where its given poses do, which are not of the target's world",
+                        source.path.filename().string(), off));
       poses[which[k]].placed = placement.figures;
       poses[which[k]].world_from_lidar = std::move(placement.world_from_lidar);
     } else if (tracks[k].shares_world) {

@@ -23,6 +23,7 @@ std::optional<RegistrationReport> registration_report(const Drive& drive, const 
                          .bound_deg = placed.bound_deg,
                          .things = placed.things,
                          .things_agree = placed.things_agree,
+                         .passed_share = placed.passed_share,
                          .rival = placed.rival};
   const Trajectory& trajectory = poses.world_from_lidar;
   const SE3 first = trajectory.at(drive.scan_headers.front().time_ns).value_or(trajectory.poses().front().world_from_body);

@@ -68,7 +68,7 @@ struct RegistrationReport {
   double residual_m = 0;
   double bound_m = 0, bound_deg = 0;  ///< 95 % of errors are smaller
   std::size_t things = 0, things_agree = 0;
-  double rival = 0;
+  double passed_share = 0, rival = 0;
 };
 
 struct DriveReport {

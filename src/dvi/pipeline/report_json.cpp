@@ -118,7 +118,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StandingTracks, tracks, standing, pixels)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameReport, number, name, hole, energy, alignment, exposure_gain)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CameraReport, camera, masks, grey, frames, alignment, warnings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RegistrationReport, target_from_source, overlap, residual_m, bound_m, bound_deg, things,
-                                   things_agree, rival)
+                                   things_agree, passed_share, rival)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveReport, path, format, camera, frames, scans, poses, registration, alignment, warnings,
                                    other_cameras)
 

@@ -55,9 +55,15 @@ constexpr auto fields_of(Of<PoseChoice>) {
 }
 constexpr auto fields_of(Of<registration::PlacementFigures>) {
   using registration::PlacementFigures;
-  return std::tuple{&PlacementFigures::target_from_source, &PlacementFigures::overlap,   &PlacementFigures::residual_m,
-                    &PlacementFigures::bound_m,            &PlacementFigures::bound_deg, &PlacementFigures::things,
-                    &PlacementFigures::things_agree,       &PlacementFigures::rival};
+  return std::tuple{&PlacementFigures::target_from_source,
+                    &PlacementFigures::overlap,
+                    &PlacementFigures::residual_m,
+                    &PlacementFigures::bound_m,
+                    &PlacementFigures::bound_deg,
+                    &PlacementFigures::things,
+                    &PlacementFigures::things_agree,
+                    &PlacementFigures::passed_share,
+                    &PlacementFigures::rival};
 }
 constexpr auto fields_of(Of<DrivePoses>) {
   return std::tuple{&DrivePoses::choice, &DrivePoses::world_from_lidar, &DrivePoses::placed};

@@ -15,15 +15,15 @@ namespace {
 
 using scan_match::Feature;
 
-constexpr double kRadius = 45;        // metres round the place
-constexpr double kColumn = 0.5;       // metres: columns, and cells of the view
-constexpr double kKerb = 0.6;         // metres: what stands is higher
-constexpr double kHighest = 10;       // metres above the ground
-constexpr int kCells = 256;           // of the view, each way: its width is more than twice kRadius, so that shifts do not wrap
-constexpr int kHeadings = 180;        // of the circle
+constexpr double kRadius = 45;   // metres round the place
+constexpr double kColumn = 0.5;  // metres: columns, and cells of the view
+constexpr double kKerb = 0.6;    // metres: what stands is higher
+constexpr double kHighest = 10;  // metres above the ground
+constexpr int kCells = 256;      // of the view, each way: its width is more than twice kRadius, so that shifts do not wrap
+constexpr int kHeadings = 180;   // of the circle
 constexpr double kFarthestShift = 50;  // metres
-constexpr double kWhitening = 0.7;    // 0: plain correlation, 1: phase only
-constexpr double kApart = 1.5;        // metres between candidates of like heading
+constexpr double kWhitening = 0.7;     // 0: plain correlation, 1: phase only
+constexpr double kApart = 1.5;         // metres between candidates of like heading
 constexpr int kHeadingsApart = 4;
 
 struct Plane {
@@ -129,7 +129,7 @@ BirdView bird_view(const std::vector<Eigen::Vector3d>& standing) { return {white
 
 TurnedViews turned_views(const std::vector<Eigen::Vector3d>& standing) {
   TurnedViews out;
-  for (int i = 0; i < kHeadings; ++i)
+  for (int i = 0; i < kHeadings / 2; ++i)  // half a turn on, the spectrum is the conjugate
     out.spectra.push_back(whitened_spectrum(raster(standing, 2 * std::numbers::pi * i / kHeadings)));
   return out;
 }
@@ -144,7 +144,8 @@ std::vector<Candidate> correlate(const BirdView& a, const TurnedViews& b, std::s
   std::vector<Peak> peaks;
   for (int heading = 0; heading < kHeadings; ++heading) {
     cv::Mat2f product;
-    cv::mulSpectrums(a.spectrum, b.spectra[static_cast<std::size_t>(heading)], product, 0, true);
+    const bool turned_about = heading >= kHeadings / 2;
+    cv::mulSpectrums(a.spectrum, b.spectra[static_cast<std::size_t>(heading % (kHeadings / 2))], product, 0, !turned_about);
     cv::Mat1f score;
     cv::dft(product, score, cv::DFT_INVERSE | cv::DFT_REAL_OUTPUT);
     cv::Mat1f reachable(2 * kReach + 1, 2 * kReach + 1);
@@ -172,7 +173,8 @@ std::vector<Candidate> correlate(const BirdView& a, const TurnedViews& b, std::s
   }
   std::vector<Candidate> out;
   for (const Peak& p : best)
-    out.push_back({p.score, {so3_exp({0, 0, 2 * std::numbers::pi * p.heading / kHeadings}), {p.x * kColumn, p.y * kColumn, 0}}});
+    out.push_back(
+        {p.score, {so3_exp({0, 0, 2 * std::numbers::pi * p.heading / kHeadings}), {p.x * kColumn, p.y * kColumn, 0}}});
   return out;
 }
 

@@ -6,8 +6,8 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
-#include "dvi/scan_match/features.h"
 #include "dvi/geometry/se3.h"
+#include "dvi/scan_match/features.h"
 
 namespace dvi::registration {
 
@@ -24,9 +24,9 @@ struct BirdView {
   cv::Mat2f spectrum;
 };
 
-/// One place as seen in all headings.
+/// One place as seen in all headings. 47 MB.
 struct TurnedViews {
-  std::vector<cv::Mat2f> spectra;  ///< one a heading, evenly spread over the circle
+  std::vector<cv::Mat2f> spectra;  ///< one a heading, evenly spread over half the circle
 };
 
 BirdView bird_view(const std::vector<Eigen::Vector3d>& standing);
@@ -39,7 +39,8 @@ struct Candidate {
 };
 
 /// Where a place lies in the other by correlation of whitened views over all headings and positions up to 50 m, as in phase
-/// correlation (Kuglin and Hines 1975): what stands alone counts more than long walls. The best `count` that are apart from each other.
+/// correlation (Kuglin and Hines 1975): what stands alone counts more than long walls. The best `count` that are apart from
+/// each other.
 std::vector<Candidate> correlate(const BirdView& a, const TurnedViews& b, std::size_t count);
 
 }  // namespace dvi::registration

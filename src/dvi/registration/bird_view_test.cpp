@@ -23,8 +23,7 @@ std::vector<scan_match::Feature> ground(const SE3& lidar_from_level, double heig
 TEST(BirdView, TheGroundMakesAnyMountingLevel) {
   const SE3 askew{so3_exp({0.05, -0.08, 0}), Vector3d::Zero()};
   const SE3 level = level_from_lidar(ground(askew, 2));
-  for (const Vector3d& below : {Vector3d(3, 4, -2), Vector3d(-10, 2, -2)})
-    EXPECT_NEAR((level * (askew * below)).z(), 0, 0.01);
+  for (const Vector3d& below : {Vector3d(3, 4, -2), Vector3d(-10, 2, -2)}) EXPECT_NEAR((level * (askew * below)).z(), 0, 0.01);
   EXPECT_NEAR(level.t.z(), 2, 0.01) << "metres above the ground";
   EXPECT_TRUE(level_from_lidar({}).R.isIdentity()) << "no ground, nothing to level by";
 }

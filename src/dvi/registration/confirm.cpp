@@ -15,15 +15,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kCell = 0.15, kLayer = 0.4;     // metres
-constexpr double kGridRadius = 50;                   // metres: of the grid
+constexpr double kCell = 0.15, kLayer = 0.4;             // metres
+constexpr double kGridRadius = 50;                       // metres: of the grid
 constexpr double kGridLowest = -1.5, kGridHighest = 10;  // metres
-constexpr int kShifts = 10;                      // cells each way
-constexpr int kTolerance = 1;                    // cells
-constexpr int kElsewhere = 4;                    // cells: from here on a shift is another place
-constexpr double kBlock = 6;                     // metres
-constexpr double kFloor = 0.25;                  // metres above the ground: below, kerbs and the road
-constexpr std::size_t kFewest = 15, kMost = 400;  // points of a block
+constexpr int kShifts = 10;                              // cells each way
+constexpr int kTolerance = 1;                            // cells
+constexpr int kElsewhere = 4;                            // cells: from here on a shift is another place
+constexpr double kBlock = 6;                             // metres
+constexpr double kFloor = 0.25;                          // metres above the ground: below, kerbs and the road
+constexpr std::size_t kFewest = 15, kMost = 400;         // points of a block
 constexpr double kLikeness = 0.4;  // of a block's points that the other place must have, wherever it is shifted
 constexpr double kDistinct = 0.6;  // a block that fits more than this elsewhere in some direction says nothing
 
@@ -46,12 +46,14 @@ class Grid {
     }
   }
   static cv::Point3i cell_of(const Vector3d& p) {
-    return {cvFloor((p.x() + kGridRadius) / kCell), cvFloor((p.y() + kGridRadius) / kCell), cvFloor((p.z() - kGridLowest) / kLayer)};
+    return {cvFloor((p.x() + kGridRadius) / kCell), cvFloor((p.y() + kGridRadius) / kCell),
+            cvFloor((p.z() - kGridLowest) / kLayer)};
   }
   int at(int x, int y, int z) const { return inside(x, y, z) ? cells_.at<uchar>(z, y, x) : 0; }
 
  private:
-  static constexpr int kSide = static_cast<int>(2 * kGridRadius / kCell), kLayers = static_cast<int>((kGridHighest - kGridLowest) / kLayer);
+  static constexpr int kSide = static_cast<int>(2 * kGridRadius / kCell),
+                       kLayers = static_cast<int>((kGridHighest - kGridLowest) / kLayer);
   static bool inside(int x, int y, int z) { return x >= 0 && y >= 0 && z >= 0 && x < kSide && y < kSide && z < kLayers; }
   cv::Mat cells_;
 };
@@ -64,7 +66,8 @@ cv::Mat1f likeness(const Grid& grid, const std::vector<Vector3d>& block) {
   for (std::size_t i = 0; i < block.size(); i += step, ++n) {
     const cv::Point3i c = Grid::cell_of(block[i]);
     for (int y = -kShifts; y <= kShifts; ++y)
-      for (int x = -kShifts; x <= kShifts; ++x) out(y + kShifts, x + kShifts) += static_cast<float>(grid.at(c.x + x, c.y + y, c.z));
+      for (int x = -kShifts; x <= kShifts; ++x)
+        out(y + kShifts, x + kShifts) += static_cast<float>(grid.at(c.x + x, c.y + y, c.z));
   }
   return cv::Mat1f(out / (2 * n));
 }
@@ -96,7 +99,8 @@ bool goes_on(const Grid& grid, const Vector3d& point) {
     const double x = std::cos(std::numbers::pi * k / kDirections), y = std::sin(std::numbers::pi * k / kDirections);
     int on = 0;
     for (const int far : kFar)
-      for (const int sign : {-1, 1}) on += grid.at(c.x + cvRound(sign * far * x), c.y + cvRound(sign * far * y), c.z) > 0 ? 1 : 0;
+      for (const int sign : {-1, 1})
+        on += grid.at(c.x + cvRound(sign * far * x), c.y + cvRound(sign * far * y), c.z) > 0 ? 1 : 0;
     if (on >= 5) return true;
   }
   return false;

@@ -10,7 +10,7 @@ namespace {
 
 using scan_match::Feature, scan_match::Features;
 
-constexpr double kKeyStep = 0.5;       // metres of way
+constexpr double kKeyStep = 0.5;    // metres of way
 constexpr double kPoint = 0.15;     // metres: one point a cube of that edge
 constexpr double kBoxMargin = 0.2;  // metres: objects move while they are scanned
 
@@ -83,7 +83,10 @@ std::vector<Feature> returns_of(const Scan& scan, double nearest_m, double farth
 }  // namespace
 
 KeyScans::KeyScans(const Drive& drive, const scan_match::MatchOptions& options, const Trajectory& world_from_lidar)
-    : drive_(&drive), options_(scan_match::for_sensor(options, drive)), keys_(keys_of(drive, world_from_lidar)) {
+    : drive_(&drive),
+      options_(scan_match::for_sensor(options, drive)),
+      world_from_lidar_(world_from_lidar),
+      keys_(keys_of(drive, world_from_lidar)) {
   scans_ = Lazy<StillScan>(keys_.size(), [drive = drive_, suited = options_, keys = keys_](std::size_t i) {
     const std::shared_ptr<const Scan> scan = drive->scans[keys[i].scan];
     const scan_match::ScanFeatures all = scan_features(*drive, *scan, scan_match::rings_of(*drive, *scan), suited);
@@ -99,6 +102,7 @@ KeyScans::KeyScans(const Drive& drive, const scan_match::MatchOptions& options, 
 
 KeyScans KeyScans::in(const SE3& other_from_world) const {
   KeyScans out = *this;
+  out.world_from_lidar_ = world_from_lidar_.in(other_from_world);
   for (Key& key : out.keys_) key.world_from_lidar = other_from_world * key.world_from_lidar;
   return out;
 }

@@ -43,11 +43,13 @@ class KeyScans {
   const Key& operator[](std::size_t i) const { return keys_[i]; }
   std::shared_ptr<const StillScan> scan(std::size_t i) const { return scans_[i]; }
   const Drive& drive() const { return *drive_; }
+  const Trajectory& world_from_lidar() const { return world_from_lidar_; }
   const scan_match::MatchOptions& options() const { return options_; }
 
  private:
   const Drive* drive_;
   scan_match::MatchOptions options_;
+  Trajectory world_from_lidar_;
   std::vector<Key> keys_;
   Lazy<StillScan> scans_;
 };

@@ -18,10 +18,10 @@ namespace {
 using scan_match::PoseEdge;
 
 // Standard deviations in metres and radians.
-constexpr double kStep = 0.01, kStepTurn = 0.0005;     // of a trajectory from one key scan to the next
-constexpr double kHeld = 1e-5;                         // of one that stays as it is
-constexpr double kTie = 0.02, kTieTurn = 0.001;        // of a tie, on top of registration's own
-constexpr double kKept = 0.25;                         // weight of a tie that the graph believes
+constexpr double kStep = 0.01, kStepTurn = 0.0005;  // of a trajectory from one key scan to the next
+constexpr double kHeld = 1e-5;                      // of one that stays as it is
+constexpr double kTie = 0.02, kTieTurn = 0.001;     // of a tie, on top of registration's own
+constexpr double kKept = 0.25;                      // weight of a tie that the graph believes
 constexpr std::size_t kFewestTies = 3;
 constexpr double kInflation = 1;  // of standard deviations: errors of ties that share a local map are alike
 
@@ -75,8 +75,7 @@ class Registrar {
             bool hold_target)
       : target_(target), sources_(sources), options_(options), hold_target_(hold_target) {
     out_.sources.resize(sources.size());
-    placed_.push_back(
-        {0, {}, target.world_from_lidar, KeyScans(*target.drive, options, target.world_from_lidar), {}});
+    placed_.push_back({0, {}, target.world_from_lidar, KeyScans(*target.drive, options, target.world_from_lidar), {}});
   }
 
   Registered operator()(const BeginPart& begin) {
@@ -111,6 +110,7 @@ class Registrar {
     out.things = place->things.all();
     out.things_agree = place->things.confirmed;
     out.rival = place->rival;
+    out.passed_share = place->passed_share;
     if (!place->sure()) return false;
     const SE3 world_from_b = placed_[in].keys[place->a].world_from_lidar * place->a_from_b;
     const SE3 world_from_source = world_from_b * keys[place->b].world_from_lidar.inverse();
@@ -134,8 +134,7 @@ class Registrar {
     for (const bool guess : {true, false})
       for (std::size_t p = 0; p < placed_.size(); ++p) {
         if (guess && !shares_world) continue;
-        const std::optional<Place> found =
-            PlaceFinder(placed_[p].keys, keys).find(guess ? std::optional(SE3()) : std::nullopt);
+        const std::optional<Place> found = PlaceFinder(placed_[p].keys, keys).find(guess ? std::optional(SE3()) : std::nullopt);
         if (found && (!best || found->strength() > best->strength())) best = found, in = p;
         if (best && best->sure()) return {best, in};
       }
@@ -161,8 +160,8 @@ class Registrar {
     const std::size_t steps = edges.size();
     for (std::size_t p = 0; p < placed_.size(); ++p)
       for (const Tie& tie : placed_[p].ties)
-        edges.push_back({first[tie.drive] + tie.a, first[p] + tie.b, tie.a_from_b,
-                         no_better_than(tie.information, kTie, kTieTurn), true});
+        edges.push_back(
+            {first[tie.drive] + tie.a, first[p] + tie.b, tie.a_from_b, no_better_than(tie.information, kTie, kTieTurn), true});
     const std::vector<double> weights = solve_pose_graph(poses, edges);
     out_.target = bent(placed_[0].world_from_lidar, placed_[0].keys, poses.data());
     std::size_t next = steps;

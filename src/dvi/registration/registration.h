@@ -25,6 +25,7 @@ struct PlacementFigures {
   double bound_m = 0, bound_deg = 0;  ///< 95 % of errors are smaller
   std::size_t things = 0;             ///< single things that say something of the place (confirm.h) ...
   std::size_t things_agree = 0;       ///< ... and those that agree
+  double passed_share = 0;            ///< of what stands for one drive, what the rays of the other went through
   double rival = 0;                   ///< how well the second best place fits, of this one; 1: as well
 };
 

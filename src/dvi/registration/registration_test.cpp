@@ -74,7 +74,8 @@ Trajectory unknown_start(const Recorded& drive) {
 }
 
 Placement placed(const Recorded& target, const Recorded& source) {
-  const Registered found = register_drives({&target.drive, target.truth, true}, {{&source.drive, unknown_start(source), false}}, {}, true);
+  const Registered found =
+      register_drives({&target.drive, target.truth, true}, {{&source.drive, unknown_start(source), false}}, {}, true);
   return found.sources.front();
 }
 

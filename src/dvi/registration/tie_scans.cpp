@@ -9,12 +9,12 @@ namespace {
 
 // Metres and radians.
 constexpr double kTieReach = 60;                        // to scans that may see the same
-constexpr double kScansApart = 2.5;                       // between scans of a local map
-constexpr std::size_t kMostScans = 12;               // of a local map
-constexpr double kSamePlace = 5;                     // a local map serves so far
-constexpr double kLeastShare = 0.15;                 // of what stands, that lies on surfaces of the others
-constexpr double kLeastOfOwn = 0.3;                  // of that share of a scan of the place itself: cars and leaves differ
-constexpr double kMostResidual = 1.5;                // of that scan's
+constexpr double kScansApart = 2.5;                     // between scans of a local map
+constexpr std::size_t kMostScans = 12;                  // of a local map
+constexpr double kSamePlace = 5;                        // a local map serves so far
+constexpr double kLeastShare = 0.15;                    // of what stands, that lies on surfaces of the others
+constexpr double kLeastOfOwn = 0.3;                     // of that share of a scan of the place itself: cars and leaves differ
+constexpr double kMostResidual = 1.5;                   // of that scan's
 constexpr double kFarthestOff = 0.5, kMostTurn = 0.03;  // from where odometry puts the scan
 
 struct KeyOf {
@@ -82,7 +82,8 @@ class Walk {
   /// From key scan `first`, which lies at `pose`, up to the end of the drive, step +1 or -1.
   void operator()(std::size_t first, SE3 pose, int step, std::vector<Tie>& ties) {
     for (std::size_t k = first; k < keys_.size(); k += static_cast<std::size_t>(step)) {  // wraps below 0
-      if (k != first) pose = pose * (keys_[k - static_cast<std::size_t>(step)].world_from_lidar.inverse() * keys_[k].world_from_lidar);
+      if (k != first)
+        pose = pose * (keys_[k - static_cast<std::size_t>(step)].world_from_lidar.inverse() * keys_[k].world_from_lidar);
       if (const std::optional<Tie> tie = tie_of(k, pose)) {
         ties.push_back(*tie);
         pose = (*placed_[tie->drive])[tie->a].world_from_lidar * tie->a_from_b;
