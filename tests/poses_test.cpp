@@ -121,10 +121,6 @@ TEST_F(Poses, AreFoundWhereNoneAreGiven) {
   EXPECT_LT(apart(read("out/trajectory.txt"), truth), 0.03);
   EXPECT_THAT(dvi("check drive --quiet").out, HasSubstr("loam poses"));
   EXPECT_EQ(dvi("map drive -o given --quiet --poses given").code, 3);
-  small_drive("other", "--day 2");
-  const Result both = dvi("run drive other -o both --quiet");
-  EXPECT_EQ(both.code, 3);
-  EXPECT_THAT(both.err, HasSubstr("share a world"));
 }
 
 TEST_F(Poses, OfDrivesInOneWorldStayTogether) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kSubmap = 25;                           // metres of way before and after
 constexpr double kEveryPlace = 20;                       // metres of way from one submap to the next
-constexpr std::size_t kMostQueries = 5;                  // submaps of the drive that looks for its place
+constexpr std::size_t kMostQueries = 16;                 // submaps of the drive that looks for its place
 constexpr std::size_t kViews = 32;                       // places whose views are held at once
 constexpr std::size_t kFromPair = 8, kVerified = 24;     // candidates
 constexpr double kNearGuess = 15, kNearGuessTurn = 0.2;  // metres and radians
@@ -152,6 +152,7 @@ std::vector<PlaceFinder::Start> PlaceFinder::starts(const std::optional<SE3>& a_
 }
 
 std::optional<Place> PlaceFinder::find(const std::optional<SE3>& a_world_from_b_world) const {
+  if (a_.empty() || b_.empty()) return std::nullopt;
   std::vector<Start> all = starts(a_world_from_b_world);
   std::stable_sort(all.begin(), all.end(), [](const Start& p, const Start& q) { return p.score > q.score; });
   if (all.size() > kVerified) all.resize(kVerified);
