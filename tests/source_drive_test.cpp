@@ -63,7 +63,8 @@ TEST_F(SourceDrive, GivenPosesAreRefinedUnlessTheyAreToStay) {
 TEST_F(SourceDrive, AnotherStreetIsRefused) {
   small_drive("drive", "--lorry", kFrames);
   without_poses("other", "--day 2 --seed 2");
-  EXPECT_THAT(refused("drive other"), testing::AllOf(HasSubstr("other: "), HasSubstr("single things agree"), HasSubstr("poses in one world")));
+  EXPECT_THAT(refused("drive other"),
+              testing::AllOf(HasSubstr("other: "), HasSubstr("single things agree"), HasSubstr("poses in one world")));
 }
 
 TEST_F(SourceDrive, TheTargetIsNotItsOwnSource) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -64,55 +66,71 @@ std::string agreement(const registration::PlacementFigures& figures) {
       kRemedy);
 }
 
+bool keeps_given(const Job& job) {
+  return job.read.poses.kind == PosesFrom::Kind::given || job.read.poses.kind == PosesFrom::Kind::file;
+}
+
+/// A source drive that is to be registered.
+struct Unplaced {
+  std::size_t recording = 0;
+  registration::DriveTrack track;
+};
+
+std::vector<Unplaced> to_register(const Recordings& drives, const Poses& poses, bool keep_given) {
+  const Drive& target = drives.front().drive;
+  const std::string name = target.path.filename().string();
+  const Trajectory& target_track = poses.front().world_from_lidar;
+  std::vector<Unplaced> out;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Drive& source = drives[i].drive;
+    const Trajectory& track = poses[i].world_from_lidar;
+    require_another(target, source);
+    const bool shared = shares_world(target, source);
+    if (const double apart = nearest_m(target_track, track); shared && apart > kFarApart)
+      throw InputError(
+          source.path,
+          fmt::format("does not overlap with {} (0 %): by the given poses it comes no nearer than {:.0f} m", name, apart),
+          "give a source drive of the same street, or take away poses that are not of one world");
+    if (shared && keep_given) continue;
+    if (has_scans(target, target_track) && has_scans(source, track))
+      out.push_back({i, {&source, track, shared}});
+    else if (!shared)
+      throw InputError(source.path, "cannot be placed in " + name + " by LiDAR scans", kRemedy);
+  }
+  return out;
+}
+
+void take(registration::Placement placement, bool shared, const Drive& target, const Drive& source, DrivePoses& poses,
+          Progress& progress) {
+  const std::string name = source.path.filename().string();
+  if (!placement.found()) {
+    if (!shared) refuse(target, source, placement.figures);
+    progress.warn(fmt::format("{}: scans do not confirm that its given poses are of the target's world ({}): they are kept",
+                              name, agreement(placement.figures)));
+    return;
+  }
+  if (const double off = placement.figures.target_from_source.t.norm(); shared && off > kFarFromGiven)
+    progress.warn(fmt::format(
+        "{}: its scans put it {:.1f} m from where its given poses do, which are not of the target's world", name, off));
+  poses.placed = placement.figures;
+  poses.world_from_lidar = std::move(placement.world_from_lidar);
+}
+
 }  // namespace
 
 void register_sources(const Recordings& drives, const Job& job, Poses& poses, Progress& progress) {
-  if (poses.size() < 2) return;
   const Drive& target = drives.front().drive;
-  const bool keep_given = job.read.poses.kind == PosesFrom::Kind::given || job.read.poses.kind == PosesFrom::Kind::file;
+  const std::vector<Unplaced> unplaced = to_register(drives, poses, keeps_given(job));
+  if (unplaced.empty()) return;
   std::vector<registration::DriveTrack> tracks;
-  std::vector<std::size_t> which;
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    const Drive& source = drives[i].drive;
-    require_another(target, source);
-    const bool shared = shares_world(target, source);
-    if (shared) {
-      if (const double apart = nearest_m(poses.front().world_from_lidar, poses[i].world_from_lidar); apart > kFarApart)
-        throw InputError(source.path,
-                         fmt::format("does not overlap with {} (0 %): by the given poses it comes no nearer than {:.0f} m",
-                                     target.path.filename().string(), apart),
-                         "give a source drive of the same street, or take away poses that are not of one world");
-      if (keep_given) continue;
-    }
-    if (has_scans(target, poses.front().world_from_lidar) && has_scans(source, poses[i].world_from_lidar)) {
-      tracks.push_back({&source, poses[i].world_from_lidar, shared});
-      which.push_back(i);
-    } else if (!shared) {
-      throw InputError(source.path, "cannot be placed in " + target.path.filename().string() + " by LiDAR scans", kRemedy);
-    }
-  }
-  if (tracks.empty()) return;
+  for (const Unplaced& one : unplaced) tracks.push_back(one.track);
   registration::Registered found = registration::register_drives({&target, poses.front().world_from_lidar, true}, tracks,
-                                                                 job.options.odometry, keep_given, progress.parts());
+                                                                 job.options.odometry, keeps_given(job), progress.parts());
   progress.end();
   poses.front().world_from_lidar = std::move(found.target);
-  for (std::size_t k = 0; k < tracks.size(); ++k) {
-    const Drive& source = *tracks[k].drive;
-    registration::Placement& placement = found.sources[k];
-    if (placement.found()) {
-      if (const double off = placement.figures.target_from_source.t.norm(); tracks[k].shares_world && off > kFarFromGiven)
-        progress.warn(
-            fmt::format("{}: its scans put it {:.1f} m from where its given poses do, which are not of the target's world",
-                        source.path.filename().string(), off));
-      poses[which[k]].placed = placement.figures;
-      poses[which[k]].world_from_lidar = std::move(placement.world_from_lidar);
-    } else if (tracks[k].shares_world) {
-      progress.warn(fmt::format("{}: scans do not confirm that its given poses are of the target's world ({}): they are kept",
-                                source.path.filename().string(), agreement(placement.figures)));
-    } else {
-      refuse(target, source, placement.figures);
-    }
-  }
+  for (std::size_t k = 0; k < unplaced.size(); ++k)
+    take(std::move(found.sources[k]), unplaced[k].track.shares_world, target, *unplaced[k].track.drive,
+         poses[unplaced[k].recording], progress);
 }
 
 }  // namespace dvi::pipeline
