@@ -25,8 +25,8 @@ class DetectorOption : public ProgramTest {
   }
   static cv::Rect at(std::size_t frame) { return {30 + 8 * static_cast<int>(frame), 60, 40, 30}; }
 
-  void paint(const std::string& name) const {
-    const fs::path drive = small_drive(name);
+  void paint(const std::string& name, const std::string& options = "") const {
+    const fs::path drive = small_drive(name, options);
     fs::remove_all(drive / "masks");
     fs::remove(drive / "boxes.json");
     const std::vector<fs::path> images = list_files(drive / "images/front", {".png"});
@@ -85,7 +85,7 @@ TEST_F(DetectorOption, WorksWithoutScansAndWithSourceDrives) {
   const Result telea = dvi("run drive -o telea --method telea --detector semantic.onnx --quiet");
   EXPECT_EQ(telea.code, 0) << telea.err;
   EXPECT_EQ(dvi("audit telea drive --quiet").code, 0);
-  paint("third");
+  paint("third", "--day 2");
   const Result both = dvi("run second third -o both --detector semantic.onnx --poses given --remove moving");
   EXPECT_EQ(both.code, 0) << both.err;
   EXPECT_THAT(both.err, HasSubstr("third: --remove moving: a detector does not say what stands still"));

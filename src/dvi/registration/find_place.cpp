@@ -36,10 +36,11 @@ std::vector<std::size_t> places_of(const KeyScans& keys, std::size_t most) {
   return out;
 }
 
-/// The smallest share that would be no surprise (95 %, Wilson's interval).
+/// The smallest share that would be no surprise (95 %, Wilson's interval). Both drives count the same things: they are half as
+/// many.
 double least_share(const Confirmation& things) {
   constexpr double z = 1.96;
-  const auto n = static_cast<double>(things.all());
+  const double n = 0.5 * static_cast<double>(things.all());
   if (n == 0) return 0;
   const double p = things.share(), centre = p + z * z / (2 * n);
   return (centre - z * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n);
