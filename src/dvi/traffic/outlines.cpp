@@ -72,15 +72,16 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
   const Body body = body_at(track, time_ns, footprint_m);
   if (body.points.empty()) return std::nullopt;
   const SE3 lidar_from_world = world_from_lidar.inverse(), camera_from_world = camera_from_lidar * lidar_from_world;
-  std::vector<Eigen::Vector3d> in_camera;
+  std::vector<Eigen::Vector3d> in_camera, on_ground;
   double nearest = 1e9;
   for (const Eigen::Vector3d& x : body.points) {
     in_camera.push_back(camera_from_world * x);
     if (in_camera.back().z() >= kNearPlane) nearest = std::min(nearest, in_camera.back().z());
   }
-  for (const Eigen::Vector3d& x : body.footprint) in_camera.push_back(camera_from_world * x);
+  for (const Eigen::Vector3d& x : body.footprint) on_ground.push_back(camera_from_world * x);
   cv::Mat1b mask(camera.height, camera.width, uchar{0});
-  if (!draw_hull(in_camera, camera, mask)) return std::nullopt;
+  const bool shows = draw_hull(in_camera, camera, mask);
+  if (!draw_hull(on_ground, camera, mask) && !shows) return std::nullopt;
   if (cv::countNonZero(mask) == 0) return std::nullopt;
   mask = grown(mask, std::max(kBlur, cvRound(kMargin * camera.fx / std::max(kAlongside, nearest))));
   Box box = box_round(body);

@@ -17,14 +17,18 @@ namespace {
 
 // Seconds, both ways. The nearest show the background least displaced, the later ones after the object has left it.
 constexpr std::array kTimes{0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0};
-constexpr int kSharp = 1;         // half pixels across: roof rails and mirrors are thin
-constexpr int kDisplaced = 3;     // half pixels across: what poses and depth are wrong by, each way one
-constexpr double kRim = 0.25;     // of an outline's shorter side, each way: how far an object may go beyond it, or end within
-constexpr int kLeastRim = 4;      // half pixels
-constexpr int kLeastPart = 20;    // half pixels: smaller ones are noise
+constexpr int kSharp = 1;       // half pixels across: roof rails and mirrors are thin
+constexpr int kDisplaced = 3;   // half pixels across: what poses and depth are wrong by, each way one
+constexpr double kRim = 0.25;   // of an outline's shorter side, each way: how far an object may go beyond it, or end within
+constexpr int kLeastRim = 4;    // half pixels
+constexpr int kLeastPart = 20;  // half pixels: smaller ones are noise
+constexpr int kLeastJudged = 10 * kLeastPart;  // half pixels of an outline that the images may refute
+constexpr double kMostUntold = 0.25;           // of these, that others did not see
+constexpr double kMostDiffering = 0.05;        // of these, that may differ by chance: moving leaves, edges
 constexpr double kNotch = 0.125;  // of the shorter side: objects have no deeper ones, but look like their background by chance
 constexpr std::size_t kColours = 64;  // of an object that are compared with its background
 constexpr double kTelling = 0.75;     // of these, that the background must exclude
+constexpr double kAlike = 25;         // levels between a pixel and one of these: it may be of the object
 constexpr int kHalo = 2;              // half pixels that lens and motion smear an object over
 constexpr int kThin = 3;              // likewise above the ground, with rails and mirrors too thin to tell
 constexpr int kLightGrid = 12;        // half pixels between the places at which light is compared
@@ -97,7 +101,7 @@ class Silhouettes {
     return out;
   }
 
-  // Where an object would hardly differ from its background, nothing is told.
+  // Where an object would hardly differ from its background, nothing is told of pixels in the object's colours.
   static void tell(const cv::Rect& part, const cv::Mat1b& outline, const Patch& image, const Usual& usual, Evidence& evidence) {
     std::vector<cv::Vec3f> colours;
     for (int y = part.y; y < part.br().y; ++y)
@@ -108,8 +112,12 @@ class Silhouettes {
       for (int x = part.x; x < part.br().x; ++x) {
         if (outline(y, x) == 0 || evidence.differs(y, x) != 0 || evidence.untold(y, x) != 0) continue;
         std::size_t asked = 0, excluded = 0;
-        for (std::size_t i = 0; i < colours.size(); i += every, ++asked) excluded += usual.excludes({x, y}, colours[i]);
-        if (static_cast<double>(excluded) < kTelling * static_cast<double>(asked)) evidence.untold(y, x) = 255;
+        bool alike = false;
+        for (std::size_t i = 0; i < colours.size(); i += every, ++asked) {
+          excluded += usual.excludes({x, y}, colours[i]);
+          alike = alike || cv::norm(colours[i] - image(y, x), cv::NORM_INF) < kAlike;
+        }
+        if (alike && static_cast<double>(excluded) < kTelling * static_cast<double>(asked)) evidence.untold(y, x) = 255;
       }
   }
 
@@ -137,8 +145,8 @@ class Silhouettes {
     const int count = connected_parts(cv::Mat1b(outline | object), parts);
     for (int i = 1; i <= count; ++i) {
       const cv::Mat1b part(parts == i), whole(outline & part), own(object & part);
-      if (cv::countNonZero(own & evidence.differs) < kLeastPart) {  // nothing to go by
-        out |= whole;
+      if (cv::countNonZero(own & evidence.differs) < kLeastPart) {
+        if (!refuted(whole, evidence)) out |= whole;
         continue;
       }
       const cv::Rect box = cv::boundingRect(part);
@@ -148,6 +156,14 @@ class Silhouettes {
       out |= touching(seed, cv::Mat1b(far_grown(far_grown(cv::Mat1b(own | seed), notch), -notch) & part));
     }
     return out;
+  }
+
+  // Whether others saw what an outline should hide, and it looks the same: errors of a LiDAR move along with it, but show in no
+  // image. In small outlines there may be too little to differ.
+  static bool refuted(const cv::Mat1b& outline, const Evidence& evidence) {
+    const int pixels = cv::countNonZero(outline), untold = cv::countNonZero(outline & evidence.untold),
+              differing = cv::countNonZero(outline & evidence.differs);
+    return pixels >= kLeastJudged && untold < kMostUntold * pixels && differing < kMostDiffering * pixels;
   }
 
   // The parts of a mask that overlap another one and are no specks.

@@ -109,6 +109,16 @@ TEST(Silhouettes, KeepOutlinesThatNobodyElseSawAround) {
   EXPECT_EQ(cv::norm(filmed.found(hidden), outlines[kFrame], cv::NORM_INF), 0);
 }
 
+TEST(Silhouettes, LeaveNothingOfAnOutlineInWhichTheRoadIsSeen) {
+  const Filmed filmed(kRed);
+  std::vector<cv::Mat1b> outlines = filmed.wider(8);
+  const cv::Mat1b real = filmed.found(outlines);
+  const cv::Rect phantom(220, 120, 60, 50);
+  ASSERT_EQ(cv::countNonZero(outlines[kFrame](phantom)), 0);
+  outlines[kFrame](phantom) = 255;
+  EXPECT_EQ(cv::norm(filmed.found(outlines), real, cv::NORM_INF), 0);
+}
+
 // A wall ahead, and before it something that a label's box holds.
 TEST(StandingDepth, SeesPastWhatIsInBoxes) {
   Plain plain(3, 0);
