@@ -12,7 +12,6 @@
 namespace dvi::traffic {
 namespace {
 
-constexpr double kBeyond = 1;       // seconds for which a motion goes on
 constexpr double kBoxMargin = 0.3;  // metres
 constexpr double kUsual = 0.9;      // quantile of the sizes seen: single ones hold returns of others
 constexpr std::size_t kFewestInBox = 4;
@@ -23,7 +22,7 @@ double quantile(std::vector<double> values) {
   return *at;
 }
 
-double height(const Track& track) {
+double usual_height(const Track& track) {
   std::vector<double> heights;
   for (const Cluster& o : track.observations) {
     double high = 0;
@@ -36,29 +35,30 @@ double height(const Track& track) {
 // Where an object is at any time, and how large it is: length along its heading, width, height.
 class Motion {
  public:
-  explicit Motion(const Track& track) : track_(&track), height_(height(track)) {
-    std::vector<double> lengths, widths;
+  explicit Motion(const Track& track) : track_(&track), height_(usual_height(track)) {
     Eigen::Vector2d heading = Eigen::Vector2d::UnitX();
     for (std::size_t i = 0; i < track.observations.size(); ++i) {
       velocities_.push_back(track.velocity(i));
       if (velocities_.back().norm() > 0.5) heading = velocities_.back().normalized();
       headings_.push_back(heading);
-      const auto [length, width] = size(track.observations[i], heading);
-      lengths.push_back(length);
-      widths.push_back(width);
     }
-    half_ = {0.5 * quantile(lengths) + kBoxMargin, 0.5 * quantile(widths) + kBoxMargin};
+    half_ = (0.5 * usual_size(track, headings_).array() + kBoxMargin).matrix();
+  }
+
+  double height() const { return height_; }
+  /// Along and across its way, of the same object with other returns.
+  Eigen::Vector2d size(const Track& same) const {
+    std::vector<Eigen::Vector2d> headings;
+    for (const Cluster& o : same.observations) headings.push_back(headings_[track_->nearest(o.mean_time_ns)]);
+    return usual_size(same, headings);
   }
 
   /// Whether it is followed at a time, and then the observation nearest to it.
   std::optional<std::size_t> at(std::int64_t time_ns) const {
     const auto& seen = track_->observations;
-    if (seconds_from(time_ns, seen.front().mean_time_ns) > kBeyond) return std::nullopt;
-    if (seconds_from(seen.back().mean_time_ns, time_ns) > kBeyond) return std::nullopt;
-    const auto apart = [&](const Cluster& o) { return std::abs(seconds_from(o.mean_time_ns, time_ns)); };
-    const auto nearest =
-        std::min_element(seen.begin(), seen.end(), [&](const auto& a, const auto& b) { return apart(a) < apart(b); });
-    return static_cast<std::size_t>(nearest - seen.begin());
+    if (seconds_from(time_ns, seen.front().mean_time_ns) > kGoesOn) return std::nullopt;
+    if (seconds_from(seen.back().mean_time_ns, time_ns) > kGoesOn) return std::nullopt;
+    return track_->nearest(time_ns);
   }
   bool holds(std::size_t nearest, const Eigen::Vector3d& x, double ground, std::int64_t time_ns) const {
     if (x.z() - ground > height_ + kBoxMargin) return false;  // trees above the road
@@ -69,14 +69,24 @@ class Motion {
   }
 
  private:
-  static std::pair<double, double> size(const Cluster& cluster, const Eigen::Vector2d& heading) {
+  static Eigen::Vector2d usual_size(const Track& track, const std::vector<Eigen::Vector2d>& headings) {
+    if (track.observations.empty()) return Eigen::Vector2d::Zero();
+    std::vector<double> lengths, widths;
+    for (std::size_t i = 0; i < headings.size(); ++i) {
+      const Eigen::Vector2d size = size_of(track.observations[i], headings[i]);
+      lengths.push_back(size.x());
+      widths.push_back(size.y());
+    }
+    return {quantile(lengths), quantile(widths)};
+  }
+  static Eigen::Vector2d size_of(const Cluster& cluster, const Eigen::Vector2d& heading) {
     Eigen::Array2d low = Eigen::Array2d::Constant(1e9), high = -low;
     for (const Eigen::Vector3d& x : cluster.points) {
       const Eigen::Array2d at(x.head<2>().dot(heading), x.y() * heading.x() - x.x() * heading.y());
       low = low.min(at);
       high = high.max(at);
     }
-    return {high.x() - low.x(), high.y() - low.y()};
+    return high - low;
   }
 
   const Track* track_;
@@ -117,7 +127,10 @@ std::vector<Track> followed(const std::vector<Track>& tracks, const MovingReturn
         out[track].observations.push_back(std::move(cluster));
       }
   });
-  for (std::size_t k = 0; k < out.size(); ++k) out[k].height_m = height(tracks[k]);
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    out[k].height_m = motions[k].height();
+    out[k].size_m = motions[k].size(out[k]);
+  }
   return out;
 }
 

@@ -139,4 +139,10 @@ bool Usual::excludes(cv::Point at, const cv::Vec3f& here) const {
   return darker || other;
 }
 
+bool Usual::shows(cv::Point at, const cv::Vec3f& here) const {
+  for (int c = 0; c < 3; ++c)
+    if (std::abs(here[c] - middle(at)[c]) > kNoise + kSpreads * spread(at)[c]) return false;
+  return true;
+}
+
 }  // namespace dvi::traffic

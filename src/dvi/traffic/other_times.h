@@ -58,6 +58,8 @@ class Usual {
 
   /// Darker as in a shadow, or otherwise different.
   bool excludes(cv::Point at, const cv::Vec3f& here) const;
+  /// The place itself, as other times show it, beyond chance; what merely looks like its surroundings may be hiding it.
+  bool shows(cv::Point at, const cv::Vec3f& here) const;
 
   Patch middle, low, high, spread;  // low above high where nobody saw
 };

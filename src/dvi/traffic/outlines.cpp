@@ -5,6 +5,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "dvi/core/median.h"
 #include "dvi/drive/outline.h"
 #include "dvi/image/region.h"
 #include "dvi/traffic/seconds.h"
@@ -14,42 +15,71 @@ namespace {
 
 constexpr double kOutlineWindow = 0.25;  // seconds each way in which an object hardly turns
 constexpr double kRoof = 0.5;            // metres: windows are no higher
+constexpr double kShape = 0.25;          // metres between rays above which none or one hits the window: no shape is seen
+constexpr double kDrives = 1;            // metres a second, from which the motion gives a heading
 constexpr double kMargin = 0.05;         // metres round the returns: the ends of an object lie between rays
 constexpr double kAlongside = 6;         // metres: of what is nearer, the part within the image is farther away
 constexpr int kBlur = 4;                 // pixels at least: the image's own
 constexpr double kPerson = 1.2;          // metres: what is longer is a vehicle
 
 struct Body {
-  std::vector<Eigen::Vector3d> points;     // world axes, at the time of the image
-  std::vector<Eigen::Vector3d> footprint;  // likewise: of the ground round them
+  std::vector<Eigen::Vector3d> points;  // world axes, at the time of the image
+  std::vector<Eigen::Vector3d> feet;    // likewise: the ground below them
   Eigen::Vector2d heading = Eigen::Vector2d::UnitX();
 };
 
-// The returns of the scan nearest to a time, moved to it; each also put onto the ground, where wheels and
-// feet are.
-Body body_at(const Track& track, std::int64_t time_ns, double footprint_m) {
-  const auto apart = [&](const Cluster& o) { return std::abs(seconds_from(o.mean_time_ns, time_ns)); };
+// Grows an interval to a length, away from the sensor: the face towards it is the one that its rays hit.
+void lengthen(double& low, double& high, double length, double sensor) {
+  const double lacking = length - (high - low);
+  if (lacking <= 0) return;
+  const double share = sensor < low ? 1 : sensor > high ? 0 : 0.5;
+  high += share * lacking;
+  low -= (1 - share) * lacking;
+}
+
+// The corners of the box of the whole object that these returns are part of.
+void add_whole(const Track& track, double ground, const Eigen::Vector2d& sensor, Body& body) {
+  const Eigen::Vector2d along = body.heading, across(-along.y(), along.x());
+  Eigen::Array2d low = Eigen::Array2d::Constant(1e9), high = -low;
+  for (const Eigen::Vector3d& x : body.points) {
+    const Eigen::Array2d at(along.dot(x.head<2>()), across.dot(x.head<2>()));
+    low = low.min(at);
+    high = high.max(at);
+  }
+  lengthen(low.x(), high.x(), track.size_m.x(), along.dot(sensor));
+  lengthen(low.y(), high.y(), track.size_m.y(), across.dot(sensor));
+  for (const double a : {low.x(), high.x()})
+    for (const double b : {low.y(), high.y()}) {
+      const Eigen::Vector2d corner = a * along + b * across;
+      body.points.emplace_back(corner.x(), corner.y(), ground + track.height_m);
+      body.feet.emplace_back(corner.x(), corner.y(), ground);
+    }
+}
+
+// The returns of the scan nearest to a time, moved to it; each also put onto the ground, where wheels and feet are. Where rays
+// are too far apart to show a shape, with the whole box, and also for a while before and after they hit it at all.
+Body body_at(const Track& track, std::int64_t time_ns, const Eigen::Vector2d& sensor) {
   Body body;
   if (track.observations.empty()) return body;
-  const auto nearest = std::min_element(track.observations.begin(), track.observations.end(),
-                                        [&](const auto& a, const auto& b) { return apart(a) < apart(b); });
-  if (apart(*nearest) > kOutlineWindow) return body;
-  const Eigen::Vector2d velocity = track.velocity(static_cast<std::size_t>(nearest - track.observations.begin()));
-  if (velocity.norm() > 1) body.heading = velocity.normalized();
-  const Cluster& cluster = *nearest;
+  const std::size_t nearest = track.nearest(time_ns);
+  const Cluster& cluster = track.observations[nearest];
+  const double apart = std::abs(seconds_from(cluster.mean_time_ns, time_ns));
+  const Eigen::Vector2d velocity = track.velocity(nearest);
+  const bool drives = velocity.norm() > kDrives, shapeless = drives && median(cluster.rise) > kShape;
+  if (apart > (shapeless ? kGoesOn : kOutlineWindow)) return body;
+  if (drives) body.heading = velocity.normalized();
   for (std::size_t k = 0; k < cluster.points.size(); ++k) {
     Eigen::Vector3d x = cluster.points[k];
     x.head<2>() += velocity * seconds_from(cluster.time_ns[k], time_ns);
     body.points.push_back(x);
-    body.points.emplace_back(x.x(), x.y(), cluster.ground[k]);
-    for (const double dx : {-footprint_m, footprint_m})
-      for (const double dy : {-footprint_m, footprint_m})
-        body.footprint.emplace_back(x.x() + dx, x.y() + dy, cluster.ground[k]);
+    body.feet.emplace_back(x.x(), x.y(), cluster.ground[k]);
     // It may go on up to the next ray, but no higher than it usually is; glass below a roof returns little.
     const double top = cluster.ground[k] + track.height_m;
     const double above = x.z() > top - kRoof ? top : std::min(x.z() + cluster.rise[k], top);
     if (above > x.z()) body.points.emplace_back(x.x(), x.y(), above);
   }
+  if (shapeless) add_whole(track, median(cluster.ground), sensor, body);
+  body.points.insert(body.points.end(), body.feet.begin(), body.feet.end());
   return body;
 }
 
@@ -69,7 +99,7 @@ Box box_round(const Body& body) {
 
 std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Camera& camera, const SE3& world_from_lidar,
                              const SE3& camera_from_lidar, double footprint_m) {
-  const Body body = body_at(track, time_ns, footprint_m);
+  const Body body = body_at(track, time_ns, world_from_lidar.t.head<2>());
   if (body.points.empty()) return std::nullopt;
   const SE3 lidar_from_world = world_from_lidar.inverse(), camera_from_world = camera_from_lidar * lidar_from_world;
   std::vector<Eigen::Vector3d> in_camera, on_ground;
@@ -78,7 +108,10 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
     in_camera.push_back(camera_from_world * x);
     if (in_camera.back().z() >= kNearPlane) nearest = std::min(nearest, in_camera.back().z());
   }
-  for (const Eigen::Vector3d& x : body.footprint) on_ground.push_back(camera_from_world * x);
+  for (const Eigen::Vector3d& x : body.feet)
+    for (const double dx : {-footprint_m, footprint_m})
+      for (const double dy : {-footprint_m, footprint_m})
+        on_ground.push_back(camera_from_world * (x + Eigen::Vector3d(dx, dy, 0)));
   cv::Mat1b mask(camera.height, camera.width, uchar{0});
   const bool shows = draw_hull(in_camera, camera, mask);
   if (!draw_hull(on_ground, camera, mask) && !shows) return std::nullopt;

@@ -23,8 +23,8 @@ constexpr double kRim = 0.25;   // of an outline's shorter side, each way: how f
 constexpr int kLeastRim = 4;    // half pixels
 constexpr int kLeastPart = 20;  // half pixels: smaller ones are noise
 constexpr int kLeastJudged = 10 * kLeastPart;  // half pixels of an outline that the images may refute
-constexpr double kMostUntold = 0.25;           // of these, that others did not see
-constexpr double kMostDiffering = 0.05;        // of these, that may differ by chance: moving leaves, edges
+constexpr double kLeastTold = 0.75;            // of these, that others saw
+constexpr double kLeastShown = 0.8;            // of these, that the view shows as they do: edges and leaves move
 constexpr double kNotch = 0.125;  // of the shorter side: objects have no deeper ones, but look like their background by chance
 constexpr std::size_t kColours = 64;  // of an object that are compared with its background
 constexpr double kTelling = 0.75;     // of these, that the background must exclude
@@ -39,6 +39,7 @@ struct Evidence {
   cv::Mat1b differs;  // from what others show there
   cv::Mat1b untold;   // others did not see it, or the object would look alike
   cv::Mat1b ground;
+  cv::Mat1b shown;  // as others show it
 };
 
 // As grown(), but at the same cost for any radius.
@@ -89,13 +90,16 @@ class Silhouettes {
     const std::vector<Place> places = places_of(target, band, 1);
     const auto seen = others_.colours(target, kTimes, places, places_of(target, cv::Mat1b(half->mask == 0), kLightGrid));
     const Usual usual(places, seen, band.size(), kDisplaced);
-    Evidence out{cv::Mat1b(band.size(), uchar{0}), cv::Mat1b(band.size(), uchar{0}), cv::Mat1b(band.size(), uchar{0})};
+    Evidence out;
+    for (cv::Mat1b* mask : {&out.differs, &out.untold, &out.ground, &out.shown}) *mask = cv::Mat1b(band.size(), uchar{0});
     for (const Place& place : places) out.ground(place.at) = place.on_ground ? 255 : 0;
     for (std::size_t i = 0; i < places.size(); ++i)
       if (seen[i].size() < kFewestViews)
         out.untold(places[i].at) = 255;
       else if (usual.excludes(places[i].at, half->image(places[i].at)))
         out.differs(places[i].at) = 255;
+      else if (usual.shows(places[i].at, half->image(places[i].at)))
+        out.shown(places[i].at) = 255;
     cv::medianBlur(out.differs, out.differs, 3);
     for (const cv::Rect& part : part_boxes(outline)) tell(part, outline, half->image, usual, out);
     return out;
@@ -158,12 +162,12 @@ class Silhouettes {
     return out;
   }
 
-  // Whether others saw what an outline should hide, and it looks the same: errors of a LiDAR move along with it, but show in no
-  // image. In small outlines there may be too little to differ.
+  // Whether others saw what an outline should hide, and the view shows the same: errors of a LiDAR move along with it, but show
+  // in no image. In small outlines there is too little to tell.
   static bool refuted(const cv::Mat1b& outline, const Evidence& evidence) {
-    const int pixels = cv::countNonZero(outline), untold = cv::countNonZero(outline & evidence.untold),
-              differing = cv::countNonZero(outline & evidence.differs);
-    return pixels >= kLeastJudged && untold < kMostUntold * pixels && differing < kMostDiffering * pixels;
+    const int pixels = cv::countNonZero(outline), told = cv::countNonZero(outline & ~evidence.untold);
+    return pixels >= kLeastJudged && told > kLeastTold * pixels &&
+           cv::countNonZero(outline & evidence.shown) > kLeastShown * told;
   }
 
   // The parts of a mask that overlap another one and are no specks.

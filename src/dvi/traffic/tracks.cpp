@@ -50,6 +50,13 @@ Track::State Track::state(std::size_t observation) const {
   return {(x - t * velocity) / n, velocity};
 }
 
+std::size_t Track::nearest(std::int64_t time_ns) const {
+  const auto apart = [&](const Cluster& o) { return std::abs(o.mean_time_ns - time_ns); };
+  const auto found = std::min_element(observations.begin(), observations.end(),
+                                      [&](const Cluster& a, const Cluster& b) { return apart(a) < apart(b); });
+  return static_cast<std::size_t>(found - observations.begin());
+}
+
 bool moves(const Track& track) {
   const auto& seen = track.observations;
   if (seen.size() < kFewestObservations) return false;

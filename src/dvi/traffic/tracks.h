@@ -11,6 +11,7 @@ namespace dvi::traffic {
 struct Track {
   std::vector<Cluster> observations;  ///< one a scan, in order of time
   double height_m = 0;                ///< above the ground: the median over its scans
+  Eigen::Vector2d size_m{0, 0};       ///< along and across its way, as its scans show it at best; 0: unknown
 
   /// Where it is and how fast, metres a second, at an observation: a line through those within half a second.
   struct State {
@@ -18,7 +19,11 @@ struct Track {
   };
   State state(std::size_t observation) const;
   Eigen::Vector2d velocity(std::size_t observation) const { return state(observation).velocity; }
+  /// The observation nearest to a time; there is one at least.
+  std::size_t nearest(std::int64_t time_ns) const;
 };
+
+inline constexpr double kGoesOn = 1;  ///< seconds for which a motion goes on unseen
 
 /// Whether what was tracked is an object that moves of itself: it gets somewhere, straight enough, and what it leaves is
 /// free. Glass, edges and leaves that rays pass now and then do none of this.
