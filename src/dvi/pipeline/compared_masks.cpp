@@ -1,6 +1,5 @@
 #include "dvi/pipeline/compared_masks.h"
 
-#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -39,13 +38,17 @@ struct PosedFrames {
 
 }  // namespace
 
+std::shared_ptr<const traffic::Ground> ground_of(const Drive& drive, const Trajectory& world_from_lidar) {
+  if (world_from_lidar.empty() || drive.scan_headers.empty()) return nullptr;
+  return std::make_shared<const traffic::Ground>(drive, world_from_lidar);
+}
+
 Lazy<cv::Mat1b> compared(const Drive& drive, const Trajectory& world_from_lidar, const Lazy<cv::Mat1b>& masks,
-                         const Compared& what, Progress& progress) {
-  if (world_from_lidar.empty() || drive.scan_headers.empty()) {
+                         const Compared& what, const std::shared_ptr<const traffic::Ground>& ground, Progress& progress) {
+  if (!ground) {
     progress.note(drive.path.filename().string() + ": without poses and scans, shadows beside the masks are not looked for");
     return masks;
   }
-  const auto ground = std::make_shared<const traffic::Ground>(drive, world_from_lidar);
   Lazy<cv::Mat1b> out = masks;
   if (what.found != nullptr) {
     const PosedFrames posed(drive, world_from_lidar, out);

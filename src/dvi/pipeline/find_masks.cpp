@@ -116,6 +116,7 @@ Objects find_objects(const Recordings& drives, const Poses& poses, const Job& jo
 
 Masks find_masks(const Recordings& drives, const Poses& poses, const Objects& objects, const Job& job, Progress& progress) {
   Masks masks;
+  std::map<std::size_t, std::shared_ptr<const traffic::Ground>> grounds;  // by drive: its cameras share them
   for (std::size_t i = 0; i < drives.size(); ++i) {
     const Trajectory& world_from_lidar = poses[i].world_from_lidar;
     if (drives[i].masks_from == masks::MaskSource::carried) {
@@ -125,8 +126,12 @@ Masks find_masks(const Recordings& drives, const Poses& poses, const Objects& ob
     }
     Lazy<cv::Mat1b> images = masks_of(drives[i], objects[i], job);
     const bool found = drives[i].masks_from == masks::MaskSource::found, shadows = job.options.masks.shadows;
-    if (drives[i].masks_from && (found || shadows))
-      images = compared(drives[i].drive, world_from_lidar, images, {found ? &objects[i] : nullptr, shadows}, progress);
+    if (drives[i].masks_from && (found || shadows)) {
+      const auto [ground, first] = grounds.try_emplace(drives[i].rig_of.value_or(i));
+      if (first) ground->second = ground_of(drives[i].drive, world_from_lidar);
+      const Compared what{found ? &objects[i] : nullptr, shadows};
+      images = compared(drives[i].drive, world_from_lidar, images, what, ground->second, progress);
+    }
     masks.push_back({images, objects[i]});
   }
   return masks;
