@@ -102,7 +102,7 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
   const Body body = body_at(track, time_ns, world_from_lidar.t.head<2>());
   if (body.points.empty()) return std::nullopt;
   const SE3 lidar_from_world = world_from_lidar.inverse(), camera_from_world = camera_from_lidar * lidar_from_world;
-  std::vector<Eigen::Vector3d> in_camera, on_ground;
+  std::vector<Eigen::Vector3d> in_camera;
   double nearest = 1e9;
   for (const Eigen::Vector3d& x : body.points) {
     in_camera.push_back(camera_from_world * x);
@@ -111,10 +111,9 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
   for (const Eigen::Vector3d& x : body.feet)
     for (const double dx : {-footprint_m, footprint_m})
       for (const double dy : {-footprint_m, footprint_m})
-        on_ground.push_back(camera_from_world * (x + Eigen::Vector3d(dx, dy, 0)));
+        in_camera.push_back(camera_from_world * (x + Eigen::Vector3d(dx, dy, 0)));
   cv::Mat1b mask(camera.height, camera.width, uchar{0});
-  const bool shows = draw_hull(in_camera, camera, mask);
-  if (!draw_hull(on_ground, camera, mask) && !shows) return std::nullopt;
+  if (!draw_hull(in_camera, camera, mask)) return std::nullopt;
   if (cv::countNonZero(mask) == 0) return std::nullopt;
   mask = grown(mask, std::max(kBlur, cvRound(kMargin * camera.fx / std::max(kAlongside, nearest))));
   Box box = box_round(body);
