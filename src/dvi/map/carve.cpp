@@ -30,6 +30,16 @@ std::set<std::pair<int, int>> within_reach(const std::vector<FreeSpace>& spaces)
   return near;
 }
 
+// What one drive says of a voxel, and on to the next drive.
+void conclude(MapVoxel& voxel, std::size_t drive) {
+  const std::uint32_t bit = MapPoint::drive_bit(drive);
+  if (voxel.passes > kShare * static_cast<double>(voxel.hits))
+    voxel.absent |= bit;
+  else if (voxel.hits > 0)
+    voxel.stood |= bit;
+  voxel.hits = voxel.passes = 0;
+}
+
 void judge(MapVoxels& voxels, Tile& tile, const std::vector<FreeSpace>& spaces) {
   const double radius = 0.5 * voxels.edge();
   for (std::size_t i = 0; i < tile.voxels.size(); ++i) {
@@ -47,7 +57,8 @@ void judge(MapVoxels& voxels, Tile& tile, const std::vector<FreeSpace>& spaces) 
 }  // namespace
 
 void count_hits_and_passes(MapVoxels& voxels, const std::vector<MapInput>& inputs, double pose_error_m, const Tick& tick) {
-  for (const MapInput& input : inputs) {
+  for (std::size_t drive = 0; drive < inputs.size(); ++drive) {
+    const MapInput& input = inputs[drive];
     const std::vector<ScanHeader>& scan_headers = input.drive->scan_headers;
     for_blocks(scan_headers.size(), [&](std::size_t first, std::size_t last) {
       std::vector<FreeSpace> spaces(last - first);
@@ -61,9 +72,12 @@ void count_hits_and_passes(MapVoxels& voxels, const std::vector<MapInput>& input
       voxels.page_out();
       for (std::size_t i = first; i < last; ++i) tick();
     });
+    for (auto& [column, tile] : voxels.tiles())
+      for (MapVoxel& voxel : tile.voxels) conclude(voxel, drive);
+    voxels.page_out();
   }
 }
 
-bool has_moved(const MapVoxel& voxel) { return voxel.passes > kShare * static_cast<double>(voxel.hits); }
+bool has_moved(const MapVoxel& voxel) { return voxel.absent != 0 && voxel.stood == 0; }
 
 }  // namespace dvi::map

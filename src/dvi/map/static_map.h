@@ -18,6 +18,12 @@ struct MapPoint {
   std::uint32_t count = 0;                           ///< returns in it
   std::uint32_t first = 0, last = 0;                 ///< the scans that saw it first and last, in StaticMap::scans
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, towards the sensor that saw it first; zero: none found
+  std::uint32_t absent = 0;                          ///< bits by drive_bit(): rays of these drives passed where it is
+
+  /// Whether it stood there on the day of that drive, as far as is known.
+  bool stood_on(std::size_t drive) const { return (absent & drive_bit(drive)) == 0; }
+  /// Drives beyond the 31st share a bit.
+  static constexpr std::uint32_t drive_bit(std::size_t drive) { return 1U << (drive < 31 ? drive : 31); }
 };
 
 /// A scan that the map is made of.
@@ -28,7 +34,7 @@ struct MapScan {
 };
 
 /// Why a return is not in the map although it was in range: it projects into a mask, lies in a labelled 3D box, or rays of
-/// other scans passed through it.
+/// other scans of its drive passed through it.
 enum class Cause : std::uint8_t { masked = 1, boxed = 2, moved = 3 };
 
 /// What was removed, thinned as the map is.

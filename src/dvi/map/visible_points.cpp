@@ -66,6 +66,7 @@ Nearest project(const StaticMap& map, const View& view) {
   for (const StaticMap::Tile& tile : map.tiles) {
     if (beyond(tile.bounds, eye, view.camera) || outside(tile.bounds, view)) continue;
     for (std::size_t i = tile.first; i < tile.last; ++i) {
+      if (!map.points[i].stood_on(static_cast<std::size_t>(view.drive))) continue;
       const Eigen::Vector3f& world = map.points[i].position;
       const Eigen::Vector3d p = view.camera_from_world * world.cast<double>();
       if (p.z() < kNearPlane || p.z() > far || !view.camera.in_front(p)) continue;

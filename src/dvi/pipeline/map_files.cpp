@@ -60,7 +60,9 @@ Colours colours(const map::StaticMap& map, const Views& views) {
 
 void write_map(const fs::path& path, const map::StaticMap& map, const Colours& colour, const std::string& comment) {
   ScratchVector<Eigen::Vector3f> points(map.scratch());
+  Colours colour_of_points(map.scratch());
   points.reserve(map.points.size());
+  colour_of_points.reserve(map.points.size());
   std::array<ScratchVector<float>, 7> scalars;
   scalars.fill(ScratchVector<float>(map.scratch()));
   for (ScratchVector<float>& of_points : scalars) of_points.reserve(map.points.size());
@@ -68,13 +70,16 @@ void write_map(const fs::path& path, const map::StaticMap& map, const Colours& c
   const auto seconds = [&](std::uint32_t scan) {
     return 1e-9F * static_cast<float>(map.scans[scan].time_ns - map.scans.front().time_ns);
   };
-  for (const map::MapPoint& p : map.points) {
+  for (std::size_t i = 0; i < map.points.size(); ++i) {
+    const map::MapPoint& p = map.points[i];
+    if (!p.stood_on(0)) continue;
     points.push_back(p.position);
+    colour_of_points.push_back(colour[i]);
     const std::array<float, 7> values{p.normal.x(),     p.normal.y(),   p.normal.z(), p.intensity, static_cast<float>(p.count),
                                       seconds(p.first), seconds(p.last)};
     for (std::size_t k = 0; k < values.size(); ++k) scalars[k].push_back(values[k]);
   }
-  io::PlyCloud cloud{points, colour, {}, comment};
+  io::PlyCloud cloud{points, colour_of_points, {}, comment};
   for (std::size_t k = 0; k < names.size(); ++k) cloud.scalars.push_back({names[k], scalars[k]});
   io::write_ply(path, cloud);
 }

@@ -82,7 +82,7 @@ constexpr auto fields_of(Of<Label>) {
 constexpr auto fields_of(Of<map::MapPoint>) {
   using map::MapPoint;
   return std::tuple{&MapPoint::position, &MapPoint::intensity, &MapPoint::count,
-                    &MapPoint::first,    &MapPoint::last,      &MapPoint::normal};
+                    &MapPoint::first,    &MapPoint::last,      &MapPoint::normal, &MapPoint::absent};
 }
 constexpr auto fields_of(Of<map::StaticMap::Tile>) {
   using map::StaticMap;
