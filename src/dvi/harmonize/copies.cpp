@@ -47,6 +47,7 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const de
     if (candidates.leading[i].found()) of_view[candidates.leading[i].view].push_back(i);
   const cv::Rect frame({}, hole.index.size());
   for (const auto& [view, pixels] : of_view) {
+    out.of_other_days |= views[view].drive != views[target].drive;
     const Source source{Warp(views[target], views[view]), views.images[view], views.masks[view],
                         gain_to(views[target], views[view])};
     for (const std::size_t i : pixels) {

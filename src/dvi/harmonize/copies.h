@@ -16,6 +16,7 @@ struct Copies {
   /// Sum over the pixel's neighbours led by another source of (its colour - the neighbour's), the mean of what both
   /// sources show of the two.
   std::vector<cv::Vec3f> seam;
+  bool of_other_days = false;  ///< some were copied from another drive
 };
 
 /// Reads one source image at a time.

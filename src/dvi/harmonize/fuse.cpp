@@ -14,6 +14,9 @@ constexpr float kNoise = 2.5F;                    // grey levels of a camera's p
 constexpr float kDiffer = 3 * 1.41421F * kNoise;  // two pixels of the same thing differ by no more
 constexpr float kSaturated = 250;
 constexpr float kSaturatedTrust = 0.01F;
+// Brighter than anything that the target's camera can show, beyond noise: the surface is not lit on both days as those are that
+// the gains were found from.
+constexpr float kBrightest = 255 + kDiffer;
 
 float most_different(const cv::Vec3f& a, const cv::Vec3f& b) {
   return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
@@ -76,12 +79,15 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
     const auto image = views.images[view];
     const auto mask = views.masks[view];
     const cv::Vec3f gain = gain_to(views[target], views[view]);
+    const bool other_day = views[view].drive != views[target].drive;
     for (const std::size_t slot : slots) {
       const sample::Candidate& from = candidate(slot);
       if (can_sample(*mask, from.position, from.footprint)) footprints[slot] = from.footprint;
       const cv::Vec3f colour = box_mean(*image, from.position, footprints[slot]);
       const bool saturated = std::max({colour[0], colour[1], colour[2]}) >= kSaturated;
-      shown[slot] = {colour.mul(gain), from.trust * (saturated ? kSaturatedTrust : 1)};
+      const cv::Vec3f lit = colour.mul(gain);
+      if (other_day && std::max({lit[0], lit[1], lit[2]}) > kBrightest) continue;
+      shown[slot] = {lit, from.trust * (saturated ? kSaturatedTrust : 1)};
     }
   }
   Fused out{{candidates.hole, std::vector<sample::Candidate>(pixels)},
@@ -89,8 +95,9 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
             std::vector<std::uint8_t>(pixels),
             std::vector<float>(pixels)};
   for (std::size_t i = 0; i < pixels; ++i) {
-    if (!candidates.leading[i].found()) continue;
-    const Agreement agreed = agreement({&shown[i * ranks], ranks});
+    const std::span<const Shown> of_pixel{&shown[i * ranks], ranks};
+    if (std::none_of(of_pixel.begin(), of_pixel.end(), [](const Shown& s) { return s.trust > 0; })) continue;
+    const Agreement agreed = agreement(of_pixel);
     const std::size_t slot = i * ranks + agreed.leading;
     out.candidates.leading[i] = candidate(slot);
     out.candidates.leading[i].footprint = footprints[slot];

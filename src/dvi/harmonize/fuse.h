@@ -37,7 +37,7 @@ struct Fused {
 };
 
 /// Reads one source image at a time. Where a box meets the source's mask the pixel itself is taken; saturated colours count
-/// only where there are no others.
+/// only where there are no others. What another drive shows too bright for the target's light is not used at all.
 Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t target);
 
 }  // namespace dvi::harmonize

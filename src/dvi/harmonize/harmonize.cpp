@@ -96,7 +96,9 @@ class Equation {
 
   PoissonSystem system(const cv::Mat1i& labels, const std::vector<Part>& parts) const {
     // A part that nothing bounds is held near its copies, too weakly to be seen in its gradients.
-    constexpr float kAnchor = 1e-4F;
+    // Two days differ along the rim of the hole in more than light: shadows, parked cars, the sky. Such a difference fades over
+    // 10 px, 1 / sqrt(kHold); beyond, the gains are right to a few grey levels.
+    constexpr float kAnchor = 1e-4F, kHold = 1e-2F;
     PoissonSystem out{Region(where(roles_, Role::solved)), {}, {}, guidance_.vertical};
     out.diagonal.reserve(out.region.size());
     out.right.reserve(out.region.size());
@@ -112,9 +114,10 @@ class Equation {
         diagonal += weight;
         right += weight * pull(i, q);
       }
-      if (!parts[labels(p)].bounded && copied) {
-        diagonal += kAnchor;
-        right += kAnchor * copies_.colour[i];
+      const float held = copies_.of_other_days ? kHold : parts[labels(p)].bounded ? 0 : kAnchor;
+      if (held > 0 && copied) {
+        diagonal += held;
+        right += held * copies_.colour[i];
       }
       out.diagonal.push_back(diagonal);
       out.right.push_back(right);

@@ -38,6 +38,7 @@ class Source {
          const SampleOptions& options)
       : number_(source),
         view_(views[source]),
+        other_day_(view_.drive != views[target].drive),
         source_from_target_(view_.camera_from_world * views[target].camera_from_world.inverse()),
         seconds_(seconds_between(view_, views[target])),
         visibility_(visibility),
@@ -45,6 +46,7 @@ class Source {
 
   /// None unless it is trusted more than `than`.
   std::optional<Candidate> show(const SurfacePixel& pixel, float than) {
+    if (other_day_ && pixel.at.z() >= depth::DepthMap::kInfinity) return std::nullopt;  // no sky stays
     const std::optional<Place> place = locate(pixel, view_.camera, source_from_target_);
     if (!place) return std::nullopt;
     const cv::Point2f at = quantised(place->position.x(), place->position.y());
@@ -75,6 +77,7 @@ class Source {
 
   std::size_t number_;
   const View& view_;
+  bool other_day_;
   SE3 source_from_target_;
   double seconds_;
   const Lazy<depth::VisibilityMap>& visibility_;
