@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,6 +16,7 @@
 #include "dvi/align/pair_store.h"
 #include "dvi/align/sight.h"
 #include "dvi/core/threads.h"
+#include "dvi/drive/near_views.h"
 
 namespace dvi::align {
 namespace {
@@ -29,24 +32,55 @@ constexpr double kMisplacedPx = 0.6;
 // those of handheld cameras, about a centimetre, like less than the expected 0.2 degrees only over 3 m.
 constexpr double kHardlyMoves = 0.5, kHandHardlyMoves = 3;
 
+constexpr double kRadian = 10;  // metres that count as much as a radian between the directions in which views look
+
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 using Poses = std::vector<SE3>;  // camera_from_world, of a sequence's views
 
+// The views of earlier sequences that a view is held to: those that look from nearest to where it does.
+std::vector<std::size_t> anchors_of(const SequenceViews& sequence, std::size_t view) {
+  return nearest_views(sequence.views, view, {0, sequence.first}, kAnchors, kRadian);
+}
+
+std::vector<std::size_t> members(const SequenceViews& sequence) {
+  std::set<std::size_t> anchors;
+  for (std::size_t i = sequence.first; i < sequence.last; ++i)
+    for (const std::size_t anchor : anchors_of(sequence, i)) anchors.insert(anchor);
+  std::vector<std::size_t> out(sequence.last - sequence.first);
+  std::iota(out.begin(), out.end(), sequence.first);
+  out.insert(out.end(), anchors.begin(), anchors.end());
+  return out;
+}
+
+Partners partners(const SequenceViews& sequence, const std::vector<std::size_t>& members) {
+  Partners out{sequence.last - sequence.first};
+  const auto anchors = members.begin() + static_cast<std::ptrdiff_t>(out.count);
+  if (anchors == members.end()) return out;
+  for (std::size_t i = sequence.first; i < sequence.last; ++i) {
+    out.anchors.emplace_back();
+    for (const std::size_t anchor : anchors_of(sequence, i))
+      out.anchors.back().push_back(static_cast<std::size_t>(std::lower_bound(anchors, members.end(), anchor) - members.begin()));
+  }
+  return out;
+}
+
 class Chain {
  public:
-  Chain(const SequenceViews& sequence, const AlignOptions& options)
+  // Of the sequences before it, `aligned` has the poses.
+  Chain(const SequenceViews& sequence, const Cameras& aligned, const AlignOptions& options)
       : views_(sequence.views),
         map_(sequence.map),
-        first_(sequence.first),
+        members_(members(sequence)),
         count_(sequence.last - sequence.first),
         options_(options),
-        pairs_(sequence.map.map, count_) {
-    const Camera& camera = views_[first_].camera;
+        pairs_(sequence.map.map, partners(sequence, members_)) {
+    for (std::size_t i = count_; i < members_.size(); ++i) anchors_.push_back(aligned.camera_from_world[members_[i]]);
+    const Camera& camera = view(0).camera;
     const double caught = kLeastCaught * std::max(radians(*options.rotation_deg), radians(options.mounting_deg)) * camera.fx;
     while (caught > 2 * std::exp2(coarsest_) && std::min(camera.width, camera.height) >> coarsest_ > 64) ++coarsest_;
-    images_ = {count_, [this](std::size_t i) {
-                 return band_pass(*views_.images[first_ + i], *views_.masks[first_ + i], static_cast<int>(coarsest_) + 1);
+    images_ = {members_.size(), [this](std::size_t i) {
+                 return band_pass(*views_.images[members_[i]], *views_.masks[members_[i]], static_cast<int>(coarsest_) + 1);
                }};
   }
 
@@ -61,6 +95,7 @@ class Chain {
   std::vector<Check> check(const std::vector<PairModel>& models, const std::vector<Poses>& candidates, const Tick& tick) const;
 
   std::size_t coarsest() const { return coarsest_; }
+  bool anchored() const { return members_.size() > count_; }
   Poses turned(const Corrections& c) const;
 
  private:
@@ -69,11 +104,14 @@ class Chain {
   void add_models(std::size_t first, std::size_t last, const Poses& poses, std::size_t coarsest, std::vector<PairModel>& all,
                   const Tick& tick) const;
   std::vector<map::VisiblePoint> textured(const Sight& sight, const View& view, const cv::Mat1f& texture) const;
-  PosedImage posed(std::size_t i, const Poses& poses) const { return {views_[first_ + i].camera, poses[i], images_[i]}; }
+  const View& view(std::size_t i) const { return views_[members_[i]]; }
+  PosedImage posed(std::size_t i, const Poses& poses) const { return {view(i).camera, poses[i], images_[i]}; }
 
   const Views& views_;
   const map::VisibleMap& map_;
-  std::size_t first_, count_, coarsest_ = 0;
+  std::vector<std::size_t> members_;  // of `views`: the sequence's, then its anchors
+  std::size_t count_, coarsest_ = 0;  // of the sequence
+  Poses anchors_;
   const AlignOptions& options_;
   Lazy<BandPass> images_;
   PairStore pairs_;  // by moving view
@@ -82,7 +120,8 @@ class Chain {
 Poses Chain::turned(const Corrections& c) const {
   Poses out;
   for (std::size_t i = 0; i < count_; ++i)
-    out.push_back(SE3{so3_exp(c.rotations[i]), {0, 0, 0}} * views_[first_ + i].camera_from_world);
+    out.push_back(SE3{so3_exp(c.rotations[i]), {0, 0, 0}} * view(i).camera_from_world);
+  out.insert(out.end(), anchors_.begin(), anchors_.end());
   return out;
 }
 
@@ -107,19 +146,19 @@ std::vector<map::VisiblePoint> Chain::textured(const Sight& sight, const View& v
 
 std::vector<SharedPoint> Chain::shared_points(std::size_t i, const Lazy<Sight>& sights) const {
   std::vector<SharedPoint> out;
-  for (const map::VisiblePoint& point : textured(*sights[i], views_[first_ + i], images_[i]->front()))
+  for (const map::VisiblePoint& point : textured(*sights[i], view(i), images_[i]->front()))
     out.push_back({.index = point.index, .seen_by = 0});
-  for (std::size_t k = 0; k < kPartners; ++k) {
-    const std::optional<std::size_t> partner = partner_of(i, k, count_);
+  for (std::size_t k = 0; k < kPartners + kAnchors; ++k) {
+    const std::optional<std::size_t> partner = pairs_.partners().of(i, k);
     if (!partner) continue;
-    const View& other = views_[first_ + *partner];
+    const View& other = view(*partner);
     const auto sight = sights[*partner];
     for (SharedPoint& point : out) {
       const Eigen::Vector3d p = other.camera_from_world * map_.map.points[point.index].position.cast<double>();
       if (!other.camera.in_front(p)) continue;
       const Eigen::Vector2d pixel = other.camera.project(p);
       if (other.camera.contains(pixel) && sight->shows(pixel, p.z()))
-        point.seen_by = static_cast<std::uint8_t>(point.seen_by | 1U << k);
+        point.seen_by = static_cast<std::uint16_t>(point.seen_by | 1U << k);
     }
   }
   return out;
@@ -147,8 +186,8 @@ void Chain::add_models(std::size_t first, std::size_t last, const Poses& poses, 
 
 // In one pass, while the images are at hand.
 std::vector<PairModel> Chain::find_pairs(const Tick& tick) {
-  const Lazy<Sight> sights(count_,
-                           [this](std::size_t i) { return Sight(*map_.points[first_ + i], *views_.masks[first_ + i]); });
+  const Lazy<Sight> sights(
+      members_.size(), [this](std::size_t i) { return Sight(*map_.points[members_[i]], *views_.masks[members_[i]]); });
   const Poses given = turned(Corrections(count_));
   std::vector<PairModel> all;
   for_blocks(count_, [&](std::size_t first, std::size_t last) {
@@ -256,7 +295,7 @@ std::vector<std::string> warnings(const SequenceViews& aligned, const Cameras& f
         fmt::format("colours stay misplaced by {:.1f} px in the median; check camera_from_lidar, the poses, and that camera "
                     "and LiDAR share one clock",
                     offset));
-  if (!views[first].registered_depth && !moves(aligned))
+  if (first == 0 && !views[first].registered_depth && !moves(aligned))
     out.emplace_back(
         "the camera hardly moves; a rotation common to all its frames cannot be estimated and is assumed to be none");
   return out;
@@ -267,9 +306,9 @@ std::vector<std::string> warnings(const SequenceViews& aligned, const Cameras& f
 void align_jointly(const SequenceViews& sequence, const AlignOptions& options, const Tick& tick, Cameras& out) {
   const Views& views = sequence.views;
   const std::size_t first = sequence.first, last = sequence.last;
-  Chain chain(sequence, options);
+  Chain chain(sequence, out, options);
   const Corrections given(last - first);
-  const auto expected = [&, common = !views[first].registered_depth && moves(sequence)](double part) {
+  const auto expected = [&, common = chain.anchored() || (!views[first].registered_depth && moves(sequence))](double part) {
     return expected_errors(options, views[first].camera, part, common);
   };
   const Corrections coarse = solve(chain.find_pairs(tick), given, expected(1));

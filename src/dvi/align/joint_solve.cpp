@@ -68,6 +68,9 @@ std::array<int, 6> places(const PairModel& model) {
   return {moving, moving + 1, moving + 2, fixed, fixed + 1, fixed + 2};
 }
 
+// An anchor has none.
+std::size_t unknowns(const PairModel& model, std::size_t views) { return model.fixed < views ? 6 : 3; }
+
 // What a pair misleads about: the rotation between its views, and one that both have in common. The error that explains a
 // gradient best, if its square costs `info`; the common part much less: it shows only in how surfaces come nearer from one view
 // to the other, and there their shape has a say.
@@ -82,15 +85,15 @@ Matrix6d error_by_gradient(const PairModel& model, double info) {
 }
 
 // The pair's cost when its error is whatever makes it least.
-void add_pair(Normal& normal, const PairModel& model, double info) {
+void add_pair(Normal& normal, const PairModel& model, std::size_t views, double info) {
   const Matrix6d rest = Matrix6d::Identity() + model.H * error_by_gradient(model, info);
   const Matrix6d H = rest * model.H;
   const Vector6d g = rest * model.g;
   const auto at = places(model);
-  for (std::size_t i = 0; i < at.size(); ++i) {
+  for (std::size_t i = 0; i < unknowns(model, views); ++i) {
     const int row = static_cast<int>(i);
     normal.add_right(at[i], -g[row]);
-    for (std::size_t j = 0; j < at.size(); ++j) normal.add(at[i], at[j], H(row, static_cast<int>(j)));
+    for (std::size_t j = 0; j < unknowns(model, views); ++j) normal.add(at[i], at[j], H(row, static_cast<int>(j)));
   }
 }
 
@@ -104,12 +107,12 @@ Corrections solve(const std::vector<PairModel>& models, const Corrections& now, 
   for (int round = 0; round < kRounds; ++round) {
     Normal normal(now.rotations.size());
     add_priors(normal, now, expected);
-    for (std::size_t i = 0; i < models.size(); ++i) add_pair(normal, models[i], trust[i] * info);
+    for (std::size_t i = 0; i < models.size(); ++i) add_pair(normal, models[i], now.rotations.size(), trust[i] * info);
     change = expected.common ? normal.solve() : normal.solve_without_common(sum);
     for (std::size_t i = 0; i < models.size(); ++i) {
-      Vector6d own;
+      Vector6d own = Vector6d::Zero();
       const auto at = places(models[i]);
-      for (std::size_t k = 0; k < at.size(); ++k) own[static_cast<int>(k)] = change[at[k]];
+      for (std::size_t k = 0; k < unknowns(models[i], now.rotations.size()); ++k) own[static_cast<int>(k)] = change[at[k]];
       const Vector6d error = error_by_gradient(models[i], trust[i] * info) * (models[i].g + models[i].H * own);
       trust[i] = 1 / (1 + (error.head<3>() - error.tail<3>()).squaredNorm() * info / 4);  // Cauchy, at twice the expected size
     }

@@ -12,7 +12,11 @@ constexpr std::array<std::size_t, kPartners / 2> kApart{1, 2, 4, 8};
 
 }  // namespace
 
-std::optional<std::size_t> partner_of(std::size_t view, std::size_t k, std::size_t count) {
+std::optional<std::size_t> Partners::of(std::size_t view, std::size_t k) const {
+  if (k >= kPartners) {
+    if (view >= anchors.size() || k - kPartners >= anchors[view].size()) return std::nullopt;
+    return anchors[view][k - kPartners];
+  }
   const std::size_t apart = kApart.at(k / 2);
   if (k % 2 == 0) return view < apart ? std::nullopt : std::optional(view - apart);
   return view + apart < count ? std::optional(view + apart) : std::nullopt;
@@ -38,8 +42,8 @@ std::vector<Pair> PairStore::of(std::size_t view) const {
   }
   const auto shared = std::make_shared<const std::vector<SurfacePoint>>(std::move(surface));
   std::vector<Pair> out;
-  for (std::size_t k = 0; k < kPartners; ++k) {
-    const std::optional<std::size_t> partner = partner_of(view, k, count_);
+  for (std::size_t k = 0; k < kPartners + kAnchors; ++k) {
+    const std::optional<std::size_t> partner = partners_.of(view, k);
     if (!partner) continue;
     Pair pair{view, *partner, shared, {}};
     for (std::size_t i = first; i < last; ++i)

@@ -6,15 +6,17 @@ namespace dvi::align {
 namespace {
 
 TEST(PairStore, PartnersAreNearAndFarFramesOnBothSides) {
-  const auto partners = [](std::size_t view, std::size_t count) {
+  const auto partners = [](std::size_t view, std::size_t count, std::vector<std::vector<std::size_t>> anchors = {}) {
+    const Partners all{count, std::move(anchors)};
     std::vector<std::size_t> out;
-    for (std::size_t k = 0; k < kPartners; ++k)
-      if (const auto partner = partner_of(view, k, count)) out.push_back(*partner);
+    for (std::size_t k = 0; k < kPartners + kAnchors; ++k)
+      if (const auto partner = all.of(view, k)) out.push_back(*partner);
     return out;
   };
   EXPECT_EQ(partners(10, 100), (std::vector<std::size_t>{9, 11, 8, 12, 6, 14, 2, 18}));
   EXPECT_EQ(partners(0, 6), (std::vector<std::size_t>{1, 2, 4}));
   EXPECT_EQ(partners(0, 1), std::vector<std::size_t>{});
+  EXPECT_EQ(partners(1, 2, {{2}, {3, 2}}), (std::vector<std::size_t>{0, 3, 2}));
 }
 
 // Of 100 points every second, third and fifth is seen by a partner; fewer than kFewestPoints make no pair.
@@ -25,12 +27,12 @@ TEST(PairStore, GivesBackWhatWasAdded) {
     map.points.back().position = {static_cast<float>(i), 0, 0};
     map.points.back().normal = {0, 0, static_cast<float>(-i)};
   }
-  PairStore store(map, 20);
+  PairStore store(map, {.count = 20});
   for (std::size_t view = 0; view < 20; ++view) {
     std::vector<SharedPoint> points;
     for (std::size_t i = 0; i < 100; ++i) {
       const int seen = (i % 2 == 0 ? 1 : 8) + (i % 5 == 0 ? 2 : 0);
-      points.push_back({.index = i + view, .seen_by = static_cast<std::uint8_t>(seen)});
+      points.push_back({.index = i + view, .seen_by = static_cast<std::uint16_t>(seen)});
     }
     store.add(points);
   }
