@@ -1,5 +1,7 @@
 #include "dvi/align/align.h"
 
+#include <type_traits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -101,6 +103,30 @@ TEST(Align, ACameraOfRegisteredDepthIsNotTurnedAsAWhole) {
   EXPECT_LT(found.sequences.at(0).mounting.norm(), 1e-9);
   for (View& view : drive.views.views) view.registered_depth = false;
   EXPECT_GT(align(drive.views, {drive.map, drive.views}, {}).sequences.at(0).mounting.norm(), 1e-3);
+}
+
+// Rows before and behind: of one drive with exact poses, then of another whose camera is turned.
+TEST(Align, AnotherDriveIsTurnedOntoTheFirst) {
+  const ShakyDrive first(8, kExact);
+  ShakyDrive second(8, {.jitter_deg = 0.1, .mounting = {0.002, -0.0015, 0}});
+  Views both = first.views;
+  for (View view : second.views.views) {
+    view.sequence = view.drive = 1;
+    both.views.push_back(view);
+  }
+  const auto joined = [](const auto& a, const auto& b) {
+    using Item = std::decay_t<decltype(*a[0])>;
+    return Lazy<Item>(16, 16, [a, b](std::size_t i) { return i < 8 ? *a[i] : *b[i - 8]; });
+  };
+  both.images = joined(first.views.images, second.views.images);
+  both.masks = joined(first.views.masks, second.views.masks);
+  const Cameras found = align(both, {first.map, both}, {});
+  ASSERT_EQ(found.sequences.size(), 2);
+  EXPECT_TRUE(found.sequences[1].kept);
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_LT(found.views[i].rotation.norm(), 4e-5) << "the first drive is aligned by itself";
+    EXPECT_LT((found.views[8 + i].rotation - second.errors[i]).head<2>().norm(), 3e-4) << i;
+  }
 }
 
 TEST(Align, ExpectsMoreOfAHandThanOfACar) {

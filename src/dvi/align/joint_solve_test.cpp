@@ -52,6 +52,16 @@ double worst_step(const Corrections& found, const std::vector<Eigen::Vector3d>& 
   return worst;
 }
 
+TEST(JointSolve, AnchorsFixWhatAllViewsHaveInCommon) {
+  auto truth = random_rotations(6, 2);
+  for (Eigen::Vector3d& rotation : truth) rotation += Eigen::Vector3d(kMounting, -kMounting, 0);
+  std::vector<PairModel> models = chain(truth);
+  for (std::size_t i = 0; i < 6; ++i) models.push_back(exact_pair(i, 6 + i % 2, truth[i], Eigen::Vector3d::Zero()));
+  const Corrections found = solve(models, Corrections(6), {kRotation, kMounting, kPair});
+  ASSERT_EQ(found.rotations.size(), 6);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_LT((found.rotations[i] - truth[i]).norm(), 0.1 * kRotation) << i;
+}
+
 TEST(JointSolve, RecoversTheRotationsOfAllViews) {
   const auto truth = random_rotations(12, 1);
   const Corrections found = solve(chain(truth), Corrections(12), {kRotation, kMounting, kPair});

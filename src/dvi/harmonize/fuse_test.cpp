@@ -106,6 +106,22 @@ TEST(Fuse, SourcesComeInTheLightOfTheTarget) {
   EXPECT_NEAR(out.colour[0][2], 100, 1e-3);
 }
 
+TEST(Fuse, WhatAnotherDayShowsTooBrightIsNotUsed) {
+  const cv::Mat3b truth(60, 80, cv::Vec3b::all(200)), dark(60, 80, cv::Vec3b::all(100));
+  Still still({truth, dark}, truth);
+  still.scene.views[1].gain = {1.5, 1.5, 1.5};
+  still.scene.views[2].gain = {2, 2, 2};
+  EXPECT_EQ(still.run().colour[0], cv::Vec3f(300, 300, 300)) << "on one day, the blending brings it down";
+  still.scene.views[1].sequence = still.scene.views[1].drive = 1;
+  const Fused out = still.run();
+  EXPECT_EQ(out.candidates.leading[0].view, 2);
+  EXPECT_EQ(out.colour[0], cv::Vec3f(200, 200, 200));
+  Still alone({truth}, truth);
+  alone.scene.views[1].gain = {1.5, 1.5, 1.5};
+  alone.scene.views[1].sequence = alone.scene.views[1].drive = 1;
+  EXPECT_FALSE(alone.run().candidates.leading[0].found());
+}
+
 TEST(Fuse, FootprintsKeepOffTheMask) {
   const cv::Mat3b truth = waves(80, 60, 1);
   Still still({truth}, truth);

@@ -66,6 +66,18 @@ struct Case {
   }
 };
 
+TEST(Harmonize, ADifferenceAtTheRimReachesNotFarIntoCopiesOfAnotherDay) {
+  Case c(cv::Mat3b(kHeight, kWidth, cv::Vec3b::all(100)), rectangle({5, 5, 70, 50}));
+  c.scene.add_source(0, c.truth, 1);
+  c.seen(1, 0);
+  c.scene.images[0].setTo(cv::Scalar::all(160), ~c.hole);  // all that is seen lies in another light, or has changed
+  const FilledFrame other_day = c.run();
+  EXPECT_GT(other_day.colour(5, 40)[0], 130);
+  EXPECT_NEAR(other_day.colour(30, 40)[0], 100, 15);
+  c.scene.views[1].sequence = c.scene.views[1].drive = 0;
+  EXPECT_NEAR(c.run().colour(30, 40)[0], 160, 0.5);
+}
+
 TEST(Harmonize, AConstantOffsetOfTheSourceVanishes) {
   for (const cv::Rect hole : {cv::Rect(25, 20, 30, 20), cv::Rect(0, 0, 20, 20), cv::Rect(10, 40, 40, 20)}) {
     Case c(waves(kWidth, kHeight, 4), rectangle(hole));

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -179,6 +180,38 @@ TEST(Carve, KeepsThinAndStandingThingsAndTheGround) {
   EXPECT_GT(map.counts.moved, 0U);
   for (const RemovedPoint& point : map.removed) EXPECT_EQ(point.cause, Cause::moved);
   EXPECT_EQ(map.points.size() + map.removed.size(), all.points.size());
+}
+
+// A lorry stands on the first day only, all the time; a car beside it on the second.
+TEST(Carve, KeepsEachDayWhatStoodThatDay) {
+  const Eigen::AlignedBox3d lorry(Eigen::Vector3d(10, -7, -1.65), Eigen::Vector3d(20, -4.5, 1.8)), car = car_at(24, -7);
+  const auto day = [](const Eigen::AlignedBox3d& parked) {
+    return plain_drive(20, [parked](const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, double) {
+      return std::min({ground(origin, ray), facades(origin, ray), box(origin, ray, parked)});
+    });
+  };
+  const std::array<Drive, 2> drives{day(lorry), day(car)};
+  for (const std::size_t target : {0, 1}) {
+    const Drive &first = drives[target], &second = drives[1 - target];
+    const StaticMap map = build_map(
+        {{&first, first.poses, no_masks(first)}, {&second, second.poses, no_masks(second)}}, carving());
+    const auto share = [&](const Eigen::Vector3d& low, const Eigen::Vector3d& high, std::size_t drive) {
+      const Eigen::AlignedBox3f bounds(low.cast<float>(), high.cast<float>());
+      double count = 0, stood = 0;
+      for (const MapPoint& point : map.points)
+        if (bounds.contains(point.position)) ++count, stood += point.stood_on(drive) ? 1 : 0;
+      EXPECT_GT(count, 50);
+      return stood / count;
+    };
+    const std::size_t on_first = target, on_second = 1 - target;  // inputs by day
+    const Eigen::Vector3d lorry_low(9.8, -7, -1.3), lorry_high(20.2, -4.4, 1.2), car_low(23.8, -7, -1.3), car_high(28.4, -5, 0);
+    EXPECT_GT(share(lorry_low, lorry_high, on_first), 0.98);
+    EXPECT_LT(share(lorry_low, lorry_high, on_second), 0.02);
+    EXPECT_GT(share(car_low, car_high, on_second), 0.98);
+    EXPECT_LT(share(car_low, car_high, on_first), 0.02);
+    EXPECT_GT(share({-30, -12.2, -1.5}, {60, -11.8, 2}, on_first), 0.99) << "the facade";
+    EXPECT_GT(share({-30, -12.2, -1.5}, {60, -11.8, 2}, on_second), 0.99);
+  }
 }
 
 TEST(Carve, IsTheSameWithAnyNumberOfThreads) {

@@ -241,5 +241,21 @@ TEST(VisiblePoints, HidesWhatIsBehindADisc) {
   EXPECT_TRUE(visible_points(map, view, 0.3, 0.05).empty());
 }
 
+TEST(VisiblePoints, LeaveOutWhatDidNotStandThereThatDay) {
+  StaticMap map;
+  for (const float x : {10.0F, 20.0F}) map.points.push_back({{x, 0, 0}, 0, 1});
+  map.points[0].absent = MapPoint::drive_bit(1);
+  map.tiles.push_back({Eigen::AlignedBox3f(Eigen::Vector3f(10, 0, 0), Eigen::Vector3f(20, 0, 0)), 0, 2});
+  View view;
+  view.camera = {200, 100, 100, 100, 99.5, 49.5, {}};
+  view.camera_from_world.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  for (const int drive : {0, 1, 2}) {
+    view.drive = drive;
+    const auto visible = visible_points(map, view, 0.3, 0.05);
+    ASSERT_EQ(visible.size(), 1);
+    EXPECT_EQ(visible[0].index, drive == 1 ? 1 : 0);
+  }
+}
+
 }  // namespace
 }  // namespace dvi::map
