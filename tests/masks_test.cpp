@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <map>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
@@ -36,6 +37,38 @@ TEST_F(MasksOfDrives, ADriveWithoutMasksAndLabelsJustRuns) {
   const nlohmann::json report = json("out/report.json");
   EXPECT_GT(report.at("hole").at("pixels").get<std::size_t>(), 0U);
   EXPECT_EQ(dvi("audit out drive --quiet").code, 0);
+}
+
+TEST_F(MasksOfDrives, LittleTrafficIsCopiedFromASourceDriveThatNobodyLabelled) {
+  small_drive("drive", "--lorry", 12);
+  const fs::path source = small_drive("source", "--day 2", 12);
+  fs::remove_all(source / "masks");
+  fs::remove(source / "boxes.json");
+  const Result run = dvi("run drive source -o out --poses given --quiet");
+  ASSERT_EQ(run.code, 0) << run.err;
+  const nlohmann::json sources = json("out/sources.json").at("sources");
+  struct Picture {
+    cv::Mat3b with_traffic, without;
+  };
+  std::map<std::string, Picture> pictures;
+  std::size_t copied = 0, traffic = 0;
+  for (const fs::directory_entry& file : fs::directory_iterator(folder / "out/provenance")) {
+    const cv::Mat_<cv::Vec3w> provenance = io::read_unchanged(file.path(), kSize);
+    for (const cv::Vec3w& bgr : provenance) {  // B y * 16, G x * 16, R source number + 1
+      if (bgr[2] == 0) continue;
+      const nlohmann::json& from = sources.at(bgr[2] - 1U);
+      if (fs::path(from.at("drive").get<std::string>()).filename() != "source") continue;
+      const std::string name = from.at("frame").get<std::string>() + ".png";
+      Picture& picture = pictures[name];
+      if (picture.without.empty())
+        picture = {io::read_image(source / "images/front" / name, kSize), io::read_image(source / "truth" / name, kSize)};
+      const cv::Point at(cvRound(bgr[1] / 16.0), cvRound(bgr[0] / 16.0));
+      ++copied;
+      traffic += cv::norm(picture.with_traffic(at), picture.without(at), cv::NORM_INF) > 15 ? 1 : 0;  // six sigma of its noise
+    }
+  }
+  EXPECT_GT(copied, 1000U);
+  EXPECT_LT(static_cast<double>(traffic), 0.05 * static_cast<double>(copied));
 }
 
 TEST_F(MasksOfDrives, CheckPromisesOnlyWhatRunFinds) {

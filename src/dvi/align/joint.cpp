@@ -60,7 +60,8 @@ Partners partners(const SequenceViews& sequence, const std::vector<std::size_t>&
   for (std::size_t i = sequence.first; i < sequence.last; ++i) {
     out.anchors.emplace_back();
     for (const std::size_t anchor : anchors_of(sequence, i))
-      out.anchors.back().push_back(static_cast<std::size_t>(std::lower_bound(anchors, members.end(), anchor) - members.begin()));
+      out.anchors.back().push_back(
+          static_cast<std::size_t>(std::lower_bound(anchors, members.end(), anchor) - members.begin()));
   }
   return out;
 }
@@ -119,8 +120,7 @@ class Chain {
 
 Poses Chain::turned(const Corrections& c) const {
   Poses out;
-  for (std::size_t i = 0; i < count_; ++i)
-    out.push_back(SE3{so3_exp(c.rotations[i]), {0, 0, 0}} * view(i).camera_from_world);
+  for (std::size_t i = 0; i < count_; ++i) out.push_back(SE3{so3_exp(c.rotations[i]), {0, 0, 0}} * view(i).camera_from_world);
   out.insert(out.end(), anchors_.begin(), anchors_.end());
   return out;
 }
@@ -186,8 +186,8 @@ void Chain::add_models(std::size_t first, std::size_t last, const Poses& poses, 
 
 // In one pass, while the images are at hand.
 std::vector<PairModel> Chain::find_pairs(const Tick& tick) {
-  const Lazy<Sight> sights(
-      members_.size(), [this](std::size_t i) { return Sight(*map_.points[members_[i]], *views_.masks[members_[i]]); });
+  const Lazy<Sight> sights(members_.size(),
+                           [this](std::size_t i) { return Sight(*map_.points[members_[i]], *views_.masks[members_[i]]); });
   const Poses given = turned(Corrections(count_));
   std::vector<PairModel> all;
   for_blocks(count_, [&](std::size_t first, std::size_t last) {

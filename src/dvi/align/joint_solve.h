@@ -22,8 +22,8 @@ struct Expected {
   bool common = true;   ///< false: the rotations of all views add up to none, and the mounting is none
 };
 
-/// The corrections that fit all pairs best. `now` is where the models were made; their views are numbered from 0. The fixed view
-/// of a model may be an anchor, numbered behind them: it stays where it is.
+/// The corrections that fit all pairs best. `now` is where the models were made; their views are numbered from 0. The fixed
+/// view of a model may be an anchor, numbered behind them: it stays where it is.
 Corrections solve(const std::vector<PairModel>& models, const Corrections& now, const Expected& expected);
 
 }  // namespace dvi::align

@@ -18,7 +18,7 @@ inline constexpr std::size_t kAnchors = 4;   ///< and of sequences that are alig
 /// Which views each view of a sequence is compared with. They are numbered from 0; behind them come their anchors, views of
 /// sequences that are aligned already.
 struct Partners {
-  std::size_t count = 0;                           ///< views of the sequence
+  std::size_t count = 0;                            ///< views of the sequence
   std::vector<std::vector<std::size_t>> anchors{};  ///< by view, at most kAnchors each; empty: none
 
   /// The k-th one, k < kPartners + kAnchors, if there is one.
@@ -27,7 +27,7 @@ struct Partners {
 
 /// A map point where a view has texture.
 struct SharedPoint {
-  std::size_t index = 0;     ///< in StaticMap::points
+  std::size_t index = 0;      ///< in StaticMap::points
   std::uint16_t seen_by = 0;  ///< bit k: the view's k-th partner sees it too
 };
 
@@ -48,7 +48,7 @@ class PairStore {
   Partners partners_;
   ScratchVector<std::size_t> index_;
   ScratchVector<std::uint16_t> seen_by_;  // as `index_`
-  std::vector<std::size_t> first_{0};    // the points of view i are [first[i], first[i + 1])
+  std::vector<std::size_t> first_{0};     // the points of view i are [first[i], first[i + 1])
 };
 
 }  // namespace dvi::align

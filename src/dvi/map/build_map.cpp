@@ -97,9 +97,8 @@ void add_tile(const MapVoxels& voxels, const MapVoxels::Tile& tile, bool carve, 
       map.removed.push_back({position, Cause::moved});
       continue;
     }
-    map.points.push_back(
-        {position, voxel.intensity_sum / static_cast<float>(voxel.count), voxel.count, voxel.first, voxel.last,
-         Eigen::Vector3f::Zero(), voxel.absent});
+    map.points.push_back({position, voxel.intensity_sum / static_cast<float>(voxel.count), voxel.count, voxel.first, voxel.last,
+                          Eigen::Vector3f::Zero(), voxel.absent});
     out.bounds.extend(position);
   }
   out.last = map.points.size();

@@ -193,8 +193,8 @@ TEST(Carve, KeepsEachDayWhatStoodThatDay) {
   const std::array<Drive, 2> drives{day(lorry), day(car)};
   for (const std::size_t target : {0, 1}) {
     const Drive &first = drives[target], &second = drives[1 - target];
-    const StaticMap map = build_map(
-        {{&first, first.poses, no_masks(first)}, {&second, second.poses, no_masks(second)}}, carving());
+    const StaticMap map =
+        build_map({{&first, first.poses, no_masks(first)}, {&second, second.poses, no_masks(second)}}, carving());
     const auto share = [&](const Eigen::Vector3d& low, const Eigen::Vector3d& high, std::size_t drive) {
       const Eigen::AlignedBox3f bounds(low.cast<float>(), high.cast<float>());
       double count = 0, stood = 0;

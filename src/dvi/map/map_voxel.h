@@ -13,8 +13,8 @@ struct MapVoxel {
   Eigen::Vector3f offset_sum = Eigen::Vector3f::Zero();  ///< of the returns from the voxel's centre, metres
   float intensity_sum = 0;
   std::uint32_t count = 0;
-  std::uint32_t first = 0, last = 0;   ///< scans, by their number in StaticMap::scans
-  std::uint16_t hits = 0, passes = 0;  ///< hit and pass-through counts, in scans of the drive that is being counted
+  std::uint32_t first = 0, last = 0;    ///< scans, by their number in StaticMap::scans
+  std::uint16_t hits = 0, passes = 0;   ///< hit and pass-through counts, in scans of the drive that is being counted
   std::uint32_t absent = 0, stood = 0;  ///< MapPoint::drive_bit() of the drives counted: what their rays say of it
 };
 

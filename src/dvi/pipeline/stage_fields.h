@@ -81,8 +81,8 @@ constexpr auto fields_of(Of<Label>) {
 
 constexpr auto fields_of(Of<map::MapPoint>) {
   using map::MapPoint;
-  return std::tuple{&MapPoint::position, &MapPoint::intensity, &MapPoint::count,
-                    &MapPoint::first,    &MapPoint::last,      &MapPoint::normal, &MapPoint::absent};
+  return std::tuple{&MapPoint::position, &MapPoint::intensity, &MapPoint::count, &MapPoint::first,
+                    &MapPoint::last,     &MapPoint::normal,    &MapPoint::absent};
 }
 constexpr auto fields_of(Of<map::StaticMap::Tile>) {
   using map::StaticMap;

@@ -52,9 +52,8 @@ TEST(Sample, CopiesNoSkyOfAnotherDay) {
   depth::DepthMap sky{cv::Mat1f(60, 80, depth::DepthMap::kInfinity), cv::Mat1f(60, 80, 0.0F)};
   for (const bool own : {true, false}) {
     if (!own) scene.masks[1] = cv::Mat1b(60, 80, uchar{255});
-    const Lazy<depth::VisibilityMap> seen{3, 3, [sky, masks = scene.masks](std::size_t i) {
-                                            return depth::visibility_map(sky, masks[i]);
-                                          }};
+    const Lazy<depth::VisibilityMap> seen{
+        3, 3, [sky, masks = scene.masks](std::size_t i) { return depth::visibility_map(sky, masks[i]); }};
     for (const Candidate& c : sample(scene.lazy(), 0, sky, seen, {}).leading) EXPECT_EQ(c.view, own ? 1 : -1);
   }
 }
