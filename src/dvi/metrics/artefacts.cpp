@@ -6,7 +6,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dvi/core/lazy.h"
 #include "dvi/core/threads.h"
 #include "dvi/image/grey.h"
 #include "dvi/image/optical_flow.h"
@@ -102,23 +101,20 @@ double Artefacts::flash_ppm() const { return ppm(flashes, hole_between); }
 double Artefacts::ring_flash_ppm() const { return ppm(ring_flashes, ring_between); }
 double Artefacts::overshoot_ppm() const { return ppm(overshoots, hole); }
 
-Artefacts count_artefacts(const fs::path& out, const std::vector<std::string>& names, const Tick& tick) {
-  const auto file = [&](const char* folder, std::size_t i) { return out / folder / (names[i] + ".png"); };
-  const Lazy<cv::Mat1b> frames(names.size(), [&](std::size_t i) {
-    return grey_8bit(io::read_image(file("frames", i), io::image_size(file("frames", i))));
-  });
-  std::vector<Artefacts> found(names.size());
-  parallel_in_order(names.size(), [&](std::size_t i) {
+Artefacts count_artefacts(const Lazy<cv::Mat3b>& frames, const Lazy<cv::Mat1b>& masks, const Tick& tick) {
+  const Lazy<cv::Mat1b> grey(frames.size(), [&](std::size_t i) { return grey_8bit(*frames[i]); });
+  std::vector<Artefacts> found(frames.size());
+  parallel_in_order(frames.size(), [&](std::size_t i) {
     tick();
-    const auto now = frames[i];
-    const cv::Mat1b mask = io::read_mask(file("masks", i), now->size());
+    const auto now = grey[i];
+    const cv::Mat1b mask = *masks[i];
     Artefacts& counts = found[i];
     counts.hole = pixels(mask);
     if (counts.hole == 0) return;
     const cv::Mat1b ring = ring_round(mask);
     counts.overshoots = overshoots(*now, mask, ring);
-    if (i == 0 || i + 1 == names.size() || std::min(now->rows, now->cols) < kLeastFlowSide) return;
-    const auto before = frames[i - 1], behind = frames[i + 1];
+    if (i == 0 || i + 1 == frames.size() || std::min(now->rows, now->cols) < kLeastFlowSide) return;
+    const auto before = grey[i - 1], behind = grey[i + 1];
     if (before->size() != now->size() || behind->size() != now->size()) return;
     const cv::Mat1b flashing = flashes(*now, *before, *behind);
     counts.hole_between = counts.hole, counts.ring_between = pixels(ring);
@@ -127,6 +123,15 @@ Artefacts count_artefacts(const fs::path& out, const std::vector<std::string>& n
   Artefacts sum;
   for (const Artefacts& counts : found) sum += counts;
   return sum;
+}
+
+Artefacts count_artefacts(const fs::path& out, const std::vector<std::string>& names, const Tick& tick) {
+  const auto file = [&](const char* folder, std::size_t i) { return out / folder / (names[i] + ".png"); };
+  const Lazy<cv::Mat3b> frames(
+      names.size(), [&](std::size_t i) { return io::read_image(file("frames", i), io::image_size(file("frames", i))); });
+  const Lazy<cv::Mat1b> masks(
+      names.size(), [&](std::size_t i) { return io::read_mask(file("masks", i), io::image_size(file("frames", i))); });
+  return count_artefacts(frames, masks, tick);
 }
 
 }  // namespace dvi::metrics

@@ -4,8 +4,11 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "dvi/core/files.h"
 #include "dvi/core/interrupt.h"
+#include "dvi/core/lazy.h"
 
 namespace dvi::metrics {
 
@@ -25,7 +28,10 @@ struct Artefacts {
   double overshoot_ppm() const;
 };
 
-/// Counts them in the frames/ and masks/ of a run. `names` in the order of the drive; ticks once a frame.
-Artefacts count_artefacts(const fs::path& out, const std::vector<std::string>& names, const Tick& tick);
+/// Counts them in frames in the order of the drive and their masks (255: filled); ticks once a frame.
+Artefacts count_artefacts(const Lazy<cv::Mat3b>& frames, const Lazy<cv::Mat1b>& masks, const Tick& tick = [] {});
+
+/// The same of the frames/ and masks/ of a run.
+Artefacts count_artefacts(const fs::path& out, const std::vector<std::string>& names, const Tick& tick = [] {});
 
 }  // namespace dvi::metrics

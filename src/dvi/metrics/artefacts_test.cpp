@@ -9,9 +9,7 @@ namespace {
 
 class ArtefactsTest : public ResultFixture {
  protected:
-  Artefacts count(const std::vector<std::string>& names) const {
-    return count_artefacts(folder / "out", names, [] {});
-  }
+  Artefacts count(const std::vector<std::string>& names) const { return count_artefacts(folder / "out", names); }
   void add_result(const std::string& name, const cv::Mat3b& result) const {
     add(name, scene(kSize, 0), result, box(kHole), box(kHole, 1));
   }

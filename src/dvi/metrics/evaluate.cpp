@@ -94,6 +94,21 @@ ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* externa
   return frame;
 }
 
+/// In the frames as wholes, ignored pixels too.
+Artefacts artefacts(const EvaluationFolders& folders, const ExternalFrames* external, const std::vector<std::string>& names) {
+  if (!external) return count_artefacts(folders.out, names);
+  const auto file = [&](const char* folder, std::size_t i) { return folders.out / folder / (names[i] + ".png"); };
+  const Lazy<cv::Mat1b> masks(
+      names.size(), [&](std::size_t i) { return io::read_mask(file("masks", i), io::image_size(file("frames", i))); });
+  const Lazy<cv::Mat3b> frames(names.size(), [&](std::size_t i) {
+    const cv::Mat1b mask = *masks[i];
+    cv::Mat3b frame = io::read_image(file("frames", i), mask.size());
+    if (cv::countNonZero(mask) > 0) io::read_image(frame_of(*external, names[i]), mask.size()).copyTo(frame, mask);
+    return frame;
+  });
+  return count_artefacts(frames, masks);
+}
+
 /// Takes the tallies in the order of the frames.
 struct Collector {
   Evaluation evaluation;
@@ -159,6 +174,7 @@ Evaluation score(const EvaluationFolders& folders, const ExternalFrames* externa
     }
     previous = frames.back();
   });
+  collector.evaluation.artefacts = artefacts(folders, external, names);
   return collector.finish();
 }
 
@@ -179,9 +195,8 @@ std::vector<ExternalFrames> parse_external(const std::vector<std::string>& argum
 
 Evaluation evaluate(const EvaluationFolders& folders, const BeginPart& begin) {
   const std::vector<std::string> names = frames_of(folders);
-  const Tick tick = begin("eval", names.size() * (2 + folders.external.size()));
+  const Tick tick = begin("eval", names.size() * (1 + folders.external.size()));
   Evaluation evaluation = score(folders, nullptr, names, tick);
-  evaluation.artefacts = count_artefacts(folders.out, names, tick);
   for (const ExternalFrames& external : folders.external)
     evaluation.external.push_back({external.name, score(folders, &external, names, tick)});
   return evaluation;

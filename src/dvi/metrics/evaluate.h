@@ -27,7 +27,7 @@ struct EvaluationFolders {
 
 /// Scores a run against the truth, and the frames of other programs on the same pixels: outside the run's masks they count as
 /// the input, whatever they show. Its one part, "eval", ticks once a frame
-/// and program, and once a frame for what draws the eye (artefacts.h). Holds a frame a thread at a time. InputError where a
+/// and program. Holds a frame a thread at a time. InputError where a
 /// folder is not what it should be, a masked frame has no truth or other program's frame, or sizes differ.
 Evaluation evaluate(const EvaluationFolders& folders, const BeginPart& begin = no_parts);
 

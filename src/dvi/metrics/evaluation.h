@@ -79,7 +79,7 @@ struct Evaluation {
   std::vector<FrameEvaluation> frames;                                 ///< those scored, in order
   std::vector<std::string> unscored;                                   ///< frames left out: no pixel of theirs is to be scored
   std::vector<std::string> warnings;
-  std::optional<Artefacts> artefacts;  ///< of the run; not counted in other programs' frames
+  Artefacts artefacts;
   std::vector<ExternalEvaluation> external;
 };
 

@@ -80,7 +80,7 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   json["per_frame"] = evaluation.frames;
   json["unscored"] = evaluation.unscored;
   json["warnings"] = evaluation.warnings;
-  json["artefacts"] = evaluation.artefacts ? nlohmann::json(*evaluation.artefacts) : nlohmann::json();
+  json["artefacts"] = evaluation.artefacts;
   json["external"] = nlohmann::json::object();
   for (const ExternalEvaluation& external : evaluation.external) json["external"][external.name] = external.evaluation;
 }

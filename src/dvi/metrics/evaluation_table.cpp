@@ -63,9 +63,9 @@ std::string table(const Evaluation& evaluation) {
   if (!evaluation.unscored.empty())
     text += fmt::format("left out, no pixel to score: {}\n", fmt::join(evaluation.unscored, " "));
   if (const auto& confidence = evaluation.confidence.front()) text += line(*confidence);
-  if (const auto& artefacts = evaluation.artefacts)
-    text += fmt::format("per million hole pixels: {:.0f} flash (of the scene round the holes: {:.0f}), {:.0f} overshoot\n",
-                        artefacts->flash_ppm(), artefacts->ring_flash_ppm(), artefacts->overshoot_ppm());
+  text += fmt::format("per million hole pixels: {:.0f} flash (of the scene round the holes: {:.0f}), {:.0f} overshoot\n",
+                      evaluation.artefacts.flash_ppm(), evaluation.artefacts.ring_flash_ppm(),
+                      evaluation.artefacts.overshoot_ppm());
   text += "\n" + row("whole frame", "", evaluation.whole_frame) + "   where untouched pixels count as exact\n";
   for (const ExternalEvaluation& external : evaluation.external)
     text += "\n" + external.name + "\n" + table(external.evaluation);
