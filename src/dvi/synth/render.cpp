@@ -56,7 +56,7 @@ class Painter {
     std::vector<Vector3d> corners;
     for (const Vector3d& corner : box.corners()) {
       corners.push_back(corner);
-      if (placed.mover->walks()) corners.push_back(corner - to_sun * (size.z() / to_sun.z()));
+      if (placed.mover->walks()) corners.emplace_back(corner - to_sun * (size.z() / to_sun.z()));
     }
     const SE3 camera_from_world = world_from_camera_.inverse();
     Eigen::AlignedBox2d area;

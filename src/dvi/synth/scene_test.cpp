@@ -390,21 +390,5 @@ TEST(Scene, ADriveInMemoryIsWholeAndConsistent) {
   EXPECT_LT((drive.poses.at(drive.frames[5].time_ns)->t - scene->world_from_lidar(scene->time_ns(5)).t).norm(), 1e-9);
 }
 
-TEST(SynthOptions, RefusesWhatIsOutOfRange) {
-  const auto refused = [](auto change) {
-    SynthOptions options;
-    change(options);
-    EXPECT_THROW(options.check(), UsageError);
-  };
-  refused([](SynthOptions& o) { o.frames = 0; });
-  refused([](SynthOptions& o) { o.day = 10; });
-  refused([](SynthOptions& o) { o.beams = -1; });
-  refused([](SynthOptions& o) { o.speed_mps = std::nan(""); });
-  refused([](SynthOptions& o) { o.turn_deg = 200; });
-  SynthOptions options;
-  options.width = 10;
-  EXPECT_THROW(Scene{options}, UsageError);
-}
-
 }  // namespace
 }  // namespace dvi::synth

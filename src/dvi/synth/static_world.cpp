@@ -30,7 +30,8 @@ Street make_street(const SynthOptions& options) {
 bool is_clear(int day) { return day % 2 == 1; }
 
 Light make_light(int day) {
-  const Eigen::Matrix3d later = so3_exp({0, 0, 0.6 * ((day - 1) / 2)});
+  const int pair = (day - 1) / 2;
+  const Eigen::Matrix3d later = so3_exp({0, 0, 0.6 * pair});
   if (is_clear(day)) return {later * Vector3d(-0.35, -0.55, 0.75).normalized(), {0.44F, 0.5F, 0.54F}, {0.68F, 0.63F, 0.6F}};
   return {later * Vector3d(0.5, 0.45, 0.75).normalized(), {0.27F, 0.26F, 0.25F}, {0.65F, 0.6F, 0.56F}};
 }
