@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/io/image_file.h"
+#include "dvi/io/write_image.h"
 #include "program.h"
 
 namespace dvi {
@@ -25,6 +26,23 @@ class MasksOfDrives : public ProgramTest {
     return drive;
   }
   nlohmann::json json(const fs::path& file) const { return nlohmann::json::parse(read_file(folder / file)); }
+
+  struct Overlap {
+    double both = 0, wanted = 0, found = 0, pixels = 0;
+  };
+  // Of masks/ as `dvi mask` wrote it with the true masks, over all frames.
+  Overlap overlap_with(const fs::path& truth) const {
+    Overlap sum;
+    for (const fs::directory_entry& file : fs::directory_iterator(truth)) {
+      const cv::Mat1b wanted = io::read_mask(file.path(), kSize);
+      const cv::Mat1b found = io::read_mask(folder / "masks/masks/front" / file.path().filename(), kSize);
+      sum.both += cv::countNonZero(wanted & found);
+      sum.wanted += cv::countNonZero(wanted);
+      sum.found += cv::countNonZero(found);
+      sum.pixels += static_cast<double>(found.total());
+    }
+    return sum;
+  }
 };
 
 TEST_F(MasksOfDrives, ADriveWithoutMasksAndLabelsJustRuns) {
@@ -100,16 +118,9 @@ TEST_F(MasksOfDrives, FoundMasksHoldWhatMovesAndLittleElse) {
   const fs::path truth = small_drive("labelled", "", 12) / "masks/front";
   unlabelled("drive");
   ASSERT_EQ(dvi("mask drive -o masks --poses given --quiet").code, 0);
-  double both = 0, moving = 0, masked = 0;
-  for (const fs::directory_entry& file : fs::directory_iterator(truth)) {
-    const cv::Mat1b wanted = io::read_mask(file.path(), kSize);
-    const cv::Mat1b found = io::read_mask(folder / "masks/masks/front" / file.path().filename(), kSize);
-    both += cv::countNonZero(wanted & found);
-    moving += cv::countNonZero(wanted);
-    masked += cv::countNonZero(found);
-  }
-  EXPECT_GT(both / moving, 0.95);
-  EXPECT_GT(both / masked, 0.75);
+  const Overlap overlap = overlap_with(truth);
+  EXPECT_GT(overlap.both / overlap.wanted, 0.95);
+  EXPECT_GT(overlap.both / overlap.found, 0.75);
 }
 
 TEST_F(MasksOfDrives, MaskOverwritesNothing) {
@@ -146,6 +157,31 @@ TEST_F(MasksOfDrives, LabelsSayWhatMovesAndOneFrameHasNothingThatDoes) {
   const Result one = dvi("mask drive -o one --poses given --frames 3");
   EXPECT_EQ(one.code, 0) << one.err;
   EXPECT_THAT(one.err, HasSubstr("nothing moves in it"));
+}
+
+TEST_F(MasksOfDrives, WhereNothingMovesTheResultIsTheInput) {
+  const fs::path drive = small_drive("drive", "--speed-mps 0", 12);  // a van stands ahead as well
+  fs::remove_all(drive / "masks");
+  fs::remove(drive / "boxes.json");
+  const Result run = dvi("run drive -o out");
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("nothing moves in it"));
+  EXPECT_EQ(json("out/report.json").at("hole").at("pixels"), 0);
+  for (const fs::directory_entry& file : fs::directory_iterator(drive / "images/front"))
+    EXPECT_EQ(cv::norm(io::read_image(file.path(), kSize),
+                       io::read_image(folder / "out/frames" / file.path().filename(), kSize), cv::NORM_INF),
+              0);
+}
+
+TEST_F(MasksOfDrives, TrafficIsFoundAtNightByTheScans) {
+  const fs::path truth = small_drive("labelled", "", 12) / "masks/front";
+  const fs::path drive = unlabelled("drive");
+  for (const fs::directory_entry& file : fs::directory_iterator(drive / "images/front"))
+    io::write_png(file.path(), cv::Mat3b(io::read_image(file.path(), kSize) * 0.02));
+  ASSERT_EQ(dvi("mask drive -o masks --poses given --quiet").code, 0);
+  const Overlap overlap = overlap_with(truth);
+  EXPECT_GT(overlap.both / overlap.wanted, 0.8);
+  EXPECT_LT(overlap.found / overlap.pixels, 0.3) << "never the whole road";
 }
 
 TEST_F(MasksOfDrives, ABaselineNeedsMasks) {
