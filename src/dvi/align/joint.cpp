@@ -38,44 +38,42 @@ double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 using Poses = std::vector<SE3>;  // camera_from_world, of a sequence's views
 
-// The views of earlier sequences that a view is held to: those that look from nearest to where it does.
-std::vector<std::size_t> anchors_of(const SequenceViews& sequence, std::size_t view) {
-  return nearest_views(sequence.views, view, {0, sequence.first}, kAnchors, kRadian);
-}
-
-std::vector<std::size_t> members(const SequenceViews& sequence) {
-  std::set<std::size_t> anchors;
-  for (std::size_t i = sequence.first; i < sequence.last; ++i)
-    for (const std::size_t anchor : anchors_of(sequence, i)) anchors.insert(anchor);
-  std::vector<std::size_t> out(sequence.last - sequence.first);
-  std::iota(out.begin(), out.end(), sequence.first);
-  out.insert(out.end(), anchors.begin(), anchors.end());
+// Of each view of a sequence, the views of earlier sequences that it is held to: those that look from nearest to where it does.
+std::vector<std::vector<std::size_t>> anchors_of(const SequenceViews& sequence) {
+  std::vector<std::vector<std::size_t>> out;
+  for (std::size_t i = sequence.first; sequence.first > 0 && i < sequence.last; ++i)
+    out.push_back(nearest_views(sequence.views, i, {0, sequence.first}, kAnchors, kRadian));
   return out;
 }
 
-Partners partners(const SequenceViews& sequence, const std::vector<std::size_t>& members) {
-  Partners out{sequence.last - sequence.first};
-  const auto anchors = members.begin() + static_cast<std::ptrdiff_t>(out.count);
-  if (anchors == members.end()) return out;
-  for (std::size_t i = sequence.first; i < sequence.last; ++i) {
-    out.anchors.emplace_back();
-    for (const std::size_t anchor : anchors_of(sequence, i))
-      out.anchors.back().push_back(
-          static_cast<std::size_t>(std::lower_bound(anchors, members.end(), anchor) - members.begin()));
+// The views of a sequence and then their anchors; who of these is compared with whom.
+struct Members {
+  std::vector<std::size_t> views;
+  Partners partners;
+
+  explicit Members(const SequenceViews& sequence)
+      : views(sequence.last - sequence.first), partners{views.size(), anchors_of(sequence)} {
+    std::iota(views.begin(), views.end(), sequence.first);
+    std::set<std::size_t> anchors;
+    for (const auto& of_view : partners.anchors) anchors.insert(of_view.begin(), of_view.end());
+    views.insert(views.end(), anchors.begin(), anchors.end());
+    const auto begin = views.begin() + static_cast<std::ptrdiff_t>(partners.count);
+    for (auto& of_view : partners.anchors)
+      for (std::size_t& anchor : of_view)
+        anchor = static_cast<std::size_t>(std::lower_bound(begin, views.end(), anchor) - views.begin());
   }
-  return out;
-}
+};
 
 class Chain {
  public:
   // Of the sequences before it, `aligned` has the poses.
-  Chain(const SequenceViews& sequence, const Cameras& aligned, const AlignOptions& options)
+  Chain(const SequenceViews& sequence, const Members& members, const Cameras& aligned, const AlignOptions& options)
       : views_(sequence.views),
         map_(sequence.map),
-        members_(members(sequence)),
-        count_(sequence.last - sequence.first),
+        members_(members.views),
+        count_(members.partners.count),
         options_(options),
-        pairs_(sequence.map.map, partners(sequence, members_)) {
+        pairs_(sequence.map.map, members.partners) {
     for (std::size_t i = count_; i < members_.size(); ++i) anchors_.push_back(aligned.camera_from_world[members_[i]]);
     const Camera& camera = view(0).camera;
     const double caught = kLeastCaught * std::max(radians(*options.rotation_deg), radians(options.mounting_deg)) * camera.fx;
@@ -306,7 +304,7 @@ std::vector<std::string> warnings(const SequenceViews& aligned, const Cameras& f
 void align_jointly(const SequenceViews& sequence, const AlignOptions& options, const Tick& tick, Cameras& out) {
   const Views& views = sequence.views;
   const std::size_t first = sequence.first, last = sequence.last;
-  Chain chain(sequence, out, options);
+  Chain chain(sequence, Members(sequence), out, options);
   const Corrections given(last - first);
   const auto expected = [&, common = chain.anchored() || (!views[first].registered_depth && moves(sequence))](double part) {
     return expected_errors(options, views[first].camera, part, common);

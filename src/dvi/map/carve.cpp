@@ -60,6 +60,7 @@ void count_hits_and_passes(MapVoxels& voxels, const std::vector<MapInput>& input
   for (std::size_t drive = 0; drive < inputs.size(); ++drive) {
     const MapInput& input = inputs[drive];
     const std::vector<ScanHeader>& scan_headers = input.drive->scan_headers;
+    std::set<std::pair<int, int>> reached;  // by the rays of this drive
     for_blocks(scan_headers.size(), [&](std::size_t first, std::size_t last) {
       std::vector<FreeSpace> spaces(last - first);
       parallel_for(spaces.size(), [&](std::size_t i) {
@@ -67,13 +68,16 @@ void count_hits_and_passes(MapVoxels& voxels, const std::vector<MapInput>& input
       });
       std::vector<Tile*> near;
       for (const auto& column : within_reach(spaces))
-        if (const auto tile = voxels.tiles().find(column); tile != voxels.tiles().end()) near.push_back(&tile->second);
+        if (const auto tile = voxels.tiles().find(column); tile != voxels.tiles().end()) {
+          near.push_back(&tile->second);
+          reached.insert(column);
+        }
       parallel_for(near.size(), [&](std::size_t i) { judge(voxels, *near[i], spaces); });
       voxels.page_out();
       for (std::size_t i = first; i < last; ++i) tick();
     });
-    for (auto& [column, tile] : voxels.tiles())
-      for (MapVoxel& voxel : tile.voxels) conclude(voxel, drive);
+    for (const auto& column : reached)
+      for (MapVoxel& voxel : voxels.tiles().at(column).voxels) conclude(voxel, drive);
     voxels.page_out();
   }
 }

@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/core/lazy.h"
 #include "dvi/core/threads.h"
 #include "dvi/image/grey.h"
 #include "dvi/image/optical_flow.h"
@@ -101,19 +102,29 @@ double Artefacts::flash_ppm() const { return ppm(flashes, hole_between); }
 double Artefacts::ring_flash_ppm() const { return ppm(ring_flashes, ring_between); }
 double Artefacts::overshoot_ppm() const { return ppm(overshoots, hole); }
 
-Artefacts count_artefacts(const Lazy<cv::Mat3b>& frames, const Lazy<cv::Mat1b>& masks, const Tick& tick) {
-  const Lazy<cv::Mat1b> grey(frames.size(), [&](std::size_t i) { return grey_8bit(*frames[i]); });
-  std::vector<Artefacts> found(frames.size());
-  parallel_in_order(frames.size(), [&](std::size_t i) {
+Artefacts count_artefacts(const fs::path& out, const std::vector<std::string>& names, const Tick& tick,
+                          const std::function<fs::path(const std::string& name)>& filled) {
+  const auto mask_of = [&](std::size_t i, cv::Size size) { return io::read_mask(out / "masks" / (names[i] + ".png"), size); };
+  const Lazy<cv::Mat1b> grey(names.size(), [&](std::size_t i) {
+    const fs::path file = out / "frames" / (names[i] + ".png");
+    const cv::Size size = io::image_size(file);
+    cv::Mat3b frame = io::read_image(file, size);
+    if (filled)
+      if (const cv::Mat1b mask = mask_of(i, size); cv::countNonZero(mask) > 0)
+        io::read_image(filled(names[i]), size).copyTo(frame, mask);
+    return grey_8bit(frame);
+  });
+  std::vector<Artefacts> found(names.size());
+  parallel_in_order(names.size(), [&](std::size_t i) {
     tick();
     const auto now = grey[i];
-    const cv::Mat1b mask = *masks[i];
+    const cv::Mat1b mask = mask_of(i, now->size());
     Artefacts& counts = found[i];
     counts.hole = pixels(mask);
     if (counts.hole == 0) return;
     const cv::Mat1b ring = ring_round(mask);
     counts.overshoots = overshoots(*now, mask, ring);
-    if (i == 0 || i + 1 == frames.size() || std::min(now->rows, now->cols) < kLeastFlowSide) return;
+    if (i == 0 || i + 1 == names.size() || std::min(now->rows, now->cols) < kLeastFlowSide) return;
     const auto before = grey[i - 1], behind = grey[i + 1];
     if (before->size() != now->size() || behind->size() != now->size()) return;
     const cv::Mat1b flashing = flashes(*now, *before, *behind);
@@ -123,15 +134,6 @@ Artefacts count_artefacts(const Lazy<cv::Mat3b>& frames, const Lazy<cv::Mat1b>& 
   Artefacts sum;
   for (const Artefacts& counts : found) sum += counts;
   return sum;
-}
-
-Artefacts count_artefacts(const fs::path& out, const std::vector<std::string>& names, const Tick& tick) {
-  const auto file = [&](const char* folder, std::size_t i) { return out / folder / (names[i] + ".png"); };
-  const Lazy<cv::Mat3b> frames(
-      names.size(), [&](std::size_t i) { return io::read_image(file("frames", i), io::image_size(file("frames", i))); });
-  const Lazy<cv::Mat1b> masks(
-      names.size(), [&](std::size_t i) { return io::read_mask(file("masks", i), io::image_size(file("frames", i))); });
-  return count_artefacts(frames, masks, tick);
 }
 
 }  // namespace dvi::metrics

@@ -1,14 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
-
 #include "dvi/core/files.h"
 #include "dvi/core/interrupt.h"
-#include "dvi/core/lazy.h"
 
 namespace dvi::metrics {
 
@@ -28,10 +26,10 @@ struct Artefacts {
   double overshoot_ppm() const;
 };
 
-/// Counts them in frames in the order of the drive and their masks (255: filled); ticks once a frame.
-Artefacts count_artefacts(const Lazy<cv::Mat3b>& frames, const Lazy<cv::Mat1b>& masks, const Tick& tick = [] {});
-
-/// The same of the frames/ and masks/ of a run.
-Artefacts count_artefacts(const fs::path& out, const std::vector<std::string>& names, const Tick& tick = [] {});
+/// Counts them in the frames/ and masks/ of a run. `names` in the order of the drive; ticks once a frame. `filled`: files of
+/// other frames, by name, which count inside the masks instead.
+Artefacts count_artefacts(
+    const fs::path& out, const std::vector<std::string>& names, const Tick& tick = [] {},
+    const std::function<fs::path(const std::string& name)>& filled = {});
 
 }  // namespace dvi::metrics

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -94,21 +95,6 @@ ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* externa
   return frame;
 }
 
-/// In the frames as wholes, ignored pixels too.
-Artefacts artefacts(const EvaluationFolders& folders, const ExternalFrames* external, const std::vector<std::string>& names) {
-  if (!external) return count_artefacts(folders.out, names);
-  const auto file = [&](const char* folder, std::size_t i) { return folders.out / folder / (names[i] + ".png"); };
-  const Lazy<cv::Mat1b> masks(
-      names.size(), [&](std::size_t i) { return io::read_mask(file("masks", i), io::image_size(file("frames", i))); });
-  const Lazy<cv::Mat3b> frames(names.size(), [&](std::size_t i) {
-    const cv::Mat1b mask = *masks[i];
-    cv::Mat3b frame = io::read_image(file("frames", i), mask.size());
-    if (cv::countNonZero(mask) > 0) io::read_image(frame_of(*external, names[i]), mask.size()).copyTo(frame, mask);
-    return frame;
-  });
-  return count_artefacts(frames, masks);
-}
-
 /// Takes the tallies in the order of the frames.
 struct Collector {
   Evaluation evaluation;
@@ -174,7 +160,9 @@ Evaluation score(const EvaluationFolders& folders, const ExternalFrames* externa
     }
     previous = frames.back();
   });
-  collector.evaluation.artefacts = artefacts(folders, external, names);
+  std::function<fs::path(const std::string&)> filled;
+  if (external) filled = [&](const std::string& name) { return frame_of(*external, name); };
+  collector.evaluation.artefacts = count_artefacts(folders.out, names, [] {}, filled);  // ignored pixels, too
   return collector.finish();
 }
 

@@ -86,7 +86,7 @@ std::vector<Unplaced> to_register(const Recordings& drives, const Poses& poses, 
     const Trajectory& track = poses[i].world_from_lidar;
     require_another(target, source);
     const bool shared = shares_world(target, source);
-    if (const double apart = nearest_m(target_track, track); shared && apart > kFarApart)
+    if (const double apart = shared ? nearest_m(target_track, track) : 0; apart > kFarApart)
       throw InputError(
           source.path,
           fmt::format("does not overlap with {} (0 %): by the given poses it comes no nearer than {:.0f} m", name, apart),

@@ -16,6 +16,7 @@ std::vector<std::string> SourceMasks::keep(const cv::Mat_<cv::Vec3w>& provenance
   std::vector<std::string> files;
   for (const std::size_t source : sources) {
     files.push_back(source_mask_file(source));
+    if (const std::lock_guard lock(mutex_); written_.contains(source)) continue;
     const auto mask = views_.masks[source];
     const std::lock_guard lock(mutex_);
     if (written_.insert(source).second) io::write_png(out_ / files.back(), *mask);

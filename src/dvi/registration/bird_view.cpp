@@ -8,6 +8,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "dvi/core/median.h"
 #include "dvi/scan_match/local_map.h"
 
 namespace dvi::registration {
@@ -44,8 +45,7 @@ Plane ground_of(const std::vector<Feature>& planes) {
   if (level.size() < 6) return {};
   std::vector<double> heights;
   for (const Eigen::Vector3d& x : level) heights.push_back(x.z());
-  std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2), heights.end());
-  Eigen::Vector3d abc(0, 0, heights[heights.size() / 2]);  // z = a x + b y + c
+  Eigen::Vector3d abc(0, 0, median(std::move(heights)));  // z = a x + b y + c
   for (int i = 0; i < 20; ++i) {
     const double off = std::max(kOff, 2.0 / (1 + i));  // a slope is found step by step
     Eigen::Matrix3d H = 1e-6 * Eigen::Matrix3d::Identity();

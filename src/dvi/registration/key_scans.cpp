@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "dvi/drive/nearest_in_time.h"
+
 namespace dvi::registration {
 namespace {
 
@@ -38,12 +40,10 @@ std::vector<KeyScans::Key> keys_of(const Drive& drive, const Trajectory& world_f
 class Traffic {
  public:
   Traffic(const Drive& drive, const ScanHeader& header) : drive_(drive) {
-    const auto off = [&](const Frame& f) { return std::abs(f.time_ns - header.time_ns); };
-    const auto nearest = std::min_element(drive.frames.begin(), drive.frames.end(),
-                                          [&](const Frame& a, const Frame& b) { return off(a) < off(b); });
-    if (nearest == drive.frames.end() || off(*nearest) > header.end_ns - header.start_ns) return;
+    const Frame* const nearest = nearest_in_time(drive.frames, header.time_ns, header.end_ns - header.start_ns);
+    if (!nearest) return;
     labels_ = &nearest->labels;
-    if (!drive.masks.empty()) mask_ = drive.masks[static_cast<std::size_t>(nearest - drive.frames.begin())];
+    if (!drive.masks.empty()) mask_ = drive.masks[static_cast<std::size_t>(nearest - drive.frames.data())];
   }
 
   bool holds(const Eigen::Vector3d& point) const {

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "dvi/core/median.h"
+#include "dvi/drive/nearest_in_time.h"
 #include "dvi/traffic/seconds.h"
 
 namespace dvi::traffic {
@@ -51,9 +52,7 @@ Track::State Track::state(std::size_t observation) const {
 }
 
 std::size_t Track::nearest(std::int64_t time_ns) const {
-  const auto apart = [&](const Cluster& o) { return std::abs(o.mean_time_ns - time_ns); };
-  const auto found = std::min_element(observations.begin(), observations.end(),
-                                      [&](const Cluster& a, const Cluster& b) { return apart(a) < apart(b); });
+  const auto found = nearest_in_time(observations.begin(), observations.end(), time_ns, &Cluster::mean_time_ns);
   return static_cast<std::size_t>(found - observations.begin());
 }
 
