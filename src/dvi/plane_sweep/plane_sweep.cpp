@@ -31,7 +31,6 @@ constexpr std::size_t kRays = 200;  // of a piece, by which its sources are chos
 constexpr float kNoise = 2;          // grey levels of contrast(), in daylight
 constexpr float kCostMost = 8;       // views differ; by how much does not matter
 constexpr float kAgree = 2;          // they may still show the same
-constexpr float kDistinct = 1;       // a depth must be better than the others by so much
 constexpr float kSignal = 3;         // texture, against noise and against what views differ by
 constexpr float kSmallStep = 0.15F;  // of semi-global matching
 constexpr float kLargeStep = 1.5F;
@@ -154,10 +153,9 @@ bool believable(const Piece& piece, const Camera& target, cv::Point p, double w)
 }
 
 // Means over the window's seen pixels. What is not seen may well be true: it costs what the other labels do on average, so
-// that it loses to one that fits better than they do, and only to that. Returns that average (0: nothing is seen).
-cv::Mat1f aggregate(const Piece& piece, cv::Mat& cost, cv::Mat& seen) {
+// that it loses to one that fits better than they do, and only to that.
+void aggregate(const Piece& piece, cv::Mat& cost, cv::Mat& seen) {
   for (cv::Mat* m : {&cost, &seen}) cv::boxFilter(*m, *m, CV_32F, {kWindow, kWindow}, {-1, -1}, false, cv::BORDER_CONSTANT);
-  cv::Mat1f average(piece.box.size(), 0.0F);
   for (int y = 0; y < cost.rows; ++y)
     for (int x = 0; x < cost.cols; ++x) {
       float *c = cost.ptr<float>(y, x), *s = seen.ptr<float>(y, x);
@@ -169,18 +167,17 @@ cv::Mat1f aggregate(const Piece& piece, cv::Mat& cost, cv::Mat& seen) {
         sum += c[k];
         count += s[k] > 0 ? 1 : 0;
       }
-      if (count > 0) average(y, x) = sum / static_cast<float>(count);
+      const float average = sum / static_cast<float>(std::max(count, 1));
       for (int k = 0; k < piece.labels; ++k) {
-        if (s[k] == 0) c[k] = average(y, x);
+        if (s[k] == 0) c[k] = average;
         c[k] += kFar * static_cast<float>(k);
       }
     }
-  return average;
 }
 
-// The labels that win, where they may be believed, as depth.
+// The labels that win, where they may be believed, as depth. Another may fit as well: it would copy what looks the same.
 void decide(const Piece& piece, const Camera& target, const cv::Mat1b& hole, const cv::Mat& cost, const cv::Mat& seen,
-            const cv::Mat1f& average, depth::DepthMap& out) {
+            depth::DepthMap& out) {
   const cv::Mat sum = semi_global(cost, piece.member, kSmallStep, kLargeStep);
   for (int y = 0; y < piece.box.height; ++y)
     for (int x = 0; x < piece.box.width; ++x) {
@@ -188,10 +185,8 @@ void decide(const Piece& piece, const Camera& target, const cv::Mat1b& hole, con
       if (piece.member(y, x) == 0 || hole(p) == 0) continue;
       const float* s = sum.ptr<float>(y, x);
       const auto k = static_cast<int>(std::min_element(s, s + piece.labels) - s);
-      const float c = cost.ptr<float>(y, x)[k] - kFar * static_cast<float>(k);
       // Unless seen at infinity, it may as well be too far to be seen at all.
       if (seen.ptr<float>(y, x)[0] == 0 || seen.ptr<float>(y, x)[k] == 0) continue;
-      if (k > 0 && c > average(y, x) - kDistinct) continue;
       double w = piece.inverse_depth(k);
       if (k > 0 && k + 1 < piece.labels) {
         const double bend = s[k - 1] - 2.0 * s[k] + s[k + 1];
@@ -283,8 +278,8 @@ depth::DepthMap plane_sweep(const depth::DepthMap& depth, const Views& views, st
     cv::Mat cost(box.size(), CV_32FC(piece.labels)), seen(box.size(), CV_32FC(piece.labels));
     for (cv::Mat* m : {&cost, &seen}) m->reshape(1).setTo(0);
     compare(piece, camera, cost, seen);
-    const cv::Mat1f average = aggregate(piece, cost, seen);
-    decide(piece, camera, hole, cost, seen, average, out);
+    aggregate(piece, cost, seen);
+    decide(piece, camera, hole, cost, seen, out);
   }
   return out;
 }
