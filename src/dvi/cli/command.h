@@ -68,6 +68,9 @@ struct Common {
 
 /// Each adds its command; the fields it parses into live as long as the program.
 void add_run(Program& program);
+void add_plan(Program& program);
+void add_fill(Program& program);
+void add_finish(Program& program);
 void add_map(Program& program);
 void add_mask(Program& program);
 void add_eval(Program& program);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/pipeline/plan_record.h"
 
 namespace dvi::cli {
 namespace {
@@ -81,6 +82,31 @@ pipeline::Job JobOptions::job(const std::string& out, const std::string& target,
     make_absolute(*path);
   for (std::string& path : job.sources) make_absolute(path);
   return job;
+}
+
+void RunArguments::add_to(Command& command) {
+  command.positional("TARGET", target, "The drive to clean", false);
+  command.positional("SOURCE", sources, "Source drives of the same street to copy pixels from");
+  command.option("-o,--out", out, "Folder of the result");
+  options.add_to(command);
+  command.flag("--force", force, "Replace a result of another drive");
+  common.add_to(command, true);
+}
+
+pipeline::Job RunArguments::job(const std::string& command) {
+  pipeline::Job job = options.job(out, target, sources);
+  job.force = force;
+  out = job.out;
+  if (job.target.empty()) throw UsageError(fmt::format("dvi {0} needs a drive: dvi {0} TARGET -o OUT", command));
+  if (job.out.empty()) throw UsageError(fmt::format("dvi {} needs a folder for the result: -o OUT", command));
+  return job;
+}
+
+pipeline::Job planned_job(const std::string& out) {
+  pipeline::read_plan_record(out);
+  JobOptions options;
+  options.config = (fs::path(out) / "dvi.toml").string();
+  return options.job(fs::absolute(out).lexically_normal().string(), "", {});
 }
 
 }  // namespace dvi::cli

@@ -22,4 +22,22 @@ struct JobOptions {
   pipeline::Job job(const std::string& out, const std::string& target, const std::vector<std::string>& sources) const;
 };
 
+/// The command line of run and plan.
+struct RunArguments {
+  std::string out, target;
+  std::vector<std::string> sources;
+  JobOptions options;
+  Common common;
+  bool force = false;
+
+  void add_to(Command& command);
+
+  /// The job these make, whose folder becomes `out`. UsageError, with the name of the command, where drive or folder are
+  /// missing.
+  pipeline::Job job(const std::string& command);
+};
+
+/// The job that `dvi plan` wrote down in OUT.
+pipeline::Job planned_job(const std::string& out);
+
 }  // namespace dvi::cli

@@ -15,6 +15,9 @@ int main(int argc, char** argv) {
   dvi::catch_interrupts();
   dvi::cli::Program program;
   dvi::cli::add_run(program);
+  dvi::cli::add_plan(program);
+  dvi::cli::add_fill(program);
+  dvi::cli::add_finish(program);
   dvi::cli::add_map(program);
   dvi::cli::add_mask(program);
   dvi::cli::add_eval(program);

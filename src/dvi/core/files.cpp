@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <sstream>
 
 #include "dvi/core/draft.h"
@@ -17,7 +19,14 @@ namespace {
 
 std::string reason() { return std::strerror(errno); }
 
-/// Whether temporary_beside() gives such names: .NAME.partPID.EXTENSION.
+/// Digits that no other process has, on machines that share a folder either.
+std::string process_digits() {
+  std::array<char, 256> host{};
+  if (gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
+  return std::to_string(std::hash<std::string>{}(host.data()) % 1'000'000) + std::to_string(getpid());
+}
+
+/// Whether temporary_beside() gives such names: .NAME.partDIGITS.EXTENSION.
 bool is_temporary(const fs::path& path) {
   const std::string stem = path.stem().string();
   const std::size_t mark = stem.rfind(".part");
@@ -36,7 +45,7 @@ void sync(const fs::path& path) {
 }  // namespace
 
 fs::path temporary_beside(const fs::path& path) {
-  return path.parent_path() / ("." + path.stem().string() + ".part" + std::to_string(getpid()) + path.extension().string());
+  return path.parent_path() / ("." + path.stem().string() + ".part" + process_digits() + path.extension().string());
 }
 
 void remove_temporaries(const fs::path& folder) {

@@ -21,13 +21,15 @@ std::string this_process() {
 
 }  // namespace
 
-FolderLock::FolderLock(const fs::path& folder, const fs::path& file)
-    : descriptor_(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666)) {
+FolderLock::FolderLock(const fs::path& folder, const fs::path& file, Hold hold)
+    : descriptor_(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666)), hold_(hold) {
   if (descriptor_ < 0)
     throw InputError(file, std::string("cannot be written (") + std::strerror(errno) + ")",
                      "choose a folder that can be written");
-  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+  const bool shared = hold == Hold::shared;
+  if (flock(descriptor_, (shared ? LOCK_SH : LOCK_EX) | LOCK_NB) != 0) {
     const bool taken = errno == EWOULDBLOCK;
+    if (!taken && shared) return;
     const std::string reason = std::strerror(errno);
     close(descriptor_);
     if (!taken) throw InputError(file, "cannot be locked (" + reason + ")", "choose a folder on another file system");
@@ -35,6 +37,7 @@ FolderLock::FolderLock(const fs::path& folder, const fs::path& file)
     throw InputError(folder, "is being written by " + (holder.empty() ? "another process" : holder),
                      "wait for it, or choose another folder");
   }
+  if (shared) return;
   const std::string holder = this_process();
   // Only for the message to others: the lock holds without it, on a full disk too.
   [[maybe_unused]] const bool named =
@@ -42,7 +45,9 @@ FolderLock::FolderLock(const fs::path& folder, const fs::path& file)
 }
 
 FolderLock::~FolderLock() {
-  [[maybe_unused]] const int emptied = ftruncate(descriptor_, 0);  // else the next holder writes over it
+  if (hold_ == Hold::alone) {
+    [[maybe_unused]] const int emptied = ftruncate(descriptor_, 0);  // else the next holder writes over it
+  }
   close(descriptor_);
 }
 

@@ -30,6 +30,15 @@ class Lock : public testing::Test {
   const fs::path file = folder.path / "lock";
 };
 
+TEST_F(Lock, IsSharedOrHeldAlone) {
+  {
+    const FolderLock one(folder.path, file, FolderLock::Hold::shared), two(folder.path, file, FolderLock::Hold::shared);
+    EXPECT_THAT(refusal(), HasSubstr("is being written by another process"));
+  }
+  const FolderLock alone(folder.path, file);
+  EXPECT_THROW(FolderLock(folder.path, file, FolderLock::Hold::shared), InputError);
+}
+
 TEST_F(Lock, NamesTheProcessThatHoldsIt) {
   {
     const FolderLock lock(folder.path, file);

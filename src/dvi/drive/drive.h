@@ -85,6 +85,8 @@ struct Drive {
 /// A range of frames by the drive's own numbers, both included.
 struct FrameRange {
   int first = 0, last = 0;
+
+  bool contains(int number) const { return number >= first && number <= last; }
 };
 
 /// Nanoseconds, both included.

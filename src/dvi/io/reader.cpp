@@ -79,7 +79,7 @@ void cut(Drive& drive, const FrameRange& range) {
   if (range.first > range.last || range.first < first || range.last > last)
     throw InputError(drive.path, "frames " + std::to_string(range.first) + ":" + std::to_string(range.last) + " are not in it",
                      "it has frames " + std::to_string(first) + ":" + std::to_string(last));
-  keep(drive, [&](const Frame& frame) { return frame.number >= range.first && frame.number <= range.last; });
+  keep(drive, [&](const Frame& frame) { return range.contains(frame.number); });
   if (drive.frames.empty())
     throw InputError(drive.path, "has no images for frames " + std::to_string(range.first) + ":" + std::to_string(range.last));
 }

@@ -32,15 +32,18 @@ void remove_stages(const fs::path& out) {
   }
 }
 
-KeptStages::KeptStages(fs::path out, std::string fingerprint, Progress& progress)
-    : out_(std::move(out)), fingerprint_(std::move(fingerprint)), progress_(progress) {
-  make_folder(out_ / kFolder);
-  remove_temporaries(out_ / kFolder);
+KeptStages::KeptStages(fs::path out, std::string fingerprint, Progress& progress, Missing missing)
+    : out_(std::move(out)), fingerprint_(std::move(fingerprint)), progress_(progress), missing_(missing) {
+  if (missing_ == Missing::made) {
+    make_folder(out_ / kFolder);
+    remove_temporaries(out_ / kFolder);
+  }
   for (const std::string& name : recorded_stages(out_)) {
     const std::optional<Record> record = read_record(record_of(out_, name));
     if (record && record->fingerprint == fingerprint_ && record->holds(out_)) held_.insert(name);
   }
-  if (!held_.empty()) progress_.note(fmt::format("{} of an earlier call are used", fmt::join(held_, ", ")));
+  if (!held_.empty() && missing_ == Missing::made)
+    progress_.note(fmt::format("{} of an earlier call are used", fmt::join(held_, ", ")));
 }
 
 bool KeptStages::load(const std::string& name, const std::function<void(ArchiveReader&)>& read) const {
@@ -58,6 +61,11 @@ bool KeptStages::load(const std::string& name, const std::function<void(ArchiveR
   progress_.end();
   for (const std::string& warning : warnings) progress_.warn(warning);
   return true;
+}
+
+void KeptStages::refuse_if_missing(const std::string& name) const {
+  if (missing_ == Missing::made) return;
+  throw InputError(out_ / file_of(name), "is missing or damaged", "plan again: dvi plan --config OUT/dvi.toml makes it anew");
 }
 
 void KeptStages::save(const std::string& name, std::size_t warned, const std::function<void(ArchiveWriter&)>& write) const {

@@ -17,13 +17,17 @@ namespace dvi::pipeline {
 /// made. NAME.json is its record, written after it. What the record does not confirm is made again.
 class KeptStages {
  public:
-  /// Notes which stages of an earlier call will be used. `fingerprint`: of all that the stages depend on.
-  KeptStages(fs::path out, std::string fingerprint, Progress& progress);
+  enum class Missing { made, refused };
+
+  /// Notes which stages of an earlier call will be used. `fingerprint`: of all that the stages depend on. `missing`: what
+  /// becomes of the others; refused is an InputError.
+  KeptStages(fs::path out, std::string fingerprint, Progress& progress, Missing missing = Missing::made);
 
   /// What `make` returned to an earlier call, its warnings repeated; otherwise what it returns now. `result`: where to read to.
   template <class Make, class Result = std::invoke_result_t<Make>>
   Result operator()(const std::string& name, const Make& make, Result result = Result()) const {
     if (load(name, [&](ArchiveReader& in) { in >> result; })) return result;
+    refuse_if_missing(name);
     const std::size_t warned = progress_.warnings().size();
     result = make();
     save(name, warned, [&](ArchiveWriter& out) { out << result; });
@@ -32,12 +36,14 @@ class KeptStages {
 
  private:
   bool load(const std::string& name, const std::function<void(ArchiveReader&)>& read) const;
+  void refuse_if_missing(const std::string& name) const;
   void save(const std::string& name, std::size_t warned, const std::function<void(ArchiveWriter&)>& write) const;
 
   const fs::path out_;
   const std::string fingerprint_;
   Progress& progress_;
   std::set<std::string> held_;  // names
+  const Missing missing_;
 };
 
 /// The stages that records in OUT name, whatever they were made from, by name.

@@ -239,7 +239,7 @@ std::vector<std::string> verify(const Recordings& drives, const Job& job, Progre
   return warnings;
 }
 
-void add_files(Fingerprint& print, const Recording& open) {
+std::vector<fs::path> files_of(const Recording& open) {
   const Drive& drive = open.drive;
   std::vector<fs::path> files;
   for (const Frame& frame : drive.frames) files.push_back(frame.file);
@@ -247,6 +247,12 @@ void add_files(Fingerprint& print, const Recording& open) {
     for (const ScanHeader& header : drive.scan_headers) files.push_back(header.file);
   files.insert(files.end(), drive.mask_files.begin(), drive.mask_files.end());
   files.insert(files.end(), drive.other_files.begin(), drive.other_files.end());
+  return files;
+}
+
+void add_files(Fingerprint& print, const Recording& open) {
+  const Drive& drive = open.drive;
+  const std::vector<fs::path> files = files_of(open);
   std::vector<std::string> hashes(files.size());
   parallel_for(files.size(), [&](std::size_t i) {
     if (!files[i].empty()) hashes[i] = hash_of_file(files[i], kLargestFile);  // empty: a frame without a mask

@@ -55,8 +55,10 @@ Recordings open_images(const Job& job, Progress& progress);
 /// Warns, and returns the warnings, where the job's range of the LiDAR leaves out more than a tenth of a drive's returns.
 std::vector<std::string> verify(const Recordings& drives, const Job& job, Progress& progress);
 
-/// Adds the name of the drive, and name and content of every file that is read of it, wherever they lie. InputError where one
-/// cannot be read.
+/// Every file that is read of it, wherever they lie; an empty path where a frame has no mask.
+std::vector<fs::path> files_of(const Recording& open);
+
+/// Adds the name of the drive, and name and content of every file of files_of(). InputError where one cannot be read.
 void add_files(Fingerprint& print, const Recording& open);
 
 }  // namespace dvi::pipeline

@@ -107,6 +107,22 @@ CostReport cost_report(const Progress& progress, const CpuClock& clock, std::siz
   return {progress.times(), clock.seconds(), frames_made, peak_memory()};
 }
 
+CostReport& CostReport::operator+=(const CostReport& other) {
+  for (const StageTime& time : other.stages) {
+    const auto same = std::find_if(stages.begin(), stages.end(), [&](const StageTime& t) { return t.stage == time.stage; });
+    if (same == stages.end()) {
+      stages.push_back(time);
+    } else {
+      same->seconds += time.seconds;
+      same->cpu_seconds += time.cpu_seconds;
+    }
+  }
+  for (const auto& [stage, seconds] : other.fill_cpu_seconds) fill_cpu_seconds[stage] += seconds;
+  frames_made += other.frames_made;
+  peak_memory_bytes = std::max(peak_memory_bytes, other.peak_memory_bytes);
+  return *this;
+}
+
 std::string RunReport::brief(const std::string& out) const {
   const HoleParts share = hole.share();
   std::string text = fmt::format("{} frames, {} hole pixels: {:.1f} % copied", frames.size(), hole.pixels, 100 * share.copied);

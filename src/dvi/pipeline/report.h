@@ -91,6 +91,9 @@ struct CostReport {
   std::map<std::string, double> fill_cpu_seconds;  ///< what the stage "fill" is made of
   std::size_t frames_made = 0;
   std::size_t peak_memory_bytes = 0;
+
+  /// Adds what another process spent on the same result.
+  CostReport& operator+=(const CostReport& other);
 };
 
 /// What report.json holds.

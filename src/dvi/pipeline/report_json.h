@@ -16,6 +16,9 @@ void from_json(const nlohmann::json& json, PosesReport& report);
 void to_json(nlohmann::json& json, const MapReport& report);
 void from_json(const nlohmann::json& json, MapReport& report);
 
+void to_json(nlohmann::json& json, const CostReport& report);
+void from_json(const nlohmann::json& json, CostReport& report);
+
 nlohmann::json json_of(const FrameReport& report);
 FrameReport frame_of(const nlohmann::json& json);
 

@@ -14,8 +14,10 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
+#include "dvi/pipeline/fingerprints.h"
 #include "dvi/pipeline/frame_files.h"
 #include "dvi/pipeline/map_files.h"
+#include "dvi/pipeline/plan_record.h"
 #include "dvi/pipeline/records.h"
 #include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
 #include "dvi/pipeline/result_media.h"
@@ -33,50 +35,6 @@ std::optional<nlohmann::json> read_job(const fs::path& out) {
   if (!fs::exists(job_file(out))) return std::nullopt;
   const nlohmann::json job = nlohmann::json::parse(read_file(job_file(out)), nullptr, false);
   return job.is_object() ? std::optional(job) : std::nullopt;
-}
-
-// Which drives a result is of; a folder made from others is refused.
-std::string identity_of(const Recordings& drives) {
-  std::string identity;
-  for (const Recording& open : drives)
-    identity += fs::absolute(open.drive.path).lexically_normal().string() + " " + open.drive.camera_name + "\n";
-  return identity;
-}
-
-// The program and every file that is read, wherever they lie.
-std::string content_of(const Recordings& drives) {
-  Fingerprint print;
-  print.add(read_file("/proc/self/exe"));  // another build may make other pixels
-  for (const Recording& open : drives) add_files(print, open);
-  return print.hex();
-}
-
-// All that the frames depend on.
-std::string fingerprint_of(Job job, const std::string& content) {
-  job.out.clear();
-  job.memory_mb = job.options.map.memory_mb = 0;  // change no pixel
-  return hash_of(content + job.table().dump_toml());
-}
-
-// All that the stages before the fill depend on: not what only the fill is told, nor the names of what `content` is of.
-std::string stages_fingerprint_of(Job job, const std::string& content) {
-  job.target.clear();
-  job.sources.clear();
-  job.read.frames.clear();
-  job.read.masks.path.clear();
-  job.read.detector.clear();
-  job.read.ego_mask.clear();
-  job.read.poses.file.clear();
-  const Options plain;
-  job.options.depth = plain.depth;
-  job.options.plane_sweep = plain.plane_sweep;
-  job.options.sample = plain.sample;
-  job.options.regularize = plain.regularize;
-  job.options.harmonize = plain.harmonize;
-  job.options.smooth = plain.smooth;
-  job.options.flow = plain.flow;
-  job.options.video = plain.video;
-  return fingerprint_of(job, content);
 }
 
 // What sources.json says: the image behind each number in a frame's receipts.
@@ -169,12 +127,12 @@ void require_usable_folder(const fs::path& out, bool force) {
     throw InputError(out, "exists and is no result of dvi", "choose another folder, or --force to write into it");
 }
 
-ResultFolder::ResultFolder(const Job& job, const Recordings& drives)
+ResultFolder::ResultFolder(const Job& job, const Recordings& drives, std::string content)
     : job_(job),
       drives_(drives),
       out_(job.out),
       identity_(identity_of(drives)),
-      content_(content_of(drives)),
+      content_(content.empty() ? content_of(drives) : std::move(content)),
       fingerprint_(fingerprint_of(job, content_)) {
   require_apart(job);
   refuse_other_drives();
@@ -233,8 +191,32 @@ void ResultFolder::claim() {
   write_file(job_file(out_), json_text(job) + "\n");
 }
 
-KeptStages ResultFolder::kept_stages(Progress& progress) const {
-  return {out_, stages_fingerprint_of(job_, content_), progress};
+void ResultFolder::join() {
+  lock_.emplace(out_, out_ / ".dvi/lock", FolderLock::Hold::shared);
+  require_plan_of(out_, job_, drives_);  // another process may have planned anew since the first look
+  for (const fs::path& folder : own_folders(out_)) make_folder(folder);
+}
+
+void ResultFolder::claim_plan() {
+  claim();
+  require_plan_of(out_, job_, drives_, content_);
+  planned_ = true;
+}
+
+KeptStages ResultFolder::kept_stages(Progress& progress, KeptStages::Missing missing) const {
+  return {out_, stages_fingerprint_of(job_, content_), progress, missing};
+}
+
+void ResultFolder::write_plan(const Progress& progress) const {
+  write_file(out_ / "dvi.toml", own_options());
+  keep_cost(out_, "plan", fingerprint_, cost_report(progress, CpuClock(), 0));
+  write_plan_record(out_, {kVersion, program_fingerprint(), listing_of(drives_), content_, fingerprint_});
+}
+
+void ResultFolder::keep_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu, const Progress& progress) const {
+  if (!frames.empty())
+    keep_cost(out_, fmt::format("fill-{}-{}", frames.front(), frames.back()), fingerprint_,
+              cost_report(progress, cpu, frames.size()));
 }
 
 std::string ResultFolder::frame_name(const Views& views, std::size_t view) const {
@@ -255,7 +237,8 @@ std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progre
   if (const auto again = std::count(stale.begin(), stale.end(), 1); again > 0)
     progress.note(fmt::format("{} of {} frames in {} are of other options or inputs, or damaged: they are made again", again,
                               count, out_.string()));
-  for (const fs::path& mark : {result_record(), out_ / "report.json"}) fs::remove(mark);
+  if (!missing.empty())
+    for (const fs::path& mark : {result_record(), out_ / "report.json"}) fs::remove(mark);
   made_ = missing.size();
   return missing;
 }
@@ -322,6 +305,7 @@ RunReport ResultFolder::report(const RunResults& results, const Progress& progre
   report.standing = standing_tracks(drives_.front(), results.poses.front().world_from_lidar, job_);
   if (results.map != nullptr) report.map = map_report(*results.map);
   report.cost = cost_report(progress, results.cpu, made_);
+  if (planned_) report.cost += kept_costs(out_, fingerprint_);
   report.warnings = progress.warnings();
   return report;
 }

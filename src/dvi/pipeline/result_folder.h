@@ -37,8 +37,8 @@ struct RunResults {
 /// that a frame's record names are deleted.
 class ResultFolder {
  public:
-  /// InputError where the folder is refused. Looks only.
-  ResultFolder(const Job& job, const Recordings& drives);
+  /// InputError where the folder is refused. Looks only. `content`: content_of() the drives, where it is known already.
+  ResultFolder(const Job& job, const Recordings& drives, std::string content = "");
   ~ResultFolder();  ///< removes the folder again if it was made here and nothing was written
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
@@ -49,17 +49,32 @@ class ResultFolder {
   /// Takes the folder for this run. InputError where it cannot be written, or another process writes into it.
   void claim();
 
-  /// What earlier calls computed before they filled frames.
-  KeptStages kept_stages(Progress& progress) const;
+  /// Takes the folder together with others that fill frames of its plan. InputError where it is no plan of this job, or another
+  /// process keeps it to itself.
+  void join();
 
-  /// The views of the target that are still to be made, ascending. From here on the result counts as unfinished.
+  /// As claim(), to complete what others filled. InputError where it is no plan of this job.
+  void claim_plan();
+
+  /// What earlier calls computed before they filled frames.
+  KeptStages kept_stages(Progress& progress, KeptStages::Missing missing = KeptStages::Missing::made) const;
+
+  /// Writes down that all stages before the fill are kept, and which options they were made with.
+  void write_plan(const Progress& progress) const;
+
+  /// The views of the target that are still to be made, ascending. From here on the result counts as unfinished, if there are
+  /// any.
   std::vector<std::size_t> missing_frames(const Views& views, Progress& progress);
+
+  /// Keeps what these frames cost for who completes the result.
+  void keep_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu, const Progress& progress) const;
 
   /// Writes everything of a frame, its record last. Safe to call from several threads.
   std::function<void(std::size_t view, const FilledView& finished)> writer(const Views& views, const align::Cameras& cameras,
                                                                            CpuClock& cpu, Progress& progress) const;
 
-  /// Writes what stands beside the frames, the report last, and removes frames of earlier runs.
+  /// Writes what stands beside the frames, the report last, and removes frames of earlier runs. The report's cost is this
+  /// process's, and that of a plan and its fills where the result was made by them.
   RunReport complete(const RunResults& results, Progress& progress);
 
  private:
@@ -82,6 +97,7 @@ class ResultFolder {
   std::optional<FolderLock> lock_;
   std::vector<std::string> names_;  // of the target's views
   std::size_t made_ = 0;            // frames that were missing
+  bool planned_ = false;            // by another process
 };
 
 /// After an interrupted run into `out`: what the same run, called again, finds done there, for a person.

@@ -1,11 +1,17 @@
 #include "dvi/pipeline/run.h"
 
+#include <functional>
 #include <utility>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "dvi/core/error.h"
 #include "dvi/depth/depths.h"
 #include "dvi/pipeline/doubt_setup.h"
 #include "dvi/pipeline/make_map.h"
 #include "dvi/pipeline/make_views.h"
+#include "dvi/pipeline/plan_record.h"
 #include "dvi/pipeline/refine.h"
 #include "dvi/pipeline/result_folder.h"
 #include "dvi/pipeline/rig.h"
@@ -23,16 +29,20 @@ using map::StaticMap, map::VisibleMap;
 using regularize::Labelling;
 using sample::Candidates;
 
-RunReport run(const Job& job, Progress& progress) {
-  require_usable_folder(job.out, job.force);
-  if (is_baseline(job.method)) return run_baseline(job, progress);
-  const Options& options = job.options;
-  const Recordings drives = with_other_cameras(open_recordings(job, MaskNeed::required, progress), job, progress);
-  ResultFolder out(job, drives);
-  if (const std::optional<RunReport> finished = out.finished_report(progress)) return *finished;
-  out.claim();
-  const KeptStages kept = out.kept_stages(progress);
+namespace {
 
+/// What is global: found once, before any frame is filled.
+struct Plan {
+  const Poses& poses;
+  const StaticMap& map;
+  const Views& views;
+  const Cameras& cameras;
+};
+
+/// Calls `then` with the plan; its stages are made unless they are kept.
+template <class Then>
+auto with_plan(const Job& job, const Recordings& drives, const KeptStages& kept, Progress& progress, const Then& then) {
+  const Options& options = job.options;
   const Poses poses = kept("poses", [&] {
     verify(drives, job, progress);                 // what is damaged is said before hours of work
     return estimate_poses(drives, job, progress);  // section 3.1: LOAM
@@ -48,11 +58,16 @@ RunReport run(const Job& job, Progress& progress) {
   const VisibleMap visible(map, posed);
   const Gains gains = kept("exposure", [&] { return estimate_exposure(posed, visible, drives, options, progress); });
   const Cameras cameras = kept("alignment", [&] { return align(posed, visible, drives, options, progress); });  // 3.2, eq. 1
-  const Views views = refined(posed, gains, cameras);
+  return then(Plan{poses, map, refined(posed, gains, cameras), cameras});
+}
 
-  CpuClock cpu;
+using Write = std::function<void(std::size_t view, const FilledView& finished)>;
+
+void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const Options& options, const Write& write,
+                 CpuClock& cpu, Progress& progress) {
+  const Views& views = plan.views;
   const Depths depths(views, [&](std::size_t i) {  // 3.3
-    return cpu.time("depth", depth::depth_map, map, views[i], options.depth);
+    return cpu.time("depth", depth::depth_map, plan.map, views[i], options.depth);
   });
   const auto fill = [&](std::size_t i) {
     const DepthMap depth =
@@ -64,12 +79,106 @@ RunReport run(const Job& job, Progress& progress) {
         cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, options.harmonize);  // 3.6, eq. 5
     return FilledView{std::move(frame), labels.energy};
   };
-  const std::vector<std::size_t> missing = out.missing_frames(views, progress);
-  progress.begin("fill", missing.size());
-  for_each_smoothed(
-      missing, views.of_sequence(0).second,
-      {.fill = fill, .smoothing = smoothing(options.smooth, cpu), .write = out.writer(views, cameras, cpu, progress)});
-  return out.complete({.views = views, .map = &map, .poses = poses, .cameras = cameras, .cpu = cpu}, progress);
+  progress.begin("fill", frames.size());
+  for_each_smoothed(frames, views.of_sequence(0).second,
+                    {.fill = fill, .smoothing = smoothing(options.smooth, cpu), .write = write});
+  progress.end();
+}
+
+Recordings open_all(const Job& job, Progress& progress) {
+  return with_other_cameras(open_recordings(job, MaskNeed::required, progress), job, progress);
+}
+
+/// The drive's own number of a frame.
+int number_of(const Views& views, std::size_t view, const Recordings& drives) {
+  return drives.front().drive.frames[views[view].frame].number;
+}
+
+/// "A:B" for each run of views that follow each other.
+std::vector<std::string> ranges_of(const std::vector<std::size_t>& frames, const Views& views, const Recordings& drives) {
+  std::vector<std::string> out;
+  for (std::size_t first = 0, next = 1; next <= frames.size(); ++next) {
+    if (next < frames.size() && frames[next] == frames[next - 1] + 1) continue;
+    out.push_back(fmt::format("{}:{}", number_of(views, frames[first], drives), number_of(views, frames[next - 1], drives)));
+    first = next;
+  }
+  return out;
+}
+
+/// Fills these frames into the folder and completes it.
+RunReport fill_and_complete(ResultFolder& out, const Plan& plan, const std::vector<std::size_t>& frames, const Options& options,
+                            Progress& progress) {
+  CpuClock cpu;
+  fill_frames(plan, frames, options, out.writer(plan.views, plan.cameras, cpu, progress), cpu, progress);
+  return out.complete({.views = plan.views, .map = &plan.map, .poses = plan.poses, .cameras = plan.cameras, .cpu = cpu},
+                      progress);
+}
+
+}  // namespace
+
+RunReport run(const Job& job, Progress& progress) {
+  require_usable_folder(job.out, job.force);
+  if (is_baseline(job.method)) return run_baseline(job, progress);
+  const Recordings drives = open_all(job, progress);
+  ResultFolder out(job, drives);
+  if (const std::optional<RunReport> finished = out.finished_report(progress)) return *finished;
+  out.claim();
+  return with_plan(job, drives, out.kept_stages(progress), progress, [&](const Plan& plan) {
+    return fill_and_complete(out, plan, out.missing_frames(plan.views, progress), job.options, progress);
+  });
+}
+
+PlanReport plan(const Job& job, Progress& progress) {
+  require_usable_folder(job.out, job.force);
+  if (is_baseline(job.method))
+    throw UsageError(fmt::format("--method {} has nothing to plan: dvi run fills each frame by itself", to_string(job.method)));
+  const Recordings drives = open_all(job, progress);
+  ResultFolder out(job, drives);
+  out.claim();
+  return with_plan(job, drives, out.kept_stages(progress), progress, [&](const Plan& plan) {
+    PlanReport report;
+    for (std::size_t i = 0; i < plan.views.of_sequence(0).second; ++i)
+      report.frames.push_back(number_of(plan.views, i, drives));
+    report.finished = report.frames.size() - out.missing_frames(plan.views, progress).size();
+    out.write_plan(progress);
+    return report;
+  });
+}
+
+FillReport fill(const Job& job, const std::optional<FrameRange>& range, Progress& progress) {
+  const Recordings drives = open_all(job, progress);
+  ResultFolder out(job, drives, read_plan_record(job.out).content);
+  out.join();
+  return with_plan(job, drives, out.kept_stages(progress, KeptStages::Missing::refused), progress, [&](const Plan& plan) {
+    const auto chosen = [&](std::size_t i) { return !range || range->contains(number_of(plan.views, i, drives)); };
+    FillReport report;
+    for (std::size_t i = 0; i < plan.views.of_sequence(0).second; ++i) report.frames += chosen(i) ? 1 : 0;
+    if (report.frames == 0) throw InputError(job.out, fmt::format("has no frames {}:{}", range->first, range->last));
+    std::vector<std::size_t> missing = out.missing_frames(plan.views, progress);
+    std::erase_if(missing, [&](std::size_t i) { return !chosen(i); });
+    CpuClock cpu;
+    fill_frames(plan, missing, job.options, out.writer(plan.views, plan.cameras, cpu, progress), cpu, progress);
+    out.keep_fill_cost(missing, cpu, progress);
+    report.filled = missing.size();
+    return report;
+  });
+}
+
+RunReport finish(const Job& job, Progress& progress) {
+  const Recordings drives = open_all(job, progress);
+  ResultFolder out(job, drives);
+  if (const std::optional<RunReport> finished = out.finished_report(progress)) return *finished;
+  out.claim_plan();
+  return with_plan(job, drives, out.kept_stages(progress, KeptStages::Missing::refused), progress, [&](const Plan& plan) {
+    if (const std::vector<std::size_t> missing = out.missing_frames(plan.views, progress); !missing.empty()) {
+      const std::vector<std::string> ranges = ranges_of(missing, plan.views, drives);
+      throw InputError(
+          job.out,
+          fmt::format("lacks {} of {} frames: {}", missing.size(), plan.views.of_sequence(0).second, fmt::join(ranges, ", ")),
+          fmt::format("dvi fill {} --frames {} makes the first of them", job.out, ranges.front()));
+    }
+    return fill_and_complete(out, plan, {}, job.options, progress);
+  });
 }
 
 }  // namespace dvi::pipeline

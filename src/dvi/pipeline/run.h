@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
+#include <vector>
+
 #include "dvi/core/progress.h"
 #include "dvi/pipeline/job.h"
 #include "dvi/pipeline/report.h"
@@ -9,5 +13,29 @@ namespace dvi::pipeline {
 /// The main job: the target drive without what its masks cover, into job.out (layout: docs/concepts.md). Goes on from where an
 /// interrupted run stopped. InputError, with nothing half-written, where the data or the folder are not usable.
 RunReport run(const Job& job, Progress& progress);
+
+// The same in pieces, which make the same files: plan() once, then fill() for ranges of frames, on any machine that sees the
+// drives and job.out under the same paths, in any order, several at once; then finish(). Each may be called again.
+
+/// What a plan is of, for who cuts it into ranges.
+struct PlanReport {
+  std::vector<int> frames;   ///< by the drive's own numbers, ascending
+  std::size_t finished = 0;  ///< of these, by earlier calls
+};
+
+/// All that is global: poses, masks, map, exposure, alignment.
+PlanReport plan(const Job& job, Progress& progress);
+
+struct FillReport {
+  std::size_t frames = 0;  ///< in the range
+  std::size_t filled = 0;  ///< of these, now; the others were finished
+};
+
+/// The frames of a range that are not finished yet; none: all. `job`: OUT/dvi.toml as plan() wrote it. InputError where job.out
+/// is no plan of it, or was made by another program or from other files, or no frame lies in the range.
+FillReport fill(const Job& job, const std::optional<FrameRange>& range, Progress& progress);
+
+/// Everything beside the frames. InputError, which names them, where frames are missing.
+RunReport finish(const Job& job, Progress& progress);
 
 }  // namespace dvi::pipeline

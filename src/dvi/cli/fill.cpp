@@ -1,0 +1,44 @@
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/cli/command.h"
+#include "dvi/cli/job_options.h"
+#include "dvi/core/json_text.h"
+#include "dvi/core/threads.h"
+#include "dvi/pipeline/result_folder.h"
+#include "dvi/pipeline/run.h"
+
+namespace dvi::cli {
+
+void add_fill(Program& program) {
+  struct Arguments {
+    std::string out;
+    std::optional<std::string> frames;
+    Common common;
+  };
+  const auto a = std::make_shared<Arguments>();
+  Command command = program.command("fill", "Fill frames of a plan: any range, on any machine, several ranges at once");
+  command.positional("OUT", a->out, "Folder that dvi plan wrote");
+  command.option("--frames", a->frames, "A:B: only these frames, inclusive, by the drive's own numbers; A: only that frame");
+  a->common.add_to(command, true);
+  command.run(
+      [a] {
+        std::optional<FrameRange> range;
+        if (a->frames) range = pipeline::parse_frames(*a->frames);
+        const pipeline::Job job = planned_job(a->out);
+        const ThreadLimit limit(a->common.threads);
+        Progress progress(a->common.style());
+        const pipeline::FillReport fill = pipeline::fill(job, range, progress);
+        progress.end();
+        const nlohmann::json json{{"schema", "dvi-fill/1"}, {"frames", fill.frames}, {"filled", fill.filled}};
+        fmt::print("{}\n", a->common.json ? json_text(json)
+                                          : fmt::format("{} frames filled, {} were finished before", fill.filled,
+                                                        fill.frames - fill.filled));
+      },
+      [a] { return pipeline::kept_in(a->out); });
+}
+
+}  // namespace dvi::cli
