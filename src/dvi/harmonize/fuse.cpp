@@ -6,6 +6,7 @@
 
 #include "dvi/drive/warp.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/image/region.h"
 
 namespace dvi::harmonize {
 namespace {
@@ -16,6 +17,7 @@ constexpr float kSaturated = 250;
 constexpr float kSaturatedTrust = 0.01F;
 // Brighter than anything that the target's camera can show, beyond noise: the surface is not lit on both days as those are that
 // the gains were found from.
+constexpr int kBleeds = 1;  // px from such a surface, what it is in front of is mixed with it
 constexpr float kBrightest = 255 + kDiffer;
 
 float most_different(const cv::Vec3f& a, const cv::Vec3f& b) {
@@ -72,6 +74,7 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
     const std::size_t pixel = slot / ranks, rank = slot % ranks;
     return rank == 0 ? candidates.leading[pixel] : candidates.others(pixel)[rank - 1];
   };
+  cv::Mat1b sky(candidates.hole.index.size(), uchar{0});
   std::map<int, std::vector<std::size_t>> of_view;
   for (std::size_t slot = 0; slot < shown.size(); ++slot)
     if (candidate(slot).found()) of_view[candidate(slot).view].push_back(slot);
@@ -86,14 +89,23 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
       const cv::Vec3f colour = box_mean(*image, from.position, footprints[slot]);
       const bool saturated = std::max({colour[0], colour[1], colour[2]}) >= kSaturated;
       const cv::Vec3f lit = colour.mul(gain);
-      if (other_day && std::max({lit[0], lit[1], lit[2]}) > kBrightest) continue;
+      if (other_day && std::max({lit[0], lit[1], lit[2]}) > kBrightest) {
+        sky(candidates.hole.pixels[slot / ranks]) = 255;
+        continue;
+      }
       shown[slot] = {lit, from.trust * (saturated ? kSaturatedTrust : 1)};
     }
   }
+  sky = grown(sky, kBleeds);
+  for (std::size_t slot = 0; slot < shown.size(); ++slot)
+    if (sky(candidates.hole.pixels[slot / ranks]) != 0 && candidate(slot).found() &&
+        views[candidate(slot).view].drive != views[target].drive)
+      shown[slot].trust = 0;
   Fused out{{candidates.hole, std::vector<sample::Candidate>(pixels)},
             std::vector<cv::Vec3f>(pixels),
             std::vector<std::uint8_t>(pixels),
-            std::vector<float>(pixels)};
+            std::vector<float>(pixels),
+            sky};
   for (std::size_t i = 0; i < pixels; ++i) {
     const std::span<const Shown> of_pixel{&shown[i * ranks], ranks};
     if (std::none_of(of_pixel.begin(), of_pixel.end(), [](const Shown& s) { return s.trust > 0; })) continue;

@@ -34,10 +34,12 @@ struct Fused {
   std::vector<cv::Vec3f> colour;      ///< as hole.pixels; zeros where there is no candidate
   std::vector<std::uint8_t> sources;  ///< as hole.pixels
   std::vector<float> spread;          ///< as hole.pixels
+  cv::Mat1b sky;                      ///< 255: another drive shows what is too bright for the target's light, or bleeds from it
 };
 
 /// Reads one source image at a time. Where a box meets the source's mask the pixel itself is taken; saturated colours count
-/// only where there are no others. What another drive shows too bright for the target's light is not used at all.
+/// only where there are no others. What another drive shows there where it is too bright for the
+/// target's light, as its sky is, or mixed with that, is not used.
 Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t target);
 
 }  // namespace dvi::harmonize

@@ -122,6 +122,20 @@ TEST(Fuse, WhatAnotherDayShowsTooBrightIsNotUsed) {
   EXPECT_FALSE(alone.run().candidates.leading[0].found());
 }
 
+TEST(Fuse, WhatIsMixedWithTheSkyOfAnotherDayIsNotUsed) {
+  cv::Mat3b roof(60, 80, cv::Vec3b::all(80));
+  roof.rowRange(0, 30) = cv::Scalar::all(200);
+  Still still({roof}, roof);
+  still.scene.views[1].gain = {1.5, 1.5, 1.5};
+  still.scene.views[1].sequence = still.scene.views[1].drive = 1;
+  const Fused out = still.run();
+  for (std::size_t i = 0; i < out.colour.size(); ++i) {
+    const cv::Point p = out.candidates.hole.pixels[i];
+    EXPECT_EQ(out.candidates.leading[i].found(), p.y > 30);
+    EXPECT_EQ(out.sky(p) != 0, p.y <= 30);
+  }
+}
+
 TEST(Fuse, FootprintsKeepOffTheMask) {
   const cv::Mat3b truth = waves(80, 60, 1);
   Still still({truth}, truth);

@@ -41,17 +41,20 @@ cv::Mat1b where(const cv::Mat1b& image, Value value) {
 
 /// The hole with what lies round it, all that filling it looks at. Pixels are those of the box.
 struct Window {
-  explicit Window(const sample::Candidates& candidates) : copies(candidates) {
-    const Region& hole = candidates.hole;
+  Window(const Fused& fused, const depth::DepthMap& depths) : copies(fused.candidates) {
+    const Region& hole = copies.hole;
     if (hole.pixels.empty()) return;
     const cv::Rect within = cv::boundingRect(hole.pixels);
     box = cv::Rect(within.x - 1, within.y - 1, within.width + 2, within.height + 2) & cv::Rect({}, hole.index.size());
     index = hole.index(box);
+    depth = depths.z(box).clone();
+    depth.setTo(dvi::depth::DepthMap::kInfinity, fused.sky(box));
   }
 
   const sample::Candidates& copies;
   cv::Rect box;
   cv::Mat1i index;  ///< of hole.pixels, or -1
+  cv::Mat1f depth;  ///< as DepthMap::z; the sky that another drive shows is at infinity
 
   std::size_t size() const { return copies.leading.size(); }
   cv::Point pixel(std::size_t i) const { return copies.hole.pixels[i] - box.tl(); }
@@ -99,6 +102,8 @@ class Equation {
     // Two days differ along the rim of the hole in more than light: shadows, parked cars, the sky. Such a difference fades over
     // 10 px, 1 / sqrt(kHold); beyond, the gains are right to a few grey levels.
     constexpr float kAnchor = 1e-4F, kHold = 1e-2F;
+    // The sky does not go on in what stands before it. Not 0: it may have no other neighbour.
+    constexpr float kSilhouette = 1e-3F;
     PoissonSystem out{Region(where(roles_, Role::solved)), {}, {}, guidance_.vertical};
     out.diagonal.reserve(out.region.size());
     out.right.reserve(out.region.size());
@@ -110,7 +115,7 @@ class Equation {
       if (copied && guidance_.seams) right += copies_.seam[i];
       for (const cv::Point q : around(p)) {
         if (!inside(roles_, q) || roles_(q) == static_cast<uchar>(Role::absent)) continue;
-        const float weight = q.y == p.y ? 1 : guidance_.vertical;
+        const float weight = (q.y == p.y ? 1 : guidance_.vertical) * (before_sky(p, q) ? kSilhouette : 1);
         diagonal += weight;
         right += weight * pull(i, q);
       }
@@ -126,6 +131,13 @@ class Equation {
   }
 
  private:
+  /// Whether p, without a source, is sky and its neighbour, which is fixed, is not.
+  bool before_sky(cv::Point p, cv::Point q) const {
+    return roles_(q) == static_cast<uchar>(Role::fixed) && window_.depth(p) == depth::DepthMap::kInfinity &&
+           window_.depth(q) < depth::DepthMap::kInfinity && depth::DepthMap::is_surface(window_.depth(q)) &&
+           !window_.copies.leading[window_.index(p)].found();
+  }
+
   /// What a neighbour adds to the right side: its colour where it is fixed, the gradient of the copies within one source.
   cv::Vec3f pull(int i, cv::Point q) const {
     cv::Vec3f out;
@@ -242,7 +254,7 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
   for (std::size_t i = 0; i < hole.size(); ++i) out.colour(hole.pixels[i]) = copies.colour[i];
   const Role copied = options.poisson ? Role::solved : Role::fixed;
   const Role unseen = options.fill_never_seen ? Role::solved : Role::absent;
-  const Window window(candidates);
+  const Window window(fused, depth);
   cv::Mat3f colour = out.colour(window.box);
   cv::Mat1b roles = roles_of(window, copied, options.never_seen_last ? Role::absent : unseen);
   fill(window, copies, roles, {options.seam_gradients, 1}, colour);

@@ -93,6 +93,18 @@ TEST(Harmonize, UnseenPixelsContinueALinearRamp) {
   EXPECT_LT(c.worst(c.run()), 0.1);
 }
 
+TEST(Harmonize, TheSkyDoesNotGoOnInWhatStandsBeforeIt) {
+  cv::Mat3b picture(kHeight, kWidth, cv::Vec3b::all(200));
+  picture.rowRange(30, kHeight) = cv::Scalar::all(60);
+  Case c(picture, rectangle({0, 15, kWidth, 30}));
+  c.scene.add_source(0, c.truth);
+  c.seen(1, 0, {0, 30, kWidth, 15});
+  depth::DepthMap depth{c.scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
+  EXPECT_LT(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}).colour(29, 40)[0], 100) << "a wall would";
+  depth.z.rowRange(0, 30) = depth::DepthMap::kInfinity;
+  EXPECT_LT(c.worst(harmonize(c.candidates, c.scene.lazy(), 0, depth, {})), 3);
+}
+
 TEST(Harmonize, UnseenPixelsContinueTheLayersBesideThem) {
   cv::Mat3b layers(kHeight, kWidth, cv::Vec3b(200, 200, 200));
   layers.rowRange(30, kHeight) = cv::Scalar(60, 60, 60);

@@ -31,6 +31,7 @@ constexpr std::size_t kRays = 200;  // of a piece, by which its sources are chos
 constexpr float kNoise = 2;          // grey levels of contrast(), in daylight
 constexpr float kCostMost = 8;       // views differ; by how much does not matter
 constexpr float kAgree = 2;          // they may still show the same
+constexpr float kTold = 0.5F;        // a depth that costs so much more than another is told from it
 constexpr float kSignal = 3;         // texture, against noise and against what views differ by
 constexpr float kSmallStep = 0.15F;  // of semi-global matching
 constexpr float kLargeStep = 1.5F;
@@ -59,6 +60,7 @@ struct Source {
 struct Piece {
   cv::Rect box;
   cv::Mat1b member;  ///< of the box: pixels to find a depth for
+  cv::Mat1f below;   ///< of the box: inverse depth of the surface below them; 0: none
   int labels = 0;
   double step = 0;
   std::vector<Source> sources;
@@ -175,9 +177,42 @@ void aggregate(const Piece& piece, cv::Mat& cost, cv::Mat& seen) {
     }
 }
 
+// Where the surface below goes on upwards, as facades do beyond the LiDAR's uppermost beam: the views agree there on its depth,
+// and on no other one better. What is plain agrees at any depth: it belongs to the surface if some texture above it does, which
+// is seen not to be at infinity.
+cv::Mat1b upright(const Piece& piece, const Camera& target, const cv::Mat& costs) {
+  cv::Mat1f cost(piece.box.size(), 0.0F), signal = cost.clone(), shown = cost.clone();
+  for (int y = 0; y < piece.box.height; ++y)
+    for (int x = 0; x < piece.box.width; ++x) {
+      if (piece.below(y, x) == 0) continue;
+      const Sight sight = look(piece, directions(piece, target, cv::Point(x, y) + piece.box.tl()), piece.below(y, x));
+      if (sight.views < 2) continue;
+      cost(y, x) = sight.cost;
+      signal(y, x) = sight.signal;
+      shown(y, x) = 1;
+    }
+  const cv::Mat1f itself = shown.clone();
+  for (cv::Mat1f* m : {&cost, &signal, &shown})
+    cv::boxFilter(*m, *m, CV_32F, {kWindow, kWindow}, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::Mat1b out(piece.box.size(), uchar{0});
+  for (int x = 0; x < piece.box.width; ++x) {
+    bool textured = false;
+    for (int y = 0; y < piece.box.height; ++y) {
+      if (y > 0 && piece.below(y, x) != piece.below(y - 1, x)) textured = false;
+      if (itself(y, x) == 0 || cost(y, x) > kAgree * shown(y, x)) continue;
+      const float here = cost(y, x) / shown(y, x), *others = costs.ptr<float>(y, x);
+      if (here > *std::min_element(others, others + piece.labels) + kTold) continue;
+      textured |= signal(y, x) > kSignal * std::max(cost(y, x), shown(y, x)) && others[0] > here + kTold;
+      out(y, x) = textured ? 255 : 0;
+    }
+  }
+  return out;
+}
+
 // The labels that win, where they may be believed, as depth. Another may fit as well: it would copy what looks the same.
 void decide(const Piece& piece, const Camera& target, const cv::Mat1b& hole, const cv::Mat& cost, const cv::Mat& seen,
             depth::DepthMap& out) {
+  const cv::Mat1b goes_on = upright(piece, target, cost);
   const cv::Mat sum = semi_global(cost, piece.member, kSmallStep, kLargeStep);
   for (int y = 0; y < piece.box.height; ++y)
     for (int x = 0; x < piece.box.width; ++x) {
@@ -185,6 +220,12 @@ void decide(const Piece& piece, const Camera& target, const cv::Mat1b& hole, con
       if (piece.member(y, x) == 0 || hole(p) == 0) continue;
       const float* s = sum.ptr<float>(y, x);
       const auto k = static_cast<int>(std::min_element(s, s + piece.labels) - s);
+      if (goes_on(y, x) != 0 && seen.ptr<float>(y, x)[0] != 0) {
+        const float w = piece.below(y, x);
+        out.z(p) = 1 / w;
+        out.sigma(p) = static_cast<float>(0.5 * piece.step) / (w * w);
+        continue;
+      }
       // Unless seen at infinity, it may as well be too far to be seen at all.
       if (seen.ptr<float>(y, x)[0] == 0 || seen.ptr<float>(y, x)[k] == 0) continue;
       double w = piece.inverse_depth(k);
@@ -201,6 +242,7 @@ void decide(const Piece& piece, const Camera& target, const cv::Mat1b& hole, con
 // The pixels without depth that lie above a surface, or are sky; the inverse depth of the nearest surface below them.
 double find_members(const depth::DepthMap& depth, Piece& piece) {
   piece.member = cv::Mat1b(piece.box.size(), uchar{0});
+  piece.below = cv::Mat1f(piece.box.size(), 0.0F);
   double nearest = 0;
   for (int x = piece.box.x; x < piece.box.br().x; ++x) {
     double w = 0;
@@ -210,6 +252,7 @@ double find_members(const depth::DepthMap& depth, Piece& piece) {
         w = 1 / z;
       } else if (y < piece.box.br().y && (w > 0 || z == depth::DepthMap::kSky)) {
         piece.member(cv::Point(x, y) - piece.box.tl()) = 255;
+        piece.below(cv::Point(x, y) - piece.box.tl()) = static_cast<float>(w);
         nearest = std::max(nearest, w > 0 ? w : 1 / kNearest);
       }
     }
@@ -256,7 +299,7 @@ depth::DepthMap plane_sweep(const depth::DepthMap& depth, const Views& views, st
                   visibility[view]};
   };
   for (const cv::Rect& box : boxes(hole)) {
-    Piece piece{box, {}, 0, 0, {}};
+    Piece piece{box, {}, {}, 0, 0, {}};
     double nearest = find_members(depth, piece);
     std::vector<cv::Point> wanted;
     cv::findNonZero(hole(box) & piece.member, wanted);

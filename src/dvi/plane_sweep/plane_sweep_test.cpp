@@ -90,6 +90,22 @@ TEST(PlaneSweep, FindsAWallWithoutReturns) {
     }
 }
 
+TEST(PlaneSweep, ASurfaceGoesOnUpwardsAsFarAsItsTexture) {
+  cv::Mat3b picture = waves(96, 64, 1);
+  picture.rowRange(0, 21) = cv::Scalar(230, 180, 150);  // the sky above the wall
+  depth::DepthMap depth = no_returns();
+  depth.z.rowRange(30, 58) = FlatScene::kDepth;
+  const depth::DepthMap out = swept(wall(picture, {-1, 1}), depth);  // too near to each other to tell its depth
+  const auto walls = [&](int first, int last) {
+    int count = 0;
+    for (int y = first; y < last; ++y)
+      for (int x = kHole.x; x < kHole.br().x; ++x) count += out.z(y, x) == static_cast<float>(FlatScene::kDepth) ? 1 : 0;
+    return count / static_cast<double>((last - first) * kHole.width);
+  };
+  EXPECT_GT(walls(24, 30), 0.75);
+  EXPECT_LT(walls(kHole.y, 18), 0.1);
+}
+
 TEST(PlaneSweep, FindsItInAnotherLight) {
   FlatScene scene = wall(waves(96, 64, 1));
   scene.images[2] = 0.6 * scene.images[2];
