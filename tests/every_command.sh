@@ -38,6 +38,7 @@ dvi map one -o map --poses loam --trajectory kitti
 dvi run one -o filed --poses map/poses.txt
 dvi audit own one
 dvi audit both one two
+for format in colmap nerfstudio ply las mcap video; do dvi export $format both -o "export-$format"; done
 dvi eval own --truth one/truth --external other=flow/frames --json
 dvi holdout one -o case
 dvi selfcheck one -o selfcheck --scenario parked

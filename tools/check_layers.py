@@ -13,7 +13,7 @@ STAGES = [
 ]
 NOUNS = ["core", "geometry", "image", "drive"]
 SERVICES = ["io", "scan_match"]
-MEASURES = ["metrics", "holdout", "baselines", "audit", "plausibility"]
+MEASURES = ["metrics", "holdout", "baselines", "audit", "plausibility", "exports"]
 
 # What each module may include besides its own folder.
 ALLOWED = {

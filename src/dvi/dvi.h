@@ -9,6 +9,7 @@
 #include "dvi/core/error.h"         // IWYU pragma: export
 #include "dvi/core/progress.h"      // IWYU pragma: export
 #include "dvi/core/threads.h"       // IWYU pragma: export
+#include "dvi/exports/exporter.h"   // IWYU pragma: export
 #include "dvi/metrics/evaluate.h"   // IWYU pragma: export
 #include "dvi/pipeline/check.h"     // IWYU pragma: export
 #include "dvi/pipeline/make_map.h"  // IWYU pragma: export

@@ -81,6 +81,7 @@ void add_holdout(Program& program);
 void add_selfcheck(Program& program);
 void add_synth(Program& program);
 void add_demo(Program& program);
+void add_export(Program& program);
 void add_config(Program& program);
 void add_formats(Program& program);
 void add_version(Program& program);

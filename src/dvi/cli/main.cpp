@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   dvi::cli::add_selfcheck(program);
   dvi::cli::add_synth(program);
   dvi::cli::add_demo(program);
+  dvi::cli::add_export(program);
   dvi::cli::add_config(program);
   dvi::cli::add_formats(program);
   dvi::cli::add_version(program);

@@ -37,7 +37,17 @@ std::optional<nlohmann::json> read_job(const fs::path& out) {
   return job.is_object() ? std::optional(job) : std::nullopt;
 }
 
-// What sources.json says: the image behind each number in a frame's receipts.
+// One camera on one drive, as dvi.toml of the plain layout describes it.
+nlohmann::json camera_json(const Drive& drive) {
+  const Camera& c = drive.camera;
+  return {{"drive", fs::absolute(drive.path).lexically_normal().string()},
+          {"camera", drive.camera_name},
+          {"size", {c.width, c.height}},
+          {"K", {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}},
+          {"distortion", c.distortion}};
+}
+
+// What sources.json says: the image behind each number in a frame's receipts, and the cameras that took them.
 nlohmann::json sources_json(const Views& views, const Recordings& drives) {
   nlohmann::json sources = nlohmann::json::array();
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -51,7 +61,9 @@ nlohmann::json sources_json(const Views& views, const Recordings& drives) {
                        {"file", fs::absolute(frame.file).lexically_normal().string()},
                        {"exposure_gain", std::array<float, 3>{gain[2], gain[1], gain[0]}}});
   }
-  return {{"schema", "dvi-sources/1"}, {"sources", sources}};
+  nlohmann::json cameras = nlohmann::json::array();
+  for (const Recording& open : drives) cameras.push_back(camera_json(open.drive));
+  return {{"schema", "dvi-sources/1"}, {"cameras", cameras}, {"sources", sources}};
 }
 
 std::vector<std::string> pictures_of(const std::string& name) {

@@ -1,0 +1,45 @@
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "dvi/cli/command.h"
+#include "dvi/core/threads.h"
+#include "dvi/exports/exporter.h"
+
+namespace dvi::cli {
+namespace {
+
+std::string formats_for_help() {
+  std::string text = "One of";
+  for (const exports::ExportFormat& format : exports::export_formats())
+    text += fmt::format("\n{}: {}", format.name, format.summary);
+  return text;
+}
+
+}  // namespace
+
+void add_export(Program& program) {
+  struct Arguments {
+    std::string format, out, folder;
+    exports::ExportOptions options;
+    OptionTable table;
+    Common common;
+  };
+  const auto a = std::make_shared<Arguments>();
+  a->options.describe(a->table);
+  Command command = program.command("export", "A result in the form that other tools read: COLMAP, nerfstudio, GIS, Foxglove");
+  command.positional("FORMAT", a->format, formats_for_help());
+  command.positional("OUT", a->out, "A result of dvi run");
+  command.option("-o,--out", a->folder, "Folder for the files, new or empty", true);
+  command.options(a->table);
+  a->common.add_to(command, true, false);
+  command.run([a] {
+    const exports::ExportFormat& format = exports::export_format(a->format);
+    const ThreadLimit limit(a->common.threads);
+    Progress progress(a->common.style());
+    const exports::ExportReport report = exports::export_result(format, a->out, a->folder, a->options, progress);
+    fmt::print("{}\n", a->common.json ? exports::to_json(report, format.name, a->folder) : exports::brief(report, a->folder));
+  });
+}
+
+}  // namespace dvi::cli

@@ -1,0 +1,93 @@
+#include <array>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/json_text.h"
+#include "dvi/core/threads.h"
+#include "dvi/exports/exporter.h"
+#include "dvi/exports/map_cloud.h"
+#include "dvi/exports/scene_files.h"
+#include "dvi/io/write_image.h"
+#include "dvi/io/write_ply.h"
+
+namespace dvi::exports {
+namespace {
+
+// The loader's default unit: 16-bit millimetres. What is farther than 65.5 m is unknown to it.
+cv::Mat1w millimetres(const cv::Mat1f& depth) {
+  cv::Mat1w out(depth.size(), ushort{0});
+  for (int y = 0; y < depth.rows; ++y)
+    for (int x = 0; x < depth.cols; ++x)
+      if (depth(y, x) < 65.535F) out(y, x) = cv::saturate_cast<ushort>(1000 * depth(y, x));
+  return out;
+}
+
+// Camera axes of OpenGL: x right, y up, z backward.
+nlohmann::json opengl_pose(const SE3& world_from_camera) {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  m.topLeftCorner<3, 3>() = world_from_camera.R * Eigen::Vector3d(1, -1, -1).asDiagonal();
+  m.topRightCorner<3, 1>() = world_from_camera.t;
+  nlohmann::json rows = nlohmann::json::array();
+  for (int r = 0; r < 4; ++r) rows.push_back(std::array<double, 4>{m(r, 0), m(r, 1), m(r, 2), m(r, 3)});
+  return rows;
+}
+
+void write_cloud(const fs::path& file, const std::vector<CloudPoint>& cloud) {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<cv::Vec3b> colours;
+  for (const CloudPoint& p : cloud) {
+    points.push_back(p.position);
+    colours.push_back(p.colour);
+  }
+  io::write_ply(file, {points, colours});
+}
+
+nlohmann::json transforms(const Result& result) {
+  const Camera& c = result.camera();
+  nlohmann::json frames = nlohmann::json::array();
+  for (const ResultFrame& frame : result.frames())
+    frames.push_back({{"file_path", "images/" + frame.name + ".png"},
+                      {"mask_path", "masks/" + frame.name + ".png"},
+                      {"depth_file_path", "depth/" + frame.name + ".png"},
+                      {"transform_matrix", opengl_pose(frame.world_from_camera)}});
+  // Its pixel centres are at (0.5, 0.5), as COLMAP's.
+  return {{"camera_model", "OPENCV"},
+          {"w", c.width},
+          {"h", c.height},
+          {"fl_x", c.fx},
+          {"fl_y", c.fy},
+          {"cx", c.cx + 0.5},
+          {"cy", c.cy + 0.5},
+          {"k1", c.distortion[0]},
+          {"k2", c.distortion[1]},
+          {"p1", c.distortion[2]},
+          {"p2", c.distortion[3]},
+          {"k3", c.distortion[4]},
+          {"frames", frames},
+          {"ply_file_path", "map.ply"}};
+}
+
+ExportReport write_nerfstudio(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
+  write_images_and_masks(result, folder, ".png", progress);
+  make_folder(folder / "depth");
+  parallel_for(result.frames().size(), [&](std::size_t i) {
+    io::write_png(folder / "depth" / (result.frames()[i].name + ".png"), millimetres(result.depth(i)));
+  });
+  std::vector<CloudPoint> cloud = read_map_cloud(result.folder() / "map/map.ply");
+  std::erase_if(cloud, [](const CloudPoint& p) { return !p.coloured(); });
+  cloud = thinned(cloud, static_cast<std::size_t>(options.max_points));
+  write_cloud(folder / "map.ply", cloud);
+  write_file(folder / "transforms.json", json_text(transforms(result)) + "\n");
+  return {{"transforms.json"},
+          {{"images", static_cast<double>(result.frames().size())}, {"points", static_cast<double>(cloud.size())}}};
+}
+
+}  // namespace
+
+ExportFormat nerfstudio_format() {
+  return {"nerfstudio", "transforms.json with images, masks of never-seen pixels, depth and the map (nerfstudio, instant-ngp)",
+          write_nerfstudio};
+}
+
+}  // namespace dvi::exports

@@ -1,0 +1,39 @@
+#include <opencv2/core.hpp>
+
+#include "dvi/core/threads.h"
+#include "dvi/exports/exporter.h"
+#include "dvi/io/image_file.h"
+
+namespace dvi::exports {
+namespace {
+
+cv::Mat3b picture(const Result& result, std::size_t frame, bool beside) {
+  const cv::Mat3b clean = result.image(frame);
+  if (!beside) return clean;
+  cv::Mat3b both;
+  cv::hconcat(io::read_image(result.frames()[frame].input, result.size()), clean, both);
+  return both;
+}
+
+ExportReport write_video(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
+  const int width = result.size().width * (options.beside ? 2 : 1);
+  io::VideoWriter video(folder / "video.mp4", {width, result.size().height}, options.video);
+  for_blocks(result.frames().size(), [&](std::size_t first, std::size_t last) {
+    std::vector<cv::Mat3b> pictures(last - first);
+    parallel_for(pictures.size(), [&](std::size_t i) { pictures[i] = picture(result, first + i, options.beside); });
+    for (const cv::Mat3b& frame : pictures) {
+      video.push(frame);
+      progress.advance();
+    }
+  });
+  video.finish();
+  return {{"video.mp4"}, {{"frames", static_cast<double>(result.frames().size())}}};
+}
+
+}  // namespace
+
+ExportFormat video_format() {
+  return {"video", "an mp4 of the result at a rate and quality, beside the input if wanted", write_video};
+}
+
+}  // namespace dvi::exports

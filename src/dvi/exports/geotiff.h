@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/core/files.h"
+
+namespace dvi::exports {
+
+/// Where a raster lies. Metres east and north of the origin if there is one, else in the drive's own world.
+struct GeoPlace {
+  struct Origin {
+    double latitude_deg = 0, longitude_deg = 0, heading_deg = 0;  ///< of the world's x axis, clockwise from north
+
+    /// "LAT,LON,HEADING". UsageError otherwise.
+    static Origin parse(const std::string& text);
+  };
+  double cell_m = 0, west_m = 0, north_m = 0;  ///< as Ground
+  std::optional<Origin> origin = {};
+
+  /// GDAL's affine transform from pixels to the place.
+  std::array<double, 6> transform() const;
+  /// The coordinate system as PROJ has it; empty: local metres.
+  std::string projection() const;
+};
+
+/// One band of a raster, 8-bit or 32-bit float, and what it holds.
+struct GeoBand {
+  cv::Mat values;
+  std::string description;
+};
+
+/// Whether this build has GDAL.
+bool can_write_geotiff();
+
+/// Writes bands of one size and type; `alpha`: the last one tells where there is something; else NaN does. UsageError where
+/// this build has no GDAL, InputError where the file cannot be written.
+void write_geotiff(const fs::path& file, const GeoPlace& place, const std::vector<GeoBand>& bands, bool alpha);
+
+}  // namespace dvi::exports

@@ -1,0 +1,88 @@
+#include "dvi/exports/result.h"
+
+#include <array>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/harmonize/filled_frame.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/rigid.h"
+#include "dvi/io/text.h"
+#include "dvi/io/write_image.h"
+
+namespace dvi::exports {
+namespace {
+
+constexpr const char* kRunAgain = "call the same dvi run again: it finishes the result";
+
+Camera to_camera(const nlohmann::json& entry) {
+  const auto size = entry.at("size").get<std::array<int, 2>>();
+  const auto K = entry.at("K").get<std::array<double, 9>>();
+  return {size[0], size[1], K[0], K[4], K[2], K[5], entry.at("distortion").get<std::array<double, 5>>()};
+}
+
+}  // namespace
+
+Result::Result(const fs::path& out) : folder_(out) {
+  if (!fs::is_directory(out)) throw InputError(out, "is no folder", "give the OUT of a dvi run");
+  if (!fs::exists(out / "sources.json") || !fs::exists(out / "report.json"))
+    throw InputError(out, "is no finished result of dvi run", kRunAgain);
+  if (!fs::exists(out / "map/poses.txt"))
+    throw InputError(out, "has no poses and no map", "export a result of --method dvi or paper: the others make none");
+  read_poses();
+  read_sources();
+}
+
+void Result::read_poses() {
+  const std::vector<io::TextLine> poses = io::read_text_lines(folder_ / "map/poses.txt");
+  const std::vector<io::TextLine> times = io::read_text_lines(folder_ / "map/times.txt");
+  if (poses.size() != times.size())
+    throw InputError(folder_ / "map/times.txt", fmt::format("has {} lines, but poses.txt has {}", times.size(), poses.size()),
+                     kRunAgain);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const std::optional<SE3> pose = io::to_rigid(poses[i].numbers<12>(0));
+    if (!pose) poses[i].fail("is no rigid motion", kRunAgain);
+    frames_.push_back({{}, {}, times[i].nanoseconds(0), *pose});
+  }
+}
+
+void Result::read_sources() {
+  const fs::path file = folder_ / "sources.json";
+  try {
+    const nlohmann::json table = nlohmann::json::parse(read_file(file));
+    if (!table.contains("cameras"))
+      throw InputError(file, "does not tell the cameras: it is of an earlier version of dvi", kRunAgain);
+    const nlohmann::json& camera = table.at("cameras").at(0);
+    camera_ = to_camera(camera);
+    camera_name_ = camera.at("camera").get<std::string>();
+    for (std::size_t i = 0; i < frames_.size(); ++i) {  // the target's are the first sources
+      const nlohmann::json& source = table.at("sources").at(i);
+      frames_[i].name = source.at("frame").get<std::string>();
+      frames_[i].input = source.at("file").get<std::string>();
+    }
+  } catch (const nlohmann::json::exception& e) {
+    throw InputError(file, fmt::format("is not as dvi writes it ({})", e.what()), kRunAgain);
+  }
+  for (const ResultFrame& frame : frames_)
+    if (frame.name.empty() || frame.name.find('/') != std::string::npos || frame.name == "." || frame.name == "..")
+      throw InputError(file, "names a frame '" + frame.name + "', which is no name of a file", kRunAgain);
+}
+
+cv::Mat3b Result::image(std::size_t frame) const { return io::read_image(picture("frames", frame), size()); }
+cv::Mat1b Result::kind(std::size_t frame) const { return io::read_png_grey(picture("kind", frame), size()); }
+cv::Mat1b Result::confidence(std::size_t frame) const { return io::read_png_grey(picture("confidence", frame), size()); }
+
+cv::Mat1f Result::depth(std::size_t frame) const {
+  cv::Mat1f metres;
+  io::read_png_depth(picture("depth", frame), size()).convertTo(metres, CV_32F, 1.0 / 256);
+  return metres;
+}
+
+cv::Mat1b Result::evidence(std::size_t frame) const {
+  return cv::Mat1b(kind(frame) <= static_cast<int>(harmonize::Kind::copied_elsewhere));
+}
+
+}  // namespace dvi::exports

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/core/files.h"
+#include "dvi/geometry/camera.h"
+#include "dvi/geometry/se3.h"
+
+namespace dvi::exports {
+
+/// A frame of a finished result.
+struct ResultFrame {
+  std::string name;  ///< of its pictures, NAME.png
+  fs::path input;    ///< the image it was made from
+  std::int64_t time_ns = 0;
+  SE3 world_from_camera;
+};
+
+/// An output folder of `dvi run` as other tools want it: the target's camera and its frames with their refined poses. Pictures
+/// are read on demand. World: the target's first LiDAR pose, x forward, y left, z up.
+class Result {
+ public:
+  /// Reads the tables of OUT. InputError where OUT is no finished result, is damaged, or has no poses (methods without a map).
+  explicit Result(const fs::path& out);
+
+  const fs::path& folder() const { return folder_; }
+  const std::string& camera_name() const { return camera_name_; }
+  const Camera& camera() const { return camera_; }
+  cv::Size size() const { return {camera_.width, camera_.height}; }
+  const std::vector<ResultFrame>& frames() const { return frames_; }
+
+  fs::path picture(const std::string& kind, std::size_t frame) const { return folder_ / kind / (frames_[frame].name + ".png"); }
+  cv::Mat3b image(std::size_t frame) const;
+  cv::Mat1b kind(std::size_t frame) const;        ///< harmonize::Kind
+  cv::Mat1b confidence(std::size_t frame) const;  ///< 255 = 1; of pixels that were filled
+  cv::Mat1f depth(std::size_t frame) const;       ///< metres along the optical axis; 0: unknown or sky
+  /// 255 where a camera saw the pixel: original or copied; 0 where it was made up.
+  cv::Mat1b evidence(std::size_t frame) const;
+
+ private:
+  void read_sources();
+  void read_poses();
+
+  fs::path folder_;
+  std::string camera_name_;
+  Camera camera_;
+  std::vector<ResultFrame> frames_;
+};
+
+}  // namespace dvi::exports

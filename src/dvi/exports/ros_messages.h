@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "dvi/exports/map_cloud.h"
+#include "dvi/geometry/camera.h"
+#include "dvi/geometry/se3.h"
+
+/// ROS 2 messages as bytes (CDR, little endian). All are in the frame "world", but images and their camera, which are in
+/// "camera".
+namespace dvi::exports::ros {
+
+/// A type and the text of its definition with those of all that it is made of (ros2msg).
+struct MessageType {
+  std::string name, definition;
+};
+
+MessageType compressed_image_type();  ///< sensor_msgs/msg/CompressedImage
+MessageType camera_info_type();       ///< sensor_msgs/msg/CameraInfo
+MessageType point_cloud_type();       ///< sensor_msgs/msg/PointCloud2
+MessageType path_type();              ///< nav_msgs/msg/Path
+MessageType transform_type();         ///< tf2_msgs/msg/TFMessage
+
+struct StampedMotion {
+  std::int64_t time_ns = 0;
+  SE3 world_from_camera;
+};
+
+/// `format`: png or jpeg; `bytes`: the file.
+std::string compressed_image(std::int64_t time_ns, const std::string& format, const std::string& bytes);
+std::string camera_info(std::int64_t time_ns, const Camera& camera);
+/// Fields x, y, z, rgb.
+std::string point_cloud(std::int64_t time_ns, const std::vector<CloudPoint>& cloud);
+std::string path(const std::vector<StampedMotion>& poses);
+std::string transform(const StampedMotion& pose);
+
+}  // namespace dvi::exports::ros
