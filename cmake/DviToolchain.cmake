@@ -30,6 +30,7 @@ if(DVI_SANITIZE)
   add_link_options(-fsanitize=${DVI_SANITIZE})
 else()
   # Code lies at another address each time, and an overwritten stack or buffer ends the program. The sanitizers see more.
-  add_compile_options(-fPIE -fstack-protector-strong $<$<CONFIG:Release>:-U_FORTIFY_SOURCE> $<$<CONFIG:Release>:-D_FORTIFY_SOURCE=2>)
-  add_link_options(-pie)
+  # -fPIC, not -fPIE, so that the Python module is linked from the same objects; with hidden symbols the code is the same.
+  add_compile_options(-fPIC -fvisibility=hidden -fstack-protector-strong $<$<CONFIG:Release>:-U_FORTIFY_SOURCE> $<$<CONFIG:Release>:-D_FORTIFY_SOURCE=2>)
+  add_link_options($<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-pie>)
 endif()

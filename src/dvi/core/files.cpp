@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <ios>
 #include <sstream>
 
 #include "dvi/core/draft.h"
@@ -73,6 +75,22 @@ std::string read_file(const fs::path& path, std::uintmax_t most) {
   std::ostringstream bytes;
   bytes << in.rdbuf();
   return std::move(bytes).str();
+}
+
+fs::path own_binary() {
+  const auto here = reinterpret_cast<std::uintptr_t>(&own_binary);
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    std::uintptr_t begin = 0, end = 0;
+    char dash = 0;
+    std::istringstream fields(line);
+    fields >> std::hex >> begin >> dash >> end;
+    if (here < begin || here >= end || line.find('/') == std::string::npos) continue;
+    // The link also leads to a program that was replaced since it began.
+    const fs::path file = line.substr(line.find('/'));
+    return fs::is_symlink("/proc/self/exe") && fs::read_symlink("/proc/self/exe") == file ? "/proc/self/exe" : file;
+  }
+  return "/proc/self/exe";
 }
 
 std::string read_settings(const fs::path& path) {

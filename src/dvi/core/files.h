@@ -19,6 +19,9 @@ void require_regular_file(const fs::path& path, std::uintmax_t most = kLargestFi
 /// The whole file. InputError as require_regular_file().
 std::string read_file(const fs::path& path, std::uintmax_t most = kLargestFile);
 
+/// The file that holds this code: the program, or the library it was loaded from.
+fs::path own_binary();
+
 /// The text of a file of settings. InputError as read_file, and where it has more than 1 MiB or lines of more than 10,000
 /// bytes: parsers recurse by the parts of a key.
 std::string read_settings(const fs::path& path);

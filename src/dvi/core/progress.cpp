@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
-#include "dvi/core/progress_line.h"
 
 namespace dvi {
 namespace {
@@ -49,7 +49,7 @@ Progress::Progress(ProgressStyle style) : style_(style) {
 Progress::~Progress() { end(); }
 
 void Progress::begin(const std::string& stage, std::size_t total) {
-  throw_if_interrupted();
+  throw_if_cancelled();
   const std::lock_guard lock(mutex_);
   end_locked();
   stage_ = stage;
@@ -61,7 +61,7 @@ void Progress::begin(const std::string& stage, std::size_t total) {
 }
 
 void Progress::advance() {
-  throw_if_interrupted();
+  throw_if_cancelled();
   const std::lock_guard lock(mutex_);
   ++done_;
   const std::chrono::duration<double> since = Clock::now() - shown_;
@@ -81,9 +81,23 @@ void Progress::end_locked() {
   stage_.clear();
 }
 
+void Progress::throw_if_cancelled() const {
+  throw_if_interrupted();
+  if (cancelled_) throw Interrupted();
+}
+
+StageProgress Progress::at() const {
+  return {stage_, done_, total_, std::chrono::duration<double>(Clock::now() - begun_).count()};
+}
+
+std::optional<StageProgress> Progress::now() const {
+  const std::lock_guard lock(mutex_);
+  return stage_.empty() ? std::nullopt : std::optional(at());
+}
+
 void Progress::show(bool last) {
   shown_ = Clock::now();
-  const StageProgress at{stage_, done_, total_, std::chrono::duration<double>(shown_ - begun_).count()};
+  const StageProgress at = this->at();
   if (style_ == ProgressStyle::json) {
     const nlohmann::json line = {{"event", last ? "stage_end" : "progress"},
                                  {"stage", at.stage},

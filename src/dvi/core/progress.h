@@ -1,12 +1,15 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "dvi/core/interrupt.h"
+#include "dvi/core/progress_line.h"
 
 namespace dvi {
 
@@ -43,6 +46,11 @@ class Progress {
     };
   }
 
+  /// Makes the next begin() or advance() throw Interrupted, as a signal would. From any thread.
+  void cancel() { cancelled_ = true; }
+  /// Where the work is; none between stages.
+  std::optional<StageProgress> now() const;
+
   void warn(const std::string& message);
   void note(const std::string& message);
 
@@ -51,10 +59,13 @@ class Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
+  void throw_if_cancelled() const;
+  StageProgress at() const;
   void show(bool last);
   void print(const char* kind, const std::string& message);
   void end_locked();
 
+  std::atomic<bool> cancelled_ = false;
   mutable std::mutex mutex_;
   ProgressStyle style_;
   std::string stage_;

@@ -14,7 +14,7 @@ std::string identity_of(const Recordings& drives) {
   return identity;
 }
 
-std::string program_fingerprint() { return hash_of(read_file("/proc/self/exe")); }
+std::string program_fingerprint() { return hash_of(read_file(own_binary())); }
 
 std::string listing_of(const Recordings& drives) {
   Fingerprint print;
@@ -29,7 +29,7 @@ std::string listing_of(const Recordings& drives) {
 
 std::string content_of(const Recordings& drives) {
   Fingerprint print;
-  print.add(read_file("/proc/self/exe"));  // another build may make other pixels
+  print.add(read_file(own_binary()));  // another build may make other pixels
   for (const Recording& open : drives) add_files(print, open);
   return print.hex();
 }

@@ -256,9 +256,10 @@ std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progre
 }
 
 std::function<void(std::size_t, const FilledView&)> ResultFolder::writer(const Views& views, const align::Cameras& cameras,
-                                                                         CpuClock& cpu, Progress& progress) const {
+                                                                         CpuClock& cpu, Progress& progress,
+                                                                         const FinishedFrame& hand_on) const {
   const auto source_masks = std::make_shared<SourceMasks>(out_, views);
-  return [&, this, source_masks](std::size_t view, const FilledView& finished) {
+  return [&, this, source_masks, hand_on](std::size_t view, const FilledView& finished) {
     const Frame& frame = drives_.front().drive.frames[views[view].frame];
     cpu.time("write", [&] {
       std::ofstream begun(record(frame.name));  // empty: the pictures are dvi's, and not finished
@@ -270,6 +271,7 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::writer(const V
       write_record(record(frame.name),
                    {fingerprint_, record_files(out_, files), frame_report(frame, finished, cameras.views[view])});
     });
+    if (hand_on) hand_on(view, finished.frame);
     progress.advance();
   };
 }

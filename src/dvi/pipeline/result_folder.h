@@ -28,6 +28,9 @@ struct RunResults {
   const CpuClock& cpu;
 };
 
+/// Called with a frame of the target once it is written; may be empty.
+using FinishedFrame = std::function<void(std::size_t number, const harmonize::FilledFrame& frame)>;
+
 /// The output folder of a run: which frames in it are finished, and how a frame is written.
 ///
 /// OUT/.dvi/job.json says which drives the folder is of. OUT/.dvi/frames/NAME.json is written after a frame's pictures, and
@@ -69,9 +72,13 @@ class ResultFolder {
   /// Keeps what these frames cost for who completes the result.
   void keep_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu, const Progress& progress) const;
 
-  /// Writes everything of a frame, its record last. Safe to call from several threads.
+  /// The names of the target's frames, known from missing_frames() on.
+  const std::vector<std::string>& frame_names() const { return names_; }
+
+  /// Writes everything of a frame, its record last, and hands it on. Safe to call from several threads.
   std::function<void(std::size_t view, const FilledView& finished)> writer(const Views& views, const align::Cameras& cameras,
-                                                                           CpuClock& cpu, Progress& progress) const;
+                                                                           CpuClock& cpu, Progress& progress,
+                                                                           const FinishedFrame& hand_on = {}) const;
 
   /// Writes what stands beside the frames, the report last, and removes frames of earlier runs. The report's cost is this
   /// process's, and that of a plan and its fills where the result was made by them.

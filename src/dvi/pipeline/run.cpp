@@ -107,24 +107,26 @@ std::vector<std::string> ranges_of(const std::vector<std::size_t>& frames, const
 
 /// Fills these frames into the folder and completes it.
 RunReport fill_and_complete(ResultFolder& out, const Plan& plan, const std::vector<std::size_t>& frames, const Options& options,
-                            Progress& progress) {
+                            Progress& progress, const FinishedFrame& hand_on = {}) {
   CpuClock cpu;
-  fill_frames(plan, frames, options, out.writer(plan.views, plan.cameras, cpu, progress), cpu, progress);
+  fill_frames(plan, frames, options, out.writer(plan.views, plan.cameras, cpu, progress, hand_on), cpu, progress);
   return out.complete({.views = plan.views, .map = &plan.map, .poses = plan.poses, .cameras = plan.cameras, .cpu = cpu},
                       progress);
 }
 
 }  // namespace
 
-RunReport run(const Job& job, Progress& progress) {
+RunReport run(const Job& job, Progress& progress, const FrameSink& sink) {
   require_usable_folder(job.out, job.force);
-  if (is_baseline(job.method)) return run_baseline(job, progress);
+  if (is_baseline(job.method)) return run_baseline(job, progress, sink);
   const Recordings drives = open_all(job, progress);
   ResultFolder out(job, drives);
   if (const std::optional<RunReport> finished = out.finished_report(progress)) return *finished;
   out.claim();
   return with_plan(job, drives, out.kept_stages(progress), progress, [&](const Plan& plan) {
-    return fill_and_complete(out, plan, out.missing_frames(plan.views, progress), job.options, progress);
+    const std::vector<std::size_t> missing = out.missing_frames(plan.views, progress);
+    if (sink.begin) sink.begin(out.frame_names(), missing);
+    return fill_and_complete(out, plan, missing, job.options, progress, sink.finished);
   });
 }
 

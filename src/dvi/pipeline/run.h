@@ -2,17 +2,29 @@
 
 #include <cstddef>
 #include <optional>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "dvi/core/progress.h"
 #include "dvi/pipeline/job.h"
 #include "dvi/pipeline/report.h"
+#include "dvi/pipeline/result_folder.h"
 
 namespace dvi::pipeline {
 
+/// Who wants the frames of a run in memory too. Both may throw, which ends the run.
+struct FrameSink {
+  /// Before any frame is made: the names of all frames of the target, and which of them will be made, ascending. The others are
+  /// finished already.
+  std::function<void(const std::vector<std::string>& names, const std::vector<std::size_t>& missing)> begin;
+  /// A frame that was made and written. Called from several threads, and not in order.
+  FinishedFrame finished;
+};
+
 /// The main job: the target drive without what its masks cover, into job.out (layout: docs/concepts.md). Goes on from where an
 /// interrupted run stopped. InputError, with nothing half-written, where the data or the folder are not usable.
-RunReport run(const Job& job, Progress& progress);
+RunReport run(const Job& job, Progress& progress, const FrameSink& sink = {});
 
 // The same in pieces, which make the same files: plan() once, then fill() for ranges of frames, on any machine that sees the
 // drives and job.out under the same paths, in any order, several at once; then finish(). Each may be called again.

@@ -21,7 +21,7 @@ std::function<FilledView(std::size_t)> filler_of(const Job& job, const Views& vi
 
 }  // namespace
 
-RunReport run_baseline(const Job& job, Progress& progress) {
+RunReport run_baseline(const Job& job, Progress& progress, const FrameSink& sink) {
   const Recordings drives = open_images(job, progress);
   ResultFolder out(job, drives);
   if (const std::optional<RunReport> finished = out.finished_report(progress)) return *finished;
@@ -33,11 +33,12 @@ RunReport run_baseline(const Job& job, Progress& progress) {
   const align::Cameras cameras(views);
   CpuClock cpu;
   const std::vector<std::size_t> missing = out.missing_frames(views, progress);
+  if (sink.begin) sink.begin(out.frame_names(), missing);
   progress.begin("fill", missing.size());
   for_each_smoothed(missing, views.of_sequence(0).second,
                     {.fill = filler_of(job, views, cpu),
                      .smoothing = smoothing(job.options.smooth, cpu),
-                     .write = out.writer(views, cameras, cpu, progress)});
+                     .write = out.writer(views, cameras, cpu, progress, sink.finished)});
   return out.complete({.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu}, progress);
 }
 

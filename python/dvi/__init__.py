@@ -1,0 +1,212 @@
+"""Removes traffic from recorded drives and fills with what other frames saw.
+
+    for frame in dvi.run("DRIVE", out="OUT"):
+        frame.image        # height x width x 3, uint8, RGB: the result
+        frame.kind         # height x width, uint8: 0 original, 1 copied, 2 copied from elsewhere, 3 interpolated, 4, 5 made up
+
+A dataset is a path to a recording that the program reads, or an object like `dvi.Dataset`. Options have the names of the command
+line's (`--ego-mask` is ``ego_mask``); any option of `dvi config dump --all` goes into ``set={"depth.max_range_m": 80}``.
+``progress`` is called as ``progress(stage, done, total)``. Ctrl-C stops the work. What is wrong with the data is a
+`dvi.InputError`, with the program's own words; with an option, a `dvi.UsageError`.
+"""
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Callable, Iterator, Mapping, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _dvi
+from ._dvi import Frame, InputError, UsageError
+from .convert import convert
+from .dataset import Box, Camera, Dataset, FrameData, ScanData
+
+__version__: str = _dvi.version
+__all__ = ["Box", "Camera", "Dataset", "Frame", "FrameData", "InputError", "Map", "Masks", "Run", "ScanData", "UsageError", "check",
+           "convert", "eval", "export", "map", "masks", "run"]
+
+Source = Union[str, os.PathLike, Dataset]
+Progress = Optional[Callable[[str, int, int], None]]
+
+
+class _Opened:
+    """A dataset as a path; an object is written into a temporary folder first."""
+
+    def __init__(self, dataset: Source, progress: Progress):
+        self._folder: Optional[tempfile.TemporaryDirectory] = None
+        if isinstance(dataset, (str, os.PathLike)):
+            self.path = os.fspath(dataset)
+            return
+        for name in ("__len__", "cameras", "frame", "scan"):
+            if not hasattr(dataset, name):
+                raise InputError(f"{type(dataset).__name__} is neither a path nor a dataset: it has no {name} (see dvi.Dataset)")
+        self._folder = tempfile.TemporaryDirectory(prefix="dvi-")
+        self.path = str(convert(dataset, Path(self._folder.name) / "drive", progress))
+
+    def close(self) -> None:
+        if self._folder is not None:
+            self._folder.cleanup()
+
+
+class Run(Iterator[Frame]):
+    """The frames of a run in order of time, each as soon as it is made. Also a context manager: leaving it stops the work."""
+
+    def __init__(self, dataset: Source, sources: Sequence[Source], out: Optional["str | os.PathLike"], force: bool, threads: int,
+                 progress: Progress, options: Mapping[str, Any]):
+        self._run: Optional[_dvi.Run] = None
+        self._opened: list[_Opened] = []
+        self._temporary = None
+        self.report: dict = {}  #: of the finished run, as report.json
+        try:
+            for source in (dataset, *sources):
+                self._opened.append(_Opened(source, progress))
+            if out is None:
+                self._temporary = tempfile.TemporaryDirectory(prefix="dvi-out-")
+                out = Path(self._temporary.name) / "out"
+            paths = [opened.path for opened in self._opened]
+            self._run = _dvi.Run(paths[0], paths[1:], os.fspath(out), dict(options), force, threads, progress)
+        except BaseException:
+            self.close()
+            raise
+
+    def __iter__(self) -> "Run":
+        return self
+
+    def __next__(self) -> Frame:
+        if self._run is None:
+            raise StopIteration
+        try:
+            frame = self._run.next()
+        except BaseException:
+            self.close()
+            raise
+        if frame is None:
+            self._end()
+            raise StopIteration
+        return frame
+
+    def finish(self) -> dict:
+        """Runs to the end without handing out the frames that are left. Returns the report."""
+        if self._run is not None:
+            try:
+                self._run.finish()
+            except BaseException:
+                self.close()
+                raise
+            self._end()
+        return self.report
+
+    def _end(self) -> None:
+        self.report = json.loads(self._run.report)
+        self.close()
+
+    def close(self) -> None:
+        """Stops the work, and removes what was temporary. With `out`, finished frames are kept: the same call goes on from them."""
+        if self._run is not None:
+            self._run.close()
+            self._run = None
+        for opened in self._opened:
+            opened.close()
+        if self._temporary is not None:
+            self._temporary.cleanup()
+
+    def __enter__(self) -> "Run":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        if hasattr(self, "_opened"):
+            self.close()
+
+
+def run(dataset: Source, *sources: Source, out: "str | os.PathLike | None" = None, force: bool = False, threads: int = 0,
+        progress: Progress = None, **options: Any) -> Run:
+    """Removes the traffic from a drive, frame by frame: `dvi run`.
+
+    dataset: the drive to clean; sources: further drives of the same street to copy from. out: folder of the result with all its
+    files; None: a temporary one. threads: 0 is all cores. Each `Frame` has numpy arrays, height x width, which share their memory
+    with the program's (nothing is copied):
+
+    image         x 3, uint8, RGB: the result; unmasked pixels are the input
+    mask          uint8: 255 what was removed
+    kind          uint8: 0 original, 1 copied, 2 copied from another drive or camera, 3 interpolated, 4 synthesised, 5 empty
+    provenance    x 3, uint16: number of the source + 1 (0: none), 16 x and 16 y of the position copied from
+    confidence    uint8: 255 times the probability of being within 10 grey levels of the truth
+    depth         float32: metres along the optical axis; 0 unknown or sky
+    """
+    return Run(dataset, sources, out, force, threads, progress, options)
+
+
+def check(dataset: Source, *, forecast: bool = False, threads: int = 0, progress: Progress = None, **options: Any) -> dict:
+    """What a drive is, whether it is complete and right: what `dvi check --json` prints."""
+    opened = _Opened(dataset, progress)
+    try:
+        return json.loads(_dvi.check(opened.path, options, forecast, threads, progress))
+    finally:
+        opened.close()
+
+
+@dataclass
+class Map:
+    """The static map of a drive, in world axes: the drive's first LiDAR pose, x forward, y left, z up."""
+
+    points: np.ndarray  #: N x 3, float32, metres
+    colours: np.ndarray  #: N x 3, uint8, RGB; 128, 128, 128 where no frame saw the point
+    world_from_camera: np.ndarray  #: frames x 4 x 4
+    times: np.ndarray  #: frames, seconds
+    report: dict  #: as map.json
+
+
+def map(dataset: Source, *, out: "str | os.PathLike | None" = None, threads: int = 0, progress: Progress = None,
+        **options: Any) -> Map:
+    """Poses and static map of a drive: `dvi map`. out: folder for its files; None: they are not kept."""
+    opened = _Opened(dataset, progress)
+    with tempfile.TemporaryDirectory(prefix="dvi-map-") as temporary:
+        folder = Path(temporary) / "map" if out is None else Path(out)
+        try:
+            report = json.loads(_dvi.map(opened.path, str(folder), options, threads, progress))
+        finally:
+            opened.close()
+        points, colours = _dvi.read_map(str(folder / "map.ply"))
+        rows = np.loadtxt(folder / "poses.txt", ndmin=2).reshape(-1, 3, 4)
+        poses = np.concatenate([rows, np.broadcast_to([[[0.0, 0, 0, 1]]], (len(rows), 1, 4))], axis=1)
+        return Map(points, colours, poses, np.loadtxt(folder / "times.txt", ndmin=1), report)
+
+
+@dataclass
+class Masks:
+    """What would be removed from a drive."""
+
+    folder: Optional[Path]  #: with masks/CAMERA/NAME.png, which ``masks=`` takes back; None if not kept
+    report: dict  #: as masks.json
+
+
+def masks(dataset: Source, *, out: "str | os.PathLike | None" = None, threads: int = 0, progress: Progress = None,
+          **options: Any) -> Masks:
+    """What a run would remove: `dvi mask`. out: a new folder for the masks; None: only the report is kept."""
+    opened = _Opened(dataset, progress)
+    with tempfile.TemporaryDirectory(prefix="dvi-masks-") as temporary:
+        folder = Path(temporary) / "masks" if out is None else Path(out)
+        try:
+            report = json.loads(_dvi.masks(opened.path, str(folder), options, threads, progress))
+        finally:
+            opened.close()
+        return Masks(None if out is None else folder, report)
+
+
+def eval(out: "str | os.PathLike", truth: "str | os.PathLike", *, ignore: "str | os.PathLike | None" = None, threads: int = 0,
+         progress: Progress = None) -> dict:
+    """Scores a result against the truth: what `dvi eval --json` prints. truth: folder of NAME.png; ignore: of masks not to score."""
+    return json.loads(_dvi.evaluate(os.fspath(out), os.fspath(truth), "" if ignore is None else os.fspath(ignore), threads, progress))
+
+
+def export(format: str, out: "str | os.PathLike", folder: "str | os.PathLike", *, threads: int = 0, progress: Progress = None,
+           **options: Any) -> dict:
+    """Writes a result for other tools: what `dvi export --json` prints. format: colmap, nerfstudio, ply, las, ortho, mcap, video."""
+    return json.loads(_dvi.export(format, os.fspath(out), os.fspath(folder), options, threads, progress))

@@ -1,0 +1,65 @@
+"""What a recording is to dvi: a path, or an object of your own that answers four questions.
+
+Axes: camera x right, y down, z forward; LiDAR x forward, y left, z up. Metres, seconds. A transform is named target_from_source.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Mapping, Optional, Protocol, Sequence, runtime_checkable
+
+import numpy as np
+
+
+@dataclass
+class Camera:
+    """A pinhole camera of the rig."""
+
+    name: str
+    size: tuple[int, int]  #: width, height in pixels
+    K: Any  #: 3 x 3, pixels; the centre of the first pixel is (0, 0)
+    camera_from_lidar: Any  #: 3 x 4 or 4 x 4
+    distortion: Sequence[float] = (0, 0, 0, 0, 0)  #: k1, k2, p1, p2, k3, as OpenCV has them
+
+
+@dataclass
+class Box:
+    """A labelled object, in LiDAR axes at the time of the frame."""
+
+    track: int
+    kind: str  #: car, pedestrian, ...
+    center: Any  #: 3, metres
+    size: Any  #: length, width, height, metres
+    yaw: float  #: radians about z
+
+
+@dataclass
+class FrameData:
+    """What the cameras saw at one time."""
+
+    images: Mapping[str, np.ndarray]  #: by camera: height x width x 3, uint8, RGB
+    time: Any  #: seconds, or a mapping from camera to seconds
+    masks: Mapping[str, np.ndarray] = field(default_factory=dict)  #: by camera: height x width, not 0 = remove
+    boxes: Optional[Sequence[Box]] = None  #: None: nothing is labelled; an empty list: nothing is there
+
+
+@dataclass
+class ScanData:
+    """One revolution of the LiDAR."""
+
+    points: np.ndarray  #: N x 3 or N x 4 (with intensity), any float; points that are not finite are left out
+    time: float  #: seconds: what `t` and `world_from_lidar` refer to
+    t: Optional[np.ndarray] = None  #: N, seconds after `time` (negative before); None: already compensated for motion to `time`
+    world_from_lidar: Any = None  #: 3 x 4 or 4 x 4, at `time`; None: poses are estimated from the scans
+
+
+@runtime_checkable
+class Dataset(Protocol):
+    """A recording as an object. Frames and scans go by the same numbers, from 0 to len - 1, and are asked for once, in order."""
+
+    cameras: Sequence[Camera]
+
+    def __len__(self) -> int: ...
+
+    def frame(self, i: int) -> FrameData: ...
+
+    def scan(self, i: int) -> ScanData: ...

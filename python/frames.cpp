@@ -1,0 +1,136 @@
+#include "frames.h"
+
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/threads.h"
+#include "dvi/depth/depth_map.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/write_image.h"
+#include "dvi/pipeline/run.h"
+
+namespace dvi::python {
+namespace py = pybind11;
+
+namespace {
+
+py::dtype dtype_of(int depth) {
+  switch (depth) {
+    case CV_8U:
+      return py::dtype::of<std::uint8_t>();
+    case CV_16U:
+      return py::dtype::of<std::uint16_t>();
+    default:
+      return py::dtype::of<float>();
+  }
+}
+
+cv::Mat to_rgb(const cv::Mat& bgr) {
+  cv::Mat rgb;
+  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  return rgb;
+}
+
+Frame to_frame(const std::string& name, std::size_t number, const harmonize::FilledFrame& filled) {
+  cv::Mat colour;
+  filled.colour.convertTo(colour, CV_8U);
+  cv::Mat depth = filled.depth.clone();
+  depth.setTo(depth::DepthMap::kUnknown, filled.depth >= depth::DepthMap::kInfinity);
+  return {name, number, to_rgb(colour), filled.mask, filled.kind, filled.provenance, filled.confidence, depth};
+}
+
+}  // namespace
+
+py::array to_array(const cv::Mat& mat) {
+  auto owner = std::make_unique<cv::Mat>(mat);
+  const auto rows = static_cast<py::ssize_t>(mat.rows), cols = static_cast<py::ssize_t>(mat.cols);
+  std::vector<py::ssize_t> shape{rows, cols}, strides{static_cast<py::ssize_t>(mat.step[0]), static_cast<py::ssize_t>(mat.elemSize())};
+  if (mat.channels() > 1) shape.push_back(mat.channels()), strides.push_back(static_cast<py::ssize_t>(mat.elemSize1()));
+  const void* data = mat.data;
+  const py::capsule keep(owner.release(), [](void* matrix) { delete static_cast<cv::Mat*>(matrix); });
+  return py::array(dtype_of(mat.depth()), shape, strides, data, keep);
+}
+
+Run::Run(pipeline::Job job, int threads, Task::Callback progress) : job_(std::move(job)), progress_(std::move(progress)) {
+  task_ = std::make_unique<Task>(threads, [this](Progress& p) {
+    const auto begin = [this](const std::vector<std::string>& names, const std::vector<std::size_t>& missing) {
+      const std::lock_guard lock(task_->mutex);
+      names_ = names;
+      missing_.assign(names.size(), false);
+      for (const std::size_t i : missing) missing_[i] = true;
+    };
+    const auto finished = [this](std::size_t number, const harmonize::FilledFrame& frame) { push(number, frame); };
+    const pipeline::RunReport report = pipeline::run(job_, p, {.begin = begin, .finished = finished});
+    const std::lock_guard lock(task_->mutex);
+    report_ = to_json(report);
+    if (!names_.empty()) return;
+    for (const pipeline::FrameReport& frame : report.frames) names_.push_back(frame.name);  // the result was there already
+    missing_.assign(names_.size(), false);
+  });
+  task_->start();
+}
+
+void Run::push(std::size_t number, const harmonize::FilledFrame& filled) {
+  auto frame = std::make_shared<const Frame>(to_frame(names_[number], number, filled));
+  std::unique_lock lock(task_->mutex);
+  // One that is next always fits: others may wait for it.
+  task_->changed.wait(lock, [&] {
+    return task_->cancelled || drained_ || number == next_ || made_.size() < static_cast<std::size_t>(thread_count());
+  });
+  if (task_->cancelled) throw Interrupted();
+  if (!drained_) made_[number] = std::move(frame);
+  task_->changed.notify_all();
+}
+
+Frame Run::read(std::size_t number) const {
+  const std::string file = names_[number] + ".png";
+  const fs::path out = job_.out;
+  const cv::Size size = io::image_size(out / "frames" / file);
+  cv::Mat depth;
+  io::read_png_depth(out / "depth" / file, size).convertTo(depth, CV_32F, 1.0 / 256);
+  return {names_[number],
+          number,
+          to_rgb(io::read_image(out / "frames" / file, size)),
+          io::read_png_grey(out / "masks" / file, size),
+          io::read_png_grey(out / "kind" / file, size),
+          io::read_png_triples(out / "provenance" / file, size),
+          io::read_png_grey(out / "confidence" / file, size),
+          depth};
+}
+
+std::shared_ptr<const Frame> Run::next() {
+  if (!task_) return nullptr;
+  const auto ready = [this] { return next_ < names_.size() && (!missing_[next_] || made_.contains(next_)); };
+  task_->wait(progress_, ready);
+  std::shared_ptr<const Frame> frame;
+  bool read_it = false;
+  {
+    const std::lock_guard lock(task_->mutex);
+    if (const auto made = made_.find(next_); made != made_.end()) {
+      frame = std::move(made->second);
+      made_.erase(made);
+    } else {
+      read_it = ready();
+    }
+    if (frame || read_it) ++next_;
+    task_->changed.notify_all();
+  }
+  if (read_it) return std::make_shared<const Frame>(read(next_ - 1));
+  if (!frame) task_->finish(progress_);
+  return frame;
+}
+
+void Run::finish() {
+  if (!task_) return;
+  {
+    const std::lock_guard lock(task_->mutex);
+    drained_ = true;
+    made_.clear();
+    task_->changed.notify_all();
+  }
+  task_->finish(progress_);
+}
+
+}  // namespace dvi::python

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <pybind11/numpy.h>
+
+#include "dvi/core/files.h"
+#include "dvi/harmonize/filled_frame.h"
+#include "dvi/pipeline/job.h"
+#include "task.h"
+
+namespace dvi::python {
+
+/// The matrix as a numpy array, which keeps it alive; nothing is copied.
+pybind11::array to_array(const cv::Mat& mat);
+
+/// A finished frame as Python has it: like the files of a result, but colours in the order R, G, B and depth in metres.
+struct Frame {
+  std::string name;
+  std::size_t index = 0;
+  cv::Mat image, mask, kind, provenance, confidence, depth;
+};
+
+/// The frames of a run in order of time, as they are made. Frames that were finished before are read from OUT.
+class Run {
+ public:
+  Run(pipeline::Job job, int threads, Task::Callback progress);
+
+  /// The next one; none at the end, where report() is known.
+  std::shared_ptr<const Frame> next();
+  /// Runs to the end without handing out frames.
+  void finish();
+  /// report.json; empty before the end.
+  const std::string& report() const { return report_; }
+  const std::string& out() const { return job_.out; }
+  std::size_t frames() const { return names_.size(); }
+  void close() { task_.reset(); }
+
+ private:
+  void push(std::size_t number, const harmonize::FilledFrame& frame);
+  Frame read(std::size_t number) const;
+
+  pipeline::Job job_;
+  Task::Callback progress_;
+  std::string report_;
+  // Under the task's lock from here on.
+  std::vector<std::string> names_;
+  std::vector<bool> missing_;
+  std::map<std::size_t, std::shared_ptr<const Frame>> made_;
+  std::size_t next_ = 0;
+  bool drained_ = false;  // nobody wants frames any more
+  std::unique_ptr<Task> task_;
+};
+
+}  // namespace dvi::python

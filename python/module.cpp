@@ -1,0 +1,191 @@
+#include <malloc.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <nlohmann/json.hpp>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/cli/job_options.h"
+#include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
+#include "dvi/core/version.h"
+#include "dvi/exports/exporter.h"
+#include "dvi/exports/map_cloud.h"
+#include "dvi/io/write_image.h"
+#include "dvi/metrics/evaluate.h"
+#include "dvi/pipeline/check.h"
+#include "dvi/pipeline/make_map.h"
+#include "dvi/pipeline/make_masks.h"
+#include "frames.h"
+#include "task.h"
+
+namespace dvi::python {
+namespace {
+
+namespace py = pybind11;
+using Strings = std::vector<std::string>;
+
+// The options that the command line spells --ego-mask and so on, by their names in Python.
+cli::JobOptions to_options(const py::dict& given) {
+  cli::JobOptions options;
+  const std::vector<std::pair<const char*, std::optional<std::string>*>> fields{
+      {"camera", &options.camera},   {"source_cameras", &options.source_cameras}, {"frames", &options.frames},
+      {"masks", &options.masks},     {"polarity", &options.polarity},             {"classes", &options.classes},
+      {"ego_mask", &options.ego_mask}, {"detector", &options.detector},           {"poses", &options.poses},
+      {"remove", &options.remove},   {"method", &options.method}};
+  for (const auto& [key, value] : given) {
+    const auto name = py::cast<std::string>(key);
+    if (value.is_none()) continue;
+    const auto text = py::cast<std::string>(py::str(value));
+    const auto field = std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.first == name; });
+    if (field != fields.end()) {
+      *field->second = text;
+    } else if (name == "config") {
+      options.config = text;
+    } else if (name == "set") {
+      for (const auto& [option, setting] : py::cast<py::dict>(value)) {
+        const bool is_bool = py::isinstance<py::bool_>(setting);
+        const auto as_toml = is_bool ? std::string(py::cast<bool>(setting) ? "true" : "false")
+                                     : py::cast<std::string>(py::str(setting));
+        options.set.push_back(py::cast<std::string>(py::str(option)) + "=" + as_toml);
+      }
+    } else {
+      throw py::type_error("there is no option '" + name + "'");
+    }
+  }
+  return options;
+}
+
+// Runs work that returns a text, with the GIL given up.
+template <class Work>
+std::string run_task(int threads, const py::object& progress, Work work) {
+  std::string result;
+  Task task(threads, [&](Progress& p) { result = work(p); });
+  task.start();
+  task.finish(progress);
+  return result;
+}
+
+using Bytes = py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>;
+
+void write_rgb(const std::string& path, const Bytes& rgb) {
+  const cv::Mat view(static_cast<int>(rgb.shape(0)), static_cast<int>(rgb.shape(1)), CV_8UC3, const_cast<std::uint8_t*>(rgb.data()));
+  const py::gil_scoped_release released;
+  cv::Mat bgr;
+  cv::cvtColor(view, bgr, cv::COLOR_RGB2BGR);
+  io::write_png(path, bgr);
+}
+
+void write_grey(const std::string& path, const Bytes& grey) {
+  const cv::Mat view(static_cast<int>(grey.shape(0)), static_cast<int>(grey.shape(1)), CV_8UC1,
+                     const_cast<std::uint8_t*>(grey.data()));
+  const py::gil_scoped_release released;
+  io::write_png(path, view);
+}
+
+py::tuple read_map(const std::string& ply) {
+  const std::vector<exports::CloudPoint> cloud = exports::read_map_cloud(ply);
+  const auto rows = static_cast<py::ssize_t>(cloud.size());
+  py::array_t<float> points({rows, py::ssize_t{3}});
+  py::array_t<std::uint8_t> colours({rows, py::ssize_t{3}});
+  for (py::ssize_t i = 0; i < rows; ++i)
+    for (int k = 0; k < 3; ++k) {
+      points.mutable_at(i, k) = cloud[static_cast<std::size_t>(i)].position[k];
+      colours.mutable_at(i, k) = cloud[static_cast<std::size_t>(i)].colour[2 - k];
+    }
+  return py::make_tuple(points, colours);
+}
+
+void bind_frames(py::module_& m) {
+  py::class_<Frame, std::shared_ptr<Frame>> frame(m, "Frame");
+  frame.def_readonly("name", &Frame::name).def_readonly("index", &Frame::index);
+  const auto array = [&](const char* name, cv::Mat Frame::*field) {
+    frame.def_property_readonly(name, [field](const Frame& f) { return to_array(f.*field); });
+  };
+  array("image", &Frame::image), array("mask", &Frame::mask), array("kind", &Frame::kind);
+  array("provenance", &Frame::provenance), array("confidence", &Frame::confidence), array("depth", &Frame::depth);
+
+  py::class_<Run>(m, "Run")
+      .def(py::init([](const std::string& target, const Strings& sources, const std::string& out, const py::dict& options,
+                       bool force, int threads, const py::object& progress) {
+             pipeline::Job job = to_options(options).job(out, target, sources);
+             job.force = force;
+             return std::make_unique<Run>(std::move(job), threads, progress);
+           }),
+           py::arg("target"), py::arg("sources"), py::arg("out"), py::arg("options"), py::arg("force"), py::arg("threads"),
+           py::arg("progress"))
+      .def("next", [](Run& run) { return std::const_pointer_cast<Frame>(run.next()); })
+      .def("finish", &Run::finish)
+      .def("close", &Run::close)
+      .def_property_readonly("report", &Run::report)
+      .def_property_readonly("out", &Run::out);
+}
+
+void bind_commands(py::module_& m) {
+  m.def("check", [](const std::string& drive, const py::dict& options, bool forecast, int threads, const py::object& progress) {
+    const pipeline::Job job = to_options(options).job("", drive, {});
+    return run_task(threads, progress, [&](Progress& p) { return to_json(pipeline::check(job, forecast, p)); });
+  });
+  m.def("map", [](const std::string& drive, const std::string& out, const py::dict& options, int threads, const py::object& progress) {
+    const pipeline::Job job = to_options(options).job(out, drive, {});
+    return run_task(threads, progress, [&](Progress& p) { return pipeline::make_map(job, "none", p); });
+  });
+  m.def("masks", [](const std::string& drive, const std::string& out, const py::dict& options, int threads, const py::object& progress) {
+    const pipeline::Job job = to_options(options).job(out, drive, {});
+    return run_task(threads, progress, [&](Progress& p) { return pipeline::make_masks(job, p); });
+  });
+  m.def("evaluate", [](const std::string& out, const std::string& truth, const std::string& ignore, int threads, const py::object& progress) {
+    return run_task(threads, progress,
+                    [&](Progress& p) { return json_text(metrics::evaluate({out, truth, ignore, {}}, p.parts())); });
+  });
+  m.def("export", [](const std::string& format, const std::string& out, const std::string& folder, const py::dict& options, int threads,
+                     const py::object& progress) {
+    exports::ExportOptions chosen;
+    OptionTable table;
+    chosen.describe(table);
+    for (const auto& [key, value] : options) {
+      const auto name = py::cast<std::string>(key);
+      const char* section = name == "fps" || name == "crf" || name == "encoder" ? "video." : "export.";
+      const bool is_bool = py::isinstance<py::bool_>(value);
+      table.set(section + name + "=" +
+                (is_bool ? (py::cast<bool>(value) ? "true" : "false") : py::cast<std::string>(py::str(value))));
+    }
+    const exports::ExportFormat& to = exports::export_format(format);
+    return run_task(threads, progress, [&](Progress& p) {
+      return exports::to_json(exports::export_result(to, out, folder, chosen, p), to.name, folder);
+    });
+  });
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_dvi, m) {
+  m.doc() = "The compiled part of the package dvi.";
+  // As the program does: freed images stay for the next ones.
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 512 << 20);
+  m.attr("version") = kVersion;
+  py::register_exception<InputError>(m, "InputError", PyExc_ValueError);
+  py::register_exception<UsageError>(m, "UsageError", PyExc_ValueError);
+  py::register_exception_translator([](std::exception_ptr error) {
+    try {
+      if (error) std::rethrow_exception(error);
+    } catch (const Interrupted& e) {
+      PyErr_SetString(PyExc_KeyboardInterrupt, e.what());
+    }
+  });
+  bind_frames(m);
+  bind_commands(m);
+  m.def("write_rgb", &write_rgb);
+  m.def("write_grey", &write_grey);
+  m.def("read_map", &read_map);
+}
+
+}  // namespace dvi::python
