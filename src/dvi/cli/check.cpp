@@ -23,6 +23,7 @@ void add_check(Program& program) {
   command.flag("--forecast", a->forecast, "Also say what share of the holes other frames see; takes much longer");
   a->options.add_to(command);
   a->common.add_to(command, true);
+  command.examples({"dvi check DRIVE", "dvi check DRIVE --frames 10:49 --json"});
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "dvi/cli/completion.h"
 #include "dvi/cli/nearest.h"
 #include "dvi/core/error.h"
 #include "dvi/core/interrupt.h"
@@ -43,6 +44,16 @@ std::vector<std::string> commands_of(const CLI::App& command) {
   for (const CLI::App* choice : command.get_subcommands([](const CLI::App*) { return true; }))
     out.push_back(choice->get_name());
   return out;
+}
+
+CommandWords words_of(const CLI::App& command) {
+  CommandWords words{command.get_name(), command.get_description(), {}, {}};
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames())
+      words.options.push_back({"--" + name, option->get_description(), option->get_expected_max() > 0});
+  for (const CLI::App* inner : command.get_subcommands([](const CLI::App*) { return true; }))
+    words.commands.push_back(words_of(*inner));
+  return words;
 }
 
 std::vector<std::string> long_names(const CLI::App& command) {
@@ -139,6 +150,11 @@ void Command::options(OptionTable& table) {
       impl_->app->add_option_function<std::string>(name, assign, option.doc)->default_str(option.text());
   }
 }
+void Command::examples(const std::vector<std::string>& lines) {
+  std::string text = "Examples:";
+  for (const std::string& line : lines) text += "\n  " + line;
+  impl_->app->footer(text);
+}
 Command Command::subcommand(const std::string& name, const std::string& summary) {
   impl_->app->require_subcommand(1);
   return Command(std::make_unique<Impl>(Impl{impl_->app->add_subcommand(name, summary)}));
@@ -154,18 +170,31 @@ void Command::run(std::function<void()> action, std::function<std::string()> kep
 }
 
 struct Program::Impl {
-  CLI::App app{"dvi: removes traffic from recorded drives.", "dvi"};
+  CLI::App app{"dvi: removes traffic from recorded drives, and fills with what other frames saw.", "dvi"};
+  std::string group = "Commands";
 };
 
 Program::Program() : impl_(std::make_unique<Impl>()) {
   impl_->app.require_subcommand(1);
+  impl_->app.footer(
+      "Examples:\n"
+      "  dvi demo                     on a synthetic street\n"
+      "  dvi check DRIVE              what is this recording, is it complete\n"
+      "  dvi run DRIVE -o OUT         the drive without its traffic\n"
+      "  dvi export colmap OUT -o DIR for another tool\n"
+      "dvi COMMAND --help tells the options of a command.");
   impl_->app.set_version_flag("--version", fmt::format("dvi {}", kVersion));
 }
 Program::~Program() = default;
 
+void Program::group(const std::string& heading) { impl_->group = heading; }
+
 Command Program::command(const std::string& name, const std::string& summary) {
-  return Command(std::make_unique<Command::Impl>(Command::Impl{impl_->app.add_subcommand(name, summary)}));
+  CLI::App* const command = impl_->app.add_subcommand(name, summary)->group(impl_->group);
+  return Command(std::make_unique<Command::Impl>(Command::Impl{command}));
 }
+
+CommandWords Program::words() const { return words_of(impl_->app); }
 
 int Program::main(int argc, char** argv) {
   const auto fail = [](int code, const std::string& message) {

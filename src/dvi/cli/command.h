@@ -30,6 +30,8 @@ class Command {
   void flag(const std::string& names, bool& field, const std::string& doc);
   /// Every option of the table that is not there yet by its own name: exposure_drift as --exposure-drift.
   void options(OptionTable& table);
+  /// Lines for the end of the command's help, such as "dvi run DRIVE -o OUT   the usual case".
+  void examples(const std::vector<std::string>& lines);
   Command subcommand(const std::string& name, const std::string& summary);
   /// What to do once the whole command line is understood. `kept` says after an interrupt what the next call finds done ("3
   /// frames are kept"); without it, nothing is.
@@ -39,6 +41,8 @@ class Command {
   std::unique_ptr<Impl> impl_;
 };
 
+struct CommandWords;
+
 /// The program: reads the command line and runs the command it names. Returns the exit code: 0, 1 our bug, 2 usage, 3 the
 /// user's data, 130 interrupted.
 class Program {
@@ -47,7 +51,11 @@ class Program {
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
+  /// Commands added from now on stand below this heading in the help.
+  void group(const std::string& heading);
   Command command(const std::string& name, const std::string& summary);
+  /// The words of the program, its commands and their options, as completion.h has them.
+  CommandWords words() const;
   int main(int argc, char** argv);
 
  private:
@@ -82,6 +90,7 @@ void add_selfcheck(Program& program);
 void add_synth(Program& program);
 void add_demo(Program& program);
 void add_export(Program& program);
+void add_completion(Program& program);
 void add_config(Program& program);
 void add_formats(Program& program);
 void add_version(Program& program);

@@ -26,6 +26,7 @@ void add_eval(Program& program) {
   command.option("--external", a->external,
                  "NAME=DIR: score another program's frames (NAME.png or .jpg) on the same pixels; any number of times");
   a->common.add_to(command, true);
+  command.examples({"dvi eval OUT --truth CASE/truth --ignore CASE/ignore"});
   command.run([a] {
     const metrics::EvaluationFolders folders{a->out, a->truth, a->ignore, metrics::parse_external(a->external)};
     const ThreadLimit limit(a->common.threads);

@@ -33,6 +33,9 @@ void add_export(Program& program) {
   command.option("-o,--out", a->folder, "Folder for the files, new or empty", true);
   command.options(a->table);
   a->common.add_to(command, true, false);
+  command.examples({"dvi export colmap OUT -o scene               for COLMAP, gsplat",
+                    "dvi export ortho OUT -o above --cell-m 0.1   a GeoTIFF",
+                    "dvi export video OUT -o video --beside       input and result"});
   command.run([a] {
     const exports::ExportFormat& format = exports::export_format(a->format);
     const ThreadLimit limit(a->common.threads);

@@ -22,6 +22,8 @@ void add_holdout(Program& program) {
   command.option("--scenario", a->scenario, "lead (default), oncoming, crossing, parked, truck, far or banner");
   a->options.add_to(command);
   a->common.add_to(command, true);
+  command.examples(
+      {"dvi holdout DRIVE -o CASE && dvi run CASE/drive -o OUT && dvi eval OUT --truth CASE/truth --ignore CASE/ignore"});
   command.run([a] {
     const holdout::HoldoutOptions options{holdout::parse_scenario(a->scenario), a->common.seed};
     const ThreadLimit limit(a->common.threads);

@@ -21,6 +21,8 @@ void add_mask(Program& program) {
   command.option("-o,--out", a->out, "Folder for masks/CAMERA/NAME.png, contact.png, masks.json", true);
   a->options.add_to(command);
   a->common.add_to(command, true);
+  command.examples({"dvi mask DRIVE -o MASKS                      look at MASKS/contact.png, correct, then",
+                    "dvi run DRIVE -o OUT --masks MASKS"});
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());

@@ -15,6 +15,10 @@ void add_run(Program& program) {
   const auto a = std::make_shared<RunArguments>();
   Command command = program.command("run", "Remove the traffic from a drive");
   a->add_to(command);
+  command.examples({"dvi run DRIVE -o OUT                         what its masks, labels or scans say",
+                    "dvi run DRIVE -o OUT --masks MASKS           what your masks say",
+                    "dvi run DRIVE OTHER -o OUT                   also copy from another drive of the street",
+                    "dvi run --config OUT/dvi.toml -o AGAIN       the same once more"});
   command.run(
       [a] {
         const pipeline::Job job = a->job("run");

@@ -25,6 +25,7 @@ void add_synth(Program& program) {
   command.option("--set", a->set, "synth.key=value, any number of times");
   command.options(a->table);
   a->common.add_to(command, false, false);  // its seed is an option of the street
+  command.examples({"dvi synth -o street --frames 20", "dvi synth -o room --room"});
   command.run([a] {
     if (!a->config.empty()) a->table.load_toml(a->config);
     for (const std::string& assignment : a->set) a->table.set(assignment);

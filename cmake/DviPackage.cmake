@@ -1,0 +1,52 @@
+# dvi_package(): man pages and completions of the program's own help, and Debian packages of what `cmake --install` installs:
+# dvi, python3-dvi and libdvi-dev (./dev package).
+function(dvi_package)
+  set(extras ${PROJECT_BINARY_DIR}/extras)
+  find_program(DVI_HELP2MAN help2man)
+  if(DVI_HELP2MAN)
+    add_custom_command(OUTPUT ${extras}/made COMMENT "Man pages and completions"
+      COMMAND bash ${PROJECT_SOURCE_DIR}/tools/extras.sh $<TARGET_FILE:dvi> ${extras} ${PROJECT_VERSION} ${DVI_HELP2MAN}
+      DEPENDS dvi ${PROJECT_SOURCE_DIR}/tools/extras.sh VERBATIM)
+    add_custom_target(extras DEPENDS ${extras}/made)
+  endif()
+  install(DIRECTORY ${extras}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program OPTIONAL)
+  install(DIRECTORY ${extras}/share/ DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT program OPTIONAL)
+  install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dvi
+    COMPONENT program)
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dvi RENAME copyright COMPONENT program)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dvi COMPONENT program
+    PATTERN images EXCLUDE)
+
+  # What libdvi-dev needs is what building needs, but for tools: the table in `dev` has it.
+  execute_process(COMMAND ${PROJECT_SOURCE_DIR}/dev packages build OUTPUT_VARIABLE needed OUTPUT_STRIP_TRAILING_WHITESPACE)
+  string(REGEX REPLACE "[ \n]+" ";" needed "${needed}")
+  list(FILTER needed INCLUDE REGEX "-dev$")
+  list(FILTER needed EXCLUDE REGEX "^(pybind11|python3)-")
+  list(JOIN needed ", " needed)
+
+  set(CPACK_GENERATOR DEB)
+  set(CPACK_PACKAGE_NAME dvi)
+  set(CPACK_PACKAGE_CONTACT "the dvi developers <dvi@localhost>")
+  set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
+  set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+  set(CPACK_STRIP_FILES ON)
+  set(CPACK_COMPONENTS_ALL program development)
+  if(TARGET dvi_python)
+    list(APPEND CPACK_COMPONENTS_ALL python)
+  endif()
+  set(CPACK_DEB_COMPONENT_INSTALL ON)
+  set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PACKAGE_SECTION science)
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME dvi)
+  set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "${PROJECT_DESCRIPTION}\n Removes traffic from recorded drives (camera and LiDAR, or depth images) and fills\n every removed pixel with what another frame, camera or drive saw there.")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-dvi)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "${PROJECT_DESCRIPTION} (Python)\n Frames as numpy arrays while they are made, and datasets of one's own.")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
+  set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libdvi-dev)
+  set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+  set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "${PROJECT_DESCRIPTION} (library)\n Static libraries, headers and the CMake package dvi.")
+  set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${needed}")
+  include(CPack)
+endfunction()

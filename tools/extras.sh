@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# extras.sh PROGRAM FOLDER VERSION HELP2MAN: man pages and completions, made from the program's own help.
+set -euo pipefail
+program=$1 folder=$2 version=$3 help2man=$4
+rm -rf "$folder"
+mkdir -p "$folder"/man "$folder"/share/{bash-completion/completions,zsh/vendor-completions,fish/vendor_completions.d}
+"$program" completion bash >"$folder/share/bash-completion/completions/dvi"
+"$program" completion zsh >"$folder/share/zsh/vendor-completions/_dvi"
+"$program" completion fish >"$folder/share/fish/vendor_completions.d/dvi.fish"
+
+# The same pages on any day.
+export SOURCE_DATE_EPOCH=0
+page() {  # NAME SUMMARY WORDS: help2man calls WORDS --help
+  "$help2man" --no-info --version-string="$version" --manual="dvi" --name="$2" "$3" | gzip -n9 >"$folder/man/$1.1.gz"
+}
+page dvi "remove traffic from recorded drives" "$program"
+sed -n "s/^complete .*__fish_use_subcommand -f -a \([a-z]*\) -d '\(.*\)'$/\1 \2/p" "$folder/share/fish/vendor_completions.d/dvi.fish" |
+  while read -r command summary; do page "dvi-$command" "$summary" "$program $command"; done
+touch "$folder/made"
