@@ -73,6 +73,9 @@ std::string to_toml(const OptionValue& value) {
       toml::array array;
       for (const std::string& item : v) array.push_back(item);
       out << array;
+    } else if constexpr (std::is_same_v<T, double>) {
+      const std::string shortest = fmt::format("{}", v);  // 0.1; the library would write 0.10000000000000001
+      out << shortest << (shortest.find_first_of(".en") == std::string::npos ? ".0" : "");
     } else {
       out << toml::value<T>(v);
     }
