@@ -5,7 +5,7 @@
         frame.kind         # height x width, uint8: 0 original, 1 copied, 2 copied from elsewhere, 3 interpolated, 4, 5 made up
 
 A dataset is a path to a recording that the program reads, or an object like `dvi.Dataset`. Options have the names of the command
-line's (`--ego-mask` is ``ego_mask``); any option of `dvi config dump --all` goes into ``set={"depth.max_range_m": 80}``.
+line's (`--ego-mask` is ``ego_mask``); any option of `dvi config dump --all` goes into ``set={"lidar.max_range_m": 80}``.
 ``progress`` is called as ``progress(stage, done, total)``. Ctrl-C stops the work. What is wrong with the data is a
 `dvi.InputError`, with the program's own words; with an option, a `dvi.UsageError`.
 """
@@ -24,6 +24,8 @@ from . import _dvi
 from ._dvi import Frame, InputError, UsageError
 from .convert import convert
 from .dataset import Box, Camera, Dataset, FrameData, ScanData
+
+InputError.__module__ = UsageError.__module__ = Frame.__module__ = __name__
 
 __version__: str = _dvi.version
 __all__ = ["Box", "Camera", "Dataset", "Frame", "FrameData", "InputError", "Map", "Masks", "Run", "ScanData", "UsageError", "check",
