@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "dvi/cli/completion.h"
 #include "dvi/cli/nearest.h"
 #include "dvi/core/error.h"
 #include "dvi/core/interrupt.h"
@@ -108,6 +109,33 @@ TEST(Program, TypingErrorsAreAnsweredWithWhatWasMeant) {
     EXPECT_THAT(outcome.err, AllOf(StartsWith(message), HasSubstr("--help")));
     EXPECT_THAT(outcome.out, IsEmpty());
   }
+}
+
+TEST(Program, HelpGroupsCommandsAndEndsInExamples) {
+  Program program;
+  program.group("Clean");
+  Command run = program.command("run", "Does the work");
+  run.examples({"dvi run DRIVE", "dvi run OTHER"});
+  program.group("Look");
+  program.command("check", "Looks");
+  EXPECT_THAT(call(program, {"--help"}).out, testing::ContainsRegex("Clean:\n +run .*\n\nLook:\n +check "));
+  EXPECT_THAT(call(program, {"run", "--help"}).out, HasSubstr("Examples:\n  dvi run DRIVE\n  dvi run OTHER"));
+}
+
+TEST(Program, CompletionKnowsItsWords) {
+  Program program;
+  int number = 0;
+  bool flag = false;
+  Command run = program.command("run", "Does it: now");
+  run.option("-n,--number", number, "A number's doc");
+  run.flag("--fast", flag, "Faster");
+  const CommandWords words = program.words();
+  ASSERT_EQ(words.commands.size(), 1U);
+  EXPECT_EQ(words.commands[0].name, "run");
+  for (const char* shell : {"bash", "zsh", "fish"}) EXPECT_THAT(completion_script(words, shell), HasSubstr("number"));
+  EXPECT_THAT(completion_script(words, "fish"), HasSubstr("-l number -r -d 'A number s doc'\n"));
+  EXPECT_THAT(completion_script(words, "fish"), HasSubstr("-l fast -d 'Faster'\n"));
+  EXPECT_THROW(completion_script(words, "tcsh"), UsageError);
 }
 
 TEST(Program, WithoutACommandItsHelpIsShown) {

@@ -175,6 +175,28 @@ TEST(Progress, TimesStagesAndKeepsEachWarningOnce) {
   EXPECT_THAT(text, HasSubstr("map: done"));
 }
 
+TEST(Progress, TellsWhereItIsAndCanBeCancelled) {
+  Progress progress(ProgressStyle::quiet);
+  EXPECT_FALSE(progress.now());
+  progress.begin("work", 3);
+  progress.advance();
+  ASSERT_TRUE(progress.now());
+  EXPECT_EQ(progress.now()->stage, "work");
+  EXPECT_EQ(progress.now()->done, 1U);
+  progress.cancel();
+  EXPECT_THROW(progress.advance(), Interrupted);
+  EXPECT_THROW(progress.begin("more", 1), Interrupted);
+  progress.end();
+  EXPECT_FALSE(progress.now());
+}
+
+TEST(OwnBinary, IsTheFileOfThisProgram) {
+  EXPECT_EQ(read_file(own_binary()).substr(0, 4),
+            "\x7f"
+            "ELF");
+  EXPECT_TRUE(fs::equivalent(own_binary(), "/proc/self/exe"));
+}
+
 TEST(Progress, QuietSaysNothingButRemembers) {
   testing::internal::CaptureStderr();
   Progress progress(ProgressStyle::quiet);

@@ -24,6 +24,8 @@ struct Ortho {
   cv::Mat1f source, age_s, confidence;
   cv::Mat1f distance;  // metres to the camera whose pixel this is
 
+  cv::Mat1b seen() const { return cv::Mat1b(distance < std::numeric_limits<float>::max()); }
+
   explicit Ortho(cv::Size size)
       : colour(size, cv::Vec3b()),
         source(size, kNone),
@@ -96,8 +98,7 @@ void add_frame(const Result& result, std::size_t number, const Ground& ground, O
 std::vector<GeoBand> colour_bands(const Ortho& ortho) {
   std::vector<cv::Mat> bgr;
   cv::split(ortho.colour, bgr);
-  const cv::Mat1b alpha(ortho.source == ortho.source);  // NaN differs from itself
-  return {{bgr[2], "red"}, {bgr[1], "green"}, {bgr[0], "blue"}, {alpha, "seen"}};
+  return {{bgr[2], "red"}, {bgr[1], "green"}, {bgr[0], "blue"}, {ortho.seen(), "seen"}};
 }
 
 ExportReport write_ortho(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
@@ -119,9 +120,10 @@ ExportReport write_ortho(const Result& result, const fs::path& folder, const Exp
                  {ortho.confidence, "probability of being right: 1 where the camera saw it itself"},
                  {ground.height, "metres above the drive's first LiDAR position"}},
                 false);
-  const int seen = cv::countNonZero(ortho.source == ortho.source);
   return {{"ortho.tif", "evidence.tif"},
-          {{"columns", ground.height.cols}, {"rows", ground.height.rows}, {"pixels_seen", static_cast<double>(seen)}}};
+          {{"columns", ground.height.cols},
+           {"rows", ground.height.rows},
+           {"pixels_seen", static_cast<double>(cv::countNonZero(ortho.seen()))}}};
 }
 
 }  // namespace
