@@ -13,7 +13,7 @@ STAGES = [
 ]
 NOUNS = ["core", "geometry", "image", "drive"]
 SERVICES = ["io", "scan_match"]
-MEASURES = ["metrics", "holdout", "baselines", "audit", "plausibility", "exports"]
+MEASURES = ["metrics", "holdout", "baselines", "audit", "plausibility", "exports", "report"]
 
 # What each module may include besides its own folder.
 ALLOWED = {

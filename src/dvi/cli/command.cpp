@@ -125,6 +125,9 @@ void Command::positional(const std::string& name, std::string& field, const std:
 void Command::positional(const std::string& name, std::vector<std::string>& field, const std::string& doc) {
   impl_->app->add_option(name, field, doc);
 }
+void Command::positional(const std::string& name, int& field, const std::string& doc) {
+  impl_->app->add_option(name, field, doc)->required();
+}
 void Command::option(const std::string& names, std::string& field, const std::string& doc, bool required) {
   impl_->app->add_option(names, field, doc)->required(required);
 }

@@ -23,6 +23,7 @@ class Command {
 
   void positional(const std::string& name, std::string& field, const std::string& doc, bool required = true);
   void positional(const std::string& name, std::vector<std::string>& field, const std::string& doc);
+  void positional(const std::string& name, int& field, const std::string& doc);
   void option(const std::string& names, std::string& field, const std::string& doc, bool required = false);
   void option(const std::string& names, std::optional<std::string>& field, const std::string& doc);
   void option(const std::string& names, std::vector<std::string>& field, const std::string& doc);
@@ -79,6 +80,8 @@ void add_run(Program& program);
 void add_plan(Program& program);
 void add_fill(Program& program);
 void add_finish(Program& program);
+void add_report(Program& program);
+void add_inspect(Program& program);
 void add_map(Program& program);
 void add_mask(Program& program);
 void add_eval(Program& program);

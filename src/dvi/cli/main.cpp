@@ -27,6 +27,8 @@ int main(int argc, char** argv) {
   dvi::cli::add_forecast(program);
   dvi::cli::add_formats(program);
   program.group("Check a result");
+  dvi::cli::add_report(program);
+  dvi::cli::add_inspect(program);
   dvi::cli::add_eval(program);
   dvi::cli::add_audit(program);
   dvi::cli::add_holdout(program);

@@ -1,7 +1,9 @@
 #include "dvi/io/write_image.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -25,6 +27,12 @@ cv::Mat read_as(const fs::path& path, cv::Size size, int type, const std::string
 }  // namespace
 
 void write_png(const fs::path& path, const cv::Mat& image) { write_file(path, encode_png(image)); }
+
+void write_jpeg(const fs::path& path, const cv::Mat3b& image, int quality) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  write_file(path, {bytes.begin(), bytes.end()});
+}
 
 cv::Mat1b read_png_grey(const fs::path& path, cv::Size size) { return read_as(path, size, CV_8UC1, "8-bit grey"); }
 

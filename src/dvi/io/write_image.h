@@ -6,9 +6,12 @@
 
 namespace dvi::io {
 
-/// Writes a PNG beside its place and renames it. 8-bit grey or BGR (an RGB file); 16-bit grey, or 16-bit triples whose
+/// Writes a PNG beside its place and renames it. 8-bit grey, BGR (an RGB file) or BGRA; 16-bit grey, or 16-bit triples whose
 /// channels 0, 1, 2 are the file's R, G, B (a receipt has no colour). InputError on a full or read-only disk.
 void write_png(const fs::path& path, const cv::Mat& image);
+
+/// Writes a JPEG of 8-bit BGR likewise, for pictures that are looked at only.
+void write_jpeg(const fs::path& path, const cv::Mat3b& image, int quality);
 
 /// Receipts as write_png wrote them, without any conversion (pictures and masks: io/image_file.h). InputError where the file
 /// cannot be read or holds another kind or size of image.

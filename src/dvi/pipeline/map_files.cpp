@@ -1,6 +1,9 @@
 #include "dvi/pipeline/map_files.h"
 
 #include <array>
+#include <map>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -25,12 +28,16 @@ std::string tum_line(std::int64_t time_ns, const SE3& pose) {
                      pose.t.z(), q.x(), q.y(), q.z(), q.w());
 }
 
+std::vector<SE3> camera_poses(const Views& views) {
+  std::vector<SE3> poses;
+  for (const View& view : views.views)
+    if (view.sequence == 0) poses.push_back(view.camera_from_world.inverse());
+  return poses;
+}
+
 std::string pose_lines(const Views& views) {
   std::string text;
-  for (const View& view : views.views) {
-    if (view.sequence != 0) continue;
-    text += kitti_line(view.camera_from_world.inverse());
-  }
+  for (const SE3& pose : camera_poses(views)) text += kitti_line(pose);
   return text;
 }
 
@@ -114,12 +121,38 @@ void write_removed(const fs::path& path, const ScratchVector<map::RemovedPoint>&
 
 }  // namespace
 
-void write_map_files(const fs::path& folder, const map::StaticMap& map, const Views& views, const Drive& target) {
+std::vector<report::Track> tracks_of(const FrameLabels& labels, const Views& views, const Trajectory& world_from_lidar) {
+  std::map<int, report::Track> tracks;
+  for (std::size_t i = 0; i < views.of_sequence(0).second; ++i) {
+    const std::optional<SE3> world = world_from_lidar.at(views[i].time_ns);
+    if (!world || views[i].frame >= labels.size()) continue;
+    for (const Label& label : labels[views[i].frame]) {
+      if (!label.box || label.track < 0) continue;
+      report::Track& track = tracks[label.track];
+      track.number = label.track;
+      track.type = label.type;
+      track.points.emplace_back((*world * label.box->frame_from_box.t).head<2>());
+      track.frames.push_back(i);
+    }
+  }
+  std::vector<report::Track> out;
+  for (auto& [number, track] : tracks) out.push_back(std::move(track));
+  return out;
+}
+
+void write_map_files(const fs::path& folder, const map::StaticMap& map, const Views& views, const Drive& target,
+                     const std::vector<report::Track>& tracks) {
   make_folder(folder);
   write_file(folder / "poses.txt", pose_lines(views));
   write_file(folder / "times.txt", time_lines(views));
   const std::string name = target.path.filename().string();
-  write_map(folder / "map.ply", map, colours(map, views), "dvi map of " + name);
+  const Colours colour = colours(map, views);
+  write_map(folder / "map.ply", map, colour, "dvi map of " + name);
+  report::write_above(folder, {.map = map,
+                               .colour = [&](std::size_t point) { return colour[point]; },
+                               .camera = target.camera,
+                               .world_from_camera = camera_poses(views),
+                               .tracks = tracks});
   write_removed(folder / "moving.ply", map.removed, "taken out of the dvi map of " + name);
 }
 

@@ -143,7 +143,8 @@ std::string RunReport::brief(const std::string& out) const {
                       cpu / static_cast<double>(std::max<std::size_t>(1, cost.frames_made)),
                       static_cast<double>(cost.peak_memory_bytes) / 1e6);
   return text + fmt::format(
-                    "\n  {0}/frames       the drive without its traffic\n  {0}/video.mp4    as a video\n"
+                    "\n  {0}/report.html  what was removed and how well it went: open it in a browser\n"
+                    "  {0}/frames       the drive without its traffic\n  {0}/video.mp4    as a video\n"
                     "  {0}/compare.mp4  input above result\n  {0}/contact.png  some frames on one sheet\n"
                     "  {0}/report.json  all figures",
                     out);

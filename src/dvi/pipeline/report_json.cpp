@@ -183,6 +183,7 @@ void from_json(const json& j, RunReport& report) {
 }  // namespace
 
 json json_of(const FrameReport& report) { return report; }
+json json_of(const HoleReport& hole) { return hole; }
 FrameReport frame_of(const json& j) { return j.get<FrameReport>(); }
 
 std::string to_json(const RunReport& report) {

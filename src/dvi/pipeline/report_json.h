@@ -20,6 +20,7 @@ void to_json(nlohmann::json& json, const CostReport& report);
 void from_json(const nlohmann::json& json, CostReport& report);
 
 nlohmann::json json_of(const FrameReport& report);
+nlohmann::json json_of(const HoleReport& hole);
 FrameReport frame_of(const nlohmann::json& json);
 
 void to_json(nlohmann::json& json, const ForecastReport& report);

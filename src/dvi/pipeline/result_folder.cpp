@@ -22,6 +22,8 @@
 #include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
 #include "dvi/pipeline/result_media.h"
 #include "dvi/pipeline/source_masks.h"
+#include "dvi/pipeline/write_report.h"
+#include "dvi/report/report.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -76,7 +78,8 @@ std::vector<std::string> pictures_of(const std::string& name) {
 std::vector<fs::path> own_folders(const fs::path& out) {
   std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames", out / ".dvi/masks"};
   for (const std::string& folder : picture_folders()) folders.push_back(out / folder);
-  if (fs::exists(out / "map")) folders.push_back(out / "map");
+  for (const char* folder : {"map", "report", "report/before", "report/truth", "report/sources"})
+    if (fs::exists(out / folder)) folders.push_back(out / folder);
   return folders;
 }
 
@@ -84,8 +87,11 @@ std::vector<fs::path> own_folders(const fs::path& out) {
 /// places.
 std::vector<std::string> files_beside_frames(const fs::path& out) {
   std::vector<std::string> files{"sources.json",  "video.mp4",    "compare.mp4", "contact.png",   "map/poses.txt",
-                                 "map/times.txt", "map/map.json", "map/map.ply", "map/moving.ply"};
+                                 "map/times.txt", "map/map.json", "map/map.ply", "map/moving.ply",
+                                 "map/map.png",   "map/above.json"};
   std::erase_if(files, [&](const std::string& file) { return !fs::exists(out / file); });
+  const std::vector<std::string> page = report::report_files(out);
+  files.insert(files.end(), page.begin(), page.end());
   return files;
 }
 
@@ -330,7 +336,8 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   remove_other_source_masks();
   write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
   if (results.map != nullptr) {
-    write_map_files(out_ / "map", *results.map, results.views, target);
+    write_map_files(out_ / "map", *results.map, results.views, target,
+                    tracks_of(results.objects, results.views, results.poses.front().world_from_lidar));
     write_file(out_ / "map/map.json", json_text(map_report(*results.map)) + "\n");
   } else {
     remove_map();  // left by another method, as the stages
@@ -340,9 +347,19 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   const metrics::Artefacts artefacts = metrics::count_artefacts(out_, names_, progress.parts()("artefacts", names_.size()));
   progress.end();
   write_file(out_ / "dvi.toml", own_options());
-  RunReport finished = report(results, progress);
-  finished.artefacts = artefacts;
-  write_file(out_ / "report.json", to_json(finished) + "\n");
+  RunReport finished;
+  progress.begin("report", names_.size());
+  write_report(
+      job_, names_,
+      [&] {
+        progress.end();
+        finished = report(results, progress);
+        finished.artefacts = artefacts;
+        const std::string text = to_json(finished);
+        write_file(out_ / "report.json", text + "\n");
+        return text;
+      },
+      progress.tick());
   write_record(result_record(), {fingerprint_, record_files(out_, files_beside_frames(out_)), std::nullopt});
   return finished;
 }

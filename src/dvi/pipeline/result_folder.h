@@ -26,6 +26,7 @@ struct RunResults {
   const Poses& poses;
   const align::Cameras& cameras;
   const CpuClock& cpu;
+  const FrameLabels& objects;  ///< of the target: what was removed
 };
 
 /// Called with a frame of the target once it is written; may be empty.

@@ -37,6 +37,7 @@ struct Plan {
   const StaticMap& map;
   const Views& views;
   const Cameras& cameras;
+  const Objects& objects;
 };
 
 /// Calls `then` with the plan; its stages are made unless they are kept.
@@ -58,7 +59,7 @@ auto with_plan(const Job& job, const Recordings& drives, const KeptStages& kept,
   const VisibleMap visible(map, posed);
   const Gains gains = kept("exposure", [&] { return estimate_exposure(posed, visible, drives, options, progress); });
   const Cameras cameras = kept("alignment", [&] { return align(posed, visible, drives, options, progress); });  // 3.2, eq. 1
-  return then(Plan{poses, map, refined(posed, gains, cameras), cameras});
+  return then(Plan{poses, map, refined(posed, gains, cameras), cameras, objects});
 }
 
 using Write = std::function<void(std::size_t view, const FilledView& finished)>;
@@ -110,7 +111,12 @@ RunReport fill_and_complete(ResultFolder& out, const Plan& plan, const std::vect
                             Progress& progress, const FinishedFrame& hand_on = {}) {
   CpuClock cpu;
   fill_frames(plan, frames, options, out.writer(plan.views, plan.cameras, cpu, progress, hand_on), cpu, progress);
-  return out.complete({.views = plan.views, .map = &plan.map, .poses = plan.poses, .cameras = plan.cameras, .cpu = cpu},
+  return out.complete({.views = plan.views,
+                       .map = &plan.map,
+                       .poses = plan.poses,
+                       .cameras = plan.cameras,
+                       .cpu = cpu,
+                       .objects = plan.objects.front()},
                       progress);
 }
 

@@ -29,7 +29,8 @@ RunReport run_baseline(const Job& job, Progress& progress, const FrameSink& sink
   verify(drives, job, progress);
 
   const Poses poses = given_poses(drives);
-  const Views views = make_unposed_views(drives, find_masks(drives, poses, job, progress));
+  const Masks masks = find_masks(drives, poses, job, progress);
+  const Views views = make_unposed_views(drives, masks);
   const align::Cameras cameras(views);
   CpuClock cpu;
   const std::vector<std::size_t> missing = out.missing_frames(views, progress);
@@ -39,7 +40,8 @@ RunReport run_baseline(const Job& job, Progress& progress, const FrameSink& sink
                     {.fill = filler_of(job, views, cpu),
                      .smoothing = smoothing(job.options.smooth, cpu),
                      .write = out.writer(views, cameras, cpu, progress, sink.finished)});
-  return out.complete({.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu}, progress);
+  return out.complete({.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu, .objects = masks.front().objects},
+                      progress);
 }
 
 }  // namespace dvi::pipeline

@@ -1,0 +1,33 @@
+#include "dvi/report/inspect.h"
+
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "dvi/cli/command.h"
+
+namespace dvi::cli {
+
+void add_inspect(Program& program) {
+  struct Arguments {
+    std::string out, frame, folder;
+    int x = 0, y = 0;
+    bool json = false;
+  };
+  const auto a = std::make_shared<Arguments>();
+  Command command = program.command("inspect", "The receipt of one pixel: where it comes from");
+  command.positional("OUT", a->out, "A result of dvi run");
+  command.positional("FRAME", a->frame, "The frame's name, or its number in the drive");
+  command.positional("X", a->x, "Column, from 0");
+  command.positional("Y", a->y, "Row, from 0");
+  command.option("-o,--out", a->folder, "Folder for result.png and source.png, what lies around the pixel");
+  command.flag("--json", a->json, "The receipt as one JSON document on stdout");
+  command.run([a] {
+    const report::Receipt receipt = report::read_receipt(a->out, a->frame, {a->x, a->y});
+    if (!a->folder.empty()) report::write_crops(a->folder, a->out, receipt);
+    fmt::print("{}\n", a->json ? report::json_of(receipt) : report::text_of(receipt));
+  });
+}
+
+}  // namespace dvi::cli

@@ -1,0 +1,100 @@
+#include "dvi/pipeline/write_report.h"
+
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
+#include "dvi/pipeline/records.h"
+#include "dvi/pipeline/report_json.h"
+#include "dvi/report/report.h"
+
+namespace dvi::pipeline {
+namespace {
+
+using nlohmann::json;
+
+/// The options in which a job differs from the default, or from its method's. What it reads and writes is shown elsewhere.
+std::string changed_options(Job job) {
+  Job plain;
+  plain.method = job.method;
+  use_method(plain.method, plain.options);
+  OptionTable now = job.table(), before = plain.table();
+  json changed = json::array();
+  for (std::size_t i = 0; i < now.options().size(); ++i) {
+    const Option &option = now.options()[i], &old = before.options()[i];
+    const std::string name = option.name();
+    if (name == "job.target" || name == "job.sources" || name == "job.out" || option.text() == old.text()) continue;
+    changed.push_back({{"name", name}, {"value", option.text()}, {"default", old.text()}, {"doc", option.doc}});
+  }
+  return json_text(changed, -1);
+}
+
+/// Of dvi.toml in a result.
+std::string options_of(const fs::path& out, std::vector<std::string>& problems) {
+  try {
+    Job job;
+    job.table().load_toml(out / "dvi.toml");
+    return changed_options(job);
+  } catch (const UsageError& e) {  // answered: options of an earlier version
+    problems.push_back(std::string("dvi.toml is of another version of dvi: ") + e.what());
+  } catch (const InputError&) {  // answered
+    problems.emplace_back("dvi.toml is missing or cannot be read");
+  }
+  return "[]";
+}
+
+/// report.json of a result. Where there is none, the frames that are finished.
+json run_of(const fs::path& out, std::vector<std::string>& problems) {
+  if (fs::exists(out / "report.json")) {
+    json run = json::parse(read_file(out / "report.json"), nullptr, false);
+    if (run.is_object() && run.value("frames", json()).is_array()) return run;
+    problems.emplace_back("report.json is damaged");
+  } else {
+    problems.emplace_back("the run is not finished: the same command goes on from there");
+  }
+  HoleReport hole;
+  json frames = json::array();
+  for (const fs::path& file : list_files(out / ".dvi/frames", {".json"}))
+    if (const std::optional<Record> record = read_record(file); record && record->frame) {
+      frames.push_back(json_of(*record->frame));
+      hole += record->frame->hole;
+    }
+  return {{"frames", frames}, {"hole", json_of(hole)}};
+}
+
+std::vector<std::string> names_of(const json& run) {
+  std::vector<std::string> names;
+  for (const json& frame : run.at("frames")) names.push_back(frame.is_object() ? frame.value("name", "") : "");
+  return names;
+}
+
+}  // namespace
+
+void write_report(const Job& job, const std::vector<std::string>& names, const std::function<std::string()>& report_json,
+                  const Tick& tick) {
+  report::write_report(
+      {.out = job.out, .names = names, .run = report_json, .options = changed_options(job), .evaluation = "null"}, tick);
+}
+
+void write_report(const fs::path& out, const ShownTruth& truth, Progress& progress) {
+  if (!fs::is_directory(out / "frames") && !fs::is_directory(out / ".dvi"))
+    throw InputError(out, "is no result of dvi", "dvi report takes the output folder of dvi run");
+  std::vector<std::string> problems;
+  const json run = run_of(out, problems);
+  const std::string options = options_of(out, problems);
+  const std::vector<std::string> names = names_of(run);
+  progress.begin("report", names.size());
+  report::write_report({.out = out,
+                        .names = names,
+                        .run = [&] { return json_text(run, -1); },
+                        .options = options,
+                        .evaluation = truth.evaluation.empty() ? "null" : truth.evaluation,
+                        .truth = truth.folder,
+                        .problems = problems},
+                       progress.tick());
+  progress.end();
+}
+
+}  // namespace dvi::pipeline

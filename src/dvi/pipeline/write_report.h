@@ -1,0 +1,27 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "dvi/core/files.h"
+#include "dvi/core/progress.h"
+#include "dvi/pipeline/job.h"
+
+namespace dvi::pipeline {
+
+/// Where the truth of a result is, to show beside it; empty: there is none.
+struct ShownTruth {
+  fs::path folder;         ///< NAME.png
+  std::string evaluation;  ///< metrics::Evaluation as JSON
+};
+
+/// OUT/report.html and OUT/report/ of a run's result. `report_json` is asked for once all else is written.
+void write_report(const Job& job, const std::vector<std::string>& names, const std::function<std::string()>& report_json,
+                  const Tick& tick);
+
+/// The same of a result on disk, however whole it is: what is missing is said in the report. InputError where `out` is no
+/// result of dvi or cannot be written.
+void write_report(const fs::path& out, const ShownTruth& truth, Progress& progress);
+
+}  // namespace dvi::pipeline

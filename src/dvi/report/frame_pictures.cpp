@@ -1,0 +1,41 @@
+#include "dvi/report/frame_pictures.h"
+
+#include <exception>
+
+#include "dvi/core/error.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/write_image.h"
+
+namespace dvi::report {
+
+FramePictures read_pictures(const fs::path& out, const std::string& name) {
+  FramePictures pictures;
+  cv::Size size;
+  const auto read = [&](const char* folder, auto& picture, const auto& reader) {
+    const std::string file = std::string(folder) + "/" + name + ".png";
+    try {
+      if (size.empty()) size = io::image_size(out / file);
+      picture = reader(out / file, size);
+    } catch (const InputError&) {  // answered: the page says what is missing
+      pictures.missing.push_back(file);
+    }
+  };
+  read("kind", pictures.kind, io::read_png_grey);
+  if (pictures.kind.empty()) return pictures;  // nothing tells which pixels the others are about
+  read("confidence", pictures.confidence, io::read_png_grey);
+  read("depth", pictures.depth, io::read_png_depth);
+  read("provenance", pictures.provenance, io::read_png_triples);
+  read("harmonisation", pictures.harmonisation, io::read_png_triples);
+  read("sources_used", pictures.used, io::read_image);
+  return pictures;
+}
+
+cv::Mat3b read_frame(const fs::path& file, cv::Size size) {
+  try {
+    return io::read_image(file, size);
+  } catch (const InputError&) {  // answered: the page says what is missing
+    return {};
+  }
+}
+
+}  // namespace dvi::report

@@ -1,0 +1,175 @@
+#include "dvi/report/inspect.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
+#include "dvi/harmonize/filled_frame.h"
+#include "dvi/harmonize/receipt.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/write_image.h"
+
+namespace dvi::report {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::array<const char*, 6> kKinds{"original",     "copied",      "copied from elsewhere",
+                                            "interpolated", "synthesised", "left empty"};
+constexpr int kCrop = 120, kZoom = 3;  // px of the picture to each crop, and how large each is shown
+
+json document(const fs::path& file) {
+  if (!fs::exists(file))
+    throw InputError(file.parent_path(), "has no " + file.filename().string(), "dvi inspect takes the result of a finished dvi run");
+  json read = json::parse(read_file(file), nullptr, false);
+  if (!read.is_object()) throw InputError(file, "is no JSON document", "run dvi again");
+  return read;
+}
+
+/// The name of a frame that is named, or given by the drive's own number.
+std::string name_of(const fs::path& out, const std::string& frame) {
+  if (fs::exists(out / "frames" / (frame + ".png"))) return frame;
+  const json run = document(out / "report.json");
+  std::string first, last;
+  for (const json& entry : run.value("frames", json::array())) {
+    last = entry.value("name", "");
+    if (first.empty()) first = last;
+    if (std::to_string(entry.value("number", -1)) == frame) return last;
+  }
+  throw InputError(out, fmt::format("has no frame {}", frame), first.empty() ? "" : fmt::format("its frames are {} to {}", first, last));
+}
+
+std::optional<int> frames_apart(const json& sources, std::size_t number, const std::string& frame) {
+  const json& source = sources.at(number);
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    if (sources[i].at("frame") == frame && sources[i].at("drive") == sources[0].at("drive") &&
+        sources[i].at("camera") == sources[0].at("camera"))
+      return source.at("drive") == sources[0].at("drive") && source.at("camera") == sources[0].at("camera")
+                 ? std::optional(static_cast<int>(number) - static_cast<int>(i))
+                 : std::nullopt;
+  return std::nullopt;
+}
+
+/// The part of a picture around a position, enlarged, its middle marked.
+cv::Mat3b crop(const cv::Mat3b& image, cv::Point2f at) {
+  const int width = std::min(kCrop, image.cols), height = std::min(kCrop, image.rows);
+  const cv::Point corner(std::clamp(cvRound(at.x) - width / 2, 0, image.cols - width),
+                         std::clamp(cvRound(at.y) - height / 2, 0, image.rows - height));
+  cv::Mat3b out;
+  cv::resize(image(cv::Rect(corner, cv::Size(width, height))), out, {}, kZoom, kZoom, cv::INTER_NEAREST);
+  const cv::Point middle(cvRound((at.x - static_cast<float>(corner.x) + 0.5F) * kZoom),
+                         cvRound((at.y - static_cast<float>(corner.y) + 0.5F) * kZoom));
+  constexpr int kGap = 6, kArm = 22;
+  for (const auto& [colour, thickness] : {std::pair(cv::Scalar(0, 0, 0), 3), std::pair(cv::Scalar(255, 255, 255), 1)})
+    for (const cv::Point arm : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)})
+      cv::line(out, middle + kGap * arm, middle + kArm * arm, colour, thickness);
+  return out;
+}
+
+}  // namespace
+
+Receipt read_receipt(const fs::path& out, const std::string& frame, cv::Point pixel) {
+  Receipt receipt;
+  receipt.frame = name_of(out, frame);
+  receipt.pixel = pixel;
+  const std::string png = receipt.frame + ".png";
+  const cv::Size size = io::image_size(out / "kind" / png);
+  if (!cv::Rect({}, size).contains(pixel))
+    throw InputError(out, fmt::format("has no pixel {}, {} in frame {}", pixel.x, pixel.y, receipt.frame),
+                     fmt::format("X is 0 to {}, Y 0 to {}", size.width - 1, size.height - 1));
+  const auto kind = static_cast<std::size_t>(io::read_png_grey(out / "kind" / png, size)(pixel));
+  if (kind >= kKinds.size()) throw InputError(out / "kind" / png, fmt::format("holds a kind {}", kind), "run dvi again");
+  receipt.kind = kKinds[kind];
+  const cv::Vec3b colour = io::read_image(out / "frames" / png, size)(pixel);
+  receipt.colour = {colour[2], colour[1], colour[0]};
+  if (const ushort depth = io::read_png_depth(out / "depth" / png, size)(pixel); depth > 0) receipt.depth_m = depth / 256.0;
+  if (kind > 0) receipt.confidence = io::read_png_grey(out / "confidence" / png, size)(pixel) / 255.0;
+  const cv::Vec3w triple = io::read_png_triples(out / "provenance" / png, size)(pixel);
+  if (triple[0] == 0) return receipt;
+
+  const cv::Vec3b used = io::read_image(out / "sources_used" / png, size)(pixel);
+  const cv::Vec3w change = io::read_png_triples(out / "harmonisation" / png, size)(pixel);
+  const harmonize::Provenance from = harmonize::Provenance::of(triple, used);
+  const json sources = document(out / "sources.json").value("sources", json::array());
+  if (static_cast<std::size_t>(from.view) >= sources.size())
+    throw InputError(out / "sources.json", fmt::format("has no source {}, which the pixel was copied from", from.view), "run dvi again");
+  const json& source = sources[static_cast<std::size_t>(from.view)];
+  ReceiptSource& to = receipt.source.emplace();
+  to.number = static_cast<std::size_t>(from.view);
+  to.drive = source.value("drive", "");
+  to.camera = source.value("camera", "");
+  to.frame = source.value("frame", "");
+  to.file = source.value("file", "");
+  to.position = from.position;
+  to.footprint = {from.footprint[0], from.footprint[1]};
+  to.averaged = used[2];
+  for (int c = 0; c < 3; ++c) to.change[c] = change[c] - harmonize::kNoChange;
+  to.frames_apart = frames_apart(sources, to.number, receipt.frame);
+  return receipt;
+}
+
+std::string text_of(const Receipt& receipt) {
+  const auto& [red, green, blue] = receipt.colour;
+  std::string text = fmt::format("frame {}, pixel {}, {}: {}\n  colour      {} {} {} (red, green, blue)\n", receipt.frame,
+                                 receipt.pixel.x, receipt.pixel.y, receipt.kind, red, green, blue);
+  text += receipt.depth_m ? fmt::format("  depth       {:.2f} m\n", *receipt.depth_m) : "  depth       unknown\n";
+  if (receipt.confidence)
+    text += fmt::format("  confidence  {:.0f} % to be within 10 grey levels of the truth\n", 100 * *receipt.confidence);
+  if (receipt.source) {
+    const ReceiptSource& s = *receipt.source;
+    text += fmt::format("  from        frame {} of camera {}, at {:.2f}, {:.2f}", s.frame, s.camera, s.position.x, s.position.y);
+    if (s.frames_apart) text += fmt::format(", {} frames {}", std::abs(*s.frames_apart), *s.frames_apart < 0 ? "earlier" : "later");
+    text += fmt::format("\n              {}\n  averaged    {} source(s), over {} x {} px each\n", s.file.string(), s.averaged,
+                        s.footprint[0], s.footprint[1]);
+    text += fmt::format("  blending    {:+d} {:+d} {:+d} grey levels\n", s.change[0], s.change[1], s.change[2]);
+  }
+  text.pop_back();
+  return text;
+}
+
+std::string json_of(const Receipt& receipt) {
+  json out{{"schema", "dvi-receipt/1"},
+           {"frame", receipt.frame},
+           {"x", receipt.pixel.x},
+           {"y", receipt.pixel.y},
+           {"kind", receipt.kind},
+           {"colour", receipt.colour},
+           {"depth_m", nullptr},
+           {"confidence", nullptr},
+           {"source", nullptr}};
+  if (receipt.depth_m) out["depth_m"] = *receipt.depth_m;
+  if (receipt.confidence) out["confidence"] = *receipt.confidence;
+  if (receipt.source) {
+    const ReceiptSource& s = *receipt.source;
+    out["source"] = {{"number", s.number},
+                     {"drive", s.drive},
+                     {"camera", s.camera},
+                     {"frame", s.frame},
+                     {"file", s.file.string()},
+                     {"x", s.position.x},
+                     {"y", s.position.y},
+                     {"footprint", {s.footprint[0], s.footprint[1]}},
+                     {"averaged", s.averaged},
+                     {"change", s.change},
+                     {"frames_apart", nullptr}};
+    if (s.frames_apart) out["source"]["frames_apart"] = *s.frames_apart;
+  }
+  return json_text(out);
+}
+
+void write_crops(const fs::path& folder, const fs::path& out, const Receipt& receipt) {
+  make_folder(folder);
+  const fs::path frame = out / "frames" / (receipt.frame + ".png");
+  io::write_png(folder / "result.png", crop(io::read_image(frame, io::image_size(frame)), receipt.pixel));
+  if (!receipt.source || !fs::exists(receipt.source->file)) return;
+  const fs::path& file = receipt.source->file;
+  io::write_png(folder / "source.png", crop(io::read_image(file, io::image_size(file)), receipt.source->position));
+}
+
+}  // namespace dvi::report

@@ -1,0 +1,67 @@
+"use strict";
+// The drive from above: x of the world to the right, y up, in metres.
+(() => {
+  const e = dvi.element, id = dvi.byId;
+  const colours = {path: "#0072b2", removed: "#e63c3c", unseen: "#e69f00"};
+
+  const nearest = (poses, at) => {
+    let best = 0, least = Infinity;
+    poses.forEach((pose, i) => {
+      const distance = (pose[3] - at.lng) ** 2 + (pose[7] - at.lat) ** 2;
+      if (distance < least) [best, least] = [i, distance];
+    });
+    return best;
+  };
+
+  const draw = (above) => {
+    const map = L.map("map", {crs: L.CRS.Simple, zoomSnap: 0, minZoom: -4, maxZoom: 8, attributionControl: false, keyboard: false, zoomAnimation: false, preferCanvas: true});
+    dvi.mapView = {map};
+    const right = above.left_m + above.width * above.metres_per_px, bottom = above.top_m - above.height * above.metres_per_px;
+    const ground = L.imageOverlay("map/map.png", [[bottom, above.left_m], [above.top_m, right]], {className: "pixels"}).addTo(map);
+    ground.on("error", () => id("map-legend").append(e("span", {className: "warning", textContent: "map/map.png is missing"})));
+
+    const {cell_m: cell, cells} = dvi.data.unseen;
+    const unseen = L.layerGroup(cells.map(([x, y, frame, pixels]) =>
+      L.rectangle([[y * cell, x * cell], [(y + 1) * cell, (x + 1) * cell]], {stroke: false, fillColor: colours.unseen, fillOpacity: 0.75})
+        .bindTooltip(`nobody saw this, most of it in frame ${(dvi.frames()[frame] || {}).name} (${pixels * 16} px or so)`)
+        .on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", frame); }))).addTo(map);
+
+    const tracks = L.layerGroup(above.tracks.filter((track) => track.points.length).map((track) =>
+      L.polyline(track.points.map(([x, y]) => [y, x]), {color: "#cc79a7", weight: 3, dashArray: track.points.length > 1 ? "6 4" : null})
+        .bindTooltip(`${track.type || "object"} ${track.number}, frames ${(dvi.frames()[track.points[0][2]] || {}).name} on`)
+        .on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", track.points[0][2]); }))).addTo(map);
+
+    const poses = above.world_from_camera, path = poses.map((pose) => [pose[7], pose[3]]);
+    L.polyline(path, {color: "#ffffff", weight: 7, opacity: 0.8}).addTo(map);
+    L.polyline(path, {color: colours.path, weight: 4}).addTo(map);
+    const every = Math.max(1, Math.floor(poses.length / 400));
+    path.forEach((at, i) => i % every === 0 && L.circleMarker(at, {radius: 4, color: "#ffffff", weight: 1, fillColor: colours.path, fillOpacity: 1})
+      .bindTooltip(`frame ${(dvi.frames()[i] || {}).name}`).on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", i); }).addTo(map));
+    map.on("click", (event) => dvi.go("frames", nearest(poses, event.latlng)));
+    L.control.layers(null, {"never seen": unseen, "tracks of what was removed": tracks}, {collapsed: false}).addTo(map);
+    L.control.scale({imperial: false}).addTo(map);
+    map.fitBounds(L.latLngBounds(path).pad(0.15), {animate: false});
+  };
+
+  dvi.views.above = {
+    title: "From above",
+    start: () => {
+      const above = dvi.data.above;
+      if (!above || !window.L || !above.world_from_camera.length) {
+        id("above-text").textContent = !above ? "This result has no map: methods without depth make none, and results of earlier versions lack its picture."
+          : window.L ? "No frame of this result has a pose." : "No map here: this dvi was built without the package libjs-leaflet.";
+        id("map").remove();
+        return;
+      }
+      id("above-text").textContent = "The static map that pixels were placed by. Click the path, or any place, to go to the frame next to it.";
+      const entry = (colour, text, hint) => e("span", {className: "entry", title: hint}, e("i", {className: "swatch", style: `background:${colour}`}), text);
+      id("map-legend").append(
+        entry(colours.path, "path of the camera", "One dot a frame."),
+        entry(colours.removed, "scanner returns taken out of the map", "On traffic by masks or boxes, or gone in other scans."),
+        entry("#cc79a7", "tracks of what was removed", "Where labelled objects were, frame by frame."),
+        entry(colours.unseen, "never seen by any frame", "Filled pixels that no other frame saw look at these half-metre squares."));
+      draw(above);
+    },
+    show: () => { if (dvi.mapView) dvi.mapView.map.invalidateSize({animate: false}); },
+  };
+})();

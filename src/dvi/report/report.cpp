@@ -1,0 +1,259 @@
+#include "dvi/report/report.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
+#include "dvi/core/threads.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/write_image.h"
+#include "dvi/report/doubt.h"
+#include "dvi/report/frame_block.h"
+#include "dvi/report/frame_pictures.h"
+#include "dvi/report/page_files.h"
+#include "dvi/report/unseen_places.h"
+
+namespace dvi::report {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kIndexSchema = "dvi-page/1";
+constexpr int kSourceQuality = 85;  // of JPEG
+
+std::string numbered(const char* folder, std::size_t number, const char* ending) {
+  return fmt::format("report/{}{:06d}{}", folder, number, ending);
+}
+
+/// A file of the result as a URL beside the page.
+std::string url(const std::string& path) {
+  std::string out;
+  for (const char c : path) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
+                       c == '.' || c == '/';
+    out += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return out;
+}
+
+/// A document of the result; null, and the reason in `problems`, where it is missing or damaged.
+json document(const fs::path& out, const char* file, std::vector<std::string>& problems) {
+  if (!fs::exists(out / file)) {
+    problems.push_back(fmt::format("{} is missing", file));
+    return {};
+  }
+  json read = json::parse(read_file(out / file), nullptr, false);
+  if (read.is_object()) return read;
+  problems.push_back(fmt::format("{} is damaged", file));
+  return {};
+}
+
+/// The pixels of the hole; all others transparent.
+cv::Mat4b patch(const cv::Mat3b& image, const cv::Mat1b& kind) {
+  cv::Mat4b out(image.size(), cv::Vec4b(0, 0, 0, 0));
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x)
+      if (const cv::Vec3b& pixel = image(y, x); kind(y, x) != 0) out(y, x) = {pixel[0], pixel[1], pixel[2], 255};
+  return out;
+}
+
+cv::Mat1b largest_difference(const cv::Mat3b& a, const cv::Mat3b& b) {
+  cv::Mat3b difference;
+  cv::absdiff(a, b, difference);
+  cv::Mat1b out(a.size());
+  std::transform(difference.begin(), difference.end(), out.begin(),
+                 [](const cv::Vec3b& d) { return std::max({d[0], d[1], d[2]}); });
+  return out;
+}
+
+/// What the page is told of one frame, and what the whole is made of.
+struct FrameEntry {
+  json entry;
+  UnseenPlaces unseen;
+  std::set<std::size_t> others;  ///< source frames of other cameras and drives
+};
+
+class Writer {
+ public:
+  explicit Writer(const Sources& sources) : in_(sources), out_(sources.out), problems_(sources.problems), names_(sources.names) {
+    const json listed = document(out_, "sources.json", problems_);
+    if (listed.is_object() && listed.contains("sources")) list_ = listed.at("sources");
+    while (own_ < list_.size() && of_target(list_[own_])) ++own_;
+    if (fs::exists(out_ / "map/above.json")) above_ = document(out_, "map/above.json", problems_);
+  }
+
+  void write(const Tick& tick) {
+    for (const char* folder : {"report", "report/before", "report/truth", "report/sources"}) make_folder(out_ / folder);
+    std::vector<json> entries(names_.size());
+    UnseenPlaces unseen;
+    std::set<std::size_t> others;
+    for_blocks(names_.size(), [&](std::size_t first, std::size_t last) {
+      std::vector<FrameEntry> block(last - first);
+      parallel_for(block.size(), [&](std::size_t i) {
+        block[i] = write_frame(first + i);
+        tick();
+      });
+      for (std::size_t i = 0; i < block.size(); ++i) {
+        entries[first + i] = std::move(block[i].entry);
+        add(block[i].unseen, unseen);
+        others.merge(block[i].others);
+      }
+    });
+    write_sources(others);
+    for (const PageFile& file : page_files())
+      if (file.name != "report.html") write(std::string("report/") + std::string(file.name), std::string(file.bytes));
+    write("report/index.js", "dvi.index(" + json_text(index(entries, unseen), -1) + ");\n");
+    remove_others();
+    for (const PageFile& file : page_files())
+      if (file.name == "report.html") write("report.html", std::string(file.bytes));  // last: what it loads is there
+  }
+
+ private:
+  void write(const std::string& file, const std::string& bytes) {
+    write_file(out_ / file, bytes);
+  }
+
+  FrameEntry write_frame(std::size_t i) const {
+    const std::string& name = names_[i];
+    const FramePictures pictures = read_pictures(out_, name);
+    FrameEntry frame{{{"picture", url("frames/" + name + ".png")}, {"missing", pictures.missing}}, {}, {}};
+    if (!fs::exists(out_ / "frames" / (name + ".png"))) frame.entry["missing"].push_back("frames/" + name + ".png");
+    if (pictures.kind.empty()) return frame;
+    const Doubt doubts = doubt(pictures.kind, pictures.confidence);
+    const cv::Rect& worst = doubts.worst;
+    frame.entry["size"] = {pictures.kind.cols, pictures.kind.rows};
+    frame.entry["within"] = doubts.within;
+    frame.entry["doubtful"] = doubts.pixels;
+    frame.entry["worst"] = {worst.x, worst.y, worst.width, worst.height};
+    frame.entry["in_worst"] = doubts.in_worst;
+    frame.entry["before"] = keep_patch(i, "before/", input_of(name, i), pictures.kind);
+    write_file(out_ / numbered("data_", i, ".js"), frame_block(i, pictures, error_of(i, pictures, frame.entry)));
+    if (above_.is_object()) frame.unseen = unseen_places(pictures, i, above_);
+    for (const cv::Vec3w& from : pictures.provenance)
+      if (from[0] > own_) frame.others.insert(from[0] - std::size_t{1});
+    return frame;
+  }
+
+  bool of_target(const json& source) const {
+    return source.value("drive", "") == list_[0].value("drive", "") && source.value("camera", "") == list_[0].value("camera", "");
+  }
+
+  fs::path input_of(std::size_t number) const {
+    return number < list_.size() ? fs::path(list_[number].value("file", "")) : fs::path();
+  }
+  /// Sources are numbered as the frames, unless some of the result are gone.
+  fs::path input_of(const std::string& name, std::size_t i) const {
+    if (i < own_ && list_[i].value("frame", "") == name) return input_of(i);
+    for (std::size_t k = 0; k < own_; ++k)
+      if (list_[k].value("frame", "") == name) return input_of(k);
+    return {};
+  }
+
+  /// Whether the page has the picture.
+  bool keep_patch(std::size_t number, const char* folder, const fs::path& file, const cv::Mat1b& kind) const {
+    const fs::path to = out_ / numbered(folder, number, ".png");
+    const cv::Mat3b image = file.empty() ? cv::Mat3b() : read_frame(file, kind.size());
+    if (!image.empty()) io::write_png(to, patch(image, kind));
+    return fs::exists(to);
+  }
+
+  /// The error of each pixel where there is a truth.
+  cv::Mat1b error_of(std::size_t i, const FramePictures& pictures, json& entry) const {
+    if (in_.truth.empty()) return {};
+    const cv::Size size = pictures.kind.size();
+    const cv::Mat3b truth = read_frame(in_.truth / (names_[i] + ".png"), size);
+    const cv::Mat3b frame = read_frame(out_ / "frames" / (names_[i] + ".png"), size);
+    if (truth.empty() || frame.empty()) return {};
+    io::write_png(out_ / numbered("truth/", i, ".png"), patch(truth, pictures.kind));
+    entry["truth"] = true;
+    return largest_difference(truth, frame);
+  }
+
+  void write_sources(const std::set<std::size_t>& numbers) const {
+    const std::vector<std::size_t> list(numbers.begin(), numbers.end());
+    parallel_for(list.size(), [&](std::size_t i) {
+      const fs::path file = input_of(list[i]);
+      try {
+        if (!file.empty())
+          io::write_jpeg(out_ / numbered("sources/", list[i], ".jpg"), io::read_image(file, io::image_size(file)),
+                         kSourceQuality);
+      } catch (const InputError&) {  // answered: the page shows no crop of it
+      }
+    });
+  }
+
+  json index(const std::vector<json>& entries, const UnseenPlaces& unseen) {
+    json run = json::parse(in_.run());
+    if (run.contains("drives"))
+      for (json& drive : run["drives"])  // a line a scan, which the page does not show
+        if (json& odometry = drive["poses"]["odometry"]; odometry.is_object()) odometry.erase("scans");
+    json sources = json::array(), cells = json::array();
+    for (const json& source : list_)
+      sources.push_back({source.value("drive", ""), source.value("camera", ""), source.value("frame", "")});
+    for (const auto& [place, cell] : unseen) cells.push_back({place.first, place.second, cell.frame, cell.pixels});
+    std::size_t missing = 0;
+    for (const json& entry : entries) missing += entry.at("missing").empty() ? 0 : 1;
+    if (missing > 0) problems_.push_back(fmt::format("pictures of {} of {} frames are missing", missing, entries.size()));
+    return {{"schema", kIndexSchema},
+            {"title", fs::absolute(out_).lexically_normal().filename().string()},
+            {"run", run},
+            {"frames", entries},
+            {"sources", sources},
+            {"above", above_},
+            {"times", times()},
+            {"unseen", {{"cell_m", kUnseenCell}, {"cells", cells}}},
+            {"options", json::parse(in_.options)},
+            {"evaluation", json::parse(in_.evaluation)},
+            {"problems", problems_}};
+  }
+
+  /// Seconds of the frames.
+  json times() const {
+    json seconds = json::array();
+    if (!fs::exists(out_ / "map/times.txt")) return seconds;
+    for (const std::string& line : read_lines(out_ / "map/times.txt")) seconds.push_back(std::strtod(line.c_str(), nullptr));
+    return seconds;
+  }
+
+  /// What reports of more frames, or with a truth, left.
+  void remove_others() const {
+    for (const char* folder : {"report", "report/before", "report/truth", "report/sources"})
+      for (const fs::path& file : list_files(out_ / folder, {".js", ".png", ".jpg"})) {
+        const std::string name = file.lexically_relative(out_).string();
+        const std::string digits = name.substr(0, name.rfind('.')).substr(name.find_last_of("/_") + 1);
+        if (digits.size() != 6 || digits.find_first_not_of("0123456789") != std::string::npos) continue;
+        const std::size_t number = std::stoul(digits);
+        const bool of_source = name.starts_with("report/sources/");
+        const bool stale = name.starts_with("report/truth/") && in_.truth.empty();
+        if (stale || number >= (of_source ? list_.size() : names_.size())) fs::remove(file);
+      }
+  }
+
+  const Sources& in_;
+  const fs::path out_;
+  std::vector<std::string> problems_, names_;
+  json list_ = json::array(), above_;
+  std::size_t own_ = 0;  // of the sources, those that are the target's frames
+};
+
+}  // namespace
+
+void write_report(const Sources& sources, const Tick& tick) { Writer(sources).write(tick); }
+
+std::vector<std::string> report_files(const fs::path& out) {
+  std::vector<std::string> files;
+  if (fs::exists(out / "report.html")) files.emplace_back("report.html");
+  for (const char* folder : {"report", "report/before", "report/truth", "report/sources"})
+    for (const fs::path& file : list_files(out / folder, {".js", ".css", ".txt", ".png", ".jpg"}))
+      files.push_back(file.lexically_relative(out).string());
+  return files;
+}
+
+}  // namespace dvi::report

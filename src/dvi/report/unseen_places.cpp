@@ -1,0 +1,57 @@
+#include "dvi/report/unseen_places.h"
+
+#include <array>
+#include <cmath>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include "dvi/geometry/camera.h"
+#include "dvi/harmonize/filled_frame.h"
+
+namespace dvi::report {
+namespace {
+
+constexpr int kStep = 4;  // px: half a metre is wider as far as places can be told apart
+
+Camera camera_of(const nlohmann::json& above) {
+  const auto numbers = above.at("camera").get<std::array<double, 6>>();
+  return {.width = static_cast<int>(numbers[0]),
+          .height = static_cast<int>(numbers[1]),
+          .fx = numbers[2],
+          .fy = numbers[3],
+          .cx = numbers[4],
+          .cy = numbers[5],
+          .distortion = above.at("distortion").get<std::array<double, 5>>()};
+}
+
+}  // namespace
+
+UnseenPlaces unseen_places(const FramePictures& pictures, std::size_t frame, const nlohmann::json& above) {
+  UnseenPlaces places;
+  if (pictures.kind.empty() || pictures.depth.empty() || !above.contains("world_from_camera")) return places;
+  const nlohmann::json& poses = above.at("world_from_camera");
+  if (frame >= poses.size()) return places;
+  const auto pose = poses[frame].get<std::array<double, 12>>();
+  const Eigen::Matrix<double, 3, 4> world_from_camera =
+      Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(pose.data());
+  const Camera camera = camera_of(above);
+  for (int y = 0; y < pictures.kind.rows; y += kStep)
+    for (int x = 0; x < pictures.kind.cols; x += kStep) {
+      const ushort depth = pictures.depth(y, x);
+      if (pictures.kind(y, x) < static_cast<uchar>(harmonize::Kind::interpolated) || depth == 0) continue;
+      const Eigen::Vector3d at = world_from_camera.leftCols<3>() * camera.ray({x, y}) * (depth / 256.0) + world_from_camera.col(3);
+      UnseenCell& cell = places[{static_cast<int>(std::floor(at.x() / kUnseenCell)),
+                                 static_cast<int>(std::floor(at.y() / kUnseenCell))}];
+      cell.frame = frame;
+      ++cell.pixels;
+    }
+  return places;
+}
+
+void add(const UnseenPlaces& frame, UnseenPlaces& sum) {
+  for (const auto& [place, cell] : frame)
+    if (UnseenCell& most = sum[place]; cell.pixels > most.pixels) most = cell;
+}
+
+}  // namespace dvi::report
