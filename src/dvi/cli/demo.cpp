@@ -1,13 +1,16 @@
 #include <memory>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "dvi/cli/command.h"
 #include "dvi/cli/job_options.h"
+#include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/metrics/evaluate.h"
 #include "dvi/pipeline/result_folder.h"
 #include "dvi/pipeline/run.h"
+#include "dvi/pipeline/write_report.h"
 #include "dvi/synth/synth.h"
 
 namespace dvi::cli {
@@ -24,6 +27,15 @@ std::string demo_street(const fs::path& out, int seed, Progress& progress) {
     progress.end();
   }
   return street;
+}
+
+std::string what_to_look_at(const fs::path& result, bool synthetic) {
+  return fmt::format(
+      "\nNow open {} in a browser.\n"
+      "  Overview    what was removed, how well it went, and the least certain places\n"
+      "  Frames      drag the divider between before and after; click a pixel to see where it comes from{}\n"
+      "  From above  where the drive went, and what nobody saw",
+      (result / "report.html").string(), synthetic ? ";\n              the left side can also show the truth" : "");
 }
 
 }  // namespace
@@ -53,10 +65,18 @@ void add_demo(Program& program) {
         job.force = a->force;
         const pipeline::RunReport report = pipeline::run(job, progress);
         progress.end();
-        fmt::print("{}\n", a->common.json ? to_json(report) : report.brief(job.out));
-        if (synthetic && !a->common.json)
-          fmt::print("\nAgainst the truth, inside the mask:\n{}\n",
-                     metrics::table(metrics::evaluate({job.out, fs::path(drive) / "truth"})));
+        if (a->common.json) {
+          fmt::print("{}\n", to_json(report));
+          return;
+        }
+        fmt::print("{}\n", report.brief(job.out));
+        if (synthetic) {
+          const fs::path truth = fs::path(drive) / "truth";
+          const metrics::Evaluation evaluation = metrics::evaluate({job.out, truth});
+          fmt::print("\nAgainst the truth, inside the mask:\n{}\n", metrics::table(evaluation));
+          pipeline::show_truth(job.out, {truth, json_text(evaluation)}, progress);
+        }
+        fmt::print("{}\n", what_to_look_at(fs::path(job.out), synthetic));
       },
       [a] { return pipeline::kept_in(fs::path(a->out) / "result"); });
 }

@@ -3,6 +3,7 @@
 #include "dvi/depth/depth_map.h"
 #include "dvi/harmonize/receipt.h"
 #include "dvi/io/write_image.h"
+#include "dvi/report/report.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -24,14 +25,23 @@ void write_pictures(const fs::path& out, const std::string& name, const harmoniz
   cv::Mat3b colour;
   frame.colour.convertTo(colour, CV_8U);
   const std::string png = name + ".png";
+  const report::FramePictures receipts{
+      .kind = frame.kind,
+      .confidence = frame.confidence,
+      .depth = depth_image(frame.depth),
+      .provenance = frame.provenance,
+      .harmonisation = harmonize::harmonisation(views, view, colour, frame.provenance, frame.used),
+      .used = frame.used,
+      .missing = {}};
   io::write_png(out / "masks" / png, frame.mask);
-  io::write_png(out / "kind" / png, frame.kind);
-  io::write_png(out / "provenance" / png, frame.provenance);
-  io::write_png(out / "sources_used" / png, frame.used);
-  io::write_png(out / "harmonisation" / png, harmonize::harmonisation(views, view, colour, frame.provenance, frame.used));
-  io::write_png(out / "confidence" / png, frame.confidence);
-  io::write_png(out / "depth" / png, depth_image(frame.depth));
+  io::write_png(out / "kind" / png, receipts.kind);
+  io::write_png(out / "provenance" / png, receipts.provenance);
+  io::write_png(out / "sources_used" / png, receipts.used);
+  io::write_png(out / "harmonisation" / png, receipts.harmonisation);
+  io::write_png(out / "confidence" / png, receipts.confidence);
+  io::write_png(out / "depth" / png, receipts.depth);
   io::write_png(out / "frames" / png, colour);
+  report::write_frame(out, view, receipts, *views.images[view]);  // at hand here: reading all again takes twice as long
 }
 
 }  // namespace dvi::pipeline

@@ -83,15 +83,13 @@ std::vector<fs::path> own_folders(const fs::path& out) {
   return folders;
 }
 
-/// What complete() writes, as far as it is there: a baseline has no map. Not the report and the options, which tell times and
-/// places.
+/// What complete() writes, as far as it is there: a baseline has no map. Not the reports and the options, which tell times and
+/// places; and the page is written again by whoever has a truth to show.
 std::vector<std::string> files_beside_frames(const fs::path& out) {
   std::vector<std::string> files{"sources.json",  "video.mp4",    "compare.mp4", "contact.png",   "map/poses.txt",
                                  "map/times.txt", "map/map.json", "map/map.ply", "map/moving.ply",
                                  "map/map.png",   "map/above.json"};
   std::erase_if(files, [&](const std::string& file) { return !fs::exists(out / file); });
-  const std::vector<std::string> page = report::report_files(out);
-  files.insert(files.end(), page.begin(), page.end());
   return files;
 }
 
@@ -192,6 +190,7 @@ std::optional<RunReport> ResultFolder::finished_report(Progress& progress) const
   parallel_for(finished.size(), [&](std::size_t i) { finished[i] = finished_frame(report.frames[i].name) ? 1 : 0; });
   if (std::count(finished.begin(), finished.end(), 0) > 0) return std::nullopt;
   progress.note("every frame is finished already: nothing to do");
+  if (!report::is_whole(out_, report.frames.size())) write_report(out_, {}, progress);
   return report;
 }
 
@@ -256,7 +255,7 @@ std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progre
     progress.note(fmt::format("{} of {} frames in {} are of other options or inputs, or damaged: they are made again", again,
                               count, out_.string()));
   if (!missing.empty())
-    for (const fs::path& mark : {result_record(), out_ / "report.json"}) fs::remove(mark);
+    for (const fs::path& mark : {result_record(), out_ / "report.json", out_ / "report.html"}) fs::remove(mark);
   made_ = missing.size();
   return missing;
 }

@@ -1,6 +1,8 @@
 #include "dvi/pipeline/selfcheck.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "dvi/metrics/evaluate.h"
 #include "dvi/pipeline/make_holdout.h"
 #include "dvi/pipeline/run.h"
+#include "dvi/pipeline/write_report.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -29,7 +32,7 @@ metrics::Evaluation check_scenario(const Job& job, holdout::Scenario scenario,
   Job running = job;
   running.target = fs::absolute(folder / "case/drive").lexically_normal();
   running.out = folder / "result";
-  running.read = {};
+  running.read = ReadChoice();
   running.read.mask_files.polarity = io::Polarity::white;  // as the case has them
   run(running, progress);
   const auto begin = [&](const char* part, std::size_t ticks) {
@@ -39,11 +42,55 @@ metrics::Evaluation check_scenario(const Job& job, holdout::Scenario scenario,
   metrics::Evaluation evaluation = metrics::evaluate(
       {folder / "result", folder / "case/truth", folder / "case/ignore", of_scenario(external, scenario)}, begin);
   progress.end();
+  show_truth(folder / "result", {folder / "case/truth", json_text(evaluation)}, progress);
   for (const std::string& warning : evaluation.warnings) progress.warn(fmt::format("{}: {}", holdout::name(scenario), warning));
   return evaluation;
 }
 
 std::string number(double value, int digits) { return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, digits); }
+
+/// What a person may expect on this drive, in words.
+class Verdict {
+ public:
+  void add(holdout::Scenario scenario, const metrics::Evaluation& evaluation) {
+    const metrics::Figures &all = evaluation.total[metrics::Origin::all], &copied = evaluation.total[metrics::Origin::copied];
+    if (std::isnan(all.psnr)) return;
+    scored_.push_back({holdout::name(scenario), all.psnr, copied.psnr, copied.share});
+  }
+
+  std::string text() const {
+    if (scored_.empty()) return "Nothing could be scored on this drive: no virtual vehicle hides anything in its frames.";
+    std::vector<double> copied;
+    for (const Scored& s : scored_)
+      if (!std::isnan(s.copied_psnr)) copied.push_back(s.copied_psnr);
+    std::string text = "On this drive expect";
+    if (copied.empty())
+      text += " no copies: no other frame sees what traffic hides";
+    else
+      text += fmt::format(" {:.0f} dB where pixels are copied ({})", mean(copied), in_words(mean(copied)));
+    const auto by_share = [](const Scored& a, const Scored& b) { return a.share < b.share; };
+    const auto [least, most] = std::minmax_element(scored_.begin(), scored_.end(), by_share);
+    if (scored_.size() == 1) return text + fmt::format("; {:.0f} % of what the vehicle hides is copied.", 100 * least->share);
+    return text + fmt::format(
+                      ".\nTraffic of the kind \"{}\" hides least that others do not see ({:.0f} % copied), \"{}\" most "
+                      "({:.0f} % copied, {:.0f} dB over all).",
+                      most->scenario, 100 * most->share, least->scenario, 100 * least->share, least->psnr);
+  }
+
+ private:
+  struct Scored {
+    std::string scenario;
+    double psnr, copied_psnr, share;
+  };
+  static double mean(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+  }
+  static const char* in_words(double psnr) {
+    return psnr >= 30 ? "hard to tell from the truth" : psnr >= 24 ? "the right things, with small differences" : "visibly off";
+  }
+
+  std::vector<Scored> scored_;
+};
 
 std::string header() {
   return fmt::format("{:<14}{:>8}{:>35}{:>35}\n{:<14}{:>8}", "", "", "all scored pixels", "copied pixels", "scenario",
@@ -70,9 +117,11 @@ SelfcheckReport selfcheck(const Job& job, const std::vector<holdout::Scenario>& 
                           const std::vector<metrics::ExternalFrames>& external, int seed, Progress& progress) {
   SelfcheckReport report{"", header()};
   nlohmann::json rows = nlohmann::json::array();
+  Verdict verdict;
   for (const holdout::Scenario scenario : scenarios) {
     const metrics::Evaluation evaluation = check_scenario(job, scenario, external, seed, progress);
     report.text += row(holdout::name(scenario), evaluation);
+    verdict.add(scenario, evaluation);
     rows.push_back({{"scenario", holdout::name(scenario)}, {"evaluation", evaluation}});
   }
   report.json = json_text({{"schema", "dvi-selfcheck/1"},
@@ -80,7 +129,13 @@ SelfcheckReport selfcheck(const Job& job, const std::vector<holdout::Scenario>& 
                            {"method", to_string(job.method)},
                            {"seed", seed},
                            {"scenarios", rows},
+                           {"verdict", verdict.text()},
                            {"warnings", progress.warnings()}});
+  report.text += "\n" + verdict.text() + "\n";
+  for (const holdout::Scenario scenario : scenarios)
+    report.text += fmt::format("  {}  result beside truth\n",
+                               (fs::path(job.out) / holdout::name(scenario) / "result/report.html").string());
+  report.text.pop_back();
   write_file(fs::path(job.out) / "selfcheck.json", report.json + "\n");
   return report;
 }

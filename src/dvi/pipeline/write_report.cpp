@@ -74,8 +74,13 @@ std::vector<std::string> names_of(const json& run) {
 
 void write_report(const Job& job, const std::vector<std::string>& names, const std::function<std::string()>& report_json,
                   const Tick& tick) {
-  report::write_report(
-      {.out = job.out, .names = names, .run = report_json, .options = changed_options(job), .evaluation = "null"}, tick);
+  report::write_report({.out = job.out,
+                        .names = names,
+                        .run = report_json,
+                        .options = changed_options(job),
+                        .evaluation = "null",
+                        .frames_written = true},
+                       tick);
 }
 
 void write_report(const fs::path& out, const ShownTruth& truth, Progress& progress) {
@@ -95,6 +100,15 @@ void write_report(const fs::path& out, const ShownTruth& truth, Progress& progre
                         .problems = problems},
                        progress.tick());
   progress.end();
+}
+
+void show_truth(const fs::path& out, const ShownTruth& truth, Progress& progress) {
+  if (!fs::is_directory(out / ".dvi")) return;
+  try {
+    write_report(out, truth, progress);
+  } catch (const InputError& e) {  // answered: the scores are told all the same
+    progress.warn(std::string("the report does not show the truth: ") + e.what());
+  }
 }
 
 }  // namespace dvi::pipeline

@@ -24,4 +24,7 @@ void write_report(const Job& job, const std::vector<std::string>& names, const s
 /// result of dvi or cannot be written.
 void write_report(const fs::path& out, const ShownTruth& truth, Progress& progress);
 
+/// The same for who scores a result: nothing where `out` is not of dvi run, a warning where it cannot be written.
+void show_truth(const fs::path& out, const ShownTruth& truth, Progress& progress);
+
 }  // namespace dvi::pipeline

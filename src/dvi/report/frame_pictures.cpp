@@ -8,7 +8,7 @@
 
 namespace dvi::report {
 
-FramePictures read_pictures(const fs::path& out, const std::string& name) {
+FramePictures read_pictures(const fs::path& out, const std::string& name, bool all) {
   FramePictures pictures;
   cv::Size size;
   const auto read = [&](const char* folder, auto& picture, const auto& reader) {
@@ -24,6 +24,7 @@ FramePictures read_pictures(const fs::path& out, const std::string& name) {
   if (pictures.kind.empty()) return pictures;  // nothing tells which pixels the others are about
   read("confidence", pictures.confidence, io::read_png_grey);
   read("depth", pictures.depth, io::read_png_depth);
+  if (!all) return pictures;
   read("provenance", pictures.provenance, io::read_png_triples);
   read("harmonisation", pictures.harmonisation, io::read_png_triples);
   read("sources_used", pictures.used, io::read_image);

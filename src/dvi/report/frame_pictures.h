@@ -19,7 +19,8 @@ struct FramePictures {
   std::vector<std::string> missing;  ///< files that cannot be read, relative to the result
 };
 
-FramePictures read_pictures(const fs::path& out, const std::string& name);
+/// `all`: also provenance, harmonisation and used.
+FramePictures read_pictures(const fs::path& out, const std::string& name, bool all);
 
 /// The frame itself; empty where it cannot be read.
 cv::Mat3b read_frame(const fs::path& file, cv::Size size);

@@ -1,9 +1,9 @@
 #include "dvi/report/report.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <optional>
-#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -26,6 +26,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kIndexSchema = "dvi-page/1";
+constexpr std::array<const char*, 4> kFolders{"report", "report/before", "report/truth", "report/sources"};
 constexpr int kSourceQuality = 85;  // of JPEG
 
 std::string numbered(const char* folder, std::size_t number, const char* ending) {
@@ -73,11 +74,19 @@ cv::Mat1b largest_difference(const cv::Mat3b& a, const cv::Mat3b& b) {
   return out;
 }
 
+/// Nothing where there is no image.
+void write_patch(const fs::path& out, const char* folder, std::size_t number, const cv::Mat3b& image, const cv::Mat1b& kind) {
+  if (!image.empty()) io::write_png(out / numbered(folder, number, ".png"), patch(image, kind));
+}
+
+void write_block(const fs::path& out, std::size_t number, const FramePictures& pictures, const cv::Mat1b& error) {
+  write_file(out / numbered("data_", number, ".js"), frame_block(number, pictures, error));
+}
+
 /// What the page is told of one frame, and what the whole is made of.
 struct FrameEntry {
   json entry;
   UnseenPlaces unseen;
-  std::set<std::size_t> others;  ///< source frames of other cameras and drives
 };
 
 class Writer {
@@ -90,10 +99,9 @@ class Writer {
   }
 
   void write(const Tick& tick) {
-    for (const char* folder : {"report", "report/before", "report/truth", "report/sources"}) make_folder(out_ / folder);
+    for (const char* folder : kFolders) make_folder(out_ / folder);
     std::vector<json> entries(names_.size());
     UnseenPlaces unseen;
-    std::set<std::size_t> others;
     for_blocks(names_.size(), [&](std::size_t first, std::size_t last) {
       std::vector<FrameEntry> block(last - first);
       parallel_for(block.size(), [&](std::size_t i) {
@@ -103,10 +111,9 @@ class Writer {
       for (std::size_t i = 0; i < block.size(); ++i) {
         entries[first + i] = std::move(block[i].entry);
         add(block[i].unseen, unseen);
-        others.merge(block[i].others);
       }
     });
-    write_sources(others);
+    write_sources();
     for (const PageFile& file : page_files())
       if (file.name != "report.html") write(std::string("report/") + std::string(file.name), std::string(file.bytes));
     write("report/index.js", "dvi.index(" + json_text(index(entries, unseen), -1) + ");\n");
@@ -122,8 +129,9 @@ class Writer {
 
   FrameEntry write_frame(std::size_t i) const {
     const std::string& name = names_[i];
-    const FramePictures pictures = read_pictures(out_, name);
-    FrameEntry frame{{{"picture", url("frames/" + name + ".png")}, {"missing", pictures.missing}}, {}, {}};
+    const bool written = in_.frames_written && fs::exists(out_ / numbered("data_", i, ".js"));
+    const FramePictures pictures = read_pictures(out_, name, !written);
+    FrameEntry frame{{{"picture", url("frames/" + name + ".png")}, {"missing", pictures.missing}, {"truth", false}}, {}};
     if (!fs::exists(out_ / "frames" / (name + ".png"))) frame.entry["missing"].push_back("frames/" + name + ".png");
     if (pictures.kind.empty()) return frame;
     const Doubt doubts = doubt(pictures.kind, pictures.confidence);
@@ -133,11 +141,15 @@ class Writer {
     frame.entry["doubtful"] = doubts.pixels;
     frame.entry["worst"] = {worst.x, worst.y, worst.width, worst.height};
     frame.entry["in_worst"] = doubts.in_worst;
-    frame.entry["before"] = keep_patch(i, "before/", input_of(name, i), pictures.kind);
-    write_file(out_ / numbered("data_", i, ".js"), frame_block(i, pictures, error_of(i, pictures, frame.entry)));
+    if (!written) {
+      const cv::Mat1b error = error_of(i, pictures);
+      frame.entry["truth"] = !error.empty();
+      write_block(out_, i, pictures, error);
+      if (const fs::path input = input_of(name, i); !input.empty())
+        write_patch(out_, "before/", i, read_frame(input, pictures.kind.size()), pictures.kind);
+    }
+    frame.entry["before"] = fs::exists(out_ / numbered("before/", i, ".png"));
     if (above_.is_object()) frame.unseen = unseen_places(pictures, i, above_);
-    for (const cv::Vec3w& from : pictures.provenance)
-      if (from[0] > own_) frame.others.insert(from[0] - std::size_t{1});
     return frame;
   }
 
@@ -156,34 +168,26 @@ class Writer {
     return {};
   }
 
-  /// Whether the page has the picture.
-  bool keep_patch(std::size_t number, const char* folder, const fs::path& file, const cv::Mat1b& kind) const {
-    const fs::path to = out_ / numbered(folder, number, ".png");
-    const cv::Mat3b image = file.empty() ? cv::Mat3b() : read_frame(file, kind.size());
-    if (!image.empty()) io::write_png(to, patch(image, kind));
-    return fs::exists(to);
-  }
-
-  /// The error of each pixel where there is a truth.
-  cv::Mat1b error_of(std::size_t i, const FramePictures& pictures, json& entry) const {
+  /// The error of each pixel where there is a truth, which is put beside the page.
+  cv::Mat1b error_of(std::size_t i, const FramePictures& pictures) const {
     if (in_.truth.empty()) return {};
     const cv::Size size = pictures.kind.size();
     const cv::Mat3b truth = read_frame(in_.truth / (names_[i] + ".png"), size);
     const cv::Mat3b frame = read_frame(out_ / "frames" / (names_[i] + ".png"), size);
     if (truth.empty() || frame.empty()) return {};
-    io::write_png(out_ / numbered("truth/", i, ".png"), patch(truth, pictures.kind));
-    entry["truth"] = true;
+    write_patch(out_, "truth/", i, truth, pictures.kind);
     return largest_difference(truth, frame);
   }
 
-  void write_sources(const std::set<std::size_t>& numbers) const {
-    const std::vector<std::size_t> list(numbers.begin(), numbers.end());
-    parallel_for(list.size(), [&](std::size_t i) {
-      const fs::path file = input_of(list[i]);
+  /// Images of other cameras and drives that were copied from: those whose masks the result keeps.
+  void write_sources() const {
+    const std::vector<fs::path> masks = list_files(out_ / ".dvi/masks", {".png"});
+    parallel_for(masks.size(), [&](std::size_t i) {
+      const std::size_t number = std::strtoul(masks[i].stem().c_str(), nullptr, 10);
+      const fs::path file = input_of(number);
       try {
         if (!file.empty())
-          io::write_jpeg(out_ / numbered("sources/", list[i], ".jpg"), io::read_image(file, io::image_size(file)),
-                         kSourceQuality);
+          io::write_jpeg(out_ / numbered("sources/", number, ".jpg"), io::read_image(file, io::image_size(file)), kSourceQuality);
       } catch (const InputError&) {  // answered: the page shows no crop of it
       }
     });
@@ -224,7 +228,7 @@ class Writer {
 
   /// What reports of more frames, or with a truth, left.
   void remove_others() const {
-    for (const char* folder : {"report", "report/before", "report/truth", "report/sources"})
+    for (const char* folder : kFolders)
       for (const fs::path& file : list_files(out_ / folder, {".js", ".png", ".jpg"})) {
         const std::string name = file.lexically_relative(out_).string();
         const std::string digits = name.substr(0, name.rfind('.')).substr(name.find_last_of("/_") + 1);
@@ -245,15 +249,19 @@ class Writer {
 
 }  // namespace
 
+void write_frame(const fs::path& out, std::size_t number, const FramePictures& pictures, const cv::Mat3b& input) {
+  make_folder(out / "report/before");
+  write_block(out, number, pictures, {});
+  write_patch(out, "before/", number, input, pictures.kind);
+}
+
 void write_report(const Sources& sources, const Tick& tick) { Writer(sources).write(tick); }
 
-std::vector<std::string> report_files(const fs::path& out) {
-  std::vector<std::string> files;
-  if (fs::exists(out / "report.html")) files.emplace_back("report.html");
-  for (const char* folder : {"report", "report/before", "report/truth", "report/sources"})
-    for (const fs::path& file : list_files(out / folder, {".js", ".css", ".txt", ".png", ".jpg"}))
-      files.push_back(file.lexically_relative(out).string());
-  return files;
+bool is_whole(const fs::path& out, std::size_t frames) {
+  bool whole = fs::exists(out / "report.html") && fs::exists(out / "report/index.js");
+  for (const PageFile& file : page_files()) whole &= file.name == "report.html" || fs::exists(out / "report" / file.name);
+  for (std::size_t i = 0; i < frames; ++i) whole &= fs::exists(out / numbered("data_", i, ".js"));
+  return whole;
 }
 
 }  // namespace dvi::report

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "dvi/core/files.h"
 #include "dvi/core/interrupt.h"
+#include "dvi/report/frame_pictures.h"
 
 namespace dvi::report {
 
@@ -17,8 +21,13 @@ struct Sources {
   std::string options;     ///< JSON, those that differ from the default: name, value, default, doc
   std::string evaluation;  ///< JSON, as `dvi eval` gives it; null: there is no truth
   fs::path truth = {};     ///< NAME.png; empty: none
+  bool frames_written = false;  ///< by write_frame(); those that are there are left alone
   std::vector<std::string> problems = {};  ///< why the result is not whole, for a person
 };
+
+/// What the report shows of frame `number` of the result: its receipts (frame_block.h) and the hole's pixels as they were in
+/// `input`. For who has them at hand; write_report() makes from the pictures what is missing. Safe to call from several threads.
+void write_frame(const fs::path& out, std::size_t number, const FramePictures& pictures, const cv::Mat3b& input);
 
 /// OUT/report.html and what it loads, OUT/report/: the page, index.js with all figures, one data_NNNNNN.js a frame
 /// (frame_block.h), before/ and truth/ (the hole's pixels as they were and as they should be), sources/ (images of other
@@ -27,7 +36,7 @@ struct Sources {
 /// cannot be written.
 void write_report(const Sources& sources, const Tick& tick = [] {});
 
-/// The files of a report, relative to OUT.
-std::vector<std::string> report_files(const fs::path& out);
+/// Whether a report of so many frames is there.
+bool is_whole(const fs::path& out, std::size_t frames);
 
 }  // namespace dvi::report

@@ -16,13 +16,20 @@
   const draw = (above) => {
     const map = L.map("map", {crs: L.CRS.Simple, zoomSnap: 0, minZoom: -4, maxZoom: 8, attributionControl: false, keyboard: false, zoomAnimation: false, preferCanvas: true});
     dvi.mapView = {map};
+    const poses = above.world_from_camera, path = poses.map((pose) => [pose[7], pose[3]]);
+    const near = ([y, x]) => path.some(([py, px]) => (py - y) ** 2 + (px - x) ** 2 < 40 ** 2);
+    const tracked = above.tracks.flatMap((track) => track.points.map(([x, y]) => [y, x])).filter(near);
+    const [south, west, north, east] = [...path, ...tracked].reduce(([a, b, c, d], [y, x]) =>
+      [Math.min(a, y), Math.min(b, x), Math.max(c, y), Math.max(d, x)], [Infinity, Infinity, -Infinity, -Infinity]);
+    const margin = 15;  // metres: the road and what stands beside it
+    map.fitBounds([[south - margin, west - margin], [north + margin, east + margin]], {animate: false});
     const right = above.left_m + above.width * above.metres_per_px, bottom = above.top_m - above.height * above.metres_per_px;
     const ground = L.imageOverlay("map/map.png", [[bottom, above.left_m], [above.top_m, right]], {className: "pixels"}).addTo(map);
     ground.on("error", () => id("map-legend").append(e("span", {className: "warning", textContent: "map/map.png is missing"})));
 
     const {cell_m: cell, cells} = dvi.data.unseen;
     const unseen = L.layerGroup(cells.map(([x, y, frame, pixels]) =>
-      L.rectangle([[y * cell, x * cell], [(y + 1) * cell, (x + 1) * cell]], {stroke: false, fillColor: colours.unseen, fillOpacity: 0.75})
+      L.rectangle([[y * cell, x * cell], [(y + 1) * cell, (x + 1) * cell]], {stroke: false, fillColor: colours.unseen, fillOpacity: 0.5})
         .bindTooltip(`nobody saw this, most of it in frame ${(dvi.frames()[frame] || {}).name} (${pixels * 16} px or so)`)
         .on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", frame); }))).addTo(map);
 
@@ -31,7 +38,6 @@
         .bindTooltip(`${track.type || "object"} ${track.number}, frames ${(dvi.frames()[track.points[0][2]] || {}).name} on`)
         .on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", track.points[0][2]); }))).addTo(map);
 
-    const poses = above.world_from_camera, path = poses.map((pose) => [pose[7], pose[3]]);
     L.polyline(path, {color: "#ffffff", weight: 7, opacity: 0.8}).addTo(map);
     L.polyline(path, {color: colours.path, weight: 4}).addTo(map);
     const every = Math.max(1, Math.floor(poses.length / 400));
@@ -40,7 +46,6 @@
     map.on("click", (event) => dvi.go("frames", nearest(poses, event.latlng)));
     L.control.layers(null, {"never seen": unseen, "tracks of what was removed": tracks}, {collapsed: false}).addTo(map);
     L.control.scale({imperial: false}).addTo(map);
-    map.fitBounds(L.latLngBounds(path).pad(0.15), {animate: false});
   };
 
   dvi.views.above = {

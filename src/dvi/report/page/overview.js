@@ -48,7 +48,7 @@
   };
 
   const truthTiles = () => {
-    const figures = ((dvi.data.evaluation || {}).total || {}).all;
+    const figures = (dvi.data.evaluation || {}).all;
     if (!figures) return null;
     return e("div", {}, e("h2", {textContent: "Against the truth"}),
       e("div", {className: "tiles"}, Object.entries(t.truth).map(([key, text]) =>
@@ -84,7 +84,7 @@
 
   /** Frames by how many pixels of their worst place are expected to be wrong; of neighbours the worst only. */
   dvi.worstFrames = (count) => {
-    const apart = Math.max(1, Math.floor(dvi.data.frames.length / (2 * count)));
+    const apart = Math.max(1, Math.floor(dvi.data.frames.length / (count + 1)));
     const order = dvi.data.frames.map((entry, i) => i).filter((i) => dvi.data.frames[i].in_worst > 0)
       .sort((a, b) => dvi.data.frames[b].in_worst - dvi.data.frames[a].in_worst || a - b);
     const chosen = [];

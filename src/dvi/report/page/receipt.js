@@ -45,14 +45,14 @@
     const copied = values && values.source > 0;
     const source = copied ? dvi.source(values.source - 1) : null;
     const position = copied ? [values.x / 16, values.y / 16] : null;
-    const crops = [figure("this frame, after", dvi.crop([entry.picture], size, around([x, y], size), [x, y]))];
-    if (values) crops.push(figure("this frame, before", dvi.crop(dvi.before(frame), size, around([x, y], size), [x, y])));
+    const crops = [figure("this pixel", dvi.crop([entry.picture], size, around([x, y], size), [x, y]))];
     if (copied) {
       const own = source && source.frame >= 0;
       const pictures = own ? dvi.before(source.frame) : [dvi.numbered("sources/", values.source - 1, ".jpg")];
       const of = own ? dvi.data.frames[source.frame].size : size;
       crops.push(figure(`the source${source ? ", frame " + source.name : ""}`, dvi.crop(pictures, of, around(position, of), position)));
     }
+    if (values) crops.push(figure("before", dvi.crop(dvi.before(frame), size, around([x, y], size), [x, y])));
     const rows = [
       row("pixel", e("span", {id: "pixel-position", textContent: `${x}, ${y}`}), "Column and row in this frame, from 0."),
       row("kind", e("span", {}, kind.colour ? e("i", {className: "swatch", style: `background:${kind.colour}`}) : null, kind.name), kind.hint),

@@ -44,11 +44,11 @@
       ({label, colour, values: dvi.frames().map((frame) => (frame.alignment || {})[key])})));
 
   const truth = () => {
-    const frames = (dvi.data.evaluation || {}).frames;
+    const frames = (dvi.data.evaluation || {}).per_frame;
     if (!frames) return null;
     const by = new Map(frames.map((frame) => [frame.name, frame]));
     return lines("Error against the truth", "Mean absolute difference inside the removed area.", "grey levels",
-      [{label: "MAE", colour: "#d55e00", values: dvi.frames().map((frame) => (((by.get(frame.name) || {}).figures || by.get(frame.name) || {}).all || {}).mae)}]);
+      [{label: "MAE", colour: "#d55e00", values: dvi.frames().map((frame) => ((by.get(frame.name) || {}).all || {}).mae)}]);
   };
 
   const options = () => block("Options that differ from the default", "dvi.toml beside this page holds all of them.",
