@@ -1,4 +1,6 @@
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +12,7 @@
 #include "dvi/metrics/evaluate.h"
 #include "dvi/pipeline/result_folder.h"
 #include "dvi/pipeline/run.h"
+#include "dvi/pipeline/run_stages.h"
 #include "dvi/pipeline/write_report.h"
 #include "dvi/synth/synth.h"
 
@@ -60,6 +63,9 @@ void add_demo(Program& program) {
         Progress progress(a->common.style());
         const fs::path out = a->out;
         const bool synthetic = a->drive.empty();
+        std::vector<PlannedStage> stages = pipeline::run_stages(a->options.job(out / "result", a->drive, {}));
+        if (synthetic) stages.insert(stages.begin(), {"synth", 0.3});
+        progress.plan(std::move(stages));
         const std::string drive = synthetic ? demo_street(out, a->common.seed, progress) : a->drive;
         pipeline::Job job = a->options.job(out / "result", drive, {});
         job.force = a->force;

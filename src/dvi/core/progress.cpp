@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -48,6 +49,11 @@ Progress::Progress(ProgressStyle style) : style_(style) {
 
 Progress::~Progress() { end(); }
 
+void Progress::plan(std::vector<PlannedStage> stages) {
+  const std::lock_guard lock(mutex_);
+  if (plan_.empty()) plan_ = RunPlan(std::move(stages));
+}
+
 void Progress::begin(const std::string& stage, std::size_t total) {
   throw_if_cancelled();
   const std::lock_guard lock(mutex_);
@@ -57,6 +63,7 @@ void Progress::begin(const std::string& stage, std::size_t total) {
   done_ = 0;
   begun_ = shown_ = Clock::now();
   cpu_begun_ = process_cpu_seconds();
+  plan_.begin(stage_);
   show(false);
 }
 
@@ -77,6 +84,7 @@ void Progress::end_locked() {
   if (stage_.empty()) return;
   show(true);
   const std::chrono::duration<double> wall = Clock::now() - begun_;
+  plan_.end(wall.count());
   times_.push_back({stage_, wall.count(), process_cpu_seconds() - cpu_begun_});
   stage_.clear();
 }
@@ -87,7 +95,9 @@ void Progress::throw_if_cancelled() const {
 }
 
 StageProgress Progress::at() const {
-  return {stage_, done_, total_, std::chrono::duration<double>(Clock::now() - begun_).count()};
+  StageProgress at{stage_, done_, total_, std::chrono::duration<double>(Clock::now() - begun_).count()};
+  if (!plan_.empty()) at.of_run = RunProgress{plan_.number(), plan_.count(), plan_.seconds_left(at.seconds, at.seconds_left())};
+  return at;
 }
 
 std::optional<StageProgress> Progress::now() const {
@@ -99,14 +109,22 @@ void Progress::show(bool last) {
   shown_ = Clock::now();
   const StageProgress at = this->at();
   if (style_ == ProgressStyle::json) {
-    const nlohmann::json line = {{"event", last ? "stage_end" : "progress"},
-                                 {"stage", at.stage},
-                                 {"done", at.done},
-                                 {"total", at.total},
-                                 {"seconds", at.seconds}};
+    const nlohmann::json line = {
+        {"event", last ? "stage_end" : "progress"},
+        {"stage", at.stage},
+        {"done", at.done},
+        {"total", at.total},
+        {"seconds", at.seconds},
+        {"stage_number", at.of_run ? at.of_run->number : 0},
+        {"stages", at.of_run ? at.of_run->count : 0},
+        {"seconds_left", at.of_run && at.of_run->seconds_left ? nlohmann::json(*at.of_run->seconds_left) : nlohmann::json()}};
     fmt::print(stderr, "{}\n", json_text(line, -1));
   } else if (style_ == ProgressStyle::bar) {
-    fmt::print(stderr, "\r\033[K{}{}", bar_line(at, last, terminal_columns()), last ? "\n" : "");
+    // The line of a whole run is taken away at the end of a stage: the next one takes its place, or the result does.
+    if (last && at.of_run)
+      fmt::print(stderr, "\r\033[K");
+    else
+      fmt::print(stderr, "\r\033[K{}{}", bar_line(at, last, terminal_columns()), last ? "\n" : "");
     std::fflush(stderr);
   } else if (style_ == ProgressStyle::lines && (last || at.done > 0)) {
     fmt::print(stderr, "{}\n", log_line(at, last));

@@ -10,6 +10,7 @@
 
 #include "dvi/core/interrupt.h"
 #include "dvi/core/progress_line.h"
+#include "dvi/core/run_plan.h"
 
 namespace dvi {
 
@@ -29,6 +30,10 @@ class Progress {
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
+
+  /// The stages of a whole run, in order: from now on one line shows how far all of it is. A plan within a plan is ignored: the
+  /// outer one knows more.
+  void plan(std::vector<PlannedStage> stages);
 
   /// Begins a stage of `total` units (0: unknown); ends the one before.
   void begin(const std::string& stage, std::size_t total);
@@ -72,6 +77,7 @@ class Progress {
   std::size_t total_ = 0, done_ = 0;
   double cpu_begun_ = 0;
   Clock::time_point begun_, shown_;
+  RunPlan plan_;
   std::vector<std::string> warnings_;
   std::vector<StageTime> times_;
 };

@@ -13,8 +13,13 @@ std::string count_text(const StageProgress& at, const char* of) {
 
 std::string time_text(const StageProgress& at, bool ended) {
   if (ended) return duration(at.seconds);
-  const std::optional<double> left = at.seconds_left();
+  const std::optional<double> left = at.of_run ? at.of_run->seconds_left : at.seconds_left();
   return left ? duration(*left) + " left" : "";
+}
+
+/// Its place in the run before it.
+std::string name_text(const StageProgress& at) {
+  return at.of_run && at.of_run->number > 0 ? fmt::format("{}/{} {}", at.of_run->number, at.of_run->count, at.stage) : at.stage;
 }
 
 std::string joined(const std::string& line, const char* separator, const std::string& part) {
@@ -43,7 +48,7 @@ std::string duration(double seconds) {
 
 std::string bar_line(const StageProgress& at, bool ended, std::size_t columns) {
   constexpr std::size_t kWidest = 30, kNarrowest = 8;
-  const std::string name = fmt::format("{:<10}", at.stage), left = time_text(at, ended);
+  const std::string name = fmt::format("{:<10}", name_text(at)), left = time_text(at, ended);
   const std::string counted = at.total > 0 || at.done > 0 ? count_text(at, "/") : "";
   const auto fits = [&](const std::string& line) { return line.size() < columns; };
   const auto line = [&](const std::string& bar, const std::string& rate) {
@@ -51,7 +56,7 @@ std::string bar_line(const StageProgress& at, bool ended, std::size_t columns) {
   };
   const auto barred = [&](const std::string& rate) -> std::optional<std::string> {
     const std::size_t others = line("[]", rate).size() + 1;
-    if (at.total == 0 || others + kNarrowest > columns) return std::nullopt;
+    if (at.total == 0 || at.done == 0 || others + kNarrowest > columns) return std::nullopt;
     const std::size_t width = std::min(kWidest, columns - others), full = std::min(width, width * at.done / at.total);
     return line(fmt::format("[{:#<{}}{:.<{}}]", "", full, "", width - full), rate);
   };
@@ -59,12 +64,12 @@ std::string bar_line(const StageProgress& at, bool ended, std::size_t columns) {
     if (const std::optional<std::string> whole = barred(rate)) return *whole;
   for (const std::string& text : {line("", ""), joined(name, " ", counted)})
     if (fits(text)) return text;
-  return at.stage.substr(0, columns > 0 ? columns - 1 : 0);
+  return name_text(at).substr(0, columns > 0 ? columns - 1 : 0);
 }
 
 std::string log_line(const StageProgress& at, bool ended) {
-  if (ended) return fmt::format("{}: done, {}", at.stage, duration(at.seconds));
-  return joined(joined(at.stage + ": " + count_text(at, " of "), ", ", at.rate()), ", ", time_text(at, false));
+  if (ended) return fmt::format("{}: done, {}", name_text(at), duration(at.seconds));
+  return joined(joined(name_text(at) + ": " + count_text(at, " of "), ", ", at.rate()), ", ", time_text(at, false));
 }
 
 }  // namespace dvi

@@ -44,6 +44,17 @@ TEST(ProgressLine, ANarrowTerminalKeepsWhatMattersMost) {
   EXPECT_EQ(bar_line(at, false, 24), "odometry   471/1200");
 }
 
+TEST(ProgressLine, AStageOfARunSaysWhichAndTheTimeOfTheRun) {
+  const StageProgress at{"fill", 34, 120, 40, RunProgress{12, 15, 80}};
+  EXPECT_EQ(bar_line(at, false, 80), "12/15 fill [########......................] 34/120  1.2 s each  1:20 min left");
+  EXPECT_EQ(bar_line(at, false, 45), "12/15 fill [##.......] 34/120  1:20 min left");
+  EXPECT_EQ(log_line(at, false), "12/15 fill: 34 of 120, 1.2 s each, 1:20 min left");
+  const StageProgress unsure{"fill", 1, 120, 2, RunProgress{12, 15, {}}};
+  EXPECT_THAT(bar_line(unsure, false, 80), Not(HasSubstr("left")));
+}
+
+TEST(ProgressLine, NothingDoneIsNoEmptyBar) { EXPECT_EQ(bar_line({"fill", 0, 120, 2}, false, 80), "fill       0/120"); }
+
 TEST(ProgressLine, AnUnknownTotalHasNoBarAndIsNotNought) {
   for (const std::string& line : {bar_line({"eval", 19, 0, 3}, false, 80), log_line({"eval", 19, 0, 3}, false)}) {
     EXPECT_THAT(line, HasSubstr("19"));

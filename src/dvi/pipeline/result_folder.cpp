@@ -86,9 +86,9 @@ std::vector<fs::path> own_folders(const fs::path& out) {
 /// What complete() writes, as far as it is there: a baseline has no map. Not the reports and the options, which tell times and
 /// places; and the page is written again by whoever has a truth to show.
 std::vector<std::string> files_beside_frames(const fs::path& out) {
-  std::vector<std::string> files{"sources.json",  "video.mp4",    "compare.mp4", "contact.png",   "map/poses.txt",
-                                 "map/times.txt", "map/map.json", "map/map.ply", "map/moving.ply",
-                                 "map/map.png",   "map/above.json"};
+  std::vector<std::string> files{"sources.json",   "video.mp4",     "compare.mp4",   "contact.png",
+                                 "map/poses.txt",  "map/times.txt", "map/map.json",  "map/map.ply",
+                                 "map/moving.ply", "map/map.png",   "map/above.json"};
   std::erase_if(files, [&](const std::string& file) { return !fs::exists(out / file); });
   return files;
 }

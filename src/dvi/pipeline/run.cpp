@@ -16,6 +16,7 @@
 #include "dvi/pipeline/result_folder.h"
 #include "dvi/pipeline/rig.h"
 #include "dvi/pipeline/run_baseline.h"
+#include "dvi/pipeline/run_stages.h"
 #include "dvi/pipeline/smoothed_frames.h"
 #include "dvi/pipeline/stage_fields.h"  // IWYU pragma: keep
 
@@ -87,6 +88,7 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
 }
 
 Recordings open_all(const Job& job, Progress& progress) {
+  progress.plan(run_stages(job));
   return with_other_cameras(open_recordings(job, MaskNeed::required, progress), job, progress);
 }
 

@@ -3,6 +3,7 @@
 #include "dvi/baselines/baselines.h"
 #include "dvi/pipeline/make_views.h"
 #include "dvi/pipeline/result_folder.h"
+#include "dvi/pipeline/run_stages.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -22,6 +23,7 @@ std::function<FilledView(std::size_t)> filler_of(const Job& job, const Views& vi
 }  // namespace
 
 RunReport run_baseline(const Job& job, Progress& progress, const FrameSink& sink) {
+  progress.plan(run_stages(job));
   const Recordings drives = open_images(job, progress);
   ResultFolder out(job, drives);
   if (const std::optional<RunReport> finished = out.finished_report(progress)) return *finished;
@@ -40,8 +42,9 @@ RunReport run_baseline(const Job& job, Progress& progress, const FrameSink& sink
                     {.fill = filler_of(job, views, cpu),
                      .smoothing = smoothing(job.options.smooth, cpu),
                      .write = out.writer(views, cameras, cpu, progress, sink.finished)});
-  return out.complete({.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu, .objects = masks.front().objects},
-                      progress);
+  return out.complete(
+      {.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu, .objects = masks.front().objects},
+      progress);
 }
 
 }  // namespace dvi::pipeline

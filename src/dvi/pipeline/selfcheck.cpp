@@ -13,6 +13,7 @@
 #include "dvi/metrics/evaluate.h"
 #include "dvi/pipeline/make_holdout.h"
 #include "dvi/pipeline/run.h"
+#include "dvi/pipeline/run_stages.h"
 #include "dvi/pipeline/write_report.h"
 
 namespace dvi::pipeline {
@@ -115,6 +116,9 @@ std::string row(const std::string& title, const metrics::Evaluation& evaluation)
 
 SelfcheckReport selfcheck(const Job& job, const std::vector<holdout::Scenario>& scenarios,
                           const std::vector<metrics::ExternalFrames>& external, int seed, Progress& progress) {
+  std::vector<std::string> names;
+  for (const holdout::Scenario scenario : scenarios) names.emplace_back(holdout::name(scenario));
+  progress.plan(selfcheck_stages(job, names));
   SelfcheckReport report{"", header()};
   nlohmann::json rows = nlohmann::json::array();
   Verdict verdict;

@@ -81,19 +81,18 @@ void write_above(const fs::path& folder, const Above& above) {
   for (const SE3& pose : above.world_from_camera) poses.push_back(io::row_major(pose));
   for (const Track& track : above.tracks) tracks.push_back(json_of(track));
   const Camera& c = above.camera;
-  write_file(folder / "above.json",
-             json_text({{"schema", "dvi-above/1"},
-                        {"left_m", raster.left},
-                        {"top_m", raster.top},
-                        {"metres_per_px", raster.metres},
-                        {"width", raster.size.width},
-                        {"height", raster.size.height},
-                        {"camera", {c.width, c.height, c.fx, c.fy, c.cx, c.cy}},
-                        {"distortion", c.distortion},
-                        {"world_from_camera", poses},
-                        {"tracks", tracks}},
-                       -1) +
-                 "\n");
+  write_file(folder / "above.json", json_text({{"schema", "dvi-above/1"},
+                                               {"left_m", raster.left},
+                                               {"top_m", raster.top},
+                                               {"metres_per_px", raster.metres},
+                                               {"width", raster.size.width},
+                                               {"height", raster.size.height},
+                                               {"camera", {c.width, c.height, c.fx, c.fy, c.cx, c.cy}},
+                                               {"distortion", c.distortion},
+                                               {"world_from_camera", poses},
+                                               {"tracks", tracks}},
+                                              -1) +
+                                        "\n");
 }
 
 }  // namespace dvi::report

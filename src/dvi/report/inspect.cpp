@@ -26,7 +26,8 @@ constexpr int kCrop = 120, kZoom = 3;  // px of the picture to each crop, and ho
 
 json document(const fs::path& file) {
   if (!fs::exists(file))
-    throw InputError(file.parent_path(), "has no " + file.filename().string(), "dvi inspect takes the result of a finished dvi run");
+    throw InputError(file.parent_path(), "has no " + file.filename().string(),
+                     "dvi inspect takes the result of a finished dvi run");
   json read = json::parse(read_file(file), nullptr, false);
   if (!read.is_object()) throw InputError(file, "is no JSON document", "run dvi again");
   return read;
@@ -42,7 +43,8 @@ std::string name_of(const fs::path& out, const std::string& frame) {
     if (first.empty()) first = last;
     if (std::to_string(entry.value("number", -1)) == frame) return last;
   }
-  throw InputError(out, fmt::format("has no frame {}", frame), first.empty() ? "" : fmt::format("its frames are {} to {}", first, last));
+  throw InputError(out, fmt::format("has no frame {}", frame),
+                   first.empty() ? "" : fmt::format("its frames are {} to {}", first, last));
 }
 
 std::optional<int> frames_apart(const json& sources, std::size_t number, const std::string& frame) {
@@ -98,7 +100,8 @@ Receipt read_receipt(const fs::path& out, const std::string& frame, cv::Point pi
   const harmonize::Provenance from = harmonize::Provenance::of(triple, used);
   const json sources = document(out / "sources.json").value("sources", json::array());
   if (static_cast<std::size_t>(from.view) >= sources.size())
-    throw InputError(out / "sources.json", fmt::format("has no source {}, which the pixel was copied from", from.view), "run dvi again");
+    throw InputError(out / "sources.json", fmt::format("has no source {}, which the pixel was copied from", from.view),
+                     "run dvi again");
   const json& source = sources[static_cast<std::size_t>(from.view)];
   ReceiptSource& to = receipt.source.emplace();
   to.number = static_cast<std::size_t>(from.view);
@@ -123,8 +126,10 @@ std::string text_of(const Receipt& receipt) {
     text += fmt::format("  confidence  {:.0f} % to be within 10 grey levels of the truth\n", 100 * *receipt.confidence);
   if (receipt.source) {
     const ReceiptSource& s = *receipt.source;
-    text += fmt::format("  from        frame {} of camera {}, at {:.2f}, {:.2f}", s.frame, s.camera, s.position.x, s.position.y);
-    if (s.frames_apart) text += fmt::format(", {} frames {}", std::abs(*s.frames_apart), *s.frames_apart < 0 ? "earlier" : "later");
+    text +=
+        fmt::format("  from        frame {} of camera {}, at {:.2f}, {:.2f}", s.frame, s.camera, s.position.x, s.position.y);
+    if (s.frames_apart)
+      text += fmt::format(", {} frames {}", std::abs(*s.frames_apart), *s.frames_apart < 0 ? "earlier" : "later");
     text += fmt::format("\n              {}\n  averaged    {} source(s), over {} x {} px each\n", s.file.string(), s.averaged,
                         s.footprint[0], s.footprint[1]);
     text += fmt::format("  blending    {:+d} {:+d} {:+d} grey levels\n", s.change[0], s.change[1], s.change[2]);
@@ -134,29 +139,18 @@ std::string text_of(const Receipt& receipt) {
 }
 
 std::string json_of(const Receipt& receipt) {
-  json out{{"schema", "dvi-receipt/1"},
-           {"frame", receipt.frame},
-           {"x", receipt.pixel.x},
-           {"y", receipt.pixel.y},
-           {"kind", receipt.kind},
-           {"colour", receipt.colour},
-           {"depth_m", nullptr},
-           {"confidence", nullptr},
-           {"source", nullptr}};
+  json out{{"schema", "dvi-receipt/1"}, {"frame", receipt.frame}, {"x", receipt.pixel.x},
+           {"y", receipt.pixel.y},      {"kind", receipt.kind},   {"colour", receipt.colour},
+           {"depth_m", nullptr},        {"confidence", nullptr},  {"source", nullptr}};
   if (receipt.depth_m) out["depth_m"] = *receipt.depth_m;
   if (receipt.confidence) out["confidence"] = *receipt.confidence;
   if (receipt.source) {
     const ReceiptSource& s = *receipt.source;
-    out["source"] = {{"number", s.number},
-                     {"drive", s.drive},
-                     {"camera", s.camera},
-                     {"frame", s.frame},
-                     {"file", s.file.string()},
-                     {"x", s.position.x},
-                     {"y", s.position.y},
-                     {"footprint", {s.footprint[0], s.footprint[1]}},
-                     {"averaged", s.averaged},
-                     {"change", s.change},
+    out["source"] = {{"number", s.number},      {"drive", s.drive},
+                     {"camera", s.camera},      {"frame", s.frame},
+                     {"file", s.file.string()}, {"x", s.position.x},
+                     {"y", s.position.y},       {"footprint", {s.footprint[0], s.footprint[1]}},
+                     {"averaged", s.averaged},  {"change", s.change},
                      {"frames_apart", nullptr}};
     if (s.frames_apart) out["source"]["frames_apart"] = *s.frames_apart;
   }

@@ -27,11 +27,11 @@ struct ReceiptSource {
 struct Receipt {
   std::string frame;
   cv::Point pixel;
-  std::string kind;                      ///< original, copied, copied from elsewhere, interpolated, synthesised, left empty
-  std::array<int, 3> colour{};           ///< RGB, as written
-  std::optional<double> depth_m;         ///< none: unknown, or sky
-  std::optional<double> confidence;      ///< of pixels that were filled
-  std::optional<ReceiptSource> source;   ///< of pixels that were copied
+  std::string kind;                     ///< original, copied, copied from elsewhere, interpolated, synthesised, left empty
+  std::array<int, 3> colour{};          ///< RGB, as written
+  std::optional<double> depth_m;        ///< none: unknown, or sky
+  std::optional<double> confidence;     ///< of pixels that were filled
+  std::optional<ReceiptSource> source;  ///< of pixels that were copied
 };
 
 /// InputError where `out` is no result, has no such frame (by name, or by its number of the drive), the pixel lies outside of

@@ -91,7 +91,8 @@ struct FrameEntry {
 
 class Writer {
  public:
-  explicit Writer(const Sources& sources) : in_(sources), out_(sources.out), problems_(sources.problems), names_(sources.names) {
+  explicit Writer(const Sources& sources)
+      : in_(sources), out_(sources.out), problems_(sources.problems), names_(sources.names) {
     const json listed = document(out_, "sources.json", problems_);
     if (listed.is_object() && listed.contains("sources")) list_ = listed.at("sources");
     while (own_ < list_.size() && of_target(list_[own_])) ++own_;
@@ -123,9 +124,7 @@ class Writer {
   }
 
  private:
-  void write(const std::string& file, const std::string& bytes) {
-    write_file(out_ / file, bytes);
-  }
+  void write(const std::string& file, const std::string& bytes) { write_file(out_ / file, bytes); }
 
   FrameEntry write_frame(std::size_t i) const {
     const std::string& name = names_[i];
@@ -154,7 +153,8 @@ class Writer {
   }
 
   bool of_target(const json& source) const {
-    return source.value("drive", "") == list_[0].value("drive", "") && source.value("camera", "") == list_[0].value("camera", "");
+    return source.value("drive", "") == list_[0].value("drive", "") &&
+           source.value("camera", "") == list_[0].value("camera", "");
   }
 
   fs::path input_of(std::size_t number) const {
@@ -187,7 +187,8 @@ class Writer {
       const fs::path file = input_of(number);
       try {
         if (!file.empty())
-          io::write_jpeg(out_ / numbered("sources/", number, ".jpg"), io::read_image(file, io::image_size(file)), kSourceQuality);
+          io::write_jpeg(out_ / numbered("sources/", number, ".jpg"), io::read_image(file, io::image_size(file)),
+                         kSourceQuality);
       } catch (const InputError&) {  // answered: the page shows no crop of it
       }
     });

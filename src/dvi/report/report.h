@@ -16,17 +16,18 @@ namespace dvi::report {
 /// What a report is made of besides the pictures in OUT.
 struct Sources {
   fs::path out;
-  std::vector<std::string> names;  ///< of the frames
+  std::vector<std::string> names;    ///< of the frames
   std::function<std::string()> run;  ///< report.json, or what is known of it; asked for once the frames' files are written
-  std::string options;     ///< JSON, those that differ from the default: name, value, default, doc
-  std::string evaluation;  ///< JSON, as `dvi eval` gives it; null: there is no truth
-  fs::path truth = {};     ///< NAME.png; empty: none
-  bool frames_written = false;  ///< by write_frame(); those that are there are left alone
+  std::string options;               ///< JSON, those that differ from the default: name, value, default, doc
+  std::string evaluation;            ///< JSON, as `dvi eval` gives it; null: there is no truth
+  fs::path truth = {};               ///< NAME.png; empty: none
+  bool frames_written = false;       ///< by write_frame(); those that are there are left alone
   std::vector<std::string> problems = {};  ///< why the result is not whole, for a person
 };
 
 /// What the report shows of frame `number` of the result: its receipts (frame_block.h) and the hole's pixels as they were in
-/// `input`. For who has them at hand; write_report() makes from the pictures what is missing. Safe to call from several threads.
+/// `input`. For who has them at hand; write_report() makes from the pictures what is missing. Safe to call from several
+/// threads.
 void write_frame(const fs::path& out, std::size_t number, const FramePictures& pictures, const cv::Mat3b& input);
 
 /// OUT/report.html and what it loads, OUT/report/: the page, index.js with all figures, one data_NNNNNN.js a frame

@@ -40,9 +40,10 @@ UnseenPlaces unseen_places(const FramePictures& pictures, std::size_t frame, con
     for (int x = 0; x < pictures.kind.cols; x += kStep) {
       const ushort depth = pictures.depth(y, x);
       if (pictures.kind(y, x) < static_cast<uchar>(harmonize::Kind::interpolated) || depth == 0) continue;
-      const Eigen::Vector3d at = world_from_camera.leftCols<3>() * camera.ray({x, y}) * (depth / 256.0) + world_from_camera.col(3);
-      UnseenCell& cell = places[{static_cast<int>(std::floor(at.x() / kUnseenCell)),
-                                 static_cast<int>(std::floor(at.y() / kUnseenCell))}];
+      const Eigen::Vector3d at =
+          world_from_camera.leftCols<3>() * camera.ray({x, y}) * (depth / 256.0) + world_from_camera.col(3);
+      UnseenCell& cell =
+          places[{static_cast<int>(std::floor(at.x() / kUnseenCell)), static_cast<int>(std::floor(at.y() / kUnseenCell))}];
       cell.frame = frame;
       ++cell.pixels;
     }

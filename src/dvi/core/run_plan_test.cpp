@@ -1,0 +1,52 @@
+#include "dvi/core/run_plan.h"
+
+#include <gtest/gtest.h>
+
+namespace dvi {
+namespace {
+
+RunPlan plan() { return RunPlan({{"map", 10}, {"fill", 80}, {"video", 10}}); }
+
+TEST(RunPlan, NumbersStagesAndSkipsThoseThatAreKept) {
+  RunPlan run = plan();
+  EXPECT_EQ(run.number(), 0U);
+  run.begin("fill");
+  EXPECT_EQ(run.number(), 2U);
+  run.end(1);
+  run.begin("something else");
+  EXPECT_EQ(run.number(), 2U) << "not planned: part of the stage before";
+  run.begin("map");
+  EXPECT_EQ(run.number(), 2U) << "never goes back";
+  EXPECT_EQ(run.count(), 3U);
+}
+
+TEST(RunPlan, TellsTheTimeLeftByWhatStagesTook) {
+  RunPlan run = plan();
+  run.begin("map");
+  EXPECT_FALSE(run.seconds_left(1, 1.0)) << "too little to tell";
+  EXPECT_DOUBLE_EQ(run.seconds_left(5, 5.0).value_or(0), 5 + 90) << "half of a tenth took 5 s";
+  run.end(20);
+  run.begin("fill");
+  EXPECT_DOUBLE_EQ(run.seconds_left(0, std::nullopt).value_or(0), 180) << "two seconds for each unit of cost";
+  EXPECT_DOUBLE_EQ(run.seconds_left(60, 20.0).value_or(0), 20 + 10 * 80.0 / 70) << "its own rate once it is known";
+  run.end(80);
+  run.begin("video");
+  EXPECT_NEAR(run.seconds_left(0, std::nullopt).value_or(0), 10 * 100.0 / 90, 1e-9);
+}
+
+TEST(RunPlan, AStageThatTakesLongerThanPlannedHasNoNegativeRest) {
+  RunPlan run = plan();
+  run.begin("map");
+  run.end(10);
+  run.begin("fill");
+  EXPECT_DOUBLE_EQ(run.seconds_left(500, std::nullopt).value_or(-1), 10);
+}
+
+TEST(RunPlan, StagesWithoutCostTellNothing) {
+  RunPlan run({{"a", 0}, {"b", 0}});
+  run.begin("a");
+  EXPECT_FALSE(run.seconds_left(0, std::nullopt));
+}
+
+}  // namespace
+}  // namespace dvi
