@@ -89,7 +89,7 @@ TEST(ForecastChart, BarsAreAsHighAsTheShares) {
     Forecast forecast;
     forecast.frames = {{0, 0.1, hole}};
     cv::Mat1b found;
-    cv::inRange(forecast_chart(forecast), cv::Scalar(180, 120, 40), cv::Scalar(180, 120, 40), found);
+    cv::inRange(forecast_chart(forecast, {7}), cv::Scalar(180, 120, 40), cv::Scalar(180, 120, 40), found);
     return cv::countNonZero(found);
   };
   const int none = amount({0, 0, 1}), half = amount({0.5, 0, 0.5}), all = amount({1, 0, 0});
@@ -97,7 +97,7 @@ TEST(ForecastChart, BarsAreAsHighAsTheShares) {
   EXPECT_NEAR(half - none, (all - none) / 2, 24);
   Forecast longer;
   longer.frames.resize(3000);
-  EXPECT_GE(forecast_chart(longer).cols, 3000) << "a long drive has its bars, too";
+  EXPECT_GE(forecast_chart(longer, std::vector<int>(3000, 5)).cols, 3000) << "a long drive has its bars, too";
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/core.hpp>
+
 namespace dvi::io {
 namespace {
 
@@ -24,6 +26,36 @@ TEST(ContactSheet, TintsTheMaskOnly) {
   EXPECT_EQ(overlay(2, 2), grey(2, 2));
   EXPECT_GT(overlay(20, 20)[2], 150);
   EXPECT_LT(overlay(20, 20)[0], 100);
+}
+
+TEST(ContactSheet, FindsThePartWithMostOfTheMask) {
+  cv::Mat1b mask(100, 200, uchar{0});
+  mask(cv::Rect(0, 0, 6, 6)) = 255;
+  mask(cv::Rect(130, 50, 40, 20)) = 255;
+  const cv::Rect part = densest_part(mask, {80, 40});
+  EXPECT_EQ(part.size(), cv::Size(80, 40));
+  EXPECT_EQ(part & cv::Rect(130, 50, 40, 20), cv::Rect(130, 50, 40, 20));
+  EXPECT_EQ(densest_part(mask, {500, 500}), cv::Rect(0, 0, 200, 100)) << "not larger than the picture";
+}
+
+TEST(ContactSheet, ColoursLabels) {
+  const cv::Mat3b grey(4, 4, cv::Vec3b(90, 90, 90));
+  cv::Mat1b labels(4, 4, uchar{0});
+  labels(1, 1) = 2;
+  labels(2, 2) = 9;
+  const cv::Mat3b out = label_overlay(grey, labels, {{}, {}, {0, 30, 240}});
+  EXPECT_EQ(out(0, 0), grey(0, 0));
+  EXPECT_EQ(out(1, 1), cv::Vec3b(30, 50, 190));
+  EXPECT_EQ(out(2, 2), grey(2, 2)) << "no colour for it";
+}
+
+TEST(ContactSheet, CaptionsFitIntoThePicture) {
+  for (const int width : {8, 60, 1200}) {
+    cv::Mat3b image(40, width, cv::Vec3b(200, 200, 200));
+    write_caption(image, "0000000123  copied 20 %  interpolated 80 %");
+    EXPECT_LT(cv::mean(image)[0], 200) << width;
+    EXPECT_EQ(image(0, width - 1), cv::Vec3b(200, 200, 200)) << width;
+  }
 }
 
 TEST(ContactSheet, LeavesAThumbnailAsItIs) {

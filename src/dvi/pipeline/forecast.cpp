@@ -41,14 +41,16 @@ ForecastReport forecast_holes(const Recordings& drives, const Poses& poses, cons
   progress.begin("forecast", views.of_sequence(0).second);
   const audit::Forecast found = audit::forecast(views, map, job.options.depth, job.options.sample, step, progress.tick());
   progress.end();
-  if (!job.out.empty()) {
-    make_folder(job.out);
-    io::write_png(fs::path(job.out) / "forecast.png", audit::forecast_chart(found));
-  }
   ForecastReport report{found.total, {}};
+  std::vector<int> numbers;
   for (const audit::FrameForecast& f : found.frames) {
     const Frame& frame = target.frames[views[f.view].frame];
     report.frames.push_back({frame.number, frame.name, f.image_share, f.hole});
+    numbers.push_back(frame.number);
+  }
+  if (!job.out.empty()) {
+    make_folder(job.out);
+    io::write_png(fs::path(job.out) / "forecast.png", audit::forecast_chart(found, numbers));
   }
   return report;
 }

@@ -1,20 +1,61 @@
 #include "dvi/pipeline/result_media.h"
 
 #include <algorithm>
+#include <array>
 #include <unordered_map>
 
+#include <fmt/format.h>
 #include <opencv2/core.hpp>
 
 #include "dvi/core/threads.h"
 #include "dvi/io/contact_sheet.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/write_image.h"
+#include "dvi/report/kind_colours.h"
 
 namespace dvi::pipeline {
 namespace {
 
 constexpr std::size_t kSheetRows = 8;
 constexpr int kCellWidth = 480;
+
+/// "NAME  copied 22 %  interpolated 78 %".
+std::string caption_of(const cv::Mat1b& kind, const std::string& name) {
+  std::array<std::size_t, report::kKindColours.size()> count{};
+  for (const uchar k : kind) ++count[std::min<std::size_t>(k, count.size() - 1)];
+  const std::size_t hole = kind.total() - count[0];
+  std::string text = name;
+  for (std::size_t k = 1; k < count.size(); ++k)
+    if (count[k] > 0)
+      text += fmt::format("  {} {:.0f} %", report::kKindColours[k].name,
+                          100 * static_cast<double>(count[k]) / static_cast<double>(hole));
+  return hole > 0 ? text : text + "  nothing removed";
+}
+
+/// The input with an outline of what is removed, its name and the shares.
+cv::Mat3b marked_input(const cv::Mat3b& input, const cv::Mat1b& kind, const std::string& name) {
+  cv::Mat3b out = input.clone();
+  io::draw_outline(out, cv::Mat1b(kind != 0));
+  io::write_caption(out, caption_of(kind, name));
+  return out;
+}
+
+/// The whole frame, then a part of it in full size: where most was removed.
+std::vector<io::SheetCell> sheet_row(const cv::Mat3b& input, const cv::Mat3b& result, const cv::Mat1b& kind,
+                                     const std::string& name) {
+  std::vector<cv::Vec3b> colours;
+  for (const report::KindColour& k : report::kKindColours) colours.push_back(k.colour);
+  const cv::Mat1b mask(kind != 0);
+  const cv::Mat3b whole = io::thumbnail(io::mask_overlay(input, mask), kCellWidth);
+  const double closer = std::min(1.0, 0.4 * input.cols / kCellWidth);  // never less than pixel by pixel
+  const cv::Rect part =
+      io::densest_part(mask, {std::max(1, cvRound(closer * whole.cols)), std::max(1, cvRound(closer * whole.rows))});
+  return {{whole, caption_of(kind, name)},
+          {io::thumbnail(result, kCellWidth), "result"},
+          {input(part).clone(), "before, closer"},
+          {result(part).clone(), "after"},
+          {io::label_overlay(result(part), kind(part), colours), "blue: copied, orange: interpolated, pink: synthesised"}};
+}
 
 }  // namespace
 
@@ -28,26 +69,23 @@ void write_media(const fs::path& out, const Drive& target, const std::vector<std
   std::vector<std::vector<io::SheetCell>> sheet;
   std::unordered_map<std::string, std::size_t> number;  // of a frame, by its name
   for (std::size_t i = 0; i < target.frames.size(); ++i) number[target.frames[i].name] = i;
-  const auto add_to_sheet = [&](std::size_t i, const cv::Mat3b& input, const cv::Mat3b& result) {
-    const cv::Mat1b mask = io::read_mask(out / "masks" / (names[i] + ".png"), size);
-    sheet.push_back({{io::thumbnail(input, kCellWidth), names[i]},
-                     {io::thumbnail(io::mask_overlay(input, mask), kCellWidth), "mask"},
-                     {io::thumbnail(result, kCellWidth), "result"}});
-  };
   for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
-    std::vector<cv::Mat3b> inputs(last - first), results(last - first);
+    std::vector<cv::Mat3b> inputs(last - first), marked(last - first), results(last - first);
+    std::vector<cv::Mat1b> kinds(last - first);
     parallel_for(last - first, [&](std::size_t i) {
       inputs[i] = *target.images[number.at(names[first + i])];
       results[i] = io::read_image(out / "frames" / (names[first + i] + ".png"), size);
+      kinds[i] = io::read_png_grey(out / "kind" / (names[first + i] + ".png"), size);
+      marked[i] = marked_input(inputs[i], kinds[i], names[first + i]);
     });
     parallel_for(2, [&](std::size_t which) {
       for (std::size_t i = 0; i < results.size(); ++i)
-        which == 0 ? compare.push_stacked({inputs[i], results[i]}) : video.push(results[i]);
+        which == 0 ? compare.push_stacked({marked[i], results[i]}) : video.push(results[i]);
     });
     for (std::size_t i = 0; i < results.size(); ++i) {
       // Rows evenly spread over the drive, the first and the last frame among them.
       if (sheet.size() < rows && first + i == (rows > 1 ? sheet.size() * (names.size() - 1) / (rows - 1) : 0))
-        add_to_sheet(first + i, inputs[i], results[i]);
+        sheet.push_back(sheet_row(inputs[i], results[i], kinds[i], names[first + i]));
       progress.advance();
     }
   });

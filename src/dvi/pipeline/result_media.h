@@ -10,7 +10,8 @@
 
 namespace dvi::pipeline {
 
-/// video.mp4 (the result), compare.mp4 (input above result) and contact.png of the finished frames in a result folder.
+/// video.mp4 (the result), compare.mp4 (the input, what is removed outlined, above the result, with name and shares) and
+/// contact.png (frames spread over the drive, with crops of their holes) of the finished frames in a result folder.
 void write_media(const fs::path& out, const Drive& target, const std::vector<std::string>& names,
                  const io::VideoOptions& options, Progress& progress);
 

@@ -1,0 +1,215 @@
+#include "dvi/report/report.h"
+
+#include <array>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/test_folder.h"
+#include "dvi/harmonize/receipt.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/write_image.h"
+#include "dvi/report/above.h"
+#include "dvi/report/doubt.h"
+#include "dvi/report/inspect.h"
+#include "dvi/report/page_files.h"
+#include "dvi/report/unseen_places.h"
+
+namespace dvi::report {
+namespace {
+
+using testing::HasSubstr;
+
+/// A result of one frame, "a", whose pixel 5, 3 was copied from frame "b" and pixel 6, 3 was made up.
+class SmallResult : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* folder : {"frames", "masks", "kind", "confidence", "depth", "provenance", "harmonisation", "sources_used"})
+      make_folder(out / folder);
+    pictures.kind = cv::Mat1b(8, 12, uchar{0});
+    pictures.confidence = cv::Mat1b(8, 12, uchar{0});
+    pictures.depth = cv::Mat1w(8, 12, ushort{512});
+    pictures.provenance = cv::Mat_<cv::Vec3w>(8, 12, cv::Vec3w());
+    pictures.harmonisation = cv::Mat_<cv::Vec3w>(8, 12, cv::Vec3w());
+    pictures.used = cv::Mat3b(8, 12, cv::Vec3b());
+    pictures.kind(3, 5) = 1;
+    pictures.kind(3, 6) = 3;
+    pictures.confidence(3, 5) = 204;
+    pictures.provenance(3, 5) = {2, 5 * 16 + 3, 4 * 16};
+    pictures.harmonisation(3, 5) = {harmonize::kNoChange - 2, harmonize::kNoChange, harmonize::kNoChange + 7};
+    pictures.used(3, 5) = {1, 2, 3};
+    io::write_png(out / "frames/a.png", cv::Mat3b(8, 12, cv::Vec3b(30, 20, 10)));
+    io::write_png(out / "kind/a.png", pictures.kind);
+    io::write_png(out / "confidence/a.png", pictures.confidence);
+    io::write_png(out / "depth/a.png", pictures.depth);
+    io::write_png(out / "provenance/a.png", pictures.provenance);
+    io::write_png(out / "harmonisation/a.png", pictures.harmonisation);
+    io::write_png(out / "sources_used/a.png", pictures.used);
+    io::write_png(folder / "b.png", cv::Mat3b(8, 12, cv::Vec3b(1, 2, 3)));
+    nlohmann::json sources = nlohmann::json::array();
+    for (const char* name : {"a", "b"})
+      sources.push_back({{"drive", "/d"}, {"camera", "front"}, {"frame", name}, {"file", (folder / "b.png").string()}});
+    write_file(out / "sources.json", nlohmann::json{{"sources", sources}}.dump());
+    write_file(out / "report.json", run);
+  }
+
+  void write() const { write_report({.out = out, .names = {"a"}, .run = [&] { return run; }, .options = "[]", .evaluation = "null"}); }
+
+  const TempFolder temporary;
+  const fs::path folder = temporary.path, out = folder / "out";
+  const std::string run = R"({"frames": [{"name": "a", "number": 7}]})";
+  FramePictures pictures;
+};
+
+TEST_F(SmallResult, AReceiptSaysWhatThePicturesHold) {
+  const Receipt receipt = read_receipt(out, "a", {5, 3});
+  EXPECT_EQ(receipt.kind, "copied");
+  EXPECT_EQ(receipt.colour, (std::array{10, 20, 30}));
+  EXPECT_DOUBLE_EQ(receipt.depth_m.value_or(0), 2);
+  EXPECT_DOUBLE_EQ(receipt.confidence.value_or(0), 0.8);
+  ASSERT_TRUE(receipt.source);
+  EXPECT_EQ(receipt.source->frame, "b");
+  EXPECT_EQ(receipt.source->position, cv::Point2f(5 + 3 / 16.0F, 4));
+  EXPECT_EQ(receipt.source->footprint, cv::Vec2i(2, 1));
+  EXPECT_EQ(receipt.source->averaged, 3);
+  EXPECT_EQ(receipt.source->change, (std::array{-2, 0, 7}));
+  EXPECT_EQ(receipt.source->frames_apart, 1);
+  EXPECT_EQ(nlohmann::json::parse(json_of(receipt)).at("source").at("x"), 5 + 3 / 16.0);
+  EXPECT_THAT(text_of(receipt), HasSubstr("frame b"));
+  EXPECT_EQ(read_receipt(out, "7", {5, 3}).frame, "a") << "by the drive's number";
+}
+
+TEST_F(SmallResult, OtherPixelsHaveNoSource) {
+  EXPECT_EQ(read_receipt(out, "a", {0, 0}).kind, "original");
+  EXPECT_FALSE(read_receipt(out, "a", {0, 0}).confidence);
+  EXPECT_EQ(read_receipt(out, "a", {6, 3}).kind, "interpolated");
+  EXPECT_FALSE(read_receipt(out, "a", {6, 3}).source);
+}
+
+TEST_F(SmallResult, WhatIsNotThereIsAnInputError) {
+  EXPECT_THROW(read_receipt(out, "c", {0, 0}), InputError);
+  EXPECT_THROW(read_receipt(out, "a", {12, 0}), InputError);
+  EXPECT_THROW(read_receipt(out, "a", {0, -1}), InputError);
+  fs::remove(out / "provenance/a.png");
+  EXPECT_THROW(read_receipt(out, "a", {5, 3}), InputError);
+  write_file(out / "report.json", R"({"frames": 3})");
+  EXPECT_THROW(read_receipt(out, "c", {0, 0}), InputError);
+}
+
+TEST_F(SmallResult, CropsShowBothPlaces) {
+  write_crops(folder / "crops", out, read_receipt(out, "a", {5, 3}));
+  EXPECT_EQ(io::image_size(folder / "crops/result.png"), cv::Size(36, 24)) << "three times the whole picture";
+  EXPECT_TRUE(fs::exists(folder / "crops/source.png"));
+}
+
+TEST_F(SmallResult, AReportIsWholeUntilAFileIsMissing) {
+  EXPECT_FALSE(is_whole(out, 1));
+  write();
+  EXPECT_TRUE(is_whole(out, 1));
+  EXPECT_THAT(read_file(out / "report/index.js"), HasSubstr(R"("picture":"frames/a.png")"));
+  EXPECT_EQ(io::image_size(out / "report/before/000000.png"), cv::Size(12, 8));
+  fs::remove(out / "report/data_000000.js");
+  EXPECT_FALSE(is_whole(out, 1));
+}
+
+TEST_F(SmallResult, WhatARunWritesIsWhatTheReportWouldRead) {
+  write_frame(out, 0, pictures, cv::Mat3b(8, 12, cv::Vec3b(1, 2, 3)));
+  const std::string block = read_file(out / "report/data_000000.js"), before = read_file(out / "report/before/000000.png");
+  write();
+  EXPECT_EQ(read_file(out / "report/data_000000.js"), block);
+  EXPECT_EQ(read_file(out / "report/before/000000.png"), before);
+}
+
+TEST_F(SmallResult, LeftoversOfLongerResultsGo) {
+  make_folder(out / "report/before");
+  write_file(out / "report/data_000001.js", "x");
+  write_file(out / "report/before/000001.png", "x");
+  write_file(out / "report/notes.txt", "mine");
+  write();
+  EXPECT_FALSE(fs::exists(out / "report/data_000001.js"));
+  EXPECT_FALSE(fs::exists(out / "report/before/000001.png"));
+  EXPECT_TRUE(fs::exists(out / "report/notes.txt"));
+}
+
+TEST_F(SmallResult, DamageIsSaidInTheReport) {
+  fs::remove(out / "kind/a.png");
+  write_file(out / "sources.json", "[");
+  write();
+  const std::string index = read_file(out / "report/index.js");
+  EXPECT_THAT(index, HasSubstr("sources.json is damaged"));
+  EXPECT_THAT(index, HasSubstr("kind/a.png"));
+  EXPECT_THAT(index, HasSubstr("pictures of 1 of 1 frames are missing"));
+}
+
+TEST(Doubt, FindsThePlaceWithMostOfIt) {
+  cv::Mat1b kind(90, 160, uchar{0}), confidence(90, 160, uchar{0});
+  kind(cv::Rect(10, 10, 10, 10)) = 1;
+  confidence(cv::Rect(10, 10, 10, 10)) = 255;
+  kind(cv::Rect(100, 60, 10, 10)) = 3;
+  const Doubt found = doubt(kind, confidence);
+  EXPECT_DOUBLE_EQ(found.within, 0.5);
+  EXPECT_DOUBLE_EQ(found.pixels, 100);
+  EXPECT_DOUBLE_EQ(found.in_worst, 100);
+  EXPECT_EQ(found.worst & cv::Rect(100, 60, 10, 10), cv::Rect(100, 60, 10, 10));
+  EXPECT_TRUE(doubt(cv::Mat1b(90, 160, uchar{0}), confidence).worst.empty());
+}
+
+TEST(UnseenPlaces, LieWhereTheirPixelsLook) {
+  FramePictures pictures;
+  pictures.kind = cv::Mat1b(9, 9, uchar{0});
+  pictures.depth = cv::Mat1w(9, 9, ushort{256 * 4});
+  pictures.kind(4, 4) = 3;
+  pictures.kind(4, 8) = 1;
+  const nlohmann::json above{{"camera", {9, 9, 8, 8, 4, 4}},
+                             {"distortion", {0, 0, 0, 0, 0}},
+                             {"world_from_camera", {{0, 0, 1, 10.25, -1, 0, 0, 0.25, 0, -1, 0, 0}}}};
+  const UnseenPlaces places = unseen_places(pictures, 0, above);
+  ASSERT_EQ(places.size(), 1U);
+  EXPECT_EQ(places.begin()->first, std::pair(28, 0)) << "4 m ahead of 10.25, 0.25, in half metres";
+  EXPECT_TRUE(unseen_places(pictures, 5, above).empty()) << "no pose";
+}
+
+TEST(Above, PutsPointsIntoThePicture) {
+  const TempFolder temporary;
+  map::StaticMap map;
+  map.scans.push_back({});
+  map::MapPoint road, roof;
+  road.position = {10, 5, -1};
+  roof.position = {-10, 5, 30};
+  map.points.push_back(road);
+  map.points.push_back(roof);
+  write_above(temporary.path, {.map = map,
+                               .colour = [](std::size_t) { return cv::Vec3b(1, 2, 3); },
+                               .camera = {.width = 4, .height = 4, .fx = 1, .fy = 1},
+                               .world_from_camera = {SE3{}},
+                               .tracks = {{3, "car", {{1, 2}}, {0}}}});
+  const nlohmann::json above = nlohmann::json::parse(read_file(temporary.path / "above.json"));
+  const double metres = above.at("metres_per_px");
+  const auto pixel = [&](double x, double y) {
+    return cv::Point(static_cast<int>((x - above.at("left_m").get<double>()) / metres + 1e-6),
+                     static_cast<int>((above.at("top_m").get<double>() - y) / metres + 1e-6));
+  };
+  const cv::Mat3b picture = io::read_image(temporary.path / "map.png", {above.at("width"), above.at("height")});
+  EXPECT_EQ(picture(pixel(10, 5)), cv::Vec3b(1, 2, 3));
+  EXPECT_EQ(picture(pixel(-10, 5)), cv::Vec3b(0, 0, 0)) << "far above the sensor";
+  EXPECT_EQ(above.at("tracks")[0].at("points")[0], (nlohmann::json{1.0, 2.0, 0}));
+}
+
+TEST(PageFiles, HoldThePage) {
+  std::set<std::string_view> names;
+  for (const PageFile& file : page_files()) {
+    names.insert(file.name);
+    EXPECT_FALSE(file.bytes.empty()) << file.name;
+  }
+  EXPECT_TRUE(names.contains("report.html"));
+  EXPECT_TRUE(names.contains("app.js"));
+}
+
+}  // namespace
+}  // namespace dvi::report
