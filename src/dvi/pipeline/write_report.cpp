@@ -66,7 +66,8 @@ json run_of(const fs::path& out, std::vector<std::string>& problems) {
 
 std::vector<std::string> names_of(const json& run) {
   std::vector<std::string> names;
-  for (const json& frame : run.at("frames")) names.push_back(frame.is_object() ? frame.value("name", "") : "");
+  for (const json& frame : run.at("frames"))
+    names.push_back(frame.is_object() && frame.value("name", json()).is_string() ? frame.at("name").get<std::string>() : "");
   return names;
 }
 

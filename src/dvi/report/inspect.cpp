@@ -74,9 +74,7 @@ cv::Mat3b crop(const cv::Mat3b& image, cv::Point2f at) {
   return out;
 }
 
-}  // namespace
-
-Receipt read_receipt(const fs::path& out, const std::string& frame, cv::Point pixel) {
+Receipt receipt_of(const fs::path& out, const std::string& frame, cv::Point pixel) {
   Receipt receipt;
   receipt.frame = name_of(out, frame);
   receipt.pixel = pixel;
@@ -115,6 +113,17 @@ Receipt read_receipt(const fs::path& out, const std::string& frame, cv::Point pi
   for (int c = 0; c < 3; ++c) to.change[c] = change[c] - harmonize::kNoChange;
   to.frames_apart = frames_apart(sources, to.number, receipt.frame);
   return receipt;
+}
+
+}  // namespace
+
+Receipt read_receipt(const fs::path& out, const std::string& frame, cv::Point pixel) {
+  try {
+    return receipt_of(out, frame, pixel);
+  } catch (const nlohmann::json::exception& e) {
+    throw InputError(out, fmt::format("report.json or sources.json is not what dvi run writes ({})", e.what()),
+                     "run dvi again");
+  }
 }
 
 std::string text_of(const Receipt& receipt) {

@@ -94,7 +94,10 @@ class Writer {
   explicit Writer(const Sources& sources)
       : in_(sources), out_(sources.out), problems_(sources.problems), names_(sources.names) {
     const json listed = document(out_, "sources.json", problems_);
-    if (listed.is_object() && listed.contains("sources")) list_ = listed.at("sources");
+    const auto is_source = [](const json& source) { return source.is_object(); };
+    if (listed.is_object() && listed.contains("sources") &&
+        std::all_of(listed["sources"].begin(), listed["sources"].end(), is_source))
+      list_ = listed.at("sources");
     while (own_ < list_.size() && of_target(list_[own_])) ++own_;
     if (fs::exists(out_ / "map/above.json")) above_ = document(out_, "map/above.json", problems_);
   }
@@ -196,9 +199,10 @@ class Writer {
 
   json index(const std::vector<json>& entries, const UnseenPlaces& unseen) {
     json run = json::parse(in_.run());
+    const json::json_pointer odometry("/poses/odometry");
     if (run.contains("drives"))
       for (json& drive : run["drives"])  // a line a scan, which the page does not show
-        if (json& odometry = drive["poses"]["odometry"]; odometry.is_object()) odometry.erase("scans");
+        if (drive.contains(odometry) && drive[odometry].is_object()) drive[odometry].erase("scans");
     json sources = json::array(), cells = json::array();
     for (const json& source : list_)
       sources.push_back({source.value("drive", ""), source.value("camera", ""), source.value("frame", "")});

@@ -30,8 +30,9 @@ using testing::HasSubstr;
 class SmallResult : public testing::Test {
  protected:
   void SetUp() override {
-    for (const char* folder : {"frames", "masks", "kind", "confidence", "depth", "provenance", "harmonisation", "sources_used"})
-      make_folder(out / folder);
+    for (const char* pictures_of :
+         {"frames", "masks", "kind", "confidence", "depth", "provenance", "harmonisation", "sources_used"})
+      make_folder(out / pictures_of);
     pictures.kind = cv::Mat1b(8, 12, uchar{0});
     pictures.confidence = cv::Mat1b(8, 12, uchar{0});
     pictures.depth = cv::Mat1w(8, 12, ushort{512});
@@ -59,7 +60,9 @@ class SmallResult : public testing::Test {
     write_file(out / "report.json", run);
   }
 
-  void write() const { write_report({.out = out, .names = {"a"}, .run = [&] { return run; }, .options = "[]", .evaluation = "null"}); }
+  void write() const {
+    write_report({.out = out, .names = {"a"}, .run = [&] { return run; }, .options = "[]", .evaluation = "null"});
+  }
 
   const TempFolder temporary;
   const fs::path folder = temporary.path, out = folder / "out";

@@ -25,9 +25,7 @@ Camera camera_of(const nlohmann::json& above) {
           .distortion = above.at("distortion").get<std::array<double, 5>>()};
 }
 
-}  // namespace
-
-UnseenPlaces unseen_places(const FramePictures& pictures, std::size_t frame, const nlohmann::json& above) {
+UnseenPlaces places_of(const FramePictures& pictures, std::size_t frame, const nlohmann::json& above) {
   UnseenPlaces places;
   if (pictures.kind.empty() || pictures.depth.empty() || !above.contains("world_from_camera")) return places;
   const nlohmann::json& poses = above.at("world_from_camera");
@@ -48,6 +46,16 @@ UnseenPlaces unseen_places(const FramePictures& pictures, std::size_t frame, con
       ++cell.pixels;
     }
   return places;
+}
+
+}  // namespace
+
+UnseenPlaces unseen_places(const FramePictures& pictures, std::size_t frame, const nlohmann::json& above) {
+  try {
+    return places_of(pictures, frame, above);
+  } catch (const nlohmann::json::exception&) {  // answered: a damaged map/above.json shows no places
+    return {};
+  }
 }
 
 void add(const UnseenPlaces& frame, UnseenPlaces& sum) {
