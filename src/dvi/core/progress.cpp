@@ -109,15 +109,15 @@ void Progress::show(bool last) {
   shown_ = Clock::now();
   const StageProgress at = this->at();
   if (style_ == ProgressStyle::json) {
-    const nlohmann::json line = {
-        {"event", last ? "stage_end" : "progress"},
-        {"stage", at.stage},
-        {"done", at.done},
-        {"total", at.total},
-        {"seconds", at.seconds},
-        {"stage_number", at.of_run ? at.of_run->number : 0},
-        {"stages", at.of_run ? at.of_run->count : 0},
-        {"seconds_left", at.of_run && at.of_run->seconds_left ? nlohmann::json(*at.of_run->seconds_left) : nlohmann::json()}};
+    nlohmann::json line = {{"event", last ? "stage_end" : "progress"},
+                           {"stage", at.stage},
+                           {"done", at.done},
+                           {"total", at.total},
+                           {"seconds", at.seconds}};
+    if (at.of_run) {
+      line["run"] = {{"stage_number", at.of_run->number}, {"stages", at.of_run->count}, {"seconds_left", nullptr}};
+      if (at.of_run->seconds_left) line["run"]["seconds_left"] = *at.of_run->seconds_left;
+    }
     fmt::print(stderr, "{}\n", json_text(line, -1));
   } else if (style_ == ProgressStyle::bar) {
     // The line of a whole run is taken away at the end of a stage: the next one takes its place, or the result does.
