@@ -6,8 +6,8 @@ namespace dvi {
 
 void RunPlan::begin(const std::string& stage) {
   const auto ahead = stages_.begin() + static_cast<std::ptrdiff_t>(at_);
-  const auto found = std::find_if(ahead, stages_.end(), [&](const PlannedStage& s) { return s.name == stage; });
-  planned_ = found != stages_.end();
+  const auto found = std::find_if(ahead, stages_.end(), [&](const PlannedStage& s) { return s.always || s.name == stage; });
+  planned_ = found != stages_.end() && found->name == stage;
   if (planned_) at_ = static_cast<std::size_t>(found - stages_.begin()) + 1;
 }
 

@@ -11,6 +11,7 @@ namespace dvi {
 struct PlannedStage {
   std::string name;
   double cost = 0;
+  bool always = false;  ///< never skipped: what comes after it cannot begin before
 };
 
 /// How far a whole run is: which of its stages it is at, and how long it will still take, by what the stages before have taken.

@@ -20,6 +20,16 @@ TEST(RunPlan, NumbersStagesAndSkipsThoseThatAreKept) {
   EXPECT_EQ(run.count(), 3U);
 }
 
+TEST(RunPlan, DoesNotPassAStageThatIsNeverSkipped) {
+  RunPlan run({{"map", 1}, {"eval one", 1, true}, {"map", 1}, {"eval two", 1, true}});
+  run.begin("map");
+  run.begin("map");
+  EXPECT_EQ(run.number(), 1U) << "the other is of the next part";
+  run.begin("eval one");
+  run.begin("map");
+  EXPECT_EQ(run.number(), 3U);
+}
+
 TEST(RunPlan, TellsTheTimeLeftByWhatStagesTook) {
   RunPlan run = plan();
   run.begin("map");

@@ -37,9 +37,10 @@ Stages run_stages(const Job& job) {
 Stages selfcheck_stages(const Job& job, const std::vector<std::string>& scenarios) {
   Stages stages;
   for (const std::string& scenario : scenarios) {
-    append({{"odometry", 0.015}, {"holdout " + scenario, 0.15}}, stages);
+    append({{"plausibility", 0.015}, {"odometry", 0.015}, {"loops", 0.001}, {"sharpness", 0.01}, {"holdout " + scenario, 0.15}},
+           stages);
     append(run_stages(job), stages);
-    append({{"eval " + scenario, 0.06}, {"report", 0.08}}, stages);
+    append({{"eval " + scenario, 0.06, true}, {"report", 0.08}}, stages);
   }
   return stages;
 }
