@@ -13,7 +13,7 @@
 namespace dvi::report {
 namespace {
 
-constexpr double kMargin = 30;        // metres around the path: what lies farther is seen sparsely
+constexpr double kMargin = 50;        // metres around the path: what lies farther is seen sparsely
 constexpr double kFinest = 0.1;       // metres a pixel: the map's voxels leave holes below
 constexpr int kLargest = 2400;        // px
 constexpr float kAboveSensor = 0.5F;  // metres: crowns of trees and bridges would hide the road

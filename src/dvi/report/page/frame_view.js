@@ -118,6 +118,7 @@
 
   const show = (frame) => {
     const before = size().join();
+    if (frame !== state.frame) dvi.noReceipt(t.receipt);
     state.frame = Math.max(0, Math.min(last(), frame));
     const entry = dvi.data.frames[state.frame], report = dvi.frames()[state.frame];
     id("frame-name").textContent = `${report.name}  (${state.frame + 1} of ${last() + 1})`;

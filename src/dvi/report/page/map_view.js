@@ -28,7 +28,8 @@
     ground.on("error", () => id("map-legend").append(e("span", {className: "warning", textContent: "map/map.png is missing"})));
 
     const {cell_m: cell, cells} = dvi.data.unseen;
-    const unseen = L.layerGroup(cells.map(([x, y, frame, pixels]) =>
+    const shown = ([x, y]) => x * cell >= above.left_m && x * cell < right && y * cell >= bottom && y * cell < above.top_m;
+    const unseen = L.layerGroup(cells.filter(shown).map(([x, y, frame, pixels]) =>
       L.rectangle([[y * cell, x * cell], [(y + 1) * cell, (x + 1) * cell]], {stroke: false, fillColor: colours.unseen, fillOpacity: 0.5})
         .bindTooltip(`nobody saw this, most of it in frame ${(dvi.frames()[frame] || {}).name} (${pixels * 16} px or so)`)
         .on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", frame); }))).addTo(map);
