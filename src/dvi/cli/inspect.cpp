@@ -13,7 +13,7 @@ void add_inspect(Program& program) {
   struct Arguments {
     std::string out, frame, folder;
     int x = 0, y = 0;
-    bool json = false;
+    Common common;
   };
   const auto a = std::make_shared<Arguments>();
   Command command = program.command("inspect", "The receipt of one pixel: where it comes from");
@@ -22,11 +22,11 @@ void add_inspect(Program& program) {
   command.positional("X", a->x, "Column, from 0");
   command.positional("Y", a->y, "Row, from 0");
   command.option("-o,--out", a->folder, "Folder for result.png and source.png, what lies around the pixel");
-  command.flag("--json", a->json, "The receipt as one JSON document on stdout");
+  a->common.add_to(command, true, false);
   command.run([a] {
     const report::Receipt receipt = report::read_receipt(a->out, a->frame, {a->x, a->y});
     if (!a->folder.empty()) report::write_crops(a->folder, a->out, receipt);
-    fmt::print("{}\n", a->json ? report::json_of(receipt) : report::text_of(receipt));
+    fmt::print("{}\n", a->common.json ? report::json_of(receipt) : report::text_of(receipt));
   });
 }
 
