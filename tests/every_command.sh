@@ -33,6 +33,8 @@ dvi run one -o own --poses loam --remove all   # resumes
 for method in paper flow telea ns; do dvi run one -o "$method" --method "$method"; done
 dvi run one -o labels --masks labels --remove moving --set align.method=paper
 dvi check one --forecast --json
+dvi convert rig -o converted
+cp -r one/images one/lidar . && dvi init .
 dvi forecast one two -o forecast
 dvi map one -o map --poses loam --trajectory kitti
 dvi run one -o filed --poses map/poses.txt

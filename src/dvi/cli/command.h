@@ -94,6 +94,8 @@ void add_synth(Program& program);
 void add_demo(Program& program);
 void add_export(Program& program);
 void add_completion(Program& program);
+void add_init(Program& program);
+void add_convert(Program& program);
 void add_config(Program& program);
 void add_formats(Program& program);
 void add_version(Program& program);

@@ -25,6 +25,8 @@ int main(int argc, char** argv) {
   program.group("Look at a recording");
   dvi::cli::add_check(program);
   dvi::cli::add_forecast(program);
+  dvi::cli::add_init(program);
+  dvi::cli::add_convert(program);
   dvi::cli::add_formats(program);
   program.group("Check a result");
   dvi::cli::add_report(program);

@@ -28,4 +28,9 @@ void Draft::finish() {
   finished_ = true;
 }
 
+Draft draft_folder(const fs::path& folder) {
+  const fs::path place = (fs::absolute(folder).lexically_normal() / "").parent_path();
+  return {place, place.parent_path() / ("." + place.filename().string() + ".part")};
+}
+
 }  // namespace dvi

@@ -23,4 +23,7 @@ class Draft {
   bool finished_ = false;
 };
 
+/// Of a folder: hidden beside it, by a name that another process for the same place takes over.
+Draft draft_folder(const fs::path& folder);
+
 }  // namespace dvi

@@ -33,6 +33,13 @@ struct ScanHeader {
   std::filesystem::path file;
 };
 
+/// The camera of depth images, and how they are to be read.
+struct DepthImages {
+  Camera camera;
+  std::optional<SE3> depth_from_color;  ///< none: registered, their pixels are those of the images
+  double units_per_metre = 1000;
+};
+
 /// A recording: what a reader found in a folder. Images, scans and masks are read on demand and cached within bounds.
 struct Drive {
   std::filesystem::path path;
@@ -47,6 +54,7 @@ struct Drive {
   Sensor sensor = Sensor::lidar;
   /// Depth images whose pixels are those of the images by definition: nothing turns the camera against the sensor.
   bool registered_depth = false;
+  std::optional<DepthImages> depth_images;  ///< where scans are made of such: ScanHeader::file is one
   Trajectory poses;  ///< world_from_lidar as given; empty where none are
   /// Factor of the given positions to metres of the drive's own place: the Mercator scale of oxts; 1 where poses are
   /// metric. Two drives share a world when their positions are brought to one scale.

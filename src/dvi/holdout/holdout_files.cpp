@@ -17,9 +17,6 @@
 namespace dvi::holdout {
 namespace {
 
-// The case's folder; another run for the same place takes over what a killed one left.
-fs::path hidden_beside(const fs::path& folder) { return folder.parent_path() / ("." + folder.filename().string() + ".part"); }
-
 nlohmann::json vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 // `held_out`, `scored`: pixels a frame.
@@ -78,8 +75,7 @@ std::string holdout_recipe(const fs::path& folder) {
 
 void write_holdout(const Holdout& holdout, const fs::path& case_folder, const std::string& recipe, const Tick& tick) {
   require_empty(case_folder, "case");
-  const fs::path place = (fs::absolute(case_folder).lexically_normal() / "").parent_path();
-  Draft draft(place, hidden_beside(place));
+  Draft draft = draft_folder(case_folder);
   const fs::path& out = draft.path();
   const fs::path folder = out / "drive";
   const Drive& drive = holdout.drive();
@@ -104,9 +100,8 @@ void write_holdout(const Holdout& holdout, const fs::path& case_folder, const st
       if (tick) tick();
     });
   }
-  const double rate = io::scan_rate(drive);
   parallel_for(drive.scan_headers.size(), [&](std::size_t i) {
-    io::write_folder_scan(folder, drive.scan_headers[i], holdout.scan(i), rate);
+    io::write_folder_scan(folder, drive.scan_headers[i], holdout.scan(i));
     if (tick) tick();
   });
   io::write_folder_tables(folder, drive, holdout.more_cameras());

@@ -98,6 +98,7 @@ DepthScan attach_depth_camera(Drive& drive, const DepthCamera& depth) {
                        "depth of another size than the images needs its own camera: K in the table [depth] of dvi.toml");
     if (depth.camera) require_plausible(camera, file, "its camera's");
   }
+  drive.depth_images = {camera, depth.depth_from_color, depth.units_per_metre};
   const SE3 color_from_depth = depth.depth_from_color ? depth.depth_from_color->inverse() : SE3();
   return {camera, drive.camera_from_lidar.inverse() * color_from_depth, depth.units_per_metre};
 }

@@ -102,6 +102,24 @@ FileLabels by_name(const fs::path& file, NamedLabels labels, const Drive& drive)
   return out;
 }
 
+FileLabels read_boxes_of(const fs::path& file, const Drive& drive) {
+  BoxesFile boxes = read_boxes_json(file);
+  const cv::Size size(drive.camera.width, drive.camera.height);
+  for (auto& [name, labels] : boxes.frames)
+    for (Label& label : labels) {
+      if (boxes.camera != drive.camera_name) {
+        label.rect.reset();
+        label.instance.reset();
+      } else if (label.instance && label.instance->size != size) {
+        throw InputError(file, fmt::format("frame {}: an outline is of an image of {}x{} pixels, the drive's are {}x{}", name,
+                                           label.instance->size.width, label.instance->size.height, size.width, size.height));
+      }
+    }
+  FileLabels read = by_name(file, {std::move(boxes.frames), {}}, drive);
+  read.all_round = boxes.camera.empty();
+  return read;
+}
+
 bool has(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
 
 // The words of a line that begins with two numbers, frame and track.
@@ -139,11 +157,7 @@ const std::vector<LabelFormat>& label_formats() {
       {"CVAT XML (for video or for images)", [](Text t) { return t.starts_with('<') && has(t, "<annotations"); },
        [](Path file, const Drive& drive) { return by_name(file, read_cvat(file, drive), drive); }},
       {"boxes.json", [](Text t) { return t.starts_with('{'); },  // after all others in JSON
-       [](Path file, const Drive& drive) {
-         FileLabels read = by_name(file, {read_boxes_json(file), {}}, drive);
-         read.all_round = true;
-         return read;
-       }},
+       [](Path file, const Drive& drive) { return read_boxes_of(file, drive); }},
   };
   return formats;
 }

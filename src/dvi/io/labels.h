@@ -54,7 +54,13 @@ LabelsByNumber read_tracklets(const fs::path& file);
 LabelsByNumber read_kitti_tracking(const fs::path& file, const SE3& lidar_from_camera);
 /// `size` is that of the images. Track numbers are those of the tracking labels.
 LabelsByNumber read_mots(const fs::path& file, cv::Size size);
-LabelsByName read_boxes_json(const fs::path& file);
+/// Rectangles and outlines are those in the images of `camera`; where it is empty, there are none, and the boxes are of what
+/// stands all round the vehicle.
+struct BoxesFile {
+  LabelsByName frames;
+  std::string camera;
+};
+BoxesFile read_boxes_json(const fs::path& file);
 /// COCO: polygons (all parts are one object), run lengths, or boxes where there is no segmentation. Image files are frames by
 /// their names.
 NamedLabels read_coco(const fs::path& file, const Drive& drive);

@@ -32,7 +32,12 @@ std::vector<StampedPose> by_scan(const std::vector<TextLine>& lines, const Drive
   std::vector<StampedPose> poses;
   for (const TextLine& line : lines) {
     const SE3 pose = matrix_pose(line, 1);
-    if (const auto time = times.find(line.word(0)); time != times.end()) poses.push_back({time->second, pose});
+    if (line.word(0).starts_with('@')) {
+      const auto time = to_nanoseconds(std::string_view(line.word(0)).substr(1));
+      if (!time) line.fail("'" + line.word(0) + "' is no time", "lines are: @seconds and 12 numbers");
+      poses.push_back({*time, pose});
+    } else if (const auto time = times.find(line.word(0)); time != times.end())
+      poses.push_back({time->second, pose});
   }
   return poses;
 }

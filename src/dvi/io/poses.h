@@ -6,7 +6,8 @@
 namespace dvi::io {
 
 /// Poses from a text file, by the number of entries a line:
-///   13: NAME of a scan and world_from_lidar (3x4, row-major) at the middle of its scan; names of no scan are left out
+///   13: NAME of a scan and world_from_lidar (3x4, row-major) at the middle of its scan; names of no scan are left out.
+///       Or @SECONDS instead of NAME: the pose at that time
 ///    8: seconds tx ty tz qx qy qz qw, world_from_lidar (TUM)
 ///   12: world_from_camera (3x4, row-major), one line a frame (KITTI, and what dvi writes)
 /// InputError naming file and line where a line is empty, is not numbers or holds no rotation.

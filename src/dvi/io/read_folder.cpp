@@ -25,11 +25,22 @@ std::vector<fs::path> images_of(const fs::path& drive, const std::string& camera
   return list_files(drive / "images" / camera, {".png", ".jpg", ".jpeg"});
 }
 
-Times read_times(const fs::path& file) {
+using Spans = std::map<std::string, TimeSpan>;
+
+// `spans`: where scans may have their start and end behind their time; none: lines of images.
+Times read_times(const fs::path& file, Spans* spans) {
   Times times;
   for (const TextLine& line : read_text_lines(file)) {
-    if (line.size() != 2) line.fail("has " + std::to_string(line.size()) + " entries instead of 2", "lines are: NAME seconds");
+    const bool spanned = spans != nullptr && line.size() == 4;
+    if (line.size() != 2 && !spanned)
+      line.fail("has " + std::to_string(line.size()) + " entries instead of 2",
+                spans == nullptr ? "lines are: NAME seconds" : "lines are: NAME seconds, or NAME seconds START END");
     times[line.word(0)] = line.nanoseconds(1);
+    if (!spanned) continue;
+    const TimeSpan span{line.nanoseconds(2), line.nanoseconds(3)};
+    if (span.first > times[line.word(0)] || span.last < times[line.word(0)])
+      line.fail("does not start before its time and end after it", "lines are: NAME seconds START END");
+    (*spans)[line.word(0)] = span;
   }
   return times;
 }
@@ -70,6 +81,7 @@ Times count_times(const fs::path& drive, const std::vector<std::string>& images,
 // When images and scans were taken, before the offsets of their clocks.
 struct Clocks {
   Times camera, lidar;
+  Spans scans;  ///< start and end, where the file tells them
   fs::path camera_file, lidar_file;
 };
 
@@ -78,8 +90,8 @@ Clocks read_clocks(Drive& drive, const std::vector<std::string>& images, const s
   clocks.camera_file = drive.path / "times" / (drive.camera_name + ".txt");
   clocks.lidar_file = drive.path / "times" / "lidar.txt";
   const bool camera = fs::exists(clocks.camera_file), lidar = fs::exists(clocks.lidar_file);
-  if (camera) clocks.camera = read_times(clocks.camera_file), drive.other_files.push_back(clocks.camera_file);
-  if (lidar) clocks.lidar = read_times(clocks.lidar_file), drive.other_files.push_back(clocks.lidar_file);
+  if (camera) clocks.camera = read_times(clocks.camera_file, nullptr), drive.other_files.push_back(clocks.camera_file);
+  if (lidar) clocks.lidar = read_times(clocks.lidar_file, &clocks.scans), drive.other_files.push_back(clocks.lidar_file);
   if (!camera) clocks.camera = lidar ? clocks.lidar : count_times(drive.path, images, scans, rate);
   if (!lidar) clocks.lidar = clocks.camera;
   return clocks;
@@ -110,6 +122,10 @@ std::vector<ScanHeader> make_scan_headers(const std::vector<fs::path>& files, co
   std::vector<ScanHeader> scan_headers;
   for (const fs::path& file : files) {
     const std::int64_t time = time_of(clocks.lidar, file, clocks.lidar_file);
+    if (const auto span = clocks.scans.find(file.stem().string()); span != clocks.scans.end()) {
+      scan_headers.push_back({file.stem().string(), time, span->second.first, span->second.last, file});
+      continue;
+    }
     const std::int64_t half = length / 2;
     const std::int64_t middle = stamp == LidarConfig::Stamp::start ? time + half
                                 : stamp == LidarConfig::Stamp::end ? time - half

@@ -17,7 +17,9 @@ inline Eigen::Matrix3d left_part(const std::array<double, 12>& m) {
 inline std::optional<SE3> to_rigid(const std::array<double, 12>& m) {
   const Eigen::Matrix3d R = left_part(m);
   if (!rotation_problem(R).empty()) return std::nullopt;
-  return SE3{nearest_rotation(R), {m[3], m[7], m[11]}};
+  constexpr double kExact = 1e-14;  // written with all digits: it is to be read back as it was
+  const bool exact = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < kExact;
+  return SE3{exact ? R : nearest_rotation(R), {m[3], m[7], m[11]}};
 }
 
 /// The 3x4 matrix [R t], row by row, as files hold it.
