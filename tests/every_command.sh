@@ -34,7 +34,7 @@ for method in paper flow telea ns; do dvi run one -o "$method" --method "$method
 dvi run one -o labels --masks labels --remove moving --set align.method=paper
 dvi check one --forecast --json
 dvi convert rig -o converted
-cp -r one/images one/lidar . && dvi init .
+mkdir mine && cp -r one/images one/lidar mine && "$program" init mine >stdout
 dvi forecast one two -o forecast
 dvi map one -o map --poses loam --trajectory kitti
 dvi run one -o filed --poses map/poses.txt

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "dvi/core/error.h"
@@ -7,6 +6,7 @@
 #include "dvi/io/drive_config.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/kitti_calibration.h"
+#include "dvi/io/kitti_files.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/plausible.h"
 #include "dvi/io/point_cloud.h"
@@ -16,45 +16,13 @@
 namespace dvi::io {
 namespace {
 
-using Numbered = std::map<int, fs::path>;
-
-Numbered numbered_files(const fs::path& folder, const std::vector<std::string>& endings) {
-  Numbered files;
-  for (const fs::path& file : list_files(folder, endings))
-    if (all_digits(file.stem().string()))
-      if (const auto number = to_integer(file.stem().string())) files[*number] = file;
-  return files;
-}
-
 Numbered numbered_images(const fs::path& drive, const std::string& camera) {
   return numbered_files(drive / camera / "data", {".png", ".jpg"});
 }
 
-// A file of timestamps holds a line for each number of the whole drive, whichever excerpt is there; a blank one is lost.
-class Stamps {
- public:
-  explicit Stamps(const fs::path& file) : file_(file), lines_(read_lines(file)) {}
-
-  std::int64_t of(int number, const fs::path& data) const {
-    const std::string place = file_.string() + ":" + std::to_string(number + 1);
-    if (static_cast<std::size_t>(number) >= lines_.size())
-      throw InputError(file_, "ends before line " + std::to_string(number + 1) + ", the time of " + data.filename().string());
-    const std::string& line = lines_[static_cast<std::size_t>(number)];
-    const bool cut = &line == &lines_.back() && !line.empty() && line.size() < lines_.front().size();
-    if (cut) throw InputError(place, "'" + line + "' is shorter than the lines before it: the file was cut");
-    if (const auto time = date_to_nanoseconds(line)) return *time;
-    throw InputError(place, line.empty() ? "the line is empty, and " + data.filename().string() + " is there"
-                                         : "'" + line + "' is no time YYYY-MM-DD HH:MM:SS.nnnnnnnnn");
-  }
-
- private:
-  fs::path file_;
-  std::vector<std::string> lines_;
-};
-
 std::vector<Frame> read_frames(const fs::path& drive, const std::string& camera) {
   std::vector<Frame> frames;
-  const Stamps stamps(drive / camera / "timestamps.txt");
+  const KittiStamps stamps(drive / camera / "timestamps.txt");
   for (const auto& [number, file] : numbered_images(drive, camera))
     frames.push_back({number, file.stem().string(), stamps.of(number, file), file, {}});
   return frames;
@@ -67,7 +35,7 @@ std::vector<ScanHeader> read_scan_headers(const fs::path& folder, std::vector<fs
   if (scans.empty()) return scan_headers;
   const fs::path starts = folder / "timestamps_start.txt", ends = folder / "timestamps_end.txt";
   const bool spans = fs::exists(starts) && fs::exists(ends);
-  const Stamps first(spans ? starts : folder / "timestamps.txt"), last(spans ? ends : folder / "timestamps.txt");
+  const KittiStamps first(spans ? starts : folder / "timestamps.txt"), last(spans ? ends : folder / "timestamps.txt");
   for (const auto& [number, file] : scans) {
     const std::int64_t start = first.of(number, file) - (spans ? 0 : kHalf), end = last.of(number, file) + (spans ? 0 : kHalf);
     scan_headers.push_back({file.stem().string(), start + (end - start) / 2, start, end, file});
@@ -104,7 +72,7 @@ void read_oxts(Drive& drive, const Numbered& packets) {
   if (packets.empty()) return;
   const fs::path folder = drive.path / "oxts";
   const SE3 imu_from_lidar = read_lidar_from_imu(drive.path.parent_path()).inverse();
-  const Stamps stamps(folder / "timestamps.txt");
+  const KittiStamps stamps(folder / "timestamps.txt");
   drive.other_files.insert(drive.other_files.end(),
                            {drive.path.parent_path() / "calib_imu_to_velo.txt", folder / "timestamps.txt"});
   std::vector<StampedPose> poses;
@@ -118,14 +86,10 @@ void read_oxts(Drive& drive, const Numbered& packets) {
 }
 
 std::vector<Gap> find_gaps(Drive& drive, const Numbered& images, const Numbered& scans, const Numbered& packets) {
-  std::vector<Gap> gaps = {{"no image for frames", {}}, {"no scan for frames", {}}, {"no oxts packet for frames", {}}};
   if (!can_list_numbers(drive, 1)) return {};
-  for (int number = drive.frames.front().number; number <= drive.frames.back().number; ++number) {
-    if (!images.contains(number)) gaps[0].frames.push_back(number);
-    if (!scans.contains(number)) gaps[1].frames.push_back(number);
-    if (!packets.contains(number)) gaps[2].frames.push_back(number);
-  }
-  return gaps;
+  return {{"no image for frames", numbers_without(drive, images)},
+          {"no scan for frames", numbers_without(drive, scans)},
+          {"no oxts packet for frames", numbers_without(drive, packets)}};
 }
 
 std::vector<Gap> read_own_labels(Drive& drive) {
@@ -186,6 +150,7 @@ Recording read_kitti(const fs::path& path, const ReadOptions& options) {
 
 bool recognise_kitti(const fs::path& path) {
   const std::string name = path.filename().string();
+  if (!fs::is_directory(path)) return false;
   if (name.find("_drive_") != std::string::npos && name.ends_with("_sync")) return true;
   const bool camera = fs::is_directory(path / "image_02" / "data") || fs::is_directory(path / "image_00" / "data");
   return camera && (fs::is_directory(path / "oxts") || fs::is_directory(path / "velodyne_points"));

@@ -117,8 +117,11 @@ void attach_lazy_readers(Recording& recording) {
 }  // namespace
 
 const std::vector<DriveFormat>& drive_formats() {
-  static const std::vector<DriveFormat> formats = {kitti_raw_format(), apolloscape_format(), seven_scenes_format(),
-                                                   tum_rgbd_format(),  scannet_format(),     folder_format()};
+  // What is recognised by its name alone comes after what is recognised by its files.
+  static const std::vector<DriveFormat> formats = {
+      kitti_360_format(),    kitti_raw_format(), kitti_odometry_format(), nuscenes_format(), apolloscape_format(),
+      seven_scenes_format(), tum_rgbd_format(),  scannet_format(),        folder_format(),
+  };
   return formats;
 }
 
@@ -139,7 +142,7 @@ Drive read_drive(const fs::path& path, const ReadOptions& options) {
   if (path.empty()) throw InputError("the drive's path is empty; name the folder of a drive");
   fs::path root = fs::absolute(path).lexically_normal();
   if (!root.has_filename()) root = root.parent_path();
-  const DriveFormat* format = fs::is_directory(root) ? format_of(root) : nullptr;
+  const DriveFormat* format = format_of(root);
   if (!format) fail_unknown(root);
   Recording recording = format->read(root, options);
   Drive& drive = recording.drive;

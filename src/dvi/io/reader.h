@@ -44,6 +44,9 @@ struct DriveFormat {
 
 DriveFormat folder_format();
 DriveFormat kitti_raw_format();
+DriveFormat kitti_360_format();
+DriveFormat kitti_odometry_format();
+DriveFormat nuscenes_format();
 DriveFormat apolloscape_format();
 DriveFormat seven_scenes_format();
 DriveFormat tum_rgbd_format();

@@ -95,7 +95,10 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
   });
   open.rig_of = number;
   open.masks_from = masks_of(drive, own, choice);
-  if (open.masks_from == masks::MaskSource::labels) share_labels(own.drive, drive);
+  // A recording may label each camera's images at their own times; a file that the user names is read for the drive's own.
+  const bool labelled = std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& f) { return !f.labels.empty(); });
+  const bool of_its_own = labelled && drive.labelled_around && (choice.is_source || choice.masks.kind != MasksFrom::Kind::path);
+  if (open.masks_from == masks::MaskSource::labels && !of_its_own) share_labels(own.drive, drive);
   if (open.masks_from == masks::MaskSource::files)
     if (const auto bare = io::frames_without_mask(drive)) drive.warnings.push_back(*bare);
   open.grey = is_grey(drive);

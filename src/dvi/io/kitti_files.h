@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "dvi/core/files.h"
+#include "dvi/drive/drive.h"
+
+namespace dvi::io {
+
+/// Files that are named by their numbers.
+using Numbered = std::map<int, fs::path>;
+
+/// Those of a folder; none where there is no such folder.
+Numbered numbered_files(const fs::path& folder, const std::vector<std::string>& endings);
+
+/// The numbers from the drive's first frame to its last that are not among the files. can_list_numbers() holds.
+std::vector<int> numbers_without(const Drive& drive, const Numbered& files);
+
+/// A file of dates of KITTI: a line for each number of the whole drive, whichever excerpt is there; a blank one is lost.
+class KittiStamps {
+ public:
+  explicit KittiStamps(const fs::path& file);
+  /// The time of a number; InputError naming the line where there is none. `data` is the file that needs it.
+  std::int64_t of(int number, const fs::path& data) const;
+
+ private:
+  fs::path file_;
+  std::vector<std::string> lines_;
+};
+
+}  // namespace dvi::io
