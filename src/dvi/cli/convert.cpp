@@ -14,6 +14,7 @@ namespace dvi::cli {
 void add_convert(Program& program) {
   struct Arguments {
     std::string drive, out, camera, frames;
+    std::vector<std::string> topics;
     bool one_camera = false;
     Common common;
   };
@@ -23,12 +24,14 @@ void add_convert(Program& program) {
   command.option("-o,--out", a->out, "Folder of the new drive", true);
   command.option("--frames", a->frames, "A:B: only these frames, inclusive, by the recording's own numbers");
   command.option("--camera", a->camera, "The camera that is used where none is asked for (default: the recording's first)");
+  command.option("--topic", a->topics, "Of a bag: image=TOPIC, points=TOPIC, info=TOPIC, poses=TOPIC, repeatable");
   command.flag("--one-camera", a->one_camera, "Leave the other cameras out");
   a->common.add_to(command, false, false);
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     io::ReadOptions read{.camera = a->camera};
+    read.topics = a->topics;
     if (!a->frames.empty()) read.frames = pipeline::parse_frames(a->frames);
     const pipeline::ConvertReport report = pipeline::convert(a->drive, read, !a->one_camera, a->out, progress);
     fmt::print("{}: {} images of {}, {} scans, from {} frames {}:{}\n", a->out, report.images, fmt::join(report.cameras, ", "),

@@ -31,6 +31,8 @@ void take(const std::optional<std::string>& text, const char* flag, Parse parse,
 void JobOptions::add_to(Command& command) {
   command.option("--frames", frames, "A:B: only these frames, inclusive, by the drive's own numbers; A: only that frame");
   command.option("--camera", camera, "Camera to use (default: the drive's first)");
+  command.option("--topic", topics,
+                 "Of a bag: image=TOPIC, points=TOPIC, info=TOPIC, poses=TOPIC, repeatable (default: guessed)");
   command.option("--sources", source_cameras, "Other cameras of the drives to copy from: all (default), none, or NAME,NAME");
   command.option("--masks", masks,
                  "What to remove: DIR (PNG masks), FILE (labels: KITTI, MOTS, COCO, CVAT, boxes.json), labels, auto");
@@ -59,6 +61,7 @@ pipeline::Job JobOptions::job(const std::string& out, const std::string& target,
   // Once more: what the file says of single options holds against the method it names.
   if (!config.empty() && !method) table.load_toml(config);
   if (camera) job.read.camera = *camera;
+  if (!topics.empty()) job.read.topics = topics;
   if (source_cameras) job.read.source_cameras = *source_cameras;
   if (frames) job.read.frames = *frames;
   if (masks && detector) throw UsageError("--detector and --masks both say what to remove: give one of them");

@@ -14,7 +14,7 @@ struct JobOptions {
   std::optional<std::string> camera, source_cameras, frames, masks, polarity, classes, ego_mask, detector, poses, remove,
       method;
   std::string config;
-  std::vector<std::string> set;
+  std::vector<std::string> set, topics;
 
   void add_to(Command& command);
 

@@ -40,6 +40,14 @@ struct DepthImages {
   double units_per_metre = 1000;
 };
 
+/// One stream of a bag.
+struct RecordedTopic {
+  std::string name, type;
+  std::size_t messages = 0;
+  double rate_hz = 0;
+  std::string use;  ///< what it is taken for: "images of front"; empty: for nothing
+};
+
 /// A recording: what a reader found in a folder. Images, scans and masks are read on demand and cached within bounds.
 struct Drive {
   std::filesystem::path path;
@@ -48,6 +56,7 @@ struct Drive {
   Camera camera;
   SE3 camera_from_lidar;
   std::vector<std::string> camera_names;  ///< all that the drive has
+  std::vector<RecordedTopic> topics;      ///< of a bag
 
   std::vector<Frame> frames;             ///< in order of time
   std::vector<ScanHeader> scan_headers;  ///< in order of time

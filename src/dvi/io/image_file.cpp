@@ -131,14 +131,18 @@ std::optional<std::string> without_palette(const std::string& png) {
 
 }  // namespace
 
-cv::Size image_size(const fs::path& path) {
-  if (const auto size = stated_size(path, read_file(path))) return *size;
-  throw InputError(path, "cannot be decoded as an image", "PNG and JPEG are read");
+cv::Size image_size(const fs::path& path) { return image_size(path, read_file(path)); }
+
+cv::Size image_size(const fs::path& name, const std::string& bytes) {
+  if (const auto size = stated_size(name, bytes)) return *size;
+  throw InputError(name, "cannot be decoded as an image", "PNG and JPEG are read");
 }
 
-cv::Mat3b read_image(const fs::path& path, cv::Size size) {
-  return decode(path, size, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+cv::Mat3b decode_image(const fs::path& name, const std::string& bytes, cv::Size size) {
+  return decode(name, bytes, size, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
 }
+
+cv::Mat3b read_image(const fs::path& path, cv::Size size) { return decode_image(path, read_file(path), size); }
 
 cv::Mat read_unchanged(const fs::path& path, cv::Size size) {
   const std::string bytes = read_file(path);

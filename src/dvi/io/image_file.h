@@ -14,6 +14,10 @@ inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
 /// Width and height by the header of a PNG or JPEG, without decoding it. InputError where it is neither or is too large.
 cv::Size image_size(const fs::path& path);
 
+/// The same of a file's bytes, and the image in BGR that they are; `name` is for messages.
+cv::Size image_size(const fs::path& name, const std::string& bytes);
+cv::Mat3b decode_image(const fs::path& name, const std::string& bytes, cv::Size size);
+
 /// The image in BGR, as it is stored: an EXIF orientation is not applied, because calibration and scans do not turn with it.
 /// InputError where it cannot be decoded as a whole or has another size, which the header tells.
 cv::Mat3b read_image(const fs::path& path, cv::Size size);

@@ -34,7 +34,8 @@ std::optional<fs::path> drive_below(const fs::path& path, int levels) {
 
 [[noreturn]] void fail_unknown(const fs::path& path) {
   if (!fs::exists(path)) throw InputError(path, "does not exist", "name the folder of a drive");
-  if (!fs::is_directory(path)) throw InputError(path, "is no folder", "name the folder of a drive");
+  if (!fs::is_directory(path))
+    throw InputError(path, "is no recording", "name the folder of a drive, or a bag: .mcap, .db3, .bag");
   if (const auto below = drive_below(path, 2)) throw InputError(path, "is no drive", "did you mean " + below->string() + "?");
   std::string known;
   for (const DriveFormat& format : drive_formats()) known += "\n  " + format.name + ": " + format.summary;
@@ -106,9 +107,14 @@ void attach_lazy_readers(Recording& recording) {
   Drive& drive = recording.drive;
   const cv::Size size(drive.camera.width, drive.camera.height);
 
-  std::vector<fs::path> images;
-  for (const Frame& frame : drive.frames) images.push_back(frame.file);
-  drive.images = Lazy<cv::Mat3b>(images.size(), [images, size](std::size_t i) { return read_image(images[i], size); });
+  if (recording.read_image) {
+    drive.images = Lazy<cv::Mat3b>(
+        drive.frames.size(), [frames = drive.frames, read = recording.read_image](std::size_t i) { return read(frames[i]); });
+  } else {
+    std::vector<fs::path> images;
+    for (const Frame& frame : drive.frames) images.push_back(frame.file);
+    drive.images = Lazy<cv::Mat3b>(images.size(), [images, size](std::size_t i) { return read_image(images[i], size); });
+  }
   if (!drive.mask_files.empty()) attach_mask_files(drive);
   drive.scans = Lazy<Scan>(drive.scan_headers.size(), [scan_headers = drive.scan_headers, read = recording.read_scan](
                                                           std::size_t i) { return read(scan_headers[i]); });
@@ -119,8 +125,8 @@ void attach_lazy_readers(Recording& recording) {
 const std::vector<DriveFormat>& drive_formats() {
   // What is recognised by its name alone comes after what is recognised by its files.
   static const std::vector<DriveFormat> formats = {
-      kitti_360_format(),    kitti_raw_format(), kitti_odometry_format(), nuscenes_format(), apolloscape_format(),
-      seven_scenes_format(), tum_rgbd_format(),  scannet_format(),        folder_format(),
+      kitti_360_format(),   kitti_raw_format(),    kitti_odometry_format(), nuscenes_format(), rosbag_format(),
+      apolloscape_format(), seven_scenes_format(), tum_rgbd_format(),       scannet_format(),  folder_format(),
   };
   return formats;
 }

@@ -14,6 +14,7 @@ struct ReadOptions {
   std::string camera = {};                ///< empty: the drive's first
   std::optional<FrameRange> frames = {};  ///< cut the drive to these (frames, and the scans near them in time)
   std::optional<TimeSpan> span = {};      ///< instead of `frames`
+  std::vector<std::string> topics = {};   ///< of a bag, which to take: "image=/front/image_raw"
 };
 
 /// Something that some frames lack, in words that go before their numbers: "no scan for frames".
@@ -28,6 +29,7 @@ struct Recording {
   Drive drive;
   std::vector<Gap> gaps;
   std::function<Scan(const ScanHeader&)> read_scan;
+  std::function<cv::Mat3b(const Frame&)> read_image = {};  ///< none: Frame::file is the image's
 };
 
 /// Whether the numbers from the first frame to the last, in steps, can be listed one by one; where a stray file name makes them
@@ -47,6 +49,7 @@ DriveFormat kitti_raw_format();
 DriveFormat kitti_360_format();
 DriveFormat kitti_odometry_format();
 DriveFormat nuscenes_format();
+DriveFormat rosbag_format();
 DriveFormat apolloscape_format();
 DriveFormat seven_scenes_format();
 DriveFormat tum_rgbd_format();

@@ -71,6 +71,7 @@ CheckReport describe(const Recording& open, const PoseChoice& choice, const Mask
                   .format = drive.format,
                   .camera_name = drive.camera_name,
                   .camera_names = drive.camera_names,
+                  .topics = drive.topics,
                   .camera = drive.camera,
                   .frames = drive.frames.size(),
                   .first_frame = drive.frames.front().number,
@@ -103,6 +104,17 @@ std::string masks_line(const CheckReport& report) {
   return report.scans > 0 ? "none: dvi run finds what moves; dvi mask shows it" : "none";
 }
 
+nlohmann::json topics_json(const std::vector<RecordedTopic>& topics) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const RecordedTopic& topic : topics)
+    out.push_back({{"name", topic.name},
+                   {"type", topic.type},
+                   {"messages", topic.messages},
+                   {"rate_hz", topic.rate_hz},
+                   {"use", topic.use}});
+  return out;
+}
+
 }  // namespace
 
 std::string CheckReport::brief() const {
@@ -112,6 +124,9 @@ std::string CheckReport::brief() const {
       "  masks    {}\n",
       path, format, camera_name, camera.width, camera.height, camera.fx, frames, first_frame, last_frame, frame_rate_hz,
       frames_with_pose, scans, scan_rate_hz, mean_points, path_m, poses.from, masks_line(*this));
+  for (const RecordedTopic& topic : topics)
+    text += fmt::format("  topic    {} ({}): {} messages, {:.1f} Hz{}\n", topic.name, topic.type, topic.messages, topic.rate_hz,
+                        topic.use.empty() ? "" : ": " + topic.use);
   if (forecast)
     text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never\n",
                         100 * (1 - forecast->hole.never_seen), 100 * forecast->hole.never_seen);
@@ -143,6 +158,7 @@ std::string to_json(const CheckReport& r) {
       {"path_m", r.path_m},
       {"poses", r.poses},
       {"masks", {{"source", r.mask_source}, {"mean_share", r.mean_masked}, {"largest_share", r.largest_masked}}},
+      {"topics", topics_json(r.topics)},
       {"ready", r.ready},
       {"warnings", r.warnings}};
   if (r.forecast) j["forecast"] = *r.forecast;

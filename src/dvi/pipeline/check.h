@@ -15,6 +15,7 @@ namespace dvi::pipeline {
 struct CheckReport {
   std::string path, format, camera_name;
   std::vector<std::string> camera_names;  ///< all that the drive has
+  std::vector<RecordedTopic> topics;      ///< of a bag
   Camera camera;
   std::size_t frames = 0, frames_with_pose = 0;
   int first_frame = 0, last_frame = 0;

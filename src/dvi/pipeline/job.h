@@ -50,8 +50,9 @@ struct Options {
 
 /// What to read: shared by every command that opens a drive.
 struct ReadChoice {
-  std::string camera;  ///< empty: the drive's first
-  std::string frames;  ///< "A:B" or "A"; empty: all
+  std::string camera;               ///< empty: the drive's first
+  std::vector<std::string> topics;  ///< of bags: "image=/front/image_raw"
+  std::string frames;               ///< "A:B" or "A"; empty: all
   MasksFrom masks;
   io::MaskReading mask_files;  ///< how they are read, of source drives too
   bool is_source = false;      ///< classes choose among mask files only: what is labelled in a source drive is no background

@@ -1,12 +1,14 @@
 #include "dvi/pipeline/recordings.h"
 
 #include <algorithm>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
+#include "dvi/io/bag.h"
 #include "dvi/io/class_ids.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/mask_folder.h"
@@ -136,6 +138,7 @@ Recording open_with(const fs::path& path, const ReadChoice& choice, const std::s
                     MaskNeed need, Progress& progress) {
   io::ReadOptions read;
   read.camera = choice.camera;
+  read.topics = choice.topics;
   if (!choice.frames.empty()) read.frames = parse_frames(choice.frames);
   Recording open{io::read_drive(path, read), {}};
   if (read.frames && read.frames->first == read.frames->last)
@@ -183,6 +186,7 @@ Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress) {
   drives.push_back(open_with(job.target, job.read, detector, need, progress));
   ReadChoice further;
   further.camera = job.read.camera;
+  further.topics = job.read.topics;
   further.mask_files = job.read.mask_files;
   further.is_source = true;
   const MaskNeed of_sources = need == MaskNeed::required ? MaskNeed::wanted : need;
@@ -247,6 +251,11 @@ std::vector<fs::path> files_of(const Recording& open) {
     for (const ScanHeader& header : drive.scan_headers) files.push_back(header.file);
   files.insert(files.end(), drive.mask_files.begin(), drive.mask_files.end());
   files.insert(files.end(), drive.other_files.begin(), drive.other_files.end());
+  // A bag is the file of many frames and scans, and may be of any size.
+  if (!drive.topics.empty()) {
+    std::set<fs::path> known;
+    std::erase_if(files, [&](const fs::path& file) { return !file.empty() && !known.insert(file).second; });
+  }
   return files;
 }
 
@@ -255,7 +264,9 @@ void add_files(Fingerprint& print, const Recording& open) {
   const std::vector<fs::path> files = files_of(open);
   std::vector<std::string> hashes(files.size());
   parallel_for(files.size(), [&](std::size_t i) {
-    if (!files[i].empty()) hashes[i] = hash_of_file(files[i], kLargestFile);  // empty: a frame without a mask
+    const bool bag = !drive.topics.empty() && io::is_bag(files[i]);
+    if (files[i].empty()) return;  // a frame without a mask
+    hashes[i] = bag ? hash_of_file(files[i]) : hash_of_file(files[i], kLargestFile);
   });
   print.add(drive.path.filename().string());  // warnings say it
   print.add(fmt::format("{} {} {}", drive.frames.size(), drive.scan_headers.size(), drive.mask_files.size()));

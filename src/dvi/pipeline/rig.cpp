@@ -52,6 +52,11 @@ TimeSpan span_of(const Drive& drive) {
 
 // By the first image. A damaged one is named when it is read.
 bool is_grey(const Drive& drive) {
+  if (!drive.topics.empty()) {  // images in a bag
+    std::vector<cv::Mat> channels;
+    cv::split(*drive.images[0], channels);
+    return cv::norm(channels[0], channels[1], cv::NORM_INF) == 0 && cv::norm(channels[1], channels[2], cv::NORM_INF) == 0;
+  }
   const cv::Mat picture = io::read_unchanged(drive.frames.front().file, cv::Size(drive.camera.width, drive.camera.height));
   if (picture.empty() || picture.channels() < 3) return !picture.empty();
   std::vector<cv::Mat> channels;
@@ -85,6 +90,7 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
   io::ReadOptions read;
   read.camera = camera;
   read.span = span_of(own.drive);
+  read.topics = choice.topics;
   Recording open{io::read_drive(own.drive.path, read)};
   Drive& drive = open.drive;
   drive.scan_headers = own.drive.scan_headers;

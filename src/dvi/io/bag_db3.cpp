@@ -1,0 +1,98 @@
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include <fmt/format.h>
+
+#include "dvi/core/error.h"
+#include "dvi/io/bag.h"
+
+#ifdef DVI_SQLITE3
+#include <sqlite3.h>
+#endif
+
+namespace dvi::io {
+
+#ifdef DVI_SQLITE3
+namespace {
+
+// One database, opened to be read only.
+class Db3 {
+ public:
+  explicit Db3(fs::path path) : path_(std::move(path)) {
+    require_regular_file(path_, std::numeric_limits<std::uintmax_t>::max());
+    sqlite3* database = nullptr;
+    const int result = sqlite3_open_v2(path_.c_str(), &database, SQLITE_OPEN_READONLY, nullptr);
+    database_.reset(database);
+    if (result != SQLITE_OK) fail("cannot be opened");
+  }
+
+  /// Calls `take` for each row of a query, whose parameter ?1 is `id` where it has one.
+  void for_each(const char* query, std::int64_t id, const std::function<void(sqlite3_stmt*)>& take) const {
+    sqlite3_stmt* statement = nullptr;
+    if (sqlite3_prepare_v2(database_.get(), query, -1, &statement, nullptr) != SQLITE_OK) fail("is no ROS 2 bag");
+    const std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)> owner(statement, sqlite3_finalize);
+    if (sqlite3_bind_parameter_count(statement) > 0) sqlite3_bind_int64(statement, 1, id);
+    int result = sqlite3_step(statement);
+    for (; result == SQLITE_ROW; result = sqlite3_step(statement)) take(statement);
+    if (result != SQLITE_DONE) fail("is damaged");
+  }
+
+  std::string read(std::int64_t id) const {
+    const std::scoped_lock lock(mutex_);
+    std::string out;
+    for_each("SELECT data FROM messages WHERE id = ?1", id, [&](sqlite3_stmt* row) {
+      const auto* bytes = static_cast<const char*>(sqlite3_column_blob(row, 0));
+      out.assign(bytes, static_cast<std::size_t>(bytes == nullptr ? 0 : sqlite3_column_bytes(row, 0)));
+    });
+    return out;
+  }
+
+  const fs::path& path() const { return path_; }
+
+ private:
+  [[noreturn]] void fail(const char* problem) const {
+    throw InputError(path_, fmt::format("{} ({})", problem, database_ ? sqlite3_errmsg(database_.get()) : "no memory"),
+                     "the recording was cut or damaged; mend or record it again");
+  }
+
+  fs::path path_;
+  std::unique_ptr<sqlite3, decltype(&sqlite3_close)> database_{nullptr, sqlite3_close};
+  mutable std::mutex mutex_;
+};
+
+std::string text_of(sqlite3_stmt* row, int column) {
+  const unsigned char* text = sqlite3_column_text(row, column);
+  return text == nullptr ? "" : reinterpret_cast<const char*>(text);
+}
+
+}  // namespace
+
+Bag open_db3(const fs::path& path) {
+  const auto database = std::make_shared<Db3>(path);
+  std::map<std::int64_t, BagTopic> topics;
+  database->for_each("SELECT id, name, type, serialization_format FROM topics", 0, [&](sqlite3_stmt* row) {
+    topics[sqlite3_column_int64(row, 0)] = {text_of(row, 1), text_of(row, 2),
+                                            text_of(row, 3) == "cdr" ? BagEncoding::cdr : BagEncoding::other};
+  });
+  database->for_each("SELECT id, topic_id, timestamp FROM messages", 0, [&](sqlite3_stmt* row) {
+    const auto topic = topics.find(sqlite3_column_int64(row, 1));
+    if (topic == topics.end())
+      throw InputError(path, fmt::format("message {} is of topic {}, which is not there", sqlite3_column_int64(row, 0),
+                                         sqlite3_column_int64(row, 1)));
+    topic->second.messages.push_back(
+        {sqlite3_column_int64(row, 2), 0, 0, static_cast<std::uint64_t>(sqlite3_column_int64(row, 0))});
+  });
+  Bag out;
+  out.files = {path};
+  for (auto& [id, topic] : topics) out.topics.push_back(std::move(topic));
+  out.read = [database](const BagEntry& entry) { return database->read(static_cast<std::int64_t>(entry.offset)); };
+  return out;
+}
+#else
+Bag open_db3(const fs::path& path) {
+  throw InputError(path, "is a database of SQLite, which this dvi was built without", "build it with libsqlite3-dev");
+}
+#endif
+
+}  // namespace dvi::io

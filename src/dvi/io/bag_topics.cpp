@@ -1,0 +1,202 @@
+#include "dvi/io/bag_topics.h"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "dvi/core/error.h"
+#include "dvi/io/ros_message.h"
+
+namespace dvi::io {
+namespace {
+
+constexpr const char* kCloudType = "sensor_msgs/PointCloud2";
+constexpr const char* kInfoType = "sensor_msgs/CameraInfo";
+constexpr const char* kPoseTypes[] = {"nav_msgs/Odometry", "geometry_msgs/PoseStamped",
+                                      "geometry_msgs/PoseWithCovarianceStamped"};
+
+bool is_poses(const BagTopic& topic) {
+  return std::find(std::begin(kPoseTypes), std::end(kPoseTypes), topic.type) != std::end(kPoseTypes);
+}
+
+bool has_word(const std::string& text, const char* word) { return text.find(word) != std::string::npos; }
+
+std::string base_of(const BagTopic& topic) {
+  const std::string ending = "/compressed";
+  return is_compressed(topic) && topic.name.ends_with(ending) ? topic.name.substr(0, topic.name.size() - ending.size())
+                                                              : topic.name;
+}
+
+std::string folder_of(const std::string& topic) {
+  return topic.substr(0, topic.rfind('/') == std::string::npos ? 0 : topic.rfind('/'));
+}
+
+// /cam0/image_raw is cam0; where the last part says more than "image", it stays.
+std::string name_of_camera(const std::string& base) {
+  std::string name = base.substr(base.rfind('/') + 1).starts_with("image") ? folder_of(base) : base;
+  while (name.starts_with('/')) name.erase(0, 1);
+  std::replace(name.begin(), name.end(), '/', '_');
+  return name.empty() ? "camera" : name;
+}
+
+class TopicChooser {
+ public:
+  TopicChooser(const fs::path& path, const Bag& bag) : path_(path), bag_(bag) {}
+
+  BagChoice run(const std::vector<std::string>& named) {
+    BagChoice choice;
+    const BagTopic* info = nullptr;
+    std::vector<const BagTopic*> images;
+    for (const std::string& text : named) {
+      const std::size_t sign = text.find('=');
+      const std::string key = text.substr(0, sign), topic = sign == std::string::npos ? "" : text.substr(sign + 1);
+      if (key == "image") {
+        images.push_back(require(topic, "images", is_images));
+      } else if (key == "points") {
+        choice.points = require(topic, "sensor_msgs/PointCloud2", [](const BagTopic& t) { return t.type == kCloudType; });
+      } else if (key == "info") {
+        info = require(topic, "sensor_msgs/CameraInfo", [](const BagTopic& t) { return t.type == kInfoType; });
+      } else if (key == "poses") {
+        choice.poses = require(topic, "poses", is_poses);
+        choice.named_poses = true;
+      } else {
+        throw UsageError(fmt::format("--topic {}: it is image=TOPIC, points=TOPIC, info=TOPIC or poses=TOPIC", text));
+      }
+    }
+    if (images.empty()) images = guess_images();
+    if (images.empty()) fail("no topic of images");
+    for (const BagTopic* topic : images)
+      choice.cameras.push_back({name_of_camera(base_of(*topic)), topic, info ? info : info_of(*topic)});
+    make_unique(choice.cameras);
+    if (choice.points == nullptr) choice.points = guess_points();
+    if (choice.points == nullptr) fail("no topic of sensor_msgs/PointCloud2");
+    if (choice.poses == nullptr) choice.poses = guess_poses();
+    return choice;
+  }
+
+ private:
+  template <class Fits>
+  const BagTopic* require(const std::string& name, const char* what, const Fits& fits) const {
+    for (const BagTopic& topic : bag_.topics)
+      if (topic.name == name) {
+        if (!fits(topic)) fail(fmt::format("topic {} of {}, which holds no {}", name, topic.type, what));
+        if (topic.encoding == BagEncoding::other || topic.messages.empty())
+          fail(fmt::format("topic {} {}", name,
+                           topic.messages.empty() ? "without messages" : "in an encoding that is not read"));
+        return &topic;
+      }
+    fail(fmt::format("no topic {}", name));
+  }
+
+  [[noreturn]] void fail(const std::string& what) const {
+    std::vector<std::string> topics;
+    for (const BagTopic& topic : bag_.topics)
+      topics.push_back(fmt::format("{} ({}, {} messages)", topic.name, topic.type, topic.messages.size()));
+    throw InputError(path_, "has " + what, fmt::format("it has {}", fmt::join(topics, ", ")));
+  }
+
+  static bool usable(const BagTopic& topic) { return topic.encoding != BagEncoding::other && !topic.messages.empty(); }
+
+  // Each camera once: as it is, rather than compressed.
+  std::vector<const BagTopic*> guess_images() const {
+    std::map<std::string, const BagTopic*> by_base;
+    for (const BagTopic& topic : bag_.topics) {
+      if (!is_images(topic) || !usable(topic) || has_word(topic.name, "depth") || has_word(topic.name, "disparity")) continue;
+      if (!is_compressed(topic) && !is_colour(topic)) continue;
+      const BagTopic*& known = by_base[base_of(topic)];
+      if (known == nullptr || is_compressed(*known)) known = &topic;
+    }
+    std::vector<const BagTopic*> out;
+    for (const auto& [base, topic] : by_base) out.push_back(topic);
+    return out;
+  }
+
+  bool is_colour(const BagTopic& topic) const {
+    try {
+      const std::string message = bag_.read(topic.messages.front());
+      const std::string encoding = parse_image(message, topic.encoding).encoding;
+      return encoding != "16UC1" && encoding != "32FC1" && encoding != "mono16";
+    } catch (const std::invalid_argument&) {
+      return true;  // named when it is read
+    }
+  }
+
+  // The one in the folder of the images, or in the nearest above it.
+  const BagTopic* info_of(const BagTopic& images) const {
+    for (std::string folder = folder_of(base_of(images));; folder = folder_of(folder)) {
+      for (const BagTopic& topic : bag_.topics)
+        if (topic.type == kInfoType && usable(topic) && folder_of(topic.name) == folder) return &topic;
+      if (folder.empty()) return nullptr;
+    }
+  }
+
+  static void make_unique(std::vector<BagCamera>& cameras) {
+    std::map<std::string, int> counts;
+    for (BagCamera& camera : cameras)
+      if (const int count = ++counts[camera.name]; count > 1) camera.name += fmt::format("_{}", count);
+  }
+
+  const BagTopic* guess_points() const {
+    const BagTopic* best = nullptr;
+    double most = 0;
+    for (const BagTopic& topic : bag_.topics) {
+      if (topic.type != kCloudType || !usable(topic)) continue;
+      const double bytes =
+          static_cast<double>(bag_.read(topic.messages.front()).size()) * static_cast<double>(topic.messages.size());
+      if (bytes > most) most = bytes, best = &topic;
+    }
+    return best;
+  }
+
+  const BagTopic* guess_poses() const {
+    const BagTopic* best = nullptr;
+    for (const char* type : kPoseTypes) {
+      for (const BagTopic& topic : bag_.topics)
+        if (topic.type == type && usable(topic) && (best == nullptr || topic.messages.size() > best->messages.size()))
+          best = &topic;
+      if (best != nullptr) return best;
+    }
+    return best;
+  }
+
+  const fs::path& path_;
+  const Bag& bag_;
+};
+
+}  // namespace
+
+bool is_images(const BagTopic& topic) { return topic.type == "sensor_msgs/Image" || is_compressed(topic); }
+bool is_compressed(const BagTopic& topic) {
+  return topic.type == "sensor_msgs/CompressedImage" && !has_word(topic.name, "compressedDepth");
+}
+bool is_tf(const BagTopic& topic) { return topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage"; }
+
+BagChoice choose_topics(const fs::path& path, const Bag& bag, const std::vector<std::string>& named) {
+  return TopicChooser(path, bag).run(named);
+}
+
+double rate_of(const BagTopic& topic) {
+  if (topic.messages.size() < 2) return 0;
+  const auto span = static_cast<double>(topic.messages.back().time_ns - topic.messages.front().time_ns);
+  return span > 0 ? 1e9 * static_cast<double>(topic.messages.size() - 1) / span : 0;
+}
+
+std::vector<RecordedTopic> list_topics(const Bag& bag, const BagChoice& choice) {
+  std::vector<RecordedTopic> out;
+  for (const BagTopic& topic : bag.topics) {
+    RecordedTopic row{topic.name, topic.type, topic.messages.size(), rate_of(topic), ""};
+    for (const BagCamera& camera : choice.cameras) {
+      if (camera.images == &topic) row.use = "images of " + camera.name;
+      if (camera.info == &topic) row.use = "calibration of " + camera.name;
+    }
+    if (choice.points == &topic) row.use = "scans";
+    if (choice.poses == &topic) row.use = "poses";
+    if (is_tf(topic)) row.use = "places of the sensors";
+    out.push_back(std::move(row));
+  }
+  return out;
+}
+
+}  // namespace dvi::io

@@ -1,0 +1,344 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "dvi/core/error.h"
+#include "dvi/core/median.h"
+#include "dvi/io/bag_bytes.h"
+#include "dvi/io/bag_topics.h"
+#include "dvi/io/camera_choice.h"
+#include "dvi/io/drive_config.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/plausible.h"
+#include "dvi/io/reader.h"
+#include "dvi/io/ros_frames.h"
+#include "dvi/io/scan_time.h"
+
+namespace dvi::io {
+namespace {
+
+// A message of a topic, and when it says that it was taken.
+struct StampedEntry {
+  std::int64_t time_ns = 0;
+  std::size_t number = 0;  // among the topic's messages
+};
+
+// Messages of an open bag, with errors that name them.
+class BagMessages {
+ public:
+  BagMessages(fs::path path, Bag bag) : path_(std::move(path)), bag_(std::move(bag)) {}
+  const Bag& bag() const { return bag_; }
+  const fs::path& path() const { return path_; }
+
+  /// What `parse` makes of a message's bytes.
+  template <class Parse>
+  auto parsed(const BagTopic& topic, std::size_t number, const Parse& parse) const {
+    try {
+      const std::string bytes = unpack_message(bag_.read(topic.messages[number]));
+      return parse(std::string_view(bytes), topic.encoding);
+    } catch (const std::invalid_argument& e) {
+      throw InputError(path_, fmt::format("message {} of {}: {}", number, topic.name, e.what()),
+                       "record it again, or name another topic with --topic");
+    }
+  }
+
+  /// In order of their headers' stamps; by the recorder's clock where these are not set. Repeated stamps are left out.
+  std::vector<StampedEntry> stamped(const BagTopic& topic, std::vector<std::string>& warnings) const {
+    std::vector<StampedEntry> out;
+    bool set = false;
+    for (std::size_t i = 0; i < topic.messages.size(); ++i) {
+      const RosHeader header = parsed(topic, i, [](std::string_view m, BagEncoding e) { return read_header(m, e); });
+      out.push_back({header.stamp_ns, i});
+      set = set || header.stamp_ns != 0;
+    }
+    if (!set) {
+      warnings.push_back(
+          fmt::format("the stamps of {} are not set: its messages have the time of their recording", topic.name));
+      for (StampedEntry& entry : out) entry.time_ns = topic.messages[entry.number].time_ns;
+    }
+    std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.time_ns < b.time_ns; });
+    const std::size_t all = out.size();
+    out.erase(std::unique(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.time_ns == b.time_ns; }),
+              out.end());
+    if (out.size() < all)
+      warnings.push_back(
+          fmt::format("{} messages of {} have the stamp of another and are left out", all - out.size(), topic.name));
+    for (const StampedEntry& entry : out)
+      if (entry.time_ns < 0 || entry.time_ns > 4'000'000'000 * 1'000'000'000)
+        throw InputError(path_, fmt::format("message {} of {}: its stamp is no time", entry.number, topic.name));
+    return out;
+  }
+
+ private:
+  fs::path path_;
+  Bag bag_;
+};
+
+double as_seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+// By how much a topic's stamps are behind the recorder's clock, which is one for all topics.
+double behind(const BagTopic& topic, const std::vector<StampedEntry>& stamps) {
+  std::vector<double> out;
+  for (const StampedEntry& entry : stamps) out.push_back(as_seconds(topic.messages[entry.number].time_ns - entry.time_ns));
+  return median(std::move(out));
+}
+
+void compare_clocks(const fs::path& path, const BagCamera& camera, const std::vector<StampedEntry>& images,
+                    const BagTopic& points, const std::vector<StampedEntry>& scans, std::vector<std::string>& warnings) {
+  constexpr double kOtherClock = 0.5;  // seconds; what drivers and networks take is less
+  const double ahead = behind(points, scans) - behind(*camera.images, images);
+  if (std::abs(ahead) > kOtherClock)
+    warnings.push_back(
+        fmt::format("by when they were recorded, the stamps of {} are {:.2f} s {} those of {}: of another clock? "
+                    "[camera.{}] offset_s = {:.2f} in dvi.toml would mend it",
+                    camera.images->name, std::abs(ahead), ahead > 0 ? "ahead of" : "behind", points.name, camera.name, -ahead));
+  if (std::abs(ahead) <= kOtherClock &&
+      (images.front().time_ns > scans.back().time_ns || scans.front().time_ns > images.back().time_ns))
+    throw InputError(path,
+                     fmt::format("the stamps of {} are all before or after those of {}", camera.images->name, points.name));
+}
+
+// Sets the camera by its CameraInfo. An image that was rectified has the rectified camera.
+void set_camera_of(Drive& drive, const RosCameraInfo& info, const BagCamera& camera, const fs::path& path) {
+  const bool rectified = camera.images->name.find("rect") != std::string::npos;
+  drive.camera.width = info.width, drive.camera.height = info.height;
+  const auto set = [&](double fx, double fy, double cx, double cy) {
+    drive.camera.fx = fx, drive.camera.fy = fy, drive.camera.cx = cx, drive.camera.cy = cy;
+  };
+  if (rectified) return set(info.P[0], info.P[5], info.P[2], info.P[6]);
+  set(info.K[0], info.K[4], info.K[2], info.K[5]);
+  const bool pinhole = info.model.empty() || info.model == "plumb_bob" || info.model == "radtan" || info.model == "none" ||
+                       info.model == "rational_polynomial";
+  const auto is_zero = [](double d) { return d == 0; };
+  if (std::all_of(info.D.begin(), info.D.end(), is_zero)) return;
+  const std::size_t kept = std::min(info.D.size(), drive.camera.distortion.size());
+  if (!pinhole || !std::all_of(info.D.begin() + static_cast<std::ptrdiff_t>(kept), info.D.end(), is_zero))
+    throw InputError(path,
+                     fmt::format("{} has the distortion '{}' with {} numbers", camera.info->name, info.model, info.D.size()),
+                     "undistort the images first (image_proc), or give K and distortion of five numbers in dvi.toml");
+  std::copy_n(info.D.begin(), kept, drive.camera.distortion.begin());
+}
+
+RosFrames read_frames_tree(const BagMessages& messages) {
+  RosFrames frames;
+  for (const BagTopic& topic : messages.bag().topics) {
+    if (!is_tf(topic) || topic.encoding == BagEncoding::other) continue;
+    for (std::size_t i = 0; i < topic.messages.size(); ++i)
+      for (const RosMotion& motion :
+           messages.parsed(topic, i, [](std::string_view m, BagEncoding e) { return parse_tf(m, e); }))
+        frames.add(motion, topic.name.ends_with("tf_static"));
+  }
+  return frames;
+}
+
+// world_from_lidar of a topic of poses; empty, with a warning, where it is not known where they are on the vehicle.
+Trajectory read_pose_topic(const BagMessages& messages, const BagTopic& topic, const RosFrames& frames,
+                           const std::string& lidar, std::vector<std::string>& warnings) {
+  std::vector<StampedPose> poses;
+  std::optional<SE3> child_from_lidar;
+  for (std::size_t i = 0; i < topic.messages.size(); ++i) {
+    const bool odometry = topic.type == "nav_msgs/Odometry";
+    RosMotion motion = messages.parsed(
+        topic, i, [&](std::string_view m, BagEncoding e) { return odometry ? parse_odometry(m, e) : parse_pose(m, e); });
+    if (motion.child.empty()) motion.child = frames.between("base_link", lidar) ? "base_link" : lidar;
+    if (!child_from_lidar) child_from_lidar = frames.between(motion.child, lidar);
+    if (!child_from_lidar) {
+      warnings.push_back(fmt::format("the poses of {} are not used: no tf joins their frame {} to {}, that of the scans",
+                                     topic.name, motion.child, lidar));
+      return {};
+    }
+    const std::int64_t time = motion.header.stamp_ns != 0 ? motion.header.stamp_ns : topic.messages[i].time_ns;
+    poses.push_back({time, motion.parent_from_child * *child_from_lidar});
+  }
+  return Trajectory(std::move(poses));
+}
+
+// The spread of the points' own times about the stamp; none where they have none.
+struct PointTimes {
+  double first = 0, last = 0;
+};
+
+std::optional<PointTimes> times_of_points(const RosCloud& cloud, const fs::path& path, const BagTopic& topic) {
+  if (cloud.after_stamp.empty()) return std::nullopt;
+  constexpr double kLongest = 2;  // seconds: twice that of the slowest LiDARs
+  const auto [first, last] = std::minmax_element(cloud.after_stamp.begin(), cloud.after_stamp.end());
+  if (*last - *first > kLongest || std::abs(*first) > kLongest)
+    throw InputError(path,
+                     fmt::format("{}: its points' times go from {:.3g} to {:.3g} s after the stamp", topic.name, *first, *last),
+                     "they are to be seconds, or nanoseconds in whole numbers, after the stamp or since 1970");
+  return PointTimes{*first, *last};
+}
+
+ScanHeader scan_header(const StampedEntry& entry, const std::optional<PointTimes>& times, std::int64_t period,
+                       LidarConfig::Stamp stamp, const fs::path& path) {
+  ScanHeader header{fmt::format("{:06d}", entry.number), entry.time_ns, entry.time_ns, entry.time_ns, path};
+  if (times) {
+    header.start_ns += std::llround(1e9 * times->first);
+    header.end_ns += std::llround(1e9 * times->last);
+  } else {
+    header.start_ns -= stamp == LidarConfig::Stamp::start ? 0 : stamp == LidarConfig::Stamp::end ? period : period / 2;
+    header.end_ns = header.start_ns + period;
+  }
+  header.time_ns = header.start_ns + (header.end_ns - header.start_ns) / 2;
+  return header;
+}
+
+std::int64_t median_period(const std::vector<StampedEntry>& entries) {
+  std::vector<std::int64_t> steps;
+  for (std::size_t i = 1; i < entries.size(); ++i) steps.push_back(entries[i].time_ns - entries[i - 1].time_ns);
+  return steps.empty() ? 100'000'000 : median(std::move(steps));
+}
+
+Scan to_scan(RosCloud cloud, const ScanHeader& header, std::int64_t offset_ns, const Rotation& rotation) {
+  Scan scan;
+  if (cloud.after_stamp.empty()) {
+    scan.time = times_by_azimuth(cloud.points, header, rotation);
+  } else {
+    // Stamps may have been moved by the clock's offset since.
+    const double stamp = as_seconds(cloud.header.stamp_ns + offset_ns - header.time_ns);
+    for (const double after : cloud.after_stamp) scan.time.push_back(static_cast<float>(stamp + after));
+  }
+  scan.points = std::move(cloud.points);
+  scan.intensity = std::move(cloud.intensity);
+  scan.ring = std::move(cloud.ring);
+  return scan;
+}
+
+class BagReader {
+ public:
+  BagReader(const fs::path& path, const ReadOptions& options)
+      : messages_(std::make_shared<BagMessages>(path, open_bag(path))),
+        choice_(choose_topics(path, messages_->bag(), options.topics)),
+        config_(read_drive_config(fs::is_directory(path) ? path : path.parent_path())) {
+    drive_.path = path;
+    for (const BagCamera& camera : choice_.cameras) drive_.camera_names.push_back(camera.name);
+    drive_.camera_name = choose_camera(drive_, options.camera, "");
+    for (const BagCamera& camera : choice_.cameras)
+      if (camera.name == drive_.camera_name) camera_ = camera;
+  }
+
+  Recording read() {
+    drive_.other_files = messages_->bag().files;
+    const std::vector<StampedEntry> images = messages_->stamped(*camera_.images, drive_.warnings);
+    const std::vector<StampedEntry> scans = messages_->stamped(*choice_.points, drive_.warnings);
+    compare_clocks(messages_->path(), camera_, images, *choice_.points, scans, drive_.warnings);
+    for (const StampedEntry& image : images)
+      drive_.frames.push_back({static_cast<int>(image.number),
+                               fmt::format("{:06d}", image.number),
+                               image.time_ns,
+                               file_of(*camera_.images, image.number),
+                               {}});
+    const RosCloud first = cloud(scans.front().number);
+    const auto times = times_of_points(first, messages_->path(), *choice_.points);
+    for (const StampedEntry& scan : scans)
+      drive_.scan_headers.push_back(scan_header(scan, times, median_period(scans),
+                                                config_ ? config_->lidar.stamp : LidarConfig::Stamp::middle,
+                                                file_of(*choice_.points, scan.number)));
+    if (!times && !(config_ && config_->lidar.turn))
+      drive_.warnings.push_back(
+          fmt::format("the points of {} have no times: by azimuth, clockwise, the stamp in the middle; "
+                      "[lidar] rotation and stamp in dvi.toml say otherwise",
+                      choice_.points->name));
+    const RosFrames frames = read_frames_tree(*messages_);
+    set_camera(frames, first.header.frame);
+    set_poses(frames, first.header.frame);
+    if (config_) config_->apply(drive_);
+    if (drive_.camera.fx == 0)
+      throw InputError(messages_->path(), fmt::format("has no calibration of {}", camera_.images->name),
+                       fmt::format("give [camera.{}] K and size in {}, or --topic info=TOPIC", camera_.name, config_path()));
+    require_plausible(drive_.camera, messages_->path(), camera_.images->name);
+    drive_.topics = list_topics(messages_->bag(), choice_);
+    return recording();
+  }
+
+ private:
+  fs::path file_of(const BagTopic& topic, std::size_t number) const {
+    return messages_->bag().files[topic.messages[number].file];
+  }
+  std::string config_path() const {
+    return ((fs::is_directory(messages_->path()) ? messages_->path() : messages_->path().parent_path()) / "dvi.toml").string();
+  }
+  RosCloud cloud(std::size_t number) const {
+    return messages_->parsed(*choice_.points, number, [](std::string_view m, BagEncoding e) { return parse_cloud(m, e); });
+  }
+
+  void set_camera(const RosFrames& frames, const std::string& lidar) {
+    if (camera_.info) {
+      const RosCameraInfo info =
+          messages_->parsed(*camera_.info, 0, [](std::string_view m, BagEncoding e) { return parse_camera_info(m, e); });
+      const bool overridden = config_ && config_->camera(camera_.name).K;
+      if (!overridden) set_camera_of(drive_, info, camera_, messages_->path());
+    }
+    if (config_ && config_->camera(camera_.name).camera_from_lidar) return;
+    const RosHeader image =
+        messages_->parsed(*camera_.images, 0, [](std::string_view m, BagEncoding e) { return read_header(m, e); });
+    const auto camera_from_lidar = frames.between(image.frame, lidar);
+    if (!camera_from_lidar)
+      throw InputError(
+          messages_->path(),
+          fmt::format("no tf joins {}, the frame of {}, to {}, that of {}", image.frame, camera_.images->name, lidar,
+                      choice_.points->name),
+          fmt::format("record /tf_static too, or give [camera.{}] camera_from_lidar in {}", camera_.name, config_path()));
+    drive_.camera_from_lidar = *camera_from_lidar;
+  }
+
+  void set_poses(const RosFrames& frames, const std::string& lidar) {
+    if (!choice_.named_poses) drive_.poses = frames.motion_of(lidar);
+    if (drive_.poses.empty() && choice_.poses != nullptr)
+      drive_.poses = read_pose_topic(*messages_, *choice_.poses, frames, lidar, drive_.warnings);
+    else
+      choice_.poses = nullptr;
+  }
+
+  Recording recording() {
+    Recording out;
+    const cv::Size size(drive_.camera.width, drive_.camera.height);
+    out.drive = std::move(drive_);
+    const auto number_of = [](const std::string& name) { return static_cast<std::size_t>(std::stoul(name)); };
+    out.read_image = [messages = messages_, topic = *camera_.images, size, number_of](const Frame& frame) {
+      const std::size_t number = number_of(frame.name);
+      const std::string place = fmt::format("{}: message {} of {}", messages->path().string(), number, topic.name);
+      cv::Mat3b image;
+      if (is_compressed(topic)) {
+        image = decode_image(place, messages->parsed(topic, number, compressed_image), size);
+      } else {
+        image = messages->parsed(topic, number, [](std::string_view m, BagEncoding e) { return to_bgr(parse_image(m, e)); });
+      }
+      if (image.size() != size)
+        throw InputError(place,
+                         fmt::format("is {}x{} pixels instead of {}x{}", image.cols, image.rows, size.width, size.height),
+                         "images and calibration must be of one size");
+      return image;
+    };
+    const std::int64_t offset = config_ ? config_->lidar.offset_ns : 0;
+    const Rotation rotation = config_ ? config_->lidar.rotation() : Rotation();
+    out.read_scan = [messages = messages_, topic = *choice_.points, number_of, offset, rotation](const ScanHeader& header) {
+      RosCloud cloud =
+          messages->parsed(topic, number_of(header.name), [](std::string_view m, BagEncoding e) { return parse_cloud(m, e); });
+      if (cloud.points.empty())
+        throw InputError(messages->path(), fmt::format("message {} of {} holds no finite points", header.name, topic.name));
+      if (cloud.header.stamp_ns == 0) cloud.header.stamp_ns = topic.messages[number_of(header.name)].time_ns;
+      return to_scan(std::move(cloud), header, offset, rotation);
+    };
+    return out;
+  }
+
+  std::shared_ptr<const BagMessages> messages_;
+  BagChoice choice_;
+  std::optional<DriveConfig> config_;
+  BagCamera camera_;
+  Drive drive_;
+};
+
+}  // namespace
+
+DriveFormat rosbag_format() {
+  return {"rosbag", "a ROS 1 or ROS 2 bag: .bag, .mcap or .db3, or a folder of such files", is_bag,
+          [](const fs::path& path, const ReadOptions& options) { return BagReader(path, options).read(); }};
+}
+
+}  // namespace dvi::io
