@@ -35,7 +35,9 @@ def kind_of(name):
     return getattr(importlib.import_module(package + ".msg"), kind)
 
 
-with rosbag.Bag(sys.argv[2], "w", compression=sys.argv[3] if len(sys.argv) > 3 else "none", chunk_threshold=8192) as bag:
+with rosbag.Bag(sys.argv[2], "w", compression=sys.argv[3] if len(sys.argv) > 3 else "none", chunk_threshold=32768) as bag:
     for m in json.loads((folder / "messages.json").read_text()):
         ns = int(m["time"])
-        bag.write(m["topic"], fill(kind_of(m["type"])(), m["value"]), rospy.Time(ns // 10**9, ns % 10**9))
+        kind = kind_of(m["type"])
+        head = {"topic": m["topic"], "type": m["type"], "md5sum": kind._md5sum, "message_definition": "# left out: kilobytes"}
+        bag.write(m["topic"], fill(kind(), m["value"]), rospy.Time(ns // 10**9, ns % 10**9), connection_header=head)

@@ -20,7 +20,8 @@
 namespace dvi::io {
 namespace {
 
-constexpr std::uint64_t kLargestChunk = std::uint64_t{1} << 28;
+// What a recorder packs into one chunk is some megabytes; a damaged length is not to take all memory.
+constexpr std::uint64_t kLargestChunk = std::uint64_t{1} << 28, kMostPacked = 4096;
 
 [[noreturn]] [[maybe_unused]] void fail_without(std::string_view library) {
   throw std::invalid_argument(fmt::format("it is compressed by {}, which this dvi was built without", library));
@@ -114,7 +115,8 @@ std::shared_ptr<const std::string> BagChunks::operator[](std::uint64_t place) {
 }
 
 std::string unpack(std::string_view compression, std::string_view bytes, std::uint64_t size) {
-  if (size > kLargestChunk) throw std::invalid_argument(fmt::format("it says that it has {} bytes, more than 256 MiB", size));
+  if (size > kLargestChunk || size / kMostPacked > bytes.size())
+    throw std::invalid_argument(fmt::format("{} bytes are said to be {} when unpacked", bytes.size(), size));
   std::string out = compression.empty() || compression == "none" ? std::string(bytes)
                     : compression == "lz4"                       ? unpack_lz4(bytes, size)
                     : compression == "zstd"                      ? unpack_zstd(bytes, size)

@@ -177,8 +177,12 @@ ScanHeader scan_header(const StampedEntry& entry, const std::optional<PointTimes
                        LidarConfig::Stamp stamp, const fs::path& path) {
   ScanHeader header{fmt::format("{:06d}", entry.number), entry.time_ns, entry.time_ns, entry.time_ns, path};
   if (times) {
+    // A revolution lasts until the next begins; the last firing is a little before.
+    constexpr double kLastFiring = 0.05;  // of a revolution
     header.start_ns += std::llround(1e9 * times->first);
     header.end_ns += std::llround(1e9 * times->last);
+    const std::int64_t left = period - (header.end_ns - header.start_ns);
+    if (left > 0 && static_cast<double>(left) < kLastFiring * static_cast<double>(period)) header.end_ns += left;
   } else {
     header.start_ns -= stamp == LidarConfig::Stamp::start ? 0 : stamp == LidarConfig::Stamp::end ? period : period / 2;
     header.end_ns = header.start_ns + period;

@@ -1,0 +1,36 @@
+#include "bag.h"
+
+// The first byte chooses the message and its encoding.
+void dvi::fuzz::parse(const fs::path& /*folder*/, const std::string& bytes) {
+  if (bytes.empty()) return;
+  const io::BagEncoding encoding = (bytes[0] & 8) != 0 ? io::BagEncoding::ros1 : io::BagEncoding::cdr;
+  const std::string_view message = std::string_view(bytes).substr(1);
+  try {
+    switch (bytes[0] & 7) {
+      case 0:
+        to_bgr(io::parse_image(message, encoding));
+        break;
+      case 1:
+        io::compressed_image(message, encoding);
+        break;
+      case 2:
+        io::parse_camera_info(message, encoding);
+        break;
+      case 3:
+        io::parse_tf(message, encoding);
+        break;
+      case 4:
+        io::parse_odometry(message, encoding);
+        break;
+      case 5: {
+        const io::RosCloud cloud = io::parse_cloud(message, encoding);
+        for (const Eigen::Vector3f& point : cloud.points) require(point.allFinite(), "points are finite");
+        require(cloud.after_stamp.empty() || cloud.after_stamp.size() == cloud.points.size(), "each point has a time");
+        break;
+      }
+      default:
+        io::unpack_message(std::string(message));
+    }
+  } catch (const std::invalid_argument&) {  // the reader of bags names the message
+  }
+}
