@@ -12,7 +12,7 @@ namespace dvi::cli {
 
 void add_check(Program& program) {
   struct Arguments {
-    std::string drive;
+    std::string drive, out;
     JobOptions options;
     Common common;
     bool forecast = false;
@@ -20,6 +20,7 @@ void add_check(Program& program) {
   const auto a = std::make_shared<Arguments>();
   Command command = program.command("check", "What a drive is, whether it is complete and consistent, what is missing");
   command.positional("DRIVE", a->drive, "The drive");
+  command.option("-o,--out", a->out, "Folder for pictures: the LiDAR on three images, and the drive from above");
   command.flag("--forecast", a->forecast, "Also say what share of the holes other frames see; takes much longer");
   a->options.add_to(command);
   a->common.add_to(command, true);
@@ -27,7 +28,7 @@ void add_check(Program& program) {
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const pipeline::CheckReport report = pipeline::check(a->options.job("", a->drive, {}), a->forecast, progress);
+    const pipeline::CheckReport report = pipeline::check(a->options.job(a->out, a->drive, {}), a->forecast, progress);
     progress.end();
     fmt::print("{}\n", a->common.json ? pipeline::to_json(report) : report.brief());
   });

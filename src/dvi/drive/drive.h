@@ -64,7 +64,7 @@ struct Drive {
   /// Depth images whose pixels are those of the images by definition: nothing turns the camera against the sensor.
   bool registered_depth = false;
   std::optional<DepthImages> depth_images;  ///< where scans are made of such: ScanHeader::file is one
-  Trajectory poses;  ///< world_from_lidar as given; empty where none are
+  Trajectory poses;                         ///< world_from_lidar as given; empty where none are
   /// Factor of the given positions to metres of the drive's own place: the Mercator scale of oxts; 1 where poses are
   /// metric. Two drives share a world when their positions are brought to one scale.
   double world_scale = 1;

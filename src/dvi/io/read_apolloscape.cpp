@@ -180,8 +180,11 @@ bool recognise_apolloscape(const fs::path& path) {
 }  // namespace
 
 DriveFormat apolloscape_format() {
-  return {"apolloscape", "lidar_bg, T0-T1 and T0-T1_mask beside each other, image/T.jpg", recognise_apolloscape,
-          read_apolloscape};
+  return {"apolloscape",
+          "lidar_bg, T0-T1 and T0-T1_mask beside each other, image/T.jpg",
+          recognise_apolloscape,
+          read_apolloscape,
+          {"lidar_bg", "image"}};
 }
 
 }  // namespace dvi::io

@@ -237,8 +237,11 @@ bool recognise_folder(const fs::path& path) {
 }  // namespace
 
 DriveFormat folder_format() {
-  return {"folder", "dvi.toml and images/CAMERA: the plain layout for your own data (docs/formats.md)", recognise_folder,
-          read_folder};
+  return {"folder",
+          "dvi.toml and images/CAMERA: the plain layout for your own data (docs/formats.md)",
+          recognise_folder,
+          read_folder,
+          {"dvi.toml", "images", "lidar|depth"}};
 }
 
 }  // namespace dvi::io

@@ -63,6 +63,26 @@ TEST_F(Folder, ReadsTimesPosesMasksAndBoxes) {
                                                    "boxes.json ends early: it has no labels for frames 2"));
 }
 
+TEST_F(Folder, ReadsSpansOfScansPosesOfAnyTimeAndLabelsOfOneCamera) {
+  folder.write("times/lidar.txt", "a 1.0 0.95 1.04\nb 1.1\nc 1.2 1.15 1.25\n");
+  folder.write("poses.txt", "a 1 0 0 0 0 1 0 0 0 0 1 0\n@1.05 1 0 0 7 0 1 0 0 0 0 1 0\n");
+  folder.write("boxes.json", R"({"version":1,"camera":"front","frames":{"b":[
+      {"class":"car","rect":[1,2,3,4],"outline":{"size":[6,8],"counts":[40,8]}},
+      {"class":"van","center":[9,0,0],"size":[4,2,1],"yaw":0,"rotation":[1,0,0,0,0,-1,0,1,0]}]}})");
+  const Drive drive = read();
+  EXPECT_EQ(drive.scan_headers[0].end_ns, 1'040'000'000);
+  EXPECT_EQ(drive.scan_headers[1].end_ns, 1'150'000'000);
+  EXPECT_EQ(drive.poses.poses()[1].time_ns, 1'050'000'000);
+  EXPECT_FALSE(drive.labelled_around);
+  const std::vector<Label>& labels = drive.frames[1].labels;
+  ASSERT_EQ(labels.size(), 2U);
+  EXPECT_EQ(labels[0].rect, cv::Rect2d(1, 2, 3, 4));
+  EXPECT_EQ(labels[0].instance->runs.back(), 8U);
+  EXPECT_EQ(labels[1].box->frame_from_box.R(1, 2), -1);
+  folder.write("times/lidar.txt", "a 1.0 1.01 1.04\nb 1.1\nc 1.2\n");
+  EXPECT_THAT(error(), AllOf(HasSubstr("lidar.txt:1"), HasSubstr("does not start before its time")));
+}
+
 TEST_F(Folder, MakesScansOfDepthImages) {
   fs::remove_all(folder.path / "lidar");
   cv::Mat1w depth(6, 8, ushort{0});

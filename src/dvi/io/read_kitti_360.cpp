@@ -261,7 +261,9 @@ bool recognise_kitti_360(const fs::path& path) {
 DriveFormat kitti_360_format() {
   return {"kitti-360",
           "data_2d_raw/2013_05_28_drive_0000_sync with image_00/data_rect; calibration and data_3d_raw beside data_2d_raw",
-          recognise_kitti_360, read_kitti_360};
+          recognise_kitti_360,
+          read_kitti_360,
+          {"image_00/data_rect|image_01/data_rect", "image_00/timestamps.txt", "../../calibration/perspective.txt"}};
 }
 
 }  // namespace dvi::io

@@ -105,8 +105,11 @@ bool recognise_kitti_odometry(const fs::path& path) {
 }  // namespace
 
 DriveFormat kitti_odometry_format() {
-  return {"kitti-odometry", "sequences/00 with image_2 (or image_0), velodyne, calib.txt and times.txt",
-          recognise_kitti_odometry, read_kitti_odometry};
+  return {"kitti-odometry",
+          "sequences/00 with image_2 (or image_0), velodyne, calib.txt and times.txt",
+          recognise_kitti_odometry,
+          read_kitti_odometry,
+          {"image_2|image_0", "velodyne", "calib.txt", "times.txt"}};
 }
 
 }  // namespace dvi::io

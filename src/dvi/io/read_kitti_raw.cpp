@@ -159,8 +159,12 @@ bool recognise_kitti(const fs::path& path) {
 }  // namespace
 
 DriveFormat kitti_raw_format() {
-  return {"kitti-raw", "2011_09_26/2011_09_26_drive_0001_sync with image_02/data; calib_*.txt beside it", recognise_kitti,
-          read_kitti};
+  return {"kitti-raw",
+          "2011_09_26/2011_09_26_drive_0001_sync with image_02/data; calib_*.txt beside it",
+          recognise_kitti,
+          read_kitti,
+          {"image_02/data|image_00/data", "image_02/timestamps.txt|image_00/timestamps.txt", "velodyne_points/data",
+           "oxts/data", "../calib_cam_to_cam.txt"}};
 }
 
 }  // namespace dvi::io

@@ -347,8 +347,11 @@ Recording read_nuscenes(const fs::path& path, const ReadOptions& options) {
 }  // namespace
 
 DriveFormat nuscenes_format() {
-  return {"nuscenes", "a folder with v1.0-*/sample_data.json, samples and sweeps; FOLDER/scene-0061 names one of its scenes",
-          [](const fs::path& path) { return choose(path).has_value(); }, read_nuscenes};
+  return {"nuscenes",
+          "a folder with v1.0-*/sample_data.json, samples and sweeps; FOLDER/scene-0061 names one of its scenes",
+          [](const fs::path& path) { return choose(path).has_value(); },
+          read_nuscenes,
+          {"samples", "sweeps", "v1.0-mini/sample_data.json|v1.0-trainval/sample_data.json|v1.0-test/sample_data.json"}};
 }
 
 }  // namespace dvi::io

@@ -73,8 +73,11 @@ bool recognise_scannet(const fs::path& path) {
 }  // namespace
 
 DriveFormat scannet_format() {
-  return {"scannet", "color/N.jpg, depth/N.png, pose/N.txt and intrinsic/ beside each other, as SensReader exports them",
-          recognise_scannet, read_scannet};
+  return {"scannet",
+          "color/N.jpg, depth/N.png, pose/N.txt and intrinsic/ beside each other, as SensReader exports them",
+          recognise_scannet,
+          read_scannet,
+          {"color", "depth", "intrinsic", "pose"}};
 }
 
 }  // namespace dvi::io

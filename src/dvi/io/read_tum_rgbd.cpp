@@ -79,7 +79,11 @@ bool recognise_tum_rgbd(const fs::path& path) { return fs::exists(path / "rgb.tx
 }  // namespace
 
 DriveFormat tum_rgbd_format() {
-  return {"tum-rgbd", "rgb.txt and depth.txt, the images they list, groundtruth.txt", recognise_tum_rgbd, read_tum_rgbd};
+  return {"tum-rgbd",
+          "rgb.txt and depth.txt, the images they list, groundtruth.txt",
+          recognise_tum_rgbd,
+          read_tum_rgbd,
+          {"rgb", "depth", "rgb.txt", "depth.txt"}};
 }
 
 }  // namespace dvi::io

@@ -32,11 +32,39 @@ std::optional<fs::path> drive_below(const fs::path& path, int levels) {
   return std::nullopt;
 }
 
+bool has_part(const fs::path& folder, std::string_view part) {
+  for (; !part.empty(); part.remove_prefix(std::min(part.size(), std::min(part.find('|'), part.size()) + 1)))
+    if (fs::exists(folder / part.substr(0, part.find('|')))) return true;
+  return false;
+}
+
+// The format of which a folder has the most, and what it lacks of it; none where it has nothing of any.
+std::optional<std::string> nearest_format(const fs::path& folder) {
+  const DriveFormat* nearest = nullptr;
+  double most = 0;
+  std::string lacks;
+  for (const DriveFormat& format : drive_formats()) {
+    std::string missing;
+    std::size_t present = 0;
+    for (const std::string& part : format.parts) {
+      if (has_part(folder, part))
+        ++present;
+      else
+        missing += (missing.empty() ? "" : ", ") + part.substr(0, part.find('|'));
+    }
+    const double share = format.parts.empty() ? 0 : static_cast<double>(present) / static_cast<double>(format.parts.size());
+    if (share > most) nearest = &format, most = share, lacks = missing;
+  }
+  if (nearest == nullptr) return std::nullopt;
+  return "it is nearest to " + nearest->name + (lacks.empty() ? "" : ", and lacks " + lacks);
+}
+
 [[noreturn]] void fail_unknown(const fs::path& path) {
   if (!fs::exists(path)) throw InputError(path, "does not exist", "name the folder of a drive");
   if (!fs::is_directory(path))
     throw InputError(path, "is no recording", "name the folder of a drive, or a bag: .mcap, .db3, .bag");
   if (const auto below = drive_below(path, 2)) throw InputError(path, "is no drive", "did you mean " + below->string() + "?");
+  if (const auto nearest = nearest_format(path)) throw InputError(path, "is no drive in a format that dvi reads", *nearest);
   std::string known;
   for (const DriveFormat& format : drive_formats()) known += "\n  " + format.name + ": " + format.summary;
   throw InputError(path, fs::is_empty(path) ? "is empty" : "is no drive in a format that dvi reads", "it reads" + known);

@@ -42,6 +42,8 @@ struct DriveFormat {
   std::string summary;  ///< one line: how it is recognised
   std::function<bool(const std::filesystem::path&)> recognise;
   std::function<Recording(const std::filesystem::path&, const ReadOptions&)> read;
+  /// Files and folders that such a drive has, with which an unknown folder is compared; "a|b": one of them.
+  std::vector<std::string> parts = {};
 };
 
 DriveFormat folder_format();

@@ -91,9 +91,12 @@ TEST(Reader, SaysWhatItReadsWhereThereIsNoDrive) {
               AllOf(HasSubstr("is empty"), HasSubstr("kitti-raw"), HasSubstr("apolloscape"), HasSubstr("folder")));
   folder.write("notes.txt", "x");
   EXPECT_THAT(error(folder.path), AllOf(HasSubstr("no drive in a format"), HasSubstr("kitti-raw")));
+  make_folder(folder.path / "velodyne");
+  make_folder(folder.path / "image_2");
+  EXPECT_THAT(error(folder.path), AllOf(HasSubstr("nearest to kitti-odometry"), HasSubstr("lacks calib.txt, times.txt")));
   EXPECT_THAT(error(folder.path / "none"), HasSubstr("does not exist"));
   EXPECT_THAT(error(""), HasSubstr("path is empty"));
-  EXPECT_THAT(error(folder.path / "notes.txt"), HasSubstr("is no folder"));
+  EXPECT_THAT(error(folder.path / "notes.txt"), HasSubstr("is no recording"));
   make_folder(folder.path / "day/one/images");
   EXPECT_THAT(error(folder.path), HasSubstr("did you mean " + (folder.path / "day/one").string()));
 }

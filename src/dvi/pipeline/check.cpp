@@ -10,9 +10,11 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
+#include "dvi/pipeline/check_pictures.h"
 #include "dvi/pipeline/doubt_setup.h"
 #include "dvi/pipeline/forecast.h"
 #include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
+#include "dvi/plausibility/scan_time_doubts.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -86,6 +88,7 @@ CheckReport describe(const Recording& open, const PoseChoice& choice, const Mask
                   .mean_masked = mean(found.masked),
                   .largest_masked = found.masked.empty() ? 0.0 : *std::max_element(found.masked.begin(), found.masked.end()),
                   .warnings = drive.warnings,
+                  .pictures = {},
                   .forecast = {}};
   for (const Frame& frame : drive.frames) out.frames_with_pose += poses.at(frame.time_ns) ? 1 : 0;
   out.warnings.insert(out.warnings.end(), choice.warnings.begin(), choice.warnings.end());
@@ -130,6 +133,7 @@ std::string CheckReport::brief() const {
   if (forecast)
     text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never\n",
                         100 * (1 - forecast->hole.never_seen), 100 * forecast->hole.never_seen);
+  for (const std::string& picture : pictures) text += fmt::format("  picture  {}\n", picture);
   for (const std::string& warning : warnings) text += fmt::format("  warning  {}\n", warning);
   return text + (ready ? "  ready for dvi run" : "  not ready for dvi run: see the warnings");
 }
@@ -159,6 +163,7 @@ std::string to_json(const CheckReport& r) {
       {"poses", r.poses},
       {"masks", {{"source", r.mask_source}, {"mean_share", r.mean_masked}, {"largest_share", r.largest_masked}}},
       {"topics", topics_json(r.topics)},
+      {"pictures", r.pictures},
       {"ready", r.ready},
       {"warnings", r.warnings}};
   if (r.forecast) j["forecast"] = *r.forecast;
@@ -179,6 +184,11 @@ CheckReport check(const Job& job, bool with_forecast, Progress& progress) {
   report.warnings.insert(report.warnings.end(), range_warnings.begin(), range_warnings.end());
   const std::vector<std::string> doubts = doubt_setup(drives, poses, masks, progress);
   report.warnings.insert(report.warnings.end(), doubts.begin(), doubts.end());
+  for (const std::string& doubt : plausibility::scan_time_doubts(drive, chosen(drive, choice))) {
+    progress.warn(drive.path.filename().string() + ": " + doubt);
+    report.warnings.push_back(doubt);
+  }
+  if (!job.out.empty()) report.pictures = write_check_pictures(job.out, drive, chosen(drive, choice));
   if (with_forecast && report.ready) report.forecast = forecast_holes(drives, poses, masks, job, progress);
   return report;
 }

@@ -28,6 +28,7 @@ struct CheckReport {
   double mean_masked = 0, largest_masked = 0;  ///< parts of an image
   bool ready = false;                          ///< for a run
   std::vector<std::string> warnings;
+  std::vector<std::string> pictures;       ///< files, if asked for
   std::optional<ForecastReport> forecast;  ///< if asked for and ready
 
   std::string brief() const;  ///< some lines for a person
