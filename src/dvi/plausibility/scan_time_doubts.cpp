@@ -67,8 +67,8 @@ std::vector<std::string> scan_time_doubts(const Drive& drive, const Trajectory& 
                       "give [lidar] rotation in dvi.toml",
                       100 * back.total_m(), 100 * as_read.total_m())};
     return {
-        fmt::format("scans look compensated already: without the times of their points they lie within {:.1f} cm of each "
-                    "other instead of {:.1f}; give [lidar] rotation = \"none\" in dvi.toml",
+        fmt::format("scans look compensated already, or the LiDAR turns the other way: without the times of their points they "
+                    "lie within {:.1f} cm of each other instead of {:.1f}; give [lidar] rotation in dvi.toml, such as \"none\"",
                     100 * still.total_m(), 100 * as_read.total_m())};
   }
   return {};
