@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dvi/pipeline/make_views.h"
+#include "dvi/traffic/image_following.h"
 #include "dvi/traffic/shadows.h"
 #include "dvi/traffic/silhouettes.h"
 #include "dvi/traffic/standing.h"
@@ -38,9 +39,24 @@ struct PosedFrames {
 
 }  // namespace
 
-std::shared_ptr<const traffic::Ground> ground_of(const Drive& drive, const Trajectory& world_from_lidar) {
+std::shared_ptr<const traffic::Ground> Grounds::of(std::size_t recording) const {
+  const std::size_t owner = drives_[recording].rig_of.value_or(recording);
+  const Drive& drive = drives_[owner].drive;
+  const Trajectory& world_from_lidar = poses_[owner].world_from_lidar;
   if (world_from_lidar.empty() || drive.scan_headers.empty()) return nullptr;
-  return std::make_shared<const traffic::Ground>(drive, world_from_lidar);
+  auto& ground = made_[owner];
+  if (!ground) ground = std::make_shared<const traffic::Ground>(drive, world_from_lidar);
+  return ground;
+}
+
+FrameLabels seen_in_images(const Drive& drive, const Trajectory& world_from_lidar, const FrameLabels& labels,
+                           const std::vector<traffic::Track>& tracks, const Lazy<cv::Mat1b>& masks,
+                           const std::shared_ptr<const traffic::Ground>& ground) {
+  PosedFrames posed(drive, world_from_lidar, masks);
+  posed.views.masks = traffic::whereabouts(posed.views, tracks, ground);
+  const Lazy<cv::Mat1f> standing = traffic::standing_depth(drive, world_from_lidar, labels, posed.views, ground);
+  const traffic::Comparison comparison(posed.views, standing, ground);
+  return traffic::followed_in_images(labels, tracks, comparison, world_from_lidar);
 }
 
 Lazy<cv::Mat1b> compared(const Drive& drive, const Trajectory& world_from_lidar, const Lazy<cv::Mat1b>& masks,

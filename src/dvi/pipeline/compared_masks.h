@@ -1,10 +1,14 @@
 #pragma once
 
+#include <map>
 #include <memory>
+#include <vector>
 
 #include "dvi/core/progress.h"
 #include "dvi/drive/drive.h"
+#include "dvi/pipeline/poses.h"
 #include "dvi/traffic/ground.h"
+#include "dvi/traffic/tracks.h"
 
 namespace dvi::pipeline {
 
@@ -14,8 +18,24 @@ struct Compared {
   bool shadows = true;                 ///< cast by what is masked
 };
 
-/// The ground of a drive, which its cameras share; none without poses or scans.
-std::shared_ptr<const traffic::Ground> ground_of(const Drive& drive, const Trajectory& world_from_lidar);
+/// The ground of each drive, which its cameras share: made when it is first asked for. `drives` and `poses` must outlive this.
+class Grounds {
+ public:
+  Grounds(const Recordings& drives, const Poses& poses) : drives_(drives), poses_(poses) {}
+  /// None without poses or scans.
+  std::shared_ptr<const traffic::Ground> of(std::size_t recording) const;
+
+ private:
+  const Recordings& drives_;
+  const Poses& poses_;
+  mutable std::map<std::size_t, std::shared_ptr<const traffic::Ground>> made_;  // by drive
+};
+
+/// Labels of tracks that a drive's scans show (traffic::outlines(), which `masks` are drawn from), continued in its images;
+/// both as its frames.
+FrameLabels seen_in_images(const Drive& drive, const Trajectory& world_from_lidar, const FrameLabels& labels,
+                           const std::vector<traffic::Track>& tracks, const Lazy<cv::Mat1b>& masks,
+                           const std::shared_ptr<const traffic::Ground>& ground);
 
 /// A drive's masks after a comparison of each image with those of other times (traffic/silhouettes.h, traffic/shadows.h), on
 /// demand; a frame without pose keeps its mask. The same masks, and a note, where the drive has no ground.

@@ -12,7 +12,6 @@
 
 #include "dvi/core/threads.h"
 #include "dvi/masks/motion.h"
-#include "dvi/pipeline/compared_masks.h"
 #include "dvi/pipeline/rig.h"
 #include "dvi/traffic/find_traffic.h"
 
@@ -36,11 +35,12 @@ FrameLabels objects_of(const Recording& open, const Trajectory& world_from_lidar
 }
 
 std::vector<traffic::Track> moving_in(const Recording& open, const Trajectory& world_from_lidar, const Job& job,
-                                      Progress& progress) {
+                                      const traffic::Ground* ground, Progress& progress) {
   const Drive& drive = open.drive;
   progress.begin("traffic", drive.scan_headers.size());
-  std::vector<traffic::Track> found = traffic::find_traffic(drive, world_from_lidar, traffic::Ground(drive, world_from_lidar),
-                                                            job.options.map.pose_error_m, [&] { progress.advance(); });
+  std::vector<traffic::Track> found;
+  if (ground != nullptr)
+    found = traffic::find_traffic(drive, world_from_lidar, *ground, job.options.map.pose_error_m, [&] { progress.advance(); });
   progress.end();
   if (found.empty()) progress.warn(name_of(open) + ": nothing moves in it, as far as its scans tell: nothing is removed");
   return found;
@@ -96,7 +96,7 @@ void warn_of_all_removed(const Recording& open, const Trajectory& world_from_lid
 
 }  // namespace
 
-Objects find_objects(const Recordings& drives, const Poses& poses, const Job& job, Progress& progress) {
+Objects find_objects(const Recordings& drives, const Poses& poses, const Grounds& grounds, const Job& job, Progress& progress) {
   Objects objects;
   std::map<std::size_t, std::vector<traffic::Track>> moving;  // by drive: its cameras share them
   for (std::size_t i = 0; i < drives.size(); ++i) {
@@ -108,15 +108,18 @@ Objects find_objects(const Recordings& drives, const Poses& poses, const Job& jo
       continue;
     }
     const std::size_t drive = open.rig_of.value_or(i);
-    if (drive == i) moving[i] = moving_in(open, world_from_lidar, job, progress);
-    objects.push_back(traffic::outlines(moving[drive], open.drive, world_from_lidar, job.options.masks.footprint_margin_m));
+    const auto ground = grounds.of(i);
+    if (drive == i) moving[i] = moving_in(open, world_from_lidar, job, ground.get(), progress);
+    FrameLabels seen = traffic::outlines(moving[drive], open.drive, world_from_lidar, job.options.masks.footprint_margin_m);
+    if (ground) seen = seen_in_images(open.drive, world_from_lidar, seen, moving[drive], masks_of(open, seen, job), ground);
+    objects.push_back(std::move(seen));
   }
   return objects;
 }
 
-Masks find_masks(const Recordings& drives, const Poses& poses, const Objects& objects, const Job& job, Progress& progress) {
+Masks find_masks(const Recordings& drives, const Poses& poses, const Grounds& grounds, const Objects& objects, const Job& job,
+                 Progress& progress) {
   Masks masks;
-  std::map<std::size_t, std::shared_ptr<const traffic::Ground>> grounds;  // by drive: its cameras share them
   for (std::size_t i = 0; i < drives.size(); ++i) {
     const Trajectory& world_from_lidar = poses[i].world_from_lidar;
     if (drives[i].masks_from == masks::MaskSource::carried) {
@@ -127,10 +130,8 @@ Masks find_masks(const Recordings& drives, const Poses& poses, const Objects& ob
     Lazy<cv::Mat1b> images = masks_of(drives[i], objects[i], job);
     const bool found = drives[i].masks_from == masks::MaskSource::found, shadows = job.options.masks.shadows;
     if (drives[i].masks_from && (found || shadows)) {
-      const auto [ground, first] = grounds.try_emplace(drives[i].rig_of.value_or(i));
-      if (first) ground->second = ground_of(drives[i].drive, world_from_lidar);
       const Compared what{found ? &objects[i] : nullptr, shadows};
-      images = compared(drives[i].drive, world_from_lidar, images, what, ground->second, progress);
+      images = compared(drives[i].drive, world_from_lidar, images, what, grounds.of(i), progress);
     }
     masks.push_back({images, objects[i]});
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dvi/drive/label.h"
+#include "dvi/pipeline/compared_masks.h"
 #include "dvi/pipeline/poses.h"
 
 namespace dvi::pipeline {
@@ -23,14 +24,15 @@ using Masks = std::vector<DriveMasks>;
 
 /// The objects to remove from each drive, as the job asks: those labelled, without those that stand along `poses` if it wants
 /// moving ones only; what its detector sees, tracked over time; or what moves, where a drive brings neither masks nor labels. A
-/// warning says where it cannot be told what
-/// stands, so that nothing is left in the picture.
-Objects find_objects(const Recordings& drives, const Poses& poses, const Job& job, Progress& progress);
+/// warning says where it cannot be told what stands, so that nothing is left in the picture.
+Objects find_objects(const Recordings& drives, const Poses& poses, const Grounds& grounds, const Job& job, Progress& progress);
 
 /// The masks of the drives: files, or drawn from `objects`, and the shadows beside them where the poses allow to find them.
-Masks find_masks(const Recordings& drives, const Poses& poses, const Objects& objects, const Job& job, Progress& progress);
+Masks find_masks(const Recordings& drives, const Poses& poses, const Grounds& grounds, const Objects& objects, const Job& job,
+                 Progress& progress);
 inline Masks find_masks(const Recordings& drives, const Poses& poses, const Job& job, Progress& progress) {
-  return find_masks(drives, poses, find_objects(drives, poses, job, progress), job, progress);
+  const Grounds grounds(drives, poses);
+  return find_masks(drives, poses, grounds, find_objects(drives, poses, grounds, job, progress), job, progress);
 }
 
 /// Removed tracks of a drive that stand, as masks::standing_tracks says.

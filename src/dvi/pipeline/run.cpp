@@ -49,8 +49,9 @@ auto with_plan(const Job& job, const Recordings& drives, const KeptStages& kept,
     verify(drives, job, progress);                 // what is damaged is said before hours of work
     return estimate_poses(drives, job, progress);  // section 3.1: LOAM
   });
-  const Objects objects = kept("objects", [&] { return find_objects(drives, poses, job, progress); });  // along the poses
-  const Masks masks = find_masks(drives, poses, objects, job, progress);
+  const Grounds grounds(drives, poses);
+  const Objects objects = kept("objects", [&] { return find_objects(drives, poses, grounds, job, progress); });
+  const Masks masks = find_masks(drives, poses, grounds, objects, job, progress);
   const auto static_points = [&] {
     doubt_setup(drives, poses, masks, progress);                    // what contradicts the recording, likewise
     return build_map(drives, poses, masks, options.map, progress);  // 3.1

@@ -13,14 +13,15 @@
 namespace dvi::traffic {
 namespace {
 
-constexpr double kOutlineWindow = 0.25;  // seconds each way in which an object hardly turns
-constexpr double kRoof = 0.5;            // metres: windows are no higher
-constexpr double kShape = 0.25;          // metres between rays above which none or one hits the window: no shape is seen
-constexpr double kDrives = 1;            // metres a second, from which the motion gives a heading
-constexpr double kMargin = 0.05;         // metres round the returns: the ends of an object lie between rays
-constexpr double kAlongside = 6;         // metres: of what is nearer, the part within the image is farther away
-constexpr int kBlur = 4;                 // pixels at least: the image's own
-constexpr double kPerson = 1.2;          // metres: what is longer is a vehicle
+constexpr double kOutlineWindow = 0.25;    // seconds each way in which an object hardly turns
+constexpr double kRoof = 0.5;              // metres: windows are no higher
+constexpr double kShape = 0.25;            // metres between rays above which none or one hits the window: no shape is seen
+constexpr std::size_t kFewestPlaced = 20;  // returns so far apart that place an object: of fewer, single wrong ones move it
+constexpr double kDrives = 1;              // metres a second, from which the motion gives a heading
+constexpr double kMargin = 0.05;           // metres round the returns: the ends of an object lie between rays
+constexpr double kAlongside = 6;           // metres: of what is nearer, the part within the image is farther away
+constexpr int kBlur = 4;                   // pixels at least: the image's own
+constexpr double kPerson = 1.2;            // metres: what is longer is a vehicle
 
 struct Body {
   std::vector<Eigen::Vector3d> points;  // world axes, at the time of the image
@@ -96,6 +97,13 @@ Box box_round(const Body& body) {
 }
 
 }  // namespace
+
+Shown shown_by_scans(const Track& track, std::int64_t time_ns) {
+  if (track.observations.empty()) return Shown::no;
+  const Cluster& nearest = track.observations[track.nearest(time_ns)];
+  if (std::abs(seconds_from(nearest.mean_time_ns, time_ns)) > kOutlineWindow) return Shown::no;
+  return nearest.points.size() < kFewestPlaced && median(nearest.rise) > kShape ? Shown::poorly : Shown::well;
+}
 
 std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Camera& camera, const SE3& world_from_lidar,
                              const SE3& camera_from_lidar, double footprint_m) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "dvi/traffic/tracks.h"
@@ -11,5 +12,10 @@ namespace dvi::traffic {
 /// no returns near that time or they lie outside the image.
 std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Camera& camera, const SE3& world_from_lidar,
                              const SE3& camera_from_lidar, double footprint_m);
+
+/// How well scans show where a tracked object is at a time: not within a quarter of a second; by returns too few and too far
+/// apart for its place and shape; well.
+enum class Shown : std::uint8_t { no, poorly, well };
+Shown shown_by_scans(const Track& track, std::int64_t time_ns);
 
 }  // namespace dvi::traffic

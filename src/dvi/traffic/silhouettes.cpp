@@ -1,24 +1,18 @@
 #include "dvi/traffic/silhouettes.h"
 
 #include <algorithm>
-#include <array>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/image/region.h"
+#include "dvi/traffic/comparison.h"
 #include "dvi/traffic/kept_masks.h"
-#include "dvi/traffic/other_times.h"
 
 namespace dvi::traffic {
 namespace {
 
-// Seconds, both ways. The nearest show the background least displaced, the later ones after the object has left it.
-constexpr std::array kTimes{0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0};
-constexpr int kSharp = 1;       // half pixels across: roof rails and mirrors are thin
-constexpr int kDisplaced = 3;   // half pixels across: what poses and depth are wrong by, each way one
 constexpr double kRim = 0.25;   // of an outline's shorter side, each way: how far an object may go beyond it, or end within
 constexpr int kLeastRim = 4;    // half pixels
 constexpr int kLeastPart = 20;  // half pixels: smaller ones are noise
@@ -31,16 +25,6 @@ constexpr double kTelling = 0.75;     // of these, that the background must excl
 constexpr double kAlike = 25;         // levels between a pixel and one of these: it may be of the object
 constexpr int kHalo = 2;              // half pixels that lens and motion smear an object over
 constexpr int kThin = 3;              // likewise above the ground, with rails and mirrors too thin to tell
-constexpr int kLightGrid = 12;        // half pixels between the places at which light is compared
-constexpr double kEndless = 1e4;      // metres: of what no scan reached
-
-// What a comparison says of the pixels of half a view.
-struct Evidence {
-  cv::Mat1b differs;  // from what others show there
-  cv::Mat1b untold;   // others did not see it, or the object would look alike
-  cv::Mat1b ground;
-  cv::Mat1b shown;  // as others show it
-};
 
 // As grown(), but at the same cost for any radius.
 cv::Mat1b far_grown(const cv::Mat1b& mask, int radius) {
@@ -55,9 +39,8 @@ cv::Mat1b far_grown(const cv::Mat1b& mask, int radius) {
 
 class Silhouettes {
  public:
-  /// The masks of `views` say where their backgrounds are hidden.
-  Silhouettes(const Views& views, Lazy<cv::Mat1b> outlines, Lazy<cv::Mat1f> standing, std::shared_ptr<const Ground> ground)
-      : others_(views, kSharp), outlines_(std::move(outlines)), standing_(std::move(standing)), ground_(std::move(ground)) {}
+  Silhouettes(Comparison comparison, Lazy<cv::Mat1b> outlines)
+      : comparison_(std::move(comparison)), outlines_(std::move(outlines)) {}
 
   cv::Mat1b operator()(std::size_t target) const {
     const cv::Mat1b outline = *outlines_[target];
@@ -86,27 +69,14 @@ class Silhouettes {
       const cv::Rect box(part.x - reach, part.y - reach, part.width + 2 * reach, part.height + 2 * reach);
       band(box & cv::Rect({}, band.size())) = 255;
     }
-    const auto half = others_.half(target);
-    const std::vector<Place> places = places_of(target, band, 1);
-    const auto seen = others_.colours(target, kTimes, places, places_of(target, cv::Mat1b(half->mask == 0), kLightGrid));
-    const Usual usual(places, seen, band.size(), kDisplaced);
-    Evidence out;
-    for (cv::Mat1b* mask : {&out.differs, &out.untold, &out.ground, &out.shown}) *mask = cv::Mat1b(band.size(), uchar{0});
-    for (const Place& place : places) out.ground(place.at) = place.on_ground ? 255 : 0;
-    for (std::size_t i = 0; i < places.size(); ++i)
-      if (seen[i].size() < kFewestViews)
-        out.untold(places[i].at) = 255;
-      else if (usual.excludes(places[i].at, half->image(places[i].at)))
-        out.differs(places[i].at) = 255;
-      else if (usual.shows(places[i].at, half->image(places[i].at)))
-        out.shown(places[i].at) = 255;
-    cv::medianBlur(out.differs, out.differs, 3);
-    for (const cv::Rect& part : part_boxes(outline)) tell(part, outline, half->image, usual, out);
+    Evidence out = comparison_(target, band);
+    const auto half = comparison_.half(target);
+    for (const cv::Rect& part : part_boxes(outline)) tell(part, outline, half->image, out);
     return out;
   }
 
   // Where an object would hardly differ from its background, nothing is told of pixels in the object's colours.
-  static void tell(const cv::Rect& part, const cv::Mat1b& outline, const Patch& image, const Usual& usual, Evidence& evidence) {
+  static void tell(const cv::Rect& part, const cv::Mat1b& outline, const Patch& image, Evidence& evidence) {
     std::vector<cv::Vec3f> colours;
     for (int y = part.y; y < part.br().y; ++y)
       for (int x = part.x; x < part.br().x; ++x)
@@ -118,29 +88,11 @@ class Silhouettes {
         std::size_t asked = 0, excluded = 0;
         bool alike = false;
         for (std::size_t i = 0; i < colours.size(); i += every, ++asked) {
-          excluded += usual.excludes({x, y}, colours[i]);
+          excluded += evidence.usual.excludes({x, y}, colours[i]);
           alike = alike || cv::norm(colours[i] - image(y, x), cv::NORM_INF) < kAlike;
         }
         if (alike && static_cast<double>(excluded) < kTelling * static_cast<double>(asked)) evidence.untold(y, x) = 255;
       }
-  }
-
-  // Pixels with what stands there: the nearer of the ground and what rises from it, or else something endlessly far.
-  std::vector<Place> places_of(std::size_t target, const cv::Mat1b& where, int every) const {
-    std::vector<Place> out;
-    const View& view = others_.views()[target];
-    const SE3 world_from_camera = view.camera_from_world.inverse();
-    const auto standing = standing_[target];
-    for (int y = 0; y < where.rows; y += every)
-      for (int x = 0; x < where.cols; x += every) {
-        if (where(y, x) == 0) continue;
-        const auto ground = on_ground(view, world_from_camera, *ground_, {x, y});
-        const double z = (*standing)(y, x) > 0 ? static_cast<double>((*standing)(y, x)) : kEndless;
-        const bool on_it = ground && (view.camera_from_world * *ground).z() < z;
-        out.push_back(
-            {{x, y}, on_it ? *ground : world_from_camera * Eigen::Vector3d(z * view.camera.ray(full_size({x, y}))), on_it});
-      }
-    return out;
   }
 
   static cv::Mat1b ended(const cv::Mat1b& outline, const cv::Mat1b& object, const Evidence& evidence) {
@@ -198,17 +150,15 @@ class Silhouettes {
     return cv::Mat1b((out & outline) | beyond);
   }
 
-  OtherTimes others_;
+  Comparison comparison_;
   Lazy<cv::Mat1b> outlines_;
-  Lazy<cv::Mat1f> standing_;
-  std::shared_ptr<const Ground> ground_;
 };
 
 }  // namespace
 
 Lazy<cv::Mat1b> silhouettes(const Views& views, const Lazy<cv::Mat1f>& standing, const std::shared_ptr<const Ground>& ground) {
   const auto pass = [&](const Views& hidden) {
-    const auto found = std::make_shared<const Silhouettes>(hidden, views.masks, standing, ground);
+    const auto found = std::make_shared<const Silhouettes>(Comparison(hidden, standing, ground), views.masks);
     return kept_masks(views.size(), [found](std::size_t i) { return (*found)(i); });
   };
   // Generous outlines hide each other's background: once more with those that were found.
