@@ -52,16 +52,16 @@ std::optional<Eigen::Vector3d> on_ground(const View& view, const SE3& world_from
   return x;
 }
 
-OtherTimes::OtherTimes(const Views& views, int blur)
+OtherTimes::OtherTimes(const Views& views, int blur, double coarsest)
     : views_(views),
-      half_(views.size(), [views, blur](std::size_t i) { return half_view(*views.images[i], *views.masks[i], blur); }) {}
+      half_(views.size(), [views, blur](std::size_t i) { return half_view(*views.images[i], *views.masks[i], blur); }),
+      coarsest_(coarsest) {}
 
 std::vector<std::vector<cv::Vec3f>> OtherTimes::colours(std::size_t target, std::span<const double> apart,
                                                         const std::vector<Place>& places,
                                                         const std::vector<Place>& light) const {
   std::vector<std::vector<cv::Vec3f>> seen(places.size());
-  const auto half = half_[target];
-  for (const std::size_t source : sources_of(target, apart)) look(*half, source, places, light, seen);
+  for (const std::size_t source : sources_of(target, apart)) look(target, source, places, light, seen);
   return seen;
 }
 
@@ -93,19 +93,22 @@ std::optional<cv::Vec3f> OtherTimes::colour(const View& view, const HalfView& ha
 }
 
 // Adds what a source shows of the places.
-void OtherTimes::look(const HalfView& target, std::size_t source, const std::vector<Place>& places,
-                      const std::vector<Place>& light, std::vector<std::vector<cv::Vec3f>>& seen) const {
-  const auto half = half_[source];
-  const View& view = views_[source];
+void OtherTimes::look(std::size_t target, std::size_t source, const std::vector<Place>& places, const std::vector<Place>& light,
+                      std::vector<std::vector<cv::Vec3f>>& seen) const {
+  const auto half = half_[source], own = half_[target];
+  const View &view = views_[source], &own_view = views_[target];
   std::array<std::vector<float>, 3> ratios;
   for (const Place& place : light)
-    if (const auto there = colour(view, *half, place.world); there && !saturated(*there) && !saturated(target.image(place.at)))
-      for (int c = 0; c < 3; ++c) ratios[c].push_back((target.image(place.at)[c] + 1) / ((*there)[c] + 1));
+    if (const auto there = colour(view, *half, place.world); there && !saturated(*there) && !saturated(own->image(place.at)))
+      for (int c = 0; c < 3; ++c) ratios[c].push_back((own->image(place.at)[c] + 1) / ((*there)[c] + 1));
   if (ratios[0].size() < 20) return;
   const cv::Vec3f gain(median(ratios[0]), median(ratios[1]), median(ratios[2]));
-  for (std::size_t i = 0; i < places.size(); ++i)
+  const auto depth = [](const View& from, const Eigen::Vector3d& world) { return (from.camera_from_world * world).z(); };
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (depth(view, places[i].world) > coarsest_ * depth(own_view, places[i].world)) continue;
     if (const auto there = colour(view, *half, places[i].world))
       if (const auto here = in_light(*there, gain)) seen[i].push_back(*here);
+  }
 }
 
 Usual::Usual(const std::vector<Place>& places, const std::vector<std::vector<cv::Vec3f>>& seen, cv::Size size, int around)

@@ -26,8 +26,8 @@ std::optional<Eigen::Vector3d> on_ground(const View& view, const SE3& world_from
 /// What the places of one view look like in others of its drive, taken at other times.
 class OtherTimes {
  public:
-  /// `blur`: as of half_view().
-  OtherTimes(const Views& views, int blur);
+  /// `blur`: as of half_view(). `coarsest`: views that are so many times as far from a place do not count.
+  OtherTimes(const Views& views, int blur, double coarsest = 1e9);
 
   const Views& views() const { return views_; }
   std::shared_ptr<const HalfView> half(std::size_t view) const { return half_[view]; }
@@ -40,11 +40,12 @@ class OtherTimes {
  private:
   std::vector<std::size_t> sources_of(std::size_t target, std::span<const double> apart) const;
   std::optional<cv::Vec3f> colour(const View& view, const HalfView& half, const Eigen::Vector3d& world) const;
-  void look(const HalfView& target, std::size_t source, const std::vector<Place>& places, const std::vector<Place>& light,
+  void look(std::size_t target, std::size_t source, const std::vector<Place>& places, const std::vector<Place>& light,
             std::vector<std::vector<cv::Vec3f>>& seen) const;
 
   Views views_;
   Lazy<HalfView> half_;
+  double coarsest_;
 };
 
 inline constexpr std::size_t kFewestViews = 2;  ///< that must show a place

@@ -16,6 +16,7 @@ namespace {
 constexpr std::array kApart{0.3, 0.5, 0.7, 1.0, 1.3,
                             1.6, 2.0, 2.5, 3.0, 4.0};  // seconds, both ways: what moves has left the place
 constexpr int kSmooth = 3;                             // half pixels across: shadows are large, and poses wrong by as much
+constexpr double kCoarsest = 2;                        // times as far: a manhole is lost in the road from afar
 constexpr int kMisplaced = 5;  // half pixels across: what poses and the ground are wrong by, each way two
 constexpr int kTouch = 3;      // half pixels between an object's mask and its shadow
 constexpr int kSpeck = 20;     // half pixels, of a part: smaller ones are noise
@@ -23,7 +24,8 @@ constexpr int kLight = 12;     // half pixels between the places at which light 
 
 class Finder {
  public:
-  Finder(const Views& views, std::shared_ptr<const Ground> ground) : others_(views, kSmooth), ground_(std::move(ground)) {}
+  Finder(const Views& views, std::shared_ptr<const Ground> ground)
+      : others_(views, kSmooth, kCoarsest), ground_(std::move(ground)) {}
 
   cv::Mat1b operator()(std::size_t target) const {
     const cv::Mat1b mask = *others_.views().masks[target];
