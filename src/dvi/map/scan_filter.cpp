@@ -5,6 +5,7 @@
 
 #include "dvi/drive/deskew.h"
 #include "dvi/drive/nearest_in_time.h"
+#include "dvi/drive/removed_at.h"
 
 namespace dvi::map {
 namespace {
@@ -18,14 +19,8 @@ struct NearestFrame {
   std::shared_ptr<const cv::Mat1b> mask;
 };
 
-enum class Sight { none, masked, clear };
-
-Sight sight_of(const Eigen::Vector3d& point, const NearestFrame& frame) {
-  const Eigen::Vector3d in_camera = frame.camera_from_world * point;
-  if (!frame.camera->in_front(in_camera)) return Sight::none;
-  const Eigen::Vector2d pixel = frame.camera->project(in_camera);
-  if (!frame.camera->contains(pixel)) return Sight::none;
-  return (*frame.mask)(cvRound(pixel.y()), cvRound(pixel.x())) != 0 ? Sight::masked : Sight::clear;
+InImage in_image(const Eigen::Vector3d& point, const NearestFrame& frame) {
+  return dvi::in_image(frame.camera_from_world * point, *frame.camera, *frame.mask);
 }
 
 std::optional<NearestFrame> nearest_frame(const ScanHeader& header, const Drive& drive, const Lazy<cv::Mat1b>& masks,
@@ -78,10 +73,7 @@ class Filter {
  private:
   bool boxed(const NearestFrame& nearest, const Eigen::Vector3d& point) const {
     if (input_.objects.empty()) return false;
-    const Eigen::Vector3d in_lidar = nearest.lidar_from_world * point;
-    const std::vector<Label>& labels = input_.objects[nearest.frame];
-    return std::any_of(labels.begin(), labels.end(),
-                       [&](const Label& l) { return l.box && l.box->contains(in_lidar, options_.box_margin_m); });
+    return in_any_box(input_.objects[nearest.frame], nearest.lidar_from_world * point, options_.box_margin_m);
   }
 
   static void drop(const Eigen::Vector3d& point, Cause cause, std::size_t& count, FilteredScan& out) {
@@ -91,12 +83,12 @@ class Filter {
 
   void judge(const Eigen::Vector3d& point, float intensity, const std::optional<NearestFrame>& nearest,
              const std::vector<NearestFrame>& more, FilteredScan& out) const {
-    Sight sight = nearest ? sight_of(point, *nearest) : Sight::none;
+    InImage sight = nearest ? in_image(point, *nearest) : InImage::unseen;
     for (const NearestFrame& other : more)
-      if (sight != Sight::clear) sight = std::max(sight, sight_of(point, other));
-    if (sight == Sight::masked)
+      if (sight != InImage::background) sight = std::max(sight, in_image(point, other));
+    if (sight == InImage::removed)
       drop(point, Cause::masked, out.counts.masked, out);
-    else if (sight == Sight::none && options_.require_camera_visibility)
+    else if (sight == InImage::unseen && options_.require_camera_visibility)
       ++out.counts.unseen_by_camera;
     else
       out.kept.push_back({point, intensity});

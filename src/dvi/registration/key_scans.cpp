@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "dvi/drive/nearest_in_time.h"
+#include "dvi/drive/removed_at.h"
 
 namespace dvi::registration {
 namespace {
@@ -47,14 +48,9 @@ class Traffic {
   }
 
   bool holds(const Eigen::Vector3d& point) const {
-    if (labels_ != nullptr)
-      for (const Label& label : *labels_)
-        if (label.box && label.box->contains(point, kBoxMargin)) return true;
+    if (labels_ != nullptr && in_any_box(*labels_, point, kBoxMargin)) return true;
     if (!mask_ || mask_->empty()) return false;
-    const Eigen::Vector3d x = drive_.camera_from_lidar * point;
-    if (!drive_.camera.in_front(x)) return false;
-    const Eigen::Vector2d pixel = drive_.camera.project(x);
-    return drive_.camera.contains(pixel) && (*mask_)(cvRound(pixel.y()), cvRound(pixel.x())) != 0;
+    return in_image(drive_.camera_from_lidar * point, drive_.camera, *mask_) == InImage::removed;
   }
 
  private:
