@@ -22,6 +22,8 @@ METHODS = (
     Variant("ns", "OpenCV's Navier-Stokes inpainting: one image", ("--method", "ns")),
     Variant("flow", "propagation along optical flow: images and masks", ("--method", "flow")),
     Variant("paper", "the published form of every stage", ("--method", "paper")),
+    Variant("interpolate", "dvi, but what nobody saw interpolated, not synthesised (`harmonize.never_seen=interpolate`)",
+            ("--set", "harmonize.never_seen=interpolate")),
     DVI,
 )
 
@@ -65,8 +67,8 @@ def differences(ours: dict[str, object], published: dict[str, object]) -> list[t
 
 
 def published_switches(differing: list[tuple[str, str, str]]) -> tuple[Variant, ...]:
-    """dvi with one of its departures from the paper taken back, but for those that are ablations already."""
-    known = {variant.arguments for variant in ABLATIONS}
+    """dvi with one of its departures from the paper taken back, but for those that are variants already."""
+    known = {variant.arguments for variant in (*METHODS, *ABLATIONS)}
     switches = {f"{option}={value}": option for option, _, value in differing}
     return tuple(
         Variant(f"paper-{option.replace('.', '-').replace('_', '-')}", f"as published: `{switch}`", ("--set", switch))

@@ -299,7 +299,7 @@ TEST_F(Run, EveryStageCanBeSwitchedOff) {
   small_drive();
   const std::string off =
       "--set stages.align=false --set sample.occlusion_test=false --set stages.regularize=false "
-      "--set harmonize.poisson=false --set stages.smooth=false --set harmonize.fill_never_seen=false";
+      "--set harmonize.poisson=false --set stages.smooth=false --never-seen leave";
   const Result result = dvi("run drive -o out --quiet " + off);
   ASSERT_EQ(result.code, 0) << result.err;
   const auto share = report()["hole"]["share"];

@@ -9,7 +9,7 @@ from pathlib import Path
 
 # In the order they run.
 STAGES = [
-    "masks", "odometry", "registration", "traffic", "detect", "map", "exposure", "align", "depth", "plane_sweep", "sample", "regularize", "harmonize", "smooth"
+    "masks", "odometry", "registration", "traffic", "detect", "map", "exposure", "align", "depth", "plane_sweep", "sample", "regularize", "harmonize", "synthesize", "smooth"
 ]
 NOUNS = ["core", "geometry", "image", "drive"]
 SERVICES = ["io", "scan_match"]

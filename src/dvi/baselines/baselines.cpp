@@ -69,7 +69,8 @@ sample::Candidates follow(const Views& views, std::size_t target, const Lazy<Hol
 // The candidates' colours as they are, with their receipts; black and of kind empty where there is none.
 harmonize::FilledFrame copied(const sample::Candidates& candidates, const Views& views, std::size_t target) {
   harmonize::HarmonizeOptions as_is;
-  as_is.poisson = as_is.fill_never_seen = false;
+  as_is.poisson = false;
+  as_is.never_seen = harmonize::NeverSeen::leave;
   const cv::Mat1f no_depth(candidates.hole.index.size(), depth::DepthMap::kUnknown);
   return harmonize::harmonize(candidates, views, target, {no_depth, no_depth}, as_is);
 }

@@ -45,6 +45,8 @@ void JobOptions::add_to(Command& command) {
                  "auto (default: given or loam, whichever map is sharper), given, loam (estimated from scans), or FILE");
   command.option("--remove", remove,
                  "moving, labelled (default: what the masks say), or all (masks and every labelled object)");
+  command.option("--never-seen", never_seen,
+                 "Pixels that no frame saw: synthesise (default), interpolate from their surroundings, or leave (black)");
   command.option("--method", method,
                  "dvi (default), paper (the published form), or a baseline without depth and poses: flow, telea, ns");
   command.option("--config", config, "Options from a TOML file, such as the dvi.toml of an earlier result");
@@ -74,6 +76,7 @@ pipeline::Job JobOptions::job(const std::string& out, const std::string& target,
   if (ego_mask) job.read.ego_mask = *ego_mask;
   take(poses, "--poses", pipeline::PosesFrom::parse, job.read.poses);
   take(remove, "--remove", parse_name<pipeline::Remove>, job.read.remove);
+  take(never_seen, "--never-seen", parse_name<harmonize::NeverSeen>, job.options.harmonize.never_seen);
   for (const std::string& assignment : set) table.set(assignment);
   job.options.check();
   if (!out.empty()) job.out = out;

@@ -15,8 +15,8 @@
 #include "dvi/harmonize/copies.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/harmonize/fuse.h"
-#include "dvi/harmonize/poisson.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
 #include "dvi/sample/candidates.h"
 
@@ -168,7 +168,7 @@ void fill(const Window& window, const Copies& copies, cv::Mat1b& roles, const Gu
   std::vector<cv::Vec3f> x;
   x.reserve(system.region.size());
   for (const cv::Point p : system.region.pixels) x.push_back(copies.colour[window.index(p)]);
-  solve(system, x);
+  solve_poisson(system, x);
   for (std::size_t k = 0; k < x.size(); ++k)
     for (int c = 0; c < 3; ++c) colour(system.region.pixels[k])[c] = std::clamp(x[k][c], 0.0F, 255.0F);
 }
@@ -253,7 +253,7 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
   const Copies copies = copy(fused, views, target, depth);
   for (std::size_t i = 0; i < hole.size(); ++i) out.colour(hole.pixels[i]) = copies.colour[i];
   const Role copied = options.poisson ? Role::solved : Role::fixed;
-  const Role unseen = options.fill_never_seen ? Role::solved : Role::absent;
+  const Role unseen = options.never_seen == NeverSeen::leave ? Role::absent : Role::solved;
   const Window window(fused, depth);
   cv::Mat3f colour = out.colour(window.box);
   cv::Mat1b roles = roles_of(window, copied, options.never_seen_last ? Role::absent : unseen);

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "dvi/core/named.h"
 #include "dvi/core/options.h"
 #include "dvi/depth/depth_map.h"
 #include "dvi/drive/view.h"
@@ -8,16 +13,25 @@
 
 namespace dvi::harmonize {
 
+/// What becomes of pixels that no frame saw.
+enum class NeverSeen : std::uint8_t { synthesise, interpolate, leave };
+constexpr auto names_of(NeverSeen) {
+  return std::array{std::pair{NeverSeen::synthesise, "synthesise"}, std::pair{NeverSeen::interpolate, "interpolate"},
+                    std::pair{NeverSeen::leave, "leave"}};
+}
+
 struct HarmonizeOptions {
   bool poisson = true;
   bool seam_gradients = true;
   bool never_seen_last = true;
   double never_seen_vertical = 0.1;
-  bool fill_never_seen = true;
+  NeverSeen never_seen = NeverSeen::synthesise;
 
   void describe(OptionTable& table) {
     table.section("harmonize");
-    table.add("fill_never_seen", fill_never_seen, "Interpolate pixels that no frame saw; false leaves them black, kind 5.");
+    table.add("never_seen", never_seen,
+              "Pixels that no frame saw: synthesise (interpolated, with the texture of the surfaces of the drive, kind 4), "
+              "interpolate (kind 3), or leave (black, kind 5).");
     table.developer();
     table.add("poisson", poisson, "Blend copies seamlessly into their surroundings (eq. 5); false copies colours unchanged.");
     table.add("seam_gradients", seam_gradients,

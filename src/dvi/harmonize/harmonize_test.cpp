@@ -196,7 +196,7 @@ TEST(Harmonize, UnseenPixelsLeftEmptyAreBlackAndSilent) {
   c.scene.add_source(10, brighter(c.truth, 25));
   c.seen(1, 10, {20, 15, 20, 30});
   HarmonizeOptions options;
-  options.fill_never_seen = false;
+  options.never_seen = NeverSeen::leave;
   const FilledFrame out = c.run(options);
   cv::Mat3f truth;
   c.truth.convertTo(truth, CV_32FC3);

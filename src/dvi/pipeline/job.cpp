@@ -110,6 +110,7 @@ void use_method(Method method, Options& options) {
   options.harmonize.seam_gradients = false;
   options.harmonize.never_seen_last = false;
   options.harmonize.never_seen_vertical = 1;
+  options.harmonize.never_seen = harmonize::NeverSeen::interpolate;
   options.smooth.enabled = true;
 }
 

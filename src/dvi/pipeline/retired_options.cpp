@@ -22,7 +22,8 @@ std::vector<RetiredOption> retired_options() {
       {"regularize.alpha", "", "no result depended on it, only the reported energy"},
       {"harmonize.unseen_last", "harmonize.never_seen_last", ""},
       {"harmonize.unseen_vertical", "harmonize.never_seen_vertical", ""},
-      {"harmonize.fill_unseen", "harmonize.fill_never_seen", ""},
+      {"harmonize.fill_unseen", "harmonize.never_seen", "false is leave now, true interpolate"},
+      {"harmonize.fill_never_seen", "harmonize.never_seen", "false is leave now, true interpolate"},
       {"smooth.enabled", "stages.smooth", ""},
   };
 }

@@ -1,6 +1,7 @@
 #include "dvi/pipeline/run.h"
 
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,16 +20,18 @@
 #include "dvi/pipeline/run_stages.h"
 #include "dvi/pipeline/smoothed_frames.h"
 #include "dvi/pipeline/stage_fields.h"  // IWYU pragma: keep
+#include "dvi/synthesize/synthesize.h"
 
 namespace dvi::pipeline {
 
 using align::Cameras;
 using depth::DepthMap, depth::Depths;
 using exposure::Gains;
-using harmonize::FilledFrame;
+using harmonize::FilledFrame, harmonize::NeverSeen;
 using map::StaticMap, map::VisibleMap;
 using regularize::Labelling;
 using sample::Candidates;
+using synthesize::Surfaces;
 
 namespace {
 
@@ -72,6 +75,9 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
   const Depths depths(views, [&](std::size_t i) {  // 3.3
     return cpu.time("depth", depth::depth_map, plan.map, views[i], options.depth);
   });
+  const std::optional<Surfaces> surfaces = options.harmonize.never_seen == NeverSeen::synthesise
+                                               ? std::optional<Surfaces>(std::in_place, plan.map, views, depths.visibility)
+                                               : std::nullopt;
   const auto fill = [&](std::size_t i) {
     const DepthMap depth =
         cpu.time("plane_sweep", plane_sweep::plane_sweep, *depths.maps[i], views, i, depths.visibility, options.plane_sweep);
@@ -80,6 +86,7 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
                                       options.regularize);  // 3.5, eqs. 2-4
     FilledFrame frame =
         cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, options.harmonize);  // 3.6, eq. 5
+    if (surfaces) frame = cpu.time("synthesize", synthesize::synthesize, frame, views[i], depth, *surfaces);
     return FilledView{std::move(frame), labels.energy};
   };
   progress.begin("fill", frames.size());

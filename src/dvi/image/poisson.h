@@ -6,7 +6,7 @@
 
 #include "dvi/image/region.h"
 
-namespace dvi::harmonize {
+namespace dvi {
 
 /// For each pixel p of the region: diagonal(p) x(p) - sum of w x(q) over its 4-neighbours q in the region = right(p), w being 1
 /// along rows and `vertical` along columns. A diagonal is at least the sum of those w, and greater somewhere in each connected
@@ -20,6 +20,6 @@ struct PoissonSystem {
 
 /// Solves for x from the values it comes with; conjugate gradients, preconditioned by one multigrid cycle on blocks of
 /// 2 x 2 pixels. Stops once the estimated error is below `tolerance` everywhere. Returns the iterations.
-int solve(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double tolerance = 0.02);
+int solve_poisson(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double tolerance = 0.02);
 
-}  // namespace dvi::harmonize
+}  // namespace dvi

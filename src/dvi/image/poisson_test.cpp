@@ -1,4 +1,4 @@
-#include "dvi/harmonize/poisson.h"
+#include "dvi/image/poisson.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "dvi/core/random.h"
 #include "dvi/image/region.h"
 
-namespace dvi::harmonize {
+namespace dvi {
 namespace {
 
 /// Dirichlet where the region ends within the image.
@@ -86,7 +86,7 @@ TEST(Poisson, EqualsTheDirectSolution) {
   for (int which = 0; which < 5; ++which) {
     const PoissonSystem system = random_system(shape(which), which);
     std::vector<cv::Vec3f> x(system.region.size());
-    const int iterations = solve(system, x);
+    const int iterations = solve_poisson(system, x);
     // One known pixel in the frame: random sources without balance drive values to thousands.
     EXPECT_LT(error_to_direct(system, x), which == 4 ? 2 : 0.05) << "shape " << which;
     EXPECT_LT(iterations, 50) << "shape " << which;
@@ -97,7 +97,7 @@ TEST(Poisson, EqualsTheDirectSolutionWhereRowsHoldTogetherMore) {
   for (int which = 0; which < 4; ++which) {
     const PoissonSystem system = random_system(shape(which), which, 0.1F);
     std::vector<cv::Vec3f> x(system.region.size());
-    EXPECT_LT(solve(system, x), 100) << "shape " << which;
+    EXPECT_LT(solve_poisson(system, x), 100) << "shape " << which;
     EXPECT_LT(error_to_direct(system, x), 0.2) << "shape " << which;
   }
 }
@@ -105,21 +105,21 @@ TEST(Poisson, EqualsTheDirectSolutionWhereRowsHoldTogetherMore) {
 TEST(Poisson, StopsAtOnceAtTheSolution) {
   const PoissonSystem system = random_system(shape(0), 3);
   std::vector<cv::Vec3f> x(system.region.size());
-  solve(system, x, 1e-3);
-  EXPECT_EQ(solve(system, x), 0);
+  solve_poisson(system, x, 1e-3);
+  EXPECT_EQ(solve_poisson(system, x), 0);
 }
 
 TEST(Poisson, EmptyAndSinglePixels) {
   std::vector<cv::Vec3f> none;
-  EXPECT_EQ(solve(random_system(cv::Mat1b(4, 4, uchar{0}), 1), none), 0);
+  EXPECT_EQ(solve_poisson(random_system(cv::Mat1b(4, 4, uchar{0}), 1), none), 0);
   cv::Mat1b one(4, 4, uchar{0});
   one(1, 2) = 255;
   PoissonSystem system = random_system(one, 1);
   system.right[0] = {4, 8, 400};
   std::vector<cv::Vec3f> x(1);
-  solve(system, x);
+  solve_poisson(system, x);
   EXPECT_EQ(x[0], cv::Vec3f(1, 2, 100));
 }
 
 }  // namespace
-}  // namespace dvi::harmonize
+}  // namespace dvi

@@ -1,4 +1,4 @@
-#include "dvi/harmonize/poisson.h"
+#include "dvi/image/poisson.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-namespace dvi::harmonize {
+namespace dvi {
 namespace {
 
 using Colour = Eigen::Array4f;  // the fourth lane is idle
@@ -190,7 +190,7 @@ Colour colour(const cv::Vec3f& c) { return {c[0], c[1], c[2], 0}; }
 
 }  // namespace
 
-int solve(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double tolerance) {
+int solve_poisson(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double tolerance) {
   constexpr int kMost = 200;
   if (system.region.size() == 0) return 0;
   Multigrid multigrid(system);
@@ -233,4 +233,4 @@ int solve(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double toleran
   return iteration;
 }
 
-}  // namespace dvi::harmonize
+}  // namespace dvi

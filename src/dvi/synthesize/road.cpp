@@ -1,0 +1,107 @@
+#include "dvi/synthesize/road.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace dvi::synthesize {
+namespace {
+
+constexpr double kStep = 0.5;  // metres: a camera that moved less stands
+
+Eigen::Vector2d flat(const Eigen::Vector3d& x) { return x.head<2>(); }
+
+std::vector<Eigen::Vector2d> centres(const Views& views) {
+  std::vector<Eigen::Vector2d> out;
+  const auto [first, last] = views.of_sequence(0);
+  for (std::size_t i = first; i < last; ++i) {
+    const Eigen::Vector2d at = flat(views[i].camera_from_world.inverse().t);
+    if (out.empty() || (at - out.back()).norm() >= kStep) out.push_back(at);
+  }
+  return out;
+}
+
+// What poses are off by does not bend the road.
+std::vector<Eigen::Vector2d> smoothed(const std::vector<Eigen::Vector2d>& way) {
+  std::vector<Eigen::Vector2d> out = way;
+  const auto count = static_cast<int>(way.size());
+  for (int i = 0; i < count; ++i) {
+    const int reach = std::min({3, i, count - 1 - i});
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (int k = -reach; k <= reach; ++k) sum += way[i + k];
+    out[i] = sum / (2 * reach + 1);
+  }
+  return out;
+}
+
+Eigen::Vector2d heading(const Views& views, const std::vector<Eigen::Vector2d>& way, bool at_end) {
+  constexpr double kLong = 5;  // metres that tell it
+  const Eigen::Vector2d& end = at_end ? way.back() : way.front();
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    const Eigen::Vector2d& other = at_end ? way[way.size() - 1 - i] : way[i];
+    const Eigen::Vector2d step = at_end ? Eigen::Vector2d(end - other) : Eigen::Vector2d(other - end);
+    if (step.norm() > kLong || (i + 1 == way.size() && step.norm() > kStep)) return step.normalized();
+  }
+  const Eigen::Vector2d ahead = flat(views[0].camera_from_world.R.transpose() * Eigen::Vector3d::UnitZ());
+  return ahead.norm() > 0 ? Eigen::Vector2d(ahead.normalized()) : Eigen::Vector2d::UnitX();
+}
+
+int square(double v) { return static_cast<int>(std::floor(v / Road::kReach)); }
+
+}  // namespace
+
+Road::Road(const Views& views) {
+  const std::vector<Eigen::Vector2d> way = smoothed(centres(views));
+  std::vector<Eigen::Vector2d> corners{way.front() - kOnward * heading(views, way, false)};
+  corners.insert(corners.end(), way.begin(), way.end());
+  corners.push_back(way.back() + kOnward * heading(views, way, true));
+  double open = 0;  // metres from the last corner to the next place
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const Eigen::Vector2d step = corners[i + 1] - corners[i];
+    for (; open <= step.norm(); open += 1) way_.push_back(corners[i] + open * step.normalized());
+    open -= step.norm();
+  }
+  for (std::size_t i = 0; i < way_.size(); ++i) {
+    const int x = square(way_[i].x()), y = square(way_[i].y());
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) near_[{x + dx, y + dy}].push_back(static_cast<int>(i));
+  }
+}
+
+Eigen::Vector2d Road::direction(double along) const {
+  // Between those of its metres, so that the coordinates do not break at corners.
+  const auto last = static_cast<int>(way_.size()) - 1;
+  const auto at = [&](int i) -> Eigen::Vector2d {
+    return (way_[std::clamp(i + 1, 1, last)] - way_[std::clamp(i - 1, 0, last - 1)]).normalized();
+  };
+  const int i = std::clamp(static_cast<int>(std::floor(along)), 0, last - 1);
+  const double part = std::clamp(along - i, 0.0, 1.0);
+  return ((1 - part) * at(i) + part * at(i + 1)).normalized();
+}
+
+Eigen::Vector2d Road::place(double along, double left) const {
+  const int i = std::clamp(static_cast<int>(std::floor(along)), 0, static_cast<int>(way_.size()) - 2);
+  const Eigen::Vector2d d = direction(along), middle = way_[i] + (along - i) * (way_[i + 1] - way_[i]);
+  return middle + left * Eigen::Vector2d(-d.y(), d.x());
+}
+
+std::optional<Eigen::Vector2d> Road::locate(const Eigen::Vector2d& place) const {
+  const auto near = near_.find({square(place.x()), square(place.y())});
+  if (near == near_.end()) return std::nullopt;
+  int best = -1;
+  double least = kReach * kReach;
+  for (const int i : near->second)
+    if (const double d = (way_[i] - place).squaredNorm(); d < least) {
+      least = d;
+      best = i;
+    }
+  if (best < 0) return std::nullopt;
+  double along = best;
+  for (int round = 0; round < 2; ++round)
+    along = std::clamp(along + (place - this->place(along, 0)).dot(direction(along)), 0.0, length());
+  const Eigen::Vector2d d = direction(along), off = place - this->place(along, 0);
+  return Eigen::Vector2d(along, off.dot(Eigen::Vector2d(-d.y(), d.x())));
+}
+
+}  // namespace dvi::synthesize

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "dvi/drive/view.h"
+
+namespace dvi::synthesize {
+
+/// Coordinates along the road: metres along the way of a drive's cameras, and to the left of it. The way goes on straight
+/// before its first and behind its last camera.
+class Road {
+ public:
+  static constexpr double kOnward = 70;  ///< metres the way goes on, at either end
+  static constexpr double kReach = 20;   ///< metres to either side
+
+  /// Of the target's cameras.
+  explicit Road(const Views& views);
+
+  /// Metres: of the whole way; its first camera is at kOnward.
+  double length() const { return static_cast<double>(way_.size() - 1); }
+  /// World x and y of a place.
+  Eigen::Vector2d place(double along, double left) const;
+  /// The unit vector along the road.
+  Eigen::Vector2d direction(double along) const;
+  /// Metres along and to the left; none beyond the road's reach.
+  std::optional<Eigen::Vector2d> locate(const Eigen::Vector2d& place) const;
+
+ private:
+  using Square = std::pair<int, int>;
+  std::vector<Eigen::Vector2d> way_;  // a metre apart
+  std::map<Square, std::vector<int>> near_;
+};
+
+}  // namespace dvi::synthesize

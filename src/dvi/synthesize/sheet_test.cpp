@@ -1,0 +1,51 @@
+#include "dvi/synthesize/sheet.h"
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+namespace dvi::synthesize {
+namespace {
+
+/// Rows of colours, and every 40 columns a mark: a road with lane lines.
+cv::Vec3f road(int x, int y) {
+  const float mark = x % 40 < 12 && y / 8 == 5 ? 120 : 0;
+  return cv::Vec3f::all(static_cast<float>(60 + 10 * (y / 16)) + mark);
+}
+
+Sheet road_with(cv::Rect missing) {
+  Sheet sheet({240, 96});
+  sheet.known.setTo(255);
+  sheet.known(missing).setTo(0);
+  for (int y = 0; y < sheet.known.rows; ++y)
+    for (int x = 0; x < sheet.known.cols; ++x)
+      if (sheet.known(y, x) != 0) sheet.colour(y, x) = road(x, y);
+  return sheet;
+}
+
+TEST(Sheet, WhatRepeatsIsCompletedExactly) {
+  const cv::Rect missing(100, 20, 36, 48);
+  Sheet sheet = road_with(missing);
+  complete(sheet, {{{-56, 0}, {-40, 0}, {24, 0}, {64, 0}}}, 20);
+  EXPECT_EQ(cv::countNonZero(sheet.known == 0), 0);
+  for (int y = missing.y; y < missing.br().y; ++y)
+    for (int x = missing.x; x < missing.br().x; ++x) EXPECT_EQ(sheet.colour(y, x), road(x, y)) << x << ", " << y;
+}
+
+TEST(Sheet, WhatIsKnownStays) {
+  const Sheet before = road_with({100, 20, 36, 48});
+  Sheet after = before;
+  complete(after, {{{-16, 0}, {16, 0}}, {{-16, 0}, {16, 0}}}, 20);
+  for (int y = 0; y < before.known.rows; ++y)
+    for (int x = 0; x < before.known.cols; ++x)
+      if (before.known(y, x) != 0) EXPECT_EQ(after.colour(y, x), before.colour(y, x));
+}
+
+TEST(Sheet, OffsetsThatLeadNowhereLeaveItAsItIs) {
+  Sheet sheet({64, 32});
+  complete(sheet, {{{-16, 0}, {16, 8}}, {{400, 0}, {-64, 32}}}, 20);
+  EXPECT_EQ(cv::countNonZero(sheet.known), 0);
+  EXPECT_EQ(cv::norm(sheet.colour, cv::NORM_INF), 0);
+}
+
+}  // namespace
+}  // namespace dvi::synthesize

@@ -1,0 +1,134 @@
+#include "dvi/synthesize/surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <optional>
+
+#include "dvi/image/interpolate.h"
+#include "dvi/synthesize/pieces.h"
+
+namespace dvi::synthesize {
+
+struct Surfaces::Pieces {
+  Road road;
+  Ground height;
+  GroundSheets ground;
+
+  Pieces(const map::StaticMap& map, const Views& views, const Lazy<depth::VisibilityMap>& visibility)
+      : Pieces(map, views, visibility, Road(views)) {}
+
+ private:
+  Pieces(const map::StaticMap& map, const Views& views, const Lazy<depth::VisibilityMap>& visibility, Road way)
+      : Pieces(Painter(views, visibility, way), way, Ground(map, way, views)) {}
+  Pieces(const Painter& painter, const Road& way, const Ground& level)
+      : road(way), height(level), ground(painter, way, level) {}
+};
+
+namespace {
+
+constexpr double kGroundReach = 60;  // metres
+constexpr double kStands = 0.35;     // metres above the ground: no kerb is higher
+
+/// Pieces in use, so that they are asked for once.
+class Held {
+ public:
+  explicit Held(const Lazy<Sheet>& from) : from_(from) {}
+  const Sheet& operator[](std::size_t i) {
+    std::shared_ptr<const Sheet>& kept = held_[i];
+    if (!kept) kept = from_[i];
+    return *kept;
+  }
+
+ private:
+  const Lazy<Sheet>& from_;
+  std::map<std::size_t, std::shared_ptr<const Sheet>> held_;
+};
+
+struct Ray {
+  Eigen::Vector3d from, along;  // world; `along` has z = 1 in camera axes
+};
+
+struct OnGround {
+  double z = 0;
+  Eigen::Vector2d at{0, 0};  // along, left
+};
+
+}  // namespace
+
+Surfaces::Surfaces(const map::StaticMap& map, const Views& views, const Lazy<depth::VisibilityMap>& visibility)
+    : pieces_(std::make_shared<const Pieces>(map, views, visibility)) {}
+
+namespace {
+
+std::optional<OnGround> on_ground(const Ray& ray, const Road& road, const Ground& ground, double height) {
+  OnGround out;
+  for (int round = 0; round < 4; ++round) {
+    if (ray.along.z() >= -1e-3) return std::nullopt;
+    out.z = (height - ray.from.z()) / ray.along.z();
+    if (!(out.z > 0) || out.z > 1.5 * kGroundReach) return std::nullopt;
+    const auto at = road.locate((ray.from + out.z * ray.along).head<2>());
+    if (!at || std::abs(at->y()) >= GroundSheets::kWide - 0.1) return std::nullopt;
+    out.at = *at;
+    height = ground.height(at->x(), at->y());
+  }
+  return out.z <= kGroundReach ? std::optional(out) : std::nullopt;
+}
+
+// The mean over what a pixel covers of the ground.
+Shown mean_of_ground(Held& pieces, std::size_t count, const Eigen::Vector2d& at, const Eigen::Vector2d& right,
+                     const Eigen::Vector2d& down) {
+  constexpr int kMost = 8;
+  const auto steps = [=](const Eigen::Vector2d& d) {
+    return std::clamp(static_cast<int>(std::ceil(d.norm() / GroundSheets::kCell)), 1, kMost);
+  };
+  const int nx = steps(right), ny = steps(down),
+            piece_cells = static_cast<int>(std::lround(GroundSheets::kPiece / GroundSheets::kCell));
+  cv::Vec3f sum;
+  int known = 0;
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) {
+      const Eigen::Vector2d p = at + ((i + 0.5) / nx - 0.5) * right + ((j + 0.5) / ny - 0.5) * down;
+      const int x = static_cast<int>(std::floor(p.x() / GroundSheets::kCell));
+      const int y = static_cast<int>(std::floor((p.y() + GroundSheets::kWide) / GroundSheets::kCell));
+      if (x < 0 || y < 0 || x / piece_cells >= static_cast<int>(count)) continue;
+      const Sheet& sheet = pieces[x / piece_cells];
+      if (y >= sheet.known.rows || sheet.known(y, x % piece_cells) == 0) continue;
+      sum += sheet.colour(y, x % piece_cells);
+      ++known;
+    }
+  if (2 * known < nx * ny) return {};
+  return {sum / known, static_cast<float>(std::max({right.norm(), down.norm(), GroundSheets::kCell}))};
+}
+
+}  // namespace
+
+std::vector<Shown> Surfaces::look_up(const View& view, const Region& region, const depth::DepthMap& depth) const {
+  const Pieces& of = *pieces_;
+  std::vector<Shown> out(region.size());
+  const SE3 world_from_camera = view.camera_from_world.inverse();
+  const auto here = of.road.locate(world_from_camera.t.head<2>());
+  if (!here || !of.height.found() || view.sensor != Sensor::lidar) return out;
+  Held pieces(of.ground.pieces);
+  const auto ground_at = [&](double x, double y, double height) {
+    return on_ground({world_from_camera.t, world_from_camera.R * view.camera.ray({x, y})}, of.road, of.height, height);
+  };
+  const double below = of.height.height(here->x(), 0);
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    const cv::Point p = region.pixels[i];
+    const auto at = ground_at(p.x, p.y, below);
+    if (!at) continue;
+    const double height = of.height.height(at->at.x(), at->at.y());
+    const float z = depth.z(p);
+    const Eigen::Vector3d seen = world_from_camera * Eigen::Vector3d(z * view.camera.ray(Eigen::Vector2d(p.x, p.y)));
+    if (depth::DepthMap::is_surface(z) && seen.z() > height + kStands) continue;
+    const auto right = ground_at(p.x + 1, p.y, height), down = ground_at(p.x, p.y + 1, height);
+    if (!right || !down) continue;
+    out[i] = mean_of_ground(pieces, of.ground.pieces.size(), at->at, right->at - at->at, down->at - at->at);
+    for (int c = 0; c < 3; ++c) out[i].colour[c] /= view.gain[c];
+  }
+  return out;
+}
+
+}  // namespace dvi::synthesize

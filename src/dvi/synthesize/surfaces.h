@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <opencv2/core/matx.hpp>
+
+#include "dvi/core/lazy.h"
+#include "dvi/depth/depth_map.h"
+#include "dvi/depth/visibility_map.h"
+#include "dvi/drive/view.h"
+#include "dvi/image/region.h"
+#include "dvi/map/static_map.h"
+
+namespace dvi::synthesize {
+
+/// What a surface shows at a pixel.
+struct Shown {
+  cv::Vec3f colour;  ///< BGR, in the light of the view
+  float span = 0;    ///< metres of the surface that the pixel covers; 0: nothing is known
+};
+
+/// What the drive shows of the ground along the road, completed where no frame saw it. It is made in pieces, on demand, so that
+/// every frame looks up the same.
+class Surfaces {
+ public:
+  Surfaces(const map::StaticMap& map, const Views& views, const Lazy<depth::VisibilityMap>& visibility);
+
+  /// What it shows at the pixels of a region of a view: where the ray meets the ground, unless by `depth` something stands
+  /// before it.
+  std::vector<Shown> look_up(const View& view, const Region& region, const depth::DepthMap& depth) const;
+
+ private:
+  struct Pieces;
+  std::shared_ptr<const Pieces> pieces_;
+};
+
+}  // namespace dvi::synthesize

@@ -1,0 +1,122 @@
+#include "dvi/synthesize/synthesize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <initializer_list>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/image/poisson.h"
+#include "dvi/image/region.h"
+
+namespace dvi::synthesize {
+namespace {
+
+using harmonize::Kind;
+
+constexpr int kRing = 6;  // px round what is synthesised in which light and texture are compared
+
+/// How much of the contrast of what the surfaces show is used. What is made up is to look real, not to stand out, and where a
+/// pixel covers a metre of the ground, its height and the offsets are off by more than a pixel.
+float share_of(float span) {
+  constexpr float kMost = 0.7F, kFine = 0.5F, kCoarse = 1;  // metres
+  return kMost * std::clamp((kCoarse - span) / (kCoarse - kFine), 0.0F, 1.0F);
+}
+
+/// Probability that a synthesised pixel is within 10 grey levels of the truth, by its distance in pixels to the nearest pixel
+/// that was known or copied (docs/algorithms/synthesise.md).
+double synthesised_confidence(float distance) { return 0.12 + 0.36 * std::exp(-distance / 8); }
+
+/// What the surfaces show, and how the frame differs from it.
+struct Texture {
+  cv::Mat3f colour, difference;
+  cv::Mat1f share;
+  cv::Mat1b known;  // 255
+};
+
+Texture texture_of(const harmonize::FilledFrame& frame, const cv::Mat1b& wanted, const View& view, const depth::DepthMap& depth,
+                   const Surfaces& surfaces) {
+  const Region region(grown(wanted, kRing));
+  const std::vector<Shown> found = surfaces.look_up(view, region, depth);
+  const cv::Size size = wanted.size();
+  Texture out{cv::Mat3f(size, cv::Vec3f()), cv::Mat3f(size, cv::Vec3f()), cv::Mat1f(size, 0.0F), cv::Mat1b(size, uchar{0})};
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    const cv::Point p = region.pixels[i];
+    if (!(found[i].span > 0) || frame.kind(p) == static_cast<uchar>(Kind::empty)) continue;
+    out.colour(p) = found[i].colour;
+    out.difference(p) = frame.colour(p) - found[i].colour;
+    out.share(p) = share_of(found[i].span);
+    out.known(p) = 255;
+  }
+  return out;
+}
+
+// The mean of a difference over the ring near each of its pixels: a texture that is off by a pixel there must not run on
+// inwards.
+cv::Mat3f smoothed_ring(const Texture& texture, const cv::Mat1b& wanted) {
+  constexpr double kSigma = 2;  // px
+  const cv::Mat1b ring(texture.known & ~wanted);
+  cv::Mat3f sum(ring.size(), cv::Vec3f());
+  cv::Mat1f weight(ring.size(), 0.0F);
+  texture.difference.copyTo(sum, ring);
+  weight.setTo(1, ring);
+  cv::GaussianBlur(sum, sum, {}, kSigma);
+  cv::GaussianBlur(weight, weight, {}, kSigma);
+  for (const cv::Point p : Region(ring).pixels) sum(p) /= weight(p);
+  return sum;
+}
+
+// Screened Poisson equation of what is added to the texture: at the rim what the frame differs by there, and farther in what
+// the interpolation differs by on average.
+std::vector<cv::Vec3f> light(const Texture& texture, const cv::Mat1b& wanted, const Region& region) {
+  constexpr float kHold = 3e-3F;  // beyond 18 px, 1 / sqrt(kHold), the interpolation tells the light
+  const cv::Mat3f rim = smoothed_ring(texture, wanted);
+  PoissonSystem system{region, {}, {}, 1};
+  std::vector<cv::Vec3f> x;
+  const cv::Rect inside({}, wanted.size());
+  for (const cv::Point p : region.pixels) {
+    float diagonal = kHold;
+    cv::Vec3f right = kHold * texture.difference(p);
+    for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
+      if (!inside.contains(q) || texture.known(q) == 0) continue;
+      diagonal += 1;
+      if (wanted(q) == 0) right += rim(q);
+    }
+    system.diagonal.push_back(diagonal);
+    system.right.push_back(right);
+    x.push_back(texture.difference(p));
+  }
+  solve_poisson(system, x);
+  return x;
+}
+
+}  // namespace
+
+harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const View& view, const depth::DepthMap& depth,
+                                  const Surfaces& surfaces) {
+  const cv::Mat1b wanted(frame.kind == static_cast<uchar>(Kind::interpolated));
+  if (cv::countNonZero(wanted) == 0) return frame;
+  const Texture texture = texture_of(frame, wanted, view, depth, surfaces);
+  const Region region(cv::Mat1b(wanted & texture.known));
+  if (region.size() == 0) return frame;
+  const std::vector<cv::Vec3f> lights = light(texture, wanted, region);
+  harmonize::FilledFrame out = frame;
+  for (cv::Mat* changed : std::initializer_list<cv::Mat*>{&out.colour, &out.kind, &out.confidence}) *changed = changed->clone();
+  cv::Mat1f distance;
+  cv::distanceTransform(cv::Mat1b(frame.kind >= static_cast<uchar>(Kind::interpolated)), distance, cv::DIST_L2,
+                        cv::DIST_MASK_PRECISE);
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    const cv::Point p = region.pixels[i];
+    const float share = texture.share(p);
+    if (!(share > 0)) continue;
+    const cv::Vec3f colour = (1 - share) * frame.colour(p) + share * (texture.colour(p) + lights[i]);
+    for (int c = 0; c < 3; ++c) out.colour(p)[c] = std::clamp(colour[c], 0.0F, 255.0F);
+    out.kind(p) = static_cast<uchar>(Kind::synthesised);
+    out.confidence(p) = static_cast<uchar>(std::lround(255 * synthesised_confidence(distance(p))));
+  }
+  return out;
+}
+
+}  // namespace dvi::synthesize

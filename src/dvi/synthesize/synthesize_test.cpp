@@ -1,0 +1,156 @@
+#include "dvi/synthesize/synthesize.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "dvi/drive/memory_views.h"
+#include "dvi/synthesize/road.h"
+
+namespace dvi::synthesize {
+namespace {
+
+using harmonize::Kind;
+
+constexpr double kHeight = 1.6;  // metres of the camera above the ground
+constexpr int kViews = 16;
+
+View looking_ahead(double x) {
+  View view;
+  view.camera = {320, 120, 250, 250, 159.5, 39.5, {}};
+  view.camera_from_world.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  view.camera_from_world.t = -(view.camera_from_world.R * Eigen::Vector3d(x, 0, 0));
+  return view;
+}
+
+/// Stripes along the road, and what the camera saw of them from 1 m to the next.
+struct Street {
+  std::vector<View> views;
+  std::vector<cv::Mat3b> images;
+  std::vector<cv::Mat1b> masks;
+  map::StaticMap map;
+
+  /// Where a car stands all along, world axes.
+  static bool parked(double x, double y) { return x > 14 && x < 18 && y > -3 && y < 0.5; }
+  static uchar colour(double y) { return std::fmod(std::abs(y), 1.0) < 0.5 ? 90 : 130; }
+
+  Street() {
+    for (int i = 0; i < kViews; ++i) {
+      views.push_back(looking_ahead(i));
+      images.emplace_back(120, 320, cv::Vec3b(200, 200, 200));
+      masks.emplace_back(120, 320, uchar{0});
+      paint(views.back(), images.back(), masks.back());
+    }
+    for (double x = -20; x < 60; x += 0.5)
+      for (double y = -12; y < 12; y += 0.5) {
+        map::MapPoint point;
+        point.position = Eigen::Vector3d(x, y, -kHeight).cast<float>();
+        point.normal = Eigen::Vector3f::UnitZ();
+        map.points.push_back(point);
+      }
+  }
+
+  static void paint(const View& view, cv::Mat3b& image, cv::Mat1b& mask) {
+    const SE3 world_from_camera = view.camera_from_world.inverse();
+    for (int v = 0; v < image.rows; ++v)
+      for (int u = 0; u < image.cols; ++u) {
+        const Eigen::Vector3d ray = world_from_camera.R * view.camera.ray({u, v});
+        if (ray.z() >= -0.03) continue;
+        const Eigen::Vector3d x = world_from_camera.t - kHeight / ray.z() * ray;
+        image(v, u) = cv::Vec3b::all(colour(x.y()));
+        if (parked(x.x(), x.y())) mask(v, u) = 255;
+      }
+  }
+
+  depth::DepthMap depth() const { return {cv::Mat1f(120, 320, 0.0F), cv::Mat1f(120, 320, 0.0F)}; }
+
+  /// View 8, its hole interpolated as grey.
+  harmonize::FilledFrame interpolated() const {
+    harmonize::FilledFrame frame;
+    images[8].convertTo(frame.colour, CV_32F);
+    frame.mask = masks[8].clone();
+    frame.kind = cv::Mat1b(masks[8] / 255 * static_cast<uchar>(Kind::interpolated));
+    frame.confidence = cv::Mat1b(~masks[8]);
+    frame.colour.setTo(cv::Scalar::all(110), frame.mask);
+    return frame;
+  }
+  harmonize::FilledFrame run(const harmonize::FilledFrame& frame) const {
+    const Views all = memory_views(views, images, masks);
+    const Lazy<depth::VisibilityMap> visibility(views.size(),
+                                                [&](std::size_t i) { return depth::visibility_map(depth(), *all.masks[i]); });
+    return synthesize(frame, all[8], depth(), Surfaces(map, all, visibility));
+  }
+};
+
+double mean_error(const cv::Mat3f& image, const cv::Mat3b& truth, const cv::Mat1b& where) {
+  double sum = 0;
+  int count = 0;
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x)
+      if (where(y, x) != 0) {
+        sum += std::abs(image(y, x)[1] - static_cast<float>(truth(y, x)[1]));
+        ++count;
+      }
+  return count > 0 ? sum / count : 0;
+}
+
+TEST(Synthesize, StripesOfTheRoadRunOnUnderAParkedCar) {
+  const Street street;
+  const harmonize::FilledFrame before = street.interpolated(), after = street.run(before);
+  const cv::Mat1b hole = before.mask;
+  ASSERT_GT(cv::countNonZero(hole), 500);
+  EXPECT_EQ(cv::countNonZero(cv::Mat1b(after.kind == static_cast<uchar>(Kind::synthesised)) != hole), 0);
+  EXPECT_LT(mean_error(after.colour, street.images[8], hole), 0.7 * mean_error(before.colour, street.images[8], hole));
+  const cv::Mat1b outside(~hole);
+  EXPECT_EQ(mean_error(after.colour, street.images[8], outside), 0);
+}
+
+TEST(Synthesize, WithoutGroundNothingIsMadeUp) {
+  Street street;
+  street.map.points.clear();
+  const harmonize::FilledFrame before = street.interpolated(), after = street.run(before);
+  EXPECT_EQ(cv::norm(before.colour, after.colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(before.kind, after.kind, cv::NORM_INF), 0);
+}
+
+TEST(Synthesize, AHoleOfTheWholeFrameIsFilledWithNumbers) {
+  Street street;
+  harmonize::FilledFrame frame = street.interpolated();
+  frame.mask.setTo(255);
+  frame.kind.setTo(static_cast<uchar>(Kind::interpolated));
+  frame.colour.setTo(cv::Scalar::all(255));
+  const harmonize::FilledFrame after = street.run(frame);
+  EXPECT_TRUE(cv::checkRange(after.colour, true, nullptr, 0, 255.001));
+}
+
+TEST(Synthesize, AFrameWithoutAHoleStays) {
+  const Street street;
+  harmonize::FilledFrame frame = street.interpolated();
+  frame.kind.setTo(0);
+  EXPECT_EQ(cv::norm(street.run(frame).colour, frame.colour, cv::NORM_INF), 0);
+}
+
+TEST(Road, FindsPlacesAgainInABend) {
+  std::vector<View> views;
+  for (int i = 0; i < 60; ++i) {
+    const double angle = 0.02 * i;
+    View view = looking_ahead(0);
+    view.camera_from_world.t =
+        -(view.camera_from_world.R * Eigen::Vector3d(50 * std::sin(angle), 50 * (1 - std::cos(angle)), 0));
+    views.push_back(view);
+  }
+  const Road road(memory_views(views, std::vector<cv::Mat3b>(60), std::vector<cv::Mat1b>(60)));
+  for (double along = 5; along < road.length() - 5; along += 3.7)
+    for (const double left : {-9.0, -1.5, 0.0, 4.0, 9.0}) {
+      const auto found = road.locate(road.place(along, left));
+      ASSERT_TRUE(found);
+      EXPECT_NEAR(found->x(), along, 0.05);
+      EXPECT_NEAR(found->y(), left, 0.05);
+    }
+  EXPECT_FALSE(road.locate({-500, 800}));
+}
+
+}  // namespace
+}  // namespace dvi::synthesize
