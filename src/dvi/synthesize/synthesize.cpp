@@ -21,7 +21,7 @@ constexpr int kRing = 6;  // px round what is synthesised in which light and tex
 /// How much of the contrast of what the surfaces show is used. What is made up is to look real, not to stand out, and where a
 /// pixel covers a metre of the ground, its height and the offsets are off by more than a pixel.
 float share_of(float span) {
-  constexpr float kMost = 0.7F, kFine = 0.5F, kCoarse = 1;  // metres
+  constexpr float kMost = 0.6F, kFine = 0.5F, kCoarse = 1;  // metres
   return kMost * std::clamp((kCoarse - span) / (kCoarse - kFine), 0.0F, 1.0F);
 }
 
@@ -71,7 +71,7 @@ cv::Mat3f smoothed_ring(const Texture& texture, const cv::Mat1b& wanted) {
 // Screened Poisson equation of what is added to the texture: at the rim what the frame differs by there, and farther in what
 // the interpolation differs by on average.
 std::vector<cv::Vec3f> light(const Texture& texture, const cv::Mat1b& wanted, const Region& region) {
-  constexpr float kHold = 3e-3F;  // beyond 18 px, 1 / sqrt(kHold), the interpolation tells the light
+  constexpr float kHold = 1e-2F;  // beyond 10 px, 1 / sqrt(kHold), the interpolation tells the light
   const cv::Mat3f rim = smoothed_ring(texture, wanted);
   PoissonSystem system{region, {}, {}, 1};
   std::vector<cv::Vec3f> x;
