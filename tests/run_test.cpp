@@ -309,6 +309,21 @@ TEST_F(Run, EveryStageCanBeSwitchedOff) {
   for (const auto& frame : report("paper")["frames"]) EXPECT_LE(frame["energy"]["after"], frame["energy"]["before"]);
 }
 
+TEST_F(Run, WhatNobodySawIsSynthesisedInterpolatedOrLeft) {
+  small_drive("one", "--lorry");
+  const auto share = [&](const std::string& how) {
+    const Result result = dvi("run one -o " + how + " --quiet --never-seen " + how);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return report(how)["hole"]["share"];
+  };
+  const auto synthesised = share("synthesise"), interpolated = share("interpolate"), left = share("leave");
+  EXPECT_GT(synthesised["synthesised"], 0.05);
+  EXPECT_EQ(synthesised["never_seen"], interpolated["never_seen"]);
+  EXPECT_EQ(interpolated["interpolated"], interpolated["never_seen"]);
+  EXPECT_EQ(left["empty"], left["never_seen"]);
+  EXPECT_EQ(dvi("run one -o no --quiet --never-seen guess").code, 2);
+}
+
 TEST_F(Run, EmptyMasksLeaveTheDriveAsItIs) {
   const fs::path drive = small_drive();
   for (const fs::path& mask : list_files(drive / "masks/front", {".png"})) io::write_png(mask, cv::Mat1b(kSize, uchar{0}));
