@@ -1,6 +1,5 @@
 #include "dvi/registration/key_scans.h"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>

@@ -13,7 +13,6 @@
 #include "dvi/drive/outline.h"
 #include "dvi/image/grey.h"
 #include "dvi/image/optical_flow.h"
-#include "dvi/image/region.h"
 #include "dvi/traffic/outlines.h"
 #include "dvi/traffic/seconds.h"
 
