@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include "dvi/core/median.h"
+#include "dvi/drive/view.h"
+#include "dvi/map/static_map.h"
+#include "dvi/synthesize/road.h"
 
 namespace dvi::synthesize {
 namespace {

@@ -3,13 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
-#include <utility>
+#include <optional>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
+#include "dvi/core/lazy.h"
+#include "dvi/depth/visibility_map.h"
+#include "dvi/drive/view.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/synthesize/ground.h"
+#include "dvi/synthesize/road.h"
+#include "dvi/synthesize/sheet.h"
 
 namespace dvi::synthesize {
 namespace {

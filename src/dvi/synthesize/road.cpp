@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
+#include <optional>
+#include <vector>
+
+#include "dvi/drive/view.h"
 
 namespace dvi::synthesize {
 namespace {
@@ -55,11 +58,11 @@ Road::Road(const Views& views) {
   const std::vector<Eigen::Vector2d> way = smoothed(centres(views));
   std::vector<Eigen::Vector2d> corners{way.front() - kOnward * heading(views, way, false)};
   corners.insert(corners.end(), way.begin(), way.end());
-  corners.push_back(way.back() + kOnward * heading(views, way, true));
+  corners.emplace_back(way.back() + kOnward * heading(views, way, true));
   double open = 0;  // metres from the last corner to the next place
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     const Eigen::Vector2d step = corners[i + 1] - corners[i];
-    for (; open <= step.norm(); open += 1) way_.push_back(corners[i] + open * step.normalized());
+    for (; open <= step.norm(); open += 1) way_.emplace_back(corners[i] + open * step.normalized());
     open -= step.norm();
   }
   for (std::size_t i = 0; i < way_.size(); ++i) {

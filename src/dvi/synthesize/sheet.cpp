@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 

@@ -4,10 +4,22 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <optional>
+#include <vector>
 
-#include "dvi/image/interpolate.h"
+#include "dvi/core/lazy.h"
+#include "dvi/depth/depth_map.h"
+#include "dvi/depth/visibility_map.h"
+#include "dvi/drive/sensor.h"
+#include "dvi/drive/view.h"
+#include "dvi/geometry/se3.h"
+#include "dvi/image/region.h"
+#include "dvi/map/static_map.h"
+#include "dvi/synthesize/ground.h"
 #include "dvi/synthesize/pieces.h"
+#include "dvi/synthesize/road.h"
+#include "dvi/synthesize/sheet.h"
 
 namespace dvi::synthesize {
 
@@ -20,7 +32,7 @@ struct Surfaces::Pieces {
       : Pieces(map, views, visibility, Road(views)) {}
 
  private:
-  Pieces(const map::StaticMap& map, const Views& views, const Lazy<depth::VisibilityMap>& visibility, Road way)
+  Pieces(const map::StaticMap& map, const Views& views, const Lazy<depth::VisibilityMap>& visibility, const Road& way)
       : Pieces(Painter(views, visibility, way), way, Ground(map, way, views)) {}
   Pieces(const Painter& painter, const Road& way, const Ground& level)
       : road(way), height(level), ground(painter, way, level) {}

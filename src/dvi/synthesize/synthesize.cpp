@@ -8,8 +8,12 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/depth/depth_map.h"
+#include "dvi/drive/view.h"
+#include "dvi/harmonize/filled_frame.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
+#include "dvi/synthesize/surfaces.h"
 
 namespace dvi::synthesize {
 namespace {
@@ -27,7 +31,7 @@ float share_of(float span) {
 
 /// Probability that a synthesised pixel is within 10 grey levels of the truth, by its distance in pixels to the nearest pixel
 /// that was known or copied (docs/algorithms/synthesise.md).
-double synthesised_confidence(float distance) { return 0.12 + 0.36 * std::exp(-distance / 8); }
+double synthesised_confidence(float distance) { return 0.12 + 0.42 * std::exp(-distance / 9); }
 
 /// What the surfaces show, and how the frame differs from it.
 struct Texture {
