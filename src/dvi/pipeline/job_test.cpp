@@ -45,7 +45,7 @@ TEST(Job, UsersAreShownFewOptions) {
   const OptionTable table = job.table();
   const auto users = std::count_if(table.options().begin(), table.options().end(),
                                    [](const Option& o) { return o.audience == Audience::user; });
-  EXPECT_LE(users, 29);
+  EXPECT_LE(users, 30);
   EXPECT_GT(table.options().size(), 60);
 }
 
