@@ -40,6 +40,25 @@ struct Texture {
   cv::Mat1b known;  // 255
 };
 
+// Brings the texture into the light of the frame round it: light multiplies, so contrast goes with it, and a pattern of the sun
+// does not shine in the shade.
+void relight(Texture& texture, const cv::Mat3f& frame) {
+  constexpr double kSigma = 10;  // px
+  constexpr float kDark = 4, kMost = 2;
+  cv::Mat3f shown = texture.colour.clone(), lit(frame.size(), cv::Vec3f());
+  frame.copyTo(lit, texture.known);
+  for (cv::Mat3f* m : {&shown, &lit}) cv::GaussianBlur(*m, *m, {}, kSigma);
+  cv::Mat1f weight(frame.size(), 0.0F);
+  weight.setTo(1, texture.known);
+  cv::GaussianBlur(weight, weight, {}, kSigma);
+  for (const cv::Point p : Region(texture.known).pixels)
+    for (int c = 0; c < 3; ++c) {
+      const float dark = kDark * weight(p);
+      texture.colour(p)[c] *= std::min((lit(p)[c] + dark) / (shown(p)[c] + dark), kMost);
+      texture.difference(p)[c] = frame(p)[c] - texture.colour(p)[c];
+    }
+}
+
 Texture texture_of(const harmonize::FilledFrame& frame, const cv::Mat1b& wanted, const View& view, const depth::DepthMap& depth,
                    const Surfaces& surfaces) {
   const Region region(grown(wanted, kRing));
@@ -50,10 +69,10 @@ Texture texture_of(const harmonize::FilledFrame& frame, const cv::Mat1b& wanted,
     const cv::Point p = region.pixels[i];
     if (!(found[i].span > 0) || frame.kind(p) == static_cast<uchar>(Kind::empty)) continue;
     out.colour(p) = found[i].colour;
-    out.difference(p) = frame.colour(p) - found[i].colour;
     out.share(p) = share_of(found[i].span);
     out.known(p) = 255;
   }
+  relight(out, frame.colour);
   return out;
 }
 

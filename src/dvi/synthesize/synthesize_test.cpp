@@ -107,6 +107,17 @@ TEST(Synthesize, StripesOfTheRoadRunOnUnderAParkedCar) {
   EXPECT_EQ(mean_error(after.colour, street.images[8], outside), 0);
 }
 
+TEST(Synthesize, InTheShadeContrastGoesWithTheLight) {
+  const Street street;
+  harmonize::FilledFrame frame = street.interpolated();
+  frame.colour = cv::Mat3f(0.25 * frame.colour);
+  const harmonize::FilledFrame after = street.run(frame);
+  cv::Scalar mean, deviation, lit_deviation;
+  cv::meanStdDev(after.colour, mean, deviation, frame.mask);
+  cv::meanStdDev(street.run(street.interpolated()).colour, mean, lit_deviation, frame.mask);
+  EXPECT_NEAR(deviation[1] / lit_deviation[1], 0.25, 0.1);
+}
+
 TEST(Synthesize, WithoutGroundNothingIsMadeUp) {
   Street street;
   street.map.points.clear();
