@@ -4,7 +4,8 @@ import json
 import re
 
 OWN_RECORDS = ".dvi"
-TELL_TIMES = ("report.json", "dvi.toml")
+PAGE = "report/index.js"
+TELL_TIMES = ("report.json", "dvi.toml", PAGE)
 
 
 def contents(out):
@@ -24,11 +25,15 @@ def timeless(name, data):
     if name == "dvi.toml":
         return re.sub(r"(?m)^out = .*\n", "", text)
     try:
-        report = json.loads(text)
+        document = json.loads(text[text.index("(") + 1:text.rindex(")")] if name == PAGE else text)
     except ValueError:
         return "not JSON"
+    report = document["run"] if name == PAGE else document
     report.pop("cost", None)
-    return json.dumps(report, sort_keys=True)
+    if name == PAGE:
+        document.pop("title")  # the name of the folder
+        document["options"] = [option for option in document["options"] if option["name"] != "job.out"]
+    return json.dumps(document, sort_keys=True)
 
 
 def differences(expected, out):

@@ -91,7 +91,7 @@ def main():
         print(f"{told[0].mutation}: {told[0].what}: exit {told[0].code}")
     print(table(told))
     bad = sum(1 for case in told if case.findings)
-    print(f"{len(told)} cases, {bad} with findings, {sum(c.cpu for c in told) / len(told):.2f} CPU s per case")
+    print(f"{len(told)} cases, {bad} with findings, {sum(c.cpu for c in told) / max(1, len(told)):.2f} CPU s per case")
     return 1 if bad else 0
 
 
