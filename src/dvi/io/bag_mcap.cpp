@@ -17,7 +17,14 @@ constexpr std::uint64_t kRecordHead = 9;  // opcode and length
 constexpr std::uint64_t kNoChunk = 0;     // no chunk begins where the magic is
 
 // Of the format's records, those that matter (https://mcap.dev/spec).
-enum Opcode : std::uint8_t { kFooter = 2, kSchema = 3, kChannel = 4, kMessage = 5, kChunk = 6, kMessageIndex = 7 };
+enum Opcode : std::uint8_t {
+  footer_record = 2,
+  schema_record = 3,
+  channel_record = 4,
+  message_record = 5,
+  chunk_record = 6,
+  message_index_record = 7
+};
 
 struct McapChannel {
   std::uint16_t schema = 0;
@@ -67,9 +74,9 @@ class McapScan {
     for (std::uint64_t at = kMcapMagic.size(); !complete;) {
       if (at >= file_.size()) file_.fail(at, "the file ends without a footer");
       const auto [opcode, length] = head(at);
-      if (opcode != kMessageIndex) finish_chunk();
+      if (opcode != message_index_record) finish_chunk();
       take(opcode, at, length);
-      complete = opcode == kFooter;
+      complete = opcode == footer_record;
       at += kRecordHead + length;
     }
     find_unknown_channels();
@@ -87,35 +94,36 @@ class McapScan {
   }
 
   void take(std::uint8_t opcode, std::uint64_t at, std::uint64_t length) {
-    if (opcode == kChunk) {
+    if (opcode == chunk_record) {
       open_chunk_ = at;
       chunks_.push_back(at);
       return;
     }
-    if (opcode != kSchema && opcode != kChannel && opcode != kMessage && opcode != kMessageIndex) return;
+    if (opcode != schema_record && opcode != channel_record && opcode != message_record && opcode != message_index_record)
+      return;
     constexpr std::uint64_t kMessageHead = 2 + 4 + 8;
-    const std::string bytes = file_.read(at + kRecordHead, opcode == kMessage ? std::min(length, kMessageHead) : length);
-    guarded(at, [&] { take(opcode, bytes, opcode == kMessageIndex ? open_chunk_.value_or(kNoChunk) : kNoChunk, at); });
+    const std::string bytes = file_.read(at + kRecordHead, opcode == message_record ? std::min(length, kMessageHead) : length);
+    guarded(at, [&] { take(opcode, bytes, opcode == message_index_record ? open_chunk_.value_or(kNoChunk) : kNoChunk, at); });
   }
 
   // `chunk`: that the record stands in, or indexes; `at`: its place there, or in the file.
   void take(std::uint8_t opcode, std::string_view bytes, std::uint64_t chunk, std::uint64_t at) {
     ByteCursor cursor(bytes);
-    if (opcode == kSchema) {
+    if (opcode == schema_record) {
       const auto id = cursor.take<std::uint16_t>();
       schemas_[id] = cursor.take_sized<std::uint32_t>();
-    } else if (opcode == kChannel) {
+    } else if (opcode == channel_record) {
       const auto id = cursor.take<std::uint16_t>();
       McapChannel channel;
       channel.schema = cursor.take<std::uint16_t>();
       channel.topic = cursor.take_sized<std::uint32_t>();
       channel.encoding = cursor.take_sized<std::uint32_t>();
       channels_[id] = std::move(channel);
-    } else if (opcode == kMessage) {
+    } else if (opcode == message_record) {
       const auto channel = cursor.take<std::uint16_t>();
       cursor.take(4);  // sequence
       messages_[channel].push_back({static_cast<std::int64_t>(cursor.take<std::uint64_t>()), 0, chunk, at});
-    } else if (opcode == kMessageIndex && chunk != kNoChunk) {
+    } else if (opcode == message_index_record && chunk != kNoChunk) {
       indexed_ = true;
       const auto channel = cursor.take<std::uint16_t>();
       ByteCursor entries(cursor.take_sized<std::uint32_t>());
@@ -141,7 +149,8 @@ class McapScan {
         const std::uint64_t at = chunk.size() - cursor.left();
         const auto opcode = cursor.take<std::uint8_t>();
         const std::string_view record = cursor.take_sized<std::uint64_t>();
-        if (opcode == kSchema || opcode == kChannel || (opcode == kMessage && with_messages)) take(opcode, record, place, at);
+        if (opcode == schema_record || opcode == channel_record || (opcode == message_record && with_messages))
+          take(opcode, record, place, at);
       }
     });
   }

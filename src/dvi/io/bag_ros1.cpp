@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view kRos1Magic = "#ROSBAG V2.0\n";
 
 // Of the records, those that matter (https://wiki.ros.org/Bags/Format/2.0).
-enum Ros1Op : std::uint8_t { kMessageData = 2, kBagHeader = 3, kIndexData = 4, kChunkOp = 5, kConnection = 7 };
+enum Ros1Op : std::uint8_t { message_data_op = 2, bag_header_op = 3, index_data_op = 4, chunk_op = 5, connection_op = 7 };
 
 // The fields "name=value" of a record's header.
 class Ros1Fields {
@@ -92,12 +92,12 @@ class Ros1Scan {
       const Ros1Record record = record_at(file_, at);
       guarded(at, [&] {
         const auto op = record.fields.number<std::uint8_t>("op");
-        if (chunk && op != kIndexData) walk(*chunk);
-        if (op == kIndexData && chunk_of_index_) index(record);
-        if (op != kIndexData) chunk_of_index_.reset();
+        if (chunk && op != index_data_op) walk(*chunk);
+        if (op == index_data_op && chunk_of_index_) index(record);
+        if (op != index_data_op) chunk_of_index_.reset();
         chunk.reset();
-        if (op == kConnection) connect(record.fields, file_.read(record.data, record.length));
-        if (op == kChunkOp) chunk = chunk_of_index_ = at;
+        if (op == connection_op) connect(record.fields, file_.read(record.data, record.length));
+        if (op == chunk_op) chunk = chunk_of_index_ = at;
       });
       at = record.end();
     }
@@ -133,8 +133,8 @@ class Ros1Scan {
       const Ros1Fields fields(cursor.take_sized<std::uint32_t>());
       const std::string_view data = cursor.take_sized<std::uint32_t>();
       const auto op = fields.number<std::uint8_t>("op");
-      if (op == kConnection) connect(fields, std::string(data));
-      if (op == kMessageData)
+      if (op == connection_op) connect(fields, std::string(data));
+      if (op == message_data_op)
         topics_[fields.number<std::uint32_t>("conn")].messages.push_back({fields.time("time"), 0, place, at});
     }
   }

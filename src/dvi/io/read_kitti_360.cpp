@@ -126,10 +126,9 @@ class BoxReader {
       fail(object, "has no transform of 4x4 and vertices of Nx3 numbers");
     Eigen::Matrix3d scaled;
     Eigen::Vector3d centre, low(v[0], v[1], v[2]), high = low;
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) scaled(row, column) = m[static_cast<std::size_t>(4 * row + column)];
-      centre[row] = m[static_cast<std::size_t>(4 * row + 3)];
-    }
+    const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> transform(m.data());
+    scaled = transform.leftCols<3>();
+    centre = transform.col(3);
     for (std::size_t i = 0; i < v.size(); i += 3) {
       const Eigen::Vector3d vertex(v[i], v[i + 1], v[i + 2]);
       low = low.cwiseMin(vertex), high = high.cwiseMax(vertex);
