@@ -1,9 +1,9 @@
 #!/bin/bash
-# A drive on a Slurm cluster without further tools, in tasks of 100 frames. The number of tasks is that of the frames over 100:
+# A drive on a Slurm cluster without further tools. For frames 0 to 1999, as `dvi plan` says them, in 20 tasks of 100:
 #   dvi plan DRIVE -o OUT
-#   fill=$(sbatch --parsable --array=0-19 deploy/slurm_array.sh OUT)
+#   fill=$(sbatch --parsable --array=0-19 deploy/slurm_array.sh OUT 0 100)
 #   sbatch --dependency=afterok:$fill --wrap "dvi finish OUT"
-# A task that failed is called again by the same line; what is finished is kept.
+# What a failed task finished is kept: `sbatch --array=7 deploy/slurm_array.sh OUT 0 100` goes on with it.
 #SBATCH --cpus-per-task=2 --mem=4G --time=2:00:00
-first=$((SLURM_ARRAY_TASK_ID * 100))
-exec dvi fill "$1" --frames "$first:$((first + 99))" --threads 2
+out=$1 first=$(($2 + SLURM_ARRAY_TASK_ID * $3))
+exec dvi fill "$out" --frames "$first:$((first + $3 - 1))" --threads 2
