@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# install_test.sh SOURCE BUILD SANITIZERS: installs the build into a folder of its own, builds the example against it, runs both.
+# install_test.sh SOURCE BUILD COMPILER SANITIZERS: installs the build into a folder of its own, builds the example against it, runs both.
 set -euo pipefail
-source=$1 build=$2 sanitizers=$3
+source=$1 build=$2 compiler=$3 sanitizers=$4
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 cmake --install "$build" --prefix "$work/prefix" >/dev/null
 flags=${sanitizers:+-fsanitize=$sanitizers}
 cmake -S "$source/examples" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$work/prefix" \
-  -DCMAKE_CXX_FLAGS="$flags" >/dev/null
+  -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS="$flags" >/dev/null
 cmake --build "$work/build"
 
 "$work/prefix/bin/dvi" synth -o "$work/drive" --frames 3 --width 160 --height 90 --beams 16 --columns 600 --quiet

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs the fuzz targets of the parsers, each for some seconds, and tells what they found.
 
-    parsers.py --build build/fuzz [--seconds N] [--seed S] [--only NAME] [--jobs N]
+    parsers.py --build build/asan-ubsan [--seconds N] [--seed S] [--only NAME] [--jobs N]
 
 Prints a line for each target, below each finding the command that repeats it. Exits with 1 if there are findings. Inputs that
 show one are kept in BUILD/findings.
