@@ -9,6 +9,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "dvi/core/lazy.h"
+#include "dvi/drive/given_map.h"
 #include "dvi/drive/label.h"
 #include "dvi/drive/scan.h"
 #include "dvi/drive/sensor.h"
@@ -68,11 +69,16 @@ struct Drive {
   /// Factor of the given positions to metres of the drive's own place: the Mercator scale of oxts; 1 where poses are
   /// metric. Two drives share a world when their positions are brought to one scale.
   double world_scale = 1;
+  /// The camera itself is what given poses are of: text files of poses are in its axes, not in those of a LiDAR.
+  bool camera_is_posed = false;
 
   Lazy<cv::Mat3b> images;  ///< as `frames`; BGR
   Lazy<Scan> scans;        ///< as `scan_headers`
+  Lazy<GivenMap> map;      ///< one, where the drive brings a static map instead of scans; else empty
   Lazy<cv::Mat1b> masks;   ///< as `frames`, 255 = remove; empty where the drive brings none
 
+  /// The file of `map`; empty where there is none.
+  std::filesystem::path map_file;
   /// Files that everything depends on besides images, scans and masks (calibration, poses, labels).
   std::vector<std::filesystem::path> other_files;
   /// Mask files as `frames` (an empty path: none for that frame); empty where the drive brings none.
@@ -80,6 +86,8 @@ struct Drive {
   /// Gaps that the rest can bridge, in words that name them.
   std::vector<std::string> warnings;
 
+  /// Whether anything tells how far away what the images show is.
+  bool has_geometry() const { return !scan_headers.empty() || !map.empty(); }
   bool has_labels() const {
     for (const Frame& frame : frames)
       if (!frame.labels.empty()) return true;

@@ -31,8 +31,8 @@ PointCloud read_bin(const fs::path& path) {
 
 constexpr const char* kNoPoints = "remove the file; dvi bridges a missing scan";
 
-void check(const fs::path& path, const PointCloud& cloud) {
-  if (cloud.points.empty()) throw InputError(path, "holds no points", kNoPoints);
+void check(const fs::path& path, const PointCloud& cloud, const char* remedy) {
+  if (cloud.points.empty()) throw InputError(path, "holds no points", remedy);
   const auto bad = std::count_if(cloud.points.begin(), cloud.points.end(), [](const auto& p) { return !p.allFinite(); });
   if (bad > 0)
     throw InputError(path, std::to_string(bad) + " of " + std::to_string(cloud.points.size()) + " points are not finite (NaN)",
@@ -90,9 +90,12 @@ class Columns {
 
   /// Adds a point; number(i) is the value of field i.
   template <class Number>
-  void add(PointCloud& cloud, const Number& number) const {
-    const auto value = [&](int column) { return static_cast<float>(number(static_cast<std::size_t>(at_[column]))); };
-    cloud.points.emplace_back(value(0), value(1), value(2));
+  void add(PointCloud& cloud, const Number& number, CountFrom from) const {
+    const auto exact = [&](int column) { return number(static_cast<std::size_t>(at_[column])); };
+    const auto value = [&](int column) { return static_cast<float>(exact(column)); };
+    const Eigen::Vector3d position(exact(0), exact(1), exact(2));
+    if (cloud.points.empty() && from == CountFrom::first_point && position.allFinite()) cloud.origin = position;
+    cloud.points.push_back((position - cloud.origin).cast<float>());
     cloud.intensity.push_back(at_[3] < 0 ? 0.0F : value(3));
     if (at_[4] >= 0) cloud.t.push_back(value(4));
     // In this order NaN becomes 0.
@@ -103,7 +106,7 @@ class Columns {
   int at_[6];
 };
 
-PointCloud decode_binary(const fs::path& path, const PointTable& table, std::string_view data) {
+PointCloud decode_binary(const fs::path& path, const PointTable& table, std::string_view data, CountFrom from) {
   std::vector<std::size_t> offsets;
   std::size_t row = 0;
   for (const PointField& field : table.fields) offsets.push_back(row), row += field.bytes * field.count;
@@ -113,12 +116,13 @@ PointCloud decode_binary(const fs::path& path, const PointTable& table, std::str
   PointCloud cloud;
   cloud.points.reserve(table.points);
   for (std::size_t i = 0; i < table.points; ++i)
-    columns.add(cloud,
-                [&](std::size_t field) { return load(table.fields[field], data.data() + i * row + offsets[field], swap); });
+    columns.add(
+        cloud, [&](std::size_t field) { return load(table.fields[field], data.data() + i * row + offsets[field], swap); },
+        from);
   return cloud;
 }
 
-PointCloud decode_ascii(const fs::path& path, const PointTable& table, std::string_view data) {
+PointCloud decode_ascii(const fs::path& path, const PointTable& table, std::string_view data, CountFrom from) {
   std::vector<std::size_t> offsets;
   std::size_t row = 0;
   for (const PointField& field : table.fields) offsets.push_back(row), row += field.count;
@@ -130,22 +134,23 @@ PointCloud decode_ascii(const fs::path& path, const PointTable& table, std::stri
     const std::vector<std::string> words = split_words(data.substr(0, end));
     data.remove_prefix(std::min(end + 1, data.size()));
     if (words.size() < row) fail_short(path, table.points);
-    columns.add(cloud, [&](std::size_t field) {
+    const auto number = [&](std::size_t field) {
       const std::string& word = words[offsets[field]];
       if (const auto value = to_number(word)) return *value;
       if (lower_case(word).find("nan") != std::string::npos || lower_case(word).find("inf") != std::string::npos)
         return std::nan("");
       throw InputError(path, "point " + std::to_string(i) + ": '" + word + "' is not a number");
-    });
+    };
+    columns.add(cloud, number, from);
   }
   return cloud;
 }
 
 }  // namespace
 
-PointCloud decode_points(const fs::path& path, const PointTable& table, std::string_view data) {
+PointCloud decode_points(const fs::path& path, const PointTable& table, std::string_view data, CountFrom from) {
   if (table.fields.empty()) throw InputError(path, "its header declares no fields of points");
-  return table.data == PointTable::Data::ascii ? decode_ascii(path, table, data) : decode_binary(path, table, data);
+  return table.data == PointTable::Data::ascii ? decode_ascii(path, table, data, from) : decode_binary(path, table, data, from);
 }
 
 void check_size(const fs::path& path) {
@@ -159,7 +164,17 @@ void check_size(const fs::path& path) {
 PointCloud read_point_cloud(const fs::path& path) {
   const std::string ending = path.extension().string();
   PointCloud cloud = ending == ".ply" ? read_ply(path) : ending == ".pcd" ? read_pcd(path) : read_bin(path);
-  check(path, cloud);
+  check(path, cloud, kNoPoints);
+  return cloud;
+}
+
+PointCloud read_map_cloud(const fs::path& path) {
+  const std::string ending = path.extension().string();
+  PointCloud cloud = ending == ".ply"   ? read_ply(path, CountFrom::first_point)
+                     : ending == ".pcd" ? read_pcd(path, CountFrom::first_point)
+                                        : read_las(path);
+  cloud.t.clear();  // of a map, seconds since anything
+  check(path, cloud, "write the map again");
   return cloud;
 }
 

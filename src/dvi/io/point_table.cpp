@@ -80,7 +80,7 @@ std::vector<PointField> pcd_fields(const fs::path& path, std::map<std::string, s
 
 }  // namespace
 
-PointCloud read_ply(const fs::path& path) {
+PointCloud read_ply(const fs::path& path, CountFrom from) {
   const std::string bytes = read_file(path);
   if (!bytes.starts_with("ply")) throw InputError(path, "is no PLY file");
   Header header(path, bytes);
@@ -98,10 +98,10 @@ PointCloud read_ply(const fs::path& path) {
     }
     if (key == "property" && element == "vertex") table.fields.push_back(ply_field(path, words));
   }
-  return decode_points(path, table, header.rest());
+  return decode_points(path, table, header.rest(), from);
 }
 
-PointCloud read_pcd(const fs::path& path) {
+PointCloud read_pcd(const fs::path& path, CountFrom from) {
   const std::string bytes = read_file(path);
   Header header(path, bytes);
   std::map<std::string, std::vector<std::string>> entries;
@@ -117,7 +117,7 @@ PointCloud read_pcd(const fs::path& path) {
     throw InputError(path, "is compressed, which is not read", "write it as DATA binary or ascii");
   if (data != "DATA ascii" && data != "DATA binary") fail(path, data);
   table.data = data == "DATA ascii" ? PointTable::Data::ascii : PointTable::Data::little_endian;
-  return decode_points(path, table, header.rest());
+  return decode_points(path, table, header.rest(), from);
 }
 
 }  // namespace dvi::io

@@ -23,10 +23,16 @@ struct PointTable {
   enum class Data { ascii, little_endian, big_endian } data = Data::ascii;
 };
 
-/// Takes the data behind a header apart. InputError where they are shorter than declared or lack x, y, z.
-PointCloud decode_points(const fs::path& path, const PointTable& table, std::string_view data);
+/// From where points are counted: from the origin of the file's coordinates, or from its first point.
+enum class CountFrom { origin, first_point };
 
-PointCloud read_ply(const fs::path& path);
-PointCloud read_pcd(const fs::path& path);
+/// Takes the data behind a header apart. InputError where they are shorter than declared or lack x, y, z.
+PointCloud decode_points(const fs::path& path, const PointTable& table, std::string_view data,
+                         CountFrom from = CountFrom::origin);
+
+PointCloud read_ply(const fs::path& path, CountFrom from = CountFrom::origin);
+PointCloud read_pcd(const fs::path& path, CountFrom from = CountFrom::origin);
+/// LAS 1.0 to 1.4, any point format, not compressed; counted from the first point.
+PointCloud read_las(const fs::path& path);
 
 }  // namespace dvi::io

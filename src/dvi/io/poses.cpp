@@ -72,6 +72,8 @@ Trajectory read_poses(const fs::path& file, const Drive& drive) {
     default:
       lines.front().fail("has " + std::to_string(lines.front().size()) + " entries", "docs/formats.md shows lines of poses");
   }
+  if (drive.camera_is_posed && lines.front().size() != 12)
+    for (StampedPose& pose : poses) pose.world_from_body = pose.world_from_body * drive.camera_from_lidar;
   for (const StampedPose& pose : poses) require_near(pose.world_from_body.t, file, "a pose");
   if (poses.empty()) throw InputError(file, "its names are those of no scan of the drive");
   return Trajectory(std::move(poses));

@@ -10,6 +10,7 @@ namespace dvi::io {
 ///       Or @SECONDS instead of NAME: the pose at that time
 ///    8: seconds tx ty tz qx qy qz qw, world_from_lidar (TUM)
 ///   12: world_from_camera (3x4, row-major), one line a frame (KITTI, and what dvi writes)
+/// Where Drive::camera_is_posed, the first two kinds are world_from_camera too.
 /// InputError naming file and line where a line is empty, is not numbers or holds no rotation.
 Trajectory read_poses(const fs::path& file, const Drive& drive);
 

@@ -1,28 +1,70 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <set>
+
+#include <fmt/format.h>
 
 #include "dvi/core/error.h"
 #include "dvi/drive/nearest_in_time.h"
 #include "dvi/io/camera_choice.h"
 #include "dvi/io/depth_scan.h"
 #include "dvi/io/drive_config.h"
+#include "dvi/io/given_map.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/poses.h"
 #include "dvi/io/reader.h"
+#include "dvi/io/rgbd.h"
 #include "dvi/io/text.h"
+#include "dvi/io/video_reader.h"
 
 namespace dvi::io {
 namespace {
 
 using Times = std::map<std::string, std::int64_t>;  // NAME to nanoseconds
 
-std::vector<fs::path> images_of(const fs::path& drive, const std::string& camera) {
-  return list_files(drive / "images" / camera, {".png", ".jpg", ".jpeg"});
+// A file and the NAME of what it holds.
+struct Named {
+  std::string name;
+  fs::path file;
+};
+
+std::vector<Named> named(const std::vector<fs::path>& files) {
+  std::vector<Named> out;
+  for (const fs::path& file : files) out.push_back({file.stem().string(), file});
+  return out;
+}
+
+// images/CAMERA.mp4, say; empty where there is none.
+fs::path video_of(const fs::path& drive, const std::string& camera) {
+  for (const fs::path& file : list_files(drive / "images", {".mp4", ".mkv", ".mov", ".avi"}))
+    if (file.stem() == camera) return file;
+  return {};
+}
+
+// Where the images of a camera are from.
+struct Images {
+  std::vector<Named> files;
+  std::shared_ptr<const VideoReader> video;  ///< of which each is a frame; none: they are files of their own
+};
+
+Images images_of(const fs::path& drive, const std::string& camera) {
+  Images out{named(list_files(drive / "images" / camera, {".png", ".jpg", ".jpeg"})), nullptr};
+  const fs::path video = video_of(drive, camera);
+  if (video.empty()) return out;
+  if (!out.files.empty())
+    throw InputError(video, "lies beside a folder of images of that camera", "leave one of the two there");
+  out.video = std::make_shared<const VideoReader>(video);
+  for (std::size_t i = 0; i < out.video->times_ns().size(); ++i) out.files.push_back({fmt::format("{:06}", i), video});
+  return out;
+}
+
+bool has_images(const fs::path& drive, const std::string& camera) {
+  return !list_files(drive / "images" / camera, {".png", ".jpg", ".jpeg"}).empty() || !video_of(drive, camera).empty();
 }
 
 using Spans = std::map<std::string, TimeSpan>;
@@ -54,9 +96,9 @@ bool numbered(const std::vector<std::string>& names) {
   return true;
 }
 
-std::vector<std::string> names_of(const std::vector<fs::path>& files) {
+std::vector<std::string> names_of(const std::vector<Named>& files) {
   std::vector<std::string> names;
-  for (const fs::path& file : files) names.push_back(file.stem().string());
+  for (const Named& file : files) names.push_back(file.name);
   return names;
 }
 
@@ -85,6 +127,36 @@ struct Clocks {
   fs::path camera_file, lidar_file;
 };
 
+// A video tells its own times. A file may tell better ones: lines as of images, or the seconds alone.
+Times video_times(const fs::path& file, const Images& images) {
+  Times times;
+  if (!fs::exists(file)) {
+    for (std::size_t i = 0; i < images.files.size(); ++i) times[images.files[i].name] = images.video->times_ns()[i];
+    return times;
+  }
+  const std::vector<TextLine> lines = read_text_lines(file);
+  if (lines.size() != images.files.size())
+    throw InputError(file,
+                     fmt::format("has {} times, and {} has {} frames", lines.size(),
+                                 images.files.front().file.filename().string(), images.files.size()),
+                     "give a line for each frame");
+  if (lines.front().size() != 1) return read_times(file, nullptr);
+  for (std::size_t i = 0; i < lines.size(); ++i) times[images.files[i].name] = lines[i].nanoseconds(0);
+  return times;
+}
+
+Clocks read_video_clocks(Drive& drive, const Images& images, const std::vector<std::string>& scans, double rate) {
+  Clocks clocks;
+  clocks.camera_file = drive.path / "times" / (drive.camera_name + ".txt");
+  clocks.lidar_file = drive.path / "times" / "lidar.txt";
+  clocks.camera = video_times(clocks.camera_file, images);
+  clocks.lidar =
+      fs::exists(clocks.lidar_file) ? read_times(clocks.lidar_file, &clocks.scans) : count_times(drive.path, {}, scans, rate);
+  for (const fs::path& file : {clocks.camera_file, clocks.lidar_file})
+    if (fs::exists(file)) drive.other_files.push_back(file);
+  return clocks;
+}
+
 Clocks read_clocks(Drive& drive, const std::vector<std::string>& images, const std::vector<std::string>& scans, double rate) {
   Clocks clocks;
   clocks.camera_file = drive.path / "times" / (drive.camera_name + ".txt");
@@ -97,16 +169,16 @@ Clocks read_clocks(Drive& drive, const std::vector<std::string>& images, const s
   return clocks;
 }
 
-std::int64_t time_of(const Times& times, const fs::path& file, const fs::path& source) {
-  if (const auto time = times.find(file.stem().string()); time != times.end()) return time->second;
-  throw InputError(file, "has no time", "add a line '" + file.stem().string() + " seconds' to " + source.string());
+std::int64_t time_of(const Times& times, const Named& file, const fs::path& source) {
+  if (const auto time = times.find(file.name); time != times.end()) return time->second;
+  throw InputError(file.file, "has no time", "add a line '" + file.name + " seconds' to " + source.string());
 }
 
-std::vector<Frame> make_frames(const std::vector<fs::path>& files, const Clocks& clocks) {
+std::vector<Frame> make_frames(const std::vector<Named>& files, const Clocks& clocks) {
   const bool by_number = numbered(names_of(files));
   std::vector<Frame> frames;
-  for (const fs::path& file : files)
-    frames.push_back({0, file.stem().string(), time_of(clocks.camera, file, clocks.camera_file), file, {}});
+  for (const Named& file : files)
+    frames.push_back({0, file.name, time_of(clocks.camera, file, clocks.camera_file), file.file, {}});
   std::stable_sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) { return a.time_ns < b.time_ns; });
   for (std::size_t i = 0; i < frames.size(); ++i)
     frames[i].number = by_number ? *to_integer(frames[i].name) : static_cast<int>(i);
@@ -117,20 +189,20 @@ std::vector<Frame> make_frames(const std::vector<fs::path>& files, const Clocks&
   return frames;
 }
 
-std::vector<ScanHeader> make_scan_headers(const std::vector<fs::path>& files, const Clocks& clocks, std::int64_t length,
+std::vector<ScanHeader> make_scan_headers(const std::vector<Named>& files, const Clocks& clocks, std::int64_t length,
                                           LidarConfig::Stamp stamp) {
   std::vector<ScanHeader> scan_headers;
-  for (const fs::path& file : files) {
+  for (const Named& file : files) {
     const std::int64_t time = time_of(clocks.lidar, file, clocks.lidar_file);
-    if (const auto span = clocks.scans.find(file.stem().string()); span != clocks.scans.end()) {
-      scan_headers.push_back({file.stem().string(), time, span->second.first, span->second.last, file});
+    if (const auto span = clocks.scans.find(file.name); span != clocks.scans.end()) {
+      scan_headers.push_back({file.name, time, span->second.first, span->second.last, file.file});
       continue;
     }
     const std::int64_t half = length / 2;
     const std::int64_t middle = stamp == LidarConfig::Stamp::start ? time + half
                                 : stamp == LidarConfig::Stamp::end ? time - half
                                                                    : time;
-    scan_headers.push_back({file.stem().string(), middle, middle - half, middle + half, file});
+    scan_headers.push_back({file.name, middle, middle - half, middle + half, file.file});
   }
   std::stable_sort(scan_headers.begin(), scan_headers.end(),
                    [](const ScanHeader& a, const ScanHeader& b) { return a.time_ns < b.time_ns; });
@@ -148,7 +220,7 @@ std::vector<Gap> find_gaps(Drive& drive, std::int64_t period) {
     const Frame& frame = drive.frames[i];
     if (i > 0) ++steps[frame.number - drive.frames[i - 1].number];
     const ScanHeader* header = nearest_in_time(drive.scan_headers, frame.time_ns, period * 6 / 10);
-    if (!header) scans.frames.push_back(frame.number);
+    if (!header && drive.map.empty()) scans.frames.push_back(frame.number);
     if (header && by_scan && !posed.contains(header->time_ns)) poses.frames.push_back(frame.number);
   }
   // Numbers are missing only where they otherwise count in even steps, and not where names are times, say.
@@ -170,19 +242,31 @@ DriveConfig read_config(const fs::path& path) {
   return *config;
 }
 
-void set_camera(Drive& drive, const DriveConfig& config, bool depth) {
+// What tells how far away things are.
+enum class Geometry { scans, depth, map };
+
+void set_camera(Drive& drive, const DriveConfig& config, const Images& images, Geometry geometry) {
   const CameraConfig camera = config.camera(drive.camera_name);
   const std::string table = "[camera." + drive.camera_name + "]";
   if (!camera.K) throw InputError(config.file, table + " has no K", "K = [fx, 0, cx, 0, fy, cy, 0, 0, 1] in pixels");
-  if (!camera.camera_from_lidar && !depth)
+  if (!camera.camera_from_lidar && geometry == Geometry::scans)
     throw InputError(config.file, table + " has no camera_from_lidar", "give the 12 numbers of a 3x4 matrix, row by row");
+  if (images.video && camera.size.value_or(images.video->size()) != images.video->size())
+    throw InputError(
+        images.files.front().file,
+        fmt::format("is {}x{} pixels, and {} has another size", images.video->size().width, images.video->size().height, table),
+        "K must be that of images of the video's size");
   if (!camera.size) {
-    const cv::Size size = image_size(drive.frames.front().file);
+    const cv::Size size = images.video ? images.video->size() : image_size(drive.frames.front().file);
     drive.camera.width = size.width, drive.camera.height = size.height;
+  }
+  if (geometry == Geometry::map) {
+    drive.camera_from_lidar = camera_from_level();
+    drive.camera_is_posed = !camera.camera_from_lidar;
   }
   camera.apply(drive);
   config.require_plausible(drive);
-  if (depth)  // it hangs on the camera's clock
+  if (geometry == Geometry::depth)  // it hangs on the camera's clock
     for (ScanHeader& header : drive.scan_headers)
       header.time_ns += camera.offset_ns, header.start_ns = header.end_ns = header.time_ns;
 }
@@ -195,21 +279,35 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
   drive.format = "folder";
   drive.other_files.push_back(config.file);
   for (const auto& [name, camera] : config.cameras)
-    if (!images_of(path, name).empty()) drive.camera_names.push_back(name);
+    if (has_images(path, name)) drive.camera_names.push_back(name);
   if (drive.camera_names.empty())
-    throw InputError(path / "images", "holds no images of a camera that dvi.toml names", "they belong into images/CAMERA");
+    throw InputError(path / "images", "holds no images of a camera that dvi.toml names",
+                     "they belong into images/CAMERA, or images/CAMERA.mp4");
   drive.camera_name = choose_camera(drive, options.camera, config.usual_camera);
 
-  const std::vector<fs::path> images = images_of(path, drive.camera_name);
-  std::vector<fs::path> scans = list_files(path / "lidar", {".bin", ".ply", ".pcd"});
-  const bool depth = scans.empty();
-  if (depth) scans = list_files(path / "depth" / drive.camera_name, {".png"});
+  const Images images = images_of(path, drive.camera_name);
+  std::vector<Named> scans = named(list_files(path / "lidar", {".bin", ".ply", ".pcd"}));
+  const std::optional<fs::path> map = find_map(path);
+  Geometry geometry = Geometry::scans;
+  if (scans.empty()) {
+    scans = named(list_files(path / "depth" / drive.camera_name, {".png"}));
+    geometry = scans.empty() && map ? Geometry::map : Geometry::depth;
+  }
+  if (map && geometry != Geometry::map)
+    drive.warnings.push_back(map->filename().string() + " is not used: the map is made of the scans");
   const std::int64_t period = std::llround(1e9 / config.lidar.rate);
-  const Clocks clocks = read_clocks(drive, names_of(images), names_of(scans), config.lidar.rate);
-  drive.frames = make_frames(images, clocks);
-  drive.scan_headers = make_scan_headers(scans, clocks, depth ? 0 : period, config.lidar.stamp);
-  set_camera(drive, config, depth);
-  if (depth) {
+  const Clocks clocks = images.video ? read_video_clocks(drive, images, names_of(scans), config.lidar.rate)
+                                     : read_clocks(drive, names_of(images.files), names_of(scans), config.lidar.rate);
+  drive.frames = make_frames(images.files, clocks);
+  if (images.video)
+    recording.read_image = [video = images.video](const Frame& frame) {
+      return (*video)[static_cast<std::size_t>(frame.number)];
+    };
+  drive.scan_headers = make_scan_headers(scans, clocks, geometry == Geometry::depth ? 0 : period, config.lidar.stamp);
+  set_camera(drive, config, images, geometry);
+  if (geometry == Geometry::map) {
+    attach_map(drive, *map);
+  } else if (geometry == Geometry::depth) {
     DepthCamera camera;
     config.depth.apply(camera);
     recording.read_scan = attach_depth_camera(drive, camera);
@@ -241,7 +339,7 @@ DriveFormat folder_format() {
           "dvi.toml and images/CAMERA: the plain layout for your own data (docs/formats.md)",
           recognise_folder,
           read_folder,
-          {"dvi.toml", "images", "lidar|depth"}};
+          {"dvi.toml", "images", "lidar|depth|map.ply|map.pcd|map.las"}};
 }
 
 }  // namespace dvi::io

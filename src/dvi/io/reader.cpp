@@ -153,8 +153,9 @@ void attach_lazy_readers(Recording& recording) {
 const std::vector<DriveFormat>& drive_formats() {
   // What is recognised by its name alone comes after what is recognised by its files.
   static const std::vector<DriveFormat> formats = {
-      kitti_360_format(),   kitti_raw_format(),    kitti_odometry_format(), nuscenes_format(), rosbag_format(),
-      apolloscape_format(), seven_scenes_format(), tum_rgbd_format(),       scannet_format(),  folder_format(),
+      kitti_360_format(), kitti_raw_format(),   kitti_odometry_format(), nuscenes_format(),
+      rosbag_format(),    apolloscape_format(), seven_scenes_format(),   tum_rgbd_format(),
+      scannet_format(),   colmap_format(),      folder_format(),
   };
   return formats;
 }

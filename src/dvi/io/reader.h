@@ -47,6 +47,7 @@ struct DriveFormat {
 };
 
 DriveFormat folder_format();
+DriveFormat colmap_format();
 DriveFormat kitti_raw_format();
 DriveFormat kitti_360_format();
 DriveFormat kitti_odometry_format();

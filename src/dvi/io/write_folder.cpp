@@ -148,6 +148,16 @@ void write_pictures(const fs::path& folder, const Drive& drive, const Tick& tick
   });
 }
 
+// In the world of the poses, as it was given.
+void write_map(const fs::path& folder, const Drive& drive) {
+  const std::string ending = drive.map_file.extension().string();
+  if (ending == ".ply" || ending == ".pcd" || ending == ".las") return copy_bytes(drive.map_file, folder / ("map" + ending));
+  const std::shared_ptr<const GivenMap> map = drive.map[0];
+  std::vector<Eigen::Vector3f> points;
+  for (const Eigen::Vector3f& point : map->points) points.push_back((map->origin + point.cast<double>()).cast<float>());
+  write_ply(folder / "map.ply", {points, {}, {{"intensity", map->intensity}}, {}});
+}
+
 }  // namespace
 
 double scan_rate(const Drive& drive) {
@@ -173,7 +183,7 @@ void write_folder_scan(const fs::path& folder, const ScanHeader& header, const S
 void write_folder_tables(const fs::path& folder, const Drive& drive, const std::vector<Drive>& more_cameras) {
   write_file(folder / "times" / (drive.camera_name + ".txt"), times(drive.frames));
   for (const Drive& camera : more_cameras) write_file(folder / "times" / (camera.camera_name + ".txt"), times(camera.frames));
-  write_file(folder / "times/lidar.txt", times(drive.scan_headers, scan_rate(drive)));
+  if (drive.map.empty()) write_file(folder / "times/lidar.txt", times(drive.scan_headers, scan_rate(drive)));
   if (!drive.poses.empty()) write_file(folder / "poses.txt", poses(drive));
   if (drive.has_labels()) write_file(folder / "boxes.json", boxes(drive, more_cameras));
   write_file(folder / "dvi.toml", settings(drive, more_cameras));
@@ -187,7 +197,10 @@ void write_folder(const fs::path& place, const Drive& drive, const std::vector<D
   write_pictures(folder, drive, tick);
   for (const Drive& camera : more_cameras) write_pictures(folder, camera, tick);
   const fs::path scans = drive.depth_images ? folder / "depth" / drive.camera_name : folder / "lidar";
-  make_folder(scans);
+  if (drive.map.empty())
+    make_folder(scans);
+  else
+    write_map(folder, drive);
   parallel_for(drive.scan_headers.size(), [&](std::size_t i) {
     const ScanHeader& header = drive.scan_headers[i];
     if (drive.depth_images)

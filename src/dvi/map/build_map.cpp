@@ -6,6 +6,7 @@
 
 #include "dvi/core/threads.h"
 #include "dvi/map/carve.h"
+#include "dvi/map/given_points.h"
 #include "dvi/map/map_voxel.h"
 #include "dvi/map/normals.h"
 #include "dvi/map/scan_filter.h"
@@ -134,6 +135,9 @@ StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& optio
   StaticMap map = empty_map(options);
   Gathered gathered(options.voxel_m, map.scratch());
   gather(inputs, options, gathered, begin("map", scans));
+  for (std::size_t drive = 0; drive < inputs.size(); ++drive)
+    if (!inputs[drive].drive->map.empty())
+      gathered.counts.returns += add_given(inputs[drive], options, drive, gathered.scans, gathered.voxels);
   if (options.carve) count_hits_and_passes(gathered.voxels, inputs, options.pose_error_m, begin("carve", scans));
   begin("normals", 0);
   move_to_map(gathered, options.carve, map);

@@ -49,6 +49,7 @@ struct MapInput {
   Lazy<cv::Mat1b> masks;                  ///< as drive->frames
   FrameLabels objects{};                  ///< labels of what is removed, as drive->frames; empty: none
   std::vector<MapCamera> more_cameras{};  ///< whose sight of a point counts as much
+  SE3 world_from_map{};                   ///< of drive->map, where there is one
 };
 
 /// A map without points, with the bound of memory that the options ask for.
@@ -57,7 +58,8 @@ StaticMap empty_map(const MapOptions& options);
 /// The static map of several drives in one world: scans are compensated for the motion within the scan; points that project
 /// into the mask of the frame nearest in time, unless another camera saw them unmasked, or lie in its labelled boxes are
 /// dropped (section 3.1 of the paper), the rest is thinned to one mean point a voxel; then voxels that rays of other scans went
-/// through are dropped. Streams over scans: memory grows with the area seen, up to a bound. Parts: map, carve, normals.
+/// through are dropped. A map that a drive brings is taken as it is, as far from its path as scans are. Streams over scans:
+/// memory grows with the area seen, up to a bound. Parts: map, carve, normals.
 StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const BeginPart& begin = no_parts);
 
 }  // namespace dvi::map

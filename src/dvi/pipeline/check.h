@@ -22,6 +22,7 @@ struct CheckReport {
   double frame_rate_hz = 0;
   std::size_t scans = 0;
   double scan_rate_hz = 0, mean_points = 0;  ///< points of a scan
+  std::size_t map_points = 0;                ///< of the map that it brings instead of scans
   double path_m = 0;
   PosesReport poses;
   std::string mask_source;                     ///< files, labels, detector, none

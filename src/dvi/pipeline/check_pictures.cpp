@@ -62,19 +62,36 @@ std::vector<std::size_t> spread(std::size_t count, std::size_t most) {
   return {out.begin(), out.end()};
 }
 
+// The points of the map that a drive brings within some metres of a place, the farthest first.
+std::vector<Eigen::Vector3d> map_near(const Drive& drive, const Eigen::Vector3d& place, double range) {
+  const std::shared_ptr<const GivenMap> map = drive.map[0];
+  std::vector<Eigen::Vector3d> out;
+  for (const Eigen::Vector3f& point : map->points)
+    if (const Eigen::Vector3d p = map->origin + point.cast<double>(); (p - place).norm() < range) out.push_back(p);
+  std::stable_sort(out.begin(), out.end(),
+                   [&](const auto& a, const auto& b) { return (a - place).norm() > (b - place).norm(); });
+  return out;
+}
+
+// What was measured at a time, world axes.
+std::vector<Eigen::Vector3d> measured(const Drive& drive, std::int64_t time, const Trajectory& world_from_lidar, double range) {
+  if (!drive.map.empty()) return map_near(drive, world_from_lidar.at(time)->t, range);
+  const auto nearest = nearest_in_time(drive.scan_headers.begin(), drive.scan_headers.end(), time);
+  if (nearest == drive.scan_headers.end()) return {};
+  return to_world(*drive.scans[static_cast<std::size_t>(nearest - drive.scan_headers.begin())], *nearest, world_from_lidar);
+}
+
 }  // namespace
 
 cv::Mat3b lidar_on_image(const Drive& drive, std::size_t frame, const Trajectory& world_from_lidar) {
   constexpr double kNear = 3, kFar = 60;  // metres, whose logarithms the colours are
   cv::Mat3b out = drive.images[frame]->clone();
   const std::int64_t time = drive.frames[frame].time_ns;
-  const auto nearest = nearest_in_time(drive.scan_headers.begin(), drive.scan_headers.end(), time);
   const auto here = world_from_lidar.at(time);
-  if (nearest == drive.scan_headers.end() || !here) return out;
+  if (!here) return out;
   const SE3 camera_from_world = drive.camera_from_lidar * here->inverse();
   const int radius = std::max(1, out.cols / 900);
-  for (const Eigen::Vector3d& p :
-       to_world(*drive.scans[static_cast<std::size_t>(nearest - drive.scan_headers.begin())], *nearest, world_from_lidar)) {
+  for (const Eigen::Vector3d& p : measured(drive, time, world_from_lidar, kFar)) {
     const Eigen::Vector3d x = camera_from_world * p;
     if (x.z() < drive.least_range_m() || !drive.camera.in_front(x)) continue;
     const Eigen::Vector2d pixel = drive.camera.project(x);
@@ -96,18 +113,20 @@ cv::Mat3b birds_view(const Drive& drive, const Trajectory& world_from_lidar) {
   cv::Mat3b out(ground.size(), cv::Vec3b(20, 20, 20));
   cv::Mat1f top(ground.size(), static_cast<float>(kLow));
   const cv::Rect all(cv::Point(), out.size());
-  for (const std::size_t i : spread(drive.scan_headers.size(), kMostScans)) {
-    const auto here = world_from_lidar.at(drive.scan_headers[i].time_ns);
-    if (!here) continue;
-    const std::vector<Eigen::Vector3d> points = to_world(*drive.scans[i], drive.scan_headers[i], world_from_lidar, kPointStep);
-    for (std::size_t k = 0; k < points.size(); k += kPointStep) {
+  const auto draw = [&](const std::vector<Eigen::Vector3d>& points, double level, std::size_t step) {
+    for (std::size_t k = 0; k < points.size(); k += step) {
       const cv::Point at = ground(points[k]);
-      const auto height = static_cast<float>(points[k].z() - here->t.z());
+      const auto height = static_cast<float>(points[k].z() - level);
       if (!all.contains(at) || height > kHigh || height <= top(at)) continue;
       top(at) = height;
       out(at) = colour_of(1 - (height - kLow) / (kHigh - kLow));
     }
-  }
+  };
+  for (const std::size_t i : spread(drive.scan_headers.size(), kMostScans))
+    if (const auto here = world_from_lidar.at(drive.scan_headers[i].time_ns))
+      draw(to_world(*drive.scans[i], drive.scan_headers[i], world_from_lidar, kPointStep), here->t.z(), kPointStep);
+  if (!drive.map.empty())
+    draw(map_near(drive, path[path.size() / 2], (path.front() - path.back()).norm() + kMargin), path[path.size() / 2].z(), 1);
   for (std::size_t i = 1; i < path.size(); ++i)
     cv::line(out, ground(path[i - 1]), ground(path[i]), cv::Scalar::all(255), 2, cv::LINE_AA);
   cv::circle(out, ground(path.front()), 6, cv::Scalar(0, 255, 0), cv::FILLED, cv::LINE_AA);
@@ -127,7 +146,7 @@ std::vector<std::string> write_check_pictures(const fs::path& folder, const Driv
     io::write_png(folder / name, picture);
     files.push_back((folder / name).string());
   };
-  if (!drive.scan_headers.empty())
+  if (drive.has_geometry())
     for (const std::size_t i : spread(drive.frames.size(), 3))
       write("lidar_on_image_" + drive.frames[i].name + ".png", lidar_on_image(drive, i, world_from_lidar));
   write("birds_view.png", birds_view(drive, world_from_lidar));

@@ -10,6 +10,16 @@
 #include "dvi/pipeline/result_folder.h"
 
 namespace dvi::pipeline {
+namespace {
+
+// A map is in the world that the drive's own poses are given in.
+SE3 world_from_map(const Drive& drive, const Trajectory& world_from_lidar) {
+  if (drive.map.empty()) return {};
+  const StampedPose& given = drive.poses.poses().front();
+  return world_from_lidar.at(given.time_ns).value() * given.world_from_body.inverse();
+}
+
+}  // namespace
 
 map::StaticMap build_map(const Recordings& drives, const Poses& poses, const Masks& masks, const map::MapOptions& options,
                          Progress& progress) {
@@ -19,7 +29,12 @@ map::StaticMap build_map(const Recordings& drives, const Poses& poses, const Mas
     if (drives[i].rig_of)
       inputs[*drives[i].rig_of].more_cameras.push_back({&drive, masks[i].images});
     else
-      inputs.push_back({&drive, poses[i].world_from_lidar, masks[i].images, masks[i].objects, {}});
+      inputs.push_back({&drive,
+                        poses[i].world_from_lidar,
+                        masks[i].images,
+                        masks[i].objects,
+                        {},
+                        world_from_map(drive, poses[i].world_from_lidar)});
   }
   map::StaticMap map = build_map(inputs, options, progress.parts());
   if (map.points.empty()) progress.warn("the map is empty: no scan left a static point, nothing can be copied");

@@ -15,6 +15,8 @@
 #include "dvi/io/mask_reading.h"
 #include "dvi/io/poses.h"
 #include "dvi/io/text.h"
+#include "dvi/io/video_reader.h"
+#include "dvi/map/given_points.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -208,6 +210,23 @@ Recordings open_images(const Job& job, Progress& progress) {
   return {open};
 }
 
+namespace {
+
+// The map that a drive brings must lie where the drive went.
+void verify_map(const Drive& drive, const map::MapOptions& options) {
+  if (drive.map.empty()) return;
+  if (drive.poses.empty())
+    throw InputError(drive.path, "has a map but no poses in it", "give poses.txt, or --poses FILE (docs/formats.md)");
+  const map::GivenReach reach = map::reach_of_given(drive, options);
+  if (reach.near == 0)
+    throw InputError(drive.map_file,
+                     fmt::format("none of its {} points is near the path; the nearest is {:.0f} m from its first pose",
+                                 reach.points, reach.nearest_m),
+                     "poses and map must share one world");
+}
+
+}  // namespace
+
 std::vector<std::string> verify(const Recordings& drives, const Job& job, Progress& progress) {
   std::size_t count = 0;
   const auto scans_of = [](const Recording& open) { return open.rig_of ? 0 : open.drive.scan_headers.size(); };
@@ -215,6 +234,7 @@ std::vector<std::string> verify(const Recordings& drives, const Job& job, Progre
   progress.begin("read", count);
   std::vector<std::string> warnings;
   for (const Recording& open : drives) {
+    if (!open.rig_of) verify_map(open.drive, job.options.map);
     const std::size_t frames = open.drive.frames.size();
     const UsedRange range = used_range(open.drive, job.options.map);
     // The first error in order, whichever thread meets one first.
@@ -251,8 +271,8 @@ std::vector<fs::path> files_of(const Recording& open) {
     for (const ScanHeader& header : drive.scan_headers) files.push_back(header.file);
   files.insert(files.end(), drive.mask_files.begin(), drive.mask_files.end());
   files.insert(files.end(), drive.other_files.begin(), drive.other_files.end());
-  // A bag is the file of many frames and scans, and may be of any size.
-  if (!drive.topics.empty()) {
+  // A bag or a video is the file of many frames, and may be of any size.
+  if (!drive.topics.empty() || io::is_video(drive.frames.front().file)) {
     std::set<fs::path> known;
     std::erase_if(files, [&](const fs::path& file) { return !file.empty() && !known.insert(file).second; });
   }
@@ -264,9 +284,9 @@ void add_files(Fingerprint& print, const Recording& open) {
   const std::vector<fs::path> files = files_of(open);
   std::vector<std::string> hashes(files.size());
   parallel_for(files.size(), [&](std::size_t i) {
-    const bool bag = !drive.topics.empty() && io::is_bag(files[i]);
+    const bool large = (!drive.topics.empty() && io::is_bag(files[i])) || io::is_video(files[i]);
     if (files[i].empty()) return;  // a frame without a mask
-    hashes[i] = bag ? hash_of_file(files[i]) : hash_of_file(files[i], kLargestFile);
+    hashes[i] = large ? hash_of_file(files[i]) : hash_of_file(files[i], kLargestFile);
   });
   print.add(drive.path.filename().string());  // warnings say it
   print.add(fmt::format("{} {} {}", drive.frames.size(), drive.scan_headers.size(), drive.mask_files.size()));

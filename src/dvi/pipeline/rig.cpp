@@ -15,6 +15,7 @@
 #include "dvi/io/image_file.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/mask_reading.h"
+#include "dvi/io/video_reader.h"
 #include "dvi/masks/carried.h"
 
 namespace dvi::pipeline {
@@ -52,7 +53,7 @@ TimeSpan span_of(const Drive& drive) {
 
 // By the first image. A damaged one is named when it is read.
 bool is_grey(const Drive& drive) {
-  if (!drive.topics.empty()) {  // images in a bag
+  if (!drive.topics.empty() || io::is_video(drive.frames.front().file)) {  // no files of their own
     std::vector<cv::Mat> channels;
     cv::split(*drive.images[0], channels);
     return cv::norm(channels[0], channels[1], cv::NORM_INF) == 0 && cv::norm(channels[1], channels[2], cv::NORM_INF) == 0;
@@ -95,6 +96,7 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
   Drive& drive = open.drive;
   drive.scan_headers = own.drive.scan_headers;
   drive.scans = own.drive.scans;
+  drive.map = own.drive.map;
   drive.poses = own.drive.poses;
   std::erase_if(drive.warnings, [&](const std::string& warning) {  // of scans, poses and labels
     return std::find(own.drive.warnings.begin(), own.drive.warnings.end(), warning) != own.drive.warnings.end();

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "dvi/core/cache_budget.h"
+
+namespace dvi {
+
+/// A static map that a drive brings instead of scans: points in the world of its poses.
+struct GivenMap {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of `points`; far from the world's where that is a map projection's
+  std::vector<Eigen::Vector3f> points;               ///< metres from `origin`, world axes
+  std::vector<float> intensity;                      ///< one a point
+
+  std::size_t bytes() const { return bytes_of(points) + bytes_of(intensity); }
+};
+
+}  // namespace dvi

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "dvi/core/files.h"
+#include "dvi/geometry/camera.h"
+#include "dvi/geometry/se3.h"
+#include "dvi/io/point_cloud.h"
+
+namespace dvi::io {
+
+/// An image of a COLMAP model.
+struct ColmapImage {
+  std::string name;  ///< path below the folder of images
+  std::uint32_t camera = 0;
+  SE3 camera_from_world;
+};
+
+/// Cameras and images of a COLMAP model.
+struct ColmapModel {
+  std::map<std::uint32_t, Camera> cameras;
+  std::vector<ColmapImage> images;  ///< by name
+  std::vector<fs::path> files;      ///< that it was read from
+};
+
+/// The folder of a model of a COLMAP workspace: sparse/0, sparse, or the folder itself; empty where there is none.
+fs::path find_colmap_model(const fs::path& workspace);
+
+/// Reads cameras and images of a model, text or binary (cameras.bin, images.bin). COLMAP puts the centre of the first pixel at
+/// (0.5, 0.5), dvi at (0, 0). InputError where a file is damaged, or a camera is none that dvi knows.
+ColmapModel read_colmap_model(const fs::path& folder);
+
+/// The file of the model's points: points3D.bin or .txt; empty where there is none.
+fs::path colmap_points_file(const fs::path& folder);
+
+/// The points of such a file.
+PointCloud read_colmap_points(const fs::path& file);
+
+}  // namespace dvi::io

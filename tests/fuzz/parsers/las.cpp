@@ -1,0 +1,6 @@
+#include "dvi/io/point_cloud.h"
+#include "parser.h"
+
+void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
+  dvi::io::read_map_cloud(put(folder / "map.las", bytes));
+}
