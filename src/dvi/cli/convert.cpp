@@ -24,7 +24,7 @@ void add_convert(Program& program) {
   command.option("-o,--out", a->out, "Folder of the new drive", true);
   command.option("--frames", a->frames, "A:B: only these frames, inclusive, by the recording's own numbers");
   command.option("--camera", a->camera, "The camera that is used where none is asked for (default: the recording's first)");
-  command.option("--topic", a->topics, "Of a bag: image=TOPIC, points=TOPIC, info=TOPIC, poses=TOPIC, repeatable");
+  command.option("--topic", a->topics, "Of a bag: image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC, poses=TOPIC, repeatable");
   command.flag("--one-camera", a->one_camera, "Leave the other cameras out");
   a->common.add_to(command, false, false);
   command.run([a] {

@@ -32,7 +32,7 @@ void JobOptions::add_to(Command& command) {
   command.option("--frames", frames, "A:B: only these frames, inclusive, by the drive's own numbers; A: only that frame");
   command.option("--camera", camera, "Camera to use (default: the drive's first)");
   command.option("--topic", topics,
-                 "Of a bag: image=TOPIC, points=TOPIC, info=TOPIC, poses=TOPIC, repeatable (default: guessed)");
+                 "Of a bag: image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC, poses=TOPIC, repeatable (default: guessed)");
   command.option("--sources", source_cameras, "Other cameras of the drives to copy from: all (default), none, or NAME,NAME");
   command.option("--masks", masks,
                  "What to remove: DIR (PNG masks), FILE (labels: KITTI, MOTS, COCO, CVAT, boxes.json), labels, auto");

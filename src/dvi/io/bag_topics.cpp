@@ -56,13 +56,17 @@ class TopicChooser {
         images.push_back(require(topic, "images", is_images));
       } else if (key == "points") {
         choice.points = require(topic, "sensor_msgs/PointCloud2", [](const BagTopic& t) { return t.type == kCloudType; });
+      } else if (key == "depth") {
+        choice.depth.images = require(topic, "depth images",
+                                      [this](const BagTopic& t) { return t.type == "sensor_msgs/Image" && !is_colour(t); });
       } else if (key == "info") {
         info = require(topic, "sensor_msgs/CameraInfo", [](const BagTopic& t) { return t.type == kInfoType; });
       } else if (key == "poses") {
         choice.poses = require(topic, "poses", is_poses);
         choice.named_poses = true;
       } else {
-        throw UsageError(fmt::format("--topic {}: it is image=TOPIC, points=TOPIC, info=TOPIC or poses=TOPIC", text));
+        throw UsageError(
+            fmt::format("--topic {}: it is image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC or poses=TOPIC", text));
       }
     }
     if (images.empty()) images = guess_images();
@@ -70,8 +74,11 @@ class TopicChooser {
     for (const BagTopic* topic : images)
       choice.cameras.push_back({name_of_camera(base_of(*topic)), topic, info ? info : info_of(*topic)});
     make_unique(choice.cameras);
-    if (choice.points == nullptr) choice.points = guess_points();
-    if (choice.points == nullptr) fail("no topic of sensor_msgs/PointCloud2");
+    if (choice.points == nullptr && choice.depth.images == nullptr) choice.points = guess_points();
+    if (choice.points == nullptr && choice.depth.images == nullptr) choice.depth.images = guess_depth();
+    if (choice.points == nullptr && choice.depth.images == nullptr)
+      fail("no topic of sensor_msgs/PointCloud2 and none of depth images");
+    if (choice.depth.images != nullptr) choice.depth.name = "depth", choice.depth.info = info_of(*choice.depth.images);
     if (choice.poses == nullptr) choice.poses = guess_poses();
     return choice;
   }
@@ -116,11 +123,22 @@ class TopicChooser {
   bool is_colour(const BagTopic& topic) const {
     try {
       const std::string message = bag_.read(topic.messages.front());
-      const std::string encoding = parse_image(message, topic.encoding).encoding;
-      return encoding != "16UC1" && encoding != "32FC1" && encoding != "mono16";
+      return !is_depth(parse_image(message, topic.encoding));
     } catch (const std::invalid_argument&) {
       return true;  // named when it is read
     }
+  }
+
+  // Those of which there are most, not compressed: of one size with the images rather than raw.
+  const BagTopic* guess_depth() const {
+    const BagTopic* best = nullptr;
+    for (const BagTopic& topic : bag_.topics) {
+      if (topic.type != "sensor_msgs/Image" || !usable(topic) || is_colour(topic)) continue;
+      const auto registered = [](const BagTopic& t) { return has_word(t.name, "registered") || has_word(t.name, "aligned"); };
+      const auto rank = [&](const BagTopic& t) { return std::pair(registered(t), t.messages.size()); };
+      if (best == nullptr || rank(topic) > rank(*best)) best = &topic;
+    }
+    return best;
   }
 
   // The one in the folder of the images, or in the nearest above it.
@@ -192,6 +210,8 @@ std::vector<RecordedTopic> list_topics(const Bag& bag, const BagChoice& choice) 
       if (camera.info == &topic) row.use = "calibration of " + camera.name;
     }
     if (choice.points == &topic) row.use = "scans";
+    if (choice.depth.images == &topic) row.use = "depth images";
+    if (choice.depth.info == &topic && row.use.empty()) row.use = "calibration of the depth images";
     if (choice.poses == &topic) row.use = "poses";
     if (is_tf(topic)) row.use = "places of the sensors";
     out.push_back(std::move(row));

@@ -69,9 +69,12 @@ void require_depths(const cv::Mat1w& depth, double metre, const fs::path& file) 
 }  // namespace
 
 Scan DepthScan::operator()(const ScanHeader& header) const {
+  return (*this)(read_png_depth(header.file, {camera.width, camera.height}), header.file);
+}
+
+Scan DepthScan::operator()(const cv::Mat1w& image, const fs::path& name) const {
   const double metre = 1 / units_per_metre;
-  const cv::Mat1w image = read_png_depth(header.file, {camera.width, camera.height});
-  require_depths(image, metre, header.file);
+  require_depths(image, metre, name);
   const cv::Mat1b surface = steady(image, Jump(camera), metre);
   Scan scan;
   for (int y = 0; y < image.rows; ++y)
@@ -83,24 +86,28 @@ Scan DepthScan::operator()(const ScanHeader& header) const {
   return scan;
 }
 
-DepthScan attach_depth_camera(Drive& drive, const DepthCamera& depth) {
+DepthScan depth_scan_of(Drive& drive, const DepthCamera& depth, cv::Size size, const fs::path& name) {
   drive.sensor = Sensor::depth_camera;
   drive.registered_depth = !depth.depth_from_color;
   Camera camera = depth.camera.value_or(drive.camera);
-  if (!drive.scan_headers.empty()) {
-    const fs::path& file = drive.scan_headers.front().file;
-    const cv::Size size = image_size(file);
-    if (camera.width == 0) camera.width = size.width, camera.height = size.height;
-    if (size != cv::Size(camera.width, camera.height))
-      throw InputError(file,
-                       fmt::format("is {}x{} pixels, and {} {}x{}", size.width, size.height,
-                                   depth.camera ? "its camera is" : "the images are", camera.width, camera.height),
-                       "depth of another size than the images needs its own camera: K in the table [depth] of dvi.toml");
-    if (depth.camera) require_plausible(camera, file, "its camera's");
-  }
-  drive.depth_images = {camera, depth.depth_from_color, depth.units_per_metre};
+  if (camera.width == 0) camera.width = size.width, camera.height = size.height;
+  if (size != cv::Size(camera.width, camera.height))
+    throw InputError(name,
+                     fmt::format("is {}x{} pixels, and {} {}x{}", size.width, size.height,
+                                 depth.camera ? "its camera is" : "the images are", camera.width, camera.height),
+                     "depth of another size than the images needs its own camera: K in the table [depth] of dvi.toml");
+  if (depth.camera) require_plausible(camera, name, "its camera's");
   const SE3 color_from_depth = depth.depth_from_color ? depth.depth_from_color->inverse() : SE3();
   return {camera, drive.camera_from_lidar.inverse() * color_from_depth, depth.units_per_metre};
+}
+
+DepthScan attach_depth_camera(Drive& drive, const DepthCamera& depth) {
+  const Camera fallback = depth.camera.value_or(drive.camera);
+  const cv::Size stated(fallback.width, fallback.height);
+  const fs::path file = drive.scan_headers.empty() ? drive.path : drive.scan_headers.front().file;
+  const DepthScan scan = depth_scan_of(drive, depth, drive.scan_headers.empty() ? stated : image_size(file), file);
+  drive.depth_images = {scan.camera, depth.depth_from_color, depth.units_per_metre};
+  return scan;
 }
 
 }  // namespace dvi::io

@@ -2,6 +2,9 @@
 
 #include <optional>
 
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/core/files.h"
 #include "dvi/drive/drive.h"
 
 namespace dvi::io {
@@ -23,10 +26,15 @@ struct DepthScan {
   double units_per_metre = 1000;
 
   Scan operator()(const ScanHeader& header) const;
+  /// The same of an image that is no file of its own; `name` is for messages.
+  Scan operator()(const cv::Mat1w& image, const fs::path& name) const;
 };
 
 /// Sets the sensor of a drive whose scans are depth images, and returns what reads them. `camera`, `camera_from_lidar` and the
 /// scans are set. InputError where the first depth image is of another size than its camera, with the remedy.
 DepthScan attach_depth_camera(Drive& drive, const DepthCamera& depth);
+
+/// The same for depth images of that size that are no files of their own; `name` is for messages.
+DepthScan depth_scan_of(Drive& drive, const DepthCamera& depth, cv::Size size, const fs::path& name);
 
 }  // namespace dvi::io

@@ -11,10 +11,12 @@
 #include "dvi/io/bag_bytes.h"
 #include "dvi/io/bag_topics.h"
 #include "dvi/io/camera_choice.h"
+#include "dvi/io/depth_scan.h"
 #include "dvi/io/drive_config.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/plausible.h"
 #include "dvi/io/reader.h"
+#include "dvi/io/rgbd.h"
 #include "dvi/io/ros_frames.h"
 #include "dvi/io/scan_time.h"
 
@@ -228,14 +230,31 @@ class BagReader {
   Recording read() {
     drive_.other_files = messages_->bag().files;
     const std::vector<StampedEntry> images = messages_->stamped(*camera_.images, drive_.warnings);
-    const std::vector<StampedEntry> scans = messages_->stamped(*choice_.points, drive_.warnings);
-    compare_clocks(messages_->path(), camera_, images, *choice_.points, scans, drive_.warnings);
+    const BagTopic& measured = choice_.points ? *choice_.points : *choice_.depth.images;
+    const std::vector<StampedEntry> scans = messages_->stamped(measured, drive_.warnings);
+    compare_clocks(messages_->path(), camera_, images, measured, scans, drive_.warnings);
     for (const StampedEntry& image : images)
       drive_.frames.push_back({static_cast<int>(image.number),
                                fmt::format("{:06d}", image.number),
                                image.time_ns,
                                file_of(*camera_.images, image.number),
                                {}});
+    const RosFrames frames = read_frames_tree(*messages_);
+    if (choice_.points)
+      read_lidar(scans, frames);
+    else
+      read_depth(scans, frames);
+    if (config_) config_->apply(drive_);
+    if (drive_.camera.fx == 0)
+      throw InputError(messages_->path(), fmt::format("has no calibration of {}", camera_.images->name),
+                       fmt::format("give [camera.{}] K and size in {}, or --topic info=TOPIC", camera_.name, config_path()));
+    require_plausible(drive_.camera, messages_->path(), camera_.images->name);
+    drive_.topics = list_topics(messages_->bag(), choice_);
+    return recording(frames);
+  }
+
+ private:
+  void read_lidar(const std::vector<StampedEntry>& scans, const RosFrames& frames) {
     const RosCloud first = cloud(scans.front().number);
     const auto times = times_of_points(first, messages_->path(), *choice_.points);
     for (const StampedEntry& scan : scans)
@@ -247,19 +266,50 @@ class BagReader {
           fmt::format("the points of {} have no times: by azimuth, clockwise, the stamp in the middle; "
                       "[lidar] rotation and stamp in dvi.toml say otherwise",
                       choice_.points->name));
-    const RosFrames frames = read_frames_tree(*messages_);
     set_camera(frames, first.header.frame);
-    set_poses(frames, first.header.frame);
-    if (config_) config_->apply(drive_);
-    if (drive_.camera.fx == 0)
-      throw InputError(messages_->path(), fmt::format("has no calibration of {}", camera_.images->name),
-                       fmt::format("give [camera.{}] K and size in {}, or --topic info=TOPIC", camera_.name, config_path()));
-    require_plausible(drive_.camera, messages_->path(), camera_.images->name);
-    drive_.topics = list_topics(messages_->bag(), choice_);
-    return recording();
+    set_poses(frames, first.header.frame, {});
   }
 
- private:
+  // A LiDAR's axes at the first camera.
+  void read_depth(const std::vector<StampedEntry>& depths, const RosFrames& frames) {
+    for (const StampedEntry& depth : depths)
+      drive_.scan_headers.push_back({fmt::format("{:06d}", depth.number), depth.time_ns, depth.time_ns, depth.time_ns,
+                                     file_of(*choice_.depth.images, depth.number)});
+    const std::string first = frame_of(*choice_.cameras.front().images);
+    set_camera(frames, first);
+    drive_.camera_from_lidar = drive_.camera_from_lidar * camera_from_level();
+    set_poses(frames, first, camera_from_level());
+  }
+  std::string frame_of(const BagTopic& topic) const {
+    return messages_->parsed(topic, 0, [](std::string_view m, BagEncoding e) { return read_header(m, e); }).frame;
+  }
+
+  // Registered where tf says that it was taken from the camera's own place.
+  DepthScan depth_scan(Drive& drive, const RosFrames& frames) const {
+    const BagTopic& topic = *choice_.depth.images;
+    const RosImage first = messages_->parsed(topic, 0, [](std::string_view m, BagEncoding e) { return parse_image(m, e); });
+    const std::string colour = frame_of(*camera_.images);
+    DepthCamera depth;
+    if (first.header.frame != colour) {
+      depth.depth_from_color = frames.between(first.header.frame, colour);
+      if (!depth.depth_from_color)
+        throw InputError(
+            messages_->path(),
+            fmt::format("no tf joins {} of {} to {} of {}", first.header.frame, topic.name, colour, camera_.images->name),
+            "record /tf_static too, or depth that is registered to the images");
+      if (choice_.depth.info == nullptr)
+        throw InputError(messages_->path(), fmt::format("has no calibration of {}", topic.name), "record its camera_info too");
+      Drive of_depth;
+      set_camera_of(
+          of_depth,
+          messages_->parsed(*choice_.depth.info, 0, [](std::string_view m, BagEncoding e) { return parse_camera_info(m, e); }),
+          choice_.depth, messages_->path());
+      depth.camera = of_depth.camera;
+    }
+    if (config_) config_->depth.apply(depth);
+    return depth_scan_of(drive, depth, cv::Size(static_cast<int>(first.width), static_cast<int>(first.height)), topic.name);
+  }
+
   fs::path file_of(const BagTopic& topic, std::size_t number) const {
     return messages_->bag().files[topic.messages[number].file];
   }
@@ -285,20 +335,24 @@ class BagReader {
       throw InputError(
           messages_->path(),
           fmt::format("no tf joins {}, the frame of {}, to {}, that of {}", image.frame, camera_.images->name, lidar,
-                      choice_.points->name),
+                      choice_.points ? choice_.points->name : choice_.cameras.front().images->name),
           fmt::format("record /tf_static too, or give [camera.{}] camera_from_lidar in {}", camera_.name, config_path()));
     drive_.camera_from_lidar = *camera_from_lidar;
   }
 
-  void set_poses(const RosFrames& frames, const std::string& lidar) {
+  // Of a LiDAR that is turned against the frame of that name.
+  void set_poses(const RosFrames& frames, const std::string& lidar, const SE3& frame_from_lidar) {
     if (!choice_.named_poses) drive_.poses = frames.motion_of(lidar);
     if (drive_.poses.empty() && choice_.poses != nullptr)
       drive_.poses = read_pose_topic(*messages_, *choice_.poses, frames, lidar, drive_.warnings);
     else
       choice_.poses = nullptr;
+    std::vector<StampedPose> poses = drive_.poses.poses();
+    for (StampedPose& pose : poses) pose.world_from_body = pose.world_from_body * frame_from_lidar;
+    if (!poses.empty() && choice_.points == nullptr) drive_.poses = Trajectory(std::move(poses));
   }
 
-  Recording recording() {
+  Recording recording(const RosFrames& frames) {
     Recording out;
     const cv::Size size(drive_.camera.width, drive_.camera.height);
     out.drive = std::move(drive_);
@@ -318,6 +372,18 @@ class BagReader {
                          "images and calibration must be of one size");
       return image;
     };
+    if (choice_.points == nullptr) {
+      out.read_scan = [messages = messages_, topic = *choice_.depth.images, number_of,
+                       scan = depth_scan(out.drive, frames)](const ScanHeader& header) {
+        const cv::Mat1w image = messages->parsed(topic, number_of(header.name),
+                                                 [](std::string_view m, BagEncoding e) { return to_depth(parse_image(m, e)); });
+        if (image.size() != cv::Size(scan.camera.width, scan.camera.height))
+          throw InputError(messages->path(),
+                           fmt::format("message {} of {} is of another size than the first", header.name, topic.name));
+        return scan(image, fmt::format("{}: message {} of {}", messages->path().string(), header.name, topic.name));
+      };
+      return out;
+    }
     const std::int64_t offset = config_ ? config_->lidar.offset_ns : 0;
     const Rotation rotation = config_ ? config_->lidar.rotation() : Rotation();
     out.read_scan = [messages = messages_, topic = *choice_.points, number_of, offset, rotation](const ScanHeader& header) {

@@ -22,6 +22,32 @@ std::string bag_error(const fs::path& path, const ReadOptions& options = {}) {
   });
 }
 
+TEST(RosBagOfDepth, DepthImagesAreScans) {
+  const Drive drive = read_drive(kBags / "rgbd.bag");
+  EXPECT_EQ(drive.sensor, Sensor::depth_camera);
+  EXPECT_TRUE(drive.registered_depth);
+  ASSERT_EQ(drive.frames.size(), 3U);
+  ASSERT_EQ(drive.scan_headers.size(), 3U);
+  ASSERT_EQ(drive.poses.poses().size(), 3U);
+  EXPECT_EQ(drive.scan_headers[1].time_ns, drive.frames[1].time_ns);
+  EXPECT_TRUE(drive.warnings.empty());
+  // The room's floor and walls: from the camera's place, each point in its pixel.
+  const auto scan = drive.scans[1];
+  EXPECT_GT(scan->size(), 400U) << "of 1536 pixels; those beside a jump in depth are left out";
+  for (const Eigen::Vector3f& p : scan->points) {
+    const Eigen::Vector2d pixel = drive.camera.project(drive.camera_from_lidar * p.cast<double>());
+    EXPECT_LT((pixel - pixel.array().round().matrix()).norm(), 1e-3);
+    EXPECT_TRUE(p.x() > 0.1F && p.x() < 10) << "x is forward";
+  }
+}
+
+TEST(RosBagOfDepth, TopicsCanBeNamed) {
+  const Drive drive = read_drive(kBags / "rgbd.bag", {.topics = {"depth=/camera/depth/image"}});
+  EXPECT_EQ(drive.scan_headers.size(), 3U);
+  EXPECT_THAT(bag_error(kBags / "rgbd.bag", {.topics = {"depth=/camera/rgb/image_color/compressed"}}), HasSubstr("no depth"));
+  EXPECT_THAT(bag_error(kBags / "rgbd.bag", {.topics = {"depth=/depth"}}), HasSubstr("no topic /depth"));
+}
+
 class RosBag : public testing::TestWithParam<const char*> {};
 
 TEST_P(RosBag, HoldsTheDrive) {

@@ -178,11 +178,10 @@ RosImage parse_image(std::string_view message, BagEncoding encoding) {
   return image;
 }
 
-cv::Mat3b to_bgr(const RosImage& image) {
-  const auto encoding = image_encodings().find(image.encoding);
-  if (encoding == image_encodings().end())
-    throw std::invalid_argument(fmt::format("its encoding '{}' is no 8-bit colour or grey that dvi reads", image.encoding));
-  const auto& [type, conversion] = encoding->second;
+namespace {
+
+// The message's pixels where they lie.
+cv::Mat pixels(const RosImage& image, int type) {
   const std::uint64_t row = std::uint64_t{image.width} * CV_ELEM_SIZE(type);
   if (image.width == 0 || image.height == 0 ||
       std::uint64_t{image.width} * image.height > static_cast<std::uint64_t>(kMostPixels))
@@ -190,8 +189,40 @@ cv::Mat3b to_bgr(const RosImage& image) {
   if (image.step < row || image.data.size() < (image.height - 1) * std::uint64_t{image.step} + row)
     throw std::invalid_argument(fmt::format("{} bytes in rows of {} are not {}x{} pixels of {}", image.data.size(), image.step,
                                             image.width, image.height, image.encoding));
-  const cv::Mat raw(static_cast<int>(image.height), static_cast<int>(image.width), type, const_cast<char*>(image.data.data()),
-                    image.step);
+  return {static_cast<int>(image.height), static_cast<int>(image.width), type, const_cast<char*>(image.data.data()),
+          image.step};
+}
+
+}  // namespace
+
+bool is_depth(const RosImage& image) {
+  return image.encoding == "16UC1" || image.encoding == "mono16" || image.encoding == "32FC1";
+}
+
+cv::Mat1w to_depth(const RosImage& image) {
+  if (!is_depth(image))
+    throw std::invalid_argument(fmt::format("its encoding '{}' is no depth that dvi reads: 16UC1 or 32FC1", image.encoding));
+  const bool metres = image.encoding == "32FC1";
+  const cv::Mat raw = pixels(image, metres ? CV_32FC1 : CV_16UC1);
+  cv::Mat1w out(raw.rows, raw.cols, ushort{0});
+  constexpr float kMost = 65.5F;
+  for (int y = 0; y < raw.rows; ++y)
+    for (int x = 0; x < raw.cols; ++x) {
+      if (!metres) {
+        out(y, x) = raw.at<ushort>(y, x);
+      } else if (const float z = raw.at<float>(y, x); z > 0 && z < kMost) {  // not NaN: there, nothing was measured
+        out(y, x) = static_cast<ushort>(std::lround(1000 * z));
+      }
+    }
+  return out;
+}
+
+cv::Mat3b to_bgr(const RosImage& image) {
+  const auto encoding = image_encodings().find(image.encoding);
+  if (encoding == image_encodings().end())
+    throw std::invalid_argument(fmt::format("its encoding '{}' is no 8-bit colour or grey that dvi reads", image.encoding));
+  const auto& [type, conversion] = encoding->second;
+  const cv::Mat raw = pixels(image, type);
   cv::Mat out;
   if (conversion)
     cv::cvtColor(raw, out, *conversion);

@@ -70,6 +70,11 @@ RosImage parse_image(std::string_view message, BagEncoding encoding);
 /// Its colours. Depth images are none. std::invalid_argument where its encoding is not known or data are missing.
 cv::Mat3b to_bgr(const RosImage& image);
 
+/// Depth in millimetres, 0 where there is none, of a sensor_msgs/Image of 16UC1 (millimetres) or 32FC1 (metres).
+/// std::invalid_argument as to_bgr().
+cv::Mat1w to_depth(const RosImage& image);
+bool is_depth(const RosImage& image);
+
 /// The file, PNG or JPEG, in a sensor_msgs/CompressedImage.
 std::string compressed_image(std::string_view message, BagEncoding encoding);
 

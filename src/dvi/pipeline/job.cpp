@@ -68,7 +68,8 @@ OptionTable Job::table() {
   table.add("sources", sources, "Source drives of the same street.");
   table.add("out", out, {}, "The folder of the result.");
   table.add("camera", read.camera, {}, "The camera to use; empty: the drive's first.");
-  table.add("topics", read.topics, "Of bags, which topics to take: image=TOPIC, points=TOPIC, info=TOPIC, poses=TOPIC.");
+  table.add("topics", read.topics,
+            "Of bags, which topics to take: image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC, poses=TOPIC.");
   table.add("source_cameras", read.source_cameras, {},
             "Other cameras of the drives that lend pixels: all, none, or NAME,NAME.");
   table.add("frames", read.frames, {}, "A:B, inclusive, or A, one frame, by the drive's own numbers; empty: all.");
