@@ -30,6 +30,8 @@ class NearPath {
     }
   }
   std::optional<std::size_t> nearest(const Eigen::Vector3f& point) const {
+    constexpr float kFarthest = 1e6F;  // metres, so that cells can be counted in integers
+    if (!(point.cwiseAbs().maxCoeff() < kFarthest)) return std::nullopt;
     const auto found = cells_.find(key(cell(point)));
     return found == cells_.end() ? std::nullopt : std::optional(found->second.place);
   }
