@@ -270,6 +270,8 @@ def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command:
         text.append(image(place.name, f"{case.name}: input, truth and each method") if ours
                     else f"Crops side by side, not part of this repository: `build/bench/quality/crops/{place.name}`.\n")
         text.append(crops_note(names))
+        text.append("Frame by frame and pixel by pixel, with the truth and the difference: "
+                    f"`build/bench/quality/results/{case.name}/{DVI.name}/report.html`.\n")
     if failures := [*outcome.failures, *outcome.failed_audits()]:
         rows = [[case, what, shown(message)] for case, what, message in failures]
         text += ["## What failed", table(["case", "what", "message"], rows, words=3)]

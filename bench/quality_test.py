@@ -146,6 +146,9 @@ class FromEndToEnd(unittest.TestCase):
         self.assertEqual(first.failures, [])
         self.assertEqual({name for _, name in first.results}, {"dvi", "telea", "no-poisson"})
         self.assertEqual(first.audits(), {("street-exact", name): "" for name in ("dvi", "telea", "no-poisson")})
+        shown = scorer.result_folder(case, "dvi")
+        self.assertTrue((shown / "report.html").exists())
+        self.assertTrue((shown / "report/truth/000000.png").exists())
         times = [file.stat().st_mtime_ns for file in sorted(root.rglob("result.json"))]
         again = outcome()
         self.assertEqual(times, [file.stat().st_mtime_ns for file in sorted(root.rglob("result.json"))])
@@ -164,6 +167,7 @@ class FromEndToEnd(unittest.TestCase):
         self.assertIn("**100.00 / 100.00**", text)
         self.assertIn("Receipts: 3 runs, all pass `dvi audit`", text)
         self.assertIn("| `a.b` | 1 | 2 |", text)
+        self.assertIn("results/street-exact/dvi/report.html", text)
         self.assertEqual({file.name for file in (root / "images").iterdir()},
                          {"psnr.svg", "ablations.svg", "confidence.svg", "street-exact.jpg"})
 

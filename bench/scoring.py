@@ -1,7 +1,7 @@
 """Makes cases, runs variants on them, scores the results. What is finished is not done again.
 
     ROOT/cases/CASE/              the case, and recipe.json: the key it was made under
-    ROOT/results/CASE/NAME/       result.json; frames/ of the pictures only (of dvi: all that `dvi eval` reads)
+    ROOT/results/CASE/NAME/       result.json; frames/ of the pictures only (of dvi: the whole result, with its report.html)
     ROOT/work/                    the run that is going on
 A result's key is a hash of the program, the case's recipe, and the options: another key, another run.
 """
@@ -16,8 +16,6 @@ from pathlib import Path
 
 from cases import Case
 from variants import DVI, Variant
-
-READ_BY_EVAL = ("frames", "masks", "kind", "confidence")
 
 
 class Failed(Exception):
@@ -179,9 +177,10 @@ class Scorer:
         folder = self.result_folder(case, name)
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
-        if whole:
-            for part in READ_BY_EVAL:
-                shutil.move(out / part, folder / part)
+        if whole:  # as `dvi eval` left it: its report shows the truth beside it
+            shutil.rmtree(out / ".dvi/stages", ignore_errors=True)
+            for part in list(out.iterdir()):
+                shutil.move(part, folder / part.name)
         else:
             (folder / "frames").mkdir()
             dvi = read_json(self.result_folder(case, DVI.name) / "result.json")

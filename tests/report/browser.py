@@ -1,5 +1,7 @@
 """A headless Chromium that opens reports from disk, and results to open."""
 import json
+import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -45,11 +47,38 @@ def requests(driver):
     return [m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"]
 
 
+def resident_bytes(driver):
+    """Memory of the browser's processes that hold pages; what several of them share is counted in parts (PSS)."""
+    parents = {int(stat.parent.name): int(text_of(stat).rpartition(")")[2].split()[1]) for stat in Path("/proc").glob("[0-9]*/stat")
+               if text_of(stat)}
+    ours = {driver.service.process.pid}
+    while more := {child for child, parent in parents.items() if parent in ours} - ours:
+        ours |= more
+    rollups = [text_of(Path(f"/proc/{process}/smaps_rollup")) for process in ours
+               if "--type=renderer" in text_of(Path(f"/proc/{process}/cmdline"))]
+    return sum(1024 * int(found[1]) for text in rollups if (found := re.search(r"^Pss: +(\d+) kB", text, re.MULTILINE)))
+
+
+def text_of(file):
+    """Of a process, which may end at any time: then nothing."""
+    try:
+        return file.read_text(errors="replace")
+    except OSError:
+        return ""
+
+
 def dvi(program, *arguments):
     done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise RuntimeError(f"dvi {' '.join(map(str, arguments))}: {done.stderr}")
     return done.stdout
+
+
+def dvi_of_another_user(program, *arguments):
+    """Exit code and stderr; root may write anywhere."""
+    user = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
+    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, check=False, **user)
+    return done.returncode, done.stderr
 
 
 def result_of(names, out, real):

@@ -37,6 +37,8 @@ class Report(unittest.TestCase):
         browser.dvi(PROGRAM, "run", street, "-o", cls.out, "--quiet")
         browser.dvi(PROGRAM, "eval", cls.out, "--truth", street / "truth", "--quiet")
         cls.driver = browser.start()
+        cls.driver.get("about:blank")
+        cls.blank = browser.resident_bytes(cls.driver)
 
     @classmethod
     def tearDownClass(cls):
@@ -48,6 +50,7 @@ class Report(unittest.TestCase):
         self.driver.get(browser.address(out, view))
 
     def setUp(self):
+        browser.errors(self.driver), browser.requests(self.driver)  # of the test before, where it failed or asked for none
         self.began = time.monotonic()
 
     def tearDown(self):
@@ -158,7 +161,9 @@ class Report(unittest.TestCase):
         browser.until(self.driver, "document.querySelector('#picture img') && document.querySelector('#picture img').complete")
         seconds = time.monotonic() - start
         print(f"1000 frames: the first picture after {seconds:.2f} s,"
-              f" {self.js('performance.memory.usedJSHeapSize') / 1e6:.0f} MB of the page's own memory,"
+              f" {self.js('performance.memory.usedJSHeapSize') / 1e6:.0f} MB of JavaScript,"
+              f" {browser.resident_bytes(self.driver) / 1e6:.0f} MB of the browser's processes for pages ({self.blank / 1e6:.0f} MB"
+              f" when blank),"
               f" index.js {(out / 'report/index.js').stat().st_size / 1e6:.1f} MB")
         self.press("k")
         browser.until(self.driver, "document.querySelector('#picture canvas')")
@@ -203,6 +208,34 @@ class Report(unittest.TestCase):
         shutil.rmtree(moved / "report")
         self.open(moved)
         self.assertIn("This report is not whole", self.text("main"))
+
+    def test_a_result_without_frames_opens(self):
+        out = self.folder / "empty"
+        (out / ".dvi").mkdir(parents=True)
+        browser.dvi(PROGRAM, "report", out, "--quiet")
+        for view in ("above", "stages", "frames/3", "overview"):
+            self.open(out, view)
+            browser.until(self.driver, f"dvi.started.has('{view.split('/')[0]}')")
+            self.press(" n")
+        self.no_error(out)
+        self.assertIn("holds no frames yet", self.text("#overview"))
+        self.assertIn("not finished", self.text("#overview"))
+
+    def test_a_result_that_cannot_be_written_opens(self):
+        out = self.folder / "read only"
+        shutil.copytree(self.out, out)
+        self.folder.chmod(0o755)
+        for part in (out, out / "report"):
+            part.chmod(0o555)
+        code, message = browser.dvi_of_another_user(PROGRAM, "report", out, "--quiet")
+        self.assertEqual(code, 3)
+        self.assertEqual(message.splitlines(), [f"dvi: {out}: cannot be written (Permission denied); copy it to where it can, for a "
+                                                "new report; report.html can be opened where it is"])
+        self.open(out, "frames/0")
+        browser.until(self.driver, "document.querySelector('#picture img') && document.querySelector('#picture img').naturalWidth")
+        self.no_error(out)
+        for part in (out, out / "report"):
+            part.chmod(0o755)
 
 
 if __name__ == "__main__":

@@ -32,8 +32,12 @@ void add_holdout(Program& program) {
     if (a->common.json)
       fmt::print("{}", read_file(fs::path(a->out) / "holdout.json"));
     else
-      fmt::print("{0}/drive   the drive with virtual traffic\n{0}/truth   its frames without\n{0}/ignore  what not to score\n",
-                 a->out);
+      fmt::print(
+          "{0}/drive   the drive with virtual traffic\n{0}/truth   its frames without\n{0}/ignore  what not to score\n"
+          "Next: dvi run {0}/drive -o OUT\n"
+          "      dvi eval OUT --truth {0}/truth --ignore {0}/ignore\n"
+          "OUT/report.html then shows each frame beside the truth, and the difference.\n",
+          a->out);
   });
 }
 

@@ -1,6 +1,10 @@
 #include "dvi/pipeline/write_report.h"
 
+#include <cerrno>
+#include <cstring>
 #include <optional>
+
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -71,6 +75,13 @@ std::vector<std::string> names_of(const json& run) {
   return names;
 }
 
+/// Before any frame is read, rather than at the first file.
+void require_writable(const fs::path& out) {
+  if (access(out.c_str(), W_OK) != 0)
+    throw InputError(out, std::string("cannot be written (") + std::strerror(errno) + ")",
+                     "copy it to where it can, for a new report; report.html can be opened where it is");
+}
+
 }  // namespace
 
 void write_report(const Job& job, const std::vector<std::string>& names, const std::function<std::string()>& report_json,
@@ -87,6 +98,7 @@ void write_report(const Job& job, const std::vector<std::string>& names, const s
 void write_report(const fs::path& out, const ShownTruth& truth, Progress& progress) {
   if (!fs::is_directory(out / "frames") && !fs::is_directory(out / ".dvi"))
     throw InputError(out, "is no result of dvi", "dvi report takes the output folder of dvi run");
+  require_writable(out);
   std::vector<std::string> problems;
   const json run = run_of(out, problems);
   const std::string options = options_of(out, problems);
