@@ -7,6 +7,8 @@
 #include <tuple>
 #include <vector>
 
+#include <boost/container/flat_map.hpp>
+
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/deskew.h"
@@ -37,6 +39,9 @@ struct Heap {
   double sum = 0;
 };
 
+// By level. Flat: a square at a wall has a hundred of them, and a drive a hundred thousand squares.
+using Heaps = boost::container::flat_map<int, Heap>;
+
 int steps(double v, double size) { return static_cast<int>(std::floor(v / size)); }
 
 std::vector<Level> levels_of(const Scan& scan, const ScanHeader& header, const Trajectory& world_from_lidar) {
@@ -51,7 +56,7 @@ std::vector<Level> levels_of(const Scan& scan, const ScanHeader& header, const T
 }
 
 // The mean of the lowest two levels in a row that hold more than errors.
-std::optional<double> lowest(const std::map<int, Heap>& heaps) {
+std::optional<double> lowest(const Heaps& heaps) {
   int all = 0;
   for (const auto& [step, heap] : heaps) all += heap.count;
   for (const auto& [step, heap] : heaps) {
@@ -92,10 +97,26 @@ std::vector<Square> beside_the_way(const std::map<Square, double>& lows, const s
   return ground;
 }
 
+// A step of so many squares.
+struct Offset {
+  double length;
+  Square by;
+};
+
+// The steps within reach, the shortest first.
+std::vector<Offset> offsets() {
+  std::vector<Offset> out;
+  for_squares_around({0, 0}, kReach, [&](const Square& by) { out.push_back({distance({0, 0}, by), by}); });
+  std::sort(out.begin(), out.end(),
+            [](const Offset& a, const Offset& b) { return std::tie(a.length, a.by) < std::tie(b.length, b.by); });
+  return out;
+}
+
 // A way from a square that is ground to one that may be.
 struct Hop {
   double length;
   Square to, from;
+  std::size_t offset;  // its number in offsets()
   bool operator>(const Hop& other) const { return std::tie(length, to, from) > std::tie(other.length, other.to, other.from); }
 };
 
@@ -113,6 +134,7 @@ class Growth {
     while (!hops_.empty()) {
       const Hop shortest = hops_.top();
       hops_.pop();  // first: taking it adds others, shorter ones too
+      push(shortest.from, shortest.offset + 1);
       take(shortest);
     }
     for (const auto& [square, height] : nearby_) lows_[square] = height;
@@ -121,10 +143,17 @@ class Growth {
 
  private:
   void accept(const Square& square) {
-    if (!ground_.emplace(square, true).second) return;
-    for_squares_around(square, kReach, [&](const Square& other) {
-      if (lows_.contains(other) && !ground_.contains(other)) hops_.push({distance(square, other), other, square});
-    });
+    if (ground_.emplace(square, true).second) push(square, 0);
+  }
+  // The shortest hop from a square that is ground, from that offset on: only one of each square waits, for the ground of a long
+  // drive has two hundred times as many.
+  void push(const Square& from, std::size_t offset) {
+    for (; offset < offsets_.size(); ++offset) {
+      const Square to{from.first + offsets_[offset].by.first, from.second + offsets_[offset].by.second};
+      if (!lows_.contains(to) || ground_.contains(to)) continue;
+      hops_.push({offsets_[offset].length, to, from, offset});
+      return;
+    }
   }
   void take(const Hop& hop) {
     if (ground_.contains(hop.to)) return;
@@ -147,6 +176,7 @@ class Growth {
     return rises;
   }
 
+  const std::vector<Offset> offsets_ = offsets();
   std::map<Square, double> lows_;
   std::map<Square, bool> ground_;    // of the squares that are decided
   std::map<Square, double> nearby_;  // of squares that are not ground so far, the height of the nearest that is
@@ -156,7 +186,7 @@ class Growth {
 }  // namespace
 
 Ground::Ground(const Drive& drive, const Trajectory& world_from_lidar) {
-  std::map<Square, std::map<int, Heap>> squares;
+  std::map<Square, Heaps> squares;
   for_blocks(drive.scan_headers.size(), [&](std::size_t first, std::size_t last) {
     std::vector<std::vector<Level>> levels(last - first);
     parallel_for(levels.size(), [&](std::size_t i) {
