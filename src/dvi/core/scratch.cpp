@@ -35,9 +35,8 @@ class NamelessFile {
 
  private:
   [[noreturn]] static void fail(const std::filesystem::path& folder, int error) {
-    throw InputError(folder,
-                     std::string("takes no more of the map, which does not fit into memory (") + std::strerror(error) + ")",
-                     "free space, set TMPDIR to a folder with more, or raise map.memory_mb");
+    throw InputError(folder, std::string("takes no more of what does not fit into memory (") + std::strerror(error) + ")",
+                     "free space, set TMPDIR to a folder with more, or, for a map, raise map.memory_mb");
   }
   int file_ = -1;
 };

@@ -190,12 +190,16 @@ Ground::Ground(const Street& street, std::uint64_t seed, const Noise& noise, dou
                const std::vector<Shade>& shades, bool wet)
     : street_(street), begin_(kChunk * std::floor(s_begin / kChunk)) {
   const auto count = static_cast<std::size_t>(std::ceil((s_end - begin_) / kChunk));
-  std::vector<cv::Mat3b> pictures(count);
-  parallel_for(count, [&](std::size_t i) {
-    const double s = begin_ + kChunk * static_cast<double>(i);
-    pictures[i] = GroundPainter(s - kMargin, seed, noise).paint(static_cast<int>(std::lround(s / kChunk)), shades, wet);
+  chunks_.reserve(count);
+  for_blocks(count, [&](std::size_t first, std::size_t last) {
+    std::vector<cv::Mat3b> pictures(last - first);
+    parallel_for(pictures.size(), [&](std::size_t i) {
+      const double s = begin_ + kChunk * static_cast<double>(first + i);
+      pictures[i] = GroundPainter(s - kMargin, seed, noise).paint(static_cast<int>(std::lround(s / kChunk)), shades, wet);
+    });
+    for (const cv::Mat3b& picture : pictures) chunks_.emplace_back(picture);
+    Texture::page_out();
   });
-  for (const cv::Mat3b& picture : pictures) chunks_.emplace_back(picture);
 }
 
 Ground::Place Ground::trace(const Ray& ray) const {

@@ -67,7 +67,10 @@ class Builder {
     std::vector<House> houses = make_row(seed_, 1, kBegin, end_ + 12);
     for (const House& house : make_row(seed_, -1, kBegin, end_ + 12)) houses.push_back(house);
     std::vector<TexturePtr> fronts(houses.size());
-    parallel_for(houses.size(), [&](std::size_t i) { fronts[i] = paint(houses[i]); });
+    for_blocks(houses.size(), [&](std::size_t first, std::size_t last) {
+      parallel_for(last - first, [&](std::size_t i) { fronts[first + i] = paint(houses[first + i]); });
+      Texture::page_out();
+    });
     for (std::size_t i = 0; i < houses.size(); ++i) place_house(houses[i], fronts[i]);
     close(kBegin, 0);
     close(end_, 1);

@@ -11,6 +11,7 @@
 #include "dvi/io/rigid.h"
 #include "dvi/io/text.h"
 #include "dvi/io/write_image.h"
+#include "dvi/synth/texture.h"
 
 namespace dvi::synth {
 namespace {
@@ -135,6 +136,7 @@ void synthesise(const SynthOptions& options, const fs::path& out, const Tick& ti
   }
   parallel_for(static_cast<std::size_t>(options.frames), [&](std::size_t i) {
     write_frame(scene, static_cast<int>(i), out);
+    Texture::page_out();
     if (tick) tick();
   });
   write_tables(scene, out);

@@ -9,7 +9,7 @@ namespace dvi::synth {
 
 void SynthOptions::describe(OptionTable& table) {
   table.section("synth");
-  table.add("frames", frames, {1, 2000}, "Images, and as many scans of the LiDAR.");
+  table.add("frames", frames, {1, 100000}, "Images, and as many scans of the LiDAR.");
   table.add("width", width, {32, 4096}, "Image width in pixels.");
   table.add("height", height, {32, 4096}, "Image height in pixels.");
   table.add("seed", seed, {0, 1e9}, "The street and its traffic.");

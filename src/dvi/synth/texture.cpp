@@ -11,17 +11,35 @@ namespace {
 constexpr double kMostTaps = 8;
 // Slightly finer than the footprint: bilinear lookup blurs by itself.
 constexpr double kLevelBias = -0.4;
+constexpr std::size_t kInMemory = 400'000'000;  // bytes: 500 m of street, several times what a view sees from near
+
+const std::shared_ptr<Scratch>& scratch() {
+  static const auto shared = std::make_shared<Scratch>(kInMemory);
+  return shared;
+}
 
 }  // namespace
 
-Texture::Texture(const cv::Mat3b& picture, const cv::Mat1b& alpha) : alpha_(alpha) {
-  levels_.push_back(picture);
-  while (std::min(levels_.back().cols, levels_.back().rows) > 1) {
-    cv::Mat3b half;
-    cv::resize(levels_.back(), half, {levels_.back().cols / 2, levels_.back().rows / 2}, 0, 0, cv::INTER_AREA);
-    levels_.push_back(half);
+Texture::Texture(const cv::Mat3b& picture, const cv::Mat1b& alpha) : pixels_(scratch()), alpha_(alpha) {
+  std::vector<cv::Size> sizes{picture.size()};
+  while (std::min(sizes.back().width, sizes.back().height) > 1)
+    sizes.emplace_back(sizes.back().width / 2, sizes.back().height / 2);
+  std::size_t total = 0;
+  for (const cv::Size& size : sizes) total += static_cast<std::size_t>(size.area());
+  pixels_.resize(total);
+  std::size_t begin = 0;
+  for (const cv::Size& size : sizes) {
+    cv::Mat3b level(size.height, size.width, &pixels_[begin]);
+    if (levels_.empty())
+      picture.copyTo(level);
+    else
+      cv::resize(levels_.back(), level, size, 0, 0, cv::INTER_AREA);
+    levels_.push_back(level);
+    begin += static_cast<std::size_t>(size.area());
   }
 }
+
+void Texture::page_out() { scratch()->page_out(); }
 
 bool Texture::solid(double x, double y) const {
   if (alpha_.empty()) return true;

@@ -6,13 +6,22 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
+#include "dvi/core/scratch.h"
+
 namespace dvi::synth {
 
 /// A picture on a surface: colour at all scales, and holes. Positions are in pixels of the picture, whose corners are
 /// (0, 0) and (width, height).
+///
+/// All textures of the process share a bound of memory, beyond which they are paged to unlinked temporary files: a long street
+/// has more of them than fit.
 class Texture {
  public:
   explicit Texture(const cv::Mat3b& picture, const cv::Mat1b& alpha = {});
+  Texture(Texture&&) = default;
+  Texture& operator=(Texture&&) = default;
+  /// Lets what does not fit into memory leave it until it is looked at again.
+  static void page_out();
 
   int width() const { return levels_.front().cols; }
   int height() const { return levels_.front().rows; }
@@ -27,6 +36,7 @@ class Texture {
   cv::Vec3f bilinear(int level, float x, float y) const;
   cv::Vec3f trilinear(float level, float x, float y) const;
 
+  ScratchVector<cv::Vec3b> pixels_;  // of all levels, which lie in it
   std::vector<cv::Mat3b> levels_;
   cv::Mat1b alpha_;
 };
