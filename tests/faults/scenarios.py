@@ -78,6 +78,27 @@ def killed_after_stage(scene):
     return ", ".join(done), found + [f"{name} was made again" for name in again]
 
 
+def pieces_killed(scene):
+    """plan, two fills that share a frame, and finish: each killed at any moment, up to twice, and called again."""
+    fills = [("fill", scene.out, "--frames", "0:1"), ("fill", scene.out, "--frames", "1:99")]
+    scene.rng.shuffle(fills)
+    done = []
+    for step in (("plan", scene.drive, "-o", scene.out), *fills, ("finish", scene.out)):
+        for _ in range(scene.rng.randint(0, 2)):
+            moment = scene.rng.uniform(0, scene.seconds)
+            process = scene.program.start(*step)
+            try:
+                process.wait(moment)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+                done.append(f"{step[0]} at {moment:.2f} s")
+        ended = scene.program.call(*step)
+        if ended.code != 0:
+            return ", ".join(done), [f"{step[0]} again exits with {ended.code}: {classify.first_line(ended.err)}"]
+    return ", ".join(done) or "no kill before the ends", differences(scene.expected, scene.out)
+
+
 def stages_damaged(scene):
     """Frames are missing, and files of kept stages too, or they are damaged."""
     shutil.copytree(scene.complete, scene.out)
@@ -248,4 +269,4 @@ class Tmpfs:
 
 
 ALL = (killed, damaged, power_cut, disk_full, stages_damaged, killed, two_at_once, read_only, input_changed, damaged,
-       killed_after_stage, stages_damaged)
+       killed_after_stage, stages_damaged, pieces_killed)
