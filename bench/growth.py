@@ -92,7 +92,7 @@ def plot(lengths, sources, file):
     matplotlib.use("svg")
     import matplotlib.pyplot as plt
     matplotlib.rcParams["svg.hashsalt"] = "growth"
-    figure, axes = plt.subplots(2, len(FIGURES), figsize=(11, 5.6), layout="constrained")
+    figure, axes = plt.subplots(2, len(FIGURES), squeeze=False, figsize=(11, 5.6), layout="constrained")
     for row, (found, label) in enumerate(((lengths, "frames"), (sources, "source drives"))):
         for axis, figure_name in zip(axes[row], FIGURES):
             axis.plot(list(found), [costs_of[figure_name] for costs_of in found.values()], "o-", color="#0072b2")
