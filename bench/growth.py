@@ -92,11 +92,12 @@ def plot(lengths, sources, file):
     matplotlib.use("svg")
     import matplotlib.pyplot as plt
     matplotlib.rcParams["svg.hashsalt"] = "growth"
-    figure, axes = plt.subplots(2, len(FIGURES), squeeze=False, figsize=(11, 5.6), layout="constrained")
+    figure, axes = plt.subplots(2, len(FIGURES), figsize=(11, 5.6), layout="constrained")
     for row, (found, label) in enumerate(((lengths, "frames"), (sources, "source drives"))):
         for axis, figure_name in zip(axes[row], FIGURES):
-            axis.plot(list(found), [costs_of[figure_name] for costs_of in found.values()], "o-", color="#0072b2")
-            axis.set(xscale="log", xlabel=label, title=figure_name, ylim=(0, None))
+            values = [costs_of[figure_name] for costs_of in found.values()]
+            axis.plot(list(found), values, "o-", color="#0072b2")
+            axis.set(xscale="log", xlabel=label, title=figure_name, ylim=(0, 1.08 * max(values)))
             axis.set_xticks(list(found), [str(n) for n in found])
             axis.minorticks_off()
             axis.grid(alpha=0.3)
