@@ -19,25 +19,25 @@ struct Source {
   Warp warp;
   std::shared_ptr<const cv::Mat3b> image;
   std::shared_ptr<const cv::Mat1b> mask;
-  cv::Vec3f gain;  // into the target's light
 };
 
-/// The source's own gradient from a neighbour it was not copied for to p, for which it shows `colour`; zero where the source
+/// The source's own gradient from a neighbour it was not copied for to p, in the light of the target; zero where the source
 /// cannot show the neighbour.
-cv::Vec3f gradient(const Source& source, cv::Point p, const sample::Candidate& shown, const cv::Vec3f& colour, cv::Point q,
+cv::Vec3f gradient(const Source& source, cv::Point p, const sample::Candidate& shown, const cv::Vec3f& gain, cv::Point q,
                    const depth::DepthMap& depth) {
   const cv::Point2f by_depth =
       neighbour_in_source(p, shown.position, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
   const cv::Point2f by_image = shown.position + cv::Point2f(q - p);
   for (const cv::Point2f at : {by_depth, by_image})
     if (can_sample(*source.mask, at, shown.footprint))
-      return colour - box_mean(*source.image, at, shown.footprint).mul(source.gain);
+      return box_mean(*source.image, shown.position, shown.footprint).mul(gain) -
+             box_mean(*source.image, at, shown.footprint).mul(gain);
   return {};
 }
 
 }  // namespace
 
-Copies copy(const Fused& fused, const Views& views, std::size_t target, const depth::DepthMap& depth) {
+Copies copy(const Fused& fused, const Views& views, std::size_t target, const depth::DepthMap& depth, const DayLight& light) {
   const sample::Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
   const std::vector<cv::Vec3f> zeros(hole.size());
@@ -48,19 +48,18 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const de
   const cv::Rect frame({}, hole.index.size());
   for (const auto& [view, pixels] : of_view) {
     out.of_other_days |= views[view].drive != views[target].drive;
-    const Source source{Warp(views[target], views[view]), views.images[view], views.masks[view],
-                        gain_to(views[target], views[view])};
+    const Source source{Warp(views[target], views[view]), views.images[view], views.masks[view]};
     for (const std::size_t i : pixels) {
       const cv::Point p = hole.pixels[i];
       const sample::Candidate& shown = candidates.leading[i];
-      const cv::Vec3f colour = box_mean(*source.image, shown.position, shown.footprint).mul(source.gain);
+      const cv::Vec3f gain = light.gain_to(views[target], views[view], i);
       for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
         if (!frame.contains(q)) continue;
         const int j = hole.index(q);
         if (j < 0) {
-          out.outward[i] += gradient(source, p, shown, colour, q, depth);
+          out.outward[i] += gradient(source, p, shown, gain, q, depth);
         } else if (candidates.leading[j].found() && candidates.leading[j].view != view) {
-          const cv::Vec3f half = 0.5F * gradient(source, p, shown, colour, q, depth);
+          const cv::Vec3f half = 0.5F * gradient(source, p, shown, gain, q, depth);
           out.seam[i] += half;
           out.seam[j] -= half;
         }

@@ -20,6 +20,6 @@ struct Copies {
 };
 
 /// Reads one source image at a time.
-Copies copy(const Fused& fused, const Views& views, std::size_t target, const depth::DepthMap& depth);
+Copies copy(const Fused& fused, const Views& views, std::size_t target, const depth::DepthMap& depth, const DayLight& light);
 
 }  // namespace dvi::harmonize

@@ -18,7 +18,6 @@ constexpr float kSaturatedTrust = 0.01F;
 // Brighter than anything that the target's camera can show, beyond noise: the surface is not lit on both days as those are that
 // the gains were found from.
 constexpr int kBleeds = 1;  // px from such a surface, what it is in front of is mixed with it
-constexpr float kBrightest = 255 + kDiffer;
 
 float most_different(const cv::Vec3f& a, const cv::Vec3f& b) {
   return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
@@ -66,7 +65,7 @@ Agreement agreement(std::span<const Shown> shown) {
   return out;
 }
 
-Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t target) {
+Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t target, const DayLight& light) {
   const std::size_t pixels = candidates.hole.size(), ranks = candidates.extra_per_pixel + 1;
   std::vector<Shown> shown(pixels * ranks);
   std::vector<cv::Vec2b> footprints(pixels * ranks, cv::Vec2b(1, 1));
@@ -81,15 +80,15 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
   for (const auto& [view, slots] : of_view) {
     const auto image = views.images[view];
     const auto mask = views.masks[view];
-    const cv::Vec3f gain = gain_to(views[target], views[view]);
     const bool other_day = views[view].drive != views[target].drive;
     for (const std::size_t slot : slots) {
       const sample::Candidate& from = candidate(slot);
+      if (other_day && !light.agrees(views[view], slot / ranks)) continue;
       if (can_sample(*mask, from.position, from.footprint)) footprints[slot] = from.footprint;
       const cv::Vec3f colour = box_mean(*image, from.position, footprints[slot]);
       const bool saturated = std::max({colour[0], colour[1], colour[2]}) >= kSaturated;
-      const cv::Vec3f lit = colour.mul(gain);
-      if (other_day && std::max({lit[0], lit[1], lit[2]}) > kBrightest) {
+      const cv::Vec3f lit = colour.mul(light.gain_to(views[target], views[view], slot / ranks));
+      if (other_day && std::max({lit[0], lit[1], lit[2]}) > light.brightest + kDiffer) {
         sky(candidates.hole.pixels[slot / ranks]) = 255;
         continue;
       }

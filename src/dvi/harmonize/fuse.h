@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dvi/drive/view.h"
+#include "dvi/harmonize/day_light.h"
 #include "dvi/sample/candidates.h"
 
 namespace dvi::harmonize {
@@ -40,6 +41,6 @@ struct Fused {
 /// Reads one source image at a time. Where a box meets the source's mask the pixel itself is taken; saturated colours count
 /// only where there are no others. What another drive shows there where it is too bright for the
 /// target's light, as its sky is, or mixed with that, is not used.
-Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t target);
+Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t target, const DayLight& light);
 
 }  // namespace dvi::harmonize

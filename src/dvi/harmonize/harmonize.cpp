@@ -235,8 +235,8 @@ void write_confidence(const Fused& fused, const Window& window, const Views& vie
 }  // namespace
 
 FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std::size_t target, const depth::DepthMap& depth,
-                      const HarmonizeOptions& options) {
-  const Fused fused = fuse(sampled, views, target);
+                      const DayLight& light, const HarmonizeOptions& options) {
+  const Fused fused = fuse(sampled, views, target, light);
   const sample::Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
   const cv::Size size = hole.index.size();
@@ -250,7 +250,7 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
   out.depth = depth.z.clone();
   out.gain = views[target].gain;
 
-  const Copies copies = copy(fused, views, target, depth);
+  const Copies copies = copy(fused, views, target, depth, light);
   for (std::size_t i = 0; i < hole.size(); ++i) out.colour(hole.pixels[i]) = copies.colour[i];
   const Role copied = options.poisson ? Role::solved : Role::fixed;
   const Role unseen = options.never_seen == NeverSeen::leave ? Role::absent : Role::solved;

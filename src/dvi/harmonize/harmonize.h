@@ -8,6 +8,7 @@
 #include "dvi/core/options.h"
 #include "dvi/depth/depth_map.h"
 #include "dvi/drive/view.h"
+#include "dvi/harmonize/day_light.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/sample/candidates.h"
 
@@ -26,6 +27,7 @@ struct HarmonizeOptions {
   bool never_seen_last = true;
   double never_seen_vertical = 0.1;
   NeverSeen never_seen = NeverSeen::synthesise;
+  bool day_light = true;
 
   void describe(OptionTable& table) {
     table.section("harmonize");
@@ -36,6 +38,8 @@ struct HarmonizeOptions {
     table.add("poisson", poisson, "Blend copies seamlessly into their surroundings (eq. 5); false copies colours unchanged.");
     table.add("seam_gradients", seam_gradients,
               "Between pixels of different source frames, use the gradient in the source frames; false: 0, as published.");
+    table.add("day_light", day_light,
+              "Bring copies of other drives into the target's light by the direction that surfaces face.");
     table.add("never_seen_last", never_seen_last,
               "Interpolate never-seen pixels after the copies are solved; false: together, as published (bleeds).");
     table.add("never_seen_vertical", never_seen_vertical, {0.001, 1},
@@ -48,6 +52,6 @@ struct HarmonizeOptions {
 /// boundary (Neumann at the image's border). Its guidance is the gradient of the copies, between pixels of different sources
 /// what these show there, and 0 at pixels without a source, which are interpolated once the copies stand.
 FilledFrame harmonize(const sample::Candidates& candidates, const Views& views, std::size_t target,
-                      const depth::DepthMap& depth, const HarmonizeOptions& options);
+                      const depth::DepthMap& depth, const DayLight& light, const HarmonizeOptions& options);
 
 }  // namespace dvi::harmonize

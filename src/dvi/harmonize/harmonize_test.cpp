@@ -57,7 +57,7 @@ struct Case {
   }
   FilledFrame run(const HarmonizeOptions& options = {}) const {
     const depth::DepthMap depth{scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
-    return harmonize(candidates, scene.lazy(), 0, depth, options);
+    return harmonize(candidates, scene.lazy(), 0, depth, {}, options);
   }
   double worst(const FilledFrame& out) const {
     cv::Mat3f expected;
@@ -100,9 +100,9 @@ TEST(Harmonize, TheSkyDoesNotGoOnInWhatStandsBeforeIt) {
   c.scene.add_source(0, c.truth);
   c.seen(1, 0, {0, 30, kWidth, 15});
   depth::DepthMap depth{c.scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
-  EXPECT_LT(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}).colour(29, 40)[0], 100) << "a wall would";
+  EXPECT_LT(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {}).colour(29, 40)[0], 100) << "a wall would";
   depth.z.rowRange(0, 30) = depth::DepthMap::kInfinity;
-  EXPECT_LT(c.worst(harmonize(c.candidates, c.scene.lazy(), 0, depth, {})), 3);
+  EXPECT_LT(c.worst(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {})), 3);
 }
 
 TEST(Harmonize, UnseenPixelsContinueTheLayersBesideThem) {

@@ -109,6 +109,7 @@ void use_method(Method method, Options& options) {
   options.regularize.enabled = true;
   options.harmonize.poisson = true;
   options.harmonize.seam_gradients = false;
+  options.harmonize.day_light = false;
   options.harmonize.never_seen_last = false;
   options.harmonize.never_seen_vertical = 1;
   options.harmonize.never_seen = harmonize::NeverSeen::interpolate;

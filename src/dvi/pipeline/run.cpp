@@ -27,7 +27,7 @@ namespace dvi::pipeline {
 using align::Cameras;
 using depth::DepthMap, depth::Depths;
 using exposure::Gains;
-using harmonize::FilledFrame, harmonize::NeverSeen;
+using harmonize::DayLight, harmonize::FilledFrame, harmonize::NeverSeen;
 using map::StaticMap, map::VisibleMap;
 using regularize::Labelling;
 using sample::Candidates;
@@ -84,8 +84,11 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
     Candidates candidates = cpu.time("sample", sample::sample, views, i, depth, depths.visibility, options.sample);  // 3.4
     const Labelling labels = cpu.time("regularize", regularize::regularize, std::move(candidates), views, i, depth,
                                       options.regularize);  // 3.5, eqs. 2-4
-    FilledFrame frame =
-        cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, options.harmonize);  // 3.6, eq. 5
+    const DayLight light = options.harmonize.day_light ? cpu.time("harmonize", harmonize::compare_days, labels.candidates,
+                                                                  views, i, depth, depths.visibility)
+                                                       : DayLight{};
+    FilledFrame frame = cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, light,
+                                 options.harmonize);  // 3.6, eq. 5
     if (surfaces) frame = cpu.time("synthesize", synthesize::synthesize, frame, views[i], depth, *surfaces);
     return FilledView{std::move(frame), labels.energy};
   };
