@@ -77,9 +77,9 @@ TEST(DayLight, TheSameLightStays) {
 TEST(DayLight, WhatHasChangedIsNotCopied) {
   TwoDays days;
   Random random(3);
-  for (int y = 0; y < kRows; y += 8)
-    for (int x = kColumns / 2; x < kColumns; x += 8)
-      days.other(cv::Rect(x, y, 8, 8)) = cv::Vec3b::all(static_cast<uchar>(10 * std::exp(random.uniform(0, 3))));
+  for (int y = 0; y < kRows; y += 16)
+    for (int x = kColumns / 2; x < kColumns; x += 16)
+      days.other(cv::Rect(x, y, 16, 16)) = cv::Vec3b::all(static_cast<uchar>(9 * std::exp(random.uniform(0, 3.3))));
   const TwoDays::Found found = days.run();
   EXPECT_GT(found.gain({80, 120})[0], 0);
   EXPECT_EQ(found.gain({240, 120})[0], 0);
