@@ -26,6 +26,8 @@ TEST_F(Room, ThePersonIsRemovedWithDefaults) {
   const nlohmann::json all = scores("room").at("all");
   EXPECT_GT(all.at("psnr").get<double>(), 27);
   EXPECT_EQ(dvi("audit out room").code, 0);
+  const nlohmann::json hole = nlohmann::json::parse(read_file(folder / "out/report.json")).at("hole");
+  EXPECT_EQ(hole.at("synthesised"), 0) << "there is no ground of a road";
 }
 
 TEST_F(Room, HasNoStreet) {

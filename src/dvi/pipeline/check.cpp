@@ -137,7 +137,7 @@ std::string CheckReport::brief() const {
     text += fmt::format("  topic    {} ({}): {} messages, {:.1f} Hz{}\n", topic.name, topic.type, topic.messages, topic.rate_hz,
                         topic.use.empty() ? "" : ": " + topic.use);
   if (forecast)
-    text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never\n",
+    text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never (--never-seen says how it is filled)\n",
                         100 * (1 - forecast->hole.never_seen), 100 * forecast->hole.never_seen);
   for (const std::string& picture : pictures) text += fmt::format("  picture  {}\n", picture);
   for (const std::string& warning : warnings) text += fmt::format("  warning  {}\n", warning);

@@ -88,7 +88,8 @@ TEST_F(ReportFile, WhatIsNoReportCountsAsNone) {
 
 TEST(RunReport, BriefSaysWhatWasFilledAndWhatItCost) {
   const std::string text = whole_report().brief("out");
-  for (const char* part : {"1 frames, 100 hole pixels: 60.0 % copied, 10.0 % from other cameras or drives, 30.0 % never seen",
+  for (const char* part : {"1 frames, 100 hole pixels: 60.0 % copied, 10.0 % from other cameras or drives, 30.0 % never seen "
+                           "(25.0 % interpolated, 5.0 % left black)",
                            "4 of 5 removed tracks stand; they are 80 % of the hole; --remove moving would keep them",
                            "6.0 CPU s a frame, peak memory 123 MB", "out/compare.mp4"})
     EXPECT_THAT(text, HasSubstr(part));
