@@ -29,9 +29,26 @@ float share_of(float span) {
   return kMost * std::clamp((kCoarse - span) / (kCoarse - kFine), 0.0F, 1.0F);
 }
 
+/// The fine contrast of what was known or copied near each pixel, in grey levels.
+cv::Mat1f fine_contrast(const harmonize::FilledFrame& frame) {
+  constexpr double kFine = 2, kNear = 20;      // px
+  constexpr float kPrior = 1e-3F, kUsual = 8;  // where there is nothing near
+  cv::Mat1f grey, smooth;
+  cv::transform(frame.colour, grey, cv::Matx13f::all(1.0F / 3));
+  cv::GaussianBlur(grey, smooth, {}, kFine);
+  const cv::Mat1b seen(frame.kind < static_cast<uchar>(Kind::interpolated));
+  cv::Mat1f fine(cv::abs(grey - smooth)), weight(grey.size(), 0.0F);
+  fine.setTo(0, ~seen);
+  weight.setTo(1, seen);
+  for (cv::Mat1f* m : {&fine, &weight}) cv::GaussianBlur(*m, *m, {}, kNear);
+  return cv::Mat1f((fine + kPrior * kUsual) / (weight + kPrior));
+}
+
 /// Probability that a synthesised pixel is within 10 grey levels of the truth, by its distance in pixels to the nearest pixel
-/// that was known or copied (docs/algorithms/synthesise.md).
-double synthesised_confidence(float distance) { return 0.12 + 0.42 * std::exp(-distance / 9); }
+/// that was known or copied, and by the contrast there (docs/algorithms/synthesise.md).
+double synthesised_confidence(float distance, float contrast) {
+  return 1 / (1 + std::exp(-3.83 - 2.83 * std::exp(-distance / 9) + 2.87 * std::log1p(contrast)));
+}
 
 /// What the surfaces show, and how the frame differs from it.
 struct Texture {
@@ -130,6 +147,7 @@ harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const Vie
   cv::Mat1f distance;
   cv::distanceTransform(cv::Mat1b(frame.kind >= static_cast<uchar>(Kind::interpolated)), distance, cv::DIST_L2,
                         cv::DIST_MASK_PRECISE);
+  const cv::Mat1f contrast = fine_contrast(frame);
   for (std::size_t i = 0; i < region.size(); ++i) {
     const cv::Point p = region.pixels[i];
     const float share = texture.share(p);
@@ -137,7 +155,7 @@ harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const Vie
     const cv::Vec3f colour = (1 - share) * frame.colour(p) + share * (texture.colour(p) + lights[i]);
     for (int c = 0; c < 3; ++c) out.colour(p)[c] = std::clamp(colour[c], 0.0F, 255.0F);
     out.kind(p) = static_cast<uchar>(Kind::synthesised);
-    out.confidence(p) = static_cast<uchar>(std::lround(255 * synthesised_confidence(distance(p))));
+    out.confidence(p) = static_cast<uchar>(std::lround(255 * synthesised_confidence(distance(p), contrast(p))));
   }
   return out;
 }

@@ -118,6 +118,20 @@ TEST(Synthesize, InTheShadeContrastGoesWithTheLight) {
   EXPECT_NEAR(deviation[1] / lit_deviation[1], 0.25, 0.1);
 }
 
+TEST(Synthesize, ConfidenceFallsWithTheContrastOfWhatIsSeenAround) {
+  const Street street;
+  harmonize::FilledFrame frame = street.interpolated();
+  const cv::Mat1b hole = frame.mask;
+  const double plain = cv::mean(street.run(frame).confidence, hole)[0];
+  for (int y = 0; y < frame.colour.rows; ++y)
+    for (int x = 0; x < frame.colour.cols; ++x)
+      if (hole(y, x) == 0) frame.colour(y, x) += cv::Vec3f::all((x + y) % 2 == 0 ? 30.0F : -30.0F);
+  const double rough = cv::mean(street.run(frame).confidence, hole)[0];
+  EXPECT_LT(rough, 0.5 * plain);
+  EXPECT_GT(rough, 0);
+  EXPECT_LT(plain, 255);
+}
+
 TEST(Synthesize, WithoutGroundNothingIsMadeUp) {
   Street street;
   street.map.points.clear();
