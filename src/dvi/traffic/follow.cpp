@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
@@ -22,14 +24,18 @@ double quantile(std::vector<double> values) {
   return *at;
 }
 
+// Of the half of its scans that show most of it: from afar, no ray may hit a head.
 double usual_height(const Track& track) {
-  std::vector<double> heights;
+  std::vector<std::pair<std::size_t, double>> heights;  // returns, metres
   for (const Cluster& o : track.observations) {
     double high = 0;
     for (std::size_t i = 0; i < o.points.size(); ++i) high = std::max(high, o.points[i].z() - o.ground[i] + 0.5 * o.rise[i]);
-    heights.push_back(high);
+    heights.emplace_back(o.points.size(), high);
   }
-  return median(heights);  // leaves above it may move, too
+  std::sort(heights.rbegin(), heights.rend());
+  std::vector<double> best;
+  for (std::size_t i = 0; 2 * i < heights.size(); ++i) best.push_back(heights[i].second);
+  return median(best);  // leaves above it may move, too
 }
 
 // Where an object is at any time, and how large it is: length along its heading, width, height.

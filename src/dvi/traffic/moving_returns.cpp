@@ -7,13 +7,13 @@
 namespace dvi::traffic {
 namespace {
 
-constexpr double kLowest = 0.3, kHighest = 4.5;      // metres above ground: kerbs and grass; lorries and buses
-constexpr double kRadius = 0.05;                     // metres round a return that must have been free
-constexpr std::size_t kNear = 10;                    // scans before and after
-constexpr std::size_t kFarStep = 10, kMostFar = 20;  // of the scans of the whole drive, each tenth, so many at most
-constexpr double kFarReach = 60;                     // metres between sensors
-constexpr int kFewestPasses = 2;                     // scans that must have seen through
-constexpr double kPassedShare = 0.6;                 // of the scans that can tell: edges and glass are passed now and then
+constexpr double kLowest = 0.3, kHighest = 4.5;     // metres above ground: kerbs and grass; lorries and buses
+constexpr double kRadius = 0.05;                    // metres round a return that must have been free
+constexpr std::size_t kNear = 10;                   // scans before and after
+constexpr std::size_t kFarStep = 4, kMostFar = 20;  // of the scans of the whole drive, each fourth, or fewer, so many at most
+constexpr double kFarReach = 60;                    // metres between sensors
+constexpr int kFewestPasses = 2;                    // scans that must have seen through
+constexpr double kPassedShare = 0.6;                // of the scans that can tell: edges and glass are passed now and then
 
 struct Votes {
   int passed = 0, hit = 0;
@@ -41,13 +41,15 @@ MovingReturns::MovingReturns(const Drive& drive, const Trajectory& world_from_li
 }
 
 std::vector<std::size_t> MovingReturns::witnesses_far(std::size_t scan) const {
-  std::vector<std::size_t> far;
-  for (std::size_t i = 0; i < sensors_.size(); i += kFarStep)
-    if ((i + kNear < scan || i > scan + kNear) && (sensors_[i] - sensors_[scan]).norm() < kFarReach) far.push_back(i);
-  while (far.size() > kMostFar) {  // each second
-    for (std::size_t i = 0; 2 * i < far.size(); ++i) far[i] = far[2 * i];
-    far.resize((far.size() + 1) / 2);
-  }
+  const auto witnesses = [&](std::size_t step) {
+    std::vector<std::size_t> far;
+    for (std::size_t i = 0; i < sensors_.size(); i += step)
+      if ((i + kNear < scan || i > scan + kNear) && (sensors_[i] - sensors_[scan]).norm() < kFarReach) far.push_back(i);
+    return far;
+  };
+  std::size_t step = kFarStep;
+  std::vector<std::size_t> far = witnesses(step);
+  while (far.size() > kMostFar) far = witnesses(step *= 2);
   return far;
 }
 

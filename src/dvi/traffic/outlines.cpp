@@ -69,14 +69,15 @@ Body body_at(const Track& track, std::int64_t time_ns, const Eigen::Vector2d& se
   const bool drives = velocity.norm() > kDrives, shapeless = drives && median(cluster.rise) > kShape;
   if (apart > (shapeless ? kGoesOn : kOutlineWindow)) return body;
   if (drives) body.heading = velocity.normalized();
+  const bool upright = track.size_m.maxCoeff() > 0 && track.size_m.maxCoeff() <= kPerson;
   for (std::size_t k = 0; k < cluster.points.size(); ++k) {
     Eigen::Vector3d x = cluster.points[k];
     x.head<2>() += velocity * seconds_from(cluster.time_ns[k], time_ns);
     body.points.push_back(x);
     body.feet.emplace_back(x.x(), x.y(), cluster.ground[k]);
-    // It may go on up to the next ray, but no higher than it usually is; glass below a roof returns little.
+    // It may go on up to the next ray, but no higher than it usually is; glass below a roof returns little, and so does hair.
     const double top = cluster.ground[k] + track.height_m;
-    const double above = x.z() > top - kRoof ? top : std::min(x.z() + cluster.rise[k], top);
+    const double above = upright || x.z() > top - kRoof ? top : std::min(x.z() + cluster.rise[k], top);
     if (above > x.z()) body.points.emplace_back(x.x(), x.y(), above);
   }
   if (shapeless) add_whole(track, median(cluster.ground), sensor, body);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <memory>
@@ -64,6 +65,43 @@ TEST(Traffic, FindsWhatMovesAndNothingThatStands) {
   }
   EXPECT_GT(covered / all, 0.75);  // shadows are part of the truth, not of the outlines
   RecordProperty("recall", std::to_string(covered / all));
+}
+
+// Scans, from a slow vehicle, a plain before a wall, and someone 0.8 m long who walks across it, 25 m ahead of the first one.
+Drive walker_before_a_wall(int scans) {
+  Drive drive = Plain(scans, 0).drive;
+  std::vector<StampedPose> poses;
+  for (int i = 0; i < scans; ++i)
+    poses.push_back({i * Plain::kTenthOfSecond, {Eigen::Matrix3d::Identity(), {0.3 * i, 0, 1.7}}});
+  drive.poses = Trajectory(poses);
+  drive.scans = Lazy<Scan>(scans, 4, [](std::size_t i) {
+    constexpr double kDegree = std::numbers::pi / 180, kWall = 40, kWalker = 25, kTall = 1.8;
+    const double walker = -1.5 + 0.145 * static_cast<double>(i), sensor = 0.3 * static_cast<double>(i);
+    Scan scan;
+    for (double up = -15; up <= 2; up += 0.4)
+      for (double aside = -40; aside <= 40; aside += 0.2) {
+        const Eigen::Vector3d ray(std::cos(aside * kDegree), std::sin(aside * kDegree), std::tan(up * kDegree));
+        double length = (kWall - sensor) / ray.x();
+        if (ray.z() < 0) length = std::min(length, -1.7 / ray.z());
+        const double there = (kWalker - sensor) / ray.x();
+        const Eigen::Vector3d x = there * ray;
+        if (std::abs(x.y() - walker) < 0.4 && x.z() + 1.7 < kTall) length = std::min(length, there);
+        scan.points.emplace_back((length * ray).cast<float>());
+        scan.time.push_back(0);
+        scan.intensity.push_back(0.5F);
+      }
+    return scan;
+  });
+  return drive;
+}
+
+TEST(Traffic, FindsAWalkerInAShortDrive) {
+  const Drive drive = walker_before_a_wall(24);
+  const std::vector<Track> tracks = find_traffic(drive, drive.poses, Ground(drive, drive.poses), 0.05, [] {});
+  ASSERT_EQ(tracks.size(), 1U);
+  EXPECT_GE(tracks[0].observations.size(), 18U);
+  EXPECT_NEAR(tracks[0].height_m, 1.8, 0.2);
+  EXPECT_NEAR(tracks[0].velocity(12).norm(), 1.45, 0.3);
 }
 
 TEST(Traffic, OneScanOrNoPoseFindsNothing) {
