@@ -3,18 +3,26 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <numeric>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 
+#include "dvi/core/lazy.h"
 #include "dvi/core/median.h"
+#include "dvi/depth/depth_map.h"
+#include "dvi/depth/visibility_map.h"
+#include "dvi/drive/view.h"
+#include "dvi/geometry/camera.h"
+#include "dvi/geometry/se3.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/region.h"
+#include "dvi/sample/candidates.h"
 
 namespace dvi::harmonize {
 namespace {
@@ -42,7 +50,7 @@ Directions directions() {
   Directions out;
   std::size_t count = 0;
   for (int k = 0; k < 27; ++k)
-    if (k != 13) out[count++] = Eigen::Vector3d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1).normalized();
+    if (const Eigen::Vector3i cell(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1); k != 13) out[count++] = cell.cast<double>().normalized();
   return out;
 }
 
@@ -178,8 +186,10 @@ float weighted_median(std::vector<std::pair<float, float>> value_weight) {
   for (const auto& [value, weight] : value_weight) all += weight;
   if (all < kFewest) return 0;
   float before = 0;
-  for (const auto& [value, weight] : value_weight)
-    if ((before += weight) >= all / 2) return value * all / (all + kFew);
+  for (const auto& [value, weight] : value_weight) {
+    before += weight;
+    if (before >= all / 2) return value * all / (all + kFew);
+  }
   return 0;
 }
 
