@@ -56,6 +56,13 @@ class Waiting {
   std::size_t bytes_ = 0, next_ = 0;
 };
 
+/// With sigma in the mask only, as a packed map keeps it: a frame must not tell by its depth which was made first.
+DepthMap within(const cv::Mat1b& mask, const DepthMap& whole) {
+  DepthMap out{whole.z, cv::Mat1f(mask.size(), 0.0F)};
+  whole.sigma.copyTo(out.sigma, mask);
+  return out;
+}
+
 }  // namespace
 
 Depths::Depths(const Views& views, const std::function<DepthMap(std::size_t)>& make) {
@@ -64,7 +71,7 @@ Depths::Depths(const Views& views, const std::function<DepthMap(std::size_t)>& m
   const auto waiting = std::make_shared<Waiting>();
   maps = {views.size(), in_work, [whole, waiting, masks = views.masks](std::size_t i) {
             const std::optional<PackedDepth> packed = waiting->take(i);
-            return packed ? packed->unpack(*masks[i]) : *whole[i];
+            return packed ? packed->unpack(*masks[i]) : within(*masks[i], *whole[i]);
           }};
   visibility = {views.size(), [whole, waiting, masks = views.masks, targets = views.of_sequence(0).second](std::size_t i) {
                   const std::shared_ptr<const DepthMap> depth = whole[i];

@@ -17,7 +17,7 @@ struct Depths {
   /// `make`: the depth map of a view.
   Depths(const Views& views, const std::function<DepthMap(std::size_t)>& make);
 
-  Lazy<DepthMap> maps;             ///< as views; of those of the target drive, sigma within the mask only
+  Lazy<DepthMap> maps;             ///< as views; sigma is 0 outside the mask
   Lazy<VisibilityMap> visibility;  ///< as views
 };
 

@@ -74,6 +74,7 @@ TEST(Depths, AreMadeOnceWhetherSourceOrTargetFirst) {
   });
   for (std::size_t target = 0; target < kViews; ++target) {
     expect_same(*depths.maps[target], some_depth(target), some_hole());
+    EXPECT_EQ(cv::countNonZero(cv::Mat1f(depths.maps[target]->sigma.clone().setTo(0, some_hole()))), 0);
     for (std::size_t source = 0; source < kViews; ++source) {
       const VisibilityMap expected = visibility_map(some_depth(source), some_hole());
       EXPECT_TRUE(equal(depths.visibility[source]->farthest, expected.farthest));

@@ -92,7 +92,6 @@ std::optional<Eigen::Vector3d> normal_at(cv::Point p, const Camera& camera, cons
 struct Surface {
   cv::Point pixel;
   Eigen::Vector3d at;  ///< in the axes of the target's camera
-  double sigma = 0;    ///< metres, of its depth
   cv::Vec3f colour;    ///< in the target's image
   std::array<float, kDirections> weights{};
 };
@@ -127,7 +126,7 @@ std::vector<Surface> surfaces_beside(const Views& views, std::size_t target, con
       const cv::Vec3f colour = box_mean(*image, cv::Point2f(cv::Point(x, y)), {kBox, kBox});
       const std::optional<Eigen::Vector3d> normal = normal_at({x, y}, camera, depth);
       if (!normal || !usable(colour)) continue;
-      out.push_back({{x, y}, depth.z(y, x) * camera.ray({x, y}), depth.sigma(y, x), colour, weights_of(*normal)});
+      out.push_back({{x, y}, depth.z(y, x) * camera.ray({x, y}), colour, weights_of(*normal)});
     }
   return out;
 }
@@ -141,8 +140,7 @@ std::optional<cv::Point2f> shown_at(const Surface& surface, const Camera& camera
   if (!camera.contains(p)) return std::nullopt;
   const cv::Point2f at = quantised(p.x(), p.y());
   if (!camera.contains({at.x, at.y}) || seen.clear_px(at) < kMargin) return std::nullopt;
-  const double off = depth::VisibilityMap::kSigmas * surface.sigma;
-  if (seen.hides(at, x.z() - off, kTolerance) || seen.sees_through(at, x.z() + off, kTolerance)) return std::nullopt;
+  if (seen.hides(at, x.z(), kTolerance) || seen.sees_through(at, x.z(), kTolerance)) return std::nullopt;
   return at;
 }
 
