@@ -11,6 +11,7 @@
 
 #include "dvi/depth/depth_map.h"
 #include "dvi/drive/view.h"
+#include "dvi/harmonize/colour_range.h"
 #include "dvi/harmonize/confidence.h"
 #include "dvi/harmonize/copies.h"
 #include "dvi/harmonize/filled_frame.h"
@@ -258,6 +259,8 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
   cv::Mat3f colour = out.colour(window.box);
   cv::Mat1b roles = roles_of(window, copied, options.never_seen_last ? Role::absent : unseen);
   fill(window, copies, roles, {options.seam_gradients, 1}, colour);
+  if (options.poisson && options.within_range)
+    keep_within(range_round(*views.images[target], out.mask), candidates, copies.colour, out.colour);
   if (options.never_seen_last) {
     roles = roles_of(window, Role::fixed, unseen);
     fill(window, copies, roles, {options.seam_gradients, static_cast<float>(options.never_seen_vertical)}, colour);

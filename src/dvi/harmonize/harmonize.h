@@ -24,6 +24,7 @@ constexpr auto names_of(NeverSeen) {
 struct HarmonizeOptions {
   bool poisson = true;
   bool seam_gradients = true;
+  bool within_range = true;
   bool never_seen_last = true;
   double never_seen_vertical = 0.1;
   NeverSeen never_seen = NeverSeen::synthesise;
@@ -40,6 +41,8 @@ struct HarmonizeOptions {
               "Between pixels of different source frames, use the gradient in the source frames; false: 0, as published.");
     table.add("day_light", day_light,
               "Bring copies of other drives into the target's light by the direction that surfaces face.");
+    table.add("within_range", within_range,
+              "Keep blended copies within the colours round the hole and of the copies; false: as solved, as published.");
     table.add("never_seen_last", never_seen_last,
               "Interpolate never-seen pixels after the copies are solved; false: together, as published (bleeds).");
     table.add("never_seen_vertical", never_seen_vertical, {0.001, 1},

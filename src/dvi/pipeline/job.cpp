@@ -110,10 +110,12 @@ void use_method(Method method, Options& options) {
   options.harmonize.poisson = true;
   options.harmonize.seam_gradients = false;
   options.harmonize.day_light = false;
+  options.harmonize.within_range = false;
   options.harmonize.never_seen_last = false;
   options.harmonize.never_seen_vertical = 1;
   options.harmonize.never_seen = harmonize::NeverSeen::interpolate;
   options.smooth.enabled = true;
+  options.smooth.replace_outliers = false;
 }
 
 std::string effective_toml(Job job) {

@@ -65,13 +65,15 @@ class FrameWindow {
 
 std::optional<Smoothing> smoothing(const smooth::SmoothOptions& options, CpuClock& cpu) {
   if (!options.enabled) return {};
-  return Smoothing{
-      .pair =
-          [&cpu](const harmonize::FilledFrame& earlier, const harmonize::FilledFrame& later) {
-            return cpu.time("smooth", [&] { return smooth::FramePair(earlier, later); });
-          },
-      .smooth = [&cpu](const smooth::FramePair* before, const harmonize::FilledFrame& frame,
-                       const smooth::FramePair* after) { return cpu.time("smooth", smooth::smooth, before, frame, after); }};
+  return Smoothing{.pair =
+                       [&cpu](const harmonize::FilledFrame& earlier, const harmonize::FilledFrame& later) {
+                         return cpu.time("smooth", [&] { return smooth::FramePair(earlier, later); });
+                       },
+                   .smooth =
+                       [&cpu, options](const smooth::FramePair* before, const harmonize::FilledFrame& frame,
+                                       const smooth::FramePair* after) {
+                         return cpu.time("smooth", smooth::smooth, before, frame, after, options);
+                       }};
 }
 
 void for_each_smoothed(const std::vector<std::size_t>& views, std::size_t count, const FrameSteps& steps) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include <opencv2/core.hpp>
 
@@ -20,6 +21,7 @@ namespace {
 constexpr int kMargin = 64;          // px round the hole in which flow is sought
 constexpr float kMostMismatch = 1;   // px between a flow and the flow back
 constexpr float kColourSpread = 20;  // grey levels at which a neighbour counts 1/e
+constexpr float kOutlier = 10;       // grey levels from both neighbours; a confidence tells how likely a colour is less off
 
 /// A box round each part of the hole, those that meet as one.
 std::vector<cv::Rect> windows_round(const cv::Mat1b& mask) {
@@ -42,10 +44,15 @@ cv::Mat1b grey(const FilledFrame& frame, cv::Rect box, const cv::Vec3f& gain) {
   return grey_8bit(bytes);
 }
 
-/// What smoothing adds up at each pixel of a frame.
-struct Sums {
-  cv::Mat3f colour;  // weighted
-  cv::Mat1f weight;
+/// How far the flow from a pixel to a neighbouring frame is believed.
+enum class Found : std::uint8_t { no, doubtful, surely };
+
+/// What a neighbouring frame shows of each pixel, in this frame's light.
+struct Shown {
+  cv::Mat3f colour;
+  cv::Mat1b found;  // Found
+
+  Found found_at(cv::Point p) const { return found.empty() ? Found::no : static_cast<Found>(found(p)); }
 };
 
 /// A neighbour of a frame in a window of both.
@@ -58,11 +65,11 @@ struct Neighbour {
 
 bool is_filled(uchar kind) { return kind != static_cast<uchar>(Kind::empty); }
 
-void add_along_flow(const FilledFrame& frame, const Neighbour& other, Sums& sums) {
-  const cv::Mat3f here = frame.colour(other.box), there = other.frame.colour(other.box);
+void look_along_flow(const FilledFrame& frame, const Neighbour& other, Shown& shown) {
+  const cv::Mat3f there = other.frame.colour(other.box);
   const cv::Mat1b mask = frame.mask(other.box), kind = frame.kind(other.box), other_kind = other.frame.kind(other.box);
-  cv::Mat3f colours = sums.colour(other.box);
-  cv::Mat1f weights = sums.weight(other.box);
+  cv::Mat3f colours = shown.colour(other.box);
+  cv::Mat1b found = shown.found(other.box);
   const cv::Vec3f gain = gain_to(frame.gain, other.frame.gain);
   const auto right = static_cast<float>(mask.cols - 1), bottom = static_cast<float>(mask.rows - 1);
   for (int y = 0; y < mask.rows; ++y)
@@ -72,13 +79,44 @@ void add_along_flow(const FilledFrame& frame, const Neighbour& other, Sums& sums
       const cv::Point2f at(static_cast<float>(x) + motion[0], static_cast<float>(y) + motion[1]);
       if (!(at.x >= 0 && at.y >= 0 && at.x <= right && at.y <= bottom)) continue;
       if (!is_filled(other_kind(cvRound(at.y), cvRound(at.x)))) continue;
-      if (cv::norm(motion + bilinear(other.back, at)) >= kMostMismatch) continue;
-      const cv::Vec3f colour = bilinear(there, at).mul(gain);
-      const double off = cv::norm(colour - here(y, x)) / (std::sqrt(3.0) * kColourSpread);
-      const auto weight = static_cast<float>(std::exp(-off * off));
-      colours(y, x) += weight * colour;
-      weights(y, x) += weight;
+      const bool returns = cv::norm(motion + bilinear(other.back, at)) < kMostMismatch;
+      colours(y, x) = bilinear(there, at).mul(gain);
+      found(y, x) = static_cast<uchar>(returns ? Found::surely : Found::doubtful);
     }
+}
+
+Shown shown_by(const FilledFrame& frame, const FramePair* pair, bool earlier) {
+  if (pair == nullptr) return {};
+  Shown out{cv::Mat3f(frame.colour.size()), cv::Mat1b(frame.colour.size(), uchar{0})};
+  for (const FlowWindow& window : pair->windows) {
+    if (earlier)
+      look_along_flow(frame, {pair->earlier, window.box, window.backward, window.forward}, out);
+    else
+      look_along_flow(frame, {pair->later, window.box, window.forward, window.backward}, out);
+  }
+  return out;
+}
+
+/// Grey levels, a mean over the channels.
+float difference(const cv::Vec3f& a, const cv::Vec3f& b) {
+  return (std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2])) / 3;
+}
+
+cv::Vec3f median(const cv::Vec3f& a, const cv::Vec3f& b, const cv::Vec3f& c) {
+  cv::Vec3f out;
+  for (int k = 0; k < 3; ++k) out[k] = std::max(std::min(a[k], b[k]), std::min(std::max(a[k], b[k]), c[k]));
+  return out;
+}
+
+/// The colour of a pixel, or the median of the three frames where it is the odd one out. Where it is, the flow is often in
+/// doubt: then it takes two neighbours that agree.
+cv::Vec3f outlier_replaced(const cv::Vec3f& here, const Shown& before, const Shown& after, cv::Point p) {
+  const Found a = before.found_at(p), b = after.found_at(p);
+  if (a == Found::no || b == Found::no) return here;
+  const cv::Vec3f &earlier = before.colour(p), &later = after.colour(p);
+  if (difference(here, earlier) < kOutlier || difference(here, later) < kOutlier) return here;
+  const bool sure = (a == Found::surely && b == Found::surely) || difference(earlier, later) < kColourSpread;
+  return sure ? median(here, earlier, later) : here;
 }
 
 }  // namespace
@@ -93,20 +131,28 @@ FramePair::FramePair(const FilledFrame& first, const FilledFrame& second) : earl
   }
 }
 
-FilledFrame smooth(const FramePair* before, const FilledFrame& frame, const FramePair* after) {
+FilledFrame smooth(const FramePair* before, const FilledFrame& frame, const FramePair* after, const SmoothOptions& options) {
   FilledFrame out = frame;
   if (before == nullptr && after == nullptr) return out;
-  Sums sums{frame.colour.clone(), cv::Mat1f(frame.colour.size(), 1.0F)};
-  if (before != nullptr)
-    for (const FlowWindow& window : before->windows)
-      add_along_flow(frame, {before->earlier, window.box, window.backward, window.forward}, sums);
-  if (after != nullptr)
-    for (const FlowWindow& window : after->windows)
-      add_along_flow(frame, {after->later, window.box, window.forward, window.backward}, sums);
+  out.colour = frame.colour.clone();
+  const Shown neighbours[] = {shown_by(frame, before, true), shown_by(frame, after, false)};
   for (int y = 0; y < frame.mask.rows; ++y)
-    for (int x = 0; x < frame.mask.cols; ++x)
-      if (sums.weight(y, x) > 1) sums.colour(y, x) /= sums.weight(y, x);
-  out.colour = sums.colour;
+    for (int x = 0; x < frame.mask.cols; ++x) {
+      if (frame.mask(y, x) == 0) continue;
+      const cv::Point p(x, y);
+      cv::Vec3f here = frame.colour(p);
+      if (options.replace_outliers) here = outlier_replaced(here, neighbours[0], neighbours[1], p);
+      cv::Vec3f sum = here;
+      float weights = 1;
+      for (const Shown& neighbour : neighbours) {
+        if (neighbour.found_at(p) != Found::surely) continue;
+        const double off = cv::norm(neighbour.colour(p) - here) / (std::sqrt(3.0) * kColourSpread);
+        const auto weight = static_cast<float>(std::exp(-off * off));
+        sum += weight * neighbour.colour(p);
+        weights += weight;
+      }
+      out.colour(p) = weights > 1 ? sum / weights : here;
+    }
   return out;
 }
 

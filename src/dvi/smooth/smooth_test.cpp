@@ -94,6 +94,29 @@ TEST(Smooth, CalmsFlickerOfTheFill) {
   EXPECT_LT(rms(smoothed(&before, frame, &after).colour, truth, kHole), 4);
 }
 
+TEST(Smooth, ReplacesWhatNeitherNeighbourShows) {
+  const cv::Mat3f truth = texture();
+  harmonize::FilledFrame before = filled(texture(-2)), frame = filled(truth), after = filled(texture(2));
+  const cv::Rect streak(90, 60, 12, 3);
+  frame.colour(streak) = cv::Vec3f(0, 0, 255);
+  std::optional<FramePair> first, second;
+  first.emplace(before, frame);
+  second.emplace(frame, after);
+  const SmoothOptions as_published{.replace_outliers = false};
+  const double kept = rms(smooth(&*first, frame, &*second, as_published).colour, truth, streak);
+  EXPECT_GT(kept, 80);
+  EXPECT_LT(rms(smooth(&*first, frame, &*second).colour, truth, streak), kept / 3);
+  EXPECT_LT(rms(smooth(nullptr, frame, &*second).colour, frame.colour, streak), 1) << "nobody can tell which of two is wrong";
+}
+
+TEST(Smooth, KeepsWhatOneNeighbourShowsToo) {
+  const cv::Rect patch(90, 60, 12, 12);
+  const harmonize::FilledFrame before = filled(texture());
+  harmonize::FilledFrame frame = filled(texture()), after = filled(texture());
+  frame.colour(patch) = after.colour(patch) = cv::Vec3f(0, 0, 255);
+  EXPECT_LT(rms(smoothed(&before, frame, &after).colour, frame.colour, patch), 2);
+}
+
 TEST(Smooth, ChangesColoursOfTheHoleOnly) {
   const harmonize::FilledFrame before = filled(noisy(texture(), 3, 1)), after = filled(noisy(texture(), 3, 3));
   harmonize::FilledFrame frame = filled(noisy(texture(), 3, 2));
