@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "dvi/drive/view.h"
 #include "dvi/image/grey.h"
@@ -65,9 +66,19 @@ struct Neighbour {
 
 bool is_filled(uchar kind) { return kind != static_cast<uchar>(Kind::empty); }
 
+/// Where the flow finds each pixel of a box in the neighbour's.
+cv::Mat2f targets_of(const cv::Mat2f& flow) {
+  cv::Mat2f out(flow.size());
+  for (int y = 0; y < flow.rows; ++y)
+    for (int x = 0; x < flow.cols; ++x) out(y, x) = flow(y, x) + cv::Vec2f(static_cast<float>(x), static_cast<float>(y));
+  return out;
+}
+
 void look_along_flow(const FilledFrame& frame, const Neighbour& other, Shown& shown) {
-  const cv::Mat3f there = other.frame.colour(other.box);
   const cv::Mat1b mask = frame.mask(other.box), kind = frame.kind(other.box), other_kind = other.frame.kind(other.box);
+  const cv::Mat2f targets = targets_of(other.forth);
+  cv::Mat3f there;  // cubic: a mean of what bilinear interpolation gives is blurred
+  cv::remap(other.frame.colour(other.box), there, targets, {}, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
   cv::Mat3f colours = shown.colour(other.box);
   cv::Mat1b found = shown.found(other.box);
   const cv::Vec3f gain = gain_to(frame.gain, other.frame.gain);
@@ -75,12 +86,11 @@ void look_along_flow(const FilledFrame& frame, const Neighbour& other, Shown& sh
   for (int y = 0; y < mask.rows; ++y)
     for (int x = 0; x < mask.cols; ++x) {
       if (mask(y, x) == 0 || !is_filled(kind(y, x))) continue;
-      const cv::Vec2f& motion = other.forth(y, x);
-      const cv::Point2f at(static_cast<float>(x) + motion[0], static_cast<float>(y) + motion[1]);
+      const cv::Point2f at(targets(y, x));
       if (!(at.x >= 0 && at.y >= 0 && at.x <= right && at.y <= bottom)) continue;
       if (!is_filled(other_kind(cvRound(at.y), cvRound(at.x)))) continue;
-      const bool returns = cv::norm(motion + bilinear(other.back, at)) < kMostMismatch;
-      colours(y, x) = bilinear(there, at).mul(gain);
+      const bool returns = cv::norm(other.forth(y, x) + bilinear(other.back, at)) < kMostMismatch;
+      colours(y, x) = there(y, x).mul(gain);
       found(y, x) = static_cast<uchar>(returns ? Found::surely : Found::doubtful);
     }
 }
