@@ -74,11 +74,26 @@ cv::Mat2f targets_of(const cv::Mat2f& flow) {
   return out;
 }
 
+/// Cubic, because a mean of what bilinear interpolation gives is blurred; kept within the nearest 3x3 pixels, so that nothing
+/// overshoots at edges.
+cv::Mat3f interpolated(const cv::Mat3f& image, const cv::Mat2f& at) {
+  const auto looked_up = [&](const cv::Mat& from, int method) {
+    cv::Mat out;
+    cv::remap(from, out, at, {}, method, cv::BORDER_REPLICATE);
+    return out;
+  };
+  cv::Mat low, high, out;
+  cv::erode(image, low, cv::Mat1b(3, 3, uchar{1}));
+  cv::dilate(image, high, cv::Mat1b(3, 3, uchar{1}));
+  cv::max(looked_up(image, cv::INTER_CUBIC), looked_up(low, cv::INTER_NEAREST), out);
+  cv::min(out, looked_up(high, cv::INTER_NEAREST), out);
+  return out;
+}
+
 void look_along_flow(const FilledFrame& frame, const Neighbour& other, Shown& shown) {
   const cv::Mat1b mask = frame.mask(other.box), kind = frame.kind(other.box), other_kind = other.frame.kind(other.box);
   const cv::Mat2f targets = targets_of(other.forth);
-  cv::Mat3f there;  // cubic: a mean of what bilinear interpolation gives is blurred
-  cv::remap(other.frame.colour(other.box), there, targets, {}, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+  const cv::Mat3f there = interpolated(other.frame.colour(other.box), targets);
   cv::Mat3f colours = shown.colour(other.box);
   cv::Mat1b found = shown.found(other.box);
   const cv::Vec3f gain = gain_to(frame.gain, other.frame.gain);
