@@ -50,7 +50,8 @@ Directions directions() {
   Directions out;
   std::size_t count = 0;
   for (int k = 0; k < 27; ++k)
-    if (const Eigen::Vector3i cell(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1); k != 13) out[count++] = cell.cast<double>().normalized();
+    if (const Eigen::Vector3i cell(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1); k != 13)
+      out[count++] = cell.cast<double>().normalized();
   return out;
 }
 

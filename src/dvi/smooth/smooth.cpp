@@ -22,7 +22,7 @@ namespace {
 constexpr int kMargin = 64;          // px round the hole in which flow is sought
 constexpr float kMostMismatch = 1;   // px between a flow and the flow back
 constexpr float kColourSpread = 20;  // grey levels at which a neighbour counts 1/e
-constexpr float kOutlier = 10;       // grey levels from both neighbours; a confidence tells how likely a colour is less off
+constexpr float kOutlier = 15;       // grey levels from both neighbours; interpolated texture that is right differs by up to 10
 
 /// A box round each part of the hole, those that meet as one.
 std::vector<cv::Rect> windows_round(const cv::Mat1b& mask) {
