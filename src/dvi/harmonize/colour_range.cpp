@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
+
+#include "dvi/sample/candidates.h"
 
 namespace dvi::harmonize {
 namespace {

@@ -1,10 +1,12 @@
 #include "dvi/harmonize/colour_range.h"
 
+#include <cstddef>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "dvi/image/region.h"
+#include "dvi/sample/candidates.h"
 
 namespace dvi::harmonize {
 namespace {

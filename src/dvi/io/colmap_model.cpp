@@ -170,7 +170,7 @@ fs::path file_of(const fs::path& folder, const char* name) {
 void add_point(PointCloud& cloud, const std::array<double, 3>& v) {
   const Eigen::Vector3d position(v[0], v[1], v[2]);
   if (cloud.points.empty()) cloud.origin = position;
-  cloud.points.push_back((position - cloud.origin).cast<float>());
+  cloud.points.emplace_back((position - cloud.origin).cast<float>());
   cloud.intensity.push_back(0);
 }
 

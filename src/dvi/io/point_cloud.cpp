@@ -95,7 +95,7 @@ class Columns {
     const auto value = [&](int column) { return static_cast<float>(exact(column)); };
     const Eigen::Vector3d position(exact(0), exact(1), exact(2));
     if (cloud.points.empty() && from == CountFrom::first_point && position.allFinite()) cloud.origin = position;
-    cloud.points.push_back((position - cloud.origin).cast<float>());
+    cloud.points.emplace_back((position - cloud.origin).cast<float>());
     cloud.intensity.push_back(at_[3] < 0 ? 0.0F : value(3));
     if (at_[4] >= 0) cloud.t.push_back(value(4));
     // In this order NaN becomes 0.

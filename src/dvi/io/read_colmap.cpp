@@ -23,16 +23,16 @@ namespace {
 constexpr std::int64_t kStep = 100'000'000;  // ns between images: models tell no times
 
 // What one camera took: images of one folder below images/, by their NAME.
-using Images = std::map<std::string, ColmapImage>;
+using ModelImages = std::map<std::string, ColmapImage>;
 
 // "front/0001.jpg" is of camera "front"; images that are in no folder are of "camera".
-std::map<std::string, Images> by_camera(const ColmapModel& model, const fs::path& file) {
-  std::map<std::string, Images> cameras;
+std::map<std::string, ModelImages> by_camera(const ColmapModel& model, const fs::path& file) {
+  std::map<std::string, ModelImages> cameras;
   for (const ColmapImage& image : model.images) {
     const fs::path path = image.name;
     std::string camera = path.has_parent_path() ? path.parent_path().string() : "camera";
     std::replace(camera.begin(), camera.end(), '/', '_');
-    Images& images = cameras[camera];
+    ModelImages& images = cameras[camera];
     if (!images.emplace(path.stem().string(), image).second)
       throw InputError(file, "has two images called " + path.stem().string());
     const ColmapImage& first = images.begin()->second;
@@ -45,7 +45,7 @@ std::map<std::string, Images> by_camera(const ColmapModel& model, const fs::path
 }
 
 // How a camera stands on another one, by their images of one NAME; none unless that is the same in all of them.
-std::optional<SE3> fixed_to(const Images& first, const Images& other) {
+std::optional<SE3> fixed_to(const ModelImages& first, const ModelImages& other) {
   constexpr double kFarthest = 0.1, kWidest = 0.02;  // metres, radians (1.1 degrees): what poses of a model are off by
   std::optional<SE3> other_from_first;
   for (const auto& [name, image] : other) {
@@ -59,7 +59,7 @@ std::optional<SE3> fixed_to(const Images& first, const Images& other) {
   return other_from_first;
 }
 
-std::set<std::string> all_names(const std::map<std::string, Images>& cameras) {
+std::set<std::string> all_names(const std::map<std::string, ModelImages>& cameras) {
   std::set<std::string> names;
   for (const auto& [camera, images] : cameras)
     for (const auto& [name, image] : images) names.insert(name);
@@ -79,7 +79,7 @@ std::map<std::string, int> numbers_of(const std::set<std::string>& names) {
   return numbers;
 }
 
-void set_frames(Drive& drive, const Images& images, const std::set<std::string>& names, const SE3& camera_from_body) {
+void set_frames(Drive& drive, const ModelImages& images, const std::set<std::string>& names, const SE3& camera_from_body) {
   const std::map<std::string, int> numbers = numbers_of(names);
   std::map<int, std::string> in_order;
   for (const auto& [name, number] : numbers) in_order[number] = name;
@@ -106,7 +106,7 @@ void set_map(Drive& drive, const fs::path& model) {
                            " alone; map.ply, map.pcd or map.las of a LiDAR tells far more");
 }
 
-void warn_of_unposed(Drive& drive, const Images& images) {
+void warn_of_unposed(Drive& drive, const ModelImages& images) {
   std::size_t unposed = 0;
   const fs::path folder = (drive.path / "images" / images.begin()->second.name).parent_path();
   for (const fs::path& file : list_files(folder, {".png", ".jpg", ".jpeg"}))
@@ -122,8 +122,8 @@ Recording read_colmap(const fs::path& path, const ReadOptions& options) {
   const fs::path folder = find_colmap_model(path);
   const ColmapModel model = read_colmap_model(folder);
   drive.other_files = model.files;
-  std::map<std::string, Images> cameras = by_camera(model, model.files.back());
-  const Images first = cameras.begin()->second;
+  std::map<std::string, ModelImages> cameras = by_camera(model, model.files.back());
+  const ModelImages first = cameras.begin()->second;
   // The axes that a LiDAR at the first camera would have.
   std::map<std::string, SE3> camera_from_body;
   for (const auto& [name, images] : cameras) {
@@ -136,7 +136,7 @@ Recording read_colmap(const fs::path& path, const ReadOptions& options) {
   }
   for (const auto& [name, pose] : camera_from_body) drive.camera_names.push_back(name);
   drive.camera_name = choose_camera(drive, options.camera, {});
-  const Images& images = cameras.at(drive.camera_name);
+  const ModelImages& images = cameras.at(drive.camera_name);
   drive.camera = model.cameras.at(images.begin()->second.camera);
   drive.camera_from_lidar = camera_from_body.at(drive.camera_name);
   drive.camera_is_posed = true;

@@ -71,7 +71,7 @@ PointCloud read_las(const fs::path& path) {
                                  at<std::int32_t>(bytes, place + 8));
     const Eigen::Vector3d position = layout.offset + layout.scale.cwiseProduct(counts);
     if (i == 0) cloud.origin = position;
-    cloud.points.push_back((position - cloud.origin).cast<float>());
+    cloud.points.emplace_back((position - cloud.origin).cast<float>());
     cloud.intensity.push_back(static_cast<float>(at<std::uint16_t>(bytes, place + 12)) / 65535.0F);
   }
   return cloud;

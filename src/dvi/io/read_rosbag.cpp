@@ -8,7 +8,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/median.h"
-#include "dvi/io/bag_bytes.h"
+#include "dvi/io/bag_messages.h"
 #include "dvi/io/bag_topics.h"
 #include "dvi/io/camera_choice.h"
 #include "dvi/io/depth_scan.h"
@@ -22,63 +22,6 @@
 
 namespace dvi::io {
 namespace {
-
-// A message of a topic, and when it says that it was taken.
-struct StampedEntry {
-  std::int64_t time_ns = 0;
-  std::size_t number = 0;  // among the topic's messages
-};
-
-// Messages of an open bag, with errors that name them.
-class BagMessages {
- public:
-  BagMessages(fs::path path, Bag bag) : path_(std::move(path)), bag_(std::move(bag)) {}
-  const Bag& bag() const { return bag_; }
-  const fs::path& path() const { return path_; }
-
-  /// What `parse` makes of a message's bytes.
-  template <class Parse>
-  auto parsed(const BagTopic& topic, std::size_t number, const Parse& parse) const {
-    try {
-      const std::string bytes = unpack_message(bag_.read(topic.messages[number]));
-      return parse(std::string_view(bytes), topic.encoding);
-    } catch (const std::invalid_argument& e) {
-      throw InputError(path_, fmt::format("message {} of {}: {}", number, topic.name, e.what()),
-                       "record it again, or name another topic with --topic");
-    }
-  }
-
-  /// In order of their headers' stamps; by the recorder's clock where these are not set. Repeated stamps are left out.
-  std::vector<StampedEntry> stamped(const BagTopic& topic, std::vector<std::string>& warnings) const {
-    std::vector<StampedEntry> out;
-    bool set = false;
-    for (std::size_t i = 0; i < topic.messages.size(); ++i) {
-      const RosHeader header = parsed(topic, i, [](std::string_view m, BagEncoding e) { return read_header(m, e); });
-      out.push_back({header.stamp_ns, i});
-      set = set || header.stamp_ns != 0;
-    }
-    if (!set) {
-      warnings.push_back(
-          fmt::format("the stamps of {} are not set: its messages have the time of their recording", topic.name));
-      for (StampedEntry& entry : out) entry.time_ns = topic.messages[entry.number].time_ns;
-    }
-    std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.time_ns < b.time_ns; });
-    const std::size_t all = out.size();
-    out.erase(std::unique(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.time_ns == b.time_ns; }),
-              out.end());
-    if (out.size() < all)
-      warnings.push_back(
-          fmt::format("{} messages of {} have the stamp of another and are left out", all - out.size(), topic.name));
-    for (const StampedEntry& entry : out)
-      if (entry.time_ns < 0 || entry.time_ns > 4'000'000'000 * 1'000'000'000)
-        throw InputError(path_, fmt::format("message {} of {}: its stamp is no time", entry.number, topic.name));
-    return out;
-  }
-
- private:
-  fs::path path_;
-  Bag bag_;
-};
 
 double as_seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
@@ -360,12 +303,10 @@ class BagReader {
     out.read_image = [messages = messages_, topic = *camera_.images, size, number_of](const Frame& frame) {
       const std::size_t number = number_of(frame.name);
       const std::string place = fmt::format("{}: message {} of {}", messages->path().string(), number, topic.name);
-      cv::Mat3b image;
-      if (is_compressed(topic)) {
-        image = decode_image(place, messages->parsed(topic, number, compressed_image), size);
-      } else {
-        image = messages->parsed(topic, number, [](std::string_view m, BagEncoding e) { return to_bgr(parse_image(m, e)); });
-      }
+      const auto raw_image = [](std::string_view m, BagEncoding e) { return to_bgr(parse_image(m, e)); };
+      const cv::Mat3b image = is_compressed(topic)
+                                  ? decode_image(place, messages->parsed(topic, number, compressed_image), size)
+                                  : messages->parsed(topic, number, raw_image);
       if (image.size() != size)
         throw InputError(place,
                          fmt::format("is {}x{} pixels instead of {}x{}", image.cols, image.rows, size.width, size.height),

@@ -154,7 +154,7 @@ void write_map(const fs::path& folder, const Drive& drive) {
   if (ending == ".ply" || ending == ".pcd" || ending == ".las") return copy_bytes(drive.map_file, folder / ("map" + ending));
   const std::shared_ptr<const GivenMap> map = drive.map[0];
   std::vector<Eigen::Vector3f> points;
-  for (const Eigen::Vector3f& point : map->points) points.push_back((map->origin + point.cast<double>()).cast<float>());
+  for (const Eigen::Vector3f& point : map->points) points.emplace_back((map->origin + point.cast<double>()).cast<float>());
   write_ply(folder / "map.ply", {points, {}, {{"intensity", map->intensity}}, {}});
 }
 
