@@ -86,8 +86,9 @@ TEST_F(Run, ReportAddsUp) {
 
 TEST_F(Run, SameBytesWithOneThreadAndTwo) {
   small_drive();
-  ASSERT_EQ(dvi("run drive -o one --threads 1 --quiet").code, 0);
-  ASSERT_EQ(dvi("run drive -o two --threads 2 --quiet").code, 0);
+  small_drive("second", "--day 2");
+  ASSERT_EQ(dvi("run drive second -o one --threads 1 --quiet").code, 0);
+  ASSERT_EQ(dvi("run drive second -o two --threads 2 --quiet").code, 0);
   const auto one = contents(folder / "one"), two = contents(folder / "two");
   ASSERT_EQ(one.size(), two.size());
   for (const auto& [name, bytes] : one) EXPECT_TRUE(two.at(name) == bytes) << name;

@@ -180,7 +180,7 @@ RosImage parse_image(std::string_view message, BagEncoding encoding) {
 
 namespace {
 
-// The message's pixels where they lie.
+// The pixels of the message, where they lie.
 cv::Mat pixels(const RosImage& image, int type) {
   const std::uint64_t row = std::uint64_t{image.width} * CV_ELEM_SIZE(type);
   if (image.width == 0 || image.height == 0 ||
@@ -203,7 +203,8 @@ cv::Mat1w to_depth(const RosImage& image) {
   if (!is_depth(image))
     throw std::invalid_argument(fmt::format("its encoding '{}' is no depth that dvi reads: 16UC1 or 32FC1", image.encoding));
   const bool metres = image.encoding == "32FC1";
-  const cv::Mat raw = pixels(image, metres ? CV_32FC1 : CV_16UC1);
+  const cv::Mat aligned = pixels(image, metres ? CV_8UC4 : CV_8UC2).clone();  // in the message they lie at any address
+  const cv::Mat raw(aligned.size(), metres ? CV_32FC1 : CV_16UC1, aligned.data);
   cv::Mat1w out(raw.rows, raw.cols, ushort{0});
   constexpr float kMost = 65.5F;
   for (int y = 0; y < raw.rows; ++y)
