@@ -276,6 +276,8 @@ DayLight compare_days(const sample::Candidates& candidates, const Views& views, 
   if (used.empty()) return out;
   const std::vector<Surface> surfaces = surfaces_beside(views, target, depth);
   out.brightest = brightest(*views.images[target], *views.masks[target], depth);
+  std::vector<std::optional<Eigen::Vector3d>> normals;
+  for (const cv::Point p : candidates.hole.pixels) normals.push_back(normal_at(p, views[target].camera, depth));
   for (const auto& [drive, counts] : used) {
     std::vector<int> of_drive;
     for (const auto& [view, count] : counts) of_drive.push_back(view);
@@ -285,8 +287,7 @@ DayLight compare_days(const sample::Candidates& candidates, const Views& views, 
     for (std::size_t k = 0; k < kDirections; ++k) by_direction[k] = facing(compared, k);
     out.drives.resize(std::max(out.drives.size(), static_cast<std::size_t>(drive) + 1));
     std::vector<cv::Vec3f>& gain = out.drives[static_cast<std::size_t>(drive)].gain;
-    for (const cv::Point p : candidates.hole.pixels)
-      gain.push_back(gain_of(normal_at(p, views[target].camera, depth), by_direction));
+    for (const std::optional<Eigen::Vector3d>& normal : normals) gain.push_back(gain_of(normal, by_direction));
   }
   return out;
 }

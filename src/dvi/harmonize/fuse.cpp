@@ -15,9 +15,7 @@ constexpr float kNoise = 2.5F;                    // grey levels of a camera's p
 constexpr float kDiffer = 3 * 1.41421F * kNoise;  // two pixels of the same thing differ by no more
 constexpr float kSaturated = 250;
 constexpr float kSaturatedTrust = 0.01F;
-// Brighter than anything that the target's camera can show, beyond noise: the surface is not lit on both days as those are that
-// the gains were found from.
-constexpr int kBleeds = 1;  // px from such a surface, what it is in front of is mixed with it
+constexpr int kBleeds = 1;  // px from what is too bright for the target's light, what it is in front of is mixed with it
 
 float most_different(const cv::Vec3f& a, const cv::Vec3f& b) {
   return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
@@ -88,6 +86,7 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
       const cv::Vec3f colour = box_mean(*image, from.position, footprints[slot]);
       const bool saturated = std::max({colour[0], colour[1], colour[2]}) >= kSaturated;
       const cv::Vec3f lit = colour.mul(light.gain_to(views[target], views[view], slot / ranks));
+      // Brighter than any surface of the target, beyond noise: it is not lit as those are that the gains were found from.
       if (other_day && std::max({lit[0], lit[1], lit[2]}) > light.brightest + kDiffer) {
         sky(candidates.hole.pixels[slot / ranks]) = 255;
         continue;
