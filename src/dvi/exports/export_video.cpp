@@ -3,9 +3,8 @@
 #include "dvi/core/error.h"
 #include "dvi/core/threads.h"
 #include "dvi/exports/exporter.h"
-#include "dvi/io/bag.h"
 #include "dvi/io/image_file.h"
-#include "dvi/io/video_reader.h"
+#include "dvi/io/reader.h"
 
 namespace dvi::exports {
 namespace {
@@ -14,7 +13,7 @@ cv::Mat3b picture(const Result& result, std::size_t frame, bool beside) {
   const cv::Mat3b clean = result.image(frame);
   if (!beside) return clean;
   const fs::path& input = result.frames()[frame].input;
-  if (io::is_video(input) || io::is_bag(input))
+  if (io::holds_many_images(input))
     throw InputError(input, "holds no images of their own to stand beside the result", "compare.mp4 of the result shows both");
   cv::Mat3b both;
   cv::hconcat(io::read_image(input, result.size()), clean, both);

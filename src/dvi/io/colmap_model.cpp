@@ -167,13 +167,6 @@ fs::path file_of(const fs::path& folder, const char* name) {
   return {};
 }
 
-void add_point(PointCloud& cloud, const std::array<double, 3>& v) {
-  const Eigen::Vector3d position(v[0], v[1], v[2]);
-  if (cloud.points.empty()) cloud.origin = position;
-  cloud.points.emplace_back((position - cloud.origin).cast<float>());
-  cloud.intensity.push_back(0);
-}
-
 }  // namespace
 
 fs::path find_colmap_model(const fs::path& workspace) {
@@ -209,7 +202,7 @@ PointCloud read_colmap_points(const fs::path& file) {
     read_binary(file, [&](ByteCursor& cursor) {
       for (auto left = cursor.take<std::uint64_t>(); left > 0; --left) {
         cursor.take<std::uint64_t>();
-        add_point(cloud, take_numbers<3>(cursor));
+        cloud.add(Eigen::Vector3d(take_numbers<3>(cursor).data()), 0);
         cursor.take(kColourAndError);
         const auto track = cursor.take<std::uint64_t>();
         if (track > cursor.left() / kElement) throw std::out_of_range("track");
@@ -219,7 +212,7 @@ PointCloud read_colmap_points(const fs::path& file) {
   } else {
     for (const TextLine& line : read_text_lines(file)) {
       if (line.size() < 8) line.fail("is no point", "POINT3D_ID X Y Z R G B ERROR TRACK...");
-      add_point(cloud, {line.number(1), line.number(2), line.number(3)});
+      cloud.add({line.number(1), line.number(2), line.number(3)}, 0);
     }
   }
   if (cloud.points.empty()) throw InputError(file, "holds no points");

@@ -93,10 +93,7 @@ class Columns {
   void add(PointCloud& cloud, const Number& number, CountFrom from) const {
     const auto exact = [&](int column) { return number(static_cast<std::size_t>(at_[column])); };
     const auto value = [&](int column) { return static_cast<float>(exact(column)); };
-    const Eigen::Vector3d position(exact(0), exact(1), exact(2));
-    if (cloud.points.empty() && from == CountFrom::first_point && position.allFinite()) cloud.origin = position;
-    cloud.points.emplace_back((position - cloud.origin).cast<float>());
-    cloud.intensity.push_back(at_[3] < 0 ? 0.0F : value(3));
+    cloud.add({exact(0), exact(1), exact(2)}, at_[3] < 0 ? 0.0F : value(3), from);
     if (at_[4] >= 0) cloud.t.push_back(value(4));
     // In this order NaN becomes 0.
     if (at_[5] >= 0) cloud.ring.push_back(static_cast<std::uint16_t>(std::max(0.0F, std::min(value(5), 65535.0F))));

@@ -10,6 +10,9 @@
 
 namespace dvi::io {
 
+/// From where points are counted: from the origin of the file's coordinates, or from its first point.
+enum class CountFrom { origin, first_point };
+
 /// The points of one file as they stand there.
 struct PointCloud {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of `points`: not zero in maps only
@@ -17,6 +20,13 @@ struct PointCloud {
   std::vector<float> intensity;                      ///< one a point; 0 where the file tells none
   std::vector<float> t;                              ///< one a point: seconds after the scan's start; or empty
   std::vector<std::uint16_t> ring;                   ///< one a point; or empty
+
+  /// Adds a point by its position in the file.
+  void add(const Eigen::Vector3d& position, float intensity_there, CountFrom from = CountFrom::first_point) {
+    if (points.empty() && from == CountFrom::first_point) origin = position;
+    points.emplace_back((position - origin).cast<float>());
+    intensity.push_back(intensity_there);
+  }
 };
 
 /// Reads .bin (float32 x y z intensity), .ply or .pcd (ascii or binary) by its ending. InputError where the file cannot be

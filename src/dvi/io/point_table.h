@@ -23,9 +23,6 @@ struct PointTable {
   enum class Data { ascii, little_endian, big_endian } data = Data::ascii;
 };
 
-/// From where points are counted: from the origin of the file's coordinates, or from its first point.
-enum class CountFrom { origin, first_point };
-
 /// Takes the data behind a header apart. InputError where they are shorter than declared or lack x, y, z.
 PointCloud decode_points(const fs::path& path, const PointTable& table, std::string_view data,
                          CountFrom from = CountFrom::origin);

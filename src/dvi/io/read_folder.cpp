@@ -41,7 +41,7 @@ std::vector<Named> named(const std::vector<fs::path>& files) {
 
 // images/CAMERA.mp4, say; empty where there is none.
 fs::path video_of(const fs::path& drive, const std::string& camera) {
-  for (const fs::path& file : list_files(drive / "images", {".mp4", ".mkv", ".mov", ".avi"}))
+  for (const fs::path& file : list_files(drive / "images", kVideoEndings))
     if (file.stem() == camera) return file;
   return {};
 }

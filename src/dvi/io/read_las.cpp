@@ -70,9 +70,7 @@ PointCloud read_las(const fs::path& path) {
     const Eigen::Vector3d counts(at<std::int32_t>(bytes, place), at<std::int32_t>(bytes, place + 4),
                                  at<std::int32_t>(bytes, place + 8));
     const Eigen::Vector3d position = layout.offset + layout.scale.cwiseProduct(counts);
-    if (i == 0) cloud.origin = position;
-    cloud.points.emplace_back((position - cloud.origin).cast<float>());
-    cloud.intensity.push_back(static_cast<float>(at<std::uint16_t>(bytes, place + 12)) / 65535.0F);
+    cloud.add(position, static_cast<float>(at<std::uint16_t>(bytes, place + 12)) / 65535.0F);
   }
   return cloud;
 }

@@ -3,11 +3,13 @@
 #include <algorithm>
 
 #include "dvi/core/error.h"
+#include "dvi/io/bag.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/plausible.h"
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/text.h"
+#include "dvi/io/video_reader.h"
 
 namespace dvi::io {
 namespace {
@@ -159,6 +161,8 @@ const std::vector<DriveFormat>& drive_formats() {
   };
   return formats;
 }
+
+bool holds_many_images(const fs::path& file) { return is_bag(file) || is_video(file); }
 
 bool can_list_numbers(Drive& drive, int step) {
   const std::vector<Frame>& frames = drive.frames;

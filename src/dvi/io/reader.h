@@ -58,6 +58,9 @@ DriveFormat seven_scenes_format();
 DriveFormat tum_rgbd_format();
 DriveFormat scannet_format();
 
+/// Whether a file holds the images of many frames: a bag or a video.
+bool holds_many_images(const std::filesystem::path& file);
+
 /// All formats; a new reader is one file and one line here.
 const std::vector<DriveFormat>& drive_formats();
 

@@ -223,9 +223,11 @@ cv::Mat3b to_bgr(const AVFrame& picture) {
 
 }  // namespace
 
+const std::vector<std::string> kVideoEndings = {".mp4", ".mkv", ".mov", ".avi"};
+
 bool is_video(const fs::path& file) {
   const std::string ending = lower_case(file.extension().string());
-  return ending == ".mp4" || ending == ".mkv" || ending == ".mov" || ending == ".avi";
+  return std::find(kVideoEndings.begin(), kVideoEndings.end(), ending) != kVideoEndings.end();
 }
 
 struct VideoReader::Impl {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -11,7 +12,10 @@
 
 namespace dvi::io {
 
-/// Whether a file is a video, by its ending: .mp4, .mkv, .mov or .avi.
+/// Of the files that are taken for videos: .mp4, .mkv, .mov, .avi.
+extern const std::vector<std::string> kVideoEndings;
+
+/// Whether a file is a video, by its ending in either case.
 bool is_video(const fs::path& file);
 
 /// The frames of a video file, decoded on demand: the same bytes in whatever order and from whichever thread they are asked

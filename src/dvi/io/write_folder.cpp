@@ -153,9 +153,7 @@ void write_map(const fs::path& folder, const Drive& drive) {
   const std::string ending = drive.map_file.extension().string();
   if (ending == ".ply" || ending == ".pcd" || ending == ".las") return copy_bytes(drive.map_file, folder / ("map" + ending));
   const std::shared_ptr<const GivenMap> map = drive.map[0];
-  std::vector<Eigen::Vector3f> points;
-  for (const Eigen::Vector3f& point : map->points) points.emplace_back((map->origin + point.cast<double>()).cast<float>());
-  write_ply(folder / "map.ply", {points, {}, {{"intensity", map->intensity}}, {}});
+  write_ply(folder / "map.ply", {map->points, {}, {{"intensity", map->intensity}}, {}, map->origin});
 }
 
 }  // namespace

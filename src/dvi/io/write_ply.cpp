@@ -21,7 +21,8 @@ std::string header(const PlyCloud& cloud) {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   if (!cloud.comment.empty()) text += "comment " + cloud.comment + "\n";
   text += "element vertex " + std::to_string(cloud.points.size()) + "\n";
-  for (const char* axis : {"x", "y", "z"}) text += std::string("property float ") + axis + "\n";
+  for (const char* axis : {"x", "y", "z"})
+    text += std::string("property ") + (cloud.origin.isZero() ? "float " : "double ") + axis + "\n";
   if (!cloud.colours.empty())
     for (const char* channel : {"red", "green", "blue"}) text += std::string("property uchar ") + channel + "\n";
   for (const PlyScalar& scalar : cloud.scalars) text += "property float " + scalar.name + "\n";
@@ -31,7 +32,12 @@ std::string header(const PlyCloud& cloud) {
 void append(std::string& bytes, const void* data, std::size_t size) { bytes.append(static_cast<const char*>(data), size); }
 
 void append_point(std::string& bytes, const PlyCloud& cloud, std::size_t i) {
-  append(bytes, cloud.points[i].data(), 3 * sizeof(float));
+  if (cloud.origin.isZero()) {
+    append(bytes, cloud.points[i].data(), 3 * sizeof(float));
+  } else {
+    const Eigen::Vector3d position = cloud.origin + cloud.points[i].cast<double>();
+    append(bytes, position.data(), 3 * sizeof(double));
+  }
   if (!cloud.colours.empty()) {
     const cv::Vec3b& c = cloud.colours[i];
     const cv::Vec3b rgb(c[2], c[1], c[0]);

@@ -24,6 +24,8 @@ struct PlyCloud {
   std::span<const cv::Vec3b> colours = {};  ///< BGR; empty: none
   std::vector<PlyScalar> scalars = {};
   std::string comment = {};  ///< one line for the header
+  /// Of the points; where it is not zero, positions are written as doubles.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
 /// Binary little-endian PLY as CloudCompare and MeshLab open it, written beside its place and renamed. InputError on a full

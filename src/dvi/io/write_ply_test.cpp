@@ -12,6 +12,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
+#include "dvi/io/point_cloud.h"
 
 namespace dvi::io {
 namespace {
@@ -58,6 +59,16 @@ TEST(WritePly, SaysWhatIsWrong) {
   const std::vector<float> three = {1, 2, 3};
   EXPECT_THROW(write_ply(kPath, {points, {}, {{"intensity", three}}}), std::logic_error);
   EXPECT_FALSE(fs::exists(kPath));
+}
+
+TEST(WritePly, KeepsMillimetresOfAMapProjection) {
+  const std::vector<Eigen::Vector3f> points = {{0, 0, 0}, {0.001F, 0.002F, 0.003F}};
+  const Eigen::Vector3d origin(691'000.125, 5'334'000.25, 512.5);
+  write_ply(kPath, {.points = points, .origin = origin});
+  const PointCloud cloud = read_map_cloud(kPath);
+  EXPECT_EQ(cloud.origin, origin);
+  ASSERT_EQ(cloud.points.size(), 2);
+  EXPECT_LT((cloud.points[1] - points[1]).norm(), 1e-6F);
 }
 
 }  // namespace

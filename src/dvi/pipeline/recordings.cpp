@@ -8,14 +8,12 @@
 #include "dvi/core/error.h"
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
-#include "dvi/io/bag.h"
 #include "dvi/io/class_ids.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/mask_reading.h"
 #include "dvi/io/poses.h"
 #include "dvi/io/text.h"
-#include "dvi/io/video_reader.h"
 #include "dvi/map/given_points.h"
 
 namespace dvi::pipeline {
@@ -272,7 +270,7 @@ std::vector<fs::path> files_of(const Recording& open) {
   files.insert(files.end(), drive.mask_files.begin(), drive.mask_files.end());
   files.insert(files.end(), drive.other_files.begin(), drive.other_files.end());
   // A bag or a video is the file of many frames, and may be of any size.
-  if (!drive.topics.empty() || io::is_video(drive.frames.front().file)) {
+  if (io::holds_many_images(drive.frames.front().file)) {
     std::set<fs::path> known;
     std::erase_if(files, [&](const fs::path& file) { return !file.empty() && !known.insert(file).second; });
   }
@@ -284,7 +282,7 @@ void add_files(Fingerprint& print, const Recording& open) {
   const std::vector<fs::path> files = files_of(open);
   std::vector<std::string> hashes(files.size());
   parallel_for(files.size(), [&](std::size_t i) {
-    const bool large = (!drive.topics.empty() && io::is_bag(files[i])) || io::is_video(files[i]);
+    const bool large = io::holds_many_images(files[i]);
     if (files[i].empty()) return;  // a frame without a mask
     hashes[i] = large ? hash_of_file(files[i]) : hash_of_file(files[i], kLargestFile);
   });

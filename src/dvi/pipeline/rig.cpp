@@ -15,7 +15,6 @@
 #include "dvi/io/image_file.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/mask_reading.h"
-#include "dvi/io/video_reader.h"
 #include "dvi/masks/carried.h"
 
 namespace dvi::pipeline {
@@ -53,7 +52,7 @@ TimeSpan span_of(const Drive& drive) {
 
 // By the first image. A damaged one is named when it is read.
 bool is_grey(const Drive& drive) {
-  if (!drive.topics.empty() || io::is_video(drive.frames.front().file)) {  // no files of their own
+  if (io::holds_many_images(drive.frames.front().file)) {
     std::vector<cv::Mat> channels;
     cv::split(*drive.images[0], channels);
     return cv::norm(channels[0], channels[1], cv::NORM_INF) == 0 && cv::norm(channels[1], channels[2], cv::NORM_INF) == 0;
