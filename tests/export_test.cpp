@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "dvi/io/gps.h"
+#include "dvi/io/reader.h"
 #include "dvi/io/write_image.h"
 #include "program.h"
 
@@ -11,15 +13,27 @@ using testing::HasSubstr;
 
 class ExportTest : public ProgramTest {};
 
+// The world's x axis points east.
+std::vector<GeoFix> fixes_along(const fs::path& drive) {
+  constexpr double kNorthDegree = 111'210, kEastDegree = 73'157;  // metres, at that latitude
+  std::vector<GeoFix> fixes;
+  for (const StampedPose& pose : io::read_drive(drive).poses.poses()) {
+    const Eigen::Vector3d& at = pose.world_from_body.t;
+    fixes.push_back({pose.time_ns, 49.01 + at.y() / kNorthDegree, 8.43 + at.x() / kEastDegree});
+  }
+  return fixes;
+}
+
 TEST_F(ExportTest, IsReadByOtherTools) {
-  small_drive();
+  const fs::path drive = small_drive();
+  write_file(drive / "gps.txt", io::fixes_text(fixes_along(drive)));
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   for (const char* format : {"colmap", "nerfstudio", "ply", "las", "mcap", "video"}) {
     const Result result = dvi(std::string("export ") + format + " out -o exports/" + format + " --quiet --json");
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_THAT(result.out, HasSubstr("dvi-export/1"));
   }
-  const Result ortho = dvi("export ortho out -o exports/ortho --cell-m 0.2 --origin 49.01,8.43,90 --quiet");
+  const Result ortho = dvi("export ortho out -o exports/ortho --cell-m 0.2 --quiet");
   EXPECT_TRUE(ortho.code == 0 || ortho.err.find("no GDAL") != std::string::npos) << ortho.err;
   const Result read = shell("/usr/bin/python3 " DVI_EXPORT_READER " out exports");
   EXPECT_EQ(read.code, 0) << read.out << read.err;

@@ -5,6 +5,7 @@ they are installed.
     export_test.py OUT EXPORTS      EXPORTS/colmap, EXPORTS/nerfstudio and so on; exit code 1 with the first fault
 """
 import json
+import re
 import shutil
 import struct
 import subprocess
@@ -131,7 +132,7 @@ def check_mcap(path, frames):
                                       "/camera/image/compressed": frames, "/camera/kind/compressed": frames}, counts
 
 
-def check_ortho(folder):
+def check_ortho(folder, place):
     if not shutil.which("gdalinfo"):
         print("skipped: gdalinfo is not installed (gdal-bin)")
         return
@@ -139,6 +140,11 @@ def check_ortho(folder):
     colour, evidence = read("ortho.tif"), read("evidence.tif")
     assert [band["colorInterpretation"] for band in colour["bands"]] == ["Red", "Green", "Blue", "Alpha"], colour["bands"]
     assert colour["size"] == evidence["size"] and colour["geoTransform"] == evidence["geoTransform"]
+    assert abs(place["latitude_deg"] - 49.01) < 1e-4 and abs(place["longitude_deg"] - 8.43) < 1e-4, place
+    assert abs(place["heading_deg"] - 90) < 2 and place["residual_m"] < 0.05, place
+    wkt = colour["coordinateSystem"]["wkt"]
+    latitude = float(re.search(r'Latitude of natural origin",([\d.]+)', wkt)[1])
+    assert abs(latitude - place["latitude_deg"]) < 1e-8 and "WGS 84" in wkt, wkt
     source, age, confidence, height = evidence["bands"]
     assert 0 <= source["minimum"] and 0 <= age["minimum"] and 0 <= confidence["minimum"] <= confidence["maximum"] <= 1
     assert -3 < height["mean"] < 0, height  # below the LiDAR
@@ -154,7 +160,7 @@ def main():
     check_las(exports / "las/map.las", read_ply(exports / "ply/map.ply"))
     check_mcap(exports / "mcap/drive.mcap", len(centres))
     if (exports / "ortho").exists():
-        check_ortho(exports / "ortho")
+        check_ortho(exports / "ortho", json.loads((out / "report.json").read_text())["drives"][0]["place"])
     print("every export can be read")
 
 

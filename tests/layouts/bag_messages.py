@@ -104,5 +104,13 @@ for name, ns in stamps("lidar"):
          "pose": {"pose": {"position": {"x": pose[3], "y": pose[7], "z": pose[11]}, "orientation": {"x": x, "y": y, "z": z, "w": w}},
                   "covariance": [0.0] * 36},
          "twist": {"twist": {"linear": {"x": 0, "y": 0, "z": 0}, "angular": {"x": 0, "y": 0, "z": 0}}, "covariance": [0.0] * 36}})
+base_from_antenna = [1.0, 0, 0, 0.4, 0, 1.0, 0, 0.2, 0, 0, 1.0, 1.5]
+edges.append(transform(first, "base_link", "gps", base_from_antenna))
+for k, (name, ns) in enumerate(stamps("lidar")):  # x points east
+    pose = times(times(poses[name], inverse(base_from_lidar)), base_from_antenna)
+    add(ns + 50000000, "/gps/fix", "sensor_msgs/NavSatFix",
+        {"header": header(ns, "gps"), "status": {"status": -1 if k == 1 else 0, "service": 1},
+         "latitude": 49.0 + pose[7] / 111210.0, "longitude": 8.4 + pose[3] / 73171.0, "altitude": 115.0 + pose[11],
+         "position_covariance": [0.0] * 9, "position_covariance_type": 0})
 messages.sort(key=lambda m: int(m["time"]))
 (out / "messages.json").write_text(json.dumps(messages))

@@ -14,6 +14,7 @@
 #include "dvi/drive/scan.h"
 #include "dvi/drive/sensor.h"
 #include "dvi/geometry/camera.h"
+#include "dvi/geometry/earth_place.h"
 #include "dvi/geometry/trajectory.h"
 
 namespace dvi {
@@ -66,6 +67,7 @@ struct Drive {
   bool registered_depth = false;
   std::optional<DepthImages> depth_images;  ///< where scans are made of such: ScanHeader::file is one
   Trajectory poses;                         ///< world_from_lidar as given; empty where none are
+  std::vector<GeoFix> fixes;                ///< of a GPS receiver, its antenna in the LiDAR's axes; empty where there is none
   /// Factor of the given positions to metres of the drive's own place: the Mercator scale of oxts; 1 where poses are
   /// metric. Two drives share a world when their positions are brought to one scale.
   double world_scale = 1;

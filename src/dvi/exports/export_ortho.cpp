@@ -95,6 +95,11 @@ void add_frame(const Result& result, std::size_t number, const Ground& ground, O
   });
 }
 
+std::optional<EarthPlace> origin_of(const Result& result, const std::string& wish) {
+  if (wish == "local") return std::nullopt;
+  return wish.empty() ? result.place() : parse_origin(wish);
+}
+
 std::vector<GeoBand> colour_bands(const Ortho& ortho) {
   std::vector<cv::Mat> bgr;
   cv::split(ortho.colour, bgr);
@@ -103,7 +108,7 @@ std::vector<GeoBand> colour_bands(const Ortho& ortho) {
 
 ExportReport write_ortho(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
   if (!can_write_geotiff()) throw UsageError("dvi export ortho: this build has no GDAL; install libgdal-dev and build again");
-  const auto origin = options.origin.empty() ? std::nullopt : std::optional(GeoPlace::Origin::parse(options.origin));
+  const std::optional<EarthPlace> origin = origin_of(result, options.origin);
   const std::vector<CloudPoint> cloud = read_map_cloud(result.folder() / "map/map.ply");
   if (cloud.empty()) throw InputError(result.folder() / "map/map.ply", "is empty", "a picture from above needs a map");
   const Ground ground = ground_of(cloud, options.cell_m);

@@ -89,15 +89,15 @@ TEST(GeoPlace, TurnsTheWorldByItsHeading) {
   EXPECT_THAT(local.transform(), testing::ElementsAre(10, 0.5, 0, 20, 0, -0.5));
   EXPECT_EQ(local.projection(), "");
   // Heading east: world x is east and y is north, as without an origin.
-  const GeoPlace east{0.5, 10, 20, GeoPlace::Origin::parse("49,8,90")};
+  const GeoPlace east{0.5, 10, 20, parse_origin("49,8,90")};
   for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(east.transform()[k], local.transform()[k], 1e-12);
   // Heading north: x is north, y is west.
-  const std::array<double, 6> north = GeoPlace{0.5, 10, 20, GeoPlace::Origin::parse("49,8,0")}.transform();
+  const std::array<double, 6> north = GeoPlace{0.5, 10, 20, parse_origin("49,8,0")}.transform();
   EXPECT_NEAR(north[0], -20, 1e-12);
   EXPECT_NEAR(north[3], 10, 1e-12);
   EXPECT_NEAR(north[4], 0.5, 1e-12);
   for (const char* wrong : {"", "49", "49,8", "49,8,0,1", "91,8,0", "a,b,c", "49,8,"})
-    EXPECT_THROW(GeoPlace::Origin::parse(wrong), UsageError) << wrong;
+    EXPECT_THROW(parse_origin(wrong), UsageError) << wrong;
 }
 
 // The records behind the magic, by opcode; those within chunks are not among them.

@@ -16,7 +16,7 @@
 
 namespace dvi::exports {
 
-GeoPlace::Origin GeoPlace::Origin::parse(const std::string& text) {
+EarthPlace parse_origin(const std::string& text) {
   std::vector<double> numbers;
   std::size_t begin = 0;
   while (begin <= text.size()) {
@@ -27,7 +27,7 @@ GeoPlace::Origin GeoPlace::Origin::parse(const std::string& text) {
     begin = end + 1;
   }
   if (numbers.size() != 3 || begin <= text.size() || std::abs(numbers[0]) > 90 || std::abs(numbers[1]) > 180)
-    throw UsageError(fmt::format("--origin {}: give LAT,LON,HEADING in degrees, such as 49.01,8.43,90", text));
+    throw UsageError(fmt::format("--origin {}: give LAT,LON,HEADING in degrees, such as 49.01,8.43,90, or local", text));
   return {numbers[0], numbers[1], numbers[2]};
 }
 

@@ -8,19 +8,17 @@
 #include <opencv2/core/mat.hpp>
 
 #include "dvi/core/files.h"
+#include "dvi/geometry/earth_place.h"
 
 namespace dvi::exports {
 
-/// Where a raster lies. Metres east and north of the origin if there is one, else in the drive's own world.
-struct GeoPlace {
-  struct Origin {
-    double latitude_deg = 0, longitude_deg = 0, heading_deg = 0;  ///< of the world's x axis, clockwise from north
+/// "LAT,LON,HEADING". UsageError otherwise.
+EarthPlace parse_origin(const std::string& text);
 
-    /// "LAT,LON,HEADING". UsageError otherwise.
-    static Origin parse(const std::string& text);
-  };
+/// Where a raster lies. Metres east and north of the world's origin if its place is known, else in the drive's own world.
+struct GeoPlace {
   double cell_m = 0, west_m = 0, north_m = 0;  ///< as Ground
-  std::optional<Origin> origin = {};
+  std::optional<EarthPlace> origin = {};
 
   /// GDAL's affine transform from pixels to the place.
   std::array<double, 6> transform() const;

@@ -24,6 +24,16 @@ Camera to_camera(const nlohmann::json& entry) {
   return {size[0], size[1], K[0], K[4], K[2], K[5], entry.at("distortion").get<std::array<double, 5>>()};
 }
 
+// Hands a JSON document of a result to `take`.
+template <class Take>
+void read_table(const fs::path& file, const Take& take) {
+  try {
+    take(nlohmann::json::parse(read_file(file)));
+  } catch (const nlohmann::json::exception& e) {
+    throw InputError(file, fmt::format("is not as dvi writes it ({})", e.what()), kRunAgain);
+  }
+}
+
 }  // namespace
 
 Result::Result(const fs::path& out) : folder_(out) {
@@ -34,6 +44,7 @@ Result::Result(const fs::path& out) : folder_(out) {
     throw InputError(out, "has no poses and no map", "export a result of --method dvi or paper: the others make none");
   read_poses();
   read_sources();
+  read_place();
 }
 
 void Result::read_poses() {
@@ -49,10 +60,16 @@ void Result::read_poses() {
   }
 }
 
+void Result::read_place() {
+  read_table(folder_ / "report.json", [&](const nlohmann::json& report) {
+    const nlohmann::json place = report.at("drives").at(0).value("place", nlohmann::json());
+    if (!place.is_null()) place_ = EarthPlace{place.at("latitude_deg"), place.at("longitude_deg"), place.at("heading_deg")};
+  });
+}
+
 void Result::read_sources() {
   const fs::path file = folder_ / "sources.json";
-  try {
-    const nlohmann::json table = nlohmann::json::parse(read_file(file));
+  read_table(file, [&](const nlohmann::json& table) {
     if (!table.contains("cameras"))
       throw InputError(file, "does not tell the cameras: it is of an earlier version of dvi", kRunAgain);
     const nlohmann::json& camera = table.at("cameras").at(0);
@@ -63,9 +80,7 @@ void Result::read_sources() {
       frames_[i].name = source.at("frame").get<std::string>();
       frames_[i].input = source.at("file").get<std::string>();
     }
-  } catch (const nlohmann::json::exception& e) {
-    throw InputError(file, fmt::format("is not as dvi writes it ({})", e.what()), kRunAgain);
-  }
+  });
   for (const ResultFrame& frame : frames_)
     if (frame.name.empty() || frame.name.find('/') != std::string::npos || frame.name == "." || frame.name == "..")
       throw InputError(file, "names a frame '" + frame.name + "', which is no name of a file", kRunAgain);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 
 #include "dvi/core/files.h"
 #include "dvi/geometry/camera.h"
+#include "dvi/geometry/earth_place.h"
 #include "dvi/geometry/se3.h"
 
 namespace dvi::exports {
@@ -32,6 +34,7 @@ class Result {
   const Camera& camera() const { return camera_; }
   cv::Size size() const { return {camera_.width, camera_.height}; }
   const std::vector<ResultFrame>& frames() const { return frames_; }
+  const std::optional<EarthPlace>& place() const { return place_; }  ///< of the world, by GPS; none where that told none
 
   fs::path picture(const std::string& kind, std::size_t frame) const { return folder_ / kind / (frames_[frame].name + ".png"); }
   cv::Mat3b image(std::size_t frame) const;
@@ -44,11 +47,13 @@ class Result {
  private:
   void read_sources();
   void read_poses();
+  void read_place();
 
   fs::path folder_;
   std::string camera_name_;
   Camera camera_;
   std::vector<ResultFrame> frames_;
+  std::optional<EarthPlace> place_;
 };
 
 }  // namespace dvi::exports

@@ -14,6 +14,7 @@ namespace {
 
 constexpr const char* kCloudType = "sensor_msgs/PointCloud2";
 constexpr const char* kInfoType = "sensor_msgs/CameraInfo";
+constexpr const char* kFixType = "sensor_msgs/NavSatFix";
 constexpr const char* kPoseTypes[] = {"nav_msgs/Odometry", "geometry_msgs/PoseStamped",
                                       "geometry_msgs/PoseWithCovarianceStamped"};
 
@@ -64,9 +65,11 @@ class TopicChooser {
       } else if (key == "poses") {
         choice.poses = require(topic, "poses", is_poses);
         choice.named_poses = true;
+      } else if (key == "gps") {
+        choice.gps = require(topic, kFixType, [](const BagTopic& t) { return t.type == kFixType; });
       } else {
-        throw UsageError(
-            fmt::format("--topic {}: it is image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC or poses=TOPIC", text));
+        throw UsageError(fmt::format(
+            "--topic {}: it is image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC, poses=TOPIC or gps=TOPIC", text));
       }
     }
     if (images.empty()) images = guess_images();
@@ -80,6 +83,7 @@ class TopicChooser {
       fail("no topic of sensor_msgs/PointCloud2 and none of depth images");
     if (choice.depth.images != nullptr) choice.depth.name = "depth", choice.depth.info = info_of(*choice.depth.images);
     if (choice.poses == nullptr) choice.poses = guess_poses();
+    if (choice.gps == nullptr) choice.gps = most_messages(kFixType);
     return choice;
   }
 
@@ -168,15 +172,18 @@ class TopicChooser {
     return best;
   }
 
-  const BagTopic* guess_poses() const {
+  const BagTopic* most_messages(const char* type) const {
     const BagTopic* best = nullptr;
-    for (const char* type : kPoseTypes) {
-      for (const BagTopic& topic : bag_.topics)
-        if (topic.type == type && usable(topic) && (best == nullptr || topic.messages.size() > best->messages.size()))
-          best = &topic;
-      if (best != nullptr) return best;
-    }
+    for (const BagTopic& topic : bag_.topics)
+      if (topic.type == type && usable(topic) && (best == nullptr || topic.messages.size() > best->messages.size()))
+        best = &topic;
     return best;
+  }
+
+  const BagTopic* guess_poses() const {
+    for (const char* type : kPoseTypes)
+      if (const BagTopic* best = most_messages(type)) return best;
+    return nullptr;
   }
 
   const fs::path& path_;
@@ -213,6 +220,7 @@ std::vector<RecordedTopic> list_topics(const Bag& bag, const BagChoice& choice) 
     if (choice.depth.images == &topic) row.use = "depth images";
     if (choice.depth.info == &topic && row.use.empty()) row.use = "calibration of the depth images";
     if (choice.poses == &topic) row.use = "poses";
+    if (choice.gps == &topic) row.use = "place on Earth";
     if (is_tf(topic)) row.use = "places of the sensors";
     out.push_back(std::move(row));
   }

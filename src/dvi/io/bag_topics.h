@@ -23,6 +23,7 @@ struct BagChoice {
   BagCamera depth = {};              ///< depth images instead of points; without a topic: there are none
   const BagTopic* poses = nullptr;   ///< Odometry or stamped poses; none: tf, if it tells motion
   bool named_poses = false;          ///< that the user named
+  const BagTopic* gps = nullptr;     ///< NavSatFix; none: there is none
 };
 
 /// Types that are read.
@@ -31,9 +32,9 @@ bool is_compressed(const BagTopic& topic);
 bool is_tf(const BagTopic& topic);
 
 /// Chooses topics: all colour cameras, the LiDAR with the most points, Odometry before poses. `named`: "image=/a" any number of
-/// times, "points=/b", "depth=/e" (instead of points), "info=/c" (of the only camera), "poses=/d". UsageError where one is of
-/// another form; InputError where the topic is not there or of another type, and where there are no images or points, with the
-/// topics that there are.
+/// times, "points=/b", "depth=/e" (instead of points), "info=/c" (of the only camera), "poses=/d", "gps=/f". UsageError where
+/// one is of another form; InputError where the topic is not there or of another type, and where there are no images or points,
+/// with the topics that there are.
 BagChoice choose_topics(const fs::path& path, const Bag& bag, const std::vector<std::string>& named);
 
 /// All topics with what they are taken for.

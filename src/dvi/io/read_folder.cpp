@@ -12,6 +12,7 @@
 #include "dvi/io/depth_scan.h"
 #include "dvi/io/drive_config.h"
 #include "dvi/io/given_map.h"
+#include "dvi/io/gps.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/mask_folder.h"
@@ -321,6 +322,10 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
   if (const fs::path poses = path / "poses.txt"; fs::exists(poses)) {
     drive.poses = read_poses(poses, drive);
     drive.other_files.push_back(poses);
+  }
+  if (const fs::path gps = path / "gps.txt"; fs::exists(gps)) {
+    drive.fixes = read_fixes(gps);
+    drive.other_files.push_back(gps);
   }
   recording.gaps = find_gaps(drive, period);
   if (const fs::path boxes = path / "boxes.json"; fs::exists(boxes)) recording.gaps.push_back(add_labels(drive, boxes));

@@ -80,6 +80,7 @@ void read_oxts(Drive& drive, const Numbered& packets) {
     const std::array<double, 6> packet = read_packet(file);
     if (poses.empty()) drive.world_scale = std::cos(packet[0] * std::numbers::pi / 180);
     poses.push_back({stamps.of(number, file), mercator_pose(packet, drive.world_scale) * imu_from_lidar});
+    drive.fixes.push_back({poses.back().time_ns, packet[0], packet[1], imu_from_lidar.inverse().t});
     drive.other_files.push_back(file);
   }
   drive.poses = Trajectory(std::move(poses));

@@ -102,6 +102,19 @@ Trajectory read_pose_topic(const BagMessages& messages, const BagTopic& topic, c
   return Trajectory(std::move(poses));
 }
 
+// An antenna that no tf joins to the LiDAR is taken to be where that is.
+std::vector<GeoFix> read_fixes(const BagMessages& messages, const BagTopic& topic, const RosFrames& frames,
+                               const std::string& lidar) {
+  std::vector<GeoFix> fixes;
+  for (std::size_t i = 0; i < topic.messages.size(); ++i) {
+    const RosFix fix = messages.parsed(topic, i, [](std::string_view m, BagEncoding e) { return parse_fix(m, e); });
+    const std::int64_t time = fix.header.stamp_ns != 0 ? fix.header.stamp_ns : topic.messages[i].time_ns;
+    const SE3 lidar_from_antenna = frames.between(lidar, fix.header.frame).value_or(SE3());
+    if (fix.valid) fixes.push_back({time, fix.latitude_deg, fix.longitude_deg, lidar_from_antenna.t});
+  }
+  return fixes;
+}
+
 // The spread of the points' own times about the stamp; none where they have none.
 struct PointTimes {
   double first = 0, last = 0;
@@ -293,6 +306,9 @@ class BagReader {
     std::vector<StampedPose> poses = drive_.poses.poses();
     for (StampedPose& pose : poses) pose.world_from_body = pose.world_from_body * frame_from_lidar;
     if (!poses.empty() && choice_.points == nullptr) drive_.poses = Trajectory(std::move(poses));
+    if (choice_.gps == nullptr) return;
+    drive_.fixes = read_fixes(*messages_, *choice_.gps, frames, lidar);
+    for (GeoFix& fix : drive_.fixes) fix.antenna = frame_from_lidar.inverse() * fix.antenna;
   }
 
   Recording recording(const RosFrames& frames) {

@@ -64,6 +64,11 @@ TEST_P(RosBag, HoldsTheDrive) {
   EXPECT_EQ(drive.scan_headers[1].end_ns, 1000'200'000'000) << "when the next begins";
   ASSERT_EQ(drive.poses.poses().size(), 3U);
   EXPECT_NEAR(drive.poses.poses()[0].world_from_body.t.z(), 1.73, 1e-9);
+  ASSERT_EQ(drive.fixes.size(), 2U) << "without the one that the receiver marks as none";
+  EXPECT_EQ(drive.fixes[1].time_ns, drive.scan_headers[2].time_ns);
+  EXPECT_NEAR(drive.fixes[0].latitude_deg, 49, 1e-4);
+  EXPECT_GT(drive.fixes[1].longitude_deg, drive.fixes[0].longitude_deg);
+  EXPECT_LT((drive.fixes[0].antenna - Eigen::Vector3d(-0.5, 0.2, -0.3)).norm(), 1e-9) << "in the LiDAR's axes";
   EXPECT_TRUE(drive.warnings.empty());
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(cv::norm(*drive.images[i], *expected.images[i], cv::NORM_INF), 0);

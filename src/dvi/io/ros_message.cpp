@@ -280,6 +280,16 @@ RosMotion parse_pose(std::string_view message, BagEncoding encoding) {
   return motion;
 }
 
+RosFix parse_fix(std::string_view message, BagEncoding encoding) {
+  RosFields fields(message, encoding);
+  RosFix fix{.header = take_header(fields)};
+  const bool has_fix = fields.number<std::int8_t>() >= 0;  // NavSatStatus.STATUS_NO_FIX is -1
+  fields.number<std::uint16_t>();                          // of which satellites
+  fix.latitude_deg = fields.number<double>(), fix.longitude_deg = fields.number<double>();
+  fix.valid = has_fix && std::abs(fix.latitude_deg) < 90 && std::abs(fix.longitude_deg) <= 360;  // NaN is not
+  return fix;
+}
+
 RosCloud parse_cloud(std::string_view message, BagEncoding encoding) {
   constexpr std::size_t kLeastField = 4 + 4 + 1 + 4;
   RosFields fields(message, encoding);

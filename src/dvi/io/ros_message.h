@@ -99,6 +99,14 @@ std::vector<RosMotion> parse_tf(std::string_view message, BagEncoding encoding);
 RosMotion parse_odometry(std::string_view message, BagEncoding encoding);
 RosMotion parse_pose(std::string_view message, BagEncoding encoding);
 
+/// sensor_msgs/NavSatFix.
+struct RosFix {
+  RosHeader header;
+  bool valid = false;  ///< the receiver had one
+  double latitude_deg = 0, longitude_deg = 0;
+};
+RosFix parse_fix(std::string_view message, BagEncoding encoding);
+
 /// The finite points of a sensor_msgs/PointCloud2.
 struct RosCloud {
   RosHeader header;

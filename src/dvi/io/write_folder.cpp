@@ -13,6 +13,7 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
+#include "dvi/io/gps.h"
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/rigid.h"
 #include "dvi/io/scan_time.h"
@@ -183,6 +184,7 @@ void write_folder_tables(const fs::path& folder, const Drive& drive, const std::
   for (const Drive& camera : more_cameras) write_file(folder / "times" / (camera.camera_name + ".txt"), times(camera.frames));
   if (drive.map.empty()) write_file(folder / "times/lidar.txt", times(drive.scan_headers, scan_rate(drive)));
   if (!drive.poses.empty()) write_file(folder / "poses.txt", poses(drive));
+  if (!drive.fixes.empty()) write_file(folder / "gps.txt", fixes_text(drive.fixes));
   if (drive.has_labels()) write_file(folder / "boxes.json", boxes(drive, more_cameras));
   write_file(folder / "dvi.toml", settings(drive, more_cameras));
 }

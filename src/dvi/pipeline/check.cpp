@@ -133,6 +133,8 @@ std::string CheckReport::brief() const {
       "  masks    {}\n",
       path, format, camera_name, camera.width, camera.height, camera.fx, frames, first_frame, last_frame, frame_rate_hz,
       frames_with_pose, geometry_line(*this), path_m, poses.from, masks_line(*this));
+  if (place)
+    text += fmt::format("  gps      {} fixes, half of them within {:.2f} m of the path\n", place->fixes, place->residual_m);
   for (const RecordedTopic& topic : topics)
     text += fmt::format("  topic    {} ({}): {} messages, {:.1f} Hz{}\n", topic.name, topic.type, topic.messages, topic.rate_hz,
                         topic.use.empty() ? "" : ": " + topic.use);
@@ -173,6 +175,7 @@ std::string to_json(const CheckReport& r) {
       {"pictures", r.pictures},
       {"ready", r.ready},
       {"warnings", r.warnings}};
+  if (r.place) j["place"] = json_of(*r.place);
   if (r.forecast) j["forecast"] = *r.forecast;
   return json_text(j);
 }
@@ -191,6 +194,7 @@ CheckReport check(const Job& given, bool with_forecast, Progress& progress) {
   const Poses poses = posed ? in_one_world(drives, {choice}) : given_poses(drives);
   const Masks masks = find_masks(drives, poses, job, progress);
   CheckReport report = describe(drives.front(), choice, masks);
+  report.place = find_place(poses.front().world_from_lidar, drive.fixes);
   report.warnings.insert(report.warnings.end(), range_warnings.begin(), range_warnings.end());
   const std::vector<std::string> doubts = doubt_setup(drives, poses, masks, progress);
   report.warnings.insert(report.warnings.end(), doubts.begin(), doubts.end());

@@ -24,6 +24,7 @@ struct CheckReport {
   double scan_rate_hz = 0, mean_points = 0;  ///< points of a scan
   std::size_t map_points = 0;                ///< of the map that it brings instead of scans
   double path_m = 0;
+  std::optional<FoundPlace> place = {};  ///< of the world of the first LiDAR pose, by GPS
   PosesReport poses;
   std::string mask_source;                     ///< files, labels, detector, none
   double mean_masked = 0, largest_masked = 0;  ///< parts of an image

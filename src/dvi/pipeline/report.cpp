@@ -96,6 +96,7 @@ std::vector<DriveReport> drive_reports(const Recordings& drives, const Poses& po
                          .frames = drive.frames.size(),
                          .scans = drive.scan_headers.size(),
                          .poses = poses_report(drive, poses[i].choice),
+                         .place = find_place(poses[i].world_from_lidar, drive.fixes),
                          .registration = registration_report(drive, poses[i]),
                          .alignment = alignment(i),
                          .warnings = drive.warnings,

@@ -75,6 +75,7 @@ struct DriveReport {
   std::string path, format, camera;
   std::size_t frames = 0, scans = 0;
   PosesReport poses;
+  std::optional<FoundPlace> place;                 ///< where the world of the target's first LiDAR pose lies, by its GPS
   std::optional<RegistrationReport> registration;  ///< none: of the target, and where given poses are kept
   std::optional<DriveAlignmentReport> alignment;
   std::vector<std::string> warnings;

@@ -33,6 +33,17 @@ struct nlohmann::adl_serializer<dvi::regularize::Energies> {
 };
 
 template <>
+struct nlohmann::adl_serializer<dvi::FoundPlace> {
+  static void to_json(nlohmann::json& json, const dvi::FoundPlace& found) { json = dvi::pipeline::json_of(found); }
+  static void from_json(const nlohmann::json& json, dvi::FoundPlace& found) {
+    found = {{json.at("latitude_deg"), json.at("longitude_deg"), json.at("heading_deg")},
+             json.at("fixes"),
+             json.at("residual_m"),
+             json.at("heading_bound_deg")};
+  }
+};
+
+template <>
 struct nlohmann::adl_serializer<dvi::audit::HoleShares> {
   static void to_json(nlohmann::json& json, const dvi::audit::HoleShares& hole) {
     json = {{"copied", hole.copied}, {"copied_elsewhere", hole.copied_elsewhere}, {"never_seen", hole.never_seen}};
@@ -57,6 +68,12 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OdometryReport, rings, path_m, plane_features
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HoleParts, copied, copied_elsewhere, interpolated, synthesised, empty, never_seen)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameAlignmentReport, rotation_deg, offset_before_px, offset_after_px, points)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveAlignmentReport, kept, mounting_deg)
+
+json json_of(const FoundPlace& found) {
+  return {{"latitude_deg", found.place.latitude_deg}, {"longitude_deg", found.place.longitude_deg},
+          {"heading_deg", found.place.heading_deg},   {"heading_bound_deg", found.heading_bound_deg},
+          {"residual_m", found.residual_m},           {"fixes", found.fixes}};
+}
 
 void to_json(json& j, const PosesReport& report) {
   j = {{"from", report.from}, {"sharpness", {{"given", report.given}, {"loam", report.loam}}}, {"odometry", report.odometry}};
@@ -119,8 +136,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameReport, number, name, hole, energy, alig
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CameraReport, camera, masks, grey, frames, alignment, warnings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RegistrationReport, target_from_source, overlap, residual_m, bound_m, bound_deg, things,
                                    things_agree, passed_share, rival)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveReport, path, format, camera, frames, scans, poses, registration, alignment, warnings,
-                                   other_cameras)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveReport, path, format, camera, frames, scans, poses, place, registration, alignment,
+                                   warnings, other_cameras)
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameForecastReport, number, name, image_share, hole)
 

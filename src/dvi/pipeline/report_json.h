@@ -19,6 +19,7 @@ void from_json(const nlohmann::json& json, MapReport& report);
 void to_json(nlohmann::json& json, const CostReport& report);
 void from_json(const nlohmann::json& json, CostReport& report);
 
+nlohmann::json json_of(const FoundPlace& found);
 nlohmann::json json_of(const FrameReport& report);
 nlohmann::json json_of(const HoleReport& hole);
 FrameReport frame_of(const nlohmann::json& json);

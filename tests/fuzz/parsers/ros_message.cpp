@@ -28,6 +28,11 @@ void dvi::fuzz::parse(const fs::path& /*folder*/, const std::string& bytes) {
         require(cloud.after_stamp.empty() || cloud.after_stamp.size() == cloud.points.size(), "each point has a time");
         break;
       }
+      case 6: {
+        const io::RosFix fix = io::parse_fix(message, encoding);
+        require(!fix.valid || std::abs(fix.latitude_deg) < 90, "places are on Earth");
+        break;
+      }
       default:
         io::unpack_message(std::string(message));
     }
