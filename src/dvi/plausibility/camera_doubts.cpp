@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -133,19 +134,24 @@ std::vector<std::string> words_of(const CameraFit& fit, const Found& found, std:
   return out;
 }
 
-/// By how much K is to be multiplied where its principal point lies on the image's diagonal but far from its middle, as in a
-/// K of another resolution.
-std::optional<double> other_resolution(const Camera& camera) {
-  constexpr double kNear = 1.15;
-  const double x = 0.5 * (camera.width - 1) / camera.cx, y = 0.5 * (camera.height - 1) / camera.cy;
-  for (const double factor : {0.25, 1.0 / 3, 0.5, 2.0 / 3, 1.5, 2.0, 3.0, 4.0})
-    if (x < kNear * factor && factor < kNear * x && y < kNear * factor && factor < kNear * y) return factor;
-  return std::nullopt;
-}
-
 Camera scaled(Camera camera, double factor) {
   camera.fx *= factor, camera.fy *= factor, camera.cx *= factor, camera.cy *= factor;
   return camera;
+}
+
+/// By how much K is to be multiplied to fit the flow best, where its principal point lies near the image's diagonal but far
+/// from its middle, as in a K of another resolution.
+std::optional<double> other_resolution(const FlowPairs& pairs, const SE3& camera_from_lidar) {
+  constexpr double kNear = 1.15, kStep = 1.02;  // a principal point's distance from the middle; of what is tried
+  const Camera& camera = pairs.camera;
+  const double x = 0.5 * (camera.width - 1) / camera.cx, y = 0.5 * (camera.height - 1) / camera.cy;
+  const double middle = std::sqrt(x * y);
+  if (!(std::max(x, y) < kNear * middle) || std::max(middle, 1 / middle) < kNear) return std::nullopt;
+  double best = middle, least = std::numeric_limits<double>::max();
+  for (double factor = middle / kNear; factor < middle * kNear; factor *= kStep)
+    if (const double cost = CameraFit(pairs, scaled(camera, factor), camera_from_lidar).cost(CameraError::Zero()); cost < least)
+      least = cost, best = factor;
+  return best;
 }
 
 }  // namespace
@@ -159,7 +165,7 @@ std::vector<std::string> camera_doubts(const FlowPairs& pairs, const SE3& camera
     const double cost = other.cost(CameraError::Zero());
     return cost <= kExplained && cost < kBetter * found.cost;
   };
-  if (const auto factor = other_resolution(pairs.camera))
+  if (const auto factor = other_resolution(pairs, camera_from_lidar))
     if (clearly_better(CameraFit(pairs, scaled(pairs.camera, *factor), camera_from_lidar)))
       return {fmt::format("K looks like that of images {:.2f} times as wide: multiply its fx, fy, cx and cy by {:.2f}",
                           1 / *factor, *factor)};

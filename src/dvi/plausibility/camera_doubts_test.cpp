@@ -79,8 +79,14 @@ TEST(CameraDoubts, AnInvertedMountingAndAnotherResolutionAreSaid) {
   drive.camera_from_lidar = {so3_exp({0, std::numbers::pi, 0}) * right.R, {0, -100, 0}};
   EXPECT_THAT(doubts(drive), ElementsAre(HasSubstr("hardly a return")));
   drive.camera_from_lidar = right;
-  for (double* value : {&drive.camera.fx, &drive.camera.fy, &drive.camera.cx, &drive.camera.cy}) *value /= 2;
-  EXPECT_THAT(doubts(drive), ElementsAre(HasSubstr("0.50 times as wide")));
+  const Camera camera = drive.camera;
+  for (const double factor : {0.5, 0.75, 1.7}) {
+    drive.camera = camera;
+    for (double* value : {&drive.camera.fx, &drive.camera.fy, &drive.camera.cx, &drive.camera.cy}) *value *= factor;
+    const std::vector<std::string> found = doubts(drive);
+    ASSERT_THAT(found, ElementsAre(HasSubstr("times as wide")));
+    EXPECT_NEAR(std::stod(found.front().substr(found.front().find("images ") + 7)), factor, 0.03 * factor);
+  }
 }
 
 TEST(CameraDoubts, NothingIsSaidOfWhatCannotBeTold) {
