@@ -56,6 +56,7 @@ class GivenMasks : public ProgramTest {
 
 TEST_F(GivenMasks, RunTakesCoco) {
   coco();
+  EXPECT_THAT(dvi("check drive --masks coco.json --quiet").out, HasSubstr("from labels (6 car)"));
   const Result run = dvi("run drive -o out --masks coco.json" + exactly);
   ASSERT_EQ(run.code, 0) << run.err;
   for (std::size_t i = 0; i < own.size(); ++i) EXPECT_EQ(differing(result("out", i), own[i]), 0) << i;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/json_text.h"
@@ -65,6 +67,16 @@ double mean(const std::vector<double>& values) {
   return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
+std::map<std::string, std::size_t> tracks_by_class(const Recording& open) {
+  std::set<std::pair<std::string, int>> tracks;
+  std::map<std::string, std::size_t> out;
+  if (open.masks_from != masks::MaskSource::labels) return out;
+  for (const Frame& frame : open.drive.frames)
+    for (const Label& label : frame.labels)
+      if (label.track < 0 || tracks.emplace(label.type, label.track).second) ++out[label.type];
+  return out;
+}
+
 CheckReport describe(const Recording& open, const PoseChoice& choice, const Masks& masks) {
   const Drive& drive = open.drive;
   const Contents found = contents(drive, masks.front().images);
@@ -85,6 +97,7 @@ CheckReport describe(const Recording& open, const PoseChoice& choice, const Mask
                   .path_m = path_length(drive, poses),
                   .poses = poses_report(drive, choice),
                   .mask_source = mask_source(open),
+                  .objects = tracks_by_class(open),
                   .mean_masked = mean(found.masked),
                   .largest_masked = found.masked.empty() ? 0.0 : *std::max_element(found.masked.begin(), found.masked.end()),
                   .warnings = drive.warnings,
@@ -102,8 +115,11 @@ CheckReport describe(const Recording& open, const PoseChoice& choice, const Mask
 }
 
 std::string masks_line(const CheckReport& report) {
+  std::vector<std::string> objects;
+  for (const auto& [type, count] : report.objects) objects.push_back(fmt::format("{} {}", count, type));
+  const std::string what = objects.empty() ? "" : fmt::format(" ({})", fmt::join(objects, ", "));
   if (report.mask_source != "none")
-    return fmt::format("from {}: {:.1f} % of the image on average, {:.1f} % at most", report.mask_source,
+    return fmt::format("from {}{}: {:.1f} % of the image on average, {:.1f} % at most", report.mask_source, what,
                        100 * report.mean_masked, 100 * report.largest_masked);
   return report.scans > 0 ? "none: dvi run finds what moves; dvi mask shows it" : "none";
 }
@@ -170,7 +186,8 @@ std::string to_json(const CheckReport& r) {
       {"map", {{"points", r.map_points}}},
       {"path_m", r.path_m},
       {"poses", r.poses},
-      {"masks", {{"source", r.mask_source}, {"mean_share", r.mean_masked}, {"largest_share", r.largest_masked}}},
+      {"masks",
+       {{"source", r.mask_source}, {"mean_share", r.mean_masked}, {"largest_share", r.largest_masked}, {"objects", r.objects}}},
       {"topics", topics_json(r.topics)},
       {"pictures", r.pictures},
       {"ready", r.ready},

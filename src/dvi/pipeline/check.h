@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,7 @@ struct CheckReport {
   std::optional<FoundPlace> place = {};  ///< of the world of the first LiDAR pose, by GPS
   PosesReport poses;
   std::string mask_source;                     ///< files, labels, detector, none
+  std::map<std::string, std::size_t> objects;  ///< what labels say is removed: tracks by class
   double mean_masked = 0, largest_masked = 0;  ///< parts of an image
   bool ready = false;                          ///< for a run
   std::vector<std::string> warnings;
