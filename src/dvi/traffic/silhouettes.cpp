@@ -50,12 +50,13 @@ class Silhouettes {
     half = cv::Mat1b(half > 0);
     const Evidence evidence = compare(target, half);
     const cv::Mat1b object = joined(half, evidence);
-    // What lies beyond the outline has no margin yet; within it there is one, and more where it ends earlier.
+    // What is only not told from the background ends with the outline; what differs has a margin everywhere.
     const cv::Mat1b end = ended(half, object, evidence);
     cv::Mat1b within, beyond;
     cv::resize(cv::Mat1b(grown(end, kHalo) | (grown(end, kThin) & ~evidence.ground)), within, outline.size(), 0, 0,
                cv::INTER_NEAREST);
-    cv::resize(grown(cv::Mat1b(object & ~half), kHalo), beyond, outline.size(), 0, 0, cv::INTER_NEAREST);
+    const cv::Mat1b different(opened(object) & evidence.differs & (end | ~half));
+    cv::resize(grown(different, kHalo), beyond, outline.size(), 0, 0, cv::INTER_NEAREST);
     return cv::Mat1b((within & outline) | beyond);
   }
 
@@ -142,13 +143,15 @@ class Silhouettes {
     return out;
   }
 
-  // What differs, or nobody else saw, and hangs together with the outline; beyond it nothing thin, as edges that are displaced.
+  // What differs, or nobody else saw, and hangs together with the outline; beyond it nothing thin.
   static cv::Mat1b joined(const cv::Mat1b& outline, const Evidence& evidence) {
     const cv::Mat1b within(outline & evidence.untold);
     const cv::Mat1b out = touching(outline, cv::Mat1b(evidence.differs | within));
-    const cv::Mat1b beyond(grown(grown(cv::Mat1b(out & ~outline), -1), 1));
-    return cv::Mat1b((out & outline) | beyond);
+    return cv::Mat1b((out & outline) | (opened(out) & ~outline));
   }
+
+  // Without what is thin, as edges that are displaced; thin strips of what hangs together with something thick stay.
+  static cv::Mat1b opened(const cv::Mat1b& mask) { return grown(grown(mask, -1), 1); }
 
   Comparison comparison_;
   Lazy<cv::Mat1b> outlines_;
