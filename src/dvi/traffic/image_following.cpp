@@ -13,6 +13,7 @@
 #include "dvi/drive/outline.h"
 #include "dvi/image/grey.h"
 #include "dvi/image/optical_flow.h"
+#include "dvi/image/region.h"
 #include "dvi/traffic/outlines.h"
 #include "dvi/traffic/seconds.h"
 
@@ -26,6 +27,7 @@ constexpr double kLeastKnown = 0.5;   // of an outline, that others saw
 constexpr double kShown = 0.5;  // of that, which looks as others show it: before leaves, not even a car differs everywhere
 constexpr double kOwn = 0.25;   // of an outline that differs, from which the rest is taken for background
 constexpr std::size_t kFewestFlows = 50;
+constexpr double kDrift = 0.5;  // pixels a frame: flow is no better on something small
 constexpr double kScaleStep = 0.15;  // change of size from frame to frame beyond which flow is wrong
 constexpr double kHiddenFor = 4;     // seconds: what is followed so long is compared with the other side of its way
 constexpr double kComfortable = 3;   // metres a second squared: what the motion may be off by
@@ -154,6 +156,7 @@ class Follower {
     Hull hull = hull_of(*seen.instance);
     if (hull.empty()) return;
     cv::Mat1b object = own_pixels(from, hull);
+    double drift = 0;
     std::int64_t last_told = view(from).time_ns;
     const std::int64_t start = last_told;
     for (std::size_t at = from, next = from + way; next != end; at = next, next += way) {
@@ -173,7 +176,8 @@ class Follower {
       if (known) last_told = view(next).time_ns;
       if (std::abs(seconds_from(last_told, view(next).time_ns)) > kGoesOn) return;
       object = own_pixels(mask, evidence);
-      labels[view(next).frame].push_back(label(seen, next, mask));
+      drift += kDrift;
+      labels[view(next).frame].push_back(label(seen, next, grown(mask, static_cast<int>(std::ceil(drift)))));
     }
   }
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kOutlineWindow = 0.25;    // seconds each way in which an object hardly turns
 constexpr double kRoof = 0.5;              // metres: windows are no higher
-constexpr double kShape = 0.25;            // metres between rays above which none or one hits the window: no shape is seen
+constexpr double kShape = kRoof / 3;       // metres between rays: above, so few hit a window that a lost one hides the shape
 constexpr std::size_t kFewestPlaced = 20;  // returns so far apart that place an object: of fewer, single wrong ones move it
 constexpr double kDrives = 1;              // metres a second, from which the motion gives a heading
 constexpr double kMargin = 0.05;           // metres round the returns: the ends of an object lie between rays
