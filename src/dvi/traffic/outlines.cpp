@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "dvi/core/median.h"
 #include "dvi/drive/outline.h"
@@ -19,6 +20,7 @@ constexpr double kShape = kRoof / 3;       // metres between rays: above, so few
 constexpr std::size_t kFewestPlaced = 20;  // returns so far apart that place an object: of fewer, single wrong ones move it
 constexpr double kDrives = 1;              // metres a second, from which the motion gives a heading
 constexpr double kMargin = 0.05;           // metres round the returns: the ends of an object lie between rays
+constexpr double kMirror = 0.2;            // metres beside the returns: what sticks out between rays
 constexpr double kAlongside = 6;           // metres: of what is nearer, the part within the image is farther away
 constexpr int kBlur = 4;                   // pixels at least: the image's own
 constexpr double kPerson = 1.2;            // metres: what is longer is a vehicle
@@ -111,7 +113,7 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
   const Body body = body_at(track, time_ns, world_from_lidar.t.head<2>());
   if (body.points.empty()) return std::nullopt;
   const SE3 lidar_from_world = world_from_lidar.inverse(), camera_from_world = camera_from_lidar * lidar_from_world;
-  std::vector<Eigen::Vector3d> in_camera;
+  std::vector<Eigen::Vector3d> in_camera, below;
   double nearest = 1e9;
   for (const Eigen::Vector3d& x : body.points) {
     in_camera.push_back(camera_from_world * x);
@@ -120,11 +122,18 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
   for (const Eigen::Vector3d& x : body.feet)
     for (const double dx : {-footprint_m, footprint_m})
       for (const double dy : {-footprint_m, footprint_m})
-        in_camera.push_back(camera_from_world * (x + Eigen::Vector3d(dx, dy, 0)));
-  cv::Mat1b mask(camera.height, camera.width, uchar{0});
-  if (!draw_hull(in_camera, camera, mask)) return std::nullopt;
+        below.push_back(camera_from_world * (x + Eigen::Vector3d(dx, dy, 0)));
+  // Beside the body there is nothing above the ground round it.
+  cv::Mat1b mask(camera.height, camera.width, uchar{0}), ground = mask.clone(), both = mask.clone();
+  const bool seen = draw_hull(in_camera, camera, mask), stands = draw_hull(below, camera, ground);
+  if (!seen && !stands) return std::nullopt;
+  const auto pixels = [&](double metres) { return std::max(kBlur, cvRound(metres * camera.fx / std::max(kAlongside, nearest))); };
+  cv::dilate(mask, mask, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * pixels(kMirror) + 1, 2 * pixels(kMargin) + 1}));
+  mask |= grown(ground, pixels(kMargin));
+  in_camera.insert(in_camera.end(), below.begin(), below.end());
+  draw_hull(in_camera, camera, both);
+  mask &= grown(both, pixels(kMargin));
   if (cv::countNonZero(mask) == 0) return std::nullopt;
-  mask = grown(mask, std::max(kBlur, cvRound(kMargin * camera.fx / std::max(kAlongside, nearest))));
   Box box = box_round(body);
   Label label;
   label.type = box.size.head<2>().maxCoeff() > kPerson ? "vehicle" : "person";
