@@ -29,6 +29,7 @@ struct Body {
   std::vector<Eigen::Vector3d> points;  // world axes, at the time of the image
   std::vector<Eigen::Vector3d> feet;    // likewise: the ground below them
   Eigen::Vector2d heading = Eigen::Vector2d::UnitX();
+  bool shapeless = false;  // rays are too far apart to show where it ends
 };
 
 // Grows an interval to a length, away from the sensor: the face towards it is the one that its rays hit.
@@ -68,8 +69,9 @@ Body body_at(const Track& track, std::int64_t time_ns, const Eigen::Vector2d& se
   const Cluster& cluster = track.observations[nearest];
   const double apart = std::abs(seconds_from(cluster.mean_time_ns, time_ns));
   const Eigen::Vector2d velocity = track.velocity(nearest);
-  const bool drives = velocity.norm() > kDrives, shapeless = drives && median(cluster.rise) > kShape;
-  if (apart > (shapeless ? kGoesOn : kOutlineWindow)) return body;
+  const bool drives = velocity.norm() > kDrives, boxed = drives && median(cluster.rise) > kShape;
+  body.shapeless = median(cluster.rise) > kShape;
+  if (apart > (boxed ? kGoesOn : kOutlineWindow)) return body;
   if (drives) body.heading = velocity.normalized();
   const bool upright = track.size_m.maxCoeff() > 0 && track.size_m.maxCoeff() <= kPerson;
   for (std::size_t k = 0; k < cluster.points.size(); ++k) {
@@ -82,7 +84,7 @@ Body body_at(const Track& track, std::int64_t time_ns, const Eigen::Vector2d& se
     const double above = upright || x.z() > top - kRoof ? top : std::min(x.z() + cluster.rise[k], top);
     if (above > x.z()) body.points.emplace_back(x.x(), x.y(), above);
   }
-  if (shapeless) add_whole(track, median(cluster.ground), sensor, body);
+  if (boxed) add_whole(track, median(cluster.ground), sensor, body);
   body.points.insert(body.points.end(), body.feet.begin(), body.feet.end());
   return body;
 }
@@ -123,7 +125,7 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
     for (const double dx : {-footprint_m, footprint_m})
       for (const double dy : {-footprint_m, footprint_m})
         below.push_back(camera_from_world * (x + Eigen::Vector3d(dx, dy, 0)));
-  // Beside the body there is nothing above the ground round it.
+  // Beside a body there is nothing above the ground round it; but only returns close to each other show where the body ends.
   cv::Mat1b mask(camera.height, camera.width, uchar{0}), ground = mask.clone(), both = mask.clone();
   const bool seen = draw_hull(in_camera, camera, mask), stands = draw_hull(below, camera, ground);
   if (!seen && !stands) return std::nullopt;
@@ -132,7 +134,8 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
   mask |= grown(ground, pixels(kMargin));
   in_camera.insert(in_camera.end(), below.begin(), below.end());
   draw_hull(in_camera, camera, both);
-  mask &= grown(both, pixels(kMargin));
+  both = grown(both, pixels(kMargin));
+  mask = body.shapeless ? both : cv::Mat1b(mask & both);
   if (cv::countNonZero(mask) == 0) return std::nullopt;
   Box box = box_round(body);
   Label label;
