@@ -123,13 +123,14 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
   }
   for (const Eigen::Vector3d& x : body.feet)
     for (const double dx : {-footprint_m, footprint_m})
-      for (const double dy : {-footprint_m, footprint_m})
-        below.push_back(camera_from_world * (x + Eigen::Vector3d(dx, dy, 0)));
+      for (const double dy : {-footprint_m, footprint_m}) below.push_back(camera_from_world * (x + Eigen::Vector3d(dx, dy, 0)));
   // Beside a body there is nothing above the ground round it; but only returns close to each other show where the body ends.
   cv::Mat1b mask(camera.height, camera.width, uchar{0}), ground = mask.clone(), both = mask.clone();
   const bool seen = draw_hull(in_camera, camera, mask), stands = draw_hull(below, camera, ground);
   if (!seen && !stands) return std::nullopt;
-  const auto pixels = [&](double metres) { return std::max(kBlur, cvRound(metres * camera.fx / std::max(kAlongside, nearest))); };
+  const auto pixels = [&](double metres) {
+    return std::max(kBlur, cvRound(metres * camera.fx / std::max(kAlongside, nearest)));
+  };
   cv::dilate(mask, mask, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * pixels(kMirror) + 1, 2 * pixels(kMargin) + 1}));
   mask |= grown(ground, pixels(kMargin));
   in_camera.insert(in_camera.end(), below.begin(), below.end());
