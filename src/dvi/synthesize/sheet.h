@@ -18,8 +18,8 @@ struct Sheet {
 
 /// Completes what is not known from what the same surface shows at other places, by dominant offsets (He and Sun 2012): each
 /// pixel takes its colour `offset` away. Of several offsets the one is taken by which the known surroundings, over a Gaussian
-/// of `reach` pixels, repeat best. A round of offsets is asked after the other, for what is still missing;
-/// offsets are multiples of 4.
+/// of `reach` pixels, repeat best. What is taken is joined without steps, by its ratios (eq. 5 in logarithms). A round of
+/// offsets is asked after the other, for what is still missing; offsets are multiples of 4.
 void complete(Sheet& sheet, const std::vector<std::vector<cv::Point>>& rounds, double reach);
 
 }  // namespace dvi::synthesize
