@@ -16,7 +16,7 @@ struct SampleOptions {
   int max_frame_gap = 120;
   bool scored = true;
   int sources = 3;
-  double min_trust = 0.01;
+  double min_trust = 0.03;
   bool footprint = true;
 
   void describe(OptionTable& table) {
