@@ -16,21 +16,53 @@ using namespace scan_match;
 
 namespace {
 
-// Metres and radians.
-constexpr double kMoved = 0.5;   // steps by which the way is measured: a car that stands does not get on by noise
-constexpr double kLongWay = 30;  // between two passes
-constexpr double kEvery = 5;     // one candidate
-constexpr double kLeastError = 5, kDrift = 0.03, kMostError = 15;  // how far off poses may be: more the longer the way between
-constexpr double kPlace = 15, kPlaceStep = 2.5;                    // the map of a place: so far both ways, a scan each
-constexpr double kCheck = 3;                                       // before the later scan: one that must agree
-constexpr double kGrid = 1, kTurn = 0.035, kLargestTurn = 0.12;    // starts
+/// Distances in metres at which loops are looked for; angles in radians.
+struct Lengths {
+  double moved = 0.5;        ///< steps by which the way is measured: a car that stands does not get on by noise
+  double long_way = 30;      ///< between two passes
+  double every = 5;          ///< one candidate
+  double least_error = 5;    ///< how far off poses may be: more the longer the way between ...
+  double drift = 0.03;       ///< ... by this share of it
+  double most_error = 15;    ///< ... up to here
+  double place = 15;         ///< the map of a place: so far both ways ...
+  double place_step = 2.5;   ///< ... a scan each
+  double check = 3;          ///< before the later scan: one that must agree
+  double grid = 1;           ///< starts ...
+  bool level = true;         ///< ... on level ground, held the same way: where a car passes twice, the road does that
+  double most_turn = 4;      ///< from one view to the other: any for a sensor that looks all round
+  double least_share = 0.7;  ///< of features that stand, of those of a scan of the place itself
+};
+
+/// A depth camera reaches a tenth as far as a LiDAR does. A hand tilts it. It looks one way only: views must overlap. Much of
+/// what it sees, the walls, other rooms have too.
+Lengths lengths_for(const Drive& drive) {
+  if (drive.sensor != Sensor::depth_camera) return {};
+  return {.moved = 0.05,
+          .long_way = 3,
+          .every = 0.5,
+          .least_error = 0.3,
+          .most_error = 0.75,
+          .place = 0.6,
+          .place_step = 0.12,
+          .check = 0.3,
+          .grid = 0.15,
+          .level = false,
+          .most_turn = 0.4,
+          .least_share = 0.8};
+}
+
+constexpr double kTurn = 0.035, kLargestTurn = 0.12;  // starts, in radians
 constexpr std::size_t kBestStarts = 3, kEveryFeature = 4;
-constexpr double kLeastLoopShare = 0.7, kMostResidual = 1.3;  // of those of a scan of the place itself ...
-constexpr double kLeastOwnShare = 0.1;                        // ... which must see something that stands
-constexpr double kLoopAgree = 0.15, kLoopAgreeTurn = 0.01;    // the two scans with odometry between them
-constexpr double kLoop = 0.02, kLoopTurn = 0.001;             // standard deviations: of a loop,
-constexpr double kStep = 0.005, kStepTurn = 0.0003;           // of odometry's steps,
-constexpr double kLostStep = 1, kLostStepTurn = 0.05;  // and of those to scans that it lost; on top of registration's own
+constexpr double kMostResidual = 1.3;   // of that of a scan of the place itself ...
+constexpr double kLeastOwnShare = 0.1;  // ... which must see something that stands
+constexpr double kNear = 0.6;           // of a voxel: a feature that far off counts half
+// Of MatchOptions::noise_m, which grows with the sensor's other errors; and in radians.
+constexpr double kOn = 5;                                // features that lie on a surface
+constexpr double kLoopAgree = 5, kLoopAgreeTurn = 0.01;  // the two scans with odometry between them
+constexpr double kLoop = 2.0 / 3, kLoopTurn = 0.001;     // standard deviations: of a loop,
+constexpr double kStep = 1.0 / 6, kStepTurn = 0.0003;    // of odometry's steps,
+constexpr double kLostStep = 100.0 / 3,
+                 kLostStepTurn = 0.05;  // and of those to scans that it lost; on top of registration's own
 
 /// The scans that odometry gave poses to, by their place in the trajectory.
 struct Course {
@@ -42,7 +74,7 @@ struct Course {
   std::size_t size() const { return pose.size(); }
 };
 
-Course course_of(const Odometry& odometry) {
+Course course_of(const Odometry& odometry, const Lengths& lengths) {
   Course out;
   for (std::size_t i = 0; i < odometry.scans.size(); ++i) {
     const ScanFit::State state = odometry.scans[i].state;
@@ -59,46 +91,54 @@ Course course_of(const Odometry& odometry) {
     out.twist.push_back(seconds > 0 ? Vector6d(se3_log(a.world_from_body.inverse() * b.world_from_body) / seconds)
                                     : Vector6d(Vector6d::Zero()));
     const double moved = (out.pose[i].t - out.pose[last].t).norm();
-    if (moved > kMoved) way += moved, last = i;
+    if (moved > lengths.moved) way += moved, last = i;
     out.way_m.push_back(way);
   }
   return out;
 }
 
-double pose_error(double way_m) { return std::min(kLeastError + kDrift * way_m, kMostError); }
+double pose_error(double way_m, const Lengths& lengths) {
+  return std::min(lengths.least_error + lengths.drift * way_m, lengths.most_error);
+}
+
+double turn_between(const SE3& a, const SE3& b) { return so3_log(a.R.transpose() * b.R).norm(); }
 
 /// The poses a long way before one that moves along the course, by place.
 class EarlierPoses {
  public:
-  explicit EarlierPoses(const Course& course) : course_(course) {}
+  EarlierPoses(const Course& course, const Lengths& lengths) : course_(course), lengths_(lengths) {}
 
-  /// The one nearest to pose i, if it is within reach. `i` never falls.
+  /// The one nearest to pose i, if it is within reach and looks the same way. `i` never falls.
   std::optional<std::size_t> nearest_to(std::size_t i) {
     for (; far_before(next_, i); ++next_) cells_[cell_of(next_)].push_back(next_);
     std::optional<std::size_t> out;
-    double nearest = kMostError;
+    double nearest = lengths_.most_error;
     const auto [x, y] = cell_of(i);
     for (const int column : {x - 1, x, x + 1})
       for (const int row : {y - 1, y, y + 1})
         if (const auto cell = cells_.find({column, row}); cell != cells_.end())
           for (const std::size_t k : cell->second) {
             const double distance = (course_.pose[k].t - course_.pose[i].t).norm();
-            if (distance > nearest || distance >= pose_error(course_.way_m[i] - course_.way_m[k])) continue;
+            if (distance > nearest || distance >= pose_error(course_.way_m[i] - course_.way_m[k], lengths_)) continue;
+            if (turn_between(course_.pose[k], course_.pose[i]) > lengths_.most_turn) continue;
             if (distance < nearest || (out && k < *out)) out = k, nearest = distance;
           }
     return out;
   }
 
  private:
-  bool far_before(std::size_t k, std::size_t i) const { return k < i && course_.way_m[i] - course_.way_m[k] > kLongWay; }
+  bool far_before(std::size_t k, std::size_t i) const {
+    return k < i && course_.way_m[i] - course_.way_m[k] > lengths_.long_way;
+  }
   std::pair<int, int> cell_of(std::size_t i) const {
-    const auto of = [](double metres) { return static_cast<int>(std::floor(metres / kMostError)); };
+    const auto of = [&](double metres) { return static_cast<int>(std::floor(metres / lengths_.most_error)); };
     return {of(course_.pose[i].t.x()), of(course_.pose[i].t.y())};
   }
 
   const Course& course_;
+  const Lengths& lengths_;
   std::size_t next_ = 0;
-  std::map<std::pair<int, int>, std::vector<std::size_t>> cells_;  // of kMostError metres
+  std::map<std::pair<int, int>, std::vector<std::size_t>> cells_;  // of most_error metres
 };
 
 /// Without roll, pitch and height: where a car passes twice, the road holds it the same way.
@@ -114,15 +154,16 @@ struct Fit {
 
 class LoopFinder {
  public:
-  LoopFinder(const Drive& drive, const OdometryOptions& options, const Course& course)
-      : drive_(drive), options_(options), course_(course) {}
+  LoopFinder(const Drive& drive, const OdometryOptions& options, const Course& course, const Lengths& lengths)
+      : drive_(drive), options_(options), course_(course), lengths_(lengths) {}
 
   std::optional<Loop> operator()(std::size_t earlier, std::size_t later) {
     Surroundings place = map_round(earlier, later);
     const Fit own = fit(features(earlier).sparse, {}, earlier, place, 0);
     if (own.share < kLeastOwnShare) return std::nullopt;
-    const SE3 guess = levelled(course_.pose[earlier].inverse() * course_.pose[later]);
-    const double radius = pose_error(course_.way_m[later] - course_.way_m[earlier]);
+    const SE3 moved = course_.pose[earlier].inverse() * course_.pose[later];
+    const SE3 guess = lengths_.level ? levelled(moved) : moved;
+    const double radius = pose_error(course_.way_m[later] - course_.way_m[earlier], lengths_);
     const Features sparse = features(later).sparse;
     Fit best;
     for (const SE3& start : starts(sparse, later, guess, radius, place)) {
@@ -146,11 +187,11 @@ class LoopFinder {
     const auto add = [&](std::size_t k) {
       scene.add(features(k).dense, course_.pose[i].inverse() * course_.pose[k], course_.twist[k]);
     };
-    const double at = course_.way_m[i], last = std::min(at + kPlace, course_.way_m[later] - 0.5 * kLongWay);
-    double next = at - kPlace;
+    const double at = course_.way_m[i], last = std::min(at + lengths_.place, course_.way_m[later] - 0.5 * lengths_.long_way);
+    double next = at - lengths_.place;
     const auto from = std::partition_point(course_.way_m.begin(), course_.way_m.end(), [&](double way) { return way < next; });
     for (auto k = static_cast<std::size_t>(from - course_.way_m.begin()); k < later && course_.way_m[k] <= last; ++k)
-      if (k != i && course_.way_m[k] >= next) add(k), next = course_.way_m[k] + kPlaceStep;
+      if (k != i && course_.way_m[k] >= next) add(k), next = course_.way_m[k] + lengths_.place_step;
     return scene;
   }
 
@@ -161,12 +202,12 @@ class LoopFinder {
     options.prior_m = 1;
     Fit out;
     out.registration = register_scan(sparse, guess, course_.twist[i], {}, 0, place, options);
-    out.share = standing_share(sparse, course_.twist[i], out.registration.world_from_lidar, place);
+    out.share = standing_share(sparse, course_.twist[i], out.registration.world_from_lidar, place, kOn * options_.noise_m);
     return out;
   }
 
-  static bool fits(const Fit& fit, const Fit& own) {
-    return fit.registration.degenerate == 0 && fit.share > kLeastLoopShare * own.share &&
+  bool fits(const Fit& fit, const Fit& own) const {
+    return fit.registration.degenerate == 0 && fit.share > lengths_.least_share * own.share &&
            fit.registration.residual_m < kMostResidual * own.registration.residual_m;
   }
 
@@ -182,30 +223,32 @@ class LoopFinder {
       planes.push_back(compensated(sparse.planes[k], course_.twist[later]));
     for (const Feature& edge : sparse.edges) edges.push_back(compensated(edge, course_.twist[later]));
     std::vector<Start> all;
-    const int cells = static_cast<int>(radius / kGrid), turns = static_cast<int>(kLargestTurn / kTurn);
+    const int cells = static_cast<int>(radius / lengths_.grid), turns = static_cast<int>(kLargestTurn / kTurn);
+    const int rise = lengths_.level ? 0 : cells;
     for (int x = -cells; x <= cells; ++x)
       for (int y = -cells; y <= cells; ++y)
-        for (int turn = -turns; turn <= turns && x * x + y * y <= cells * cells; ++turn) {
-          SE3 pose = guess;
-          pose.t += kGrid * Eigen::Vector3d(x, y, 0);
-          pose.R = so3_exp({0, 0, kTurn * turn}) * pose.R;
-          all.push_back({score(planes, pose, 1, place.coarse) + score(edges, pose, 2, place.edges), pose});
-        }
+        for (int z = -rise; z <= rise; ++z)
+          for (int turn = -turns; turn <= turns && x * x + y * y + z * z <= cells * cells; ++turn) {
+            SE3 pose = guess;
+            pose.t += lengths_.grid * Eigen::Vector3d(x, y, z);
+            pose.R = so3_exp({0, 0, kTurn * turn}) * pose.R;
+            all.push_back({score(planes, pose, 1, place.coarse) + score(edges, pose, 2, place.edges), pose});
+          }
     std::stable_sort(all.begin(), all.end(), [](const Start& a, const Start& b) { return a.score > b.score; });
     std::vector<SE3> out{guess};
     for (std::size_t k = 0; k < std::min(kBestStarts, all.size()); ++k) out.push_back(all[k].pose);
     return out;
   }
 
-  static double score(const std::vector<Eigen::Vector3d>& points, const SE3& pose, int thin, LocalMap& map) {
-    constexpr double kNear2 = 0.3 * 0.3;
+  double score(const std::vector<Eigen::Vector3d>& points, const SE3& pose, int thin, LocalMap& map) const {
+    const double near = kNear * options_.voxel_m, near2 = near * near;
     double out = 0;
     for (const Eigen::Vector3d& point : points) {
       const Eigen::Vector3d p = pose * point;
       const Shape* shape = map.at(p, thin);
       if (shape == nullptr) continue;
       const double off2 = (shape->axes.leftCols(thin).transpose() * (p - shape->mean)).squaredNorm();
-      out += kNear2 / (kNear2 + off2);
+      out += near2 / (near2 + off2);
     }
     return out;
   }
@@ -213,29 +256,31 @@ class LoopFinder {
   /// Whether a scan a little before the later one is found where odometry puts it from there.
   bool agrees(const SE3& found, const Fit& own, std::size_t later, Surroundings& place) const {
     std::size_t k = later;
-    while (k > 0 && course_.way_m[later] - course_.way_m[k] < kCheck) --k;
+    while (k > 0 && course_.way_m[later] - course_.way_m[k] < lengths_.check) --k;
     const SE3 expected = found * (course_.pose[later].inverse() * course_.pose[k]);
     const Fit other = fit(features(k).sparse, expected, k, place, 4);
     const SE3 off = expected.inverse() * other.registration.world_from_lidar;
-    return fits(other, own) && off.t.norm() < kLoopAgree && so3_log(off.R).norm() < kLoopAgreeTurn;
+    return fits(other, own) && off.t.norm() < kLoopAgree * options_.noise_m && so3_log(off.R).norm() < kLoopAgreeTurn;
   }
 
   const Drive& drive_;
   const OdometryOptions& options_;
   const Course& course_;
+  const Lengths& lengths_;
 };
 
-std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options, const Course& course, const Tick& tick) {
-  LoopFinder find(drive, options, course);
+std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options, const Course& course, const Lengths& lengths,
+                             const Tick& tick) {
+  LoopFinder find(drive, options, course, lengths);
   std::vector<Loop> loops;
-  EarlierPoses earlier_poses(course);
-  double next = kLongWay;
+  EarlierPoses earlier_poses(course, lengths);
+  double next = lengths.long_way;
   for (std::size_t i = 0; i < course.size(); ++i) {
     tick();
     if (course.way_m[i] < next) continue;
     const std::optional<std::size_t> earlier = earlier_poses.nearest_to(i);
     if (!earlier) continue;
-    next = course.way_m[i] + kEvery;
+    next = course.way_m[i] + lengths.every;
     if (std::optional<Loop> loop = find(*earlier, i)) loops.push_back(*loop);
   }
   return loops;
@@ -251,23 +296,26 @@ Matrix6d no_better_than(const Matrix6d& information, double metres, double radia
 }  // namespace
 
 std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options, const Odometry& odometry, const Tick& tick) {
-  return find_loops(drive, options, course_of(odometry), tick);
+  const Lengths lengths = lengths_for(drive);
+  return find_loops(drive, options, course_of(odometry, lengths), lengths, tick);
 }
 
 void close_loops(const Drive& drive, const OdometryOptions& options, Odometry& odometry, const Tick& tick) {
-  const Course course = course_of(odometry);
-  const std::vector<Loop> loops = find_loops(drive, options, course, tick);
+  const Lengths lengths = lengths_for(drive);
+  const Course course = course_of(odometry, lengths);
+  const std::vector<Loop> loops = find_loops(drive, options, course, lengths, tick);
   if (loops.empty()) return;
   std::vector<PoseEdge> edges;
   for (std::size_t i = 1; i < course.size(); ++i) {
     const ScanFit& fit = odometry.scans[course.scan_index[i]];
     const bool lost = fit.state == ScanFit::State::lost;
-    edges.push_back({i - 1, i, course.pose[i - 1].inverse() * course.pose[i],
-                     no_better_than(fit.information, lost ? kLostStep : kStep, lost ? kLostStepTurn : kStepTurn)});
+    edges.push_back(
+        {i - 1, i, course.pose[i - 1].inverse() * course.pose[i],
+         no_better_than(fit.information, (lost ? kLostStep : kStep) * options.noise_m, lost ? kLostStepTurn : kStepTurn)});
   }
   for (const Loop& loop : loops)
-    edges.push_back(
-        {loop.earlier, loop.later, loop.earlier_from_later, no_better_than(loop.information, kLoop, kLoopTurn), true});
+    edges.push_back({loop.earlier, loop.later, loop.earlier_from_later,
+                     no_better_than(loop.information, kLoop * options.noise_m, kLoopTurn), true});
   std::vector<SE3> poses = course.pose;
   const std::vector<double> weights = solve_pose_graph(poses, edges);
   odometry.loops = static_cast<std::size_t>(std::count_if(weights.end() - static_cast<std::ptrdiff_t>(loops.size()),

@@ -15,7 +15,8 @@ struct Loop {
 
 /// Pairs of poses a long drive apart that odometry puts near each other and whose scans fit together: the later scan is held
 /// against a map of the earlier ones, from starts all over the place, and must fit nearly as well as a scan of its own time
-/// does, and so must one a little before it. Reads the scans it needs again. One tick a pose.
+/// does, and so must one a little before it. A depth camera comes back where it looks the same way. `options` suit the
+/// drive (suited). Reads the scans it needs again. One tick a pose.
 std::vector<Loop> find_loops(
     const Drive& drive, const OdometryOptions& options, const Odometry& odometry, const Tick& tick = [] {});
 

@@ -349,11 +349,15 @@ class Runner {
 
 }  // namespace
 
-Odometry odometry(const Drive& drive, const OdometryOptions& options, const Trajectory& given, const BeginPart& begin) {
-  OdometryOptions suited = options;
-  static_cast<MatchOptions&>(suited) = for_sensor(options, drive);
-  Odometry found = Runner(drive, suited, given, begin("odometry", drive.scan_headers.size()))();
-  if (suited.loops) close_loops(drive, suited, found, begin("loops", found.world_from_lidar.poses().size()));
+OdometryOptions suited(const Drive& drive, OdometryOptions options) {
+  static_cast<MatchOptions&>(options) = for_sensor(options, drive);
+  return options;
+}
+
+Odometry odometry(const Drive& drive, const OdometryOptions& given_options, const Trajectory& given, const BeginPart& begin) {
+  const OdometryOptions options = suited(drive, given_options);
+  Odometry found = Runner(drive, options, given, begin("odometry", drive.scan_headers.size()))();
+  if (options.loops) close_loops(drive, options, found, begin("loops", found.world_from_lidar.poses().size()));
   return found;
 }
 

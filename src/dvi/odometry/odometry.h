@@ -29,6 +29,9 @@ struct OdometryOptions : scan_match::MatchOptions {
   void check() const { check_ranges(*this); }
 };
 
+/// With the range of the drive's sensor and lengths that suit it (scan_match::for_sensor).
+OdometryOptions suited(const Drive& drive, OdometryOptions options);
+
 /// How the registration of one scan went.
 struct ScanFit {
   enum class State { registered, first, no_points, duplicate, lost };

@@ -1,12 +1,14 @@
-#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "dvi/core/random.h"
+#include "dvi/odometry/loop_closure.h"
 #include "dvi/odometry/odometry.h"
+#include "dvi/odometry/test_room.h"
 #include "dvi/scan_match/scan_features.h"
 
 namespace dvi::odometry {
@@ -16,37 +18,6 @@ using namespace scan_match;
 namespace {
 
 constexpr std::int64_t kPeriod = 33'333'333;
-
-// Walls, floor and a table, seen by a depth camera of 60 x 45 degrees whose noise grows with the square of the depth.
-class Room {
- public:
-  Scan scan(const SE3& world_from_camera, std::uint64_t seed) const {
-    Random random(seed);
-    Scan out;
-    for (int v = -45; v <= 45; ++v)
-      for (int u = -60; u <= 60; ++u) {
-        const Eigen::Vector3d ray(1, 0.01 * u, 0.0092 * v);
-        const double depth = hit(world_from_camera.t, world_from_camera.R * ray);
-        out.points.push_back(((depth + 0.002 * depth * depth * random.normal()) * ray).cast<float>());
-      }
-    out.intensity.assign(out.size(), 0.0F);
-    out.time.assign(out.size(), 0.0F);
-    return out;
-  }
-
- private:
-  // In lengths of the ray.
-  static double hit(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
-    double nearest = 100;
-    const Eigen::Array3d low(-1, -2, 0), high(3, 1.5, 2.5);
-    for (int axis = 0; axis < 3; ++axis)
-      if (ray[axis] != 0) nearest = std::min(nearest, ((ray[axis] > 0 ? high : low)[axis] - from[axis]) / ray[axis]);
-    const Eigen::Array3d a = (Eigen::Array3d(1.4, -0.5, 0) - from.array()) / ray.array();
-    const Eigen::Array3d b = (Eigen::Array3d(2.2, 0.4, 0.8) - from.array()) / ray.array();
-    const double in = a.min(b).maxCoeff(), out = a.max(b).minCoeff();
-    return in > 0 && in <= out ? std::min(nearest, in) : nearest;
-  }
-};
 
 // A hand that goes sideways, nods and turns.
 SE3 hand(int i) {
@@ -59,7 +30,7 @@ TEST(Odometry, FollowsADepthCameraThroughARoom) {
   drive.sensor = Sensor::depth_camera;
   for (int i = 0; i < 40; ++i) drive.scan_headers.push_back({std::to_string(i), i * kPeriod, i * kPeriod, i * kPeriod, {}});
   drive.scans =
-      Lazy<Scan>(drive.scan_headers.size(), [](std::size_t i) { return Room().scan(hand(static_cast<int>(i)), i + 1); });
+      Lazy<Scan>(drive.scan_headers.size(), [](std::size_t i) { return TestRoom().scan(hand(static_cast<int>(i)), i + 1); });
   const Odometry found = odometry(drive, {});
   EXPECT_THAT(found.warnings, testing::IsEmpty());
   ASSERT_EQ(found.world_from_lidar.poses().size(), 40U);
@@ -68,6 +39,87 @@ TEST(Odometry, FollowsADepthCameraThroughARoom) {
         found.world_from_lidar.poses()[static_cast<std::size_t>(i)].world_from_body.inverse() * hand(0).inverse() * hand(i);
     EXPECT_LT(off.t.norm(), 0.01) << i;
     EXPECT_LT(so3_log(off.R).norm(), 0.005) << i;
+  }
+}
+
+// A drive of a depth camera that was where `was` says, in the room of that number.
+Drive room_drive(const std::vector<SE3>& was, const std::vector<TestRoom>& rooms, const std::vector<std::size_t>& room) {
+  Drive drive;
+  drive.sensor = Sensor::depth_camera;
+  for (std::size_t i = 0; i < was.size(); ++i) {
+    const auto time = static_cast<std::int64_t>(i) * kPeriod;
+    drive.scan_headers.push_back({std::to_string(i), time, time, time, {}});
+  }
+  drive.scans = {was.size(), was.size(), [=](std::size_t i) { return rooms[room[i]].scan(was[i], i + 1); }};
+  return drive;
+}
+
+// What odometry would say of a drive that it follows with these poses.
+Odometry told_of(const std::vector<SE3>& poses) {
+  Odometry out;
+  std::vector<StampedPose> stamped;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    stamped.push_back({static_cast<std::int64_t>(i) * kPeriod, poses[i]});
+    out.scans.emplace_back();
+    out.scans.back().information = 1e6 * Matrix6d::Identity();
+  }
+  out.world_from_lidar = Trajectory(stamped);
+  return out;
+}
+
+const SE3& pose_of(const Odometry& odometry, std::size_t i) { return odometry.world_from_lidar.poses()[i].world_from_body; }
+
+TestRoom large_room(std::uint64_t seed) {
+  TestRoom room;
+  room.walls = {{-2, -2.5, 0}, {4, 2.5, 2.5}};
+  room.furnish(seed);
+  return room;
+}
+
+TEST(LoopClosure, ClosesTheRoundThatAHandWalksThroughARoom) {
+  // 6.3 m round the middle of the room, looking across it, and a quarter more.
+  constexpr std::size_t kRound = 80, kCount = 100;
+  std::vector<SE3> was, said;
+  Vector6d drift;
+  drift << 0.002, 0.001, 0.001, 2e-4, -2e-4, 4e-4;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kRound, nod = 0.05 * std::sin(1.7 * angle);
+    was.push_back({so3_exp({0, 0, angle + std::numbers::pi}) * so3_exp({0.03, 0.15 + nod, 0}),
+                   {1 + std::cos(angle), std::sin(angle), 1.4 + 0.05 * std::sin(3 * angle)}});
+    said.push_back(i == 0 ? was[0] : said.back() * (was[i - 1].inverse() * was[i]) * se3_exp(drift));
+  }
+  Odometry odometry = told_of(said);
+  const auto doubled = [&](std::size_t i) {
+    return ((pose_of(odometry, i).inverse() * pose_of(odometry, i + kRound)).inverse() * (was[i].inverse() * was[i + kRound]))
+        .t.norm();
+  };
+  EXPECT_GT(doubled(10), 0.07);
+  const Drive drive = room_drive(was, {large_room(1)}, std::vector<std::size_t>(kCount, 0));
+  const OdometryOptions options = suited(drive, {});
+  const std::vector<Loop> loops = find_loops(drive, options, odometry);
+  for (const Loop& loop : loops)
+    EXPECT_LT((loop.earlier_from_later.inverse() * (was[loop.earlier].inverse() * was[loop.later])).t.norm(), 0.015)
+        << loop.later;
+  close_loops(drive, options, odometry);
+  EXPECT_GE(odometry.loops, 1);
+  for (std::size_t i = 0; i < kCount - kRound; i += 4) EXPECT_LT(doubled(i), 0.02) << i;
+}
+
+TEST(LoopClosure, DoesNotTakeARoomForOneThatLooksLikeIt) {
+  // Along one room and then along another with the same walls, which odometry takes for one 20 cm beside the first.
+  constexpr std::size_t kEach = 24;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    std::vector<SE3> was, said;
+    std::vector<std::size_t> room;
+    for (std::size_t i = 0; i < 2 * kEach; ++i) {
+      const double y = 0.15 * static_cast<double>(i % kEach) - 1.8, aside = i < kEach ? 0 : 1;
+      was.push_back({so3_exp({0, 0.15, -0.2 * y}), {-1.3, y, 1.4}});
+      said.push_back({so3_exp({0, 0, 0.03 * aside}) * was[i].R, was[i].t + aside * Eigen::Vector3d(0.15, 0.1, 0.05)});
+      room.push_back(i < kEach ? 0 : 1);
+    }
+    const Drive drive = room_drive(was, {large_room(1), large_room(seed)}, room);
+    const std::vector<Loop> loops = find_loops(drive, suited(drive, {}), told_of(said));
+    EXPECT_EQ(loops.empty(), seed != 1) << seed;
   }
 }
 

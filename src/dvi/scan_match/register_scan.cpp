@@ -133,11 +133,12 @@ Registration register_scan(const Features& features, const SE3& guess, const Vec
   return out;
 }
 
-double standing_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, Surroundings& scene) {
-  constexpr double kOn = 0.15, kLevel = 0.8;
+double standing_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, Surroundings& scene,
+                      double on_m) {
+  constexpr double kLevel = 0.8;
   std::size_t on = 0, all = features.edges.size();
-  const auto lies_on = [](const Shape* shape, const Eigen::Vector3d& p) {
-    return shape != nullptr && (shape->axes.leftCols(shape->thin).transpose() * (p - shape->mean)).norm() < kOn;
+  const auto lies_on = [&](const Shape* shape, const Eigen::Vector3d& p) {
+    return shape != nullptr && (shape->axes.leftCols(shape->thin).transpose() * (p - shape->mean)).norm() < on_m;
   };
   for (const Feature& f : features.planes) {
     const Eigen::Vector3d p = world_from_lidar * compensated(f, twist);

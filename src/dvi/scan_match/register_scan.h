@@ -45,7 +45,8 @@ Registration register_scan(const Features& features, const SE3& guess, const Vec
                            Surroundings& scene, const RegisterOptions& options);
 
 /// Of the features that do not lie on level ground, which looks the same everywhere, the share that lies on what stands in the
-/// scene, 0 to 1. The scene's z points up.
-double standing_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, Surroundings& scene);
+/// scene, 0 to 1: within `on_m` of it. The scene's z points up.
+double standing_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, Surroundings& scene,
+                      double on_m = 0.15);
 
 }  // namespace dvi::scan_match
