@@ -97,6 +97,8 @@ DepthScan depth_scan_of(Drive& drive, const DepthCamera& depth, cv::Size size, c
                                  depth.camera ? "its camera is" : "the images are", camera.width, camera.height),
                      "depth of another size than the images needs its own camera: K in the table [depth] of dvi.toml");
   if (depth.camera) require_plausible(camera, name, "its camera's");
+  if (const std::string problem = off_centre_problem(camera); depth.camera && !problem.empty())
+    drive.warnings.push_back(name.filename().string() + " " + problem + "; does K in the table [depth] fit?");
   const SE3 color_from_depth = depth.depth_from_color ? depth.depth_from_color->inverse() : SE3();
   return {camera, drive.camera_from_lidar.inverse() * color_from_depth, depth.units_per_metre};
 }

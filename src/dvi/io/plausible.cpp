@@ -63,6 +63,14 @@ void require_plausible(const Camera& camera, const fs::path& file, const std::st
   require_within(camera.cy, -0.5 * height, 1.5 * height, "cy", file, field, kCentre);
 }
 
+std::string off_centre_problem(const Camera& camera) {
+  constexpr double kMost = 0.15;  // of the image; cameras stay within a few percent, other sizes are 0.75 of this one and less
+  const double x = (camera.cx + 0.5) / camera.width, y = (camera.cy + 0.5) / camera.height;
+  if (std::abs(x - 0.5) < kMost && std::abs(y - 0.5) < kMost) return {};
+  return fmt::format("is {}x{} pixels, and the middle of its camera is at {:g}, {:g}: this camera is of images of another size",
+                     camera.width, camera.height, camera.cx, camera.cy);
+}
+
 void require_near(const Eigen::Vector3d& position, const fs::path& file, const std::string& what) {
   constexpr double kFarthest = 1e8;  // metres
   const double farthest = position.cwiseAbs().maxCoeff();

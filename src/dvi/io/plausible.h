@@ -23,6 +23,10 @@ std::string camera_matrix_problem(const std::array<double, 9>& K);
 /// read; fx and fy are 0.05 to 50 times its width; the principal point is within the image enlarged by half its size each way.
 void require_plausible(const Camera& camera, const fs::path& file, const std::string& field);
 
+/// What is wrong where a camera's principal point is far from the middle of its images, as it is if K is that of images of
+/// another size; empty where it is not.
+std::string off_centre_problem(const Camera& camera);
+
 /// InputError where a position is 1e8 m or farther from the origin, beyond any map projection. Voxels are counted in integers.
 void require_near(const Eigen::Vector3d& position, const fs::path& file, const std::string& what);
 

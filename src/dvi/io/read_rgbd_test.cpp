@@ -95,9 +95,20 @@ TEST_F(SevenScenes, RefusesDepthThatCannotBe) {
                                       HasSubstr("in metres?"), HasSubstr("units_per_metre")));
   folder.write_image("frame-000008.depth.png", wall(640, 480, 65535));
   EXPECT_THAT(error_of(folder), HasSubstr("holds no depth"));
-  folder.write_image("frame-000007.depth.png", wall(320, 240, 2000));
-  folder.write("dvi.toml", "[camera.color]\nsize = [640, 480]\n");
-  EXPECT_THAT(error_of(folder), AllOf(HasSubstr("frame-000008.depth.png"), HasSubstr("320x240")));
+  folder.write_image("frame-000008.depth.png", wall(320, 240, 2000));
+  EXPECT_THAT(error_of(folder), AllOf(HasSubstr("frame-000008.depth.png"), HasSubstr("no 16-bit grey image of 640x480")));
+}
+
+TEST_F(SevenScenes, RefusesItsCamerasForImagesOfAnotherSize) {
+  for (const char* name : {"frame-000007.depth.png", "frame-000008.depth.png"}) folder.write_image(name, wall(480, 360, 2000));
+  EXPECT_THAT(error_of(folder), AllOf(HasSubstr("frame-000007.depth.png"), HasSubstr("480x360"), HasSubstr("320, 240"),
+                                      HasSubstr("[depth] of dvi.toml")));
+  folder.write("dvi.toml", "[depth]\nK = [439, 0, 239.6, 0, 439, 179.6, 0, 0, 1]\n");
+  EXPECT_THAT(read_drive(folder.path).warnings, testing::IsEmpty());
+  folder.write("dvi.toml", "[depth]\nK = [585, 0, 320, 0, 585, 240, 0, 0, 1]\n");
+  EXPECT_THAT(read_drive(folder.path).warnings, testing::Contains(HasSubstr("does K in the table [depth] fit?")));
+  folder.write_image("frame-000007.color.png", cv::Mat3b(240, 320));
+  EXPECT_THAT(error_of(folder), AllOf(HasSubstr("frame-000007.color.png"), HasSubstr("320x240"), HasSubstr("[camera.color]")));
 }
 
 TEST_F(SevenScenes, TellsWhatIsMissingAndRefusesWhatIsNoPose) {

@@ -22,6 +22,17 @@ bool not_finite(const std::string& word) {
 
 constexpr double kRate = 30;  // frames a second, where only numbers tell the time
 
+void set_size(Camera& camera, const fs::path& image) {
+  const cv::Size size = image_size(image);
+  camera.width = size.width, camera.height = size.height;
+}
+
+// Where the user gave no K, it is that of the layout, which is for images of one size.
+void require_centred(const Camera& camera, const fs::path& image, const std::string& table) {
+  if (const std::string problem = off_centre_problem(camera); !problem.empty())
+    throw InputError(image, problem, "give K of these images in the table [" + table + "] of dvi.toml");
+}
+
 std::int64_t time_of(const NumberedFile& file) { return std::llround(1e9 * file.number / kRate); }
 
 }  // namespace
@@ -51,8 +62,10 @@ void set_rgbd_cameras(Recording& recording, DepthCamera depth, PosedCamera posed
   Drive& drive = recording.drive;
   const std::optional<DriveConfig> config = read_drive_config(drive.path);
   if (!drive.frames.empty()) {
-    const cv::Size size = image_size(drive.frames.front().file);
-    drive.camera.width = size.width, drive.camera.height = size.height;
+    const fs::path& file = drive.frames.front().file;
+    set_size(drive.camera, file);
+    const bool given = config && config->camera(drive.camera_name).K;
+    if (!given) require_centred(drive.camera, file, "camera." + drive.camera_name);
   }
   if (config) config->depth.apply(depth);
   drive.camera_from_lidar = camera_from_level();
@@ -60,6 +73,8 @@ void set_rgbd_cameras(Recording& recording, DepthCamera depth, PosedCamera posed
     drive.camera_from_lidar = depth.depth_from_color->inverse() * camera_from_level();
   if (config) config->apply(drive);
   recording.read_scan = attach_depth_camera(drive, depth);
+  if (depth.camera && !drive.scan_headers.empty() && !(config && config->depth.K))
+    require_centred(drive.depth_images->camera, drive.scan_headers.front().file, "depth");
 }
 
 std::optional<std::array<double, 16>> read_matrix(const fs::path& file) {
