@@ -13,6 +13,8 @@ double expected_rotation_deg(const AlignOptions& options, Sensor sensor) {
   return options.rotation_deg.value_or(sensor == Sensor::depth_camera ? 0.5 : 0.1);
 }
 
+double expected_position_m(Sensor sensor) { return sensor == Sensor::depth_camera ? 0.01 : 0; }
+
 Cameras align(const Views& views, const map::VisibleMap& map, const AlignOptions& options, const Tick& tick) {
   Cameras out(views);
   if (!options.enabled) return out;

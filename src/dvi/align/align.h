@@ -47,9 +47,13 @@ struct AlignOptions {
 /// apart, 15 ms, in which the hand turns by 30 degrees a second.
 double expected_rotation_deg(const AlignOptions& options, Sensor sensor);
 
-/// What the refinement did to one view: camera_from_world = exp(rotation) * given.
+/// Metres; 0: the sensor tells positions well enough to leave them. In the 15 ms above, a hand moves by about a centimetre.
+double expected_position_m(Sensor sensor);
+
+/// What the refinement did to one view: camera_from_world = (exp(rotation), position) * given.
 struct ViewAlignment {
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< radians about the camera's axes: pitch, yaw, roll
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< metres along them
   double offset_before_px = 0, offset_after_px = 0;    ///< median misplacement that the colours tell, of held-out points
   int points = 0;                                      ///< held out; 0: nothing to compare with, left as given
 };

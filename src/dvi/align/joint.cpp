@@ -22,6 +22,7 @@ namespace dvi::align {
 namespace {
 
 constexpr double kPairErrorPx = 0.2;  // by which a pair may mislead: surfaces that the map has a little off, light that moves
+constexpr double kRoomDepth = 2;      // metres, usual: where so many pixels are so many millimetres
 constexpr double kFlat = 0.01;        // of log brightness a pixel: no texture below
 constexpr double kLeastCaught = 3;    // expected errors that the coarsest level must be able to catch
 constexpr double kNoise = 2;          // standard errors by which held-out points must agree better
@@ -31,6 +32,9 @@ constexpr double kMisplacedPx = 0.6;
 // Metres over which a rotation common to all frames shows. An error of a position looks like one, by itself over this motion:
 // those of handheld cameras, about a centimetre, like less than the expected 0.2 degrees only over 3 m.
 constexpr double kHardlyMoves = 0.5, kHandHardlyMoves = 3;
+
+// Frames from one to the other that are compared. A hand holds a view for seconds, of thirty images each; a vehicle does not.
+constexpr std::size_t kFarthest = 8, kHandFarthest = 32;
 
 constexpr double kRadian = 10;  // metres that count as much as a radian between the directions in which views look
 
@@ -52,7 +56,9 @@ struct Members {
   Partners partners;
 
   explicit Members(const SequenceViews& sequence)
-      : views(sequence.last - sequence.first), partners{views.size(), anchors_of(sequence)} {
+      : views(sequence.last - sequence.first),
+        partners{views.size(), anchors_of(sequence),
+                 sequence.views[sequence.first].sensor == Sensor::depth_camera ? kHandFarthest : kFarthest} {
     std::iota(views.begin(), views.end(), sequence.first);
     std::set<std::size_t> anchors;
     for (const auto& of_view : partners.anchors) anchors.insert(of_view.begin(), of_view.end());
@@ -118,7 +124,8 @@ class Chain {
 
 Poses Chain::turned(const Corrections& c) const {
   Poses out;
-  for (std::size_t i = 0; i < count_; ++i) out.push_back(SE3{so3_exp(c.rotations[i]), {0, 0, 0}} * view(i).camera_from_world);
+  for (std::size_t i = 0; i < count_; ++i)
+    out.push_back(SE3{so3_exp(c.rotations[i]), c.positions[i]} * view(i).camera_from_world);
   out.insert(out.end(), anchors_.begin(), anchors_.end());
   return out;
 }
@@ -164,10 +171,11 @@ std::vector<SharedPoint> Chain::shared_points(std::size_t i, const Lazy<Sight>& 
 
 std::vector<PairModel> Chain::models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const {
   const double expected = 2 * std::hypot(radians(*options_.rotation_deg), radians(options_.mounting_deg));
+  const Freedom freedom = expected_position_m(view(0).sensor) > 0 ? Freedom::pose : Freedom::rotation;
   const PosedImage moving = posed(i, poses);
   std::vector<PairModel> out;
   for (const Pair& pair : pairs_.of(i))
-    if (auto model = fit_pair(pair, moving, posed(pair.fixed, poses), coarsest, expected)) out.push_back(*model);
+    if (auto model = fit_pair(pair, moving, posed(pair.fixed, poses), coarsest, expected, freedom)) out.push_back(*model);
   return out;
 }
 
@@ -260,11 +268,13 @@ bool better(const std::vector<Chain::Check>& checks, std::size_t a, std::size_t 
   return lower(checks, a, b, &Chain::Check::cost) && lower(checks, a, b, &Chain::Check::offset_px);
 }
 
-Expected expected_errors(const AlignOptions& options, const Camera& camera, double part, bool common) {
+Expected expected_errors(const AlignOptions& options, const View& view, double part, bool common) {
   return {.rotation = part * radians(*options.rotation_deg),
           .mounting = part * radians(options.mounting_deg),
-          .pair = kPairErrorPx / camera.fx,
-          .common = common};
+          .pair = kPairErrorPx / view.camera.fx,
+          .common = common,
+          .position = part * expected_position_m(view.sensor),
+          .pair_m = kPairErrorPx / view.camera.fx * kRoomDepth};
 }
 
 // Whether surfaces come nearer, or pass by, so that a rotation common to all frames shows.
@@ -307,7 +317,7 @@ void align_jointly(const SequenceViews& sequence, const AlignOptions& options, c
   Chain chain(sequence, Members(sequence), out, options);
   const Corrections given(last - first);
   const auto expected = [&, common = chain.anchored() || (!views[first].registered_depth && moves(sequence))](double part) {
-    return expected_errors(options, views[first].camera, part, common);
+    return expected_errors(options, views[first], part, common);
   };
   const Corrections coarse = solve(chain.find_pairs(tick), given, expected(1));
   const std::vector<PairModel> models = chain.models(coarse, std::min<std::size_t>(chain.coarsest(), 1), tick);
@@ -324,7 +334,8 @@ void align_jointly(const SequenceViews& sequence, const AlignOptions& options, c
   out.sequences.push_back({best > 0, chosen.mounting, {}});
 
   for (std::size_t i = 0; i < checks.size(); ++i) {
-    out.views[first + i] = {chosen.rotations[i], checks[i].offset_px[0], checks[i].offset_px[best], checks[i].points};
+    out.views[first + i] = {chosen.rotations[i], chosen.positions[i], checks[i].offset_px[0], checks[i].offset_px[best],
+                            checks[i].points};
     out.camera_from_world[first + i] = poses[best][i];
   }
   out.sequences.back().warnings = warnings(sequence, out);

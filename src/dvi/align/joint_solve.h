@@ -6,20 +6,23 @@
 
 namespace dvi::align {
 
-/// Corrections of a drive's views: camera_from_world = exp(rotation) * given. Radians, in the camera's axes.
+/// Corrections of a drive's views: camera_from_world = (exp(rotation), position) * given. Radians and metres, in the camera's
+/// axes.
 struct Corrections {
-  std::vector<Eigen::Vector3d> rotations;              ///< a view
-  Eigen::Vector3d mounting = Eigen::Vector3d::Zero();  ///< what they have in common
+  std::vector<Eigen::Vector3d> rotations, positions;   ///< a view
+  Eigen::Vector3d mounting = Eigen::Vector3d::Zero();  ///< what the rotations have in common
 
-  explicit Corrections(std::size_t views = 0) : rotations(views, Eigen::Vector3d::Zero()) {}
+  explicit Corrections(std::size_t views = 0) : rotations(views, Eigen::Vector3d::Zero()), positions(rotations) {}
 };
 
-/// Expected sizes (standard deviations, radians) of what is sought.
+/// Expected sizes (standard deviations, radians and metres) of what is sought.
 struct Expected {
   double rotation = 0;  ///< of a view, beside the mounting
   double mounting = 0;  ///< constant over the drive
   double pair = 0;      ///< by how much a pair may mislead about the rotation between its views
-  bool common = true;   ///< false: the rotations of all views add up to none, and the mounting is none
+  bool common = true;   ///< false: the corrections of all views add up to none, and the mounting is none
+  double position = 0;  ///< of a view; 0: positions are right, and the models have none
+  double pair_m = 0;    ///< as `pair`, about the position
 };
 
 /// The corrections that fit all pairs best. `now` is where the models were made; their views are numbered from 0. The fixed

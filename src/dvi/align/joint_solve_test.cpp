@@ -16,7 +16,7 @@ constexpr double kRotation = 2e-3, kMounting = 4e-3, kPair = 2e-4;  // radians
 PairModel exact_pair(std::size_t moving, std::size_t fixed, const Eigen::Vector3d& moving_truth,
                      const Eigen::Vector3d& fixed_truth) {
   constexpr double kInformation = 1e9, kCommon = 1e8;
-  PairModel model{moving, fixed};
+  PairModel model{moving, fixed, {}, {}};
   Eigen::Matrix<double, 3, 6> apart, common;
   apart << Eigen::Matrix3d::Identity(), -Eigen::Matrix3d::Identity();
   common << 0.5 * Eigen::Matrix3d::Identity(), 0.5 * Eigen::Matrix3d::Identity();
@@ -106,6 +106,53 @@ TEST(JointSolve, ViewsWithoutPairsStayAtTheMounting) {
   EXPECT_LT((found.rotations[6] - found.mounting).norm(), 1e-12);
   const Corrections nothing = solve({}, Corrections(3), {kRotation, kMounting, kPair});
   for (const Eigen::Vector3d& rotation : nothing.rotations) EXPECT_EQ(rotation, Eigen::Vector3d::Zero());
+}
+
+// A pair that sees the poses, rotation and position, of both views exactly.
+PairModel exact_pose_pair(std::size_t moving, std::size_t fixed, const Vector6d& moving_truth, const Vector6d& fixed_truth) {
+  PairModel model{moving, fixed, {}, {}};
+  Eigen::Matrix<double, 6, 12> apart, common;
+  apart << Matrix6d::Identity(), -Matrix6d::Identity();
+  common << 0.5 * Matrix6d::Identity(), 0.5 * Matrix6d::Identity();
+  model.H = 1e9 * apart.transpose() * apart + 1e8 * common.transpose() * common;
+  Eigen::VectorXd truth(12);
+  truth << moving_truth, fixed_truth;
+  model.g = -model.H * truth;
+  return model;
+}
+
+TEST(JointSolve, RecoversPositionsToo) {
+  constexpr double kPosition = 0.01, kPairM = 1e-3;  // metres
+  Random random(6);
+  std::vector<Vector6d> truth(12);
+  Vector6d sum = Vector6d::Zero();
+  for (Vector6d& pose : truth) {
+    for (int k = 0; k < 6; ++k) pose[k] = (k < 3 ? kRotation : kPosition) * random.normal();
+    sum += pose;
+  }
+  std::vector<PairModel> models;
+  for (const std::size_t apart : {1, 2, 4})
+    for (std::size_t i = 0; i + apart < truth.size(); ++i) {
+      models.push_back(exact_pose_pair(i, i + apart, truth[i], truth[i + apart]));
+      models.push_back(exact_pose_pair(i + apart, i, truth[i + apart], truth[i]));
+    }
+  for (const bool common : {true, false}) {
+    const Corrections found = solve(models, Corrections(12),
+                                    {.rotation = kRotation,
+                                     .mounting = kMounting,
+                                     .pair = kPair,
+                                     .common = common,
+                                     .position = kPosition,
+                                     .pair_m = kPairM});
+    Vector6d found_sum = Vector6d::Zero();
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const Vector6d without = truth[i] - (common ? 0.0 : 1.0 / 12) * sum;
+      EXPECT_LT((found.rotations[i] - without.head<3>()).norm(), 0.1 * kRotation) << i;
+      EXPECT_LT((found.positions[i] - without.tail<3>()).norm(), 0.1 * kPosition) << i;
+      found_sum.head<3>() += found.rotations[i], found_sum.tail<3>() += found.positions[i];
+    }
+    if (!common) EXPECT_LT(found_sum.norm(), 1e-9);
+  }
 }
 
 TEST(JointSolve, GoesOnFromWhereTheModelsWereMade) {

@@ -138,10 +138,38 @@ Eigen::Matrix3d along_surface(const SurfacePoint& surfel, const PosedImage& fixe
   return Eigen::Matrix3d::Identity() - q * normal.transpose() / normal.dot(q);
 }
 
+// The quadratic where the moving view is turned by w: N corrections a view.
+template <int N>
+PairModel model_at(const Eigen::Vector3d& w, const Pair& pair, const std::vector<Point>& points, const PosedImage& moving,
+                   const PosedImage& fixed) {
+  const Eigen::Matrix3d R = so3_exp(w);
+  const Residuals last = residuals(points, moving, 0, R);
+  const Eigen::Matrix3d moving_from_fixed = R * moving.camera_from_world.R * fixed.camera_from_world.R.transpose();
+  Eigen::Matrix<double, 2 * N, 2 * N> H = Eigen::Matrix<double, 2 * N, 2 * N>::Zero();
+  Eigen::Matrix<double, 2 * N, 1> g = Eigen::Matrix<double, 2 * N, 1>::Zero();
+  const double scale = scale_of(last.r);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Eigen::Vector3d p = R * points[k].in_moving, q = fixed.camera_from_world * points[k].surfel->position.cast<double>();
+    const Eigen::RowVector3d by_p =
+        spot_at((*moving.image)[0], size_of(moving), moving.camera.project(p)).slope * project_derivative(moving.camera, p);
+    const Eigen::RowVector3d by_q = -by_p * moving_from_fixed * along_surface(*points[k].surfel, fixed, q);
+    Eigen::Matrix<double, 1, 2 * N> J;
+    if constexpr (N == 3)
+      J << -by_p * skew(p), -by_q * skew(q);
+    else
+      J << -by_p * skew(p), by_p, -by_q * skew(q), by_q;
+    const double by = weight(last.r[k], scale) / (scale * scale);
+    H += by * J.transpose() * J;
+    g += by * last.r[k] * J.transpose();
+  }
+  g -= H.template leftCols<3>() * w;  // from the fitted place back to the given one
+  return {pair.moving, pair.fixed, H, g, scale};
+}
+
 }  // namespace
 
 std::optional<PairModel> fit_pair(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, std::size_t coarsest,
-                                  double expected) {
+                                  double expected, Freedom freedom) {
   Eigen::Vector3d w = Eigen::Vector3d::Zero();
   std::vector<Point> points;
   for (std::size_t level = coarsest + 1; level-- > 0;) {
@@ -149,24 +177,7 @@ std::optional<PairModel> fit_pair(const Pair& pair, const PosedImage& moving, co
     if (points.size() < kFewestPoints) return std::nullopt;
     w = refine(points, moving, level, expected, w);
   }
-  const Eigen::Matrix3d R = so3_exp(w);
-  const Residuals last = residuals(points, moving, 0, R);
-  const Eigen::Matrix3d moving_from_fixed = R * moving.camera_from_world.R * fixed.camera_from_world.R.transpose();
-  PairModel model{pair.moving, pair.fixed};
-  model.scale = scale_of(last.r);
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const Eigen::Vector3d p = R * points[k].in_moving, q = fixed.camera_from_world * points[k].surfel->position.cast<double>();
-    const Eigen::RowVector3d by_p =
-        spot_at((*moving.image)[0], size_of(moving), moving.camera.project(p)).slope * project_derivative(moving.camera, p);
-    const Eigen::RowVector3d by_q = -by_p * moving_from_fixed * along_surface(*points[k].surfel, fixed, q);
-    Eigen::Matrix<double, 1, 6> J;
-    J << -by_p * skew(p), -by_q * skew(q);
-    const double by = weight(last.r[k], model.scale) / (model.scale * model.scale);
-    model.H += by * J.transpose() * J;
-    model.g += by * last.r[k] * J.transpose();
-  }
-  model.g -= model.H.leftCols<3>() * w;  // from the fitted place back to the given one
-  return model;
+  return freedom == Freedom::pose ? model_at<6>(w, pair, points, moving, fixed) : model_at<3>(w, pair, points, moving, fixed);
 }
 
 HeldOutCost held_out(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, double scale) {

@@ -30,20 +30,23 @@ struct PosedImage {
   std::shared_ptr<const BandPass> image;
 };
 
-/// The photometric cost of a pair as a quadratic of both views' rotations (moving, fixed; radians, camera axes), near the place
-/// where the moving view fits best.
+/// What is refined of a view: its rotation (radians, camera axes) or, after it, its position too (metres, the same axes).
+enum class Freedom { rotation = 3, pose = 6 };
+
+/// The photometric cost of a pair as a quadratic of both views' corrections (moving, fixed), near the place where the moving
+/// view fits best by its rotation.
 struct PairModel {
   std::size_t moving = 0, fixed = 0;
-  Matrix6d H = Matrix6d::Zero();
-  Vector6d g = Vector6d::Zero();  ///< gradient at rotations zero, the views as given to `fit_pair`
-  double scale = 1;               ///< of the residuals
+  Eigen::MatrixXd H;  ///< twice as many rows and columns as a view has corrections
+  Eigen::VectorXd g;  ///< gradient at corrections zero, the views as given to `fit_pair`
+  double scale = 1;   ///< of the residuals
 };
 
 /// The best rotation of the moving view by Gauss-Newton from coarse to fine (levels `coarsest` to 0, Cauchy weights, scale from
 /// the median residual), and the model there. `expected` is the size of a usual rotation, radians. Nothing where too few points
 /// stay in both images.
 std::optional<PairModel> fit_pair(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, std::size_t coarsest,
-                                  double expected);
+                                  double expected, Freedom freedom = Freedom::rotation);
 
 /// How well the held-out points of a pair agree.
 struct HeldOutCost {

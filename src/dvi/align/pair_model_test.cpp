@@ -54,6 +54,23 @@ class PairOfViews : public testing::Test {
   Pair pair{1, 0, {}, {}};
 };
 
+TEST_F(PairOfViews, TellsAShiftOfEitherViewAsItTellsARotation) {
+  const PosedImage there = turned(posed[1], lacking);
+  const Eigen::Vector3d shift(0.03, -0.02, 0);  // 1 px
+  const auto at_most = [&](const PosedImage& moving, const PosedImage& fixed, int at, const Eigen::Vector3d& expected) {
+    const auto model = fit_pair(pair, moving, fixed, 1, kExpected, Freedom::pose);
+    ASSERT_TRUE(model);
+    ASSERT_EQ(model->g.size(), 12);
+    const Eigen::Vector2d found = -model->H.block<2, 2>(at, at).ldlt().solve(model->g.segment<2>(at));
+    EXPECT_LT((found - expected.head<2>()).norm(), 0.15 * expected.norm()) << at;
+  };
+  PosedImage moving = there, fixed = posed[0];
+  moving.camera_from_world.t -= shift;
+  at_most(moving, fixed, 3, shift);
+  fixed.camera_from_world.t -= shift;
+  at_most(there, fixed, 9, shift);
+}
+
 TEST_F(PairOfViews, FitFindsTheRotationThatIsLacking) {
   ASSERT_GT(lacking.norm(), 1e-3);
   const auto model = fit_pair(pair, posed[1], posed[0], 1, kExpected);

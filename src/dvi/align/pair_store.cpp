@@ -8,7 +8,7 @@ namespace dvi::align {
 namespace {
 
 // Frames that are compared: neighbours, and some farther apart that keep the chain from drifting; before and after.
-constexpr std::array<std::size_t, kPartners / 2> kApart{1, 2, 4, 8};
+constexpr std::array<std::size_t, kPartners / 2> kApart{1, 2, 4, 8, 16, 32};
 
 }  // namespace
 
@@ -18,6 +18,7 @@ std::optional<std::size_t> Partners::of(std::size_t view, std::size_t k) const {
     return anchors[view][k - kPartners];
   }
   const std::size_t apart = kApart.at(k / 2);
+  if (apart > farthest) return std::nullopt;
   if (k % 2 == 0) return view < apart ? std::nullopt : std::optional(view - apart);
   return view + apart < count ? std::optional(view + apart) : std::nullopt;
 }

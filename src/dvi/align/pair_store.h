@@ -12,14 +12,15 @@
 
 namespace dvi::align {
 
-inline constexpr std::size_t kPartners = 8;  ///< most views of its own sequence that one is compared with
-inline constexpr std::size_t kAnchors = 4;   ///< and of sequences that are aligned already
+inline constexpr std::size_t kPartners = 12;  ///< most views of its own sequence that one is compared with
+inline constexpr std::size_t kAnchors = 4;    ///< and of sequences that are aligned already
 
 /// Which views each view of a sequence is compared with. They are numbered from 0; behind them come their anchors, views of
 /// sequences that are aligned already.
 struct Partners {
   std::size_t count = 0;                            ///< views of the sequence
   std::vector<std::vector<std::size_t>> anchors{};  ///< by view, at most kAnchors each; empty: none
+  std::size_t farthest = 8;                         ///< frames between two that are compared; up to 32
 
   /// The k-th one, k < kPartners + kAnchors, if there is one.
   std::optional<std::size_t> of(std::size_t view, std::size_t k) const;

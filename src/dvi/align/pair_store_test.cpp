@@ -14,6 +14,8 @@ TEST(PairStore, PartnersAreNearAndFarFramesOnBothSides) {
     return out;
   };
   EXPECT_EQ(partners(10, 100), (std::vector<std::size_t>{9, 11, 8, 12, 6, 14, 2, 18}));
+  EXPECT_EQ(Partners({.count = 100, .farthest = 32}).of(40, 11), 72U);
+  EXPECT_EQ(Partners({.count = 100}).of(40, 11), std::nullopt);
   EXPECT_EQ(partners(0, 6), (std::vector<std::size_t>{1, 2, 4}));
   EXPECT_EQ(partners(0, 1), std::vector<std::size_t>{});
   EXPECT_EQ(partners(1, 2, {{2}, {3, 2}}), (std::vector<std::size_t>{0, 3, 2}));

@@ -61,18 +61,21 @@ FrameReport frame_report(const Frame& frame, const FilledView& view, const align
   for (const uchar kind : view.frame.kind) ++count[std::min<std::size_t>(kind, 5)];
   const auto of = [&](harmonize::Kind kind) { return count[static_cast<std::size_t>(kind)]; };
   const cv::Vec3f& gain = view.frame.gain;
-  return {
-      .number = frame.number,
-      .name = frame.name,
-      .hole = {.pixels = view.frame.kind.total() - of(harmonize::Kind::original),
-               .copied = of(harmonize::Kind::copied),
-               .copied_elsewhere = of(harmonize::Kind::copied_elsewhere),
-               .interpolated = of(harmonize::Kind::interpolated),
-               .synthesised = of(harmonize::Kind::synthesised),
-               .empty = of(harmonize::Kind::empty)},
-      .energy = view.energy,
-      .alignment = {in_degrees(alignment.rotation), alignment.offset_before_px, alignment.offset_after_px, alignment.points},
-      .exposure_gain = {gain[2], gain[1], gain[0]}};
+  return {.number = frame.number,
+          .name = frame.name,
+          .hole = {.pixels = view.frame.kind.total() - of(harmonize::Kind::original),
+                   .copied = of(harmonize::Kind::copied),
+                   .copied_elsewhere = of(harmonize::Kind::copied_elsewhere),
+                   .interpolated = of(harmonize::Kind::interpolated),
+                   .synthesised = of(harmonize::Kind::synthesised),
+                   .empty = of(harmonize::Kind::empty)},
+          .energy = view.energy,
+          .alignment = {in_degrees(alignment.rotation),
+                        {alignment.position.x(), alignment.position.y(), alignment.position.z()},
+                        alignment.offset_before_px,
+                        alignment.offset_after_px,
+                        alignment.points},
+          .exposure_gain = {gain[2], gain[1], gain[0]}};
 }
 
 MapReport map_report(const map::StaticMap& map) { return {map.points.size(), map.counts}; }

@@ -34,6 +34,7 @@ struct HoleReport {
 
 struct FrameAlignmentReport {
   std::array<double, 3> rotation_deg{};  ///< pitch, yaw, roll
+  std::array<double, 3> position_m{};    ///< along the camera's axes; depth cameras only
   double offset_before_px = 0, offset_after_px = 0;
   int points = 0;
 };

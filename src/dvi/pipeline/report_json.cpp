@@ -66,7 +66,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ScanReport, state, guess, features, inliers, 
                                    degenerate_directions)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OdometryReport, rings, path_m, plane_features, edge_features, drift, scans)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HoleParts, copied, copied_elsewhere, interpolated, synthesised, empty, never_seen)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameAlignmentReport, rotation_deg, offset_before_px, offset_after_px, points)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameAlignmentReport, rotation_deg, position_m, offset_before_px, offset_after_px, points)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveAlignmentReport, kept, mounting_deg)
 
 json json_of(const FoundPlace& found) {

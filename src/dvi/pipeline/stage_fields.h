@@ -106,8 +106,8 @@ constexpr auto fields_of(Of<exposure::Gains>) { return std::tuple{&exposure::Gai
 
 constexpr auto fields_of(Of<align::ViewAlignment>) {
   using align::ViewAlignment;
-  return std::tuple{&ViewAlignment::rotation, &ViewAlignment::offset_before_px, &ViewAlignment::offset_after_px,
-                    &ViewAlignment::points};
+  return std::tuple{&ViewAlignment::rotation, &ViewAlignment::position, &ViewAlignment::offset_before_px,
+                    &ViewAlignment::offset_after_px, &ViewAlignment::points};
 }
 constexpr auto fields_of(Of<align::SequenceAlignment>) {
   using align::SequenceAlignment;
