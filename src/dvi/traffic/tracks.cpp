@@ -17,10 +17,13 @@ constexpr double kGate = 1;                     // metres between prediction and
 constexpr double kAcceleration = 10;            // metres a second squared: hard braking
 constexpr double kVelocityWindow = 0.5;         // seconds each way that a velocity is fitted over
 constexpr std::size_t kFewestObservations = 4;  // observations of an object
-constexpr double kMovingShare = 0.5;
-constexpr double kLeastWay = 1;    // metres: labels, poses and the visible side of things wander less
-constexpr double kOff = 0.25;      // of the distance it gets, what it is off a smooth motion
-constexpr double kStraight = 0.5;  // of its way, the distance it gets
+constexpr double kMovingShare = 0.5;            // of its returns, those that lie where others saw through
+// Scans that follow hit the side of a long, slow van again: fewer of its returns look moving, but it goes far.
+constexpr double kSlidingShare = 1.0 / 3, kFar = 3;  // the distance, in its own lengths, that it gets
+constexpr std::size_t kLong = 10;                    // observations of such a track
+constexpr double kLeastWay = 1;                      // metres: labels, poses and the visible side of things wander less
+constexpr double kOff = 0.25;                        // of the distance it gets, what it is off a smooth motion
+constexpr double kStraight = 0.5;                    // of its way, the distance it gets
 
 // How far an observation is from where the track should be; negative: it cannot be its next one.
 double distance(const Track& track, const Cluster& cluster) {
@@ -74,7 +77,9 @@ bool moves(const Track& track) {
     way += (seen[i].centre - seen[last].centre).norm();
     last = i;
   }
-  return median(shares) >= kMovingShare && farthest >= std::max(kLeastWay, 0.5 * median(extents)) &&
+  const double share = median(shares), extent = median(extents);
+  const bool goes_far = seen.size() >= kLong && farthest >= kFar * std::max(extent, kLeastWay);
+  return share >= (goes_far ? kSlidingShare : kMovingShare) && farthest >= std::max(kLeastWay, 0.5 * extent) &&
          farthest >= kStraight * way && std::sqrt(off) < kOff * farthest;
 }
 

@@ -252,6 +252,14 @@ TEST(Tracker, DoesNotResumeWhatWasNotSeenForLong) {
   }
 }
 
+TEST(Tracker, KeepsAVanWhoseSideIsHitAgainOnceItGoesFar) {
+  for (const double speed : {5.0, 1.0}) {
+    Tracker tracker;
+    for (int i = 0; i < 20; ++i) tracker.add({cluster_at(0.1 * i * speed, 0, 0.1 * i, 0.4)});
+    EXPECT_EQ(tracker.finish().size(), speed > 2 ? 1U : 0U) << speed << " m/s";
+  }
+}
+
 TEST(Tracker, DropsWhatStaysWhatWandersAndWhatIsMostlyStanding) {
   Random random(5);
   Tracker tracker;
