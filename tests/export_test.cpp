@@ -17,7 +17,8 @@ class ExportTest : public ProgramTest {};
 std::vector<GeoFix> fixes_along(const fs::path& drive) {
   constexpr double kNorthDegree = 111'210, kEastDegree = 73'157;  // metres, at that latitude
   std::vector<GeoFix> fixes;
-  for (const StampedPose& pose : io::read_drive(drive).poses.poses()) {
+  const Trajectory path = io::read_drive(drive).poses;
+  for (const StampedPose& pose : path.poses()) {
     const Eigen::Vector3d& at = pose.world_from_body.t;
     fixes.push_back({pose.time_ns, 49.01 + at.y() / kNorthDegree, 8.43 + at.x() / kEastDegree});
   }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include <Eigen/Cholesky>
 
@@ -73,10 +74,9 @@ void add_priors(Normal<N>& normal, const Corrections& now, const Expected& expec
 template <int N>
 std::array<int, 2 * N> places(const PairModel& model) {
   std::array<int, 2 * N> out{};
-  for (int k = 0; k < N; ++k) {
-    out[static_cast<std::size_t>(k)] = kViews + N * static_cast<int>(model.moving) + k;
-    out[static_cast<std::size_t>(N + k)] = kViews + N * static_cast<int>(model.fixed) + k;
-  }
+  const auto moving = out.begin(), fixed = out.begin() + N;
+  std::iota(moving, fixed, kViews + N * static_cast<int>(model.moving));
+  std::iota(fixed, out.end(), kViews + N * static_cast<int>(model.fixed));
   return out;
 }
 

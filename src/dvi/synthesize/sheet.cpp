@@ -29,8 +29,9 @@ Sheet halved(const Sheet& sheet) {
   const cv::Size size((sheet.known.cols + kCoarse - 1) / kCoarse, (sheet.known.rows + kCoarse - 1) / kCoarse);
   Sheet out(size);
   cv::resize(sheet.colour, out.colour, size, 0, 0, cv::INTER_AREA);
-  cv::Mat1f share;
-  cv::resize(cv::Mat1f(sheet.known), share, size, 0, 0, cv::INTER_AREA);
+  cv::Mat1f known, share;
+  sheet.known.convertTo(known, CV_32F);
+  cv::resize(known, share, size, 0, 0, cv::INTER_AREA);
   out.known = cv::Mat1b(share > 254);
   return out;
 }

@@ -25,8 +25,8 @@ constexpr int kRing = 6;  // px round what is synthesised in which light and tex
 /// How much of the contrast of what the surfaces show is used. What is made up is to look real, not to stand out, and where a
 /// pixel covers a metre of the ground, its height and the offsets are off by more than a pixel.
 float share_of(float span) {
-  constexpr float kMost = 0.6F, kFine = 0.5F, kCoarse = 1;  // metres
-  return kMost * std::clamp((kCoarse - span) / (kCoarse - kFine), 0.0F, 1.0F);
+  constexpr float kMost = 0.6F, kFine = 0.5F, kTooCoarse = 1;  // metres
+  return kMost * std::clamp((kTooCoarse - span) / (kTooCoarse - kFine), 0.0F, 1.0F);
 }
 
 /// The fine contrast of what was known or copied near each pixel, in grey levels.
