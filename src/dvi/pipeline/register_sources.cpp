@@ -46,14 +46,6 @@ std::string agreement(const registration::PlacementFigures& figures) {
   return fmt::format("{} of {} single things agree", figures.things_agree, figures.things);
 }
 
-/// Whether scans tell that it is another street: enough single things are compared, and in the best place fewer agree than ever
-/// do in the right one (43 % and more; streets of ten seeds on another day and in the other direction: 62 % and more).
-bool contradicted(const registration::PlacementFigures& figures) {
-  constexpr std::size_t kEnough = 16;
-  constexpr double kTooFew = 0.4;
-  return figures.things >= kEnough && static_cast<double>(figures.things_agree) < kTooFew * static_cast<double>(figures.things);
-}
-
 /// Why a source drive cannot be placed, whose poses say nothing of where it lies.
 [[noreturn]] void refuse(const Drive& target, const Drive& source, const registration::PlacementFigures& figures) {
   const std::string name = target.path.filename().string();
@@ -113,11 +105,6 @@ void take(registration::Placement placement, bool shared, const Drive& target, c
   const std::string name = source.path.filename().string();
   if (!placement.found()) {
     if (!shared) refuse(target, source, placement.figures);
-    if (contradicted(placement.figures))
-      throw InputError(source.path,
-                       fmt::format("does not overlap with {} (0 %): by its given poses it does, but in the best place {}",
-                                   target.path.filename().string(), agreement(placement.figures)),
-                       "leave it out, or give --poses given if the poses of both are surely in one world");
     progress.warn(fmt::format("{}: scans do not confirm that its given poses are of the target's world ({}): they are kept",
                               name, agreement(placement.figures)));
     return;
