@@ -1,7 +1,9 @@
 #include "dvi/core/options.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -32,6 +34,15 @@ void require_within(double value, Range range) {
     throw std::invalid_argument(fmt::format("must be within {} .. {}", range.low, range.high));
 }
 
+// Written as TOML does not allow: ".5", "5.", "+1.5".
+std::optional<double> decimal(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
+  const bool whole_text = error == std::errc() && end == text.data() + text.size() && text.find('.') != std::string_view::npos;
+  return whole_text ? std::optional(value) : std::nullopt;
+}
+
 // A bare word is a string, so that the shell's quotes are enough: --set masks.source=labels.
 OptionValue parse(std::string_view text, const Option& option) {
   if (option.automatic && text == kAutomatic) return std::string(text);
@@ -46,6 +57,7 @@ OptionValue parse(std::string_view text, const Option& option) {
     if (const auto d = table["v"].as_floating_point()) return d->get();
   } catch (const std::runtime_error&) {  // malformed (parse_error, TOML_ASSERT): answered below
   }
+  if (const auto d = decimal(text)) return *d;
   throw std::invalid_argument(std::holds_alternative<bool>(like) ? "must be true or false" : "must be a number");
 }
 

@@ -158,6 +158,15 @@ TEST_F(Options, WholeValuedRealsReadBackAsReals) {
   EXPECT_EQ(settings.alpha, 1e6);
 }
 
+TEST_F(Options, DecimalsMayBeginOrEndWithTheirPoint) {
+  for (const auto& [text, value] : {std::pair(".5", 0.5), {"-.25", -0.25}, {"2.", 2.0}, {"+1.5", 1.5}}) {
+    table.set(std::string("second.alpha=") + text);
+    EXPECT_EQ(settings.alpha, value) << text;
+  }
+  for (const char* text : {".", "-.", "1.5.2", ".5x", "0x.8"})
+    EXPECT_THROW(table.set(std::string("second.alpha=") + text), UsageError) << text;
+}
+
 TEST_F(Options, BadAssignmentsNameTheOptionAndTheReason) {
   const auto message = [this](const char* assignment) -> std::string {
     try {
