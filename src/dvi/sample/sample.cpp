@@ -20,7 +20,7 @@ namespace {
 
 double seconds_between(const View& a, const View& b) {
   if (a.drive != b.drive) return kSecondsElsewhere;
-  return static_cast<double>(std::llabs(a.time_ns - b.time_ns)) * 1e-9;
+  return static_cast<double>(std::llabs(a.time_ns - b.time_ns)) * 1e-9 + (a.sequence != b.sequence ? kSecondsOfRig : 0);
 }
 
 /// Pixels of the source to be averaged where one pixel of the target spans so many, all of them clear of the mask and of other

@@ -65,8 +65,9 @@ TEST(Sample, SearchesForwardsThenBackwardsThenOtherDrives) {
   EXPECT_EQ(search_order(scene.lazy(), 2, 1, false), (std::vector<std::size_t>{3, 1, 4}));
 }
 
-TEST(Sample, SearchesOtherCamerasOfTheDriveByTime) {
+TEST(Sample, SearchesOtherCamerasOfTheDriveAsIfSomeSecondsFartherAway) {
   FlatScene scene = drive_of({1, 2, 3, 4});
+  scene.views[2].time_ns += static_cast<std::int64_t>(1e9 * (kSecondsOfRig + 1));
   scene.views[3].sequence = scene.views[4].sequence = 1;
   scene.views[3].time_ns = scene.views[1].time_ns + 1;
   scene.views[4].time_ns = scene.views[2].time_ns + 1;

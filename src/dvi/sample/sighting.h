@@ -61,5 +61,8 @@ double most_trust(double seconds, double clear_px);
 
 /// Frames of other drives are taken to be so far away: another light, and poses that were registered to each other.
 inline constexpr double kSecondsElsewhere = 10;
+/// Those of another camera of the drive, besides the time between them: its mounting, response and sharpness are not the
+/// target's.
+inline constexpr double kSecondsOfRig = 4;
 
 }  // namespace dvi::sample
