@@ -1,9 +1,12 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "dvi/core/files.h"
 #include "dvi/io/image_file.h"
@@ -59,6 +62,30 @@ class Rig : public ProgramTest {
     return sum;
   }
 
+  /// A drive whose labels are of what the first camera sees, with the label of the lorry changed for each mask of that camera.
+  template <class Change>
+  void label_lorry_by(const Change& change) const {
+    stereo_drive();
+    const fs::path file = folder / "drive/boxes.json";
+    nlohmann::json boxes = nlohmann::json::parse(read_file(file));
+    boxes["camera"] = "front";
+    for (auto& [name, labels] : boxes["frames"].items())
+      for (nlohmann::json& label : labels)
+        if (label["class"] == "truck") change(label, folder / "drive/masks/front" / (name + ".png"));
+    write_file(file, boxes.dump());
+    fs::remove_all(folder / "drive/masks");
+  }
+
+  void expect_masked_by_labels() const {
+    ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
+    EXPECT_EQ(cameras_of("out")[0]["masks"], "labels");
+    const Lent found = lent("out");
+    EXPECT_GT(found.pixels, 100);
+    EXPECT_LT(found.error, 20) << "no traffic is copied";
+    const Result audit = dvi("audit out drive");
+    EXPECT_EQ(audit.code, 0) << audit.out << audit.err;
+  }
+
   // It ends the run, as one of the target camera does.
   void expect_named_if_damaged(const std::string& image) const {
     write_file(stereo_drive() / "images" / image, "damaged");
@@ -92,6 +119,24 @@ TEST_F(Rig, WithoutMasksOfItsOwnItTakesThoseOfTheFirst) {
   EXPECT_GT(found.pixels, 100);
   EXPECT_LT(found.error, 20) << "no traffic is copied";
   EXPECT_EQ(dvi("audit out drive").code, 0);
+}
+
+// Labels of what the first camera sees: nothing tells what stands outside of its view.
+TEST_F(Rig, LabelledBoxesOfTheFirstMaskTheOther) {
+  label_lorry_by([](nlohmann::json&, const fs::path&) {});
+  expect_masked_by_labels();
+}
+
+TEST_F(Rig, LabelsWithoutABoxAreCarriedOver) {
+  label_lorry_by([&](nlohmann::json& lorry, const fs::path& mask) {
+    cv::Mat labels, stats, centres;
+    cv::connectedComponentsWithStats(cv::Mat1b(read(mask)), labels, stats, centres);
+    cv::Mat1i areas = stats.rowRange(1, stats.rows).col(cv::CC_STAT_AREA).clone();
+    const auto largest = static_cast<int>(std::max_element(areas.begin(), areas.end()) - areas.begin()) + 1;
+    const int* s = stats.ptr<int>(largest);
+    lorry = {{"track", lorry["track"]}, {"class", lorry["class"]}, {"rect", {s[0], s[1], s[2], s[3]}}};
+  });
+  expect_masked_by_labels();
 }
 
 TEST_F(Rig, AuditChecksTheMasksOfTheOtherCamera) {

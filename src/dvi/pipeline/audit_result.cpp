@@ -160,6 +160,7 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
       recording.masks_from.reset();
       more_removed = true;
     }
+  for (Recording& recording : open) recording.labelled_in_part = false;  // what was carried over is among the kept masks
   Views views = views_of(sources, open, find_masks(open, poses_of(out, open, job), job, progress), out);
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
   std::vector<std::string> names;

@@ -69,6 +69,13 @@ Lazy<cv::Mat1b> masks_of(const Recording& open, const FrameLabels& objects, cons
   return with_ego(open, {labelled.size(), [masks, labelled](std::size_t i) { return cv::Mat1b(*masks[i] | *labelled[i]); }});
 }
 
+// What labels of the drive's own camera do not draw in another one.
+Lazy<cv::Mat1b> not_labelled(const Recording& own, FrameLabels objects, const Drive& other, const Trajectory& world_from_lidar,
+                             const Job& job) {
+  for (std::vector<Label>& frame : objects) std::erase_if(frame, [](const Label& label) { return label.box.has_value(); });
+  return carried_masks(own.drive, masks_of(own, objects, job), other, world_from_lidar);
+}
+
 bool has_boxes_with_tracks(const Drive& drive) {
   return std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& frame) {
     return std::any_of(frame.labels.begin(), frame.labels.end(), [](const Label& l) { return l.track >= 0 && l.box; });
@@ -132,6 +139,11 @@ Masks find_masks(const Recordings& drives, const Poses& poses, const Grounds& gr
     if (drives[i].masks_from && (found || shadows)) {
       const Compared what{found ? &objects[i] : nullptr, shadows};
       images = compared(drives[i].drive, world_from_lidar, images, what, grounds.of(i), progress);
+    }
+    if (drives[i].labelled_in_part) {
+      const std::size_t own = *drives[i].rig_of;
+      const Lazy<cv::Mat1b> rest = not_labelled(drives[own], objects[own], drives[i].drive, world_from_lidar, job);
+      images = {images.size(), [images, rest](std::size_t frame) { return cv::Mat1b(*images[frame] | *rest[frame]); }};
     }
     masks.push_back({images, objects[i]});
   }

@@ -23,6 +23,9 @@ struct Recording {
   bool grey = false;                                      ///< its images have no colours
   /// Of another camera of a drive: the number of that drive's own recording, whose scans, poses and moving objects it shares.
   std::optional<std::size_t> rig_of = {};
+  /// Of such a camera: labels tell what stands in the view of the drive's own camera only. What they do not draw here, that is
+  /// objects without a box and all that lies outside of that view, is carried over.
+  bool labelled_in_part = false;
 };
 
 /// The name of its folder, and that of the camera where it is not the drive's own.
@@ -44,7 +47,8 @@ Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNee
 
 /// Opens the target and the source drives, each with one camera. Ranges of frames, masks and poses given by hand are the
 /// target's; a detector is for all. Where the target's masks are required, those of source drives are wanted. The ego mask also
-/// holds for source drives whose camera has the name and size of the target's.
+/// holds for source drives whose camera has the name and size of the target's. Of source drives with given poses, only the
+/// frames near the target are taken.
 Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress);
 
 /// Opens the target for what needs images and masks only: its scans are left out, and a warning says that source drives are

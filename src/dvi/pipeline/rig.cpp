@@ -64,6 +64,12 @@ bool is_grey(const Drive& drive) {
   return cv::norm(channels[0], channels[1], cv::NORM_INF) == 0 && cv::norm(channels[1], channels[2], cv::NORM_INF) == 0;
 }
 
+bool has_boxes(const Drive& drive) {
+  return std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& frame) {
+    return std::any_of(frame.labels.begin(), frame.labels.end(), [](const Label& label) { return label.box.has_value(); });
+  });
+}
+
 // What tells this camera's traffic; sets its mask files.
 std::optional<masks::MaskSource> masks_of(Drive& drive, const Recording& own, const ReadChoice& choice) {
   if (!own.masks_from) return std::nullopt;
@@ -75,14 +81,22 @@ std::optional<masks::MaskSource> masks_of(Drive& drive, const Recording& own, co
     return masks::MaskSource::files;
   }
   if (own.masks_from == masks::MaskSource::found) return masks::MaskSource::found;
-  if (own.masks_from == masks::MaskSource::labels && own.drive.labelled_around) return masks::MaskSource::labels;
-  return masks::MaskSource::carried;
+  const bool boxes = own.drive.labelled_around || has_boxes(own.drive);
+  return own.masks_from == masks::MaskSource::labels && boxes ? masks::MaskSource::labels : masks::MaskSource::carried;
 }
 
-// Labels that hold all round are those of the frame that was taken at the same time.
-void share_labels(const Drive& from, Drive& to) {
-  for (Frame& frame : to.frames) frame.labels = nearest_in_time(from.frames.begin(), from.frames.end(), frame.time_ns)->labels;
-  to.labelled = to.labelled_around = true;
+// The boxes of the frame that was taken at the same time; outlines are those of the other image.
+void share_boxes(const Drive& from, Drive& to) {
+  for (Frame& frame : to.frames) {
+    frame.labels = nearest_in_time(from.frames.begin(), from.frames.end(), frame.time_ns)->labels;
+    std::erase_if(frame.labels, [](const Label& label) { return !label.box; });
+    for (Label& label : frame.labels) {
+      label.rect.reset();
+      label.instance.reset();
+    }
+  }
+  to.labelled = true;
+  to.labelled_around = from.labelled_around;
 }
 
 Recording open_camera(const Recordings& drives, std::size_t number, const std::string& camera, const ReadChoice& choice) {
@@ -105,7 +119,10 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
   // A recording may label each camera's images at their own times; a file that the user names is read for the drive's own.
   const bool labelled = std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& f) { return !f.labels.empty(); });
   const bool of_its_own = labelled && drive.labelled_around && (choice.is_source || choice.masks.kind != MasksFrom::Kind::path);
-  if (open.masks_from == masks::MaskSource::labels && !of_its_own) share_labels(own.drive, drive);
+  if (open.masks_from == masks::MaskSource::labels && !of_its_own) {
+    share_boxes(own.drive, drive);
+    open.labelled_in_part = !drive.labelled_around;
+  }
   if (open.masks_from == masks::MaskSource::files)
     if (const auto bare = io::frames_without_mask(drive)) drive.warnings.push_back(*bare);
   open.grey = is_grey(drive);

@@ -10,7 +10,7 @@ namespace dvi::pipeline {
 /// Appends the other cameras of each drive that the job lets lend (`--sources`), as far as they took images during the drive's
 /// frames, grey ones last, and tells which recordings are grey: between those and coloured ones only structure is compared.
 /// They share the scans of their drive. What they see of its traffic is told by mask files of their own, by objects found in
-/// the scans, by labels that hold all round, else by the masks of the drive's own camera, carried over (masks/carried.h). A
+/// the scans, by labelled boxes, else by the masks of the drive's own camera, carried over (masks/carried.h). A
 /// camera that cannot be read is left out with a warning; UsageError where it was asked for by name and is not there.
 Recordings with_other_cameras(Recordings drives, const Job& job, Progress& progress);
 
