@@ -24,7 +24,7 @@ LENGTHS = (50, 100, 200, 400, 800, 1600, 3200)  # frames
 SOURCES, SOURCE_FRAMES = (1, 2, 4, 8, 16), 24   # drives beside the target, and how long each is
 SCENE = ("--width", 160, "--height", 90, "--beams", 16, "--columns", 450)
 # Small, so that drives of this size reach them.
-BOUNDS = ("--set", "job.memory_mb=64", "--set", "map.memory_mb=16")
+BOUNDS = ("--set", "job.memory_mb=192")
 FIGURES = ("CPU s a frame", "peak MB", "MB on disk a frame")
 
 

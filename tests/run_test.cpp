@@ -251,7 +251,7 @@ TEST_F(Run, OtherOptionsMakeFramesAgain) {
 TEST_F(Run, OptionsOfTheFillLeaveTheStagesBeforeIt) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
-  const Result fill = dvi("run drive -o out --frames 0:5 --set harmonize.poisson=false --set map.memory_mb=0");
+  const Result fill = dvi("run drive -o out --frames 0:5 --set harmonize.poisson=false --set job.memory_mb=16");
   ASSERT_EQ(fill.code, 0) << fill.err;
   EXPECT_THAT(fill.err, HasSubstr("alignment, exposure, map, objects, poses of an earlier call are used"));
   const Result stages = dvi("run drive -o out --set map.voxel_m=0.1");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <list>
 #include <memory>
@@ -69,10 +70,12 @@ class CacheBudget {
   using Items = std::list<Item>;
 
   void drop_beyond_bound(Items& dropped);
+  void destroy(Items dropped);
 
   mutable std::mutex mutex_;
   std::size_t bound_, used_ = 0;
-  Items items_;  // the most recently used first
+  std::atomic<std::size_t> freed_ = 0;  // bytes since the heap was trimmed
+  Items items_;                         // the most recently used first
   std::unordered_map<Key, Items::iterator, KeyHash> by_key_;
 };
 

@@ -13,6 +13,7 @@
 namespace dvi {
 namespace {
 
+constexpr std::size_t kDefaultBound = 2'000'000'000;
 constexpr std::size_t kSmall = 1 << 16;  // bytes; smaller blocks are not worth a file
 
 /// An unlinked temporary file. InputError where the folder has no room for it.
@@ -36,12 +37,27 @@ class NamelessFile {
  private:
   [[noreturn]] static void fail(const std::filesystem::path& folder, int error) {
     throw InputError(folder, std::string("takes no more of what does not fit into memory (") + std::strerror(error) + ")",
-                     "free space, set TMPDIR to a folder with more, or, for a map, raise map.memory_mb");
+                     "free space, set TMPDIR to a folder with more, or raise job.memory_mb");
   }
   int file_ = -1;
 };
 
 }  // namespace
+
+const std::shared_ptr<Scratch>& Scratch::of_process() {
+  static const auto scratch = std::make_shared<Scratch>(kDefaultBound);
+  return scratch;
+}
+
+void Scratch::set_bound(std::size_t bound) {
+  const std::lock_guard lock(mutex_);
+  bound_ = bound;
+}
+
+std::size_t Scratch::bound() const {
+  const std::lock_guard lock(mutex_);
+  return bound_;
+}
 
 void* Scratch::allocate(std::size_t bytes) {
   const std::lock_guard lock(mutex_);

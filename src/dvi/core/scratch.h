@@ -18,6 +18,13 @@ class Scratch {
   explicit Scratch(std::size_t bound, std::filesystem::path folder = std::filesystem::temp_directory_path())
       : bound_(bound), folder_(std::move(folder)) {}
 
+  /// That of the maps of the process.
+  static const std::shared_ptr<Scratch>& of_process();
+
+  /// Holds for blocks made from now on.
+  void set_bound(std::size_t bound);
+  std::size_t bound() const;
+
   void* allocate(std::size_t bytes);
   void release(void* block, std::size_t bytes);
 
@@ -29,7 +36,7 @@ class Scratch {
   void* map_file(std::size_t bytes);
 
   mutable std::mutex mutex_;
-  const std::size_t bound_;
+  std::size_t bound_;
   const std::filesystem::path folder_;
   std::size_t in_memory_ = 0;
   std::map<void*, std::size_t> files_;  // size by address

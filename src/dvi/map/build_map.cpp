@@ -125,14 +125,10 @@ void move_to_map(Gathered& gathered, bool carve, StaticMap& map) {
 
 }  // namespace
 
-StaticMap empty_map(const MapOptions& options) {
-  return StaticMap(std::make_shared<Scratch>(static_cast<std::size_t>(options.memory_mb) * 1'000'000));
-}
-
 StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const BeginPart& begin) {
   std::size_t scans = 0;
   for (const MapInput& input : inputs) scans += input.drive->scan_headers.size();
-  StaticMap map = empty_map(options);
+  StaticMap map(Scratch::of_process());
   Gathered gathered(options.voxel_m, map.scratch());
   gather(inputs, options, gathered, begin("map", scans));
   for (std::size_t drive = 0; drive < inputs.size(); ++drive)

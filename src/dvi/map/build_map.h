@@ -18,14 +18,12 @@ struct MapOptions {
   bool require_camera_visibility = true;
   bool carve = true;
   double pose_error_m = 0.05;
-  int memory_mb = 2000;
 
   void describe(OptionTable& table) {
     table.section("map");
     table.add("voxel_m", voxel_m, {0.005, 1}, "Edge of the voxels that hold one map point each.");
     table.add("pose_error_m", pose_error_m, {0, 1},
               "Expected position error between scans; free-space carving keeps this distance from rays.");
-    table.add("memory_mb", memory_mb, {0, 1e6}, "Memory of the map; the rest is paged to unlinked temporary files in TMPDIR.");
     table.developer();
     table.add("require_camera_visibility", require_camera_visibility,
               "Keep only points that the camera saw unmasked when they were scanned; others may belong to traffic.");
@@ -52,14 +50,11 @@ struct MapInput {
   SE3 world_from_map{};                   ///< of drive->map, where there is one
 };
 
-/// A map without points, with the bound of memory that the options ask for.
-StaticMap empty_map(const MapOptions& options);
-
 /// The static map of several drives in one world: scans are compensated for the motion within the scan; points that project
 /// into the mask of the frame nearest in time, unless another camera saw them unmasked, or lie in its labelled boxes are
 /// dropped (section 3.1 of the paper), the rest is thinned to one mean point a voxel; then voxels that rays of other scans went
 /// through are dropped. A map that a drive brings is taken as it is, as far from its path as scans are. Streams over scans:
-/// memory grows with the area seen, up to a bound. Parts: map, carve, normals.
+/// memory grows with the area seen, up to the bound of Scratch::of_process(). Parts: map, carve, normals.
 StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const BeginPart& begin = no_parts);
 
 }  // namespace dvi::map

@@ -1,5 +1,8 @@
 #include "dvi/map/normals.h"
 
+#include <algorithm>
+#include <vector>
+
 #include <Eigen/Eigenvalues>
 
 #include "dvi/core/threads.h"
@@ -13,6 +16,7 @@ constexpr double kNeighbourhood = 0.2;  // metres
 constexpr int kFewest = 6;              // points
 constexpr float kWidth = 0.08F;  // metres, standard deviation: a strip narrower than four times the range noise has no normal
 constexpr float kFlat = 0.25F;   // a plane's smallest variance is at most this share of the middle one
+constexpr std::size_t kPointsInMemory = 1 << 18, kTilesInMemory = 32;  // of a map that is paged to disk
 
 struct Cell {
   Moments<float> moments;  // from the cell's centre, so that float does
@@ -36,24 +40,35 @@ Eigen::Vector3f normal_at(const Cells& cells, const Eigen::Vector3i& place) {
   return solver.eigenvectors().col(0);
 }
 
+template <class Visit>
+void for_each_point(StaticMap& map, const Visit& visit) {
+  for (std::size_t i = 0; i < map.points.size(); ++i) {
+    visit(map.points[i]);
+    if (i % kPointsInMemory == 0) map.page_out();
+  }
+}
+
 }  // namespace
 
 void add_normals(StaticMap& map) {
   Cells cells(kNeighbourhood, map.scratch());
-  for (const MapPoint& point : map.points) {
+  for_each_point(map, [&](const MapPoint& point) {
     const Eigen::Vector3d x = point.position.cast<double>();
     cells.at(x).moments.add((x - cells.centre(cells.place(x))).cast<float>());
-  }
+  });
   std::vector<Cells::Tile*> tiles;
   for (auto& [column, tile] : cells.tiles()) tiles.push_back(&tile);
-  parallel_for(tiles.size(), [&](std::size_t t) {
-    for (std::size_t i = 0; i < tiles[t]->voxels.size(); ++i)
-      tiles[t]->voxels[i].normal = normal_at(cells, tiles[t]->places[i]);
-  });
-  for (MapPoint& point : map.points) {
+  for (std::size_t first = 0; first < tiles.size(); first += kTilesInMemory) {
+    parallel_for(std::min(kTilesInMemory, tiles.size() - first), [&](std::size_t t) {
+      Cells::Tile& tile = *tiles[first + t];
+      for (std::size_t i = 0; i < tile.voxels.size(); ++i) tile.voxels[i].normal = normal_at(cells, tile.places[i]);
+    });
+    map.page_out();
+  }
+  for_each_point(map, [&](MapPoint& point) {
     point.normal = cells.at(point.position.cast<double>()).normal;
     if (point.normal.dot(map.scans[point.first].sensor - point.position) < 0) point.normal *= -1;
-  }
+  });
 }
 
 }  // namespace dvi::map

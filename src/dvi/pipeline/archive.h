@@ -69,6 +69,14 @@ void pass(Archive& archive, T& value) {
   }
 }
 
+/// A container that is paged to disk leaves memory now and then while its items are passed one after the other.
+template <class Container>
+void page_out_sometimes(const Container& container, std::size_t item) {
+  constexpr std::size_t kItems = std::size_t{1} << 18;
+  if constexpr (requires { container.get_allocator().scratch; })
+    if (item % kItems == 0 && container.get_allocator().scratch) container.get_allocator().scratch->page_out();
+}
+
 /// Writes a file of one schema beside its place. InputError on a full or read-only disk.
 class ArchiveWriter {
  public:
@@ -92,7 +100,11 @@ class ArchiveWriter {
   template <class T>
   void items(const T& container) {
     *this << container.size();
-    for (const auto& item : container) *this << item;
+    std::size_t i = 0;
+    for (const auto& item : container) {
+      *this << item;
+      page_out_sometimes(container, i++);
+    }
   }
 
  private:
@@ -132,13 +144,11 @@ class ArchiveReader {
     for (std::size_t i = 0; i < count; ++i) {
       container.push_back(typename T::value_type());
       *this >> container.back();
-      if constexpr (requires { container.get_allocator().scratch; })
-        if (i % kPageOutEvery == 0 && container.get_allocator().scratch) container.get_allocator().scratch->page_out();
+      page_out_sometimes(container, i);
     }
   }
 
  private:
-  static constexpr std::size_t kPageOutEvery = std::size_t{1} << 20;  // items
   [[noreturn]] void refuse(const std::string& problem) const;
   std::size_t counted();  // of items: not more than there are bytes
 

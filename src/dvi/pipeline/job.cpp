@@ -86,8 +86,10 @@ OptionTable Job::table() {
   table.add("remove", read.remove,
             "moving: only labelled objects that move; labelled: what the masks say; all: both masks and labels.");
   table.add("method", method, "dvi, the published form (paper), or a baseline without depth.");
-  table.add("memory_mb", memory_mb, {16, 1000000},
-            "Bound of the images, scans, masks and depth maps that are kept, so that they need not be made again.");
+  table.add(
+      "memory_mb", memory_mb, {16, 1000000},
+      "Memory to stay within: a third for the map, the rest of which is paged to unlinked files in TMPDIR, a third for the "
+      "images, scans, masks and depth maps kept for further use, a third for the work in hand.");
   options.describe(table);
   return table;
 }

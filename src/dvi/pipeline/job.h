@@ -69,7 +69,7 @@ struct Job {
   std::vector<std::string> sources;  ///< source drives of the same street
   ReadChoice read;
   Method method = Method::dvi;
-  int memory_mb = 400;  ///< of images, scans, masks and depth kept for further use
+  int memory_mb = 1200;  ///< a third for the map, a third for images, scans, masks and depth maps that are kept
   Options options;
   bool force = false;
 

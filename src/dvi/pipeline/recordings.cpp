@@ -132,7 +132,12 @@ bool same_camera(const Drive& a, const Drive& b) {
   return a.camera_name == b.camera_name && a.camera.width == b.camera.width && a.camera.height == b.camera.height;
 }
 
-void bound_caches(const Job& job) { CacheBudget::of_process()->set_bound(static_cast<std::size_t>(job.memory_mb) << 20); }
+// A third each for the map, for what is kept for further use, and for the work in hand, which nothing bounds.
+void bound_memory(const Job& job) {
+  const std::size_t third = static_cast<std::size_t>(job.memory_mb) * 1'000'000 / 3;
+  Scratch::of_process()->set_bound(third);
+  CacheBudget::of_process()->set_bound(third);
+}
 
 Recording open_with(const fs::path& path, const ReadChoice& choice, const std::shared_ptr<const detect::Detector>& detector,
                     MaskNeed need, Progress& progress) {
@@ -180,7 +185,7 @@ Recording open_recording(const fs::path& path, const ReadChoice& choice, MaskNee
 }
 
 Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress) {
-  bound_caches(job);
+  bound_memory(job);
   Recordings drives;
   const std::shared_ptr<const detect::Detector> detector = load_detector(job.read);
   drives.push_back(open_with(job.target, job.read, detector, need, progress));
@@ -197,7 +202,7 @@ Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress) {
 }
 
 Recordings open_images(const Job& job, Progress& progress) {
-  bound_caches(job);
+  bound_memory(job);
   Recording open = open_recording(job.target, job.read, MaskNeed::required, progress);
   if (open.masks_from == masks::MaskSource::found)
     throw InputError(open.drive.path, "has neither masks nor labels, and method " + to_string(job.method) + " finds none",

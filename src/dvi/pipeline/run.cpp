@@ -59,7 +59,7 @@ auto with_plan(const Job& job, const Recordings& drives, const KeptStages& kept,
     doubt_setup(drives, poses, masks, progress);                    // what contradicts the recording, likewise
     return build_map(drives, poses, masks, options.map, progress);  // 3.1
   };
-  const StaticMap map = kept("map", static_points, map::empty_map(options.map));
+  const StaticMap map = kept("map", static_points, StaticMap(Scratch::of_process()));
   const Views posed = make_views(drives, poses, masks, progress);
   const VisibleMap visible(map, posed);
   const Gains gains = kept("exposure", [&] { return estimate_exposure(posed, visible, drives, options, progress); });
