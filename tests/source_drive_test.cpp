@@ -1,6 +1,10 @@
+#include <iterator>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include "program.h"
@@ -58,6 +62,27 @@ TEST_F(SourceDrive, GivenPosesAreRefinedUnlessTheyAreToStay) {
   EXPECT_FALSE(drives_of("refined")[1]["registration"].is_null());
   ASSERT_EQ(dvi("run drive other -o kept --poses given --quiet").code, 0);
   EXPECT_TRUE(drives_of("kept")[1]["registration"].is_null());
+}
+
+TEST_F(SourceDrive, WhatLiesFarFromTheTargetIsNeverRead) {
+  small_drive("drive", "--lorry", kFrames);
+  const fs::path other = small_drive("other", "--day 2", kFrames);
+  std::string poses;
+  int line_number = 0;
+  for (const std::string& line : read_lines(other / "poses.txt")) {
+    std::istringstream words(line);
+    std::vector<std::string> pose{std::istream_iterator<std::string>(words), {}};
+    const bool far = line_number++ >= kFrames / 2;
+    if (far) pose.at(4) = "5000";  // metres ahead
+    if (far) write_file(other / "images/front" / (pose[0] + ".png"), "damaged");
+    poses += fmt::format("{}\n", fmt::join(pose, " "));
+  }
+  write_file(other / "poses.txt", poses);
+  const Result result = dvi("run drive other -o out --poses given");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("other: 6 of 12 frames lie near drive"));
+  EXPECT_GT(nlohmann::json::parse(read_file(folder / "out/report.json"))["hole"]["copied_elsewhere"], 100);
+  EXPECT_EQ(dvi("audit out drive other --quiet").code, 0);
 }
 
 TEST_F(SourceDrive, AnotherStreetIsRefused) {

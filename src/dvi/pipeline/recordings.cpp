@@ -7,6 +7,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/median.h"
+#include "dvi/core/scratch.h"
 #include "dvi/core/threads.h"
 #include "dvi/io/class_ids.h"
 #include "dvi/io/labels.h"
@@ -15,6 +16,8 @@
 #include "dvi/io/poses.h"
 #include "dvi/io/text.h"
 #include "dvi/map/given_points.h"
+#include "dvi/pipeline/near_target.h"
+#include "dvi/pipeline/poses.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -139,13 +142,30 @@ void bound_memory(const Job& job) {
   CacheBudget::of_process()->set_bound(third);
 }
 
+// A source drive as far as it comes near the target by given poses; what is far off is never read.
+Drive read_near(const Drive& target, const fs::path& path, io::ReadOptions read, Progress& progress) {
+  Drive whole = io::read_drive(path, read);
+  if (!shares_world(target, whole)) return whole;
+  read.span = time_near_target(target, whole);
+  if (!read.span) return whole;  // refused where it is to be placed
+  const auto is_near = [&](const Frame& frame) {
+    return frame.time_ns >= read.span->first && frame.time_ns <= read.span->last;
+  };
+  const auto near = static_cast<std::size_t>(std::count_if(whole.frames.begin(), whole.frames.end(), is_near));
+  if (near == 0 || near == whole.frames.size()) return whole;
+  progress.note(fmt::format("{}: {} of {} frames lie near {} by the given poses; the rest is not read",
+                            path.filename().string(), near, whole.frames.size(), target.path.filename().string()));
+  return io::read_drive(path, read);
+}
+
+// `target`: of a source drive.
 Recording open_with(const fs::path& path, const ReadChoice& choice, const std::shared_ptr<const detect::Detector>& detector,
-                    MaskNeed need, Progress& progress) {
+                    MaskNeed need, Progress& progress, const Drive* target = nullptr) {
   io::ReadOptions read;
   read.camera = choice.camera;
   read.topics = choice.topics;
   if (!choice.frames.empty()) read.frames = parse_frames(choice.frames);
-  Recording open{io::read_drive(path, read), {}};
+  Recording open{target != nullptr ? read_near(*target, path, read, progress) : io::read_drive(path, read), {}};
   if (read.frames && read.frames->first == read.frames->last)
     progress.note(fmt::format("frame {} only (--frames A:B for a range): nothing is copied from the drive's other frames",
                               read.frames->first));
@@ -195,7 +215,8 @@ Recordings open_recordings(const Job& job, MaskNeed need, Progress& progress) {
   further.mask_files = job.read.mask_files;
   further.is_source = true;
   const MaskNeed of_sources = need == MaskNeed::required ? MaskNeed::wanted : need;
-  for (const std::string& path : job.sources) drives.push_back(open_with(path, further, detector, of_sources, progress));
+  for (const std::string& path : job.sources)
+    drives.push_back(open_with(path, further, detector, of_sources, progress, &drives.front().drive));
   for (Recording& open : drives)
     if (same_camera(open.drive, drives.front().drive)) open.ego_mask = drives.front().ego_mask;
   return drives;

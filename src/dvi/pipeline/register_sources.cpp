@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/pipeline/near_target.h"
 
 namespace dvi::pipeline {
 namespace {
 
-constexpr double kFarApart = 150;    // metres between trajectories: no camera sees what the other drive saw
 constexpr double kFarFromGiven = 5;  // metres: given poses that lie farther off are of another world
 constexpr const char* kRemedy = "leave it out, or give both drives poses in one world (docs/more_drives.md)";
 
@@ -86,11 +86,11 @@ std::vector<Unplaced> to_register(const Recordings& drives, const Poses& poses, 
     const Trajectory& track = poses[i].world_from_lidar;
     require_another(target, source);
     const bool shared = shares_world(target, source);
-    if (const double apart = shared ? nearest_m(target_track, track) : 0; apart > kFarApart)
-      throw InputError(
-          source.path,
-          fmt::format("does not overlap with {} (0 %): by the given poses it comes no nearer than {:.0f} m", name, apart),
-          "give a source drive of the same street, or take away poses that are not of one world");
+    if (shared && !time_near_target(target, source))
+      throw InputError(source.path,
+                       fmt::format("does not overlap with {} (0 %): by the given poses it comes no nearer than {:.0f} m", name,
+                                   nearest_m(target_track, track)),
+                       "give a source drive of the same street, or take away poses that are not of one world");
     if (shared && keep_given) continue;
     if (has_scans(target, target_track) && has_scans(source, track))
       out.push_back({i, {&source, track, shared}});
