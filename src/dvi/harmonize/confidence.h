@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 namespace dvi::harmonize {
 
 /// What is known about a copied pixel. Grey levels are means over the channels.
@@ -13,11 +15,32 @@ struct CopyEvidence {
   double seconds = 0;      ///< between target and source, if they are of one drive
 };
 
-/// Probability that a pixel is within 10 grey levels of the truth, falling with each piece of evidence: they add up to an
-/// expected error, and its logarithm goes through a logistic curve.
-double copied_confidence(const CopyEvidence& evidence);
+/// Grey levels by which a copied pixel is expected to be off: the pieces of evidence add up.
+double expected_error(const CopyEvidence& evidence);
 
-/// The same for an interpolated pixel, by its distance in pixels to the nearest pixel that was known or copied.
+/// Probability that a pixel is within 10 grey levels of the truth whose expected error is `error`: a logistic curve of its
+/// logarithm.
+double copied_confidence(double error);
+
+/// A copy whose truth is known.
+struct KnownCopy {
+  double expected = 0;  ///< grey levels, see expected_error()
+  bool within = false;  ///< 10 grey levels of the truth
+};
+
+/// What expected errors are to be multiplied by, so that of the copies that are expected to be off about as much (a Gaussian
+/// of 0.6 over the logarithm) as many are within 10 grey levels as they say. Within 1/4 and 4, and the nearer to 1 the fewer
+/// there are.
+class ErrorScale {
+ public:
+  explicit ErrorScale(const std::vector<KnownCopy>& copies);
+  double at(double expected) const;
+
+ private:
+  std::vector<double> logarithms_;  // of the scale, at steps of the logarithm of the expected error, from that of 1
+};
+
+/// The confidence of an interpolated pixel, by its distance in pixels to the nearest pixel that was known or copied.
 double interpolated_confidence(double distance);
 
 }  // namespace dvi::harmonize

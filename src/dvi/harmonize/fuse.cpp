@@ -17,14 +17,6 @@ constexpr float kSaturated = 250;
 constexpr float kSaturatedTrust = 0.01F;
 constexpr int kBleeds = 1;  // px from what is too bright for the target's light, what it is in front of is mixed with it
 
-float most_different(const cv::Vec3f& a, const cv::Vec3f& b) {
-  return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
-}
-
-float mean_difference(const cv::Vec3f& a, const cv::Vec3f& b) {
-  return (std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2])) / 3;
-}
-
 bool agree(const Shown& a, const Shown& b) { return most_different(a.colour, b.colour) <= kDiffer; }
 
 std::size_t leading_of(std::span<const Shown> shown) {
@@ -41,6 +33,14 @@ std::size_t leading_of(std::span<const Shown> shown) {
 }
 
 }  // namespace
+
+float most_different(const cv::Vec3f& a, const cv::Vec3f& b) {
+  return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
+}
+
+float mean_difference(const cv::Vec3f& a, const cv::Vec3f& b) {
+  return (std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2])) / 3;
+}
 
 Agreement agreement(std::span<const Shown> shown) {
   Agreement out;

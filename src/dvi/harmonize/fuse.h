@@ -11,6 +11,10 @@
 
 namespace dvi::harmonize {
 
+/// Grey levels by which colours differ, in the channel where it is most and as a mean over the channels.
+float most_different(const cv::Vec3f& a, const cv::Vec3f& b);
+float mean_difference(const cv::Vec3f& a, const cv::Vec3f& b);
+
 /// What a source shows of a pixel, in the light of the target.
 struct Shown {
   cv::Vec3f colour;

@@ -16,6 +16,7 @@
 #include "dvi/harmonize/copies.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/harmonize/fuse.h"
+#include "dvi/harmonize/known_copies.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
@@ -189,18 +190,6 @@ void write_receipts(const Fused& fused, const Views& views, std::size_t target, 
   }
 }
 
-/// Grey levels, a mean over the channels.
-double difference(const cv::Vec3f& a, const cv::Vec3f& b) {
-  return (std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2])) / 3;
-}
-
-double texture(const cv::Mat3f& image, cv::Point p) {
-  double most = 0;
-  for (const cv::Point q : around(p))
-    if (inside(image, q)) most = std::max(most, difference(image(p), image(q)));
-  return most;
-}
-
 /// Of the window's pixels without a source to what is known. Nothing beyond the window is nearer than its border.
 cv::Mat1f distance_to_known(const cv::Mat1b& kind) {
   if (kind.empty()) return {};
@@ -211,21 +200,16 @@ cv::Mat1f distance_to_known(const cv::Mat1b& kind) {
   return distance;
 }
 
-void write_confidence(const Fused& fused, const Window& window, const Views& views, std::size_t target, FilledFrame& out) {
+void write_confidence(const Fused& fused, const Window& window, const Views& views, std::size_t target, const ErrorScale& scale,
+                      FilledFrame& out) {
   const cv::Mat1f distance = distance_to_known(out.kind(window.box));
   for (std::size_t i = 0; i < fused.colour.size(); ++i) {
     const cv::Point p = fused.candidates.hole.pixels[i];
-    const sample::Candidate& source = fused.candidates.leading[i];
     double sure = 0;
-    if (source.found()) {
-      const View& from = views[source.view];
-      sure = copied_confidence({.shift = source.misplaced,
-                                .texture = texture(out.colour, p),
-                                .spread = fused.spread[i],
-                                .alone = fused.sources[i] == 1 && fused.spread[i] == 0,
-                                .elsewhere = from.drive != views[target].drive,
-                                .change = difference(out.colour(p), fused.colour[i]),
-                                .seconds = 1e-9 * static_cast<double>(std::llabs(from.time_ns - views[target].time_ns))});
+    if (fused.candidates.leading[i].found()) {
+      const double change = mean_difference(out.colour(p), fused.colour[i]);
+      const double expected = expected_error(evidence_of(fused, i, views, target, out.colour, change));
+      sure = copied_confidence(scale.at(expected) * expected);
     } else if (out.kind(p) == static_cast<uchar>(Kind::interpolated)) {
       sure = interpolated_confidence(distance(window.pixel(i)));
     }
@@ -236,7 +220,7 @@ void write_confidence(const Fused& fused, const Window& window, const Views& vie
 }  // namespace
 
 FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std::size_t target, const depth::DepthMap& depth,
-                      const DayLight& light, const HarmonizeOptions& options) {
+                      const DayLight& light, const HarmonizeOptions& options, const sample::Candidates& known) {
   const Fused fused = fuse(sampled, views, target, light);
   const sample::Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
@@ -270,7 +254,7 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
     out.kind(hole.pixels[i]) = static_cast<uchar>(solved ? Kind::interpolated : Kind::empty);
   }
   write_receipts(fused, views, target, out);
-  write_confidence(fused, window, views, target, out);
+  write_confidence(fused, window, views, target, ErrorScale(known_copies(known, views, target)), out);
   return out;
 }
 

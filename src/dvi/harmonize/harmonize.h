@@ -53,8 +53,10 @@ struct HarmonizeOptions {
 
 /// Colours the hole from its candidates (eq. 5): per hole a Poisson equation with the surrounding image as Dirichlet
 /// boundary (Neumann at the image's border). Its guidance is the gradient of the copies, between pixels of different sources
-/// what these show there, and 0 at pixels without a source, which are interpolated once the copies stand.
+/// what these show there, and 0 at pixels without a source, which are interpolated once the copies stand. `known`, from
+/// sample::sample_known, tells how far copies are off in this frame, and their confidence follows it.
 FilledFrame harmonize(const sample::Candidates& candidates, const Views& views, std::size_t target,
-                      const depth::DepthMap& depth, const DayLight& light, const HarmonizeOptions& options);
+                      const depth::DepthMap& depth, const DayLight& light, const HarmonizeOptions& options,
+                      const sample::Candidates& known = {});
 
 }  // namespace dvi::harmonize

@@ -258,13 +258,53 @@ TEST(Confidence, FallsWithEachPieceOfEvidence) {
   worse[3].change *= 2;
   worse[4].seconds *= 2;
   worse[5].elsewhere = true;
-  for (const CopyEvidence& evidence : worse) EXPECT_LT(copied_confidence(evidence), copied_confidence(some));
-  EXPECT_GT(copied_confidence({}), 0.98);
+  for (const CopyEvidence& evidence : worse) EXPECT_GT(expected_error(evidence), expected_error(some));
+  EXPECT_GT(copied_confidence(expected_error({})), 0.98);
   CopyEvidence other_day = worse[5];
   other_day.change = 100, other_day.seconds = 1e6;
-  EXPECT_EQ(copied_confidence(other_day), copied_confidence(worse[5])) << "another day's light is another in any case";
-  EXPECT_GT(copied_confidence({.shift = 1e6, .texture = 255, .spread = 255, .change = 255, .seconds = 1e6}), 0);
+  EXPECT_EQ(expected_error(other_day), expected_error(worse[5])) << "another day's light is another in any case";
+  EXPECT_GT(copied_confidence(expected_error({.shift = 1e6, .texture = 255, .spread = 255, .change = 255, .seconds = 1e6})), 0);
   EXPECT_GT(interpolated_confidence(1), interpolated_confidence(5));
+}
+
+// Copies whose confidence is right for errors that are `scale` times those expected, over all sizes of errors.
+std::vector<KnownCopy> copies_off_by(double scale) {
+  std::vector<KnownCopy> out;
+  for (double expected = 2.5; expected < 200; expected *= 1.1)
+    for (int i = 0; i < 1000; ++i) out.push_back({expected, (i + 0.5) / 1000 < copied_confidence(1.22 * scale * expected)});
+  return out;
+}
+
+TEST(ErrorScale, IsThatOfTheKnownCopies) {
+  for (const double scale : {0.5, 1.0, 1.7})
+    for (const double expected : {5.0, 20.0, 60.0})
+      EXPECT_NEAR(ErrorScale(copies_off_by(scale)).at(expected), scale, 0.06 * scale) << scale << " " << expected;
+}
+
+TEST(ErrorScale, IsOneWithoutKnownCopiesAndBoundedWithWrongOnes) {
+  EXPECT_EQ(ErrorScale({}).at(10), 1);
+  const ErrorScale wrong(std::vector<KnownCopy>(100000, {5, false}));
+  for (const double expected : {0.0, 5.0, 1e9}) {
+    EXPECT_GE(wrong.at(expected), 1);
+    EXPECT_LE(wrong.at(expected), 4);
+  }
+  EXPECT_LT(ErrorScale(std::vector<KnownCopy>(10, {5, false})).at(5), wrong.at(5)) << "few say little";
+}
+
+TEST(Harmonize, ConfidenceFollowsKnownPixels) {
+  Case c(ramp(), rectangle({30, 20, 20, 20}));
+  c.scene.add_source(2, c.truth);
+  c.seen(1, 2);
+  cv::Mat1b round = rectangle({10, 5, 60, 50});
+  round(cv::Rect(26, 16, 28, 28)) = 0;
+  sample::Candidates known{Region(round), std::vector<sample::Candidate>(Region(round).size())};
+  const depth::DepthMap depth{c.scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
+  const auto mean_confidence = [&](int off_px) {
+    for (std::size_t i = 0; i < known.leading.size(); ++i)
+      known.leading[i] = {1, cv::Point2f(known.hole.pixels[i] + cv::Point(2 + (i % 2 == 0 ? off_px : -off_px), 0))};
+    return cv::mean(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {}, known).confidence, c.hole)[0];
+  };
+  EXPECT_GT(mean_confidence(0), mean_confidence(8) + 5) << "known pixels that are copied wrongly lower it";
 }
 
 TEST(Harmonize, GivesTheSameTwice) {

@@ -87,8 +87,10 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
     const DayLight light = options.harmonize.day_light ? cpu.time("harmonize", harmonize::compare_days, labels.candidates,
                                                                   views, i, depth, depths.visibility)
                                                        : DayLight{};
+    const Candidates known =
+        cpu.time("sample", sample::sample_known, labels.candidates, views, i, depth, depths.visibility, options.sample);
     FilledFrame frame = cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, light,
-                                 options.harmonize);  // 3.6, eq. 5
+                                 options.harmonize, known);  // 3.6, eq. 5
     if (surfaces) frame = cpu.time("synthesize", synthesize::synthesize, frame, views[i], depth, *surfaces);
     return FilledView{std::move(frame), labels.energy};
   };

@@ -5,11 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
+
+#include <opencv2/imgproc.hpp>
 
 #include "dvi/drive/near_views.h"
 #include "dvi/image/interpolate.h"
@@ -122,7 +125,61 @@ class Ranking {
   std::vector<float> least_;  // the trust of each pixel's last one
 };
 
+/// Pixels round the mask on a grid: not those beside it, which traffic may blur into, nor far from it.
+Region known_pixels(const cv::Mat1b& mask) {
+  constexpr int kBeside = 4, kFar = 40, kStep = 6;  // px
+  cv::Mat1b near(grown(mask, kFar));
+  near.setTo(0, grown(mask, kBeside));
+  for (int y = 0; y < near.rows; ++y)
+    for (int x = 0; x < near.cols; ++x)
+      if (x % kStep != 0 || y % kStep != 0) near(y, x) = 0;
+  return Region(near);
+}
+
+/// For each of the pixels, the nearest one of the hole that was found; `hole.size()` where none was.
+std::vector<std::size_t> nearest_found(const Candidates& hole, const Region& pixels) {
+  cv::Mat1b missing(hole.hole.index.size(), uchar{255});
+  for (std::size_t i = 0; i < hole.leading.size(); ++i)
+    if (hole.leading[i].found()) missing(hole.hole.pixels[i]) = 0;
+  if (cv::countNonZero(missing) == static_cast<int>(missing.total()))
+    return std::vector<std::size_t>(pixels.size(), hole.hole.size());
+  cv::Mat distance;
+  cv::Mat1i label;
+  cv::distanceTransform(missing, distance, label, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
+  std::vector<std::size_t> of_label(static_cast<std::size_t>(cv::countNonZero(missing == 0)) + 1);
+  for (const cv::Point p : hole.hole.pixels)
+    if (missing(p) == 0) of_label[static_cast<std::size_t>(label(p))] = static_cast<std::size_t>(hole.hole.index(p));
+  std::vector<std::size_t> out;
+  out.reserve(pixels.size());
+  for (const cv::Point p : pixels.pixels) out.push_back(of_label[static_cast<std::size_t>(label(p))]);
+  return out;
+}
+
 }  // namespace
+
+Candidates sample_known(const Candidates& hole, const Views& views, std::size_t target, const depth::DepthMap& depth,
+                        const Lazy<depth::VisibilityMap>& visibility, const SampleOptions& options) {
+  Region known = known_pixels(*views.masks[target]);
+  const std::vector<std::size_t> nearest = nearest_found(hole, known);
+  std::map<std::size_t, std::vector<SurfacePixel>> of_view;
+  for (const SurfacePixel& surface : surface_pixels(known, views[target].camera, depth)) {
+    const std::size_t like = nearest[surface.pixel];
+    if (like == hole.hole.size()) continue;
+    const auto ask = [&](const Candidate& c) {
+      if (c.found() && views[c.view].drive == views[target].drive) of_view[static_cast<std::size_t>(c.view)].push_back(surface);
+    };
+    ask(hole.leading[like]);
+    for (const Candidate& c : hole.others(like)) ask(c);
+  }
+  Ranking ranking(known.size(), hole.extra_per_pixel + 1);
+  for (const auto& [view, surface] : of_view) {
+    Source source(views, target, view, visibility, options);
+    for (const SurfacePixel& pixel : surface)
+      if (const std::optional<Candidate> candidate = source.show(pixel, ranking.least(pixel.pixel)))
+        ranking.add(pixel.pixel, *candidate);
+  }
+  return ranking.finish(std::move(known));
+}
 
 std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames, bool scored) {
   const std::size_t reach = reach_frames > 0 ? static_cast<std::size_t>(reach_frames) : views.size();

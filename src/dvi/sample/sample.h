@@ -42,6 +42,11 @@ struct SampleOptions {
 Candidates sample(const Views& views, std::size_t target, const depth::DepthMap& depth,
                   const Lazy<depth::VisibilityMap>& visibility, const SampleOptions& options);
 
+/// The same for known pixels round the hole: each is looked up in those frames of its own drive that the nearest pixel of the
+/// hole was found in, so that what copies from these frames are worth can be read where the truth is known.
+Candidates sample_known(const Candidates& hole, const Views& views, std::size_t target, const depth::DepthMap& depth,
+                        const Lazy<depth::VisibilityMap>& visibility, const SampleOptions& options);
+
 /// The order in which sample() asks the other views: scored, from the target outwards in time, else as published, forwards,
 /// then backwards; source drives after its own, the nearest places first. Not those that show no colours the target could take.
 std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames, bool scored);

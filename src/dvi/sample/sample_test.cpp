@@ -1,5 +1,7 @@
 #include "dvi/sample/sample.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include <opencv2/core.hpp>
@@ -44,6 +46,29 @@ TEST(Sample, TakesTheNextFrameAtTheWarpedPosition) {
     EXPECT_EQ(c.leading[i].view, 1);
     EXPECT_EQ(c.leading[i].position, cv::Point2f(c.hole.pixels[i]) + cv::Point2f(3, 0));
   }
+}
+
+TEST(SampleKnown, CopiesPixelsRoundTheHoleFromTheFramesOfTheHole) {
+  FlatScene scene = drive_of({3, 6, 9});
+  scene.masks[1] = cv::Mat1b(60, 80, uchar{255});  // shows nothing of the hole
+  const SampleOptions one{.sources = 1};
+  const Candidates hole = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), one);
+  scene.masks[1] = cv::Mat1b(60, 80, uchar{0});
+  const Candidates known = sample_known(hole, scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), one);
+  EXPECT_GT(known.hole.size(), 20);
+  for (std::size_t i = 0; i < known.leading.size(); ++i) {
+    EXPECT_EQ(hole_mask()(known.hole.pixels[i]), 0);
+    EXPECT_TRUE(!known.leading[i].found() || known.leading[i].view == hole.leading.front().view);
+  }
+  EXPECT_TRUE(std::any_of(known.leading.begin(), known.leading.end(), [](const Candidate& c) { return c.found(); }));
+}
+
+TEST(SampleKnown, FindsNothingWhereTheHoleHasNoSource) {
+  FlatScene scene = drive_of({3});
+  scene.masks[1] = cv::Mat1b(60, 80, uchar{255});
+  const Candidates hole = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
+  for (const Candidate& c : sample_known(hole, scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {}).leading)
+    EXPECT_FALSE(c.found());
 }
 
 TEST(Sample, CopiesNoSkyOfAnotherDay) {
