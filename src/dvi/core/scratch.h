@@ -42,6 +42,12 @@ class Scratch {
   std::map<void*, std::size_t> files_;  // size by address
 };
 
+/// For loops over what Scratch::of_process() holds: the pages of the items behind leave memory every so many.
+inline void page_out_sometimes(std::size_t item) {
+  constexpr std::size_t kItems = std::size_t{1} << 18;
+  if ((item + 1) % kItems == 0) Scratch::of_process()->page_out();
+}
+
 /// For standard containers that live in a Scratch; without one, in memory like any other.
 template <class T>
 struct ScratchAllocator {

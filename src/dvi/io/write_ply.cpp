@@ -11,6 +11,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
+#include "dvi/core/scratch.h"
 
 namespace dvi::io {
 namespace {
@@ -66,6 +67,7 @@ void write_ply(const fs::path& path, const PlyCloud& cloud) {
       bytes.clear();
     };
     for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+      page_out_sometimes(i);
       append_point(bytes, cloud, i);
       if (bytes.size() >= kChunk) flush();
     }

@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "dvi/core/scratch.h"
 #include "dvi/core/threads.h"
 #include "dvi/geometry/moments.h"
 #include "dvi/map/voxel_grid.h"
@@ -16,7 +17,7 @@ constexpr double kNeighbourhood = 0.2;  // metres
 constexpr int kFewest = 6;              // points
 constexpr float kWidth = 0.08F;  // metres, standard deviation: a strip narrower than four times the range noise has no normal
 constexpr float kFlat = 0.25F;   // a plane's smallest variance is at most this share of the middle one
-constexpr std::size_t kPointsInMemory = 1 << 18, kTilesInMemory = 32;  // of a map that is paged to disk
+constexpr std::size_t kTilesInMemory = 32;  // of a map that is paged to disk
 
 struct Cell {
   Moments<float> moments;  // from the cell's centre, so that float does
@@ -44,7 +45,7 @@ template <class Visit>
 void for_each_point(StaticMap& map, const Visit& visit) {
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     visit(map.points[i]);
-    if (i % kPointsInMemory == 0) map.page_out();
+    page_out_sometimes(i);
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include "dvi/core/draft.h"
 #include "dvi/core/files.h"
+#include "dvi/core/scratch.h"
 
 namespace dvi::pipeline {
 
@@ -69,14 +70,6 @@ void pass(Archive& archive, T& value) {
   }
 }
 
-/// A container that is paged to disk leaves memory now and then while its items are passed one after the other.
-template <class Container>
-void page_out_sometimes(const Container& container, std::size_t item) {
-  constexpr std::size_t kItems = std::size_t{1} << 18;
-  if constexpr (requires { container.get_allocator().scratch; })
-    if (item % kItems == 0 && container.get_allocator().scratch) container.get_allocator().scratch->page_out();
-}
-
 /// Writes a file of one schema beside its place. InputError on a full or read-only disk.
 class ArchiveWriter {
  public:
@@ -103,7 +96,7 @@ class ArchiveWriter {
     std::size_t i = 0;
     for (const auto& item : container) {
       *this << item;
-      page_out_sometimes(container, i++);
+      page_out_sometimes(i++);
     }
   }
 
@@ -144,7 +137,7 @@ class ArchiveReader {
     for (std::size_t i = 0; i < count; ++i) {
       container.push_back(typename T::value_type());
       *this >> container.back();
-      page_out_sometimes(container, i);
+      page_out_sometimes(i);
     }
   }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "dvi/core/scratch.h"
 #include "dvi/io/rigid.h"
 #include "dvi/io/text.h"
 #include "dvi/io/write_ply.h"
@@ -78,6 +79,7 @@ void write_map(const fs::path& path, const map::StaticMap& map, const Colours& c
     return 1e-9F * static_cast<float>(map.scans[scan].time_ns - map.scans.front().time_ns);
   };
   for (std::size_t i = 0; i < map.points.size(); ++i) {
+    page_out_sometimes(i);
     const map::MapPoint& p = map.points[i];
     if (!p.stood_on(0)) continue;
     points.push_back(p.position);

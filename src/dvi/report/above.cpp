@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/json_text.h"
+#include "dvi/core/scratch.h"
 #include "dvi/io/rigid.h"
 #include "dvi/io/write_image.h"
 
@@ -50,6 +51,7 @@ cv::Mat4b picture_of(const Above& above, const Raster& raster) {
   cv::Mat1f height(raster.size, -std::numeric_limits<float>::infinity());
   const map::StaticMap& map = above.map;
   for (std::size_t i = 0; i < map.points.size(); ++i) {
+    page_out_sometimes(i);
     const map::MapPoint& point = map.points[i];
     const cv::Point at = raster.pixel(point.position);
     if (!inside.contains(at) || !point.stood_on(0) || point.position.z() <= height(at)) continue;
