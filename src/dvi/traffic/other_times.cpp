@@ -115,7 +115,7 @@ Usual::Usual(const std::vector<Place>& places, const std::vector<std::vector<cv:
     : middle(size, cv::Vec3f::all(0)),
       low(size, cv::Vec3f::all(1e9F)),
       high(size, cv::Vec3f::all(-1e9F)),
-      spread(size, cv::Vec3f::all(0)) {
+      spread(size, cv::Vec3f::all(-1)) {
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (seen[i].size() < kFewestViews) continue;
     for (int c = 0; c < 3; ++c) {
@@ -142,10 +142,10 @@ bool Usual::excludes(cv::Point at, const cv::Vec3f& here) const {
   return darker || other;
 }
 
-bool Usual::shows(cv::Point at, const cv::Vec3f& here) const {
-  for (int c = 0; c < 3; ++c)
-    if (std::abs(here[c] - middle(at)[c]) > kNoise + kSpreads * spread(at)[c]) return false;
-  return true;
+float Usual::difference(cv::Point at, const cv::Vec3f& here) const {
+  float most = 0;
+  for (int c = 0; c < 3; ++c) most = std::max(most, std::abs(here[c] - middle(at)[c]) / (kNoise + kSpreads * spread(at)[c]));
+  return most;
 }
 
 }  // namespace dvi::traffic

@@ -60,9 +60,12 @@ class Usual {
   /// Darker as in a shadow, or otherwise different.
   bool excludes(cv::Point at, const cv::Vec3f& here) const;
   /// The place itself, as other times show it, beyond chance; what merely looks like its surroundings may be hiding it.
-  bool shows(cv::Point at, const cv::Vec3f& here) const;
+  bool shows(cv::Point at, const cv::Vec3f& here) const { return difference(at, here) <= 1; }
+  /// From what other times show at the place; 1: the most that chance explains.
+  float difference(cv::Point at, const cv::Vec3f& here) const;
+  bool seen(cv::Point at) const { return spread(at)[0] >= 0; }
 
-  Patch middle, low, high, spread;  // low above high where nobody saw
+  Patch middle, low, high, spread;  // low above high, and spread negative, where nobody saw
 };
 
 }  // namespace dvi::traffic

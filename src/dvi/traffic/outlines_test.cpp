@@ -64,6 +64,16 @@ TEST(Outlines, AreOfTheWholeObjectWhereRaysAreTooFarApartToShowIt) {
   }
 }
 
+TEST(Outlines, LeaveRoomAboveHeadsForHalfARay) {
+  const auto top_of = [](double rise) {
+    Track person = car(rise);
+    person.size_m = {0.6, 0.5};
+    const std::optional<Label> label = seen(person, 0);
+    return label ? label->box->frame_from_box.t.z() + 0.5 * label->box->size.z() : 0;
+  };
+  EXPECT_NEAR(top_of(0.16) - top_of(0.04), 0.06, 1e-6);
+}
+
 TEST(Outlines, EndASecondAfterTheLastScanOfTheObjectAndSoonerWhereScansAreDense) {
   const std::int64_t last = (kScans - 1) * Plain::kTenthOfSecond;
   EXPECT_TRUE(seen(car(0.4), last + 900'000'000));

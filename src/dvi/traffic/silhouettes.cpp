@@ -8,6 +8,7 @@
 
 #include "dvi/image/region.h"
 #include "dvi/traffic/comparison.h"
+#include "dvi/traffic/edges.h"
 #include "dvi/traffic/kept_masks.h"
 
 namespace dvi::traffic {
@@ -15,6 +16,7 @@ namespace {
 
 constexpr double kRim = 0.25;   // of an outline's shorter side, each way: how far an object may go beyond it, or end within
 constexpr int kLeastRim = 4;    // half pixels
+constexpr int kFarther = 3;     // times the reach of edges, round an outline: what its background differs by, too
 constexpr int kLeastPart = 20;  // half pixels: smaller ones are noise
 constexpr int kLeastJudged = 10 * kLeastPart;  // half pixels of an outline that the images may refute
 constexpr double kLeastTold = 0.75;            // of these, that others saw
@@ -57,16 +59,26 @@ class Silhouettes {
                cv::INTER_NEAREST);
     const cv::Mat1b different(opened(object) & evidence.differs & (end | ~half));
     cv::resize(grown(different, kHalo), beyond, outline.size(), 0, 0, cv::INTER_NEAREST);
-    return cv::Mat1b((within & outline) | beyond);
+    return with_missing_edges(target, cv::Mat1b((within & outline) | beyond), evidence);
   }
 
  private:
   static int rim_of(const cv::Rect& part) { return std::max(kLeastRim, cvRound(kRim * std::min(part.width, part.height))); }
 
+  // A mask of full size with the edges of objects that it lacks.
+  cv::Mat1b with_missing_edges(std::size_t target, const cv::Mat1b& mask, const Evidence& evidence) const {
+    cv::Mat1b half, full;
+    cv::resize(mask, half, evidence.differs.size(), 0, 0, cv::INTER_AREA);
+    half = cv::Mat1b(half == 255);
+    cv::resize(cv::Mat1b(with_edges(half, evidence.usual, comparison_.half(target)->image) & ~half), full, mask.size(), 0, 0,
+               cv::INTER_NEAREST);
+    return cv::Mat1b(mask | full);
+  }
+
   Evidence compare(std::size_t target, const cv::Mat1b& outline) const {
     cv::Mat1b band(outline.size(), uchar{0});
     for (const cv::Rect& part : part_boxes(outline)) {
-      const int reach = rim_of(part);
+      const int reach = std::max(rim_of(part), kFarther * kEdgeReach);
       const cv::Rect box(part.x - reach, part.y - reach, part.width + 2 * reach, part.height + 2 * reach);
       band(box & cv::Rect({}, band.size())) = 255;
     }
