@@ -13,6 +13,7 @@
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
+#include "dvi/synthesize/range.h"
 #include "dvi/synthesize/surfaces.h"
 
 namespace dvi::synthesize {
@@ -148,12 +149,13 @@ harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const Vie
   cv::distanceTransform(cv::Mat1b(frame.kind >= static_cast<uchar>(Kind::interpolated)), distance, cv::DIST_L2,
                         cv::DIST_MASK_PRECISE);
   const cv::Mat1f contrast = fine_contrast(frame);
+  const std::vector<Range> ranges = ranges_round(frame, region);
   for (std::size_t i = 0; i < region.size(); ++i) {
     const cv::Point p = region.pixels[i];
     const float share = texture.share(p);
     if (!(share > 0)) continue;
     const cv::Vec3f colour = (1 - share) * frame.colour(p) + share * (texture.colour(p) + lights[i]);
-    for (int c = 0; c < 3; ++c) out.colour(p)[c] = std::clamp(colour[c], 0.0F, 255.0F);
+    out.colour(p) = ranges[i].clamped(colour);
     out.kind(p) = static_cast<uchar>(Kind::synthesised);
     out.confidence(p) = static_cast<uchar>(std::lround(255 * synthesised_confidence(distance(p), contrast(p))));
   }

@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "dvi/drive/memory_views.h"
+#include "dvi/image/region.h"
 #include "dvi/synthesize/road.h"
 
 namespace dvi::synthesize {
@@ -96,6 +98,12 @@ double mean_error(const cv::Mat3f& image, const cv::Mat3b& truth, const cv::Mat1
   return count > 0 ? sum / count : 0;
 }
 
+cv::Mat1f grey_of(const cv::Mat3f& colour) {
+  cv::Mat1f out;
+  cv::extractChannel(colour, out, 1);
+  return out;
+}
+
 TEST(Synthesize, StripesOfTheRoadRunOnUnderAParkedCar) {
   const Street street;
   const harmonize::FilledFrame before = street.interpolated(), after = street.run(before);
@@ -116,6 +124,24 @@ TEST(Synthesize, InTheShadeContrastGoesWithTheLight) {
   cv::meanStdDev(after.colour, mean, deviation, frame.mask);
   cv::meanStdDev(street.run(street.interpolated()).colour, mean, lit_deviation, frame.mask);
   EXPECT_NEAR(deviation[1] / lit_deviation[1], 0.25, 0.1);
+}
+
+TEST(Synthesize, StaysWithinTheColoursRoundTheHole) {
+  const Street street;
+  const harmonize::FilledFrame frame = street.interpolated();
+  cv::Mat1b rim;
+  cv::dilate(frame.mask, rim, cv::Mat1b(17, 17, uchar{1}));
+  rim &= ~frame.mask;
+  harmonize::FilledFrame even = frame;
+  even.colour = frame.colour.clone();
+  even.colour.setTo(cv::Scalar::all(105), rim);
+  even.colour.setTo(cv::Scalar::all(115), cv::Mat1b(rim & cv::Mat1b(grey_of(frame.colour) > 110)));
+  const harmonize::FilledFrame after = street.run(even);
+  const cv::Mat1b near(grown(cv::Mat1b(~frame.mask), 3) & frame.mask);
+  double low = 0, high = 0;
+  cv::minMaxLoc(grey_of(after.colour), &low, &high, nullptr, nullptr, near);
+  EXPECT_GE(low, 105);
+  EXPECT_LE(high, 115);
 }
 
 TEST(Synthesize, ConfidenceFallsWithTheContrastOfWhatIsSeenAround) {

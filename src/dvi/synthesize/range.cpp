@@ -1,0 +1,62 @@
+#include "dvi/synthesize/range.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/harmonize/filled_frame.h"
+#include "dvi/image/region.h"
+
+namespace dvi::synthesize {
+namespace {
+
+using harmonize::Kind;
+
+constexpr int kFirstRadius = 8, kLastRadius = 256;  // px: half the widths of windows
+
+}  // namespace
+
+cv::Vec3f Range::clamped(const cv::Vec3f& colour) const {
+  cv::Vec3f out;
+  for (int c = 0; c < 3; ++c) out[c] = std::clamp(colour[c], low[c], high[c]);
+  return out;
+}
+
+std::vector<Range> ranges_round(const harmonize::FilledFrame& frame, const Region& region) {
+  std::vector<Range> out(region.size());
+  if (region.size() == 0) return out;
+  const cv::Rect all({}, frame.kind.size());
+  const cv::Size margin(2 * kFirstRadius, 2 * kFirstRadius);
+  const cv::Rect box = (cv::boundingRect(region.pixels) + margin - cv::Point(margin / 2)) & all;
+  const cv::Mat1b made(frame.kind(box) >= static_cast<uchar>(Kind::interpolated));
+  cv::Mat1f distance;
+  cv::distanceTransform(made, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  cv::Mat3b low, high;
+  frame.colour(box).convertTo(low, CV_8U);
+  low.copyTo(high);
+  low.setTo(cv::Scalar::all(255), made);
+  high.setTo(cv::Scalar::all(0), made);
+  std::vector<uchar> done(region.size(), 0);
+  for (int radius = kFirstRadius, grown_to = 0; radius <= kLastRadius; radius *= 2) {
+    const int width = 2 * (radius - grown_to) + 1;
+    const cv::Mat window = cv::getStructuringElement(cv::MORPH_RECT, {width, width});
+    cv::erode(low, low, window);  // a window grows by itself, so its sizes add up
+    cv::dilate(high, high, window);
+    grown_to = radius;
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < region.size(); ++i) {
+      const cv::Point p = region.pixels[i] - box.tl();
+      if (done[i] != 0) continue;
+      ++left;
+      if (2 * distance(p) > static_cast<float>(radius) || low(p)[0] > high(p)[0]) continue;
+      out[i] = {cv::Vec3f(low(p)), cv::Vec3f(high(p))};
+      done[i] = 1;
+    }
+    if (left == 0) break;
+  }
+  return out;
+}
+
+}  // namespace dvi::synthesize
