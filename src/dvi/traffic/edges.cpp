@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kUsualShare = 0.95;     // of what lies farther from the mask differs by less than an edge must
 constexpr std::size_t kFewestFar = 100;  // half pixels that tell how much that is
+constexpr int kReaches = 155;            // in the width of a view
 constexpr int kFlat =
     6;  // of a pixel and the eight round it: what continues a straight border; a line that leaves it has fewer
 
@@ -52,13 +53,15 @@ std::optional<float> least_of_edges(const cv::Mat1f& differences, const cv::Mat1
 
 }  // namespace
 
-cv::Mat1b with_edges(const cv::Mat1b& mask, const Usual& usual, const Patch& image) {
+int edge_reach(const cv::Size& half_size) { return std::max(1, half_size.width / kReaches); }
+
+cv::Mat1b with_edges(const cv::Mat1b& mask, const Usual& usual, const Patch& image, int reach) {
   const cv::Mat1f off = differences(usual, image, mask);
-  const auto least = least_of_edges(off, grown(mask, kEdgeReach));
+  const auto least = least_of_edges(off, grown(mask, reach));
   if (!least) return mask.clone();
   const cv::Mat1b differs(off > *least);
   cv::Mat1b out = mask.clone();
-  for (int step = 0; step < kEdgeReach; ++step) {
+  for (int step = 0; step < reach; ++step) {
     const cv::Mat1b next(out | (grown(out, 1) & differs));
     cv::Mat1b around;  // how many of the nine
     cv::boxFilter(cv::Mat1b(next / 255), around, -1, {3, 3}, {-1, -1}, false, cv::BORDER_REPLICATE);

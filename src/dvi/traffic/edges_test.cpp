@@ -10,6 +10,7 @@
 namespace dvi::traffic {
 namespace {
 
+constexpr int kReach = 4;
 const cv::Size kStill(60, 40);
 const cv::Rect kObject(20, 10, 16, 20);
 const cv::Vec3f kPaint = cv::Vec3f::all(40);
@@ -45,7 +46,7 @@ TEST(Edges, AreFoundAsFarAsTheyDiffer) {
   for (const int missing : {1, 2, 3}) {
     const Patch behind = lined(50);
     const auto [image, mask] = object_before(behind, missing);
-    const cv::Mat1b found = with_edges(mask, seen_by_others(behind), image);
+    const cv::Mat1b found = with_edges(mask, seen_by_others(behind), image, kReach);
     EXPECT_LE(cv::countNonZero(found(kObject) == 0), 2) << missing << ": but its corners";
     cv::Mat1b beyond = found.clone();
     beyond(kObject) = 0;
@@ -55,13 +56,13 @@ TEST(Edges, AreFoundAsFarAsTheyDiffer) {
 
 TEST(Edges, AreNotLinesThatStandAPixelBesideWhereOthersShowThem) {
   const auto [image, mask] = object_before(lined(27), 0);
-  const cv::Mat1b found = with_edges(mask, seen_by_others(lined(28)), image);
+  const cv::Mat1b found = with_edges(mask, seen_by_others(lined(28)), image, kReach);
   EXPECT_EQ(cv::norm(found, mask, cv::NORM_INF), 0);
 }
 
 TEST(Edges, AreNotLinesThatLeadAway) {
   const auto [image, mask] = object_before(lined(27), 0);
-  const cv::Mat1b found = with_edges(mask, seen_by_others(lined(50)), image);
+  const cv::Mat1b found = with_edges(mask, seen_by_others(lined(50)), image, kReach);
   EXPECT_EQ(cv::norm(found, mask, cv::NORM_INF), 0);
 }
 
@@ -69,9 +70,15 @@ TEST(Edges, AreNotFoundWhereNobodySawTheBackground) {
   const Patch behind = lined(50);
   const auto [image, mask] = object_before(behind, 2);
   const cv::Rect above(0, 0, kStill.width, kObject.y + 2);
-  EXPECT_EQ(cv::norm(with_edges(mask, seen_by_others(behind, above), image), mask, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(with_edges(mask, seen_by_others(behind, above), image, kReach), mask, cv::NORM_INF), 0);
   const cv::Rect everywhere({}, kStill);
-  EXPECT_EQ(cv::norm(with_edges(mask, seen_by_others(behind, everywhere), image), mask, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(with_edges(mask, seen_by_others(behind, everywhere), image, kReach), mask, cv::NORM_INF), 0);
+}
+
+TEST(Edges, AreLookedForHalfADegreeAround) {
+  EXPECT_EQ(edge_reach({621, 187}), 4);
+  EXPECT_EQ(edge_reach({320, 180}), 2);
+  EXPECT_EQ(edge_reach({80, 48}), 1);
 }
 
 TEST(Edges, DifferByMoreThanTheRestOfTheView) {
@@ -80,7 +87,7 @@ TEST(Edges, DifferByMoreThanTheRestOfTheView) {
   for (int y = 0; y < kStill.height; ++y)
     for (int x = 0; x < kStill.width; ++x)
       if (!kObject.contains({x, y})) image(y, x) += cv::Vec3f::all(110);  // another light, for all of it
-  EXPECT_EQ(cv::norm(with_edges(mask, seen_by_others(behind), image), mask, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(with_edges(mask, seen_by_others(behind), image, kReach), mask, cv::NORM_INF), 0);
 }
 
 }  // namespace

@@ -80,8 +80,9 @@ Body body_at(const Track& track, std::int64_t time_ns, const Eigen::Vector2d& se
     body.points.push_back(x);
     body.feet.emplace_back(x.x(), x.y(), cluster.ground[k]);
     // It may go on up to the next ray, but no higher than it usually is; glass below a roof returns little, and so does hair.
-    // A head ends half the distance between rays above the highest that hits it, more or less by as much; a roof is flat.
-    const double top = cluster.ground[k] + track.height_m + (upright ? 0.5 * cluster.rise[k] : 0);
+    // A head ends half the distance between rays above the highest that hits it, more or less by as much; a roof is flat. Not
+    // where rays are so far apart that the half is more than a head.
+    const double top = cluster.ground[k] + track.height_m + (upright && !body.shapeless ? 0.5 * cluster.rise[k] : 0);
     const double above = upright || x.z() > top - kRoof ? top : std::min(x.z() + cluster.rise[k], top);
     if (above > x.z()) body.points.emplace_back(x.x(), x.y(), above);
   }

@@ -70,15 +70,15 @@ class Silhouettes {
     cv::Mat1b half, full;
     cv::resize(mask, half, evidence.differs.size(), 0, 0, cv::INTER_AREA);
     half = cv::Mat1b(half == 255);
-    cv::resize(cv::Mat1b(with_edges(half, evidence.usual, comparison_.half(target)->image) & ~half), full, mask.size(), 0, 0,
-               cv::INTER_NEAREST);
+    cv::resize(cv::Mat1b(with_edges(half, evidence.usual, comparison_.half(target)->image, edge_reach(half.size())) & ~half),
+               full, mask.size(), 0, 0, cv::INTER_NEAREST);
     return cv::Mat1b(mask | full);
   }
 
   Evidence compare(std::size_t target, const cv::Mat1b& outline) const {
     cv::Mat1b band(outline.size(), uchar{0});
     for (const cv::Rect& part : part_boxes(outline)) {
-      const int reach = std::max(rim_of(part), kFarther * kEdgeReach);
+      const int reach = std::max(rim_of(part), kFarther * edge_reach(outline.size()));
       const cv::Rect box(part.x - reach, part.y - reach, part.width + 2 * reach, part.height + 2 * reach);
       band(box & cv::Rect({}, band.size())) = 255;
     }
