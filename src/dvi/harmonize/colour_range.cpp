@@ -15,12 +15,6 @@ namespace {
 constexpr int kRing = 40;       // px
 constexpr double kTail = 0.01;  // of the ring's pixels at either end: lamps, noise
 
-cv::Vec3f clamped(const cv::Vec3f& colour, const ColourRange& range) {
-  cv::Vec3f out;
-  for (int c = 0; c < 3; ++c) out[c] = std::clamp(colour[c], range.low[c], range.high[c]);
-  return out;
-}
-
 /// By the copies of a pixel and its neighbours. In the target's light these may be brighter than white.
 ColourRange widened(ColourRange range, const sample::Candidates& candidates, const std::vector<cv::Vec3f>& copies,
                     cv::Point p) {
@@ -72,8 +66,8 @@ void keep_within(const ColourRange& surroundings, const sample::Candidates& cand
   for (std::size_t i = 0; i < candidates.leading.size(); ++i) {
     if (!candidates.leading[i].found()) continue;
     const cv::Point p = candidates.hole.pixels[i];
-    if (clamped(colour(p), surroundings) == colour(p)) continue;
-    colour(p) = clamped(colour(p), widened(surroundings, candidates, copies, p));
+    if (surroundings.clamped(colour(p)) == colour(p)) continue;
+    colour(p) = widened(surroundings, candidates, copies, p).clamped(colour(p));
   }
 }
 

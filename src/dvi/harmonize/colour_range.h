@@ -4,14 +4,10 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "dvi/image/colour_range.h"
 #include "dvi/sample/candidates.h"
 
 namespace dvi::harmonize {
-
-/// BGR, each channel by itself.
-struct ColourRange {
-  cv::Vec3f low = cv::Vec3f::all(0), high = cv::Vec3f::all(255);
-};
 
 /// 1st to 99th percentile of what lies within 40 px of the hole (255), outside of it; all colours where nothing does.
 ColourRange range_round(const cv::Mat3b& image, const cv::Mat1b& hole);

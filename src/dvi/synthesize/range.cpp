@@ -1,6 +1,5 @@
 #include "dvi/synthesize/range.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -18,14 +17,8 @@ constexpr int kFirstRadius = 8, kLastRadius = 256;  // px: half the widths of wi
 
 }  // namespace
 
-cv::Vec3f Range::clamped(const cv::Vec3f& colour) const {
-  cv::Vec3f out;
-  for (int c = 0; c < 3; ++c) out[c] = std::clamp(colour[c], low[c], high[c]);
-  return out;
-}
-
-std::vector<Range> ranges_round(const harmonize::FilledFrame& frame, const Region& region) {
-  std::vector<Range> out(region.size());
+std::vector<ColourRange> ranges_round(const harmonize::FilledFrame& frame, const Region& region) {
+  std::vector<ColourRange> out(region.size());
   if (region.size() == 0) return out;
   const cv::Rect all({}, frame.kind.size());
   const cv::Size margin(2 * kFirstRadius, 2 * kFirstRadius);

@@ -149,7 +149,7 @@ harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const Vie
   cv::distanceTransform(cv::Mat1b(frame.kind >= static_cast<uchar>(Kind::interpolated)), distance, cv::DIST_L2,
                         cv::DIST_MASK_PRECISE);
   const cv::Mat1f contrast = fine_contrast(frame);
-  const std::vector<Range> ranges = ranges_round(frame, region);
+  const std::vector<ColourRange> ranges = ranges_round(frame, region);
   for (std::size_t i = 0; i < region.size(); ++i) {
     const cv::Point p = region.pixels[i];
     const float share = texture.share(p);

@@ -17,8 +17,8 @@ namespace {
 constexpr double kUsualShare = 0.95;     // of what lies farther from the mask differs by less than an edge must
 constexpr std::size_t kFewestFar = 100;  // half pixels that tell how much that is
 constexpr int kReaches = 155;            // in the width of a view
-constexpr int kFlat =
-    6;  // of a pixel and the eight round it: what continues a straight border; a line that leaves it has fewer
+// Of a pixel and the eight round it: what continues a straight border; a line that leaves it has fewer.
+constexpr int kFlat = 6;
 
 // By how much each pixel and what other times show there differ: the pixel from all that is shown around, or what is shown from
 // all pixels around, for a dark edge has something alike among leaves, but hides the bright ones. Negative where nobody saw it.
