@@ -67,8 +67,9 @@ class Source {
       out.footprint = {pixels_spanned(seen->across, clear), pixels_spanned(seen->down, clear)};
     }
     if (!options_.scored) return out;
+    if (expected_error(*seen, seconds_) > options_.max_error_px) return std::nullopt;
     out.trust = static_cast<float>(trust(*seen, seconds_, clear));
-    return out.trust < static_cast<float>(options_.min_trust) ? std::nullopt : std::optional(out);
+    return out;
   }
 
  private:

@@ -16,7 +16,7 @@ struct SampleOptions {
   int max_frame_gap = 120;
   bool scored = true;
   int sources = 3;
-  double min_trust = 0.03;
+  double max_error_px = 1.7;
   bool footprint = true;
 
   void describe(OptionTable& table) {
@@ -29,7 +29,8 @@ struct SampleOptions {
               "Part of the depth by which two depths of one surface may differ beyond their uncertainty.");
     table.add("scored", scored, "Rank sources by trust; false: the first that fits, forwards, then backwards, as published.");
     table.add("sources", sources, {1, 8}, "Most sources of a pixel; those that agree are averaged.");
-    table.add("min_trust", min_trust, {0, 1}, "Sources with less trust are not used.");
+    table.add("max_error_px", max_error_px, {0.1, 1000},
+              "Sources whose copy is expected to be off or blurred by more pixels are not used.");
     table.add("footprint", footprint, "Average the source pixels that one target pixel covers.");
   }
   void check() const { check_ranges(*this); }

@@ -135,15 +135,16 @@ TEST(Sample, FewerSourcesThanAskedFor) {
   }
 }
 
-TEST(Sample, TooLittleTrustIsNone) {
+TEST(Sample, TooLargeAnErrorIsNone) {
   const FlatScene scene = drive_of({3});
   const Views views = scene.lazy();
-  const double at_most = most_trust(0.1);
-  const auto least = [&](double trust) {
-    return sample(views, 0, flat_depth(scene), flat_visibility(scene), {.min_trust = trust}).leading[0].found();
+  const double drift = expected_shift({}, 0.1);
+  const auto found = [&](double most) {
+    const Candidates c = sample(views, 0, flat_depth(scene), flat_visibility(scene), {.max_error_px = most});
+    return std::any_of(c.leading.begin(), c.leading.end(), [](const Candidate& one) { return one.found(); });
   };
-  EXPECT_TRUE(least(0.9 * at_most));
-  EXPECT_FALSE(least(1.01 * at_most));
+  EXPECT_FALSE(found(0.99 * drift)) << "the time between the frames alone is more";
+  EXPECT_TRUE(found(2 * drift)) << "also beside depth edges";
 }
 
 // A camera `forward` metres nearer to the plane shows it larger, by 10 / (10 - forward).

@@ -21,6 +21,11 @@ double shift_squared(const Sighting& sighting, double seconds) {
   return squared(sighting.misplaced) + squared(kDrift) * seconds;
 }
 
+double error_squared(const Sighting& sighting, double seconds) {
+  const double blur = 0.5 * std::max(0.0, 1 / std::max(sighting.smallest, 1e-3) - 1);
+  return shift_squared(sighting, seconds) + squared(blur);
+}
+
 }  // namespace
 
 std::vector<SurfacePixel> surface_pixels(const Region& hole, const Camera& camera, const depth::DepthMap& depth) {
@@ -71,10 +76,11 @@ std::optional<Sighting> sight(const SurfacePixel& pixel, const Place& place, con
 
 double expected_shift(const Sighting& sighting, double seconds) { return std::sqrt(shift_squared(sighting, seconds)); }
 
+double expected_error(const Sighting& sighting, double seconds) { return std::sqrt(error_squared(sighting, seconds)); }
+
 double trust(const Sighting& sighting, double seconds, double clear_px) {
-  const double blur = 0.5 * std::max(0.0, 1 / std::max(sighting.smallest, 1e-3) - 1);
   const double clear = clear_px + 0.5;
-  return clear / (clear + 1) / (1 + (shift_squared(sighting, seconds) + squared(blur)) / squared(kShift));
+  return clear / (clear + 1) / (1 + error_squared(sighting, seconds) / squared(kShift));
 }
 
 double most_trust(double seconds) { return 1 / (1 + squared(kDrift) * seconds / squared(kShift)); }

@@ -50,9 +50,12 @@ std::optional<Sighting> sight(const SurfacePixel& pixel, const Place& place, con
 /// which grows with the time between the frames.
 double expected_shift(const Sighting& sighting, double seconds);
 
-/// 0..1, how good a source is: c / (c + 1) / (1 + (shift^2 + blur^2) / (0.3 px)^2). `c` is the middle of a pixel that is
-/// `clear_px` pixels away from the source's own mask, depth edges and border: near them colours are blends. `blur` is the
-/// detail lost by a source that is farther away, as half of what its pixel exceeds one of the target.
+/// By how many it may be off or blurred, sqrt(shift^2 + blur^2). `blur` is the detail lost by a source that is farther away, as
+/// half of what its pixel exceeds one of the target.
+double expected_error(const Sighting& sighting, double seconds);
+
+/// 0..1, how good a source is: c / (c + 1) / (1 + error^2 / (0.3 px)^2). `c` is the middle of a pixel that is `clear_px` pixels
+/// away from the source's own mask, depth edges and border: near them colours are blends.
 double trust(const Sighting& sighting, double seconds, double clear_px);
 
 /// The most that any source so far away in time can be trusted, anywhere or where it is so clear.
