@@ -20,6 +20,8 @@ struct DepthMap {
 
   std::size_t bytes() const { return bytes_of(z) + bytes_of(sigma); }
   static bool is_surface(float depth) { return depth > 0 && depth < kSky; }
+  /// Neither unknown nor sky.
+  static bool is_solid(float depth) { return depth > 0 && depth < kInfinity; }
 };
 
 }  // namespace dvi::depth

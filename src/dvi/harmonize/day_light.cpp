@@ -75,7 +75,7 @@ float step(float before, float here, float after) {
 std::optional<Eigen::Vector3d> normal_at(cv::Point p, const Camera& camera, const depth::DepthMap& depth) {
   const auto inverse = [&](int x, int y) {
     const bool inside = x >= 0 && y >= 0 && x < depth.z.cols && y < depth.z.rows;
-    return inside && depth::DepthMap::is_surface(depth.z(y, x)) ? 1 / depth.z(y, x) : 0.0F;
+    return inside && depth::DepthMap::is_solid(depth.z(y, x)) ? 1 / depth.z(y, x) : 0.0F;
   };
   const float here = inverse(p.x, p.y);
   if (here <= 0) return std::nullopt;
@@ -106,7 +106,7 @@ float brightest(const cv::Mat3b& image, const cv::Mat1b& masked, const depth::De
   std::array<int, 256> count{};
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x)
-      if (const cv::Vec3b& c = image(y, x); masked(y, x) == 0 && depth::DepthMap::is_surface(depth.z(y, x)))
+      if (const cv::Vec3b& c = image(y, x); masked(y, x) == 0 && depth::DepthMap::is_solid(depth.z(y, x)))
         ++count[std::max({c[0], c[1], c[2]})];
   const int all = std::accumulate(count.begin(), count.end(), 0);
   if (all < kSurfaces) return 255;
@@ -123,7 +123,7 @@ std::vector<Surface> surfaces_beside(const Views& views, std::size_t target, con
   std::vector<Surface> out;
   for (int y = kMargin; y + kMargin < image->rows; y += apart)
     for (int x = kMargin; x + kMargin < image->cols; x += apart) {
-      if (masked(y, x) != 0 || !depth::DepthMap::is_surface(depth.z(y, x))) continue;
+      if (masked(y, x) != 0 || !depth::DepthMap::is_solid(depth.z(y, x))) continue;
       const cv::Vec3f colour = box_mean(*image, cv::Point2f(cv::Point(x, y)), {kBox, kBox});
       const std::optional<Eigen::Vector3d> normal = normal_at({x, y}, camera, depth);
       if (!normal || !usable(colour)) continue;

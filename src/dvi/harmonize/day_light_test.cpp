@@ -68,6 +68,16 @@ TEST(DayLight, EachDirectionOfSurfacesHasItsOwn) {
   EXPECT_LT(days.worst(found), 10) << "rounded to grey levels, drawn to 1 by few surfaces";
 }
 
+TEST(DayLight, TheSkyTellsNothing) {
+  TwoDays days;
+  days.depth.z.rowRange(0, 60) = depth::DepthMap::kInfinity;
+  days.truth.rowRange(0, 60) = cv::Scalar::all(240);
+  days.other.rowRange(0, 60) = cv::Scalar::all(120);
+  const TwoDays::Found found = days.run();
+  EXPECT_NEAR(found.gain({80, 120})[1], 1, 0.01);
+  EXPECT_LT(found.light.brightest, 200);
+}
+
 TEST(DayLight, TheSameLightStays) {
   const TwoDays::Found found = TwoDays().run();
   for (const cv::Point at : {cv::Point(80, 120), cv::Point(240, 120)})

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/core/median.h"
 #include "dvi/depth/depth_map.h"
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/colour_range.h"
@@ -60,6 +62,8 @@ struct Window {
 
   std::size_t size() const { return copies.leading.size(); }
   cv::Point pixel(std::size_t i) const { return copies.hole.pixels[i] - box.tl(); }
+  bool never_seen(cv::Point p) const { return index(p) >= 0 && !copies.leading[index(p)].found(); }
+  bool never_seen_sky(cv::Point p) const { return depth(p) == depth::DepthMap::kInfinity && never_seen(p); }
 };
 
 cv::Mat1b roles_of(const Window& window, Role copied, Role unseen) {
@@ -67,6 +71,32 @@ cv::Mat1b roles_of(const Window& window, Role copied, Role unseen) {
   for (std::size_t i = 0; i < window.size(); ++i)
     roles(window.pixel(i)) = static_cast<uchar>(window.copies.leading[i].found() ? copied : unseen);
   return roles;
+}
+
+/// The colours of what is fixed beside never-seen sky and may be sky: within three sigmas of their median. Depth alone does not
+/// tell it from a roof above the LiDAR's uppermost beam. Where that is no sky but as far, such as woods, they vary, and all
+/// are.
+ColourRange sky_colours(const Window& window, const cv::Mat1b& roles, const cv::Mat3f& colour) {
+  constexpr float kSigmas = 3, kPixelNoise = 2.5F;  // grey levels
+  std::array<std::vector<float>, 3> beside;
+  for (std::size_t i = 0; i < window.size(); ++i) {
+    if (!window.never_seen_sky(window.pixel(i))) continue;
+    for (const cv::Point q : around(window.pixel(i))) {
+      if (!inside(roles, q) || roles(q) != static_cast<uchar>(Role::fixed) || depth::DepthMap::is_solid(window.depth(q)))
+        continue;
+      for (int c = 0; c < 3; ++c) beside[c].push_back(colour(q)[c]);
+    }
+  }
+  ColourRange out;
+  if (beside[0].empty()) return out;
+  for (int c = 0; c < 3; ++c) {
+    const float middle = median(beside[c]);
+    for (float& value : beside[c]) value = std::abs(value - middle);
+    const float reach = kSigmas * (1.4826F * median(std::move(beside[c])) + kPixelNoise);
+    out.low[c] = middle - reach;
+    out.high[c] = middle + reach;
+  }
+  return out;
 }
 
 /// A connected part of what is to be solved.
@@ -97,14 +127,19 @@ class Equation {
  public:
   Equation(const Window& window, const Copies& copies, const cv::Mat1b& roles, const cv::Mat3f& colour,
            const Guidance& guidance)
-      : window_(window), copies_(copies), roles_(roles), colour_(colour), guidance_(guidance) {}
+      : window_(window),
+        copies_(copies),
+        roles_(roles),
+        colour_(colour),
+        guidance_(guidance),
+        sky_(sky_colours(window, roles, colour)) {}
 
   PoissonSystem system(const cv::Mat1i& labels, const std::vector<Part>& parts) const {
     // A part that nothing bounds is held near its copies, too weakly to be seen in its gradients.
     // Two days differ along the rim of the hole in more than light: shadows, parked cars, the sky. Such a difference fades over
     // 10 px, 1 / sqrt(kHold); beyond, the gains are right to a few grey levels.
     constexpr float kAnchor = 1e-4F, kHold = 1e-2F;
-    // The sky does not go on in what stands before it. Not 0: it may have no other neighbour.
+    // Neither the sky nor what stands before it goes on in the other. Not 0: it may have no other neighbour.
     constexpr float kSilhouette = 1e-3F;
     PoissonSystem out{Region(where(roles_, Role::solved)), {}, {}, guidance_.vertical};
     out.diagonal.reserve(out.region.size());
@@ -117,7 +152,7 @@ class Equation {
       if (copied && guidance_.seams) right += copies_.seam[i];
       for (const cv::Point q : around(p)) {
         if (!inside(roles_, q) || roles_(q) == static_cast<uchar>(Role::absent)) continue;
-        const float weight = (q.y == p.y ? 1 : guidance_.vertical) * (before_sky(p, q) ? kSilhouette : 1);
+        const float weight = (q.y == p.y ? 1 : guidance_.vertical) * (silhouette(p, q) ? kSilhouette : 1);
         diagonal += weight;
         right += weight * pull(i, q);
       }
@@ -133,11 +168,11 @@ class Equation {
   }
 
  private:
-  /// Whether p, without a source, is sky and its neighbour, which is fixed, is not.
-  bool before_sky(cv::Point p, cv::Point q) const {
-    return roles_(q) == static_cast<uchar>(Role::fixed) && window_.depth(p) == depth::DepthMap::kInfinity &&
-           window_.depth(q) < depth::DepthMap::kInfinity && depth::DepthMap::is_surface(window_.depth(q)) &&
-           !window_.copies.leading[window_.index(p)].found();
+  /// Whether p, without a source, or its neighbour, which is fixed, is sky and the other is not.
+  bool silhouette(cv::Point p, cv::Point q) const {
+    if (roles_(q) != static_cast<uchar>(Role::fixed) || !window_.never_seen(p)) return false;
+    if (!window_.never_seen_sky(p)) return window_.never_seen_sky(q);
+    return depth::DepthMap::is_solid(window_.depth(q)) || sky_.clamped(colour_(q)) != colour_(q);
   }
 
   /// What a neighbour adds to the right side: its colour where it is fixed, the gradient of the copies within one source.
@@ -155,6 +190,7 @@ class Equation {
   const cv::Mat1b& roles_;
   const cv::Mat3f& colour_;
   Guidance guidance_;
+  ColourRange sky_;
 };
 
 /// Fills the solved pixels of the window's `colour`. Those of which nothing could be told become absent.
@@ -173,6 +209,20 @@ void fill(const Window& window, const Copies& copies, cv::Mat1b& roles, const Gu
   solve_poisson(system, x);
   for (std::size_t k = 0; k < x.size(); ++k)
     for (int c = 0; c < 3; ++c) colour(system.region.pixels[k])[c] = std::clamp(x[k][c], 0.0F, 255.0F);
+}
+
+/// Fills what has no source from what has: first the sky, then what stands before it. Tells what was filled.
+cv::Mat1b interpolate(const Window& window, const Copies& copies, const Guidance& guidance, cv::Mat3f& colour) {
+  if (window.size() == 0) return {};
+  cv::Mat1b sky = roles_of(window, Role::fixed, Role::absent);
+  for (std::size_t i = 0; i < window.size(); ++i)
+    if (window.never_seen_sky(window.pixel(i))) sky(window.pixel(i)) = static_cast<uchar>(Role::solved);
+  fill(window, copies, sky, guidance, colour);
+  cv::Mat1b roles = roles_of(window, Role::fixed, Role::solved);
+  roles.setTo(static_cast<uchar>(Role::fixed), where(sky, Role::solved));
+  fill(window, copies, roles, guidance, colour);
+  roles.setTo(static_cast<uchar>(Role::solved), where(sky, Role::solved));
+  return roles;
 }
 
 std::uint16_t sixteenths(float position) { return static_cast<std::uint16_t>(std::lround(position * kSubpixel)); }
@@ -245,10 +295,8 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
   fill(window, copies, roles, {options.seam_gradients, 1}, colour);
   if (options.poisson && options.within_range)
     keep_within(range_round(*views.images[target], out.mask), candidates, copies.colour, out.colour);
-  if (options.never_seen_last) {
-    roles = roles_of(window, Role::fixed, unseen);
-    fill(window, copies, roles, {options.seam_gradients, static_cast<float>(options.never_seen_vertical)}, colour);
-  }
+  if (options.never_seen_last && unseen == Role::solved)
+    roles = interpolate(window, copies, {options.seam_gradients, static_cast<float>(options.never_seen_vertical)}, colour);
   for (std::size_t i = 0; i < hole.size(); ++i) {
     const bool solved = roles(window.pixel(i)) == static_cast<uchar>(Role::solved);
     out.kind(hole.pixels[i]) = static_cast<uchar>(solved ? Kind::interpolated : Kind::empty);

@@ -105,6 +105,21 @@ TEST(Harmonize, TheSkyDoesNotGoOnInWhatStandsBeforeIt) {
   EXPECT_LT(c.worst(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {})), 3);
 }
 
+TEST(Harmonize, TheSkyBetweenHousesIsThatAboveThem) {
+  cv::Mat3b picture(kHeight, kWidth, cv::Vec3b::all(200));
+  for (const int x : {0, 70}) picture(cv::Rect(x, 25, 10, 35)).setTo(60);
+  picture.rowRange(40, kHeight).setTo(60);
+  Case c(picture, rectangle({10, 10, 60, 40}));
+  depth::DepthMap depth{c.scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
+  depth.z.setTo(depth::DepthMap::kSky);  // also where the houses are higher than the LiDAR looks
+  depth.z(cv::Rect(10, 10, 60, 30)) = depth::DepthMap::kInfinity;
+  depth.z.rowRange(40, kHeight) = 30.0F;  // nobody saw what stands there either
+  const FilledFrame out = harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {});
+  EXPECT_NEAR(out.colour(38, 40)[0], 200, 10);
+  EXPECT_NEAR(out.colour(42, 40)[0], 60, 10) << "what stands before it does not take its colour";
+  EXPECT_EQ(cv::countNonZero(out.kind == static_cast<uchar>(Kind::empty)), 0);
+}
+
 TEST(Harmonize, UnseenPixelsContinueTheLayersBesideThem) {
   cv::Mat3b layers(kHeight, kWidth, cv::Vec3b(200, 200, 200));
   layers.rowRange(30, kHeight) = cv::Scalar(60, 60, 60);

@@ -13,8 +13,7 @@ cv::Mat1w depth_image(const cv::Mat1f& z) {
   cv::Mat1w out(z.size(), ushort{0});
   for (int y = 0; y < z.rows; ++y)
     for (int x = 0; x < z.cols; ++x)
-      if (depth::DepthMap::is_surface(z(y, x)) && z(y, x) < depth::DepthMap::kInfinity)
-        out(y, x) = cv::saturate_cast<ushort>(z(y, x) * 256);
+      if (depth::DepthMap::is_solid(z(y, x))) out(y, x) = cv::saturate_cast<ushort>(z(y, x) * 256);
   return out;
 }
 

@@ -210,14 +210,13 @@ cv::Mat1b upright(const Piece& piece, const Camera& target, const cv::Mat& costs
 }
 
 // The labels that win, where they may be believed, as depth. Another may fit as well: it would copy what looks the same.
-void decide(const Piece& piece, const Camera& target, const cv::Mat1b& hole, const cv::Mat& cost, const cv::Mat& seen,
-            depth::DepthMap& out) {
+void decide(const Piece& piece, const Camera& target, const cv::Mat& cost, const cv::Mat& seen, depth::DepthMap& out) {
   const cv::Mat1b goes_on = upright(piece, target, cost);
   const cv::Mat sum = semi_global(cost, piece.member, kSmallStep, kLargeStep);
   for (int y = 0; y < piece.box.height; ++y)
     for (int x = 0; x < piece.box.width; ++x) {
       const cv::Point p = cv::Point(x, y) + piece.box.tl();
-      if (piece.member(y, x) == 0 || hole(p) == 0) continue;
+      if (piece.member(y, x) == 0) continue;
       const float* s = sum.ptr<float>(y, x);
       const auto k = static_cast<int>(std::min_element(s, s + piece.labels) - s);
       if (goes_on(y, x) != 0 && seen.ptr<float>(y, x)[0] != 0) {
@@ -322,7 +321,7 @@ depth::DepthMap plane_sweep(const depth::DepthMap& depth, const Views& views, st
     for (cv::Mat* m : {&cost, &seen}) m->reshape(1).setTo(0);
     compare(piece, camera, cost, seen);
     aggregate(piece, cost, seen);
-    decide(piece, camera, hole, cost, seen, out);
+    decide(piece, camera, cost, seen, out);
   }
   return out;
 }

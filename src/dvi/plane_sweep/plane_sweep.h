@@ -27,8 +27,9 @@ struct PlaneSweepOptions {
   void check() const { check_ranges(*this); }
 };
 
-/// Depth for the pixels of the target's hole that have none although a surface below them or the sky does: the one at which
-/// the views that show them agree (plane sweep over inverse depth; Collins, 1996), infinity where nothing moves between them.
+/// Depth for the pixels of the target's hole, and within 12 px of it, that have none although a surface below them or the sky
+/// does: the one at which the views that show them agree (plane sweep over inverse depth; Collins, 1996), infinity where
+/// nothing moves between them.
 /// Kept as it is where they do not agree, or agree because nothing is to be seen there. `visibility` is as `views`.
 depth::DepthMap plane_sweep(const depth::DepthMap& depth, const Views& views, std::size_t target,
                             const Lazy<depth::VisibilityMap>& visibility, const PlaneSweepOptions& options);
