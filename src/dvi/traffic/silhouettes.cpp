@@ -63,7 +63,21 @@ class Silhouettes {
   }
 
  private:
-  static int rim_of(const cv::Rect& part) { return std::max(kLeastRim, cvRound(kRim * std::min(part.width, part.height))); }
+  static int rim_of(const cv::Rect& part, int least = kLeastRim) {
+    return std::max(least, cvRound(kRim * std::min(part.width, part.height)));
+  }
+
+  // What is within the rim of an outline, or of the narrower one that it joins: a walker beside a car.
+  static cv::Mat1b middle(const cv::Mat1b& outline, int least_rim = kLeastRim) {
+    const int rim = rim_of(cv::boundingRect(outline), least_rim);
+    cv::Mat1b out = far_grown(outline, -rim);
+    if (cv::countNonZero(out) == 0) return out;
+    cv::Mat1i parts;
+    const int count = connected_parts(cv::Mat1b(outline & ~far_grown(out, rim)), parts);
+    for (int i = 1; i <= count; ++i)
+      if (const cv::Mat1b part(parts == i); cv::countNonZero(part) >= kLeastPart) out |= middle(part, kLeastRim / 2);
+    return out;
+  }
 
   // A mask of full size with the edges of objects that it lacks.
   cv::Mat1b with_missing_edges(std::size_t target, const cv::Mat1b& mask, const Evidence& evidence) const {
@@ -119,7 +133,7 @@ class Silhouettes {
         continue;
       }
       const cv::Rect box = cv::boundingRect(part);
-      cv::Mat1b seed = far_grown(whole, -rim_of(box));
+      cv::Mat1b seed = middle(whole);
       if (cv::countNonZero(seed) == 0) seed = whole;
       const int notch = std::max(kLeastRim - 1, cvRound(kNotch * std::min(box.width, box.height)));
       out |= touching(seed, cv::Mat1b(far_grown(far_grown(cv::Mat1b(own | seed), notch), -notch) & part));

@@ -101,6 +101,17 @@ TEST(Silhouettes, KeepOutlinesOfWhatLooksLikeItsBackground) {
   EXPECT_EQ(cv::countNonZero(board & ~found), 0);
 }
 
+TEST(Silhouettes, KeepWhatIsNarrowBesideWhatIsWide) {
+  const Filmed filmed(kRed);
+  std::vector<cv::Mat1b> outlines = filmed.wider(4);
+  const cv::Rect narrow = cv::boundingRect(outlines[kFrame]), feet(narrow.x, narrow.br().y - 8, 3 * narrow.width, 8);
+  const cv::Rect wide(feet.br().x, narrow.y - narrow.height, 200, 2 * narrow.height);  // nobody sees past it
+  for (cv::Mat1b& outline : outlines)
+    for (const cv::Rect& part : {feet, wide}) outline(part & cv::Rect({}, outline.size())) = 255;
+  const cv::Mat1b board = filmed.boards[kFrame];
+  EXPECT_EQ(cv::countNonZero(board & ~filmed.found(outlines)), 0);
+}
+
 TEST(Silhouettes, KeepOutlinesThatNobodyElseSawAround) {
   Filmed filmed(kRed);
   const std::vector<cv::Mat1b> outlines = filmed.wider(8);
