@@ -9,6 +9,7 @@
 
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
+#include "dvi/traffic/same_objects.h"
 #include "dvi/traffic/seconds.h"
 
 namespace dvi::traffic {
@@ -137,7 +138,7 @@ std::vector<Track> followed(const std::vector<Track>& tracks, const MovingReturn
     out[k].height_m = motions[k].height();
     out[k].size_m = motions[k].size(out[k]);
   }
-  return out;
+  return without_duplicates(std::move(out));
 }
 
 }  // namespace dvi::traffic
