@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "dvi/core/scratch.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/free_space.h"
 
@@ -76,8 +77,12 @@ void count_hits_and_passes(MapVoxels& voxels, const std::vector<MapInput>& input
       voxels.page_out();
       for (std::size_t i = first; i < last; ++i) tick();
     });
+    std::size_t concluded = 0;
     for (const auto& column : reached)
-      for (MapVoxel& voxel : voxels.tiles().at(column).voxels) conclude(voxel, drive);
+      for (MapVoxel& voxel : voxels.tiles().at(column).voxels) {
+        conclude(voxel, drive);
+        page_out_sometimes(concluded++);
+      }
     voxels.page_out();
   }
 }

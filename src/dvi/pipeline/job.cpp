@@ -88,8 +88,9 @@ OptionTable Job::table() {
   table.add("method", method, "dvi, the published form (paper), or a baseline without depth.");
   table.add(
       "memory_mb", memory_mb, {16, 1000000},
-      "Memory to stay within: a third for the map, the rest of which is paged to unlinked files in TMPDIR, a third for the "
-      "images, scans, masks and depth maps kept for further use, a third for the work in hand.");
+      "Memory to stay within: 150 MB (at most half) for the program itself; of the rest a third for the map, what does not fit "
+      "is paged to unlinked files in TMPDIR; a third for the images, scans, masks and depth maps kept for further use; a third "
+      "for the work in hand.");
   options.describe(table);
   return table;
 }

@@ -135,9 +135,12 @@ bool same_camera(const Drive& a, const Drive& b) {
   return a.camera_name == b.camera_name && a.camera.width == b.camera.width && a.camera.height == b.camera.height;
 }
 
-// A third each for the map, for what is kept for further use, and for the work in hand, which nothing bounds.
+// Of what the program itself leaves, a third each for the map, for what is kept for further use, and for the work in hand,
+// which nothing bounds.
 void bound_memory(const Job& job) {
-  const std::size_t third = static_cast<std::size_t>(job.memory_mb) * 1'000'000 / 3;
+  constexpr int kProgram = 150;  // megabytes: code, libraries, the heap's holes
+  const int shared = std::max(job.memory_mb - kProgram, job.memory_mb / 2);
+  const std::size_t third = static_cast<std::size_t>(shared) * 1'000'000 / 3;
   Scratch::of_process()->set_bound(third);
   CacheBudget::of_process()->set_bound(third);
 }
