@@ -14,6 +14,7 @@ namespace {
 using harmonize::Kind;
 
 constexpr int kFirstRadius = 8, kLastRadius = 256;  // px: half the widths of windows
+constexpr float kKnown = 0.25F;  // of a window: a straight rim at a quarter of its width. A lone copy does not tell a range.
 
 }  // namespace
 
@@ -29,6 +30,7 @@ std::vector<ColourRange> ranges_round(const harmonize::FilledFrame& frame, const
   cv::Mat3b low, high;
   frame.colour(box).convertTo(low, CV_8U);
   low.copyTo(high);
+  cv::Mat1f known;
   low.setTo(cv::Scalar::all(255), made);
   high.setTo(cv::Scalar::all(0), made);
   std::vector<uchar> done(region.size(), 0);
@@ -38,12 +40,14 @@ std::vector<ColourRange> ranges_round(const harmonize::FilledFrame& frame, const
     cv::erode(low, low, window);  // a window grows by itself, so its sizes add up
     cv::dilate(high, high, window);
     grown_to = radius;
+    cv::boxFilter(made == 0, known, CV_32F, {2 * radius + 1, 2 * radius + 1}, {-1, -1}, true, cv::BORDER_CONSTANT);
+    const float enough = radius < kLastRadius ? 255 * kKnown : 1e-3F;
     std::size_t left = 0;
     for (std::size_t i = 0; i < region.size(); ++i) {
       const cv::Point p = region.pixels[i] - box.tl();
       if (done[i] != 0) continue;
       ++left;
-      if (2 * distance(p) > static_cast<float>(radius) || low(p)[0] > high(p)[0]) continue;
+      if (2 * distance(p) > static_cast<float>(radius) || known(p) < enough) continue;
       out[i] = {cv::Vec3f(low(p)), cv::Vec3f(high(p))};
       done[i] = 1;
     }

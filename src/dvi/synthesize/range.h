@@ -8,8 +8,8 @@
 
 namespace dvi::synthesize {
 
-/// Of each pixel of a region, the range of what was known or copied round it: within twice its distance to the nearest such
-/// pixel. Where there is none, of everything.
+/// Of each pixel of a region, the range of what was known or copied round it: in a window of at least twice its distance to the
+/// nearest such pixel, of which such pixels are a quarter. Where there is none, of everything.
 std::vector<ColourRange> ranges_round(const harmonize::FilledFrame& frame, const Region& region);
 
 }  // namespace dvi::synthesize
