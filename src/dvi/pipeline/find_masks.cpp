@@ -12,6 +12,7 @@
 
 #include "dvi/core/threads.h"
 #include "dvi/masks/motion.h"
+#include "dvi/masks/past_border.h"
 #include "dvi/pipeline/rig.h"
 #include "dvi/traffic/find_traffic.h"
 
@@ -31,7 +32,8 @@ FrameLabels objects_of(const Recording& open, const Trajectory& world_from_lidar
   const Drive& drive = open.drive;
   if (open.masks_from == masks::MaskSource::carried) return FrameLabels(drive.frames.size());
   if (open.masks_from == masks::MaskSource::detected) return detected_in(open, progress);
-  return job.read.remove == Remove::moving ? masks::without_standing(drive, world_from_lidar) : drive.labels();
+  FrameLabels labels = job.read.remove == Remove::moving ? masks::without_standing(drive, world_from_lidar) : drive.labels();
+  return masks::continued_past_border(drive, std::move(labels), world_from_lidar, job.options.masks);
 }
 
 std::vector<traffic::Track> moving_in(const Recording& open, const Trajectory& world_from_lidar, const Job& job,
