@@ -23,8 +23,8 @@ from whole_run import DVI, ROOT, WORK, at_least_one, call, guarded, machine, say
 LENGTHS = (40, 80, 160, 320, 640, 1280, 2560)  # frames
 SOURCES, SOURCE_FRAMES = (1, 2, 4, 8, 16), 24   # drives beside the target, and how long each is
 SCENE = ("--width", 160, "--height", 90, "--beams", 16, "--columns", 450)
-# Small, so that drives of this size reach them.
-BOUNDS = ("--set", "job.memory_mb=96")
+# Small, so that drives of this size reach it.
+BOUNDS = ("--set", "job.memory_mb=250")
 FIGURES = ("CPU s a frame", "peak MB", "MB on disk a frame")
 
 
