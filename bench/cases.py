@@ -16,6 +16,7 @@ class Case:
     commands: tuple[tuple[str, ...], ...]  # arguments of dvi that make it
     truth: str  # folders inside the case's
     ignore: str = ""
+    drive: str = "drive"
     sources: tuple[str, ...] = ()  # further drives given to `dvi run`
     ablated: bool = False
 
@@ -48,13 +49,13 @@ def street(size: tuple[int, int] = (640, 360), frames: int = FRAMES) -> list[Cas
     def case(short: str, what: str, *commands: tuple[str, ...], sources: tuple[str, ...] = ()) -> Case:
         return Case(f"street-{short}", STREET, short, what, commands, "drive/truth", sources=sources, ablated=True)
 
-    far = ("holdout", "street", "-o", ".", "--scenario", "far", "--seed", "1", "--poses", "given")
+    far = ("holdout", "street", "-o", "far", "--scenario", "far", "--seed", "1", "--poses", "given")
     return [
         case("exact", "constant light, exact poses and calibration", synth("drive")),
         case("drift", "the exposure drifts from -12 % to +12 %", synth("drive", "--exposure-drift", "0.12")),
         case("jitter", "yaw and pitch of each image are off by up to 0.15 degrees", synth("drive", "--jitter-deg", "0.15")),
         case("lorry", "a lorry stays close ahead all the time", synth("drive", "--lorry")),
-        Case("street-far", STREET, "far", HELD_OUT["far"], (synth("street"), far), "truth", ignore="ignore"),
+        Case("street-far", STREET, "far", HELD_OUT["far"], (synth("street"), far), "far/truth", "far/ignore", "far/drive"),
         case("two-days", "the same lorry; a second drive on another day, in other light, to copy from",
              synth("drive", "--lorry"), synth("source", "--day", "2"), sources=("source",)),
     ]

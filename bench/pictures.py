@@ -123,7 +123,7 @@ def kinds(original: Image.Image, kind: np.ndarray) -> Image.Image:
 def tiles(outcome: Outcome, case: Case, scorer: Scorer, name: str) -> tuple[dict[str, Image.Image], np.ndarray]:
     """The pictures of a frame by title, and where it is scored."""
     folder, dvi = scorer.folder(case), scorer.result_folder(case, DVI.name)
-    images = next(path for path in sorted((folder / "drive/images").iterdir()) if path.is_dir())
+    images = next(path for path in sorted((folder / case.drive / "images").iterdir()) if path.is_dir())
     original = picture(images, name)
     shown = {"input": original, "truth": picture(folder / case.truth, name)}
     for method in outcome.compared():

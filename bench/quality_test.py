@@ -208,6 +208,14 @@ sys.exit(code)
         self.assertIn("**1 of 2 runs fail `dvi audit`** ([what failed](#what-failed)): telea on street-exact", text)
         self.assertIn("| street-exact | telea | fails the audit: outside: 1 pixels", text)
 
+    def test_every_street_can_be_made(self):
+        root = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        scorer = Scorer(DVI, root)
+        for case in cases.street((160, 90), 8):
+            scorer.make(case)
+            for folder in (case.truth, case.ignore, *scorer.drives(case, variants.DVI)):
+                self.assertTrue((scorer.folder(case) / folder).is_dir(), f"{case.name}: {folder}")
+
     def test_what_dvi_refuses_is_told(self):
         root = Path(self.enterContext(tempfile.TemporaryDirectory()))
         case = cases.Case("none", "none", "none", "none", (("holdout", "nowhere", "-o", "."),), "truth")

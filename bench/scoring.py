@@ -99,7 +99,7 @@ class Scorer:
         write_json(folder / "recipe.json", {"key": key, "commands": [" ".join(("dvi", *command)) for command in case.commands]})
 
     def drives(self, case: Case, variant: Variant) -> list[str]:
-        return ["drive", *(case.sources if variant.fusion else ())]
+        return [case.drive, *(case.sources if variant.fusion else ())]
 
     def run_arguments(self, case: Case, variant: Variant) -> list[str]:
         # Shadows would join the masks of the methods that know poses only: all fill the same pixels.
