@@ -1,5 +1,8 @@
 #include <malloc.h>
 
+#include <algorithm>
+#include <thread>
+
 #include <opencv2/core/utility.hpp>
 
 #include "dvi/cli/command.h"
@@ -12,6 +15,8 @@ int main(int argc, char** argv) {
   // eighth of all CPU time. Blocks above the largest threshold that glibc takes still go back to the system at once.
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 512 << 20);
+  // What one thread freed serves the others, too: glibc gives each a heap of its own, and all of them fill up with holes.
+  mallopt(M_ARENA_MAX, std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / 4));
   dvi::catch_interrupts();
   dvi::cli::Program program;
   program.group("Clean a drive");

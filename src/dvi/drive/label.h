@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -28,5 +30,8 @@ struct Label {
 
 /// The labels of each frame of a drive.
 using FrameLabels = std::vector<std::vector<Label>>;
+/// Of which a long drive has many: kept once, for all that read them.
+using SharedLabels = std::shared_ptr<const FrameLabels>;
+inline SharedLabels shared(FrameLabels labels) { return std::make_shared<const FrameLabels>(std::move(labels)); }
 
 }  // namespace dvi

@@ -45,7 +45,7 @@ struct MapInput {
   const Drive* drive = nullptr;
   Trajectory world_from_lidar;
   Lazy<cv::Mat1b> masks;                  ///< as drive->frames
-  FrameLabels objects{};                  ///< labels of what is removed, as drive->frames; empty: none
+  SharedLabels objects{};                 ///< labels of what is removed, as drive->frames; null: none
   std::vector<MapCamera> more_cameras{};  ///< whose sight of a point counts as much
   SE3 world_from_map{};                   ///< of drive->map, where there is one
 };

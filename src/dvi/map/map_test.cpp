@@ -133,7 +133,7 @@ TEST(BuildMap, DropsPointsInBoxes) {
   Drive drive = wall_drive();
   Label label;
   label.box = Box{{Eigen::Matrix3d::Identity(), {11, 0, 0}}, {2, 2, 2}};
-  const StaticMap map = build_map({{&drive, standing(), one_mask({0, 0, 1, 1}), {{label}}}}, {});
+  const StaticMap map = build_map({{&drive, standing(), one_mask({0, 0, 1, 1}), shared({{label}})}}, {});
   EXPECT_EQ(map.counts.boxed, 11);
   EXPECT_FALSE(has_point_at_x(map, 10.02F));
 }

@@ -72,8 +72,8 @@ class Filter {
 
  private:
   bool boxed(const NearestFrame& nearest, const Eigen::Vector3d& point) const {
-    if (input_.objects.empty()) return false;
-    return in_any_box(input_.objects[nearest.frame], nearest.lidar_from_world * point, options_.box_margin_m);
+    if (!input_.objects) return false;
+    return in_any_box((*input_.objects)[nearest.frame], nearest.lidar_from_world * point, options_.box_margin_m);
   }
 
   static void drop(const Eigen::Vector3d& point, Cause cause, std::size_t& count, FilteredScan& out) {

@@ -60,7 +60,7 @@ MaskSource default_mask_source(const Drive& drive) {
   return drive.has_labels() ? MaskSource::labels : MaskSource::found;
 }
 
-Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const FrameLabels& objects, const MaskOptions& options) {
+Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const SharedLabels& objects, const MaskOptions& options) {
   if (source == MaskSource::files) {
     if (drive.masks.empty())
       throw InputError(drive.path, "brings no mask files", "give --masks DIR, or --masks labels where it has labels");
@@ -71,7 +71,7 @@ Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const FrameLab
   return {drive.frames.size(),
           [objects, source, camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
             cv::Mat1b mask(camera.height, camera.width, uchar{0});
-            for (Label label : objects[i]) {
+            for (Label label : (*objects)[i]) {
               if (source == MaskSource::found) label.box.reset();  // outlines that were found reach down to the ground
               mask |= label_mask(label, camera, pose, options);
             }

@@ -42,7 +42,7 @@ MaskSource default_mask_source(const Drive& drive);
 /// What to remove from each frame, 255 = remove: the drive's mask files, or masks made from `objects` (as its frames). Of a
 /// labelled object the instance mask and the ground below its 3D box where there is one, else the hull of its projected 3D box,
 /// else its 2D box.
-Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const FrameLabels& objects, const MaskOptions& options);
+Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const SharedLabels& objects, const MaskOptions& options);
 
 /// The mask of one label in an image of the camera, neither grown nor clipped by others.
 cv::Mat1b label_mask(const Label& label, const Camera& camera, const SE3& camera_from_lidar, const MaskOptions& options);

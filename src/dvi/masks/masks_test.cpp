@@ -99,7 +99,7 @@ TEST(Masks, UnitesAndGrowsTheLabelsOfAFrame) {
   a.rect = cv::Rect2d(20, 20, 10, 10);
   b.rect = cv::Rect2d(100, 20, 10, 10);
   drive.frames[1].labels = {a, b};
-  const Lazy<cv::Mat1b> masks = find_masks(drive, MaskSource::labels, drive.labels(), {.dilate_px = 2});
+  const Lazy<cv::Mat1b> masks = find_masks(drive, MaskSource::labels, shared(drive.labels()), {.dilate_px = 2});
   EXPECT_EQ(cv::countNonZero(*masks[0]), 0);
   EXPECT_EQ((*masks[1])(25, 18), 255);
   EXPECT_EQ((*masks[1])(25, 17), 0);

@@ -49,14 +49,14 @@ std::shared_ptr<const traffic::Ground> Grounds::of(std::size_t recording) const 
   return ground;
 }
 
-FrameLabels seen_in_images(const Drive& drive, const Trajectory& world_from_lidar, const FrameLabels& labels,
+FrameLabels seen_in_images(const Drive& drive, const Trajectory& world_from_lidar, const SharedLabels& labels,
                            const std::vector<traffic::Track>& tracks, const Lazy<cv::Mat1b>& masks,
                            const std::shared_ptr<const traffic::Ground>& ground) {
   PosedFrames posed(drive, world_from_lidar, masks);
   posed.views.masks = traffic::whereabouts(posed.views, tracks, ground);
   const Lazy<cv::Mat1f> standing = traffic::standing_depth(drive, world_from_lidar, labels, posed.views, ground);
   const traffic::Comparison comparison(posed.views, standing, ground);
-  return traffic::followed_in_images(labels, tracks, comparison, world_from_lidar);
+  return traffic::followed_in_images(*labels, tracks, comparison, world_from_lidar);
 }
 
 Lazy<cv::Mat1b> compared(const Drive& drive, const Trajectory& world_from_lidar, const Lazy<cv::Mat1b>& masks,
@@ -66,9 +66,9 @@ Lazy<cv::Mat1b> compared(const Drive& drive, const Trajectory& world_from_lidar,
     return masks;
   }
   Lazy<cv::Mat1b> out = masks;
-  if (what.found != nullptr) {
+  if (what.found) {
     const PosedFrames posed(drive, world_from_lidar, out);
-    const Lazy<cv::Mat1f> standing = traffic::standing_depth(drive, world_from_lidar, *what.found, posed.views, ground);
+    const Lazy<cv::Mat1f> standing = traffic::standing_depth(drive, world_from_lidar, what.found, posed.views, ground);
     out = posed.of_frames(traffic::silhouettes(posed.views, standing, ground), out);
   }
   if (what.shadows) {

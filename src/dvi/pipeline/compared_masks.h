@@ -14,8 +14,8 @@ namespace dvi::pipeline {
 
 /// What to look for in the images round masks.
 struct Compared {
-  const FrameLabels* found = nullptr;  ///< where the masks are outlines of these, found in the scans: how the images end them
-  bool shadows = true;                 ///< cast by what is masked
+  SharedLabels found;   ///< where the masks are outlines of these, found in the scans: how the images end them
+  bool shadows = true;  ///< cast by what is masked
 };
 
 /// The ground of each drive, which its cameras share: made when it is first asked for. `drives` and `poses` must outlive this.
@@ -33,7 +33,7 @@ class Grounds {
 
 /// Labels of tracks that a drive's scans show (traffic::outlines(), which `masks` are drawn from), continued in its images;
 /// both as its frames.
-FrameLabels seen_in_images(const Drive& drive, const Trajectory& world_from_lidar, const FrameLabels& labels,
+FrameLabels seen_in_images(const Drive& drive, const Trajectory& world_from_lidar, const SharedLabels& labels,
                            const std::vector<traffic::Track>& tracks, const Lazy<cv::Mat1b>& masks,
                            const std::shared_ptr<const traffic::Ground>& ground);
 

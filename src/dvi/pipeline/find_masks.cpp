@@ -61,7 +61,7 @@ Lazy<cv::Mat1b> with_ego(const Recording& open, const Lazy<cv::Mat1b>& masks) {
   return {masks.size(), [masks, ego = open.ego_mask](std::size_t i) { return cv::Mat1b(*masks[i] | ego); }};
 }
 
-Lazy<cv::Mat1b> masks_of(const Recording& open, const FrameLabels& objects, const Job& job) {
+Lazy<cv::Mat1b> masks_of(const Recording& open, const SharedLabels& objects, const Job& job) {
   const Drive& drive = open.drive;
   if (!open.masks_from) return always_masked(open);
   const Lazy<cv::Mat1b> masks = find_masks(drive, *open.masks_from, objects, job.options.masks);
@@ -75,7 +75,7 @@ Lazy<cv::Mat1b> masks_of(const Recording& open, const FrameLabels& objects, cons
 Lazy<cv::Mat1b> not_labelled(const Recording& own, FrameLabels objects, const Drive& other, const Trajectory& world_from_lidar,
                              const Job& job) {
   for (std::vector<Label>& frame : objects) std::erase_if(frame, [](const Label& label) { return label.box.has_value(); });
-  return carried_masks(own.drive, masks_of(own, objects, job), other, world_from_lidar);
+  return carried_masks(own.drive, masks_of(own, shared(std::move(objects)), job), other, world_from_lidar);
 }
 
 bool has_boxes_with_tracks(const Drive& drive) {
@@ -113,15 +113,17 @@ Objects find_objects(const Recordings& drives, const Poses& poses, const Grounds
     const Trajectory& world_from_lidar = poses[i].world_from_lidar;
     if (job.read.remove == Remove::moving && !open.rig_of) warn_of_all_removed(open, world_from_lidar, progress);
     if (open.masks_from != masks::MaskSource::found) {
-      objects.push_back(objects_of(open, world_from_lidar, job, progress));
+      objects.push_back(shared(objects_of(open, world_from_lidar, job, progress)));
       continue;
     }
     const std::size_t drive = open.rig_of.value_or(i);
     const auto ground = grounds.of(i);
     if (drive == i) moving[i] = moving_in(open, world_from_lidar, job, ground.get(), progress);
-    FrameLabels seen = traffic::outlines(moving[drive], open.drive, world_from_lidar, job.options.masks.footprint_margin_m);
-    if (ground) seen = seen_in_images(open.drive, world_from_lidar, seen, moving[drive], masks_of(open, seen, job), ground);
-    objects.push_back(std::move(seen));
+    SharedLabels seen =
+        shared(traffic::outlines(moving[drive], open.drive, world_from_lidar, job.options.masks.footprint_margin_m));
+    if (ground)
+      seen = shared(seen_in_images(open.drive, world_from_lidar, seen, moving[drive], masks_of(open, seen, job), ground));
+    objects.push_back(seen);
   }
   return objects;
 }
@@ -139,12 +141,12 @@ Masks find_masks(const Recordings& drives, const Poses& poses, const Grounds& gr
     Lazy<cv::Mat1b> images = masks_of(drives[i], objects[i], job);
     const bool found = drives[i].masks_from == masks::MaskSource::found, shadows = job.options.masks.shadows;
     if (drives[i].masks_from && (found || shadows)) {
-      const Compared what{found ? &objects[i] : nullptr, shadows};
+      const Compared what{found ? objects[i] : nullptr, shadows};
       images = compared(drives[i].drive, world_from_lidar, images, what, grounds.of(i), progress);
     }
     if (drives[i].labelled_in_part) {
       const std::size_t own = *drives[i].rig_of;
-      const Lazy<cv::Mat1b> rest = not_labelled(drives[own], objects[own], drives[i].drive, world_from_lidar, job);
+      const Lazy<cv::Mat1b> rest = not_labelled(drives[own], *objects[own], drives[i].drive, world_from_lidar, job);
       images = {images.size(), [images, rest](std::size_t frame) { return cv::Mat1b(*images[frame] | *rest[frame]); }};
     }
     masks.push_back({images, objects[i]});
@@ -162,8 +164,8 @@ std::optional<StandingTracks> standing_tracks(const Recording& open, const Traje
     for (const Label& label : frame.labels)
       if (label.track >= 0) tracks.insert(label.track);
   out.tracks = tracks.size();
-  const Lazy<cv::Mat1b> now = masks_of(open, drive.labels(), job);
-  const Lazy<cv::Mat1b> then = masks_of(open, masks::without_standing(drive, world_from_lidar), job);
+  const Lazy<cv::Mat1b> now = masks_of(open, shared(drive.labels()), job);
+  const Lazy<cv::Mat1b> then = masks_of(open, shared(masks::without_standing(drive, world_from_lidar)), job);
   std::vector<std::size_t> pixels(now.size());
   parallel_for(pixels.size(),
                [&](std::size_t i) { pixels[i] = static_cast<std::size_t>(cv::countNonZero(cv::Mat1b(*now[i] & ~*then[i]))); });

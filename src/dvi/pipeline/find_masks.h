@@ -11,12 +11,12 @@
 namespace dvi::pipeline {
 
 /// Labels of what is removed, for each recording as its frames.
-using Objects = std::vector<FrameLabels>;
+using Objects = std::vector<SharedLabels>;
 
 /// What is removed from one drive.
 struct DriveMasks {
   Lazy<cv::Mat1b> images;  ///< as the drive's frames; 255 = remove
-  FrameLabels objects;     ///< labels of what is removed, as the drive's frames
+  SharedLabels objects;    ///< labels of what is removed, as the drive's frames
 };
 
 /// As the recordings.

@@ -45,7 +45,7 @@ TEST(StandingTracks, AreTheHoleThatRemoveMovingLeaves) {
   Recording only = labelled();
   for (Frame& frame : only.drive.frames) frame.labels.pop_back();
   const Lazy<cv::Mat1b> masks =
-      masks::find_masks(only.drive, masks::MaskSource::labels, only.drive.labels(), job.options.masks);
+      masks::find_masks(only.drive, masks::MaskSource::labels, shared(only.drive.labels()), job.options.masks);
   for (std::size_t i = 0; i < masks.size(); ++i) parked += static_cast<std::size_t>(cv::countNonZero(*masks[i]));
   EXPECT_GT(parked, 0U);
   EXPECT_EQ(found->pixels, parked);

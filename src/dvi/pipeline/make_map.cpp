@@ -54,7 +54,7 @@ std::string make_map(const Job& job, const std::string& trajectory, Progress& pr
   progress.begin("write", 0);
   const Drive& target = drives.front().drive;
   const fs::path out = job.out;
-  write_map_files(out, map, views, target, tracks_of(masks.front().objects, views, poses.front().world_from_lidar));
+  write_map_files(out, map, views, target, tracks_of(*masks.front().objects, views, poses.front().world_from_lidar));
   if (trajectory != "none")
     write_trajectory(out / "trajectory.txt", target, poses.front().world_from_lidar, trajectory == "tum");
   progress.end();

@@ -109,7 +109,7 @@ std::string make_masks(const Job& job, Progress& progress) {
                                       {"camera", drive.camera_name},
                                       {"source", mask_source(open)},
                                       {"remove", to_string(job.read.remove)},
-                                      {"tracks", tracks_json(open, found.objects, poses.front().world_from_lidar)},
+                                      {"tracks", tracks_json(open, *found.objects, poses.front().world_from_lidar)},
                                       {"frames", frames}});
   write_file(out / "masks.json", text + "\n");
   progress.end();

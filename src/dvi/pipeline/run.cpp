@@ -131,7 +131,7 @@ RunReport fill_and_complete(ResultFolder& out, const Plan& plan, const std::vect
                        .poses = plan.poses,
                        .cameras = plan.cameras,
                        .cpu = cpu,
-                       .objects = plan.objects.front()},
+                       .objects = *plan.objects.front()},
                       progress);
 }
 

@@ -43,7 +43,7 @@ RunReport run_baseline(const Job& job, Progress& progress, const FrameSink& sink
                      .smoothing = smoothing(job.options.smooth, cpu),
                      .write = out.writer(views, cameras, cpu, progress, sink.finished)});
   return out.complete(
-      {.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu, .objects = masks.front().objects},
+      {.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu, .objects = *masks.front().objects},
       progress);
 }
 

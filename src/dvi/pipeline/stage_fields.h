@@ -79,6 +79,16 @@ constexpr auto fields_of(Of<Label>) {
   return std::tuple{&Label::track, &Label::type, &Label::box, &Label::rect, &Label::instance};
 }
 
+template <class Archive, class T>
+void pass_parts(Archive& archive, T& labels, Of<SharedLabels>) {
+  if constexpr (std::is_const_v<T>) {
+    pass(archive, *labels);
+  } else {
+    FrameLabels read;
+    pass(archive, read);
+    labels = shared(std::move(read));
+  }
+}
 constexpr auto fields_of(Of<map::MapPoint>) {
   using map::MapPoint;
   return std::tuple{&MapPoint::position, &MapPoint::intensity, &MapPoint::count, &MapPoint::first,

@@ -52,7 +52,7 @@ struct BlindStreet {
     return out;
   }
   Comparison comparison(const Views& views, const FrameLabels& labels) const {
-    return {views, standing_depth(drive, drive.poses, labels, views, ground), ground};
+    return {views, standing_depth(drive, drive.poses, shared(labels), views, ground), ground};
   }
   cv::Mat1b drawn(const std::vector<Label>& labels) const {
     cv::Mat1b mask(scene->camera().height, scene->camera().width, uchar{0});

@@ -38,7 +38,8 @@ struct Filmed {
   // What is found where the outlines are these.
   cv::Mat1b found(const std::vector<cv::Mat1b>& outlines) const {
     const Views seen = memory_views(views, images, outlines);
-    const Lazy<cv::Mat1f> standing = standing_depth(plain.drive, plain.drive.poses, FrameLabels(views.size()), seen, ground);
+    const Lazy<cv::Mat1f> standing =
+        standing_depth(plain.drive, plain.drive.poses, shared(FrameLabels(views.size())), seen, ground);
     return silhouettes(seen, standing, ground)[kFrame]->clone();
   }
   std::vector<cv::Mat1b> wider(int by) const {
@@ -159,7 +160,7 @@ TEST(StandingDepth, SeesPastWhatIsInBoxes) {
       label.box = Box{SE3{Eigen::Matrix3d::Identity(), {10 - 0.8 * static_cast<double>(i), 0, -0.5}}, {1, 2.2, 1.4}};
       labels[i].push_back(label);
     }
-    return standing_depth(plain.drive, plain.drive.poses, labels, views, ground)[0]->clone();
+    return standing_depth(plain.drive, plain.drive.poses, shared(labels), views, ground)[0]->clone();
   };
   const cv::Point low(80, 46);  // half size: 0.5 m below the sensor at 10 m
   EXPECT_NEAR(depth_with(false)(low), 10, 0.1);

@@ -24,7 +24,7 @@ using StandingReturns = std::vector<Eigen::Vector3f>;
 struct Source {
   Drive drive;
   Trajectory world_from_lidar;
-  FrameLabels objects;
+  SharedLabels objects;
   std::shared_ptr<const Ground> ground;
 
   StandingReturns operator()(std::size_t scan) const {
@@ -53,7 +53,7 @@ struct Source {
     if (nearest == drive.frames.end()) return boxes;
     const auto pose = world_from_lidar.at(nearest->time_ns);
     if (!pose) return boxes;
-    for (const Label& label : objects[static_cast<std::size_t>(nearest - drive.frames.begin())])
+    for (const Label& label : (*objects)[static_cast<std::size_t>(nearest - drive.frames.begin())])
       if (label.box) boxes.push_back({*pose * label.box->frame_from_box, label.box->size});
     return boxes;
   }
@@ -80,7 +80,7 @@ void fill_gaps(cv::Mat1f& depth) {
 
 }  // namespace
 
-Lazy<cv::Mat1f> standing_depth(const Drive& drive, const Trajectory& world_from_lidar, const FrameLabels& objects,
+Lazy<cv::Mat1f> standing_depth(const Drive& drive, const Trajectory& world_from_lidar, const SharedLabels& objects,
                                const Views& views, const std::shared_ptr<const Ground>& ground) {
   const Lazy<StandingReturns> returns(drive.scan_headers.size(), Source{drive, world_from_lidar, objects, ground});
   return {views.size(), [=, headers = drive.scan_headers, list = views.views](std::size_t i) {
