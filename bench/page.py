@@ -14,7 +14,7 @@ from variants import DVI, Variant, applies
 
 TREE = Path(__file__).resolve().parent.parent
 READING = TREE / "docs/benchmarks-reading.md"  # written by hand
-ORIGINS = {"copied": "copied", "interpolated": "interpolated", "synthesised": "never seen", "empty": "left empty"}
+ORIGINS = {"copied": "copied", "interpolated": "interpolated", "synthesised": "synthesised", "empty": "left empty"}
 
 
 @dataclass
@@ -97,8 +97,8 @@ drives are synthetic streets with exact truth, and real drives into which `dvi h
 - Receipts: {audited(outcome)}
 
 [metrics.md](metrics.md) defines every figure. All methods are scored on the same pixels, and **copied**, **interpolated** and
-**never seen** refer to the result of `dvi`: pixels copied from another frame, interpolated from their
-surroundings, or seen by no frame. Intervals are 95 %, by bootstrap over frames. `-` is undefined.
+**synthesised** refer to the result of `dvi`: pixels copied from another frame, and of those that no frame saw the ones
+interpolated from their surroundings and the ones with ground made up for the drive. Intervals are 95 %, by bootstrap over frames. `-` is undefined.
 """
 
 
@@ -218,7 +218,7 @@ def shown(text: str) -> str:
 def crops_note(names: dict[str, str]) -> str:
     return (f"Above: frame {names['median']}, where the error of `dvi` is its median, where most is scored. "
             f"Below: frame {names['worst']}, its worst, where it errs most. In the last tile green is copied, blue copied from "
-            "another drive, yellow interpolated, red never seen.\n")
+            "another drive, yellow interpolated, red synthesised.\n")
 
 
 HOW = """## Another program, another drive
