@@ -100,11 +100,13 @@ def plot_ablations(outcome: Outcome, file: Path) -> None:
 
 
 def densest(weight: np.ndarray, size: tuple[int, int]) -> tuple[int, int, int, int]:
-    """The box (left, top, right, bottom) of this width and height, or the image's if less, with the largest sum."""
+    """The box (left, top, right, bottom) of this width and height, or the image's if less, with the largest sum; of several
+    the one amid them, so that what is smaller stands in its middle."""
     height, width = min(size[1], weight.shape[0]), min(size[0], weight.shape[1])
     sums = np.pad(weight.astype(np.float64).cumsum(0).cumsum(1), ((1, 0), (1, 0)))
     inside = sums[height:, width:] - sums[:-height, width:] - sums[height:, :-width] + sums[:-height, :-width]
-    top, left = np.unravel_index(inside.argmax(), inside.shape)
+    best = np.argwhere(inside == inside.max())
+    top, left = best[np.abs(best - best.mean(axis=0)).sum(axis=1).argmin()]
     return int(left), int(top), int(left) + width, int(top) + height
 
 

@@ -11,7 +11,9 @@ import variants
 from tables import cell, delta, interval, share_of, table
 
 try:
+    import numpy as np
     import page
+    import pictures
     import quality
     from scoring import Failed, Scorer, picture_names
     MISSING = ""
@@ -121,6 +123,15 @@ class Arguments(unittest.TestCase):
         self.assertIn(f"| {fusion.name} | n/a | 0 |", text)
         self.assertIn(f"left out: {second.name}.", text)
         self.assertNotIn(f"| {second.name} |", text)
+
+    def test_crops_hold_what_weighs_most_in_their_middle(self):
+        weight = np.zeros((100, 200), bool)
+        weight[40:60, 90:120] = True
+        self.assertEqual(pictures.densest(weight, (50, 40)), (80, 30, 130, 70))
+        weight[40:60, 120:180] = True  # larger than the box
+        left, top, right, bottom = pictures.densest(weight, (50, 40))
+        self.assertTrue(weight[top:bottom, left:right].sum() == 20 * 50)
+        self.assertEqual(pictures.densest(weight, (300, 300)), (0, 0, 200, 100))
 
     def test_pictures_are_of_the_median_and_the_worst_frame(self):
         frames = [{"name": name, "all": {"mae": mae, "pixels": 1}} for name, mae in (("a", 9.0), ("b", 1.0), ("c", 3.0))]
