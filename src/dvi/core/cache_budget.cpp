@@ -2,6 +2,9 @@
 
 #include <malloc.h>
 
+#include <algorithm>
+#include <iterator>
+
 namespace dvi {
 namespace {
 
@@ -19,7 +22,7 @@ const std::shared_ptr<CacheBudget>& CacheBudget::of_process() {
 // which others of their size do not always fill.
 void CacheBudget::destroy(Items dropped) {
   std::size_t bytes = 0;
-  for (const Item& item : dropped) bytes += item.size;
+  for (const auto& [rank, item] : dropped) bytes += item.size;
   dropped.clear();
   freed_ += bytes;
   if (bytes == 0 || freed_ < kTrimAfter) return;
@@ -27,11 +30,22 @@ void CacheBudget::destroy(Items dropped) {
   malloc_trim(0);
 }
 
+CacheBudget::Items::iterator CacheBudget::drop(Items::iterator item, Items& dropped) {
+  used_ -= item->second.size;
+  by_key_.erase(item->second.key);
+  const auto next = std::next(item);
+  dropped.insert(items_.extract(item));
+  return next;
+}
+
 void CacheBudget::drop_beyond_bound(Items& dropped) {
-  while (used_ > bound_ && items_.size() > 1) {
-    used_ -= items_.back().size;
-    by_key_.erase(items_.back().key);
-    dropped.splice(dropped.end(), items_, std::prev(items_.end()));
+  for (auto item = items_.begin(); used_ > bound_ && item != items_.end();) {
+    if (item->second.key == newest_) {
+      ++item;
+      continue;
+    }
+    dropped_rank_ = std::max(dropped_rank_, item->first);
+    item = drop(item, dropped);
   }
 }
 
@@ -54,16 +68,19 @@ CacheBudget::Value CacheBudget::find(const void* cache, std::size_t index) {
   const std::lock_guard lock(mutex_);
   const auto it = by_key_.find({cache, index});
   if (it == by_key_.end()) return nullptr;
-  items_.splice(items_.begin(), items_, it->second);
-  return it->second->value;
+  auto item = items_.extract(it->second);
+  item.key() = dropped_rank_ + item.mapped().cost_per_byte;
+  it->second = items_.insert(std::move(item));
+  return it->second->second.value;
 }
 
-void CacheBudget::keep(const void* cache, std::size_t index, Value value, std::size_t size) {
+void CacheBudget::keep(const void* cache, std::size_t index, Value value, std::size_t size, double cost) {
+  const double cost_per_byte = cost / static_cast<double>(std::max<std::size_t>(size, 1));
   Items dropped;
   {
     const std::lock_guard lock(mutex_);
-    items_.push_front({{cache, index}, std::move(value), size});
-    by_key_[items_.front().key] = items_.begin();
+    newest_ = {cache, index};
+    by_key_[newest_] = items_.emplace(dropped_rank_ + cost_per_byte, Item{newest_, std::move(value), size, cost_per_byte});
     used_ += size;
     drop_beyond_bound(dropped);
   }
@@ -76,10 +93,7 @@ void CacheBudget::forget(const void* cache, std::size_t count) {
     const std::lock_guard lock(mutex_);
     for (std::size_t i = 0; i < count; ++i) {
       const auto it = by_key_.find({cache, i});
-      if (it == by_key_.end()) continue;
-      used_ -= it->second->size;
-      dropped.splice(dropped.end(), items_, it->second);
-      by_key_.erase(it);
+      if (it != by_key_.end()) drop(it->second, dropped);
     }
   }
   destroy(std::move(dropped));

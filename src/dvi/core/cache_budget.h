@@ -2,7 +2,7 @@
 
 #include <atomic>
 #include <cstddef>
-#include <list>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <type_traits>
@@ -33,8 +33,10 @@ std::size_t bytes_of(const T& item) {
   }
 }
 
-/// Keeps items of many caches as long as their sizes together stay within a bound; beyond it, the item used least recently
-/// of all caches is dropped first. Every operation takes constant time. Safe to use from several threads.
+/// Keeps items of many caches as long as their sizes together stay within a bound. Beyond it, what is cheap to make again for
+/// its size goes first, and of what costs as much, what was used least recently: GreedyDual-Size (Cao and Irani, 1997). An item
+/// ranks by its cost per byte plus the rank of what was dropped last, at each use anew, so that none stays for ever. Every
+/// operation takes logarithmic time. Safe to use from several threads.
 class CacheBudget {
  public:
   using Value = std::shared_ptr<const void>;
@@ -50,8 +52,9 @@ class CacheBudget {
 
   /// The item if it is kept; it counts as used from now on.
   Value find(const void* cache, std::size_t index);
-  /// Keeps an item that is not kept yet. The newest item is never dropped, whatever its size.
-  void keep(const void* cache, std::size_t index, Value value, std::size_t size);
+  /// Keeps an item that is not kept yet. The newest item is never dropped, whatever its size. `cost`: of making it, in any
+  /// unit.
+  void keep(const void* cache, std::size_t index, Value value, std::size_t size, double cost);
   /// Drops what it keeps of a cache with so many items.
   void forget(const void* cache, std::size_t count);
 
@@ -66,16 +69,20 @@ class CacheBudget {
     Key key;
     Value value;
     std::size_t size = 0;
+    double cost_per_byte = 0;
   };
-  using Items = std::list<Item>;
+  using Items = std::multimap<double, Item>;  // by rank, the older first of those that rank alike
 
+  Items::iterator drop(Items::iterator item, Items& dropped);
   void drop_beyond_bound(Items& dropped);
   void destroy(Items dropped);
 
   mutable std::mutex mutex_;
   std::size_t bound_, used_ = 0;
   std::atomic<std::size_t> freed_ = 0;  // bytes since the heap was trimmed
-  Items items_;                         // the most recently used first
+  double dropped_rank_ = 0;             // the highest
+  Key newest_;
+  Items items_;
   std::unordered_map<Key, Items::iterator, KeyHash> by_key_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <functional>
@@ -15,8 +16,8 @@
 
 namespace dvi {
 
-/// A sequence whose items are made on demand and kept within the budget that all sequences share, least recently used first
-/// out. Copies share the items. Safe to read from many threads; an item is made by one of them while the others wait.
+/// A sequence whose items are made on demand and kept within the budget that all sequences share: what takes long to make stays
+/// longer. Copies share the items. Safe to read from many threads; an item is made by one of them while the others wait.
 template <class T>
 class Lazy {
  public:
@@ -27,11 +28,13 @@ class Lazy {
   Lazy(std::size_t count, Make make)
       : state_(std::make_shared<State>(count, std::move(make), CacheBudget::of_process(),
                                        [](const T& item) { return bytes_of(item); })) {}
-  /// Apart from the shared budget: keeps up to `capacity` items, whatever their size.
+  /// Apart from the shared budget: keeps the `capacity` items used last, whatever their size.
   Lazy(std::size_t count, std::size_t capacity, Make make)
       : state_(std::make_shared<State>(count, std::move(make),
                                        std::make_shared<CacheBudget>(std::max<std::size_t>(capacity, 1)),
-                                       [](const T&) { return std::size_t{1}; })) {}
+                                       [](const T&) { return std::size_t{1}; })) {
+    state_->alike = true;
+  }
   /// Items that others keep: `find` is asked each time.
   static Lazy through(std::size_t count, Find find) {
     Lazy out(count, 1, nullptr);
@@ -52,6 +55,7 @@ class Lazy {
     s.in_work.insert(i);
     lock.unlock();
     std::shared_ptr<const T> value;
+    const auto start = std::chrono::steady_clock::now();
     try {
       // Isolated, so that a thread waiting inside does not pick up a task that waits for this very item.
       tbb::this_task_arena::isolate([&] { value = std::make_shared<const T>(s.make(i)); });
@@ -61,7 +65,7 @@ class Lazy {
       s.changed.notify_all();
       throw;
     }
-    s.budget->keep(&s, i, value, s.size_of(*value));
+    s.budget->keep(&s, i, value, s.size_of(*value), s.alike ? 1 : seconds_since(start));
     lock.lock();
     s.in_work.erase(i);
     s.changed.notify_all();
@@ -69,6 +73,11 @@ class Lazy {
   }
 
  private:
+  // Not less than a millisecond: below, a clock tells more of the machine than of the work.
+  static double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::max(1e-3, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+
   struct State {
     State(std::size_t n, Make m, std::shared_ptr<CacheBudget> b, std::function<std::size_t(const T&)> size)
         : count(n), make(std::move(m)), budget(std::move(b)), size_of(std::move(size)) {}
@@ -81,6 +90,7 @@ class Lazy {
     Find find;
     std::shared_ptr<CacheBudget> budget;
     std::function<std::size_t(const T&)> size_of;
+    bool alike = false;  // all count as much
     std::mutex mutex;
     std::condition_variable changed;
     std::set<std::size_t> in_work;

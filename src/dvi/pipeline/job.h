@@ -69,7 +69,7 @@ struct Job {
   std::vector<std::string> sources;  ///< source drives of the same street
   ReadChoice read;
   Method method = Method::dvi;
-  int memory_mb = 1200;  ///< of the whole program, megabytes; how they are shared: describe()
+  int memory_mb = 2000;  ///< of the whole program, megabytes; how they are shared: describe()
   Options options;
   bool force = false;
 
