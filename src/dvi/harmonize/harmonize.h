@@ -33,7 +33,7 @@ struct HarmonizeOptions {
   void describe(OptionTable& table) {
     table.section("harmonize");
     table.add("never_seen", never_seen,
-              "Pixels that no frame saw: synthesise (interpolated, with the texture of the surfaces of the drive, kind 4), "
+              "Pixels that no frame saw: synthesise (interpolated, with the texture of the ground or grain, kind 4), "
               "interpolate (kind 3), or leave (black, kind 5).");
     table.developer();
     table.add("poisson", poisson, "Blend copies seamlessly into their surroundings (eq. 5); false copies colours unchanged.");

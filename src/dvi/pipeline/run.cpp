@@ -31,6 +31,7 @@ using harmonize::DayLight, harmonize::FilledFrame, harmonize::NeverSeen;
 using map::StaticMap, map::VisibleMap;
 using regularize::Labelling;
 using sample::Candidates;
+using synthesize::Grain;
 using synthesize::Surfaces;
 
 namespace {
@@ -78,6 +79,7 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
   const std::optional<Surfaces> surfaces = options.harmonize.never_seen == NeverSeen::synthesise
                                                ? std::optional<Surfaces>(std::in_place, plan.map, views, depths.visibility)
                                                : std::nullopt;
+  const Grain grain(views);
   const auto fill = [&](std::size_t i) {
     const DepthMap depth =
         cpu.time("plane_sweep", plane_sweep::plane_sweep, *depths.maps[i], views, i, depths.visibility, options.plane_sweep);
@@ -91,7 +93,7 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
         cpu.time("sample", sample::sample_known, labels.candidates, views, i, depth, depths.visibility, options.sample);
     FilledFrame frame = cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, light,
                                  options.harmonize, known);  // 3.6, eq. 5
-    if (surfaces) frame = cpu.time("synthesize", synthesize::synthesize, frame, views[i], depth, *surfaces);
+    if (surfaces) frame = cpu.time("synthesize", synthesize::synthesize, frame, views[i], depth, *surfaces, grain);
     return FilledView{std::move(frame), labels.energy};
   };
   progress.begin("fill", frames.size());

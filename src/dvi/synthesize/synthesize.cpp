@@ -13,6 +13,7 @@
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
+#include "dvi/synthesize/grain.h"
 #include "dvi/synthesize/range.h"
 #include "dvi/synthesize/surfaces.h"
 
@@ -23,11 +24,14 @@ using harmonize::Kind;
 
 constexpr int kRing = 6;  // px round what is synthesised in which light and texture are compared
 
-/// How much of the contrast of what the surfaces show is used. What is made up is to look real, not to stand out, and where a
-/// pixel covers a metre of the ground, its height and the offsets are off by more than a pixel.
+// Of the contrast of what surfaces and surroundings show: what is made up is to look real, not to stand out.
+constexpr float kContrast = 0.6F, kGrain = 0.75F;
+
+/// How much of the contrast of what the surfaces show is used. Where a pixel covers a metre of the ground, its height and the
+/// offsets are off by more than a pixel.
 float share_of(float span) {
-  constexpr float kMost = 0.6F, kFine = 0.5F, kTooCoarse = 1;  // metres
-  return kMost * std::clamp((kTooCoarse - span) / (kTooCoarse - kFine), 0.0F, 1.0F);
+  constexpr float kFine = 0.5F, kTooCoarse = 1;  // metres
+  return kContrast * std::clamp((kTooCoarse - span) / (kTooCoarse - kFine), 0.0F, 1.0F);
 }
 
 /// The fine contrast of what was known or copied near each pixel, in grey levels.
@@ -136,13 +140,12 @@ std::vector<cv::Vec3f> light(const Texture& texture, const cv::Mat1b& wanted, co
 }  // namespace
 
 harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const View& view, const depth::DepthMap& depth,
-                                  const Surfaces& surfaces) {
+                                  const Surfaces& surfaces, const Grain& grain) {
   const cv::Mat1b wanted(frame.kind == static_cast<uchar>(Kind::interpolated));
   if (cv::countNonZero(wanted) == 0) return frame;
   const Texture texture = texture_of(frame, wanted, view, depth, surfaces);
-  const Region region(cv::Mat1b(wanted & texture.known));
-  if (region.size() == 0) return frame;
-  const std::vector<cv::Vec3f> lights = light(texture, wanted, region);
+  const Region region(wanted), textured(cv::Mat1b(wanted & texture.known));
+  const std::vector<cv::Vec3f> lights = light(texture, wanted, textured), grains = grain.at(frame, region, view, depth);
   harmonize::FilledFrame out = frame;
   for (cv::Mat* changed : std::initializer_list<cv::Mat*>{&out.colour, &out.kind, &out.confidence}) *changed = changed->clone();
   cv::Mat1f distance;
@@ -153,8 +156,8 @@ harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const Vie
   for (std::size_t i = 0; i < region.size(); ++i) {
     const cv::Point p = region.pixels[i];
     const float share = texture.share(p);
-    if (!(share > 0)) continue;
-    const cv::Vec3f colour = (1 - share) * frame.colour(p) + share * (texture.colour(p) + lights[i]);
+    cv::Vec3f colour = frame.colour(p) + kGrain * (1 - share / kContrast) * grains[i];
+    if (share > 0) colour += share * (texture.colour(p) + lights[textured.index(p)] - frame.colour(p));
     out.colour(p) = ranges[i].clamped(colour);
     out.kind(p) = static_cast<uchar>(Kind::synthesised);
     out.confidence(p) = static_cast<uchar>(std::lround(255 * synthesised_confidence(distance(p), contrast(p))));

@@ -3,13 +3,14 @@
 #include "dvi/depth/depth_map.h"
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
+#include "dvi/synthesize/grain.h"
 #include "dvi/synthesize/surfaces.h"
 
 namespace dvi::synthesize {
 
-/// Gives interpolated pixels the texture of the surfaces that lie there, kind synthesised; those of which nothing is known stay
-/// as they are. The interpolation keeps the low frequencies, which continue what surrounds the hole.
+/// Gives interpolated pixels the texture of the surfaces that lie there, and grain where nothing is known of these: kind
+/// synthesised. The interpolation keeps the low frequencies, which continue what surrounds the hole.
 harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const View& view, const depth::DepthMap& depth,
-                                  const Surfaces& surfaces);
+                                  const Surfaces& surfaces, const Grain& grain);
 
 }  // namespace dvi::synthesize

@@ -82,7 +82,7 @@ struct Street {
     const Views all = memory_views(views, images, masks);
     const Lazy<depth::VisibilityMap> visibility(views.size(),
                                                 [&](std::size_t i) { return depth::visibility_map(depth(), *all.masks[i]); });
-    return synthesize(frame, all[8], depth(), Surfaces(map, all, visibility));
+    return synthesize(frame, all[8], depth(), Surfaces(map, all, visibility), Grain(all));
   }
 };
 
@@ -158,12 +158,29 @@ TEST(Synthesize, ConfidenceFallsWithTheContrastOfWhatIsSeenAround) {
   EXPECT_LT(plain, 255);
 }
 
-TEST(Synthesize, WithoutGroundNothingIsMadeUp) {
+TEST(Synthesize, WithoutGroundPlainSurroundingsStayPlain) {
   Street street;
   street.map.points.clear();
-  const harmonize::FilledFrame before = street.interpolated(), after = street.run(before);
-  EXPECT_EQ(cv::norm(before.colour, after.colour, cv::NORM_INF), 0);
-  EXPECT_EQ(cv::norm(before.kind, after.kind, cv::NORM_INF), 0);
+  harmonize::FilledFrame before = street.interpolated();
+  before.colour.setTo(cv::Scalar::all(110));
+  const harmonize::FilledFrame after = street.run(before);
+  EXPECT_LT(cv::norm(before.colour, after.colour, cv::NORM_INF), 0.01);
+  EXPECT_EQ(cv::countNonZero(cv::Mat1b(after.kind == static_cast<uchar>(Kind::synthesised)) != before.mask), 0);
+}
+
+TEST(Synthesize, WithoutGroundGrainFollowsTheSurroundings) {
+  Street street;
+  street.map.points.clear();
+  harmonize::FilledFrame frame = street.interpolated();
+  for (int y = 0; y < frame.colour.rows; ++y)
+    for (int x = 0; x < frame.colour.cols; ++x)
+      if (frame.mask(y, x) == 0) frame.colour(y, x) = cv::Vec3f::all((x / 2 + y / 2) % 2 == 0 ? 95.0F : 125.0F);
+  const harmonize::FilledFrame after = street.run(frame);
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(after.colour, mean, deviation, frame.mask);
+  EXPECT_GT(deviation[1], 3);
+  EXPECT_LT(deviation[1], 15);
+  EXPECT_NEAR(mean[1], 110, 2);
 }
 
 TEST(Synthesize, AHoleOfTheWholeFrameIsFilledWithNumbers) {

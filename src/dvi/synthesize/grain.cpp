@@ -1,0 +1,131 @@
+#include "dvi/synthesize/grain.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/core/random.h"
+
+namespace dvi::synthesize {
+namespace {
+
+constexpr int kOctaves = 4;
+constexpr int kSmaller = 4;  // contrast changes slowly: a value for so many pixels each way
+
+/// Means of what `weight` tells; far from all of it, `otherwise`.
+cv::Mat1f smoothed(const cv::Mat& image, const cv::Mat1f& weight, double sigma_x, double sigma_y, float otherwise = 0) {
+  constexpr float kNothing = 1e-6F;
+  cv::Mat sum, all;
+  cv::multiply(image, weight, sum);
+  cv::GaussianBlur(sum, sum, {}, sigma_x, sigma_y);
+  cv::GaussianBlur(weight, all, {}, sigma_x, sigma_y);
+  cv::divide(sum + kNothing * otherwise, all + kNothing, sum);
+  return {sum};
+}
+
+cv::Mat1f smaller(const cv::Mat1f& image) {
+  cv::Mat1f out;
+  const cv::Size size((image.cols + kSmaller - 1) / kSmaller, (image.rows + kSmaller - 1) / kSmaller);
+  cv::resize(image, out, size, 0, 0, cv::INTER_AREA);
+  return out;
+}
+
+/// Standard deviation of each octave of what is known near each pixel, made smaller. The harmonic mean of what is found there:
+/// on a wall with cars before it grain stands out, among leaves the lack of some does not.
+std::array<cv::Mat1f, kOctaves> contrasts(const cv::Mat1f& grey, const cv::Mat1f& known) {
+  constexpr double kAlongRows = 40, kAlongColumns = 12;  // px; what is beside a pixel is more often of its surface
+  constexpr float kMeanToSigma = 1.25F;                  // of the absolute values of a normal distribution
+  constexpr float kLeast = 0.5F;                         // grey levels: rounding alone
+  const cv::Mat1f count = smaller(known);
+  std::array<cv::Mat1f, kOctaves> out;
+  cv::Mat1f finer = grey;
+  for (int octave = 0; octave < kOctaves; ++octave) {
+    const double sigma = 1 << octave;
+    const cv::Mat1f coarser = smoothed(grey, known, sigma, sigma);
+    const cv::Mat1f here = smoothed(cv::Mat(cv::abs(finer - coarser)), known, 2 * sigma, 2 * sigma);
+    cv::Mat1f inverse;
+    cv::divide(1, kMeanToSigma * here + kLeast, inverse);
+    inverse = smoothed(smaller(inverse), count, kAlongRows / kSmaller, kAlongColumns / kSmaller, 1 / kLeast);
+    cv::divide(1, inverse, out[octave]);
+    out[octave] -= kLeast;
+    finer = coarser;
+  }
+  return out;
+}
+
+/// A number between -1 and 1 for each corner of a lattice.
+float at_corner(std::uint64_t seed, const Eigen::Matrix<std::int64_t, 3, 1>& corner) {
+  for (const std::int64_t c : corner) seed = Random(seed ^ static_cast<std::uint64_t>(c)).next();
+  return static_cast<float>(Random(seed).uniform(-1, 1));
+}
+
+/// Smooth noise with cells of 1, standard deviation 1 on average.
+float noise(const Eigen::Vector3d& place, std::uint64_t seed) {
+  constexpr float kToOne = 2.7F;  // corners have sqrt(1 / 3), of which between eight of them sqrt(0.41) is left
+  const Eigen::Array3d low = place.array().floor(), in = place.array() - low, s = in * in * (3 - 2 * in);
+  double sum = 0;
+  for (int k = 0; k < 8; ++k) {
+    const Eigen::Matrix<std::int64_t, 3, 1> side(k & 1, k >> 1 & 1, k >> 2);
+    double weight = 1;
+    for (int a = 0; a < 3; ++a) weight *= side[a] != 0 ? s[a] : 1 - s[a];
+    sum += weight * at_corner(seed, low.cast<std::int64_t>().matrix() + side);
+  }
+  return kToOne * static_cast<float>(sum);
+}
+
+}  // namespace
+
+Grain::Grain(const Views& views) {
+  constexpr double kStep = 10;  // metres
+  const auto [first, last] = views.of_sequence(0);
+  for (std::size_t i = first; i < last; ++i) {
+    const SE3 world_from_camera = views[i].camera_from_world.inverse();
+    const Eigen::Vector3d& centre = world_from_camera.t;
+    way_.push_back(i == first ? 0 : way_.back() + (centre - centres_.back()).norm() / kStep);
+    centres_.push_back(centre);
+    if (i == first) places_ = {centre - kStep * world_from_camera.R.col(2)};
+    while (way_.back() >= static_cast<double>(places_.size() - 1)) places_.push_back(centre);
+  }
+}
+
+std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Region& region, const View& view,
+                                 const depth::DepthMap& depth) const {
+  constexpr double kCell = 1.5;      // px of the finest octave's cells
+  constexpr double kFarthest = 200;  // metres; also where nothing is known
+  constexpr float kDark = 8;         // grey levels, from which on contrast goes with the light
+  cv::Mat1f known(frame.kind.size(), 0.0F), grey;
+  known.setTo(1, frame.kind < static_cast<uchar>(harmonize::Kind::interpolated));
+  cv::transform(frame.colour, grey, cv::Matx13f::all(1.0F / 3));
+  const std::array<cv::Mat1f, kOctaves> contrast = contrasts(grey, known);
+  const SE3 world_from_camera = view.camera_from_world.inverse();
+  const auto nearest = std::min_element(centres_.begin(), centres_.end(), [&](const auto& a, const auto& b) {
+    return (a - world_from_camera.t).squaredNorm() < (b - world_from_camera.t).squaredNorm();
+  });
+  // From one panorama to the next; both lie behind the camera.
+  const double way = way_[static_cast<std::size_t>(nearest - centres_.begin())], turn = way - std::floor(way);
+  const auto before = static_cast<std::size_t>(way);
+  const std::array<float, 2> share{std::cos(static_cast<float>(turn * std::numbers::pi / 2)),
+                                   std::sin(static_cast<float>(turn * std::numbers::pi / 2))};  // keep the deviation
+  std::vector<cv::Vec3f> out;
+  out.reserve(region.size());
+  for (const cv::Point p : region.pixels) {
+    const double z = depth::DepthMap::is_solid(depth.z(p)) ? std::min<double>(depth.z(p), kFarthest) : kFarthest;
+    const Eigen::Vector3d at = world_from_camera * Eigen::Vector3d(z * view.camera.ray({p.x, p.y}));
+    float sum = 0;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Eigen::Vector3d direction = (at - places_[before + side]).normalized() * (view.camera.fx / kCell);
+      for (int octave = 0; octave < kOctaves; ++octave)
+        sum += share[side] * contrast[octave](p / kSmaller) *
+               noise(direction * std::exp2(-octave), (before + side) * kOctaves + static_cast<std::size_t>(octave));
+    }
+    out.push_back(frame.colour(p) * (sum / std::max(grey(p), kDark)));
+  }
+  return out;
+}
+
+}  // namespace dvi::synthesize

@@ -1,0 +1,121 @@
+#include "dvi/synthesize/grain.h"
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "dvi/drive/memory_views.h"
+
+namespace dvi::synthesize {
+namespace {
+
+using harmonize::Kind;
+
+constexpr int kColumns = 240, kRows = 80;
+constexpr double kDistance = 40;  // metres from the first view to the wall ahead
+
+/// Cameras that look at a wall and come a metre nearer with each view.
+View before_the_wall(int i) {
+  View view;
+  view.camera = {kColumns, kRows, 250, 250, 119.5, 39.5, {}};
+  view.camera_from_world.t = Eigen::Vector3d(0, 0, -i);
+  return view;
+}
+
+Views views_of(int count) {
+  std::vector<View> views;
+  for (int i = 0; i < count; ++i) views.push_back(before_the_wall(i));
+  return memory_views(views, std::vector<cv::Mat3b>(views.size()), std::vector<cv::Mat1b>(views.size()));
+}
+
+depth::DepthMap wall(int i) {
+  return {cv::Mat1f(kRows, kColumns, static_cast<float>(kDistance - i)), cv::Mat1f(kRows, kColumns, 0.1F)};
+}
+
+/// A frame of a pattern of so much contrast, with a hole in the middle.
+harmonize::FilledFrame frame_of(float contrast, const cv::Rect& hole) {
+  harmonize::FilledFrame frame;
+  frame.colour = cv::Mat3f(kRows, kColumns, cv::Vec3f::all(120));
+  for (int y = 0; y < kRows; ++y)
+    for (int x = 0; x < kColumns; ++x)
+      if (!hole.contains({x, y})) frame.colour(y, x) += cv::Vec3f::all((x / 2 + y / 2) % 2 == 0 ? contrast : -contrast);
+  frame.mask = cv::Mat1b(kRows, kColumns, uchar{0});
+  frame.mask(hole).setTo(255);
+  frame.kind = cv::Mat1b(frame.mask / 255 * static_cast<uchar>(Kind::interpolated));
+  return frame;
+}
+
+cv::Mat1f grain_of(const Views& views, int i, const harmonize::FilledFrame& frame) {
+  const Region region(frame.mask);
+  const std::vector<cv::Vec3f> found = Grain(views).at(frame, region, views[static_cast<std::size_t>(i)], wall(i));
+  cv::Mat1f out(frame.mask.size(), 0.0F);
+  for (std::size_t k = 0; k < region.size(); ++k) out(region.pixels[k]) = found[k][1];
+  return out;
+}
+
+double deviation_of(const cv::Mat1f& image, const cv::Mat1b& mask) {
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(image, mean, deviation, mask);
+  return deviation[0];
+}
+
+const cv::Rect kHole(80, 20, 80, 40);
+
+TEST(Grain, IsAsStrongAsWhatSurroundsTheHole) {
+  const Views views = views_of(12);
+  double before = -1;
+  for (const float contrast : {0.0F, 5.0F, 10.0F, 20.0F}) {
+    const harmonize::FilledFrame frame = frame_of(contrast, kHole);
+    const double deviation = deviation_of(grain_of(views, 5, frame), frame.mask);
+    EXPECT_GT(deviation, before);
+    EXPECT_LE(deviation, 1.2 * contrast + 0.01);
+    before = deviation;
+  }
+  EXPECT_GT(before, 10);
+}
+
+TEST(Grain, StaysOnTheSurfaceAsTheCameraComesNearer) {
+  const Views views = views_of(12);
+  const harmonize::FilledFrame frame = frame_of(10, kHole);
+  const cv::Mat1f a = grain_of(views, 4, frame), b = grain_of(views, 5, frame);
+  double both = 0, first = 0, second = 0, still = 0;
+  const double nearer = (kDistance - 4) / (kDistance - 5);  // the picture grows by so much
+  for (int y = 24; y < 56; ++y)
+    for (int x = 84; x < 156; ++x) {
+      const int u = static_cast<int>(std::lround(119.5 + nearer * (x - 119.5)));
+      const int v = static_cast<int>(std::lround(39.5 + nearer * (y - 39.5)));
+      both += a(y, x) * b(v, u);
+      still += a(y, x) * b(y, x);
+      first += a(y, x) * a(y, x);
+      second += b(v, u) * b(v, u);
+    }
+  EXPECT_GT(both / std::sqrt(first * second), 0.75);
+  EXPECT_GT(both, still);
+}
+
+TEST(Grain, IsTheSameEachTime) {
+  const harmonize::FilledFrame frame = frame_of(10, kHole);
+  EXPECT_EQ(cv::norm(grain_of(views_of(12), 7, frame), grain_of(views_of(12), 7, frame), cv::NORM_INF), 0);
+}
+
+TEST(Grain, OneViewWithoutDepthHasSomeToo) {
+  const Views views = views_of(1);
+  const harmonize::FilledFrame frame = frame_of(10, kHole);
+  const Region region(frame.mask);
+  const depth::DepthMap unknown{cv::Mat1f(kRows, kColumns, depth::DepthMap::kUnknown), cv::Mat1f(kRows, kColumns, 0.0F)};
+  double square = 0;
+  for (const cv::Vec3f& g : Grain(views).at(frame, region, views[0], unknown)) square += g[1] * g[1];
+  EXPECT_GT(std::sqrt(square / static_cast<double>(region.size())), 2);
+}
+
+TEST(Grain, WhereNothingIsKnownThereIsNone) {
+  const Views views = views_of(3);
+  const harmonize::FilledFrame frame = frame_of(10, {0, 0, kColumns, kRows});
+  EXPECT_LT(cv::norm(grain_of(views, 1, frame), cv::NORM_INF), 1e-3);
+}
+
+}  // namespace
+}  // namespace dvi::synthesize
