@@ -34,6 +34,8 @@ ALLOWED = {
 # The data that stages hand on, and the one way to look at the static map: all that a stage may know of an earlier one.
 TYPES = [
     "map/static_map.h",
+    "map/ground.h",
+    "map/road.h",
     "map/visible_points.h",
     "depth/depth_map.h",
     "depth/visibility_map.h",

@@ -9,6 +9,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/depth/depths.h"
+#include "dvi/map/ground.h"
 #include "dvi/pipeline/doubt_setup.h"
 #include "dvi/pipeline/make_map.h"
 #include "dvi/pipeline/make_views.h"
@@ -28,7 +29,7 @@ using align::Cameras;
 using depth::DepthMap, depth::Depths;
 using exposure::Gains;
 using harmonize::DayLight, harmonize::FilledFrame, harmonize::NeverSeen;
-using map::StaticMap, map::VisibleMap;
+using map::Ground, map::StaticMap, map::VisibleMap;
 using regularize::Labelling;
 using sample::Candidates;
 using synthesize::Grain;
@@ -76,8 +77,9 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
   const Depths depths(views, [&](std::size_t i) {  // 3.3
     return cpu.time("depth", depth::depth_map, plan.map, views[i], options.depth);
   });
+  const Ground ground(plan.map, views);
   const std::optional<Surfaces> surfaces = options.harmonize.never_seen == NeverSeen::synthesise
-                                               ? std::optional<Surfaces>(std::in_place, plan.map, views, depths.visibility)
+                                               ? std::optional<Surfaces>(std::in_place, ground, views, depths.visibility)
                                                : std::nullopt;
   const Grain grain(views);
   const auto fill = [&](std::size_t i) {

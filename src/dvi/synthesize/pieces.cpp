@@ -13,8 +13,8 @@
 #include "dvi/depth/visibility_map.h"
 #include "dvi/drive/view.h"
 #include "dvi/image/interpolate.h"
-#include "dvi/synthesize/ground.h"
-#include "dvi/synthesize/road.h"
+#include "dvi/map/ground.h"
+#include "dvi/map/road.h"
 #include "dvi/synthesize/sheet.h"
 
 namespace dvi::synthesize {
@@ -51,7 +51,8 @@ std::vector<Lookup> shown(const Painter& painter, const std::vector<std::size_t>
 
 }  // namespace
 
-Painter::Painter(const Views& of, const Lazy<depth::VisibilityMap>& seen, const Road& road) : views(&of), visibility(seen) {
+Painter::Painter(const Views& of, const Lazy<depth::VisibilityMap>& seen, const map::Road& road)
+    : views(&of), visibility(seen) {
   const auto [first, last] = of.of_sequence(0);
   for (std::size_t i = first; i < last; ++i) {
     const auto at = road.locate(of[i].camera_from_world.inverse().t.head<2>());
@@ -76,7 +77,7 @@ std::vector<std::size_t> Painter::between(double first, double last, double near
 namespace {
 
 // Of the ground from `first` metres, as long as `columns`.
-Sheet paint_ground(const Painter& painter, const Road& road, const Ground& ground, double first, int columns) {
+Sheet paint_ground(const Painter& painter, const map::Ground& ground, double first, int columns) {
   constexpr double kNearest = 4, kFarthest = 60, kBest = 8;  // metres from the camera
   const double cell = GroundSheets::kCell, middle = first + columns * cell / 2;
   Sheet sheet({columns, cells(2 * GroundSheets::kWide, cell)});
@@ -85,7 +86,7 @@ Sheet paint_ground(const Painter& painter, const Road& road, const Ground& groun
     const double along = first + (x + 0.5) * cell;
     for (int y = 0; y < sheet.known.rows; ++y) {
       const double left = (y + 0.5) * cell - GroundSheets::kWide;
-      const Eigen::Vector2d place = road.place(along, left);
+      const Eigen::Vector2d place = ground.road().place(along, left);
       const Eigen::Vector3d world(place.x(), place.y(), ground.height(along, left));
       for (const Lookup& view : views)
         if (const auto colour = view.colour(world, kNearest - 1)) {
@@ -133,11 +134,11 @@ Sheet joined(const Lazy<Sheet>& pieces, std::size_t from, std::size_t to) {
 
 }  // namespace
 
-GroundSheets::GroundSheets(const Painter& painter, const Road& road, const Ground& ground) {
+GroundSheets::GroundSheets(const Painter& painter, const map::Ground& ground) {
   constexpr double kReach = 2;  // metres of surroundings that offsets are judged by
-  const auto count = static_cast<std::size_t>(road.length() / kPiece);
+  const auto count = static_cast<std::size_t>(ground.road().length() / kPiece);
   const Lazy<Sheet> painted(count, [=](std::size_t i) {
-    return paint_ground(painter, road, ground, static_cast<double>(i) * kPiece, cells(kPiece, kCell));
+    return paint_ground(painter, ground, static_cast<double>(i) * kPiece, cells(kPiece, kCell));
   });
   pieces = {count, [=](std::size_t i) {
               const std::size_t from = i - std::min<std::size_t>(i, 1), to = std::min(i + 1, count - 1);

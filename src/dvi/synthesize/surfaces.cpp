@@ -15,27 +15,18 @@
 #include "dvi/drive/view.h"
 #include "dvi/geometry/se3.h"
 #include "dvi/image/region.h"
-#include "dvi/map/static_map.h"
-#include "dvi/synthesize/ground.h"
+#include "dvi/map/ground.h"
 #include "dvi/synthesize/pieces.h"
-#include "dvi/synthesize/road.h"
 #include "dvi/synthesize/sheet.h"
 
 namespace dvi::synthesize {
 
 struct Surfaces::Pieces {
-  Road road;
-  Ground height;
-  GroundSheets ground;
+  map::Ground ground;
+  GroundSheets sheets;
 
-  Pieces(const map::StaticMap& map, const Views& views, const Lazy<depth::VisibilityMap>& visibility)
-      : Pieces(map, views, visibility, Road(views)) {}
-
- private:
-  Pieces(const map::StaticMap& map, const Views& views, const Lazy<depth::VisibilityMap>& visibility, const Road& way)
-      : Pieces(Painter(views, visibility, way), way, Ground(map, way, views)) {}
-  Pieces(const Painter& painter, const Road& way, const Ground& level)
-      : road(way), height(level), ground(painter, way, level) {}
+  Pieces(const map::Ground& level, const Views& views, const Lazy<depth::VisibilityMap>& visibility)
+      : ground(level), sheets(Painter(views, visibility, level.road()), level) {}
 };
 
 namespace {
@@ -69,18 +60,18 @@ struct OnGround {
 
 }  // namespace
 
-Surfaces::Surfaces(const map::StaticMap& map, const Views& views, const Lazy<depth::VisibilityMap>& visibility)
-    : pieces_(std::make_shared<const Pieces>(map, views, visibility)) {}
+Surfaces::Surfaces(const map::Ground& ground, const Views& views, const Lazy<depth::VisibilityMap>& visibility)
+    : pieces_(std::make_shared<const Pieces>(ground, views, visibility)) {}
 
 namespace {
 
-std::optional<OnGround> on_ground(const Ray& ray, const Road& road, const Ground& ground, double height) {
+std::optional<OnGround> on_ground(const Ray& ray, const map::Ground& ground, double height) {
   OnGround out;
   for (int round = 0; round < 4; ++round) {
     if (ray.along.z() >= -1e-3) return std::nullopt;
     out.z = (height - ray.from.z()) / ray.along.z();
     if (!(out.z > 0) || out.z > 1.5 * kGroundReach) return std::nullopt;
-    const auto at = road.locate((ray.from + out.z * ray.along).head<2>());
+    const auto at = ground.road().locate((ray.from + out.z * ray.along).head<2>());
     if (!at || std::abs(at->y()) >= GroundSheets::kWide - 0.1) return std::nullopt;
     out.at = *at;
     height = ground.height(at->x(), at->y());
@@ -117,27 +108,27 @@ Shown mean_of_ground(Held& pieces, std::size_t count, const Eigen::Vector2d& at,
 }  // namespace
 
 std::vector<Shown> Surfaces::look_up(const View& view, const Region& region, const depth::DepthMap& depth) const {
-  const Pieces& of = *pieces_;
+  const map::Ground& ground = pieces_->ground;
   std::vector<Shown> out(region.size());
   const SE3 world_from_camera = view.camera_from_world.inverse();
-  const auto here = of.road.locate(world_from_camera.t.head<2>());
-  if (!here || !of.height.found() || view.sensor != Sensor::lidar) return out;
-  Held pieces(of.ground.pieces);
+  const auto here = ground.road().locate(world_from_camera.t.head<2>());
+  if (!here || !ground.found() || view.sensor != Sensor::lidar) return out;
+  Held pieces(pieces_->sheets.pieces);
   const auto ground_at = [&](double x, double y, double height) {
-    return on_ground({world_from_camera.t, world_from_camera.R * view.camera.ray({x, y})}, of.road, of.height, height);
+    return on_ground({world_from_camera.t, world_from_camera.R * view.camera.ray({x, y})}, ground, height);
   };
-  const double below = of.height.height(here->x(), 0);
+  const double below = ground.height(here->x(), 0);
   for (std::size_t i = 0; i < region.size(); ++i) {
     const cv::Point p = region.pixels[i];
     const auto at = ground_at(p.x, p.y, below);
     if (!at) continue;
-    const double height = of.height.height(at->at.x(), at->at.y());
+    const double height = ground.height(at->at.x(), at->at.y());
     const float z = depth.z(p);
     const Eigen::Vector3d seen = world_from_camera * Eigen::Vector3d(z * view.camera.ray(Eigen::Vector2d(p.x, p.y)));
     if (depth::DepthMap::is_surface(z) && seen.z() > height + kStands) continue;
     const auto right = ground_at(p.x + 1, p.y, height), down = ground_at(p.x, p.y + 1, height);
     if (!right || !down) continue;
-    out[i] = mean_of_ground(pieces, of.ground.pieces.size(), at->at, right->at - at->at, down->at - at->at);
+    out[i] = mean_of_ground(pieces, pieces_->sheets.pieces.size(), at->at, right->at - at->at, down->at - at->at);
     for (int c = 0; c < 3; ++c) out[i].colour[c] /= view.gain[c];
   }
   return out;

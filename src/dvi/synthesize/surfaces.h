@@ -10,7 +10,7 @@
 #include "dvi/depth/visibility_map.h"
 #include "dvi/drive/view.h"
 #include "dvi/image/region.h"
-#include "dvi/map/static_map.h"
+#include "dvi/map/ground.h"
 
 namespace dvi::synthesize {
 
@@ -24,7 +24,7 @@ struct Shown {
 /// every frame looks up the same.
 class Surfaces {
  public:
-  Surfaces(const map::StaticMap& map, const Views& views, const Lazy<depth::VisibilityMap>& visibility);
+  Surfaces(const map::Ground& ground, const Views& views, const Lazy<depth::VisibilityMap>& visibility);
 
   /// What it shows at the pixels of a region of a view: where the ray meets the ground, unless by `depth` something stands
   /// before it.

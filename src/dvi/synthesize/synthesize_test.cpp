@@ -9,7 +9,8 @@
 
 #include "dvi/drive/memory_views.h"
 #include "dvi/image/region.h"
-#include "dvi/synthesize/road.h"
+#include "dvi/map/ground.h"
+#include "dvi/map/static_map.h"
 
 namespace dvi::synthesize {
 namespace {
@@ -82,7 +83,7 @@ struct Street {
     const Views all = memory_views(views, images, masks);
     const Lazy<depth::VisibilityMap> visibility(views.size(),
                                                 [&](std::size_t i) { return depth::visibility_map(depth(), *all.masks[i]); });
-    return synthesize(frame, all[8], depth(), Surfaces(map, all, visibility), Grain(all));
+    return synthesize(frame, all[8], depth(), Surfaces(map::Ground(map, all), all, visibility), Grain(all));
   }
 };
 
@@ -198,26 +199,6 @@ TEST(Synthesize, AFrameWithoutAHoleStays) {
   harmonize::FilledFrame frame = street.interpolated();
   frame.kind.setTo(0);
   EXPECT_EQ(cv::norm(street.run(frame).colour, frame.colour, cv::NORM_INF), 0);
-}
-
-TEST(Road, FindsPlacesAgainInABend) {
-  std::vector<View> views;
-  for (int i = 0; i < 60; ++i) {
-    const double angle = 0.02 * i;
-    View view = looking_ahead(0);
-    view.camera_from_world.t =
-        -(view.camera_from_world.R * Eigen::Vector3d(50 * std::sin(angle), 50 * (1 - std::cos(angle)), 0));
-    views.push_back(view);
-  }
-  const Road road(memory_views(views, std::vector<cv::Mat3b>(60), std::vector<cv::Mat1b>(60)));
-  for (double along = 5; along < road.length() - 5; along += 3.7)
-    for (const double left : {-9.0, -1.5, 0.0, 4.0, 9.0}) {
-      const auto found = road.locate(road.place(along, left));
-      ASSERT_TRUE(found);
-      EXPECT_NEAR(found->x(), along, 0.05);
-      EXPECT_NEAR(found->y(), left, 0.05);
-    }
-  EXPECT_FALSE(road.locate({-500, 800}));
 }
 
 }  // namespace

@@ -1,27 +1,32 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "dvi/map/static_map.h"
-#include "dvi/synthesize/road.h"
+#include "dvi/map/road.h"
 
-namespace dvi::synthesize {
+namespace dvi::map {
 
-/// Height of the ground along the road, from the map's level surfaces.
+/// Height of the ground along the target's road, from the map's level surfaces.
 class Ground {
  public:
-  Ground(const map::StaticMap& map, const Road& road, const Views& views);
+  Ground(const StaticMap& map, const Views& views);
 
   /// Whether there is any: level surfaces below the cameras.
   bool found() const { return !lane_.empty(); }
+  const Road& road() const { return road_; }
   /// Metres, world axes.
   double height(double along, double left) const;
+  /// The same below or above a place of the world; none beyond the road's reach.
+  std::optional<double> height(const Eigen::Vector2d& place) const;
 
  private:
   double square(int along, int left) const;
 
+  Road road_;
   std::vector<float> lane_;    // by kSquare of the way
   std::vector<float> beside_;  // relative to it, kAcross a square of the way
 };
 
-}  // namespace dvi::synthesize
+}  // namespace dvi::map

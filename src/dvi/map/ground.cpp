@@ -1,16 +1,17 @@
-#include "dvi/synthesize/ground.h"
+#include "dvi/map/ground.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "dvi/core/median.h"
 #include "dvi/drive/view.h"
 #include "dvi/map/static_map.h"
-#include "dvi/synthesize/road.h"
+#include "dvi/map/road.h"
 
-namespace dvi::synthesize {
+namespace dvi::map {
 namespace {
 
 constexpr double kSquare = 2;  // metres
@@ -33,8 +34,8 @@ struct Mean {
 int index(double metres) { return static_cast<int>(std::floor(metres / kSquare)); }
 
 template <class Visit>
-void for_level_points(const map::StaticMap& map, const Road& road, const Visit& visit) {
-  for (const map::MapPoint& point : map.points) {
+void for_level_points(const StaticMap& map, const Road& road, const Visit& visit) {
+  for (const MapPoint& point : map.points) {
     if (point.normal.z() < kLevel) continue;
     const Eigen::Vector3d x = point.position.cast<double>();
     if (const auto at = road.locate(x.head<2>())) visit(*at, x.z());
@@ -61,31 +62,31 @@ std::vector<float> filled(const std::vector<Mean>& means) {
 
 }  // namespace
 
-Ground::Ground(const map::StaticMap& map, const Road& road, const Views& views) {
-  std::vector<float> cameras(index(road.length()) + 1);  // a height by square: of the nearest camera of the way
+Ground::Ground(const StaticMap& map, const Views& views) : road_(views) {
+  std::vector<float> cameras(index(road_.length()) + 1);  // a height by square: of the nearest camera of the way
   std::vector<Mean> heights(cameras.size()), lane(cameras.size());
   const auto [first, last] = views.of_sequence(0);
   for (std::size_t i = first; i < last; ++i) {
     const Eigen::Vector3d centre = views[i].camera_from_world.inverse().t;
-    if (const auto at = road.locate(centre.head<2>()))
+    if (const auto at = road_.locate(centre.head<2>()))
       for (int k = 0; k < kLeast; ++k) heights[index(at->x())].add(centre.z());
   }
   cameras = filled(heights);
   if (cameras.empty()) return;
   // The road: level, and below the camera by what most of it is.
   std::vector<float> below;
-  for_level_points(map, road, [&](const Eigen::Vector2d& at, double z) {
+  for_level_points(map, road_, [&](const Eigen::Vector2d& at, double z) {
     if (std::abs(at.y()) < kLane && below.size() < 1000000) below.push_back(cameras[index(at.x())] - static_cast<float>(z));
   });
   const double usual = median(below);
   if (usual < kLowest || usual > kHighest) return;
-  for_level_points(map, road, [&](const Eigen::Vector2d& at, double z) {
+  for_level_points(map, road_, [&](const Eigen::Vector2d& at, double z) {
     if (std::abs(at.y()) < kLane && std::abs(cameras[index(at.x())] - usual - z) < 1) lane[index(at.x())].add(z);
   });
   lane_ = filled(lane);
   if (lane_.empty()) return;
   std::vector<Mean> beside(lane_.size() * kAcross);
-  for_level_points(map, road, [&](const Eigen::Vector2d& at, double z) {
+  for_level_points(map, road_, [&](const Eigen::Vector2d& at, double z) {
     const int i = index(at.x()), j = std::clamp(index(at.y() + Road::kReach), 0, kAcross - 1);
     const double rise = z - lane_[i];
     if (std::abs(rise) < kKerb + kSlope * std::abs(at.y())) beside[static_cast<std::size_t>(i) * kAcross + j].add(rise);
@@ -116,4 +117,9 @@ double Ground::height(double along, double left) const {
          (square(i, j + 1) * (1 - u) + square(i + 1, j + 1) * u) * v;
 }
 
-}  // namespace dvi::synthesize
+std::optional<double> Ground::height(const Eigen::Vector2d& place) const {
+  const std::optional<Eigen::Vector2d> at = road_.locate(place);
+  return at && found() ? std::optional(height(at->x(), at->y())) : std::nullopt;
+}
+
+}  // namespace dvi::map

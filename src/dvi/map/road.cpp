@@ -1,4 +1,4 @@
-#include "dvi/synthesize/road.h"
+#include "dvi/map/road.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "dvi/drive/view.h"
 
-namespace dvi::synthesize {
+namespace dvi::map {
 namespace {
 
 constexpr double kStep = 0.5;  // metres: a camera that moved less stands
@@ -107,4 +107,4 @@ std::optional<Eigen::Vector2d> Road::locate(const Eigen::Vector2d& place) const 
   return Eigen::Vector2d(along, off.dot(Eigen::Vector2d(-d.y(), d.x())));
 }
 
-}  // namespace dvi::synthesize
+}  // namespace dvi::map

@@ -9,7 +9,7 @@
 
 #include "dvi/drive/view.h"
 
-namespace dvi::synthesize {
+namespace dvi::map {
 
 /// Coordinates along the road: metres along the way of a drive's cameras, and to the left of it. The way goes on straight
 /// before its first and behind its last camera.
@@ -36,4 +36,4 @@ class Road {
   std::map<Square, std::vector<int>> near_;
 };
 
-}  // namespace dvi::synthesize
+}  // namespace dvi::map
