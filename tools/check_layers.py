@@ -42,6 +42,7 @@ TYPES = [
     "sample/candidates.h",
     "regularize/labelling.h",
     "harmonize/filled_frame.h",
+    "harmonize/surface_class.h",
 ]
 
 # Seconds of compile time an include: these stay in .cpp files.

@@ -19,6 +19,7 @@
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/harmonize/fuse.h"
 #include "dvi/harmonize/known_copies.h"
+#include "dvi/harmonize/surface_class.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
@@ -45,7 +46,7 @@ cv::Mat1b where(const cv::Mat1b& image, Value value) {
 
 /// The hole with what lies round it, all that filling it looks at. Pixels are those of the box.
 struct Window {
-  Window(const Fused& fused, const depth::DepthMap& depths) : copies(fused.candidates) {
+  Window(const Fused& fused, const depth::DepthMap& depths, const cv::Mat1b& surface_classes) : copies(fused.candidates) {
     const Region& hole = copies.hole;
     if (hole.pixels.empty()) return;
     const cv::Rect within = cv::boundingRect(hole.pixels);
@@ -53,17 +54,20 @@ struct Window {
     index = hole.index(box);
     depth = depths.z(box).clone();
     depth.setTo(dvi::depth::DepthMap::kInfinity, fused.sky(box));
+    classes = surface_classes.empty() ? cv::Mat1b(box.size(), static_cast<uchar>(SurfaceClass::unknown)) : surface_classes(box);
   }
 
   const sample::Candidates& copies;
   cv::Rect box;
-  cv::Mat1i index;  ///< of hole.pixels, or -1
-  cv::Mat1f depth;  ///< as DepthMap::z; the sky that another drive shows is at infinity
+  cv::Mat1i index;    ///< of hole.pixels, or -1
+  cv::Mat1f depth;    ///< as DepthMap::z; the sky that another drive shows is at infinity
+  cv::Mat1b classes;  ///< SurfaceClass
 
   std::size_t size() const { return copies.leading.size(); }
   cv::Point pixel(std::size_t i) const { return copies.hole.pixels[i] - box.tl(); }
   bool never_seen(cv::Point p) const { return index(p) >= 0 && !copies.leading[index(p)].found(); }
   bool never_seen_sky(cv::Point p) const { return depth(p) == depth::DepthMap::kInfinity && never_seen(p); }
+  SurfaceClass class_of(cv::Point p) const { return static_cast<SurfaceClass>(classes(p)); }
 };
 
 cv::Mat1b roles_of(const Window& window, Role copied, Role unseen) {
@@ -120,6 +124,12 @@ std::vector<Part> parts_of(const Window& window, const cv::Mat1b& roles, cv::Mat
 struct Guidance {
   bool seams = true;   ///< between pixels of different sources: the gradient these show
   float vertical = 1;  ///< weight of vertical neighbours against horizontal ones
+  cv::Mat1f below{};   ///< the same by pixel, of the neighbour below; empty: everywhere `vertical`
+
+  float weight(cv::Point p, cv::Point q) const {
+    if (p.y == q.y) return 1;
+    return below.empty() ? vertical : below(p.y < q.y ? p : q);
+  }
 };
 
 /// Eq. 5 for the pixels to be solved. `colour` holds the fixed ones.
@@ -139,9 +149,11 @@ class Equation {
     // Two days differ along the rim of the hole in more than light: shadows, parked cars, the sky. Such a difference fades over
     // 10 px, 1 / sqrt(kHold); beyond, the gains are right to a few grey levels.
     constexpr float kAnchor = 1e-4F, kHold = 1e-2F;
-    // Neither the sky nor what stands before it goes on in the other. Not 0: it may have no other neighbour.
+    // Sky, ground and what stands upright do not go on in each other. Not 0: one may have no other neighbour.
     constexpr float kSilhouette = 1e-3F;
     PoissonSystem out{Region(where(roles_, Role::solved)), {}, {}, guidance_.vertical};
+    if (!guidance_.below.empty())
+      for (const cv::Point p : out.region.pixels) out.below.push_back(guidance_.below(p));
     out.diagonal.reserve(out.region.size());
     out.right.reserve(out.region.size());
     for (const cv::Point p : out.region.pixels) {
@@ -152,7 +164,7 @@ class Equation {
       if (copied && guidance_.seams) right += copies_.seam[i];
       for (const cv::Point q : around(p)) {
         if (!inside(roles_, q) || roles_(q) == static_cast<uchar>(Role::absent)) continue;
-        const float weight = (q.y == p.y ? 1 : guidance_.vertical) * (silhouette(p, q) ? kSilhouette : 1);
+        const float weight = guidance_.weight(p, q) * (silhouette(p, q) ? kSilhouette : 1);
         diagonal += weight;
         right += weight * pull(i, q);
       }
@@ -168,10 +180,10 @@ class Equation {
   }
 
  private:
-  /// Whether p, without a source, or its neighbour, which is fixed, is sky and the other is not.
+  /// Whether p, without a source, and its neighbour, which is fixed, are of different classes or only one of them is sky.
   bool silhouette(cv::Point p, cv::Point q) const {
     if (roles_(q) != static_cast<uchar>(Role::fixed) || !window_.never_seen(p)) return false;
-    if (!window_.never_seen_sky(p)) return window_.never_seen_sky(q);
+    if (!window_.never_seen_sky(p)) return window_.never_seen_sky(q) || differ(window_.class_of(p), window_.class_of(q));
     return depth::DepthMap::is_solid(window_.depth(q)) || sky_.clamped(colour_(q)) != colour_(q);
   }
 
@@ -211,17 +223,44 @@ void fill(const Window& window, const Copies& copies, cv::Mat1b& roles, const Gu
     for (int c = 0; c < 3; ++c) colour(system.region.pixels[k])[c] = std::clamp(x[k][c], 0.0F, 255.0F);
 }
 
-/// Fills what has no source from what has: first the sky, then what stands before it. Tells what was filled.
-cv::Mat1b interpolate(const Window& window, const Copies& copies, const Guidance& guidance, cv::Mat3f& colour) {
+/// How smooth the ground is along columns, against rows: a membrane that lies on it. A pixel is (distance / height of the
+/// camera) times as long as it is wide, and a membrane's weights go with the square of that.
+cv::Mat1f smoothness_of_ground(const Window& window, const View& view) {
+  constexpr double kAlong = 4;     // along the road colours change half as fast as across it
+  constexpr double kLeast = 0.01;  // near the horizon, where the ground may rise
+  const Eigen::Matrix3d world_from_camera = view.camera_from_world.R.transpose();
+  cv::Mat1f out(window.box.size(), 1.0F);
+  for (std::size_t i = 0; i < window.size(); ++i) {
+    const cv::Point p = window.pixel(i), in_image = p + window.box.tl();
+    if (window.class_of(p) != SurfaceClass::ground) continue;
+    const double descent = (world_from_camera * view.camera.ray(Eigen::Vector2d(in_image.x, in_image.y))).z();
+    out(p) = static_cast<float>(std::clamp(kAlong * descent * descent, kLeast, 1.0));
+  }
+  return out;
+}
+
+/// Fills what has no source from what has: the sky, the ground, then what stands before them. Tells what was filled.
+cv::Mat1b interpolate(const Window& window, const Copies& copies, const View& view, const HarmonizeOptions& options,
+                      cv::Mat3f& colour) {
   if (window.size() == 0) return {};
-  cv::Mat1b sky = roles_of(window, Role::fixed, Role::absent);
-  for (std::size_t i = 0; i < window.size(); ++i)
-    if (window.never_seen_sky(window.pixel(i))) sky(window.pixel(i)) = static_cast<uchar>(Role::solved);
-  fill(window, copies, sky, guidance, colour);
-  cv::Mat1b roles = roles_of(window, Role::fixed, Role::solved);
-  roles.setTo(static_cast<uchar>(Role::fixed), where(sky, Role::solved));
-  fill(window, copies, roles, guidance, colour);
-  roles.setTo(static_cast<uchar>(Role::solved), where(sky, Role::solved));
+  const Guidance plain{options.seam_gradients, static_cast<float>(options.never_seen_vertical)};
+  Guidance level = plain;
+  level.below = smoothness_of_ground(window, view);
+  cv::Mat1b filled(window.box.size(), uchar{0});
+  const auto fill_where = [&](const auto& wanted, const Guidance& guidance) {
+    cv::Mat1b roles = roles_of(window, Role::fixed, Role::absent);
+    roles.setTo(static_cast<uchar>(Role::fixed), filled);
+    for (std::size_t i = 0; i < window.size(); ++i)
+      if (const cv::Point p = window.pixel(i); window.never_seen(p) && filled(p) == 0 && wanted(p))
+        roles(p) = static_cast<uchar>(Role::solved);
+    fill(window, copies, roles, guidance, colour);
+    filled |= where(roles, Role::solved);
+  };
+  fill_where([&](cv::Point p) { return window.never_seen_sky(p); }, plain);
+  fill_where([&](cv::Point p) { return window.class_of(p) == SurfaceClass::ground; }, level);
+  fill_where([](cv::Point) { return true; }, plain);
+  cv::Mat1b roles = roles_of(window, Role::fixed, Role::absent);
+  roles.setTo(static_cast<uchar>(Role::solved), filled);
   return roles;
 }
 
@@ -270,8 +309,8 @@ void write_confidence(const Fused& fused, const Window& window, const Views& vie
 }  // namespace
 
 FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std::size_t target, const depth::DepthMap& depth,
-                      const DayLight& light, const HarmonizeOptions& options, const sample::Candidates& known) {
-  const Fused fused = fuse(sampled, views, target, light);
+                      const Surroundings& around, const HarmonizeOptions& options) {
+  const Fused fused = fuse(sampled, views, target, around.light);
   const sample::Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
   const cv::Size size = hole.index.size();
@@ -285,24 +324,23 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
   out.depth = depth.z.clone();
   out.gain = views[target].gain;
 
-  const Copies copies = copy(fused, views, target, depth, light);
+  const Copies copies = copy(fused, views, target, depth, around.light);
   for (std::size_t i = 0; i < hole.size(); ++i) out.colour(hole.pixels[i]) = copies.colour[i];
   const Role copied = options.poisson ? Role::solved : Role::fixed;
   const Role unseen = options.never_seen == NeverSeen::leave ? Role::absent : Role::solved;
-  const Window window(fused, depth);
+  const Window window(fused, depth, around.classes);
   cv::Mat3f colour = out.colour(window.box);
   cv::Mat1b roles = roles_of(window, copied, options.never_seen_last ? Role::absent : unseen);
   fill(window, copies, roles, {options.seam_gradients, 1}, colour);
   if (options.poisson && options.within_range)
     keep_within(range_round(*views.images[target], out.mask), candidates, copies.colour, out.colour);
-  if (options.never_seen_last && unseen == Role::solved)
-    roles = interpolate(window, copies, {options.seam_gradients, static_cast<float>(options.never_seen_vertical)}, colour);
+  if (options.never_seen_last && unseen == Role::solved) roles = interpolate(window, copies, views[target], options, colour);
   for (std::size_t i = 0; i < hole.size(); ++i) {
     const bool solved = roles(window.pixel(i)) == static_cast<uchar>(Role::solved);
     out.kind(hole.pixels[i]) = static_cast<uchar>(solved ? Kind::interpolated : Kind::empty);
   }
   write_receipts(fused, views, target, out);
-  write_confidence(fused, window, views, target, ErrorScale(known_copies(known, views, target)), out);
+  write_confidence(fused, window, views, target, ErrorScale(known_copies(around.known, views, target)), out);
   return out;
 }
 

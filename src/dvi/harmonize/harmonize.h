@@ -29,6 +29,7 @@ struct HarmonizeOptions {
   double never_seen_vertical = 0.1;
   NeverSeen never_seen = NeverSeen::synthesise;
   bool day_light = true;
+  bool surface_classes = true;
 
   void describe(OptionTable& table) {
     table.section("harmonize");
@@ -45,18 +46,26 @@ struct HarmonizeOptions {
               "Keep blended copies within the colours round the hole and of the copies; false: as solved, as published.");
     table.add("never_seen_last", never_seen_last,
               "Interpolate never-seen pixels after the copies are solved; false: together, as published (bleeds).");
+    table.add("surface_classes", surface_classes,
+              "Interpolate never-seen ground from ground, and what stands upright from what does; false: from all round.");
     table.add("never_seen_vertical", never_seen_vertical, {0.001, 1},
               "Smoothness along columns relative to rows for never-seen pixels; 1: a membrane.");
   }
   void check() const { check_ranges(*this); }
 };
 
+/// What is known round a hole, beside the image.
+struct Surroundings {
+  DayLight light{};            ///< of other drives, by compare_days()
+  sample::Candidates known{};  ///< of sample::sample_known: how far copies are off in this frame; their confidence follows it
+  cv::Mat1b classes{};         ///< SurfaceClass, by classify_surfaces(); empty: all unknown
+};
+
 /// Colours the hole from its candidates (eq. 5): per hole a Poisson equation with the surrounding image as Dirichlet
 /// boundary (Neumann at the image's border). Its guidance is the gradient of the copies, between pixels of different sources
-/// what these show there, and 0 at pixels without a source, which are interpolated once the copies stand. `known`, from
-/// sample::sample_known, tells how far copies are off in this frame, and their confidence follows it.
+/// what these show there, and 0 at pixels without a source, which are interpolated once the copies stand: the sky, then the
+/// ground, then what stands on it, each from its like.
 FilledFrame harmonize(const sample::Candidates& candidates, const Views& views, std::size_t target,
-                      const depth::DepthMap& depth, const DayLight& light, const HarmonizeOptions& options,
-                      const sample::Candidates& known = {});
+                      const depth::DepthMap& depth, const Surroundings& around, const HarmonizeOptions& options);
 
 }  // namespace dvi::harmonize

@@ -10,6 +10,7 @@
 #include "dvi/drive/flat_scene.h"
 #include "dvi/harmonize/confidence.h"
 #include "dvi/harmonize/filled_frame.h"
+#include "dvi/harmonize/surface_class.h"
 #include "dvi/image/region.h"
 #include "dvi/sample/candidates.h"
 
@@ -118,6 +119,18 @@ TEST(Harmonize, TheSkyBetweenHousesIsThatAboveThem) {
   EXPECT_NEAR(out.colour(38, 40)[0], 200, 10);
   EXPECT_NEAR(out.colour(42, 40)[0], 60, 10) << "what stands before it does not take its colour";
   EXPECT_EQ(cv::countNonZero(out.kind == static_cast<uchar>(Kind::empty)), 0);
+}
+
+TEST(Harmonize, UnseenGroundEndsWhereWhatStandsOnItBegins) {
+  cv::Mat3b picture(kHeight, kWidth, cv::Vec3b::all(60));
+  picture.rowRange(30, kHeight) = cv::Scalar::all(200);
+  picture.colRange(70, kWidth).setTo(60);  // something stands at the right, before the ground
+  Case c(picture, rectangle({20, 15, 50, 30}));
+  cv::Mat1b classes(kHeight, kWidth, static_cast<uchar>(SurfaceClass::upright));
+  classes(cv::Rect(0, 30, 70, 30)).setTo(static_cast<uchar>(SurfaceClass::ground));
+  const depth::DepthMap depth{c.scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
+  EXPECT_LT(c.worst(harmonize(c.candidates, c.scene.lazy(), 0, depth, {.classes = classes}, {})), 10);
+  EXPECT_GT(c.worst(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {})), 40) << "without classes they mix";
 }
 
 TEST(Harmonize, UnseenPixelsContinueTheLayersBesideThem) {
@@ -317,7 +330,7 @@ TEST(Harmonize, ConfidenceFollowsKnownPixels) {
   const auto mean_confidence = [&](int off_px) {
     for (std::size_t i = 0; i < known.leading.size(); ++i)
       known.leading[i] = {1, cv::Point2f(known.hole.pixels[i] + cv::Point(2 + (i % 2 == 0 ? off_px : -off_px), 0))};
-    return cv::mean(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {}, known).confidence, c.hole)[0];
+    return cv::mean(harmonize(c.candidates, c.scene.lazy(), 0, depth, {.known = known}, {}).confidence, c.hole)[0];
   };
   EXPECT_GT(mean_confidence(0), mean_confidence(8) + 5) << "known pixels that are copied wrongly lower it";
 }

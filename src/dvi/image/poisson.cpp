@@ -19,12 +19,13 @@ bool is_red(cv::Point p) { return (p.x + p.y) % 2 == 0; }
 
 /// A grid equation: diagonal x - sum of weight x over the neighbours = right. Neighbours are of different squares of the
 /// checkerboard, so each can be relaxed at once. Fields have a last entry more, which is 0: the neighbour that does not exist.
+/// `Uniform` levels have no weights: 1, and `vertical`.
 struct Level {
   float vertical = 1;               // about how much weightier vertical neighbours are than horizontal ones
   std::vector<cv::Point> position;  // the red ones first
   int reds = 0;
   std::vector<std::array<int, 4>> neighbour;
-  std::vector<std::array<float, 4>> weight;  // of the finest level none: 1, and `vertical`
+  std::vector<std::array<float, 4>> weight;  // none if uniform
   std::vector<float> diagonal, inverse;
   std::vector<int> parent;  // the node of the next level that it is part of
   Field x, right;
@@ -45,16 +46,16 @@ struct Level {
     for (const float d : diagonal) inverse.push_back(d > 0 ? 1 / d : 0);
   }
   /// The neighbours' sum.
-  template <bool Finest>
+  template <bool Uniform>
   Colour pull(int i, const Field& of) const {
     const auto& [a, b, c, d] = neighbour[i];
-    if constexpr (Finest) return of[a] + of[c] + vertical * (of[b] + of[d]);
+    if constexpr (Uniform) return of[a] + of[c] + vertical * (of[b] + of[d]);
     const auto& [wa, wb, wc, wd] = weight[i];
     return wa * of[a] + wb * of[b] + wc * of[c] + wd * of[d];
   }
-  template <bool Finest>
+  template <bool Uniform>
   void relax(int first, int last) {
-    for (int i = first; i < last; ++i) x[i] = (right[i] + pull<Finest>(i, x)) * inverse[i];
+    for (int i = first; i < last; ++i) x[i] = (right[i] + pull<Uniform>(i, x)) * inverse[i];
   }
 };
 
@@ -64,6 +65,15 @@ cv::Mat1i numbers(const std::vector<cv::Point>& nodes) {
   cv::Mat1i out(last.y + 1, last.x + 1, -1);
   for (std::size_t i = 0; i < nodes.size(); ++i) out(nodes[i]) = static_cast<int>(i);
   return out;
+}
+
+void weigh_columns(Level& level, const PoissonSystem& system) {
+  const auto below = [&](int node) { return system.below[system.region.index(level.position[node])]; };
+  level.weight.assign(level.position.size(), {1, 0, 1, 0});
+  for (int i = 0; i < level.size(); ++i) {
+    if (level.neighbour[i][1] < level.size()) level.weight[i][1] = below(level.neighbour[i][1]);
+    level.weight[i][3] = below(i);
+  }
 }
 
 Level finest_level(const PoissonSystem& system) {
@@ -80,6 +90,7 @@ Level finest_level(const PoissonSystem& system) {
       if (inside.contains(q) && number(q) >= 0) level.neighbour[i][d] = number(q);
     }
   }
+  if (!system.below.empty()) weigh_columns(level, system);
   level.finish();
   return level;
 }
@@ -146,7 +157,10 @@ class Multigrid {
   /// About A^-1 `right`: one symmetric cycle.
   const Field& precondition(Field& right) {
     levels_[0].right.swap(right);
-    cycle<true>(0);
+    if (levels_[0].weight.empty())
+      cycle<true>(0);
+    else
+      cycle<false>(0);
     levels_[0].right.swap(right);
     return levels_[0].x;
   }
@@ -154,31 +168,31 @@ class Multigrid {
  private:
   static constexpr int kCoarsest = 16;
 
-  template <bool Finest>
+  template <bool Uniform>
   void cycle(std::size_t depth) {
     Level& level = levels_[depth];
     const int reds = level.reds, all = level.size();
     for (int i = 0; i < reds; ++i) level.x[i] = level.right[i] * level.inverse[i];
-    level.relax<Finest>(reds, all);
+    level.relax<Uniform>(reds, all);
     if (depth + 1 == levels_.size()) {
       for (int sweep = 0; sweep < 10; ++sweep) {
-        level.relax<Finest>(0, reds);
-        level.relax<Finest>(reds, all);
+        level.relax<Uniform>(0, reds);
+        level.relax<Uniform>(reds, all);
       }
       for (int sweep = 0; sweep < 10; ++sweep) {
-        level.relax<Finest>(reds, all);
-        level.relax<Finest>(0, reds);
+        level.relax<Uniform>(reds, all);
+        level.relax<Uniform>(0, reds);
       }
     } else {
       Level& below = levels_[depth + 1];
       std::fill(below.right.begin(), below.right.end(), Colour::Zero());
       for (int i = 0; i < reds; ++i)  // the black ones have just been solved
-        below.right[level.parent[i]] += level.right[i] + level.pull<Finest>(i, level.x) - level.diagonal[i] * level.x[i];
+        below.right[level.parent[i]] += level.right[i] + level.pull<Uniform>(i, level.x) - level.diagonal[i] * level.x[i];
       cycle<false>(depth + 1);
       for (int i = 0; i < all; ++i) level.x[i] += below.x[level.parent[i]];
     }
-    level.relax<Finest>(reds, all);
-    level.relax<Finest>(0, reds);
+    level.relax<Uniform>(reds, all);
+    level.relax<Uniform>(0, reds);
   }
 
   std::vector<Level> levels_;
@@ -196,12 +210,12 @@ int solve_poisson(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double
   Multigrid multigrid(system);
   const Level& a = multigrid.finest();
   const int n = a.size();
+  const auto pull = [&](int i, const Field& of) { return a.weight.empty() ? a.pull<true>(i, of) : a.pull<false>(i, of); };
   const Field none(a.x.size(), Colour::Zero());
   Field solution = none, residual = none, direction = none, image = none;
   for (int i = 0; i < n; ++i) solution[i] = colour(x[system.region.index(a.position[i])]);
   for (int i = 0; i < n; ++i)
-    residual[i] =
-        colour(system.right[system.region.index(a.position[i])]) + a.pull<true>(i, solution) - a.diagonal[i] * solution[i];
+    residual[i] = colour(system.right[system.region.index(a.position[i])]) + pull(i, solution) - a.diagonal[i] * solution[i];
   Sums before = Sums::Zero();
   int iteration = 0;
   for (; iteration < kMost; ++iteration) {
@@ -217,7 +231,7 @@ int solve_poisson(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double
     before = now;
     for (int i = 0; i < n; ++i) direction[i] = error[i] + keep * direction[i];
     for (int i = 0; i < n; ++i) {
-      image[i] = a.diagonal[i] * direction[i] - a.pull<true>(i, direction);
+      image[i] = a.diagonal[i] * direction[i] - pull(i, direction);
       energy += (direction[i] * image[i]).cast<double>();
     }
     const Colour step = ratio(now, energy);

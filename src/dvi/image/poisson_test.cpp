@@ -40,7 +40,7 @@ double error_to_direct(const PoissonSystem& system, const std::vector<cv::Vec3f>
     for (const cv::Point d : {cv::Point(1, 0), cv::Point(0, 1)}) {
       const cv::Point q = region.pixels[i] + d;
       if (!cv::Rect({}, region.index.size()).contains(q) || region.index(q) < 0) continue;
-      const double weight = d.y == 0 ? 1 : system.vertical;
+      const double weight = d.y == 0 ? 1 : system.below.empty() ? system.vertical : system.below[i];
       entries.emplace_back(i, region.index(q), -weight);
       entries.emplace_back(region.index(q), i, -weight);
     }
@@ -96,6 +96,18 @@ TEST(Poisson, EqualsTheDirectSolution) {
 TEST(Poisson, EqualsTheDirectSolutionWhereRowsHoldTogetherMore) {
   for (int which = 0; which < 4; ++which) {
     const PoissonSystem system = random_system(shape(which), which, 0.1F);
+    std::vector<cv::Vec3f> x(system.region.size());
+    EXPECT_LT(solve_poisson(system, x), 100) << "shape " << which;
+    EXPECT_LT(error_to_direct(system, x), 0.2) << "shape " << which;
+  }
+}
+
+TEST(Poisson, EqualsTheDirectSolutionWhereEachColumnHasItsWeights) {
+  for (int which = 0; which < 4; ++which) {
+    PoissonSystem system = random_system(shape(which), which, 0.1F);
+    Random random(which);
+    for (std::size_t i = 0; i < system.region.size(); ++i) system.below.push_back(static_cast<float>(random.uniform(0.01, 1)));
+    for (float& diagonal : system.diagonal) diagonal += 2;  // not less than the sum of weights
     std::vector<cv::Vec3f> x(system.region.size());
     EXPECT_LT(solve_poisson(system, x), 100) << "shape " << which;
     EXPECT_LT(error_to_direct(system, x), 0.2) << "shape " << which;

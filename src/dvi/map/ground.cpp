@@ -8,8 +8,8 @@
 
 #include "dvi/core/median.h"
 #include "dvi/drive/view.h"
-#include "dvi/map/static_map.h"
 #include "dvi/map/road.h"
+#include "dvi/map/static_map.h"
 
 namespace dvi::map {
 namespace {

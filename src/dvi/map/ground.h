@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "dvi/map/static_map.h"
 #include "dvi/map/road.h"
+#include "dvi/map/static_map.h"
 
 namespace dvi::map {
 

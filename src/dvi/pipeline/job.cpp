@@ -116,6 +116,7 @@ void use_method(Method method, Options& options) {
   options.harmonize.within_range = false;
   options.harmonize.never_seen_last = false;
   options.harmonize.never_seen_vertical = 1;
+  options.harmonize.surface_classes = false;
   options.harmonize.never_seen = harmonize::NeverSeen::interpolate;
   options.smooth.enabled = true;
   options.smooth.replace_outliers = false;

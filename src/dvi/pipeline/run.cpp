@@ -9,6 +9,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/depth/depths.h"
+#include "dvi/harmonize/classify_surfaces.h"
 #include "dvi/map/ground.h"
 #include "dvi/pipeline/doubt_setup.h"
 #include "dvi/pipeline/make_map.h"
@@ -28,7 +29,7 @@ namespace dvi::pipeline {
 using align::Cameras;
 using depth::DepthMap, depth::Depths;
 using exposure::Gains;
-using harmonize::DayLight, harmonize::FilledFrame, harmonize::NeverSeen;
+using harmonize::FilledFrame, harmonize::NeverSeen, harmonize::Surroundings;
 using map::Ground, map::StaticMap, map::VisibleMap;
 using regularize::Labelling;
 using sample::Candidates;
@@ -88,14 +89,17 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
     Candidates candidates = cpu.time("sample", sample::sample, views, i, depth, depths.visibility, options.sample);  // 3.4
     const Labelling labels = cpu.time("regularize", regularize::regularize, std::move(candidates), views, i, depth,
                                       options.regularize);  // 3.5, eqs. 2-4
-    const DayLight light = options.harmonize.day_light ? cpu.time("harmonize", harmonize::compare_days, labels.candidates,
-                                                                  views, i, depth, depths.visibility)
-                                                       : DayLight{};
-    const Candidates known =
+    Surroundings around;
+    if (options.harmonize.day_light)
+      around.light = cpu.time("harmonize", harmonize::compare_days, labels.candidates, views, i, depth, depths.visibility);
+    if (options.harmonize.surface_classes)
+      around.classes = cpu.time("harmonize", harmonize::classify_surfaces, views[i], depth, labels.candidates, ground);
+    around.known =
         cpu.time("sample", sample::sample_known, labels.candidates, views, i, depth, depths.visibility, options.sample);
-    FilledFrame frame = cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, light,
-                                 options.harmonize, known);  // 3.6, eq. 5
-    if (surfaces) frame = cpu.time("synthesize", synthesize::synthesize, frame, views[i], depth, *surfaces, grain);
+    FilledFrame frame = cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, around,
+                                 options.harmonize);  // 3.6, eq. 5
+    if (surfaces)
+      frame = cpu.time("synthesize", synthesize::synthesize, frame, views[i], depth, around.classes, *surfaces, grain);
     return FilledView{std::move(frame), labels.energy};
   };
   progress.begin("fill", frames.size());

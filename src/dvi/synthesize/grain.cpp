@@ -6,15 +6,22 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/core/median.h"
 #include "dvi/core/random.h"
+#include "dvi/harmonize/surface_class.h"
 
 namespace dvi::synthesize {
 namespace {
 
+using harmonize::SurfaceClass;
+
 constexpr int kOctaves = 4;
+constexpr int kClasses = 3;
 constexpr int kSmaller = 4;  // contrast changes slowly: a value for so many pixels each way
 
 /// Means of what `weight` tells; far from all of it, `otherwise`.
@@ -35,14 +42,23 @@ cv::Mat1f smaller(const cv::Mat1f& image) {
   return out;
 }
 
-/// Standard deviation of each octave of what is known near each pixel, made smaller. The harmonic mean of what is found there:
-/// on a wall with cars before it grain stands out, among leaves the lack of some does not.
-std::array<cv::Mat1f, kOctaves> contrasts(const cv::Mat1f& grey, const cv::Mat1f& known) {
+using Octaves = std::array<cv::Mat1f, kOctaves>;
+
+/// Standard deviation of each octave of what is known near each pixel, made smaller, of each class of surfaces; of
+/// SurfaceClass::unknown, of them all. The harmonic mean of what is found there: on a wall with cars before it grain stands
+/// out, among leaves the lack of some does not.
+std::array<Octaves, kClasses> contrasts(const cv::Mat1f& grey, const cv::Mat1f& known, const cv::Mat1b& classes) {
   constexpr double kAlongRows = 40, kAlongColumns = 12;  // px; what is beside a pixel is more often of its surface
   constexpr float kMeanToSigma = 1.25F;                  // of the absolute values of a normal distribution
   constexpr float kLeast = 0.5F;                         // grey levels: rounding alone
-  const cv::Mat1f count = smaller(known);
-  std::array<cv::Mat1f, kOctaves> out;
+  constexpr float kOthers = 1e-3F;                       // weight of other classes: where nothing is near of its own
+  std::array<cv::Mat1f, kClasses> count;
+  for (int c = 0; c < kClasses; ++c) {
+    cv::Mat1f of_class = known.clone();
+    if (c != static_cast<int>(SurfaceClass::unknown)) of_class.setTo(0, classes != c);
+    count[c] = smaller(of_class) + kOthers * smaller(known);
+  }
+  std::array<Octaves, kClasses> out;
   cv::Mat1f finer = grey;
   for (int octave = 0; octave < kOctaves; ++octave) {
     const double sigma = 1 << octave;
@@ -50,9 +66,12 @@ std::array<cv::Mat1f, kOctaves> contrasts(const cv::Mat1f& grey, const cv::Mat1f
     const cv::Mat1f here = smoothed(cv::Mat(cv::abs(finer - coarser)), known, 2 * sigma, 2 * sigma);
     cv::Mat1f inverse;
     cv::divide(1, kMeanToSigma * here + kLeast, inverse);
-    inverse = smoothed(smaller(inverse), count, kAlongRows / kSmaller, kAlongColumns / kSmaller, 1 / kLeast);
-    cv::divide(1, inverse, out[octave]);
-    out[octave] -= kLeast;
+    inverse = smaller(inverse);
+    for (int c = 0; c < kClasses; ++c) {
+      const cv::Mat1f near = smoothed(inverse, count[c], kAlongRows / kSmaller, kAlongColumns / kSmaller, 1 / kLeast);
+      cv::divide(1, near, out[c][octave]);
+      out[c][octave] -= kLeast;
+    }
     finer = coarser;
   }
   return out;
@@ -78,6 +97,18 @@ float noise(const Eigen::Vector3d& place, std::uint64_t seed) {
   return kToOne * static_cast<float>(sum);
 }
 
+/// Metres of the camera above the ground, from the depth of the ground's pixels, so that those without depth have one that
+/// fits; 0 where none has. `descent`: metres that a pixel's ray falls for each metre ahead.
+template <class Descent>
+double height_above_ground(const Region& region, const depth::DepthMap& depth, const cv::Mat1b& classes,
+                           const Descent& descent) {
+  std::vector<float> heights;
+  for (const cv::Point p : region.pixels)
+    if (classes(p) == static_cast<uchar>(SurfaceClass::ground) && depth::DepthMap::is_solid(depth.z(p)))
+      heights.push_back(static_cast<float>(depth.z(p) * descent(p)));
+  return heights.empty() ? 0 : median(std::move(heights));
+}
+
 }  // namespace
 
 Grain::Grain(const Views& views) {
@@ -94,14 +125,15 @@ Grain::Grain(const Views& views) {
 }
 
 std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Region& region, const View& view,
-                                 const depth::DepthMap& depth) const {
+                                 const depth::DepthMap& depth, const cv::Mat1b& classes) const {
   constexpr double kCell = 1.5;      // px of the finest octave's cells
   constexpr double kFarthest = 200;  // metres; also where nothing is known
+  constexpr double kFlat = 5;        // times as wide as high: the ground is seen at a slant
   constexpr float kDark = 8;         // grey levels, from which on contrast goes with the light
   cv::Mat1f known(frame.kind.size(), 0.0F), grey;
   known.setTo(1, frame.kind < static_cast<uchar>(harmonize::Kind::interpolated));
   cv::transform(frame.colour, grey, cv::Matx13f::all(1.0F / 3));
-  const std::array<cv::Mat1f, kOctaves> contrast = contrasts(grey, known);
+  const std::array<Octaves, kClasses> contrast = contrasts(grey, known, classes);
   const SE3 world_from_camera = view.camera_from_world.inverse();
   const auto nearest = std::min_element(centres_.begin(), centres_.end(), [&](const auto& a, const auto& b) {
     return (a - world_from_camera.t).squaredNorm() < (b - world_from_camera.t).squaredNorm();
@@ -111,16 +143,21 @@ std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Regi
   const auto before = static_cast<std::size_t>(way);
   const std::array<float, 2> share{std::cos(static_cast<float>(turn * std::numbers::pi / 2)),
                                    std::sin(static_cast<float>(turn * std::numbers::pi / 2))};  // keep the deviation
+  const auto descent = [&](cv::Point p) { return -(world_from_camera.R * view.camera.ray({p.x, p.y})).z(); };
+  const double height = height_above_ground(region, depth, classes, descent);
   std::vector<cv::Vec3f> out;
   out.reserve(region.size());
   for (const cv::Point p : region.pixels) {
-    const double z = depth::DepthMap::is_solid(depth.z(p)) ? std::min<double>(depth.z(p), kFarthest) : kFarthest;
+    const bool ground = classes(p) == static_cast<uchar>(SurfaceClass::ground);
+    double z = depth::DepthMap::is_solid(depth.z(p)) ? std::min<double>(depth.z(p), kFarthest) : kFarthest;
+    if (ground && height > 0 && descent(p) > 0) z = std::min(height / descent(p), kFarthest);
     const Eigen::Vector3d at = world_from_camera * Eigen::Vector3d(z * view.camera.ray({p.x, p.y}));
     float sum = 0;
     for (std::size_t side = 0; side < 2; ++side) {
-      const Eigen::Vector3d direction = (at - places_[before + side]).normalized() * (view.camera.fx / kCell);
+      Eigen::Vector3d direction = (at - places_[before + side]).normalized() * (view.camera.fx / kCell);
+      if (ground) direction.head<2>() /= kFlat;
       for (int octave = 0; octave < kOctaves; ++octave)
-        sum += share[side] * contrast[octave](p / kSmaller) *
+        sum += share[side] * contrast[classes(p)][octave](p / kSmaller) *
                noise(direction * std::exp2(-octave), (before + side) * kOctaves + static_cast<std::size_t>(octave));
     }
     out.push_back(frame.colour(p) * (sum / std::max(grey(p), kDark)));

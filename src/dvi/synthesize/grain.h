@@ -18,9 +18,10 @@ class Grain {
  public:
   explicit Grain(const Views& views);
 
-  /// To be added to the colours of a region, as region.pixels, BGR. `view` is one of the target's.
+  /// To be added to the colours of a region, as region.pixels, BGR. `view` is one of the target's; `classes` are its
+  /// harmonize::SurfaceClass: the ground has the grain of ground.
   std::vector<cv::Vec3f> at(const harmonize::FilledFrame& frame, const Region& region, const View& view,
-                            const depth::DepthMap& depth) const;
+                            const depth::DepthMap& depth, const cv::Mat1b& classes) const;
 
  private:
   std::vector<Eigen::Vector3d> centres_;  // of the target's views

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/drive/memory_views.h"
+#include "dvi/harmonize/surface_class.h"
 
 namespace dvi::synthesize {
 namespace {
@@ -48,9 +49,11 @@ harmonize::FilledFrame frame_of(float contrast, const cv::Rect& hole) {
   return frame;
 }
 
-cv::Mat1f grain_of(const Views& views, int i, const harmonize::FilledFrame& frame) {
+const cv::Mat1b kUnknown(kRows, kColumns, static_cast<uchar>(harmonize::SurfaceClass::unknown));
+
+cv::Mat1f grain_of(const Views& views, int i, const harmonize::FilledFrame& frame, const cv::Mat1b& classes = kUnknown) {
   const Region region(frame.mask);
-  const std::vector<cv::Vec3f> found = Grain(views).at(frame, region, views[static_cast<std::size_t>(i)], wall(i));
+  const std::vector<cv::Vec3f> found = Grain(views).at(frame, region, views[static_cast<std::size_t>(i)], wall(i), classes);
   cv::Mat1f out(frame.mask.size(), 0.0F);
   for (std::size_t k = 0; k < region.size(); ++k) out(region.pixels[k]) = found[k][1];
   return out;
@@ -107,8 +110,24 @@ TEST(Grain, OneViewWithoutDepthHasSomeToo) {
   const Region region(frame.mask);
   const depth::DepthMap unknown{cv::Mat1f(kRows, kColumns, depth::DepthMap::kUnknown), cv::Mat1f(kRows, kColumns, 0.0F)};
   double square = 0;
-  for (const cv::Vec3f& g : Grain(views).at(frame, region, views[0], unknown)) square += g[1] * g[1];
+  for (const cv::Vec3f& g : Grain(views).at(frame, region, views[0], unknown, kUnknown)) square += g[1] * g[1];
   EXPECT_GT(std::sqrt(square / static_cast<double>(region.size())), 2);
+}
+
+TEST(Grain, TheGroundHasTheGrainOfGround) {
+  const Views views = views_of(12);
+  harmonize::FilledFrame frame = frame_of(20, kHole);
+  cv::Mat1b classes(kRows, kColumns, static_cast<uchar>(harmonize::SurfaceClass::upright));
+  classes.rowRange(40, kRows).setTo(static_cast<uchar>(harmonize::SurfaceClass::ground));
+  frame.colour.rowRange(40, kRows).setTo(cv::Scalar::all(120));
+  cv::Mat1b above = frame.mask.clone(), below = frame.mask.clone();
+  above.rowRange(36, kRows).setTo(0);
+  below.rowRange(0, 44).setTo(0);
+  const cv::Mat1f grain = grain_of(views, 5, frame, classes);
+  EXPECT_GT(deviation_of(grain, above), 10);
+  EXPECT_LT(deviation_of(grain, below), 1.5);
+  const cv::Mat1f of_all = grain_of(views, 5, frame);
+  EXPECT_GT(deviation_of(of_all, below), 2 * deviation_of(grain, below));
 }
 
 TEST(Grain, WhereNothingIsKnownThereIsNone) {

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "dvi/core/lazy.h"
-#include "dvi/depth/depth_map.h"
 #include "dvi/depth/visibility_map.h"
 #include "dvi/drive/sensor.h"
 #include "dvi/drive/view.h"
 #include "dvi/geometry/se3.h"
+#include "dvi/harmonize/surface_class.h"
 #include "dvi/image/region.h"
 #include "dvi/map/ground.h"
 #include "dvi/synthesize/pieces.h"
@@ -32,7 +32,6 @@ struct Surfaces::Pieces {
 namespace {
 
 constexpr double kGroundReach = 60;  // metres
-constexpr double kStands = 0.35;     // metres above the ground: no kerb is higher
 
 /// Pieces in use, so that they are asked for once.
 class Held {
@@ -107,7 +106,7 @@ Shown mean_of_ground(Held& pieces, std::size_t count, const Eigen::Vector2d& at,
 
 }  // namespace
 
-std::vector<Shown> Surfaces::look_up(const View& view, const Region& region, const depth::DepthMap& depth) const {
+std::vector<Shown> Surfaces::look_up(const View& view, const Region& region, const cv::Mat1b& classes) const {
   const map::Ground& ground = pieces_->ground;
   std::vector<Shown> out(region.size());
   const SE3 world_from_camera = view.camera_from_world.inverse();
@@ -120,12 +119,10 @@ std::vector<Shown> Surfaces::look_up(const View& view, const Region& region, con
   const double below = ground.height(here->x(), 0);
   for (std::size_t i = 0; i < region.size(); ++i) {
     const cv::Point p = region.pixels[i];
+    if (classes(p) == static_cast<uchar>(harmonize::SurfaceClass::upright)) continue;
     const auto at = ground_at(p.x, p.y, below);
     if (!at) continue;
     const double height = ground.height(at->at.x(), at->at.y());
-    const float z = depth.z(p);
-    const Eigen::Vector3d seen = world_from_camera * Eigen::Vector3d(z * view.camera.ray(Eigen::Vector2d(p.x, p.y)));
-    if (depth::DepthMap::is_surface(z) && seen.z() > height + kStands) continue;
     const auto right = ground_at(p.x + 1, p.y, height), down = ground_at(p.x, p.y + 1, height);
     if (!right || !down) continue;
     out[i] = mean_of_ground(pieces, pieces_->sheets.pieces.size(), at->at, right->at - at->at, down->at - at->at);

@@ -3,10 +3,9 @@
 #include <memory>
 #include <vector>
 
-#include <opencv2/core/matx.hpp>
+#include <opencv2/core/mat.hpp>
 
 #include "dvi/core/lazy.h"
-#include "dvi/depth/depth_map.h"
 #include "dvi/depth/visibility_map.h"
 #include "dvi/drive/view.h"
 #include "dvi/image/region.h"
@@ -26,9 +25,9 @@ class Surfaces {
  public:
   Surfaces(const map::Ground& ground, const Views& views, const Lazy<depth::VisibilityMap>& visibility);
 
-  /// What it shows at the pixels of a region of a view: where the ray meets the ground, unless by `depth` something stands
-  /// before it.
-  std::vector<Shown> look_up(const View& view, const Region& region, const depth::DepthMap& depth) const;
+  /// What it shows at the pixels of a region of a view: where the ray meets the ground, unless something stands there by the
+  /// harmonize::SurfaceClass of the pixel.
+  std::vector<Shown> look_up(const View& view, const Region& region, const cv::Mat1b& classes) const;
 
  private:
   struct Pieces;

@@ -81,10 +81,10 @@ void relight(Texture& texture, const cv::Mat3f& frame) {
     }
 }
 
-Texture texture_of(const harmonize::FilledFrame& frame, const cv::Mat1b& wanted, const View& view, const depth::DepthMap& depth,
+Texture texture_of(const harmonize::FilledFrame& frame, const cv::Mat1b& wanted, const View& view, const cv::Mat1b& classes,
                    const Surfaces& surfaces) {
   const Region region(grown(wanted, kRing));
-  const std::vector<Shown> found = surfaces.look_up(view, region, depth);
+  const std::vector<Shown> found = surfaces.look_up(view, region, classes);
   const cv::Size size = wanted.size();
   Texture out{cv::Mat3f(size, cv::Vec3f()), cv::Mat3f(size, cv::Vec3f()), cv::Mat1f(size, 0.0F), cv::Mat1b(size, uchar{0})};
   for (std::size_t i = 0; i < region.size(); ++i) {
@@ -140,12 +140,14 @@ std::vector<cv::Vec3f> light(const Texture& texture, const cv::Mat1b& wanted, co
 }  // namespace
 
 harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const View& view, const depth::DepthMap& depth,
-                                  const Surfaces& surfaces, const Grain& grain) {
+                                  const cv::Mat1b& surface_classes, const Surfaces& surfaces, const Grain& grain) {
   const cv::Mat1b wanted(frame.kind == static_cast<uchar>(Kind::interpolated));
   if (cv::countNonZero(wanted) == 0) return frame;
-  const Texture texture = texture_of(frame, wanted, view, depth, surfaces);
+  const cv::Mat1b classes = surface_classes.empty() ? cv::Mat1b(wanted.size(), uchar{0}) : surface_classes;
+  const Texture texture = texture_of(frame, wanted, view, classes, surfaces);
   const Region region(wanted), textured(cv::Mat1b(wanted & texture.known));
-  const std::vector<cv::Vec3f> lights = light(texture, wanted, textured), grains = grain.at(frame, region, view, depth);
+  const std::vector<cv::Vec3f> lights = light(texture, wanted, textured),
+                               grains = grain.at(frame, region, view, depth, classes);
   harmonize::FilledFrame out = frame;
   for (cv::Mat* changed : std::initializer_list<cv::Mat*>{&out.colour, &out.kind, &out.confidence}) *changed = changed->clone();
   cv::Mat1f distance;

@@ -9,8 +9,9 @@
 namespace dvi::synthesize {
 
 /// Gives interpolated pixels the texture of the surfaces that lie there, and grain where nothing is known of these: kind
-/// synthesised. The interpolation keeps the low frequencies, which continue what surrounds the hole.
+/// synthesised. The interpolation keeps the low frequencies, which continue what surrounds the hole. `classes` are
+/// the harmonize::SurfaceClass of the frame's pixels; empty: all unknown.
 harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const View& view, const depth::DepthMap& depth,
-                                  const Surfaces& surfaces, const Grain& grain);
+                                  const cv::Mat1b& classes, const Surfaces& surfaces, const Grain& grain);
 
 }  // namespace dvi::synthesize

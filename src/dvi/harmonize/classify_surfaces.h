@@ -1,0 +1,17 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/depth/depth_map.h"
+#include "dvi/drive/view.h"
+#include "dvi/map/ground.h"
+#include "dvi/sample/candidates.h"
+
+namespace dvi::harmonize {
+
+/// The SurfaceClass of each pixel of a frame's hole and of 24 px round it; unknown elsewhere, and without ground. Never-seen
+/// pixels below the horizon whose depth is unknown or unsure get the class of the pixels to either side.
+cv::Mat1b classify_surfaces(const View& view, const depth::DepthMap& depth, const sample::Candidates& candidates,
+                            const map::Ground& ground);
+
+}  // namespace dvi::harmonize
