@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/core/median.h"
 #include "dvi/drive/view.h"
 #include "dvi/image/grey.h"
 #include "dvi/image/interpolate.h"
@@ -90,6 +93,24 @@ cv::Mat3f interpolated(const cv::Mat3f& image, const cv::Mat2f& at) {
   return out;
 }
 
+/// Grey levels, a mean over the channels.
+float difference(const cv::Vec3f& a, const cv::Vec3f& b) {
+  return (std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2])) / 3;
+}
+
+/// Whether a neighbour, looked up and in this frame's light, looks like this frame round the hole: not where one of both is
+/// black or saturated, of which no gain is known.
+bool looks_alike(const FilledFrame& frame, const Neighbour& other, const cv::Mat3f& there, const cv::Vec3f& gain) {
+  constexpr int kEvery = 4;  // px
+  const cv::Mat3f here = frame.colour(other.box);
+  const cv::Mat1b hole = frame.mask(other.box) | other.frame.mask(other.box);
+  std::vector<float> differences;
+  for (int y = 0; y < hole.rows; y += kEvery)
+    for (int x = 0; x < hole.cols; x += kEvery)
+      if (hole(y, x) == 0) differences.push_back(difference(here(y, x), there(y, x).mul(gain)));
+  return dvi::median(std::move(differences)) < kColourSpread;
+}
+
 void look_along_flow(const FilledFrame& frame, const Neighbour& other, Shown& shown) {
   const cv::Mat1b mask = frame.mask(other.box), kind = frame.kind(other.box), other_kind = other.frame.kind(other.box);
   const cv::Mat2f targets = targets_of(other.forth);
@@ -97,6 +118,7 @@ void look_along_flow(const FilledFrame& frame, const Neighbour& other, Shown& sh
   cv::Mat3f colours = shown.colour(other.box);
   cv::Mat1b found = shown.found(other.box);
   const cv::Vec3f gain = gain_to(frame.gain, other.frame.gain);
+  if (!looks_alike(frame, other, there, gain)) return;
   const auto right = static_cast<float>(mask.cols - 1), bottom = static_cast<float>(mask.rows - 1);
   for (int y = 0; y < mask.rows; ++y)
     for (int x = 0; x < mask.cols; ++x) {
@@ -120,11 +142,6 @@ Shown shown_by(const FilledFrame& frame, const FramePair* pair, bool earlier) {
       look_along_flow(frame, {pair->later, window.box, window.forward, window.backward}, out);
   }
   return out;
-}
-
-/// Grey levels, a mean over the channels.
-float difference(const cv::Vec3f& a, const cv::Vec3f& b) {
-  return (std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2])) / 3;
 }
 
 cv::Vec3f median(const cv::Vec3f& a, const cv::Vec3f& b, const cv::Vec3f& c) {

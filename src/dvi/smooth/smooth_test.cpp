@@ -67,6 +67,12 @@ TEST(Smooth, AveragesTheNoiseOfAStillScene) {
   EXPECT_LT(one_sided, 0.8);
 }
 
+TEST(Smooth, BlackFramesDoNotBlackenTheOneBetweenThem) {
+  const cv::Mat3f white(kHeight, kWidth, cv::Vec3f::all(255)), black(kHeight, kWidth, cv::Vec3f());
+  const harmonize::FilledFrame before = filled(black), frame = filled(white), after = filled(black);
+  EXPECT_EQ(cv::norm(smoothed(&before, frame, &after).colour, white, cv::NORM_INF), 0);
+}
+
 TEST(Smooth, FollowsMotionWithoutBlur) {
   const harmonize::FilledFrame before = filled(texture(-5)), frame = filled(texture(0)), after = filled(texture(5));
   const harmonize::FilledFrame out = smoothed(&before, frame, &after);
