@@ -9,8 +9,8 @@
 
 namespace dvi::harmonize {
 
-/// The SurfaceClass of each pixel of a frame's hole and of 24 px round it; unknown elsewhere, and without ground. Never-seen
-/// pixels below the horizon whose depth is unknown or unsure get the class of the pixels to either side.
+/// The SurfaceClass of each pixel of a frame's hole and of 24 px round it; unknown elsewhere, and without ground. Pixels below
+/// the horizon that are not copied and whose depth is unknown or unsure get the class of the pixels to either side.
 cv::Mat1b classify_surfaces(const View& view, const depth::DepthMap& depth, const sample::Candidates& candidates,
                             const map::Ground& ground);
 
