@@ -78,10 +78,11 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
   const Depths depths(views, [&](std::size_t i) {  // 3.3
     return cpu.time("depth", depth::depth_map, plan.map, views[i], options.depth);
   });
-  const Ground ground(plan.map, views);
-  const std::optional<Surfaces> surfaces = options.harmonize.never_seen == NeverSeen::synthesise
-                                               ? std::optional<Surfaces>(std::in_place, ground, views, depths.visibility)
-                                               : std::nullopt;
+  const bool classified = options.harmonize.surface_classes, synthesised = options.harmonize.never_seen == NeverSeen::synthesise;
+  std::optional<Ground> ground;
+  std::optional<Surfaces> surfaces;
+  if (!frames.empty() && (classified || synthesised)) ground.emplace(plan.map, views);
+  if (ground && synthesised) surfaces.emplace(*ground, views, depths.visibility);
   const Grain grain(views);
   const auto fill = [&](std::size_t i) {
     const DepthMap depth =
@@ -92,8 +93,8 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
     Surroundings around;
     if (options.harmonize.day_light)
       around.light = cpu.time("harmonize", harmonize::compare_days, labels.candidates, views, i, depth, depths.visibility);
-    if (options.harmonize.surface_classes)
-      around.classes = cpu.time("harmonize", harmonize::classify_surfaces, views[i], depth, labels.candidates, ground);
+    if (classified)
+      around.classes = cpu.time("harmonize", harmonize::classify_surfaces, views[i], depth, labels.candidates, *ground);
     around.known =
         cpu.time("sample", sample::sample_known, labels.candidates, views, i, depth, depths.visibility, options.sample);
     FilledFrame frame = cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, around,
