@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "dvi/depth/depth_map.h"
@@ -21,18 +22,16 @@ struct Source {
   std::shared_ptr<const cv::Mat1b> mask;
 };
 
-/// The source's own gradient from a neighbour it was not copied for to p, in the light of the target; zero where the source
-/// cannot show the neighbour.
-cv::Vec3f gradient(const Source& source, cv::Point p, const sample::Candidate& shown, const cv::Vec3f& gain, cv::Point q,
-                   const depth::DepthMap& depth) {
+/// What the source that shows p shows of its neighbour q, which was not copied from it, in the light of the target; none where
+/// it cannot.
+std::optional<cv::Vec3f> neighbour(const Source& source, cv::Point p, const sample::Candidate& shown, const cv::Vec3f& gain,
+                                   cv::Point q, const depth::DepthMap& depth) {
   const cv::Point2f by_depth =
       neighbour_in_source(p, shown.position, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
   const cv::Point2f by_image = shown.position + cv::Point2f(q - p);
   for (const cv::Point2f at : {by_depth, by_image})
-    if (can_sample(*source.mask, at, shown.footprint))
-      return box_mean(*source.image, shown.position, shown.footprint).mul(gain) -
-             box_mean(*source.image, at, shown.footprint).mul(gain);
-  return {};
+    if (can_sample(*source.mask, at, shown.footprint)) return box_mean(*source.image, at, shown.footprint).mul(gain);
+  return std::nullopt;
 }
 
 }  // namespace
@@ -46,6 +45,7 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const de
   for (std::size_t i = 0; i < hole.size(); ++i)
     if (candidates.leading[i].found()) of_view[candidates.leading[i].view].push_back(i);
   const cv::Rect frame({}, hole.index.size());
+  const std::shared_ptr<const cv::Mat3b> known = views.images[target];
   for (const auto& [view, pixels] : of_view) {
     out.of_other_days |= views[view].drive != views[target].drive;
     const Source source{Warp(views[target], views[view]), views.images[view], views.masks[view]};
@@ -53,15 +53,20 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const de
       const cv::Point p = hole.pixels[i];
       const sample::Candidate& shown = candidates.leading[i];
       const cv::Vec3f gain = light.gain_to(views[target], views[view], i);
+      const cv::Vec3f own = box_mean(*source.image, shown.position, shown.footprint).mul(gain);
       for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
-        if (!frame.contains(q)) continue;
-        const int j = hole.index(q);
-        if (j < 0) {
-          out.outward[i] += gradient(source, p, shown, gain, q, depth);
-        } else if (candidates.leading[j].found() && candidates.leading[j].view != view) {
-          const cv::Vec3f half = 0.5F * gradient(source, p, shown, gain, q, depth);
+        const int j = frame.contains(q) ? hole.index(q) : -1;
+        const bool seam = j >= 0 && candidates.leading[j].found() && candidates.leading[j].view != view;
+        if (!frame.contains(q) || (j >= 0 && !seam)) continue;
+        const std::optional<cv::Vec3f> beside = neighbour(source, p, shown, gain, q, depth);
+        if (!beside) continue;
+        if (seam) {
+          const cv::Vec3f half = 0.5F * (own - *beside);
           out.seam[i] += half;
           out.seam[j] -= half;
+        } else {
+          out.outward[i] += own - *beside;
+          out.rim.push_back({q, view, cv::Vec3f((*known)(q)) - *beside});
         }
       }
     }

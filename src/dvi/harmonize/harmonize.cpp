@@ -18,6 +18,7 @@
 #include "dvi/harmonize/copies.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/harmonize/fuse.h"
+#include "dvi/harmonize/hold.h"
 #include "dvi/harmonize/known_copies.h"
 #include "dvi/harmonize/surface_class.h"
 #include "dvi/image/interpolate.h"
@@ -146,9 +147,7 @@ class Equation {
 
   PoissonSystem system(const cv::Mat1i& labels, const std::vector<Part>& parts) const {
     // A part that nothing bounds is held near its copies, too weakly to be seen in its gradients.
-    // Two days differ along the rim of the hole in more than light: shadows, parked cars, the sky. Such a difference fades over
-    // 10 px, 1 / sqrt(kHold); beyond, the gains are right to a few grey levels.
-    constexpr float kAnchor = 1e-4F, kHold = 1e-2F;
+    constexpr float kAnchor = 1e-4F;
     // Sky, ground and what stands upright do not go on in each other. Not 0: one may have no other neighbour.
     constexpr float kSilhouette = 1e-3F;
     PoissonSystem out{Region(where(roles_, Role::solved)), {}, {}, guidance_.vertical};
@@ -168,10 +167,9 @@ class Equation {
         diagonal += weight;
         right += weight * pull(i, q);
       }
-      const float held = copies_.of_other_days ? kHold : parts[labels(p)].bounded ? 0 : kAnchor;
-      if (held > 0 && copied) {
+      if (const float held = std::max(copies_.hold.weight[i], parts[labels(p)].bounded ? 0 : kAnchor); copied && held > 0) {
         diagonal += held;
-        right += held * copies_.colour[i];
+        right += held * copies_.hold.colour[i];
       }
       out.diagonal.push_back(diagonal);
       out.right.push_back(right);
@@ -324,7 +322,8 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
   out.depth = depth.z.clone();
   out.gain = views[target].gain;
 
-  const Copies copies = copy(fused, views, target, depth, around.light);
+  Copies copies = copy(fused, views, target, depth, around.light);
+  copies.hold = hold_of(copies, candidates, options.robust_rim);
   for (std::size_t i = 0; i < hole.size(); ++i) out.colour(hole.pixels[i]) = copies.colour[i];
   const Role copied = options.poisson ? Role::solved : Role::fixed;
   const Role unseen = options.never_seen == NeverSeen::leave ? Role::absent : Role::solved;

@@ -24,6 +24,7 @@ constexpr auto names_of(NeverSeen) {
 struct HarmonizeOptions {
   bool poisson = true;
   bool seam_gradients = true;
+  bool robust_rim = true;
   bool within_range = true;
   bool never_seen_last = true;
   double never_seen_vertical = 0.1;
@@ -42,6 +43,10 @@ struct HarmonizeOptions {
               "Between pixels of different source frames, use the gradient in the source frames; false: 0, as published.");
     table.add("day_light", day_light,
               "Bring copies of other drives into the target's light by the direction that surfaces face.");
+    table.add(
+        "robust_rim", robust_rim,
+        "Hold copies near their own colours where they contradict the rim of the hole in themselves; false: the rim has the "
+        "last word, as published.");
     table.add("within_range", within_range,
               "Keep blended copies within the colours round the hole and of the copies; false: as solved, as published.");
     table.add("never_seen_last", never_seen_last,

@@ -79,6 +79,19 @@ TEST(Harmonize, ADifferenceAtTheRimReachesNotFarIntoCopiesOfAnotherDay) {
   EXPECT_NEAR(c.run().colour(30, 40)[0], 160, 0.5);
 }
 
+TEST(Harmonize, ARimThatContradictsItselfReachesNotFarIntoCopies) {
+  Case c(cv::Mat3b(kHeight, kWidth, cv::Vec3b::all(100)), rectangle({5, 5, 70, 50}));
+  c.scene.add_source(0, c.truth);
+  c.seen(1, 0);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      if (c.hole(y, x) == 0 && (x + y) / 8 % 2 == 0) c.scene.images[0](y, x) = cv::Vec3b::all(250);
+  EXPECT_NEAR(c.run().colour(30, 40)[0], 100, 25);
+  HarmonizeOptions published;
+  published.robust_rim = false;
+  EXPECT_NEAR(c.run(published).colour(30, 40)[0], 175, 15);
+}
+
 TEST(Harmonize, AConstantOffsetOfTheSourceVanishes) {
   for (const cv::Rect hole : {cv::Rect(25, 20, 30, 20), cv::Rect(0, 0, 20, 20), cv::Rect(10, 40, 40, 20)}) {
     Case c(waves(kWidth, kHeight, 4), rectangle(hole));

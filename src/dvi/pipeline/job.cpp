@@ -113,6 +113,7 @@ void use_method(Method method, Options& options) {
   options.harmonize.poisson = true;
   options.harmonize.seam_gradients = false;
   options.harmonize.day_light = false;
+  options.harmonize.robust_rim = false;
   options.harmonize.within_range = false;
   options.harmonize.never_seen_last = false;
   options.harmonize.never_seen_vertical = 1;
