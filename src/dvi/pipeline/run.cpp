@@ -78,7 +78,8 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
   const Depths depths(views, [&](std::size_t i) {  // 3.3
     return cpu.time("depth", depth::depth_map, plan.map, views[i], options.depth);
   });
-  const bool classified = options.harmonize.surface_classes, synthesised = options.harmonize.never_seen == NeverSeen::synthesise;
+  const bool classified = options.harmonize.surface_classes,
+             synthesised = options.harmonize.never_seen == NeverSeen::synthesise;
   std::optional<Ground> ground;
   std::optional<Surfaces> surfaces;
   if (!frames.empty() && (classified || synthesised)) ground.emplace(plan.map, views);
