@@ -15,6 +15,15 @@ struct ColourRange {
     for (int c = 0; c < 3; ++c) out[c] = std::clamp(colour[c], low[c], high[c]);
     return out;
   }
+  /// Wide enough for a colour.
+  ColourRange with(const cv::Vec3f& colour) const {
+    ColourRange out = *this;
+    for (int c = 0; c < 3; ++c) {
+      out.low[c] = std::min(low[c], colour[c]);
+      out.high[c] = std::max(high[c], colour[c]);
+    }
+    return out;
+  }
 };
 
 }  // namespace dvi

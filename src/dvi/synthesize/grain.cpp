@@ -21,8 +21,8 @@ namespace {
 using harmonize::SurfaceClass;
 
 constexpr int kOctaves = 4;
-constexpr int kClasses = 3;
-constexpr int kSmaller = 4;  // contrast changes slowly: a value for so many pixels each way
+constexpr int kSky = 3, kClasses = 4;  // the sky, and those of SurfaceClass
+constexpr int kSmaller = 4;            // contrast changes slowly: a value for so many pixels each way
 
 /// Means of what `weight` tells; far from all of it, `otherwise`.
 cv::Mat1f smoothed(const cv::Mat& image, const cv::Mat1f& weight, double sigma_x, double sigma_y, float otherwise = 0) {
@@ -125,7 +125,7 @@ Grain::Grain(const Views& views) {
 }
 
 std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Region& region, const View& view,
-                                 const depth::DepthMap& depth, const cv::Mat1b& classes) const {
+                                 const depth::DepthMap& depth, const cv::Mat1b& surface_classes) const {
   constexpr double kCell = 1.5;      // px of the finest octave's cells
   constexpr double kFarthest = 200;  // metres; also where nothing is known
   constexpr double kFlat = 5;        // times as wide as high: the ground is seen at a slant
@@ -133,7 +133,9 @@ std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Regi
   cv::Mat1f known(frame.kind.size(), 0.0F), grey;
   known.setTo(1, frame.kind < static_cast<uchar>(harmonize::Kind::interpolated));
   cv::transform(frame.colour, grey, cv::Matx13f::all(1.0F / 3));
-  const std::array<Octaves, kClasses> contrast = contrasts(grey, known, classes);
+  cv::Mat1b kinds = surface_classes.clone();
+  kinds.setTo(kSky, depth.z >= depth::DepthMap::kInfinity);
+  const std::array<Octaves, kClasses> contrast = contrasts(grey, known, kinds);
   const SE3 world_from_camera = view.camera_from_world.inverse();
   const auto nearest = std::min_element(centres_.begin(), centres_.end(), [&](const auto& a, const auto& b) {
     return (a - world_from_camera.t).squaredNorm() < (b - world_from_camera.t).squaredNorm();
@@ -144,11 +146,11 @@ std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Regi
   const std::array<float, 2> share{std::cos(static_cast<float>(turn * std::numbers::pi / 2)),
                                    std::sin(static_cast<float>(turn * std::numbers::pi / 2))};  // keep the deviation
   const auto descent = [&](cv::Point p) { return -(world_from_camera.R * view.camera.ray({p.x, p.y})).z(); };
-  const double height = height_above_ground(region, depth, classes, descent);
+  const double height = height_above_ground(region, depth, kinds, descent);
   std::vector<cv::Vec3f> out;
   out.reserve(region.size());
   for (const cv::Point p : region.pixels) {
-    const bool ground = classes(p) == static_cast<uchar>(SurfaceClass::ground);
+    const bool ground = kinds(p) == static_cast<uchar>(SurfaceClass::ground);
     double z = depth::DepthMap::is_solid(depth.z(p)) ? std::min<double>(depth.z(p), kFarthest) : kFarthest;
     if (ground && height > 0 && descent(p) > 0) z = std::min(height / descent(p), kFarthest);
     const Eigen::Vector3d at = world_from_camera * Eigen::Vector3d(z * view.camera.ray({p.x, p.y}));
@@ -157,7 +159,7 @@ std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Regi
       Eigen::Vector3d direction = (at - places_[before + side]).normalized() * (view.camera.fx / kCell);
       if (ground) direction.head<2>() /= kFlat;
       for (int octave = 0; octave < kOctaves; ++octave)
-        sum += share[side] * contrast[classes(p)][octave](p / kSmaller) *
+        sum += share[side] * contrast[kinds(p)][octave](p / kSmaller) *
                noise(direction * std::exp2(-octave), (before + side) * kOctaves + static_cast<std::size_t>(octave));
     }
     out.push_back(frame.colour(p) * (sum / std::max(grey(p), kDark)));

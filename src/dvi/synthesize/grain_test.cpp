@@ -51,12 +51,17 @@ harmonize::FilledFrame frame_of(float contrast, const cv::Rect& hole) {
 
 const cv::Mat1b kUnknown(kRows, kColumns, static_cast<uchar>(harmonize::SurfaceClass::unknown));
 
-cv::Mat1f grain_of(const Views& views, int i, const harmonize::FilledFrame& frame, const cv::Mat1b& classes = kUnknown) {
+cv::Mat1f grain_of(const Views& views, int i, const harmonize::FilledFrame& frame, const cv::Mat1b& classes,
+                   const depth::DepthMap& depth) {
   const Region region(frame.mask);
-  const std::vector<cv::Vec3f> found = Grain(views).at(frame, region, views[static_cast<std::size_t>(i)], wall(i), classes);
+  const std::vector<cv::Vec3f> found = Grain(views).at(frame, region, views[static_cast<std::size_t>(i)], depth, classes);
   cv::Mat1f out(frame.mask.size(), 0.0F);
   for (std::size_t k = 0; k < region.size(); ++k) out(region.pixels[k]) = found[k][1];
   return out;
+}
+
+cv::Mat1f grain_of(const Views& views, int i, const harmonize::FilledFrame& frame, const cv::Mat1b& classes = kUnknown) {
+  return grain_of(views, i, frame, classes, wall(i));
 }
 
 double deviation_of(const cv::Mat1f& image, const cv::Mat1b& mask) {
@@ -128,6 +133,23 @@ TEST(Grain, TheGroundHasTheGrainOfGround) {
   EXPECT_LT(deviation_of(grain, below), 1.5);
   const cv::Mat1f of_all = grain_of(views, 5, frame);
   EXPECT_GT(deviation_of(of_all, below), 2 * deviation_of(grain, below));
+}
+
+TEST(Grain, TheSkyHasTheGrainOfSky) {
+  const Views views = views_of(12);
+  harmonize::FilledFrame frame = frame_of(20, kHole);
+  frame.colour.rowRange(0, 40).setTo(cv::Scalar::all(120));
+  depth::DepthMap depth = wall(5);
+  depth.z.rowRange(0, 40).setTo(depth::DepthMap::kSky, ~frame.mask.rowRange(0, 40));
+  depth.z.rowRange(0, 40).setTo(depth::DepthMap::kInfinity, frame.mask.rowRange(0, 40));
+  const cv::Mat1b upright(kRows, kColumns, static_cast<uchar>(harmonize::SurfaceClass::upright));
+  cv::Mat1b above = frame.mask.clone(), below = frame.mask.clone();
+  above.rowRange(36, kRows).setTo(0);
+  below.rowRange(0, 44).setTo(0);
+  const cv::Mat1f grain = grain_of(views, 5, frame, upright, depth);
+  EXPECT_LT(deviation_of(grain, above), 1.5);
+  EXPECT_GT(deviation_of(grain, below), 10);
+  EXPECT_GT(deviation_of(grain_of(views, 5, frame, upright), above), 2 * deviation_of(grain, above));
 }
 
 TEST(Grain, WhereNothingIsKnownThereIsNone) {

@@ -160,7 +160,7 @@ harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const Vie
     const float share = texture.share(p);
     cv::Vec3f colour = frame.colour(p) + kGrain * (1 - share / kContrast) * grains[i];
     if (share > 0) colour += share * (texture.colour(p) + lights[textured.index(p)] - frame.colour(p));
-    out.colour(p) = ranges[i].clamped(colour);
+    out.colour(p) = ranges[i].with(frame.colour(p)).clamped(colour);
     out.kind(p) = static_cast<uchar>(Kind::synthesised);
     out.confidence(p) = static_cast<uchar>(std::lround(255 * synthesised_confidence(distance(p), contrast(p))));
   }

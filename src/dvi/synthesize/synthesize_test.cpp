@@ -145,6 +145,15 @@ TEST(Synthesize, StaysWithinTheColoursRoundTheHole) {
   EXPECT_LE(high, 115);
 }
 
+TEST(Synthesize, LeavesAnInterpolatedColourThatNothingNearShows) {
+  Street street;
+  street.map.points.clear();
+  harmonize::FilledFrame frame = street.interpolated();
+  frame.colour.setTo(cv::Scalar::all(110));
+  frame.colour.setTo(cv::Scalar::all(200), frame.mask);  // as the sky that begins within the hole
+  EXPECT_LT(cv::norm(frame.colour, street.run(frame).colour, cv::NORM_INF), 0.01);
+}
+
 TEST(Synthesize, ConfidenceFallsWithTheContrastOfWhatIsSeenAround) {
   const Street street;
   harmonize::FilledFrame frame = street.interpolated();
