@@ -1,13 +1,16 @@
 #include <algorithm>
+#include <cstddef>
 #include <functional>
-#include <map>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 
 #include "dvi/core/files.h"
+#include "dvi/io/image_file.h"
 #include "program.h"
 
 namespace dvi {
@@ -34,13 +37,12 @@ class Layouts : public ProgramTest {
     ASSERT_EQ(written.code, 0) << written.err;
   }
   // Frames of a run without labels, which the layouts hold differently.
-  std::map<std::string, std::string> frames_of(const std::string& drive) const {
+  std::vector<cv::Mat3b> frames_of(const std::string& drive) const {
     fs::remove_all(folder / "out");
     const Result run = dvi(fmt::format("run {} -o out --masks masks --poses given --quiet", drive));
     EXPECT_EQ(run.code, 0) << run.err;
-    std::map<std::string, std::string> frames;
-    for (const fs::path& file : list_files(folder / "out/frames", {".png"}))
-      frames[std::to_string(frames.size())] = read_file(file);
+    std::vector<cv::Mat3b> frames;
+    for (const fs::path& file : list_files(folder / "out/frames", {".png"})) frames.push_back(io::read_image(file, kSize));
     return frames;
   }
   // The drive's masks under the names of another layout's images.
@@ -50,12 +52,17 @@ class Layouts : public ProgramTest {
       fs::copy_file(folder / fmt::format("drive/masks/front/{:06d}.png", i), folder / "masks" / (name(i) + ".png"),
                     fs::copy_options::overwrite_existing);
   }
+  // But for single colours at the edge of rounding: a layout may write poses otherwise, as quaternions.
   void expect_same_frames(const std::string& drive, const std::function<std::string(int)>& name) const {
     name_masks([](int i) { return fmt::format("{:06d}", i); });
     name_masks(name);
     const auto expected = frames_of("drive"), found = frames_of(drive);
-    EXPECT_EQ(expected.size(), 6U);
-    EXPECT_TRUE(found == expected);
+    ASSERT_EQ(expected.size(), 6U);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_LE(cv::norm(found[i], expected[i], cv::NORM_INF), 1) << i;
+      EXPECT_LE(cv::norm(found[i], expected[i], cv::NORM_L1), 3) << i;
+    }
   }
   nlohmann::json check(const std::string& drive) const {
     const Result check = dvi("check " + drive + " --json --quiet");
