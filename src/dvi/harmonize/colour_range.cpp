@@ -22,11 +22,7 @@ ColourRange widened(ColourRange range, const sample::Candidates& candidates, con
   for (int y = std::max(p.y - 1, 0); y <= std::min(p.y + 1, index.rows - 1); ++y)
     for (int x = std::max(p.x - 1, 0); x <= std::min(p.x + 1, index.cols - 1); ++x) {
       const int j = index(y, x);
-      if (j < 0 || !candidates.leading[j].found()) continue;
-      for (int c = 0; c < 3; ++c) {
-        range.low[c] = std::min(range.low[c], copies[j][c]);
-        range.high[c] = std::max(range.high[c], std::min(copies[j][c], 255.0F));
-      }
+      if (j >= 0 && candidates.leading[j].found()) range = range.with(ColourRange{}.clamped(copies[j]));
     }
   return range;
 }

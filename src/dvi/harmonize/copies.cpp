@@ -53,19 +53,20 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const de
       const cv::Point p = hole.pixels[i];
       const sample::Candidate& shown = candidates.leading[i];
       const cv::Vec3f gain = light.gain_to(views[target], views[view], i);
-      const cv::Vec3f own = box_mean(*source.image, shown.position, shown.footprint).mul(gain);
+      const auto own = [&] { return box_mean(*source.image, shown.position, shown.footprint).mul(gain); };
       for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
-        const int j = frame.contains(q) ? hole.index(q) : -1;
+        if (!frame.contains(q)) continue;
+        const int j = hole.index(q);
         const bool seam = j >= 0 && candidates.leading[j].found() && candidates.leading[j].view != view;
-        if (!frame.contains(q) || (j >= 0 && !seam)) continue;
+        if (j >= 0 && !seam) continue;
         const std::optional<cv::Vec3f> beside = neighbour(source, p, shown, gain, q, depth);
         if (!beside) continue;
         if (seam) {
-          const cv::Vec3f half = 0.5F * (own - *beside);
+          const cv::Vec3f half = 0.5F * (own() - *beside);
           out.seam[i] += half;
           out.seam[j] -= half;
         } else {
-          out.outward[i] += own - *beside;
+          out.outward[i] += own() - *beside;
           out.rim.push_back({q, view, cv::Vec3f((*known)(q)) - *beside});
         }
       }
