@@ -52,8 +52,9 @@ class Layouts : public ProgramTest {
       fs::copy_file(folder / fmt::format("drive/masks/front/{:06d}.png", i), folder / "masks" / (name(i) + ".png"),
                     fs::copy_options::overwrite_existing);
   }
-  // But for single colours at the edge of rounding: a layout may write poses otherwise, as quaternions.
-  void expect_same_frames(const std::string& drive, const std::function<std::string(int)>& name) const {
+  // But for so many colours a frame that are off by one level: with poses as quaternions some at the edge of rounding go the
+  // other way.
+  void expect_same_frames(const std::string& drive, const std::function<std::string(int)>& name, int off = 0) const {
     name_masks([](int i) { return fmt::format("{:06d}", i); });
     name_masks(name);
     const auto expected = frames_of("drive"), found = frames_of(drive);
@@ -61,7 +62,7 @@ class Layouts : public ProgramTest {
     ASSERT_EQ(found.size(), expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i) {
       EXPECT_LE(cv::norm(found[i], expected[i], cv::NORM_INF), 1) << i;
-      EXPECT_LE(cv::norm(found[i], expected[i], cv::NORM_L1), 3) << i;
+      EXPECT_LE(cv::norm(found[i], expected[i], cv::NORM_L1), off) << i;
     }
   }
   nlohmann::json check(const std::string& drive) const {
@@ -112,7 +113,8 @@ TEST_F(Layouts, Nuscenes) {
   const nlohmann::json found = check("nuscenes/scene-0061");
   EXPECT_EQ(found["format"], "nuscenes");
   EXPECT_EQ(found["masks"]["source"], "labels");
-  expect_same_frames("nuscenes/scene-0061", [](int i) { return fmt::format("n001__CAM_FRONT__{}", 1000050000 + 100000 * i); });
+  const auto name = [](int i) { return fmt::format("n001__CAM_FRONT__{}", 1000050000 + 100000 * i); };
+  expect_same_frames("nuscenes/scene-0061", name, 3);
   expect_refused("nuscenes", "name one: ");
   expect_refused("nuscenes/scene-0063", "has no scene scene-0063");
 }
