@@ -98,7 +98,7 @@ drives are synthetic streets with exact truth, and real drives into which `dvi h
 
 [metrics.md](metrics.md) defines every figure. All methods are scored on the same pixels, and **copied**, **interpolated** and
 **synthesised** refer to the result of `dvi`: pixels copied from another frame, and of those that no frame saw the ones
-interpolated from their surroundings and the ones with ground made up for the drive. Intervals are 95 %, by bootstrap over frames. `-` is undefined.
+interpolated from their surroundings and the ones given texture as well. Intervals are 95 %, by bootstrap over frames. `-` is undefined.
 """
 
 
