@@ -17,7 +17,7 @@ struct FilledFrame {
   cv::Mat_<cv::Vec3w> provenance;  ///< source number + 1 (0: none), x * 16, y * 16
   cv::Mat3b used;                  ///< footprint's height and width (1: a pixel), number of sources averaged; zeros: not copied
   cv::Mat1b confidence;            ///< 255 = certain to be within 10 grey levels of the truth
-  cv::Mat1f depth;                 ///< as DepthMap::z
+  cv::Mat1f depth;                 ///< as DepthMap::z; what only another drive shows, as sky, is at infinity
   cv::Vec3f gain{1, 1, 1};         ///< as View::gain
 };
 

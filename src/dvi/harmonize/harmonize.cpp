@@ -47,21 +47,20 @@ cv::Mat1b where(const cv::Mat1b& image, Value value) {
 
 /// The hole with what lies round it, all that filling it looks at. Pixels are those of the box.
 struct Window {
-  Window(const Fused& fused, const depth::DepthMap& depths, const cv::Mat1b& surface_classes) : copies(fused.candidates) {
+  Window(const Fused& fused, const cv::Mat1f& depths, const cv::Mat1b& surface_classes) : copies(fused.candidates) {
     const Region& hole = copies.hole;
     if (hole.pixels.empty()) return;
     const cv::Rect within = cv::boundingRect(hole.pixels);
     box = cv::Rect(within.x - 1, within.y - 1, within.width + 2, within.height + 2) & cv::Rect({}, hole.index.size());
     index = hole.index(box);
-    depth = depths.z(box).clone();
-    depth.setTo(dvi::depth::DepthMap::kInfinity, fused.sky(box));
+    depth = depths(box);
     classes = surface_classes.empty() ? cv::Mat1b(box.size(), static_cast<uchar>(SurfaceClass::unknown)) : surface_classes(box);
   }
 
   const sample::Candidates& copies;
   cv::Rect box;
   cv::Mat1i index;    ///< of hole.pixels, or -1
-  cv::Mat1f depth;    ///< as DepthMap::z; the sky that another drive shows is at infinity
+  cv::Mat1f depth;    ///< as FilledFrame::depth
   cv::Mat1b classes;  ///< SurfaceClass
 
   std::size_t size() const { return copies.leading.size(); }
@@ -320,6 +319,9 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
   out.used = cv::Mat3b(size, cv::Vec3b());
   out.confidence = cv::Mat1b(size, uchar{255});
   out.depth = depth.z.clone();
+  for (std::size_t i = 0; i < hole.size(); ++i)
+    if (const cv::Point p = hole.pixels[i]; fused.sky(p) != 0 && !candidates.leading[i].found())
+      out.depth(p) = depth::DepthMap::kInfinity;
   out.gain = views[target].gain;
 
   Copies copies = copy(fused, views, target, depth, around.light);
@@ -327,7 +329,7 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
   for (std::size_t i = 0; i < hole.size(); ++i) out.colour(hole.pixels[i]) = copies.colour[i];
   const Role copied = options.poisson ? Role::solved : Role::fixed;
   const Role unseen = options.never_seen == NeverSeen::leave ? Role::absent : Role::solved;
-  const Window window(fused, depth, around.classes);
+  const Window window(fused, out.depth, around.classes);
   cv::Mat3f colour = out.colour(window.box);
   cv::Mat1b roles = roles_of(window, copied, options.never_seen_last ? Role::absent : unseen);
   fill(window, copies, roles, {options.seam_gradients, 1}, colour);

@@ -119,6 +119,19 @@ TEST(Harmonize, TheSkyDoesNotGoOnInWhatStandsBeforeIt) {
   EXPECT_LT(c.worst(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {})), 3);
 }
 
+TEST(Harmonize, WhatAnotherDayShowsAsSkyLiesAtInfinity) {
+  cv::Mat3b roof(kHeight, kWidth, cv::Vec3b::all(80));
+  roof.rowRange(0, 30).setTo(200);
+  Case c(roof, rectangle({20, 15, 40, 30}));
+  c.scene.add_source(0, roof, 1);
+  c.scene.views[1].gain = {1.5, 1.5, 1.5};  // the sky would be brighter than white
+  c.seen(1, 0);
+  const FilledFrame out = c.run();
+  EXPECT_EQ(out.depth(20, 40), depth::DepthMap::kInfinity);
+  EXPECT_EQ(out.depth(40, 40), c.scene.depth()(40, 40));
+  EXPECT_EQ(out.depth(10, 40), c.scene.depth()(10, 40)) << "outside the hole";
+}
+
 TEST(Harmonize, TheSkyBetweenHousesIsThatAboveThem) {
   cv::Mat3b picture(kHeight, kWidth, cv::Vec3b::all(200));
   for (const int x : {0, 70}) picture(cv::Rect(x, 25, 10, 35)).setTo(60);

@@ -100,8 +100,7 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
         cpu.time("sample", sample::sample_known, labels.candidates, views, i, depth, depths.visibility, options.sample);
     FilledFrame frame = cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, around,
                                  options.harmonize);  // 3.6, eq. 5
-    if (surfaces)
-      frame = cpu.time("synthesize", synthesize::synthesize, frame, views[i], depth, around.classes, *surfaces, grain);
+    if (surfaces) frame = cpu.time("synthesize", synthesize::synthesize, frame, views[i], around.classes, *surfaces, grain);
     return FilledView{std::move(frame), labels.energy};
   };
   progress.begin("fill", frames.size());

@@ -13,6 +13,7 @@
 
 #include "dvi/core/median.h"
 #include "dvi/core/random.h"
+#include "dvi/depth/depth_map.h"
 #include "dvi/harmonize/surface_class.h"
 
 namespace dvi::synthesize {
@@ -100,12 +101,11 @@ float noise(const Eigen::Vector3d& place, std::uint64_t seed) {
 /// Metres of the camera above the ground, from the depth of the ground's pixels, so that those without depth have one that
 /// fits; 0 where none has. `descent`: metres that a pixel's ray falls for each metre ahead.
 template <class Descent>
-double height_above_ground(const Region& region, const depth::DepthMap& depth, const cv::Mat1b& classes,
-                           const Descent& descent) {
+double height_above_ground(const Region& region, const cv::Mat1f& z, const cv::Mat1b& classes, const Descent& descent) {
   std::vector<float> heights;
   for (const cv::Point p : region.pixels)
-    if (classes(p) == static_cast<uchar>(SurfaceClass::ground) && depth::DepthMap::is_solid(depth.z(p)))
-      heights.push_back(static_cast<float>(depth.z(p) * descent(p)));
+    if (classes(p) == static_cast<uchar>(SurfaceClass::ground) && depth::DepthMap::is_solid(z(p)))
+      heights.push_back(static_cast<float>(z(p) * descent(p)));
   return heights.empty() ? 0 : median(std::move(heights));
 }
 
@@ -125,7 +125,7 @@ Grain::Grain(const Views& views) {
 }
 
 std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Region& region, const View& view,
-                                 const depth::DepthMap& depth, const cv::Mat1b& surface_classes) const {
+                                 const cv::Mat1b& surface_classes) const {
   constexpr double kCell = 1.5;      // px of the finest octave's cells
   constexpr double kFarthest = 200;  // metres; also where nothing is known
   constexpr double kFlat = 5;        // times as wide as high: the ground is seen at a slant
@@ -134,7 +134,7 @@ std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Regi
   known.setTo(1, frame.kind < static_cast<uchar>(harmonize::Kind::interpolated));
   cv::transform(frame.colour, grey, cv::Matx13f::all(1.0F / 3));
   cv::Mat1b kinds = surface_classes.clone();
-  kinds.setTo(kSky, depth.z >= depth::DepthMap::kInfinity);
+  kinds.setTo(kSky, frame.depth >= depth::DepthMap::kInfinity);
   const std::array<Octaves, kClasses> contrast = contrasts(grey, known, kinds);
   const SE3 world_from_camera = view.camera_from_world.inverse();
   const auto nearest = std::min_element(centres_.begin(), centres_.end(), [&](const auto& a, const auto& b) {
@@ -146,12 +146,12 @@ std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Regi
   const std::array<float, 2> share{std::cos(static_cast<float>(turn * std::numbers::pi / 2)),
                                    std::sin(static_cast<float>(turn * std::numbers::pi / 2))};  // keep the deviation
   const auto descent = [&](cv::Point p) { return -(world_from_camera.R * view.camera.ray({p.x, p.y})).z(); };
-  const double height = height_above_ground(region, depth, kinds, descent);
+  const double height = height_above_ground(region, frame.depth, kinds, descent);
   std::vector<cv::Vec3f> out;
   out.reserve(region.size());
   for (const cv::Point p : region.pixels) {
     const bool ground = kinds(p) == static_cast<uchar>(SurfaceClass::ground);
-    double z = depth::DepthMap::is_solid(depth.z(p)) ? std::min<double>(depth.z(p), kFarthest) : kFarthest;
+    double z = depth::DepthMap::is_solid(frame.depth(p)) ? std::min<double>(frame.depth(p), kFarthest) : kFarthest;
     if (ground && height > 0 && descent(p) > 0) z = std::min(height / descent(p), kFarthest);
     const Eigen::Vector3d at = world_from_camera * Eigen::Vector3d(z * view.camera.ray({p.x, p.y}));
     float sum = 0;

@@ -4,7 +4,6 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "dvi/depth/depth_map.h"
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/image/region.h"
@@ -21,7 +20,7 @@ class Grain {
   /// To be added to the colours of a region, as region.pixels, BGR. `view` is one of the target's; `classes` are its
   /// harmonize::SurfaceClass: the ground has the grain of ground.
   std::vector<cv::Vec3f> at(const harmonize::FilledFrame& frame, const Region& region, const View& view,
-                            const depth::DepthMap& depth, const cv::Mat1b& classes) const;
+                            const cv::Mat1b& classes) const;
 
  private:
   std::vector<Eigen::Vector3d> centres_;  // of the target's views

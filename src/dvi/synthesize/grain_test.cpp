@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "dvi/depth/depth_map.h"
 #include "dvi/drive/memory_views.h"
 #include "dvi/harmonize/surface_class.h"
 
@@ -32,9 +33,7 @@ Views views_of(int count) {
   return memory_views(views, std::vector<cv::Mat3b>(views.size()), std::vector<cv::Mat1b>(views.size()));
 }
 
-depth::DepthMap wall(int i) {
-  return {cv::Mat1f(kRows, kColumns, static_cast<float>(kDistance - i)), cv::Mat1f(kRows, kColumns, 0.1F)};
-}
+cv::Mat1f wall(int i) { return cv::Mat1f(kRows, kColumns, static_cast<float>(kDistance - i)); }
 
 /// A frame of a pattern of so much contrast, with a hole in the middle.
 harmonize::FilledFrame frame_of(float contrast, const cv::Rect& hole) {
@@ -51,17 +50,14 @@ harmonize::FilledFrame frame_of(float contrast, const cv::Rect& hole) {
 
 const cv::Mat1b kUnknown(kRows, kColumns, static_cast<uchar>(harmonize::SurfaceClass::unknown));
 
-cv::Mat1f grain_of(const Views& views, int i, const harmonize::FilledFrame& frame, const cv::Mat1b& classes,
-                   const depth::DepthMap& depth) {
+/// Of a frame without depth: that of the wall.
+cv::Mat1f grain_of(const Views& views, int i, harmonize::FilledFrame frame, const cv::Mat1b& classes = kUnknown) {
+  if (frame.depth.empty()) frame.depth = wall(i);
   const Region region(frame.mask);
-  const std::vector<cv::Vec3f> found = Grain(views).at(frame, region, views[static_cast<std::size_t>(i)], depth, classes);
+  const std::vector<cv::Vec3f> found = Grain(views).at(frame, region, views[static_cast<std::size_t>(i)], classes);
   cv::Mat1f out(frame.mask.size(), 0.0F);
   for (std::size_t k = 0; k < region.size(); ++k) out(region.pixels[k]) = found[k][1];
   return out;
-}
-
-cv::Mat1f grain_of(const Views& views, int i, const harmonize::FilledFrame& frame, const cv::Mat1b& classes = kUnknown) {
-  return grain_of(views, i, frame, classes, wall(i));
 }
 
 double deviation_of(const cv::Mat1f& image, const cv::Mat1b& mask) {
@@ -111,11 +107,11 @@ TEST(Grain, IsTheSameEachTime) {
 
 TEST(Grain, OneViewWithoutDepthHasSomeToo) {
   const Views views = views_of(1);
-  const harmonize::FilledFrame frame = frame_of(10, kHole);
+  harmonize::FilledFrame frame = frame_of(10, kHole);
+  frame.depth = cv::Mat1f(kRows, kColumns, depth::DepthMap::kUnknown);
   const Region region(frame.mask);
-  const depth::DepthMap unknown{cv::Mat1f(kRows, kColumns, depth::DepthMap::kUnknown), cv::Mat1f(kRows, kColumns, 0.0F)};
   double square = 0;
-  for (const cv::Vec3f& g : Grain(views).at(frame, region, views[0], unknown, kUnknown)) square += g[1] * g[1];
+  for (const cv::Vec3f& g : Grain(views).at(frame, region, views[0], kUnknown)) square += g[1] * g[1];
   EXPECT_GT(std::sqrt(square / static_cast<double>(region.size())), 2);
 }
 
@@ -139,14 +135,15 @@ TEST(Grain, TheSkyHasTheGrainOfSky) {
   const Views views = views_of(12);
   harmonize::FilledFrame frame = frame_of(20, kHole);
   frame.colour.rowRange(0, 40).setTo(cv::Scalar::all(120));
-  depth::DepthMap depth = wall(5);
-  depth.z.rowRange(0, 40).setTo(depth::DepthMap::kSky, ~frame.mask.rowRange(0, 40));
-  depth.z.rowRange(0, 40).setTo(depth::DepthMap::kInfinity, frame.mask.rowRange(0, 40));
+  harmonize::FilledFrame with_sky = frame;
+  with_sky.depth = wall(5);
+  with_sky.depth.rowRange(0, 40).setTo(depth::DepthMap::kSky, ~frame.mask.rowRange(0, 40));
+  with_sky.depth.rowRange(0, 40).setTo(depth::DepthMap::kInfinity, frame.mask.rowRange(0, 40));
   const cv::Mat1b upright(kRows, kColumns, static_cast<uchar>(harmonize::SurfaceClass::upright));
   cv::Mat1b above = frame.mask.clone(), below = frame.mask.clone();
   above.rowRange(36, kRows).setTo(0);
   below.rowRange(0, 44).setTo(0);
-  const cv::Mat1f grain = grain_of(views, 5, frame, upright, depth);
+  const cv::Mat1f grain = grain_of(views, 5, with_sky, upright);
   EXPECT_LT(deviation_of(grain, above), 1.5);
   EXPECT_GT(deviation_of(grain, below), 10);
   EXPECT_GT(deviation_of(grain_of(views, 5, frame, upright), above), 2 * deviation_of(grain, above));

@@ -76,6 +76,7 @@ struct Street {
     frame.mask = masks[8].clone();
     frame.kind = cv::Mat1b(masks[8] / 255 * static_cast<uchar>(Kind::interpolated));
     frame.confidence = cv::Mat1b(~masks[8]);
+    frame.depth = depth().z;
     frame.colour.setTo(cv::Scalar::all(110), frame.mask);
     return frame;
   }
@@ -83,7 +84,7 @@ struct Street {
     const Views all = memory_views(views, images, masks);
     const Lazy<depth::VisibilityMap> visibility(views.size(),
                                                 [&](std::size_t i) { return depth::visibility_map(depth(), *all.masks[i]); });
-    return synthesize(frame, all[8], depth(), {}, Surfaces(map::Ground(map, all), all, visibility), Grain(all));
+    return synthesize(frame, all[8], {}, Surfaces(map::Ground(map, all), all, visibility), Grain(all));
   }
 };
 
