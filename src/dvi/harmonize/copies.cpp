@@ -1,5 +1,6 @@
 #include "dvi/harmonize/copies.h"
 
+#include <array>
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -34,13 +35,24 @@ std::optional<cv::Vec3f> neighbour(const Source& source, cv::Point p, const samp
   return std::nullopt;
 }
 
+void add(Seam& seam, const cv::Vec3f& step) {
+  if (seam.shown == 1) seam.doubt = mean_difference(2 * seam.step, step);
+  seam.step += 0.5F * step;
+  ++seam.shown;
+}
+
 }  // namespace
+
+float Seam::weight() const {
+  const float root = 1 + doubt * doubt / (kDoubtfulSeam * kDoubtfulSeam);
+  return 1 / (root * root);
+}
 
 Copies copy(const Fused& fused, const Views& views, std::size_t target, const depth::DepthMap& depth, const DayLight& light) {
   const sample::Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
   const std::vector<cv::Vec3f> zeros(hole.size());
-  Copies out{fused.colour, zeros, zeros};
+  Copies out{fused.colour, zeros, std::vector<std::array<Seam, 2>>(hole.size())};
   std::map<int, std::vector<std::size_t>> of_view;
   for (std::size_t i = 0; i < hole.size(); ++i)
     if (candidates.leading[i].found()) of_view[candidates.leading[i].view].push_back(i);
@@ -62,9 +74,8 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const de
         const std::optional<cv::Vec3f> beside = neighbour(source, p, shown, gain, q, depth);
         if (!beside) continue;
         if (seam) {
-          const cv::Vec3f half = 0.5F * (own() - *beside);
-          out.seam[i] += half;
-          out.seam[j] -= half;
+          const bool first = q.x > p.x || q.y > p.y;
+          add((first ? out.seams[i] : out.seams[j])[q.y == p.y ? 0 : 1], first ? own() - *beside : *beside - own());
         } else {
           out.outward[i] += own() - *beside;
           out.rim.push_back({q, view, cv::Vec3f((*known)(q)) - *beside});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "dvi/depth/depth_map.h"
@@ -8,11 +9,25 @@
 
 namespace dvi::harmonize {
 
+/// Grey levels: three times what a right copy may be off by. A seam is between two colours in each of two sources, which is
+/// twice as uncertain.
+constexpr float kDoubtful = 30, kDoubtfulSeam = 2 * kDoubtful;
+
 /// A known pixel beside a copied one.
 struct RimPixel {
   cv::Point at;
   int view = 0;          ///< the source of the copied one
   cv::Vec3f difference;  ///< its colour, less what this source shows of it
+};
+
+/// A hole pixel and its neighbour to the right, or below, which another source shows.
+struct Seam {
+  cv::Vec3f step;   ///< its colour less the neighbour's: the mean of what both sources show of the two, 0 where one does not
+  int shown = 0;    ///< how many of both do
+  float doubt = 0;  ///< grey levels by which the sources differ in that, as a mean over the channels; 0 unless both show it
+
+  /// In eq. 5, that of Geman and McClure: misplaced edges and moved shadows must not set how bright all beyond them is.
+  float weight() const;
 };
 
 /// What the solution of eq. 5 is held near to (screened Poisson: Bhat et al., Fourier analysis of the 2D screened Poisson
@@ -27,12 +42,10 @@ struct Copies {
   std::vector<cv::Vec3f> colour;  ///< as fused
   /// Sum over the pixel's neighbours outside the hole of (its colour - the neighbour's), both as its leading source shows them.
   std::vector<cv::Vec3f> outward;
-  /// Sum over the pixel's neighbours led by another source of (its colour - the neighbour's), the mean of what both
-  /// sources show of the two.
-  std::vector<cv::Vec3f> seam;
-  std::vector<RimPixel> rim{};  ///< of those that the sources show
-  bool of_other_days = false;   ///< some were copied from another drive
-  Hold hold{};                  ///< by hold_of()
+  std::vector<std::array<Seam, 2>> seams;  ///< to the right and below; elsewhere none is shown
+  std::vector<RimPixel> rim{};             ///< of those that the sources show
+  bool of_other_days = false;              ///< some were copied from another drive
+  Hold hold{};                             ///< by hold_of()
 };
 
 /// Reads one source image at a time.

@@ -150,8 +150,7 @@ class Equation {
     // Sky, ground and what stands upright do not go on in each other. Not 0: one may have no other neighbour.
     constexpr float kSilhouette = 1e-3F;
     PoissonSystem out{Region(where(roles_, Role::solved)), {}, {}, guidance_.vertical};
-    if (!guidance_.below.empty())
-      for (const cv::Point p : out.region.pixels) out.below.push_back(guidance_.below(p));
+    if (guidance_.seams || !guidance_.below.empty()) weigh(out);
     out.diagonal.reserve(out.region.size());
     out.right.reserve(out.region.size());
     for (const cv::Point p : out.region.pixels) {
@@ -159,10 +158,9 @@ class Equation {
       const bool copied = window_.copies.leading[i].found();
       float diagonal = 0;
       cv::Vec3f right = copied ? copies_.outward[i] : cv::Vec3f();
-      if (copied && guidance_.seams) right += copies_.seam[i];
       for (const cv::Point q : around(p)) {
         if (!inside(roles_, q) || roles_(q) == static_cast<uchar>(Role::absent)) continue;
-        const float weight = guidance_.weight(p, q) * (silhouette(p, q) ? kSilhouette : 1);
+        const float weight = coupling(p, q) * (silhouette(p, q) ? kSilhouette : 1);
         diagonal += weight;
         right += weight * pull(i, q);
       }
@@ -190,8 +188,29 @@ class Equation {
     if (roles_(q) == static_cast<uchar>(Role::fixed)) out += colour_(q);
     const int j = window_.index(q);
     const std::vector<sample::Candidate>& of = window_.copies.leading;
-    if (j < 0 || !of[i].found() || of[j].view != of[i].view) return out;
-    return out + copies_.colour[i] - copies_.colour[j];
+    if (j < 0 || !of[i].found() || !of[j].found()) return out;
+    if (of[j].view == of[i].view) return out + copies_.colour[i] - copies_.colour[j];
+    if (!guidance_.seams) return out;
+    const cv::Point p = window_.pixel(i);
+    return is_first(p, q) ? out + seam(p, q).step : out - seam(q, p).step;
+  }
+
+  static bool is_first(cv::Point p, cv::Point q) { return p.x < q.x || p.y < q.y; }
+  const Seam& seam(cv::Point first, cv::Point second) const {
+    return copies_.seams[window_.index(first)][first.y == second.y ? 0 : 1];
+  }
+
+  /// Of the equation between two neighbours.
+  float coupling(cv::Point p, cv::Point q) const {
+    const float smooth = guidance_.weight(p, q);
+    if (!guidance_.seams || window_.index(p) < 0 || window_.index(q) < 0) return smooth;
+    return smooth * (is_first(p, q) ? seam(p, q) : seam(q, p)).weight();
+  }
+
+  void weigh(PoissonSystem& system) const {
+    for (const cv::Point p : system.region.pixels)
+      for (const cv::Point q : {p + cv::Point(1, 0), p + cv::Point(0, 1)})
+        (p.y == q.y ? system.beside : system.below).push_back(inside(roles_, q) ? coupling(p, q) : 0);
   }
 
   const Window& window_;

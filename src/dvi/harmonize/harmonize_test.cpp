@@ -192,6 +192,18 @@ TEST(Harmonize, TwoSourcesMeetWithoutASeam) {
   EXPECT_NEAR(c.worst(c.run(plain)), 30, 1e-3);
 }
 
+TEST(Harmonize, AMisplacedEdgeAtASeamDoesNotLightWhatIsDark) {
+  cv::Mat3b picture(kHeight, kWidth, cv::Vec3b::all(230));
+  const cv::Rect bin(32, 24, 16, 16);
+  picture(bin).setTo(50);
+  Case c(picture, rectangle({10, 10, 60, 40}));
+  c.scene.add_source(0, c.truth);
+  c.scene.add_source(0, cv::Mat3b(kHeight, kWidth, cv::Vec3b::all(230)));  // the bin stands elsewhere in this one
+  c.seen(2, 0);
+  c.seen(1, 0, bin);
+  EXPECT_NEAR(c.run().colour(32, 40)[0], 50, 30) << "and not half way to the wall";
+}
+
 TEST(Harmonize, LeavesAllOutsideTheHoleAlone) {
   Case c(waves(kWidth, kHeight, 4), rectangle({25, 20, 30, 20}));
   c.scene.add_source(3, brighter(c.truth, 20));

@@ -18,37 +18,40 @@ namespace {
 
 constexpr float kHeld = 1e-2F;               // fades over 10 px: beyond, gains are right to a few grey levels
 constexpr int kCoarsest = 128, kFinest = 8;  // px of a cell
-constexpr float kDoubtful = 30;              // grey levels, three times what a right copy may be off by
-constexpr float kCoarser = 4;                // pixels of the rim that the coarser cell counts as
+constexpr float kCoarser = 4;                // pixels that the coarser cell counts as
 
-/// By cells: by how much the target is brighter than its sources, and how far the rim is from that, in grey levels.
-struct Field {
-  cv::Mat3f light;
-  cv::Mat1f spread;
-
-  void resize(double factor) {
-    cv::resize(light, light, {}, factor, factor, cv::INTER_LINEAR);
-    cv::resize(spread, spread, {}, factor, factor, cv::INTER_LINEAR);
+/// Something in grey levels, by cells: where a cell has little of it, it follows the coarser one.
+template <class Value>
+class Field {
+ public:
+  explicit Field(cv::Size image)
+      : value_((image.height + kCoarsest - 1) / kCoarsest, (image.width + kCoarsest - 1) / kCoarsest, Value()) {
+    begin();
   }
+  const Value& at(cv::Point cell) const { return value_(cell); }
+  void add(cv::Point cell, const Value& value, float weight = 1) {
+    sum_(cell) += weight * value;
+    weight_(cell) += weight;
+  }
+  /// From the cells, that all have been added to, to finer ones, or to pixels.
+  void refine(int times) {
+    for (int y = 0; y < sum_.rows; ++y)
+      for (int x = 0; x < sum_.cols; ++x) value_(y, x) = sum_(y, x) / weight_(y, x);
+    cv::resize(value_, value_, {}, times, times, cv::INTER_LINEAR);
+    begin();
+  }
+
+ private:
+  void begin() {
+    sum_ = kCoarser * value_;
+    weight_ = cv::Mat1f(value_.size(), kCoarser);
+  }
+
+  cv::Mat_<Value> value_, sum_;
+  cv::Mat1f weight_;
 };
 
-void refine(const std::vector<RimPixel>& rim, int cell, Field& field) {
-  cv::Mat3f light(kCoarser * field.light);
-  cv::Mat1f spread(kCoarser * field.spread), weights(light.size(), kCoarser), counts(light.size(), kCoarser);
-  for (const RimPixel& pixel : rim) {
-    const cv::Point at = pixel.at / cell;
-    const float off = most_different(pixel.difference, field.light(at)) / kDoubtful, weight = 1 / (1 + off * off);
-    light(at) += weight * pixel.difference;
-    weights(at) += weight;
-    spread(at) += mean_difference(pixel.difference, field.light(at));
-    counts(at) += 1;
-  }
-  for (int y = 0; y < light.rows; ++y)
-    for (int x = 0; x < light.cols; ++x) {
-      field.light(y, x) = light(y, x) / weights(y, x);
-      field.spread(y, x) = spread(y, x) / counts(y, x);
-    }
-}
+int finer(int cell) { return cell > kFinest ? 2 : kFinest; }
 
 cv::Vec3f median_difference(const std::vector<RimPixel>& rim) {
   cv::Vec3f out;
@@ -81,16 +84,34 @@ class LightOfSources {
   std::map<int, cv::Vec3f> light_;
 };
 
-/// From coarse cells to fine ones: where a cell has little of the rim, it follows the coarser one.
-Field field_of(const std::vector<RimPixel>& rim, cv::Size image) {
-  const cv::Size cells((image.width + kCoarsest - 1) / kCoarsest, (image.height + kCoarsest - 1) / kCoarsest);
-  Field field{{cells, cv::Vec3f()}, {cells, 0.0F}};
-  for (int cell = kCoarsest; cell >= kFinest; cell /= 2) {
-    if (cell < kCoarsest) field.resize(2);
-    refine(rim, cell, field);
+/// By how much the target is brighter than its sources, and how far the rim is from that.
+struct LightAlongRim {
+  LightAlongRim(const std::vector<RimPixel>& rim, cv::Size image) : light(image), spread(image) {
+    for (int cell = kCoarsest; cell >= kFinest; cell /= 2) {
+      for (const RimPixel& pixel : rim) {
+        const cv::Point at = pixel.at / cell;
+        const float off = most_different(pixel.difference, light.at(at)) / kDoubtful;
+        spread.add(at, mean_difference(pixel.difference, light.at(at)));
+        light.add(at, pixel.difference, 1 / (1 + off * off));
+      }
+      light.refine(finer(cell));
+      spread.refine(finer(cell));
+    }
   }
-  field.resize(kFinest);
-  return field;
+
+  Field<cv::Vec3f> light;
+  Field<float> spread;
+};
+
+Field<float> doubt_at_seams(const Copies& copies, const Region& hole) {
+  Field<float> out(hole.index.size());
+  for (int cell = kCoarsest; cell >= kFinest; cell /= 2) {
+    for (std::size_t i = 0; i < hole.size(); ++i)
+      for (const Seam& seam : copies.seams[i])
+        if (seam.shown == 2) out.add(hole.pixels[i] / cell, seam.doubt);
+    out.refine(finer(cell));
+  }
+  return out;
 }
 
 }  // namespace
@@ -102,11 +123,12 @@ Hold hold_of(const Copies& copies, const sample::Candidates& candidates, bool ro
   const LightOfSources light(copies.rim);
   std::vector<RimPixel> rest = copies.rim;
   for (RimPixel& pixel : rest) pixel.difference -= light.of(pixel.view);
-  const Field field = field_of(rest, hole.index.size());
+  const LightAlongRim along(rest, hole.index.size());
+  const Field<float> at_seams = doubt_at_seams(copies, hole);
   for (std::size_t i = 0; i < hole.size(); ++i) {
     const cv::Point p = hole.pixels[i];
-    const float doubt = std::pow(field.spread(p) / kDoubtful, 4.0F);
-    out.colour[i] += light.of(candidates.leading[i].view) + field.light(p);
+    const float doubt = std::pow(along.spread.at(p) / kDoubtful, 4.0F) + std::pow(at_seams.at(p) / kDoubtfulSeam, 4.0F);
+    out.colour[i] += light.of(candidates.leading[i].view) + along.light.at(p);
     out.weight[i] = kHeld * doubt / (1 + doubt);
   }
   return out;

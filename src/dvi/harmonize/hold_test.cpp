@@ -24,6 +24,7 @@ struct RimCase {
     mask(where) = 255;
     candidates = {Region(mask), std::vector<sample::Candidate>(Region(mask).size(), sample::Candidate{1, {}})};
     copies.colour.assign(candidates.hole.size(), cv::Vec3f::all(100));
+    copies.seams.resize(candidates.hole.size());
     for (int x = where.x; x < where.br().x; ++x)
       for (const int y : {where.y - 1, where.br().y}) add({x, y}, difference);
     for (int y = where.y; y < where.br().y; ++y)
@@ -64,6 +65,22 @@ TEST(Hold, ARimThatContradictsItselfIsNotFollowed) {
   EXPECT_LT(c.weight(hold, kRight), 0.1F * kFull);
   EXPECT_NEAR(c.colour(hold, kLeft), 100, 30) << "nor is its mean";
   EXPECT_NEAR(c.colour(hold, kRight), 100, 1);
+}
+
+TEST(Hold, WhereSourcesContradictEachOtherCopiesAreHeld) {
+  RimCase c([](cv::Point) { return 50.0F; });
+  for (int y = 60; y < 140; ++y)
+    for (const int x : {80, 220}) c.copies.seams[c.candidates.hole.index({x, y})][0] = {{}, 2, x == 80 ? 150.0F : 10.0F};
+  const Hold hold = c.held();
+  EXPECT_GT(c.weight(hold, {80, 100}), 0.9F * kFull);
+  EXPECT_LT(c.weight(hold, {220, 100}), 0.1F * kFull);
+  EXPECT_NEAR(c.colour(hold, {80, 100}), 150, 1e-3) << "in the light of the rim";
+}
+
+TEST(Seam, CountsLessTheMoreItsSourcesDiffer) {
+  EXPECT_EQ((Seam{{}, 2, 0}.weight()), 1);
+  EXPECT_EQ((Seam{{}, 2, kDoubtfulSeam}.weight()), 0.25F);
+  EXPECT_LT((Seam{{}, 2, 250}.weight()), 0.01F);
 }
 
 TEST(Hold, WithoutARobustRimNothingIsHeld) {

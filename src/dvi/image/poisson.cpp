@@ -67,11 +67,16 @@ cv::Mat1i numbers(const std::vector<cv::Point>& nodes) {
   return out;
 }
 
-void weigh_columns(Level& level, const PoissonSystem& system) {
-  const auto below = [&](int node) { return system.below[system.region.index(level.position[node])]; };
-  level.weight.assign(level.position.size(), {1, 0, 1, 0});
+void weigh(Level& level, const PoissonSystem& system) {
+  const auto number = [&](int node) { return system.region.index(level.position[node]); };
+  const auto beside = [&](int node) { return system.beside.empty() ? 1 : system.beside[number(node)]; };
+  const auto below = [&](int node) { return system.below.empty() ? system.vertical : system.below[number(node)]; };
+  level.weight.assign(level.position.size(), {});
   for (int i = 0; i < level.size(); ++i) {
-    if (level.neighbour[i][1] < level.size()) level.weight[i][1] = below(level.neighbour[i][1]);
+    const auto [left, above, right, under] = level.neighbour[i];
+    if (left < level.size()) level.weight[i][0] = beside(left);
+    if (above < level.size()) level.weight[i][1] = below(above);
+    level.weight[i][2] = beside(i);
     level.weight[i][3] = below(i);
   }
 }
@@ -90,7 +95,7 @@ Level finest_level(const PoissonSystem& system) {
       if (inside.contains(q) && number(q) >= 0) level.neighbour[i][d] = number(q);
     }
   }
-  if (!system.below.empty()) weigh_columns(level, system);
+  if (!system.beside.empty() || !system.below.empty()) weigh(level, system);
   level.finish();
   return level;
 }

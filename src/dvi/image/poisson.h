@@ -9,14 +9,14 @@
 namespace dvi {
 
 /// For each pixel p of the region: diagonal(p) x(p) - sum of w x(q) over its 4-neighbours q in the region = right(p), w being 1
-/// along rows and `vertical` along columns, or what `below` says of the upper pixel of both. A diagonal is at least the sum of
-/// those w, and greater somewhere in each connected part.
+/// along rows and `vertical` along columns, or what `beside` says of the left and `below` of the upper pixel of both. A
+/// diagonal is at least the sum of those w, and greater somewhere in each connected part.
 struct PoissonSystem {
   Region region;
   std::vector<float> diagonal;
   std::vector<cv::Vec3f> right;
   float vertical = 1;
-  std::vector<float> below{};  ///< as region.pixels; empty: `vertical` everywhere
+  std::vector<float> beside{}, below{};  ///< as region.pixels; empty: 1 and `vertical` everywhere
 };
 
 /// Solves for x from the values it comes with; conjugate gradients, preconditioned by one multigrid cycle on blocks of
