@@ -25,6 +25,7 @@ struct View {
   Camera camera;
   SE3 camera_from_world;
   cv::Vec3f gain{1, 1, 1};        ///< BGR; its colours times this are in the light common to all views
+  float vignetting = 0;           ///< how its lens darkens towards the corners: k of vignetting(), 0 if it does not
   Sensor sensor = Sensor::lidar;  ///< its drive's
   bool registered_depth = false;  ///< its drive's: nothing turns the camera against the sensor that made the map
   bool grey = false;              ///< shows structure, but no colours

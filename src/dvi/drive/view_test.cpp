@@ -6,6 +6,7 @@
 
 #include "dvi/core/random.h"
 #include "dvi/drive/near_views.h"
+#include "dvi/drive/vignetting.h"
 
 namespace dvi {
 namespace {
@@ -36,6 +37,17 @@ TEST(Views, OfADriveThatIsNotThereIsEmptyAtTheEnd) {
   const Views views = views_at({{0, 0}, {0, 1}});
   EXPECT_EQ(views.of_sequence(1), std::pair(std::size_t{2}, std::size_t{2}));
   EXPECT_EQ(Views().of_sequence(0), std::pair(std::size_t{0}, std::size_t{0}));
+}
+
+TEST(Vignetting, IsTheCos4LawAndBringsOnePlaceToAnother) {
+  View view;
+  view.camera = {200, 200, 100, 100, 100, 100, {}};
+  EXPECT_EQ(vignetting(view, {200, 100}), 1);
+  view.vignetting = 2;
+  EXPECT_EQ(vignetting(view, {100, 100}), 1);
+  EXPECT_NEAR(vignetting(view, {200, 100}), 0.25, 1e-6) << "45 degrees";
+  EXPECT_NEAR(vignetting_to(view, {100, 100}, view, {200, 100}), 4, 1e-5);
+  EXPECT_EQ(vignetting_to(view, {30, 40}, view, {30, 40}), 1);
 }
 
 TEST(Views, GainsBringOneLightIntoAnother) {

@@ -7,14 +7,13 @@
 #include <memory>
 #include <utility>
 
-#include <opencv2/imgproc.hpp>
-
 #include "dvi/core/lazy.h"
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/near_views.h"
+#include "dvi/exposure/sightings.h"
+#include "dvi/exposure/vignetting.h"
 #include "dvi/geometry/normal_equations.h"
-#include "dvi/image/region.h"
 #include "dvi/map/visible_points.h"
 
 namespace dvi::exposure {
@@ -24,54 +23,12 @@ namespace {
 constexpr std::array<std::size_t, 5> kApart{1, 2, 4, 8, 16};
 constexpr std::size_t kPlaces = 3;   // views of earlier sequences, nearest in place, that one of another is compared with
 constexpr double kRadian = 10;       // metres that count as much as a radian between directions
-constexpr double kBlur = 2.5;        // px: poses are not refined yet
-constexpr int kMargin = 6;           // px round masks and saturated pixels that the blur reaches
-constexpr uchar kBlack = 8;          // grey levels; darker, noise and the sensor's offset outweigh the light
-constexpr uchar kSaturated = 250;    // grey levels
 constexpr std::size_t kFewest = 50;  // points
 constexpr double kFloor = 0.005;     // of a ratio's logarithm: what no number of points makes surer
 constexpr double kOutlier = 0.03;    // of a ratio's logarithm: from here on a pair counts less
 constexpr double kWeakest = 1e-6;    // the weight of "gain 1" against that of a sure pair; fixes what no pair tells
 constexpr int kRounds = 10;          // of reweighting
 constexpr double kLargest = 1.3863;  // of a gain's logarithm: 1/4 .. 4
-
-/// A point of the map with the logarithm of its colour in a view.
-struct Sighting {
-  std::size_t point = 0;
-  cv::Vec3f colour;
-};
-
-/// What a view shows of the map, in order of points.
-using Sightings = std::vector<Sighting>;
-
-/// Pixels whose surroundings are unmasked, neither black nor saturated.
-cv::Mat1b usable(const cv::Mat3b& image, const cv::Mat1b& mask) {
-  cv::Mat1b bad, black, within;
-  cv::inRange(image, cv::Scalar::all(0), cv::Scalar::all(kSaturated - 1), within);
-  cv::inRange(image, cv::Scalar::all(0), cv::Scalar::all(kBlack - 1), black);
-  cv::bitwise_or(mask, black, bad);
-  cv::bitwise_or(bad, ~within, bad);
-  cv::Mat1b out;
-  cv::bitwise_not(grown(bad, kMargin), out);
-  return out;
-}
-
-Sightings sightings(const std::vector<map::VisiblePoint>& points, const cv::Mat3b& image, const cv::Mat1b& mask) {
-  const cv::Mat1b use = usable(image, mask);
-  cv::Mat3f colours;
-  image.convertTo(colours, CV_32FC3);
-  cv::GaussianBlur(colours, colours, {}, kBlur);
-  Sightings out;
-  for (const map::VisiblePoint& p : points) {
-    const cv::Point at(cvRound(p.u), cvRound(p.v));
-    if (use(at) == 0) continue;
-    const cv::Vec3f& c = colours(at);
-    if (std::min({c[0], c[1], c[2]}) < static_cast<float>(kBlack)) continue;
-    out.push_back({p.index, {std::log(c[0]), std::log(c[1]), std::log(c[2])}});
-  }
-  std::sort(out.begin(), out.end(), [](const Sighting& a, const Sighting& b) { return a.point < b.point; });
-  return out;
-}
 
 /// How two views' logarithms of gain differ, as the points they share say.
 struct Pair {
@@ -81,16 +38,14 @@ struct Pair {
 };
 
 /// Appends the pair if the views share enough points.
-void compare(std::size_t a, std::size_t b, const Lazy<Sightings>& seen, std::vector<Pair>& out) {
+void compare(std::size_t a, std::size_t b, const Lazy<Sightings>& seen, const std::vector<float>& vignetting,
+             std::vector<Pair>& out) {
   const std::shared_ptr<const Sightings> in_a = seen[a], in_b = seen[b];
   std::array<std::vector<float>, 3> ratios;
-  for (auto i = in_a->begin(), j = in_b->begin(); i != in_a->end() && j != in_b->end();) {
-    if (i->point == j->point)
-      for (int c = 0; c < 3; ++c) ratios[c].push_back(j->colour[c] - i->colour[c]);
-    const std::size_t first = std::min(i->point, j->point);
-    if (i->point == first) ++i;
-    if (j != in_b->end() && j->point == first) ++j;
-  }
+  for_each_shared(*in_a, *in_b, [&](const Sighting& i, const Sighting& j) {
+    const float darker = vignetting[b] * j.off_axis - vignetting[a] * i.off_axis;
+    for (int c = 0; c < 3; ++c) ratios[c].push_back(j.colour[c] - i.colour[c] + darker);
+  });
   if (ratios[0].size() < kFewest) return;
   Pair pair{a, b, {}, {}};
   for (int c = 0; c < 3; ++c) {
@@ -107,16 +62,15 @@ std::vector<std::size_t> places(const Views& views, std::size_t view) {
   return nearest_views(views, view, {0, views.of_sequence(views[view].sequence).first}, kPlaces, kRadian);
 }
 
-std::vector<Pair> compare_all(const Views& views, const map::VisibleMap& map, const Tick& tick) {
-  const Lazy<Sightings> seen(views.size(),
-                             [&](std::size_t i) { return sightings(*map.points[i], *views.images[i], *views.masks[i]); });
+std::vector<Pair> compare_all(const Views& views, const Lazy<Sightings>& seen, const std::vector<float>& vignetting,
+                              const Tick& tick) {
   std::vector<std::vector<Pair>> of_view(views.size());
   parallel_in_order(views.size(), [&](std::size_t i) {
     if (!shares_colours(views[i], views[0])) return tick();
     for (const std::size_t apart : kApart)
-      if (apart <= i && views[i - apart].sequence == views[i].sequence) compare(i - apart, i, seen, of_view[i]);
+      if (apart <= i && views[i - apart].sequence == views[i].sequence) compare(i - apart, i, seen, vignetting, of_view[i]);
     for (const std::size_t other : places(views, i))
-      if (shares_colours(views[other], views[i])) compare(other, i, seen, of_view[i]);
+      if (shares_colours(views[other], views[i])) compare(other, i, seen, vignetting, of_view[i]);
     tick();
   });
   std::vector<Pair> pairs;
@@ -152,7 +106,10 @@ Eigen::VectorXd solve(const std::vector<Pair>& pairs, std::size_t views, int cha
 
 Gains estimate_exposure(const Views& views, const map::VisibleMap& map, const Tick& tick) {
   Gains gains(views.size());
-  const std::vector<Pair> pairs = compare_all(views, map, tick);
+  const Lazy<Sightings> seen(
+      views.size(), [&](std::size_t i) { return sightings(views[i], *map.points[i], *views.images[i], *views.masks[i]); });
+  gains.vignetting = estimate_vignetting(views, seen);
+  const std::vector<Pair> pairs = compare_all(views, seen, gains.vignetting, tick);
   for (const Pair& p : pairs) {
     ++gains.compared[p.a];
     ++gains.compared[p.b];

@@ -10,6 +10,7 @@
 #include "dvi/core/random.h"
 #include "dvi/drive/flat_scene.h"
 #include "dvi/drive/view.h"
+#include "dvi/drive/vignetting.h"
 #include "dvi/map/static_map.h"
 
 namespace dvi::exposure {
@@ -71,6 +72,35 @@ std::vector<cv::Vec3d> drifting(int count) {
 TEST(Exposure, FindsGainAndWhiteBalance) {
   const Lit lit(drifting(12));
   EXPECT_LT(lit.worst(lit.found()), 0.005);
+}
+
+/// The scene through a lens that darkens by cos^(2 k).
+void darken(FlatScene& scene, float k) {
+  for (std::size_t i = 0; i < scene.views.size(); ++i) {
+    View through = scene.views[i];
+    through.vignetting = k;
+    for (int y = 0; y < scene.height; ++y)
+      for (int x = 0; x < scene.width; ++x) scene.images[i](y, x) *= vignetting(through, cv::Point(x, y));
+  }
+}
+
+TEST(Exposure, FindsHowTheLensDarkens) {
+  for (const float k : {0.3F, 0.9F}) {
+    Lit lit(std::vector<cv::Vec3d>(24, cv::Vec3d::all(1)));
+    darken(lit.scene, k);
+    const Views views = lit.scene.lazy();
+    const map::StaticMap map = plane();
+    const Gains gains = estimate_exposure(views, {map, views});
+    for (const float found : gains.vignetting) EXPECT_NEAR(found, k, 0.1F * k);
+    for (const cv::Vec3f& gain : gains.of_view) EXPECT_NEAR(gain[1], 1, 0.005);
+  }
+}
+
+TEST(Exposure, ALensThatDoesNotDarkenIsLeftAlone) {
+  const Lit lit(drifting(24));
+  const Views views = lit.scene.lazy();
+  const map::StaticMap map = plane();
+  for (const float found : estimate_exposure(views, {map, views}).vignetting) EXPECT_EQ(found, 0);
 }
 
 TEST(Exposure, KeepsTheMeanOfTheLogarithms) {

@@ -9,6 +9,7 @@
 
 #include "dvi/depth/depth_map.h"
 #include "dvi/drive/view.h"
+#include "dvi/drive/vignetting.h"
 #include "dvi/drive/warp.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/region.h"
@@ -18,9 +19,16 @@ namespace dvi::harmonize {
 namespace {
 
 struct Source {
+  const View& target;
+  const View& view;
   Warp warp;
   std::shared_ptr<const cv::Mat3b> image;
   std::shared_ptr<const cv::Mat1b> mask;
+
+  /// What it shows of a pixel of the target, in its light but for the gain.
+  cv::Vec3f shown(cv::Point p, cv::Point2f at, cv::Vec2b footprint) const {
+    return vignetting_to(target, p, view, at) * box_mean(*image, at, footprint);
+  }
 };
 
 /// What the source that shows p shows of its neighbour q, which was not copied from it, in the light of the target; none where
@@ -31,7 +39,7 @@ std::optional<cv::Vec3f> neighbour(const Source& source, cv::Point p, const samp
       neighbour_in_source(p, shown.position, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
   const cv::Point2f by_image = shown.position + cv::Point2f(q - p);
   for (const cv::Point2f at : {by_depth, by_image})
-    if (can_sample(*source.mask, at, shown.footprint)) return box_mean(*source.image, at, shown.footprint).mul(gain);
+    if (can_sample(*source.mask, at, shown.footprint)) return source.shown(q, at, shown.footprint).mul(gain);
   return std::nullopt;
 }
 
@@ -60,12 +68,12 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const de
   const std::shared_ptr<const cv::Mat3b> known = views.images[target];
   for (const auto& [view, pixels] : of_view) {
     out.of_other_days |= views[view].drive != views[target].drive;
-    const Source source{Warp(views[target], views[view]), views.images[view], views.masks[view]};
+    const Source source{views[target], views[view], Warp(views[target], views[view]), views.images[view], views.masks[view]};
     for (const std::size_t i : pixels) {
       const cv::Point p = hole.pixels[i];
       const sample::Candidate& shown = candidates.leading[i];
       const cv::Vec3f gain = light.gain_to(views[target], views[view], i);
-      const auto own = [&] { return box_mean(*source.image, shown.position, shown.footprint).mul(gain); };
+      const auto own = [&] { return source.shown(p, shown.position, shown.footprint).mul(gain); };
       for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
         if (!frame.contains(q)) continue;
         const int j = hole.index(q);

@@ -18,6 +18,7 @@
 #include "dvi/depth/depth_map.h"
 #include "dvi/depth/visibility_map.h"
 #include "dvi/drive/view.h"
+#include "dvi/drive/vignetting.h"
 #include "dvi/geometry/camera.h"
 #include "dvi/geometry/se3.h"
 #include "dvi/image/interpolate.h"
@@ -169,8 +170,9 @@ std::vector<Comparison> compare(const std::vector<Surface>& surfaces, const std:
       if (!at) continue;
       const cv::Vec3f colour = box_mean(*image, *at, {kBox, kBox});
       if (!usable(colour)) continue;
+      const float shade = vignetting_to(views[target], surfaces[i].pixel, views[view], *at);
       cv::Vec3f ratio;
-      for (int c = 0; c < 3; ++c) ratio[c] = std::log(surfaces[i].colour[c] / (colour[c] * gain[c]));
+      for (int c = 0; c < 3; ++c) ratio[c] = std::log(surfaces[i].colour[c] / (shade * colour[c] * gain[c]));
       out.push_back({&surfaces[i], ratio});
       done[i] = 1;
     }

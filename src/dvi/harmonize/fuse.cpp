@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "dvi/drive/vignetting.h"
 #include "dvi/drive/warp.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/region.h"
@@ -85,7 +86,8 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
       if (can_sample(*mask, from.position, from.footprint)) footprints[slot] = from.footprint;
       const cv::Vec3f colour = box_mean(*image, from.position, footprints[slot]);
       const bool saturated = std::max({colour[0], colour[1], colour[2]}) >= kSaturated;
-      const cv::Vec3f lit = colour.mul(light.gain_to(views[target], views[view], slot / ranks));
+      const cv::Vec3f lit = vignetting_to(views[target], candidates.hole.pixels[slot / ranks], views[view], from.position) *
+                            colour.mul(light.gain_to(views[target], views[view], slot / ranks));
       // Brighter than any surface of the target, beyond noise: it is not lit as those are that the gains were found from.
       if (other_day && std::max({lit[0], lit[1], lit[2]}) > light.brightest + kDiffer) {
         sky(candidates.hole.pixels[slot / ranks]) = 255;

@@ -67,6 +67,7 @@ Views refined(const Views& views, const exposure::Gains& gains, const align::Cam
   Views out = views;
   for (std::size_t i = 0; i < out.size(); ++i) {
     out.views[i].gain = gains.of_view[i];
+    out.views[i].vignetting = gains.vignetting[i];
     out.views[i].camera_from_world = cameras.camera_from_world[i];
   }
   return out;

@@ -61,7 +61,8 @@ nlohmann::json sources_json(const Views& views, const Recordings& drives) {
                        {"camera", drive.camera_name},
                        {"frame", frame.name},
                        {"file", fs::absolute(frame.file).lexically_normal().string()},
-                       {"exposure_gain", std::array<float, 3>{gain[2], gain[1], gain[0]}}});
+                       {"exposure_gain", std::array<float, 3>{gain[2], gain[1], gain[0]}},
+                       {"vignetting", views[i].vignetting}});
   }
   nlohmann::json cameras = nlohmann::json::array();
   for (const Recording& open : drives) cameras.push_back(camera_json(open.drive));

@@ -112,7 +112,9 @@ constexpr auto fields_of(Of<map::StaticMap>) {
   return std::tuple{&StaticMap::points, &StaticMap::tiles, &StaticMap::removed, &StaticMap::scans, &StaticMap::counts};
 }
 
-constexpr auto fields_of(Of<exposure::Gains>) { return std::tuple{&exposure::Gains::of_view, &exposure::Gains::compared}; }
+constexpr auto fields_of(Of<exposure::Gains>) {
+  return std::tuple{&exposure::Gains::of_view, &exposure::Gains::compared, &exposure::Gains::vignetting};
+}
 
 constexpr auto fields_of(Of<align::ViewAlignment>) {
   using align::ViewAlignment;

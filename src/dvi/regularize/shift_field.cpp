@@ -14,6 +14,7 @@
 
 #include "dvi/depth/depth_map.h"
 #include "dvi/drive/view.h"
+#include "dvi/drive/vignetting.h"
 #include "dvi/drive/warp.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/regularize/min_sum.h"
@@ -61,6 +62,7 @@ class Builder {
   const sample::Candidate& candidate(int node) const { return candidates_.leading[field_.pixel[node]]; }
 
   void add_view(int view, const std::vector<int>& nodes) {
+    source_view_ = &views_[view];
     source_image_ = views_.images[view];
     source_mask_ = views_.masks[view];
     gain_ = gain_to(views_[target_], views_[view]);
@@ -71,7 +73,7 @@ class Builder {
 
   void add_node(int node, const Warp& warp) {
     const sample::Candidate& own = candidate(node);
-    sample(own.position, &field_.colours[node * row_size()]);
+    sample(own.position, pixel(node), &field_.colours[node * row_size()]);
     std::vector<int> boundary_cost(field_.labels());
     int boundary = 0;
     for (int d = 0; d < 4; ++d) {
@@ -101,7 +103,7 @@ class Builder {
     if (same && at == candidate(other).position)
       field_.expected[node][direction] = other;
     else if (can_sample(*source_mask_, at))
-      field_.expected[node][direction] = new_row(at);
+      field_.expected[node][direction] = new_row(at, q);
   }
 
   /// Eq. 3 for one neighbour outside the hole; 1 where the source can say what it expects there.
@@ -110,27 +112,29 @@ class Builder {
         neighbour_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, warp(q, depth_.z(q)));
     if (!can_sample(*source_mask_, at)) return 0;
     scratch_.resize(row_size());
-    sample(at, scratch_.data());
+    sample(at, q, scratch_.data());
     const cv::Vec3b truth = (*target_image_)(q);
     for (int c = 0; c < 3; ++c)
       for (int i = 0; i < field_.labels(); ++i) cost[i] += std::abs(scratch_[c * field_.stride + i] - truth[c]);
     return 1;
   }
 
-  int new_row(cv::Point2f at) {
+  int new_row(cv::Point2f at, cv::Point of) {
     const std::size_t begin = field_.colours.size();
     field_.colours.resize(begin + row_size());
-    sample(at, &field_.colours[begin]);
+    sample(at, of, &field_.colours[begin]);
     return static_cast<int>(begin / row_size());
   }
 
-  void sample(cv::Point2f at, std::uint8_t* row) const {
+  /// What the source shows at `at` and shifts from there, in the target's light at its pixel `of`.
+  void sample(cv::Point2f at, cv::Point of, std::uint8_t* row) const {
     const cv::Mat3b& image = *source_image_;
+    const cv::Vec3f gain = vignetting_to(views_[target_], of, *source_view_, at) * gain_;
     for (int i = 0; i < field_.labels(); ++i) {
       const cv::Point2f shifted = at + cv::Point2f(field_.shifts[i]);
       const cv::Vec3f colour = bilinear(image, {std::clamp(shifted.x, 0.0F, static_cast<float>(image.cols - 1)),
                                                 std::clamp(shifted.y, 0.0F, static_cast<float>(image.rows - 1))});
-      for (int c = 0; c < 3; ++c) row[c * field_.stride + i] = cv::saturate_cast<std::uint8_t>(colour[c] * gain_[c]);
+      for (int c = 0; c < 3; ++c) row[c * field_.stride + i] = cv::saturate_cast<std::uint8_t>(colour[c] * gain[c]);
     }
   }
 
@@ -142,6 +146,7 @@ class Builder {
   ShiftField& field_;
   std::shared_ptr<const cv::Mat3b> target_image_, source_image_;
   std::shared_ptr<const cv::Mat1b> target_mask_, source_mask_;
+  const View* source_view_ = nullptr;
   cv::Vec3f gain_;                // of the source, into the target's light
   std::vector<int> node_;         // of each hole pixel, or -1
   std::vector<Position> warped_;  // of each hole pixel, in its candidate's view

@@ -12,6 +12,7 @@
 #include "dvi/core/lazy.h"
 #include "dvi/depth/visibility_map.h"
 #include "dvi/drive/view.h"
+#include "dvi/drive/vignetting.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/map/ground.h"
 #include "dvi/map/road.h"
@@ -39,7 +40,7 @@ struct Lookup {
     const cv::Point2f p(static_cast<float>(at.x()), static_cast<float>(at.y()));
     if (visible->masked(p) || visible->clear_px(p) < kClear) return std::nullopt;
     if (visible->hides(p, x.z(), kTolerance)) return std::nullopt;
-    return bilinear(*image, p).mul(view->gain);
+    return bilinear(*image, p).mul(view->gain) / vignetting(*view, p);
   }
 };
 

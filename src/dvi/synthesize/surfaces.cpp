@@ -12,6 +12,7 @@
 #include "dvi/depth/visibility_map.h"
 #include "dvi/drive/sensor.h"
 #include "dvi/drive/view.h"
+#include "dvi/drive/vignetting.h"
 #include "dvi/geometry/se3.h"
 #include "dvi/harmonize/surface_class.h"
 #include "dvi/image/region.h"
@@ -126,7 +127,7 @@ std::vector<Shown> Surfaces::look_up(const View& view, const Region& region, con
     const auto right = ground_at(p.x + 1, p.y, height), down = ground_at(p.x, p.y + 1, height);
     if (!right || !down) continue;
     out[i] = mean_of_ground(pieces, pieces_->sheets.pieces.size(), at->at, right->at - at->at, down->at - at->at);
-    for (int c = 0; c < 3; ++c) out[i].colour[c] /= view.gain[c];
+    for (int c = 0; c < 3; ++c) out[i].colour[c] *= vignetting(view, p) / view.gain[c];
   }
   return out;
 }
