@@ -259,7 +259,7 @@ cv::Mat1f smoothness_of_ground(const Window& window, const View& view) {
 cv::Mat1b interpolate(const Window& window, const Copies& copies, const View& view, const HarmonizeOptions& options,
                       cv::Mat3f& colour) {
   if (window.size() == 0) return {};
-  const Guidance plain{options.seam_gradients, static_cast<float>(options.never_seen_vertical)};
+  const Guidance plain{false, static_cast<float>(options.never_seen_vertical)};  // no source, no seam
   Guidance level = plain;
   level.below = smoothness_of_ground(window, view);
   cv::Mat1b filled(window.box.size(), uchar{0});
