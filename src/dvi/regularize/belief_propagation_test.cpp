@@ -10,6 +10,7 @@
 #include "dvi/core/random.h"
 #include "dvi/regularize/min_sum.h"
 #include "dvi/regularize/shift_field.h"
+#include "dvi/regularize/tree_reweighted.h"
 
 namespace dvi::regularize {
 namespace {
@@ -70,6 +71,17 @@ TEST(BeliefPropagation, IsNearTheOptimumOnLoops) {
   }
 }
 
+TEST(BeliefPropagation, ComesNearToAStrongerSolver) {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    const ShiftField field = random_field(12, 9, seed);
+    const TreeReweighted judge(field, 50);
+    EXPECT_LE(judge.bound(), judge.energy());
+    const double found = propagate(field, 50).energy_after;
+    EXPECT_LE(judge.bound(), found);
+    EXPECT_LE(found, 1.05 * judge.energy()) << judge.bound();
+  }
+}
+
 TEST(BeliefPropagation, NeverMakesTheEnergyWorse) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const ShiftField field = random_field(8, 6, seed);
@@ -80,6 +92,26 @@ TEST(BeliefPropagation, NeverMakesTheEnergyWorse) {
       EXPECT_EQ(found.energy_after, energy(field, found.labels));
       last = found.energy_after;
     }
+  }
+}
+
+TEST(TreeReweighted, IsExactOnChains) {
+  const ShiftField field = random_field(4, 1, 1);
+  const TreeReweighted found(field, 20);
+  EXPECT_EQ(found.energy(), least_energy(field));
+  EXPECT_NEAR(found.bound(), found.energy(), 1e-6);
+  EXPECT_EQ(found.energy(), energy(field, found.labels()));
+}
+
+TEST(TreeReweighted, BoundsTheLeastEnergyOnLoops) {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    const ShiftField field = random_field(2, 2, seed);
+    const TreeReweighted found(field, 50);
+    const double least = least_energy(field);
+    EXPECT_LE(found.bound(), least + 1e-6);
+    EXPECT_GT(found.bound(), 0.9 * least);
+    EXPECT_GE(found.energy(), least);
+    EXPECT_EQ(found.energy(), energy(field, found.labels()));
   }
 }
 
