@@ -50,6 +50,13 @@ TEST(Vignetting, IsTheCos4LawAndBringsOnePlaceToAnother) {
   EXPECT_EQ(vignetting_to(view, {30, 40}, view, {30, 40}), 1);
 }
 
+TEST(Vignetting, DarkensNothingSaturated) {
+  const cv::Vec3f wall(255, 240, 200), paint(240, 240, 200);
+  EXPECT_EQ(vignetted(wall, 0.5F), wall);
+  EXPECT_EQ(vignetted(wall, 2), 2 * wall);
+  EXPECT_EQ(vignetted(paint, 0.5F), 0.5F * paint);
+}
+
 TEST(Views, GainsBringOneLightIntoAnother) {
   View target, source;
   target.gain = {2, 1, 0.5};

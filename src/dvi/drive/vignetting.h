@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include <opencv2/core/types.hpp>
 
 #include "dvi/drive/view.h"
+#include "dvi/image/saturation.h"
 
 namespace dvi {
 
@@ -23,6 +25,11 @@ inline float vignetting(const View& view, cv::Point2f p) {
 /// What brings a colour from one pixel of a view to another one of another view, beside gain_to().
 inline float vignetting_to(const View& target, cv::Point2f to, const View& source, cv::Point2f from) {
   return target.vignetting == 0 && source.vignetting == 0 ? 1 : vignetting(target, to) / vignetting(source, from);
+}
+
+/// A colour times that. What is saturated is known from below only: it is not darkened.
+inline cv::Vec3f vignetted(const cv::Vec3f& colour, float by) {
+  return (is_saturated(colour) ? std::max(by, 1.0F) : by) * colour;
 }
 
 }  // namespace dvi

@@ -7,14 +7,14 @@
 
 #include "dvi/drive/vignetting.h"
 #include "dvi/image/region.h"
+#include "dvi/image/saturation.h"
 
 namespace dvi::exposure {
 namespace {
 
-constexpr double kBlur = 2.5;      // px: poses are not refined yet
-constexpr int kMargin = 6;         // px round masks and saturated pixels that the blur reaches
-constexpr uchar kBlack = 8;        // grey levels; darker, noise and the sensor's offset outweigh the light
-constexpr uchar kSaturated = 250;  // grey levels
+constexpr double kBlur = 2.5;  // px: poses are not refined yet
+constexpr int kMargin = 6;     // px round masks and saturated pixels that the blur reaches
+constexpr uchar kBlack = 8;    // grey levels; darker, noise and the sensor's offset outweigh the light
 
 /// Pixels whose surroundings are unmasked, neither black nor saturated.
 cv::Mat1b usable(const cv::Mat3b& image, const cv::Mat1b& mask) {

@@ -27,7 +27,7 @@ struct Source {
 
   /// What it shows of a pixel of the target, in its light but for the gain.
   cv::Vec3f shown(cv::Point p, cv::Point2f at, cv::Vec2b footprint) const {
-    return vignetting_to(target, p, view, at) * box_mean(*image, at, footprint);
+    return vignetted(box_mean(*image, at, footprint), vignetting_to(target, p, view, at));
   }
 };
 

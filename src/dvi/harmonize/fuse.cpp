@@ -8,13 +8,13 @@
 #include "dvi/drive/warp.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/region.h"
+#include "dvi/image/saturation.h"
 
 namespace dvi::harmonize {
 namespace {
 
 constexpr float kNoise = 2.5F;                    // grey levels of a camera's pixel, one sigma
 constexpr float kDiffer = 3 * 1.41421F * kNoise;  // two pixels of the same thing differ by no more
-constexpr float kSaturated = 250;
 constexpr float kSaturatedTrust = 0.01F;
 constexpr int kBleeds = 1;  // px from what is too bright for the target's light, what it is in front of is mixed with it
 
@@ -85,15 +85,14 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
       if (other_day && !light.agrees(views[view], slot / ranks)) continue;
       if (can_sample(*mask, from.position, from.footprint)) footprints[slot] = from.footprint;
       const cv::Vec3f colour = box_mean(*image, from.position, footprints[slot]);
-      const bool saturated = std::max({colour[0], colour[1], colour[2]}) >= kSaturated;
-      const cv::Vec3f lit = vignetting_to(views[target], candidates.hole.pixels[slot / ranks], views[view], from.position) *
-                            colour.mul(light.gain_to(views[target], views[view], slot / ranks));
+      const float shade = vignetting_to(views[target], candidates.hole.pixels[slot / ranks], views[view], from.position);
+      const cv::Vec3f lit = vignetted(colour, shade).mul(light.gain_to(views[target], views[view], slot / ranks));
       // Brighter than any surface of the target, beyond noise: it is not lit as those are that the gains were found from.
       if (other_day && std::max({lit[0], lit[1], lit[2]}) > light.brightest + kDiffer) {
         sky(candidates.hole.pixels[slot / ranks]) = 255;
         continue;
       }
-      shown[slot] = {lit, from.trust * (saturated ? kSaturatedTrust : 1)};
+      shown[slot] = {lit, from.trust * (is_saturated(colour) ? kSaturatedTrust : 1)};
     }
   }
   sky = grown(sky, kBleeds);

@@ -111,6 +111,14 @@ TEST(Harmonize, CopiesFromADarkCornerAreAsBrightAsTheirPlace) {
   EXPECT_LT(c.worst(c.run()), 2);
 }
 
+TEST(Harmonize, ASaturatedWallStaysWhiteInADarkCorner) {
+  Case c(cv::Mat3b(kHeight, kWidth, cv::Vec3b::all(255)), rectangle({5, 10, 30, 40}));
+  c.scene.add_source(40, c.truth);
+  for (std::size_t i = 0; i < 2; ++i) c.scene.views[i].vignetting = 0.9F;
+  c.seen(1, 40);
+  EXPECT_LT(c.worst(c.run()), 0.1);
+}
+
 TEST(Harmonize, AConstantOffsetOfTheSourceVanishes) {
   for (const cv::Rect hole : {cv::Rect(25, 20, 30, 20), cv::Rect(0, 0, 20, 20), cv::Rect(10, 40, 40, 20)}) {
     Case c(waves(kWidth, kHeight, 4), rectangle(hole));

@@ -9,6 +9,7 @@
 
 #include "dvi/core/median.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/image/saturation.h"
 
 namespace dvi::traffic {
 namespace {
@@ -19,9 +20,6 @@ constexpr double kDarker = 0.85;   // part of its usual brightness below which g
 constexpr float kNoise = 6;        // levels: of two images' averages
 constexpr float kSpreads = 2.5F;   // times the usual spread between views
 constexpr float kDifference = 25;  // levels by which a reflection differs at least
-constexpr float kSaturated = 250;
-
-bool saturated(const cv::Vec3f& colour) { return std::max({colour[0], colour[1], colour[2]}) >= kSaturated; }
 
 // A colour in another light, as far as a camera shows it; none where it shows less than there was.
 std::optional<cv::Vec3f> in_light(const cv::Vec3f& colour, const cv::Vec3f& gain) {
@@ -99,7 +97,8 @@ void OtherTimes::look(std::size_t target, std::size_t source, const std::vector<
   const View &view = views_[source], &own_view = views_[target];
   std::array<std::vector<float>, 3> ratios;
   for (const Place& place : light)
-    if (const auto there = colour(view, *half, place.world); there && !saturated(*there) && !saturated(own->image(place.at)))
+    if (const auto there = colour(view, *half, place.world);
+        there && !is_saturated(*there) && !is_saturated(own->image(place.at)))
       for (int c = 0; c < 3; ++c) ratios[c].push_back((own->image(place.at)[c] + 1) / ((*there)[c] + 1));
   if (ratios[0].size() < 20) return;
   const cv::Vec3f gain(median(ratios[0]), median(ratios[1]), median(ratios[2]));
