@@ -65,6 +65,9 @@ Road::Road(const Views& views) {
     for (; open <= step.norm(); open += 1) way_.emplace_back(corners[i] + open * step.normalized());
     open -= step.norm();
   }
+  const std::size_t last = way_.size() - 1;
+  for (std::size_t i = 0; i <= last; ++i)
+    directions_.emplace_back((way_[std::min(i + 1, last)] - way_[i - std::min<std::size_t>(i, 1)]).normalized());
   for (std::size_t i = 0; i < way_.size(); ++i) {
     const int x = square(way_[i].x()), y = square(way_[i].y());
     for (int dy = -1; dy <= 1; ++dy)
@@ -72,21 +75,25 @@ Road::Road(const Views& views) {
   }
 }
 
+int Road::metre(double along) const {
+  return std::clamp(static_cast<int>(std::floor(along)), 0, static_cast<int>(way_.size()) - 2);
+}
+
+Eigen::Vector2d Road::middle(double along) const {
+  const int i = metre(along);
+  return way_[i] + (along - i) * (way_[i + 1] - way_[i]);
+}
+
 Eigen::Vector2d Road::direction(double along) const {
   // Between those of its metres, so that the coordinates do not break at corners.
-  const auto last = static_cast<int>(way_.size()) - 1;
-  const auto at = [&](int i) -> Eigen::Vector2d {
-    return (way_[std::clamp(i + 1, 1, last)] - way_[std::clamp(i - 1, 0, last - 1)]).normalized();
-  };
-  const int i = std::clamp(static_cast<int>(std::floor(along)), 0, last - 1);
+  const int i = metre(along);
   const double part = std::clamp(along - i, 0.0, 1.0);
-  return ((1 - part) * at(i) + part * at(i + 1)).normalized();
+  return ((1 - part) * directions_[i] + part * directions_[i + 1]).normalized();
 }
 
 Eigen::Vector2d Road::place(double along, double left) const {
-  const int i = std::clamp(static_cast<int>(std::floor(along)), 0, static_cast<int>(way_.size()) - 2);
-  const Eigen::Vector2d d = direction(along), middle = way_[i] + (along - i) * (way_[i + 1] - way_[i]);
-  return middle + left * Eigen::Vector2d(-d.y(), d.x());
+  const Eigen::Vector2d d = direction(along);
+  return middle(along) + left * Eigen::Vector2d(-d.y(), d.x());
 }
 
 std::optional<Eigen::Vector2d> Road::locate(const Eigen::Vector2d& place) const {
@@ -102,8 +109,8 @@ std::optional<Eigen::Vector2d> Road::locate(const Eigen::Vector2d& place) const 
   if (best < 0) return std::nullopt;
   double along = best;
   for (int round = 0; round < 2; ++round)
-    along = std::clamp(along + (place - this->place(along, 0)).dot(direction(along)), 0.0, length());
-  const Eigen::Vector2d d = direction(along), off = place - this->place(along, 0);
+    along = std::clamp(along + (place - middle(along)).dot(direction(along)), 0.0, length());
+  const Eigen::Vector2d d = direction(along), off = place - middle(along);
   return Eigen::Vector2d(along, off.dot(Eigen::Vector2d(-d.y(), d.x())));
 }
 

@@ -32,7 +32,11 @@ class Road {
 
  private:
   using Square = std::pair<int, int>;
-  std::vector<Eigen::Vector2d> way_;  // a metre apart
+
+  int metre(double along) const;               // that begins before a place
+  Eigen::Vector2d middle(double along) const;  // place(along, 0)
+
+  std::vector<Eigen::Vector2d> way_, directions_;  // a metre apart
   std::map<Square, std::vector<int>> near_;
 };
 
