@@ -50,7 +50,15 @@ Eigen::Vector2d heading(const Views& views, const std::vector<Eigen::Vector2d>& 
   return ahead.norm() > 0 ? Eigen::Vector2d(ahead.normalized()) : Eigen::Vector2d::UnitX();
 }
 
-int square(double v) { return static_cast<int>(std::floor(v / Road::kReach)); }
+constexpr double kSide = 4;  // metres of a square
+constexpr int kBeside = static_cast<int>(Road::kReach / kSide) + 1;
+
+int square(double v) { return static_cast<int>(std::floor(v / kSide)); }
+
+/// Metres from the middle of a square to a place.
+double to_middle(const Eigen::Array2i& square, const Eigen::Vector2d& place) {
+  return ((square.cast<double>() + 0.5) * kSide - place.array()).matrix().norm();
+}
 
 }  // namespace
 
@@ -68,10 +76,23 @@ Road::Road(const Views& views) {
   const std::size_t last = way_.size() - 1;
   for (std::size_t i = 0; i <= last; ++i)
     directions_.emplace_back((way_[std::min(i + 1, last)] - way_[i - std::min<std::size_t>(i, 1)]).normalized());
+  find_near();
+}
+
+void Road::find_near() {
   for (std::size_t i = 0; i < way_.size(); ++i) {
     const int x = square(way_[i].x()), y = square(way_[i].y());
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) near_[{x + dx, y + dy}].push_back(static_cast<int>(i));
+    for (int dy = -kBeside; dy <= kBeside; ++dy)
+      for (int dx = -kBeside; dx <= kBeside; ++dx) near_[{x + dx, y + dy}].push_back(static_cast<int>(i));
+  }
+  // Any place of a square is within half its diagonal, .71 of its side, of the middle: farther ones are not the nearest of any.
+  for (auto& [at, metres] : near_) {
+    const Eigen::Array2i here(at.first, at.second);
+    const auto distance = [&](int i) { return to_middle(here, way_[i]); };
+    double least = distance(metres.front());
+    for (const int i : metres) least = std::min(least, distance(i));
+    metres.erase(std::remove_if(metres.begin(), metres.end(), [&](int i) { return distance(i) > least + 1.5 * kSide; }),
+                 metres.end());
   }
 }
 

@@ -33,11 +33,12 @@ class Road {
  private:
   using Square = std::pair<int, int>;
 
+  void find_near();
   int metre(double along) const;               // that begins before a place
   Eigen::Vector2d middle(double along) const;  // place(along, 0)
 
   std::vector<Eigen::Vector2d> way_, directions_;  // a metre apart
-  std::map<Square, std::vector<int>> near_;
+  std::map<Square, std::vector<int>> near_;        // those that may be the nearest of a place in the square
 };
 
 }  // namespace dvi::map

@@ -1,17 +1,19 @@
 #include "dvi/map/road.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "dvi/core/random.h"
 #include "dvi/drive/memory_views.h"
 
 namespace dvi::map {
 namespace {
 
-TEST(Road, FindsPlacesAgainInABend) {
+std::vector<View> bend() {
   std::vector<View> views;
   for (int i = 0; i < 60; ++i) {
     const double angle = 0.02 * i;
@@ -21,7 +23,15 @@ TEST(Road, FindsPlacesAgainInABend) {
         -(view.camera_from_world.R * Eigen::Vector3d(50 * std::sin(angle), 50 * (1 - std::cos(angle)), 0));
     views.push_back(view);
   }
-  const Road road(memory_views(views, std::vector<cv::Mat3b>(60), std::vector<cv::Mat1b>(60)));
+  return views;
+}
+
+Road road_of(const std::vector<View>& views) {
+  return Road(memory_views(views, std::vector<cv::Mat3b>(views.size()), std::vector<cv::Mat1b>(views.size())));
+}
+
+TEST(Road, FindsPlacesAgainInABend) {
+  const Road road = road_of(bend());
   for (double along = 5; along < road.length() - 5; along += 3.7)
     for (const double left : {-9.0, -1.5, 0.0, 4.0, 9.0}) {
       const auto found = road.locate(road.place(along, left));
@@ -30,6 +40,20 @@ TEST(Road, FindsPlacesAgainInABend) {
       EXPECT_NEAR(found->y(), left, 0.05);
     }
   EXPECT_FALSE(road.locate({-500, 800}));
+}
+
+TEST(Road, LocatesAtTheNearestOfItsMetres) {
+  const Road road = road_of(bend());
+  Random random(3);
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector2d place(random.uniform(-60, 90), random.uniform(-30, 90));
+    double least = Road::kReach;
+    for (int k = 0; k <= road.length(); ++k) least = std::min(least, (road.place(k, 0) - place).norm());
+    const auto found = road.locate(place);
+    ASSERT_EQ(found.has_value(), least < Road::kReach) << place.transpose();
+    if (!found) continue;
+    EXPECT_NEAR(std::abs(found->y()), least, 0.6);  // its metres are half a metre away at most
+  }
 }
 
 }  // namespace

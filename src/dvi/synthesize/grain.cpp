@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -25,16 +26,28 @@ constexpr int kOctaves = 4;
 constexpr int kSky = 3, kClasses = 4;  // the sky, and those of SurfaceClass
 constexpr int kSmaller = 4;            // contrast changes slowly: a value for so many pixels each way
 
-/// Means of what `weight` tells; far from all of it, `otherwise`.
-cv::Mat1f smoothed(const cv::Mat& image, const cv::Mat1f& weight, double sigma_x, double sigma_y, float otherwise = 0) {
-  constexpr float kNothing = 1e-6F;
-  cv::Mat sum, all;
-  cv::multiply(image, weight, sum);
-  cv::GaussianBlur(sum, sum, {}, sigma_x, sigma_y);
-  cv::GaussianBlur(weight, all, {}, sigma_x, sigma_y);
-  cv::divide(sum + kNothing * otherwise, all + kNothing, sum);
-  return {sum};
-}
+/// Means over a Gaussian of what a weight tells.
+class WeightedMean {
+ public:
+  WeightedMean(const cv::Mat1f& weight, double sigma_x, double sigma_y)
+      : weight_(weight), sigma_x_(sigma_x), sigma_y_(sigma_y) {
+    cv::GaussianBlur(weight, all_, {}, sigma_x, sigma_y);
+  }
+
+  /// Far from all that has a weight, `otherwise`.
+  cv::Mat1f of(const cv::Mat& image, float otherwise = 0) const {
+    constexpr float kNothing = 1e-6F;
+    cv::Mat sum;
+    cv::multiply(image, weight_, sum);
+    cv::GaussianBlur(sum, sum, {}, sigma_x_, sigma_y_);
+    cv::divide(sum + kNothing * otherwise, all_ + kNothing, sum);
+    return {sum};
+  }
+
+ private:
+  cv::Mat1f weight_, all_;
+  double sigma_x_, sigma_y_;
+};
 
 cv::Mat1f smaller(const cv::Mat1f& image) {
   cv::Mat1f out;
@@ -53,24 +66,26 @@ std::array<Octaves, kClasses> contrasts(const cv::Mat1f& grey, const cv::Mat1f& 
   constexpr float kMeanToSigma = 1.25F;                  // of the absolute values of a normal distribution
   constexpr float kLeast = 0.5F;                         // grey levels: rounding alone
   constexpr float kOthers = 1e-3F;                       // weight of other classes: where nothing is near of its own
-  std::array<cv::Mat1f, kClasses> count;
+  std::vector<WeightedMean> of_classes;
   for (int c = 0; c < kClasses; ++c) {
     cv::Mat1f of_class = known.clone();
     if (c != static_cast<int>(SurfaceClass::unknown)) of_class.setTo(0, classes != c);
-    count[c] = smaller(of_class) + kOthers * smaller(known);
+    of_classes.emplace_back(cv::Mat1f(smaller(of_class) + kOthers * smaller(known)), kAlongRows / kSmaller,
+                            kAlongColumns / kSmaller);
   }
   std::array<Octaves, kClasses> out;
   cv::Mat1f finer = grey;
+  WeightedMean near(known, 1, 1);
   for (int octave = 0; octave < kOctaves; ++octave) {
-    const double sigma = 1 << octave;
-    const cv::Mat1f coarser = smoothed(grey, known, sigma, sigma);
-    const cv::Mat1f here = smoothed(cv::Mat(cv::abs(finer - coarser)), known, 2 * sigma, 2 * sigma);
+    const double next = 2 << octave;
+    const cv::Mat1f coarser = near.of(grey);
+    near = {known, next, next};
+    const cv::Mat1f here = near.of(cv::abs(finer - coarser));
     cv::Mat1f inverse;
     cv::divide(1, kMeanToSigma * here + kLeast, inverse);
     inverse = smaller(inverse);
     for (int c = 0; c < kClasses; ++c) {
-      const cv::Mat1f near = smoothed(inverse, count[c], kAlongRows / kSmaller, kAlongColumns / kSmaller, 1 / kLeast);
-      cv::divide(1, near, out[c][octave]);
+      cv::divide(1, of_classes[c].of(inverse, 1 / kLeast), out[c][octave]);
       out[c][octave] -= kLeast;
     }
     finer = coarser;
@@ -84,19 +99,37 @@ float at_corner(std::uint64_t seed, const Eigen::Matrix<std::int64_t, 3, 1>& cor
   return static_cast<float>(Random(seed).uniform(-1, 1));
 }
 
-/// Smooth noise with cells of 1, standard deviation 1 on average.
-float noise(const Eigen::Vector3d& place, std::uint64_t seed) {
-  constexpr float kToOne = 2.7F;  // corners have sqrt(1 / 3), of which between eight of them sqrt(0.41) is left
-  const Eigen::Array3d low = place.array().floor(), in = place.array() - low, s = in * in * (3 - 2 * in);
-  double sum = 0;
-  for (int k = 0; k < 8; ++k) {
-    const Eigen::Matrix<std::int64_t, 3, 1> side(k & 1, k >> 1 & 1, k >> 2);
-    double weight = 1;
-    for (int a = 0; a < 3; ++a) weight *= side[a] != 0 ? s[a] : 1 - s[a];
-    sum += weight * at_corner(seed, low.cast<std::int64_t>().matrix() + side);
+/// Smooth noise with cells of 1, standard deviation 1 on average. The corners of the last cell are kept for the next place.
+class Noise {
+ public:
+  explicit Noise(std::uint64_t seed) : seed_(seed) {}
+
+  float at(const Eigen::Vector3d& place) {
+    constexpr float kToOne = 2.7F;  // corners have sqrt(1 / 3), of which between eight of them sqrt(0.41) is left
+    const Eigen::Array3d low = place.array().floor(), in = place.array() - low, s = in * in * (3 - 2 * in);
+    look_at(low.cast<std::int64_t>());
+    double sum = 0;
+    for (int k = 0; k < 8; ++k) {
+      double weight = 1;
+      for (int a = 0; a < 3; ++a) weight *= (k >> a & 1) != 0 ? s[a] : 1 - s[a];
+      sum += weight * corners_[k];
+    }
+    return kToOne * static_cast<float>(sum);
   }
-  return kToOne * static_cast<float>(sum);
-}
+
+ private:
+  using Cell = Eigen::Matrix<std::int64_t, 3, 1>;
+
+  void look_at(const Cell& cell) {
+    if (cell_ == cell) return;
+    cell_ = cell;
+    for (int k = 0; k < 8; ++k) corners_[k] = at_corner(seed_, cell + Cell(k & 1, k >> 1 & 1, k >> 2));
+  }
+
+  std::uint64_t seed_;
+  Cell cell_ = Cell::Constant(std::numeric_limits<std::int64_t>::max());
+  std::array<float, 8> corners_{};
+};
 
 /// Metres of the camera above the ground, from the depth of the ground's pixels, so that those without depth have one that
 /// fits; 0 where none has. `descent`: metres that a pixel's ray falls for each metre ahead.
@@ -147,6 +180,8 @@ std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Regi
                                    std::sin(static_cast<float>(turn * std::numbers::pi / 2))};  // keep the deviation
   const auto descent = [&](cv::Point p) { return -(world_from_camera.R * view.camera.ray({p.x, p.y})).z(); };
   const double height = height_above_ground(region, frame.depth, kinds, descent);
+  std::vector<Noise> noise;  // of either panorama, by octaves
+  for (std::size_t k = 0; k < 2 * kOctaves; ++k) noise.emplace_back(before * kOctaves + k);
   std::vector<cv::Vec3f> out;
   out.reserve(region.size());
   for (const cv::Point p : region.pixels) {
@@ -160,7 +195,7 @@ std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Regi
       if (ground) direction.head<2>() /= kFlat;
       for (int octave = 0; octave < kOctaves; ++octave)
         sum += share[side] * contrast[kinds(p)][octave](p / kSmaller) *
-               noise(direction * std::exp2(-octave), (before + side) * kOctaves + static_cast<std::size_t>(octave));
+               noise[side * kOctaves + octave].at(direction * std::exp2(-octave));
     }
     out.push_back(frame.colour(p) * (sum / std::max(grey(p), kDark)));
   }
