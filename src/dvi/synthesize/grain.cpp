@@ -16,6 +16,7 @@
 #include "dvi/core/random.h"
 #include "dvi/depth/depth_map.h"
 #include "dvi/harmonize/surface_class.h"
+#include "dvi/image/blur.h"
 
 namespace dvi::synthesize {
 namespace {
@@ -30,16 +31,14 @@ constexpr int kSmaller = 4;            // contrast changes slowly: a value for s
 class WeightedMean {
  public:
   WeightedMean(const cv::Mat1f& weight, double sigma_x, double sigma_y)
-      : weight_(weight), sigma_x_(sigma_x), sigma_y_(sigma_y) {
-    cv::GaussianBlur(weight, all_, {}, sigma_x, sigma_y);
-  }
+      : weight_(weight), all_(blurred(weight, sigma_x, sigma_y)), sigma_x_(sigma_x), sigma_y_(sigma_y) {}
 
   /// Far from all that has a weight, `otherwise`.
   cv::Mat1f of(const cv::Mat& image, float otherwise = 0) const {
     constexpr float kNothing = 1e-6F;
     cv::Mat sum;
     cv::multiply(image, weight_, sum);
-    cv::GaussianBlur(sum, sum, {}, sigma_x_, sigma_y_);
+    sum = blurred(sum, sigma_x_, sigma_y_);
     cv::divide(sum + kNothing * otherwise, all_ + kNothing, sum);
     return {sum};
   }

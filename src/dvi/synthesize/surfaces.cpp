@@ -54,8 +54,9 @@ struct Ray {
 };
 
 struct OnGround {
-  double z = 0;
-  Eigen::Vector2d at{0, 0};  // along, left
+  Eigen::Vector2d world;  // x, y
+  double height = 0;
+  Eigen::Vector2d at;  // along, left
 };
 
 }  // namespace
@@ -65,18 +66,38 @@ Surfaces::Surfaces(const map::Ground& ground, const Views& views, const Lazy<dep
 
 namespace {
 
+/// The depth at which a ray falls to a height.
+std::optional<double> depth_at(const Ray& ray, double height) {
+  if (ray.along.z() >= -1e-3) return std::nullopt;
+  const double z = (height - ray.from.z()) / ray.along.z();
+  return z > 0 && z <= 1.5 * kGroundReach ? std::optional(z) : std::nullopt;
+}
+
 std::optional<OnGround> on_ground(const Ray& ray, const map::Ground& ground, double height) {
+  constexpr double kSame = 1e-3;  // metres
   OnGround out;
+  double z = 0;
   for (int round = 0; round < 4; ++round) {
-    if (ray.along.z() >= -1e-3) return std::nullopt;
-    out.z = (height - ray.from.z()) / ray.along.z();
-    if (!(out.z > 0) || out.z > 1.5 * kGroundReach) return std::nullopt;
-    const auto at = ground.road().locate((ray.from + out.z * ray.along).head<2>());
+    const std::optional<double> depth = depth_at(ray, height);
+    if (!depth) return std::nullopt;
+    z = *depth;
+    out.height = height;
+    out.world = (ray.from + z * ray.along).head<2>();
+    const auto at = ground.road().locate(out.world);
     if (!at || std::abs(at->y()) >= GroundSheets::kWide - 0.1) return std::nullopt;
     out.at = *at;
     height = ground.height(at->x(), at->y());
+    if (std::abs(height - out.height) < kSame) break;
   }
-  return out.z <= kGroundReach ? std::optional(out) : std::nullopt;
+  return z <= kGroundReach ? std::optional(out) : std::nullopt;
+}
+
+/// From there to where another ray meets the ground, along and left, as if the road were level and straight.
+std::optional<Eigen::Vector2d> step_to(const Ray& ray, const OnGround& from, const map::Road& road) {
+  const std::optional<double> z = depth_at(ray, from.height);
+  if (!z) return std::nullopt;
+  const Eigen::Vector2d step = (ray.from + *z * ray.along).head<2>() - from.world, ahead = road.direction(from.at.x());
+  return Eigen::Vector2d(step.dot(ahead), step.dot(Eigen::Vector2d(-ahead.y(), ahead.x())));
 }
 
 // The mean over what a pixel covers of the ground.
@@ -114,19 +135,17 @@ std::vector<Shown> Surfaces::look_up(const View& view, const Region& region, con
   const auto here = ground.road().locate(world_from_camera.t.head<2>());
   if (!here || !ground.found() || view.sensor != Sensor::lidar) return out;
   Held pieces(pieces_->sheets.pieces);
-  const auto ground_at = [&](double x, double y, double height) {
-    return on_ground({world_from_camera.t, world_from_camera.R * view.camera.ray({x, y})}, ground, height);
-  };
+  const auto ray = [&](cv::Point p) { return Ray{world_from_camera.t, world_from_camera.R * view.camera.ray({p.x, p.y})}; };
   const double below = ground.height(here->x(), 0);
   for (std::size_t i = 0; i < region.size(); ++i) {
     const cv::Point p = region.pixels[i];
     if (classes(p) == static_cast<uchar>(harmonize::SurfaceClass::upright)) continue;
-    const auto at = ground_at(p.x, p.y, below);
-    if (!at) continue;
-    const double height = ground.height(at->at.x(), at->at.y());
-    const auto right = ground_at(p.x + 1, p.y, height), down = ground_at(p.x, p.y + 1, height);
+    const auto found = on_ground(ray(p), ground, below);
+    if (!found) continue;
+    const auto right = step_to(ray(p + cv::Point(1, 0)), *found, ground.road()),
+               down = step_to(ray(p + cv::Point(0, 1)), *found, ground.road());
     if (!right || !down) continue;
-    out[i] = mean_of_ground(pieces, pieces_->sheets.pieces.size(), at->at, right->at - at->at, down->at - at->at);
+    out[i] = mean_of_ground(pieces, pieces_->sheets.pieces.size(), found->at, *right, *down);
     for (int c = 0; c < 3; ++c) out[i].colour[c] *= vignetting(view, p) / view.gain[c];
   }
   return out;

@@ -11,6 +11,7 @@
 #include "dvi/depth/depth_map.h"
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
+#include "dvi/image/blur.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
 #include "dvi/synthesize/grain.h"
@@ -34,8 +35,8 @@ float share_of(float span) {
   return kContrast * std::clamp((kTooCoarse - span) / (kTooCoarse - kFine), 0.0F, 1.0F);
 }
 
-/// The fine contrast of what was known or copied near each pixel of a box, in grey levels.
-cv::Mat1f fine_contrast(const harmonize::FilledFrame& frame, const cv::Rect& box) {
+/// The fine contrast of what was known or copied near each pixel, in grey levels.
+cv::Mat1f fine_contrast(const harmonize::FilledFrame& frame) {
   constexpr double kFine = 2, kNear = 20;      // px
   constexpr float kPrior = 1e-3F, kUsual = 8;  // where there is nothing near
   cv::Mat1f grey, smooth;
@@ -45,10 +46,7 @@ cv::Mat1f fine_contrast(const harmonize::FilledFrame& frame, const cv::Rect& box
   cv::Mat1f fine(cv::abs(grey - smooth)), weight(grey.size(), 0.0F);
   fine.setTo(0, ~seen);
   weight.setTo(1, seen);
-  cv::Mat1f sum, all;
-  cv::GaussianBlur(fine(box), sum, {}, kNear);
-  cv::GaussianBlur(weight(box), all, {}, kNear);
-  return cv::Mat1f((sum + kPrior * kUsual) / (all + kPrior));
+  return cv::Mat1f((blurred(fine, kNear) + kPrior * kUsual) / (blurred(weight, kNear) + kPrior));
 }
 
 /// Probability that a synthesised pixel is within 10 grey levels of the truth, by its distance in pixels to the nearest pixel
@@ -69,23 +67,18 @@ struct Texture {
 void relight(Texture& texture, const cv::Mat3f& frame) {
   constexpr double kSigma = 10;  // px
   constexpr float kDark = 4, kMost = 2;
-  const cv::Rect box = cv::boundingRect(texture.known);
-  if (box.empty()) return;
-  cv::Mat3f lit_only(frame.size(), cv::Vec3f()), shown, lit;
-  frame.copyTo(lit_only, texture.known);
-  cv::Mat1f known(frame.size(), 0.0F), weight;
+  cv::Mat3f of_frame(frame.size(), cv::Vec3f());
+  frame.copyTo(of_frame, texture.known);
+  cv::Mat1f known(frame.size(), 0.0F);
   known.setTo(1, texture.known);
-  cv::GaussianBlur(texture.colour(box), shown, {}, kSigma);
-  cv::GaussianBlur(lit_only(box), lit, {}, kSigma);
-  cv::GaussianBlur(known(box), weight, {}, kSigma);
-  for (const cv::Point p : Region(texture.known).pixels) {
-    const cv::Point q = p - box.tl();
+  const cv::Mat3f shown = blurred(texture.colour, kSigma), lit = blurred(of_frame, kSigma);
+  const cv::Mat1f weight = blurred(known, kSigma);
+  for (const cv::Point p : Region(texture.known).pixels)
     for (int c = 0; c < 3; ++c) {
-      const float dark = kDark * weight(q);
-      texture.colour(p)[c] *= std::min((lit(q)[c] + dark) / (shown(q)[c] + dark), kMost);
+      const float dark = kDark * weight(p);
+      texture.colour(p)[c] *= std::min((lit(p)[c] + dark) / (shown(p)[c] + dark), kMost);
       texture.difference(p)[c] = frame(p)[c] - texture.colour(p)[c];
     }
-  }
 }
 
 Texture texture_of(const harmonize::FilledFrame& frame, const cv::Mat1b& wanted, const View& view, const cv::Mat1b& classes,
@@ -159,8 +152,7 @@ harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const Vie
   cv::Mat1f distance;
   cv::distanceTransform(cv::Mat1b(frame.kind >= static_cast<uchar>(Kind::interpolated)), distance, cv::DIST_L2,
                         cv::DIST_MASK_PRECISE);
-  const cv::Rect box = cv::boundingRect(wanted);
-  const cv::Mat1f contrast = fine_contrast(frame, box);
+  const cv::Mat1f contrast = fine_contrast(frame);
   const std::vector<ColourRange> ranges = ranges_round(frame, region);
   for (std::size_t i = 0; i < region.size(); ++i) {
     const cv::Point p = region.pixels[i];
@@ -169,7 +161,7 @@ harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const Vie
     if (share > 0) colour += share * (texture.colour(p) + lights[textured.index(p)] - frame.colour(p));
     out.colour(p) = ranges[i].with(frame.colour(p)).clamped(colour);
     out.kind(p) = static_cast<uchar>(Kind::synthesised);
-    out.confidence(p) = static_cast<uchar>(std::lround(255 * synthesised_confidence(distance(p), contrast(p - box.tl()))));
+    out.confidence(p) = static_cast<uchar>(std::lround(255 * synthesised_confidence(distance(p), contrast(p))));
   }
   return out;
 }
