@@ -1,6 +1,7 @@
 #include "dvi/harmonize/copies.h"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -43,8 +44,10 @@ std::optional<cv::Vec3f> neighbour(const Source& source, cv::Point p, const samp
   return std::nullopt;
 }
 
-void add(Seam& seam, const cv::Vec3f& step) {
-  if (seam.shown == 1) seam.doubt = mean_difference(2 * seam.step, step);
+void add(Seam& seam, const cv::Vec3f& first, const cv::Vec3f& second) {
+  const cv::Vec3f step = first - second, middle = 0.5F * (first + second);
+  if (seam.shown == 1) seam.doubt = std::hypot(mean_difference(2 * seam.step, step), mean_difference(seam.middle, middle));
+  seam.middle = middle;
   seam.step += 0.5F * step;
   ++seam.shown;
 }
@@ -83,7 +86,7 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const de
         if (!beside) continue;
         if (seam) {
           const bool first = q.x > p.x || q.y > p.y;
-          add((first ? out.seams[i] : out.seams[j])[q.y == p.y ? 0 : 1], first ? own() - *beside : *beside - own());
+          add((first ? out.seams[i] : out.seams[j])[q.y == p.y ? 0 : 1], first ? own() : *beside, first ? *beside : own());
         } else {
           out.outward[i] += own() - *beside;
           out.rim.push_back({q, view, cv::Vec3f((*known)(q)) - *beside});

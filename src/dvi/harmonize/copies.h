@@ -22,9 +22,10 @@ struct RimPixel {
 
 /// A hole pixel and its neighbour to the right, or below, which another source shows.
 struct Seam {
-  cv::Vec3f step;   ///< its colour less the neighbour's: the mean of what both sources show of the two, 0 where one does not
-  int shown = 0;    ///< how many of both do
-  float doubt = 0;  ///< grey levels by which the sources differ in that, as a mean over the channels; 0 unless both show it
+  cv::Vec3f step;    ///< its colour less the neighbour's: the mean of what both sources show of the two, 0 where one does not
+  int shown = 0;     ///< how many of both do
+  float doubt = 0;   ///< grey levels by which they differ in the step and in the mean of the two colours; 0 unless both show it
+  cv::Vec3f middle;  ///< that mean, as shown last
 
   /// In eq. 5, that of Geman and McClure: misplaced edges and moved shadows must not set how bright all beyond them is.
   float weight() const;

@@ -231,6 +231,22 @@ TEST(Harmonize, AMisplacedEdgeAtASeamDoesNotLightWhatIsDark) {
   EXPECT_NEAR(c.run().colour(32, 40)[0], 50, 30) << "and not half way to the wall";
 }
 
+TEST(Harmonize, SourcesThatShowDifferentThingsAtASeamDoNotMeetHalfWay) {
+  const auto wall_until = [](int x) {
+    cv::Mat3b out(kHeight, kWidth, cv::Vec3b::all(40));
+    out.colRange(0, x).setTo(cv::Scalar::all(230));
+    return out;
+  };
+  Case c(wall_until(40), rectangle({10, 10, 60, 40}));
+  c.scene.add_source(0, wall_until(48));
+  c.scene.add_source(0, wall_until(32));
+  c.seen(1, 0, {0, 0, 40, kHeight});
+  c.seen(2, 0, {40, 0, 40, kHeight});
+  const FilledFrame out = c.run();
+  EXPECT_NEAR(out.colour(30, 36)[0], 230, 15) << "the steps of both sources agree at the seam, their colours do not";
+  EXPECT_NEAR(out.colour(30, 44)[0], 40, 15);
+}
+
 TEST(Harmonize, LeavesAllOutsideTheHoleAlone) {
   Case c(waves(kWidth, kHeight, 4), rectangle({25, 20, 30, 20}));
   c.scene.add_source(3, brighter(c.truth, 20));

@@ -70,7 +70,7 @@ TEST(Hold, ARimThatContradictsItselfIsNotFollowed) {
 TEST(Hold, WhereSourcesContradictEachOtherCopiesAreHeld) {
   RimCase c([](cv::Point) { return 50.0F; });
   for (int y = 60; y < 140; ++y)
-    for (const int x : {80, 220}) c.copies.seams[c.candidates.hole.index({x, y})][0] = {{}, 2, x == 80 ? 150.0F : 10.0F};
+    for (const int x : {80, 220}) c.copies.seams[c.candidates.hole.index({x, y})][0] = {{}, 2, x == 80 ? 150.0F : 10.0F, {}};
   const Hold hold = c.held();
   EXPECT_GT(c.weight(hold, {80, 100}), 0.9F * kFull);
   EXPECT_LT(c.weight(hold, {220, 100}), 0.1F * kFull);
@@ -78,9 +78,9 @@ TEST(Hold, WhereSourcesContradictEachOtherCopiesAreHeld) {
 }
 
 TEST(Seam, CountsLessTheMoreItsSourcesDiffer) {
-  EXPECT_EQ((Seam{{}, 2, 0}.weight()), 1);
-  EXPECT_EQ((Seam{{}, 2, kDoubtfulSeam}.weight()), 0.25F);
-  EXPECT_LT((Seam{{}, 2, 250}.weight()), 0.01F);
+  EXPECT_EQ((Seam{{}, 2, 0, {}}.weight()), 1);
+  EXPECT_EQ((Seam{{}, 2, kDoubtfulSeam, {}}.weight()), 0.25F);
+  EXPECT_LT((Seam{{}, 2, 250, {}}.weight()), 0.01F);
 }
 
 TEST(Hold, WithoutARobustRimNothingIsHeld) {
