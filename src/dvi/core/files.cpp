@@ -15,6 +15,8 @@
 
 #include "dvi/core/draft.h"
 #include "dvi/core/error.h"
+#include "dvi/core/natural_order.h"
+#include "dvi/core/text_file.h"
 
 namespace dvi {
 namespace {
@@ -34,6 +36,13 @@ bool is_temporary(const fs::path& path) {
   const std::size_t mark = stem.rfind(".part");
   return stem.starts_with('.') && mark != std::string::npos && mark + 5 < stem.size() &&
          stem.find_first_not_of("0123456789", mark + 5) == std::string::npos;
+}
+
+std::string lower_case_ending(const fs::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return ending;
 }
 
 void sync(const fs::path& path) {
@@ -95,7 +104,7 @@ fs::path own_binary() {
 
 std::string read_settings(const fs::path& path) {
   constexpr std::size_t kLongestLine = 10'000;
-  std::string text = read_file(path, std::uintmax_t{1} << 20);
+  std::string text = read_text(path, std::uintmax_t{1} << 20);
   std::size_t number = 1;
   for (std::size_t begin = 0; begin < text.size(); ++number) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -108,11 +117,22 @@ std::string read_settings(const fs::path& path) {
   return text;
 }
 
+std::string read_text(const fs::path& path, std::uintmax_t most) {
+  std::string text = read_file(path, most);
+  const bool marked = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
+  if (marked || (text.size() > 1 && (text[0] == '\0') != (text[1] == '\0')))
+    throw InputError(path, "is UTF-16 text", "save it as UTF-8");
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  return text;
+}
+
 std::vector<std::string> read_lines(const fs::path& path) {
-  std::istringstream in(read_file(path));
+  const std::string text = read_text(path);
+  const char line_end = text.find('\n') == std::string::npos ? '\r' : '\n';
+  std::istringstream in(text);
   std::vector<std::string> lines;
-  for (std::string line; std::getline(in, line);) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
+  for (std::string line; std::getline(in, line, line_end);) {
+    while (!line.empty() && line.back() == '\r') line.pop_back();
     lines.push_back(line);
   }
   return lines;
@@ -150,12 +170,13 @@ std::vector<fs::path> list_files(const fs::path& folder, const std::vector<std::
   std::vector<fs::path> files;
   if (!fs::is_directory(folder)) return files;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string ending = entry.path().extension().string();
+    const std::string ending = lower_case_ending(entry.path());
     const bool hidden = entry.path().filename().string().starts_with('.');
     if (!hidden && entry.is_regular_file() && std::find(endings.begin(), endings.end(), ending) != endings.end())
       files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end());
+  std::sort(files.begin(), files.end(),
+            [](const fs::path& a, const fs::path& b) { return natural_less(a.filename().string(), b.filename().string()); });
   return files;
 }
 

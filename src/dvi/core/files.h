@@ -26,7 +26,7 @@ fs::path own_binary();
 /// bytes: parsers recurse by the parts of a key.
 std::string read_settings(const fs::path& path);
 
-/// The lines of a text file without line ends. InputError where it cannot be read.
+/// The lines of a text file without line ends (LF, CRLF, or CR alone). Throws InputError as read_text() does.
 std::vector<std::string> read_lines(const fs::path& path);
 
 /// Where `path` is written before it is renamed: a hidden file beside it, of the same extension.
@@ -48,7 +48,7 @@ void make_folder(const fs::path& path);
 /// InputError unless the folder is empty or not there; `what` is to go into it, for the message.
 void require_empty(const fs::path& folder, const std::string& what);
 
-/// The regular files of a folder with one of the endings (".png"), by name; an empty list where there is no folder.
+/// The regular files of a folder with one of the endings (".png", in either case), in natural order; none if it does not exist.
 std::vector<fs::path> list_files(const fs::path& folder, const std::vector<std::string>& endings);
 
 }  // namespace dvi

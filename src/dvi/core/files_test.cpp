@@ -56,6 +56,31 @@ TEST_F(Files, WhatIsWrittenReadsBack) {
   EXPECT_EQ(read_file(folder / "x.bin"), "");
 }
 
+TEST_F(Files, ReadsLinesOfAnyLineEndWithoutAByteOrderMark) {
+  for (const char* text : {"a b\nc\n", "a b\r\nc\r\n", "a b\rc\r",
+                           "\xEF\xBB\xBF"
+                           "a b\r\nc",
+                           "a b\r\r\nc\r\r\n"}) {
+    write_file(folder / "x.txt", text);
+    EXPECT_THAT(read_lines(folder / "x.txt"), ElementsAre("a b", "c")) << text;
+  }
+}
+
+TEST_F(Files, NamesTextInUtf16) {
+  using namespace std::string_literals;
+  for (const std::string& text : {"\xFF\xFE\x31\x00"s, "\xFE\xFF\x00\x31"s, "1\0 \0"s, "\0001"s}) {
+    write_file(folder / "x.txt", text);
+    EXPECT_THAT([&] { read_lines(folder / "x.txt"); },
+                ThrowsMessage<InputError>(AllOf(HasSubstr("x.txt: is UTF-16 text"), HasSubstr("save it as UTF-8"))));
+  }
+}
+
+TEST_F(Files, ListsEndingsOfEitherCaseInNaturalOrder) {
+  for (const char* name : {"frame10.PNG", "frame9.png", "frame1.Png", "frame2.tif", ".frame3.png"})
+    write_file(folder / name, "");
+  EXPECT_THAT(list_files(folder, {".png"}), ElementsAre(folder / "frame1.Png", folder / "frame9.png", folder / "frame10.PNG"));
+}
+
 TEST_F(Files, OnlyEmptyAndNewFoldersAreEmpty) {
   require_empty(folder / "new", "case");
   make_folder(folder / "empty");

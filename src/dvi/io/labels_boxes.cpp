@@ -6,6 +6,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
+#include "dvi/core/text_file.h"
 #include "dvi/io/coco_runs.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/rigid.h"
@@ -67,7 +68,7 @@ BoxesFile read_boxes_json(const fs::path& file) {
   LabelsByName& labels = out.frames;
   std::string name;
   try {
-    const json document = json::parse(read_file(file));
+    const json document = json::parse(read_text(file));
     if (const auto version = whole_number(document.at("version"), "version", 0, kNewest); version != kBoxesVersion)
       throw std::invalid_argument(fmt::format("version is {}, and this program reads {}", version, kBoxesVersion));
     out.camera = document.value("camera", std::string());

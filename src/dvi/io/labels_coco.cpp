@@ -8,6 +8,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
+#include "dvi/core/text_file.h"
 #include "dvi/io/coco_runs.h"
 #include "dvi/io/image_labels.h"
 #include "dvi/io/labels.h"
@@ -152,7 +153,7 @@ NamedLabels read_coco(const fs::path& file, const Drive& drive) {
     throw InputError(file, coco.place() + ": " + e.what(), "docs/masks.md says what is read of COCO files");
   };
   try {
-    coco.read(json::parse(read_file(file)));
+    coco.read(json::parse(read_text(file)));
   } catch (const json::exception& e) {
     fail(e);
   } catch (const std::invalid_argument& e) {

@@ -159,14 +159,14 @@ void check_size(const fs::path& path) {
 }
 
 PointCloud read_point_cloud(const fs::path& path) {
-  const std::string ending = path.extension().string();
+  const std::string ending = lower_case(path.extension().string());
   PointCloud cloud = ending == ".ply" ? read_ply(path) : ending == ".pcd" ? read_pcd(path) : read_bin(path);
   check(path, cloud, kNoPoints);
   return cloud;
 }
 
 PointCloud read_map_cloud(const fs::path& path) {
-  const std::string ending = path.extension().string();
+  const std::string ending = lower_case(path.extension().string());
   PointCloud cloud = ending == ".ply"   ? read_ply(path, CountFrom::first_point)
                      : ending == ".pcd" ? read_pcd(path, CountFrom::first_point)
                                         : read_las(path);

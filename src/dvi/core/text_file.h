@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "dvi/core/files.h"
+
+namespace dvi {
+
+/// Reads a text file without its byte order mark. Throws InputError as read_file() does, and if the text is UTF-16.
+std::string read_text(const fs::path& path, std::uintmax_t most = kLargestFile);
+
+}  // namespace dvi
