@@ -22,6 +22,21 @@ std::optional<T> parse_whole(std::string_view text) {
   return value;
 }
 
+// More digits than any program prints of a double.
+constexpr int kMaxTimeDigits = 400;
+
+// The digits times 10^shift, rounded down; none beyond kLatestSecond.
+std::optional<std::int64_t> to_whole_nanoseconds(std::string digits, int shift) {
+  if (shift >= 0)
+    digits.append(static_cast<std::size_t>(shift), '0');
+  else
+    digits.resize(digits.size() - std::min(digits.size(), static_cast<std::size_t>(-shift)));
+  const std::size_t first = std::min(digits.find_first_not_of('0'), digits.size());
+  if (first == digits.size()) return 0;
+  const auto ns = parse_whole<std::int64_t>(std::string_view(digits).substr(first));
+  return ns && *ns < (kLatestSecond + 1) * 1'000'000'000 ? ns : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<double> to_number(std::string_view text) {
@@ -33,17 +48,21 @@ std::optional<int> to_integer(std::string_view text) { return parse_whole<int>(t
 
 std::optional<std::int64_t> to_nanoseconds(std::string_view seconds) {
   const bool negative = seconds.starts_with('-');
-  if (negative) seconds.remove_prefix(1);
-  const std::size_t dot = seconds.find('.');
-  const std::string_view whole = seconds.substr(0, dot);
-  std::string fraction(dot == std::string_view::npos ? "" : seconds.substr(dot + 1));
-  if (whole.empty() || whole.size() > 10 || !all_digits(whole)) return std::nullopt;
-  if (!fraction.empty() && !all_digits(fraction)) return std::nullopt;
-  const std::int64_t whole_seconds = *parse_whole<std::int64_t>(whole);
-  if (whole_seconds > kLatestSecond) return std::nullopt;
-  fraction.resize(9, '0');
-  const std::int64_t ns = whole_seconds * 1'000'000'000 + *parse_whole<std::int64_t>(fraction);
-  return negative ? -ns : ns;
+  if (negative || seconds.starts_with('+')) seconds.remove_prefix(1);
+  const std::size_t mantissa_end = std::min(seconds.find_first_of("eE"), seconds.size());
+  int exponent = 0;
+  if (mantissa_end < seconds.size()) {
+    const std::optional<int> given = to_integer(seconds.substr(mantissa_end + 1));
+    if (!given) return std::nullopt;
+    exponent = std::clamp(*given, -kMaxTimeDigits, kMaxTimeDigits);
+  }
+  const std::string_view mantissa = seconds.substr(0, mantissa_end);
+  const std::size_t dot = std::min(mantissa.find('.'), mantissa.size());
+  const std::string_view fraction = mantissa.substr(std::min(dot + 1, mantissa.size()));
+  const std::string digits = std::string(mantissa.substr(0, dot)) + std::string(fraction);
+  if (!all_digits(digits) || digits.size() > kMaxTimeDigits) return std::nullopt;
+  const auto ns = to_whole_nanoseconds(digits, 9 + exponent - static_cast<int>(fraction.size()));
+  return ns && negative ? -*ns : ns;
 }
 
 std::string to_seconds(std::int64_t nanoseconds) {
@@ -124,7 +143,11 @@ int TextLine::integer(std::size_t i) const {
 
 std::int64_t TextLine::nanoseconds(std::size_t i) const {
   if (const auto value = to_nanoseconds(word(i))) return *value;
-  fail("'" + word(i) + "' is not a time in decimal seconds");
+  constexpr std::size_t kNanosecondDigits = 19;  // of a time since 1970
+  const bool counts_ns = all_digits(word(i)) && word(i).size() == kNanosecondDigits;
+  fail("'" + word(i) + "' is not a time in seconds",
+       counts_ns ? "it is in nanoseconds; write seconds, such as " + to_seconds(*parse_whole<std::int64_t>(word(i)))
+                 : "a time is a number such as 1534313591.432032 or 1.036224e-01");
 }
 
 void TextLine::fail(const std::string& problem, const std::string& remedy) const {

@@ -18,7 +18,8 @@ std::optional<int> to_integer(std::string_view text);
 /// the clocks' offsets.
 inline constexpr std::int64_t kLatestSecond = 4'000'000'000;
 inline constexpr double kLongestOffset = 5e8;
-/// Decimal seconds ("1534313591.432032") as nanoseconds, exactly; digits after the ninth are dropped.
+/// Converts seconds to nanoseconds exactly, in decimal ("1534313591.432032") or scientific ("1.036224e-01") notation. Digits
+/// after the ninth decimal are dropped.
 std::optional<std::int64_t> to_nanoseconds(std::string_view seconds);
 /// The same back: "1534313591.432032000".
 std::string to_seconds(std::int64_t nanoseconds);
@@ -42,7 +43,7 @@ class TextLine {
   const std::string& word(std::size_t i) const;
   double number(std::size_t i) const;
   int integer(std::size_t i) const;
-  std::int64_t nanoseconds(std::size_t i) const;  ///< of decimal seconds
+  std::int64_t nanoseconds(std::size_t i) const;  ///< converts seconds, as to_nanoseconds() does
   /// `N` numbers from word `first` to the end of the line.
   template <std::size_t N>
   std::array<double, N> numbers(std::size_t first) const {

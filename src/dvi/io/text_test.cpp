@@ -20,7 +20,10 @@ TEST(Text, ReadsTimesExactly) {
   EXPECT_EQ(to_nanoseconds("1534313591.123456789"), 1534313591123456789);
   EXPECT_EQ(to_nanoseconds("0.1234567891"), 123456789);
   EXPECT_EQ(to_nanoseconds("-0.5"), -500'000'000);
-  for (const char* text : {"", ".5", "1e9", "12:30", "1.-5", "4000000001", "9999999999"})
+  EXPECT_EQ(to_nanoseconds(".5"), 500'000'000);
+  EXPECT_EQ(to_nanoseconds("+5."), 5'000'000'000);
+  for (const char* text : {"", ".", "12:30", "1.-5", "4000000001", "9999999999", "1534313591432032000", "1e10", "1e", "1e1.5",
+                           "e5", "1e99999999999", "nan", "0x10", "+-5"})
     EXPECT_FALSE(to_nanoseconds(text)) << text;
   EXPECT_EQ(date_to_nanoseconds("2011-09-26 13:10:51.168593664"), 1317042651168593664);
   EXPECT_EQ(date_to_nanoseconds("1970-01-02 00:00:00"), 86'400'000'000'000);
@@ -28,6 +31,19 @@ TEST(Text, ReadsTimesExactly) {
                            "2011-09-26 -1:10:51.1", "2011-09-26 13:60:51.1", "2011-09-26 13:10:61.1", "2011-09-26 13:10:-1",
                            "2011-09-26 13:10:4000000000", "2097-09-26 13:10:51.1"})
     EXPECT_FALSE(date_to_nanoseconds(text)) << text;
+}
+
+// times.txt of KITTI's odometry benchmark ("1.036224e-01"), and trajectories of evo, which prints with "%.18e".
+TEST(Text, ReadsTimesInScientificNotationExactly) {
+  EXPECT_EQ(to_nanoseconds("0.000000e+00"), 0);
+  EXPECT_EQ(to_nanoseconds("1.036224e-01"), 103'622'400);
+  EXPECT_EQ(to_nanoseconds("1.305031102175304000e+09"), 1305031102175304000);
+  EXPECT_EQ(to_nanoseconds("1.305031102175303936e+09"), 1305031102175303936);
+  EXPECT_EQ(to_nanoseconds("-2.5E-1"), -250'000'000);
+  EXPECT_EQ(to_nanoseconds("1e9"), 1'000'000'000'000'000'000);
+  EXPECT_EQ(to_nanoseconds("1e-10"), 0);
+  EXPECT_EQ(to_nanoseconds("1e-999999"), 0);
+  EXPECT_EQ(to_nanoseconds("0e999999"), 0);
 }
 
 TEST(Text, WritesTimesAsItReadsThem) {
@@ -52,6 +68,10 @@ TEST(Text, SaysFileAndLineOfWhatIsWrong) {
   EXPECT_THAT(input_error([&] { lines[1].numbers<3>(0); }), HasSubstr("poses.txt:3: 'x' is not a number"));
   EXPECT_THAT(input_error([&] { lines[2].numbers<3>(0); }), HasSubstr("poses.txt:4: the line is empty"));
   EXPECT_THAT(input_error([&] { lines[0].numbers<4>(0); }), HasSubstr("has 3 entries instead of 4"));
+  EXPECT_THAT(input_error([&] { lines[1].nanoseconds(2); }), HasSubstr("poses.txt:3: 'x' is not a time in seconds"));
+  const auto counted = read_text_lines(folder.write("times.txt", "1534313591432032000\n"));
+  EXPECT_THAT(input_error([&] { counted[0].nanoseconds(0); }),
+              HasSubstr("in nanoseconds; write seconds, such as 1534313591.432"));
 }
 
 }  // namespace
