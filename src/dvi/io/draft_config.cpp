@@ -7,6 +7,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/median.h"
+#include "dvi/io/file_names.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/reader.h"
@@ -15,7 +16,8 @@
 namespace dvi::io {
 namespace {
 
-const std::vector<std::string> kImages = {".png", ".jpg", ".jpeg"}, kScans = {".bin", ".ply", ".pcd"};
+const std::vector<std::string>& kImages = kImageEndings;
+const std::vector<std::string> kScans = {".bin", ".ply", ".pcd"};
 
 std::vector<fs::path> folders_in(const fs::path& folder) {
   std::vector<fs::path> out;
@@ -106,7 +108,11 @@ DraftConfig draft_config(const fs::path& given) {
   require_none_yet(folder);
   std::vector<fs::path> cameras = folders_in(folder / "images");
   std::erase_if(cameras, [](const fs::path& camera) { return list_files(camera, kImages).empty(); });
-  if (cameras.empty()) throw InputError(folder / "images", "holds no folder of images", elsewhere(folder));
+  if (cameras.empty()) {
+    for (const fs::path& camera : folders_in(folder / "images"))
+      if (describe_unread_images(camera)) fail_without_images(camera, "holds no images that are read", {});
+    throw InputError(folder / "images", "holds no folder of images", elsewhere(folder));
+  }
   const std::vector<fs::path> scans = list_files(folder / "lidar", kScans);
   const bool depth = scans.empty() && !folders_in(folder / "depth").empty();
   DraftConfig out;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/natural_order.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/text.h"
 
@@ -40,9 +41,9 @@ std::vector<fs::path> as_frames(const std::vector<Frame>& frames, MaskFiles& mas
 
 // A name between those of the first and the last frame is that of an image that is missing, which is said elsewhere.
 bool in_a_gap(const std::string& name, const std::vector<Frame>& frames) {
-  const auto by_name = [](const Frame& a, const Frame& b) { return a.name < b.name; };
+  const auto by_name = [](const Frame& a, const Frame& b) { return natural_less(a.name, b.name); };
   const auto [first, last] = std::minmax_element(frames.begin(), frames.end(), by_name);
-  return first != frames.end() && first->name < name && name < last->name;
+  return first != frames.end() && natural_less(first->name, name) && natural_less(name, last->name);
 }
 
 // A folder above or directly below that holds masks of the drive's frames.

@@ -63,7 +63,8 @@ std::string scan_name(const std::string& file) {
 std::vector<Frame> read_frames(const std::vector<fs::path>& folders) {
   std::map<std::int64_t, fs::path> images;
   for (const fs::path& folder : folders)
-    for (const fs::path& file : list_files(folder, {".jpg"})) images.emplace(time_in_name(file, file.stem().string()), file);
+    for (const fs::path& file : list_files(folder, {".jpg", ".jpeg"}))
+      images.emplace(time_in_name(file, file.stem().string()), file);
   std::vector<Frame> frames;
   for (const auto& [time, file] : images)
     frames.push_back({static_cast<int>(frames.size()), file.stem().string(), time, file, {}});

@@ -7,10 +7,12 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/natural_order.h"
 #include "dvi/drive/nearest_in_time.h"
 #include "dvi/io/camera_choice.h"
 #include "dvi/io/depth_scan.h"
 #include "dvi/io/drive_config.h"
+#include "dvi/io/file_names.h"
 #include "dvi/io/given_map.h"
 #include "dvi/io/gps.h"
 #include "dvi/io/image_file.h"
@@ -26,7 +28,7 @@
 namespace dvi::io {
 namespace {
 
-using Times = std::map<std::string, std::int64_t>;  // NAME to nanoseconds
+using Times = std::map<std::string, std::int64_t>;  // name_key() to nanoseconds
 
 // A file and the NAME of what it holds.
 struct Named {
@@ -35,6 +37,7 @@ struct Named {
 };
 
 std::vector<Named> named(const std::vector<fs::path>& files) {
+  require_one_file_per_name(files);
   std::vector<Named> out;
   for (const fs::path& file : files) out.push_back({file.stem().string(), file});
   return out;
@@ -54,7 +57,7 @@ struct Images {
 };
 
 Images images_of(const fs::path& drive, const std::string& camera) {
-  Images out{named(list_files(drive / "images" / camera, {".png", ".jpg", ".jpeg"})), nullptr};
+  Images out{named(list_files(drive / "images" / camera, kImageEndings)), nullptr};
   const fs::path video = video_of(drive, camera);
   if (video.empty()) return out;
   if (!out.files.empty())
@@ -65,7 +68,7 @@ Images images_of(const fs::path& drive, const std::string& camera) {
 }
 
 bool has_images(const fs::path& drive, const std::string& camera) {
-  return !list_files(drive / "images" / camera, {".png", ".jpg", ".jpeg"}).empty() || !video_of(drive, camera).empty();
+  return !list_files(drive / "images" / camera, kImageEndings).empty() || !video_of(drive, camera).empty();
 }
 
 using Spans = std::map<std::string, TimeSpan>;
@@ -78,12 +81,13 @@ Times read_times(const fs::path& file, Spans* spans) {
     if (line.size() != 2 && !spanned)
       line.fail("has " + std::to_string(line.size()) + " entries instead of 2",
                 spans == nullptr ? "lines are: NAME seconds" : "lines are: NAME seconds, or NAME seconds START END");
-    times[line.word(0)] = line.nanoseconds(1);
+    const std::string key = name_key(line.word(0));
+    times[key] = line.nanoseconds(1);
     if (!spanned) continue;
     const TimeSpan span{line.nanoseconds(2), line.nanoseconds(3)};
-    if (span.first > times[line.word(0)] || span.last < times[line.word(0)])
+    if (span.first > times[key] || span.last < times[key])
       line.fail("does not start before its time and end after it", "lines are: NAME seconds START END");
-    (*spans)[line.word(0)] = span;
+    (*spans)[key] = span;
   }
   return times;
 }
@@ -103,17 +107,38 @@ std::vector<std::string> names_of(const std::vector<Named>& files) {
   return names;
 }
 
+using Keys = std::set<std::string, NaturalLess>;
+
+Keys keys_of(const std::vector<Named>& files) {
+  Keys keys;
+  for (const Named& file : files) keys.insert(name_key(file.name));
+  return keys;
+}
+
+// Names that count scans of one drive have something in common.
+bool share_names(const Keys& images, const Keys& scans, bool by_number) {
+  if (images.empty() || scans.empty()) return true;
+  if (by_number) return !natural_less(*images.rbegin(), *scans.begin()) && !natural_less(*scans.rbegin(), *images.begin());
+  return std::any_of(images.begin(), images.end(), [&](const std::string& name) { return scans.contains(name); });
+}
+
 // Without any times, equal names tie image and scan: their numbers, or their places among all names, count scans.
-Times count_times(const fs::path& drive, const std::vector<std::string>& images, const std::vector<std::string>& scans,
-                  double rate) {
-  std::set<std::string> names(images.begin(), images.end());
-  names.insert(scans.begin(), scans.end());
+Times count_times(Drive& drive, const std::vector<Named>& images, const std::vector<Named>& scans, double rate) {
+  const Keys of_images = keys_of(images), of_scans = keys_of(scans);
+  Keys names = of_images;
+  names.insert(of_scans.begin(), of_scans.end());
   const bool by_number = numbered({names.begin(), names.end()});
+  if (!share_names(of_images, of_scans, by_number))
+    throw InputError(images.front().file,
+                     fmt::format("has no scan of its name, and neither has any other image: the first scan is {}",
+                                 scans.front().file.filename().string()),
+                     "name image and scan of one moment alike, or give times/CAMERA.txt and times/lidar.txt");
+  if (const auto order = describe_order({names.begin(), names.end()})) drive.warnings.push_back(*order);
   Times times;
   for (int index = 0; const std::string& name : names) {
     const int count = by_number ? *to_integer(name) : index;
     if (!(count / rate < kLatestSecond))
-      throw InputError(drive / "images", "'" + name + "' is too large a number to count scans",
+      throw InputError(drive.path / "images", "'" + name + "' is too large a number to count scans",
                        "remove the file, or give times/");
     times[name] = std::llround(1e9 * count / rate);
     ++index;
@@ -132,7 +157,7 @@ struct Clocks {
 Times video_times(const fs::path& file, const Images& images) {
   Times times;
   if (!fs::exists(file)) {
-    for (std::size_t i = 0; i < images.files.size(); ++i) times[images.files[i].name] = images.video->times_ns()[i];
+    for (std::size_t i = 0; i < images.files.size(); ++i) times[name_key(images.files[i].name)] = images.video->times_ns()[i];
     return times;
   }
   const std::vector<TextLine> lines = read_text_lines(file);
@@ -142,36 +167,36 @@ Times video_times(const fs::path& file, const Images& images) {
                                  images.files.front().file.filename().string(), images.files.size()),
                      "give a line for each frame");
   if (lines.front().size() != 1) return read_times(file, nullptr);
-  for (std::size_t i = 0; i < lines.size(); ++i) times[images.files[i].name] = lines[i].nanoseconds(0);
+  for (std::size_t i = 0; i < lines.size(); ++i) times[name_key(images.files[i].name)] = lines[i].nanoseconds(0);
   return times;
 }
 
-Clocks read_video_clocks(Drive& drive, const Images& images, const std::vector<std::string>& scans, double rate) {
+Clocks read_video_clocks(Drive& drive, const Images& images, const std::vector<Named>& scans, double rate) {
   Clocks clocks;
   clocks.camera_file = drive.path / "times" / (drive.camera_name + ".txt");
   clocks.lidar_file = drive.path / "times" / "lidar.txt";
   clocks.camera = video_times(clocks.camera_file, images);
   clocks.lidar =
-      fs::exists(clocks.lidar_file) ? read_times(clocks.lidar_file, &clocks.scans) : count_times(drive.path, {}, scans, rate);
+      fs::exists(clocks.lidar_file) ? read_times(clocks.lidar_file, &clocks.scans) : count_times(drive, {}, scans, rate);
   for (const fs::path& file : {clocks.camera_file, clocks.lidar_file})
     if (fs::exists(file)) drive.other_files.push_back(file);
   return clocks;
 }
 
-Clocks read_clocks(Drive& drive, const std::vector<std::string>& images, const std::vector<std::string>& scans, double rate) {
+Clocks read_clocks(Drive& drive, const std::vector<Named>& images, const std::vector<Named>& scans, double rate) {
   Clocks clocks;
   clocks.camera_file = drive.path / "times" / (drive.camera_name + ".txt");
   clocks.lidar_file = drive.path / "times" / "lidar.txt";
   const bool camera = fs::exists(clocks.camera_file), lidar = fs::exists(clocks.lidar_file);
   if (camera) clocks.camera = read_times(clocks.camera_file, nullptr), drive.other_files.push_back(clocks.camera_file);
   if (lidar) clocks.lidar = read_times(clocks.lidar_file, &clocks.scans), drive.other_files.push_back(clocks.lidar_file);
-  if (!camera) clocks.camera = lidar ? clocks.lidar : count_times(drive.path, images, scans, rate);
+  if (!camera) clocks.camera = lidar ? clocks.lidar : count_times(drive, images, scans, rate);
   if (!lidar) clocks.lidar = clocks.camera;
   return clocks;
 }
 
 std::int64_t time_of(const Times& times, const Named& file, const fs::path& source) {
-  if (const auto time = times.find(file.name); time != times.end()) return time->second;
+  if (const auto time = times.find(name_key(file.name)); time != times.end()) return time->second;
   throw InputError(file.file, "has no time", "add a line '" + file.name + " seconds' to " + source.string());
 }
 
@@ -195,7 +220,7 @@ std::vector<ScanHeader> make_scan_headers(const std::vector<Named>& files, const
   std::vector<ScanHeader> scan_headers;
   for (const Named& file : files) {
     const std::int64_t time = time_of(clocks.lidar, file, clocks.lidar_file);
-    if (const auto span = clocks.scans.find(file.name); span != clocks.scans.end()) {
+    if (const auto span = clocks.scans.find(name_key(file.name)); span != clocks.scans.end()) {
       scan_headers.push_back({file.name, time, span->second.first, span->second.last, file.file});
       continue;
     }
@@ -272,6 +297,14 @@ void set_camera(Drive& drive, const DriveConfig& config, const Images& images, G
       header.time_ns += camera.offset_ns, header.start_ns = header.end_ns = header.time_ns;
 }
 
+[[noreturn]] void fail_without_cameras(const fs::path& path, const DriveConfig& config) {
+  for (const auto& [name, camera] : config.cameras)
+    if (const fs::path folder = path / "images" / name; describe_unread_images(folder))
+      fail_without_images(folder, "holds no images that are read", {});
+  fail_without_images(path / "images", "holds no images of a camera that dvi.toml names",
+                      "they belong into images/CAMERA, or images/CAMERA.mp4");
+}
+
 Recording read_folder(const fs::path& path, const ReadOptions& options) {
   const DriveConfig config = read_config(path);
   Recording recording;
@@ -279,11 +312,11 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
   drive.path = path;
   drive.format = "folder";
   drive.other_files.push_back(config.file);
-  for (const auto& [name, camera] : config.cameras)
+  for (const auto& [name, camera] : config.cameras) {
     if (has_images(path, name)) drive.camera_names.push_back(name);
-  if (drive.camera_names.empty())
-    throw InputError(path / "images", "holds no images of a camera that dvi.toml names",
-                     "they belong into images/CAMERA, or images/CAMERA.mp4");
+    warn_of_unread_images(drive, path / "images" / name);
+  }
+  if (drive.camera_names.empty()) fail_without_cameras(path, config);
   drive.camera_name = choose_camera(drive, options.camera, config.usual_camera);
 
   const Images images = images_of(path, drive.camera_name);
@@ -297,8 +330,8 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
   if (map && geometry != Geometry::map)
     drive.warnings.push_back(map->filename().string() + " is not used: the map is made of the scans");
   const std::int64_t period = std::llround(1e9 / config.lidar.rate);
-  const Clocks clocks = images.video ? read_video_clocks(drive, images, names_of(scans), config.lidar.rate)
-                                     : read_clocks(drive, names_of(images.files), names_of(scans), config.lidar.rate);
+  const Clocks clocks = images.video ? read_video_clocks(drive, images, scans, config.lidar.rate)
+                                     : read_clocks(drive, images.files, scans, config.lidar.rate);
   drive.frames = make_frames(images.files, clocks);
   if (images.video)
     recording.read_image = [video = images.video](const Frame& frame) {

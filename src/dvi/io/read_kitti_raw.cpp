@@ -4,6 +4,7 @@
 #include "dvi/core/error.h"
 #include "dvi/io/camera_choice.h"
 #include "dvi/io/drive_config.h"
+#include "dvi/io/file_names.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/kitti_calibration.h"
 #include "dvi/io/kitti_files.h"
@@ -17,7 +18,7 @@ namespace dvi::io {
 namespace {
 
 Numbered numbered_images(const fs::path& drive, const std::string& camera) {
-  return numbered_files(drive / camera / "data", {".png", ".jpg"});
+  return numbered_files(drive / camera / "data", kImageEndings);
 }
 
 std::vector<Frame> read_frames(const fs::path& drive, const std::string& camera) {

@@ -1,6 +1,7 @@
 #include <map>
 
 #include "dvi/core/error.h"
+#include "dvi/io/file_names.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/rgbd.h"
 #include "dvi/io/text.h"
@@ -57,7 +58,7 @@ Recording read_scannet(const fs::path& path, const ReadOptions& options) {
   Drive& drive = recording.drive;
   drive.path = path;
   name_camera(drive, options.camera, "color");
-  set_numbered_files(drive, files_by_number(path / "color", {".jpg", ".png"}), files_by_number(path / "depth", {".png"}),
+  set_numbered_files(drive, files_by_number(path / "color", kImageEndings), files_by_number(path / "depth", {".png"}),
                      files_by_number(path / "pose", {".txt"}));
   match_masks(drive, {path / "masks"});
   recording.gaps = {frames_without_depth(drive, 0)};

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "dvi/core/error.h"
+#include "dvi/io/file_names.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/rgbd.h"
 #include "dvi/io/text.h"
@@ -52,7 +53,7 @@ Recording read_seven_scenes(const fs::path& path, const ReadOptions& options) {
   Drive& drive = recording.drive;
   drive.path = path;
   name_camera(drive, options.camera, "color");
-  set_numbered_files(drive, files_of_kind(path, "color", {".png", ".jpg"}), files_of_kind(path, "depth", {".png"}),
+  set_numbered_files(drive, files_of_kind(path, "color", kImageEndings), files_of_kind(path, "depth", {".png"}),
                      files_of_kind(path, "pose", {".txt"}));
   match_masks(drive, {path / "masks"});
   recording.gaps = {missing_numbers(drive), frames_without_depth(drive, 0)};
@@ -64,7 +65,7 @@ Recording read_seven_scenes(const fs::path& path, const ReadOptions& options) {
 }
 
 bool recognise_seven_scenes(const fs::path& path) {
-  return !files_of_kind(path, "color", {".png", ".jpg"}).empty() && !files_of_kind(path, "depth", {".png"}).empty();
+  return !files_of_kind(path, "color", kImageEndings).empty() && !files_of_kind(path, "depth", {".png"}).empty();
 }
 
 }  // namespace
