@@ -83,7 +83,10 @@ cv::Mat decode(const fs::path& path, const std::string& bytes, int mode) {
 void require(const fs::path& path, cv::Size found, cv::Size wanted) {
   if (found != wanted)
     throw InputError(path, "is " + text(found) + " pixels instead of " + text(wanted),
-                     "images, masks and calibration must be of one size");
+                     found == cv::Size(wanted.height, wanted.width)
+                         ? "it is turned by 90 degrees: images, masks and calibration must all be of the pixels as they are "
+                           "stored, because neither EXIF orientation nor the rotation of a video is applied"
+                         : "images, masks and calibration must be of one size");
 }
 
 cv::Mat decode(const fs::path& path, const std::string& bytes, cv::Size size, int mode) {

@@ -15,6 +15,7 @@
 #include "dvi/core/median.h"
 #include "dvi/io/class_ids.h"
 #include "dvi/io/image_file.h"
+#include "dvi/io/image_storage.h"
 
 namespace dvi::io {
 namespace {
@@ -200,6 +201,7 @@ ReadMask reader(Drive& drive, const std::vector<fs::path>& sample, const MaskRea
 
 void read_masks(Drive& drive, const MaskReading& reading) {
   const std::vector<fs::path> sample = sample_of(drive);
+  warn_of_mask_orientation(drive, sample);
   const ReadMask read = reader(drive, sample, reading);
   drive.other_files.insert(drive.other_files.end(), sample.begin(), sample.end());
   drive.masks = Lazy<cv::Mat1b>(drive.frames.size(), [files = drive.mask_files, size = size_of(drive), read](std::size_t i) {

@@ -16,6 +16,7 @@
 #include "dvi/io/given_map.h"
 #include "dvi/io/gps.h"
 #include "dvi/io/image_file.h"
+#include "dvi/io/image_storage.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/point_cloud.h"
@@ -281,7 +282,9 @@ void set_camera(Drive& drive, const DriveConfig& config, const Images& images, G
     throw InputError(
         images.files.front().file,
         fmt::format("is {}x{} pixels, and {} has another size", images.video->size().width, images.video->size().height, table),
-        "K must be that of images of the video's size");
+        images.video->rotation_deg() != 0
+            ? describe_video_rotation(images.files.front().file.filename(), images.video->rotation_deg())
+            : "K must be that of images of the video's size");
   if (!camera.size) {
     const cv::Size size = images.video ? images.video->size() : image_size(drive.frames.front().file);
     drive.camera.width = size.width, drive.camera.height = size.height;
@@ -333,6 +336,8 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
   const Clocks clocks = images.video ? read_video_clocks(drive, images, scans, config.lidar.rate)
                                      : read_clocks(drive, images.files, scans, config.lidar.rate);
   drive.frames = make_frames(images.files, clocks);
+  if (images.video && images.video->rotation_deg() != 0)
+    drive.warnings.push_back(describe_video_rotation(images.files.front().file, images.video->rotation_deg()));
   if (images.video)
     recording.read_image = [video = images.video](const Frame& frame) {
       return (*video)[static_cast<std::size_t>(frame.number)];

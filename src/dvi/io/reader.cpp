@@ -6,6 +6,7 @@
 #include "dvi/io/bag.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/mask_folder.h"
+#include "dvi/io/image_storage.h"
 #include "dvi/io/plausible.h"
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/text.h"
@@ -143,7 +144,9 @@ void attach_lazy_readers(Recording& recording) {
   } else {
     std::vector<fs::path> images;
     for (const Frame& frame : drive.frames) images.push_back(frame.file);
-    drive.images = Lazy<cv::Mat3b>(images.size(), [images, size](std::size_t i) { return read_image(images[i], size); });
+    drive.images = Lazy<cv::Mat3b>(images.size(), [images, size, bits = recording.value_bits](std::size_t i) {
+      return read_scaled_image(images[i], size, bits);
+    });
   }
   if (!drive.mask_files.empty()) attach_mask_files(drive);
   drive.scans = Lazy<Scan>(drive.scan_headers.size(), [scan_headers = drive.scan_headers, read = recording.read_scan](
@@ -188,6 +191,10 @@ Drive read_drive(const fs::path& path, const ReadOptions& options) {
   drive.path = root;
   drive.format = format->name;
   check(drive);
+  if (!recording.read_image) {
+    recording.value_bits = find_value_bits(recording.drive);
+    warn_of_image_orientation(recording.drive);
+  }
   require_plain_names(drive);
   if (options.frames) cut(drive, *options.frames);
   if (options.span) cut(drive, *options.span);

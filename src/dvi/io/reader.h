@@ -30,6 +30,7 @@ struct Recording {
   std::vector<Gap> gaps;
   std::function<Scan(const ScanHeader&)> read_scan;
   std::function<cv::Mat3b(const Frame&)> read_image = {};  ///< none: Frame::file is the image's
+  int value_bits = 16;                                     ///< that 16-bit images use, as find_value_bits() determines them
 };
 
 /// Whether the numbers from the first frame to the last, in steps, can be listed one by one; where a stray file name makes them

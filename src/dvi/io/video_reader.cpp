@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -22,6 +23,7 @@ extern "C" {
 #include <libavcodec/packet.h>
 #include <libavformat/avformat.h>
 #include <libavutil/avutil.h>
+#include <libavutil/display.h>
 #include <libavutil/error.h>
 #include <libavutil/frame.h>
 #include <libavutil/log.h>
@@ -102,6 +104,17 @@ bool ends_early(const Opened& video, const std::vector<Coded>& frames) {
   const double second = 1 / av_q2d(video.stream->time_base), told = static_cast<double>(video.input->duration) / AV_TIME_BASE;
   const double seen = static_cast<double>(last->shown - first->shown) / second;
   return told > kLate * seen + kFew * seen / static_cast<double>(std::max<std::size_t>(frames.size(), 2) - 1);
+}
+
+// The matrix turns counterclockwise.
+int rotation_of(AVStream& stream) {
+  constexpr std::size_t kMatrixBytes = 9 * sizeof(std::int32_t);
+  std::size_t bytes = 0;
+  const std::uint8_t* data = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &bytes);
+  if (data == nullptr || bytes < kMatrixBytes) return 0;
+  const double turned = av_display_rotation_get(reinterpret_cast<const std::int32_t*>(data));
+  if (!std::isfinite(turned)) return 0;
+  return (360 - static_cast<int>(std::lround(turned)) % 360) % 360;
 }
 
 /// In the order they lie in the file.
@@ -233,6 +246,7 @@ bool is_video(const fs::path& file) {
 struct VideoReader::Impl {
   fs::path file;
   cv::Size size;
+  int rotation_deg = 0;
   std::vector<std::int64_t> times_ns, shown;  ///< in order of times
   std::vector<Coded> keys;                    ///< likewise
   std::mutex mutex;
@@ -279,6 +293,7 @@ VideoReader::VideoReader(fs::path file) : impl_(std::make_unique<Impl>()) {
   require_regular_file(impl_->file, UINTMAX_MAX);
   const Opened video(impl_->file);
   impl_->size = {video.stream->codecpar->width, video.stream->codecpar->height};
+  impl_->rotation_deg = rotation_of(*video.stream);
   for (const Coded& frame : list_frames(impl_->file, video)) {
     impl_->shown.push_back(frame.shown);
     if (frame.key) impl_->keys.push_back(frame);
@@ -294,6 +309,7 @@ VideoReader::VideoReader(fs::path file) : impl_(std::make_unique<Impl>()) {
 VideoReader::~VideoReader() = default;
 
 cv::Size VideoReader::size() const { return impl_->size; }
+int VideoReader::rotation_deg() const { return impl_->rotation_deg; }
 const std::vector<std::int64_t>& VideoReader::times_ns() const { return impl_->times_ns; }
 
 cv::Mat3b VideoReader::operator[](std::size_t i) const {

@@ -19,7 +19,7 @@ extern const std::vector<std::string> kVideoEndings;
 bool is_video(const fs::path& file);
 
 /// The frames of a video file, decoded on demand: the same bytes in whatever order and from whichever thread they are asked
-/// for. A video's rotation is not applied, as an image's is not.
+/// for. A video's rotation is not applied, as that of an image is not.
 class VideoReader {
  public:
   /// Reads the times of all frames, and decodes none. InputError where the file is no video, was cut, or tells no times.
@@ -28,7 +28,9 @@ class VideoReader {
   VideoReader(const VideoReader&) = delete;
   VideoReader& operator=(const VideoReader&) = delete;
 
-  cv::Size size() const;
+  cv::Size size() const;  ///< as stored
+  /// Degrees clockwise, 0 to 359, by which players turn the frames.
+  int rotation_deg() const;
   /// As shown, counted from the first frame.
   const std::vector<std::int64_t>& times_ns() const;
   /// Frame i of times_ns(). InputError where it is damaged.
