@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/natural_order.h"
 #include "dvi/io/bag_bytes.h"
 #include "dvi/io/plausible.h"
 #include "dvi/io/text.h"
@@ -167,12 +169,45 @@ fs::path file_of(const fs::path& folder, const char* name) {
   return {};
 }
 
+bool is_model(const fs::path& folder) { return !file_of(folder, "cameras").empty() && !file_of(folder, "images").empty(); }
+
+// COLMAP numbers its models.
+std::vector<fs::path> models_in(const fs::path& folder) {
+  std::vector<fs::path> models;
+  if (!fs::is_directory(folder)) return models;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (all_digits(entry.path().filename().string()) && is_model(entry.path())) models.push_back(entry.path());
+  std::sort(models.begin(), models.end(),
+            [](const fs::path& a, const fs::path& b) { return natural_less(a.filename().string(), b.filename().string()); });
+  return models;
+}
+
+// Two lines of a text file are an image; a binary file begins with their number.
+std::uint64_t count_images(const fs::path& folder) {
+  const fs::path file = file_of(folder, "images");
+  if (file.extension() == ".txt") return read_text_lines(file).size() / 2;
+  std::uint64_t count = 0;
+  std::ifstream(file, std::ios::binary).read(reinterpret_cast<char*>(&count), sizeof count);
+  return count;
+}
+
 }  // namespace
 
-fs::path find_colmap_model(const fs::path& workspace) {
-  for (const fs::path& place : {workspace / "sparse/0", workspace / "sparse", workspace})
-    if (!file_of(place, "cameras").empty() && !file_of(place, "images").empty()) return place;
+std::vector<fs::path> list_colmap_models(const fs::path& workspace) {
+  for (const fs::path& place : {workspace / "sparse", workspace}) {
+    std::vector<fs::path> models = models_in(place);
+    if (models.empty() && is_model(place)) models = {place};
+    if (!models.empty()) return models;
+  }
   return {};
+}
+
+fs::path find_colmap_model(const fs::path& workspace) {
+  const std::vector<fs::path> models = list_colmap_models(workspace);
+  if (models.size() < 2) return models.empty() ? fs::path() : models.front();
+  std::vector<std::uint64_t> counts;
+  for (const fs::path& model : models) counts.push_back(count_images(model));
+  return models[static_cast<std::size_t>(std::max_element(counts.begin(), counts.end()) - counts.begin())];
 }
 
 ColmapModel read_colmap_model(const fs::path& folder) {

@@ -26,7 +26,11 @@ struct ColmapModel {
   std::vector<fs::path> files;      ///< that it was read from
 };
 
-/// The folder of a model of a COLMAP workspace: sparse/0, sparse, or the folder itself; empty where there is none.
+/// Lists the folders of the models of a COLMAP workspace: those in sparse/, such as sparse/0; else sparse, the workspace
+/// itself, or those in it.
+std::vector<fs::path> list_colmap_models(const fs::path& workspace);
+
+/// Finds the model with the most images, the first of those with equally many; empty if there is none.
 fs::path find_colmap_model(const fs::path& workspace);
 
 /// Reads cameras and images of a model, text or binary (cameras.bin, images.bin). COLMAP puts the centre of the first pixel at

@@ -119,6 +119,20 @@ TEST_F(Colmap, ReadsPosesCamerasAndTheMap) {
   EXPECT_THAT(drive.warnings[0], HasSubstr("1 images of camera are not in the model"));
 }
 
+// COLMAP writes a model for each group of images that it could connect.
+TEST_F(Colmap, TakesTheLargestModel) {
+  folder.write("sparse/1/cameras.txt", kCameras);
+  folder.write("sparse/1/images.txt", std::string(kImages) + "3 1 0 0 0 0 0 -2 1 c.png\n\n");
+  const Drive drive = read();
+  EXPECT_EQ(drive.frames.size(), 3U);
+  ASSERT_EQ(drive.warnings.size(), 1U);
+  EXPECT_THAT(drive.warnings[0], AllOf(HasSubstr("1 is the largest of the 2 models"), HasSubstr("(3 images)")));
+  fs::remove_all(folder.path / "sparse/0");
+  EXPECT_EQ(read().frames.size(), 3U) << "whatever its number";
+  fs::remove_all(folder.path / "images");
+  EXPECT_THAT(error(), HasSubstr("holds a COLMAP model and no folder images/"));
+}
+
 TEST_F(Colmap, ReadsBinaryModelsAlike) {
   std::string cameras = packed<std::uint64_t>(1) + packed<std::uint32_t>(1) + packed<std::int32_t>(1) +
                         packed<std::uint64_t>(8) + packed<std::uint64_t>(6);

@@ -7,9 +7,11 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/natural_order.h"
 #include "dvi/io/camera_choice.h"
 #include "dvi/io/colmap_model.h"
 #include "dvi/io/drive_config.h"
+#include "dvi/io/file_names.h"
 #include "dvi/io/given_map.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/mask_folder.h"
@@ -59,15 +61,17 @@ std::optional<SE3> fixed_to(const ModelImages& first, const ModelImages& other) 
   return other_from_first;
 }
 
-std::set<std::string> all_names(const std::map<std::string, ModelImages>& cameras) {
-  std::set<std::string> names;
+using Names = std::set<std::string, NaturalLess>;
+
+Names all_names(const std::map<std::string, ModelImages>& cameras) {
+  Names names;
   for (const auto& [camera, images] : cameras)
     for (const auto& [name, image] : images) names.insert(name);
   return names;
 }
 
 // Numbers of the names where all are whole numbers that differ, else their places.
-std::map<std::string, int> numbers_of(const std::set<std::string>& names) {
+std::map<std::string, int> numbers_of(const Names& names) {
   std::map<std::string, int> numbers;
   std::set<int> known;
   for (const std::string& name : names)
@@ -79,8 +83,9 @@ std::map<std::string, int> numbers_of(const std::set<std::string>& names) {
   return numbers;
 }
 
-void set_frames(Drive& drive, const ModelImages& images, const std::set<std::string>& names, const SE3& camera_from_body) {
+void set_frames(Drive& drive, const ModelImages& images, const Names& names, const SE3& camera_from_body) {
   const std::map<std::string, int> numbers = numbers_of(names);
+  if (const auto order = describe_order({names.begin(), names.end()})) drive.warnings.push_back(*order);
   std::map<int, std::string> in_order;
   for (const auto& [name, number] : numbers) in_order[number] = name;
   std::vector<StampedPose> poses;
@@ -109,8 +114,7 @@ void set_map(Drive& drive, const fs::path& model) {
 void warn_of_unposed(Drive& drive, const ModelImages& images) {
   std::size_t unposed = 0;
   const fs::path folder = (drive.path / "images" / images.begin()->second.name).parent_path();
-  for (const fs::path& file : list_files(folder, {".png", ".jpg", ".jpeg"}))
-    unposed += images.contains(file.stem().string()) ? 0 : 1;
+  for (const fs::path& file : list_files(folder, kImageEndings)) unposed += images.contains(file.stem().string()) ? 0 : 1;
   if (unposed > 0)
     drive.warnings.push_back(fmt::format("{} images of {} are not in the model, and left out", unposed, drive.camera_name));
 }
@@ -122,6 +126,10 @@ Recording read_colmap(const fs::path& path, const ReadOptions& options) {
   const fs::path folder = find_colmap_model(path);
   const ColmapModel model = read_colmap_model(folder);
   drive.other_files = model.files;
+  if (const std::vector<fs::path> models = list_colmap_models(path); models.size() > 1)
+    drive.warnings.push_back(fmt::format("{} is the largest of the {} models in {} ({} images): the others are left out",
+                                         folder.filename().string(), models.size(), folder.parent_path().string(),
+                                         model.images.size()));
   std::map<std::string, ModelImages> cameras = by_camera(model, model.files.back());
   const ModelImages first = cameras.begin()->second;
   // The axes that a LiDAR at the first camera would have.

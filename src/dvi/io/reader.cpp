@@ -4,9 +4,10 @@
 
 #include "dvi/core/error.h"
 #include "dvi/io/bag.h"
+#include "dvi/io/colmap_model.h"
 #include "dvi/io/image_file.h"
-#include "dvi/io/mask_folder.h"
 #include "dvi/io/image_storage.h"
+#include "dvi/io/mask_folder.h"
 #include "dvi/io/plausible.h"
 #include "dvi/io/point_cloud.h"
 #include "dvi/io/text.h"
@@ -66,6 +67,9 @@ std::optional<std::string> nearest_format(const fs::path& folder) {
   if (!fs::exists(path)) throw InputError(path, "does not exist", "name the folder of a drive");
   if (!fs::is_directory(path))
     throw InputError(path, "is no recording", "name the folder of a drive, or a bag: .mcap, .db3, .bag");
+  if (const fs::path model = find_colmap_model(path); !model.empty() && !fs::is_directory(path / "images"))
+    throw InputError(path, "holds a COLMAP model and no folder images/",
+                     "put its images into images/ and the model into sparse/0");
   if (const auto below = drive_below(path, 2)) throw InputError(path, "is no drive", "did you mean " + below->string() + "?");
   if (const auto nearest = nearest_format(path)) throw InputError(path, "is no drive in a format that dvi reads", *nearest);
   std::string known;
@@ -187,14 +191,14 @@ Drive read_drive(const fs::path& path, const ReadOptions& options) {
   const DriveFormat* format = format_of(root);
   if (!format) fail_unknown(root);
   Recording recording = format->read(root, options);
-  Drive& drive = recording.drive;
-  drive.path = root;
-  drive.format = format->name;
-  check(drive);
   if (!recording.read_image) {
     recording.value_bits = find_value_bits(recording.drive);
     warn_of_image_orientation(recording.drive);
   }
+  Drive& drive = recording.drive;
+  drive.path = root;
+  drive.format = format->name;
+  check(drive);
   require_plain_names(drive);
   if (options.frames) cut(drive, *options.frames);
   if (options.span) cut(drive, *options.span);
