@@ -1,5 +1,8 @@
 #include "dvi/io/kitti_files.h"
 
+#include <optional>
+#include <utility>
+
 #include "dvi/core/error.h"
 #include "dvi/io/text.h"
 
@@ -9,7 +12,9 @@ Numbered numbered_files(const fs::path& folder, const std::vector<std::string>& 
   Numbered files;
   for (const fs::path& file : list_files(folder, endings))
     if (all_digits(file.stem().string()))
-      if (const auto number = to_integer(file.stem().string())) files[*number] = file;
+      if (const auto number = to_integer(file.stem().string()))
+        if (const auto [other, added] = files.emplace(*number, file); !added)
+          throw InputError(file, "has the number of " + other->second.filename().string(), "remove one of the two");
   return files;
 }
 
@@ -20,12 +25,27 @@ std::vector<int> numbers_without(const Drive& drive, const Numbered& files) {
   return missing;
 }
 
-KittiStamps::KittiStamps(const fs::path& file) : file_(file), lines_(read_lines(file)) {}
+KittiStamps::KittiStamps(const fs::path& file) : file_(file) {
+  if (!fs::exists(file)) throw InputError(file, "is missing", "take the file as KITTI offers it");
+  lines_ = read_lines(file);
+}
+
+std::int64_t KittiStamps::mean_step_ns() const {
+  std::int64_t step = 100'000'000;
+  std::optional<std::pair<std::size_t, std::int64_t>> first;
+  for (std::size_t i = 0; i < lines_.size(); ++i) {
+    const auto time = date_to_nanoseconds(lines_[i]);
+    if (time && first) step = (*time - first->second) / static_cast<std::int64_t>(i - first->first);
+    if (time && !first) first = {i, *time};
+  }
+  return step;
+}
 
 std::int64_t KittiStamps::of(int number, const fs::path& data) const {
   const std::string place = file_.string() + ":" + std::to_string(number + 1);
   if (static_cast<std::size_t>(number) >= lines_.size())
-    throw InputError(file_, "ends before line " + std::to_string(number + 1) + ", the time of " + data.filename().string());
+    throw InputError(file_, "ends before line " + std::to_string(number + 1) + ", the time of " + data.filename().string(),
+                     "take the file of the whole drive, as KITTI offers it");
   const std::string& line = lines_[static_cast<std::size_t>(number)];
   const bool cut = &line == &lines_.back() && !line.empty() && line.size() < lines_.front().size();
   if (cut) throw InputError(place, "'" + line + "' is shorter than the lines before it: the file was cut");

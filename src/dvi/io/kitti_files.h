@@ -13,7 +13,7 @@ namespace dvi::io {
 /// Files that are named by their numbers.
 using Numbered = std::map<int, fs::path>;
 
-/// Those of a folder; none where there is no such folder.
+/// Lists those of a folder; none if there is no such folder. Throws InputError if two files have one number.
 Numbered numbered_files(const fs::path& folder, const std::vector<std::string>& endings);
 
 /// The numbers from the drive's first frame to its last that are not among the files. can_list_numbers() holds.
@@ -25,6 +25,10 @@ class KittiStamps {
   explicit KittiStamps(const fs::path& file);
   /// The time of a number; InputError naming the line where there is none. `data` is the file that needs it.
   std::int64_t of(int number, const fs::path& data) const;
+  /// The number of lines.
+  std::size_t size() const { return lines_.size(); }
+  /// The mean time from one line to the next: 0.1 s if the file does not tell.
+  std::int64_t mean_step_ns() const;
 
  private:
   fs::path file_;

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <pugixml.hpp>
@@ -11,6 +12,7 @@
 #include "dvi/core/error.h"
 #include "dvi/io/camera_choice.h"
 #include "dvi/io/drive_config.h"
+#include "dvi/io/file_names.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/kitti_calibration.h"
 #include "dvi/io/kitti_files.h"
@@ -43,17 +45,56 @@ struct Kitti360Places {
 };
 
 Numbered rectified_images(const fs::path& drive, const std::string& camera) {
-  return numbered_files(drive / camera / "data_rect", {".png", ".jpg"});
+  return numbered_files(drive / camera / "data_rect", kImageEndings);
 }
 
+// The times of a drive's images and scans. Copied excerpts often come with the timestamps.txt of another excerpt; if that of
+// the images or of the scans has no line for any of them, the numbers tell the times of both.
+class Kitti360Clock {
+ public:
+  struct Sensor {
+    const Numbered* files;
+    fs::path stamps;
+  };
+  Kitti360Clock(const Sensor& images, const Sensor& scans, Drive& drive) : images_(images.stamps) {
+    if (!scans.files->empty()) scans_.emplace(scans.stamps);
+    for (const Sensor* sensor : {&images, &scans}) {
+      if (sensor->files->empty()) continue;
+      drive.other_files.push_back(sensor->stamps);
+      count_if_short(*sensor, sensor == &images ? images_ : *scans_, drive);
+    }
+  }
+  std::int64_t of_image(int number, const fs::path& data) const {
+    return step_ns_ ? number * *step_ns_ : images_.of(number, data);
+  }
+  std::int64_t of_scan(int number, const fs::path& data) const {
+    return step_ns_ ? number * *step_ns_ : scans_->of(number, data);
+  }
+
+ private:
+  void count_if_short(const Sensor& sensor, const KittiStamps& stamps, Drive& drive) {
+    const auto& [first, file] = *sensor.files->begin();
+    if (std::cmp_less(first, stamps.size()) || step_ns_) return;
+    step_ns_ = stamps.mean_step_ns();
+    drive.warnings.push_back(
+        fmt::format("{} has {} lines and none for {}: it is of another excerpt. The times of images and scans are counted by "
+                    "their numbers, {:.4f} s apart",
+                    sensor.stamps.string(), stamps.size(), file.filename().string(), 1e-9 * static_cast<double>(*step_ns_)));
+  }
+
+  KittiStamps images_;
+  std::optional<KittiStamps> scans_;
+  std::optional<std::int64_t> step_ns_;  // where times are counted
+};
+
 // Lines "frame r r r t ...": world_from_imu, of frames in which the vehicle moved.
-Trajectory read_imu_poses(const fs::path& file, const KittiStamps& stamps, const SE3& imu_from_lidar) {
+Trajectory read_imu_poses(const fs::path& file, const Kitti360Clock& clock, const SE3& imu_from_lidar) {
   std::vector<StampedPose> poses;
   for (const TextLine& line : read_text_lines(file)) {
     const auto numbers = line.numbers<12>(1);
     const std::optional<SE3> world_from_imu = to_rigid(numbers);
     if (!world_from_imu) line.fail(rotation_problem(left_part(numbers)), "lines are: frame and a 3x4 matrix, row by row");
-    poses.push_back({stamps.of(line.integer(0), file), *world_from_imu * imu_from_lidar});
+    poses.push_back({clock.of_image(line.integer(0), file), *world_from_imu * imu_from_lidar});
   }
   return Trajectory(std::move(poses));
 }
@@ -187,12 +228,11 @@ void add_boxes(Drive& drive, const fs::path& file) {
   drive.other_files.push_back(file);
 }
 
-void read_scans(Drive& drive, const Numbered& scans, const fs::path& times) {
-  if (scans.empty()) return;
-  const KittiStamps stamps(times);
-  drive.other_files.push_back(times);
+void set_times(Drive& drive, const Kitti360Clock& clock, const Numbered& images, const Numbered& scans) {
+  for (const auto& [number, file] : images)
+    drive.frames.push_back({number, file.stem().string(), clock.of_image(number, file), file, {}});
   for (const auto& [number, file] : scans) {
-    const std::int64_t time = stamps.of(number, file);
+    const std::int64_t time = clock.of_scan(number, file);
     drive.scan_headers.push_back({file.stem().string(), time, time - kHalfTurn, time + kHalfTurn, file});
   }
 }
@@ -205,7 +245,8 @@ Recording read_kitti_360(const fs::path& path, const ReadOptions& options) {
   for (const char* camera : {"image_00", "image_01"})
     if (!rectified_images(path, camera).empty()) drive.camera_names.emplace_back(camera);
   if (drive.camera_names.empty())
-    throw InputError(path, "holds no images of the perspective cameras", "they belong into image_00/data_rect");
+    fail_without_images(path / "image_00/data_rect", "holds no images of the perspective cameras",
+                        "they belong into image_00/data_rect");
   drive.camera_name = choose_camera(drive, options.camera, "image_00");
 
   const KittiCalibration calibration = read_kitti_360_calibration(places.calibration, drive.camera_name);
@@ -213,22 +254,19 @@ Recording read_kitti_360(const fs::path& path, const ReadOptions& options) {
   drive.camera_from_lidar = calibration.camera_from_lidar();
   drive.other_files = calibration.files;
   const Numbered images = rectified_images(path, drive.camera_name), scans = numbered_files(places.scans / "data", {".bin"});
-  const fs::path times = path / drive.camera_name / "timestamps.txt";
-  const KittiStamps stamps(times);
-  drive.other_files.push_back(times);
-  for (const auto& [number, file] : images)
-    drive.frames.push_back({number, file.stem().string(), stamps.of(number, file), file, {}});
+  const Kitti360Clock clock({&images, path / drive.camera_name / "timestamps.txt"}, {&scans, places.scans / "timestamps.txt"},
+                            drive);
+  set_times(drive, clock, images, scans);
   if (drive.camera.width == 0) {
     const cv::Size size = image_size(drive.frames.front().file);
     drive.camera.width = size.width, drive.camera.height = size.height;
   }
   require_plausible(drive.camera, calibration.files.front(), "P_rect_" + drive.camera_name.substr(6));
-  read_scans(drive, scans, places.scans / "timestamps.txt");
   if (fs::exists(places.poses)) {
     const fs::path to_pose = places.calibration / "calib_cam_to_pose.txt";
     // calib_cam_to_velo takes the unrectified camera 0 to the LiDAR; so does rect0_from_lidar, but for the rectification.
     const SE3 camera0_from_lidar = SE3{calibration.rect0_rotation.transpose(), {0, 0, 0}} * calibration.rect0_from_lidar;
-    drive.poses = read_imu_poses(places.poses, stamps, read_imu_from_camera0(to_pose) * camera0_from_lidar);
+    drive.poses = read_imu_poses(places.poses, clock, read_imu_from_camera0(to_pose) * camera0_from_lidar);
     drive.other_files.insert(drive.other_files.end(), {to_pose, places.poses});
   }
   if (can_list_numbers(drive, 1))

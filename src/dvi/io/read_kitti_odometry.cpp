@@ -4,6 +4,7 @@
 #include "dvi/core/error.h"
 #include "dvi/io/camera_choice.h"
 #include "dvi/io/drive_config.h"
+#include "dvi/io/file_names.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/kitti_calibration.h"
 #include "dvi/io/kitti_files.h"
@@ -19,13 +20,14 @@ namespace {
 constexpr std::int64_t kHalfScan = 50'000'000;  // at 10 Hz
 
 Numbered sequence_images(const fs::path& path, const std::string& camera) {
-  return numbered_files(path / camera, {".png", ".jpg", ".jpeg"});
+  return numbered_files(path / camera, kImageEndings);
 }
 
 // times.txt and poses hold a line for each number of the whole sequence, whichever excerpt is there.
 const TextLine& line_of(const std::vector<TextLine>& lines, int number, const fs::path& file, const fs::path& data) {
   if (static_cast<std::size_t>(number) < lines.size()) return lines[static_cast<std::size_t>(number)];
-  throw InputError(file, "ends before line " + std::to_string(number + 1) + ", that of " + data.filename().string());
+  throw InputError(file, "ends before line " + std::to_string(number + 1) + ", that of " + data.filename().string(),
+                   "take the file of the whole sequence, as KITTI offers it");
 }
 
 // Beside the sequence as SemanticKITTI has it, or in the folder that the benchmark offers.
@@ -58,7 +60,8 @@ Recording read_kitti_odometry(const fs::path& path, const ReadOptions& options) 
   for (const char* camera : {"image_0", "image_1", "image_2", "image_3"})
     if (!sequence_images(path, camera).empty()) drive.camera_names.emplace_back(camera);
   if (drive.camera_names.empty())
-    throw InputError(path, "holds no images", "they belong into image_2 (colour) or image_0 (grey)");
+    fail_without_images(fs::is_directory(path / "image_2") ? path / "image_2" : path / "image_0", "holds no images",
+                        "they belong into image_2 (color) or image_0 (gray), named by their numbers");
   const bool number = all_digits(options.camera) && options.camera.size() == 1;
   drive.camera_name = choose_camera(drive, number ? "image_" + options.camera : options.camera, "image_2");
 

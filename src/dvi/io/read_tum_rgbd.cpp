@@ -33,10 +33,18 @@ std::vector<Stamped> read_list(Drive& drive, const char* name) {
   return out;
 }
 
+// The name of the recording in the comments of rgb.txt ("# file: 'rgbd_dataset_freiburg1_rpy.bag'"), which stays when its
+// folder is renamed; empty if there is none.
+std::string original_name(const fs::path& drive) {
+  for (const std::string& line : read_lines(drive / "rgb.txt"))
+    if (line.starts_with('#') && line.find("freiburg") != std::string::npos) return line;
+  return {};
+}
+
 // As the benchmark recommends: its depth is registered to the images by the driver's own camera, but for the third Kinect,
 // whose images were rectified.
 Camera camera_of(const Drive& drive, std::vector<std::string>& warnings) {
-  const std::string name = lower_case(drive.path.filename().string());
+  const std::string name = lower_case(drive.path.filename().string() + " " + original_name(drive.path));
   if (name.find("freiburg3") != std::string::npos) return {.fx = 535.4, .fy = 539.2, .cx = 320.1, .cy = 247.6};
   if (name.find("freiburg") == std::string::npos && !fs::exists(drive.path / "dvi.toml"))
     warnings.emplace_back(
