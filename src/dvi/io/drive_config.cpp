@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -59,8 +60,19 @@ class Table {
     if (word == words.end()) fail(*node, fmt::format("'{}' is none of {}", key, fmt::join(words, ", ")));
     return static_cast<std::size_t>(word - words.begin());
   }
-  [[noreturn]] void fail(const char* key, const std::string& problem) const {
-    fail(*table_->get(key), fmt::format("'{}' {}", key, problem));
+  std::optional<std::string> text(const char* key) const {
+    const toml::node* node = table_->get(key);
+    if (!node) return std::nullopt;
+    if (!node->is_string()) fail(*node, fmt::format("'{}' is not a text", key));
+    return node->as_string()->get();
+  }
+  /// The number of entries of a list; 0 if there is no list.
+  std::size_t list_size(const char* key) const {
+    const toml::node* node = table_->get(key);
+    return node && node->is_array() ? node->as_array()->size() : 0;
+  }
+  [[noreturn]] void fail(const char* key, const std::string& problem, const std::string& remedy = {}) const {
+    fail(*table_->get(key), fmt::format("'{}' {}", key, problem), remedy);
   }
 
  private:
@@ -106,13 +118,41 @@ std::optional<SE3> read_rigid(const Table& table, const char* key) {
   return motion;
 }
 
+constexpr const char* kUndistort =
+    "undistort the images first (OpenCV: cv2.undistort, or cv2.fisheye.undistortImage for a fisheye lens) and give K of the "
+    "new images";
+
+// The models that read_distortion() holds for, as OpenCV, ROS, and Kalibr call them.
+void require_pinhole(const Table& table, const char* key) {
+  static const std::set<std::string> pinhole = {"pinhole", "perspective", "opencv", "plumb_bob", "radtan", "brown", "none"};
+  const std::optional<std::string> model = table.text(key);
+  if (!model || pinhole.contains(lower_case(*model))) return;
+  table.fail(key, fmt::format("is '{}', and only pinhole cameras with k1, k2, p1, p2, k3 are read", *model), kUndistort);
+}
+
+std::optional<std::array<double, 5>> read_distortion(const Table& table) {
+  for (const char* key : {"model", "distortion_model"}) require_pinhole(table, key);
+  switch (table.list_size("distortion")) {
+    case 4:
+      table.fail("distortion", "has 4 numbers, and 5 are read: k1, k2, p1, p2, k3",
+                 std::string("add k3 = 0 if they are k1, k2, p1, p2; if they are k1 to k4 of a fisheye lens, ") + kUndistort);
+    case 8:
+    case 12:
+    case 14:
+      table.fail("distortion", "holds the coefficients of OpenCV's rational model, and 5 are read: k1, k2, p1, p2, k3",
+                 std::string("leave out the rest if they are 0; else ") + kUndistort);
+    default:
+      return table.numbers<5>("distortion");
+  }
+}
+
 CameraConfig read_camera(const Table& table) {
-  return {read_size(table), read_intrinsics(table), table.numbers<5>("distortion"), read_rigid(table, "camera_from_lidar"),
+  return {read_size(table), read_intrinsics(table), read_distortion(table), read_rigid(table, "camera_from_lidar"),
           offset_ns(table)};
 }
 
 DepthConfig read_depth(const Table& table) {
-  DepthConfig depth{read_intrinsics(table), table.numbers<5>("distortion"), read_rigid(table, "depth_from_color"),
+  DepthConfig depth{read_intrinsics(table), read_distortion(table), read_rigid(table, "depth_from_color"),
                     table.number("units_per_metre")};
   if (depth.units_per_metre && !(*depth.units_per_metre >= 1 && *depth.units_per_metre <= 1e6))
     table.fail("units_per_metre", "is not between 1 and 1000000, such as 1000 for millimetres");
@@ -152,15 +192,15 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
     require_plain_name(std::string(name.str()), config.file, "a camera");
     config.cameras[std::string(name.str())] =
         read_camera(Table(config.file, fmt::format("camera.{}", name.str()), table_of(&node),
-                          {"size", "K", "distortion", "camera_from_lidar", "offset_s"}));
+                          {"size", "K", "distortion", "model", "distortion_model", "camera_from_lidar", "offset_s"}));
   }
   std::vector<std::string> names;
   for (const auto& [name, camera] : config.cameras) names.push_back(name);
   if (const auto place = head.choice("camera", names)) config.usual_camera = names[*place];
   config.lidar = read_lidar(Table(config.file, "lidar", table_of(root.get("lidar")),
                                   {"rate", "sensor", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s"}));
-  config.depth = read_depth(
-      Table(config.file, "depth", table_of(root.get("depth")), {"K", "distortion", "depth_from_color", "units_per_metre"}));
+  config.depth = read_depth(Table(config.file, "depth", table_of(root.get("depth")),
+                                  {"K", "distortion", "model", "distortion_model", "depth_from_color", "units_per_metre"}));
   return config;
 }
 

@@ -153,6 +153,35 @@ TEST_F(Folder, RefusesSettingsThatAreMissingOrMalformed) {
   EXPECT_THAT(error(), HasSubstr("dvi.toml: is missing"));
 }
 
+TEST_F(Folder, RefusesOtherModelsOfDistortion) {
+  const auto with = [&](const std::string& lines) { return folder.write("dvi.toml", kCamera + lines), error(); };
+  EXPECT_THAT(with("distortion = [-0.02, 0.005, -0.001, 0.0002]\n"),
+              AllOf(HasSubstr("dvi.toml:7: 'distortion' has 4 numbers"), HasSubstr("fisheye"), HasSubstr("add k3 = 0")));
+  EXPECT_THAT(with("distortion = [0.1, 0, 0, 0, 0, 0.2, 0, 0]\n"),
+              AllOf(HasSubstr("rational model"), HasSubstr("cv2.undistort")));
+  EXPECT_THAT(with("distortion = [0.1]\n"), HasSubstr("'distortion' is not a list of 5 numbers"));
+  for (const char* key : {"model", "distortion_model"})
+    for (const char* model : {"fisheye", "equidistant", "KANNALA_BRANDT", "rational_polynomial"})
+      EXPECT_THAT(with(std::string("distortion = [0, 0, 0, 0]\n") + key + " = \"" + model + "\"\n"),
+                  AllOf(HasSubstr(std::string("'") + key + "' is '" + model), HasSubstr("undistort the images first")));
+  folder.write("dvi.toml", std::string(kCamera) + "model = \"pinhole\"\ndistortion_model = \"plumb_bob\"\n");
+  EXPECT_EQ(read().camera.fx, 4);
+}
+
+TEST_F(Folder, ReadsTextFilesOfOtherSystems) {
+  folder.write("dvi.toml", std::string("\xEF\xBB\xBF") + kCamera);
+  folder.write("times/front.txt",
+               "\xEF\xBB\xBF"
+               "a 1.0\r\nb 1.1\r\nc 1.2e+00\r\n");
+  folder.write("times/lidar.txt", "a 1.0\rb 1.1\rc 1.2\r");
+  EXPECT_EQ(read().frames[2].time_ns, 1'200'000'000);
+  EXPECT_EQ(read().scan_headers[1].time_ns, 1'100'000'000);
+  folder.write("times/front.txt", std::string("\xFF\xFE"
+                                              "a\0 \0",
+                                              6));
+  EXPECT_THAT(error(), HasSubstr("front.txt: is UTF-16 text; save it as UTF-8"));
+}
+
 TEST_F(Folder, RefusesBrokenTimesPosesAndMasks) {
   folder.write("times/front.txt", "a 1.0\nb\n");
   EXPECT_THAT(error(), HasSubstr("front.txt:2: has 1 entries"));
