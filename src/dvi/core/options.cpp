@@ -13,6 +13,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/toml_file.h"
+#include "dvi/core/toml_text.h"
 
 namespace dvi {
 namespace {
@@ -65,12 +66,12 @@ OptionValue from_toml(const toml::node& node) {
   if (const auto* b = node.as_boolean()) return b->get();
   if (const auto* i = node.as_integer()) return i->get();
   if (const auto* d = node.as_floating_point()) return d->get();
-  if (const auto* s = node.as_string()) return s->get();
+  if (const auto* s = node.as_string()) return from_toml_text(s->get());
   if (const auto* array = node.as_array()) {
     std::vector<std::string> list;
     for (const toml::node& item : *array) {
       if (!item.is_string()) throw std::invalid_argument("must be a list of strings");
-      list.push_back(item.as_string()->get());
+      list.push_back(from_toml_text(item.as_string()->get()));
     }
     return list;
   }
@@ -83,8 +84,10 @@ std::string to_toml(const OptionValue& value) {
     using T = std::decay_t<decltype(v)>;
     if constexpr (std::is_same_v<T, std::vector<std::string>>) {
       toml::array array;
-      for (const std::string& item : v) array.push_back(item);
+      for (const std::string& item : v) array.push_back(to_toml_text(item));
       out << array;
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      out << toml::value<T>(to_toml_text(v));
     } else if constexpr (std::is_same_v<T, double>) {
       const std::string shortest = fmt::format("{}", v);  // 0.1; the library would write 0.10000000000000001
       out << shortest << (shortest.find_first_of(".en") == std::string::npos ? ".0" : "");

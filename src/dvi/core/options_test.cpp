@@ -152,6 +152,25 @@ TEST_F(Options, ListsOfStrings) {
   EXPECT_THROW(load("[second]\npaths = \"a\""), UsageError);
 }
 
+// File names can hold any byte; TOML cannot.
+TEST_F(Options, StringsThatAreNotUtf8ReadBackAsTheyAre) {
+  const std::string latin =
+                        "/tmp/Stra\xDF"
+                        "e 100%",
+                    plain =
+                        "/tmp/Stra\xC3\x9F"
+                        "e 100%20";
+  settings.note = latin, settings.paths = {latin, plain};
+  const std::string text = table.dump_toml();
+  EXPECT_THAT(text, AllOf(HasSubstr("file:/tmp/Stra%DFe%20100%25"), HasSubstr(plain), Not(HasSubstr("\xDF"))));
+  settings = {};
+  load(text);
+  EXPECT_EQ(settings.note, latin);
+  EXPECT_THAT(settings.paths, ElementsAre(latin, plain));
+  load("[second]\nnote = \"file:///tmp/a%20b%\"");
+  EXPECT_EQ(settings.note, "/tmp/a b%");
+}
+
 TEST_F(Options, WholeValuedRealsReadBackAsReals) {
   settings.alpha = 1e6;
   load(table.dump_toml());
