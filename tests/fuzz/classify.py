@@ -2,27 +2,29 @@
 import re
 
 import png
+import silent
 from program import MEMORY_BYTES
 
 REFUSED = 3
 LONGEST_MESSAGE = 4000
 
 
-def findings(program, drive, out, mutated=None, root=None):
+def findings(program, drive, out, mutated=None, root=None, expected=None):
     """Calls check, run and, if it succeeded, audit; returns (exit of run, findings, CPU seconds).
 
-    `root` is all that belongs to the drive, if more than its folder; nothing else lies beside OUT.
+    `root` is all that belongs to the drive, if more than its folder; nothing else lies beside OUT. `expected` is the
+    silent.Reference of a drive whose mutation must not go unnoticed.
     """
     root = root or drive
     before = snapshot(root)
     check, run = program.call("check", drive), program.call("run", drive, "-o", out)
-    found, calls = judge(check, drive, mutated) + judge(run, drive, mutated), [check, run]
+    found, calls = judge(check, root, mutated) + judge(run, root, mutated), [check, run]
     if run.code == 0:
         audit = program.call("audit", out, drive)
         calls.append(audit)
         if audit.code != 0:
             found.append(f"wrong result: audit exits with {audit.code}: {first_line(audit.err)}")
-        found += wrong_pixels(drive, out)
+        found += wrong_pixels(drive, out) + (silent.findings(out, expected) if expected else [])
     elif run.code == REFUSED and out.exists():
         found.append("a result is left although the run was refused")
     if snapshot(root) != before:
@@ -33,7 +35,7 @@ def findings(program, drive, out, mutated=None, root=None):
 
 
 def judge(ended, drive, mutated=None):
-    """Findings of one call: how it ended, what it said, what it took."""
+    """Findings of one call: how it ended, what it said, what it took. `drive` is the folder that messages must name a file of."""
     found, command = [], ended.arguments[0]
     if ended.code is None:
         found.append(f"{command} hangs")

@@ -1,24 +1,52 @@
-"""Tiny drives in every layout that the program reads, so that each reader has files to damage."""
+"""Tiny drives in several layouts, so that each kind of reader has files to damage."""
 import shutil
+import sqlite3
 import struct
 import tomllib
+from pathlib import Path
+from typing import NamedTuple
 
 import apolloscape
 import kitti
 import png
 
+BAGS = Path(__file__).resolve().parent.parent / "layouts/bags"
+STATIC_MASK_PX = (8, 24, 24, 36)  # left, top, width, height
 SYNTH = ("--frames", 4, "--width", 128, "--height", 80, "--beams", 16, "--columns", 200)
 
 
-def synthetic(program, folder, *options):
-    """A drive as `dvi synth` makes it, without its truth; its PNG masks are used, its boxes are not."""
+class Layout(NamedTuple):
+    """A folder to copy, which holds nothing else; the drive's path in it; the true images as RGB bytes, if they are known."""
+    folder: Path
+    inner: str
+    truths: list
+
+
+def synthetic_with_truth(program, folder, *options):
+    """(A drive as `dvi synth` makes it, its true images as RGB bytes); its PNG masks are used, its boxes are not."""
     made = program.call("synth", "-o", folder, *SYNTH, *options)
     if made.code != 0:
         raise SystemExit(f"fuzz: dvi synth failed: {made.err}")
+    truths = [png.rgb(png.decode(path.read_bytes())) for path in sorted((folder / "truth").glob("*.png"))]
     for truth in folder.glob("truth*"):
         shutil.rmtree(truth) if truth.is_dir() else truth.unlink()
     (folder / "README.txt").unlink(missing_ok=True)
-    return folder
+    return folder, truths
+
+
+def synthetic(program, folder, *options):
+    return synthetic_with_truth(program, folder, *options)[0]
+
+
+def mask_static_surfaces(drive):
+    """Adds a rectangle to each mask, left and right in turn: what is there can only be copied well with right poses and times."""
+    for i, path in enumerate(sorted((drive / "masks/front").glob("*.png"))):
+        mask = png.decode(path.read_bytes())
+        left, top, width, height = STATIC_MASK_PX
+        left, data = (left, mask.width - left - width)[i % 2], bytearray(mask.data)
+        for y in range(top, top + height):
+            data[y * mask.width + left:y * mask.width + left + width] = b"\xff" * width
+        path.write_bytes(png.encode(mask._replace(data=bytes(data))))
 
 
 def calibration_of(drive):
@@ -80,15 +108,50 @@ def depth_images(source, target):
     return target
 
 
+def video(program, source, target):
+    """A video instead of images: that of a run."""
+    shutil.copytree(source, target)
+    made = program.call("run", source, "-o", target / "out")
+    if made.code != 0:
+        raise SystemExit(f"fuzz: dvi run failed: {made.err}")
+    shutil.rmtree(target / "images/front")
+    (target / "out/video.mp4").rename(target / "images/front.mp4")
+    shutil.rmtree(target / "out")
+    return target
+
+
+def bag_in_parts(target):
+    """A ROS 2 bag in two databases, with the metadata.yaml that lists them."""
+    target.mkdir()
+    names = [f"drive_{part}.db3" for part in (0, 1)]
+    for name, condition in zip(names, (">=", "<")):
+        shutil.copy(BAGS / "sqlite.db3", target / name)
+        with sqlite3.connect(target / name) as bag:
+            middle = "(SELECT (MIN(timestamp) + MAX(timestamp)) / 2 FROM messages WHERE topic_id > 1)"
+            bag.execute(f"DELETE FROM messages WHERE timestamp {condition} {middle}")
+        bag.close()
+    (target / "metadata.yaml").write_text(
+        "rosbag2_bagfile_information:\n  version: 4\n  storage_identifier: sqlite3\n  relative_file_paths:\n" +
+        "".join(f"    - {name}\n" for name in names) +
+        "  duration:\n    nanoseconds: 250000000\n  starting_time:\n    nanoseconds_since_epoch: 1000050000000\n"
+        "  message_count: 21\n  topics_with_message_count: []\n  compression_format: \"\"\n  compression_mode: \"\"\n")
+
+
 def all_layouts(program, folder):
-    """Layout name -> (folder to copy, the drive's path in it). The folders hold nothing else."""
-    source = synthetic(program, folder / "folder")
+    """Layout by name."""
+    source, truths = synthetic_with_truth(program, folder / "folder")
+    mask_static_surfaces(source)
     calibration, poses = calibration_of(source), poses_of(source)
     boxes_and_clouds(source, folder / "boxes")
     depth_images(source, folder / "depth")
+    video(program, source, folder / "video")
     kitti_drive = kitti.convert(source, folder / "kitti", calibration, poses, "tracklets")
     kitti.convert(source, folder / "kitti-outlines", calibration, poses, "outlines")
     apolloscape.convert(source, folder / "apolloscape", calibration, poses)
+    bag_in_parts(folder / "bag")
+    (folder / "mcap").mkdir()
+    shutil.copy(BAGS / "zstd.mcap", folder / "mcap/drive.mcap")
     inner = kitti_drive.relative_to(folder / "kitti")
-    return {name: (folder / name, inner if name.startswith("kitti") else "")
-            for name in ("folder", "boxes", "depth", "kitti", "kitti-outlines", "apolloscape")}
+    return {path.name: Layout(path, inner if path.name.startswith("kitti") else "",
+                              [] if path.name in ("bag", "mcap") else truths)
+            for path in sorted(folder.iterdir())}

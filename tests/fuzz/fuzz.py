@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Damages one file of a small drive per case, and looks at what dvi makes of it.
+"""Changes a small drive in each case, and looks at what dvi makes of it.
+
+Most mutations damage one file. Others (foreign.py) write the drive as other programs do; then dvi must also not be wrong silently:
+if it succeeds without a new warning, the result must be as good as that of the unchanged drive.
 
     fuzz.py --program build/release/bin/dvi [--cases N] [--seed S] [--case K] [--keep DIR] [--jobs N]
 
@@ -12,15 +15,22 @@ import tempfile
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Lock
 from typing import NamedTuple
 
 import cases
 import classify
 import drives
+import foreign
 import mutations
+import silent
 from program import Program
 
 HUGE_BYTES = 1 << 30
+MUTATIONS = mutations.ALL + foreign.ALL
+# What no program can notice, with the reason: (mutation, start of what it did).
+UNNOTICEABLE = {
+}
 
 
 class Case(NamedTuple):
@@ -32,17 +42,49 @@ class Case(NamedTuple):
     cpu: float
 
 
+class Layouts:
+    """The drives to change, and what a run makes of each unchanged, which is made when it is needed."""
+
+    def __init__(self, program, folder):
+        self.program, self.folder = program, folder
+        self.drives = drives.all_layouts(program, folder / "layouts")
+        self.lock, self.references = Lock(), {}
+
+    def reference(self, name):
+        with self.lock:
+            if name not in self.references:
+                layout, folder = self.drives[name], self.folder / "reference"
+                drive = Path(shutil.copytree(layout.folder, folder / "drive")) / layout.inner  # warnings name it as those of a case
+                self.references[name] = silent.reference(self.program, drive, folder / "out", layout.truths)
+                shutil.rmtree(folder)
+            return self.references[name]
+
+
+def must_be_noticed(mutation, done):
+    return mutation in foreign.ALL and not any(mutation.__name__ == name and done.startswith(start) for name, start in UNNOTICEABLE)
+
+
+def changed_drive(layouts, rng, mutation, root):
+    """Copies a drive that the mutation applies to, and applies it; returns (name of the layout, the path, what was done)."""
+    for layout in rng.sample(sorted(layouts.drives), len(layouts.drives)):
+        shutil.copytree(layouts.drives[layout].folder, root)
+        path, done = mutations.mutate(root, rng, mutation)
+        if path:
+            break
+        shutil.rmtree(root)
+    else:
+        shutil.copytree(layouts.drives[layout].folder, root)
+    return layout, path, done
+
+
 def run_case(program, layouts, seed, number, folder):
     """The case of this seed and number: the same mutant on every machine."""
     rng = random.Random(f"{seed}/{number}")
-    mutation = mutations.ALL[number % len(mutations.ALL)]
-    layout = rng.choice(sorted(layouts))
-    source, inner = layouts[layout]
-    root = folder / "drive"
-    shutil.copytree(source, root)
-    path, done = mutations.mutate(root, rng, mutation)
+    mutation, root = MUTATIONS[number % len(MUTATIONS)], folder / "drive"
+    layout, path, done = changed_drive(layouts, rng, mutation, root)
     name = ascii(str(path.relative_to(root)))[1:-1] if path else ""
-    code, found, cpu = classify.findings(program, root / inner, folder / "out", path, root)
+    expected = layouts.reference(layout) if path and must_be_noticed(mutation, done) else None
+    code, found, cpu = classify.findings(program, root / layouts.drives[layout].inner, folder / "out", path, root, expected)
     return Case(number, mutation.__name__, f"{layout}: {name}: {done}", code, found, cpu)
 
 
@@ -68,7 +110,7 @@ def table(told):
     counts = Counter((case.mutation, case.code) for case in told)
     codes = sorted({case.code for case in told}, key=lambda code: -1 if code is None else code)
     lines = [f"{'mutation':18}" + "".join(f"{'hang' if code is None else f'exit {code}':>9}" for code in codes) + "  findings"]
-    for mutation in [m.__name__ for m in mutations.ALL]:
+    for mutation in [m.__name__ for m in MUTATIONS]:
         row = [counts[mutation, code] for code in codes]
         if sum(row):
             bad = sum(1 for case in told if case.mutation == mutation and case.findings)
@@ -83,7 +125,7 @@ def main():
     program = Program(options.program.resolve(), options.seconds)
     with tempfile.TemporaryDirectory(prefix="dvi-fuzz-") as temporary:
         work = Path(temporary)
-        layouts = drives.all_layouts(Program(program.path), work / "layouts")
+        layouts = Layouts(Program(program.path), work)
         with ThreadPoolExecutor(options.jobs) as pool:
             run = pool.map(lambda n: in_folder(program, layouts, options.seed, n, work, options.keep), cases.numbers(options))
             told = [cases.tell(case, case.mutation, "--case", options.seed) for case in run]

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """Tests of the mutator and of the classifier, without the program: scripts take its place."""
+import json
 import os
 import random
 import shutil
+import sqlite3
 import struct
 import sys
 import tempfile
@@ -13,9 +15,12 @@ from pathlib import Path
 import apolloscape
 import classify
 import drives
+import foreign
+import fuzz
 import kitti
 import mutations
 import png
+import silent
 from program import Program
 
 WIDTH, HEIGHT = 24, 16
@@ -135,7 +140,181 @@ class Mutations(Temporary):
         return {os.fsencode(path.relative_to(drive)): content(path) for path in drive.rglob("*")}
 
 
+class ForeignMutations(Temporary):
+    """Each mutation with a seed of its own for each choice that it makes."""
+
+    def mutants(self, mutation, name, make=None, count=40):
+        """(what was done, the drive) of many seeds, with the file of this name."""
+        for seed in range(count):
+            drive = self.small_drive(f"{mutation.__name__}-{seed}")
+            if make:
+                make(drive)
+            done = mutation(drive / name, random.Random(seed))
+            if done is not None:
+                yield done, drive
+            shutil.rmtree(drive)
+
+    def test_columns(self):
+        sizes = {done: (drive / "lidar/000001.bin").stat().st_size for done, drive in
+                 self.mutants(foreign.columns, "lidar/000001.bin") if "files" in done}
+        self.assertEqual(sizes, {f"{size} bytes per point in 2 files": 50 * size for size in (12, 20, 24, 32)})
+
+    def test_notations_keep_the_values(self):
+        expected = "000000 1000.05\n000001 1000.15\n"
+        for done, drive in self.mutants(foreign.notation, "times/lidar.txt"):
+            text = (drive / "times/lidar.txt").read_text()
+            self.assertNotEqual(text, expected)
+            words = [line.replace(",", ".").split() for line in text.splitlines()]
+            self.assertEqual([(name, float(time)) for name, time in words], [("000000", 1000.05), ("000001", 1000.15)], done)
+
+    def test_units_of_times(self):
+        seen = {done: (drive / "times/lidar.txt").read_text() for done, drive in
+                self.mutants(foreign.time_units, "times/lidar.txt", count=80)}
+        self.assertEqual(seen["times: nanoseconds"], "000000 1000050000000.00\n000001 1000150000000.00\n")
+        self.assertEqual(seen["times: from 0 to 1"], "000000 0\n000001 1\n")
+        self.assertEqual(len(seen), 7)
+
+    def test_times_of_points(self):
+        seen = {}
+        for done, drive in self.mutants(foreign.point_times, "lidar/000000.bin", count=80):
+            header, _, rows = (drive / "lidar/000001.ply").read_bytes().partition(b"end_header\n")
+            self.assertIn(b"element vertex 50\n", header)
+            *point, seen[done] = struct.unpack_from("<4fd", rows)
+            self.assertEqual(point, [1, 2, 3, 0.5])
+        self.assertEqual(len(seen), 10)
+        seconds = seen["point times: seconds"]
+        self.assertAlmostEqual(seen["point times: microseconds"], seconds * 1e6)
+        self.assertAlmostEqual(seen["point times: absolute"], seconds + 1000)
+
+    def test_unpadded_names(self):
+        def third_frame(drive):
+            for name in ("images/front/000002.png", "masks/front/000002.png", "lidar/000002.bin"):
+                shutil.copy(drive / name.replace("2.", "1."), drive / name)
+        seen = {}
+        for done, drive in self.mutants(foreign.unpadded, "lidar/000000.bin", third_frame):
+            names = (drive / "poses.txt").read_text().split()[::13]
+            seen[done] = {str(path.relative_to(drive)) for path in drive.rglob("*.*")} | set(names)
+        whole, folder = seen["names from 8 without zeros in the whole drive"], seen["names from 98 without zeros"]
+        self.assertLessEqual({"lidar/8.bin", "lidar/10.bin", "masks/front/9.png", "images/front/10.png", "8", "9"}, whole)
+        self.assertLessEqual({"lidar/98.bin", "lidar/100.bin", "images/front/000000.png", "000000"}, folder)
+
+    def test_exif_is_as_opencv_or_anyone_reads_it(self):
+        path = self.folder / "a.jpg"
+        for seed in range(10):
+            path.write_bytes(png.blocky_jpeg(picture(9)))
+            done, data = foreign.exif(path, random.Random(seed)), path.read_bytes()
+            size, name = struct.unpack_from(">H6s", data, 4)
+            self.assertEqual((data[2:4], name, data[4 + size:6 + size]), (b"\xff\xe1", b"Exif\0\0", b"\xff\xdb"))
+            order = "<" if data[12:14] == b"II" else ">"
+            tag, kind, count, value = struct.unpack_from(order + "HHIH", data, 22)
+            self.assertEqual((tag, kind, count), (0x112, 3, 1))
+            self.assertEqual(done, f"Exif orientation {value}")
+
+    def test_rotation_of_a_video(self):
+        path = self.folder / "a.mp4"
+        for version, times in ((0, 20), (1, 32)):
+            path.write_bytes(b"\0\0\0\x5ctkhd" + bytes([version]) + bytes(3 + times + 16) + b"\xff" * 36 + b"size")
+            foreign.rotated_video(path, random.Random(1))
+            matrix = struct.unpack_from(">9i", path.read_bytes(), 8 + 4 + times + 16)
+            self.assertEqual([abs(value) >> 16 for value in matrix[0:2] + matrix[3:5]].count(1), 2)
+            self.assertEqual((matrix[8], path.read_bytes()[-4:]), (1 << 30, b"size"))
+
+    def test_missing_parts_and_gaps(self):
+        for done, drive in self.mutants(foreign.missing_part, "lidar/000000.bin"):
+            self.assertEqual(len(list((drive / "lidar").iterdir())), 1, done)
+        for done, drive in self.mutants(foreign.gap, "times/lidar.txt"):
+            self.assertEqual((drive / "times/lidar.txt").read_text(), "000000 1000.05\n000001 1005.15\n")
+
+    def test_clocks(self):
+        times = {(drive / "times/lidar.txt").read_text().split()[1] for _, drive in
+                 self.mutants(foreign.clock_offset, "times/lidar.txt")}
+        self.assertEqual(times, {"1037.05", "982.05", "1001.05"})
+        path = self.folder / "timestamps.txt"
+        path.write_text(kitti.stamps(2, 0))
+        foreign.shift_dates(path, 55)
+        self.assertEqual(path.read_text().splitlines()[0], "2011-09-26 13:01:05.050000000")
+        drives.bag_in_parts(self.folder / "bag")
+        done = foreign.clock_offset(self.folder / "bag/drive_0.db3", random.Random(1))
+        self.assertRegex(done, "the clock of /.* off by")
+
+    def test_far_poses(self):
+        seen = {done.split(": ")[1]: (drive / "poses.txt").read_text() for done, drive in
+                self.mutants(foreign.far_pose, "poses.txt", count=12)}
+        self.assertIn(" 1000000\n", seen["far"])
+        self.assertIn(" nan\n", seen["NaN"])
+        self.assertGreater(len(seen["long"]), 4000000)
+
+    def test_labels_of_other_frames(self):
+        for done, drive in self.mutants(foreign.label_numbers, "boxes.json"):
+            shift = int(done.split()[1])
+            self.assertEqual(list(json.loads((drive / "boxes.json").read_text())["frames"]), [f"{shift:06d}", f"{shift + 1:06d}"])
+        for done, drive in self.mutants(foreign.plain_masks, "masks/front/000000.png"):
+            values = {value for path in (drive / "masks/front").iterdir() for value in png.decode(path.read_bytes()).data}
+            self.assertEqual(done, f"all pixels of 2 masks are {values.pop()}")
+            self.assertFalse(values)
+
+    def test_endings_and_encodings(self):
+        for _, drive in self.mutants(foreign.upper_case, "lidar/000000.bin", count=5):
+            self.assertTrue((drive / "lidar/000000.BIN").exists())
+        for _, drive in self.mutants(foreign.byte_order_mark, "poses.txt", count=5):
+            self.assertIn((drive / "poses.txt").read_bytes()[:2], (b"\xef\xbb", b"\xff\xfe", b"\xfe\xff"))
+
+    def test_a_drive_is_chosen_to_which_the_mutation_applies(self):
+        layouts = unittest.mock.Mock(drives={"bag": drives.Layout(self.folder / "bag", "", []),
+                                             "folder": drives.Layout(self.small_drive(), "", [])})
+        drives.bag_in_parts(self.folder / "bag")
+        for seed in range(5):
+            root = self.folder / f"root-{seed}"
+            layout, path, _ = fuzz.changed_drive(layouts, random.Random(seed), foreign.columns, root)
+            self.assertEqual((layout, path.parent), ("folder", root / "lidar"))
+
+
+class Silence(Temporary):
+    """Results that are wrong although nothing was reported."""
+
+    def result(self, value, frames=2, warnings=()):
+        out = Path(tempfile.mkdtemp(dir=self.folder))
+        (out / "frames").mkdir()
+        for i in range(frames):
+            (out / f"frames/{i:06d}.png").write_bytes(png.encode(picture(value)))
+        (out / "report.json").write_text(json.dumps({"warnings": list(warnings)}))
+        return out
+
+    def test_quality_frames_and_warnings(self):
+        mask = bytes([255] * 50 + [0] * (WIDTH * HEIGHT - 50))
+        truths = [png.rgb(picture(100))] * 2
+        quality = silent.psnr(silent.pictures(self.result(90) / "frames"), [mask] * 2, truths)
+        self.assertAlmostEqual(quality, 32.9, places=1)  # a third of the samples is off by 10
+        expected = silent.Reference([mask] * 2, truths, quality, {"drive: # frames have no scan"})
+        self.assertEqual(silent.findings(self.result(90), expected), [])
+        self.assertEqual(silent.findings(self.result(80), expected), ["silent: 26.9 dB without a warning, 32.9 dB undamaged"])
+        known = ["drive: 2 frames have no scan", "align: no two frames show the same map points"]
+        self.assertEqual(len(silent.findings(self.result(80, warnings=known), expected)), 1)
+        self.assertEqual(silent.findings(self.result(80, warnings=["drive: the clocks differ"]), expected), [])
+        self.assertEqual(silent.findings(self.result(90, frames=1), expected), ["silent: 1 of 2 frames without a warning"])
+
+
 class Layouts(Temporary):
+    def test_a_bag_in_parts(self):
+        drives.bag_in_parts(self.folder / "bag")
+        counts = []
+        for part in (0, 1):
+            with sqlite3.connect(self.folder / f"bag/drive_{part}.db3") as bag:
+                counts.append(bag.execute("SELECT COUNT(*), MAX(timestamp) FROM messages").fetchone())
+            bag.close()
+        self.assertEqual(sum(count for count, _ in counts), 21)
+        self.assertLess(counts[0][1], counts[1][1])
+        self.assertGreater(min(count for count, _ in counts), 5)
+
+    def test_masks_of_static_surfaces(self):
+        drive = self.small_drive()
+        with unittest.mock.patch.object(drives, "STATIC_MASK_PX", (2, 5, 4, 3)):
+            drives.mask_static_surfaces(drive)
+        mask = png.decode((drive / "masks/front/000001.png").read_bytes())
+        self.assertEqual([mask.data[6 * WIDTH + x] for x in (17, 18, 21, 22)], [0, 255, 255, 0])
+        self.assertEqual(sum(mask.data), 255 * (50 + 12))
+
+
     def test_kitti(self):
         source = self.small_drive()
         drive = kitti.convert(source, self.folder / "kitti", drives.calibration_of(source), drives.poses_of(source), "tracklets")
