@@ -13,7 +13,7 @@ using testing::HasSubstr;
 using Use = PointTimes::Use;
 using Zero = PointTimes::Zero;
 
-constexpr double kPeriodS = 0.1, kStartS = 1534313591.4;
+constexpr double kScanPeriodS = 0.1, kStartS = 1534313591.4;
 
 // 1,000 values from `first`, evenly over `span`.
 std::vector<double> values(double first, double span) {
@@ -23,7 +23,7 @@ std::vector<double> values(double first, double span) {
 }
 
 PointTimes infer(const std::vector<double>& of, double turn_share = 1) {
-  return infer_point_times(of, {.period_s = kPeriodS, .start_s = kStartS, .turn_share = turn_share});
+  return infer_point_times(of, {.period_s = kScanPeriodS, .start_s = kStartS, .turn_share = turn_share});
 }
 
 TEST(PointTimes, FieldsHaveManyNames) {
@@ -46,7 +46,7 @@ TEST(PointTimes, UnitsFollowFromTheSpan) {
   EXPECT_TRUE(infer(values(0, 0.1)).usual());
   EXPECT_EQ(infer(values(0, 1e8)).text, "are nanoseconds after the start of the scan");
   const PointTimes fractions = infer(values(0, 1));
-  EXPECT_EQ(fractions.unit_s, kPeriodS);
+  EXPECT_EQ(fractions.unit_s, kScanPeriodS);
   EXPECT_EQ(fractions.text, "are fractions of a scan after the start of the scan");
 }
 
@@ -60,7 +60,7 @@ TEST(PointTimes, OriginsFollowFromTheEnds) {
   EXPECT_EQ(infer(values(345600, 0.1)).zero, Zero::first_point);  // seconds of the GPS week
   const PointTimes unclear = infer(values(-0.032, 0.1));
   EXPECT_EQ(unclear.use, Use::unknown);
-  EXPECT_THAT(unclear.text, HasSubstr("go from -0.032 to 0.06"));
+  EXPECT_THAT(unclear.text, HasSubstr("go from -0.0319 to 0.0678 s around neither the start"));
 }
 
 TEST(PointTimes, WhatSpansTooLittleIsNotUsed) {
@@ -100,7 +100,7 @@ TEST(PointTimes, IgnoresSingleValuesOfPointsThatWereNotMeasured) {
 
 TEST(PointTimes, AreConvertedToSecondsAfterTheStart) {
   const auto converted = [](double value, const PointTimes& times) {
-    return seconds_after_start({value, value + 0.01 / times.unit_s}, times, kStartS, kPeriodS);
+    return seconds_after_start({value, value + 0.01 / times.unit_s}, times, kStartS, kScanPeriodS);
   };
   EXPECT_DOUBLE_EQ(converted(0.02, {})[0], 0.02);
   EXPECT_DOUBLE_EQ(converted(-0.02, {.zero = Zero::scan_end, .text = {}})[0], 0.08);
