@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/io/text.h"
 
 #ifdef DVI_LZ4
 #include <lz4frame.h>
@@ -20,8 +21,7 @@
 namespace dvi::io {
 namespace {
 
-// What a recorder packs into one chunk is some megabytes; a damaged length is not to take all memory.
-constexpr std::uint64_t kLargestChunk = std::uint64_t{1} << 28, kMostPacked = 4096;
+constexpr std::uint64_t kMostPacked = 4096;  // bytes in one byte of a compressed chunk
 
 [[noreturn]] [[maybe_unused]] void fail_without(std::string_view library) {
   throw std::invalid_argument(fmt::format("it is compressed by {}, which this dvi was built without", library));
@@ -76,13 +76,19 @@ std::string unpack_bz2([[maybe_unused]] std::string_view bytes, [[maybe_unused]]
 
 }  // namespace
 
-BagFile::BagFile(fs::path path) : path_(std::move(path)) {
-  require_regular_file(path_, std::numeric_limits<std::uintmax_t>::max());
-  size_ = fs::file_size(path_);
+std::uint64_t require_bag_file(const fs::path& path) {
+  require_regular_file(path, std::numeric_limits<std::uintmax_t>::max());
+  const std::uint64_t size = fs::file_size(path);
+  if (size == 0) throw InputError(path, "is empty", "copy or record it again");
+  return size;
 }
+
+BagFile::BagFile(fs::path path) : path_(std::move(path)), size_(require_bag_file(path_)) {}
 
 std::string BagFile::read(std::uint64_t at, std::uint64_t count) const {
   if (at > size_ || count > size_ - at) fail(at, "the file ends within a record");
+  if (count > kMaxBagRecordBytes)
+    fail(at, fmt::format("a record of {} bytes is larger than the {} that are read", count, kMaxBagRecordBytes));
   std::ifstream stream(path_, std::ios::binary);
   std::string bytes(count, '\0');
   stream.seekg(static_cast<std::streamoff>(at));
@@ -91,7 +97,10 @@ std::string BagFile::read(std::uint64_t at, std::uint64_t count) const {
 }
 
 void BagFile::fail(std::uint64_t at, const std::string& problem) const {
-  throw InputError(path_, fmt::format("byte {}: {}", at, problem), "the recording was cut or damaged; mend or record it again");
+  const std::string ending = lower_case(path_.extension().string());
+  const char* const tool = ending == ".mcap" ? "mcap recover" : "rosbag reindex";
+  throw InputError(path_, fmt::format("byte {}: {}", at, problem),
+                   fmt::format("the recording was cut or damaged; repair it ({}) or record it again", tool));
 }
 
 std::string_view ByteCursor::take(std::uint64_t count) {
@@ -115,7 +124,7 @@ std::shared_ptr<const std::string> BagChunks::operator[](std::uint64_t place) {
 }
 
 std::string unpack(std::string_view compression, std::string_view bytes, std::uint64_t size) {
-  if (size > kLargestChunk || size / kMostPacked > bytes.size())
+  if (size > kMaxBagRecordBytes || size / kMostPacked > bytes.size())
     throw std::invalid_argument(fmt::format("{} bytes are said to be {} when unpacked", bytes.size(), size));
   std::string out = compression.empty() || compression == "none" ? std::string(bytes)
                     : compression == "lz4"                       ? unpack_lz4(bytes, size)

@@ -13,13 +13,20 @@
 
 namespace dvi::io {
 
+/// No record, chunk, or message of a bag has more bytes. Recorders write chunks of some megabytes; a damaged length must not
+/// take all memory.
+inline constexpr std::uint64_t kMaxBagRecordBytes = std::uint64_t{1} << 28;
+
+/// The size of a file. InputError where it cannot be read, is not a regular file, or is empty.
+std::uint64_t require_bag_file(const fs::path& path);
+
 /// A large file of which parts are read, from any thread.
 class BagFile {
  public:
   explicit BagFile(fs::path path);
   const fs::path& path() const { return path_; }
   std::uint64_t size() const { return size_; }
-  /// InputError naming the byte where the file ends before them.
+  /// InputError naming the byte where the file ends before them, or they are more than a record has.
   std::string read(std::uint64_t at, std::uint64_t count) const;
   [[noreturn]] void fail(std::uint64_t at, const std::string& problem) const;
 

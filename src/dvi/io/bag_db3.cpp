@@ -6,6 +6,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/io/bag.h"
+#include "dvi/io/bag_bytes.h"
 
 #ifdef DVI_SQLITE3
 #include <sqlite3.h>
@@ -16,15 +17,29 @@ namespace dvi::io {
 #ifdef DVI_SQLITE3
 namespace {
 
+// The address of a database that SQLite writes no files beside. Where a recorder that was killed left messages in a write-ahead
+// log, these are read, too, and SQLite needs to write an index of them.
+std::string database_address(const fs::path& path) {
+  std::error_code error;
+  const fs::path log = path.string() + "-wal";
+  const bool has_log = fs::exists(log) && fs::file_size(log, error) > 0;
+  std::string address = "file:";
+  for (const char c : fs::absolute(path).string())
+    address += c == '%' || c == '?' || c == '#' ? fmt::format("%{:02X}", static_cast<unsigned char>(c)) : std::string(1, c);
+  return address + (has_log ? "" : "?immutable=1");
+}
+
 // One database, opened to be read only.
 class Db3 {
  public:
   explicit Db3(fs::path path) : path_(std::move(path)) {
-    require_regular_file(path_, std::numeric_limits<std::uintmax_t>::max());
+    require_bag_file(path_);
     sqlite3* database = nullptr;
-    const int result = sqlite3_open_v2(path_.c_str(), &database, SQLITE_OPEN_READONLY, nullptr);
+    const int result =
+        sqlite3_open_v2(database_address(path_).c_str(), &database, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     database_.reset(database);
     if (result != SQLITE_OK) fail("cannot be opened");
+    sqlite3_limit(database, SQLITE_LIMIT_LENGTH, static_cast<int>(kMaxBagRecordBytes));
   }
 
   /// Calls `take` for each row of a query, whose parameter ?1 is `id` where it has one.
@@ -35,6 +50,9 @@ class Db3 {
     if (sqlite3_bind_parameter_count(statement) > 0) sqlite3_bind_int64(statement, 1, id);
     int result = sqlite3_step(statement);
     for (; result == SQLITE_ROW; result = sqlite3_step(statement)) take(statement);
+    if (result == SQLITE_TOOBIG)
+      throw InputError(path_, fmt::format("holds a message of more than the {} bytes that are read", kMaxBagRecordBytes),
+                       "record it again without the topic");
     if (result != SQLITE_DONE) fail("is damaged");
   }
 
@@ -53,7 +71,7 @@ class Db3 {
  private:
   [[noreturn]] void fail(const char* problem) const {
     throw InputError(path_, fmt::format("{} ({})", problem, database_ ? sqlite3_errmsg(database_.get()) : "no memory"),
-                     "the recording was cut or damaged; mend or record it again");
+                     "the recording was cut or damaged; repair it (sqlite3 FILE .recover) or record it again");
   }
 
   fs::path path_;
