@@ -4,26 +4,11 @@
 #include <map>
 
 #include "dvi/core/error.h"
+#include "dvi/io/bag_metadata.h"
 #include "dvi/io/text.h"
 
 namespace dvi::io {
 namespace {
-
-constexpr const char* kBagEndings[] = {".mcap", ".db3", ".bag"};
-
-bool has_bag_ending(const fs::path& file) {
-  const std::string ending = lower_case(file.extension().string());
-  return std::find(std::begin(kBagEndings), std::end(kBagEndings), ending) != std::end(kBagEndings);
-}
-
-// rosbag2 numbers its parts; by their numbers, for 10 comes after 9.
-std::vector<fs::path> parts_of(const fs::path& path) {
-  if (!fs::is_directory(path)) return {path};
-  std::vector<fs::path> parts = list_files(path, {".mcap", ".db3", ".bag"});
-  std::stable_sort(parts.begin(), parts.end(),
-                   [](const fs::path& a, const fs::path& b) { return a.string().size() < b.string().size(); });
-  return parts;
-}
 
 Bag open_part(const fs::path& file) {
   const std::string ending = lower_case(file.extension().string());
@@ -40,14 +25,16 @@ std::string plain_type(std::string type) {
 
 bool is_bag(const fs::path& path) {
   if (fs::is_regular_file(path)) return has_bag_ending(path);
-  return fs::is_directory(path) && !list_files(path, {".mcap", ".db3", ".bag"}).empty();
+  return fs::is_directory(path) && (has_bag_metadata(path) || !list_files(path, {".mcap", ".db3", ".bag"}).empty());
 }
 
 Bag open_bag(const fs::path& path) {
+  const BagParts parts = find_bag_parts(path);
   Bag out;
+  out.missing = parts.missing, out.counts = parts.counts, out.warnings = parts.warnings;
   std::vector<std::function<std::string(const BagEntry&)>> readers;
   std::map<std::string, BagTopic> topics;
-  for (const fs::path& file : parts_of(path)) {
+  for (const fs::path& file : parts.files) {
     Bag part = open_part(file);
     for (BagTopic& topic : part.topics) {
       BagTopic& joined =

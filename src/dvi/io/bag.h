@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "dvi/core/files.h"
+#include "dvi/io/bag_parts.h"
 
 namespace dvi::io {
 
@@ -29,11 +31,14 @@ struct BagTopic {
 /// A recorded bag: the places of all messages, whose bytes are read on demand, from any thread.
 struct Bag {
   std::vector<fs::path> files;
-  std::vector<BagTopic> topics;  ///< by name
+  std::vector<BagTopic> topics;                    ///< by name
+  std::vector<MissingPart> missing = {};           ///< of a split recording
+  std::map<std::string, std::size_t> counts = {};  ///< messages of each topic in the whole recording; empty where unknown
+  std::vector<std::string> warnings = {};
   std::function<std::string(const BagEntry&)> read;
 };
 
-/// Whether a path is a bag by its name: a file .mcap, .db3 or .bag, or a folder of such files.
+/// Whether a path is a bag by its name: a file .mcap, .db3 or .bag, or a folder of such files or of a metadata.yaml of rosbag2.
 bool is_bag(const fs::path& path);
 
 /// Opens a bag. The parts of a folder are one recording. InputError, with the byte, where a file is cut or damaged, and where

@@ -5,13 +5,20 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/median.h"
 #include "dvi/io/ros_message.h"
 
 namespace dvi::io {
 
+std::int64_t median_period_ns(const std::vector<StampedEntry>& entries) {
+  std::vector<std::int64_t> steps;
+  for (std::size_t i = 1; i < entries.size(); ++i) steps.push_back(entries[i].time_ns - entries[i - 1].time_ns);
+  return steps.empty() ? 100'000'000 : median(std::move(steps));
+}
+
 void BagMessages::refuse(const BagTopic& topic, std::size_t number, const std::string& why) const {
   throw InputError(path_, fmt::format("message {} of {}: {}", number, topic.name, why),
-                   "record it again, or name another topic with --topic");
+                   "convert or record it again, or name another topic with --topic");
 }
 
 std::vector<StampedEntry> BagMessages::stamped(const BagTopic& topic, std::vector<std::string>& warnings) const {

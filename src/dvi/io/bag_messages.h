@@ -20,6 +20,9 @@ struct StampedEntry {
   std::size_t number = 0;  ///< among the topic's messages
 };
 
+/// The usual time from one message to the next, which are in order of time: 100 ms where there is only one.
+std::int64_t median_period_ns(const std::vector<StampedEntry>& entries);
+
 /// Messages of an open bag, with errors that name them.
 class BagMessages {
  public:
