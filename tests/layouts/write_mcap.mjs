@@ -13,15 +13,25 @@ const zstd = require("@foxglove/wasm-zstd");
 const lz4 = require("lz4js");
 await zstd.isLoaded;
 
-const [folder, out] = process.argv.slice(2);
+const [folder, out, only] = process.argv.slice(2);
 const messages = JSON.parse(fs.readFileSync(path.join(folder, "messages.json")));
+
+const field = (type, name, more) => ({ type, name, isComplex: type.includes("/"), isArray: false, ...more });
+const livox = {
+  "livox_ros_driver2/CustomMsg": [
+    field("std_msgs/Header", "header"), field("uint64", "timebase"), field("uint32", "point_num"), field("uint8", "lidar_id"),
+    field("uint8", "rsvd", { isArray: true, arrayLength: 3 }), field("livox_ros_driver2/CustomPoint", "points", { isArray: true })],
+  "livox_ros_driver2/CustomPoint": [
+    field("uint32", "offset_time"), field("float32", "x"), field("float32", "y"), field("float32", "z"),
+    field("uint8", "reflectivity"), field("uint8", "tag"), field("uint8", "line")],
+};
 
 // A type and all that it consists of.
 function definitions(type) {
   const found = [];
   const visit = (name) => {
     if (found.some((d) => d.name === name)) return;
-    const definition = ros2galactic[name.replace("/msg/", "/")] ?? ros2galactic[name];
+    const definition = livox[name] ? { definitions: livox[name] } : ros2galactic[name.replace("/msg/", "/")] ?? ros2galactic[name];
     found.push({ name, definitions: definition.definitions });
     for (const field of definition.definitions) if (field.isComplex) visit(field.type);
   };
@@ -39,8 +49,9 @@ function ros2(value, type) {
 function filled(value) {
   if (Array.isArray(value)) return value.map(filled);
   if (value === null || typeof value !== "object") return value;
+  if (value.timebase) value = { ...value, timebase: BigInt(value.timebase) };
   if (value.bytes) return new Uint8Array(fs.readFileSync(path.join(folder, value.bytes)));
-  return Object.fromEntries(Object.entries(value).map(([k, v]) => [k, filled(v)]));
+  return Object.fromEntries(Object.entries(value).map(([k, v]) => [k, typeof v === "bigint" ? v : filled(v)]));
 }
 
 const types = new Map();
@@ -53,6 +64,7 @@ const cdr = messages.map((m) => types.get(m.type).writer.writeMessage(filled(ros
 cdr.forEach((bytes, i) => fs.writeFileSync(path.join(folder, `${i}.cdr`), bytes));
 
 async function write(name, options) {
+  if (only && name !== only) return;
   const file = fs.openSync(path.join(out, name), "w");
   let position = 0n;
   const writable = {

@@ -5,6 +5,7 @@ import json
 import pathlib
 import sys
 
+import genpy.dynamic
 import rosbag
 import rospy
 
@@ -19,6 +20,8 @@ def fill(message, value):
         given = value[slot]
         if kind == "time":
             setattr(message, slot, rospy.Time(given["sec"], given["nanosec"]))
+        elif kind == "uint64":
+            setattr(message, slot, int(given))
         elif isinstance(given, dict) and "bytes" in given:
             setattr(message, slot, (folder / given["bytes"]).read_bytes())
         elif isinstance(given, dict):
@@ -30,7 +33,33 @@ def fill(message, value):
     return message
 
 
+LIVOX = """std_msgs/Header header
+uint64 timebase
+uint32 point_num
+uint8 lidar_id
+uint8[3] rsvd
+CustomPoint[] points
+================================================================================
+MSG: std_msgs/Header
+uint32 seq
+time stamp
+string frame_id
+================================================================================
+MSG: livox_ros_driver2/CustomPoint
+uint32 offset_time
+float32 x
+float32 y
+float32 z
+uint8 reflectivity
+uint8 tag
+uint8 line
+"""
+livox = genpy.dynamic.generate_dynamic("livox_ros_driver2/CustomMsg", LIVOX)
+
+
 def kind_of(name):
+    if name in livox:
+        return livox[name]
     package, kind = name.split("/")
     return getattr(importlib.import_module(package + ".msg"), kind)
 

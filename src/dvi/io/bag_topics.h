@@ -27,6 +27,7 @@ struct BagChoice {
 };
 
 /// Types that are read.
+bool is_livox(const BagTopic& topic);
 bool is_images(const BagTopic& topic);
 bool is_compressed(const BagTopic& topic);
 bool is_tf(const BagTopic& topic);

@@ -1,14 +1,17 @@
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "dvi/core/error.h"
 #include "dvi/core/median.h"
+#include "dvi/io/bag_camera.h"
+#include "dvi/io/bag_frame_numbers.h"
 #include "dvi/io/bag_messages.h"
+#include "dvi/io/bag_scans.h"
 #include "dvi/io/bag_topics.h"
 #include "dvi/io/camera_choice.h"
 #include "dvi/io/depth_scan.h"
@@ -18,7 +21,7 @@
 #include "dvi/io/reader.h"
 #include "dvi/io/rgbd.h"
 #include "dvi/io/ros_frames.h"
-#include "dvi/io/scan_time.h"
+#include "dvi/io/ros_image.h"
 
 namespace dvi::io {
 namespace {
@@ -45,27 +48,6 @@ void compare_clocks(const fs::path& path, const BagCamera& camera, const std::ve
       (images.front().time_ns > scans.back().time_ns || scans.front().time_ns > images.back().time_ns))
     throw InputError(path,
                      fmt::format("the stamps of {} are all before or after those of {}", camera.images->name, points.name));
-}
-
-// Sets the camera by its CameraInfo. An image that was rectified has the rectified camera.
-void set_camera_of(Drive& drive, const RosCameraInfo& info, const BagCamera& camera, const fs::path& path) {
-  const bool rectified = camera.images->name.find("rect") != std::string::npos;
-  drive.camera.width = info.width, drive.camera.height = info.height;
-  const auto set = [&](double fx, double fy, double cx, double cy) {
-    drive.camera.fx = fx, drive.camera.fy = fy, drive.camera.cx = cx, drive.camera.cy = cy;
-  };
-  if (rectified) return set(info.P[0], info.P[5], info.P[2], info.P[6]);
-  set(info.K[0], info.K[4], info.K[2], info.K[5]);
-  const bool pinhole = info.model.empty() || info.model == "plumb_bob" || info.model == "radtan" || info.model == "none" ||
-                       info.model == "rational_polynomial";
-  const auto is_zero = [](double d) { return d == 0; };
-  if (std::all_of(info.D.begin(), info.D.end(), is_zero)) return;
-  const std::size_t kept = std::min(info.D.size(), drive.camera.distortion.size());
-  if (!pinhole || !std::all_of(info.D.begin() + static_cast<std::ptrdiff_t>(kept), info.D.end(), is_zero))
-    throw InputError(path,
-                     fmt::format("{} has the distortion '{}' with {} numbers", camera.info->name, info.model, info.D.size()),
-                     "undistort the images first (image_proc), or give K and distortion of five numbers in dvi.toml");
-  std::copy_n(info.D.begin(), kept, drive.camera.distortion.begin());
 }
 
 RosFrames read_frames_tree(const BagMessages& messages) {
@@ -115,61 +97,6 @@ std::vector<GeoFix> read_fixes(const BagMessages& messages, const BagTopic& topi
   return fixes;
 }
 
-// The spread of the points' own times about the stamp; none where they have none.
-struct PointTimes {
-  double first = 0, last = 0;
-};
-
-std::optional<PointTimes> times_of_points(const RosCloud& cloud, const fs::path& path, const BagTopic& topic) {
-  if (cloud.after_stamp.empty()) return std::nullopt;
-  constexpr double kLongest = 2;  // seconds: twice that of the slowest LiDARs
-  const auto [first, last] = std::minmax_element(cloud.after_stamp.begin(), cloud.after_stamp.end());
-  if (*last - *first > kLongest || std::abs(*first) > kLongest)
-    throw InputError(path,
-                     fmt::format("{}: its points' times go from {:.3g} to {:.3g} s after the stamp", topic.name, *first, *last),
-                     "they are to be seconds, or nanoseconds in whole numbers, after the stamp or since 1970");
-  return PointTimes{*first, *last};
-}
-
-ScanHeader scan_header(const StampedEntry& entry, const std::optional<PointTimes>& times, std::int64_t period,
-                       LidarConfig::Stamp stamp, const fs::path& path) {
-  ScanHeader header{fmt::format("{:06d}", entry.number), entry.time_ns, entry.time_ns, entry.time_ns, path};
-  if (times) {
-    // A revolution lasts until the next begins; the last firing is a little before.
-    constexpr double kLastFiring = 0.05;  // of a revolution
-    header.start_ns += std::llround(1e9 * times->first);
-    header.end_ns += std::llround(1e9 * times->last);
-    const std::int64_t left = period - (header.end_ns - header.start_ns);
-    if (left > 0 && static_cast<double>(left) < kLastFiring * static_cast<double>(period)) header.end_ns += left;
-  } else {
-    header.start_ns -= stamp == LidarConfig::Stamp::start ? 0 : stamp == LidarConfig::Stamp::end ? period : period / 2;
-    header.end_ns = header.start_ns + period;
-  }
-  header.time_ns = header.start_ns + (header.end_ns - header.start_ns) / 2;
-  return header;
-}
-
-std::int64_t median_period(const std::vector<StampedEntry>& entries) {
-  std::vector<std::int64_t> steps;
-  for (std::size_t i = 1; i < entries.size(); ++i) steps.push_back(entries[i].time_ns - entries[i - 1].time_ns);
-  return steps.empty() ? 100'000'000 : median(std::move(steps));
-}
-
-Scan to_scan(RosCloud cloud, const ScanHeader& header, std::int64_t offset_ns, const Rotation& rotation) {
-  Scan scan;
-  if (cloud.after_stamp.empty()) {
-    scan.time = times_by_azimuth(cloud.points, header, rotation);
-  } else {
-    // Stamps may have been moved by the clock's offset since.
-    const double stamp = as_seconds(cloud.header.stamp_ns + offset_ns - header.time_ns);
-    for (const double after : cloud.after_stamp) scan.time.push_back(static_cast<float>(stamp + after));
-  }
-  scan.points = std::move(cloud.points);
-  scan.intensity = std::move(cloud.intensity);
-  scan.ring = std::move(cloud.ring);
-  return scan;
-}
-
 class BagReader {
  public:
   BagReader(const fs::path& path, const ReadOptions& options)
@@ -189,12 +116,9 @@ class BagReader {
     const BagTopic& measured = choice_.points ? *choice_.points : *choice_.depth.images;
     const std::vector<StampedEntry> scans = messages_->stamped(measured, drive_.warnings);
     compare_clocks(messages_->path(), camera_, images, measured, scans, drive_.warnings);
-    for (const StampedEntry& image : images)
-      drive_.frames.push_back({static_cast<int>(image.number),
-                               fmt::format("{:06d}", image.number),
-                               image.time_ns,
-                               file_of(*camera_.images, image.number),
-                               {}});
+    drive_.warnings.insert(drive_.warnings.end(), messages_->bag().warnings.begin(), messages_->bag().warnings.end());
+    warn_of_lost_messages(measured);
+    add_frames(images);
     const RosFrames frames = read_frames_tree(*messages_);
     if (choice_.points)
       read_lidar(scans, frames);
@@ -210,27 +134,44 @@ class BagReader {
   }
 
  private:
-  void read_lidar(const std::vector<StampedEntry>& scans, const RosFrames& frames) {
-    const RosCloud first = cloud(scans.front().number);
-    const auto times = times_of_points(first, messages_->path(), *choice_.points);
-    for (const StampedEntry& scan : scans)
-      drive_.scan_headers.push_back(scan_header(scan, times, median_period(scans),
-                                                config_ ? config_->lidar.stamp : LidarConfig::Stamp::middle,
-                                                file_of(*choice_.points, scan.number)));
-    if (!times && !(config_ && config_->lidar.turn))
-      drive_.warnings.push_back(
-          fmt::format("the points of {} have no times: by azimuth, clockwise, the stamp in the middle; "
-                      "[lidar] rotation and stamp in dvi.toml say otherwise",
-                      choice_.points->name));
-    set_camera(frames, first.header.frame);
-    set_poses(frames, first.header.frame, {});
+  // By their numbers in the whole recording.
+  void add_frames(const std::vector<StampedEntry>& images) {
+    warn_of_lost_messages(*camera_.images);
+    const FrameNumbers numbers = number_frames(*messages_, *camera_.images, images);
+    if (!numbers.missing.empty())
+      drive_.warnings.push_back(fmt::format("frames {} are missing with the missing files{}", fmt::join(numbers.missing, ", "),
+                                            numbers.is_estimated ? ", by the regular times of the others" : ""));
+    for (const StampedEntry& image : images) {
+      const int number = static_cast<int>(numbers.number(*camera_.images, image.number));
+      image_of_frame_[number] = image.number;
+      drive_.frames.push_back(
+          {number, fmt::format("{:06d}", number), image.time_ns, file_of(*camera_.images, image.number), {}});
+    }
+  }
+
+  // Where no file is missing, and metadata.yaml counts more messages than the files hold.
+  void warn_of_lost_messages(const BagTopic& topic) {
+    const Bag& bag = messages_->bag();
+    const auto count = bag.counts.find(topic.name);
+    if (count != bag.counts.end() && bag.missing.empty() && count->second > topic.messages.size())
+      drive_.warnings.push_back(fmt::format("{} of {} messages of {} that metadata.yaml counts are missing: the files were cut",
+                                            count->second - topic.messages.size(), count->second, topic.name));
+  }
+
+  void read_lidar(const std::vector<StampedEntry>& entries, const RosFrames& frames) {
+    const LidarConfig config = config_ ? config_->lidar : LidarConfig();
+    scans_ = std::make_shared<BagScans>(messages_, *choice_.points, entries, config, drive_.warnings);
+    for (const StampedEntry& entry : entries) drive_.scan_headers.push_back(scans_->header(entry));
+    set_camera(frames, scans_->frame());
+    set_poses(frames, scans_->frame(), {});
   }
 
   // A LiDAR's axes at the first camera.
   void read_depth(const std::vector<StampedEntry>& depths, const RosFrames& frames) {
+    const std::int64_t half = median_period_ns(depths) / 2;  // images are taken at other times than depth
     for (const StampedEntry& depth : depths)
-      drive_.scan_headers.push_back({fmt::format("{:06d}", depth.number), depth.time_ns, depth.time_ns, depth.time_ns,
-                                     file_of(*choice_.depth.images, depth.number)});
+      drive_.scan_headers.push_back({fmt::format("{:06d}", depth.number), depth.time_ns, depth.time_ns - half,
+                                     depth.time_ns + half, file_of(*choice_.depth.images, depth.number)});
     const std::string first = frame_of(*choice_.cameras.front().images);
     set_camera(frames, first);
     drive_.camera_from_lidar = drive_.camera_from_lidar * camera_from_level();
@@ -255,12 +196,8 @@ class BagReader {
             "record /tf_static too, or depth that is registered to the images");
       if (choice_.depth.info == nullptr)
         throw InputError(messages_->path(), fmt::format("has no calibration of {}", topic.name), "record its camera_info too");
-      Drive of_depth;
-      set_camera_of(
-          of_depth,
-          messages_->parsed(*choice_.depth.info, 0, [](std::string_view m, BagEncoding e) { return parse_camera_info(m, e); }),
-          choice_.depth, messages_->path());
-      depth.camera = of_depth.camera;
+      std::vector<std::string> warnings;  // of the color camera's frame, which this camera need not have
+      depth.camera = read_bag_camera(*messages_, choice_.depth, warnings);
     }
     if (config_) config_->depth.apply(depth);
     return depth_scan_of(drive, depth, cv::Size(static_cast<int>(first.width), static_cast<int>(first.height)), topic.name);
@@ -272,17 +209,9 @@ class BagReader {
   std::string config_path() const {
     return ((fs::is_directory(messages_->path()) ? messages_->path() : messages_->path().parent_path()) / "dvi.toml").string();
   }
-  RosCloud cloud(std::size_t number) const {
-    return messages_->parsed(*choice_.points, number, [](std::string_view m, BagEncoding e) { return parse_cloud(m, e); });
-  }
-
   void set_camera(const RosFrames& frames, const std::string& lidar) {
-    if (camera_.info) {
-      const RosCameraInfo info =
-          messages_->parsed(*camera_.info, 0, [](std::string_view m, BagEncoding e) { return parse_camera_info(m, e); });
-      const bool overridden = config_ && config_->camera(camera_.name).K;
-      if (!overridden) set_camera_of(drive_, info, camera_, messages_->path());
-    }
+    const bool overridden = config_ && config_->camera(camera_.name).K;
+    if (camera_.info != nullptr && !overridden) drive_.camera = read_bag_camera(*messages_, camera_, drive_.warnings);
     if (config_ && config_->camera(camera_.name).camera_from_lidar) return;
     const RosHeader image =
         messages_->parsed(*camera_.images, 0, [](std::string_view m, BagEncoding e) { return read_header(m, e); });
@@ -311,18 +240,45 @@ class BagReader {
     for (GeoFix& fix : drive_.fixes) fix.antenna = frame_from_lidar.inverse() * fix.antenna;
   }
 
+  // Cameras of 10, 12, or 14 bits fill only the lower part of pixels of 16 bits.
+  int find_topic_bits() {
+    constexpr std::size_t kMaxSamples = 200;
+    const BagTopic& topic = *camera_.images;
+    if (is_compressed(topic)) return 16;
+    int largest = 0;
+    const std::size_t step = topic.messages.size() / kMaxSamples + 1;
+    for (std::size_t i = 0; i < topic.messages.size(); i += step) {
+      const auto largest_value = [](std::string_view m, BagEncoding e) {
+        const RosImage image = parse_image(m, e);
+        return has_16_bits(image) ? find_largest_value(image) : -1;
+      };
+      const int value = messages_->parsed(topic, i, largest_value);
+      if (value < 0) return 16;
+      largest = std::max(largest, value);
+    }
+    const int bits = find_value_bits(largest);
+    if (bits < 16)
+      drive_.warnings.push_back(fmt::format("the 16-bit images of {} hold values up to {} only: they are read as {}-bit images",
+                                            topic.name, largest, bits));
+    return bits;
+  }
+
   Recording recording(const RosFrames& frames) {
+    const int value_bits = find_topic_bits();
     Recording out;
     const cv::Size size(drive_.camera.width, drive_.camera.height);
     out.drive = std::move(drive_);
-    const auto number_of = [](const std::string& name) { return static_cast<std::size_t>(std::stoul(name)); };
-    out.read_image = [messages = messages_, topic = *camera_.images, size, number_of](const Frame& frame) {
-      const std::size_t number = number_of(frame.name);
+    out.read_image = [messages = messages_, topic = *camera_.images, size, value_bits,
+                      image_of_frame = image_of_frame_](const Frame& frame) {
+      const std::size_t number = image_of_frame.at(frame.number);
       const std::string place = fmt::format("{}: message {} of {}", messages->path().string(), number, topic.name);
-      const auto raw_image = [](std::string_view m, BagEncoding e) { return to_bgr(parse_image(m, e)); };
-      const cv::Mat3b image = is_compressed(topic)
-                                  ? decode_image(place, messages->parsed(topic, number, compressed_image), size)
-                                  : messages->parsed(topic, number, raw_image);
+      const auto raw_image = [&](std::string_view m, BagEncoding e) { return to_bgr(parse_image(m, e), value_bits); };
+      const auto decode_file = [&](std::string_view m, BagEncoding e) {
+        const RosCompressedImage image = parse_image_file(m, e);
+        return convert_bayer_file(decode_image(place, image.file, size), image.format);
+      };
+      const cv::Mat3b image =
+          is_compressed(topic) ? messages->parsed(topic, number, decode_file) : messages->parsed(topic, number, raw_image);
       if (image.size() != size)
         throw InputError(place,
                          fmt::format("is {}x{} pixels instead of {}x{}", image.cols, image.rows, size.width, size.height),
@@ -330,6 +286,7 @@ class BagReader {
       return image;
     };
     if (choice_.points == nullptr) {
+      const auto number_of = [](const std::string& name) { return static_cast<std::size_t>(std::stoul(name)); };
       out.read_scan = [messages = messages_, topic = *choice_.depth.images, number_of,
                        scan = depth_scan(out.drive, frames)](const ScanHeader& header) {
         const cv::Mat1w image = messages->parsed(topic, number_of(header.name),
@@ -341,16 +298,7 @@ class BagReader {
       };
       return out;
     }
-    const std::int64_t offset = config_ ? config_->lidar.offset_ns : 0;
-    const Rotation rotation = config_ ? config_->lidar.rotation() : Rotation();
-    out.read_scan = [messages = messages_, topic = *choice_.points, number_of, offset, rotation](const ScanHeader& header) {
-      RosCloud cloud =
-          messages->parsed(topic, number_of(header.name), [](std::string_view m, BagEncoding e) { return parse_cloud(m, e); });
-      if (cloud.points.empty())
-        throw InputError(messages->path(), fmt::format("message {} of {} holds no finite points", header.name, topic.name));
-      if (cloud.header.stamp_ns == 0) cloud.header.stamp_ns = topic.messages[number_of(header.name)].time_ns;
-      return to_scan(std::move(cloud), header, offset, rotation);
-    };
+    out.read_scan = [scans = scans_](const ScanHeader& header) { return scans->read(header); };
     return out;
   }
 
@@ -358,6 +306,8 @@ class BagReader {
   BagChoice choice_;
   std::optional<DriveConfig> config_;
   BagCamera camera_;
+  std::map<int, std::size_t> image_of_frame_;  // messages by the numbers of the frames
+  std::shared_ptr<const BagScans> scans_;      // none of depth images
   Drive drive_;
 };
 

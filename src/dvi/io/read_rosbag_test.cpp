@@ -1,4 +1,7 @@
+#include <cstdlib>
+
 #include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
 
 #include "dvi/core/error.h"
 #include "dvi/io/bag.h"
@@ -30,6 +33,8 @@ TEST(RosBagOfDepth, DepthImagesAreScans) {
   ASSERT_EQ(drive.scan_headers.size(), 3U);
   ASSERT_EQ(drive.poses.poses().size(), 3U);
   EXPECT_EQ(drive.scan_headers[1].time_ns, drive.frames[1].time_ns);
+  EXPECT_GT(drive.scan_headers[1].end_ns, drive.scan_headers[1].start_ns)
+      << "images that are taken a little later show it, too";
   EXPECT_TRUE(drive.warnings.empty());
   // The room's floor and walls: from the camera's place, each point in its pixel.
   const auto scan = drive.scans[1];
@@ -103,6 +108,100 @@ INSTANTIATE_TEST_SUITE_P(Kinds, RosBag,
                                          "lz4.bag"),
                          [](const auto& kind) { return std::string(kind.param).substr(0, std::string(kind.param).find('.')); });
 
+// Scans of Livox and images of 12 bits in 16, by python3-rosbag and @mcap/core.
+class LivoxBag : public testing::TestWithParam<const char*> {};
+
+TEST_P(LivoxBag, HoldsScansWithTimes) {
+  const Drive drive = read_drive(kBags / GetParam());
+  ASSERT_EQ(drive.scan_headers.size(), 3U);
+  EXPECT_EQ(drive.scan_headers[1].start_ns, 1000'100'000'000);
+  EXPECT_EQ(drive.scan_headers[1].end_ns, 1000'200'000'000);
+  const auto scan = drive.scans[1];
+  const Drive expected = read_drive(kBags / "zstd.mcap");
+  EXPECT_TRUE(scan->points == expected.scans[1]->points) << "the same drive";
+  ASSERT_EQ(scan->time.size(), scan->size());
+  for (std::size_t i = 0; i < scan->size(); ++i) EXPECT_NEAR(scan->time[i], expected.scans[1]->time[i], 1e-6);
+}
+
+TEST_P(LivoxBag, ImagesOf12BitsAreScaled) {
+  const Drive drive = read_drive(kBags / GetParam());
+  EXPECT_THAT(drive.warnings, testing::ElementsAre(HasSubstr("they are read as 12-bit images")));
+  const cv::Mat3b image = *drive.images[1], expected = *read_drive(kBags / "zstd.mcap").images[1];
+  cv::Mat1b gray;
+  cv::cvtColor(expected, gray, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(gray, expected, cv::COLOR_GRAY2BGR);
+  EXPECT_LE(cv::norm(image, expected, cv::NORM_INF), 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, LivoxBag, testing::Values("livox.bag", "livox.mcap"),
+                         [](const auto& kind) { return fs::path(kind.param).extension() == ".bag" ? "Ros1" : "Mcap"; });
+
+// One file of a recording whose metadata.yaml counts five images of the first camera.
+class SplitBag : public testing::Test {
+ protected:
+  SplitBag() { fs::copy_file(kBags / "sqlite.db3", folder.path / "drive_1.db3"); }
+  void describe(const std::string& files, const std::string& count) const {
+    folder.write("metadata.yaml", "rosbag2_bagfile_information:\n  relative_file_paths:\n" + files +
+                                      "  topics_with_message_count:\n    - topic_metadata:\n        name: "
+                                      "/front/image_raw/compressed\n      message_count: " +
+                                      count + "\n");
+  }
+  TestFolder folder;
+};
+
+TEST_F(SplitBag, FramesKeepTheirNumbersWithoutTheFirstFile) {
+  describe("    - drive_0.db3\n    - drive_1.db3\n", "5");
+  const Drive drive = read_drive(folder.path);
+  ASSERT_EQ(drive.frames.size(), 3U);
+  EXPECT_EQ(drive.frames[0].number, 2);
+  EXPECT_EQ(drive.frames[0].name, "000002");
+  EXPECT_THAT(drive.warnings,
+              testing::ElementsAre(HasSubstr("names drive_0.db3, which is missing"), HasSubstr("frames 0-1 are missing")));
+  EXPECT_EQ(cv::norm(*drive.images[2], *read_drive(kBags / "sqlite.db3").images[2], cv::NORM_INF), 0);
+}
+
+TEST_F(SplitBag, MessagesThatAreNotThereAreCounted) {
+  describe("    - drive_1.db3\n", "5");
+  EXPECT_THAT(read_drive(folder.path).warnings, testing::ElementsAre(HasSubstr("2 of 5 messages of /front/image_raw")));
+}
+
+TEST_F(SplitBag, AnUnknownNumberOfLostFramesIsRefused) {
+  describe("    - drive_0.db3\n    - drive_1.db3\n", "unknown");
+  EXPECT_THAT(bag_error(folder.path), AllOf(HasSubstr("drive_0.db3 is missing"), HasSubstr("/front/image_raw/compressed")));
+}
+
+// A reader must not write beside a recording, as SQLite does with a write-ahead log.
+TEST_F(SplitBag, NothingIsWrittenBesideIt) {
+  std::string bytes = read_file(folder.path / "drive_1.db3");
+  bytes[18] = bytes[19] = 2;  // file format versions of a database with a write-ahead log: https://sqlite.org/fileformat.html
+  folder.write("log # 100%.db3", bytes);
+  EXPECT_EQ(read_drive(folder.path / "log # 100%.db3").frames.size(), 3U);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()), 2);
+}
+
+// Bags of rosbag.js, rosbag2, and kapture: none is a drive, and the message says what each lacks.
+TEST(ForeignBags, AreRefusedForWhatTheyLack) {
+  const char* root = std::getenv("DVI_DATA");
+  const fs::path folder = fs::path(root != nullptr ? root : "/tmp/dvi-data") / "foreign_files/bags";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there; set DVI_DATA to the recordings";
+  const std::pair<const char*, const char*> errors[] = {
+      {"empty-file.bag", "is empty"},
+      {"empty_bag_0.db3", "holds no messages"},
+      {"no-messages.bag", "holds no messages"},
+      {"example.bag", "no topic of images; it has /rosout (rosgraph_msgs/Log, 10 messages), /tf (tf/tfMessage, 2688 messages)"},
+      {"example-bz2.bag", "/turtle1/pose (turtlesim/Pose, 1344 messages)"},
+      {"example-lz4.bag", "/turtle1/pose (turtlesim/Pose, 1344 messages)"},
+      {"example-unsorted-chunks.bag", "it has foo (std_msgs/String, 3 messages)"},
+      {"only_services.mcap", "/add_two_ints/_service_event (example_interfaces/srv/AddTwoInts_Event, 12 messages)"},
+      {"t265.bag", "no topic of sensor_msgs/PointCloud2 and none of depth images"},
+      {"talker.db3", "/topic (std_msgs/String, 10 messages)"},
+      {"talker.mcap", "/topic (std_msgs/String, 10 messages)"},
+      {"wrong_rmw_test_0.db3", "/test_topic (test_msgs/BasicTypes, 3 messages)"},
+      {"wrong_rmw_test_0.mcap", "/test_topic (test_msgs/BasicTypes, 3 messages)"},
+  };
+  for (const auto& [file, error] : errors) EXPECT_THAT(bag_error(folder / file), HasSubstr(error)) << file;
+}
+
 class ChangedBag : public testing::Test {
  protected:
   // The unpacked bag with one word replaced wherever it stands, by one of the same length.
@@ -130,6 +229,41 @@ TEST_F(ChangedBag, WithoutCalibrationAsksForIt) {
               AllOf(HasSubstr("no calibration of /front/image_raw/compressed"), HasSubstr("[camera.front] K")));
 }
 
+// Messages of python3-rosbag and @mcap/core whose lengths are changed: 2^31 and more bytes.
+TEST_F(ChangedBag, RecordsOfGigabytesAreRefused) {
+  std::string bytes = read_file(kBags / "without_chunks.mcap");
+  const std::size_t record = 8;
+  bytes.replace(record + 1, 8, std::string("\0\0\0\x80\0\0\0\0", 8));
+  EXPECT_THAT(bag_error(folder.write("long.mcap", bytes)), AllOf(HasSubstr("byte 8"), HasSubstr("mcap recover")));
+  bytes = read_file(kBags / "zstd.mcap");
+  const std::size_t name = bytes.find(std::string("\4\0\0\0zstd", 8));
+  bytes.replace(name - 12, 8, std::string("\0\0\0\0\4\0\0\0", 8));
+  const fs::path unpacked = folder.write("unpacked.mcap", bytes);
+  EXPECT_THAT(bag_error(unpacked), AllOf(HasSubstr("cannot be unpacked"), HasSubstr("17179869184 when unpacked")));
+}
+
+TEST_F(ChangedBag, SparseFilesWithLongRecordsTakeNoMemory) {
+  const fs::path file = folder.write("sparse.mcap", std::string("\x89MCAP0\r\n\3\0\0\0\x40\0\0\0\0", 17));
+  fs::resize_file(file, std::uintmax_t{1} << 31);
+  EXPECT_THAT(bag_error(file), HasSubstr("a record of 1073741824 bytes is larger than the 268435456 that are read"));
+  const fs::path bag = folder.write("sparse.bag", std::string("#ROSBAG V2.0\n\0\0\0\x40", 17));
+  fs::resize_file(bag, std::uintmax_t{1} << 31);
+  EXPECT_THAT(bag_error(bag), HasSubstr("a record of 1073741824 bytes is larger"));
+}
+
+TEST_F(ChangedBag, CamerasThatAreNoPinholesAreNamed) {
+  EXPECT_THAT(bag_error(replaced(std::string("\x0A\0\0\0plumb_bob\0", 14), std::string("\x0A\0\0\0equidista\0", 14))),
+              AllOf(HasSubstr("the camera model 'equidista'"), HasSubstr("not supported"), HasSubstr("undistort")))
+      << "also where its coefficients are zero";
+}
+
+TEST_F(ChangedBag, CamerasWithoutCalibrationAreNamed) {
+  const double fx = 25.6, none = 0;
+  const auto bytes_of = [](const double& value) { return std::string(reinterpret_cast<const char*>(&value), sizeof(value)); };
+  EXPECT_THAT(bag_error(replaced(bytes_of(fx), bytes_of(none))),
+              AllOf(HasSubstr("is not calibrated: K of /front/camera_info is zero"), HasSubstr("[camera.front] K")));
+}
+
 TEST_F(ChangedBag, WithoutScansListsTheTopics) {
   EXPECT_THAT(bag_error(replaced("sensor_msgs/msg/PointCloud2", "sensor_msgs/msg/LaserScan2_")),
               AllOf(HasSubstr("no topic of sensor_msgs/PointCloud2"), HasSubstr("/lidar/points")));
@@ -155,6 +289,8 @@ TEST_F(ChangedBag, AnEmptyBagIsRefused) {
   EXPECT_THAT(bag_error(folder.write("empty.mcap", bytes)), HasSubstr("holds no messages"));
   EXPECT_THAT(bag_error(folder.write("nothing.bag", "#ROSBAG V2.0\n")), HasSubstr("holds no messages"));
   EXPECT_THAT(bag_error(folder.write("nothing.db3", "no database")), HasSubstr("nothing.db3"));
+  for (const char* name : {"empty_file.bag", "empty_file.mcap", "empty_file.db3"})
+    EXPECT_THAT(bag_error(folder.write(name, "")), HasSubstr("is empty")) << name;
 }
 
 }  // namespace

@@ -8,8 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
-
 #include "dvi/geometry/se3.h"
 #include "dvi/io/bag.h"
 
@@ -56,27 +54,9 @@ struct RosHeader {
   std::int64_t stamp_ns = 0;  ///< 0: not set
   std::string frame;
 };
+RosHeader take_header(RosFields& fields);
 /// Of any message that begins with one.
 RosHeader read_header(std::string_view message, BagEncoding encoding);
-
-/// sensor_msgs/Image before its pixels are converted.
-struct RosImage {
-  RosHeader header;
-  std::uint32_t width = 0, height = 0, step = 0;
-  std::string encoding;
-  std::string_view data;  ///< of the message
-};
-RosImage parse_image(std::string_view message, BagEncoding encoding);
-/// Its colours. Depth images are none. std::invalid_argument where its encoding is not known or data are missing.
-cv::Mat3b to_bgr(const RosImage& image);
-
-/// Depth in millimetres, 0 where there is none, of a sensor_msgs/Image of 16UC1 (millimetres) or 32FC1 (metres).
-/// std::invalid_argument as to_bgr().
-cv::Mat1w to_depth(const RosImage& image);
-bool is_depth(const RosImage& image);
-
-/// The file, PNG or JPEG, in a sensor_msgs/CompressedImage.
-std::string compressed_image(std::string_view message, BagEncoding encoding);
 
 /// sensor_msgs/CameraInfo.
 struct RosCameraInfo {
@@ -106,15 +86,5 @@ struct RosFix {
   double latitude_deg = 0, longitude_deg = 0;
 };
 RosFix parse_fix(std::string_view message, BagEncoding encoding);
-
-/// The finite points of a sensor_msgs/PointCloud2.
-struct RosCloud {
-  RosHeader header;
-  std::vector<Eigen::Vector3f> points;
-  std::vector<float> intensity;     ///< one a point; 0 where the message has none
-  std::vector<std::uint16_t> ring;  ///< one a point, or empty
-  std::vector<double> after_stamp;  ///< one a point, seconds after the message's stamp; or empty
-};
-RosCloud parse_cloud(std::string_view message, BagEncoding encoding);
 
 }  // namespace dvi::io

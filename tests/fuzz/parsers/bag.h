@@ -5,6 +5,8 @@
 
 #include "dvi/io/bag.h"
 #include "dvi/io/bag_bytes.h"
+#include "dvi/io/ros_cloud.h"
+#include "dvi/io/ros_image.h"
 #include "dvi/io/ros_message.h"
 #include "parser.h"
 

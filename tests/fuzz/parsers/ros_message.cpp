@@ -11,7 +11,7 @@ void dvi::fuzz::parse(const fs::path& /*folder*/, const std::string& bytes) {
         to_bgr(io::parse_image(message, encoding));
         break;
       case 1:
-        io::compressed_image(message, encoding);
+        io::parse_image_file(message, encoding);
         break;
       case 2:
         io::parse_camera_info(message, encoding);
@@ -25,7 +25,7 @@ void dvi::fuzz::parse(const fs::path& /*folder*/, const std::string& bytes) {
       case 5: {
         const io::RosCloud cloud = io::parse_cloud(message, encoding);
         for (const Eigen::Vector3f& point : cloud.points) require(point.allFinite(), "points are finite");
-        require(cloud.after_stamp.empty() || cloud.after_stamp.size() == cloud.points.size(), "each point has a time");
+        require(cloud.times.empty() || cloud.times.size() == cloud.points.size(), "each point has a time");
         break;
       }
       case 6: {
@@ -35,6 +35,7 @@ void dvi::fuzz::parse(const fs::path& /*folder*/, const std::string& bytes) {
       }
       default:
         io::unpack_message(std::string(message));
+        io::parse_livox(message, encoding);
     }
   } catch (const std::invalid_argument&) {  // the reader of bags names the message
   }
