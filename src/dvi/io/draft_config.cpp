@@ -4,9 +4,11 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "dvi/core/error.h"
 #include "dvi/core/median.h"
+#include "dvi/io/drive_config.h"
 #include "dvi/io/file_names.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/point_cloud.h"
@@ -76,14 +78,20 @@ std::string camera_table(const fs::path& images, bool depth, DraftConfig& out) {
 }
 
 std::string lidar_table(const fs::path& folder, const std::vector<fs::path>& scans, DraftConfig& out) {
-  const PointCloud cloud = read_point_cloud(scans.front());
   const auto rate = rate_by_times(folder / "times/lidar.txt");
+  std::vector<fs::path> bins = scans;
+  std::erase_if(bins, [](const fs::path& file) { return !is_bin(file); });
+  const BinLayout layout = infer_bin_layout(bins, {.period_s = 1 / rate.value_or(LidarConfig().rate)});
+  const PointCloud cloud = read_point_cloud(scans.front(), layout);
   const bool intensity = std::any_of(cloud.intensity.begin(), cloud.intensity.end(), [](float i) { return i != 0; });
   std::string text = fmt::format("[lidar]                         # {} scans {}; the first has {} points{}{}{}\n", scans.size(),
                                  scans.front().extension().string(), cloud.points.size(), intensity ? ", intensity" : "",
                                  cloud.ring.empty() ? "" : ", ring", cloud.t.empty() ? "" : ", times t");
   text += rate ? fmt::format("rate = {:.4g}\n", *rate) : "rate = 10.0                     # assumed: scans per second\n";
   if (!rate) out.open.emplace_back("[lidar] rate: 10 scans per second are assumed");
+  if (layout.shape() != BinShape())
+    text += fmt::format("columns = [\"{}\"]      # inferred from the values of {}\n", fmt::join(layout.columns, "\", \""),
+                        layout.text());
   text += "stamp = \"middle\"              # assumed: what a scan's time means: start, middle or end\n";
   if (!cloud.t.empty()) return text;
   out.open.emplace_back("[lidar] rotation: clockwise is assumed; none where the scans are compensated for motion already");

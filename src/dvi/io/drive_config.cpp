@@ -71,6 +71,17 @@ class Table {
     const toml::node* node = table_->get(key);
     return node && node->is_array() ? node->as_array()->size() : 0;
   }
+  /// A list of words; empty where there is none.
+  std::vector<std::string> words(const char* key) const {
+    const toml::node* node = table_->get(key);
+    if (!node) return {};
+    std::vector<std::string> out;
+    if (const toml::array* list = node->as_array())
+      for (const toml::node& word : *list) out.push_back(word.value_or(std::string()));
+    if (out.empty() || std::find(out.begin(), out.end(), "") != out.end())
+      fail(*node, fmt::format("'{}' is not a list of names", key));
+    return out;
+  }
   [[noreturn]] void fail(const char* key, const std::string& problem, const std::string& remedy = {}) const {
     fail(*table_->get(key), fmt::format("'{}' {}", key, problem), remedy);
   }
@@ -151,13 +162,28 @@ CameraConfig read_camera(const Table& table) {
           offset_ns(table)};
 }
 
-DepthConfig read_depth(const Table& table) {
-  DepthConfig depth{read_intrinsics(table), read_distortion(table), read_rigid(table, "depth_from_color"),
-                    table.number("units_per_metre")};
-  if (depth.units_per_metre && !(*depth.units_per_metre >= 1 && *depth.units_per_metre <= 1e6))
+std::optional<double> read_units(const Table& table) {
+  const auto units = table.number("units_per_metre");
+  if (units && !(*units >= 1 && *units <= 1e6))
     table.fail("units_per_metre", "is not between 1 and 1000000, such as 1000 for millimetres");
+  return units;
+}
+
+DepthConfig read_depth(const Table& table) {
+  DepthConfig depth{read_intrinsics(table), read_distortion(table), read_rigid(table, "depth_from_color"), read_units(table)};
   if (depth.distortion && !depth.K) table.fail("distortion", "needs K: the depth images have their own camera then");
   return depth;
+}
+
+std::vector<std::string> read_columns(const Table& table) {
+  constexpr std::size_t kMaxNames = 64;
+  std::vector<std::string> columns = table.words("columns");
+  if (columns.size() > kMaxNames) table.fail("columns", "has more than 64 names");
+  for (const char* axis : {"x", "y", "z"})
+    if (!columns.empty() && std::count(columns.begin(), columns.end(), axis) != 1)
+      table.fail("columns",
+                 fmt::format("does not have '{}' once; it is such as [\"x\", \"y\", \"z\", \"intensity\", \"ring\"]", axis));
+  return columns;
 }
 
 LidarConfig read_lidar(const Table& table) {
@@ -169,6 +195,8 @@ LidarConfig read_lidar(const Table& table) {
   if (const auto turn = table.choice("rotation", {"clockwise", "counterclockwise", "none"})) lidar.turn = Turn(*turn);
   if (const auto azimuth = table.number("first_azimuth_deg")) lidar.first_azimuth = *azimuth * kDegree;
   lidar.offset_ns = offset_ns(table);
+  lidar.columns = read_columns(table);
+  lidar.units_per_metre = read_units(table).value_or(lidar.units_per_metre);
   return lidar;
 }
 
@@ -197,8 +225,9 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
   std::vector<std::string> names;
   for (const auto& [name, camera] : config.cameras) names.push_back(name);
   if (const auto place = head.choice("camera", names)) config.usual_camera = names[*place];
-  config.lidar = read_lidar(Table(config.file, "lidar", table_of(root.get("lidar")),
-                                  {"rate", "sensor", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s"}));
+  config.lidar = read_lidar(
+      Table(config.file, "lidar", table_of(root.get("lidar")),
+            {"rate", "sensor", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s", "columns", "units_per_metre"}));
   config.depth = read_depth(Table(config.file, "depth", table_of(root.get("depth")),
                                   {"K", "distortion", "model", "distortion_model", "depth_from_color", "units_per_metre"}));
   return config;

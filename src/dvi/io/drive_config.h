@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "dvi/core/files.h"
 #include "dvi/drive/drive.h"
@@ -32,6 +33,8 @@ struct LidarConfig {
   std::optional<Turn> turn;
   std::optional<double> first_azimuth;  ///< radians
   std::int64_t offset_ns = 0;           ///< added to the LiDAR's stamps
+  std::vector<std::string> columns;     ///< of .bin files; empty: inferred
+  double units_per_metre = 1;           ///< of coordinates in scan files
 
   void apply(Drive& drive) const;  ///< to the sensor and the scans' times
   Rotation rotation() const { return {turn.value_or(Turn::clockwise), first_azimuth.value_or(std::numbers::pi)}; }

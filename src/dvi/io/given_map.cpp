@@ -1,11 +1,46 @@
 #include "dvi/io/given_map.h"
 
+#include <array>
+#include <set>
+#include <utility>
+
 #include "dvi/core/error.h"
 #include "dvi/io/colmap_model.h"
 #include "dvi/io/plausible.h"
 #include "dvi/io/point_cloud.h"
+#include "dvi/io/text.h"
 
 namespace dvi::io {
+
+namespace {
+
+// Formats of point clouds and meshes that are not read; the remedy of each.
+constexpr std::array<std::pair<const char*, const char*>, 12> kOtherMaps{{
+    {".laz", "decompress it to map.las, such as by las2las or pdal translate"},
+    {".e57", "convert it to map.las or map.ply, such as by CloudCompare or pdal translate"},
+    {".pts", "convert it to map.ply, such as by CloudCompare"},
+    {".ptx", "convert it to map.ply, such as by CloudCompare"},
+    {".xyz", "convert it to map.ply, such as by CloudCompare or pdal translate"},
+    {".txt", "convert it to map.ply, such as by CloudCompare or pdal translate"},
+    {".csv", "convert it to map.ply, such as by CloudCompare or pdal translate"},
+    {".asc", "convert it to map.ply, such as by CloudCompare or pdal translate"},
+    {".npy", "convert it to map.ply"},
+    {".bin", "convert it to map.ply"},
+    {".obj", "sample points of its surface and write them as map.ply, such as by CloudCompare"},
+    {".stl", "sample points of its surface and write them as map.ply, such as by CloudCompare"},
+}};
+
+}  // namespace
+
+void refuse_other_map(const fs::path& drive) {
+  if (!fs::is_directory(drive)) return;
+  std::set<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(drive)) files.insert(entry.path());
+  for (const fs::path& file : files)
+    for (const auto& [ending, remedy] : kOtherMaps)
+      if (lower_case(file.filename().string()).starts_with("map.") && lower_case(file.extension().string()) == ending)
+        throw InputError(file, "is in a format that is not read as a map (read are .ply, .pcd and .las)", remedy);
+}
 
 std::optional<fs::path> find_map(const fs::path& drive) {
   std::optional<fs::path> found;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include <fmt/format.h>
+
 #include "dvi/core/error.h"
 #include "dvi/io/point_table.h"
 #include "dvi/io/text.h"
@@ -14,32 +16,68 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::size_t kBinPoint = 4 * sizeof(float);
+constexpr std::size_t kBinPoint = BinShape().point_bytes();  // of a scan that dvi writes
 
-PointCloud read_bin(const fs::path& path) {
-  check_size(path);
+// In this order NaN becomes 0.
+std::uint16_t to_ring(double value) { return static_cast<std::uint16_t>(std::max(0.0, std::min(value, 65535.0))); }
+
+// The file's own values may contradict the layout of the other files.
+void require_shape(const fs::path& path, std::string_view bytes, const BinLayout& layout) {
+  if (layout.stated) return;
+  const std::optional<BinShape> shape = infer_bin_shape(bytes);
+  if (shape && *shape != layout.shape())
+    throw InputError(path, fmt::format("looks like {}, and other scans have {}", to_text(*shape), to_text(layout.shape())),
+                     "write all scans with the same columns");
+}
+
+PointCloud read_bin(const fs::path& path, const BinLayout& layout) {
+  check_size(path, layout.shape().point_bytes());
   const std::string bytes = read_file(path);
+  require_shape(path, bytes, layout);
+  const auto place = [&](const char* name) -> std::optional<std::size_t> {
+    const auto column = std::find(layout.columns.begin(), layout.columns.end(), name);
+    if (column == layout.columns.end()) return std::nullopt;
+    return static_cast<std::size_t>(column - layout.columns.begin()) * layout.scalar_bytes;
+  };
+  const auto x = place("x"), y = place("y"), z = place("z"), intensity = place("intensity"), ring = place("ring"),
+             t = place("t");
+  const std::size_t step = layout.shape().point_bytes();
   PointCloud cloud;
-  cloud.points.resize(bytes.size() / kBinPoint);
-  cloud.intensity.resize(cloud.points.size());
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    std::memcpy(cloud.points[i].data(), bytes.data() + i * kBinPoint, 3 * sizeof(float));
-    std::memcpy(&cloud.intensity[i], bytes.data() + i * kBinPoint + 3 * sizeof(float), sizeof(float));
+  cloud.points.reserve(bytes.size() / step);
+  cloud.intensity.reserve(bytes.size() / step);
+  for (std::size_t at = 0; at < bytes.size(); at += step) {
+    const auto value = [&](std::size_t offset) { return load_scalar(bytes.data() + at + offset, layout.scalar_bytes); };
+    cloud.add({value(*x), value(*y), value(*z)}, intensity ? static_cast<float>(value(*intensity)) : 0.0F, CountFrom::origin);
+    if (ring) cloud.ring.push_back(to_ring(value(*ring)));
+    if (t) cloud.t.push_back(value(*t));
   }
   return cloud;
 }
 
 constexpr const char* kNoPoints = "remove the file; dvi bridges a missing scan";
 
-void check(const fs::path& path, const PointCloud& cloud, const char* remedy) {
-  if (cloud.points.empty()) throw InputError(path, "holds no points", remedy);
-  const auto bad = std::count_if(cloud.points.begin(), cloud.points.end(), [](const auto& p) { return !p.allFinite(); });
-  if (bad > 0)
-    throw InputError(path, std::to_string(bad) + " of " + std::to_string(cloud.points.size()) + " points are not finite (NaN)",
-                     "leave such points out of the file");
-  constexpr float kLongest = 10;  // seconds; beyond, the column is in another unit or counts from elsewhere
-  if (std::any_of(cloud.t.begin(), cloud.t.end(), [](float t) { return !(std::abs(t) <= kLongest); }))
-    throw InputError(path, "its times t are not seconds after the scan's start", "convert them or leave the field out");
+template <class T>
+void keep_values(std::vector<T>& values, const std::vector<bool>& kept) {
+  if (values.empty()) return;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (kept[i]) values[next++] = values[i];
+  values.resize(next);
+}
+
+// Leaves out points for which `wanted` does not hold. InputError where none is left.
+template <class Wanted>
+void keep_points(const fs::path& path, PointCloud& cloud, const char* remedy, const Wanted& wanted) {
+  const std::size_t points = cloud.points.size();
+  if (points == 0) throw InputError(path, "holds no points", remedy);
+  std::vector<bool> kept(points);
+  for (std::size_t i = 0; i < points; ++i) kept[i] = wanted(cloud.points[i]);
+  if (std::find(kept.begin(), kept.end(), false) == kept.end()) return;
+  keep_values(cloud.points, kept), keep_values(cloud.intensity, kept), keep_values(cloud.t, kept),
+      keep_values(cloud.ring, kept);
+  if (cloud.points.empty())
+    throw InputError(path, fmt::format("none of its {} points is a return: all are not finite (NaN), or 0 0 0", points),
+                     remedy);
 }
 
 template <class T>
@@ -78,12 +116,15 @@ class Columns {
     const auto find = [&](std::initializer_list<const char*> names) {
       for (const char* name : names)
         for (std::size_t i = 0; i < table.fields.size(); ++i)
-          if (table.fields[i].name == name && table.fields[i].count == 1) return static_cast<int>(i);
+          if (lower_case(table.fields[i].name) == name && table.fields[i].count == 1) return static_cast<int>(i);
       return -1;
     };
     at_[0] = find({"x"}), at_[1] = find({"y"}), at_[2] = find({"z"});
-    at_[3] = find({"intensity", "i", "scalar_intensity", "scalar_Intensity", "reflectance"});
-    at_[4] = find({"t"}), at_[5] = find({"ring"});
+    at_[3] = find({"intensity", "i", "scalar_intensity", "reflectance"});
+    std::vector<std::string> names;
+    for (const PointField& field : table.fields) names.push_back(field.count == 1 ? field.name : "");
+    const std::optional<std::size_t> time = find_time_field(names);
+    at_[4] = time ? static_cast<int>(*time) : -1, at_[5] = find({"ring"});
     for (int axis = 0; axis < 3; ++axis)
       if (at_[axis] < 0) throw InputError(path, "its points have no field '" + std::string(1, "xyz"[axis]) + "'");
   }
@@ -93,10 +134,11 @@ class Columns {
   void add(PointCloud& cloud, const Number& number, CountFrom from) const {
     const auto exact = [&](int column) { return number(static_cast<std::size_t>(at_[column])); };
     const auto value = [&](int column) { return static_cast<float>(exact(column)); };
-    cloud.add({exact(0), exact(1), exact(2)}, at_[3] < 0 ? 0.0F : value(3), from);
-    if (at_[4] >= 0) cloud.t.push_back(value(4));
-    // In this order NaN becomes 0.
-    if (at_[5] >= 0) cloud.ring.push_back(static_cast<std::uint16_t>(std::max(0.0F, std::min(value(5), 65535.0F))));
+    const Eigen::Vector3d position(exact(0), exact(1), exact(2));
+    if (from == CountFrom::first_point && !position.allFinite()) return;  // it would be the origin of all others
+    cloud.add(position, at_[3] < 0 ? 0.0F : value(3), from);
+    if (at_[4] >= 0) cloud.t.push_back(exact(4));
+    if (at_[5] >= 0) cloud.ring.push_back(to_ring(exact(5)));
   }
 
  private:
@@ -130,7 +172,10 @@ PointCloud decode_ascii(const fs::path& path, const PointTable& table, std::stri
     const std::size_t end = std::min(data.find('\n'), data.size());
     const std::vector<std::string> words = split_words(data.substr(0, end));
     data.remove_prefix(std::min(end + 1, data.size()));
-    if (words.size() < row) fail_short(path, table.points);
+    if (words.size() < row && data.empty()) fail_short(path, table.points);
+    if (words.size() < row)
+      throw InputError(path, fmt::format("point {} has {} numbers instead of {}", i, words.size(), row),
+                       "write a line per point, its numbers separated by blanks");
     const auto number = [&](std::size_t field) {
       const std::string& word = words[offsets[field]];
       if (const auto value = to_number(word)) return *value;
@@ -150,18 +195,18 @@ PointCloud decode_points(const fs::path& path, const PointTable& table, std::str
   return table.data == PointTable::Data::ascii ? decode_ascii(path, table, data, from) : decode_binary(path, table, data, from);
 }
 
-void check_size(const fs::path& path) {
+void check_size(const fs::path& path, std::size_t point_bytes) {
   const std::uintmax_t bytes = fs::exists(path) ? fs::file_size(path) : 0;
   if (bytes == 0) throw InputError(path, "holds no points", kNoPoints);
-  if (path.extension() == ".bin" && bytes % kBinPoint != 0)
-    throw InputError(path, std::to_string(bytes) + " bytes are no whole number of points",
-                     "a point is 16 bytes: x y z intensity as float32");
+  if (is_bin(path) && bytes % point_bytes != 0)
+    throw InputError(path, fmt::format("{} bytes are not a whole number of points of {} bytes", bytes, point_bytes),
+                     "the file is truncated, or its columns are not those of the other scans: write it again");
 }
 
-PointCloud read_point_cloud(const fs::path& path) {
+PointCloud read_point_cloud(const fs::path& path, const BinLayout& layout) {
   const std::string ending = lower_case(path.extension().string());
-  PointCloud cloud = ending == ".ply" ? read_ply(path) : ending == ".pcd" ? read_pcd(path) : read_bin(path);
-  check(path, cloud, kNoPoints);
+  PointCloud cloud = ending == ".ply" ? read_ply(path) : ending == ".pcd" ? read_pcd(path) : read_bin(path, layout);
+  keep_points(path, cloud, kNoPoints, is_return);
   return cloud;
 }
 
@@ -171,7 +216,7 @@ PointCloud read_map_cloud(const fs::path& path) {
                      : ending == ".pcd" ? read_pcd(path, CountFrom::first_point)
                                         : read_las(path);
   cloud.t.clear();  // of a map, seconds since anything
-  check(path, cloud, "write the map again");
+  keep_points(path, cloud, "write the map again", [](const Eigen::Vector3f& point) { return point.allFinite(); });
   return cloud;
 }
 

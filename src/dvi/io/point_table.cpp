@@ -1,7 +1,9 @@
 #include "dvi/io/point_table.h"
 
+#include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "dvi/core/error.h"
 #include "dvi/io/text.h"
@@ -62,6 +64,26 @@ PointTable::Data ply_data(const fs::path& path, const std::string& name) {
   fail(path, "format " + name);
 }
 
+struct PlyElement {
+  std::string name;
+  std::size_t count = 0;
+  std::vector<PointField> fields;
+};
+
+// Removes an element in front of the vertices from the data, such as the camera of a scanner.
+void skip_element(const fs::path& path, const PlyElement& element, PointTable::Data type, std::string_view& data) {
+  std::size_t row = 0;
+  for (const PointField& field : element.fields) row += field.bytes;
+  if (row == 0) return;
+  for (std::size_t i = 0; i < element.count; ++i) {
+    const std::size_t line = std::min(data.find('\n'), data.size());
+    const std::size_t size = type == PointTable::Data::ascii ? line + 1 : row;
+    if (data.empty() || size > data.size())
+      throw InputError(path, "ends before its points", "the file was cut; write it again");
+    data.remove_prefix(size);
+  }
+}
+
 // FIELDS, SIZE, TYPE and COUNT are columns of one table.
 std::vector<PointField> pcd_fields(const fs::path& path, std::map<std::string, std::vector<std::string>>& header) {
   const std::vector<std::string>&names = header["FIELDS"], &sizes = header["SIZE"], &types = header["TYPE"],
@@ -78,6 +100,12 @@ std::vector<PointField> pcd_fields(const fs::path& path, std::map<std::string, s
   return fields;
 }
 
+bool is_pcd_entry(const std::string& word) {
+  static const std::set<std::string> entries = {"VERSION", "FIELDS", "COLUMNS",   "SIZE",   "TYPE", "COUNT",
+                                                "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
+  return entries.contains(word);
+}
+
 }  // namespace
 
 PointCloud read_ply(const fs::path& path, CountFrom from) {
@@ -86,19 +114,25 @@ PointCloud read_ply(const fs::path& path, CountFrom from) {
   Header header(path, bytes);
   header.next();
   PointTable table;
-  std::string element;
+  std::vector<PlyElement> elements;  // up to the vertices
+  bool behind = false;               // of the vertices
   for (auto words = header.next(); words.empty() || words[0] != "end_header"; words = header.next()) {
     const std::string key = words.empty() ? "comment" : words[0];
     if (key == "format" && words.size() >= 2) table.data = ply_data(path, words[1]);
     if (key == "element" && words.size() == 3) {
-      // Elements in front would have to be skipped over; no writer of scans puts any there.
-      if (element.empty() && words[1] != "vertex") throw InputError(path, "its first element is not 'vertex'");
-      element = words[1];
-      if (element == "vertex") table.points = count_of(path, words, 2);
+      behind = behind || (!elements.empty() && elements.back().name == "vertex");
+      if (!behind) elements.push_back({words[1], count_of(path, words, 2), {}});
     }
-    if (key == "property" && element == "vertex") table.fields.push_back(ply_field(path, words));
+    if (key == "property" && !behind && !elements.empty()) elements.back().fields.push_back(ply_field(path, words));
   }
-  return decode_points(path, table, header.rest(), from);
+  if (elements.empty() || elements.back().name != "vertex")
+    throw InputError(path, "holds no element 'vertex', which has the points");
+  table.fields = elements.back().fields;
+  table.points = elements.back().count;
+  elements.pop_back();
+  std::string_view data = header.rest();
+  for (const PlyElement& element : elements) skip_element(path, element, table.data, data);
+  return decode_points(path, table, data, from);
 }
 
 PointCloud read_pcd(const fs::path& path, CountFrom from) {
@@ -107,11 +141,14 @@ PointCloud read_pcd(const fs::path& path, CountFrom from) {
   std::map<std::string, std::vector<std::string>> entries;
   while (!entries.contains("DATA")) {
     const auto words = header.next();
-    if (!words.empty()) entries[words[0]] = words;
+    if (words.empty() || words[0].starts_with('#')) continue;
+    if (!is_pcd_entry(words[0])) fail(path, joined(words));
+    entries[words[0] == "COLUMNS" ? "FIELDS" : words[0]] = words;  // as versions before 0.7 called them
   }
   PointTable table;
   table.fields = pcd_fields(path, entries);
-  table.points = count_of(path, entries["POINTS"], 1);
+  table.points = entries.contains("POINTS") ? count_of(path, entries["POINTS"], 1)
+                                            : count_of(path, entries["WIDTH"], 1) * count_of(path, entries["HEIGHT"], 1);
   const std::string data = joined(entries["DATA"]);
   if (data == "DATA binary_compressed")
     throw InputError(path, "is compressed, which is not read", "write it as DATA binary or ascii");

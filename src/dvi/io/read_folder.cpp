@@ -19,10 +19,10 @@
 #include "dvi/io/image_storage.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/mask_folder.h"
-#include "dvi/io/point_cloud.h"
 #include "dvi/io/poses.h"
 #include "dvi/io/reader.h"
 #include "dvi/io/rgbd.h"
+#include "dvi/io/scan_files.h"
 #include "dvi/io/text.h"
 #include "dvi/io/video_reader.h"
 
@@ -329,7 +329,10 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
   if (scans.empty()) {
     scans = named(list_files(path / "depth" / drive.camera_name, {".png"}));
     geometry = scans.empty() && map ? Geometry::map : Geometry::depth;
+    if (scans.empty() && !map) refuse_other_geometry(path);
   }
+  if (const std::string others = geometry == Geometry::scans ? "" : describe_other_scans(path); !others.empty())
+    drive.warnings.push_back("lidar/ holds no scans that are read (.bin, .ply, .pcd) but " + others);
   if (map && geometry != Geometry::map)
     drive.warnings.push_back(map->filename().string() + " is not used: the map is made of the scans");
   const std::int64_t period = std::llround(1e9 / config.lidar.rate);
@@ -350,12 +353,9 @@ Recording read_folder(const fs::path& path, const ReadOptions& options) {
     DepthCamera camera;
     config.depth.apply(camera);
     recording.read_scan = attach_depth_camera(drive, camera);
-  } else {
-    recording.read_scan = [rotation = config.lidar.rotation()](const ScanHeader& header) {
-      return to_scan(read_point_cloud(header.file), header, rotation);
-    };
   }
   config.lidar.apply(drive);
+  if (geometry == Geometry::scans) attach_scan_files(recording, config.lidar, config.lidar.rotation());
   match_masks(drive, {camera_masks(path, drive.camera_name)});
   if (const fs::path poses = path / "poses.txt"; fs::exists(poses)) {
     drive.poses = read_poses(poses, drive);

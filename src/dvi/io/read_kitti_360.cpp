@@ -17,9 +17,9 @@
 #include "dvi/io/kitti_calibration.h"
 #include "dvi/io/kitti_files.h"
 #include "dvi/io/plausible.h"
-#include "dvi/io/point_cloud.h"
 #include "dvi/io/reader.h"
 #include "dvi/io/rigid.h"
+#include "dvi/io/scan_files.h"
 #include "dvi/io/text.h"
 
 namespace dvi::io {
@@ -273,9 +273,11 @@ Recording read_kitti_360(const fs::path& path, const ReadOptions& options) {
     recording.gaps = {{"no image for frames", numbers_without(drive, images)},
                       {"no scan for frames", numbers_without(drive, scans)}};
   Rotation rotation;  // clockwise, the front in the middle of the scan
+  LidarConfig lidar;
   if (const auto config = read_drive_config(path)) {
     config->apply(drive);
-    rotation = config->lidar.rotation();
+    lidar = config->lidar;
+    rotation = lidar.rotation();
   }
   if (!places.boxes.empty() && !drive.poses.empty())
     add_boxes(drive, places.boxes);
@@ -283,9 +285,7 @@ Recording read_kitti_360(const fs::path& path, const ReadOptions& options) {
     drive.warnings.push_back(
         fmt::format("its instance pictures are not used: give --masks {} --classes car,truck,bus,person,rider",
                     (places.labels_2d / drive.camera_name / "instance").string()));
-  recording.read_scan = [rotation](const ScanHeader& header) {
-    return to_scan(read_point_cloud(header.file), header, rotation);
-  };
+  attach_scan_files(recording, lidar, rotation);
   return recording;
 }
 

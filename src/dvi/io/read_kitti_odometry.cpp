@@ -9,9 +9,9 @@
 #include "dvi/io/kitti_calibration.h"
 #include "dvi/io/kitti_files.h"
 #include "dvi/io/plausible.h"
-#include "dvi/io/point_cloud.h"
 #include "dvi/io/reader.h"
 #include "dvi/io/rigid.h"
+#include "dvi/io/scan_files.h"
 #include "dvi/io/text.h"
 
 namespace dvi::io {
@@ -89,14 +89,14 @@ Recording read_kitti_odometry(const fs::path& path, const ReadOptions& options) 
     recording.gaps = {{"no image for frames", numbers_without(drive, images)},
                       {"no scan for frames", numbers_without(drive, scans)}};
   Rotation rotation{.turn = Turn::none};  // the benchmark's scans are compensated for the motion
+  LidarConfig lidar;
   if (const auto config = read_drive_config(path)) {
     config->apply(drive);
-    rotation.turn = config->lidar.turn.value_or(Turn::none);
-    rotation.first_azimuth = config->lidar.rotation().first_azimuth;
+    lidar = config->lidar;
+    rotation.turn = lidar.turn.value_or(Turn::none);
+    rotation.first_azimuth = lidar.rotation().first_azimuth;
   }
-  recording.read_scan = [rotation](const ScanHeader& header) {
-    return to_scan(read_point_cloud(header.file), header, rotation);
-  };
+  attach_scan_files(recording, lidar, rotation);
   return recording;
 }
 

@@ -10,8 +10,8 @@
 #include "dvi/io/kitti_files.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/plausible.h"
-#include "dvi/io/point_cloud.h"
 #include "dvi/io/reader.h"
+#include "dvi/io/scan_files.h"
 #include "dvi/io/text.h"
 
 namespace dvi::io {
@@ -139,14 +139,14 @@ Recording read_kitti(const fs::path& path, const ReadOptions& options) {
   recording.gaps = find_gaps(drive, numbered_images(path, drive.camera_name), scans, packets);
 
   Rotation rotation;  // clockwise, the front in the middle of the scan
+  LidarConfig lidar;
   if (const auto config = read_drive_config(path)) {
     config->apply(drive);
-    rotation = config->lidar.rotation();
+    lidar = config->lidar;
+    rotation = lidar.rotation();
   }
   for (Gap& gap : read_own_labels(drive)) recording.gaps.push_back(std::move(gap));
-  recording.read_scan = [rotation](const ScanHeader& header) {
-    return to_scan(read_point_cloud(header.file), header, rotation);
-  };
+  attach_scan_files(recording, lidar, rotation);
   return recording;
 }
 

@@ -202,7 +202,8 @@ Drive read_drive(const fs::path& path, const ReadOptions& options) {
   require_plain_names(drive);
   if (options.frames) cut(drive, *options.frames);
   if (options.span) cut(drive, *options.span);
-  for (const ScanHeader& header : drive.scan_headers) check_size(header.file);
+  if (recording.inspect_scans) recording.inspect_scans(recording);
+  for (const ScanHeader& header : drive.scan_headers) check_size(header.file, recording.point_bytes);
   warn_of_gaps(drive, recording.gaps);
   attach_lazy_readers(recording);
   return std::move(drive);

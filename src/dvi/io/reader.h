@@ -29,6 +29,10 @@ struct Recording {
   Drive drive;
   std::vector<Gap> gaps;
   std::function<Scan(const ScanHeader&)> read_scan;
+  std::size_t point_bytes = 16;  ///< of .bin scans
+  /// Called with the recording once it is cut to the frames asked for: sets `read_scan` and `point_bytes` by samples of the
+  /// scans that are left. None: they are set already.
+  std::function<void(Recording&)> inspect_scans = {};
   std::function<cv::Mat3b(const Frame&)> read_image = {};  ///< none: Frame::file is the image's
   int value_bits = 16;                                     ///< that 16-bit images use, as find_value_bits() determines them
 };
@@ -65,8 +69,8 @@ bool holds_many_images(const std::filesystem::path& file);
 /// All formats; a new reader is one file and one line here.
 const std::vector<DriveFormat>& drive_formats();
 
-/// Opens a drive of whatever format: looks at names and parses text, reads no image or scan. InputError where the folder is
-/// none, lacks what it needs, or does not have the frames asked for.
+/// Opens a drive of whatever format: looks at names and parses text, reads no image, and of scans some samples. InputError
+/// where the folder is none, lacks what it needs, or does not have the frames asked for.
 Drive read_drive(const std::filesystem::path& path, const ReadOptions& options = {});
 
 }  // namespace dvi::io

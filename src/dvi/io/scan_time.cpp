@@ -2,6 +2,10 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "dvi/core/error.h"
+
 namespace dvi::io {
 namespace {
 
@@ -25,6 +29,8 @@ class Clock {
  private:
   double start_, length_;
 };
+
+constexpr double kMaxTimeS = 10;  // after the start of a scan; more is of another unit or clock
 
 }  // namespace
 
@@ -58,13 +64,21 @@ std::vector<float> times_in_order(const std::vector<Eigen::Vector3f>& points, co
   return times;
 }
 
-Scan to_scan(PointCloud cloud, const ScanHeader& header, const Rotation& rotation) {
+Scan to_scan(PointCloud cloud, const ScanHeader& header, const Rotation& rotation, const PointTimes& times,
+             std::int64_t clock_offset_ns) {
   Scan scan;
-  if (cloud.t.empty()) {
+  const double start_s = 1e-9 * static_cast<double>(header.start_ns - clock_offset_ns);
+  const double length_s = 1e-9 * static_cast<double>(header.end_ns - header.start_ns);
+  if (cloud.t.empty() || times.use == PointTimes::Use::none) {
     scan.time = times_by_azimuth(cloud.points, header, rotation);
   } else {
     const Clock at(header);
-    for (const float t : cloud.t) scan.time.push_back(at(0) + t);
+    for (const double after : seconds_after_start(cloud.t, times, start_s, length_s)) {
+      if (!(std::abs(after) <= kMaxTimeS))
+        throw InputError(header.file, fmt::format("a time of its points is {:.4g} s after the start of the scan", after),
+                         "correct the times, or leave the field out");
+      scan.time.push_back(at(0) + static_cast<float>(after));
+    }
   }
   scan.points = std::move(cloud.points);
   scan.intensity = std::move(cloud.intensity);

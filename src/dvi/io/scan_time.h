@@ -7,6 +7,7 @@
 
 #include "dvi/drive/drive.h"
 #include "dvi/io/point_cloud.h"
+#include "dvi/io/point_times.h"
 
 namespace dvi::io {
 
@@ -27,7 +28,11 @@ std::vector<float> times_by_azimuth(const std::vector<Eigen::Vector3f>& points, 
 /// one at its end. Returns fire a few degrees ahead of or behind each other, so that order decides at the seam.
 std::vector<float> times_in_order(const std::vector<Eigen::Vector3f>& points, const ScanHeader& header);
 
-/// A scan from its file: the file's own times where it has them, else by azimuth.
-Scan to_scan(PointCloud cloud, const ScanHeader& header, const Rotation& rotation);
+/// A scan from its file: with the times of the file by their meaning, or with times by azimuth where the file has none or they
+/// are not usable.
+/// `clock_offset_ns` was added to the times of the header, but not to those of the points. InputError where times are far from
+/// the scan.
+Scan to_scan(PointCloud cloud, const ScanHeader& header, const Rotation& rotation, const PointTimes& times = {},
+             std::int64_t clock_offset_ns = 0);
 
 }  // namespace dvi::io
