@@ -1,5 +1,6 @@
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 
 #include "dvi/io/colmap_model.h"
 #include "dvi/io/given_map.h"
@@ -227,6 +228,82 @@ TEST_F(FolderWithMap, TwoMapsOrScansBesideItAreSaid) {
   EXPECT_THAT(drive.warnings.front(), HasSubstr("map.ply is not used"));
   folder.write("map.las", "");
   EXPECT_THAT(input_error([&] { read_drive(folder.path); }), HasSubstr("lies beside map.ply"));
+}
+
+// LAS and its variable length records as the specification of ASPRS (LAS 1.4 R15) has them: 54 bytes of head each.
+std::string las_record(std::uint16_t id, const std::string& content) {
+  std::string head(18, '\0');
+  head += packed(id) + packed(static_cast<std::uint16_t>(content.size()));
+  head.resize(54, '\0');
+  return head + content;
+}
+
+TEST(GivenMap, RefusesCoordinatesThatAreNotMeters) {
+  const TestFolder folder;
+  const auto with_record = [&](const std::string& record) {
+    std::string header = las_header(2, 0, 20, 1);
+    header.replace(96, 4, packed(static_cast<std::uint32_t>(227 + record.size())));
+    header.replace(100, 4, packed<std::uint32_t>(1));
+    return folder.write("map.las", header + record + las_point(kFar, 20));
+  };
+  const auto keys = [](std::uint16_t key, std::uint16_t value) {
+    std::string out;
+    for (const int number : {1, 1, 0, 1}) out += packed(static_cast<std::uint16_t>(number));
+    return las_record(34735, out + packed(key) + packed<std::uint16_t>(0) + packed<std::uint16_t>(1) + packed(value));
+  };
+  const auto error = [&](const std::string& record) { return input_error([&] { read_map_cloud(with_record(record)); }); };
+  EXPECT_THAT(error(keys(1024, 2)), AllOf(HasSubstr("map.las: its coordinates are in degrees"), HasSubstr("UTM")));
+  EXPECT_THAT(error(keys(3076, 9003)), HasSubstr("in feet"));
+  EXPECT_THAT(error(las_record(2112, R"(GEOGCS["WGS 84",UNIT["degree",0.0174532925199433]])")), HasSubstr("in degrees"));
+  EXPECT_THAT(error(las_record(2112, R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["foot",0.3048]])")),
+              HasSubstr("in feet"));
+  for (const std::string& metric : {keys(3076, 9001), las_record(2112, R"(PROJCS["x",GEOGCS["y"],UNIT["metre",1]])"),
+                                    las_record(2112, "UNIT[\""), las_record(34735, "abc")})
+    EXPECT_EQ(read_map_cloud(with_record(metric)).points.size(), 1U);
+}
+
+// Clouds that PDAL, OpenMVG, CloudCompare and others wrote, where they are.
+TEST(GivenMap, ReadsOrNamesWhatOtherProgramsWrote) {
+  const char* root = std::getenv("DVI_DATA");
+  const fs::path clouds = fs::path(root ? root : "/tmp/dvi-data") / "foreign_files/clouds";
+  if (!fs::exists(clouds)) GTEST_SKIP() << clouds << " is not there; set DVI_DATA to the recordings";
+  const std::pair<const char*, std::size_t> read[] = {{"1.0_0.las", 1},
+                                                      {"1.2_2.las", 1},
+                                                      {"100-points.las", 100},
+                                                      {"bad_vlr_count.las", 10},
+                                                      {"extrabytes.las", 1065},
+                                                      {"gps-time-nan.las", 1},
+                                                      {"simple.las", 1065},
+                                                      {"utm17.las", 10},
+                                                      {"warsaw_small.las", 3000},
+                                                      {"autzen-utm.pcd", 1065},
+                                                      {"utm17_space.pcd", 10},
+                                                      {"utm17_tab.pcd", 10},
+                                                      {"mesh.ply", 4},
+                                                      {"mesh_fixed.ply", 4},
+                                                      {"issue_2421.ply", 1},
+                                                      {"openmvg_cloud_and_poses.ply", 369},
+                                                      {"openmvg_colorized.ply", 369},
+                                                      {"openmvg_robust.ply", 527},
+                                                      {"simple_binary.ply", 3},
+                                                      {"simple_text.ply", 3},
+                                                      {"text_extradim.ply", 1}};
+  for (const auto& [name, points] : read) EXPECT_EQ(read_map_cloud(clouds / name).points.size(), points) << name;
+  const std::pair<const char*, const char*> refused[] = {{"epsg_4326.las", "in degrees"},
+                                                         {"autzen-dd.las", "in degrees"},
+                                                         {"spurious.las", "in degrees"},
+                                                         {"autzen_trim_7.las", "in feet"},
+                                                         {"test1_4.las", "in feet"},
+                                                         {"simple.laz", "is compressed (LAZ)"},
+                                                         {"1.2-with-color.copc.laz", "is compressed (LAZ)"},
+                                                         {"A4.e57", "is no LAS file"},
+                                                         {"utm17_comma.pcd", "point 0 has 1 numbers instead of 3"},
+                                                         {"missingheader.pcd", "its header is not understood at '289814.15"},
+                                                         {"no_vertex.ply", "holds no element 'vertex'"},
+                                                         {"sized_dims.ply", "no field 'z'"},
+                                                         {"unsized_dims.ply", "no field 'z'"}};
+  for (const auto& [name, reason] : refused)
+    EXPECT_THAT(input_error([&] { read_map_cloud(clouds / name); }), HasSubstr(reason)) << name;
 }
 
 }  // namespace

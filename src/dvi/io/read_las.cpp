@@ -1,10 +1,13 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "dvi/core/error.h"
 #include "dvi/io/point_table.h"
+#include "dvi/io/text.h"
 
 namespace dvi::io {
 namespace {
@@ -57,11 +60,58 @@ Layout read_layout(const fs::path& path, const std::string& bytes) {
   return out;
 }
 
+// The unit of a coordinate system as well-known text, where it is not meters; else empty.
+std::string foreign_unit(std::string_view text) {
+  const auto has = [&](std::string_view word) { return text.find(word) != std::string_view::npos; };
+  if (has("GEOG") && !has("PROJC")) return "degrees";
+  constexpr std::string_view kUnit = "UNIT[\"";
+  constexpr double kMinFoot = 0.304, kMaxFoot = 0.305;
+  for (std::size_t unit = text.find(kUnit); unit != std::string_view::npos; unit = text.find(kUnit, unit + 1)) {
+    const std::size_t factor = text.find(',', unit), end = text.find_first_of(",]", factor + 1);
+    if (factor == std::string_view::npos || end == std::string_view::npos) break;
+    const std::optional<double> meters = to_number(text.substr(factor + 1, end - factor - 1));
+    if (meters && *meters > kMinFoot && *meters < kMaxFoot) return "feet";
+  }
+  return "";
+}
+
+// The same of the keys of GeoTIFF.
+std::string foreign_unit_of_keys(const std::string& bytes, std::size_t place, std::size_t size) {
+  constexpr std::uint16_t kModel = 1024, kGeographic = 2, kLinearUnits = 3076, kFoot = 9002, kUsFoot = 9003;
+  constexpr std::size_t kEntry = 8;  // key, where its value is (0: here), count, value
+  for (std::size_t entry = kEntry; entry + kEntry <= size; entry += kEntry) {
+    const auto key = at<std::uint16_t>(bytes, place + entry), value = at<std::uint16_t>(bytes, place + entry + 6);
+    if (key == kModel && value == kGeographic) return "degrees";
+    if (key == kLinearUnits && (value == kFoot || value == kUsFoot)) return "feet";
+  }
+  return "";
+}
+
+// By the variable length records between the header and the points.
+void require_meters(const fs::path& path, const std::string& bytes, const Layout& layout) {
+  constexpr std::size_t kHeaderSize = 94, kRecords = 100, kRecordHead = 54, kRecordId = 18;
+  constexpr std::uint16_t kGeoKeys = 34735, kWellKnownText = 2112;
+  std::size_t place = at<std::uint16_t>(bytes, kHeaderSize);
+  for (auto left = at<std::uint32_t>(bytes, kRecords); left > 0 && place + kRecordHead <= layout.data; --left) {
+    const auto id = at<std::uint16_t>(bytes, place + kRecordId), size = at<std::uint16_t>(bytes, place + kRecordId + 2);
+    place += kRecordHead;
+    if (place + size > layout.data) return;
+    const std::string unit = id == kGeoKeys         ? foreign_unit_of_keys(bytes, place, size)
+                             : id == kWellKnownText ? foreign_unit(std::string_view(bytes).substr(place, size))
+                                                    : "";
+    if (!unit.empty())
+      throw InputError(path, "its coordinates are in " + unit + ", by its coordinate system",
+                       "transform it to a projection in meters, such as UTM, by pdal translate with filters.reprojection");
+    place += size;
+  }
+}
+
 }  // namespace
 
 PointCloud read_las(const fs::path& path) {
   const std::string bytes = read_file(path);
   const Layout layout = read_layout(path, bytes);
+  require_meters(path, bytes, layout);
   PointCloud cloud;
   cloud.points.reserve(layout.points);
   cloud.intensity.reserve(layout.points);
