@@ -153,5 +153,27 @@ TEST_F(Layouts, ANuscenesTableThatPointsNowhere) {
   expect_refused("nuscenes/scene-0061", "which is not there");
 }
 
+// LIDAR_TOP scans have 20 bytes per point and any number of points.
+TEST_F(Layouts, NuscenesScansOfAnySize) {
+  compensated_drive();
+  write_layout("nuscenes", "nuscenes");
+  const std::vector<fs::path> scans = list_files(folder / "nuscenes/sweeps/LIDAR_TOP", {".bin"});
+  ASSERT_EQ(scans.size(), 4U);
+  for (std::size_t i = 0; i < scans.size(); ++i) fs::resize_file(scans[i], fs::file_size(scans[i]) / 20 * 20 - 20 * i);
+  EXPECT_EQ(check("nuscenes/scene-0061")["scans"]["count"], 6);
+  fs::remove(scans[1]);
+  const nlohmann::json bridged = check("nuscenes/scene-0061");
+  EXPECT_EQ(bridged["scans"]["count"], 5);
+  EXPECT_THAT(bridged["warnings"].dump(),
+              HasSubstr("sample_data.json: 1 of 6 scans that it points to are missing, the first is "
+                        "sweeps/LIDAR_TOP/" +
+                        scans[1].filename().string()));
+  fs::resize_file(scans[2], 1006);
+  expect_refused("nuscenes/scene-0061", "1006 bytes are not a whole number of points of 20 bytes");
+  fs::remove_all(folder / "nuscenes/sweeps/LIDAR_TOP");
+  fs::remove_all(folder / "nuscenes/samples/LIDAR_TOP");
+  expect_refused("nuscenes/scene-0061", "6 of 6 scans that it points to are missing");
+}
+
 }  // namespace
 }  // namespace dvi

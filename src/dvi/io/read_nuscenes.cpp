@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstring>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -227,25 +226,37 @@ void add_labels_of(const std::vector<BoxTrack>& tracks, Drive& drive) {
   drive.labelled = drive.labelled_around = true;
 }
 
-// Points of five numbers, the last their ring; compensated to the time of the scan, when its turn was complete.
+const BinLayout& nuscenes_layout() {
+  static const BinLayout layout{.columns = {"x", "y", "z", "intensity", "ring"}, .stated = true};
+  return layout;
+}
+
+// Compensated to the time of the scan, when its turn was complete.
 Scan read_compensated_scan(const ScanHeader& header) {
-  constexpr std::size_t kPoint = 5;
-  const std::string bytes = read_file(header.file);
-  if (bytes.empty() || bytes.size() % (kPoint * sizeof(float)) != 0)
-    throw InputError(header.file, fmt::format("{} bytes are no whole number of points", bytes.size()),
-                     "a point is 20 bytes: x y z intensity ring as float32");
+  PointCloud cloud = read_point_cloud(header.file, nuscenes_layout());
   Scan scan;
-  for (std::size_t at = 0; at < bytes.size(); at += kPoint * sizeof(float)) {
-    float p[kPoint];
-    std::memcpy(p, bytes.data() + at, sizeof(p));
-    const Eigen::Vector3f point(p[1], -p[0], p[2]);
-    if (!point.allFinite()) throw InputError(header.file, "holds points that are not finite (NaN)");
-    scan.points.push_back(point);
-    scan.intensity.push_back(p[3]);
-    scan.ring.push_back(static_cast<std::uint16_t>(std::clamp(p[4], 0.0F, 65535.0F)));
-  }
+  for (const Eigen::Vector3f& p : cloud.points) scan.points.emplace_back(p.y(), -p.x(), p.z());
+  scan.intensity = std::move(cloud.intensity);
+  scan.ring = std::move(cloud.ring);
   scan.time.assign(scan.size(), 0.0F);
   return scan;
+}
+
+// The scans whose files are there; the others leave a gap.
+void add_scan_headers(Drive& drive, const std::vector<SensorData>& scans, const fs::path& root, const fs::path& table) {
+  std::vector<std::string> missing;
+  for (const SensorData& scan : scans) {
+    const fs::path file = root / scan.file;
+    if (fs::exists(file))
+      drive.scan_headers.push_back({file.stem().stem().string(), scan.time_ns, scan.time_ns - kLidarTurn, scan.time_ns, file});
+    else
+      missing.push_back(scan.file);
+  }
+  if (missing.empty()) return;
+  const std::string first = fmt::format("{} of {} scans that it points to are missing, the first is {}", missing.size(),
+                                        scans.size(), missing.front());
+  if (drive.scan_headers.empty()) throw InputError(table, first, "unpack the samples and sweeps of this scene");
+  drive.warnings.push_back(fmt::format("{}: {}", table.filename().string(), first));
 }
 
 std::optional<fs::path> version_folder(const fs::path& root) {
@@ -321,9 +332,7 @@ Recording read_nuscenes(const fs::path& path, const ReadOptions& options) {
                             image.time_ns,
                             choice.root / image.file,
                             {}});
-  for (const SensorData& scan : scene.channels.at("LIDAR_TOP"))
-    drive.scan_headers.push_back({fs::path(scan.file).stem().stem().string(), scan.time_ns, scan.time_ns - kLidarTurn,
-                                  scan.time_ns, choice.root / scan.file});
+  add_scan_headers(drive, scene.channels.at("LIDAR_TOP"), choice.root, tables.file("sample_data"));
   std::vector<StampedPose> poses;
   for (const auto& [channel, list] : scene.channels)
     for (const SensorData& data : list)
@@ -340,6 +349,7 @@ Recording read_nuscenes(const fs::path& path, const ReadOptions& options) {
     if (!fs::exists(frame.file))
       throw InputError(tables.file("sample_data"), "points to " + frame.file.string() + ", which is not there",
                        "unpack the samples and sweeps of this scene");
+  recording.point_bytes = nuscenes_layout().shape().point_bytes();
   recording.read_scan = read_compensated_scan;
   return recording;
 }
