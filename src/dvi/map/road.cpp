@@ -12,6 +12,8 @@ namespace dvi::map {
 namespace {
 
 constexpr double kStep = 0.5;  // metres: a camera that moved less stands
+// Between two positions farther apart, poses are missing or wrong: there is no road to sample, however long it would be.
+constexpr double kMaxStepM = 200;
 
 Eigen::Vector2d flat(const Eigen::Vector3d& x) { return x.head<2>(); }
 
@@ -63,10 +65,22 @@ double to_middle(const Eigen::Array2i& square, const Eigen::Vector2d& place) {
 }  // namespace
 
 Road::Road(const Views& views) {
-  const std::vector<Eigen::Vector2d> way = smoothed(centres(views));
+  const std::vector<Eigen::Vector2d> all = centres(views);
+  for (auto begin = all.begin(); begin != all.end();) {
+    const auto far = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return (a - b).norm() > kMaxStepM; };
+    auto end = std::adjacent_find(begin, all.end(), far);
+    if (end != all.end()) ++end;
+    add_piece(smoothed({begin, end}), views);
+    begin = end;
+  }
+  find_near();
+}
+
+void Road::add_piece(const std::vector<Eigen::Vector2d>& way, const Views& views) {
   std::vector<Eigen::Vector2d> corners{way.front() - kOnward * heading(views, way, false)};
   corners.insert(corners.end(), way.begin(), way.end());
   corners.emplace_back(way.back() + kOnward * heading(views, way, true));
+  const std::size_t first = way_.size();
   double open = 0;  // metres from the last corner to the next place
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     const Eigen::Vector2d step = corners[i + 1] - corners[i];
@@ -74,9 +88,9 @@ Road::Road(const Views& views) {
     open -= step.norm();
   }
   const std::size_t last = way_.size() - 1;
-  for (std::size_t i = 0; i <= last; ++i)
-    directions_.emplace_back((way_[std::min(i + 1, last)] - way_[i - std::min<std::size_t>(i, 1)]).normalized());
-  find_near();
+  for (std::size_t i = first; i <= last; ++i)
+    directions_.emplace_back((way_[std::min(i + 1, last)] - way_[std::max(i, first + 1) - 1]).normalized());
+  pieces_.push_back({static_cast<int>(first), static_cast<int>(last)});
 }
 
 void Road::find_near() {
@@ -128,9 +142,11 @@ std::optional<Eigen::Vector2d> Road::locate(const Eigen::Vector2d& place) const 
       best = i;
     }
   if (best < 0) return std::nullopt;
+  const auto piece = std::partition_point(pieces_.begin(), pieces_.end(), [&](const Piece& p) { return p.last < best; });
   double along = best;
   for (int round = 0; round < 2; ++round)
-    along = std::clamp(along + (place - middle(along)).dot(direction(along)), 0.0, length());
+    along = std::clamp(along + (place - middle(along)).dot(direction(along)), static_cast<double>(piece->first),
+                       static_cast<double>(piece->last));
   const Eigen::Vector2d d = direction(along), off = place - middle(along);
   return Eigen::Vector2d(along, off.dot(Eigen::Vector2d(-d.y(), d.x())));
 }

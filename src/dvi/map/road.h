@@ -12,7 +12,8 @@
 namespace dvi::map {
 
 /// Coordinates along the road: metres along the way of a drive's cameras, and to the left of it. The way goes on straight
-/// before its first and behind its last camera.
+/// before its first and behind its last camera. Where two cameras in a row are hundreds of meters apart, it consists of pieces
+/// that follow each other in these coordinates, so that its cost does not depend on how far poses are off.
 class Road {
  public:
   static constexpr double kOnward = 70;  ///< metres the way goes on, at either end
@@ -32,12 +33,17 @@ class Road {
 
  private:
   using Square = std::pair<int, int>;
+  struct Piece {
+    int first, last;  // of way_, both included
+  };
 
+  void add_piece(const std::vector<Eigen::Vector2d>& way, const Views& views);
   void find_near();
   int metre(double along) const;               // that begins before a place
   Eigen::Vector2d middle(double along) const;  // place(along, 0)
 
   std::vector<Eigen::Vector2d> way_, directions_;  // a metre apart
+  std::vector<Piece> pieces_;                      // in order
   std::map<Square, std::vector<int>> near_;        // those that may be the nearest of a place in the square
 };
 

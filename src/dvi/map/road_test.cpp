@@ -56,5 +56,21 @@ TEST(Road, LocatesAtTheNearestOfItsMetres) {
   }
 }
 
+TEST(Road, ConsistsOfPiecesWherePosesJump) {
+  std::vector<View> views = bend();
+  const double whole = road_of(views).length();
+  View far = views.back();
+  far.camera_from_world = far.camera_from_world * SE3{Eigen::Matrix3d::Identity(), {-4e6, 0, 0}};
+  views.push_back(far);
+  const Road road = road_of(views);
+  EXPECT_LT(road.length(), whole + 2 * Road::kOnward + 3);
+  for (const View& view : views) {
+    const Eigen::Vector2d place = view.camera_from_world.inverse().t.head<2>();
+    const auto found = road.locate(place);
+    ASSERT_TRUE(found);
+    EXPECT_LT((road.place(found->x(), found->y()) - place).norm(), 0.01);
+  }
+}
+
 }  // namespace
 }  // namespace dvi::map
