@@ -125,6 +125,13 @@ std::string ranges(const std::vector<int>& numbers) {
   return text;
 }
 
+TextLine::TextLine(fs::path file, std::size_t number, std::string_view text) : file_(std::move(file)), number_(number) {
+  if (text.size() > kLongestLineBytes)
+    throw InputError(file_.string() + ":" + std::to_string(number_), fmt::format("the line has {} bytes", text.size()),
+                     fmt::format("at most {} are read: is it another file, or without line ends?", kLongestLineBytes));
+  words_ = split_words(text);
+}
+
 const std::string& TextLine::word(std::size_t i) const {
   if (words_.empty()) fail("is empty");
   if (i >= size()) fail("has only " + std::to_string(size()) + " entries");

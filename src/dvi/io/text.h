@@ -26,6 +26,9 @@ std::string to_seconds(std::int64_t nanoseconds);
 /// KITTI's 'YYYY-MM-DD HH:MM:SS.nnnnnnnnn' as nanoseconds since 1970.
 std::optional<std::int64_t> date_to_nanoseconds(std::string_view text);
 
+/// Longer lines of numbers hold something else, such as a whole file without line ends.
+inline constexpr std::size_t kLongestLineBytes = std::size_t{1} << 20;
+
 bool all_digits(std::string_view text);
 std::string lower_case(std::string text);
 /// Between blanks.
@@ -33,11 +36,11 @@ std::vector<std::string> split_words(std::string_view line);
 /// Numbers in order as people write them: "3, 177-180". Longer lists end in "and 12 more".
 std::string ranges(const std::vector<int>& numbers);
 
-/// One line of a text file, split at blanks. What is asked of it and not there is an InputError naming file and line.
+/// One line of a text file, split at blanks. What is asked of it and not there is an InputError naming file and line, as is a
+/// line of more than kLongestLineBytes: its words take several times its size in memory.
 class TextLine {
  public:
-  TextLine(fs::path file, std::size_t number, std::string_view text)
-      : file_(std::move(file)), number_(number), words_(split_words(text)) {}
+  TextLine(fs::path file, std::size_t number, std::string_view text);
 
   std::size_t size() const { return words_.size(); }
   const std::string& word(std::size_t i) const;

@@ -74,5 +74,13 @@ TEST(Text, SaysFileAndLineOfWhatIsWrong) {
               HasSubstr("in nanoseconds; write seconds, such as 1534313591.432"));
 }
 
+TEST(Text, RefusesLinesThatNoFileOfNumbersHas) {
+  const TestFolder folder;
+  std::string line(kLongestLineBytes, '1');
+  EXPECT_EQ(read_text_lines(folder.write("a.txt", line + "\n")).size(), 1U);
+  const fs::path file = folder.write("b.txt", "1 2\n" + line + " 1\n");
+  EXPECT_THAT(input_error([&] { read_text_lines(file); }), HasSubstr("b.txt:2: the line has 1048578 bytes"));
+}
+
 }  // namespace
 }  // namespace dvi::io
