@@ -1,5 +1,9 @@
 #include "dvi/io/poses.h"
 
+#include <cmath>
+
+#include <fmt/format.h>
+
 #include "dvi/io/rigid.h"
 #include "dvi/io/test_folder.h"
 
@@ -33,6 +37,33 @@ TEST(Poses, AreReadInThreeForms) {
   const Trajectory frames = read_poses(folder.write("c", "1 0 0 0 0 1 0 0 0 0 1 1\n1 0 0 0 0 1 0 0 0 0 1 3\n"), two_scans());
   EXPECT_EQ(frames.poses().at(1).time_ns, 200);
   EXPECT_NEAR(frames.poses().at(1).world_from_body.t.z(), 2, 1e-12);
+}
+
+// evo and pandas write commas and the names of columns; numpy.savetxt puts them behind '#'.
+TEST(Poses, OfTumMayHaveCommasAndNamesOfColumns) {
+  const TestFolder folder;
+  const double turn = std::sqrt(0.5);
+  const std::string numbers = fmt::format("{0},{0}", turn);
+  for (const std::string& text :
+       {"timestamp,tx,ty,tz,qx,qy,qz,qw\n0.000000110,1,2,3,0,0," + numbers + "\n",
+        "timestamp tx ty tz qw qx qy qz\n0.000000110 1 2 3 " + fmt::format("{0} 0 0 {0}", turn) + "\n",
+        "# timestamp tx ty tz qw qx qy qz\n0.000000110 1 2 3 " + fmt::format("{0} 0 0 {0}", turn) + "\n"}) {
+    const Trajectory poses = read_poses(folder.write("tum", text), two_scans());
+    ASSERT_EQ(poses.poses().size(), 1U) << text;
+    EXPECT_NEAR(poses.poses()[0].world_from_body.R(1, 0), 1, 1e-7) << text;
+  }
+}
+
+TEST(Poses, MayRepeatATimeButNotContradictIt) {
+  const TestFolder folder;
+  const std::string a = "0.000000110 1 2 3 0 0 0 1\n", b = "0.000000210 1 2 4 0 0 0 1\n";
+  EXPECT_EQ(read_poses(folder.write("reversed", b + a + a), two_scans()).poses().front().time_ns, 110);
+  EXPECT_THAT(input_error([&] { read_poses(folder.write("tum.txt", a + b + "0.000000110 5 2 3 0 0 0 1\n"), two_scans()); }),
+              HasSubstr("tum.txt:3: gives a second pose for '0.000000110', 4.00 m from the first"));
+  EXPECT_THAT(input_error([&] {
+                read_poses(folder.write("scans.txt", "a 1 0 0 5 0 1 0 6 0 0 1 7\na 1 0 0 9 0 1 0 6 0 0 1 7\n"), two_scans());
+              }),
+              HasSubstr("scans.txt:2: gives a second pose for 'a'"));
 }
 
 TEST(Poses, WrittenRowByRowComeBack) {

@@ -21,7 +21,7 @@ constexpr double kAgreed = 0.75;    // of the pairs must fit better: one with a 
 // What alignment does not make up for: several times its expected error of the mounting, and the search range of clocks.
 constexpr double kLeastRotation = std::numbers::pi / 180, kLeastLate = 0.04;
 constexpr double kMostRotation = 8 * std::numbers::pi / 180, kRotationStep = 2 * std::numbers::pi / 180;
-constexpr double kMostLate = 0.6, kLateStep = 0.1;
+constexpr double kMostLate = 1.2, kLateStep = 0.1;
 constexpr double kAlone = 0.9;         // of the gain of rotation and clock together: then one alone is wrong
 constexpr double kFewReturns = 0.002;  // of a scan's returns, in the image
 
@@ -109,8 +109,9 @@ std::string rotation_words(const Eigen::Vector3d& rotation) {
           fmt::format("{}{:+.1f} degrees about {}", parts.empty() ? "" : ", ", rotation[k] * 180 / std::numbers::pi, kAbout[k]);
   return fmt::format(
       "the images move as if the camera were rotated against the LiDAR by {}: check camera_from_lidar, whose rotation would "
-      "have to be multiplied from the left by the rotation vector ({:.3f}, {:.3f}, {:.3f}), and the camera's K",
-      parts, rotation.x(), rotation.y(), rotation.z());
+      "have to be multiplied from the left by the rotation vector ({:.3f}, {:.3f}, {:.3f}), and the camera's K; clocks that "
+      "differ by more than {:g} s look alike: compare the times of images and scans first",
+      parts, rotation.x(), rotation.y(), rotation.z(), kMostLate);
 }
 
 std::string clock_words(double late_s) {

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "dvi/core/median.h"
+
 namespace dvi::plausibility {
 namespace {
 
@@ -16,6 +18,9 @@ constexpr double kArm = 5;              // metres: at which a rotation is as muc
 constexpr std::size_t kFewestSteps = 5;
 // Given poses that are right disagree by some hundredths; of two that contradict each other, one by 1 or more.
 constexpr double kWrong = 0.5, kRight = 0.25;
+constexpr double kMinTurn = 0.003;                 // radians between them: well above the noise of registration
+constexpr double kOtherTurn = 1, kSameTurn = 0.5;  // of turn_disagreement, likewise
+constexpr double kMinScaleLog = 0.2;               // of a factor: positions in other units
 
 struct Step {
   SE3 scans, from, to;  // earlier_from_later by the scans; the given poses
@@ -47,6 +52,18 @@ double disagreement(const std::vector<Step>& steps, const Reading& read) {
   return off / all;
 }
 
+/// The same for rotations alone; none where the drive hardly turns. On a straight road, poses of axes that are upside down move
+/// as they should, and turn the other way.
+std::optional<double> turn_disagreement(const std::vector<Step>& steps, const Reading& read) {
+  double off = 0, all = 0;
+  for (const Step& step : steps) {
+    off += so3_log(step.scans.R.transpose() * (read(step.from).R.transpose() * read(step.to).R)).norm();
+    all += so3_log(step.scans.R).norm();
+  }
+  if (all < kMinTurn * static_cast<double>(steps.size())) return std::nullopt;
+  return off / all;
+}
+
 std::string axis_name(const Eigen::Vector3d& axis) {
   static constexpr std::array<const char*, 3> kAlong{"forward", "left", "up"}, kAgainst{"backward", "right", "down"};
   Eigen::Index which = 0;
@@ -69,6 +86,20 @@ std::vector<Eigen::Matrix3d> turned_axes() {
   return out;
 }
 
+/// Rotations whose quaternion was written w first and read w last. The sign of a quaternion does not matter.
+SE3 with_w_first(const SE3& pose) {
+  const Eigen::Quaterniond q(pose.R);
+  return {Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()).toRotationMatrix(), pose.t};
+}
+
+/// By how much given positions are to be multiplied to move as far as the scans do.
+double scale_of(const std::vector<Step>& steps) {
+  std::vector<double> scales;
+  for (const Step& step : steps)
+    if (const double given_m = (step.to.t - step.from.t).norm(); given_m > 0) scales.push_back(step.scans.t.norm() / given_m);
+  return median(std::move(scales));
+}
+
 }  // namespace
 
 std::optional<PoseReading> better_reading(const Trajectory& given, const SE3& camera_from_lidar,
@@ -77,7 +108,13 @@ std::optional<PoseReading> better_reading(const Trajectory& given, const SE3& ca
   if (steps.size() < kFewestSteps) return std::nullopt;
   PoseReading out;
   out.as_given = disagreement(steps, [](const SE3& pose) { return pose; });
-  if (out.as_given < kWrong) return std::nullopt;
+  constexpr const char* kWrittenWFirst = "the given poses look as if their quaternions were written w first: write qx qy qz qw";
+  if (out.as_given < kWrong) {
+    const auto given_turn = turn_disagreement(steps, [](const SE3& pose) { return pose; });
+    const auto read_turn = turn_disagreement(steps, with_w_first);
+    if (!given_turn || *given_turn < kOtherTurn || *read_turn > kSameTurn) return std::nullopt;
+    return PoseReading{kWrittenWFirst, *given_turn, *read_turn};
+  }
   out.as_read = kRight * out.as_given;
   const auto offer = [&](const Reading& read, const std::string& words) {
     const double off = disagreement(steps, read);
@@ -91,8 +128,17 @@ std::optional<PoseReading> better_reading(const Trajectory& given, const SE3& ca
             "the given poses look like the camera's: write world_from_lidar = world_from_camera * camera_from_lidar") ||
       offer([&](const SE3& pose) { return pose.inverse() * camera_from_lidar; },
             "the given poses look like the camera's, inverted (camera_from_world): write world_from_lidar = "
-            "camera_from_world^-1 * camera_from_lidar"))
+            "camera_from_world^-1 * camera_from_lidar") ||
+      offer(
+          [&](const SE3& pose) { return pose * camera_from_lidar.inverse(); },
+          "the given poses look like the LiDAR's, read as the camera's: a file of 12 numbers per line holds world_from_camera; "
+          "write the name of the scan, or @ and its time in seconds, before the 12 numbers") ||
+      offer(with_w_first, kWrittenWFirst))
     return out;
+  if (const double scale = scale_of(steps); scale > 0 && std::abs(std::log(scale)) > kMinScaleLog)
+    if (offer([&](const SE3& pose) { return SE3{pose.R, scale * pose.t}; },
+              fmt::format("the given poses move {:.4g} times as far as the scans: write positions in meters", 1 / scale)))
+      return out;
   for (const Eigen::Matrix3d& lidar_from_body : turned_axes())
     offer([&](const SE3& pose) { return pose * SE3{lidar_from_body.transpose(), Eigen::Vector3d::Zero()}; },
           fmt::format("the given poses look like those of axes x {}, y {}, z {}: write poses of the LiDAR's axes, x forward, y "

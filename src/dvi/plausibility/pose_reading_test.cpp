@@ -63,10 +63,33 @@ TEST(PoseReading, WhatPosesMeanIsSaid) {
     EXPECT_THAT(reading(each(driven, [](const SE3& p) { return camera_from_lidar() * p.inverse(); }), driven),
                 HasSubstr("camera_from_world"));
   }
+  for (const double turn : {-0.3, 0.0, 0.3}) {
+    const Trajectory driven = path(8, turn);
+    const auto read_w_last = [](const SE3& p) {
+      const Eigen::Quaterniond q(p.R);  // its w, x, y, z are read as x, y, z, w
+      return SE3{Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix(), p.t};
+    };
+    EXPECT_THAT(reading(each(driven, read_w_last), driven), HasSubstr("written w first"));
+    EXPECT_THAT(reading(each(driven, [](const SE3& p) { return p * camera_from_lidar(); }), driven),
+                HasSubstr("the LiDAR's, read as the camera's"));
+    EXPECT_THAT(reading(each(driven, [](const SE3& p) { return SE3{p.R, 1000 * p.t}; }), driven),
+                HasSubstr("move 1000 times as far as the scans"));
+  }
   const Trajectory driven = path(8, 0.3);
   const SE3 lidar_from_body{Eigen::Matrix3d{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}, Eigen::Vector3d::Zero()};  // x right, y forward
   EXPECT_THAT(reading(each(driven, [&](const SE3& p) { return p * lidar_from_body; }), driven),
               HasSubstr("x right, y forward, z up"));
+}
+
+// Nearly straight, so that only the small turns tell.
+TEST(PoseReading, QuaternionsWrittenWFirstAreRecognizedByTurnsAlone) {
+  const Trajectory driven = path(8, 0.02).in({so3_exp({0, 0, -0.7}), Eigen::Vector3d::Zero()});
+  const auto read_w_last = [](const SE3& p) {
+    const Eigen::Quaterniond q(p.R);
+    return SE3{Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix(), p.t};
+  };
+  EXPECT_THAT(reading(each(driven, read_w_last), driven), HasSubstr("written w first"));
+  EXPECT_EQ(reading(driven, driven), "");
 }
 
 TEST(PoseReading, NothingIsSaidOfWhatCannotBeTold) {
