@@ -51,6 +51,35 @@ TEST_F(BadInput, NoDrive) {
   expect_refused({"empty", "kitti-raw"}, "run empty -o out --quiet");
 }
 
+TEST_F(BadInput, ImagesOfAnotherClock) {
+  const fs::path times = folder / "drive/times/front.txt";
+  std::string text;
+  for (const std::string& line : read_lines(times)) {
+    const std::size_t blank = line.find(' ');
+    text += line.substr(0, blank) + " " + std::to_string(std::stod(line.substr(blank)) + 37) + "\n";
+  }
+  write_file(times, text);
+  for (const char* command : {"run drive -o out --quiet", "check drive --quiet", "map drive -o out --quiet"})
+    expect_refused(
+        {"no scan belongs to any image", "37.00 s ahead (TAI against UTC)", "adding -37.00 to offset_s of [camera.front]"},
+        command);
+  const fs::path config = folder / "drive/dvi.toml";
+  write_file(config, replaced(read_file(config), "[camera.front]\n", "[camera.front]\noffset_s = -37\n"));
+  EXPECT_EQ(dvi("check drive --quiet").code, 0);
+}
+
+TEST_F(BadInput, NoStaticPointRemains) {
+  for (int i = 0; i < 6; ++i)
+    io::write_png(folder / "drive/masks/front" / ("00000" + std::to_string(i) + ".png"), cv::Mat1b(kSize, uchar{255}));
+  for (const char* command : {"run", "plan", "map"}) {
+    const Result result = dvi(std::string(command) + " drive -o out --quiet --masks drive/masks/front --polarity white");
+    EXPECT_EQ(result.code, 3) << command;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("no static points remain of"), HasSubstr("are covered by masks of removed objects"),
+                                  HasSubstr("were not observed by the camera"), HasSubstr("look at the masks")))
+        << command;
+  }
+}
+
 TEST_F(BadInput, ScanOfHalfAPoint) {
   truncate(scan(), fs::file_size(scan()) - 6);
   expect_refused({"000002.bin"});

@@ -110,7 +110,6 @@ ExportReport write_ortho(const Result& result, const fs::path& folder, const Exp
   if (!can_write_geotiff()) throw UsageError("dvi export ortho: this build has no GDAL; install libgdal-dev and build again");
   const std::optional<EarthPlace> origin = origin_of(result, options.origin);
   const std::vector<CloudPoint> cloud = read_map_cloud(result.folder() / "map/map.ply");
-  if (cloud.empty()) throw InputError(result.folder() / "map/map.ply", "is empty", "a picture from above needs a map");
   const Ground ground = ground_of(cloud, options.cell_m);
   Ortho ortho(ground.height.size());
   for (std::size_t i = 0; i < result.frames().size(); ++i) {

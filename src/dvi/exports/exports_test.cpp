@@ -58,6 +58,7 @@ TEST(MapCloud, ReadsWhatTheWriterWroteAndThinsItEvenly) {
 
 TEST(MapCloud, RefusesWhatIsNoMapOfAResult) {
   const TempFolder folder;
+  EXPECT_THAT(input_error([&] { read_map_cloud(write_cloud(folder, {})); }), HasSubstr("holds no points"));
   EXPECT_THAT(input_error([&] { read_map_cloud(folder.path / "none.ply"); }), HasSubstr("cannot be read"));
   const std::string whole = read_file(write_cloud(folder, {at(0, 0, 0), at(1, 0, 0)}));
   const fs::path cut = folder.write("cut.ply", whole.substr(0, whole.size() - 1));

@@ -39,6 +39,9 @@ PlyHeader read_header(const fs::path& path, std::istream& in) {
     header.offset[words[2]] = header.point_bytes;
     header.point_bytes += words[1] == "float" ? 4 : 1;
   }
+  if (binary && header.points == 0)
+    throw InputError(path, "holds no points: nothing was copied in this result",
+                     "dvi check shows what its drive lacks; run it again after that");
   for (const char* name : {"x", "y", "z", "red", "green", "blue", "nx", "ny", "nz", "intensity", "first", "last"})
     if (!binary || !header.offset.contains(name))
       throw InputError(path, fmt::format("is not a map of dvi ('{}')", name), kRemedy);

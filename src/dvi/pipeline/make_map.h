@@ -7,7 +7,8 @@
 
 namespace dvi::pipeline {
 
-/// The static map of all drives (section 3.1 of the paper), as a stage of `progress`; warns where nothing is left.
+/// The static map of all drives (section 3.1 of the paper), as a stage of `progress`. InputError that counts the reasons
+/// where no static point remains.
 map::StaticMap build_map(const Recordings& drives, const Poses& poses, const Masks& masks, const map::MapOptions& options,
                          Progress& progress);
 

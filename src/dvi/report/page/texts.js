@@ -32,7 +32,6 @@ dvi.texts = {
   receipt: "Click a pixel of the picture to see where it comes from.",
   // What to do about a warning, by words in it; the first that fits.
   advice: [
-    [/no scan left a static point|map is empty/i, "Check that scans and images belong to the same time: dvi check DRIVE."],
     [/camera|calibrat|mounting/i, "Compare the calibration with the recording: dvi check DRIVE shows what contradicts it."],
     [/pose|odometry|trajectory/i, "Try --poses loam or --poses given and compare the sharpness on the page Stages."],
     [/mask|label|detector/i, "Look at the overlay “removed area” in the frames: is all traffic inside, and nothing else? docs/masks.md"],
