@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include <fmt/format.h>
 
 #include "dvi/core/error.h"
 #include "dvi/io/camera_choice.h"
@@ -10,6 +13,7 @@
 #include "dvi/io/kitti_files.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/plausible.h"
+#include "dvi/io/pose_jumps.h"
 #include "dvi/io/reader.h"
 #include "dvi/io/scan_files.h"
 #include "dvi/io/text.h"
@@ -69,22 +73,54 @@ SE3 mercator_pose(const std::array<double, 6>& packet, double scale) {
   return world_from_imu;
 }
 
-void read_oxts(Drive& drive, const Numbered& packets) {
-  if (packets.empty()) return;
+struct OxtsPacket {
+  std::int64_t time_ns = 0;
+  std::array<double, 6> values{};
+  fs::path file;
+};
+
+double mercator_scale(const OxtsPacket& first) { return std::cos(first.values[0] * std::numbers::pi / 180); }
+
+std::vector<StampedPose> mercator_poses(const std::vector<OxtsPacket>& packets, const SE3& imu_from_lidar) {
+  std::vector<StampedPose> poses;
+  const double scale = mercator_scale(packets.front());
+  for (const OxtsPacket& packet : packets)
+    poses.push_back({packet.time_ns, mercator_pose(packet.values, scale) * imu_from_lidar});
+  return poses;
+}
+
+// Before the first packet sets the scale: a receiver without a fix writes positions anywhere.
+void leave_out_far_packets(Drive& drive, std::vector<OxtsPacket>& packets, const SE3& imu_from_lidar) {
+  const PoseJumps jumps = find_pose_jumps(mercator_poses(packets, imu_from_lidar));
+  if (jumps.outliers == 0) return;
+  const auto first = std::find(jumps.outlier.begin(), jumps.outlier.end(), true) - jumps.outlier.begin();
+  drive.warnings.push_back(fmt::format(
+      "{} of {} oxts packets lie apart from the others, by up to {:.0f} m at the first jump, and are left out (the first: {})",
+      jumps.outliers, packets.size(), jumps.first->distance_m,
+      fs::relative(packets[static_cast<std::size_t>(first)].file, drive.path).string()));
+  std::vector<OxtsPacket> kept;
+  for (std::size_t i = 0; i < packets.size(); ++i)
+    if (!jumps.outlier[i]) kept.push_back(std::move(packets[i]));
+  packets = std::move(kept);
+}
+
+void read_oxts(Drive& drive, const Numbered& files) {
+  if (files.empty()) return;
   const fs::path folder = drive.path / "oxts";
   const SE3 imu_from_lidar = read_lidar_from_imu(drive.path.parent_path()).inverse();
   const KittiStamps stamps(folder / "timestamps.txt");
   drive.other_files.insert(drive.other_files.end(),
                            {drive.path.parent_path() / "calib_imu_to_velo.txt", folder / "timestamps.txt"});
-  std::vector<StampedPose> poses;
-  for (const auto& [number, file] : packets) {
-    const std::array<double, 6> packet = read_packet(file);
-    if (poses.empty()) drive.world_scale = std::cos(packet[0] * std::numbers::pi / 180);
-    poses.push_back({stamps.of(number, file), mercator_pose(packet, drive.world_scale) * imu_from_lidar});
-    drive.fixes.push_back({poses.back().time_ns, packet[0], packet[1], imu_from_lidar.inverse().t});
+  std::vector<OxtsPacket> packets;
+  for (const auto& [number, file] : files) {
+    packets.push_back({stamps.of(number, file), read_packet(file), file});
     drive.other_files.push_back(file);
   }
-  drive.poses = Trajectory(std::move(poses));
+  leave_out_far_packets(drive, packets, imu_from_lidar);
+  drive.world_scale = mercator_scale(packets.front());
+  for (const OxtsPacket& packet : packets)
+    drive.fixes.push_back({packet.time_ns, packet.values[0], packet.values[1], imu_from_lidar.inverse().t});
+  drive.poses = Trajectory(mercator_poses(packets, imu_from_lidar));
 }
 
 std::vector<Gap> find_gaps(Drive& drive, const Numbered& images, const Numbered& scans, const Numbered& packets) {

@@ -91,6 +91,22 @@ TEST_F(KittiRaw, TakesPosesFromOxtsInAbsoluteMercatorMetres) {
   EXPECT_NEAR(poses[0].world_from_body.t.z(), 109, 1e-9);
 }
 
+// A receiver without a fix writes any place: here one at the equator's other side, whose latitude would set the scale.
+TEST_F(KittiRaw, LeavesOutPacketsThatLieFarAway) {
+  const SE3 right = *read_drive(drive).poses.at(read_drive(drive).frames[2].time_ns);
+  for (const int far : {20, 22}) {
+    const std::string name = "oxts/data/" + file_name(far, "txt"), good = read_file(drive / name);
+    put(name, "-1 8.4 110 0 0 1.570796326794897 1 2 3\n");
+    const Drive read = read_drive(drive);
+    EXPECT_NEAR(read.world_scale, std::cos(49 * std::numbers::pi / 180), 1e-6);
+    ASSERT_EQ(read.poses.poses().size(), 4U);
+    EXPECT_EQ(read.fixes.size(), 4U);
+    EXPECT_LT((read.poses.at(read.frames[2].time_ns)->t - right.t).norm(), 10) << "interpolated, in nearly the same scale";
+    EXPECT_THAT(read.warnings, testing::ElementsAre(AllOf(HasSubstr("1 of 5 oxts packets"), HasSubstr(name))));
+    put(name, good);
+  }
+}
+
 TEST_F(KittiRaw, TakesCamerasByTheirNumber) {
   put("image_03/timestamps.txt", stamps(0));
   folder.write_image(fs::path(kDrive) / "image_03/data" / file_name(21, "png"), cv::Mat3b(6, 8, cv::Vec3b()));

@@ -5,11 +5,13 @@
 #include "dvi/core/error.h"
 #include "dvi/io/bag.h"
 #include "dvi/io/colmap_model.h"
+#include "dvi/io/compare_times.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/image_storage.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/plausible.h"
 #include "dvi/io/point_cloud.h"
+#include "dvi/io/pose_jumps.h"
 #include "dvi/io/text.h"
 #include "dvi/io/video_reader.h"
 
@@ -132,10 +134,7 @@ void warn_of_gaps(Drive& drive, const std::vector<Gap>& gaps) {
     std::erase_if(frames, [&](int number) { return number < first || number > last; });
     if (!frames.empty()) drive.warnings.push_back(gap.what + " " + ranges(frames));
   }
-  std::vector<int> unposed;
-  for (const Frame& frame : drive.frames)
-    if (!drive.poses.empty() && !drive.poses.at(frame.time_ns)) unposed.push_back(frame.number);
-  if (!unposed.empty()) drive.warnings.push_back("no given pose near frames " + ranges(unposed));
+  if (const auto unposed = describe_unposed(drive)) drive.warnings.push_back(*unposed);
 }
 
 void attach_lazy_readers(Recording& recording) {
@@ -198,8 +197,10 @@ Drive read_drive(const fs::path& path, const ReadOptions& options) {
   Drive& drive = recording.drive;
   drive.path = root;
   drive.format = format->name;
+  leave_out_pose_jumps(drive);
   check(drive);
   require_plain_names(drive);
+  compare_times(drive);
   if (options.frames) cut(drive, *options.frames);
   if (options.span) cut(drive, *options.span);
   if (recording.inspect_scans) recording.inspect_scans(recording);

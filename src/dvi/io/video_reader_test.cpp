@@ -87,10 +87,10 @@ TEST_F(FolderWithVideo, FramesHaveTheTimesOfTheContainerOrOfAFile) {
   EXPECT_LE(off(*drive.images[1], 1), 4);
   EXPECT_EQ((*drive.masks[1])(0, 0), 255);
   EXPECT_TRUE(drive.warnings.empty());
-  folder.write("times/front.txt", "5\n5.125\n5.2\n");
-  EXPECT_EQ(read_drive(folder.path).frames[1].time_ns, 5'125'000'000);
-  folder.write("times/front.txt", "000000 5\n000001 5.25\n000002 5.5\n");
-  EXPECT_EQ(read_drive(folder.path, {.frames = FrameRange{1, 2}}).frames[0].time_ns, 5'250'000'000);
+  folder.write("times/front.txt", "0\n0.125\n0.2\n");
+  EXPECT_EQ(read_drive(folder.path).frames[1].time_ns, 125'000'000);
+  folder.write("times/front.txt", "000000 0\n000001 0.25\n000002 0.5\n");
+  EXPECT_EQ(read_drive(folder.path, {.frames = FrameRange{1, 2}}).frames[0].time_ns, 250'000'000);
 }
 
 TEST_F(FolderWithVideo, SaysWhatDoesNotFit) {

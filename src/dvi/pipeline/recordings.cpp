@@ -10,9 +10,11 @@
 #include "dvi/core/scratch.h"
 #include "dvi/core/threads.h"
 #include "dvi/io/class_ids.h"
+#include "dvi/io/compare_times.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/mask_reading.h"
+#include "dvi/io/pose_jumps.h"
 #include "dvi/io/poses.h"
 #include "dvi/io/text.h"
 #include "dvi/map/given_points.h"
@@ -77,6 +79,13 @@ void resolve_poses(Drive& drive, const PosesFrom& from) {
   if (from.kind != PosesFrom::Kind::file) return;
   if (!fs::exists(from.file)) throw InputError(from.file, "does not exist", "--poses takes auto, given, loam or a file");
   drive.poses = io::read_poses(from.file, drive);
+  io::leave_out_pose_jumps(drive);
+  auto unposed = io::describe_unposed(drive);
+  if (const auto clock = io::describe_pose_clock(drive)) *unposed += ": " + *clock;
+  if (unposed &&
+      std::none_of(drive.frames.begin(), drive.frames.end(), [&](const Frame& frame) { return drive.poses.at(frame.time_ns); }))
+    throw InputError(from.file, *unposed, "poses and images must share one clock");
+  if (unposed) drive.warnings.push_back(*unposed);
   drive.world_scale = 1;
   drive.other_files.emplace_back(from.file);
 }
