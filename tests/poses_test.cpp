@@ -134,5 +134,59 @@ TEST_F(Poses, OfDrivesInOneWorldStayTogether) {
   EXPECT_EQ(drives[1]["poses"]["from"], "loam");
 }
 
+TEST_F(Poses, ThatLieFarAwayAreNamedAndLeftOut) {
+  small_drive();
+  const std::vector<SE3> truth = read("drive/poses.txt");
+  std::string text;
+  int line_number = 0;
+  for (const std::string& line : read_lines(folder / "drive/poses.txt"))
+    text += line_number++ == 2 ? line.substr(0, line.rfind(' ')) + " 4189970\n" : line + "\n";
+  write_file(folder / "drive/poses.txt", text);
+  const Result check = dvi("check drive --quiet");
+  EXPECT_EQ(check.code, 0) << check.err;
+  EXPECT_THAT(check.out, HasSubstr("1 of 6 given poses lie apart from the others and are left out"));
+  for (const std::string poses : {"auto", "given"}) {
+    map("drive", "--poses " + poses);
+    EXPECT_LT(apart(read("out/trajectory.txt"), truth), 0.05) << poses;
+  }
+}
+
+TEST_F(Poses, OfAnotherClockAreRefusedWithTheDifference) {
+  small_drive();
+  ASSERT_EQ(dvi("map drive -o out --quiet --poses given --trajectory tum").code, 0);
+  std::string text;
+  for (const std::string& line : read_lines(folder / "out/trajectory.txt"))
+    text += std::to_string(std::stod(line) + 37) + line.substr(line.find(' ')) + "\n";
+  write_file(folder / "late.txt", text);
+  for (const std::string command : {"check drive", "run drive -o refused"}) {
+    const Result result = dvi(command + " --quiet --poses late.txt");
+    EXPECT_EQ(result.code, 3);
+    EXPECT_THAT(result.err, testing::AllOf(HasSubstr("late.txt"), HasSubstr("no given pose near frames 0-5"),
+                                           HasSubstr("37.00 s ahead (TAI against UTC)"), HasSubstr("adding -37.00 s")));
+  }
+}
+
+/// More than a second without images and scans.
+TEST_F(Poses, AcrossAGapAreNotGuessed) {
+  small_drive("drive", "", 24);
+  for (int i = 6; i < 18; ++i) {
+    const std::string name = std::string(i < 10 ? "00000" : "0000") + std::to_string(i);
+    for (const std::string& file : {"images/front/" + name + ".png", "masks/front/" + name + ".png", "lidar/" + name + ".bin"})
+      fs::remove(folder / "drive" / file);
+  }
+  fs::rename(folder / "drive/poses.txt", folder / "truth.txt");
+  const std::vector<SE3> truth = read("truth.txt");
+  const Result run = dvi("run drive -o result --quiet --json");
+  ASSERT_EQ(run.code, 0) << run.err;
+  map("drive", "");
+  const std::vector<SE3> found = read("out/trajectory.txt");
+  ASSERT_EQ(found.size(), 12U);
+  const double step_m = (found[6].t - found[5].t).norm();
+  if (step_m > 1000)
+    EXPECT_THAT(run.out, HasSubstr("no scan for 1.3 s, between frames 5 and 18, and neither poses nor scans"));
+  else
+    EXPECT_NEAR(step_m, (truth[18].t - truth[5].t).norm(), 0.5);
+}
+
 }  // namespace
 }  // namespace dvi

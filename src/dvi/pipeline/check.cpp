@@ -16,6 +16,7 @@
 #include "dvi/pipeline/doubt_setup.h"
 #include "dvi/pipeline/forecast.h"
 #include "dvi/pipeline/report_json.h"  // IWYU pragma: keep
+#include "dvi/pipeline/stretches.h"
 #include "dvi/plausibility/scan_time_doubts.h"
 
 namespace dvi::pipeline {
@@ -36,13 +37,11 @@ double rate(const std::vector<Stamped>& items) {
 }
 
 double path_length(const Drive& drive, const Trajectory& trajectory) {
-  double length = 0;
-  const auto& poses = trajectory.poses();
   const std::int64_t first = drive.frames.front().time_ns, last = drive.frames.back().time_ns;
-  for (std::size_t i = 1; i < poses.size(); ++i)
-    if (poses[i - 1].time_ns >= first && poses[i].time_ns <= last)
-      length += (poses[i].world_from_body.t - poses[i - 1].world_from_body.t).norm();
-  return length;
+  std::vector<StampedPose> poses;
+  for (const StampedPose& pose : trajectory.poses())
+    if (pose.time_ns >= first && pose.time_ns <= last) poses.push_back(pose);
+  return path_length_m(poses);
 }
 
 /// Share of each image that is masked, points of each scan.

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/pipeline/stretches.h"
 
 namespace dvi::pipeline {
 namespace {
@@ -54,7 +55,7 @@ PoseChoice judged(const Drive& drive, const PosesFrom& wish, const odometry::Odo
   hold_against_scans(drive, options, progress, choice);
   if (!loam && (!automatic || drive.scan_headers.empty())) return choice;
   const bool guess = automatic && !choice.misread;
-  choice.odometry = odometry::odometry(drive, options, guess ? drive.poses : Trajectory(), progress.parts());
+  choice.odometry = odometry_of_stretches(drive, options, guess ? drive.poses : Trajectory(), progress);
   choice.warnings.insert(choice.warnings.end(), choice.odometry->warnings.begin(), choice.odometry->warnings.end());
   if (choice.odometry->loops > 0)
     progress.note(fmt::format("{}: {} loops closed, poses moved by up to {:.2f} m", drive.path.filename().string(),
@@ -63,7 +64,7 @@ PoseChoice judged(const Drive& drive, const PosesFrom& wish, const odometry::Odo
     if (loam || drive.poses.empty()) throw InputError(drive.path, "has no scan that odometry could hold on to");
     return choice;
   }
-  const bool both = automatic && !drive.poses.empty();
+  const bool both = automatic && drive.poses.poses().size() > 1;  // one pose does not tell the motion within a scan
   compare_sharpness(drive, both, progress, choice);
   const bool lost = std::any_of(choice.odometry->scans.begin(), choice.odometry->scans.end(),
                                 [](const odometry::ScanFit& fit) { return fit.state == odometry::ScanFit::State::lost; });

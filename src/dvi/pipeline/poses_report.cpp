@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "dvi/pipeline/stretches.h"
+
 namespace dvi::pipeline {
 namespace {
 
@@ -62,9 +64,7 @@ OdometryReport odometry_report(const odometry::Odometry& odometry, const Traject
                      .edge_features = odometry.edge_features,
                      .drift = drift_report(odometry, given),
                      .scans = {}};
-  const auto& poses = odometry.world_from_lidar.poses();
-  for (std::size_t i = 1; i < poses.size(); ++i)
-    out.path_m += (poses[i].world_from_body.t - poses[i - 1].world_from_body.t).norm();
+  out.path_m = path_length_m(odometry.world_from_lidar.poses());
   for (const odometry::ScanFit& fit : odometry.scans) out.scans.push_back(scan_report(fit));
   return out;
 }
