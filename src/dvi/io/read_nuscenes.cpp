@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/io/box_track.h"
 #include "dvi/io/camera_choice.h"
 #include "dvi/io/drive_config.h"
 #include "dvi/io/plausible.h"
@@ -163,32 +164,6 @@ std::optional<std::string> traffic_type(const std::string& category) {
   return category.substr(first, category.find('.', first) - first);
 }
 
-// The boxes of one object at key frames, world axes.
-struct BoxTrack {
-  int number = -1;
-  std::string type;
-  std::map<std::int64_t, Box> boxes;
-
-  // Between key frames it moves evenly, and goes on so for half their usual distance.
-  std::optional<Box> at(std::int64_t time_ns) const {
-    constexpr std::int64_t kBeyond = 250'000'000, kLongest = 1'100'000'000;
-    auto after = boxes.lower_bound(time_ns);
-    if (after != boxes.end() && after->first == time_ns) return after->second;
-    const std::int64_t first = boxes.begin()->first, last = boxes.rbegin()->first;
-    if (time_ns < first - kBeyond || time_ns > last + kBeyond) return std::nullopt;
-    if (boxes.size() == 1) return boxes.begin()->second;
-    if (after == boxes.begin()) ++after;
-    if (after == boxes.end()) --after;
-    const auto before = std::prev(after);
-    if (after->first - before->first > kLongest && time_ns > before->first + kBeyond && time_ns < after->first - kBeyond)
-      return std::nullopt;
-    const double u = static_cast<double>(time_ns - before->first) / static_cast<double>(after->first - before->first);
-    const SE3 &a = before->second.frame_from_box, &b = after->second.frame_from_box;
-    const Eigen::Matrix3d turn = so3_exp(u * so3_log(a.R.transpose() * b.R));
-    return Box{{a.R * turn, a.t + u * (b.t - a.t)}, before->second.size};
-  }
-};
-
 std::vector<BoxTrack> read_tracks(const NuscenesTables& tables, const NuscenesScene& scene) {
   std::map<std::string, std::map<std::int64_t, Box>> by_instance;
   tables.for_each("sample_annotation", [&](const json& row) {
@@ -223,6 +198,7 @@ void add_labels_of(const std::vector<BoxTrack>& tracks, Drive& drive) {
                                 .rect = {},
                                 .instance = {}});
   }
+  if (const auto gaps = describe_gaps(tracks, drive)) drive.warnings.push_back(*gaps);
   drive.labelled = drive.labelled_around = true;
 }
 
