@@ -6,6 +6,7 @@
 
 #include "dvi/cli/command.h"
 #include "dvi/cli/job_options.h"
+#include "dvi/core/error.h"
 #include "dvi/core/threads.h"
 
 namespace dvi::cli {
@@ -31,6 +32,7 @@ void add_check(Program& program) {
     const pipeline::CheckReport report = pipeline::check(a->options.job(a->out, a->drive, {}), a->forecast, progress);
     progress.end();
     fmt::print("{}\n", a->common.json ? pipeline::to_json(report) : report.brief());
+    if (!report.ready) throw InputError(a->drive, "is not ready for dvi run", "see the warnings of the report");
   });
 }
 
