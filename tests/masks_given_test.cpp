@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/drive/outline.h"
+#include "dvi/image/region.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/write_image.h"
 #include "program.h"
@@ -115,6 +116,84 @@ TEST_F(GivenMasks, AnEgoMaskIsPartOfEveryMask) {
   const Result small = dvi(run);
   EXPECT_EQ(small.code, 3);
   EXPECT_THAT(small.err, HasSubstr("ego.png: is 240x100 pixels instead of 240x136"));
+}
+
+TEST_F(GivenMasks, AFolderWithASubfolderPerCameraIsTaken) {
+  ASSERT_EQ(dvi("mask drive -o masks --masks drive/masks" + exactly).code, 0);
+  for (std::size_t i = 0; i < own.size(); ++i) EXPECT_EQ(differing(result("masks", i), own[i]), 0) << i;
+}
+
+TEST_F(GivenMasks, NamesThatToolsChangeAreMatched) {
+  make_folder(folder / "odm");
+  make_folder(folder / "short");
+  make_folder(folder / "from1");
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    io::write_png(folder / ("odm/" + name(i) + "_mask.png"), own[i]);
+    io::write_png(folder / fmt::format("short/{}.png", i), own[i]);
+    io::write_png(folder / ("from1/" + name(i + 1) + ".png"), own[i]);
+  }
+  for (const char* masks : {"odm", "short"}) {
+    const Result mask = dvi(fmt::format("mask drive -o of_{0} --masks {0} --poses given --set masks.shadows=false", masks));
+    ASSERT_EQ(mask.code, 0) << mask.err;
+    EXPECT_THAT(mask.err, HasSubstr("names are matched by"));
+    for (std::size_t i = 0; i < own.size(); ++i) EXPECT_EQ(differing(result(fmt::format("of_{}", masks), i), own[i]), 0) << i;
+  }
+  const Result from1 = dvi("check drive --masks from1 --quiet");
+  EXPECT_EQ(from1.code, 3);
+  EXPECT_THAT(from1.err, AllOf(HasSubstr("its names are 000001 to 000006, those of the drive's images 000000 to 000005"),
+                               HasSubstr("take out 000006")));
+}
+
+TEST_F(GivenMasks, MaskFilesAreDilatedIfAsked) {
+  const Result mask =
+      dvi("mask drive -o masks --masks drive/masks --poses given --set masks.shadows=false --set masks.dilate_px=3");
+  ASSERT_EQ(mask.code, 0) << mask.err;
+  EXPECT_THAT(mask.err, HasSubstr("its mask files are dilated by 3 px"));
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder / "masks/masks.json"))["dilate_px"], 3);
+  for (std::size_t i = 0; i < own.size(); ++i) EXPECT_EQ(differing(result("masks", i), grown(own[i], 3)), 0) << i;
+  ASSERT_EQ(dvi("mask drive -o plain --masks drive/masks --quiet --poses given --set masks.shadows=false").code, 0);
+  EXPECT_EQ(differing(result("plain", 0), own[0]), 0) << "not unless asked";
+  EXPECT_EQ(dvi("mask drive -o half --masks drive/masks --set masks.dilate_px=2.5").code, 2);
+}
+
+TEST_F(GivenMasks, MasksThatRemoveNothingAreNamed) {
+  small_drive("long", "", 16);
+  fs::remove(folder / "long/boxes.json");
+  for (const fs::path& file : list_files(folder / "long/masks/front", {".png"}))
+    io::write_png(file, cv::Mat1b(kSize, uchar{0}));
+  const std::string nothing = "its 16 mask files are empty and remove nothing, but its scans show ";
+  const Result check = dvi("check long --poses given");
+  EXPECT_EQ(check.code, 0) << "a recording may have no traffic";
+  EXPECT_THAT(check.out, AllOf(HasSubstr("warning  " + nothing), HasSubstr("give --masks found")));
+  EXPECT_THAT(dvi("mask long -o masks --poses given").err, HasSubstr(nothing));
+  EXPECT_THAT(dvi("run long -o out --poses given").err, HasSubstr(nothing));
+  EXPECT_THAT(read_file(folder / "out/report.json"), HasSubstr(nothing));
+  const Result found = dvi("mask long -o found --masks found --poses given --json --quiet");
+  ASSERT_EQ(found.code, 0) << found.err;
+  double share = 0;
+  for (const auto& frame : nlohmann::json::parse(found.out)["frames"]) share += frame["share"].get<double>();
+  EXPECT_GT(share, 0);
+  fs::remove_all(folder / "long/masks");
+  write_file(folder / "long/boxes.json", R"({"version":1,"frames":{}})");
+  EXPECT_THAT(dvi("check long --poses given --quiet").out,
+              HasSubstr("warning  its labels (0 in 16 frames) remove nothing, but"));
+}
+
+TEST_F(GivenMasks, CheckEndsWithAnErrorWhereTheDriveIsNotReady) {
+  fs::remove_all(folder / "drive/lidar");
+  fs::remove_all(folder / "drive/masks");
+  fs::remove(folder / "drive/boxes.json");
+  std::string map =
+      "ply\nformat ascii 1.0\nelement vertex 400\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  for (int i = 0; i < 400; ++i) map += fmt::format("{} {} 0\n", 5 + i / 20, i % 20 - 10);
+  write_file(folder / "drive/map.ply", map);
+  const Result check = dvi("check drive --quiet");
+  EXPECT_EQ(check.code, 3) << check.err;
+  EXPECT_THAT(check.out, AllOf(HasSubstr("neither masks nor labels nor scans say what to remove"), HasSubstr("not ready")));
+  EXPECT_THAT(check.err, HasSubstr("is not ready for dvi run"));
+  const Result json = dvi("check drive --quiet --json");
+  EXPECT_EQ(json.code, 3);
+  EXPECT_EQ(nlohmann::json::parse(json.out)["ready"], false);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ void add_audit(Program& program) {
   command.positional("OUT", a->out, "A result of dvi run");
   command.positional("DRIVE", a->target, "The drive it was made from");
   command.positional("SOURCE", a->drives, "The source drives it was made from, in the same order");
-  command.option("--masks", a->masks, "What to remove, if different from OUT/dvi.toml: DIR, FILE, labels or auto");
+  command.option("--masks", a->masks, "What to remove, if different from OUT/dvi.toml: DIR, FILE, labels, found, or auto");
   a->common.add_to(command, true, false);
   command.run([a] {
     const ThreadLimit limit(a->common.threads);

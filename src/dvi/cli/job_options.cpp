@@ -34,8 +34,9 @@ void JobOptions::add_to(Command& command) {
   command.option("--topic", topics,
                  "Of a bag: image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC, poses=TOPIC, repeatable (default: guessed)");
   command.option("--sources", source_cameras, "Other cameras of the drives to copy from: all (default), none, or NAME,NAME");
-  command.option("--masks", masks,
-                 "What to remove: DIR (PNG masks), FILE (labels: KITTI, MOTS, COCO, CVAT, boxes.json), labels, auto");
+  command.option(
+      "--masks", masks,
+      "What to remove: DIR (PNG masks, LabelMe), FILE (labels: KITTI, MOTS, COCO, CVAT, boxes.json), labels, found, auto");
   command.option("--polarity", polarity, "Of PNG masks: white = remove, black = remove, or auto (default: by their shares)");
   command.option("--classes", classes,
                  "Of masks that are pictures of class ids, or of labels: car,truck or semantic-kitti:car or 26,27");

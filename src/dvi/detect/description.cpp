@@ -11,6 +11,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/toml_file.h"
+#include "dvi/drive/traffic_classes.h"
 
 namespace dvi::detect {
 namespace {
@@ -18,16 +19,6 @@ namespace {
 // Pixels: below, nothing is recognised; above, a blob takes gigabytes.
 constexpr double kLeastSide = 8, kLargestSide = 8192, kMostInputPixels = 1 << 24;
 constexpr std::size_t kMostClasses = 10'000;
-
-// Vehicles, people and animals as COCO, Cityscapes, KITTI and Mapillary name them.
-const std::set<std::string, std::less<>>& traffic_classes() {
-  static const std::set<std::string, std::less<>> names{
-      "person", "people",     "pedestrian", "rider",   "cyclist", "bicyclist", "motorcyclist", "bicycle",
-      "bike",   "motorcycle", "motorbike",  "scooter", "car",     "van",       "truck",        "lorry",
-      "bus",    "coach",      "trailer",    "caravan", "train",   "tram",      "vehicle",      "animal",
-      "bird",   "cat",        "dog",        "horse",   "sheep",   "cow",       "deer"};
-  return names;
-}
 
 std::string lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

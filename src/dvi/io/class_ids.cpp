@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "dvi/core/error.h"
+#include "dvi/drive/traffic_classes.h"
 #include "dvi/io/text.h"
 
 namespace dvi::io {
@@ -210,7 +212,8 @@ cv::Mat1b mask_of_classes(const cv::Mat& picture, const ChosenClasses& classes) 
   }
   std::vector<uchar> chosen(1 << 16, 0);
   for (int value = 0; value < 1 << 16; ++value)
-    if (classes.ids.contains(value) || (value >= kIdsOfAClass && classes.ids.contains(value / kIdsOfAClass)))
+    if (classes.ids.contains(value) ||
+        (value >= classes.ids_of_a_class && classes.ids.contains(value / classes.ids_of_a_class)))
       chosen[static_cast<std::size_t>(value)] = 255;
   if (picture.type() == CV_16UC1)
     std::transform(picture.begin<ushort>(), picture.end<ushort>(), mask.begin(), [&](ushort value) { return chosen[value]; });
@@ -219,11 +222,48 @@ cv::Mat1b mask_of_classes(const cv::Mat& picture, const ChosenClasses& classes) 
   return mask;
 }
 
+bool are_kitti_ids(const std::vector<cv::Mat>& pictures) {
+  std::size_t pixels = 0, without_instance = 0;
+  for (const cv::Mat& picture : pictures) {
+    if (picture.type() != CV_16UC1) return false;
+    for (auto value = picture.begin<ushort>(); value != picture.end<ushort>(); ++value) {
+      if (*value == 0) continue;
+      if (*value < kKittiIdsOfAClass || *value / kKittiIdsOfAClass > kCityscapes.back().id) return false;
+      ++pixels;
+      without_instance += *value % kKittiIdsOfAClass == 0 ? 1 : 0;
+    }
+  }
+  return pixels > 0 && 4 * without_instance >= pixels;
+}
+
+void warn_of_unknown_types(Drive& drive) {
+  std::map<std::string, std::size_t> unknown;
+  std::set<std::string> known;
+  for (const Frame& frame : drive.frames)
+    for (const Label& label : frame.labels) {
+      if (is_traffic_class(label.type))
+        known.insert(label.type);
+      else
+        ++unknown[label.type];
+    }
+  if (unknown.empty()) return;
+  std::vector<std::string> counts, names(known.begin(), known.end());
+  for (const auto& [type, count] : unknown)
+    counts.push_back(fmt::format("{} {}", count, type.empty() ? "without a name" : type));
+  if (names.empty())
+    for (const auto& [type, count] : unknown) names.push_back(type);
+  drive.warnings.push_back(fmt::format(
+      "labels of classes that are not known as traffic are removed, too ({}); to remove some classes only, name them, as in "
+      "--classes \"{}\"",
+      fmt::join(counts, ", "), fmt::join(names, ",")));
+}
+
 void keep_label_types(Drive& drive, const std::string& text) {
   std::set<std::string> types, wanted;
   for (const Frame& frame : drive.frames)
     for (const Label& label : frame.labels) types.insert(plain_name(label.type));
-  for (const std::string& name : names_in(text)) {
+  for (std::string name : names_in(text)) {
+    if (all_digits(name) && !types.contains(name) && types.contains("class " + name)) name = "class " + name;  // without names
     wanted.insert(name);
     if (types.contains(name)) continue;
     drive.warnings.push_back(

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/io/image_names.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/text.h"
 
@@ -46,30 +47,33 @@ std::vector<std::string> names_in_order(const Drive& drive) {
   return names;
 }
 
-std::vector<std::optional<std::string>> frames_of_images(const fs::path& file, const std::vector<std::string>& images,
-                                                         const Drive& drive) {
+ImageFrames frames_of_images(const fs::path& file, const std::vector<std::string>& images, const Drive& drive) {
   std::vector<fs::path> paths;
   for (const std::string& image : images) paths.push_back(as_path(image));
   const auto of_camera = [&](const fs::path& path) { return names_folder(path, drive.camera_name); };
   const bool several_cameras = std::any_of(paths.begin(), paths.end(), of_camera);
+  std::vector<std::string> names;
+  for (const fs::path& path : paths)
+    if (!several_cameras || of_camera(path)) names.push_back(path.stem().string());
   const std::vector<std::string> order = names_in_order(drive);
-  const std::set<std::string> recorded(order.begin(), order.end());
-  std::vector<std::optional<std::string>> frames(paths.size());
+  const MatchedNames matched = match_names(file, names, {order.begin(), order.end()});
+  const bool any =
+      std::any_of(matched.images.begin(), matched.images.end(), [](const auto& image) { return image.has_value(); });
+  ImageFrames out{.frames = std::vector<std::optional<std::string>>(paths.size()), .warning = matched.warning};
   std::set<std::string> seen;
-  bool any = false;
-  for (std::size_t i = 0; i < paths.size(); ++i) {
+  for (std::size_t i = 0, used = 0; i < paths.size(); ++i) {
     if (several_cameras && !of_camera(paths[i])) continue;
-    frames[i] = paths[i].stem().string();
-    any |= recorded.contains(*frames[i]);
-    if (!seen.insert(*frames[i]).second)
-      throw InputError(file, "has two images called " + *frames[i] + ", the second is " + images[i],
+    out.frames[i] = matched.images[used].value_or(names[used]);
+    ++used;
+    if (!seen.insert(*out.frames[i]).second)
+      throw InputError(file, "has two images called " + *out.frames[i] + ", the second is " + images[i],
                        "leave the images of one camera in it, or put each camera's into a folder of the camera's name");
   }
   if (!images.empty() && !any)
     throw InputError(file,
                      fmt::format("has no image of the drive: its first is {}, the drive's {}", images.front(), order.at(0)),
                      "labels belong to the image of the same name, whatever its folder and ending");
-  return frames;
+  return out;
 }
 
 ImageLabels::ImageLabels(const fs::path& file, const Drive& drive)

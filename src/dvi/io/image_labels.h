@@ -20,11 +20,16 @@ inline constexpr std::size_t kMostCorners = 100'000;
 /// --frames leaves none out.
 std::vector<std::string> names_in_order(const Drive& drive);
 
-/// The frames' names of the images that a label file names, such as "front/000012.jpg": without folder and ending. None for an
-/// image of another camera, which can only be told where a folder in some name is called as the drive's camera. InputError
-/// where no image is one of the recording, or two have one name.
-std::vector<std::optional<std::string>> frames_of_images(const fs::path& file, const std::vector<std::string>& images,
-                                                         const Drive& drive);
+/// Frames that a label file's images belong to.
+struct ImageFrames {
+  std::vector<std::optional<std::string>> frames;  ///< names, one per image; none for an image of another camera
+  std::optional<std::string> warning;              ///< as of MatchedNames
+};
+
+/// Finds the frames of the images that a label file names, such as "front/000012.jpg": by their names without folder and
+/// ending, as match_names() compares them. Images of other cameras can only be told where a folder in some name is called as
+/// the drive's camera. Throws InputError if no image is one of the recording, or two have one name.
+ImageFrames frames_of_images(const fs::path& file, const std::vector<std::string>& images, const Drive& drive);
 
 /// Labels of shapes drawn in images. A shape outside of its image is no label, but counts.
 class ImageLabels {

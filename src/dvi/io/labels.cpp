@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "dvi/core/error.h"
+#include "dvi/io/image_names.h"
 #include "dvi/io/kitti_calibration.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/text.h"
@@ -57,15 +58,31 @@ std::set<int> recorded_numbers(const Drive& drive) {
 std::string text(const std::string& name) { return name; }
 std::string text(int number) { return std::to_string(number); }
 
-template <class Labels, class Recorded>
-std::vector<std::string> strays(const fs::path& file, const Labels& labels, const Recorded& recorded) {
-  std::size_t count = 0;
-  std::string first;
-  for (const auto& [frame, list] : labels)
-    if (!list.empty() && !recorded.contains(frame) && count++ == 0) first = text(frame);
-  if (count == 0) return {};
-  return {
-      fmt::format("{} labels {} frames that are none of the drive, the first is {}", file.filename().string(), count, first)};
+std::string span(const std::set<std::string>& names) { return span_of(names); }
+std::string span(const std::set<int>& numbers) {
+  return numbers.empty() ? "none" : fmt::format("{} to {}", *numbers.begin(), *numbers.rbegin());
+}
+
+/// Labels of frames that the recording does not have, in words.
+struct Strays {
+  std::vector<std::string> warnings;
+  bool all = false;  ///< and there are no others
+};
+
+template <class Labels, class Frames>
+Strays find_strays(const fs::path& file, const Labels& labels, const Frames& recorded) {
+  Frames missing;
+  bool others = false;
+  for (const auto& [frame, list] : labels) {
+    if (list.empty()) continue;
+    others |= recorded.contains(frame);
+    if (!recorded.contains(frame)) missing.insert(frame);
+  }
+  if (missing.empty()) return {};
+  return {.warnings = {fmt::format(
+              "{} labels {} frames that are none of the drive, the first is {}: they are {}, the drive's {}",
+              file.filename().string(), missing.size(), text(*missing.begin()), span(missing), span(recorded))},
+          .all = !others};
 }
 
 template <class Labels, class Key>
@@ -85,9 +102,10 @@ FileLabels as_frames(const fs::path& file, Labels labels, const Drive& drive, co
 template <class Labels, class Recorded, class Key>
 FileLabels matched(const fs::path& file, Labels labels, Recorded recorded, const Drive& drive, const Key& key) {
   for (const Frame& frame : drive.frames) recorded.insert(key(frame));
-  std::vector<std::string> warnings = strays(file, labels, recorded);
+  Strays strays = find_strays(file, labels, recorded);
   FileLabels out = as_frames(file, std::move(labels), drive, key);
-  out.warnings = std::move(warnings);
+  out.warnings = std::move(strays.warnings);
+  out.all_strays = strays.all;
   return out;
 }
 
@@ -95,10 +113,25 @@ FileLabels by_number(const fs::path& file, LabelsByNumber labels, const Drive& d
   return matched(file, std::move(labels), recorded_numbers(drive), drive, [](const Frame& frame) { return frame.number; });
 }
 
+// Warns of frames that a file which lists its images does not list; those after the last are named apart.
+void warn_of_unlisted(const fs::path& file, const std::set<std::string>& listed, const Drive& drive, FileLabels& labels) {
+  std::vector<int> unlisted;
+  for (const Frame& frame : drive.frames)
+    if (!listed.contains(frame.name)) unlisted.push_back(frame.number);
+  const std::size_t after = labels.after_the_last.frames.size();
+  if (listed.empty() || unlisted.size() <= after) return;
+  unlisted.resize(unlisted.size() - after);
+  labels.warnings.push_back(fmt::format("{} has no labels for {} of {} frames, which keep their traffic: {}",
+                                        file.filename().string(), unlisted.size(), drive.frames.size(), ranges(unlisted)));
+}
+
 FileLabels by_name(const fs::path& file, NamedLabels labels, const Drive& drive) {
+  std::set<std::string> listed;
+  for (const auto& [name, list] : labels.frames) listed.insert(name);
   FileLabels out =
       matched(file, std::move(labels.frames), recorded_names(drive), drive, [](const Frame& frame) { return frame.name; });
   out.warnings.insert(out.warnings.end(), labels.warnings.begin(), labels.warnings.end());
+  warn_of_unlisted(file, listed, drive, out);
   return out;
 }
 
@@ -117,6 +150,14 @@ FileLabels read_boxes_of(const fs::path& file, const Drive& drive) {
     }
   FileLabels read = by_name(file, {std::move(boxes.frames), {}}, drive);
   read.all_round = boxes.camera.empty();
+  return read;
+}
+
+FileLabels read_one_labelme(const fs::path& file, const Drive& drive) {
+  FileLabels read = by_name(file, read_labelme(file, {file}, drive), drive);
+  if (const std::size_t files = list_files(file.parent_path(), {".json"}).size(); files > 1)
+    read.warnings.push_back(fmt::format("LabelMe writes a file per image: give the folder of {} for all {} of them",
+                                        file.filename().string(), files));
   return read;
 }
 
@@ -139,6 +180,10 @@ bool is_mots(std::string_view text) {
   return words.size() == 6 && to_integer(words[2]) && to_integer(words[3]);
 }
 
+bool is_labelme(std::string_view text) {
+  return text.starts_with('{') && has(text, "\"shapes\"") && (has(text, "\"imagePath\"") || has(text, "\"shape_type\""));
+}
+
 bool is_coco(std::string_view text) { return text.starts_with('{') && has(text, "\"annotations\"") && has(text, "\"images\""); }
 
 }  // namespace
@@ -156,19 +201,40 @@ const std::vector<LabelFormat>& label_formats() {
       {"COCO JSON", is_coco, [](Path file, const Drive& drive) { return by_name(file, read_coco(file, drive), drive); }},
       {"CVAT XML (for video or for images)", [](Text t) { return t.starts_with('<') && has(t, "<annotations"); },
        [](Path file, const Drive& drive) { return by_name(file, read_cvat(file, drive), drive); }},
-      {"boxes.json", [](Text t) { return t.starts_with('{'); },  // after all others in JSON
+      {"LabelMe JSON", is_labelme, read_one_labelme},
+      {"boxes.json", [](Text t) { return t.starts_with('{') && has(t, "\"frames\""); },
        [](Path file, const Drive& drive) { return read_boxes_of(file, drive); }},
   };
   return formats;
 }
 
+std::string_view label_text(std::string_view all) {
+  return all.substr(std::min(all.find_first_not_of(" \t\r\n\xEF\xBB\xBF"), all.size()));
+}
+
+bool is_label_folder(const fs::path& folder) {
+  const std::vector<fs::path> files = list_files(folder, {".json"});
+  return !files.empty() && is_labelme(label_text(read_file(files.front())));
+}
+
 FileLabels read_labels(const fs::path& file, const Drive& drive) {
+  if (fs::is_directory(file)) {
+    const std::vector<fs::path> files = list_files(file, {".json"});
+    FileLabels read = by_name(file, read_labelme(file, files, drive), drive);
+    read.files = files;
+    return read;
+  }
   const std::string all = read_file(file);
-  const std::string_view text =
-      std::string_view(all).substr(std::min(all.find_first_not_of(" \t\r\n\xEF\xBB\xBF"), all.size()));
+  const std::string_view text = label_text(all);
+  if (text.empty()) throw InputError(file, "is empty", "give a file with labels, or a folder of masks");
+  refuse_unread_labels(file);
   std::vector<std::string> known;
   for (const LabelFormat& format : label_formats()) {
-    if (!text.empty() && format.recognise(text)) return format.read(file, drive);
+    if (format.recognise(text)) {
+      FileLabels read = format.read(file, drive);
+      read.files = {file};
+      return read;
+    }
     known.push_back(format.name);
   }
   throw InputError(file, "holds no labels that dvi knows", fmt::format("it reads {}", fmt::join(known, ", ")));

@@ -18,6 +18,8 @@ struct FileLabels {
   std::vector<std::string> warnings;  ///< labels of no frame of the recording, in words that name them
   bool all_round = false;             ///< 3D boxes of whatever stands round the vehicle, not only of what one camera sees
   Gap after_the_last;                 ///< frames behind the last one the file knows, where they are more than a twentieth
+  bool all_strays = false;            ///< it has labels, but none of a frame of the recording
+  std::vector<fs::path> files;        ///< all that were read
 };
 
 /// One kind of label files.
@@ -31,8 +33,19 @@ struct LabelFormat {
 const std::vector<LabelFormat>& label_formats();
 
 /// The labels of a file, recognised by its content. What labels leave out of count (DontCare, MOTS' ignore regions) is no
-/// label. InputError where the file is none of these formats, is malformed or was made for another camera.
+/// label. InputError where the file is none of these formats, is malformed or was made for another camera. Of LabelMe, which
+/// writes a file per image, `file` may be the folder.
 FileLabels read_labels(const fs::path& file, const Drive& drive);
+
+/// Whether a folder has label files of LabelMe, one per image, which read_labels() takes.
+bool is_label_folder(const fs::path& folder);
+
+/// Throws InputError, with the name of the format and a remedy, if a file, or the first label file of a folder, has a known
+/// format that dvi does not read. An empty folder and all other files are fine.
+void refuse_unread_labels(const fs::path& path);
+
+/// A label file's text from its first character that is neither blank nor part of a byte order mark.
+std::string_view label_text(std::string_view all);
 
 /// Adds the labels of a file to drive.frames, and notes the file and its warnings. Outlines join the label of the same track.
 /// Returns the frames after the last labelled one.
@@ -67,5 +80,8 @@ NamedLabels read_coco(const fs::path& file, const Drive& drive);
 /// CVAT 1.1, for video and for images. Frame n of a track is the n-th image of the recording, from 0. Between two shapes of a
 /// track corners move linearly; after the last it stays to the end of the task, unless it is outside.
 NamedLabels read_cvat(const fs::path& file, const Drive& drive);
+
+/// LabelMe: polygons, rectangles and circles, a JSON file per image. `source` is the folder or the only file, for messages.
+NamedLabels read_labelme(const fs::path& source, const std::vector<fs::path>& files, const Drive& drive);
 
 }  // namespace dvi::io

@@ -71,6 +71,58 @@ TEST(Coco, ReadsPolygonsRunsAndBoxes) {
   EXPECT_TRUE(read.after_the_last.frames.empty()) << "an image without annotations is labelled";
 }
 
+TEST(Coco, TakesTheBoxWhereTheSegmentationIsEmpty) {
+  const TestFolder folder;
+  for (const char* empty : {"[[]]", "[]", "null", "[[1,2]]", "[[],[1,1,2,2]]"}) {
+    const auto file = folder.write(
+        "coco.json", coco(fmt::format(R"({{"id":1,"image_id":1,"category_id":7,"segmentation":{},"bbox":[1,2,3,4]}})", empty)));
+    const FileLabels read = read_labels(file, drive_of_three());
+    ASSERT_EQ(read.frames[0].size(), 1U) << empty;
+    EXPECT_EQ(read.frames[0][0].rect.value_or(cv::Rect2d()), cv::Rect2d(1, 2, 3, 4)) << empty;
+  }
+}
+
+TEST(Coco, ScalesCoordinatesThatArePartsOfTheImage) {
+  const TestFolder folder;
+  Drive drive = drive_of_three();
+  drive.camera.width = 80, drive.camera.height = 60;
+  const auto file = folder.write("coco.json", R"({"images":[{"id":1,"file_name":"000.png"}],"annotations":[
+    {"id":1,"image_id":1,"category_id":7,"bbox":[0.25,0.5,0.125,0.25]},
+    {"id":2,"image_id":1,"category_id":7,"segmentation":[[0,0,0.5,0,0.5,0.5,0,0.5]]}]})");
+  const FileLabels read = read_labels(file, drive);
+  ASSERT_EQ(read.frames[0].size(), 2U);
+  EXPECT_EQ(*read.frames[0][0].rect, cv::Rect2d(20, 30, 10, 15));
+  cv::Mat1b mask(60, 80, uchar{0});
+  draw(*read.frames[0][1].instance, mask);
+  EXPECT_EQ(cv::countNonZero(mask), 40 * 30);
+  EXPECT_THAT(read.warnings, testing::Contains(HasSubstr("taken as parts of the image")));
+  const auto one = folder.write("one.json", R"({"images":[{"id":1,"file_name":"000.png"}],"annotations":[
+    {"id":1,"image_id":1,"category_id":7,"bbox":[0,0,1,1]},{"id":2,"image_id":1,"category_id":7,"bbox":[0,0,2,2]}]})");
+  EXPECT_EQ(*read_labels(one, drive).frames[0][0].rect, cv::Rect2d(0, 0, 1, 1)) << "a box of one pixel among larger ones";
+}
+
+TEST(Coco, TellsPolygonsThroughPixelCentersByTheirArea) {
+  const TestFolder folder;
+  // The contour of the 4 x 3 pixels from (1, 1) to (4, 3), as findContours gives it, and the same corners as edges of 3 x 2
+  // pixels.
+  for (const auto& [area, pixels] : {std::pair("12", cv::Rect(1, 1, 4, 3)), std::pair("6.0", cv::Rect(1, 1, 3, 2))}) {
+    const auto file = folder.write(
+        "coco.json",
+        coco(fmt::format(R"({{"id":1,"image_id":1,"category_id":7,"area":{},"segmentation":[[1,1,4,1,4,3,1,3]]}})", area)));
+    EXPECT_EQ(difference(drawn(read_labels(file, drive_of_three()).frames[0].at(0)), filled({pixels})), 0) << area;
+  }
+}
+
+TEST(Coco, MatchesNamesThatToolsChange) {
+  const TestFolder folder;
+  const auto file = folder.write("coco.json", R"({"images":[{"id":1,"file_name":"001_png.rf.0af3.jpg"}],"annotations":[
+    {"id":1,"image_id":1,"category_id":7,"bbox":[1,2,3,4]}]})");
+  const FileLabels read = read_labels(file, drive_of_three());
+  EXPECT_EQ(read.frames[1].size(), 1U);
+  EXPECT_THAT(read.warnings, testing::Contains(HasSubstr("coco.json: names are matched")));
+  EXPECT_THAT(read.warnings, testing::Contains("coco.json has no labels for 1 of 3 frames, which keep their traffic: 10"));
+}
+
 TEST(Coco, TellsCamerasByTheirFolders) {
   const TestFolder folder;
   const std::string box = R"("category_id":1,"bbox":[1,1,2,2])";
@@ -93,8 +145,10 @@ TEST(Coco, WarnsOfFramesItDoesNotHave) {
   Drive drive = drive_of_three();
   drive.frames.pop_back();
   const auto file = folder.write("coco.json", coco(R"({"id":4,"image_id":3,"category_id":7,"bbox":[1,1,2,2]})"));
-  EXPECT_THAT(read_labels(file, drive).warnings,
-              ElementsAre("coco.json labels 1 frames that are none of the drive, the first is 002"));
+  EXPECT_THAT(
+      read_labels(file, drive).warnings,
+      ElementsAre(
+          "coco.json labels 1 frames that are none of the drive, the first is 002: they are 002, the drive's 000 to 001"));
 }
 
 TEST(Coco, RefusesWithTheAnnotation) {

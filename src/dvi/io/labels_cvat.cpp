@@ -145,6 +145,16 @@ Polygon turned(const cv::Point2d& low, const cv::Point2d& high, double degrees) 
   return out;
 }
 
+/// The frames of a video that a task has: CVAT numbers them as the video does.
+struct Task {
+  int start = 0, stop = std::numeric_limits<int>::max(), step = 1;
+  bool is_drive = false;  ///< the drive's images are those of the task, which is a part of a video
+
+  std::int64_t frames() const { return (std::int64_t{stop} - start) / step + 1; }
+  bool has(int frame) const { return (frame - start) % step == 0; }
+  int index_of(int frame) const { return is_drive ? (frame - start) / step : frame; }
+};
+
 class Cvat {
  public:
   Cvat(const fs::path& file, const Drive& drive)
@@ -153,9 +163,16 @@ class Cvat {
   NamedLabels read(const pugi::xml_node& annotations) {
     read_task(annotations.child("meta"));
     read_images(annotations);
+    if (annotations.child("track")) place_task();
     if (annotations.child("track"))
       for (int i = 0; i < last_frame(); ++i) labels_.know(order_[static_cast<std::size_t>(i)]);
     for (const pugi::xml_node& track : annotations.children("track")) read_track(track);
+    if (strays_ > 0 && within_ == 0)
+      throw InputError(
+          file_,
+          fmt::format("has shapes in no frame of the drive: they are in frames {} to {}, the drive's images are 0 to {}",
+                      first_stray_, last_stray_, order_.size() - 1),
+          "frame n of a track is the n-th of the drive's images, from 0");
     say_left_out();
     return labels_.take();
   }
@@ -166,26 +183,47 @@ class Cvat {
     for (const char* kind : {"task", "job"}) {
       const pugi::xml_node task = meta.child(kind);
       const auto number = [&](const char* name) { return to_integer(task.child_value(name)); };
+      if (const auto start = number("start_frame"); start && *start >= 0) task_.start = *start;
+      const std::string_view filter = task.child_value("frame_filter");
+      if (filter.starts_with("step="))
+        if (const auto step = to_integer(filter.substr(5)); step && *step > 0) task_.step = *step;
       if (const auto stop = number("stop_frame"))
-        stop_ = *stop;
+        task_.stop = *stop;
       else if (const auto size = number("size"); size && *size > 0)
-        stop_ = *size - 1;
+        task_.stop = *size - 1;
       const pugi::xml_node size = task.child("original_size");
       const auto width = to_integer(size.child_value("width")), height = to_integer(size.child_value("height"));
       if (width && height) labels_.require_size("the task", {*width, *height});
     }
   }
 
+  // Ties the frames of a task that is a part of a video to the drive's images.
+  void place_task() {
+    if (task_.start == 0 && task_.step == 1) return;
+    const std::string name = file_.filename().string();
+    task_.is_drive = task_.stop >= task_.start && task_.frames() == static_cast<std::int64_t>(order_.size());
+    const std::string every = task_.step > 1 ? fmt::format("one in {} of ", task_.step) : "";
+    if (task_.is_drive)
+      labels_.warn(fmt::format("{}: its task has {}the frames {} to {} of a video: they are the drive's {} images, in order",
+                               name, every, task_.start, task_.stop, order_.size()));
+    else if (task_.step > 1)
+      labels_.warn(
+          fmt::format("{}: its task has only one in {} frames of a video: shapes between them are interpolated, and the last "
+                      "of a track stays as it is",
+                      name, task_.step));
+  }
+
   // One after the last frame of the recording that the task has.
   int last_frame() const {
     const std::int64_t all = static_cast<std::int64_t>(order_.size());
-    return static_cast<int>(std::clamp<std::int64_t>(std::int64_t{stop_} + 1, 0, all));
+    return static_cast<int>(task_.is_drive ? all : std::clamp<std::int64_t>(std::int64_t{task_.stop} + 1, 0, all));
   }
 
   void read_images(const pugi::xml_node& annotations) {
     std::vector<std::string> names;
     for (const pugi::xml_node& image : annotations.children("image")) names.push_back(Element(file_, image).text("name"));
-    const auto frames = frames_of_images(file_, names, drive_);
+    const auto [frames, warning] = frames_of_images(file_, names, drive_);
+    if (warning) labels_.warn(*warning);
     std::size_t i = 0;
     for (const pugi::xml_node& image : annotations.children("image"))
       if (const auto& frame = frames[i++]) read_image(image, *frame);
@@ -221,9 +259,14 @@ class Cvat {
         continue;
       }
       const Element element(file_, node);
-      shape->frame = element.whole("frame");
+      const int frame = element.whole("frame");
+      if (!task_.has(frame))
+        element.fail(
+            fmt::format("frame {} is not in the task, which has one in {} frames from {} on: it is unknown which image it is",
+                        frame, task_.step, task_.start));
+      shape->frame = task_.index_of(frame);
       shape->outside = element.is_set("outside");
-      if (!shape->outside && shape->frame >= static_cast<int>(order_.size()) && strays_++ == 0) first_stray_ = shape->frame;
+      if (!shape->outside) count(frame, shape->frame);
       shapes.push_back(std::move(*shape));
     }
     std::stable_sort(shapes.begin(), shapes.end(), [](const Shape& a, const Shape& b) { return a.frame < b.frame; });
@@ -234,11 +277,21 @@ class Cvat {
     }
   }
 
+  void count(int frame, int index) {
+    if (index >= 0 && index < static_cast<int>(order_.size())) {
+      ++within_;
+      return;
+    }
+    if (strays_++ == 0) first_stray_ = last_stray_ = frame;
+    first_stray_ = std::min(first_stray_, frame);
+    last_stray_ = std::max(last_stray_, frame);
+  }
+
   // A track from one of its shapes up to the next, or to the end of the task.
   void follow(const Label& label, const Shape& shape, const Shape* next) {
     if (shape.outside) return;
-    for (int frame = shape.frame; frame < (next ? std::min(next->frame, static_cast<int>(order_.size())) : end_of(shape));
-         ++frame)
+    for (int frame = std::max(shape.frame, 0);
+         frame < (next ? std::min(next->frame, static_cast<int>(order_.size())) : end_of(shape)); ++frame)
       if (const std::string& name = order_[static_cast<std::size_t>(frame)]; labels_.wanted(name))
         add(name, label, next ? between(shape, *next, frame) : shape);
   }
@@ -279,11 +332,11 @@ class Cvat {
   const fs::path& file_;
   const Drive& drive_;
   ImageLabels labels_;
-  std::vector<std::string> order_;              // names of the recording's images
-  int stop_ = std::numeric_limits<int>::max();  // the last frame of the task
+  std::vector<std::string> order_;  // names of the recording's images
+  Task task_;
   std::map<std::string, int> left_out_;
-  std::size_t strays_ = 0;
-  int first_stray_ = 0;
+  std::size_t strays_ = 0, within_ = 0;  // shapes in frames that the drive does not have, and has
+  int first_stray_ = 0, last_stray_ = 0;
 };
 
 }  // namespace

@@ -128,7 +128,8 @@ TEST(Cvat, ReadsImages) {
   person(3, 11) = person(4, 10) = person(5, 10) = 255;
   EXPECT_EQ(cv::norm(mask_of_outline(read.frames[1][2]), person, cv::NORM_INF), 0);
   EXPECT_THAT(read.warnings, ElementsAre(HasSubstr("1 <polyline> left out"),
-                                         HasSubstr("1 object outside of the image, the first in frame 001")));
+                                         HasSubstr("1 object outside of the image, the first in frame 001"),
+                                         "a.xml has no labels for 1 of 4 frames, which keep their traffic: 100"));
   EXPECT_THAT(read.after_the_last.frames, ElementsAre(103));
 }
 
@@ -138,6 +139,34 @@ TEST(Cvat, WarnsOfFramesItDoesNotHave) {
   EXPECT_THAT(read_labels(file, drive_of(4)).warnings,
               ElementsAre(AllOf(HasSubstr("1 shapes in frames that are none"), HasSubstr("2000000000"),
                                 HasSubstr("4 images, from 0"))));
+}
+
+TEST(Cvat, TiesATaskOfAPartOfAVideoToItsImages) {
+  const TestFolder folder;
+  // Frames 10, 13, 16, 19 of a video, numbered as there: so CVAT exports a task with a frame filter.
+  const std::string task =
+      "<size>4</size><start_frame>10</start_frame><stop_frame>19</stop_frame>"
+      "<frame_filter>step=3</frame_filter>";
+  const auto file = folder.write("a.xml", cvat(track(box(10, 0, 2) + box(16, 8, 4) + box(19, 8, 4, "outside=\"1\"")), task));
+  const FileLabels read = read_labels(file, drive_of(4));
+  EXPECT_EQ(*read.frames[0].at(0).rect, cv::Rect2d(0, 2, 4, 2));
+  EXPECT_EQ(*read.frames[1].at(0).rect, cv::Rect2d(4, 3, 4, 2));
+  EXPECT_EQ(*read.frames[2].at(0).rect, cv::Rect2d(8, 4, 4, 2));
+  EXPECT_TRUE(read.frames[3].empty());
+  EXPECT_THAT(read.warnings,
+              ElementsAre(HasSubstr("one in 3 of the frames 10 to 19 of a video: they are the drive's 4 images")));
+  const FileLabels whole = read_labels(file, drive_of(20));
+  EXPECT_EQ(*whole.frames[13].at(0).rect, cv::Rect2d(4, 3, 4, 2)) << "the drive has the whole video";
+  EXPECT_THAT(whole.warnings, testing::Contains(HasSubstr("only one in 3 frames of a video")));
+  const auto counted = folder.write("b.xml", cvat(track(box(10, 0, 2) + box(11, 8, 4)), task));
+  EXPECT_THAT(input_error([&] { read_labels(counted, drive_of(20)); }), HasSubstr("frame 11 is not in the task"));
+}
+
+TEST(Cvat, RefusesShapesOfOtherFramesOnly) {
+  const TestFolder folder;
+  const auto file = folder.write("a.xml", cvat(track(box(100, 0, 2) + box(119, 8, 2))));
+  EXPECT_THAT(input_error([&] { read_labels(file, drive_of(20)); }),
+              HasSubstr("they are in frames 100 to 119, the drive's images are 0 to 19"));
 }
 
 TEST(Cvat, RefusesWithThePlace) {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "dvi/io/class_ids.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/test_folder.h"
 
@@ -111,7 +112,10 @@ TEST(Labels, WarnsOfFramesItDoesNotHave) {
   const auto boxes =
       folder.write("boxes.json", fmt::format(R"({{"version":1,"frames":{{"five":{},"ten":{},"two":{}}}}})", box, box, box));
   const FileLabels read = read_labels(boxes, two_frames());
-  EXPECT_THAT(read.warnings, ElementsAre("boxes.json labels 2 frames that are none of the drive, the first is ten"));
+  EXPECT_THAT(read.warnings,
+              ElementsAre("boxes.json labels 2 frames that are none of the drive, the first is ten: they are ten "
+                          "to two, the drive's five to six"));
+  EXPECT_FALSE(read.all_strays);
   EXPECT_EQ(read.after_the_last.what, "boxes.json ends early: it has no labels for frames");
   EXPECT_THAT(read.after_the_last.frames, ElementsAre(6));
   const auto all = folder.write("all.json", fmt::format(R"({{"version":1,"frames":{{"five":{},"six":[]}}}})", box));
@@ -141,6 +145,45 @@ TEST(Labels, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(error("5 1003 1 3 4 4Z\n"), HasSubstr("outline is cut"));
   // A first run of 2^32 + 4, which 32 bits would take for 4.
   EXPECT_THAT(error("5 1003 1 3 4 TPPPPP42111\n"), HasSubstr("outline is malformed"));
+}
+
+TEST(Labels, OfOtherFramesOnlyAreNamedWithBothRanges) {
+  const TestFolder folder;
+  const auto tracking = folder.write("tracking.txt",
+                                     "100 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n"
+                                     "119 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n");
+  const FileLabels read = read_labels(tracking, two_frames());
+  EXPECT_TRUE(read.all_strays);
+  EXPECT_THAT(read.warnings,
+              ElementsAre("tracking.txt labels 2 frames that are none of the drive, the first is 100: they are 100 "
+                          "to 119, the drive's 5 to 6"));
+}
+
+TEST(Labels, OfClassesThatAreNotKnownAsTrafficAreNamed) {
+  Drive drive = two_frames();
+  const auto label = [](const char* type) { return Label{.track = -1, .type = type, .box = {}, .rect = {}, .instance = {}}; };
+  for (const char* type : {"other_vehicle", "human.pedestrian.adult", "Car-parked"})
+    drive.frames[0].labels.push_back(label(type));
+  warn_of_unknown_types(drive);
+  EXPECT_TRUE(drive.warnings.empty());
+  for (const char* type : {"road", "class 3", "road"}) drive.frames[1].labels.push_back(label(type));
+  warn_of_unknown_types(drive);
+  ASSERT_EQ(drive.warnings.size(), 1U);
+  EXPECT_THAT(drive.warnings[0], AllOf(HasSubstr("(1 class 3, 2 road)"),
+                                       HasSubstr("--classes \"Car-parked,human.pedestrian.adult,other_vehicle\"")));
+  keep_label_types(drive, "3,other vehicle");
+  EXPECT_EQ(drive.frames[0].labels.size(), 1U);
+  EXPECT_EQ(drive.frames[1].labels.size(), 1U) << "a number stands for a class without a name";
+}
+
+TEST(MaskFolder, SaysWhatAFolderHoldsInsteadOfMasks) {
+  const TestFolder folder;
+  Drive drive = two_frames();
+  folder.write("jpeg/five.jpg", "an image");
+  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "jpeg"); }),
+              AllOf(HasSubstr("1 JPEG files"), HasSubstr("write masks as PNG")));
+  folder.write("yolo/five.txt", "2 0.13 0.3 0.26 0.2\n");
+  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "yolo"); }), HasSubstr("holds YOLO labels"));
 }
 
 TEST(MaskFolder, TiesMasksByName) {
@@ -224,7 +267,8 @@ TEST(MaskFolder, RefusesMasksOfOtherImages) {
   folder.write_image("masks/ten.png", cv::Mat1b(3, 4, uchar{0}));
   Drive drive = two_frames();
   EXPECT_THAT(input_error([&] { match_masks(drive, {folder.path / "masks"}); }), HasSubstr("ten.png: is a mask for no image"));
-  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "masks"); }), HasSubstr("ten.png: is a mask for no image"));
+  EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "masks"); }),
+              AllOf(HasSubstr("ten.png: is a mask for no image"), HasSubstr("masks are named ten, images five to six")));
   EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "none"); }), HasSubstr("holds no masks"));
   folder.write_image("wrong/six.png", cv::Mat1b(4, 4, uchar{0}));
   attach_masks(drive, folder.path / "wrong");

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <pugixml.hpp>
 
 #include "dvi/core/error.h"
@@ -30,6 +31,8 @@ LabelsByNumber read_tracklets(const fs::path& file) {
   for (const pugi::xml_node& item : tracklets.children("item")) {
     const std::string type = lower_case(item.child_value("objectType"));
     const Eigen::Vector3d size(number(file, item, "l"), number(file, item, "w"), number(file, item, "h"));
+    if (!(size.array() > 0).all())
+      throw InputError(file, fmt::format("an <item> has the size {:g} x {:g} x {:g} m", size.x(), size.y(), size.z()));
     const auto first = to_integer(item.child_value("first_frame"));
     constexpr int kMostFrames = 100'000'000;
     if (!first || *first < 0 || *first > kMostFrames)

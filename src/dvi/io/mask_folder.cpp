@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
 #include "dvi/core/natural_order.h"
 #include "dvi/io/image_file.h"
+#include "dvi/io/image_names.h"
+#include "dvi/io/labels.h"
 #include "dvi/io/text.h"
 
 namespace dvi::io {
@@ -26,6 +29,20 @@ MaskFiles masks_by_name(const std::vector<fs::path>& folders) {
     }
   masks.merge(longer);
   return masks;
+}
+
+// Names the masks like the images that they belong to.
+void match_to_images(Drive& drive, const fs::path& folder, const std::set<std::string>& recorded, MaskFiles& masks) {
+  std::vector<std::string> names;
+  for (const auto& [name, file] : masks) names.push_back(name);
+  const MatchedNames matched = match_names(folder, names, recorded);
+  if (matched.warning) drive.warnings.push_back("masks in " + *matched.warning);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (matched.images[i] && *matched.images[i] != names[i]) {
+      auto mask = masks.extract(names[i]);
+      mask.key() = *matched.images[i];
+      masks.insert(std::move(mask));
+    }
 }
 
 // Takes what it uses out of `masks`.
@@ -71,15 +88,42 @@ void warn_of_strays(Drive& drive, const MaskFiles& strays) {
                   strays.size() == 1 ? " is" : "s are", strays.begin()->second.string()));
 }
 
-void require_any(const Drive& drive, const fs::path& file) {
-  if (std::all_of(drive.mask_files.begin(), drive.mask_files.end(), [](const fs::path& mask) { return mask.empty(); }))
-    throw InputError(file, "is a mask for no image of the drive, as are all others",
-                     "name a mask like its image, or remove it");
+void require_any(const Drive& drive, const MaskFiles& masks, const std::set<std::string>& recorded) {
+  if (!std::all_of(drive.mask_files.begin(), drive.mask_files.end(), [](const fs::path& mask) { return mask.empty(); })) return;
+  std::set<std::string> names;
+  for (const auto& [name, file] : masks) names.insert(name);
+  throw InputError(masks.begin()->second,
+                   fmt::format("is a mask for no image of the drive, as are all others: masks are named {}, images {}",
+                               span_of(names), span_of(recorded)),
+                   "name a mask like its image, or remove it");
+}
+
+std::set<std::string> names_of(const std::vector<Frame>& frames) {
+  std::set<std::string> names;
+  for (const Frame& frame : frames) names.insert(frame.name);
+  return names;
+}
+
+// Says what a folder without PNG files holds instead.
+[[noreturn]] void refuse_without_masks(const Drive& drive, const fs::path& folder) {
+  if (const auto other = masks_nearby(folder, drive.frames))
+    throw InputError(folder, "holds no masks", "did you mean " + other->string() + "?");
+  refuse_unread_labels(folder);
+  if (const std::size_t jpegs = list_files(folder, {".jpg", ".jpeg"}).size(); jpegs > 0)
+    throw InputError(folder, fmt::format("holds no masks as PNG, but {} JPEG files", jpegs),
+                     "JPEG blurs the border of a mask: write masks as PNG files, named like the images");
+  throw InputError(folder, "holds no masks", "masks are PNG files named like the images");
 }
 
 }  // namespace
 
 fs::path camera_masks(const fs::path& folder, const std::string& camera) { return folder / "masks" / camera; }
+
+std::optional<fs::path> folder_of_camera(const fs::path& given, const std::string& camera) {
+  for (const fs::path& folder : {camera_masks(given, camera), given / camera})
+    if (fs::is_directory(folder)) return folder;
+  return std::nullopt;
+}
 
 void match_masks(Drive& drive, const std::vector<fs::path>& folders) {
   MaskFiles masks = masks_by_name(folders);
@@ -90,25 +134,24 @@ void match_masks(Drive& drive, const std::vector<fs::path>& folders) {
             fmt::format("the masks in {} are not used: they belong into {}", other->string(), folder.string()));
     return;
   }
+  const std::set<std::string> recorded = names_of(drive.frames);
+  match_to_images(drive, folders.front(), recorded, masks);
   drive.mask_files = as_frames(drive.frames, masks);
   std::erase_if(masks, [&](const auto& mask) { return in_a_gap(mask.first, drive.frames); });
-  if (!masks.empty()) require_any(drive, masks.begin()->second);
+  if (!masks.empty()) require_any(drive, masks, recorded);
   warn_of_strays(drive, masks);
 }
 
 void attach_masks(Drive& drive, const fs::path& given) {
-  const fs::path of_camera = camera_masks(given, drive.camera_name);
-  const fs::path folder = fs::is_directory(of_camera) ? of_camera : given;
+  const fs::path folder = folder_of_camera(given, drive.camera_name).value_or(given);
   MaskFiles masks = masks_by_name({folder});
-  if (masks.empty()) {
-    const auto other = masks_nearby(folder, drive.frames);
-    throw InputError(folder, "holds no masks",
-                     other ? "did you mean " + other->string() + "?" : "masks are PNG files named like the images");
-  }
-  const fs::path any = masks.begin()->second;
+  if (masks.empty()) refuse_without_masks(drive, folder);
+  std::set<std::string> recorded = recorded_names(drive);
+  recorded.merge(names_of(drive.frames));
+  match_to_images(drive, folder, recorded, masks);
+  const MaskFiles all = masks;
   drive.mask_files = as_frames(drive.frames, masks);
-  require_any(drive, any);
-  const std::set<std::string> recorded = recorded_names(drive);
+  require_any(drive, all, recorded);
   std::erase_if(masks, [&](const auto& mask) { return recorded.contains(mask.first) || in_a_gap(mask.first, drive.frames); });
   warn_of_strays(drive, masks);
   attach_mask_files(drive);

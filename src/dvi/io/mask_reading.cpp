@@ -100,10 +100,12 @@ Polarity decide(Drive& drive, const Looks& looks) {
   const double share = median(looks.shares);
   const std::string folder = looks.first.parent_path().string();
   if (share > kMost && looks.values.size() >= kIds)
-    throw InputError(looks.first,
-                     fmt::format("looks like a picture of class ids: {:.0f} % of the masks beside it are not 0, with {} values",
-                                 100 * share, looks.values.size()),
-                     "name what to remove, such as --classes car,truck,person; --polarity white removes all that is not 0");
+    throw InputError(
+        looks.first,
+        fmt::format("looks like a picture of class ids: {:.0f} % of the masks beside it are not 0, with {} values", 100 * share,
+                    looks.values.size()),
+        "name what to remove, such as --classes car,truck,person; --polarity white removes all that is not 0; masks "
+        "of probabilities have to be 0 where nothing is removed");
   if (looks.values.size() >= kIds)
     drive.warnings.push_back(
         fmt::format("the masks in {} have {} values besides 0, and all of them are removed; where they are "
@@ -163,6 +165,17 @@ IdsAs how_ids_are_held(const std::vector<fs::path>& sample, cv::Size size) {
   return colours && any ? IdsAs::colours : plain ? IdsAs::nothing : IdsAs::values;
 }
 
+// Cityscapes and KITTI number the instances of a class differently.
+void find_instance_factor(Drive& drive, const std::vector<fs::path>& sample, ChosenClasses& chosen) {
+  std::vector<cv::Mat> pictures;
+  for (const fs::path& file : sample)
+    if (!read_unchanged(file, size_of(drive)).empty())  // whoever reads it for its frame says what is wrong
+      pictures.push_back(as_ids(read_indices(file, size_of(drive)), IdsAs::values));
+  if (!are_kitti_ids(pictures)) return;
+  chosen.ids_of_a_class = kKittiIdsOfAClass;
+  drive.warnings.emplace_back("the values of its masks are taken as ids * 256 + the number of the instance, as KITTI has them");
+}
+
 cv::Mat1b read_class_mask(const fs::path& file, cv::Size size, const ChosenClasses& chosen, IdsAs how) {
   if (how == IdsAs::values) return mask_of_classes(as_ids(read_indices(file, size), how), chosen);
   read_mask(file, size);  // says what is wrong with it
@@ -180,13 +193,14 @@ ReadMask plain_reader(Drive& drive, const std::vector<fs::path>& sample, Polarit
 
 ReadMask reader(Drive& drive, const std::vector<fs::path>& sample, const MaskReading& reading) {
   if (reading.classes.empty()) return plain_reader(drive, sample, reading.polarity);
-  const ChosenClasses chosen = parse_classes(reading.classes);
+  ChosenClasses chosen = parse_classes(reading.classes);
   const cv::Size size = size_of(drive);
   const IdsAs how = how_ids_are_held(sample, size);
   if (how == IdsAs::nothing) {
     drive.warnings.emplace_back("its masks hold no class ids, only 0 and 255: --classes is not applied to them");
     return plain_reader(drive, sample, reading.polarity);
   }
+  if (how == IdsAs::values) find_instance_factor(drive, sample, chosen);
   const auto shows = [&](const fs::path& file) {
     return !read_unchanged(file, size).empty() && cv::countNonZero(read_class_mask(file, size, chosen, how)) > 0;
   };

@@ -236,5 +236,15 @@ TEST(ClassIds, KeepsLabelsOfTheTypesNamed) {
   EXPECT_THAT(drive.warnings, ElementsAre(HasSubstr("no label is called 'van'")));
 }
 
+TEST(KittiIds, AreToldFromThoseOfCityscapesAndMots) {
+  const auto picture = [](const std::vector<ushort>& values) { return cv::Mat(cv::Mat_<ushort>(values, true)); };
+  EXPECT_TRUE(are_kitti_ids({picture({768, 768, 6913, 6914}), picture({7937, 0, 1792, 1792})}));
+  EXPECT_FALSE(are_kitti_ids({picture({7, 7, 26001, 26002})})) << "Cityscapes";
+  EXPECT_FALSE(are_kitti_ids({picture({0, 1001, 2001, 10000})})) << "MOTS";
+  EXPECT_FALSE(are_kitti_ids({picture({1792, 1792, 12000})})) << "no class has the id 46";
+  EXPECT_FALSE(are_kitti_ids({cv::Mat(1, 4, CV_8UC1, cv::Scalar(26))}));
+  EXPECT_FALSE(are_kitti_ids({}));
+}
+
 }  // namespace
 }  // namespace dvi::io

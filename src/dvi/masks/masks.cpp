@@ -64,19 +64,21 @@ Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const SharedLa
   if (source == MaskSource::files) {
     if (drive.masks.empty())
       throw InputError(drive.path, "brings no mask files", "give --masks DIR, or --masks labels where it has labels");
-    return drive.masks;
+    const int radius = options.file_dilation_px();
+    if (radius == 0) return drive.masks;
+    return {drive.masks.size(), [masks = drive.masks, radius](std::size_t i) { return grown(*masks[i], radius); }};
   }
   if (source == MaskSource::labels && !drive.has_labels())
     throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
-  return {drive.frames.size(),
-          [objects, source, camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
-            cv::Mat1b mask(camera.height, camera.width, uchar{0});
-            for (Label label : (*objects)[i]) {
-              if (source == MaskSource::found) label.box.reset();  // outlines that were found reach down to the ground
-              mask |= label_mask(label, camera, pose, options);
-            }
-            return source == MaskSource::found ? mask : grown(mask, options.dilate_px);  // what was found has its margin
-          }};
+  return {
+      drive.frames.size(), [objects, source, camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
+        cv::Mat1b mask(camera.height, camera.width, uchar{0});
+        for (Label label : (*objects)[i]) {
+          if (source == MaskSource::found) label.box.reset();  // outlines that were found reach down to the ground
+          mask |= label_mask(label, camera, pose, options);
+        }
+        return source == MaskSource::found ? mask : grown(mask, options.label_dilation_px());  // what was found has its margin
+      }};
 }
 
 }  // namespace dvi::masks

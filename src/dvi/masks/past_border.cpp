@@ -62,7 +62,8 @@ class Continuation {
   }
 
   bool touches_border(const Label& label) const {
-    const cv::Mat1b mask = grown(label_mask(label, drive_.camera, drive_.camera_from_lidar, options_), options_.dilate_px);
+    const cv::Mat1b mask =
+        grown(label_mask(label, drive_.camera, drive_.camera_from_lidar, options_), options_.label_dilation_px());
     return cv::countNonZero(mask.col(0)) + cv::countNonZero(mask.col(mask.cols - 1)) + cv::countNonZero(mask.row(0)) +
                cv::countNonZero(mask.row(mask.rows - 1)) >
            0;

@@ -109,8 +109,14 @@ CheckReport describe(const Recording& open, const PoseChoice& choice, const Mask
   if (!open.masks_from && drive.scan_headers.empty())
     out.warnings.emplace_back("neither masks nor labels nor scans say what to remove: give --masks DIR or --masks FILE");
   if (!drive.map.empty()) out.map_points = drive.map[0]->points.size();
-  out.ready = out.frames_with_pose > 0 && drive.has_geometry();
+  out.ready = out.frames_with_pose > 0 && drive.has_geometry() && (open.masks_from || !drive.scan_headers.empty());
   return out;
+}
+
+// The report is of one drive: its warnings need no name.
+std::string without_name(const std::string& warning, const Recording& open) {
+  const std::string name = name_of(open) + ": ";
+  return warning.starts_with(name) ? warning.substr(name.size()) : warning;
 }
 
 std::string masks_line(const CheckReport& report) {
@@ -208,8 +214,11 @@ CheckReport check(const Job& given, bool with_forecast, Progress& progress) {
     choice = choose_poses(drive, job.read.poses, job.options.odometry, progress);
   const bool posed = !chosen(drive, choice).empty();
   const Poses poses = posed ? in_one_world(drives, {choice}) : given_poses(drives);
+  const std::size_t known = progress.warnings().size();
   const Masks masks = find_masks(drives, poses, job, progress);
   CheckReport report = describe(drives.front(), choice, masks);
+  const std::vector<std::string> warned = progress.warnings();
+  for (std::size_t i = known; i < warned.size(); ++i) report.warnings.push_back(without_name(warned[i], drives.front()));
   report.place = find_place(poses.front().world_from_lidar, drive.fixes);
   report.warnings.insert(report.warnings.end(), range_warnings.begin(), range_warnings.end());
   const std::vector<std::string> doubts = doubt_setup(drives, poses, masks, progress);

@@ -26,6 +26,7 @@ std::string to_string(const PosesFrom& from) {
 MasksFrom MasksFrom::parse(const std::string& text) {
   if (text.empty() || text == "auto") return {};
   if (text == "labels") return {Kind::labels};
+  if (text == "found") return {Kind::found};
   return {Kind::path, text};
 }
 
@@ -35,6 +36,8 @@ std::string to_string(const MasksFrom& from) {
       return "auto";
     case MasksFrom::Kind::labels:
       return "labels";
+    case MasksFrom::Kind::found:
+      return "found";
     case MasksFrom::Kind::path:
       break;
   }

@@ -37,9 +37,10 @@ struct PosesFrom {
 };
 std::string to_string(const PosesFrom& from);
 
-/// What `--masks` takes. automatic: what the drive brings, mask files before labels.
+/// What `--masks` takes. automatic: what the drive brings, mask files before labels, and what moves if it brings neither.
+/// found: what moves, whatever the drive brings.
 struct MasksFrom {
-  enum class Kind { automatic, labels, path };
+  enum class Kind { automatic, labels, found, path };
   Kind kind = Kind::automatic;
   std::string path = {};  ///< a folder of PNG or a file of labels, where the kind says so
 

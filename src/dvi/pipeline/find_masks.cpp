@@ -1,9 +1,11 @@
 #include "dvi/pipeline/find_masks.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -36,14 +38,20 @@ FrameLabels objects_of(const Recording& open, const Trajectory& world_from_lidar
   return masks::continued_past_border(drive, std::move(labels), world_from_lidar, job.options.masks);
 }
 
-std::vector<traffic::Track> moving_in(const Recording& open, const Trajectory& world_from_lidar, const Job& job,
-                                      const traffic::Ground* ground, Progress& progress) {
+std::vector<traffic::Track> tracks_in_scans(const Recording& open, const Trajectory& world_from_lidar, const Job& job,
+                                            const traffic::Ground* ground, Progress& progress) {
+  if (ground == nullptr) return {};
   const Drive& drive = open.drive;
   progress.begin("traffic", drive.scan_headers.size());
-  std::vector<traffic::Track> found;
-  if (ground != nullptr)
-    found = traffic::find_traffic(drive, world_from_lidar, *ground, job.options.map.pose_error_m, [&] { progress.advance(); });
+  auto tracks =
+      traffic::find_traffic(drive, world_from_lidar, *ground, job.options.map.pose_error_m, [&] { progress.advance(); });
   progress.end();
+  return tracks;
+}
+
+std::vector<traffic::Track> moving_in(const Recording& open, const Trajectory& world_from_lidar, const Job& job,
+                                      const traffic::Ground* ground, Progress& progress) {
+  std::vector<traffic::Track> found = tracks_in_scans(open, world_from_lidar, job, ground, progress);
   if (found.empty()) progress.warn(name_of(open) + ": nothing moves in it, as far as its scans tell: nothing is removed");
   return found;
 }
@@ -61,14 +69,64 @@ Lazy<cv::Mat1b> with_ego(const Recording& open, const Lazy<cv::Mat1b>& masks) {
   return {masks.size(), [masks, ego = open.ego_mask](std::size_t i) { return cv::Mat1b(*masks[i] | ego); }};
 }
 
-Lazy<cv::Mat1b> masks_of(const Recording& open, const SharedLabels& objects, const Job& job) {
+// Masks without the ego mask, of what is removed because of masks or labels.
+Lazy<cv::Mat1b> object_masks(const Recording& open, const SharedLabels& objects, const Job& job) {
   const Drive& drive = open.drive;
-  if (!open.masks_from) return always_masked(open);
   const Lazy<cv::Mat1b> masks = find_masks(drive, *open.masks_from, objects, job.options.masks);
   const bool labels_too = job.read.remove == Remove::all && open.masks_from == masks::MaskSource::files && drive.has_labels();
-  if (!labels_too) return with_ego(open, masks);
+  if (!labels_too) return masks;
   const Lazy<cv::Mat1b> labelled = find_masks(drive, masks::MaskSource::labels, objects, job.options.masks);
-  return with_ego(open, {labelled.size(), [masks, labelled](std::size_t i) { return cv::Mat1b(*masks[i] | *labelled[i]); }});
+  return {labelled.size(), [masks, labelled](std::size_t i) { return cv::Mat1b(*masks[i] | *labelled[i]); }};
+}
+
+Lazy<cv::Mat1b> masks_of(const Recording& open, const SharedLabels& objects, const Job& job) {
+  if (!open.masks_from) return always_masked(open);
+  return with_ego(open, object_masks(open, objects, job));
+}
+
+// Whether masks or labels remove nothing in any frame. Most drives need a look at their first frame only.
+bool removes_nothing(const Recording& open, const SharedLabels& objects, const Job& job) {
+  const Lazy<cv::Mat1b> masks = object_masks(open, objects, job);
+  for (std::size_t i = 0; i < masks.size(); ++i)
+    if (cv::countNonZero(*masks[i]) > 0) return false;
+  return true;
+}
+
+// Says what moves in the scans although masks or labels remove nothing.
+std::string unmasked_motion(const Recording& open, const Trajectory& world_from_lidar, const Job& job,
+                            const traffic::Ground* ground, Progress& progress) {
+  const Drive& drive = open.drive;
+  const FrameLabels labels = traffic::outlines(tracks_in_scans(open, world_from_lidar, job, ground, progress), drive,
+                                               world_from_lidar, job.options.masks.footprint_margin_m);
+  std::set<int> tracks;
+  std::optional<int> first;
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    for (const Label& label : labels[i]) {
+      tracks.insert(label.track);
+      if (!first) first = drive.frames[i].number;
+    }
+  if (!first) return {};
+  return fmt::format(
+      ", but its scans show {} object{} that move{}, the first in frame {}: give --masks found to remove what moves",
+      tracks.size(), tracks.size() == 1 ? "" : "s", tracks.size() == 1 ? "s" : "", *first);
+}
+
+// `motion` says what moves nevertheless; it takes a look at all scans.
+void warn_of_nothing_removed(const Recording& open, const SharedLabels& objects, const std::function<std::string()>& motion,
+                             const Job& job, Progress& progress) {
+  const bool from_labels = open.masks_from == masks::MaskSource::labels;
+  if (open.rig_of || (!from_labels && open.masks_from != masks::MaskSource::files)) return;
+  if (!removes_nothing(open, objects, job)) return;
+  const Drive& drive = open.drive;
+  std::size_t labels = 0;
+  for (const Frame& frame : drive.frames) labels += frame.labels.size();
+  const std::size_t files = static_cast<std::size_t>(
+      std::count_if(drive.mask_files.begin(), drive.mask_files.end(), [](const fs::path& file) { return !file.empty(); }));
+  const bool all_stationary = from_labels && labels > 0 && job.read.remove == Remove::moving;
+  const std::string what = from_labels ? fmt::format("its labels ({} in {} frames) remove nothing{}", labels,
+                                                     drive.frames.size(), all_stationary ? ": no labeled object moves" : "")
+                                       : fmt::format("its {} mask files are empty and remove nothing", files);
+  progress.warn(name_of(open) + ": " + what + motion());
 }
 
 // What labels of the drive's own camera do not draw in another one.
@@ -114,6 +172,9 @@ Objects find_objects(const Recordings& drives, const Poses& poses, const Grounds
     if (job.read.remove == Remove::moving && !open.rig_of) warn_of_all_removed(open, world_from_lidar, progress);
     if (open.masks_from != masks::MaskSource::found) {
       objects.push_back(shared(objects_of(open, world_from_lidar, job, progress)));
+      warn_of_nothing_removed(
+          open, objects.back(), [&] { return unmasked_motion(open, world_from_lidar, job, grounds.of(i).get(), progress); },
+          job, progress);
       continue;
     }
     const std::size_t drive = open.rig_of.value_or(i);
@@ -139,6 +200,8 @@ Masks find_masks(const Recordings& drives, const Poses& poses, const Grounds& gr
       continue;
     }
     Lazy<cv::Mat1b> images = masks_of(drives[i], objects[i], job);
+    if (const int radius = job.options.masks.file_dilation_px(); radius > 0 && drives[i].masks_from == masks::MaskSource::files)
+      progress.note(fmt::format("{}: its mask files are dilated by {} px (masks.dilate_px)", name_of(drives[i]), radius));
     const bool found = drives[i].masks_from == masks::MaskSource::found, shadows = job.options.masks.shadows;
     if (drives[i].masks_from && (found || shadows)) {
       const Compared what{found ? objects[i] : nullptr, shadows};

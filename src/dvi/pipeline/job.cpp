@@ -73,7 +73,9 @@ OptionTable Job::table() {
   table.add("source_cameras", read.source_cameras, {},
             "Other cameras of the drives that lend pixels: all, none, or NAME,NAME.");
   table.add("frames", read.frames, {}, "A:B, inclusive, or A, one frame, by the drive's own numbers; empty: all.");
-  table.add("masks", read.masks, "auto (the drive's mask files, else its labels), labels, a folder of PNG, or a label file.");
+  table.add("masks", read.masks,
+            "auto (the drive's mask files, else its labels, else what moves), labels, found (what moves), a folder of PNG, or "
+            "a label file.");
   table.add("polarity", read.mask_files.polarity,
             "Of mask files: white = remove, black = remove, or auto: white, unless most of most masks is white.");
   table.add("classes", read.mask_files.classes, {},

@@ -78,6 +78,11 @@ nlohmann::json tracks_json(const Recording& open, const FrameLabels& removed, co
   return tracks;
 }
 
+int dilation_px(const Recording& open, const masks::MaskOptions& options) {
+  if (!open.masks_from || open.masks_from == masks::MaskSource::found) return 0;
+  return open.masks_from == masks::MaskSource::files ? options.file_dilation_px() : options.label_dilation_px();
+}
+
 }  // namespace
 
 std::string make_masks(const Job& job, Progress& progress) {
@@ -109,6 +114,7 @@ std::string make_masks(const Job& job, Progress& progress) {
                                       {"camera", drive.camera_name},
                                       {"source", mask_source(open)},
                                       {"remove", to_string(job.read.remove)},
+                                      {"dilate_px", dilation_px(open, job.options.masks)},
                                       {"tracks", tracks_json(open, *found.objects, poses.front().world_from_lidar)},
                                       {"frames", frames}});
   write_file(out / "masks.json", text + "\n");

@@ -24,6 +24,21 @@
 namespace dvi::pipeline {
 namespace {
 
+// Replaces the drive's labels by those of a file, or of a folder with a file per image.
+void take_labels(Drive& drive, const fs::path& path) {
+  const io::FileLabels read = io::read_labels(path, drive);
+  if (read.all_strays)
+    throw InputError(path, "has no labels of the drive: " + read.warnings.front(),
+                     "give the labels of this drive, or name its images as the labels do");
+  for (std::size_t i = 0; i < read.frames.size(); ++i) drive.frames[i].labels = read.frames[i];
+  drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
+  if (const io::Gap& gap = read.after_the_last; !gap.frames.empty())
+    drive.warnings.push_back(gap.what + " " + io::ranges(gap.frames));
+  drive.labelled = true;
+  drive.labelled_around = read.all_round;
+  drive.other_files.insert(drive.other_files.end(), read.files.begin(), read.files.end());
+}
+
 std::optional<masks::MaskSource> resolve_masks(Drive& drive, const MasksFrom& from, MaskNeed need) {
   if (from.kind == MasksFrom::Kind::automatic) {
     const masks::MaskSource source = masks::default_mask_source(drive);
@@ -36,23 +51,22 @@ std::optional<masks::MaskSource> resolve_masks(Drive& drive, const MasksFrom& fr
     drive.warnings.emplace_back("has neither masks nor labels nor scans, so its traffic may be copied into the result");
     return std::nullopt;
   }
+  if (from.kind == MasksFrom::Kind::found) {
+    if (drive.scan_headers.empty())
+      throw InputError(drive.path, "has no scans in which what moves could be found", "give --masks DIR or --masks FILE");
+    return need == MaskNeed::optional ? std::nullopt : std::optional(masks::MaskSource::found);
+  }
   if (from.kind == MasksFrom::Kind::labels) {
     if (!drive.has_labels()) throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
     return masks::MaskSource::labels;
   }
-  if (fs::is_directory(from.path)) {
+  if (fs::is_directory(from.path) && !io::is_label_folder(from.path)) {
     io::attach_masks(drive, from.path);
     return masks::MaskSource::files;
   }
-  if (!fs::exists(from.path)) throw InputError(from.path, "does not exist", "--masks takes a folder, a file, labels or auto");
-  const io::FileLabels read = io::read_labels(from.path, drive);
-  for (std::size_t i = 0; i < read.frames.size(); ++i) drive.frames[i].labels = read.frames[i];
-  drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
-  if (const io::Gap& gap = read.after_the_last; !gap.frames.empty())
-    drive.warnings.push_back(gap.what + " " + io::ranges(gap.frames));
-  drive.labelled = true;
-  drive.labelled_around = read.all_round;
-  drive.other_files.emplace_back(from.path);
+  if (!fs::exists(from.path))
+    throw InputError(from.path, "does not exist", "--masks takes a folder, a file, labels, found or auto");
+  take_labels(drive, from.path);
   return masks::MaskSource::labels;
 }
 
@@ -67,6 +81,7 @@ std::shared_ptr<const detect::Detector> load_detector(const ReadChoice& choice) 
 void choose_masked(Drive& drive, const std::optional<masks::MaskSource>& from, const ReadChoice& choice) {
   const std::string& classes = choice.mask_files.classes;
   if (from == masks::MaskSource::files) return io::read_masks(drive, choice.mask_files);
+  if (from == masks::MaskSource::labels && (classes.empty() || choice.is_source)) io::warn_of_unknown_types(drive);
   if (classes.empty() || choice.is_source) return;
   if (from == masks::MaskSource::detected)
     throw UsageError("--classes " + classes + ": of a detector, MODEL.toml says which classes are removed");

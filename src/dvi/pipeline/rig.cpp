@@ -74,8 +74,9 @@ bool has_boxes(const Drive& drive) {
 std::optional<masks::MaskSource> masks_of(Drive& drive, const Recording& own, const ReadChoice& choice) {
   if (!own.masks_from) return std::nullopt;
   const MasksFrom from = choice.is_source ? MasksFrom() : choice.masks;
+  if (from.kind == MasksFrom::Kind::found) return masks::MaskSource::found;
   const bool given = from.kind == MasksFrom::Kind::path;
-  if (given ? fs::is_directory(io::camera_masks(from.path, drive.camera_name)) : !drive.masks.empty()) {
+  if (given ? io::folder_of_camera(from.path, drive.camera_name).has_value() : !drive.masks.empty()) {
     if (given) io::attach_masks(drive, from.path);
     io::read_masks(drive, choice.mask_files);
     return masks::MaskSource::files;
