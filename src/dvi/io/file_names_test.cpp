@@ -13,7 +13,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// Pictures that ImageMagick, cwebp, and exiftool wrote: tests/foreign/README-images.md.
+// Pictures that ImageMagick, cwebp, and exiftool wrote: tests/README.md.
 const fs::path kPictures = fs::path(DVI_TEST_FOREIGN) / "images";
 
 constexpr const char* kNamesConfig =

@@ -16,7 +16,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// Files that ImageMagick, exiftool, and ffmpeg wrote: tests/foreign/README-images.md.
+// Files that ImageMagick, exiftool, and ffmpeg wrote: tests/README.md.
 const fs::path kStored = fs::path(DVI_TEST_FOREIGN) / "images";
 constexpr const char* kStorageConfig =
     "[camera.front]\nK = [60, 0, 32, 0, 60, 24, 0, 0, 1]\ncamera_from_lidar = [0, -1, 0, 0,  0, 0, -1, 0,  1, 0, 0, 0]\n";
