@@ -243,9 +243,12 @@ std::vector<std::string> name_columns(std::string_view bytes, const BinShape& sh
   const auto is_new = [&](const char* name) { return std::find(names.begin(), names.end(), name) == names.end(); };
   for (std::size_t c = 3; c < shape.columns; ++c) {
     const std::vector<double>& values = columns.values[c];
-    if (!values.empty() && is_new("ring") && is_ring(values, columns))
+    const bool is_constant = std::all_of(values.begin(), values.end(), [&](double value) { return value == values.front(); });
+    if (is_constant)
+      names.emplace_back("_");
+    else if (is_new("ring") && is_ring(values, columns))
       names.emplace_back("ring");
-    else if (!values.empty() && is_new("t") && is_time(values, columns, cropped))
+    else if (is_new("t") && is_time(values, columns, cropped))
       names.emplace_back("t");
     else
       names.emplace_back(is_new("intensity") ? "intensity" : "_");
@@ -307,6 +310,9 @@ BinLayout infer_bin_layout(const std::vector<fs::path>& files, const TimedScan& 
     if (found) shape = found, example = file;
   }
   if (!shape) shape = usual_shape(sampled);
+  constexpr std::size_t kMaxUsualColumns = 8;
+  if (shape->columns > kMaxUsualColumns)  // or numbers of several types, which are not of equal size
+    throw InputError(example, fmt::format("looks like {}, which is not usual for scans", to_text(*shape)), kStateColumns);
   return {shape->scalar_bytes, name_columns(read_file(files.back()), *shape, scan)};
 }
 

@@ -46,7 +46,7 @@ std::optional<BinShape> infer_bin_shape(std::string_view bytes);
 
 /// Infers the layout of a set of .bin files from up to three of them: the shape from the values, ring by its elevations, times
 /// by their range and order. Files that do not tell hold float32 x y z intensity. InputError where their sizes fit no layout,
-/// and where files have different shapes. `scan` describes the last file.
+/// where files have different shapes, and for more than eight columns. `scan` describes the last file.
 BinLayout infer_bin_layout(const std::vector<fs::path>& files, const TimedScan& scan);
 
 /// The layout with columns that the user states; InputError where sizes do not fit it.

@@ -1,6 +1,7 @@
 #include "dvi/io/bin_layout.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 
 #include "dvi/core/random.h"
@@ -97,6 +98,9 @@ TEST(BinLayout, ColumnsFollowFromTheValues) {
               ElementsAre("x", "y", "z", "intensity", "ring", "t"));
   EXPECT_THAT(named({scan.x, scan.y, scan.z, scan.ring, scan.t, scan.intensity}),
               ElementsAre("x", "y", "z", "ring", "t", "intensity"));
+  EXPECT_THAT(named({scan.x, scan.y, scan.z, zeros, scan.intensity, zeros, zeros, zeros}),
+              ElementsAre("x", "y", "z", "_", "intensity", "_", "_", "_"))
+      << "PCL's PointXYZI as it lies in memory";
   Columns columns = all_columns(8);
   EXPECT_EQ(layout_of(bin_of<double>(columns)).text(), "8 columns of float64: x y z intensity ring t _ _");
 }
@@ -112,6 +116,19 @@ TEST(BinLayout, FilesOfOneDriveHaveOneShape) {
   const fs::path small = folder.write("2.bin", bin_of<float>({{1, 2}, {3, 4}, {5, 6}}));
   EXPECT_THAT(input_error([&] { infer_bin_layout({small}, kTimes); }),
               AllOf(HasSubstr("2.bin: 24 bytes"), HasSubstr("[lidar] columns")));
+}
+
+// Points of numbers of several types, such as 18 bytes of x y z intensity and a ring of 16 bits, repeat after a multiple of 4.
+TEST(BinLayout, WhatIsNotUsualMustBeStated) {
+  const TestFolder folder;
+  const TestScan scan;
+  std::string bytes;
+  for (std::size_t i = 0; i < scan.x.size(); ++i) {
+    bytes += bin_of<float>({{scan.x[i]}, {scan.y[i]}, {scan.z[i]}, {scan.intensity[i]}});
+    bytes += bin_of<std::uint16_t>({{scan.ring[i]}});
+  }
+  EXPECT_THAT(input_error([&] { infer_bin_layout({folder.write("0.bin", bytes)}, kTimes); }),
+              AllOf(HasSubstr("0.bin: looks like 9 columns"), HasSubstr("[lidar] columns")));
 }
 
 TEST(BinLayout, UsersCanStateTheColumns) {

@@ -151,7 +151,8 @@ PointCloud read_pcd(const fs::path& path, CountFrom from) {
                                             : count_of(path, entries["WIDTH"], 1) * count_of(path, entries["HEIGHT"], 1);
   const std::string data = joined(entries["DATA"]);
   if (data == "DATA binary_compressed")
-    throw InputError(path, "is compressed, which is not read", "write it as DATA binary or ascii");
+    throw InputError(path, "is compressed, which is not read",
+                     "write it as DATA binary or ascii, such as by pcl_convert_pcd_ascii_binary IN.pcd OUT.pcd 1");
   if (data != "DATA ascii" && data != "DATA binary") fail(path, data);
   table.data = data == "DATA ascii" ? PointTable::Data::ascii : PointTable::Data::little_endian;
   return decode_points(path, table, header.rest(), from);

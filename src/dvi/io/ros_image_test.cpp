@@ -1,5 +1,7 @@
 #include "dvi/io/ros_image.h"
 
+#include <opencv2/core.hpp>
+
 #include "dvi/io/test_ros_message.h"
 
 namespace dvi::io {
