@@ -6,7 +6,8 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
-#include "dvi/io/ros_message.h"
+#include "dvi/io/image_file.h"
+#include "dvi/io/ros_image.h"
 #include "dvi/io/text.h"
 
 namespace dvi::io {
@@ -63,6 +64,16 @@ void warn_of_other_frame(const BagMessages& messages, const BagCamera& camera, c
       camera.info->name, info.header.frame, camera.images->name, image.frame));
 }
 
+// Of the first image.
+cv::Size image_size_of(const BagMessages& messages, const BagTopic& images) {
+  const auto size = [&](std::string_view m, BagEncoding e) {
+    if (is_compressed(images)) return image_size(images.name, parse_image_file(m, e).file);
+    const RosImage image = parse_image(m, e);
+    return cv::Size(static_cast<int>(image.width), static_cast<int>(image.height));
+  };
+  return messages.parsed(images, 0, size);
+}
+
 }  // namespace
 
 Camera read_bag_camera(const BagMessages& messages, const BagCamera& camera, std::vector<std::string>& warnings) {
@@ -77,7 +88,9 @@ Camera read_bag_camera(const BagMessages& messages, const BagCamera& camera, std
         fmt::format("give [camera.{}] K and size in dvi.toml, or --topic info=TOPIC", camera.name));
   warn_of_other_frame(messages, camera, info, warnings);
   Camera out;
-  out.width = info.width, out.height = info.height;
+  const bool has_size = info.width > 0 && info.height > 0;
+  const cv::Size size = has_size ? cv::Size(info.width, info.height) : image_size_of(messages, *camera.images);
+  out.width = size.width, out.height = size.height;
   const auto set = [&](double fx, double fy, double cx, double cy) { out.fx = fx, out.fy = fy, out.cx = cx, out.cy = cy; };
   if (rectified) {
     set(info.P[0], info.P[5], info.P[2], info.P[6]);

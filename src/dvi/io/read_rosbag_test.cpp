@@ -229,7 +229,14 @@ TEST_F(ChangedBag, WithoutCalibrationAsksForIt) {
               AllOf(HasSubstr("no calibration of /front/image_raw/compressed"), HasSubstr("[camera.front] K")));
 }
 
-// Messages of python3-rosbag and @mcap/core whose lengths are changed: 2^31 and more bytes.
+// height, width 32 and the length of "plumb_bob".
+TEST_F(ChangedBag, CalibrationsWithoutASizeHaveThatOfTheImages) {
+  const std::string behind = std::string("\x0A\0\0\0plumb_bob", 13), size("\x20\0\0\0\x20\0\0\0", 8);
+  const fs::path bag = replaced(size + behind, std::string(8, '\0') + behind);
+  for (const char* camera : {"front", "right"}) EXPECT_EQ(read_drive(bag, {.camera = camera}).camera.width, 32) << camera;
+}
+
+// Files of @mcap/core whose lengths are changed: 2^31 bytes and more.
 TEST_F(ChangedBag, RecordsOfGigabytesAreRefused) {
   std::string bytes = read_file(kBags / "without_chunks.mcap");
   const std::size_t record = 8;
