@@ -72,9 +72,12 @@ TEST_F(NamedFiles, AreTiedByTheirNumbersWhateverTheirZeros) {
   EXPECT_EQ(drive.frames[2].time_ns, 1'000'000'000);
   EXPECT_EQ(drive.scan_headers[2].time_ns, 1'000'000'000);
   folder.write("times/front.txt", "0 1.0\n5 2.0e+00\n10 3.25\n");
+  folder.write("poses.txt", "000000 1 0 0 0 0 1 0 0 0 0 1 0\n000010 1 0 0 2 0 1 0 0 0 0 1 0\n");
   drive = read();
   EXPECT_EQ(drive.frames[2].time_ns, 3'250'000'000);
   EXPECT_EQ(drive.scan_headers[1].time_ns, 2'000'000'000);
+  ASSERT_EQ(drive.poses.poses().size(), 2U);
+  EXPECT_EQ(drive.poses.poses()[1].time_ns, 3'250'000'000);
 }
 
 TEST_F(NamedFiles, MustHaveOneFilePerName) {

@@ -12,6 +12,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/io/image_file.h"
+#include "dvi/io/ros_image.h"
 
 namespace dvi::io {
 namespace {
@@ -191,16 +192,13 @@ int find_value_bits(Drive& drive) {
       if (high > largest) largest = high, brightest = file;
     }
   }
-  if (largest == 0) return kFullBits;
-  for (const int bits : {8, 10, 12, 14}) {
-    if (largest >= 1 << bits) continue;
+  const int bits = largest > 0 ? find_value_bits(static_cast<int>(largest)) : kFullBits;
+  if (bits < kFullBits)
     drive.warnings.push_back(
         fmt::format("the images have 16 bits, but no value above {:.0f} ({}): they are read as {}-bit images, all by the same "
                     "factor of {}",
                     largest, brightest.string(), bits, 1 << (kFullBits - bits)));
-    return bits;
-  }
-  return kFullBits;
+  return bits;
 }
 
 cv::Mat3b read_scaled_image(const fs::path& file, cv::Size size, int value_bits) {

@@ -121,7 +121,9 @@ TEST_F(StoredImages, OfAVideoTellItsRotation) {
 
 TEST_F(StoredImages, OfARotatedVideoAreReadAsTheyAreStoredWithAWarning) {
   add_video("plain.mp4");
+  fs::rename(folder.path / "images/front.mp4", folder.path / "images/front.MP4");
   EXPECT_THAT(read().warnings, IsEmpty());
+  fs::remove(folder.path / "images/front.MP4");
   add_video("rotate90.mp4");
   const Drive drive = read();
   EXPECT_EQ(drive.camera.width, 64);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
+#include "dvi/io/file_names.h"
 #include "dvi/io/rigid.h"
 #include "dvi/io/text.h"
 
@@ -77,7 +78,7 @@ void require_one_pose(const TextLine& line, const StampedPose& pose, std::map<st
 
 std::vector<StampedPose> by_scan(const std::vector<TextLine>& lines, const Drive& drive) {
   std::map<std::string, std::int64_t> times;
-  for (const ScanHeader& header : drive.scan_headers) times[header.name] = header.time_ns;
+  for (const ScanHeader& header : drive.scan_headers) times[name_key(header.name)] = header.time_ns;
   std::vector<StampedPose> poses;
   std::map<std::int64_t, SE3> known;
   for (const TextLine& line : lines) {
@@ -86,7 +87,7 @@ std::vector<StampedPose> by_scan(const std::vector<TextLine>& lines, const Drive
       const auto time = to_nanoseconds(std::string_view(line.word(0)).substr(1));
       if (!time) line.fail("'" + line.word(0) + "' is no time", "lines are: @seconds and 12 numbers");
       poses.push_back({*time, pose});
-    } else if (const auto time = times.find(line.word(0)); time != times.end())
+    } else if (const auto time = times.find(name_key(line.word(0))); time != times.end())
       poses.push_back({time->second, pose});
     else
       continue;
