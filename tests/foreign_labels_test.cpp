@@ -1,13 +1,13 @@
 #include <cstdlib>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "dvi/io/image_file.h"
+#include "dvi/core/error.h"
 #include "dvi/io/write_image.h"
+#include "dvi/pipeline/find_masks.h"
 #include "program.h"
 
 namespace dvi {
@@ -50,27 +50,43 @@ class ForeignLabels : public ProgramTest {
                     size.width, size.height, 0.5 * (size.width - 1), 0.5 * (size.height - 1)));
   }
 
-  Result mask(const std::string& file, const std::string& more = "") const {
-    fs::remove_all(folder / "out");
-    return dvi(fmt::format("mask drive -o out --poses given --set masks.shadows=false --set masks.dilate_px=0 --masks {} {}",
-                           (labels / file).string(), more));
+  struct Masked {
+    int code = 0;             ///< as the program would end
+    std::vector<int> pixels;  ///< masked in each image, in order of names
+    std::string err;          ///< warnings, or the error
+  };
+
+  /// What `dvi mask drive --masks FILE` does, exactly as the file says, in this process.
+  Masked mask(const std::string& file, const std::string& classes = "", io::Polarity polarity = io::Polarity::automatic) const {
+    pipeline::Job job;
+    job.target = (folder / "drive").string();
+    job.read.masks = pipeline::MasksFrom::parse((labels / file).string());
+    job.read.mask_files = {.polarity = polarity, .classes = classes};
+    job.options.masks.shadows = false;
+    job.options.masks.dilate_px = 0;
+    Progress progress(ProgressStyle::quiet);
+    Masked out;
+    try {
+      const pipeline::Recordings drives{pipeline::open_recording(job.target, job.read, pipeline::MaskNeed::required, progress)};
+      const pipeline::Masks masks = pipeline::find_masks(drives, pipeline::given_poses(drives), job, progress);
+      for (std::size_t i = 0; i < masks.front().images.size(); ++i)
+        out.pixels.push_back(cv::countNonZero(*masks.front().images[i]));
+    } catch (const InputError& e) {
+      out.code = 3;
+      out.err = e.what();
+    }
+    for (const std::string& warning : progress.warnings()) out.err += "\n" + warning;
+    return out;
   }
 
-  /// The number of masked pixels of each image, in order of names.
-  std::vector<int> masked() const {
-    std::vector<int> pixels;
-    for (const fs::path& file : list_files(folder / "out/masks/front", {".png"}))
-      pixels.push_back(cv::countNonZero(io::read_unchanged(file, {})));
-    return pixels;
-  }
-
-  void expect_masked(const std::string& file, const std::vector<int>& pixels, const std::string& more = "") const {
-    const Result result = mask(file, more);
+  void expect_masked(const std::string& file, const std::vector<int>& pixels, const std::string& classes = "",
+                     io::Polarity polarity = io::Polarity::automatic) const {
+    const Masked result = mask(file, classes, polarity);
     EXPECT_EQ(result.code, 0) << file << result.err;
-    EXPECT_EQ(masked(), pixels) << file << result.err;
+    EXPECT_EQ(result.pixels, pixels) << file << result.err;
   }
   void expect_refused(const std::string& file, const char* reason, const char* remedy) const {
-    const Result result = mask(file);
+    const Masked result = mask(file);
     EXPECT_EQ(result.code, 3) << file;
     EXPECT_THAT(result.err, AllOf(HasSubstr(reason), HasSubstr(remedy))) << file;
   }
@@ -94,7 +110,7 @@ TEST_F(ForeignLabels, CocoInstances) {
         "coco_roboflow/val/_annotations.coco.json", "coco_person_keypoints/annotations/person_keypoints_val.json",
         "coco_stuff/annotations/stuff_val.json"})
     expect_masked(coco + file, {20});
-  expect_masked(coco + "coco_instances/annotations/instances_val.json", {2}, "--classes a");
+  expect_masked(coco + "coco_instances/annotations/instances_val.json", {2}, "a");
 }
 
 TEST_F(ForeignLabels, CocoWithoutInstances) {
@@ -105,7 +121,7 @@ TEST_F(ForeignLabels, CocoWithoutInstances) {
   expect_refused(coco + "coco_panoptic/annotations/panoptic_train.json", "holds COCO panoptic JSON", "convert it to instances");
   expect_refused(coco + "coco_instances/annotations/instances_val.json", "no image of the drive: its first is b.jpg",
                  "same name");
-  const Result none = mask(coco + "coco_image_info/annotations/image_info_train.json");
+  const Masked none = mask(coco + "coco_image_info/annotations/image_info_train.json");
   EXPECT_EQ(none.code, 0);
   EXPECT_THAT(none.err, HasSubstr("its labels (0 in 1 frames) remove nothing"));
 }
@@ -138,8 +154,8 @@ TEST_F(ForeignLabels, FormatsThatAreNotRead) {
 TEST_F(ForeignLabels, MotsPictures) {
   drive_of({"1", "2"}, {5, 1});
   expect_refused("mots_dataset/train/instances", "looks like a picture of class ids", "--classes");
-  expect_masked("mots_dataset/train/instances", {4, 1}, "--polarity white");
-  expect_masked("mots_dataset/train/instances", {1, 0}, "--classes 3");  // the value is class * 1000 + instance
+  expect_masked("mots_dataset/train/instances", {4, 1}, "", io::Polarity::white);
+  expect_masked("mots_dataset/train/instances", {1, 0}, "3");  // the value is class * 1000 + instance
   drive_of({"3"}, {5, 1});
   expect_masked("mots_dataset/val/instances", {1});
 }
@@ -148,9 +164,9 @@ TEST_F(ForeignLabels, KittiPictures) {
   // 3, 3, 27 (1), 27 (2), 27 (2) and 31 (1), 31 (1), 12 (1), 3, 3: ids, with the instance in brackets, as id * 256 + instance.
   const std::string kitti = "kitti_dataset/kitti_segmentation/training/instance";
   drive_of({"000030_10", "000030_11"}, {5, 1});
-  expect_masked(kitti, {3, 0}, "--classes truck");
-  expect_masked(kitti, {3, 2}, "--classes truck,train");
-  EXPECT_THAT(mask(kitti, "--classes truck").err, HasSubstr("ids * 256"));
+  expect_masked(kitti, {3, 0}, "truck");
+  expect_masked(kitti, {3, 2}, "truck,train");
+  EXPECT_THAT(mask(kitti, "truck").err, HasSubstr("ids * 256"));
   expect_refused(kitti, "looks like a picture of class ids", "--classes");
 }
 
@@ -158,11 +174,11 @@ TEST_F(ForeignLabels, CityscapesPictures) {
   const std::string of_city = "cityscapes_dataset/dataset/gtFine/", city = "/defaultcity",
                     all = "cityscapes_dataset/train_dataset/";
   drive_of({"defaultcity_000001_000031_leftImg8bit", "defaultcity_000001_000032_leftImg8bit"}, {5, 1});
-  expect_masked(of_city + "test" + city, {3, 0}, "--classes truck");
-  expect_masked(of_city + "test" + city, {3, 2}, "--classes truck,train");
+  expect_masked(of_city + "test" + city, {3, 0}, "truck");
+  expect_masked(of_city + "test" + city, {3, 2}, "truck,train");
   expect_refused(all + "gtFine/test" + city, "both belong to image defaultcity_000001_000031_leftImg8bit", "leave one");
   drive_of({"defaultcity_000002_000045"}, {5, 1});
-  expect_masked(of_city + "train" + city, {1}, "--classes person");
+  expect_masked(of_city + "train" + city, {1}, "person");
 }
 
 }  // namespace

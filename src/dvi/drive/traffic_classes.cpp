@@ -15,8 +15,9 @@ const std::set<std::string, std::less<>>& traffic_classes() {
 
 bool is_traffic_class(const std::string& name) {
   // Data sets' further words for the same.
-  static const std::set<std::string, std::less<>> further{"walker", "human",  "vehicles", "cars",   "pedestrians", "misc",
-                                                          "suv",    "pickup", "taxi",     "wheels", "emergency",   "traffic"};
+  static const std::set<std::string, std::less<>> further{"walker",      "human",  "vehicles",  "cars",
+                                                          "pedestrians", "misc",   "suv",       "pickup",
+                                                          "taxi",        "wheels", "emergency", "construction"};
   std::string word;
   for (const char c : name + " ") {
     if (std::isalpha(static_cast<unsigned char>(c)) != 0) {

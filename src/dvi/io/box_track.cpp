@@ -35,10 +35,11 @@ bool is_bridged(const Boxes& boxes, Key before, Key after) {
   if (after->first - before->first > kMaxBridgedNs) return false;
   const auto earlier = before == boxes.begin() ? std::nullopt : velocity(std::prev(before), before);
   const auto later = std::next(after) == boxes.end() ? std::nullopt : velocity(after, std::next(after));
-  const Eigen::Vector3d way = place(after) - place(before);
-  if (!earlier && !later) return way.norm() <= kMaxStationaryM;
+  const Eigen::Vector3d displacement = place(after) - place(before);
+  if (!earlier && !later) return displacement.norm() <= kMaxStationaryM;
   const double tolerance = kMaxStationaryM + 0.5 * kMaxAccelerationMps2 * dt * dt;
-  return (!earlier || (way - *earlier * dt).norm() <= tolerance) && (!later || (way - *later * dt).norm() <= tolerance);
+  return (!earlier || (displacement - *earlier * dt).norm() <= tolerance) &&
+         (!later || (displacement - *later * dt).norm() <= tolerance);
 }
 
 Box between(Key before, Key after, std::int64_t time_ns) {

@@ -100,7 +100,8 @@ std::optional<MatchedNames> match_by(Key key, bool all, const fs::path& source, 
                        "leave one of each image in it");
   }
   if (first.empty()) return std::nullopt;
-  out.warning = fmt::format("{}: names are matched by {}, such as {} to image {}", source.filename().string(),
+  const fs::path named = source.has_filename() ? source : source.parent_path();
+  out.warning = fmt::format("{}: names are matched by {}, such as {} to image {}", named.filename().string(),
                             all ? "number" : "what tools leave of them", first.begin()->second, first.begin()->first);
   return out;
 }

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/text_file.h"
 #include "dvi/io/image_names.h"
 #include "dvi/io/kitti_calibration.h"
 #include "dvi/io/mask_folder.h"
@@ -60,7 +61,8 @@ std::string text(int number) { return std::to_string(number); }
 
 std::string span(const std::set<std::string>& names) { return span_of(names); }
 std::string span(const std::set<int>& numbers) {
-  return numbers.empty() ? "none" : fmt::format("{} to {}", *numbers.begin(), *numbers.rbegin());
+  if (numbers.empty()) return "none";
+  return numbers.size() == 1 ? text(*numbers.begin()) : fmt::format("{} to {}", *numbers.begin(), *numbers.rbegin());
 }
 
 /// Labels of frames that the recording does not have, in words.
@@ -224,9 +226,10 @@ FileLabels read_labels(const fs::path& file, const Drive& drive) {
     read.files = files;
     return read;
   }
-  const std::string all = read_file(file);
+  const std::string all = read_text(file);
   const std::string_view text = label_text(all);
-  if (text.empty()) throw InputError(file, "is empty", "give a file with labels, or a folder of masks");
+  if (text.empty())
+    throw InputError(file, "is empty and holds no labels that dvi knows", "give a file with labels, or a folder of masks");
   refuse_unread_labels(file);
   std::vector<std::string> known;
   for (const LabelFormat& format : label_formats()) {

@@ -6,6 +6,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
+#include "dvi/core/text_file.h"
 #include "dvi/io/image_labels.h"
 #include "dvi/io/labels.h"
 #include "dvi/io/text.h"
@@ -106,7 +107,7 @@ NamedLabels read_labelme(const fs::path& source, const std::vector<fs::path>& fi
   };
   for (const fs::path& file : files)
     read(file, [&] {
-      json document = json::parse(read_file(file));
+      json document = json::parse(read_text(file));
       document.erase("imageData");  // the image itself
       const json name = document.value("imagePath", json());
       images.push_back(name.is_string() ? name.get<std::string>() : file.stem().string());

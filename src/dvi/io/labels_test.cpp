@@ -125,7 +125,9 @@ TEST(Labels, WarnsOfFramesItDoesNotHave) {
                                      "9 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n");
   Drive drive = two_frames();
   EXPECT_TRUE(add_labels(drive, tracking).frames.empty());
-  EXPECT_THAT(drive.warnings, ElementsAre("tracking.txt labels 1 frames that are none of the drive, the first is 9"));
+  EXPECT_THAT(
+      drive.warnings,
+      ElementsAre("tracking.txt labels 1 frames that are none of the drive, the first is 9: they are 9, the drive's 5 to 6"));
 }
 
 TEST(Labels, RefusesWhatItDoesNotKnow) {
@@ -145,6 +147,17 @@ TEST(Labels, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(error("5 1003 1 3 4 4Z\n"), HasSubstr("outline is cut"));
   // A first run of 2^32 + 4, which 32 bits would take for 4.
   EXPECT_THAT(error("5 1003 1 3 4 TPPPPP42111\n"), HasSubstr("outline is malformed"));
+}
+
+TEST(Labels, MayHaveAByteOrderMarkAndLineEndsOfWindows) {
+  const TestFolder folder;
+  const std::string mark = "\xEF\xBB\xBF", car = "5 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\r\n";
+  EXPECT_EQ(read_labels(folder.write("tracking.txt", mark + car), two_frames()).frames[0].size(), 1U);
+  EXPECT_EQ(read_labels(folder.write("mots.txt", mark + "5 1003 1 3 4 42111\r\n"), two_frames()).frames[0].size(), 1U);
+  const std::string box = R"({"version":1,"frames":{"five":[{"class":"car","rect":[1,1,2,2]}],"six":[]}})";
+  EXPECT_EQ(read_labels(folder.write("boxes.json", mark + box), two_frames()).frames[0].size(), 1U);
+  const std::string wide("\xFF\xFE{\0}\0", 6);
+  EXPECT_THAT(input_error([&] { read_labels(folder.write("wide.json", wide), two_frames()); }), HasSubstr("is UTF-16 text"));
 }
 
 TEST(Labels, OfOtherFramesOnlyAreNamedWithBothRanges) {
@@ -200,6 +213,14 @@ TEST(MaskFolder, TiesMasksByName) {
   attach_masks(drive, folder.path / "masks");
   EXPECT_EQ(cv::countNonZero(*drive.masks[0]), 0);
   EXPECT_EQ((*drive.masks[1])(1, 2), 255);
+}
+
+TEST(MaskFolder, TakesEndingsInUpperCase) {
+  const TestFolder folder;
+  folder.write_image("masks/six.PNG", cv::Mat1b(3, 4, uchar{255}));
+  Drive drive = two_frames();
+  attach_masks(drive, folder.path / "masks");
+  EXPECT_EQ(cv::countNonZero(*drive.masks[1]), 12);
 }
 
 TEST(MaskFolder, TakesNamesWithTheEndingOfTheImage) {

@@ -64,7 +64,7 @@ constexpr auto kUnread = std::to_array<UnreadFormat>({
     {"MOT labels", is_mot, kAsCoco},
     {"KITTI object labels, one text file per image", is_kitti_object,
      "give the tracking labels of the sequence (one file, its lines begin with frame and track), or COCO JSON"},
-    {"Pascal VOC XML, one file per image", [](Text t) { return contains(t, "<annotation") && contains(t, "<bndbox>"); },
+    {"Pascal VOC XML, one file per image", [](Text t) { return contains(t, "<annotation") && contains(t, "<bndbox"); },
      kAsCoco},
     {"COCO panoptic JSON, whose segments are in PNG files beside it", [](Text t) { return contains(t, "\"segments_info\""); },
      "convert it to instances, as panopticapi's panoptic2detection_coco_format.py does"},
@@ -92,6 +92,7 @@ const UnreadFormat* unread_format(Text text) {
 }  // namespace
 
 void refuse_unread_labels(const fs::path& path) {
+  if (!fs::exists(path)) return;  // whoever opens it says so
   const std::vector<fs::path> files =
       fs::is_directory(path) ? list_files(path, {".txt", ".xml", ".json", ".npy", ".npz"}) : std::vector<fs::path>{path};
   constexpr std::size_t kMaxLookedAt = 25;  // lists of classes and images without objects are no labels

@@ -59,7 +59,8 @@ TEST_F(Folder, ReadsTimesPosesMasksAndBoxes) {
   EXPECT_EQ((*drive.masks[0])(0, 0), 0);
   EXPECT_EQ(drive.scans[0]->time[1], 0);
   EXPECT_EQ(drive.other_files.size(), 5U);
-  EXPECT_THAT(drive.warnings, testing::ElementsAre("no pose for the scans of frames 1",
+  EXPECT_THAT(drive.warnings, testing::ElementsAre("boxes.json has no labels for 1 of 3 frames, which keep their traffic: 0",
+                                                   "no pose for the scans of frames 1",
                                                    "boxes.json ends early: it has no labels for frames 2"));
 }
 

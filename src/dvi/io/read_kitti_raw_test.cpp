@@ -207,8 +207,10 @@ TEST_F(KittiRaw, ReadsLabelsBesideTheImages) {
   EXPECT_THAT(read.warnings, testing::ElementsAre("tracking_labels.txt ends early: it has no labels for frames 22-24"));
   const std::string car = " 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n";
   put("tracking_labels.txt", "24" + car + "29" + car + "30" + car);
-  EXPECT_THAT(read_drive(drive).warnings,
-              testing::ElementsAre("tracking_labels.txt labels 1 frames that are none of the drive, the first is 30"));
+  EXPECT_THAT(
+      read_drive(drive).warnings,
+      testing::ElementsAre(
+          "tracking_labels.txt labels 1 frames that are none of the drive, the first is 30: they are 30, the drive's 0 to 29"));
 }
 
 }  // namespace
