@@ -233,7 +233,7 @@ TEST_F(Folder, OtherTimesAreWrittenOut) {
   Drive drive = small_street();
   drive.scans = Lazy<Scan>(drive.scan_headers.size(), 8, [scans = drive.scans](std::size_t i) {
     Scan scan = *scans[i];
-    for (std::size_t k = 0; k < scan.size(); ++k) scan.time[k] = 1e-5F * static_cast<float>(k % 1000);
+    for (std::size_t k = 0; k < scan.size(); ++k) scan.time[k] = 1e-4F * static_cast<float>(k % 1000) - 0.05F;
     scan.ring.assign(scan.size(), 7);
     return scan;
   });

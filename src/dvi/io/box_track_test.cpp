@@ -21,7 +21,7 @@ BoxTrack track_with(const std::vector<int>& keys, double aside = 0) {
 
 Drive recording_of(int frames) {
   Drive drive;
-  for (int i = 0; i < frames; ++i) drive.frames.push_back({i, std::to_string(i), i * 100'000'000, {}, {}});
+  for (int i = 0; i < frames; ++i) drive.frames.push_back({i, std::to_string(i), std::int64_t{i} * 100'000'000, {}, {}});
   return drive;
 }
 

@@ -142,7 +142,7 @@ TEST_F(ScanFilesOf, TimesOfAnyUnitAndOriginAreUsed) {
 }
 
 TEST_F(ScanFilesOf, AbsoluteTimesFollowAnOffsetOfTheClock) {
-  configure("offset_s = 7\n");
+  configure("offset_s = 0.3\n");
   write_ply_scans("timestamp", [](double t, int n) { return t + middle(n) - 0.5 * kPeriodS; });
   expect_times(read());
 }
