@@ -4,10 +4,28 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/toml_text.h"
+
 namespace dvi {
 
+namespace {
+
+void encode_strings(nlohmann::json& value) {
+  if (value.is_string()) value = to_toml_text(value.get_ref<const std::string&>());
+  if (value.is_structured())
+    for (nlohmann::json& item : value) encode_strings(item);
+}
+
+}  // namespace
+
 std::string json_text(const nlohmann::json& document, int indent) {
-  return document.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
+  try {
+    return document.dump(indent);
+  } catch (const nlohmann::json::type_error&) {  // a string is not UTF-8
+    nlohmann::json encoded = document;
+    encode_strings(encoded);
+    return encoded.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
+  }
 }
 
 std::int64_t whole_number(const nlohmann::json& value, const std::string& what, std::int64_t least, std::int64_t most) {

@@ -7,8 +7,8 @@
 
 namespace dvi {
 
-/// A document as text, indented by so many spaces; -1: in one line. Bytes that are not UTF-8, as in Latin-1 file names, become
-/// U+FFFD; dump() would throw.
+/// A document as text, indented by so many spaces; -1: in one line. Strings that are not UTF-8, as Latin-1 file names, are
+/// encoded by to_toml_text(), which read_json() undoes; keys that are not get U+FFFD.
 std::string json_text(const nlohmann::json& document, int indent = 1);
 
 /// A whole number of a document within [least, most]. std::invalid_argument with `what` otherwise: the library would cut it.

@@ -3,15 +3,30 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "dvi/core/json_file.h"
+#include "dvi/core/test_folder.h"
+
 namespace dvi {
 namespace {
 
-TEST(JsonText, ReplacesBytesThatAreNotUtf8) {
-  EXPECT_EQ(json_text({{"path",
-                        "Stra\xDF"
-                        "e"}}),
-            "{\n \"path\": \"Stra\xEF\xBF\xBD"
-            "e\"\n}");
+TEST(JsonText, EncodesStringsThatAreNotUtf8) {
+  const nlohmann::json document = {{"path",
+                                    "Stra\xDF"
+                                    "e"},
+                                   {"list",
+                                    {"\xFF",
+                                     "Stra\xC3\x9F"
+                                     "e",
+                                     1}}};
+  const std::string text = json_text(document);
+  EXPECT_EQ(text,
+            "{\n \"list\": [\n  \"file:%FF\",\n  \"Stra\xC3\x9F"
+            "e\",\n  1\n ],\n \"path\": \"file:Stra%DFe\"\n}");
+  const TempFolder folder;
+  EXPECT_EQ(read_json(folder.write("a.json", text)), document);
+  EXPECT_TRUE(read_json(folder.write("b.json", "{"), DamagedJson::is_discarded).is_discarded());
+  EXPECT_THROW(read_json(folder.path / "b.json"), nlohmann::json::parse_error);
+  EXPECT_EQ(json_text({{"\xFF", 1}}, -1), "{\"\xEF\xBF\xBD\":1}") << "keys are replaced";
 }
 
 TEST(WholeNumber, IsWithinItsBoundsOrRefused) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/json_file.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/rigid.h"
@@ -28,7 +29,7 @@ Camera to_camera(const nlohmann::json& entry) {
 template <class Take>
 void read_table(const fs::path& file, const Take& take) {
   try {
-    take(nlohmann::json::parse(read_file(file)));
+    take(read_json(file));
   } catch (const nlohmann::json::exception& e) {
     throw InputError(file, fmt::format("is not as dvi writes it ({})", e.what()), kRunAgain);
   }

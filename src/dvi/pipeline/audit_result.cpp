@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/json_file.h"
 #include "dvi/core/json_text.h"
 #include "dvi/io/image_file.h"
 #include "dvi/io/poses.h"
@@ -30,7 +31,7 @@ std::vector<ListedSource> read_sources(const fs::path& file) {
   if (!fs::exists(file)) throw InputError(file.parent_path(), "is no result: it has no sources.json", remedy);
   std::vector<ListedSource> sources;
   try {
-    const nlohmann::json document = nlohmann::json::parse(read_file(file));
+    const nlohmann::json document = read_json(file);
     for (const nlohmann::json& s : document.at("sources")) {
       if (s.at("number") != sources.size()) throw InputError(file, "does not number its sources in order");
       const auto gain = s.at("exposure_gain").get<std::array<float, 3>>();

@@ -6,6 +6,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/hash.h"
+#include "dvi/core/json_file.h"
 #include "dvi/core/json_text.h"
 #include "dvi/pipeline/report_json.h"
 
@@ -55,7 +56,7 @@ void write_record(const fs::path& file, const Record& record) {
 std::optional<Record> read_record(const fs::path& file) {
   if (!fs::is_regular_file(file)) return std::nullopt;
   try {
-    const nlohmann::json json = nlohmann::json::parse(read_file(file));
+    const nlohmann::json json = read_json(file);
     if (json.at("schema") != kRecordSchema) return std::nullopt;
     Record record{json.at("fingerprint"), json.at("files"), std::nullopt};
     if (json.contains("frame")) record.frame = frame_of(json.at("frame"));

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/json_file.h"
 #include "dvi/core/json_text.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/harmonize/receipt.h"
@@ -28,7 +29,7 @@ json document(const fs::path& file) {
   if (!fs::exists(file))
     throw InputError(file.parent_path(), "has no " + file.filename().string(),
                      "dvi inspect takes the result of a finished dvi run");
-  json read = json::parse(read_file(file), nullptr, false);
+  json read = read_json(file, DamagedJson::is_discarded);
   if (!read.is_object()) throw InputError(file, "is no JSON document", "run dvi again");
   return read;
 }

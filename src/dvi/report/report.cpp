@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/json_file.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/io/image_file.h"
@@ -50,7 +51,7 @@ json document(const fs::path& out, const char* file, std::vector<std::string>& p
     problems.push_back(fmt::format("{} is missing", file));
     return {};
   }
-  json read = json::parse(read_file(out / file), nullptr, false);
+  json read = read_json(out / file, DamagedJson::is_discarded);
   if (read.is_object()) return read;
   problems.push_back(fmt::format("{} is damaged", file));
   return {};
