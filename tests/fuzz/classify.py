@@ -25,13 +25,19 @@ def findings(program, drive, out, mutated=None, root=None, expected=None):
         if audit.code != 0:
             found.append(f"wrong result: audit exits with {audit.code}: {first_line(audit.err)}")
         found += wrong_pixels(drive, out) + (silent.findings(out, expected) if expected else [])
-    elif run.code == REFUSED and out.exists():
+    elif run.code == REFUSED and leaves_result(out):
         found.append("a result is left although the run was refused")
     if snapshot(root) != before:
         found.append("the drive was changed")
     if set(out.parent.iterdir()) - {root, out}:
         found.append("files were written outside of the result")
     return run.code, found, sum(call.cpu for call in calls)
+
+
+def leaves_result(out):
+    """Whether a refused run left more than the finished stages that it keeps for the next call."""
+    kept = any((out / ".dvi/stages").glob("*"))
+    return out.exists() and (not kept or any(path.is_file() and ".dvi" not in path.parts for path in out.rglob("*")))
 
 
 def judge(ended, drive, mutated=None):

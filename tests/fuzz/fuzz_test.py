@@ -373,6 +373,10 @@ class Judgement(Temporary):
         self.expect("000000.png differs from its image", self.COPY + "cp $2/images/front/000001.png $4/frames/000000.png\n")
         self.expect("is no picture", self.COPY + ": > $4/masks/000001.png\n")
         self.expect("a result is left", 'mkdir -p "$4"; echo "dvi: $2: bad" >&2; exit 3')
+        late = 'if [ $1 = run ]; then mkdir -p $4/.dvi/stages $4/frames; : > $4/.dvi/stages/poses.bin; fi\n'
+        refused = 'echo "dvi: $2/poses.txt: bad" >&2; exit 3'
+        self.assertEqual(self.findings(late + refused), (3, []))  # stages are kept
+        self.expect("a result is left", late + ": > $4/frames/000000.png\n" + refused)
 
     def test_writes_outside(self):
         self.expect("the drive was changed", self.COPY + "echo >> $2/poses.txt\n")
