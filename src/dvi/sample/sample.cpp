@@ -34,6 +34,10 @@ uchar pixels_spanned(double spanned, float clear_px) {
   return static_cast<uchar>(std::clamp(cvRound(spanned), 1, std::min(kMost, clear)));
 }
 
+/// Meters between two cameras beyond which they do not show the same sky; parts of a drive that nothing ties together lie
+/// farther apart, and do not even share a heading.
+constexpr double kMaxSkyDistanceM = 2000;
+
 /// One source, asked for pixels of the target.
 class Source {
  public:
@@ -49,7 +53,8 @@ class Source {
 
   /// None unless it is trusted more than `than`.
   std::optional<Candidate> show(const SurfacePixel& pixel, float than) {
-    if (other_day_ && pixel.at.z() >= depth::DepthMap::kInfinity) return std::nullopt;  // no sky stays
+    const bool is_apart = other_day_ || source_from_target_.t.norm() > kMaxSkyDistanceM;
+    if (is_apart && pixel.at.z() >= depth::DepthMap::kInfinity) return std::nullopt;  // no sky stays
     const std::optional<Place> place = locate(pixel, view_.camera, source_from_target_);
     if (!place) return std::nullopt;
     const cv::Point2f at = quantised(place->position.x(), place->position.y());

@@ -83,6 +83,18 @@ TEST(Sample, CopiesNoSkyOfAnotherDay) {
   }
 }
 
+TEST(Sample, CopiesNoSkyOfAPartOfTheDriveThatLiesApart) {
+  for (const double apart_m : {100, 5000}) {
+    FlatScene scene = drive_of({0});
+    scene.views[1].camera_from_world.t.z() -= apart_m;  // ahead, so that the sky is in sight
+    depth::DepthMap sky{cv::Mat1f(60, 80, depth::DepthMap::kInfinity), cv::Mat1f(60, 80, 0.0F)};
+    const Lazy<depth::VisibilityMap> seen{
+        2, 2, [sky, masks = scene.masks](std::size_t i) { return depth::visibility_map(sky, masks[i]); }};
+    const std::vector<Candidate> found = sample(scene.lazy(), 0, sky, seen, {}).leading;
+    EXPECT_EQ(std::any_of(found.begin(), found.end(), [](const Candidate& c) { return c.found(); }), apart_m < 1000);
+  }
+}
+
 TEST(Sample, SearchesForwardsThenBackwardsThenOtherDrives) {
   FlatScene scene = drive_of({1, 2, 3, 4});
   scene.views[4].sequence = scene.views[4].drive = 1;
