@@ -39,10 +39,10 @@ BagScans::BagScans(std::shared_ptr<const BagMessages> messages, const BagTopic& 
                     topic_.name));
   } else {
     rotation_.turn = Turn::none;
-    warnings.push_back(
-        fmt::format("the times of the points of {} {}: the scans are taken as compensated for motion; if they are not, give "
-                    "[lidar] rotation in dvi.toml",
-                    topic_.name, times_.text));
+    warnings.push_back(fmt::format(
+        "the times of the points of {} ({}) {}: the scans are taken as compensated for motion; if they are not, give "
+        "[lidar] rotation in dvi.toml",
+        topic_.name, time_field_, times_.text));
   }
 }
 
@@ -57,18 +57,18 @@ RosCloud BagScans::cloud(std::size_t number) const {
 
 void BagScans::infer_times(const std::vector<StampedEntry>& entries, std::vector<std::string>& warnings) {
   RosCloud first = cloud(entries.front().number);
-  frame_ = first.header.frame;
+  frame_ = first.header.frame, time_field_ = first.time_field;
   times_.use = PointTimes::Use::none;
   if (first.times.empty()) return;
   RosCloud middle = cloud(entries[entries.size() / 2].number);
   times_ = infer_point_times(middle.times, {to_s(period_ns_), to_s(middle.header.stamp_ns), turn_share(middle.points)});
   if (times_.use == PointTimes::Use::unknown)
     throw InputError(messages_->path(),
-                     fmt::format("the times of the points of {} ({}) {}", topic_.name, first.time_field, times_.text),
+                     fmt::format("the times of the points of {} ({}) {}", topic_.name, time_field_, times_.text),
                      "correct them, or record the scans without them");
   if (!has_times()) return;
   if (!is_usual(times_))
-    warnings.push_back(fmt::format("the times of the points of {} ({}) {}", topic_.name, first.time_field, times_.text));
+    warnings.push_back(fmt::format("the times of the points of {} ({}) {}", topic_.name, time_field_, times_.text));
   for (const RosCloud* example : {&first, &middle}) {
     const std::vector<double> seconds = seconds_after_stamp(*example);
     const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());

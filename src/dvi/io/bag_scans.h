@@ -40,7 +40,7 @@ class BagScans {
 
   std::shared_ptr<const BagMessages> messages_;
   BagTopic topic_;
-  std::string frame_;
+  std::string frame_, time_field_;
   std::int64_t period_ns_;
   LidarConfig::Stamp stamp_;
   std::int64_t offset_ns_;

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "dvi/io/point_times.h"
+
 namespace dvi::io {
 namespace {
 
@@ -94,7 +96,11 @@ RosCloud parse_cloud(std::string_view message, BagEncoding encoding) {
         fmt::format("{} bytes are not {} times {} points of {} bytes", data.size(), height, width, step));
   const auto intensity = first_of(columns, {"intensity", "i", "reflectivity", "signal"});
   const auto ring = first_of(columns, {"ring", "channel", "line", "laser_id"});
-  const auto time = first_of(columns, {"t", "time", "timestamp", "offset_time", "time_stamp", "timeOffset"});
+  std::vector<std::string> names;
+  for (const auto& [name, field] : columns) names.push_back(name);
+  const std::optional<std::size_t> time_field = find_time_field(names);
+  std::optional<RosPointField> time;
+  if (time_field) cloud.time_field = names[*time_field], time = columns.at(cloud.time_field);
   for (std::uint64_t v = 0; v < height; ++v)
     for (std::uint64_t u = 0; u < width; ++u) {
       const char* point = data.data() + v * row_step + u * step;

@@ -26,7 +26,9 @@ std::vector<double> times_of(BagEncoding encoding, const char* name, std::uint8_
     bytes.add_text(std::string(1, "xyz"[axis])).add(4 * axis).add<std::uint8_t>(7).add<std::uint32_t>(1);
   bytes.add_text(name).add<std::uint32_t>(12).add(type).add<std::uint32_t>(1);
   bytes.add<std::uint8_t>(0).add(step).add(step * count).add_data(data).add<std::uint8_t>(1);
-  return parse_cloud(bytes.text(), encoding).times;
+  const RosCloud cloud = parse_cloud(bytes.text(), encoding);
+  EXPECT_EQ(cloud.time_field, cloud.times.empty() ? "" : name);
+  return cloud.times;
 }
 
 TEST_P(RosClouds, PointsHaveTheTimesOfTheMessage) {
@@ -34,6 +36,7 @@ TEST_P(RosClouds, PointsHaveTheTimesOfTheMessage) {
   EXPECT_THAT((times_of<std::uint32_t>(GetParam(), "offset_time", 6, {1'000'000})), ElementsAre(1e6));
   EXPECT_THAT((times_of<float>(GetParam(), "time", 7, {-0.5F, 0.25F})), ElementsAre(-0.5, 0.25));
   EXPECT_THAT((times_of<double>(GetParam(), "timestamp", 8, {1.7e9})), ElementsAre(1.7e9));
+  EXPECT_THAT((times_of<float>(GetParam(), "gps_time", 7, {1})), ElementsAre(1));
   EXPECT_THAT((times_of<double>(GetParam(), "range", 8, {1.7e9})), ElementsAre());
 }
 
