@@ -192,7 +192,7 @@ int find_value_bits(Drive& drive) {
       if (high > largest) largest = high, brightest = file;
     }
   }
-  const int bits = largest > 0 ? find_value_bits(static_cast<int>(largest)) : kFullBits;
+  const int bits = largest > 0 ? estimate_value_bits(static_cast<int>(largest)) : kFullBits;
   if (bits < kFullBits)
     drive.warnings.push_back(
         fmt::format("the images have 16 bits, but no value above {:.0f} ({}): they are read as {}-bit images, all by the same "

@@ -242,23 +242,22 @@ class BagReader {
 
   // Cameras of 10, 12, or 14 bits fill only the lower part of pixels of 16 bits.
   int find_topic_bits() {
-    constexpr std::size_t kMaxSamples = 200;
+    constexpr std::size_t kMaxSamples = 50;
     const BagTopic& topic = *camera_.images;
-    if (is_compressed(topic)) return 16;
+    const auto largest_value = [&](std::string_view m, BagEncoding e) {
+      const auto largest_of = [](const auto& image) { return has_16_bits(image) ? find_largest_value(image) : -1; };
+      return is_compressed(topic) ? largest_of(parse_compressed_image(m, e)) : largest_of(parse_image(m, e));
+    };
     int largest = 0;
     const std::size_t step = topic.messages.size() / kMaxSamples + 1;
     for (std::size_t i = 0; i < topic.messages.size(); i += step) {
-      const auto largest_value = [](std::string_view m, BagEncoding e) {
-        const RosImage image = parse_image(m, e);
-        return has_16_bits(image) ? find_largest_value(image) : -1;
-      };
       const int value = messages_->parsed(topic, i, largest_value);
       if (value < 0) return 16;
       largest = std::max(largest, value);
     }
-    const int bits = find_value_bits(largest);
+    const int bits = estimate_value_bits(largest);
     if (bits < 16)
-      drive_.warnings.push_back(fmt::format("the 16-bit images of {} hold values up to {} only: they are read as {}-bit images",
+      drive_.warnings.push_back(fmt::format("the 16-bit images of {} hold no value above {}: they are read as {}-bit images",
                                             topic.name, largest, bits));
     return bits;
   }
@@ -275,7 +274,8 @@ class BagReader {
       const auto raw_image = [&](std::string_view m, BagEncoding e) { return to_bgr(parse_image(m, e), value_bits); };
       const auto decode_file = [&](std::string_view m, BagEncoding e) {
         const RosCompressedImage image = parse_image_file(m, e);
-        return convert_bayer_file(decode_image(place, image.file, size), image.format);
+        const cv::Mat3b decoded = decode_image(place, image.file, size);
+        return convert_bayer_file(has_16_bits(image) ? to_bgr(image, value_bits) : decoded, image.format);
       };
       const cv::Mat3b image =
           is_compressed(topic) ? messages->parsed(topic, number, decode_file) : messages->parsed(topic, number, raw_image);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/io/image_file.h"
@@ -99,6 +100,30 @@ cv::Mat to_8_bits(const cv::Mat& image, int value_bits) {
   return out;
 }
 
+// Without transparency.
+cv::Mat to_bgr_of_any_depth(const RosImage& image) {
+  const auto& [type, conversion] = encoding_of(image);
+  const cv::Mat raw = CV_MAT_DEPTH(type) == CV_16U ? wide_pixels(image, type) : pixels(image, type);
+  cv::Mat out;
+  if (conversion)
+    cv::cvtColor(raw, out, *conversion);
+  else
+    out = raw.clone();
+  return out;
+}
+
+int find_largest(const cv::Mat& image) {
+  double largest = 0;
+  cv::minMaxLoc(image.reshape(1), nullptr, &largest);
+  return static_cast<int>(largest);
+}
+
+// Empty where it cannot be decoded.
+cv::Mat decode_any_depth(const std::string& file) {
+  const cv::Mat1b bytes(1, static_cast<int>(file.size()), reinterpret_cast<uchar*>(const_cast<char*>(file.data())));
+  return cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
 }  // namespace
 
 RosImage parse_image(std::string_view message, BagEncoding encoding) {
@@ -118,27 +143,17 @@ bool has_16_bits(const RosImage& image) {
   return encoding != image_encodings().end() && CV_MAT_DEPTH(encoding->second.type) == CV_16U;
 }
 
-int find_largest_value(const RosImage& image) {
-  double largest = 0;
-  cv::minMaxLoc(wide_pixels(image, encoding_of(image).type).reshape(1), nullptr, &largest);
-  return static_cast<int>(largest);
-}
+int find_largest_value(const RosImage& image) { return find_largest(to_bgr_of_any_depth(image)); }
 
-int find_value_bits(int largest) {
+int estimate_value_bits(int largest) {
   int bits = 8;
   while (bits < 16 && largest >= 1 << bits) bits += 2;
   return bits;
 }
 
 cv::Mat3b to_bgr(const RosImage& image, int value_bits) {
-  const auto& [type, conversion] = encoding_of(image);
-  const cv::Mat raw = CV_MAT_DEPTH(type) == CV_16U ? to_8_bits(wide_pixels(image, type), value_bits) : pixels(image, type);
-  cv::Mat out;
-  if (conversion)
-    cv::cvtColor(raw, out, *conversion);
-  else
-    out = raw.clone();
-  return out;
+  const cv::Mat out = to_bgr_of_any_depth(image);
+  return out.depth() == CV_16U ? to_8_bits(out, value_bits) : out;
 }
 
 bool is_depth(const RosImage& image) {
@@ -177,6 +192,22 @@ RosCompressedImage parse_image_file(std::string_view message, BagEncoding encodi
     throw std::invalid_argument(
         fmt::format("its {} bytes in the format '{}' are neither a JPEG nor a PNG file", image.file.size(), image.format));
   return image;
+}
+
+bool has_16_bits(const RosCompressedImage& image) {
+  constexpr std::size_t kBitDepth = 24;  // where the header of a PNG has it
+  return image.file.starts_with("\x89PNG") && image.file.size() > kBitDepth && image.file[kBitDepth] == 16;
+}
+
+int find_largest_value(const RosCompressedImage& image) {
+  const cv::Mat decoded = decode_any_depth(image.file);
+  return decoded.empty() ? 0 : find_largest(decoded);
+}
+
+cv::Mat3b to_bgr(const RosCompressedImage& image, int value_bits) {
+  const cv::Mat decoded = decode_any_depth(image.file);
+  if (decoded.empty()) throw std::invalid_argument("it cannot be decoded");
+  return decoded.depth() == CV_16U ? to_8_bits(decoded, value_bits) : decoded;
 }
 
 cv::Mat3b convert_bayer_file(const cv::Mat3b& image, const std::string& format) {

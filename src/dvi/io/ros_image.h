@@ -22,10 +22,11 @@ RosImage parse_image(std::string_view message, BagEncoding encoding);
 
 /// Whether its pixels are colors or gray of 16 bits, of which cameras often use 10, 12, or 14.
 bool has_16_bits(const RosImage& image);
-/// The largest value of an image with 16 bits.
-int find_largest_value(const RosImage& image);
 /// The bits of a camera whose images hold values up to the largest: 8, 10, 12, 14, or 16.
-int find_value_bits(int largest);
+int estimate_value_bits(int largest);
+
+/// The largest value of its colors. std::invalid_argument as to_bgr().
+int find_largest_value(const RosImage& image);
 
 /// Its colors, also of depth images. Of pixels of 16 bits only `value_bits` are in use: these are scaled to 8 bits.
 /// std::invalid_argument where its encoding is not known, data are missing, or a value needs more bits.
@@ -49,6 +50,11 @@ RosCompressedImage parse_compressed_image(std::string_view message, BagEncoding 
 
 /// The same of a file that is read: PNG or JPEG. std::invalid_argument where it is another.
 RosCompressedImage parse_image_file(std::string_view message, BagEncoding encoding);
+
+/// Whether a file is a PNG of 16 bits; the largest of its colors; and these by the bits in use, as for RosImage.
+bool has_16_bits(const RosCompressedImage& image);
+int find_largest_value(const RosCompressedImage& image);
+cv::Mat3b to_bgr(const RosCompressedImage& image, int value_bits);
 
 /// The colors of a decoded file. Files of Bayer patterns, which image_transport stores as gray, are converted.
 cv::Mat3b convert_bayer_file(const cv::Mat3b& image, const std::string& format);

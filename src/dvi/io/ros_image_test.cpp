@@ -53,6 +53,7 @@ TEST_P(RosImages, SixteenBitsAreScaledByTheBitsInUse) {
   EXPECT_EQ(color("mono16", std::string("\x34\x0F", 2), 12), cv::Vec3b(0xF3, 0xF3, 0xF3));
   EXPECT_EQ(color("rgb16", std::string("\0\1\0\2\0\3", 6), 16), cv::Vec3b(3, 2, 1));
   EXPECT_EQ(color("bgra16", std::string("\0\1\0\2\0\3\0\4", 8), 16), cv::Vec3b(1, 2, 3));
+  EXPECT_EQ(color("rgba16", std::string("\x10\0\x20\0\x30\0\xFF\xFF", 8), 8), cv::Vec3b(0x30, 0x20, 0x10)) << "opaque";
   EXPECT_THAT([&] { color("mono16", std::string("\0\x10", 2), 12); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("4096, and other images of the topic were taken as 12-bit")));
   const auto depth = [&](bool is_big_endian) {
@@ -67,12 +68,12 @@ TEST_P(RosImages, TheBitsInUseAreThoseOfCameras) {
   const std::string bytes = message("mono16", 2, std::string("\xF0\x0F", 2));
   EXPECT_TRUE(has_16_bits(parse_image(bytes, GetParam())));
   EXPECT_EQ(find_largest_value(parse_image(bytes, GetParam())), 0xFF0);
-  EXPECT_EQ(find_value_bits(0), 8);
-  EXPECT_EQ(find_value_bits(255), 8);
-  EXPECT_EQ(find_value_bits(256), 10);
-  EXPECT_EQ(find_value_bits(4080), 12);
-  EXPECT_EQ(find_value_bits(5000), 14);
-  EXPECT_EQ(find_value_bits(65535), 16);
+  EXPECT_EQ(estimate_value_bits(0), 8);
+  EXPECT_EQ(estimate_value_bits(255), 8);
+  EXPECT_EQ(estimate_value_bits(256), 10);
+  EXPECT_EQ(estimate_value_bits(4080), 12);
+  EXPECT_EQ(estimate_value_bits(5000), 14);
+  EXPECT_EQ(estimate_value_bits(65535), 16);
 }
 
 TEST_P(RosImages, OtherEncodingsAreNamed) {
@@ -102,6 +103,16 @@ TEST(RosImageFiles, BayerPatternsAreConverted) {
   cv::Mat3b color = gray.clone();
   color(0, 0) = {1, 2, 3};
   EXPECT_EQ(cv::norm(convert_bayer_file(color, "bayer_rggb8; jpeg compressed bgr8"), color, cv::NORM_INF), 0);
+}
+
+TEST(RosImageFiles, SixteenBitsAreScaledByTheBitsInUse) {
+  std::vector<uchar> bytes;
+  cv::imencode(".png", cv::Mat1w(2, 2, ushort{0xF30}), bytes);
+  const RosCompressedImage image{"mono16; png compressed ", std::string(bytes.begin(), bytes.end())};
+  EXPECT_TRUE(has_16_bits(image));
+  EXPECT_EQ(find_largest_value(image), 0xF30);
+  EXPECT_EQ(to_bgr(image, 12)(1, 1), cv::Vec3b(0xF3, 0xF3, 0xF3));
+  EXPECT_FALSE(has_16_bits({"jpeg", "\xFF\xD8"}));
 }
 
 TEST(RosImageFiles, DepthIsNamedByTheFormat) {

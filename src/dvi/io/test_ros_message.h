@@ -2,10 +2,8 @@
 
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "dvi/io/bag.h"
+#include "dvi/io/test_folder.h"  // IWYU pragma: export
 
 namespace dvi::io {
 
