@@ -141,7 +141,8 @@ TEST_F(BadInput, NoFrameAtTheTimeOfAPose) {
     times += image.stem().string() + " 9" + image.stem().string().substr(2) + "\n";  // hours after the scans
   write_file(folder / "drive/times/front.txt", times);
   for (const char* command : {"run", "map", "mask", "forecast", "holdout"})
-    expect_refused({"drive: no frame has a pose", "share one clock"}, std::string(command) + " drive -o out --quiet");
+    expect_refused({"drive: the images are from", "no scan belongs to any image", "offset_s"},
+                   std::string(command) + " drive -o out --quiet");
 }
 
 TEST_F(BadInput, NeitherMasksNorLabelsNorScans) {
