@@ -11,7 +11,6 @@ bool natural_less(std::string_view a, std::string_view b);
 
 /// The same order for std::set and std::map.
 struct NaturalLess {
-  using is_transparent = void;
   bool operator()(std::string_view a, std::string_view b) const { return natural_less(a, b); }
 };
 

@@ -226,11 +226,11 @@ bool are_kitti_ids(const std::vector<cv::Mat>& pictures) {
   std::size_t pixels = 0, without_instance = 0;
   for (const cv::Mat& picture : pictures) {
     if (picture.type() != CV_16UC1) return false;
-    for (auto value = picture.begin<ushort>(); value != picture.end<ushort>(); ++value) {
-      if (*value == 0) continue;
-      if (*value < kKittiIdsOfAClass || *value / kKittiIdsOfAClass > kCityscapes.back().id) return false;
+    for (const ushort value : cv::Mat1w(picture)) {
+      if (value == 0) continue;
+      if (value < kKittiIdsOfAClass || value / kKittiIdsOfAClass > kCityscapes.back().id) return false;
       ++pixels;
-      without_instance += *value % kKittiIdsOfAClass == 0 ? 1 : 0;
+      without_instance += value % kKittiIdsOfAClass == 0 ? 1 : 0;
     }
   }
   return pixels > 0 && 4 * without_instance >= pixels;

@@ -18,7 +18,6 @@
 namespace dvi::io {
 namespace {
 
-const std::vector<std::string>& kImages = kImageEndings;
 const std::vector<std::string> kScans = {".bin", ".ply", ".pcd"};
 
 std::vector<fs::path> folders_in(const fs::path& folder) {
@@ -45,21 +44,21 @@ std::optional<double> rate_by_times(const fs::path& file) {
 // Where images or scans lie that the layout does not know.
 std::string elsewhere(const fs::path& folder) {
   for (const fs::path& place : folders_in(folder)) {
-    if (!list_files(place, kImages).empty())
+    if (!list_files(place, kImageEndings).empty())
       return place.filename() == "images"
                  ? "move them into images/CAMERA, such as images/front"
                  : fmt::format("move those of {} into images/CAMERA, such as images/front", place.string());
     for (const fs::path& below : folders_in(place))
-      if (!list_files(below, kImages).empty())
+      if (!list_files(below, kImageEndings).empty())
         return fmt::format("move those of {} into images/CAMERA, such as images/front", below.string());
   }
-  return list_files(folder, kImages).empty() ? "they belong into images/CAMERA, such as images/front"
-                                             : "move its images into images/CAMERA, such as images/front";
+  return list_files(folder, kImageEndings).empty() ? "they belong into images/CAMERA, such as images/front"
+                                                   : "move its images into images/CAMERA, such as images/front";
 }
 
 std::string camera_table(const fs::path& images, bool depth, DraftConfig& out) {
   const std::string camera = images.filename().string();
-  const std::vector<fs::path> files = list_files(images, kImages);
+  const std::vector<fs::path> files = list_files(images, kImageEndings);
   const cv::Size size = image_size(files.front());
   const auto rate = rate_by_times(images.parent_path().parent_path() / "times" / (camera + ".txt"));
   out.open.push_back(
@@ -115,7 +114,7 @@ DraftConfig draft_config(const fs::path& given) {
   const fs::path folder = (fs::absolute(given).lexically_normal() / "").parent_path();
   require_none_yet(folder);
   std::vector<fs::path> cameras = folders_in(folder / "images");
-  std::erase_if(cameras, [](const fs::path& camera) { return list_files(camera, kImages).empty(); });
+  std::erase_if(cameras, [](const fs::path& camera) { return list_files(camera, kImageEndings).empty(); });
   if (cameras.empty()) {
     for (const fs::path& camera : folders_in(folder / "images"))
       if (describe_unread_images(camera)) fail_without_images(camera, "holds no images that are read", {});
