@@ -133,7 +133,10 @@ void Progress::show(bool last) {
 
 void Progress::print(const char* kind, const std::string& message) {
   if (style_ == ProgressStyle::json)
-    fmt::print(stderr, "{}\n", json_text({{"event", kind}, {"message", message}}, -1));
+    // A message is for people: bytes that are not UTF-8 become U+FFFD.
+    fmt::print(
+        stderr, "{}\n",
+        nlohmann::json{{"event", kind}, {"message", message}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   else if (style_ != ProgressStyle::quiet)
     fmt::print(stderr, "{}{}: {}\n", style_ == ProgressStyle::bar ? "\r\033[K" : "", kind, printable(message));
 }
