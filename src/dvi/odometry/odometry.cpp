@@ -10,6 +10,8 @@
 
 #include "dvi/odometry/loop_closure.h"
 #include "dvi/odometry/motion_prior.h"
+#include "dvi/odometry/rgbd_odometry.h"
+#include "dvi/odometry/rgbd_result.h"
 #include "dvi/scan_match/scan_features.h"
 
 namespace dvi::odometry {
@@ -317,7 +319,9 @@ class Runner {
     out_.world_from_lidar = Trajectory(std::move(poses_)).in(first_from_world);
     count(ScanFit::State::no_points, "hold too few points to be registered");
     count(ScanFit::State::duplicate, "repeat the one before and are bridged");
-    count(ScanFit::State::lost, "do not fit the map before them: the poses there are not to be trusted");
+    const bool left_out = drive_.sensor == Sensor::depth_camera;
+    count(ScanFit::State::lost, left_out ? "do not fit the map before them and have no pose: the images there are left out"
+                                         : "do not fit the map before them: the poses there are not to be trusted");
     const auto held = std::count_if(out_.scans.begin(), out_.scans.end(), [](const ScanFit& f) { return f.degenerate > 0; });
     if (held > 0)
       out_.warnings.push_back(
@@ -347,6 +351,17 @@ class Runner {
   Odometry out_;
 };
 
+/// Removes the poses of scans that were lost. A depth camera that was lost once is found again anywhere in the room.
+void leave_out_lost(const Drive& drive, Odometry& odometry) {
+  std::vector<std::int64_t> lost_ns;
+  for (std::size_t i = 0; i < odometry.scans.size(); ++i)
+    if (odometry.scans[i].state == ScanFit::State::lost) lost_ns.push_back(drive.scan_headers[i].time_ns);
+  if (lost_ns.empty()) return;
+  std::vector<StampedPose> poses = odometry.world_from_lidar.poses();
+  std::erase_if(poses, [&](const StampedPose& p) { return std::binary_search(lost_ns.begin(), lost_ns.end(), p.time_ns); });
+  odometry.world_from_lidar = without_poses_at(std::move(poses), lost_ns);
+}
+
 }  // namespace
 
 OdometryOptions suited(const Drive& drive, OdometryOptions options) {
@@ -356,8 +371,10 @@ OdometryOptions suited(const Drive& drive, OdometryOptions options) {
 
 Odometry odometry(const Drive& drive, const OdometryOptions& given_options, const Trajectory& given, const BeginPart& begin) {
   const OdometryOptions options = suited(drive, given_options);
+  if (has_color_and_depth(drive)) return rgbd_odometry(drive, options, given, begin);
   Odometry found = Runner(drive, options, given, begin("odometry", drive.scan_headers.size()))();
   if (options.loops) close_loops(drive, options, found, begin("loops", found.world_from_lidar.poses().size()));
+  if (drive.sensor == Sensor::depth_camera) leave_out_lost(drive, found);
   return found;
 }
 

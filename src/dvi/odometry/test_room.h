@@ -53,8 +53,7 @@ struct TestRoom {
       }
   }
 
- private:
-  // In lengths of the ray.
+  /// The distance to what a ray meets first, in lengths of the ray.
   double hit(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) const {
     double nearest = 100;
     for (int axis = 0; axis < 3; ++axis)

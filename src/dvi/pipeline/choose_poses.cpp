@@ -48,6 +48,15 @@ void compare_sharpness(const Drive& drive, bool both, Progress& progress, PoseCh
                     support(*choice.given), support(*choice.loam)));
 }
 
+/// Whether most scans of a depth camera have no pose: what remains shows too little of the recording.
+bool mostly_lost(const Drive& drive, const odometry::Odometry& odometry) {
+  constexpr double kMaxLostShare = 0.5;
+  const auto lost = std::count_if(odometry.scans.begin(), odometry.scans.end(),
+                                  [](const odometry::ScanFit& fit) { return fit.state == odometry::ScanFit::State::lost; });
+  return drive.sensor == Sensor::depth_camera &&
+         static_cast<double>(lost) > kMaxLostShare * static_cast<double>(odometry.scans.size());
+}
+
 PoseChoice judged(const Drive& drive, const PosesFrom& wish, const odometry::OdometryOptions& options, Progress& progress) {
   PoseChoice choice;
   const bool automatic = wish.kind == PosesFrom::Kind::automatic, loam = wish.kind == PosesFrom::Kind::loam;
@@ -63,6 +72,11 @@ PoseChoice judged(const Drive& drive, const PosesFrom& wish, const odometry::Odo
   if (choice.odometry->world_from_lidar.empty()) {
     if (loam || drive.poses.empty()) throw InputError(drive.path, "has no scan that odometry could hold on to");
     return choice;
+  }
+  if (mostly_lost(drive, *choice.odometry)) {
+    if (!loam && !drive.poses.empty()) return choice;
+    throw InputError(drive.path, choice.odometry->warnings.empty() ? "cannot be followed" : choice.odometry->warnings.back(),
+                     "give poses (--poses FILE), or record more slowly, in better light, and closer to things with texture");
   }
   const bool both = automatic && drive.poses.poses().size() > 1;  // one pose does not tell the motion within a scan
   compare_sharpness(drive, both, progress, choice);

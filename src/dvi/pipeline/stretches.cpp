@@ -11,6 +11,7 @@
 
 #include "dvi/core/median.h"
 #include "dvi/drive/nearest_in_time.h"
+#include "dvi/odometry/rgbd_odometry.h"
 #include "dvi/pipeline/choose_poses.h"
 #include "dvi/registration/registration.h"
 
@@ -176,7 +177,9 @@ std::vector<Stretch> split_at_gaps(const Drive& drive, const Trajectory& given) 
 odometry::Odometry odometry_of_stretches(const Drive& drive, const odometry::OdometryOptions& options, const Trajectory& given,
                                          Progress& progress) {
   const std::vector<Stretch> stretches = split_at_gaps(drive, given);
-  if (stretches.size() == 1) return odometry::odometry(drive, options, given, progress.parts());
+  // A depth camera with color images is found again after a gap by what it sees.
+  if (stretches.size() == 1 || odometry::has_color_and_depth(drive))
+    return odometry::odometry(drive, options, given, progress.parts());
   std::vector<Part> parts;
   for (const Stretch& scans : stretches) {
     Part part{scans, odometry::odometry(drive_of(drive, scans), options, given, progress.parts()), {}, false};

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "dvi/odometry/rgbd_image.h"
+
+namespace dvi::odometry {
+
+/// An image that others are aligned to: at each level, the points that are compared, with what their residuals change by when
+/// the camera moves.
+class ReferenceView {
+ public:
+  struct Point {
+    Eigen::Vector3f x;                                     ///< camera axes, meters
+    Eigen::Vector3f normal;                                ///< zero if unknown
+    float gray = std::numeric_limits<float>::quiet_NaN();  ///< gray level; not a number without color image
+    Vector6d by_gray, by_distance;  ///< gray level and distance change so with a motion of the point: translation, rotation
+  };
+
+  ReferenceView() = default;
+  explicit ReferenceView(const RgbdImage& image);
+
+  const std::vector<std::vector<Point>>& levels() const { return levels_; }  ///< finest first, as those of the image
+
+ private:
+  std::vector<std::vector<Point>> levels_;
+};
+
+/// Where an image lies relative to a reference view, and how well the two agree there.
+struct Alignment {
+  SE3 reference_from_current;
+  double gain = 1, offset = 0;  ///< gray level of the current image = gain * reference + offset
+  /// Inverse covariance of translation and rotation in the axes of the reference. Neighboring pixels are counted as
+  /// independent, so it is too large by about the number of pixels that share an error.
+  Matrix6d information = Matrix6d::Zero();
+  std::size_t points = 0;       ///< of the reference
+  std::size_t visible = 0;      ///< of these, within the current image
+  std::size_t compared = 0;     ///< of these, with a known depth in the current image
+  std::size_t inliers = 0;      ///< of these, on the surface that the current image shows there
+  double residual_m = 0;        ///< RMS distance of the inliers to the surfaces
+  std::size_t gray_points = 0;  ///< visible points with gray levels in both
+  double correlation = 0;       ///< of their gray levels; 1 if both are uniform
+  double cost = 0;              ///< mean truncated residual between 0 and 1, comparable between guesses
+
+  double overlap() const { return points > 0 ? static_cast<double>(visible) / static_cast<double>(points) : 0; }
+  double inlier_share() const { return compared > 0 ? static_cast<double>(inliers) / static_cast<double>(compared) : 0; }
+};
+
+/// The levels of the pyramid on which an alignment runs, from coarse to fine.
+struct LevelRange {
+  std::size_t coarsest = 3, finest = 0;
+};
+
+/// Aligns an image directly to a reference view: the pose at which gray levels and depths agree best. Minimizes photometric
+/// residuals and distances to the surfaces of the reference together by Gauss-Newton on SE(3) from coarse to fine (inverse
+/// compositional, Baker and Matthews 2004), each weighted by Student's t-distribution with a scale estimated from the
+/// residuals, as in Kerl, Sturm and Cremers, "Robust odometry estimation for RGB-D cameras" (ICRA 2013) and "Dense visual SLAM
+/// for RGB-D cameras" (IROS 2013). Gain and offset of the gray levels are estimated, too, because cameras expose automatically.
+Alignment align(const ReferenceView& reference, const RgbdImage& current, const SE3& reference_from_current,
+                const LevelRange& range = {});
+
+}  // namespace dvi::odometry

@@ -1,0 +1,349 @@
+#include "dvi/odometry/rgbd_odometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "dvi/odometry/alignment_criteria.h"
+#include "dvi/odometry/key_frames.h"
+#include "dvi/odometry/motion_prior.h"
+#include "dvi/odometry/rgbd_result.h"
+
+namespace dvi::odometry {
+namespace {
+
+constexpr double kMinStepS = 1e-3, kMaxStepS = 0.2;  // between two images, for the motion to be taken to go on
+constexpr double kFullOverlap = 0.7;                 // with the key frame, below which another one is looked for ...
+constexpr double kMinOverlap = 0.45;                 // ... even if the image is blurred
+constexpr double kKnownOverlap = 0.75;               // with an earlier key frame that takes over
+constexpr double kLoopOverlap = 0.6;                 // with an earlier key frame, for a loop
+constexpr std::size_t kMaxLoopsPerKeyFrame = 3;
+constexpr std::size_t kRollCandidates = 12, kRecoveryCandidates = 4;  // key frames
+constexpr double kMinSimilarity = 0.5;                                // correlation of thumbnails
+constexpr std::size_t kNewMapAfter = 10;                              // images that were lost
+constexpr double kMaxRollDeg = 8, kMaxRecoveryRollDeg = 24;
+constexpr double kMinKnownShare = 0.05;   // of the depth, for an image to be aligned
+constexpr double kBlurred = 0.7;          // of the usual mean gradient
+constexpr double kMaxDelayErrorPx = 0.7;  // by which a wrong prediction of the motion may displace the depth
+
+double gradient_sum(const RgbdImage& image) {
+  const RgbdLevel& level = image.levels.front();
+  if (level.gray.empty()) return 0;
+  double sum = 0;
+  for (int y = 0; y < level.gray.rows; y += 2)
+    for (int x = 0; x + 1 < level.gray.cols; x += 2) sum += std::abs(level.gray(y, x + 1) - level.gray(y, x));
+  return sum;
+}
+
+class Tracker {
+ public:
+  Tracker(const Drive& drive, const OdometryOptions& options, const Trajectory& given)
+      : drive_(drive),
+        options_(options),
+        prior_(given),
+        moments_(rgbd_moments(drive)),
+        track_(moments_.size()),
+        keys_(moments_.size(), [this](std::size_t i) { return ReferenceView(read(i, track_[i].depth_twist)); }) {
+    if (drive.camera.width > 0) focal_px_ = finest_camera(drive.camera).fx;
+  }
+
+  RgbdTrack operator()(const Tick& tick) {
+    for (std::size_t i = 0; i < moments_.size(); ++i) {
+      follow(i);
+      tick();
+    }
+    refine_delays();
+    RgbdTrack out{std::move(moments_), std::move(track_), {}, {}, std::move(edges_)};
+    for (std::size_t k = 0; k < keys_.size(); ++k) {
+      out.world_from_key.push_back(keys_[k].world_from_camera);
+      out.map_of_key.push_back(keys_[k].map);
+    }
+    return out;
+  }
+
+ private:
+  RgbdImage read(std::size_t i, const Vector6d& twist) const { return read_rgbd_image(drive_, moments_[i], twist); }
+  SE3 world_from_camera(std::size_t i) const { return keys_[*track_[i].key].world_from_camera * track_[i].key_from_camera; }
+
+  void follow(std::size_t i) {
+    const bool tracked = i > 0 && track_[i - 1].key && to_seconds(moments_[i].time_ns - moments_[i - 1].time_ns) < kMaxStepS;
+    track_[i].twist = tracked ? track_[i - 1].twist : Vector6d(Vector6d::Zero());
+    track_[i].depth_twist = track_[i].twist;
+    RgbdImage image = read(i, track_[i].depth_twist);
+    if (!has_depth(image)) {
+      note_lost(i, image);
+      return;
+    }
+    if (keys_.size() == 0) {
+      begin_map(i, image);
+    } else if (!(tracked && follow_track(i, image)) && !recover(i, image)) {
+      note_lost(i, image);
+    } else {
+      lost_for_ = 0;
+      note_motion(i, image);
+      choose_key(i, image);
+    }
+    if (track_[i].key) last_thumbnail_ = thumbnail_of(image);
+  }
+
+  static bool has_depth(const RgbdImage& image) {
+    const cv::Mat3f& points = image.levels.back().points;
+    std::size_t known = 0;
+    for (const cv::Vec3f& p : points) known += p[2] > 0 ? 1 : 0;
+    return static_cast<double>(known) > kMinKnownShare * static_cast<double>(points.total());
+  }
+
+  void begin_map(std::size_t i, RgbdImage& image) {
+    track_[i].twist = track_[i].depth_twist = first_twist(i);
+    if (!track_[i].twist.isZero()) image = read(i, track_[i].twist);
+    track_[i].key = keys_.add(i, image, SE3(), next_map_++);
+    track_[i].key_from_camera = SE3();
+    track_[i].overlap = 1;
+    usual_gradient_ = gradient_sum(image);
+    lost_for_ = 0;
+  }
+
+  /// The motion at the beginning of a map, by the image after it, as far as the depth has to be moved by it.
+  Vector6d first_twist(std::size_t i) const {
+    constexpr int kRounds = 3;
+    const Vector6d unknown = Vector6d::Zero();
+    if (std::abs(moments_[i].depth_delay_s) < kMinDelayS || i + 1 >= moments_.size()) return unknown;
+    const double dt = to_seconds(moments_[i + 1].time_ns - moments_[i].time_ns);
+    if (dt < kMinStepS || dt > kMaxStepS) return unknown;
+    Vector6d twist = unknown;
+    for (int round = 0; round < kRounds; ++round) {
+      const Alignment next = align(ReferenceView(read(i, twist)), read(i + 1, twist), se3_exp(twist * dt));
+      if (!kReliable.accept(next)) return unknown;
+      twist = se3_log(next.reference_from_current) / dt;
+    }
+    return twist;
+  }
+
+  void note_lost(std::size_t i, RgbdImage& image) {
+    track_[i].key.reset();
+    if (++lost_for_ > kNewMapAfter && has_depth(image)) begin_map(i, image);
+  }
+
+  /// Aligns the image to key frame `k` from the start that fits best on the coarse levels.
+  Alignment align_from(std::size_t k, const RgbdImage& image, const std::vector<SE3>& starts) const {
+    const std::shared_ptr<const ReferenceView> view = keys_.view(k);
+    std::optional<Alignment> best;
+    for (const SE3& start : starts)
+      if (const Alignment found = align(*view, image, start, {3, 2}); !best || found.cost < best->cost) best = found;
+    return align(*view, image, best->reference_from_current, {1, 0});
+  }
+
+  void accept(std::size_t i, std::size_t k, const Alignment& alignment) {
+    RgbdPose& pose = track_[i];
+    pose.key = k;
+    pose.key_from_camera = alignment.reference_from_current;
+    pose.overlap = alignment.overlap();
+    pose.points = alignment.compared;
+    pose.inliers = alignment.inliers;
+    pose.residual_m = alignment.residual_m;
+    pose.information = information_in_current(alignment);
+  }
+
+  bool follow_track(std::size_t i, RgbdImage& image) {
+    const double dt = std::max(kMinStepS, to_seconds(moments_[i].time_ns - moments_[i - 1].time_ns));
+    std::vector<SE3> steps{se3_exp(track_[i - 1].twist * dt), SE3()};
+    if (const ThumbnailMatch turn = match(last_thumbnail_, thumbnail_of(image), kMaxRollDeg); turn.correlation > kMinSimilarity)
+      steps.push_back({turn.a_from_b, Eigen::Vector3d::Zero()});
+    if (const auto motion = prior_.motion(moments_[i - 1].time_ns, moments_[i].time_ns))
+      steps.push_back(drive_.camera_from_lidar * *motion * drive_.camera_from_lidar.inverse());
+    const auto attempt = [&](std::size_t k, const SE3& key_from_last) {
+      std::vector<SE3> starts;
+      for (const SE3& step : steps) starts.push_back(key_from_last * step);
+      Alignment found = align_from(k, image, starts);
+      correct_delay(i, k, found, image, dt);
+      if (!kReliable.accept(found)) return false;
+      accept(i, k, found);
+      return true;
+    };
+    const std::size_t key = *track_[i - 1].key;
+    if (attempt(key, track_[i - 1].key_from_camera)) return true;
+    if (keys_[key].moment == i - 1) return false;
+    // The image before is nearer than its key frame.
+    track_[i - 1].depth_twist = track_[i - 1].twist;
+    const std::size_t last = keys_.add(i - 1, read(i - 1, track_[i - 1].depth_twist), world_from_camera(i - 1), keys_[key].map);
+    edges_.push_back({key, last, track_[i - 1].key_from_camera, track_[i - 1].information, false});
+    track_[i - 1].key = last;
+    track_[i - 1].key_from_camera = SE3();
+    return attempt(last, SE3());
+  }
+
+  /// Reads the image again if the depth was moved to the time of the color image by a motion that was predicted wrongly.
+  void correct_delay(std::size_t i, std::size_t k, Alignment& found, RgbdImage& image, double dt) {
+    const SE3 step =
+        track_[i - 1].key_from_camera.inverse() * key_from_key(*track_[i - 1].key, k) * found.reference_from_current;
+    const Vector6d twist = se3_log(step) / dt;
+    if (delay_error_px(i, twist) < kMaxDelayErrorPx || !kReliable.accept(found)) return;
+    track_[i].depth_twist = twist;
+    image = read(i, twist);
+    found = align(*keys_.view(k), image, found.reference_from_current, {1, 0});
+  }
+
+  /// Aligns images again whose depth was moved by a motion that turns out to be wrong now that the images after them have
+  /// poses.
+  void refine_delays() {
+    const std::vector<RgbdPose> found = track_;
+    const auto pose = [&](std::size_t i) { return keys_[*found[i].key].world_from_camera * found[i].key_from_camera; };
+    for (std::size_t i = 1; i + 1 < moments_.size(); ++i) {
+      const double dt = to_seconds(moments_[i + 1].time_ns - moments_[i - 1].time_ns);
+      if (!found[i - 1].key || !found[i].key || !found[i + 1].key || dt < kMinStepS || dt > 2 * kMaxStepS) continue;
+      const std::size_t k = *found[i].key;
+      if (keys_[k].moment == i || keys_[*found[i - 1].key].map != keys_[*found[i + 1].key].map) continue;
+      const Vector6d twist = se3_log(pose(i - 1).inverse() * pose(i + 1)) / dt;
+      if (delay_error_px(i, twist) < kMaxDelayErrorPx) continue;
+      const Alignment again = align(*keys_.view(k), read(i, twist), found[i].key_from_camera, {1, 0});
+      if (!kReliable.accept(again)) continue;
+      accept(i, k, again);
+      track_[i].twist = track_[i].depth_twist = twist;
+    }
+  }
+
+  /// How far the depth is displaced if it was moved by the motion of the track, and not by `twist`.
+  double delay_error_px(std::size_t i, const Vector6d& twist) const {
+    return (twist - track_[i].depth_twist).norm() * std::abs(moments_[i].depth_delay_s) * focal_px_;
+  }
+
+  SE3 key_from_key(std::size_t a, std::size_t b) const {
+    return keys_[a].world_from_camera.inverse() * keys_[b].world_from_camera;
+  }
+
+  void note_motion(std::size_t i, const RgbdImage& image) {
+    usual_gradient_ = 0.9 * usual_gradient_ + 0.1 * gradient_sum(image);
+    if (i == 0 || !track_[i - 1].key) return;
+    const double dt = to_seconds(moments_[i].time_ns - moments_[i - 1].time_ns);
+    if (dt > kMinStepS && dt < kMaxStepS && keys_[*track_[i].key].map == keys_[*track_[i - 1].key].map)
+      track_[i].twist = se3_log(world_from_camera(i - 1).inverse() * world_from_camera(i)) / dt;
+  }
+
+  /// Finds a lost track again: tries the key frames that look most like the image.
+  bool recover(std::size_t i, const RgbdImage& image) {
+    std::optional<std::size_t> best_key;
+    Alignment best;
+    for (const auto& [k, start] : similar_keys(thumbnail_of(image), kRecoveryCandidates, [](std::size_t) { return true; })) {
+      const Alignment found = align_from(k, image, {start, SE3()});
+      if (kCertain.accept(found) && (!best_key || found.cost < best.cost)) best_key = k, best = found;
+    }
+    if (!best_key) return false;
+    accept(i, *best_key, best);
+    return true;
+  }
+
+  /// The key frames whose thumbnails are most similar, with the rotation that makes them so.
+  template <class Wanted>
+  std::vector<std::pair<std::size_t, SE3>> similar_keys(const Thumbnail& thumbnail, std::size_t count, Wanted wanted) const {
+    std::vector<std::pair<ThumbnailMatch, std::size_t>> all;
+    const auto sort = [&] {
+      std::stable_sort(all.begin(), all.end(),
+                       [](const auto& a, const auto& b) { return a.first.correlation > b.first.correlation; });
+    };
+    for (std::size_t k = 0; k < keys_.size(); ++k)
+      if (wanted(k)) all.emplace_back(match(keys_[k].thumbnail, thumbnail, 0), k);
+    sort();
+    all.resize(std::min(all.size(), kRollCandidates));
+    for (auto& [turn, k] : all) turn = match(keys_[k].thumbnail, thumbnail, kMaxRecoveryRollDeg);
+    sort();
+    std::vector<std::pair<std::size_t, SE3>> out;
+    for (const auto& [turn, k] : all)
+      if (out.size() < count && turn.correlation > kMinSimilarity)
+        out.emplace_back(k, SE3{turn.a_from_b, Eigen::Vector3d::Zero()});
+    return out;
+  }
+
+  /// Key frames of the same map that see at least that share of what the camera sees, the best first.
+  std::vector<std::size_t> overlapping_keys(const SE3& pose, std::size_t map, double least, const RgbdImage& image) const {
+    std::vector<std::pair<double, std::size_t>> all;
+    for (std::size_t k = 0; k < keys_.size(); ++k)
+      if (keys_[k].map == map) {
+        const double overlap = keys_.predict_overlap(k, pose, image.levels[0].camera, image.levels[0].points.size());
+        if (overlap >= least) all.emplace_back(overlap, k);
+      }
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<std::size_t> out;
+    for (const auto& [overlap, k] : all) out.push_back(k);
+    return out;
+  }
+
+  /// Takes an earlier key frame, or the image itself, where the present one shows too little of what the camera sees.
+  void choose_key(std::size_t i, const RgbdImage& image) {
+    const RgbdPose pose = track_[i];
+    if (pose.overlap >= kFullOverlap) return;
+    const SE3 here = world_from_camera(i);
+    const std::size_t map = keys_[*pose.key].map;
+    for (const std::size_t k : overlapping_keys(here, map, kKnownOverlap, image)) {
+      if (k == *pose.key) continue;
+      const Alignment found = align_from(k, image, {keys_[k].world_from_camera.inverse() * here});
+      if (!kCertain.accept(found) || found.overlap() < kFullOverlap) break;
+      add_edge(*pose.key, k, pose.key_from_camera, found);
+      accept(i, k, found);
+      return;
+    }
+    if (pose.overlap >= kMinOverlap && gradient_sum(image) < kBlurred * usual_gradient_) return;
+    const std::size_t key = keys_.add(i, image, here, map);
+    edges_.push_back({*pose.key, key, pose.key_from_camera, pose.information, false});
+    track_[i].key = key;
+    track_[i].key_from_camera = SE3();
+    track_[i].overlap = 1;
+    track_[i].depth_twist = track_[i].twist;
+    if (options_.loops) find_loops(key, image);
+  }
+
+  void add_edge(std::size_t a, std::size_t b, const SE3& a_from_camera, const Alignment& b_from_camera) {
+    if (!options_.loops) return;
+    edges_.push_back(
+        {a, b, a_from_camera * b_from_camera.reference_from_current.inverse(), information_in_reference(b_from_camera), true});
+  }
+
+  void find_loops(std::size_t key, const RgbdImage& image) {
+    const SE3 here = keys_[key].world_from_camera;
+    std::size_t tried = 0;
+    for (const std::size_t k : overlapping_keys(here, keys_[key].map, kLoopOverlap, image))
+      if (k + 1 < key && tried++ < kMaxLoopsPerKeyFrame)
+        close_loop(k, key, align_from(k, image, {keys_[k].world_from_camera.inverse() * here}));
+    const auto elsewhere = [&](std::size_t k) { return keys_[k].map != keys_[key].map; };
+    for (const auto& [k, start] : similar_keys(keys_[key].thumbnail, kRecoveryCandidates, elsewhere))
+      if (elsewhere(k)) close_loop(k, key, align_from(k, image, {start, SE3()}));
+  }
+
+  /// Ties a new key frame to an earlier one, or its map to the map of that one.
+  void close_loop(std::size_t earlier, std::size_t key, const Alignment& alignment) {
+    if (!kCertain.accept(alignment)) return;
+    const bool joins = keys_[earlier].map != keys_[key].map;
+    if (joins) {
+      const SE3 world_from_key = keys_[earlier].world_from_camera * alignment.reference_from_current;
+      keys_.join(keys_[key].map, keys_[earlier].map, world_from_key * keys_[key].world_from_camera.inverse());
+    }
+    edges_.push_back({earlier, key, alignment.reference_from_current, information_in_current(alignment), !joins});
+  }
+
+  const Drive& drive_;
+  const OdometryOptions& options_;
+  const MotionPrior prior_;
+  std::vector<RgbdMoment> moments_;
+  std::vector<RgbdPose> track_;
+  KeyFrames keys_;
+  std::vector<scan_match::PoseEdge> edges_;
+  Thumbnail last_thumbnail_;
+  double focal_px_ = 0, usual_gradient_ = 0;
+  std::size_t lost_for_ = 0, next_map_ = 0;
+};
+
+}  // namespace
+
+bool has_color_and_depth(const Drive& drive) {
+  return drive.sensor == Sensor::depth_camera && !drive.frames.empty() && !drive.images.empty() && drive.camera.width > 0;
+}
+
+Odometry rgbd_odometry(const Drive& drive, const OdometryOptions& options, const Trajectory& given, const BeginPart& begin) {
+  Tracker tracker(drive, options, given);
+  RgbdTrack track = tracker(begin("odometry", drive.scan_headers.size()));
+  const Tick tick = begin("loops", 1);
+  Odometry out = to_odometry(drive, std::move(track));
+  tick();
+  return out;
+}
+
+}  // namespace dvi::odometry
