@@ -12,7 +12,7 @@ namespace {
 
 /// Neither neighboring pixels nor distortion and rolling shutter make a pose better known than to these standard deviations.
 Matrix6d no_better_than_model(const Matrix6d& information) {
-  constexpr double kModelM = 0.003, kModelRad = 0.0015, kPixelsPerError = 50;
+  constexpr double kModelM = 0.003, kModelRad = 0.0015, kPixelsPerError = 10;
   Vector6d variance;
   variance << Eigen::Vector3d::Constant(kModelM * kModelM), Eigen::Vector3d::Constant(kModelRad * kModelRad);
   const Matrix6d covariance = (information / kPixelsPerError + 1e-3 * Matrix6d::Identity()).inverse();

@@ -14,9 +14,11 @@ struct AlignmentCriteria {
 };
 
 /// From one image to the next.
-inline constexpr AlignmentCriteria kReliable{0.6, 0.5, 0.25};
+inline constexpr AlignmentCriteria kReliable{0.7, 0.7, 0.25};
 /// Where only the images themselves say that they show the same place.
 inline constexpr AlignmentCriteria kCertain{0.75, 0.75, 0.4};
+/// Below, another start may lead to a better alignment.
+inline constexpr AlignmentCriteria kGood{0.92, 0.94, 0.25};
 
 /// The inverse covariance of an alignment, translation and rotation, in the axes of the reference and of the current camera.
 /// It allows for errors that neighboring pixels share, and for what the camera model leaves out.

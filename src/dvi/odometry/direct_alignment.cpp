@@ -18,6 +18,7 @@ constexpr int kMaxIterations = 15;
 constexpr double kDegreesOfFreedom = 5;                         // of Student's t-distribution
 constexpr double kMinGrayNoise = 2.5;                           // gray levels
 constexpr double kDepthNoisePerM = 0.0015, kMinNoiseM = 0.001;  // grows with the square of the depth (Khoshelham 2012)
+constexpr float kMinGradient = 2;                               // gray levels per pixel; noise has less
 constexpr double kUniformGray = 3;                              // standard deviation of noise in gray levels
 constexpr double kMaxInlierNoise = 5;                           // standard deviations
 constexpr double kOcclusionTolerance = 0.1;                     // relative difference in depth
@@ -240,7 +241,8 @@ ReferenceView::ReferenceView(const RgbdImage& image) {
         point.by_gray.setZero();
         if (image.has_gray()) {
           point.gray = bilinear(level.gray, cv::Point2f(at.x(), at.y()));
-          const Eigen::Vector2d g = gradient(best.y, best.x).cast<double>();
+          Eigen::Vector2d g = gradient(best.y, best.x).cast<double>();
+          if (strongest < kMinGradient * kMinGradient) g.setZero();
           const double gx = g.x() * level.camera.fx / x.z(), gy = g.y() * level.camera.fy / x.z();
           const Eigen::Vector3d by_place(gx, gy, -(gx * x.x() + gy * x.y()) / x.z());
           point.by_gray << by_place, x.cross(by_place);
@@ -261,8 +263,11 @@ Alignment align(const ReferenceView& reference, const RgbdImage& current, const 
   for (std::size_t l = std::min(range.coarsest, levels - 1) + 1; l-- > finest;)
     align_on_level(reference.levels()[l], current.levels[l], brightness, out);
   const std::vector<ReferenceView::Point>& points = reference.levels()[finest];
-  const Residuals residuals = compare(points, current.levels[finest], out.reference_from_current.inverse(), brightness);
-  out.information = equations_of(points, residuals, brightness).information();
+  const SE3 current_from_reference = out.reference_from_current.inverse();
+  const Residuals residuals = compare(points, current.levels[finest], current_from_reference, brightness);
+  const std::vector<ReferenceView::Point>& coarse = reference.levels()[levels - 1];
+  const Residuals coarse_residuals = compare(coarse, current.levels[levels - 1], current_from_reference, brightness);
+  out.information = equations_of(coarse, coarse_residuals, brightness).information();
   out.gain = brightness.gain;
   out.offset = brightness.offset;
   note_agreement(points, residuals, out);

@@ -32,8 +32,9 @@ class ReferenceView {
 struct Alignment {
   SE3 reference_from_current;
   double gain = 1, offset = 0;  ///< gray level of the current image = gain * reference + offset
-  /// Inverse covariance of translation and rotation in the axes of the reference. Neighboring pixels are counted as
-  /// independent, so it is too large by about the number of pixels that share an error.
+  /// Inverse covariance of translation and rotation in the axes of the reference. It is that of the coarsest level: on finer
+  /// ones, noise in gradients and normals looks as if it constrained the pose. Neighboring pixels are counted as independent,
+  /// so it is too large by about the number of pixels that share an error.
   Matrix6d information = Matrix6d::Zero();
   std::size_t points = 0;       ///< of the reference
   std::size_t visible = 0;      ///< of these, within the current image

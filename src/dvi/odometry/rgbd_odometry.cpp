@@ -124,13 +124,17 @@ class Tracker {
     if (++lost_for_ > kNewMapAfter && has_depth(image)) begin_map(i, image);
   }
 
-  /// Aligns the image to key frame `k` from the start that fits best on the coarse levels.
+  /// Aligns the image to key frame `k` from the start that fits best on the coarse levels, or if that is not good from all.
   Alignment align_from(std::size_t k, const RgbdImage& image, const std::vector<SE3>& starts) const {
     const std::shared_ptr<const ReferenceView> view = keys_.view(k);
-    std::optional<Alignment> best;
-    for (const SE3& start : starts)
-      if (const Alignment found = align(*view, image, start, {3, 2}); !best || found.cost < best->cost) best = found;
-    return align(*view, image, best->reference_from_current, {1, 0});
+    std::vector<Alignment> coarse;
+    for (const SE3& start : starts) coarse.push_back(align(*view, image, start, {3, 2}));
+    std::stable_sort(coarse.begin(), coarse.end(), [](const Alignment& a, const Alignment& b) { return a.cost < b.cost; });
+    Alignment best = align(*view, image, coarse.front().reference_from_current, {1, 0});
+    for (std::size_t n = 1; n < coarse.size() && !kGood.accept(best); ++n)
+      if (const Alignment other = align(*view, image, coarse[n].reference_from_current, {1, 0}); other.cost < best.cost)
+        best = other;
+    return best;
   }
 
   void accept(std::size_t i, std::size_t k, const Alignment& alignment) {
