@@ -11,10 +11,13 @@ namespace dvi::odometry {
 namespace {
 
 /// Neither neighboring pixels nor distortion and rolling shutter make a pose better known than to these standard deviations.
-Matrix6d no_better_than_model(const Matrix6d& information) {
+Matrix6d no_better_than_model(const Matrix6d& information, double turn_rad_s) {
   constexpr double kModelM = 0.003, kModelRad = 0.0015, kPixelsPerError = 10;
+  constexpr double kShutterS = 0.005, kDepthM = 2;  // a rolling shutter reads an image in up to 30 ms
+  const double shutter_rad = kShutterS * turn_rad_s, shutter_m = kDepthM * shutter_rad;
   Vector6d variance;
-  variance << Eigen::Vector3d::Constant(kModelM * kModelM), Eigen::Vector3d::Constant(kModelRad * kModelRad);
+  variance << Eigen::Vector3d::Constant(kModelM * kModelM + shutter_m * shutter_m),
+      Eigen::Vector3d::Constant(kModelRad * kModelRad + shutter_rad * shutter_rad);
   const Matrix6d covariance = (information / kPixelsPerError + 1e-3 * Matrix6d::Identity()).inverse();
   return (covariance + variance.asDiagonal().toDenseMatrix()).inverse();
 }
@@ -24,7 +27,7 @@ Matrix6d no_better_than_model(const Matrix6d& information) {
 bool AlignmentCriteria::accept(const Alignment& alignment) const {
   if (alignment.inlier_share() < inlier_share || alignment.overlap() < overlap) return false;
   if (alignment.gray_points > 0 && alignment.correlation < correlation) return false;
-  const Matrix6d covariance = information_in_reference(alignment).inverse();
+  const Matrix6d covariance = information_in_reference(alignment, 0).inverse();
   const auto largest = [&](int first) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance.block<3, 3>(first, first));
     return std::sqrt(solver.eigenvalues()[2]);
@@ -32,14 +35,16 @@ bool AlignmentCriteria::accept(const Alignment& alignment) const {
   return largest(0) < sigma_m && largest(3) < sigma_rad;
 }
 
-Matrix6d information_in_reference(const Alignment& alignment) { return no_better_than_model(alignment.information); }
+Matrix6d information_in_reference(const Alignment& alignment, double turn_rad_s) {
+  return no_better_than_model(alignment.information, turn_rad_s);
+}
 
-Matrix6d information_in_current(const Alignment& alignment) {
+Matrix6d information_in_current(const Alignment& alignment, double turn_rad_s) {
   const SE3& pose = alignment.reference_from_current;
   Matrix6d adjoint = Matrix6d::Zero();
   adjoint.topLeftCorner<3, 3>() = adjoint.bottomRightCorner<3, 3>() = pose.R;
   adjoint.topRightCorner<3, 3>() = skew(pose.t) * pose.R;
-  return no_better_than_model(adjoint.transpose() * alignment.information * adjoint);
+  return no_better_than_model(adjoint.transpose() * alignment.information * adjoint, turn_rad_s);
 }
 
 }  // namespace dvi::odometry

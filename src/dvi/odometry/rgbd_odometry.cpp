@@ -23,6 +23,7 @@ constexpr double kMinSimilarity = 0.5;                                // correla
 constexpr std::size_t kNewMapAfter = 10;                              // images that were lost
 constexpr double kMaxRollDeg = 8, kMaxRecoveryRollDeg = 24;
 constexpr double kMinKnownShare = 0.05;   // of the depth, for an image to be aligned
+constexpr double kFastRadS = 1.5;         // rotation at which a key frame is distorted noticeably
 constexpr double kBlurred = 0.7;          // of the usual mean gradient
 constexpr double kMaxDelayErrorPx = 0.7;  // by which a wrong prediction of the motion may displace the depth
 
@@ -145,7 +146,7 @@ class Tracker {
     pose.points = alignment.compared;
     pose.inliers = alignment.inliers;
     pose.residual_m = alignment.residual_m;
-    pose.information = information_in_current(alignment);
+    pose.information = information_in_current(alignment, std::max(turn_of(i), turn_of(keys_[k].moment)));
   }
 
   bool follow_track(std::size_t i, RgbdImage& image) {
@@ -274,18 +275,21 @@ class Tracker {
   /// Takes an earlier key frame, or the image itself, where the present one shows too little of what the camera sees.
   void choose_key(std::size_t i, const RgbdImage& image) {
     const RgbdPose pose = track_[i];
-    if (pose.overlap >= kFullOverlap) return;
+    const double turn = turn_of(i), key_turn = turn_of(keys_[*pose.key].moment);
+    const bool key_is_fast = key_turn > kFastRadS && turn < 0.5 * key_turn;  // a rolling shutter distorts it
+    if (pose.overlap >= kFullOverlap && !key_is_fast) return;
     const SE3 here = world_from_camera(i);
     const std::size_t map = keys_[*pose.key].map;
     for (const std::size_t k : overlapping_keys(here, map, kKnownOverlap, image)) {
-      if (k == *pose.key) continue;
+      if (k == *pose.key || turn_of(keys_[k].moment) > std::max(turn, kFastRadS)) continue;
       const Alignment found = align_from(k, image, {keys_[k].world_from_camera.inverse() * here});
       if (!kCertain.accept(found) || found.overlap() < kFullOverlap) break;
-      add_edge(*pose.key, k, pose.key_from_camera, found);
+      add_edge(*pose.key, k, i, found);
       accept(i, k, found);
       return;
     }
-    if (pose.overlap >= kMinOverlap && gradient_sum(image) < kBlurred * usual_gradient_) return;
+    const bool distorted = gradient_sum(image) < kBlurred * usual_gradient_ || turn > std::max(kFastRadS, key_turn);
+    if (distorted && pose.overlap >= kMinOverlap) return;
     const std::size_t key = keys_.add(i, image, here, map);
     edges_.push_back({*pose.key, key, pose.key_from_camera, pose.information, false});
     track_[i].key = key;
@@ -295,11 +299,16 @@ class Tracker {
     if (options_.loops) find_loops(key, image);
   }
 
-  void add_edge(std::size_t a, std::size_t b, const SE3& a_from_camera, const Alignment& b_from_camera) {
+  /// A motion between key frames by two alignments of image i.
+  void add_edge(std::size_t a, std::size_t b, std::size_t i, const Alignment& b_from_camera) {
     if (!options_.loops) return;
-    edges_.push_back(
-        {a, b, a_from_camera * b_from_camera.reference_from_current.inverse(), information_in_reference(b_from_camera), true});
+    const double turn = std::max({turn_of(i), turn_of(keys_[a].moment), turn_of(keys_[b].moment)});
+    edges_.push_back({a, b, track_[i].key_from_camera * b_from_camera.reference_from_current.inverse(),
+                      information_in_reference(b_from_camera, turn), true});
   }
+
+  /// The rotation of the camera at a moment in radians per second.
+  double turn_of(std::size_t i) const { return track_[i].twist.tail<3>().norm(); }
 
   void find_loops(std::size_t key, const RgbdImage& image) {
     const SE3 here = keys_[key].world_from_camera;
@@ -320,7 +329,9 @@ class Tracker {
       const SE3 world_from_key = keys_[earlier].world_from_camera * alignment.reference_from_current;
       keys_.join(keys_[key].map, keys_[earlier].map, world_from_key * keys_[key].world_from_camera.inverse());
     }
-    edges_.push_back({earlier, key, alignment.reference_from_current, information_in_current(alignment), !joins});
+    edges_.push_back({earlier, key, alignment.reference_from_current,
+                      information_in_current(alignment, std::max(turn_of(keys_[earlier].moment), turn_of(keys_[key].moment))),
+                      !joins});
   }
 
   const Drive& drive_;
