@@ -1,0 +1,57 @@
+#include "dvi/pipeline/choose_poses.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "dvi/core/error.h"
+#include "dvi/odometry/test_rgbd.h"
+
+namespace dvi::pipeline {
+namespace {
+
+/// A recording of a depth camera that shows a room in its first images and a white wall from then on.
+Drive drive_to_white_wall(std::size_t images_of_room) {
+  odometry::TestRgbd test{[](double s) { return SE3{so3_exp({0, 0.1, 0.3 * s}), {0, 0, 1.3}}; }};
+  test.count = 24;
+  test.blank = [=](std::size_t i) { return i >= images_of_room; };
+  return test.drive();
+}
+
+PoseChoice choose(const Drive& drive, PosesFrom::Kind kind) {
+  Progress progress(ProgressStyle::quiet);
+  PosesFrom wish;
+  wish.kind = kind;
+  return choose_poses(drive, wish, {}, progress);
+}
+
+TEST(ChoosePoses, RefusesARecordingOfADepthCameraThatIsMostlyLost) {
+  const Drive drive = drive_to_white_wall(8);
+  for (const PosesFrom::Kind kind : {PosesFrom::Kind::loam, PosesFrom::Kind::automatic}) try {
+      choose(drive, kind);
+      ADD_FAILURE() << "an error was expected";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("16 of 24 depth images could not be aligned"));
+      EXPECT_THAT(error.what(), testing::HasSubstr("--poses FILE"));
+    }
+}
+
+TEST(ChoosePoses, WarnsWhereADepthCameraIsLostForAWhile) {
+  const Drive drive = drive_to_white_wall(18);
+  const PoseChoice choice = choose(drive, PosesFrom::Kind::loam);
+  EXPECT_EQ(choice.from, PoseOrigin::loam);
+  EXPECT_THAT(choice.warnings, testing::Contains(testing::HasSubstr("6 of 24 depth images could not be aligned")));
+  EXPECT_TRUE(chosen(drive, choice).at(drive.frames[17].time_ns));
+  EXPECT_FALSE(chosen(drive, choice).at(drive.frames[18].time_ns));
+}
+
+TEST(ChoosePoses, KeepsGivenPosesWhereADepthCameraIsMostlyLost) {
+  Drive drive = drive_to_white_wall(8);
+  std::vector<StampedPose> given;
+  for (const Frame& frame : drive.frames)
+    given.push_back({frame.time_ns, SE3{so3_exp({0, 0, 1e-8 * static_cast<double>(frame.time_ns) * 0.03}), {}}});
+  drive.poses = Trajectory(given);
+  EXPECT_EQ(choose(drive, PosesFrom::Kind::automatic).from, PoseOrigin::given);
+}
+
+}  // namespace
+}  // namespace dvi::pipeline
