@@ -13,6 +13,8 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/threads.h"
+#include "dvi/drive/nearest_in_time.h"
+#include "dvi/io/text.h"
 #include "dvi/masks/motion.h"
 #include "dvi/masks/past_border.h"
 #include "dvi/pipeline/rig.h"
@@ -20,6 +22,8 @@
 
 namespace dvi::pipeline {
 namespace {
+
+constexpr std::int64_t kMaxFrameToScanNs = 100'000'000;
 
 FrameLabels detected_in(const Recording& open, Progress& progress) {
   progress.begin("detect", open.drive.frames.size());
@@ -38,20 +42,51 @@ FrameLabels objects_of(const Recording& open, const Trajectory& world_from_lidar
   return masks::continued_past_border(drive, std::move(labels), world_from_lidar, job.options.masks);
 }
 
-std::vector<traffic::Track> tracks_in_scans(const Recording& open, const Trajectory& world_from_lidar, const Job& job,
+// For each scan, whether the check of the poses found that it is wrong.
+std::vector<bool> untrusted_scans(const Drive& drive, const PoseChoice& choice) {
+  std::vector<bool> untrusted(drive.scan_headers.size(), choice.misread && choice.from == PoseOrigin::given);
+  if (choice.from == PoseOrigin::loam && choice.odometry)
+    for (std::size_t i = 0; i < std::min(untrusted.size(), choice.odometry->scans.size()); ++i)
+      untrusted[i] = choice.odometry->scans[i].state == odometry::ScanFit::State::lost;
+  return untrusted;
+}
+
+void warn_of_untrusted(const Recording& open, const std::vector<bool>& untrusted, const std::vector<std::size_t>& contradictory,
+                       Progress& progress) {
+  const Drive& drive = open.drive;
+  const auto warn = [&](const std::vector<std::size_t>& scans, const char* reason) {
+    if (scans.empty()) return;
+    std::set<int> frames;
+    for (const std::size_t scan : scans)
+      if (const Frame* frame = nearest_in_time(drive.frames, drive.scan_headers[scan].time_ns, kMaxFrameToScanNs))
+        frames.insert(frame->number);
+    progress.warn(fmt::format("{}: {} of {} scans {}, so no moving objects are looked for in them (frames {})", name_of(open),
+                              scans.size(), drive.scan_headers.size(), reason,
+                              frames.empty() ? "none" : io::ranges({frames.begin(), frames.end()})));
+  };
+  std::vector<std::size_t> known;
+  for (std::size_t i = 0; i < untrusted.size(); ++i)
+    if (untrusted[i]) known.push_back(i);
+  warn(known, "have poses that are not to be trusted");
+  warn(contradictory, "contradict the others in many places, as with wrong poses");
+}
+
+std::vector<traffic::Track> tracks_in_scans(const Recording& open, const DrivePoses& poses, const Job& job,
                                             const traffic::Ground* ground, Progress& progress) {
   if (ground == nullptr) return {};
   const Drive& drive = open.drive;
   progress.begin("traffic", drive.scan_headers.size());
-  auto tracks =
-      traffic::find_traffic(drive, world_from_lidar, *ground, job.options.map.pose_error_m, [&] { progress.advance(); });
+  const std::vector<bool> untrusted = untrusted_scans(drive, poses.choice);
+  const traffic::FoundTraffic found = traffic::find_traffic(
+      drive, {poses.world_from_lidar, job.options.map.pose_error_m, untrusted}, *ground, [&] { progress.advance(); });
   progress.end();
-  return tracks;
+  warn_of_untrusted(open, untrusted, found.contradictory, progress);
+  return found.tracks;
 }
 
-std::vector<traffic::Track> moving_in(const Recording& open, const Trajectory& world_from_lidar, const Job& job,
+std::vector<traffic::Track> moving_in(const Recording& open, const DrivePoses& poses, const Job& job,
                                       const traffic::Ground* ground, Progress& progress) {
-  std::vector<traffic::Track> found = tracks_in_scans(open, world_from_lidar, job, ground, progress);
+  const std::vector<traffic::Track> found = tracks_in_scans(open, poses, job, ground, progress);
   if (found.empty()) progress.warn(name_of(open) + ": nothing moves in it, as far as its scans tell: nothing is removed");
   return found;
 }
@@ -93,11 +128,11 @@ bool removes_nothing(const Recording& open, const SharedLabels& objects, const J
 }
 
 // Says what moves in the scans although masks or labels remove nothing.
-std::string unmasked_motion(const Recording& open, const Trajectory& world_from_lidar, const Job& job,
-                            const traffic::Ground* ground, Progress& progress) {
+std::string unmasked_motion(const Recording& open, const DrivePoses& poses, const Job& job, const traffic::Ground* ground,
+                            Progress& progress) {
   const Drive& drive = open.drive;
-  const FrameLabels labels = traffic::outlines(tracks_in_scans(open, world_from_lidar, job, ground, progress), drive,
-                                               world_from_lidar, job.options.masks.footprint_margin_m);
+  const FrameLabels labels = traffic::outlines(tracks_in_scans(open, poses, job, ground, progress), drive,
+                                               poses.world_from_lidar, job.options.masks.footprint_margin_m);
   std::set<int> tracks;
   std::optional<int> first;
   for (std::size_t i = 0; i < labels.size(); ++i)
@@ -173,13 +208,13 @@ Objects find_objects(const Recordings& drives, const Poses& poses, const Grounds
     if (open.masks_from != masks::MaskSource::found) {
       objects.push_back(shared(objects_of(open, world_from_lidar, job, progress)));
       warn_of_nothing_removed(
-          open, objects.back(), [&] { return unmasked_motion(open, world_from_lidar, job, grounds.of(i).get(), progress); },
-          job, progress);
+          open, objects.back(), [&] { return unmasked_motion(open, poses[i], job, grounds.of(i).get(), progress); }, job,
+          progress);
       continue;
     }
     const std::size_t drive = open.rig_of.value_or(i);
     const auto ground = grounds.of(i);
-    if (drive == i) moving[i] = moving_in(open, world_from_lidar, job, ground.get(), progress);
+    if (drive == i) moving[i] = moving_in(open, poses[i], job, ground.get(), progress);
     SharedLabels seen =
         shared(traffic::outlines(moving[drive], open.drive, world_from_lidar, job.options.masks.footprint_margin_m));
     if (ground)

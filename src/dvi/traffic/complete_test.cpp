@@ -81,7 +81,7 @@ std::vector<int> places(const Cluster& cluster) {
 TEST(Complete, AddsWhatSomethingNearerHides) {
   const Drive drive = drive_before_a_panel(6);
   const Ground ground(drive, drive.poses);
-  const MovingReturns returns(drive, drive.poses, ground, 0.05);
+  const MovingReturns returns(drive, {drive.poses}, ground);
   const Track before = track_of_panel(drive);
   const Track after = completed({before}, returns).front();
   ASSERT_EQ(after.observations.size(), before.observations.size());
@@ -95,7 +95,7 @@ TEST(Complete, AddsWhatSomethingNearerHides) {
 TEST(Complete, AddsNothingInPlainSight) {
   const Drive drive = drive_before_a_panel(kHiddenFrom);
   const Ground ground(drive, drive.poses);
-  const MovingReturns returns(drive, drive.poses, ground, 0.05);
+  const MovingReturns returns(drive, {drive.poses}, ground);
   const Track before = track_of_panel(drive);
   const Track after = completed({before}, returns).front();
   for (std::size_t i = 0; i < before.observations.size(); ++i)

@@ -1,25 +1,42 @@
 #include "dvi/traffic/find_traffic.h"
 
+#include <utility>
+
 #include "dvi/core/threads.h"
 #include "dvi/traffic/complete.h"
+#include "dvi/traffic/contradictions.h"
 #include "dvi/traffic/follow.h"
 #include "dvi/traffic/outlines.h"
+#include "dvi/traffic/standstill.h"
 
 namespace dvi::traffic {
 
-std::vector<Track> find_traffic(const Drive& drive, const Trajectory& world_from_lidar, const Ground& ground,
-                                double pose_error_m, const Tick& tick) {
-  const MovingReturns returns(drive, world_from_lidar, ground, pose_error_m);
+FoundTraffic find_traffic(const Drive& drive, const ScanPoses& poses, const Ground& ground, const Tick& tick) {
+  MovingReturns returns(drive, poses, ground);
   Tracker tracker;
+  std::vector<Contradictions> contradictions(drive.scan_headers.size());
   for_blocks(drive.scan_headers.size(), [&](std::size_t first, std::size_t last) {
     std::vector<std::vector<Cluster>> clusters(last - first);
-    parallel_for(clusters.size(), [&](std::size_t i) { clusters[i] = clusters_of(returns.find(first + i)); });
+    parallel_for(clusters.size(), [&](std::size_t i) {
+      const ObstacleReturns found = returns.find(first + i);
+      contradictions[first + i] = contradictions_of(found);
+      clusters[i] = clusters_of(found);
+      for (Cluster& cluster : clusters[i]) cluster.scan = first + i;
+    });
     for (std::size_t i = first; i < last; ++i) {
       tracker.add(std::move(clusters[i - first]));
       tick();
     }
   });
-  return completed(followed(tracker.finish(), returns), returns);
+  FoundTraffic out{extend_through_standstill(tracker.finish(), returns), {}};
+  out.contradictory = find_contradictory_scans(contradictions, out.tracks);
+  for (const std::size_t scan : out.contradictory) {
+    returns.distrust(scan);
+    for (Track& track : out.tracks) std::erase_if(track.observations, [&](const Cluster& o) { return o.scan == scan; });
+  }
+  std::erase_if(out.tracks, [](const Track& track) { return !moves(track); });
+  out.tracks = completed(followed(out.tracks, returns), returns);
+  return out;
 }
 
 FrameLabels outlines(const std::vector<Track>& tracks, const Drive& drive, const Trajectory& world_from_lidar,

@@ -43,10 +43,12 @@ double usual_height(const Track& track) {
 class Motion {
  public:
   explicit Motion(const Track& track) : track_(&track), height_(usual_height(track)) {
-    Eigen::Vector2d heading = Eigen::Vector2d::UnitX();
-    for (std::size_t i = 0; i < track.observations.size(); ++i) {
-      velocities_.push_back(track.velocity(i));
-      if (velocities_.back().norm() > 0.5) heading = velocities_.back().normalized();
+    for (std::size_t i = 0; i < track.observations.size(); ++i) velocities_.push_back(track.velocity(i));
+    const auto moves = [](const Eigen::Vector2d& velocity) { return velocity.norm() > 0.5; };
+    const auto first = std::find_if(velocities_.begin(), velocities_.end(), moves);  // before, it waits to go there
+    Eigen::Vector2d heading = first == velocities_.end() ? Eigen::Vector2d(1, 0) : first->normalized();
+    for (const Eigen::Vector2d& velocity : velocities_) {
+      if (moves(velocity)) heading = velocity.normalized();
       headings_.push_back(heading);
     }
     half_ = (0.5 * usual_size(track, headings_).array() + kBoxMargin).matrix();
@@ -127,7 +129,7 @@ std::vector<Track> followed(const std::vector<Track>& tracks, const MovingReturn
   std::vector<Track> out(tracks.size());
   for_blocks(returns.scans(), [&](std::size_t first, std::size_t last) {
     std::vector<std::map<std::size_t, Cluster>> seen(last - first);
-    parallel_for(seen.size(), [&](std::size_t i) { seen[i] = look(motions, returns.obstacles(first + i)); });
+    parallel_for(seen.size(), [&](std::size_t i) { seen[i] = look(motions, *returns.obstacles(first + i)); });
     for (std::size_t i = first; i < last; ++i)
       for (auto& [track, cluster] : seen[i - first]) {
         cluster.scan = i;

@@ -64,7 +64,7 @@ struct BlindStreet {
 TEST(ImageFollowing, GoesOnWhereNoScanShowsTheObject) {
   constexpr std::size_t kBlind = 7;
   const BlindStreet street(14, kBlind);
-  const std::vector<Track> tracks = find_traffic(street.drive, street.drive.poses, *street.ground, 0.05, [] {});
+  const std::vector<Track> tracks = find_traffic(street.drive, {street.drive.poses}, *street.ground, [] {}).tracks;
   ASSERT_FALSE(tracks.empty());
   const FrameLabels labels = outlines(tracks, street.drive, street.drive.poses, 0.3);
   Views views = street.views(labels);

@@ -18,7 +18,6 @@ constexpr double kOutlineWindow = 0.25;    // seconds each way in which an objec
 constexpr double kRoof = 0.5;              // metres: windows are no higher
 constexpr double kShape = kRoof / 3;       // metres between rays: above, so few hit a window that a lost one hides the shape
 constexpr std::size_t kFewestPlaced = 20;  // returns so far apart that place an object: of fewer, single wrong ones move it
-constexpr double kDrives = 1;              // metres a second, from which the motion gives a heading
 constexpr double kMargin = 0.05;           // metres round the returns: the ends of an object lie between rays
 constexpr double kMirror = 0.2;            // metres beside the returns: what sticks out between rays
 constexpr double kAlongside = 6;           // metres: of what is nearer, the part within the image is farther away
@@ -69,10 +68,11 @@ Body body_at(const Track& track, std::int64_t time_ns, const Eigen::Vector2d& se
   const Cluster& cluster = track.observations[nearest];
   const double apart = std::abs(seconds_from(cluster.mean_time_ns, time_ns));
   const Eigen::Vector2d velocity = track.velocity(nearest);
-  const bool drives = velocity.norm() > kDrives, boxed = drives && median(cluster.rise) > kShape;
+  const std::optional<Eigen::Vector2d> heading = track.heading(nearest);
+  const bool boxed = heading && median(cluster.rise) > kShape;
   body.shapeless = median(cluster.rise) > kShape;
   if (apart > (boxed ? kGoesOn : kOutlineWindow)) return body;
-  if (drives) body.heading = velocity.normalized();
+  if (heading) body.heading = *heading;
   const bool upright = track.size_m.maxCoeff() > 0 && track.size_m.maxCoeff() <= kPerson;
   for (std::size_t k = 0; k < cluster.points.size(); ++k) {
     Eigen::Vector3d x = cluster.points[k];

@@ -11,10 +11,12 @@
 namespace dvi::traffic {
 namespace {
 
-constexpr double kLongestGap = 0.55;            // seconds without an observation
-constexpr double kFastest = 40;                 // metres a second
-constexpr double kGate = 1;                     // metres between prediction and observation
-constexpr double kAcceleration = 10;            // metres a second squared: hard braking
+constexpr double kLongestGap = 0.55;  // seconds without an observation
+constexpr double kFastest = 40;       // metres a second
+constexpr double kGate = 1;           // metres between prediction and observation
+constexpr double kAcceleration = 10;  // metres a second squared: hard braking
+constexpr double kMinDrivingSpeedMps = 1;
+constexpr double kMinMovingSpeedMps = 0.3;      // below, other scans hit the object again: it waits
 constexpr double kVelocityWindow = 0.5;         // seconds each way that a velocity is fitted over
 constexpr std::size_t kFewestObservations = 4;  // observations of an object
 constexpr double kMovingShare = 0.5;            // of its returns, those that lie where others saw through
@@ -38,13 +40,26 @@ double distance(const Track& track, const Cluster& cluster) {
 
 }  // namespace
 
+std::optional<Eigen::Vector2d> Track::heading(std::size_t observation) const {
+  for (std::size_t apart = 0; apart < observations.size(); ++apart)
+    for (const bool later : {false, true}) {
+      if (later ? observation + apart >= observations.size() : apart > observation) continue;
+      const Eigen::Vector2d at = velocity(later ? observation + apart : observation - apart);
+      if (at.norm() > kMinDrivingSpeedMps) return at.normalized();
+    }
+  return std::nullopt;
+}
+
 Track::State Track::state(std::size_t observation) const {
   const std::int64_t origin = observations[observation].mean_time_ns;
   double n = 0, t = 0, tt = 0;
   Eigen::Vector2d x = Eigen::Vector2d::Zero(), tx = Eigen::Vector2d::Zero();
-  for (const Cluster& o : observations) {
+  const auto outside = [&](const Cluster& o) { return std::abs(seconds_from(origin, o.mean_time_ns)) > kVelocityWindow; };
+  std::size_t first = observation;
+  while (first > 0 && !outside(observations[first - 1])) --first;
+  for (std::size_t i = first; i < observations.size() && !outside(observations[i]); ++i) {
+    const Cluster& o = observations[i];
     const double dt = seconds_from(origin, o.mean_time_ns);
-    if (std::abs(dt) > kVelocityWindow) continue;
     n += 1, t += dt, tt += dt * dt;
     x += o.centre, tx += dt * o.centre;
   }
@@ -63,10 +78,11 @@ bool moves(const Track& track) {
   const auto& seen = track.observations;
   if (seen.size() < kFewestObservations) return false;
   std::vector<double> shares, extents;
-  for (const Cluster& o : seen) {
-    shares.push_back(o.moving_share);
-    extents.push_back(o.extent_m);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    extents.push_back(seen[i].extent_m);
+    if (track.velocity(i).norm() >= kMinMovingSpeedMps) shares.push_back(seen[i].moving_share);
   }
+  if (shares.size() < kFewestObservations) return false;
   double farthest = 0, way = 0, off = 0;
   std::size_t last = 0;
   for (std::size_t i = 0; i < seen.size(); ++i)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "dvi/traffic/clusters.h"
@@ -19,6 +20,9 @@ struct Track {
   };
   State state(std::size_t observation) const;
   Eigen::Vector2d velocity(std::size_t observation) const { return state(observation).velocity; }
+  /// The direction in which it moves at an observation, or at the nearest one at which it moves fast enough to have a
+  /// direction; none if there is no such observation.
+  std::optional<Eigen::Vector2d> heading(std::size_t observation) const;
   /// The observation nearest to a time; there is one at least.
   std::size_t nearest(std::int64_t time_ns) const;
 };

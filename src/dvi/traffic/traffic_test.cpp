@@ -46,7 +46,7 @@ cv::Mat1b drawn(const std::vector<Label>& labels, cv::Size size) {
 TEST(Traffic, FindsWhatMovesAndNothingThatStands) {
   const Street street(14);
   const std::vector<Track> tracks =
-      find_traffic(street.drive, street.drive.poses, Ground(street.drive, street.drive.poses), 0.05, [] {});
+      find_traffic(street.drive, {street.drive.poses}, Ground(street.drive, street.drive.poses), [] {}).tracks;
   const FrameLabels labels = outlines(tracks, street.drive, street.drive.poses, 0.3);
   ASSERT_EQ(labels.size(), street.drive.frames.size());
   double covered = 0, all = 0;
@@ -97,7 +97,7 @@ Drive walker_before_a_wall(int scans) {
 
 TEST(Traffic, FindsAWalkerInAShortDrive) {
   const Drive drive = walker_before_a_wall(24);
-  const std::vector<Track> tracks = find_traffic(drive, drive.poses, Ground(drive, drive.poses), 0.05, [] {});
+  const std::vector<Track> tracks = find_traffic(drive, {drive.poses}, Ground(drive, drive.poses), [] {}).tracks;
   ASSERT_EQ(tracks.size(), 1U);
   EXPECT_GE(tracks[0].observations.size(), 18U);
   EXPECT_NEAR(tracks[0].height_m, 1.8, 0.2);
@@ -107,8 +107,8 @@ TEST(Traffic, FindsAWalkerInAShortDrive) {
 TEST(Traffic, OneScanOrNoPoseFindsNothing) {
   const Street street(1);
   const Ground ground(street.drive, street.drive.poses);
-  EXPECT_TRUE(find_traffic(street.drive, street.drive.poses, ground, 0.05, [] {}).empty());
-  const std::vector<Track> unposed = find_traffic(street.drive, Trajectory(), Ground(street.drive, Trajectory()), 0.05, [] {});
+  EXPECT_TRUE(find_traffic(street.drive, {street.drive.poses}, ground, [] {}).tracks.empty());
+  const std::vector<Track> unposed = find_traffic(street.drive, {}, Ground(street.drive, Trajectory()), [] {}).tracks;
   EXPECT_TRUE(unposed.empty());
   EXPECT_EQ(outlines(unposed, street.drive, Trajectory(), 0.3).size(), 1U);
 }
