@@ -57,6 +57,14 @@ bool mostly_lost(const Drive& drive, const odometry::Odometry& odometry) {
          static_cast<double>(lost) > kMaxLostShare * static_cast<double>(odometry.scans.size());
 }
 
+/// Whether given poses can be compared with those of the scans: one alone does not determine the motion within a scan, and
+/// poses of another time, as on another clock, say nothing about any frame.
+bool can_compare_given(const Drive& drive) {
+  return drive.poses.poses().size() > 1 && std::any_of(drive.frames.begin(), drive.frames.end(), [&](const Frame& frame) {
+           return drive.poses.at(frame.time_ns).has_value();
+         });
+}
+
 PoseChoice judged(const Drive& drive, const PosesFrom& wish, const odometry::OdometryOptions& options, Progress& progress) {
   PoseChoice choice;
   const bool automatic = wish.kind == PosesFrom::Kind::automatic, loam = wish.kind == PosesFrom::Kind::loam;
@@ -78,7 +86,7 @@ PoseChoice judged(const Drive& drive, const PosesFrom& wish, const odometry::Odo
     throw InputError(drive.path, choice.odometry->warnings.empty() ? "cannot be followed" : choice.odometry->warnings.back(),
                      "give poses (--poses FILE), or record more slowly, in better light, and closer to things with texture");
   }
-  const bool both = automatic && drive.poses.poses().size() > 1;  // one pose does not tell the motion within a scan
+  const bool both = automatic && can_compare_given(drive);
   compare_sharpness(drive, both, progress, choice);
   const bool lost = std::any_of(choice.odometry->scans.begin(), choice.odometry->scans.end(),
                                 [](const odometry::ScanFit& fit) { return fit.state == odometry::ScanFit::State::lost; });

@@ -53,5 +53,12 @@ TEST(ChoosePoses, KeepsGivenPosesWhereADepthCameraIsMostlyLost) {
   EXPECT_EQ(choose(drive, PosesFrom::Kind::automatic).from, PoseOrigin::given);
 }
 
+TEST(ChoosePoses, TakesThoseOfTheScansWhereGivenOnesAreOfAnotherTime) {
+  Drive drive = drive_to_white_wall(24);
+  constexpr std::int64_t kLaterNs = 1'000'000'000'000;
+  drive.poses = Trajectory({{drive.frames.front().time_ns + kLaterNs, SE3{}}, {drive.frames.back().time_ns + kLaterNs, SE3{}}});
+  EXPECT_EQ(choose(drive, PosesFrom::Kind::automatic).from, PoseOrigin::loam);
+}
+
 }  // namespace
 }  // namespace dvi::pipeline
