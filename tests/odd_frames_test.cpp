@@ -51,5 +51,18 @@ TEST_F(OddFrames, BlackWhiteDarkWholeAndCut) {
   EXPECT_LT(filled_mean(4), 225);
 }
 
+// Nothing to compare with: all that is hidden stays unobserved, and the run says so.
+TEST_F(OddFrames, OneOrTwoAreADrive) {
+  small_drive();
+  for (const int last : {0, 1}) {
+    const std::string out = "out" + std::to_string(last);
+    const Result run = dvi("run drive -o " + out + " --frames 0:" + std::to_string(last));
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("% never seen ("));
+    EXPECT_EQ(list_files(folder / out / "frames", {".png"}).size(), static_cast<std::size_t>(last) + 1);
+    EXPECT_EQ(dvi("audit " + out + " drive").code, 0);
+  }
+}
+
 }  // namespace
 }  // namespace dvi

@@ -44,6 +44,11 @@ class NamelessFile {
 
 }  // namespace
 
+std::filesystem::path temporary_folder() {
+  const char* set = std::getenv("TMPDIR");
+  return set != nullptr && *set == '\0' ? "/tmp" : std::filesystem::temp_directory_path();
+}
+
 const std::shared_ptr<Scratch>& Scratch::of_process() {
   static const auto scratch = std::make_shared<Scratch>(kDefaultBound);
   return scratch;

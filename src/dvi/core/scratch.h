@@ -10,12 +10,15 @@
 
 namespace dvi {
 
+/// TMPDIR; /tmp where it is not set or empty. std::filesystem::filesystem_error where it is no folder.
+std::filesystem::path temporary_folder();
+
 /// Memory with a bound: blocks beyond it are paged to unlinked temporary files, which disappear with the process. The system
 /// keeps only the pages in use. Safe to use from several threads.
 class Scratch {
  public:
   /// InputError, later, where `folder` has no room for what does not fit into `bound` bytes.
-  explicit Scratch(std::size_t bound, std::filesystem::path folder = std::filesystem::temp_directory_path())
+  explicit Scratch(std::size_t bound, std::filesystem::path folder = temporary_folder())
       : bound_(bound), folder_(std::move(folder)) {}
 
   /// That of the maps of the process.

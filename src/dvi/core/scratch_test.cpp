@@ -17,6 +17,14 @@ std::shared_ptr<Scratch> scratch(std::size_t bound, const std::filesystem::path&
   return std::make_shared<Scratch>(bound, folder);
 }
 
+TEST(Scratch, AnEmptyTmpdirIsNone) {
+  const char* set = std::getenv("TMPDIR");
+  const std::string before = set != nullptr ? set : "/tmp";
+  setenv("TMPDIR", "", 1);
+  EXPECT_EQ(temporary_folder(), "/tmp");
+  setenv("TMPDIR", before.c_str(), 1);
+}
+
 TEST(Scratch, HoldsTheSameInMemoryAndOnDisk) {
   constexpr std::size_t kCount = 100'000;
   for (const std::size_t bound : {std::size_t{0}, std::size_t{1} << 30}) {

@@ -21,6 +21,21 @@ namespace {
 constexpr int kVersion = 1;
 constexpr double kDegree = std::numbers::pi / 180;
 
+// The numbers of a list, or of a list of rows, in order; empty if something else is among them.
+std::vector<double> finite_numbers(const toml::node& node) {
+  std::vector<double> out;
+  if (const toml::array* list = node.as_array()) {
+    for (const toml::node& item : *list) {
+      const std::vector<double> row = finite_numbers(item);
+      if (row.empty()) return {};
+      out.insert(out.end(), row.begin(), row.end());
+    }
+  } else if (const auto value = node.value<double>(); value && std::isfinite(*value)) {
+    out.push_back(*value);
+  }
+  return out;
+}
+
 // One table of the file; complains with file and line.
 class Table {
  public:
@@ -42,15 +57,24 @@ class Table {
   std::optional<std::array<double, N>> numbers(const char* key) const {
     const toml::node* node = table_->get(key);
     if (!node) return std::nullopt;
-    const toml::array* list = node->as_array();
-    if (!list || list->size() != N) fail(*node, fmt::format("'{}' is not a list of {} numbers", key, N));
+    const std::vector<double> list = finite_numbers(*node);
+    if (list.size() != N) fail(*node, fmt::format("'{}' is not a list of {} numbers", key, N));
     std::array<double, N> out;
-    for (std::size_t i = 0; i < N; ++i) {
-      const auto value = (*list)[i].value<double>();
-      if (!value || !std::isfinite(*value)) fail(*node, fmt::format("'{}' is not a list of {} numbers", key, N));
-      out[i] = *value;
-    }
+    std::copy(list.begin(), list.end(), out.begin());
     return out;
+  }
+  /// A matrix of 3 rows and 4 columns, which may have a fourth row of 0 0 0 1.
+  std::optional<std::array<double, 12>> rows_of_four(const char* key) const {
+    const toml::node* node = table_->get(key);
+    if (node && finite_numbers(*node).size() == 16) {
+      const auto all = *numbers<16>(key);
+      if (all[12] != 0 || all[13] != 0 || all[14] != 0 || all[15] != 1)
+        fail(*node, fmt::format("the fourth row of '{}' is not 0, 0, 0, 1: is it transposed?", key));
+      std::array<double, 12> out;
+      std::copy_n(all.begin(), 12, out.begin());
+      return out;
+    }
+    return numbers<12>(key);
   }
   /// The place of a word among those allowed.
   std::optional<std::size_t> choice(const char* key, const std::vector<std::string>& words) const {
@@ -122,7 +146,7 @@ std::optional<std::array<double, 9>> read_intrinsics(const Table& table) {
 }
 
 std::optional<SE3> read_rigid(const Table& table, const char* key) {
-  const auto m = table.numbers<12>(key);
+  const auto m = table.rows_of_four(key);
   if (!m) return std::nullopt;
   const std::optional<SE3> motion = to_rigid(*m);
   if (!motion) table.fail(key, rotation_problem(left_part(*m)) + "; it is a 3x4 matrix, row by row, each row r r r t");

@@ -50,6 +50,11 @@ TEST_F(StoredImages, TellTheirOrientation) {
   EXPECT_EQ(read_exif_orientation(kStored / "none.jpg"), 1);
 }
 
+TEST_F(StoredImages, OfFourInksAreReadAsColors) {
+  const cv::Size size(64, 48);
+  EXPECT_LE(cv::norm(read_image(kStored / "cmyk.jpg", size), read_image(kStored / "upright.jpg", size), cv::NORM_INF), 6);
+}
+
 // A file may end, or lie, at any byte.
 TEST_F(StoredImages, MayBeDamaged) {
   for (const char* name : {"exif6.jpg", "mask_exif8.png"}) {

@@ -127,6 +127,23 @@ TEST_F(Folder, UsesTheCameraThatDviTomlNames) {
   EXPECT_THAT(error(), HasSubstr("'camera' is none of a_rear, front"));
 }
 
+TEST_F(Folder, TakesExtrinsicsOfThreeOrFourRows) {
+  const SE3 expected = read().camera_from_lidar;
+  std::string text = kCamera;
+  const std::size_t at = text.find("camera_from_lidar"), end = text.find(']', at);
+  const auto add_row = [&](const std::string& row) { folder.write("dvi.toml", text.substr(0, end) + row + text.substr(end)); };
+  const auto with = [&](const std::string& row) { return add_row(row), error(); };
+  add_row(", 0, 0, 0, 1");
+  EXPECT_TRUE(read().camera_from_lidar.t.isApprox(expected.t));
+  EXPECT_THAT(with(", 0, 0, 0, 2"), HasSubstr("'camera_from_lidar' is not 0, 0, 0, 1: is it transposed?"));
+  EXPECT_THAT(with(", 0, 0, 0"), HasSubstr("'camera_from_lidar' is not a list of 12 numbers"));
+  folder.write("dvi.toml",
+               "[camera.front]\nK = [[4, 0, 4], [0, 4, 3], [0, 0, 1]]\n"
+               "camera_from_lidar = [[0, -1, 0, 0], [0, 0, -1, 0], [1, 0, 0, 0], [0, 0, 0, 1]]\n");
+  EXPECT_TRUE(read().camera_from_lidar.R.isApprox(expected.R)) << "rows as lists";
+  EXPECT_EQ(read().camera.cx, 4);
+}
+
 TEST_F(Folder, RefusesSettingsThatAreMissingOrMalformed) {
   const auto with = [&](const std::string& text) { return folder.write("dvi.toml", text), error(); };
   EXPECT_THAT(with("[camera.front"), HasSubstr("dvi.toml:1:"));

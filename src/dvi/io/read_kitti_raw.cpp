@@ -147,6 +147,17 @@ std::string full_name(const std::string& camera) {
   return all_digits(camera) && camera.size() <= 2 ? "image_0" + camera.substr(camera.size() - 1) : camera;
 }
 
+// KITTI publishes each drive twice: as recorded (`_extract`, 1392x512 pixels) and rectified (`_sync`).
+void require_rectified(const Drive& drive) {
+  if (!drive.path.filename().string().ends_with("_extract")) return;
+  const cv::Size size = image_size(drive.frames.front().file);
+  if (size != cv::Size(drive.camera.width, drive.camera.height))
+    throw InputError(drive.path,
+                     fmt::format("holds images of {}x{} pixels as recorded, not rectified to {}x{}", size.width, size.height,
+                                 drive.camera.width, drive.camera.height),
+                     "download the drive whose name ends in _sync");
+}
+
 Recording read_kitti(const fs::path& path, const ReadOptions& options) {
   Recording recording;
   Drive& drive = recording.drive;
@@ -167,6 +178,7 @@ Recording read_kitti(const fs::path& path, const ReadOptions& options) {
     const cv::Size size = image_size(drive.frames.front().file);
     drive.camera.width = size.width, drive.camera.height = size.height;
   }
+  require_rectified(drive);
   require_plausible(drive.camera, calibration.files.front(), "P_rect_" + drive.camera_name.substr(6));
   drive.scan_headers = read_scan_headers(path / "velodyne_points", drive.other_files);
   const Numbered packets = numbered_files(path / "oxts" / "data", {".txt"});

@@ -187,6 +187,18 @@ TEST_F(KittiRaw, RefusesImagesOfAnotherSizeWhenTheyAreDecoded) {
   EXPECT_THAT(input_error([&] { read.images[2]; }), AllOf(HasSubstr("0000000022.png"), HasSubstr("8x5 pixels instead of 8x6")));
 }
 
+TEST_F(KittiRaw, RefusesImagesAsRecorded) {
+  const fs::path extract = folder.path / "2011_09_26/2011_09_26_drive_0001_extract";
+  fs::copy(drive, extract, fs::copy_options::recursive);
+  EXPECT_EQ(read_drive(extract).frames.size(), 5U) << "rectified by the user";
+  folder.write_image(extract / "image_02/data" / file_name(20, "png"), cv::Mat3b(10, 13, cv::Vec3b()));
+  EXPECT_THAT(input_error([&] { read_drive(extract); }), AllOf(HasSubstr("13x10 pixels as recorded"), HasSubstr("_sync")));
+}
+
+TEST_F(KittiRaw, TheFolderOfADayNamesItsDrive) {
+  EXPECT_THAT(input_error([&] { read_drive(drive.parent_path()); }), HasSubstr("did you mean " + drive.string()));
+}
+
 TEST_F(KittiRaw, LetsDviTomlOverrideCalibrationAndClocks) {
   put("dvi.toml", "[camera.image_02]\nK=[5,0,4,0,5,3,0,0,1]\noffset_s=0.002\n[lidar]\noffset_s=-0.001\n");
   const Drive read = read_drive(drive);

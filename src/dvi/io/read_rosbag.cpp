@@ -50,15 +50,26 @@ void compare_clocks(const fs::path& path, const BagCamera& camera, const std::ve
                      fmt::format("the stamps of {} are all before or after those of {}", camera.images->name, points.name));
 }
 
-RosFrames read_frames_tree(const BagMessages& messages) {
+RosFrames read_frames_tree(const BagMessages& messages, std::vector<std::string>& warnings) {
   RosFrames frames;
+  int invalid = 0;
+  std::string first_invalid;
   for (const BagTopic& topic : messages.bag().topics) {
     if (!is_tf(topic) || topic.encoding == BagEncoding::other) continue;
     for (std::size_t i = 0; i < topic.messages.size(); ++i)
       for (const RosMotion& motion :
-           messages.parsed(topic, i, [](std::string_view m, BagEncoding e) { return parse_tf(m, e); }))
-        frames.add(motion, topic.name.ends_with("tf_static"));
+           messages.parsed(topic, i, [](std::string_view m, BagEncoding e) { return parse_tf(m, e); })) {
+        if (motion.valid) {
+          frames.add(motion, topic.name.ends_with("tf_static"));
+        } else if (invalid++ == 0) {
+          first_invalid = fmt::format("{} to {}, message {} of {}", motion.header.frame, motion.child, i, topic.name);
+        }
+      }
   }
+  if (invalid > 0)
+    warnings.push_back(fmt::format(
+        "{} transforms are not used, whose rotation is no quaternion of length 1 or whose place is not finite; first: {}",
+        invalid, first_invalid));
   return frames;
 }
 
@@ -119,7 +130,7 @@ class BagReader {
     drive_.warnings.insert(drive_.warnings.end(), messages_->bag().warnings.begin(), messages_->bag().warnings.end());
     warn_of_lost_messages(measured);
     add_frames(images);
-    const RosFrames frames = read_frames_tree(*messages_);
+    const RosFrames frames = read_frames_tree(*messages_, drive_.warnings);
     if (choice_.points)
       read_lidar(scans, frames);
     else

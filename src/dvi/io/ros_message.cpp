@@ -1,6 +1,7 @@
 #include "dvi/io/ros_message.h"
 
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -12,14 +13,19 @@ namespace {
 
 std::string without_slash(std::string frame) { return frame.starts_with('/') ? frame.substr(1) : frame; }
 
-SE3 take_motion(RosFields& fields) {
+// Reads a motion; empty where it is none.
+std::optional<SE3> take_any_motion(RosFields& fields) {
   const auto t = fields.numbers<3>();
   const auto q = fields.numbers<4>();
   const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
-  if (!(std::abs(rotation.norm() - 1) <= kPrintedRotation) || !std::isfinite(t[0] + t[1] + t[2]))
-    throw std::invalid_argument(
-        fmt::format("its rotation is a quaternion of length {:.3g}, not 1, or its place is not finite", rotation.norm()));
-  return {rotation.normalized().toRotationMatrix(), {t[0], t[1], t[2]}};
+  if (!(std::abs(rotation.norm() - 1) <= kPrintedRotation) || !std::isfinite(t[0] + t[1] + t[2])) return {};
+  return SE3{rotation.normalized().toRotationMatrix(), {t[0], t[1], t[2]}};
+}
+
+SE3 take_motion(RosFields& fields) {
+  const std::optional<SE3> motion = take_any_motion(fields);
+  if (!motion) throw std::invalid_argument("its rotation is no quaternion of length 1, or its place is not finite");
+  return *motion;
 }
 
 }  // namespace
@@ -100,7 +106,9 @@ std::vector<RosMotion> parse_tf(std::string_view message, BagEncoding encoding) 
   for (std::uint32_t left = fields.length(kLeast); left > 0; --left) {
     RosMotion motion{.header = take_header(fields), .child = {}, .parent_from_child = {}};
     motion.child = without_slash(fields.text());
-    motion.parent_from_child = take_motion(fields);
+    const std::optional<SE3> taken = take_any_motion(fields);
+    motion.valid = taken.has_value();
+    motion.parent_from_child = taken.value_or(SE3());
     out.push_back(std::move(motion));
   }
   return out;

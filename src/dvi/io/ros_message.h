@@ -74,7 +74,9 @@ struct RosMotion {
   RosHeader header;
   std::string child;
   SE3 parent_from_child;
+  bool valid = true;  ///< false where its rotation is no quaternion of length 1 or its place is not finite
 };
+/// Motions that are not valid are kept, for tf2 ignores them, too. The other two functions refuse them (std::invalid_argument).
 std::vector<RosMotion> parse_tf(std::string_view message, BagEncoding encoding);
 RosMotion parse_odometry(std::string_view message, BagEncoding encoding);
 RosMotion parse_pose(std::string_view message, BagEncoding encoding);

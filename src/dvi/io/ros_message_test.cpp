@@ -34,6 +34,25 @@ TEST_P(RosMessage, LengthsOfGigabytesAreRefused) {
   }
 }
 
+// As tf2 does with them (TF_DENORMALIZED_QUATERNION).
+TEST_P(RosMessage, TransformsThatAreNoneAreKeptAndMarked) {
+  MessageBytes tf(GetParam());
+  tf.add(std::uint32_t{2});
+  for (const double w : {0.0, 1.0}) {
+    tf.add_header(1, 2, "base").add_text("lidar");
+    for (const double value : {1.0, 2.0, 3.0, 0.0, 0.0, 0.0, w}) tf.add(value);
+  }
+  const std::vector<RosMotion> motions = parse_tf(tf.text(), GetParam());
+  ASSERT_EQ(motions.size(), 2U);
+  EXPECT_FALSE(motions[0].valid);
+  EXPECT_TRUE(motions[1].valid);
+  EXPECT_EQ(motions[1].parent_from_child.t.z(), 3);
+  MessageBytes pose(GetParam());
+  pose.add_header(1, 2, "map");
+  for (int i = 0; i < 7; ++i) pose.add(0.0);
+  EXPECT_THAT([&] { parse_pose(pose.text(), GetParam()); }, ThrowsMessage<std::invalid_argument>(HasSubstr("no quaternion")));
+}
+
 INSTANTIATE_TEST_SUITE_P(Encodings, RosMessage, testing::Values(BagEncoding::cdr, BagEncoding::ros1),
                          [](const auto& e) { return e.param == BagEncoding::cdr ? "Cdr" : "Ros1"; });
 
