@@ -75,6 +75,9 @@ TEST(Fingerprint, OfAFileIsThatOfItsContent) {
   fs::remove(file);
   EXPECT_THROW(hash_of_file(file), InputError);
   EXPECT_THROW(hash_of_file(folder.path), InputError);
+  write_file(file, "a");
+  fs::resize_file(file, std::uintmax_t{1} << 36);
+  EXPECT_THAT(input_error([&] { hash_of_file(file); }), testing::HasSubstr("were ever written"));
 }
 
 TEST(Random, IsSplitMix64) {  // reference values of the published generator for seed 1234567

@@ -1,5 +1,7 @@
 #include "dvi/core/hash.h"
 
+#include <sys/stat.h>
+
 #include <cstdint>
 #include <fstream>
 
@@ -36,8 +38,24 @@ std::string hash_of(std::string_view bytes) {
   return print.hex();
 }
 
+namespace {
+
+// A copy that was interrupted, or made of a damaged file system, can have its full size although next to nothing was written.
+void require_written(const std::filesystem::path& path) {
+  constexpr off_t kLargeBytes = off_t{1} << 30, kBlockBytes = 512, kMaxCompression = 64;
+  struct stat status{};
+  if (stat(path.c_str(), &status) != 0 || status.st_size <= kLargeBytes) return;
+  const off_t written = status.st_blocks * kBlockBytes;
+  if (written < status.st_size / kMaxCompression)
+    throw InputError(path, fmt::format("has {} bytes, of which only {} were ever written", status.st_size, written),
+                     "the copy is incomplete; copy it again");
+}
+
+}  // namespace
+
 std::string hash_of_file(const std::filesystem::path& path, std::uintmax_t most) {
   require_regular_file(path, most);
+  require_written(path);
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(path, "cannot be read");
   Fingerprint print;

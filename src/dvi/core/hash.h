@@ -27,7 +27,8 @@ class Fingerprint {
 
 std::string hash_of(std::string_view bytes);
 
-/// The fingerprint of what a file holds. InputError where it cannot be read or is larger than `most` bytes.
+/// The fingerprint of what a file holds. InputError where it cannot be read, is larger than
+/// `most` bytes, or has gigabytes that were never written (holes of a sparse file).
 std::string hash_of_file(const std::filesystem::path& path, std::uintmax_t most = std::numeric_limits<std::uintmax_t>::max());
 
 }  // namespace dvi

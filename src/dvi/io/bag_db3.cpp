@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -18,31 +17,6 @@ namespace dvi::io {
 #ifdef DVI_SQLITE3
 namespace {
 
-// Recorders that were killed leave pages that the header does not count yet. More than this is no recording.
-constexpr std::uint64_t kMaxUncountedBytes = std::uint64_t{1} << 30;
-
-// The bytes of the pages that the header of a database counts; 0 where it counts none
-// (https://www.sqlite.org/fileformat2.html, 1.3.2 and 1.3.8).
-std::uint64_t database_bytes(std::string_view header) {
-  if (header.size() < 100 || !header.starts_with("SQLite format 3")) return 0;
-  const auto big_endian = [&](std::size_t at, std::size_t count) {
-    std::uint64_t value = 0;
-    for (std::size_t i = at; i < at + count; ++i) value = value << 8 | static_cast<unsigned char>(header[i]);
-    return value;
-  };
-  const std::uint64_t page_bytes = big_endian(16, 2) == 1 ? 65536 : big_endian(16, 2);
-  return big_endian(24, 4) == big_endian(92, 4) ? page_bytes * big_endian(28, 4) : 0;
-}
-
-// The whole file is read to recognize a recording later: gigabytes behind the database are refused first.
-void require_database_size(const fs::path& path) {
-  const BagFile file(path);
-  const std::uint64_t counted = database_bytes(file.read(0, std::min<std::uint64_t>(file.size(), 100)));
-  if (counted > 0 && file.size() > counted + kMaxUncountedBytes)
-    throw InputError(path, fmt::format("has {} bytes, but its database only {}", file.size(), counted),
-                     "the copy is damaged; copy it again, or repair it (sqlite3 FILE .recover)");
-}
-
 // The address of a database that SQLite writes no files beside. Where a recorder that was killed left messages in a write-ahead
 // log, these are read, too, and SQLite needs to write an index of them.
 std::string database_address(const fs::path& path) {
@@ -59,7 +33,7 @@ std::string database_address(const fs::path& path) {
 class Db3 {
  public:
   explicit Db3(fs::path path) : path_(std::move(path)) {
-    require_database_size(path_);
+    require_bag_file(path_);
     sqlite3* database = nullptr;
     const int result =
         sqlite3_open_v2(database_address(path_).c_str(), &database, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);

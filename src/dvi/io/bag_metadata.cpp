@@ -86,6 +86,7 @@ class MetadataParser {
 }  // namespace
 
 bool has_bag_metadata(const fs::path& folder) {
+  if (fs::exists(folder / kMetadataFile)) require_regular_file(folder / kMetadataFile);
   std::ifstream stream(folder / kMetadataFile);
   std::string line(std::string(kMetadataRoot).size(), '\0');
   return stream.read(line.data(), static_cast<std::streamsize>(line.size())) && line == kMetadataRoot;

@@ -68,6 +68,12 @@ constexpr const char* kSortedMetadata = R"(rosbag2_bagfile_information:
   version: 4
 )";
 
+TEST(BagMetadata, MustBeAFile) {
+  const TestFolder folder;
+  fs::create_directory(folder.path / "metadata.yaml");
+  EXPECT_THAT(input_error([&] { read_bag_metadata(folder.path); }), HasSubstr("metadata.yaml: is a folder"));
+}
+
 TEST(BagMetadata, IsReadAsRosbag2WritesIt) {
   const TestFolder folder;
   EXPECT_FALSE(read_bag_metadata(folder.path));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -187,6 +188,7 @@ std::uint64_t count_images(const fs::path& folder) {
   const fs::path file = file_of(folder, "images");
   if (file.extension() == ".txt") return read_text_lines(file).size() / 2;
   std::uint64_t count = 0;
+  require_regular_file(file, std::numeric_limits<std::uintmax_t>::max());
   std::ifstream(file, std::ios::binary).read(reinterpret_cast<char*>(&count), sizeof count);
   return count;
 }

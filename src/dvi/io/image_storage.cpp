@@ -106,6 +106,7 @@ std::string read_png_exif(std::istream& in) {
 }
 
 bool is_16_bit_png(const fs::path& file) {
+  require_regular_file(file);
   std::ifstream in(file, std::ios::binary);
   const std::string head = take_bytes(in, 25);
   return head.starts_with("\x89PNG") && head[24] == 16;
@@ -126,6 +127,7 @@ std::optional<Turned> find_turned(const std::vector<fs::path>& sample) {
 }  // namespace
 
 int read_exif_orientation(const fs::path& file) {
+  require_regular_file(file);
   std::ifstream in(file, std::ios::binary);
   const std::string magic = take_bytes(in, 4);
   const std::string exif = magic.starts_with("\xFF\xD8") ? read_jpeg_exif(in) : magic == "\x89PNG" ? read_png_exif(in) : "";

@@ -25,6 +25,13 @@ std::vector<int> numbers_without(const Drive& drive, const Numbered& files) {
   return missing;
 }
 
+void warn_of_scans_without_image(Drive& drive, const Numbered& scans) {
+  std::vector<int> outside;
+  for (const auto& [number, file] : scans)
+    if (number < drive.frames.front().number || number > drive.frames.back().number) outside.push_back(number);
+  if (!outside.empty()) drive.warnings.push_back("no image for scans " + ranges(outside));
+}
+
 KittiStamps::KittiStamps(const fs::path& file) : file_(file) {
   if (!fs::exists(file)) throw InputError(file, "is missing", "take the file as KITTI offers it");
   lines_ = read_lines(file);

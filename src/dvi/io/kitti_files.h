@@ -19,6 +19,9 @@ Numbered numbered_files(const fs::path& folder, const std::vector<std::string>& 
 /// The numbers from the drive's first frame to its last that are not among the files. can_list_numbers() holds.
 std::vector<int> numbers_without(const Drive& drive, const Numbered& files);
 
+/// Warns of scans before the drive's first image or after its last, whose images were lost or cut off.
+void warn_of_scans_without_image(Drive& drive, const Numbered& scans);
+
 /// A file of dates of KITTI: a line for each number of the whole drive, whichever excerpt is there; a blank one is lost.
 class KittiStamps {
  public:

@@ -272,6 +272,7 @@ Recording read_kitti_360(const fs::path& path, const ReadOptions& options) {
   if (can_list_numbers(drive, 1))
     recording.gaps = {{"no image for frames", numbers_without(drive, images)},
                       {"no scan for frames", numbers_without(drive, scans)}};
+  if (!options.frames && !options.span) warn_of_scans_without_image(drive, scans);
   Rotation rotation;  // clockwise, the front in the middle of the scan
   LidarConfig lidar;
   if (const auto config = read_drive_config(path)) {

@@ -185,6 +185,7 @@ Recording read_kitti(const fs::path& path, const ReadOptions& options) {
   read_oxts(drive, packets);
   const Numbered scans = numbered_files(path / "velodyne_points" / "data", {".bin"});
   recording.gaps = find_gaps(drive, numbered_images(path, drive.camera_name), scans, packets);
+  if (!options.frames && !options.span) warn_of_scans_without_image(drive, scans);
 
   Rotation rotation;  // clockwise, the front in the middle of the scan
   LidarConfig lidar;

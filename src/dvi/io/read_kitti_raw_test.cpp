@@ -124,6 +124,13 @@ TEST_F(KittiRaw, NamesGaps) {
               testing::ElementsAre("no image for frames 21", "no scan for frames 22-23", "no oxts packet for frames 22"));
 }
 
+TEST_F(KittiRaw, NamesScansWhoseImagesAreMissingAtTheEnds) {
+  drop("image_02/data/" + file_name(20, "png"));
+  drop("image_02/data/" + file_name(24, "png"));
+  EXPECT_THAT(read_drive(drive).warnings, testing::ElementsAre("no image for scans 20, 24"));
+  EXPECT_TRUE(read_drive(drive, {.frames = FrameRange{21, 22}}).warnings.empty());
+}
+
 TEST_F(KittiRaw, RefusesCalibrationThatIsMissingOrMalformed) {
   for (const char* name : {"calib_cam_to_cam.txt", "calib_velo_to_cam.txt", "calib_imu_to_velo.txt"}) {
     fs::remove(drive.parent_path() / name);

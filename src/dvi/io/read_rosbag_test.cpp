@@ -179,15 +179,6 @@ TEST_F(SplitBag, NothingIsWrittenBesideIt) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()), 2);
 }
 
-// A copy whose end is a hole of the file system must not be read to recognize it.
-TEST_F(SplitBag, GigabytesBehindTheDatabaseAreRefused) {
-  const fs::path file = folder.path / "drive_1.db3";
-  fs::resize_file(file, fs::file_size(file) + 5000);
-  EXPECT_EQ(read_drive(file).frames.size(), 3U) << "pages that the header does not count";
-  fs::resize_file(file, std::uintmax_t{1} << 36);
-  EXPECT_THAT(bag_error(file), AllOf(HasSubstr("has 68719476736 bytes, but its database only"), HasSubstr("damaged")));
-}
-
 // Bags of rosbag.js, rosbag2, and kapture: none is a drive, and the message says what each lacks.
 TEST(ForeignBags, AreRefusedForWhatTheyLack) {
   const char* root = std::getenv("DVI_DATA");

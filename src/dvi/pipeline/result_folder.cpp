@@ -77,7 +77,7 @@ std::vector<std::string> pictures_of(const std::string& name) {
 
 /// Where a run writes.
 std::vector<fs::path> own_folders(const fs::path& out) {
-  std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames", out / ".dvi/masks"};
+  std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames", out / ".dvi/masks", out / ".dvi/report"};
   for (const std::string& folder : picture_folders()) folders.push_back(out / folder);
   for (const char* folder : {"map", "report", "report/before", "report/truth", "report/sources"})
     if (fs::exists(out / folder)) folders.push_back(out / folder);
@@ -191,7 +191,7 @@ std::optional<RunReport> ResultFolder::finished_report(Progress& progress) const
   parallel_for(finished.size(), [&](std::size_t i) { finished[i] = finished_frame(report.frames[i].name) ? 1 : 0; });
   if (std::count(finished.begin(), finished.end(), 0) > 0) return std::nullopt;
   progress.note("every frame is finished already: nothing to do");
-  if (!report::is_whole(out_, report.frames.size())) write_report(out_, {}, progress);
+  if (!is_report_whole(out_)) write_report(out_, {}, progress);
   return report;
 }
 
@@ -276,6 +276,7 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::writer(const V
       files.insert(files.end(), masks.begin(), masks.end());
       write_record(record(frame.name),
                    {fingerprint_, record_files(out_, files), frame_report(frame, finished, cameras.views[view])});
+      record_report_frame(out_, frame.name, view, fingerprint_);
     });
     if (hand_on) hand_on(view, finished.frame);
     progress.advance();
@@ -350,7 +351,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   RunReport finished;
   progress.begin("report", names_.size());
   write_report(
-      job_, names_,
+      job_, names_, fingerprint_,
       [&] {
         progress.end();
         finished = report(results, progress);

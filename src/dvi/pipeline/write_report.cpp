@@ -1,5 +1,6 @@
 #include "dvi/pipeline/write_report.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
+#include "dvi/core/threads.h"
 #include "dvi/pipeline/records.h"
 #include "dvi/pipeline/report_json.h"
 #include "dvi/report/report.h"
@@ -82,17 +84,45 @@ void require_writable(const fs::path& out) {
                      "copy it to where it can, for a new report; report.html can be opened where it is");
 }
 
+fs::path frame_record(const fs::path& out, const std::string& name) { return out / ".dvi/report" / (name + ".json"); }
+
+fs::path report_record(const fs::path& out) { return out / ".dvi/report.json"; }
+
+/// Notes what the files of the report are, so that damaged ones are found.
+void record_report(const fs::path& out) {
+  std::vector<std::string> files{"report.html"};
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(out / "report"))
+    if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), out).string());
+  std::sort(files.begin(), files.end());
+  write_record(report_record(out), {"", record_files(out, files), std::nullopt});
+}
+
 }  // namespace
 
-void write_report(const Job& job, const std::vector<std::string>& names, const std::function<std::string()>& report_json,
-                  const Tick& tick) {
+bool is_report_whole(const fs::path& out) {
+  const std::optional<Record> record = read_record(report_record(out));
+  return record && record->holds(out);
+}
+
+void record_report_frame(const fs::path& out, const std::string& name, std::size_t number, const std::string& fingerprint) {
+  write_record(frame_record(out, name), {fingerprint, record_files(out, report::frame_files(out, number)), std::nullopt});
+}
+
+void write_report(const Job& job, const std::vector<std::string>& names, const std::string& fingerprint,
+                  const std::function<std::string()>& report_json, const Tick& tick) {
+  std::vector<char> written(names.size());
+  parallel_for(names.size(), [&](std::size_t i) {
+    const std::optional<Record> record = read_record(frame_record(job.out, names[i]));
+    written[i] = record && record->fingerprint == fingerprint && record->holds(job.out) ? 1 : 0;
+  });
   report::write_report({.out = job.out,
                         .names = names,
                         .run = report_json,
                         .options = changed_options(job),
                         .evaluation = "null",
-                        .frames_written = true},
+                        .written = written},
                        tick);
+  record_report(job.out);
 }
 
 void write_report(const fs::path& out, const ShownTruth& truth, Progress& progress) {
@@ -112,6 +142,7 @@ void write_report(const fs::path& out, const ShownTruth& truth, Progress& progre
                         .truth = truth.folder,
                         .problems = problems},
                        progress.tick());
+  if (fs::is_directory(out / ".dvi")) record_report(out);
   progress.end();
 }
 

@@ -132,7 +132,7 @@ class Writer {
 
   FrameEntry write_frame(std::size_t i) const {
     const std::string& name = names_[i];
-    const bool written = in_.frames_written && fs::exists(out_ / numbered("data_", i, ".js"));
+    const bool written = !in_.written.empty() && in_.written[i] != 0;
     const FramePictures pictures = read_pictures(out_, name, !written);
     FrameEntry frame{{{"picture", url("frames/" + name + ".png")}, {"missing", pictures.missing}, {"truth", false}}, {}};
     if (!fs::exists(out_ / "frames" / (name + ".png"))) frame.entry["missing"].push_back("frames/" + name + ".png");
@@ -261,13 +261,12 @@ void write_frame(const fs::path& out, std::size_t number, const FramePictures& p
   write_patch(out, "before/", number, input, pictures.kind);
 }
 
-void write_report(const Sources& sources, const Tick& tick) { Writer(sources).write(tick); }
-
-bool is_whole(const fs::path& out, std::size_t frames) {
-  bool whole = fs::exists(out / "report.html") && fs::exists(out / "report/index.js");
-  for (const PageFile& file : page_files()) whole &= file.name == "report.html" || fs::exists(out / "report" / file.name);
-  for (std::size_t i = 0; i < frames; ++i) whole &= fs::exists(out / numbered("data_", i, ".js"));
-  return whole;
+std::vector<std::string> frame_files(const fs::path& out, std::size_t number) {
+  std::vector<std::string> files{numbered("data_", number, ".js"), numbered("before/", number, ".png")};
+  std::erase_if(files, [&](const std::string& file) { return !fs::exists(out / file); });
+  return files;
 }
+
+void write_report(const Sources& sources, const Tick& tick) { Writer(sources).write(tick); }
 
 }  // namespace dvi::report

@@ -21,7 +21,8 @@ struct Sources {
   std::string options;               ///< JSON, those that differ from the default: name, value, default, doc
   std::string evaluation;            ///< JSON, as `dvi eval` gives it; null: there is no truth
   fs::path truth = {};               ///< NAME.png; empty: none
-  bool frames_written = false;       ///< by write_frame(); those that are there are left alone
+  /// Of each frame whether its files are as write_frame() wrote them, and are kept; empty: of none.
+  std::vector<char> written = {};
   std::vector<std::string> problems = {};  ///< why the result is not whole, for a person
 };
 
@@ -30,14 +31,14 @@ struct Sources {
 /// threads.
 void write_frame(const fs::path& out, std::size_t number, const FramePictures& pictures, const cv::Mat3b& input);
 
+/// The files that write_frame() writes, as far as they are there, relative to the result.
+std::vector<std::string> frame_files(const fs::path& out, std::size_t number);
+
 /// OUT/report.html and what it loads, OUT/report/: the page, index.js with all figures, one data_NNNNNN.js a frame
 /// (frame_block.h), before/ and truth/ (the hole's pixels as they were and as they should be), sources/ (images of other
 /// cameras and drives that were copied from). Images are read where OUT/sources.json says; where they are gone, pictures of an
 /// earlier report stay. Reads everything else from OUT, whatever is missing there. One tick a frame. InputError where OUT
 /// cannot be written.
 void write_report(const Sources& sources, const Tick& tick = [] {});
-
-/// Whether a report of so many frames is there.
-bool is_whole(const fs::path& out, std::size_t frames);
 
 }  // namespace dvi::report
