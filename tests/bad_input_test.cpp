@@ -185,7 +185,7 @@ TEST_F(BadInput, DiskFull) {
 }
 
 // Gaps that the rest can bridge: named, in the report, and no error.
-class Gap : public BadInput {
+class ScanGap : public BadInput {
  protected:
   void expect_warned(const std::string& word) const {
     const Result result = dvi("run drive -o out");
@@ -196,19 +196,19 @@ class Gap : public BadInput {
   }
 };
 
-TEST_F(Gap, FrameWithoutScan) {
+TEST_F(ScanGap, FrameWithoutScan) {
   fs::remove(scan());
   expect_warned("no scan for frames 2");
 }
 
-TEST_F(Gap, MissingImageNumber) {
+TEST_F(ScanGap, MissingImageNumber) {
   fs::remove(image());
   expect_warned("frames 2");
   EXPECT_FALSE(fs::exists(folder / "out/frames/000002.png"));
   EXPECT_TRUE(fs::exists(folder / "out/frames/000003.png"));
 }
 
-TEST_F(Gap, FrameWithoutPoseBetweenTwoWith) {
+TEST_F(ScanGap, FrameWithoutPoseBetweenTwoWith) {
   const fs::path poses = folder / "drive/poses.txt";
   std::string kept;
   for (const std::string& line : read_lines(poses))

@@ -57,6 +57,8 @@ struct Drive {
   std::string camera_name;
   Camera camera;
   SE3 camera_from_lidar;
+  /// The camera in whose axes label files of KITTI give their boxes; none: the drive's camera.
+  std::optional<SE3> box_camera_from_lidar = {};
   std::vector<std::string> camera_names;  ///< all that the drive has
   std::vector<RecordedTopic> topics;      ///< of a bag
 

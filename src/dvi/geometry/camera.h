@@ -1,10 +1,14 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include <Eigen/Core>
 
 namespace dvi {
+
+/// Images of more pixels are not read.
+inline constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
 
 /// A pinhole camera with the distortion of Brown (k1, k2, p1, p2, k3), as OpenCV has it. Pixel centres are whole numbers.
 struct Camera {

@@ -133,7 +133,7 @@ std::optional<cv::Size> read_size(const Table& table) {
   for (const double side : *size)
     if (!(side >= 1 && side <= kLongest && side == std::floor(side)))
       table.fail("size", "is not [width, height] in whole pixels");
-  if ((*size)[0] * (*size)[1] > static_cast<double>(kMostPixels))
+  if ((*size)[0] * (*size)[1] > static_cast<double>(kMaxPixels))
     table.fail("size", fmt::format("is {:.0f}x{:.0f}, more than the 2^28 pixels that dvi reads", (*size)[0], (*size)[1]));
   return cv::Size(static_cast<int>((*size)[0]), static_cast<int>((*size)[1]));
 }

@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/geometry/camera.h"
 
 namespace dvi::io {
 namespace {
@@ -64,7 +65,7 @@ std::optional<cv::Size> png_size(const std::string& bytes) {
 std::optional<cv::Size> stated_size(const fs::path& path, const std::string& bytes) {
   const std::optional<cv::Size> size = is_png(bytes) ? png_size(bytes) : is_jpeg(bytes) ? jpeg_size(bytes) : std::nullopt;
   if (!size || size->width <= 0 || size->height <= 0) return std::nullopt;
-  if (std::int64_t{size->width} * size->height > kMostPixels)
+  if (std::int64_t{size->width} * size->height > kMaxPixels)
     throw InputError(path, "is " + text(*size) + " pixels, more than dvi reads", "at most 2^28 pixels are read");
   return size;
 }

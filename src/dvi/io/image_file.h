@@ -8,9 +8,6 @@
 
 namespace dvi::io {
 
-/// Larger images are refused before they are decoded: width times height.
-inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
-
 /// Width and height by the header of a PNG or JPEG, without decoding it. InputError where it is neither or is too large.
 cv::Size image_size(const fs::path& path);
 

@@ -12,7 +12,6 @@
 
 #include "dvi/core/error.h"
 #include "dvi/io/image_file.h"
-#include "dvi/io/ros_image.h"
 
 namespace dvi::io {
 namespace {
@@ -125,6 +124,12 @@ std::optional<Turned> find_turned(const std::vector<fs::path>& sample) {
 }
 
 }  // namespace
+
+int estimate_value_bits(int largest) {
+  int bits = 8;
+  while (bits < 16 && largest >= 1 << bits) bits += 2;
+  return bits;
+}
 
 int read_exif_orientation(const fs::path& file) {
   require_regular_file(file);

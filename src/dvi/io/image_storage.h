@@ -25,6 +25,9 @@ void warn_of_mask_orientation(Drive& drive, const std::vector<fs::path>& sample)
 /// Describes that a video's rotation is not applied, and what to do.
 std::string describe_video_rotation(const fs::path& video, int rotation_deg);
 
+/// Estimates the bits per pixel of a camera whose images hold values up to `largest`: 8, 10, 12, 14, or 16.
+int estimate_value_bits(int largest);
+
 /// Determines how many bits the values of 16-bit images use, from the largest value in a sample of the files: 8, 10, 12, 14 or
 /// 16. Cameras of 12 bits often store their values as they are, and all images of a drive must be scaled alike. Returns 16 for
 /// images of 8 bits, and if nothing tells; warns of anything else.

@@ -138,5 +138,14 @@ TEST_F(StoredImages, OfARotatedVideoAreReadAsTheyAreStoredWithAWarning) {
   EXPECT_THAT(error(), AllOf(HasSubstr("is 64x48 pixels"), HasSubstr("turn it by 270 degrees")));
 }
 
+TEST(ValueBits, AreThoseOfCameras) {
+  EXPECT_EQ(estimate_value_bits(0), 8);
+  EXPECT_EQ(estimate_value_bits(255), 8);
+  EXPECT_EQ(estimate_value_bits(256), 10);
+  EXPECT_EQ(estimate_value_bits(4080), 12);
+  EXPECT_EQ(estimate_value_bits(5000), 14);
+  EXPECT_EQ(estimate_value_bits(65535), 16);
+}
+
 }  // namespace
 }  // namespace dvi::io

@@ -9,18 +9,11 @@
 #include "dvi/core/error.h"
 #include "dvi/core/text_file.h"
 #include "dvi/io/image_names.h"
-#include "dvi/io/kitti_calibration.h"
 #include "dvi/io/mask_folder.h"
 #include "dvi/io/text.h"
 
 namespace dvi::io {
 namespace {
-
-// KITTI's boxes stand in the axes of the rectified camera 0; of another drive only its own camera is known.
-SE3 lidar_from_label_camera(const Drive& drive) {
-  if (drive.format != "kitti-raw") return drive.camera_from_lidar.inverse();
-  return read_kitti_calibration(drive.path.parent_path(), drive.camera_name).rect0_from_lidar.inverse();
-}
 
 // KITTI's rectangles and outlines are drawn in image_02.
 bool of_this_camera(const Drive& drive) { return drive.format != "kitti-raw" || drive.camera_name == "image_02"; }
@@ -32,7 +25,7 @@ LabelsByNumber read_mots_of(const fs::path& file, const Drive& drive) {
 }
 
 LabelsByNumber read_tracking_of(const fs::path& file, const Drive& drive) {
-  LabelsByNumber labels = read_kitti_tracking(file, lidar_from_label_camera(drive));
+  LabelsByNumber labels = read_kitti_tracking(file, drive.box_camera_from_lidar.value_or(drive.camera_from_lidar).inverse());
   if (!of_this_camera(drive))
     for (auto& [number, frame] : labels)
       for (Label& label : frame) label.rect.reset();

@@ -8,7 +8,7 @@
 
 #include "dvi/core/files.h"
 #include "dvi/drive/drive.h"
-#include "dvi/io/reader.h"
+#include "dvi/drive/gap.h"
 
 namespace dvi::io {
 

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
-#include "dvi/io/image_file.h"
 
 namespace dvi::io {
 namespace {
@@ -52,7 +51,7 @@ std::string camera_matrix_problem(const std::array<double, 9>& K) {
 
 void require_plausible(const Camera& camera, const fs::path& file, const std::string& field) {
   const double width = camera.width, height = camera.height;
-  if (!(width > 0 && height > 0 && width * height <= static_cast<double>(kMostPixels)))
+  if (!(width > 0 && height > 0 && width * height <= static_cast<double>(kMaxPixels)))
     throw InputError(file, fmt::format("{}: an image size of {}x{}", field, camera.width, camera.height),
                      "sides are positive, and at most 2^28 pixels are read");
   constexpr const char* kFocal = "focal lengths in pixels are 0.05 to 50 times the image's width";

@@ -171,6 +171,7 @@ Recording read_kitti(const fs::path& path, const ReadOptions& options) {
   const KittiCalibration calibration = read_kitti_calibration(path.parent_path(), drive.camera_name);
   drive.camera = calibration.camera;
   drive.camera_from_lidar = calibration.camera_from_lidar();
+  drive.box_camera_from_lidar = calibration.rect0_from_lidar;
   drive.other_files = calibration.files;
   drive.frames = read_frames(path, drive.camera_name);
   drive.other_files.push_back(path / drive.camera_name / "timestamps.txt");

@@ -17,6 +17,7 @@
 #include "dvi/io/depth_scan.h"
 #include "dvi/io/drive_config.h"
 #include "dvi/io/image_file.h"
+#include "dvi/io/image_storage.h"
 #include "dvi/io/plausible.h"
 #include "dvi/io/reader.h"
 #include "dvi/io/rgbd.h"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dvi/drive/drive.h"
+#include "dvi/drive/gap.h"
 
 namespace dvi::io {
 
@@ -15,12 +16,6 @@ struct ReadOptions {
   std::optional<FrameRange> frames = {};  ///< cut the drive to these (frames, and the scans near them in time)
   std::optional<TimeSpan> span = {};      ///< instead of `frames`
   std::vector<std::string> topics = {};   ///< of a bag, which to take: "image=/front/image_raw"
-};
-
-/// Something that some frames lack, in words that go before their numbers: "no scan for frames".
-struct Gap {
-  std::string what;
-  std::vector<int> frames;
 };
 
 /// What a reader finds from file names and text files, for the whole drive. read_drive cuts it to --frames, reports the

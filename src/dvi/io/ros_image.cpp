@@ -70,7 +70,7 @@ const ImageEncoding& encoding_of(const RosImage& image) {
 cv::Mat pixels(const RosImage& image, int type) {
   const std::uint64_t row = std::uint64_t{image.width} * CV_ELEM_SIZE(type);
   if (image.width == 0 || image.height == 0 ||
-      std::uint64_t{image.width} * image.height > static_cast<std::uint64_t>(kMostPixels))
+      std::uint64_t{image.width} * image.height > static_cast<std::uint64_t>(kMaxPixels))
     throw std::invalid_argument(fmt::format("{}x{} pixels are none that dvi reads", image.width, image.height));
   if (image.step < row || image.data.size() < (image.height - 1) * std::uint64_t{image.step} + row)
     throw std::invalid_argument(fmt::format("{} bytes in rows of {} are not {}x{} pixels of {}", image.data.size(), image.step,
@@ -144,12 +144,6 @@ bool has_16_bits(const RosImage& image) {
 }
 
 int find_largest_value(const RosImage& image) { return find_largest(to_bgr_of_any_depth(image)); }
-
-int estimate_value_bits(int largest) {
-  int bits = 8;
-  while (bits < 16 && largest >= 1 << bits) bits += 2;
-  return bits;
-}
 
 cv::Mat3b to_bgr(const RosImage& image, int value_bits) {
   const cv::Mat out = to_bgr_of_any_depth(image);

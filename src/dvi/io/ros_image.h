@@ -22,8 +22,6 @@ RosImage parse_image(std::string_view message, BagEncoding encoding);
 
 /// Whether its pixels are colors or gray of 16 bits, of which cameras often use 10, 12, or 14.
 bool has_16_bits(const RosImage& image);
-/// The bits of a camera whose images hold values up to the largest: 8, 10, 12, 14, or 16.
-int estimate_value_bits(int largest);
 
 /// The largest value of its colors. std::invalid_argument as to_bgr().
 int find_largest_value(const RosImage& image);

@@ -32,7 +32,7 @@ void take_labels(Drive& drive, const fs::path& path) {
                      "give the labels of this drive, or name its images as the labels do");
   for (std::size_t i = 0; i < read.frames.size(); ++i) drive.frames[i].labels = read.frames[i];
   drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
-  if (const io::Gap& gap = read.after_the_last; !gap.frames.empty())
+  if (const Gap& gap = read.after_the_last; !gap.frames.empty())
     drive.warnings.push_back(gap.what + " " + io::ranges(gap.frames));
   drive.labelled = true;
   drive.labelled_around = read.all_round;
