@@ -7,9 +7,9 @@
 #include "dvi/core/error.h"
 #include "dvi/core/threads.h"
 #include "dvi/depth/depth_map.h"
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
-#include "dvi/pipeline/run.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
+#include "dvi/run/run.h"
 
 namespace dvi::python {
 namespace py = pybind11;
@@ -53,7 +53,7 @@ py::array to_array(const cv::Mat& mat) {
   return py::array(dtype_of(mat.depth()), shape, strides, data, keep);
 }
 
-Run::Run(pipeline::Job job, int threads, Task::Callback progress) : job_(std::move(job)), progress_(std::move(progress)) {
+Run::Run(dvi::job::Job job, int threads, Task::Callback progress) : job_(std::move(job)), progress_(std::move(progress)) {
   task_ = std::make_unique<Task>(threads, [this](Progress& p) {
     const auto begin = [this](const std::vector<std::string>& names, const std::vector<std::size_t>& missing) {
       const std::lock_guard lock(task_->mutex);
@@ -62,11 +62,11 @@ Run::Run(pipeline::Job job, int threads, Task::Callback progress) : job_(std::mo
       for (const std::size_t i : missing) missing_[i] = true;
     };
     const auto finished = [this](std::size_t number, const harmonize::FilledFrame& frame) { push(number, frame); };
-    const pipeline::RunReport report = pipeline::run(job_, p, {.begin = begin, .finished = finished});
+    const dvi::result::RunReport report = dvi::run::run(job_, p, {.begin = begin, .finished = finished});
     const std::lock_guard lock(task_->mutex);
-    report_ = to_json(report);
+    report_ = dvi::result::to_json(report);
     if (!names_.empty()) return;
-    for (const pipeline::FrameReport& frame : report.frames) names_.push_back(frame.name);  // the result was there already
+    for (const dvi::result::FrameReport& frame : report.frames) names_.push_back(frame.name);  // the result was there already
     missing_.assign(names_.size(), false);
   });
   task_->start();
@@ -87,16 +87,16 @@ void Run::push(std::size_t number, const harmonize::FilledFrame& filled) {
 Frame Run::read(std::size_t number) const {
   const std::string file = names_[number] + ".png";
   const fs::path out = job_.out;
-  const cv::Size size = io::image_size(out / "frames" / file);
+  const cv::Size size = dvi::media::image_size(out / "frames" / file);
   cv::Mat depth;
-  io::read_png_depth(out / "depth" / file, size).convertTo(depth, CV_32F, 1.0 / 256);
+  dvi::media::read_png_depth(out / "depth" / file, size).convertTo(depth, CV_32F, 1.0 / 256);
   return {names_[number],
           number,
-          to_rgb(io::read_image(out / "frames" / file, size)),
-          io::read_png_grey(out / "masks" / file, size),
-          io::read_png_grey(out / "kind" / file, size),
-          io::read_png_triples(out / "provenance" / file, size),
-          io::read_png_grey(out / "confidence" / file, size),
+          to_rgb(dvi::media::read_image(out / "frames" / file, size)),
+          dvi::media::read_png_grey(out / "masks" / file, size),
+          dvi::media::read_png_grey(out / "kind" / file, size),
+          dvi::media::read_png_triples(out / "provenance" / file, size),
+          dvi::media::read_png_grey(out / "confidence" / file, size),
           depth};
 }
 

@@ -9,7 +9,7 @@
 
 #include "dvi/core/files.h"
 #include "dvi/harmonize/filled_frame.h"
-#include "dvi/pipeline/job.h"
+#include "dvi/job/job.h"
 #include "task.h"
 
 namespace dvi::python {
@@ -27,7 +27,7 @@ struct Frame {
 /// The frames of a run in order of time, as they are made. Frames that were finished before are read from OUT.
 class Run {
  public:
-  Run(pipeline::Job job, int threads, Task::Callback progress);
+  Run(dvi::job::Job job, int threads, Task::Callback progress);
 
   /// The next one; none at the end, where report() is known.
   std::shared_ptr<const Frame> next();
@@ -43,7 +43,7 @@ class Run {
   void push(std::size_t number, const harmonize::FilledFrame& frame);
   Frame read(std::size_t number) const;
 
-  pipeline::Job job_;
+  dvi::job::Job job_;
   Task::Callback progress_;
   std::string report_;
   // Under the task's lock from here on.

@@ -18,11 +18,11 @@
 #include "dvi/core/version.h"
 #include "dvi/exports/exporter.h"
 #include "dvi/exports/map_cloud.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/write_image.h"
 #include "dvi/metrics/evaluate.h"
-#include "dvi/pipeline/check.h"
-#include "dvi/pipeline/make_map.h"
-#include "dvi/pipeline/make_masks.h"
+#include "dvi/commands/check.h"
+#include "dvi/run/make_map.h"
+#include "dvi/commands/make_masks.h"
 #include "frames.h"
 #include "task.h"
 
@@ -80,14 +80,14 @@ void write_rgb(const std::string& path, const Bytes& rgb) {
   const py::gil_scoped_release released;
   cv::Mat bgr;
   cv::cvtColor(view, bgr, cv::COLOR_RGB2BGR);
-  io::write_png(path, bgr);
+  dvi::media::write_png(path, bgr);
 }
 
 void write_grey(const std::string& path, const Bytes& grey) {
   const cv::Mat view(static_cast<int>(grey.shape(0)), static_cast<int>(grey.shape(1)), CV_8UC1,
                      const_cast<std::uint8_t*>(grey.data()));
   const py::gil_scoped_release released;
-  io::write_png(path, view);
+  dvi::media::write_png(path, view);
 }
 
 py::tuple read_map(const std::string& ply) {
@@ -115,7 +115,7 @@ void bind_frames(py::module_& m) {
   py::class_<Run>(m, "Run")
       .def(py::init([](const std::string& target, const Strings& sources, const std::string& out, const py::dict& options,
                        bool force, int threads, const py::object& progress) {
-             pipeline::Job job = to_options(options).job(out, target, sources);
+             dvi::job::Job job = to_options(options).job(out, target, sources);
              job.force = force;
              return std::make_unique<Run>(std::move(job), threads, progress);
            }),
@@ -130,16 +130,16 @@ void bind_frames(py::module_& m) {
 
 void bind_commands(py::module_& m) {
   m.def("check", [](const std::string& drive, const py::dict& options, bool forecast, int threads, const py::object& progress) {
-    const pipeline::Job job = to_options(options).job("", drive, {});
-    return run_task(threads, progress, [&](Progress& p) { return to_json(pipeline::check(job, forecast, p)); });
+    const dvi::job::Job job = to_options(options).job("", drive, {});
+    return run_task(threads, progress, [&](Progress& p) { return dvi::commands::to_json(dvi::commands::check(job, forecast, p)); });
   });
   m.def("map", [](const std::string& drive, const std::string& out, const py::dict& options, int threads, const py::object& progress) {
-    const pipeline::Job job = to_options(options).job(out, drive, {});
-    return run_task(threads, progress, [&](Progress& p) { return pipeline::make_map(job, "none", p); });
+    const dvi::job::Job job = to_options(options).job(out, drive, {});
+    return run_task(threads, progress, [&](Progress& p) { return dvi::run::make_map(job, "none", p); });
   });
   m.def("masks", [](const std::string& drive, const std::string& out, const py::dict& options, int threads, const py::object& progress) {
-    const pipeline::Job job = to_options(options).job(out, drive, {});
-    return run_task(threads, progress, [&](Progress& p) { return pipeline::make_masks(job, p); });
+    const dvi::job::Job job = to_options(options).job(out, drive, {});
+    return run_task(threads, progress, [&](Progress& p) { return dvi::commands::make_masks(job, p); });
   });
   m.def("evaluate", [](const std::string& out, const std::string& truth, const std::string& ignore, int threads, const py::object& progress) {
     return run_task(threads, progress,

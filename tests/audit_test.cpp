@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 #include "program.h"
 
 namespace dvi {
@@ -23,7 +23,7 @@ class AuditCommand : public ProgramTest {
   fs::path picture(const std::string& kind) const { return folder / "out" / kind / (name + ".png"); }
 
   cv::Point first_of_kind(int kind) const {
-    const cv::Mat1b kinds = io::read_png_grey(picture("kind"), kSize);
+    const cv::Mat1b kinds = media::read_png_grey(picture("kind"), kSize);
     for (int y = 0; y < kSize.height; ++y)
       for (int x = 0; x < kSize.width; ++x)
         if (kinds(y, x) == kind) return {x, y};
@@ -58,20 +58,20 @@ TEST_F(AuditCommand, PassesWhatRunWroteAndFindsEveryTrace) {
 }
 
 TEST_F(AuditCommand, FindsOnePixelThatWasTamperedWith) {
-  cv::Mat3b frame = io::read_image(picture("frames"), kSize);
+  cv::Mat3b frame = media::read_image(picture("frames"), kSize);
   const cv::Point copied = first_of_kind(1), kept = first_of_kind(0);
   frame(copied)[1] = static_cast<uchar>(frame(copied)[1] ^ 1);
-  io::write_png(picture("frames"), frame);
+  media::write_png(picture("frames"), frame);
   expect_breach("colour", 1);
   frame(kept)[0] = static_cast<uchar>(frame(kept)[0] ^ 1);
-  io::write_png(picture("frames"), frame);
+  media::write_png(picture("frames"), frame);
   expect_breach("outside", 1);
 }
 
 TEST_F(AuditCommand, FindsAMaskThatWasShrunk) {
-  cv::Mat1b mask = io::read_png_grey(picture("masks"), kSize);
+  cv::Mat1b mask = media::read_png_grey(picture("masks"), kSize);
   mask(first_of_kind(1)) = 0;
-  io::write_png(picture("masks"), mask);
+  media::write_png(picture("masks"), mask);
   expect_breach("mask", 1);
   expect_breach("receipt", 1);
 }
@@ -80,32 +80,32 @@ TEST_F(AuditCommand, FindsARunWithSmallerMasksThanThoseThatCount) {
   // The drive's masks after the run: a pixel more each, as if the run had been made with shrunk ones.
   const fs::path wanted = folder / "wanted";
   fs::copy(folder / "drive/masks/front", wanted, fs::copy_options::recursive);
-  cv::Mat1b mask = io::read_mask(wanted / (name + ".png"), kSize);
+  cv::Mat1b mask = media::read_mask(wanted / (name + ".png"), kSize);
   mask(first_of_kind(0)) = 255;
-  io::write_png(wanted / (name + ".png"), mask);
+  media::write_png(wanted / (name + ".png"), mask);
   expect_breach("mask", 1, "out drive --masks " + wanted.string());
 }
 
 TEST_F(AuditCommand, FindsACopyFromInsideAMask) {
-  cv::Mat_<cv::Vec3w> provenance = io::read_png_triples(picture("provenance"), kSize);
+  cv::Mat_<cv::Vec3w> provenance = media::read_png_triples(picture("provenance"), kSize);
   const cv::Point p = first_of_kind(1);
   const std::size_t source = provenance(p)[0] - 1U;
   const nlohmann::json sources = nlohmann::json::parse(read_file(folder / "out/sources.json"))["sources"];
   const std::string other = sources[source]["frame"];
-  const cv::Mat1b mask = io::read_mask(folder / "drive/masks/front" / (other + ".png"), kSize);
+  const cv::Mat1b mask = media::read_mask(folder / "drive/masks/front" / (other + ".png"), kSize);
   std::vector<cv::Point> masked;
   cv::findNonZero(mask, masked);
   ASSERT_FALSE(masked.empty());
   provenance(p)[1] = static_cast<ushort>(masked.front().x * 16);
   provenance(p)[2] = static_cast<ushort>(masked.front().y * 16);
-  io::write_png(picture("provenance"), provenance);
+  media::write_png(picture("provenance"), provenance);
   expect_breach("masked_source", 1);
 }
 
 TEST_F(AuditCommand, FindsReceiptsOfSourcesThatDoNotExist) {
-  cv::Mat_<cv::Vec3w> provenance = io::read_png_triples(picture("provenance"), kSize);
+  cv::Mat_<cv::Vec3w> provenance = media::read_png_triples(picture("provenance"), kSize);
   provenance(first_of_kind(1))[0] = 999;
-  io::write_png(picture("provenance"), provenance);
+  media::write_png(picture("provenance"), provenance);
   expect_breach("receipt", 1);
 }
 

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "dvi/io/write_image.h"
+#include "dvi/media/write_image.h"
 #include "program.h"
 
 namespace dvi {
@@ -70,7 +70,7 @@ TEST_F(BadInput, ImagesOfAnotherClock) {
 
 TEST_F(BadInput, NoStaticPointRemains) {
   for (int i = 0; i < 6; ++i)
-    io::write_png(folder / "drive/masks/front" / ("00000" + std::to_string(i) + ".png"), cv::Mat1b(kSize, uchar{255}));
+    media::write_png(folder / "drive/masks/front" / ("00000" + std::to_string(i) + ".png"), cv::Mat1b(kSize, uchar{255}));
   for (const char* command : {"run", "plan", "map"}) {
     const Result result = dvi(std::string(command) + " drive -o out --quiet --masks drive/masks/front --polarity white");
     EXPECT_EQ(result.code, 3) << command;
@@ -103,18 +103,18 @@ TEST_F(BadInput, UnreadableImage) {
 }
 
 TEST_F(BadInput, ImageOfAnotherSize) {
-  io::write_png(image(), cv::Mat3b(100, 200, cv::Vec3b(1, 2, 3)));
+  media::write_png(image(), cv::Mat3b(100, 200, cv::Vec3b(1, 2, 3)));
   expect_refused({"000002.png", "200", "240"});
 }
 
 TEST_F(BadInput, MaskOfAnotherSize) {
-  io::write_png(mask(), cv::Mat1b(100, 200, uchar{0}));
+  media::write_png(mask(), cv::Mat1b(100, 200, uchar{0}));
   expect_refused({"000002.png", "200", "240"});
 }
 
 TEST_F(BadInput, MasksForNoFrame) {
   make_folder(folder / "masks");
-  io::write_png(folder / "masks/holiday.png", cv::Mat1b(136, 240, uchar{255}));
+  media::write_png(folder / "masks/holiday.png", cv::Mat1b(136, 240, uchar{255}));
   expect_refused({"masks"}, "run drive -o out --quiet --masks masks");
   expect_refused({"absent"}, "run drive -o out --quiet --masks absent");
 }

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "dvi/detect/test_models.h"
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
+#include "dvi/testing/test_models.h"
 #include "program.h"
 
 namespace dvi {
@@ -18,9 +18,9 @@ using testing::HasSubstr;
 class DetectorOption : public ProgramTest {
  protected:
   void SetUp() override {
-    if (!detect::make_test_models(folder)) GTEST_SKIP() << "takes a Python with onnx (Debian's python3-onnx)";
-    write_file(folder / "semantic.toml", detect::test_description("semantic"));
-    write_file(folder / "topk.toml", detect::test_description("semantic"));
+    if (!make_test_models(folder)) GTEST_SKIP() << "takes a Python with onnx (Debian's python3-onnx)";
+    write_file(folder / "semantic.toml", test_description("semantic"));
+    write_file(folder / "topk.toml", test_description("semantic"));
     paint("drive");
   }
   static cv::Rect at(std::size_t frame) { return {30 + 8 * static_cast<int>(frame), 60, 40, 30}; }
@@ -33,9 +33,9 @@ class DetectorOption : public ProgramTest {
     ASSERT_EQ(images.size(), 6U);
     for (std::size_t i = 0; i < images.size(); ++i) {
       if (i == 3) continue;  // the network misses it there
-      cv::Mat3b image = io::read_image(images[i], kSize);
+      cv::Mat3b image = media::read_image(images[i], kSize);
       image(at(i)) = cv::Vec3b(255, 0, 255);
-      io::write_png(images[i], image);
+      media::write_png(images[i], image);
     }
   }
   nlohmann::json json(const fs::path& file) const { return nlohmann::json::parse(read_file(folder / file)); }
@@ -52,7 +52,7 @@ TEST_F(DetectorOption, MasksWhatTheNetworkSeesInEveryFrame) {
   const std::vector<fs::path> files = list_files(folder / "masks/masks/front", {".png"});
   ASSERT_EQ(files.size(), 6U);
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const cv::Mat1b seen = io::read_mask(files[i], kSize);
+    const cv::Mat1b seen = media::read_mask(files[i], kSize);
     EXPECT_EQ(cv::countNonZero(seen(at(i))), at(i).area()) << i;
     EXPECT_LT(cv::countNonZero(seen), 3 * at(i).area()) << i;
   }
@@ -72,7 +72,7 @@ TEST_F(DetectorOption, RunsAndIsAudited) {
   fs::rename(folder / "semantic.onnx", folder / "moved.onnx");
   EXPECT_EQ(dvi("audit out drive --quiet").code, 0) << "takes no network";
   fs::rename(folder / "moved.onnx", folder / "semantic.onnx");
-  write_file(folder / "semantic.toml", detect::test_description("semantic") + "remove = [\"person\"]\n");
+  write_file(folder / "semantic.toml", test_description("semantic") + "remove = [\"person\"]\n");
   const Result other = dvi("run drive -o out --detector semantic.onnx --poses given");
   EXPECT_EQ(other.code, 0) << other.err;
   EXPECT_THAT(other.err, HasSubstr("the detector sees nothing")) << "its description is an input, too";

@@ -1,9 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "dvi/io/gps.h"
-#include "dvi/io/reader.h"
-#include "dvi/io/write_image.h"
+#include "dvi/datasets/gps.h"
+#include "dvi/datasets/reader.h"
+#include "dvi/media/write_image.h"
 #include "program.h"
 
 namespace dvi {
@@ -17,7 +17,7 @@ class ExportTest : public ProgramTest {};
 std::vector<GeoFix> fixes_along(const fs::path& drive) {
   constexpr double kNorthDegree = 111'210, kEastDegree = 73'157;  // metres, at that latitude
   std::vector<GeoFix> fixes;
-  const Trajectory path = io::read_drive(drive).poses;
+  const Trajectory path = datasets::read_drive(drive).poses;
   for (const StampedPose& pose : path.poses()) {
     const Eigen::Vector3d& at = pose.world_from_body.t;
     fixes.push_back({pose.time_ns, 49.01 + at.y() / kNorthDegree, 8.43 + at.x() / kEastDegree});
@@ -27,7 +27,7 @@ std::vector<GeoFix> fixes_along(const fs::path& drive) {
 
 TEST_F(ExportTest, IsReadByOtherTools) {
   const fs::path drive = small_drive();
-  write_file(drive / "gps.txt", io::fixes_text(fixes_along(drive)));
+  write_file(drive / "gps.txt", datasets::fixes_text(fixes_along(drive)));
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   for (const char* format : {"colmap", "nerfstudio", "ply", "las", "mcap", "video"}) {
     const Result result = dvi(std::string("export ") + format + " out -o exports/" + format + " --quiet --json");
@@ -41,8 +41,8 @@ TEST_F(ExportTest, IsReadByOtherTools) {
 
   // Masks hide what nobody saw, and nothing else.
   for (const fs::path& file : list_files(folder / "out/kind", {".png"})) {
-    const cv::Mat1b kind = io::read_png_grey(file, kSize);
-    const cv::Mat1b mask = io::read_png_grey(folder / "exports/colmap/masks" / (file.filename().string() + ".png"), kSize);
+    const cv::Mat1b kind = media::read_png_grey(file, kSize);
+    const cv::Mat1b mask = media::read_png_grey(folder / "exports/colmap/masks" / (file.filename().string() + ".png"), kSize);
     EXPECT_EQ(cv::countNonZero(cv::Mat1b(kind <= 2) != mask), 0);
     EXPECT_EQ(read_file(folder / "out/frames" / file.filename()),
               read_file(folder / "exports/colmap/images" / file.filename()));

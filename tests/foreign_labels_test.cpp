@@ -6,8 +6,8 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
-#include "dvi/io/write_image.h"
-#include "dvi/pipeline/find_masks.h"
+#include "dvi/inputs/find_masks.h"
+#include "dvi/media/write_image.h"
 #include "program.h"
 
 namespace dvi {
@@ -33,7 +33,7 @@ class ForeignLabels : public ProgramTest {
     for (std::size_t i = 0; i < names.size(); ++i) {
       make_folder(folder / "drive/images/front");
       make_folder(folder / "drive/lidar");
-      io::write_png(folder / "drive/images/front" / (names[i] + ".png"), cv::Mat3b(size, cv::Vec3b(90, 90, 90)));
+      media::write_png(folder / "drive/images/front" / (names[i] + ".png"), cv::Mat3b(size, cv::Vec3b(90, 90, 90)));
       std::string scan;
       for (int k = 0; k < 400; ++k) {
         const float point[4] = {4 + 0.1F * static_cast<float>(k % 20), 0.2F * static_cast<float>(k / 20) - 2, -1, 0.5F};
@@ -57,18 +57,19 @@ class ForeignLabels : public ProgramTest {
   };
 
   /// What `dvi mask drive --masks FILE` does, exactly as the file says, in this process.
-  Masked mask(const std::string& file, const std::string& classes = "", io::Polarity polarity = io::Polarity::automatic) const {
-    pipeline::Job job;
+  Masked mask(const std::string& file, const std::string& classes = "",
+              labels::Polarity polarity = labels::Polarity::automatic) const {
+    job::Job job;
     job.target = (folder / "drive").string();
-    job.read.masks = pipeline::MasksFrom::parse((labels / file).string());
+    job.read.masks = job::MasksFrom::parse((labels / file).string());
     job.read.mask_files = {.polarity = polarity, .classes = classes};
     job.options.masks.shadows = false;
     job.options.masks.dilate_px = 0;
     Progress progress(ProgressStyle::quiet);
     Masked out;
     try {
-      const pipeline::Recordings drives{pipeline::open_recording(job.target, job.read, pipeline::MaskNeed::required, progress)};
-      const pipeline::Masks masks = pipeline::find_masks(drives, pipeline::given_poses(drives), job, progress);
+      const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::required, progress)};
+      const inputs::Masks masks = inputs::find_masks(drives, inputs::given_poses(drives), job, progress);
       for (std::size_t i = 0; i < masks.front().images.size(); ++i)
         out.pixels.push_back(cv::countNonZero(*masks.front().images[i]));
     } catch (const InputError& e) {
@@ -80,7 +81,7 @@ class ForeignLabels : public ProgramTest {
   }
 
   void expect_masked(const std::string& file, const std::vector<int>& pixels, const std::string& classes = "",
-                     io::Polarity polarity = io::Polarity::automatic) const {
+                     labels::Polarity polarity = labels::Polarity::automatic) const {
     const Masked result = mask(file, classes, polarity);
     EXPECT_EQ(result.code, 0) << file << result.err;
     EXPECT_EQ(result.pixels, pixels) << file << result.err;
@@ -154,7 +155,7 @@ TEST_F(ForeignLabels, FormatsThatAreNotRead) {
 TEST_F(ForeignLabels, MotsPictures) {
   drive_of({"1", "2"}, {5, 1});
   expect_refused("mots_dataset/train/instances", "looks like a picture of class ids", "--classes");
-  expect_masked("mots_dataset/train/instances", {4, 1}, "", io::Polarity::white);
+  expect_masked("mots_dataset/train/instances", {4, 1}, "", labels::Polarity::white);
   expect_masked("mots_dataset/train/instances", {1, 0}, "3");  // the value is class * 1000 + instance
   drive_of({"3"}, {5, 1});
   expect_masked("mots_dataset/val/instances", {1});

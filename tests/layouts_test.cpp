@@ -10,7 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/files.h"
-#include "dvi/io/image_file.h"
+#include "dvi/media/image_file.h"
 #include "program.h"
 
 namespace dvi {
@@ -42,7 +42,7 @@ class Layouts : public ProgramTest {
     const Result run = dvi(fmt::format("run {} -o out --masks masks --poses given --quiet", drive));
     EXPECT_EQ(run.code, 0) << run.err;
     std::vector<cv::Mat3b> frames;
-    for (const fs::path& file : list_files(folder / "out/frames", {".png"})) frames.push_back(io::read_image(file, kSize));
+    for (const fs::path& file : list_files(folder / "out/frames", {".png"})) frames.push_back(media::read_image(file, kSize));
     return frames;
   }
   // The drive's masks under the names of another layout's images.

@@ -3,7 +3,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/files.h"
-#include "dvi/io/image_file.h"
+#include "dvi/media/image_file.h"
 #include "program.h"
 
 namespace dvi {
@@ -24,9 +24,9 @@ class OtherSources : public ProgramTest {
     double sum = 0;
     const auto files = list_files(folder / a / "frames", {".png"});
     for (const fs::path& file : files)
-      sum +=
-          cv::norm(io::read_image(file, kSize), io::read_image(folder / b / "frames" / file.filename(), kSize), cv::NORM_L1) /
-          (3 * kSize.area());
+      sum += cv::norm(media::read_image(file, kSize), media::read_image(folder / b / "frames" / file.filename(), kSize),
+                      cv::NORM_L1) /
+             (3 * kSize.area());
     return sum / static_cast<double>(files.size());
   }
 };

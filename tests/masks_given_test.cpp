@@ -7,8 +7,8 @@
 
 #include "dvi/drive/outline.h"
 #include "dvi/image/region.h"
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 #include "program.h"
 
 namespace dvi {
@@ -22,14 +22,15 @@ class GivenMasks : public ProgramTest {
  protected:
   GivenMasks() {
     small_drive();
-    for (const fs::path& file : list_files(folder / "drive/masks/front", {".png"})) own.push_back(io::read_mask(file, kSize));
+    for (const fs::path& file : list_files(folder / "drive/masks/front", {".png"}))
+      own.push_back(media::read_mask(file, kSize));
   }
 
   std::string name(std::size_t i) const { return fmt::format("{:06}", i); }
 
   cv::Mat1b result(const std::string& out, std::size_t i) const {
     const fs::path folders = fs::exists(folder / out / "masks/front") ? folder / out / "masks/front" : folder / out / "masks";
-    return io::read_mask(folders / (name(i) + ".png"), kSize);
+    return media::read_mask(folders / (name(i) + ".png"), kSize);
   }
 
   static int differing(const cv::Mat1b& a, const cv::Mat1b& b) { return cv::countNonZero(cv::Mat1b(a != b)); }
@@ -89,7 +90,8 @@ TEST_F(GivenMasks, RunTakesCvat) {
 
 TEST_F(GivenMasks, BlackMayMeanRemove) {
   make_folder(folder / "colmap");
-  for (std::size_t i = 0; i < own.size(); ++i) io::write_png(folder / ("colmap/" + name(i) + ".jpg.png"), cv::Mat1b(~own[i]));
+  for (std::size_t i = 0; i < own.size(); ++i)
+    media::write_png(folder / ("colmap/" + name(i) + ".jpg.png"), cv::Mat1b(~own[i]));
   const Result mask = dvi("mask drive -o masks --masks colmap --poses given --set masks.shadows=false");
   ASSERT_EQ(mask.code, 0) << mask.err;
   EXPECT_THAT(mask.err, AllOf(HasSubstr("black means remove"), HasSubstr("--polarity white")));
@@ -101,7 +103,7 @@ TEST_F(GivenMasks, BlackMayMeanRemove) {
 TEST_F(GivenMasks, AnEgoMaskIsPartOfEveryMask) {
   cv::Mat1b ego(kSize, uchar{0});
   ego.rowRange(120, 136) = 255;
-  io::write_png(folder / "ego.png", ego);
+  media::write_png(folder / "ego.png", ego);
   const std::string run = "run drive -o out --ego-mask ego.png" + exactly;
   const Result first = dvi(run);
   ASSERT_EQ(first.code, 0) << first.err;
@@ -109,10 +111,10 @@ TEST_F(GivenMasks, AnEgoMaskIsPartOfEveryMask) {
   const Result audit = dvi("audit out drive --quiet");
   EXPECT_EQ(audit.code, 0) << audit.out;
   ego.rowRange(110, 120) = 255;
-  io::write_png(folder / "ego.png", ego);
+  media::write_png(folder / "ego.png", ego);
   ASSERT_EQ(dvi(run).code, 0);
   EXPECT_EQ(differing(result("out", 3), cv::Mat1b(own[3] | ego)), 0) << "it is an input of the run";
-  io::write_png(folder / "ego.png", cv::Mat1b(ego.rowRange(0, 100)));
+  media::write_png(folder / "ego.png", cv::Mat1b(ego.rowRange(0, 100)));
   const Result small = dvi(run);
   EXPECT_EQ(small.code, 3);
   EXPECT_THAT(small.err, HasSubstr("ego.png: is 240x100 pixels instead of 240x136"));
@@ -128,9 +130,9 @@ TEST_F(GivenMasks, NamesThatToolsChangeAreMatched) {
   make_folder(folder / "short");
   make_folder(folder / "from1");
   for (std::size_t i = 0; i < own.size(); ++i) {
-    io::write_png(folder / ("odm/" + name(i) + "_mask.png"), own[i]);
-    io::write_png(folder / fmt::format("short/{}.png", i), own[i]);
-    io::write_png(folder / ("from1/" + name(i + 1) + ".png"), own[i]);
+    media::write_png(folder / ("odm/" + name(i) + "_mask.png"), own[i]);
+    media::write_png(folder / fmt::format("short/{}.png", i), own[i]);
+    media::write_png(folder / ("from1/" + name(i + 1) + ".png"), own[i]);
   }
   for (const char* masks : {"odm", "short"}) {
     const Result mask = dvi(fmt::format("mask drive -o of_{0} --masks {0} --poses given --set masks.shadows=false", masks));
@@ -160,7 +162,7 @@ TEST_F(GivenMasks, MasksThatRemoveNothingAreNamed) {
   small_drive("long", "", 16);
   fs::remove(folder / "long/boxes.json");
   for (const fs::path& file : list_files(folder / "long/masks/front", {".png"}))
-    io::write_png(file, cv::Mat1b(kSize, uchar{0}));
+    media::write_png(file, cv::Mat1b(kSize, uchar{0}));
   const std::string nothing = "its 16 mask files are empty and remove nothing, but its scans show ";
   const Result check = dvi("check long --poses given");
   EXPECT_EQ(check.code, 0) << "a recording may have no traffic";

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 #include "program.h"
 
 namespace dvi {
@@ -34,8 +34,8 @@ class MasksOfDrives : public ProgramTest {
   Overlap overlap_with(const fs::path& truth) const {
     Overlap sum;
     for (const fs::directory_entry& file : fs::directory_iterator(truth)) {
-      const cv::Mat1b wanted = io::read_mask(file.path(), kSize);
-      const cv::Mat1b found = io::read_mask(folder / "masks/masks/front" / file.path().filename(), kSize);
+      const cv::Mat1b wanted = media::read_mask(file.path(), kSize);
+      const cv::Mat1b found = media::read_mask(folder / "masks/masks/front" / file.path().filename(), kSize);
       sum.both += cv::countNonZero(wanted & found);
       sum.wanted += cv::countNonZero(wanted);
       sum.found += cv::countNonZero(found);
@@ -71,7 +71,7 @@ TEST_F(MasksOfDrives, LittleTrafficIsCopiedFromASourceDriveThatNobodyLabelled) {
   std::map<std::string, Picture> pictures;
   std::size_t copied = 0, traffic = 0;
   for (const fs::directory_entry& file : fs::directory_iterator(folder / "out/provenance")) {
-    const cv::Mat_<cv::Vec3w> provenance = io::read_unchanged(file.path(), kSize);
+    const cv::Mat_<cv::Vec3w> provenance = media::read_unchanged(file.path(), kSize);
     for (const cv::Vec3w& bgr : provenance) {  // B y * 16, G x * 16, R source number + 1
       if (bgr[2] == 0) continue;
       const nlohmann::json& from = sources.at(bgr[2] - 1U);
@@ -79,7 +79,7 @@ TEST_F(MasksOfDrives, LittleTrafficIsCopiedFromASourceDriveThatNobodyLabelled) {
       const std::string name = from.at("frame").get<std::string>() + ".png";
       Picture& picture = pictures[name];
       if (picture.without.empty())
-        picture = {io::read_image(source / "images/front" / name, kSize), io::read_image(source / "truth" / name, kSize)};
+        picture = {media::read_image(source / "images/front" / name, kSize), media::read_image(source / "truth" / name, kSize)};
       const cv::Point at(cvRound(bgr[1] / 16.0), cvRound(bgr[0] / 16.0));
       ++copied;
       traffic += cv::norm(picture.with_traffic(at), picture.without(at), cv::NORM_INF) > 15 ? 1 : 0;  // six sigma of its noise
@@ -168,8 +168,8 @@ TEST_F(MasksOfDrives, WhereNothingMovesTheResultIsTheInput) {
   EXPECT_THAT(run.err, HasSubstr("nothing moves in it"));
   EXPECT_EQ(json("out/report.json").at("hole").at("pixels"), 0);
   for (const fs::directory_entry& file : fs::directory_iterator(drive / "images/front"))
-    EXPECT_EQ(cv::norm(io::read_image(file.path(), kSize),
-                       io::read_image(folder / "out/frames" / file.path().filename(), kSize), cv::NORM_INF),
+    EXPECT_EQ(cv::norm(media::read_image(file.path(), kSize),
+                       media::read_image(folder / "out/frames" / file.path().filename(), kSize), cv::NORM_INF),
               0);
 }
 
@@ -177,7 +177,7 @@ TEST_F(MasksOfDrives, TrafficIsFoundAtNightByTheScans) {
   const fs::path truth = small_drive("labelled", "", 12) / "masks/front";
   const fs::path drive = unlabelled("drive");
   for (const fs::directory_entry& file : fs::directory_iterator(drive / "images/front"))
-    io::write_png(file.path(), cv::Mat3b(io::read_image(file.path(), kSize) * 0.02));
+    media::write_png(file.path(), cv::Mat3b(media::read_image(file.path(), kSize) * 0.02));
   ASSERT_EQ(dvi("mask drive -o masks --poses given --quiet").code, 0);
   const Overlap overlap = overlap_with(truth);
   EXPECT_GT(overlap.both / overlap.wanted, 0.8);

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 #include "program.h"
 
 namespace dvi {
@@ -21,11 +21,12 @@ class Methods : public ProgramTest {
   void expect_whole_result(const std::string& out) const {
     for (const fs::path& input : list_files(folder / "drive/images/front", {".png"})) {
       const std::string name = input.filename();
-      const cv::Mat1b kind = io::read_png_grey(folder / out / "kind" / name, kSize);
-      const cv::Mat1b mask = io::read_png_grey(folder / out / "masks" / name, kSize);
-      const cv::Mat3b original = io::read_image(input, kSize), filled = io::read_image(folder / out / "frames" / name, kSize);
-      EXPECT_EQ(cv::countNonZero(io::read_png_depth(folder / out / "depth" / name, kSize)), 0);
-      const cv::Mat_<cv::Vec3w> provenance = io::read_png_triples(folder / out / "provenance" / name, kSize);
+      const cv::Mat1b kind = media::read_png_grey(folder / out / "kind" / name, kSize);
+      const cv::Mat1b mask = media::read_png_grey(folder / out / "masks" / name, kSize);
+      const cv::Mat3b original = media::read_image(input, kSize),
+                      filled = media::read_image(folder / out / "frames" / name, kSize);
+      EXPECT_EQ(cv::countNonZero(media::read_png_depth(folder / out / "depth" / name, kSize)), 0);
+      const cv::Mat_<cv::Vec3w> provenance = media::read_png_triples(folder / out / "provenance" / name, kSize);
       for (int y = 0; y < kSize.height; ++y)
         for (int x = 0; x < kSize.width; ++x) {
           ASSERT_EQ(kind(y, x) == 0, mask(y, x) == 0);

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 #include "program.h"
 
 namespace dvi {
@@ -16,13 +16,13 @@ using testing::HasSubstr;
 class OddFrames : public ProgramTest {
  protected:
   fs::path file(const std::string& kind, int frame) const { return folder / kind / ("00000" + std::to_string(frame) + ".png"); }
-  cv::Mat3b image(int frame) const { return io::read_image(file("drive/images/front", frame), kSize); }
-  cv::Mat1b mask(int frame) const { return io::read_png_grey(file("drive/masks/front", frame), kSize); }
+  cv::Mat3b image(int frame) const { return media::read_image(file("drive/images/front", frame), kSize); }
+  cv::Mat1b mask(int frame) const { return media::read_png_grey(file("drive/masks/front", frame), kSize); }
 
   /// The mean of what was filled, over all channels.
   double filled_mean(int frame) const {
-    const cv::Mat3b filled = io::read_image(file("out/frames", frame), kSize);
-    const cv::Mat1b kind = io::read_png_grey(file("out/kind", frame), kSize);
+    const cv::Mat3b filled = media::read_image(file("out/frames", frame), kSize);
+    const cv::Mat1b kind = media::read_png_grey(file("out/kind", frame), kSize);
     EXPECT_EQ(cv::countNonZero(kind), cv::countNonZero(mask(frame))) << "frame " << frame << ": every pixel is filled";
     const cv::Scalar mean = cv::mean(filled, cv::Mat1b(kind > 0));
     return (mean[0] + mean[1] + mean[2]) / 3;
@@ -31,13 +31,13 @@ class OddFrames : public ProgramTest {
 
 TEST_F(OddFrames, BlackWhiteDarkWholeAndCut) {
   small_drive();
-  io::write_png(file("drive/images/front", 0), cv::Mat3b(kSize, cv::Vec3b(0, 0, 0)));
-  io::write_png(file("drive/images/front", 1), cv::Mat3b(kSize, cv::Vec3b(255, 255, 255)));
-  io::write_png(file("drive/images/front", 2), cv::Mat3b(image(2) / 12));
-  io::write_png(file("drive/masks/front", 3), cv::Mat1b(kSize, uchar{255}));
+  media::write_png(file("drive/images/front", 0), cv::Mat3b(kSize, cv::Vec3b(0, 0, 0)));
+  media::write_png(file("drive/images/front", 1), cv::Mat3b(kSize, cv::Vec3b(255, 255, 255)));
+  media::write_png(file("drive/images/front", 2), cv::Mat3b(image(2) / 12));
+  media::write_png(file("drive/masks/front", 3), cv::Mat1b(kSize, uchar{255}));
   cv::Mat1b cut = mask(4);
   for (int x = 0; x < cut.cols; x += 16) cut.colRange(x, x + 8).setTo(0);
-  io::write_png(file("drive/masks/front", 4), cut);
+  media::write_png(file("drive/masks/front", 4), cut);
   const Result run = dvi("run drive -o out --poses given --masks drive/masks/front --set masks.shadows=false");
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("% never seen ("));

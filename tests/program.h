@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core/types.hpp>
 
-#include "dvi/core/test_folder.h"
+#include "dvi/testing/temp_folder.h"
 
 namespace dvi {
 
@@ -62,7 +62,7 @@ class ProgramTest : public testing::Test {
   /// Every file below a folder by its relative path, but for what tells times.
   std::map<std::string, std::string> contents(const fs::path& root) const {
     std::map<std::string, std::string> files = ::dvi::contents(root);
-    for (const char* tells_times : {"report.json", "dvi.toml", "report/index.js"}) files.erase(tells_times);
+    for (const char* tells_times : {"report.json", "dvi.toml", "report/index.js", ".dvi/report.json"}) files.erase(tells_times);
     return files;
   }
 

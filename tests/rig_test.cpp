@@ -9,8 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/files.h"
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 #include "program.h"
 
 namespace dvi {
@@ -146,7 +146,7 @@ TEST_F(Rig, AuditChecksTheMasksOfTheOtherCamera) {
   ASSERT_EQ(cameras_of("out")[0]["masks"], "carried");
   const nlohmann::json sources = nlohmann::json::parse(read_file(folder / "out/sources.json")).at("sources");
   const auto [picture, p] = first_lent("out");
-  cv::Mat_<cv::Vec3w> provenance = io::read_png_triples(picture, kSize);
+  cv::Mat_<cv::Vec3w> provenance = media::read_png_triples(picture, kSize);
   const std::size_t source = provenance(p)[0] - 1U;
   ASSERT_EQ(sources.at(source).at("camera"), "right");
   const fs::path kept = folder / "out/.dvi/masks" / fmt::format("{:06d}.png", source);
@@ -158,7 +158,7 @@ TEST_F(Rig, AuditChecksTheMasksOfTheOtherCamera) {
   EXPECT_GT(cv::countNonZero(cv::Mat1b(read(kept) & true_mask)), cv::countNonZero(true_mask) / 2);
 
   provenance(p) = {provenance(p)[0], static_cast<ushort>(masked.front().x * 16), static_cast<ushort>(masked.front().y * 16)};
-  io::write_png(picture, provenance);
+  media::write_png(picture, provenance);
   const Result audit = dvi("audit out drive --json --quiet");
   EXPECT_EQ(audit.code, 3);
   EXPECT_EQ(nlohmann::json::parse(audit.out).at("findings").at("masked_source").at("pixels"), 1);
@@ -218,7 +218,7 @@ TEST_F(Rig, ACameraThatCannotBeReadIsLeftOut) {
 TEST_F(Rig, AGreyCameraLendsNoColours) {
   const fs::path drive = stereo_drive();
   for (const fs::path& file : list_files(drive / "images/right", {".png"}))
-    io::write_png(file, cv::imread(file.string(), cv::IMREAD_GRAYSCALE));
+    media::write_png(file, cv::imread(file.string(), cv::IMREAD_GRAYSCALE));
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   ASSERT_EQ(cameras_of("out").size(), 1U);
   EXPECT_TRUE(cameras_of("out")[0]["grey"].get<bool>());

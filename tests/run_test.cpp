@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 #include "program.h"
 
 namespace dvi {
@@ -35,13 +35,13 @@ TEST_F(Run, WritesEverythingTheContractNames) {
     EXPECT_TRUE(fs::exists(folder / "out" / file)) << file;
   for (const fs::path& input : list_files(folder / "drive/images/front", {".png"})) {
     const std::string name = input.filename();
-    const cv::Mat1b mask = io::read_png_grey(folder / "out/masks" / name, kSize);
-    const cv::Mat1b kind = io::read_png_grey(folder / "out/kind" / name, kSize);
-    const cv::Mat1b confidence = io::read_png_grey(folder / "out/confidence" / name, kSize);
-    const cv::Mat_<cv::Vec3w> provenance = io::read_png_triples(folder / "out/provenance" / name, kSize);
-    const cv::Mat_<cv::Vec3w> harmonisation = io::read_png_triples(folder / "out/harmonisation" / name, kSize);
-    io::read_png_depth(folder / "out/depth" / name, kSize);
-    const cv::Mat3b original = io::read_image(input, kSize), filled = io::read_image(folder / "out/frames" / name, kSize);
+    const cv::Mat1b mask = media::read_png_grey(folder / "out/masks" / name, kSize);
+    const cv::Mat1b kind = media::read_png_grey(folder / "out/kind" / name, kSize);
+    const cv::Mat1b confidence = media::read_png_grey(folder / "out/confidence" / name, kSize);
+    const cv::Mat_<cv::Vec3w> provenance = media::read_png_triples(folder / "out/provenance" / name, kSize);
+    const cv::Mat_<cv::Vec3w> harmonisation = media::read_png_triples(folder / "out/harmonisation" / name, kSize);
+    media::read_png_depth(folder / "out/depth" / name, kSize);
+    const cv::Mat3b original = media::read_image(input, kSize), filled = media::read_image(folder / "out/frames" / name, kSize);
     const std::size_t sources = nlohmann::json::parse(read_file(folder / "out/sources.json"))["sources"].size();
     for (int y = 0; y < kSize.height; ++y)
       for (int x = 0; x < kSize.width; ++x) {
@@ -327,12 +327,13 @@ TEST_F(Run, WhatNobodySawIsSynthesisedInterpolatedOrLeft) {
 
 TEST_F(Run, EmptyMasksLeaveTheDriveAsItIs) {
   const fs::path drive = small_drive();
-  for (const fs::path& mask : list_files(drive / "masks/front", {".png"})) io::write_png(mask, cv::Mat1b(kSize, uchar{0}));
+  for (const fs::path& mask : list_files(drive / "masks/front", {".png"})) media::write_png(mask, cv::Mat1b(kSize, uchar{0}));
   const Result result = dvi("run drive -o out --quiet");
   ASSERT_EQ(result.code, 0) << result.err;
   for (const fs::path& input : list_files(drive / "images/front", {".png"})) {
     cv::Mat difference;
-    cv::absdiff(io::read_image(input, kSize), io::read_image(folder / "out/frames" / input.filename(), kSize), difference);
+    cv::absdiff(media::read_image(input, kSize), media::read_image(folder / "out/frames" / input.filename(), kSize),
+                difference);
     EXPECT_EQ(cv::norm(difference, cv::NORM_INF), 0);
   }
 }

@@ -3,15 +3,15 @@
 
     check_names.py [ROOT]       prints each breach as FILE:LINE: what and why; exit code 1 if there is any
 
-What a room declares lies in its own namespace, dvi::ROOM, or in dvi itself if the room's words are everyone's. A type outside
-anonymous namespaces is defined in one file only.
+What a module declares lies in its own namespace, dvi::MODULE, or in dvi itself if all modules use it. A type outside anonymous
+namespaces has a name that no other type has, whatever its namespace, and is defined in one file only. No two headers have one name.
 """
 import re
 import sys
 from collections import defaultdict
 from pathlib import Path
 
-SHARED = ["core", "geometry", "image", "drive"]  # their words are everyone's: they lie in dvi itself
+SHARED = ["core", "geometry", "image", "drive", "testing"]  # all modules use their names, which are in dvi itself
 
 NOT_CODE = re.compile(
     r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|(?<![0-9a-fA-F])\'(?:\\.|[^\'\\\n])+\'|^[ \t]*#[^\n]*', re.S | re.M
@@ -50,23 +50,28 @@ def definitions(text):
 
 def breaches(root):
     source = root / "src" / "dvi"
-    defined = defaultdict(list)
+    defined, headers = defaultdict(list), defaultdict(list)
     for file in sorted([*source.rglob("*.h"), *source.rglob("*.cpp")]):
-        room = file.relative_to(source).parts[0]
-        home = "dvi" if room in SHARED else f"dvi::{room}"
+        module = file.relative_to(source).parts[0]
+        home = "dvi" if module in SHARED else f"dvi::{module}"
         text = file.read_text(encoding="utf-8")
         for offset, namespace, name in definitions(text):
             where = f"{file.relative_to(root)}:{text.count(chr(10), 0, offset) + 1}"
             if name is None:
                 ours = namespace.split("::(anonymous)")[0]
-                inside = room not in SHARED and ours.startswith(home + "::")
+                inside = module not in SHARED and ours.startswith(home + "::")
                 if ours.split("::")[0] == "dvi" and ours != home and not inside:
-                    yield f"{where}: namespace {ours}: what {room}/ declares lies in {home}"
+                    yield f"{where}: namespace {ours}: what {module}/ declares lies in {home}"
             elif "(anonymous)" not in namespace and namespace.split("::")[0] == "dvi":
-                defined[f"{namespace}::{name}"].append(where)
+                defined[name].append(where)
+        if file.suffix == ".h":
+            headers[file.name].append(str(file.relative_to(root)))
     for name, places in sorted(defined.items()):
         for again in places[1:]:
             yield f"{again}: {name} is defined a second time (the first: {places[0]}): use another name, or an anonymous namespace"
+    for name, places in sorted(headers.items()):
+        for again in places[1:]:
+            yield f"{again}:1: {places[0]} has the same name"
 
 
 def main():

@@ -104,11 +104,11 @@ class Chain {
   Poses turned(const Corrections& c) const;
 
  private:
-  std::vector<SharedPoint> shared_points(std::size_t i, const Lazy<Sight>& sights) const;
+  std::vector<SharedPoint> shared_points(std::size_t i, const Lazy<UnmaskedPoints>& sights) const;
   std::vector<PairModel> models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const;
   void add_models(std::size_t first, std::size_t last, const Poses& poses, std::size_t coarsest, std::vector<PairModel>& all,
                   const Tick& tick) const;
-  std::vector<map::VisiblePoint> textured(const Sight& sight, const View& view, const cv::Mat1f& texture) const;
+  std::vector<map::VisiblePoint> textured(const UnmaskedPoints& sight, const View& view, const cv::Mat1f& texture) const;
   const View& view(std::size_t i) const { return views_[members_[i]]; }
   PosedImage posed(std::size_t i, const Poses& poses) const { return {view(i).camera, poses[i], images_[i]}; }
 
@@ -131,7 +131,7 @@ Poses Chain::turned(const Corrections& c) const {
 }
 
 // The most textured point of each cell of a grid over the image.
-std::vector<map::VisiblePoint> Chain::textured(const Sight& sight, const View& view, const cv::Mat1f& texture) const {
+std::vector<map::VisiblePoint> Chain::textured(const UnmaskedPoints& sight, const View& view, const cv::Mat1f& texture) const {
   const cv::Size size(view.camera.width, view.camera.height);
   const double cell = std::max(1.0, std::sqrt(static_cast<double>(size.area()) / options_.points));
   const int columns = static_cast<int>(size.width / cell) + 1, rows = static_cast<int>(size.height / cell) + 1;
@@ -149,7 +149,7 @@ std::vector<map::VisiblePoint> Chain::textured(const Sight& sight, const View& v
   return best;
 }
 
-std::vector<SharedPoint> Chain::shared_points(std::size_t i, const Lazy<Sight>& sights) const {
+std::vector<SharedPoint> Chain::shared_points(std::size_t i, const Lazy<UnmaskedPoints>& sights) const {
   std::vector<SharedPoint> out;
   for (const map::VisiblePoint& point : textured(*sights[i], view(i), images_[i]->front()))
     out.push_back({.index = point.index, .seen_by = 0});
@@ -192,8 +192,8 @@ void Chain::add_models(std::size_t first, std::size_t last, const Poses& poses, 
 
 // In one pass, while the images are at hand.
 std::vector<PairModel> Chain::find_pairs(const Tick& tick) {
-  const Lazy<Sight> sights(members_.size(),
-                           [this](std::size_t i) { return Sight(*map_.points[members_[i]], *views_.masks[members_[i]]); });
+  const Lazy<UnmaskedPoints> sights(
+      members_.size(), [this](std::size_t i) { return UnmaskedPoints(*map_.points[members_[i]], *views_.masks[members_[i]]); });
   const Poses given = turned(Corrections(count_));
   std::vector<PairModel> all;
   for_blocks(count_, [&](std::size_t first, std::size_t last) {

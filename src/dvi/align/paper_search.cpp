@@ -24,7 +24,7 @@ cv::Vec3f colour_at(const cv::Mat3b& image, const Eigen::Vector2d& pixel) {
 }
 
 // The points in the ring round the mask (in the whole image where there is none), evenly thinned.
-std::vector<map::VisiblePoint> ring_points(const Sight& sight, const cv::Mat1b& mask, const AlignOptions& options) {
+std::vector<map::VisiblePoint> ring_points(const UnmaskedPoints& sight, const cv::Mat1b& mask, const AlignOptions& options) {
   cv::Mat1f distance(mask.size(), 0.0F);  // instead of a dilation: a disc of 100 px is slow to dilate by
   if (cv::countNonZero(mask) > 0) cv::distanceTransform(mask == 0, distance, cv::DIST_L2, 3);
   std::vector<map::VisiblePoint> ring;
@@ -37,8 +37,8 @@ std::vector<map::VisiblePoint> ring_points(const Sight& sight, const cv::Mat1b& 
   return thinned;
 }
 
-void add_samples(const std::vector<map::VisiblePoint>& ring, const View& view, const View& neighbour, const Sight& sight,
-                 const cv::Mat3b& image, std::vector<Sample>& samples) {
+void add_samples(const std::vector<map::VisiblePoint>& ring, const View& view, const View& neighbour,
+                 const UnmaskedPoints& sight, const cv::Mat3b& image, std::vector<Sample>& samples) {
   for (const map::VisiblePoint& point : ring) {
     const Eigen::Vector3d world = point.world.cast<double>(), p = neighbour.camera_from_world * world;
     if (!neighbour.camera.in_front(p)) continue;
@@ -84,8 +84,8 @@ Eigen::Vector2d search(const std::vector<Sample>& samples, const Camera& camera,
 void search_as_published(const SequenceViews& sequence, const AlignOptions& options, const Tick& tick, Cameras& out) {
   const Views& views = sequence.views;
   const std::size_t first = sequence.first, last = sequence.last;
-  const Lazy<Sight> sights(last - first,
-                           [&](std::size_t i) { return Sight(*sequence.map.points[first + i], *views.masks[first + i]); });
+  const Lazy<UnmaskedPoints> sights(
+      last - first, [&](std::size_t i) { return UnmaskedPoints(*sequence.map.points[first + i], *views.masks[first + i]); });
   parallel_in_order(last - first, [&](std::size_t i) {
     const View& view = views[first + i];
     const std::vector<map::VisiblePoint> ring = ring_points(*sights[i], *views.masks[first + i], options);

@@ -21,7 +21,7 @@ float least_round(const cv::Mat1f& z, int x, int y) {
 
 }  // namespace
 
-Sight::Sight(const std::vector<map::VisiblePoint>& visible, const cv::Mat1b& mask)
+UnmaskedPoints::UnmaskedPoints(const std::vector<map::VisiblePoint>& visible, const cv::Mat1b& mask)
     : masked_(grown(mask, kMaskMargin)), nearest_(mask.rows / kScale + 1, mask.cols / kScale + 1, 1e9F) {
   for (const map::VisiblePoint& p : visible) {
     const cv::Point pixel(cvRound(p.u), cvRound(p.v));
@@ -31,12 +31,12 @@ Sight::Sight(const std::vector<map::VisiblePoint>& visible, const cv::Mat1b& mas
   }
 }
 
-bool Sight::shows(const Eigen::Vector2d& pixel, double z) const {
+bool UnmaskedPoints::shows(const Eigen::Vector2d& pixel, double z) const {
   const cv::Point at(cvRound(pixel.x()), cvRound(pixel.y()));
   return !masked(at) && z <= least_round(nearest_, at.x / kScale, at.y / kScale) * (1 + 2 * kTolerance);
 }
 
-bool Sight::beside_nearer(const map::VisiblePoint& p) const {
+bool UnmaskedPoints::beside_nearer(const map::VisiblePoint& p) const {
   return p.z > least_round(nearest_, cvRound(p.u) / kScale, cvRound(p.v) / kScale) * (1 + 2 * kTolerance);
 }
 

@@ -19,9 +19,9 @@ struct SequenceViews {
 };
 
 /// What a view sees of the map, outside its mask.
-class Sight {
+class UnmaskedPoints {
  public:
-  Sight(const std::vector<map::VisiblePoint>& visible, const cv::Mat1b& mask);
+  UnmaskedPoints(const std::vector<map::VisiblePoint>& visible, const cv::Mat1b& mask);
 
   /// In raster order.
   const std::vector<map::VisiblePoint>& points() const { return points_; }

@@ -8,8 +8,8 @@
 
 #include "dvi/align/align.h"
 #include "dvi/core/random.h"
-#include "dvi/drive/flat_scene.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/testing/flat_scene.h"
 
 namespace dvi::align {
 

@@ -10,8 +10,8 @@
 #include "dvi/drive/warp.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/harmonize/receipt.h"
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 
 namespace dvi::audit {
 namespace {
@@ -28,12 +28,12 @@ struct FrameAudit {
 /// The pictures of one frame of a result.
 struct Written {
   Written(const fs::path& out, const std::string& name, cv::Size size)
-      : frame(io::read_image(out / "frames" / (name + ".png"), size)),
-        mask(io::read_mask(out / "masks" / (name + ".png"), size)),
-        kind(io::read_png_grey(out / "kind" / (name + ".png"), size)),
-        provenance(io::read_png_triples(out / "provenance" / (name + ".png"), size)),
-        used(io::read_image(out / "sources_used" / (name + ".png"), size)),
-        harmonisation(io::read_png_triples(out / "harmonisation" / (name + ".png"), size)) {}
+      : frame(media::read_image(out / "frames" / (name + ".png"), size)),
+        mask(media::read_mask(out / "masks" / (name + ".png"), size)),
+        kind(media::read_png_grey(out / "kind" / (name + ".png"), size)),
+        provenance(media::read_png_triples(out / "provenance" / (name + ".png"), size)),
+        used(media::read_image(out / "sources_used" / (name + ".png"), size)),
+        harmonisation(media::read_png_triples(out / "harmonisation" / (name + ".png"), size)) {}
 
   harmonize::Provenance from(cv::Point p) const { return harmonize::Provenance::of(provenance(p), used(p)); }
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "dvi/drive/memory_views.h"
+#include "dvi/testing/memory_views.h"
 
 namespace dvi::audit {
 namespace {

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "dvi/drive/flat_scene.h"
-#include "dvi/drive/memory_views.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/testing/flat_scene.h"
+#include "dvi/testing/memory_views.h"
 
 namespace dvi::baselines {
 namespace {

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include "dvi/cli/command.h"
+#include "dvi/commands/audit_result.h"
 #include "dvi/core/error.h"
 #include "dvi/core/threads.h"
-#include "dvi/pipeline/audit_result.h"
 
 namespace dvi::cli {
 
@@ -28,7 +28,7 @@ void add_audit(Program& program) {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     a->drives.insert(a->drives.begin(), a->target);
-    const pipeline::AuditReport report = pipeline::audit_result(a->out, a->drives, a->masks, progress);
+    const commands::AuditReport report = commands::audit_result(a->out, a->drives, a->masks, progress);
     fmt::print("{}\n", a->common.json ? report.json : report.text);
     if (!report.audit.passed()) throw InputError(a->out, "fails the audit", "see the report");
   });

@@ -1,4 +1,4 @@
-#include "dvi/pipeline/check.h"
+#include "dvi/commands/check.h"
 
 #include <memory>
 
@@ -29,9 +29,9 @@ void add_check(Program& program) {
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const pipeline::CheckReport report = pipeline::check(a->options.job(a->out, a->drive, {}), a->forecast, progress);
+    const commands::CheckReport report = commands::check(a->options.job(a->out, a->drive, {}), a->forecast, progress);
     progress.end();
-    fmt::print("{}\n", a->common.json ? pipeline::to_json(report) : report.brief());
+    fmt::print("{}\n", a->common.json ? commands::to_json(report) : report.brief());
     if (!report.ready) throw InputError(a->drive, "is not ready for dvi run", "see the warnings of the report");
   });
 }

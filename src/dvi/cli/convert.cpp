@@ -1,4 +1,4 @@
-#include "dvi/pipeline/convert.h"
+#include "dvi/commands/convert.h"
 
 #include <memory>
 
@@ -7,7 +7,7 @@
 
 #include "dvi/cli/command.h"
 #include "dvi/core/threads.h"
-#include "dvi/pipeline/job.h"
+#include "dvi/job/job.h"
 
 namespace dvi::cli {
 
@@ -30,10 +30,10 @@ void add_convert(Program& program) {
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    io::ReadOptions read{.camera = a->camera};
+    datasets::ReadOptions read{.camera = a->camera};
     read.topics = a->topics;
-    if (!a->frames.empty()) read.frames = pipeline::parse_frames(a->frames);
-    const pipeline::ConvertReport report = pipeline::convert(a->drive, read, !a->one_camera, a->out, progress);
+    if (!a->frames.empty()) read.frames = job::parse_frames(a->frames);
+    const commands::ConvertReport report = commands::convert(a->drive, read, !a->one_camera, a->out, progress);
     fmt::print("{}: {} images of {}, {} scans, from {} frames {}:{}\n", a->out, report.images, fmt::join(report.cameras, ", "),
                report.scans, report.format, report.first_frame, report.last_frame);
   });

@@ -10,10 +10,10 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/metrics/evaluate.h"
-#include "dvi/pipeline/result_folder.h"
-#include "dvi/pipeline/run.h"
-#include "dvi/pipeline/run_stages.h"
-#include "dvi/pipeline/write_report.h"
+#include "dvi/result/result_folder.h"
+#include "dvi/result/write_report.h"
+#include "dvi/run/run.h"
+#include "dvi/run/run_stages.h"
 #include "dvi/synth/synth.h"
 
 namespace dvi::cli {
@@ -63,16 +63,16 @@ void add_demo(Program& program) {
         Progress progress(a->common.style());
         const fs::path out = a->out;
         const bool synthetic = a->drive.empty();
-        std::vector<PlannedStage> stages = pipeline::run_stages(a->options.job(out / "result", a->drive, {}));
+        std::vector<PlannedStage> stages = run::run_stages(a->options.job(out / "result", a->drive, {}));
         if (synthetic) stages.insert(stages.begin(), {"synth", 0.3});
         progress.plan(std::move(stages));
         const std::string drive = synthetic ? demo_street(out, a->common.seed, progress) : a->drive;
-        pipeline::Job job = a->options.job(out / "result", drive, {});
+        job::Job job = a->options.job(out / "result", drive, {});
         job.force = a->force;
-        const pipeline::RunReport report = pipeline::run(job, progress);
+        const result::RunReport report = run::run(job, progress);
         progress.end();
         if (a->common.json) {
-          fmt::print("{}\n", to_json(report));
+          fmt::print("{}\n", result::to_json(report));
           return;
         }
         fmt::print("{}\n", report.brief(job.out));
@@ -80,11 +80,11 @@ void add_demo(Program& program) {
           const fs::path truth = fs::path(drive) / "truth";
           const metrics::Evaluation evaluation = metrics::evaluate({job.out, truth});
           fmt::print("\nAgainst the truth, inside the mask:\n{}\n", metrics::table(evaluation));
-          pipeline::show_truth(job.out, {truth, json_text(evaluation)}, progress);
+          result::show_truth(job.out, {truth, json_text(evaluation)}, progress);
         }
         fmt::print("{}\n", what_to_look_at(fs::path(job.out), synthetic));
       },
-      [a] { return pipeline::kept_in(fs::path(a->out) / "result"); });
+      [a] { return result::kept_in(fs::path(a->out) / "result"); });
 }
 
 }  // namespace dvi::cli

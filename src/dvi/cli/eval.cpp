@@ -9,7 +9,7 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/metrics/evaluate.h"
-#include "dvi/pipeline/write_report.h"
+#include "dvi/result/write_report.h"
 
 namespace dvi::cli {
 
@@ -35,7 +35,7 @@ void add_eval(Program& program) {
     const metrics::Evaluation evaluation = metrics::evaluate(folders, progress.parts());
     progress.end();
     for (const std::string& warning : evaluation.warnings) progress.warn(warning);
-    pipeline::show_truth(a->out, {a->truth, json_text(evaluation)}, progress);
+    result::show_truth(a->out, {a->truth, json_text(evaluation)}, progress);
     if (a->common.json)
       fmt::print("{}\n", json_text(evaluation));
     else

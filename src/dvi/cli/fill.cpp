@@ -8,8 +8,8 @@
 #include "dvi/cli/job_options.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
-#include "dvi/pipeline/result_folder.h"
-#include "dvi/pipeline/run.h"
+#include "dvi/result/result_folder.h"
+#include "dvi/run/run.h"
 
 namespace dvi::cli {
 
@@ -27,18 +27,18 @@ void add_fill(Program& program) {
   command.run(
       [a] {
         std::optional<FrameRange> range;
-        if (a->frames) range = pipeline::parse_frames(*a->frames);
-        const pipeline::Job job = planned_job(a->out);
+        if (a->frames) range = job::parse_frames(*a->frames);
+        const job::Job job = planned_job(a->out);
         const ThreadLimit limit(a->common.threads);
         Progress progress(a->common.style());
-        const pipeline::FillReport fill = pipeline::fill(job, range, progress);
+        const run::FillReport fill = run::fill(job, range, progress);
         progress.end();
         const nlohmann::json json{{"schema", "dvi-fill/1"}, {"frames", fill.frames}, {"filled", fill.filled}};
         fmt::print("{}\n", a->common.json ? json_text(json)
                                           : fmt::format("{} frames filled, {} were finished before", fill.filled,
                                                         fill.frames - fill.filled));
       },
-      [a] { return pipeline::kept_in(a->out); });
+      [a] { return result::kept_in(a->out); });
 }
 
 }  // namespace dvi::cli

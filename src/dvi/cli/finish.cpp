@@ -5,8 +5,8 @@
 #include "dvi/cli/command.h"
 #include "dvi/cli/job_options.h"
 #include "dvi/core/threads.h"
-#include "dvi/pipeline/result_folder.h"
-#include "dvi/pipeline/run.h"
+#include "dvi/result/result_folder.h"
+#include "dvi/run/run.h"
 
 namespace dvi::cli {
 
@@ -21,14 +21,14 @@ void add_finish(Program& program) {
   a->common.add_to(command, true);
   command.run(
       [a] {
-        const pipeline::Job job = planned_job(a->out);
+        const job::Job job = planned_job(a->out);
         const ThreadLimit limit(a->common.threads);
         Progress progress(a->common.style());
-        const pipeline::RunReport report = pipeline::finish(job, progress);
+        const result::RunReport report = run::finish(job, progress);
         progress.end();
-        fmt::print("{}\n", a->common.json ? pipeline::to_json(report) : report.brief(job.out));
+        fmt::print("{}\n", a->common.json ? result::to_json(report) : report.brief(job.out));
       },
-      [a] { return pipeline::kept_in(a->out); });
+      [a] { return result::kept_in(a->out); });
 }
 
 }  // namespace dvi::cli

@@ -1,4 +1,4 @@
-#include "dvi/pipeline/forecast.h"
+#include "dvi/commands/forecast_holes.h"
 
 #include <memory>
 
@@ -27,9 +27,9 @@ void add_forecast(Program& program) {
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const pipeline::ForecastReport report = pipeline::forecast_holes(a->options.job(a->out, a->drive, a->sources), progress);
+    const commands::ForecastReport report = commands::forecast_holes(a->options.job(a->out, a->drive, a->sources), progress);
     progress.end();
-    fmt::print("{}\n", a->common.json ? pipeline::to_json(report) : report.table());
+    fmt::print("{}\n", a->common.json ? commands::to_json(report) : report.table());
   });
 }
 

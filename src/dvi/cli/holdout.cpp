@@ -4,8 +4,8 @@
 
 #include "dvi/cli/command.h"
 #include "dvi/cli/job_options.h"
+#include "dvi/commands/make_holdout.h"
 #include "dvi/core/threads.h"
-#include "dvi/pipeline/make_holdout.h"
 
 namespace dvi::cli {
 
@@ -28,7 +28,7 @@ void add_holdout(Program& program) {
     const holdout::HoldoutOptions options{holdout::parse_scenario(a->scenario), a->common.seed};
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    pipeline::make_holdout(a->options.job(a->out, a->drive, {}), options, progress);
+    commands::make_holdout(a->options.job(a->out, a->drive, {}), options, progress);
     if (a->common.json)
       fmt::print("{}", read_file(fs::path(a->out) / "holdout.json"));
     else

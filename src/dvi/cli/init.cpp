@@ -4,7 +4,7 @@
 
 #include "dvi/cli/command.h"
 #include "dvi/core/files.h"
-#include "dvi/io/draft_config.h"
+#include "dvi/datasets/draft_config.h"
 
 namespace dvi::cli {
 
@@ -13,7 +13,7 @@ void add_init(Program& program) {
   Command command = program.command("init", "A dvi.toml to fill in, for images and scans of your own");
   command.positional("FOLDER", *folder, "The folder with images/CAMERA and lidar/ or depth/");
   command.run([folder] {
-    const io::DraftConfig draft = io::draft_config(*folder);
+    const datasets::DraftConfig draft = datasets::draft_config(*folder);
     const fs::path file = fs::path(*folder) / "dvi.toml";
     write_file(file, draft.text);
     fmt::print("{}\n", file.string());

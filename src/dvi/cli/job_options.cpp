@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
-#include "dvi/pipeline/plan_record.h"
+#include "dvi/result/plan_record.h"
 
 namespace dvi::cli {
 namespace {
@@ -54,13 +54,12 @@ void JobOptions::add_to(Command& command) {
   command.option("--set", set, "section.key=value, repeatable; dvi config dump --all lists all options");
 }
 
-pipeline::Job JobOptions::job(const std::string& out, const std::string& target,
-                              const std::vector<std::string>& sources) const {
-  pipeline::Job job;
+job::Job JobOptions::job(const std::string& out, const std::string& target, const std::vector<std::string>& sources) const {
+  job::Job job;
   OptionTable table = job.table();
   if (!config.empty()) table.load_toml(config);
-  take(method, "--method", parse_name<pipeline::Method>, job.method);
-  pipeline::use_method(job.method, job.options);
+  take(method, "--method", parse_name<job::Method>, job.method);
+  job::use_method(job.method, job.options);
   // Once more: what the file says of single options holds against the method it names.
   if (!config.empty() && !method) table.load_toml(config);
   if (camera) job.read.camera = *camera;
@@ -70,13 +69,13 @@ pipeline::Job JobOptions::job(const std::string& out, const std::string& target,
   if (masks && detector) throw UsageError("--detector and --masks both say what to remove: give one of them");
   if (masks) job.read.detector.clear();  // what a file says of the other
   if (detector) job.read.masks = {};
-  take(masks, "--masks", pipeline::MasksFrom::parse, job.read.masks);
+  take(masks, "--masks", job::MasksFrom::parse, job.read.masks);
   if (detector) job.read.detector = *detector;
-  take(polarity, "--polarity", parse_name<io::Polarity>, job.read.mask_files.polarity);
+  take(polarity, "--polarity", parse_name<labels::Polarity>, job.read.mask_files.polarity);
   if (classes) job.read.mask_files.classes = *classes;
   if (ego_mask) job.read.ego_mask = *ego_mask;
-  take(poses, "--poses", pipeline::PosesFrom::parse, job.read.poses);
-  take(remove, "--remove", parse_name<pipeline::Remove>, job.read.remove);
+  take(poses, "--poses", job::PosesFrom::parse, job.read.poses);
+  take(remove, "--remove", parse_name<job::Remove>, job.read.remove);
   take(never_seen, "--never-seen", parse_name<harmonize::NeverSeen>, job.options.harmonize.never_seen);
   for (const std::string& assignment : set) table.set(assignment);
   job.options.check();
@@ -100,8 +99,8 @@ void RunArguments::add_to(Command& command) {
   common.add_to(command, true);
 }
 
-pipeline::Job RunArguments::job(const std::string& command) {
-  pipeline::Job job = options.job(out, target, sources);
+job::Job RunArguments::job(const std::string& command) {
+  job::Job job = options.job(out, target, sources);
   job.force = force;
   out = job.out;
   if (job.target.empty()) throw UsageError(fmt::format("dvi {0} needs a drive: dvi {0} TARGET -o OUT", command));
@@ -109,8 +108,8 @@ pipeline::Job RunArguments::job(const std::string& command) {
   return job;
 }
 
-pipeline::Job planned_job(const std::string& out) {
-  pipeline::read_plan_record(out);
+job::Job planned_job(const std::string& out) {
+  result::read_plan_record(out);
   JobOptions options;
   options.config = (fs::path(out) / "dvi.toml").string();
   return options.job(fs::absolute(out).lexically_normal().string(), "", {});

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "dvi/cli/command.h"
-#include "dvi/pipeline/job.h"
+#include "dvi/job/job.h"
 
 namespace dvi::cli {
 
@@ -19,7 +19,7 @@ struct JobOptions {
   void add_to(Command& command);
 
   /// The job these make: defaults, then the method's, then --config, then the command line and --set. Paths become absolute.
-  pipeline::Job job(const std::string& out, const std::string& target, const std::vector<std::string>& sources) const;
+  job::Job job(const std::string& out, const std::string& target, const std::vector<std::string>& sources) const;
 };
 
 /// The command line of run and plan.
@@ -34,10 +34,10 @@ struct RunArguments {
 
   /// The job these make, whose folder becomes `out`. UsageError, with the name of the command, where drive or folder are
   /// missing.
-  pipeline::Job job(const std::string& command);
+  job::Job job(const std::string& command);
 };
 
 /// The job that `dvi plan` wrote down in OUT.
-pipeline::Job planned_job(const std::string& out);
+job::Job planned_job(const std::string& out);
 
 }  // namespace dvi::cli

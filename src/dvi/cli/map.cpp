@@ -1,4 +1,4 @@
-#include "dvi/pipeline/make_map.h"
+#include "dvi/run/make_map.h"
 
 #include <memory>
 
@@ -27,7 +27,7 @@ void add_map(Program& program) {
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const std::string report = pipeline::make_map(a->options.job(a->out, a->drive, {}), a->trajectory, progress);
+    const std::string report = run::make_map(a->options.job(a->out, a->drive, {}), a->trajectory, progress);
     progress.end();
     if (a->common.json)
       fmt::print("{}\n", report);

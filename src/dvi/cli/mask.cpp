@@ -4,8 +4,8 @@
 
 #include "dvi/cli/command.h"
 #include "dvi/cli/job_options.h"
+#include "dvi/commands/make_masks.h"
 #include "dvi/core/threads.h"
-#include "dvi/pipeline/make_masks.h"
 
 namespace dvi::cli {
 
@@ -26,7 +26,7 @@ void add_mask(Program& program) {
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const std::string report = pipeline::make_masks(a->options.job(a->out, a->drive, {}), progress);
+    const std::string report = commands::make_masks(a->options.job(a->out, a->drive, {}), progress);
     progress.end();
     if (a->common.json)
       fmt::print("{}\n", report);

@@ -7,17 +7,17 @@
 #include "dvi/cli/job_options.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
-#include "dvi/pipeline/result_folder.h"
-#include "dvi/pipeline/run.h"
+#include "dvi/result/result_folder.h"
+#include "dvi/run/run.h"
 
 namespace dvi::cli {
 namespace {
 
-std::string json_of(const pipeline::PlanReport& plan) {
+std::string json_of(const run::PlanReport& plan) {
   return json_text(nlohmann::json{{"schema", "dvi-plan/1"}, {"frames", plan.frames}, {"finished", plan.finished}});
 }
 
-std::string brief(const pipeline::PlanReport& plan, const std::string& out) {
+std::string brief(const run::PlanReport& plan, const std::string& out) {
   return fmt::format(
       "{0} frames planned, {1} to {2}; {3} are finished\n"
       "  dvi fill {4} --frames A:B   any range, in any order, several at once\n"
@@ -34,14 +34,14 @@ void add_plan(Program& program) {
   a->add_to(command);
   command.run(
       [a] {
-        const pipeline::Job job = a->job("plan");
+        const job::Job job = a->job("plan");
         const ThreadLimit limit(a->common.threads);
         Progress progress(a->common.style());
-        const pipeline::PlanReport plan = pipeline::plan(job, progress);
+        const run::PlanReport plan = run::plan(job, progress);
         progress.end();
         fmt::print("{}\n", a->common.json ? json_of(plan) : brief(plan, job.out));
       },
-      [a] { return pipeline::kept_in(a->out); });
+      [a] { return result::kept_in(a->out); });
 }
 
 }  // namespace dvi::cli

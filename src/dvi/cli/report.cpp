@@ -8,7 +8,7 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/metrics/evaluate.h"
-#include "dvi/pipeline/write_report.h"
+#include "dvi/result/write_report.h"
 
 namespace dvi::cli {
 
@@ -26,10 +26,10 @@ void add_report(Program& program) {
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    pipeline::ShownTruth truth{a->truth, {}};
+    result::ShownTruth truth{a->truth, {}};
     if (!a->truth.empty())
       truth.evaluation = json_text(metrics::evaluate({a->out, a->truth, a->ignore, {}}, progress.parts()), -1);
-    pipeline::write_report(a->out, truth, progress);
+    result::write_report(a->out, truth, progress);
     fmt::print("{}/report.html  open it in a browser\n", a->out);
   });
 }

@@ -1,4 +1,4 @@
-#include "dvi/pipeline/run.h"
+#include "dvi/run/run.h"
 
 #include <memory>
 
@@ -7,7 +7,7 @@
 #include "dvi/cli/command.h"
 #include "dvi/cli/job_options.h"
 #include "dvi/core/threads.h"
-#include "dvi/pipeline/result_folder.h"
+#include "dvi/result/result_folder.h"
 
 namespace dvi::cli {
 
@@ -21,14 +21,14 @@ void add_run(Program& program) {
                     "dvi run --config OUT/dvi.toml -o AGAIN       the same once more"});
   command.run(
       [a] {
-        const pipeline::Job job = a->job("run");
+        const job::Job job = a->job("run");
         const ThreadLimit limit(a->common.threads);
         Progress progress(a->common.style());
-        const pipeline::RunReport report = pipeline::run(job, progress);
+        const result::RunReport report = run::run(job, progress);
         progress.end();
-        fmt::print("{}\n", a->common.json ? pipeline::to_json(report) : report.brief(job.out));
+        fmt::print("{}\n", a->common.json ? result::to_json(report) : report.brief(job.out));
       },
-      [a] { return pipeline::kept_in(a->out); });
+      [a] { return result::kept_in(a->out); });
 }
 
 }  // namespace dvi::cli

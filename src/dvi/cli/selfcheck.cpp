@@ -1,4 +1,4 @@
-#include "dvi/pipeline/selfcheck.h"
+#include "dvi/commands/selfcheck.h"
 
 #include <memory>
 
@@ -35,8 +35,8 @@ void add_selfcheck(Program& program) {
         const std::vector<metrics::ExternalFrames> external = metrics::parse_external(a->external);
         const ThreadLimit limit(a->common.threads);
         Progress progress(a->common.style());
-        const pipeline::SelfcheckReport report =
-            pipeline::selfcheck(a->options.job(a->out, a->drive, {}), scenarios, external, a->common.seed, progress);
+        const commands::SelfcheckReport report =
+            commands::selfcheck(a->options.job(a->out, a->drive, {}), scenarios, external, a->common.seed, progress);
         fmt::print("{}\n", a->common.json ? report.json : report.text);
       },
       [] { return "finished scenarios and frames are kept, the same command does the rest"; });

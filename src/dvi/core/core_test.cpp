@@ -23,8 +23,8 @@
 #include "dvi/core/interrupt.h"
 #include "dvi/core/progress.h"
 #include "dvi/core/random.h"
-#include "dvi/core/test_folder.h"
 #include "dvi/core/threads.h"
+#include "dvi/testing/temp_folder.h"
 
 namespace dvi {
 namespace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "dvi/core/error.h"
-#include "dvi/core/test_folder.h"
+#include "dvi/testing/temp_folder.h"
 
 namespace dvi {
 namespace {

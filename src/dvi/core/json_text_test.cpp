@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/json_file.h"
-#include "dvi/core/test_folder.h"
+#include "dvi/testing/temp_folder.h"
 
 namespace dvi {
 namespace {

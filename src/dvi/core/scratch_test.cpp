@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "dvi/core/error.h"
-#include "dvi/core/test_folder.h"
+#include "dvi/testing/temp_folder.h"
 
 namespace dvi {
 namespace {

@@ -9,7 +9,7 @@
 #include "dvi/core/random.h"
 #include "dvi/depth/packed_depth.h"
 #include "dvi/depth/test_map.h"
-#include "dvi/drive/memory_views.h"
+#include "dvi/testing/memory_views.h"
 
 namespace dvi::depth {
 namespace {

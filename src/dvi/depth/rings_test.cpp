@@ -135,9 +135,9 @@ TEST_P(Poles, KeepTheirWidthAndLeaveNothingBetween) {
 
 INSTANTIATE_TEST_SUITE_P(Depth, Poles, testing::Combine(testing::Values(8.0, 12.0, 20.0), testing::Values(1, 4)));
 
-class Rings : public testing::TestWithParam<int> {};
+class RingsOf64Beams : public testing::TestWithParam<int> {};
 
-TEST_P(Rings, ShowAWireOrWhatIsBehindIt) {
+TEST_P(RingsOf64Beams, ShowAWireOrWhatIsBehindIt) {
   const Place street{{kGround, kFacade}}, place{{kGround, kFacade, pole(10, 0, 0.01, 5)}};  // one firing a ring may meet it
   const View of = view();
   const DepthMap depth = depth_map(scan(place, GetParam()), of, {});
@@ -151,7 +151,7 @@ TEST_P(Rings, ShowAWireOrWhatIsBehindIt) {
   }
 }
 
-TEST_P(Rings, ShowARailingOrWhatIsBehindIt) {
+TEST_P(RingsOf64Beams, ShowARailingOrWhatIsBehindIt) {
   const Shape rail = plane({12, 0, 0}, {-1, 0, 0}, [](const Vector3d& p) {
     const double from_post = p.y() - 0.5 * std::round(2 * p.y());
     return p.z() < -0.6 && (p.z() > -0.66 || std::abs(from_post) < 0.015);
@@ -164,7 +164,7 @@ TEST_P(Rings, ShowARailingOrWhatIsBehindIt) {
   EXPECT_LT(wrong(depth, {truth(street, of, round), railing}, round, 0.03), 0.01 * round.area());
 }
 
-TEST_P(Rings, MeetAtTheCornersOfHouses) {
+TEST_P(RingsOf64Beams, MeetAtTheCornersOfHouses) {
   for (const int sign : {1, -1}) {  // a corner that points at the view, and one that encloses it
     const Vector3d corner(20, 0, 0);
     const Place place{{kGround, plane(corner, {-1, 0.7 * sign, 0}, [](const Vector3d& p) { return p.y() >= 0; }),
@@ -176,7 +176,7 @@ TEST_P(Rings, MeetAtTheCornersOfHouses) {
   }
 }
 
-TEST_P(Rings, LieOnGroundThatSlants) {
+TEST_P(RingsOf64Beams, LieOnGroundThatSlants) {
   const Place place{{plane({0, 0, -1.6}, {0.04, -0.06, 1})}};
   const View of = view();
   const cv::Rect round(150, 240, 340, 120);
@@ -184,6 +184,6 @@ TEST_P(Rings, LieOnGroundThatSlants) {
   EXPECT_EQ(wrong(depth, {truth(place, of, round)}, round, 0.005), 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Depth, Rings, testing::Values(1, 4));
+INSTANTIATE_TEST_SUITE_P(Depth, RingsOf64Beams, testing::Values(1, 4));
 
 }  // namespace dvi::depth

@@ -10,7 +10,7 @@
 namespace dvi::depth {
 namespace {
 
-constexpr float kNoise = 0.06F;         // metres: three times the range noise of a LiDAR
+constexpr float kSurfelNoise = 0.06F;   // metres: three times the range noise of a LiDAR
 constexpr float kBend = 0.1F;           // how far one surface may leave a plane of a point of it, a metre of way
 constexpr float kTilt = 0.03F;          // the same for what normals are off by: 2 degrees
 constexpr float kApart = 0.25F;         // metres: no surface is so uneven, however long the way
@@ -55,7 +55,7 @@ void for_edges(const SurfelMesh& mesh, const Edge& edge) {
 }
 
 // How far one surface may leave a plane of a point of it.
-float allowed_off(float way) { return std::min(kNoise + kBend * way, kApart); }
+float allowed_off(float way) { return std::min(kSurfelNoise + kBend * way, kApart); }
 
 // The triangles round each surfel: those of surfel i are [first[i], first[i + 1]).
 struct Fans {
@@ -88,7 +88,7 @@ Eigen::Vector3f plane_of_neighbours(const SurfelMesh& mesh, const Fans& fans, st
     float on = 0, all = 0, sum = 0;  // a neighbour counts once for either triangle it shares
     for (const std::size_t k : round) {
       const Eigen::Vector3f way = mesh.surfels[k].world - at;
-      const float off = std::abs(normal.dot(way)) / std::min(kNoise + kTilt * way.norm(), kApart);
+      const float off = std::abs(normal.dot(way)) / std::min(kSurfelNoise + kTilt * way.norm(), kApart);
       const float weight = 1 / (1 + way.norm());  // what is metres away may well be another surface
       all += weight;
       on += off < 1 ? weight : 0;

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/random.h"
-#include "dvi/drive/flat_scene.h"
+#include "dvi/testing/flat_scene.h"
 
 namespace dvi {
 namespace {

@@ -6,7 +6,7 @@
 #include "dvi/exports/mcap_writer.h"
 #include "dvi/exports/ros_messages.h"
 #include "dvi/harmonize/filled_frame.h"
-#include "dvi/io/png_encode.h"
+#include "dvi/media/png_encode.h"
 
 namespace dvi::exports {
 namespace {
@@ -42,7 +42,7 @@ void write_file_of(const Result& result, McapWriter& file, const std::vector<Clo
   file.write(path, begin, ros::path(poses));
   for_blocks(poses.size(), [&](std::size_t first, std::size_t last) {
     std::vector<std::string> overlays(last - first);
-    parallel_for(overlays.size(), [&](std::size_t i) { overlays[i] = io::encode_png(overlay(result, first + i)); });
+    parallel_for(overlays.size(), [&](std::size_t i) { overlays[i] = media::encode_png(overlay(result, first + i)); });
     for (std::size_t i = first; i < last; ++i) {
       const std::int64_t time = poses[i].time_ns;
       file.write(tf, time, ros::transform(poses[i]));

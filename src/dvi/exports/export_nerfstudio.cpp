@@ -8,8 +8,8 @@
 #include "dvi/exports/exporter.h"
 #include "dvi/exports/map_cloud.h"
 #include "dvi/exports/scene_files.h"
-#include "dvi/io/write_image.h"
-#include "dvi/io/write_ply.h"
+#include "dvi/media/write_image.h"
+#include "dvi/media/write_ply.h"
 
 namespace dvi::exports {
 namespace {
@@ -40,7 +40,7 @@ void write_cloud(const fs::path& file, const std::vector<CloudPoint>& cloud) {
     points.push_back(p.position);
     colours.push_back(p.colour);
   }
-  io::write_ply(file, {points, colours});
+  media::write_ply(file, {points, colours});
 }
 
 nlohmann::json transforms(const Result& result) {
@@ -72,7 +72,7 @@ ExportReport write_nerfstudio(const Result& result, const fs::path& folder, cons
   write_images_and_masks(result, folder, ".png", progress);
   make_folder(folder / "depth");
   parallel_for(result.frames().size(), [&](std::size_t i) {
-    io::write_png(folder / "depth" / (result.frames()[i].name + ".png"), millimetres(result.depth(i)));
+    media::write_png(folder / "depth" / (result.frames()[i].name + ".png"), millimetres(result.depth(i)));
   });
   std::vector<CloudPoint> cloud = read_map_cloud(result.folder() / "map/map.ply");
   std::erase_if(cloud, [](const CloudPoint& p) { return !p.coloured(); });

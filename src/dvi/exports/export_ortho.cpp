@@ -9,9 +9,9 @@
 #include "dvi/core/threads.h"
 #include "dvi/exports/exporter.h"
 #include "dvi/exports/geotiff.h"
-#include "dvi/exports/ground.h"
+#include "dvi/exports/ground_raster.h"
 #include "dvi/exports/map_cloud.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/write_image.h"
 
 namespace dvi::exports {
 namespace {
@@ -47,7 +47,7 @@ struct SeenFrame {
         kind(result.kind(i)),
         confidence(result.confidence(i)),
         depth(result.depth(i)),
-        provenance(io::read_png_triples(result.picture("provenance", i), result.size())) {}
+        provenance(media::read_png_triples(result.picture("provenance", i), result.size())) {}
 
   // The source frame that a pixel shows: where it was copied, the one it was copied from.
   std::size_t source_at(cv::Point p, std::size_t own) const {
@@ -58,7 +58,7 @@ struct SeenFrame {
 };
 
 // The cells that a frame sees, as long as no nearer frame saw them: the nearer camera resolves more.
-void add_frame(const Result& result, std::size_t number, const Ground& ground, Ortho& ortho) {
+void add_frame(const Result& result, std::size_t number, const GroundRaster& ground, Ortho& ortho) {
   constexpr double kNearest = 0.5, kFarthest = 40, kTolerance = 0.03;  // metres; part of the depth
   const ResultFrame& frame = result.frames()[number];
   const SeenFrame seen(result, number);
@@ -110,7 +110,7 @@ ExportReport write_ortho(const Result& result, const fs::path& folder, const Exp
   if (!can_write_geotiff()) throw UsageError("dvi export ortho: this build has no GDAL; install libgdal-dev and build again");
   const std::optional<EarthPlace> origin = origin_of(result, options.origin);
   const std::vector<CloudPoint> cloud = read_map_cloud(result.folder() / "map/map.ply");
-  const Ground ground = ground_of(cloud, options.cell_m);
+  const GroundRaster ground = ground_of(cloud, options.cell_m);
   Ortho ortho(ground.height.size());
   for (std::size_t i = 0; i < result.frames().size(); ++i) {
     add_frame(result, i, ground, ortho);

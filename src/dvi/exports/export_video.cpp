@@ -2,9 +2,9 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/threads.h"
+#include "dvi/datasets/reader.h"
 #include "dvi/exports/exporter.h"
-#include "dvi/io/image_file.h"
-#include "dvi/io/reader.h"
+#include "dvi/media/image_file.h"
 
 namespace dvi::exports {
 namespace {
@@ -13,16 +13,16 @@ cv::Mat3b picture(const Result& result, std::size_t frame, bool beside) {
   const cv::Mat3b clean = result.image(frame);
   if (!beside) return clean;
   const fs::path& input = result.frames()[frame].input;
-  if (io::holds_many_images(input))
+  if (datasets::holds_many_images(input))
     throw InputError(input, "holds no images of their own to stand beside the result", "compare.mp4 of the result shows both");
   cv::Mat3b both;
-  cv::hconcat(io::read_image(input, result.size()), clean, both);
+  cv::hconcat(media::read_image(input, result.size()), clean, both);
   return both;
 }
 
 ExportReport write_video(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
   const int width = result.size().width * (options.beside ? 2 : 1);
-  io::VideoWriter video(folder / "video.mp4", {width, result.size().height}, options.video);
+  media::VideoWriter video(folder / "video.mp4", {width, result.size().height}, options.video);
   for_blocks(result.frames().size(), [&](std::size_t first, std::size_t last) {
     std::vector<cv::Mat3b> pictures(last - first);
     parallel_for(pictures.size(), [&](std::size_t i) { pictures[i] = picture(result, first + i, options.beside); });

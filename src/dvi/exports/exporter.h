@@ -9,7 +9,7 @@
 #include "dvi/core/options.h"
 #include "dvi/core/progress.h"
 #include "dvi/exports/result.h"
-#include "dvi/io/video.h"
+#include "dvi/media/video.h"
 
 namespace dvi::exports {
 
@@ -19,7 +19,7 @@ struct ExportOptions {
   double cell_m = 0.05;
   std::string origin;
   bool beside = false;
-  io::VideoOptions video;
+  media::VideoOptions video;
 
   void describe(OptionTable& table) {
     table.section("export");

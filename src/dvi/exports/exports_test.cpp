@@ -6,14 +6,14 @@
 #include <gtest/gtest.h>
 
 #include "dvi/core/error.h"
-#include "dvi/core/test_folder.h"
 #include "dvi/exports/exporter.h"
 #include "dvi/exports/geotiff.h"
-#include "dvi/exports/ground.h"
+#include "dvi/exports/ground_raster.h"
 #include "dvi/exports/map_cloud.h"
 #include "dvi/exports/mcap_writer.h"
 #include "dvi/exports/ros_messages.h"
-#include "dvi/io/write_ply.h"
+#include "dvi/media/write_ply.h"
+#include "dvi/testing/temp_folder.h"
 
 namespace dvi::exports {
 namespace {
@@ -33,10 +33,10 @@ fs::path write_cloud(const TempFolder& folder, const std::vector<CloudPoint>& cl
     const std::array<float, 6> values{p.normal.x(), p.normal.y(), p.normal.z(), p.intensity, p.first_s, p.last_s};
     for (std::size_t k = 0; k < values.size(); ++k) scalars[k].push_back(values[k]);
   }
-  io::PlyCloud ply{points, colours, {}, "a map"};
+  media::PlyCloud ply{points, colours, {}, "a map"};
   const std::array<const char*, 6> names{"nx", "ny", "nz", "intensity", "first", "last"};
   for (std::size_t k = 0; k < names.size(); ++k) ply.scalars.push_back({names[k], scalars[k]});
-  io::write_ply(folder.path / "map.ply", ply);
+  media::write_ply(folder.path / "map.ply", ply);
   return folder.path / "map.ply";
 }
 
@@ -76,7 +76,7 @@ TEST(Ground, IsTheLowestSurfaceAndKeepsItsSlope) {
       cloud.push_back(at(east, north, 0.05F * east));
       if (x > 40 && x < 60) cloud.push_back(at(east, north, 4));  // the crown of a tree above it
     }
-  const Ground ground = ground_of(cloud, 0.25);
+  const GroundRaster ground = ground_of(cloud, 0.25);
   for (int row = 2; row < ground.height.rows - 2; ++row)
     for (int column = 2; column < ground.height.cols - 2; ++column) {
       const Eigen::Vector3d middle = ground.middle(row, column);

@@ -12,7 +12,7 @@
 #endif
 
 #include "dvi/core/error.h"
-#include "dvi/io/text.h"
+#include "dvi/core/text.h"
 
 namespace dvi::exports {
 
@@ -21,7 +21,7 @@ EarthPlace parse_origin(const std::string& text) {
   std::size_t begin = 0;
   while (begin <= text.size()) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::optional<double> number = io::to_number(text.substr(begin, end - begin));
+    const std::optional<double> number = to_number(text.substr(begin, end - begin));
     if (!number) break;
     numbers.push_back(*number);
     begin = end + 1;

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
-#include "dvi/io/text.h"
+#include "dvi/core/text.h"
 
 namespace dvi::exports {
 namespace {
@@ -27,10 +27,10 @@ PlyHeader read_header(const fs::path& path, std::istream& in) {
   std::string line;
   bool binary = false;
   while (std::getline(in, line) && line != "end_header") {
-    const std::vector<std::string> words = io::split_words(line);
+    const std::vector<std::string> words = split_words(line);
     if (words.size() == 3 && words[0] == "format") binary = words[1] == "binary_little_endian";
     if (words.size() == 3 && words[0] == "element") {
-      const std::optional<double> count = io::to_number(words[2]);
+      const std::optional<double> count = to_number(words[2]);
       if (words[1] != "vertex" || !count || *count < 0) throw InputError(path, "has no points", kRemedy);
       header.points = static_cast<std::size_t>(*count);
     }

@@ -8,11 +8,11 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/json_file.h"
+#include "dvi/core/text.h"
+#include "dvi/geometry/rigid.h"
 #include "dvi/harmonize/filled_frame.h"
-#include "dvi/io/image_file.h"
-#include "dvi/io/rigid.h"
-#include "dvi/io/text.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 
 namespace dvi::exports {
 namespace {
@@ -49,13 +49,13 @@ Result::Result(const fs::path& out) : folder_(out) {
 }
 
 void Result::read_poses() {
-  const std::vector<io::TextLine> poses = io::read_text_lines(folder_ / "map/poses.txt");
-  const std::vector<io::TextLine> times = io::read_text_lines(folder_ / "map/times.txt");
+  const std::vector<TextLine> poses = read_text_lines(folder_ / "map/poses.txt");
+  const std::vector<TextLine> times = read_text_lines(folder_ / "map/times.txt");
   if (poses.size() != times.size())
     throw InputError(folder_ / "map/times.txt", fmt::format("has {} lines, but poses.txt has {}", times.size(), poses.size()),
                      kRunAgain);
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const std::optional<SE3> pose = io::to_rigid(poses[i].numbers<12>(0));
+    const std::optional<SE3> pose = to_rigid(poses[i].numbers<12>(0));
     if (!pose) poses[i].fail("is no rigid motion", kRunAgain);
     frames_.push_back({{}, {}, times[i].nanoseconds(0), *pose});
   }
@@ -87,13 +87,13 @@ void Result::read_sources() {
       throw InputError(file, "names a frame '" + frame.name + "', which is no name of a file", kRunAgain);
 }
 
-cv::Mat3b Result::image(std::size_t frame) const { return io::read_image(picture("frames", frame), size()); }
-cv::Mat1b Result::kind(std::size_t frame) const { return io::read_png_grey(picture("kind", frame), size()); }
-cv::Mat1b Result::confidence(std::size_t frame) const { return io::read_png_grey(picture("confidence", frame), size()); }
+cv::Mat3b Result::image(std::size_t frame) const { return media::read_image(picture("frames", frame), size()); }
+cv::Mat1b Result::kind(std::size_t frame) const { return media::read_png_grey(picture("kind", frame), size()); }
+cv::Mat1b Result::confidence(std::size_t frame) const { return media::read_png_grey(picture("confidence", frame), size()); }
 
 cv::Mat1f Result::depth(std::size_t frame) const {
   cv::Mat1f metres;
-  io::read_png_depth(picture("depth", frame), size()).convertTo(metres, CV_32F, 1.0 / 256);
+  media::read_png_depth(picture("depth", frame), size()).convertTo(metres, CV_32F, 1.0 / 256);
   return metres;
 }
 

@@ -2,7 +2,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/threads.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/write_image.h"
 
 namespace dvi::exports {
 
@@ -18,7 +18,7 @@ void write_images_and_masks(const Result& result, const fs::path& folder, const 
   parallel_for(result.frames().size(), [&](std::size_t i) {
     const std::string& name = result.frames()[i].name;
     copy_picture(result.picture("frames", i), folder / "images" / (name + ".png"));
-    io::write_png(folder / "masks" / (name + mask_ending), result.evidence(i));
+    media::write_png(folder / "masks" / (name + mask_ending), result.evidence(i));
     progress.advance();
   });
 }

@@ -11,8 +11,8 @@
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/near_views.h"
+#include "dvi/exposure/estimate_vignetting.h"
 #include "dvi/exposure/sightings.h"
-#include "dvi/exposure/vignetting.h"
 #include "dvi/geometry/normal_equations.h"
 #include "dvi/map/visible_points.h"
 
@@ -42,7 +42,7 @@ void compare(std::size_t a, std::size_t b, const Lazy<Sightings>& seen, const st
              std::vector<Pair>& out) {
   const std::shared_ptr<const Sightings> in_a = seen[a], in_b = seen[b];
   std::array<std::vector<float>, 3> ratios;
-  for_each_shared(*in_a, *in_b, [&](const Sighting& i, const Sighting& j) {
+  for_each_shared(*in_a, *in_b, [&](const PointObservation& i, const PointObservation& j) {
     const float darker = vignetting[b] * j.off_axis - vignetting[a] * i.off_axis;
     for (int c = 0; c < 3; ++c) ratios[c].push_back(j.colour[c] - i.colour[c] + darker);
   });

@@ -8,10 +8,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/random.h"
-#include "dvi/drive/flat_scene.h"
 #include "dvi/drive/view.h"
 #include "dvi/drive/vignetting.h"
 #include "dvi/map/static_map.h"
+#include "dvi/testing/flat_scene.h"
 
 namespace dvi::exposure {
 namespace {

@@ -44,7 +44,7 @@ Sightings sightings(const View& view, const std::vector<map::VisiblePoint>& poin
     if (std::min({c[0], c[1], c[2]}) < static_cast<float>(kBlack)) continue;
     out.push_back({p.index, {std::log(c[0]), std::log(c[1]), std::log(c[2])}, off_axis(view.camera, {p.u, p.v})});
   }
-  std::sort(out.begin(), out.end(), [](const Sighting& a, const Sighting& b) { return a.point < b.point; });
+  std::sort(out.begin(), out.end(), [](const PointObservation& a, const PointObservation& b) { return a.point < b.point; });
   return out;
 }
 

@@ -10,13 +10,13 @@
 namespace dvi::exposure {
 
 /// What a view shows of a point of the map.
-struct Sighting {
+struct PointObservation {
   std::size_t point = 0;
   cv::Vec3f colour;    ///< its logarithm
   float off_axis = 0;  ///< as off_axis()
 };
 
-using Sightings = std::vector<Sighting>;
+using Sightings = std::vector<PointObservation>;
 
 /// What a view shows of the map, unmasked, neither black nor saturated, in order of points.
 Sightings sightings(const View& view, const std::vector<map::VisiblePoint>& points, const cv::Mat3b& image,

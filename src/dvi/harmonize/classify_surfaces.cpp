@@ -28,7 +28,7 @@ struct Classified {
 
 class Classifier {
  public:
-  Classifier(const View& view, const depth::DepthMap& depth, const map::Ground& ground)
+  Classifier(const View& view, const depth::DepthMap& depth, const ground::RoadGround& ground)
       : view_(view), depth_(depth), ground_(ground), world_from_camera_(view.camera_from_world.inverse()) {}
 
   Classified at(cv::Point p, bool sure) const {
@@ -48,7 +48,7 @@ class Classifier {
  private:
   const View& view_;
   const depth::DepthMap& depth_;
-  const map::Ground& ground_;
+  const ground::RoadGround& ground_;
   SE3 world_from_camera_;
 };
 
@@ -84,7 +84,7 @@ void propagate(const cv::Mat1b& unknown, const cv::Mat1b& spreads, cv::Mat1b& cl
 }  // namespace
 
 cv::Mat1b classify_surfaces(const View& view, const depth::DepthMap& depth, const sample::Candidates& candidates,
-                            const map::Ground& ground) {
+                            const ground::RoadGround& ground) {
   const Region& hole = candidates.hole;
   cv::Mat1b classes(hole.index.size(), as_byte(SurfaceClass::unknown)), unknown(hole.index.size(), uchar{0});
   cv::Mat1b spreads = unknown.clone();

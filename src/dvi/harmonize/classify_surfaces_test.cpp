@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "dvi/drive/memory_views.h"
 #include "dvi/harmonize/surface_class.h"
 #include "dvi/image/region.h"
 #include "dvi/map/static_map.h"
+#include "dvi/testing/memory_views.h"
 
 namespace dvi::harmonize {
 namespace {
@@ -56,7 +56,7 @@ struct RoadWithWall {
     mask(hole) = 255;
     const sample::Candidates candidates{Region(mask), std::vector<sample::Candidate>(hole.area())};
     const Views all = memory_views(views, std::vector<cv::Mat3b>(views.size()), std::vector<cv::Mat1b>(views.size()));
-    return classify_surfaces(all[0], depth, candidates, map::Ground(map, all));
+    return classify_surfaces(all[0], depth, candidates, ground::RoadGround(map, all));
   }
   int wrong(const cv::Mat1b& found, const cv::Rect& where) const {
     return cv::countNonZero(cv::Mat1b(found(where)) != truth(where));

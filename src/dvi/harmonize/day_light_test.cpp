@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "dvi/core/random.h"
-#include "dvi/drive/flat_scene.h"
 #include "dvi/harmonize/fuse.h"
+#include "dvi/testing/flat_scene.h"
 
 namespace dvi::harmonize {
 namespace {

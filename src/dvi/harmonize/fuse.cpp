@@ -18,18 +18,19 @@ constexpr float kDiffer = 3 * 1.41421F * kNoise;  // two pixels of the same thin
 constexpr float kSaturatedTrust = 0.01F;
 constexpr int kBleeds = 1;  // px from what is too bright for the target's light, what it is in front of is mixed with it
 
-bool agree(const Shown& a, const Shown& b) { return most_different(a.colour, b.colour) <= kDiffer; }
+bool agree(const SourceColor& a, const SourceColor& b) { return most_different(a.colour, b.colour) <= kDiffer; }
 
-std::size_t leading_of(std::span<const Shown> shown) {
+std::size_t leading_of(std::span<const SourceColor> shown) {
   float all = 0;
-  for (const Shown& s : shown) all += s.trust;
+  for (const SourceColor& s : shown) all += s.trust;
   for (std::size_t k = 0; k < shown.size(); ++k) {
     float support = 0;
-    for (const Shown& s : shown) support += agree(s, shown[k]) ? s.trust : 0;
+    for (const SourceColor& s : shown) support += agree(s, shown[k]) ? s.trust : 0;
     if (shown[k].trust > 0 && 2 * support >= all) return k;
   }
   return static_cast<std::size_t>(
-      std::max_element(shown.begin(), shown.end(), [](const Shown& a, const Shown& b) { return a.trust < b.trust; }) -
+      std::max_element(shown.begin(), shown.end(),
+                       [](const SourceColor& a, const SourceColor& b) { return a.trust < b.trust; }) -
       shown.begin());
 }
 
@@ -43,12 +44,12 @@ float mean_difference(const cv::Vec3f& a, const cv::Vec3f& b) {
   return (std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2])) / 3;
 }
 
-Agreement agreement(std::span<const Shown> shown) {
+Agreement agreement(std::span<const SourceColor> shown) {
   Agreement out;
   out.leading = leading_of(shown);
-  const Shown& first = shown[out.leading];
+  const SourceColor& first = shown[out.leading];
   float weight = 0, others = 0;
-  for (const Shown& s : shown) {
+  for (const SourceColor& s : shown) {
     if (s.trust <= 0) continue;
     if (&s != &first) {
       out.spread += mean_difference(s.colour, first.colour);
@@ -66,7 +67,7 @@ Agreement agreement(std::span<const Shown> shown) {
 
 Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t target, const DayLight& light) {
   const std::size_t pixels = candidates.hole.size(), ranks = candidates.extra_per_pixel + 1;
-  std::vector<Shown> shown(pixels * ranks);
+  std::vector<SourceColor> shown(pixels * ranks);
   std::vector<cv::Vec2b> footprints(pixels * ranks, cv::Vec2b(1, 1));
   const auto candidate = [&](std::size_t slot) -> const sample::Candidate& {
     const std::size_t pixel = slot / ranks, rank = slot % ranks;
@@ -106,8 +107,8 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
             std::vector<float>(pixels),
             sky};
   for (std::size_t i = 0; i < pixels; ++i) {
-    const std::span<const Shown> of_pixel{&shown[i * ranks], ranks};
-    if (std::none_of(of_pixel.begin(), of_pixel.end(), [](const Shown& s) { return s.trust > 0; })) continue;
+    const std::span<const SourceColor> of_pixel{&shown[i * ranks], ranks};
+    if (std::none_of(of_pixel.begin(), of_pixel.end(), [](const SourceColor& s) { return s.trust > 0; })) continue;
     const Agreement agreed = agreement(of_pixel);
     const std::size_t slot = i * ranks + agreed.leading;
     out.candidates.leading[i] = candidate(slot);

@@ -16,7 +16,7 @@ float most_different(const cv::Vec3f& a, const cv::Vec3f& b);
 float mean_difference(const cv::Vec3f& a, const cv::Vec3f& b);
 
 /// What a source shows of a pixel, in the light of the target.
-struct Shown {
+struct SourceColor {
   cv::Vec3f colour;
   float trust = 0;  ///< 0: nothing
 };
@@ -31,7 +31,7 @@ struct Agreement {
 
 /// The leading source is the first that at least half of the trust agrees with, so that one that is the odd one out does not
 /// lead; two agree if no channel differs by more than noise does.
-Agreement agreement(std::span<const Shown> shown);
+Agreement agreement(std::span<const SourceColor> shown);
 
 /// The sources of each hole pixel as one.
 struct Fused {

@@ -5,14 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "dvi/core/random.h"
-#include "dvi/drive/flat_scene.h"
+#include "dvi/testing/flat_scene.h"
 
 namespace dvi::harmonize {
 namespace {
 
-Shown grey(float level, float trust = 0.5F) { return {cv::Vec3f::all(level), trust}; }
+SourceColor grey(float level, float trust = 0.5F) { return {cv::Vec3f::all(level), trust}; }
 
-Agreement of(const std::vector<Shown>& shown) { return agreement(shown); }
+Agreement of(const std::vector<SourceColor>& shown) { return agreement(shown); }
 
 TEST(Fuse, ThoseThatAgreeAreAveragedByTrust) {
   const Agreement out = of({grey(100, 0.75F), grey(104, 0.25F)});
@@ -24,7 +24,7 @@ TEST(Fuse, ThoseThatAgreeAreAveragedByTrust) {
 
 TEST(Fuse, OneOutlierOfThreeIsIgnored) {
   for (std::size_t odd = 0; odd < 3; ++odd) {
-    std::vector<Shown> shown{grey(100, 0.6F), grey(100), grey(100)};
+    std::vector<SourceColor> shown{grey(100, 0.6F), grey(100), grey(100)};
     shown[odd].colour = cv::Vec3f::all(180);
     const Agreement out = of(shown);
     EXPECT_EQ(out.leading, odd == 0 ? 1 : 0);

@@ -13,13 +13,13 @@
 #include "dvi/core/median.h"
 #include "dvi/depth/depth_map.h"
 #include "dvi/drive/view.h"
-#include "dvi/harmonize/colour_range.h"
 #include "dvi/harmonize/confidence.h"
 #include "dvi/harmonize/copies.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/harmonize/fuse.h"
 #include "dvi/harmonize/hold.h"
 #include "dvi/harmonize/known_copies.h"
+#include "dvi/harmonize/limit_colours.h"
 #include "dvi/harmonize/surface_class.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/poisson.h"
@@ -325,7 +325,7 @@ void write_confidence(const Fused& fused, const Window& window, const Views& vie
 }  // namespace
 
 FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std::size_t target, const depth::DepthMap& depth,
-                      const Surroundings& around, const HarmonizeOptions& options) {
+                      const HarmonizeInput& around, const HarmonizeOptions& options) {
   const Fused fused = fuse(sampled, views, target, around.light);
   const sample::Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;

@@ -60,7 +60,7 @@ struct HarmonizeOptions {
 };
 
 /// What is known round a hole, beside the image.
-struct Surroundings {
+struct HarmonizeInput {
   DayLight light{};            ///< of other drives, by compare_days()
   sample::Candidates known{};  ///< of sample::sample_known: how far copies are off in this frame; their confidence follows it
   cv::Mat1b classes{};         ///< SurfaceClass, by classify_surfaces(); empty: all unknown
@@ -71,6 +71,6 @@ struct Surroundings {
 /// what these show there, and 0 at pixels without a source, which are interpolated once the copies stand: the sky, then the
 /// ground, then what stands on it, each from its like.
 FilledFrame harmonize(const sample::Candidates& candidates, const Views& views, std::size_t target,
-                      const depth::DepthMap& depth, const Surroundings& around, const HarmonizeOptions& options);
+                      const depth::DepthMap& depth, const HarmonizeInput& around, const HarmonizeOptions& options);
 
 }  // namespace dvi::harmonize

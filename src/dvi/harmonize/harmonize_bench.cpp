@@ -4,11 +4,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/depth/depth_map.h"
-#include "dvi/drive/flat_scene.h"
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/harmonize.h"
 #include "dvi/image/region.h"
 #include "dvi/sample/candidates.h"
+#include "dvi/testing/flat_scene.h"
 
 namespace dvi::harmonize {
 namespace {

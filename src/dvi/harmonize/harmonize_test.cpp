@@ -7,12 +7,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/depth/depth_map.h"
-#include "dvi/drive/flat_scene.h"
 #include "dvi/drive/vignetting.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/harmonize/surface_class.h"
 #include "dvi/image/region.h"
 #include "dvi/sample/candidates.h"
+#include "dvi/testing/flat_scene.h"
 
 namespace dvi::harmonize {
 namespace {

@@ -84,7 +84,7 @@ Holdout::Holdout(const std::vector<HoldoutCamera>& cameras, const Trajectory& wo
     throw InputError(drive.path, "no frame has a pose and a scan near it",
                      "check that poses, scans and images share one clock");
   if (options.scenario != Scenario::banner) {
-    road_ = std::make_shared<const Road>(drive, world_from_lidar);
+    road_ = std::make_shared<const DrivenPath>(drive, world_from_lidar);
     vehicle_.emplace(options.scenario, part_seed(options.seed, static_cast<std::uint64_t>(options.scenario)), road_,
                      drive_.frames.front().time_ns, drive_.frames.back().time_ns);
     if (options.scenario == Scenario::parked) vehicle_->stand_clear(drive, world_from_lidar);

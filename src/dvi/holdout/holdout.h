@@ -83,7 +83,7 @@ class Holdout {
   Pictures target_;
   std::vector<Drive> more_drives_;
   std::vector<Pictures> more_;  // as more_drives_
-  std::shared_ptr<const Road> road_;
+  std::shared_ptr<const DrivenPath> road_;
   std::optional<VirtualVehicle> vehicle_;
   std::vector<bool> visible_;
   int track_ = 0;

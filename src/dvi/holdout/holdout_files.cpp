@@ -9,10 +9,10 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
+#include "dvi/datasets/write_folder.h"
+#include "dvi/geometry/rigid.h"
 #include "dvi/holdout/holdout.h"
-#include "dvi/io/rigid.h"
-#include "dvi/io/write_folder.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/write_image.h"
 
 namespace dvi::holdout {
 namespace {
@@ -29,8 +29,7 @@ nlohmann::json description(const Holdout& holdout, const std::string& recipe, co
                             {"visible", static_cast<bool>(holdout.visible()[i])},
                             {"held_out_pixels", held_out[i]},
                             {"scored_pixels", scored[i]}};
-    if (holdout.vehicle())
-      frame["world_from_box"] = io::row_major(holdout.vehicle()->at(drive.frames[i].time_ns).frame_from_box);
+    if (holdout.vehicle()) frame["world_from_box"] = row_major(holdout.vehicle()->at(drive.frames[i].time_ns).frame_from_box);
     frames.push_back(std::move(frame));
   }
   nlohmann::json json = {{"schema", "dvi-holdout/1"},
@@ -58,8 +57,8 @@ void make_camera_folders(const fs::path& folder, const Drive& camera) {
 
 void write_pictures(const fs::path& folder, const Drive& camera, std::size_t i, const HoldoutFrame& frame) {
   const std::string png = camera.frames[i].name + ".png";
-  io::write_png(folder / "images" / camera.camera_name / png, frame.image);
-  io::write_png(folder / "masks" / camera.camera_name / png, frame.mask);
+  media::write_png(folder / "images" / camera.camera_name / png, frame.image);
+  media::write_png(folder / "masks" / camera.camera_name / png, frame.mask);
 }
 
 }  // namespace
@@ -86,8 +85,8 @@ void write_holdout(const Holdout& holdout, const fs::path& case_folder, const st
     const HoldoutFrame frame = holdout.frame(i);
     const std::string png = drive.frames[i].name + ".png";
     write_pictures(folder, drive, i, frame);
-    io::write_png(out / "truth" / png, holdout.truth(i));
-    io::write_png(out / "ignore" / png, frame.ignore);
+    media::write_png(out / "truth" / png, holdout.truth(i));
+    media::write_png(out / "ignore" / png, frame.ignore);
     held_out[i] = cv::countNonZero(frame.held_out);
     scored[i] = cv::countNonZero(cv::Mat1b(frame.held_out & ~frame.ignore));
     if (tick) tick();
@@ -101,10 +100,10 @@ void write_holdout(const Holdout& holdout, const fs::path& case_folder, const st
     });
   }
   parallel_for(drive.scan_headers.size(), [&](std::size_t i) {
-    io::write_folder_scan(folder, drive.scan_headers[i], holdout.scan(i));
+    datasets::write_folder_scan(folder, drive.scan_headers[i], holdout.scan(i));
     if (tick) tick();
   });
-  io::write_folder_tables(folder, drive, holdout.more_cameras());
+  datasets::write_folder_tables(folder, drive, holdout.more_cameras());
   write_file(out / "holdout.json", json_text(description(holdout, recipe, held_out, scored)) + "\n");
   draft.finish();
 }

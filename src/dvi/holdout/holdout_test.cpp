@@ -10,11 +10,11 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/random.h"
-#include "dvi/core/test_folder.h"
 #include "dvi/core/threads.h"
-#include "dvi/io/reader.h"
-#include "dvi/io/scan_time.h"
+#include "dvi/datasets/reader.h"
+#include "dvi/datasets/scan_time.h"
 #include "dvi/synth/scene.h"
+#include "dvi/testing/temp_folder.h"
 
 namespace dvi::holdout {
 namespace {
@@ -32,7 +32,7 @@ Drive small_street() {
   drive.scans =
       Lazy<Scan>(drive.scan_headers.size(), 8, [scans = drive.scans, scan_headers = drive.scan_headers](std::size_t i) {
         Scan scan = *scans[i];
-        scan.time = io::times_by_azimuth(scan.points, scan_headers[i], {});
+        scan.time = datasets::times_by_azimuth(scan.points, scan_headers[i], {});
         return scan;
       });
   return drive;
@@ -201,7 +201,7 @@ TEST_F(Folder, CaseIsADriveThatReadsBack) {
   write_holdout(holdout, folder / "new/case", "recipe");
   EXPECT_EQ(holdout_recipe(folder / "new/case"), "recipe");
   EXPECT_EQ(holdout_recipe(folder / "elsewhere"), "");
-  const Drive read = io::read_drive(folder / "new/case/drive");
+  const Drive read = datasets::read_drive(folder / "new/case/drive");
   EXPECT_TRUE(read.warnings.empty());
   ASSERT_EQ(read.frames.size(), drive.frames.size());
   EXPECT_EQ(read.camera.fx, drive.camera.fx);
@@ -226,7 +226,7 @@ TEST_F(Folder, CaseOfADepthCameraSaysSo) {
   Drive drive = small_street();
   drive.sensor = Sensor::depth_camera;
   write_holdout(make(drive, Scenario::lead), folder / "case", "recipe");
-  EXPECT_EQ(io::read_drive(folder / "case/drive").sensor, Sensor::depth_camera);
+  EXPECT_EQ(datasets::read_drive(folder / "case/drive").sensor, Sensor::depth_camera);
 }
 
 TEST_F(Folder, OtherTimesAreWrittenOut) {
@@ -238,7 +238,7 @@ TEST_F(Folder, OtherTimesAreWrittenOut) {
     return scan;
   });
   write_holdout(make(drive, Scenario::parked), folder / "case", "");
-  const Drive read = io::read_drive(folder / "case/drive");
+  const Drive read = datasets::read_drive(folder / "case/drive");
   EXPECT_EQ(read.scan_headers[0].file.extension(), ".ply");
   for (std::size_t k = 0; k < drive.scans[0]->size(); ++k) {
     ASSERT_NEAR(read.scans[0]->time[k], drive.scans[0]->time[k], 1e-7);

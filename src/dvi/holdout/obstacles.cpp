@@ -8,7 +8,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/geometry/box.h"
 #include "dvi/map/scan_filter.h"
-#include "dvi/masks/motion.h"
+#include "dvi/objects/motion.h"
 
 namespace dvi::holdout {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 constexpr double kKnownGround = 30;  // metres: beyond, the road does not know the ground
 
 // The thing as it stands at each place at a time.
-std::vector<Box> boxes_at(const Road& road, const Eigen::Vector3d& size, const std::vector<double>& places, double left,
+std::vector<Box> boxes_at(const DrivenPath& road, const Eigen::Vector3d& size, const std::vector<double>& places, double left,
                           std::int64_t time_ns) {
   constexpr double kLowest = 0.3, kClearance = 0.2;
   const double highest = size.z() + kClearance;
@@ -29,11 +29,11 @@ std::vector<Box> boxes_at(const Road& road, const Eigen::Vector3d& size, const s
 
 }  // namespace
 
-std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& world_from_lidar, const Road& road,
+std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& world_from_lidar, const DrivenPath& road,
                                         const Eigen::Vector3d& size, const std::vector<double>& places, double left) {
   const Lazy<cv::Mat1b> no_masks(drive.frames.size(), 1,
                                  [&](std::size_t) { return cv::Mat1b(drive.camera.height, drive.camera.width, uchar{0}); });
-  const map::MapInput input{&drive, world_from_lidar, no_masks, shared(masks::without_standing(drive, world_from_lidar))};
+  const map::MapInput input{&drive, world_from_lidar, no_masks, shared(objects::without_standing(drive, world_from_lidar))};
   map::MapOptions options;
   options.require_camera_visibility = false;
   options.max_range_m = kKnownGround;

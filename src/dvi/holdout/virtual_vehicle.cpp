@@ -36,8 +36,8 @@ Scenario parse_scenario(const std::string& text) {
   throw UsageError(fmt::format("--scenario {}: there are {}", text, fmt::join(names, ", ")));
 }
 
-VirtualVehicle::VirtualVehicle(Scenario scenario, std::uint64_t seed, std::shared_ptr<const Road> road, std::int64_t start_ns,
-                               std::int64_t end_ns)
+VirtualVehicle::VirtualVehicle(Scenario scenario, std::uint64_t seed, std::shared_ptr<const DrivenPath> road,
+                               std::int64_t start_ns, std::int64_t end_ns)
     : road_(std::move(road)), start_ns_(start_ns) {
   Random random(seed);
   const double first = road_->along(start_ns), travelled = road_->along(end_ns) - first;

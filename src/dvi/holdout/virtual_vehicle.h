@@ -8,7 +8,7 @@
 #include <string>
 
 #include "dvi/geometry/box.h"
-#include "dvi/holdout/road.h"
+#include "dvi/holdout/driven_path.h"
 
 namespace dvi::holdout {
 
@@ -24,7 +24,7 @@ Scenario parse_scenario(const std::string& text);
 class VirtualVehicle {
  public:
   /// The drive is recorded from `start_ns` to `end_ns`.
-  VirtualVehicle(Scenario scenario, std::uint64_t seed, std::shared_ptr<const Road> road, std::int64_t start_ns,
+  VirtualVehicle(Scenario scenario, std::uint64_t seed, std::shared_ptr<const DrivenPath> road, std::int64_t start_ns,
                  std::int64_t end_ns);
 
   /// Moves a parked one along the road, by 15 m at most, to the place nearest to the one drawn at which no return of the
@@ -54,7 +54,7 @@ class VirtualVehicle {
   std::string type_ = "car";
   Eigen::Vector3d size_{4.2, 1.8, 1.55};
   Motion motion_;
-  std::shared_ptr<const Road> road_;
+  std::shared_ptr<const DrivenPath> road_;
   std::int64_t start_ns_;
   std::optional<Stand> stand_;
 };

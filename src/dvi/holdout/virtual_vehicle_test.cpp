@@ -54,7 +54,7 @@ Drive drive_past(const std::vector<Eigen::Vector3d>& things) {
 }
 
 VirtualVehicle parked(const Drive& drive) {
-  VirtualVehicle vehicle(Scenario::parked, kSeed, std::make_shared<const Road>(drive, drive.poses),
+  VirtualVehicle vehicle(Scenario::parked, kSeed, std::make_shared<const DrivenPath>(drive, drive.poses),
                          drive.frames.front().time_ns, drive.frames.back().time_ns);
   vehicle.stand_clear(drive, drive.poses);
   return vehicle;

@@ -10,7 +10,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/image/grey.h"
 #include "dvi/image/optical_flow.h"
-#include "dvi/io/image_file.h"
+#include "dvi/media/image_file.h"
 
 namespace dvi::metrics {
 namespace {
@@ -104,14 +104,16 @@ double Artefacts::overshoot_ppm() const { return ppm(overshoots, hole); }
 
 Artefacts count_artefacts(const fs::path& out, const std::vector<std::string>& names, const Tick& tick,
                           const std::function<fs::path(const std::string& name)>& filled) {
-  const auto mask_of = [&](std::size_t i, cv::Size size) { return io::read_mask(out / "masks" / (names[i] + ".png"), size); };
+  const auto mask_of = [&](std::size_t i, cv::Size size) {
+    return media::read_mask(out / "masks" / (names[i] + ".png"), size);
+  };
   const Lazy<cv::Mat1b> grey(names.size(), [&](std::size_t i) {
     const fs::path file = out / "frames" / (names[i] + ".png");
-    const cv::Size size = io::image_size(file);
-    cv::Mat3b frame = io::read_image(file, size);
+    const cv::Size size = media::image_size(file);
+    cv::Mat3b frame = media::read_image(file, size);
     if (filled)
       if (const cv::Mat1b mask = mask_of(i, size); cv::countNonZero(mask) > 0)
-        io::read_image(filled(names[i]), size).copyTo(frame, mask);
+        media::read_image(filled(names[i]), size).copyTo(frame, mask);
     return grey_8bit(frame);
   });
   std::vector<Artefacts> found(names.size());

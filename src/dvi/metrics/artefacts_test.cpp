@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "dvi/metrics/result_fixture.h"
+#include "dvi/metrics/test_result.h"
 
 namespace dvi::metrics {
 namespace {

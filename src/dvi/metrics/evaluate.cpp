@@ -15,8 +15,8 @@
 #include "dvi/core/files.h"
 #include "dvi/core/interrupt.h"
 #include "dvi/core/threads.h"
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 #include "dvi/metrics/bootstrap.h"
 #include "dvi/metrics/evaluation.h"
 #include "dvi/metrics/tally.h"
@@ -73,25 +73,25 @@ fs::path frame_of(const ExternalFrames& external, const std::string& name) {
 /// The run's frame, or another program's.
 ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* external, const std::string& name) {
   const std::string file = name + ".png";
-  const cv::Size size = io::image_size(folders.out / "frames" / file);
+  const cv::Size size = media::image_size(folders.out / "frames" / file);
   ScoredFrame frame;
-  frame.result = io::read_image(folders.out / "frames" / file, size);
+  frame.result = media::read_image(folders.out / "frames" / file, size);
   frame.clean = frame.result;
-  frame.kind = io::read_png_grey(folders.out / "kind" / file, size);
-  frame.scored = io::read_mask(folders.out / "masks" / file, size);
+  frame.kind = media::read_png_grey(folders.out / "kind" / file, size);
+  frame.scored = media::read_mask(folders.out / "masks" / file, size);
   if (cv::countNonZero(frame.scored) == 0) return frame;
 
   if (!fs::exists(folders.truth / file))
     throw InputError(folders.truth / file, "is missing", "every frame with a mask needs its truth");
-  frame.truth = io::read_image(folders.truth / file, size);
+  frame.truth = media::read_image(folders.truth / file, size);
   if (external)
-    io::read_image(frame_of(*external, name), size).copyTo(frame.result, frame.scored);
+    media::read_image(frame_of(*external, name), size).copyTo(frame.result, frame.scored);
   else if (fs::is_directory(folders.out / "confidence"))
-    frame.confidence = io::read_png_grey(folders.out / "confidence" / file, size);
+    frame.confidence = media::read_png_grey(folders.out / "confidence" / file, size);
   frame.clean = frame.result.clone();
   frame.truth.copyTo(frame.clean, frame.scored);
   if (!folders.ignore.empty() && fs::exists(folders.ignore / file))
-    frame.scored.setTo(0, io::read_mask(folders.ignore / file, size));
+    frame.scored.setTo(0, media::read_mask(folders.ignore / file, size));
   return frame;
 }
 

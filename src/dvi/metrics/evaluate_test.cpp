@@ -14,10 +14,10 @@
 #include "dvi/core/error.h"
 #include "dvi/core/files.h"
 #include "dvi/core/threads.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/write_image.h"
 #include "dvi/metrics/evaluation.h"
 #include "dvi/metrics/metrics.h"
-#include "dvi/metrics/result_fixture.h"
+#include "dvi/metrics/test_result.h"
 #include "dvi/metrics/test_scene.h"
 
 namespace dvi::metrics {
@@ -84,8 +84,8 @@ TEST_F(Evaluate, LeavesOutIgnoredPixelsAndFramesWithoutAny) {
   add("b", scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
   add("c", scene(kSize, 0), wrong, box({}), box({}));
   fs::remove(folder / "truth/c.png");
-  io::write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
-  io::write_png(folder / "ignore/b.png", box(kHole));
+  media::write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
+  media::write_png(folder / "ignore/b.png", box(kHole));
   EXPECT_GT(run().total[Origin::all].mae, 0);
   const Evaluation e = run(true);
   EXPECT_EQ(e.total[Origin::all].mae, 0);
@@ -155,7 +155,7 @@ TEST_F(Evaluate, IsTheSameWithAnyNumberOfThreads) {
 
 TEST_F(Evaluate, TellsMachinesAndPeople) {
   add_perfect("a");
-  io::write_png(folder / "truth/b.png", scene(kSize, 0));
+  media::write_png(folder / "truth/b.png", scene(kSize, 0));
   const Evaluation e = run();
   EXPECT_THAT(e.warnings, ElementsAre(HasSubstr("1 frames of the truth are not in the result: b")));
   const nlohmann::json json = nlohmann::json::parse(nlohmann::json(e).dump());
@@ -213,7 +213,7 @@ TEST_F(Evaluate, WholeFramesKnowNothingOfIgnoredPixels) {
   cv::Mat3b wrong = scene(kSize, 0);
   wrong(cv::Rect(30, 20, 40, 10)) = cv::Vec3b(0, 0, 0);
   add("a", scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
-  io::write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
+  media::write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
   EXPECT_LT(run().whole_frame.ssim, 0.99);
   EXPECT_EQ(run(true).whole_frame.mae, 0);
   EXPECT_NEAR(run(true).whole_frame.ssim, 1, 1e-6);
@@ -263,7 +263,7 @@ TEST_F(Evaluate, HoldsTheConfidenceAgainstTheError) {
   EXPECT_THAT(error(), HasSubstr("confidence/a.png"));
   cv::Mat1b confidence(kSize, uchar{255});
   confidence(cv::Rect(30, 20, 20, 30)) = 51;
-  io::write_png(folder / "out/confidence/a.png", confidence);
+  media::write_png(folder / "out/confidence/a.png", confidence);
   const nlohmann::json json = nlohmann::json(run())["confidence"];
   EXPECT_EQ(json["pixels"], 1200);
   EXPECT_DOUBLE_EQ(json["mean"], 0.6);
@@ -290,13 +290,13 @@ TEST_F(Evaluate, SaysThatNothingIsScored) {
 TEST_F(Evaluate, SaysWhatIsWrongWithTheInput) {
   EXPECT_THAT(error(), HasSubstr("holds no frames"));
   add_perfect("a");
-  io::write_png(folder / "ignore/zzz.png", box({}));
+  media::write_png(folder / "ignore/zzz.png", box({}));
   EXPECT_THROW(run(true), InputError);
 
-  io::write_png(folder / "truth/a.png", cv::Mat3b(10, 10, cv::Vec3b(0, 0, 0)));
+  media::write_png(folder / "truth/a.png", cv::Mat3b(10, 10, cv::Vec3b(0, 0, 0)));
   EXPECT_THAT(error(), HasSubstr("truth/a.png"));
   add_perfect("a");
-  io::write_png(folder / "out/masks/a.png", cv::Mat1b(10, 10, uchar{0}));
+  media::write_png(folder / "out/masks/a.png", cv::Mat1b(10, 10, uchar{0}));
   EXPECT_THAT(error(), HasSubstr("masks/a.png: is 10x10 pixels instead of 96x72"));
   fs::remove(folder / "out/masks/a.png");
   EXPECT_THAT(error(), HasSubstr("masks/a.png"));
@@ -307,7 +307,7 @@ TEST_F(Evaluate, SaysWhatIsWrongWithTheInput) {
   EXPECT_THAT(error(), HasSubstr("truth: holds no PNG files"));
 
   add_perfect("a");
-  io::write_png(folder / "out/kind/a.png", cv::Mat1b(10, 10, uchar{0}));
+  media::write_png(folder / "out/kind/a.png", cv::Mat1b(10, 10, uchar{0}));
   EXPECT_THAT(error(), HasSubstr("kind/a.png"));
   fs::remove(folder / "out/kind/a.png");
   EXPECT_THAT(error(), HasSubstr("kind/a.png"));

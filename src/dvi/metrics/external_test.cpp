@@ -10,7 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "dvi/core/error.h"
-#include "dvi/metrics/result_fixture.h"
+#include "dvi/metrics/test_result.h"
 
 namespace dvi::metrics {
 namespace {
@@ -27,7 +27,7 @@ class External : public ResultFixture {
   void add_external(const cv::Mat3b& (*change)(cv::Mat3b&)) const {
     for (int i = 0; i < 3; ++i) {
       cv::Mat3b image = scene(kSize, i + 0.5);
-      io::write_png(folder / "net" / (std::to_string(i) + ".png"), change(image));
+      media::write_png(folder / "net" / (std::to_string(i) + ".png"), change(image));
     }
   }
   EvaluationFolders with_net() const { return {folder / "out", folder / "truth", {}, {{"net", folder / "net"}}}; }
@@ -58,7 +58,7 @@ TEST_F(External, HaveRowsAndNoConfidenceOfTheirOwn) {
   make_folder(folder / "out/confidence");
   for (int i = 0; i < 3; ++i) {
     const std::string name = std::to_string(i);
-    io::write_png(folder / "out/confidence" / (name + ".png"), cv::Mat1b(kSize, uchar{200}));
+    media::write_png(folder / "out/confidence" / (name + ".png"), cv::Mat1b(kSize, uchar{200}));
     cv::imwrite((folder / "net" / (name + ".jpg")).string(), scene(kSize, i));  // nearly the truth
   }
   const Evaluation e = evaluate(with_net());
@@ -74,7 +74,7 @@ TEST_F(External, SayWhatIsWrong) {
   add_external([](cv::Mat3b& image) -> const cv::Mat3b& { return image; });
   fs::remove(folder / "net/0.png");
   EXPECT_THAT(error(with_net()), HasSubstr("net/0.png: is missing"));
-  io::write_png(folder / "net/0.png", cv::Mat3b(10, 20, cv::Vec3b(0, 0, 0)));
+  media::write_png(folder / "net/0.png", cv::Mat3b(10, 20, cv::Vec3b(0, 0, 0)));
   EXPECT_THAT(error(with_net()), HasSubstr("net/0.png: is 20x10 pixels instead of 96x72"));
   fs::remove_all(folder / "net");
   EXPECT_THAT(error(with_net()), HasSubstr("net: is not a folder"));

@@ -148,7 +148,7 @@ SE3 levelled(const SE3& pose) {
 }
 
 struct Fit {
-  Registration registration;
+  scan_match::Registration registration;
   double share = 0;  // standing_share
 };
 
@@ -158,13 +158,13 @@ class LoopFinder {
       : drive_(drive), options_(options), course_(course), lengths_(lengths) {}
 
   std::optional<Loop> operator()(std::size_t earlier, std::size_t later) {
-    Surroundings place = map_round(earlier, later);
+    scan_match::LocalMaps place = map_round(earlier, later);
     const Fit own = fit(features(earlier).sparse, {}, earlier, place, 0);
     if (own.share < kLeastOwnShare) return std::nullopt;
     const SE3 moved = course_.pose[earlier].inverse() * course_.pose[later];
     const SE3 guess = lengths_.level ? levelled(moved) : moved;
     const double radius = pose_error(course_.way_m[later] - course_.way_m[earlier], lengths_);
-    const Features sparse = features(later).sparse;
+    const scan_match::Features sparse = features(later).sparse;
     Fit best;
     for (const SE3& start : starts(sparse, later, guess, radius, place)) {
       const Fit found = fit(sparse, start, later, place, 8);
@@ -176,14 +176,14 @@ class LoopFinder {
   }
 
  private:
-  ScanFeatures features(std::size_t i) const {
+  scan_match::ScanFeatures features(std::size_t i) const {
     const std::shared_ptr<const Scan> scan = drive_.scans[course_.scan_index[i]];
-    return scan_features(drive_, *scan, rings_of(drive_, *scan), options_);
+    return scan_match::scan_features(drive_, *scan, scan_match::rings_of(drive_, *scan), options_);
   }
 
   /// The scene in the axes of pose i, from scans before and after it but from long before pose `later`, without its own.
-  Surroundings map_round(std::size_t i, std::size_t later) const {
-    Surroundings scene = empty_scene(options_);
+  scan_match::LocalMaps map_round(std::size_t i, std::size_t later) const {
+    scan_match::LocalMaps scene = scan_match::empty_scene(options_);
     const auto add = [&](std::size_t k) {
       scene.add(features(k).dense, course_.pose[i].inverse() * course_.pose[k], course_.twist[k]);
     };
@@ -195,14 +195,15 @@ class LoopFinder {
     return scene;
   }
 
-  Fit fit(const Features& sparse, const SE3& guess, std::size_t i, Surroundings& place, int coarse) const {
-    RegisterOptions options = register_options(options_);
+  Fit fit(const scan_match::Features& sparse, const SE3& guess, std::size_t i, scan_match::LocalMaps& place, int coarse) const {
+    scan_match::RegisterOptions options = scan_match::register_options(options_);
     options.coarse_iterations = coarse;
     options.iterations += coarse;
     options.prior_m = 1;
     Fit out;
-    out.registration = register_scan(sparse, guess, course_.twist[i], {}, 0, place, options);
-    out.share = standing_share(sparse, course_.twist[i], out.registration.world_from_lidar, place, kOn * options_.noise_m);
+    out.registration = scan_match::register_scan(sparse, guess, course_.twist[i], {}, 0, place, options);
+    out.share =
+        scan_match::standing_share(sparse, course_.twist[i], out.registration.world_from_lidar, place, kOn * options_.noise_m);
     return out;
   }
 
@@ -212,16 +213,16 @@ class LoopFinder {
   }
 
   /// The starts on a grid round the guess at which most features lie on large planes and lines.
-  std::vector<SE3> starts(const Features& sparse, std::size_t later, const SE3& guess, double radius,
-                          Surroundings& place) const {
+  std::vector<SE3> starts(const scan_match::Features& sparse, std::size_t later, const SE3& guess, double radius,
+                          scan_match::LocalMaps& place) const {
     struct Start {
       double score;
       SE3 pose;
     };
     std::vector<Eigen::Vector3d> planes, edges;
     for (std::size_t k = 0; k < sparse.planes.size(); k += kEveryFeature)
-      planes.push_back(compensated(sparse.planes[k], course_.twist[later]));
-    for (const Feature& edge : sparse.edges) edges.push_back(compensated(edge, course_.twist[later]));
+      planes.push_back(scan_match::compensated(sparse.planes[k], course_.twist[later]));
+    for (const scan_match::Feature& edge : sparse.edges) edges.push_back(scan_match::compensated(edge, course_.twist[later]));
     std::vector<Start> all;
     const int cells = static_cast<int>(radius / lengths_.grid), turns = static_cast<int>(kLargestTurn / kTurn);
     const int rise = lengths_.level ? 0 : cells;
@@ -240,12 +241,12 @@ class LoopFinder {
     return out;
   }
 
-  double score(const std::vector<Eigen::Vector3d>& points, const SE3& pose, int thin, LocalMap& map) const {
+  double score(const std::vector<Eigen::Vector3d>& points, const SE3& pose, int thin, scan_match::LocalMap& map) const {
     const double near = kNear * options_.voxel_m, near2 = near * near;
     double out = 0;
     for (const Eigen::Vector3d& point : points) {
       const Eigen::Vector3d p = pose * point;
-      const Shape* shape = map.at(p, thin);
+      const scan_match::Shape* shape = map.at(p, thin);
       if (shape == nullptr) continue;
       const double off2 = (shape->axes.leftCols(thin).transpose() * (p - shape->mean)).squaredNorm();
       out += near2 / (near2 + off2);
@@ -254,7 +255,7 @@ class LoopFinder {
   }
 
   /// Whether a scan a little before the later one is found where odometry puts it from there.
-  bool agrees(const SE3& found, const Fit& own, std::size_t later, Surroundings& place) const {
+  bool agrees(const SE3& found, const Fit& own, std::size_t later, scan_match::LocalMaps& place) const {
     std::size_t k = later;
     while (k > 0 && course_.way_m[later] - course_.way_m[k] < lengths_.check) --k;
     const SE3 expected = found * (course_.pose[later].inverse() * course_.pose[k]);
@@ -305,7 +306,7 @@ void close_loops(const Drive& drive, const OdometryOptions& options, Odometry& o
   const Course course = course_of(odometry, lengths);
   const std::vector<Loop> loops = find_loops(drive, options, course, lengths, tick);
   if (loops.empty()) return;
-  std::vector<PoseEdge> edges;
+  std::vector<scan_match::PoseEdge> edges;
   for (std::size_t i = 1; i < course.size(); ++i) {
     const ScanFit& fit = odometry.scans[course.scan_index[i]];
     const bool lost = fit.state == ScanFit::State::lost;
@@ -317,7 +318,7 @@ void close_loops(const Drive& drive, const OdometryOptions& options, Odometry& o
     edges.push_back({loop.earlier, loop.later, loop.earlier_from_later,
                      no_better_than(loop.information, kLoop * options.noise_m, kLoopTurn), true});
   std::vector<SE3> poses = course.pose;
-  const std::vector<double> weights = solve_pose_graph(poses, edges);
+  const std::vector<double> weights = scan_match::solve_pose_graph(poses, edges);
   odometry.loops = static_cast<std::size_t>(std::count_if(weights.end() - static_cast<std::ptrdiff_t>(loops.size()),
                                                           weights.end(), [](double weight) { return weight > 0.25; }));
   if (odometry.loops == 0) return;

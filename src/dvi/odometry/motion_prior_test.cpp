@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "dvi/odometry/odometry.h"
-#include "dvi/scan_match/test_street.h"
+#include "dvi/testing/test_street.h"
 
 namespace dvi::odometry {
 

@@ -31,12 +31,12 @@ constexpr double kAgree = 0.3, kAgreeTurn = 0.03;  // metres and radians between
 constexpr double kBelief = 1.01;  // a given motion that scans do not contradict may fit so much worse than another
 
 /// Whether a fair share of what is flat lies level below the sensor, as the ground does where z is up.
-bool has_ground_below(const Features& features) {
+bool has_ground_below(const scan_match::Features& features) {
   constexpr double kLeast = 0.05, kLevel = 0.9;
-  LocalMap map(1.5);
-  for (const Feature& f : features.planes) map.add(f.point.cast<double>());
+  scan_match::LocalMap map(1.5);
+  for (const scan_match::Feature& f : features.planes) map.add(f.point.cast<double>());
   std::size_t flat = 0, ground = 0;
-  map.each([&](const Shape& shape) {
+  map.each([&](const scan_match::Shape& shape) {
     flat += shape.thin == 1 ? 1 : 0;
     ground += shape.thin == 1 && shape.mean.z() < 0 && std::abs(shape.axes(2, 0)) > kLevel ? 1 : 0;
   });
@@ -47,7 +47,7 @@ bool has_ground_below(const Features& features) {
 struct Entry {
   std::size_t scan_index = 0;
   std::int64_t time_ns = 0;
-  ScanFeatures features;
+  scan_match::ScanFeatures features;
   SE3 pose;
   Vector6d twist = Vector6d::Zero();
   bool given = false;  // its motion was guessed from given poses
@@ -64,12 +64,12 @@ double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 class Track {
  public:
   Track(const OdometryOptions& options, const MotionPrior& prior)
-      : options_(&options), prior_(&prior), scene_(empty_scene(options)) {}
+      : options_(&options), prior_(&prior), scene_(scan_match::empty_scene(options)) {}
 
   const Entry& last() const { return window_.back(); }
   const Entry& operator[](std::size_t i) const { return window_[i]; }
   std::size_t size() const { return window_.size(); }
-  Surroundings& scene() { return scene_; }
+  scan_match::LocalMaps& scene() { return scene_; }
 
   void put(Entry entry) {
     scene_.add(entry.features.dense, entry.pose, entry.twist);
@@ -77,24 +77,24 @@ class Track {
   }
 
   /// Registers the next scan from the given motion, or from the motion so far.
-  Registration follow(Entry entry) {
-    std::optional<Registration> fit = follow_given(entry);
+  scan_match::Registration follow(Entry entry) {
+    std::optional<scan_match::Registration> fit = follow_given(entry);
     entry.given = fit.has_value();
     if (!fit) fit = follow_motion(entry);
     entry.pose = fit->world_from_lidar;
     entry.twist = fit->twist;
     put(std::move(entry));
-    scene_.keep_near(last().pose.t, feature_range(*options_) + kMargin);
+    scene_.keep_near(last().pose.t, scan_match::feature_range(*options_) + kMargin);
     return *fit;
   }
 
   /// The first two scans, if the car moves about like this: the first is compensated with what the second finds.
-  Registration begin(Entry first, Entry second, const Vector6d& twist, bool given) {
+  scan_match::Registration begin(Entry first, Entry second, const Vector6d& twist, bool given) {
     const double dt = seconds(second.time_ns - first.time_ns);
-    Registration fit;
+    scan_match::Registration fit;
     fit.twist = twist;
     fit.world_from_lidar = se3_exp(fit.twist * dt);
-    RegisterOptions coarse = register_options(*options_);
+    scan_match::RegisterOptions coarse = scan_match::register_options(*options_);
     coarse.coarse_iterations = 8;
     coarse.iterations = 12;
     coarse.prior_m = 1e3;
@@ -103,8 +103,8 @@ class Track {
       Track fresh(*options_, *prior_);
       first.twist = fit.twist;
       fresh.put(first);
-      fit = register_scan(second.features.sparse, fit.world_from_lidar, fit.twist, first.pose, round == 0 ? 0 : dt,
-                          fresh.scene_, coarse);
+      fit = scan_match::register_scan(second.features.sparse, fit.world_from_lidar, fit.twist, first.pose, round == 0 ? 0 : dt,
+                                      fresh.scene_, coarse);
       if (round == 0) fit.twist = se3_log(fit.world_from_lidar) / dt;
       coarse.coarse_iterations = 0;
       *this = std::move(fresh);
@@ -119,11 +119,12 @@ class Track {
   /// Registers scan i of the window again, against all that is in the map but itself.
   void refine(std::size_t i) {
     Entry& entry = window_[i];
-    RegisterOptions options = register_options(*options_);
+    scan_match::RegisterOptions options = scan_match::register_options(*options_);
     options.guess_holds = entry.given;
     scene_.remove(entry.features.dense, entry.pose, entry.twist);
     entry.twist = smooth_twist(i);
-    entry.pose = register_scan(entry.features.sparse, entry.pose, entry.twist, {}, 0, scene_, options).world_from_lidar;
+    entry.pose =
+        scan_match::register_scan(entry.features.sparse, entry.pose, entry.twist, {}, 0, scene_, options).world_from_lidar;
     entry.twist = smooth_twist(i);
     scene_.add(entry.features.dense, entry.pose, entry.twist);
   }
@@ -136,32 +137,32 @@ class Track {
 
  private:
   /// None where there is no given motion, or the motion so far fits the scans better.
-  std::optional<Registration> follow_given(const Entry& entry) {
+  std::optional<scan_match::Registration> follow_given(const Entry& entry) {
     const std::optional<SE3> motion = prior_->motion(last().time_ns, entry.time_ns);
     if (!motion) return std::nullopt;
     const double dt = seconds(entry.time_ns - last().time_ns);
-    RegisterOptions options = register_options(*options_);
+    scan_match::RegisterOptions options = scan_match::register_options(*options_);
     options.guess_holds = true;
     const SE3 guess = last().pose * *motion;
-    const Registration fit = register_scan(entry.features.sparse, guess, se3_log(*motion) / dt, last().pose,
-                                           dt <= kLongGap ? dt : 0, scene_, options);
+    const scan_match::Registration fit = scan_match::register_scan(entry.features.sparse, guess, se3_log(*motion) / dt,
+                                                                   last().pose, dt <= kLongGap ? dt : 0, scene_, options);
     const bool kept = agree(guess, fit.world_from_lidar);
     if (kept && agree(guess, last().pose * se3_exp(last().twist * dt))) return fit;
     const double belief = kept ? kBelief : 1 / kBelief;
-    const Registration other = follow_motion(entry);
+    const scan_match::Registration other = follow_motion(entry);
     return belief * static_cast<double>(fit.inliers) > static_cast<double>(other.inliers) ? std::optional(fit) : std::nullopt;
   }
 
-  Registration follow_motion(const Entry& entry) {
+  scan_match::Registration follow_motion(const Entry& entry) {
     const double dt = seconds(entry.time_ns - last().time_ns);
     const auto from = [&](double share, double within) {
-      return register_scan(entry.features.sparse, last().pose * se3_exp(last().twist * dt * share), last().twist, last().pose,
-                           within, scene_, register_options(*options_));
+      return scan_match::register_scan(entry.features.sparse, last().pose * se3_exp(last().twist * dt * share), last().twist,
+                                       last().pose, within, scene_, scan_match::register_options(*options_));
     };
     if (dt <= kLongGap) return from(1, dt);
-    Registration fit = from(1, 0);
+    scan_match::Registration fit = from(1, 0);
     for (const double share : {0.0, 0.25, 0.5, 0.75, 1.25}) {
-      const Registration other = from(share, 0);
+      const scan_match::Registration other = from(share, 0);
       if (other.inliers > fit.inliers) fit = other;
     }
     return fit;
@@ -177,7 +178,7 @@ class Track {
 
   const OdometryOptions* options_;
   const MotionPrior* prior_;
-  Surroundings scene_;
+  scan_match::LocalMaps scene_;
   std::deque<Entry> window_;
 };
 
@@ -213,13 +214,13 @@ class Runner {
       return std::nullopt;
     }
     before_ns_ = header.time_ns;
-    const Rings rings = rings_of(drive_, *scan);
+    const scan_match::Rings rings = scan_match::rings_of(drive_, *scan);
     if (out_.rings.empty()) note_rings(rings, *scan);
     Entry entry;
     entry.scan_index = i;
     entry.time_ns = header.time_ns;
-    entry.features = scan_features(drive_, *scan, rings, options_);
-    const Features& sparse = entry.features.sparse;
+    entry.features = scan_match::scan_features(drive_, *scan, rings, options_);
+    const scan_match::Features& sparse = entry.features.sparse;
     fit.features = sparse.planes.size() + sparse.edges.size();
     if (fit.features < kFewestFeatures) {
       fit.state = ScanFit::State::no_points;
@@ -230,9 +231,9 @@ class Runner {
     return entry;
   }
 
-  void note_rings(const Rings& rings, const Scan& scan) {
-    out_.rings = to_string(rings.source);
-    if (!scan.ring.empty() && rings.source != Rings::Source::file)
+  void note_rings(const scan_match::Rings& rings, const Scan& scan) {
+    out_.rings = scan_match::to_string(rings.source);
+    if (!scan.ring.empty() && rings.source != scan_match::Rings::Source::file)
       out_.warnings.push_back("the scans' ring numbers do not tell beams apart: beams are found by " + out_.rings);
   }
 
@@ -243,7 +244,7 @@ class Runner {
       return;
     }
     const std::size_t scan_index = entry.scan_index;
-    const Registration fit = track_.follow(std::move(entry));
+    const scan_match::Registration fit = track_.follow(std::move(entry));
     record(scan_index, fit, track_.last().given);
     const auto lag = static_cast<std::size_t>(options_.lag);
     if (lag > 0 && track_.size() - refined_ > lag) refine_with_lag(refined_++);
@@ -266,14 +267,15 @@ class Runner {
       return;
     }
     double most = 0;
-    std::vector<Registration> best;
+    std::vector<scan_match::Registration> best;
     const auto attempt = [&](const Vector6d& twist, bool given) {
       Track track(options_, prior_);
-      std::vector<Registration> fits{track.begin(starting_[0], starting_[1], twist, given)};
+      std::vector<scan_match::Registration> fits{track.begin(starting_[0], starting_[1], twist, given)};
       for (std::size_t i = 2; i < starting_.size(); ++i) fits.push_back(track.follow(starting_[i]));
       double score = given ? kBelief : 1;
-      score *= std::accumulate(fits.begin(), fits.end(), 0.0,
-                               [](double sum, const Registration& fit) { return sum + static_cast<double>(fit.inliers); });
+      score *= std::accumulate(fits.begin(), fits.end(), 0.0, [](double sum, const scan_match::Registration& fit) {
+        return sum + static_cast<double>(fit.inliers);
+      });
       if (score <= most) return;
       most = score;
       best = std::move(fits);
@@ -293,7 +295,7 @@ class Runner {
     out_.scans[track_[i].scan_index].lag_correction_m = (track_[i].pose.t - first).norm();
   }
 
-  void record(std::size_t scan_index, const Registration& fit, bool given) {
+  void record(std::size_t scan_index, const scan_match::Registration& fit, bool given) {
     ScanFit& out = out_.scans[scan_index];
     out.inliers = fit.inliers;
     out.residual_m = fit.residual_m;
@@ -365,7 +367,7 @@ void leave_out_lost(const Drive& drive, Odometry& odometry) {
 }  // namespace
 
 OdometryOptions suited(const Drive& drive, OdometryOptions options) {
-  static_cast<MatchOptions&>(options) = for_sensor(options, drive);
+  static_cast<scan_match::MatchOptions&>(options) = scan_match::for_sensor(options, drive);
   return options;
 }
 

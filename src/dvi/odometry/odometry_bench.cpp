@@ -3,7 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include "dvi/odometry/sharpness.h"
-#include "dvi/scan_match/test_street.h"
+#include "dvi/testing/test_street.h"
 
 namespace dvi::odometry {
 

@@ -7,7 +7,7 @@
 #include "dvi/odometry/sharpness.h"
 #include "dvi/scan_match/local_map.h"
 #include "dvi/scan_match/register_scan.h"
-#include "dvi/scan_match/test_street.h"
+#include "dvi/testing/test_street.h"
 
 namespace dvi::odometry {
 
@@ -20,19 +20,19 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 TEST(LocalMap, TellsPlanesLinesAndHeapsApart) {
-  LocalMap map(1);
+  scan_match::LocalMap map(1);
   Random random(2);
   for (int i = 0; i < 200; ++i) {
     map.add({random.uniform(), random.uniform(), 0.3 + 0.01 * random.normal()});
     map.add({5.5 + 0.02 * random.normal(), 0.5 + 0.02 * random.normal(), random.uniform()});
     map.add({9 + random.uniform(), random.uniform(), random.uniform()});
   }
-  const Shape* plane = map.at({0.1, 0.9, 0.9}, 1);
+  const scan_match::Shape* plane = map.at({0.1, 0.9, 0.9}, 1);
   ASSERT_NE(plane, nullptr);
   EXPECT_EQ(plane->thin, 1);
   EXPECT_GT(std::abs(plane->axes(2, 0)), 0.999);
   EXPECT_NEAR(plane->variance[0], 1e-4, 3e-5);
-  const Shape* line = map.at({5.5, 0.5, 0.5}, 2);
+  const scan_match::Shape* line = map.at({5.5, 0.5, 0.5}, 2);
   ASSERT_NE(line, nullptr);
   EXPECT_EQ(line->thin, 2);
   EXPECT_EQ(map.at({9.5, 0.5, 0.5}, 1), nullptr);
@@ -40,7 +40,7 @@ TEST(LocalMap, TellsPlanesLinesAndHeapsApart) {
 }
 
 TEST(LocalMap, TakesBackWhatWasAdded) {
-  LocalMap map(1), other(1);
+  scan_match::LocalMap map(1), other(1);
   Random random(2);
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 60; ++i) points.push_back({random.uniform(), random.uniform(), 0.01 * random.normal() + 0.5});
@@ -65,12 +65,12 @@ TEST(RegisterScan, FindsAKnownMotion) {
   const TestStreet street;
   const Trajectory path = TestStreet::path(0);
   const Scan scan = street.scan(path, 0);
-  const Features features = find_features(scan, find_rings(scan), {});
-  Surroundings scene{LocalMap(0.5), LocalMap(1.5), LocalMap(0.8)};
+  const scan_match::Features features = scan_match::find_features(scan, scan_match::find_rings(scan), {});
+  scan_match::LocalMaps scene{scan_match::LocalMap(0.5), scan_match::LocalMap(1.5), scan_match::LocalMap(0.8)};
   Vector6d away;
   away << 0.3, -0.2, 0.1, 0.01, -0.01, 0.03;
   scene.add(features, se3_exp(away), Vector6d::Zero());
-  const Registration found = register_scan(features, {}, Vector6d::Zero(), {}, 0, scene, {});
+  const scan_match::Registration found = scan_match::register_scan(features, {}, Vector6d::Zero(), {}, 0, scene, {});
   EXPECT_LT((found.world_from_lidar.t - se3_exp(away).t).norm(), 0.01);
   EXPECT_LT(so3_log(found.world_from_lidar.R.transpose() * se3_exp(away).R).norm(), 5e-4);
   EXPECT_EQ(found.degenerate, 0);

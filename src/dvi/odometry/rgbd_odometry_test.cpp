@@ -8,11 +8,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "dvi/io/reader.h"
+#include "dvi/datasets/reader.h"
 #include "dvi/odometry/direct_alignment.h"
 #include "dvi/odometry/rgbd_result.h"
-#include "dvi/odometry/test_rgbd.h"
 #include "dvi/odometry/thumbnail.h"
+#include "dvi/testing/test_rgbd.h"
 
 namespace dvi::odometry {
 namespace {
@@ -215,7 +215,7 @@ double absolute_trajectory_error_m(const Drive& drive, const Trajectory& found) 
 TEST(RgbdOdometry, FollowsAKitchenOfSevenScenes) {
   const std::filesystem::path path = recording("seven_scenes_kitchen/visit_1");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings";
-  Drive drive = io::read_drive(path);
+  Drive drive = datasets::read_drive(path);
   drive.scan_headers.resize(30);
   const Odometry found = odometry(drive, {});
   EXPECT_THAT(found.warnings, testing::IsEmpty());
@@ -226,7 +226,7 @@ TEST(RgbdOdometry, FollowsFreiburg1RpyAlsoWithEverySecondImageOnly) {
   // Its excerpt has no ground truth at these frames: both estimates must agree.
   const std::filesystem::path path = recording("foreign_files/tum_fr1_rpy");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings";
-  const Drive all = io::read_drive(path);
+  const Drive all = datasets::read_drive(path);
   Drive half = all;
   half.scan_headers.clear();
   for (std::size_t i = 0; i < all.scan_headers.size(); i += 2) half.scan_headers.push_back(all.scan_headers[i]);

@@ -41,7 +41,7 @@ void optimize(RgbdTrack& track, std::size_t map, Odometry& out) {
   if (std::none_of(edges.begin(), edges.end(), [](const scan_match::PoseEdge& edge) { return edge.doubtful; })) return;
   std::vector<SE3> poses;
   for (const std::size_t k : keys) poses.push_back(track.world_from_key[k]);
-  const std::vector<double> weights = solve_pose_graph(poses, edges);
+  const std::vector<double> weights = scan_match::solve_pose_graph(poses, edges);
   for (std::size_t e = 0; e < edges.size(); ++e) out.loops += edges[e].doubtful && weights[e] > kAcceptedLoop ? 1 : 0;
   for (std::size_t n = 0; n < keys.size(); ++n) {
     SE3& pose = track.world_from_key[keys[n]];

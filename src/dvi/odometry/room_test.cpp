@@ -8,8 +8,8 @@
 
 #include "dvi/odometry/loop_closure.h"
 #include "dvi/odometry/odometry.h"
-#include "dvi/odometry/test_room.h"
 #include "dvi/scan_match/scan_features.h"
+#include "dvi/testing/test_room.h"
 
 namespace dvi::odometry {
 
@@ -126,14 +126,14 @@ TEST(LoopClosure, DoesNotTakeARoomForOneThatLooksLikeIt) {
 TEST(ForSensor, TakesRangeAndLengthsOfRoomsForADepthCamera) {
   Drive drive;
   const OdometryOptions options;
-  EXPECT_EQ(for_sensor(options, drive).max_range_m, 120);
-  EXPECT_EQ(for_sensor(options, drive).voxel_m, options.voxel_m);
+  EXPECT_EQ(scan_match::for_sensor(options, drive).max_range_m, 120);
+  EXPECT_EQ(scan_match::for_sensor(options, drive).voxel_m, options.voxel_m);
   drive.sensor = Sensor::depth_camera;
-  EXPECT_EQ(for_sensor(options, drive).max_range_m, 10);
-  EXPECT_LT(for_sensor(options, drive).voxel_m, options.voxel_m);
+  EXPECT_EQ(scan_match::for_sensor(options, drive).max_range_m, 10);
+  EXPECT_LT(scan_match::for_sensor(options, drive).voxel_m, options.voxel_m);
   OdometryOptions given;
   given.max_range_m = 4;
-  EXPECT_EQ(for_sensor(given, drive).max_range_m, 4);
+  EXPECT_EQ(scan_match::for_sensor(given, drive).max_range_m, 4);
 }
 
 }  // namespace

@@ -105,20 +105,20 @@ Sharpness sharpness(const Drive& drive, const Trajectory& world_from_lidar, cons
   const double kUpright = std::cos(10 * M_PI / 180), kFlat = std::sin(10 * M_PI / 180);
   std::vector<double> ground, vertical;
   for (const std::size_t first : stretches(drive.scan_headers.size())) {
-    std::unordered_map<VoxelKey, Patch, VoxelHash> patches;
+    std::unordered_map<scan_match::VoxelKey, Patch, scan_match::VoxelHash> patches;
     std::optional<SE3> here_from_world;
     const std::size_t last = std::min(first + kStretch, drive.scan_headers.size());
     for (std::size_t i = first; i < last; ++i) {
       const std::shared_ptr<const Scan> scan = drive.scans[i];
       const std::vector<Eigen::Vector3d> world = to_world(*scan, drive.scan_headers[i], world_from_lidar, kPointStep);
       if (!here_from_world && !world.empty()) here_from_world = world_from_lidar.at(drive.scan_headers[i].time_ns)->inverse();
-      VoxelKey last_key = 0;
+      scan_match::VoxelKey last_key = 0;
       Patch* patch = nullptr;  // neighbours of a beam mostly lie in one
       for (std::size_t k = 0; k < world.size(); k += kPointStep) {
         const float range = scan->points[k].norm();
         if (range < kNearest || range > kFarthest) continue;
         const Eigen::Vector3d p = *here_from_world * world[k];
-        const VoxelKey key = voxel_key(p, kPatch);
+        const scan_match::VoxelKey key = scan_match::voxel_key(p, kPatch);
         if (patch == nullptr || key != last_key) patch = &patches[key];
         last_key = key;
         patch->push_back({p.cast<float>(), static_cast<std::uint32_t>(i)});

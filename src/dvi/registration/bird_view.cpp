@@ -33,10 +33,10 @@ struct Plane {
   bool found = false;
 };
 
-Plane ground_of(const std::vector<Feature>& planes) {
+Plane ground_of(const std::vector<scan_match::Feature>& planes) {
   constexpr double kNear = 20, kLevel = 0.85, kOff = 0.3;
   scan_match::LocalMap map(1.5);
-  for (const Feature& f : planes)
+  for (const scan_match::Feature& f : planes)
     if (f.point.head<2>().norm() < kNear) map.add(f.point.cast<double>());
   std::vector<Eigen::Vector3d> level;
   map.each([&](const scan_match::Shape& shape) {
@@ -94,7 +94,7 @@ cv::Mat2f whitened_spectrum(const cv::Mat1f& view) {
 
 }  // namespace
 
-SE3 level_from_lidar(const std::vector<Feature>& planes) {
+SE3 level_from_lidar(const std::vector<scan_match::Feature>& planes) {
   const Plane ground = ground_of(planes);
   if (!ground.found) return {};
   const Eigen::Vector3d axis = ground.normal.cross(Eigen::Vector3d::UnitZ());
@@ -103,14 +103,14 @@ SE3 level_from_lidar(const std::vector<Feature>& planes) {
   return {R, {0, 0, ground.height}};
 }
 
-std::vector<Eigen::Vector3d> standing_points(const std::vector<Feature>& features, const SE3& level_from_lidar) {
+std::vector<Eigen::Vector3d> standing_points(const std::vector<scan_match::Feature>& features, const SE3& level_from_lidar) {
   struct Column {
     double low = 1e9, high = -1e9;
   };
   std::map<std::pair<int, int>, Column> columns;
   const auto cell_of = [](const Eigen::Vector3d& p) { return std::pair(cvFloor(p.x() / kColumn), cvFloor(p.y() / kColumn)); };
   std::vector<Eigen::Vector3d> points;
-  for (const Feature& f : features) {
+  for (const scan_match::Feature& f : features) {
     const Eigen::Vector3d p = level_from_lidar * f.point.cast<double>();
     if (p.head<2>().norm() > kRadius || p.z() > kHighest) continue;
     Column& column = columns[cell_of(p)];
@@ -134,7 +134,7 @@ TurnedViews turned_views(const std::vector<Eigen::Vector3d>& standing) {
   return out;
 }
 
-std::vector<Candidate> correlate(const BirdView& a, const TurnedViews& b, std::size_t count) {
+std::vector<PlacementGuess> correlate(const BirdView& a, const TurnedViews& b, std::size_t count) {
   struct Peak {
     double score;
     int heading, x, y;
@@ -171,7 +171,7 @@ std::vector<Candidate> correlate(const BirdView& a, const TurnedViews& b, std::s
     if (!seen) best.push_back(p);
     if (best.size() == count) break;
   }
-  std::vector<Candidate> out;
+  std::vector<PlacementGuess> out;
   for (const Peak& p : best)
     out.push_back(
         {p.score, {so3_exp({0, 0, 2 * std::numbers::pi * p.heading / kHeadings}), {p.x * kColumn, p.y * kColumn, 0}}});

@@ -33,7 +33,7 @@ BirdView bird_view(const std::vector<Eigen::Vector3d>& standing);
 TurnedViews turned_views(const std::vector<Eigen::Vector3d>& standing);
 
 /// A guess of how two places lie to each other.
-struct Candidate {
+struct PlacementGuess {
   double score = 0;  ///< correlation of the views; comparable between pairs
   SE3 a_from_b;      ///< level axes
 };
@@ -41,6 +41,6 @@ struct Candidate {
 /// Where a place lies in the other by correlation of whitened views over all headings and positions up to 50 m, as in phase
 /// correlation (Kuglin and Hines 1975): what stands alone counts more than long walls. The best `count` that are apart from
 /// each other.
-std::vector<Candidate> correlate(const BirdView& a, const TurnedViews& b, std::size_t count);
+std::vector<PlacementGuess> correlate(const BirdView& a, const TurnedViews& b, std::size_t count);
 
 }  // namespace dvi::registration

@@ -46,7 +46,7 @@ TEST(BirdView, FindsAPlaceInAnyHeading) {
     const SE3 a_from_b{so3_exp({0, 0, heading}), {7, -4, 0}};
     std::vector<Vector3d> b;
     for (const Vector3d& p : a) b.push_back(a_from_b.inverse() * p);
-    const std::vector<Candidate> found = correlate(view, turned_views(b), 3);
+    const std::vector<PlacementGuess> found = correlate(view, turned_views(b), 3);
     ASSERT_EQ(found.size(), 3);
     const SE3 off = found.front().a_from_b.inverse() * a_from_b;
     EXPECT_LT(off.t.norm(), 0.8) << heading;

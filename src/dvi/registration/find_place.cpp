@@ -66,18 +66,19 @@ std::vector<Eigen::Vector3d> moved(const std::vector<Eigen::Vector3d>& points, c
 }
 
 /// Registers the submaps to each other from a start, and asks the single things in both directions.
-Place verified(const KeyScans& a_keys, const KeyScans& b_keys, const PlaceFinder::Start& start) {
+PlaceMatch verified(const KeyScans& a_keys, const KeyScans& b_keys, const PlaceFinder::Start& start) {
   const StillScan a_scan = submap(a_keys, start.a, kSubmap), b_scan = submap(b_keys, start.b, kSubmap);
   const Level a = levelled(a_scan), b = levelled(b_scan);
-  scan_match::Surroundings scene = scan_match::empty_scene(a_keys.options());
+  scan_match::LocalMaps scene = scan_match::empty_scene(a_keys.options());
   scene.add(a_scan.dense, {}, Vector6d::Zero());
-  scan_match::RegisterOptions options = register_options(a_keys.options());
+  scan_match::RegisterOptions options = scan_match::register_options(a_keys.options());
   options.coarse_iterations = 10;
   options.iterations = 30;
   options.prior_m = 1;
-  const scan_match::Registration fit = register_scan(b_scan.sparse, start.a_from_b, Vector6d::Zero(), {}, 0, scene, options);
+  const scan_match::Registration fit =
+      scan_match::register_scan(b_scan.sparse, start.a_from_b, Vector6d::Zero(), {}, 0, scene, options);
   const SE3 level_a_from_b = a.level_from_lidar * fit.world_from_lidar * b.level_from_lidar.inverse();
-  Place out{start.a, start.b, fit.world_from_lidar, confirm(a.standing, moved(b.standing, level_a_from_b)), 0, 0};
+  PlaceMatch out{start.a, start.b, fit.world_from_lidar, confirm(a.standing, moved(b.standing, level_a_from_b)), 0, 0};
   const Confirmation other = confirm(b.standing, moved(a.standing, level_a_from_b.inverse()));
   out.things.confirmed += other.confirmed;
   out.things.moved += other.moved;
@@ -85,15 +86,15 @@ Place verified(const KeyScans& a_keys, const KeyScans& b_keys, const PlaceFinder
 }
 
 /// Both ways.
-double passed_share(const KeyScans& a_keys, const KeyScans& b_keys, const Place& place) {
+double passed_share(const KeyScans& a_keys, const KeyScans& b_keys, const PlaceMatch& place) {
   const auto standing_in = [](const KeyScans& keys, std::size_t key, const SE3& world_from_key) {
     const Level level = level_at(keys, key);
     return moved(level.standing, world_from_key * level.level_from_lidar.inverse());
   };
   const SE3 a_world_from_b = a_keys[place.a].world_from_lidar * place.a_from_b;
   const SE3 b_world_from_a = b_keys[place.b].world_from_lidar * place.a_from_b.inverse();
-  Sight out = sight(a_keys, place.a, standing_in(b_keys, place.b, a_world_from_b));
-  const Sight other = sight(b_keys, place.b, standing_in(a_keys, place.a, b_world_from_a));
+  RayVotes out = sight(a_keys, place.a, standing_in(b_keys, place.b, a_world_from_b));
+  const RayVotes other = sight(b_keys, place.b, standing_in(a_keys, place.a, b_world_from_a));
   out.hit += other.hit;
   out.passed += other.passed;
   return out.passed_share();
@@ -101,7 +102,7 @@ double passed_share(const KeyScans& a_keys, const KeyScans& b_keys, const Place&
 
 }  // namespace
 
-bool Place::sure() const {
+bool PlaceMatch::sure() const {
   return things.confirmed >= kFewestThings && least_share(things) > kChance && rival < kMostRival && passed_share < kMostPassed;
 }
 
@@ -141,7 +142,7 @@ std::vector<PlaceFinder::Start> PlaceFinder::starts(const std::optional<SE3>& a_
         const std::size_t a = a_keys[first + i], b = b_keys[k];
         if (!in_question(a, b)) return;
         if (a_world_from_b_world) found[i].push_back({1, a, b, guessed(a, b)});
-        for (const Candidate& c : correlate(views[i], turned, kFromPair)) {
+        for (const PlacementGuess& c : correlate(views[i], turned, kFromPair)) {
           const SE3 a_from_b = places[i].level_from_lidar.inverse() * c.a_from_b * queries[k].level_from_lidar;
           if (near_guess(a, b, a_from_b)) found[i].push_back({c.score, a, b, a_from_b});
         }
@@ -152,22 +153,22 @@ std::vector<PlaceFinder::Start> PlaceFinder::starts(const std::optional<SE3>& a_
   return out;
 }
 
-std::optional<Place> PlaceFinder::find(const std::optional<SE3>& a_world_from_b_world) const {
+std::optional<PlaceMatch> PlaceFinder::find(const std::optional<SE3>& a_world_from_b_world) const {
   if (a_.empty() || b_.empty()) return std::nullopt;
   std::vector<Start> all = starts(a_world_from_b_world);
   std::stable_sort(all.begin(), all.end(), [](const Start& p, const Start& q) { return p.score > q.score; });
   if (all.size() > kVerified) all.resize(kVerified);
-  std::vector<Place> places(all.size());
+  std::vector<PlaceMatch> places(all.size());
   parallel_for(all.size(), [&](std::size_t i) { places[i] = verified(a_, b_, all[i]); });
   const auto best = std::max_element(places.begin(), places.end(),
-                                     [](const Place& p, const Place& q) { return p.strength() < q.strength(); });
+                                     [](const PlaceMatch& p, const PlaceMatch& q) { return p.strength() < q.strength(); });
   if (best == places.end() || best->things.confirmed == 0) return std::nullopt;
   // Both places as seen from the best one's key scan.
-  const auto from_world = [&](const Place& p) {
+  const auto from_world = [&](const PlaceMatch& p) {
     return a_[p.a].world_from_lidar * p.a_from_b * b_[p.b].world_from_lidar.inverse() * b_[best->b].world_from_lidar;
   };
-  Place out = *best;
-  for (const Place& other : places) {
+  PlaceMatch out = *best;
+  for (const PlaceMatch& other : places) {
     const SE3 off = from_world(*best).inverse() * from_world(other);
     if (off.t.norm() > kAnother || so3_log(off.R).norm() > kAnotherTurn)
       out.rival = std::max(out.rival, other.strength() / best->strength());

@@ -9,7 +9,7 @@
 namespace dvi::registration {
 
 /// How a key scan of one drive lies to one of another.
-struct Place {
+struct PlaceMatch {
   std::size_t a = 0, b = 0;  ///< key scans
   SE3 a_from_b;              ///< LiDAR axes
   Confirmation things;
@@ -36,7 +36,7 @@ class PlaceFinder {
 
   /// The best place, sure or not; none where nothing looks alike. With a guess, which may be off by some 10 m and 10 degrees,
   /// only places near it count.
-  std::optional<Place> find(const std::optional<SE3>& a_world_from_b_world) const;
+  std::optional<PlaceMatch> find(const std::optional<SE3>& a_world_from_b_world) const;
 
  private:
   std::vector<Start> starts(const std::optional<SE3>& a_world_from_b_world) const;

@@ -58,21 +58,22 @@ class Traffic {
   std::shared_ptr<const cv::Mat1b> mask_;
 };
 
-std::vector<Feature> still(const std::vector<Feature>& features, const Traffic& traffic, const Vector6d& twist) {
-  std::vector<Feature> out;
+std::vector<scan_match::Feature> still(const std::vector<scan_match::Feature>& features, const Traffic& traffic,
+                                       const Vector6d& twist) {
+  std::vector<scan_match::Feature> out;
   out.reserve(features.size());
-  for (const Feature& f : features)
+  for (const scan_match::Feature& f : features)
     if (!traffic.holds(f.point.cast<double>())) out.push_back({scan_match::compensated(f, twist).cast<float>(), 0});
   return out;
 }
 
-std::vector<Feature> returns_of(const Scan& scan, double nearest_m, double farthest_m) {
-  std::vector<Feature> out;
+std::vector<scan_match::Feature> returns_of(const Scan& scan, double nearest_m, double farthest_m) {
+  std::vector<scan_match::Feature> out;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const double range = scan.points[i].norm();
     if (range >= nearest_m && range <= farthest_m) out.push_back({scan.points[i], scan.time[i]});
   }
-  return thinned(out, kPoint);
+  return scan_match::thinned(out, kPoint);
 }
 
 }  // namespace
@@ -84,10 +85,10 @@ KeyScans::KeyScans(const Drive& drive, const scan_match::MatchOptions& options, 
       keys_(keys_of(drive, world_from_lidar)) {
   scans_ = Lazy<StillScan>(keys_.size(), [drive = drive_, suited = options_, keys = keys_](std::size_t i) {
     const std::shared_ptr<const Scan> scan = drive->scans[keys[i].scan];
-    const scan_match::ScanFeatures all = scan_features(*drive, *scan, scan_match::rings_of(*drive, *scan), suited);
+    const scan_match::ScanFeatures all = scan_match::scan_features(*drive, *scan, scan_match::rings_of(*drive, *scan), suited);
     const Traffic traffic(*drive, drive->scan_headers[keys[i].scan]);
-    const auto of = [&](const Features& f) {
-      return Features{still(f.planes, traffic, keys[i].twist), still(f.edges, traffic, keys[i].twist)};
+    const auto of = [&](const scan_match::Features& f) {
+      return scan_match::Features{still(f.planes, traffic, keys[i].twist), still(f.edges, traffic, keys[i].twist)};
     };
     const double nearest = suited.min_range_m.value_or(drive->least_range_m());
     return StillScan{of(all.dense), of(all.sparse),
@@ -109,8 +110,8 @@ StillScan submap(const KeyScans& keys, std::size_t i, double way_m) {
     if (std::abs(keys[k].way_m - keys[i].way_m) > way_m) continue;
     const std::shared_ptr<const StillScan> scan = keys.scan(k);
     const SE3 lidar_from_k = lidar_from_world * keys[k].world_from_lidar;
-    const auto append = [&](std::vector<Feature>& to, const std::vector<Feature>& from) {
-      for (const Feature& f : from) to.push_back({(lidar_from_k * f.point.cast<double>()).cast<float>(), 0});
+    const auto append = [&](std::vector<scan_match::Feature>& to, const std::vector<scan_match::Feature>& from) {
+      for (const scan_match::Feature& f : from) to.push_back({(lidar_from_k * f.point.cast<double>()).cast<float>(), 0});
     };
     append(out.dense.planes, scan->dense.planes);
     append(out.dense.edges, scan->dense.edges);
@@ -119,8 +120,8 @@ StillScan submap(const KeyScans& keys, std::size_t i, double way_m) {
     append(out.points, scan->points);
   }
   const scan_match::MatchOptions& options = keys.options();
-  out.sparse = {thinned(out.sparse.planes, options.cell_m), thinned(out.sparse.edges, options.voxel_m)};
-  out.points = thinned(out.points, kPoint);
+  out.sparse = {scan_match::thinned(out.sparse.planes, options.cell_m), scan_match::thinned(out.sparse.edges, options.voxel_m)};
+  out.points = scan_match::thinned(out.points, kPoint);
   return out;
 }
 

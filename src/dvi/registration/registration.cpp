@@ -128,13 +128,14 @@ class Registrar {
   }
 
   /// Among all drives that have their place; where a drive shares the target's world, there first.
-  std::pair<std::optional<Place>, std::size_t> best_place(const KeyScans& keys, bool shares_world) const {
-    std::optional<Place> best;
+  std::pair<std::optional<PlaceMatch>, std::size_t> best_place(const KeyScans& keys, bool shares_world) const {
+    std::optional<PlaceMatch> best;
     std::size_t in = 0;
     for (const bool guess : {true, false})
       for (std::size_t p = 0; p < placed_.size(); ++p) {
         if (guess && !shares_world) continue;
-        const std::optional<Place> found = PlaceFinder(placed_[p].keys, keys).find(guess ? std::optional(SE3()) : std::nullopt);
+        const std::optional<PlaceMatch> found =
+            PlaceFinder(placed_[p].keys, keys).find(guess ? std::optional(SE3()) : std::nullopt);
         if (found && (!best || found->strength() > best->strength())) best = found, in = p;
         if (best && best->sure()) return {best, in};
       }
@@ -145,7 +146,7 @@ class Registrar {
   void solve() {
     std::vector<SE3> poses;
     std::vector<std::size_t> first;  // node of each drive
-    std::vector<PoseEdge> edges;
+    std::vector<scan_match::PoseEdge> edges;
     for (const Placed& p : placed_) {
       first.push_back(poses.size());
       const bool held = p.drive == 0 && hold_target_;
@@ -162,14 +163,14 @@ class Registrar {
       for (const Tie& tie : placed_[p].ties)
         edges.push_back(
             {first[tie.drive] + tie.a, first[p] + tie.b, tie.a_from_b, no_better_than(tie.information, kTie, kTieTurn), true});
-    const std::vector<double> weights = solve_pose_graph(poses, edges);
+    const std::vector<double> weights = scan_match::solve_pose_graph(poses, edges);
     out_.target = bent(placed_[0].world_from_lidar, placed_[0].keys, poses.data());
     std::size_t next = steps;
     for (std::size_t p = 0; p < placed_.size(); next += placed_[p].ties.size(), ++p)
       if (p > 0) report(placed_[p], poses, edges, weights, first, next, p);
   }
 
-  void report(const Placed& placed, const std::vector<SE3>& poses, const std::vector<PoseEdge>& edges,
+  void report(const Placed& placed, const std::vector<SE3>& poses, const std::vector<scan_match::PoseEdge>& edges,
               const std::vector<double>& weights, const std::vector<std::size_t>& first, std::size_t first_tie, std::size_t p) {
     PlacementFigures& out = out_.sources[placed.drive - 1].figures;
     std::vector<std::size_t> tied, edge;
@@ -186,8 +187,8 @@ class Registrar {
     if (tied.empty()) return;
     out.residual_m = std::sqrt(squares / static_cast<double>(tied.size()));
     out.target_from_source = motion_between(placed.keys, moved, tied) * placed.world_from_source;
-    const PoseEdge& middle = edges[edge[edge.size() / 2]];
-    const Matrix6d covariance = relative_covariance(poses, edges, weights, middle.a, middle.b);
+    const scan_match::PoseEdge& middle = edges[edge[edge.size() / 2]];
+    const Matrix6d covariance = scan_match::relative_covariance(poses, edges, weights, middle.a, middle.b);
     const auto bound = [&](int at) {  // of the length of an error in three dimensions: chi-squared
       const Eigen::Matrix3d part = covariance.block<3, 3>(at, at);
       return kInflation * std::sqrt(7.81 * Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(part).eigenvalues().maxCoeff());

@@ -14,7 +14,7 @@ constexpr std::size_t kEvery = 3;             // of the points
 
 }  // namespace
 
-Sight sight(const KeyScans& keys, std::size_t key, const std::vector<Eigen::Vector3d>& world) {
+RayVotes sight(const KeyScans& keys, std::size_t key, const std::vector<Eigen::Vector3d>& world) {
   std::vector<int> votes((world.size() + kEvery - 1) / kEvery, 0);
   double next = keys[key].way_m - kAround;
   for (std::size_t k = 0; k < keys.size() && keys[k].way_m <= keys[key].way_m + kAround; ++k) {
@@ -28,7 +28,7 @@ Sight sight(const KeyScans& keys, std::size_t key, const std::vector<Eigen::Vect
       votes[i] += seen == FreeSpace::Seen::hit ? 1 : seen == FreeSpace::Seen::passed ? -1 : 0;
     }
   }
-  Sight out;
+  RayVotes out;
   for (const int vote : votes) {
     out.hit += vote > 0 ? 1 : 0;
     out.passed += vote < 0 ? 1 : 0;

@@ -10,7 +10,7 @@
 namespace dvi::registration {
 
 /// What the rays of one drive say of what another saw standing.
-struct Sight {
+struct RayVotes {
   std::size_t hit = 0;     ///< points where they ended, too
   std::size_t passed = 0;  ///< points that they went through: not there
 
@@ -20,6 +20,6 @@ struct Sight {
 
 /// Points in the world of `keys`, as its scans up to 12 m before and after one see them (drive/free_space.h). Cars that have
 /// left and leaves that have fallen are passed through in the right place, too.
-Sight sight(const KeyScans& keys, std::size_t key, const std::vector<Eigen::Vector3d>& world);
+RayVotes sight(const KeyScans& keys, std::size_t key, const std::vector<Eigen::Vector3d>& world);
 
 }  // namespace dvi::registration

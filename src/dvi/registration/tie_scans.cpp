@@ -27,7 +27,7 @@ struct Neighbourhood {
   std::size_t drive = 0, anchor = 0;
   SE3 anchor_from_world;
   Eigen::Vector3d centre;  // world
-  scan_match::Surroundings scene;
+  scan_match::LocalMaps scene;
   double share = 0, residual_m = 0;  // of the anchor itself, which is left out of the scene
 };
 
@@ -36,15 +36,15 @@ struct Fit {
   double share = 0;
 };
 
-Fit fit(const scan_match::Features& sparse, const SE3& guess, int coarse, scan_match::Surroundings& scene,
+Fit fit(const scan_match::Features& sparse, const SE3& guess, int coarse, scan_match::LocalMaps& scene,
         const scan_match::MatchOptions& match) {
-  scan_match::RegisterOptions options = register_options(match);
+  scan_match::RegisterOptions options = scan_match::register_options(match);
   options.coarse_iterations = coarse;
   options.iterations += coarse;
   options.prior_m = 1;
   Fit out;
-  out.registration = register_scan(sparse, guess, Vector6d::Zero(), {}, 0, scene, options);
-  out.share = standing_share(sparse, Vector6d::Zero(), out.registration.world_from_lidar, scene);
+  out.registration = scan_match::register_scan(sparse, guess, Vector6d::Zero(), {}, 0, scene, options);
+  out.share = scan_match::standing_share(sparse, Vector6d::Zero(), out.registration.world_from_lidar, scene);
   return out;
 }
 

@@ -5,7 +5,6 @@
 
 #include "dvi/core/random.h"
 #include "dvi/depth/depth_map.h"
-#include "dvi/drive/flat_scene.h"
 #include "dvi/drive/view.h"
 #include "dvi/image/region.h"
 #include "dvi/regularize/belief_propagation.h"
@@ -14,6 +13,7 @@
 #include "dvi/regularize/shift_field.h"
 #include "dvi/regularize/tree_reweighted.h"
 #include "dvi/sample/candidates.h"
+#include "dvi/testing/flat_scene.h"
 
 namespace dvi::regularize {
 namespace {

@@ -8,11 +8,11 @@
 #include "dvi/core/error.h"
 #include "dvi/core/random.h"
 #include "dvi/depth/depth_map.h"
-#include "dvi/drive/flat_scene.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/region.h"
 #include "dvi/regularize/labelling.h"
 #include "dvi/sample/candidates.h"
+#include "dvi/testing/flat_scene.h"
 
 namespace dvi::regularize {
 namespace {

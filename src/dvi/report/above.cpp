@@ -8,8 +8,8 @@
 
 #include "dvi/core/json_text.h"
 #include "dvi/core/scratch.h"
-#include "dvi/io/rigid.h"
-#include "dvi/io/write_image.h"
+#include "dvi/geometry/rigid.h"
+#include "dvi/media/write_image.h"
 
 namespace dvi::report {
 namespace {
@@ -67,7 +67,7 @@ cv::Mat4b picture_of(const Above& above, const Raster& raster) {
 
 double rounded(double value) { return std::round(value * 1000) / 1000; }
 
-nlohmann::json json_of(const Track& track) {
+nlohmann::json json_of(const ObjectPath& track) {
   nlohmann::json points = nlohmann::json::array();
   for (std::size_t i = 0; i < track.points.size(); ++i)
     points.push_back({rounded(track.points[i].x()), rounded(track.points[i].y()), track.frames[i]});
@@ -78,10 +78,10 @@ nlohmann::json json_of(const Track& track) {
 
 void write_above(const fs::path& folder, const Above& above) {
   const Raster raster(above.world_from_camera);
-  io::write_png(folder / "map.png", picture_of(above, raster));
+  media::write_png(folder / "map.png", picture_of(above, raster));
   nlohmann::json poses = nlohmann::json::array(), tracks = nlohmann::json::array();
-  for (const SE3& pose : above.world_from_camera) poses.push_back(io::row_major(pose));
-  for (const Track& track : above.tracks) tracks.push_back(json_of(track));
+  for (const SE3& pose : above.world_from_camera) poses.push_back(row_major(pose));
+  for (const ObjectPath& track : above.tracks) tracks.push_back(json_of(track));
   const Camera& c = above.camera;
   write_file(folder / "above.json", json_text({{"schema", "dvi-above/1"},
                                                {"left_m", raster.left},

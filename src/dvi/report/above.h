@@ -16,7 +16,7 @@
 namespace dvi::report {
 
 /// Where an object that was removed has been.
-struct Track {
+struct ObjectPath {
   int number = -1;
   std::string type;
   std::vector<Eigen::Vector2d> points;  ///< metres, world axes
@@ -30,7 +30,7 @@ struct Above {
   std::function<cv::Vec3b(std::size_t point)> colour;  ///< BGR, of a point of the map
   Camera camera;
   std::vector<SE3> world_from_camera;  ///< of the target's frames
-  std::vector<Track> tracks;
+  std::vector<ObjectPath> tracks;
 };
 void write_above(const fs::path& folder, const Above& above);
 

@@ -3,8 +3,8 @@
 #include <exception>
 
 #include "dvi/core/error.h"
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 
 namespace dvi::report {
 
@@ -14,26 +14,26 @@ FramePictures read_pictures(const fs::path& out, const std::string& name, bool a
   const auto read = [&](const char* folder, auto& picture, const auto& reader) {
     const std::string file = std::string(folder) + "/" + name + ".png";
     try {
-      if (size.empty()) size = io::image_size(out / file);
+      if (size.empty()) size = media::image_size(out / file);
       picture = reader(out / file, size);
     } catch (const InputError&) {  // answered: the page says what is missing
       pictures.missing.push_back(file);
     }
   };
-  read("kind", pictures.kind, io::read_png_grey);
+  read("kind", pictures.kind, media::read_png_grey);
   if (pictures.kind.empty()) return pictures;  // nothing tells which pixels the others are about
-  read("confidence", pictures.confidence, io::read_png_grey);
-  read("depth", pictures.depth, io::read_png_depth);
+  read("confidence", pictures.confidence, media::read_png_grey);
+  read("depth", pictures.depth, media::read_png_depth);
   if (!all) return pictures;
-  read("provenance", pictures.provenance, io::read_png_triples);
-  read("harmonisation", pictures.harmonisation, io::read_png_triples);
-  read("sources_used", pictures.used, io::read_image);
+  read("provenance", pictures.provenance, media::read_png_triples);
+  read("harmonisation", pictures.harmonisation, media::read_png_triples);
+  read("sources_used", pictures.used, media::read_image);
   return pictures;
 }
 
 cv::Mat3b read_frame(const fs::path& file, cv::Size size) {
   try {
-    return io::read_image(file, size);
+    return media::read_image(file, size);
   } catch (const InputError&) {  // answered: the page says what is missing
     return {};
   }

@@ -13,8 +13,8 @@
 #include "dvi/core/json_text.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/harmonize/receipt.h"
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 
 namespace dvi::report {
 namespace {
@@ -80,22 +80,22 @@ Receipt receipt_of(const fs::path& out, const std::string& frame, cv::Point pixe
   receipt.frame = name_of(out, frame);
   receipt.pixel = pixel;
   const std::string png = receipt.frame + ".png";
-  const cv::Size size = io::image_size(out / "kind" / png);
+  const cv::Size size = media::image_size(out / "kind" / png);
   if (!cv::Rect({}, size).contains(pixel))
     throw InputError(out, fmt::format("has no pixel {}, {} in frame {}", pixel.x, pixel.y, receipt.frame),
                      fmt::format("X is 0 to {}, Y 0 to {}", size.width - 1, size.height - 1));
-  const auto kind = static_cast<std::size_t>(io::read_png_grey(out / "kind" / png, size)(pixel));
+  const auto kind = static_cast<std::size_t>(media::read_png_grey(out / "kind" / png, size)(pixel));
   if (kind >= kKinds.size()) throw InputError(out / "kind" / png, fmt::format("holds a kind {}", kind), "run dvi again");
   receipt.kind = kKinds[kind];
-  const cv::Vec3b colour = io::read_image(out / "frames" / png, size)(pixel);
+  const cv::Vec3b colour = media::read_image(out / "frames" / png, size)(pixel);
   receipt.colour = {colour[2], colour[1], colour[0]};
-  if (const ushort depth = io::read_png_depth(out / "depth" / png, size)(pixel); depth > 0) receipt.depth_m = depth / 256.0;
-  if (kind > 0) receipt.confidence = io::read_png_grey(out / "confidence" / png, size)(pixel) / 255.0;
-  const cv::Vec3w triple = io::read_png_triples(out / "provenance" / png, size)(pixel);
+  if (const ushort depth = media::read_png_depth(out / "depth" / png, size)(pixel); depth > 0) receipt.depth_m = depth / 256.0;
+  if (kind > 0) receipt.confidence = media::read_png_grey(out / "confidence" / png, size)(pixel) / 255.0;
+  const cv::Vec3w triple = media::read_png_triples(out / "provenance" / png, size)(pixel);
   if (triple[0] == 0) return receipt;
 
-  const cv::Vec3b used = io::read_image(out / "sources_used" / png, size)(pixel);
-  const cv::Vec3w change = io::read_png_triples(out / "harmonisation" / png, size)(pixel);
+  const cv::Vec3b used = media::read_image(out / "sources_used" / png, size)(pixel);
+  const cv::Vec3w change = media::read_png_triples(out / "harmonisation" / png, size)(pixel);
   const harmonize::Provenance from = harmonize::Provenance::of(triple, used);
   const json sources = document(out / "sources.json").value("sources", json::array());
   if (static_cast<std::size_t>(from.view) >= sources.size())
@@ -170,10 +170,10 @@ std::string json_of(const Receipt& receipt) {
 void write_crops(const fs::path& folder, const fs::path& out, const Receipt& receipt) {
   make_folder(folder);
   const fs::path frame = out / "frames" / (receipt.frame + ".png");
-  io::write_png(folder / "result.png", crop(io::read_image(frame, io::image_size(frame)), receipt.pixel));
+  media::write_png(folder / "result.png", crop(media::read_image(frame, media::image_size(frame)), receipt.pixel));
   if (!receipt.source || !fs::exists(receipt.source->file)) return;
   const fs::path& file = receipt.source->file;
-  io::write_png(folder / "source.png", crop(io::read_image(file, io::image_size(file)), receipt.source->position));
+  media::write_png(folder / "source.png", crop(media::read_image(file, media::image_size(file)), receipt.source->position));
 }
 
 }  // namespace dvi::report

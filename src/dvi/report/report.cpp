@@ -13,8 +13,8 @@
 #include "dvi/core/json_file.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 #include "dvi/report/doubt.h"
 #include "dvi/report/frame_block.h"
 #include "dvi/report/frame_pictures.h"
@@ -77,7 +77,7 @@ cv::Mat1b largest_difference(const cv::Mat3b& a, const cv::Mat3b& b) {
 
 /// Nothing where there is no image.
 void write_patch(const fs::path& out, const char* folder, std::size_t number, const cv::Mat3b& image, const cv::Mat1b& kind) {
-  if (!image.empty()) io::write_png(out / numbered(folder, number, ".png"), patch(image, kind));
+  if (!image.empty()) media::write_png(out / numbered(folder, number, ".png"), patch(image, kind));
 }
 
 void write_block(const fs::path& out, std::size_t number, const FramePictures& pictures, const cv::Mat1b& error) {
@@ -191,8 +191,8 @@ class Writer {
       const fs::path file = input_of(number);
       try {
         if (!file.empty())
-          io::write_jpeg(out_ / numbered("sources/", number, ".jpg"), io::read_image(file, io::image_size(file)),
-                         kSourceQuality);
+          media::write_jpeg(out_ / numbered("sources/", number, ".jpg"), media::read_image(file, media::image_size(file)),
+                            kSourceQuality);
       } catch (const InputError&) {  // answered: the page shows no crop of it
       }
     });

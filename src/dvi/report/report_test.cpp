@@ -11,15 +11,15 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
-#include "dvi/core/test_folder.h"
 #include "dvi/harmonize/receipt.h"
-#include "dvi/io/image_file.h"
-#include "dvi/io/write_image.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
 #include "dvi/report/above.h"
 #include "dvi/report/doubt.h"
 #include "dvi/report/inspect.h"
 #include "dvi/report/page_files.h"
 #include "dvi/report/unseen_places.h"
+#include "dvi/testing/temp_folder.h"
 
 namespace dvi::report {
 namespace {
@@ -45,14 +45,14 @@ class SmallResult : public testing::Test {
     pictures.provenance(3, 5) = {2, 5 * 16 + 3, 4 * 16};
     pictures.harmonisation(3, 5) = {harmonize::kNoChange - 2, harmonize::kNoChange, harmonize::kNoChange + 7};
     pictures.used(3, 5) = {1, 2, 3};
-    io::write_png(out / "frames/a.png", cv::Mat3b(8, 12, cv::Vec3b(30, 20, 10)));
-    io::write_png(out / "kind/a.png", pictures.kind);
-    io::write_png(out / "confidence/a.png", pictures.confidence);
-    io::write_png(out / "depth/a.png", pictures.depth);
-    io::write_png(out / "provenance/a.png", pictures.provenance);
-    io::write_png(out / "harmonisation/a.png", pictures.harmonisation);
-    io::write_png(out / "sources_used/a.png", pictures.used);
-    io::write_png(folder / "b.png", cv::Mat3b(8, 12, cv::Vec3b(1, 2, 3)));
+    media::write_png(out / "frames/a.png", cv::Mat3b(8, 12, cv::Vec3b(30, 20, 10)));
+    media::write_png(out / "kind/a.png", pictures.kind);
+    media::write_png(out / "confidence/a.png", pictures.confidence);
+    media::write_png(out / "depth/a.png", pictures.depth);
+    media::write_png(out / "provenance/a.png", pictures.provenance);
+    media::write_png(out / "harmonisation/a.png", pictures.harmonisation);
+    media::write_png(out / "sources_used/a.png", pictures.used);
+    media::write_png(folder / "b.png", cv::Mat3b(8, 12, cv::Vec3b(1, 2, 3)));
     nlohmann::json sources = nlohmann::json::array();
     for (const char* name : {"a", "b"})
       sources.push_back({{"drive", "/d"}, {"camera", "front"}, {"frame", name}, {"file", (folder / "b.png").string()}});
@@ -107,7 +107,7 @@ TEST_F(SmallResult, WhatIsNotThereIsAnInputError) {
 
 TEST_F(SmallResult, CropsShowBothPlaces) {
   write_crops(folder / "crops", out, read_receipt(out, "a", {5, 3}));
-  EXPECT_EQ(io::image_size(folder / "crops/result.png"), cv::Size(36, 24)) << "three times the whole picture";
+  EXPECT_EQ(media::image_size(folder / "crops/result.png"), cv::Size(36, 24)) << "three times the whole picture";
   EXPECT_TRUE(fs::exists(folder / "crops/source.png"));
 }
 
@@ -116,7 +116,7 @@ TEST_F(SmallResult, AReportShowsItsFramesAndHoles) {
   write();
   EXPECT_EQ(frame_files(out, 0), (std::vector<std::string>{"report/data_000000.js", "report/before/000000.png"}));
   EXPECT_THAT(read_file(out / "report/index.js"), HasSubstr(R"("picture":"frames/a.png")"));
-  EXPECT_EQ(io::image_size(out / "report/before/000000.png"), cv::Size(12, 8));
+  EXPECT_EQ(media::image_size(out / "report/before/000000.png"), cv::Size(12, 8));
 }
 
 TEST_F(SmallResult, WhatARunWritesIsWhatTheReportWouldRead) {
@@ -196,7 +196,7 @@ TEST(Above, PutsPointsIntoThePicture) {
     return cv::Point(static_cast<int>((x - above.at("left_m").get<double>()) / metres + 1e-6),
                      static_cast<int>((above.at("top_m").get<double>() - y) / metres + 1e-6));
   };
-  const cv::Mat3b picture = io::read_image(temporary.path / "map.png", {above.at("width"), above.at("height")});
+  const cv::Mat3b picture = media::read_image(temporary.path / "map.png", {above.at("width"), above.at("height")});
   EXPECT_EQ(picture(pixel(10, 5)), cv::Vec3b(1, 2, 3));
   EXPECT_EQ(picture(pixel(-10, 5)), cv::Vec3b(0, 0, 0)) << "far above the sensor";
   EXPECT_EQ(above.at("tracks")[0].at("points")[0], (nlohmann::json{1.0, 2.0, 0}));

@@ -55,7 +55,7 @@ class Source {
   std::optional<Candidate> show(const SurfacePixel& pixel, float than) {
     const bool is_apart = other_day_ || source_from_target_.t.norm() > kMaxSkyDistanceM;
     if (is_apart && pixel.at.z() >= depth::DepthMap::kInfinity) return std::nullopt;  // no sky stays
-    const std::optional<Place> place = locate(pixel, view_.camera, source_from_target_);
+    const std::optional<SourcePosition> place = locate(pixel, view_.camera, source_from_target_);
     if (!place) return std::nullopt;
     const cv::Point2f at = quantised(place->position.x(), place->position.y());
     if (!view_.camera.contains({at.x, at.y})) return std::nullopt;
@@ -64,7 +64,7 @@ class Source {
     const float clear = lent_->clear_px(at);
     if (options_.scored && static_cast<float>(most_trust(seconds_, clear)) <= than) return std::nullopt;
     if (options_.occlusion_test && !same_surface(at, place->z, pixel.sigma)) return std::nullopt;
-    const std::optional<Sighting> seen = sight(pixel, *place, view_.camera, source_from_target_);
+    const std::optional<SourceFootprint> seen = sight(pixel, *place, view_.camera, source_from_target_);
     if (!seen) return std::nullopt;
     Candidate out{static_cast<int>(number_), at};
     out.misplaced = static_cast<float>(expected_shift(*seen, seconds_));

@@ -5,7 +5,7 @@
 #include <benchmark/benchmark.h>
 #include <opencv2/imgproc.hpp>
 
-#include "dvi/drive/flat_scene.h"
+#include "dvi/testing/flat_scene.h"
 
 namespace dvi::sample {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <opencv2/core.hpp>
 
-#include "dvi/drive/flat_scene.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/sample/sighting.h"
+#include "dvi/testing/flat_scene.h"
 
 namespace dvi::sample {
 namespace {
@@ -213,16 +213,16 @@ TEST(Sample, GrazingViewsAreToldByTheirSmallestSpan) {
   turned.R = Eigen::AngleAxisd(1.0472, Eigen::Vector3d::UnitY()).toRotationMatrix();
   turned.t = Eigen::Vector3d(0, 0, 10) - turned.R * Eigen::Vector3d(0, 0, 10);
   const Camera& camera = scene.views[0].camera;
-  const std::optional<Place> place = locate(pixels[55], camera, turned);
+  const std::optional<SourcePosition> place = locate(pixels[55], camera, turned);
   ASSERT_TRUE(place);
-  const std::optional<Sighting> seen = sight(pixels[55], *place, camera, turned);
+  const std::optional<SourceFootprint> seen = sight(pixels[55], *place, camera, turned);
   ASSERT_TRUE(seen);
   EXPECT_NEAR(seen->smallest, 0.5, 0.1);
   EXPECT_NEAR(seen->down, 1, 0.1);
 }
 
 TEST(Sample, TrustFollowsItsFormula) {
-  Sighting seen;
+  SourceFootprint seen;
   const double far = 1e18;  // px to masks and edges
   EXPECT_DOUBLE_EQ(trust(seen, 0, far), 1);
   EXPECT_DOUBLE_EQ(trust(seen, 1, far), 0.5);

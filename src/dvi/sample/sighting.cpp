@@ -17,11 +17,11 @@ float step(float before, float here, float after) {
   return std::abs(back) < std::abs(forth) ? back : forth;
 }
 
-double shift_squared(const Sighting& sighting, double seconds) {
+double shift_squared(const SourceFootprint& sighting, double seconds) {
   return squared(sighting.misplaced) + squared(kDrift) * seconds;
 }
 
-double error_squared(const Sighting& sighting, double seconds) {
+double error_squared(const SourceFootprint& sighting, double seconds) {
   const double blur = 0.5 * std::max(0.0, 1 / std::max(sighting.smallest, 1e-3) - 1);
   return shift_squared(sighting, seconds) + squared(blur);
 }
@@ -50,18 +50,18 @@ std::vector<SurfacePixel> surface_pixels(const Region& hole, const Camera& camer
   return out;
 }
 
-std::optional<Place> locate(const SurfacePixel& pixel, const Camera& source, const SE3& source_from_target) {
+std::optional<SourcePosition> locate(const SurfacePixel& pixel, const Camera& source, const SE3& source_from_target) {
   const Eigen::Vector3d x = source_from_target * pixel.at;
   if (!source.in_front(x)) return std::nullopt;
-  const Place out{source.project(x), x.z()};
+  const SourcePosition out{source.project(x), x.z()};
   return source.contains(out.position) ? std::optional(out) : std::nullopt;
 }
 
-std::optional<Sighting> sight(const SurfacePixel& pixel, const Place& place, const Camera& source,
-                              const SE3& source_from_target) {
+std::optional<SourceFootprint> sight(const SurfacePixel& pixel, const SourcePosition& place, const Camera& source,
+                                     const SE3& source_from_target) {
   const Eigen::Vector3d deeper = source_from_target * pixel.deeper;
   if (!source.in_front(deeper)) return std::nullopt;
-  Sighting out;
+  SourceFootprint out;
   Eigen::Matrix2d spans;
   spans.col(0) = source.project(source_from_target * pixel.right) - place.position;
   spans.col(1) = source.project(source_from_target * pixel.below) - place.position;
@@ -74,11 +74,11 @@ std::optional<Sighting> sight(const SurfacePixel& pixel, const Place& place, con
   return out;
 }
 
-double expected_shift(const Sighting& sighting, double seconds) { return std::sqrt(shift_squared(sighting, seconds)); }
+double expected_shift(const SourceFootprint& sighting, double seconds) { return std::sqrt(shift_squared(sighting, seconds)); }
 
-double expected_error(const Sighting& sighting, double seconds) { return std::sqrt(error_squared(sighting, seconds)); }
+double expected_error(const SourceFootprint& sighting, double seconds) { return std::sqrt(error_squared(sighting, seconds)); }
 
-double trust(const Sighting& sighting, double seconds, double clear_px) {
+double trust(const SourceFootprint& sighting, double seconds, double clear_px) {
   const double clear = clear_px + 0.5;
   return clear / (clear + 1) / (1 + error_squared(sighting, seconds) / squared(kShift));
 }

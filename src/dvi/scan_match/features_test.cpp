@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "dvi/scan_match/test_street.h"
+#include "dvi/testing/test_street.h"
 
 namespace dvi::scan_match {
 namespace {

@@ -61,7 +61,7 @@ Eigen::Vector3d compensated(const Feature& feature, const Vector6d& twist) {
   return p + t * velocity + 0.5 * t * t * w.cross(velocity);  // the exponential map to second order
 }
 
-void Surroundings::add(const Features& features, const SE3& world_from_lidar, const Vector6d& twist) {
+void LocalMaps::add(const Features& features, const SE3& world_from_lidar, const Vector6d& twist) {
   for (const Feature& f : features.planes) {
     const Eigen::Vector3d p = world_from_lidar * compensated(f, twist);
     fine.add(p);
@@ -70,7 +70,7 @@ void Surroundings::add(const Features& features, const SE3& world_from_lidar, co
   for (const Feature& f : features.edges) edges.add(world_from_lidar * compensated(f, twist));
 }
 
-void Surroundings::remove(const Features& features, const SE3& world_from_lidar, const Vector6d& twist) {
+void LocalMaps::remove(const Features& features, const SE3& world_from_lidar, const Vector6d& twist) {
   for (const Feature& f : features.planes) {
     const Eigen::Vector3d p = world_from_lidar * compensated(f, twist);
     fine.remove(p);
@@ -79,12 +79,12 @@ void Surroundings::remove(const Features& features, const SE3& world_from_lidar,
   for (const Feature& f : features.edges) edges.remove(world_from_lidar * compensated(f, twist));
 }
 
-void Surroundings::keep_near(const Eigen::Vector3d& position, double radius_m) {
+void LocalMaps::keep_near(const Eigen::Vector3d& position, double radius_m) {
   for (LocalMap* map : {&fine, &coarse, &edges}) map->keep_near(position, radius_m);
 }
 
 Registration register_scan(const Features& features, const SE3& guess, const Vector6d& twist, const SE3& before, double seconds,
-                           Surroundings& scene, const RegisterOptions& options) {
+                           LocalMaps& scene, const RegisterOptions& options) {
   Registration out;
   SE3 pose = guess;
   Vector6d prior;
@@ -133,7 +133,7 @@ Registration register_scan(const Features& features, const SE3& guess, const Vec
   return out;
 }
 
-double standing_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, Surroundings& scene,
+double standing_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, LocalMaps& scene,
                       double on_m) {
   constexpr double kLevel = 0.8;
   std::size_t on = 0, all = features.edges.size();

@@ -9,7 +9,7 @@
 namespace dvi::scan_match {
 
 /// The scene round the car, planes at two sizes of voxels: the small ones where they hold enough points.
-struct Surroundings {
+struct LocalMaps {
   LocalMap fine, coarse, edges;
 
   void add(const Features& features, const SE3& world_from_lidar, const Vector6d& twist);
@@ -42,11 +42,11 @@ struct Registration {
 /// within the scan follows from the pose `seconds` before: the scan is compensated anew each iteration. With `seconds` 0 the
 /// twist stays as given.
 Registration register_scan(const Features& features, const SE3& guess, const Vector6d& twist, const SE3& before, double seconds,
-                           Surroundings& scene, const RegisterOptions& options);
+                           LocalMaps& scene, const RegisterOptions& options);
 
 /// Of the features that do not lie on level ground, which looks the same everywhere, the share that lies on what stands in the
 /// scene, 0 to 1: within `on_m` of it. The scene's z points up.
-double standing_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, Surroundings& scene,
+double standing_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, LocalMaps& scene,
                       double on_m = 0.15);
 
 }  // namespace dvi::scan_match

@@ -41,7 +41,7 @@ ScanFeatures scan_features(const Drive& drive, const Scan& scan, const Rings& ri
   return out;
 }
 
-Surroundings empty_scene(const MatchOptions& options) {
+LocalMaps empty_scene(const MatchOptions& options) {
   return {LocalMap(options.voxel_m), LocalMap(kLargeVoxel * options.voxel_m), LocalMap(kEdgeVoxel * options.voxel_m)};
 }
 

@@ -36,7 +36,7 @@ double feature_range(const MatchOptions& options);
 /// Of a scan of the drive.
 ScanFeatures scan_features(const Drive& drive, const Scan& scan, const Rings& rings, const MatchOptions& options);
 
-Surroundings empty_scene(const MatchOptions& options);
+LocalMaps empty_scene(const MatchOptions& options);
 
 RegisterOptions register_options(const MatchOptions& options);
 

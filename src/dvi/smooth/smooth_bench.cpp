@@ -1,8 +1,8 @@
 #include <benchmark/benchmark.h>
 
-#include "dvi/drive/flat_scene.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/smooth/smooth.h"
+#include "dvi/testing/flat_scene.h"
 
 namespace dvi::smooth {
 namespace {

@@ -8,8 +8,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/random.h"
-#include "dvi/drive/flat_scene.h"
 #include "dvi/harmonize/filled_frame.h"
+#include "dvi/testing/flat_scene.h"
 
 namespace dvi::smooth {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "dvi/core/threads.h"
 #include "dvi/synth/render.h"
-#include "dvi/synth/rig.h"
 #include "dvi/synth/room.h"
+#include "dvi/synth/synth_rig.h"
 
 namespace dvi::synth {
 namespace {

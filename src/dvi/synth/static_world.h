@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "dvi/synth/ground.h"
 #include "dvi/synth/solid.h"
+#include "dvi/synth/street_ground.h"
 #include "dvi/synth/synth_options.h"
 
 namespace dvi::synth {

@@ -6,18 +6,18 @@
 #include <fmt/ranges.h>
 
 #include "dvi/core/files.h"
+#include "dvi/core/text.h"
 #include "dvi/core/threads.h"
-#include "dvi/io/point_cloud.h"
-#include "dvi/io/rigid.h"
-#include "dvi/io/text.h"
-#include "dvi/io/write_image.h"
+#include "dvi/geometry/rigid.h"
+#include "dvi/media/point_cloud.h"
+#include "dvi/media/write_image.h"
 #include "dvi/synth/texture.h"
 
 namespace dvi::synth {
 namespace {
 
 std::string numbers(const SE3& pose, const char* between) {
-  return fmt::format("{:.12g}", fmt::join(io::row_major(pose), between));
+  return fmt::format("{:.12g}", fmt::join(row_major(pose), between));
 }
 
 std::string settings(const Scene& scene) {
@@ -73,13 +73,13 @@ fs::path of_camera(const Scene& scene, std::size_t camera, const fs::path& folde
 void write_image(const Scene& scene, int frame, std::size_t camera, const SynthFrame& rendered, const fs::path& out) {
   const std::string& folder = scene.cameras()[camera].name;
   const std::string png = scene.name(frame) + ".png";
-  io::write_png(out / "images" / folder / png, scene.record(frame, rendered, camera));
-  io::write_png(out / "masks" / folder / png, scene.mask(rendered));
-  io::write_png(of_camera(scene, camera, out / "truth") / png, rendered.clean);
+  media::write_png(out / "images" / folder / png, scene.record(frame, rendered, camera));
+  media::write_png(out / "masks" / folder / png, scene.mask(rendered));
+  media::write_png(of_camera(scene, camera, out / "truth") / png, rendered.clean);
   cv::Mat depth;
   rendered.depth.convertTo(depth, CV_16U, 256);
-  io::write_png(of_camera(scene, camera, out / "truth_depth") / png, depth);
-  if (scene.options().room) io::write_png(out / "depth" / folder / png, scene.depth_image(frame, rendered));
+  media::write_png(of_camera(scene, camera, out / "truth_depth") / png, depth);
+  if (scene.options().room) media::write_png(out / "depth" / folder / png, scene.depth_image(frame, rendered));
 }
 
 void write_frame(const Scene& scene, int frame, const fs::path& out) {
@@ -88,7 +88,7 @@ void write_frame(const Scene& scene, int frame, const fs::path& out) {
   if (scene.options().room) return;
   const std::string name = scene.name(frame);
   const SynthScan scan = scene.scan(frame);
-  write_file(out / "lidar" / (name + ".bin"), io::bin_bytes(scan.scan));
+  write_file(out / "lidar" / (name + ".bin"), media::bin_bytes(scan.scan));
   write_file(out / "truth_points" / (name + ".label"), {scan.dynamic.begin(), scan.dynamic.end()});
 }
 
@@ -105,7 +105,7 @@ void write_tables(const Scene& scene, const fs::path& out) {
   for (int i = 0; i < scene.options().frames; ++i) {
     const std::string name = scene.name(i);
     const std::int64_t time = scene.time_ns(i);
-    times += fmt::format("{} {}\n", name, io::to_seconds(time));
+    times += fmt::format("{} {}\n", name, to_seconds(time));
     poses += fmt::format("{} {}\n", name, numbers(scene.world_from_lidar(time), " "));
     boxes += fmt::format("{} \"{}\":[{}]", i == 0 ? "\n" : ",\n", name, frame_json(scene.boxes(i)));
   }

@@ -8,8 +8,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "dvi/core/error.h"
-#include "dvi/core/test_folder.h"
 #include "dvi/core/threads.h"
+#include "dvi/testing/temp_folder.h"
 
 namespace dvi::synth {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dvi/synth/ground.h"
+#include "dvi/synth/street_ground.h"
 
 namespace dvi::synth {
 namespace {

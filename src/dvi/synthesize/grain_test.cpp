@@ -8,8 +8,8 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/depth/depth_map.h"
-#include "dvi/drive/memory_views.h"
 #include "dvi/harmonize/surface_class.h"
+#include "dvi/testing/memory_views.h"
 
 namespace dvi::synthesize {
 namespace {

@@ -13,9 +13,9 @@
 #include "dvi/depth/visibility_map.h"
 #include "dvi/drive/view.h"
 #include "dvi/drive/vignetting.h"
+#include "dvi/ground/road_frame.h"
+#include "dvi/ground/road_ground.h"
 #include "dvi/image/interpolate.h"
-#include "dvi/map/ground.h"
-#include "dvi/map/road.h"
 #include "dvi/synthesize/sheet.h"
 
 namespace dvi::synthesize {
@@ -52,7 +52,7 @@ std::vector<Lookup> shown(const Painter& painter, const std::vector<std::size_t>
 
 }  // namespace
 
-Painter::Painter(const Views& of, const Lazy<depth::VisibilityMap>& seen, const map::Road& road)
+Painter::Painter(const Views& of, const Lazy<depth::VisibilityMap>& seen, const ground::RoadFrame& road)
     : views(&of), visibility(seen) {
   const auto [first, last] = of.of_sequence(0);
   for (std::size_t i = first; i < last; ++i) {
@@ -78,7 +78,7 @@ std::vector<std::size_t> Painter::between(double first, double last, double near
 namespace {
 
 // Of the ground from `first` metres, as long as `columns`.
-Sheet paint_ground(const Painter& painter, const map::Ground& ground, double first, int columns) {
+Sheet paint_ground(const Painter& painter, const ground::RoadGround& ground, double first, int columns) {
   constexpr double kNearest = 4, kFarthest = 60, kBest = 8;  // metres from the camera
   const double cell = GroundSheets::kCell, middle = first + columns * cell / 2;
   Sheet sheet({columns, cells(2 * GroundSheets::kWide, cell)});
@@ -135,7 +135,7 @@ Sheet joined(const Lazy<Sheet>& pieces, std::size_t from, std::size_t to) {
 
 }  // namespace
 
-GroundSheets::GroundSheets(const Painter& painter, const map::Ground& ground) {
+GroundSheets::GroundSheets(const Painter& painter, const ground::RoadGround& ground) {
   constexpr double kReach = 2;  // metres of surroundings that offsets are judged by
   const auto count = static_cast<std::size_t>(ground.road().length() / kPiece);
   const Lazy<Sheet> painted(count, [=](std::size_t i) {

@@ -6,8 +6,8 @@
 #include "dvi/core/lazy.h"
 #include "dvi/depth/visibility_map.h"
 #include "dvi/drive/view.h"
-#include "dvi/map/ground.h"
-#include "dvi/map/road.h"
+#include "dvi/ground/road_frame.h"
+#include "dvi/ground/road_ground.h"
 #include "dvi/synthesize/sheet.h"
 
 namespace dvi::synthesize {
@@ -18,7 +18,7 @@ struct Painter {
   Lazy<depth::VisibilityMap> visibility;
   std::vector<double> along;  ///< of each view of the target's sequence: where on the road its camera is
 
-  Painter(const Views& of, const Lazy<depth::VisibilityMap>& seen, const map::Road& road);
+  Painter(const Views& of, const Lazy<depth::VisibilityMap>& seen, const ground::RoadFrame& road);
   /// The views between two places of the road, by falling nearness to a place.
   std::vector<std::size_t> between(double first, double last, double nearest_to) const;
 };
@@ -29,7 +29,7 @@ struct GroundSheets {
   static constexpr double kWide = 12;                ///< metres to either side
   Lazy<Sheet> pieces;
 
-  GroundSheets(const Painter& painter, const map::Ground& ground);
+  GroundSheets(const Painter& painter, const ground::RoadGround& ground);
 };
 
 }  // namespace dvi::synthesize

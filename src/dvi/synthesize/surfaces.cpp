@@ -14,19 +14,19 @@
 #include "dvi/drive/view.h"
 #include "dvi/drive/vignetting.h"
 #include "dvi/geometry/se3.h"
+#include "dvi/ground/road_ground.h"
 #include "dvi/harmonize/surface_class.h"
 #include "dvi/image/region.h"
-#include "dvi/map/ground.h"
 #include "dvi/synthesize/pieces.h"
 #include "dvi/synthesize/sheet.h"
 
 namespace dvi::synthesize {
 
 struct Surfaces::Pieces {
-  map::Ground ground;
+  ground::RoadGround ground;
   GroundSheets sheets;
 
-  Pieces(const map::Ground& level, const Views& views, const Lazy<depth::VisibilityMap>& visibility)
+  Pieces(const ground::RoadGround& level, const Views& views, const Lazy<depth::VisibilityMap>& visibility)
       : ground(level), sheets(Painter(views, visibility, level.road()), level) {}
 };
 
@@ -61,7 +61,7 @@ struct OnGround {
 
 }  // namespace
 
-Surfaces::Surfaces(const map::Ground& ground, const Views& views, const Lazy<depth::VisibilityMap>& visibility)
+Surfaces::Surfaces(const ground::RoadGround& ground, const Views& views, const Lazy<depth::VisibilityMap>& visibility)
     : pieces_(std::make_shared<const Pieces>(ground, views, visibility)) {}
 
 namespace {
@@ -73,7 +73,7 @@ std::optional<double> depth_at(const Ray& ray, double height) {
   return z > 0 && z <= 1.5 * kGroundReach ? std::optional(z) : std::nullopt;
 }
 
-std::optional<OnGround> on_ground(const Ray& ray, const map::Ground& ground, double height) {
+std::optional<OnGround> on_ground(const Ray& ray, const ground::RoadGround& ground, double height) {
   constexpr double kSame = 1e-3;  // metres
   OnGround out;
   double z = 0;
@@ -93,7 +93,7 @@ std::optional<OnGround> on_ground(const Ray& ray, const map::Ground& ground, dou
 }
 
 /// From there to where another ray meets the ground, along and left, as if the road were level and straight.
-std::optional<Eigen::Vector2d> step_to(const Ray& ray, const OnGround& from, const map::Road& road) {
+std::optional<Eigen::Vector2d> step_to(const Ray& ray, const OnGround& from, const ground::RoadFrame& road) {
   const std::optional<double> z = depth_at(ray, from.height);
   if (!z) return std::nullopt;
   const Eigen::Vector2d step = (ray.from + *z * ray.along).head<2>() - from.world, ahead = road.direction(from.at.x());
@@ -101,8 +101,8 @@ std::optional<Eigen::Vector2d> step_to(const Ray& ray, const OnGround& from, con
 }
 
 // The mean over what a pixel covers of the ground.
-Shown mean_of_ground(Held& pieces, std::size_t count, const Eigen::Vector2d& at, const Eigen::Vector2d& right,
-                     const Eigen::Vector2d& down) {
+SurfaceColor mean_of_ground(Held& pieces, std::size_t count, const Eigen::Vector2d& at, const Eigen::Vector2d& right,
+                            const Eigen::Vector2d& down) {
   constexpr int kMost = 8;
   const auto steps = [=](const Eigen::Vector2d& d) {
     return std::clamp(static_cast<int>(std::ceil(d.norm() / GroundSheets::kCell)), 1, kMost);
@@ -128,9 +128,9 @@ Shown mean_of_ground(Held& pieces, std::size_t count, const Eigen::Vector2d& at,
 
 }  // namespace
 
-std::vector<Shown> Surfaces::look_up(const View& view, const Region& region, const cv::Mat1b& classes) const {
-  const map::Ground& ground = pieces_->ground;
-  std::vector<Shown> out(region.size());
+std::vector<SurfaceColor> Surfaces::look_up(const View& view, const Region& region, const cv::Mat1b& classes) const {
+  const ground::RoadGround& ground = pieces_->ground;
+  std::vector<SurfaceColor> out(region.size());
   const SE3 world_from_camera = view.camera_from_world.inverse();
   const auto here = ground.road().locate(world_from_camera.t.head<2>());
   if (!here || !ground.found() || view.sensor != Sensor::lidar) return out;

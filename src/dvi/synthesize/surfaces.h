@@ -8,13 +8,13 @@
 #include "dvi/core/lazy.h"
 #include "dvi/depth/visibility_map.h"
 #include "dvi/drive/view.h"
+#include "dvi/ground/road_ground.h"
 #include "dvi/image/region.h"
-#include "dvi/map/ground.h"
 
 namespace dvi::synthesize {
 
 /// What a surface shows at a pixel.
-struct Shown {
+struct SurfaceColor {
   cv::Vec3f colour;  ///< BGR, in the light of the view
   float span = 0;    ///< metres of the surface that the pixel covers; 0: nothing is known
 };
@@ -23,11 +23,11 @@ struct Shown {
 /// every frame looks up the same.
 class Surfaces {
  public:
-  Surfaces(const map::Ground& ground, const Views& views, const Lazy<depth::VisibilityMap>& visibility);
+  Surfaces(const ground::RoadGround& ground, const Views& views, const Lazy<depth::VisibilityMap>& visibility);
 
   /// What it shows at the pixels of a region of a view: where the ray meets the ground, unless something stands there by the
   /// harmonize::SurfaceClass of the pixel.
-  std::vector<Shown> look_up(const View& view, const Region& region, const cv::Mat1b& classes) const;
+  std::vector<SurfaceColor> look_up(const View& view, const Region& region, const cv::Mat1b& classes) const;
 
  private:
   struct Pieces;

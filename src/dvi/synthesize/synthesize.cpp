@@ -84,7 +84,7 @@ void relight(Texture& texture, const cv::Mat3f& frame) {
 Texture texture_of(const harmonize::FilledFrame& frame, const cv::Mat1b& wanted, const View& view, const cv::Mat1b& classes,
                    const Surfaces& surfaces) {
   const Region region(grown(wanted, kRing));
-  const std::vector<Shown> found = surfaces.look_up(view, region, classes);
+  const std::vector<SurfaceColor> found = surfaces.look_up(view, region, classes);
   const cv::Size size = wanted.size();
   Texture out{cv::Mat3f(size, cv::Vec3f()), cv::Mat3f(size, cv::Vec3f()), cv::Mat1f(size, 0.0F), cv::Mat1b(size, uchar{0})};
   for (std::size_t i = 0; i < region.size(); ++i) {

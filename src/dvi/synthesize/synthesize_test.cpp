@@ -7,10 +7,10 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "dvi/drive/memory_views.h"
+#include "dvi/ground/road_ground.h"
 #include "dvi/image/region.h"
-#include "dvi/map/ground.h"
 #include "dvi/map/static_map.h"
+#include "dvi/testing/memory_views.h"
 
 namespace dvi::synthesize {
 namespace {
@@ -84,7 +84,7 @@ struct Street {
     const Views all = memory_views(views, images, masks);
     const Lazy<depth::VisibilityMap> visibility(views.size(),
                                                 [&](std::size_t i) { return depth::visibility_map(depth(), *all.masks[i]); });
-    return synthesize(frame, all[8], {}, Surfaces(map::Ground(map, all), all, visibility), Grain(all));
+    return synthesize(frame, all[8], {}, Surfaces(ground::RoadGround(map, all), all, visibility), Grain(all));
   }
 };
 

@@ -1,4 +1,4 @@
-#include "dvi/io/reader.h"
+#include "dvi/datasets/reader.h"
 #include "parser.h"
 
 // global_poses.txt and rel_poses.txt, which follows an empty line. Images tell their kind by their first bytes.

@@ -3,11 +3,11 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "dvi/io/bag.h"
-#include "dvi/io/bag_bytes.h"
-#include "dvi/io/ros_cloud.h"
-#include "dvi/io/ros_image.h"
-#include "dvi/io/ros_message.h"
+#include "dvi/bags/bag.h"
+#include "dvi/bags/bag_bytes.h"
+#include "dvi/bags/ros_cloud.h"
+#include "dvi/bags/ros_image.h"
+#include "dvi/bags/ros_message.h"
 #include "parser.h"
 
 namespace dvi::fuzz {

@@ -1,4 +1,4 @@
-#include "dvi/io/kitti_calibration.h"
+#include "dvi/datasets/kitti_calibration.h"
 #include "parser.h"
 
 // Both files in one: their keys differ.

@@ -1,4 +1,4 @@
-#include "dvi/io/colmap_model.h"
+#include "dvi/datasets/colmap_model.h"
 #include "parser.h"
 
 // The first byte says which file of a model the others are: u, v, t cameras, images, points as text; B, C, D binary.

@@ -1,4 +1,4 @@
-#include "dvi/detect/description.h"
+#include "dvi/objects/detect/description.h"
 #include "parser.h"
 
 // MODEL.toml.

@@ -1,4 +1,4 @@
-#include "dvi/io/reader.h"
+#include "dvi/datasets/reader.h"
 #include "parser.h"
 
 // dvi.toml of a drive whose clocks are as far apart as times may be.

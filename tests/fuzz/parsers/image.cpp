@@ -1,4 +1,4 @@
-#include "dvi/io/image_file.h"
+#include "dvi/media/image_file.h"
 #include "parser.h"
 
 // Both as an image and as a mask. Large sizes stay with OpenCV, which takes their memory.

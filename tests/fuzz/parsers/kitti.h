@@ -1,6 +1,6 @@
 #pragma once
 
-#include "dvi/io/reader.h"
+#include "dvi/datasets/reader.h"
 #include "parser.h"
 
 namespace dvi::fuzz {

@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "dvi/io/labels.h"
+#include "dvi/labels/labels.h"
 #include "parser.h"
 
 namespace dvi::fuzz {

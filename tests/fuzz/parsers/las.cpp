@@ -1,4 +1,4 @@
-#include "dvi/io/point_cloud.h"
+#include "dvi/media/point_cloud.h"
 #include "parser.h"
 
 void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {

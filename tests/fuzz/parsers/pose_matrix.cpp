@@ -1,4 +1,4 @@
-#include "dvi/io/rgbd.h"
+#include "dvi/datasets/rgbd.h"
 #include "parser.h"
 
 void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {

@@ -1,4 +1,4 @@
-#include "dvi/io/poses.h"
+#include "dvi/datasets/pose_file.h"
 #include "parser.h"
 
 void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {

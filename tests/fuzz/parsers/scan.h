@@ -1,7 +1,7 @@
 #pragma once
 
-#include "dvi/io/point_cloud.h"
-#include "dvi/io/scan_time.h"
+#include "dvi/datasets/scan_time.h"
+#include "dvi/media/point_cloud.h"
 #include "parser.h"
 
 namespace dvi::fuzz {

@@ -1,4 +1,4 @@
-#include "dvi/io/reader.h"
+#include "dvi/datasets/reader.h"
 #include "parser.h"
 
 // The times of both sensors, whose clocks are shifted as far as they may be.

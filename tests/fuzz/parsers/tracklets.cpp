@@ -1,4 +1,4 @@
-#include "dvi/io/labels.h"
+#include "dvi/labels/labels.h"
 #include "parser.h"
 
 void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {

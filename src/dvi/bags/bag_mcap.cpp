@@ -1,0 +1,239 @@
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "dvi/bags/bag.h"
+#include "dvi/bags/bag_bytes.h"
+#include "dvi/core/error.h"
+
+namespace dvi::bags {
+namespace {
+
+constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
+constexpr std::uint64_t kRecordHead = 9;  // opcode and length
+constexpr std::uint64_t kNoChunk = 0;     // no chunk begins where the magic is
+
+// Of the format's records, those that matter (https://mcap.dev/spec).
+enum Opcode : std::uint8_t {
+  footer_record = 2,
+  schema_record = 3,
+  channel_record = 4,
+  message_record = 5,
+  chunk_record = 6,
+  message_index_record = 7
+};
+
+struct McapChannel {
+  std::uint16_t schema = 0;
+  std::string topic, encoding;
+};
+
+struct McapChunk {
+  std::string compression;
+  std::uint64_t size = 0, unpacked_size = 0, at = 0;  ///< of its records, and where these begin in the file
+};
+
+McapChunk parse_chunk_head(const BagFile& file, std::uint64_t record) {
+  constexpr std::uint64_t kMostHead = 8 + 8 + 8 + 4 + 4 + 64 + 8;  // with a name of the compression of up to 64 bytes
+  const std::uint64_t begin = record + kRecordHead;
+  const std::string bytes = file.read(begin, std::min(kMostHead, file.size() - begin));
+  ByteCursor cursor(bytes);
+  cursor.take(16);  // first and last time
+  McapChunk chunk;
+  chunk.unpacked_size = cursor.take<std::uint64_t>();
+  cursor.take(4);  // check sum
+  chunk.compression = cursor.take_sized<std::uint32_t>();
+  chunk.size = cursor.take<std::uint64_t>();
+  chunk.at = begin + bytes.size() - cursor.left();
+  return chunk;
+}
+
+std::string unpacked_chunk(const BagFile& file, std::uint64_t record) {
+  try {
+    const McapChunk chunk = parse_chunk_head(file, record);
+    return unpack(chunk.compression, file.read(chunk.at, chunk.size), chunk.unpacked_size);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& e) {
+    file.fail(record, fmt::format("a chunk cannot be unpacked: {}", e.what()));
+  }
+}
+
+// Collects what the records of one file tell.
+class McapScan {
+ public:
+  explicit McapScan(const BagFile& file) : file_(file) {}
+
+  Bag run() {
+    if (file_.size() < kMcapMagic.size() || file_.read(0, kMcapMagic.size()) != kMcapMagic)
+      throw InputError(file_.path(), "is no MCAP file", "its first bytes are not those of the format");
+    bool complete = false;
+    for (std::uint64_t at = kMcapMagic.size(); !complete;) {
+      if (at >= file_.size()) file_.fail(at, "the file ends without a footer");
+      const auto [opcode, length] = head(at);
+      if (opcode != message_index_record) finish_chunk();
+      take(opcode, at, length);
+      complete = opcode == footer_record;
+      at += kRecordHead + length;
+    }
+    find_unknown_channels();
+    return bag();
+  }
+
+ private:
+  std::pair<std::uint8_t, std::uint64_t> head(std::uint64_t at) const {
+    const std::string bytes = file_.read(at, kRecordHead);
+    ByteCursor cursor(bytes);
+    const auto opcode = cursor.take<std::uint8_t>();
+    const auto length = cursor.take<std::uint64_t>();
+    if (length > file_.size() - at - kRecordHead) file_.fail(at, "the file ends within a record");
+    return {opcode, length};
+  }
+
+  void take(std::uint8_t opcode, std::uint64_t at, std::uint64_t length) {
+    if (opcode == chunk_record) {
+      open_chunk_ = at;
+      chunks_.push_back(at);
+      return;
+    }
+    if (opcode != schema_record && opcode != channel_record && opcode != message_record && opcode != message_index_record)
+      return;
+    constexpr std::uint64_t kMessageHead = 2 + 4 + 8;
+    const std::string bytes = file_.read(at + kRecordHead, opcode == message_record ? std::min(length, kMessageHead) : length);
+    guarded(at, [&] { take(opcode, bytes, opcode == message_index_record ? open_chunk_.value_or(kNoChunk) : kNoChunk, at); });
+  }
+
+  // `chunk`: that the record stands in, or indexes; `at`: its place there, or in the file.
+  void take(std::uint8_t opcode, std::string_view bytes, std::uint64_t chunk, std::uint64_t at) {
+    ByteCursor cursor(bytes);
+    if (opcode == schema_record) {
+      const auto id = cursor.take<std::uint16_t>();
+      schemas_[id] = cursor.take_sized<std::uint32_t>();
+    } else if (opcode == channel_record) {
+      const auto id = cursor.take<std::uint16_t>();
+      McapChannel channel;
+      channel.schema = cursor.take<std::uint16_t>();
+      channel.topic = cursor.take_sized<std::uint32_t>();
+      channel.encoding = cursor.take_sized<std::uint32_t>();
+      channels_[id] = std::move(channel);
+    } else if (opcode == message_record) {
+      const auto channel = cursor.take<std::uint16_t>();
+      cursor.take(4);  // sequence
+      messages_[channel].push_back({static_cast<std::int64_t>(cursor.take<std::uint64_t>()), 0, chunk, at});
+    } else if (opcode == message_index_record && chunk != kNoChunk) {
+      indexed_ = true;
+      const auto channel = cursor.take<std::uint16_t>();
+      ByteCursor entries(cursor.take_sized<std::uint32_t>());
+      while (!entries.empty()) {
+        const auto time = static_cast<std::int64_t>(entries.take<std::uint64_t>());
+        messages_[channel].push_back({time, 0, chunk, entries.take<std::uint64_t>()});
+      }
+    }
+  }
+
+  // A chunk that no index followed is looked into.
+  void finish_chunk() {
+    if (open_chunk_ && !indexed_) walk(*open_chunk_, true);
+    open_chunk_.reset();
+    indexed_ = false;
+  }
+
+  void walk(std::uint64_t place, bool with_messages) {
+    const std::string chunk = unpacked_chunk(file_, place);
+    guarded(place, [&] {
+      ByteCursor cursor(chunk);
+      while (!cursor.empty()) {
+        const std::uint64_t at = chunk.size() - cursor.left();
+        const auto opcode = cursor.take<std::uint8_t>();
+        const std::string_view record = cursor.take_sized<std::uint64_t>();
+        if (opcode == schema_record || opcode == channel_record || (opcode == message_record && with_messages))
+          take(opcode, record, place, at);
+      }
+    });
+  }
+
+  // Files without a summary name their channels in chunks only.
+  void find_unknown_channels() {
+    const auto unknown = [&](const auto& messages) {
+      const auto channel = channels_.find(messages.first);
+      return channel == channels_.end() || !schemas_.contains(channel->second.schema);
+    };
+    for (const std::uint64_t chunk : chunks_)
+      if (std::any_of(messages_.begin(), messages_.end(), unknown)) walk(chunk, false);
+    for (const auto& [id, list] : messages_)
+      if (!channels_.contains(id))
+        file_.fail(list.front().chunk, fmt::format("a message is of channel {}, which is not there", id));
+  }
+
+  Bag bag() {
+    std::map<std::string, BagTopic> topics;
+    for (auto& [id, channel] : channels_) {
+      BagTopic& topic = topics[channel.topic];
+      topic.name = channel.topic;
+      topic.type = schemas_[channel.schema];
+      topic.encoding = channel.encoding == "cdr"    ? BagEncoding::cdr
+                       : channel.encoding == "ros1" ? BagEncoding::ros1
+                                                    : BagEncoding::other;
+      const std::vector<BagEntry>& list = messages_[id];
+      topic.messages.insert(topic.messages.end(), list.begin(), list.end());
+    }
+    Bag out;
+    out.files = {file_.path()};
+    for (auto& [name, topic] : topics) out.topics.push_back(std::move(topic));
+    const auto chunks =
+        std::make_shared<BagChunks>([file = file_](std::uint64_t place) { return unpacked_chunk(file, place); });
+    out.read = [file = file_, chunks](const BagEntry& entry) { return read(file, *chunks, entry); };
+    return out;
+  }
+
+  static std::string read(const BagFile& file, BagChunks& chunks, const BagEntry& entry) {
+    static constexpr std::size_t kBeforeData = 2 + 4 + 8 + 8;
+    const auto data_of = [](std::string_view record) {
+      ByteCursor cursor(record);
+      cursor.take(1);
+      std::string_view message = cursor.take_sized<std::uint64_t>();
+      message.remove_prefix(std::min(kBeforeData, message.size()));
+      return std::string(message);
+    };
+    if (entry.chunk == kNoChunk) {
+      const std::string head = file.read(entry.offset, kRecordHead);
+      ByteCursor cursor(std::string_view(head).substr(1));
+      return data_of(file.read(entry.offset, kRecordHead + cursor.take<std::uint64_t>()));
+    }
+    const std::shared_ptr<const std::string> chunk = chunks[entry.chunk];
+    if (entry.offset >= chunk->size()) file.fail(entry.chunk, "the index of a chunk points behind its end");
+    try {
+      return data_of(std::string_view(*chunk).substr(entry.offset));
+    } catch (const std::out_of_range&) {
+      file.fail(entry.chunk, "a message of the chunk ends too early");
+    }
+  }
+
+  void guarded(std::uint64_t at, const std::function<void()>& parse) const {
+    try {
+      parse();
+    } catch (const std::out_of_range&) {
+      file_.fail(at, "a record ends too early");
+    }
+  }
+
+  const BagFile& file_;
+  std::map<std::uint16_t, std::string> schemas_;
+  std::map<std::uint16_t, McapChannel> channels_;
+  std::map<std::uint16_t, std::vector<BagEntry>> messages_;
+  std::vector<std::uint64_t> chunks_;
+  std::optional<std::uint64_t> open_chunk_;
+  bool indexed_ = false;
+};
+
+}  // namespace
+
+Bag open_mcap(const fs::path& path) {
+  const BagFile file(path);
+  return McapScan(file).run();
+}
+
+}  // namespace dvi::bags

@@ -1,0 +1,189 @@
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "dvi/bags/bag.h"
+#include "dvi/bags/bag_bytes.h"
+#include "dvi/core/error.h"
+#include "dvi/core/text.h"
+
+namespace dvi::bags {
+namespace {
+
+constexpr std::string_view kRos1Magic = "#ROSBAG V2.0\n";
+
+// Of the records, those that matter (https://wiki.ros.org/Bags/Format/2.0).
+enum Ros1Op : std::uint8_t { message_data_op = 2, bag_header_op = 3, index_data_op = 4, chunk_op = 5, connection_op = 7 };
+
+// The fields "name=value" of a record's header.
+class Ros1Fields {
+ public:
+  explicit Ros1Fields(std::string_view bytes) {
+    ByteCursor cursor(bytes);
+    while (!cursor.empty()) {
+      const std::string_view field = cursor.take_sized<std::uint32_t>();
+      const std::size_t sign = field.find('=');
+      if (sign == std::string_view::npos) throw std::out_of_range("a field has no '='");
+      fields_.emplace(field.substr(0, sign), field.substr(sign + 1));
+    }
+  }
+  std::string_view text(const std::string& name) const {
+    const auto field = fields_.find(name);
+    return field == fields_.end() ? std::string_view() : std::string_view(field->second);
+  }
+  template <class T>
+  T number(const std::string& name) const {
+    return ByteCursor(text(name)).take<T>();
+  }
+  std::int64_t time(const std::string& name) const {
+    ByteCursor cursor(text(name));
+    const std::int64_t seconds = cursor.take<std::uint32_t>();
+    return seconds * 1'000'000'000 + cursor.take<std::uint32_t>();
+  }
+
+ private:
+  std::map<std::string, std::string> fields_;
+};
+
+struct Ros1Record {
+  Ros1Fields fields;
+  std::uint64_t data = 0, length = 0;  ///< of the data: place in the file and bytes
+
+  std::uint64_t end() const { return data + length; }
+};
+
+Ros1Record record_at(const BagFile& file, std::uint64_t at) {
+  const auto number = [&](std::uint64_t place) {
+    const std::string bytes = file.read(place, 4);
+    return std::uint64_t{ByteCursor(bytes).take<std::uint32_t>()};
+  };
+  const std::uint64_t head = number(at), data = at + 4 + head;
+  try {
+    Ros1Record record{Ros1Fields(file.read(at + 4, head)), data + 4, number(data)};
+    if (record.end() > file.size()) file.fail(at, "the file ends within a record");
+    return record;
+  } catch (const std::out_of_range&) {
+    file.fail(at, "the header of a record is damaged");
+  }
+}
+
+std::string unpacked_ros1_chunk(const BagFile& file, std::uint64_t at) {
+  const Ros1Record record = record_at(file, at);
+  try {
+    return unpack(record.fields.text("compression"), file.read(record.data, record.length),
+                  record.fields.number<std::uint32_t>("size"));
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& e) {
+    file.fail(at, fmt::format("a chunk cannot be unpacked: {}", e.what()));
+  }
+}
+
+class Ros1Scan {
+ public:
+  explicit Ros1Scan(const BagFile& file) : file_(file) {}
+
+  Bag run() {
+    if (file_.size() < kRos1Magic.size() || file_.read(0, kRos1Magic.size()) != kRos1Magic)
+      throw InputError(file_.path(), "is no ROS 1 bag of version 2.0", "its first line is not #ROSBAG V2.0");
+    std::optional<std::uint64_t> chunk;  // whose index has not come yet
+    for (std::uint64_t at = kRos1Magic.size(); at < file_.size();) {
+      const Ros1Record record = record_at(file_, at);
+      guarded(at, [&] {
+        const auto op = record.fields.number<std::uint8_t>("op");
+        if (chunk && op != index_data_op) walk(*chunk);
+        if (op == index_data_op && chunk_of_index_) index(record);
+        if (op != index_data_op) chunk_of_index_.reset();
+        chunk.reset();
+        if (op == connection_op) connect(record.fields, file_.read(record.data, record.length));
+        if (op == chunk_op) chunk = chunk_of_index_ = at;
+      });
+      at = record.end();
+    }
+    if (chunk) guarded(*chunk, [&] { walk(*chunk); });
+    return bag();
+  }
+
+ private:
+  void connect(const Ros1Fields& fields, const std::string& data) {
+    const auto id = fields.number<std::uint32_t>("conn");
+    BagTopic& topic = topics_[id];
+    topic.name = fields.text("topic");
+    topic.type = Ros1Fields(data).text("type");
+    topic.encoding = BagEncoding::ros1;
+  }
+
+  void index(const Ros1Record& record) {
+    const std::string bytes = file_.read(record.data, record.length);
+    ByteCursor cursor(bytes);
+    std::vector<BagEntry>& messages = topics_[record.fields.number<std::uint32_t>("conn")].messages;
+    while (!cursor.empty()) {
+      const std::int64_t seconds = cursor.take<std::uint32_t>(), nanoseconds = cursor.take<std::uint32_t>();
+      messages.push_back({seconds * 1'000'000'000 + nanoseconds, 0, *chunk_of_index_, cursor.take<std::uint32_t>()});
+    }
+  }
+
+  // A chunk without an index, as a recorder that was killed leaves it.
+  void walk(std::uint64_t place) {
+    const std::string chunk = unpacked_ros1_chunk(file_, place);
+    ByteCursor cursor(chunk);
+    while (!cursor.empty()) {
+      const std::uint64_t at = chunk.size() - cursor.left();
+      const Ros1Fields fields(cursor.take_sized<std::uint32_t>());
+      const std::string_view data = cursor.take_sized<std::uint32_t>();
+      const auto op = fields.number<std::uint8_t>("op");
+      if (op == connection_op) connect(fields, std::string(data));
+      if (op == message_data_op)
+        topics_[fields.number<std::uint32_t>("conn")].messages.push_back({fields.time("time"), 0, place, at});
+    }
+  }
+
+  Bag bag() {
+    std::map<std::string, BagTopic> by_name;  // several publishers of a topic have a connection each
+    for (auto& [id, topic] : topics_) {
+      if (topic.name.empty()) file_.fail(file_.size(), fmt::format("no connection {} is there, and messages are of it", id));
+      BagTopic& joined = by_name[topic.name];
+      joined.name = topic.name, joined.type = topic.type, joined.encoding = topic.encoding;
+      joined.messages.insert(joined.messages.end(), topic.messages.begin(), topic.messages.end());
+    }
+    Bag out;
+    out.files = {file_.path()};
+    for (auto& [name, topic] : by_name) out.topics.push_back(std::move(topic));
+    const auto chunks =
+        std::make_shared<BagChunks>([file = file_](std::uint64_t place) { return unpacked_ros1_chunk(file, place); });
+    out.read = [file = file_, chunks](const BagEntry& entry) {
+      const std::shared_ptr<const std::string> chunk = (*chunks)[entry.chunk];
+      try {
+        ByteCursor cursor(*chunk);
+        cursor.take(entry.offset);
+        cursor.take_sized<std::uint32_t>();
+        return std::string(cursor.take_sized<std::uint32_t>());
+      } catch (const std::out_of_range&) {
+        file.fail(entry.chunk, "the index of a chunk points behind its end");
+      }
+    };
+    return out;
+  }
+
+  void guarded(std::uint64_t at, const std::function<void()>& parse) const {
+    try {
+      parse();
+    } catch (const std::out_of_range&) {
+      file_.fail(at, "a record is damaged");
+    }
+  }
+
+  const BagFile& file_;
+  std::map<std::uint32_t, BagTopic> topics_;
+  std::optional<std::uint64_t> chunk_of_index_;
+};
+
+}  // namespace
+
+Bag open_ros1_bag(const fs::path& path) {
+  const BagFile file(path);
+  return Ros1Scan(file).run();
+}
+
+}  // namespace dvi::bags

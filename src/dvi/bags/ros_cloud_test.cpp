@@ -1,0 +1,82 @@
+#include "dvi/bags/ros_cloud.h"
+
+#include "dvi/testing/test_ros_message.h"
+
+namespace dvi::bags {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+class RosClouds : public testing::TestWithParam<BagEncoding> {};
+
+// A point of x, y, z and a time of one type.
+template <class T>
+std::vector<double> times_of(BagEncoding encoding, const char* name, std::uint8_t type, std::vector<T> times) {
+  MessageBytes bytes(encoding);
+  std::string data;
+  for (const T time : times) {
+    for (const float v : {1.0F, 2.0F, 3.0F}) data.append(reinterpret_cast<const char*>(&v), sizeof(v));
+    data.append(reinterpret_cast<const char*>(&time), sizeof(time));
+  }
+  const auto step = static_cast<std::uint32_t>(12 + sizeof(T)), count = static_cast<std::uint32_t>(times.size());
+  bytes.add_header(100, 0, "lidar").add<std::uint32_t>(1).add(count).add<std::uint32_t>(4);
+  for (std::uint32_t axis = 0; axis < 3; ++axis)
+    bytes.add_text(std::string(1, "xyz"[axis])).add(4 * axis).add<std::uint8_t>(7).add<std::uint32_t>(1);
+  bytes.add_text(name).add<std::uint32_t>(12).add(type).add<std::uint32_t>(1);
+  bytes.add<std::uint8_t>(0).add(step).add(step * count).add_data(data).add<std::uint8_t>(1);
+  const RosCloud cloud = parse_cloud(bytes.text(), encoding);
+  EXPECT_EQ(cloud.time_field, cloud.times.empty() ? "" : name);
+  return cloud.times;
+}
+
+TEST_P(RosClouds, PointsHaveTheTimesOfTheMessage) {
+  EXPECT_THAT((times_of<std::uint32_t>(GetParam(), "t", 6, {0, 50'000'000})), ElementsAre(0, 5e7));
+  EXPECT_THAT((times_of<std::uint32_t>(GetParam(), "offset_time", 6, {1'000'000})), ElementsAre(1e6));
+  EXPECT_THAT((times_of<float>(GetParam(), "time", 7, {-0.5F, 0.25F})), ElementsAre(-0.5, 0.25));
+  EXPECT_THAT((times_of<double>(GetParam(), "timestamp", 8, {1.7e9})), ElementsAre(1.7e9));
+  EXPECT_THAT((times_of<float>(GetParam(), "gps_time", 7, {1})), ElementsAre(1));
+  EXPECT_THAT((times_of<double>(GetParam(), "range", 8, {1.7e9})), ElementsAre());
+}
+
+// The definitions of CustomMsg and CustomPoint in Livox-SDK/livox_ros_driver2 (msg/); in CDR numbers are aligned to their size.
+TEST_P(RosClouds, LivoxPointsAreRead) {
+  MessageBytes bytes(GetParam());
+  bytes.add_header(100, 7, "livox_frame").add<std::uint64_t>(100'000'000'007).add<std::uint32_t>(3);
+  bytes.add<std::uint8_t>(1).add<std::uint8_t>(0).add<std::uint8_t>(0).add<std::uint8_t>(0).add<std::uint32_t>(3);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    const float x = i == 1 ? 0 : 2 + static_cast<float>(i);  // a point at the origin is no return
+    bytes.add<std::uint32_t>(1000 * i).add(x).add<float>(0).add<float>(0);
+    bytes.add<std::uint8_t>(40).add<std::uint8_t>(16).add(static_cast<std::uint8_t>(i));
+  }
+  const RosCloud cloud = parse_livox(bytes.text(), GetParam());
+  EXPECT_EQ(cloud.header.frame, "livox_frame");
+  EXPECT_THAT(cloud.points, ElementsAre(Eigen::Vector3f(2, 0, 0), Eigen::Vector3f(4, 0, 0)));
+  EXPECT_THAT(cloud.times, ElementsAre(0, 2000));
+  EXPECT_THAT(cloud.intensity, ElementsAre(40, 40));
+  EXPECT_THAT(cloud.ring, ElementsAre(0, 2));
+  for (std::size_t size = 0; size < bytes.text().size(); ++size)
+    EXPECT_THROW(parse_livox(bytes.text().substr(0, size), GetParam()), std::invalid_argument) << size;
+}
+
+TEST_P(RosClouds, NumbersOfPointsThatAreNotThereAreRefused) {
+  MessageBytes livox(GetParam());
+  livox.add_header(100, 7, "livox_frame").add<std::uint64_t>(0).add<std::uint32_t>(0x80000000);
+  for (int i = 0; i < 4; ++i) livox.add<std::uint8_t>(0);
+  livox.add<std::uint32_t>(0x80000000);
+  EXPECT_THAT([&] { parse_livox(livox.text(), GetParam()); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("ends too early")));
+  MessageBytes cloud(GetParam());
+  cloud.add_header(100, 7, "lidar").add<std::uint32_t>(0xFFFFFFFF).add<std::uint32_t>(0xFFFFFFFF).add<std::uint32_t>(3);
+  for (std::uint32_t axis = 0; axis < 3; ++axis)
+    cloud.add_text(std::string(1, "xyz"[axis])).add(4 * axis).add<std::uint8_t>(7).add<std::uint32_t>(1);
+  cloud.add<std::uint8_t>(0).add<std::uint32_t>(12).add<std::uint32_t>(0xFFFFFFFF).add_data("").add<std::uint8_t>(1);
+  EXPECT_THAT([&] { parse_cloud(cloud.text(), GetParam()); }, ThrowsMessage<std::invalid_argument>(HasSubstr("0 bytes")));
+}
+
+INSTANTIATE_TEST_SUITE_P(Encodings, RosClouds, testing::Values(BagEncoding::cdr, BagEncoding::ros1),
+                         [](const auto& e) { return e.param == BagEncoding::cdr ? "Cdr" : "Ros1"; });
+
+}  // namespace
+}  // namespace dvi::bags

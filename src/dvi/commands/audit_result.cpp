@@ -1,0 +1,183 @@
+#include "dvi/commands/audit_result.h"
+
+#include <array>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/json_file.h"
+#include "dvi/core/json_text.h"
+#include "dvi/datasets/pose_file.h"
+#include "dvi/inputs/make_views.h"
+#include "dvi/inputs/rig.h"
+#include "dvi/media/image_file.h"
+#include "dvi/result/source_masks.h"
+
+namespace dvi::commands {
+namespace {
+
+/// A line of sources.json.
+struct ListedSource {
+  std::string drive, camera, frame;
+
+  bool of_sequence(const ListedSource& other) const { return drive == other.drive && camera == other.camera; }
+  cv::Vec3f gain;
+};
+
+std::vector<ListedSource> read_sources(const fs::path& file) {
+  const char* remedy = "dvi audit takes the output folder of dvi run";
+  if (!fs::exists(file)) throw InputError(file.parent_path(), "is no result: it has no sources.json", remedy);
+  std::vector<ListedSource> sources;
+  try {
+    const nlohmann::json document = read_json(file);
+    for (const nlohmann::json& s : document.at("sources")) {
+      if (s.at("number") != sources.size()) throw InputError(file, "does not number its sources in order");
+      const auto gain = s.at("exposure_gain").get<std::array<float, 3>>();
+      sources.push_back({s.at("drive"), s.at("camera"), s.at("frame"), {gain[2], gain[1], gain[0]}});
+    }
+  } catch (const nlohmann::json::exception& e) {
+    throw InputError(file, fmt::format("is not what dvi run writes: {}", e.what()));
+  }
+  if (sources.empty()) throw InputError(file, "names no source", remedy);
+  return sources;
+}
+
+/// The views as sources.json numbers them. Baselines copy from the first drive alone.
+Views views_of(const std::vector<ListedSource>& sources, const inputs::Recordings& drives, const inputs::Masks& masks,
+               const fs::path& out) {
+  const Views all = inputs::make_unposed_views(drives, masks);
+  std::map<std::pair<int, std::string>, std::size_t> index;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Drive& drive = drives[static_cast<std::size_t>(all[i].sequence)].drive;
+    index[{all[i].sequence, drive.frames[all[i].frame].name}] = i;
+  }
+  Views views;
+  std::vector<std::size_t> found;
+  std::size_t sequence = 0;  // sources come sequence by sequence
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const ListedSource& source = sources[i];
+    if (i > 0 && !source.of_sequence(sources[i - 1])) ++sequence;
+    while (sequence < drives.size() && drives[sequence].drive.camera_name != source.camera) ++sequence;
+    if (sequence >= drives.size())
+      throw InputError(out, fmt::format("has sources of another drive or camera, {} {}", source.drive, source.camera),
+                       "name all its drives, the target first");
+    const auto it = index.find({static_cast<int>(sequence), source.frame});
+    if (it == index.end())
+      throw InputError(drives[sequence].drive.path, "has no frame " + source.frame + ", which the result copies from",
+                       "audit a result with the drives it was made from");
+    found.push_back(it->second);
+    views.views.push_back(all[it->second]);
+  }
+  views.images = Lazy<cv::Mat3b>::through(found.size(), [all, found](std::size_t i) { return all.images[found[i]]; });
+  views.masks = Lazy<cv::Mat1b>::through(found.size(), [all, found](std::size_t i) { return all.masks[found[i]]; });
+  return views;
+}
+
+// The poses along which the run decided what stands; a baseline has the given ones only.
+inputs::Poses poses_of(const fs::path& out, const inputs::Recordings& drives, const job::Job& job) {
+  inputs::Poses poses = inputs::given_poses(drives);
+  const fs::path file = out / "map/poses.txt";
+  if (job.read.remove == job::Remove::moving && fs::exists(file))
+    poses.front().world_from_lidar = datasets::read_poses(file, drives.front().drive);
+  return poses;
+}
+
+cv::Mat1b kept_mask(const fs::path& file, const Camera& camera) {
+  if (!fs::exists(file))
+    throw InputError(file, "is missing: it holds what was masked in a frame that pixels are copied from",
+                     "dvi run writes it; run again into another folder");
+  return media::read_mask(file, {camera.width, camera.height});
+}
+
+/// Shadows and what was detected, found to move or carried over come on top of the masks that the drives bring: of each frame
+/// all that the run masked, from which nothing may be copied. `more_removed`: in the target's own frames too.
+Lazy<cv::Mat1b> with_removed(const Views& views, const std::vector<std::string>& names, bool more_removed,
+                             const fs::path& out) {
+  return {views.size(), [views, names, more_removed, out](std::size_t i) {
+            const bool own = i < names.size();
+            if (own && !more_removed) return views.masks[i]->clone();
+            const std::string file = own ? "masks/" + names[i] + ".png" : result::source_mask_file(i);
+            return cv::Mat1b(*views.masks[i] | kept_mask(out / file, views[i].camera));
+          }};
+}
+
+nlohmann::json json_of(const audit::Audit& audit, const fs::path& out) {
+  nlohmann::json findings = nlohmann::json::object();
+  for (std::size_t b = 0; b < audit::kBreaches.size(); ++b) {
+    const audit::Finding& f = audit.findings[b];
+    findings[audit::kBreaches[b]] = {{"pixels", f.pixels}};
+    if (f.pixels > 0) findings[audit::kBreaches[b]]["first"] = {{"frame", f.frame}, {"x", f.x}, {"y", f.y}};
+  }
+  return {{"schema", "dvi-audit/1"},
+          {"path", out.string()},
+          {"passed", audit.passed()},
+          {"frames", audit.frames},
+          {"removed_pixels", audit.removed},
+          {"copied_pixels", audit.copied},
+          {"harmonisation", {{"median", audit.change_median}, {"p95", audit.change_p95}}},
+          {"findings", findings}};
+}
+
+std::string text_of(const audit::Audit& audit, const fs::path& out) {
+  static const std::array<const char*, audit::kBreaches.size()> kSay{
+      "mask: the result's mask leaves out what the drive says is to be removed, or holds more",
+      "outside: outside the mask the result is not the drive's image",
+      "receipt: kind and provenance contradict each other, or name what does not exist",
+      "masked source: copied from inside a mask", "colour: source and recorded harmonisation do not give the colour written"};
+  std::string text = fmt::format(
+      "{}\n  frames   {}\n  removed  {} pixels, {} of them copied: each was traced to its source\n"
+      "  harmonisation changed the copies by {:.1f} grey levels in the median, {:.1f} at the 95th percentile\n",
+      out.string(), audit.frames, audit.removed, audit.copied, audit.change_median, audit.change_p95);
+  for (std::size_t b = 0; b < audit::kBreaches.size(); ++b) {
+    const audit::Finding& f = audit.findings[b];
+    if (f.pixels > 0)
+      text += fmt::format("  {}\n    {} pixels, the first in frame {} at {}, {}\n", kSay[b], f.pixels, f.frame, f.x, f.y);
+  }
+  return text + (audit.passed() ? "  passed: no pixel comes from a mask, every copy can be reproduced" : "  FAILED");
+}
+
+}  // namespace
+
+AuditReport audit_result(const fs::path& out, const std::vector<std::string>& drives, const std::string& masks,
+                         Progress& progress) {
+  const std::vector<ListedSource> sources = read_sources(out / "sources.json");
+  job::Job job;
+  job.table().load_toml(out / "dvi.toml");
+  if (job.sources.size() + 1 != drives.size())
+    throw InputError(out, fmt::format("was made from {} drive(s), not {}", job.sources.size() + 1, drives.size()),
+                     "name the same drives, the target first");
+  job.target = drives.front();
+  job.sources.assign(drives.begin() + 1, drives.end());
+  if (!masks.empty()) job.read.masks = job::MasksFrom::parse(masks);
+  const bool detected = !job.read.detector.empty() && masks.empty();
+  job.read.detector.clear();
+  inputs::Recordings open =
+      inputs::open_recordings(job, detected ? inputs::MaskNeed::optional : inputs::MaskNeed::required, progress);
+  if (!job::is_baseline(job.method)) open = inputs::with_other_cameras(std::move(open), job, progress);
+  bool more_removed = job.options.masks.shadows;
+  job.options.masks.shadows = false;
+  for (inputs::Recording& recording : open)
+    if (detected || recording.masks_from == objects::MaskSource::found ||
+        recording.masks_from == objects::MaskSource::carried) {
+      recording.masks_from.reset();
+      more_removed = true;
+    }
+  for (inputs::Recording& recording : open)
+    recording.labelled_in_part = false;  // what was carried over is among the kept masks
+  Views views = views_of(sources, open, inputs::find_masks(open, poses_of(out, open, job), job, progress), out);
+  for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < views.of_sequence(0).second; ++i) names.push_back(sources[i].frame);
+  views.masks = with_removed(views, names, more_removed, out);
+
+  progress.begin("audit", names.size());
+  AuditReport report{audit::audit(out, views, names, progress.tick()), {}, {}};
+  progress.end();
+  report.json = json_text(json_of(report.audit, out));
+  report.text = text_of(report.audit, out);
+  return report;
+}
+
+}  // namespace dvi::commands

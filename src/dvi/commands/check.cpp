@@ -1,0 +1,236 @@
+#include "dvi/commands/check.h"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/commands/check_pictures.h"
+#include "dvi/commands/forecast_holes.h"
+#include "dvi/core/json_text.h"
+#include "dvi/core/median.h"
+#include "dvi/core/threads.h"
+#include "dvi/diagnostics/scan_time_doubts.h"
+#include "dvi/inputs/check_setup.h"
+#include "dvi/inputs/reports_json.h"  // IWYU pragma: keep
+#include "dvi/inputs/stretches.h"
+#include "dvi/result/report_json.h"  // IWYU pragma: keep
+
+namespace dvi::commands {
+namespace {
+
+double median_step(std::vector<std::int64_t> times) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < times.size(); ++i) steps.push_back(1e-9 * static_cast<double>(times[i] - times[i - 1]));
+  return median(std::move(steps));
+}
+
+template <class Stamped>
+double rate(const std::vector<Stamped>& items) {
+  std::vector<std::int64_t> times;
+  for (const Stamped& item : items) times.push_back(item.time_ns);
+  const double step = median_step(times);
+  return step > 0 ? 1 / step : 0;
+}
+
+double path_length(const Drive& drive, const Trajectory& trajectory) {
+  const std::int64_t first = drive.frames.front().time_ns, last = drive.frames.back().time_ns;
+  std::vector<StampedPose> poses;
+  for (const StampedPose& pose : trajectory.poses())
+    if (pose.time_ns >= first && pose.time_ns <= last) poses.push_back(pose);
+  return inputs::path_length_m(poses);
+}
+
+/// Share of each image that is masked, points of each scan.
+struct Contents {
+  std::vector<double> masked, points;
+};
+
+Contents contents(const Drive& drive, const Lazy<cv::Mat1b>& masks) {
+  Contents out;
+  out.masked.resize(drive.frames.size());
+  out.points.resize(drive.scan_headers.size());
+  parallel_for(out.masked.size(), [&](std::size_t i) {
+    const auto mask = masks[i];
+    out.masked[i] = static_cast<double>(std::count_if(mask->begin(), mask->end(), [](uchar m) { return m != 0; })) /
+                    static_cast<double>(mask->total());
+  });
+  parallel_for(out.points.size(), [&](std::size_t i) { out.points[i] = static_cast<double>(drive.scans[i]->size()); });
+  return out;
+}
+
+double mean(const std::vector<double>& values) {
+  return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+std::map<std::string, std::size_t> tracks_by_class(const inputs::Recording& open) {
+  std::set<std::pair<std::string, int>> tracks;
+  std::map<std::string, std::size_t> out;
+  if (open.masks_from != objects::MaskSource::labels) return out;
+  for (const Frame& frame : open.drive.frames)
+    for (const Label& label : frame.labels)
+      if (label.track < 0 || tracks.emplace(label.type, label.track).second) ++out[label.type];
+  return out;
+}
+
+CheckReport describe(const inputs::Recording& open, const inputs::PoseChoice& choice, const inputs::Masks& masks) {
+  const Drive& drive = open.drive;
+  const Contents found = contents(drive, masks.front().images);
+  const Trajectory& poses = inputs::chosen(drive, choice);
+  CheckReport out{.path = drive.path.string(),
+                  .format = drive.format,
+                  .camera_name = drive.camera_name,
+                  .camera_names = drive.camera_names,
+                  .topics = drive.topics,
+                  .camera = drive.camera,
+                  .frames = drive.frames.size(),
+                  .first_frame = drive.frames.front().number,
+                  .last_frame = drive.frames.back().number,
+                  .frame_rate_hz = rate(drive.frames),
+                  .scans = drive.scan_headers.size(),
+                  .scan_rate_hz = rate(drive.scan_headers),
+                  .mean_points = mean(found.points),
+                  .path_m = path_length(drive, poses),
+                  .poses = inputs::poses_report(drive, choice),
+                  .mask_source = inputs::mask_source(open),
+                  .objects = tracks_by_class(open),
+                  .mean_masked = mean(found.masked),
+                  .largest_masked = found.masked.empty() ? 0.0 : *std::max_element(found.masked.begin(), found.masked.end()),
+                  .warnings = drive.warnings,
+                  .pictures = {},
+                  .forecast = {}};
+  for (const Frame& frame : drive.frames) out.frames_with_pose += poses.at(frame.time_ns) ? 1 : 0;
+  out.warnings.insert(out.warnings.end(), choice.warnings.begin(), choice.warnings.end());
+  if (poses.empty()) out.warnings.emplace_back("no poses: give --poses FILE");
+  if (!drive.has_geometry()) out.warnings.emplace_back("no scans and no map: nothing can be copied");
+  if (!open.masks_from && drive.scan_headers.empty())
+    out.warnings.emplace_back("neither masks nor labels nor scans say what to remove: give --masks DIR or --masks FILE");
+  if (!drive.map.empty()) out.map_points = drive.map[0]->points.size();
+  out.ready = out.frames_with_pose > 0 && drive.has_geometry() && (open.masks_from || !drive.scan_headers.empty());
+  return out;
+}
+
+// The report is of one drive: its warnings need no name.
+std::string without_name(const std::string& warning, const inputs::Recording& open) {
+  const std::string name = inputs::name_of(open) + ": ";
+  return warning.starts_with(name) ? warning.substr(name.size()) : warning;
+}
+
+std::string masks_line(const CheckReport& report) {
+  std::vector<std::string> objects;
+  for (const auto& [type, count] : report.objects) objects.push_back(fmt::format("{} {}", count, type));
+  const std::string what = objects.empty() ? "" : fmt::format(" ({})", fmt::join(objects, ", "));
+  if (report.mask_source != "none")
+    return fmt::format("from {}{}: {:.1f} % of the image on average, {:.1f} % at most", report.mask_source, what,
+                       100 * report.mean_masked, 100 * report.largest_masked);
+  return report.scans > 0 ? "none: dvi run finds what moves; dvi mask shows it" : "none";
+}
+
+std::string geometry_line(const CheckReport& report) {
+  if (report.map_points > 0) return fmt::format("  map      {} points, instead of scans\n", report.map_points);
+  return fmt::format("  scans    {}, {:.1f} Hz, {:.0f} points each\n", report.scans, report.scan_rate_hz, report.mean_points);
+}
+
+nlohmann::json topics_json(const std::vector<RecordedTopic>& topics) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const RecordedTopic& topic : topics)
+    out.push_back({{"name", topic.name},
+                   {"type", topic.type},
+                   {"messages", topic.messages},
+                   {"rate_hz", topic.rate_hz},
+                   {"use", topic.use}});
+  return out;
+}
+
+}  // namespace
+
+std::string CheckReport::brief() const {
+  std::string text = fmt::format(
+      "{}\n  format   {}\n  camera   {} ({}x{}, fx {:.1f})\n  frames   {} ({}:{}), {:.1f} Hz, {} with pose\n"
+      "{}  path     {:.1f} m, by {} poses\n"
+      "  masks    {}\n",
+      path, format, camera_name, camera.width, camera.height, camera.fx, frames, first_frame, last_frame, frame_rate_hz,
+      frames_with_pose, geometry_line(*this), path_m, poses.from, masks_line(*this));
+  if (place)
+    text += fmt::format("  gps      {} fixes, half of them within {:.2f} m of the path\n", place->fixes, place->residual_m);
+  for (const RecordedTopic& topic : topics)
+    text += fmt::format("  topic    {} ({}): {} messages, {:.1f} Hz{}\n", topic.name, topic.type, topic.messages, topic.rate_hz,
+                        topic.use.empty() ? "" : ": " + topic.use);
+  if (forecast)
+    text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never (--never-seen says how it is filled)\n",
+                        100 * (1 - forecast->hole.never_seen), 100 * forecast->hole.never_seen);
+  for (const std::string& picture : pictures) text += fmt::format("  picture  {}\n", picture);
+  for (const std::string& warning : warnings) text += fmt::format("  warning  {}\n", warning);
+  return text + (ready ? "  ready for dvi run" : "  not ready for dvi run: see the warnings");
+}
+
+std::string to_json(const CheckReport& r) {
+  nlohmann::json j = {
+      {"schema", "dvi-check/1"},
+      {"path", r.path},
+      {"format", r.format},
+      {"camera",
+       {{"name", r.camera_name},
+        {"all", r.camera_names},
+        {"width", r.camera.width},
+        {"height", r.camera.height},
+        {"fx", r.camera.fx},
+        {"fy", r.camera.fy},
+        {"cx", r.camera.cx},
+        {"cy", r.camera.cy}}},
+      {"frames",
+       {{"count", r.frames},
+        {"first", r.first_frame},
+        {"last", r.last_frame},
+        {"rate_hz", r.frame_rate_hz},
+        {"with_pose", r.frames_with_pose}}},
+      {"scans", {{"count", r.scans}, {"rate_hz", r.scan_rate_hz}, {"mean_points", r.mean_points}}},
+      {"map", {{"points", r.map_points}}},
+      {"path_m", r.path_m},
+      {"poses", r.poses},
+      {"masks",
+       {{"source", r.mask_source}, {"mean_share", r.mean_masked}, {"largest_share", r.largest_masked}, {"objects", r.objects}}},
+      {"topics", topics_json(r.topics)},
+      {"pictures", r.pictures},
+      {"ready", r.ready},
+      {"warnings", r.warnings}};
+  if (r.place) j["place"] = result::json_of(*r.place);
+  if (r.forecast) j["forecast"] = *r.forecast;
+  return json_text(j);
+}
+
+CheckReport check(const job::Job& given, bool with_forecast, Progress& progress) {
+  job::Job job = given;
+  // Shadows are found by comparing frames, a sixth of the whole check, and say nothing of whether the recording is right.
+  job.options.masks.shadows = given.options.masks.shadows && with_forecast;
+  const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::optional, progress)};
+  const Drive& drive = drives.front().drive;
+  const std::vector<std::string> range_warnings = inputs::verify(drives, job, progress);
+  inputs::PoseChoice choice;
+  if (!drive.poses.empty() || !drive.scan_headers.empty())
+    choice = inputs::choose_poses(drive, job.read.poses, job.options.odometry, progress);
+  const bool posed = !inputs::chosen(drive, choice).empty();
+  const inputs::Poses poses = posed ? inputs::in_one_world(drives, {choice}) : inputs::given_poses(drives);
+  const std::size_t known = progress.warnings().size();
+  const inputs::Masks masks = inputs::find_masks(drives, poses, job, progress);
+  CheckReport report = describe(drives.front(), choice, masks);
+  const std::vector<std::string> warned = progress.warnings();
+  for (std::size_t i = known; i < warned.size(); ++i) report.warnings.push_back(without_name(warned[i], drives.front()));
+  report.place = find_place(poses.front().world_from_lidar, drive.fixes);
+  report.warnings.insert(report.warnings.end(), range_warnings.begin(), range_warnings.end());
+  const std::vector<std::string> doubts = inputs::doubt_setup(drives, poses, masks, progress);
+  report.warnings.insert(report.warnings.end(), doubts.begin(), doubts.end());
+  for (const std::string& doubt : diagnostics::scan_time_doubts(drive, inputs::chosen(drive, choice))) {
+    progress.warn(drive.path.filename().string() + ": " + doubt);
+    report.warnings.push_back(doubt);
+  }
+  if (!job.out.empty()) report.pictures = write_check_pictures(job.out, drive, inputs::chosen(drive, choice));
+  if (with_forecast && report.ready) report.forecast = forecast_holes(drives, poses, masks, job, progress);
+  return report;
+}
+
+}  // namespace dvi::commands

@@ -1,0 +1,57 @@
+#include "dvi/commands/convert.h"
+
+#include <cstdint>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "dvi/core/error.h"
+#include "dvi/datasets/write_folder.h"
+
+namespace dvi::commands {
+namespace {
+
+constexpr std::int64_t kTogether = 20'000'000;  // ns: what another camera took at the time of the first or last frame
+
+void pass_on_warnings(const Drive& drive, Progress& progress) {
+  for (const std::string& warning : drive.warnings) progress.warn(drive.camera_name + ": " + warning);
+}
+
+std::vector<Drive> other_cameras(const Drive& drive, datasets::ReadOptions read, Progress& progress) {
+  std::vector<Drive> out;
+  read.frames.reset();
+  read.span = TimeSpan{drive.frames.front().time_ns - kTogether, drive.frames.back().time_ns + kTogether};
+  for (const std::string& camera : drive.camera_names) {
+    if (camera == drive.camera_name) continue;
+    read.camera = camera;
+    try {
+      out.push_back(datasets::read_drive(drive.path, read));
+    } catch (const InputError& e) {
+      progress.warn(fmt::format("camera {} is left out: {}", camera, e.what()));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+ConvertReport convert(const fs::path& recording, const datasets::ReadOptions& read, bool all_cameras, const fs::path& out,
+                      Progress& progress) {
+  require_empty(out, "drive");
+  const Drive drive = datasets::read_drive(recording, read);
+  pass_on_warnings(drive, progress);
+  const std::vector<Drive> others = all_cameras ? other_cameras(drive, read, progress) : std::vector<Drive>();
+  ConvertReport report{.format = drive.format,
+                       .cameras = {drive.camera_name},
+                       .images = drive.frames.size(),
+                       .scans = drive.scan_headers.size(),
+                       .first_frame = drive.frames.front().number,
+                       .last_frame = drive.frames.back().number};
+  for (const Drive& camera : others) report.cameras.push_back(camera.camera_name), report.images += camera.frames.size();
+  progress.begin("convert", report.images + report.scans);
+  datasets::write_folder(out, drive, others, progress.tick());
+  progress.end();
+  return report;
+}
+
+}  // namespace dvi::commands

@@ -1,0 +1,81 @@
+#include "dvi/commands/forecast_holes.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/json_text.h"
+#include "dvi/inputs/make_views.h"
+#include "dvi/inputs/rig.h"
+#include "dvi/media/write_image.h"
+#include "dvi/result/report_json.h"  // IWYU pragma: keep
+#include "dvi/run/make_map.h"
+
+template <>
+struct nlohmann::adl_serializer<dvi::audit::HoleShares> {
+  static void to_json(nlohmann::json& json, const dvi::audit::HoleShares& hole) {
+    json = {{"copied", hole.copied}, {"copied_elsewhere", hole.copied_elsewhere}, {"never_seen", hole.never_seen}};
+  }
+  static void from_json(const nlohmann::json& json, dvi::audit::HoleShares& hole) {
+    hole = {json.at("copied"), json.at("copied_elsewhere"), json.at("never_seen")};
+  }
+};
+
+namespace dvi::commands {
+namespace {
+
+constexpr int kCoarseFrom = 640;  // px of width from which every second pixel tells enough
+
+std::string row(const std::string& name, const std::string& image, const audit::HoleShares& hole) {
+  return fmt::format("{:<20}{:>10}{:>14.1f}{:>18.1f}{:>14.1f}", name, image, 100 * hole.copied, 100 * hole.copied_elsewhere,
+                     100 * hole.never_seen);
+}
+
+}  // namespace
+
+std::string ForecastReport::table() const {
+  std::string text =
+      fmt::format("{:<20}{:>10}{:>14}{:>18}{:>14}\n", "% of", "image", "hole: seen", "by other drives", "never seen");
+  for (const FrameForecastReport& frame : frames)
+    text += row(frame.name, fmt::format("{:.1f}", 100 * frame.image_share), frame.hole) + "\n";
+  return text + row("all", "", hole);
+}
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameForecastReport, number, name, image_share, hole)
+
+void to_json(nlohmann::json& j, const ForecastReport& report) {
+  j = {{"schema", "dvi-forecast/1"}, {"hole", report.hole}, {"frames", report.frames}};
+}
+
+std::string to_json(const ForecastReport& report) { return json_text(nlohmann::json(report)); }
+
+ForecastReport forecast_holes(const inputs::Recordings& drives, const inputs::Poses& poses, const inputs::Masks& masks,
+                              const job::Job& job, Progress& progress) {
+  const Views views = inputs::make_views(drives, poses, masks, progress);
+  const map::StaticMap map = run::build_map(drives, poses, masks, job.options.map, progress);
+  const Drive& target = drives.front().drive;
+  const int step = target.camera.width < kCoarseFrom ? 1 : 2;
+  progress.begin("forecast", views.of_sequence(0).second);
+  const audit::Forecast found = audit::forecast(views, map, job.options.depth, job.options.sample, step, progress.tick());
+  progress.end();
+  ForecastReport report{found.total, {}};
+  std::vector<int> numbers;
+  for (const audit::FrameForecast& f : found.frames) {
+    const Frame& frame = target.frames[views[f.view].frame];
+    report.frames.push_back({frame.number, frame.name, f.image_share, f.hole});
+    numbers.push_back(frame.number);
+  }
+  if (!job.out.empty()) {
+    make_folder(job.out);
+    media::write_png(fs::path(job.out) / "forecast.png", audit::forecast_chart(found, numbers));
+  }
+  return report;
+}
+
+ForecastReport forecast_holes(const job::Job& job, Progress& progress) {
+  const inputs::Recordings drives =
+      inputs::with_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::required, progress), job, progress);
+  const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);
+  return forecast_holes(drives, poses, inputs::find_masks(drives, poses, job, progress), job, progress);
+}
+
+}  // namespace dvi::commands

@@ -1,0 +1,125 @@
+#include "dvi/commands/make_masks.h"
+
+#include <map>
+#include <set>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "dvi/core/json_text.h"
+#include "dvi/core/threads.h"
+#include "dvi/labels/mask_folder.h"
+#include "dvi/media/contact_sheet.h"
+#include "dvi/media/write_image.h"
+#include "dvi/objects/motion.h"
+#include "dvi/result/result_folder.h"
+
+namespace dvi::commands {
+namespace {
+
+constexpr std::size_t kMaskRows = 12, kMaskColumns = 2;
+
+cv::Mat3b sheet(const Drive& drive, const Lazy<cv::Mat1b>& masks) {
+  const std::size_t count = std::min(drive.frames.size(), kMaskRows * kMaskColumns);
+  std::vector<media::SheetCell> cells(count);
+  parallel_for(count, [&](std::size_t k) {
+    const std::size_t i = count < 2 ? 0 : k * (drive.frames.size() - 1) / (count - 1);
+    cells[k] = {media::thumbnail(media::mask_overlay(*drive.images[i], *masks[i]), 640), drive.frames[i].name};
+  });
+  std::vector<std::vector<media::SheetCell>> rows;
+  for (std::size_t k = 0; k < count; k += kMaskColumns)
+    rows.emplace_back(cells.begin() + static_cast<std::ptrdiff_t>(k),
+                      cells.begin() + static_cast<std::ptrdiff_t>(std::min(count, k + kMaskColumns)));
+  return media::contact_sheet(rows, 640);
+}
+
+nlohmann::json detected_tracks_json(const Drive& drive, const FrameLabels& objects) {
+  struct Span {
+    std::string type;
+    std::size_t first = 0, last = 0, frames = 0;
+  };
+  std::map<int, Span> spans;
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    for (const Label& label : objects[i]) {
+      Span& span = spans.try_emplace(label.track, Span{label.type, i}).first->second;
+      span.last = i;
+      ++span.frames;
+    }
+  nlohmann::json tracks = nlohmann::json::array();
+  for (const auto& [track, span] : spans)
+    tracks.push_back({{"track", track},
+                      {"type", span.type},
+                      {"removed", true},
+                      {"first_frame", drive.frames[span.first].number},
+                      {"last_frame", drive.frames[span.last].number},
+                      {"frames", span.frames}});
+  return tracks;
+}
+
+nlohmann::json tracks_json(const inputs::Recording& open, const FrameLabels& removed, const Trajectory& world_from_lidar) {
+  const Drive& drive = open.drive;
+  if (open.masks_from == objects::MaskSource::detected) return detected_tracks_json(drive, removed);
+  const FrameLabels labels = open.masks_from == objects::MaskSource::found ? removed : drive.labels();
+  std::set<int> gone;
+  for (const std::vector<Label>& frame : removed)
+    for (const Label& label : frame) gone.insert(label.track);
+  nlohmann::json tracks = nlohmann::json::array();
+  for (const objects::TrackMotion& motion : objects::track_motions(drive, labels, world_from_lidar))
+    tracks.push_back({{"track", motion.track},
+                      {"type", motion.type},
+                      {"moves", motion.moves},
+                      {"removed", gone.contains(motion.track)},
+                      {"speed_mps", motion.speed_mps},
+                      {"way_m", motion.way_m},
+                      {"way_sigma_m", motion.way_sigma_m},
+                      {"first_frame", drive.frames[motion.first].number},
+                      {"last_frame", drive.frames[motion.last].number},
+                      {"frames", motion.frames}});
+  return tracks;
+}
+
+int dilation_px(const inputs::Recording& open, const objects::MaskOptions& options) {
+  if (!open.masks_from || open.masks_from == objects::MaskSource::found) return 0;
+  return open.masks_from == objects::MaskSource::files ? options.file_dilation_px() : options.label_dilation_px();
+}
+
+}  // namespace
+
+std::string make_masks(const job::Job& job, Progress& progress) {
+  result::require_apart(job);
+  require_empty(job.out, "masks");  // what is there may have been corrected by hand
+  const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::required, progress)};
+  inputs::verify(drives, job, progress);
+  const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);
+  const inputs::Masks masks = inputs::find_masks(drives, poses, job, progress);
+  const inputs::Recording& open = drives.front();
+  const Drive& drive = open.drive;
+  const inputs::DriveMasks& found = masks.front();
+  const fs::path out = job.out, folder = labels::camera_masks(out, drive.camera_name);
+  make_folder(folder);
+  std::vector<double> shares(drive.frames.size());
+  progress.begin("write", drive.frames.size());
+  parallel_for(drive.frames.size(), [&](std::size_t i) {
+    const cv::Mat1b& mask = *found.images[i];
+    shares[i] = static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
+    media::write_png(folder / (drive.frames[i].name + ".png"), mask);
+    progress.advance();
+  });
+  media::write_png(out / "contact.png", sheet(drive, found.images));
+  nlohmann::json frames = nlohmann::json::array();
+  for (std::size_t i = 0; i < shares.size(); ++i)
+    frames.push_back({{"number", drive.frames[i].number}, {"name", drive.frames[i].name}, {"share", shares[i]}});
+  const std::string text = json_text({{"schema", "dvi-masks/1"},
+                                      {"drive", drive.path.string()},
+                                      {"camera", drive.camera_name},
+                                      {"source", inputs::mask_source(open)},
+                                      {"remove", to_string(job.read.remove)},
+                                      {"dilate_px", dilation_px(open, job.options.masks)},
+                                      {"tracks", tracks_json(open, *found.objects, poses.front().world_from_lidar)},
+                                      {"frames", frames}});
+  write_file(out / "masks.json", text + "\n");
+  progress.end();
+  return text;
+}
+
+}  // namespace dvi::commands

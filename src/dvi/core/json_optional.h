@@ -1,0 +1,16 @@
+#pragma once
+
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+/// Writes an optional as its value or as null. Only .cpp files that write or read a document include this.
+template <class T>
+struct nlohmann::adl_serializer<std::optional<T>> {
+  static void to_json(nlohmann::json& json, const std::optional<T>& value) {
+    json = value ? nlohmann::json(*value) : nlohmann::json();
+  }
+  static void from_json(const nlohmann::json& json, std::optional<T>& value) {
+    value = json.is_null() ? std::nullopt : std::optional<T>(json.get<T>());
+  }
+};

@@ -1,0 +1,115 @@
+// Small recordings as their publishers offer them, if they are there: $DVI_DATA/foreign_files.
+
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "dvi/datasets/colmap_model.h"
+#include "dvi/datasets/pose_file.h"
+#include "dvi/datasets/reader.h"
+#include "dvi/testing/image_folder.h"
+
+namespace dvi::datasets {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+
+class ForeignRecordings : public testing::Test {
+ protected:
+  // Skips the test if the recording is not there.
+  static fs::path find(const std::string& name) {
+    const char* root = std::getenv("DVI_DATA");
+    return fs::path(root != nullptr ? root : "/tmp/dvi-data") / "foreign_files" / name;
+  }
+};
+
+#define SKIP_IF_ABSENT(path) \
+  if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings"
+
+// times.txt of the benchmark: "1.041284e-01".
+TEST_F(ForeignRecordings, KittiOdometry) {
+  const fs::path path = find("kitti_odometry/sequences/04");
+  SKIP_IF_ABSENT(path);
+  const Drive drive = read_drive(path);
+  EXPECT_EQ(drive.format, "kitti-odometry");
+  ASSERT_EQ(drive.frames.size(), 3U);
+  EXPECT_EQ(drive.frames[0].time_ns, 0);
+  EXPECT_EQ(drive.frames[1].time_ns, 104'128'400);
+  EXPECT_EQ(drive.frames[2].time_ns, 208'253'600);
+  EXPECT_EQ(drive.scan_headers[2].time_ns, 208'253'600);
+  EXPECT_EQ(drive.poses.poses().size(), 3U);
+  EXPECT_TRUE(drive.warnings.empty());
+  EXPECT_EQ(read_drive(path, {.camera = "3"}).camera_name, "image_3");
+}
+
+// Numbers 3000 to 3002, with timestamps.txt of 1,031 lines.
+TEST_F(ForeignRecordings, Kitti360WithTimesOfAnotherExcerpt) {
+  const fs::path path = find("kitti_360/data_2d_raw/2013_05_28_drive_0007_sync");
+  SKIP_IF_ABSENT(path);
+  const Drive drive = read_drive(path);
+  ASSERT_EQ(drive.frames.size(), 3U);
+  EXPECT_EQ(drive.frames[0].number, 3000);
+  EXPECT_NEAR(1e-9 * static_cast<double>(drive.frames[1].time_ns - drive.frames[0].time_ns), 0.1046, 1e-4);
+  EXPECT_EQ(drive.scan_headers[2].time_ns, drive.frames[2].time_ns);
+  EXPECT_THAT(drive.warnings, Contains(AllOf(HasSubstr("timestamps.txt has 1031 lines and none for 0000003000.png"),
+                                             HasSubstr("another excerpt"))));
+}
+
+TEST_F(ForeignRecordings, TumRgbd) {
+  const fs::path path = find("tum_fr1_rpy");
+  SKIP_IF_ABSENT(path);
+  const Drive drive = read_drive(path);
+  EXPECT_EQ(drive.format, "tum-rgbd");
+  ASSERT_EQ(drive.frames.size(), 20U);
+  EXPECT_EQ(drive.frames[0].time_ns, 1305031229'528748000);
+  EXPECT_EQ(drive.scan_headers.size(), 20U);
+}
+
+// As evo_traj --save_as_tum writes it: numpy.savetxt with "%.18e" of doubles.
+TEST_F(ForeignRecordings, TumPosesInScientificNotation) {
+  const fs::path path = find("tum_fr1_rpy");
+  SKIP_IF_ABSENT(path);
+  const TestFolder folder;
+  std::string text;
+  for (const Frame& frame : read_drive(path).frames)
+    text += fmt::format(
+        "{:.18e} 1.335700000000000010e+00 6.697999999999999510e-01 -1.618000000000000105e+00 "
+        "0.000000000000000000e+00 0.000000000000000000e+00 0.000000000000000000e+00 1.000000000000000000e+00\n",
+        1e-9 * static_cast<double>(frame.time_ns));
+  const Drive drive = read_drive(path);
+  const Trajectory poses = read_poses(folder.write("traj.txt", text), drive);
+  ASSERT_EQ(poses.poses().size(), 20U);
+  EXPECT_NEAR(static_cast<double>(poses.poses()[3].time_ns - drive.frames[3].time_ns), 0, 300) << "a double holds no more";
+  EXPECT_EQ(poses.poses()[3].world_from_body.t.z(), -1.618);
+}
+
+// A model of 50 images that are named by times ("9.307.png"), whose images are not there.
+TEST_F(ForeignRecordings, Colmap) {
+  const fs::path path = find("colmap_sparse");
+  SKIP_IF_ABSENT(path);
+  EXPECT_THAT(input_error([&] { read_drive(path); }),
+              AllOf(HasSubstr("colmap_sparse: holds a COLMAP model and no folder images/"), HasSubstr("sparse/0")));
+  const ColmapModel model = read_colmap_model(path / "0");
+  EXPECT_EQ(model.images.size(), 50U);
+  ASSERT_EQ(model.cameras.size(), 1U);
+  const Camera& camera = model.cameras.begin()->second;
+  EXPECT_EQ(camera.width, 640);
+  EXPECT_NEAR(camera.fx, 525.35, 0.01);
+  EXPECT_NE(camera.distortion[0], 0);
+  EXPECT_GT(read_colmap_points(path / "0/points3D.bin").points.size(), 1000U);
+
+  const TestFolder workspace;
+  make_folder(workspace.path / "sparse");
+  fs::copy(path / "0", workspace.path / "sparse/0");
+  for (const ColmapImage& image : model.images) workspace.write_image("images/" + image.name, cv::Mat3b(480, 640, cv::Vec3b()));
+  const Drive drive = read_drive(workspace.path);
+  ASSERT_EQ(drive.frames.size(), 50U);
+  for (std::size_t i = 1; i < drive.frames.size(); ++i)
+    EXPECT_LT(std::stod(drive.frames[i - 1].name), std::stod(drive.frames[i].name)) << "the order of time";
+  EXPECT_EQ(drive.poses.poses().size(), 50U);
+}
+
+}  // namespace
+}  // namespace dvi::datasets

@@ -1,0 +1,307 @@
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <pugixml.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/text.h"
+#include "dvi/datasets/camera_choice.h"
+#include "dvi/datasets/drive_config.h"
+#include "dvi/datasets/file_names.h"
+#include "dvi/datasets/kitti_calibration.h"
+#include "dvi/datasets/kitti_files.h"
+#include "dvi/datasets/reader.h"
+#include "dvi/datasets/scan_files.h"
+#include "dvi/geometry/plausible.h"
+#include "dvi/geometry/rigid.h"
+#include "dvi/media/image_file.h"
+
+namespace dvi::datasets {
+namespace {
+
+constexpr std::int64_t kHalfTurn = 50'000'000;  // of a scan at 10 Hz
+
+// The folders of one drive of the data set.
+struct Kitti360Places {
+  fs::path images, calibration, scans, poses, boxes, labels_2d;
+
+  explicit Kitti360Places(const fs::path& drive) : images(drive) {
+    const fs::path root = drive.parent_path().parent_path();
+    const std::string name = drive.filename().string();
+    calibration = root / "calibration";
+    scans = root / "data_3d_raw" / name / "velodyne_points";
+    poses = root / "data_poses" / name / "poses.txt";
+    for (const char* part : {"train", "test"}) {
+      if (const fs::path file = root / "data_3d_bboxes" / part / (name + ".xml"); fs::exists(file)) boxes = file;
+      if (const fs::path folder = root / "data_2d_semantics" / part / name; fs::is_directory(folder)) labels_2d = folder;
+    }
+  }
+};
+
+Numbered rectified_images(const fs::path& drive, const std::string& camera) {
+  return numbered_files(drive / camera / "data_rect", kImageEndings);
+}
+
+// The times of a drive's images and scans. Copied excerpts often come with the timestamps.txt of another excerpt; if that of
+// the images or of the scans has no line for any of them, the numbers tell the times of both.
+class Kitti360Clock {
+ public:
+  struct Sensor {
+    const Numbered* files;
+    fs::path stamps;
+  };
+  Kitti360Clock(const Sensor& images, const Sensor& scans, Drive& drive) : images_(images.stamps) {
+    if (!scans.files->empty()) scans_.emplace(scans.stamps);
+    for (const Sensor* sensor : {&images, &scans}) {
+      if (sensor->files->empty()) continue;
+      drive.other_files.push_back(sensor->stamps);
+      count_if_short(*sensor, sensor == &images ? images_ : *scans_, drive);
+    }
+  }
+  std::int64_t of_image(int number, const fs::path& data) const {
+    return step_ns_ ? number * *step_ns_ : images_.of(number, data);
+  }
+  std::int64_t of_scan(int number, const fs::path& data) const {
+    return step_ns_ ? number * *step_ns_ : scans_->of(number, data);
+  }
+
+ private:
+  void count_if_short(const Sensor& sensor, const KittiStamps& stamps, Drive& drive) {
+    const auto& [first, file] = *sensor.files->begin();
+    if (std::cmp_less(first, stamps.size()) || step_ns_) return;
+    step_ns_ = stamps.mean_step_ns();
+    drive.warnings.push_back(
+        fmt::format("{} has {} lines and none for {}: it is of another excerpt. The times of images and scans are counted by "
+                    "their numbers, {:.4f} s apart",
+                    sensor.stamps.string(), stamps.size(), file.filename().string(), 1e-9 * static_cast<double>(*step_ns_)));
+  }
+
+  KittiStamps images_;
+  std::optional<KittiStamps> scans_;
+  std::optional<std::int64_t> step_ns_;  // where times are counted
+};
+
+// Lines "frame r r r t ...": world_from_imu, of frames in which the vehicle moved.
+Trajectory read_imu_poses(const fs::path& file, const Kitti360Clock& clock, const SE3& imu_from_lidar) {
+  std::vector<StampedPose> poses;
+  for (const TextLine& line : read_text_lines(file)) {
+    const auto numbers = line.numbers<12>(1);
+    const std::optional<SE3> world_from_imu = to_rigid(numbers);
+    if (!world_from_imu) line.fail(rotation_problem(left_part(numbers)), "lines are: frame and a 3x4 matrix, row by row");
+    poses.push_back({clock.of_image(line.integer(0), file), *world_from_imu * imu_from_lidar});
+  }
+  return Trajectory(std::move(poses));
+}
+
+// Where camera 0 is on the inertial unit.
+SE3 read_imu_from_camera0(const fs::path& file) {
+  if (!fs::exists(file)) throw InputError(file, "is missing", "KITTI-360 offers it among its calibration files");
+  for (const TextLine& line : read_text_lines(file))
+    if (line.size() > 0 && line.word(0) == "image_00:") {
+      const auto numbers = line.numbers<12>(1);
+      if (const auto motion = to_rigid(numbers)) return *motion;
+      line.fail(rotation_problem(left_part(numbers)));
+    }
+  throw InputError(file, "has no entry image_00", "take the file as KITTI-360 offers it");
+}
+
+// What takes part in traffic, parked or not; the data set's boxes are also of buildings, poles and the ground.
+bool is_traffic(const std::string& type) {
+  static const std::set<std::string> types = {"car",     "truck",          "bus",     "train",  "caravan",
+                                              "trailer", "motorcycle",     "bicycle", "person", "pedestrian",
+                                              "rider",   "unknownvehicle", "van"};
+  return types.contains(type);
+}
+
+// One box of the file, in world axes; a moving object has one for each frame.
+struct WorldBox {
+  int track = -1, first_frame = 0, last_frame = 0;
+  std::string type;
+  Box box;
+};
+
+class BoxReader {
+ public:
+  explicit BoxReader(const fs::path& file) : file_(file) {}
+
+  std::vector<WorldBox> read() {
+    pugi::xml_document document;
+    const std::string text = read_file(file_);
+    if (const auto result = document.load_buffer(text.data(), text.size()); !result)
+      throw InputError(file_, fmt::format("is no XML at byte {} ({})", result.offset, result.description()));
+    std::vector<WorldBox> boxes;
+    for (const pugi::xml_node& object : document.child("opencv_storage").children())
+      if (object.child("transform"))
+        if (auto box = read(object)) boxes.push_back(std::move(*box));
+    return boxes;
+  }
+
+ private:
+  std::optional<WorldBox> read(const pugi::xml_node& object) {
+    WorldBox out;
+    out.type = lower_case(object.child_value("label"));
+    if (!is_traffic(out.type)) return std::nullopt;
+    const int timestamp = integer(object, "timestamp");
+    const bool moves = timestamp >= 0;
+    out.first_frame = moves ? timestamp : object.child("start_frame") ? integer(object, "start_frame") : 0;
+    out.last_frame = moves                       ? timestamp
+                     : object.child("end_frame") ? integer(object, "end_frame")
+                                                 : std::numeric_limits<int>::max();
+    // All boxes of one moving object share its instance; parked ones have an entry each.
+    out.track = moves && object.child("instanceId") ? integer(object, "instanceId") : 1'000'000 + integer(object, "index");
+    if (moves && object.child("dynamicSeq")) out.track = 500'000 + integer(object, "dynamicSeq");
+    out.box = box(object);
+    return out;
+  }
+
+  // The transform's columns are the box's axes, as long as `vertices` are to be scaled.
+  Box box(const pugi::xml_node& object) {
+    const std::vector<double> m = matrix(object, "transform"), v = matrix(object, "vertices");
+    if (m.size() != 16 || v.size() < 6 || v.size() % 3 != 0)
+      fail(object, "has no transform of 4x4 and vertices of Nx3 numbers");
+    Eigen::Matrix3d scaled;
+    Eigen::Vector3d centre, low(v[0], v[1], v[2]), high = low;
+    const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> transform(m.data());
+    scaled = transform.leftCols<3>();
+    centre = transform.col(3);
+    for (std::size_t i = 0; i < v.size(); i += 3) {
+      const Eigen::Vector3d vertex(v[i], v[i + 1], v[i + 2]);
+      low = low.cwiseMin(vertex), high = high.cwiseMax(vertex);
+    }
+    Box out;
+    Eigen::Matrix3d axes = scaled;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double length = scaled.col(axis).norm();
+      out.size[axis] = length * (high - low)[axis];
+      if (!(out.size[axis] > 0)) fail(object, "is a box without size");
+      axes.col(axis) /= length;
+    }
+    if (axes.determinant() < 0) axes.col(2) *= -1;
+    out.frame_from_box = {nearest_rotation(axes), scaled * (0.5 * (low + high)) + centre};
+    require_near(out.frame_from_box.t, file_, "a box");
+    return out;
+  }
+
+  int integer(const pugi::xml_node& object, const char* name) {
+    if (const auto value = to_integer(object.child_value(name))) return *value;
+    fail(object, fmt::format("has no whole number '{}'", name));
+  }
+  std::vector<double> matrix(const pugi::xml_node& object, const char* name) {
+    std::vector<double> numbers;
+    std::string text = object.child(name).child_value("data");
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    for (const std::string& word : split_words(text)) {
+      const auto number = to_number(word);
+      if (!number) fail(object, fmt::format("'{}' in its {} is not a number", word, name));
+      numbers.push_back(*number);
+    }
+    return numbers;
+  }
+  [[noreturn]] void fail(const pugi::xml_node& object, const std::string& problem) {
+    throw InputError(file_, fmt::format("{} {}", object.name(), problem), "take the file as KITTI-360 offers it");
+  }
+
+  fs::path file_;
+};
+
+void add_boxes(Drive& drive, const fs::path& file) {
+  constexpr double kFarthest = 120;  // metres: what no scan reaches hides nothing that could be copied
+  const std::vector<WorldBox> boxes = BoxReader(file).read();
+  for (Frame& frame : drive.frames) {
+    const auto world_from_lidar = drive.poses.at(frame.time_ns);
+    if (!world_from_lidar) continue;
+    const SE3 lidar_from_world = world_from_lidar->inverse();
+    for (const WorldBox& box : boxes) {
+      if (frame.number < box.first_frame || frame.number > box.last_frame) continue;
+      const Box here{lidar_from_world * box.box.frame_from_box, box.box.size};
+      if (here.frame_from_box.t.norm() > kFarthest) continue;
+      frame.labels.push_back({.track = box.track, .type = box.type, .box = here, .rect = {}, .instance = {}});
+    }
+  }
+  drive.labelled = drive.labelled_around = true;
+  drive.other_files.push_back(file);
+}
+
+void set_times(Drive& drive, const Kitti360Clock& clock, const Numbered& images, const Numbered& scans) {
+  for (const auto& [number, file] : images)
+    drive.frames.push_back({number, file.stem().string(), clock.of_image(number, file), file, {}});
+  for (const auto& [number, file] : scans) {
+    const std::int64_t time = clock.of_scan(number, file);
+    drive.scan_headers.push_back({file.stem().string(), time, time - kHalfTurn, time + kHalfTurn, file});
+  }
+}
+
+DriveContents read_kitti_360(const fs::path& path, const ReadOptions& options) {
+  DriveContents recording;
+  Drive& drive = recording.drive;
+  drive.path = path;
+  const Kitti360Places places(path);
+  for (const char* camera : {"image_00", "image_01"})
+    if (!rectified_images(path, camera).empty()) drive.camera_names.emplace_back(camera);
+  if (drive.camera_names.empty())
+    fail_without_images(path / "image_00/data_rect", "holds no images of the perspective cameras",
+                        "they belong into image_00/data_rect");
+  drive.camera_name = choose_camera(drive, options.camera, "image_00");
+
+  const KittiCalibration calibration = read_kitti_360_calibration(places.calibration, drive.camera_name);
+  drive.camera = calibration.camera;
+  drive.camera_from_lidar = calibration.camera_from_lidar();
+  drive.other_files = calibration.files;
+  const Numbered images = rectified_images(path, drive.camera_name), scans = numbered_files(places.scans / "data", {".bin"});
+  const Kitti360Clock clock({&images, path / drive.camera_name / "timestamps.txt"}, {&scans, places.scans / "timestamps.txt"},
+                            drive);
+  set_times(drive, clock, images, scans);
+  if (drive.camera.width == 0) {
+    const cv::Size size = media::image_size(drive.frames.front().file);
+    drive.camera.width = size.width, drive.camera.height = size.height;
+  }
+  require_plausible(drive.camera, calibration.files.front(), "P_rect_" + drive.camera_name.substr(6));
+  if (fs::exists(places.poses)) {
+    const fs::path to_pose = places.calibration / "calib_cam_to_pose.txt";
+    // calib_cam_to_velo takes the unrectified camera 0 to the LiDAR; so does rect0_from_lidar, but for the rectification.
+    const SE3 camera0_from_lidar = SE3{calibration.rect0_rotation.transpose(), {0, 0, 0}} * calibration.rect0_from_lidar;
+    drive.poses = read_imu_poses(places.poses, clock, read_imu_from_camera0(to_pose) * camera0_from_lidar);
+    drive.other_files.insert(drive.other_files.end(), {to_pose, places.poses});
+  }
+  if (can_list_numbers(drive, 1))
+    recording.gaps = {{"no image for frames", numbers_without(drive, images)},
+                      {"no scan for frames", numbers_without(drive, scans)}};
+  if (!options.frames && !options.span) warn_of_scans_without_image(drive, scans);
+  Rotation rotation;  // clockwise, the front in the middle of the scan
+  LidarConfig lidar;
+  if (const auto config = read_drive_config(path)) {
+    config->apply(drive);
+    lidar = config->lidar;
+    rotation = lidar.rotation();
+  }
+  if (!places.boxes.empty() && !drive.poses.empty())
+    add_boxes(drive, places.boxes);
+  else if (!places.labels_2d.empty())
+    drive.warnings.push_back(
+        fmt::format("its instance pictures are not used: give --masks {} --classes car,truck,bus,person,rider",
+                    (places.labels_2d / drive.camera_name / "instance").string()));
+  attach_scan_files(recording, lidar, rotation);
+  return recording;
+}
+
+bool recognise_kitti_360(const fs::path& path) {
+  return fs::is_directory(path / "image_00/data_rect") || fs::is_directory(path / "image_01/data_rect");
+}
+
+}  // namespace
+
+DriveFormat kitti_360_format() {
+  return {"kitti-360",
+          "data_2d_raw/2013_05_28_drive_0000_sync with image_00/data_rect; calibration and data_3d_raw beside data_2d_raw",
+          recognise_kitti_360,
+          read_kitti_360,
+          {"image_00/data_rect|image_01/data_rect", "image_00/timestamps.txt", "../../calibration/perspective.txt"}};
+}
+
+}  // namespace dvi::datasets

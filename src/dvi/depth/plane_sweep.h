@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+
+#include "dvi/core/lazy.h"
+#include "dvi/core/options.h"
+#include "dvi/depth/depth_map.h"
+#include "dvi/depth/visibility_map.h"
+#include "dvi/drive/view.h"
+
+namespace dvi::depth {
+
+struct PlaneSweepOptions {
+  bool enabled = true;
+  int sources = 8;
+  int max_frame_gap = 40;
+
+  void describe(OptionTable& table) {
+    table.section("stages");
+    table.developer();
+    table.add("plane_sweep", enabled, "Estimate depth inside holes where the map has none, from several views.");
+    table.section("plane_sweep");
+    table.developer();
+    table.add("sources", sources, {2, 16}, "Most views that are compared.");
+    table.add("max_frame_gap", max_frame_gap, {1, 1000}, "Views are taken from up to this many frames before and after.");
+  }
+  void check() const { check_ranges(*this); }
+};
+
+/// Depth for the pixels of the target's hole, and within 12 px of it, that have none although a surface below them or the sky
+/// does: the one at which the views that show them agree (plane sweep over inverse depth; Collins, 1996), infinity where
+/// nothing moves between them.
+/// Kept as it is where they do not agree, or agree because nothing is to be seen there. `visibility` is as `views`.
+depth::DepthMap plane_sweep(const depth::DepthMap& depth, const Views& views, std::size_t target,
+                            const Lazy<depth::VisibilityMap>& visibility, const PlaneSweepOptions& options);
+
+}  // namespace dvi::depth

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/exports/map_cloud.h"
+
+namespace dvi::exports {
+
+/// The height of the ground on a grid seen from above.
+struct GroundRaster {
+  double cell_m = 0;
+  double west_m = 0, north_m = 0;  ///< world x and y of the corner of cell (0, 0); columns go along x, rows against y
+  cv::Mat1f height;                ///< metres, of the middle of each cell; NaN: unknown
+
+  Eigen::Vector3d middle(int row, int column) const {
+    return {west_m + (column + 0.5) * cell_m, north_m - (row + 0.5) * cell_m, double{height(row, column)}};
+  }
+};
+
+/// The ground below a static map: of each square of a metre the lowest points, and what lies within a kerb's height above them.
+/// Cells without a point take the mean of their neighbours, up to 0.5 m away. UsageError where the grid would have more than
+/// 2^26 cells. `cloud` may not be empty.
+GroundRaster ground_of(const std::vector<CloudPoint>& cloud, double cell_m);
+
+}  // namespace dvi::exports

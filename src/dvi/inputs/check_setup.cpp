@@ -1,0 +1,36 @@
+#include "dvi/inputs/check_setup.h"
+
+#include "dvi/diagnostics/camera_doubts.h"
+#include "dvi/diagnostics/fast_motion.h"
+#include "dvi/diagnostics/flow_pairs.h"
+#include "dvi/diagnostics/label_doubts.h"
+
+namespace dvi::inputs {
+namespace {
+
+std::vector<std::string> doubts_of(const Recording& open, const DrivePoses& poses, const DriveMasks& masks) {
+  const Drive& drive = open.drive;
+  const diagnostics::FlowPairs pairs = diagnostics::flow_pairs(drive, poses.choice.tracks, masks.images);
+  std::vector<std::string> doubts = diagnostics::camera_doubts(pairs, drive.camera_from_lidar);
+  if (open.rig_of) return doubts;
+  if (doubts.empty()) doubts = diagnostics::label_doubts(drive);
+  for (const std::string& fast : diagnostics::fast_motion(drive, poses.world_from_lidar)) doubts.push_back(fast);
+  return doubts;
+}
+
+}  // namespace
+
+std::vector<std::string> doubt_setup(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress) {
+  std::vector<std::string> warnings;
+  progress.begin("camera and labels", drives.size());
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    for (const std::string& doubt : doubts_of(drives[i], poses[i], masks[i]))
+      warnings.push_back(name_of(drives[i]) + ": " + doubt);
+    progress.advance();
+  }
+  progress.end();
+  for (const std::string& warning : warnings) progress.warn(warning);
+  return warnings;
+}
+
+}  // namespace dvi::inputs

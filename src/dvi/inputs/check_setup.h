@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dvi/core/progress.h"
+#include "dvi/inputs/find_masks.h"
+#include "dvi/inputs/poses.h"
+#include "dvi/inputs/recordings.h"
+
+namespace dvi::inputs {
+
+/// Warns where a recording contradicts its camera, its clock or its labels (plausibility/), and returns the warnings. Labels
+/// are not judged where the camera is in doubt: boxes may come from it.
+std::vector<std::string> doubt_setup(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress);
+
+}  // namespace dvi::inputs

@@ -1,0 +1,126 @@
+#include "dvi/inputs/choose_poses.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "dvi/core/error.h"
+#include "dvi/inputs/stretches.h"
+
+namespace dvi::inputs {
+namespace {
+
+// Poses from the scans must be better by more metres than this: below, the measure cannot tell, and given poses hold over long
+// drives.
+constexpr double kSharper = 0.002;
+// A trajectory that lays so much fewer patches together than the other smears the rest: those few say nothing of it.
+constexpr double kLeastSupport = 0.5;
+
+std::size_t support(const odometry::Sharpness& map) { return map.ground_patches + map.vertical_patches; }
+
+bool supported(const odometry::Sharpness& map, const odometry::Sharpness& other) {
+  return map.known() && static_cast<double>(support(map)) >= kLeastSupport * static_cast<double>(support(other));
+}
+
+/// Whether the poses of the scans are the better ones.
+bool sharper(const odometry::Sharpness& loam, const odometry::Sharpness& given) {
+  if (!supported(loam, given)) return false;
+  return !supported(given, loam) || loam.total_m() + kSharper < given.total_m();
+}
+
+void hold_against_scans(const Drive& drive, const odometry::OdometryOptions& options, Progress& progress, PoseChoice& choice) {
+  progress.begin("plausibility", diagnostics::scan_tracks_ticks(drive));
+  choice.tracks = diagnostics::scan_tracks(drive, options, progress.tick());
+  choice.misread = diagnostics::better_reading(drive.poses, drive.camera_from_lidar, choice.tracks);
+  if (choice.misread) choice.warnings.push_back(choice.misread->words);
+  progress.end();
+}
+
+void compare_sharpness(const Drive& drive, bool both, Progress& progress, PoseChoice& choice) {
+  progress.begin("sharpness", (both ? 2 : 1) * odometry::sharpness_ticks(drive));
+  choice.loam = odometry::sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
+  if (both) choice.given = odometry::sharpness(drive, drive.poses, progress.tick());
+  progress.end();
+  if (both && !supported(*choice.given, *choice.loam) && choice.loam->known())
+    choice.warnings.push_back(
+        fmt::format("by the given poses scans share {} flat patches, by those of the scans {}: the given "
+                    "ones lay the scans beside each other",
+                    support(*choice.given), support(*choice.loam)));
+}
+
+/// Whether most scans of a depth camera have no pose: what remains shows too little of the recording.
+bool mostly_lost(const Drive& drive, const odometry::Odometry& odometry) {
+  constexpr double kMaxLostShare = 0.5;
+  const auto lost = std::count_if(odometry.scans.begin(), odometry.scans.end(),
+                                  [](const odometry::ScanFit& fit) { return fit.state == odometry::ScanFit::State::lost; });
+  return drive.sensor == Sensor::depth_camera &&
+         static_cast<double>(lost) > kMaxLostShare * static_cast<double>(odometry.scans.size());
+}
+
+/// Whether given poses can be compared with those of the scans: one alone does not determine the motion within a scan, and
+/// poses of another time, as on another clock, say nothing about any frame.
+bool can_compare_given(const Drive& drive) {
+  return drive.poses.poses().size() > 1 && std::any_of(drive.frames.begin(), drive.frames.end(), [&](const Frame& frame) {
+           return drive.poses.at(frame.time_ns).has_value();
+         });
+}
+
+PoseChoice judged(const Drive& drive, const job::PosesFrom& wish, const odometry::OdometryOptions& options,
+                  Progress& progress) {
+  PoseChoice choice;
+  const bool automatic = wish.kind == job::PosesFrom::Kind::automatic, loam = wish.kind == job::PosesFrom::Kind::loam;
+  if (loam && drive.scan_headers.empty()) throw InputError(drive.path, "has no scans", "--poses loam needs them");
+  hold_against_scans(drive, options, progress, choice);
+  if (!loam && (!automatic || drive.scan_headers.empty())) return choice;
+  const bool guess = automatic && !choice.misread;
+  choice.odometry = odometry_of_stretches(drive, options, guess ? drive.poses : Trajectory(), progress);
+  choice.warnings.insert(choice.warnings.end(), choice.odometry->warnings.begin(), choice.odometry->warnings.end());
+  if (choice.odometry->loops > 0)
+    progress.note(fmt::format("{}: {} loops closed, poses moved by up to {:.2f} m", drive.path.filename().string(),
+                              choice.odometry->loops, choice.odometry->largest_correction_m));
+  if (choice.odometry->world_from_lidar.empty()) {
+    if (loam || drive.poses.empty()) throw InputError(drive.path, "has no scan that odometry could hold on to");
+    return choice;
+  }
+  if (mostly_lost(drive, *choice.odometry)) {
+    if (!loam && !drive.poses.empty()) return choice;
+    throw InputError(drive.path, choice.odometry->warnings.empty() ? "cannot be followed" : choice.odometry->warnings.back(),
+                     "give poses (--poses FILE), or record more slowly, in better light, and closer to things with texture");
+  }
+  const bool both = automatic && can_compare_given(drive);
+  compare_sharpness(drive, both, progress, choice);
+  const bool lost = std::any_of(choice.odometry->scans.begin(), choice.odometry->scans.end(),
+                                [](const odometry::ScanFit& fit) { return fit.state == odometry::ScanFit::State::lost; });
+  if (!both || choice.misread || (!lost && sharper(*choice.loam, *choice.given))) choice.from = PoseOrigin::loam;
+  return choice;
+}
+
+}  // namespace
+
+PoseChoice choose_poses(const Drive& drive, const job::PosesFrom& wish, const odometry::OdometryOptions& options,
+                        Progress& progress) {
+  PoseChoice choice = judged(drive, wish, options, progress);
+  for (const std::string& warning : choice.warnings) progress.warn(drive.path.filename().string() + ": " + warning);
+  return choice;
+}
+
+const Trajectory& chosen(const Drive& drive, const PoseChoice& choice) {
+  return choice.from == PoseOrigin::loam ? choice.odometry->world_from_lidar : drive.poses;
+}
+
+Trajectory laid_onto(const Trajectory& given, const Trajectory& odometry) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d mean_given = Eigen::Vector3d::Zero(), mean_odometry = Eigen::Vector3d::Zero();
+  double n = 0;
+  for (const StampedPose& p : odometry.poses()) {
+    const std::optional<SE3> at = given.at(p.time_ns);
+    if (!at) continue;
+    turn += at->R * p.world_from_body.R.transpose();
+    mean_given += at->t, mean_odometry += p.world_from_body.t, n += 1;
+  }
+  if (n == 0) return odometry;
+  const Eigen::Matrix3d R = nearest_rotation(turn);
+  return odometry.in({R, (mean_given - R * mean_odometry) / n});
+}
+
+}  // namespace dvi::inputs

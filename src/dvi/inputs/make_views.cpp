@@ -1,0 +1,76 @@
+#include "dvi/inputs/make_views.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace dvi::inputs {
+namespace {
+
+// Images and masks of the views. The drives' own caches hold the pixels; these only look up the right one.
+void attach_pictures(Views& views, const Recordings& drives, const Masks& masks_of_drives) {
+  const auto of = [list = views.views](std::size_t i) { return std::pair(list[i].sequence, list[i].frame); };
+  std::vector<Lazy<cv::Mat3b>> images;
+  std::vector<Lazy<cv::Mat1b>> masks;
+  for (const Recording& open : drives) images.push_back(open.drive.images);
+  for (const DriveMasks& drive : masks_of_drives) masks.push_back(drive.images);
+  views.images = Lazy<cv::Mat3b>::through(views.size(), [=](std::size_t i) { return images[of(i).first][of(i).second]; });
+  views.masks = Lazy<cv::Mat1b>::through(views.size(), [=](std::size_t i) { return masks[of(i).first][of(i).second]; });
+}
+
+View numbered(View view, const Recordings& drives, std::size_t sequence) {
+  view.sequence = static_cast<int>(sequence);
+  view.grey = drives[sequence].grey;
+  view.drive = static_cast<int>(drives[sequence].rig_of.value_or(sequence));
+  return view;
+}
+
+}  // namespace
+
+std::optional<View> posed_view(const Drive& drive, std::size_t frame, const Trajectory& world_from_lidar) {
+  const std::int64_t time = drive.frames[frame].time_ns;
+  const std::optional<SE3> pose = world_from_lidar.at(time);
+  if (!pose) return std::nullopt;
+  View view{0, frame, time, drive.camera, drive.camera_from_lidar * pose->inverse()};
+  view.sensor = drive.sensor;
+  view.registered_depth = drive.registered_depth;
+  return view;
+}
+
+Views make_views(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress) {
+  Views out;
+  for (std::size_t d = 0; d < drives.size(); ++d) {
+    const Drive& drive = drives[d].drive;
+    for (std::size_t i = 0; i < drive.frames.size(); ++i) {
+      if (const auto view = posed_view(drive, i, poses[d].world_from_lidar))
+        out.views.push_back(numbered(*view, drives, d));
+      else
+        progress.warn(fmt::format("{}: frame {} has no pose and is left out", name_of(drives[d]), drive.frames[i].name));
+    }
+  }
+  attach_pictures(out, drives, masks);
+  return out;
+}
+
+Views make_unposed_views(const Recordings& drives, const Masks& masks) {
+  Views out;
+  for (std::size_t d = 0; d < drives.size(); ++d) {
+    const Drive& drive = drives[d].drive;
+    for (std::size_t i = 0; i < drive.frames.size(); ++i)
+      out.views.push_back(numbered({0, i, drive.frames[i].time_ns, drive.camera, SE3()}, drives, d));
+  }
+  attach_pictures(out, drives, masks);
+  return out;
+}
+
+Views refined(const Views& views, const exposure::Gains& gains, const align::Cameras& cameras) {
+  Views out = views;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out.views[i].gain = gains.of_view[i];
+    out.views[i].vignetting = gains.vignetting[i];
+    out.views[i].camera_from_world = cameras.camera_from_world[i];
+  }
+  return out;
+}
+
+}  // namespace dvi::inputs

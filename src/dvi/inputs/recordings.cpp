@@ -1,0 +1,350 @@
+#include "dvi/inputs/recordings.h"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "dvi/core/error.h"
+#include "dvi/core/median.h"
+#include "dvi/core/scratch.h"
+#include "dvi/core/text.h"
+#include "dvi/core/threads.h"
+#include "dvi/datasets/compare_times.h"
+#include "dvi/datasets/pose_file.h"
+#include "dvi/datasets/pose_jumps.h"
+#include "dvi/inputs/near_target.h"
+#include "dvi/inputs/poses.h"
+#include "dvi/labels/class_ids.h"
+#include "dvi/labels/labels.h"
+#include "dvi/labels/mask_folder.h"
+#include "dvi/labels/mask_reading.h"
+#include "dvi/map/given_points.h"
+
+namespace dvi::inputs {
+namespace {
+
+// Replaces the drive's labels by those of a file, or of a folder with a file per image.
+void take_labels(Drive& drive, const fs::path& path) {
+  const labels::FileLabels read = labels::read_labels(path, drive);
+  if (read.all_strays)
+    throw InputError(path, "has no labels of the drive: " + read.warnings.front(),
+                     "give the labels of this drive, or name its images as the labels do");
+  for (std::size_t i = 0; i < read.frames.size(); ++i) drive.frames[i].labels = read.frames[i];
+  drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
+  if (const Gap& gap = read.after_the_last; !gap.frames.empty()) drive.warnings.push_back(gap.what + " " + ranges(gap.frames));
+  drive.labelled = true;
+  drive.labelled_around = read.all_round;
+  drive.other_files.insert(drive.other_files.end(), read.files.begin(), read.files.end());
+}
+
+std::optional<objects::MaskSource> resolve_masks(Drive& drive, const job::MasksFrom& from, MaskNeed need) {
+  if (from.kind == job::MasksFrom::Kind::automatic) {
+    const objects::MaskSource source = objects::default_mask_source(drive);
+    if (source != objects::MaskSource::found) return source;
+    if (need == MaskNeed::optional) return std::nullopt;
+    if (!drive.scan_headers.empty()) return source;
+    if (need == MaskNeed::required)
+      throw InputError(drive.path, "has neither masks nor labels, and no scans in which what moves could be found",
+                       "give --masks DIR (PNG files named as the images, 255 = remove) or --masks FILE (labels)");
+    drive.warnings.emplace_back("has neither masks nor labels nor scans, so its traffic may be copied into the result");
+    return std::nullopt;
+  }
+  if (from.kind == job::MasksFrom::Kind::found) {
+    if (drive.scan_headers.empty())
+      throw InputError(drive.path, "has no scans in which what moves could be found", "give --masks DIR or --masks FILE");
+    return need == MaskNeed::optional ? std::nullopt : std::optional(objects::MaskSource::found);
+  }
+  if (from.kind == job::MasksFrom::Kind::labels) {
+    if (!drive.has_labels()) throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
+    return objects::MaskSource::labels;
+  }
+  if (fs::is_directory(from.path) && !labels::is_label_folder(from.path)) {
+    labels::attach_masks(drive, from.path);
+    return objects::MaskSource::files;
+  }
+  if (!fs::exists(from.path))
+    throw InputError(from.path, "does not exist", "--masks takes a folder, a file, labels, found or auto");
+  take_labels(drive, from.path);
+  return objects::MaskSource::labels;
+}
+
+std::shared_ptr<const objects::Detector> load_detector(const job::ReadChoice& choice) {
+  if (choice.detector.empty()) return nullptr;
+  if (choice.masks.kind != job::MasksFrom::Kind::automatic)
+    throw UsageError("--detector and --masks both say what to remove: give one of them");
+  return std::make_shared<const objects::Detector>(choice.detector);
+}
+
+// Leaves out labels of other classes, and reads mask files as the user says.
+void choose_masked(Drive& drive, const std::optional<objects::MaskSource>& from, const job::ReadChoice& choice) {
+  const std::string& classes = choice.mask_files.classes;
+  if (from == objects::MaskSource::files) return labels::read_masks(drive, choice.mask_files);
+  if (from == objects::MaskSource::labels && (classes.empty() || choice.is_source)) labels::warn_of_unknown_types(drive);
+  if (classes.empty() || choice.is_source) return;
+  if (from == objects::MaskSource::detected)
+    throw UsageError("--classes " + classes + ": of a detector, MODEL.toml says which classes are removed");
+  if (from != objects::MaskSource::labels)
+    throw UsageError("--classes " + classes + ": the drive has neither mask files nor labels to choose from");
+  labels::keep_label_types(drive, classes);
+}
+
+void resolve_poses(Drive& drive, const job::PosesFrom& from) {
+  if (from.kind != job::PosesFrom::Kind::file) return;
+  if (!fs::exists(from.file)) throw InputError(from.file, "does not exist", "--poses takes auto, given, loam or a file");
+  drive.poses = datasets::read_poses(from.file, drive);
+  datasets::leave_out_pose_jumps(drive);
+  auto unposed = datasets::describe_unposed(drive);
+  if (const auto clock = datasets::describe_pose_clock(drive)) *unposed += ": " + *clock;
+  if (unposed &&
+      std::none_of(drive.frames.begin(), drive.frames.end(), [&](const Frame& frame) { return drive.poses.at(frame.time_ns); }))
+    throw InputError(from.file, *unposed, "poses and images must share one clock");
+  if (unposed) drive.warnings.push_back(*unposed);
+  drive.world_scale = 1;
+  drive.other_files.emplace_back(from.file);
+}
+
+// Metres from the sensor to the returns that are used.
+struct UsedRange {
+  double least, most;
+};
+
+UsedRange used_range(const Drive& drive, const map::MapOptions& options) {
+  return {options.min_range_m.value_or(drive.least_range_m()), options.max_range_m.value_or(drive.most_range_m())};
+}
+
+struct Returns {
+  std::size_t all = 0, near = 0, far = 0;  // near and far: outside the range
+};
+
+Returns count_returns(const Scan& scan, const UsedRange& range) {
+  Returns out{.all = scan.size()};
+  for (const Eigen::Vector3f& point : scan.points) {
+    if (point.norm() < range.least) ++out.near;
+    if (point.norm() > range.most) ++out.far;
+  }
+  return out;
+}
+
+std::optional<std::string> range_warning(const std::vector<Returns>& scans, const UsedRange& range) {
+  constexpr double kMany = 0.1;
+  Returns sum;
+  for (const Returns& scan : scans) sum.all += scan.all, sum.near += scan.near, sum.far += scan.far;
+  const double all = static_cast<double>(sum.all), near = static_cast<double>(sum.near), far = static_cast<double>(sum.far);
+  if (near + far <= kMany * all) return std::nullopt;
+  return fmt::format(
+      "{:.0f} % of all returns are not used: {:.0f} % are nearer than lidar.min_range_m = {:g}, {:.0f} % farther than "
+      "lidar.max_range_m = {:g}; set these to what the sensor sees, such as --set lidar.min_range_m=0.1",
+      100 * (near + far) / all, 100 * near / all, range.least, 100 * far / all, range.most);
+}
+
+/// A revolution of a LiDAR returns about as much as the others, unless its file was cut.
+std::optional<std::string> cut_warning(const Drive& drive, const std::vector<Returns>& scans) {
+  constexpr double kLeast = 0.1;  // of the usual
+  if (drive.sensor != Sensor::lidar) return std::nullopt;
+  std::vector<double> counts;
+  for (const Returns& scan : scans) counts.push_back(static_cast<double>(scan.all));
+  const double usual = median(counts);
+  const auto is_cut = [&](double count) { return count < kLeast * usual; };
+  const auto first = std::find_if(counts.begin(), counts.end(), is_cut);
+  if (first == counts.end()) return std::nullopt;
+  return fmt::format(
+      "{} of {} scans have less than a tenth of the usual {:.0f} returns, the first is {} with {:.0f}: is it cut?",
+      std::count_if(counts.begin(), counts.end(), is_cut), counts.size(), usual,
+      drive.scan_headers[static_cast<std::size_t>(first - counts.begin())].name, *first);
+}
+
+bool same_camera(const Drive& a, const Drive& b) {
+  return a.camera_name == b.camera_name && a.camera.width == b.camera.width && a.camera.height == b.camera.height;
+}
+
+// Of what the program itself leaves, a third each for the map, for what is kept for further use, and for the work in hand,
+// which nothing bounds.
+void bound_memory(const job::Job& job) {
+  constexpr int kProgram = 150;  // megabytes: code, libraries, the heap's holes
+  const int shared = std::max(job.memory_mb - kProgram, job.memory_mb / 2);
+  const std::size_t third = static_cast<std::size_t>(shared) * 1'000'000 / 3;
+  Scratch::of_process()->set_bound(third);
+  CacheBudget::of_process()->set_bound(third);
+}
+
+// A source drive as far as it comes near the target by given poses; what is far off is never read.
+Drive read_near(const Drive& target, const fs::path& path, datasets::ReadOptions read, Progress& progress) {
+  Drive whole = datasets::read_drive(path, read);
+  if (!shares_world(target, whole)) return whole;
+  read.span = time_near_target(target, whole);
+  if (!read.span) return whole;  // refused where it is to be placed
+  const auto is_near = [&](const Frame& frame) {
+    return frame.time_ns >= read.span->first && frame.time_ns <= read.span->last;
+  };
+  const auto near = static_cast<std::size_t>(std::count_if(whole.frames.begin(), whole.frames.end(), is_near));
+  if (near == 0 || near == whole.frames.size()) return whole;
+  progress.note(fmt::format("{}: {} of {} frames lie near {} by the given poses; the rest is not read",
+                            path.filename().string(), near, whole.frames.size(), target.path.filename().string()));
+  return datasets::read_drive(path, read);
+}
+
+// `target`: of a source drive.
+Recording open_with(const fs::path& path, const job::ReadChoice& choice,
+                    const std::shared_ptr<const objects::Detector>& detector, MaskNeed need, Progress& progress,
+                    const Drive* target = nullptr) {
+  datasets::ReadOptions read;
+  read.camera = choice.camera;
+  read.topics = choice.topics;
+  if (!choice.frames.empty()) read.frames = job::parse_frames(choice.frames);
+  Recording open{target != nullptr ? read_near(*target, path, read, progress) : datasets::read_drive(path, read), {}};
+  if (read.frames && read.frames->first == read.frames->last)
+    progress.note(fmt::format("frame {} only (--frames A:B for a range): nothing is copied from the drive's other frames",
+                              read.frames->first));
+  Drive& drive = open.drive;
+  std::size_t warned = 0;
+  const auto warn = [&] {
+    for (; warned < drive.warnings.size(); ++warned)
+      progress.warn(drive.path.filename().string() + ": " + drive.warnings[warned]);
+  };
+  warn();  // before what may end the program: it may name the cause
+  resolve_poses(drive, choice.poses);
+  if (detector) {
+    open.masks_from = objects::MaskSource::detected;
+    open.detector = detector;
+    for (const fs::path& file : detector->files()) drive.other_files.push_back(file);
+  } else {
+    open.masks_from = resolve_masks(drive, choice.masks, need);
+  }
+  choose_masked(drive, open.masks_from, choice);
+  if (!choice.ego_mask.empty()) open.ego_mask = labels::read_static_mask(drive, choice.ego_mask, choice.mask_files.polarity);
+  if (open.masks_from == objects::MaskSource::files)
+    if (const auto bare = labels::frames_without_mask(drive)) drive.warnings.push_back(*bare);
+  warn();
+  return open;
+}
+
+}  // namespace
+
+std::string name_of(const Recording& open) {
+  return open.drive.path.filename().string() + (open.rig_of ? " " + open.drive.camera_name : "");
+}
+
+std::string mask_source(const Recording& open) { return open.masks_from ? to_string(*open.masks_from) : "none"; }
+
+Recording open_recording(const fs::path& path, const job::ReadChoice& choice, MaskNeed need, Progress& progress) {
+  return open_with(path, choice, load_detector(choice), need, progress);
+}
+
+Recordings open_recordings(const job::Job& job, MaskNeed need, Progress& progress) {
+  bound_memory(job);
+  Recordings drives;
+  const std::shared_ptr<const objects::Detector> detector = load_detector(job.read);
+  drives.push_back(open_with(job.target, job.read, detector, need, progress));
+  job::ReadChoice further;
+  further.camera = job.read.camera;
+  further.topics = job.read.topics;
+  further.mask_files = job.read.mask_files;
+  further.is_source = true;
+  const MaskNeed of_sources = need == MaskNeed::required ? MaskNeed::wanted : need;
+  for (const std::string& path : job.sources)
+    drives.push_back(open_with(path, further, detector, of_sources, progress, &drives.front().drive));
+  for (Recording& open : drives)
+    if (same_camera(open.drive, drives.front().drive)) open.ego_mask = drives.front().ego_mask;
+  return drives;
+}
+
+Recordings open_images(const job::Job& job, Progress& progress) {
+  bound_memory(job);
+  Recording open = open_recording(job.target, job.read, MaskNeed::required, progress);
+  if (open.masks_from == objects::MaskSource::found)
+    throw InputError(open.drive.path, "has neither masks nor labels, and method " + to_string(job.method) + " finds none",
+                     "make some with dvi mask, and give --masks DIR");
+  open.drive.scan_headers.clear();
+  open.drive.scans = {};
+  if (!job.sources.empty()) progress.warn("method " + to_string(job.method) + " does not use source drives");
+  return {open};
+}
+
+namespace {
+
+// The map that a drive brings must lie where the drive went.
+void verify_map(const Drive& drive, const map::MapOptions& options) {
+  if (drive.map.empty()) return;
+  if (drive.poses.empty())
+    throw InputError(drive.path, "has a map but no poses in it", "give poses.txt, or --poses FILE (docs/formats.md)");
+  const map::GivenReach reach = map::reach_of_given(drive, options);
+  if (reach.near == 0)
+    throw InputError(drive.map_file,
+                     fmt::format("none of its {} points is near the path; the nearest is {:.0f} m from its first pose",
+                                 reach.points, reach.nearest_m),
+                     "poses and map must share one world");
+}
+
+}  // namespace
+
+std::vector<std::string> verify(const Recordings& drives, const job::Job& job, Progress& progress) {
+  std::size_t count = 0;
+  const auto scans_of = [](const Recording& open) { return open.rig_of ? 0 : open.drive.scan_headers.size(); };
+  for (const Recording& open : drives) count += open.drive.frames.size() + scans_of(open);
+  progress.begin("read", count);
+  std::vector<std::string> warnings;
+  for (const Recording& open : drives) {
+    if (!open.rig_of) verify_map(open.drive, job.options.map);
+    const std::size_t frames = open.drive.frames.size();
+    const UsedRange range = used_range(open.drive, job.options.map);
+    // The first error in order, whichever thread meets one first.
+    std::vector<std::exception_ptr> errors(frames + scans_of(open));
+    std::vector<Returns> returns(scans_of(open));
+    parallel_for(errors.size(), [&](std::size_t i) {
+      try {
+        if (i < frames) {
+          open.drive.images[i];
+          if (open.masks_from == objects::MaskSource::files) open.drive.masks[i];
+        } else {
+          returns[i - frames] = count_returns(*open.drive.scans[i - frames], range);
+        }
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
+      progress.advance();
+    });
+    for (const std::exception_ptr& error : errors)
+      if (error) std::rethrow_exception(error);
+    for (const std::optional<std::string>& warning : {range_warning(returns, range), cut_warning(open.drive, returns)})
+      if (warning) warnings.push_back(name_of(open) + ": " + *warning);
+  }
+  progress.end();
+  for (const std::string& warning : warnings) progress.warn(warning);
+  return warnings;
+}
+
+std::vector<fs::path> files_of(const Recording& open) {
+  const Drive& drive = open.drive;
+  std::vector<fs::path> files;
+  for (const Frame& frame : drive.frames) files.push_back(frame.file);
+  if (!open.rig_of)
+    for (const ScanHeader& header : drive.scan_headers) files.push_back(header.file);
+  files.insert(files.end(), drive.mask_files.begin(), drive.mask_files.end());
+  files.insert(files.end(), drive.other_files.begin(), drive.other_files.end());
+  // A bag or a video is the file of many frames, and may be of any size.
+  if (datasets::holds_many_images(drive.frames.front().file)) {
+    std::set<fs::path> known;
+    std::erase_if(files, [&](const fs::path& file) { return !file.empty() && !known.insert(file).second; });
+  }
+  return files;
+}
+
+void add_files(Fingerprint& print, const Recording& open) {
+  const Drive& drive = open.drive;
+  const std::vector<fs::path> files = files_of(open);
+  std::vector<std::string> hashes(files.size());
+  parallel_for(files.size(), [&](std::size_t i) {
+    const bool large = datasets::holds_many_images(files[i]);
+    if (files[i].empty()) return;  // a frame without a mask
+    hashes[i] = large ? hash_of_file(files[i]) : hash_of_file(files[i], kLargestFile);
+  });
+  print.add(drive.path.filename().string());  // warnings say it
+  print.add(fmt::format("{} {} {}", drive.frames.size(), drive.scan_headers.size(), drive.mask_files.size()));
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    print.add(files[i].filename().string());
+    print.add(hashes[i]);
+  }
+}
+
+}  // namespace dvi::inputs

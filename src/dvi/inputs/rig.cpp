@@ -1,0 +1,184 @@
+#include "dvi/inputs/rig.h"
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <opencv2/core.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/drive/deskew.h"
+#include "dvi/drive/nearest_in_time.h"
+#include "dvi/labels/mask_folder.h"
+#include "dvi/labels/mask_reading.h"
+#include "dvi/media/image_file.h"
+#include "dvi/objects/carried.h"
+
+namespace dvi::inputs {
+namespace {
+
+constexpr std::int64_t kTogether = 20'000'000;  // ns between images of one time: traffic at 15 m/s goes .3 m
+
+// None: whichever there are.
+std::optional<std::set<std::string>> cameras_asked_for(const std::string& text) {
+  if (text == "all" || text.empty()) return std::nullopt;
+  std::set<std::string> names;
+  if (text == "none") return names;
+  std::istringstream list(text);
+  for (std::string name; std::getline(list, name, ',');)
+    if (!name.empty()) names.insert(name);
+  return names;
+}
+
+void require_there(const std::optional<std::set<std::string>>& asked, const Recordings& drives) {
+  if (!asked) return;
+  for (const std::string& name : *asked) {
+    const auto has = [&](const Recording& open) {
+      const auto& names = open.drive.camera_names;
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    if (std::none_of(drives.begin(), drives.end(), has))
+      throw UsageError(
+          fmt::format("--sources {}: there are all, none, {}", name, fmt::join(drives.front().drive.camera_names, ", ")));
+  }
+}
+
+TimeSpan span_of(const Drive& drive) {
+  return {drive.frames.front().time_ns - kTogether, drive.frames.back().time_ns + kTogether};
+}
+
+// By the first image. A damaged one is named when it is read.
+bool is_grey(const Drive& drive) {
+  if (datasets::holds_many_images(drive.frames.front().file)) {
+    std::vector<cv::Mat> channels;
+    cv::split(*drive.images[0], channels);
+    return cv::norm(channels[0], channels[1], cv::NORM_INF) == 0 && cv::norm(channels[1], channels[2], cv::NORM_INF) == 0;
+  }
+  const cv::Mat picture = media::read_unchanged(drive.frames.front().file, cv::Size(drive.camera.width, drive.camera.height));
+  if (picture.empty() || picture.channels() < 3) return !picture.empty();
+  std::vector<cv::Mat> channels;
+  cv::split(picture, channels);
+  return cv::norm(channels[0], channels[1], cv::NORM_INF) == 0 && cv::norm(channels[1], channels[2], cv::NORM_INF) == 0;
+}
+
+bool has_boxes(const Drive& drive) {
+  return std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& frame) {
+    return std::any_of(frame.labels.begin(), frame.labels.end(), [](const Label& label) { return label.box.has_value(); });
+  });
+}
+
+// What tells this camera's traffic; sets its mask files.
+std::optional<objects::MaskSource> masks_of(Drive& drive, const Recording& own, const job::ReadChoice& choice) {
+  if (!own.masks_from) return std::nullopt;
+  const job::MasksFrom from = choice.is_source ? job::MasksFrom() : choice.masks;
+  if (from.kind == job::MasksFrom::Kind::found) return objects::MaskSource::found;
+  const bool given = from.kind == job::MasksFrom::Kind::path;
+  if (given ? labels::folder_of_camera(from.path, drive.camera_name).has_value() : !drive.masks.empty()) {
+    if (given) labels::attach_masks(drive, from.path);
+    labels::read_masks(drive, choice.mask_files);
+    return objects::MaskSource::files;
+  }
+  if (own.masks_from == objects::MaskSource::found) return objects::MaskSource::found;
+  const bool boxes = own.drive.labelled_around || has_boxes(own.drive);
+  return own.masks_from == objects::MaskSource::labels && boxes ? objects::MaskSource::labels : objects::MaskSource::carried;
+}
+
+// The boxes of the frame that was taken at the same time; outlines are those of the other image.
+void share_boxes(const Drive& from, Drive& to) {
+  for (Frame& frame : to.frames) {
+    frame.labels = nearest_in_time(from.frames.begin(), from.frames.end(), frame.time_ns)->labels;
+    std::erase_if(frame.labels, [](const Label& label) { return !label.box; });
+    for (Label& label : frame.labels) {
+      label.rect.reset();
+      label.instance.reset();
+    }
+  }
+  to.labelled = true;
+  to.labelled_around = from.labelled_around;
+}
+
+Recording open_camera(const Recordings& drives, std::size_t number, const std::string& camera, const job::ReadChoice& choice) {
+  const Recording& own = drives[number];
+  datasets::ReadOptions read;
+  read.camera = camera;
+  read.span = span_of(own.drive);
+  read.topics = choice.topics;
+  Recording open{datasets::read_drive(own.drive.path, read)};
+  Drive& drive = open.drive;
+  drive.scan_headers = own.drive.scan_headers;
+  drive.scans = own.drive.scans;
+  drive.map = own.drive.map;
+  drive.poses = own.drive.poses;
+  std::erase_if(drive.warnings, [&](const std::string& warning) {  // of scans, poses and labels
+    return std::find(own.drive.warnings.begin(), own.drive.warnings.end(), warning) != own.drive.warnings.end();
+  });
+  open.rig_of = number;
+  open.masks_from = masks_of(drive, own, choice);
+  // A recording may label each camera's images at their own times; a file that the user names is read for the drive's own.
+  const bool labelled = std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& f) { return !f.labels.empty(); });
+  const bool of_its_own =
+      labelled && drive.labelled_around && (choice.is_source || choice.masks.kind != job::MasksFrom::Kind::path);
+  if (open.masks_from == objects::MaskSource::labels && !of_its_own) {
+    share_boxes(own.drive, drive);
+    open.labelled_in_part = !drive.labelled_around;
+  }
+  if (open.masks_from == objects::MaskSource::files)
+    if (const auto bare = labels::frames_without_mask(drive)) drive.warnings.push_back(*bare);
+  open.grey = is_grey(drive);
+  return open;
+}
+
+// The returns of the scan nearest to a time, world axes.
+std::vector<Eigen::Vector3d> returns_near(const Drive& drive, std::int64_t time_ns, const Trajectory& world_from_lidar) {
+  const auto nearest = nearest_in_time(drive.scan_headers.begin(), drive.scan_headers.end(), time_ns);
+  if (nearest == drive.scan_headers.end() || time_ns < nearest->start_ns - kTogether || time_ns > nearest->end_ns + kTogether)
+    return {};
+  return to_world(*drive.scans[static_cast<std::size_t>(nearest - drive.scan_headers.begin())], *nearest, world_from_lidar);
+}
+
+}  // namespace
+
+Recordings with_other_cameras(Recordings drives, const job::Job& job, Progress& progress) {
+  const auto asked = cameras_asked_for(job.read.source_cameras);
+  require_there(asked, drives);
+  const std::size_t own = drives.size();
+  for (std::size_t i = 0; i < own; ++i) {
+    job::ReadChoice choice = job.read;
+    choice.is_source = i > 0;
+    for (const std::string& camera : std::vector<std::string>(drives[i].drive.camera_names)) {
+      if (camera == drives[i].drive.camera_name || (asked && !asked->contains(camera))) continue;
+      try {
+        Recording open = open_camera(drives, i, camera, choice);
+        for (const std::string& warning : open.drive.warnings) progress.warn(name_of(open) + ": " + warning);
+        drives.push_back(std::move(open));
+      } catch (const InputError& e) {
+        progress.warn(fmt::format("camera {} lends nothing: {}", camera, e.what()));
+      }
+    }
+  }
+  if (drives.size() > 1)
+    for (std::size_t i = 0; i < own; ++i) drives[i].grey = is_grey(drives[i].drive);
+  std::stable_partition(drives.begin() + static_cast<std::ptrdiff_t>(own), drives.end(),
+                        [](const Recording& open) { return !open.grey; });
+  return drives;
+}
+
+Lazy<cv::Mat1b> carried_masks(const Drive& drive, const Lazy<cv::Mat1b>& own, const Drive& other,
+                              const Trajectory& world_from_lidar) {
+  return {other.frames.size(), [=](std::size_t i) {
+            const Frame& frame = other.frames[i];
+            const Frame* const together = nearest_in_time(drive.frames, frame.time_ns, kTogether);
+            const auto here = world_from_lidar.at(frame.time_ns);
+            const auto there = together ? world_from_lidar.at(together->time_ns) : std::nullopt;
+            if (!here || !there) return cv::Mat1b(other.camera.height, other.camera.width, uchar{255});
+            const auto mask = own[static_cast<std::size_t>(together - drive.frames.data())];
+            return objects::carried_mask(*mask, {drive.camera, drive.camera_from_lidar * there->inverse()},
+                                         {other.camera, other.camera_from_lidar * here->inverse()},
+                                         returns_near(other, frame.time_ns, world_from_lidar));
+          }};
+}
+
+}  // namespace dvi::inputs

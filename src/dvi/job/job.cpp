@@ -1,0 +1,158 @@
+#include "dvi/job/job.h"
+
+#include <charconv>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "dvi/core/error.h"
+#include "dvi/job/retired_options.h"
+
+namespace dvi::job {
+
+void Options::describe(OptionTable& table) {
+  describe_lidar(table);
+  masks.describe(table);
+  odometry.describe(table);
+  map.describe(table);
+  exposure.describe(table);
+  align.describe(table);
+  depth.describe(table);
+  plane_sweep.describe(table);
+  sample.describe(table);
+  regularize.describe(table);
+  harmonize.describe(table);
+  smooth.describe(table);
+  flow.describe(table);
+  video.describe(table);
+}
+
+void Options::describe_lidar(OptionTable& table) {
+  table.section("lidar");
+  table.add_automatic(
+      "min_range_m", {&map.min_range_m, &odometry.min_range_m}, {0, 20},
+      "Nearer returns are left out, such as the recording car; auto: 2 m for a LiDAR, 0.1 m for a depth camera.");
+  table.add_automatic("max_range_m", {&map.max_range_m, &odometry.max_range_m}, {1, 500},
+                      "Farther returns are left out; auto: 120 m for a LiDAR, 10 m for a depth camera.");
+}
+
+void Options::check() const {
+  masks.check();
+  odometry.check();
+  map.check();
+  exposure.check();
+  align.check();
+  depth.check();
+  plane_sweep.check();
+  sample.check();
+  regularize.check();
+  harmonize.check();
+  smooth.check();
+  flow.check();
+  video.check();
+  Options copy = *this;
+  OptionTable lidar;
+  copy.describe_lidar(lidar);
+  lidar.check();
+  if (map.min_range_m && map.max_range_m && *map.max_range_m <= *map.min_range_m)
+    throw UsageError(fmt::format("option lidar.max_range_m = {}: must be greater than lidar.min_range_m = {}", *map.max_range_m,
+                                 *map.min_range_m));
+}
+
+OptionTable Job::table() {
+  OptionTable table;
+  table.retire(retired_options());
+  table.section("job");
+  table.add("target", target, {}, "The drive to clean.");
+  table.add("sources", sources, "Source drives of the same street.");
+  table.add("out", out, {}, "The folder of the result.");
+  table.add("camera", read.camera, {}, "The camera to use; empty: the drive's first.");
+  table.add("topics", read.topics,
+            "Of bags, which topics to take: image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC, poses=TOPIC.");
+  table.add("source_cameras", read.source_cameras, {},
+            "Other cameras of the drives that lend pixels: all, none, or NAME,NAME.");
+  table.add("frames", read.frames, {}, "A:B, inclusive, or A, one frame, by the drive's own numbers; empty: all.");
+  table.add("masks", read.masks,
+            "auto (the drive's mask files, else its labels, else what moves), labels, found (what moves), a folder of PNG, or "
+            "a label file.");
+  table.add("polarity", read.mask_files.polarity,
+            "Of mask files: white = remove, black = remove, or auto: white, unless most of most masks is white.");
+  table.add("classes", read.mask_files.classes, {},
+            "Classes to remove, where mask files are pictures of class ids, or of labels; empty: all that is masked.");
+  table.add("ego_mask", read.ego_mask, {}, "A PNG of what hides the view in all frames, such as the bonnet; empty: none.");
+  table.add("detector", read.detector, {},
+            "A network (MODEL.onnx, with MODEL.toml beside it) whose detections are removed; empty: masks says what.");
+  table.add("poses", read.poses,
+            "auto (given or loam, whichever map is sharper), given, loam (estimated from scans), or a file of poses.");
+  table.add("remove", read.remove,
+            "moving: only labelled objects that move; labelled: what the masks say; all: both masks and labels.");
+  table.add("method", method, "dvi, the published form (paper), or a baseline without depth.");
+  table.add(
+      "memory_mb", memory_mb, {16, 1000000},
+      "Memory to stay within: 150 MB (at most half) for the program itself; of the rest a third for the map, what does not fit "
+      "is paged to unlinked files in TMPDIR; a third for the images, scans, masks and depth maps kept for further use; a third "
+      "for the work in hand.");
+  options.describe(table);
+  return table;
+}
+
+void use_method(Method method, Options& options) {
+  if (is_baseline(method)) options.smooth.enabled = false;
+  if (method != Method::paper) return;
+  // The published form: every point outside masks and boxes, no exposure model, linear depth, plain occlusion test.
+  options.map.require_camera_visibility = false;
+  options.map.carve = false;
+  options.exposure.enabled = false;
+  options.align.method = align::AlignMethod::paper;
+  options.depth.split_edges = false;
+  options.depth.median_px = 5;
+  options.plane_sweep.enabled = false;
+  options.sample.max_frame_gap = 0;
+  options.sample.scored = false;
+  options.sample.footprint = false;
+  options.regularize.enabled = true;
+  options.harmonize.poisson = true;
+  options.harmonize.seam_gradients = false;
+  options.harmonize.day_light = false;
+  options.harmonize.robust_rim = false;
+  options.harmonize.within_range = false;
+  options.harmonize.never_seen_last = false;
+  options.harmonize.never_seen_vertical = 1;
+  options.harmonize.surface_classes = false;
+  options.harmonize.never_seen = harmonize::NeverSeen::interpolate;
+  options.smooth.enabled = true;
+  options.smooth.replace_outliers = false;
+}
+
+std::string effective_toml(Job job) {
+  // A later run starts from the method's values, a later version perhaps from other ones: both have to find what differs.
+  Job plain, of_method;
+  use_method(job.method, of_method.options);
+  std::map<std::string, std::pair<std::string, std::string>> defaults;
+  const OptionTable plain_table = plain.table(), method_table = of_method.table();
+  for (const Option& option : plain_table.options()) defaults[option.name()].first = option.text();
+  for (const Option& option : method_table.options()) defaults[option.name()].second = option.text();
+  return job.table().dump_toml([&](const Option& option) {
+    const auto& [ours, methods] = defaults.at(option.name());
+    return option.audience == Audience::user || option.text() != ours || option.text() != methods;
+  });
+}
+
+FrameRange parse_frames(const std::string& text) {
+  const auto number = [&](std::string_view part) {
+    int value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc() || end != part.data() + part.size())
+      throw UsageError("--frames " + text + ": wanted is A:B, two numbers, or A, one");
+    return value;
+  };
+  const std::string_view view = text;
+  const std::size_t colon = view.find(':');
+  const int first = number(view.substr(0, colon));
+  const FrameRange range{first, colon == std::string_view::npos ? first : number(view.substr(colon + 1))};
+  if (range.first > range.last) throw UsageError("--frames " + text + ": the first is behind the last");
+  return range;
+}
+
+}  // namespace dvi::job

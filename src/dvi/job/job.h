@@ -1,0 +1,89 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dvi/align/align.h"
+#include "dvi/baselines/baselines.h"
+#include "dvi/core/files.h"
+#include "dvi/core/options.h"
+#include "dvi/depth/depth.h"
+#include "dvi/depth/plane_sweep.h"
+#include "dvi/drive/drive.h"
+#include "dvi/exposure/exposure.h"
+#include "dvi/harmonize/harmonize.h"
+#include "dvi/job/choices.h"
+#include "dvi/labels/mask_reading.h"
+#include "dvi/map/build_map.h"
+#include "dvi/media/video.h"
+#include "dvi/objects/masks.h"
+#include "dvi/odometry/odometry.h"
+#include "dvi/regularize/regularize.h"
+#include "dvi/sample/sample.h"
+#include "dvi/smooth/smooth.h"
+
+namespace dvi::job {
+
+/// The options of all stages.
+struct Options {
+  objects::MaskOptions masks;
+  odometry::OdometryOptions odometry;
+  map::MapOptions map;
+  exposure::ExposureOptions exposure;
+  align::AlignOptions align;
+  depth::DepthOptions depth;
+  depth::PlaneSweepOptions plane_sweep;
+  sample::SampleOptions sample;
+  regularize::RegularizeOptions regularize;
+  harmonize::HarmonizeOptions harmonize;
+  smooth::SmoothOptions smooth;
+  baselines::FlowOptions flow;
+  media::VideoOptions video;
+
+  void describe(OptionTable& table);
+  /// UsageError that names the first option with a value that is not allowed.
+  void check() const;
+
+ private:
+  void describe_lidar(OptionTable& table);
+};
+
+/// What to read: shared by every command that opens a drive.
+struct ReadChoice {
+  std::string camera;               ///< empty: the drive's first
+  std::vector<std::string> topics;  ///< of bags: "image=/front/image_raw"
+  std::string frames;               ///< "A:B" or "A"; empty: all
+  MasksFrom masks;
+  labels::MaskReading mask_files;  ///< how they are read, of source drives too
+  bool is_source = false;  ///< classes choose among mask files only: what is labelled in a source drive is no background
+  std::string ego_mask;    ///< a file: one mask for all frames of the camera; empty: none
+  std::string detector;    ///< MODEL.onnx that says what to remove from all drives; empty: `masks` does
+  PosesFrom poses;
+  std::string source_cameras = "all";  ///< other cameras of each drive that lend: all, none, or NAME,NAME
+  Remove remove = Remove::labelled;
+};
+
+/// One call of `dvi run`.
+struct Job {
+  std::string out, target;
+  std::vector<std::string> sources;  ///< source drives of the same street
+  ReadChoice read;
+  Method method = Method::dvi;
+  int memory_mb = 2000;  ///< of the whole program, megabytes; how they are shared: describe()
+  Options options;
+  bool force = false;
+
+  /// Every option, and section [job].
+  OptionTable table();
+};
+
+/// Sets the options in which a method differs from the default.
+void use_method(Method method, Options& options);
+
+/// OUT/dvi.toml: all options of the user's, and of the developer's those that differ from their default or their method's.
+std::string effective_toml(Job job);
+
+/// "A:B", both included, or "A", that frame only. UsageError otherwise.
+FrameRange parse_frames(const std::string& text);
+
+}  // namespace dvi::job

@@ -1,0 +1,278 @@
+#include "dvi/labels/class_ids.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "dvi/core/error.h"
+#include "dvi/core/text.h"
+#include "dvi/drive/traffic_classes.h"
+
+namespace dvi::labels {
+namespace {
+
+constexpr int kNoTrainId = 255;
+
+struct ClassId {
+  int id, train_id;
+  std::string_view name, group;
+  std::array<uchar, 3> rgb;
+};
+
+// The labels of Cityscapes, and from 34 on those that KITTI-360 adds.
+constexpr std::array kCityscapes = std::to_array<ClassId>({
+    {0, 255, "unlabeled", "void", {0, 0, 0}},
+    {1, 255, "ego vehicle", "void", {0, 0, 0}},
+    {2, 255, "rectification border", "void", {0, 0, 0}},
+    {3, 255, "out of roi", "void", {0, 0, 0}},
+    {4, 255, "static", "void", {0, 0, 0}},
+    {5, 255, "dynamic", "void", {111, 74, 0}},
+    {6, 255, "ground", "void", {81, 0, 81}},
+    {7, 0, "road", "flat", {128, 64, 128}},
+    {8, 1, "sidewalk", "flat", {244, 35, 232}},
+    {9, 255, "parking", "flat", {250, 170, 160}},
+    {10, 255, "rail track", "flat", {230, 150, 140}},
+    {11, 2, "building", "construction", {70, 70, 70}},
+    {12, 3, "wall", "construction", {102, 102, 156}},
+    {13, 4, "fence", "construction", {190, 153, 153}},
+    {14, 255, "guard rail", "construction", {180, 165, 180}},
+    {15, 255, "bridge", "construction", {150, 100, 100}},
+    {16, 255, "tunnel", "construction", {150, 120, 90}},
+    {17, 5, "pole", "object", {153, 153, 153}},
+    {18, 255, "polegroup", "object", {153, 153, 153}},
+    {19, 6, "traffic light", "object", {250, 170, 30}},
+    {20, 7, "traffic sign", "object", {220, 220, 0}},
+    {21, 8, "vegetation", "nature", {107, 142, 35}},
+    {22, 9, "terrain", "nature", {152, 251, 152}},
+    {23, 10, "sky", "sky", {70, 130, 180}},
+    {24, 11, "person", "human", {220, 20, 60}},
+    {25, 12, "rider", "human", {255, 0, 0}},
+    {26, 13, "car", "vehicle", {0, 0, 142}},
+    {27, 14, "truck", "vehicle", {0, 0, 70}},
+    {28, 15, "bus", "vehicle", {0, 60, 100}},
+    {29, 255, "caravan", "vehicle", {0, 0, 90}},
+    {30, 255, "trailer", "vehicle", {0, 0, 110}},
+    {31, 16, "train", "vehicle", {0, 80, 100}},
+    {32, 17, "motorcycle", "vehicle", {0, 0, 230}},
+    {33, 18, "bicycle", "vehicle", {119, 11, 32}},
+    {34, 2, "garage", "construction", {64, 128, 128}},
+    {35, 4, "gate", "construction", {190, 153, 153}},
+    {36, 255, "stop", "construction", {150, 120, 90}},
+    {37, 5, "smallpole", "object", {153, 153, 153}},
+    {38, 255, "lamp", "object", {0, 64, 64}},
+    {39, 255, "trash bin", "object", {0, 128, 192}},
+    {40, 255, "vending machine", "object", {128, 64, 0}},
+    {41, 255, "box", "object", {64, 64, 128}},
+    {42, 255, "unknown construction", "void", {102, 0, 0}},
+    {43, 255, "unknown vehicle", "void", {51, 0, 51}},
+    {44, 255, "unknown object", "void", {32, 32, 32}},
+});
+
+struct ScanClassId {
+  int id;
+  std::string_view name;
+};
+
+// A name also stands for what moves of it.
+constexpr std::array kSemanticKitti = std::to_array<ScanClassId>({
+    {0, "unlabeled"},
+    {1, "outlier"},
+    {10, "car"},
+    {11, "bicycle"},
+    {13, "bus"},
+    {15, "motorcycle"},
+    {16, "on rails"},
+    {18, "truck"},
+    {20, "other vehicle"},
+    {30, "person"},
+    {31, "bicyclist"},
+    {32, "motorcyclist"},
+    {40, "road"},
+    {44, "parking"},
+    {48, "sidewalk"},
+    {49, "other ground"},
+    {50, "building"},
+    {51, "fence"},
+    {52, "other structure"},
+    {60, "lane marking"},
+    {70, "vegetation"},
+    {71, "trunk"},
+    {72, "terrain"},
+    {80, "pole"},
+    {81, "traffic sign"},
+    {99, "other object"},
+    {252, "moving car"},
+    {253, "moving bicyclist"},
+    {254, "moving person"},
+    {255, "moving motorcyclist"},
+    {256, "moving on rails"},
+    {257, "moving bus"},
+    {258, "moving truck"},
+    {259, "moving other vehicle"},
+});
+
+cv::Vec3b bgr(const ClassId& entry) { return {entry.rgb[2], entry.rgb[1], entry.rgb[0]}; }
+
+// "traffic-light" and "Traffic_Light" are "traffic light".
+std::string plain_name(std::string name) {
+  name = lower_case(std::move(name));
+  for (char& c : name)
+    if (c == '-' || c == '_') c = ' ';
+  return fmt::format("{}", fmt::join(split_words(name), " "));
+}
+
+std::vector<std::string> names_in(std::string_view list) {
+  std::vector<std::string> names;
+  for (std::size_t at = 0; at <= list.size();) {
+    const std::size_t end = std::min(list.find(',', at), list.size());
+    names.push_back(plain_name(std::string(list.substr(at, end - at))));
+    at = end + 1;
+  }
+  return names;
+}
+
+void choose_of_cityscapes(const std::string& name, bool by_train_id, ChosenClasses& chosen) {
+  for (const ClassId& entry : kCityscapes) {
+    const int id = by_train_id ? entry.train_id : entry.id;
+    if (by_train_id && id == kNoTrainId) continue;
+    if (name != entry.name && name != entry.group && to_integer(name) != id) continue;
+    chosen.ids.insert(id);
+    chosen.colours.push_back(bgr(entry));
+  }
+}
+
+void choose_of_semantic_kitti(const std::string& name, ChosenClasses& chosen) {
+  for (const ScanClassId& entry : kSemanticKitti)
+    if (entry.name == name || entry.name == "moving " + name) chosen.ids.insert(entry.id);
+}
+
+std::string names_of_table(const std::string& table) {
+  std::vector<std::string> names;
+  if (table == "semantic-kitti")
+    for (const ScanClassId& entry : kSemanticKitti) names.emplace_back(entry.name);
+  else
+    for (const ClassId& entry : kCityscapes)
+      if (table == "cityscapes" || entry.train_id != kNoTrainId) names.emplace_back(entry.name);
+  if (table != "semantic-kitti") names.insert(names.end(), {"human", "vehicle"});
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+}  // namespace
+
+ChosenClasses parse_classes(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  std::string table = colon == std::string::npos ? "cityscapes" : text.substr(0, colon);
+  if (table == "kitti-360") table = "cityscapes";
+  if (table != "cityscapes" && table != "cityscapes-train" && table != "semantic-kitti")
+    throw UsageError("--classes " + text + ": there is no table '" + table +
+                     "'; there are cityscapes, kitti-360, cityscapes-train and semantic-kitti");
+  ChosenClasses chosen;
+  for (const std::string& name : names_in(std::string_view(text).substr(colon == std::string::npos ? 0 : colon + 1))) {
+    const auto number = all_digits(name) ? to_integer(name) : std::nullopt;
+    const std::size_t before = chosen.ids.size() + chosen.colours.size();
+    if (table == "semantic-kitti")
+      choose_of_semantic_kitti(name, chosen);
+    else
+      choose_of_cityscapes(name, table == "cityscapes-train", chosen);
+    if (number)
+      chosen.ids.insert(*number);
+    else if (chosen.ids.size() + chosen.colours.size() == before)
+      throw UsageError(fmt::format("--classes {}: there is no class '{}' in {}; there are numbers, and {}", text, name, table,
+                                   names_of_table(table)));
+  }
+  return chosen;
+}
+
+bool has_class_colours(const cv::Mat3b& picture) {
+  std::set<int> known;
+  const auto packed = [](const cv::Vec3b& colour) { return colour[0] | colour[1] << 8 | colour[2] << 16; };
+  for (const ClassId& entry : kCityscapes) known.insert(packed(bgr(entry)));
+  int last = 0;
+  bool coloured = false;
+  for (const cv::Vec3b& colour : picture) {
+    if (packed(colour) == last) continue;
+    last = packed(colour);
+    if (!known.contains(last)) return false;
+    coloured |= last != 0;
+  }
+  return coloured;
+}
+
+cv::Mat1b mask_of_classes(const cv::Mat& picture, const ChosenClasses& classes) {
+  cv::Mat1b mask(picture.size(), uchar{0});
+  if (picture.type() == CV_8UC3) {
+    std::transform(picture.begin<cv::Vec3b>(), picture.end<cv::Vec3b>(), mask.begin(), [&](const cv::Vec3b& colour) {
+      return std::find(classes.colours.begin(), classes.colours.end(), colour) == classes.colours.end() ? 0 : 255;
+    });
+    return mask;
+  }
+  std::vector<uchar> chosen(1 << 16, 0);
+  for (int value = 0; value < 1 << 16; ++value)
+    if (classes.ids.contains(value) ||
+        (value >= classes.ids_of_a_class && classes.ids.contains(value / classes.ids_of_a_class)))
+      chosen[static_cast<std::size_t>(value)] = 255;
+  if (picture.type() == CV_16UC1)
+    std::transform(picture.begin<ushort>(), picture.end<ushort>(), mask.begin(), [&](ushort value) { return chosen[value]; });
+  else
+    std::transform(picture.begin<uchar>(), picture.end<uchar>(), mask.begin(), [&](uchar value) { return chosen[value]; });
+  return mask;
+}
+
+bool are_kitti_ids(const std::vector<cv::Mat>& pictures) {
+  std::size_t pixels = 0, without_instance = 0;
+  for (const cv::Mat& picture : pictures) {
+    if (picture.type() != CV_16UC1) return false;
+    for (const ushort value : cv::Mat1w(picture)) {
+      if (value == 0) continue;
+      if (value < kKittiIdsOfAClass || value / kKittiIdsOfAClass > kCityscapes.back().id) return false;
+      ++pixels;
+      without_instance += value % kKittiIdsOfAClass == 0 ? 1 : 0;
+    }
+  }
+  return pixels > 0 && 4 * without_instance >= pixels;
+}
+
+void warn_of_unknown_types(Drive& drive) {
+  std::map<std::string, std::size_t> unknown;
+  std::set<std::string> known;
+  for (const Frame& frame : drive.frames)
+    for (const Label& label : frame.labels) {
+      if (is_traffic_class(label.type))
+        known.insert(label.type);
+      else
+        ++unknown[label.type];
+    }
+  if (unknown.empty()) return;
+  std::vector<std::string> counts, names(known.begin(), known.end());
+  for (const auto& [type, count] : unknown)
+    counts.push_back(fmt::format("{} {}", count, type.empty() ? "without a name" : type));
+  if (names.empty())
+    for (const auto& [type, count] : unknown) names.push_back(type);
+  drive.warnings.push_back(fmt::format(
+      "labels of classes that are not known as traffic are removed, too ({}); to remove some classes only, name them, as in "
+      "--classes \"{}\"",
+      fmt::join(counts, ", "), fmt::join(names, ",")));
+}
+
+void keep_label_types(Drive& drive, const std::string& text) {
+  std::set<std::string> types, wanted;
+  for (const Frame& frame : drive.frames)
+    for (const Label& label : frame.labels) types.insert(plain_name(label.type));
+  for (std::string name : names_in(text)) {
+    if (all_digits(name) && !types.contains(name) && types.contains("class " + name)) name = "class " + name;  // without names
+    wanted.insert(name);
+    if (types.contains(name)) continue;
+    drive.warnings.push_back(
+        fmt::format("--classes {}: no label is called '{}'; there are {}", text, name, fmt::join(types, ", ")));
+  }
+  if (!types.empty() && std::none_of(wanted.begin(), wanted.end(), [&](const auto& name) { return types.contains(name); }))
+    throw UsageError(drive.warnings.back());
+  for (Frame& frame : drive.frames)
+    std::erase_if(frame.labels, [&](const Label& label) { return !wanted.contains(plain_name(label.type)); });
+}
+
+}  // namespace dvi::labels

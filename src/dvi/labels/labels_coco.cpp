@@ -1,0 +1,245 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
+#include "dvi/core/text.h"
+#include "dvi/core/text_file.h"
+#include "dvi/drive/outline.h"
+#include "dvi/labels/coco_runs.h"
+#include "dvi/labels/image_labels.h"
+#include "dvi/labels/labels.h"
+
+namespace dvi::labels {
+namespace {
+
+using nlohmann::json;
+
+std::int64_t whole(const json& value, const char* what, std::int64_t most) { return whole_number(value, what, 0, most); }
+
+cv::Size pixels(const json& width, const json& height) {
+  constexpr int kMostAcross = std::numeric_limits<int>::max();
+  return {static_cast<int>(whole(width, "width", kMostAcross)), static_cast<int>(whole(height, "height", kMostAcross))};
+}
+
+double coordinate(const json& value) {
+  const double number = value.get<double>();
+  if (!(std::abs(number) <= kFarthestPixel)) throw std::invalid_argument("a corner lies far outside of any image");
+  return number;
+}
+
+// Reads the polygons of a segmentation. Tools write empty lists, and points or lines, for objects that have a box only.
+std::vector<Polygon> polygons_of(const json& parts) {
+  constexpr std::size_t kMinCorners = 3;
+  std::vector<Polygon> polygons;
+  for (const json& part : parts) {
+    if (!part.is_array() || part.size() % 2 != 0) throw std::invalid_argument("a polygon is no list of pairs x, y");
+    if (part.size() > 2 * kMostCorners) throw std::invalid_argument("a polygon has too many corners");
+    Polygon polygon;
+    for (std::size_t i = 0; i < part.size(); i += 2) polygon.emplace_back(coordinate(part[i]), coordinate(part[i + 1]));
+    if (polygon.size() >= kMinCorners) polygons.push_back(std::move(polygon));
+  }
+  return polygons;
+}
+
+// Whether a polygon or box is given in parts of the image instead of pixels: no coordinate of the file exceeds this.
+constexpr double kMaxNormalized = 1.5;
+
+// Returns the largest coordinate of all polygons and boxes of a file; none where it has run lengths or no coordinates.
+std::optional<double> largest_coordinate(const json& annotations) {
+  std::optional<double> largest;
+  const auto add = [&](const json& values) {
+    for (const json& value : values)
+      if (value.is_number()) largest = std::max(largest.value_or(0), std::abs(value.get<double>()));
+  };
+  for (const json& annotation : annotations) {
+    const json segmentation = annotation.value("segmentation", json());
+    if (segmentation.is_object()) return std::nullopt;
+    if (segmentation.is_array())
+      for (const json& part : segmentation) add(part);
+    if (annotation.contains("bbox") && annotation.at("bbox").is_array()) add(annotation.at("bbox"));
+  }
+  return largest;
+}
+
+// Whether polygons run through the centers of the boundary pixels, as OpenCV's findContours makes them, instead of along the
+// edges of pixels as COCO's do: the annotation's area is then nearer to the number of pixels on and within them (Pick's
+// theorem).
+bool run_through_pixel_centers(const std::vector<Polygon>& polygons, const json& annotation) {
+  const json area = annotation.value("area", json());
+  if (!area.is_number()) return false;
+  double within = 0, pixels = 0;
+  for (const Polygon& polygon : polygons) {
+    double twice_area = 0, boundary = 0;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const cv::Point2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+      if (a.x != std::floor(a.x) || a.y != std::floor(a.y)) return false;
+      twice_area += a.x * b.y - b.x * a.y;
+      boundary += static_cast<double>(
+          std::gcd(static_cast<std::int64_t>(std::abs(b.x - a.x)), static_cast<std::int64_t>(std::abs(b.y - a.y))));
+    }
+    within += 0.5 * std::abs(twice_area);
+    pixels += 0.5 * std::abs(twice_area) + 0.5 * boundary + 1;
+  }
+  return std::abs(area.get<double>() - pixels) < std::abs(area.get<double>() - within);
+}
+
+Instance outline_through_pixels(const std::vector<Polygon>& polygons, cv::Size size) {
+  cv::Mat1b mask(size, uchar{0});
+  for (const Polygon& polygon : polygons)
+    cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{{polygon.begin(), polygon.end()}}, 255);
+  return outline_of(mask);
+}
+
+Instance outline(const json& segmentation, cv::Size wanted) {
+  const json& size = segmentation.at("size");
+  const cv::Size own = pixels(size.at(1), size.at(0));
+  if (own != wanted)
+    throw std::invalid_argument(fmt::format("its outline is of an image of {}x{} pixels, the drive's are {}x{}", own.width,
+                                            own.height, wanted.width, wanted.height));
+  Instance out{own, {}};
+  const json& counts = segmentation.at("counts");
+  if (counts.is_string()) {
+    out.runs = decode_runs(counts.get_ref<const std::string&>());
+  } else {
+    for (const json& run : counts)
+      out.runs.push_back(static_cast<std::uint32_t>(whole(run, "a run", std::numeric_limits<std::uint32_t>::max())));
+  }
+  require_filled(out.runs, own);
+  return out;
+}
+
+// Tools keep the number of a track in one of these places.
+int track_of(const json& annotation) {
+  const json attributes = annotation.value("attributes", json::object());
+  for (const json* from : {&attributes, &annotation})
+    for (const char* key : {"track_id", "instance_id"})
+      if (const auto found = from->is_object() ? from->find(key) : from->end();
+          found != from->end() && found->is_number_integer())
+        if (const auto number = found->get<std::int64_t>(); number >= 0 && number <= std::numeric_limits<int>::max())
+          return static_cast<int>(number);
+  return -1;
+}
+
+class Coco {
+ public:
+  Coco(const fs::path& file, const Drive& drive) : file_(file), drive_(drive), labels_(file, drive) {}
+
+  void read(const json& document) {
+    place_ = "images";
+    read_images(document.at("images"));
+    place_ = "categories";
+    for (const json& category : document.value("categories", json::array()))
+      categories_[category.at("id").dump()] = lower_case(category.at("name").get<std::string>());
+    place_ = "annotations";
+    find_unit(document.at("annotations"));
+    for (const json& annotation : document.at("annotations")) {
+      place_ = "annotation " + annotation.value("id", json()).dump();
+      read_annotation(annotation);
+    }
+  }
+
+  const std::string& place() const { return place_; }
+  NamedLabels take() { return labels_.take(); }
+
+ private:
+  void read_images(const json& images) {
+    std::vector<std::string> names;
+    for (const json& image : images) names.push_back(image.at("file_name").get<std::string>());
+    const auto [frames, warning] = frames_of_images(file_, names, drive_);
+    if (warning) labels_.warn(*warning);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      const json& image = images[i];
+      if (!frames_.emplace(image.at("id").dump(), frames[i]).second)
+        throw std::invalid_argument("two have the id " + image.at("id").dump());
+      if (!frames[i]) continue;
+      labels_.know(*frames[i]);
+      if (labels_.wanted(*frames[i]) && image.contains("width") && image.contains("height"))
+        labels_.require_size(names[i], pixels(image.at("width"), image.at("height")));
+    }
+  }
+
+  // Coordinates that are parts of the image, 0 to 1, are scaled to pixels.
+  void find_unit(const json& annotations) {
+    constexpr int kMinSidePx = 32;  // of an image in which shapes of a pixel at most mean nothing else
+    const std::optional<double> largest = largest_coordinate(annotations);
+    const cv::Size size = labels_.size();
+    if (!largest || *largest == 0 || *largest > kMaxNormalized || std::min(size.width, size.height) < kMinSidePx) return;
+    unit_ = {static_cast<double>(size.width), static_cast<double>(size.height)};
+    labels_.warn(fmt::format("{}: its largest coordinate is {:.3g}: they are taken as parts of the image, not as pixels",
+                             file_.filename().string(), *largest));
+  }
+
+  cv::Point2d corner(const cv::Point2d& given) const { return {given.x * unit_.x, given.y * unit_.y}; }
+
+  void read_annotation(const json& annotation) {
+    const std::string image = annotation.at("image_id").dump(), category = annotation.at("category_id").dump();
+    const auto frame = frames_.find(image);
+    if (frame == frames_.end()) throw std::invalid_argument("there is no image " + image);
+    if (!frame->second) return;
+    if (!labels_.wanted(*frame->second)) return labels_.note(*frame->second);
+    const auto named = categories_.find(category);
+    Label label;
+    label.track = track_of(annotation);
+    label.type = named != categories_.end() ? named->second : "class " + category;
+    const auto shape = annotation.find("segmentation");
+    if (shape != annotation.end() && shape->is_object())
+      return labels_.add_outline(*frame->second, std::move(label), outline(*shape, labels_.size()));
+    std::vector<Polygon> polygons;
+    if (shape != annotation.end() && shape->is_array()) polygons = polygons_of(*shape);
+    if (polygons.empty()) return read_box(annotation, *frame->second, std::move(label));
+    for (Polygon& polygon : polygons)
+      for (cv::Point2d& p : polygon) p = corner(p);
+    if (run_through_pixel_centers(polygons, annotation))
+      labels_.add_outline(*frame->second, std::move(label), outline_through_pixels(polygons, labels_.size()));
+    else
+      labels_.add_polygons(*frame->second, std::move(label), polygons);
+  }
+
+  void read_box(const json& annotation, const std::string& frame, Label label) {
+    if (!annotation.contains("bbox"))
+      throw std::invalid_argument("it has neither a segmentation nor a bbox, so it marks no part of the image");
+    const json& box = annotation.at("bbox");
+    if (!box.is_array() || box.size() != 4) throw std::invalid_argument("its bbox is not x, y, width, height");
+    const cv::Point2d low(coordinate(box[0]), coordinate(box[1])), extent(coordinate(box[2]), coordinate(box[3]));
+    if (extent.x < 0 || extent.y < 0) throw std::invalid_argument("its bbox has a negative width or height");
+    labels_.add_box(frame, std::move(label), corner(low), corner(low + extent));
+  }
+
+  const fs::path& file_;
+  const Drive& drive_;
+  ImageLabels labels_;
+  cv::Point2d unit_{1, 1};                                    // pixels per unit of the file's coordinates
+  std::string place_ = "it";                                  // of what is being read
+  std::map<std::string, std::optional<std::string>> frames_;  // by id; none: of another camera
+  std::map<std::string, std::string> categories_;             // by id
+};
+
+}  // namespace
+
+NamedLabels read_coco(const fs::path& file, const Drive& drive) {
+  Coco coco(file, drive);
+  const auto fail = [&](const std::exception& e) {
+    throw InputError(file, coco.place() + ": " + e.what(), "docs/masks.md says what is read of COCO files");
+  };
+  try {
+    coco.read(json::parse(read_text(file)));
+  } catch (const json::exception& e) {
+    fail(e);
+  } catch (const std::invalid_argument& e) {
+    fail(e);
+  }
+  return coco.take();
+}
+
+}  // namespace dvi::labels

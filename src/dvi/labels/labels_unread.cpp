@@ -1,0 +1,110 @@
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "dvi/core/error.h"
+#include "dvi/core/text.h"
+#include "dvi/labels/labels.h"
+
+namespace dvi::labels {
+namespace {
+
+using Text = std::string_view;
+
+bool contains(Text text, Text part) { return text.find(part) != Text::npos; }
+
+bool has_all(Text text, std::initializer_list<Text> parts) {
+  return std::all_of(parts.begin(), parts.end(), [&](Text part) { return contains(text, part); });
+}
+
+Text first_line(Text text) { return text.substr(0, text.find_first_of("\r\n")); }
+
+// A class and numbers from 0 to 1: a box of four, with or without a score, or the corners of a polygon.
+bool is_yolo(Text text) {
+  const std::vector<std::string> words = split_words(first_line(text));
+  if (words.size() < 5 || !to_integer(words[0])) return false;
+  return std::all_of(words.begin() + 1, words.begin() + 5, [](const std::string& word) {
+    const auto value = to_number(word);
+    return value && *value >= 0 && *value <= 1;
+  });
+}
+
+// frame,track,x,y,width,height,...
+bool is_mot(Text text) {
+  const Text line = first_line(text);
+  if (std::count(line.begin(), line.end(), ',') < 5) return false;
+  return std::all_of(line.begin(), line.end(),
+                     [](char c) { return (c >= '0' && c <= '9') || contains(",.-+eE ", Text(&c, 1)); });
+}
+
+// Class, truncation, occlusion, alpha, box: 15 words, or 16 with a score, the first of which is no number.
+bool is_kitti_object(Text text) {
+  const std::vector<std::string> words = split_words(first_line(text));
+  if (words.size() < 14 || words.size() > 16 || to_number(words[0])) return false;
+  return std::all_of(words.begin() + 1, words.end(), [](const std::string& word) { return to_number(word).has_value(); });
+}
+
+struct UnreadFormat {
+  Text name;
+  bool (*recognize)(Text text);
+  Text remedy;
+};
+
+constexpr Text kAsCoco = "convert it to COCO JSON (CVAT, Roboflow, and datumaro do), or draw it as PNG files, one per image";
+
+constexpr auto kUnread = std::to_array<UnreadFormat>({
+    {"NumPy arrays", [](Text t) { return t.starts_with("\x93NUMPY") || (t.starts_with("PK") && contains(t, ".npy")); },
+     "write each mask as a PNG file, named like its image: cv2.imwrite(NAME + '.png', 255 * mask.astype('uint8'))"},
+    {"a ZIP archive's files", [](Text t) { return t.starts_with("PK\x03\x04"); },
+     "unpack it, and give the file or folder in it"},
+    {"YOLO labels, one text file per image", is_yolo, kAsCoco},
+    {"MOT labels", is_mot, kAsCoco},
+    {"KITTI object labels, one text file per image", is_kitti_object,
+     "give the tracking labels of the sequence (one file, its lines begin with frame and track), or COCO JSON"},
+    {"Pascal VOC XML, one file per image", [](Text t) { return contains(t, "<annotation") && contains(t, "<bndbox"); },
+     kAsCoco},
+    {"COCO panoptic JSON, whose segments are in PNG files beside it", [](Text t) { return contains(t, "\"segments_info\""); },
+     "convert it to instances, as panopticapi's panoptic2detection_coco_format.py does"},
+    {"COCO captions", [](Text t) { return has_all(t, {"\"annotations\"", "\"caption\""}) && !contains(t, "\"bbox\""); },
+     "give the file of instances"},
+    {"COCO results without the list of images",
+     [](Text t) { return t.starts_with('[') && has_all(t, {"\"image_id\"", "\"category_id\""}); },
+     "put them as \"annotations\" into the file that has \"images\" and \"categories\""},
+    {"Label Studio JSON", [](Text t) { return t.starts_with('[') && has_all(t, {"\"annotations\"", "\"data\""}); },
+     "export it as COCO"},
+    {"BDD100K labels", [](Text t) { return t.starts_with('[') && has_all(t, {"\"labels\"", "\"category\""}); }, kAsCoco},
+    {"Cityscapes polygons, one JSON file per image",
+     [](Text t) { return has_all(t, {"\"imgHeight\"", "\"objects\"", "\"polygon\""}); },
+     "give the folder of labelIds or instanceIds PNG files with --classes car,truck,person"},
+    {"VGG Image Annotator JSON", [](Text t) { return has_all(t, {"\"shape_attributes\"", "\"regions\""}); },
+     "export it as COCO"},
+});
+
+const UnreadFormat* unread_format(Text text) {
+  const auto found =
+      std::find_if(kUnread.begin(), kUnread.end(), [&](const UnreadFormat& format) { return format.recognize(text); });
+  return found == kUnread.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+void refuse_unread_labels(const fs::path& path) {
+  if (!fs::exists(path)) return;  // whoever opens it says so
+  const std::vector<fs::path> files =
+      fs::is_directory(path) ? list_files(path, {".txt", ".xml", ".json", ".npy", ".npz"}) : std::vector<fs::path>{path};
+  constexpr std::size_t kMaxLookedAt = 25;  // lists of classes and images without objects are no labels
+  for (std::size_t i = 0; i < std::min(files.size(), kMaxLookedAt); ++i) {
+    const fs::path& file = files[i];
+    const std::string all = read_file(file);
+    if (const UnreadFormat* format = unread_format(label_text(all)))
+      throw InputError(path,
+                       fmt::format("holds {}, which dvi does not read{}", format->name,
+                                   file == path ? "" : ": the first is " + file.filename().string()),
+                       std::string(format->remedy));
+  }
+}
+
+}  // namespace dvi::labels

@@ -1,0 +1,26 @@
+#include "dvi/media/deflate.h"
+
+#include <memory>
+#include <new>
+
+#include <libdeflate.h>
+
+namespace dvi::media {
+namespace {
+
+// Of libdeflate. Measured on results, CPU against libpng with zlib's level 1 and run lengths: a third of the time for all
+// pictures of a frame in 1.05 of their bytes; level 3 takes twice as long and saves nothing on street images.
+constexpr int kLevel = 1;
+
+}  // namespace
+
+std::string zlib_compressed(const std::vector<std::uint8_t>& bytes) {
+  const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
+      libdeflate_alloc_compressor(kLevel), &libdeflate_free_compressor);
+  if (!compressor) throw std::bad_alloc();
+  const std::size_t bound = libdeflate_zlib_compress_bound(compressor.get(), bytes.size());
+  const auto out = std::make_unique_for_overwrite<char[]>(bound);
+  return {out.get(), libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), out.get(), bound)};
+}
+
+}  // namespace dvi::media

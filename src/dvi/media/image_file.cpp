@@ -1,0 +1,178 @@
+#include "dvi/media/image_file.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <libdeflate.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/geometry/camera.h"
+
+namespace dvi::media {
+namespace {
+
+constexpr const char* kRemedy = "replace or remove the file";
+
+std::string text(cv::Size size) { return std::to_string(size.width) + "x" + std::to_string(size.height); }
+
+int byte(const std::string& bytes, std::size_t i) { return static_cast<unsigned char>(bytes[i]); }
+int big_endian(const std::string& bytes, std::size_t i) { return byte(bytes, i) << 8 | byte(bytes, i + 1); }
+
+bool is_jpeg(const std::string& bytes) { return bytes.starts_with("\xFF\xD8"); }
+bool is_png(const std::string& bytes) { return bytes.starts_with("\x89PNG\r\n\x1A\n"); }
+
+std::optional<cv::Size> jpeg_size(const std::string& bytes) {
+  for (std::size_t at = 2; at + 9 < bytes.size() && byte(bytes, at) == 0xFF;) {
+    const int marker = byte(bytes, at + 1);
+    const bool start_of_frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (start_of_frame) return cv::Size(big_endian(bytes, at + 7), big_endian(bytes, at + 5));
+    at += marker == 0xFF ? 1 : 2 + static_cast<std::size_t>(big_endian(bytes, at + 2));
+  }
+  return std::nullopt;
+}
+
+// Every chunk has its check sum, up to the last. libpng would write what it finds wrong to the terminal.
+bool png_is_whole(const std::string& bytes) {
+  for (std::size_t at = 8; at + 12 <= bytes.size();) {
+    const auto number = [&](std::size_t i) {
+      return static_cast<std::uint32_t>(big_endian(bytes, i)) << 16 | static_cast<std::uint32_t>(big_endian(bytes, i + 2));
+    };
+    const std::size_t length = number(at);
+    if (length > bytes.size() - at - 12) return false;
+    if (libdeflate_crc32(0, bytes.data() + at + 4, length + 4) != number(at + 8 + length)) return false;
+    if (bytes.compare(at + 4, 4, "IEND") == 0) return true;
+    at += 12 + length;
+  }
+  return false;
+}
+
+// libjpeg fills what is missing of a cut file with grey and calls it a success; the end marker tells.
+bool whole(const std::string& bytes) {
+  if (is_jpeg(bytes)) return bytes.find("\xFF\xD9", bytes.size() / 2) != std::string::npos;
+  return !is_png(bytes) || png_is_whole(bytes);
+}
+
+std::optional<cv::Size> png_size(const std::string& bytes) {
+  if (bytes.size() < 24) return std::nullopt;
+  return cv::Size(big_endian(bytes, 16) << 16 | big_endian(bytes, 18), big_endian(bytes, 20) << 16 | big_endian(bytes, 22));
+}
+
+// By the header of a PNG or JPEG; none where it is neither.
+std::optional<cv::Size> stated_size(const fs::path& path, const std::string& bytes) {
+  const std::optional<cv::Size> size = is_png(bytes) ? png_size(bytes) : is_jpeg(bytes) ? jpeg_size(bytes) : std::nullopt;
+  if (!size || size->width <= 0 || size->height <= 0) return std::nullopt;
+  if (std::int64_t{size->width} * size->height > kMaxPixels)
+    throw InputError(path, "is " + text(*size) + " pixels, more than dvi reads", "at most 2^28 pixels are read");
+  return size;
+}
+
+// Empty where it is no image, or not all of one.
+cv::Mat decode(const fs::path& path, const std::string& bytes, int mode) {
+  if (!stated_size(path, bytes) || !whole(bytes)) return {};
+  try {
+    const cv::Mat1b buffer(1, static_cast<int>(bytes.size()), reinterpret_cast<uchar*>(const_cast<char*>(bytes.data())));
+    return cv::imdecode(buffer, mode);
+  } catch (const cv::Exception& e) {
+    throw InputError(path, "cannot be decoded (" + e.err + ")", kRemedy);
+  }
+}
+
+void require(const fs::path& path, cv::Size found, cv::Size wanted) {
+  if (found != wanted)
+    throw InputError(path, "is " + text(found) + " pixels instead of " + text(wanted),
+                     found == cv::Size(wanted.height, wanted.width)
+                         ? "it is turned by 90 degrees: images, masks and calibration must all be of the pixels as they are "
+                           "stored, because neither EXIF orientation nor the rotation of a video is applied"
+                         : "images, masks and calibration must be of one size");
+}
+
+cv::Mat decode(const fs::path& path, const std::string& bytes, cv::Size size, int mode) {
+  if (const auto stated = stated_size(path, bytes)) require(path, *stated, size);
+  cv::Mat image = decode(path, bytes, mode);
+  if (image.empty()) throw InputError(path, "cannot be decoded as an image", kRemedy);
+  require(path, image.size(), size);
+  return image;
+}
+
+cv::Mat decode(const fs::path& path, cv::Size size, int mode) { return decode(path, read_file(path), size, mode); }
+
+cv::Mat1b not_zero(const cv::Mat& image, int channel) {
+  cv::Mat values;
+  cv::extractChannel(image, values, channel);
+  cv::compare(values, 0, values, cv::CMP_NE);
+  return values;
+}
+
+bool varies(const cv::Mat& image, int channel) {
+  cv::Mat values;
+  cv::extractChannel(image, values, channel);
+  double low = 0, high = 0;
+  cv::minMaxLoc(values, &low, &high);
+  return low != high;
+}
+
+// A PNG with a palette as one in grey, whose pixels are then the indices; none where there is no palette.
+std::optional<std::string> without_palette(const std::string& png) {
+  constexpr std::size_t kHeader = 33, kColourType = 25, kChecked = 12, kCheckSum = 29;
+  constexpr char kPalette = 3, kGrey = 0;
+  if (!is_png(png) || png.size() < kHeader || png[kColourType] != kPalette || !png_is_whole(png)) return std::nullopt;
+  std::string out = png.substr(0, kHeader);
+  out[kColourType] = kGrey;
+  const std::uint32_t sum = libdeflate_crc32(0, out.data() + kChecked, kCheckSum - kChecked);
+  for (std::size_t i = 0; i < 4; ++i) out[kCheckSum + i] = static_cast<char>(sum >> (24 - 8 * i));
+  for (std::size_t at = kHeader; at + 12 <= png.size();) {
+    const std::size_t chunk =
+        12 + (static_cast<std::size_t>(big_endian(png, at)) << 16 | static_cast<std::size_t>(big_endian(png, at + 2)));
+    if (png.compare(at + 4, 4, "IDAT") == 0 || png.compare(at + 4, 4, "IEND") == 0) out += png.substr(at, chunk);
+    at += chunk;
+  }
+  return out;
+}
+
+}  // namespace
+
+cv::Size image_size(const fs::path& path) { return image_size(path, read_file(path)); }
+
+cv::Size image_size(const fs::path& name, const std::string& bytes) {
+  if (const auto size = stated_size(name, bytes)) return *size;
+  throw InputError(name, "cannot be decoded as an image", "PNG and JPEG are read");
+}
+
+cv::Mat3b decode_image(const fs::path& name, const std::string& bytes, cv::Size size) {
+  return decode(name, bytes, size, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
+cv::Mat3b read_image(const fs::path& path, cv::Size size) { return decode_image(path, read_file(path), size); }
+
+cv::Mat read_unchanged(const fs::path& path, cv::Size size) {
+  const std::string bytes = read_file(path);
+  return stated_size(path, bytes) == size ? decode(path, bytes, cv::IMREAD_UNCHANGED) : cv::Mat();
+}
+
+cv::Mat1b mask_of(const cv::Mat& picture) {
+  cv::Mat1b mask(picture.size(), uchar{0});
+  bool coloured = false;
+  for (int channel = 0; channel < std::min(picture.channels(), 3); ++channel) {
+    mask |= not_zero(picture, channel);
+    coloured |= varies(picture, channel);
+  }
+  return picture.channels() < 4 || coloured || !varies(picture, 3) ? mask : not_zero(picture, 3);
+}
+
+cv::Mat read_indices(const fs::path& path, cv::Size size) {
+  const std::string bytes = read_file(path);
+  const std::optional<std::string> grey = without_palette(bytes);
+  if (!grey) return decode(path, bytes, size, cv::IMREAD_UNCHANGED);
+  constexpr std::size_t kBits = 24;  // a pixel; the decoder stretches fewer than 8 to the whole range
+  const int largest = (1 << std::clamp(byte(bytes, kBits), 1, 8)) - 1, stretched = 255 / largest;
+  cv::Mat indices = decode(path, *grey, size, cv::IMREAD_UNCHANGED);
+  return indices.depth() == CV_8U ? cv::Mat(indices / stretched) : indices;
+}
+
+cv::Mat1b read_mask(const fs::path& path, cv::Size size) { return mask_of(decode(path, size, cv::IMREAD_UNCHANGED)); }
+
+}  // namespace dvi::media

@@ -1,0 +1,227 @@
+#include "dvi/media/video.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavcodec/codec.h>
+#include <libavcodec/codec_id.h>
+#include <libavcodec/packet.h>
+#include <libavformat/avformat.h>
+#include <libavformat/avio.h>
+#include <libavutil/avutil.h>
+#include <libavutil/dict.h>
+#include <libavutil/error.h>
+#include <libavutil/frame.h>
+#include <libavutil/log.h>
+#include <libavutil/opt.h>
+#include <libavutil/pixfmt.h>
+#include <libavutil/rational.h>
+}
+
+#include "dvi/core/draft.h"
+#include "dvi/core/error.h"
+
+namespace dvi::media {
+namespace {
+
+template <auto FreeFunction>
+struct Release {
+  template <class T>
+  void operator()(T* object) const {
+    FreeFunction(&object);
+  }
+};
+void close_format(AVFormatContext** format) {
+  if ((*format)->pb) avio_closep(&(*format)->pb);
+  avformat_free_context(*format);
+}
+
+using Format = std::unique_ptr<AVFormatContext, Release<close_format>>;
+using Codec = std::unique_ptr<AVCodecContext, Release<avcodec_free_context>>;
+using Picture = std::unique_ptr<AVFrame, Release<av_frame_free>>;
+using Packet = std::unique_ptr<AVPacket, Release<av_packet_free>>;
+
+const AVCodec* find_encoder(const std::string& name) {
+  const AVCodec* codec = name == "mpeg4" ? nullptr : avcodec_find_encoder_by_name("libx264");
+  if (!codec && name == "h264") throw UsageError("video.encoder = h264: this libavcodec has no libx264; use mpeg4");
+  return codec ? codec : avcodec_find_encoder(AV_CODEC_ID_MPEG4);
+}
+
+void describe_colours(AVCodecContext& codec) {
+  codec.pix_fmt = AV_PIX_FMT_YUV420P;
+  codec.color_primaries = AVCOL_PRI_BT709;
+  codec.color_trc = AVCOL_TRC_BT709;
+  codec.colorspace = AVCOL_SPC_BT709;
+  codec.color_range = AVCOL_RANGE_MPEG;
+  codec.chroma_sample_location = AVCHROMA_LOC_CENTER;
+}
+
+int even(int size) { return size + size % 2; }
+
+/// Parts of 2^16 by which B, G, R of full range count in Y, Cb, Cr of video range, BT.709.
+constexpr std::array<int, 3> kLuma{4064, 40254, 11966}, kBlue{28784, -22188, -6596}, kRed{-2639, -26145, 28784};
+
+uchar weighted(const std::array<int, 3>& weights, const std::array<int, 3>& bgr, int offset, int shift) {
+  const int sum = weights[0] * bgr[0] + weights[1] * bgr[1] + weights[2] * bgr[2];
+  return static_cast<uchar>((sum + (offset << shift) + (1 << (shift - 1))) >> shift);
+}
+
+/// Converts an image into rows `top`.. of the planes of a picture, chroma as the mean of 2 x 2 pixels. Odd sizes repeat the
+/// last column and row.
+void convert(const cv::Mat3b& image, AVFrame& picture, int top) {
+  const auto row_of = [&](int plane, int y) {
+    return picture.data[plane] + static_cast<std::ptrdiff_t>(y) * picture.linesize[plane];
+  };
+  for (int y = 0; y < image.rows; y += 2) {
+    const std::array<const cv::Vec3b*, 2> in{image[y], image[std::min(y + 1, image.rows - 1)]};
+    const std::array<uchar*, 2> luma{row_of(0, top + y), row_of(0, top + y + 1)};
+    uchar *blue = row_of(1, (top + y) / 2), *red = row_of(2, (top + y) / 2);
+    for (int x = 0; x < image.cols; x += 2) {
+      std::array<int, 3> sum{};
+      for (const int row : {0, 1})
+        for (const int column : {x, x + 1}) {
+          const cv::Vec3b& bgr = in[row][std::min(column, image.cols - 1)];
+          luma[row][column] = weighted(kLuma, {bgr[0], bgr[1], bgr[2]}, 16, 16);
+          for (int c = 0; c < 3; ++c) sum[c] += bgr[c];
+        }
+      blue[x / 2] = weighted(kBlue, sum, 128, 18);
+      red[x / 2] = weighted(kRed, sum, 128, 18);
+    }
+  }
+}
+
+}  // namespace
+
+struct VideoWriter::Impl {
+  fs::path path;
+  cv::Size size;
+  Draft draft{path, temporary_beside(path)};  // before `format`, which is closed first
+  std::int64_t count = 0;
+  Format format;
+  Codec codec;
+  Picture picture;
+  Packet packet{av_packet_alloc()};
+  AVStream* stream = nullptr;
+
+  Impl(fs::path place, cv::Size frame_size) : path(std::move(place)), size(frame_size) {}
+
+  void check(int code) const {
+    if (code >= 0) return;
+    std::array<char, AV_ERROR_MAX_STRING_SIZE> reason{};
+    av_strerror(code, reason.data(), reason.size());
+    throw InputError(path, std::string("cannot be written (") + reason.data() + ")", "free space or choose another folder");
+  }
+
+  void open(const VideoOptions& options);
+  void open_encoder(const VideoOptions& options);
+  void encode(const AVFrame* frame);
+};
+
+void VideoWriter::Impl::open_encoder(const VideoOptions& options) {
+  const AVCodec* encoder = find_encoder(options.encoder);
+  codec.reset(avcodec_alloc_context3(encoder));
+  codec->width = even(size.width);
+  codec->height = even(size.height);
+  codec->framerate = av_d2q(options.fps, 1000000);
+  codec->time_base = av_inv_q(codec->framerate);
+  codec->thread_count = 1;  // the bytes depend on it
+  codec->flags |= AV_CODEC_FLAG_BITEXACT;
+  if (format->oformat->flags & AVFMT_GLOBALHEADER) codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+  describe_colours(*codec);
+  if (encoder->id == AV_CODEC_ID_H264) {
+    check(av_opt_set(codec->priv_data, "preset", "veryfast", 0));
+    check(av_opt_set_double(codec->priv_data, "crf", options.crf, 0));
+    // It gives other bytes from run to run, most often where two encoders work at once (seen at 162x184 with 12 frames).
+    check(av_opt_set_int(codec->priv_data, "mbtree", 0, 0));
+  } else {
+    codec->flags |= AV_CODEC_FLAG_QSCALE;
+    codec->global_quality = FF_QP2LAMBDA * (1 + options.crf / 6);
+  }
+  check(avcodec_open2(codec.get(), encoder, nullptr));
+}
+
+void VideoWriter::Impl::open(const VideoOptions& options) {
+  av_log_set_level(AV_LOG_QUIET);  // what went wrong is said by the exception
+  AVFormatContext* raw = nullptr;
+  const std::string url = "file:" + draft.path().string();  // or libav takes what stands before a colon for a protocol
+  check(avformat_alloc_output_context2(&raw, nullptr, "mp4", url.c_str()));
+  format.reset(raw);
+  format->flags |= AVFMT_FLAG_BITEXACT;
+  open_encoder(options);
+  stream = avformat_new_stream(format.get(), nullptr);
+  stream->time_base = codec->time_base;
+  stream->avg_frame_rate = codec->framerate;
+  check(avcodec_parameters_from_context(stream->codecpar, codec.get()));
+
+  picture.reset(av_frame_alloc());
+  picture->format = codec->pix_fmt;
+  picture->width = codec->width;
+  picture->height = codec->height;
+  check(av_frame_get_buffer(picture.get(), 0));
+
+  check(avio_open(&format->pb, format->url, AVIO_FLAG_WRITE));
+  AVDictionary* muxer = nullptr;
+  av_dict_set(&muxer, "movflags", "+faststart", 0);
+  const int code = avformat_write_header(format.get(), &muxer);
+  av_dict_free(&muxer);
+  check(code);
+}
+
+/// A frame, or none to flush.
+void VideoWriter::Impl::encode(const AVFrame* frame) {
+  check(avcodec_send_frame(codec.get(), frame));
+  for (;;) {
+    const int code = avcodec_receive_packet(codec.get(), packet.get());
+    if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
+    check(code);
+    packet->duration = 1;
+    av_packet_rescale_ts(packet.get(), codec->time_base, stream->time_base);
+    packet->stream_index = stream->index;
+    check(av_interleaved_write_frame(format.get(), packet.get()));
+    check(format->pb->error);
+  }
+}
+
+VideoWriter::VideoWriter(const fs::path& path, cv::Size size, const VideoOptions& options)
+    : impl_(std::make_unique<Impl>(path, size)) {
+  impl_->open(options);
+}
+
+VideoWriter::~VideoWriter() = default;
+
+void VideoWriter::push(const cv::Mat3b& frame) { push_stacked({frame}); }
+
+void VideoWriter::push_stacked(const std::vector<cv::Mat3b>& images) {
+  Impl& s = *impl_;
+  int height = 0;
+  for (const cv::Mat3b& image : images) height += even(image.rows);
+  for (const cv::Mat3b& image : images)
+    if (image.cols != s.size.width || height != even(s.size.height)) throw std::logic_error("a video's frames are of one size");
+  s.check(av_frame_make_writable(s.picture.get()));
+  int top = 0;
+  for (const cv::Mat3b& image : images) {
+    convert(image, *s.picture, top);
+    top += even(image.rows);
+  }
+  s.picture->pts = s.count++;
+  s.encode(s.picture.get());
+}
+
+void VideoWriter::finish() {
+  Impl& s = *impl_;
+  s.encode(nullptr);
+  s.check(av_write_trailer(s.format.get()));
+  s.check(avio_closep(&s.format->pb));
+  s.draft.finish();
+}
+
+}  // namespace dvi::media

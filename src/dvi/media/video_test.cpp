@@ -1,0 +1,195 @@
+#include "dvi/media/video.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavcodec/codec.h>
+#include <libavcodec/packet.h>
+#include <libavformat/avformat.h>
+#include <libavutil/frame.h>
+#include <libavutil/rational.h>
+}
+
+#include "dvi/core/error.h"
+#include "dvi/core/threads.h"
+#include "dvi/testing/temp_folder.h"
+
+namespace dvi::media {
+namespace {
+
+struct Decoded {
+  cv::Size size;
+  double fps = 0;
+  std::vector<cv::Mat1b> luma;
+};
+
+/// Plain reading by libav: every frame's Y plane.
+Decoded decode(const fs::path& path) {
+  Decoded out;
+  AVFormatContext* format = nullptr;
+  if (avformat_open_input(&format, path.c_str(), nullptr, nullptr) < 0) return out;
+  avformat_find_stream_info(format, nullptr);
+  const AVStream* stream = format->streams[0];
+  out.fps = av_q2d(stream->avg_frame_rate);
+  AVCodecContext* codec = avcodec_alloc_context3(avcodec_find_decoder(stream->codecpar->codec_id));
+  avcodec_parameters_to_context(codec, stream->codecpar);
+  avcodec_open2(codec, nullptr, nullptr);
+  AVPacket* packet = av_packet_alloc();
+  AVFrame* frame = av_frame_alloc();
+  const auto take = [&] {
+    while (avcodec_receive_frame(codec, frame) == 0) {
+      const cv::Mat1b luma(frame->height, frame->width, frame->data[0], static_cast<std::size_t>(frame->linesize[0]));
+      out.luma.push_back(luma.clone());
+    }
+  };
+  while (av_read_frame(format, packet) == 0) {
+    avcodec_send_packet(codec, packet);
+    av_packet_unref(packet);
+    take();
+  }
+  avcodec_send_packet(codec, nullptr);
+  take();
+  out.size = {codec->width, codec->height};
+  av_frame_free(&frame);
+  av_packet_free(&packet);
+  avcodec_free_context(&codec);
+  avformat_close_input(&format);
+  return out;
+}
+
+cv::Mat3b picture(cv::Size size, int i) {
+  cv::Mat3b image(size);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const auto v = static_cast<uchar>(128 + 60 * std::sin(0.1 * (x + 2 * i)) * std::cos(0.07 * y));
+      image(y, x) = {v, v, v};
+    }
+  return image;
+}
+
+class Video : public testing::Test {
+ protected:
+  fs::path write(const std::string& name, cv::Size size, int frames, const VideoOptions& options = {}) const {
+    VideoWriter video(folder / name, size, options);
+    for (int i = 0; i < frames; ++i) video.push(picture(size, i));
+    video.finish();
+    return folder / name;
+  }
+  std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+  }
+  const TempFolder temporary;
+  const fs::path folder = temporary.path;
+};
+
+TEST_F(Video, DecodesToTheFramesThatWerePushed) {
+  const cv::Size size(96, 64);
+  VideoOptions options;
+  options.fps = 12.5;
+  const Decoded video = decode(write("a.mp4", size, 30, options));
+  EXPECT_EQ(video.size, size);
+  EXPECT_DOUBLE_EQ(video.fps, 12.5);
+  ASSERT_EQ(video.luma.size(), 30U);
+  for (int i = 0; i < 30; ++i) {
+    cv::Mat1b grey, expected;
+    cv::extractChannel(picture(size, i), grey, 0);
+    grey.convertTo(expected, CV_8U, 219.0 / 255.0, 16);
+    EXPECT_LT(cv::norm(video.luma[static_cast<std::size_t>(i)], expected, cv::NORM_L1) / size.area(), 2.0) << i;
+  }
+}
+
+TEST_F(Video, SameFramesSameBytes) {
+  EXPECT_EQ(read_file(write("a.mp4", {96, 64}, 20)), read_file(write("b.mp4", {96, 64}, 20)));
+}
+
+// Also of odd sizes, where chroma asks for pixels beyond the last column and row: what lies in memory there is no part of it.
+TEST_F(Video, BytesDependOnThePixelsOnly) {
+  const cv::Size size(97, 65);
+  const std::array<std::string, 4> names{"a.mp4", "b.mp4", "c.mp4", "d.mp4"};
+  parallel_for(names.size(), [&](std::size_t k) {
+    VideoWriter video(folder / names[k], {size.width, 132});
+    const auto around = static_cast<uchar>(80 * k);
+    for (int i = 0; i < 20; ++i) {
+      cv::Mat3b large(size.height + 2, size.width + 32, cv::Vec3b::all(around));
+      const cv::Mat3b image = large(cv::Rect({0, 0}, size));
+      picture(size, i).copyTo(image);
+      video.push_stacked({image, image});
+    }
+    video.finish();
+  });
+  for (const std::string& name : names) EXPECT_EQ(read_file(folder / name), read_file(folder / names[0])) << name;
+}
+
+TEST_F(Video, CanBePlayedWhileItLoads) {
+  const std::string bytes = read_file(write("a.mp4", {96, 64}, 5));
+  EXPECT_LT(bytes.find("moov"), bytes.find("mdat"));
+}
+
+TEST_F(Video, OddSizesRepeatTheLastColumnAndRow) {
+  const Decoded video = decode(write("a.mp4", {97, 65}, 3));
+  ASSERT_EQ(video.size, cv::Size(98, 66));
+  ASSERT_EQ(video.luma.size(), 3U);
+  const cv::Mat1b& luma = video.luma[0];
+  EXPECT_LT(cv::norm(luma.col(96), luma.col(97), cv::NORM_INF), 12);
+  EXPECT_LT(cv::norm(luma.row(64), luma.row(65), cv::NORM_INF), 12);
+}
+
+// BT.709 in video range: white 235, black 16, pure red, green and blue as the standard's weights say.
+TEST_F(Video, ColoursAreThoseOfTheStandard) {
+  const cv::Size size(64, 64);
+  const std::vector<std::pair<cv::Vec3b, int>> cases{
+      {{255, 255, 255}, 235}, {{0, 0, 0}, 16}, {{0, 0, 255}, 63}, {{0, 255, 0}, 173}, {{255, 0, 0}, 32}};
+  VideoWriter video(folder / "a.mp4", size, {.crf = 1});
+  for (const auto& [colour, luma] : cases) video.push(cv::Mat3b(size, colour));
+  video.finish();
+  const Decoded decoded = decode(folder / "a.mp4");
+  ASSERT_EQ(decoded.luma.size(), cases.size());
+  for (std::size_t i = 0; i < cases.size(); ++i) EXPECT_NEAR(decoded.luma[i](32, 32), cases[i].second, 1) << i;
+}
+
+TEST_F(Video, StackedImagesBeginOnEvenRows) {
+  const cv::Size size(97, 65);
+  VideoWriter video(folder / "a.mp4", {97, 132});
+  video.push_stacked({cv::Mat3b(size, cv::Vec3b::all(0)), cv::Mat3b(size, cv::Vec3b::all(255))});
+  EXPECT_THROW(video.push_stacked({cv::Mat3b(size)}), std::logic_error);
+  video.finish();
+  const Decoded decoded = decode(folder / "a.mp4");
+  ASSERT_EQ(decoded.size, cv::Size(98, 132));
+  EXPECT_NEAR(decoded.luma.at(0)(64, 50), 16, 8);
+  EXPECT_NEAR(decoded.luma.at(0)(67, 50), 235, 8);
+}
+
+TEST_F(Video, LowerCrfIsLargerAndMpeg4IsThereToo) {
+  VideoOptions fine, coarse, mpeg4;
+  fine.crf = 10;
+  coarse.crf = 35;
+  mpeg4.encoder = "mpeg4";
+  EXPECT_GT(fs::file_size(write("a.mp4", {96, 64}, 10, fine)), fs::file_size(write("b.mp4", {96, 64}, 10, coarse)));
+  EXPECT_EQ(decode(write("c.mp4", {96, 64}, 10, mpeg4)).luma.size(), 10U);
+}
+
+TEST_F(Video, IsThereWhenFinishedAndNotBefore) {
+  {
+    VideoWriter video(folder / "a.mp4", {96, 64});
+    video.push(picture({96, 64}, 0));
+    EXPECT_FALSE(fs::exists(folder / "a.mp4"));
+  }
+  EXPECT_EQ(files(), 0U);
+  EXPECT_THROW(VideoWriter(folder / "none" / "a.mp4", {96, 64}), InputError);
+}
+
+}  // namespace
+}  // namespace dvi::media

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/media/write_image.h"
+#include "dvi/metrics/evaluate.h"
+#include "dvi/metrics/test_scene.h"
+#include "dvi/testing/temp_folder.h"
+
+namespace dvi::metrics {
+
+inline const cv::Size kSize(96, 72);
+inline const cv::Rect kHole(30, 20, 40, 30);
+
+inline cv::Mat1b box(const cv::Rect& rect, uchar value = 255) {
+  cv::Mat1b mask(kSize, uchar{0});
+  mask(rect) = value;
+  return mask;
+}
+
+/// A result folder and its truth, frame by frame; by default a perfect one. Gone after the test.
+class ResultFixture : public testing::Test {
+ protected:
+  ResultFixture() {
+    for (const char* part : {"out/frames", "out/masks", "out/kind", "truth", "ignore"}) make_folder(folder / part);
+  }
+
+  void add(const std::string& name, const cv::Mat3b& truth, const cv::Mat3b& result, const cv::Mat1b& mask,
+           const cv::Mat1b& kind) const {
+    const std::string file = name + ".png";
+    media::write_png(folder / "truth" / file, truth);
+    media::write_png(folder / "out/frames" / file, result);
+    media::write_png(folder / "out/masks" / file, mask);
+    media::write_png(folder / "out/kind" / file, kind);
+  }
+  void add_perfect(const std::string& name) const { add(name, scene(kSize, 0), scene(kSize, 0), box(kHole), box(kHole, 1)); }
+  EvaluationFolders folders() const { return {folder / "out", folder / "truth"}; }
+  Evaluation run(bool ignore = false) const {
+    return evaluate({folder / "out", folder / "truth", ignore ? folder / "ignore" : fs::path()});
+  }
+  std::string error(const EvaluationFolders& of) const {
+    return input_error([&] { evaluate(of); });
+  }
+  std::string error() const { return error(folders()); }
+
+  const TempFolder temporary;
+  const fs::path folder = temporary.path;
+};
+
+}  // namespace dvi::metrics

@@ -1,0 +1,93 @@
+#include "dvi/objects/clusters.h"
+
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace dvi::objects {
+namespace {
+
+constexpr double kClusterSquare = 0.5;     // metres: the gap between returns of one vehicle at 60 m, its mirrors and hitch
+constexpr std::size_t kFewestReturns = 5;  // moving returns of an object
+
+using ClusterSquare = std::pair<int, int>;
+
+ClusterSquare square_of(const Eigen::Vector3d& x) {
+  return {static_cast<int>(std::floor(x.x() / kClusterSquare)), static_cast<int>(std::floor(x.y() / kClusterSquare))};
+}
+
+// Numbers the squares that hold moving returns by group.
+std::map<ClusterSquare, int> groups_of(const ObstacleReturns& returns) {
+  std::map<ClusterSquare, int> groups;
+  for (std::size_t i = 0; i < returns.points.size(); ++i)
+    if (returns.witness[i] == Witness::moving) groups.emplace(square_of(returns.points[i]), -1);
+  int count = 0;
+  for (auto& [seed, group] : groups) {
+    if (group >= 0) continue;
+    std::vector<ClusterSquare> open{seed};
+    group = count;
+    while (!open.empty()) {
+      const ClusterSquare at = open.back();
+      open.pop_back();
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          const auto next = groups.find({at.first + dx, at.second + dy});
+          if (next == groups.end() || next->second >= 0) continue;
+          next->second = count;
+          open.push_back(next->first);
+        }
+    }
+    ++count;
+  }
+  return groups;
+}
+
+}  // namespace
+
+void add(Cluster& cluster, const ObstacleReturns& returns, std::size_t i) {
+  cluster.points.push_back(returns.points[i]);
+  cluster.time_ns.push_back(returns.time_ns[i]);
+  cluster.ground.push_back(returns.ground[i]);
+  cluster.rise.push_back(returns.rise[i]);
+}
+
+void measure(Cluster& cluster) {
+  Eigen::Vector2d low = cluster.points.front().head<2>(), high = low;
+  std::int64_t time = 0;
+  for (std::size_t i = 0; i < cluster.points.size(); ++i) {
+    low = low.cwiseMin(cluster.points[i].head<2>());
+    high = high.cwiseMax(cluster.points[i].head<2>());
+    time += cluster.time_ns[i] - cluster.time_ns.front();
+  }
+  cluster.centre = 0.5 * (low + high);
+  cluster.extent_m = (high - low).maxCoeff();
+  cluster.mean_time_ns = cluster.time_ns.front() + time / static_cast<std::int64_t>(cluster.points.size());
+}
+
+std::vector<Cluster> clusters_of(const ObstacleReturns& returns) {
+  const std::map<ClusterSquare, int> groups = groups_of(returns);
+  struct Counts {
+    std::size_t moving = 0, standing = 0;
+  };
+  std::map<int, std::pair<Cluster, Counts>> found;
+  for (std::size_t i = 0; i < returns.points.size(); ++i) {
+    const auto group = groups.find(square_of(returns.points[i]));
+    if (group == groups.end()) continue;
+    auto& [cluster, counts] = found[group->second];
+    counts.moving += returns.witness[i] == Witness::moving;
+    counts.standing += returns.witness[i] == Witness::standing;
+    if (returns.witness[i] == Witness::standing) continue;
+    add(cluster, returns, i);
+  }
+  std::vector<Cluster> clusters;
+  for (auto& [group, entry] : found) {
+    auto& [cluster, counts] = entry;
+    if (counts.moving < kFewestReturns) continue;
+    cluster.moving_share = static_cast<double>(counts.moving) / static_cast<double>(counts.moving + counts.standing);
+    measure(cluster);
+    clusters.push_back(std::move(cluster));
+  }
+  return clusters;
+}
+
+}  // namespace dvi::objects

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+namespace dvi::objects {
+
+/// One object that a network sees in one image.
+struct Detection {
+  int type = 0;     ///< index of its class
+  float score = 1;  ///< 0..1; 1 where the network gives none
+  cv::Rect box;     ///< in the image
+  cv::Mat1b mask;   ///< of the box; 255 = object
+};
+using Detections = std::vector<Detection>;
+
+}  // namespace dvi::objects

@@ -1,0 +1,84 @@
+#include "dvi/objects/masks.h"
+
+#include <opencv2/core.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/drive/outline.h"
+#include "dvi/image/region.h"
+
+namespace dvi::objects {
+namespace {
+
+// The corners of the part of the box in front of the camera: edges that pass the near plane are cut there.
+std::vector<Eigen::Vector3d> visible_corners(const Box& box, const SE3& camera_from_lidar) {
+  std::array<Eigen::Vector3d, 8> corners = box.corners();
+  for (Eigen::Vector3d& c : corners) c = camera_from_lidar * c;
+  std::vector<Eigen::Vector3d> visible;
+  for (int i = 0; i < 8; ++i) {
+    if (corners[i].z() >= kNearPlane) visible.push_back(corners[i]);
+    for (const int bit : {1, 2, 4}) {
+      const int j = i ^ bit;
+      if (j < i || (corners[i].z() < kNearPlane) == (corners[j].z() < kNearPlane)) continue;
+      const double u = (kNearPlane - corners[i].z()) / (corners[j].z() - corners[i].z());
+      visible.emplace_back(corners[i] + u * (corners[j] - corners[i]));
+    }
+  }
+  return visible;
+}
+
+// The flat box of the ground below another, grown sideways.
+Box footprint(const Box& box, double margin) {
+  Box ground = box;
+  ground.frame_from_box.t -= 0.5 * box.size.z() * box.frame_from_box.R.col(2);
+  ground.size = {box.size.x() + 2 * margin, box.size.y() + 2 * margin, 0};
+  return ground;
+}
+
+}  // namespace
+
+cv::Mat1b label_mask(const Label& label, const Camera& camera, const SE3& camera_from_lidar, const MaskOptions& options) {
+  cv::Mat1b mask(camera.height, camera.width, uchar{0});
+  if (label.instance) {
+    draw(*label.instance, mask);
+    if (label.box)
+      draw_hull(visible_corners(footprint(*label.box, options.footprint_margin_m), camera_from_lidar), camera, mask);
+  } else if (label.box) {
+    Box box = *label.box;
+    box.size.array() += 2 * options.box_margin_m;
+    draw_hull(visible_corners(box, camera_from_lidar), camera, mask);
+  } else if (label.rect) {
+    const cv::Rect2d& r = *label.rect;
+    const cv::Point corner = drawing_pixel(std::floor(r.x), std::floor(r.y));
+    const cv::Point opposite = drawing_pixel(std::ceil(r.x + r.width), std::ceil(r.y + r.height));
+    mask(cv::Rect(corner, opposite) & cv::Rect(0, 0, mask.cols, mask.rows)) = 255;
+  }
+  return mask;
+}
+
+MaskSource default_mask_source(const Drive& drive) {
+  if (!drive.masks.empty()) return MaskSource::files;
+  return drive.has_labels() ? MaskSource::labels : MaskSource::found;
+}
+
+Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const SharedLabels& objects, const MaskOptions& options) {
+  if (source == MaskSource::files) {
+    if (drive.masks.empty())
+      throw InputError(drive.path, "brings no mask files", "give --masks DIR, or --masks labels where it has labels");
+    const int radius = options.file_dilation_px();
+    if (radius == 0) return drive.masks;
+    return {drive.masks.size(), [masks = drive.masks, radius](std::size_t i) { return grown(*masks[i], radius); }};
+  }
+  if (source == MaskSource::labels && !drive.has_labels())
+    throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
+  return {
+      drive.frames.size(), [objects, source, camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
+        cv::Mat1b mask(camera.height, camera.width, uchar{0});
+        for (Label label : (*objects)[i]) {
+          if (source == MaskSource::found) label.box.reset();  // outlines that were found reach down to the ground
+          mask |= label_mask(label, camera, pose, options);
+        }
+        return source == MaskSource::found ? mask : grown(mask, options.label_dilation_px());  // what was found has its margin
+      }};
+}
+
+}  // namespace dvi::objects

@@ -1,0 +1,75 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "dvi/objects/motion.h"
+
+namespace dvi::objects {
+namespace {
+
+constexpr std::int64_t kStepNs = 100'000'000;
+
+Label label(int track, double x) {
+  Label out;
+  out.track = track;
+  out.box = Box{{Eigen::Matrix3d::Identity(), {x, 3, 0}}, {4, 2, 1.5}};
+  return out;
+}
+
+// The recording car does 10 m/s; track 1 is parked at x = 30 (and labelled a little off now and then), 2 drives ahead, 3 is
+// seen once, 4 has no box.
+Drive labelled_drive() {
+  Drive drive;
+  std::vector<StampedPose> poses;
+  for (int i = 0; i < 20; ++i) {
+    poses.push_back({i * kStepNs, {Eigen::Matrix3d::Identity(), {1.0 * i, 0, 0}}});
+    Frame frame;
+    frame.time_ns = i * kStepNs;
+    Label boxless;
+    boxless.track = 4;
+    frame.labels = {label(1, 30 - i + 0.2 * (i % 3)), label(2, 15), boxless};
+    if (i == 5) frame.labels.push_back(label(3, 8));
+    drive.frames.push_back(frame);
+  }
+  drive.poses = Trajectory(poses);
+  return drive;
+}
+
+TEST(Motion, OfWhatWaitsAndThenDrivesOffAndOfWhatComesFromFar) {
+  Drive drive = labelled_drive();
+  for (int i = 0; i < 20; ++i) {
+    std::vector<Label>& labels = drive.frames[static_cast<std::size_t>(i)].labels;
+    labels.push_back(label(5, 12 - i + (i < 12 ? 0 : 0.3 * (i - 12) * (i - 12))));  // waits, then drives off
+    labels.push_back(label(7, 70 - i + 0.5 * (i % 2)));                             // parked far away, labelled badly
+  }
+  const std::vector<TrackMotion> motions = track_motions(drive, drive.labels(), drive.poses);
+  ASSERT_EQ(motions.size(), 5U);
+  const auto moves = [&](int track) {
+    return std::find_if(motions.begin(), motions.end(), [&](const TrackMotion& m) { return m.track == track; })->moves;
+  };
+  EXPECT_TRUE(moves(5));
+  EXPECT_FALSE(moves(7));
+  EXPECT_TRUE(moves(2));
+  EXPECT_EQ(motions[1].track, 2);
+  EXPECT_NEAR(motions[1].speed_mps, 10, 1e-6);
+  EXPECT_EQ(motions[1].frames, 20U);
+}
+
+TEST(Standing, IsWhatKeepsItsPlaceInTheWorld) {
+  const Drive drive = labelled_drive();
+  EXPECT_EQ(standing_tracks(drive, drive.poses), (std::set<int>{1, 3}));
+}
+
+TEST(Standing, NothingWithoutPoses) { EXPECT_TRUE(standing_tracks(labelled_drive(), {}).empty()); }
+
+TEST(Standing, LabelsAreLeftOut) {
+  const Drive drive = labelled_drive();
+  for (const std::vector<Label>& frame : without_standing(drive, drive.poses)) {
+    ASSERT_EQ(frame.size(), 2U);
+    EXPECT_EQ(frame[0].track, 2);
+    EXPECT_EQ(frame[1].track, 4);
+  }
+}
+
+}  // namespace
+}  // namespace dvi::objects

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <optional>
+
+#include "dvi/harmonize/filled_frame.h"
+#include "dvi/regularize/labelling.h"
+
+namespace dvi::result {
+
+/// A frame after all stages, and what they report of it.
+struct FilledView {
+  harmonize::FilledFrame frame;
+  std::optional<regularize::Energies> energy;  ///< Eqs. 2-4, if belief propagation ran.
+};
+
+}  // namespace dvi::result

@@ -1,0 +1,81 @@
+#include "dvi/result/kept_stages.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "dvi/core/error.h"
+#include "dvi/result/records.h"
+
+namespace dvi::result {
+namespace {
+
+const char* const kFolder = ".dvi/stages";
+
+std::string file_of(const std::string& name) { return fmt::format("{}/{}.bin", kFolder, name); }
+fs::path record_of(const fs::path& out, const std::string& name) { return out / kFolder / (name + ".json"); }
+std::string schema_of(const std::string& name) { return fmt::format("dvi-stage/1 {}", name); }
+
+}  // namespace
+
+std::vector<std::string> recorded_stages(const fs::path& out) {
+  std::vector<std::string> names;
+  for (const fs::path& record : list_files(out / kFolder, {".json"})) names.push_back(record.stem().string());
+  std::erase_if(names, [&](const std::string& name) { return !read_record(record_of(out, name)); });
+  return names;
+}
+
+void remove_stages(const fs::path& out) {
+  if (fs::is_symlink(out / kFolder)) return;
+  for (const std::string& name : recorded_stages(out)) {
+    fs::remove(out / file_of(name));
+    fs::remove(record_of(out, name));
+  }
+}
+
+KeptStages::KeptStages(fs::path out, std::string fingerprint, Progress& progress, Missing missing)
+    : out_(std::move(out)), fingerprint_(std::move(fingerprint)), progress_(progress), missing_(missing) {
+  if (missing_ == Missing::made) {
+    make_folder(out_ / kFolder);
+    remove_temporaries(out_ / kFolder);
+  }
+  for (const std::string& name : recorded_stages(out_)) {
+    const std::optional<Record> record = read_record(record_of(out_, name));
+    if (record && record->fingerprint == fingerprint_ && record->holds(out_)) held_.insert(name);
+  }
+  if (!held_.empty() && missing_ == Missing::made)
+    progress_.note(fmt::format("{} of an earlier call are used", fmt::join(held_, ", ")));
+}
+
+bool KeptStages::load(const std::string& name, const std::function<void(ArchiveReader&)>& read) const {
+  if (!held_.contains(name)) return false;
+  progress_.begin("load " + name, 0);
+  std::vector<std::string> warnings;
+  try {
+    ArchiveReader in(out_ / file_of(name), schema_of(name));
+    in >> warnings;
+    read(in);
+    in.finish();
+  } catch (const InputError&) {  // answered: what cannot be read is made again
+    return false;
+  }
+  progress_.end();
+  for (const std::string& warning : warnings) progress_.warn(warning);
+  return true;
+}
+
+void KeptStages::refuse_if_missing(const std::string& name) const {
+  if (missing_ == Missing::made) return;
+  throw InputError(out_ / file_of(name), "is missing or damaged", "plan again: dvi plan --config OUT/dvi.toml makes it anew");
+}
+
+void KeptStages::save(const std::string& name, std::size_t warned, const std::function<void(ArchiveWriter&)>& write) const {
+  std::vector<std::string> warnings = progress_.warnings();
+  warnings.erase(warnings.begin(), warnings.begin() + static_cast<std::ptrdiff_t>(warned));
+  ArchiveWriter out(out_ / file_of(name), schema_of(name));
+  out << warnings;
+  write(out);
+  out.finish();
+  write_record(record_of(out_, name), {fingerprint_, record_files(out_, {file_of(name)}), std::nullopt});
+}
+
+}  // namespace dvi::result

@@ -1,0 +1,169 @@
+#include "dvi/result/map_files.h"
+
+#include <array>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "dvi/core/scratch.h"
+#include "dvi/core/text.h"
+#include "dvi/geometry/rigid.h"
+#include "dvi/map/visible_points.h"
+#include "dvi/media/write_ply.h"
+
+namespace dvi::result {
+namespace {
+
+constexpr int kColourFrames = 40;  // frames, evenly spread, from which the map takes its colours
+constexpr double kSplat = 0.07, kTolerance = 0.05;
+const cv::Vec3b kUncoloured(128, 128, 128);
+
+std::string kitti_line(const SE3& pose) { return fmt::format("{:.9g}\n", fmt::join(row_major(pose), " ")); }
+
+std::string tum_line(std::int64_t time_ns, const SE3& pose) {
+  const Eigen::Quaterniond q(pose.R);
+  return fmt::format("{} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", to_seconds(time_ns), pose.t.x(), pose.t.y(),
+                     pose.t.z(), q.x(), q.y(), q.z(), q.w());
+}
+
+std::vector<SE3> camera_poses(const Views& views) {
+  std::vector<SE3> poses;
+  for (const View& view : views.views)
+    if (view.sequence == 0) poses.push_back(view.camera_from_world.inverse());
+  return poses;
+}
+
+std::string pose_lines(const Views& views) {
+  std::string text;
+  for (const SE3& pose : camera_poses(views)) text += kitti_line(pose);
+  return text;
+}
+
+std::string time_lines(const Views& views) {
+  std::string text;
+  for (const View& view : views.views)
+    if (view.sequence == 0) text += to_seconds(view.time_ns) + "\n";
+  return text;
+}
+
+using Colours = ScratchVector<cv::Vec3b>;
+
+Colours colours(const map::StaticMap& map, const Views& views) {
+  Colours out(map.points.size(), kUncoloured, map.scratch());
+  const std::size_t last = views.of_sequence(0).second;
+  const std::size_t step = std::max<std::size_t>(1, last / kColourFrames);
+  for (std::size_t i = 0; i < last; i += step) {
+    const auto image = views.images[i];
+    const auto mask = views.masks[i];
+    for (const map::VisiblePoint& p : map::visible_points(map, views[i], kSplat, kTolerance)) {
+      const cv::Point pixel(cvRound(p.u), cvRound(p.v));
+      if ((*mask)(pixel) == 0) out[p.index] = (*image)(pixel);  // later frames are nearer and win
+    }
+  }
+  return out;
+}
+
+void write_map(const fs::path& path, const map::StaticMap& map, const Colours& colour, const std::string& comment) {
+  ScratchVector<Eigen::Vector3f> points(map.scratch());
+  Colours colour_of_points(map.scratch());
+  points.reserve(map.points.size());
+  colour_of_points.reserve(map.points.size());
+  std::array<ScratchVector<float>, 7> scalars;
+  scalars.fill(ScratchVector<float>(map.scratch()));
+  for (ScratchVector<float>& of_points : scalars) of_points.reserve(map.points.size());
+  const std::array<const char*, 7> names{"nx", "ny", "nz", "intensity", "count", "first", "last"};
+  const auto seconds = [&](std::uint32_t scan) {
+    return 1e-9F * static_cast<float>(map.scans[scan].time_ns - map.scans.front().time_ns);
+  };
+  for (std::size_t i = 0; i < map.points.size(); ++i) {
+    page_out_sometimes(i);
+    const map::MapPoint& p = map.points[i];
+    if (!p.stood_on(0)) continue;
+    points.push_back(p.position);
+    colour_of_points.push_back(colour[i]);
+    const std::array<float, 7> values{p.normal.x(),     p.normal.y(),   p.normal.z(), p.intensity, static_cast<float>(p.count),
+                                      seconds(p.first), seconds(p.last)};
+    for (std::size_t k = 0; k < values.size(); ++k) scalars[k].push_back(values[k]);
+  }
+  media::PlyCloud cloud{points, colour_of_points, {}, comment};
+  for (std::size_t k = 0; k < names.size(); ++k) cloud.scalars.push_back({names[k], scalars[k]});
+  media::write_ply(path, cloud);
+}
+
+cv::Vec3b colour_of(map::Cause cause) {
+  switch (cause) {
+    case map::Cause::masked:
+      return {230, 120, 30};
+    case map::Cause::boxed:
+      return {40, 180, 240};
+    case map::Cause::moved:
+      return {40, 40, 220};
+  }
+  return kUncoloured;
+}
+
+void write_removed(const fs::path& path, const ScratchVector<map::RemovedPoint>& removed, const std::string& comment) {
+  const std::shared_ptr<Scratch> scratch = removed.get_allocator().scratch;
+  ScratchVector<Eigen::Vector3f> points(scratch);
+  Colours colour(scratch);
+  ScratchVector<float> cause(scratch);
+  points.reserve(removed.size());
+  colour.reserve(removed.size());
+  cause.reserve(removed.size());
+  for (const map::RemovedPoint& p : removed) {
+    points.push_back(p.position);
+    colour.push_back(colour_of(p.cause));
+    cause.push_back(static_cast<float>(p.cause));
+  }
+  media::write_ply(path, {points, colour, {{"cause", cause}}, comment});
+}
+
+}  // namespace
+
+std::vector<report::ObjectPath> tracks_of(const FrameLabels& labels, const Views& views, const Trajectory& world_from_lidar) {
+  std::map<int, report::ObjectPath> tracks;
+  for (std::size_t i = 0; i < views.of_sequence(0).second; ++i) {
+    const std::optional<SE3> world = world_from_lidar.at(views[i].time_ns);
+    if (!world || views[i].frame >= labels.size()) continue;
+    for (const Label& label : labels[views[i].frame]) {
+      if (!label.box || label.track < 0) continue;
+      report::ObjectPath& track = tracks[label.track];
+      track.number = label.track;
+      track.type = label.type;
+      track.points.emplace_back((*world * label.box->frame_from_box.t).head<2>());
+      track.frames.push_back(i);
+    }
+  }
+  std::vector<report::ObjectPath> out;
+  for (auto& [number, track] : tracks) out.push_back(std::move(track));
+  return out;
+}
+
+void write_map_files(const fs::path& folder, const map::StaticMap& map, const Views& views, const Drive& target,
+                     const std::vector<report::ObjectPath>& tracks) {
+  make_folder(folder);
+  write_file(folder / "poses.txt", pose_lines(views));
+  write_file(folder / "times.txt", time_lines(views));
+  const std::string name = target.path.filename().string();
+  const Colours colour = colours(map, views);
+  write_map(folder / "map.ply", map, colour, "dvi map of " + name);
+  report::write_above(folder, {.map = map,
+                               .colour = [&](std::size_t point) { return colour[point]; },
+                               .camera = target.camera,
+                               .world_from_camera = camera_poses(views),
+                               .tracks = tracks});
+  write_removed(folder / "moving.ply", map.removed, "taken out of the dvi map of " + name);
+}
+
+void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory& world_from_lidar, bool tum) {
+  std::string text;
+  for (const ScanHeader& header : drive.scan_headers)
+    if (const std::optional<SE3> pose = world_from_lidar.at(header.time_ns))
+      text += tum ? tum_line(header.time_ns, *pose) : kitti_line(*pose);
+  write_file(file, text);
+}
+
+}  // namespace dvi::result

@@ -1,0 +1,368 @@
+#include "dvi/result/result_folder.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <memory>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
+#include "dvi/core/threads.h"
+#include "dvi/core/version.h"
+#include "dvi/report/report.h"
+#include "dvi/result/fingerprints.h"
+#include "dvi/result/frame_files.h"
+#include "dvi/result/map_files.h"
+#include "dvi/result/plan_record.h"
+#include "dvi/result/records.h"
+#include "dvi/result/report_json.h"  // IWYU pragma: keep
+#include "dvi/result/result_media.h"
+#include "dvi/result/source_masks.h"
+#include "dvi/result/write_report.h"
+
+namespace dvi::result {
+namespace {
+
+constexpr const char* kResultSchema = "dvi-result/1";
+
+fs::path job_file(const fs::path& out) { return out / ".dvi/job.json"; }
+
+// What job.json says; nothing where it is missing or damaged.
+std::optional<nlohmann::json> read_job(const fs::path& out) {
+  if (!fs::exists(job_file(out))) return std::nullopt;
+  const nlohmann::json job = nlohmann::json::parse(read_file(job_file(out)), nullptr, false);
+  return job.is_object() ? std::optional(job) : std::nullopt;
+}
+
+// One camera on one drive, as dvi.toml of the plain layout describes it.
+nlohmann::json camera_json(const Drive& drive) {
+  const Camera& c = drive.camera;
+  return {{"drive", fs::absolute(drive.path).lexically_normal().string()},
+          {"camera", drive.camera_name},
+          {"size", {c.width, c.height}},
+          {"K", {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}},
+          {"distortion", c.distortion}};
+}
+
+// What sources.json says: the image behind each number in a frame's receipts, and the cameras that took them.
+nlohmann::json sources_json(const Views& views, const inputs::Recordings& drives) {
+  nlohmann::json sources = nlohmann::json::array();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Drive& drive = drives[static_cast<std::size_t>(views[i].sequence)].drive;
+    const Frame& frame = drive.frames[views[i].frame];
+    const cv::Vec3f& gain = views[i].gain;
+    sources.push_back({{"number", i},
+                       {"drive", fs::absolute(drive.path).lexically_normal().string()},
+                       {"camera", drive.camera_name},
+                       {"frame", frame.name},
+                       {"file", fs::absolute(frame.file).lexically_normal().string()},
+                       {"exposure_gain", std::array<float, 3>{gain[2], gain[1], gain[0]}},
+                       {"vignetting", views[i].vignetting}});
+  }
+  nlohmann::json cameras = nlohmann::json::array();
+  for (const inputs::Recording& open : drives) cameras.push_back(camera_json(open.drive));
+  return {{"schema", "dvi-sources/1"}, {"cameras", cameras}, {"sources", sources}};
+}
+
+std::vector<std::string> pictures_of(const std::string& name) {
+  std::vector<std::string> files;
+  for (const std::string& folder : picture_folders()) files.push_back(folder + "/" + name + ".png");
+  return files;
+}
+
+/// Where a run writes.
+std::vector<fs::path> own_folders(const fs::path& out) {
+  std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames", out / ".dvi/masks", out / ".dvi/report"};
+  for (const std::string& folder : picture_folders()) folders.push_back(out / folder);
+  for (const char* folder : {"map", "report", "report/before", "report/truth", "report/sources"})
+    if (fs::exists(out / folder)) folders.push_back(out / folder);
+  return folders;
+}
+
+/// What complete() writes, as far as it is there: a baseline has no map. Not the reports and the options, which tell times and
+/// places; and the page is written again by whoever has a truth to show.
+std::vector<std::string> files_beside_frames(const fs::path& out) {
+  std::vector<std::string> files{"sources.json",   "video.mp4",     "compare.mp4",   "contact.png",
+                                 "map/poses.txt",  "map/times.txt", "map/map.json",  "map/map.ply",
+                                 "map/moving.ply", "map/map.png",   "map/above.json"};
+  std::erase_if(files, [&](const std::string& file) { return !fs::exists(out / file); });
+  return files;
+}
+
+/// Everything on disk that the run reads, as named by the user.
+std::vector<fs::path> inputs_of(const job::Job& job) {
+  std::vector<fs::path> inputs{job.target};
+  inputs.insert(inputs.end(), job.sources.begin(), job.sources.end());
+  if (job.read.masks.kind == job::MasksFrom::Kind::path) inputs.emplace_back(job.read.masks.path);
+  if (!job.read.detector.empty()) inputs.emplace_back(job.read.detector);
+  if (!job.read.ego_mask.empty()) inputs.emplace_back(job.read.ego_mask);
+  if (job.read.poses.kind == job::PosesFrom::Kind::file) inputs.emplace_back(job.read.poses.file);
+  return inputs;
+}
+
+void require_apart_from(const fs::path& input, const fs::path& out) {
+  const fs::path a = fs::weakly_canonical(fs::absolute(out)), b = fs::weakly_canonical(fs::absolute(input));
+  const auto [in_a, in_b] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
+  if (in_a == a.end() || in_b == b.end())
+    throw InputError(out, fmt::format("is, holds or lies in an input of the run ({})", input.string()),
+                     "choose another folder");
+}
+
+}  // namespace
+
+const std::vector<std::string>& picture_folders() {
+  static const std::vector<std::string> folders{"frames",       "masks",         "kind",       "provenance",
+                                                "sources_used", "harmonisation", "confidence", "depth"};
+  return folders;
+}
+
+std::string kept_in(const fs::path& out) {
+  const std::vector<fs::path> records = list_files(out / ".dvi/frames", {".json"});
+  const auto finished = std::count_if(records.begin(), records.end(), [](const fs::path& file) {
+    const std::optional<Record> record = read_record(file);
+    return record && record->frame;
+  });
+  std::vector<std::string> kept = recorded_stages(out);
+  if (finished > 0) kept.push_back(fmt::format("{} finished frames", finished));
+  if (kept.empty()) return "nothing was finished, the same command starts again";
+  return fmt::format("{} are kept: the same command goes on from there", fmt::join(kept, ", "));
+}
+
+void require_apart(const job::Job& job) {
+  for (const fs::path& input : inputs_of(job)) require_apart_from(input, job.out);
+}
+
+void require_usable_folder(const fs::path& out, bool force) {
+  if (force || !fs::exists(out) || (fs::is_directory(out) && fs::is_empty(out))) return;
+  // Asked last: a run that begins in OUT at this moment makes .dvi before anything else.
+  if (!fs::is_directory(out / ".dvi"))
+    throw InputError(out, "exists and is no result of dvi", "choose another folder, or --force to write into it");
+}
+
+ResultFolder::ResultFolder(const job::Job& job, const inputs::Recordings& drives, std::string content)
+    : job_(job),
+      drives_(drives),
+      out_(job.out),
+      identity_(identity_of(drives)),
+      content_(content.empty() ? content_of(drives) : std::move(content)),
+      fingerprint_(fingerprint_of(job, content_)) {
+  require_apart(job);
+  refuse_other_drives();
+}
+
+ResultFolder::~ResultFolder() {
+  std::error_code ignored;  // a destructor cannot do more than try
+  const auto unused = [&](const fs::path& folder) { return !fs::exists(folder, ignored) || fs::is_empty(folder, ignored); };
+  if (created_ && unused(out_ / ".dvi/frames") && unused(out_ / ".dvi/stages")) fs::remove_all(out_, ignored);
+}
+
+void ResultFolder::refuse_other_drives() const {
+  const std::optional<nlohmann::json> old = read_job(out_);
+  if (job_.force || !old) return;  // cut by a crash: the frames' records tell what they are of
+  if (old->value("schema", "") != kResultSchema || old->value("identity", "") != hash_of(identity_))
+    throw InputError(out_, "is the result of another drive", "choose another folder, or --force to replace it");
+}
+
+std::optional<FrameReport> ResultFolder::finished_frame(const std::string& name) const {
+  const std::optional<Record> record = read_record(this->record(name));
+  if (!record || !record->frame || record->fingerprint != fingerprint_ || !record->holds(out_)) return std::nullopt;
+  return record->frame;
+}
+
+std::string ResultFolder::own_options() const {
+  job::Job resolved = job_;
+  resolved.out = fs::absolute(job_.out).lexically_normal().string();
+  return job::effective_toml(resolved);
+}
+
+std::optional<RunReport> ResultFolder::finished_report(Progress& progress) const {
+  const std::optional<Record> result = read_record(result_record());
+  if (!result || result->fingerprint != fingerprint_ || !result->holds(out_)) return std::nullopt;
+  const std::optional<RunReport> read = read_run_report(out_ / "report.json");
+  if (!read || !fs::exists(out_ / "dvi.toml") || read_file(out_ / "dvi.toml") != own_options() || !read_job(out_))
+    return std::nullopt;
+  const RunReport& report = *read;
+  std::vector<char> finished(report.frames.size());
+  parallel_for(finished.size(), [&](std::size_t i) { finished[i] = finished_frame(report.frames[i].name) ? 1 : 0; });
+  if (std::count(finished.begin(), finished.end(), 0) > 0) return std::nullopt;
+  progress.note("every frame is finished already: nothing to do");
+  if (!is_report_whole(out_)) write_report(out_, {}, progress);
+  return report;
+}
+
+void ResultFolder::claim() {
+  const bool created = !fs::exists(out_);
+  make_folder(out_ / ".dvi/frames");
+  lock_.emplace(out_, out_ / ".dvi/lock");
+  created_ = created;     // only who holds the folder may remove it again
+  refuse_other_drives();  // another run may have begun and ended since the first look
+  for (const fs::path& folder : own_folders(out_)) {
+    make_folder(folder);
+    remove_temporaries(folder);
+  }
+  const nlohmann::json job{{"schema", kResultSchema}, {"drives", identity_}, {"identity", hash_of(identity_)}};
+  write_file(job_file(out_), json_text(job) + "\n");
+}
+
+void ResultFolder::join() {
+  lock_.emplace(out_, out_ / ".dvi/lock", FolderLock::Hold::shared);
+  require_plan_of(out_, job_, drives_);  // another process may have planned anew since the first look
+  for (const fs::path& folder : own_folders(out_)) make_folder(folder);
+}
+
+void ResultFolder::claim_plan() {
+  claim();
+  require_plan_of(out_, job_, drives_, content_);
+  planned_ = true;
+}
+
+KeptStages ResultFolder::kept_stages(Progress& progress, KeptStages::Missing missing) const {
+  return {out_, stages_fingerprint_of(job_, content_), progress, missing};
+}
+
+void ResultFolder::write_plan(const Progress& progress) const {
+  write_file(out_ / "dvi.toml", own_options());
+  keep_cost(out_, "plan", fingerprint_, cost_report(progress, CpuClock(), 0));
+  write_plan_record(out_, {kVersion, program_fingerprint(), listing_of(drives_), content_, fingerprint_});
+}
+
+void ResultFolder::keep_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu, const Progress& progress) const {
+  if (!frames.empty())
+    keep_cost(out_, fmt::format("fill-{}-{}", frames.front(), frames.back()), fingerprint_,
+              cost_report(progress, cpu, frames.size()));
+}
+
+std::string ResultFolder::frame_name(const Views& views, std::size_t view) const {
+  return drives_.front().drive.frames[views[view].frame].name;
+}
+
+std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progress& progress) {
+  const std::size_t count = views.of_sequence(0).second;
+  for (std::size_t i = 0; i < count; ++i) names_.push_back(frame_name(views, i));
+  std::vector<char> finished(count), stale(count);
+  parallel_for(count, [&](std::size_t i) {
+    finished[i] = finished_frame(names_[i]) ? 1 : 0;
+    stale[i] = finished[i] == 0 && fs::exists(record(names_[i])) ? 1 : 0;
+  });
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < count; ++i)
+    if (finished[i] == 0) missing.push_back(i);
+  if (const auto again = std::count(stale.begin(), stale.end(), 1); again > 0)
+    progress.note(fmt::format("{} of {} frames in {} are of other options or inputs, or damaged: they are made again", again,
+                              count, out_.string()));
+  if (!missing.empty())
+    for (const fs::path& mark : {result_record(), out_ / "report.json", out_ / "report.html"}) fs::remove(mark);
+  made_ = missing.size();
+  return missing;
+}
+
+std::function<void(std::size_t, const FilledView&)> ResultFolder::writer(const Views& views, const align::Cameras& cameras,
+                                                                         CpuClock& cpu, Progress& progress,
+                                                                         const FinishedFrame& hand_on) const {
+  const auto source_masks = std::make_shared<SourceMasks>(out_, views);
+  return [&, this, source_masks, hand_on](std::size_t view, const FilledView& finished) {
+    const Frame& frame = drives_.front().drive.frames[views[view].frame];
+    cpu.time("write", [&] {
+      std::ofstream begun(record(frame.name));  // empty: the pictures are dvi's, and not finished
+      begun.close();
+      write_pictures(out_, frame.name, finished.frame, views, view);
+      std::vector<std::string> files = pictures_of(frame.name);
+      const std::vector<std::string> masks = source_masks->keep(finished.frame.provenance);
+      files.insert(files.end(), masks.begin(), masks.end());
+      write_record(record(frame.name),
+                   {fingerprint_, record_files(out_, files), frame_report(frame, finished, cameras.views[view])});
+      record_report_frame(out_, frame.name, view, fingerprint_);
+    });
+    if (hand_on) hand_on(view, finished.frame);
+    progress.advance();
+  };
+}
+
+void ResultFolder::remove_other_frames() const {
+  const std::set<std::string> own(names_.begin(), names_.end());
+  for (const fs::path& record : list_files(out_ / ".dvi/frames", {".json"})) {
+    const std::string name = record.stem().string();
+    if (own.contains(name)) continue;
+    for (const std::string& picture : pictures_of(name))
+      if (const fs::path file = out_ / picture; !fs::is_symlink(file.parent_path())) fs::remove(file);
+    fs::remove(record);
+  }
+}
+
+void ResultFolder::remove_other_source_masks() const {
+  std::set<std::string> own;
+  for (const std::string& name : names_)
+    if (const std::optional<Record> record = read_record(this->record(name)))
+      for (const FileRecord& file : record->files) own.insert(file.file);
+  for (const fs::path& mask : list_files(out_ / ".dvi/masks", {".png"}))
+    if (!own.contains(".dvi/masks/" + mask.filename().string())) fs::remove(mask);
+}
+
+void ResultFolder::remove_map() const {
+  if (!fs::is_directory(fs::symlink_status(out_ / "map"))) return;
+  for (const std::string& file : files_beside_frames(out_))
+    if (file.starts_with("map/")) fs::remove(out_ / file);
+  if (fs::is_empty(out_ / "map")) fs::remove(out_ / "map");
+}
+
+RunReport ResultFolder::report(const RunResults& results, const Progress& progress) const {
+  RunReport report;
+  report.version = kVersion;
+  report.method = to_string(job_.method);
+  report.baseline = job::is_baseline(job_.method);
+  report.drives = drive_reports(drives_, results.poses, results.cameras);
+  for (const std::string& name : names_) {
+    const std::optional<Record> record = read_record(this->record(name));
+    if (!record || !record->frame)
+      throw InputError(this->record(name), "was changed by another program during the run", "run again");
+    report.frames.push_back(*record->frame);
+    report.hole += record->frame->hole;
+  }
+  report.standing = inputs::standing_tracks(drives_.front(), results.poses.front().world_from_lidar, job_);
+  if (results.map != nullptr) report.map = map_report(*results.map);
+  report.cost = cost_report(progress, results.cpu, made_);
+  if (planned_) report.cost += kept_costs(out_, fingerprint_);
+  report.warnings = progress.warnings();
+  return report;
+}
+
+RunReport ResultFolder::complete(const RunResults& results, Progress& progress) {
+  const Drive& target = drives_.front().drive;
+  remove_other_frames();
+  remove_other_source_masks();
+  write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
+  if (results.map != nullptr) {
+    write_map_files(out_ / "map", *results.map, results.views, target,
+                    tracks_of(results.objects, results.views, results.poses.front().world_from_lidar));
+    write_file(out_ / "map/map.json", json_text(map_report(*results.map)) + "\n");
+  } else {
+    remove_map();  // left by another method, as the stages
+    remove_stages(out_);
+  }
+  write_media(out_, target, names_, job_.options.video, progress);
+  const metrics::Artefacts artefacts = metrics::count_artefacts(out_, names_, progress.parts()("artefacts", names_.size()));
+  progress.end();
+  write_file(out_ / "dvi.toml", own_options());
+  RunReport finished;
+  progress.begin("report", names_.size());
+  write_report(
+      job_, names_, fingerprint_,
+      [&] {
+        progress.end();
+        finished = report(results, progress);
+        finished.artefacts = artefacts;
+        const std::string text = to_json(finished);
+        write_file(out_ / "report.json", text + "\n");
+        return text;
+      },
+      progress.tick());
+  write_record(result_record(), {fingerprint_, record_files(out_, files_beside_frames(out_)), std::nullopt});
+  return finished;
+}
+
+}  // namespace dvi::result

@@ -1,0 +1,97 @@
+#include "dvi/result/result_media.h"
+
+#include <algorithm>
+#include <array>
+#include <unordered_map>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "dvi/core/threads.h"
+#include "dvi/media/contact_sheet.h"
+#include "dvi/media/image_file.h"
+#include "dvi/media/write_image.h"
+#include "dvi/report/kind_colours.h"
+
+namespace dvi::result {
+namespace {
+
+constexpr std::size_t kSheetRows = 8;
+constexpr int kCellWidth = 480;
+
+/// "NAME  copied 22 %  interpolated 78 %".
+std::string caption_of(const cv::Mat1b& kind, const std::string& name) {
+  std::array<std::size_t, report::kKindColours.size()> count{};
+  for (const uchar k : kind) ++count[std::min<std::size_t>(k, count.size() - 1)];
+  const std::size_t hole = kind.total() - count[0];
+  std::string text = name;
+  for (std::size_t k = 1; k < count.size(); ++k)
+    if (count[k] > 0)
+      text += fmt::format("  {} {:.0f} %", report::kKindColours[k].name,
+                          100 * static_cast<double>(count[k]) / static_cast<double>(hole));
+  return hole > 0 ? text : text + "  nothing removed";
+}
+
+/// The input with an outline of what is removed, its name and the shares.
+cv::Mat3b marked_input(const cv::Mat3b& input, const cv::Mat1b& kind, const std::string& name) {
+  cv::Mat3b out = input.clone();
+  media::draw_outline(out, cv::Mat1b(kind != 0));
+  media::write_caption(out, caption_of(kind, name));
+  return out;
+}
+
+/// The whole frame, then a part of it in full size: where most was removed.
+std::vector<media::SheetCell> sheet_row(const cv::Mat3b& input, const cv::Mat3b& result, const cv::Mat1b& kind,
+                                        const std::string& name) {
+  std::vector<cv::Vec3b> colours;
+  for (const report::KindColour& k : report::kKindColours) colours.push_back(k.colour);
+  const cv::Mat1b mask(kind != 0);
+  const cv::Mat3b whole = media::thumbnail(media::mask_overlay(input, mask), kCellWidth);
+  const double closer = std::min(1.0, 0.4 * input.cols / kCellWidth);  // never less than pixel by pixel
+  const cv::Rect part =
+      media::densest_part(mask, {std::max(1, cvRound(closer * whole.cols)), std::max(1, cvRound(closer * whole.rows))});
+  return {{whole, caption_of(kind, name)},
+          {media::thumbnail(result, kCellWidth), "result"},
+          {input(part).clone(), "before, closer"},
+          {result(part).clone(), "after"},
+          {media::label_overlay(result(part), kind(part), colours), "blue: copied, orange: interpolated, pink: synthesised"}};
+}
+
+}  // namespace
+
+void write_media(const fs::path& out, const Drive& target, const std::vector<std::string>& names,
+                 const media::VideoOptions& options, Progress& progress) {
+  progress.begin("video", names.size());
+  const cv::Size size(target.camera.width, target.camera.height);
+  media::VideoWriter video(out / "video.mp4", size, options);
+  media::VideoWriter compare(out / "compare.mp4", {size.width, 2 * (size.height + size.height % 2)}, options);
+  const std::size_t rows = std::min(kSheetRows, names.size());
+  std::vector<std::vector<media::SheetCell>> sheet;
+  std::unordered_map<std::string, std::size_t> number;  // of a frame, by its name
+  for (std::size_t i = 0; i < target.frames.size(); ++i) number[target.frames[i].name] = i;
+  for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
+    std::vector<cv::Mat3b> inputs(last - first), marked(last - first), results(last - first);
+    std::vector<cv::Mat1b> kinds(last - first);
+    parallel_for(last - first, [&](std::size_t i) {
+      inputs[i] = *target.images[number.at(names[first + i])];
+      results[i] = media::read_image(out / "frames" / (names[first + i] + ".png"), size);
+      kinds[i] = media::read_png_grey(out / "kind" / (names[first + i] + ".png"), size);
+      marked[i] = marked_input(inputs[i], kinds[i], names[first + i]);
+    });
+    parallel_for(2, [&](std::size_t which) {
+      for (std::size_t i = 0; i < results.size(); ++i)
+        which == 0 ? compare.push_stacked({marked[i], results[i]}) : video.push(results[i]);
+    });
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      // Rows evenly spread over the drive, the first and the last frame among them.
+      if (sheet.size() < rows && first + i == (rows > 1 ? sheet.size() * (names.size() - 1) / (rows - 1) : 0))
+        sheet.push_back(sheet_row(inputs[i], results[i], kinds[i], names[first + i]));
+      progress.advance();
+    }
+  });
+  video.finish();
+  compare.finish();
+  media::write_png(out / "contact.png", media::contact_sheet(sheet, kCellWidth));
+}
+
+}  // namespace dvi::result

@@ -1,0 +1,158 @@
+#include "dvi/result/write_report.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
+#include "dvi/core/threads.h"
+#include "dvi/report/report.h"
+#include "dvi/result/records.h"
+#include "dvi/result/report_json.h"
+
+namespace dvi::result {
+namespace {
+
+using nlohmann::json;
+
+/// The options in which a job differs from the default, or from its method's. What it reads and writes is shown elsewhere.
+std::string changed_options(job::Job job) {
+  job::Job plain;
+  plain.method = job.method;
+  job::use_method(plain.method, plain.options);
+  OptionTable now = job.table(), before = plain.table();
+  json changed = json::array();
+  for (std::size_t i = 0; i < now.options().size(); ++i) {
+    const Option &option = now.options()[i], &old = before.options()[i];
+    const std::string name = option.name();
+    if (name == "job.target" || name == "job.sources" || name == "job.out" || option.text() == old.text()) continue;
+    changed.push_back({{"name", name}, {"value", option.text()}, {"default", old.text()}, {"doc", option.doc}});
+  }
+  return json_text(changed, -1);
+}
+
+/// Of dvi.toml in a result.
+std::string options_of(const fs::path& out, std::vector<std::string>& problems) {
+  try {
+    job::Job job;
+    job.table().load_toml(out / "dvi.toml");
+    return changed_options(job);
+  } catch (const UsageError& e) {  // answered: options of an earlier version
+    problems.push_back(std::string("dvi.toml is of another version of dvi: ") + e.what());
+  } catch (const InputError&) {  // answered
+    problems.emplace_back("dvi.toml is missing or cannot be read");
+  }
+  return "[]";
+}
+
+/// report.json of a result. Where there is none, the frames that are finished.
+json run_of(const fs::path& out, std::vector<std::string>& problems) {
+  if (fs::exists(out / "report.json")) {
+    json run = json::parse(read_file(out / "report.json"), nullptr, false);
+    if (run.is_object() && run.value("frames", json()).is_array()) return run;
+    problems.emplace_back("report.json is damaged");
+  } else {
+    problems.emplace_back("the run is not finished: the same command goes on from there");
+  }
+  HoleReport hole;
+  json frames = json::array();
+  for (const fs::path& file : list_files(out / ".dvi/frames", {".json"}))
+    if (const std::optional<Record> record = read_record(file); record && record->frame) {
+      frames.push_back(json_of(*record->frame));
+      hole += record->frame->hole;
+    }
+  return {{"frames", frames}, {"hole", json_of(hole)}};
+}
+
+std::vector<std::string> names_of(const json& run) {
+  std::vector<std::string> names;
+  for (const json& frame : run.at("frames"))
+    names.push_back(frame.is_object() && frame.value("name", json()).is_string() ? frame.at("name").get<std::string>() : "");
+  return names;
+}
+
+/// Before any frame is read, rather than at the first file.
+void require_writable(const fs::path& out) {
+  if (access(out.c_str(), W_OK) != 0)
+    throw InputError(out, std::string("cannot be written (") + std::strerror(errno) + ")",
+                     "copy it to where it can, for a new report; report.html can be opened where it is");
+}
+
+fs::path frame_record(const fs::path& out, const std::string& name) { return out / ".dvi/report" / (name + ".json"); }
+
+fs::path report_record(const fs::path& out) { return out / ".dvi/report.json"; }
+
+/// Notes what the files of the report are, so that damaged ones are found.
+void record_report(const fs::path& out) {
+  std::vector<std::string> files{"report.html"};
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(out / "report"))
+    if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), out).string());
+  std::sort(files.begin(), files.end());
+  write_record(report_record(out), {"", record_files(out, files), std::nullopt});
+}
+
+}  // namespace
+
+bool is_report_whole(const fs::path& out) {
+  const std::optional<Record> record = read_record(report_record(out));
+  return record && record->holds(out);
+}
+
+void record_report_frame(const fs::path& out, const std::string& name, std::size_t number, const std::string& fingerprint) {
+  write_record(frame_record(out, name), {fingerprint, record_files(out, report::frame_files(out, number)), std::nullopt});
+}
+
+void write_report(const job::Job& job, const std::vector<std::string>& names, const std::string& fingerprint,
+                  const std::function<std::string()>& report_json, const Tick& tick) {
+  std::vector<char> written(names.size());
+  parallel_for(names.size(), [&](std::size_t i) {
+    const std::optional<Record> record = read_record(frame_record(job.out, names[i]));
+    written[i] = record && record->fingerprint == fingerprint && record->holds(job.out) ? 1 : 0;
+  });
+  report::write_report({.out = job.out,
+                        .names = names,
+                        .run = report_json,
+                        .options = changed_options(job),
+                        .evaluation = "null",
+                        .written = written},
+                       tick);
+  record_report(job.out);
+}
+
+void write_report(const fs::path& out, const ShownTruth& truth, Progress& progress) {
+  if (!fs::is_directory(out / "frames") && !fs::is_directory(out / ".dvi"))
+    throw InputError(out, "is no result of dvi", "dvi report takes the output folder of dvi run");
+  require_writable(out);
+  std::vector<std::string> problems;
+  const json run = run_of(out, problems);
+  const std::string options = options_of(out, problems);
+  const std::vector<std::string> names = names_of(run);
+  progress.begin("report", names.size());
+  report::write_report({.out = out,
+                        .names = names,
+                        .run = [&] { return json_text(run, -1); },
+                        .options = options,
+                        .evaluation = truth.evaluation.empty() ? "null" : truth.evaluation,
+                        .truth = truth.folder,
+                        .problems = problems},
+                       progress.tick());
+  if (fs::is_directory(out / ".dvi")) record_report(out);
+  progress.end();
+}
+
+void show_truth(const fs::path& out, const ShownTruth& truth, Progress& progress) {
+  if (!fs::is_directory(out / ".dvi")) return;
+  try {
+    write_report(out, truth, progress);
+  } catch (const InputError& e) {  // answered: the scores are told all the same
+    progress.warn(std::string("the report does not show the truth: ") + e.what());
+  }
+}
+
+}  // namespace dvi::result

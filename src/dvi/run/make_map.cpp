@@ -1,0 +1,123 @@
+#include "dvi/run/make_map.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/json_text.h"
+#include "dvi/inputs/make_views.h"
+#include "dvi/inputs/reports_json.h"  // IWYU pragma: keep
+#include "dvi/result/map_files.h"
+#include "dvi/result/report_json.h"  // IWYU pragma: keep
+#include "dvi/result/result_folder.h"
+
+namespace dvi::run {
+namespace {
+
+// A map is in the world that the drive's own poses are given in.
+SE3 world_from_map(const Drive& drive, const Trajectory& world_from_lidar) {
+  if (drive.map.empty()) return {};
+  const StampedPose& given = drive.poses.poses().front();
+  return world_from_lidar.at(given.time_ns).value() * given.world_from_body.inverse();
+}
+
+std::string share_of(std::size_t count, const map::MapCounts& counts) {
+  return fmt::format("{:.1f} %",
+                     100 * static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(counts.returns, 1)));
+}
+
+/// Names why no return is in the map, and what to do about the most frequent reason. Most returns of a LiDAR are beside the
+/// camera's view in any case, so that this and the range are the reason only where nothing else removed returns.
+[[noreturn]] void fail_empty(const Drive& target, const map::MapCounts& counts, const map::MapOptions& options) {
+  struct Reason {
+    std::size_t returns;
+    std::string words;
+    std::string remedy;
+    bool usual = false;
+  };
+  constexpr double kMinShare = 0.01;
+  const Reason reasons[] = {
+      {counts.masked, "are covered by masks of removed objects",
+       "look at the masks: 255 = remove; --polarity black reads them the other way (dvi mask DRIVE -o MASKS writes "
+       "contact.png)"},
+      {counts.boxed, "lie in labeled boxes", "look at the labels: dvi check DRIVE"},
+      {counts.unseen_by_camera, "were not observed by the camera while they were scanned",
+       "check camera_from_lidar, and that images and scans share one clock (offset_s of the camera in dvi.toml)", true},
+      {counts.too_near,
+       fmt::format("are nearer than {:g} m or farther than {:g} m", options.min_range_m.value_or(target.least_range_m()),
+                   options.max_range_m.value_or(target.most_range_m())),
+       "set lidar.min_range_m and lidar.max_range_m to what the sensor measures, in meters", true},
+      {counts.moved, "lie where rays of other scans passed", "check the poses: --poses loam estimates them from the scans"}};
+  std::string words;
+  const Reason* most = nullptr;
+  std::pair<bool, std::size_t> highest;
+  std::size_t posed = 0;
+  for (const Reason& reason : reasons) {
+    posed += reason.returns;
+    if (reason.returns == 0) continue;
+    words += fmt::format(", {} {}", share_of(reason.returns, counts), reason.words);
+    const bool is_rare = static_cast<double>(reason.returns) < kMinShare * static_cast<double>(counts.returns);
+    const auto rank = std::pair(!reason.usual && !is_rare, reason.returns);
+    if (most == nullptr || rank > highest) most = &reason, highest = rank;
+  }
+  if (counts.scans_without_pose > 0)
+    words += fmt::format(", {} are of {} scans without a pose",
+                         share_of(counts.returns - std::min(posed, counts.returns), counts), counts.scans_without_pose);
+  throw InputError(target.path, fmt::format("no static points remain of {} returns{}", counts.returns, words),
+                   most != nullptr                 ? most->remedy
+                   : counts.scans_without_pose > 0 ? "check that poses and scans share one clock: dvi check DRIVE"
+                                                   : "dvi check DRIVE shows what the recording holds");
+}
+
+}  // namespace
+
+map::StaticMap build_map(const inputs::Recordings& drives, const inputs::Poses& poses, const inputs::Masks& masks,
+                         const map::MapOptions& options, Progress& progress) {
+  std::vector<map::MapInput> inputs;
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    const Drive& drive = drives[i].drive;
+    if (drives[i].rig_of)
+      inputs[*drives[i].rig_of].more_cameras.push_back({&drive, masks[i].images});
+    else
+      inputs.push_back({&drive,
+                        poses[i].world_from_lidar,
+                        masks[i].images,
+                        masks[i].objects,
+                        {},
+                        world_from_map(drive, poses[i].world_from_lidar)});
+  }
+  map::StaticMap map = map::build_map(inputs, options, progress.parts());
+  if (map.points.empty()) fail_empty(drives.front().drive, map.counts, options);
+  return map;
+}
+
+std::string make_map(const job::Job& job, const std::string& trajectory, Progress& progress) {
+  if (trajectory != "none" && trajectory != "kitti" && trajectory != "tum")
+    throw UsageError("--trajectory " + trajectory + ": there are kitti and tum");
+  result::require_apart(job);
+  const inputs::Recordings drives = inputs::open_recordings(job, inputs::MaskNeed::optional, progress);
+  inputs::verify(drives, job, progress);
+  const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);
+  const inputs::Masks masks = inputs::find_masks(drives, poses, job, progress);
+  const map::StaticMap map = build_map(drives, poses, masks, job.options.map, progress);
+  const Views views = inputs::make_views(drives, poses, masks, progress);
+  progress.begin("write", 0);
+  const Drive& target = drives.front().drive;
+  const fs::path out = job.out;
+  result::write_map_files(out, map, views, target,
+                          result::tracks_of(*masks.front().objects, views, poses.front().world_from_lidar));
+  if (trajectory != "none")
+    result::write_trajectory(out / "trajectory.txt", target, poses.front().world_from_lidar, trajectory == "tum");
+  progress.end();
+  nlohmann::json report = result::map_report(map);
+  report["poses"] = inputs::poses_report(target, poses.front().choice);
+  report["cost"] = {{"stages", result::stages_json(progress.times(), "scan", map.scans.size())},
+                    {"peak_memory_bytes", peak_memory()}};
+  write_file(out / "map.json", json_text(report) + "\n");
+  return json_text(report);
+}
+
+}  // namespace dvi::run

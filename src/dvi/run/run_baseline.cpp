@@ -1,0 +1,50 @@
+#include "dvi/run/run_baseline.h"
+
+#include "dvi/baselines/baselines.h"
+#include "dvi/inputs/make_views.h"
+#include "dvi/result/result_folder.h"
+#include "dvi/run/run_stages.h"
+
+namespace dvi::run {
+namespace {
+
+std::function<result::FilledView(std::size_t)> filler_of(const job::Job& job, const Views& views, result::CpuClock& cpu) {
+  if (job.method == job::Method::flow)
+    return [&, flows = baselines::hole_flows(views, job.options.flow)](std::size_t i) -> result::FilledView {
+      return {cpu.time("flow", baselines::flow_fill, views, i, flows, job.options.flow), std::nullopt};
+    };
+  const baselines::Inpainting inpainting =
+      job.method == job::Method::telea ? baselines::Inpainting::telea : baselines::Inpainting::navier_stokes;
+  return [&, inpainting](std::size_t i) -> result::FilledView {
+    return {cpu.time("inpaint", baselines::inpaint_frame, views, i, inpainting), std::nullopt};
+  };
+}
+
+}  // namespace
+
+result::RunReport run_baseline(const job::Job& job, Progress& progress, const FrameSink& sink) {
+  progress.plan(run_stages(job));
+  const inputs::Recordings drives = inputs::open_images(job, progress);
+  result::ResultFolder out(job, drives);
+  if (const std::optional<result::RunReport> finished = out.finished_report(progress)) return *finished;
+  out.claim();
+  inputs::verify(drives, job, progress);
+
+  const inputs::Poses poses = inputs::given_poses(drives);
+  const inputs::Masks masks = inputs::find_masks(drives, poses, job, progress);
+  const Views views = inputs::make_unposed_views(drives, masks);
+  const align::Cameras cameras(views);
+  result::CpuClock cpu;
+  const std::vector<std::size_t> missing = out.missing_frames(views, progress);
+  if (sink.begin) sink.begin(out.frame_names(), missing);
+  progress.begin("fill", missing.size());
+  for_each_smoothed(missing, views.of_sequence(0).second,
+                    {.fill = filler_of(job, views, cpu),
+                     .smoothing = smoothing(job.options.smooth, cpu),
+                     .write = out.writer(views, cameras, cpu, progress, sink.finished)});
+  return out.complete(
+      {.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu, .objects = *masks.front().objects},
+      progress);
+}
+
+}  // namespace dvi::run

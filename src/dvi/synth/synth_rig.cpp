@@ -1,0 +1,51 @@
+#include "dvi/synth/synth_rig.h"
+
+#include <numbers>
+
+namespace dvi::synth {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kSideways = std::numbers::pi / 3;                                // as on cars that see all round
+constexpr double kRightGain = 1.05, kSideLeftGain = 0.96, kSideRightGain = 1.02;  // no two cameras see alike
+
+/// Of a camera that looks along the LiDAR's x, at a place in LiDAR axes.
+SE3 looking_ahead(const Eigen::Matrix3d& error, const Vector3d& place) {
+  SE3 camera;
+  camera.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  camera.R = error * camera.R;
+  camera.t = camera.R * -place;
+  return camera;
+}
+
+SE3 turned(const SE3& camera_from_lidar, double left, const Vector3d& place) {
+  const Eigen::Matrix3d R = camera_from_lidar.R * so3_exp({0, 0, -left});
+  return {R, R * -place};
+}
+
+}  // namespace
+
+Camera make_lens(const SynthOptions& options) {
+  Camera lens;
+  lens.width = options.width;
+  lens.height = options.height;
+  lens.fx = lens.fy = 0.8 * options.width;
+  lens.cx = 0.5 * (options.width - 1);
+  lens.cy = 0.5 * (options.height - 1);
+  return lens;
+}
+
+std::vector<SceneCamera> make_rig(const SynthOptions& options) {
+  if (options.room) return {{"color", looking_ahead(Eigen::Matrix3d::Identity(), Vector3d::Zero())}};
+  const SE3 front = looking_ahead(so3_exp({0.012, -0.008, 0.004}), {0.27, 0.06, -0.12});
+  std::vector<SceneCamera> cameras = {{"front", front}};
+  if (options.stereo_m > 0) cameras.push_back({"right", SE3{front.R, front.t - Vector3d(options.stereo_m, 0, 0)}, kRightGain});
+  if (options.side_cameras) {
+    cameras.push_back({"side-left", turned(front, kSideways, {0.1, 0.4, -0.15}), kSideLeftGain});
+    cameras.push_back({"side-right", turned(front, -kSideways, {0.1, -0.4, -0.15}), kSideRightGain});
+  }
+  return cameras;
+}
+
+}  // namespace dvi::synth
