@@ -30,7 +30,7 @@ class Recording:
 
 HELD_OUT = {
     "lead": "a car ahead in the own lane",
-    "oncoming": "a car comes towards on the left",
+    "oncoming": "a car comes toward on the left",
     "crossing": "a pedestrian walks across",
     "parked": "a car stands at the right",
     "truck": "a truck ahead, always as near",
@@ -54,10 +54,10 @@ def street(size: tuple[int, int] = (640, 360), frames: int = FRAMES) -> list[Cas
         case("exact", "constant light, exact poses and calibration", synth("drive")),
         case("drift", "the exposure drifts from -12 % to +12 %", synth("drive", "--exposure-drift", "0.12")),
         case("jitter", "yaw and pitch of each image are off by up to 0.15 degrees", synth("drive", "--jitter-deg", "0.15")),
-        case("lorry", "a lorry stays close ahead all the time", synth("drive", "--lorry")),
+        case("truck", "a truck stays close ahead all the time", synth("drive", "--truck")),
         Case("street-far", STREET, "far", HELD_OUT["far"], (synth("street"), far), "far/truth", "far/ignore", "far/drive"),
-        case("two-days", "the same lorry; a second drive on another day, in other light, to copy from",
-             synth("drive", "--lorry"), synth("source", "--day", "2"), sources=("source",)),
+        case("two-days", "the same truck; a second drive on another day, in other light, to copy from",
+             synth("drive", "--truck"), synth("source", "--day", "2"), sources=("source",)),
     ]
 
 

@@ -41,9 +41,9 @@ class Costs(unittest.TestCase):
 
     def test_a_stage_that_is_new_here_follows_the_known_ones(self):
         report = copy.deepcopy(REPORT)
-        report["cost"]["fill"]["colour"] = {"cpu_seconds": 0.2}
+        report["cost"]["fill"]["color"] = {"cpu_seconds": 0.2}
         names = list(costs(report))
-        self.assertEqual(names[names.index("  write") + 1], "  colour")
+        self.assertEqual(names[names.index("  write") + 1], "  color")
 
     def test_a_run_that_went_on_from_all_frames_tells_nothing(self):
         report = copy.deepcopy(REPORT)

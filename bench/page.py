@@ -14,7 +14,7 @@ from variants import DVI, Variant, applies
 
 TREE = Path(__file__).resolve().parent.parent
 READING = TREE / "docs/benchmarks-reading.md"  # written by hand
-ORIGINS = {"copied": "copied", "interpolated": "interpolated", "synthesised": "synthesised", "empty": "left empty"}
+ORIGINS = {"copied": "copied", "interpolated": "interpolated", "synthesized": "synthesized", "empty": "left empty"}
 
 
 @dataclass
@@ -97,7 +97,7 @@ drives are synthetic streets with exact truth, and real drives into which `dvi h
 - Receipts: {audited(outcome)}
 
 [metrics.md](metrics.md) defines every figure. All methods are scored on the same pixels, and **copied**, **interpolated** and
-**synthesised** refer to the result of `dvi`: pixels copied from another frame, and of those that no frame saw the ones
+**synthesized** refer to the result of `dvi`: pixels copied from another frame, and of those that no frame saw the ones
 interpolated from their surroundings and the ones given texture as well. Intervals are 95 %, by bootstrap over frames. `-` is undefined.
 """
 
@@ -159,7 +159,7 @@ def confidence(outcome: Outcome) -> str:
         if told := outcome.evaluation(case, DVI.name)["confidence"]:
             rows.append([case.name, percent(told["mean"]), percent(told["within"]), cell(told["ece"], 3),
                          cell(told["ause"], 3)])
-    return ("## Is the confidence true?\nOf `dvi`: what it says on average, what share of the pixels is within 10 grey levels\n"
+    return ("## Is the confidence true?\nOf `dvi`: what it says on average, what share of the pixels is within 10 gray levels\n"
             "of the truth, how far the two are apart (ECE), and how badly it ranks the errors (AUSE). 0 is best for both.\n\n"
             + table(["case", "said", "true", "ECE", "AUSE"], rows)
             + "\nThe plots show said against true, a dot for each tenth of the pixels: on the dashed line the confidence is true, above\n"
@@ -218,7 +218,7 @@ def shown(text: str) -> str:
 def crops_note(names: dict[str, str]) -> str:
     return (f"Above: frame {names['median']}, where the error of `dvi` is its median, where most is scored. "
             f"Below: frame {names['worst']}, its worst, where it errs most. In the last tile green is copied, blue copied from "
-            "another drive, yellow interpolated, red synthesised.\n")
+            "another drive, yellow interpolated, red synthesized.\n")
 
 
 HOW = """## Another program, another drive
@@ -262,7 +262,7 @@ def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command:
     for case in outcome.finished():
         text.append(details(outcome, case, scorer))
         names = picture_names(outcome.evaluation(case, DVI.name))
-        # Recordings have owners, and licences that this repository's does not go with: their pictures stay in build/.
+        # Recordings have owners, and licenses that this repository's does not go with: their pictures stay in build/.
         ours = case.group == STREET
         place = (images if ours else scorer.root / "crops") / f"{case.name}.jpg"
         place.parent.mkdir(parents=True, exist_ok=True)

@@ -56,7 +56,7 @@ def plot_psnr(outcome: Outcome, file: Path) -> None:
 
 
 def plot_confidence(outcome: Outcome, file: Path) -> None:
-    """A column a group, a line a case: what dvi's confidence says against the share within 10 grey levels (a reliability diagram,
+    """A column a group, a line a case: what dvi's confidence says against the share within 10 gray levels (a reliability diagram,
     a dot for each tenth of the pixels), and below against the mean error."""
     groups = outcome.groups()
     figure, axes = pyplot.subplots(2, len(groups), figsize=(9.5, 5.6), sharex=True, sharey="row", squeeze=False,
@@ -74,8 +74,8 @@ def plot_confidence(outcome: Outcome, file: Path) -> None:
         top.legend(frameon=False, loc="upper left", fontsize=7)
         for axis in (top, bottom):
             axis.grid(alpha=0.3)
-    axes[0][0].set_ylabel("true: share within 10 grey levels")
-    axes[1][0].set_ylabel("mean error, grey levels")
+    axes[0][0].set_ylabel("true: share within 10 gray levels")
+    axes[1][0].set_ylabel("mean error, gray levels")
     save(figure, file)
 
 
@@ -115,10 +115,10 @@ def picture(folder: Path, name: str) -> Image.Image:
 
 
 def kinds(original: Image.Image, kind: np.ndarray) -> Image.Image:
-    """Where dvi got each pixel from, in colours on the input."""
+    """Where dvi got each pixel from, in colors on the input."""
     painted = np.array(original) // 2 + 64
-    for value, colour in KINDS.items():
-        painted[kind == value] = painted[kind == value] // 2 + np.array(colour, np.uint8) // 2
+    for value, color in KINDS.items():
+        painted[kind == value] = painted[kind == value] // 2 + np.array(color, np.uint8) // 2
     return Image.fromarray(painted)
 
 

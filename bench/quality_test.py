@@ -99,8 +99,8 @@ class Arguments(unittest.TestCase):
         outcome = page.Outcome([], [], [], [], [], {("a", "dvi"): {"audit": ""}, ("a", "paper"): {"audit": ""}, ("a", "net"): {}}, [])
         self.assertEqual(outcome.failed_audits(), [])
         self.assertIn("2 runs, all pass", page.audited(outcome))
-        outcome.results["a", "paper"]["audit"] = "colour: 3 pixels"
-        self.assertEqual(outcome.failed_audits(), [("a", "paper", "fails the audit: colour: 3 pixels")])
+        outcome.results["a", "paper"]["audit"] = "color: 3 pixels"
+        self.assertEqual(outcome.failed_audits(), [("a", "paper", "fails the audit: color: 3 pixels")])
         self.assertIn("**1 of 2 runs fail `dvi audit`**", page.audited(outcome))
         self.assertIn("paper on a", page.audited(outcome))
 

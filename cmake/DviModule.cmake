@@ -20,7 +20,7 @@ function(dvi_module name)
     target_link_libraries(dvi_${name} INTERFACE dvi::settings ${arg_PUBLIC})
   endif()
   add_library(dvi::${name} ALIAS dvi_${name})
-  set_property(GLOBAL APPEND PROPERTY DVI_ROOMS ${name})
+  set_property(GLOBAL APPEND PROPERTY DVI_MODULES ${name})
 
   if(DVI_TESTS AND tests)
     add_executable(dvi_${name}_test ${tests})

@@ -8,7 +8,7 @@ target_compile_options(dvi_settings INTERFACE
   "$<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-stringop-overflow>>")
 # The same bytes on every machine: no fused multiply-add where the source has none.
 target_compile_options(dvi_settings INTERFACE -ffp-contract=off)
-# For the rooms that include toml++, which asserts that a key follows each '['. A file where none does must be refused
+# For the modules that include toml++, which asserts that a key follows each '['. A file where none does must be refused
 # (core/toml_file.h), not end the program.
 set(DVI_TOML "-DTOML_ASSERT(holds)=((holds) ? void() : throw std::runtime_error(#holds))" $<$<CXX_COMPILER_ID:GNU>:-Wno-terminate>)
 if(DVI_SANITIZE)  # its tables call letters from U+00A1 on unreachable

@@ -34,11 +34,11 @@ cv::Mat to_rgb(const cv::Mat& bgr) {
 }
 
 Frame to_frame(const std::string& name, std::size_t number, const harmonize::FilledFrame& filled) {
-  cv::Mat colour;
-  filled.colour.convertTo(colour, CV_8U);
+  cv::Mat color;
+  filled.color.convertTo(color, CV_8U);
   cv::Mat depth = filled.depth.clone();
   depth.setTo(depth::DepthMap::kUnknown, filled.depth >= depth::DepthMap::kInfinity);
-  return {name, number, to_rgb(colour), filled.mask, filled.kind, filled.provenance, filled.confidence, depth};
+  return {name, number, to_rgb(color), filled.mask, filled.kind, filled.provenance, filled.confidence, depth};
 }
 
 }  // namespace
@@ -77,9 +77,9 @@ void Run::push(std::size_t number, const harmonize::FilledFrame& filled) {
   std::unique_lock lock(task_->mutex);
   // One that is next always fits: others may wait for it.
   task_->changed.wait(lock, [&] {
-    return task_->cancelled || drained_ || number == next_ || made_.size() < static_cast<std::size_t>(thread_count());
+    return task_->canceled || drained_ || number == next_ || made_.size() < static_cast<std::size_t>(thread_count());
   });
-  if (task_->cancelled) throw Interrupted();
+  if (task_->canceled) throw Interrupted();
   if (!drained_) made_[number] = std::move(frame);
   task_->changed.notify_all();
 }
@@ -93,10 +93,10 @@ Frame Run::read(std::size_t number) const {
   return {names_[number],
           number,
           to_rgb(dvi::media::read_image(out / "frames" / file, size)),
-          dvi::media::read_png_grey(out / "masks" / file, size),
-          dvi::media::read_png_grey(out / "kind" / file, size),
+          dvi::media::read_png_gray(out / "masks" / file, size),
+          dvi::media::read_png_gray(out / "kind" / file, size),
           dvi::media::read_png_triples(out / "provenance" / file, size),
-          dvi::media::read_png_grey(out / "confidence" / file, size),
+          dvi::media::read_png_gray(out / "confidence" / file, size),
           depth};
 }
 

@@ -17,7 +17,7 @@ namespace dvi::python {
 /// The matrix as a numpy array, which keeps it alive; nothing is copied.
 pybind11::array to_array(const cv::Mat& mat);
 
-/// A finished frame as Python has it: like the files of a result, but colours in the order R, G, B and depth in metres.
+/// A finished frame as Python has it: like the files of a result, but colors in the order R, G, B and depth in meters.
 struct Frame {
   std::string name;
   std::size_t index = 0;

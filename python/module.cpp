@@ -83,9 +83,9 @@ void write_rgb(const std::string& path, const Bytes& rgb) {
   dvi::media::write_png(path, bgr);
 }
 
-void write_grey(const std::string& path, const Bytes& grey) {
-  const cv::Mat view(static_cast<int>(grey.shape(0)), static_cast<int>(grey.shape(1)), CV_8UC1,
-                     const_cast<std::uint8_t*>(grey.data()));
+void write_gray(const std::string& path, const Bytes& gray) {
+  const cv::Mat view(static_cast<int>(gray.shape(0)), static_cast<int>(gray.shape(1)), CV_8UC1,
+                     const_cast<std::uint8_t*>(gray.data()));
   const py::gil_scoped_release released;
   dvi::media::write_png(path, view);
 }
@@ -94,13 +94,13 @@ py::tuple read_map(const std::string& ply) {
   const std::vector<exports::CloudPoint> cloud = exports::read_map_cloud(ply);
   const auto rows = static_cast<py::ssize_t>(cloud.size());
   py::array_t<float> points({rows, py::ssize_t{3}});
-  py::array_t<std::uint8_t> colours({rows, py::ssize_t{3}});
+  py::array_t<std::uint8_t> colors({rows, py::ssize_t{3}});
   for (py::ssize_t i = 0; i < rows; ++i)
     for (int k = 0; k < 3; ++k) {
       points.mutable_at(i, k) = cloud[static_cast<std::size_t>(i)].position[k];
-      colours.mutable_at(i, k) = cloud[static_cast<std::size_t>(i)].colour[2 - k];
+      colors.mutable_at(i, k) = cloud[static_cast<std::size_t>(i)].color[2 - k];
     }
-  return py::make_tuple(points, colours);
+  return py::make_tuple(points, colors);
 }
 
 void bind_frames(py::module_& m) {
@@ -184,7 +184,7 @@ PYBIND11_MODULE(_dvi, m) {
   bind_frames(m);
   bind_commands(m);
   m.def("write_rgb", &write_rgb);
-  m.def("write_grey", &write_grey);
+  m.def("write_gray", &write_gray);
   m.def("read_map", &read_map);
 }
 

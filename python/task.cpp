@@ -13,7 +13,7 @@ namespace py = pybind11;
 
 namespace {
 
-// As the program has it: frames are worked on in parallel. Put back afterwards, for Debian's cv2 shares the library.
+// As the program has it: frames are worked on in parallel. Put back afterward, for Debian's cv2 shares the library.
 class OpenCvOnOneThread {
  public:
   OpenCvOnOneThread() : before_(cv::getNumThreads()) { cv::setNumThreads(1); }
@@ -49,7 +49,7 @@ void Task::cancel() {
   const py::gil_scoped_release released;
   {
     const std::lock_guard lock(mutex);
-    cancelled = true;
+    canceled = true;
     progress_.cancel();
     changed.notify_all();
   }

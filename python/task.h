@@ -14,7 +14,7 @@
 namespace dvi::python {
 
 /// Work in a thread of its own, so that Python may wait for it with Ctrl-C and a callback, both in the caller's thread. What the
-/// work throws is thrown by wait(). Destroyed earlier, it is cancelled.
+/// work throws is thrown by wait(). Destroyed earlier, it is canceled.
 class Task {
  public:
   using Work = std::function<void(Progress& progress)>;
@@ -36,7 +36,7 @@ class Task {
 
   std::mutex mutex;
   std::condition_variable changed;
-  bool cancelled = false, ended = false;  ///< under `mutex`
+  bool canceled = false, ended = false;  ///< under `mutex`
 
  private:
   void report(const Callback& callback);

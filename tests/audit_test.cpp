@@ -23,7 +23,7 @@ class AuditCommand : public ProgramTest {
   fs::path picture(const std::string& kind) const { return folder / "out" / kind / (name + ".png"); }
 
   cv::Point first_of_kind(int kind) const {
-    const cv::Mat1b kinds = media::read_png_grey(picture("kind"), kSize);
+    const cv::Mat1b kinds = media::read_png_gray(picture("kind"), kSize);
     for (int y = 0; y < kSize.height; ++y)
       for (int x = 0; x < kSize.width; ++x)
         if (kinds(y, x) == kind) return {x, y};
@@ -62,14 +62,14 @@ TEST_F(AuditCommand, FindsOnePixelThatWasTamperedWith) {
   const cv::Point copied = first_of_kind(1), kept = first_of_kind(0);
   frame(copied)[1] = static_cast<uchar>(frame(copied)[1] ^ 1);
   media::write_png(picture("frames"), frame);
-  expect_breach("colour", 1);
+  expect_breach("color", 1);
   frame(kept)[0] = static_cast<uchar>(frame(kept)[0] ^ 1);
   media::write_png(picture("frames"), frame);
   expect_breach("outside", 1);
 }
 
 TEST_F(AuditCommand, FindsAMaskThatWasShrunk) {
-  cv::Mat1b mask = media::read_png_grey(picture("masks"), kSize);
+  cv::Mat1b mask = media::read_png_gray(picture("masks"), kSize);
   mask(first_of_kind(1)) = 0;
   media::write_png(picture("masks"), mask);
   expect_breach("mask", 1);

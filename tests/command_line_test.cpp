@@ -37,7 +37,7 @@ TEST_F(CommandLine, UsageErrorsEndInTwo) {
                                 "run drive -o out --set odometry.min_range_m=3",
                                 "run drive -o out --method magic",
                                 "run drive -o out --remove none",
-                                "run drive -o out --polarity grey",
+                                "run drive -o out --polarity gray",
                                 "run drive -o out --poses loam-of-tomorrow --set x",
                                 "run drive -o out --config missing.toml",
                                 "synth",

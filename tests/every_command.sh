@@ -15,7 +15,7 @@ dvi() {
   cat stdout stderr
   exit 1
 }
-street() { dvi synth --frames 6 --width 160 --height 96 --beams 24 --columns 500 --lorry "$@"; }
+street() { dvi synth --frames 6 --width 160 --height 96 --beams 24 --columns 500 --truck "$@"; }
 
 street -o one
 street -o two --day 2

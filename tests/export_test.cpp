@@ -15,7 +15,7 @@ class ExportTest : public ProgramTest {};
 
 // The world's x axis points east.
 std::vector<GeoFix> fixes_along(const fs::path& drive) {
-  constexpr double kNorthDegree = 111'210, kEastDegree = 73'157;  // metres, at that latitude
+  constexpr double kNorthDegree = 111'210, kEastDegree = 73'157;  // meters, at that latitude
   std::vector<GeoFix> fixes;
   const Trajectory path = datasets::read_drive(drive).poses;
   for (const StampedPose& pose : path.poses()) {
@@ -41,8 +41,8 @@ TEST_F(ExportTest, IsReadByOtherTools) {
 
   // Masks hide what nobody saw, and nothing else.
   for (const fs::path& file : list_files(folder / "out/kind", {".png"})) {
-    const cv::Mat1b kind = media::read_png_grey(file, kSize);
-    const cv::Mat1b mask = media::read_png_grey(folder / "exports/colmap/masks" / (file.filename().string() + ".png"), kSize);
+    const cv::Mat1b kind = media::read_png_gray(file, kSize);
+    const cv::Mat1b mask = media::read_png_gray(folder / "exports/colmap/masks" / (file.filename().string() + ".png"), kSize);
     EXPECT_EQ(cv::countNonZero(cv::Mat1b(kind <= 2) != mask), 0);
     EXPECT_EQ(read_file(folder / "out/frames" / file.filename()),
               read_file(folder / "exports/colmap/images" / file.filename()));

@@ -38,13 +38,13 @@ def check_colmap(folder, sources):
     close(cx, sources["cameras"][0]["K"][2] + 0.5, 1e-6)
     points = {int(line.split()[0]): [float(v) for v in line.split()[1:4]] for line in lines(model / "points3D.txt")}
     text = lines(model / "images.txt")
-    centres, seen = {}, 0
+    centers, seen = {}, 0
     for head, tail in zip(text[::2], text[1::2]):
         words, observed = head.split(), tail.split()
         q, t = [float(v) for v in words[1:5]], [float(v) for v in words[5:8]]
         assert (folder / "images" / words[9]).exists() and (folder / "masks" / (words[9] + ".png")).exists(), words
         conjugate = [q[0], -q[1], -q[2], -q[3]]
-        centres[words[9]] = [-v for v in rotate(conjugate, t)]
+        centers[words[9]] = [-v for v in rotate(conjugate, t)]
         for u, v, point in zip(observed[::3], observed[1::3], observed[2::3]):
             x, y, z = (a + b for a, b in zip(rotate(q, points[int(point)]), t))
             close(fx * x / z + cx, float(u), 0.05)
@@ -55,17 +55,17 @@ def check_colmap(folder, sources):
         text = subprocess.run(["colmap", "model_analyzer", "--path", model], check=True, capture_output=True, text=True,
                               env={"QT_QPA_PLATFORM": "offscreen", "PATH": "/usr/bin:/bin"})
         text = text.stdout + text.stderr
-        assert f"Registered images: {len(centres)}" in text and f"Points: {len(points)}" in text, text
-    return centres
+        assert f"Registered images: {len(centers)}" in text and f"Points: {len(points)}" in text, text
+    return centers
 
 
-def check_nerfstudio(folder, centres):
+def check_nerfstudio(folder, centers):
     table = json.loads((folder / "transforms.json").read_text())
-    assert {frame["file_path"] for frame in table["frames"]} == {"images/" + name for name in centres}
+    assert {frame["file_path"] for frame in table["frames"]} == {"images/" + name for name in centers}
     for frame in table["frames"]:
         matrix = frame["transform_matrix"]
         for axis in range(3):
-            close(matrix[axis][3], centres[frame["file_path"].removeprefix("images/")][axis], 1e-4)
+            close(matrix[axis][3], centers[frame["file_path"].removeprefix("images/")][axis], 1e-4)
         close(-matrix[0][2], 1, 0.2)  # looks along the world's x
         close(matrix[2][1], 1, 0.2)  # up is the world's z
         for part in ("file_path", "mask_path", "depth_file_path"):
@@ -137,12 +137,12 @@ def check_ortho(folder, place):
         print("skipped: gdalinfo is not installed (gdal-bin)")
         return
     read = lambda name: json.loads(subprocess.check_output(["gdalinfo", "-json", "-stats", folder / name]))
-    colour, evidence = read("ortho.tif"), read("evidence.tif")
-    assert [band["colorInterpretation"] for band in colour["bands"]] == ["Red", "Green", "Blue", "Alpha"], colour["bands"]
-    assert colour["size"] == evidence["size"] and colour["geoTransform"] == evidence["geoTransform"]
+    color, evidence = read("ortho.tif"), read("evidence.tif")
+    assert [band["colorInterpretation"] for band in color["bands"]] == ["Red", "Green", "Blue", "Alpha"], color["bands"]
+    assert color["size"] == evidence["size"] and color["geoTransform"] == evidence["geoTransform"]
     assert abs(place["latitude_deg"] - 49.01) < 1e-4 and abs(place["longitude_deg"] - 8.43) < 1e-4, place
     assert abs(place["heading_deg"] - 90) < 2 and place["residual_m"] < 0.05, place
-    wkt = colour["coordinateSystem"]["wkt"]
+    wkt = color["coordinateSystem"]["wkt"]
     latitude = float(re.search(r'Latitude of natural origin",([\d.]+)', wkt)[1])
     assert abs(latitude - place["latitude_deg"]) < 1e-8 and "WGS 84" in wkt, wkt
     source, age, confidence, height = evidence["bands"]
@@ -155,10 +155,10 @@ def check_ortho(folder, place):
 def main():
     out, exports = map(Path, sys.argv[1:])
     sources = json.loads((out / "sources.json").read_text())
-    centres = check_colmap(exports / "colmap", sources)
-    check_nerfstudio(exports / "nerfstudio", centres)
+    centers = check_colmap(exports / "colmap", sources)
+    check_nerfstudio(exports / "nerfstudio", centers)
     check_las(exports / "las/map.las", read_ply(exports / "ply/map.ply"))
-    check_mcap(exports / "mcap/drive.mcap", len(centres))
+    check_mcap(exports / "mcap/drive.mcap", len(centers))
     if (exports / "ortho").exists():
         check_ortho(exports / "ortho", json.loads((out / "report.json").read_text())["drives"][0]["place"])
     print("every export can be read")

@@ -52,7 +52,7 @@ class Layouts : public ProgramTest {
       fs::copy_file(folder / fmt::format("drive/masks/front/{:06d}.png", i), folder / "masks" / (name(i) + ".png"),
                     fs::copy_options::overwrite_existing);
   }
-  // But for so many colours a frame that are off by one level: with poses as quaternions some at the edge of rounding go the
+  // But for so many colors a frame that are off by one level: with poses as quaternions some at the edge of rounding go the
   // other way.
   void expect_same_frames(const std::string& drive, const std::function<std::string(int)>& name, int off = 0) const {
     name_masks([](int i) { return fmt::format("{:06d}", i); });

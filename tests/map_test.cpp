@@ -19,7 +19,7 @@ class OtherSources : public ProgramTest {
     make_folder((folder / to).parent_path());
     fs::copy(folder / from, folder / to, fs::copy_options::recursive);
   }
-  /// Mean difference of the frames of two results, grey levels.
+  /// Mean difference of the frames of two results, gray levels.
   double difference(const std::string& a, const std::string& b) const {
     double sum = 0;
     const auto files = list_files(folder / a / "frames", {".png"});

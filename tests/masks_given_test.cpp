@@ -65,9 +65,9 @@ TEST_F(GivenMasks, RunTakesCoco) {
   EXPECT_EQ(dvi("audit out drive --quiet").code, 0);
   EXPECT_EQ(dvi("mask drive -o cars --masks coco.json --classes car" + exactly).code, 0);
   EXPECT_EQ(differing(result("cars", 1), own[1]), 0);
-  const Result lorries = dvi("mask drive -o none --masks coco.json --classes lorry" + exactly);
-  EXPECT_EQ(lorries.code, 2);
-  EXPECT_THAT(lorries.err, HasSubstr("no label is called 'lorry'; there are car"));
+  const Result trucks = dvi("mask drive -o none --masks coco.json --classes truck" + exactly);
+  EXPECT_EQ(trucks.code, 2);
+  EXPECT_THAT(trucks.err, HasSubstr("no label is called 'truck'; there are car"));
 }
 
 TEST_F(GivenMasks, RunTakesCvat) {

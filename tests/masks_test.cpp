@@ -19,7 +19,7 @@ using testing::HasSubstr;
 class MasksOfDrives : public ProgramTest {
  protected:
   // A drive of which nobody said what to remove.
-  fs::path unlabelled(const std::string& name) const {
+  fs::path unlabeled(const std::string& name) const {
     const fs::path drive = small_drive(name, "", 12);
     fs::remove_all(drive / "masks");
     fs::remove(drive / "boxes.json");
@@ -46,7 +46,7 @@ class MasksOfDrives : public ProgramTest {
 };
 
 TEST_F(MasksOfDrives, ADriveWithoutMasksAndLabelsJustRuns) {
-  unlabelled("drive");
+  unlabeled("drive");
   const Result check = dvi("check drive --quiet");
   EXPECT_EQ(check.code, 0) << check.err;
   EXPECT_THAT(check.out, HasSubstr("dvi run finds what moves"));
@@ -57,8 +57,8 @@ TEST_F(MasksOfDrives, ADriveWithoutMasksAndLabelsJustRuns) {
   EXPECT_EQ(dvi("audit out drive --quiet").code, 0);
 }
 
-TEST_F(MasksOfDrives, LittleTrafficIsCopiedFromASourceDriveThatNobodyLabelled) {
-  small_drive("drive", "--lorry", 12);
+TEST_F(MasksOfDrives, LittleTrafficIsCopiedFromASourceDriveThatNobodyLabeled) {
+  small_drive("drive", "--truck", 12);
   const fs::path source = small_drive("source", "--day 2", 12);
   fs::remove_all(source / "masks");
   fs::remove(source / "boxes.json");
@@ -90,7 +90,7 @@ TEST_F(MasksOfDrives, LittleTrafficIsCopiedFromASourceDriveThatNobodyLabelled) {
 }
 
 TEST_F(MasksOfDrives, CheckPromisesOnlyWhatRunFinds) {
-  const fs::path drive = unlabelled("drive");
+  const fs::path drive = unlabeled("drive");
   fs::remove_all(drive / "lidar");
   fs::remove(drive / "poses.txt");
   const Result check = dvi("check drive --quiet");
@@ -101,7 +101,7 @@ TEST_F(MasksOfDrives, CheckPromisesOnlyWhatRunFinds) {
 }
 
 TEST_F(MasksOfDrives, WhatMaskWritesRunTakes) {
-  unlabelled("drive");
+  unlabeled("drive");
   const Result mask = dvi("mask drive -o masks --poses given --quiet");
   ASSERT_EQ(mask.code, 0) << mask.err;
   const nlohmann::json masks = json("masks/masks.json");
@@ -115,8 +115,8 @@ TEST_F(MasksOfDrives, WhatMaskWritesRunTakes) {
 }
 
 TEST_F(MasksOfDrives, FoundMasksHoldWhatMovesAndLittleElse) {
-  const fs::path truth = small_drive("labelled", "", 12) / "masks/front";
-  unlabelled("drive");
+  const fs::path truth = small_drive("labeled", "", 12) / "masks/front";
+  unlabeled("drive");
   ASSERT_EQ(dvi("mask drive -o masks --poses given --quiet").code, 0);
   const Overlap overlap = overlap_with(truth);
   EXPECT_GT(overlap.both / overlap.wanted, 0.95);
@@ -148,12 +148,12 @@ TEST_F(MasksOfDrives, MaskOverwritesNothing) {
 }
 
 TEST_F(MasksOfDrives, LabelsSayWhatMovesAndOneFrameHasNothingThatDoes) {
-  small_drive("labelled", "", 12);
-  ASSERT_EQ(dvi("mask labelled -o masks --masks labels --poses given --remove moving --quiet").code, 0);
+  small_drive("labeled", "", 12);
+  ASSERT_EQ(dvi("mask labeled -o masks --masks labels --poses given --remove moving --quiet").code, 0);
   const nlohmann::json masks = json("masks/masks.json");
   EXPECT_EQ(masks.at("source"), "labels");
   for (const nlohmann::json& track : masks.at("tracks")) EXPECT_EQ(track.at("moves"), track.at("removed"));
-  unlabelled("drive");
+  unlabeled("drive");
   const Result one = dvi("mask drive -o one --poses given --frames 3");
   EXPECT_EQ(one.code, 0) << one.err;
   EXPECT_THAT(one.err, HasSubstr("nothing moves in it"));
@@ -174,8 +174,8 @@ TEST_F(MasksOfDrives, WhereNothingMovesTheResultIsTheInput) {
 }
 
 TEST_F(MasksOfDrives, TrafficIsFoundAtNightByTheScans) {
-  const fs::path truth = small_drive("labelled", "", 12) / "masks/front";
-  const fs::path drive = unlabelled("drive");
+  const fs::path truth = small_drive("labeled", "", 12) / "masks/front";
+  const fs::path drive = unlabeled("drive");
   for (const fs::directory_entry& file : fs::directory_iterator(drive / "images/front"))
     media::write_png(file.path(), cv::Mat3b(media::read_image(file.path(), kSize) * 0.02));
   ASSERT_EQ(dvi("mask drive -o masks --poses given --quiet").code, 0);
@@ -185,7 +185,7 @@ TEST_F(MasksOfDrives, TrafficIsFoundAtNightByTheScans) {
 }
 
 TEST_F(MasksOfDrives, ABaselineNeedsMasks) {
-  unlabelled("drive");
+  unlabeled("drive");
   const Result run = dvi("run drive -o out --method telea --quiet");
   EXPECT_EQ(run.code, 3);
   EXPECT_THAT(run.err, HasSubstr("dvi mask"));

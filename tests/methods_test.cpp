@@ -21,8 +21,8 @@ class Methods : public ProgramTest {
   void expect_whole_result(const std::string& out) const {
     for (const fs::path& input : list_files(folder / "drive/images/front", {".png"})) {
       const std::string name = input.filename();
-      const cv::Mat1b kind = media::read_png_grey(folder / out / "kind" / name, kSize);
-      const cv::Mat1b mask = media::read_png_grey(folder / out / "masks" / name, kSize);
+      const cv::Mat1b kind = media::read_png_gray(folder / out / "kind" / name, kSize);
+      const cv::Mat1b mask = media::read_png_gray(folder / out / "masks" / name, kSize);
       const cv::Mat3b original = media::read_image(input, kSize),
                       filled = media::read_image(folder / out / "frames" / name, kSize);
       EXPECT_EQ(cv::countNonZero(media::read_png_depth(folder / out / "depth" / name, kSize)), 0);
@@ -118,8 +118,8 @@ TEST_F(Methods, OnlyBaselinesDoWithoutPosesAndScans) {
 }
 
 TEST_F(Methods, ForecastSaysWhatTheRunThenReports) {
-  small_drive("one", "--lorry");
-  small_drive("two", "--lorry --day 2");
+  small_drive("one", "--truck");
+  small_drive("two", "--truck --day 2");
   for (const std::string drives : {"one", "one two"}) {
     const Result result = dvi("forecast " + drives + " -o chart --json --quiet");
     ASSERT_EQ(result.code, 0) << result.err;

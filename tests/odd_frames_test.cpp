@@ -17,12 +17,12 @@ class OddFrames : public ProgramTest {
  protected:
   fs::path file(const std::string& kind, int frame) const { return folder / kind / ("00000" + std::to_string(frame) + ".png"); }
   cv::Mat3b image(int frame) const { return media::read_image(file("drive/images/front", frame), kSize); }
-  cv::Mat1b mask(int frame) const { return media::read_png_grey(file("drive/masks/front", frame), kSize); }
+  cv::Mat1b mask(int frame) const { return media::read_png_gray(file("drive/masks/front", frame), kSize); }
 
   /// The mean of what was filled, over all channels.
   double filled_mean(int frame) const {
     const cv::Mat3b filled = media::read_image(file("out/frames", frame), kSize);
-    const cv::Mat1b kind = media::read_png_grey(file("out/kind", frame), kSize);
+    const cv::Mat1b kind = media::read_png_gray(file("out/kind", frame), kSize);
     EXPECT_EQ(cv::countNonZero(kind), cv::countNonZero(mask(frame))) << "frame " << frame << ": every pixel is filled";
     const cv::Scalar mean = cv::mean(filled, cv::Mat1b(kind > 0));
     return (mean[0] + mean[1] + mean[2]) / 3;
@@ -41,7 +41,7 @@ TEST_F(OddFrames, BlackWhiteDarkWholeAndCut) {
   const Result run = dvi("run drive -o out --poses given --masks drive/masks/front --set masks.shadows=false");
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("% never seen ("));
-  EXPECT_THAT(run.out, HasSubstr("% synthesised"));
+  EXPECT_THAT(run.out, HasSubstr("% synthesized"));
   EXPECT_LT(filled_mean(0), 60);
   EXPECT_GT(filled_mean(1), 195);
   EXPECT_LT(filled_mean(2), 60);

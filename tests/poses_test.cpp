@@ -34,7 +34,7 @@ class Poses : public ProgramTest {
     return poses;
   }
 
-  /// Metres at most between two tracks, each seen from its first pose.
+  /// Meters at most between two tracks, each seen from its first pose.
   static double apart(const std::vector<SE3>& a, const std::vector<SE3>& b) {
     double worst = a.size() == b.size() ? 0 : INFINITY;
     for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
@@ -48,13 +48,13 @@ class Poses : public ProgramTest {
     return nlohmann::json::parse(result.out)["poses"];
   }
 
-  /// Moves every given pose by `metres`, to and fro.
-  void shake(const std::string& drive, double metres) const {
+  /// Moves every given pose by `meters`, to and fro.
+  void shake(const std::string& drive, double meters) const {
     std::string text;
     int line_number = 0;
     for (const std::string& line : read_lines(folder / drive / "poses.txt")) {
       const std::size_t last = line.rfind(' ');
-      const double z = std::stod(line.substr(last)) + (line_number++ % 2 == 0 ? metres : -metres);
+      const double z = std::stod(line.substr(last)) + (line_number++ % 2 == 0 ? meters : -meters);
       text += line.substr(0, last) + " " + std::to_string(z) + "\n";
     }
     write_file(folder / drive / "poses.txt", text);

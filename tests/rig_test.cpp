@@ -23,7 +23,7 @@ constexpr uchar kOtherCamera = 2;
 
 class Rig : public ProgramTest {
  protected:
-  fs::path stereo_drive() const { return small_drive("drive", "--stereo-m 0.5 --lorry"); }
+  fs::path stereo_drive() const { return small_drive("drive", "--stereo-m 0.5 --truck"); }
   /// The receipts of a frame, and its first pixel that came from another camera.
   std::pair<fs::path, cv::Point> first_lent(const std::string& out) const {
     for (const fs::path& file : frames(out)) {
@@ -43,7 +43,7 @@ class Rig : public ProgramTest {
 
   struct Lent {
     int pixels = 0;
-    double error = 0;  // grey levels, mean
+    double error = 0;  // gray levels, mean
   };
   // What came from the other camera, against the street without its traffic.
   Lent lent(const std::string& out) const {
@@ -62,9 +62,9 @@ class Rig : public ProgramTest {
     return sum;
   }
 
-  /// A drive whose labels are of what the first camera sees, with the label of the lorry changed for each mask of that camera.
+  /// A drive whose labels are of what the first camera sees, with the label of the truck changed for each mask of that camera.
   template <class Change>
-  void label_lorry_by(const Change& change) const {
+  void label_truck_by(const Change& change) const {
     stereo_drive();
     const fs::path file = folder / "drive/boxes.json";
     nlohmann::json boxes = nlohmann::json::parse(read_file(file));
@@ -122,19 +122,19 @@ TEST_F(Rig, WithoutMasksOfItsOwnItTakesThoseOfTheFirst) {
 }
 
 // Labels of what the first camera sees: nothing tells what stands outside of its view.
-TEST_F(Rig, LabelledBoxesOfTheFirstMaskTheOther) {
-  label_lorry_by([](nlohmann::json&, const fs::path&) {});
+TEST_F(Rig, LabeledBoxesOfTheFirstMaskTheOther) {
+  label_truck_by([](nlohmann::json&, const fs::path&) {});
   expect_masked_by_labels();
 }
 
 TEST_F(Rig, LabelsWithoutABoxAreCarriedOver) {
-  label_lorry_by([&](nlohmann::json& lorry, const fs::path& mask) {
-    cv::Mat labels, stats, centres;
-    cv::connectedComponentsWithStats(cv::Mat1b(read(mask)), labels, stats, centres);
+  label_truck_by([&](nlohmann::json& truck, const fs::path& mask) {
+    cv::Mat labels, stats, centers;
+    cv::connectedComponentsWithStats(cv::Mat1b(read(mask)), labels, stats, centers);
     cv::Mat1i areas = stats.rowRange(1, stats.rows).col(cv::CC_STAT_AREA).clone();
     const auto largest = static_cast<int>(std::max_element(areas.begin(), areas.end()) - areas.begin()) + 1;
     const int* s = stats.ptr<int>(largest);
-    lorry = {{"track", lorry["track"]}, {"class", lorry["class"]}, {"rect", {s[0], s[1], s[2], s[3]}}};
+    truck = {{"track", truck["track"]}, {"class", truck["class"]}, {"rect", {s[0], s[1], s[2], s[3]}}};
   });
   expect_masked_by_labels();
 }
@@ -153,7 +153,7 @@ TEST_F(Rig, AuditChecksTheMasksOfTheOtherCamera) {
   std::vector<cv::Point> masked;
   cv::findNonZero(cv::Mat1b(read(kept)), masked);
   ASSERT_FALSE(masked.empty());
-  // The lorry, as far as its mask could be carried over.
+  // The truck, as far as its mask could be carried over.
   const cv::Mat1b true_mask = read(folder / "originals" / (sources.at(source).at("frame").get<std::string>() + ".png"));
   EXPECT_GT(cv::countNonZero(cv::Mat1b(read(kept) & true_mask)), cv::countNonZero(true_mask) / 2);
 
@@ -215,24 +215,24 @@ TEST_F(Rig, ACameraThatCannotBeReadIsLeftOut) {
   EXPECT_TRUE(cameras_of("out").empty());
 }
 
-TEST_F(Rig, AGreyCameraLendsNoColours) {
+TEST_F(Rig, AGrayCameraLendsNoColors) {
   const fs::path drive = stereo_drive();
   for (const fs::path& file : list_files(drive / "images/right", {".png"}))
     media::write_png(file, cv::imread(file.string(), cv::IMREAD_GRAYSCALE));
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   ASSERT_EQ(cameras_of("out").size(), 1U);
-  EXPECT_TRUE(cameras_of("out")[0]["grey"].get<bool>());
+  EXPECT_TRUE(cameras_of("out")[0]["gray"].get<bool>());
   EXPECT_EQ(lent("out").pixels, 0);
   EXPECT_EQ(dvi("audit out drive").code, 0);
   ASSERT_EQ(dvi("holdout drive --scenario lead -o case --quiet").code, 0);
-  EXPECT_FALSE(fs::exists(folder / "case/drive/images/right")) << "virtual vehicles have colours";
-  // As the target it is filled from its own frames: no colours come into a grey picture.
+  EXPECT_FALSE(fs::exists(folder / "case/drive/images/right")) << "virtual vehicles have colors";
+  // As the target it is filled from its own frames: no colors come into a gray picture.
   ASSERT_EQ(dvi("run drive -o right --quiet --camera right").code, 0);
   EXPECT_EQ(lent("right").pixels, 0);
   EXPECT_EQ(dvi("audit right drive").code, 0);
 }
 
-TEST_F(Rig, ADamagedFirstImageIsNotTakenForAGreyOne) { expect_named_if_damaged("right/000000.png"); }
+TEST_F(Rig, ADamagedFirstImageIsNotTakenForAGrayOne) { expect_named_if_damaged("right/000000.png"); }
 
 TEST_F(Rig, FramesOfTheOtherCameraWithoutAMaskFileAreNamed) {
   const fs::path drive = stereo_drive();

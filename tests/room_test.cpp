@@ -31,9 +31,9 @@ TEST_F(Room, ThePersonIsRemovedWithDefaults) {
 }
 
 TEST_F(Room, HasNoStreet) {
-  const Result refused = dvi("synth -o room --room --lorry");
+  const Result refused = dvi("synth -o room --room --truck");
   EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("--lorry"));
+  EXPECT_THAT(refused.err, HasSubstr("--truck"));
   EXPECT_FALSE(fs::exists(folder / "room"));
 }
 

@@ -35,11 +35,11 @@ TEST_F(Run, WritesEverythingTheContractNames) {
     EXPECT_TRUE(fs::exists(folder / "out" / file)) << file;
   for (const fs::path& input : list_files(folder / "drive/images/front", {".png"})) {
     const std::string name = input.filename();
-    const cv::Mat1b mask = media::read_png_grey(folder / "out/masks" / name, kSize);
-    const cv::Mat1b kind = media::read_png_grey(folder / "out/kind" / name, kSize);
-    const cv::Mat1b confidence = media::read_png_grey(folder / "out/confidence" / name, kSize);
+    const cv::Mat1b mask = media::read_png_gray(folder / "out/masks" / name, kSize);
+    const cv::Mat1b kind = media::read_png_gray(folder / "out/kind" / name, kSize);
+    const cv::Mat1b confidence = media::read_png_gray(folder / "out/confidence" / name, kSize);
     const cv::Mat_<cv::Vec3w> provenance = media::read_png_triples(folder / "out/provenance" / name, kSize);
-    const cv::Mat_<cv::Vec3w> harmonisation = media::read_png_triples(folder / "out/harmonisation" / name, kSize);
+    const cv::Mat_<cv::Vec3w> harmonization = media::read_png_triples(folder / "out/harmonization" / name, kSize);
     media::read_png_depth(folder / "out/depth" / name, kSize);
     const cv::Mat3b original = media::read_image(input, kSize), filled = media::read_image(folder / "out/frames" / name, kSize);
     const std::size_t sources = nlohmann::json::parse(read_file(folder / "out/sources.json"))["sources"].size();
@@ -55,7 +55,7 @@ TEST_F(Run, WritesEverythingTheContractNames) {
           ASSERT_LE(kind(y, x), 5);
         }
         ASSERT_EQ(source[0] > 0, kind(y, x) == 1 || kind(y, x) == 2);
-        ASSERT_EQ(source[0] > 0, harmonisation(y, x)[0] > 0);
+        ASSERT_EQ(source[0] > 0, harmonization(y, x)[0] > 0);
         ASSERT_LE(source[0], sources);
         ASSERT_LE(source[1], (kSize.width - 1) * 16);
         ASSERT_LE(source[2], (kSize.height - 1) * 16);
@@ -73,12 +73,12 @@ TEST_F(Run, ReportAddsUp) {
   std::size_t pixels = 0;
   for (const auto& frame : j["frames"]) {
     pixels += frame["hole"]["pixels"].get<std::size_t>();
-    EXPECT_TRUE(frame["energy"].is_null()) << "nothing minimises it by default";
+    EXPECT_TRUE(frame["energy"].is_null()) << "nothing minimizes it by default";
   }
   const auto& hole = j["hole"];
   EXPECT_EQ(hole["pixels"].get<std::size_t>(), pixels);
   EXPECT_EQ(hole["copied"].get<std::size_t>() + hole["copied_elsewhere"].get<std::size_t>() +
-                hole["interpolated"].get<std::size_t>() + hole["synthesised"].get<std::size_t>() +
+                hole["interpolated"].get<std::size_t>() + hole["synthesized"].get<std::size_t>() +
                 hole["empty"].get<std::size_t>(),
             pixels);
   EXPECT_GT(hole["share"]["copied"], 0);
@@ -286,8 +286,8 @@ TEST_F(Run, ItsOwnOptionsRepeatIt) {
 }
 
 TEST_F(Run, FusionFillsWhatOneDriveNeverSaw) {
-  small_drive("one", "--lorry");
-  small_drive("two", "--lorry --day 2");
+  small_drive("one", "--truck");
+  small_drive("two", "--truck --day 2");
   ASSERT_EQ(dvi("run one -o alone --quiet").code, 0);
   const Result both = dvi("run one two -o both --quiet");
   ASSERT_EQ(both.code, 0) << both.err;
@@ -310,16 +310,16 @@ TEST_F(Run, EveryStageCanBeSwitchedOff) {
   for (const auto& frame : report("paper")["frames"]) EXPECT_LE(frame["energy"]["after"], frame["energy"]["before"]);
 }
 
-TEST_F(Run, WhatNobodySawIsSynthesisedInterpolatedOrLeft) {
-  small_drive("one", "--lorry");
+TEST_F(Run, WhatNobodySawIsSynthesizedInterpolatedOrLeft) {
+  small_drive("one", "--truck");
   const auto share = [&](const std::string& how) {
     const Result result = dvi("run one -o " + how + " --quiet --never-seen " + how);
     EXPECT_EQ(result.code, 0) << result.err;
     return report(how)["hole"]["share"];
   };
-  const auto synthesised = share("synthesise"), interpolated = share("interpolate"), left = share("leave");
-  EXPECT_GT(synthesised["synthesised"], 0.05);
-  EXPECT_EQ(synthesised["never_seen"], interpolated["never_seen"]);
+  const auto synthesized = share("synthesize"), interpolated = share("interpolate"), left = share("leave");
+  EXPECT_GT(synthesized["synthesized"], 0.05);
+  EXPECT_EQ(synthesized["never_seen"], interpolated["never_seen"]);
   EXPECT_EQ(interpolated["interpolated"], interpolated["never_seen"]);
   EXPECT_EQ(left["empty"], left["never_seen"]);
   EXPECT_EQ(dvi("run one -o no --quiet --never-seen guess").code, 2);

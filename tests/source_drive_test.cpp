@@ -38,7 +38,7 @@ class SourceDrive : public ProgramTest {
 };
 
 TEST_F(SourceDrive, IsPlacedByItsScansAlone) {
-  small_drive("drive", "--lorry", kFrames);
+  small_drive("drive", "--truck", kFrames);
   without_poses("other", "--day 2");
   const Result result = dvi("run drive other -o out --quiet");
   ASSERT_EQ(result.code, 0) << result.err;
@@ -56,7 +56,7 @@ TEST_F(SourceDrive, IsPlacedByItsScansAlone) {
 }
 
 TEST_F(SourceDrive, GivenPosesAreRefinedUnlessTheyAreToStay) {
-  small_drive("drive", "--lorry", kFrames);
+  small_drive("drive", "--truck", kFrames);
   small_drive("other", "--day 2", kFrames);
   ASSERT_EQ(dvi("run drive other -o refined --quiet").code, 0);
   EXPECT_FALSE(drives_of("refined")[1]["registration"].is_null());
@@ -65,7 +65,7 @@ TEST_F(SourceDrive, GivenPosesAreRefinedUnlessTheyAreToStay) {
 }
 
 TEST_F(SourceDrive, WhatLiesFarFromTheTargetIsNeverRead) {
-  small_drive("drive", "--lorry", kFrames);
+  small_drive("drive", "--truck", kFrames);
   const fs::path other = small_drive("other", "--day 2", kFrames);
   std::string poses;
   int line_number = 0;
@@ -73,7 +73,7 @@ TEST_F(SourceDrive, WhatLiesFarFromTheTargetIsNeverRead) {
     std::istringstream words(line);
     std::vector<std::string> pose{std::istream_iterator<std::string>(words), {}};
     const bool far = line_number++ >= kFrames / 2;
-    if (far) pose.at(4) = "5000";  // metres ahead
+    if (far) pose.at(4) = "5000";  // meters ahead
     if (far) write_file(other / "images/front" / (pose[0] + ".png"), "damaged");
     poses += fmt::format("{}\n", fmt::join(pose, " "));
   }
@@ -86,7 +86,7 @@ TEST_F(SourceDrive, WhatLiesFarFromTheTargetIsNeverRead) {
 }
 
 TEST_F(SourceDrive, AnotherStreetIsRefused) {
-  small_drive("drive", "--lorry", kFrames);
+  small_drive("drive", "--truck", kFrames);
   without_poses("other", "--day 2 --seed 2");
   EXPECT_THAT(refused("drive other"),
               testing::AllOf(HasSubstr("other: "), HasSubstr("single things agree"), HasSubstr("poses in one world")));

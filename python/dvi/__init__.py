@@ -137,10 +137,10 @@ def run(dataset: Source, *sources: Source, out: "str | os.PathLike | None" = Non
 
     image         x 3, uint8, RGB: the result; unmasked pixels are the input
     mask          uint8: 255 what was removed
-    kind          uint8: 0 original, 1 copied, 2 copied from another drive or camera, 3 interpolated, 4 synthesised, 5 empty
+    kind          uint8: 0 original, 1 copied, 2 copied from another drive or camera, 3 interpolated, 4 synthesized, 5 empty
     provenance    x 3, uint16: number of the source + 1 (0: none), 16 x and 16 y of the position copied from
-    confidence    uint8: 255 times the probability of being within 10 grey levels of the truth
-    depth         float32: metres along the optical axis; 0 unknown or sky
+    confidence    uint8: 255 times the probability of being within 10 gray levels of the truth
+    depth         float32: meters along the optical axis; 0 unknown or sky
     """
     return Run(dataset, sources, out, force, threads, progress, options)
 
@@ -158,8 +158,8 @@ def check(dataset: Source, *, forecast: bool = False, threads: int = 0, progress
 class Map:
     """The static map of a drive, in world axes: the drive's first LiDAR pose, x forward, y left, z up."""
 
-    points: np.ndarray  #: N x 3, float32, metres
-    colours: np.ndarray  #: N x 3, uint8, RGB; 128, 128, 128 where no frame saw the point
+    points: np.ndarray  #: N x 3, float32, meters
+    colors: np.ndarray  #: N x 3, uint8, RGB; 128, 128, 128 where no frame saw the point
     world_from_camera: np.ndarray  #: frames x 4 x 4
     times: np.ndarray  #: frames, seconds
     report: dict  #: as map.json
@@ -175,10 +175,10 @@ def map(dataset: Source, *, out: "str | os.PathLike | None" = None, threads: int
             report = json.loads(_dvi.map(opened.path, str(folder), options, threads, progress))
         finally:
             opened.close()
-        points, colours = _dvi.read_map(str(folder / "map.ply"))
+        points, colors = _dvi.read_map(str(folder / "map.ply"))
         rows = np.loadtxt(folder / "poses.txt", ndmin=2).reshape(-1, 3, 4)
         poses = np.concatenate([rows, np.broadcast_to([[[0.0, 0, 0, 1]]], (len(rows), 1, 4))], axis=1)
-        return Map(points, colours, poses, np.loadtxt(folder / "times.txt", ndmin=1), report)
+        return Map(points, colors, poses, np.loadtxt(folder / "times.txt", ndmin=1), report)
 
 
 @dataclass

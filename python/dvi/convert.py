@@ -9,7 +9,7 @@ from typing import Any, Callable, Optional
 
 import numpy as np
 
-from ._dvi import InputError, write_grey, write_rgb
+from ._dvi import InputError, write_gray, write_rgb
 from .dataset import Camera, Dataset
 
 Progress = Optional[Callable[[str, int, int], None]]
@@ -123,7 +123,7 @@ class _Writer:
             mask = (getattr(frame, "masks", None) or {}).get(camera.name)
             if mask is not None:
                 mask = _array(f"{place}.masks['{camera.name}']", mask, (height, width), f"{height} x {width}", "biu")
-                write_grey(str(self.folder / "masks" / camera.name / f"{name}.png"), ((mask != 0) * 255).astype(np.uint8))
+                write_gray(str(self.folder / "masks" / camera.name / f"{name}.png"), ((mask != 0) * 255).astype(np.uint8))
         boxes = getattr(frame, "boxes", None)
         if boxes is not None:
             self.boxes[name] = [self._box(f"{place}.boxes[{k}]", box) for k, box in enumerate(boxes)]

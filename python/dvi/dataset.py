@@ -1,6 +1,6 @@
 """What a recording is to dvi: a path, or an object of your own that answers four questions.
 
-Axes: camera x right, y down, z forward; LiDAR x forward, y left, z up. Metres, seconds. A transform is named target_from_source.
+Axes: camera x right, y down, z forward; LiDAR x forward, y left, z up. Meters, seconds. A transform is named target_from_source.
 """
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ class Camera:
 
     name: str
     size: tuple[int, int]  #: width, height in pixels
-    K: Any  #: 3 x 3, pixels; the centre of the first pixel is (0, 0)
+    K: Any  #: 3 x 3, pixels; the center of the first pixel is (0, 0)
     camera_from_lidar: Any  #: 3 x 4 or 4 x 4
     distortion: Sequence[float] = (0, 0, 0, 0, 0)  #: k1, k2, p1, p2, k3, as OpenCV has them
 
 
 @dataclass
 class Box:
-    """A labelled object, in LiDAR axes at the time of the frame."""
+    """A labeled object, in LiDAR axes at the time of the frame."""
 
     track: int
     kind: str  #: car, pedestrian, ...
-    center: Any  #: 3, metres
-    size: Any  #: length, width, height, metres
+    center: Any  #: 3, meters
+    size: Any  #: length, width, height, meters
     yaw: float  #: radians about z
 
 
@@ -39,7 +39,7 @@ class FrameData:
     images: Mapping[str, np.ndarray]  #: by camera: height x width x 3, uint8, RGB
     time: Any  #: seconds, or a mapping from camera to seconds
     masks: Mapping[str, np.ndarray] = field(default_factory=dict)  #: by camera: height x width, not 0 = remove
-    boxes: Optional[Sequence[Box]] = None  #: None: nothing is labelled; an empty list: nothing is there
+    boxes: Optional[Sequence[Box]] = None  #: None: nothing is labeled; an empty list: nothing is there
 
 
 @dataclass

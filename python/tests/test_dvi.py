@@ -125,7 +125,7 @@ def test_the_other_commands(street, result, tmp_path):
     assert dvi.check(street)["frames"]["count"] == 5
     assert dvi.check(street, frames="1:3")["frames"]["count"] == 3
     found = dvi.map(street)
-    assert found.points.shape == found.colours.shape and len(found.points) > 1000
+    assert found.points.shape == found.colors.shape and len(found.points) > 1000
     assert found.world_from_camera.shape == (5, 4, 4) and found.times.shape == (5,)
     masks = dvi.masks(street, out=tmp_path / "masks")
     assert (masks.folder / "masks.json").exists() and masks.report["schema"] == "dvi-masks/1"
@@ -140,8 +140,8 @@ def test_errors_have_the_words_of_the_program(street, tmp_path):
         dvi.run(street, method="fast")
     with pytest.raises(dvi.UsageError, match="depth.nothing"):
         dvi.run(street, set={"depth.nothing": 1})
-    with pytest.raises(TypeError, match="no option 'colour'"):
-        dvi.check(street, colour="red")
+    with pytest.raises(TypeError, match="no option 'color'"):
+        dvi.check(street, color="red")
     with pytest.raises(dvi.InputError, match="int is neither a path nor a dataset"):
         dvi.check(3)
 

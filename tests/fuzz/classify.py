@@ -92,7 +92,7 @@ def wrong_pixels(drive, out):
             found.append(f"wrong result: {frame.name} or its mask is no picture")
             continue
         source = png.decode(inputs[frame.stem].read_bytes()) if frame.stem in inputs else None
-        if source is None or source.depth != 8 or source.colour not in (png.GREY, png.RGB):
+        if source is None or source.depth != 8 or source.color not in (png.GRAY, png.RGB):
             continue
         if differs_outside(png.rgb(source), png.rgb(result), mask.data):
             found.append(f"wrong result: {frame.name} differs from its image outside of the mask")

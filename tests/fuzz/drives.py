@@ -93,7 +93,7 @@ def pcd(points, binary):
 
 
 def depth_images(source, target):
-    """Depth images instead of scans: the ground and a wall that comes nearer, in millimetres."""
+    """Depth images instead of scans: the ground and a wall that comes nearer, in millimeters."""
     shutil.copytree(source, target)
     shutil.rmtree(target / "lidar")
     (target / "depth/front").mkdir(parents=True)
@@ -104,7 +104,7 @@ def depth_images(source, target):
         wall = 20 - 0.8 * i
         rows = [min(wall, 1.7 * k[4] / (y - k[5])) if y > k[5] else wall for y in range(height)]
         data = b"".join(struct.pack(">H", int(1000 * z)) * width for z in rows)
-        (target / "depth/front" / image.name).write_bytes(png.encode(png.Image(width, height, png.GREY, 16, data)))
+        (target / "depth/front" / image.name).write_bytes(png.encode(png.Image(width, height, png.GRAY, 16, data)))
     return target
 
 

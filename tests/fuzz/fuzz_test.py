@@ -42,7 +42,7 @@ class Temporary(unittest.TestCase):
             (drive / folder).mkdir(parents=True)
         for i in range(2):
             (drive / f"images/front/{i:06d}.png").write_bytes(png.encode(picture(i)))
-            mask = png.Image(WIDTH, HEIGHT, png.GREY, 8, bytes([255] * 50 + [0] * (WIDTH * HEIGHT - 50)))
+            mask = png.Image(WIDTH, HEIGHT, png.GRAY, 8, bytes([255] * 50 + [0] * (WIDTH * HEIGHT - 50)))
             (drive / f"masks/front/{i:06d}.png").write_bytes(png.encode(mask))
             (drive / f"lidar/{i:06d}.bin").write_bytes(struct.pack("<4f", 1, 2, 3, 0.5) * 50)
         (drive / "times/lidar.txt").write_text("000000 1000.05\n000001 1000.15\n")
@@ -65,10 +65,10 @@ class Temporary(unittest.TestCase):
 
 class Pictures(Temporary):
     def test_png_round_trip(self):
-        for colour in png.CHANNELS.keys() - {png.PALETTE}:
+        for color in png.CHANNELS.keys() - {png.PALETTE}:
             for depth in (8, 16):
-                data = random.Random(1).randbytes(5 * 3 * png.CHANNELS[colour] * depth // 8)
-                image = png.Image(5, 3, colour, depth, data)
+                data = random.Random(1).randbytes(5 * 3 * png.CHANNELS[color] * depth // 8)
+                image = png.Image(5, 3, color, depth, data)
                 self.assertEqual(png.decode(png.encode(image)), image)
 
     def test_every_filter_is_undone(self):
@@ -84,7 +84,7 @@ class Pictures(Temporary):
         self.assertIsNone(png.decode(b"text"))
 
     def test_rgb_of_all_kinds(self):
-        self.assertEqual(png.rgb(png.Image(1, 1, png.GREY, 16, b"\x07\x01")), b"\7\7\7")
+        self.assertEqual(png.rgb(png.Image(1, 1, png.GRAY, 16, b"\x07\x01")), b"\7\7\7")
         self.assertEqual(png.rgb(png.Image(1, 1, png.RGBA, 8, b"\1\2\3\4")), b"\1\2\3")
 
     def test_jpeg_has_its_markers(self):
@@ -322,7 +322,7 @@ class Layouts(Temporary):
         self.assertIn("<first_frame>1</first_frame>", (drive / "tracklet_labels.xml").read_text())
         latitude, longitude = (drive / "oxts/data/0000000001.txt").read_text().split()[:2]
         self.assertAlmostEqual(float(latitude), kitti.LATITUDE)
-        self.assertAlmostEqual(float(longitude) * 111319.49 * 0.6560590, 1, places=3)  # a metre east
+        self.assertAlmostEqual(float(longitude) * 111319.49 * 0.6560590, 1, places=3)  # a meter east
 
     def test_apolloscape(self):
         source = self.small_drive()
@@ -332,7 +332,7 @@ class Layouts(Temporary):
         self.assertIn("end_header\n2 -1 3 0.5\n", text)  # x left, y back, z up
 
 
-class Judgement(Temporary):
+class Judgment(Temporary):
     """`run` of these programs copies the drive's pictures to OUT, or fails in a way of its own."""
     COPY = ('[ $1 = run ] || exit 0\nmkdir -p $4/frames $4/masks\ncp $2/images/front/* $4/frames\ncp $2/masks/front/* $4/masks\n')
 

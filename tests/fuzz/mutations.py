@@ -197,11 +197,11 @@ def repaint(path, rng):
         return None
     width, height = rng.choice(((1, 1), (image.width * 2, image.height), (image.width, image.height - 1),
                                 (image.height, image.width), (image.width, image.height), (image.width, image.height)))
-    colour, depth = rng.choice((png.GREY, png.RGB, png.GREY_ALPHA, png.RGBA)), rng.choice((8, 16))
-    size = width * height * png.CHANNELS[colour] * depth // 8
+    color, depth = rng.choice((png.GRAY, png.RGB, png.GRAY_ALPHA, png.RGBA)), rng.choice((8, 16))
+    size = width * height * png.CHANNELS[color] * depth // 8
     data = (image.data * (size // len(image.data) + 1))[:size]
-    path.write_bytes(png.encode(png.Image(width, height, colour, depth, data)))
-    return f"repainted as {width}x{height}, colour type {colour}, {depth} bits"
+    path.write_bytes(png.encode(png.Image(width, height, color, depth, data)))
+    return f"repainted as {width}x{height}, color type {color}, {depth} bits"
 
 
 def palette(path, rng):
@@ -211,7 +211,7 @@ def palette(path, rng):
     data, entries = rng.randbytes(image.width * image.height), rng.choice((256, 2))
     painted = png.Image(image.width, image.height, png.PALETTE, 8, data)
     path.write_bytes(png.encode(painted, palette=rng.randbytes(3 * entries)))
-    return f"a palette of {entries} colours"
+    return f"a palette of {entries} colors"
 
 
 def image_header(path, rng):

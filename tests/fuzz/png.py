@@ -5,21 +5,21 @@ from functools import lru_cache
 from typing import NamedTuple
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
-GREY, RGB, PALETTE, GREY_ALPHA, RGBA = 0, 2, 3, 4, 6
-CHANNELS = {GREY: 1, RGB: 3, PALETTE: 1, GREY_ALPHA: 2, RGBA: 4}
+GRAY, RGB, PALETTE, GRAY_ALPHA, RGBA = 0, 2, 3, 4, 6
+CHANNELS = {GRAY: 1, RGB: 3, PALETTE: 1, GRAY_ALPHA: 2, RGBA: 4}
 
 
 class Image(NamedTuple):
     """Samples row by row, channels interleaved; 16-bit samples are two bytes, the high one first."""
     width: int
     height: int
-    colour: int
+    color: int
     depth: int
     data: bytes
 
     @property
     def pixel_bytes(self):
-        return CHANNELS[self.colour] * self.depth // 8
+        return CHANNELS[self.color] * self.depth // 8
 
 
 def chunk(kind, data):
@@ -29,7 +29,7 @@ def chunk(kind, data):
 def encode(image, palette=b""):
     stride = image.width * image.pixel_bytes
     rows = b"".join(b"\0" + image.data[y * stride:(y + 1) * stride] for y in range(image.height))
-    header = struct.pack(">IIBBBBB", image.width, image.height, image.depth, image.colour, 0, 0, 0)
+    header = struct.pack(">IIBBBBB", image.width, image.height, image.depth, image.color, 0, 0, 0)
     return (SIGNATURE + chunk(b"IHDR", header) + (chunk(b"PLTE", palette) if palette else b"") +
             chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
@@ -39,7 +39,7 @@ def bomb(side=30000):
     packer = zlib.compressobj(9)
     row = bytes(1 + (side + 7) // 8)
     data = b"".join(packer.compress(row) for _ in range(side)) + packer.flush()
-    header = struct.pack(">IIBBBBB", side, side, 1, GREY, 0, 0, 0)
+    header = struct.pack(">IIBBBBB", side, side, 1, GRAY, 0, 0, 0)
     return SIGNATURE + chunk(b"IHDR", header) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
 
 
@@ -66,11 +66,11 @@ def _decode(data):
         at += size + 12
     if header is None:
         return None
-    width, height, depth, colour, _, _, interlaced = header
-    if depth not in (8, 16) or colour == PALETTE or interlaced or width * height > 1 << 24:
+    width, height, depth, color, _, _, interlaced = header
+    if depth not in (8, 16) or color == PALETTE or interlaced or width * height > 1 << 24:
         return None
-    step = CHANNELS[colour] * depth // 8
-    return Image(width, height, colour, depth, _unfilter(zlib.decompress(packed), width * step, height, step))
+    step = CHANNELS[color] * depth // 8
+    return Image(width, height, color, depth, _unfilter(zlib.decompress(packed), width * step, height, step))
 
 
 def _unfilter(rows, stride, height, step):
@@ -104,7 +104,7 @@ def _paeth(left, up, corner):
 def rgb(image):
     """8-bit RGB samples of any Image."""
     data = image.data[::2] if image.depth == 16 else image.data
-    step = CHANNELS[image.colour]
+    step = CHANNELS[image.color]
     planes = [data[i::step] for i in ((0, 1, 2) if step > 2 else (0, 0, 0))]
     out = bytearray(3 * image.width * image.height)
     for i in range(3):
@@ -113,7 +113,7 @@ def rgb(image):
 
 
 def blocky_jpeg(image):
-    """A baseline JPEG file of an 8-bit Image: one colour per 8x8 block, which needs no cosine transform."""
+    """A baseline JPEG file of an 8-bit Image: one color per 8x8 block, which needs no cosine transform."""
     samples, bits, before = rgb(image), [], [0, 0, 0]
     sizes = 12  # the lengths of DC differences 0-11, all coded with 4 bits
     for top in range(0, image.height, 8):
@@ -122,7 +122,7 @@ def blocky_jpeg(image):
             r, g, b = samples[at:at + 3]
             luma = 0.299 * r + 0.587 * g + 0.114 * b
             for i, value in enumerate((luma - 128, 0.564 * (b - luma), 0.713 * (r - luma))):
-                dc = round(value)  # with a quantiser of 8, DC is the mean
+                dc = round(value)  # with a quantizer of 8, DC is the mean
                 difference, before[i] = dc - before[i], dc
                 length = abs(difference).bit_length()
                 bits.append(f"{length:04b}")

@@ -46,9 +46,9 @@ def quaternion(m):
     return [(r[1][0] - r[0][1]) / s, (r[0][2] + r[2][0]) / s, (r[1][2] + r[2][1]) / s, s / 4]
 
 
-def turned(yaw, centre):
+def turned(yaw, center):
     c, s = math.cos(yaw), math.sin(yaw)
-    return [c, -s, 0, centre[0], s, c, 0, centre[1], 0, 0, 1, centre[2]]
+    return [c, -s, 0, center[0], s, c, 0, center[1], 0, 0, 1, center[2]]
 
 
 def line(numbers):

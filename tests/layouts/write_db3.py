@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""write_db3.py MESSAGES OUT.db3: the messages of bag_messages.py, which write_mcap.mjs has serialised, as rosbag2 stores them in
+"""write_db3.py MESSAGES OUT.db3: the messages of bag_messages.py, which write_mcap.mjs has serialized, as rosbag2 stores them in
 SQLite."""
 import json
 import pathlib

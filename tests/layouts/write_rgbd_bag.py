@@ -17,8 +17,8 @@ import tf2_msgs.msg
 drive, kind = pathlib.Path(sys.argv[1]), sys.argv[3] if len(sys.argv) > 3 else "16UC1"
 config = tomllib.loads((drive / "dvi.toml").read_text())
 (name, camera), depth = next(iter(config["camera"].items())), config.get("depth", {})
-WORLD, COLOUR = "world", "color_optical"
-DEPTH = "depth_optical" if "depth_from_color" in depth else COLOUR
+WORLD, COLOR = "world", "color_optical"
+DEPTH = "depth_optical" if "depth_from_color" in depth else COLOR
 
 
 def matrix(numbers):
@@ -54,23 +54,23 @@ def info(K, size, text, frame):
 
 lines = [line.split() for line in (drive / f"times/{name}.txt").read_text().splitlines()]
 poses = {line.split()[0]: matrix(line.split()[1:]) for line in (drive / "poses.txt").read_text().splitlines()}
-colour_from_body = matrix(camera["camera_from_lidar"]) if "camera_from_lidar" in camera else np.eye(4)
+color_from_body = matrix(camera["camera_from_lidar"]) if "camera_from_lidar" in camera else np.eye(4)
 with rosbag.Bag(sys.argv[2], "w") as bag:
     for i, (frame, text) in enumerate(lines):
         def write(topic, message):
             bag.write(topic, message, rospy.Time.from_sec(float(text)))
         values = cv2.imread(str(drive / f"depth/{name}/{frame}.png"), cv2.IMREAD_UNCHANGED)
         if i == 0:
-            if DEPTH != COLOUR:
-                write("/tf_static", transform(matrix(depth["depth_from_color"]), text, DEPTH, COLOUR))
-            write("/camera/rgb/camera_info", info(camera["K"], camera["size"], text, COLOUR))
+            if DEPTH != COLOR:
+                write("/tf_static", transform(matrix(depth["depth_from_color"]), text, DEPTH, COLOR))
+            write("/camera/rgb/camera_info", info(camera["K"], camera["size"], text, COLOR))
             write("/camera/depth/camera_info", info(depth.get("K", camera["K"]), values.shape[::-1], text, DEPTH))
         # The tree has one root: the pose is of its topmost sensor.
-        root = DEPTH if DEPTH != COLOUR else COLOUR
-        body = poses[frame] @ np.linalg.inv(colour_from_body)
-        root_pose = body @ np.linalg.inv(matrix(depth["depth_from_color"])) if root != COLOUR else body
+        root = DEPTH if DEPTH != COLOR else COLOR
+        body = poses[frame] @ np.linalg.inv(color_from_body)
+        root_pose = body @ np.linalg.inv(matrix(depth["depth_from_color"])) if root != COLOR else body
         write("/tf", transform(root_pose, text, WORLD, root))
-        image = stamped(sensor_msgs.msg.CompressedImage, text, COLOUR)
+        image = stamped(sensor_msgs.msg.CompressedImage, text, COLOR)
         file = next((drive / f"images/{name}").glob(frame + ".*"))
         image.format, image.data = file.suffix[1:], file.read_bytes()
         write("/camera/rgb/image_color/compressed", image)

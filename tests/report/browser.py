@@ -11,7 +11,7 @@ from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.support.ui import WebDriverWait
 
-PICTURES = ["frames", "masks", "kind", "provenance", "sources_used", "harmonisation", "confidence", "depth"]
+PICTURES = ["frames", "masks", "kind", "provenance", "sources_used", "harmonization", "confidence", "depth"]
 
 
 def start(width=1280, height=720, dark=False):

@@ -93,7 +93,7 @@ class Slurm(unittest.TestCase):
             self.assertEqual(snakemake.wait(300), 0, (self.folder / "snakemake.log").read_text()[-4000:])
             states = re.findall(r"JobState=(\w+)", self.slurm.call("scontrol", "show", "job", "--oneliner").stdout)
         self.assertEqual(states.count("COMPLETED"), FRAMES // FRAMES_PER_TASK + 2, states)
-        self.assertEqual(states.count("CANCELLED"), 1, states)
+        self.assertEqual(states.count("CANCELED"), 1, states)
         self.assertIn("Trying to restart job", self.text())  # snakemake, in the job whose disk was full
         self.assertEqual(results.differences(results.contents(self.folder / "whole"), self.out), [])
 

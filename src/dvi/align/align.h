@@ -36,25 +36,25 @@ struct AlignOptions {
                         "Expected error of a frame's rotation; auto: 0.1 degrees for a LiDAR, 0.5 for a depth camera.");
     table.add("mounting_deg", mounting_deg, {0.001, 5}, "Expected error of the rotation between LiDAR and camera.");
     table.developer();
-    table.add("method", method, "All frames of a drive at once, or pitch and yaw of each against its neighbours (eq. 1).");
+    table.add("method", method, "All frames of a drive at once, or pitch and yaw of each against its neighbors (eq. 1).");
     table.add("points", points, {50, 100000}, "Most map points per frame that are compared.");
     table.add("ring_px", ring_px, {1, 2000}, "Method paper: width of the ring around the mask whose map points are compared.");
   }
   void check() const { check_ranges(*this); }
 };
 
-/// Degrees. Given poses are those of the sensor. Colour and depth of a handheld camera are exposed up to half an image period
+/// Degrees. Given poses are those of the sensor. Color and depth of a handheld camera are exposed up to half an image period
 /// apart, 15 ms, in which the hand turns by 30 degrees a second.
 double expected_rotation_deg(const AlignOptions& options, Sensor sensor);
 
-/// Metres; 0: the sensor tells positions well enough to leave them. In the 15 ms above, a hand moves by about a centimetre.
+/// Meters; 0: the sensor tells positions well enough to leave them. In the 15 ms above, a hand moves by about a centimeter.
 double expected_position_m(Sensor sensor);
 
 /// What the refinement did to one view: camera_from_world = (exp(rotation), position) * given.
 struct ViewAlignment {
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< radians about the camera's axes: pitch, yaw, roll
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< metres along them
-  double offset_before_px = 0, offset_after_px = 0;    ///< median misplacement that the colours tell, of held-out points
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< meters along them
+  double offset_before_px = 0, offset_after_px = 0;    ///< median misplacement that the colors tell, of held-out points
   int points = 0;                                      ///< held out; 0: nothing to compare with, left as given
 };
 
@@ -75,7 +75,7 @@ struct Cameras {
   explicit Cameras(const Views& given);  ///< poses as given, nothing compared
 };
 
-/// Refines the poses of all views, sequence by sequence, by the colours that several views give the same map points: see
+/// Refines the poses of all views, sequence by sequence, by the colors that several views give the same map points: see
 /// docs/algorithms/align.md. An update is kept only if points that it was not made from agree better after it. Ticks
 /// align_steps() times.
 Cameras align(const Views& views, const map::VisibleMap& map, const AlignOptions& options, const Tick& tick = [] {});

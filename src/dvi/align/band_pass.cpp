@@ -4,13 +4,13 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dvi/image/grey.h"
+#include "dvi/image/gray.h"
 
 namespace dvi::align {
 namespace {
 
 constexpr double kFine = 1, kCoarse = 4;  // px of the level: finer is noise, coarser is light
-constexpr double kDark = 8;               // grey levels: below, the sensor's noise would be blown up
+constexpr double kDark = 8;               // gray levels: below, the sensor's noise would be blown up
 
 cv::Mat1f blurred(const cv::Mat1f& weighted, const cv::Mat1f& weight, double sigma) {
   cv::Mat1f above, below;
@@ -31,7 +31,7 @@ float value_at(const cv::Mat1f& image, double x, double y) {
 
 BandPass band_pass(const cv::Mat3b& image, const cv::Mat1b& mask, int levels) {
   cv::Mat1f brightness, weight;
-  grey_8bit(image).convertTo(brightness, CV_32F, 1, kDark);
+  gray_8bit(image).convertTo(brightness, CV_32F, 1, kDark);
   cv::log(brightness, brightness);
   cv::Mat1b(mask == 0).convertTo(weight, CV_32F, 1.0 / 255);
   cv::Mat1f weighted;

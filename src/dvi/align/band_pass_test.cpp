@@ -69,7 +69,7 @@ TEST(SpotAt, HasValueAndSlopeOfAPlaneOnEveryLevel) {
     cv::Mat1f level(image.height / scale, image.width / scale);
     for (int y = 0; y < level.rows; ++y)
       for (int x = 0; x < level.cols; ++x) {
-        const double u = (x + 0.5) * scale - 0.5, v = (y + 0.5) * scale - 0.5;  // centre of the pixel in the whole image
+        const double u = (x + 0.5) * scale - 0.5, v = (y + 0.5) * scale - 0.5;  // center of the pixel in the whole image
         level(y, x) = static_cast<float>(2 + 0.5 * u - 0.25 * v);
       }
     const Spot spot = spot_at(level, image, {33.3, 21.7});

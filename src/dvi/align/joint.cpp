@@ -22,21 +22,21 @@ namespace dvi::align {
 namespace {
 
 constexpr double kPairErrorPx = 0.2;  // by which a pair may mislead: surfaces that the map has a little off, light that moves
-constexpr double kRoomDepth = 2;      // metres, usual: where so many pixels are so many millimetres
+constexpr double kRoomDepth = 2;      // meters, usual: where so many pixels are so many millimeters
 constexpr double kFlat = 0.01;        // of log brightness a pixel: no texture below
 constexpr double kLeastCaught = 3;    // expected errors that the coarsest level must be able to catch
 constexpr double kNoise = 2;          // standard errors by which held-out points must agree better
 // Of the expected rotations: poses that are good already are better not believed to be off by as much as others.
 constexpr std::array<double, 3> kParts{0.1, 0.3, 1};
 constexpr double kMisplacedPx = 0.6;
-// Metres over which a rotation common to all frames shows. An error of a position looks like one, by itself over this motion:
-// those of handheld cameras, about a centimetre, like less than the expected 0.2 degrees only over 3 m.
+// Meters over which a rotation common to all frames shows. An error of a position looks like one, by itself over this motion:
+// those of handheld cameras, about a centimeter, like less than the expected 0.2 degrees only over 3 m.
 constexpr double kHardlyMoves = 0.5, kHandHardlyMoves = 3;
 
 // Frames from one to the other that are compared. A hand holds a view for seconds, of thirty images each; a vehicle does not.
 constexpr std::size_t kFarthest = 8, kHandFarthest = 32;
 
-constexpr double kRadian = 10;  // metres that count as much as a radian between the directions in which views look
+constexpr double kRadian = 10;  // meters that count as much as a radian between the directions in which views look
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
@@ -280,7 +280,7 @@ Expected expected_errors(const AlignOptions& options, const View& view, double p
 // Whether surfaces come nearer, or pass by, so that a rotation common to all frames shows.
 bool moves(const SequenceViews& sequence) {
   const auto place = [&](std::size_t i) { return sequence.views[i].camera_from_world.inverse().t; };
-  double most = 0;  // metres from the first place to the farthest
+  double most = 0;  // meters from the first place to the farthest
   for (std::size_t i = sequence.first; i < sequence.last; ++i) most = std::max(most, (place(i) - place(sequence.first)).norm());
   return most >= (sequence.views[sequence.first].sensor == Sensor::depth_camera ? kHandHardlyMoves : kHardlyMoves);
 }
@@ -300,7 +300,7 @@ std::vector<std::string> warnings(const SequenceViews& aligned, const Cameras& f
   const double offset = offsets[offsets.size() / 2];
   if (offset > kMisplacedPx)
     out.push_back(
-        fmt::format("colours stay misplaced by {:.1f} px in the median; check camera_from_lidar, the poses, and that camera "
+        fmt::format("colors stay misplaced by {:.1f} px in the median; check camera_from_lidar, the poses, and that camera "
                     "and LiDAR share one clock",
                     offset));
   if (first == 0 && !views[first].registered_depth && !moves(aligned))

@@ -6,7 +6,7 @@
 
 namespace dvi::align {
 
-/// Corrections of a drive's views: camera_from_world = (exp(rotation), position) * given. Radians and metres, in the camera's
+/// Corrections of a drive's views: camera_from_world = (exp(rotation), position) * given. Radians and meters, in the camera's
 /// axes.
 struct Corrections {
   std::vector<Eigen::Vector3d> rotations, positions;   ///< a view
@@ -15,7 +15,7 @@ struct Corrections {
   explicit Corrections(std::size_t views = 0) : rotations(views, Eigen::Vector3d::Zero()), positions(rotations) {}
 };
 
-/// Expected sizes (standard deviations, radians and metres) of what is sought.
+/// Expected sizes (standard deviations, radians and meters) of what is sought.
 struct Expected {
   double rotation = 0;  ///< of a view, beside the mounting
   double mounting = 0;  ///< constant over the drive

@@ -122,7 +122,7 @@ PairModel exact_pose_pair(std::size_t moving, std::size_t fixed, const Vector6d&
 }
 
 TEST(JointSolve, RecoversPositionsToo) {
-  constexpr double kPosition = 0.01, kPairM = 1e-3;  // metres
+  constexpr double kPosition = 0.01, kPairM = 1e-3;  // meters
   Random random(6);
   std::vector<Vector6d> truth(12);
   Vector6d sum = Vector6d::Zero();

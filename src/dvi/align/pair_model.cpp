@@ -43,7 +43,7 @@ Eigen::Matrix<double, 2, 3> project_derivative(const Camera& camera, const Eigen
 struct Point {
   const SurfacePoint* surfel;
   Eigen::Vector3d in_moving;
-  double colour = 0;
+  double color = 0;
 };
 
 std::vector<Point> common_points(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, std::size_t level,
@@ -84,7 +84,7 @@ Residuals residuals(const std::vector<Point>& points, const PosedImage& moving, 
   for (const Point& point : points) {
     const Eigen::Vector3d p = R * point.in_moving;
     const Spot spot = spot_at((*moving.image)[level], size_of(moving), moving.camera.project(p));
-    out.r.push_back(spot.value - point.colour);
+    out.r.push_back(spot.value - point.color);
     out.J.emplace_back(-(spot.slope * project_derivative(moving.camera, p)) * skew(p));
   }
   return out;
@@ -130,7 +130,7 @@ Eigen::Vector3d refine(const std::vector<Point>& points, const PosedImage& movin
   return w;
 }
 
-// Where on the surface the fixed view finds the colour if the point q moves in its axes: along the ray nothing changes. The
+// Where on the surface the fixed view finds the color if the point q moves in its axes: along the ray nothing changes. The
 // slope of the fixed image is not used: its noise, in the product of both slopes, would hold every view where it is.
 Eigen::Matrix3d along_surface(const SurfacePoint& surfel, const PosedImage& fixed, const Eigen::Vector3d& q) {
   Eigen::Vector3d normal = fixed.camera_from_world.R * surfel.normal.cast<double>();
@@ -185,7 +185,7 @@ HeldOutCost held_out(const Pair& pair, const PosedImage& moving, const PosedImag
   const std::vector<Point> points = common_points(pair, moving, fixed, 0, Part::held_out);
   for (const Point& point : points) {
     const Spot spot = spot_at((*moving.image)[0], size_of(moving), moving.camera.project(point.in_moving));
-    const double r = spot.value - point.colour;
+    const double r = spot.value - point.color;
     out.cost += cost(r, scale);
     out.offsets_px.push_back(std::abs(r) / std::max(1e-6, spot.slope.norm()));
   }

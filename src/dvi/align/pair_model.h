@@ -30,7 +30,7 @@ struct PosedImage {
   std::shared_ptr<const BandPass> image;
 };
 
-/// What is refined of a view: its rotation (radians, camera axes) or, after it, its position too (metres, the same axes).
+/// What is refined of a view: its rotation (radians, camera axes) or, after it, its position too (meters, the same axes).
 enum class Freedom { rotation = 3, pose = 6 };
 
 /// The photometric cost of a pair as a quadratic of both views' corrections (moving, fixed), near the place where the moving

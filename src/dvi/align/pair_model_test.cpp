@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kExpected = 0.005;  // radians
 
-/// Two views of a textured wall, half a metre apart, of which the second lacks a rotation.
+/// Two views of a textured wall, half a meter apart, of which the second lacks a rotation.
 class PairOfViews : public testing::Test {
  protected:
   PairOfViews() {

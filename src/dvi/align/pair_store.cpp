@@ -7,7 +7,7 @@
 namespace dvi::align {
 namespace {
 
-// Frames that are compared: neighbours, and some farther apart that keep the chain from drifting; before and after.
+// Frames that are compared: neighbors, and some farther apart that keep the chain from drifting; before and after.
 constexpr std::array<std::size_t, kPartners / 2> kApart{1, 2, 4, 8, 16, 32};
 
 }  // namespace

@@ -16,10 +16,10 @@ constexpr int kToEachSide = 10;
 
 struct Sample {
   Eigen::Vector3d in_camera;  // of the view that is searched
-  cv::Vec3f colour;           // as the neighbour has it
+  cv::Vec3f color;            // as the neighbor has it
 };
 
-cv::Vec3f colour_at(const cv::Mat3b& image, const Eigen::Vector2d& pixel) {
+cv::Vec3f color_at(const cv::Mat3b& image, const Eigen::Vector2d& pixel) {
   return bilinear(image, {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())});
 }
 
@@ -37,14 +37,14 @@ std::vector<map::VisiblePoint> ring_points(const UnmaskedPoints& sight, const cv
   return thinned;
 }
 
-void add_samples(const std::vector<map::VisiblePoint>& ring, const View& view, const View& neighbour,
+void add_samples(const std::vector<map::VisiblePoint>& ring, const View& view, const View& neighbor,
                  const UnmaskedPoints& sight, const cv::Mat3b& image, std::vector<Sample>& samples) {
   for (const map::VisiblePoint& point : ring) {
-    const Eigen::Vector3d world = point.world.cast<double>(), p = neighbour.camera_from_world * world;
-    if (!neighbour.camera.in_front(p)) continue;
-    const Eigen::Vector2d pixel = neighbour.camera.project(p);
-    if (neighbour.camera.contains(pixel) && sight.shows(pixel, p.z()))
-      samples.push_back({view.camera_from_world * world, colour_at(image, pixel)});
+    const Eigen::Vector3d world = point.world.cast<double>(), p = neighbor.camera_from_world * world;
+    if (!neighbor.camera.in_front(p)) continue;
+    const Eigen::Vector2d pixel = neighbor.camera.project(p);
+    if (neighbor.camera.contains(pixel) && sight.shows(pixel, p.z()))
+      samples.push_back({view.camera_from_world * world, color_at(image, pixel)});
   }
 }
 
@@ -55,7 +55,7 @@ double energy(const std::vector<Sample>& samples, const Camera& camera, const cv
   for (const Sample& s : samples) {
     const Eigen::Vector2d pixel = camera.project(R * s.in_camera);
     if (!camera.contains(pixel)) continue;
-    const cv::Vec3f difference = colour_at(image, pixel) - s.colour;
+    const cv::Vec3f difference = color_at(image, pixel) - s.color;
     sum += difference.dot(difference);
     count += 1;
   }
@@ -65,11 +65,11 @@ double energy(const std::vector<Sample>& samples, const Camera& camera, const cv
 Eigen::Vector2d search(const std::vector<Sample>& samples, const Camera& camera, const cv::Mat3b& image) {
   Eigen::Vector2d angle = Eigen::Vector2d::Zero();
   for (const double step : kSteps) {
-    const Eigen::Vector2d centre = angle;
-    double least = energy(samples, camera, image, centre);
+    const Eigen::Vector2d center = angle;
+    double least = energy(samples, camera, image, center);
     for (int i = -kToEachSide; i <= kToEachSide; ++i)
       for (int j = -kToEachSide; j <= kToEachSide; ++j) {
-        const Eigen::Vector2d candidate = centre + step * Eigen::Vector2d(i, j);
+        const Eigen::Vector2d candidate = center + step * Eigen::Vector2d(i, j);
         const double e = energy(samples, camera, image, candidate);
         if (e >= least) continue;
         least = e;

@@ -17,7 +17,7 @@ namespace dvi::align {
 struct Shake {
   double jitter_deg = 0;                               ///< largest pitch and yaw of a frame
   Eigen::Vector3d mounting = Eigen::Vector3d::Zero();  ///< radians, the same in all frames
-  Eigen::Vector3d speed{1, 0, 0};                      ///< metres a second, camera axes
+  Eigen::Vector3d speed{1, 0, 0};                      ///< meters a second, camera axes
   cv::Rect hole{140, 100, 40, 40};
   double gain_step = 1;  ///< of brightness from frame to frame
 };
@@ -29,7 +29,7 @@ struct ShakyDrive {
   std::vector<Eigen::Vector3d> errors;  ///< radians: the rotation that each pose lacks
 
   ShakyDrive(std::size_t count, const Shake& shake, const Camera& camera = {320, 240, 400, 400, 159.5, 119.5, {}}) {
-    constexpr double kDepth = 12, kPixelsPerMetre = 40;
+    constexpr double kDepth = 12, kPixelsPerMeter = 40;
     static const cv::Mat3b texture = waves(1000, 600, 7, 5);
     for (double x = -10; x <= 10; x += 0.05)
       for (double y = -6; y <= 6; y += 0.1) map.points.push_back({Eigen::Vector3d(x, y, kDepth).cast<float>(), 0, 1});
@@ -55,7 +55,7 @@ struct ShakyDrive {
           const Eigen::Vector3d ray = world_from_camera.R * view.camera.ray({x, y});
           const Eigen::Vector3d p = world_from_camera.t + (kDepth - world_from_camera.t.z()) / ray.z() * ray;
           const cv::Vec3f c = bilinear(
-              texture, {static_cast<float>(500 + kPixelsPerMetre * p.x()), static_cast<float>(300 + kPixelsPerMetre * p.y())});
+              texture, {static_cast<float>(500 + kPixelsPerMeter * p.x()), static_cast<float>(300 + kPixelsPerMeter * p.y())});
           for (int k = 0; k < 3; ++k) image(y, x)[k] = cv::saturate_cast<uchar>(gain * c[k]);
         }
       cv::Mat1b mask(image.size(), uchar{0});

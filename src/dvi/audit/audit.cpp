@@ -16,7 +16,7 @@
 namespace dvi::audit {
 namespace {
 
-/// |harmonisation| in thirds of a grey level, the sum over the channels, as a histogram: percentiles in flat memory.
+/// |harmonization| in thirds of a gray level, the sum over the channels, as a histogram: percentiles in flat memory.
 using Changes = std::vector<std::size_t>;
 constexpr std::size_t kMostChange = 3 * 255;
 
@@ -30,10 +30,10 @@ struct Written {
   Written(const fs::path& out, const std::string& name, cv::Size size)
       : frame(media::read_image(out / "frames" / (name + ".png"), size)),
         mask(media::read_mask(out / "masks" / (name + ".png"), size)),
-        kind(media::read_png_grey(out / "kind" / (name + ".png"), size)),
+        kind(media::read_png_gray(out / "kind" / (name + ".png"), size)),
         provenance(media::read_png_triples(out / "provenance" / (name + ".png"), size)),
         used(media::read_image(out / "sources_used" / (name + ".png"), size)),
-        harmonisation(media::read_png_triples(out / "harmonisation" / (name + ".png"), size)) {}
+        harmonization(media::read_png_triples(out / "harmonization" / (name + ".png"), size)) {}
 
   harmonize::Provenance from(cv::Point p) const { return harmonize::Provenance::of(provenance(p), used(p)); }
 
@@ -41,7 +41,7 @@ struct Written {
   cv::Mat1b mask, kind;
   cv::Mat_<cv::Vec3w> provenance;
   cv::Mat3b used;
-  cv::Mat_<cv::Vec3w> harmonisation;
+  cv::Mat_<cv::Vec3w> harmonization;
 };
 
 class FrameAuditor {
@@ -93,7 +93,7 @@ class FrameAuditor {
     const harmonize::Provenance from = written_.from(p);
     if (static_cast<std::size_t>(from.view) >= views_.size() || static_cast<std::size_t>(from.view) == target_) return false;
     const View& source = views_[static_cast<std::size_t>(from.view)];
-    return source.camera.contains({from.position.x, from.position.y}) && shares_colours(source, views_[target_]) &&
+    return source.camera.contains({from.position.x, from.position.y}) && shares_colors(source, views_[target_]) &&
            (source.sequence == views_[target_].sequence) == (kind == harmonize::Kind::copied);
   }
 
@@ -104,15 +104,15 @@ class FrameAuditor {
     for (const cv::Point p : pixels) {
       const harmonize::Provenance from = written_.from(p);
       if (!can_sample(*mask, from.position, from.footprint)) found(Breach::masked_source, p);
-      const cv::Vec3i copy = harmonize::copied_colour(views_, target_, *image, from);
+      const cv::Vec3i copy = harmonize::copied_color(views_, target_, *image, from);
       std::size_t size = 0;
       bool same = true;
       for (int c = 0; c < 3; ++c) {
-        const int change = static_cast<int>(written_.harmonisation(p)[2 - c]) - harmonize::kNoChange;
+        const int change = static_cast<int>(written_.harmonization(p)[2 - c]) - harmonize::kNoChange;
         same &= copy[c] + change == static_cast<int>(written_.frame(p)[c]);
         size += static_cast<std::size_t>(std::abs(change));
       }
-      if (!same) found(Breach::colour, p);
+      if (!same) found(Breach::color, p);
       ++result_.changes[std::min(size, kMostChange)];
     }
   }

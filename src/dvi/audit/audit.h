@@ -16,11 +16,11 @@ enum class Breach : std::uint8_t {
   mask,           ///< the result's mask is not what the drive's masks say
   outside,        ///< outside the mask the result is not the drive's image
   receipt,        ///< kind and provenance contradict each other, or name a source or position that does not exist or has no
-                  ///< colours
+                  ///< colors
   masked_source,  ///< was copied from inside a mask
-  colour,         ///< source and recorded harmonisation do not give the colour that was written
+  color,          ///< source and recorded harmonization do not give the color that was written
 };
-inline constexpr std::array<const char*, 5> kBreaches{"mask", "outside", "receipt", "masked_source", "colour"};
+inline constexpr std::array<const char*, 5> kBreaches{"mask", "outside", "receipt", "masked_source", "color"};
 
 /// How many pixels are so, and the first of them.
 struct Finding {
@@ -31,7 +31,7 @@ struct Finding {
 
 struct Audit {
   std::size_t frames = 0, removed = 0, copied = 0;  ///< pixels in masks; of these copied
-  double change_median = 0, change_p95 = 0;         ///< |harmonisation| of copied pixels, mean over channels, grey levels
+  double change_median = 0, change_p95 = 0;         ///< |harmonization| of copied pixels, mean over channels, gray levels
   std::array<Finding, kBreaches.size()> findings;   ///< as Breach
 
   bool passed() const;

@@ -30,7 +30,7 @@ struct Forecast {
   HoleShares total;                   ///< over the pixels of all holes
 };
 
-/// Asks depth and sample for every `step`th row and column of the views only, so that neither colours nor whole depth maps are
+/// Asks depth and sample for every `step`th row and column of the views only, so that neither colors nor whole depth maps are
 /// needed. One tick a frame of the target drive.
 Forecast forecast(
     const Views& views, const map::StaticMap& map, const depth::DepthOptions& depth, const sample::SampleOptions& sample,

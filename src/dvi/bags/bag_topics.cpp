@@ -90,8 +90,8 @@ class TopicChooser {
       } else if (key == "points") {
         choice.points = require(topic, "sensor_msgs/PointCloud2 or CustomMsg of Livox", is_scans);
       } else if (key == "depth") {
-        choice.depth.images = require(topic, "depth images",
-                                      [this](const BagTopic& t) { return t.type == "sensor_msgs/Image" && !is_colour(t); });
+        choice.depth.images =
+            require(topic, "depth images", [this](const BagTopic& t) { return t.type == "sensor_msgs/Image" && !is_color(t); });
       } else if (key == "info") {
         info = require(topic, "sensor_msgs/CameraInfo", [](const BagTopic& t) { return t.type == kInfoType; });
       } else if (key == "poses") {
@@ -104,7 +104,7 @@ class TopicChooser {
             "--topic {}: it is image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC, poses=TOPIC or gps=TOPIC", text));
       }
     }
-    if (images.empty()) images = guess_images(&TopicChooser::is_colour);
+    if (images.empty()) images = guess_images(&TopicChooser::is_color);
     if (images.empty()) images = guess_images(&TopicChooser::is_gray);
     if (images.empty()) fail("no topic of images" + explain_unread());
     for (const BagTopic* topic : images)
@@ -151,7 +151,7 @@ class TopicChooser {
           text += fmt::format("; {} holds {}, which is not supported: {}", topic.name, unread.content, unread.remedy);
       if (topic.encoding == BagEncoding::other && (is_images(topic) || is_scans(topic)))
         text += fmt::format("; the messages of {} are neither CDR nor of ROS 1", topic.name);
-      else if (is_images(topic) && !is_colour(topic))
+      else if (is_images(topic) && !is_color(topic))
         text += fmt::format("; {} holds depth by its encoding and name", topic.name);
     }
     return text;
@@ -185,7 +185,7 @@ class TopicChooser {
     }
   }
 
-  bool is_colour(const BagTopic& topic) const {
+  bool is_color(const BagTopic& topic) const {
     if (is_compressed(topic)) return !is_compressed_depth(topic);
     const auto image = first_image(topic);
     return !image || !is_depth(*image);
@@ -210,7 +210,7 @@ class TopicChooser {
     const BagTopic* best = nullptr;
     for (const BagTopic& topic : bag_.topics) {
       if (std::any_of(cameras.begin(), cameras.end(), [&](const BagCamera& c) { return c.images == &topic; })) continue;
-      if (topic.type != "sensor_msgs/Image" || !usable(topic) || is_colour(topic)) continue;
+      if (topic.type != "sensor_msgs/Image" || !usable(topic) || is_color(topic)) continue;
       const auto registered = [](const BagTopic& t) { return has_word(t.name, "registered") || has_word(t.name, "aligned"); };
       const auto rank = [&](const BagTopic& t) { return std::pair(registered(t), t.messages.size()); };
       if (best == nullptr || rank(topic) > rank(*best)) best = &topic;

@@ -32,7 +32,7 @@ bool is_images(const BagTopic& topic);
 bool is_compressed(const BagTopic& topic);
 bool is_tf(const BagTopic& topic);
 
-/// Chooses topics: all colour cameras, the LiDAR with the most points, Odometry before poses. `named`: "image=/a" any number of
+/// Chooses topics: all color cameras, the LiDAR with the most points, Odometry before poses. `named`: "image=/a" any number of
 /// times, "points=/b", "depth=/e" (instead of points), "info=/c" (of the only camera), "poses=/d", "gps=/f". UsageError where
 /// one is of another form; InputError where the topic is not there or of another type, and where there are no images or points,
 /// with the topics that there are.

@@ -43,7 +43,7 @@ void advance(Chain& chain, const Views& views, const Lazy<HoleFlow>& flows, samp
     const std::optional<cv::Point2f> motion = HoleFlow::at(flow, seeker.at);
     if (!motion) return true;
     seeker.at += *motion;
-    const cv::Point2f at = quantised(seeker.at.x, seeker.at.y);
+    const cv::Point2f at = quantized(seeker.at.x, seeker.at.y);
     if (!can_sample(*mask, at)) return false;
     candidate = {static_cast<int>(next), at};
     return true;
@@ -66,7 +66,7 @@ sample::Candidates follow(const Views& views, std::size_t target, const Lazy<Hol
   return out;
 }
 
-// The candidates' colours as they are, with their receipts; black and of kind empty where there is none.
+// The candidates' colors as they are, with their receipts; black and of kind empty where there is none.
 harmonize::FilledFrame copied(const sample::Candidates& candidates, const Views& views, std::size_t target) {
   harmonize::HarmonizeOptions as_is;
   as_is.poisson = false;
@@ -81,12 +81,12 @@ void inpaint_empty(harmonize::FilledFrame& frame, Inpainting method) {
   const auto count = static_cast<std::size_t>(cv::countNonZero(rest));
   if (count == 0 || count == rest.total()) return;
   cv::Mat3b known, filled;
-  frame.colour.convertTo(known, CV_8U);
+  frame.color.convertTo(known, CV_8U);
   cv::inpaint(known, rest, filled, kRadius, method == Inpainting::telea ? cv::INPAINT_TELEA : cv::INPAINT_NS);
   cv::Mat1f distance;
   cv::distanceTransform(rest, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   for (const cv::Point p : Region(rest).pixels) {
-    frame.colour(p) = filled(p);
+    frame.color(p) = filled(p);
     frame.kind(p) = static_cast<uchar>(harmonize::Kind::interpolated);
     frame.confidence(p) = static_cast<uchar>(std::lround(255 * harmonize::interpolated_confidence(distance(p))));
   }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kWidth = 200, kHeight = 120, kFrames = 9;
 
-/// A picture that moves to the left by `speed` pixels a frame; a hole each frame, with grey (or what else) in it.
+/// A picture that moves to the left by `speed` pixels a frame; a hole each frame, with gray (or what else) in it.
 struct MovingScene {
   std::vector<cv::Mat3b> truth, images;
   std::vector<cv::Mat1b> masks;
@@ -49,7 +49,7 @@ harmonize::Kind kind_at(const harmonize::FilledFrame& frame, cv::Point p) {
 }
 
 double error_at(const harmonize::FilledFrame& frame, const cv::Mat3b& truth, cv::Point p) {
-  return cv::norm(frame.colour(p) - cv::Vec3f(truth(p))) / std::sqrt(3.0);
+  return cv::norm(frame.color(p) - cv::Vec3f(truth(p))) / std::sqrt(3.0);
 }
 
 std::size_t count(const harmonize::FilledFrame& frame, harmonize::Kind kind) {
@@ -61,7 +61,7 @@ void expect_original_outside(const harmonize::FilledFrame& frame, const cv::Mat3
     for (int x = 0; x < mask.cols; ++x) {
       ASSERT_EQ(frame.mask(y, x), mask(y, x));
       if (mask(y, x) != 0) continue;
-      ASSERT_EQ(frame.colour(y, x), cv::Vec3f(image(y, x)));
+      ASSERT_EQ(frame.color(y, x), cv::Vec3f(image(y, x)));
       ASSERT_EQ(kind_at(frame, {x, y}), harmonize::Kind::original);
       ASSERT_EQ(frame.confidence(y, x), 255);
     }
@@ -97,8 +97,7 @@ TEST(InpaintFrame, KnowsNothingOfWhatTheMaskCovers) {
   const MovingScene other(0, [](int) { return cv::Rect(0, 30, 60, 90); }, {255, 255, 0});
   for (const Inpainting method : {Inpainting::telea, Inpainting::navier_stokes})
     EXPECT_EQ(
-        cv::norm(inpaint_frame(one.views(), 0, method).colour, inpaint_frame(other.views(), 0, method).colour, cv::NORM_INF),
-        0);
+        cv::norm(inpaint_frame(one.views(), 0, method).color, inpaint_frame(other.views(), 0, method).color, cv::NORM_INF), 0);
 }
 
 TEST(InpaintFrame, OfNothingButHoleStaysEmpty) {
@@ -106,7 +105,7 @@ TEST(InpaintFrame, OfNothingButHoleStaysEmpty) {
   const harmonize::FilledFrame frame =
       inpaint_frame(memory_views(std::vector<View>(1), {image}, {cv::Mat1b(40, 50, uchar{255})}), 0, Inpainting::telea);
   EXPECT_EQ(count(frame, harmonize::Kind::empty), frame.kind.total());
-  EXPECT_EQ(cv::norm(frame.colour), 0);
+  EXPECT_EQ(cv::norm(frame.color), 0);
 }
 
 TEST(FlowFill, FollowsAMovingSceneOutOfTheHole) {
@@ -127,7 +126,7 @@ TEST(FlowFill, FollowsAMovingSceneOutOfTheHole) {
       const int frames = source - static_cast<int>(target);
       ASSERT_NEAR(at.x, x - scene.speed * frames, 1.5) << "the receipt names where the scene has moved to";
       ASSERT_NEAR(at.y, y, 1);
-      ASSERT_EQ(frame.colour(y, x), bilinear(scene.images[source], at));
+      ASSERT_EQ(frame.color(y, x), bilinear(scene.images[source], at));
       ASSERT_EQ(scene.masks[source](cvRound(at.y), cvRound(at.x)), 0);
       const int way_left = (x - 80) / scene.speed + 1, way_right = (109 - x) / scene.speed + 1;
       ASSERT_LE(std::abs(frames), std::min(way_left, way_right) + 1) << "the nearest frame in time";
@@ -154,7 +153,7 @@ TEST(FlowFill, InterpolatesWhatNeverComesOut) {
   const harmonize::FilledFrame frame = scene.flow(4);
   EXPECT_EQ(count(frame, harmonize::Kind::copied), 0U);
   EXPECT_EQ(count(frame, harmonize::Kind::interpolated), 30U * 40U);
-  EXPECT_EQ(cv::norm(frame.colour, inpaint_frame(scene.views(), 4, Inpainting::telea).colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(frame.color, inpaint_frame(scene.views(), 4, Inpainting::telea).color, cv::NORM_INF), 0);
 }
 
 TEST(FlowFill, LooksNoFartherThanItMay) {

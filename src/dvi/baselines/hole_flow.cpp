@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/geometry/normal_equations.h"
-#include "dvi/image/grey.h"
+#include "dvi/image/gray.h"
 #include "dvi/image/optical_flow.h"
 #include "dvi/image/region.h"
 
@@ -116,7 +116,7 @@ HoleFlow hole_flow(const cv::Mat3b& first, const cv::Mat1b& first_mask, const cv
   const cv::Mat1b spoilt = every_second<uchar>(grown(either, kMargin));
   if (static_cast<std::size_t>(cv::countNonZero(spoilt)) == spoilt.total() || std::min(first.cols, first.rows) < kLeastFlowSide)
     return unknown(spoilt.size());
-  const cv::Mat1b from = grey_8bit(first), to = grey_8bit(second);
+  const cv::Mat1b from = gray_8bit(first), to = gray_8bit(second);
   HoleFlow flow{every_second(optical_flow(from, to)), every_second(optical_flow(to, from))};
   complete(spoilt, flow);
   HoleFlow trusted{flow.forth.clone(), flow.back.clone()};

@@ -101,7 +101,7 @@ TEST(Program, TypingErrorsAreAnsweredWithWhatWasMeant) {
       {{"fly"}, "dvi: there is no command 'fly'\n"},
       {{"run", "--frmes", "3"}, "dvi: run has no option --frmes; did you mean --frames?\n"},
       {{"run", "--frmes=3"}, "dvi: run has no option --frmes; did you mean --frames?\n"},
-      {{"run", "-o", "x", "--colour"}, "dvi: run has no option --colour\n"},
+      {{"run", "-o", "x", "--color"}, "dvi: run has no option --color\n"},
       {{"--frames", "run"}, "dvi: dvi without a command has no option --frames\n"}};
   for (const auto& [words, message] : cases) {
     const Outcome outcome = call_typed(words);

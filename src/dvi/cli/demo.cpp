@@ -26,7 +26,7 @@ std::string demo_street(const fs::path& out, int seed, Progress& progress) {
     synth::SynthOptions options;
     options.seed = seed;
     progress.begin("synth", static_cast<std::size_t>(options.frames));
-    synth::synthesise(options, street, progress.tick());
+    synth::synthesize(options, street, progress.tick());
     progress.end();
   }
   return street;

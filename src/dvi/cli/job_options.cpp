@@ -40,14 +40,13 @@ void JobOptions::add_to(Command& command) {
   command.option("--polarity", polarity, "Of PNG masks: white = remove, black = remove, or auto (default: by their shares)");
   command.option("--classes", classes,
                  "Of masks that are pictures of class ids, or of labels: car,truck or semantic-kitti:car or 26,27");
-  command.option("--ego-mask", ego_mask, "PNG of what hides the view in every frame, such as the bonnet; it is removed too");
+  command.option("--ego-mask", ego_mask, "PNG of what hides the view in every frame, such as the hood; it is removed too");
   command.option("--detector", detector, "What to remove: what a network of yours sees, MODEL.onnx with MODEL.toml beside it");
   command.option("--poses", poses,
                  "auto (default: given or loam, whichever map is sharper), given, loam (estimated from scans), or FILE");
-  command.option("--remove", remove,
-                 "moving, labelled (default: what the masks say), or all (masks and every labelled object)");
+  command.option("--remove", remove, "moving, labeled (default: what the masks say), or all (masks and every labeled object)");
   command.option("--never-seen", never_seen,
-                 "Pixels that no frame saw: synthesise (default), interpolate from their surroundings, or leave (black)");
+                 "Pixels that no frame saw: synthesize (default), interpolate from their surroundings, or leave (black)");
   command.option("--method", method,
                  "dvi (default), paper (the published form), or a baseline without depth and poses: flow, telea, ns");
   command.option("--config", config, "Options from a TOML file, such as the dvi.toml of an earlier result");
@@ -75,7 +74,7 @@ job::Job JobOptions::job(const std::string& out, const std::string& target, cons
   if (classes) job.read.mask_files.classes = *classes;
   if (ego_mask) job.read.ego_mask = *ego_mask;
   take(poses, "--poses", job::PosesFrom::parse, job.read.poses);
-  take(remove, "--remove", parse_name<job::Remove>, job.read.remove);
+  take(remove, "--remove", job::parse_remove, job.read.remove);
   take(never_seen, "--never-seen", parse_name<harmonize::NeverSeen>, job.options.harmonize.never_seen);
   for (const std::string& assignment : set) table.set(assignment);
   job.options.check();

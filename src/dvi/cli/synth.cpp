@@ -32,7 +32,7 @@ void add_synth(Program& program) {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     progress.begin("synth", static_cast<std::size_t>(a->options.frames));
-    synth::synthesise(a->options, a->out, progress.tick());
+    synth::synthesize(a->options, a->out, progress.tick());
     progress.end();
     fmt::print("{0}          the drive\n{0}/truth    the same frames without traffic\n", a->out);
   });

@@ -116,7 +116,7 @@ nlohmann::json json_of(const audit::Audit& audit, const fs::path& out) {
           {"frames", audit.frames},
           {"removed_pixels", audit.removed},
           {"copied_pixels", audit.copied},
-          {"harmonisation", {{"median", audit.change_median}, {"p95", audit.change_p95}}},
+          {"harmonization", {{"median", audit.change_median}, {"p95", audit.change_p95}}},
           {"findings", findings}};
 }
 
@@ -125,10 +125,10 @@ std::string text_of(const audit::Audit& audit, const fs::path& out) {
       "mask: the result's mask leaves out what the drive says is to be removed, or holds more",
       "outside: outside the mask the result is not the drive's image",
       "receipt: kind and provenance contradict each other, or name what does not exist",
-      "masked source: copied from inside a mask", "colour: source and recorded harmonisation do not give the colour written"};
+      "masked source: copied from inside a mask", "color: source and recorded harmonization do not give the color written"};
   std::string text = fmt::format(
       "{}\n  frames   {}\n  removed  {} pixels, {} of them copied: each was traced to its source\n"
-      "  harmonisation changed the copies by {:.1f} grey levels in the median, {:.1f} at the 95th percentile\n",
+      "  harmonization changed the copies by {:.1f} gray levels in the median, {:.1f} at the 95th percentile\n",
       out.string(), audit.frames, audit.removed, audit.copied, audit.change_median, audit.change_p95);
   for (std::size_t b = 0; b < audit::kBreaches.size(); ++b) {
     const audit::Finding& f = audit.findings[b];
@@ -164,8 +164,7 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
       recording.masks_from.reset();
       more_removed = true;
     }
-  for (inputs::Recording& recording : open)
-    recording.labelled_in_part = false;  // what was carried over is among the kept masks
+  for (inputs::Recording& recording : open) recording.labeled_in_part = false;  // what was carried over is among the kept masks
   Views views = views_of(sources, open, inputs::find_masks(open, poses_of(out, open, job), job, progress), out);
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
   std::vector<std::string> names;

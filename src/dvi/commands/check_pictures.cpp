@@ -15,36 +15,36 @@ namespace {
 
 // Of 256 steps from red over yellow, green to blue.
 const std::vector<cv::Vec3b>& rainbow() {
-  static const std::vector<cv::Vec3b> colours = [] {
+  static const std::vector<cv::Vec3b> colors = [] {
     cv::Mat1b steps(1, 256);
     for (int i = 0; i < 256; ++i) steps(0, i) = static_cast<uchar>(255 - i);
     cv::Mat3b out;
     cv::applyColorMap(steps, out, cv::COLORMAP_TURBO);
     return std::vector<cv::Vec3b>(out.begin(), out.end());
   }();
-  return colours;
+  return colors;
 }
 
-cv::Vec3b colour_of(double part) { return rainbow()[static_cast<std::size_t>(std::clamp(part, 0.0, 1.0) * 255)]; }
+cv::Vec3b color_of(double part) { return rainbow()[static_cast<std::size_t>(std::clamp(part, 0.0, 1.0) * 255)]; }
 
 // Where the world's x and y lie in a picture from above.
 class Ground {
  public:
   Ground(double left, double right, double bottom, double top) : left_(left), top_(top) {
     constexpr double kLongest = 1600;  // pixels
-    constexpr double kFinest = 0.05;   // metres a pixel
-    metre_ = 1 / std::max({kFinest, (right - left) / kLongest, (top - bottom) / kLongest});
-    size_ = cv::Size(std::max(1, static_cast<int>((right - left) * metre_)),
-                     std::max(1, static_cast<int>((top - bottom) * metre_)));
+    constexpr double kFinest = 0.05;   // meters a pixel
+    meter_ = 1 / std::max({kFinest, (right - left) / kLongest, (top - bottom) / kLongest});
+    size_ = cv::Size(std::max(1, static_cast<int>((right - left) * meter_)),
+                     std::max(1, static_cast<int>((top - bottom) * meter_)));
   }
   cv::Point operator()(const Eigen::Vector3d& p) const {
-    return {static_cast<int>(std::floor((p.x() - left_) * metre_)), static_cast<int>(std::floor((top_ - p.y()) * metre_))};
+    return {static_cast<int>(std::floor((p.x() - left_) * meter_)), static_cast<int>(std::floor((top_ - p.y()) * meter_))};
   }
   cv::Size size() const { return size_; }
-  double metre() const { return metre_; }
+  double meter() const { return meter_; }
 
  private:
-  double left_, top_, metre_;
+  double left_, top_, meter_;
   cv::Size size_;
 };
 
@@ -62,7 +62,7 @@ std::vector<std::size_t> spread(std::size_t count, std::size_t most) {
   return {out.begin(), out.end()};
 }
 
-// The points of the map that a drive brings within some metres of a place, the farthest first.
+// The points of the map that a drive brings within some meters of a place, the farthest first.
 std::vector<Eigen::Vector3d> map_near(const Drive& drive, const Eigen::Vector3d& place, double range) {
   const std::shared_ptr<const GivenMap> map = drive.map[0];
   std::vector<Eigen::Vector3d> out;
@@ -84,7 +84,7 @@ std::vector<Eigen::Vector3d> measured(const Drive& drive, std::int64_t time, con
 }  // namespace
 
 cv::Mat3b lidar_on_image(const Drive& drive, std::size_t frame, const Trajectory& world_from_lidar) {
-  constexpr double kNear = 3, kFar = 60;  // metres, whose logarithms the colours are
+  constexpr double kNear = 3, kFar = 60;  // meters, whose logarithms the colors are
   cv::Mat3b out = drive.images[frame]->clone();
   const std::int64_t time = drive.frames[frame].time_ns;
   const auto here = world_from_lidar.at(time);
@@ -97,13 +97,13 @@ cv::Mat3b lidar_on_image(const Drive& drive, std::size_t frame, const Trajectory
     const Eigen::Vector2d pixel = drive.camera.project(x);
     if (!drive.camera.contains(pixel)) continue;
     cv::circle(out, {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))}, radius,
-               cv::Scalar(colour_of(std::log(x.z() / kNear) / std::log(kFar / kNear))), cv::FILLED);
+               cv::Scalar(color_of(std::log(x.z() / kNear) / std::log(kFar / kNear))), cv::FILLED);
   }
   return out;
 }
 
 cv::Mat3b birds_view(const Drive& drive, const Trajectory& world_from_lidar) {
-  constexpr double kMargin = 40, kLow = -3, kHigh = 5;  // metres about the path, and below and above it
+  constexpr double kMargin = 40, kLow = -3, kHigh = 5;  // meters about the path, and below and above it
   constexpr std::size_t kMostScans = 40, kPointStep = 3;
   const std::vector<Eigen::Vector3d> path = path_of(drive, world_from_lidar);
   if (path.empty()) return {};
@@ -119,7 +119,7 @@ cv::Mat3b birds_view(const Drive& drive, const Trajectory& world_from_lidar) {
       const auto height = static_cast<float>(points[k].z() - level);
       if (!all.contains(at) || height > kHigh || height <= top(at)) continue;
       top(at) = height;
-      out(at) = colour_of(1 - (height - kLow) / (kHigh - kLow));
+      out(at) = color_of(1 - (height - kLow) / (kHigh - kLow));
     }
   };
   for (const std::size_t i : spread(drive.scan_headers.size(), kMostScans))
@@ -133,7 +133,7 @@ cv::Mat3b birds_view(const Drive& drive, const Trajectory& world_from_lidar) {
   cv::circle(out, ground(path.back()), 6, cv::Scalar(0, 0, 255), cv::FILLED, cv::LINE_AA);
   constexpr double kBar = 10;
   const cv::Point bar(20, out.rows - 20);
-  cv::line(out, bar, bar + cv::Point(static_cast<int>(kBar * ground.metre()), 0), cv::Scalar::all(255), 3);
+  cv::line(out, bar, bar + cv::Point(static_cast<int>(kBar * ground.meter()), 0), cv::Scalar::all(255), 3);
   cv::putText(out, "10 m", bar - cv::Point(0, 10), cv::FONT_HERSHEY_SIMPLEX, 0.6, cv::Scalar::all(255), 1, cv::LINE_AA);
   return out;
 }

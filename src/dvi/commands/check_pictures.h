@@ -12,7 +12,7 @@ namespace dvi::commands {
 /// edges of things, calibration, clocks or poses are off. BGR; the plain image where a pose or scan is missing.
 cv::Mat3b lidar_on_image(const Drive& drive, std::size_t frame, const Trajectory& world_from_lidar);
 
-/// The returns of the drive from above, coloured by their height over the path, and the path, its begin green, its end red; a
+/// The returns of the drive from above, colored by their height over the path, and the path, its begin green, its end red; a
 /// bar of 10 m. BGR; empty where there are no poses.
 cv::Mat3b birds_view(const Drive& drive, const Trajectory& world_from_lidar);
 

@@ -33,8 +33,8 @@ void make(const job::Job& job, const holdout::HoldoutOptions& options, bool keep
   if (!keep) require_empty(job.out, "case");
   inputs::Recordings drives =
       inputs::with_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::optional, progress), job, progress);
-  // A coloured vehicle in a grey picture would pass for a camera in colour.
-  std::erase_if(drives, [grey = drives.front().grey](const inputs::Recording& other) { return other.grey != grey; });
+  // A colored vehicle in a gray picture would pass for a camera in color.
+  std::erase_if(drives, [gray = drives.front().gray](const inputs::Recording& other) { return other.gray != gray; });
   const inputs::Recording& open = drives.front();
   if (!open.masks_from) progress.warn("the drive brings neither masks nor labels: its real traffic counts as street");
   const std::string recipe = recipe_of(job, options, drives);

@@ -178,7 +178,7 @@ TEST(Progress, TimesStagesAndKeepsEachWarningOnce) {
   EXPECT_THAT(text, HasSubstr("map: done"));
 }
 
-TEST(Progress, TellsWhereItIsAndCanBeCancelled) {
+TEST(Progress, TellsWhereItIsAndCanBeCanceled) {
   Progress progress(ProgressStyle::quiet);
   EXPECT_FALSE(progress.now());
   progress.begin("work", 3);

@@ -24,8 +24,8 @@ using testing::Not;
 using testing::StrEq;
 using testing::ThrowsMessage;
 
-enum class Colour { red, green };
-constexpr auto names_of(Colour) { return std::array{std::pair{Colour::red, "red"}, std::pair{Colour::green, "green"}}; }
+enum class Color { red, green };
+constexpr auto names_of(Color) { return std::array{std::pair{Color::red, "red"}, std::pair{Color::green, "green"}}; }
 
 struct Percent {
   int value = 0;
@@ -46,7 +46,7 @@ struct Settings {
   int side = 3;
   double low = 2, twin = 2;
   std::optional<double> near, near_twin;
-  Colour colour = Colour::red;
+  Color color = Color::red;
   Percent share = {};
 
   void describe(OptionTable& table) {
@@ -63,7 +63,7 @@ struct Settings {
     table.add_one_of("side", side, {0, 3, 5}, "How large.");
     table.add("low", {&low, &twin}, {0, 20}, "From where on.");
     table.add_automatic("near", {&near, &near_twin}, {0, 20}, "How near.");
-    table.add("colour", colour, "Which.");
+    table.add("color", color, "Which.");
     table.add("share", share, "What part.");
     table.section("first");
     table.add("late", late, {0, 9}, "Of the first section.");
@@ -78,7 +78,7 @@ class Options : public testing::Test {
   void load(const std::string& toml) {
     write_file(file, toml);
     table.retire(
-        {{"old.window", "first.window", ""}, {"second.depth", "second.alpha", "in metres"}, {"second.gone", "", "no use"}});
+        {{"old.window", "first.window", ""}, {"second.depth", "second.alpha", "in meters"}, {"second.gone", "", "no use"}});
     table.load_toml(file, {"drive"});
   }
   Settings settings;
@@ -212,21 +212,21 @@ TEST_F(Options, BadAssignmentsNameTheOptionAndTheReason) {
   EXPECT_THAT(message("first.widow=3"), AllOf(HasSubstr("first.widow"), HasSubstr("config dump --all")));
   EXPECT_THAT(message("first.window"), HasSubstr("section.key=value"));
   EXPECT_THAT(message("third.side=4"), HasSubstr("option third.side = 4: must be one of 0, 3, 5"));
-  EXPECT_THAT(message("third.colour=blue"), HasSubstr("option third.colour = 'blue': must be one of red, green"));
+  EXPECT_THAT(message("third.color=blue"), HasSubstr("option third.color = 'blue': must be one of red, green"));
   EXPECT_THAT(message("third.share=9"), HasSubstr("option third.share = '9': must end in %"));
   EXPECT_EQ(settings.window, 5) << "a refused value must not stay";
   EXPECT_EQ(settings.alpha, 0.1);
 }
 
 TEST_F(Options, EnumsAndTypesOfTheirOwnAreWrittenAsText) {
-  for (const char* assignment : {"third.colour=green", "third.share=40%", "third.side=0", "third.low=3"}) table.set(assignment);
-  EXPECT_EQ(settings.colour, Colour::green);
+  for (const char* assignment : {"third.color=green", "third.share=40%", "third.side=0", "third.low=3"}) table.set(assignment);
+  EXPECT_EQ(settings.color, Color::green);
   EXPECT_EQ(settings.share.value, 40);
   EXPECT_EQ(settings.side, 0);
   EXPECT_EQ(settings.low, 3);
   EXPECT_EQ(settings.twin, 3) << "one option may be shared by several structs";
   const std::string text = table.dump_toml();
-  EXPECT_THAT(text, AllOf(HasSubstr("# Which. [red | green]\ncolour = 'green'"), HasSubstr("share = '40%'")));
+  EXPECT_THAT(text, AllOf(HasSubstr("# Which. [red | green]\ncolor = 'green'"), HasSubstr("share = '40%'")));
   load(text);
   EXPECT_EQ(table.dump_toml(), text);
 }
@@ -244,7 +244,7 @@ TEST_F(Options, RetiredNamesSayWhatBecameOfThem) {
   const auto setting = [this](const char* assignment) { return [this, assignment] { table.set(assignment); }; };
   EXPECT_THAT(setting("old.window=3"), ThrowsMessage<UsageError>(StrEq("option old.window is now first.window")));
   EXPECT_THAT(setting("second.depth=3"),
-              ThrowsMessage<UsageError>(StrEq("option second.depth is now second.alpha; in metres")));
+              ThrowsMessage<UsageError>(StrEq("option second.depth is now second.alpha; in meters")));
   EXPECT_THAT(setting("second.gone=3"), ThrowsMessage<UsageError>(StrEq("option second.gone is gone: no use")));
   EXPECT_THAT([this] { load("[old]\nwindow = 3\n[second]\nnote = 'x'\ngone = 1"); },
               ThrowsMessage<UsageError>(

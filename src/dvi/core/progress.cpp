@@ -55,7 +55,7 @@ void Progress::plan(std::vector<PlannedStage> stages) {
 }
 
 void Progress::begin(const std::string& stage, std::size_t total) {
-  throw_if_cancelled();
+  throw_if_canceled();
   const std::lock_guard lock(mutex_);
   end_locked();
   stage_ = stage;
@@ -68,7 +68,7 @@ void Progress::begin(const std::string& stage, std::size_t total) {
 }
 
 void Progress::advance() {
-  throw_if_cancelled();
+  throw_if_canceled();
   const std::lock_guard lock(mutex_);
   ++done_;
   const std::chrono::duration<double> since = Clock::now() - shown_;
@@ -89,9 +89,9 @@ void Progress::end_locked() {
   stage_.clear();
 }
 
-void Progress::throw_if_cancelled() const {
+void Progress::throw_if_canceled() const {
   throw_if_interrupted();
-  if (cancelled_) throw Interrupted();
+  if (canceled_) throw Interrupted();
 }
 
 StageProgress Progress::at() const {

@@ -52,7 +52,7 @@ class Progress {
   }
 
   /// Makes the next begin() or advance() throw Interrupted, as a signal would. From any thread.
-  void cancel() { cancelled_ = true; }
+  void cancel() { canceled_ = true; }
   /// Where the work is; none between stages.
   std::optional<StageProgress> now() const;
 
@@ -64,13 +64,13 @@ class Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void throw_if_cancelled() const;
+  void throw_if_canceled() const;
   StageProgress at() const;
   void show(bool last);
   void print(const char* kind, const std::string& message);
   void end_locked();
 
-  std::atomic<bool> cancelled_ = false;
+  std::atomic<bool> canceled_ = false;
   mutable std::mutex mutex_;
   ProgressStyle style_;
   std::string stage_;

@@ -30,7 +30,7 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
 /// what is made in parallel and then merged in order, without room for all of it.
 void for_blocks(std::size_t count, const std::function<void(std::size_t first, std::size_t last)>& body);
 
-/// The same, but moving through [0, count) from front to back, so that what neighbours share stays in a bounded cache.
+/// The same, but moving through [0, count) from front to back, so that what neighbors share stays in a bounded cache.
 void parallel_in_order(std::size_t count, const std::function<void(std::size_t)>& body);
 
 }  // namespace dvi

@@ -17,7 +17,7 @@
 namespace dvi::datasets {
 namespace {
 
-constexpr double kPixelCentre = 0.5;
+constexpr double kPixelCenter = 0.5;
 
 struct Model {
   const char* name;
@@ -56,7 +56,7 @@ Camera to_camera(const fs::path& file, const Model& model, double width, double 
     throw InputError(file, fmt::format("has a camera of {:g}x{:g} pixels", width, height));
   Camera camera{.width = static_cast<int>(width), .height = static_cast<int>(height)};
   const std::size_t f = model.focals;
-  camera.fx = p[0], camera.fy = p[f - 1], camera.cx = p[f] - kPixelCentre, camera.cy = p[f + 1] - kPixelCentre;
+  camera.fx = p[0], camera.fy = p[f - 1], camera.cx = p[f] - kPixelCenter, camera.cy = p[f + 1] - kPixelCenter;
   for (std::size_t k = 0; k < model.distortions; ++k) {
     if (k < camera.distortion.size())
       camera.distortion[k] = p[f + 2 + k];
@@ -235,12 +235,12 @@ fs::path colmap_points_file(const fs::path& folder) { return file_of(folder, "po
 media::PointCloud read_colmap_points(const fs::path& file) {
   media::PointCloud cloud;
   if (file.extension() == ".bin") {
-    constexpr std::uint64_t kColourAndError = 3 + 8, kElement = 8;
+    constexpr std::uint64_t kColorAndError = 3 + 8, kElement = 8;
     read_binary(file, [&](bags::ByteCursor& cursor) {
       for (auto left = cursor.take<std::uint64_t>(); left > 0; --left) {
         cursor.take<std::uint64_t>();
         cloud.add(Eigen::Vector3d(take_numbers<3>(cursor).data()), 0);
-        cursor.take(kColourAndError);
+        cursor.take(kColorAndError);
         const auto track = cursor.take<std::uint64_t>();
         if (track > cursor.left() / kElement) throw std::out_of_range("track");
         cursor.take(track * kElement);

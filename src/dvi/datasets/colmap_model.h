@@ -33,7 +33,7 @@ std::vector<fs::path> list_colmap_models(const fs::path& workspace);
 /// Finds the model with the most images, the first of those with equally many; empty if there is none.
 fs::path find_colmap_model(const fs::path& workspace);
 
-/// Reads cameras and images of a model, text or binary (cameras.bin, images.bin). COLMAP puts the centre of the first pixel at
+/// Reads cameras and images of a model, text or binary (cameras.bin, images.bin). COLMAP puts the center of the first pixel at
 /// (0.5, 0.5), dvi at (0, 0). InputError where a file is damaged, or a camera is none that dvi knows.
 ColmapModel read_colmap_model(const fs::path& folder);
 

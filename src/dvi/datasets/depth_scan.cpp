@@ -15,18 +15,18 @@ namespace dvi::datasets {
 namespace {
 
 constexpr ushort kSaturated = std::numeric_limits<ushort>::max();
-constexpr double kNearest = 0.05, kFarthest = 100;  // metres; no depth camera measures below or beyond
+constexpr double kNearest = 0.05, kFarthest = 100;  // meters; no depth camera measures below or beyond
 
 bool is_depth(ushort value) { return value != 0 && value != kSaturated; }
 
-/// Whether a neighbour lies on another surface. The surface between the two would be seen at less than 6 degrees, also if noise
+/// Whether a neighbor lies on another surface. The surface between the two would be seen at less than 6 degrees, also if noise
 /// across it is taken off: of triangulating cameras it grows with the square of the depth (Nguyen et al., 3DIMPVT 2012).
 class Jump {
  public:
   explicit Jump(const Camera& camera) : pixel_(1 / std::min(camera.fx, camera.fy)) {}
 
   bool operator()(double a_m, double b_m) const {
-    constexpr double kSteepest = 10, kNoise = 0.006;  // depth a width; metres at one metre, three standard deviations
+    constexpr double kSteepest = 10, kNoise = 0.006;  // depth a width; meters at one meter, three standard deviations
     const double near = std::min(a_m, b_m);
     return std::abs(a_m - b_m) > kSteepest * pixel_ * near + kNoise * near * near;
   }
@@ -36,13 +36,13 @@ class Jump {
 };
 
 // Pixels that the sensor measured on one surface.
-cv::Mat1b steady(const cv::Mat1w& depth, const Jump& jump, double metre) {
+cv::Mat1b steady(const cv::Mat1w& depth, const Jump& jump, double meter) {
   cv::Mat1b out(depth.size(), uchar{0});
   for (int y = 0; y < depth.rows; ++y)
     for (int x = 0; x < depth.cols; ++x) out(y, x) = is_depth(depth(y, x)) ? 255 : 0;
   const auto part = [&](int y, int x, int v, int u) {
     const ushort a = depth(y, x), b = depth(v, u);
-    if (is_depth(a) && is_depth(b) && jump(a * metre, b * metre)) out(y, x) = out(v, u) = 0;
+    if (is_depth(a) && is_depth(b) && jump(a * meter, b * meter)) out(y, x) = out(v, u) = 0;
   };
   for (int y = 0; y < depth.rows; ++y)
     for (int x = 0; x < depth.cols; ++x) {
@@ -52,18 +52,18 @@ cv::Mat1b steady(const cv::Mat1w& depth, const Jump& jump, double metre) {
   return out;
 }
 
-void require_depths(const cv::Mat1w& depth, double metre, const fs::path& file) {
+void require_depths(const cv::Mat1w& depth, double meter, const fs::path& file) {
   ushort least = kSaturated, most = 0;
   for (const ushort value : depth)
     if (is_depth(value)) least = std::min(least, value), most = std::max(most, value);
   if (most == 0) throw InputError(file, "holds no depth", "remove the file; dvi bridges a missing one");
-  if (most * metre >= kNearest && least * metre <= kFarthest) return;
+  if (most * meter >= kNearest && least * meter <= kFarthest) return;
   throw InputError(file,
-                   fmt::format("holds values from {} to {}, which would be {:.3g} to {:.3g} m at {:g} units per metre", least,
-                               most, least * metre, most * metre, 1 / metre),
-                   most * metre < kNearest
-                       ? "depth images are in millimetres; are these in metres? Give [depth] units_per_metre in dvi.toml"
-                       : "give [depth] units_per_metre in dvi.toml");
+                   fmt::format("holds values from {} to {}, which would be {:.3g} to {:.3g} m at {:g} units per meter", least,
+                               most, least * meter, most * meter, 1 / meter),
+                   most * meter < kNearest
+                       ? "depth images are in millimeters; are these in meters? Give [depth] units_per_meter in dvi.toml"
+                       : "give [depth] units_per_meter in dvi.toml");
 }
 
 }  // namespace
@@ -73,14 +73,14 @@ Scan DepthScan::operator()(const ScanHeader& header) const {
 }
 
 Scan DepthScan::operator()(const cv::Mat1w& image, const fs::path& name) const {
-  const double metre = 1 / units_per_metre;
-  require_depths(image, metre, name);
-  const cv::Mat1b surface = steady(image, Jump(camera), metre);
+  const double meter = 1 / units_per_meter;
+  require_depths(image, meter, name);
+  const cv::Mat1b surface = steady(image, Jump(camera), meter);
   Scan scan;
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x)
       if (surface(y, x) != 0)
-        scan.points.emplace_back((lidar_from_depth * (metre * image(y, x) * camera.ray({x, y}))).cast<float>());
+        scan.points.emplace_back((lidar_from_depth * (meter * image(y, x) * camera.ray({x, y}))).cast<float>());
   scan.intensity.assign(scan.size(), 0.0F);
   scan.time.assign(scan.size(), 0.0F);
   return scan;
@@ -97,10 +97,10 @@ DepthScan depth_scan_of(Drive& drive, const DepthCamera& depth, cv::Size size, c
                                  depth.camera ? "its camera is" : "the images are", camera.width, camera.height),
                      "depth of another size than the images needs its own camera: K in the table [depth] of dvi.toml");
   if (depth.camera) require_plausible(camera, name, "its camera's");
-  if (const std::string problem = off_centre_problem(camera); depth.camera && !problem.empty())
+  if (const std::string problem = off_center_problem(camera); depth.camera && !problem.empty())
     drive.warnings.push_back(name.filename().string() + " " + problem + "; does K in the table [depth] fit?");
   const SE3 color_from_depth = depth.depth_from_color ? depth.depth_from_color->inverse() : SE3();
-  return {camera, drive.camera_from_lidar.inverse() * color_from_depth, depth.units_per_metre};
+  return {camera, drive.camera_from_lidar.inverse() * color_from_depth, depth.units_per_meter};
 }
 
 DepthScan attach_depth_camera(Drive& drive, const DepthCamera& depth) {
@@ -108,7 +108,7 @@ DepthScan attach_depth_camera(Drive& drive, const DepthCamera& depth) {
   const cv::Size stated(fallback.width, fallback.height);
   const fs::path file = drive.scan_headers.empty() ? drive.path : drive.scan_headers.front().file;
   const DepthScan scan = depth_scan_of(drive, depth, drive.scan_headers.empty() ? stated : media::image_size(file), file);
-  drive.depth_images = {scan.camera, depth.depth_from_color, depth.units_per_metre};
+  drive.depth_images = {scan.camera, depth.depth_from_color, depth.units_per_meter};
   return scan;
 }
 

@@ -71,7 +71,7 @@ std::string camera_table(const fs::path& images, bool depth, DraftConfig& out) {
   text += "# distortion = [0, 0, 0, 0, 0]  # k1, k2, p1, p2, k3 as in OpenCV, where the images are distorted\n";
   if (!depth)
     text +=
-        "# fill in: x_camera = R x_lidar + t, metres; these numbers are a camera that looks ahead at the LiDAR's place\n"
+        "# fill in: x_camera = R x_lidar + t, meters; these numbers are a camera that looks ahead at the LiDAR's place\n"
         "# camera_from_lidar = [0, -1, 0, 0,   0, 0, -1, 0,   1, 0, 0, 0]\n";
   return text + "# offset_s = 0.0                # added to this camera's times, where its clock is off\n\n";
 }
@@ -104,7 +104,7 @@ void require_none_yet(const fs::path& folder) {
   if (!fs::is_directory(folder)) throw InputError(folder, "is no folder", "name a folder with images/CAMERA and lidar/");
   if (fs::exists(folder / "dvi.toml")) throw InputError(folder / "dvi.toml", "is there already", "edit it, or move it away");
   for (const DriveFormat& format : drive_formats())
-    if (format.name != "folder" && format.recognise(folder))
+    if (format.name != "folder" && format.recognize(folder))
       throw InputError(folder, "is a " + format.name + " recording, which needs no dvi.toml", "see dvi check");
 }
 
@@ -131,7 +131,7 @@ DraftConfig draft_config(const fs::path& given) {
       cameras.front().filename().string());
   for (const fs::path& camera : cameras) out.text += camera_table(camera, depth, out);
   if (!scans.empty()) out.text += lidar_table(folder, scans, out);
-  if (depth) out.text += "[depth]\nunits_per_metre = 1000          # assumed: of the depth images, 1000 is millimetres\n";
+  if (depth) out.text += "[depth]\nunits_per_meter = 1000          # assumed: of the depth images, 1000 is millimeters\n";
   if (!fs::exists(folder / "times"))
     out.open.emplace_back("times: without times/ an image and a scan of one name belong together, and names count scans");
   return out;

@@ -187,9 +187,9 @@ CameraConfig read_camera(const Table& table) {
 }
 
 std::optional<double> read_units(const Table& table) {
-  const auto units = table.number("units_per_metre");
+  const auto units = table.number("units_per_meter");
   if (units && !(*units >= 1 && *units <= 1e6))
-    table.fail("units_per_metre", "is not between 1 and 1000000, such as 1000 for millimetres");
+    table.fail("units_per_meter", "is not between 1 and 1000000, such as 1000 for millimeters");
   return units;
 }
 
@@ -220,7 +220,7 @@ LidarConfig read_lidar(const Table& table) {
   if (const auto azimuth = table.number("first_azimuth_deg")) lidar.first_azimuth = *azimuth * kDegree;
   lidar.offset_ns = offset_ns(table);
   lidar.columns = read_columns(table);
-  lidar.units_per_metre = read_units(table).value_or(lidar.units_per_metre);
+  lidar.units_per_meter = read_units(table).value_or(lidar.units_per_meter);
   return lidar;
 }
 
@@ -251,9 +251,9 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
   if (const auto place = head.choice("camera", names)) config.usual_camera = names[*place];
   config.lidar = read_lidar(
       Table(config.file, "lidar", table_of(root.get("lidar")),
-            {"rate", "sensor", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s", "columns", "units_per_metre"}));
+            {"rate", "sensor", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s", "columns", "units_per_meter"}));
   config.depth = read_depth(Table(config.file, "depth", table_of(root.get("depth")),
-                                  {"K", "distortion", "model", "distortion_model", "depth_from_color", "units_per_metre"}));
+                                  {"K", "distortion", "model", "distortion_model", "depth_from_color", "units_per_meter"}));
   return config;
 }
 
@@ -263,7 +263,7 @@ void DepthConfig::apply(DepthCamera& depth) const {
     if (distortion) depth.camera->distortion = *distortion;
   }
   if (depth_from_color) depth.depth_from_color = depth_from_color;
-  if (units_per_metre) depth.units_per_metre = *units_per_metre;
+  if (units_per_meter) depth.units_per_meter = *units_per_meter;
 }
 
 void CameraConfig::apply(Drive& drive) const {

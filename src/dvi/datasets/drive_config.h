@@ -34,7 +34,7 @@ struct LidarConfig {
   std::optional<double> first_azimuth;  ///< radians
   std::int64_t offset_ns = 0;           ///< added to the LiDAR's stamps
   std::vector<std::string> columns;     ///< of .bin files; empty: inferred
-  double units_per_metre = 1;           ///< of coordinates in scan files
+  double units_per_meter = 1;           ///< of coordinates in scan files
 
   void apply(Drive& drive) const;  ///< to the sensor and the scans' times
   Rotation rotation() const { return {turn.value_or(Turn::clockwise), first_azimuth.value_or(std::numbers::pi)}; }
@@ -45,7 +45,7 @@ struct DepthConfig {
   std::optional<std::array<double, 9>> K;  ///< row-major
   std::optional<std::array<double, 5>> distortion;
   std::optional<SE3> depth_from_color;
-  std::optional<double> units_per_metre;
+  std::optional<double> units_per_meter;
 
   void apply(DepthCamera& depth) const;
 };

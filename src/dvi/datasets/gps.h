@@ -8,7 +8,7 @@
 
 namespace dvi::datasets {
 
-/// Reads lines "seconds latitude longitude [x y z]": degrees of WGS84, and where the antenna is in the LiDAR's axes (metres).
+/// Reads lines "seconds latitude longitude [x y z]": degrees of WGS84, and where the antenna is in the LiDAR's axes (meters).
 /// InputError where a line is of another form or names no place on Earth.
 std::vector<GeoFix> read_fixes(const fs::path& file);
 

@@ -20,7 +20,7 @@ std::string packed(T value) {
   return {reinterpret_cast<const char*>(&value), sizeof(T)};
 }
 
-// As a map projection has them: floats would be off by decimetres.
+// As a map projection has them: floats would be off by decimeters.
 const Eigen::Vector3d kFar(456'789.125, 5'412'345.25, 345.5);
 
 std::string las_header(int minor, int format, std::uint16_t record, std::uint32_t points) {
@@ -53,7 +53,7 @@ void expect_far_points(const media::PointCloud& cloud) {
   EXPECT_LT((cloud.points[1] - Eigen::Vector3f(0.25F, -0.125F, 0)).norm(), 1e-6F);
 }
 
-TEST(GivenMap, KeepsTheMillimetresOfAMapProjection) {
+TEST(GivenMap, KeepsTheMillimetersOfAMapProjection) {
   const TestFolder folder;
   const Eigen::Vector3d second = kFar + Eigen::Vector3d(0.25, -0.125, 0);
   for (const auto& [minor, format, record] : {std::tuple{0, 0, 20}, {2, 3, 34}, {4, 6, 30}}) {
@@ -259,7 +259,7 @@ TEST(GivenMap, RefusesCoordinatesThatAreNotMeters) {
   EXPECT_THAT(error(las_record(2112, R"(GEOGCS["WGS 84",UNIT["degree",0.0174532925199433]])")), HasSubstr("in degrees"));
   EXPECT_THAT(error(las_record(2112, R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["foot",0.3048]])")),
               HasSubstr("in feet"));
-  for (const std::string& metric : {keys(3076, 9001), las_record(2112, R"(PROJCS["x",GEOGCS["y"],UNIT["metre",1]])"),
+  for (const std::string& metric : {keys(3076, 9001), las_record(2112, R"(PROJCS["x",GEOGCS["y"],UNIT["meter",1]])"),
                                     las_record(2112, "UNIT[\""), las_record(34735, "abc")})
     EXPECT_EQ(media::read_map_cloud(with_record(metric)).points.size(), 1U);
 }

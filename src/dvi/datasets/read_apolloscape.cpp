@@ -174,7 +174,7 @@ DriveContents read_apolloscape(const fs::path& path, const ReadOptions& options)
   return recording;
 }
 
-bool recognise_apolloscape(const fs::path& path) {
+bool recognize_apolloscape(const fs::path& path) {
   return fs::is_directory(path / "lidar_bg") && !(span_folders(path, "").empty() && span_folders(path, "_mask").empty());
 }
 
@@ -183,7 +183,7 @@ bool recognise_apolloscape(const fs::path& path) {
 DriveFormat apolloscape_format() {
   return {"apolloscape",
           "lidar_bg, T0-T1 and T0-T1_mask beside each other, image/T.jpg",
-          recognise_apolloscape,
+          recognize_apolloscape,
           read_apolloscape,
           {"lidar_bg", "image"}};
 }

@@ -48,7 +48,7 @@ std::map<std::string, ModelImages> by_camera(const ColmapModel& model, const fs:
 
 // How a camera stands on another one, by their images of one NAME; none unless that is the same in all of them.
 std::optional<SE3> fixed_to(const ModelImages& first, const ModelImages& other) {
-  constexpr double kFarthest = 0.1, kWidest = 0.02;  // metres, radians (1.1 degrees): what poses of a model are off by
+  constexpr double kFarthest = 0.1, kWidest = 0.02;  // meters, radians (1.1 degrees): what poses of a model are off by
   std::optional<SE3> other_from_first;
   for (const auto& [name, image] : other) {
     const auto there = first.find(name);
@@ -156,7 +156,7 @@ DriveContents read_colmap(const fs::path& path, const ReadOptions& options) {
   return recording;
 }
 
-bool recognise_colmap(const fs::path& path) {
+bool recognize_colmap(const fs::path& path) {
   return fs::is_directory(path / "images") && !fs::exists(path / "lidar") && !fs::exists(path / "depth") &&
          fs::is_directory(path / "sparse") && !find_colmap_model(path).empty();
 }
@@ -166,7 +166,7 @@ bool recognise_colmap(const fs::path& path) {
 DriveFormat colmap_format() {
   return {"colmap",
           "images/ and sparse/0 of COLMAP with poses, and map.ply (or .pcd, .las) instead of scans",
-          recognise_colmap,
+          recognize_colmap,
           read_colmap,
           {"images", "sparse"}};
 }

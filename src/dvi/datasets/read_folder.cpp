@@ -370,7 +370,7 @@ DriveContents read_folder(const fs::path& path, const ReadOptions& options) {
   return recording;
 }
 
-bool recognise_folder(const fs::path& path) {
+bool recognize_folder(const fs::path& path) {
   const bool sensors = fs::is_directory(path / "lidar") || fs::is_directory(path / "depth");
   return fs::is_directory(path / "images") || (sensors && fs::exists(path / "dvi.toml"));
 }
@@ -380,7 +380,7 @@ bool recognise_folder(const fs::path& path) {
 DriveFormat folder_format() {
   return {"folder",
           "dvi.toml and images/CAMERA: the plain layout for your own data (docs/formats.md)",
-          recognise_folder,
+          recognize_folder,
           read_folder,
           {"dvi.toml", "images", "lidar|depth|map.ply|map.pcd|map.las"}};
 }

@@ -74,7 +74,7 @@ TEST_F(Folder, ReadsSpansOfScansPosesOfAnyTimeAndLabelsOfOneCamera) {
   EXPECT_EQ(drive.scan_headers[0].end_ns, 1'040'000'000);
   EXPECT_EQ(drive.scan_headers[1].end_ns, 1'150'000'000);
   EXPECT_EQ(drive.poses.poses()[1].time_ns, 1'050'000'000);
-  EXPECT_FALSE(drive.labelled_around);
+  EXPECT_FALSE(drive.labeled_around);
   const std::vector<Label>& labels = drive.frames[1].labels;
   ASSERT_EQ(labels.size(), 2U);
   EXPECT_EQ(labels[0].rect, cv::Rect2d(1, 2, 3, 4));
@@ -101,7 +101,7 @@ TEST_F(Folder, MakesScansOfDepthImages) {
   EXPECT_TRUE(scan->points[0].isApprox(Eigen::Vector3f(1, 0, 2)));
   EXPECT_EQ(scan->time[0], 0);
   EXPECT_THAT(input_error([&] { drive.scans[1]; }), HasSubstr("b.png: holds no depth"));
-  EXPECT_THAT(input_error([&] { drive.scans[2]; }), HasSubstr("c.png: is no 16-bit grey image of 8x6"));
+  EXPECT_THAT(input_error([&] { drive.scans[2]; }), HasSubstr("c.png: is no 16-bit gray image of 8x6"));
 }
 
 TEST_F(Folder, ScansAreOfALidarUnlessDviTomlSaysOtherwise) {

@@ -166,10 +166,10 @@ class BoxReader {
     if (m.size() != 16 || v.size() < 6 || v.size() % 3 != 0)
       fail(object, "has no transform of 4x4 and vertices of Nx3 numbers");
     Eigen::Matrix3d scaled;
-    Eigen::Vector3d centre, low(v[0], v[1], v[2]), high = low;
+    Eigen::Vector3d center, low(v[0], v[1], v[2]), high = low;
     const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> transform(m.data());
     scaled = transform.leftCols<3>();
-    centre = transform.col(3);
+    center = transform.col(3);
     for (std::size_t i = 0; i < v.size(); i += 3) {
       const Eigen::Vector3d vertex(v[i], v[i + 1], v[i + 2]);
       low = low.cwiseMin(vertex), high = high.cwiseMax(vertex);
@@ -183,7 +183,7 @@ class BoxReader {
       axes.col(axis) /= length;
     }
     if (axes.determinant() < 0) axes.col(2) *= -1;
-    out.frame_from_box = {nearest_rotation(axes), scaled * (0.5 * (low + high)) + centre};
+    out.frame_from_box = {nearest_rotation(axes), scaled * (0.5 * (low + high)) + center};
     require_near(out.frame_from_box.t, file_, "a box");
     return out;
   }
@@ -211,7 +211,7 @@ class BoxReader {
 };
 
 void add_boxes(Drive& drive, const fs::path& file) {
-  constexpr double kFarthest = 120;  // metres: what no scan reaches hides nothing that could be copied
+  constexpr double kFarthest = 120;  // meters: what no scan reaches hides nothing that could be copied
   const std::vector<WorldBox> boxes = BoxReader(file).read();
   for (Frame& frame : drive.frames) {
     const auto world_from_lidar = drive.poses.at(frame.time_ns);
@@ -224,7 +224,7 @@ void add_boxes(Drive& drive, const fs::path& file) {
       frame.labels.push_back({.track = box.track, .type = box.type, .box = here, .rect = {}, .instance = {}});
     }
   }
-  drive.labelled = drive.labelled_around = true;
+  drive.labeled = drive.labeled_around = true;
   drive.other_files.push_back(file);
 }
 
@@ -290,7 +290,7 @@ DriveContents read_kitti_360(const fs::path& path, const ReadOptions& options) {
   return recording;
 }
 
-bool recognise_kitti_360(const fs::path& path) {
+bool recognize_kitti_360(const fs::path& path) {
   return fs::is_directory(path / "image_00/data_rect") || fs::is_directory(path / "image_01/data_rect");
 }
 
@@ -299,7 +299,7 @@ bool recognise_kitti_360(const fs::path& path) {
 DriveFormat kitti_360_format() {
   return {"kitti-360",
           "data_2d_raw/2013_05_28_drive_0000_sync with image_00/data_rect; calibration and data_3d_raw beside data_2d_raw",
-          recognise_kitti_360,
+          recognize_kitti_360,
           read_kitti_360,
           {"image_00/data_rect|image_01/data_rect", "image_00/timestamps.txt", "../../calibration/perspective.txt"}};
 }

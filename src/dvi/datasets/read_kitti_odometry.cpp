@@ -101,7 +101,7 @@ DriveContents read_kitti_odometry(const fs::path& path, const ReadOptions& optio
   return recording;
 }
 
-bool recognise_kitti_odometry(const fs::path& path) {
+bool recognize_kitti_odometry(const fs::path& path) {
   const bool images = fs::is_directory(path / "image_2") || fs::is_directory(path / "image_0");
   return images && fs::exists(path / "calib.txt") && fs::exists(path / "times.txt");
 }
@@ -111,7 +111,7 @@ bool recognise_kitti_odometry(const fs::path& path) {
 DriveFormat kitti_odometry_format() {
   return {"kitti-odometry",
           "sequences/00 with image_2 (or image_0), velodyne, calib.txt and times.txt",
-          recognise_kitti_odometry,
+          recognize_kitti_odometry,
           read_kitti_odometry,
           {"image_2|image_0", "velodyne", "calib.txt", "times.txt"}};
 }

@@ -200,7 +200,7 @@ DriveContents read_kitti(const fs::path& path, const ReadOptions& options) {
   return recording;
 }
 
-bool recognise_kitti(const fs::path& path) {
+bool recognize_kitti(const fs::path& path) {
   const std::string name = path.filename().string();
   if (!fs::is_directory(path)) return false;
   if (name.find("_drive_") != std::string::npos && name.ends_with("_sync")) return true;
@@ -213,7 +213,7 @@ bool recognise_kitti(const fs::path& path) {
 DriveFormat kitti_raw_format() {
   return {"kitti-raw",
           "2011_09_26/2011_09_26_drive_0001_sync with image_02/data; calib_*.txt beside it",
-          recognise_kitti,
+          recognize_kitti,
           read_kitti,
           {"image_02/data|image_00/data", "image_02/timestamps.txt|image_00/timestamps.txt", "velodyne_points/data",
            "oxts/data", "../calib_cam_to_cam.txt"}};

@@ -78,7 +78,7 @@ TEST_F(KittiRaw, ReadsAnExcerpt) {
   EXPECT_FLOAT_EQ(scan->time[1], -0.025F);
 }
 
-TEST_F(KittiRaw, TakesPosesFromOxtsInAbsoluteMercatorMetres) {
+TEST_F(KittiRaw, TakesPosesFromOxtsInAbsoluteMercatorMeters) {
   const Drive read = read_drive(drive);
   EXPECT_NEAR(read.world_scale, std::cos(49 * std::numbers::pi / 180), 1e-12);
   const auto& poses = read.poses.poses();
@@ -221,7 +221,7 @@ TEST_F(KittiRaw, ReadsLabelsBesideTheImages) {
   const Drive read = read_drive(drive);
   ASSERT_EQ(read.frames[1].labels.size(), 1U);
   EXPECT_TRUE(read.frames[1].labels[0].box->frame_from_box.t.isApprox(Eigen::Vector3d(10, 2, -0.95)));
-  EXPECT_TRUE(read.labelled);
+  EXPECT_TRUE(read.labeled);
   // Frames 0-29 were recorded, of which 20-24 are there.
   EXPECT_THAT(read.warnings, testing::ElementsAre("tracking_labels.txt ends early: it has no labels for frames 22-24"));
   const std::string car = " 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n";

@@ -199,7 +199,7 @@ void add_labels_of(const std::vector<BoxTrack>& tracks, Drive& drive) {
                                 .instance = {}});
   }
   if (const auto gaps = describe_gaps(tracks, drive)) drive.warnings.push_back(*gaps);
-  drive.labelled = drive.labelled_around = true;
+  drive.labeled = drive.labeled_around = true;
 }
 
 const media::BinLayout& nuscenes_layout() {

@@ -57,7 +57,7 @@ TEST_F(SevenScenes, HasFramesByTheirNumberAndDepthOfItsOwnCamera) {
 TEST_F(SevenScenes, TakesTheDepthCameraFromDviToml) {
   folder.write("dvi.toml",
                "[camera.color]\nK = [500, 0, 320, 0, 500, 240, 0, 0, 1]\n"
-               "[depth]\nK = [600, 0, 320, 0, 600, 240, 0, 0, 1]\nunits_per_metre = 2000\n"
+               "[depth]\nK = [600, 0, 320, 0, 600, 240, 0, 0, 1]\nunits_per_meter = 2000\n"
                "depth_from_color = [1, 0, 0, 0.1,  0, 1, 0, 0,  0, 0, 1, 0]\n");
   const Drive drive = read_drive(folder.path);
   EXPECT_FALSE(drive.registered_depth);
@@ -92,11 +92,11 @@ TEST_F(SevenScenes, KeepsASlopingFloor) {
 TEST_F(SevenScenes, RefusesDepthThatCannotBe) {
   folder.write_image("frame-000008.depth.png", wall(640, 480, 2));
   EXPECT_THAT(error_of(folder), AllOf(HasSubstr("frame-000008.depth.png"), HasSubstr("0.002 to 0.002 m"),
-                                      HasSubstr("in metres?"), HasSubstr("units_per_metre")));
+                                      HasSubstr("in meters?"), HasSubstr("units_per_meter")));
   folder.write_image("frame-000008.depth.png", wall(640, 480, 65535));
   EXPECT_THAT(error_of(folder), HasSubstr("holds no depth"));
   folder.write_image("frame-000008.depth.png", wall(320, 240, 2000));
-  EXPECT_THAT(error_of(folder), AllOf(HasSubstr("frame-000008.depth.png"), HasSubstr("no 16-bit grey image of 640x480")));
+  EXPECT_THAT(error_of(folder), AllOf(HasSubstr("frame-000008.depth.png"), HasSubstr("no 16-bit gray image of 640x480")));
 }
 
 TEST_F(SevenScenes, RefusesItsCamerasForImagesOfAnotherSize) {

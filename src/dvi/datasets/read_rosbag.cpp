@@ -202,14 +202,14 @@ class BagReader {
     const bags::BagTopic& topic = *choice_.depth.images;
     const bags::RosImage first =
         messages_->parsed(topic, 0, [](std::string_view m, bags::BagEncoding e) { return bags::parse_image(m, e); });
-    const std::string colour = frame_of(*camera_.images);
+    const std::string color = frame_of(*camera_.images);
     DepthCamera depth;
-    if (first.header.frame != colour) {
-      depth.depth_from_color = frames.between(first.header.frame, colour);
+    if (first.header.frame != color) {
+      depth.depth_from_color = frames.between(first.header.frame, color);
       if (!depth.depth_from_color)
         throw InputError(
             messages_->path(),
-            fmt::format("no tf joins {} of {} to {} of {}", first.header.frame, topic.name, colour, camera_.images->name),
+            fmt::format("no tf joins {} of {} to {} of {}", first.header.frame, topic.name, color, camera_.images->name),
             "record /tf_static too, or depth that is registered to the images");
       if (choice_.depth.info == nullptr)
         throw InputError(messages_->path(), fmt::format("has no calibration of {}", topic.name), "record its camera_info too");

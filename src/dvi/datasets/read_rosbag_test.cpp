@@ -287,7 +287,7 @@ TEST_F(ChangedBag, TopicsCanBeNamed) {
   EXPECT_EQ(read_drive(bag, {.topics = {"image=/right/image_raw", "poses=/odometry"}}).camera_name, "right");
   EXPECT_THAT(bag_error(bag, {.topics = {"image=/rear"}}), AllOf(HasSubstr("no topic /rear"), HasSubstr("/right/image_raw")));
   EXPECT_THAT(bag_error(bag, {.topics = {"points=/tf"}}), HasSubstr("topic /tf of tf2_msgs/TFMessage"));
-  EXPECT_THROW(read_drive(bag, {.topics = {"colour=/right/image_raw"}}), UsageError);
+  EXPECT_THROW(read_drive(bag, {.topics = {"color=/right/image_raw"}}), UsageError);
 }
 
 TEST_F(ChangedBag, AnEmptyBagIsRefused) {

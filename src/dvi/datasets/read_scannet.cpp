@@ -67,7 +67,7 @@ DriveContents read_scannet(const fs::path& path, const ReadOptions& options) {
   return recording;
 }
 
-bool recognise_scannet(const fs::path& path) {
+bool recognize_scannet(const fs::path& path) {
   return fs::is_directory(path / "color") && fs::is_directory(path / "depth") && fs::is_directory(path / "intrinsic");
 }
 
@@ -76,7 +76,7 @@ bool recognise_scannet(const fs::path& path) {
 DriveFormat scannet_format() {
   return {"scannet",
           "color/N.jpg, depth/N.png, pose/N.txt and intrinsic/ beside each other, as SensReader exports them",
-          recognise_scannet,
+          recognize_scannet,
           read_scannet,
           {"color", "depth", "intrinsic", "pose"}};
 }

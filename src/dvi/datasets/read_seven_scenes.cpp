@@ -23,7 +23,7 @@ std::vector<NumberedFile> files_of_kind(const fs::path& path, const std::string&
   return out;
 }
 
-// The depth camera that the authors give. They did not calibrate the colour camera, nor register the depth to it: as usual with
+// The depth camera that the authors give. They did not calibrate the color camera, nor register the depth to it: as usual with
 // these recordings, it is taken as the nominal one of the first Kinect, mounted as measured on another one
 // (https://projet.liris.cnrs.fr/voir/activities-dataset/kinect-calibration.html).
 constexpr Camera kKinectColor{.fx = 525, .fy = 525, .cx = 320, .cy = 240};
@@ -64,14 +64,14 @@ DriveContents read_seven_scenes(const fs::path& path, const ReadOptions& options
   return recording;
 }
 
-bool recognise_seven_scenes(const fs::path& path) {
+bool recognize_seven_scenes(const fs::path& path) {
   return !files_of_kind(path, "color", kImageEndings).empty() && !files_of_kind(path, "depth", {".png"}).empty();
 }
 
 }  // namespace
 
 DriveFormat seven_scenes_format() {
-  return {"7-scenes", "frame-N.color.png, frame-N.depth.png and frame-N.pose.txt in one folder", recognise_seven_scenes,
+  return {"7-scenes", "frame-N.color.png, frame-N.depth.png and frame-N.pose.txt in one folder", recognize_seven_scenes,
           read_seven_scenes};
 }
 

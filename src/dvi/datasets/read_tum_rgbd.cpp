@@ -53,7 +53,7 @@ Camera camera_of(const Drive& drive, std::vector<std::string>& warnings) {
   return {.fx = 525, .fy = 525, .cx = 319.5, .cy = 239.5};
 }
 
-// They are of the colour camera.
+// They are of the color camera.
 Trajectory read_ground_truth(Drive& drive) {
   const fs::path file = drive.path / "groundtruth.txt";
   if (!fs::exists(file)) return {};
@@ -78,18 +78,18 @@ DriveContents read_tum_rgbd(const fs::path& path, const ReadOptions& options) {
   labels::match_masks(drive, {path / "masks"});
   recording.gaps = {frames_without_depth(drive, kImagePeriod)};
   drive.camera = camera_of(drive, drive.warnings);
-  set_rgbd_cameras(recording, {.units_per_metre = 5000}, PosedCamera::color);
+  set_rgbd_cameras(recording, {.units_per_meter = 5000}, PosedCamera::color);
   return recording;
 }
 
-bool recognise_tum_rgbd(const fs::path& path) { return fs::exists(path / "rgb.txt") && fs::exists(path / "depth.txt"); }
+bool recognize_tum_rgbd(const fs::path& path) { return fs::exists(path / "rgb.txt") && fs::exists(path / "depth.txt"); }
 
 }  // namespace
 
 DriveFormat tum_rgbd_format() {
   return {"tum-rgbd",
           "rgb.txt and depth.txt, the images they list, groundtruth.txt",
-          recognise_tum_rgbd,
+          recognize_tum_rgbd,
           read_tum_rgbd,
           {"rgb", "depth", "rgb.txt", "depth.txt"}};
 }

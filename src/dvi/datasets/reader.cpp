@@ -20,7 +20,7 @@ namespace {
 
 const DriveFormat* format_of(const fs::path& path) {
   for (const DriveFormat& format : drive_formats())
-    if (format.recognise(path)) return &format;
+    if (format.recognize(path)) return &format;
   return nullptr;
 }
 
@@ -159,7 +159,7 @@ void attach_lazy_readers(DriveContents& recording) {
 }  // namespace
 
 const std::vector<DriveFormat>& drive_formats() {
-  // What is recognised by its name alone comes after what is recognised by its files.
+  // What is recognized by its name alone comes after what is recognized by its files.
   static const std::vector<DriveFormat> formats = {
       kitti_360_format(), kitti_raw_format(),   kitti_odometry_format(), nuscenes_format(),
       rosbag_format(),    apolloscape_format(), seven_scenes_format(),   tum_rgbd_format(),

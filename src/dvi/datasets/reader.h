@@ -39,8 +39,8 @@ bool can_list_numbers(Drive& drive, int step);
 /// One layout of recordings that dvi can read.
 struct DriveFormat {
   std::string name;     ///< as `dvi formats` lists it
-  std::string summary;  ///< one line: how it is recognised
-  std::function<bool(const std::filesystem::path&)> recognise;
+  std::string summary;  ///< one line: how it is recognized
+  std::function<bool(const std::filesystem::path&)> recognize;
   std::function<DriveContents(const std::filesystem::path&, const ReadOptions&)> read;
   /// Files and folders that such a drive has, with which an unknown folder is compared; "a|b": one of them.
   std::vector<std::string> parts = {};

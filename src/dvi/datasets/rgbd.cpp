@@ -28,8 +28,8 @@ void set_size(Camera& camera, const fs::path& image) {
 }
 
 // Where the user gave no K, it is that of the layout, which is for images of one size.
-void require_centred(const Camera& camera, const fs::path& image, const std::string& table) {
-  if (const std::string problem = off_centre_problem(camera); !problem.empty())
+void require_centered(const Camera& camera, const fs::path& image, const std::string& table) {
+  if (const std::string problem = off_center_problem(camera); !problem.empty())
     throw InputError(image, problem, "give K of these images in the table [" + table + "] of dvi.toml");
 }
 
@@ -65,7 +65,7 @@ void set_rgbd_cameras(DriveContents& recording, DepthCamera depth, PosedCamera p
     const fs::path& file = drive.frames.front().file;
     set_size(drive.camera, file);
     const bool given = config && config->camera(drive.camera_name).K;
-    if (!given) require_centred(drive.camera, file, "camera." + drive.camera_name);
+    if (!given) require_centered(drive.camera, file, "camera." + drive.camera_name);
   }
   if (config) config->depth.apply(depth);
   drive.camera_from_lidar = camera_from_level();
@@ -74,7 +74,7 @@ void set_rgbd_cameras(DriveContents& recording, DepthCamera depth, PosedCamera p
   if (config) config->apply(drive);
   recording.read_scan = attach_depth_camera(drive, depth);
   if (depth.camera && !drive.scan_headers.empty() && !(config && config->depth.K))
-    require_centred(drive.depth_images->camera, drive.scan_headers.front().file, "depth");
+    require_centered(drive.depth_images->camera, drive.scan_headers.front().file, "depth");
 }
 
 std::optional<std::array<double, 16>> read_matrix(const fs::path& file) {

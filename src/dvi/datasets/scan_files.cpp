@@ -43,18 +43,18 @@ media::BinLayout layout_of(Drive& drive, const LidarConfig& config, const media:
 }
 
 // Coordinates in other units, or in world axes.
-void require_metres(const media::PointCloud& cloud, const fs::path& file, double units_per_metre) {
+void require_meters(const media::PointCloud& cloud, const fs::path& file, double units_per_meter) {
   constexpr double kMaxMedianRangeM = 500, kMaxMedianRangeMm = 100'000;
   std::vector<double> ranges;
-  for (const Eigen::Vector3f& point : cloud.points) ranges.push_back(point.cast<double>().norm() / units_per_metre);
+  for (const Eigen::Vector3f& point : cloud.points) ranges.push_back(point.cast<double>().norm() / units_per_meter);
   const double range = median(std::move(ranges));
   if (range <= kMaxMedianRangeM) return;
   const std::string problem = fmt::format("half of its points are {:.0f} m away or more: ", range);
   if (range <= kMaxMedianRangeMm)
     throw InputError(file, problem + "its coordinates look like millimeters",
-                     "say so in dvi.toml by [lidar] units_per_metre = 1000, or convert the scans to meters");
+                     "say so in dvi.toml by [lidar] units_per_meter = 1000, or convert the scans to meters");
   throw InputError(file, problem + "its coordinates are not meters in the axes of the sensor",
-                   "transform the scans to the axes of the sensor, or give their unit by [lidar] units_per_metre in dvi.toml");
+                   "transform the scans to the axes of the sensor, or give their unit by [lidar] units_per_meter in dvi.toml");
 }
 
 media::PointTimes times_of(Drive& drive, const media::PointCloud& cloud, const ScanHeader& header, media::TimedScan scan) {
@@ -73,8 +73,8 @@ media::PointTimes times_of(Drive& drive, const media::PointCloud& cloud, const S
 
 Scan ScanFiles::read(const ScanHeader& header) const {
   media::PointCloud cloud = media::read_point_cloud(header.file, bin);
-  if (units_per_metre != 1)
-    for (Eigen::Vector3f& point : cloud.points) point /= static_cast<float>(units_per_metre);
+  if (units_per_meter != 1)
+    for (Eigen::Vector3f& point : cloud.points) point /= static_cast<float>(units_per_meter);
   return to_scan(std::move(cloud), header, rotation, times, clock_offset_ns);
 }
 
@@ -83,14 +83,14 @@ ScanFiles inspect_scan_files(Drive& drive, const LidarConfig& config, const Rota
                   .rotation = rotation,
                   .times = {},
                   .clock_offset_ns = config.offset_ns,
-                  .units_per_metre = config.units_per_metre};
+                  .units_per_meter = config.units_per_meter};
   if (drive.scan_headers.empty()) return files;
   const std::size_t last = drive.scan_headers.size() - 1;
   const media::TimedScan scan = timed_scan(drive, last, config.offset_ns);
   files.bin = layout_of(drive, config, scan);
   const ScanHeader& header = drive.scan_headers[last];
   const media::PointCloud cloud = media::read_point_cloud(header.file, files.bin);
-  require_metres(cloud, header.file, config.units_per_metre);
+  require_meters(cloud, header.file, config.units_per_meter);
   files.times = times_of(drive, cloud, header, scan);
   if (files.times.use == media::PointTimes::Use::none) {
     if (!config.turn) files.rotation.turn = Turn::none;

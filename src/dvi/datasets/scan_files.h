@@ -15,7 +15,7 @@ struct ScanFiles {
   Rotation rotation;
   media::PointTimes times;
   std::int64_t clock_offset_ns = 0;
-  double units_per_metre = 1;
+  double units_per_meter = 1;
 
   Scan read(const ScanHeader& header) const;
 };

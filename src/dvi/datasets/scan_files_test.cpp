@@ -178,12 +178,12 @@ TEST_F(ScanFilesOf, MillimetersAreNamed) {
     for (double& value : columns[axis]) value *= 1000;
   write_bin_scans(columns);
   EXPECT_THAT(error(), AllOf(HasSubstr("000004.bin: half of its points are"),
-                             HasSubstr("its coordinates look like millimeters"), HasSubstr("units_per_metre = 1000")));
-  configure("units_per_metre = 1000\n");
+                             HasSubstr("its coordinates look like millimeters"), HasSubstr("units_per_meter = 1000")));
+  configure("units_per_meter = 1000\n");
   EXPECT_THAT(read().warnings, IsEmpty());
   EXPECT_NEAR(read().scans[0]->points[9].x(), scan.x[9], 1e-5);
-  configure("units_per_metre = 0.5\n");
-  EXPECT_THAT(error(), HasSubstr("'units_per_metre' is not between 1 and 1000000"));
+  configure("units_per_meter = 0.5\n");
+  EXPECT_THAT(error(), HasSubstr("'units_per_meter' is not between 1 and 1000000"));
   configure("");
   for (double& value : columns[0]) value += 5e8;
   write_bin_scans(columns);

@@ -16,17 +16,17 @@ using testing::HasSubstr;
 
 constexpr int kFrames = 40;  // more than one group of pictures of the encoder that is taken
 
-// Frame i is of one colour that no other has.
-cv::Vec3b colour_of(int i) { return {static_cast<uchar>(20 + 5 * i), static_cast<uchar>(230 - 5 * i), 120}; }
+// Frame i is of one color that no other has.
+cv::Vec3b color_of(int i) { return {static_cast<uchar>(20 + 5 * i), static_cast<uchar>(230 - 5 * i), 120}; }
 
 fs::path write_video(const fs::path& file, int frames = kFrames) {
   media::VideoWriter writer(file, {64, 48}, {.crf = 1, .encoder = "mpeg4"});
-  for (int i = 0; i < frames; ++i) writer.push(cv::Mat3b(48, 64, colour_of(i)));
+  for (int i = 0; i < frames; ++i) writer.push(cv::Mat3b(48, 64, color_of(i)));
   writer.finish();
   return file;
 }
 
-double off(const cv::Mat3b& image, int i) { return cv::norm(image - cv::Mat3b(image.size(), colour_of(i)), cv::NORM_INF); }
+double off(const cv::Mat3b& image, int i) { return cv::norm(image - cv::Mat3b(image.size(), color_of(i)), cv::NORM_INF); }
 
 TEST(VideoReader, DecodesAnyFrameInAnyOrderAlike) {
   const TestFolder folder;

@@ -36,7 +36,7 @@ std::string camera_settings(const Drive& drive) {
 }
 
 std::string depth_settings(const DepthImages& depth) {
-  std::string text = fmt::format("[depth]\nunits_per_metre = {}\n{}", depth.units_per_metre, intrinsics(depth.camera));
+  std::string text = fmt::format("[depth]\nunits_per_meter = {}\n{}", depth.units_per_meter, intrinsics(depth.camera));
   if (depth.depth_from_color)
     text += fmt::format("depth_from_color = [{}]\n", fmt::join(row_major(*depth.depth_from_color), ", "));
   return text;
@@ -105,16 +105,16 @@ std::string boxes(const Drive& drive, const std::vector<Drive>& more_cameras) {
   const auto add = [&](const Drive& camera) {
     for (const Frame& frame : camera.frames) {
       if (frames.contains(frame.name)) continue;
-      frames[frame.name] = nlohmann::json::array();  // labelled, though it shows none
+      frames[frame.name] = nlohmann::json::array();  // labeled, though it shows none
       for (const Label& label : frame.labels) frames[frame.name].push_back(label_json(label));
     }
   };
   add(drive);
-  if (drive.labelled_around)
+  if (drive.labeled_around)
     for (const Drive& camera : more_cameras)
       if (camera.has_labels()) add(camera);
   nlohmann::json document = {{"version", 1}, {"frames", frames}};
-  if (!drive.labelled_around) document["camera"] = drive.camera_name;
+  if (!drive.labeled_around) document["camera"] = drive.camera_name;
   return json_text(document) + "\n";
 }
 

@@ -12,8 +12,8 @@
 namespace dvi::depth {
 namespace {
 
-constexpr float kRangeNoise = 0.02F;  // metres, of the LiDAR
-constexpr float kPoseNoise = 0.01F;   // metres between scans, across a surface: a grazing view sees much of it
+constexpr float kRangeNoise = 0.02F;  // meters, of the LiDAR
+constexpr float kPoseNoise = 0.01F;   // meters between scans, across a surface: a grazing view sees much of it
 constexpr float kUpright = 0.3F;      // sine of what a wall may lean
 constexpr float kLanding = 1.1F;      // ratio of depths within which a foot stands on the ground
 

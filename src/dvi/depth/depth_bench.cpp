@@ -9,7 +9,7 @@
 namespace dvi::depth {
 namespace {
 
-/// Points of a street 60 m long before the camera: ground, facades to either side, trunks along the kerbs.
+/// Points of a street 60 m long before the camera: ground, facades to either side, trunks along the curbs.
 map::StaticMap street_map(int points) {
   map::StaticMap map;
   Random random(5);

@@ -13,10 +13,10 @@ namespace dvi::depth {
 struct DepthMap {
   static constexpr float kUnknown = 0;
   static constexpr float kSky = std::numeric_limits<float>::infinity();
-  static constexpr float kInfinity = 1e7F;  ///< metres; where views agree on what does not move between them: sky, or as far
+  static constexpr float kInfinity = 1e7F;  ///< meters; where views agree on what does not move between them: sky, or as far
 
-  cv::Mat1f z;      ///< metres along the optical axis; kUnknown, or kSky above the last return
-  cv::Mat1f sigma;  ///< its standard deviation in metres; 0 where z is unknown or sky
+  cv::Mat1f z;      ///< meters along the optical axis; kUnknown, or kSky above the last return
+  cv::Mat1f sigma;  ///< its standard deviation in meters; 0 where z is unknown or sky
 
   std::size_t bytes() const { return bytes_of(z) + bytes_of(sigma); }
   static bool is_surface(float depth) { return depth > 0 && depth < kSky; }

@@ -35,11 +35,11 @@ TEST(Delaunay, CoversTheHullOnceAndKeepsCirclesEmpty) {
     const double d = 2 * (ab.x() * ac.y() - ab.y() * ac.x());
     area += std::abs(d) / 4;
     if (std::abs(d) < 1e-9) return;
-    const Eigen::Vector2d centre = a + Eigen::Vector2d(ac.y() * ab.squaredNorm() - ab.y() * ac.squaredNorm(),
+    const Eigen::Vector2d center = a + Eigen::Vector2d(ac.y() * ab.squaredNorm() - ab.y() * ac.squaredNorm(),
                                                        ab.x() * ac.squaredNorm() - ac.x() * ab.squaredNorm()) /
                                            d;
     for (const map::VisiblePoint& p : points)
-      if ((Eigen::Vector2d(p.u, p.v) - centre).norm() < (a - centre).norm() - 1e-6) ++inside;
+      if ((Eigen::Vector2d(p.u, p.v) - center).norm() < (a - center).norm() - 1e-6) ++inside;
   });
   EXPECT_NEAR(area, 100 * 100, 1e-6);
   EXPECT_EQ(inside, 0);

@@ -22,13 +22,13 @@ constexpr int kTile = 256;   // px; larger holes are swept piece by piece, which
 constexpr int kMostLabels = 64;
 constexpr double kStep = 0.5;       // px of parallax from one label to the next, if there are labels enough
 constexpr double kMostStep = 2;     // otherwise; what is nearer is not looked for
-constexpr double kNearest = 10;     // metres of a surface in a column without any return
+constexpr double kNearest = 10;     // meters of a surface in a column without any return
 constexpr int kWindow = 5;          // px, over which costs are averaged
 constexpr int kMostValues = 20;     // sources and the target
 constexpr std::size_t kRays = 200;  // of a piece, by which its sources are chosen
 
 // Costs are in units of the camera's noise.
-constexpr float kNoise = 2;          // grey levels of contrast(), in daylight
+constexpr float kNoise = 2;          // gray levels of contrast(), in daylight
 constexpr float kCostMost = 8;       // views differ; by how much does not matter
 constexpr float kAgree = 2;          // they may still show the same
 constexpr float kTold = 0.5F;        // a depth that costs so much more than another is told from it
@@ -72,20 +72,20 @@ struct Piece {
 cv::Mat1f contrast(const cv::Mat3b& image, const cv::Mat1b& mask) {
   constexpr int kSurroundings = 17;
   constexpr float kScale = 64, kDark = 16;
-  cv::Mat1b grey;
-  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  cv::Mat1f known(image.size(), 1.0F), masked_grey, mean, weight;
+  cv::Mat1b gray;
+  cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+  cv::Mat1f known(image.size(), 1.0F), masked_gray, mean, weight;
   known.setTo(0, mask);
-  grey.convertTo(masked_grey, CV_32F);
-  masked_grey = masked_grey.mul(known);
-  cv::boxFilter(masked_grey, mean, CV_32F, {kSurroundings, kSurroundings}, {-1, -1}, false);
+  gray.convertTo(masked_gray, CV_32F);
+  masked_gray = masked_gray.mul(known);
+  cv::boxFilter(masked_gray, mean, CV_32F, {kSurroundings, kSurroundings}, {-1, -1}, false);
   cv::boxFilter(known, weight, CV_32F, {kSurroundings, kSurroundings}, {-1, -1}, false);
   cv::Mat1f out(image.size(), 0.0F);
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x)
       if (known(y, x) > 0) {
         const float m = mean(y, x) / weight(y, x);
-        out(y, x) = kScale * (masked_grey(y, x) - m) / (m + kDark);
+        out(y, x) = kScale * (masked_gray(y, x) - m) / (m + kDark);
       }
   return out;
 }

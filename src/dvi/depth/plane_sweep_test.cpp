@@ -118,14 +118,14 @@ TEST(PlaneSweep, FindsItInAnotherLight) {
   expect_wall(swept(scene), 0.7);
 }
 
-TEST(PlaneSweep, GreyViewsTellDepthToo) {
-  // Coloured views from the target's place tell no depth; grey ones beside it do.
+TEST(PlaneSweep, GrayViewsTellDepthToo) {
+  // Colored views from the target's place tell no depth; gray ones beside it do.
   FlatScene scene = wall(waves(96, 64, 1), {0, 0, -6, 6});
   for (const std::size_t i : {3U, 4U}) {
-    cv::Mat1b grey;
-    cv::cvtColor(scene.images[i], grey, cv::COLOR_BGR2GRAY);
-    cv::cvtColor(grey, scene.images[i], cv::COLOR_GRAY2BGR);
-    scene.views[i].grey = true;
+    cv::Mat1b gray;
+    cv::cvtColor(scene.images[i], gray, cv::COLOR_BGR2GRAY);
+    cv::cvtColor(gray, scene.images[i], cv::COLOR_GRAY2BGR);
+    scene.views[i].gray = true;
   }
   expect_wall(swept(scene), 0.6);
 }
@@ -201,7 +201,7 @@ int best(const cv::Mat& sum, int x) {
   return static_cast<int>(std::min_element(s, s + sum.channels()) - s);
 }
 
-TEST(SemiGlobal, NeighboursOutvoteADoubtfulPixelButNotASureOne) {
+TEST(SemiGlobal, NeighborsOutvoteADoubtfulPixelButNotASureOne) {
   cv::Mat cost(1, 9, CV_32FC(4));
   for (int x = 0; x < 9; ++x)
     for (int k = 0; k < 4; ++k) cost.ptr<float>(0, x)[k] = k == (x == 4 ? 3 : 1) ? 0 : (x == 4 ? 0.1F : 2.0F);

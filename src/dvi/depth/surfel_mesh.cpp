@@ -10,14 +10,14 @@
 namespace dvi::depth {
 namespace {
 
-constexpr float kSurfelNoise = 0.06F;   // metres: three times the range noise of a LiDAR
-constexpr float kBend = 0.1F;           // how far one surface may leave a plane of a point of it, a metre of way
+constexpr float kSurfelNoise = 0.06F;   // meters: three times the range noise of a LiDAR
+constexpr float kBend = 0.1F;           // how far one surface may leave a plane of a point of it, a meter of way
 constexpr float kTilt = 0.03F;          // the same for what normals are off by: 2 degrees
-constexpr float kApart = 0.25F;         // metres: no surface is so uneven, however long the way
+constexpr float kApart = 0.25F;         // meters: no surface is so uneven, however long the way
 constexpr float kAlike = 0.95F;         // cosine: planes at less than 18 degrees do not make a crease but a bend
 constexpr float kGroundLike = 0.9F;     // cosine to up: grazing ground is steep in depth without being an edge
 constexpr float kLeastCosine = 0.005F;  // planes seen at less than a third of a degree have no slope to go by
-constexpr float kLong = 2;              // times the median way to neighbours: nothing was scanned in between
+constexpr float kLong = 2;              // times the median way to neighbors: nothing was scanned in between
 constexpr int kRounds = 8;              // of averaging normals: some eight returns to either side
 
 // The upright plane that faces the view: what is known of a trunk or a twig.
@@ -71,10 +71,10 @@ struct Fans {
 };
 
 // Where returns are too sparse for the map to tell their surface: the plane of a triangle round a surfel, or that of a
-// neighbour, which most of its neighbours lie on. Planes that leave the view more steeply than `max_slope` are none, but the
+// neighbor, which most of its neighbors lie on. Planes that leave the view more steeply than `max_slope` are none, but the
 // ground is.
-Eigen::Vector3f plane_of_neighbours(const SurfelMesh& mesh, const Fans& fans, std::size_t i, const Eigen::Vector3f& to_view,
-                                    float max_slope, std::vector<std::size_t>& round) {
+Eigen::Vector3f plane_of_neighbors(const SurfelMesh& mesh, const Fans& fans, std::size_t i, const Eigen::Vector3f& to_view,
+                                   float max_slope, std::vector<std::size_t>& round) {
   const Eigen::Vector3f& at = mesh.surfels[i].world;
   const Eigen::Vector3f sight = to_view.normalized();
   round.clear();
@@ -85,11 +85,11 @@ Eigen::Vector3f plane_of_neighbours(const SurfelMesh& mesh, const Fans& fans, st
   float most = 0;
   const auto vote = [&](const Eigen::Vector3f& normal) {
     if (std::abs(normal.dot(sight)) * max_slope < 1 && std::abs(normal.z()) < kGroundLike) return;
-    float on = 0, all = 0, sum = 0;  // a neighbour counts once for either triangle it shares
+    float on = 0, all = 0, sum = 0;  // a neighbor counts once for either triangle it shares
     for (const std::size_t k : round) {
       const Eigen::Vector3f way = mesh.surfels[k].world - at;
       const float off = std::abs(normal.dot(way)) / std::min(kSurfelNoise + kTilt * way.norm(), kApart);
-      const float weight = 1 / (1 + way.norm());  // what is metres away may well be another surface
+      const float weight = 1 / (1 + way.norm());  // what is meters away may well be another surface
       all += weight;
       on += off < 1 ? weight : 0;
       sum += weight * std::max(0.0F, 1 - off);
@@ -116,13 +116,13 @@ void set_planes(SurfelMesh& mesh, const View& view, float max_slope) {
   std::vector<Eigen::Vector3f> found(bare.size());
   std::vector<std::size_t> round;
   for (std::size_t b = 0; b < bare.size(); ++b)
-    found[b] = plane_of_neighbours(mesh, fans, bare[b], eye - mesh.surfels[bare[b]].world, max_slope, round);
+    found[b] = plane_of_neighbors(mesh, fans, bare[b], eye - mesh.surfels[bare[b]].world, max_slope, round);
   for (std::size_t b = 0; b < bare.size(); ++b) {
     Surfel& s = mesh.surfels[bare[b]];
     s.flat = !found[b].isZero();
     s.normal = s.flat ? found[b] : facing(eye - s.world);
   }
-  // The ground is seen from above, however grazing: there the side towards the view is a matter of noise.
+  // The ground is seen from above, however grazing: there the side toward the view is a matter of noise.
   for (Surfel& s : mesh.surfels)
     if (s.is_ground() ? s.normal.z() < 0 : s.normal.dot(eye - s.world) < 0) s.normal *= -1;
 }

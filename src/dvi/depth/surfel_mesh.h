@@ -14,13 +14,13 @@ namespace dvi::depth {
 /// A visible point of the map with the plane of the surface it lies on, as a view sees it.
 struct Surfel {
   float u = 0, v = 0;                                ///< pixel, sub-pixel exact
-  float inverse = 0;                                 ///< 1 / depth, in 1 / metres
+  float inverse = 0;                                 ///< 1 / depth, in 1 / meters
   float slope_u = 0, slope_v = 0;                    ///< change of the plane's inverse depth a pixel
-  Eigen::Matrix2f ways = Eigen::Matrix2f::Zero();    ///< px^2: mean of w w^T over the ways w to neighbours on its surface
+  Eigen::Matrix2f ways = Eigen::Matrix2f::Zero();    ///< px^2: mean of w w^T over the ways w to neighbors on its surface
   float cosine = 1;                                  ///< of the angle between its normal and the line of sight, at least 0.005
   bool flat = false;                                 ///< the map knows a normal; else it is taken to face the view, upright
-  Eigen::Vector3f world = Eigen::Vector3f::Zero();   ///< metres
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, world axes, towards the view
+  Eigen::Vector3f world = Eigen::Vector3f::Zero();   ///< meters
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, world axes, toward the view
 
   /// Pixels between returns on its surface in a direction; 0: it stands alone. Exact for grids.
   float spacing(const Eigen::Vector2f& direction) const {
@@ -52,7 +52,7 @@ struct SurfelMesh {
 };
 
 /// `splat_m`, `see_through`: as visible_points. Planes that leave the view more steeply than `max_slope` (depth over width) are
-/// taken from the map, or for the ground, but not guessed from neighbours.
+/// taken from the map, or for the ground, but not guessed from neighbors.
 SurfelMesh surfel_mesh(const map::StaticMap& map, const View& view, double splat_m, double occlusion_tolerance,
                        double max_slope);
 

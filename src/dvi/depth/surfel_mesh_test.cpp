@@ -36,7 +36,7 @@ TEST(SurfelMesh, TellsHowSurfacesMeet) {
   const Eigen::Vector3f up(0, 0, 1), back(-1, 0, 0), left(0, 1, 0);
   const Surfel ground = at({10, 0, 0}, up), wall = at({12, 0, 1}, back), pole = at({11, 0, 1}, back);
   EXPECT_EQ(joint(ground, at({18, 2, 0.1F}, up)), Joint::same);
-  EXPECT_EQ(joint(ground, at({10.2F, 0, 0.2F}, up)), Joint::step) << "a kerb";
+  EXPECT_EQ(joint(ground, at({10.2F, 0, 0.2F}, up)), Joint::step) << "a curb";
   EXPECT_EQ(joint(ground, wall), Joint::concave);
   EXPECT_EQ(joint(wall, ground), Joint::concave);
   EXPECT_EQ(joint(at({12, 1, 1}, back), at({14, 2, 1}, left)), Joint::convex) << "the corner of a box";
@@ -44,8 +44,8 @@ TEST(SurfelMesh, TellsHowSurfacesMeet) {
   EXPECT_EQ(joint(pole, at({16, 0, 0}, up)), Joint::step) << "the ground behind a pole";
 }
 
-TEST(SurfelMesh, SparseReturnsTakeThePlaneOfTheirNeighbours) {
-  map::StaticMap map;  // too few a metre for the map to know normals
+TEST(SurfelMesh, SparseReturnsTakeThePlaneOfTheirNeighbors) {
+  map::StaticMap map;  // too few a meter for the map to know normals
   add_ground(map, 60, [](double, double) { return false; });
   finish(map);
   const SurfelMesh mesh = surfel_mesh(map, test_view(), 0.07, 0.05, 10);
@@ -108,7 +108,7 @@ TEST(Depth, SigmaGrowsWhereTheSurfaceIsSeenAtAGrazingAngle) {
   finish(map);
   const DepthMap depth = depth_map(map, test_view(), {});
   EXPECT_LT(depth.sigma(180, 160), 0.05);
-  EXPECT_GT(depth.sigma(110, 160), 0.15) << "a centimetre of height is a quarter of a metre of way at 38 m";
+  EXPECT_GT(depth.sigma(110, 160), 0.15) << "a centimeter of height is a quarter of a meter of way at 38 m";
   EXPECT_LT(depth.sigma(95, 160), 0.03) << "the wall";
 }
 

@@ -10,8 +10,8 @@ namespace dvi::depth {
 class Triangle {
  public:
   struct Value {
-    float inverse = 0;  ///< 1 / metres
-    float spread = 0;   ///< metres: how far off it may be beside the noise of the returns
+    float inverse = 0;  ///< 1 / meters
+    float spread = 0;   ///< meters: how far off it may be beside the noise of the returns
     int corner = 0;     ///< whose surface it is
   };
 

@@ -8,7 +8,7 @@
 namespace dvi::depth {
 namespace {
 
-/// Where surfaces end: the step to a neighbour is not that from the opposite one, as on a plane it is in 1/z.
+/// Where surfaces end: the step to a neighbor is not that from the opposite one, as on a plane it is in 1/z.
 bool at_edge(const cv::Mat1f& inverse, int x, int y) {
   constexpr float kStep = 0.05F;  // part of 1/z: what triangles of one surface do not bend by
   const float here = inverse(y, x);

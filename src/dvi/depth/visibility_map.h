@@ -19,7 +19,7 @@ struct VisibilityMap {
   static constexpr float kSpreadScale = 64;  ///< of `spread`
   static constexpr float kSigmas = 2;        ///< by so many of its standard deviations a surface may be off
 
-  /// Metres x 256 of the farthest surface within a pixel of the block, so that at a depth edge either surface counts.
+  /// Meters x 256 of the farthest surface within a pixel of the block, so that at a depth edge either surface counts.
   cv::Mat1w farthest;
   /// By what part of the nearest surface there the farthest lies behind it, x 64; 255: so much or more, or not known.
   cv::Mat1b spread;
@@ -28,7 +28,7 @@ struct VisibilityMap {
   /// A bit for each pixel of the block, row by row: the view's own mask.
   cv::Mat1b mask;
 
-  /// Whether a pixel that makes up the colour at a position of the full image is masked.
+  /// Whether a pixel that makes up the color at a position of the full image is masked.
   bool masked(cv::Point2f at) const {
     const int x = static_cast<int>(at.x), y = static_cast<int>(at.y);
     const int x1 = static_cast<int>(std::ceil(at.x)), y1 = static_cast<int>(std::ceil(at.y));

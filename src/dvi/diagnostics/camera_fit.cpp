@@ -13,7 +13,7 @@
 namespace dvi::diagnostics {
 namespace {
 
-constexpr double kNearest = 0.1;                     // metres along the optical axis
+constexpr double kNearest = 0.1;                     // meters along the optical axis
 constexpr std::size_t kMostReturns = 1500;           // returns of a pair
 constexpr std::size_t kFewestReturns = 100;          // of them with flow, else the pair tells nothing
 constexpr double kBorder = 0.2;                      // image widths round the image: what rotations may bring into it

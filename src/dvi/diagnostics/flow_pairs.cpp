@@ -13,7 +13,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/drive/deskew.h"
 #include "dvi/drive/nearest_in_time.h"
-#include "dvi/image/grey.h"
+#include "dvi/image/gray.h"
 #include "dvi/image/optical_flow.h"
 
 namespace dvi::diagnostics {
@@ -68,15 +68,15 @@ std::vector<std::size_t> frames_along(const Drive& drive, const ScanTrack& track
   return some;
 }
 
-/// Grey, halved until it is no wider than kWidest. Pixel x of it is pixel x * 2^halvings of the image.
-cv::Mat1b small_grey(const cv::Mat3b& image) {
-  cv::Mat1b grey = grey_8bit(image);
-  while (grey.cols > kWidest) {
+/// Gray, halved until it is no wider than kWidest. Pixel x of it is pixel x * 2^halvings of the image.
+cv::Mat1b small_gray(const cv::Mat3b& image) {
+  cv::Mat1b gray = gray_8bit(image);
+  while (gray.cols > kWidest) {
     cv::Mat1b half;
-    cv::pyrDown(grey, half);
-    grey = half;
+    cv::pyrDown(gray, half);
+    gray = half;
   }
-  return grey;
+  return gray;
 }
 
 Camera small_camera(Camera camera) {
@@ -116,7 +116,7 @@ FlowPair pair_of(const Drive& drive, const ScanTrack& track, const Lazy<cv::Mat1
   const std::size_t step = std::max<std::size_t>(1, scan->size() / kReturns);
   const std::vector<Eigen::Vector3d> world = to_world(*scan, drive.scan_headers[stop.scan], track.world_from_lidar, step);
   for (std::size_t i = 0; i < world.size(); i += step) out.returns.push_back(world[i]);
-  out.flow = sure_flow(small_grey(*drive.images[stop.from]), small_grey(*drive.images[stop.to]));
+  out.flow = sure_flow(small_gray(*drive.images[stop.from]), small_gray(*drive.images[stop.to]));
   if (!masks.empty()) drop_masked(*masks[stop.from], out.flow);
   return out;
 }

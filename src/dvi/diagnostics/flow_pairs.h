@@ -16,7 +16,7 @@ struct FlowPair {
   std::int64_t from_ns = 0, to_ns = 0;   ///< of the images
   cv::Mat2f flow;                        ///< pixels of `FlowPairs::camera`; NaN where it cannot be relied on
   Trajectory world_from_lidar;           ///< by the scans
-  std::vector<Eigen::Vector3d> returns;  ///< metres, world
+  std::vector<Eigen::Vector3d> returns;  ///< meters, world
 };
 
 struct FlowPairs {

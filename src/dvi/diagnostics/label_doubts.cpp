@@ -16,12 +16,12 @@ namespace {
 
 constexpr std::size_t kFrames = 12;
 constexpr std::int64_t kNextToBox = 60'000'000;       // ns
-constexpr double kNearestBox = 3, kFarthestBox = 40;  // metres
-constexpr double kShortest = 2.5;                     // metres: rays pass between the legs of people and the parts of cycles
+constexpr double kNearestBox = 3, kFarthestBox = 40;  // meters
+constexpr double kShortest = 2.5;                     // meters: rays pass between the legs of people and the parts of cycles
 // A vehicle's core, as shares of its box: below the windows, above what is open between the wheels, away from bevelled ends.
 // Right labels, a hand's breadth too wide or too narrow, do not let rays reach it.
 constexpr double kCoreWidth = 0.7, kCoreBottom = 0.25, kCoreTop = 0.55;
-constexpr double kLoose = 0.2;           // metres by which returns may lie before a box
+constexpr double kLoose = 0.2;           // meters by which returns may lie before a box
 constexpr std::size_t kFewestRays = 30;  // rays that meet a box, so that it counts
 constexpr double kSeenThrough = 0.5;     // of them go through the core
 constexpr std::size_t kFewestBoxes = 10, kFewestFrames = 3;
@@ -39,18 +39,18 @@ std::pair<double, double> crossing(const Eigen::Array3d& low, const Eigen::Array
   return {a.min(b).maxCoeff(), a.max(b).minCoeff()};
 }
 
-/// Of the rays towards the box's core that something before it does not stop: whether most reach beyond. None for too few.
+/// Of the rays toward the box's core that something before it does not stop: whether most reach beyond. None for too few.
 std::optional<bool> is_seen_through(const Box& box, const Scan& scan) {
   const Eigen::Array3d half = 0.5 * box.size.array(), outer = half + kLoose;
   Eigen::Array3d low = -kCoreWidth * half, high = kCoreWidth * half;
   low.z() = (2 * kCoreBottom - 1) * half.z(), high.z() = (2 * kCoreTop - 1) * half.z();
   const Eigen::Array3d lidar = box.frame_from_box.inverse().t.array();
   const auto reach = static_cast<float>(half.matrix().squaredNorm());
-  const Eigen::Vector3f centre = box.frame_from_box.t.cast<float>();
+  const Eigen::Vector3f center = box.frame_from_box.t.cast<float>();
   std::size_t stopped = 0, beyond = 0;
   for (const Eigen::Vector3f& point : scan.points) {
-    const float along = point.dot(centre) / std::max(point.norm(), 1e-3F);
-    if (along <= 0 || centre.squaredNorm() - along * along > reach) continue;
+    const float along = point.dot(center) / std::max(point.norm(), 1e-3F);
+    if (along <= 0 || center.squaredNorm() - along * along > reach) continue;
     const Eigen::Array3d way = (box.frame_from_box.R.transpose() * point.cast<double>()).array();
     const auto [enters, leaves] = crossing(low, high, lidar, way);
     if (enters > leaves || crossing(-outer, outer, lidar, way).first > 1) continue;
@@ -79,15 +79,15 @@ Boxes boxes_of(const Drive& drive, const Frame& frame) {
 }  // namespace
 
 std::vector<std::string> label_doubts(const Drive& drive) {
-  std::vector<std::size_t> labelled;
+  std::vector<std::size_t> labeled;
   for (std::size_t i = 0; i < drive.frames.size(); ++i)
     if (std::any_of(drive.frames[i].labels.begin(), drive.frames[i].labels.end(),
                     [](const Label& l) { return l.box.has_value(); }))
-      labelled.push_back(i);
-  const std::size_t count = std::min(kFrames, labelled.size());
+      labeled.push_back(i);
+  const std::size_t count = std::min(kFrames, labeled.size());
   std::vector<Boxes> found(count);
   parallel_for(count, [&](std::size_t k) {
-    found[k] = boxes_of(drive, drive.frames[labelled[(2 * k + 1) * labelled.size() / (2 * count)]]);
+    found[k] = boxes_of(drive, drive.frames[labeled[(2 * k + 1) * labeled.size() / (2 * count)]]);
   });
   Boxes all;
   std::size_t frames = 0;
@@ -99,7 +99,7 @@ std::vector<std::string> label_doubts(const Drive& drive) {
       static_cast<double>(all.seen_through) <= kMostThrough * static_cast<double>(all.seen))
     return {};
   return {
-      fmt::format("the LiDAR looks through {} of {} labelled boxes: the labels look like those of another drive, of other "
+      fmt::format("the LiDAR looks through {} of {} labeled boxes: the labels look like those of another drive, of other "
                   "frames, or of other axes",
                   all.seen_through, all.seen)};
 }

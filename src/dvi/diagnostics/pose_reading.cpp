@@ -13,8 +13,8 @@ namespace dvi::diagnostics {
 namespace {
 
 constexpr std::size_t kScansApart = 4;  // scans: motion well above the noise of registration
-constexpr double kLeastMotion = 0.3;    // metres between them, rotation at kArm counted in
-constexpr double kArm = 5;              // metres: at which a rotation is as much motion as a translation
+constexpr double kLeastMotion = 0.3;    // meters between them, rotation at kArm counted in
+constexpr double kArm = 5;              // meters: at which a rotation is as much motion as a translation
 constexpr std::size_t kFewestSteps = 5;
 // Given poses that are right disagree by some hundredths; of two that contradict each other, one by 1 or more.
 constexpr double kWrong = 0.5, kRight = 0.25;

@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A car that drives `speed` metres a second and turns by `turn` radians a second, posed at ten scans a second.
+/// A car that drives `speed` meters a second and turns by `turn` radians a second, posed at ten scans a second.
 Trajectory path(double speed, double turn) {
   std::vector<StampedPose> poses;
   SE3 pose{so3_exp({0, 0, 0.7}), {20, -30, 5}};

@@ -10,11 +10,11 @@ namespace dvi::diagnostics {
 namespace {
 
 constexpr std::size_t kScans = 12;      // that are compared
-constexpr double kLeastSpeed = 3;       // metres a second: below, the motion within a scan is hardly above its noise
-constexpr double kLeastGain = 0.001;    // metres of spread; returns and poses are the same, so that their noise is shared
+constexpr double kLeastSpeed = 3;       // meters a second: below, the motion within a scan is hardly above its noise
+constexpr double kLeastGain = 0.001;    // meters of spread; returns and poses are the same, so that their noise is shared
 constexpr double kLeastFraction = 0.9;  // of the spread as read, that the other reading may have at most
 
-// Metres that the sensor goes during the scans from `first` on; none where a pose is missing.
+// Meters that the sensor goes during the scans from `first` on; none where a pose is missing.
 double way(const Drive& drive, const Trajectory& world_from_lidar, std::size_t first, std::size_t count) {
   const auto begin = world_from_lidar.at(drive.scan_headers[first].time_ns),
              end = world_from_lidar.at(drive.scan_headers[first + count - 1].time_ns);
@@ -47,7 +47,7 @@ std::vector<std::string> scan_time_doubts(const Drive& drive, const Trajectory& 
   std::size_t best = 0;  // where it is fastest
   double farthest = 0;
   for (std::size_t first = 0; first + count <= drive.scan_headers.size(); first += count / 2)
-    if (const double metres = way(drive, world_from_lidar, first, count); metres > farthest) farthest = metres, best = first;
+    if (const double meters = way(drive, world_from_lidar, first, count); meters > farthest) farthest = meters, best = first;
   const auto span = static_cast<double>(drive.scan_headers[best + count - 1].time_ns - drive.scan_headers[best].time_ns) * 1e-9;
   if (farthest < kLeastSpeed * span || !has_times(*drive.scans[best])) return {};
   const auto spread = [&](float factor) {

@@ -39,7 +39,7 @@ struct ScanHeader {
 struct DepthImages {
   Camera camera;
   std::optional<SE3> depth_from_color;  ///< none: registered, their pixels are those of the images
-  double units_per_metre = 1000;
+  double units_per_meter = 1000;
 };
 
 /// One stream of a bag.
@@ -70,7 +70,7 @@ struct Drive {
   std::optional<DepthImages> depth_images;  ///< where scans are made of such: ScanHeader::file is one
   Trajectory poses;                         ///< world_from_lidar as given; empty where none are
   std::vector<GeoFix> fixes;                ///< of a GPS receiver, its antenna in the LiDAR's axes; empty where there is none
-  /// Factor of the given positions to metres of the drive's own place: the Mercator scale of oxts; 1 where poses are
+  /// Factor of the given positions to meters of the drive's own place: the Mercator scale of oxts; 1 where poses are
   /// metric. Two drives share a world when their positions are brought to one scale.
   double world_scale = 1;
   /// The camera itself is what given poses are of: text files of poses are in its axes, not in those of a LiDAR.
@@ -95,20 +95,20 @@ struct Drive {
   bool has_labels() const {
     for (const Frame& frame : frames)
       if (!frame.labels.empty()) return true;
-    return labelled;
+    return labeled;
   }
   FrameLabels labels() const {
     FrameLabels out;
     for (const Frame& frame : frames) out.push_back(frame.labels);
     return out;
   }
-  /// Metres below and beyond which returns are left out, unless the user says otherwise. A LiDAR on a car measures the car
+  /// Meters below and beyond which returns are left out, unless the user says otherwise. A LiDAR on a car measures the car
   /// itself; a depth camera sees nothing of its bearer, and measures no nearer. The noise of a depth camera grows with the
-  /// square of the depth, to decimetres at 10 m.
+  /// square of the depth, to decimeters at 10 m.
   double least_range_m() const { return sensor == Sensor::depth_camera ? 0.1 : 2; }
   double most_range_m() const { return sensor == Sensor::depth_camera ? 10 : 120; }
-  bool labelled = false;         ///< the drive came with labels, be they empty
-  bool labelled_around = false;  ///< they hold for all cameras: 3D boxes of what stands all round
+  bool labeled = false;         ///< the drive came with labels, be they empty
+  bool labeled_around = false;  ///< they hold for all cameras: 3D boxes of what stands all round
 };
 
 /// A range of frames by the drive's own numbers, both included.

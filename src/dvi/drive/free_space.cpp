@@ -15,7 +15,7 @@ constexpr int kColumns = 1800;
 constexpr float kCell = 2 * kPi / kColumns;  // 0.2 degrees, about what LiDARs resolve
 constexpr int kPad = 24;                     // columns repeated beyond the seam, as wide as the widest window
 constexpr float kNone = 1e9F;
-constexpr float kNearest = 0.5F;  // metres; nearer "returns" mark misses
+constexpr float kNearest = 0.5F;  // meters; nearer "returns" mark misses
 
 // To 1e-4 radians, a thirtieth of a cell, and five times as fast as the library's.
 float fast_atan2(float y, float x) {

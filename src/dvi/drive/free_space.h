@@ -32,8 +32,8 @@ class FreeSpace {
 
   std::size_t bytes() const;
 
-  static constexpr double kMaxRange = 80;  ///< metres; beyond, rays are too far apart to tell
-  static constexpr float kDepth = 0.2F;    ///< metres: returns nearer together are of one thing
+  static constexpr double kMaxRange = 80;  ///< meters; beyond, rays are too far apart to tell
+  static constexpr float kDepth = 0.2F;    ///< meters: returns nearer together are of one thing
 
  private:
   static constexpr std::array<int, 5> kWindows{1, 2, 3, 5, 8};  // cells each way
@@ -47,7 +47,7 @@ class FreeSpace {
 
   double pose_error_ = 0;
   Eigen::Vector3d sensor_ = Eigen::Vector3d::Zero();
-  float reach_ = 0;                    // metres from sensor_; nothing farther is within kMaxRange at any time of the scan
+  float reach_ = 0;                    // meters from sensor_; nothing farther is within kMaxRange at any time of the scan
   std::vector<LidarFromWorld> poses_;  // one a column: when it was swept
   float low_ = 0;                      // elevation of row 0
   float rise_ = 0;

@@ -11,7 +11,7 @@ namespace dvi {
 /// A static map that a drive brings instead of scans: points in the world of its poses.
 struct GivenMap {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of `points`; far from the world's where that is a map projection's
-  std::vector<Eigen::Vector3f> points;               ///< metres from `origin`, world axes
+  std::vector<Eigen::Vector3f> points;               ///< meters from `origin`, world axes
   std::vector<float> intensity;                      ///< one a point
 
   std::size_t bytes() const { return bytes_of(points) + bytes_of(intensity); }

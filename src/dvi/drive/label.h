@@ -19,7 +19,7 @@ struct Instance {
   std::vector<std::uint32_t> runs;
 };
 
-/// One labelled object in one frame, by whatever the labels hold of it.
+/// One labeled object in one frame, by whatever the labels hold of it.
 struct Label {
   int track = -1;
   std::string type;                ///< as the labels name it, in lower case ("car", "van", "pedestrian")

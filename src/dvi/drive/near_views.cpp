@@ -6,7 +6,7 @@
 namespace dvi {
 namespace {
 
-constexpr std::int64_t kAlone = 50'000'000;  // ns each way round a frame without neighbours: half a usual step
+constexpr std::int64_t kAlone = 50'000'000;  // ns each way round a frame without neighbors: half a usual step
 
 }  // namespace
 

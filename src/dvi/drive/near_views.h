@@ -9,7 +9,7 @@
 namespace dvi {
 
 /// The `most` views of [range.first, range.second) nearest to view `target`, nearest first and by number where they are as
-/// near. A radian between the directions in which they look counts as much as `radian_m` metres between their places.
+/// near. A radian between the directions in which they look counts as much as `radian_m` meters between their places.
 std::vector<std::size_t> nearest_views(const Views& views, std::size_t target, std::pair<std::size_t, std::size_t> range,
                                        std::size_t most, double radian_m = 0);
 

@@ -23,10 +23,10 @@ cv::Rect pixels_around(const std::vector<Polygon>& polygons, cv::Size size) {
   return low.x < high.x && low.y < high.y ? cv::Rect(low, high) : cv::Rect();
 }
 
-// Sets the pixels whose centres lie in the polygon; the mask's first pixel is `corner`.
+// Sets the pixels whose centers lie in the polygon; the mask's first pixel is `corner`.
 void fill(const Polygon& polygon, cv::Point corner, cv::Mat1b& mask) {
-  std::vector<double> crossings;  // of a row's centre line with the edges
-  // The first pixel whose centre is not left of a place.
+  std::vector<double> crossings;  // of a row's center line with the edges
+  // The first pixel whose center is not left of a place.
   const auto pixel = [&](double x) {
     return static_cast<int>(std::clamp(std::ceil(x - corner.x - 0.5), 0.0, static_cast<double>(mask.cols)));
   };

@@ -18,14 +18,14 @@ Instance outline_of(const cv::Mat1b& part, cv::Point corner, cv::Size size);
 /// Corners in order, in the axes of annotation tools: pixel (x, y) is the square from (x, y) to (x + 1, y + 1).
 using Polygon = std::vector<cv::Point2d>;
 
-/// The outline of the pixels of an image whose centres lie in any of the polygons (even-odd in each). Corners may lie outside
+/// The outline of the pixels of an image whose centers lie in any of the polygons (even-odd in each). Corners may lie outside
 /// of the image, less than 1e9 pixels.
 Instance outline_of(const std::vector<Polygon>& polygons, cv::Size size);
 
 /// Sets the outline's pixels within the mask to 255.
 void draw(const Instance& outline, cv::Mat1b& mask);
 
-/// Metres in front of the camera; what is nearer has no place in the image.
+/// Meters in front of the camera; what is nearer has no place in the image.
 inline constexpr double kNearPlane = 0.3;
 
 /// Sets the convex hull of points in camera axes to 255, of those beyond the near plane. False where there are none.

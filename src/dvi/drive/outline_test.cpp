@@ -37,7 +37,7 @@ TEST(Outline, OfAPartIsThatOfTheWholeImage) {
   EXPECT_EQ(outline_of(cv::Mat1b(), {0, 0}, size).runs, std::vector<std::uint32_t>{63});
 }
 
-TEST(Outline, OfPolygonsHoldsThePixelsWhoseCentresTheyHold) {
+TEST(Outline, OfPolygonsHoldsThePixelsWhoseCentersTheyHold) {
   const cv::Size size(20, 12);
   const auto drawn = [&](const std::vector<Polygon>& polygons) {
     cv::Mat1b mask(size, uchar{0});

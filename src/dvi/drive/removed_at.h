@@ -10,7 +10,7 @@
 
 namespace dvi {
 
-/// Whether a point in LiDAR axes lies in the 3D box of any label, grown by a margin, metres.
+/// Whether a point in LiDAR axes lies in the 3D box of any label, grown by a margin, meters.
 inline bool in_any_box(const std::vector<Label>& labels, const Eigen::Vector3d& in_lidar, double margin_m) {
   return std::any_of(labels.begin(), labels.end(),
                      [&](const Label& l) { return l.box && l.box->contains(in_lidar, margin_m); });

@@ -24,22 +24,22 @@ struct View {
   std::int64_t time_ns = 0;
   Camera camera;
   SE3 camera_from_world;
-  cv::Vec3f gain{1, 1, 1};        ///< BGR; its colours times this are in the light common to all views
-  float vignetting = 0;           ///< how its lens darkens towards the corners: k of vignetting(), 0 if it does not
+  cv::Vec3f gain{1, 1, 1};        ///< BGR; its colors times this are in the light common to all views
+  float vignetting = 0;           ///< how its lens darkens toward the corners: k of vignetting(), 0 if it does not
   Sensor sensor = Sensor::lidar;  ///< its drive's
   bool registered_depth = false;  ///< its drive's: nothing turns the camera against the sensor that made the map
-  bool grey = false;              ///< shows structure, but no colours
+  bool gray = false;              ///< shows structure, but no colors
   int drive = 0;                  ///< 0 is the target's; the cameras of one drive share it, and only their times compare
 };
 
-/// What brings the colours of one view (by its gain) into the light of another.
+/// What brings the colors of one view (by its gain) into the light of another.
 inline cv::Vec3f gain_to(const cv::Vec3f& target, const cv::Vec3f& source) {
   return {source[0] / target[0], source[1] / target[1], source[2] / target[2]};
 }
 inline cv::Vec3f gain_to(const View& target, const View& source) { return gain_to(target.gain, source.gain); }
 
-/// Whether colours of one may stand in the other: both are in colour, or both grey. Structure may be compared in any case.
-inline bool shares_colours(const View& a, const View& b) { return a.grey == b.grey; }
+/// Whether colors of one may stand in the other: both are in color, or both gray. Structure may be compared in any case.
+inline bool shares_colors(const View& a, const View& b) { return a.gray == b.gray; }
 
 /// All views: those of the target first, in time order, then sequence after sequence. A view's index is its source number.
 struct Views {

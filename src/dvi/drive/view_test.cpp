@@ -88,7 +88,7 @@ TEST(NearViews, AsNearTheyAreInOrderOfNumber) {
   EXPECT_THAT(nearest_views(views, 0, {1, 4}, 2), ElementsAre(1, 2));
 }
 
-TEST(NearViews, DirectionsCountInMetres) {
+TEST(NearViews, DirectionsCountInMeters) {
   Views views = views_at({{0, 0}, {1, 1}, {1, 3}});
   const auto look_back = [](View& view) {  // where it stands
     const Eigen::Matrix3d turn = so3_exp({0, 3, 0});

@@ -16,7 +16,7 @@ class Warp {
         source_(&source.camera),
         source_from_target_(source.camera_from_world * target.camera_from_world.inverse()) {}
 
-  /// Quantised; may lie outside the source's image. Depth z in metres, infinity for the sky. None where the depth is
+  /// Quantized; may lie outside the source's image. Depth z in meters, infinity for the sky. None where the depth is
   /// unknown (z <= 0) or the point is not in front of the source.
   std::optional<cv::Point2f> operator()(cv::Point pixel, float z) const {
     if (!(z > 0)) return std::nullopt;
@@ -24,7 +24,7 @@ class Warp {
     const Eigen::Vector3d x = std::isinf(z) ? source_from_target_.R * ray : source_from_target_ * (z * ray);
     if (!source_->in_front(x)) return std::nullopt;
     const Eigen::Vector2d at = source_->project(x);
-    return quantised(at.x(), at.y());
+    return quantized(at.x(), at.y());
   }
 
  private:
@@ -32,10 +32,10 @@ class Warp {
   SE3 source_from_target_;
 };
 
-/// Where the source frame that shows pixel `p` at `p_in_source` shows its neighbour `q`: both are warped by their own depths
+/// Where the source frame that shows pixel `p` at `p_in_source` shows its neighbor `q`: both are warped by their own depths
 /// (`p_at`, `q_at`), and q is shifted as p_in_source is from p_at. Where a depth is unknown, q - p is added to p_in_source.
-inline cv::Point2f neighbour_in_source(cv::Point p, cv::Point2f p_in_source, std::optional<cv::Point2f> p_at, cv::Point q,
-                                       std::optional<cv::Point2f> q_at) {
+inline cv::Point2f neighbor_in_source(cv::Point p, cv::Point2f p_in_source, std::optional<cv::Point2f> p_at, cv::Point q,
+                                      std::optional<cv::Point2f> q_at) {
   if (p_at && q_at) return p_in_source + (*q_at - *p_at);
   return p_in_source + cv::Point2f(q - p);
 }

@@ -40,7 +40,7 @@ TEST(Warp, ThereAndBackEndsWhereItBegan) {
     const auto at = there(pixel, static_cast<float>(z));
     ASSERT_TRUE(at);
     const Eigen::Vector2d exact = source.camera.project(in_source);
-    EXPECT_NEAR(at->x, exact.x(), 1 / 32.0 + 1e-4);  // quantised to sixteenths
+    EXPECT_NEAR(at->x, exact.x(), 1 / 32.0 + 1e-4);  // quantized to sixteenths
     EXPECT_NEAR(at->y, exact.y(), 1 / 32.0 + 1e-4);
   }
 }
@@ -64,19 +64,19 @@ TEST(Warp, NoneWithoutDepthOrBehindTheSource) {
   for (const float z : {0.0F, -1.0F, std::numeric_limits<float>::quiet_NaN(), 8.0F}) EXPECT_FALSE(warp({10, 10}, z)) << z;
 }
 
-TEST(NeighbourInSource, NeighboursKeepTheirOwnMotion) {
+TEST(NeighborInSource, NeighborsKeepTheirOwnMotion) {
   const cv::Point2f shown(50.5, 20);
-  EXPECT_EQ(neighbour_in_source({10, 10}, shown, cv::Point2f(50, 20), {11, 10}, cv::Point2f(52, 20.25)),
+  EXPECT_EQ(neighbor_in_source({10, 10}, shown, cv::Point2f(50, 20), {11, 10}, cv::Point2f(52, 20.25)),
             cv::Point2f(52.5, 20.25));
-  EXPECT_EQ(neighbour_in_source({10, 10}, shown, std::nullopt, {11, 10}, cv::Point2f(52, 20)), cv::Point2f(51.5, 20));
-  EXPECT_EQ(neighbour_in_source({10, 10}, shown, cv::Point2f(50, 20), {10, 9}, std::nullopt), cv::Point2f(50.5, 19));
+  EXPECT_EQ(neighbor_in_source({10, 10}, shown, std::nullopt, {11, 10}, cv::Point2f(52, 20)), cv::Point2f(51.5, 20));
+  EXPECT_EQ(neighbor_in_source({10, 10}, shown, cv::Point2f(50, 20), {10, 9}, std::nullopt), cv::Point2f(50.5, 19));
 }
 
 TEST(CanSample, WholeCellsWithinTheImageAndOffTheMask) {
   cv::Mat1b mask(10, 20, uchar{0});
   mask(5, 8) = 255;
   EXPECT_TRUE(can_sample(mask, {0, 0}));
-  EXPECT_TRUE(can_sample(mask, {19, 9}));  // the last pixel itself needs no neighbour
+  EXPECT_TRUE(can_sample(mask, {19, 9}));  // the last pixel itself needs no neighbor
   for (const cv::Point2f outside :
        {cv::Point2f(-0.0625F, 3), cv::Point2f(19.0625F, 3), cv::Point2f(3, -1), cv::Point2f(3, 9.5F)})
     EXPECT_FALSE(can_sample(mask, outside)) << outside;
@@ -96,7 +96,7 @@ TEST(CanSample, FootprintsWhoseMeanShowsNothingOfTheMask) {
   cv::merge(std::vector<cv::Mat>{mask, mask, mask}, image);
   int allowed = 0;
   for (int i = 0; i < 2000; ++i) {
-    const cv::Point2f at = quantised(random.uniform(2, 21), random.uniform(2, 13));  // all of it inside the image
+    const cv::Point2f at = quantized(random.uniform(2, 21), random.uniform(2, 13));  // all of it inside the image
     const cv::Vec2b footprint(static_cast<uchar>(1 + random.below(4)), static_cast<uchar>(1 + random.below(4)));
     const bool clear = box_mean(image, at, footprint) == cv::Vec3f(0, 0, 0);
     ASSERT_EQ(can_sample(mask, at, footprint), clear) << at << " " << footprint;

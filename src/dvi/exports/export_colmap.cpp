@@ -11,15 +11,15 @@
 namespace dvi::exports {
 namespace {
 
-// COLMAP puts the centre of the first pixel at (0.5, 0.5).
-constexpr double kPixelCentre = 0.5;
+// COLMAP puts the center of the first pixel at (0.5, 0.5).
+constexpr double kPixelCenter = 0.5;
 // Points that get a track, the list of images that see them, which dense reconstruction chooses its images by. All points would
 // make text of gigabytes.
 constexpr std::size_t kTracked = 20'000;
 
 std::string camera_line(const Camera& c) {
   const std::string pinhole = fmt::format("{} {} {:.12g} {:.12g} {:.12g} {:.12g}", c.width, c.height, c.fx, c.fy,
-                                          c.cx + kPixelCentre, c.cy + kPixelCentre);
+                                          c.cx + kPixelCenter, c.cy + kPixelCenter);
   if (!c.distorted()) return fmt::format("1 PINHOLE {}\n", pinhole);
   const auto& [k1, k2, p1, p2, k3] = c.distortion;
   if (k3 == 0) return fmt::format("1 OPENCV {} {:.12g} {:.12g} {:.12g} {:.12g}\n", pinhole, k1, k2, p1, p2);
@@ -35,7 +35,7 @@ struct Observation {
 // Of every nth point: those that the image shows where the depth of its pixel agrees.
 std::vector<Observation> observations(const Result& result, std::size_t frame, const std::vector<CloudPoint>& cloud,
                                       std::size_t every) {
-  constexpr double kTolerance = 0.02, kNearest = 0.5;  // part of the depth; metres
+  constexpr double kTolerance = 0.02, kNearest = 0.5;  // part of the depth; meters
   const Camera& camera = result.camera();
   const SE3 camera_from_world = result.frames()[frame].world_from_camera.inverse();
   const cv::Mat1f depth = result.depth(frame);
@@ -58,8 +58,8 @@ std::string image_lines(const ResultFrame& frame, std::size_t id, const std::vec
   std::string text = fmt::format("{} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} 1 {}.png\n", id, q.w(), q.x(),
                                  q.y(), q.z(), pose.t.x(), pose.t.y(), pose.t.z(), frame.name);
   for (std::size_t i = 0; i < seen.size(); ++i)
-    text += fmt::format("{}{:.2f} {:.2f} {}", i == 0 ? "" : " ", seen[i].pixel.x() + kPixelCentre,
-                        seen[i].pixel.y() + kPixelCentre, seen[i].point + 1);
+    text += fmt::format("{}{:.2f} {:.2f} {}", i == 0 ? "" : " ", seen[i].pixel.x() + kPixelCenter,
+                        seen[i].pixel.y() + kPixelCenter, seen[i].point + 1);
   return text + "\n";
 }
 
@@ -71,7 +71,7 @@ void write_points(const fs::path& file, const std::vector<CloudPoint>& cloud, co
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const CloudPoint& p = cloud[i];
       out << fmt::format("{} {:.4f} {:.4f} {:.4f} {} {} {} 0{}\n", i + 1, p.position.x(), p.position.y(), p.position.z(),
-                         p.colour[2], p.colour[1], p.colour[0], tracks[i]);
+                         p.color[2], p.color[1], p.color[0], tracks[i]);
     }
   });
 }
@@ -79,7 +79,7 @@ void write_points(const fs::path& file, const std::vector<CloudPoint>& cloud, co
 ExportReport write_colmap(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
   write_images_and_masks(result, folder, ".png.png", progress);
   std::vector<CloudPoint> cloud = read_map_cloud(result.folder() / "map/map.ply");
-  std::erase_if(cloud, [](const CloudPoint& p) { return !p.coloured(); });
+  std::erase_if(cloud, [](const CloudPoint& p) { return !p.colored(); });
   cloud = thinned(cloud, static_cast<std::size_t>(options.max_points));
 
   const std::size_t every = cloud.size() / kTracked + 1;

@@ -19,9 +19,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
-constexpr double kScale = 0.001;  // metres: coordinates are whole numbers of it
+constexpr double kScale = 0.001;  // meters: coordinates are whole numbers of it
 constexpr std::uint16_t kHeaderBytes = 227;
-constexpr std::uint16_t kPointBytes = 34;  // of format 3: with time and colour
+constexpr std::uint16_t kPointBytes = 34;  // of format 3: with time and color
 
 template <class T>
 void put(std::string& bytes, T value) {
@@ -59,7 +59,7 @@ void put_point(std::string& bytes, const CloudPoint& p, float brightest) {
   bytes += '\x09';                    // the first of one return
   bytes.append(1 + 1 + 1 + 2, '\0');  // class: never classified; angle, user data, source
   put(bytes, double{p.first_s});
-  for (const int channel : {2, 1, 0}) put(bytes, static_cast<std::uint16_t>(257 * p.colour[channel]));
+  for (const int channel : {2, 1, 0}) put(bytes, static_cast<std::uint16_t>(257 * p.color[channel]));
 }
 
 ExportReport write_las(const Result& result, const fs::path& folder, const ExportOptions&, Progress&) {
@@ -86,7 +86,7 @@ ExportReport write_las(const Result& result, const fs::path& folder, const Expor
 }  // namespace
 
 ExportFormat las_format() {
-  return {"las", "the static map as LAS 1.2, coloured, with intensity and times (QGIS, PDAL, CloudCompare)", write_las};
+  return {"las", "the static map as LAS 1.2, colored, with intensity and times (QGIS, PDAL, CloudCompare)", write_las};
 }
 
 }  // namespace dvi::exports

@@ -12,7 +12,7 @@ namespace dvi::exports {
 namespace {
 
 // The clean image with what was filled tinted by its origin: green from this drive, blue from another drive or camera, orange
-// interpolated, red synthesised or empty.
+// interpolated, red synthesized or empty.
 cv::Mat3b overlay(const Result& result, std::size_t frame) {
   static const std::array<cv::Vec3b, 6> kTints{cv::Vec3b(0, 0, 0),     cv::Vec3b(60, 180, 60), cv::Vec3b(220, 120, 40),
                                                cv::Vec3b(0, 140, 255), cv::Vec3b(40, 40, 220), cv::Vec3b(40, 40, 220)};

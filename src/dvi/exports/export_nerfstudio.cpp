@@ -14,8 +14,8 @@
 namespace dvi::exports {
 namespace {
 
-// The loader's default unit: 16-bit millimetres. What is farther than 65.5 m is unknown to it.
-cv::Mat1w millimetres(const cv::Mat1f& depth) {
+// The loader's default unit: 16-bit millimeters. What is farther than 65.5 m is unknown to it.
+cv::Mat1w millimeters(const cv::Mat1f& depth) {
   cv::Mat1w out(depth.size(), ushort{0});
   for (int y = 0; y < depth.rows; ++y)
     for (int x = 0; x < depth.cols; ++x)
@@ -35,12 +35,12 @@ nlohmann::json opengl_pose(const SE3& world_from_camera) {
 
 void write_cloud(const fs::path& file, const std::vector<CloudPoint>& cloud) {
   std::vector<Eigen::Vector3f> points;
-  std::vector<cv::Vec3b> colours;
+  std::vector<cv::Vec3b> colors;
   for (const CloudPoint& p : cloud) {
     points.push_back(p.position);
-    colours.push_back(p.colour);
+    colors.push_back(p.color);
   }
-  media::write_ply(file, {points, colours});
+  media::write_ply(file, {points, colors});
 }
 
 nlohmann::json transforms(const Result& result) {
@@ -51,7 +51,7 @@ nlohmann::json transforms(const Result& result) {
                       {"mask_path", "masks/" + frame.name + ".png"},
                       {"depth_file_path", "depth/" + frame.name + ".png"},
                       {"transform_matrix", opengl_pose(frame.world_from_camera)}});
-  // Its pixel centres are at (0.5, 0.5), as COLMAP's.
+  // Its pixel centers are at (0.5, 0.5), as COLMAP's.
   return {{"camera_model", "OPENCV"},
           {"w", c.width},
           {"h", c.height},
@@ -72,10 +72,10 @@ ExportReport write_nerfstudio(const Result& result, const fs::path& folder, cons
   write_images_and_masks(result, folder, ".png", progress);
   make_folder(folder / "depth");
   parallel_for(result.frames().size(), [&](std::size_t i) {
-    media::write_png(folder / "depth" / (result.frames()[i].name + ".png"), millimetres(result.depth(i)));
+    media::write_png(folder / "depth" / (result.frames()[i].name + ".png"), millimeters(result.depth(i)));
   });
   std::vector<CloudPoint> cloud = read_map_cloud(result.folder() / "map/map.ply");
-  std::erase_if(cloud, [](const CloudPoint& p) { return !p.coloured(); });
+  std::erase_if(cloud, [](const CloudPoint& p) { return !p.colored(); });
   cloud = thinned(cloud, static_cast<std::size_t>(options.max_points));
   write_cloud(folder / "map.ply", cloud);
   write_file(folder / "transforms.json", json_text(transforms(result)) + "\n");

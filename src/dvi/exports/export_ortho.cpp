@@ -20,14 +20,14 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 // What the picture from above shows.
 struct Ortho {
-  cv::Mat3b colour;
+  cv::Mat3b color;
   cv::Mat1f source, age_s, confidence;
-  cv::Mat1f distance;  // metres to the camera whose pixel this is
+  cv::Mat1f distance;  // meters to the camera whose pixel this is
 
   cv::Mat1b seen() const { return cv::Mat1b(distance < std::numeric_limits<float>::max()); }
 
   explicit Ortho(cv::Size size)
-      : colour(size, cv::Vec3b()),
+      : color(size, cv::Vec3b()),
         source(size, kNone),
         age_s(size, kNone),
         confidence(size, kNone),
@@ -59,7 +59,7 @@ struct SeenFrame {
 
 // The cells that a frame sees, as long as no nearer frame saw them: the nearer camera resolves more.
 void add_frame(const Result& result, std::size_t number, const GroundRaster& ground, Ortho& ortho) {
-  constexpr double kNearest = 0.5, kFarthest = 40, kTolerance = 0.03;  // metres; part of the depth
+  constexpr double kNearest = 0.5, kFarthest = 40, kTolerance = 0.03;  // meters; part of the depth
   const ResultFrame& frame = result.frames()[number];
   const SeenFrame seen(result, number);
   const Camera& camera = result.camera();
@@ -69,7 +69,7 @@ void add_frame(const Result& result, std::size_t number, const GroundRaster& gro
     const std::int64_t time = source < result.frames().size() ? result.frames()[source].time_ns : frame.time_ns;
     return static_cast<float>(1e-9 * static_cast<double>(result.frames().back().time_ns - time));
   };
-  const auto bound = [&](double metres, int most) { return std::clamp(static_cast<int>(metres / ground.cell_m), 0, most); };
+  const auto bound = [&](double meters, int most) { return std::clamp(static_cast<int>(meters / ground.cell_m), 0, most); };
   const int top = bound(ground.north_m - eye.y() - kFarthest, ground.height.rows);
   const int bottom = bound(ground.north_m - eye.y() + kFarthest, ground.height.rows);
   const int left = bound(eye.x() - kFarthest - ground.west_m, ground.height.cols);
@@ -86,7 +86,7 @@ void add_frame(const Result& result, std::size_t number, const GroundRaster& gro
       const cv::Point nearest(cvRound(pixel.x()), cvRound(pixel.y()));
       if (seen.evidence(nearest) == 0 || std::abs(seen.depth(nearest) - x.z()) > kTolerance * x.z()) continue;
       ortho.distance(row, column) = distance;
-      ortho.colour(row, column) = seen.image(nearest);
+      ortho.color(row, column) = seen.image(nearest);
       const std::size_t source = seen.source_at(nearest, number);
       ortho.source(row, column) = static_cast<float>(source);
       ortho.age_s(row, column) = age_of(source);
@@ -100,9 +100,9 @@ std::optional<EarthPlace> origin_of(const Result& result, const std::string& wis
   return wish.empty() ? result.place() : parse_origin(wish);
 }
 
-std::vector<GeoBand> colour_bands(const Ortho& ortho) {
+std::vector<GeoBand> color_bands(const Ortho& ortho) {
   std::vector<cv::Mat> bgr;
-  cv::split(ortho.colour, bgr);
+  cv::split(ortho.color, bgr);
   return {{bgr[2], "red"}, {bgr[1], "green"}, {bgr[0], "blue"}, {ortho.seen(), "seen"}};
 }
 
@@ -117,12 +117,12 @@ ExportReport write_ortho(const Result& result, const fs::path& folder, const Exp
     progress.advance();
   }
   const GeoPlace place{ground.cell_m, ground.west_m, ground.north_m, origin};
-  write_geotiff(folder / "ortho.tif", place, colour_bands(ortho), true);
+  write_geotiff(folder / "ortho.tif", place, color_bands(ortho), true);
   write_geotiff(folder / "evidence.tif", place,
                 {{ortho.source, "number in sources.json of the frame it was taken from"},
                  {ortho.age_s, "seconds from that frame to the last one"},
                  {ortho.confidence, "probability of being right: 1 where the camera saw it itself"},
-                 {ground.height, "metres above the drive's first LiDAR position"}},
+                 {ground.height, "meters above the drive's first LiDAR position"}},
                 false);
   return {{"ortho.tif", "evidence.tif"},
           {{"columns", ground.height.cols},
@@ -133,7 +133,7 @@ ExportReport write_ortho(const Result& result, const fs::path& folder, const Exp
 }  // namespace
 
 ExportFormat ortho_format() {
-  return {"ortho", "GeoTIFFs from above: colour; source frame, age, confidence and height (QGIS, GDAL)", write_ortho};
+  return {"ortho", "GeoTIFFs from above: color; source frame, age, confidence and height (QGIS, GDAL)", write_ortho};
 }
 
 }  // namespace dvi::exports

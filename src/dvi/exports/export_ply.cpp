@@ -15,7 +15,7 @@ ExportReport write_ply(const Result& result, const fs::path& folder, const Expor
 }  // namespace
 
 ExportFormat ply_format() {
-  return {"ply", "the static map, coloured, with normals, intensity and times (CloudCompare, MeshLab)", write_ply};
+  return {"ply", "the static map, colored, with normals, intensity and times (CloudCompare, MeshLab)", write_ply};
 }
 
 }  // namespace dvi::exports

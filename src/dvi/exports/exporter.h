@@ -25,11 +25,11 @@ struct ExportOptions {
     table.section("export");
     table.add("max_points", max_points, {0, 2e9},
               "colmap, nerfstudio, mcap: the map is evenly thinned to so many points; 0: all are written.");
-    table.add("cell_m", cell_m, {0.005, 10}, "ortho: metres a pixel.");
+    table.add("cell_m", cell_m, {0.005, 10}, "ortho: meters a pixel.");
     table.add(
         "origin", origin, {},
         "ortho: LAT,LON,HEADING of the world's origin and x axis (degrees, heading clockwise from north), or local for the "
-        "world's own metres; without it, by the drive's GPS, and local where it has none.");
+        "world's own meters; without it, by the drive's GPS, and local where it has none.");
     table.add("beside", beside, "video: the input on the left, the result on the right.");
     video.describe(table);
   }

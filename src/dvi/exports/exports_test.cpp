@@ -25,15 +25,15 @@ CloudPoint at(float x, float y, float z) { return {{x, y, z}, {1, 2, 3}, {0, 0, 
 
 fs::path write_cloud(const TempFolder& folder, const std::vector<CloudPoint>& cloud) {
   std::vector<Eigen::Vector3f> points;
-  std::vector<cv::Vec3b> colours;
+  std::vector<cv::Vec3b> colors;
   std::vector<std::vector<float>> scalars(6);
   for (const CloudPoint& p : cloud) {
     points.push_back(p.position);
-    colours.push_back(p.colour);
+    colors.push_back(p.color);
     const std::array<float, 6> values{p.normal.x(), p.normal.y(), p.normal.z(), p.intensity, p.first_s, p.last_s};
     for (std::size_t k = 0; k < values.size(); ++k) scalars[k].push_back(values[k]);
   }
-  media::PlyCloud ply{points, colours, {}, "a map"};
+  media::PlyCloud ply{points, colors, {}, "a map"};
   const std::array<const char*, 6> names{"nx", "ny", "nz", "intensity", "first", "last"};
   for (std::size_t k = 0; k < names.size(); ++k) ply.scalars.push_back({names[k], scalars[k]});
   media::write_ply(folder.path / "map.ply", ply);
@@ -48,7 +48,7 @@ TEST(MapCloud, ReadsWhatTheWriterWroteAndThinsItEvenly) {
   const std::vector<CloudPoint> read = read_map_cloud(ply);
   ASSERT_EQ(read.size(), 10U);
   EXPECT_EQ(read[7].position, cloud[7].position);
-  EXPECT_EQ(read[7].colour, cloud[7].colour);
+  EXPECT_EQ(read[7].color, cloud[7].color);
   EXPECT_EQ(read[7].normal, cloud[7].normal);
   EXPECT_EQ(read[7].last_s, 1);
   EXPECT_EQ(read_map_cloud(ply, 5).size(), 5U);

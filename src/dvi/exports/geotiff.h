@@ -15,14 +15,14 @@ namespace dvi::exports {
 /// "LAT,LON,HEADING". UsageError otherwise.
 EarthPlace parse_origin(const std::string& text);
 
-/// Where a raster lies. Metres east and north of the world's origin if its place is known, else in the drive's own world.
+/// Where a raster lies. Meters east and north of the world's origin if its place is known, else in the drive's own world.
 struct GeoPlace {
   double cell_m = 0, west_m = 0, north_m = 0;  ///< as Ground
   std::optional<EarthPlace> origin = {};
 
   /// GDAL's affine transform from pixels to the place.
   std::array<double, 6> transform() const;
-  /// The coordinate system as PROJ has it; empty: local metres.
+  /// The coordinate system as PROJ has it; empty: local meters.
   std::string projection() const;
 };
 

@@ -12,9 +12,9 @@
 namespace dvi::exports {
 namespace {
 
-constexpr double kSquare = 1;  // metres: the lowest point in it, or in one beside it, is ground
-constexpr float kKerb = 0.3F;  // metres above it that still belong to the ground
-constexpr double kFill = 0.5;  // metres over which gaps are closed
+constexpr double kSquare = 1;  // meters: the lowest point in it, or in one beside it, is ground
+constexpr float kCurb = 0.3F;  // meters above it that still belong to the ground
+constexpr double kFill = 0.5;  // meters over which gaps are closed
 constexpr double kMostCells = 1 << 26;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
@@ -52,7 +52,7 @@ cv::Mat1f measured(const std::vector<CloudPoint>& cloud, const Box& box, double 
   const cv::Mat1f low = lowest(cloud, box);
   cv::Mat1f sum(box.cells(cell), 0.0F), count(sum.size(), 0.0F);
   for (const CloudPoint& p : cloud) {
-    if (p.position.z() > low(box.of(p, kSquare)) + kKerb) continue;
+    if (p.position.z() > low(box.of(p, kSquare)) + kCurb) continue;
     const cv::Point at = box.of(p, cell);
     sum(at) += p.position.z();
     count(at) += 1;

@@ -12,7 +12,7 @@
 namespace dvi::exports {
 
 /// Writes an MCAP file (mcap.dev/spec, version 0) of ROS 2 messages, in chunks that are not compressed, with an index and a
-/// summary at its end, so that readers can seek. Holds one chunk in memory. Not synchronised.
+/// summary at its end, so that readers can seek. Holds one chunk in memory. Not synchronized.
 class McapWriter {
  public:
   /// Where the file is made; the caller renames it once finish() is done.

@@ -88,13 +88,13 @@ void Result::read_sources() {
 }
 
 cv::Mat3b Result::image(std::size_t frame) const { return media::read_image(picture("frames", frame), size()); }
-cv::Mat1b Result::kind(std::size_t frame) const { return media::read_png_grey(picture("kind", frame), size()); }
-cv::Mat1b Result::confidence(std::size_t frame) const { return media::read_png_grey(picture("confidence", frame), size()); }
+cv::Mat1b Result::kind(std::size_t frame) const { return media::read_png_gray(picture("kind", frame), size()); }
+cv::Mat1b Result::confidence(std::size_t frame) const { return media::read_png_gray(picture("confidence", frame), size()); }
 
 cv::Mat1f Result::depth(std::size_t frame) const {
-  cv::Mat1f metres;
-  media::read_png_depth(picture("depth", frame), size()).convertTo(metres, CV_32F, 1.0 / 256);
-  return metres;
+  cv::Mat1f meters;
+  media::read_png_depth(picture("depth", frame), size()).convertTo(meters, CV_32F, 1.0 / 256);
+  return meters;
 }
 
 cv::Mat1b Result::evidence(std::size_t frame) const {

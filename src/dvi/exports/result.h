@@ -40,7 +40,7 @@ class Result {
   cv::Mat3b image(std::size_t frame) const;
   cv::Mat1b kind(std::size_t frame) const;        ///< harmonize::Kind
   cv::Mat1b confidence(std::size_t frame) const;  ///< 255 = 1; of pixels that were filled
-  cv::Mat1f depth(std::size_t frame) const;       ///< metres along the optical axis; 0: unknown or sky
+  cv::Mat1f depth(std::size_t frame) const;       ///< meters along the optical axis; 0: unknown or sky
   /// 255 where a camera saw the pixel: original or copied; 0 where it was made up.
   cv::Mat1b evidence(std::size_t frame) const;
 

@@ -149,7 +149,7 @@ std::string point_cloud(std::int64_t time_ns, const std::vector<CloudPoint>& clo
   data.reserve(cloud.size() * kStep);
   for (const CloudPoint& p : cloud) {
     data.append(reinterpret_cast<const char*>(p.position.data()), 12);
-    data.append(reinterpret_cast<const char*>(p.colour.val), 3);  // 0x00RRGGBB, little endian
+    data.append(reinterpret_cast<const char*>(p.color.val), 3);  // 0x00RRGGBB, little endian
     data += '\0';
   }
   return out.number(std::uint8_t{0}).count(kStep).count(data.size()).blob(data).number(std::uint8_t{1}).bytes();

@@ -6,7 +6,7 @@
 namespace dvi::exports {
 
 /// What the formats of scene reconstruction share: images/NAME.png, the clean frames, and masks/NAME + `mask_ending`, 0 where
-/// no frame saw what stands there (interpolated, synthesised, empty) and 255 elsewhere. Ticks once a frame.
+/// no frame saw what stands there (interpolated, synthesized, empty) and 255 elsewhere. Ticks once a frame.
 void write_images_and_masks(const Result& result, const fs::path& folder, const std::string& mask_ending, Progress& progress);
 
 /// Copies the bytes. InputError where that is impossible.

@@ -20,7 +20,7 @@ std::vector<Ratio> ratios_of(const Sightings& a, const Sightings& b) {
   constexpr std::size_t kFewPoints = 50, kManyPoints = 1000;  // points of a pair; none outweighs the others
   std::vector<Ratio> all;
   for_each_shared(a, b, [&](const PointObservation& i, const PointObservation& j) {
-    const cv::Vec3f brighter = j.colour - i.colour;
+    const cv::Vec3f brighter = j.color - i.color;
     all.push_back({i.off_axis - j.off_axis, (brighter[0] + brighter[1] + brighter[2]) / 3});
   });
   if (all.size() < kFewPoints) return {};

@@ -9,7 +9,7 @@
 namespace dvi::exposure {
 
 /// View::vignetting of each view, one for all of a sequence: from points that views of it show at different distances from the
-/// centre of the image, robustly. 0 where it does not show: less than a percent at half a radian, or if what half of the pairs
+/// center of the image, robustly. 0 where it does not show: less than a percent at half a radian, or if what half of the pairs
 /// say does not hold for the other half.
 std::vector<float> estimate_vignetting(const Views& views, const Lazy<Sightings>& seen);
 

@@ -19,10 +19,10 @@
 namespace dvi::exposure {
 namespace {
 
-// Views that are compared: neighbours in time, and some farther apart that keep the chain from drifting.
+// Views that are compared: neighbors in time, and some farther apart that keep the chain from drifting.
 constexpr std::array<std::size_t, 5> kApart{1, 2, 4, 8, 16};
 constexpr std::size_t kPlaces = 3;   // views of earlier sequences, nearest in place, that one of another is compared with
-constexpr double kRadian = 10;       // metres that count as much as a radian between directions
+constexpr double kRadian = 10;       // meters that count as much as a radian between directions
 constexpr std::size_t kFewest = 50;  // points
 constexpr double kFloor = 0.005;     // of a ratio's logarithm: what no number of points makes surer
 constexpr double kOutlier = 0.03;    // of a ratio's logarithm: from here on a pair counts less
@@ -33,7 +33,7 @@ constexpr double kLargest = 1.3863;  // of a gain's logarithm: 1/4 .. 4
 /// How two views' logarithms of gain differ, as the points they share say.
 struct Pair {
   std::size_t a = 0, b = 0;
-  std::array<double, 3> ratio{};   ///< of b's colours to a's, so gain a - gain b
+  std::array<double, 3> ratio{};   ///< of b's colors to a's, so gain a - gain b
   std::array<double, 3> weight{};  ///< 1 / variance
 };
 
@@ -44,7 +44,7 @@ void compare(std::size_t a, std::size_t b, const Lazy<Sightings>& seen, const st
   std::array<std::vector<float>, 3> ratios;
   for_each_shared(*in_a, *in_b, [&](const PointObservation& i, const PointObservation& j) {
     const float darker = vignetting[b] * j.off_axis - vignetting[a] * i.off_axis;
-    for (int c = 0; c < 3; ++c) ratios[c].push_back(j.colour[c] - i.colour[c] + darker);
+    for (int c = 0; c < 3; ++c) ratios[c].push_back(j.color[c] - i.color[c] + darker);
   });
   if (ratios[0].size() < kFewest) return;
   Pair pair{a, b, {}, {}};
@@ -66,11 +66,11 @@ std::vector<Pair> compare_all(const Views& views, const Lazy<Sightings>& seen, c
                               const Tick& tick) {
   std::vector<std::vector<Pair>> of_view(views.size());
   parallel_in_order(views.size(), [&](std::size_t i) {
-    if (!shares_colours(views[i], views[0])) return tick();
+    if (!shares_colors(views[i], views[0])) return tick();
     for (const std::size_t apart : kApart)
       if (apart <= i && views[i - apart].sequence == views[i].sequence) compare(i - apart, i, seen, vignetting, of_view[i]);
     for (const std::size_t other : places(views, i))
-      if (shares_colours(views[other], views[i])) compare(other, i, seen, vignetting, of_view[i]);
+      if (shares_colors(views[other], views[i])) compare(other, i, seen, vignetting, of_view[i]);
     tick();
   });
   std::vector<Pair> pairs;

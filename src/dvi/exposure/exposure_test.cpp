@@ -156,16 +156,16 @@ TEST(Exposure, BringsAnotherDriveIntoTheSameLight) {
   EXPECT_LT(lit.worst(lit.found()), 0.005);
 }
 
-TEST(Exposure, GreyViewsHaveNoSay) {
+TEST(Exposure, GrayViewsHaveNoSay) {
   std::vector<cv::Vec3d> light(3, {1, 0.9, 1.1});
   light.insert(light.end(), 3, {1.1, 0.8, 0.6});
   Lit lit(light, 2);
   const std::vector<cv::Vec3f> alone = [&] {
-    Lit coloured({light.begin(), light.begin() + 3});
-    const Views views = coloured.found();
+    Lit colored({light.begin(), light.begin() + 3});
+    const Views views = colored.found();
     return std::vector<cv::Vec3f>{views[0].gain, views[1].gain, views[2].gain};
   }();
-  for (std::size_t i = 3; i < 6; ++i) lit.scene.views[i].grey = true;
+  for (std::size_t i = 3; i < 6; ++i) lit.scene.views[i].gray = true;
   const Views views = lit.found();
   for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(cv::norm(views[i].gain - alone[i]), 1e-6) << i;
   for (std::size_t i = 3; i < 6; ++i) EXPECT_LT(cv::norm(views[i].gain - cv::Vec3f(1, 1, 1)), 1e-6) << i;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kBlur = 2.5;  // px: poses are not refined yet
 constexpr int kMargin = 6;     // px round masks and saturated pixels that the blur reaches
-constexpr uchar kBlack = 8;    // grey levels; darker, noise and the sensor's offset outweigh the light
+constexpr uchar kBlack = 8;    // gray levels; darker, noise and the sensor's offset outweigh the light
 
 /// Pixels whose surroundings are unmasked, neither black nor saturated.
 cv::Mat1b usable(const cv::Mat3b& image, const cv::Mat1b& mask) {
@@ -33,14 +33,14 @@ cv::Mat1b usable(const cv::Mat3b& image, const cv::Mat1b& mask) {
 Sightings sightings(const View& view, const std::vector<map::VisiblePoint>& points, const cv::Mat3b& image,
                     const cv::Mat1b& mask) {
   const cv::Mat1b use = usable(image, mask);
-  cv::Mat3f colours;
-  image.convertTo(colours, CV_32FC3);
-  cv::GaussianBlur(colours, colours, {}, kBlur);
+  cv::Mat3f colors;
+  image.convertTo(colors, CV_32FC3);
+  cv::GaussianBlur(colors, colors, {}, kBlur);
   Sightings out;
   for (const map::VisiblePoint& p : points) {
     const cv::Point at(cvRound(p.u), cvRound(p.v));
     if (use(at) == 0) continue;
-    const cv::Vec3f& c = colours(at);
+    const cv::Vec3f& c = colors(at);
     if (std::min({c[0], c[1], c[2]}) < static_cast<float>(kBlack)) continue;
     out.push_back({p.index, {std::log(c[0]), std::log(c[1]), std::log(c[2])}, off_axis(view.camera, {p.u, p.v})});
   }

@@ -12,7 +12,7 @@ namespace dvi::exposure {
 /// What a view shows of a point of the map.
 struct PointObservation {
   std::size_t point = 0;
-  cv::Vec3f colour;    ///< its logarithm
+  cv::Vec3f color;     ///< its logarithm
   float off_axis = 0;  ///< as off_axis()
 };
 

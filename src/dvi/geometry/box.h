@@ -6,7 +6,7 @@
 
 namespace dvi {
 
-/// A 3D box: centre and axes by `frame_from_box` (x along its length), full size in metres.
+/// A 3D box: center and axes by `frame_from_box` (x along its length), full size in meters.
 struct Box {
   SE3 frame_from_box;
   Eigen::Vector3d size = Eigen::Vector3d::Zero();

@@ -10,7 +10,7 @@ namespace dvi {
 /// Images of more pixels are not read.
 inline constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
 
-/// A pinhole camera with the distortion of Brown (k1, k2, p1, p2, k3), as OpenCV has it. Pixel centres are whole numbers.
+/// A pinhole camera with the distortion of Brown (k1, k2, p1, p2, k3), as OpenCV has it. Pixel centers are whole numbers.
 struct Camera {
   int width = 0, height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;

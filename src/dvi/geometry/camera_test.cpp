@@ -56,7 +56,7 @@ TEST(Camera, PointsComeBackFromTheirPixelAndDepth) {
   }
 }
 
-TEST(Camera, ContainsWhereFourNeighboursExist) {
+TEST(Camera, ContainsWhereFourNeighborsExist) {
   EXPECT_TRUE(kPlain.contains({0, 0}));
   EXPECT_TRUE(kPlain.contains({1279, 719}));
   EXPECT_FALSE(kPlain.contains({-0.01, 0}));

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// Metres a radian of latitude and of longitude, on the ellipsoid of WGS84 at a latitude.
+// Meters a radian of latitude and of longitude, on the ellipsoid of WGS84 at a latitude.
 struct Radii {
   double north, east;
 
@@ -49,10 +49,10 @@ std::vector<double> residuals(const Fit& fit, const std::vector<Plane>& world, c
   return out;
 }
 
-// A fix under a bridge may be metres off: weights of Cauchy's, by the residuals' median.
+// A fix under a bridge may be meters off: weights of Cauchy's, by the residuals' median.
 Fit robust_fit(const std::vector<Plane>& world, const std::vector<Plane>& earth) {
   constexpr int kRounds = 10;
-  constexpr double kLeastScale = 0.01;  // metres: no receiver is better
+  constexpr double kLeastScale = 0.01;  // meters: no receiver is better
   std::vector<double> weights(world.size(), 1);
   Fit fit = least_squares(world, earth, weights);
   for (int round = 0; round < kRounds; ++round) {
@@ -74,7 +74,7 @@ double extent(const std::vector<Plane>& path) {
 
 std::optional<FoundPlace> find_place(const Trajectory& world_from_body, const std::vector<GeoFix>& fixes) {
   constexpr std::size_t kLeastFixes = 3;
-  constexpr double kLeastError = 0.05, kMostUncertain = 5;  // metres, between fixes of one drive; degrees
+  constexpr double kLeastError = 0.05, kMostUncertain = 5;  // meters, between fixes of one drive; degrees
   if (fixes.empty()) return std::nullopt;
   const GeoFix& first = fixes.front();
   const Radii radii(first.latitude_deg);

@@ -15,7 +15,7 @@ namespace dvi {
 struct GeoFix {
   std::int64_t time_ns = 0;
   double latitude_deg = 0, longitude_deg = 0;
-  Eigen::Vector3d antenna = Eigen::Vector3d::Zero();  ///< metres, in the axes of the body whose trajectory is sought
+  Eigen::Vector3d antenna = Eigen::Vector3d::Zero();  ///< meters, in the axes of the body whose trajectory is sought
 };
 
 /// Where a world, z up, lies on Earth (WGS84).

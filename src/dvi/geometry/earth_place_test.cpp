@@ -14,10 +14,10 @@ const EarthPlace kTruth{49.0125, 8.4375, 327};
 const Eigen::Vector3d kAntenna(-0.8, 0.3, 1.1);
 
 // A bend of 60 m, ten poses a second.
-Trajectory bend(double metres) {
+Trajectory bend(double meters) {
   std::vector<StampedPose> poses;
   for (int i = 0; i <= 60; ++i) {
-    const double way = metres * i / 60, angle = way / 50;
+    const double way = meters * i / 60, angle = way / 50;
     poses.push_back({i * 100'000'000LL, {so3_exp({0, 0, angle}), {50 * std::sin(angle), 50 * (1 - std::cos(angle)), 0}}});
   }
   return Trajectory(std::move(poses));
@@ -39,7 +39,7 @@ std::vector<GeoFix> fixes_of(const Trajectory& path) {
   return fixes;
 }
 
-double metres_apart(const EarthPlace& a, const EarthPlace& b) {
+double meters_apart(const EarthPlace& a, const EarthPlace& b) {
   return 111'000 * std::hypot(a.latitude_deg - b.latitude_deg,
                               std::cos(a.latitude_deg * kDegree) * std::remainder(a.longitude_deg - b.longitude_deg, 360));
 }
@@ -48,7 +48,7 @@ TEST(FindPlace, LaysAPathOntoItsFixes) {
   const Trajectory path = bend(60);
   const auto found = find_place(path, fixes_of(path));
   ASSERT_TRUE(found);
-  EXPECT_LT(metres_apart(found->place, kTruth), 0.01);
+  EXPECT_LT(meters_apart(found->place, kTruth), 0.01);
   EXPECT_NEAR(found->place.heading_deg, kTruth.heading_deg, 0.01);
   EXPECT_EQ(found->fixes, 61);
   EXPECT_LT(found->residual_m, 0.01);
@@ -58,12 +58,12 @@ TEST(FindPlace, IsNotMovedByAFewFixesThatAreFarOff) {
   const Trajectory path = bend(60);
   std::vector<GeoFix> fixes = fixes_of(path);
   std::mt19937 random(7);
-  std::normal_distribution<double> metres(0, 0.05);
-  for (GeoFix& fix : fixes) fix.latitude_deg += metres(random) / 111'000, fix.longitude_deg += metres(random) / 73'000;
+  std::normal_distribution<double> meters(0, 0.05);
+  for (GeoFix& fix : fixes) fix.latitude_deg += meters(random) / 111'000, fix.longitude_deg += meters(random) / 73'000;
   for (std::size_t i = 10; i < 20; ++i) fixes[i].latitude_deg += 25.0 / 111'000;
   const auto found = find_place(path, fixes);
   ASSERT_TRUE(found);
-  EXPECT_LT(metres_apart(found->place, kTruth), 0.1);
+  EXPECT_LT(meters_apart(found->place, kTruth), 0.1);
   EXPECT_NEAR(std::remainder(found->place.heading_deg - kTruth.heading_deg, 360), 0, found->heading_bound_deg);
 }
 
@@ -74,7 +74,7 @@ TEST(FindPlace, WorksAcrossTheDateLine) {
   for (GeoFix& fix : fixes) fix.longitude_deg = std::remainder(fix.longitude_deg + east, 360);
   const auto found = find_place(path, fixes);
   ASSERT_TRUE(found);
-  EXPECT_LT(metres_apart(found->place, {kTruth.latitude_deg, 180, 0}), 0.01);
+  EXPECT_LT(meters_apart(found->place, {kTruth.latitude_deg, 180, 0}), 0.01);
 }
 
 TEST(FindPlace, DoesNotGuessTheHeadingOfAShortPath) {

@@ -44,7 +44,7 @@ std::string camera_matrix_problem(const std::array<double, 9>& K) {
   if (!(K[0] > 0 && K[4] > 0))
     return fmt::format("has fx = {:g} and fy = {:g}, which must be positive; {}", K[0], K[4], kLayout);
   if (std::abs(K[1]) > none || std::abs(K[3]) > none)
-    return fmt::format("has {:g} and {:g} beside fx and fy instead of 0: skewed pixels are not modelled; {}", K[1], K[3],
+    return fmt::format("has {:g} and {:g} beside fx and fy instead of 0: skewed pixels are not modeled; {}", K[1], K[3],
                        kLayout);
   return {};
 }
@@ -57,12 +57,12 @@ void require_plausible(const Camera& camera, const fs::path& file, const std::st
   constexpr const char* kFocal = "focal lengths in pixels are 0.05 to 50 times the image's width";
   require_within(camera.fx, kShortestFocal * width, kLongestFocal * width, "fx", file, field, kFocal);
   require_within(camera.fy, kShortestFocal * width, kLongestFocal * width, "fy", file, field, kFocal);
-  constexpr const char* kCentre = "the principal point is in the image or near it";
-  require_within(camera.cx, -0.5 * width, 1.5 * width, "cx", file, field, kCentre);
-  require_within(camera.cy, -0.5 * height, 1.5 * height, "cy", file, field, kCentre);
+  constexpr const char* kCenter = "the principal point is in the image or near it";
+  require_within(camera.cx, -0.5 * width, 1.5 * width, "cx", file, field, kCenter);
+  require_within(camera.cy, -0.5 * height, 1.5 * height, "cy", file, field, kCenter);
 }
 
-std::string off_centre_problem(const Camera& camera) {
+std::string off_center_problem(const Camera& camera) {
   constexpr double kMost = 0.15;  // of the image; cameras stay within a few percent, other sizes are 0.75 of this one and less
   const double x = (camera.cx + 0.5) / camera.width, y = (camera.cy + 0.5) / camera.height;
   if (std::abs(x - 0.5) < kMost && std::abs(y - 0.5) < kMost) return {};
@@ -71,11 +71,11 @@ std::string off_centre_problem(const Camera& camera) {
 }
 
 void require_near(const Eigen::Vector3d& position, const fs::path& file, const std::string& what) {
-  constexpr double kFarthest = 1e8;  // metres
+  constexpr double kFarthest = 1e8;  // meters
   const double farthest = position.cwiseAbs().maxCoeff();
   if (!(farthest < kFarthest))
     throw InputError(file, fmt::format("{} lies {:g} m from the origin", what, farthest),
-                     fmt::format("positions are metres, less than {:g}", kFarthest));
+                     fmt::format("positions are meters, less than {:g}", kFarthest));
 }
 
 void require_plain_name(const std::string& name, const fs::path& file, const std::string& what) {

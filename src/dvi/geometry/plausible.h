@@ -25,7 +25,7 @@ void require_plausible(const Camera& camera, const fs::path& file, const std::st
 
 /// What is wrong where a camera's principal point is far from the middle of its images, as it is if K is that of images of
 /// another size; empty where it is not.
-std::string off_centre_problem(const Camera& camera);
+std::string off_center_problem(const Camera& camera);
 
 /// InputError where a position is 1e8 m or farther from the origin, beyond any map projection. Voxels are counted in integers.
 void require_near(const Eigen::Vector3d& position, const fs::path& file, const std::string& what);

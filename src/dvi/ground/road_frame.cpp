@@ -11,13 +11,13 @@
 namespace dvi::ground {
 namespace {
 
-constexpr double kStep = 0.5;  // metres: a camera that moved less stands
+constexpr double kStep = 0.5;  // meters: a camera that moved less stands
 // Between two positions farther apart, poses are missing or wrong: there is no road to sample, however long it would be.
 constexpr double kMaxStepM = 200;
 
 Eigen::Vector2d flat(const Eigen::Vector3d& x) { return x.head<2>(); }
 
-std::vector<Eigen::Vector2d> centres(const Views& views) {
+std::vector<Eigen::Vector2d> centers(const Views& views) {
   std::vector<Eigen::Vector2d> out;
   const auto [first, last] = views.of_sequence(0);
   for (std::size_t i = first; i < last; ++i) {
@@ -41,7 +41,7 @@ std::vector<Eigen::Vector2d> smoothed(const std::vector<Eigen::Vector2d>& way) {
 }
 
 Eigen::Vector2d heading(const Views& views, const std::vector<Eigen::Vector2d>& way, bool at_end) {
-  constexpr double kLong = 5;  // metres that tell it
+  constexpr double kLong = 5;  // meters that tell it
   const Eigen::Vector2d& end = at_end ? way.back() : way.front();
   for (std::size_t i = 0; i < way.size(); ++i) {
     const Eigen::Vector2d& other = at_end ? way[way.size() - 1 - i] : way[i];
@@ -52,12 +52,12 @@ Eigen::Vector2d heading(const Views& views, const std::vector<Eigen::Vector2d>& 
   return ahead.norm() > 0 ? Eigen::Vector2d(ahead.normalized()) : Eigen::Vector2d::UnitX();
 }
 
-constexpr double kSide = 4;  // metres of a square
+constexpr double kSide = 4;  // meters of a square
 constexpr int kBeside = static_cast<int>(RoadFrame::kReach / kSide) + 1;
 
 int square(double v) { return static_cast<int>(std::floor(v / kSide)); }
 
-/// Metres from the middle of a square to a place.
+/// Meters from the middle of a square to a place.
 double to_middle(const Eigen::Array2i& square, const Eigen::Vector2d& place) {
   return ((square.cast<double>() + 0.5) * kSide - place.array()).matrix().norm();
 }
@@ -65,7 +65,7 @@ double to_middle(const Eigen::Array2i& square, const Eigen::Vector2d& place) {
 }  // namespace
 
 RoadFrame::RoadFrame(const Views& views) {
-  const std::vector<Eigen::Vector2d> all = centres(views);
+  const std::vector<Eigen::Vector2d> all = centers(views);
   for (auto begin = all.begin(); begin != all.end();) {
     const auto far = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return (a - b).norm() > kMaxStepM; };
     auto end = std::adjacent_find(begin, all.end(), far);
@@ -81,7 +81,7 @@ void RoadFrame::add_piece(const std::vector<Eigen::Vector2d>& way, const Views& 
   corners.insert(corners.end(), way.begin(), way.end());
   corners.emplace_back(way.back() + kOnward * heading(views, way, true));
   const std::size_t first = way_.size();
-  double open = 0;  // metres from the last corner to the next place
+  double open = 0;  // meters from the last corner to the next place
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     const Eigen::Vector2d step = corners[i + 1] - corners[i];
     for (; open <= step.norm(); open += 1) way_.emplace_back(corners[i] + open * step.normalized());
@@ -100,28 +100,28 @@ void RoadFrame::find_near() {
       for (int dx = -kBeside; dx <= kBeside; ++dx) near_[{x + dx, y + dy}].push_back(static_cast<int>(i));
   }
   // Any place of a square is within half its diagonal, .71 of its side, of the middle: farther ones are not the nearest of any.
-  for (auto& [at, metres] : near_) {
+  for (auto& [at, meters] : near_) {
     const Eigen::Array2i here(at.first, at.second);
     const auto distance = [&](int i) { return to_middle(here, way_[i]); };
-    double least = distance(metres.front());
-    for (const int i : metres) least = std::min(least, distance(i));
-    metres.erase(std::remove_if(metres.begin(), metres.end(), [&](int i) { return distance(i) > least + 1.5 * kSide; }),
-                 metres.end());
+    double least = distance(meters.front());
+    for (const int i : meters) least = std::min(least, distance(i));
+    meters.erase(std::remove_if(meters.begin(), meters.end(), [&](int i) { return distance(i) > least + 1.5 * kSide; }),
+                 meters.end());
   }
 }
 
-int RoadFrame::metre(double along) const {
+int RoadFrame::meter(double along) const {
   return std::clamp(static_cast<int>(std::floor(along)), 0, static_cast<int>(way_.size()) - 2);
 }
 
 Eigen::Vector2d RoadFrame::middle(double along) const {
-  const int i = metre(along);
+  const int i = meter(along);
   return way_[i] + (along - i) * (way_[i + 1] - way_[i]);
 }
 
 Eigen::Vector2d RoadFrame::direction(double along) const {
-  // Between those of its metres, so that the coordinates do not break at corners.
-  const int i = metre(along);
+  // Between those of its meters, so that the coordinates do not break at corners.
+  const int i = meter(along);
   const double part = std::clamp(along - i, 0.0, 1.0);
   return ((1 - part) * directions_[i] + part * directions_[i + 1]).normalized();
 }

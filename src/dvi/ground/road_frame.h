@@ -11,24 +11,24 @@
 
 namespace dvi::ground {
 
-/// Coordinates along the road: metres along the way of a drive's cameras, and to the left of it. The way goes on straight
+/// Coordinates along the road: meters along the way of a drive's cameras, and to the left of it. The way goes on straight
 /// before its first and behind its last camera. Where two cameras in a row are hundreds of meters apart, it consists of pieces
 /// that follow each other in these coordinates, so that its cost does not depend on how far poses are off.
 class RoadFrame {
  public:
-  static constexpr double kOnward = 70;  ///< metres the way goes on, at either end
-  static constexpr double kReach = 20;   ///< metres to either side
+  static constexpr double kOnward = 70;  ///< meters the way goes on, at either end
+  static constexpr double kReach = 20;   ///< meters to either side
 
   /// Of the target's cameras.
   explicit RoadFrame(const Views& views);
 
-  /// Metres: of the whole way; its first camera is at kOnward.
+  /// Meters: of the whole way; its first camera is at kOnward.
   double length() const { return static_cast<double>(way_.size() - 1); }
   /// World x and y of a place.
   Eigen::Vector2d place(double along, double left) const;
   /// The unit vector along the road.
   Eigen::Vector2d direction(double along) const;
-  /// Metres along and to the left; none beyond the road's reach.
+  /// Meters along and to the left; none beyond the road's reach.
   std::optional<Eigen::Vector2d> locate(const Eigen::Vector2d& place) const;
 
  private:
@@ -39,10 +39,10 @@ class RoadFrame {
 
   void add_piece(const std::vector<Eigen::Vector2d>& way, const Views& views);
   void find_near();
-  int metre(double along) const;               // that begins before a place
+  int meter(double along) const;               // that begins before a place
   Eigen::Vector2d middle(double along) const;  // place(along, 0)
 
-  std::vector<Eigen::Vector2d> way_, directions_;  // a metre apart
+  std::vector<Eigen::Vector2d> way_, directions_;  // a meter apart
   std::vector<Piece> pieces_;                      // in order
   std::map<Square, std::vector<int>> near_;        // those that may be the nearest of a place in the square
 };

@@ -42,7 +42,7 @@ TEST(Road, FindsPlacesAgainInABend) {
   EXPECT_FALSE(road.locate({-500, 800}));
 }
 
-TEST(Road, LocatesAtTheNearestOfItsMetres) {
+TEST(Road, LocatesAtTheNearestOfItsMeters) {
   const RoadFrame road = road_of(bend());
   Random random(3);
   for (int i = 0; i < 2000; ++i) {
@@ -52,7 +52,7 @@ TEST(Road, LocatesAtTheNearestOfItsMetres) {
     const auto found = road.locate(place);
     ASSERT_EQ(found.has_value(), least < RoadFrame::kReach) << place.transpose();
     if (!found) continue;
-    EXPECT_NEAR(std::abs(found->y()), least, 0.6);  // its metres are half a metre away at most
+    EXPECT_NEAR(std::abs(found->y()), least, 0.6);  // its meters are half a meter away at most
   }
 }
 

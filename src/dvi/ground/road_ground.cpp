@@ -14,12 +14,12 @@
 namespace dvi::ground {
 namespace {
 
-constexpr double kSquare = 2;  // metres
+constexpr double kSquare = 2;  // meters
 constexpr int kAcross = static_cast<int>(2 * RoadFrame::kReach / kSquare);
-constexpr double kLane = 2;                    // metres from the way: nothing but the road is there
+constexpr double kLane = 2;                    // meters from the way: nothing but the road is there
 constexpr double kLevel = 0.9;                 // of a normal upwards
-constexpr double kLowest = 0.3, kHighest = 4;  // metres of a camera above the ground
-constexpr double kKerb = 0.35, kSlope = 0.06;  // metres beside the lane, and metres a metre
+constexpr double kLowest = 0.3, kHighest = 4;  // meters of a camera above the ground
+constexpr double kCurb = 0.35, kSlope = 0.06;  // meters beside the lane, and meters a meter
 constexpr int kLeast = 3;                      // points
 
 struct Mean {
@@ -31,7 +31,7 @@ struct Mean {
   }
 };
 
-int index(double metres) { return static_cast<int>(std::floor(metres / kSquare)); }
+int index(double meters) { return static_cast<int>(std::floor(meters / kSquare)); }
 
 template <class Visit>
 void for_level_points(const map::StaticMap& map, const RoadFrame& road, const Visit& visit) {
@@ -67,9 +67,9 @@ RoadGround::RoadGround(const map::StaticMap& map, const Views& views) : road_(vi
   std::vector<Mean> heights(cameras.size()), lane(cameras.size());
   const auto [first, last] = views.of_sequence(0);
   for (std::size_t i = first; i < last; ++i) {
-    const Eigen::Vector3d centre = views[i].camera_from_world.inverse().t;
-    if (const auto at = road_.locate(centre.head<2>()))
-      for (int k = 0; k < kLeast; ++k) heights[index(at->x())].add(centre.z());
+    const Eigen::Vector3d center = views[i].camera_from_world.inverse().t;
+    if (const auto at = road_.locate(center.head<2>()))
+      for (int k = 0; k < kLeast; ++k) heights[index(at->x())].add(center.z());
   }
   cameras = filled(heights);
   if (cameras.empty()) return;
@@ -89,7 +89,7 @@ RoadGround::RoadGround(const map::StaticMap& map, const Views& views) : road_(vi
   for_level_points(map, road_, [&](const Eigen::Vector2d& at, double z) {
     const int i = index(at.x()), j = std::clamp(index(at.y() + RoadFrame::kReach), 0, kAcross - 1);
     const double rise = z - lane_[i];
-    if (std::abs(rise) < kKerb + kSlope * std::abs(at.y())) beside[static_cast<std::size_t>(i) * kAcross + j].add(rise);
+    if (std::abs(rise) < kCurb + kSlope * std::abs(at.y())) beside[static_cast<std::size_t>(i) * kAcross + j].add(rise);
   });
   beside_.resize(beside.size());
   for (std::size_t i = 0; i < lane_.size(); ++i) {

@@ -16,7 +16,7 @@ class RoadGround {
   /// Whether there is any: level surfaces below the cameras.
   bool found() const { return !lane_.empty(); }
   const RoadFrame& road() const { return road_; }
-  /// Metres, world axes.
+  /// Meters, world axes.
   double height(double along, double left) const;
   /// The same below or above a place of the world; none beyond the road's reach.
   std::optional<double> height(const Eigen::Vector2d& place) const;

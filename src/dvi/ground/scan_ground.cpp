@@ -16,15 +16,15 @@
 namespace dvi::ground {
 namespace {
 
-constexpr double kGroundSquare = 1, kLevelM = 0.1;   // metres
-constexpr double kGroundReach = 80;                  // metres: as far as objects are looked for
+constexpr double kGroundSquare = 1, kLevelM = 0.1;   // meters
+constexpr double kGroundReach = 80;                  // meters: as far as objects are looked for
 constexpr std::size_t kEvery = 4;                    // returns of a scan that are looked at: the ground has plenty
-constexpr double kObstacle = 0.3;                    // metres: no kerb is higher
-constexpr double kLaneHalfWidthM = 3;                // metres from the way: the lane
-constexpr double kMaxCurbM = 0.1, kMaxSlope = 0.15;  // metres, metres a metre: kerbs and banks
-constexpr double kRise = 0.4;                        // metres at most, however far: a bonnet is higher
-constexpr double kAround = 4;                        // metres: no bank is that long and then ends
-constexpr double kReach = 8;                         // metres: between rays on the ground, and below a lorry
+constexpr double kObstacle = 0.3;                    // meters: no curb is higher
+constexpr double kLaneHalfWidthM = 3;                // meters from the way: the lane
+constexpr double kMaxCurbM = 0.1, kMaxSlope = 0.15;  // meters, meters a meter: curbs and banks
+constexpr double kRise = 0.4;                        // meters at most, however far: a hood is higher
+constexpr double kAround = 4;                        // meters: no bank is that long and then ends
+constexpr double kReach = 8;                         // meters: between rays on the ground, and below a truck
 constexpr int kErrors = 3;                           // returns that may be errors
 constexpr double kErrorShare = 0.02;                 // of a square's returns: likewise
 
@@ -73,10 +73,10 @@ using Square = std::pair<int, int>;
 double distance(const Square& a, const Square& b) { return kGroundSquare * std::hypot(a.first - b.first, a.second - b.second); }
 
 template <class Visit>
-void for_squares_around(const Square& centre, double reach, const Visit& visit) {
+void for_squares_around(const Square& center, double reach, const Visit& visit) {
   const int n = steps(reach, kGroundSquare);
   for (int dy = -n; dy <= n; ++dy)
-    for (int dx = -n; dx <= n; ++dx) visit(Square{centre.first + dx, centre.second + dy});
+    for (int dx = -n; dx <= n; ++dx) visit(Square{center.first + dx, center.second + dy});
 }
 
 // The squares beside the way that lie as deep below the sensor as most of them do: what carries the vehicle is ground.

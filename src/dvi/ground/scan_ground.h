@@ -9,13 +9,13 @@
 
 namespace dvi::ground {
 
-/// Height of the ground by place: per square metre the mean of the lowest level at which scans of the whole drive have returns
+/// Height of the ground by place: per square meter the mean of the lowest level at which scans of the whole drive have returns
 /// again and again, interpolated between the squares. Single returns below it, as mirrors cause them, do not count.
 class ScanGround {
  public:
   ScanGround(const Drive& drive, const Trajectory& world_from_lidar);
 
-  /// Metres, world axes; between the squares round the place, or of the nearest within 2 m. None where there is none.
+  /// Meters, world axes; between the squares round the place, or of the nearest within 2 m. None where there is none.
   std::optional<double> height(const Eigen::Vector2d& place) const;
 
  private:

@@ -16,7 +16,7 @@
 namespace dvi::harmonize {
 namespace {
 
-constexpr double kStands = 0.35;  // metres above the ground: no kerb is higher
+constexpr double kStands = 0.35;  // meters above the ground: no curb is higher
 constexpr double kFoot = 16;      // px above where it stands: higher parts, as of a trunk, are far before what is beside them
 constexpr float kUnsure = 0.03F;  // of the depth, one sigma: behind such a pixel may stand something else
 constexpr int kRound = 24;        // px: of the surroundings of a hole

@@ -14,7 +14,7 @@
 namespace dvi::harmonize {
 namespace {
 
-constexpr double kCameraHeight = 1.6;  // metres of the camera above the ground
+constexpr double kCameraHeight = 1.6;  // meters of the camera above the ground
 constexpr int kStreetColumns = 320, kStreetRows = 120;
 
 /// A level road with a wall across it, 30 m ahead of the first camera, and a trunk 8 m ahead.

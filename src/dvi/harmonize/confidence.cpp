@@ -7,7 +7,7 @@
 namespace dvi::harmonize {
 namespace {
 
-// Of the logarithm of the expected error, from 1 to 1100 grey levels.
+// Of the logarithm of the expected error, from 1 to 1100 gray levels.
 constexpr double kErrorBin = 0.1, kErrorStep = 0.5;
 constexpr int kErrorBins = 70, kErrorSteps = 15;
 
@@ -16,8 +16,8 @@ struct ErrorBin {
   double copies = 0, within = 0;
 };
 
-/// The scale's logarithm for expected errors round one whose logarithm is `centre`.
-double scale_near(const std::vector<ErrorBin>& bins, double centre) {
+/// The scale's logarithm for expected errors round one whose logarithm is `center`.
+double scale_near(const std::vector<ErrorBin>& bins, double center) {
   constexpr double kWidth = 0.6;
   constexpr double kLargest = 1.3863;  // 1/4 .. 4
   constexpr double kPrior = 200;       // copies that count as much as "as expected"
@@ -26,7 +26,7 @@ double scale_near(const std::vector<ErrorBin>& bins, double centre) {
   double copies = 0, within = 0;
   std::vector<double> weights;
   for (int i = 0; i < kErrorBins; ++i) {
-    const double off = ((i + 0.5) * kErrorBin + std::log(kSurplus) - centre) / kWidth;
+    const double off = ((i + 0.5) * kErrorBin + std::log(kSurplus) - center) / kWidth;
     weights.push_back(std::exp(-0.5 * off * off));
     copies += weights.back() * bins[i].copies;
     within += weights.back() * bins[i].within;

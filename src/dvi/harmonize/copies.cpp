@@ -32,12 +32,11 @@ struct Source {
   }
 };
 
-/// What the source that shows p shows of its neighbour q, which was not copied from it, in the light of the target; none where
+/// What the source that shows p shows of its neighbor q, which was not copied from it, in the light of the target; none where
 /// it cannot.
-std::optional<cv::Vec3f> neighbour(const Source& source, cv::Point p, const sample::Candidate& shown, const cv::Vec3f& gain,
-                                   cv::Point q, const depth::DepthMap& depth) {
-  const cv::Point2f by_depth =
-      neighbour_in_source(p, shown.position, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
+std::optional<cv::Vec3f> neighbor(const Source& source, cv::Point p, const sample::Candidate& shown, const cv::Vec3f& gain,
+                                  cv::Point q, const depth::DepthMap& depth) {
+  const cv::Point2f by_depth = neighbor_in_source(p, shown.position, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
   const cv::Point2f by_image = shown.position + cv::Point2f(q - p);
   for (const cv::Point2f at : {by_depth, by_image})
     if (can_sample(*source.mask, at, shown.footprint)) return source.shown(q, at, shown.footprint).mul(gain);
@@ -63,7 +62,7 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const de
   const sample::Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
   const std::vector<cv::Vec3f> zeros(hole.size());
-  Copies out{fused.colour, zeros, std::vector<std::array<Seam, 2>>(hole.size())};
+  Copies out{fused.color, zeros, std::vector<std::array<Seam, 2>>(hole.size())};
   std::map<int, std::vector<std::size_t>> of_view;
   for (std::size_t i = 0; i < hole.size(); ++i)
     if (candidates.leading[i].found()) of_view[candidates.leading[i].view].push_back(i);
@@ -82,7 +81,7 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const de
         const int j = hole.index(q);
         const bool seam = j >= 0 && candidates.leading[j].found() && candidates.leading[j].view != view;
         if (j >= 0 && !seam) continue;
-        const std::optional<cv::Vec3f> beside = neighbour(source, p, shown, gain, q, depth);
+        const std::optional<cv::Vec3f> beside = neighbor(source, p, shown, gain, q, depth);
         if (!beside) continue;
         if (seam) {
           const bool first = q.x > p.x || q.y > p.y;

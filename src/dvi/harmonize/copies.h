@@ -9,7 +9,7 @@
 
 namespace dvi::harmonize {
 
-/// Grey levels: three times what a right copy may be off by. A seam is between two colours in each of two sources, which is
+/// Gray levels: three times what a right copy may be off by. A seam is between two colors in each of two sources, which is
 /// twice as uncertain.
 constexpr float kDoubtful = 30, kDoubtfulSeam = 2 * kDoubtful;
 
@@ -17,14 +17,14 @@ constexpr float kDoubtful = 30, kDoubtfulSeam = 2 * kDoubtful;
 struct RimPixel {
   cv::Point at;
   int view = 0;          ///< the source of the copied one
-  cv::Vec3f difference;  ///< its colour, less what this source shows of it
+  cv::Vec3f difference;  ///< its color, less what this source shows of it
 };
 
-/// A hole pixel and its neighbour to the right, or below, which another source shows.
+/// A hole pixel and its neighbor to the right, or below, which another source shows.
 struct Seam {
-  cv::Vec3f step;    ///< its colour less the neighbour's: the mean of what both sources show of the two, 0 where one does not
+  cv::Vec3f step;    ///< its color less the neighbor's: the mean of what both sources show of the two, 0 where one does not
   int shown = 0;     ///< how many of both do
-  float doubt = 0;   ///< grey levels by which they differ in the step and in the mean of the two colours; 0 unless both show it
+  float doubt = 0;   ///< gray levels by which they differ in the step and in the mean of the two colors; 0 unless both show it
   cv::Vec3f middle;  ///< that mean, as shown last
 
   /// In eq. 5, that of Geman and McClure: misplaced edges and moved shadows must not set how bright all beyond them is.
@@ -34,14 +34,14 @@ struct Seam {
 /// What the solution of eq. 5 is held near to (screened Poisson: Bhat et al., Fourier analysis of the 2D screened Poisson
 /// equation, ECCV 2008).
 struct Hold {
-  std::vector<cv::Vec3f> colour;  ///< as the hole's pixels: the copies in the light of the rim
-  std::vector<float> weight;      ///< the same; 0: not held
+  std::vector<cv::Vec3f> color;  ///< as the hole's pixels: the copies in the light of the rim
+  std::vector<float> weight;     ///< the same; 0: not held
 };
 
 /// What the sources show for each hole pixel, in the light of the target; zeros where there is no candidate.
 struct Copies {
-  std::vector<cv::Vec3f> colour;  ///< as fused
-  /// Sum over the pixel's neighbours outside the hole of (its colour - the neighbour's), both as its leading source shows them.
+  std::vector<cv::Vec3f> color;  ///< as fused
+  /// Sum over the pixel's neighbors outside the hole of (its color - the neighbor's), both as its leading source shows them.
   std::vector<cv::Vec3f> outward;
   std::vector<std::array<Seam, 2>> seams;  ///< to the right and below; elsewhere none is shown
   std::vector<RimPixel> rim{};             ///< of those that the sources show

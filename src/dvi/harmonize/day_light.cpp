@@ -30,10 +30,10 @@ namespace {
 
 constexpr int kSurfaces = 4000;      // compared, at most
 constexpr int kStep = 3;             // px from which the direction of a surface is told: depths are noisy
-constexpr uchar kBox = 5;            // px, the square whose mean colour is compared: copies are off by a pixel or so
+constexpr uchar kBox = 5;            // px, the square whose mean color is compared: copies are off by a pixel or so
 constexpr int kMargin = 3;           // px round the mask that the box and the camera's blur reach
-constexpr float kTooDark = 8;        // grey levels; darker, noise outweighs the light
-constexpr float kTooBright = 250;    // grey levels
+constexpr float kTooDark = 8;        // gray levels; darker, noise outweighs the light
+constexpr float kTooBright = 250;    // gray levels
 constexpr double kTolerance = 0.05;  // part of the depth by which two depths of one surface differ
 constexpr double kReach = 0.7071;    // cosine of the angle to which a direction counts, 45 degrees: the next one
 constexpr float kFew = 10;           // surfaces that weigh as much as "the light is the same"
@@ -41,7 +41,7 @@ constexpr float kFewest = 20;        // surfaces of a direction
 // One sigma of the ratio's logarithm from which on a copy tells nothing: off by a factor of e. Half of it would refuse changed
 // fronts too, in some frames and not in others, although even these are nearer to the truth than what is interpolated.
 constexpr double kUnlike = 1;
-constexpr int kSquare = 32;  // px: neighbours show the same, so the halves that check each other are squares of the image
+constexpr int kSquare = 32;  // px: neighbors show the same, so the halves that check each other are squares of the image
 constexpr double kBrightest = 0.999;  // part of the surfaces that are no brighter
 
 /// The directions in which the corners, edges and faces of a cube lie.
@@ -94,12 +94,12 @@ std::optional<Eigen::Vector3d> normal_at(cv::Point p, const Camera& camera, cons
 struct Surface {
   cv::Point pixel;
   Eigen::Vector3d at;  ///< in the axes of the target's camera
-  cv::Vec3f colour;    ///< in the target's image
+  cv::Vec3f color;     ///< in the target's image
   std::array<float, kDirections> weights{};
 };
 
-bool usable(const cv::Vec3f& colour) {
-  return std::min({colour[0], colour[1], colour[2]}) >= kTooDark && std::max({colour[0], colour[1], colour[2]}) < kTooBright;
+bool usable(const cv::Vec3f& color) {
+  return std::min({color[0], color[1], color[2]}) >= kTooDark && std::max({color[0], color[1], color[2]}) < kTooBright;
 }
 
 /// Of the unmasked surfaces, where they are brightest.
@@ -125,10 +125,10 @@ std::vector<Surface> surfaces_beside(const Views& views, std::size_t target, con
   for (int y = kMargin; y + kMargin < image->rows; y += apart)
     for (int x = kMargin; x + kMargin < image->cols; x += apart) {
       if (masked(y, x) != 0 || !depth::DepthMap::is_solid(depth.z(y, x))) continue;
-      const cv::Vec3f colour = box_mean(*image, cv::Point2f(cv::Point(x, y)), {kBox, kBox});
+      const cv::Vec3f color = box_mean(*image, cv::Point2f(cv::Point(x, y)), {kBox, kBox});
       const std::optional<Eigen::Vector3d> normal = normal_at({x, y}, camera, depth);
-      if (!normal || !usable(colour)) continue;
-      out.push_back({{x, y}, depth.z(y, x) * camera.ray({x, y}), colour, weights_of(*normal)});
+      if (!normal || !usable(color)) continue;
+      out.push_back({{x, y}, depth.z(y, x) * camera.ray({x, y}), color, weights_of(*normal)});
     }
   return out;
 }
@@ -140,7 +140,7 @@ std::optional<cv::Point2f> shown_at(const Surface& surface, const Camera& camera
   if (!camera.in_front(x)) return std::nullopt;
   const Eigen::Vector2d p = camera.project(x);
   if (!camera.contains(p)) return std::nullopt;
-  const cv::Point2f at = quantised(p.x(), p.y());
+  const cv::Point2f at = quantized(p.x(), p.y());
   if (!camera.contains({at.x, at.y}) || seen.clear_px(at) < kMargin) return std::nullopt;
   if (seen.hides(at, x.z(), kTolerance) || seen.sees_through(at, x.z(), kTolerance)) return std::nullopt;
   return at;
@@ -149,7 +149,7 @@ std::optional<cv::Point2f> shown_at(const Surface& surface, const Camera& camera
 /// What two days give one surface.
 struct Comparison {
   const Surface* surface;
-  cv::Vec3f ratio;  ///< logarithm, of the target's colour to the other's
+  cv::Vec3f ratio;  ///< logarithm, of the target's color to the other's
 };
 
 /// Each surface as the first of these views shows it.
@@ -168,11 +168,11 @@ std::vector<Comparison> compare(const std::vector<Surface>& surfaces, const std:
       if (done[i] != 0) continue;
       const std::optional<cv::Point2f> at = shown_at(surfaces[i], camera, source_from_target, *seen);
       if (!at) continue;
-      const cv::Vec3f colour = box_mean(*image, *at, {kBox, kBox});
-      if (!usable(colour)) continue;
+      const cv::Vec3f color = box_mean(*image, *at, {kBox, kBox});
+      if (!usable(color)) continue;
       const float shade = vignetting_to(views[target], surfaces[i].pixel, views[view], *at);
       cv::Vec3f ratio;
-      for (int c = 0; c < 3; ++c) ratio[c] = std::log(surfaces[i].colour[c] / (shade * colour[c] * gain[c]));
+      for (int c = 0; c < 3; ++c) ratio[c] = std::log(surfaces[i].color[c] / (shade * color[c] * gain[c]));
       out.push_back({&surfaces[i], ratio});
       done[i] = 1;
     }

@@ -15,14 +15,14 @@ namespace dvi::harmonize {
 /// each side of the street anew, and a wet road is darker. Found from the surfaces round the hole that both days show.
 struct DayLight {
   struct OfDrive {
-    /// As hole.pixels, BGR: the drive's colours there times this are in the target's light; 0 where the days do not agree;
+    /// As hole.pixels, BGR: the drive's colors there times this are in the target's light; 0 where the days do not agree;
     /// empty where nothing is known.
     std::vector<cv::Vec3f> gain;
   };
   std::vector<OfDrive> drives{};  ///< by View::drive
-  float brightest = 255;          ///< of the surfaces round the hole, grey levels of the channel where they are brightest
+  float brightest = 255;          ///< of the surfaces round the hole, gray levels of the channel where they are brightest
 
-  /// What brings the colours of one view into the light of a pixel of the target's hole.
+  /// What brings the colors of one view into the light of a pixel of the target's hole.
   cv::Vec3f gain_to(const View& target, const View& source, std::size_t pixel) const {
     const cv::Vec3f gain = dvi::gain_to(target, source);
     const auto drive = static_cast<std::size_t>(source.drive);
@@ -36,7 +36,7 @@ struct DayLight {
 };
 
 /// Compares the unmasked surfaces of the target with what those views of other drives show of them that the hole may be copied
-/// from. The logarithm of the ratio of both colours, by the direction that a surface faces, has a weighted median in each of
+/// from. The logarithm of the ratio of both colors, by the direction that a surface faces, has a weighted median in each of
 /// 26 directions; a direction counts if what one half of the surfaces says makes the other half agree better, and the other way
 /// round. Surfaces that differ too much even so do not agree. Without views of other drives it costs nothing.
 DayLight compare_days(const sample::Candidates& candidates, const Views& views, std::size_t target,

@@ -51,9 +51,9 @@ struct TwoDays {
   }
   double worst(const Found& found) const {
     double out = 0;
-    for (std::size_t i = 0; i < found.fused.colour.size(); ++i)
+    for (std::size_t i = 0; i < found.fused.color.size(); ++i)
       for (int c = 0; c < 3; ++c)
-        out = std::max<double>(out, std::abs(found.fused.colour[i][c] - truth(found.fused.candidates.hole.pixels[i])[c]));
+        out = std::max<double>(out, std::abs(found.fused.color[i][c] - truth(found.fused.candidates.hole.pixels[i])[c]));
     return out;
   }
 };
@@ -65,7 +65,7 @@ TEST(DayLight, EachDirectionOfSurfacesHasItsOwn) {
   const TwoDays::Found found = days.run();
   EXPECT_NEAR(found.gain({80, 120})[1], 1 / 0.8, 0.03);
   EXPECT_NEAR(found.gain({240, 120})[1], 1 / 0.5, 0.08);
-  EXPECT_LT(days.worst(found), 10) << "rounded to grey levels, drawn to 1 by few surfaces";
+  EXPECT_LT(days.worst(found), 10) << "rounded to gray levels, drawn to 1 by few surfaces";
 }
 
 TEST(DayLight, TheSkyTellsNothing) {

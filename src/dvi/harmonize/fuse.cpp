@@ -13,12 +13,12 @@
 namespace dvi::harmonize {
 namespace {
 
-constexpr float kNoise = 2.5F;                    // grey levels of a camera's pixel, one sigma
+constexpr float kNoise = 2.5F;                    // gray levels of a camera's pixel, one sigma
 constexpr float kDiffer = 3 * 1.41421F * kNoise;  // two pixels of the same thing differ by no more
 constexpr float kSaturatedTrust = 0.01F;
 constexpr int kBleeds = 1;  // px from what is too bright for the target's light, what it is in front of is mixed with it
 
-bool agree(const SourceColor& a, const SourceColor& b) { return most_different(a.colour, b.colour) <= kDiffer; }
+bool agree(const SourceColor& a, const SourceColor& b) { return most_different(a.color, b.color) <= kDiffer; }
 
 std::size_t leading_of(std::span<const SourceColor> shown) {
   float all = 0;
@@ -52,15 +52,15 @@ Agreement agreement(std::span<const SourceColor> shown) {
   for (const SourceColor& s : shown) {
     if (s.trust <= 0) continue;
     if (&s != &first) {
-      out.spread += mean_difference(s.colour, first.colour);
+      out.spread += mean_difference(s.color, first.color);
       ++others;
     }
     if (!agree(s, first)) continue;
-    out.colour += s.trust * s.colour;
+    out.color += s.trust * s.color;
     weight += s.trust;
     ++out.sources;
   }
-  if (weight > 0) out.colour /= weight;
+  if (weight > 0) out.color /= weight;
   if (others > 0) out.spread /= others;
   return out;
 }
@@ -85,15 +85,15 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
       const sample::Candidate& from = candidate(slot);
       if (other_day && !light.agrees(views[view], slot / ranks)) continue;
       if (can_sample(*mask, from.position, from.footprint)) footprints[slot] = from.footprint;
-      const cv::Vec3f colour = box_mean(*image, from.position, footprints[slot]);
+      const cv::Vec3f color = box_mean(*image, from.position, footprints[slot]);
       const float shade = vignetting_to(views[target], candidates.hole.pixels[slot / ranks], views[view], from.position);
-      const cv::Vec3f lit = vignetted(colour, shade).mul(light.gain_to(views[target], views[view], slot / ranks));
+      const cv::Vec3f lit = vignetted(color, shade).mul(light.gain_to(views[target], views[view], slot / ranks));
       // Brighter than any surface of the target, beyond noise: it is not lit as those are that the gains were found from.
       if (other_day && std::max({lit[0], lit[1], lit[2]}) > light.brightest + kDiffer) {
         sky(candidates.hole.pixels[slot / ranks]) = 255;
         continue;
       }
-      shown[slot] = {lit, from.trust * (is_saturated(colour) ? kSaturatedTrust : 1)};
+      shown[slot] = {lit, from.trust * (is_saturated(color) ? kSaturatedTrust : 1)};
     }
   }
   sky = grown(sky, kBleeds);
@@ -113,7 +113,7 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
     const std::size_t slot = i * ranks + agreed.leading;
     out.candidates.leading[i] = candidate(slot);
     out.candidates.leading[i].footprint = footprints[slot];
-    out.colour[i] = agreed.colour;
+    out.color[i] = agreed.color;
     out.sources[i] = agreed.sources;
     out.spread[i] = agreed.spread;
   }

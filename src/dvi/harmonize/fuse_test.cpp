@@ -10,40 +10,40 @@
 namespace dvi::harmonize {
 namespace {
 
-SourceColor grey(float level, float trust = 0.5F) { return {cv::Vec3f::all(level), trust}; }
+SourceColor gray(float level, float trust = 0.5F) { return {cv::Vec3f::all(level), trust}; }
 
 Agreement of(const std::vector<SourceColor>& shown) { return agreement(shown); }
 
 TEST(Fuse, ThoseThatAgreeAreAveragedByTrust) {
-  const Agreement out = of({grey(100, 0.75F), grey(104, 0.25F)});
+  const Agreement out = of({gray(100, 0.75F), gray(104, 0.25F)});
   EXPECT_EQ(out.leading, 0);
   EXPECT_EQ(out.sources, 2);
-  EXPECT_FLOAT_EQ(out.colour[1], 101);
+  EXPECT_FLOAT_EQ(out.color[1], 101);
   EXPECT_FLOAT_EQ(out.spread, 4);
 }
 
 TEST(Fuse, OneOutlierOfThreeIsIgnored) {
   for (std::size_t odd = 0; odd < 3; ++odd) {
-    std::vector<SourceColor> shown{grey(100, 0.6F), grey(100), grey(100)};
-    shown[odd].colour = cv::Vec3f::all(180);
+    std::vector<SourceColor> shown{gray(100, 0.6F), gray(100), gray(100)};
+    shown[odd].color = cv::Vec3f::all(180);
     const Agreement out = of(shown);
     EXPECT_EQ(out.leading, odd == 0 ? 1 : 0);
-    EXPECT_NEAR(out.colour[0], 100, 1e-3);
+    EXPECT_NEAR(out.color[0], 100, 1e-3);
     EXPECT_EQ(out.sources, 2);
     EXPECT_GT(out.spread, 39);
   }
 }
 
 TEST(Fuse, WhereNoneAgreeTheMostTrustedLeads) {
-  const Agreement out = of({grey(100, 0.6F), grey(150), grey(200)});
+  const Agreement out = of({gray(100, 0.6F), gray(150), gray(200)});
   EXPECT_EQ(out.leading, 0);
-  EXPECT_NEAR(out.colour[0], 100, 1e-3);
+  EXPECT_NEAR(out.color[0], 100, 1e-3);
   EXPECT_EQ(out.sources, 1);
 }
 
 TEST(Fuse, AloneItIsWhatItIs) {
-  const Agreement out = of({grey(100), {}, {}});
-  EXPECT_NEAR(out.colour[0], 100, 1e-3);
+  const Agreement out = of({gray(100), {}, {}});
+  EXPECT_NEAR(out.color[0], 100, 1e-3);
   EXPECT_EQ(out.sources, 1);
   EXPECT_EQ(out.spread, 0);
 }
@@ -67,11 +67,11 @@ struct Still {
 
 double mean_square_error(const Still& still, const Fused& fused, const cv::Mat3b& truth) {
   double sum = 0;
-  for (std::size_t i = 0; i < fused.colour.size(); ++i) {
-    const cv::Vec3f error = fused.colour[i] - cv::Vec3f(truth(still.candidates.hole.pixels[i]));
+  for (std::size_t i = 0; i < fused.color.size(); ++i) {
+    const cv::Vec3f error = fused.color[i] - cv::Vec3f(truth(still.candidates.hole.pixels[i]));
     sum += error.dot(error) / 3;
   }
-  return sum / static_cast<double>(fused.colour.size());
+  return sum / static_cast<double>(fused.color.size());
 }
 
 TEST(Fuse, SeveralBeatTheNoiseOfOne) {
@@ -92,9 +92,9 @@ TEST(Fuse, SeveralBeatTheNoiseOfOne) {
 TEST(Fuse, SaturatedSourcesAreAvoided) {
   const cv::Mat3b truth(60, 80, cv::Vec3b::all(240)), white(60, 80, cv::Vec3b::all(255));
   const Still some({white, truth}, truth);
-  for (const cv::Vec3f& colour : some.run().colour) EXPECT_NEAR(colour[0], 240, 1);
+  for (const cv::Vec3f& color : some.run().color) EXPECT_NEAR(color[0], 240, 1);
   const Still all({white, white}, truth);
-  for (const cv::Vec3f& colour : all.run().colour) EXPECT_EQ(colour[0], 255);
+  for (const cv::Vec3f& color : all.run().color) EXPECT_EQ(color[0], 255);
 }
 
 TEST(Fuse, SourcesComeInTheLightOfTheTarget) {
@@ -103,7 +103,7 @@ TEST(Fuse, SourcesComeInTheLightOfTheTarget) {
   still.scene.views[2].gain = {2, 2, 2};
   const Fused out = still.run();
   EXPECT_EQ(out.sources[0], 2);
-  EXPECT_NEAR(out.colour[0][2], 100, 1e-3);
+  EXPECT_NEAR(out.color[0][2], 100, 1e-3);
 }
 
 TEST(Fuse, WhatAnotherDayShowsTooBrightIsNotUsed) {
@@ -111,11 +111,11 @@ TEST(Fuse, WhatAnotherDayShowsTooBrightIsNotUsed) {
   Still still({truth, dark}, truth);
   still.scene.views[1].gain = {1.5, 1.5, 1.5};
   still.scene.views[2].gain = {2, 2, 2};
-  EXPECT_EQ(still.run().colour[0], cv::Vec3f(300, 300, 300)) << "on one day, the blending brings it down";
+  EXPECT_EQ(still.run().color[0], cv::Vec3f(300, 300, 300)) << "on one day, the blending brings it down";
   still.scene.views[1].sequence = still.scene.views[1].drive = 1;
   const Fused out = still.run();
   EXPECT_EQ(out.candidates.leading[0].view, 2);
-  EXPECT_EQ(out.colour[0], cv::Vec3f(200, 200, 200));
+  EXPECT_EQ(out.color[0], cv::Vec3f(200, 200, 200));
   Still alone({truth}, truth);
   alone.scene.views[1].gain = {1.5, 1.5, 1.5};
   alone.scene.views[1].sequence = alone.scene.views[1].drive = 1;
@@ -129,7 +129,7 @@ TEST(Fuse, WhatIsMixedWithTheSkyOfAnotherDayIsNotUsed) {
   still.scene.views[1].gain = {1.5, 1.5, 1.5};
   still.scene.views[1].sequence = still.scene.views[1].drive = 1;
   const Fused out = still.run();
-  for (std::size_t i = 0; i < out.colour.size(); ++i) {
+  for (std::size_t i = 0; i < out.color.size(); ++i) {
     const cv::Point p = out.candidates.hole.pixels[i];
     EXPECT_EQ(out.candidates.leading[i].found(), p.y > 30);
     EXPECT_EQ(out.sky(p) != 0, p.y <= 30);

@@ -19,7 +19,7 @@
 #include "dvi/harmonize/fuse.h"
 #include "dvi/harmonize/hold.h"
 #include "dvi/harmonize/known_copies.h"
-#include "dvi/harmonize/limit_colours.h"
+#include "dvi/harmonize/limit_colors.h"
 #include "dvi/harmonize/surface_class.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/poisson.h"
@@ -77,21 +77,21 @@ cv::Mat1b roles_of(const Window& window, Role copied, Role unseen) {
   return roles;
 }
 
-/// The colours of what is fixed beside never-seen sky and may be sky: within three sigmas of their median. Depth alone does not
+/// The colors of what is fixed beside never-seen sky and may be sky: within three sigmas of their median. Depth alone does not
 /// tell it from a roof above the LiDAR's uppermost beam. Where that is no sky but as far, such as woods, they vary, and all
 /// are.
-ColourRange sky_colours(const Window& window, const cv::Mat1b& roles, const cv::Mat3f& colour) {
-  constexpr float kSigmas = 3, kPixelNoise = 2.5F;  // grey levels
+ColorRange sky_colors(const Window& window, const cv::Mat1b& roles, const cv::Mat3f& color) {
+  constexpr float kSigmas = 3, kPixelNoise = 2.5F;  // gray levels
   std::array<std::vector<float>, 3> beside;
   for (std::size_t i = 0; i < window.size(); ++i) {
     if (!window.never_seen_sky(window.pixel(i))) continue;
     for (const cv::Point q : around(window.pixel(i))) {
       if (!inside(roles, q) || roles(q) != static_cast<uchar>(Role::fixed) || depth::DepthMap::is_solid(window.depth(q)))
         continue;
-      for (int c = 0; c < 3; ++c) beside[c].push_back(colour(q)[c]);
+      for (int c = 0; c < 3; ++c) beside[c].push_back(color(q)[c]);
     }
   }
-  ColourRange out;
+  ColorRange out;
   if (beside[0].empty()) return out;
   for (int c = 0; c < 3; ++c) {
     const float middle = median(beside[c]);
@@ -123,8 +123,8 @@ std::vector<Part> parts_of(const Window& window, const cv::Mat1b& roles, cv::Mat
 
 struct Guidance {
   bool seams = true;   ///< between pixels of different sources: the gradient these show
-  float vertical = 1;  ///< weight of vertical neighbours against horizontal ones
-  cv::Mat1f below{};   ///< the same by pixel, of the neighbour below; empty: everywhere `vertical`
+  float vertical = 1;  ///< weight of vertical neighbors against horizontal ones
+  cv::Mat1f below{};   ///< the same by pixel, of the neighbor below; empty: everywhere `vertical`
 
   float weight(cv::Point p, cv::Point q) const {
     if (p.y == q.y) return 1;
@@ -132,22 +132,21 @@ struct Guidance {
   }
 };
 
-/// Eq. 5 for the pixels to be solved. `colour` holds the fixed ones.
+/// Eq. 5 for the pixels to be solved. `color` holds the fixed ones.
 class Equation {
  public:
-  Equation(const Window& window, const Copies& copies, const cv::Mat1b& roles, const cv::Mat3f& colour,
-           const Guidance& guidance)
+  Equation(const Window& window, const Copies& copies, const cv::Mat1b& roles, const cv::Mat3f& color, const Guidance& guidance)
       : window_(window),
         copies_(copies),
         roles_(roles),
-        colour_(colour),
+        color_(color),
         guidance_(guidance),
-        sky_(sky_colours(window, roles, colour)) {}
+        sky_(sky_colors(window, roles, color)) {}
 
   PoissonSystem system(const cv::Mat1i& labels, const std::vector<Part>& parts) const {
     // A part that nothing bounds is held near its copies, too weakly to be seen in its gradients.
     constexpr float kAnchor = 1e-4F;
-    // Sky, ground and what stands upright do not go on in each other. Not 0: one may have no other neighbour.
+    // Sky, ground and what stands upright do not go on in each other. Not 0: one may have no other neighbor.
     constexpr float kSilhouette = 1e-3F;
     PoissonSystem out{Region(where(roles_, Role::solved)), {}, {}, guidance_.vertical};
     if (guidance_.seams || !guidance_.below.empty()) weigh(out);
@@ -166,7 +165,7 @@ class Equation {
       }
       if (const float held = std::max(copies_.hold.weight[i], parts[labels(p)].bounded ? 0 : kAnchor); copied && held > 0) {
         diagonal += held;
-        right += held * copies_.hold.colour[i];
+        right += held * copies_.hold.color[i];
       }
       out.diagonal.push_back(diagonal);
       out.right.push_back(right);
@@ -175,21 +174,21 @@ class Equation {
   }
 
  private:
-  /// Whether p, without a source, and its neighbour, which is fixed, are of different classes or only one of them is sky.
+  /// Whether p, without a source, and its neighbor, which is fixed, are of different classes or only one of them is sky.
   bool silhouette(cv::Point p, cv::Point q) const {
     if (roles_(q) != static_cast<uchar>(Role::fixed) || !window_.never_seen(p)) return false;
     if (!window_.never_seen_sky(p)) return window_.never_seen_sky(q) || differ(window_.class_of(p), window_.class_of(q));
-    return depth::DepthMap::is_solid(window_.depth(q)) || sky_.clamped(colour_(q)) != colour_(q);
+    return depth::DepthMap::is_solid(window_.depth(q)) || sky_.clamped(color_(q)) != color_(q);
   }
 
-  /// What a neighbour adds to the right side: its colour where it is fixed, the gradient of the copies within one source.
+  /// What a neighbor adds to the right side: its color where it is fixed, the gradient of the copies within one source.
   cv::Vec3f pull(int i, cv::Point q) const {
     cv::Vec3f out;
-    if (roles_(q) == static_cast<uchar>(Role::fixed)) out += colour_(q);
+    if (roles_(q) == static_cast<uchar>(Role::fixed)) out += color_(q);
     const int j = window_.index(q);
     const std::vector<sample::Candidate>& of = window_.copies.leading;
     if (j < 0 || !of[i].found() || !of[j].found()) return out;
-    if (of[j].view == of[i].view) return out + copies_.colour[i] - copies_.colour[j];
+    if (of[j].view == of[i].view) return out + copies_.color[i] - copies_.color[j];
     if (!guidance_.seams) return out;
     const cv::Point p = window_.pixel(i);
     return is_first(p, q) ? out + seam(p, q).step : out - seam(q, p).step;
@@ -200,7 +199,7 @@ class Equation {
     return copies_.seams[window_.index(first)][first.y == second.y ? 0 : 1];
   }
 
-  /// Of the equation between two neighbours.
+  /// Of the equation between two neighbors.
   float coupling(cv::Point p, cv::Point q) const {
     const float smooth = guidance_.weight(p, q);
     if (!guidance_.seams || window_.index(p) < 0 || window_.index(q) < 0) return smooth;
@@ -216,13 +215,13 @@ class Equation {
   const Window& window_;
   const Copies& copies_;
   const cv::Mat1b& roles_;
-  const cv::Mat3f& colour_;
+  const cv::Mat3f& color_;
   Guidance guidance_;
-  ColourRange sky_;
+  ColorRange sky_;
 };
 
-/// Fills the solved pixels of the window's `colour`. Those of which nothing could be told become absent.
-void fill(const Window& window, const Copies& copies, cv::Mat1b& roles, const Guidance& guidance, cv::Mat3f& colour) {
+/// Fills the solved pixels of the window's `color`. Those of which nothing could be told become absent.
+void fill(const Window& window, const Copies& copies, cv::Mat1b& roles, const Guidance& guidance, cv::Mat3f& color) {
   if (window.size() == 0) return;
   cv::Mat1i labels;
   const std::vector<Part> parts = parts_of(window, roles, labels);
@@ -230,19 +229,19 @@ void fill(const Window& window, const Copies& copies, cv::Mat1b& roles, const Gu
     const cv::Point p = window.pixel(i);
     if (labels(p) > 0 && !parts[labels(p)].bounded && !parts[labels(p)].copied) roles(p) = static_cast<uchar>(Role::absent);
   }
-  const PoissonSystem system = Equation(window, copies, roles, colour, guidance).system(labels, parts);
+  const PoissonSystem system = Equation(window, copies, roles, color, guidance).system(labels, parts);
   std::vector<cv::Vec3f> x;
   x.reserve(system.region.size());
-  for (const cv::Point p : system.region.pixels) x.push_back(copies.colour[window.index(p)]);
+  for (const cv::Point p : system.region.pixels) x.push_back(copies.color[window.index(p)]);
   solve_poisson(system, x);
   for (std::size_t k = 0; k < x.size(); ++k)
-    for (int c = 0; c < 3; ++c) colour(system.region.pixels[k])[c] = std::clamp(x[k][c], 0.0F, 255.0F);
+    for (int c = 0; c < 3; ++c) color(system.region.pixels[k])[c] = std::clamp(x[k][c], 0.0F, 255.0F);
 }
 
 /// How smooth the ground is along columns, against rows: a membrane that lies on it. A pixel is (distance / height of the
 /// camera) times as long as it is wide, and a membrane's weights go with the square of that.
 cv::Mat1f smoothness_of_ground(const Window& window, const View& view) {
-  constexpr double kAlong = 4;     // along the road colours change half as fast as across it
+  constexpr double kAlong = 4;     // along the road colors change half as fast as across it
   constexpr double kLeast = 0.01;  // near the horizon, where the ground may rise
   const Eigen::Matrix3d world_from_camera = view.camera_from_world.R.transpose();
   cv::Mat1f out(window.box.size(), 1.0F);
@@ -257,7 +256,7 @@ cv::Mat1f smoothness_of_ground(const Window& window, const View& view) {
 
 /// Fills what has no source from what has: the sky, the ground, then what stands before them. Tells what was filled.
 cv::Mat1b interpolate(const Window& window, const Copies& copies, const View& view, const HarmonizeOptions& options,
-                      cv::Mat3f& colour) {
+                      cv::Mat3f& color) {
   if (window.size() == 0) return {};
   const Guidance plain{false, static_cast<float>(options.never_seen_vertical)};  // no source, no seam
   Guidance level = plain;
@@ -269,7 +268,7 @@ cv::Mat1b interpolate(const Window& window, const Copies& copies, const View& vi
     for (std::size_t i = 0; i < window.size(); ++i)
       if (const cv::Point p = window.pixel(i); window.never_seen(p) && filled(p) == 0 && wanted(p))
         roles(p) = static_cast<uchar>(Role::solved);
-    fill(window, copies, roles, guidance, colour);
+    fill(window, copies, roles, guidance, color);
     filled |= where(roles, Role::solved);
   };
   fill_where([&](cv::Point p) { return window.never_seen_sky(p); }, plain);
@@ -308,12 +307,12 @@ cv::Mat1f distance_to_known(const cv::Mat1b& kind) {
 void write_confidence(const Fused& fused, const Window& window, const Views& views, std::size_t target, const ErrorScale& scale,
                       FilledFrame& out) {
   const cv::Mat1f distance = distance_to_known(out.kind(window.box));
-  for (std::size_t i = 0; i < fused.colour.size(); ++i) {
+  for (std::size_t i = 0; i < fused.color.size(); ++i) {
     const cv::Point p = fused.candidates.hole.pixels[i];
     double sure = 0;
     if (fused.candidates.leading[i].found()) {
-      const double change = mean_difference(out.colour(p), fused.colour[i]);
-      const double expected = expected_error(evidence_of(fused, i, views, target, out.colour, change));
+      const double change = mean_difference(out.color(p), fused.color[i]);
+      const double expected = expected_error(evidence_of(fused, i, views, target, out.color, change));
       sure = copied_confidence(scale.at(expected) * expected);
     } else if (out.kind(p) == static_cast<uchar>(Kind::interpolated)) {
       sure = interpolated_confidence(distance(window.pixel(i)));
@@ -331,7 +330,7 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
   const Region& hole = candidates.hole;
   const cv::Size size = hole.index.size();
   FilledFrame out;
-  views.images[target]->convertTo(out.colour, CV_32FC3);
+  views.images[target]->convertTo(out.color, CV_32FC3);
   out.mask = hole.index >= 0;
   out.kind = cv::Mat1b(size, static_cast<uchar>(Kind::original));
   out.provenance = cv::Mat_<cv::Vec3w>(size, cv::Vec3w());
@@ -345,16 +344,16 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
 
   Copies copies = copy(fused, views, target, depth, around.light);
   copies.hold = hold_of(copies, candidates, options.robust_rim);
-  for (std::size_t i = 0; i < hole.size(); ++i) out.colour(hole.pixels[i]) = copies.colour[i];
+  for (std::size_t i = 0; i < hole.size(); ++i) out.color(hole.pixels[i]) = copies.color[i];
   const Role copied = options.poisson ? Role::solved : Role::fixed;
   const Role unseen = options.never_seen == NeverSeen::leave ? Role::absent : Role::solved;
   const Window window(fused, out.depth, around.classes);
-  cv::Mat3f colour = out.colour(window.box);
+  cv::Mat3f color = out.color(window.box);
   cv::Mat1b roles = roles_of(window, copied, options.never_seen_last ? Role::absent : unseen);
-  fill(window, copies, roles, {options.seam_gradients, 1}, colour);
+  fill(window, copies, roles, {options.seam_gradients, 1}, color);
   if (options.poisson && options.within_range)
-    keep_within(range_round(*views.images[target], out.mask), candidates, copies.colour, out.colour);
-  if (options.never_seen_last && unseen == Role::solved) roles = interpolate(window, copies, views[target], options, colour);
+    keep_within(range_round(*views.images[target], out.mask), candidates, copies.color, out.color);
+  if (options.never_seen_last && unseen == Role::solved) roles = interpolate(window, copies, views[target], options, color);
   for (std::size_t i = 0; i < hole.size(); ++i) {
     const bool solved = roles(window.pixel(i)) == static_cast<uchar>(Role::solved);
     out.kind(hole.pixels[i]) = static_cast<uchar>(solved ? Kind::interpolated : Kind::empty);

@@ -15,9 +15,9 @@
 namespace dvi::harmonize {
 
 /// What becomes of pixels that no frame saw.
-enum class NeverSeen : std::uint8_t { synthesise, interpolate, leave };
+enum class NeverSeen : std::uint8_t { synthesize, interpolate, leave };
 constexpr auto names_of(NeverSeen) {
-  return std::array{std::pair{NeverSeen::synthesise, "synthesise"}, std::pair{NeverSeen::interpolate, "interpolate"},
+  return std::array{std::pair{NeverSeen::synthesize, "synthesize"}, std::pair{NeverSeen::interpolate, "interpolate"},
                     std::pair{NeverSeen::leave, "leave"}};
 }
 
@@ -28,27 +28,27 @@ struct HarmonizeOptions {
   bool within_range = true;
   bool never_seen_last = true;
   double never_seen_vertical = 0.1;
-  NeverSeen never_seen = NeverSeen::synthesise;
+  NeverSeen never_seen = NeverSeen::synthesize;
   bool day_light = true;
   bool surface_classes = true;
 
   void describe(OptionTable& table) {
     table.section("harmonize");
     table.add("never_seen", never_seen,
-              "Pixels that no frame saw: synthesise (interpolated, with the texture of the ground or grain, kind 4), "
+              "Pixels that no frame saw: synthesize (interpolated, with the texture of the ground or grain, kind 4), "
               "interpolate (kind 3), or leave (black, kind 5).");
     table.developer();
-    table.add("poisson", poisson, "Blend copies seamlessly into their surroundings (eq. 5); false copies colours unchanged.");
+    table.add("poisson", poisson, "Blend copies seamlessly into their surroundings (eq. 5); false copies colors unchanged.");
     table.add("seam_gradients", seam_gradients,
               "Between pixels of different source frames, use the gradient in the source frames; false: 0, as published.");
     table.add("day_light", day_light,
               "Bring copies of other drives into the target's light by the direction that surfaces face.");
     table.add(
         "robust_rim", robust_rim,
-        "Hold copies near their own colours where they contradict the rim of the hole in themselves; false: the rim has the "
+        "Hold copies near their own colors where they contradict the rim of the hole in themselves; false: the rim has the "
         "last word, as published.");
     table.add("within_range", within_range,
-              "Keep blended copies within the colours round the hole and of the copies; false: as solved, as published.");
+              "Keep blended copies within the colors round the hole and of the copies; false: as solved, as published.");
     table.add("never_seen_last", never_seen_last,
               "Interpolate never-seen pixels after the copies are solved; false: together, as published (bleeds).");
     table.add("surface_classes", surface_classes,
@@ -66,7 +66,7 @@ struct HarmonizeInput {
   cv::Mat1b classes{};         ///< SurfaceClass, by classify_surfaces(); empty: all unknown
 };
 
-/// Colours the hole from its candidates (eq. 5): per hole a Poisson equation with the surrounding image as Dirichlet
+/// Colors the hole from its candidates (eq. 5): per hole a Poisson equation with the surrounding image as Dirichlet
 /// boundary (Neumann at the image's border). Its guidance is the gradient of the copies, between pixels of different sources
 /// what these show there, and 0 at pixels without a source, which are interpolated once the copies stand: the sky, then the
 /// ground, then what stands on it, each from its like.

@@ -63,7 +63,7 @@ struct Case {
   double worst(const FilledFrame& out) const {
     cv::Mat3f expected;
     truth.convertTo(expected, CV_32FC3);
-    return cv::norm(out.colour, expected, cv::NORM_INF);
+    return cv::norm(out.color, expected, cv::NORM_INF);
   }
 };
 
@@ -73,10 +73,10 @@ TEST(Harmonize, ADifferenceAtTheRimReachesNotFarIntoCopiesOfAnotherDay) {
   c.seen(1, 0);
   c.scene.images[0].setTo(cv::Scalar::all(160), ~c.hole);  // all that is seen lies in another light, or has changed
   const FilledFrame other_day = c.run();
-  EXPECT_GT(other_day.colour(5, 40)[0], 130);
-  EXPECT_NEAR(other_day.colour(30, 40)[0], 100, 15);
+  EXPECT_GT(other_day.color(5, 40)[0], 130);
+  EXPECT_NEAR(other_day.color(30, 40)[0], 100, 15);
   c.scene.views[1].sequence = c.scene.views[1].drive = 0;
-  EXPECT_NEAR(c.run().colour(30, 40)[0], 160, 0.5);
+  EXPECT_NEAR(c.run().color(30, 40)[0], 160, 0.5);
 }
 
 TEST(Harmonize, ARimThatContradictsItselfReachesNotFarIntoCopies) {
@@ -86,10 +86,10 @@ TEST(Harmonize, ARimThatContradictsItselfReachesNotFarIntoCopies) {
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
       if (c.hole(y, x) == 0 && (x + y) / 8 % 2 == 0) c.scene.images[0](y, x) = cv::Vec3b::all(250);
-  EXPECT_NEAR(c.run().colour(30, 40)[0], 100, 25);
+  EXPECT_NEAR(c.run().color(30, 40)[0], 100, 25);
   HarmonizeOptions published;
   published.robust_rim = false;
-  EXPECT_NEAR(c.run(published).colour(30, 40)[0], 175, 15);
+  EXPECT_NEAR(c.run(published).color(30, 40)[0], 175, 15);
 }
 
 TEST(Harmonize, CopiesFromADarkCornerAreAsBrightAsTheirPlace) {
@@ -141,7 +141,7 @@ TEST(Harmonize, TheSkyDoesNotGoOnInWhatStandsBeforeIt) {
   c.scene.add_source(0, c.truth);
   c.seen(1, 0, {0, 30, kWidth, 15});
   depth::DepthMap depth{c.scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
-  EXPECT_LT(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {}).colour(29, 40)[0], 100) << "a wall would";
+  EXPECT_LT(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {}).color(29, 40)[0], 100) << "a wall would";
   depth.z.rowRange(0, 30) = depth::DepthMap::kInfinity;
   EXPECT_LT(c.worst(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {})), 3);
 }
@@ -169,8 +169,8 @@ TEST(Harmonize, TheSkyBetweenHousesIsThatAboveThem) {
   depth.z(cv::Rect(10, 10, 60, 30)) = depth::DepthMap::kInfinity;
   depth.z.rowRange(40, kHeight) = 30.0F;  // nobody saw what stands there either
   const FilledFrame out = harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {});
-  EXPECT_NEAR(out.colour(38, 40)[0], 200, 10);
-  EXPECT_NEAR(out.colour(42, 40)[0], 60, 10) << "what stands before it does not take its colour";
+  EXPECT_NEAR(out.color(38, 40)[0], 200, 10);
+  EXPECT_NEAR(out.color(42, 40)[0], 60, 10) << "what stands before it does not take its color";
   EXPECT_EQ(cv::countNonZero(out.kind == static_cast<uchar>(Kind::empty)), 0);
 }
 
@@ -228,7 +228,7 @@ TEST(Harmonize, AMisplacedEdgeAtASeamDoesNotLightWhatIsDark) {
   c.scene.add_source(0, cv::Mat3b(kHeight, kWidth, cv::Vec3b::all(230)));  // the bin stands elsewhere in this one
   c.seen(2, 0);
   c.seen(1, 0, bin);
-  EXPECT_NEAR(c.run().colour(32, 40)[0], 50, 30) << "and not half way to the wall";
+  EXPECT_NEAR(c.run().color(32, 40)[0], 50, 30) << "and not half way to the wall";
 }
 
 TEST(Harmonize, SourcesThatShowDifferentThingsAtASeamDoNotMeetHalfWay) {
@@ -243,8 +243,8 @@ TEST(Harmonize, SourcesThatShowDifferentThingsAtASeamDoNotMeetHalfWay) {
   c.seen(1, 0, {0, 0, 40, kHeight});
   c.seen(2, 0, {40, 0, 40, kHeight});
   const FilledFrame out = c.run();
-  EXPECT_NEAR(out.colour(30, 36)[0], 230, 15) << "the steps of both sources agree at the seam, their colours do not";
-  EXPECT_NEAR(out.colour(30, 44)[0], 40, 15);
+  EXPECT_NEAR(out.color(30, 36)[0], 230, 15) << "the steps of both sources agree at the seam, their colors do not";
+  EXPECT_NEAR(out.color(30, 44)[0], 40, 15);
 }
 
 TEST(Harmonize, LeavesAllOutsideTheHoleAlone) {
@@ -256,7 +256,7 @@ TEST(Harmonize, LeavesAllOutsideTheHoleAlone) {
   c.scene.images[0].convertTo(input, CV_32FC3);
   cv::Mat1b outside;
   cv::bitwise_not(c.hole, outside);
-  EXPECT_EQ(cv::norm(out.colour, input, cv::NORM_INF, outside), 0);
+  EXPECT_EQ(cv::norm(out.color, input, cv::NORM_INF, outside), 0);
   EXPECT_EQ(cv::norm(out.kind, cv::NORM_INF, outside), 0);
   EXPECT_EQ(cv::norm(out.provenance, cv::NORM_INF, outside), 0);
   EXPECT_EQ(cv::countNonZero((out.confidence != 255) & outside), 0);
@@ -294,9 +294,9 @@ TEST(Harmonize, WithoutPoissonCopiesStayAndUnseenPixelsContinueThem) {
   HarmonizeOptions plain;
   plain.poisson = false;
   const FilledFrame out = c.run(plain);
-  EXPECT_EQ(out.colour(20, 25), cv::Vec3f(120, 130, 140));
-  EXPECT_GT(out.colour(30, 41)[0], 110);
-  EXPECT_LT(out.colour(30, 58)[0], 100);
+  EXPECT_EQ(out.color(20, 25), cv::Vec3f(120, 130, 140));
+  EXPECT_GT(out.color(30, 41)[0], 110);
+  EXPECT_LT(out.color(30, 58)[0], 100);
   EXPECT_EQ(out.kind(30, 58), static_cast<uchar>(Kind::interpolated));
 }
 
@@ -310,8 +310,8 @@ TEST(Harmonize, UnseenPixelsLeftEmptyAreBlackAndSilent) {
   cv::Mat3f truth;
   c.truth.convertTo(truth, CV_32FC3);
   const cv::Rect left(20, 15, 20, 30), right(40, 15, 20, 30);
-  EXPECT_LT(cv::norm(out.colour(left), truth(left), cv::NORM_INF), 0.1);
-  EXPECT_EQ(cv::norm(out.colour(right), cv::NORM_INF), 0);
+  EXPECT_LT(cv::norm(out.color(left), truth(left), cv::NORM_INF), 0.1);
+  EXPECT_EQ(cv::norm(out.color(right), cv::NORM_INF), 0);
   EXPECT_EQ(cv::countNonZero(out.kind(right) != static_cast<uchar>(Kind::empty)), 0);
   EXPECT_EQ(cv::norm(out.confidence(right), cv::NORM_INF), 0);
 }
@@ -323,13 +323,13 @@ TEST(Harmonize, AHoleOfTheWholeFrameKeepsTheMeanOfItsCopies) {
   EXPECT_LT(c.worst(c.run()), 0.2);
   for (std::size_t i = 0; i < c.candidates.leading.size(); i += 2) c.candidates.leading[i] = {};
   const FilledFrame half = c.run();
-  EXPECT_NEAR(cv::mean(half.colour)[0], cv::mean(c.truth)[0], 5);
+  EXPECT_NEAR(cv::mean(half.color)[0], cv::mean(c.truth)[0], 5);
 }
 
 TEST(Harmonize, AHoleOfTheWholeFrameThatNobodySawStaysEmpty) {
   const Case c(waves(kWidth, kHeight, 4), rectangle({0, 0, kWidth, kHeight}));
   const FilledFrame out = c.run();
-  EXPECT_EQ(cv::norm(out.colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(out.color, cv::NORM_INF), 0);
   EXPECT_EQ(cv::countNonZero(out.kind != static_cast<uchar>(Kind::empty)), 0);
 }
 
@@ -347,13 +347,13 @@ TEST(Harmonize, TrafficInTheSourceBesideTheHoleDoesNotBleedIn) {
   EXPECT_LT(c.worst(c.run()), 30);
 }
 
-TEST(Harmonize, ColoursStayWithinRange) {
+TEST(Harmonize, ColorsStayWithinRange) {
   Case c(cv::Mat3b(kHeight, kWidth, cv::Vec3b(250, 250, 250)), rectangle({20, 15, 40, 30}));
   c.scene.add_source(0, waves(kWidth, kHeight, 9));
   c.seen(1, 0);
   const FilledFrame out = c.run();
   double least = 0, most = 0;
-  cv::minMaxLoc(out.colour.reshape(1), &least, &most);
+  cv::minMaxLoc(out.color.reshape(1), &least, &most);
   EXPECT_GE(least, 0);
   EXPECT_LE(most, 255);
 }
@@ -379,7 +379,7 @@ TEST(Harmonize, GivesTheSameTwice) {
   c.scene.add_source(10, waves(kWidth, kHeight, 5));
   c.seen(1, 10, {20, 15, 25, 30});
   const FilledFrame a = c.run(), b = c.run();
-  EXPECT_EQ(cv::norm(a.colour, b.colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(a.color, b.color, cv::NORM_INF), 0);
   EXPECT_EQ(cv::norm(a.confidence, b.confidence, cv::NORM_INF), 0);
 }
 

@@ -16,11 +16,11 @@
 namespace dvi::harmonize {
 namespace {
 
-constexpr float kHeld = 1e-2F;               // fades over 10 px: beyond, gains are right to a few grey levels
+constexpr float kHeld = 1e-2F;               // fades over 10 px: beyond, gains are right to a few gray levels
 constexpr int kCoarsest = 128, kFinest = 8;  // px of a cell
 constexpr float kCoarser = 4;                // pixels that the coarser cell counts as
 
-/// Something in grey levels, by cells: where a cell has little of it, it follows the coarser one.
+/// Something in gray levels, by cells: where a cell has little of it, it follows the coarser one.
 template <class Value>
 class Field {
  public:
@@ -118,7 +118,7 @@ Field<float> doubt_at_seams(const Copies& copies, const Region& hole) {
 
 Hold hold_of(const Copies& copies, const sample::Candidates& candidates, bool robust_rim) {
   const Region& hole = candidates.hole;
-  Hold out{copies.colour, std::vector<float>(hole.size(), copies.of_other_days ? kHeld : 0)};
+  Hold out{copies.color, std::vector<float>(hole.size(), copies.of_other_days ? kHeld : 0)};
   if (copies.of_other_days || !robust_rim || copies.rim.empty()) return out;
   const LightOfSources light(copies.rim);
   std::vector<RimPixel> rest = copies.rim;
@@ -128,7 +128,7 @@ Hold hold_of(const Copies& copies, const sample::Candidates& candidates, bool ro
   for (std::size_t i = 0; i < hole.size(); ++i) {
     const cv::Point p = hole.pixels[i];
     const float doubt = std::pow(along.spread.at(p) / kDoubtful, 4.0F) + std::pow(at_seams.at(p) / kDoubtfulSeam, 4.0F);
-    out.colour[i] += light.of(candidates.leading[i].view) + along.light.at(p);
+    out.color[i] += light.of(candidates.leading[i].view) + along.light.at(p);
     out.weight[i] = kHeld * doubt / (1 + doubt);
   }
   return out;

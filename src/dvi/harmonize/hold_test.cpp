@@ -23,7 +23,7 @@ struct RimCase {
     cv::Mat1b mask(200, 300, uchar{0});
     mask(where) = 255;
     candidates = {Region(mask), std::vector<sample::Candidate>(Region(mask).size(), sample::Candidate{1, {}})};
-    copies.colour.assign(candidates.hole.size(), cv::Vec3f::all(100));
+    copies.color.assign(candidates.hole.size(), cv::Vec3f::all(100));
     copies.seams.resize(candidates.hole.size());
     for (int x = where.x; x < where.br().x; ++x)
       for (const int y : {where.y - 1, where.br().y}) add({x, y}, difference);
@@ -36,7 +36,7 @@ struct RimCase {
   }
   Hold held(bool robust = true) const { return hold_of(copies, candidates, robust); }
   float weight(const Hold& hold, cv::Point p) const { return hold.weight[candidates.hole.index(p)]; }
-  float colour(const Hold& hold, cv::Point p) const { return hold.colour[candidates.hole.index(p)][1]; }
+  float color(const Hold& hold, cv::Point p) const { return hold.color[candidates.hole.index(p)][1]; }
 };
 
 constexpr float kFull = 1e-2F;
@@ -46,15 +46,15 @@ TEST(Hold, AnotherLightIsLeftToTheRim) {
   const RimCase c([](cv::Point) { return 150.0F; });
   const Hold hold = c.held();
   EXPECT_LT(*std::max_element(hold.weight.begin(), hold.weight.end()), 1e-6F * kFull);
-  EXPECT_NEAR(c.colour(hold, kMiddle), 250, 1e-3);
+  EXPECT_NEAR(c.color(hold, kMiddle), 250, 1e-3);
 }
 
 TEST(Hold, LightThatChangesSlowlyIsLeftToTheRim) {
   const RimCase c([](cv::Point p) { return 0.1F * static_cast<float>(p.x); });
   const Hold hold = c.held();
   EXPECT_LT(*std::max_element(hold.weight.begin(), hold.weight.end()), 0.01F * kFull);
-  EXPECT_NEAR(c.colour(hold, kLeft), 106.5, 2);
-  EXPECT_NEAR(c.colour(hold, kRight), 123.4, 2);
+  EXPECT_NEAR(c.color(hold, kLeft), 106.5, 2);
+  EXPECT_NEAR(c.color(hold, kRight), 123.4, 2);
 }
 
 TEST(Hold, ARimThatContradictsItselfIsNotFollowed) {
@@ -63,8 +63,8 @@ TEST(Hold, ARimThatContradictsItselfIsNotFollowed) {
   const Hold hold = c.held();
   EXPECT_GT(c.weight(hold, kLeft), 0.9F * kFull);
   EXPECT_LT(c.weight(hold, kRight), 0.1F * kFull);
-  EXPECT_NEAR(c.colour(hold, kLeft), 100, 30) << "nor is its mean";
-  EXPECT_NEAR(c.colour(hold, kRight), 100, 1);
+  EXPECT_NEAR(c.color(hold, kLeft), 100, 30) << "nor is its mean";
+  EXPECT_NEAR(c.color(hold, kRight), 100, 1);
 }
 
 TEST(Hold, WhereSourcesContradictEachOtherCopiesAreHeld) {
@@ -74,7 +74,7 @@ TEST(Hold, WhereSourcesContradictEachOtherCopiesAreHeld) {
   const Hold hold = c.held();
   EXPECT_GT(c.weight(hold, {80, 100}), 0.9F * kFull);
   EXPECT_LT(c.weight(hold, {220, 100}), 0.1F * kFull);
-  EXPECT_NEAR(c.colour(hold, {80, 100}), 150, 1e-3) << "in the light of the rim";
+  EXPECT_NEAR(c.color(hold, {80, 100}), 150, 1e-3) << "in the light of the rim";
 }
 
 TEST(Seam, CountsLessTheMoreItsSourcesDiffer) {
@@ -87,7 +87,7 @@ TEST(Hold, WithoutARobustRimNothingIsHeld) {
   const RimCase c([](cv::Point p) { return p.x % 2 == 0 ? 200.0F : 0.0F; });
   const Hold hold = c.held(false);
   EXPECT_EQ(*std::max_element(hold.weight.begin(), hold.weight.end()), 0);
-  EXPECT_EQ(hold.colour, c.copies.colour);
+  EXPECT_EQ(hold.color, c.copies.color);
 }
 
 TEST(Hold, WithoutARimNothingIsHeld) {
@@ -96,12 +96,12 @@ TEST(Hold, WithoutARimNothingIsHeld) {
   EXPECT_EQ(c.weight(c.held(), kMiddle), 0);
 }
 
-TEST(Hold, CopiesOfOtherDaysAreHeldByTheirOwnColours) {
+TEST(Hold, CopiesOfOtherDaysAreHeldByTheirOwnColors) {
   RimCase c([](cv::Point) { return 60.0F; });
   c.copies.of_other_days = true;
   for (const bool robust : {false, true}) {
     EXPECT_EQ(c.weight(c.held(robust), kMiddle), kFull);
-    EXPECT_EQ(c.colour(c.held(robust), kMiddle), 100);
+    EXPECT_EQ(c.color(c.held(robust), kMiddle), 100);
   }
 }
 

@@ -12,7 +12,7 @@
 namespace dvi::harmonize {
 namespace {
 
-constexpr float kWithin = 10;  // grey levels, as confidence is defined
+constexpr float kWithin = 10;  // gray levels, as confidence is defined
 
 double texture(const cv::Mat3f& image, cv::Point p) {
   float most = 0;
@@ -59,7 +59,7 @@ std::vector<KnownCopy> known_copies(const sample::Candidates& known, const Views
   const std::vector<cv::Point>& pixels = known.hole.pixels;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (!fused.candidates.leading[i].found()) continue;
-    off(pixels[i]) = image(pixels[i]) - fused.colour[i];
+    off(pixels[i]) = image(pixels[i]) - fused.color[i];
     copied(pixels[i]) = 1;
   }
   const cv::Mat3f light = mean_nearby(off.clone(), copied.clone());

@@ -12,7 +12,7 @@
 
 namespace dvi::harmonize {
 
-/// What the fused copies of a frame have as evidence. `image` is what they are copied to, `light` by how many grey levels each
+/// What the fused copies of a frame have as evidence. `image` is what they are copied to, `light` by how many gray levels each
 /// is changed to be in the frame's light.
 CopyEvidence evidence_of(const Fused& fused, std::size_t pixel, const Views& views, std::size_t target, const cv::Mat3f& image,
                          double light);

@@ -14,15 +14,15 @@ Provenance Provenance::of(const cv::Vec3w& triple, const cv::Vec3b& used) {
           {used[1], used[0]}};
 }
 
-cv::Vec3i copied_colour(const Views& views, std::size_t target, const cv::Mat3b& source_image, const Provenance& from) {
-  const cv::Vec3f colour = box_mean(source_image, from.position, from.footprint);
+cv::Vec3i copied_color(const Views& views, std::size_t target, const cv::Mat3b& source_image, const Provenance& from) {
+  const cv::Vec3f color = box_mean(source_image, from.position, from.footprint);
   const cv::Vec3f gain = gain_to(views[target], views[static_cast<std::size_t>(from.view)]);
   cv::Vec3i out;
-  for (int c = 0; c < 3; ++c) out[c] = static_cast<int>(std::lround(colour[c] * gain[c]));
+  for (int c = 0; c < 3; ++c) out[c] = static_cast<int>(std::lround(color[c] * gain[c]));
   return out;
 }
 
-cv::Mat_<cv::Vec3w> harmonisation(const Views& views, std::size_t target, const cv::Mat3b& written,
+cv::Mat_<cv::Vec3w> harmonization(const Views& views, std::size_t target, const cv::Mat3b& written,
                                   const cv::Mat_<cv::Vec3w>& provenance, const cv::Mat3b& used) {
   cv::Mat_<cv::Vec3w> out(written.size(), cv::Vec3w());
   std::map<int, std::vector<cv::Point>> of_view;  // so that each source is decoded once
@@ -33,7 +33,7 @@ cv::Mat_<cv::Vec3w> harmonisation(const Views& views, std::size_t target, const 
     const auto image = views.images[static_cast<std::size_t>(view)];
     for (const cv::Point p : pixels) {
       const Provenance from = Provenance::of(provenance(p), used(p));
-      const cv::Vec3i change = cv::Vec3i(written(p)) - copied_colour(views, target, *image, from);
+      const cv::Vec3i change = cv::Vec3i(written(p)) - copied_color(views, target, *image, from);
       for (int c = 0; c < 3; ++c) out(p)[2 - c] = cv::saturate_cast<ushort>(change[c] + kNoChange);
     }
   }

@@ -19,13 +19,13 @@ struct Provenance {
   static Provenance of(const cv::Vec3w& triple, const cv::Vec3b& used);
 };
 
-/// Colour of a source over the footprint at a position, in the target's light, rounded: the copy before it is harmonised.
-cv::Vec3i copied_colour(const Views& views, std::size_t target, const cv::Mat3b& source_image, const Provenance& from);
+/// Color of a source over the footprint at a position, in the target's light, rounded: the copy before it is harmonized.
+cv::Vec3i copied_color(const Views& views, std::size_t target, const cv::Mat3b& source_image, const Provenance& from);
 
-/// What became of each copied pixel since, so that it can be reproduced exactly: colour written minus copied_colour, +
+/// What became of each copied pixel since, so that it can be reproduced exactly: color written minus copied_color, +
 /// kNoChange, channels R, G, B; 0 where nothing was copied.
 inline constexpr int kNoChange = 32768;
-cv::Mat_<cv::Vec3w> harmonisation(const Views& views, std::size_t target, const cv::Mat3b& written,
+cv::Mat_<cv::Vec3w> harmonization(const Views& views, std::size_t target, const cv::Mat3b& written,
                                   const cv::Mat_<cv::Vec3w>& provenance, const cv::Mat3b& used);
 
 }  // namespace dvi::harmonize

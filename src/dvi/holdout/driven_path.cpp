@@ -12,11 +12,11 @@
 namespace dvi::holdout {
 namespace {
 
-constexpr double kStanding = 1;  // metres: a shorter path tells no direction
-constexpr double kBend = 5;      // metres at an end whose bend goes on beyond it
-constexpr double kTangent = 2;   // metres either way
+constexpr double kStanding = 1;  // meters: a shorter path tells no direction
+constexpr double kBend = 5;      // meters at an end whose bend goes on beyond it
+constexpr double kTangent = 2;   // meters either way
 
-// Returns of the own lane, by metres ahead and height over the LiDAR.
+// Returns of the own lane, by meters ahead and height over the LiDAR.
 std::vector<Eigen::Vector2d> own_lane(const Scan& scan, const Eigen::Vector3d& ahead) {
   constexpr float kNear = 3, kFar = 30, kHalfLane = 1.5F, kHighest = -0.3F, kDeepest = -5;
   const Eigen::Vector2f forward = ahead.head<2>().normalized().cast<float>(), side(-forward.y(), forward.x());
@@ -57,7 +57,7 @@ std::optional<Eigen::Vector2d> fit_ground(const Scan& scan, const Eigen::Vector3
       normal += row * row.transpose();
       right += p.y() * row;
     }
-    if (normal(0, 0) < kEnough || normal.determinant() < normal(0, 0) * normal(0, 0)) break;  // spread below a metre
+    if (normal(0, 0) < kEnough || normal.determinant() < normal(0, 0) * normal(0, 0)) break;  // spread below a meter
     const Eigen::Vector2d better = normal.inverse() * right;
     if (std::abs(better.y()) > kSteepest) break;
     line = better;
@@ -69,10 +69,10 @@ std::optional<Eigen::Vector2d> fit_ground(const Scan& scan, const Eigen::Vector3
 
 DrivenPath::DrivenPath(const Drive& drive, const Trajectory& world_from_lidar) : world_from_lidar_(world_from_lidar) {
   const std::vector<StampedPose>& poses = world_from_lidar_.poses();
-  double metres = 0;
+  double meters = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (i > 0) metres += (poses[i].world_from_body.t - poses[i - 1].world_from_body.t).norm();
-    metres_.push_back(metres);
+    if (i > 0) meters += (poses[i].world_from_body.t - poses[i - 1].world_from_body.t).norm();
+    meters_.push_back(meters);
   }
   const SE3& first = poses.front().world_from_body;
   const Eigen::Vector3d up = first.R.col(2), view = first.R * drive.camera_from_lidar.R.row(2).transpose();
@@ -126,22 +126,22 @@ double DrivenPath::along(std::int64_t time_ns) const {
   const std::vector<StampedPose>& poses = world_from_lidar_.poses();
   const auto after = std::upper_bound(poses.begin(), poses.end(), time_ns,
                                       [](std::int64_t time, const StampedPose& p) { return time < p.time_ns; });
-  if (after == poses.begin()) return metres_.front();
-  if (after == poses.end()) return metres_.back();
+  if (after == poses.begin()) return meters_.front();
+  if (after == poses.end()) return meters_.back();
   const auto i = static_cast<std::size_t>(after - poses.begin());
   const double u =
       static_cast<double>(time_ns - poses[i - 1].time_ns) / static_cast<double>(poses[i].time_ns - poses[i - 1].time_ns);
-  return metres_[i - 1] + u * (metres_[i] - metres_[i - 1]);
+  return meters_[i - 1] + u * (meters_[i] - meters_[i - 1]);
 }
 
 SE3 DrivenPath::lidar_within(double along) const {
   const std::vector<StampedPose>& poses = world_from_lidar_.poses();
-  const auto after = std::upper_bound(metres_.begin(), metres_.end(), along);
-  if (after == metres_.begin()) return poses.front().world_from_body;
-  if (after == metres_.end()) return poses.back().world_from_body;
-  const auto i = static_cast<std::size_t>(after - metres_.begin());
+  const auto after = std::upper_bound(meters_.begin(), meters_.end(), along);
+  if (after == meters_.begin()) return poses.front().world_from_body;
+  if (after == meters_.end()) return poses.back().world_from_body;
+  const auto i = static_cast<std::size_t>(after - meters_.begin());
   return interpolate(poses[i - 1].world_from_body, poses[i].world_from_body,
-                     (along - metres_[i - 1]) / (metres_[i] - metres_[i - 1]));
+                     (along - meters_[i - 1]) / (meters_[i] - meters_[i - 1]));
 }
 
 SE3 DrivenPath::lidar_at(double along) const {

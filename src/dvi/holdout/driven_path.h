@@ -17,18 +17,18 @@ class DrivenPath {
   /// InputError where no scan shows any ground. Reads all scans once.
   DrivenPath(const Drive& drive, const Trajectory& world_from_lidar);
 
-  /// Metres driven up to a time. Times outside the poses are those of the nearest.
+  /// Meters driven up to a time. Times outside the poses are those of the nearest.
   double along(std::int64_t time_ns) const;
-  double length() const { return metres_.back(); }
-  /// Metres of the LiDAR above the ground, in the median.
+  double length() const { return meters_.back(); }
+  /// Meters of the LiDAR above the ground, in the median.
   double sensor_height() const { return sensor_height_; }
 
-  /// A place on the ground as it lies to the LiDAR at a time: metres along the path (beyond its ends the last bend goes on) and
+  /// A place on the ground as it lies to the LiDAR at a time: meters along the path (beyond its ends the last bend goes on) and
   /// to its left. Axes: x ahead, y left, z up.
   SE3 at(double along, double left, std::int64_t time_ns) const;
 
  private:
-  // In LiDAR axes: z = -height + slope * metres ahead.
+  // In LiDAR axes: z = -height + slope * meters ahead.
   struct Ground {
     double height = 0, slope = 0;
   };
@@ -44,7 +44,7 @@ class DrivenPath {
   SE3 lidar_at(double along) const;
 
   Trajectory world_from_lidar_;
-  std::vector<double> metres_;  // one a pose
+  std::vector<double> meters_;  // one a pose
   Eigen::Vector3d ahead_;       // of the first pose, for a drive that stands
   double sensor_height_ = 0;
   std::vector<StampedGround> grounds_;  // in order of time

@@ -15,7 +15,7 @@
 namespace dvi::holdout {
 namespace {
 
-constexpr double kRangeNoise = 0.02;  // metres either way
+constexpr double kRangeNoise = 0.02;  // meters either way
 constexpr float kIntensity = 0.3F;
 
 // What belongs to one thing of a seed: the same whatever is made before it.
@@ -134,8 +134,8 @@ HoldoutFrame Holdout::frame_of(const Drive& drive, const Pictures& pictures, std
   out.ignore = grown(*traffic, options_.ignore_margin_px);
   out.image = pictures.images[pictures.frames[i]]->clone();
   // The margin too: nothing that is scored may show its truth.
-  out.image.setTo(outline_colour(part_seed(options_.seed, 0x9A127)), out.held_out);
-  painting.colours.copyTo(out.image, painting.pixels);
+  out.image.setTo(outline_color(part_seed(options_.seed, 0x9A127)), out.held_out);
+  painting.colors.copyTo(out.image, painting.pixels);
   return out;
 }
 

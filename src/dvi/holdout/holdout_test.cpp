@@ -21,7 +21,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kNoise = 0.021;  // metres of range on the vehicle's faces, and rounding
+constexpr double kNoise = 0.021;  // meters of range on the vehicle's faces, and rounding
 
 Drive small_street() {
   synth::SynthOptions options;
@@ -44,7 +44,7 @@ Holdout make(const Drive& drive, Scenario scenario, int seed = 1) {
 
 bool same(const cv::Mat& a, const cv::Mat& b) { return a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0; }
 
-// Metres along the ray of a return at which it meets the vehicle; none where it does not.
+// Meters along the ray of a return at which it meets the vehicle; none where it does not.
 std::optional<double> range_to_vehicle(const Holdout& holdout, std::size_t scan_index, const Eigen::Vector3f& p,
                                        float seconds) {
   const std::int64_t time = holdout.drive().scan_headers[scan_index].time_ns + std::llround(1e9 * static_cast<double>(seconds));

@@ -13,7 +13,7 @@
 namespace dvi::holdout {
 namespace {
 
-constexpr double kKnownGround = 30;  // metres: beyond, the road does not know the ground
+constexpr double kKnownGround = 30;  // meters: beyond, the road does not know the ground
 
 // The thing as it stands at each place at a time.
 std::vector<Box> boxes_at(const DrivenPath& road, const Eigen::Vector3d& size, const std::vector<double>& places, double left,

@@ -15,9 +15,9 @@
 namespace dvi::holdout {
 namespace {
 
-constexpr double kLane = 3.5;          // metres
+constexpr double kLane = 3.5;          // meters
 constexpr double kSwayPeriod = 6;      // seconds
-constexpr double kNearestParked = 10;  // metres ahead of the first frame: in front of its camera
+constexpr double kNearestParked = 10;  // meters ahead of the first frame: in front of its camera
 constexpr double kPi = std::numbers::pi;
 
 }  // namespace
@@ -40,9 +40,9 @@ VirtualVehicle::VirtualVehicle(Scenario scenario, std::uint64_t seed, std::share
                                std::int64_t start_ns, std::int64_t end_ns)
     : road_(std::move(road)), start_ns_(start_ns) {
   Random random(seed);
-  const double first = road_->along(start_ns), travelled = road_->along(end_ns) - first;
+  const double first = road_->along(start_ns), traveled = road_->along(end_ns) - first;
   const double seconds = std::max(0.1, 1e-9 * static_cast<double>(end_ns - start_ns));
-  const double speed = travelled / seconds;
+  const double speed = traveled / seconds;
   switch (scenario) {
     case Scenario::lead:
       motion_ = {.along = random.uniform(10.2, 10.8),
@@ -73,13 +73,13 @@ VirtualVehicle::VirtualVehicle(Scenario scenario, std::uint64_t seed, std::share
       break;
     }
     case Scenario::parked:
-      motion_ = {.along = first + std::clamp(0.8 * travelled, kNearestParked + 2, 30.0) + random.uniform(-2, 2),
+      motion_ = {.along = first + std::clamp(0.8 * traveled, kNearestParked + 2, 30.0) + random.uniform(-2, 2),
                  .left = -random.uniform(2.9, 3.3)};
       break;
     case Scenario::crossing: {
       type_ = "pedestrian", size_ = {0.8, 0.6, 1.8};
       // Half way across in the middle of the recording, or as early as leaves the lane free when the drive arrives.
-      const double ahead = std::clamp(0.9 * travelled, 12.0, 35.0) + random.uniform(-1, 1), walk = random.uniform(1.3, 1.5);
+      const double ahead = std::clamp(0.9 * traveled, 12.0, 35.0) + random.uniform(-1, 1), walk = random.uniform(1.3, 1.5);
       const double arrival = ahead / std::max(speed, 0.1), middle = std::min(0.5 * seconds, arrival - 1.8);
       motion_ = {.along = first + ahead, .left = -walk * middle, .left_speed = walk, .turn = kPi / 2};
       break;

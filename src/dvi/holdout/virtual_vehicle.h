@@ -32,7 +32,7 @@ class VirtualVehicle {
   void stand_clear(const Drive& drive, const Trajectory& world_from_lidar);
   /// How stand_clear() went.
   struct Stand {
-    double moved = 0;         ///< metres ahead
+    double moved = 0;         ///< meters ahead
     std::size_t returns = 0;  ///< still inside
   };
   const std::optional<Stand>& stand() const { return stand_; }
@@ -42,7 +42,7 @@ class VirtualVehicle {
   Box at(std::int64_t time_ns) const;  ///< in the world
 
  private:
-  // Place: metres along the road and to its left, each even in time; some keep their distance to the drive, and sway about it.
+  // Place: meters along the road and to its left, each even in time; some keep their distance to the drive, and sway about it.
   struct Motion {
     double along = 0, along_speed = 0;
     double left = 0, left_speed = 0;

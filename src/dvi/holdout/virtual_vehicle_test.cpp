@@ -11,7 +11,7 @@ namespace dvi::holdout {
 namespace {
 
 constexpr int kScans = 11;
-constexpr double kHeight = 1.7;  // metres of the LiDAR
+constexpr double kHeight = 1.7;  // meters of the LiDAR
 constexpr double kClearance = 0.2;
 constexpr std::uint64_t kSeed = 6;
 
@@ -74,7 +74,7 @@ TEST(Parked, StaysWhereItWasDrawnIfNothingIsThere) {
   for (const auto& [x, y] :
        {std::pair{half_length + 0.02, 0.0}, {-half_length - 0.02, 0.0}, {0.0, half_width + 0.02}, {0.0, -half_width - 0.02}})
     for (const Eigen::Vector3d& p : post(drawn().x() + x, drawn().y() + y)) things.push_back(p);
-  for (const Eigen::Vector3d& p : post(drawn().x(), drawn().y(), 0, 0.28)) things.push_back(p);         // a kerb
+  for (const Eigen::Vector3d& p : post(drawn().x(), drawn().y(), 0, 0.28)) things.push_back(p);         // a curb
   for (const Eigen::Vector3d& p : post(drawn().x(), drawn().y(), 1.55 + 0.25, 3)) things.push_back(p);  // a bough
   const VirtualVehicle vehicle = parked(drive_past(things));
   EXPECT_EQ(vehicle.stand()->moved, 0);
@@ -100,11 +100,11 @@ TEST(Parked, MovesToTheNearestFreePlace) {
   EXPECT_DOUBLE_EQ(parked(drive_past(two)).stand()->moved, 4.5);
 }
 
-// A post that is labelled: a box round it in every frame, all the time at one place, or moving.
-Drive drive_past_labelled(double metres_per_frame) {
+// A post that is labeled: a box round it in every frame, all the time at one place, or moving.
+Drive drive_past_labeled(double meters_per_frame) {
   Drive drive = drive_past(post(drawn().x(), drawn().y()));
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
-    const double moved = metres_per_frame * (static_cast<double>(i) - kScans / 2);
+    const double moved = meters_per_frame * (static_cast<double>(i) - kScans / 2);
     Label label;
     label.track = 3;
     label.box = {SE3{Eigen::Matrix3d::Identity(), drawn() + Eigen::Vector3d(moved - static_cast<double>(i), 0, -kHeight)},
@@ -114,9 +114,9 @@ Drive drive_past_labelled(double metres_per_frame) {
   return drive;
 }
 
-TEST(Parked, KeepsClearOfLabelledTrafficUnlessItMoves) {
-  EXPECT_EQ(parked(drive_past_labelled(0)).stand()->moved, 2.5);
-  EXPECT_EQ(parked(drive_past_labelled(0.15)).stand()->moved, 0);
+TEST(Parked, KeepsClearOfLabeledTrafficUnlessItMoves) {
+  EXPECT_EQ(parked(drive_past_labeled(0)).stand()->moved, 2.5);
+  EXPECT_EQ(parked(drive_past_labeled(0.15)).stand()->moved, 0);
 }
 
 TEST(Parked, IsTheSameWithAnyNumberOfThreads) {

@@ -25,13 +25,13 @@ cv::Mat3b noise(int width, int height, std::uint64_t seed) {
   return image;
 }
 
-TEST(Quantised, IsTheNearestSixteenth) {
-  EXPECT_EQ(quantised(3.0, 7.5), cv::Point2f(3.0F, 7.5F));
-  EXPECT_EQ(quantised(0.031, 0.032), cv::Point2f(0, 1 / 16.0F));
+TEST(Quantized, IsTheNearestSixteenth) {
+  EXPECT_EQ(quantized(3.0, 7.5), cv::Point2f(3.0F, 7.5F));
+  EXPECT_EQ(quantized(0.031, 0.032), cv::Point2f(0, 1 / 16.0F));
   Random random(1);
   for (int i = 0; i < 1000; ++i) {
     const double x = random.uniform(0, 4000), y = random.uniform(0, 3000);
-    const cv::Point2f q = quantised(x, y);
+    const cv::Point2f q = quantized(x, y);
     ASSERT_LE(std::abs(q.x - x), 1 / 32.0);
     ASSERT_LE(std::abs(q.y - y), 1 / 32.0);
     // What is written to a 16-bit file comes back as it was.
@@ -54,12 +54,12 @@ TEST(Bilinear, RampsAreReproducedExactly) {
       image(y, x) = cv::Vec3b(static_cast<uchar>(16 * x), static_cast<uchar>(16 * y), static_cast<uchar>(3 * x + 5 * y));
   Random random(2);
   for (int i = 0; i < 1000; ++i) {
-    const cv::Point2f at = quantised(random.uniform(0, 11), random.uniform(0, 9));
+    const cv::Point2f at = quantized(random.uniform(0, 11), random.uniform(0, 9));
     ASSERT_EQ(bilinear(image, at), cv::Vec3f(16 * at.x, 16 * at.y, 3 * at.x + 5 * at.y)) << at;
   }
 }
 
-TEST(Bilinear, StaysBetweenItsNeighboursUpToTheVeryEdge) {
+TEST(Bilinear, StaysBetweenItsNeighborsUpToTheVeryEdge) {
   const cv::Mat3b image = noise(6, 4, 3);
   double low = 0, high = 0;
   cv::minMaxLoc(image.reshape(1), &low, &high);

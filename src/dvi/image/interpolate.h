@@ -7,15 +7,15 @@
 
 namespace dvi {
 
-/// Positions in images are held to this part of a pixel, so that a written position reproduces its colour exactly.
+/// Positions in images are held to this part of a pixel, so that a written position reproduces its color exactly.
 inline constexpr float kSubpixel = 16.0F;
 
-inline cv::Point2f quantised(double x, double y) {
+inline cv::Point2f quantized(double x, double y) {
   return {static_cast<float>(std::floor(x * kSubpixel + 0.5)) / kSubpixel,
           static_cast<float>(std::floor(y * kSubpixel + 0.5)) / kSubpixel};
 }
 
-/// Bilinear colour at a position within [0, width - 1] x [0, height - 1].
+/// Bilinear color at a position within [0, width - 1] x [0, height - 1].
 inline cv::Vec3f bilinear(const cv::Mat3b& image, cv::Point2f at) {
   const int x = std::clamp(static_cast<int>(at.x), 0, image.cols - 1), x1 = std::min(x + 1, image.cols - 1);
   const int y = std::clamp(static_cast<int>(at.y), 0, image.rows - 1), y1 = std::min(y + 1, image.rows - 1);
@@ -39,7 +39,7 @@ Pixel bilinear(const cv::Mat_<Pixel>& image, cv::Point2f at) {
   return (image(y, x) * (1 - u) + image(y, x1) * u) * (1 - v) + (image(y1, x) * (1 - u) + image(y1, x1) * u) * v;
 }
 
-/// Mean colour of width x height pixels round a position, bilinear and a pixel apart, all within the image: what a pixel shows
+/// Mean color of width x height pixels round a position, bilinear and a pixel apart, all within the image: what a pixel shows
 /// that spans so many of the image.
 inline cv::Vec3f box_mean(const cv::Mat3b& image, cv::Point2f at, cv::Vec2b footprint) {
   const int width = footprint[0], height = footprint[1];

@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/random.h"
-#include "dvi/image/grey.h"
+#include "dvi/image/gray.h"
 
 namespace dvi {
 namespace {
@@ -24,11 +24,11 @@ TEST(OpticalFlow, PointsFromOneImageIntoTheOther) {
   EXPECT_LT(sum / (56 * 88), 0.1);
 }
 
-TEST(Grey, IsWeightedAndRounded) {
-  const cv::Mat3b colours =
+TEST(Gray, IsWeightedAndRounded) {
+  const cv::Mat3b colors =
       (cv::Mat3b(1, 4) << cv::Vec3b(255, 0, 0), cv::Vec3b(0, 255, 0), cv::Vec3b(0, 0, 255), cv::Vec3b(90, 90, 90));
-  const cv::Mat1b grey = grey_8bit(colours);
-  EXPECT_EQ(std::vector<int>(grey.begin(), grey.end()), (std::vector<int>{29, 150, 76, 90}));
+  const cv::Mat1b gray = gray_8bit(colors);
+  EXPECT_EQ(std::vector<int>(gray.begin(), gray.end()), (std::vector<int>{29, 150, 76, 90}));
 }
 
 }  // namespace

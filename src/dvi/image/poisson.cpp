@@ -11,20 +11,20 @@
 namespace dvi {
 namespace {
 
-using Colour = Eigen::Array4f;  // the fourth lane is idle
-using Field = std::vector<Colour>;
+using Color = Eigen::Array4f;  // the fourth lane is idle
+using Field = std::vector<Color>;
 using Sums = Eigen::Array4d;
 
 bool is_red(cv::Point p) { return (p.x + p.y) % 2 == 0; }
 
-/// A grid equation: diagonal x - sum of weight x over the neighbours = right. Neighbours are of different squares of the
-/// checkerboard, so each can be relaxed at once. Fields have a last entry more, which is 0: the neighbour that does not exist.
+/// A grid equation: diagonal x - sum of weight x over the neighbors = right. Neighbors are of different squares of the
+/// checcurboard, so each can be relaxed at once. Fields have a last entry more, which is 0: the neighbor that does not exist.
 /// `Uniform` levels have no weights: 1, and `vertical`.
 struct Level {
-  float vertical = 1;               // about how much weightier vertical neighbours are than horizontal ones
+  float vertical = 1;               // about how much weightier vertical neighbors are than horizontal ones
   std::vector<cv::Point> position;  // the red ones first
   int reds = 0;
-  std::vector<std::array<int, 4>> neighbour;
+  std::vector<std::array<int, 4>> neighbor;
   std::vector<std::array<float, 4>> weight;  // none if uniform
   std::vector<float> diagonal, inverse;
   std::vector<int> parent;  // the node of the next level that it is part of
@@ -36,19 +36,19 @@ struct Level {
     reds = static_cast<int>(std::stable_partition(nodes.begin(), nodes.end(), is_red) - nodes.begin());
     position = std::move(nodes);
     const int none = size();
-    neighbour.assign(position.size(), {none, none, none, none});
+    neighbor.assign(position.size(), {none, none, none, none});
     diagonal.assign(position.size(), 0);
-    x.assign(position.size() + 1, Colour::Zero());
-    right.assign(position.size() + 1, Colour::Zero());
+    x.assign(position.size() + 1, Color::Zero());
+    right.assign(position.size() + 1, Color::Zero());
   }
   void finish() {
     inverse.reserve(diagonal.size());
     for (const float d : diagonal) inverse.push_back(d > 0 ? 1 / d : 0);
   }
-  /// The neighbours' sum.
+  /// The neighbors' sum.
   template <bool Uniform>
-  Colour pull(int i, const Field& of) const {
-    const auto& [a, b, c, d] = neighbour[i];
+  Color pull(int i, const Field& of) const {
+    const auto& [a, b, c, d] = neighbor[i];
     if constexpr (Uniform) return of[a] + of[c] + vertical * (of[b] + of[d]);
     const auto& [wa, wb, wc, wd] = weight[i];
     return wa * of[a] + wb * of[b] + wc * of[c] + wd * of[d];
@@ -73,7 +73,7 @@ void weigh(Level& level, const PoissonSystem& system) {
   const auto below = [&](int node) { return system.below.empty() ? system.vertical : system.below[number(node)]; };
   level.weight.assign(level.position.size(), {});
   for (int i = 0; i < level.size(); ++i) {
-    const auto [left, above, right, under] = level.neighbour[i];
+    const auto [left, above, right, under] = level.neighbor[i];
     if (left < level.size()) level.weight[i][0] = beside(left);
     if (above < level.size()) level.weight[i][1] = below(above);
     level.weight[i][2] = beside(i);
@@ -92,7 +92,7 @@ Level finest_level(const PoissonSystem& system) {
     level.diagonal[i] = system.diagonal[system.region.index(level.position[i])];
     for (int d = 0; d < 4; ++d) {
       const cv::Point q = level.position[i] + step[d];
-      if (inside.contains(q) && number(q) >= 0) level.neighbour[i][d] = number(q);
+      if (inside.contains(q) && number(q) >= 0) level.neighbor[i][d] = number(q);
     }
   }
   if (!system.beside.empty() || !system.below.empty()) weigh(level, system);
@@ -120,7 +120,7 @@ Level blocks_of(Level& fine, cv::Point block) {
 /// (Braess 1995), hence the half.
 Level coarser(Level& fine) {
   constexpr float kIsotropic = 0.5F;
-  constexpr float kHeld = 2.0F / 3;  // what holds a block lies one and a half pixels from its centre, the next block two
+  constexpr float kHeld = 2.0F / 3;  // what holds a block lies one and a half pixels from its center, the next block two
   const bool along_rows = fine.vertical < kIsotropic;
   const float across = along_rows ? 1 : 0.5F;
   const float stiff[4] = {0.5F, across, 0.5F, across};
@@ -133,11 +133,11 @@ Level coarser(Level& fine) {
     const std::array<float, 4>& weight = fine.weight.empty() ? uniform : fine.weight[i];
     float held = fine.diagonal[i];  // by what is not in the region
     for (int d = 0; d < 4; ++d) {
-      if (fine.neighbour[i][d] == fine.size()) continue;
+      if (fine.neighbor[i][d] == fine.size()) continue;
       held -= weight[d];
-      const int other = fine.parent[fine.neighbour[i][d]];
+      const int other = fine.parent[fine.neighbor[i][d]];
       if (other == parent) continue;
-      level.neighbour[parent][d] = other;
+      level.neighbor[parent][d] = other;
       level.weight[parent][d] += stiff[d] * weight[d];
       level.diagonal[parent] += stiff[d] * weight[d];
     }
@@ -190,7 +190,7 @@ class Multigrid {
       }
     } else {
       Level& below = levels_[depth + 1];
-      std::fill(below.right.begin(), below.right.end(), Colour::Zero());
+      std::fill(below.right.begin(), below.right.end(), Color::Zero());
       for (int i = 0; i < reds; ++i)  // the black ones have just been solved
         below.right[level.parent[i]] += level.right[i] + level.pull<Uniform>(i, level.x) - level.diagonal[i] * level.x[i];
       cycle<false>(depth + 1);
@@ -203,9 +203,9 @@ class Multigrid {
   std::vector<Level> levels_;
 };
 
-Colour ratio(const Sums& a, const Sums& b) { return (b > 0).select(a / b, Sums::Zero()).cast<float>(); }
+Color ratio(const Sums& a, const Sums& b) { return (b > 0).select(a / b, Sums::Zero()).cast<float>(); }
 
-Colour colour(const cv::Vec3f& c) { return {c[0], c[1], c[2], 0}; }
+Color color(const cv::Vec3f& c) { return {c[0], c[1], c[2], 0}; }
 
 }  // namespace
 
@@ -216,37 +216,37 @@ int solve_poisson(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double
   const Level& a = multigrid.finest();
   const int n = a.size();
   const auto pull = [&](int i, const Field& of) { return a.weight.empty() ? a.pull<true>(i, of) : a.pull<false>(i, of); };
-  const Field none(a.x.size(), Colour::Zero());
+  const Field none(a.x.size(), Color::Zero());
   Field solution = none, residual = none, direction = none, image = none;
-  for (int i = 0; i < n; ++i) solution[i] = colour(x[system.region.index(a.position[i])]);
+  for (int i = 0; i < n; ++i) solution[i] = color(x[system.region.index(a.position[i])]);
   for (int i = 0; i < n; ++i)
-    residual[i] = colour(system.right[system.region.index(a.position[i])]) + pull(i, solution) - a.diagonal[i] * solution[i];
+    residual[i] = color(system.right[system.region.index(a.position[i])]) + pull(i, solution) - a.diagonal[i] * solution[i];
   Sums before = Sums::Zero();
   int iteration = 0;
   for (; iteration < kMost; ++iteration) {
     const Field& error = multigrid.precondition(residual);
-    Colour largest = Colour::Zero();
+    Color largest = Color::Zero();
     Sums now = Sums::Zero(), energy = Sums::Zero();
     for (int i = 0; i < n; ++i) {
       largest = largest.max(error[i].abs());
       now += (residual[i] * error[i]).cast<double>();
     }
     if (largest.maxCoeff() < tolerance) break;
-    const Colour keep = ratio(now, before);
+    const Color keep = ratio(now, before);
     before = now;
     for (int i = 0; i < n; ++i) direction[i] = error[i] + keep * direction[i];
     for (int i = 0; i < n; ++i) {
       image[i] = a.diagonal[i] * direction[i] - pull(i, direction);
       energy += (direction[i] * image[i]).cast<double>();
     }
-    const Colour step = ratio(now, energy);
+    const Color step = ratio(now, energy);
     for (int i = 0; i < n; ++i) {
       solution[i] += step * direction[i];
       residual[i] -= step * image[i];
     }
   }
   for (int i = 0; i < n; ++i) {
-    const Colour& c = solution[i];
+    const Color& c = solution[i];
     x[system.region.index(a.position[i])] = {c[0], c[1], c[2]};
   }
   return iteration;

@@ -8,7 +8,7 @@
 
 namespace dvi {
 
-/// For each pixel p of the region: diagonal(p) x(p) - sum of w x(q) over its 4-neighbours q in the region = right(p), w being 1
+/// For each pixel p of the region: diagonal(p) x(p) - sum of w x(q) over its 4-neighbors q in the region = right(p), w being 1
 /// along rows and `vertical` along columns, or what `beside` says of the left and `below` of the upper pixel of both. A
 /// diagonal is at least the sum of those w, and greater somewhere in each connected part.
 struct PoissonSystem {

@@ -20,10 +20,10 @@ PoissonSystem random_system(const cv::Mat1b& mask, std::uint64_t seed, float ver
   Random random(seed);
   PoissonSystem system{Region(mask), {}, {}, vertical};
   for (const cv::Point p : system.region.pixels) {
-    float neighbours = 0;
+    float neighbors = 0;
     for (const cv::Point d : {cv::Point(-1, 0), cv::Point(1, 0), cv::Point(0, -1), cv::Point(0, 1)})
-      if (cv::Rect({}, mask.size()).contains(p + d)) neighbours += d.y == 0 ? 1 : vertical;
-    system.diagonal.push_back(neighbours);
+      if (cv::Rect({}, mask.size()).contains(p + d)) neighbors += d.y == 0 ? 1 : vertical;
+    system.diagonal.push_back(neighbors);
     cv::Vec3f right;
     for (int c = 0; c < 3; ++c) right[c] = static_cast<float>(random.uniform(-40, 40));
     system.right.push_back(right);
@@ -115,7 +115,7 @@ TEST(Poisson, EqualsTheDirectSolutionWhereEachColumnHasItsWeights) {
   }
 }
 
-TEST(Poisson, EqualsTheDirectSolutionWhereSomeNeighboursHardlyHoldTogether) {
+TEST(Poisson, EqualsTheDirectSolutionWhereSomeNeighborsHardlyHoldTogether) {
   for (int which = 0; which < 4; ++which) {
     PoissonSystem system = random_system(shape(which), which);
     Random random(which);

@@ -31,8 +31,8 @@ int connected_parts(const cv::Mat1b& mask, cv::Mat1i& labels) { return cv::conne
 
 std::vector<cv::Rect> part_boxes(const cv::Mat1b& mask) {
   cv::Mat1i labels, boxes;
-  cv::Mat1d centres;
-  const int count = cv::connectedComponentsWithStats(mask, labels, boxes, centres, 8, CV_32S);
+  cv::Mat1d centers;
+  const int count = cv::connectedComponentsWithStats(mask, labels, boxes, centers, 8, CV_32S);
   std::vector<cv::Rect> out;
   for (int i = 1; i < count; ++i)  // 0 is what is outside
     out.emplace_back(boxes(i, cv::CC_STAT_LEFT), boxes(i, cv::CC_STAT_TOP), boxes(i, cv::CC_STAT_WIDTH),

@@ -10,7 +10,7 @@
 namespace dvi::inputs {
 namespace {
 
-// Poses from the scans must be better by more metres than this: below, the measure cannot tell, and given poses hold over long
+// Poses from the scans must be better by more meters than this: below, the measure cannot tell, and given poses hold over long
 // drives.
 constexpr double kSharper = 0.002;
 // A trajectory that lays so much fewer patches together than the other smears the rest: those few say nothing of it.

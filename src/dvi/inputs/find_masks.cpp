@@ -112,8 +112,8 @@ Lazy<cv::Mat1b> object_masks(const Recording& open, const SharedLabels& objects,
   const bool labels_too =
       job.read.remove == job::Remove::all && open.masks_from == objects::MaskSource::files && drive.has_labels();
   if (!labels_too) return masks;
-  const Lazy<cv::Mat1b> labelled = objects::find_masks(drive, objects::MaskSource::labels, objects, job.options.masks);
-  return {labelled.size(), [masks, labelled](std::size_t i) { return cv::Mat1b(*masks[i] | *labelled[i]); }};
+  const Lazy<cv::Mat1b> labeled = objects::find_masks(drive, objects::MaskSource::labels, objects, job.options.masks);
+  return {labeled.size(), [masks, labeled](std::size_t i) { return cv::Mat1b(*masks[i] | *labeled[i]); }};
 }
 
 Lazy<cv::Mat1b> masks_of(const Recording& open, const SharedLabels& objects, const job::Job& job) {
@@ -167,8 +167,8 @@ void warn_of_nothing_removed(const Recording& open, const SharedLabels& objects,
 }
 
 // What labels of the drive's own camera do not draw in another one.
-Lazy<cv::Mat1b> not_labelled(const Recording& own, FrameLabels objects, const Drive& other, const Trajectory& world_from_lidar,
-                             const job::Job& job) {
+Lazy<cv::Mat1b> not_labeled(const Recording& own, FrameLabels objects, const Drive& other, const Trajectory& world_from_lidar,
+                            const job::Job& job) {
   for (std::vector<Label>& frame : objects) std::erase_if(frame, [](const Label& label) { return label.box.has_value(); });
   return carried_masks(own.drive, masks_of(own, shared(std::move(objects)), job), other, world_from_lidar);
 }
@@ -246,9 +246,9 @@ Masks find_masks(const Recordings& drives, const Poses& poses, const Grounds& gr
       const Compared what{found ? objects[i] : nullptr, shadows};
       images = compared(drives[i].drive, world_from_lidar, images, what, grounds.of(i), progress);
     }
-    if (drives[i].labelled_in_part) {
+    if (drives[i].labeled_in_part) {
       const std::size_t own = *drives[i].rig_of;
-      const Lazy<cv::Mat1b> rest = not_labelled(drives[own], *objects[own], drives[i].drive, world_from_lidar, job);
+      const Lazy<cv::Mat1b> rest = not_labeled(drives[own], *objects[own], drives[i].drive, world_from_lidar, job);
       images = {images.size(), [images, rest](std::size_t frame) { return cv::Mat1b(*images[frame] | *rest[frame]); }};
     }
     masks.push_back({images, objects[i]});

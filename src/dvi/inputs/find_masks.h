@@ -22,7 +22,7 @@ struct DriveMasks {
 /// As the recordings.
 using Masks = std::vector<DriveMasks>;
 
-/// The objects to remove from each drive, as the job asks: those labelled, without those that stand along `poses` if it wants
+/// The objects to remove from each drive, as the job asks: those labeled, without those that stand along `poses` if it wants
 /// moving ones only; what its detector sees, tracked over time; or what moves, where a drive brings neither masks nor labels. A
 /// warning says where it cannot be told what stands, so that nothing is left in the picture.
 Objects find_objects(const Recordings& drives, const Poses& poses, const Grounds& grounds, const job::Job& job,

@@ -16,7 +16,7 @@ Label car(int track, double x, double y) {
 }
 
 // The recording car does 10 m/s; track 1 is parked on the left, track 2 drives ahead on the right.
-Recording labelled() {
+Recording labeled() {
   Recording open{{}, objects::MaskSource::labels};
   Drive& drive = open.drive;
   drive.camera = {200, 100, 100, 100, 99.5, 49.5, {}};
@@ -30,19 +30,19 @@ Recording labelled() {
     drive.frames.push_back(frame);
   }
   drive.poses = Trajectory(poses);
-  drive.labelled = true;
+  drive.labeled = true;
   return open;
 }
 
 TEST(StandingTracks, AreTheHoleThatRemoveMovingLeaves) {
-  const Recording open = labelled();
+  const Recording open = labeled();
   job::Job job;
   const std::optional<StandingTracks> found = standing_tracks(open, open.drive.poses, job);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->tracks, 2U);
   EXPECT_EQ(found->standing, 1U);
   std::size_t parked = 0;
-  Recording only = labelled();
+  Recording only = labeled();
   for (Frame& frame : only.drive.frames) frame.labels.pop_back();
   const Lazy<cv::Mat1b> masks =
       objects::find_masks(only.drive, objects::MaskSource::labels, shared(only.drive.labels()), job.options.masks);
@@ -52,12 +52,12 @@ TEST(StandingTracks, AreTheHoleThatRemoveMovingLeaves) {
 }
 
 TEST(StandingTracks, AreNoneWhereNothingSaysWhatStands) {
-  Recording open = labelled();
+  Recording open = labeled();
   job::Job job;
   EXPECT_FALSE(standing_tracks(open, {}, job)) << "no poses";
   job.read.remove = job::Remove::moving;
   EXPECT_FALSE(standing_tracks(open, open.drive.poses, job)) << "they stay";
-  job.read.remove = job::Remove::labelled;
+  job.read.remove = job::Remove::labeled;
   open.masks_from = objects::MaskSource::files;
   open.drive.masks = {10, [](std::size_t) { return cv::Mat1b(100, 200, uchar{255}); }};
   EXPECT_FALSE(standing_tracks(open, open.drive.poses, job)) << "mask files do not say";

@@ -20,7 +20,7 @@ void attach_pictures(Views& views, const Recordings& drives, const Masks& masks_
 
 View numbered(View view, const Recordings& drives, std::size_t sequence) {
   view.sequence = static_cast<int>(sequence);
-  view.grey = drives[sequence].grey;
+  view.gray = drives[sequence].gray;
   view.drive = static_cast<int>(drives[sequence].rig_of.value_or(sequence));
   return view;
 }

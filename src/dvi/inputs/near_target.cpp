@@ -7,7 +7,7 @@
 namespace dvi::inputs {
 namespace {
 
-constexpr double kCell = 50;  // metres
+constexpr double kCell = 50;  // meters
 
 using Cell = std::pair<int, int>;
 

@@ -6,7 +6,7 @@
 
 namespace dvi::inputs {
 
-/// Metres between positions of two drives beyond which no camera of one sees what the other's target frames show.
+/// Meters between positions of two drives beyond which no camera of one sees what the other's target frames show.
 constexpr double kFarApart = 150;
 
 /// The time from a source drive's first given pose within kFarApart of a target frame's to its last one; up to 70 m more, since

@@ -21,7 +21,7 @@ std::optional<LengthReport> spread(std::vector<double> values) {
 /// How far the odometry's motion over 10 m is from the given poses'.
 std::optional<MotionReport> against_given(const std::vector<StampedPose>& poses, const Trajectory& given) {
   constexpr double kWay = 10;
-  std::vector<double> metres, degrees;
+  std::vector<double> meters, degrees;
   std::size_t last = 0;
   double way = 0;
   for (std::size_t first = 0; first < poses.size(); ++first) {
@@ -30,12 +30,12 @@ std::optional<MotionReport> against_given(const std::vector<StampedPose>& poses,
     const std::optional<SE3> a = given.at(poses[first].time_ns), b = given.at(poses[last].time_ns);
     if (way >= kWay && a && b) {
       const SE3 off = (poses[first].world_from_body.inverse() * poses[last].world_from_body).inverse() * (a->inverse() * *b);
-      metres.push_back(off.t.norm());
+      meters.push_back(off.t.norm());
       degrees.push_back(so3_log(off.R).norm() * 180 / M_PI);
     }
     if (first < last) way -= (poses[first + 1].world_from_body.t - poses[first].world_from_body.t).norm();
   }
-  const std::optional<LengthReport> m = spread(metres), deg = spread(degrees);
+  const std::optional<LengthReport> m = spread(meters), deg = spread(degrees);
   if (!m) return std::nullopt;
   return MotionReport{m->median_m, m->largest_m, deg->median_m, deg->largest_m};
 }

@@ -33,8 +33,8 @@ void take_labels(Drive& drive, const fs::path& path) {
   for (std::size_t i = 0; i < read.frames.size(); ++i) drive.frames[i].labels = read.frames[i];
   drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
   if (const Gap& gap = read.after_the_last; !gap.frames.empty()) drive.warnings.push_back(gap.what + " " + ranges(gap.frames));
-  drive.labelled = true;
-  drive.labelled_around = read.all_round;
+  drive.labeled = true;
+  drive.labeled_around = read.all_round;
   drive.other_files.insert(drive.other_files.end(), read.files.begin(), read.files.end());
 }
 
@@ -104,7 +104,7 @@ void resolve_poses(Drive& drive, const job::PosesFrom& from) {
   drive.other_files.emplace_back(from.file);
 }
 
-// Metres from the sensor to the returns that are used.
+// Meters from the sensor to the returns that are used.
 struct UsedRange {
   double least, most;
 };

@@ -20,12 +20,12 @@ struct Recording {
   std::optional<objects::MaskSource> masks_from = {};      ///< none: nothing says what to remove, so nothing is
   std::shared_ptr<const objects::Detector> detector = {};  ///< where they are detected
   cv::Mat1b ego_mask = {};                                 ///< removed in all frames, 255; empty: none
-  bool grey = false;                                       ///< its images have no colours
+  bool gray = false;                                       ///< its images have no colors
   /// Of another camera of a drive: the number of that drive's own recording, whose scans, poses and moving objects it shares.
   std::optional<std::size_t> rig_of = {};
   /// Of such a camera: labels tell what stands in the view of the drive's own camera only. What they do not draw here, that is
   /// objects without a box and all that lies outside of that view, is carried over.
-  bool labelled_in_part = false;
+  bool labeled_in_part = false;
 };
 
 /// The name of its folder, and that of the camera where it is not the drive's own.

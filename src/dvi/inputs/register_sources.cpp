@@ -14,7 +14,7 @@
 namespace dvi::inputs {
 namespace {
 
-constexpr double kFarFromGiven = 5;  // metres: given poses that lie farther off are of another world
+constexpr double kFarFromGiven = 5;  // meters: given poses that lie farther off are of another world
 constexpr const char* kRemedy = "leave it out, or give both drives poses in one world (docs/more_drives.md)";
 
 /// The same recording under another name: its first scan is that of the target, point by point.

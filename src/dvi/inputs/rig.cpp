@@ -51,7 +51,7 @@ TimeSpan span_of(const Drive& drive) {
 }
 
 // By the first image. A damaged one is named when it is read.
-bool is_grey(const Drive& drive) {
+bool is_gray(const Drive& drive) {
   if (datasets::holds_many_images(drive.frames.front().file)) {
     std::vector<cv::Mat> channels;
     cv::split(*drive.images[0], channels);
@@ -82,7 +82,7 @@ std::optional<objects::MaskSource> masks_of(Drive& drive, const Recording& own, 
     return objects::MaskSource::files;
   }
   if (own.masks_from == objects::MaskSource::found) return objects::MaskSource::found;
-  const bool boxes = own.drive.labelled_around || has_boxes(own.drive);
+  const bool boxes = own.drive.labeled_around || has_boxes(own.drive);
   return own.masks_from == objects::MaskSource::labels && boxes ? objects::MaskSource::labels : objects::MaskSource::carried;
 }
 
@@ -96,8 +96,8 @@ void share_boxes(const Drive& from, Drive& to) {
       label.instance.reset();
     }
   }
-  to.labelled = true;
-  to.labelled_around = from.labelled_around;
+  to.labeled = true;
+  to.labeled_around = from.labeled_around;
 }
 
 Recording open_camera(const Recordings& drives, std::size_t number, const std::string& camera, const job::ReadChoice& choice) {
@@ -118,16 +118,16 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
   open.rig_of = number;
   open.masks_from = masks_of(drive, own, choice);
   // A recording may label each camera's images at their own times; a file that the user names is read for the drive's own.
-  const bool labelled = std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& f) { return !f.labels.empty(); });
+  const bool labeled = std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& f) { return !f.labels.empty(); });
   const bool of_its_own =
-      labelled && drive.labelled_around && (choice.is_source || choice.masks.kind != job::MasksFrom::Kind::path);
+      labeled && drive.labeled_around && (choice.is_source || choice.masks.kind != job::MasksFrom::Kind::path);
   if (open.masks_from == objects::MaskSource::labels && !of_its_own) {
     share_boxes(own.drive, drive);
-    open.labelled_in_part = !drive.labelled_around;
+    open.labeled_in_part = !drive.labeled_around;
   }
   if (open.masks_from == objects::MaskSource::files)
     if (const auto bare = labels::frames_without_mask(drive)) drive.warnings.push_back(*bare);
-  open.grey = is_grey(drive);
+  open.gray = is_gray(drive);
   return open;
 }
 
@@ -160,9 +160,9 @@ Recordings with_other_cameras(Recordings drives, const job::Job& job, Progress& 
     }
   }
   if (drives.size() > 1)
-    for (std::size_t i = 0; i < own; ++i) drives[i].grey = is_grey(drives[i].drive);
+    for (std::size_t i = 0; i < own; ++i) drives[i].gray = is_gray(drives[i].drive);
   std::stable_partition(drives.begin() + static_cast<std::ptrdiff_t>(own), drives.end(),
-                        [](const Recording& open) { return !open.grey; });
+                        [](const Recording& open) { return !open.gray; });
   return drives;
 }
 

@@ -8,9 +8,9 @@
 namespace dvi::inputs {
 
 /// Appends the other cameras of each drive that the job lets lend (`--sources`), as far as they took images during the drive's
-/// frames, grey ones last, and tells which recordings are grey: between those and coloured ones only structure is compared.
+/// frames, gray ones last, and tells which recordings are gray: between those and colored ones only structure is compared.
 /// They share the scans of their drive. What they see of its traffic is told by mask files of their own, by objects found in
-/// the scans, by labelled boxes, else by the masks of the drive's own camera, carried over (masks/carried.h). A
+/// the scans, by labeled boxes, else by the masks of the drive's own camera, carried over (masks/carried.h). A
 /// camera that cannot be read is left out with a warning; UsageError where it was asked for by name and is not there.
 Recordings with_other_cameras(Recordings drives, const job::Job& job, Progress& progress);
 

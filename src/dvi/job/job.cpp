@@ -80,13 +80,13 @@ OptionTable Job::table() {
             "Of mask files: white = remove, black = remove, or auto: white, unless most of most masks is white.");
   table.add("classes", read.mask_files.classes, {},
             "Classes to remove, where mask files are pictures of class ids, or of labels; empty: all that is masked.");
-  table.add("ego_mask", read.ego_mask, {}, "A PNG of what hides the view in all frames, such as the bonnet; empty: none.");
+  table.add("ego_mask", read.ego_mask, {}, "A PNG of what hides the view in all frames, such as the hood; empty: none.");
   table.add("detector", read.detector, {},
             "A network (MODEL.onnx, with MODEL.toml beside it) whose detections are removed; empty: masks says what.");
   table.add("poses", read.poses,
             "auto (given or loam, whichever map is sharper), given, loam (estimated from scans), or a file of poses.");
   table.add("remove", read.remove,
-            "moving: only labelled objects that move; labelled: what the masks say; all: both masks and labels.");
+            "moving: only labeled objects that move; labeled: what the masks say; all: both masks and labels.");
   table.add("method", method, "dvi, the published form (paper), or a baseline without depth.");
   table.add(
       "memory_mb", memory_mb, {16, 1000000},

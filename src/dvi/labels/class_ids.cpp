@@ -141,7 +141,7 @@ void choose_of_cityscapes(const std::string& name, bool by_train_id, ChosenClass
     if (by_train_id && id == kNoTrainId) continue;
     if (name != entry.name && name != entry.group && to_integer(name) != id) continue;
     chosen.ids.insert(id);
-    chosen.colours.push_back(bgr(entry));
+    chosen.colors.push_back(bgr(entry));
   }
 }
 
@@ -173,40 +173,40 @@ ChosenClasses parse_classes(const std::string& text) {
   ChosenClasses chosen;
   for (const std::string& name : names_in(std::string_view(text).substr(colon == std::string::npos ? 0 : colon + 1))) {
     const auto number = all_digits(name) ? to_integer(name) : std::nullopt;
-    const std::size_t before = chosen.ids.size() + chosen.colours.size();
+    const std::size_t before = chosen.ids.size() + chosen.colors.size();
     if (table == "semantic-kitti")
       choose_of_semantic_kitti(name, chosen);
     else
       choose_of_cityscapes(name, table == "cityscapes-train", chosen);
     if (number)
       chosen.ids.insert(*number);
-    else if (chosen.ids.size() + chosen.colours.size() == before)
+    else if (chosen.ids.size() + chosen.colors.size() == before)
       throw UsageError(fmt::format("--classes {}: there is no class '{}' in {}; there are numbers, and {}", text, name, table,
                                    names_of_table(table)));
   }
   return chosen;
 }
 
-bool has_class_colours(const cv::Mat3b& picture) {
+bool has_class_colors(const cv::Mat3b& picture) {
   std::set<int> known;
-  const auto packed = [](const cv::Vec3b& colour) { return colour[0] | colour[1] << 8 | colour[2] << 16; };
+  const auto packed = [](const cv::Vec3b& color) { return color[0] | color[1] << 8 | color[2] << 16; };
   for (const ClassId& entry : kCityscapes) known.insert(packed(bgr(entry)));
   int last = 0;
-  bool coloured = false;
-  for (const cv::Vec3b& colour : picture) {
-    if (packed(colour) == last) continue;
-    last = packed(colour);
+  bool colored = false;
+  for (const cv::Vec3b& color : picture) {
+    if (packed(color) == last) continue;
+    last = packed(color);
     if (!known.contains(last)) return false;
-    coloured |= last != 0;
+    colored |= last != 0;
   }
-  return coloured;
+  return colored;
 }
 
 cv::Mat1b mask_of_classes(const cv::Mat& picture, const ChosenClasses& classes) {
   cv::Mat1b mask(picture.size(), uchar{0});
   if (picture.type() == CV_8UC3) {
-    std::transform(picture.begin<cv::Vec3b>(), picture.end<cv::Vec3b>(), mask.begin(), [&](const cv::Vec3b& colour) {
-      return std::find(classes.colours.begin(), classes.colours.end(), colour) == classes.colours.end() ? 0 : 255;
+    std::transform(picture.begin<cv::Vec3b>(), picture.end<cv::Vec3b>(), mask.begin(), [&](const cv::Vec3b& color) {
+      return std::find(classes.colors.begin(), classes.colors.end(), color) == classes.colors.end() ? 0 : 255;
     });
     return mask;
   }

@@ -19,7 +19,7 @@ inline constexpr int kKittiIdsOfAClass = 256;
 /// What `--classes` names in pictures of class ids.
 struct ChosenClasses {
   std::set<int> ids;
-  std::vector<cv::Vec3b> colours;  ///< BGR, of the Cityscapes palette
+  std::vector<cv::Vec3b> colors;  ///< BGR, of the Cityscapes palette
   int ids_of_a_class = kIdsOfAClass;
 };
 
@@ -27,10 +27,10 @@ struct ChosenClasses {
 /// Cityscapes and KITTI-360, which share their ids. UsageError with the names there are.
 ChosenClasses parse_classes(const std::string& text);
 
-/// Whether each colour of a BGR picture is one of the Cityscapes palette, and not all are black.
-bool has_class_colours(const cv::Mat3b& picture);
+/// Whether each color of a BGR picture is one of the Cityscapes palette, and not all are black.
+bool has_class_colors(const cv::Mat3b& picture);
 
-/// 255 where the pixel is of a chosen class: by value, of 8 or 16 bits and one channel, or by colour.
+/// 255 where the pixel is of a chosen class: by value, of 8 or 16 bits and one channel, or by color.
 cv::Mat1b mask_of_classes(const cv::Mat& picture, const ChosenClasses& classes);
 
 /// Whether 16-bit values are those of KITTI's instance pictures: none is an id alone, all are of known classes, and of a

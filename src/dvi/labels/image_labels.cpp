@@ -15,7 +15,7 @@
 namespace dvi::labels {
 namespace {
 
-// More than that is no labelling, but would take all memory: few bytes of a file can stand for many frames.
+// More than that is no labeling, but would take all memory: few bytes of a file can stand for many frames.
 constexpr std::size_t kMostLabels = 10'000'000;
 
 fs::path as_path(std::string image) {

@@ -38,7 +38,7 @@ class ImageLabels {
 
   cv::Size size() const { return size_; }
   bool wanted(const std::string& frame) const { return wanted_.contains(frame); }
-  /// The frame is labelled, be it with nothing.
+  /// The frame is labeled, be it with nothing.
   void know(const std::string& frame) { out_.frames[frame]; }
   /// InputError of `image` where images of this size are not the drive's.
   void require_size(const std::string& image, cv::Size size) const;

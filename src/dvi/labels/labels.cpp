@@ -226,7 +226,7 @@ FileLabels read_labels(const fs::path& file, const Drive& drive) {
   refuse_unread_labels(file);
   std::vector<std::string> known;
   for (const LabelFormat& format : label_formats()) {
-    if (format.recognise(text)) {
+    if (format.recognize(text)) {
       FileLabels read = format.read(file, drive);
       read.files = {file};
       return read;
@@ -251,8 +251,8 @@ Gap add_labels(Drive& drive, const fs::path& file) {
         labels.push_back(std::move(label));
     }
   drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
-  drive.labelled_around = read.all_round && (drive.labelled_around || !drive.labelled);
-  drive.labelled = true;
+  drive.labeled_around = read.all_round && (drive.labeled_around || !drive.labeled);
+  drive.labeled = true;
   drive.other_files.push_back(file);
   return std::move(read.after_the_last);
 }

@@ -25,14 +25,14 @@ struct FileLabels {
 /// One kind of label files.
 struct LabelFormat {
   std::string name;                                      ///< for a person
-  std::function<bool(std::string_view text)> recognise;  ///< of the text from its first character that is no blank on
+  std::function<bool(std::string_view text)> recognize;  ///< of the text from its first character that is no blank on
   std::function<FileLabels(const fs::path&, const Drive&)> read;
 };
 
 /// All kinds; a new reader is one file and one line there.
 const std::vector<LabelFormat>& label_formats();
 
-/// The labels of a file, recognised by its content. What labels leave out of count (DontCare, MOTS' ignore regions) is no
+/// The labels of a file, recognized by its content. What labels leave out of count (DontCare, MOTS' ignore regions) is no
 /// label. InputError where the file is none of these formats, is malformed or was made for another camera. Of LabelMe, which
 /// writes a file per image, `file` may be the folder.
 FileLabels read_labels(const fs::path& file, const Drive& drive);
@@ -48,7 +48,7 @@ void refuse_unread_labels(const fs::path& path);
 std::string_view label_text(std::string_view all);
 
 /// Adds the labels of a file to drive.frames, and notes the file and its warnings. Outlines join the label of the same track.
-/// Returns the frames after the last labelled one.
+/// Returns the frames after the last labeled one.
 Gap add_labels(Drive& drive, const fs::path& file);
 
 using LabelsByNumber = std::map<int, std::vector<Label>>;

@@ -68,7 +68,7 @@ TEST(Coco, ReadsPolygonsRunsAndBoxes) {
   EXPECT_EQ(labels[2][1].track, 6);
   EXPECT_EQ(*labels[2][1].rect, cv::Rect2d(0, 1.5, 2, 2)) << "it is cut at the border";
   EXPECT_THAT(read.warnings, ElementsAre("coco.json has 1 object outside of the image, the first in frame 002"));
-  EXPECT_TRUE(read.after_the_last.frames.empty()) << "an image without annotations is labelled";
+  EXPECT_TRUE(read.after_the_last.frames.empty()) << "an image without annotations is labeled";
 }
 
 TEST(Coco, TakesTheBoxWhereTheSegmentationIsEmpty) {

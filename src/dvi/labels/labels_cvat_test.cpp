@@ -50,10 +50,10 @@ TEST(Cvat, MovesBoxesBetweenKeyframes) {
   const auto file = folder.write(
       "a.xml", cvat(track(box(6, 8, 4) + box(2, 0, 2, "outside=\"0\" occluded=\"1\"") + box(8, 9, 5, "outside=\"1\""))));
   const FileLabels read = read_labels(file, drive_of(12));
-  std::vector<int> labelled;
+  std::vector<int> labeled;
   for (int i = 0; i < 12; ++i)
-    if (!read.frames[static_cast<std::size_t>(i)].empty()) labelled.push_back(i);
-  EXPECT_THAT(labelled, ElementsAre(2, 3, 4, 5, 6, 7)) << "from the first to the one before it is outside";
+    if (!read.frames[static_cast<std::size_t>(i)].empty()) labeled.push_back(i);
+  EXPECT_THAT(labeled, ElementsAre(2, 3, 4, 5, 6, 7)) << "from the first to the one before it is outside";
   const Label& car = read.frames[3].at(0);
   EXPECT_EQ(car.type, "car");
   EXPECT_EQ(car.track, 3);

@@ -21,7 +21,7 @@ namespace dvi::labels {
 namespace {
 
 constexpr std::size_t kSample = 25;  // files; each takes some ten milliseconds
-constexpr std::size_t kFewest = 3;   // files that decide: one lorry fills one picture
+constexpr std::size_t kFewest = 3;   // files that decide: one truck fills one picture
 constexpr double kMost = 0.5;        // share of the picture that traffic leaves free in the median
 constexpr double kShown = 1e-3;      // share of the picture from which on a value is no soft edge
 constexpr std::size_t kIds = 3;      // values besides 0 that make a picture of ids
@@ -53,7 +53,7 @@ bool of_dvi_mask(const Drive& drive) {
   return false;
 }
 
-// The values of a picture besides 0 that take more than soft edges; of colours a number for each.
+// The values of a picture besides 0 that take more than soft edges; of colors a number for each.
 std::set<int> values_of(const cv::Mat& picture) {
   std::vector<cv::Mat> channels;
   cv::split(picture, channels);
@@ -127,9 +127,9 @@ Polarity decide(Drive& drive, const Looks& looks) {
 }
 
 /// How a folder's pictures hold ids.
-enum class IdsAs { values, colours, nothing };
+enum class IdsAs { values, colors, nothing };
 
-bool is_grey(const cv::Mat3b& picture) {
+bool is_gray(const cv::Mat3b& picture) {
   return std::all_of(picture.begin(), picture.end(), [](const cv::Vec3b& p) { return p[0] == p[1] && p[1] == p[2]; });
 }
 
@@ -138,31 +138,31 @@ cv::Mat as_ids(cv::Mat picture, IdsAs how) {
   if (picture.channels() == 1) return picture;
   if (picture.depth() == CV_16U || how == IdsAs::values) cv::extractChannel(picture, picture, 0);
   if (picture.channels() == 4) {
-    cv::Mat3b colours(picture.size());
+    cv::Mat3b colors(picture.size());
     const std::array<int, 6> kept{0, 0, 1, 1, 2, 2};
-    cv::mixChannels(&picture, 1, &colours, 1, kept.data(), 3);
-    return colours;
+    cv::mixChannels(&picture, 1, &colors, 1, kept.data(), 3);
+    return colors;
   }
   return picture;
 }
 
 IdsAs how_ids_are_held(const std::vector<fs::path>& sample, cv::Size size) {
-  bool colours = true, plain = true, any = false;
+  bool colors = true, plain = true, any = false;
   for (const fs::path& file : sample) {
     const cv::Mat picture = media::read_unchanged(file, size);
     if (picture.empty()) continue;
     any = true;
     const cv::Mat values = media::read_indices(file, size);
-    const bool coloured = picture.channels() > 1 && picture.depth() == CV_8U;
-    colours &= coloured && has_class_colours(as_ids(picture, IdsAs::colours));
-    if (coloured && values.channels() > 1 && !colours && !is_grey(as_ids(picture, IdsAs::colours)))
-      throw InputError(file, "holds colours that are not those of the Cityscapes palette",
-                       "--classes takes pictures of ids, with a palette or without, or these colours");
+    const bool colored = picture.channels() > 1 && picture.depth() == CV_8U;
+    colors &= colored && has_class_colors(as_ids(picture, IdsAs::colors));
+    if (colored && values.channels() > 1 && !colors && !is_gray(as_ids(picture, IdsAs::colors)))
+      throw InputError(file, "holds colors that are not those of the Cityscapes palette",
+                       "--classes takes pictures of ids, with a palette or without, or these colors");
     double low = 0, high = 0;
     cv::minMaxLoc(as_ids(values, IdsAs::values), &low, &high);
     plain &= (high == 0 || high == 255) && values_of(as_ids(values, IdsAs::values)).size() <= 1;
   }
-  return colours && any ? IdsAs::colours : plain ? IdsAs::nothing : IdsAs::values;
+  return colors && any ? IdsAs::colors : plain ? IdsAs::nothing : IdsAs::values;
 }
 
 // Cityscapes and KITTI number the instances of a class differently.

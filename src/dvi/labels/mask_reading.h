@@ -30,7 +30,7 @@ struct MaskReading {
 /// named.
 void read_masks(Drive& drive, const MaskReading& reading);
 
-/// One mask of all frames, such as that of the vehicle's bonnet. Where the polarity is automatic the smaller part is removed,
+/// One mask of all frames, such as that of the vehicle's hood. Where the polarity is automatic the smaller part is removed,
 /// and a warning of the drive says so where that is black. The file becomes one of other_files. InputError where its size is
 /// not that of the drive's images.
 cv::Mat1b read_static_mask(Drive& drive, const fs::path& file, Polarity polarity);

@@ -46,7 +46,7 @@ std::string usage_error(const std::function<void()>& call) {
   return "no error";
 }
 
-// The PNG of a grey picture with a palette, of which its values are the indices.
+// The PNG of a gray picture with a palette, of which its values are the indices.
 std::string with_palette(std::string png, const std::vector<cv::Vec3b>& rgb) {
   const auto number = [](std::uint32_t value) {
     std::string out;
@@ -57,8 +57,8 @@ std::string with_palette(std::string png, const std::vector<cv::Vec3b>& rgb) {
     return number(static_cast<std::uint32_t>(body.size() - 4)) + body + number(libdeflate_crc32(0, body.data(), body.size()));
   };
   std::string palette = "PLTE";
-  for (const cv::Vec3b& colour : rgb)
-    for (int i = 0; i < 3; ++i) palette += static_cast<char>(colour[i]);
+  for (const cv::Vec3b& color : rgb)
+    for (int i = 0; i < 3; ++i) palette += static_cast<char>(color[i]);
   png[25] = 3;
   return png.substr(0, 8) + chunk(png.substr(12, 17)) + chunk(palette) + png.substr(33);
 }
@@ -66,12 +66,12 @@ std::string with_palette(std::string png, const std::vector<cv::Vec3b>& rgb) {
 TEST(MaskReading, DecidesThePolarityForTheFolder) {
   const TestFolder folder;
   for (int i = 0; i < 5; ++i) folder.write_image(fmt::format("masks/{}.png", i), rows_of(i == 2 ? 8 : 2));
-  Drive lorry = drive_with(folder, 5);
-  read_masks(lorry, {});
-  EXPECT_EQ(removed(lorry, 0), 20);
-  EXPECT_EQ(removed(lorry, 2), 80) << "one frame filled by a lorry";
-  EXPECT_THAT(lorry.warnings, IsEmpty());
-  EXPECT_EQ(lorry.other_files.size(), 5U) << "the decision depends on them";
+  Drive truck = drive_with(folder, 5);
+  read_masks(truck, {});
+  EXPECT_EQ(removed(truck, 0), 20);
+  EXPECT_EQ(removed(truck, 2), 80) << "one frame filled by a truck";
+  EXPECT_THAT(truck.warnings, IsEmpty());
+  EXPECT_EQ(truck.other_files.size(), 5U) << "the decision depends on them";
   for (int i = 0; i < 5; ++i) folder.write_image(fmt::format("masks/{}.png", i), rows_of(i == 2 ? 0 : 7));
   Drive black = drive_with(folder, 1);  // as --frames 0
   read_masks(black, {});
@@ -141,7 +141,7 @@ TEST(MaskReading, PicturesOfIdsNeedClasses) {
   EXPECT_THAT(instances.warnings, ElementsAre(HasSubstr("3 values besides 0, and all of them are removed")));
 }
 
-TEST(MaskReading, ReadsInstancesPalettesAndColours) {
+TEST(MaskReading, ReadsInstancesPalettesAndColors) {
   const TestFolder folder;
   const auto with = [&](const cv::Mat& picture, const std::string& classes) {
     folder.write_image("masks/0.png", picture);
@@ -154,23 +154,23 @@ TEST(MaskReading, ReadsInstancesPalettesAndColours) {
   deep.row(1) = 26000, deep.row(2) = 26042, deep.row(3) = 24001, deep.row(4) = 26;
   EXPECT_EQ(with(deep, "car"), 30);
   EXPECT_EQ(with(deep, "human,26"), 40);
-  cv::Mat4b coloured(kMaskSize, cv::Vec4b(128, 64, 128, 255));
-  coloured.row(2) = cv::Vec4b(142, 0, 0, 255), coloured.row(3) = cv::Vec4b(70, 0, 0, 255);
-  EXPECT_EQ(with(coloured, "car"), 10);
-  EXPECT_EQ(with(coloured, "vehicle"), 20);
-  cv::Mat3b grey;
-  cv::merge(std::vector<cv::Mat>(3, street()), grey);
-  EXPECT_EQ(with(grey, "car"), 10);
+  cv::Mat4b colored(kMaskSize, cv::Vec4b(128, 64, 128, 255));
+  colored.row(2) = cv::Vec4b(142, 0, 0, 255), colored.row(3) = cv::Vec4b(70, 0, 0, 255);
+  EXPECT_EQ(with(colored, "car"), 10);
+  EXPECT_EQ(with(colored, "vehicle"), 20);
+  cv::Mat3b gray;
+  cv::merge(std::vector<cv::Mat>(3, street()), gray);
+  EXPECT_EQ(with(gray, "car"), 10);
 
   cv::Mat1b indices(kMaskSize, uchar{0});
   indices.row(5) = 1, indices.row(6) = 2;
   const auto palette = [&](const std::vector<cv::Vec3b>& rgb, const std::string& classes) {
-    folder.write("masks/0.png", with_palette(read_file(folder.write_image("grey.png", indices)), rgb));
+    folder.write("masks/0.png", with_palette(read_file(folder.write_image("gray.png", indices)), rgb));
     Drive drive = drive_with(folder, 1);
     read_masks(drive, {.classes = classes});
     return removed(drive, 0);
   };
-  EXPECT_EQ(palette({{128, 64, 128}, {0, 0, 142}, {220, 20, 60}}, "car"), 10) << "by the colours";
+  EXPECT_EQ(palette({{128, 64, 128}, {0, 0, 142}, {220, 20, 60}}, "car"), 10) << "by the colors";
   EXPECT_EQ(palette({{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}, "1,2"), 20) << "by the indices";
 }
 
@@ -209,11 +209,11 @@ TEST(ClassIds, TakesNamesGroupsAndNumbersOfTables) {
   EXPECT_THAT(parse_classes("cityscapes-train:car,person").ids, ElementsAre(11, 13));
   EXPECT_THAT(parse_classes("semantic-kitti:car,moving-person").ids, ElementsAre(10, 252, 254));
   EXPECT_THAT(parse_classes("26,1000").ids, ElementsAre(26, 1000));
-  EXPECT_THAT(parse_classes("26").colours, ElementsAre(cv::Vec3b(142, 0, 0)));
+  EXPECT_THAT(parse_classes("26").colors, ElementsAre(cv::Vec3b(142, 0, 0)));
 }
 
 TEST(ClassIds, NamesTheClassesThereAre) {
-  EXPECT_THAT(usage_error([] { parse_classes("car,lorry"); }), AllOf(HasSubstr("no class 'lorry'"), HasSubstr("truck, bus")));
+  EXPECT_THAT(usage_error([] { parse_classes("car,truck"); }), AllOf(HasSubstr("no class 'truck'"), HasSubstr("truck, bus")));
   EXPECT_THAT(usage_error([] { parse_classes("semantic-kitti:truck,tram"); }),
               AllOf(HasSubstr("'tram'"), HasSubstr("on rails")));
   EXPECT_THAT(usage_error([] { parse_classes("cityscapes-train:caravan"); }), HasSubstr("no class 'caravan'"));
@@ -228,8 +228,8 @@ TEST(ClassIds, KeepsLabelsOfTheTypesNamed) {
     drive.frames[0].labels.emplace_back();
     drive.frames[0].labels.back().type = type;
   }
-  EXPECT_THAT(usage_error([&] { keep_label_types(drive, "lorry"); }),
-              AllOf(HasSubstr("'lorry'"), HasSubstr("car, traffic light")));
+  EXPECT_THAT(usage_error([&] { keep_label_types(drive, "truck"); }),
+              AllOf(HasSubstr("'truck'"), HasSubstr("car, traffic light")));
   drive.warnings.clear();
   keep_label_types(drive, "car,van");
   EXPECT_EQ(drive.frames[0].labels.size(), 2U);

@@ -53,7 +53,7 @@ void Gathered::add(const FilteredScan& scan, std::size_t drive, std::int64_t tim
     MapVoxel& voxel = voxels.at(point.position);
     if (voxel.count == 0) voxel.first = number;
     voxel.last = number;
-    voxel.offset_sum += (point.position - voxels.centre(voxels.place(point.position))).cast<float>();
+    voxel.offset_sum += (point.position - voxels.center(voxels.place(point.position))).cast<float>();
     voxel.intensity_sum += point.intensity;
     ++voxel.count;
   }
@@ -120,7 +120,7 @@ void move_to_map(Gathered& gathered, bool carve, StaticMap& map) {
   }
   for (const auto& [column, tile] : gathered.removed.tiles())
     for (const std::size_t i : in_order(tile))
-      map.removed.push_back({gathered.removed.centre(tile.places[i]).cast<float>(), tile.voxels[i].cause});
+      map.removed.push_back({gathered.removed.center(tile.places[i]).cast<float>(), tile.voxels[i].cause});
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ struct MapOptions {
               "Keep only points that the camera saw unmasked when they were scanned; others may belong to traffic.");
     table.add("carve", carve, "Free-space carving: remove points that rays of other scans passed through.");
     table.add("box_margin_m", box_margin_m, {0, 5},
-              "Margin added to labelled 3D boxes before their points are dropped; objects move while they are scanned.");
+              "Margin added to labeled 3D boxes before their points are dropped; objects move while they are scanned.");
   }
   void check() const { check_ranges(*this); }
 };
@@ -51,7 +51,7 @@ struct MapInput {
 };
 
 /// The static map of several drives in one world: scans are compensated for the motion within the scan; points that project
-/// into the mask of the frame nearest in time, unless another camera saw them unmasked, or lie in its labelled boxes are
+/// into the mask of the frame nearest in time, unless another camera saw them unmasked, or lie in its labeled boxes are
 /// dropped (section 3.1 of the paper), the rest is thinned to one mean point a voxel; then voxels that rays of other scans went
 /// through are dropped. A map that a drive brings is taken as it is, as far from its path as scans are. Streams over scans:
 /// memory grows with the area seen, up to the bound of Scratch::of_process(). Parts: map, carve, normals.

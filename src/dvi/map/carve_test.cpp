@@ -44,12 +44,12 @@ class Occupied {
   VoxelGrid<char> grid_;
 };
 
-// The synthetic street with nothing masked or labelled, and what each return lies on.
-struct UnlabelledStreet {
+// The synthetic street with nothing masked or labeled, and what each return lies on.
+struct UnlabeledStreet {
   Drive drive;
   std::vector<synth::SynthScan> scans;
 
-  explicit UnlabelledStreet(int frames) {
+  explicit UnlabeledStreet(int frames) {
     synth::SynthOptions options;
     options.frames = frames;
     options.columns = 900;
@@ -64,7 +64,7 @@ struct UnlabelledStreet {
 };
 
 TEST(Carve, KeepsTheStreetAndDropsItsTrafficUnasked) {
-  const UnlabelledStreet street(30);
+  const UnlabeledStreet street(30);
   // Poses as rough as those of a good GNSS.
   Random random(3);
   std::vector<StampedPose> poses = street.drive.poses.poses();
@@ -148,7 +148,7 @@ Drive plain_drive(int scans, const World& world) {
   return drive;
 }
 
-// A plain between facades with a thin pole, a car that stands, one that comes towards and one that waits for a second.
+// A plain between facades with a thin pole, a car that stands, one that comes toward and one that waits for a second.
 double with_traffic(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, double time) {
   const double waiting = 14 + 12 * std::max(0.0, time - 1);
   return std::min({ground(origin, ray), facades(origin, ray), pole(origin, ray, {12, 5}, 0.05),
@@ -182,15 +182,15 @@ TEST(Carve, KeepsThinAndStandingThingsAndTheGround) {
   EXPECT_EQ(map.points.size() + map.removed.size(), all.points.size());
 }
 
-// A lorry stands on the first day only, all the time; a car beside it on the second.
+// A truck stands on the first day only, all the time; a car beside it on the second.
 TEST(Carve, KeepsEachDayWhatStoodThatDay) {
-  const Eigen::AlignedBox3d lorry(Eigen::Vector3d(10, -7, -1.65), Eigen::Vector3d(20, -4.5, 1.8)), car = car_at(24, -7);
+  const Eigen::AlignedBox3d truck(Eigen::Vector3d(10, -7, -1.65), Eigen::Vector3d(20, -4.5, 1.8)), car = car_at(24, -7);
   const auto day = [](const Eigen::AlignedBox3d& parked) {
     return plain_drive(20, [parked](const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, double) {
       return std::min({ground(origin, ray), facades(origin, ray), box(origin, ray, parked)});
     });
   };
-  const std::array<Drive, 2> drives{day(lorry), day(car)};
+  const std::array<Drive, 2> drives{day(truck), day(car)};
   for (const std::size_t target : {0, 1}) {
     const Drive &first = drives[target], &second = drives[1 - target];
     const StaticMap map =
@@ -204,9 +204,9 @@ TEST(Carve, KeepsEachDayWhatStoodThatDay) {
       return stood / count;
     };
     const std::size_t on_first = target, on_second = 1 - target;  // inputs by day
-    const Eigen::Vector3d lorry_low(9.8, -7, -1.3), lorry_high(20.2, -4.4, 1.2), car_low(23.8, -7, -1.3), car_high(28.4, -5, 0);
-    EXPECT_GT(share(lorry_low, lorry_high, on_first), 0.98);
-    EXPECT_LT(share(lorry_low, lorry_high, on_second), 0.02);
+    const Eigen::Vector3d truck_low(9.8, -7, -1.3), truck_high(20.2, -4.4, 1.2), car_low(23.8, -7, -1.3), car_high(28.4, -5, 0);
+    EXPECT_GT(share(truck_low, truck_high, on_first), 0.98);
+    EXPECT_LT(share(truck_low, truck_high, on_second), 0.02);
     EXPECT_GT(share(car_low, car_high, on_second), 0.98);
     EXPECT_LT(share(car_low, car_high, on_first), 0.02);
     EXPECT_GT(share({-30, -12.2, -1.5}, {60, -11.8, 2}, on_first), 0.99) << "the facade";

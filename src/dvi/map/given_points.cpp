@@ -21,8 +21,8 @@ class NearPath {
       const Eigen::Vector2i middle = cell(path[i]);
       for (int x = middle.x() - reach; x <= middle.x() + reach; ++x)
         for (int y = middle.y() - reach; y <= middle.y() + reach; ++y) {
-          const Eigen::Vector2f centre(kCell * (static_cast<float>(x) + 0.5F), kCell * (static_cast<float>(y) + 0.5F));
-          const float distance = (centre - path[i].head<2>()).norm();
+          const Eigen::Vector2f center(kCell * (static_cast<float>(x) + 0.5F), kCell * (static_cast<float>(y) + 0.5F));
+          const float distance = (center - path[i].head<2>()).norm();
           if (distance > range) continue;
           const auto [at, is_new] = cells_.try_emplace(key({x, y}), Nearest{i, distance});
           if (!is_new && distance < at->second.distance) at->second = {i, distance};
@@ -30,14 +30,14 @@ class NearPath {
     }
   }
   std::optional<std::size_t> nearest(const Eigen::Vector3f& point) const {
-    constexpr float kFarthest = 1e6F;  // metres, so that cells can be counted in integers
+    constexpr float kFarthest = 1e6F;  // meters, so that cells can be counted in integers
     if (!(point.cwiseAbs().maxCoeff() < kFarthest)) return std::nullopt;
     const auto found = cells_.find(key(cell(point)));
     return found == cells_.end() ? std::nullopt : std::optional(found->second.place);
   }
 
  private:
-  static constexpr float kCell = 4, kStep = 1;  // metres
+  static constexpr float kCell = 4, kStep = 1;  // meters
   struct Nearest {
     std::size_t place = 0;
     float distance = 0;
@@ -81,7 +81,7 @@ std::size_t add_given(const MapInput& input, const MapOptions& options, std::siz
     if (!place) continue;
     MapVoxel& voxel = voxels.at(position);
     if (voxel.count == 0) voxel.first = voxel.last = static_cast<std::uint32_t>(first + *place);
-    voxel.offset_sum += (position - voxels.centre(voxels.place(position))).cast<float>();
+    voxel.offset_sum += (position - voxels.center(voxels.place(position))).cast<float>();
     voxel.intensity_sum += map->intensity[i];
     ++voxel.count, ++added;
     if (added % (std::size_t{1} << 20) == 0) voxels.page_out();

@@ -16,7 +16,7 @@ namespace {
 constexpr std::int64_t kScanPeriod = 100'000'000;  // nanoseconds
 constexpr int kScans = 8, kBeams = 64, kColumns = 1800;
 
-/// Metres to the street along a ray from 1.7 m above it: ground, facades 9 m to either side, nothing above 6 m.
+/// Meters to the street along a ray from 1.7 m above it: ground, facades 9 m to either side, nothing above 6 m.
 float range_along(const Eigen::Vector3f& ray) {
   const float ground = ray.z() < 0 ? -1.7F / ray.z() : 1e9F;
   const float facade = 9 / std::max(std::abs(ray.y()), 1e-6F);

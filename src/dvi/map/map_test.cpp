@@ -212,7 +212,7 @@ TEST(BuildMap, IsTheSameWithoutMemoryToSpare) {
   for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a[i].index, b[i].index);
 }
 
-TEST(VisiblePoints, EndWhereAPixelSpansHalfAMetre) {
+TEST(VisiblePoints, EndWhereAPixelSpansHalfAMeter) {
   StaticMap map;
   for (const float x : {49.0F, 51.0F}) {
     map.points.push_back({{x, 0.1F * (x - 50), 0}, 0, 1});
@@ -235,7 +235,7 @@ TEST(VisiblePoints, HidesWhatIsBehindADisc) {
   View view;
   view.camera = {200, 100, 100, 100, 99.5, 49.5, {}};
   view.camera_from_world.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-  EXPECT_EQ(visible_points(map, view, 0, 0.05).size(), 3) << "a pixel beside its nearer neighbour: seen";
+  EXPECT_EQ(visible_points(map, view, 0, 0.05).size(), 3) << "a pixel beside its nearer neighbor: seen";
   const auto visible = visible_points(map, view, 0.3, 0.05);
   ASSERT_EQ(visible.size(), 2);
   for (const VisiblePoint& p : visible) EXPECT_NE(p.index, 1);

@@ -10,7 +10,7 @@ namespace dvi::map {
 
 /// What the returns of one voxel add up to, and what rays saw of it.
 struct MapVoxel {
-  Eigen::Vector3f offset_sum = Eigen::Vector3f::Zero();  ///< of the returns from the voxel's centre, metres
+  Eigen::Vector3f offset_sum = Eigen::Vector3f::Zero();  ///< of the returns from the voxel's center, meters
   float intensity_sum = 0;
   std::uint32_t count = 0;
   std::uint32_t first = 0, last = 0;    ///< scans, by their number in StaticMap::scans
@@ -22,7 +22,7 @@ using MapVoxels = VoxelGrid<MapVoxel>;
 
 /// The mean of its returns, in world axes.
 inline Eigen::Vector3d mean(const MapVoxels& grid, const Eigen::Vector3i& place, const MapVoxel& voxel) {
-  return grid.centre(place) + (voxel.offset_sum / static_cast<float>(voxel.count)).cast<double>();
+  return grid.center(place) + (voxel.offset_sum / static_cast<float>(voxel.count)).cast<double>();
 }
 
 }  // namespace dvi::map

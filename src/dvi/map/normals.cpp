@@ -13,14 +13,14 @@
 namespace dvi::map {
 namespace {
 
-constexpr double kNeighbourhood = 0.2;  // metres
-constexpr int kFewest = 6;              // points
-constexpr float kWidth = 0.08F;  // metres, standard deviation: a strip narrower than four times the range noise has no normal
+constexpr double kNeighborhood = 0.2;  // meters
+constexpr int kFewest = 6;             // points
+constexpr float kWidth = 0.08F;  // meters, standard deviation: a strip narrower than four times the range noise has no normal
 constexpr float kFlat = 0.25F;   // a plane's smallest variance is at most this share of the middle one
 constexpr std::size_t kTilesInMemory = 32;  // of a map that is paged to disk
 
 struct Cell {
-  Moments<float> moments;  // from the cell's centre, so that float does
+  Moments<float> moments;  // from the cell's center, so that float does
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
 };
 
@@ -31,7 +31,7 @@ Eigen::Vector3f normal_at(const Cells& cells, const Eigen::Vector3i& place) {
   for (int i = 0; i < 27; ++i) {
     const Eigen::Vector3i step(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
     if (const Cell* cell = cells.look(place + step))
-      all.add(cell->moments, step.cast<float>() * static_cast<float>(kNeighbourhood));
+      all.add(cell->moments, step.cast<float>() * static_cast<float>(kNeighborhood));
   }
   if (all.count < kFewest) return Eigen::Vector3f::Zero();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
@@ -52,10 +52,10 @@ void for_each_point(StaticMap& map, const Visit& visit) {
 }  // namespace
 
 void add_normals(StaticMap& map) {
-  Cells cells(kNeighbourhood, map.scratch());
+  Cells cells(kNeighborhood, map.scratch());
   for_each_point(map, [&](const MapPoint& point) {
     const Eigen::Vector3d x = point.position.cast<double>();
-    cells.at(x).moments.add((x - cells.centre(cells.place(x))).cast<float>());
+    cells.at(x).moments.add((x - cells.center(cells.place(x))).cast<float>());
   });
   std::vector<Cells::Tile*> tiles;
   for (auto& [column, tile] : cells.tiles()) tiles.push_back(&tile);

@@ -10,7 +10,7 @@ namespace dvi::map {
 /// What masks, labels and options leave of one scan.
 struct FilteredScan {
   struct Kept {
-    Eigen::Vector3d position;  ///< metres, world axes
+    Eigen::Vector3d position;  ///< meters, world axes
     float intensity;
   };
   std::vector<Kept> kept;

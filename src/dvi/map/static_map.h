@@ -13,11 +13,11 @@ namespace dvi::map {
 
 /// A point of the static scene: the mean of the returns of one voxel.
 struct MapPoint {
-  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< metres, world axes
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< meters, world axes
   float intensity = 0;
   std::uint32_t count = 0;                           ///< returns in it
   std::uint32_t first = 0, last = 0;                 ///< the scans that saw it first and last, in StaticMap::scans
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, towards the sensor that saw it first; zero: none found
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, toward the sensor that saw it first; zero: none found
   std::uint32_t absent = 0;                          ///< bits by drive_bit(): rays of these drives passed where it is
 
   /// Whether it stood there on the day of that drive, as far as is known.
@@ -33,7 +33,7 @@ struct MapScan {
   Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  ///< where it was in the middle of the scan, world axes
 };
 
-/// Why a return is not in the map although it was in range: it projects into a mask, lies in a labelled 3D box, or rays of
+/// Why a return is not in the map although it was in range: it projects into a mask, lies in a labeled 3D box, or rays of
 /// other scans of its drive passed through it.
 enum class Cause : std::uint8_t { masked = 1, boxed = 2, moved = 3 };
 
@@ -47,7 +47,7 @@ struct RemovedPoint {
 struct MapCounts {
   std::size_t returns = 0;           ///< all that were read
   std::size_t masked = 0;            ///< dropped: project into a mask
-  std::size_t boxed = 0;             ///< dropped: inside a labelled 3D box
+  std::size_t boxed = 0;             ///< dropped: inside a labeled 3D box
   std::size_t unseen_by_camera = 0;  ///< dropped by require_camera_visibility: no camera saw them unmasked when scanned
   std::size_t moved = 0;             ///< dropped: rays of other scans went through where they were
   std::size_t too_near = 0;          ///< dropped: the recording car itself

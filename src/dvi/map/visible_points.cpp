@@ -7,10 +7,10 @@
 namespace dvi::map {
 namespace {
 
-constexpr float kNearPlane = 0.5F;    // metres
+constexpr float kNearPlane = 0.5F;    // meters
 constexpr int kMaxSplat = 12;         // px
 constexpr double kCullMargin = 0.15;  // of the image size, for what distortion bends in
-constexpr double kFarPixel = 0.5;     // metres that a pixel spans where the view ends: nothing farther can be told apart
+constexpr double kFarPixel = 0.5;     // meters that a pixel spans where the view ends: nothing farther can be told apart
 
 double far_plane(const Camera& camera) { return kFarPixel * camera.fx; }
 

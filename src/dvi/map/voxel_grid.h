@@ -13,7 +13,7 @@
 
 namespace dvi::map {
 
-/// A sparse grid of cubes in tiles: columns of kTile metres, so that work near a place need not look at the rest. Voxels are
+/// A sparse grid of cubes in tiles: columns of kTile meters, so that work near a place need not look at the rest. Voxels are
 /// made when first asked for and lie in that order, tiles in the order of their coordinates: no order depends on the hash.
 /// Reaches a million voxels from the origin each way.
 template <class Voxel>
@@ -76,7 +76,7 @@ class VoxelGrid {
   const Tiles& tiles() const { return tiles_; }
 
   Eigen::Vector3i place(const Eigen::Vector3d& point) const { return (point / edge_).array().floor().cast<int>(); }
-  Eigen::Vector3d centre(const Eigen::Vector3i& place) const { return edge_ * (place.cast<double>().array() + 0.5); }
+  Eigen::Vector3d center(const Eigen::Vector3i& place) const { return edge_ * (place.cast<double>().array() + 0.5); }
 
   Voxel& at(const Eigen::Vector3d& point) {
     const Eigen::Vector3i p = place(point);

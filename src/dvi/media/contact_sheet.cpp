@@ -52,13 +52,13 @@ void draw_outline(cv::Mat3b& image, const cv::Mat1b& mask, int width) {
   image.setTo(kRed, outline);
 }
 
-cv::Mat3b label_overlay(const cv::Mat3b& image, const cv::Mat1b& labels, const std::vector<cv::Vec3b>& colours) {
+cv::Mat3b label_overlay(const cv::Mat3b& image, const cv::Mat1b& labels, const std::vector<cv::Vec3b>& colors) {
   cv::Mat3b out = image.clone();
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) {
       const std::size_t label = labels(y, x);
-      if (label == 0 || label >= colours.size()) continue;
-      for (int c = 0; c < 3; ++c) out(y, x)[c] = static_cast<uchar>((out(y, x)[c] + 2 * colours[label][c]) / 3);
+      if (label == 0 || label >= colors.size()) continue;
+      for (int c = 0; c < 3; ++c) out(y, x)[c] = static_cast<uchar>((out(y, x)[c] + 2 * colors[label][c]) / 3);
     }
   return out;
 }

@@ -22,8 +22,8 @@ cv::Mat3b mask_overlay(const cv::Mat3b& image, const cv::Mat1b& mask);
 /// Sets the mask's border, `width` pixels wide, to red.
 void draw_outline(cv::Mat3b& image, const cv::Mat1b& mask, int width = 1);
 
-/// The image mixed with a colour (BGR) a pixel by its label; label 0 stays.
-cv::Mat3b label_overlay(const cv::Mat3b& image, const cv::Mat1b& labels, const std::vector<cv::Vec3b>& colours);
+/// The image mixed with a color (BGR) a pixel by its label; label 0 stays.
+cv::Mat3b label_overlay(const cv::Mat3b& image, const cv::Mat1b& labels, const std::vector<cv::Vec3b>& colors);
 
 /// The part of an image, `size` at most, with most of the mask's pixels in it.
 cv::Rect densest_part(const cv::Mat1b& mask, cv::Size size);

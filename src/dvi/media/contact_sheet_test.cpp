@@ -19,11 +19,11 @@ TEST(ContactSheet, PutsPicturesSideBySideAtOneWidth) {
 }
 
 TEST(ContactSheet, TintsTheMaskOnly) {
-  const cv::Mat3b grey(40, 40, cv::Vec3b(100, 100, 100));
+  const cv::Mat3b gray(40, 40, cv::Vec3b(100, 100, 100));
   cv::Mat1b mask(40, 40, uchar{0});
   mask(cv::Rect(10, 10, 20, 20)) = 255;
-  const cv::Mat3b overlay = mask_overlay(grey, mask);
-  EXPECT_EQ(overlay(2, 2), grey(2, 2));
+  const cv::Mat3b overlay = mask_overlay(gray, mask);
+  EXPECT_EQ(overlay(2, 2), gray(2, 2));
   EXPECT_GT(overlay(20, 20)[2], 150);
   EXPECT_LT(overlay(20, 20)[0], 100);
 }
@@ -38,15 +38,15 @@ TEST(ContactSheet, FindsThePartWithMostOfTheMask) {
   EXPECT_EQ(densest_part(mask, {500, 500}), cv::Rect(0, 0, 200, 100)) << "not larger than the picture";
 }
 
-TEST(ContactSheet, ColoursLabels) {
-  const cv::Mat3b grey(4, 4, cv::Vec3b(90, 90, 90));
+TEST(ContactSheet, ColorsLabels) {
+  const cv::Mat3b gray(4, 4, cv::Vec3b(90, 90, 90));
   cv::Mat1b labels(4, 4, uchar{0});
   labels(1, 1) = 2;
   labels(2, 2) = 9;
-  const cv::Mat3b out = label_overlay(grey, labels, {{}, {}, {0, 30, 240}});
-  EXPECT_EQ(out(0, 0), grey(0, 0));
+  const cv::Mat3b out = label_overlay(gray, labels, {{}, {}, {0, 30, 240}});
+  EXPECT_EQ(out(0, 0), gray(0, 0));
   EXPECT_EQ(out(1, 1), cv::Vec3b(30, 50, 190));
-  EXPECT_EQ(out(2, 2), grey(2, 2)) << "no colour for it";
+  EXPECT_EQ(out(2, 2), gray(2, 2)) << "no color for it";
 }
 
 TEST(ContactSheet, CaptionsFitIntoThePicture) {

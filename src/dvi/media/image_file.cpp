@@ -50,7 +50,7 @@ bool png_is_whole(const std::string& bytes) {
   return false;
 }
 
-// libjpeg fills what is missing of a cut file with grey and calls it a success; the end marker tells.
+// libjpeg fills what is missing of a cut file with gray and calls it a success; the end marker tells.
 bool whole(const std::string& bytes) {
   if (is_jpeg(bytes)) return bytes.find("\xFF\xD9", bytes.size() / 2) != std::string::npos;
   return !is_png(bytes) || png_is_whole(bytes);
@@ -115,13 +115,13 @@ bool varies(const cv::Mat& image, int channel) {
   return low != high;
 }
 
-// A PNG with a palette as one in grey, whose pixels are then the indices; none where there is no palette.
+// A PNG with a palette as one in gray, whose pixels are then the indices; none where there is no palette.
 std::optional<std::string> without_palette(const std::string& png) {
-  constexpr std::size_t kHeader = 33, kColourType = 25, kChecked = 12, kCheckSum = 29;
-  constexpr char kPalette = 3, kGrey = 0;
-  if (!is_png(png) || png.size() < kHeader || png[kColourType] != kPalette || !png_is_whole(png)) return std::nullopt;
+  constexpr std::size_t kHeader = 33, kColorType = 25, kChecked = 12, kCheckSum = 29;
+  constexpr char kPalette = 3, kGray = 0;
+  if (!is_png(png) || png.size() < kHeader || png[kColorType] != kPalette || !png_is_whole(png)) return std::nullopt;
   std::string out = png.substr(0, kHeader);
-  out[kColourType] = kGrey;
+  out[kColorType] = kGray;
   const std::uint32_t sum = libdeflate_crc32(0, out.data() + kChecked, kCheckSum - kChecked);
   for (std::size_t i = 0; i < 4; ++i) out[kCheckSum + i] = static_cast<char>(sum >> (24 - 8 * i));
   for (std::size_t at = kHeader; at + 12 <= png.size();) {
@@ -155,21 +155,21 @@ cv::Mat read_unchanged(const fs::path& path, cv::Size size) {
 
 cv::Mat1b mask_of(const cv::Mat& picture) {
   cv::Mat1b mask(picture.size(), uchar{0});
-  bool coloured = false;
+  bool colored = false;
   for (int channel = 0; channel < std::min(picture.channels(), 3); ++channel) {
     mask |= not_zero(picture, channel);
-    coloured |= varies(picture, channel);
+    colored |= varies(picture, channel);
   }
-  return picture.channels() < 4 || coloured || !varies(picture, 3) ? mask : not_zero(picture, 3);
+  return picture.channels() < 4 || colored || !varies(picture, 3) ? mask : not_zero(picture, 3);
 }
 
 cv::Mat read_indices(const fs::path& path, cv::Size size) {
   const std::string bytes = read_file(path);
-  const std::optional<std::string> grey = without_palette(bytes);
-  if (!grey) return decode(path, bytes, size, cv::IMREAD_UNCHANGED);
+  const std::optional<std::string> gray = without_palette(bytes);
+  if (!gray) return decode(path, bytes, size, cv::IMREAD_UNCHANGED);
   constexpr std::size_t kBits = 24;  // a pixel; the decoder stretches fewer than 8 to the whole range
   const int largest = (1 << std::clamp(byte(bytes, kBits), 1, 8)) - 1, stretched = 255 / largest;
-  cv::Mat indices = decode(path, *grey, size, cv::IMREAD_UNCHANGED);
+  cv::Mat indices = decode(path, *gray, size, cv::IMREAD_UNCHANGED);
   return indices.depth() == CV_8U ? cv::Mat(indices / stretched) : indices;
 }
 

@@ -19,7 +19,7 @@ cv::Mat3b decode_image(const fs::path& name, const std::string& bytes, cv::Size 
 /// InputError where it cannot be decoded as a whole or has another size, which the header tells.
 cv::Mat3b read_image(const fs::path& path, cv::Size size);
 
-/// The mask: 255 where any colour of the file is not 0, of whatever depth. Transparency counts only in a file of one colour all
+/// The mask: 255 where any color of the file is not 0, of whatever depth. Transparency counts only in a file of one color all
 /// over, and where it tells pixels apart: 255 where some of it is not 0. Errors and orientation as read_image.
 cv::Mat1b read_mask(const fs::path& path, cv::Size size);
 

@@ -56,12 +56,12 @@ TEST(ImageFile, TakesAnyChannelOfAMaskThatIsNotZero) {
   cv::Mat1w deep(4, 6, ushort{0});
   deep(1, 1) = 1, deep(2, 2) = 255, deep(3, 3) = 65535;
   EXPECT_EQ(count(deep), 3);
-  cv::Mat3b colour(4, 6, cv::Vec3b());
-  colour(1, 1) = {1, 0, 0}, colour(2, 2) = {0, 1, 0}, colour(3, 3) = {0, 0, 1};
-  EXPECT_EQ(count(colour), 3);
+  cv::Mat3b color(4, 6, cv::Vec3b());
+  color(1, 1) = {1, 0, 0}, color(2, 2) = {0, 1, 0}, color(3, 3) = {0, 0, 1};
+  EXPECT_EQ(count(color), 3);
 }
 
-TEST(ImageFile, TakesTransparencyOnlyWhereColoursSayNothing) {
+TEST(ImageFile, TakesTransparencyOnlyWhereColorsSayNothing) {
   const TestFolder folder;
   const auto count = [&](const cv::Mat4b& image) {
     return cv::countNonZero(read_mask(folder.write_image("m.png", image), image.size()));
@@ -76,7 +76,7 @@ TEST(ImageFile, TakesTransparencyOnlyWhereColoursSayNothing) {
   EXPECT_EQ(count(drawn), 2);
   cv::Mat4b white(4, 6, cv::Vec4b(255, 255, 255, 0));
   white(1, 1) = {255, 255, 255, 255};
-  EXPECT_EQ(count(white), 1) << "painted in one colour on nothing";
+  EXPECT_EQ(count(white), 1) << "painted in one color on nothing";
   EXPECT_EQ(count(cv::Mat4b(4, 6, cv::Vec4b(255, 255, 255, 255))), 24);
 }
 

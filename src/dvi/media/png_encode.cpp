@@ -13,7 +13,7 @@
 namespace dvi::media {
 namespace {
 
-constexpr std::uint8_t kGrey = 0, kRgb = 2, kRgba = 6;
+constexpr std::uint8_t kGray = 0, kRgb = 2, kRgba = 6;
 
 enum Filter : std::uint8_t { none = 0, sub = 1, up = 2, paeth = 4 };
 
@@ -109,12 +109,12 @@ std::string encode_png(const cv::Mat& image) {
   const int type = image.type();
   if (type != CV_8UC1 && type != CV_8UC3 && type != CV_8UC4 && type != CV_16UC1 && type != CV_16UC3)
     throw std::logic_error("no PNG can hold this type of image");
-  const std::uint8_t colours = image.channels() == 1 ? kGrey : image.channels() == 3 ? kRgb : kRgba;
+  const std::uint8_t colors = image.channels() == 1 ? kGray : image.channels() == 3 ? kRgb : kRgba;
   std::string header;
   append_number(header, static_cast<std::uint32_t>(image.cols));
   append_number(header, static_cast<std::uint32_t>(image.rows));
   for (const std::uint8_t field :
-       {static_cast<std::uint8_t>(8 * image.elemSize1()), colours, std::uint8_t{0}, std::uint8_t{0}, std::uint8_t{0}})
+       {static_cast<std::uint8_t>(8 * image.elemSize1()), colors, std::uint8_t{0}, std::uint8_t{0}, std::uint8_t{0}})
     header.push_back(static_cast<char>(field));
   std::string out = "\x89PNG\r\n\x1A\n";
   append_chunk(out, "IHDR", header);

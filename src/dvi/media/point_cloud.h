@@ -17,7 +17,7 @@ enum class CountFrom { origin, first_point };
 /// The points of one file as they stand there.
 struct PointCloud {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of `points`: not zero in maps only
-  std::vector<Eigen::Vector3f> points;               ///< metres from `origin`
+  std::vector<Eigen::Vector3f> points;               ///< meters from `origin`
   std::vector<float> intensity;                      ///< one a point; 0 where the file tells none
   std::vector<double> t;                             ///< one a point: times in the unit of the file; or empty
   std::vector<std::uint16_t> ring;                   ///< one a point; or empty
@@ -39,7 +39,7 @@ inline bool is_return(const Eigen::Vector3f& point) { return point.allFinite() &
 PointCloud read_point_cloud(const fs::path& path, const BinLayout& layout = {});
 
 /// Reads a map: .ply, .pcd or .las, without points that are not finite. Its first point is the origin of the others, so that
-/// coordinates of a map projection keep their millimetres. InputError as above.
+/// coordinates of a map projection keep their millimeters. InputError as above.
 PointCloud read_map_cloud(const fs::path& path);
 
 /// The bytes of a .bin of a scan's points and intensities.

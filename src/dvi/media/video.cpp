@@ -56,7 +56,7 @@ const AVCodec* find_encoder(const std::string& name) {
   return codec ? codec : avcodec_find_encoder(AV_CODEC_ID_MPEG4);
 }
 
-void describe_colours(AVCodecContext& codec) {
+void describe_colors(AVCodecContext& codec) {
   codec.pix_fmt = AV_PIX_FMT_YUV420P;
   codec.color_primaries = AVCOL_PRI_BT709;
   codec.color_trc = AVCOL_TRC_BT709;
@@ -136,7 +136,7 @@ void VideoWriter::Impl::open_encoder(const VideoOptions& options) {
   codec->thread_count = 1;  // the bytes depend on it
   codec->flags |= AV_CODEC_FLAG_BITEXACT;
   if (format->oformat->flags & AVFMT_GLOBALHEADER) codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
-  describe_colours(*codec);
+  describe_colors(*codec);
   if (encoder->id == AV_CODEC_ID_H264) {
     check(av_opt_set(codec->priv_data, "preset", "veryfast", 0));
     check(av_opt_set_double(codec->priv_data, "crf", options.crf, 0));

@@ -38,7 +38,7 @@ class VideoWriter {
   void push(const cv::Mat3b& frame);  ///< of the size given at the start
   /// Images one below the other, each of an even number of rows or extended to one; together of the size given at the start.
   void push_stacked(const std::vector<cv::Mat3b>& images);
-  void finish();  ///< the video is at its path afterwards, not before
+  void finish();  ///< the video is at its path afterward, not before
 
  private:
   struct Impl;

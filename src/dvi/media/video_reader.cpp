@@ -213,7 +213,7 @@ class Decoding {
 };
 
 // What is not said is assumed by the size, as players do.
-int colour_space(const AVFrame& picture) {
+int color_space(const AVFrame& picture) {
   if (picture.colorspace != AVCOL_SPC_UNSPECIFIED && picture.colorspace != AVCOL_SPC_RGB) return picture.colorspace;
   constexpr int kHighDefinition = 720;
   return picture.height >= kHighDefinition ? SWS_CS_ITU709 : SWS_CS_ITU601;
@@ -225,7 +225,7 @@ cv::Mat3b to_bgr(const AVFrame& picture) {
       AV_PIX_FMT_BGR24, SWS_BILINEAR | SWS_FULL_CHR_H_INT | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr, nullptr));
   const bool full_range = picture.color_range == AVCOL_RANGE_JPEG;
   constexpr int kOne = 1 << 16;
-  sws_setColorspaceDetails(scaler.get(), sws_getCoefficients(colour_space(picture)), full_range ? 1 : 0,
+  sws_setColorspaceDetails(scaler.get(), sws_getCoefficients(color_space(picture)), full_range ? 1 : 0,
                            sws_getCoefficients(SWS_CS_DEFAULT), 1, 0, kOne, kOne);
   cv::Mat3b out(picture.height, picture.width);
   const std::array<std::uint8_t*, 1> rows{out.data};

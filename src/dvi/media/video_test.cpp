@@ -104,9 +104,9 @@ TEST_F(Video, DecodesToTheFramesThatWerePushed) {
   EXPECT_DOUBLE_EQ(video.fps, 12.5);
   ASSERT_EQ(video.luma.size(), 30U);
   for (int i = 0; i < 30; ++i) {
-    cv::Mat1b grey, expected;
-    cv::extractChannel(picture(size, i), grey, 0);
-    grey.convertTo(expected, CV_8U, 219.0 / 255.0, 16);
+    cv::Mat1b gray, expected;
+    cv::extractChannel(picture(size, i), gray, 0);
+    gray.convertTo(expected, CV_8U, 219.0 / 255.0, 16);
     EXPECT_LT(cv::norm(video.luma[static_cast<std::size_t>(i)], expected, cv::NORM_L1) / size.area(), 2.0) << i;
   }
 }
@@ -148,12 +148,12 @@ TEST_F(Video, OddSizesRepeatTheLastColumnAndRow) {
 }
 
 // BT.709 in video range: white 235, black 16, pure red, green and blue as the standard's weights say.
-TEST_F(Video, ColoursAreThoseOfTheStandard) {
+TEST_F(Video, ColorsAreThoseOfTheStandard) {
   const cv::Size size(64, 64);
   const std::vector<std::pair<cv::Vec3b, int>> cases{
       {{255, 255, 255}, 235}, {{0, 0, 0}, 16}, {{0, 0, 255}, 63}, {{0, 255, 0}, 173}, {{255, 0, 0}, 32}};
   VideoWriter video(folder / "a.mp4", size, {.crf = 1});
-  for (const auto& [colour, luma] : cases) video.push(cv::Mat3b(size, colour));
+  for (const auto& [color, luma] : cases) video.push(cv::Mat3b(size, color));
   video.finish();
   const Decoded decoded = decode(folder / "a.mp4");
   ASSERT_EQ(decoded.luma.size(), cases.size());

@@ -34,9 +34,9 @@ void write_jpeg(const fs::path& path, const cv::Mat3b& image, int quality) {
   write_file(path, {bytes.begin(), bytes.end()});
 }
 
-cv::Mat1b read_png_grey(const fs::path& path, cv::Size size) { return read_as(path, size, CV_8UC1, "8-bit grey"); }
+cv::Mat1b read_png_gray(const fs::path& path, cv::Size size) { return read_as(path, size, CV_8UC1, "8-bit gray"); }
 
-cv::Mat1w read_png_depth(const fs::path& path, cv::Size size) { return read_as(path, size, CV_16UC1, "16-bit grey"); }
+cv::Mat1w read_png_depth(const fs::path& path, cv::Size size) { return read_as(path, size, CV_16UC1, "16-bit gray"); }
 
 cv::Mat_<cv::Vec3w> read_png_triples(const fs::path& path, cv::Size size) {
   cv::Mat image = read_as(path, size, CV_16UC3, "16-bit RGB");

@@ -24,7 +24,7 @@ std::string header(const PlyCloud& cloud) {
   text += "element vertex " + std::to_string(cloud.points.size()) + "\n";
   for (const char* axis : {"x", "y", "z"})
     text += std::string("property ") + (cloud.origin.isZero() ? "float " : "double ") + axis + "\n";
-  if (!cloud.colours.empty())
+  if (!cloud.colors.empty())
     for (const char* channel : {"red", "green", "blue"}) text += std::string("property uchar ") + channel + "\n";
   for (const PlyScalar& scalar : cloud.scalars) text += "property float " + scalar.name + "\n";
   return text + "end_header\n";
@@ -39,8 +39,8 @@ void append_point(std::string& bytes, const PlyCloud& cloud, std::size_t i) {
     const Eigen::Vector3d position = cloud.origin + cloud.points[i].cast<double>();
     append(bytes, position.data(), 3 * sizeof(double));
   }
-  if (!cloud.colours.empty()) {
-    const cv::Vec3b& c = cloud.colours[i];
+  if (!cloud.colors.empty()) {
+    const cv::Vec3b& c = cloud.colors[i];
     const cv::Vec3b rgb(c[2], c[1], c[0]);
     append(bytes, rgb.val, 3);
   }
@@ -49,7 +49,7 @@ void append_point(std::string& bytes, const PlyCloud& cloud, std::size_t i) {
 
 void require_one_a_point(const PlyCloud& cloud) {
   const std::size_t count = cloud.points.size();
-  bool fits = cloud.colours.empty() || cloud.colours.size() == count;
+  bool fits = cloud.colors.empty() || cloud.colors.size() == count;
   for (const PlyScalar& scalar : cloud.scalars) fits = fits && scalar.values.size() == count;
   if (!fits) throw std::logic_error("a PLY's properties need one value a point");
 }

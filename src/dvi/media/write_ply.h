@@ -21,7 +21,7 @@ struct PlyScalar {
 /// What a PLY holds; nothing is copied. Whatever is given besides points has one entry a point.
 struct PlyCloud {
   std::span<const Eigen::Vector3f> points;
-  std::span<const cv::Vec3b> colours = {};  ///< BGR; empty: none
+  std::span<const cv::Vec3b> colors = {};  ///< BGR; empty: none
   std::vector<PlyScalar> scalars = {};
   std::string comment = {};  ///< one line for the header
   /// Of the points; where it is not zero, positions are written as doubles.

@@ -21,9 +21,9 @@ const fs::path kPath = fs::path(testing::TempDir()) / ("write_" + std::to_string
 
 TEST(WritePly, HasTheHeaderAndTheBytesOfEachPoint) {
   const std::vector<Eigen::Vector3f> points = {{1, 2, 3}, {-4.5F, 0, 6}};
-  const std::vector<cv::Vec3b> colours = {{1, 2, 3}, {255, 128, 0}};
+  const std::vector<cv::Vec3b> colors = {{1, 2, 3}, {255, 128, 0}};
   const std::vector<float> intensity = {0.25F, 0.5F}, count = {7, 9};
-  write_ply(kPath, {points, colours, {{"intensity", intensity}, {"count", count}}, "static map"});
+  write_ply(kPath, {points, colors, {{"intensity", intensity}, {"count", count}}, "static map"});
   const std::string bytes = read_file(kPath);
   const std::string header =
       "ply\nformat binary_little_endian 1.0\ncomment static map\nelement vertex 2\n"
@@ -61,7 +61,7 @@ TEST(WritePly, SaysWhatIsWrong) {
   EXPECT_FALSE(fs::exists(kPath));
 }
 
-TEST(WritePly, KeepsMillimetresOfAMapProjection) {
+TEST(WritePly, KeepsMillimetersOfAMapProjection) {
   const std::vector<Eigen::Vector3f> points = {{0, 0, 0}, {0.001F, 0.002F, 0.003F}};
   const Eigen::Vector3d origin(691'000.125, 5'334'000.25, 512.5);
   write_ply(kPath, {.points = points, .origin = origin});

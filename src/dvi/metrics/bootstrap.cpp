@@ -27,7 +27,7 @@ std::vector<Figures> resampled(const std::vector<OriginSums>& frames) {
   return out;
 }
 
-/// Linear between two neighbours, as numpy.percentile.
+/// Linear between two neighbors, as numpy.percentile.
 double quantile(const std::vector<double>& sorted, double share) {
   const double at = share * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(at);

@@ -77,7 +77,7 @@ ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* externa
   ScoredFrame frame;
   frame.result = media::read_image(folders.out / "frames" / file, size);
   frame.clean = frame.result;
-  frame.kind = media::read_png_grey(folders.out / "kind" / file, size);
+  frame.kind = media::read_png_gray(folders.out / "kind" / file, size);
   frame.scored = media::read_mask(folders.out / "masks" / file, size);
   if (cv::countNonZero(frame.scored) == 0) return frame;
 
@@ -87,7 +87,7 @@ ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* externa
   if (external)
     media::read_image(frame_of(*external, name), size).copyTo(frame.result, frame.scored);
   else if (fs::is_directory(folders.out / "confidence"))
-    frame.confidence = media::read_png_grey(folders.out / "confidence" / file, size);
+    frame.confidence = media::read_png_gray(folders.out / "confidence" / file, size);
   frame.clean = frame.result.clone();
   frame.truth.copyTo(frame.clean, frame.scored);
   if (!folders.ignore.empty() && fs::exists(folders.ignore / file))
@@ -162,7 +162,7 @@ Evaluation score(const EvaluationFolders& folders, const ExternalFrames* externa
   });
   std::function<fs::path(const std::string&)> filled;
   if (external) filled = [&](const std::string& name) { return frame_of(*external, name); };
-  collector.evaluation.artefacts = count_artefacts(folders.out, names, [] {}, filled);  // ignored pixels, too
+  collector.evaluation.artifacts = count_artifacts(folders.out, names, [] {}, filled);  // ignored pixels, too
   return collector.finish();
 }
 

@@ -59,7 +59,7 @@ TEST_F(Evaluate, CountsEveryKindForItself) {
   EXPECT_DOUBLE_EQ(e.total[Origin::copied].mae, 3);
   EXPECT_DOUBLE_EQ(e.total[Origin::copied].rmse, std::sqrt(10));
   EXPECT_DOUBLE_EQ(e.total[Origin::interpolated].mae, 6);
-  EXPECT_DOUBLE_EQ(e.total[Origin::synthesised].mae, 8);
+  EXPECT_DOUBLE_EQ(e.total[Origin::synthesized].mae, 8);
   EXPECT_DOUBLE_EQ(e.total[Origin::empty].mae, 10);
   EXPECT_DOUBLE_EQ(e.total[Origin::copied].share, 0.4);
   EXPECT_DOUBLE_EQ(e.total[Origin::empty].share, 0.2);
@@ -118,7 +118,7 @@ TEST_F(Evaluate, SeesFlickerOfTheResult) {
     add(std::to_string(i), truth, result, box(kHole), box(kHole, 4));
   }
   const Evaluation e = run();
-  EXPECT_GT(e.total[Origin::synthesised].flicker, 3);
+  EXPECT_GT(e.total[Origin::synthesized].flicker, 3);
   EXPECT_TRUE(std::isnan(e.frames[0].figures[Origin::all].flicker));
   EXPECT_GT(e.frames[1].figures[Origin::all].flicker, 3);
 }
@@ -183,7 +183,7 @@ TEST_F(Evaluate, TellsHowManyFramesThereAreAndCountsThem) {
 //   a = (128 + 60 * ((x // 4 + y // 3) % 2) - 3 * (x % 7) + 20 * c) % 256
 //   for k in (0, 7, 14): b = (a + (x * y) % (23 + k) - (x + 2 * y) % 11 + 5 * c) % 256 at [20:50, 30:70], a elsewhere
 //   d = b - a of the three; mae, rmse = abs(d).mean(), sqrt((d ** 2).mean()); psnr, ssim: mean of the three frames'
-//   SSIM as in metrics_test.cpp, with scipy.ndimage.gaussian_filter(grey, 1.5, truncate=3.5) as its window
+//   SSIM as in metrics_test.cpp, with scipy.ndimage.gaussian_filter(gray, 1.5, truncate=3.5) as its window
 TEST_F(Evaluate, AgreesWithNumpyInsideTheMaskAndOverWholeFrames) {
   for (const int k : {0, 7, 14}) {
     cv::Mat3b truth(kSize), result(kSize);
@@ -275,7 +275,7 @@ TEST_F(Evaluate, HoldsTheConfidenceAgainstTheError) {
   EXPECT_EQ(json["deciles"][1]["within"], 1);
   EXPECT_EQ(json["by_kind"]["copied"]["deciles"], json["deciles"]);
   EXPECT_TRUE(json["by_kind"]["empty"].is_null());
-  EXPECT_THAT(table(run()), HasSubstr("confidence 0.600 on average, 0.500 of the pixels within 10 grey levels"));
+  EXPECT_THAT(table(run()), HasSubstr("confidence 0.600 on average, 0.500 of the pixels within 10 gray levels"));
 }
 
 TEST_F(Evaluate, SaysThatNothingIsScored) {

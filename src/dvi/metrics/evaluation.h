@@ -9,13 +9,13 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "dvi/metrics/artefacts.h"
+#include "dvi/metrics/artifacts.h"
 
 namespace dvi::metrics {
 
-/// By where the pixels of the result come from: kinds 1 and 2 are copied, 3 interpolated, 4 synthesised, 5 left empty.
-enum class Origin { all, copied, interpolated, synthesised, empty };
-inline constexpr std::array kOrigins = {Origin::all, Origin::copied, Origin::interpolated, Origin::synthesised, Origin::empty};
+/// By where the pixels of the result come from: kinds 1 and 2 are copied, 3 interpolated, 4 synthesized, 5 left empty.
+enum class Origin { all, copied, interpolated, synthesized, empty };
+inline constexpr std::array kOrigins = {Origin::all, Origin::copied, Origin::interpolated, Origin::synthesized, Origin::empty};
 const char* name(Origin origin);
 
 /// The metrics of docs/metrics.md over some scored pixels. NaN: undefined there.
@@ -25,7 +25,7 @@ struct Figures {
   std::size_t frames = 0;  ///< that have such pixels
   std::size_t pixels = 0;
   double share = 0;                  ///< of the scored pixels
-  double mae = kNone, rmse = kNone;  ///< grey levels
+  double mae = kNone, rmse = kNone;  ///< gray levels
   double psnr = kNone;               ///< dB
   double ssim = kNone;               ///< at most 1
   double sharpness = kNone;          ///< 1: as sharp as the truth
@@ -48,7 +48,7 @@ struct Intervals {
 
 /// How well a confidence map (8-bit, 255 = 1) foretells the error. NaN: undefined.
 struct Calibration {
-  static constexpr int kWithin = 10;  ///< grey levels
+  static constexpr int kWithin = 10;  ///< gray levels
 
   /// About a tenth of the pixels: a level of confidence is never split.
   struct Decile {
@@ -79,7 +79,7 @@ struct Evaluation {
   std::vector<FrameEvaluation> frames;                                 ///< those scored, in order
   std::vector<std::string> unscored;                                   ///< frames left out: no pixel of theirs is to be scored
   std::vector<std::string> warnings;
-  Artefacts artefacts;
+  Artifacts artifacts;
   std::vector<ExternalEvaluation> external;
 };
 
@@ -93,8 +93,8 @@ struct ExternalEvaluation {
 std::string table(const Evaluation& evaluation);
 
 /// For machines; what is undefined is null.
-void to_json(nlohmann::json& json, const Artefacts& artefacts);
-void from_json(const nlohmann::json& json, Artefacts& artefacts);
+void to_json(nlohmann::json& json, const Artifacts& artifacts);
+void from_json(const nlohmann::json& json, Artifacts& artifacts);
 void to_json(nlohmann::json& json, const Evaluation& evaluation);
 
 }  // namespace dvi::metrics

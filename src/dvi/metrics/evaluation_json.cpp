@@ -55,13 +55,13 @@ static nlohmann::json whole_frame(const Figures& f) {
   return {{"mae", f.mae}, {"rmse", f.rmse}, {"psnr", f.psnr}, {"ssim", f.ssim}};
 }
 
-void to_json(nlohmann::json& json, const Artefacts& a) {
+void to_json(nlohmann::json& json, const Artifacts& a) {
   json = {{"flash_ppm", a.flash_ppm()}, {"flash_ring_ppm", a.ring_flash_ppm()}, {"overshoot_ppm", a.overshoot_ppm()},
           {"hole_pixels", a.hole},      {"hole_between", a.hole_between},       {"ring_between", a.ring_between},
           {"flashes", a.flashes},       {"ring_flashes", a.ring_flashes},       {"overshoots", a.overshoots}};
 }
 
-void from_json(const nlohmann::json& json, Artefacts& a) {
+void from_json(const nlohmann::json& json, Artifacts& a) {
   a = {.hole = json.at("hole_pixels"),
        .overshoots = json.at("overshoots"),
        .hole_between = json.at("hole_between"),
@@ -80,7 +80,7 @@ void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   json["per_frame"] = evaluation.frames;
   json["unscored"] = evaluation.unscored;
   json["warnings"] = evaluation.warnings;
-  json["artefacts"] = evaluation.artefacts;
+  json["artifacts"] = evaluation.artifacts;
   json["external"] = nlohmann::json::object();
   for (const ExternalEvaluation& external : evaluation.external) json["external"][external.name] = external.evaluation;
 }

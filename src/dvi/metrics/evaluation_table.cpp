@@ -35,7 +35,7 @@ std::string rows(const Evaluation& evaluation) {
 
 std::string line(const Calibration& confidence) {
   return fmt::format(
-      "confidence {:.3f} on average, {:.3f} of the pixels within {} grey levels: calibration error {:.3f}, AUSE {}\n",
+      "confidence {:.3f} on average, {:.3f} of the pixels within {} gray levels: calibration error {:.3f}, AUSE {}\n",
       confidence.mean, confidence.within, Calibration::kWithin, confidence.ece, number(confidence.ause, 3));
 }
 
@@ -49,8 +49,8 @@ const char* name(Origin origin) {
       return "copied";
     case Origin::interpolated:
       return "interpolated";
-    case Origin::synthesised:
-      return "synthesised";
+    case Origin::synthesized:
+      return "synthesized";
     case Origin::empty:
       return "empty";
   }
@@ -64,8 +64,8 @@ std::string table(const Evaluation& evaluation) {
     text += fmt::format("left out, no pixel to score: {}\n", fmt::join(evaluation.unscored, " "));
   if (const auto& confidence = evaluation.confidence.front()) text += line(*confidence);
   text += fmt::format("per million hole pixels: {:.0f} flash (of the scene round the holes: {:.0f}), {:.0f} overshoot\n",
-                      evaluation.artefacts.flash_ppm(), evaluation.artefacts.ring_flash_ppm(),
-                      evaluation.artefacts.overshoot_ppm());
+                      evaluation.artifacts.flash_ppm(), evaluation.artifacts.ring_flash_ppm(),
+                      evaluation.artifacts.overshoot_ppm());
   text += "\n" + row("whole frame", "", evaluation.whole_frame) + "   where untouched pixels count as exact\n";
   for (const ExternalEvaluation& external : evaluation.external)
     text += "\n" + external.name + "\n" + table(external.evaluation);

@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "dvi/image/grey.h"
+#include "dvi/image/gray.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/optical_flow.h"
 
@@ -79,7 +79,7 @@ PixelSum sum_over(const cv::Mat1f& map, const cv::Mat1b& pixels) {
   return out;
 }
 
-cv::Mat1d grey(const cv::Mat3b& image) {
+cv::Mat1d gray(const cv::Mat3b& image) {
   cv::Mat1d out(image.size());
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x) {
@@ -91,7 +91,7 @@ cv::Mat1d grey(const cv::Mat3b& image) {
 
 cv::Mat1f ssim_map(const cv::Mat3b& a, const cv::Mat3b& b) {
   constexpr double kC1 = 0.01 * 255 * 0.01 * 255, kC2 = 0.03 * 255 * 0.03 * 255;
-  const cv::Mat1d ga = grey(a), gb = grey(b);
+  const cv::Mat1d ga = gray(a), gb = gray(b);
   const cv::Mat1d mean_a = blurred(ga), mean_b = blurred(gb);
   const cv::Mat1d square_a = blurred_product(ga, ga), square_b = blurred_product(gb, gb), product = blurred_product(ga, gb);
   cv::Mat1f map(a.size());
@@ -108,7 +108,7 @@ cv::Mat1f ssim_map(const cv::Mat3b& a, const cv::Mat3b& b) {
 
 cv::Mat1f gradient_magnitude(const cv::Mat3b& image) {
   cv::Mat1f g;
-  grey(image).convertTo(g, CV_32F);
+  gray(image).convertTo(g, CV_32F);
   cv::Mat1f dx, dy, length;
   cv::Sobel(g, dx, CV_32F, 1, 0, 1, 0.5);
   cv::Sobel(g, dy, CV_32F, 0, 1, 1, 0.5);
@@ -138,7 +138,7 @@ cv::Mat1f change_along(const cv::Mat3b& now, const cv::Mat3b& before, const cv::
 cv::Mat1f misplacement(const cv::Mat3b& result, const cv::Mat3b& truth, const cv::Mat1b& pixels) {
   cv::Mat3b anchored = truth.clone();
   result.copyTo(anchored, pixels);
-  const cv::Mat2f flow = optical_flow(grey_8bit(truth), grey_8bit(anchored));
+  const cv::Mat2f flow = optical_flow(gray_8bit(truth), gray_8bit(anchored));
   cv::Mat1f length(flow.size());
   for (int y = 0; y < flow.rows; ++y)
     for (int x = 0; x < flow.cols; ++x) length(y, x) = std::hypot(flow(y, x)[0], flow(y, x)[1]);

@@ -7,7 +7,7 @@
 
 namespace dvi::metrics {
 
-/// Differences of a result to the truth over some pixels, three channels each, in grey levels 0..255. Sums are whole
+/// Differences of a result to the truth over some pixels, three channels each, in gray levels 0..255. Sums are whole
 /// numbers: they may be added in any order.
 struct ErrorSums {
   std::uint64_t absolute = 0, square = 0, values = 0;
@@ -35,15 +35,15 @@ struct PixelSum {
 /// The map's values over the pixels of a mask; those that are NaN do not count.
 PixelSum sum_over(const cv::Mat1f& map, const cv::Mat1b& pixels);
 
-/// Grey by ITU-R BT.601, 0..255, not rounded.
-cv::Mat1d grey(const cv::Mat3b& image);
+/// Gray by ITU-R BT.601, 0..255, not rounded.
+cv::Mat1d gray(const cv::Mat3b& image);
 
-/// Structural similarity (Wang et al., 2004) of the grey images at each pixel: Gaussian window of sigma 1.5 (11 x 11), K1
+/// Structural similarity (Wang et al., 2004) of the gray images at each pixel: Gaussian window of sigma 1.5 (11 x 11), K1
 /// 0.01, K2 0.03, L 255, borders mirrored. As scikit-image's structural_similarity with gaussian_weights=True, sigma=1.5,
 /// use_sample_covariance=False, data_range=255.
 cv::Mat1f ssim_map(const cv::Mat3b& a, const cv::Mat3b& b);
 
-/// Length of the grey image's gradient by central differences, grey levels a pixel.
+/// Length of the gray image's gradient by central differences, gray levels a pixel.
 cv::Mat1f gradient_magnitude(const cv::Mat3b& image);
 
 /// How much each pixel changed along the motion: |now(p) - before(p + flow(p))|, mean of the three channels, bilinear.

@@ -43,8 +43,8 @@ TEST(SumOver, LeavesOutWhatIsUndefined) {
 //   y, x, c = np.mgrid[0:48, 0:64, 0:3]                       # channels 0, 1, 2 = B, G, R
 //   a = (128 + 60 * ((x // 4 + y // 3) % 2) - 3 * (x % 7) + 20 * c) % 256
 //   b = (a + (x * y) % 23 - (x + 2 * y) % 11 + 5 * c) % 256
-//   grey = lambda i: 0.114 * i[..., 0] + 0.587 * i[..., 1] + 0.299 * i[..., 2]
-//   mean, full = skimage.metrics.structural_similarity(grey(a), grey(b), gaussian_weights=True, sigma=1.5,
+//   gray = lambda i: 0.114 * i[..., 0] + 0.587 * i[..., 1] + 0.299 * i[..., 2]
+//   mean, full = skimage.metrics.structural_similarity(gray(a), gray(b), gaussian_weights=True, sigma=1.5,
 //                                                      use_sample_covariance=False, data_range=255, full=True)
 TEST(SsimMap, AgreesWithScikitImage) {
   cv::Mat3b a(48, 64), b(48, 64);

@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/harmonize/filled_frame.h"
-#include "dvi/image/grey.h"
+#include "dvi/image/gray.h"
 #include "dvi/image/optical_flow.h"
 #include "dvi/metrics/calibration.h"
 #include "dvi/metrics/evaluation.h"
@@ -35,8 +35,8 @@ cv::Mat1b pixels_of(const ScoredFrame& frame, Origin origin) {
       return between(harmonize::Kind::copied, harmonize::Kind::copied_elsewhere);
     case Origin::interpolated:
       return between(harmonize::Kind::interpolated, harmonize::Kind::interpolated);
-    case Origin::synthesised:
-      return between(harmonize::Kind::synthesised, harmonize::Kind::synthesised);
+    case Origin::synthesized:
+      return between(harmonize::Kind::synthesized, harmonize::Kind::synthesized);
     case Origin::empty:
       return between(harmonize::Kind::empty, harmonize::Kind::empty);
   }
@@ -50,7 +50,7 @@ struct Maps {
         gradient_result(gradient_magnitude(frame.result)),
         gradient_truth(gradient_magnitude(frame.truth)) {
     if (!before) return;
-    const cv::Mat2f motion = optical_flow(grey_8bit(frame.clean), grey_8bit(before->clean));
+    const cv::Mat2f motion = optical_flow(gray_8bit(frame.clean), gray_8bit(before->clean));
     change_result = change_along(frame.result, before->result, motion, frame.scored);
     change_truth = change_along(frame.clean, before->clean, motion, frame.scored);
   }

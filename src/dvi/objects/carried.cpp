@@ -16,7 +16,7 @@ constexpr int kBlock = 4;         // pixels: rays of a LiDAR lie about as close
 constexpr int kObject = 6;        // blocks each way in which the nearest return is of the same object: a window is no wider
 constexpr int kGap = 25;          // pixels: an object seen from beside it is stretched, and has no holes
 constexpr int kMargin = 4;        // pixels: calibration, and what lies between blocks
-constexpr float kFarthest = 1e4;  // metres: infinity, for any rig
+constexpr float kFarthest = 1e4;  // meters: infinity, for any rig
 constexpr float kNone = std::numeric_limits<float>::max();
 
 cv::Size blocks_of(const Camera& camera) {
@@ -27,7 +27,7 @@ cv::Rect pixels_of(cv::Point block, const Camera& camera) {
   return cv::Rect(block.x * kBlock, block.y * kBlock, kBlock, kBlock) & cv::Rect(0, 0, camera.width, camera.height);
 }
 
-/// The depth of the nearest return in each block, metres; kNone where there is none.
+/// The depth of the nearest return in each block, meters; kNone where there is none.
 cv::Mat1f nearest_depths(const RigCamera& view, const std::vector<Eigen::Vector3d>& returns) {
   cv::Mat1f out(blocks_of(view.camera), kNone);
   for (const Eigen::Vector3d& point : returns) {

@@ -6,7 +6,7 @@
 namespace dvi::objects {
 namespace {
 
-constexpr double kBaseline = 0.5, kFocal = 200, kObject = 4, kWall = 40;  // metres, pixels, metres, metres
+constexpr double kBaseline = 0.5, kFocal = 200, kObject = 4, kWall = 40;  // meters, pixels, meters, meters
 const cv::Rect kHidden(100, 40, 60, 40);                                  // of the object, in the first image
 constexpr int kShiftOfObject = 25;                                        // pixels between the images: 200 x .5 / 4
 

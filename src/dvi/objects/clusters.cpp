@@ -7,7 +7,7 @@
 namespace dvi::objects {
 namespace {
 
-constexpr double kClusterSquare = 0.5;     // metres: the gap between returns of one vehicle at 60 m, its mirrors and hitch
+constexpr double kClusterSquare = 0.5;     // meters: the gap between returns of one vehicle at 60 m, its mirrors and hitch
 constexpr std::size_t kFewestReturns = 5;  // moving returns of an object
 
 using ClusterSquare = std::pair<int, int>;
@@ -59,7 +59,7 @@ void measure(Cluster& cluster) {
     high = high.cwiseMax(cluster.points[i].head<2>());
     time += cluster.time_ns[i] - cluster.time_ns.front();
   }
-  cluster.centre = 0.5 * (low + high);
+  cluster.center = 0.5 * (low + high);
   cluster.extent_m = (high - low).maxCoeff();
   cluster.mean_time_ns = cluster.time_ns.front() + time / static_cast<std::int64_t>(cluster.points.size());
 }

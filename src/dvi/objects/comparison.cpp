@@ -13,7 +13,7 @@ namespace {
 constexpr std::array kTimes{0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0};
 constexpr int kSharp = 1;         // half pixels across: roof rails and mirrors are thin
 constexpr int kLightGrid = 12;    // half pixels between the places at which light is compared
-constexpr double kEndless = 1e4;  // metres: of what no scan reached
+constexpr double kEndless = 1e4;  // meters: of what no scan reached
 
 }  // namespace
 
@@ -23,7 +23,7 @@ Comparison::Comparison(const Views& views, Lazy<cv::Mat1f> standing, std::shared
 Evidence Comparison::operator()(std::size_t target, const cv::Mat1b& band, int every) const {
   const auto half = others_.half(target);
   const std::vector<HalfSizePixel> places = places_of(target, band, every);
-  const auto seen = others_.colours(target, kTimes, places, places_of(target, cv::Mat1b(half->mask == 0), kLightGrid));
+  const auto seen = others_.colors(target, kTimes, places, places_of(target, cv::Mat1b(half->mask == 0), kLightGrid));
   const int displaced = 2 * every + 1;  // what poses and depth are wrong by, each way one
   Evidence out{Usual(places, seen, band.size(), displaced), {}, {}, {}, {}};
   for (cv::Mat1b* mask : {&out.differs, &out.untold, &out.ground, &out.shown}) *mask = cv::Mat1b(band.size(), uchar{0});

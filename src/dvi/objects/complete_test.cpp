@@ -10,15 +10,15 @@ namespace dvi::objects {
 namespace {
 
 constexpr std::int64_t kTenth = 100'000'000;
-constexpr double kSpeed = 8;  // metres a second to the left, of a panel 15 m ahead that is 2 m wide
+constexpr double kSpeed = 8;  // meters a second to the left, of a panel 15 m ahead that is 2 m wide
 constexpr int kHiddenFrom = 4;
 
-double centre(int scan) { return 0.1 * kSpeed * (scan - kHiddenFrom); }
+double center(int scan) { return 0.1 * kSpeed * (scan - kHiddenFrom); }
 
 // What stands in direction (1, y, z): the post, from one scan on; the panel; the wall behind.
 double range_along_x(double y, double z, int scan) {
   if (scan >= kHiddenFrom && std::abs(5 * y - 0.2) < 0.15) return 5;
-  if (std::abs(15 * y - centre(scan)) < 1 && std::abs(15 * z) < 0.8) return 15;
+  if (std::abs(15 * y - center(scan)) < 1 && std::abs(15 * z) < 0.8) return 15;
   return 40;
 }
 
@@ -62,17 +62,17 @@ Track track_of_panel(const Drive& drive) {
       cluster.rise.push_back(0.1);
     }
     measure(cluster);
-    cluster.centre = {15, centre(static_cast<int>(i))};
+    cluster.center = {15, center(static_cast<int>(i))};
     track.observations.push_back(cluster);
   }
   return track;
 }
 
-// Metres to the left of the panel's middle at which there are returns, in tenths.
+// Meters to the left of the panel's middle at which there are returns, in tenths.
 std::vector<int> places(const Cluster& cluster) {
   std::vector<int> out;
   for (const Eigen::Vector3d& x : cluster.points)
-    out.push_back(static_cast<int>(std::lround(10 * (x.y() - centre(static_cast<int>(cluster.scan))))));
+    out.push_back(static_cast<int>(std::lround(10 * (x.y() - center(static_cast<int>(cluster.scan))))));
   std::sort(out.begin(), out.end());
   out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;

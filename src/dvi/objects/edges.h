@@ -6,7 +6,7 @@
 
 namespace dvi::objects {
 
-/// Up to so many half pixels beyond its mask an edge of an object is looked for in views of so many: masks lack tyres, rims and
+/// Up to so many half pixels beyond its mask an edge of an object is looked for in views of so many: masks lack tires, rims and
 /// what passes between two rays of 64 beams, half a degree; a view has about 80 degrees.
 int edge_reach(const cv::Size& half_size);
 

@@ -20,7 +20,7 @@ struct FoundTraffic {
 FoundTraffic find_traffic(const Drive& drive, const ScanPoses& poses, const ground::ScanGround& ground, const Tick& tick);
 
 /// The outlines of tracks in the images of a drive, as its frames; track: its index in `tracks`. `footprint_m`: ground round an
-/// object that belongs to it, its wheels and the darkest of its shadow, metres.
+/// object that belongs to it, its wheels and the darkest of its shadow, meters.
 FrameLabels outlines(const std::vector<Track>& tracks, const Drive& drive, const Trajectory& world_from_lidar,
                      double footprint_m);
 

@@ -15,7 +15,7 @@
 namespace dvi::objects {
 namespace {
 
-constexpr double kBoxMargin = 0.3;  // metres
+constexpr double kBoxMargin = 0.3;  // meters
 constexpr double kUsual = 0.9;      // quantile of the sizes seen: single ones hold returns of others
 constexpr std::size_t kFewestInBox = 4;
 
@@ -27,7 +27,7 @@ double quantile(std::vector<double> values) {
 
 // Of the half of its scans that show most of it: from afar, no ray may hit a head.
 double usual_height(const Track& track) {
-  std::vector<std::pair<std::size_t, double>> heights;  // returns, metres
+  std::vector<std::pair<std::size_t, double>> heights;  // returns, meters
   for (const Cluster& o : track.observations) {
     double high = 0;
     for (std::size_t i = 0; i < o.points.size(); ++i) high = std::max(high, o.points[i].z() - o.ground[i] + 0.5 * o.rise[i]);
@@ -72,8 +72,8 @@ class Motion {
   bool holds(std::size_t nearest, const Eigen::Vector3d& x, double ground, std::int64_t time_ns) const {
     if (x.z() - ground > height_ + kBoxMargin) return false;  // trees above the road
     const Cluster& cluster = track_->observations[nearest];
-    const Eigen::Vector2d centre = cluster.centre + velocities_[nearest] * seconds_from(cluster.mean_time_ns, time_ns);
-    const Eigen::Vector2d off = x.head<2>() - centre, &along = headings_[nearest];
+    const Eigen::Vector2d center = cluster.center + velocities_[nearest] * seconds_from(cluster.mean_time_ns, time_ns);
+    const Eigen::Vector2d off = x.head<2>() - center, &along = headings_[nearest];
     return std::abs(off.dot(along)) < half_.x() && std::abs(off.x() * along.y() - off.y() * along.x()) < half_.y();
   }
 

@@ -11,7 +11,7 @@
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/outline.h"
-#include "dvi/image/grey.h"
+#include "dvi/image/gray.h"
 #include "dvi/image/optical_flow.h"
 #include "dvi/image/region.h"
 #include "dvi/objects/seconds.h"
@@ -30,8 +30,8 @@ constexpr std::size_t kFewestFlows = 50;
 constexpr double kDrift = 0.5;       // pixels a frame: flow is no better on something small
 constexpr double kScaleStep = 0.15;  // change of size from frame to frame beyond which flow is wrong
 constexpr double kHiddenFor = 4;     // seconds: what is followed so long is compared with the other side of its way
-constexpr double kComfortable = 3;   // metres a second squared: what the motion may be off by
-constexpr double kPlaceError = 1;    // metres: likewise, at the end of what was seen
+constexpr double kComfortable = 3;   // meters a second squared: what the motion may be off by
+constexpr double kPlaceError = 1;    // meters: likewise, at the end of what was seen
 
 using Hull = std::vector<cv::Point2f>;  // convex, in the image
 
@@ -67,7 +67,7 @@ cv::Mat1b drawn(const Hull& hull, cv::Size size) {
   return mask;
 }
 
-cv::Point2d centre_of(const Hull& hull) {
+cv::Point2d center_of(const Hull& hull) {
   const cv::Rect2f box = cv::boundingRect(hull);
   return {box.x + 0.5 * box.width, box.y + 0.5 * box.height};
 }
@@ -109,21 +109,21 @@ std::optional<Similarity> similarity_of(const cv::Mat2f& flow, const cv::Mat1b& 
   cv::findNonZero(where, at);
   if (at.size() < kFewestFlows) return std::nullopt;
   std::vector<double> dx, dy, scale;
-  cv::Point2d centre;
+  cv::Point2d center;
   for (const cv::Point& x : at) {
     dx.push_back(flow(x)[0]);
     dy.push_back(flow(x)[1]);
-    centre += cv::Point2d(x) / static_cast<double>(at.size());
+    center += cv::Point2d(x) / static_cast<double>(at.size());
   }
   const cv::Point2d shift(median(dx), median(dy));
   const cv::Rect box = cv::boundingRect(where);
   const double far = 0.25 * std::max(box.width, box.height);
   for (const cv::Point& x : at) {
-    const cv::Point2d off = cv::Point2d(x) - centre, change = cv::Point2d(flow(x)[0], flow(x)[1]) - shift;
+    const cv::Point2d off = cv::Point2d(x) - center, change = cv::Point2d(flow(x)[0], flow(x)[1]) - shift;
     if (off.dot(off) > far * far) scale.push_back(1 + off.dot(change) / off.dot(off));
   }
-  centre += cv::Point2d(patch.tl());
-  return Similarity{centre, centre + shift, scale.empty() ? 1 : median(scale)};
+  center += cv::Point2d(patch.tl());
+  return Similarity{center, center + shift, scale.empty() ? 1 : median(scale)};
 }
 
 // The object's middle as its motion goes on, world axes.
@@ -199,7 +199,7 @@ class Follower {
     const Eigen::Vector3d x = view(at).camera_from_world * place_of(track_, comparison_.ground(), view(at).time_ns);
     if (!view(at).camera.in_front(x)) return true;
     const double t = seconds_from(start, view(at).time_ns);
-    const double off = std::abs(centre_of(hull).x - view(at).camera.project(x).x()) * x.z() / view(at).camera.fx;
+    const double off = std::abs(center_of(hull).x - view(at).camera.project(x).x()) * x.z() / view(at).camera.fx;
     return off > kPlaceError + 0.5 * track_.size_m.maxCoeff() + 0.5 * kComfortable * t * t;
   }
 
@@ -224,7 +224,7 @@ class Follower {
         cv::Rect(box.x - around, box.y - around, box.width + 2 * around, box.height + 2 * around) & cv::Rect({}, object.size());
     if (patch.width < kLeastFlowSide || patch.height < kLeastFlowSide) return predicted;
     const auto& images = comparison_.views().images;
-    const cv::Mat1b here = grey_8bit(*images[from])(patch).clone(), image = grey_8bit(*images[to]), where = object(patch);
+    const cv::Mat1b here = gray_8bit(*images[from])(patch).clone(), image = gray_8bit(*images[to]), where = object(patch);
     const cv::Mat1b there = seen_in(image, patch, predicted);
     const auto change = similarity_of(optical_flow(here, there), where, patch);
     if (!change || std::abs(change->scale - 1) > kScaleStep) return predicted;

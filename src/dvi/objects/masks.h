@@ -51,7 +51,7 @@ constexpr auto names_of(MaskSource) {
 MaskSource default_mask_source(const Drive& drive);
 
 /// What to remove from each frame, 255 = remove: the drive's mask files, dilated where the options say so, or masks made from
-/// `objects` (as its frames). Of a labelled object the instance mask and the ground below its 3D box where there is one, else
+/// `objects` (as its frames). Of a labeled object the instance mask and the ground below its 3D box where there is one, else
 /// the hull of its projected 3D box, else its 2D box.
 Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const SharedLabels& objects, const MaskOptions& options);
 

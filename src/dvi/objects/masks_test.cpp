@@ -31,7 +31,7 @@ Label boxed(double x, double y, double z) {
 TEST(Masks, ProjectsABoxToTheHullOfItsCorners) {
   const Drive drive = test_drive();
   const cv::Mat1b mask = label_mask(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, kNoMargin);
-  // The near face, at 10 m, spans 2 m x 1 m: 20 px x 10 px round the centre.
+  // The near face, at 10 m, spans 2 m x 1 m: 20 px x 10 px round the center.
   EXPECT_EQ(mask(49, 99), 255);
   EXPECT_EQ(mask(49, 91), 255);
   EXPECT_EQ(mask(49, 87), 0);

@@ -8,9 +8,9 @@
 namespace dvi::objects {
 namespace {
 
-constexpr double kStill = 0.3;              // metres: doors, people who shift their weight
-constexpr double kBoxError = 0.1;           // metres, of a box by hand or by a detector
-constexpr double kBoxErrorPerMetre = 0.01;  // of its distance: fewer returns tell where it ends
+constexpr double kStill = 0.3;              // meters: doors, people who shift their weight
+constexpr double kBoxError = 0.1;           // meters, of a box by hand or by a detector
+constexpr double kBoxErrorPerMeter = 0.01;  // of its distance: fewer returns tell where it ends
 constexpr double kSettled = 1;              // seconds after which a box's errors no longer resemble each other
 constexpr double kSigmas = 3;
 constexpr std::size_t kMostPlaces = 100;  // of a track, evenly spread: pairs are compared
@@ -19,7 +19,7 @@ struct Sight {
   std::size_t frame;
   double seconds;
   Eigen::Vector2d place;  // world axes
-  double error;           // metres, one sigma
+  double error;           // meters, one sigma
 };
 
 struct Seen {
@@ -35,11 +35,11 @@ std::map<int, Seen> sights_of(const Drive& drive, const FrameLabels& labels, con
     if (!pose) continue;
     for (const Label& label : labels[i]) {
       if (label.track < 0 || !label.box) continue;
-      const Eigen::Vector3d& centre = label.box->frame_from_box.t;
+      const Eigen::Vector3d& center = label.box->frame_from_box.t;
       Seen& seen = tracks[label.track];
       seen.type = label.type;
-      seen.sights.push_back({i, 1e-9 * static_cast<double>(frame.time_ns), (*pose * centre).head<2>(),
-                             kBoxError + kBoxErrorPerMetre * centre.norm()});
+      seen.sights.push_back({i, 1e-9 * static_cast<double>(frame.time_ns), (*pose * center).head<2>(),
+                             kBoxError + kBoxErrorPerMeter * center.norm()});
     }
   }
   return tracks;

@@ -9,7 +9,7 @@
 
 namespace dvi::objects {
 
-/// How a labelled object moves along the poses of the vehicle.
+/// How a labeled object moves along the poses of the vehicle.
 struct TrackMotion {
   int track = 0;
   std::string type;
@@ -24,7 +24,7 @@ struct TrackMotion {
 /// ones more than near ones: a track moves if two of its places lie apart by more than that.
 std::vector<TrackMotion> track_motions(const Drive& drive, const FrameLabels& labels, const Trajectory& world_from_lidar);
 
-/// Tracks that do not move: parked vehicles. What is labelled without box or track may move.
+/// Tracks that do not move: parked vehicles. What is labeled without box or track may move.
 std::set<int> standing_tracks(const Drive& drive, const Trajectory& world_from_lidar);
 
 /// The drive's labels without those of standing tracks.

@@ -16,9 +16,9 @@ Label label(int track, double x) {
   return out;
 }
 
-// The recording car does 10 m/s; track 1 is parked at x = 30 (and labelled a little off now and then), 2 drives ahead, 3 is
+// The recording car does 10 m/s; track 1 is parked at x = 30 (and labeled a little off now and then), 2 drives ahead, 3 is
 // seen once, 4 has no box.
-Drive labelled_drive() {
+Drive labeled_drive() {
   Drive drive;
   std::vector<StampedPose> poses;
   for (int i = 0; i < 20; ++i) {
@@ -36,11 +36,11 @@ Drive labelled_drive() {
 }
 
 TEST(Motion, OfWhatWaitsAndThenDrivesOffAndOfWhatComesFromFar) {
-  Drive drive = labelled_drive();
+  Drive drive = labeled_drive();
   for (int i = 0; i < 20; ++i) {
     std::vector<Label>& labels = drive.frames[static_cast<std::size_t>(i)].labels;
     labels.push_back(label(5, 12 - i + (i < 12 ? 0 : 0.3 * (i - 12) * (i - 12))));  // waits, then drives off
-    labels.push_back(label(7, 70 - i + 0.5 * (i % 2)));                             // parked far away, labelled badly
+    labels.push_back(label(7, 70 - i + 0.5 * (i % 2)));                             // parked far away, labeled badly
   }
   const std::vector<TrackMotion> motions = track_motions(drive, drive.labels(), drive.poses);
   ASSERT_EQ(motions.size(), 5U);
@@ -56,14 +56,14 @@ TEST(Motion, OfWhatWaitsAndThenDrivesOffAndOfWhatComesFromFar) {
 }
 
 TEST(Standing, IsWhatKeepsItsPlaceInTheWorld) {
-  const Drive drive = labelled_drive();
+  const Drive drive = labeled_drive();
   EXPECT_EQ(standing_tracks(drive, drive.poses), (std::set<int>{1, 3}));
 }
 
-TEST(Standing, NothingWithoutPoses) { EXPECT_TRUE(standing_tracks(labelled_drive(), {}).empty()); }
+TEST(Standing, NothingWithoutPoses) { EXPECT_TRUE(standing_tracks(labeled_drive(), {}).empty()); }
 
 TEST(Standing, LabelsAreLeftOut) {
-  const Drive drive = labelled_drive();
+  const Drive drive = labeled_drive();
   for (const std::vector<Label>& frame : without_standing(drive, drive.poses)) {
     ASSERT_EQ(frame.size(), 2U);
     EXPECT_EQ(frame[0].track, 2);

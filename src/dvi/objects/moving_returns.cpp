@@ -8,11 +8,11 @@
 namespace dvi::objects {
 namespace {
 
-constexpr double kLowest = 0.3, kHighest = 4.5;     // metres above ground: kerbs and grass; lorries and buses
-constexpr double kRadius = 0.05;                    // metres round a return that must have been free
+constexpr double kLowest = 0.3, kHighest = 4.5;     // meters above ground: curbs and grass; trucks and buses
+constexpr double kRadius = 0.05;                    // meters round a return that must have been free
 constexpr std::size_t kNear = 10;                   // scans before and after
 constexpr std::size_t kFarStep = 4, kMostFar = 20;  // of the scans of the whole drive, each fourth, or fewer, so many at most
-constexpr double kFarReach = 60;                    // metres between sensors
+constexpr double kFarReach = 60;                    // meters between sensors
 constexpr double kSamePlaceM = 0.2;                 // between sensors
 constexpr int kFewestPasses = 2;                    // scans that must have seen through
 constexpr double kPassedShare = 0.6;                // of the scans that can tell: edges and glass are passed now and then

@@ -16,10 +16,10 @@ enum class Witness : std::uint8_t { unknown, standing, moving };
 
 /// The returns of one scan that lie above the ground, below bridges and signs.
 struct ObstacleReturns {
-  std::vector<Eigen::Vector3d> points;  ///< metres, world axes
+  std::vector<Eigen::Vector3d> points;  ///< meters, world axes
   std::vector<std::int64_t> time_ns;    ///< as `points`: when each was measured
   std::vector<double> ground;           ///< as `points`: height of the ground below, world axes
-  std::vector<double> rise;             ///< as `points`: metres to the next ray above
+  std::vector<double> rise;             ///< as `points`: meters to the next ray above
   std::vector<Witness> witness;         ///< as `points`; empty where nobody asked
 
   std::size_t bytes() const {

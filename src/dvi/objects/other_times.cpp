@@ -14,19 +14,19 @@
 namespace dvi::objects {
 namespace {
 
-constexpr double kFarthest = 60;        // metres
-constexpr double kSettledVotes = 1e-3;  // metres
+constexpr double kFarthest = 60;        // meters
+constexpr double kSettledVotes = 1e-3;  // meters
 constexpr double kDarker = 0.85;        // part of its usual brightness below which ground may be in shadow
 constexpr float kNoise = 6;             // levels: of two images' averages
 constexpr float kSpreads = 2.5F;        // times the usual spread between views
 constexpr float kDifference = 25;       // levels by which a reflection differs at least
 
-// A colour in another light, as far as a camera shows it; none where it shows less than there was.
-std::optional<cv::Vec3f> in_light(const cv::Vec3f& colour, const cv::Vec3f& gain) {
+// A color in another light, as far as a camera shows it; none where it shows less than there was.
+std::optional<cv::Vec3f> in_light(const cv::Vec3f& color, const cv::Vec3f& gain) {
   cv::Vec3f out;
   for (int c = 0; c < 3; ++c) {
-    if (colour[c] >= kSaturated && gain[c] < 1) return std::nullopt;
-    out[c] = std::min(colour[c] * gain[c], 255.F);
+    if (color[c] >= kSaturated && gain[c] < 1) return std::nullopt;
+    out[c] = std::min(color[c] * gain[c], 255.F);
   }
   return out;
 }
@@ -56,9 +56,9 @@ OtherTimes::OtherTimes(const Views& views, int blur, double coarsest)
       half_(views.size(), [views, blur](std::size_t i) { return half_view(*views.images[i], *views.masks[i], blur); }),
       coarsest_(coarsest) {}
 
-std::vector<std::vector<cv::Vec3f>> OtherTimes::colours(std::size_t target, std::span<const double> apart,
-                                                        const std::vector<HalfSizePixel>& places,
-                                                        const std::vector<HalfSizePixel>& light) const {
+std::vector<std::vector<cv::Vec3f>> OtherTimes::colors(std::size_t target, std::span<const double> apart,
+                                                       const std::vector<HalfSizePixel>& places,
+                                                       const std::vector<HalfSizePixel>& light) const {
   std::vector<std::vector<cv::Vec3f>> seen(places.size());
   for (const std::size_t source : sources_of(target, apart)) look(target, source, places, light, seen);
   return seen;
@@ -80,7 +80,7 @@ std::vector<std::size_t> OtherTimes::sources_of(std::size_t target, std::span<co
   return sources;
 }
 
-std::optional<cv::Vec3f> OtherTimes::colour(const View& view, const HalfView& half, const Eigen::Vector3d& world) const {
+std::optional<cv::Vec3f> OtherTimes::color(const View& view, const HalfView& half, const Eigen::Vector3d& world) const {
   const Eigen::Vector3d x = view.camera_from_world * world;
   if (!view.camera.in_front(x)) return std::nullopt;
   const cv::Point2f at = half_size(view.camera.project(x));
@@ -98,7 +98,7 @@ void OtherTimes::look(std::size_t target, std::size_t source, const std::vector<
   const View &view = views_[source], &own_view = views_[target];
   std::array<std::vector<float>, 3> ratios;
   for (const HalfSizePixel& place : light)
-    if (const auto there = colour(view, *half, place.world);
+    if (const auto there = color(view, *half, place.world);
         there && !is_saturated(*there) && !is_saturated(own->image(place.at)))
       for (int c = 0; c < 3; ++c) ratios[c].push_back((own->image(place.at)[c] + 1) / ((*there)[c] + 1));
   if (ratios[0].size() < 20) return;
@@ -106,7 +106,7 @@ void OtherTimes::look(std::size_t target, std::size_t source, const std::vector<
   const auto depth = [](const View& from, const Eigen::Vector3d& world) { return (from.camera_from_world * world).z(); };
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (depth(view, places[i].world) > coarsest_ * depth(own_view, places[i].world)) continue;
-    if (const auto there = colour(view, *half, places[i].world))
+    if (const auto there = color(view, *half, places[i].world))
       if (const auto here = in_light(*there, gain)) seen[i].push_back(*here);
   }
 }
@@ -121,7 +121,7 @@ Usual::Usual(const std::vector<HalfSizePixel>& places, const std::vector<std::ve
     if (seen[i].size() < kFewestViews) continue;
     for (int c = 0; c < 3; ++c) {
       std::vector<float> values;
-      for (const cv::Vec3f& colour : seen[i]) values.push_back(colour[c]);
+      for (const cv::Vec3f& color : seen[i]) values.push_back(color[c]);
       const float usual = median(values);
       for (float& value : values) value = std::abs(value - usual);
       middle(places[i].at)[c] = low(places[i].at)[c] = high(places[i].at)[c] = usual;

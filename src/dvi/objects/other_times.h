@@ -19,7 +19,7 @@ struct HalfSizePixel {
   bool on_ground = true;
 };
 
-/// Where a pixel's ray meets the ground; none above the horizon, beyond 60 m (a pixel covers metres of ground there) or where
+/// Where a pixel's ray meets the ground; none above the horizon, beyond 60 m (a pixel covers meters of ground there) or where
 /// nobody scanned.
 std::optional<Eigen::Vector3d> on_ground(const View& view, const SE3& world_from_camera, const ground::ScanGround& ground,
                                          cv::Point half);
@@ -33,15 +33,15 @@ class OtherTimes {
   const Views& views() const { return views_; }
   std::shared_ptr<const HalfView> half(std::size_t view) const { return half_[view]; }
 
-  /// The colours of each place outside the masks of the views so many seconds earlier and later, in the light of the target:
+  /// The colors of each place outside the masks of the views so many seconds earlier and later, in the light of the target:
   /// the median ratio over all places of `light` that both show.
-  std::vector<std::vector<cv::Vec3f>> colours(std::size_t target, std::span<const double> apart,
-                                              const std::vector<HalfSizePixel>& places,
-                                              const std::vector<HalfSizePixel>& light) const;
+  std::vector<std::vector<cv::Vec3f>> colors(std::size_t target, std::span<const double> apart,
+                                             const std::vector<HalfSizePixel>& places,
+                                             const std::vector<HalfSizePixel>& light) const;
 
  private:
   std::vector<std::size_t> sources_of(std::size_t target, std::span<const double> apart) const;
-  std::optional<cv::Vec3f> colour(const View& view, const HalfView& half, const Eigen::Vector3d& world) const;
+  std::optional<cv::Vec3f> color(const View& view, const HalfView& half, const Eigen::Vector3d& world) const;
   void look(std::size_t target, std::size_t source, const std::vector<HalfSizePixel>& places,
             const std::vector<HalfSizePixel>& light, std::vector<std::vector<cv::Vec3f>>& seen) const;
 

@@ -49,9 +49,9 @@ class PastBorder : public testing::TestWithParam<bool> {
   const Trajectory& poses_of(const Drive& drive) const { return GetParam() ? drive.poses : nowhere_; }
 };
 
-TEST_P(PastBorder, MasksWhatTheImageShowsOfACarThatIsNoLongerLabelled) {
+TEST_P(PastBorder, MasksWhatTheImageShowsOfACarThatIsNoLongerLabeled) {
   const Drive drive = driving_past(GetParam() ? 0.01 : 0);
-  // Labelled while half of it is seen: the right border passes its middle, at x = 25, 5 m to the right.
+  // Labeled while half of it is seen: the right border passes its middle, at x = 25, 5 m to the right.
   FrameLabels labels(30);
   std::size_t last = 0;
   for (std::size_t i = 5; i < 30; ++i) {

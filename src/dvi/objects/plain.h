@@ -45,7 +45,7 @@ struct Plain {
   }
 };
 
-/// Grey levels of its ground.
+/// Gray levels of its ground.
 inline float road(const Eigen::Vector2d& x) {
   return static_cast<float>(120 + 25 * std::sin(0.9 * x.x()) + 25 * std::sin(1.3 * x.y()));
 }

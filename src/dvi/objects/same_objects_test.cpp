@@ -7,7 +7,7 @@
 namespace dvi::objects {
 namespace {
 
-// Returns along the side of a car, seen in scans [first, last), of which those in [from, to) metres are held.
+// Returns along the side of a car, seen in scans [first, last), of which those in [from, to) meters are held.
 Track side_of_car(std::size_t first, std::size_t last, double from, double to, double speed_mps = 8) {
   Track track;
   for (std::size_t scan = first; scan < last; ++scan) {

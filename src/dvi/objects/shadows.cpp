@@ -33,7 +33,7 @@ class Finder {
     const auto half = others_.half(target);
     const std::vector<HalfSizePixel> band = on_ground_of(target, band_round(half->mask), 1);
     const std::vector<HalfSizePixel> light = on_ground_of(target, cv::Mat1b(half->mask == 0), kLight);
-    const std::vector<std::vector<cv::Vec3f>> seen = others_.colours(target, kApart, band, light);
+    const std::vector<std::vector<cv::Vec3f>> seen = others_.colors(target, kApart, band, light);
     cv::Mat1b differs(half->mask.size(), uchar{0}), unseen = differs.clone();
     const Usual usual(band, seen, half->mask.size(), kMisplaced);
     for (std::size_t i = 0; i < band.size(); ++i)

@@ -22,11 +22,11 @@ constexpr int kLeastJudged = 10 * kLeastPart;  // half pixels of an outline that
 constexpr double kLeastTold = 0.75;            // of these, that others saw
 constexpr double kLeastShown = 0.8;            // of these, that the view shows as they do: edges and leaves move
 constexpr double kNotch = 0.125;  // of the shorter side: objects have no deeper ones, but look like their background by chance
-constexpr std::size_t kColours = 64;  // of an object that are compared with its background
-constexpr double kTelling = 0.75;     // of these, that the background must exclude
-constexpr double kAlike = 25;         // levels between a pixel and one of these: it may be of the object
-constexpr int kHalo = 2;              // half pixels that lens and motion smear an object over
-constexpr int kThin = 3;              // likewise above the ground, with rails and mirrors too thin to tell
+constexpr std::size_t kColors = 64;  // of an object that are compared with its background
+constexpr double kTelling = 0.75;    // of these, that the background must exclude
+constexpr double kAlike = 25;        // levels between a pixel and one of these: it may be of the object
+constexpr int kHalo = 2;             // half pixels that lens and motion smear an object over
+constexpr int kThin = 3;             // likewise above the ground, with rails and mirrors too thin to tell
 
 // As grown(), but at the same cost for any radius.
 cv::Mat1b far_grown(const cv::Mat1b& mask, int radius) {
@@ -102,21 +102,21 @@ class Silhouettes {
     return out;
   }
 
-  // Where an object would hardly differ from its background, nothing is told of pixels in the object's colours.
+  // Where an object would hardly differ from its background, nothing is told of pixels in the object's colors.
   static void tell(const cv::Rect& part, const cv::Mat1b& outline, const Patch& image, Evidence& evidence) {
-    std::vector<cv::Vec3f> colours;
+    std::vector<cv::Vec3f> colors;
     for (int y = part.y; y < part.br().y; ++y)
       for (int x = part.x; x < part.br().x; ++x)
-        if (outline(y, x) != 0 && evidence.differs(y, x) != 0) colours.push_back(image(y, x));
-    const std::size_t every = colours.size() / kColours + 1;
+        if (outline(y, x) != 0 && evidence.differs(y, x) != 0) colors.push_back(image(y, x));
+    const std::size_t every = colors.size() / kColors + 1;
     for (int y = part.y; y < part.br().y; ++y)
       for (int x = part.x; x < part.br().x; ++x) {
         if (outline(y, x) == 0 || evidence.differs(y, x) != 0 || evidence.untold(y, x) != 0) continue;
         std::size_t asked = 0, excluded = 0;
         bool alike = false;
-        for (std::size_t i = 0; i < colours.size(); i += every, ++asked) {
-          excluded += evidence.usual.excludes({x, y}, colours[i]);
-          alike = alike || cv::norm(colours[i] - image(y, x), cv::NORM_INF) < kAlike;
+        for (std::size_t i = 0; i < colors.size(); i += every, ++asked) {
+          excluded += evidence.usual.excludes({x, y}, colors[i]);
+          alike = alike || cv::norm(colors[i] - image(y, x), cv::NORM_INF) < kAlike;
         }
         if (alike && static_cast<double>(excluded) < kTelling * static_cast<double>(asked)) evidence.untold(y, x) = 255;
       }

@@ -25,12 +25,12 @@ struct Filmed {
   std::vector<cv::Mat3b> images;
   std::vector<cv::Mat1b> boards;
 
-  explicit Filmed(const cv::Vec3b& colour, double light_step = 0) {
+  explicit Filmed(const cv::Vec3b& color, double light_step = 0) {
     const Drive& drive = plain.drive;
     for (std::size_t i = 0; i < drive.frames.size(); ++i) {
       const SE3 camera_from_world = drive.camera_from_lidar * drive.poses.at(drive.frames[i].time_ns)->inverse();
       views.push_back({0, i, drive.frames[i].time_ns, drive.camera, camera_from_world});
-      film(views.back(), {7 + 1.1 * static_cast<double>(i), 0.3 * (static_cast<double>(i) - kFrame)}, colour,
+      film(views.back(), {7 + 1.1 * static_cast<double>(i), 0.3 * (static_cast<double>(i) - kFrame)}, color,
            1 + light_step * static_cast<double>(i));
     }
   }
@@ -49,7 +49,7 @@ struct Filmed {
   }
 
  private:
-  void film(const View& view, const Eigen::Vector2d& board_at, const cv::Vec3b& colour, double light) {
+  void film(const View& view, const Eigen::Vector2d& board_at, const cv::Vec3b& color, double light) {
     const SE3 world_from_camera = view.camera_from_world.inverse();
     cv::Mat3b image(view.camera.height, view.camera.width, kSky);
     cv::Mat1b board(image.size(), uchar{0});
@@ -59,7 +59,7 @@ struct Filmed {
         const Eigen::Vector3d on_board = world_from_camera.t + (board_at.x() - world_from_camera.t.x()) / ray.x() * ray;
         if (std::abs(on_board.y() - board_at.y()) < 0.9 && on_board.z() > 0 && on_board.z() < 2.2) {
           board(y, x) = 255;
-          image(y, x) = colour;
+          image(y, x) = color;
         } else if (ray.z() < 0) {
           const Eigen::Vector2d foot = (world_from_camera.t - world_from_camera.t.z() / ray.z() * ray).head<2>();
           image(y, x) = cv::Vec3b::all(cv::saturate_cast<uchar>(road(foot) * light));

@@ -12,11 +12,11 @@ namespace dvi::objects {
 namespace {
 
 constexpr double kStandingWindow = 1;   // seconds each way: scans fill each other's gaps, and see past what moves
-constexpr double kAbove = 0.2;          // metres: what is lower is drawn as ground, of which the height is better known
-constexpr double kScanMargin = 0.5;     // metres: objects move while they are scanned
+constexpr double kAbove = 0.2;          // meters: what is lower is drawn as ground, of which the height is better known
+constexpr double kScanMargin = 0.5;     // meters: objects move while they are scanned
 constexpr int kGap = 2;                 // half pixels each side that are filled
-constexpr double kNearest = 1;          // metres from the camera
-constexpr double kFarthestReturn = 80;  // metres from the LiDAR: beyond, rays are too far apart to tell where something ends
+constexpr double kNearest = 1;          // meters from the camera
+constexpr double kFarthestReturn = 80;  // meters from the LiDAR: beyond, rays are too far apart to tell where something ends
 
 // World axes.
 using StandingReturns = std::vector<Eigen::Vector3f>;

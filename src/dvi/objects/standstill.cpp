@@ -64,7 +64,7 @@ class End {
     const auto& seen = track_.observations;
     const auto begin = forward_ ? seen.end() - static_cast<std::ptrdiff_t>(added) : seen.begin();
     const auto standing = std::count_if(begin, begin + static_cast<std::ptrdiff_t>(added), [&](const Cluster& o) {
-      return (o.centre - last().centre).norm() < kMaxStandingMotionM;
+      return (o.center - last().center).norm() < kMaxStandingMotionM;
     });
     return standing >= kMinStandingObservations;
   }
@@ -88,7 +88,7 @@ class End {
   void choose_judges() {
     double offset = 1;
     while (const auto scan = next_scan(last().scan, !forward_, static_cast<std::size_t>(offset))) {
-      if (returns_.observes(*scan, last().centre)) judges_.push_back(*scan);
+      if (returns_.observes(*scan, last().center)) judges_.push_back(*scan);
       if (judges_.size() == kMaxJudges) return;
       offset = std::max(offset + 1, std::floor(kJudgeSpacingGrowth * offset));
     }
@@ -98,7 +98,7 @@ class End {
   // the center of what is observed shifts.
   double miss_m(const Cluster& cluster) const {
     const Eigen::Vector2d expected =
-        last().centre + track_.velocity(index()) * seconds_from(last().mean_time_ns, cluster.mean_time_ns);
+        last().center + track_.velocity(index()) * seconds_from(last().mean_time_ns, cluster.mean_time_ns);
     double nearest_m = kMaxMissM;
     for (const Eigen::Vector3d& x : cluster.points) nearest_m = std::min(nearest_m, (x.head<2>() - expected).norm());
     return nearest_m;
@@ -127,7 +127,7 @@ class End {
     const double reach_m = longest_m_ + kSearchMarginM + (stands() ? 0 : kMaxGapS * track_.velocity(index()).norm());
     ObstacleReturns near;
     for (std::size_t i = 0; i < returns.points.size(); ++i) {
-      if ((returns.points[i].head<2>() - last().centre).norm() > reach_m) continue;
+      if ((returns.points[i].head<2>() - last().center).norm() > reach_m) continue;
       near.points.push_back(returns.points[i]);
       near.time_ns.push_back(returns.time_ns[i]);
       near.ground.push_back(returns.ground[i]);

@@ -103,7 +103,7 @@ double share_covered(const Situation& situation, const std::vector<Track>& track
     const Cuboid mover = situation.movers(scan)[k];
     covered += std::any_of(tracks.begin(), tracks.end(), [&](const Track& track) {
       return std::any_of(track.observations.begin(), track.observations.end(),
-                         [&](const Cluster& o) { return o.scan == static_cast<std::size_t>(scan) && holds(mover, o.centre); });
+                         [&](const Cluster& o) { return o.scan == static_cast<std::size_t>(scan) && holds(mover, o.center); });
     });
   }
   return covered / static_cast<double>(scans);
@@ -111,7 +111,7 @@ double share_covered(const Situation& situation, const std::vector<Track>& track
 
 void expect_parked_stays(const std::vector<Track>& tracks) {
   for (const Track& track : tracks)
-    for (const Cluster& o : track.observations) EXPECT_FALSE(holds(Situation::parked(), o.centre)) << "scan " << o.scan;
+    for (const Cluster& o : track.observations) EXPECT_FALSE(holds(Situation::parked(), o.center)) << "scan " << o.scan;
 }
 
 // Meters from where it starts, for something that accelerates in scan `start`.
@@ -134,7 +134,7 @@ TEST(Standstill, FindsCarsInARowThatWaitHoweverLongBeforeTheyLeave) {
   }
 }
 
-TEST(Standstill, FindsACarThatWaitsWhileTheSensorMovesTowardsIt) {
+TEST(Standstill, FindsACarThatWaitsWhileTheSensorMovesTowardIt) {
   const Situation situation{.scans = 60,
                             .sensor_x = [](int scan) { return 0.3 * scan; },
                             .movers = [](int scan) { return std::vector<Cuboid>{car_at(45 + path_length(scan, 35, 8), -1)}; }};

@@ -15,14 +15,14 @@ namespace dvi::objects {
 namespace {
 
 constexpr double kOutlineWindow = 0.25;    // seconds each way in which an object hardly turns
-constexpr double kRoof = 0.5;              // metres: windows are no higher
-constexpr double kShape = kRoof / 3;       // metres between rays: above, so few hit a window that a lost one hides the shape
+constexpr double kRoof = 0.5;              // meters: windows are no higher
+constexpr double kShape = kRoof / 3;       // meters between rays: above, so few hit a window that a lost one hides the shape
 constexpr std::size_t kFewestPlaced = 20;  // returns so far apart that place an object: of fewer, single wrong ones move it
-constexpr double kMargin = 0.05;           // metres round the returns: the ends of an object lie between rays
-constexpr double kMirror = 0.2;            // metres beside the returns: what sticks out between rays
-constexpr double kAlongside = 6;           // metres: of what is nearer, the part within the image is farther away
+constexpr double kMargin = 0.05;           // meters round the returns: the ends of an object lie between rays
+constexpr double kMirror = 0.2;            // meters beside the returns: what sticks out between rays
+constexpr double kAlongside = 6;           // meters: of what is nearer, the part within the image is farther away
 constexpr int kBlur = 4;                   // pixels at least: the image's own
-constexpr double kPerson = 1.2;            // metres: what is longer is a vehicle
+constexpr double kPerson = 1.2;            // meters: what is longer is a vehicle
 
 struct Body {
   std::vector<Eigen::Vector3d> points;  // world axes, at the time of the image
@@ -31,7 +31,7 @@ struct Body {
   bool shapeless = false;  // rays are too far apart to show where it ends
 };
 
-// Grows an interval to a length, away from the sensor: the face towards it is the one that its rays hit.
+// Grows an interval to a length, away from the sensor: the face toward it is the one that its rays hit.
 void lengthen(double& low, double& high, double length, double sensor) {
   const double lacking = length - (high - low);
   if (lacking <= 0) return;
@@ -130,8 +130,8 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
   cv::Mat1b mask(camera.height, camera.width, uchar{0}), ground = mask.clone(), both = mask.clone();
   const bool seen = draw_hull(in_camera, camera, mask), stands = draw_hull(below, camera, ground);
   if (!seen && !stands) return std::nullopt;
-  const auto pixels = [&](double metres) {
-    return std::max(kBlur, cvRound(metres * camera.fx / std::max(kAlongside, nearest)));
+  const auto pixels = [&](double meters) {
+    return std::max(kBlur, cvRound(meters * camera.fx / std::max(kAlongside, nearest)));
   };
   cv::dilate(mask, mask, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * pixels(kMirror) + 1, 2 * pixels(kMargin) + 1}));
   mask |= grown(ground, pixels(kMargin));

@@ -15,11 +15,11 @@ const Eigen::Vector3d kSize(4.4, 1.8, 1.5), kVelocity(8, 0, 0);
 const Plain kPlain(1, 0);
 const SE3 kSensor = *kPlain.drive.poses.at(0);  // stands
 
-Eigen::Vector3d centre_at(std::int64_t time_ns) {
+Eigen::Vector3d center_at(std::int64_t time_ns) {
   return Eigen::Vector3d(30, 2, 0.5 * kSize.z()) + 1e-9 * static_cast<double>(time_ns) * kVelocity;
 }
 
-// A car that drives away, of which each scan hits the lower half of its rear; `rise`: metres between rays.
+// A car that drives away, of which each scan hits the lower half of its rear; `rise`: meters between rays.
 Track car(double rise) {
   Track track;
   track.height_m = kSize.z();
@@ -28,7 +28,7 @@ Track car(double rise) {
     ObstacleReturns returns;
     for (const double y : {-0.5, -0.2, 0.1, 0.4, 0.5}) {
       const std::int64_t time = i * Plain::kTenthOfSecond;
-      returns.points.push_back(centre_at(time) +
+      returns.points.push_back(center_at(time) +
                                Eigen::Vector3d(-0.5, y, -0.1).cwiseProduct(Eigen::Vector3d(kSize.x(), kSize.y(), 1)));
       returns.time_ns.push_back(time);
       returns.ground.push_back(0);
@@ -52,7 +52,7 @@ TEST(Outlines, AreOfTheWholeObjectWhereRaysAreTooFarApartToShowIt) {
     const std::optional<Label> label = seen(track, time);
     ASSERT_TRUE(label) << time;
     EXPECT_NEAR((label->box->size - kSize).norm(), 0, 1e-6);
-    const Box box{SE3{Eigen::Matrix3d::Identity(), centre_at(time)}, kSize};
+    const Box box{SE3{Eigen::Matrix3d::Identity(), center_at(time)}, kSize};
     EXPECT_NEAR((kSensor * label->box->frame_from_box.t - box.frame_from_box.t).norm(), 0, 1e-6);
     std::vector<Eigen::Vector3d> corners;
     for (const Eigen::Vector3d& x : box.corners())

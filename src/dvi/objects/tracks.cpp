@@ -12,9 +12,9 @@ namespace dvi::objects {
 namespace {
 
 constexpr double kLongestGap = 0.55;  // seconds without an observation
-constexpr double kFastest = 40;       // metres a second
-constexpr double kGate = 1;           // metres between prediction and observation
-constexpr double kAcceleration = 10;  // metres a second squared: hard braking
+constexpr double kFastest = 40;       // meters a second
+constexpr double kGate = 1;           // meters between prediction and observation
+constexpr double kAcceleration = 10;  // meters a second squared: hard braking
 constexpr double kMinDrivingSpeedMps = 1;
 constexpr double kMinMovingSpeedMps = 0.3;      // below, other scans hit the object again: it waits
 constexpr double kVelocityWindow = 0.5;         // seconds each way that a velocity is fitted over
@@ -23,7 +23,7 @@ constexpr double kMovingShare = 0.5;            // of its returns, those that li
 // Scans that follow hit the side of a long, slow van again: fewer of its returns look moving, but it goes far.
 constexpr double kSlidingShare = 1.0 / 3, kFar = 3;  // the distance, in its own lengths, that it gets
 constexpr std::size_t kLong = 10;                    // observations of such a track
-constexpr double kLeastWay = 1;                      // metres: labels, poses and the visible side of things wander less
+constexpr double kLeastWay = 1;                      // meters: labels, poses and the visible side of things wander less
 constexpr double kOff = 0.25;                        // of the distance it gets, what it is off a smooth motion
 constexpr double kStraight = 0.5;                    // of its way, the distance it gets
 
@@ -32,7 +32,7 @@ double distance(const Track& track, const Cluster& cluster) {
   const Cluster& last = track.observations.back();
   const double dt = seconds_from(last.mean_time_ns, cluster.mean_time_ns);
   if (dt >= kLongestGap) return -1;  // the track has ended
-  const Eigen::Vector2d step = cluster.centre - last.centre;
+  const Eigen::Vector2d step = cluster.center - last.center;
   if (track.observations.size() == 1) return step.norm() < kFastest * dt + kGate ? step.norm() : -1;
   const double miss = (step - track.velocity(track.observations.size() - 1) * dt).norm();
   return miss < kGate + 0.5 * kAcceleration * dt * dt + 0.5 * last.extent_m ? miss : -1;
@@ -61,10 +61,10 @@ Track::State Track::state(std::size_t observation) const {
     const Cluster& o = observations[i];
     const double dt = seconds_from(origin, o.mean_time_ns);
     n += 1, t += dt, tt += dt * dt;
-    x += o.centre, tx += dt * o.centre;
+    x += o.center, tx += dt * o.center;
   }
   const double spread = n * tt - t * t;
-  if (n < 2 || spread < 1e-6) return {observations[observation].centre, Eigen::Vector2d::Zero()};
+  if (n < 2 || spread < 1e-6) return {observations[observation].center, Eigen::Vector2d::Zero()};
   const Eigen::Vector2d velocity = (n * tx - t * x) / spread;
   return {(x - t * velocity) / n, velocity};
 }
@@ -86,11 +86,11 @@ bool moves(const Track& track) {
   double farthest = 0, way = 0, off = 0;
   std::size_t last = 0;
   for (std::size_t i = 0; i < seen.size(); ++i)
-    off += (seen[i].centre - track.state(i).place).squaredNorm() / static_cast<double>(seen.size());
+    off += (seen[i].center - track.state(i).place).squaredNorm() / static_cast<double>(seen.size());
   for (std::size_t i = 1; i < seen.size(); ++i) {
-    farthest = std::max(farthest, (seen[i].centre - seen.front().centre).norm());
+    farthest = std::max(farthest, (seen[i].center - seen.front().center).norm());
     if (seconds_from(seen[last].mean_time_ns, seen[i].mean_time_ns) < kVelocityWindow && i + 1 < seen.size()) continue;
-    way += (seen[i].centre - seen[last].centre).norm();
+    way += (seen[i].center - seen[last].center).norm();
     last = i;
   }
   const double share = median(shares), extent = median(extents);

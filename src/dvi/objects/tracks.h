@@ -14,7 +14,7 @@ struct Track {
   double height_m = 0;                ///< above the ground: the median over its scans
   Eigen::Vector2d size_m{0, 0};       ///< along and across its way, as its scans show it at best; 0: unknown
 
-  /// Where it is and how fast, metres a second, at an observation: a line through those within half a second.
+  /// Where it is and how fast, meters a second, at an observation: a line through those within half a second.
   struct State {
     Eigen::Vector2d place, velocity;
   };

@@ -139,7 +139,7 @@ struct Shadowed {
       const SE3 camera_from_world = drive.camera_from_lidar * world_from_lidar.inverse(),
                 world_from_camera = camera_from_world.inverse();
       views.views.push_back({0, i, drive.frames[i].time_ns, drive.camera, camera_from_world});
-      const double board = 7 + 1.1 * static_cast<double>(i);  // metres along x
+      const double board = 7 + 1.1 * static_cast<double>(i);  // meters along x
       const double light = 1 + light_step * static_cast<double>(i);
       cv::Mat3b image(drive.camera.height, drive.camera.width, cv::Vec3b(200, 180, 160));
       cv::Mat1b mask(image.size(), uchar{0}), shadow(image.size(), uchar{0});
@@ -220,7 +220,7 @@ TEST(Shadows, AreFoundOnceHoweverLittleIsKept) {
 
 Cluster cluster_at(double x, double y, double seconds, double moving_share = 1) {
   Cluster cluster;
-  cluster.centre = {x, y};
+  cluster.center = {x, y};
   cluster.extent_m = 0.8;
   cluster.mean_time_ns = std::llround(1e9 * seconds);
   cluster.moving_share = moving_share;

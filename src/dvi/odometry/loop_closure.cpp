@@ -16,7 +16,7 @@ using namespace scan_match;
 
 namespace {
 
-/// Distances in metres at which loops are looked for; angles in radians.
+/// Distances in meters at which loops are looked for; angles in radians.
 struct Lengths {
   double moved = 0.5;        ///< steps by which the way is measured: a car that stands does not get on by noise
   double long_way = 30;      ///< between two passes
@@ -131,18 +131,18 @@ class EarlierPoses {
     return k < i && course_.way_m[i] - course_.way_m[k] > lengths_.long_way;
   }
   std::pair<int, int> cell_of(std::size_t i) const {
-    const auto of = [&](double metres) { return static_cast<int>(std::floor(metres / lengths_.most_error)); };
+    const auto of = [&](double meters) { return static_cast<int>(std::floor(meters / lengths_.most_error)); };
     return {of(course_.pose[i].t.x()), of(course_.pose[i].t.y())};
   }
 
   const Course& course_;
   const Lengths& lengths_;
   std::size_t next_ = 0;
-  std::map<std::pair<int, int>, std::vector<std::size_t>> cells_;  // of most_error metres
+  std::map<std::pair<int, int>, std::vector<std::size_t>> cells_;  // of most_error meters
 };
 
 /// Without roll, pitch and height: where a car passes twice, the road holds it the same way.
-SE3 levelled(const SE3& pose) {
+SE3 leveled(const SE3& pose) {
   const double yaw = std::atan2(pose.R(1, 0), pose.R(0, 0));
   return {so3_exp({0, 0, yaw}), {pose.t.x(), pose.t.y(), 0}};
 }
@@ -162,7 +162,7 @@ class LoopFinder {
     const Fit own = fit(features(earlier).sparse, {}, earlier, place, 0);
     if (own.share < kLeastOwnShare) return std::nullopt;
     const SE3 moved = course_.pose[earlier].inverse() * course_.pose[later];
-    const SE3 guess = lengths_.level ? levelled(moved) : moved;
+    const SE3 guess = lengths_.level ? leveled(moved) : moved;
     const double radius = pose_error(course_.way_m[later] - course_.way_m[earlier], lengths_);
     const scan_match::Features sparse = features(later).sparse;
     Fit best;
@@ -288,9 +288,9 @@ std::vector<Loop> find_loops(const Drive& drive, const OdometryOptions& options,
 }
 
 /// Information that is known no better than to these standard deviations.
-Matrix6d no_better_than(const Matrix6d& information, double metres, double radians) {
+Matrix6d no_better_than(const Matrix6d& information, double meters, double radians) {
   Vector6d variance;
-  variance << Eigen::Vector3d::Constant(metres * metres), Eigen::Vector3d::Constant(radians * radians);
+  variance << Eigen::Vector3d::Constant(meters * meters), Eigen::Vector3d::Constant(radians * radians);
   return (information.inverse() + variance.asDiagonal().toDenseMatrix()).inverse();
 }
 

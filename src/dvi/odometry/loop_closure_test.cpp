@@ -158,7 +158,7 @@ struct TwoStreets {
   }
 };
 
-TEST(LoopClosure, FindsTheSameStreetFromMetresOff) {
+TEST(LoopClosure, FindsTheSameStreetFromMetersOff) {
   TestStreet world = no_street();
   add_street(world, 0, 9, 1);
   const TwoStreets streets(0);

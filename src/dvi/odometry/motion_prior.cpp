@@ -11,7 +11,7 @@ namespace {
 constexpr int kAround = 2;               // stretches looked at before and after
 constexpr std::size_t kFewestSteps = 3;  // of all five, to tell a jump by
 constexpr double kSpeedJump = 1.5,
-                 kTurnJump = 0.25;  // metres and radians a second: more than braking and turning in do in 0.2 s
+                 kTurnJump = 0.25;  // meters and radians a second: more than braking and turning in do in 0.2 s
 
 }  // namespace
 

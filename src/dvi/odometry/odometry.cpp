@@ -26,8 +26,8 @@ constexpr std::size_t kStartScans = 4;          // that must agree on the speed
 constexpr std::size_t kFewestFeatures = 100;
 constexpr double kLeastShare = 0.25;               // of the features must fit, else the track is lost ...
 constexpr double kLeastOfUsual = 0.75;             // ... and, after a gap, of the usual share
-constexpr double kMargin = 60;                     // metres by which the local map reaches farther than a scan
-constexpr double kAgree = 0.3, kAgreeTurn = 0.03;  // metres and radians between a given step and what it is held against
+constexpr double kMargin = 60;                     // meters by which the local map reaches farther than a scan
+constexpr double kAgree = 0.3, kAgreeTurn = 0.03;  // meters and radians between a given step and what it is held against
 constexpr double kBelief = 1.01;  // a given motion that scans do not contradict may fit so much worse than another
 
 /// Whether a fair share of what is flat lies level below the sensor, as the ground does where z is up.
@@ -248,7 +248,7 @@ class Runner {
     record(scan_index, fit, track_.last().given);
     const auto lag = static_cast<std::size_t>(options_.lag);
     if (lag > 0 && track_.size() - refined_ > lag) refine_with_lag(refined_++);
-    // One scan that is done stays, for its neighbour's motion.
+    // One scan that is done stays, for its neighbor's motion.
     while (track_.size() > lag + 2) {
       emit(track_.pop());
       if (refined_ > 0) --refined_;

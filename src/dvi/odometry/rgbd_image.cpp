@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/drive/nearest_in_time.h"
-#include "dvi/image/grey.h"
+#include "dvi/image/gray.h"
 
 namespace dvi::odometry {
 namespace {
@@ -32,7 +32,7 @@ Pinhole reduced(const Camera& camera, int factor) {
 /// The gray image at the finest level, without distortion.
 cv::Mat1f gray_image(const cv::Mat3b& image, const Camera& camera, const Pinhole& pinhole, int factor) {
   const cv::Size size(camera.width / factor, camera.height / factor);
-  const cv::Mat1b gray = grey_8bit(image(cv::Rect(0, 0, size.width * factor, size.height * factor)));
+  const cv::Mat1b gray = gray_8bit(image(cv::Rect(0, 0, size.width * factor, size.height * factor)));
   cv::Mat small;
   cv::resize(gray, small, size, 0, 0, cv::INTER_AREA);
   cv::Mat1f out;

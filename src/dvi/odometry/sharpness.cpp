@@ -20,11 +20,11 @@ namespace {
 
 constexpr std::size_t kStretch = 20, kStretches = 3;  // scans
 constexpr std::size_t kPointStep = 2;                 // of the points
-constexpr float kNearest = 3, kFarthest = 40;         // metres
-constexpr double kPatch = 0.8;                        // metres, edge of the cubes
-constexpr double kTolerance = 0.2;                    // metres off the plane: another thing
+constexpr float kNearest = 3, kFarthest = 40;         // meters
+constexpr double kPatch = 0.8;                        // meters, edge of the cubes
+constexpr double kTolerance = 0.2;                    // meters off the plane: another thing
 constexpr double kLeastInside = 0.85;                 // of a patch's points
-constexpr double kLeastWidth = 0.12;                  // metres, standard deviation across: else it is a line
+constexpr double kLeastWidth = 0.12;                  // meters, standard deviation across: else it is a line
 constexpr std::size_t kLeastScans = 5, kLeastPoints = 30, kLeastOfScan = 4;
 
 struct Seen {
@@ -41,7 +41,7 @@ std::vector<std::size_t> stretches(std::size_t scans) {
 }
 
 struct Plane {
-  Eigen::Vector3d centre, normal;
+  Eigen::Vector3d center, normal;
   double width = 0;
 };
 
@@ -64,7 +64,7 @@ bool measure(const Patch& patch, double& between_m, Eigen::Vector3d& normal) {
     plane = plane_of(patch, inside);
     std::size_t count = 0;
     for (std::size_t i = 0; i < patch.size(); ++i) {
-      inside[i] = std::abs((patch[i].point.cast<double>() - plane.centre).dot(plane.normal)) < kTolerance;
+      inside[i] = std::abs((patch[i].point.cast<double>() - plane.center).dot(plane.normal)) < kTolerance;
       count += inside[i] ? 1 : 0;
     }
     if (static_cast<double>(count) < kLeastInside * static_cast<double>(patch.size())) return false;
@@ -77,7 +77,7 @@ bool measure(const Patch& patch, double& between_m, Eigen::Vector3d& normal) {
     std::size_t n = 0;
     for (last = first; last < patch.size() && patch[last].scan == patch[first].scan; ++last) {
       if (!inside[last]) continue;
-      const double d = (patch[last].point.cast<double>() - plane.centre).dot(plane.normal);
+      const double d = (patch[last].point.cast<double>() - plane.center).dot(plane.normal);
       sum += d, squares += d * d, ++n;
     }
     if (n < kLeastOfScan) continue;
@@ -113,7 +113,7 @@ Sharpness sharpness(const Drive& drive, const Trajectory& world_from_lidar, cons
       const std::vector<Eigen::Vector3d> world = to_world(*scan, drive.scan_headers[i], world_from_lidar, kPointStep);
       if (!here_from_world && !world.empty()) here_from_world = world_from_lidar.at(drive.scan_headers[i].time_ns)->inverse();
       scan_match::VoxelKey last_key = 0;
-      Patch* patch = nullptr;  // neighbours of a beam mostly lie in one
+      Patch* patch = nullptr;  // neighbors of a beam mostly lie in one
       for (std::size_t k = 0; k < world.size(); k += kPointStep) {
         const float range = scan->points[k].norm();
         if (range < kNearest || range > kFarthest) continue;

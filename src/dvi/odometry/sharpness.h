@@ -7,7 +7,7 @@
 
 namespace dvi::odometry {
 
-/// How far the scans of a drive disagree on where flat things are: per patch of a metre the spread of the scans' mean
+/// How far the scans of a drive disagree on where flat things are: per patch of a meter the spread of the scans' mean
 /// distances to the patch's plane, less what the noise within each scan explains; the median over patches. Negative where
 /// the noise explains more than there is.
 struct Sharpness {

@@ -16,15 +16,15 @@ namespace {
 
 using scan_match::Feature;
 
-constexpr double kRadius = 45;   // metres round the place
-constexpr double kColumn = 0.5;  // metres: columns, and cells of the view
-constexpr double kKerb = 0.6;    // metres: what stands is higher
-constexpr double kHighest = 10;  // metres above the ground
+constexpr double kRadius = 45;   // meters round the place
+constexpr double kColumn = 0.5;  // meters: columns, and cells of the view
+constexpr double kCurb = 0.6;    // meters: what stands is higher
+constexpr double kHighest = 10;  // meters above the ground
 constexpr int kCells = 256;      // of the view, each way: its width is more than twice kRadius, so that shifts do not wrap
 constexpr int kHeadings = 180;   // of the circle
-constexpr double kFarthestShift = 50;  // metres
+constexpr double kFarthestShift = 50;  // meters
 constexpr double kWhitening = 0.7;     // 0: plain correlation, 1: phase only
-constexpr double kApart = 1.5;         // metres between candidates of like heading
+constexpr double kApart = 1.5;         // meters between candidates of like heading
 constexpr int kHeadingsApart = 4;
 
 struct Plane {
@@ -120,7 +120,7 @@ std::vector<Eigen::Vector3d> standing_points(const std::vector<scan_match::Featu
   }
   std::erase_if(points, [&](const Eigen::Vector3d& p) {
     const Column& column = columns[cell_of(p)];
-    return column.high - column.low < kKerb;
+    return column.high - column.low < kCurb;
   });
   return points;
 }

@@ -15,7 +15,7 @@ namespace dvi::registration {
 /// vehicles on one road then differ by a position and a heading. The identity where no ground is seen.
 SE3 level_from_lidar(const std::vector<scan_match::Feature>& planes);
 
-/// What stands on the ground (walls, poles, trees): the points of columns of half a metre that reach higher than a kerb.
+/// What stands on the ground (walls, poles, trees): the points of columns of half a meter that reach higher than a curb.
 /// Level axes.
 std::vector<Eigen::Vector3d> standing_points(const std::vector<scan_match::Feature>& points, const SE3& level_from_lidar);
 

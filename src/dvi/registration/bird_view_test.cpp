@@ -24,11 +24,11 @@ TEST(BirdView, TheGroundMakesAnyMountingLevel) {
   const SE3 askew{so3_exp({0.05, -0.08, 0}), Vector3d::Zero()};
   const SE3 level = level_from_lidar(ground(askew, 2));
   for (const Vector3d& below : {Vector3d(3, 4, -2), Vector3d(-10, 2, -2)}) EXPECT_NEAR((level * (askew * below)).z(), 0, 0.01);
-  EXPECT_NEAR(level.t.z(), 2, 0.01) << "metres above the ground";
+  EXPECT_NEAR(level.t.z(), 2, 0.01) << "meters above the ground";
   EXPECT_TRUE(level_from_lidar({}).R.isIdentity()) << "no ground, nothing to level by";
 }
 
-TEST(BirdView, KerbsAndTheRoadDoNotStand) {
+TEST(BirdView, CurbsAndTheRoadDoNotStand) {
   std::vector<scan_match::Feature> points = ground({}, 0);
   for (float z = 0; z < 3; z += 0.1F) points.push_back({{5, 5, z}, 0});
   for (const Vector3d& p : standing_points(points, {})) EXPECT_LT((p - Vector3d(5, 5, p.z())).norm(), 0.75);

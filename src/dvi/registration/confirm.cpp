@@ -15,14 +15,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kCell = 0.15, kLayer = 0.4;             // metres
-constexpr double kGridRadius = 50;                       // metres: of the grid
-constexpr double kGridLowest = -1.5, kGridHighest = 10;  // metres
+constexpr double kCell = 0.15, kLayer = 0.4;             // meters
+constexpr double kGridRadius = 50;                       // meters: of the grid
+constexpr double kGridLowest = -1.5, kGridHighest = 10;  // meters
 constexpr int kShifts = 10;                              // cells each way
 constexpr int kTolerance = 1;                            // cells
 constexpr int kElsewhere = 4;                            // cells: from here on a shift is another place
-constexpr double kBlock = 6;                             // metres
-constexpr double kFloor = 0.25;                          // metres above the ground: below, kerbs and the road
+constexpr double kBlock = 6;                             // meters
+constexpr double kFloor = 0.25;                          // meters above the ground: below, curbs and the road
 constexpr std::size_t kFewest = 15, kMost = 400;         // points of a block
 constexpr double kLikeness = 0.4;  // of a block's points that the other place must have, wherever it is shifted
 constexpr double kDistinct = 0.6;  // a block that fits more than this elsewhere in some direction says nothing

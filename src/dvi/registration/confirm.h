@@ -17,7 +17,7 @@ struct Confirmation {
 };
 
 /// Each block of 6 m of `b` that the other place has something like is shifted by itself, in steps of 15 cm up to 1.5 m. Walls
-/// and kerbs, which look the same everywhere along a street, do not count: only what would not fit half as well elsewhere. In
+/// and curbs, which look the same everywhere along a street, do not count: only what would not fit half as well elsewhere. In
 /// the right place most blocks do best where they are; in another street that looks alike each has a place of its own, and fits
 /// there by chance in one of ten. `a`, `b`: standing points in the same level axes.
 Confirmation confirm(const std::vector<Eigen::Vector3d>& a, const std::vector<Eigen::Vector3d>& b);

@@ -30,7 +30,7 @@ TEST(Confirm, APlaceConfirmsItself) {
   EXPECT_GT(found.share(), 0.9);
 }
 
-TEST(Confirm, AMoveOfHalfAMetreIsSeen) {
+TEST(Confirm, AMoveOfHalfAMeterIsSeen) {
   const Confirmation found = confirm(posts(1), posts(1, {0.5, 0, 0}));
   EXPECT_GT(found.moved, 15);
   EXPECT_EQ(found.confirmed, 0);

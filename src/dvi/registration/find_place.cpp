@@ -10,14 +10,14 @@
 namespace dvi::registration {
 namespace {
 
-constexpr double kSubmap = 25;                           // metres of way before and after
-constexpr double kEveryPlace = 20;                       // metres of way from one submap to the next
+constexpr double kSubmap = 25;                           // meters of way before and after
+constexpr double kEveryPlace = 20;                       // meters of way from one submap to the next
 constexpr std::size_t kMostQueries = 16;                 // submaps of the drive that looks for its place
 constexpr std::size_t kViews = 32;                       // places whose views are held at once
 constexpr std::size_t kFromPair = 8, kVerified = 24;     // candidates
-constexpr double kNearGuess = 15, kNearGuessTurn = 0.2;  // metres and radians
-constexpr double kAnother = 1, kAnotherTurn = 0.05;      // metres and radians: from here on it is another place
-constexpr double kPlaceReach = 60;                       // metres between submaps that may see the same
+constexpr double kNearGuess = 15, kNearGuessTurn = 0.2;  // meters and radians
+constexpr double kAnother = 1, kAnotherTurn = 0.05;      // meters and radians: from here on it is another place
+constexpr double kPlaceReach = 60;                       // meters between submaps that may see the same
 constexpr double kChance = 0.4;  // of single things that agree in a street that looks alike (docs/algorithms/register.md)
 constexpr std::size_t kFewestThings = 16;  // counted for both drives
 constexpr double kMostRival = 0.6;
@@ -42,8 +42,8 @@ double least_share(const Confirmation& things) {
   constexpr double z = 1.96;
   const double n = 0.5 * static_cast<double>(things.all());
   if (n == 0) return 0;
-  const double p = things.share(), centre = p + z * z / (2 * n);
-  return (centre - z * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n);
+  const double p = things.share(), center = p + z * z / (2 * n);
+  return (center - z * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n);
 }
 
 struct Level {
@@ -51,12 +51,12 @@ struct Level {
   std::vector<Eigen::Vector3d> standing;  // level axes
 };
 
-Level levelled(const StillScan& scan) {
+Level leveled(const StillScan& scan) {
   const SE3 level = level_from_lidar(scan.dense.planes);
   return {level, standing_points(scan.points, level)};
 }
 
-Level level_at(const KeyScans& keys, std::size_t key) { return levelled(submap(keys, key, kSubmap)); }
+Level level_at(const KeyScans& keys, std::size_t key) { return leveled(submap(keys, key, kSubmap)); }
 
 std::vector<Eigen::Vector3d> moved(const std::vector<Eigen::Vector3d>& points, const SE3& motion) {
   std::vector<Eigen::Vector3d> out;
@@ -68,7 +68,7 @@ std::vector<Eigen::Vector3d> moved(const std::vector<Eigen::Vector3d>& points, c
 /// Registers the submaps to each other from a start, and asks the single things in both directions.
 PlaceMatch verified(const KeyScans& a_keys, const KeyScans& b_keys, const PlaceFinder::Start& start) {
   const StillScan a_scan = submap(a_keys, start.a, kSubmap), b_scan = submap(b_keys, start.b, kSubmap);
-  const Level a = levelled(a_scan), b = levelled(b_scan);
+  const Level a = leveled(a_scan), b = leveled(b_scan);
   scan_match::LocalMaps scene = scan_match::empty_scene(a_keys.options());
   scene.add(a_scan.dense, {}, Vector6d::Zero());
   scan_match::RegisterOptions options = scan_match::register_options(a_keys.options());

@@ -12,9 +12,9 @@ namespace {
 
 using scan_match::Feature, scan_match::Features;
 
-constexpr double kKeyStep = 0.5;    // metres of way
-constexpr double kPoint = 0.15;     // metres: one point a cube of that edge
-constexpr double kBoxMargin = 0.2;  // metres: objects move while they are scanned
+constexpr double kKeyStep = 0.5;    // meters of way
+constexpr double kPoint = 0.15;     // meters: one point a cube of that edge
+constexpr double kBoxMargin = 0.2;  // meters: objects move while they are scanned
 
 Vector6d twist_at(const Trajectory& world_from_lidar, std::int64_t time_ns) {
   constexpr std::int64_t kHalf = 50'000'000;

@@ -21,7 +21,7 @@ struct StillScan {
   }
 };
 
-/// The scans of a drive by which it is compared with others, half a metre of way apart or more. Copies share what was read.
+/// The scans of a drive by which it is compared with others, half a meter of way apart or more. Copies share what was read.
 class KeyScans {
  public:
   /// Where a scan was, and how it moved.
@@ -32,7 +32,7 @@ class KeyScans {
     double way_m = 0;                   ///< since the first
   };
 
-  /// Features in labelled boxes and in the drive's mask files are left out. `drive` must outlive this.
+  /// Features in labeled boxes and in the drive's mask files are left out. `drive` must outlive this.
   KeyScans(const Drive& drive, const scan_match::MatchOptions& options, const Trajectory& world_from_lidar);
 
   /// The same scans in another world.

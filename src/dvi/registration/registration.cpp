@@ -17,7 +17,7 @@ namespace {
 
 using scan_match::PoseEdge;
 
-// Standard deviations in metres and radians.
+// Standard deviations in meters and radians.
 constexpr double kStep = 0.01, kStepTurn = 0.0005;  // of a trajectory from one key scan to the next
 constexpr double kHeld = 1e-5;                      // of one that stays as it is
 constexpr double kTie = 0.02, kTieTurn = 0.001;     // of a tie, on top of registration's own
@@ -25,14 +25,14 @@ constexpr double kKept = 0.25;                      // weight of a tie that the 
 constexpr std::size_t kFewestTies = 3;
 constexpr double kInflation = 1;  // of standard deviations: errors of ties that share a local map are alike
 
-Matrix6d information_of(double metres, double radians) {
+Matrix6d information_of(double meters, double radians) {
   Vector6d variance;
-  variance << Eigen::Vector3d::Constant(metres * metres), Eigen::Vector3d::Constant(radians * radians);
+  variance << Eigen::Vector3d::Constant(meters * meters), Eigen::Vector3d::Constant(radians * radians);
   return variance.cwiseInverse().asDiagonal();
 }
 
-Matrix6d no_better_than(const Matrix6d& information, double metres, double radians) {
-  return (information.inverse() + Matrix6d(information_of(metres, radians).inverse())).inverse();
+Matrix6d no_better_than(const Matrix6d& information, double meters, double radians) {
+  return (information.inverse() + Matrix6d(information_of(meters, radians).inverse())).inverse();
 }
 
 /// A trajectory of which the poses at some times have moved, and those between with them.

@@ -18,7 +18,7 @@ struct Recorded {
   Trajectory truth;  // in the street's world
 };
 
-Recorded record(int seed, int day, int beams = 32, bool lorry = false) {
+Recorded record(int seed, int day, int beams = 32, bool truck = false) {
   synth::SynthOptions options;
   options.seed = seed;
   options.day = day;
@@ -27,7 +27,7 @@ Recorded record(int seed, int day, int beams = 32, bool lorry = false) {
   options.height = 36;
   options.beams = beams;
   options.columns = 600;
-  options.lorry = lorry;
+  options.truck = truck;
   const Drive lazy = synth::drive_of(std::make_shared<const synth::Scene>(options));
   Recorded out{lazy, lazy.poses};
   out.drive.masks = {};

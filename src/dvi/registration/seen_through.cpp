@@ -7,9 +7,9 @@
 namespace dvi::registration {
 namespace {
 
-constexpr double kAround = 12, kBetween = 4;  // metres of way: scans that look, and from one to the next
-constexpr double kPointRadius = 0.1;          // metres: radius of a point
-constexpr double kPlacedTo = 0.1;             // metres: the drives may be off each other by so much
+constexpr double kAround = 12, kBetween = 4;  // meters of way: scans that look, and from one to the next
+constexpr double kPointRadius = 0.1;          // meters: radius of a point
+constexpr double kPlacedTo = 0.1;             // meters: the drives may be off each other by so much
 constexpr std::size_t kEvery = 3;             // of the points
 
 }  // namespace

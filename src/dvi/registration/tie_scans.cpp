@@ -7,7 +7,7 @@
 namespace dvi::registration {
 namespace {
 
-// Metres and radians.
+// Meters and radians.
 constexpr double kTieReach = 60;                        // to scans that may see the same
 constexpr double kScansApart = 2.5;                     // between scans of a local map
 constexpr std::size_t kMostScans = 12;                  // of a local map
@@ -23,10 +23,10 @@ struct KeyOf {
 };
 
 /// What drives that have their place saw round a position, in the axes of the nearest scan.
-struct Neighbourhood {
+struct Neighborhood {
   std::size_t drive = 0, anchor = 0;
   SE3 anchor_from_world;
-  Eigen::Vector3d centre;  // world
+  Eigen::Vector3d center;  // world
   scan_match::LocalMaps scene;
   double share = 0, residual_m = 0;  // of the anchor itself, which is left out of the scene
 };
@@ -48,7 +48,7 @@ Fit fit(const scan_match::Features& sparse, const SE3& guess, int coarse, scan_m
   return out;
 }
 
-std::optional<Neighbourhood> neighbourhood(const PlacedKeys& placed, const Eigen::Vector3d& position) {
+std::optional<Neighborhood> neighborhood(const PlacedKeys& placed, const Eigen::Vector3d& position) {
   std::vector<KeyOf> near;
   for (std::size_t d = 0; d < placed.size(); ++d)
     for (std::size_t k = 0; k < placed[d]->size(); ++k)
@@ -60,7 +60,7 @@ std::optional<Neighbourhood> neighbourhood(const PlacedKeys& placed, const Eigen
   const auto pose = [&](const KeyOf& k) { return (*placed[k.drive])[k.key].world_from_lidar; };
   const auto features = [&](const KeyOf& k) { return placed[k.drive]->scan(k.key); };
   const scan_match::MatchOptions& match = placed[anchor.drive]->options();
-  Neighbourhood out{anchor.drive, anchor.key, pose(anchor).inverse(), position, scan_match::empty_scene(match), 0, 0};
+  Neighborhood out{anchor.drive, anchor.key, pose(anchor).inverse(), position, scan_match::empty_scene(match), 0, 0};
   std::vector<KeyOf> taken;
   for (const KeyOf& k : near) {
     if (&k == &near.front() || taken.size() == kMostScans) continue;
@@ -94,7 +94,7 @@ class Walk {
 
  private:
   std::optional<Tie> tie_of(std::size_t k, const SE3& expected) {
-    if (!place_ || (place_->centre - expected.t).norm() > kSamePlace) place_ = neighbourhood(placed_, expected.t);
+    if (!place_ || (place_->center - expected.t).norm() > kSamePlace) place_ = neighborhood(placed_, expected.t);
     if (!place_) return std::nullopt;
     const SE3 guess = place_->anchor_from_world * expected;
     const Fit found = fit(keys_.scan(k)->sparse, guess, 4, place_->scene, keys_.options());
@@ -109,7 +109,7 @@ class Walk {
   const PlacedKeys& placed_;
   const KeyScans& keys_;
   const Tick& tick_;
-  std::optional<Neighbourhood> place_;
+  std::optional<Neighborhood> place_;
 };
 
 }  // namespace

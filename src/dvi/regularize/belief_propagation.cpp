@@ -13,15 +13,15 @@ namespace dvi::regularize {
 namespace {
 
 /// The edge from a node in a direction; what a source cannot say costs nothing.
-EdgeColours edge_colours(const ShiftField& field, std::size_t node, int direction, const std::uint8_t* nothing) {
-  const int other = field.neighbour[node][direction];
+EdgeColors edge_colors(const ShiftField& field, std::size_t node, int direction, const std::uint8_t* nothing) {
+  const int other = field.neighbor[node][direction];
   const int forth = field.expected[node][direction], back = field.expected[other][direction ^ 2];
   const std::uint8_t* own = field.row(static_cast<int>(node));
   return {{forth < 0 ? nothing : field.row(forth), back < 0 ? nothing : own},
           {forth < 0 ? nothing : field.row(other), back < 0 ? nothing : field.row(back)}};
 }
 
-int edge_cost(const EdgeColours& edge, int stride, int i, int j) {
+int edge_cost(const EdgeColors& edge, int stride, int i, int j) {
   int cost = 0;
   for (int c = 0; c < 6; ++c)
     cost += std::abs(edge.sender[c / 3][(c % 3) * stride + i] - edge.receiver[c / 3][(c % 3) * stride + j]);
@@ -39,7 +39,7 @@ class Messages {
         without_(field.stride),
         message_(field.stride) {}
 
-  /// In raster order every node that has heard something new tells its neighbours ahead (right and below), or, in the
+  /// In raster order every node that has heard something new tells its neighbors ahead (right and below), or, in the
   /// opposite order, those behind: so news crosses the whole hole at once. Whether any message changed.
   bool sweep(bool forward) {
     bool changed = false;
@@ -61,9 +61,9 @@ class Messages {
     for (std::size_t node = 0; node < field_.nodes(); ++node) {
       std::copy(field_.data_of(node), field_.data_of(node) + field_.labels(), cost.begin());
       for (int d = 0; d < 4; ++d) {
-        const int other = field_.neighbour[node][d];
+        const int other = field_.neighbor[node][d];
         if (other < 0) continue;
-        const EdgeColours edge = edge_colours(field_, node, d, nothing_.data());
+        const EdgeColors edge = edge_colors(field_, node, d, nothing_.data());
         const Cost* in = incoming(node, d);
         for (int i = 0; i < field_.labels(); ++i) cost[i] += d < 2 ? edge_cost(edge, field_.stride, i, out[other]) : in[i];
       }
@@ -77,14 +77,14 @@ class Messages {
   using Cost = std::int16_t;
   static constexpr std::uint8_t kAhead = 1, kBehind = 2;
 
-  /// The message into a node from its neighbour in a direction.
+  /// The message into a node from its neighbor in a direction.
   Cost* incoming(std::size_t node, int direction) { return &incoming_[(node * 4 + direction) * field_.stride]; }
 
   void sum_incoming(std::size_t node) {
     const Cost* data = field_.data_of(node);
     std::copy(data, data + field_.stride, belief_.begin());
     for (int d = 0; d < 4; ++d) {
-      if (field_.neighbour[node][d] < 0) continue;
+      if (field_.neighbor[node][d] < 0) continue;
       const Cost* in = incoming(node, d);
       for (int i = 0; i < field_.stride; ++i) belief_[i] = static_cast<Cost>(belief_[i] + in[i]);
     }
@@ -94,11 +94,11 @@ class Messages {
     bool changed = false;
     sum_incoming(node);
     for (int d = first_direction; d < first_direction + 2; ++d) {
-      const int other = field_.neighbour[node][d];
+      const int other = field_.neighbor[node][d];
       if (other < 0) continue;
       const Cost* in = incoming(node, d);
       for (int i = 0; i < field_.stride; ++i) without_[i] = static_cast<Cost>(belief_[i] - in[i]);
-      min_sum(without_.data(), edge_colours(field_, node, d, nothing_.data()), field_.labels(), field_.stride, message_.data());
+      min_sum(without_.data(), edge_colors(field_, node, d, nothing_.data()), field_.labels(), field_.stride, message_.data());
       Cost* out = incoming(other, d ^ 2);
       if (std::equal(message_.begin(), message_.begin() + field_.labels(), out)) continue;
       std::copy(message_.begin(), message_.end(), out);
@@ -123,8 +123,8 @@ double energy(const ShiftField& field, const std::vector<int>& labels) {
   for (std::size_t node = 0; node < field.nodes(); ++node) {
     sum += field.data_of(node)[labels[node]];
     for (const int d : {2, 3}) {
-      const int other = field.neighbour[node][d];
-      if (other >= 0) sum += edge_cost(edge_colours(field, node, d, nothing.data()), field.stride, labels[node], labels[other]);
+      const int other = field.neighbor[node][d];
+      if (other >= 0) sum += edge_cost(edge_colors(field, node, d, nothing.data()), field.stride, labels[node], labels[other]);
     }
   }
   return sum;

@@ -17,7 +17,7 @@ struct BeliefPropagation {
 /// Eq. 2: the data costs of all nodes and the discontinuity costs (eq. 4) of all edges, each once.
 double energy(const ShiftField& field, const std::vector<int>& labels);
 
-/// Min-sum loopy belief propagation, an iteration being one sweep in raster order and one back. Keeps the cheapest labelling
+/// Min-sum loopy belief propagation, an iteration being one sweep in raster order and one back. Keeps the cheapest labeling
 /// it met.
 BeliefPropagation propagate(const ShiftField& field, int iterations);
 

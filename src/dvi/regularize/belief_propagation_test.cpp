@@ -15,7 +15,7 @@
 namespace dvi::regularize {
 namespace {
 
-/// A grid of nodes with random costs and colours.
+/// A grid of nodes with random costs and colors.
 ShiftField random_field(int width, int height, std::uint64_t seed) {
   Random random(seed);
   ShiftField field;
@@ -26,14 +26,14 @@ ShiftField random_field(int width, int height, std::uint64_t seed) {
   for (int i = 0; i < nodes; ++i) {
     const int x = i % width, y = i / width;
     field.pixel.push_back(i);
-    field.neighbour.push_back(
+    field.neighbor.push_back(
         {x > 0 ? i - 1 : -1, y > 0 ? i - width : -1, x + 1 < width ? i + 1 : -1, y + 1 < height ? i + width : -1});
     field.expected.push_back({-1, -1, -1, -1});
     for (int d = 0; d < 4; ++d)
-      if (field.neighbour[i][d] >= 0 && random.uniform() < 0.9) field.expected[i][d] = rows++;
+      if (field.neighbor[i][d] >= 0 && random.uniform() < 0.9) field.expected[i][d] = rows++;
   }
-  field.colours.resize(static_cast<std::size_t>(rows) * 3 * field.stride);
-  for (auto& v : field.colours) v = static_cast<std::uint8_t>(random.below(256));
+  field.colors.resize(static_cast<std::size_t>(rows) * 3 * field.stride);
+  for (auto& v : field.colors) v = static_cast<std::uint8_t>(random.below(256));
   field.data.resize(static_cast<std::size_t>(nodes) * field.stride);
   for (auto& v : field.data) v = static_cast<std::int16_t>(random.below(765));
   return field;

@@ -16,14 +16,14 @@ namespace dvi::regularize {
 
 namespace {
 
-// A vector type, for GCC 12 does not vectorise the loop over lanes. Signs in place of comparisons, for it takes those apart
+// A vector type, for GCC 12 does not vectorize the loop over lanes. Signs in place of comparisons, for it takes those apart
 // lane by lane where the processor's registers are shorter. Nothing may be outlined: it would lose the clone's target.
 using Lanes [[gnu::vector_size(kLanes * sizeof(std::int16_t))]] = std::int16_t;
 
 }  // namespace
 
 DVI_TARGET_CLONES
-void min_sum(const std::int16_t* belief, const EdgeColours& edge, int labels, int stride, std::int16_t* out) {
+void min_sum(const std::int16_t* belief, const EdgeColors& edge, int labels, int stride, std::int16_t* out) {
   int first = 0;
   for (int i = 1; i < labels; ++i)
     if (belief[i] < belief[first]) first = i;

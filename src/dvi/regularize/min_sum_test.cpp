@@ -13,7 +13,7 @@
 namespace dvi::regularize {
 namespace {
 
-std::vector<std::int16_t> plain(const std::vector<std::int16_t>& belief, const EdgeColours& edge, int labels, int stride) {
+std::vector<std::int16_t> plain(const std::vector<std::int16_t>& belief, const EdgeColors& edge, int labels, int stride) {
   std::vector<std::int16_t> out(stride, 0);
   int least = 1 << 30;
   std::vector<int> best(labels, 1 << 30);
@@ -43,7 +43,7 @@ TEST(MinSum, EqualsThePlainMinimum) {
         row.resize(std::size_t{3} * stride);
         for (auto& v : row) v = static_cast<std::uint8_t>(random.below(trial % 3 == 0 ? 256 : 40));
       }
-      const EdgeColours edge{{rows[0].data(), rows[1].data()}, {rows[2].data(), rows[3].data()}};
+      const EdgeColors edge{{rows[0].data(), rows[1].data()}, {rows[2].data(), rows[3].data()}};
       min_sum(belief.data(), edge, labels, stride, out.data());
       ASSERT_THAT(out, testing::ElementsAreArray(plain(belief, edge, labels, stride))) << labels << " labels";
     }

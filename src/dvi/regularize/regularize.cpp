@@ -8,7 +8,7 @@
 #include "dvi/depth/depth_map.h"
 #include "dvi/drive/view.h"
 #include "dvi/regularize/belief_propagation.h"
-#include "dvi/regularize/labelling.h"
+#include "dvi/regularize/labeling.h"
 #include "dvi/regularize/shift_field.h"
 #include "dvi/sample/candidates.h"
 
@@ -24,13 +24,13 @@ void shift(sample::Candidates& candidates, std::size_t pixel, cv::Point2f by) {
 
 }  // namespace
 
-Labelling regularize(sample::Candidates candidates, const Views& views, std::size_t target, const depth::DepthMap& depth,
-                     const RegularizeOptions& options) {
+Labeling regularize(sample::Candidates candidates, const Views& views, std::size_t target, const depth::DepthMap& depth,
+                    const RegularizeOptions& options) {
   if (options.window % 2 == 0) throw UsageError("regularize.window must be odd");
   if (!options.enabled) return {std::move(candidates), std::nullopt, 0};
   const ShiftField field = shift_field(candidates, views, target, depth, options.window, options.alpha);
   const BeliefPropagation solution = propagate(field, options.iterations);
-  Labelling out{std::move(candidates), Energies{solution.energy_before, solution.energy_after}, solution.iterations};
+  Labeling out{std::move(candidates), Energies{solution.energy_before, solution.energy_after}, solution.iterations};
   for (std::size_t node = 0; node < field.nodes(); ++node)
     shift(out.candidates, static_cast<std::size_t>(field.pixel[node]), cv::Point2f(field.shifts[solution.labels[node]]));
   return out;

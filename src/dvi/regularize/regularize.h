@@ -3,7 +3,7 @@
 #include "dvi/core/options.h"
 #include "dvi/depth/depth_map.h"
 #include "dvi/drive/view.h"
-#include "dvi/regularize/labelling.h"
+#include "dvi/regularize/labeling.h"
 
 namespace dvi::regularize {
 
@@ -11,7 +11,7 @@ struct RegularizeOptions {
   bool enabled = false;
   int window = 5;
   int iterations = 20;
-  double alpha = 20;  ///< of eq. 3, in grey levels over three channels; no label depends on it, only the energy
+  double alpha = 20;  ///< of eq. 3, in gray levels over three channels; no label depends on it, only the energy
 
   void describe(OptionTable& table) {
     table.section("stages");
@@ -27,9 +27,9 @@ struct RegularizeOptions {
 
 /// Min-sum belief propagation over the 4-connected hole (section 3.5 of the paper). A pixel's labels are shifts of its
 /// candidate; the data cost (eq. 3) asks that a boundary pixel's source continue into the true image, the discontinuity
-/// cost (eq. 4) that neighbours' sources agree on each other's colour, each neighbour warped by its own depth. Switched off, it
+/// cost (eq. 4) that neighbors' sources agree on each other's color, each neighbor warped by its own depth. Switched off, it
 /// hands on the candidates as they are, and computes no energy.
-Labelling regularize(sample::Candidates candidates, const Views& views, std::size_t target, const depth::DepthMap& depth,
-                     const RegularizeOptions& options);
+Labeling regularize(sample::Candidates candidates, const Views& views, std::size_t target, const depth::DepthMap& depth,
+                    const RegularizeOptions& options);
 
 }  // namespace dvi::regularize

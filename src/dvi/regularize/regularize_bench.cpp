@@ -8,7 +8,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/image/region.h"
 #include "dvi/regularize/belief_propagation.h"
-#include "dvi/regularize/labelling.h"
+#include "dvi/regularize/labeling.h"
 #include "dvi/regularize/regularize.h"
 #include "dvi/regularize/shift_field.h"
 #include "dvi/regularize/tree_reweighted.h"
@@ -50,7 +50,7 @@ void regularize_hole(benchmark::State& state) {
   const Hole hole(static_cast<double>(state.range(0)), state.range(1) != 0);
   const Views views = hole.scene.lazy();
   const depth::DepthMap depth = hole.depth();
-  Labelling out;
+  Labeling out;
   for (auto _ : state) {
     out = regularize(hole.candidates, views, 0, depth, {true});
     benchmark::DoNotOptimize(out);

@@ -10,7 +10,7 @@
 #include "dvi/depth/depth_map.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/region.h"
-#include "dvi/regularize/labelling.h"
+#include "dvi/regularize/labeling.h"
 #include "dvi/sample/candidates.h"
 #include "dvi/testing/flat_scene.h"
 
@@ -19,9 +19,9 @@ namespace {
 
 const RegularizeOptions kOn{true};
 
-cv::Mat1b disc(int width, int height, cv::Point centre, int radius) {
+cv::Mat1b disc(int width, int height, cv::Point center, int radius) {
   cv::Mat1b mask(height, width, uchar{0});
-  cv::circle(mask, centre, radius, 255, cv::FILLED);
+  cv::circle(mask, center, radius, 255, cv::FILLED);
   return mask;
 }
 
@@ -49,7 +49,7 @@ struct Street {
     scene.add_source(8, truth);
     scene.add_source(-5, truth);
   }
-  Labelling run(const sample::Candidates& candidates, const RegularizeOptions& options = kOn) const {
+  Labeling run(const sample::Candidates& candidates, const RegularizeOptions& options = kOn) const {
     return regularize(candidates, scene.lazy(), 0, flat_depth(scene), options);
   }
 };
@@ -57,14 +57,14 @@ struct Street {
 TEST(Regularize, LeavesExactCandidatesAlone) {
   const Street street;
   const sample::Candidates exact = seen_by_one(street.hole, 8);
-  const Labelling out = street.run(exact);
+  const Labeling out = street.run(exact);
   EXPECT_EQ(right_share(out.candidates, exact), 1);
   EXPECT_EQ(out.energy->before, out.energy->after);
 }
 
 TEST(Regularize, RecoversAUniformShift) {
   const Street street;
-  const Labelling out = street.run(seen_by_one(street.hole, 8, {1, -2}));
+  const Labeling out = street.run(seen_by_one(street.hole, 8, {1, -2}));
   EXPECT_GT(right_share(out.candidates, seen_by_one(street.hole, 8)), 0.99);
   EXPECT_LT(out.energy->after, 0.7 * out.energy->before);
 }
@@ -81,7 +81,7 @@ TEST(Regularize, RecoversAShiftOfOneOfTwoSources) {
   EXPECT_GT(right_share(street.run(wrong).candidates, truth), 0.97);
 }
 
-TEST(Regularize, WarpsNeighboursByTheirOwnDepth) {
+TEST(Regularize, WarpsNeighborsByTheirOwnDepth) {
   Street street;
   // The right half stands nearer: the target's depth says so, and the source shows it moved by twice as much.
   depth::DepthMap depth = flat_depth(street.scene);
@@ -97,7 +97,7 @@ TEST(Regularize, WarpsNeighboursByTheirOwnDepth) {
       }
   for (const cv::Point p : exact.hole.pixels) exact.leading.push_back({1, cv::Point2f(p + cv::Point(p.x >= 40 ? 16 : 8, 0))});
   street.scene.images[1] = source;
-  const Labelling out = regularize(exact, street.scene.lazy(), 0, depth, kOn);
+  const Labeling out = regularize(exact, street.scene.lazy(), 0, depth, kOn);
   EXPECT_EQ(right_share(out.candidates, exact), 1);
   RegularizeOptions no_inner_cost = kOn;
   no_inner_cost.alpha = 0;
@@ -110,7 +110,7 @@ TEST(Regularize, NeverShiftsIntoTheSourcesMaskOrOutOfItsImage) {
   street.scene.masks[1](cv::Rect(50, 0, 40, 35)) = 255;
   sample::Candidates shifted = seen_by_one(street.hole, 8, {2, 2});
   for (auto& c : shifted.leading) c.position.x += 30;  // up to the image's right border
-  const Labelling out = street.run(shifted);
+  const Labeling out = street.run(shifted);
   for (std::size_t i = 0; i < shifted.leading.size(); ++i) {
     const cv::Point2f from = shifted.leading[i].position, to = out.candidates.leading[i].position;
     if (from == to) continue;
@@ -139,7 +139,7 @@ TEST(Regularize, PixelsWithoutCandidateTakeNoPart) {
   sample::Candidates some = seen_by_one(street.hole, 8, {1, 1}), none = some;
   for (std::size_t i = 0; i < some.leading.size(); i += 3) some.leading[i] = {};
   for (auto& c : none.leading) c = {};
-  const Labelling out = street.run(some);
+  const Labeling out = street.run(some);
   for (std::size_t i = 0; i < some.leading.size(); i += 3) EXPECT_FALSE(out.candidates.leading[i].found());
   EXPECT_EQ(street.run(none).energy->before, 0);
 }
@@ -151,11 +151,11 @@ TEST(Regularize, IsOffWithoutIterationsOfAWindow) {
   off.enabled = false;
   one.window = 1;
   for (const RegularizeOptions& options : {off, one}) {
-    const Labelling out = street.run(shifted, options);
+    const Labeling out = street.run(shifted, options);
     EXPECT_EQ(right_share(out.candidates, shifted), 1);
     EXPECT_EQ(out.energy.has_value(), options.enabled);
   }
-  const Labelling alone = street.run(shifted, one);
+  const Labeling alone = street.run(shifted, one);
   EXPECT_EQ(alone.energy->after, alone.energy->before);
   EXPECT_EQ(alone.energy->before, street.run(shifted).energy->before);
   one.window = 4;
@@ -171,7 +171,7 @@ TEST(Regularize, TakesAnyHole) {
     FlatScene scene(picture, mask);
     scene.add_source(0, picture);
     const sample::Candidates exact = seen_by_one(mask, 0);
-    const Labelling out = regularize(exact, scene.lazy(), 0, flat_depth(scene), kOn);
+    const Labeling out = regularize(exact, scene.lazy(), 0, flat_depth(scene), kOn);
     EXPECT_TRUE(exact.leading.empty() || right_share(out.candidates, exact) == 1);
     EXPECT_LE(out.energy->after, out.energy->before);
   }
@@ -181,7 +181,7 @@ TEST(Regularize, UnknownDepthAndSkyAreNoObstacle) {
   const Street street;
   depth::DepthMap depth = flat_depth(street.scene);
   depth.z(cv::Rect(0, 0, 40, 70)) = depth::DepthMap::kUnknown;
-  const Labelling out = regularize(seen_by_one(street.hole, 8, {1, 0}), street.scene.lazy(), 0, depth, kOn);
+  const Labeling out = regularize(seen_by_one(street.hole, 8, {1, 0}), street.scene.lazy(), 0, depth, kOn);
   EXPECT_GT(right_share(out.candidates, seen_by_one(street.hole, 8)), 0.99);
   depth.z = depth::DepthMap::kSky;
   EXPECT_LE(regularize(seen_by_one(street.hole, 0), street.scene.lazy(), 0, depth, kOn).energy->after, 1e9);
@@ -191,8 +191,8 @@ TEST(Regularize, GivesTheSameTwice) {
   const Street street;
   sample::Candidates noisy = seen_by_one(street.hole, 8);
   Random random(5);
-  for (auto& c : noisy.leading) c.position += quantised(random.uniform(-2, 2), random.uniform(-2, 2));
-  const Labelling a = street.run(noisy), b = street.run(noisy);
+  for (auto& c : noisy.leading) c.position += quantized(random.uniform(-2, 2), random.uniform(-2, 2));
+  const Labeling a = street.run(noisy), b = street.run(noisy);
   EXPECT_EQ(right_share(a.candidates, b.candidates), 1);
   EXPECT_EQ(a.energy->after, b.energy->after);
   EXPECT_LT(a.energy->after, a.energy->before);

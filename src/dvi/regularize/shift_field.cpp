@@ -47,9 +47,9 @@ class Builder {
         field_.pixel.push_back(static_cast<int>(i));
       }
     const std::array<int, 4> none{-1, -1, -1, -1};
-    field_.neighbour.assign(field_.nodes(), none);
+    field_.neighbor.assign(field_.nodes(), none);
     field_.expected.assign(field_.nodes(), none);
-    field_.colours.resize(field_.nodes() * row_size());
+    field_.colors.resize(field_.nodes() * row_size());
     field_.data.resize(field_.nodes() * field_.stride);
     for (const auto& [view, nodes] : of_view) add_view(view, nodes);
   }
@@ -73,7 +73,7 @@ class Builder {
 
   void add_node(int node, const Warp& warp) {
     const sample::Candidate& own = candidate(node);
-    sample(own.position, pixel(node), &field_.colours[node * row_size()]);
+    sample(own.position, pixel(node), &field_.colors[node * row_size()]);
     std::vector<int> boundary_cost(field_.labels());
     int boundary = 0;
     for (int d = 0; d < 4; ++d) {
@@ -98,18 +98,18 @@ class Builder {
     if (other < 0) return;
     const bool same = candidate(other).view == candidate(node).view;
     const Position q_at = same ? warped_[inside] : warp(q, depth_.z(q));
-    const cv::Point2f at = neighbour_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, q_at);
-    field_.neighbour[node][direction] = other;
+    const cv::Point2f at = neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, q_at);
+    field_.neighbor[node][direction] = other;
     if (same && at == candidate(other).position)
       field_.expected[node][direction] = other;
     else if (can_sample(*source_mask_, at))
       field_.expected[node][direction] = new_row(at, q);
   }
 
-  /// Eq. 3 for one neighbour outside the hole; 1 where the source can say what it expects there.
+  /// Eq. 3 for one neighbor outside the hole; 1 where the source can say what it expects there.
   int add_boundary(int node, cv::Point q, const Warp& warp, std::vector<int>& cost) {
     const cv::Point2f at =
-        neighbour_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, warp(q, depth_.z(q)));
+        neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, warp(q, depth_.z(q)));
     if (!can_sample(*source_mask_, at)) return 0;
     scratch_.resize(row_size());
     sample(at, q, scratch_.data());
@@ -120,9 +120,9 @@ class Builder {
   }
 
   int new_row(cv::Point2f at, cv::Point of) {
-    const std::size_t begin = field_.colours.size();
-    field_.colours.resize(begin + row_size());
-    sample(at, of, &field_.colours[begin]);
+    const std::size_t begin = field_.colors.size();
+    field_.colors.resize(begin + row_size());
+    sample(at, of, &field_.colors[begin]);
     return static_cast<int>(begin / row_size());
   }
 
@@ -132,9 +132,9 @@ class Builder {
     const cv::Vec3f gain = vignetting_to(views_[target_], of, *source_view_, at) * gain_;
     for (int i = 0; i < field_.labels(); ++i) {
       const cv::Point2f shifted = at + cv::Point2f(field_.shifts[i]);
-      const cv::Vec3f colour = bilinear(image, {std::clamp(shifted.x, 0.0F, static_cast<float>(image.cols - 1)),
-                                                std::clamp(shifted.y, 0.0F, static_cast<float>(image.rows - 1))});
-      for (int c = 0; c < 3; ++c) row[c * field_.stride + i] = cv::saturate_cast<std::uint8_t>(colour[c] * gain[c]);
+      const cv::Vec3f color = bilinear(image, {std::clamp(shifted.x, 0.0F, static_cast<float>(image.cols - 1)),
+                                               std::clamp(shifted.y, 0.0F, static_cast<float>(image.rows - 1))});
+      for (int c = 0; c < 3; ++c) row[c * field_.stride + i] = cv::saturate_cast<std::uint8_t>(color[c] * gain[c]);
     }
   }
 

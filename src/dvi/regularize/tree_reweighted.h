@@ -33,17 +33,17 @@ class TreeReweighted {
     }
   }
 
-  /// The cheapest labelling met, and what it costs.
+  /// The cheapest labeling met, and what it costs.
   const std::vector<int>& labels() const { return best_; }
   double energy() const { return energy_; }
-  /// No labelling costs less.
+  /// No labeling costs less.
   double bound() const { return bound_; }
 
  private:
   static constexpr int kAhead = 2;  // of the directions: right and below
 
   double cost(std::size_t node, int direction, int own, int others) const {
-    const int other = field_.neighbour[node][direction];
+    const int other = field_.neighbor[node][direction];
     const int forth = field_.expected[node][direction], back = field_.expected[other][direction ^ 2];
     int sum = 0;
     for (int c = 0; c < 3; ++c) {
@@ -59,7 +59,7 @@ class TreeReweighted {
     for (std::size_t node = 0; node < field_.nodes(); ++node) {
       sum += field_.data_of(node)[of[node]];
       for (int d = kAhead; d < 4; ++d)
-        if (const int other = field_.neighbour[node][d]; other >= 0) sum += cost(node, d, of[node], of[other]);
+        if (const int other = field_.neighbor[node][d]; other >= 0) sum += cost(node, d, of[node], of[other]);
     }
     return sum;
   }
@@ -70,7 +70,7 @@ class TreeReweighted {
   std::vector<double> belief(std::size_t node) {
     std::vector<double> out(field_.data_of(node), field_.data_of(node) + labels_);
     for (int d = 0; d < 4; ++d)
-      if (field_.neighbour[node][d] >= 0)
+      if (field_.neighbor[node][d] >= 0)
         for (int i = 0; i < labels_; ++i) out[i] += message(node, d)[i];
     return out;
   }
@@ -78,13 +78,13 @@ class TreeReweighted {
   // The share of a node's belief that each of the trees through it, which are chains in raster order, gets.
   double share(std::size_t node) const {
     std::array<int, 2> count{};
-    for (int d = 0; d < 4; ++d) count[d / kAhead] += field_.neighbour[node][d] >= 0;
+    for (int d = 0; d < 4; ++d) count[d / kAhead] += field_.neighbor[node][d] >= 0;
     return 1.0 / std::max({count[0], count[1], 1});
   }
 
-  // Tells a neighbour; the least of the message is taken out of it and returned.
+  // Tells a neighbor; the least of the message is taken out of it and returned.
   double send(std::size_t node, int direction, const std::vector<double>& belief) {
-    const int other = field_.neighbour[node][direction];
+    const int other = field_.neighbor[node][direction];
     const double part = share(node);
     std::vector<double> out(labels_, std::numeric_limits<double>::max());
     for (int i = 0; i < labels_; ++i) {
@@ -101,14 +101,14 @@ class TreeReweighted {
     for (std::size_t node = 0; node < field_.nodes(); ++node) {
       std::vector<double> given(field_.data_of(node), field_.data_of(node) + labels_);
       for (int d = 0; d < 4; ++d) {
-        const int other = field_.neighbour[node][d];
+        const int other = field_.neighbor[node][d];
         if (other < 0) continue;
         for (int i = 0; i < labels_; ++i) given[i] += d < kAhead ? cost(node, d, i, chosen_[other]) : message(node, d)[i];
       }
       chosen_[node] = static_cast<int>(std::min_element(given.begin(), given.end()) - given.begin());
       const std::vector<double> all = belief(node);
       for (int d = kAhead; d < 4; ++d)
-        if (field_.neighbour[node][d] >= 0) send(node, d, all);
+        if (field_.neighbor[node][d] >= 0) send(node, d, all);
     }
   }
 
@@ -121,7 +121,7 @@ class TreeReweighted {
       for (double& value : all) value -= least;
       sum += least;
       for (int d = 0; d < kAhead; ++d)
-        if (field_.neighbour[node][d] >= 0) sum += send(node, d, all);
+        if (field_.neighbor[node][d] >= 0) sum += send(node, d, all);
     }
     return sum;
   }

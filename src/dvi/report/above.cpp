@@ -14,15 +14,15 @@
 namespace dvi::report {
 namespace {
 
-constexpr double kMargin = 50;        // metres around the path: what lies farther is seen sparsely
-constexpr double kFinest = 0.1;       // metres a pixel: the map's voxels leave holes below
+constexpr double kMargin = 50;        // meters around the path: what lies farther is seen sparsely
+constexpr double kFinest = 0.1;       // meters a pixel: the map's voxels leave holes below
 constexpr int kLargest = 2400;        // px
-constexpr float kAboveSensor = 0.5F;  // metres: crowns of trees and bridges would hide the road
+constexpr float kAboveSensor = 0.5F;  // meters: crowns of trees and bridges would hide the road
 const cv::Vec4b kRemoved(60, 60, 230, 255);
 
 /// Pixels of the picture: x to the right, y of the world up.
 struct Raster {
-  double left = 0, top = 0, metres = kFinest;
+  double left = 0, top = 0, meters = kFinest;
   cv::Size size;
 
   explicit Raster(const std::vector<SE3>& path) {
@@ -33,14 +33,14 @@ struct Raster {
       high = i == 0 ? at : Eigen::Vector2d(high.cwiseMax(at));
     }
     const Eigen::Vector2d extent = high - low + Eigen::Vector2d::Constant(2 * kMargin);
-    metres = std::max(kFinest, extent.maxCoeff() / kLargest);
+    meters = std::max(kFinest, extent.maxCoeff() / kLargest);
     left = low.x() - kMargin;
     top = high.y() + kMargin;
-    size = {static_cast<int>(extent.x() / metres), static_cast<int>(extent.y() / metres)};
+    size = {static_cast<int>(extent.x() / meters), static_cast<int>(extent.y() / meters)};
   }
   /// Outside of the picture for points beyond it.
   cv::Point pixel(const Eigen::Vector3f& at) const {
-    return {static_cast<int>(std::floor((at.x() - left) / metres)), static_cast<int>(std::floor((top - at.y()) / metres))};
+    return {static_cast<int>(std::floor((at.x() - left) / meters)), static_cast<int>(std::floor((top - at.y()) / meters))};
   }
 };
 
@@ -57,8 +57,8 @@ cv::Mat4b picture_of(const Above& above, const Raster& raster) {
     if (!inside.contains(at) || !point.stood_on(0) || point.position.z() <= height(at)) continue;
     if (point.position.z() > map.scans[point.first].sensor.z() + kAboveSensor) continue;
     height(at) = point.position.z();
-    const cv::Vec3b colour = above.colour(i);
-    picture(at) = {colour[0], colour[1], colour[2], 255};
+    const cv::Vec3b color = above.color(i);
+    picture(at) = {color[0], color[1], color[2], 255};
   }
   for (const map::RemovedPoint& point : map.removed)
     if (const cv::Point at = raster.pixel(point.position); inside.contains(at)) picture(at) = kRemoved;
@@ -86,7 +86,7 @@ void write_above(const fs::path& folder, const Above& above) {
   write_file(folder / "above.json", json_text({{"schema", "dvi-above/1"},
                                                {"left_m", raster.left},
                                                {"top_m", raster.top},
-                                               {"metres_per_px", raster.metres},
+                                               {"meters_per_px", raster.meters},
                                                {"width", raster.size.width},
                                                {"height", raster.size.height},
                                                {"camera", {c.width, c.height, c.fx, c.fy, c.cx, c.cy}},

@@ -73,7 +73,7 @@ std::string frame_block(std::size_t number, const FramePictures& pictures, const
   int channel = 0;
   for (const char* name : {"source", "x", "y"}) fields.add(name, pictures.provenance, channel++);
   channel = 0;
-  for (const char* name : {"red", "green", "blue"}) fields.add(name, pictures.harmonisation, channel++);
+  for (const char* name : {"red", "green", "blue"}) fields.add(name, pictures.harmonization, channel++);
   fields.add("averaged", pictures.used, 2);
   fields.add("error", error);
   return fmt::format("dvi.block({},{},{},[{}],\"{}\");\n", number, pictures.kind.cols, pictures.kind.rows, fields.header(),

@@ -20,13 +20,13 @@ FramePictures read_pictures(const fs::path& out, const std::string& name, bool a
       pictures.missing.push_back(file);
     }
   };
-  read("kind", pictures.kind, media::read_png_grey);
+  read("kind", pictures.kind, media::read_png_gray);
   if (pictures.kind.empty()) return pictures;  // nothing tells which pixels the others are about
-  read("confidence", pictures.confidence, media::read_png_grey);
+  read("confidence", pictures.confidence, media::read_png_gray);
   read("depth", pictures.depth, media::read_png_depth);
   if (!all) return pictures;
   read("provenance", pictures.provenance, media::read_png_triples);
-  read("harmonisation", pictures.harmonisation, media::read_png_triples);
+  read("harmonization", pictures.harmonization, media::read_png_triples);
   read("sources_used", pictures.used, media::read_image);
   return pictures;
 }

@@ -22,7 +22,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::array<const char*, 6> kKinds{"original",     "copied",      "copied from elsewhere",
-                                            "interpolated", "synthesised", "left empty"};
+                                            "interpolated", "synthesized", "left empty"};
 constexpr int kCrop = 120, kZoom = 3;  // px of the picture to each crop, and how large each is shown
 
 json document(const fs::path& file) {
@@ -69,9 +69,9 @@ cv::Mat3b crop(const cv::Mat3b& image, cv::Point2f at) {
   const cv::Point middle(cvRound((at.x - static_cast<float>(corner.x) + 0.5F) * kZoom),
                          cvRound((at.y - static_cast<float>(corner.y) + 0.5F) * kZoom));
   constexpr int kGap = 6, kArm = 22;
-  for (const auto& [colour, thickness] : {std::pair(cv::Scalar(0, 0, 0), 3), std::pair(cv::Scalar(255, 255, 255), 1)})
+  for (const auto& [color, thickness] : {std::pair(cv::Scalar(0, 0, 0), 3), std::pair(cv::Scalar(255, 255, 255), 1)})
     for (const cv::Point arm : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)})
-      cv::line(out, middle + kGap * arm, middle + kArm * arm, colour, thickness);
+      cv::line(out, middle + kGap * arm, middle + kArm * arm, color, thickness);
   return out;
 }
 
@@ -84,18 +84,18 @@ Receipt receipt_of(const fs::path& out, const std::string& frame, cv::Point pixe
   if (!cv::Rect({}, size).contains(pixel))
     throw InputError(out, fmt::format("has no pixel {}, {} in frame {}", pixel.x, pixel.y, receipt.frame),
                      fmt::format("X is 0 to {}, Y 0 to {}", size.width - 1, size.height - 1));
-  const auto kind = static_cast<std::size_t>(media::read_png_grey(out / "kind" / png, size)(pixel));
+  const auto kind = static_cast<std::size_t>(media::read_png_gray(out / "kind" / png, size)(pixel));
   if (kind >= kKinds.size()) throw InputError(out / "kind" / png, fmt::format("holds a kind {}", kind), "run dvi again");
   receipt.kind = kKinds[kind];
-  const cv::Vec3b colour = media::read_image(out / "frames" / png, size)(pixel);
-  receipt.colour = {colour[2], colour[1], colour[0]};
+  const cv::Vec3b color = media::read_image(out / "frames" / png, size)(pixel);
+  receipt.color = {color[2], color[1], color[0]};
   if (const ushort depth = media::read_png_depth(out / "depth" / png, size)(pixel); depth > 0) receipt.depth_m = depth / 256.0;
-  if (kind > 0) receipt.confidence = media::read_png_grey(out / "confidence" / png, size)(pixel) / 255.0;
+  if (kind > 0) receipt.confidence = media::read_png_gray(out / "confidence" / png, size)(pixel) / 255.0;
   const cv::Vec3w triple = media::read_png_triples(out / "provenance" / png, size)(pixel);
   if (triple[0] == 0) return receipt;
 
   const cv::Vec3b used = media::read_image(out / "sources_used" / png, size)(pixel);
-  const cv::Vec3w change = media::read_png_triples(out / "harmonisation" / png, size)(pixel);
+  const cv::Vec3w change = media::read_png_triples(out / "harmonization" / png, size)(pixel);
   const harmonize::Provenance from = harmonize::Provenance::of(triple, used);
   const json sources = document(out / "sources.json").value("sources", json::array());
   if (static_cast<std::size_t>(from.view) >= sources.size())
@@ -128,12 +128,12 @@ Receipt read_receipt(const fs::path& out, const std::string& frame, cv::Point pi
 }
 
 std::string text_of(const Receipt& receipt) {
-  const auto& [red, green, blue] = receipt.colour;
-  std::string text = fmt::format("frame {}, pixel {}, {}: {}\n  colour      {} {} {} (red, green, blue)\n", receipt.frame,
+  const auto& [red, green, blue] = receipt.color;
+  std::string text = fmt::format("frame {}, pixel {}, {}: {}\n  color      {} {} {} (red, green, blue)\n", receipt.frame,
                                  receipt.pixel.x, receipt.pixel.y, receipt.kind, red, green, blue);
   text += receipt.depth_m ? fmt::format("  depth       {:.2f} m\n", *receipt.depth_m) : "  depth       unknown\n";
   if (receipt.confidence)
-    text += fmt::format("  confidence  {:.0f} % to be within 10 grey levels of the truth\n", 100 * *receipt.confidence);
+    text += fmt::format("  confidence  {:.0f} % to be within 10 gray levels of the truth\n", 100 * *receipt.confidence);
   if (receipt.source) {
     const ReceiptSource& s = *receipt.source;
     text +=
@@ -142,7 +142,7 @@ std::string text_of(const Receipt& receipt) {
       text += fmt::format(", {} frames {}", std::abs(*s.frames_apart), *s.frames_apart < 0 ? "earlier" : "later");
     text += fmt::format("\n              {}\n  averaged    {} source(s), over {} x {} px each\n", s.file.string(), s.averaged,
                         s.footprint[0], s.footprint[1]);
-    text += fmt::format("  blending    {:+d} {:+d} {:+d} grey levels\n", s.change[0], s.change[1], s.change[2]);
+    text += fmt::format("  blending    {:+d} {:+d} {:+d} gray levels\n", s.change[0], s.change[1], s.change[2]);
   }
   text.pop_back();
   return text;
@@ -150,7 +150,7 @@ std::string text_of(const Receipt& receipt) {
 
 std::string json_of(const Receipt& receipt) {
   json out{{"schema", "dvi-receipt/1"}, {"frame", receipt.frame}, {"x", receipt.pixel.x},
-           {"y", receipt.pixel.y},      {"kind", receipt.kind},   {"colour", receipt.colour},
+           {"y", receipt.pixel.y},      {"kind", receipt.kind},   {"color", receipt.color},
            {"depth_m", nullptr},        {"confidence", nullptr},  {"source", nullptr}};
   if (receipt.depth_m) out["depth_m"] = *receipt.depth_m;
   if (receipt.confidence) out["confidence"] = *receipt.confidence;

@@ -17,9 +17,9 @@ struct ReceiptSource {
   std::string drive, camera, frame;
   fs::path file;
   cv::Point2f position;             ///< px, to 1/16
-  cv::Vec2i footprint;              ///< width and height in px over which its colours are averaged
-  int averaged = 0;                 ///< sources whose colours went into the pixel
-  std::array<int, 3> change{};      ///< RGB: what blending added to the copy, grey levels
+  cv::Vec2i footprint;              ///< width and height in px over which its colors are averaged
+  int averaged = 0;                 ///< sources whose colors went into the pixel
+  std::array<int, 3> change{};      ///< RGB: what blending added to the copy, gray levels
   std::optional<int> frames_apart;  ///< signed, where both are frames of the target
 };
 
@@ -27,8 +27,8 @@ struct ReceiptSource {
 struct Receipt {
   std::string frame;
   cv::Point pixel;
-  std::string kind;                     ///< original, copied, copied from elsewhere, interpolated, synthesised, left empty
-  std::array<int, 3> colour{};          ///< RGB, as written
+  std::string kind;                     ///< original, copied, copied from elsewhere, interpolated, synthesized, left empty
+  std::array<int, 3> color{};           ///< RGB, as written
   std::optional<double> depth_m;        ///< none: unknown, or sky
   std::optional<double> confidence;     ///< of pixels that were filled
   std::optional<ReceiptSource> source;  ///< of pixels that were copied

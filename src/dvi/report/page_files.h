@@ -10,7 +10,7 @@ struct PageFile {
   std::string_view name, bytes;
 };
 
-/// report.html and what it loads, with the licences of the libraries among it.
+/// report.html and what it loads, with the licenses of the libraries among it.
 const std::vector<PageFile>& page_files();
 
 }  // namespace dvi::report

@@ -31,26 +31,26 @@ class SmallResult : public testing::Test {
  protected:
   void SetUp() override {
     for (const char* pictures_of :
-         {"frames", "masks", "kind", "confidence", "depth", "provenance", "harmonisation", "sources_used"})
+         {"frames", "masks", "kind", "confidence", "depth", "provenance", "harmonization", "sources_used"})
       make_folder(out / pictures_of);
     pictures.kind = cv::Mat1b(8, 12, uchar{0});
     pictures.confidence = cv::Mat1b(8, 12, uchar{0});
     pictures.depth = cv::Mat1w(8, 12, ushort{512});
     pictures.provenance = cv::Mat_<cv::Vec3w>(8, 12, cv::Vec3w());
-    pictures.harmonisation = cv::Mat_<cv::Vec3w>(8, 12, cv::Vec3w());
+    pictures.harmonization = cv::Mat_<cv::Vec3w>(8, 12, cv::Vec3w());
     pictures.used = cv::Mat3b(8, 12, cv::Vec3b());
     pictures.kind(3, 5) = 1;
     pictures.kind(3, 6) = 3;
     pictures.confidence(3, 5) = 204;
     pictures.provenance(3, 5) = {2, 5 * 16 + 3, 4 * 16};
-    pictures.harmonisation(3, 5) = {harmonize::kNoChange - 2, harmonize::kNoChange, harmonize::kNoChange + 7};
+    pictures.harmonization(3, 5) = {harmonize::kNoChange - 2, harmonize::kNoChange, harmonize::kNoChange + 7};
     pictures.used(3, 5) = {1, 2, 3};
     media::write_png(out / "frames/a.png", cv::Mat3b(8, 12, cv::Vec3b(30, 20, 10)));
     media::write_png(out / "kind/a.png", pictures.kind);
     media::write_png(out / "confidence/a.png", pictures.confidence);
     media::write_png(out / "depth/a.png", pictures.depth);
     media::write_png(out / "provenance/a.png", pictures.provenance);
-    media::write_png(out / "harmonisation/a.png", pictures.harmonisation);
+    media::write_png(out / "harmonization/a.png", pictures.harmonization);
     media::write_png(out / "sources_used/a.png", pictures.used);
     media::write_png(folder / "b.png", cv::Mat3b(8, 12, cv::Vec3b(1, 2, 3)));
     nlohmann::json sources = nlohmann::json::array();
@@ -73,7 +73,7 @@ class SmallResult : public testing::Test {
 TEST_F(SmallResult, AReceiptSaysWhatThePicturesHold) {
   const Receipt receipt = read_receipt(out, "a", {5, 3});
   EXPECT_EQ(receipt.kind, "copied");
-  EXPECT_EQ(receipt.colour, (std::array{10, 20, 30}));
+  EXPECT_EQ(receipt.color, (std::array{10, 20, 30}));
   EXPECT_DOUBLE_EQ(receipt.depth_m.value_or(0), 2);
   EXPECT_DOUBLE_EQ(receipt.confidence.value_or(0), 0.8);
   ASSERT_TRUE(receipt.source);
@@ -172,7 +172,7 @@ TEST(UnseenPlaces, LieWhereTheirPixelsLook) {
                              {"world_from_camera", {{0, 0, 1, 10.25, -1, 0, 0, 0.25, 0, -1, 0, 0}}}};
   const UnseenPlaces places = unseen_places(pictures, 0, above);
   ASSERT_EQ(places.size(), 1U);
-  EXPECT_EQ(places.begin()->first, std::pair(28, 0)) << "4 m ahead of 10.25, 0.25, in half metres";
+  EXPECT_EQ(places.begin()->first, std::pair(28, 0)) << "4 m ahead of 10.25, 0.25, in half meters";
   EXPECT_TRUE(unseen_places(pictures, 5, above).empty()) << "no pose";
 }
 
@@ -186,15 +186,15 @@ TEST(Above, PutsPointsIntoThePicture) {
   map.points.push_back(road);
   map.points.push_back(roof);
   write_above(temporary.path, {.map = map,
-                               .colour = [](std::size_t) { return cv::Vec3b(1, 2, 3); },
+                               .color = [](std::size_t) { return cv::Vec3b(1, 2, 3); },
                                .camera = {.width = 4, .height = 4, .fx = 1, .fy = 1},
                                .world_from_camera = {SE3{}},
                                .tracks = {{3, "car", {{1, 2}}, {0}}}});
   const nlohmann::json above = nlohmann::json::parse(read_file(temporary.path / "above.json"));
-  const double metres = above.at("metres_per_px");
+  const double meters = above.at("meters_per_px");
   const auto pixel = [&](double x, double y) {
-    return cv::Point(static_cast<int>((x - above.at("left_m").get<double>()) / metres + 1e-6),
-                     static_cast<int>((above.at("top_m").get<double>() - y) / metres + 1e-6));
+    return cv::Point(static_cast<int>((x - above.at("left_m").get<double>()) / meters + 1e-6),
+                     static_cast<int>((above.at("top_m").get<double>() - y) / meters + 1e-6));
   };
   const cv::Mat3b picture = media::read_image(temporary.path / "map.png", {above.at("width"), above.at("height")});
   EXPECT_EQ(picture(pixel(10, 5)), cv::Vec3b(1, 2, 3));

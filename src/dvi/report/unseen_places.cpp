@@ -12,7 +12,7 @@
 namespace dvi::report {
 namespace {
 
-constexpr int kStep = 4;  // px: half a metre is wider as far as places can be told apart
+constexpr int kStep = 4;  // px: half a meter is wider as far as places can be told apart
 
 Camera camera_of(const nlohmann::json& above) {
   const auto numbers = above.at("camera").get<std::array<double, 6>>();

@@ -17,7 +17,7 @@ struct UnseenCell {
   int pixels = 0;         ///< of that frame
 };
 
-/// By place, in whole cells of kUnseenCell metres.
+/// By place, in whole cells of kUnseenCell meters.
 using UnseenPlaces = std::map<std::pair<int, int>, UnseenCell>;
 inline constexpr double kUnseenCell = 0.5;
 

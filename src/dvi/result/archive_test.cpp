@@ -17,7 +17,7 @@ namespace {
 
 using testing::HasSubstr;
 
-enum class Colour : std::uint8_t { red = 3 };
+enum class Color : std::uint8_t { red = 3 };
 
 struct Inner {
   char letter = 0;  // padding follows
@@ -29,7 +29,7 @@ struct Outer {
   std::vector<Inner> inner;
   std::optional<Inner> maybe, none;
   std::string text;
-  Colour colour = Colour::red;
+  Color color = Color::red;
   bool yes = false;
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
   Eigen::AlignedBox3f box;
@@ -37,7 +37,7 @@ struct Outer {
   ScratchVector<float> floats;
 };
 constexpr auto fields_of(Of<Outer>) {
-  return std::tuple{&Outer::inner, &Outer::maybe,  &Outer::none, &Outer::text,  &Outer::colour,
+  return std::tuple{&Outer::inner, &Outer::maybe,  &Outer::none, &Outer::text,  &Outer::color,
                     &Outer::yes,   &Outer::matrix, &Outer::box,  &Outer::pixel, &Outer::floats};
 }
 
@@ -61,7 +61,7 @@ class Archive : public testing::Test {
                 Inner{'c', std::numeric_limits<double>::denorm_min()},
                 {},
                 "t\0u",
-                Colour::red,
+                Color::red,
                 true,
                 {},
                 {},

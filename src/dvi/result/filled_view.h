@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "dvi/harmonize/filled_frame.h"
-#include "dvi/regularize/labelling.h"
+#include "dvi/regularize/labeling.h"
 
 namespace dvi::result {
 

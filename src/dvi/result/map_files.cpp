@@ -17,9 +17,9 @@
 namespace dvi::result {
 namespace {
 
-constexpr int kColourFrames = 40;  // frames, evenly spread, from which the map takes its colours
+constexpr int kColorFrames = 40;  // frames, evenly spread, from which the map takes its colors
 constexpr double kSplat = 0.07, kTolerance = 0.05;
-const cv::Vec3b kUncoloured(128, 128, 128);
+const cv::Vec3b kUncolored(128, 128, 128);
 
 std::string kitti_line(const SE3& pose) { return fmt::format("{:.9g}\n", fmt::join(row_major(pose), " ")); }
 
@@ -49,12 +49,12 @@ std::string time_lines(const Views& views) {
   return text;
 }
 
-using Colours = ScratchVector<cv::Vec3b>;
+using Colors = ScratchVector<cv::Vec3b>;
 
-Colours colours(const map::StaticMap& map, const Views& views) {
-  Colours out(map.points.size(), kUncoloured, map.scratch());
+Colors colors(const map::StaticMap& map, const Views& views) {
+  Colors out(map.points.size(), kUncolored, map.scratch());
   const std::size_t last = views.of_sequence(0).second;
-  const std::size_t step = std::max<std::size_t>(1, last / kColourFrames);
+  const std::size_t step = std::max<std::size_t>(1, last / kColorFrames);
   for (std::size_t i = 0; i < last; i += step) {
     const auto image = views.images[i];
     const auto mask = views.masks[i];
@@ -66,11 +66,11 @@ Colours colours(const map::StaticMap& map, const Views& views) {
   return out;
 }
 
-void write_map(const fs::path& path, const map::StaticMap& map, const Colours& colour, const std::string& comment) {
+void write_map(const fs::path& path, const map::StaticMap& map, const Colors& color, const std::string& comment) {
   ScratchVector<Eigen::Vector3f> points(map.scratch());
-  Colours colour_of_points(map.scratch());
+  Colors color_of_points(map.scratch());
   points.reserve(map.points.size());
-  colour_of_points.reserve(map.points.size());
+  color_of_points.reserve(map.points.size());
   std::array<ScratchVector<float>, 7> scalars;
   scalars.fill(ScratchVector<float>(map.scratch()));
   for (ScratchVector<float>& of_points : scalars) of_points.reserve(map.points.size());
@@ -83,17 +83,17 @@ void write_map(const fs::path& path, const map::StaticMap& map, const Colours& c
     const map::MapPoint& p = map.points[i];
     if (!p.stood_on(0)) continue;
     points.push_back(p.position);
-    colour_of_points.push_back(colour[i]);
+    color_of_points.push_back(color[i]);
     const std::array<float, 7> values{p.normal.x(),     p.normal.y(),   p.normal.z(), p.intensity, static_cast<float>(p.count),
                                       seconds(p.first), seconds(p.last)};
     for (std::size_t k = 0; k < values.size(); ++k) scalars[k].push_back(values[k]);
   }
-  media::PlyCloud cloud{points, colour_of_points, {}, comment};
+  media::PlyCloud cloud{points, color_of_points, {}, comment};
   for (std::size_t k = 0; k < names.size(); ++k) cloud.scalars.push_back({names[k], scalars[k]});
   media::write_ply(path, cloud);
 }
 
-cv::Vec3b colour_of(map::Cause cause) {
+cv::Vec3b color_of(map::Cause cause) {
   switch (cause) {
     case map::Cause::masked:
       return {230, 120, 30};
@@ -102,23 +102,23 @@ cv::Vec3b colour_of(map::Cause cause) {
     case map::Cause::moved:
       return {40, 40, 220};
   }
-  return kUncoloured;
+  return kUncolored;
 }
 
 void write_removed(const fs::path& path, const ScratchVector<map::RemovedPoint>& removed, const std::string& comment) {
   const std::shared_ptr<Scratch> scratch = removed.get_allocator().scratch;
   ScratchVector<Eigen::Vector3f> points(scratch);
-  Colours colour(scratch);
+  Colors color(scratch);
   ScratchVector<float> cause(scratch);
   points.reserve(removed.size());
-  colour.reserve(removed.size());
+  color.reserve(removed.size());
   cause.reserve(removed.size());
   for (const map::RemovedPoint& p : removed) {
     points.push_back(p.position);
-    colour.push_back(colour_of(p.cause));
+    color.push_back(color_of(p.cause));
     cause.push_back(static_cast<float>(p.cause));
   }
-  media::write_ply(path, {points, colour, {{"cause", cause}}, comment});
+  media::write_ply(path, {points, color, {{"cause", cause}}, comment});
 }
 
 }  // namespace
@@ -148,10 +148,10 @@ void write_map_files(const fs::path& folder, const map::StaticMap& map, const Vi
   write_file(folder / "poses.txt", pose_lines(views));
   write_file(folder / "times.txt", time_lines(views));
   const std::string name = target.path.filename().string();
-  const Colours colour = colours(map, views);
-  write_map(folder / "map.ply", map, colour, "dvi map of " + name);
+  const Colors color = colors(map, views);
+  write_map(folder / "map.ply", map, color, "dvi map of " + name);
   report::write_above(folder, {.map = map,
-                               .colour = [&](std::size_t point) { return colour[point]; },
+                               .color = [&](std::size_t point) { return color[point]; },
                                .camera = target.camera,
                                .world_from_camera = camera_poses(views),
                                .tracks = tracks});

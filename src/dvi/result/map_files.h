@@ -13,8 +13,8 @@ namespace dvi::result {
 /// Where the 3D boxes of the target's labels were, in frames that have a pose.
 std::vector<report::ObjectPath> tracks_of(const FrameLabels& labels, const Views& views, const Trajectory& world_from_lidar);
 
-/// poses.txt (KITTI: world_from_camera, one line a frame of the target), times.txt (seconds), map.ply (coloured by the
-/// target's frames where they see it), moving.ply (what was taken out, coloured by cause), map.png and above.json
+/// poses.txt (KITTI: world_from_camera, one line a frame of the target), times.txt (seconds), map.ply (colored by the
+/// target's frames where they see it), moving.ply (what was taken out, colored by cause), map.png and above.json
 /// (report/above.h) into a folder.
 void write_map_files(const fs::path& folder, const map::StaticMap& map, const Views& views, const Drive& target,
                      const std::vector<report::ObjectPath>& tracks);

@@ -39,7 +39,7 @@ namespace dvi::result {
 using nlohmann::json;
 
 // Fields are named as the keys.
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HoleParts, copied, copied_elsewhere, interpolated, synthesised, empty, never_seen)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HoleParts, copied, copied_elsewhere, interpolated, synthesized, empty, never_seen)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameAlignmentReport, rotation_deg, position_m, offset_before_px, offset_after_px, points)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveAlignmentReport, kept, mounting_deg)
 
@@ -54,7 +54,7 @@ void to_json(json& j, const HoleReport& hole) {
        {"copied", hole.copied},
        {"copied_elsewhere", hole.copied_elsewhere},
        {"interpolated", hole.interpolated},
-       {"synthesised", hole.synthesised},
+       {"synthesized", hole.synthesized},
        {"empty", hole.empty},
        {"share", hole.share()}};
 }
@@ -63,7 +63,7 @@ void from_json(const json& j, HoleReport& hole) {
   j.at("copied").get_to(hole.copied);
   j.at("copied_elsewhere").get_to(hole.copied_elsewhere);
   j.at("interpolated").get_to(hole.interpolated);
-  j.at("synthesised").get_to(hole.synthesised);
+  j.at("synthesized").get_to(hole.synthesized);
   j.at("empty").get_to(hole.empty);
 }
 
@@ -95,7 +95,7 @@ void from_json(const json& j, MapReport& map) {
 }
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameReport, number, name, hole, energy, alignment, exposure_gain)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CameraReport, camera, masks, grey, frames, alignment, warnings)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CameraReport, camera, masks, gray, frames, alignment, warnings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RegistrationReport, target_from_source, overlap, residual_m, bound_m, bound_deg, things,
                                    things_agree, passed_share, rival)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveReport, path, format, camera, frames, scans, poses, place, registration, alignment,
@@ -136,7 +136,7 @@ constexpr const char* kReportSchema = "dvi-report/1";
 
 void to_json(json& j, const RunReport& report) {
   j = {{"schema", kReportSchema}, {"version", report.version}, {"method", report.method},       {"baseline", report.baseline},
-       {"drives", report.drives}, {"hole", report.hole},       {"artefacts", report.artefacts}, {"standing", report.standing},
+       {"drives", report.drives}, {"hole", report.hole},       {"artifacts", report.artifacts}, {"standing", report.standing},
        {"map", report.map},       {"cost", report.cost},       {"warnings", report.warnings},   {"frames", report.frames}};
 }
 void from_json(const json& j, RunReport& report) {
@@ -145,7 +145,7 @@ void from_json(const json& j, RunReport& report) {
   j.at("baseline").get_to(report.baseline);
   j.at("drives").get_to(report.drives);
   j.at("hole").get_to(report.hole);
-  j.at("artefacts").get_to(report.artefacts);
+  j.at("artifacts").get_to(report.artifacts);
   j.at("standing").get_to(report.standing);
   j.at("map").get_to(report.map);
   j.at("cost").get_to(report.cost);

@@ -117,7 +117,7 @@ void require_apart_from(const fs::path& input, const fs::path& out) {
 
 const std::vector<std::string>& picture_folders() {
   static const std::vector<std::string> folders{"frames",       "masks",         "kind",       "provenance",
-                                                "sources_used", "harmonisation", "confidence", "depth"};
+                                                "sources_used", "harmonization", "confidence", "depth"};
   return folders;
 }
 
@@ -345,7 +345,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
     remove_stages(out_);
   }
   write_media(out_, target, names_, job_.options.video, progress);
-  const metrics::Artefacts artefacts = metrics::count_artefacts(out_, names_, progress.parts()("artefacts", names_.size()));
+  const metrics::Artifacts artifacts = metrics::count_artifacts(out_, names_, progress.parts()("artifacts", names_.size()));
   progress.end();
   write_file(out_ / "dvi.toml", own_options());
   RunReport finished;
@@ -355,7 +355,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
       [&] {
         progress.end();
         finished = report(results, progress);
-        finished.artefacts = artefacts;
+        finished.artifacts = artifacts;
         const std::string text = to_json(finished);
         write_file(out_ / "report.json", text + "\n");
         return text;

@@ -11,7 +11,7 @@
 #include "dvi/media/contact_sheet.h"
 #include "dvi/media/image_file.h"
 #include "dvi/media/write_image.h"
-#include "dvi/report/kind_colours.h"
+#include "dvi/report/kind_colors.h"
 
 namespace dvi::result {
 namespace {
@@ -21,13 +21,13 @@ constexpr int kCellWidth = 480;
 
 /// "NAME  copied 22 %  interpolated 78 %".
 std::string caption_of(const cv::Mat1b& kind, const std::string& name) {
-  std::array<std::size_t, report::kKindColours.size()> count{};
+  std::array<std::size_t, report::kKindColors.size()> count{};
   for (const uchar k : kind) ++count[std::min<std::size_t>(k, count.size() - 1)];
   const std::size_t hole = kind.total() - count[0];
   std::string text = name;
   for (std::size_t k = 1; k < count.size(); ++k)
     if (count[k] > 0)
-      text += fmt::format("  {} {:.0f} %", report::kKindColours[k].name,
+      text += fmt::format("  {} {:.0f} %", report::kKindColors[k].name,
                           100 * static_cast<double>(count[k]) / static_cast<double>(hole));
   return hole > 0 ? text : text + "  nothing removed";
 }
@@ -43,8 +43,8 @@ cv::Mat3b marked_input(const cv::Mat3b& input, const cv::Mat1b& kind, const std:
 /// The whole frame, then a part of it in full size: where most was removed.
 std::vector<media::SheetCell> sheet_row(const cv::Mat3b& input, const cv::Mat3b& result, const cv::Mat1b& kind,
                                         const std::string& name) {
-  std::vector<cv::Vec3b> colours;
-  for (const report::KindColour& k : report::kKindColours) colours.push_back(k.colour);
+  std::vector<cv::Vec3b> colors;
+  for (const report::KindColor& k : report::kKindColors) colors.push_back(k.color);
   const cv::Mat1b mask(kind != 0);
   const cv::Mat3b whole = media::thumbnail(media::mask_overlay(input, mask), kCellWidth);
   const double closer = std::min(1.0, 0.4 * input.cols / kCellWidth);  // never less than pixel by pixel
@@ -54,7 +54,7 @@ std::vector<media::SheetCell> sheet_row(const cv::Mat3b& input, const cv::Mat3b&
           {media::thumbnail(result, kCellWidth), "result"},
           {input(part).clone(), "before, closer"},
           {result(part).clone(), "after"},
-          {media::label_overlay(result(part), kind(part), colours), "blue: copied, orange: interpolated, pink: synthesised"}};
+          {media::label_overlay(result(part), kind(part), colors), "blue: copied, orange: interpolated, pink: synthesized"}};
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ void write_media(const fs::path& out, const Drive& target, const std::vector<std
     parallel_for(last - first, [&](std::size_t i) {
       inputs[i] = *target.images[number.at(names[first + i])];
       results[i] = media::read_image(out / "frames" / (names[first + i] + ".png"), size);
-      kinds[i] = media::read_png_grey(out / "kind" / (names[first + i] + ".png"), size);
+      kinds[i] = media::read_png_gray(out / "kind" / (names[first + i] + ".png"), size);
       marked[i] = marked_input(inputs[i], kinds[i], names[first + i]);
     });
     parallel_for(2, [&](std::size_t which) {

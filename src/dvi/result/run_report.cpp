@@ -41,8 +41,8 @@ HoleParts HoleReport::share() const {
   const auto part = [this](std::size_t count) {
     return pixels > 0 ? static_cast<double>(count) / static_cast<double>(pixels) : 0.0;
   };
-  HoleParts out{part(copied), part(copied_elsewhere), part(interpolated), part(synthesised), part(empty), 0};
-  out.never_seen = out.interpolated + out.synthesised + out.empty;
+  HoleParts out{part(copied), part(copied_elsewhere), part(interpolated), part(synthesized), part(empty), 0};
+  out.never_seen = out.interpolated + out.synthesized + out.empty;
   return out;
 }
 
@@ -51,7 +51,7 @@ HoleReport& HoleReport::operator+=(const HoleReport& other) {
   copied += other.copied;
   copied_elsewhere += other.copied_elsewhere;
   interpolated += other.interpolated;
-  synthesised += other.synthesised;
+  synthesized += other.synthesized;
   empty += other.empty;
   return *this;
 }
@@ -67,7 +67,7 @@ FrameReport frame_report(const Frame& frame, const FilledView& view, const align
                    .copied = of(harmonize::Kind::copied),
                    .copied_elsewhere = of(harmonize::Kind::copied_elsewhere),
                    .interpolated = of(harmonize::Kind::interpolated),
-                   .synthesised = of(harmonize::Kind::synthesised),
+                   .synthesized = of(harmonize::Kind::synthesized),
                    .empty = of(harmonize::Kind::empty)},
           .energy = view.energy,
           .alignment = {in_degrees(alignment.rotation),
@@ -91,7 +91,7 @@ std::vector<DriveReport> drive_reports(const inputs::Recordings& drives, const i
   for (std::size_t i = 0; i < drives.size(); ++i) {
     const Drive& drive = drives[i].drive;
     if (drives[i].rig_of)
-      reports[*drives[i].rig_of].other_cameras.push_back({drive.camera_name, inputs::mask_source(drives[i]), drives[i].grey,
+      reports[*drives[i].rig_of].other_cameras.push_back({drive.camera_name, inputs::mask_source(drives[i]), drives[i].gray,
                                                           drive.frames.size(), alignment(i), drive.warnings});
     else
       reports.push_back({.path = fs::absolute(drive.path).lexically_normal().string(),
@@ -131,10 +131,10 @@ CostReport& CostReport::operator+=(const CostReport& other) {
 
 namespace {
 
-// ", 12.0 % never seen (9.0 % synthesised, 3.0 % interpolated)".
+// ", 12.0 % never seen (9.0 % synthesized, 3.0 % interpolated)".
 std::string never_seen_text(const HoleParts& share) {
   std::string how;
-  for (const auto& [part, name] : {std::pair(share.synthesised, "synthesised"), std::pair(share.interpolated, "interpolated"),
+  for (const auto& [part, name] : {std::pair(share.synthesized, "synthesized"), std::pair(share.interpolated, "interpolated"),
                                    std::pair(share.empty, "left black")})
     if (part > 0) how += fmt::format("{}{:.1f} % {}", how.empty() ? "" : ", ", 100 * part, name);
   return fmt::format(", {:.1f} % never seen", 100 * share.never_seen) + (how.empty() ? "" : " (" + how + ")");

@@ -13,7 +13,7 @@
 #include "dvi/inputs/find_masks.h"
 #include "dvi/inputs/poses_report.h"
 #include "dvi/map/static_map.h"
-#include "dvi/metrics/artefacts.h"
+#include "dvi/metrics/artifacts.h"
 #include "dvi/result/cpu_clock.h"
 #include "dvi/result/filled_view.h"
 
@@ -21,12 +21,12 @@ namespace dvi::result {
 
 /// Shares of a hole by the origin of its pixels, 0..1. never_seen: seen by no other frame, however it was filled.
 struct HoleParts {
-  double copied = 0, copied_elsewhere = 0, interpolated = 0, synthesised = 0, empty = 0, never_seen = 0;
+  double copied = 0, copied_elsewhere = 0, interpolated = 0, synthesized = 0, empty = 0, never_seen = 0;
 };
 
 /// Pixels of a hole by where they come from.
 struct HoleReport {
-  std::size_t pixels = 0, copied = 0, copied_elsewhere = 0, interpolated = 0, synthesised = 0, empty = 0;
+  std::size_t pixels = 0, copied = 0, copied_elsewhere = 0, interpolated = 0, synthesized = 0, empty = 0;
 
   HoleParts share() const;
   HoleReport& operator+=(const HoleReport& other);
@@ -43,7 +43,7 @@ struct FrameReport {
   int number = 0;
   std::string name;
   HoleReport hole;
-  std::optional<regularize::Energies> energy;  ///< where they were minimised
+  std::optional<regularize::Energies> energy;  ///< where they were minimized
   FrameAlignmentReport alignment;
   std::array<float, 3> exposure_gain{};  ///< RGB
 };
@@ -53,10 +53,10 @@ struct DriveAlignmentReport {
   std::array<double, 3> mounting_deg{};
 };
 
-/// Another camera of a drive, which lends: pixels, or where it has no colours for them, structure to find depth by.
+/// Another camera of a drive, which lends: pixels, or where it has no colors for them, structure to find depth by.
 struct CameraReport {
   std::string camera, masks;  ///< its name; what tells its traffic
-  bool grey = false;
+  bool gray = false;
   std::size_t frames = 0;
   std::optional<DriveAlignmentReport> alignment;
   std::vector<std::string> warnings;
@@ -104,7 +104,7 @@ struct RunReport {
   bool baseline = false;
   std::vector<DriveReport> drives;
   HoleReport hole;                                 ///< of all frames
-  metrics::Artefacts artefacts;                    ///< what draws the eye in them
+  metrics::Artifacts artifacts;                    ///< what draws the eye in them
   std::optional<inputs::StandingTracks> standing;  ///< removed from the target
   std::optional<MapReport> map;                    ///< a baseline has none
   CostReport cost;

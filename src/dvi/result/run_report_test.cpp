@@ -33,11 +33,11 @@ RunReport whole_report() {
   FrameReport frame;
   frame.number = 3;
   frame.name = "0003";
-  frame.hole = {.pixels = 100, .copied = 60, .copied_elsewhere = 10, .interpolated = 25, .synthesised = 0, .empty = 5};
+  frame.hole = {.pixels = 100, .copied = 60, .copied_elsewhere = 10, .interpolated = 25, .synthesized = 0, .empty = 5};
   frame.exposure_gain = {1, 1.5F, 2};
   report.frames = {frame};
   report.hole = report.frames[0].hole;
-  report.artefacts = {.hole = 100, .overshoots = 1, .hole_between = 90, .ring_between = 50, .flashes = 2, .ring_flashes = 3};
+  report.artifacts = {.hole = 100, .overshoots = 1, .hole_between = 90, .ring_between = 50, .flashes = 2, .ring_flashes = 3};
   report.standing = inputs::StandingTracks{.tracks = 5, .standing = 4, .pixels = 80};
   report.map.emplace();
   report.map->points = 1000;
@@ -56,7 +56,7 @@ class ReportFile : public testing::Test {
 
 TEST(HoleReport, SharesAddUp) {
   const HoleReport hole{
-      .pixels = 200, .copied = 100, .copied_elsewhere = 20, .interpolated = 50, .synthesised = 10, .empty = 20};
+      .pixels = 200, .copied = 100, .copied_elsewhere = 20, .interpolated = 50, .synthesized = 10, .empty = 20};
   const HoleParts share = hole.share();
   EXPECT_DOUBLE_EQ(share.copied, 0.5);
   EXPECT_DOUBLE_EQ(share.never_seen, 0.4);

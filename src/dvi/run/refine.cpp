@@ -13,7 +13,7 @@ exposure::Gains estimate_exposure(const Views& views, const map::VisibleMap& map
   exposure::Gains gains = exposure::estimate_exposure(views, map, progress.tick());
   std::vector<std::size_t> alone;
   for (std::size_t i = 0; i < views.size(); ++i)
-    if (gains.compared[i] == 0 && shares_colours(views[i], views[0])) alone.push_back(i);
+    if (gains.compared[i] == 0 && shares_colors(views[i], views[0])) alone.push_back(i);
   if (alone.empty()) return gains;
   const View& first = views[alone.front()];
   progress.warn(

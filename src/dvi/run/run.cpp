@@ -31,7 +31,7 @@ using depth::DepthMap, depth::Depths;
 using exposure::Gains;
 using ground::RoadGround, map::StaticMap, map::VisibleMap;
 using harmonize::FilledFrame, harmonize::NeverSeen, harmonize::HarmonizeInput;
-using regularize::Labelling;
+using regularize::Labeling;
 using sample::Candidates;
 using synthesize::Grain;
 using synthesize::Surfaces;
@@ -80,18 +80,18 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
     return cpu.time("depth", depth::depth_map, plan.map, views[i], options.depth);
   });
   const bool classified = options.harmonize.surface_classes,
-             synthesised = options.harmonize.never_seen == NeverSeen::synthesise;
+             synthesized = options.harmonize.never_seen == NeverSeen::synthesize;
   std::optional<ground::RoadGround> ground;
   std::optional<Surfaces> surfaces;
-  if (!frames.empty() && (classified || synthesised)) ground.emplace(plan.map, views);
-  if (ground && synthesised) surfaces.emplace(*ground, views, depths.visibility);
+  if (!frames.empty() && (classified || synthesized)) ground.emplace(plan.map, views);
+  if (ground && synthesized) surfaces.emplace(*ground, views, depths.visibility);
   const Grain grain(views);
   const auto fill = [&](std::size_t i) {
     const DepthMap depth =
         cpu.time("plane_sweep", depth::plane_sweep, *depths.maps[i], views, i, depths.visibility, options.plane_sweep);
     Candidates candidates = cpu.time("sample", sample::sample, views, i, depth, depths.visibility, options.sample);  // 3.4
-    const Labelling labels = cpu.time("regularize", regularize::regularize, std::move(candidates), views, i, depth,
-                                      options.regularize);  // 3.5, eqs. 2-4
+    const Labeling labels = cpu.time("regularize", regularize::regularize, std::move(candidates), views, i, depth,
+                                     options.regularize);  // 3.5, eqs. 2-4
     HarmonizeInput around;
     if (options.harmonize.day_light)
       around.light = cpu.time("harmonize", harmonize::compare_days, labels.candidates, views, i, depth, depths.visibility);

@@ -15,7 +15,7 @@ const Stages& before_fill() {
 }
 
 const Stages& after_fill() {
-  static const Stages stages{{"video", 0.07}, {"artefacts", 0.035}, {"report", 0.02}};
+  static const Stages stages{{"video", 0.07}, {"artifacts", 0.035}, {"report", 0.02}};
   return stages;
 }
 

@@ -29,8 +29,8 @@ struct FrameSteps {
 /// Its CPU time booked; none where it is switched off.
 std::optional<Smoothing> smoothing(const smooth::SmoothOptions& options, result::CpuClock& cpu);
 
-/// Fills the given views of [0, count), ascending, in blocks of parallel work, together with the neighbours that smoothing
-/// needs; smooths each between its neighbours and writes it. Each view is filled and each pair made once as long as it stays in
+/// Fills the given views of [0, count), ascending, in blocks of parallel work, together with the neighbors that smoothing
+/// needs; smooths each between its neighbors and writes it. Each view is filled and each pair made once as long as it stays in
 /// the window of a block.
 void for_each_smoothed(const std::vector<std::size_t>& views, std::size_t count, const FrameSteps& steps);
 

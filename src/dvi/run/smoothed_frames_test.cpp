@@ -14,15 +14,15 @@ namespace {
 using testing::ElementsAre;
 using testing::Pair;
 
-/// A frame that says which view it is, and after smoothing which neighbours it had.
+/// A frame that says which view it is, and after smoothing which neighbors it had.
 result::FilledView numbered(std::size_t view) {
   result::FilledView out;
-  out.frame.colour = cv::Mat3f(1, 1, cv::Vec3f(static_cast<float>(view), -1, -1));
+  out.frame.color = cv::Mat3f(1, 1, cv::Vec3f(static_cast<float>(view), -1, -1));
   out.frame.mask = cv::Mat1b(1, 1, uchar{0});
   return out;
 }
 
-float number(const harmonize::FilledFrame* frame) { return frame == nullptr ? -1.0F : frame->colour(0, 0)[0]; }
+float number(const harmonize::FilledFrame* frame) { return frame == nullptr ? -1.0F : frame->color(0, 0)[0]; }
 
 struct Recorded {
   std::map<std::size_t, int> filled, paired;
@@ -49,20 +49,20 @@ Recorded run(const std::vector<std::size_t>& views, std::size_t count, bool smoo
         .smooth =
             [](const smooth::FramePair* before, const harmonize::FilledFrame& frame, const smooth::FramePair* after) {
               harmonize::FilledFrame smoothed = frame;
-              smoothed.colour = cv::Mat3f(1, 1,
-                                          cv::Vec3f(number(&frame), number(before == nullptr ? nullptr : &before->earlier),
-                                                    number(after == nullptr ? nullptr : &after->later)));
+              smoothed.color = cv::Mat3f(1, 1,
+                                         cv::Vec3f(number(&frame), number(before == nullptr ? nullptr : &before->earlier),
+                                                   number(after == nullptr ? nullptr : &after->later)));
               return smoothed;
             }};
   steps.write = [&](std::size_t view, const result::FilledView& finished) {
     const std::lock_guard lock(mutex);
-    out.written[view] = finished.frame.colour(0, 0);
+    out.written[view] = finished.frame.color(0, 0);
   };
   for_each_smoothed(views, count, steps);
   return out;
 }
 
-TEST(SmoothedFrames, EachFrameMeetsItsNeighbours) {
+TEST(SmoothedFrames, EachFrameMeetsItsNeighbors) {
   for (const int threads : {1, 2, 3}) {
     const ThreadLimit limit(threads);
     const Recorded all = run({0, 1, 2, 3, 4}, 5, true);
@@ -76,7 +76,7 @@ TEST(SmoothedFrames, EachFrameMeetsItsNeighbours) {
   }
 }
 
-TEST(SmoothedFrames, NeighboursOfMissingFramesAreFilledButNotWritten) {
+TEST(SmoothedFrames, NeighborsOfMissingFramesAreFilledButNotWritten) {
   const Recorded some = run({3}, 6, true);
   EXPECT_THAT(some.filled, ElementsAre(Pair(2, 1), Pair(3, 1), Pair(4, 1)));
   EXPECT_THAT(some.written, ElementsAre(Pair(3, cv::Vec3f(3, 2, 4))));

@@ -57,7 +57,7 @@ class Source {
     if (is_apart && pixel.at.z() >= depth::DepthMap::kInfinity) return std::nullopt;  // no sky stays
     const std::optional<SourcePosition> place = locate(pixel, view_.camera, source_from_target_);
     if (!place) return std::nullopt;
-    const cv::Point2f at = quantised(place->position.x(), place->position.y());
+    const cv::Point2f at = quantized(place->position.x(), place->position.y());
     if (!view_.camera.contains({at.x, at.y})) return std::nullopt;
     if (!lent_) lent_ = visibility_[number_];
     if (lent_->masked(at)) return std::nullopt;
@@ -198,7 +198,7 @@ std::vector<std::size_t> search_order(const Views& views, std::size_t target, in
   if (scored)
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seconds(a) < seconds(b); });
   for (const std::size_t i : nearest_of_other_drives(views, target, 2 * reach)) order.push_back(i);
-  std::erase_if(order, [&](std::size_t i) { return !shares_colours(views[i], views[target]); });
+  std::erase_if(order, [&](std::size_t i) { return !shares_colors(views[i], views[target]); });
   return order;
 }
 

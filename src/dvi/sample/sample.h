@@ -49,7 +49,7 @@ Candidates sample_known(const Candidates& hole, const Views& views, std::size_t 
                         const Lazy<depth::VisibilityMap>& visibility, const SampleOptions& options);
 
 /// The order in which sample() asks the other views: scored, from the target outwards in time, else as published, forwards,
-/// then backwards; source drives after its own, the nearest places first. Not those that show no colours the target could take.
+/// then backwards; source drives after its own, the nearest places first. Not those that show no colors the target could take.
 std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames, bool scored);
 
 }  // namespace dvi::sample

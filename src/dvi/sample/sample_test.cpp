@@ -112,12 +112,12 @@ TEST(Sample, SearchesOtherCamerasOfTheDriveAsIfSomeSecondsFartherAway) {
   EXPECT_EQ(search_order(scene.lazy(), 0, 1, true), (std::vector<std::size_t>{1, 3})) << "as far as its own frames";
 }
 
-TEST(Sample, GreyAndColouredViewsDoNotMix) {
+TEST(Sample, GrayAndColoredViewsDoNotMix) {
   FlatScene scene = drive_of({1, 2, 3, 4});
   scene.views[3].sequence = scene.views[4].sequence = 1;
   scene.views[3].time_ns = scene.views[1].time_ns + 1;
   scene.views[4].time_ns = scene.views[2].time_ns + 1;
-  scene.views[3].grey = scene.views[4].grey = true;
+  scene.views[3].gray = scene.views[4].gray = true;
   EXPECT_EQ(search_order(scene.lazy(), 0, 0, true), (std::vector<std::size_t>{1, 2}));
   EXPECT_EQ(search_order(scene.lazy(), 3, 0, true), (std::vector<std::size_t>{4}));
 }
@@ -159,7 +159,7 @@ TEST(Sample, TooLargeAnErrorIsNone) {
   EXPECT_TRUE(found(2 * drift)) << "also beside depth edges";
 }
 
-// A camera `forward` metres nearer to the plane shows it larger, by 10 / (10 - forward).
+// A camera `forward` meters nearer to the plane shows it larger, by 10 / (10 - forward).
 void move_last(FlatScene& scene, double forward) { scene.views.back().camera_from_world.t.z() = -forward; }
 
 TEST(Sample, ANearerSourceIsFilteredDown) {

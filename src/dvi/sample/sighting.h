@@ -20,7 +20,7 @@ struct SurfacePixel {
   /// What it and, on the same plane, the next pixels to its right and below it show, in the axes of the target's camera.
   Eigen::Vector3d at, right, below;
   Eigen::Vector3d deeper;  ///< what it shows if its depth is one sigma more
-  double sigma = 0;        ///< metres, of its depth
+  double sigma = 0;        ///< meters, of its depth
 };
 
 /// The hole's pixels that show a surface.
@@ -55,7 +55,7 @@ double expected_shift(const SourceFootprint& sighting, double seconds);
 double expected_error(const SourceFootprint& sighting, double seconds);
 
 /// 0..1, how good a source is: c / (c + 1) / (1 + error^2 / (0.3 px)^2). `c` is the middle of a pixel that is `clear_px` pixels
-/// away from the source's own mask, depth edges and border: near them colours are blends.
+/// away from the source's own mask, depth edges and border: near them colors are blends.
 double trust(const SourceFootprint& sighting, double seconds, double clear_px);
 
 /// The most that any source so far away in time can be trusted, anywhere or where it is so clear.

@@ -9,11 +9,11 @@
 namespace dvi::scan_match {
 namespace {
 
-constexpr std::size_t kSide = 5;     // neighbours either side
+constexpr std::size_t kSide = 5;     // neighbors either side
 constexpr float kRangeJump = 0.03F;  // of the range: what parts two things along a beam
-constexpr float kSmooth = 0.03F;     // metres off the chord: still smooth
-constexpr float kBent = 0.12F;       // metres off the chord: a corner
-constexpr float kThin = 0.4F;        // metres, the widest pole
+constexpr float kSmooth = 0.03F;     // meters off the chord: still smooth
+constexpr float kBent = 0.12F;       // meters off the chord: a corner
+constexpr float kThin = 0.4F;        // meters, the widest pole
 
 // One beam, with the ends of its unbroken runs.
 class Beam {

@@ -12,7 +12,7 @@ namespace dvi::scan_match {
 
 /// A point of a scan that the scene's shape can hold on to.
 struct Feature {
-  Eigen::Vector3f point;  ///< metres, LiDAR axes, as measured
+  Eigen::Vector3f point;  ///< meters, LiDAR axes, as measured
   float time;             ///< seconds after the scan's stamp
 };
 
@@ -26,7 +26,7 @@ struct FeatureOptions {
   double spacing_m = 0.15;  ///< between plane features of a beam
 };
 
-/// By how each beam bends, between the means of five neighbours before and after (Zhang and Singh, LOAM, 2014). Without rings
+/// By how each beam bends, between the means of five neighbors before and after (Zhang and Singh, LOAM, 2014). Without rings
 /// every point counts as smooth.
 Features find_features(const Scan& scan, const Rings& rings, const FeatureOptions& options);
 

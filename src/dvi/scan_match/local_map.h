@@ -12,7 +12,7 @@ namespace dvi::scan_match {
 
 /// What the points of one voxel look like.
 struct Shape {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();      ///< metres, world
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();      ///< meters, world
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< columns: thinnest first
   Eigen::Vector3d variance = Eigen::Vector3d::Zero();  ///< along the axes, m^2
   double count = 0;                                    ///< of points

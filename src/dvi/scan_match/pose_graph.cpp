@@ -14,7 +14,7 @@ namespace {
 constexpr double kOutlier =
     30;  // squared error in standard deviations, beyond which a doubtful edge counts for next to nothing
 constexpr int kIterations = 20;
-constexpr double kSmallStep = 1e-7;  // metres, radians
+constexpr double kSmallStep = 1e-7;  // meters, radians
 
 Matrix6d adjoint(const SE3& pose) {
   Matrix6d out = Matrix6d::Zero();

@@ -22,7 +22,7 @@ struct PoseEdge {
 std::vector<double> solve_pose_graph(std::vector<SE3>& world_from_body, const std::vector<PoseEdge>& edges);
 
 /// Covariance of world_from_a^-1 * world_from_b at the solution, by the edges as they are weighted: translation, rotation, in
-/// the axes of b. The edges' information is taken at its word: what errors of neighbouring edges share makes it too small.
+/// the axes of b. The edges' information is taken at its word: what errors of neighboring edges share makes it too small.
 Matrix6d relative_covariance(std::vector<SE3> world_from_body, const std::vector<PoseEdge>& edges, std::vector<double> weights,
                              std::size_t a, std::size_t b);
 

@@ -8,15 +8,15 @@
 namespace dvi::scan_match {
 namespace {
 
-Vector6d random_twist(Random& random, double metres, double radians) {
+Vector6d random_twist(Random& random, double meters, double radians) {
   Vector6d out;
-  for (int k = 0; k < 6; ++k) out[k] = (k < 3 ? metres : radians) * random.normal();
+  for (int k = 0; k < 6; ++k) out[k] = (k < 3 ? meters : radians) * random.normal();
   return out;
 }
 
-Matrix6d information(double metres, double radians) {
+Matrix6d information(double meters, double radians) {
   Vector6d out;
-  out << Eigen::Vector3d::Constant(1 / (metres * metres)), Eigen::Vector3d::Constant(1 / (radians * radians));
+  out << Eigen::Vector3d::Constant(1 / (meters * meters)), Eigen::Vector3d::Constant(1 / (radians * radians));
   return out.asDiagonal();
 }
 

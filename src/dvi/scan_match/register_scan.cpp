@@ -17,7 +17,7 @@ struct Sums {
   std::size_t inliers = 0;
 };
 
-void add(const Shape& shape, const Eigen::Vector3d& p, const Eigen::Vector3d& centre, double noise2, double kernel2,
+void add(const Shape& shape, const Eigen::Vector3d& p, const Eigen::Vector3d& center, double noise2, double kernel2,
          Sums& sums) {
   const Eigen::Vector3d off = p - shape.mean;
   for (int k = 0; k < shape.thin; ++k) {
@@ -35,7 +35,7 @@ void add(const Shape& shape, const Eigen::Vector3d& p, const Eigen::Vector3d& ce
     const double weight = robust * robust / s2;
     Vector6d J;
     J.head<3>() = axis;
-    J.tail<3>() = (p - centre).cross(axis);
+    J.tail<3>() = (p - center).cross(axis);
     sums.H.selfadjointView<Eigen::Lower>().rankUpdate(J, weight);
     sums.b -= weight * r * J;
     if (r * r < k2) sums.squares += r * r, ++sums.inliers;

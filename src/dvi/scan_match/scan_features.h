@@ -30,7 +30,7 @@ MatchOptions for_sensor(MatchOptions options, const Drive& drive);
 /// The beams of a scan of the drive; none of a depth image.
 Rings rings_of(const Drive& drive, const Scan& scan);
 
-/// Distance in metres up to which features are taken from a scan.
+/// Distance in meters up to which features are taken from a scan.
 double feature_range(const MatchOptions& options);
 
 /// Of a scan of the drive.

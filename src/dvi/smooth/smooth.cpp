@@ -11,7 +11,7 @@
 
 #include "dvi/core/median.h"
 #include "dvi/drive/view.h"
-#include "dvi/image/grey.h"
+#include "dvi/image/gray.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/image/optical_flow.h"
 #include "dvi/image/region.h"
@@ -22,10 +22,10 @@ using harmonize::FilledFrame, harmonize::Kind;
 
 namespace {
 
-constexpr int kMargin = 64;          // px round the hole in which flow is sought
-constexpr float kMostMismatch = 1;   // px between a flow and the flow back
-constexpr float kColourSpread = 20;  // grey levels at which a neighbour counts 1/e
-constexpr float kOutlier = 15;       // grey levels from both neighbours; interpolated texture that is right differs by up to 10
+constexpr int kMargin = 64;         // px round the hole in which flow is sought
+constexpr float kMostMismatch = 1;  // px between a flow and the flow back
+constexpr float kColorSpread = 20;  // gray levels at which a neighbor counts 1/e
+constexpr float kOutlier = 15;      // gray levels from both neighbors; interpolated texture that is right differs by up to 10
 
 /// A box round each part of the hole, those that meet as one.
 std::vector<cv::Rect> windows_round(const cv::Mat1b& mask) {
@@ -41,35 +41,35 @@ std::vector<cv::Rect> windows_round(const cv::Mat1b& mask) {
   return out;
 }
 
-/// A window of a frame in grey, in the light of another exposure.
-cv::Mat1b grey(const FilledFrame& frame, cv::Rect box, const cv::Vec3f& gain) {
+/// A window of a frame in gray, in the light of another exposure.
+cv::Mat1b gray(const FilledFrame& frame, cv::Rect box, const cv::Vec3f& gain) {
   cv::Mat3b bytes;
-  cv::multiply(frame.colour(box), cv::Scalar(gain[0], gain[1], gain[2]), bytes, 1, CV_8U);
-  return grey_8bit(bytes);
+  cv::multiply(frame.color(box), cv::Scalar(gain[0], gain[1], gain[2]), bytes, 1, CV_8U);
+  return gray_8bit(bytes);
 }
 
-/// How far the flow from a pixel to a neighbouring frame is believed.
+/// How far the flow from a pixel to a neighboring frame is believed.
 enum class Found : std::uint8_t { no, doubtful, surely };
 
-/// What a neighbouring frame shows of each pixel, in this frame's light.
+/// What a neighboring frame shows of each pixel, in this frame's light.
 struct Shown {
-  cv::Mat3f colour;
+  cv::Mat3f color;
   cv::Mat1b found;  // Found
 
   Found found_at(cv::Point p) const { return found.empty() ? Found::no : static_cast<Found>(found(p)); }
 };
 
-/// A neighbour of a frame in a window of both.
-struct Neighbour {
+/// A neighbor of a frame in a window of both.
+struct Neighbor {
   const FilledFrame& frame;
   cv::Rect box;
-  const cv::Mat2f& forth;  // from this frame to the neighbour
+  const cv::Mat2f& forth;  // from this frame to the neighbor
   const cv::Mat2f& back;
 };
 
 bool is_filled(uchar kind) { return kind != static_cast<uchar>(Kind::empty); }
 
-/// Where the flow finds each pixel of a box in the neighbour's.
+/// Where the flow finds each pixel of a box in the neighbor's.
 cv::Mat2f targets_of(const cv::Mat2f& flow) {
   cv::Mat2f out(flow.size());
   for (int y = 0; y < flow.rows; ++y)
@@ -93,29 +93,29 @@ cv::Mat3f interpolated(const cv::Mat3f& image, const cv::Mat2f& at) {
   return out;
 }
 
-/// Grey levels, a mean over the channels.
+/// Gray levels, a mean over the channels.
 float difference(const cv::Vec3f& a, const cv::Vec3f& b) {
   return (std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2])) / 3;
 }
 
-/// Whether a neighbour, looked up and in this frame's light, looks like this frame round the hole: not where one of both is
+/// Whether a neighbor, looked up and in this frame's light, looks like this frame round the hole: not where one of both is
 /// black or saturated, of which no gain is known.
-bool looks_alike(const FilledFrame& frame, const Neighbour& other, const cv::Mat3f& there, const cv::Vec3f& gain) {
+bool looks_alike(const FilledFrame& frame, const Neighbor& other, const cv::Mat3f& there, const cv::Vec3f& gain) {
   constexpr int kEvery = 4;  // px
-  const cv::Mat3f here = frame.colour(other.box);
+  const cv::Mat3f here = frame.color(other.box);
   const cv::Mat1b hole = frame.mask(other.box) | other.frame.mask(other.box);
   std::vector<float> differences;
   for (int y = 0; y < hole.rows; y += kEvery)
     for (int x = 0; x < hole.cols; x += kEvery)
       if (hole(y, x) == 0) differences.push_back(difference(here(y, x), there(y, x).mul(gain)));
-  return dvi::median(std::move(differences)) < kColourSpread;
+  return dvi::median(std::move(differences)) < kColorSpread;
 }
 
-void look_along_flow(const FilledFrame& frame, const Neighbour& other, Shown& shown) {
+void look_along_flow(const FilledFrame& frame, const Neighbor& other, Shown& shown) {
   const cv::Mat1b mask = frame.mask(other.box), kind = frame.kind(other.box), other_kind = other.frame.kind(other.box);
   const cv::Mat2f targets = targets_of(other.forth);
-  const cv::Mat3f there = interpolated(other.frame.colour(other.box), targets);
-  cv::Mat3f colours = shown.colour(other.box);
+  const cv::Mat3f there = interpolated(other.frame.color(other.box), targets);
+  cv::Mat3f colors = shown.color(other.box);
   cv::Mat1b found = shown.found(other.box);
   const cv::Vec3f gain = gain_to(frame.gain, other.frame.gain);
   if (!looks_alike(frame, other, there, gain)) return;
@@ -127,14 +127,14 @@ void look_along_flow(const FilledFrame& frame, const Neighbour& other, Shown& sh
       if (!(at.x >= 0 && at.y >= 0 && at.x <= right && at.y <= bottom)) continue;
       if (!is_filled(other_kind(cvRound(at.y), cvRound(at.x)))) continue;
       const bool returns = cv::norm(other.forth(y, x) + bilinear(other.back, at)) < kMostMismatch;
-      colours(y, x) = there(y, x).mul(gain);
+      colors(y, x) = there(y, x).mul(gain);
       found(y, x) = static_cast<uchar>(returns ? Found::surely : Found::doubtful);
     }
 }
 
 Shown shown_by(const FilledFrame& frame, const FramePair* pair, bool earlier) {
   if (pair == nullptr) return {};
-  Shown out{cv::Mat3f(frame.colour.size()), cv::Mat1b(frame.colour.size(), uchar{0})};
+  Shown out{cv::Mat3f(frame.color.size()), cv::Mat1b(frame.color.size(), uchar{0})};
   for (const FlowWindow& window : pair->windows) {
     if (earlier)
       look_along_flow(frame, {pair->earlier, window.box, window.backward, window.forward}, out);
@@ -150,14 +150,14 @@ cv::Vec3f median(const cv::Vec3f& a, const cv::Vec3f& b, const cv::Vec3f& c) {
   return out;
 }
 
-/// The colour of a pixel, or the median of the three frames where it is the odd one out. Where it is, the flow is often in
-/// doubt: then it takes two neighbours that agree.
+/// The color of a pixel, or the median of the three frames where it is the odd one out. Where it is, the flow is often in
+/// doubt: then it takes two neighbors that agree.
 cv::Vec3f outlier_replaced(const cv::Vec3f& here, const Shown& before, const Shown& after, cv::Point p) {
   const Found a = before.found_at(p), b = after.found_at(p);
   if (a == Found::no || b == Found::no) return here;
-  const cv::Vec3f &earlier = before.colour(p), &later = after.colour(p);
+  const cv::Vec3f &earlier = before.color(p), &later = after.color(p);
   if (difference(here, earlier) < kOutlier || difference(here, later) < kOutlier) return here;
-  const bool sure = (a == Found::surely && b == Found::surely) || difference(earlier, later) < kColourSpread;
+  const bool sure = (a == Found::surely && b == Found::surely) || difference(earlier, later) < kColorSpread;
   return sure ? median(here, earlier, later) : here;
 }
 
@@ -168,7 +168,7 @@ FramePair::FramePair(const FilledFrame& first, const FilledFrame& second) : earl
   const cv::Vec3f unchanged = cv::Vec3f::all(1), gain = gain_to(earlier.gain, later.gain);
   for (const cv::Rect& box : windows_round(holes)) {
     if (box.width < kLeastFlowSide || box.height < kLeastFlowSide) continue;
-    const cv::Mat1b from = grey(earlier, box, unchanged), to = grey(later, box, gain);
+    const cv::Mat1b from = gray(earlier, box, unchanged), to = gray(later, box, gain);
     windows.push_back({box, optical_flow(from, to), optical_flow(to, from)});
   }
 }
@@ -176,24 +176,24 @@ FramePair::FramePair(const FilledFrame& first, const FilledFrame& second) : earl
 FilledFrame smooth(const FramePair* before, const FilledFrame& frame, const FramePair* after, const SmoothOptions& options) {
   FilledFrame out = frame;
   if (before == nullptr && after == nullptr) return out;
-  out.colour = frame.colour.clone();
-  const Shown neighbours[] = {shown_by(frame, before, true), shown_by(frame, after, false)};
+  out.color = frame.color.clone();
+  const Shown neighbors[] = {shown_by(frame, before, true), shown_by(frame, after, false)};
   for (int y = 0; y < frame.mask.rows; ++y)
     for (int x = 0; x < frame.mask.cols; ++x) {
       if (frame.mask(y, x) == 0) continue;
       const cv::Point p(x, y);
-      cv::Vec3f here = frame.colour(p);
-      if (options.replace_outliers) here = outlier_replaced(here, neighbours[0], neighbours[1], p);
+      cv::Vec3f here = frame.color(p);
+      if (options.replace_outliers) here = outlier_replaced(here, neighbors[0], neighbors[1], p);
       cv::Vec3f sum = here;
       float weights = 1;
-      for (const Shown& neighbour : neighbours) {
-        if (neighbour.found_at(p) != Found::surely) continue;
-        const double off = cv::norm(neighbour.colour(p) - here) / (std::sqrt(3.0) * kColourSpread);
+      for (const Shown& neighbor : neighbors) {
+        if (neighbor.found_at(p) != Found::surely) continue;
+        const double off = cv::norm(neighbor.color(p) - here) / (std::sqrt(3.0) * kColorSpread);
         const auto weight = static_cast<float>(std::exp(-off * off));
-        sum += weight * neighbour.colour(p);
+        sum += weight * neighbor.color(p);
         weights += weight;
       }
-      out.colour(p) = weights > 1 ? sum / weights : here;
+      out.color(p) = weights > 1 ? sum / weights : here;
     }
   return out;
 }

@@ -16,13 +16,12 @@ struct SmoothOptions {
   void describe(OptionTable& table) {
     table.section("stages");
     table.developer();
-    table.add("smooth", enabled, "Average the hole along optical flow over neighbouring frames.");
+    table.add("smooth", enabled, "Average the hole along optical flow over neighboring frames.");
     table.section("smooth");
     table.developer();
-    table.add(
-        "replace_outliers", replace_outliers,
-        "First replace what neither neighbouring frame shows, where these two agree or the flow is sure, by the median of "
-        "the three.");
+    table.add("replace_outliers", replace_outliers,
+              "First replace what neither neighboring frame shows, where these two agree or the flow is sure, by the median of "
+              "the three.");
   }
   void check() const { check_ranges(*this); }
 };
@@ -43,7 +42,7 @@ struct FramePair {
 };
 
 /// The frame with its hole averaged with where the flow finds it in the frames before and after: before->later and
-/// after->earlier are this frame; null at the ends of the drive. A colour unlike those of both is replaced first.
+/// after->earlier are this frame; null at the ends of the drive. A color unlike those of both is replaced first.
 harmonize::FilledFrame smooth(const FramePair* before, const harmonize::FilledFrame& frame, const FramePair* after,
                               const SmoothOptions& options = {});
 

@@ -10,7 +10,7 @@ namespace {
 harmonize::FilledFrame moved(int shift, cv::Rect hole) {
   harmonize::FilledFrame frame;
   const cv::Mat3b wide = waves(1360, 720, 1, 12);
-  wide(cv::Rect(40 + shift, 0, 1280, 720)).convertTo(frame.colour, CV_32FC3);
+  wide(cv::Rect(40 + shift, 0, 1280, 720)).convertTo(frame.color, CV_32FC3);
   frame.mask = cv::Mat1b(720, 1280, uchar{0});
   frame.mask(hole) = 255;
   frame.kind = frame.mask / 255;

@@ -17,15 +17,15 @@ namespace {
 constexpr int kWidth = 200, kHeight = 150;
 const cv::Rect kHole(60, 40, 80, 60);
 
-harmonize::FilledFrame filled(const cv::Mat3f& colour, cv::Rect hole = kHole) {
+harmonize::FilledFrame filled(const cv::Mat3f& color, cv::Rect hole = kHole) {
   harmonize::FilledFrame frame;
-  frame.colour = colour.clone();
-  frame.mask = cv::Mat1b(colour.size(), uchar{0});
+  frame.color = color.clone();
+  frame.mask = cv::Mat1b(color.size(), uchar{0});
   frame.mask(hole) = 255;
   frame.kind = frame.mask / 255;
-  frame.provenance = cv::Mat_<cv::Vec3w>(colour.size(), cv::Vec3w(1, 2, 3));
-  frame.confidence = cv::Mat1b(colour.size(), uchar{200});
-  frame.depth = cv::Mat1f(colour.size(), 10.0F);
+  frame.provenance = cv::Mat_<cv::Vec3w>(color.size(), cv::Vec3w(1, 2, 3));
+  frame.confidence = cv::Mat1b(color.size(), uchar{200});
+  frame.depth = cv::Mat1f(color.size(), 10.0F);
   return frame;
 }
 
@@ -60,29 +60,29 @@ TEST(Smooth, AveragesTheNoiseOfAStillScene) {
   const cv::Mat3f truth = texture();
   const harmonize::FilledFrame before = filled(noisy(truth, 3, 1)), frame = filled(noisy(truth, 3, 2)),
                                after = filled(noisy(truth, 3, 3));
-  const double noise = rms(smoothed(&before, frame, &after).colour, truth, kHole) / rms(frame.colour, truth, kHole);
+  const double noise = rms(smoothed(&before, frame, &after).color, truth, kHole) / rms(frame.color, truth, kHole);
   EXPECT_LT(noise, 0.68);
   EXPECT_GT(noise, 0.5);
-  const double one_sided = rms(smoothed(nullptr, frame, &after).colour, truth, kHole) / rms(frame.colour, truth, kHole);
+  const double one_sided = rms(smoothed(nullptr, frame, &after).color, truth, kHole) / rms(frame.color, truth, kHole);
   EXPECT_LT(one_sided, 0.8);
 }
 
 TEST(Smooth, BlackFramesDoNotBlackenTheOneBetweenThem) {
   const cv::Mat3f white(kHeight, kWidth, cv::Vec3f::all(255)), black(kHeight, kWidth, cv::Vec3f());
   const harmonize::FilledFrame before = filled(black), frame = filled(white), after = filled(black);
-  EXPECT_EQ(cv::norm(smoothed(&before, frame, &after).colour, white, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(smoothed(&before, frame, &after).color, white, cv::NORM_INF), 0);
 }
 
 TEST(Smooth, FollowsMotionWithoutBlur) {
   const harmonize::FilledFrame before = filled(texture(-5)), frame = filled(texture(0)), after = filled(texture(5));
   const harmonize::FilledFrame out = smoothed(&before, frame, &after);
-  EXPECT_LT(rms(out.colour, frame.colour, kHole), 1.5);
+  EXPECT_LT(rms(out.color, frame.color, kHole), 1.5);
   const auto sharpness = [](const cv::Mat3f& image) {
     cv::Mat dx;
     cv::Sobel(image(kHole), dx, CV_32F, 1, 0);
     return cv::norm(dx, cv::NORM_L1);
   };
-  EXPECT_GT(sharpness(out.colour) / sharpness(frame.colour), 0.98);
+  EXPECT_GT(sharpness(out.color) / sharpness(frame.color), 0.98);
 }
 
 TEST(Smooth, TakesNothingFromAnotherScene) {
@@ -90,59 +90,59 @@ TEST(Smooth, TakesNothingFromAnotherScene) {
   cv::Mat3f other;
   waves(kWidth, kHeight, 99, 8).convertTo(other, CV_32FC3);
   const harmonize::FilledFrame before = filled(other);
-  EXPECT_LT(rms(smoothed(&before, frame, nullptr).colour, frame.colour, kHole), 6);
+  EXPECT_LT(rms(smoothed(&before, frame, nullptr).color, frame.color, kHole), 6);
 }
 
 TEST(Smooth, CalmsFlickerOfTheFill) {
   const cv::Mat3f truth = texture();
   harmonize::FilledFrame before = filled(truth), frame = filled(truth), after = filled(truth);
-  frame.colour(kHole) += cv::Scalar::all(8);
-  EXPECT_LT(rms(smoothed(&before, frame, &after).colour, truth, kHole), 4);
+  frame.color(kHole) += cv::Scalar::all(8);
+  EXPECT_LT(rms(smoothed(&before, frame, &after).color, truth, kHole), 4);
 }
 
-TEST(Smooth, ReplacesWhatNeitherNeighbourShows) {
+TEST(Smooth, ReplacesWhatNeitherNeighborShows) {
   const cv::Mat3f truth = texture();
   harmonize::FilledFrame before = filled(texture(-2)), frame = filled(truth), after = filled(texture(2));
   const cv::Rect streak(90, 60, 12, 3);
-  frame.colour(streak) = cv::Vec3f(0, 0, 255);
+  frame.color(streak) = cv::Vec3f(0, 0, 255);
   std::optional<FramePair> first, second;
   first.emplace(before, frame);
   second.emplace(frame, after);
   const SmoothOptions as_published{.replace_outliers = false};
-  const double kept = rms(smooth(&*first, frame, &*second, as_published).colour, truth, streak);
+  const double kept = rms(smooth(&*first, frame, &*second, as_published).color, truth, streak);
   EXPECT_GT(kept, 80);
-  EXPECT_LT(rms(smooth(&*first, frame, &*second).colour, truth, streak), kept / 3);
-  EXPECT_LT(rms(smooth(nullptr, frame, &*second).colour, frame.colour, streak), 1) << "nobody can tell which of two is wrong";
+  EXPECT_LT(rms(smooth(&*first, frame, &*second).color, truth, streak), kept / 3);
+  EXPECT_LT(rms(smooth(nullptr, frame, &*second).color, frame.color, streak), 1) << "nobody can tell which of two is wrong";
 }
 
-TEST(Smooth, KeepsWhatOneNeighbourShowsToo) {
+TEST(Smooth, KeepsWhatOneNeighborShowsToo) {
   const cv::Rect patch(90, 60, 12, 12);
   const harmonize::FilledFrame before = filled(texture());
   harmonize::FilledFrame frame = filled(texture()), after = filled(texture());
-  frame.colour(patch) = after.colour(patch) = cv::Vec3f(0, 0, 255);
-  EXPECT_LT(rms(smoothed(&before, frame, &after).colour, frame.colour, patch), 2);
+  frame.color(patch) = after.color(patch) = cv::Vec3f(0, 0, 255);
+  EXPECT_LT(rms(smoothed(&before, frame, &after).color, frame.color, patch), 2);
 }
 
-TEST(Smooth, ChangesColoursOfTheHoleOnly) {
+TEST(Smooth, ChangesColorsOfTheHoleOnly) {
   const harmonize::FilledFrame before = filled(noisy(texture(), 3, 1)), after = filled(noisy(texture(), 3, 3));
   harmonize::FilledFrame frame = filled(noisy(texture(), 3, 2));
   frame.kind(70, 100) = static_cast<uchar>(harmonize::Kind::empty);
-  const cv::Mat3f input = frame.colour.clone();
+  const cv::Mat3f input = frame.color.clone();
   const harmonize::FilledFrame out = smoothed(&before, frame, &after);
-  EXPECT_EQ(cv::norm(frame.colour, input, cv::NORM_INF), 0) << "the input is not touched";
-  EXPECT_EQ(cv::norm(out.colour, input, cv::NORM_INF, frame.mask == 0), 0);
-  EXPECT_GT(cv::norm(out.colour, input, cv::NORM_INF), 0);
-  EXPECT_EQ(out.colour(70, 100), input(70, 100));
+  EXPECT_EQ(cv::norm(frame.color, input, cv::NORM_INF), 0) << "the input is not touched";
+  EXPECT_EQ(cv::norm(out.color, input, cv::NORM_INF, frame.mask == 0), 0);
+  EXPECT_GT(cv::norm(out.color, input, cv::NORM_INF), 0);
+  EXPECT_EQ(out.color(70, 100), input(70, 100));
   EXPECT_EQ(cv::norm(out.kind, frame.kind, cv::NORM_INF), 0);
   EXPECT_EQ(cv::norm(out.provenance, frame.provenance, cv::NORM_INF), 0);
   EXPECT_EQ(cv::norm(out.confidence, frame.confidence, cv::NORM_INF), 0);
 }
 
-TEST(Smooth, IsTheInputWithoutNeighboursOrHole) {
+TEST(Smooth, IsTheInputWithoutNeighborsOrHole) {
   const harmonize::FilledFrame before = filled(noisy(texture(), 3, 1)), frame = filled(texture()),
                                whole = filled(texture(), {});
-  EXPECT_EQ(cv::norm(smoothed(nullptr, frame, nullptr).colour, frame.colour, cv::NORM_INF), 0);
-  EXPECT_EQ(cv::norm(smoothed(&before, whole, nullptr).colour, whole.colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(smoothed(nullptr, frame, nullptr).color, frame.color, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(smoothed(&before, whole, nullptr).color, whole.color, cv::NORM_INF), 0);
 }
 
 TEST(Smooth, TakesAnyHoleAndAnySize) {
@@ -151,7 +151,7 @@ TEST(Smooth, TakesAnyHoleAndAnySize) {
     for (const cv::Rect& hole : {cv::Rect({}, size), cv::Rect(0, 0, 1, 1), cv::Rect(size.width - 1, size.height - 2, 1, 2)}) {
       const harmonize::FilledFrame frame = cut(size.width, size.height, hole);
       const harmonize::FilledFrame out = smoothed(&frame, frame, &frame);
-      EXPECT_LT(cv::norm(out.colour, frame.colour, cv::NORM_INF), 30) << size;
+      EXPECT_LT(cv::norm(out.color, frame.color, cv::NORM_INF), 30) << size;
     }
 }
 
@@ -169,7 +169,7 @@ TEST(Smooth, TreatsHolesThatLieApartAlike) {
   const harmonize::FilledFrame out = smoothed(&before, frame, &after);
   for (const int x : {0, 300}) {
     const cv::Rect place(x, 0, kWidth, kHeight);
-    const double noise = rms(out.colour(place), texture(), kHole) / rms(frame.colour(place), texture(), kHole);
+    const double noise = rms(out.color(place), texture(), kHole) / rms(frame.color(place), texture(), kHole);
     EXPECT_LT(noise, 0.8) << x;
   }
 }
@@ -177,12 +177,12 @@ TEST(Smooth, TreatsHolesThatLieApartAlike) {
 TEST(Smooth, OnePairServesBothItsFrames) {
   harmonize::FilledFrame earlier = filled(noisy(texture(-3), 3, 1)),
                          later = filled(noisy(texture(), 3, 2), kHole + cv::Point(30, 10));
-  later.gain = cv::Vec3f(2, 2, 2);  // darker by half: the same colours in the exposure of both
-  later.colour *= 0.5;
+  later.gain = cv::Vec3f(2, 2, 2);  // darker by half: the same colors in the exposure of both
+  later.color *= 0.5;
   const FramePair pair(earlier, later);
   const harmonize::FilledFrame first = smooth(nullptr, earlier, &pair), second = smooth(&pair, later, nullptr);
-  EXPECT_LT(rms(first.colour, texture(-3), kHole) / rms(earlier.colour, texture(-3), kHole), 0.8);
-  cv::Mat3f light = second.colour.clone(), given = later.colour.clone();
+  EXPECT_LT(rms(first.color, texture(-3), kHole) / rms(earlier.color, texture(-3), kHole), 0.8);
+  cv::Mat3f light = second.color.clone(), given = later.color.clone();
   light *= 2;
   given *= 2;
   EXPECT_LT(rms(light, texture(), kHole + cv::Point(30, 10)) / rms(given, texture(), kHole + cv::Point(30, 10)), 0.8);
@@ -196,7 +196,7 @@ TEST(Smooth, GivesTheSameWhateverTheThreads) {
   cv::setNumThreads(4);
   const harmonize::FilledFrame four = smoothed(&before, frame, nullptr);
   cv::setNumThreads(threads);
-  EXPECT_EQ(cv::norm(one.colour, four.colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(one.color, four.color, cv::NORM_INF), 0);
 }
 
 }  // namespace

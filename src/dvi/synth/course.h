@@ -5,13 +5,13 @@
 
 namespace dvi::synth {
 
-/// How the recording car drives along the street. Places are told as its driver sees them: metres on its way, and metres to the
-/// left of the centreline.
+/// How the recording car drives along the street. Places are told as its driver sees them: meters on its way, and meters to the
+/// left of the centerline.
 class Course {
  public:
   explicit Course(const SynthOptions& options);
 
-  /// Metres on its way after `time` seconds.
+  /// Meters on its way after `time` seconds.
   double way(double time) const;
   /// Where it drives, and the other lane of its direction; the same where there is none.
   double lane() const { return lane_; }

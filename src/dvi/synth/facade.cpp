@@ -6,8 +6,8 @@
 namespace dvi::synth {
 namespace {
 
-constexpr double kPixelsPerMetre = 45;
-constexpr double kStorey = 3.0, kShopHeight = 3.7;
+constexpr double kPixelsPerMeter = 45;
+constexpr double kStory = 3.0, kShopHeight = 3.7;
 
 std::string shop_name(Random& random) {
   static const std::array<const char*, 18> kNames = {"CAFE",   "BANK",  "HOTEL",   "BOOKS",  "PHARMACY", "NOODLES",
@@ -48,9 +48,9 @@ void paint_window(Canvas& canvas, Random& random, double x, double z, double w, 
   canvas.box(x, z + 0.62 * h, w, 0.38 * h, {dark * 1.7 + 12, dark * 1.45 + 10, dark * 1.3 + 8});  // sky in the glass
   canvas.line(x + 0.1 * w, z + 0.1 * h, x + 0.8 * w, z + 0.95 * h, {dark * 2 + 40, dark * 1.9 + 35, dark * 1.8 + 30}, 2);
   const int curtain = random.below(5);
-  if (curtain == 0) canvas.box(x, z + 0.35 * h, w, 0.65 * h, random_colour(random, 110, 225));
+  if (curtain == 0) canvas.box(x, z + 0.35 * h, w, 0.65 * h, random_color(random, 110, 225));
   if (curtain == 1) {
-    const cv::Scalar cloth = random_colour(random, 120, 220);
+    const cv::Scalar cloth = random_color(random, 120, 220);
     canvas.box(x, z, 0.25 * w, h, cloth);
     canvas.box(x + 0.75 * w, z, 0.25 * w, h, cloth);
   }
@@ -59,11 +59,11 @@ void paint_window(Canvas& canvas, Random& random, double x, double z, double w, 
   canvas.line(x, z + 0.6 * h, x + w, z + 0.6 * h, bar, 2);
 }
 
-void paint_storeys(Canvas& canvas, Random& random, const cv::Scalar& base) {
+void paint_stories(Canvas& canvas, Random& random, const cv::Scalar& base) {
   const double pitch = random.uniform(1.7, 2.7), w = pitch * random.uniform(0.48, 0.7), h = random.uniform(1.4, 1.9);
   const cv::Scalar trim = random.below(2) == 0 ? base * 1.3 : cv::Scalar(205, 212, 215);
   const bool balconies = random.below(3) == 0;
-  for (double z = kShopHeight + 0.8; z + h < canvas.height() - 0.6; z += kStorey) {
+  for (double z = kShopHeight + 0.8; z + h < canvas.height() - 0.6; z += kStory) {
     canvas.box(0, z - 0.55, canvas.width(), 0.09, base * 0.82);
     for (double x = 0.6; x + w < canvas.width() - 0.4; x += pitch) {
       paint_window(canvas, random, x, z, w, h, trim);
@@ -78,15 +78,14 @@ void paint_storeys(Canvas& canvas, Random& random, const cv::Scalar& base) {
 void paint_goods(Canvas& canvas, Random& random, double x, double w) {
   for (int i = 0; i < 14; ++i) {
     const double gw = random.uniform(0.12, 0.55), gh = random.uniform(0.12, 0.7);
-    canvas.box(x + random.uniform(0, std::max(0.05, w - gw)), random.uniform(0.45, 2.0), gw, gh,
-               random_colour(random, 50, 235));
+    canvas.box(x + random.uniform(0, std::max(0.05, w - gw)), random.uniform(0.45, 2.0), gw, gh, random_color(random, 50, 235));
   }
 }
 
 void paint_shop(Canvas& canvas, Random& random, double x, double w) {
-  const cv::Scalar board = random_colour(random, 20, 210);
+  const cv::Scalar board = random_color(random, 20, 210);
   const bool light_words = board[0] + board[1] + board[2] < 380;
-  canvas.box(x, 0, w, 2.65, random_colour(random, 40, 95));
+  canvas.box(x, 0, w, 2.65, random_color(random, 40, 95));
   paint_goods(canvas, random, x, w);
   canvas.line(x + 0.1 * w, 0.4, x + 0.45 * w, 2.6, {150, 150, 146}, 3);
   for (double bar = x; bar < x + w; bar += w / 3) canvas.line(bar, 0, bar, 2.65, {165, 168, 170}, 3);
@@ -101,11 +100,11 @@ void paint_shop(Canvas& canvas, Random& random, double x, double w) {
 }  // namespace
 
 TexturePtr paint_facade(Random random, const Noise& noise, double width_m, double height_m) {
-  const double grey = random.uniform(110, 190);
-  const cv::Scalar base(grey * random.uniform(0.7, 1.0), grey * random.uniform(0.85, 1.0), grey * random.uniform(0.95, 1.15));
-  Canvas canvas(width_m, height_m, kPixelsPerMetre, base);
+  const double gray = random.uniform(110, 190);
+  const cv::Scalar base(gray * random.uniform(0.7, 1.0), gray * random.uniform(0.85, 1.0), gray * random.uniform(0.95, 1.15));
+  Canvas canvas(width_m, height_m, kPixelsPerMeter, base);
   paint_wall(canvas, random, base);
-  paint_storeys(canvas, random, base);
+  paint_stories(canvas, random, base);
   canvas.box(0, 0, canvas.width(), kShopHeight, base * 0.88);
   const int shops = std::max(1, static_cast<int>(std::lround(width_m / random.uniform(3.2, 5.0))));
   for (int i = 0; i < shops; ++i) {
@@ -122,7 +121,7 @@ TexturePtr paint_facade(Random random, const Noise& noise, double width_m, doubl
 }
 
 TexturePtr paint_sign(Random random, const Noise& noise, double width_m, double height_m) {
-  const cv::Scalar board = random_colour(random, 20, 230);
+  const cv::Scalar board = random_color(random, 20, 230);
   Canvas canvas(width_m, height_m, 100, board);
   const cv::Scalar ink = board[0] + board[1] + board[2] < 380 ? cv::Scalar(245, 245, 245) : cv::Scalar(30, 25, 60);
   canvas.frame(0.04, 0.04, width_m - 0.08, height_m - 0.08, ink, 3);

@@ -28,8 +28,8 @@ void add_frustum(Solid& solid, const Rectangle& low, const Rectangle& high, cons
               faces.top);
 }
 
-TexturePtr paint_plain(Random random, const Noise& noise, const cv::Scalar& colour, double amplitude) {
-  cv::Mat3b picture = plain(128, 128, colour);
+TexturePtr paint_plain(Random random, const Noise& noise, const cv::Scalar& color, double amplitude) {
+  cv::Mat3b picture = plain(128, 128, color);
   roughen(picture, noise, amplitude, {random.below(512), random.below(512)});
   return std::make_shared<Texture>(picture);
 }
@@ -44,10 +44,10 @@ TexturePtr paint_leaves(Random random, double cover) {
   for (int i = 0; i < 1500; ++i) {
     const cv::Point at(random.below(kSize), random.below(kSize));
     const double shade = random.uniform(0.55, 1.35);
-    const cv::Scalar colour(38 * shade, (92 + autumn) * shade, (62 + 2 * autumn) * shade);
+    const cv::Scalar color(38 * shade, (92 + autumn) * shade, (62 + 2 * autumn) * shade);
     const cv::Size axes(5 + random.below(7), 3 + random.below(4));
     const double angle = random.uniform(0, 180);
-    cv::ellipse(picture, at, axes, angle, 0, 360, colour, cv::FILLED, cv::LINE_AA);
+    cv::ellipse(picture, at, axes, angle, 0, 360, color, cv::FILLED, cv::LINE_AA);
     if (i < clumps) cv::ellipse(alpha, at, axes * 2, angle, 0, 360, 255, cv::FILLED);
   }
   // Round at the rim, so that crossing planes do not show their rectangles.
@@ -66,15 +66,15 @@ Model make_tree(Random random, const TexturePtr& bark, const TexturePtr& leaves)
   model.solid.add_cylinder({0, 0, 0}, random.uniform(0.11, 0.18), trunk + 1.2, bark);
   for (int i = 0; i < 18; ++i) {
     const double angle = random.uniform(0, 2 * std::numbers::pi), reach = random.uniform(0.2, 1.1);
-    const Vector3d centre(reach * std::cos(angle), reach * std::sin(angle), trunk + random.uniform(0.5, 2.9));
+    const Vector3d center(reach * std::cos(angle), reach * std::sin(angle), trunk + random.uniform(0.5, 2.9));
     const Eigen::Matrix3d turn = so3_exp({random.uniform(-0.9, 0.9), random.uniform(-0.9, 0.9), random.uniform(0, 6.28)});
     const double half = random.uniform(0.7, 1.15);
     const Vector3d right = turn * Vector3d(half, 0, 0), up = turn * Vector3d(0, 0, half);
     Surface& surface =
-        model.solid.add(centre - right - up, centre + right - up, centre - right + up, centre + right + up, leaves);
+        model.solid.add(center - right - up, center + right - up, center - right + up, center + right + up, leaves);
     surface.lit = false;
     // Deep in the crown it is darker.
-    const auto shade = static_cast<float>(0.72 + 0.25 * reach + 0.08 * (centre.z() - trunk));
+    const auto shade = static_cast<float>(0.72 + 0.25 * reach + 0.08 * (center.z() - trunk));
     surface.tint = {shade, shade, shade};
   }
   model.solid.finish();

@@ -9,22 +9,22 @@ namespace dvi::synth {
 struct Model {
   std::string type;  ///< as a label names it
   Solid solid;
-  Eigen::Vector3d size;  ///< of the box round it, centred above the origin
+  Eigen::Vector3d size;  ///< of the box round it, centered above the origin
 };
 
 Model make_car(Random random, const Noise& noise);
 Model make_van(Random random, const Noise& noise);
-Model make_lorry(Random random, const Noise& noise);
+Model make_truck(Random random, const Noise& noise);
 Model make_pedestrian(Random random, const Noise& noise);
-/// A person who walks: one model for each of kGaitPhases equal parts of a stride of kStride metres, two steps.
+/// A person who walks: one model for each of kGaitPhases equal parts of a stride of kStride meters, two steps.
 inline constexpr int kGaitPhases = 16;
 inline constexpr double kStride = 1.4;
 std::vector<Model> make_walker(Random random, const Noise& noise);
 
 /// Leaves with gaps between them; `cover` is about the share that is leaf.
 TexturePtr paint_leaves(Random random, double cover);
-/// One colour, rough.
-TexturePtr paint_plain(Random random, const Noise& noise, const cv::Scalar& colour, double amplitude = 6);
+/// One color, rough.
+TexturePtr paint_plain(Random random, const Noise& noise, const cv::Scalar& color, double amplitude = 6);
 
 /// A trunk and a crown of leafy planes with gaps.
 Model make_tree(Random random, const TexturePtr& bark, const TexturePtr& leaves);

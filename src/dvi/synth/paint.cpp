@@ -29,9 +29,9 @@ Noise::Noise(std::uint64_t seed) : tile_(cv::Mat1f::zeros(512, 512)) {
   }
 }
 
-cv::Mat3b plain(int rows, int cols, const cv::Scalar& colour) {
+cv::Mat3b plain(int rows, int cols, const cv::Scalar& color) {
   cv::Mat3b picture(rows, cols);
-  picture.setTo(colour);
+  picture.setTo(color);
   return picture;
 }
 
@@ -47,40 +47,40 @@ void roughen(cv::Mat3b& picture, const Noise& noise, double amplitude, cv::Point
   }
 }
 
-Canvas::Canvas(double width_m, double height_m, double pixels_per_m, const cv::Scalar& colour)
+Canvas::Canvas(double width_m, double height_m, double pixels_per_m, const cv::Scalar& color)
     : picture(plain(std::max(2, static_cast<int>(std::lround(height_m * pixels_per_m))),
-                    std::max(2, static_cast<int>(std::lround(width_m * pixels_per_m))), colour)),
+                    std::max(2, static_cast<int>(std::lround(width_m * pixels_per_m))), color)),
       scale_(pixels_per_m) {}
 
 cv::Point Canvas::at(double x, double z) const {
   return {static_cast<int>(std::lround(x * scale_)), picture.rows - static_cast<int>(std::lround(z * scale_))};
 }
 
-void Canvas::box(double x, double z, double w, double h, const cv::Scalar& colour) {
+void Canvas::box(double x, double z, double w, double h, const cv::Scalar& color) {
   const cv::Rect rect(at(x, z + h), at(x + w, z));
   const cv::Rect inside = rect & cv::Rect({}, picture.size());
-  if (!inside.empty()) cv::rectangle(picture, inside, colour, cv::FILLED);
+  if (!inside.empty()) cv::rectangle(picture, inside, color, cv::FILLED);
 }
 
-void Canvas::frame(double x, double z, double w, double h, const cv::Scalar& colour, int thickness) {
-  cv::rectangle(picture, at(x, z + h), at(x + w, z), colour, thickness);
+void Canvas::frame(double x, double z, double w, double h, const cv::Scalar& color, int thickness) {
+  cv::rectangle(picture, at(x, z + h), at(x + w, z), color, thickness);
 }
 
-void Canvas::line(double x0, double z0, double x1, double z1, const cv::Scalar& colour, int thickness) {
-  cv::line(picture, at(x0, z0), at(x1, z1), colour, thickness, cv::LINE_AA);
+void Canvas::line(double x0, double z0, double x1, double z1, const cv::Scalar& color, int thickness) {
+  cv::line(picture, at(x0, z0), at(x1, z1), color, thickness, cv::LINE_AA);
 }
 
-void Canvas::disc(double x, double z, double radius, const cv::Scalar& colour) {
-  cv::circle(picture, at(x, z), std::max(1, static_cast<int>(std::lround(radius * scale_))), colour, cv::FILLED, cv::LINE_AA);
+void Canvas::disc(double x, double z, double radius, const cv::Scalar& color) {
+  cv::circle(picture, at(x, z), std::max(1, static_cast<int>(std::lround(radius * scale_))), color, cv::FILLED, cv::LINE_AA);
 }
 
-void Canvas::text(double x, double z, double w, double h, const std::string& words, const cv::Scalar& colour) {
+void Canvas::text(double x, double z, double w, double h, const std::string& words, const cv::Scalar& color) {
   constexpr int kFont = cv::FONT_HERSHEY_DUPLEX;
   int base = 0;
   const cv::Size size = cv::getTextSize(words, kFont, 1, 2, &base);
   const double scale = std::min(w * scale_ / size.width, h * scale_ / size.height);
   const double left = x + 0.5 * (w - size.width * scale / scale_);
-  cv::putText(picture, words, at(left, z + 0.5 * (h - size.height * scale / scale_)), kFont, scale, colour,
+  cv::putText(picture, words, at(left, z + 0.5 * (h - size.height * scale / scale_)), kFont, scale, color,
               std::max(1, static_cast<int>(scale * 2.2)), cv::LINE_AA);
 }
 
@@ -93,7 +93,7 @@ void Canvas::uncut(double x, double z, double radius) {
   cv::circle(alpha, at(x, z), static_cast<int>(radius * scale_), 255, cv::FILLED);
 }
 
-cv::Scalar random_colour(Random& random, double low, double high) {
+cv::Scalar random_color(Random& random, double low, double high) {
   const double b = random.uniform(low, high), g = random.uniform(low, high);
   return {b, g, random.uniform(low, high)};
 }

@@ -22,27 +22,27 @@ class Noise {
   cv::Mat1f tile_;
 };
 
-/// A picture of one colour.
-cv::Mat3b plain(int rows, int cols, const cv::Scalar& colour);
+/// A picture of one color.
+cv::Mat3b plain(int rows, int cols, const cv::Scalar& color);
 /// Adds noise, its pixel (0, 0) being that of `offset`.
 void roughen(cv::Mat3b& picture, const Noise& noise, double amplitude, cv::Point offset);
 
-/// A picture measured in metres: x to the right, z up from the lower edge.
+/// A picture measured in meters: x to the right, z up from the lower edge.
 class Canvas {
  public:
-  Canvas(double width_m, double height_m, double pixels_per_m, const cv::Scalar& colour);
+  Canvas(double width_m, double height_m, double pixels_per_m, const cv::Scalar& color);
 
   cv::Mat3b picture;
   cv::Mat1b alpha;  ///< empty until `cut` or `uncut` is called: no holes
 
   double width() const { return picture.cols / scale_; }
   double height() const { return picture.rows / scale_; }
-  void box(double x, double z, double w, double h, const cv::Scalar& colour);
-  void frame(double x, double z, double w, double h, const cv::Scalar& colour, int thickness);
-  void line(double x0, double z0, double x1, double z1, const cv::Scalar& colour, int thickness);
-  void disc(double x, double z, double radius, const cv::Scalar& colour);
+  void box(double x, double z, double w, double h, const cv::Scalar& color);
+  void frame(double x, double z, double w, double h, const cv::Scalar& color, int thickness);
+  void line(double x0, double z0, double x1, double z1, const cv::Scalar& color, int thickness);
+  void disc(double x, double z, double radius, const cv::Scalar& color);
   /// Words within a box, as large as fits.
-  void text(double x, double z, double w, double h, const std::string& words, const cv::Scalar& colour);
+  void text(double x, double z, double w, double h, const std::string& words, const cv::Scalar& color);
   /// Makes the strip below z a hole, but for discs of `uncut`.
   void cut_below(double z);
   void uncut(double x, double z, double radius);
@@ -52,6 +52,6 @@ class Canvas {
   double scale_;
 };
 
-cv::Scalar random_colour(Random& random, double low, double high);
+cv::Scalar random_color(Random& random, double low, double high);
 
 }  // namespace dvi::synth

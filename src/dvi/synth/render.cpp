@@ -31,20 +31,20 @@ class Painter {
       seen[row].resize(static_cast<std::size_t>(wanted.cols));
       for (int x = 0; x < wanted.cols; ++x) {
         if (!wanted(y, x)) continue;
-        Tracer::Seen& centre = seen[row][static_cast<std::size_t>(x)];
-        centre = tracer.trace(ray(x, y));
-        canvas.id(y, x) = centre.id;
-        canvas.depth(y, x) = std::isfinite(centre.t) ? static_cast<float>(centre.t) : 0.0F;
-        canvas.dynamic(y, x) = centre.dynamic ? 255 : 0;
+        Tracer::Seen& center = seen[row][static_cast<std::size_t>(x)];
+        center = tracer.trace(ray(x, y));
+        canvas.id(y, x) = center.id;
+        canvas.depth(y, x) = std::isfinite(center.t) ? static_cast<float>(center.t) : 0.0F;
+        canvas.dynamic(y, x) = center.dynamic ? 255 : 0;
       }
     });
     parallel_for(seen.size(), [&](std::size_t row) {
       const int y = static_cast<int>(row);
       for (int x = 0; x < wanted.cols; ++x) {
         if (!wanted(y, x)) continue;
-        const cv::Vec3f colour = at_edge(canvas.id, x, y) ? average(tracer, x, y, canvas.dynamic(y, x))
-                                                          : tracer.shade(ray(x, y), seen[row][static_cast<std::size_t>(x)]);
-        for (int c = 0; c < 3; ++c) canvas.image(y, x)[c] = cv::saturate_cast<uchar>(colour[c] * gain_);
+        const cv::Vec3f color = at_edge(canvas.id, x, y) ? average(tracer, x, y, canvas.dynamic(y, x))
+                                                         : tracer.shade(ray(x, y), seen[row][static_cast<std::size_t>(x)]);
+        for (int c = 0; c < 3; ++c) canvas.image(y, x)[c] = cv::saturate_cast<uchar>(color[c] * gain_);
       }
     });
   }

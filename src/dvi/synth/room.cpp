@@ -14,7 +14,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kHalfLength = 3.5, kHalfWidth = 2.7, kHeight = 2.6;
-constexpr double kRoomPixelsPerMetre = 160;
+constexpr double kRoomPixelsPerMeter = 160;
 
 TexturePtr to_texture(Canvas& canvas, Random& random, const Noise& noise, double amplitude = 4) {
   roughen(canvas.picture, noise, amplitude, {random.below(512), random.below(512)});
@@ -23,9 +23,9 @@ TexturePtr to_texture(Canvas& canvas, Random& random, const Noise& noise, double
 
 // Wallpaper with a pattern, a skirting board, pictures.
 TexturePtr paint_wallpaper(Random random, const Noise& noise, double length, bool window) {
-  const double grey = random.uniform(165, 200);
-  const cv::Scalar base(grey * random.uniform(0.82, 1), grey * random.uniform(0.9, 1), grey);
-  Canvas canvas(length, kHeight, kRoomPixelsPerMetre, base);
+  const double gray = random.uniform(165, 200);
+  const cv::Scalar base(gray * random.uniform(0.82, 1), gray * random.uniform(0.9, 1), gray);
+  Canvas canvas(length, kHeight, kRoomPixelsPerMeter, base);
   const cv::Scalar pattern = base * random.uniform(0.8, 0.9);
   for (double x = 0.1; x < length; x += 0.2)
     for (double z = 0.1; z < kHeight; z += 0.25) canvas.disc(x + 0.1 * (static_cast<int>(z * 4) % 2), z, 0.02, pattern);
@@ -33,10 +33,10 @@ TexturePtr paint_wallpaper(Random random, const Noise& noise, double length, boo
   for (double x = random.uniform(0.3, 0.7); x < length - 0.9; x += random.uniform(1.1, 1.6)) {
     const double w = random.uniform(0.45, 0.8), h = random.uniform(0.4, 0.7), z = random.uniform(1.2, 1.6);
     canvas.box(x - 0.05, z - 0.05, w + 0.1, h + 0.1, {40, 55, 80});
-    canvas.box(x, z, w, h, random_colour(random, 60, 220));
+    canvas.box(x, z, w, h, random_color(random, 60, 220));
     for (int i = 0; i < 14; ++i) {
       const double bw = random.uniform(0.05, 0.3 * w), bh = random.uniform(0.04, 0.3 * h);
-      canvas.box(x + random.uniform(0, w - bw), z + random.uniform(0, h - bh), bw, bh, random_colour(random, 20, 240));
+      canvas.box(x + random.uniform(0, w - bw), z + random.uniform(0, h - bh), bw, bh, random_color(random, 20, 240));
     }
   }
   if (window) {
@@ -63,19 +63,19 @@ TexturePtr paint_planks(Random random, const Noise& noise) {
   for (double z = 0; z < canvas.height(); z += 0.14) canvas.line(0, z, canvas.width(), z, {46, 68, 92}, 1);
   canvas.box(2.1, 1.5, 2.4, 1.7, {70, 50, 130});  // a rug
   for (double x = 2.2; x < 4.4; x += 0.3)
-    for (double z = 1.6; z < 3.1; z += 0.3) canvas.disc(x + 0.1, z + 0.05, 0.09, random_colour(random, 60, 210));
+    for (double z = 1.6; z < 3.1; z += 0.3) canvas.disc(x + 0.1, z + 0.05, 0.09, random_color(random, 60, 210));
   canvas.frame(2.15, 1.55, 2.3, 1.6, {180, 200, 210}, 5);
   return to_texture(canvas, random, noise, 6);
 }
 
 TexturePtr paint_books(Random random, const Noise& noise, double width, double height) {
-  Canvas canvas(width, height, kRoomPixelsPerMetre, {52, 72, 96});
+  Canvas canvas(width, height, kRoomPixelsPerMeter, {52, 72, 96});
   for (double z = 0.06; z + 0.3 < height; z += 0.36) {
     canvas.box(0.04, z, width - 0.08, 0.32, {30, 38, 46});
     for (double x = 0.05; x < width - 0.1;) {
       const double w = random.uniform(0.025, 0.07), h = random.uniform(0.18, 0.3);
       if (random.below(7) != 0) {
-        canvas.box(x, z, w, h, random_colour(random, 30, 220));
+        canvas.box(x, z, w, h, random_color(random, 30, 220));
         canvas.box(x, z + 0.7 * h, w, 0.015, {220, 220, 220});
       }
       x += w + 0.004;
@@ -104,7 +104,7 @@ class Furnisher {
 
  private:
   Random random(int number) const { return random_for(seed_, 120, number); }
-  TexturePtr plain(int number, const cv::Scalar& colour) const { return paint_plain(random(number), noise_, colour, 9); }
+  TexturePtr plain(int number, const cv::Scalar& color) const { return paint_plain(random(number), noise_, color, 9); }
 
   void add_walls() {
     const double x = kHalfLength, y = kHalfWidth, z = kHeight;
@@ -136,9 +136,9 @@ class Furnisher {
 
   void add_table(double x, double y) {
     Random dice = random(12);
-    Canvas top(1.5, 0.8, kRoomPixelsPerMetre, {60, 92, 128});
+    Canvas top(1.5, 0.8, kRoomPixelsPerMeter, {60, 92, 128});
     for (double z = 0; z < 0.8; z += 0.05) top.line(0, z, 1.5, z + 0.02, {48, 76, 108}, 2);
-    for (int i = 0; i < 6; ++i) top.box(dice.uniform(0, 1.2), dice.uniform(0, 0.5), 0.21, 0.29, random_colour(dice, 90, 235));
+    for (int i = 0; i < 6; ++i) top.box(dice.uniform(0, 1.2), dice.uniform(0, 0.5), 0.21, 0.29, random_color(dice, 90, 235));
     const TexturePtr wood = plain(13, {55, 85, 120});
     add_block(0.8, 1.5, 0.7, 0.75, {wood, wood, wood, wood, to_texture(top, dice, noise_)}, at(x, y));
     for (const double dx : {-0.34, 0.34})
@@ -148,7 +148,7 @@ class Furnisher {
 
   void add_cabinet(double x, double y) {
     Random dice = random(15);
-    Canvas doors(1.2, 1.1, kRoomPixelsPerMetre, {140, 160, 176});
+    Canvas doors(1.2, 1.1, kRoomPixelsPerMeter, {140, 160, 176});
     for (const double left : {0.03, 0.62}) {
       doors.frame(left, 0.06, 0.55, 0.98, {70, 84, 100}, 4);
       doors.disc(left + (left < 0.5 ? 0.48 : 0.07), 0.55, 0.025, {40, 44, 48});

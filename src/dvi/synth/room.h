@@ -16,8 +16,8 @@ SE3 world_from_hand(const SynthOptions& options, double time);
 /// A person who walks to and fro through the middle of the room.
 std::vector<Mover> make_visitors(const SynthOptions& options, const Noise& noise);
 
-/// What a depth camera measures where the true depth is `depth` (metres, 0 nothing): noise that grows with the square of the
-/// depth and is `noise_5m` metres at 5 m (Nguyen et al., 3DIMPVT 2012), and nothing beside a jump in depth. Millimetres.
+/// What a depth camera measures where the true depth is `depth` (meters, 0 nothing): noise that grows with the square of the
+/// depth and is `noise_5m` meters at 5 m (Nguyen et al., 3DIMPVT 2012), and nothing beside a jump in depth. Millimeters.
 cv::Mat1w measured_depth(const cv::Mat1f& depth, double noise_5m, Random random);
 
 }  // namespace dvi::synth

@@ -142,9 +142,9 @@ SynthScan Scene::scan(int frame) const {
       const Ray ray{pose.t, pose.R * direction};
       const Tracer::Seen seen = tracer.trace(ray, options_.range_m);
       if (seen.t > options_.range_m) continue;
-      const cv::Vec3f colour = tracer.shade(ray, seen);
+      const cv::Vec3f color = tracer.shade(ray, seen);
       out.scan.points.emplace_back(((seen.t + error) * direction).cast<float>());
-      out.scan.intensity.push_back(std::min(1.0F, (colour[0] + colour[1] + colour[2]) / 765));
+      out.scan.intensity.push_back(std::min(1.0F, (color[0] + color[1] + color[2]) / 765));
       out.scan.time.push_back(static_cast<float>(after));
       out.scan.ring.push_back(static_cast<std::uint16_t>(beam));
       out.dynamic.push_back(seen.dynamic ? 1 : 0);
@@ -171,14 +171,14 @@ std::vector<Label> Scene::boxes(int frame) const {
   for (const PlacedMover& placed : world_->placed(t)) {
     const Model& model = *placed.model;
     const SE3 pose = lidar_from_world * placed.world_from_mover;
-    const Vector3d centre = pose * Vector3d(0, 0, 0.5 * model.size.z());
-    if (centre.norm() > options_.range_m) continue;
+    const Vector3d center = pose * Vector3d(0, 0, 0.5 * model.size.z());
+    if (center.norm() > options_.range_m) continue;
     // Labels know a turn about z only.
     const double yaw = std::atan2(pose.R(1, 0), pose.R(0, 0));
     Label label;
     label.track = placed.mover->track;
     label.type = model.type;
-    label.box = Box{{so3_exp({0, 0, yaw}), centre}, model.size};
+    label.box = Box{{so3_exp({0, 0, yaw}), center}, model.size};
     labels.push_back(label);
   }
   return labels;

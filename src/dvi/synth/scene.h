@@ -17,7 +17,7 @@ namespace dvi::synth {
 struct SynthFrame {
   cv::Mat3b image;    ///< with traffic
   cv::Mat3b clean;    ///< without traffic
-  cv::Mat1f depth;    ///< metres along the optical axis at the pixel's centre, without traffic; 0: sky
+  cv::Mat1f depth;    ///< meters along the optical axis at the pixel's center, without traffic; 0: sky
   cv::Mat1f seen;     ///< the same with traffic: what a depth camera measures
   cv::Mat1b dynamic;  ///< 255 where image differs from clean: traffic and its shadow
 };
@@ -26,14 +26,14 @@ struct SynthFrame {
 struct SynthScan {
   Scan scan;
   std::vector<std::uint8_t> dynamic;  ///< one a point: 1 on traffic
-  std::vector<float> range;           ///< one a point: metres, without noise
+  std::vector<float> range;           ///< one a point: meters, without noise
 };
 
 /// One camera of the rig; all have the same lens.
 struct SceneCamera {
   std::string name;
   SE3 camera_from_lidar;  ///< the calibration a recording brings; the true one of a frame differs from it by its jitter
-  double gain = 1;        ///< factor of all its colours
+  double gain = 1;        ///< factor of all its colors
 };
 
 /// The synthetic street, or room, and its recording, in memory: everything is computed when asked for, and each call for the
@@ -55,14 +55,14 @@ class Scene {
   std::int64_t time_ns(int frame) const;  ///< of the image, and of the scan's middle
   SE3 world_from_lidar(std::int64_t time_ns) const;
   SE3 camera_from_world(int frame, std::size_t camera = 0) const;  ///< of the true camera
-  double gain(int frame, std::size_t camera = 0) const;            ///< exposure: factor of all colours
+  double gain(int frame, std::size_t camera = 0) const;            ///< exposure: factor of all colors
 
   SynthFrame render(int frame, std::size_t camera = 0) const;
   /// The image as a camera records it: with traffic and noise.
   cv::Mat3b record(int frame, const SynthFrame& rendered, std::size_t camera = 0) const;
   /// What a mask file holds: `dynamic` and some pixels round it.
   cv::Mat1b mask(const SynthFrame& rendered) const;
-  /// What the depth camera in a room records: millimetres, 0 nothing.
+  /// What the depth camera in a room records: millimeters, 0 nothing.
   cv::Mat1w depth_image(int frame, const SynthFrame& rendered) const;
   /// The scan, each firing from its own place at its own time.
   SynthScan scan(int frame) const;

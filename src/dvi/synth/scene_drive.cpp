@@ -30,7 +30,7 @@ Drive drive_of(const std::shared_ptr<const Scene>& scene) {
   drive.camera_names = {drive.camera_name};
   drive.camera = scene->camera();
   drive.camera_from_lidar = scene->cameras().front().camera_from_lidar;
-  drive.labelled = true;
+  drive.labeled = true;
   std::vector<StampedPose> poses;
   for (int i = 0; i < scene->options().frames; ++i) {
     const std::int64_t time = scene->time_ns(i);

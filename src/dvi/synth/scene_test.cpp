@@ -91,7 +91,7 @@ void expect_reprojects(const Scene& scene, int from, int to, std::size_t from_ca
   EXPECT_GT(shifted / count, 1.6 * error / count);
 }
 
-TEST(Scene, DepthAndPosesCarryColoursFromFrameToFrame) { expect_reprojects(*small_scene(), 1, 3); }
+TEST(Scene, DepthAndPosesCarryColorsFromFrameToFrame) { expect_reprojects(*small_scene(), 1, 3); }
 
 TEST(Scene, DepthAndPosesHoldInATurnWithJitterAndDrift) {
   SynthOptions options = small();
@@ -209,7 +209,7 @@ TEST(Scene, ADepthCameraMeasuresWhatItSees) {
 
 TEST(Scene, ARoomHasNoStreet) {
   SynthOptions options = small_room();
-  options.lorry = true;
+  options.truck = true;
   EXPECT_THROW(Scene{options}, UsageError);
 }
 
@@ -309,15 +309,15 @@ TEST(Scene, DriftAndJitterAreWhatTheOptionsSay) {
   EXPECT_GT(largest, 0.1);
 }
 
-TEST(Scene, LorryStaysAheadAndTheSecondDayIsTheSameStreet) {
+TEST(Scene, TruckStaysAheadAndTheSecondDayIsTheSameStreet) {
   SynthOptions options = small();
-  options.lorry = true;
+  options.truck = true;
   const Scene scene(options);
   for (const int frame : {0, 9}) {
     const std::vector<Label> labels = scene.boxes(frame);
-    const auto lorry = std::find_if(labels.begin(), labels.end(), [](const Label& l) { return l.type == "truck"; });
-    ASSERT_NE(lorry, labels.end());
-    EXPECT_NEAR(lorry->box->frame_from_box.t.x(), 13.5, 0.2);
+    const auto truck = std::find_if(labels.begin(), labels.end(), [](const Label& l) { return l.type == "truck"; });
+    ASSERT_NE(truck, labels.end());
+    EXPECT_NEAR(truck->box->frame_from_box.t.x(), 13.5, 0.2);
   }
   SynthOptions second = small();
   second.day = 2;
@@ -368,7 +368,7 @@ TEST(Scene, ReverseComesBackAlongTheSameStreet) {
 
 TEST(Scene, EveryDayHasItsOwnParkedCars) {
   SynthOptions options = small();
-  options.lorry = true;
+  options.truck = true;
   std::vector<cv::Mat3b> days;
   for (int day = 1; day <= 5; ++day) {
     options.day = day;

@@ -101,10 +101,10 @@ void Solid::finish() {
 }
 
 void Solid::split(int node, int first, int count, const std::vector<AlignedBox3d>& boxes) {
-  AlignedBox3d box, centres;
+  AlignedBox3d box, centers;
   for (int i = first; i < first + count; ++i) {
     box.extend(boxes[order_[i]]);
-    centres.extend(boxes[order_[i]].center());
+    centers.extend(boxes[order_[i]].center());
   }
   // Room for the rounding of floats at the far end of a street.
   nodes_[node].low = (box.min().array() - 1e-3).cast<float>();
@@ -113,7 +113,7 @@ void Solid::split(int node, int first, int count, const std::vector<AlignedBox3d
   nodes_[node].count = count;
   if (count <= kLeafSize) return;
   int axis = 0;
-  centres.sizes().maxCoeff(&axis);
+  centers.sizes().maxCoeff(&axis);
   const auto begin = order_.begin() + first;
   std::stable_sort(begin, begin + count, [&](int a, int b) { return boxes[a].center()[axis] < boxes[b].center()[axis]; });
   const int left = static_cast<int>(nodes_.size());

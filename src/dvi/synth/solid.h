@@ -20,7 +20,7 @@ struct Ray {
   Eigen::Vector3d at(double t) const { return origin + t * direction; }
 };
 
-/// The light of a day: colour factors (BGR) of a surface by its normal.
+/// The light of a day: color factors (BGR) of a surface by its normal.
 struct Light {
   Eigen::Vector3d to_sun = Eigen::Vector3d::UnitZ();
   cv::Vec3f sun, ambient;

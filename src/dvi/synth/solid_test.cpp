@@ -15,7 +15,7 @@ TexturePtr white(const cv::Mat1b& alpha = {}) {
   return std::make_shared<Texture>(cv::Mat3b(8, 8, cv::Vec3b(255, 255, 255)), alpha);
 }
 
-Ray towards(const Vector3d& origin, const Vector3d& target) { return {origin, (target - origin).normalized()}; }
+Ray toward(const Vector3d& origin, const Vector3d& target) { return {origin, (target - origin).normalized()}; }
 
 TEST(Solid, NearestOfManyIsTheOneThatBruteForceFinds) {
   Random random(5);
@@ -31,7 +31,7 @@ TEST(Solid, NearestOfManyIsTheOneThatBruteForceFinds) {
   all.finish();
   int hits = 0;
   for (int i = 0; i < 3000; ++i) {
-    const Ray ray = towards({20, 1, 2}, {random.uniform(-9, 9), random.uniform(-9, 9), random.uniform(-9, 9)});
+    const Ray ray = toward({20, 1, 2}, {random.uniform(-9, 9), random.uniform(-9, 9), random.uniform(-9, 9)});
     double nearest = std::numeric_limits<double>::infinity();
     for (const Solid& one : single) nearest = std::min(nearest, one.trace(ray, nearest).t);
     const Hit hit = all.trace(ray, std::numeric_limits<double>::infinity());
@@ -45,7 +45,7 @@ TEST(Solid, LeaningTrapezoidsAreWhole) {
   Solid solid;
   solid.add({0, 0, 0}, {1, 0, 0}, {3, 0, 2}, {3.8, 0, 2}, white());
   solid.finish();
-  const auto hit = [&](double x, double z) { return bool(solid.trace(towards({x, -5, z}, {x, 0, z}), 100)); };
+  const auto hit = [&](double x, double z) { return bool(solid.trace(toward({x, -5, z}, {x, 0, z}), 100)); };
   EXPECT_TRUE(hit(0.05, 0.01));
   EXPECT_TRUE(hit(3.7, 1.99));
   EXPECT_TRUE(hit(1.55, 1));
@@ -61,17 +61,17 @@ TEST(Solid, RaysPassThroughHoles) {
   Solid solid;
   solid.add({0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {1, 0, 1}, white(alpha));
   solid.finish();
-  EXPECT_FALSE(solid.trace(towards({0.3, -2, 0.5}, {0.3, 0, 0.5}), 100));
-  EXPECT_TRUE(solid.trace(towards({0.7, -2, 0.5}, {0.7, 0, 0.5}), 100));
+  EXPECT_FALSE(solid.trace(toward({0.3, -2, 0.5}, {0.3, 0, 0.5}), 100));
+  EXPECT_TRUE(solid.trace(toward({0.7, -2, 0.5}, {0.7, 0, 0.5}), 100));
 }
 
 TEST(Solid, CylindersAreRound) {
   Solid solid;
   solid.add_cylinder({1, 2, 0}, 0.5, 3, white());
   solid.finish();
-  EXPECT_NEAR(solid.trace(towards({-5, 2, 1}, {1, 2, 1}), 100).t, 5.5, 1e-9);
-  EXPECT_FALSE(solid.trace(towards({-5, 2.51, 1}, {1, 2.51, 1}), 100));
-  EXPECT_FALSE(solid.trace(towards({-5, 2, 3.1}, {1, 2, 3.1}), 100));
+  EXPECT_NEAR(solid.trace(toward({-5, 2, 1}, {1, 2, 1}), 100).t, 5.5, 1e-9);
+  EXPECT_FALSE(solid.trace(toward({-5, 2.51, 1}, {1, 2.51, 1}), 100));
+  EXPECT_FALSE(solid.trace(toward({-5, 2, 3.1}, {1, 2, 3.1}), 100));
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ class Builder {
     for (std::size_t i = 0; i < houses.size(); ++i) place_house(houses[i], fronts[i]);
     close(kBegin, 0);
     close(end_, 1);
-    place_kerbs();
+    place_curbs();
     place_furniture();
     place_parked_cars();
     if (options_.changes) place_sites();
@@ -105,13 +105,13 @@ class Builder {
     const double d = left ? kLeftFacade : kRightFacade, back = d + (left ? 9 : -9), h = house.height;
     const double s0 = left ? house.begin : house.end, s1 = left ? house.end : house.begin;
     solid.add(at(s0, d, 0), at(s1, d, 0), at(s0, d, h), at(s1, d, h), front);
-    // Gables show above lower neighbours.
+    // Gables show above lower neighbors.
     const TexturePtr wall = paint_plain(random(51, 2 * house.number + left), noise_, {120, 130, 142});
     for (const double s : {house.begin, house.end}) solid.add(at(s, back, 0), at(s, d, 0), at(s, back, h), at(s, d, h), wall);
     place_signs(house, d, left ? -1 : 1);
     const double reach = h / sun_.z();
-    const bool towards_street = left ? sun_.y() > 0 : sun_.y() < 0;
-    if (!towards_street) return;
+    const bool toward_street = left ? sun_.y() > 0 : sun_.y() < 0;
+    if (!toward_street) return;
     const double ds = -sun_.x() * reach, dd = -sun_.y() * reach;
     shades.push_back({{{house.begin, back},
                        {house.begin, d},
@@ -135,7 +135,7 @@ class Builder {
     if (dice.below(2) == 0) {  // an awning
       const double length = dice.uniform(2.2, 3.6), s = dice.uniform(house.begin + 0.5, house.end - length - 0.3),
                    out = d + 1.3 * inward;
-      Canvas stripes(length, 1.4, 60, random_colour(dice, 60, 220));
+      Canvas stripes(length, 1.4, 60, random_color(dice, 60, 220));
       for (double x = 0; x < length; x += 0.5) stripes.box(x, 0, 0.25, 1.4, {225, 228, 230});
       roughen(stripes.picture, noise_, 5, {dice.below(512), dice.below(512)});
       const double s0 = inward < 0 ? s : s + length, s1 = inward < 0 ? s + length : s;
@@ -151,9 +151,9 @@ class Builder {
     solid.add(at(s, l, 0), at(s, r, 0), at(s, l, height), at(s, r, height), front);
   }
 
-  void place_kerbs() {
+  void place_curbs() {
     const TexturePtr stone = paint_plain(random(72, 0), noise_, {150, 156, 160}, 9);
-    for (const double d : {kLeftKerb, kRightKerb})
+    for (const double d : {kLeftCurb, kRightCurb})
       for (double s = kBegin; s < end_; s += 2) {
         const double s0 = d > 0 ? s : s + 2, s1 = d > 0 ? s + 2 : s;
         solid.add(at(s0, d, 0), at(s1, d, 0), at(s0, d, kPavementHeight), at(s1, d, kPavementHeight), stone);
@@ -178,7 +178,7 @@ class Builder {
 
   void place_thing(int i, int side) {
     Random dice = random(90 + side, i);
-    const double s = kBegin + 3 + 6.5 * i + dice.uniform(-0.8, 0.8), d = side > 0 ? kLeftKerb + 0.75 : kRightKerb - 0.75;
+    const double s = kBegin + 3 + 6.5 * i + dice.uniform(-0.8, 0.8), d = side > 0 ? kLeftCurb + 0.75 : kRightCurb - 0.75;
     const int kind = (i + (side > 0 ? 0 : 2)) % 4;
     if (kind == 0) {
       stand(make_tree(dice, bark_, leaves_[dice.below(3)]), s, d);
@@ -258,7 +258,7 @@ class Builder {
     for (const double x : {-0.8, 0.8}) fence.solid.add_cylinder({x, 0.015, 0}, 0.03, 1.1, wood);
     add_frustum(heap.solid, {-1.8, 1.8, 0.8, 0}, {-0.5, 0.6, 0.15, 0.9}, {sand, sand, sand, sand, sand});
     for (double begin = kSiteBegin; begin < end_ - 20; begin += kSiteEvery) {
-      const double left = -2 * kLane - 0.2, right = kRightKerb + 0.25, middle = 0.5 * (left + right);
+      const double left = -2 * kLane - 0.2, right = kRightCurb + 0.25, middle = 0.5 * (left + right);
       for (double s = begin + 0.9; s < begin + kSiteLength; s += 1.8)
         for (const double d : {left, right}) solid.add(fence.solid, street_.world_from_place(s, d));
       for (const double s : {begin, begin + kSiteLength})
@@ -289,7 +289,7 @@ class Builder {
   TexturePtr bark_, metal_;
 };
 
-// Left and right end of the panorama meet behind the car: towards its right end, it becomes the mirrored left one.
+// Left and right end of the panorama meet behind the car: toward its right end, it becomes the mirrored left one.
 void close_behind(cv::Mat3b& panorama) {
   constexpr int kWidth = 96;
   for (int x = panorama.cols - kWidth; x < panorama.cols; ++x) {
@@ -312,9 +312,9 @@ Sky::Sky(const SynthOptions& options, const Noise& noise) {
       float veil = 0.5F * noise(x / 4 + shift, y / 3) + 0.35F * noise(x / 2, y + shift) + 0.12F * noise(x, 2 * y) +
                    (clear ? -0.1F : 0.35F);
       veil = std::clamp(veil, 0.0F, 1.0F) * (clear ? 0.8F : 0.55F);
-      const cv::Vec3f blue = haze * (1 - std::sqrt(up)) + zenith * std::sqrt(up), colour = blue * (1 - veil) + cloud * veil;
-      picture(y, x) = cv::Vec3b(cv::saturate_cast<uchar>(colour[0]), cv::saturate_cast<uchar>(colour[1]),
-                                cv::saturate_cast<uchar>(colour[2]));
+      const cv::Vec3f blue = haze * (1 - std::sqrt(up)) + zenith * std::sqrt(up), color = blue * (1 - veil) + cloud * veil;
+      picture(y, x) =
+          cv::Vec3b(cv::saturate_cast<uchar>(color[0]), cv::saturate_cast<uchar>(color[1]), cv::saturate_cast<uchar>(color[2]));
     }
   // Clouds are soft.
   cv::GaussianBlur(picture, picture, {}, 2.5, 0, cv::BORDER_REFLECT);

@@ -27,9 +27,9 @@ Eigen::Vector2d Street::locate(const Eigen::Vector2d& xy) const {
   if (in_first && !(in_second && std::abs(second.y()) < std::abs(xy.y()))) return xy;
   if (in_second) return {begin_ + length_ + second.x(), second.y()};
   const double radius = length_ / turn_, sign = std::copysign(1.0, turn_);
-  const Eigen::Vector2d from_centre = xy - Eigen::Vector2d(begin_, radius);
-  const double angle = std::atan2(from_centre.x(), -sign * from_centre.y());
-  return {begin_ + angle * std::abs(radius), radius - sign * from_centre.norm()};
+  const Eigen::Vector2d from_center = xy - Eigen::Vector2d(begin_, radius);
+  const double angle = std::atan2(from_center.x(), -sign * from_center.y());
+  return {begin_ + angle * std::abs(radius), radius - sign * from_center.norm()};
 }
 
 SE3 Street::world_from_place(double s, double d, double z, double yaw) const {

@@ -6,12 +6,12 @@
 
 namespace dvi::synth {
 
-/// The cross-section of the street, in metres left of its centreline. The ground is z = 0, the pavements lie higher.
-inline constexpr double kLeftKerb = 5.7, kRightKerb = -9.3, kLeftFacade = 9.2, kRightFacade = -12.8;
+/// The cross-section of the street, in meters left of its centerline. The ground is z = 0, the pavements lie higher.
+inline constexpr double kLeftCurb = 5.7, kRightCurb = -9.3, kLeftFacade = 9.2, kRightFacade = -12.8;
 inline constexpr double kPavementHeight = 0.14;
 inline constexpr double kLane = 3.5;
 
-/// The centreline: straight along world x from the origin, an arc, straight again. A place is (s along it, d to its left).
+/// The centerline: straight along world x from the origin, an arc, straight again. A place is (s along it, d to its left).
 class Street {
  public:
   Street() = default;

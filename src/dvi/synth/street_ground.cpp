@@ -26,32 +26,32 @@ class GroundPainter {
     for (int cell = number - 1; cell <= number + 1; ++cell) paint_wear(cell);
     paint_wheel_tracks();
     paint_lines();
-    for (const double kerb : {kLeftKerb, kRightKerb}) {
-      const double side = kerb > 0 ? -1 : 1;
-      box(-1e3, kerb, 2e3, side * 0.35, {70, 72, 74});  // gutter
+    for (const double curb : {kLeftCurb, kRightCurb}) {
+      const double side = curb > 0 ? -1 : 1;
+      box(-1e3, curb, 2e3, side * 0.35, {70, 72, 74});  // gutter
     }
-    paint_pavement(kLeftKerb, kTop);
-    paint_pavement(kBottom, kRightKerb);
+    paint_pavement(kLeftCurb, kTop);
+    paint_pavement(kBottom, kRightCurb);
     if (wet) paint_water();
     for (const Shade& shade : shades) paint_shade(shade);
     return picture_;
   }
 
  private:
-  static int pixels(double metres) { return static_cast<int>(std::lround(metres / kTexel)); }
+  static int pixels(double meters) { return static_cast<int>(std::lround(meters / kTexel)); }
   cv::Point at(double s, double d) const { return {pixels(std::clamp(s - s0_, -50.0, 60.0)), pixels(kTop - d)}; }
   // One noise over the whole street: its pixels are counted from s = 0.
   cv::Point offset(int shift) const { return {pixels(s0_) + shift, 3 * shift}; }
-  void box(double s, double d, double length, double width, const cv::Scalar& colour, cv::Mat* target = nullptr) {
+  void box(double s, double d, double length, double width, const cv::Scalar& color, cv::Mat* target = nullptr) {
     cv::Mat& on = target ? *target : picture_;
     const cv::Rect rect = cv::Rect(at(s, d), at(s + length, d + width)) & cv::Rect({}, on.size());
-    if (!rect.empty()) cv::rectangle(on, rect, colour, cv::FILLED);
+    if (!rect.empty()) cv::rectangle(on, rect, color, cv::FILLED);
   }
 
   void paint_wear(int cell) {
     Random random = random_for(seed_, 11, cell);
     const double s = cell * kChunk;
-    const auto place = [&] { return cv::Point2d(s + random.uniform(0, kChunk), random.uniform(kRightKerb, kLeftKerb)); };
+    const auto place = [&] { return cv::Point2d(s + random.uniform(0, kChunk), random.uniform(kRightCurb, kLeftCurb)); };
     for (int i = 0; i < 6; ++i) {  // patches
       const cv::Point2d p = place();
       const double length = random.uniform(0.5, 4.5), width = random.uniform(0.4, 1.9), tone = random.uniform(-30, 24);
@@ -71,16 +71,16 @@ class GroundPainter {
       cv::polylines(picture_, line, false, {40, 39, 38}, 1 + random.below(3), cv::LINE_AA);
     }
     for (int i = 0; i < 9; ++i) {  // stains and covers
-      const cv::Point centre = at(s + random.uniform(0, kChunk), random.uniform(kRightKerb + 0.6, kLeftKerb - 0.6));
+      const cv::Point center = at(s + random.uniform(0, kChunk), random.uniform(kRightCurb + 0.6, kLeftCurb - 0.6));
       if (i < 7) {
         const cv::Size axes(pixels(random.uniform(0.1, 0.6)), pixels(random.uniform(0.05, 0.3)));
-        cv::ellipse(picture_, centre, axes, random.uniform(0, 180), 0, 360, cv::Scalar::all(random.uniform(58, 84)), cv::FILLED,
+        cv::ellipse(picture_, center, axes, random.uniform(0, 180), 0, 360, cv::Scalar::all(random.uniform(58, 84)), cv::FILLED,
                     cv::LINE_AA);
         continue;
       }
-      cv::circle(picture_, centre, pixels(0.34), {66, 62, 60}, cv::FILLED, cv::LINE_AA);
+      cv::circle(picture_, center, pixels(0.34), {66, 62, 60}, cv::FILLED, cv::LINE_AA);
       for (int k = -15; k <= 15; k += 5)
-        cv::line(picture_, centre + cv::Point(k, -12), centre + cv::Point(k, 12), {104, 102, 98}, 2, cv::LINE_AA);
+        cv::line(picture_, center + cv::Point(k, -12), center + cv::Point(k, 12), {104, 102, 98}, 2, cv::LINE_AA);
     }
   }
 
@@ -94,7 +94,7 @@ class GroundPainter {
       }
   }
 
-  // Tyres polish two bands of each lane.
+  // Tires polish two bands of each lane.
   void paint_wheel_tracks() {
     for (int y = 0; y < picture_.rows; ++y) {
       const double d = kTop - (y + 0.5) * kTexel, in_lane = d - kLane * std::floor(d / kLane) - 0.5 * kLane;
@@ -104,9 +104,9 @@ class GroundPainter {
   }
 
   void paint_lines() {
-    cv::Mat colour = picture_.clone(), cover = cv::Mat1b::zeros(picture_.size());
+    cv::Mat color = picture_.clone(), cover = cv::Mat1b::zeros(picture_.size());
     const auto stripe = [&](double s, double d, double length, double width, const cv::Scalar& ink) {
-      box(s, d, length, width, ink, &colour);
+      box(s, d, length, width, ink, &color);
       box(s, d, length, width, 255, &cover);
     };
     const cv::Scalar white(214, 217, 216), yellow(75, 175, 212);
@@ -115,11 +115,11 @@ class GroundPainter {
     stripe(-1e3, -2 * kLane - 0.06, 2e3, 0.12, white);
     for (double s = -60; s < s0_ + 20; s += 6) stripe(s, -kLane - 0.07, 2.4, 0.14, white);
     for (double s = -56; s < s0_ + 20; s += 6.2)  // parking bays
-      for (const double d : {kLane, kRightKerb}) stripe(s, d, 0.1, 2.2, white);
+      for (const double d : {kLane, kRightCurb}) stripe(s, d, 0.1, 2.2, white);
     for (int k = -1; crossing(k) < s0_ + 20; ++k) {
-      for (double d = kRightKerb + 0.5; d < kLeftKerb - 0.6; d += 0.95) stripe(crossing(k), d, 3.2, 0.48, white);
+      for (double d = kRightCurb + 0.5; d < kLeftCurb - 0.6; d += 0.95) stripe(crossing(k), d, 3.2, 0.48, white);
       for (const double d : {-0.5 * kLane, -1.5 * kLane}) stripe(crossing(k) - 1.6, d - 1.5, 0.4, 3.0, white);
-      for (const double d : {-0.5 * kLane, -1.5 * kLane}) arrow(crossing(k) + 16, d, colour, cover, white);
+      for (const double d : {-0.5 * kLane, -1.5 * kLane}) arrow(crossing(k) + 16, d, color, cover, white);
     }
     for (int y = 0; y < picture_.rows; ++y)
       for (int x = 0; x < picture_.cols; ++x) {
@@ -128,15 +128,15 @@ class GroundPainter {
         const float share = std::clamp(0.82F + 0.2F * noise_(x + seed.x, y + seed.y), 0.2F, 1.0F);
         for (int c = 0; c < 3; ++c)
           picture_(y, x)[c] = cv::saturate_cast<uchar>(static_cast<float>(picture_(y, x)[c]) * (1 - share) +
-                                                       static_cast<float>(colour.at<cv::Vec3b>(y, x)[c]) * share);
+                                                       static_cast<float>(color.at<cv::Vec3b>(y, x)[c]) * share);
       }
   }
 
-  void arrow(double s, double d, cv::Mat& colour, cv::Mat& cover, const cv::Scalar& ink) const {
+  void arrow(double s, double d, cv::Mat& color, cv::Mat& cover, const cv::Scalar& ink) const {
     if (std::abs(s - s0_) > 40) return;
     const std::vector<cv::Point> outline = {at(s, d + 0.08),      at(s + 2.4, d + 0.08), at(s + 2.4, d + 0.3), at(s + 3.9, d),
                                             at(s + 2.4, d - 0.3), at(s + 2.4, d - 0.08), at(s, d - 0.08)};
-    cv::fillPoly(colour, std::vector<std::vector<cv::Point>>{outline}, ink);
+    cv::fillPoly(color, std::vector<std::vector<cv::Point>>{outline}, ink);
     cv::fillPoly(cover, std::vector<std::vector<cv::Point>>{outline}, 255);
   }
 
@@ -209,7 +209,7 @@ Ground::Place Ground::trace(const Ray& ray) const {
     const double t = (height - ray.origin.z()) / ray.direction.z();
     const Eigen::Vector2d there = street_.locate(ray.at(t).head<2>());
     place = {t, height > 0, there.x(), there.y()};
-    if (there.y() > kLeftKerb || there.y() < kRightKerb) break;
+    if (there.y() > kLeftCurb || there.y() < kRightCurb) break;
   }
   return place;
 }

@@ -15,7 +15,7 @@ struct Shade {
   double softness_m = 0.3;
 };
 
-/// Carriageway and pavements: two planes, one picture every ten metres of the street.
+/// Carriageway and pavements: two planes, one picture every ten meters of the street.
 class Ground {
  public:
   Ground() = default;

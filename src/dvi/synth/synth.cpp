@@ -42,7 +42,7 @@ std::string readme(const SynthOptions& options) {
   return std::string("A synthetic ") + (options.room ? "room" : "street") +
          ", made by `dvi synth`: a drive in the `folder` layout with its exact truth.\n\n"
          "truth/NAME.png            the frame without traffic and noise, with the frame's exposure\n"
-         "truth_depth/NAME.png      16-bit, depth z in metres x 256 of what stands still, at pixel centres, 0 sky\n"
+         "truth_depth/NAME.png      16-bit, depth z in meters x 256 of what stands still, at pixel centers, 0 sky\n"
          "truth_cameras.txt         NAME, 12 numbers camera_from_world (row-major 3x4) of the true camera, exposure gain\n"
          "truth/CAMERA/ and so on   the same of a camera that is not the first\n" +
          (options.room
@@ -124,7 +124,7 @@ void write_tables(const Scene& scene, const fs::path& out) {
 
 }  // namespace
 
-void synthesise(const SynthOptions& options, const fs::path& out, const Tick& tick) {
+void synthesize(const SynthOptions& options, const fs::path& out, const Tick& tick) {
   const Scene scene(options);
   make_folder(out / "times");
   for (const char* folder : {"lidar", "truth_points"})

@@ -11,11 +11,11 @@ namespace dvi::synth {
 /// Writes the recording of a synthetic street or room in the `folder` layout and its exact truth beside, of the first camera
 /// ("front", in a room "color"):
 ///   truth/NAME.png          the frame without traffic and without noise, with the frame's exposure
-///   truth_depth/NAME.png    16-bit, depth z in metres x 256 of what stands still, 0 sky (255.99 m at most)
+///   truth_depth/NAME.png    16-bit, depth z in meters x 256 of what stands still, 0 sky (255.99 m at most)
 ///   truth_points/NAME.label uint8 a point of the scan: 1 on traffic; not in a room
 ///   truth_cameras.txt       NAME, 12 numbers camera_from_world of the true camera, exposure gain
 /// and of each other camera the same in truth/CAMERA, truth_depth/CAMERA and truth_cameras_CAMERA.txt.
 /// `tick` is called once a frame. UsageError for bad options, InputError where the folder cannot be written.
-void synthesise(const SynthOptions& options, const std::filesystem::path& out, const Tick& tick = {});
+void synthesize(const SynthOptions& options, const std::filesystem::path& out, const Tick& tick = {});
 
 }  // namespace dvi::synth

@@ -15,7 +15,7 @@ struct SynthOptions {
   bool reverse = false;
   double speed_mps = 8;
   double turn_deg = 0;
-  bool lorry = false;
+  bool truck = false;
   bool walker = false;
   bool wet = false, changes = false;
   double stereo_m = 0;
@@ -32,7 +32,7 @@ struct SynthOptions {
   /// UsageError naming the first option out of its range, or those that a room does not have.
   void check() const;
 
-  /// Metres driven.
+  /// Meters driven.
   double distance() const { return speed_mps * frames / rate_hz; }
 };
 

@@ -32,7 +32,7 @@ class Synth : public testing::Test {
 TEST_F(Synth, WritesTheSameBytesWithAnyThreads) {
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
-    synthesise(options_, folder_ / std::to_string(threads));
+    synthesize(options_, folder_ / std::to_string(threads));
   }
   const auto one = contents(folder_ / "1"), two = contents(folder_ / "2");
   ASSERT_EQ(one.size(), 6U * 3 + 7);
@@ -41,7 +41,7 @@ TEST_F(Synth, WritesTheSameBytesWithAnyThreads) {
 
 TEST_F(Synth, FilesAgreeWithTheScene) {
   std::atomic<int> ticks = 0;
-  synthesise(options_, folder_, [&] { ++ticks; });
+  synthesize(options_, folder_, [&] { ++ticks; });
   EXPECT_EQ(ticks, 3);
   const Scene scene(options_);
   const SynthFrame rendered = scene.render(1);
@@ -51,9 +51,9 @@ TEST_F(Synth, FilesAgreeWithTheScene) {
   EXPECT_EQ(cv::norm(image("masks/front/000001.png"), scene.mask(rendered), cv::NORM_INF), 0);
   const cv::Mat depth = image("truth_depth/000001.png");
   ASSERT_EQ(depth.type(), CV_16U);
-  cv::Mat1f metres;
-  depth.convertTo(metres, CV_32F, 1.0 / 256);
-  EXPECT_LT(cv::norm(metres, rendered.depth, cv::NORM_INF), 1.0 / 512 + 1e-6);
+  cv::Mat1f meters;
+  depth.convertTo(meters, CV_32F, 1.0 / 256);
+  EXPECT_LT(cv::norm(meters, rendered.depth, cv::NORM_INF), 1.0 / 512 + 1e-6);
   EXPECT_EQ(fs::file_size(folder_ / "lidar/000001.bin"), 16 * scan.scan.size());
   EXPECT_EQ(fs::file_size(folder_ / "truth_points/000001.label"), scan.scan.size());
   const double noise = cv::norm(image("images/front/000001.png"), rendered.image, cv::NORM_L2) / std::sqrt(3.0 * 160 * 90);
@@ -65,7 +65,7 @@ TEST_F(Synth, FilesAgreeWithTheScene) {
 
 TEST_F(Synth, EachCameraHasItsTruth) {
   options_.side_cameras = true;
-  synthesise(options_, folder_);
+  synthesize(options_, folder_);
   const Scene scene(options_);
   const std::string other = scene.cameras()[2].name;
   EXPECT_EQ(other, "side-right");
@@ -78,7 +78,7 @@ TEST_F(Synth, EachCameraHasItsTruth) {
 
 TEST_F(Synth, ARoomHasDepthImagesInsteadOfScans) {
   options_.room = true;
-  synthesise(options_, folder_);
+  synthesize(options_, folder_);
   EXPECT_FALSE(fs::exists(folder_ / "lidar"));
   const Scene scene(options_);
   const cv::Mat depth = cv::imread((folder_ / "depth/color/000001.png").string(), cv::IMREAD_UNCHANGED);
@@ -89,9 +89,9 @@ TEST_F(Synth, ARoomHasDepthImagesInsteadOfScans) {
 TEST_F(Synth, RefusesBadOptionsAndPlaces) {
   SynthOptions bad = options_;
   bad.rate_hz = 0;
-  EXPECT_THROW(synthesise(bad, folder_), UsageError);
+  EXPECT_THROW(synthesize(bad, folder_), UsageError);
   EXPECT_FALSE(fs::exists(folder_));
-  EXPECT_THROW(synthesise(options_, "/proc/nowhere"), InputError);
+  EXPECT_THROW(synthesize(options_, "/proc/nowhere"), InputError);
 }
 
 }  // namespace

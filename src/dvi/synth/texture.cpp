@@ -71,9 +71,9 @@ cv::Vec3f Texture::trilinear(float level, float x, float y) const {
   level = std::clamp(level, 0.0F, static_cast<float>(levels_.size() - 1));
   const int fine = static_cast<int>(level);
   const float part = level - static_cast<float>(fine);
-  cv::Vec3f colour = bilinear(fine, x, y);
-  if (part > 0) colour += (bilinear(fine + 1, x, y) - colour) * part;
-  return colour;
+  cv::Vec3f color = bilinear(fine, x, y);
+  if (part > 0) color += (bilinear(fine + 1, x, y) - color) * part;
+  return color;
 }
 
 cv::Vec3f Texture::sample(double x, double y, const Eigen::Vector2d& step_x, const Eigen::Vector2d& step_y) const {

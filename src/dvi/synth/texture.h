@@ -10,7 +10,7 @@
 
 namespace dvi::synth {
 
-/// A picture on a surface: colour at all scales, and holes. Positions are in pixels of the picture, whose corners are
+/// A picture on a surface: color at all scales, and holes. Positions are in pixels of the picture, whose corners are
 /// (0, 0) and (width, height).
 ///
 /// All textures of the process share a bound of memory, beyond which they are paged to unlinked temporary files: a long street
@@ -27,9 +27,9 @@ class Texture {
   int height() const { return levels_.front().rows; }
   /// Whether there is something at a position; decided at the finest scale, so that geometry does not change with distance.
   bool solid(double x, double y) const;
-  /// Mean colour (BGR) over the parallelogram of the two steps round a position, filtered along the longer step.
+  /// Mean color (BGR) over the parallelogram of the two steps round a position, filtered along the longer step.
   cv::Vec3f sample(double x, double y, const Eigen::Vector2d& step_x, const Eigen::Vector2d& step_y) const;
-  /// Colour at the finest scale.
+  /// Color at the finest scale.
   cv::Vec3f at(double x, double y) const { return bilinear(0, static_cast<float>(x), static_cast<float>(y)); }
 
  private:

@@ -6,7 +6,7 @@
 namespace dvi::synth {
 namespace {
 
-constexpr double kNear = 150;  // metres along the street within which movers are considered
+constexpr double kNear = 150;  // meters along the street within which movers are considered
 constexpr double kShadowDepth = 0.62;
 constexpr int kSkyId = 0, kRoadId = 1, kPavementId = 2, kFirstSurfaceId = 3, kFirstMoverId = 1 << 24, kShadedId = 1 << 30;
 

@@ -24,7 +24,7 @@ class Tracer {
 
   struct Seen {
     double t = std::numeric_limits<double>::infinity();  ///< infinite: sky
-    int id = 0;  ///< of the surface; neighbouring rays with equal ids see one smooth surface
+    int id = 0;  ///< of the surface; neighboring rays with equal ids see one smooth surface
     bool dynamic = false;
     bool shaded = false;  ///< from the sun, by someone who walks
     int mover = -1;
@@ -45,7 +45,7 @@ class Tracer {
   std::vector<PlacedMover> movers_;
 };
 
-/// How far the soft shadow under a mover reaches beyond its box, metres.
+/// How far the soft shadow under a mover reaches beyond its box, meters.
 inline constexpr double kShadowReach = 0.4;
 
 }  // namespace dvi::synth

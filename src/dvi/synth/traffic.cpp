@@ -15,7 +15,7 @@ double smooth_step(double from, double to, double x) {
   return u * u * (3 - 2 * u);
 }
 
-// To the other lane within the first metres, back before the slower van there is reached, again and again.
+// To the other lane within the first meters, back before the slower van there is reached, again and again.
 double lane_change(double way) {
   const double phase = way - 112 * std::floor(way / 112);
   return smooth_step(2.4, 18, phase) - smooth_step(34, 50, phase);
@@ -48,8 +48,8 @@ std::vector<Mover> make_traffic(const SynthOptions& options, const Course& cours
   const double duration = options.frames / options.rate_hz;
   const auto way = [course](double time) { return course.way(time); };
 
-  if (options.lorry)
-    add(make_lorry(random(), noise), [=](double t) { return Vector2d(way(t) + 13.5, lane); });
+  if (options.truck)
+    add(make_truck(random(), noise), [=](double t) { return Vector2d(way(t) + 13.5, lane); });
   else
     add(make_car(random(), noise), [=](double t) {
       return Vector2d(way(t) + 0.05 * t + 16 + 2.5 * std::sin(0.5 * t), lane + (other - lane) * lane_change(way(t)));
@@ -61,8 +61,8 @@ std::vector<Mover> make_traffic(const SynthOptions& options, const Course& cours
     Model model = k % 3 == 2 ? make_van(random(), noise) : make_car(random(), noise);
     add(std::move(model), [=](double t) { return Vector2d(start - 9 * t, 0.5 * kLane); });
   }
-  // Behind the lorry nobody is seen who crosses in front of the recording car.
-  const double ahead = options.lorry ? 36 : 9.5;
+  // Behind the truck nobody is seen who crosses in front of the recording car.
+  const double ahead = options.truck ? 36 : 9.5;
   for (int k = 0; crossing(k) < options.distance() + 80; ++k) {
     const double there = course.way_at(crossing(k)), when = (there - ahead) / std::max(options.speed_mps, 1.0),
                  on_way = course.way_at(crossing(k) + 1.2 + 0.6 * (k % 2));

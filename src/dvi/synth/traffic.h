@@ -21,7 +21,7 @@ struct Mover {
   SE3 world_from_mover(const Street& street, double time) const;
 };
 
-/// The traffic of the drive: a vehicle ahead that changes lane where there are two (or a lorry that stays), a slower van in the
+/// The traffic of the drive: a vehicle ahead that changes lane where there are two (or a truck that stays), a slower van in the
 /// second lane, oncoming cars, pedestrians who cross. All of it moves all the time.
 std::vector<Mover> make_traffic(const SynthOptions& options, const Course& course, const Noise& noise);
 

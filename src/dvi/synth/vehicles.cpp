@@ -8,30 +8,30 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kBodyPixelsPerMetre = 100;
-const cv::Scalar kTyre(24, 24, 25), kGlass(62, 52, 45), kPlate(226, 228, 226), kRed(40, 35, 200);
+constexpr double kBodyPixelsPerMeter = 100;
+const cv::Scalar kTire(24, 24, 25), kGlass(62, 52, 45), kPlate(226, 228, 226), kRed(40, 35, 200);
 
 TexturePtr finish(Canvas& canvas, Random& random, const Noise& noise, double amplitude = 3.5) {
   roughen(canvas.picture, noise, amplitude, {random.below(512), random.below(512)});
   return std::make_shared<Texture>(canvas.picture, canvas.alpha);
 }
 
-cv::Scalar car_colour(Random& random) {
-  static const std::array<cv::Scalar, 9> kColours = {cv::Scalar(205, 208, 210),
-                                                     {40, 38, 38},
-                                                     {150, 148, 145},
-                                                     {45, 40, 170},
-                                                     {150, 85, 40},
-                                                     {70, 95, 60},
-                                                     {60, 140, 190},
-                                                     {110, 60, 30},
-                                                     {95, 92, 90}};
-  return kColours[static_cast<std::size_t>(random.below(static_cast<int>(kColours.size())))] * random.uniform(0.85, 1.12);
+cv::Scalar car_color(Random& random) {
+  static const std::array<cv::Scalar, 9> kColors = {cv::Scalar(205, 208, 210),
+                                                    {40, 38, 38},
+                                                    {150, 148, 145},
+                                                    {45, 40, 170},
+                                                    {150, 85, 40},
+                                                    {70, 95, 60},
+                                                    {60, 140, 190},
+                                                    {110, 60, 30},
+                                                    {95, 92, 90}};
+  return kColors[static_cast<std::size_t>(random.below(static_cast<int>(kColors.size())))] * random.uniform(0.85, 1.12);
 }
 
 void paint_wheel(Canvas& canvas, double x, double radius) {
   canvas.disc(x, radius, radius + 0.05, {30, 30, 30});
-  canvas.disc(x, radius, radius, kTyre);
+  canvas.disc(x, radius, radius, kTire);
   canvas.disc(x, radius, 0.6 * radius, {150, 152, 155});
   for (double angle = 0; angle < 6; angle += 1.2566)
     canvas.line(x, radius, x + 0.55 * radius * std::cos(angle), radius + 0.55 * radius * std::sin(angle), {70, 70, 72}, 4);
@@ -40,15 +40,15 @@ void paint_wheel(Canvas& canvas, double x, double radius) {
 }
 
 // Front to the left; wheels and a gap below the body.
-TexturePtr paint_side(Random random, const Noise& noise, const cv::Scalar& colour, double length, double height, double sill) {
-  Canvas canvas(length, height, kBodyPixelsPerMetre, colour);
+TexturePtr paint_side(Random random, const Noise& noise, const cv::Scalar& color, double length, double height, double sill) {
+  Canvas canvas(length, height, kBodyPixelsPerMeter, color);
   canvas.cut_below(sill);
-  canvas.box(0, sill, length, 0.14, colour * 0.45);
-  canvas.line(0, 0.72 * height, length, 0.76 * height, colour * 1.25, 3);
-  canvas.line(0, 0.66 * height, length, 0.70 * height, colour * 0.72, 2);
+  canvas.box(0, sill, length, 0.14, color * 0.45);
+  canvas.line(0, 0.72 * height, length, 0.76 * height, color * 1.25, 3);
+  canvas.line(0, 0.66 * height, length, 0.70 * height, color * 0.72, 2);
   for (const double x : {0.36, 0.58}) {
-    canvas.line(x * length, sill + 0.1, x * length, height, colour * 0.5, 2);
-    canvas.box(x * length - 0.3, 0.78 * height, 0.2, 0.04, colour * 0.6);
+    canvas.line(x * length, sill + 0.1, x * length, height, color * 0.5, 2);
+    canvas.box(x * length - 0.3, 0.78 * height, 0.2, 0.04, color * 0.6);
   }
   canvas.box(0, 0.6 * height, 0.3, 0.17 * height, {215, 220, 222});
   canvas.box(length - 0.22, 0.6 * height, 0.22, 0.2 * height, kRed);
@@ -57,10 +57,10 @@ TexturePtr paint_side(Random random, const Noise& noise, const cv::Scalar& colou
   return finish(canvas, random, noise);
 }
 
-TexturePtr paint_end(Random random, const Noise& noise, const cv::Scalar& colour, double width, double height, bool front) {
-  Canvas canvas(width, height, kBodyPixelsPerMetre, colour);
-  canvas.box(0, 0, width, 0.3 * height, colour * 0.5);
-  canvas.line(0, 0.33 * height, width, 0.33 * height, colour * 0.35, 2);
+TexturePtr paint_end(Random random, const Noise& noise, const cv::Scalar& color, double width, double height, bool front) {
+  Canvas canvas(width, height, kBodyPixelsPerMeter, color);
+  canvas.box(0, 0, width, 0.3 * height, color * 0.5);
+  canvas.line(0, 0.33 * height, width, 0.33 * height, color * 0.35, 2);
   const cv::Scalar lamp = front ? cv::Scalar(220, 225, 228) : kRed;
   for (const double x : {0.04, width - 0.38}) {
     canvas.box(x, 0.52 * height, 0.34, 0.24 * height, lamp);
@@ -73,42 +73,41 @@ TexturePtr paint_end(Random random, const Noise& noise, const cv::Scalar& colour
   return finish(canvas, random, noise);
 }
 
-TexturePtr paint_glass(Random random, const Noise& noise, const cv::Scalar& colour, double width, double height, int bars) {
-  Canvas canvas(width, height, kBodyPixelsPerMetre, colour);
+TexturePtr paint_glass(Random random, const Noise& noise, const cv::Scalar& color, double width, double height, int bars) {
+  Canvas canvas(width, height, kBodyPixelsPerMeter, color);
   canvas.box(0.06, 0.04, width - 0.12, height - 0.1, kGlass);
   canvas.box(0.06, 0.55 * height, width - 0.12, 0.45 * height - 0.06, kGlass * 1.6);
   canvas.line(0.25 * width, 0.06, 0.5 * width, height - 0.08, {140, 135, 128}, 5);
   canvas.line(0.32 * width, 0.06, 0.56 * width, height - 0.08, {115, 108, 100}, 3);
-  for (int i = 1; i <= bars; ++i) canvas.box(width * i / (bars + 1) - 0.04, 0, 0.08, height, colour * 0.7);
+  for (int i = 1; i <= bars; ++i) canvas.box(width * i / (bars + 1) - 0.04, 0, 0.08, height, color * 0.7);
   return finish(canvas, random, noise);
 }
 
-TexturePtr paint_cargo(Random random, const Noise& noise, const cv::Scalar& colour, double width, double height, bool doors) {
-  Canvas canvas(width, height, 80, colour);
-  for (double x = 0; x < width; x += 0.6) canvas.line(x, 0, x, height, colour * 0.86, 2);
-  canvas.frame(0.05, 0.05, width - 0.1, height - 0.1, colour * 0.6, 4);
+TexturePtr paint_cargo(Random random, const Noise& noise, const cv::Scalar& color, double width, double height, bool doors) {
+  Canvas canvas(width, height, 80, color);
+  for (double x = 0; x < width; x += 0.6) canvas.line(x, 0, x, height, color * 0.86, 2);
+  canvas.frame(0.05, 0.05, width - 0.1, height - 0.1, color * 0.6, 4);
   if (doors) {
-    canvas.line(0.5 * width, 0, 0.5 * width, height, colour * 0.4, 4);
+    canvas.line(0.5 * width, 0, 0.5 * width, height, color * 0.4, 4);
     for (const double x : {0.4, 0.6}) canvas.line(x * width, 0.1, x * width, height - 0.1, {120, 122, 125}, 4);
   }
   canvas.text(0.1 * width, 0.45 * height, 0.8 * width, 0.28 * height, doors ? "CARGO" : "NORD CARGO",
-              random_colour(random, 20, 160));
+              random_color(random, 20, 160));
   canvas.box(0, 0, width, 0.12, kRed * 0.7);
   return finish(canvas, random, noise, 5);
 }
 
 // Up to the belt line, as long and wide as the model; wheels below the sill. Returns the sheet metal.
-TexturePtr add_body(Model& model, const Random& random, const Noise& noise, const cv::Scalar& colour, double belt,
-                    double sill) {
+TexturePtr add_body(Model& model, const Random& random, const Noise& noise, const cv::Scalar& color, double belt, double sill) {
   const double length = model.size.x(), half = 0.5 * length, width = model.size.y(), h = 0.5 * width;
-  const TexturePtr side = paint_side(random, noise, colour, length, belt, sill),
-                   plain = paint_plain(random, noise, colour * 1.05, 3);
+  const TexturePtr side = paint_side(random, noise, color, length, belt, sill),
+                   plain = paint_plain(random, noise, color * 1.05, 3);
   add_frustum(model.solid, {-half, half, h, 0}, {-half, half, h, belt}, {side, side, {}, {}, plain});
   add_frustum(model.solid, {-half, half, h, sill}, {-half, half, h, belt},
               {{},
                {},
-               paint_end(random, noise, colour, width, belt - sill, true),
-               paint_end(random, noise, colour, width, belt - sill, false),
+               paint_end(random, noise, color, width, belt - sill, true),
+               paint_end(random, noise, color, width, belt - sill, false),
                {}});
   return plain;
 }
@@ -116,13 +115,13 @@ TexturePtr add_body(Model& model, const Random& random, const Noise& noise, cons
 }  // namespace
 
 Model make_car(Random random, const Noise& noise) {
-  const cv::Scalar colour = car_colour(random);
+  const cv::Scalar color = car_color(random);
   const double length = random.uniform(3.9, 4.7), half = 0.5 * length, width = random.uniform(1.7, 1.85), h = 0.5 * width;
   const double belt = random.uniform(0.86, 0.95), roof = belt + random.uniform(0.48, 0.6), sill = 0.26;
   Model model{"car", {}, {length, width, roof}};
-  const TexturePtr plain = add_body(model, random, noise, colour, belt, sill);
-  const TexturePtr pane = paint_glass(random, noise, colour, width, 0.6, 0),
-                   panes = paint_glass(random, noise, colour, 0.6 * length, 0.55, 2);
+  const TexturePtr plain = add_body(model, random, noise, color, belt, sill);
+  const TexturePtr pane = paint_glass(random, noise, color, width, 0.6, 0),
+                   panes = paint_glass(random, noise, color, 0.6 * length, 0.55, 2);
   add_frustum(model.solid, {-half + 0.15, half - 1.15, h - 0.03, belt}, {-half + 0.65, half - 1.9, h - 0.2, roof},
               {panes, panes, pane, pane, plain});
   model.solid.finish();
@@ -130,22 +129,22 @@ Model make_car(Random random, const Noise& noise) {
 }
 
 Model make_van(Random random, const Noise& noise) {
-  const cv::Scalar colour = car_colour(random);
+  const cv::Scalar color = car_color(random);
   const double length = random.uniform(4.9, 5.4), half = 0.5 * length, width = 1.95, h = 0.5 * width, belt = 1.15, roof = 2.15,
                sill = 0.3;
   Model model{"van", {}, {length, width, roof}};
-  const TexturePtr plain = add_body(model, random, noise, colour, belt, sill);
-  const TexturePtr pane = paint_glass(random, noise, colour, width, 1.0, 0),
-                   back = paint_glass(random, noise, colour, width, 1.0, 1);
-  const TexturePtr sides = paint_glass(random, noise, colour, 0.8 * length, 1.0, 3);
+  const TexturePtr plain = add_body(model, random, noise, color, belt, sill);
+  const TexturePtr pane = paint_glass(random, noise, color, width, 1.0, 0),
+                   back = paint_glass(random, noise, color, width, 1.0, 1);
+  const TexturePtr sides = paint_glass(random, noise, color, 0.8 * length, 1.0, 3);
   add_frustum(model.solid, {-half, half - 0.7, h, belt}, {-half + 0.05, half - 1.4, h - 0.08, roof},
               {sides, sides, pane, back, plain});
   model.solid.finish();
   return model;
 }
 
-Model make_lorry(Random random, const Noise& noise) {
-  const cv::Scalar cab = car_colour(random), box = random_colour(random, 120, 230);
+Model make_truck(Random random, const Noise& noise) {
+  const cv::Scalar cab = car_color(random), box = random_color(random, 120, 230);
   const double length = 8.2, half = 0.5 * length, width = 2.45, h = 0.5 * width;
   Model model{"truck", {}, {length, width, 3.5}};
   const TexturePtr chassis = paint_side(random, noise, {60, 60, 62}, length, 0.95, 0.45), top = paint_plain(random, noise, box);
@@ -166,10 +165,10 @@ Model make_lorry(Random random, const Noise& noise) {
 }
 
 Model make_pedestrian(Random random, const Noise& noise) {
-  const TexturePtr trousers = paint_plain(random, noise, random_colour(random, 25, 110)),
-                   coat = paint_plain(random, noise, random_colour(random, 30, 210));
+  const TexturePtr trousers = paint_plain(random, noise, random_color(random, 25, 110)),
+                   coat = paint_plain(random, noise, random_color(random, 30, 210));
   const TexturePtr skin = paint_plain(random, noise, {130, 160, 200}),
-                   hair = paint_plain(random, noise, random_colour(random, 20, 70));
+                   hair = paint_plain(random, noise, random_color(random, 20, 70));
   Model model{"pedestrian", {}, {0.8, 0.56, 1.76}};
   const auto limb = [&](double x0, double x1, double y, double z0, double z1, double w, const TexturePtr& texture) {
     Solid part;

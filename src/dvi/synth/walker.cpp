@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kThigh = 0.45, kShank = 0.45, kHip = 0.9;  // metres
+constexpr double kThigh = 0.45, kShank = 0.45, kHip = 0.9;  // meters
 
 struct Clothes {
   TexturePtr trousers, shoes, coat, skin, hair;
@@ -69,11 +69,11 @@ Model walker_at(double phase, const Clothes& clothes) {
 
 std::vector<Model> make_walker(Random random, const Noise& noise) {
   Clothes clothes;
-  clothes.trousers = paint_plain(random, noise, random_colour(random, 25, 90));
+  clothes.trousers = paint_plain(random, noise, random_color(random, 25, 90));
   clothes.shoes = paint_plain(random, noise, {30, 30, 34});
-  clothes.coat = paint_plain(random, noise, random_colour(random, 40, 220));
+  clothes.coat = paint_plain(random, noise, random_color(random, 40, 220));
   clothes.skin = paint_plain(random, noise, {130, 160, 200});
-  clothes.hair = paint_plain(random, noise, random_colour(random, 20, 70));
+  clothes.hair = paint_plain(random, noise, random_color(random, 20, 70));
   std::vector<Model> gait;
   for (int i = 0; i < kGaitPhases; ++i) gait.push_back(walker_at(2 * std::numbers::pi * i / kGaitPhases, clothes));
   return gait;

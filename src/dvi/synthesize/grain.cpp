@@ -60,10 +60,10 @@ using Octaves = std::array<cv::Mat1f, kOctaves>;
 /// Standard deviation of each octave of what is known near each pixel, made smaller, of each class of surfaces; of
 /// SurfaceClass::unknown, of them all. The harmonic mean of what is found there: on a wall with cars before it grain stands
 /// out, among leaves the lack of some does not.
-std::array<Octaves, kClasses> contrasts(const cv::Mat1f& grey, const cv::Mat1f& known, const cv::Mat1b& classes) {
+std::array<Octaves, kClasses> contrasts(const cv::Mat1f& gray, const cv::Mat1f& known, const cv::Mat1b& classes) {
   constexpr double kAlongRows = 40, kAlongColumns = 12;  // px; what is beside a pixel is more often of its surface
   constexpr float kMeanToSigma = 1.25F;                  // of the absolute values of a normal distribution
-  constexpr float kLeast = 0.5F;                         // grey levels: rounding alone
+  constexpr float kLeast = 0.5F;                         // gray levels: rounding alone
   constexpr float kOthers = 1e-3F;                       // weight of other classes: where nothing is near of its own
   std::vector<WeightedMean> of_classes;
   for (int c = 0; c < kClasses; ++c) {
@@ -73,11 +73,11 @@ std::array<Octaves, kClasses> contrasts(const cv::Mat1f& grey, const cv::Mat1f& 
                             kAlongColumns / kSmaller);
   }
   std::array<Octaves, kClasses> out;
-  cv::Mat1f finer = grey;
+  cv::Mat1f finer = gray;
   WeightedMean near(known, 1, 1);
   for (int octave = 0; octave < kOctaves; ++octave) {
     const double next = 2 << octave;
-    const cv::Mat1f coarser = near.of(grey);
+    const cv::Mat1f coarser = near.of(gray);
     near = {known, next, next};
     const cv::Mat1f here = near.of(cv::abs(finer - coarser));
     cv::Mat1f inverse;
@@ -130,8 +130,8 @@ class Noise {
   std::array<float, 8> corners_{};
 };
 
-/// Metres of the camera above the ground, from the depth of the ground's pixels, so that those without depth have one that
-/// fits; 0 where none has. `descent`: metres that a pixel's ray falls for each metre ahead.
+/// Meters of the camera above the ground, from the depth of the ground's pixels, so that those without depth have one that
+/// fits; 0 where none has. `descent`: meters that a pixel's ray falls for each meter ahead.
 template <class Descent>
 double height_above_ground(const Region& region, const cv::Mat1f& z, const cv::Mat1b& classes, const Descent& descent) {
   std::vector<float> heights;
@@ -144,36 +144,36 @@ double height_above_ground(const Region& region, const cv::Mat1f& z, const cv::M
 }  // namespace
 
 Grain::Grain(const Views& views) {
-  constexpr double kStep = 10;  // metres
+  constexpr double kStep = 10;  // meters
   const auto [first, last] = views.of_sequence(0);
   for (std::size_t i = first; i < last; ++i) {
     const SE3 world_from_camera = views[i].camera_from_world.inverse();
-    const Eigen::Vector3d& centre = world_from_camera.t;
-    way_.push_back(i == first ? 0 : way_.back() + (centre - centres_.back()).norm() / kStep);
-    centres_.push_back(centre);
-    if (i == first) places_ = {centre - kStep * world_from_camera.R.col(2)};
-    while (way_.back() >= static_cast<double>(places_.size() - 1)) places_.push_back(centre);
+    const Eigen::Vector3d& center = world_from_camera.t;
+    way_.push_back(i == first ? 0 : way_.back() + (center - centers_.back()).norm() / kStep);
+    centers_.push_back(center);
+    if (i == first) places_ = {center - kStep * world_from_camera.R.col(2)};
+    while (way_.back() >= static_cast<double>(places_.size() - 1)) places_.push_back(center);
   }
 }
 
 std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Region& region, const View& view,
                                  const cv::Mat1b& surface_classes) const {
   constexpr double kCell = 1.5;      // px of the finest octave's cells
-  constexpr double kFarthest = 200;  // metres; also where nothing is known
+  constexpr double kFarthest = 200;  // meters; also where nothing is known
   constexpr double kFlat = 5;        // times as wide as high: the ground is seen at a slant
-  constexpr float kDark = 8;         // grey levels, from which on contrast goes with the light
-  cv::Mat1f known(frame.kind.size(), 0.0F), grey;
+  constexpr float kDark = 8;         // gray levels, from which on contrast goes with the light
+  cv::Mat1f known(frame.kind.size(), 0.0F), gray;
   known.setTo(1, frame.kind < static_cast<uchar>(harmonize::Kind::interpolated));
-  cv::transform(frame.colour, grey, cv::Matx13f::all(1.0F / 3));
+  cv::transform(frame.color, gray, cv::Matx13f::all(1.0F / 3));
   cv::Mat1b kinds = surface_classes.clone();
   kinds.setTo(kSky, frame.depth >= depth::DepthMap::kInfinity);
-  const std::array<Octaves, kClasses> contrast = contrasts(grey, known, kinds);
+  const std::array<Octaves, kClasses> contrast = contrasts(gray, known, kinds);
   const SE3 world_from_camera = view.camera_from_world.inverse();
-  const auto nearest = std::min_element(centres_.begin(), centres_.end(), [&](const auto& a, const auto& b) {
+  const auto nearest = std::min_element(centers_.begin(), centers_.end(), [&](const auto& a, const auto& b) {
     return (a - world_from_camera.t).squaredNorm() < (b - world_from_camera.t).squaredNorm();
   });
   // From one panorama to the next; both lie behind the camera.
-  const double way = way_[static_cast<std::size_t>(nearest - centres_.begin())], turn = way - std::floor(way);
+  const double way = way_[static_cast<std::size_t>(nearest - centers_.begin())], turn = way - std::floor(way);
   const auto before = static_cast<std::size_t>(way);
   const std::array<float, 2> share{std::cos(static_cast<float>(turn * std::numbers::pi / 2)),
                                    std::sin(static_cast<float>(turn * std::numbers::pi / 2))};  // keep the deviation
@@ -196,7 +196,7 @@ std::vector<cv::Vec3f> Grain::at(const harmonize::FilledFrame& frame, const Regi
         sum += share[side] * contrast[kinds(p)][octave](p / kSmaller) *
                noise[side * kOctaves + octave].at(direction * std::exp2(-octave));
     }
-    out.push_back(frame.colour(p) * (sum / std::max(grey(p), kDark)));
+    out.push_back(frame.color(p) * (sum / std::max(gray(p), kDark)));
   }
   return out;
 }

@@ -17,14 +17,14 @@ class Grain {
  public:
   explicit Grain(const Views& views);
 
-  /// To be added to the colours of a region, as region.pixels, BGR. `view` is one of the target's; `classes` are its
+  /// To be added to the colors of a region, as region.pixels, BGR. `view` is one of the target's; `classes` are its
   /// harmonize::SurfaceClass: the ground has the grain of ground.
   std::vector<cv::Vec3f> at(const harmonize::FilledFrame& frame, const Region& region, const View& view,
                             const cv::Mat1b& classes) const;
 
  private:
-  std::vector<Eigen::Vector3d> centres_;  // of the target's views
-  std::vector<double> way_;               // as centres_, in steps from one panorama to the next
+  std::vector<Eigen::Vector3d> centers_;  // of the target's views
+  std::vector<double> way_;               // as centers_, in steps from one panorama to the next
   std::vector<Eigen::Vector3d> places_;   // of the panoramas; the first lies a step before the first view
 };
 

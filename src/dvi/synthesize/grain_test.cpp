@@ -17,9 +17,9 @@ namespace {
 using harmonize::Kind;
 
 constexpr int kColumns = 240, kRows = 80;
-constexpr double kDistance = 40;  // metres from the first view to the wall ahead
+constexpr double kDistance = 40;  // meters from the first view to the wall ahead
 
-/// Cameras that look at a wall and come a metre nearer with each view.
+/// Cameras that look at a wall and come a meter nearer with each view.
 View before_the_wall(int i) {
   View view;
   view.camera = {kColumns, kRows, 250, 250, 119.5, 39.5, {}};
@@ -38,10 +38,10 @@ cv::Mat1f wall(int i) { return cv::Mat1f(kRows, kColumns, static_cast<float>(kDi
 /// A frame of a pattern of so much contrast, with a hole in the middle.
 harmonize::FilledFrame frame_of(float contrast, const cv::Rect& hole) {
   harmonize::FilledFrame frame;
-  frame.colour = cv::Mat3f(kRows, kColumns, cv::Vec3f::all(120));
+  frame.color = cv::Mat3f(kRows, kColumns, cv::Vec3f::all(120));
   for (int y = 0; y < kRows; ++y)
     for (int x = 0; x < kColumns; ++x)
-      if (!hole.contains({x, y})) frame.colour(y, x) += cv::Vec3f::all((x / 2 + y / 2) % 2 == 0 ? contrast : -contrast);
+      if (!hole.contains({x, y})) frame.color(y, x) += cv::Vec3f::all((x / 2 + y / 2) % 2 == 0 ? contrast : -contrast);
   frame.mask = cv::Mat1b(kRows, kColumns, uchar{0});
   frame.mask(hole).setTo(255);
   frame.kind = cv::Mat1b(frame.mask / 255 * static_cast<uchar>(Kind::interpolated));
@@ -120,7 +120,7 @@ TEST(Grain, TheGroundHasTheGrainOfGround) {
   harmonize::FilledFrame frame = frame_of(20, kHole);
   cv::Mat1b classes(kRows, kColumns, static_cast<uchar>(harmonize::SurfaceClass::upright));
   classes.rowRange(40, kRows).setTo(static_cast<uchar>(harmonize::SurfaceClass::ground));
-  frame.colour.rowRange(40, kRows).setTo(cv::Scalar::all(120));
+  frame.color.rowRange(40, kRows).setTo(cv::Scalar::all(120));
   cv::Mat1b above = frame.mask.clone(), below = frame.mask.clone();
   above.rowRange(36, kRows).setTo(0);
   below.rowRange(0, 44).setTo(0);
@@ -134,7 +134,7 @@ TEST(Grain, TheGroundHasTheGrainOfGround) {
 TEST(Grain, TheSkyHasTheGrainOfSky) {
   const Views views = views_of(12);
   harmonize::FilledFrame frame = frame_of(20, kHole);
-  frame.colour.rowRange(0, 40).setTo(cv::Scalar::all(120));
+  frame.color.rowRange(0, 40).setTo(cv::Scalar::all(120));
   harmonize::FilledFrame with_sky = frame;
   with_sky.depth = wall(5);
   with_sky.depth.rowRange(0, 40).setTo(depth::DepthMap::kSky, ~frame.mask.rowRange(0, 40));

@@ -21,7 +21,7 @@
 namespace dvi::synthesize {
 namespace {
 
-int cells(double metres, double cell) { return static_cast<int>(std::lround(metres / cell)); }
+int cells(double meters, double cell) { return static_cast<int>(std::lround(meters / cell)); }
 
 // A view, ready to be looked up.
 struct Lookup {
@@ -29,8 +29,8 @@ struct Lookup {
   std::shared_ptr<const cv::Mat3b> image;
   std::shared_ptr<const depth::VisibilityMap> visible;
 
-  /// What it shows of a point, from `least_z` metres on.
-  std::optional<cv::Vec3f> colour(const Eigen::Vector3d& world, double least_z) const {
+  /// What it shows of a point, from `least_z` meters on.
+  std::optional<cv::Vec3f> color(const Eigen::Vector3d& world, double least_z) const {
     constexpr double kTolerance = 0.1;  // of depth: what the ground's height is off by
     constexpr float kClear = 3;         // px to masks and edges
     const Eigen::Vector3d x = view->camera_from_world * world;
@@ -62,7 +62,7 @@ Painter::Painter(const Views& of, const Lazy<depth::VisibilityMap>& seen, const 
 }
 
 std::vector<std::size_t> Painter::between(double first, double last, double nearest_to) const {
-  constexpr double kApart = 0.7;     // metres: more views of a place show no more of it
+  constexpr double kApart = 0.7;     // meters: more views of a place show no more of it
   constexpr std::size_t kMost = 24;  // that are held at a time
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < along.size(); ++i)
@@ -77,9 +77,9 @@ std::vector<std::size_t> Painter::between(double first, double last, double near
 
 namespace {
 
-// Of the ground from `first` metres, as long as `columns`.
+// Of the ground from `first` meters, as long as `columns`.
 Sheet paint_ground(const Painter& painter, const ground::RoadGround& ground, double first, int columns) {
-  constexpr double kNearest = 4, kFarthest = 60, kBest = 8;  // metres from the camera
+  constexpr double kNearest = 4, kFarthest = 60, kBest = 8;  // meters from the camera
   const double cell = GroundSheets::kCell, middle = first + columns * cell / 2;
   Sheet sheet({columns, cells(2 * GroundSheets::kWide, cell)});
   const std::vector<Lookup> views = shown(painter, painter.between(middle - kFarthest, middle - kNearest, middle - kBest));
@@ -90,8 +90,8 @@ Sheet paint_ground(const Painter& painter, const ground::RoadGround& ground, dou
       const Eigen::Vector2d place = ground.road().place(along, left);
       const Eigen::Vector3d world(place.x(), place.y(), ground.height(along, left));
       for (const Lookup& view : views)
-        if (const auto colour = view.colour(world, kNearest - 1)) {
-          sheet.colour(y, x) = *colour;
+        if (const auto color = view.color(world, kNearest - 1)) {
+          sheet.color(y, x) = *color;
           sheet.known(y, x) = 255;
           break;
         }
@@ -101,7 +101,7 @@ Sheet paint_ground(const Painter& painter, const ground::RoadGround& ground, dou
 }
 
 cv::Point ground_cells(double along, double left) {
-  const auto whole = [](double metres) { return 4 * cells(metres, 4 * GroundSheets::kCell); };
+  const auto whole = [](double meters) { return 4 * cells(meters, 4 * GroundSheets::kCell); };
   return {whole(along), whole(left)};
 }
 
@@ -120,15 +120,15 @@ std::vector<std::vector<cv::Point>> ground_offsets() {
 
 // Joined from pieces [from, to].
 Sheet joined(const Lazy<Sheet>& pieces, std::size_t from, std::size_t to) {
-  std::vector<cv::Mat> colours, known;
+  std::vector<cv::Mat> colors, known;
   std::vector<std::shared_ptr<const Sheet>> held;
   for (std::size_t i = from; i <= to; ++i) {
     held.push_back(pieces[i]);
-    colours.push_back(held.back()->colour);
+    colors.push_back(held.back()->color);
     known.push_back(held.back()->known);
   }
   Sheet out;
-  cv::hconcat(colours, out.colour);
+  cv::hconcat(colors, out.color);
   cv::hconcat(known, out.known);
   return out;
 }
@@ -136,7 +136,7 @@ Sheet joined(const Lazy<Sheet>& pieces, std::size_t from, std::size_t to) {
 }  // namespace
 
 GroundSheets::GroundSheets(const Painter& painter, const ground::RoadGround& ground) {
-  constexpr double kReach = 2;  // metres of surroundings that offsets are judged by
+  constexpr double kReach = 2;  // meters of surroundings that offsets are judged by
   const auto count = static_cast<std::size_t>(ground.road().length() / kPiece);
   const Lazy<Sheet> painted(count, [=](std::size_t i) {
     return paint_ground(painter, ground, static_cast<double>(i) * kPiece, cells(kPiece, kCell));
@@ -148,7 +148,7 @@ GroundSheets::GroundSheets(const Painter& painter, const ground::RoadGround& gro
               const int width = cells(kPiece, kCell);
               const cv::Rect own(static_cast<int>(i - from) * width, 0, width, sheet.known.rows);
               Sheet out;
-              out.colour = sheet.colour(own).clone();
+              out.color = sheet.color(own).clone();
               out.known = sheet.known(own).clone();
               return out;
             }};

@@ -12,7 +12,7 @@
 
 namespace dvi::synthesize {
 
-/// Colours that views show of points of the world, in common light.
+/// Colors that views show of points of the world, in common light.
 struct Painter {
   const Views* views;
   Lazy<depth::VisibilityMap> visibility;
@@ -23,10 +23,10 @@ struct Painter {
   std::vector<std::size_t> between(double first, double last, double nearest_to) const;
 };
 
-/// The ground, in pieces along the road. A cell is kCell metres wide; rows go to the left.
+/// The ground, in pieces along the road. A cell is kCell meters wide; rows go to the left.
 struct GroundSheets {
-  static constexpr double kCell = 0.05, kPiece = 8;  ///< metres
-  static constexpr double kWide = 12;                ///< metres to either side
+  static constexpr double kCell = 0.05, kPiece = 8;  ///< meters
+  static constexpr double kWide = 12;                ///< meters to either side
   Lazy<Sheet> pieces;
 
   GroundSheets(const Painter& painter, const ground::RoadGround& ground);

@@ -18,8 +18,8 @@ constexpr float kKnown = 0.25F;  // of a window: a straight rim at a quarter of 
 
 }  // namespace
 
-std::vector<ColourRange> ranges_round(const harmonize::FilledFrame& frame, const Region& region) {
-  std::vector<ColourRange> out(region.size());
+std::vector<ColorRange> ranges_round(const harmonize::FilledFrame& frame, const Region& region) {
+  std::vector<ColorRange> out(region.size());
   if (region.size() == 0) return out;
   const cv::Rect all({}, frame.kind.size());
   const cv::Size margin(2 * kFirstRadius, 2 * kFirstRadius);
@@ -28,7 +28,7 @@ std::vector<ColourRange> ranges_round(const harmonize::FilledFrame& frame, const
   cv::Mat1f distance;
   cv::distanceTransform(made, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   cv::Mat3b low, high;
-  frame.colour(box).convertTo(low, CV_8U);
+  frame.color(box).convertTo(low, CV_8U);
   low.copyTo(high);
   cv::Mat1f known;
   low.setTo(cv::Scalar::all(255), made);

@@ -20,7 +20,7 @@ Sheet moved(const Sheet& sheet, cv::Point offset) {
   Sheet out(sheet.known.size());
   const cv::Rect all({}, sheet.known.size()), to = (all - offset) & all;
   if (to.empty()) return out;
-  sheet.colour(to + offset).copyTo(out.colour(to));
+  sheet.color(to + offset).copyTo(out.color(to));
   sheet.known(to + offset).copyTo(out.known(to));
   return out;
 }
@@ -28,7 +28,7 @@ Sheet moved(const Sheet& sheet, cv::Point offset) {
 Sheet halved(const Sheet& sheet) {
   const cv::Size size((sheet.known.cols + kCoarse - 1) / kCoarse, (sheet.known.rows + kCoarse - 1) / kCoarse);
   Sheet out(size);
-  cv::resize(sheet.colour, out.colour, size, 0, 0, cv::INTER_AREA);
+  cv::resize(sheet.color, out.color, size, 0, 0, cv::INTER_AREA);
   cv::Mat1f known, share;
   sheet.known.convertTo(known, CV_32F);
   cv::resize(known, share, size, 0, 0, cv::INTER_AREA);
@@ -43,7 +43,7 @@ cv::Mat1f mismatch(const Sheet& sheet, const Sheet& other, double sigma) {
   for (int y = 0; y < off.rows; ++y)
     for (int x = 0; x < off.cols; ++x) {
       if (both(y, x) == 0) continue;
-      const cv::Vec3f d = sheet.colour(y, x) - other.colour(y, x);
+      const cv::Vec3f d = sheet.color(y, x) - other.color(y, x);
       off(y, x) = std::min(std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]), 120.0F);
       weight(y, x) = 1;
     }
@@ -58,22 +58,22 @@ cv::Mat1f mismatch(const Sheet& sheet, const Sheet& other, double sigma) {
 // Light multiplies: so the contrast of what lies in the sun fades with it where it goes on in the shade.
 constexpr float kBlack = 4;
 
-cv::Mat3f logarithms(const cv::Mat3f& colour) {
-  cv::Mat3f out(colour + cv::Scalar::all(kBlack));
+cv::Mat3f logarithms(const cv::Mat3f& color) {
+  cv::Mat3f out(color + cv::Scalar::all(kBlack));
   cv::log(out, out);
   return out;
 }
 
-// Joins what was copied along `offsets`, of which `taken` tells each pixel's or -1, without a step: the ratios of neighbours
+// Joins what was copied along `offsets`, of which `taken` tells each pixel's or -1, without a step: the ratios of neighbors
 // are those of the places that they were copied from, and at a seam the mean of what the two show (eq. 5 in logarithms).
 class Seams {
  public:
   Seams(const Sheet& before, const cv::Mat1i& taken, const std::vector<cv::Point>& offsets)
-      : known_(before.known.clone()), taken_(taken), offsets_(offsets), light_(logarithms(before.colour)) {}
+      : known_(before.known.clone()), taken_(taken), offsets_(offsets), light_(logarithms(before.color)) {}
 
   void blend(Sheet& sheet) const {
     constexpr float kHold = 1e-4F;       // beyond 100 pixels, 1 / sqrt(kHold), the copies tell the light
-    constexpr double kTolerance = 1e-3;  // of the logarithm: a quarter of a grey level at most
+    constexpr double kTolerance = 1e-3;  // of the logarithm: a quarter of a gray level at most
     PoissonSystem system{Region(cv::Mat1b(taken_ >= 0)), {}, {}, 1};
     if (system.region.size() == 0) return;
     std::vector<cv::Vec3f> x;
@@ -93,7 +93,7 @@ class Seams {
     }
     solve_poisson(system, x, kTolerance);
     for (std::size_t i = 0; i < x.size(); ++i)
-      for (int c = 0; c < 3; ++c) sheet.colour(system.region.pixels[i])[c] = std::max(std::exp(x[i][c]) - kBlack, 0.0F);
+      for (int c = 0; c < 3; ++c) sheet.color(system.region.pixels[i])[c] = std::max(std::exp(x[i][c]) - kBlack, 0.0F);
   }
 
  private:

@@ -6,7 +6,7 @@
 namespace dvi::synthesize {
 namespace {
 
-/// Rows of colours, and every 40 columns a mark: a road with lane lines.
+/// Rows of colors, and every 40 columns a mark: a road with lane lines.
 cv::Vec3f road(int x, int y) {
   const float mark = x % 40 < 12 && y / 8 == 5 ? 120 : 0;
   return cv::Vec3f::all(static_cast<float>(60 + 10 * (y / 16)) + mark);
@@ -18,7 +18,7 @@ Sheet road_with(cv::Rect missing) {
   sheet.known(missing).setTo(0);
   for (int y = 0; y < sheet.known.rows; ++y)
     for (int x = 0; x < sheet.known.cols; ++x)
-      if (sheet.known(y, x) != 0) sheet.colour(y, x) = road(x, y);
+      if (sheet.known(y, x) != 0) sheet.color(y, x) = road(x, y);
   return sheet;
 }
 
@@ -29,7 +29,7 @@ TEST(Sheet, WhatRepeatsIsCompletedExactly) {
   EXPECT_EQ(cv::countNonZero(sheet.known == 0), 0);
   for (int y = missing.y; y < missing.br().y; ++y)
     for (int x = missing.x; x < missing.br().x; ++x)
-      EXPECT_NEAR(cv::norm(sheet.colour(y, x) - road(x, y)), 0, 0.5) << x << ", " << y;
+      EXPECT_NEAR(cv::norm(sheet.color(y, x) - road(x, y)), 0, 0.5) << x << ", " << y;
 }
 
 TEST(Sheet, WhatIsCopiedFromTheSunMeetsTheShadeWithoutStepAndWithItsContrast) {
@@ -42,11 +42,11 @@ TEST(Sheet, WhatIsCopiedFromTheSunMeetsTheShadeWithoutStepAndWithItsContrast) {
   sheet.known(missing).setTo(0);
   for (int y = 0; y < 96; ++y)
     for (int x = 0; x < 240; ++x)
-      if (sheet.known(y, x) != 0) sheet.colour(y, x) = cv::Vec3f::all(light(x) * texture(x, y));
+      if (sheet.known(y, x) != 0) sheet.color(y, x) = cv::Vec3f::all(light(x) * texture(x, y));
   complete(sheet, {{{-88, 0}}}, 20);
   for (int y = missing.y; y < missing.br().y; ++y)
     for (int x = missing.x; x < missing.br().x; ++x)
-      EXPECT_NEAR(sheet.colour(y, x)[0], 45 * texture(x, y), 6) << x << ", " << y;  // 6: the offset added for black
+      EXPECT_NEAR(sheet.color(y, x)[0], 45 * texture(x, y), 6) << x << ", " << y;  // 6: the offset added for black
 }
 
 TEST(Sheet, WhatIsKnownStays) {
@@ -55,14 +55,14 @@ TEST(Sheet, WhatIsKnownStays) {
   complete(after, {{{-16, 0}, {16, 0}}, {{-16, 0}, {16, 0}}}, 20);
   for (int y = 0; y < before.known.rows; ++y)
     for (int x = 0; x < before.known.cols; ++x)
-      EXPECT_TRUE(before.known(y, x) == 0 || after.colour(y, x) == before.colour(y, x)) << x << " " << y;
+      EXPECT_TRUE(before.known(y, x) == 0 || after.color(y, x) == before.color(y, x)) << x << " " << y;
 }
 
 TEST(Sheet, OffsetsThatLeadNowhereLeaveItAsItIs) {
   Sheet sheet({64, 32});
   complete(sheet, {{{-16, 0}, {16, 8}}, {{400, 0}, {-64, 32}}}, 20);
   EXPECT_EQ(cv::countNonZero(sheet.known), 0);
-  EXPECT_EQ(cv::norm(sheet.colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(sheet.color, cv::NORM_INF), 0);
 }
 
 }  // namespace

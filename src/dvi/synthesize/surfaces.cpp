@@ -32,7 +32,7 @@ struct Surfaces::Pieces {
 
 namespace {
 
-constexpr double kGroundReach = 60;  // metres
+constexpr double kGroundReach = 60;  // meters
 
 /// Pieces in use, so that they are asked for once.
 class Held {
@@ -74,7 +74,7 @@ std::optional<double> depth_at(const Ray& ray, double height) {
 }
 
 std::optional<OnGround> on_ground(const Ray& ray, const ground::RoadGround& ground, double height) {
-  constexpr double kSame = 1e-3;  // metres
+  constexpr double kSame = 1e-3;  // meters
   OnGround out;
   double z = 0;
   for (int round = 0; round < 4; ++round) {
@@ -119,7 +119,7 @@ SurfaceColor mean_of_ground(Held& pieces, std::size_t count, const Eigen::Vector
       if (x < 0 || y < 0 || x / piece_cells >= static_cast<int>(count)) continue;
       const Sheet& sheet = pieces[x / piece_cells];
       if (y >= sheet.known.rows || sheet.known(y, x % piece_cells) == 0) continue;
-      sum += sheet.colour(y, x % piece_cells);
+      sum += sheet.color(y, x % piece_cells);
       ++known;
     }
   if (2 * known < nx * ny) return {};
@@ -146,7 +146,7 @@ std::vector<SurfaceColor> Surfaces::look_up(const View& view, const Region& regi
                down = step_to(ray(p + cv::Point(0, 1)), *found, ground.road());
     if (!right || !down) continue;
     out[i] = mean_of_ground(pieces, pieces_->sheets.pieces.size(), found->at, *right, *down);
-    for (int c = 0; c < 3; ++c) out[i].colour[c] *= vignetting(view, p) / view.gain[c];
+    for (int c = 0; c < 3; ++c) out[i].color[c] *= vignetting(view, p) / view.gain[c];
   }
   return out;
 }

@@ -15,8 +15,8 @@ namespace dvi::synthesize {
 
 /// What a surface shows at a pixel.
 struct SurfaceColor {
-  cv::Vec3f colour;  ///< BGR, in the light of the view
-  float span = 0;    ///< metres of the surface that the pixel covers; 0: nothing is known
+  cv::Vec3f color;  ///< BGR, in the light of the view
+  float span = 0;   ///< meters of the surface that the pixel covers; 0: nothing is known
 };
 
 /// What the drive shows of the ground along the road, completed where no frame saw it. It is made in pieces, on demand, so that

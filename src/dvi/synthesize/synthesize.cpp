@@ -23,41 +23,41 @@ namespace {
 
 using harmonize::Kind;
 
-constexpr int kRing = 6;  // px round what is synthesised in which light and texture are compared
+constexpr int kRing = 6;  // px round what is synthesized in which light and texture are compared
 
 // Of the contrast of what surfaces and surroundings show: what is made up is to look real, not to stand out.
 constexpr float kContrast = 0.6F, kGrain = 0.75F;
 
-/// How much of the contrast of what the surfaces show is used. Where a pixel covers a metre of the ground, its height and the
+/// How much of the contrast of what the surfaces show is used. Where a pixel covers a meter of the ground, its height and the
 /// offsets are off by more than a pixel.
 float share_of(float span) {
-  constexpr float kFine = 0.5F, kTooCoarse = 1;  // metres
+  constexpr float kFine = 0.5F, kTooCoarse = 1;  // meters
   return kContrast * std::clamp((kTooCoarse - span) / (kTooCoarse - kFine), 0.0F, 1.0F);
 }
 
-/// The fine contrast of what was known or copied near each pixel, in grey levels.
+/// The fine contrast of what was known or copied near each pixel, in gray levels.
 cv::Mat1f fine_contrast(const harmonize::FilledFrame& frame) {
   constexpr double kFine = 2, kNear = 20;      // px
   constexpr float kPrior = 1e-3F, kUsual = 8;  // where there is nothing near
-  cv::Mat1f grey, smooth;
-  cv::transform(frame.colour, grey, cv::Matx13f::all(1.0F / 3));
-  cv::GaussianBlur(grey, smooth, {}, kFine);
+  cv::Mat1f gray, smooth;
+  cv::transform(frame.color, gray, cv::Matx13f::all(1.0F / 3));
+  cv::GaussianBlur(gray, smooth, {}, kFine);
   const cv::Mat1b seen(frame.kind < static_cast<uchar>(Kind::interpolated));
-  cv::Mat1f fine(cv::abs(grey - smooth)), weight(grey.size(), 0.0F);
+  cv::Mat1f fine(cv::abs(gray - smooth)), weight(gray.size(), 0.0F);
   fine.setTo(0, ~seen);
   weight.setTo(1, seen);
   return cv::Mat1f((blurred(fine, kNear) + kPrior * kUsual) / (blurred(weight, kNear) + kPrior));
 }
 
-/// Probability that a synthesised pixel is within 10 grey levels of the truth, by its distance in pixels to the nearest pixel
-/// that was known or copied, and by the contrast there (docs/algorithms/synthesise.md).
-double synthesised_confidence(float distance, float contrast) {
+/// Probability that a synthesized pixel is within 10 gray levels of the truth, by its distance in pixels to the nearest pixel
+/// that was known or copied, and by the contrast there (docs/algorithms/synthesize.md).
+double synthesized_confidence(float distance, float contrast) {
   return 1 / (1 + std::exp(-3.83 - 2.83 * std::exp(-distance / 9) + 2.87 * std::log1p(contrast)));
 }
 
 /// What the surfaces show, and how the frame differs from it.
 struct Texture {
-  cv::Mat3f colour, difference;
+  cv::Mat3f color, difference;
   cv::Mat1f share;
   cv::Mat1b known;  // 255
 };
@@ -71,13 +71,13 @@ void relight(Texture& texture, const cv::Mat3f& frame) {
   frame.copyTo(of_frame, texture.known);
   cv::Mat1f known(frame.size(), 0.0F);
   known.setTo(1, texture.known);
-  const cv::Mat3f shown = blurred(texture.colour, kSigma), lit = blurred(of_frame, kSigma);
+  const cv::Mat3f shown = blurred(texture.color, kSigma), lit = blurred(of_frame, kSigma);
   const cv::Mat1f weight = blurred(known, kSigma);
   for (const cv::Point p : Region(texture.known).pixels)
     for (int c = 0; c < 3; ++c) {
       const float dark = kDark * weight(p);
-      texture.colour(p)[c] *= std::min((lit(p)[c] + dark) / (shown(p)[c] + dark), kMost);
-      texture.difference(p)[c] = frame(p)[c] - texture.colour(p)[c];
+      texture.color(p)[c] *= std::min((lit(p)[c] + dark) / (shown(p)[c] + dark), kMost);
+      texture.difference(p)[c] = frame(p)[c] - texture.color(p)[c];
     }
 }
 
@@ -90,11 +90,11 @@ Texture texture_of(const harmonize::FilledFrame& frame, const cv::Mat1b& wanted,
   for (std::size_t i = 0; i < region.size(); ++i) {
     const cv::Point p = region.pixels[i];
     if (!(found[i].span > 0) || frame.kind(p) == static_cast<uchar>(Kind::empty)) continue;
-    out.colour(p) = found[i].colour;
+    out.color(p) = found[i].color;
     out.share(p) = share_of(found[i].span);
     out.known(p) = 255;
   }
-  relight(out, frame.colour);
+  relight(out, frame.color);
   return out;
 }
 
@@ -148,20 +148,20 @@ harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const Vie
   const Region region(wanted), textured(cv::Mat1b(wanted & texture.known));
   const std::vector<cv::Vec3f> lights = light(texture, wanted, textured), grains = grain.at(frame, region, view, classes);
   harmonize::FilledFrame out = frame;
-  for (cv::Mat* changed : std::initializer_list<cv::Mat*>{&out.colour, &out.kind, &out.confidence}) *changed = changed->clone();
+  for (cv::Mat* changed : std::initializer_list<cv::Mat*>{&out.color, &out.kind, &out.confidence}) *changed = changed->clone();
   cv::Mat1f distance;
   cv::distanceTransform(cv::Mat1b(frame.kind >= static_cast<uchar>(Kind::interpolated)), distance, cv::DIST_L2,
                         cv::DIST_MASK_PRECISE);
   const cv::Mat1f contrast = fine_contrast(frame);
-  const std::vector<ColourRange> ranges = ranges_round(frame, region);
+  const std::vector<ColorRange> ranges = ranges_round(frame, region);
   for (std::size_t i = 0; i < region.size(); ++i) {
     const cv::Point p = region.pixels[i];
     const float share = texture.share(p);
-    cv::Vec3f colour = frame.colour(p) + kGrain * (1 - share / kContrast) * grains[i];
-    if (share > 0) colour += share * (texture.colour(p) + lights[textured.index(p)] - frame.colour(p));
-    out.colour(p) = ranges[i].with(frame.colour(p)).clamped(colour);
-    out.kind(p) = static_cast<uchar>(Kind::synthesised);
-    out.confidence(p) = static_cast<uchar>(std::lround(255 * synthesised_confidence(distance(p), contrast(p))));
+    cv::Vec3f color = frame.color(p) + kGrain * (1 - share / kContrast) * grains[i];
+    if (share > 0) color += share * (texture.color(p) + lights[textured.index(p)] - frame.color(p));
+    out.color(p) = ranges[i].with(frame.color(p)).clamped(color);
+    out.kind(p) = static_cast<uchar>(Kind::synthesized);
+    out.confidence(p) = static_cast<uchar>(std::lround(255 * synthesized_confidence(distance(p), contrast(p))));
   }
   return out;
 }

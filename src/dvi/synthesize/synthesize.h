@@ -8,7 +8,7 @@
 namespace dvi::synthesize {
 
 /// Gives interpolated pixels the texture of the surfaces that lie there, and grain where nothing is known of these: kind
-/// synthesised. The interpolation keeps the low frequencies, which continue what surrounds the hole. `classes` are
+/// synthesized. The interpolation keeps the low frequencies, which continue what surrounds the hole. `classes` are
 /// the harmonize::SurfaceClass of the frame's pixels; empty: all unknown.
 harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const View& view, const cv::Mat1b& classes,
                                   const Surfaces& surfaces, const Grain& grain);

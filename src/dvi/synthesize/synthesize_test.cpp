@@ -17,7 +17,7 @@ namespace {
 
 using harmonize::Kind;
 
-constexpr double kHeight = 1.6;  // metres of the camera above the ground
+constexpr double kHeight = 1.6;  // meters of the camera above the ground
 constexpr int kViews = 16;
 
 View looking_ahead(double x) {
@@ -37,7 +37,7 @@ struct Street {
 
   /// Where a car stands all along, world axes.
   static bool parked(double x, double y) { return x > 14 && x < 18 && y > -3 && y < 0.5; }
-  static uchar colour(double y) { return std::fmod(std::abs(y), 1.0) < 0.5 ? 90 : 130; }
+  static uchar color(double y) { return std::fmod(std::abs(y), 1.0) < 0.5 ? 90 : 130; }
 
   Street() {
     for (int i = 0; i < kViews; ++i) {
@@ -62,22 +62,22 @@ struct Street {
         const Eigen::Vector3d ray = world_from_camera.R * view.camera.ray({u, v});
         if (ray.z() >= -0.03) continue;
         const Eigen::Vector3d x = world_from_camera.t - kHeight / ray.z() * ray;
-        image(v, u) = cv::Vec3b::all(colour(x.y()));
+        image(v, u) = cv::Vec3b::all(color(x.y()));
         if (parked(x.x(), x.y())) mask(v, u) = 255;
       }
   }
 
   depth::DepthMap depth() const { return {cv::Mat1f(120, 320, 0.0F), cv::Mat1f(120, 320, 0.0F)}; }
 
-  /// View 8, its hole interpolated as grey.
+  /// View 8, its hole interpolated as gray.
   harmonize::FilledFrame interpolated() const {
     harmonize::FilledFrame frame;
-    images[8].convertTo(frame.colour, CV_32F);
+    images[8].convertTo(frame.color, CV_32F);
     frame.mask = masks[8].clone();
     frame.kind = cv::Mat1b(masks[8] / 255 * static_cast<uchar>(Kind::interpolated));
     frame.confidence = cv::Mat1b(~masks[8]);
     frame.depth = depth().z;
-    frame.colour.setTo(cv::Scalar::all(110), frame.mask);
+    frame.color.setTo(cv::Scalar::all(110), frame.mask);
     return frame;
   }
   harmonize::FilledFrame run(const harmonize::FilledFrame& frame) const {
@@ -100,9 +100,9 @@ double mean_error(const cv::Mat3f& image, const cv::Mat3b& truth, const cv::Mat1
   return count > 0 ? sum / count : 0;
 }
 
-cv::Mat1f grey_of(const cv::Mat3f& colour) {
+cv::Mat1f gray_of(const cv::Mat3f& color) {
   cv::Mat1f out;
-  cv::extractChannel(colour, out, 1);
+  cv::extractChannel(color, out, 1);
   return out;
 }
 
@@ -111,48 +111,48 @@ TEST(Synthesize, StripesOfTheRoadRunOnUnderAParkedCar) {
   const harmonize::FilledFrame before = street.interpolated(), after = street.run(before);
   const cv::Mat1b hole = before.mask;
   ASSERT_GT(cv::countNonZero(hole), 500);
-  EXPECT_EQ(cv::countNonZero(cv::Mat1b(after.kind == static_cast<uchar>(Kind::synthesised)) != hole), 0);
-  EXPECT_LT(mean_error(after.colour, street.images[8], hole), 0.7 * mean_error(before.colour, street.images[8], hole));
+  EXPECT_EQ(cv::countNonZero(cv::Mat1b(after.kind == static_cast<uchar>(Kind::synthesized)) != hole), 0);
+  EXPECT_LT(mean_error(after.color, street.images[8], hole), 0.7 * mean_error(before.color, street.images[8], hole));
   const cv::Mat1b outside(~hole);
-  EXPECT_EQ(mean_error(after.colour, street.images[8], outside), 0);
+  EXPECT_EQ(mean_error(after.color, street.images[8], outside), 0);
 }
 
 TEST(Synthesize, InTheShadeContrastGoesWithTheLight) {
   const Street street;
   harmonize::FilledFrame frame = street.interpolated();
-  frame.colour = cv::Mat3f(0.25 * frame.colour);
+  frame.color = cv::Mat3f(0.25 * frame.color);
   const harmonize::FilledFrame after = street.run(frame);
   cv::Scalar mean, deviation, lit_deviation;
-  cv::meanStdDev(after.colour, mean, deviation, frame.mask);
-  cv::meanStdDev(street.run(street.interpolated()).colour, mean, lit_deviation, frame.mask);
+  cv::meanStdDev(after.color, mean, deviation, frame.mask);
+  cv::meanStdDev(street.run(street.interpolated()).color, mean, lit_deviation, frame.mask);
   EXPECT_NEAR(deviation[1] / lit_deviation[1], 0.25, 0.1);
 }
 
-TEST(Synthesize, StaysWithinTheColoursRoundTheHole) {
+TEST(Synthesize, StaysWithinTheColorsRoundTheHole) {
   const Street street;
   const harmonize::FilledFrame frame = street.interpolated();
   cv::Mat1b rim;
   cv::dilate(frame.mask, rim, cv::Mat1b(17, 17, uchar{1}));
   rim &= ~frame.mask;
   harmonize::FilledFrame even = frame;
-  even.colour = frame.colour.clone();
-  even.colour.setTo(cv::Scalar::all(105), rim);
-  even.colour.setTo(cv::Scalar::all(115), cv::Mat1b(rim & cv::Mat1b(grey_of(frame.colour) > 110)));
+  even.color = frame.color.clone();
+  even.color.setTo(cv::Scalar::all(105), rim);
+  even.color.setTo(cv::Scalar::all(115), cv::Mat1b(rim & cv::Mat1b(gray_of(frame.color) > 110)));
   const harmonize::FilledFrame after = street.run(even);
   const cv::Mat1b near(grown(cv::Mat1b(~frame.mask), 3) & frame.mask);
   double low = 0, high = 0;
-  cv::minMaxLoc(grey_of(after.colour), &low, &high, nullptr, nullptr, near);
+  cv::minMaxLoc(gray_of(after.color), &low, &high, nullptr, nullptr, near);
   EXPECT_GE(low, 105);
   EXPECT_LE(high, 115);
 }
 
-TEST(Synthesize, LeavesAnInterpolatedColourThatNothingNearShows) {
+TEST(Synthesize, LeavesAnInterpolatedColorThatNothingNearShows) {
   Street street;
   street.map.points.clear();
   harmonize::FilledFrame frame = street.interpolated();
-  frame.colour.setTo(cv::Scalar::all(110));
-  frame.colour.setTo(cv::Scalar::all(200), frame.mask);  // as the sky that begins within the hole
-  EXPECT_LT(cv::norm(frame.colour, street.run(frame).colour, cv::NORM_INF), 0.01);
+  frame.color.setTo(cv::Scalar::all(110));
+  frame.color.setTo(cv::Scalar::all(200), frame.mask);  // as the sky that begins within the hole
+  EXPECT_LT(cv::norm(frame.color, street.run(frame).color, cv::NORM_INF), 0.01);
 }
 
 TEST(Synthesize, ConfidenceFallsWithTheContrastOfWhatIsSeenAround) {
@@ -160,9 +160,9 @@ TEST(Synthesize, ConfidenceFallsWithTheContrastOfWhatIsSeenAround) {
   harmonize::FilledFrame frame = street.interpolated();
   const cv::Mat1b hole = frame.mask;
   const double plain = cv::mean(street.run(frame).confidence, hole)[0];
-  for (int y = 0; y < frame.colour.rows; ++y)
-    for (int x = 0; x < frame.colour.cols; ++x)
-      if (hole(y, x) == 0) frame.colour(y, x) += cv::Vec3f::all((x + y) % 2 == 0 ? 30.0F : -30.0F);
+  for (int y = 0; y < frame.color.rows; ++y)
+    for (int x = 0; x < frame.color.cols; ++x)
+      if (hole(y, x) == 0) frame.color(y, x) += cv::Vec3f::all((x + y) % 2 == 0 ? 30.0F : -30.0F);
   const double rough = cv::mean(street.run(frame).confidence, hole)[0];
   EXPECT_LT(rough, 0.5 * plain);
   EXPECT_GT(rough, 0);
@@ -173,22 +173,22 @@ TEST(Synthesize, WithoutGroundPlainSurroundingsStayPlain) {
   Street street;
   street.map.points.clear();
   harmonize::FilledFrame before = street.interpolated();
-  before.colour.setTo(cv::Scalar::all(110));
+  before.color.setTo(cv::Scalar::all(110));
   const harmonize::FilledFrame after = street.run(before);
-  EXPECT_LT(cv::norm(before.colour, after.colour, cv::NORM_INF), 0.01);
-  EXPECT_EQ(cv::countNonZero(cv::Mat1b(after.kind == static_cast<uchar>(Kind::synthesised)) != before.mask), 0);
+  EXPECT_LT(cv::norm(before.color, after.color, cv::NORM_INF), 0.01);
+  EXPECT_EQ(cv::countNonZero(cv::Mat1b(after.kind == static_cast<uchar>(Kind::synthesized)) != before.mask), 0);
 }
 
 TEST(Synthesize, WithoutGroundGrainFollowsTheSurroundings) {
   Street street;
   street.map.points.clear();
   harmonize::FilledFrame frame = street.interpolated();
-  for (int y = 0; y < frame.colour.rows; ++y)
-    for (int x = 0; x < frame.colour.cols; ++x)
-      if (frame.mask(y, x) == 0) frame.colour(y, x) = cv::Vec3f::all((x / 2 + y / 2) % 2 == 0 ? 95.0F : 125.0F);
+  for (int y = 0; y < frame.color.rows; ++y)
+    for (int x = 0; x < frame.color.cols; ++x)
+      if (frame.mask(y, x) == 0) frame.color(y, x) = cv::Vec3f::all((x / 2 + y / 2) % 2 == 0 ? 95.0F : 125.0F);
   const harmonize::FilledFrame after = street.run(frame);
   cv::Scalar mean, deviation;
-  cv::meanStdDev(after.colour, mean, deviation, frame.mask);
+  cv::meanStdDev(after.color, mean, deviation, frame.mask);
   EXPECT_GT(deviation[1], 3);
   EXPECT_LT(deviation[1], 15);
   EXPECT_NEAR(mean[1], 110, 2);
@@ -199,16 +199,16 @@ TEST(Synthesize, AHoleOfTheWholeFrameIsFilledWithNumbers) {
   harmonize::FilledFrame frame = street.interpolated();
   frame.mask.setTo(255);
   frame.kind.setTo(static_cast<uchar>(Kind::interpolated));
-  frame.colour.setTo(cv::Scalar::all(255));
+  frame.color.setTo(cv::Scalar::all(255));
   const harmonize::FilledFrame after = street.run(frame);
-  EXPECT_TRUE(cv::checkRange(after.colour, true, nullptr, 0, 255.001));
+  EXPECT_TRUE(cv::checkRange(after.color, true, nullptr, 0, 255.001));
 }
 
 TEST(Synthesize, AFrameWithoutAHoleStays) {
   const Street street;
   harmonize::FilledFrame frame = street.interpolated();
   frame.kind.setTo(0);
-  EXPECT_EQ(cv::norm(street.run(frame).colour, frame.colour, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(street.run(frame).color, frame.color, cv::NORM_INF), 0);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 namespace dvi {
 
-/// A world for tests: a coloured plane at z = 10 m that faces cameras moved sideways, so that a source shows the target's pixel
+/// A world for tests: a colored plane at z = 10 m that faces cameras moved sideways, so that a source shows the target's pixel
 /// (x, y) at exactly (x + disparity, y).
 struct FlatScene {
   static constexpr double kDepth = 10;
@@ -49,7 +49,7 @@ struct FlatScene {
   }
 };
 
-/// Smooth random colours: waves of `wavelength` pixels and more.
+/// Smooth random colors: waves of `wavelength` pixels and more.
 inline cv::Mat3b waves(int width, int height, std::uint64_t seed, double wavelength = 6) {
   constexpr int kWaves = 12;
   Random random(seed);

@@ -11,7 +11,7 @@ import onnx
 from onnx import TensorProto, helper, numpy_helper
 
 FLOAT, INT64 = TensorProto.FLOAT, TensorProto.INT64
-MAGENTA, CYAN = numpy.array([1.0, -2, 1]), numpy.array([-2.0, 1, 1])  # 2 where an image has that colour
+MAGENTA, CYAN = numpy.array([1.0, -2, 1]), numpy.array([-2.0, 1, 1])  # 2 where an image has that color
 SIDE, MASKS = 64, 32  # of the YOLO's input; prototypes
 
 
@@ -21,7 +21,7 @@ def tensor(name, values):
 
 
 def conv(name, side, weights, bias):
-    """A node that maps the mean colour of each side x side block; its weights (out x 3) and bias."""
+    """A node that maps the mean color of each side x side block; its weights (out x 3) and bias."""
     kernel = numpy.repeat(numpy.asarray(weights, float), side * side, 1).reshape(len(weights), 3, side, side) / side**2
     node = helper.make_node("Conv", ["image", name + ".w", name + ".b"], [name], name=name, kernel_shape=[side, side],
                             strides=[side, side])

@@ -112,7 +112,7 @@ class TestStreet {
   }
 };
 
-/// How far, in metres, the worst pose lies from where the sensor was.
+/// How far, in meters, the worst pose lies from where the sensor was.
 inline double worst_error(const Trajectory& found, const Trajectory& path) {
   double worst = 0;
   for (const StampedPose& p : found.poses())

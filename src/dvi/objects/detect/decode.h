@@ -12,7 +12,7 @@ namespace dvi::objects {
 /// semantic: 1 x C x h x w, of which the largest counts; or 1 x 1 x h x w, 1 x h x w or h x w, the class of each pixel. An
 /// object is a 4-connected part of a class.
 ///
-/// yolov5_seg: 1 x N x (5 + C + M): centre, width and height in pixels of the input, objectness, classes, coefficients; and
+/// yolov5_seg: 1 x N x (5 + C + M): center, width and height in pixels of the input, objectness, classes, coefficients; and
 /// 1 x M x h x w prototypes, whose sum weighted by the coefficients is positive inside the object.
 ///
 /// yolov8_seg: its head before the boxes are decoded. For each stride s either 1 x 64 x H/s x W/s (four distances to the sides

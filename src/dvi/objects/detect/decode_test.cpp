@@ -66,7 +66,7 @@ TEST(DecodeSemantic, BringsCoarseLogitsToTheImage) {
     for (int x = 0; x < 16; ++x) at(logits, 1, y, x) = x >= 4 && x < 8 && y >= 2 && y < 6 ? 1.F : -1.F;
   const Detections found = decoded({logits}, described(Layout::semantic, {"sky", "car"}), {128, 64});
   ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].box, cv::Rect(32, 16, 32, 32)) << "half way between centres";
+  EXPECT_EQ(found[0].box, cv::Rect(32, 16, 32, 32)) << "half way between centers";
 }
 
 TEST(DecodeSemantic, TakesTheClassOfEachPixelToo) {
@@ -167,9 +167,9 @@ Head head(int stride, const std::array<int, 4>& bins) {
 
 TEST(DecodeYolov8, ReadsBoxesFromDistances) {
   Head fine = head(8, {1, 0, 2, 1}), coarse = head(16, {1, 1, 1, 1});
-  at(fine.classes, 1, 1, 3) = 20;  // centre 28, 12: from 20, 12 to 44, 20
+  at(fine.classes, 1, 1, 3) = 20;  // center 28, 12: from 20, 12 to 44, 20
   at(fine.coefficients, 0, 1, 3) = 1;
-  at(coarse.classes, 2, 0, 3) = 20;  // centre 56, 8: from 40, -8 to 72, 24
+  at(coarse.classes, 2, 0, 3) = 20;  // center 56, 8: from 40, -8 to 72, 24
   at(coarse.coefficients, 1, 0, 3) = 1;
   at(coarse.classes, 0, 1, 0) = 20;  // sky
   const std::vector<cv::Mat> outputs{fine.boxes,     fine.classes,        fine.coefficients, coarse.boxes,

@@ -27,7 +27,7 @@ struct Level {
   std::ptrdiff_t cells() const { return static_cast<std::ptrdiff_t>(rows) * cols; }
 };
 
-// Cells from a cell's centre to a side of its box: the mean of the bins, weighted by the softmax of their logits.
+// Cells from a cell's center to a side of its box: the mean of the bins, weighted by the softmax of their logits.
 double distance(const float* logits, std::ptrdiff_t step) {
   float most = logits[0];
   for (int b = 1; b < kBins; ++b) most = std::max(most, logits[b * step]);

@@ -16,7 +16,7 @@
 namespace dvi::objects {
 namespace {
 
-// Pixels: below, nothing is recognised; above, a blob takes gigabytes.
+// Pixels: below, nothing is recognized; above, a blob takes gigabytes.
 constexpr double kLeastSide = 8, kLargestSide = 8192, kMostInputPixels = 1 << 24;
 constexpr std::size_t kMostClasses = 10'000;
 

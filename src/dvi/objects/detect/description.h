@@ -21,7 +21,7 @@ constexpr auto names_of(Layout) {
                     std::pair{Layout::yolov8_seg, "yolov8-seg"}};
 }
 
-/// How an image is brought to the size of the input. letterbox: with its own aspect, centred on a grey ground.
+/// How an image is brought to the size of the input. letterbox: with its own aspect, centered on a gray ground.
 enum class Fit { letterbox, stretch };
 constexpr auto names_of(Fit) { return std::array{std::pair{Fit::letterbox, "letterbox"}, std::pair{Fit::stretch, "stretch"}}; }
 
@@ -35,9 +35,9 @@ struct Description {
 
   cv::Size input;
   Fit fit = Fit::letterbox;
-  double pad = 114;  ///< grey of the letterbox's ground, 0..255
+  double pad = 114;  ///< gray of the letterbox's ground, 0..255
   Channels channels = Channels::rgb;
-  std::array<double, 3> mean{0, 0, 0}, sigma{255, 255, 255};  ///< input = (grey level - mean) / sigma, as `channels`
+  std::array<double, 3> mean{0, 0, 0}, sigma{255, 255, 255};  ///< input = (gray level - mean) / sigma, as `channels`
 
   Layout layout = Layout::semantic;
   std::vector<std::string> outputs;  ///< names of those to use; empty: all

@@ -13,7 +13,7 @@ namespace {
 constexpr std::int64_t kLongestGap = 500'000'000;  // ns: longer, and what returns may be another object
 constexpr double kLeastOverlap = 0.2;              // outlines of one object change with its distance and with what hides it
 
-cv::Point2d centre(const cv::Rect& box) { return {box.x + 0.5 * box.width, box.y + 0.5 * box.height}; }
+cv::Point2d center(const cv::Rect& box) { return {box.x + 0.5 * box.width, box.y + 0.5 * box.height}; }
 
 cv::Mat1b scaled(const cv::Mat1b& mask, cv::Size size) {
   if (mask.size() == size) return mask;
@@ -51,7 +51,7 @@ void DetectionTracker::continue_track(Track& track, Detection detection) {
     const double share = static_cast<double>(times_[frame] - times_[track.frame]) / since;
     objects_.push_back({frame, track.id, between(track.last, detection, share), true});
   }
-  if (since > 0) track.velocity = (centre(detection.box) - centre(track.last.box)) * (1e9 / since);
+  if (since > 0) track.velocity = (center(detection.box) - center(track.last.box)) * (1e9 / since);
   track.frame = now;
   track.last = std::move(detection);
 }

@@ -31,7 +31,7 @@ class DetectionTracker {
     int id = 0;
     std::size_t frame = 0;  // of `last`
     Detection last;
-    cv::Point2d velocity;  // of the box's centre, pixels a second
+    cv::Point2d velocity;  // of the box's center, pixels a second
   };
 
   std::vector<std::int64_t> times_;

@@ -6,7 +6,7 @@
 
 namespace dvi::objects {
 
-/// Where an image lies in a network's input. Along each axis, with pixel centres at whole numbers:
+/// Where an image lies in a network's input. Along each axis, with pixel centers at whole numbers:
 /// x_in_input + 0.5 = scale * (x_in_image + 0.5) + offset.
 struct InputFit {
   cv::Size image, input;

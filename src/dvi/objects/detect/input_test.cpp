@@ -46,7 +46,7 @@ TEST(InputBlob, HoldsScaledChannelsInTheirOrder) {
 TEST(MapInImage, PutsACoarseRampWhereThePixelsAre) {
   const Description d = described({64, 64}, Fit::letterbox);
   const InputFit fit = fit_image({128, 64}, d);  // content: 64 x 32 from row 16
-  cv::Mat1f map(16, 16);                         // cells of 4 x 4: their centres' columns and rows in the input
+  cv::Mat1f map(16, 16);                         // cells of 4 x 4: their centers' columns and rows in the input
   for (int y = 0; y < 16; ++y)
     for (int x = 0; x < 16; ++x) map(y, x) = static_cast<float>(4 * x + 2 + 1000 * (4 * y + 2));
   const cv::Mat1f seen = map_in_image(map, fit, {40, 20, 10, 5});

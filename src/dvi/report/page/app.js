@@ -39,7 +39,7 @@ dvi.source = (number) => {
   return {drive, camera, name, frame: own ? dvi.frames().findIndex((frame) => frame.name === name) : -1};
 };
 
-/** Part of a frame, enlarged: pictures are drawn over each other, `mark` gets crosshairs. Whole numbers are pixel centres. */
+/** Part of a frame, enlarged: pictures are drawn over each other, `mark` gets crosshairs. Whole numbers are pixel centers. */
 dvi.crop = (pictures, size, part, mark) => {
   const [x, y, width, height] = part;
   const svg = dvi.svg("svg", {viewBox: `${x} ${y} ${width} ${height}`, class: "crop", role: "img"});

@@ -1,7 +1,7 @@
 "use strict";
-// Charts in the colours of the page.
+// Charts in the colors of the page.
 (() => {
-  const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
   /** A chart in a new canvas within `parent`, or a note where the library is missing. */
   dvi.chart = (parent, config) => {
@@ -10,8 +10,8 @@
       return null;
     }
     const canvas = parent.querySelector("canvas") || parent.appendChild(dvi.element("canvas"));
-    Chart.defaults.color = colour("--soft");
-    Chart.defaults.borderColor = colour("--line");
+    Chart.defaults.color = color("--soft");
+    Chart.defaults.borderColor = color("--line");
     Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
     const options = Object.assign({animation: false, responsive: true, maintainAspectRatio: false}, config.options);
     return new Chart(canvas, Object.assign({}, config, {options}));
@@ -20,13 +20,13 @@
   const axis = (text, more = {}) => Object.assign({title: {display: true, text}}, more);
   dvi.axis = axis;
 
-  /** What changes from frame to frame, as lines; clicking goes to the frame. `series`: {label, colour, values, hint}. */
+  /** What changes from frame to frame, as lines; clicking goes to the frame. `series`: {label, color, values, hint}. */
   dvi.linesOverFrames = (parent, series, title) =>
     dvi.chart(parent, {
       type: "line",
       data: {
         labels: dvi.frames().map((frame) => frame.name),
-        datasets: series.map(({label, colour: of, values}) =>
+        datasets: series.map(({label, color: of, values}) =>
           ({label, data: values, borderColor: of, backgroundColor: of, borderWidth: 1.5, pointRadius: values.length < 60 ? 2 : 0})),
       },
       options: {
@@ -46,7 +46,7 @@
         const {left, right, top, bottom} = chart.chartArea;
         const x = left + ((right - left) * (current() + 0.5)) / Math.max(1, chart.data.labels.length);
         chart.ctx.save();
-        chart.ctx.strokeStyle = colour("--ink");
+        chart.ctx.strokeStyle = color("--ink");
         chart.ctx.lineWidth = 2;
         chart.ctx.strokeRect(x - 2, top - 2, 4, bottom - top + 4);
         chart.ctx.restore();
@@ -57,7 +57,7 @@
       data: {
         labels: dvi.frames().map((frame) => frame.name),
         datasets: kinds.map((kind) => ({
-          label: kind.name, backgroundColor: kind.colour, barPercentage: 1, categoryPercentage: dvi.frames().length > 150 ? 1 : 0.9,
+          label: kind.name, backgroundColor: kind.color, barPercentage: 1, categoryPercentage: dvi.frames().length > 150 ? 1 : 0.9,
           data: dvi.frames().map((frame, i) => {
             const size = dvi.data.frames[i].size;
             return frame.hole && size ? (100 * frame.hole[kind.key]) / (size[0] * size[1]) : 0;

@@ -37,18 +37,18 @@
     return entry.before ? dvi.numbered("before/", state.frame, ".png") : null;
   };
 
-  // ---- overlays: cividis, which colour-blind people read as others do
+  // ---- overlays: cividis, which color-blind people read as others do
   const ramp = [[0, 34, 78], [53, 69, 108], [102, 105, 112], [148, 142, 119], [200, 184, 102], [254, 232, 56]];
   const rampAt = (share) => {
     const at = Math.max(0, Math.min(0.9999, share)) * (ramp.length - 1), low = Math.floor(at);
     return ramp[low].map((c, i) => c + (ramp[low + 1][i] - c) * (at - low));
   };
   const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
-  const kindColours = t.kinds.map((kind) => (kind.colour ? rgb(kind.colour) : [0, 0, 0]));
+  const kindColors = t.kinds.map((kind) => (kind.color ? rgb(kind.color) : [0, 0, 0]));
 
-  const colourOf = {
+  const colorOf = {
     mask: () => () => [213, 94, 0],
-    kind: (block) => (k) => kindColours[block.kind[block.hole[k]]],
+    kind: (block) => (k) => kindColors[block.kind[block.hole[k]]],
     confidence: (block) => block.fields.confidence && ((k) => rampAt(block.fields.confidence[k] / 255)),
     depth: (block) => {
       const depth = block.fields.depth;
@@ -80,12 +80,12 @@
       return;
     }
     if (state.asked !== ask) return;
-    const colour = colourOf[name](block);
-    if (!colour) return showOverlay(null, ask);
+    const color = colorOf[name](block);
+    if (!color) return showOverlay(null, ask);
     const canvas = e("canvas", {width: block.width, height: block.height});
     const context = canvas.getContext("2d"), image = context.createImageData(block.width, block.height);
     for (let k = 0; k < block.hole.length; ++k) {
-      const c = colour(k), at = 4 * block.hole[k];
+      const c = color(k), at = 4 * block.hole[k];
       if (c) [image.data[at], image.data[at + 1], image.data[at + 2], image.data[at + 3]] = [...c, 215];
     }
     context.putImageData(image, 0, 0);
@@ -103,11 +103,11 @@
 
   const legend = () => {
     const overlay = t.overlays.find((o) => o.name === state.overlay);
-    const swatch = (colour, text, hint) => e("span", {className: "entry", title: hint || ""}, e("i", {className: "swatch", style: `background:${colour}`}), text);
+    const swatch = (color, text, hint) => e("span", {className: "entry", title: hint || ""}, e("i", {className: "swatch", style: `background:${color}`}), text);
     const node = id("legend");
     if (overlay.name === "none") node.replaceChildren(e("span", {className: "hint", textContent: "No overlay. Drag the divider to compare."}));
     else if (overlay.name === "mask") node.replaceChildren(swatch("#d55e00", "removed"));
-    else if (overlay.name === "kind") node.replaceChildren(...t.kinds.filter((k) => k.colour).map((k) => swatch(k.colour, k.name, k.hint)));
+    else if (overlay.name === "kind") node.replaceChildren(...t.kinds.filter((k) => k.color).map((k) => swatch(k.color, k.name, k.hint)));
     else node.replaceChildren(e("span", {textContent: overlay.low}),
       e("i", {className: "ramp", style: `background:linear-gradient(90deg, ${ramp.map((c) => `rgb(${c})`).join(",")})`}), e("span", {textContent: overlay.high}));
   };
@@ -159,7 +159,7 @@
     state.timer = setTimeout(step, 0);
   };
 
-  // The worst tenth of the frames, and of these one in a row of neighbours.
+  // The worst tenth of the frames, and of these one in a row of neighbors.
   const badFrames = () => dvi.worstFrames(Math.max(3, Math.ceil(dvi.data.frames.length / 10))).sort((a, b) => a - b);
   const toBad = (direction) => {
     const list = badFrames();

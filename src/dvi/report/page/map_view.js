@@ -1,8 +1,8 @@
 "use strict";
-// The drive from above: x of the world to the right, y up, in metres.
+// The drive from above: x of the world to the right, y up, in meters.
 (() => {
   const e = dvi.element, id = dvi.byId;
-  const colours = {path: "#0072b2", removed: "#e63c3c", unseen: "#e69f00"};
+  const colors = {path: "#0072b2", removed: "#e63c3c", unseen: "#e69f00"};
 
   const nearest = (poses, at) => {
     let best = 0, least = Infinity;
@@ -21,16 +21,16 @@
     const tracked = above.tracks.flatMap((track) => track.points.map(([x, y]) => [y, x])).filter(near);
     const [south, west, north, east] = [...path, ...tracked].reduce(([a, b, c, d], [y, x]) =>
       [Math.min(a, y), Math.min(b, x), Math.max(c, y), Math.max(d, x)], [Infinity, Infinity, -Infinity, -Infinity]);
-    const margin = 15;  // metres: the road and what stands beside it
+    const margin = 15;  // meters: the road and what stands beside it
     map.fitBounds([[south - margin, west - margin], [north + margin, east + margin]], {animate: false});
-    const right = above.left_m + above.width * above.metres_per_px, bottom = above.top_m - above.height * above.metres_per_px;
+    const right = above.left_m + above.width * above.meters_per_px, bottom = above.top_m - above.height * above.meters_per_px;
     const ground = L.imageOverlay("map/map.png", [[bottom, above.left_m], [above.top_m, right]], {className: "pixels"}).addTo(map);
     ground.on("error", () => id("map-legend").append(e("span", {className: "warning", textContent: "map/map.png is missing"})));
 
     const {cell_m: cell, cells} = dvi.data.unseen;
     const shown = ([x, y]) => x * cell >= above.left_m && x * cell < right && y * cell >= bottom && y * cell < above.top_m;
     const unseen = L.layerGroup(cells.filter(shown).map(([x, y, frame, pixels]) =>
-      L.rectangle([[y * cell, x * cell], [(y + 1) * cell, (x + 1) * cell]], {stroke: false, fillColor: colours.unseen, fillOpacity: 0.5})
+      L.rectangle([[y * cell, x * cell], [(y + 1) * cell, (x + 1) * cell]], {stroke: false, fillColor: colors.unseen, fillOpacity: 0.5})
         .bindTooltip(`nobody saw this, most of it in frame ${(dvi.frames()[frame] || {}).name} (${pixels * 16} px or so)`)
         .on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", frame); }))).addTo(map);
 
@@ -40,9 +40,9 @@
         .on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", track.points[0][2]); }))).addTo(map);
 
     L.polyline(path, {color: "#ffffff", weight: 7, opacity: 0.8}).addTo(map);
-    L.polyline(path, {color: colours.path, weight: 4}).addTo(map);
+    L.polyline(path, {color: colors.path, weight: 4}).addTo(map);
     const every = Math.max(1, Math.floor(poses.length / 400));
-    path.forEach((at, i) => i % every === 0 && L.circleMarker(at, {radius: 4, color: "#ffffff", weight: 1, fillColor: colours.path, fillOpacity: 1})
+    path.forEach((at, i) => i % every === 0 && L.circleMarker(at, {radius: 4, color: "#ffffff", weight: 1, fillColor: colors.path, fillOpacity: 1})
       .bindTooltip(`frame ${(dvi.frames()[i] || {}).name}`).on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", i); }).addTo(map));
     map.on("click", (event) => dvi.go("frames", nearest(poses, event.latlng)));
     L.control.layers(null, {"never seen": unseen, "tracks of what was removed": tracks}, {collapsed: false}).addTo(map);
@@ -60,12 +60,12 @@
         return;
       }
       id("above-text").textContent = "The static map that pixels were placed by. Click the path, or any place, to go to the frame next to it.";
-      const entry = (colour, text, hint) => e("span", {className: "entry", title: hint}, e("i", {className: "swatch", style: `background:${colour}`}), text);
+      const entry = (color, text, hint) => e("span", {className: "entry", title: hint}, e("i", {className: "swatch", style: `background:${color}`}), text);
       id("map-legend").append(
-        entry(colours.path, "path of the camera", "One dot a frame."),
-        entry(colours.removed, "scanner returns taken out of the map", "On traffic by masks or boxes, or gone in other scans."),
-        entry("#cc79a7", "tracks of what was removed", "Where labelled objects were, frame by frame."),
-        entry(colours.unseen, "never seen by any frame", "Filled pixels that no other frame saw look at these half-metre squares."));
+        entry(colors.path, "path of the camera", "One dot a frame."),
+        entry(colors.removed, "scanner returns taken out of the map", "On traffic by masks or boxes, or gone in other scans."),
+        entry("#cc79a7", "tracks of what was removed", "Where labeled objects were, frame by frame."),
+        entry(colors.unseen, "never seen by any frame", "Filled pixels that no other frame saw look at these half-meter squares."));
       draw(above);
     },
     show: () => { if (dvi.mapView) dvi.mapView.map.invalidateSize({animate: false}); },

@@ -33,17 +33,17 @@
       (seen < 0.995 ? `; ${dvi.percent(1 - seen, 0)} was never seen by any frame.` : ".");
   };
 
-  const tile = (value, label, hint, colour) =>
+  const tile = (value, label, hint, color) =>
     e("div", {className: "tile", title: hint},
       e("div", {className: "value", textContent: value}),
-      e("div", {className: "label"}, colour ? e("i", {className: "swatch", style: `background:${colour}`}) : null, label),
+      e("div", {className: "label"}, color ? e("i", {className: "swatch", style: `background:${color}`}) : null, label),
       e("div", {className: "hint", textContent: hint}));
 
   const tiles = () => {
     const share = (dvi.data.run.hole || {}).share || {};
     const kinds = t.kinds.filter((kind) => kind.key && (kind.key !== "empty" || share.empty > 0));
     return e("div", {className: "tiles"},
-      kinds.map((kind) => tile(dvi.percent(share[kind.key]), kind.name, kind.hint, kind.colour)),
+      kinds.map((kind) => tile(dvi.percent(share[kind.key]), kind.name, kind.hint, kind.color)),
       tile(dvi.percent(within()), t.within.label, t.within.hint));
   };
 
@@ -58,7 +58,7 @@
   const hints = () => {
     const hole = (dvi.data.run.hole || {}).share || {};
     const list = [];
-    if (hole.interpolated + hole.synthesised + hole.empty > 0.4)
+    if (hole.interpolated + hole.synthesized + hole.empty > 0.4)
       list.push(["Much of the removed area was never seen by any frame.",
         "A second drive through the same street as a SOURCE, or more cameras of this one (--sources all), would show more of it."]);
     const standing = dvi.data.run.standing;
@@ -82,7 +82,7 @@
       e("li", {className: kind}, e("strong", {textContent: text}), e("span", {textContent: advice}))));
   };
 
-  /** Frames by how many pixels of their worst place are expected to be wrong; of neighbours the worst only. */
+  /** Frames by how many pixels of their worst place are expected to be wrong; of neighbors the worst only. */
   dvi.worstFrames = (count) => {
     const apart = Math.max(1, Math.floor(dvi.data.frames.length / (count + 1)));
     const order = dvi.data.frames.map((entry, i) => i).filter((i) => dvi.data.frames[i].in_worst > 0)

@@ -3,7 +3,7 @@
 (() => {
   const e = dvi.element, t = dvi.texts;
   const shown = [40, 30];  // px of the picture in each crop
-  const noChange = 32768;  // as harmonisation/ has it
+  const noChange = 32768;  // as harmonization/ has it
 
   const around = ([x, y], size) => [
     Math.max(0, Math.min(size[0] - shown[0], x + 0.5 - shown[0] / 2)),
@@ -34,7 +34,7 @@
       source && apart(frame, source) ? row("in time", apart(frame, source), "How far the source is from this frame.") : null,
       row("blending", change.every(Number.isFinite) ? change.map((c) => (c > 0 ? "+" : "") + c).join(" ") + " levels" : "–",
         "What was added to red, green and blue of the copy so that it joins its surroundings."),
-      values.averaged > 1 ? row("averaged", `${values.averaged} sources`, "Several frames agreed; their colours were averaged.") : null,
+      values.averaged > 1 ? row("averaged", `${values.averaged} sources`, "Several frames agreed; their colors were averaged.") : null,
     ];
   };
 
@@ -55,7 +55,7 @@
     if (values) crops.push(figure("before", dvi.crop(dvi.before(frame), size, around([x, y], size), [x, y])));
     const rows = [
       row("pixel", e("span", {id: "pixel-position", textContent: `${x}, ${y}`}), "Column and row in this frame, from 0."),
-      row("kind", e("span", {}, kind.colour ? e("i", {className: "swatch", style: `background:${kind.colour}`}) : null, kind.name), kind.hint),
+      row("kind", e("span", {}, kind.color ? e("i", {className: "swatch", style: `background:${kind.color}`}) : null, kind.name), kind.hint),
       values && values.confidence !== undefined ? row("confidence", dvi.percent(values.confidence / 255, 0), t.within.hint) : null,
       values && values.depth ? row("depth", `${(values.depth / 256).toFixed(2)} m`, "Distance along the camera's axis.") : null,
       ...(copied ? sourceRows(frame, values, source) : []),

@@ -6,12 +6,12 @@
   const block = (title, hint, ...content) => e("article", {}, e("h2", {textContent: title}), e("p", {className: "hint", textContent: hint}), ...content);
   const table = (head, rows) => e("table", {className: "wide"}, e("thead", {}, e("tr", {}, head.map((text) => e("th", {textContent: text})))),
     e("tbody", {}, rows.map((row) => e("tr", {}, row.map((cell) => e("td", {}, cell))))));
-  const millimetres = (metres) => (Number.isFinite(metres) ? `${(1000 * metres).toFixed(1)} mm` : "–");
+  const millimeters = (meters) => (Number.isFinite(meters) ? `${(1000 * meters).toFixed(1)} mm` : "–");
 
   const poses = () => {
     const rows = (dvi.data.run.drives || []).map((drive) => {
       const {given, loam} = (drive.poses || {}).sharpness || {};
-      const sharp = (s) => (s ? `${millimetres(s.ground_m)} / ${millimetres(s.vertical_m)}` : "–");
+      const sharp = (s) => (s ? `${millimeters(s.ground_m)} / ${millimeters(s.vertical_m)}` : "–");
       const aligned = drive.alignment ? (drive.alignment.kept ? "refined" : "kept as they were") : "–";
       return [drive.path.split("/").pop(), drive.camera, String(drive.frames), String(drive.scans), (drive.poses || {}).from || "–", sharp(given), sharp(loam), aligned];
     });
@@ -36,19 +36,19 @@
   };
 
   const exposure = () => lines("Exposure over time", "Gains that bring each frame into one light; 1 is as recorded. Steps and swings are the camera's.", "gain",
-    [["red", "#d55e00"], ["green", "#009e73"], ["blue", "#0072b2"]].map(([label, colour], i) =>
-      ({label, colour, values: dvi.frames().map((frame) => (frame.exposure_gain || [])[i])})));
+    [["red", "#d55e00"], ["green", "#009e73"], ["blue", "#0072b2"]].map(([label, color], i) =>
+      ({label, color, values: dvi.frames().map((frame) => (frame.exposure_gain || [])[i])})));
 
   const alignment = () => lines("Alignment", "How far points of the map lie from where the picture shows them, in the middle of a frame, before and after the camera was aligned.", "px",
-    [["before", "#999999", "offset_before_px"], ["after", "#0072b2", "offset_after_px"]].map(([label, colour, key]) =>
-      ({label, colour, values: dvi.frames().map((frame) => (frame.alignment || {})[key])})));
+    [["before", "#999999", "offset_before_px"], ["after", "#0072b2", "offset_after_px"]].map(([label, color, key]) =>
+      ({label, color, values: dvi.frames().map((frame) => (frame.alignment || {})[key])})));
 
   const truth = () => {
     const frames = (dvi.data.evaluation || {}).per_frame;
     if (!frames) return null;
     const by = new Map(frames.map((frame) => [frame.name, frame]));
-    return lines("Error against the truth", "Mean absolute difference inside the removed area.", "grey levels",
-      [{label: "MAE", colour: "#d55e00", values: dvi.frames().map((frame) => ((by.get(frame.name) || {}).all || {}).mae)}]);
+    return lines("Error against the truth", "Mean absolute difference inside the removed area.", "gray levels",
+      [{label: "MAE", color: "#d55e00", values: dvi.frames().map((frame) => ((by.get(frame.name) || {}).all || {}).mae)}]);
   };
 
   const options = () => block("Options that differ from the default", "dvi.toml beside this page holds all of them.",

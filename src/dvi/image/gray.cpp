@@ -1,10 +1,10 @@
-#include "dvi/image/grey.h"
+#include "dvi/image/gray.h"
 
 #include <opencv2/imgproc.hpp>
 
 namespace dvi {
 
-cv::Mat1b grey_8bit(const cv::Mat3b& image) {
+cv::Mat1b gray_8bit(const cv::Mat3b& image) {
   cv::Mat1b out;
   cv::cvtColor(image, out, cv::COLOR_BGR2GRAY);
   return out;

@@ -1,4 +1,4 @@
-#include "dvi/harmonize/limit_colours.h"
+#include "dvi/harmonize/limit_colors.h"
 
 #include <algorithm>
 #include <array>
@@ -15,21 +15,20 @@ namespace {
 constexpr int kRing = 40;       // px
 constexpr double kTail = 0.01;  // of the ring's pixels at either end: lamps, noise
 
-/// By the copies of a pixel and its neighbours. In the target's light these may be brighter than white.
-ColourRange widened(ColourRange range, const sample::Candidates& candidates, const std::vector<cv::Vec3f>& copies,
-                    cv::Point p) {
+/// By the copies of a pixel and its neighbors. In the target's light these may be brighter than white.
+ColorRange widened(ColorRange range, const sample::Candidates& candidates, const std::vector<cv::Vec3f>& copies, cv::Point p) {
   const cv::Mat1i& index = candidates.hole.index;
   for (int y = std::max(p.y - 1, 0); y <= std::min(p.y + 1, index.rows - 1); ++y)
     for (int x = std::max(p.x - 1, 0); x <= std::min(p.x + 1, index.cols - 1); ++x) {
       const int j = index(y, x);
-      if (j >= 0 && candidates.leading[j].found()) range = range.with(ColourRange{}.clamped(copies[j]));
+      if (j >= 0 && candidates.leading[j].found()) range = range.with(ColorRange{}.clamped(copies[j]));
     }
   return range;
 }
 
 }  // namespace
 
-ColourRange range_round(const cv::Mat3b& image, const cv::Mat1b& hole) {
+ColorRange range_round(const cv::Mat3b& image, const cv::Mat1b& hole) {
   const cv::Rect within = cv::boundingRect(hole);
   const cv::Rect box = cv::Rect(within.x - kRing, within.y - kRing, within.width + 2 * kRing, within.height + 2 * kRing) &
                        cv::Rect({}, image.size());
@@ -44,7 +43,7 @@ ColourRange range_round(const cv::Mat3b& image, const cv::Mat1b& hole) {
       for (int c = 0; c < 3; ++c) ++levels[c][image(p)[c]];
       ++count;
     }
-  ColourRange out;
+  ColorRange out;
   if (count == 0) return out;
   const auto tail = static_cast<std::size_t>(kTail * static_cast<double>(count));
   for (int c = 0; c < 3; ++c) {
@@ -57,13 +56,13 @@ ColourRange range_round(const cv::Mat3b& image, const cv::Mat1b& hole) {
   return out;
 }
 
-void keep_within(const ColourRange& surroundings, const sample::Candidates& candidates, const std::vector<cv::Vec3f>& copies,
-                 cv::Mat3f& colour) {
+void keep_within(const ColorRange& surroundings, const sample::Candidates& candidates, const std::vector<cv::Vec3f>& copies,
+                 cv::Mat3f& color) {
   for (std::size_t i = 0; i < candidates.leading.size(); ++i) {
     if (!candidates.leading[i].found()) continue;
     const cv::Point p = candidates.hole.pixels[i];
-    if (surroundings.clamped(colour(p)) == colour(p)) continue;
-    colour(p) = widened(surroundings, candidates, copies, p).clamped(colour(p));
+    if (surroundings.clamped(color(p)) == color(p)) continue;
+    color(p) = widened(surroundings, candidates, copies, p).clamped(color(p));
   }
 }
 

@@ -13,7 +13,7 @@ struct Energies {
 };
 
 /// The candidates after the MRF has moved each within its window.
-struct Labelling {
+struct Labeling {
   sample::Candidates candidates;
   std::optional<Energies> energy;  ///< none where nothing was to be moved
   int iterations = 0;

@@ -1,4 +1,4 @@
-#include "dvi/metrics/artefacts.h"
+#include "dvi/metrics/artifacts.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include "dvi/core/lazy.h"
 #include "dvi/core/threads.h"
-#include "dvi/image/grey.h"
+#include "dvi/image/gray.h"
 #include "dvi/image/optical_flow.h"
 #include "dvi/media/image_file.h"
 
@@ -16,12 +16,12 @@ namespace dvi::metrics {
 namespace {
 
 constexpr int kRing = 40;       // px
-constexpr int kFlash = 40;      // grey levels off both neighbouring frames
-constexpr int kAgree = 20;      // grey levels between these two
+constexpr int kFlash = 40;      // gray levels off both neighboring frames
+constexpr int kAgree = 20;      // gray levels between these two
 constexpr double kTail = 0.01;  // of the ring's pixels at either end of its range
-constexpr int kGrace = 5;       // grey levels beyond the range
-constexpr int kNeighbours = 5;  // px: width of the neighbourhood
-constexpr int kLone = 25;       // grey levels off its median
+constexpr int kGrace = 5;       // gray levels beyond the range
+constexpr int kNeighbors = 5;   // px: width of the neighborhood
+constexpr int kLone = 25;       // gray levels off its median
 
 cv::Mat1b ring_round(const cv::Mat1b& mask) {
   cv::Mat1b ring;
@@ -33,12 +33,12 @@ struct Range {
   int low = 0, high = 255;
 };
 
-Range range_of(const cv::Mat1b& grey, const cv::Mat1b& pixels) {
+Range range_of(const cv::Mat1b& gray, const cv::Mat1b& pixels) {
   std::array<std::size_t, 256> levels{};
   std::size_t count = 0;
-  for (int y = 0; y < grey.rows; ++y)
-    for (int x = 0; x < grey.cols; ++x)
-      if (pixels(y, x) != 0) ++levels[grey(y, x)], ++count;
+  for (int y = 0; y < gray.rows; ++y)
+    for (int x = 0; x < gray.cols; ++x)
+      if (pixels(y, x) != 0) ++levels[gray(y, x)], ++count;
   const auto level = [&](double share) {
     const double before = share * static_cast<double>(count);
     std::size_t passed = 0, at = 0;
@@ -48,14 +48,14 @@ Range range_of(const cv::Mat1b& grey, const cv::Mat1b& pixels) {
   return count == 0 ? Range{} : Range{level(kTail), level(1 - kTail)};
 }
 
-std::size_t overshoots(const cv::Mat1b& grey, const cv::Mat1b& mask, const cv::Mat1b& ring) {
-  const Range range = range_of(grey, ring);
+std::size_t overshoots(const cv::Mat1b& gray, const cv::Mat1b& mask, const cv::Mat1b& ring) {
+  const Range range = range_of(gray, ring);
   cv::Mat1b median;
-  cv::medianBlur(grey, median, kNeighbours);
+  cv::medianBlur(gray, median, kNeighbors);
   std::size_t count = 0;
-  for (int y = 0; y < grey.rows; ++y)
-    for (int x = 0; x < grey.cols; ++x) {
-      const int value = grey(y, x);
+  for (int y = 0; y < gray.rows; ++y)
+    for (int x = 0; x < gray.cols; ++x) {
+      const int value = gray(y, x);
       const bool beyond = value < range.low - kGrace || value > range.high + kGrace;
       count += mask(y, x) != 0 && beyond && std::abs(value - median(y, x)) > kLone ? 1 : 0;
     }
@@ -88,7 +88,7 @@ std::size_t pixels(const cv::Mat1b& mask) { return static_cast<std::size_t>(cv::
 
 }  // namespace
 
-Artefacts& Artefacts::operator+=(const Artefacts& other) {
+Artifacts& Artifacts::operator+=(const Artifacts& other) {
   hole += other.hole;
   overshoots += other.overshoots;
   hole_between += other.hole_between;
@@ -98,43 +98,43 @@ Artefacts& Artefacts::operator+=(const Artefacts& other) {
   return *this;
 }
 
-double Artefacts::flash_ppm() const { return ppm(flashes, hole_between); }
-double Artefacts::ring_flash_ppm() const { return ppm(ring_flashes, ring_between); }
-double Artefacts::overshoot_ppm() const { return ppm(overshoots, hole); }
+double Artifacts::flash_ppm() const { return ppm(flashes, hole_between); }
+double Artifacts::ring_flash_ppm() const { return ppm(ring_flashes, ring_between); }
+double Artifacts::overshoot_ppm() const { return ppm(overshoots, hole); }
 
-Artefacts count_artefacts(const fs::path& out, const std::vector<std::string>& names, const Tick& tick,
+Artifacts count_artifacts(const fs::path& out, const std::vector<std::string>& names, const Tick& tick,
                           const std::function<fs::path(const std::string& name)>& filled) {
   const auto mask_of = [&](std::size_t i, cv::Size size) {
     return media::read_mask(out / "masks" / (names[i] + ".png"), size);
   };
-  const Lazy<cv::Mat1b> grey(names.size(), [&](std::size_t i) {
+  const Lazy<cv::Mat1b> gray(names.size(), [&](std::size_t i) {
     const fs::path file = out / "frames" / (names[i] + ".png");
     const cv::Size size = media::image_size(file);
     cv::Mat3b frame = media::read_image(file, size);
     if (filled)
       if (const cv::Mat1b mask = mask_of(i, size); cv::countNonZero(mask) > 0)
         media::read_image(filled(names[i]), size).copyTo(frame, mask);
-    return grey_8bit(frame);
+    return gray_8bit(frame);
   });
-  std::vector<Artefacts> found(names.size());
+  std::vector<Artifacts> found(names.size());
   parallel_in_order(names.size(), [&](std::size_t i) {
     tick();
-    const auto now = grey[i];
+    const auto now = gray[i];
     const cv::Mat1b mask = mask_of(i, now->size());
-    Artefacts& counts = found[i];
+    Artifacts& counts = found[i];
     counts.hole = pixels(mask);
     if (counts.hole == 0) return;
     const cv::Mat1b ring = ring_round(mask);
     counts.overshoots = overshoots(*now, mask, ring);
     if (i == 0 || i + 1 == names.size() || std::min(now->rows, now->cols) < kLeastFlowSide) return;
-    const auto before = grey[i - 1], behind = grey[i + 1];
+    const auto before = gray[i - 1], behind = gray[i + 1];
     if (before->size() != now->size() || behind->size() != now->size()) return;
     const cv::Mat1b flashing = flashes(*now, *before, *behind);
     counts.hole_between = counts.hole, counts.ring_between = pixels(ring);
     counts.flashes = pixels(cv::Mat1b(flashing & mask)), counts.ring_flashes = pixels(cv::Mat1b(flashing & ring));
   });
-  Artefacts sum;
-  for (const Artefacts& counts : found) sum += counts;
+  Artifacts sum;
+  for (const Artifacts& counts : found) sum += counts;
   return sum;
 }
 

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <algorithm>
+
+#include <opencv2/core/matx.hpp>
+
+namespace dvi {
+
+/// BGR, 0 to 255, each channel by itself.
+struct ColorRange {
+  cv::Vec3f low = cv::Vec3f::all(0), high = cv::Vec3f::all(255);
+
+  cv::Vec3f clamped(const cv::Vec3f& color) const {
+    cv::Vec3f out;
+    for (int c = 0; c < 3; ++c) out[c] = std::clamp(color[c], low[c], high[c]);
+    return out;
+  }
+  /// Wide enough for a color.
+  ColorRange with(const cv::Vec3f& color) const {
+    ColorRange out = *this;
+    for (int c = 0; c < 3; ++c) {
+      out.low[c] = std::min(low[c], color[c]);
+      out.high[c] = std::max(high[c], color[c]);
+    }
+    return out;
+  }
+};
+
+}  // namespace dvi
