@@ -52,7 +52,7 @@ class Variants(unittest.TestCase):
         self.assertEqual([variant.arguments for variant in variants.published_switches(differing)], switches)
 
     def test_nothing_is_run_twice_under_two_names_nor_two_things_under_one(self):
-        differing = [("stages.plane_sweep", "true", "false"), ("harmonize.never_seen_vertical", "0.1", "1.0"),
+        differing = [("stages.plane_sweep", "true", "false"), ("harmonize.unobserved_vertical", "0.1", "1.0"),
                      ("map.enabled", "true", "false"), ("depth.enabled", "true", "false")]
         self.assertEqual([variant.name for variant in variants.published_switches(differing)],
                          ["paper-map-enabled", "paper-depth-enabled"])

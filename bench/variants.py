@@ -22,8 +22,8 @@ METHODS = (
     Variant("ns", "OpenCV's Navier-Stokes inpainting: one image", ("--method", "ns")),
     Variant("flow", "propagation along optical flow: images and masks", ("--method", "flow")),
     Variant("paper", "the published form of every stage", ("--method", "paper")),
-    Variant("interpolate", "dvi, but what nobody saw interpolated, not synthesized (`harmonize.never_seen=interpolate`)",
-            ("--set", "harmonize.never_seen=interpolate")),
+    Variant("interpolate", "dvi, but what no source observed interpolated, not synthesized (`harmonize.unobserved=interpolate`)",
+            ("--set", "harmonize.unobserved=interpolate")),
     DVI,
 )
 
@@ -36,8 +36,8 @@ ABLATIONS = (
     _off("no-poisson", "colors as copied, no Poisson blending", "harmonize.poisson"),
     Variant("bp", "belief propagation (`stages.regularize=true`)", ("--set", "stages.regularize=true")),
     _off("no-exposure", "colors as the frames have them, no common light", "stages.exposure"),
-    Variant("membrane", "what nobody saw, interpolated from all sides (`harmonize.never_seen_vertical=1.0`)",
-            ("--set", "harmonize.never_seen_vertical=1.0")),
+    Variant("membrane", "what no source observed, interpolated from all sides (`harmonize.unobserved_vertical=1.0`)",
+            ("--set", "harmonize.unobserved_vertical=1.0")),
     _off("no-plane-sweep", "no depth beyond the LiDAR's reach from the images", "stages.plane_sweep"),
     Variant("one-source", "one source a pixel (`sample.sources=1`)", ("--set", "sample.sources=1")),
     _off("no-align", "poses as given, no refinement", "stages.align"),

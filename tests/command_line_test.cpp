@@ -61,12 +61,12 @@ TEST_F(CommandLine, DumpedOptionsReadBack) {
   EXPECT_THAT(dvi("config dump").out, Not(HasSubstr("[regularize]"))) << "developer options are asked for";
 }
 
-TEST_F(CommandLine, FilesOfEarlierVersionsAreAnsweredWithTodaysNames) {
-  write_file(folder / "old.toml", "[odometry]\nmin_range_m = 3\n[regularize]\nalpha = 20\n");
+TEST_F(CommandLine, UnknownOptionsOfAFileAreRefusedWithTheNearest) {
+  write_file(folder / "old.toml", "[smooth]\nreplace_outlier = true\n");
   const Result result = dvi("run drive -o out --config old.toml");
   EXPECT_EQ(result.code, 2);
-  EXPECT_THAT(result.err, HasSubstr("option odometry.min_range_m is now lidar.min_range_m"));
-  EXPECT_THAT(result.err, HasSubstr("option regularize.alpha is gone: "));
+  EXPECT_THAT(result.err,
+              HasSubstr("old.toml: there is no option 'smooth.replace_outlier', did you mean 'smooth.replace_outliers'?"));
 }
 
 TEST_F(CommandLine, CheckDescribesADrive) {

@@ -39,7 +39,7 @@ TEST_F(ExportTest, IsReadByOtherTools) {
   const Result read = shell("/usr/bin/python3 " DVI_EXPORT_READER " out exports");
   EXPECT_EQ(read.code, 0) << read.out << read.err;
 
-  // Masks hide what nobody saw, and nothing else.
+  // Masks hide what no source observed, and nothing else.
   for (const fs::path& file : list_files(folder / "out/kind", {".png"})) {
     const cv::Mat1b kind = media::read_png_gray(file, kSize);
     const cv::Mat1b mask = media::read_png_gray(folder / "exports/colmap/masks" / (file.filename().string() + ".png"), kSize);

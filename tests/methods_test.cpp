@@ -126,7 +126,7 @@ TEST_F(Methods, ForecastSaysWhatTheRunThenReports) {
     const nlohmann::json forecast = nlohmann::json::parse(result.out);
     ASSERT_EQ(dvi("run " + drives + " -o out --force --quiet").code, 0);
     const nlohmann::json report = json("out/report.json");
-    EXPECT_NEAR(forecast["hole"]["never_seen"].get<double>(), report["hole"]["share"]["never_seen"].get<double>(), 0.02)
+    EXPECT_NEAR(forecast["hole"]["unobserved"].get<double>(), report["hole"]["share"]["unobserved"].get<double>(), 0.02)
         << drives;
     EXPECT_NEAR(forecast["hole"]["copied_elsewhere"].get<double>(), report["hole"]["share"]["copied_elsewhere"].get<double>(),
                 0.02);
@@ -135,7 +135,7 @@ TEST_F(Methods, ForecastSaysWhatTheRunThenReports) {
       EXPECT_EQ(forecast["frames"][i]["name"], report["frames"][i]["name"]);
     EXPECT_TRUE(fs::exists(folder / "chart/forecast.png"));
   }
-  EXPECT_THAT(dvi("forecast one --quiet").out, HasSubstr("never seen"));
+  EXPECT_THAT(dvi("forecast one --quiet").out, HasSubstr("unobserved"));
 }
 
 TEST_F(Methods, CheckSaysWhatToExpect) {

@@ -40,7 +40,7 @@ TEST_F(OddFrames, BlackWhiteDarkWholeAndCut) {
   media::write_png(file("drive/masks/front", 4), cut);
   const Result run = dvi("run drive -o out --poses given --masks drive/masks/front --set masks.shadows=false");
   ASSERT_EQ(run.code, 0) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("% never seen ("));
+  EXPECT_THAT(run.out, HasSubstr("% unobserved ("));
   EXPECT_THAT(run.out, HasSubstr("% synthesized"));
   EXPECT_LT(filled_mean(0), 60);
   EXPECT_GT(filled_mean(1), 195);
@@ -58,7 +58,7 @@ TEST_F(OddFrames, OneOrTwoAreADrive) {
     const std::string out = "out" + std::to_string(last);
     const Result run = dvi("run drive -o " + out + " --frames 0:" + std::to_string(last));
     ASSERT_EQ(run.code, 0) << run.err;
-    EXPECT_THAT(run.out, HasSubstr("% never seen ("));
+    EXPECT_THAT(run.out, HasSubstr("% unobserved ("));
     EXPECT_EQ(list_files(folder / out / "frames", {".png"}).size(), static_cast<std::size_t>(last) + 1);
     EXPECT_EQ(dvi("audit " + out + " drive").code, 0);
   }

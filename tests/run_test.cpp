@@ -291,7 +291,7 @@ TEST_F(Run, FusionFillsWhatOneDriveNeverSaw) {
   ASSERT_EQ(dvi("run one -o alone --quiet").code, 0);
   const Result both = dvi("run one two -o both --quiet");
   ASSERT_EQ(both.code, 0) << both.err;
-  EXPECT_LT(report("both")["hole"]["share"]["never_seen"], report("alone")["hole"]["share"]["never_seen"]);
+  EXPECT_LT(report("both")["hole"]["share"]["unobserved"], report("alone")["hole"]["share"]["unobserved"]);
   EXPECT_GT(report("both")["hole"]["share"]["copied_elsewhere"], 0);
   EXPECT_EQ(report("both")["drives"].size(), 2);
 }
@@ -300,12 +300,12 @@ TEST_F(Run, EveryStageCanBeSwitchedOff) {
   small_drive();
   const std::string off =
       "--set stages.align=false --set sample.occlusion_test=false --set stages.regularize=false "
-      "--set harmonize.poisson=false --set stages.smooth=false --never-seen leave";
+      "--set harmonize.poisson=false --set stages.smooth=false --unobserved leave";
   const Result result = dvi("run drive -o out --quiet " + off);
   ASSERT_EQ(result.code, 0) << result.err;
   const auto share = report()["hole"]["share"];
   EXPECT_EQ(share["interpolated"], 0);
-  EXPECT_EQ(share["empty"], share["never_seen"]);
+  EXPECT_EQ(share["empty"], share["unobserved"]);
   ASSERT_EQ(dvi("run drive -o paper --method paper --quiet").code, 0);
   for (const auto& frame : report("paper")["frames"]) EXPECT_LE(frame["energy"]["after"], frame["energy"]["before"]);
 }
@@ -313,16 +313,16 @@ TEST_F(Run, EveryStageCanBeSwitchedOff) {
 TEST_F(Run, WhatNobodySawIsSynthesizedInterpolatedOrLeft) {
   small_drive("one", "--truck");
   const auto share = [&](const std::string& how) {
-    const Result result = dvi("run one -o " + how + " --quiet --never-seen " + how);
+    const Result result = dvi("run one -o " + how + " --quiet --unobserved " + how);
     EXPECT_EQ(result.code, 0) << result.err;
     return report(how)["hole"]["share"];
   };
   const auto synthesized = share("synthesize"), interpolated = share("interpolate"), left = share("leave");
   EXPECT_GT(synthesized["synthesized"], 0.05);
-  EXPECT_EQ(synthesized["never_seen"], interpolated["never_seen"]);
-  EXPECT_EQ(interpolated["interpolated"], interpolated["never_seen"]);
-  EXPECT_EQ(left["empty"], left["never_seen"]);
-  EXPECT_EQ(dvi("run one -o no --quiet --never-seen guess").code, 2);
+  EXPECT_EQ(synthesized["unobserved"], interpolated["unobserved"]);
+  EXPECT_EQ(interpolated["interpolated"], interpolated["unobserved"]);
+  EXPECT_EQ(left["empty"], left["unobserved"]);
+  EXPECT_EQ(dvi("run one -o no --quiet --unobserved guess").code, 2);
 }
 
 TEST_F(Run, EmptyMasksLeaveTheDriveAsItIs) {

@@ -24,7 +24,7 @@ def main():
         out = Path(folder, "out")
         assert len(list((out / "frames").iterdir())) == 12, "frames are missing"
         kinds = done.stdout
-        assert "copied" in kinds and "never seen" in kinds, kinds
+        assert "copied" in kinds and "unobserved" in kinds, kinds
     print(f"{page.name}: {sum(block.count(chr(10)) for block in blocks)} lines ran")
 
 

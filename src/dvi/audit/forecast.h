@@ -15,7 +15,7 @@ namespace dvi::audit {
 struct HoleShares {
   double copied = 0;            ///< other frames of the same drive
   double copied_elsewhere = 0;  ///< source drives
-  double never_seen = 0;
+  double unobserved = 0;
 };
 
 struct FrameForecast {
@@ -40,7 +40,7 @@ Forecast forecast(
 Views every_nth(const Views& views, int step);
 
 /// A bar a frame from left to right, as high as its hole is seen: this drive's part below, source drives' above it, what is
-/// never seen on top. Frames without a hole stay blank. `numbers` of the frames, for the axis.
+/// unobserved on top. Frames without a hole stay blank. `numbers` of the frames, for the axis.
 cv::Mat3b forecast_chart(const Forecast& forecast, const std::vector<int>& numbers);
 
 }  // namespace dvi::audit

@@ -49,7 +49,7 @@ void axes(cv::Mat3b& chart, int right) {
 void legend(cv::Mat3b& chart) {
   int x = kLeft;
   for (const auto& [color, text] : {std::pair(kCopied, "seen by this drive"), std::pair(kElsewhere, "seen by source drives"),
-                                    std::pair(kNever, "never seen")}) {
+                                    std::pair(kNever, "unobserved")}) {
     cv::rectangle(chart, cv::Rect(x, 12, 12, 12), color, cv::FILLED);
     write(chart, text, {x + 18, 22});
     x += 190;
@@ -70,7 +70,7 @@ cv::Mat3b forecast_chart(const Forecast& forecast, const std::vector<int>& numbe
     const HoleShares& hole = forecast.frames[i].hole;
     double base = 0;
     for (const auto& [color, share] :
-         {std::pair(kCopied, hole.copied), std::pair(kElsewhere, hole.copied_elsewhere), std::pair(kNever, hole.never_seen)}) {
+         {std::pair(kCopied, hole.copied), std::pair(kElsewhere, hole.copied_elsewhere), std::pair(kNever, hole.unobserved)}) {
       const int top = row_of(base + share), bottom = row_of(base);
       if (bottom > top) chart(cv::Rect(kLeft + i * bar, top, bar > 3 ? bar - 1 : bar, bottom - top)).setTo(color);
       base += share;

@@ -56,7 +56,7 @@ TEST(Forecast, CountsWhatOthersSee) {
     const Forecast found = wall.forecast(step);
     ASSERT_EQ(found.frames.size(), 2U);
     EXPECT_NEAR(found.frames[0].hole.copied, 0.5, 0.02);
-    EXPECT_NEAR(found.total.copied + found.total.never_seen, 1, 1e-9);
+    EXPECT_NEAR(found.total.copied + found.total.unobserved, 1, 1e-9);
     EXPECT_NEAR(found.frames[0].image_share, 40.0 * 32 / (kWidth * kHeight), 0.01);
   }
 }
@@ -71,7 +71,7 @@ TEST(Forecast, TellsFurtherDrivesApart) {
   ASSERT_EQ(found.frames.size(), 2U) << "the target drive's only";
   EXPECT_NEAR(found.total.copied, 0.5, 0.02);
   EXPECT_NEAR(found.total.copied_elsewhere, 0.5, 0.02);
-  EXPECT_NEAR(found.total.never_seen, 0, 0.01);
+  EXPECT_NEAR(found.total.unobserved, 0, 0.01);
 }
 
 TEST(Forecast, FramesWithoutAHoleHaveNothingToTell) {
@@ -80,7 +80,7 @@ TEST(Forecast, FramesWithoutAHoleHaveNothingToTell) {
   wall.add(5, {});
   const Forecast found = wall.forecast(2);
   EXPECT_EQ(found.total.copied, 0);
-  EXPECT_EQ(found.total.never_seen, 0);
+  EXPECT_EQ(found.total.unobserved, 0);
   EXPECT_EQ(found.frames[0].image_share, 0);
 }
 

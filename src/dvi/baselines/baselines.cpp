@@ -70,7 +70,7 @@ sample::Candidates follow(const Views& views, std::size_t target, const Lazy<Hol
 harmonize::FilledFrame copied(const sample::Candidates& candidates, const Views& views, std::size_t target) {
   harmonize::HarmonizeOptions as_is;
   as_is.poisson = false;
-  as_is.never_seen = harmonize::NeverSeen::leave;
+  as_is.unobserved = harmonize::Unobserved::leave;
   const cv::Mat1f no_depth(candidates.hole.index.size(), depth::DepthMap::kUnknown);
   return harmonize::harmonize(candidates, views, target, {no_depth, no_depth}, {}, as_is);
 }

@@ -9,9 +9,9 @@
 #include <CLI/CLI.hpp>
 
 #include "dvi/cli/completion.h"
-#include "dvi/cli/nearest.h"
 #include "dvi/core/error.h"
 #include "dvi/core/interrupt.h"
+#include "dvi/core/nearest_word.h"
 #include "dvi/core/version.h"
 
 namespace dvi::cli {
@@ -89,7 +89,7 @@ std::optional<std::string> unknown_option(const Understood& in) {
     }
     const std::string option = word.substr(0, word.find('='));
     return fmt::format("{} has no option {}{}\n{}", in.words.empty() ? "dvi without a command" : in.words, option,
-                       ask_for(nearest(option, long_names(*in.command))), in.see_help());
+                       ask_for(nearest_word(option, long_names(*in.command))), in.see_help());
   }
   return std::nullopt;
 }
@@ -104,7 +104,7 @@ std::string explain(const CLI::App& program, const CLI::ParseError& error) {
   if (choices.empty()) return fmt::format("{}\n{}", error.what(), last.see_help());
   const std::vector<std::string> rest = last.command->remaining();
   if (rest.empty()) return fmt::format("a command is missing: dvi {}\n\n{}", last.behind("COMMAND"), program.help());
-  const std::string meant = nearest(rest.front(), choices);
+  const std::string meant = nearest_word(rest.front(), choices);
   return fmt::format("there is no command '{}'{}\n{}", last.behind(rest.front()),
                      ask_for(meant.empty() ? "" : last.behind(meant)), last.see_help());
 }

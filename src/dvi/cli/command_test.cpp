@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "dvi/cli/completion.h"
-#include "dvi/cli/nearest.h"
 #include "dvi/core/error.h"
 #include "dvi/core/interrupt.h"
+#include "dvi/core/nearest_word.h"
 
 namespace dvi::cli {
 namespace {
@@ -148,14 +148,14 @@ TEST(Program, WithoutACommandItsHelpIsShown) {
 
 TEST(Nearest, IsTheWordWithTheFewestTypingErrors) {
   const std::vector<std::string> words = {"run", "map", "eval", "forecast", "formats"};
-  EXPECT_EQ(nearest("rnu", words), "run");
-  EXPECT_EQ(nearest("mapp", words), "map");
-  EXPECT_EQ(nearest("forcast", words), "forecast");
-  EXPECT_EQ(nearest("format", words), "formats");
-  EXPECT_EQ(nearest("evl", words), "eval");
-  EXPECT_EQ(nearest("xyz", words), "");
-  EXPECT_EQ(nearest("", words), "");
-  EXPECT_EQ(nearest("run", {}), "");
+  EXPECT_EQ(nearest_word("rnu", words), "run");
+  EXPECT_EQ(nearest_word("mapp", words), "map");
+  EXPECT_EQ(nearest_word("forcast", words), "forecast");
+  EXPECT_EQ(nearest_word("format", words), "formats");
+  EXPECT_EQ(nearest_word("evl", words), "eval");
+  EXPECT_EQ(nearest_word("xyz", words), "");
+  EXPECT_EQ(nearest_word("", words), "");
+  EXPECT_EQ(nearest_word("run", {}), "");
 }
 
 TEST(Command, FillsItsFieldsAndLeavesTheOthers) {

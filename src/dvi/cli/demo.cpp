@@ -37,7 +37,7 @@ std::string what_to_look_at(const fs::path& result, bool synthetic) {
       "\nNow open {} in a browser.\n"
       "  Overview    what was removed, how well it went, and the least certain places\n"
       "  Frames      drag the divider between before and after; click a pixel to see where it comes from{}\n"
-      "  From above  where the drive went, and what nobody saw",
+      "  From above  where the drive went, and what no source observed",
       (result / "report.html").string(), synthetic ? ";\n              the left side can also show the truth" : "");
 }
 

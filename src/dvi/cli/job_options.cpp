@@ -45,7 +45,7 @@ void JobOptions::add_to(Command& command) {
   command.option("--poses", poses,
                  "auto (default: given or loam, whichever map is sharper), given, loam (estimated from scans), or FILE");
   command.option("--remove", remove, "moving, labeled (default: what the masks say), or all (masks and every labeled object)");
-  command.option("--never-seen", never_seen,
+  command.option("--unobserved", unobserved,
                  "Pixels that no frame saw: synthesize (default), interpolate from their surroundings, or leave (black)");
   command.option("--method", method,
                  "dvi (default), paper (the published form), or a baseline without depth and poses: flow, telea, ns");
@@ -75,7 +75,7 @@ job::Job JobOptions::job(const std::string& out, const std::string& target, cons
   if (ego_mask) job.read.ego_mask = *ego_mask;
   take(poses, "--poses", job::PosesFrom::parse, job.read.poses);
   take(remove, "--remove", job::parse_remove, job.read.remove);
-  take(never_seen, "--never-seen", parse_name<harmonize::NeverSeen>, job.options.harmonize.never_seen);
+  take(unobserved, "--unobserved", parse_name<harmonize::Unobserved>, job.options.harmonize.unobserved);
   for (const std::string& assignment : set) table.set(assignment);
   job.options.check();
   if (!out.empty()) job.out = out;

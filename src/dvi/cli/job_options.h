@@ -12,7 +12,7 @@ namespace dvi::cli {
 /// The command line of a job: which drives, which of their data, which options. Shared by run, map and config dump.
 struct JobOptions {
   std::optional<std::string> camera, source_cameras, frames, masks, polarity, classes, ego_mask, detector, poses, remove,
-      never_seen, method;
+      unobserved, method;
   std::string config;
   std::vector<std::string> set, topics;
 

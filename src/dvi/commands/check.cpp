@@ -161,8 +161,8 @@ std::string CheckReport::brief() const {
     text += fmt::format("  topic    {} ({}): {} messages, {:.1f} Hz{}\n", topic.name, topic.type, topic.messages, topic.rate_hz,
                         topic.use.empty() ? "" : ": " + topic.use);
   if (forecast)
-    text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never (--never-seen says how it is filled)\n",
-                        100 * (1 - forecast->hole.never_seen), 100 * forecast->hole.never_seen);
+    text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never (--unobserved says how it is filled)\n",
+                        100 * (1 - forecast->hole.unobserved), 100 * forecast->hole.unobserved);
   for (const std::string& picture : pictures) text += fmt::format("  picture  {}\n", picture);
   for (const std::string& warning : warnings) text += fmt::format("  warning  {}\n", warning);
   return text + (ready ? "  ready for dvi run" : "  not ready for dvi run: see the warnings");

@@ -13,10 +13,10 @@
 template <>
 struct nlohmann::adl_serializer<dvi::audit::HoleShares> {
   static void to_json(nlohmann::json& json, const dvi::audit::HoleShares& hole) {
-    json = {{"copied", hole.copied}, {"copied_elsewhere", hole.copied_elsewhere}, {"never_seen", hole.never_seen}};
+    json = {{"copied", hole.copied}, {"copied_elsewhere", hole.copied_elsewhere}, {"unobserved", hole.unobserved}};
   }
   static void from_json(const nlohmann::json& json, dvi::audit::HoleShares& hole) {
-    hole = {json.at("copied"), json.at("copied_elsewhere"), json.at("never_seen")};
+    hole = {json.at("copied"), json.at("copied_elsewhere"), json.at("unobserved")};
   }
 };
 
@@ -27,14 +27,14 @@ constexpr int kCoarseFrom = 640;  // px of width from which every second pixel t
 
 std::string row(const std::string& name, const std::string& image, const audit::HoleShares& hole) {
   return fmt::format("{:<20}{:>10}{:>14.1f}{:>18.1f}{:>14.1f}", name, image, 100 * hole.copied, 100 * hole.copied_elsewhere,
-                     100 * hole.never_seen);
+                     100 * hole.unobserved);
 }
 
 }  // namespace
 
 std::string ForecastReport::table() const {
   std::string text =
-      fmt::format("{:<20}{:>10}{:>14}{:>18}{:>14}\n", "% of", "image", "hole: seen", "by other drives", "never seen");
+      fmt::format("{:<20}{:>10}{:>14}{:>18}{:>14}\n", "% of", "image", "hole: seen", "by other drives", "unobserved");
   for (const FrameForecastReport& frame : frames)
     text += row(frame.name, fmt::format("{:.1f}", 100 * frame.image_share), frame.hole) + "\n";
   return text + row("all", "", hole);

@@ -12,6 +12,7 @@
 #include <toml++/toml.h>
 
 #include "dvi/core/error.h"
+#include "dvi/core/nearest_word.h"
 #include "dvi/core/toml_file.h"
 #include "dvi/core/toml_text.h"
 
@@ -97,11 +98,6 @@ std::string to_toml(const OptionValue& value) {
   };
   std::visit(write, value);
   return out.str();
-}
-
-std::string fate(const RetiredOption& old) {
-  if (old.now.empty()) return fmt::format("option {} is gone: {}", old.name, old.note);
-  return fmt::format("option {} is now {}{}", old.name, old.now, old.note.empty() ? "" : "; " + old.note);
 }
 
 }  // namespace
@@ -231,9 +227,11 @@ void OptionTable::add(std::string key, std::vector<std::string>& field, std::str
 const Option& OptionTable::find(const std::string& name) const {
   const auto it = std::find_if(options_.begin(), options_.end(), [&](const Option& o) { return o.name() == name; });
   if (it != options_.end()) return *it;
-  const auto old = std::find_if(retired_.begin(), retired_.end(), [&](const RetiredOption& r) { return r.name == name; });
-  if (old != retired_.end()) throw UsageError(fate(*old));
-  throw UsageError(fmt::format("there is no option '{}'; `dvi config dump --all` lists all of them", name));
+  std::vector<std::string> names;
+  for (const Option& option : options_) names.push_back(option.name());
+  const std::string meant = nearest_word(name, names);
+  throw UsageError(fmt::format("there is no option '{}'{}; `dvi config dump --all` lists all of them", name,
+                               meant.empty() ? "" : fmt::format(", did you mean '{}'?", meant)));
 }
 
 void OptionTable::set(std::string_view assignment) {
@@ -255,12 +253,6 @@ void OptionTable::load_toml(const std::filesystem::path& path, const std::vector
   } catch (const InputError& e) {
     throw UsageError(e.what());
   }
-  std::vector<std::string> fates;
-  for (const RetiredOption& old : retired_) {
-    const auto dot = old.name.find('.');
-    if (table[old.name.substr(0, dot)][old.name.substr(dot + 1)]) fates.push_back(fate(old));
-  }
-  if (!fates.empty()) throw UsageError(fmt::format("{}: {}", path.string(), fmt::join(fates, "\n  ")));
   for (const auto& [section, node] : table) {
     const std::string name(section.str());
     if (std::find(ignore.begin(), ignore.end(), name) != ignore.end()) continue;

@@ -51,13 +51,6 @@ struct Option {
   void assign(const OptionValue& value) const;
 };
 
-/// An option of an earlier version.
-struct RetiredOption {
-  std::string name;
-  std::string now;   ///< what it is called today; empty: it is gone
-  std::string note;  ///< what differs under the new name, or why it is gone
-};
-
 /// The one description of all options: a stage's struct describes itself into it, field by field, and everything that
 /// reads, writes or documents options works from it. Holds references to the fields.
 class OptionTable {
@@ -94,15 +87,11 @@ class OptionTable {
         [&field](const std::string& text) { field = T::parse(text); }, doc);
   }
 
-  /// Names of earlier versions: whoever sets one is told what became of it.
-  void retire(std::vector<RetiredOption> retired) { retired_ = std::move(retired); }
-
   const std::vector<Option>& options() const { return options_; }
 
   /// `section.key=value`, as `--set` takes it. UsageError with what would be right.
   void set(std::string_view assignment);
-  /// Sets what the file's tables name; tables not known here are left to others if in `ignore`. UsageError otherwise; where the
-  /// file holds options of an earlier version, it names all of these at once.
+  /// Sets what the file's tables name; tables not known here are left to others if in `ignore`. UsageError otherwise.
   void load_toml(const std::filesystem::path& path, const std::vector<std::string>& ignore = {});
   /// Every option, or those that are wanted, with its doc line as TOML that load_toml reads back. One table a section.
   std::string dump_toml(const std::function<bool(const Option&)>& wanted = {}) const;
@@ -118,7 +107,6 @@ class OptionTable {
   std::string section_;
   Audience audience_ = Audience::user;
   std::vector<Option> options_;
-  std::vector<RetiredOption> retired_;
 };
 
 /// What the check() of an options struct does: UsageError for the first field outside its range, however it came there.

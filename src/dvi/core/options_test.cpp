@@ -77,8 +77,6 @@ class Options : public testing::Test {
   Options() { settings.describe(table); }
   void load(const std::string& toml) {
     write_file(file, toml);
-    table.retire(
-        {{"old.window", "first.window", ""}, {"second.depth", "second.alpha", "in meters"}, {"second.gone", "", "no use"}});
     table.load_toml(file, {"drive"});
   }
   Settings settings;
@@ -239,18 +237,11 @@ TEST_F(Options, DumpShowsWhatIsWantedOneTableASection) {
   EXPECT_THAT(table.dump_toml(), HasSubstr("[third]"));
 }
 
-TEST_F(Options, RetiredNamesSayWhatBecameOfThem) {
-  load("");
-  const auto setting = [this](const char* assignment) { return [this, assignment] { table.set(assignment); }; };
-  EXPECT_THAT(setting("old.window=3"), ThrowsMessage<UsageError>(StrEq("option old.window is now first.window")));
-  EXPECT_THAT(setting("second.depth=3"),
-              ThrowsMessage<UsageError>(StrEq("option second.depth is now second.alpha; in meters")));
-  EXPECT_THAT(setting("second.gone=3"), ThrowsMessage<UsageError>(StrEq("option second.gone is gone: no use")));
-  EXPECT_THAT([this] { load("[old]\nwindow = 3\n[second]\nnote = 'x'\ngone = 1"); },
-              ThrowsMessage<UsageError>(
-                  StrEq(file.string() + ": option old.window is now first.window\n  option second.gone is gone: no use")))
-      << "a file is told of all at once";
-  EXPECT_EQ(settings.note, "");
+TEST_F(Options, AnUnknownNameIsRefusedWithTheNearest) {
+  EXPECT_THAT([this] { table.set("first.windw=3"); },
+              ThrowsMessage<UsageError>(HasSubstr("there is no option 'first.windw', did you mean 'first.window'?")));
+  EXPECT_THAT([this] { table.set("zzz.q=3"); },
+              ThrowsMessage<UsageError>(StrEq("there is no option 'zzz.q'; `dvi config dump --all` lists all of them")));
 }
 
 TEST(OptionRanges, HoldForStructsFilledByCode) {

@@ -29,7 +29,7 @@ struct DepthOptions {
   void check() const { check_ranges(*this); }
 };
 
-/// Depth of a view from the map (section 3.3 of the paper): the visible points with the planes they lie on, and between them
+/// Depth of a view from the map (section 3.1 of the paper): the visible points with the planes they lie on, and between them
 /// what those surfaces show: one surface interpolated linearly in 1/z (exact for planes), several cut where they meet or hide
 /// each other. Pixels above the last return are sky.
 DepthMap depth_map(const map::StaticMap& map, const View& view, const DepthOptions& options);

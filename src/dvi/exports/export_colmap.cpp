@@ -108,7 +108,7 @@ ExportReport write_colmap(const Result& result, const fs::path& folder, const Ex
 }  // namespace
 
 ExportFormat colmap_format() {
-  return {"colmap", "text model in sparse/0 with the map as points, clean images, masks of never-seen pixels (COLMAP, gsplat)",
+  return {"colmap", "text model in sparse/0 with the map as points, clean images, masks of unobserved pixels (COLMAP, gsplat)",
           write_colmap};
 }
 

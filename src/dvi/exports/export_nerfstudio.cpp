@@ -86,7 +86,7 @@ ExportReport write_nerfstudio(const Result& result, const fs::path& folder, cons
 }  // namespace
 
 ExportFormat nerfstudio_format() {
-  return {"nerfstudio", "transforms.json with images, masks of never-seen pixels, depth and the map (nerfstudio, instant-ngp)",
+  return {"nerfstudio", "transforms.json with images, masks of unobserved pixels, depth and the map (nerfstudio, instant-ngp)",
           write_nerfstudio};
 }
 

@@ -50,7 +50,7 @@ struct RoadWithWall {
       }
   }
 
-  /// A hole that nobody saw.
+  /// A hole that no source observed.
   cv::Mat1b classes(const cv::Rect& hole) const {
     cv::Mat1b mask(kStreetRows, kStreetColumns, uchar{0});
     mask(hole) = 255;

@@ -65,8 +65,8 @@ struct Window {
 
   std::size_t size() const { return copies.leading.size(); }
   cv::Point pixel(std::size_t i) const { return copies.hole.pixels[i] - box.tl(); }
-  bool never_seen(cv::Point p) const { return index(p) >= 0 && !copies.leading[index(p)].found(); }
-  bool never_seen_sky(cv::Point p) const { return depth(p) == depth::DepthMap::kInfinity && never_seen(p); }
+  bool unobserved(cv::Point p) const { return index(p) >= 0 && !copies.leading[index(p)].found(); }
+  bool unobserved_sky(cv::Point p) const { return depth(p) == depth::DepthMap::kInfinity && unobserved(p); }
   SurfaceClass class_of(cv::Point p) const { return static_cast<SurfaceClass>(classes(p)); }
 };
 
@@ -77,14 +77,14 @@ cv::Mat1b roles_of(const Window& window, Role copied, Role unseen) {
   return roles;
 }
 
-/// The colors of what is fixed beside never-seen sky and may be sky: within three sigmas of their median. Depth alone does not
+/// The colors of what is fixed beside unobserved sky and may be sky: within three sigmas of their median. Depth alone does not
 /// tell it from a roof above the LiDAR's uppermost beam. Where that is no sky but as far, such as woods, they vary, and all
 /// are.
 ColorRange sky_colors(const Window& window, const cv::Mat1b& roles, const cv::Mat3f& color) {
   constexpr float kSigmas = 3, kPixelNoise = 2.5F;  // gray levels
   std::array<std::vector<float>, 3> beside;
   for (std::size_t i = 0; i < window.size(); ++i) {
-    if (!window.never_seen_sky(window.pixel(i))) continue;
+    if (!window.unobserved_sky(window.pixel(i))) continue;
     for (const cv::Point q : around(window.pixel(i))) {
       if (!inside(roles, q) || roles(q) != static_cast<uchar>(Role::fixed) || depth::DepthMap::is_solid(window.depth(q)))
         continue;
@@ -176,8 +176,8 @@ class Equation {
  private:
   /// Whether p, without a source, and its neighbor, which is fixed, are of different classes or only one of them is sky.
   bool silhouette(cv::Point p, cv::Point q) const {
-    if (roles_(q) != static_cast<uchar>(Role::fixed) || !window_.never_seen(p)) return false;
-    if (!window_.never_seen_sky(p)) return window_.never_seen_sky(q) || differ(window_.class_of(p), window_.class_of(q));
+    if (roles_(q) != static_cast<uchar>(Role::fixed) || !window_.unobserved(p)) return false;
+    if (!window_.unobserved_sky(p)) return window_.unobserved_sky(q) || differ(window_.class_of(p), window_.class_of(q));
     return depth::DepthMap::is_solid(window_.depth(q)) || sky_.clamped(color_(q)) != color_(q);
   }
 
@@ -258,7 +258,7 @@ cv::Mat1f smoothness_of_ground(const Window& window, const View& view) {
 cv::Mat1b interpolate(const Window& window, const Copies& copies, const View& view, const HarmonizeOptions& options,
                       cv::Mat3f& color) {
   if (window.size() == 0) return {};
-  const Guidance plain{false, static_cast<float>(options.never_seen_vertical)};  // no source, no seam
+  const Guidance plain{false, static_cast<float>(options.unobserved_vertical)};  // no source, no seam
   Guidance level = plain;
   level.below = smoothness_of_ground(window, view);
   cv::Mat1b filled(window.box.size(), uchar{0});
@@ -266,12 +266,12 @@ cv::Mat1b interpolate(const Window& window, const Copies& copies, const View& vi
     cv::Mat1b roles = roles_of(window, Role::fixed, Role::absent);
     roles.setTo(static_cast<uchar>(Role::fixed), filled);
     for (std::size_t i = 0; i < window.size(); ++i)
-      if (const cv::Point p = window.pixel(i); window.never_seen(p) && filled(p) == 0 && wanted(p))
+      if (const cv::Point p = window.pixel(i); window.unobserved(p) && filled(p) == 0 && wanted(p))
         roles(p) = static_cast<uchar>(Role::solved);
     fill(window, copies, roles, guidance, color);
     filled |= where(roles, Role::solved);
   };
-  fill_where([&](cv::Point p) { return window.never_seen_sky(p); }, plain);
+  fill_where([&](cv::Point p) { return window.unobserved_sky(p); }, plain);
   fill_where([&](cv::Point p) { return window.class_of(p) == SurfaceClass::ground; }, level);
   fill_where([](cv::Point) { return true; }, plain);
   cv::Mat1b roles = roles_of(window, Role::fixed, Role::absent);
@@ -346,14 +346,14 @@ FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std
   copies.hold = hold_of(copies, candidates, options.robust_rim);
   for (std::size_t i = 0; i < hole.size(); ++i) out.color(hole.pixels[i]) = copies.color[i];
   const Role copied = options.poisson ? Role::solved : Role::fixed;
-  const Role unseen = options.never_seen == NeverSeen::leave ? Role::absent : Role::solved;
+  const Role unseen = options.unobserved == Unobserved::leave ? Role::absent : Role::solved;
   const Window window(fused, out.depth, around.classes);
   cv::Mat3f color = out.color(window.box);
-  cv::Mat1b roles = roles_of(window, copied, options.never_seen_last ? Role::absent : unseen);
+  cv::Mat1b roles = roles_of(window, copied, options.unobserved_last ? Role::absent : unseen);
   fill(window, copies, roles, {options.seam_gradients, 1}, color);
   if (options.poisson && options.within_range)
     keep_within(range_round(*views.images[target], out.mask), candidates, copies.color, out.color);
-  if (options.never_seen_last && unseen == Role::solved) roles = interpolate(window, copies, views[target], options, color);
+  if (options.unobserved_last && unseen == Role::solved) roles = interpolate(window, copies, views[target], options, color);
   for (std::size_t i = 0; i < hole.size(); ++i) {
     const bool solved = roles(window.pixel(i)) == static_cast<uchar>(Role::solved);
     out.kind(hole.pixels[i]) = static_cast<uchar>(solved ? Kind::interpolated : Kind::empty);

@@ -15,10 +15,10 @@
 namespace dvi::harmonize {
 
 /// What becomes of pixels that no frame saw.
-enum class NeverSeen : std::uint8_t { synthesize, interpolate, leave };
-constexpr auto names_of(NeverSeen) {
-  return std::array{std::pair{NeverSeen::synthesize, "synthesize"}, std::pair{NeverSeen::interpolate, "interpolate"},
-                    std::pair{NeverSeen::leave, "leave"}};
+enum class Unobserved : std::uint8_t { synthesize, interpolate, leave };
+constexpr auto names_of(Unobserved) {
+  return std::array{std::pair{Unobserved::synthesize, "synthesize"}, std::pair{Unobserved::interpolate, "interpolate"},
+                    std::pair{Unobserved::leave, "leave"}};
 }
 
 struct HarmonizeOptions {
@@ -26,15 +26,15 @@ struct HarmonizeOptions {
   bool seam_gradients = true;
   bool robust_rim = true;
   bool within_range = true;
-  bool never_seen_last = true;
-  double never_seen_vertical = 0.1;
-  NeverSeen never_seen = NeverSeen::synthesize;
+  bool unobserved_last = true;
+  double unobserved_vertical = 0.1;
+  Unobserved unobserved = Unobserved::synthesize;
   bool day_light = true;
   bool surface_classes = true;
 
   void describe(OptionTable& table) {
     table.section("harmonize");
-    table.add("never_seen", never_seen,
+    table.add("unobserved", unobserved,
               "Pixels that no frame saw: synthesize (interpolated, with the texture of the ground or grain, kind 4), "
               "interpolate (kind 3), or leave (black, kind 5).");
     table.developer();
@@ -49,12 +49,12 @@ struct HarmonizeOptions {
         "last word, as published.");
     table.add("within_range", within_range,
               "Keep blended copies within the colors round the hole and of the copies; false: as solved, as published.");
-    table.add("never_seen_last", never_seen_last,
-              "Interpolate never-seen pixels after the copies are solved; false: together, as published (bleeds).");
+    table.add("unobserved_last", unobserved_last,
+              "Interpolate unobserved pixels after the copies are solved; false: together, as published (bleeds).");
     table.add("surface_classes", surface_classes,
-              "Interpolate never-seen ground from ground, and what stands upright from what does; false: from all round.");
-    table.add("never_seen_vertical", never_seen_vertical, {0.001, 1},
-              "Smoothness along columns relative to rows for never-seen pixels; 1: a membrane.");
+              "Interpolate unobserved ground from ground, and what stands upright from what does; false: from all round.");
+    table.add("unobserved_vertical", unobserved_vertical, {0.001, 1},
+              "Smoothness along columns relative to rows for unobserved pixels; 1: a membrane.");
   }
   void check() const { check_ranges(*this); }
 };

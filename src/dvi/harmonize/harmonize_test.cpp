@@ -128,7 +128,7 @@ TEST(Harmonize, AConstantOffsetOfTheSourceVanishes) {
   }
 }
 
-TEST(Harmonize, UnseenPixelsContinueALinearRamp) {
+TEST(Harmonize, UnobservedPixelsContinueALinearRamp) {
   Case c(ramp(), rectangle({20, 15, 40, 30}));
   c.candidates.leading[0] = {};
   EXPECT_LT(c.worst(c.run()), 0.1);
@@ -167,14 +167,14 @@ TEST(Harmonize, TheSkyBetweenHousesIsThatAboveThem) {
   depth::DepthMap depth{c.scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
   depth.z.setTo(depth::DepthMap::kSky);  // also where the houses are higher than the LiDAR looks
   depth.z(cv::Rect(10, 10, 60, 30)) = depth::DepthMap::kInfinity;
-  depth.z.rowRange(40, kHeight) = 30.0F;  // nobody saw what stands there either
+  depth.z.rowRange(40, kHeight) = 30.0F;  // no source observed what stands there either
   const FilledFrame out = harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {});
   EXPECT_NEAR(out.color(38, 40)[0], 200, 10);
   EXPECT_NEAR(out.color(42, 40)[0], 60, 10) << "what stands before it does not take its color";
   EXPECT_EQ(cv::countNonZero(out.kind == static_cast<uchar>(Kind::empty)), 0);
 }
 
-TEST(Harmonize, UnseenGroundEndsWhereWhatStandsOnItBegins) {
+TEST(Harmonize, UnobservedGroundEndsWhereWhatStandsOnItBegins) {
   cv::Mat3b picture(kHeight, kWidth, cv::Vec3b::all(60));
   picture.rowRange(30, kHeight) = cv::Scalar::all(200);
   picture.colRange(70, kWidth).setTo(60);  // something stands at the right, before the ground
@@ -186,13 +186,13 @@ TEST(Harmonize, UnseenGroundEndsWhereWhatStandsOnItBegins) {
   EXPECT_GT(c.worst(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {})), 40) << "without classes they mix";
 }
 
-TEST(Harmonize, UnseenPixelsContinueTheLayersBesideThem) {
+TEST(Harmonize, UnobservedPixelsContinueTheLayersBesideThem) {
   cv::Mat3b layers(kHeight, kWidth, cv::Vec3b(200, 200, 200));
   layers.rowRange(30, kHeight) = cv::Scalar(60, 60, 60);
   Case c(layers, rectangle({30, 15, 12, 30}));
   c.candidates.leading[0] = {};
   HarmonizeOptions membrane;
-  membrane.never_seen_vertical = 1;
+  membrane.unobserved_vertical = 1;
   EXPECT_LT(c.worst(c.run()), 0.8 * c.worst(c.run(membrane)));
 }
 
@@ -287,7 +287,7 @@ TEST(Harmonize, GivesEachPixelItsReceipt) {
   EXPECT_GT(out.confidence(30, 50), 0);
 }
 
-TEST(Harmonize, WithoutPoissonCopiesStayAndUnseenPixelsContinueThem) {
+TEST(Harmonize, WithoutPoissonCopiesStayAndUnobservedPixelsContinueThem) {
   Case c(cv::Mat3b(kHeight, kWidth, cv::Vec3b(90, 100, 110)), rectangle({20, 15, 40, 30}));
   c.scene.add_source(0, brighter(c.truth, 30));
   c.seen(1, 0, {20, 15, 20, 30});
@@ -300,12 +300,12 @@ TEST(Harmonize, WithoutPoissonCopiesStayAndUnseenPixelsContinueThem) {
   EXPECT_EQ(out.kind(30, 58), static_cast<uchar>(Kind::interpolated));
 }
 
-TEST(Harmonize, UnseenPixelsLeftEmptyAreBlackAndSilent) {
+TEST(Harmonize, UnobservedPixelsLeftEmptyAreBlackAndSilent) {
   Case c(waves(kWidth, kHeight, 4), rectangle({20, 15, 40, 30}));
   c.scene.add_source(10, brighter(c.truth, 25));
   c.seen(1, 10, {20, 15, 20, 30});
   HarmonizeOptions options;
-  options.never_seen = NeverSeen::leave;
+  options.unobserved = Unobserved::leave;
   const FilledFrame out = c.run(options);
   cv::Mat3f truth;
   c.truth.convertTo(truth, CV_32FC3);

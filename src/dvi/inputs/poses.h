@@ -20,8 +20,8 @@ struct DrivePoses {
 /// As the recordings.
 using Poses = std::vector<DrivePoses>;
 
-/// Poses of all drives in one world (section 3.1 of the paper): as the job asks for the target, estimated or given, whichever
-/// makes the sharper map, for source drives, which are then laid onto the target by their scans (register_sources.h).
+/// Poses of all drives in one world (sections 3.1 and 3.5 of the paper): as the job asks for the target, estimated or given,
+/// whichever makes the sharper map, for source drives, which are then laid onto the target by their scans (register_sources.h).
 /// InputError where a drive has none, or no frame of the target has one.
 Poses estimate_poses(const Recordings& drives, const job::Job& job, Progress& progress);
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
-#include "dvi/job/retired_options.h"
 
 namespace dvi::job {
 
@@ -62,7 +61,6 @@ void Options::check() const {
 
 OptionTable Job::table() {
   OptionTable table;
-  table.retire(retired_options());
   table.section("job");
   table.add("target", target, {}, "The drive to clean.");
   table.add("sources", sources, "Source drives of the same street.");
@@ -117,10 +115,10 @@ void use_method(Method method, Options& options) {
   options.harmonize.day_light = false;
   options.harmonize.robust_rim = false;
   options.harmonize.within_range = false;
-  options.harmonize.never_seen_last = false;
-  options.harmonize.never_seen_vertical = 1;
+  options.harmonize.unobserved_last = false;
+  options.harmonize.unobserved_vertical = 1;
   options.harmonize.surface_classes = false;
-  options.harmonize.never_seen = harmonize::NeverSeen::interpolate;
+  options.harmonize.unobserved = harmonize::Unobserved::interpolate;
   options.smooth.enabled = true;
   options.smooth.replace_outliers = false;
 }

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "dvi/core/error.h"
-#include "dvi/job/retired_options.h"
 
 namespace dvi::job {
 namespace {
@@ -26,18 +25,6 @@ Job reread(const std::string& toml) {
   use_method(job.method, job.options);
   job.table().load_toml(file);
   return job;
-}
-
-TEST(Job, RetiredNamesLeadToOptionsThatExist) {
-  Job job;
-  const OptionTable table = job.table();
-  const auto exists = [&](const std::string& name) {
-    return std::any_of(table.options().begin(), table.options().end(), [&](const Option& o) { return o.name() == name; });
-  };
-  for (const RetiredOption& old : retired_options()) {
-    EXPECT_FALSE(exists(old.name)) << old.name;
-    EXPECT_TRUE(old.now.empty() ? !old.note.empty() : exists(old.now)) << old.name;
-  }
 }
 
 TEST(Job, UsersAreShownFewOptions) {

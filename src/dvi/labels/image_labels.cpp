@@ -90,7 +90,7 @@ void ImageLabels::require_size(const std::string& image, cv::Size size) const {
 }
 
 void ImageLabels::add(const std::string& frame, Label label, bool shows) {
-  if (!shows && unseen_++ == 0) first_unseen_ = frame;
+  if (!shows && unobserved_++ == 0) first_unobserved_ = frame;
   if (!shows || label.type == "dontcare") return know(frame);
   if (++labels_ > kMostLabels) throw InputError(file_, fmt::format("has more than {} labels", kMostLabels));
   out_.frames[frame].push_back(std::move(label));
@@ -114,9 +114,9 @@ void ImageLabels::add_outline(const std::string& frame, Label label, Instance ou
 }
 
 NamedLabels ImageLabels::take() {
-  if (unseen_ > 0)
-    warn(fmt::format("{} has {} object{} outside of the image, the first in frame {}", file_.filename().string(), unseen_,
-                     unseen_ == 1 ? "" : "s", first_unseen_));
+  if (unobserved_ > 0)
+    warn(fmt::format("{} has {} object{} outside of the image, the first in frame {}", file_.filename().string(), unobserved_,
+                     unobserved_ == 1 ? "" : "s", first_unobserved_));
   return std::move(out_);
 }
 

@@ -60,8 +60,8 @@ class ImageLabels {
   cv::Size size_;
   std::set<std::string> wanted_;
   NamedLabels out_;
-  std::size_t labels_ = 0, unseen_ = 0;
-  std::string first_unseen_;
+  std::size_t labels_ = 0, unobserved_ = 0;
+  std::string first_unobserved_;
 };
 
 }  // namespace dvi::labels

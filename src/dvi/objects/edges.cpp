@@ -21,7 +21,8 @@ constexpr int kReaches = 155;            // in the width of a view
 constexpr int kFlat = 6;
 
 // By how much each pixel and what other times show there differ: the pixel from all that is shown around, or what is shown from
-// all pixels around, for a dark edge has something alike among leaves, but hides the bright ones. Negative where nobody saw it.
+// all pixels around, for a dark edge has something alike among leaves, but hides the bright ones. Negative where no source
+// observed it.
 cv::Mat1f differences(const Usual& usual, const Patch& image, const cv::Mat1b& mask) {
   cv::Mat1f out(image.size(), -1.F);
   for (int y = 0; y < image.rows; ++y)

@@ -67,7 +67,7 @@ class Usual {
   float difference(cv::Point at, const cv::Vec3f& here) const;
   bool seen(cv::Point at) const { return spread(at)[0] >= 0; }
 
-  Patch middle, low, high, spread;  // low above high, and spread negative, where nobody saw
+  Patch middle, low, high, spread;  // low above high, and spread negative, where no source observed
 };
 
 }  // namespace dvi::objects

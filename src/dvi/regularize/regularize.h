@@ -25,7 +25,7 @@ struct RegularizeOptions {
   void check() const { check_ranges(*this); }
 };
 
-/// Min-sum belief propagation over the 4-connected hole (section 3.5 of the paper). A pixel's labels are shifts of its
+/// Min-sum belief propagation over the 4-connected hole (section 3.3 of the paper). A pixel's labels are shifts of its
 /// candidate; the data cost (eq. 3) asks that a boundary pixel's source continue into the true image, the discontinuity
 /// cost (eq. 4) that neighbors' sources agree on each other's color, each neighbor warped by its own depth. Switched off, it
 /// hands on the candidates as they are, and computes no energy.

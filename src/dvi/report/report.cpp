@@ -19,7 +19,7 @@
 #include "dvi/report/frame_block.h"
 #include "dvi/report/frame_pictures.h"
 #include "dvi/report/page_files.h"
-#include "dvi/report/unseen_places.h"
+#include "dvi/report/unobserved_places.h"
 
 namespace dvi::report {
 namespace {
@@ -87,7 +87,7 @@ void write_block(const fs::path& out, std::size_t number, const FramePictures& p
 /// What the page is told of one frame, and what the whole is made of.
 struct FrameEntry {
   json entry;
-  UnseenPlaces unseen;
+  UnobservedPlaces unseen;
 };
 
 class Writer {
@@ -106,7 +106,7 @@ class Writer {
   void write(const Tick& tick) {
     for (const char* folder : kFolders) make_folder(out_ / folder);
     std::vector<json> entries(names_.size());
-    UnseenPlaces unseen;
+    UnobservedPlaces unseen;
     for_blocks(names_.size(), [&](std::size_t first, std::size_t last) {
       std::vector<FrameEntry> block(last - first);
       parallel_for(block.size(), [&](std::size_t i) {
@@ -152,7 +152,7 @@ class Writer {
         write_patch(out_, "before/", i, read_frame(input, pictures.kind.size()), pictures.kind);
     }
     frame.entry["before"] = fs::exists(out_ / numbered("before/", i, ".png"));
-    if (above_.is_object()) frame.unseen = unseen_places(pictures, i, above_);
+    if (above_.is_object()) frame.unseen = unobserved_places(pictures, i, above_);
     return frame;
   }
 
@@ -198,7 +198,7 @@ class Writer {
     });
   }
 
-  json index(const std::vector<json>& entries, const UnseenPlaces& unseen) {
+  json index(const std::vector<json>& entries, const UnobservedPlaces& unseen) {
     json run = json::parse(in_.run());
     const json::json_pointer odometry("/poses/odometry");
     if (run.contains("drives"))
@@ -218,7 +218,7 @@ class Writer {
             {"sources", sources},
             {"above", above_},
             {"times", times()},
-            {"unseen", {{"cell_m", kUnseenCell}, {"cells", cells}}},
+            {"unseen", {{"cell_m", kUnobservedCell}, {"cells", cells}}},
             {"options", json::parse(in_.options)},
             {"evaluation", json::parse(in_.evaluation)},
             {"problems", problems_}};

@@ -18,7 +18,7 @@
 #include "dvi/report/doubt.h"
 #include "dvi/report/inspect.h"
 #include "dvi/report/page_files.h"
-#include "dvi/report/unseen_places.h"
+#include "dvi/report/unobserved_places.h"
 #include "dvi/testing/temp_folder.h"
 
 namespace dvi::report {
@@ -161,7 +161,7 @@ TEST(Doubt, FindsThePlaceWithMostOfIt) {
   EXPECT_TRUE(doubt(cv::Mat1b(90, 160, uchar{0}), confidence).worst.empty());
 }
 
-TEST(UnseenPlaces, LieWhereTheirPixelsLook) {
+TEST(UnobservedPlaces, LieWhereTheirPixelsLook) {
   FramePictures pictures;
   pictures.kind = cv::Mat1b(9, 9, uchar{0});
   pictures.depth = cv::Mat1w(9, 9, ushort{256 * 4});
@@ -170,10 +170,10 @@ TEST(UnseenPlaces, LieWhereTheirPixelsLook) {
   const nlohmann::json above{{"camera", {9, 9, 8, 8, 4, 4}},
                              {"distortion", {0, 0, 0, 0, 0}},
                              {"world_from_camera", {{0, 0, 1, 10.25, -1, 0, 0, 0.25, 0, -1, 0, 0}}}};
-  const UnseenPlaces places = unseen_places(pictures, 0, above);
+  const UnobservedPlaces places = unobserved_places(pictures, 0, above);
   ASSERT_EQ(places.size(), 1U);
   EXPECT_EQ(places.begin()->first, std::pair(28, 0)) << "4 m ahead of 10.25, 0.25, in half meters";
-  EXPECT_TRUE(unseen_places(pictures, 5, above).empty()) << "no pose";
+  EXPECT_TRUE(unobserved_places(pictures, 5, above).empty()) << "no pose";
 }
 
 TEST(Above, PutsPointsIntoThePicture) {

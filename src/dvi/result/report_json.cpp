@@ -39,7 +39,7 @@ namespace dvi::result {
 using nlohmann::json;
 
 // Fields are named as the keys.
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HoleParts, copied, copied_elsewhere, interpolated, synthesized, empty, never_seen)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HoleParts, copied, copied_elsewhere, interpolated, synthesized, empty, unobserved)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameAlignmentReport, rotation_deg, position_m, offset_before_px, offset_after_px, points)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveAlignmentReport, kept, mounting_deg)
 

@@ -42,7 +42,7 @@ HoleParts HoleReport::share() const {
     return pixels > 0 ? static_cast<double>(count) / static_cast<double>(pixels) : 0.0;
   };
   HoleParts out{part(copied), part(copied_elsewhere), part(interpolated), part(synthesized), part(empty), 0};
-  out.never_seen = out.interpolated + out.synthesized + out.empty;
+  out.unobserved = out.interpolated + out.synthesized + out.empty;
   return out;
 }
 
@@ -131,13 +131,13 @@ CostReport& CostReport::operator+=(const CostReport& other) {
 
 namespace {
 
-// ", 12.0 % never seen (9.0 % synthesized, 3.0 % interpolated)".
-std::string never_seen_text(const HoleParts& share) {
+// ", 12.0 % unobserved (9.0 % synthesized, 3.0 % interpolated)".
+std::string unobserved_text(const HoleParts& share) {
   std::string how;
   for (const auto& [part, name] : {std::pair(share.synthesized, "synthesized"), std::pair(share.interpolated, "interpolated"),
                                    std::pair(share.empty, "left black")})
     if (part > 0) how += fmt::format("{}{:.1f} % {}", how.empty() ? "" : ", ", 100 * part, name);
-  return fmt::format(", {:.1f} % never seen", 100 * share.never_seen) + (how.empty() ? "" : " (" + how + ")");
+  return fmt::format(", {:.1f} % unobserved", 100 * share.unobserved) + (how.empty() ? "" : " (" + how + ")");
 }
 
 }  // namespace
@@ -146,7 +146,7 @@ std::string RunReport::brief(const std::string& out) const {
   const HoleParts share = hole.share();
   std::string text = fmt::format("{} frames, {} hole pixels: {:.1f} % copied", frames.size(), hole.pixels, 100 * share.copied);
   if (share.copied_elsewhere > 0) text += fmt::format(", {:.1f} % from other cameras or drives", 100 * share.copied_elsewhere);
-  text += never_seen_text(share);
+  text += unobserved_text(share);
   const auto part = [&] { return static_cast<double>(standing->pixels) / static_cast<double>(hole.pixels); };
   if (standing && hole.pixels > 0 && part() > 0.5)
     text += fmt::format("\n{} of {} removed tracks stand; they are {:.0f} % of the hole; --remove moving would keep them",

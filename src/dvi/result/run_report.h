@@ -19,9 +19,9 @@
 
 namespace dvi::result {
 
-/// Shares of a hole by the origin of its pixels, 0..1. never_seen: seen by no other frame, however it was filled.
+/// Shares of a hole by the origin of its pixels, 0..1. unobserved: seen by no other frame, however it was filled.
 struct HoleParts {
-  double copied = 0, copied_elsewhere = 0, interpolated = 0, synthesized = 0, empty = 0, never_seen = 0;
+  double copied = 0, copied_elsewhere = 0, interpolated = 0, synthesized = 0, empty = 0, unobserved = 0;
 };
 
 /// Pixels of a hole by where they come from.
@@ -111,7 +111,7 @@ struct RunReport {
   std::vector<std::string> warnings;
   std::vector<FrameReport> frames;
 
-  /// A few lines for a person: what was filled, from where, what was never seen, where to look in `out`.
+  /// A few lines for a person: what was filled, from where, what was unobserved, where to look in `out`.
   std::string brief(const std::string& out) const;
 };
 

@@ -59,15 +59,15 @@ TEST(HoleReport, SharesAddUp) {
       .pixels = 200, .copied = 100, .copied_elsewhere = 20, .interpolated = 50, .synthesized = 10, .empty = 20};
   const HoleParts share = hole.share();
   EXPECT_DOUBLE_EQ(share.copied, 0.5);
-  EXPECT_DOUBLE_EQ(share.never_seen, 0.4);
-  EXPECT_DOUBLE_EQ(share.copied + share.copied_elsewhere + share.never_seen, 1);
+  EXPECT_DOUBLE_EQ(share.unobserved, 0.4);
+  EXPECT_DOUBLE_EQ(share.copied + share.copied_elsewhere + share.unobserved, 1);
   HoleReport sum = hole;
   sum += hole;
   EXPECT_EQ(sum.pixels, 400U);
   EXPECT_DOUBLE_EQ(sum.share().empty, share.empty);
 }
 
-TEST(HoleReport, AFrameWithoutAHoleHasNoShares) { EXPECT_EQ(HoleReport{}.share().never_seen, 0); }
+TEST(HoleReport, AFrameWithoutAHoleHasNoShares) { EXPECT_EQ(HoleReport{}.share().unobserved, 0); }
 
 TEST_F(ReportFile, IsReadBackAsItWasWritten) {
   const RunReport report = whole_report();
@@ -88,7 +88,7 @@ TEST_F(ReportFile, WhatIsNoReportCountsAsNone) {
 
 TEST(RunReport, BriefSaysWhatWasFilledAndWhatItCost) {
   const std::string text = whole_report().brief("out");
-  for (const char* part : {"1 frames, 100 hole pixels: 60.0 % copied, 10.0 % from other cameras or drives, 30.0 % never seen "
+  for (const char* part : {"1 frames, 100 hole pixels: 60.0 % copied, 10.0 % from other cameras or drives, 30.0 % unobserved "
                            "(25.0 % interpolated, 5.0 % left black)",
                            "4 of 5 removed tracks stand; they are 80 % of the hole; --remove moving would keep them",
                            "6.0 CPU s a frame, peak memory 123 MB", "out/compare.mp4"})

@@ -30,7 +30,7 @@ using align::Cameras;
 using depth::DepthMap, depth::Depths;
 using exposure::Gains;
 using ground::RoadGround, map::StaticMap, map::VisibleMap;
-using harmonize::FilledFrame, harmonize::NeverSeen, harmonize::HarmonizeInput;
+using harmonize::FilledFrame, harmonize::Unobserved, harmonize::HarmonizeInput;
 using regularize::Labeling;
 using sample::Candidates;
 using synthesize::Grain;
@@ -54,7 +54,7 @@ auto with_plan(const job::Job& job, const inputs::Recordings& drives, const resu
   const job::Options& options = job.options;
   const inputs::Poses poses = kept("poses", [&] {
     inputs::verify(drives, job, progress);                 // what is damaged is said before hours of work
-    return inputs::estimate_poses(drives, job, progress);  // section 3.1: LOAM
+    return inputs::estimate_poses(drives, job, progress);  // 3.1: LOAM, 3.5: further drives
   });
   const inputs::Grounds grounds(drives, poses);
   const inputs::Objects objects = kept("objects", [&] { return inputs::find_objects(drives, poses, grounds, job, progress); });
@@ -67,7 +67,7 @@ auto with_plan(const job::Job& job, const inputs::Recordings& drives, const resu
   const Views posed = inputs::make_views(drives, poses, masks, progress);
   const map::VisibleMap visible(map, posed);
   const Gains gains = kept("exposure", [&] { return estimate_exposure(posed, visible, drives, options, progress); });
-  const Cameras cameras = kept("alignment", [&] { return align(posed, visible, drives, options, progress); });  // 3.2, eq. 1
+  const Cameras cameras = kept("alignment", [&] { return align(posed, visible, drives, options, progress); });  // 3.1, eq. 1
   return then(Plan{poses, map, inputs::refined(posed, gains, cameras), cameras, objects});
 }
 
@@ -76,11 +76,11 @@ using Write = std::function<void(std::size_t view, const result::FilledView& fin
 void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const job::Options& options, const Write& write,
                  result::CpuClock& cpu, Progress& progress) {
   const Views& views = plan.views;
-  const Depths depths(views, [&](std::size_t i) {  // 3.3
+  const Depths depths(views, [&](std::size_t i) {  // 3.1
     return cpu.time("depth", depth::depth_map, plan.map, views[i], options.depth);
   });
   const bool classified = options.harmonize.surface_classes,
-             synthesized = options.harmonize.never_seen == NeverSeen::synthesize;
+             synthesized = options.harmonize.unobserved == Unobserved::synthesize;
   std::optional<ground::RoadGround> ground;
   std::optional<Surfaces> surfaces;
   if (!frames.empty() && (classified || synthesized)) ground.emplace(plan.map, views);
@@ -89,9 +89,9 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
   const auto fill = [&](std::size_t i) {
     const DepthMap depth =
         cpu.time("plane_sweep", depth::plane_sweep, *depths.maps[i], views, i, depths.visibility, options.plane_sweep);
-    Candidates candidates = cpu.time("sample", sample::sample, views, i, depth, depths.visibility, options.sample);  // 3.4
+    Candidates candidates = cpu.time("sample", sample::sample, views, i, depth, depths.visibility, options.sample);  // 3.2
     const Labeling labels = cpu.time("regularize", regularize::regularize, std::move(candidates), views, i, depth,
-                                     options.regularize);  // 3.5, eqs. 2-4
+                                     options.regularize);  // 3.3, eqs. 2-4
     HarmonizeInput around;
     if (options.harmonize.day_light)
       around.light = cpu.time("harmonize", harmonize::compare_days, labels.candidates, views, i, depth, depths.visibility);
@@ -100,7 +100,7 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
     around.known =
         cpu.time("sample", sample::sample_known, labels.candidates, views, i, depth, depths.visibility, options.sample);
     FilledFrame frame = cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, around,
-                                 options.harmonize);  // 3.6, eq. 5
+                                 options.harmonize);  // 3.4, eq. 5
     if (surfaces) frame = cpu.time("synthesize", synthesize::synthesize, frame, views[i], around.classes, *surfaces, grain);
     return result::FilledView{std::move(frame), labels.energy};
   };

@@ -12,7 +12,7 @@ namespace dvi::sample {
 
 /// Where another frame saw a pixel of the hole.
 struct Candidate {
-  int view = -1;              ///< source number; -1: nobody saw it
+  int view = -1;              ///< source number; -1: no source observed it
   cv::Point2f position;       ///< in the source's image, quantized to 1/16 px
   cv::Vec2b footprint{1, 1};  ///< width and height in source pixels of what the pixel shows: box_mean()
   float trust = 1;            ///< 0..1, see sample/sighting.h

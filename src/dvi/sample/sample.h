@@ -36,7 +36,7 @@ struct SampleOptions {
   void check() const { check_ranges(*this); }
 };
 
-/// Where other frames saw each hole pixel of the target (section 3.4 of the paper): the pixel's point, by its depth, is looked
+/// Where other frames saw each hole pixel of the target (section 3.2 of the paper): the pixel's point, by its depth, is looked
 /// up in the frames around it in time, then in the source drives; a frame counts that has it inside its image, outside its
 /// mask, and sees that very surface. Up to `sources` of them, by falling trust(). `depth` is the target's; `visibility` is as
 /// `views`, and asked only for views that may show a pixel.

@@ -17,7 +17,6 @@ struct Fields {
 
   dvi::OptionTable table() {
     dvi::OptionTable table;
-    table.retire({{"a.old", "a.flag", "it moved"}, {"b.gone", "", "nothing needed it"}});
     table.section("a");
     table.add("flag", flag, "A switch.");
     table.add("count", count, {0, 10}, "A number.");

@@ -31,7 +31,7 @@
     const shown = ([x, y]) => x * cell >= above.left_m && x * cell < right && y * cell >= bottom && y * cell < above.top_m;
     const unseen = L.layerGroup(cells.filter(shown).map(([x, y, frame, pixels]) =>
       L.rectangle([[y * cell, x * cell], [(y + 1) * cell, (x + 1) * cell]], {stroke: false, fillColor: colors.unseen, fillOpacity: 0.5})
-        .bindTooltip(`nobody saw this, most of it in frame ${(dvi.frames()[frame] || {}).name} (${pixels * 16} px or so)`)
+        .bindTooltip(`no source observed this, most of it in frame ${(dvi.frames()[frame] || {}).name} (${pixels * 16} px or so)`)
         .on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", frame); }))).addTo(map);
 
     const tracks = L.layerGroup(above.tracks.filter((track) => track.points.length).map((track) =>
@@ -45,7 +45,7 @@
     path.forEach((at, i) => i % every === 0 && L.circleMarker(at, {radius: 4, color: "#ffffff", weight: 1, fillColor: colors.path, fillOpacity: 1})
       .bindTooltip(`frame ${(dvi.frames()[i] || {}).name}`).on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", i); }).addTo(map));
     map.on("click", (event) => dvi.go("frames", nearest(poses, event.latlng)));
-    L.control.layers(null, {"never seen": unseen, "tracks of what was removed": tracks}, {collapsed: false}).addTo(map);
+    L.control.layers(null, {"unobserved": unseen, "tracks of what was removed": tracks}, {collapsed: false}).addTo(map);
     L.control.scale({imperial: false}).addTo(map);
   };
 
@@ -65,7 +65,7 @@
         entry(colors.path, "path of the camera", "One dot a frame."),
         entry(colors.removed, "scanner returns taken out of the map", "On traffic by masks or boxes, or gone in other scans."),
         entry("#cc79a7", "tracks of what was removed", "Where labeled objects were, frame by frame."),
-        entry(colors.unseen, "never seen by any frame", "Filled pixels that no other frame saw look at these half-meter squares."));
+        entry(colors.unseen, "not observed by any frame", "Filled pixels that no other frame saw look at these half-meter squares."));
       draw(above);
     },
     show: () => { if (dvi.mapView) dvi.mapView.map.invalidateSize({animate: false}); },

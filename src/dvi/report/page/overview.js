@@ -30,7 +30,7 @@
     const seen = hole.copied + hole.copied_elsewhere;
     return `Traffic was removed from ${frames.length} frames; on average it covered ${dvi.percent(mean(shares))} of the image. ` +
       `${dvi.percent(seen, 0)} of that shows what was really there, seen by other frames` +
-      (seen < 0.995 ? `; ${dvi.percent(1 - seen, 0)} was never seen by any frame.` : ".");
+      (seen < 0.995 ? `; ${dvi.percent(1 - seen, 0)} was not observed by any frame.` : ".");
   };
 
   const tile = (value, label, hint, color) =>
@@ -59,7 +59,7 @@
     const hole = (dvi.data.run.hole || {}).share || {};
     const list = [];
     if (hole.interpolated + hole.synthesized + hole.empty > 0.4)
-      list.push(["Much of the removed area was never seen by any frame.",
+      list.push(["Much of the removed area was not observed by any frame.",
         "A second drive through the same street as a SOURCE, or more cameras of this one (--sources all), would show more of it."]);
     const standing = dvi.data.run.standing;
     if (standing && standing.pixels > 0.5 * dvi.data.run.hole.pixels)

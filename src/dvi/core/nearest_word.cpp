@@ -1,9 +1,9 @@
-#include "dvi/cli/nearest.h"
+#include "dvi/core/nearest_word.h"
 
 #include <algorithm>
 #include <numeric>
 
-namespace dvi::cli {
+namespace dvi {
 namespace {
 
 // Optimal string alignment distance.
@@ -24,7 +24,7 @@ std::size_t typing_errors(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string nearest(const std::string& typed, const std::vector<std::string>& words) {
+std::string nearest_word(const std::string& typed, const std::vector<std::string>& words) {
   constexpr std::size_t kBeginning = 3;  // letters that tell a word
   std::string best;
   std::size_t fewest = (typed.size() + 2) / 3 + 1;
@@ -36,4 +36,4 @@ std::string nearest(const std::string& typed, const std::vector<std::string>& wo
   return best;
 }
 
-}  // namespace dvi::cli
+}  // namespace dvi

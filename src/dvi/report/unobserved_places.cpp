@@ -1,4 +1,4 @@
-#include "dvi/report/unseen_places.h"
+#include "dvi/report/unobserved_places.h"
 
 #include <array>
 #include <cmath>
@@ -25,8 +25,8 @@ Camera camera_of(const nlohmann::json& above) {
           .distortion = above.at("distortion").get<std::array<double, 5>>()};
 }
 
-UnseenPlaces places_of(const FramePictures& pictures, std::size_t frame, const nlohmann::json& above) {
-  UnseenPlaces places;
+UnobservedPlaces places_of(const FramePictures& pictures, std::size_t frame, const nlohmann::json& above) {
+  UnobservedPlaces places;
   if (pictures.kind.empty() || pictures.depth.empty() || !above.contains("world_from_camera")) return places;
   const nlohmann::json& poses = above.at("world_from_camera");
   if (frame >= poses.size()) return places;
@@ -40,8 +40,8 @@ UnseenPlaces places_of(const FramePictures& pictures, std::size_t frame, const n
       if (pictures.kind(y, x) < static_cast<uchar>(harmonize::Kind::interpolated) || depth == 0) continue;
       const Eigen::Vector3d at =
           world_from_camera.leftCols<3>() * camera.ray({x, y}) * (depth / 256.0) + world_from_camera.col(3);
-      UnseenCell& cell =
-          places[{static_cast<int>(std::floor(at.x() / kUnseenCell)), static_cast<int>(std::floor(at.y() / kUnseenCell))}];
+      UnobservedCell& cell = places[{static_cast<int>(std::floor(at.x() / kUnobservedCell)),
+                                     static_cast<int>(std::floor(at.y() / kUnobservedCell))}];
       cell.frame = frame;
       ++cell.pixels;
     }
@@ -50,7 +50,7 @@ UnseenPlaces places_of(const FramePictures& pictures, std::size_t frame, const n
 
 }  // namespace
 
-UnseenPlaces unseen_places(const FramePictures& pictures, std::size_t frame, const nlohmann::json& above) {
+UnobservedPlaces unobserved_places(const FramePictures& pictures, std::size_t frame, const nlohmann::json& above) {
   try {
     return places_of(pictures, frame, above);
   } catch (const nlohmann::json::exception&) {  // answered: a damaged map/above.json shows no places
@@ -58,9 +58,9 @@ UnseenPlaces unseen_places(const FramePictures& pictures, std::size_t frame, con
   }
 }
 
-void add(const UnseenPlaces& frame, UnseenPlaces& sum) {
+void add(const UnobservedPlaces& frame, UnobservedPlaces& sum) {
   for (const auto& [place, cell] : frame)
-    if (UnseenCell& most = sum[place]; cell.pixels > most.pixels) most = cell;
+    if (UnobservedCell& most = sum[place]; cell.pixels > most.pixels) most = cell;
 }
 
 }  // namespace dvi::report
