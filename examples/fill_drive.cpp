@@ -6,12 +6,12 @@
 
 int main(int argc, char** argv) try {
   if (argc != 3) throw dvi::UsageError("fill_drive DRIVE OUT");
-  dvi::pipeline::Job job;
+  dvi::job::Job job;
   job.target = argv[1];
   job.out = argv[2];
   job.options.sample.sources = 2;  // any option of `dvi config dump`
   dvi::Progress progress(dvi::ProgressStyle::quiet);
-  const dvi::pipeline::RunReport report = dvi::pipeline::run(job, progress);
+  const dvi::result::RunReport report = dvi::run::run(job, progress);
   std::cout << report.brief(job.out) << "\n";
   return 0;
 } catch (const std::exception& e) {

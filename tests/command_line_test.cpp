@@ -66,7 +66,7 @@ TEST_F(CommandLine, UnknownOptionsOfAFileAreRefusedWithTheNearest) {
   const Result result = dvi("run drive -o out --config old.toml");
   EXPECT_EQ(result.code, 2);
   EXPECT_THAT(result.err,
-              HasSubstr("old.toml: there is no option 'smooth.replace_outlier', did you mean 'smooth.replace_outliers'?"));
+              HasSubstr("old.toml: there is no option 'smooth.replace_outlier' (did you mean 'smooth.replace_outliers'?)"));
 }
 
 TEST_F(CommandLine, CheckDescribesADrive) {

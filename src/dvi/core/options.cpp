@@ -231,7 +231,7 @@ const Option& OptionTable::find(const std::string& name) const {
   for (const Option& option : options_) names.push_back(option.name());
   const std::string meant = nearest_word(name, names);
   throw UsageError(fmt::format("there is no option '{}'{}; `dvi config dump --all` lists all of them", name,
-                               meant.empty() ? "" : fmt::format(", did you mean '{}'?", meant)));
+                               meant.empty() ? "" : fmt::format(" (did you mean '{}'?)", meant)));
 }
 
 void OptionTable::set(std::string_view assignment) {

@@ -239,7 +239,7 @@ TEST_F(Options, DumpShowsWhatIsWantedOneTableASection) {
 
 TEST_F(Options, AnUnknownNameIsRefusedWithTheNearest) {
   EXPECT_THAT([this] { table.set("first.windw=3"); },
-              ThrowsMessage<UsageError>(HasSubstr("there is no option 'first.windw', did you mean 'first.window'?")));
+              ThrowsMessage<UsageError>(HasSubstr("there is no option 'first.windw' (did you mean 'first.window'?)")));
   EXPECT_THAT([this] { table.set("zzz.q=3"); },
               ThrowsMessage<UsageError>(StrEq("there is no option 'zzz.q'; `dvi config dump --all` lists all of them")));
 }
