@@ -11,10 +11,10 @@ constexpr std::size_t kOfOtherCameras = 1;  // steps each way: the parallax is b
 constexpr std::size_t kOfOtherDrives = 4;
 
 // Steps in time grow: near frames are alike, far ones bring parallax.
-std::vector<std::size_t> pool(const Views& views, std::size_t target, int reach_frames) {
+std::vector<std::size_t> pool(const Views& views, std::size_t target, int max_frame_gap) {
   const auto [first, last] = views.of_sequence(views[target].sequence);
   std::vector<std::size_t> out;
-  for (std::size_t d = 1; d <= static_cast<std::size_t>(reach_frames); d += std::max<std::size_t>(1, d / 3)) {
+  for (std::size_t d = 1; d <= static_cast<std::size_t>(max_frame_gap); d += std::max<std::size_t>(1, d / 3)) {
     if (target + d < last) out.push_back(target + d);
     if (target >= first + d) out.push_back(target - d);
   }
@@ -43,9 +43,9 @@ std::vector<std::size_t> shown(const View& view, const SE3& world_from_target, c
 
 std::vector<std::size_t> choose_source_frames(const Views& views, std::size_t target, const std::vector<Eigen::Vector3d>& rays,
                                               double nearest, const Lazy<depth::VisibilityMap>& visibility, int count,
-                                              int reach_frames) {
+                                              int max_frame_gap) {
   const SE3 world_from_target = views[target].camera_from_world.inverse();
-  const std::vector<std::size_t> candidates = pool(views, target, reach_frames);
+  const std::vector<std::size_t> candidates = pool(views, target, max_frame_gap);
   std::vector<std::vector<std::size_t>> sights;
   for (const std::size_t view : candidates)
     sights.push_back(shown(views[view], world_from_target, rays, nearest, *visibility[view]));

@@ -16,6 +16,6 @@ namespace dvi::depth {
 /// either side, and the nearest ones of other drives.
 std::vector<std::size_t> choose_source_frames(const Views& views, std::size_t target, const std::vector<Eigen::Vector3d>& rays,
                                               double nearest, const Lazy<depth::VisibilityMap>& visibility, int count,
-                                              int reach_frames);
+                                              int max_frame_gap);
 
 }  // namespace dvi::depth

@@ -51,8 +51,8 @@ struct SurfelMesh {
   std::vector<std::array<std::size_t, 3>> triangles;
 };
 
-/// `splat_m`, `see_through`: as visible_points. Planes that leave the view more steeply than `max_slope` (depth over width) are
-/// taken from the map, or for the ground, but not guessed from neighbors.
+/// `splat_m`, `occlusion_tolerance`: as visible_points. Planes that leave the view more steeply than `max_slope` (depth over
+/// width) are taken from the map, or for the ground, but not guessed from neighbors.
 SurfelMesh surfel_mesh(const map::StaticMap& map, const View& view, double splat_m, double occlusion_tolerance,
                        double max_slope);
 

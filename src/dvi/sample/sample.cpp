@@ -187,8 +187,8 @@ Candidates sample_known(const Candidates& hole, const Views& views, std::size_t 
   return ranking.finish(std::move(known));
 }
 
-std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames, bool scored) {
-  const std::size_t reach = reach_frames > 0 ? static_cast<std::size_t>(reach_frames) : views.size();
+std::vector<std::size_t> search_order(const Views& views, std::size_t target, int max_frame_gap, bool scored) {
+  const std::size_t reach = max_frame_gap > 0 ? static_cast<std::size_t>(max_frame_gap) : views.size();
   const auto [first, last] = views.of_sequence(views[target].sequence);
   std::vector<std::size_t> order;
   for (std::size_t i = target + 1; i < std::min(last, target + 1 + reach); ++i) order.push_back(i);

@@ -50,6 +50,6 @@ Candidates sample_known(const Candidates& hole, const Views& views, std::size_t 
 
 /// The order in which sample() asks the other views: scored, from the target outwards in time, else as published, forwards,
 /// then backwards; source drives after its own, the nearest places first. Not those that show no colors the target could take.
-std::vector<std::size_t> search_order(const Views& views, std::size_t target, int reach_frames, bool scored);
+std::vector<std::size_t> search_order(const Views& views, std::size_t target, int max_frame_gap, bool scored);
 
 }  // namespace dvi::sample

@@ -36,7 +36,7 @@ dvi.texts = {
     [/pose|odometry|trajectory/i, "Try --poses loam or --poses given and compare the sharpness on the page Stages."],
     [/mask|label|detector/i, "Look at the overlay “removed area” in the frames: is all traffic inside, and nothing else? docs/masks.md"],
     [/clock|time|stamp/i, "Check the clock offsets of camera and scanner: dvi check DRIVE."],
-    [/memory/i, "Raise --memory-mb, or fill a part: --frames A:B."],
+    [/memory/i, "Raise job.memory_mb (--set job.memory_mb=N), or fill a part: --frames A:B."],
   ],
   defaultAdvice: "Look at the frames around it, and run dvi check DRIVE.",
   problemAdvice: "The page shows what is there. Run the same dvi run again to complete the result, or dvi report to write this page anew.",
