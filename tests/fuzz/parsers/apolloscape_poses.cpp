@@ -13,5 +13,5 @@ void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
   const std::size_t half = bytes.find("\n\n");
   put(folder / "1-2/global_poses.txt", bytes.substr(0, half));
   put(folder / "1-2/rel_poses.txt", half == std::string::npos ? "" : bytes.substr(half + 2));
-  io::read_drive(folder);
+  datasets::read_drive(folder);
 }

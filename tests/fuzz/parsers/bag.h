@@ -14,12 +14,12 @@ namespace dvi::fuzz {
 
 /// Reads every message of a bag.
 inline void read_all(const fs::path& file) {
-  const io::Bag bag = io::open_bag(file);
-  for (const io::BagTopic& topic : bag.topics)
-    for (const io::BagEntry& entry : topic.messages) {
+  const bags::Bag bag = bags::open_bag(file);
+  for (const bags::BagTopic& topic : bag.topics)
+    for (const bags::BagEntry& entry : topic.messages) {
       const std::string bytes = bag.read(entry);
       try {
-        io::read_header(bytes, topic.encoding);
+        bags::read_header(bytes, topic.encoding);
       } catch (const std::invalid_argument&) {  // the reader of bags names the message
       }
     }

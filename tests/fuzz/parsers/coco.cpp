@@ -1,5 +1,5 @@
 #include "labels.h"
 
 void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
-  require_in_images(io::read_coco(put(folder / "coco.json", bytes), small_drive()));
+  require_in_images(labels::read_coco(put(folder / "coco.json", bytes), small_drive()));
 }

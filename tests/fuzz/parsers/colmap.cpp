@@ -11,9 +11,9 @@ void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
   put(folder / "cameras.txt", "1 PINHOLE 8 6 4 5 4.5 3.5\n");
   put(folder / "images.txt", "1 1 0 0 0 0 0 0 1 a.png\n\n");
   if (which == 2)
-    dvi::io::read_colmap_points(put(folder / ("points3D" + ending), rest));
+    dvi::datasets::read_colmap_points(put(folder / ("points3D" + ending), rest));
   else {
     put(folder / ((which == 0 ? "cameras" : "images") + ending), rest);
-    dvi::io::read_colmap_model(folder);
+    dvi::datasets::read_colmap_model(folder);
   }
 }

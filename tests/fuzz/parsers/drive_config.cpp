@@ -7,5 +7,5 @@ void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
   put(folder / "times/front.txt", "1 3999999999.9\n2 4000000000\n");
   put(folder / "times/lidar.txt", "1 -4000000000\n2 -3999999999.9\n");
   put(folder / "dvi.toml", bytes);
-  io::read_drive(folder);
+  datasets::read_drive(folder);
 }

@@ -14,7 +14,7 @@ inline void parse_kitti(const fs::path& day, const std::string& packet, const st
     put(day / name, "R: 1 0 0 0 1 0 0 0 1\nT: 0 0 0\n");
   for (const char* name : {"1.txt", "2.txt"}) put(drive / "oxts/data" / name, packet);
   for (const char* sensor : {"image_02", "velodyne_points", "oxts"}) put(drive / sensor / "timestamps.txt", stamps);
-  io::read_drive(drive);
+  datasets::read_drive(drive);
 }
 
 }  // namespace dvi::fuzz

@@ -17,7 +17,7 @@ inline Drive small_drive() {
 }
 
 /// What holds of labels that were drawn in its images.
-inline void require_in_images(const io::NamedLabels& read) {
+inline void require_in_images(const labels::NamedLabels& read) {
   const cv::Rect2d image(0, 0, 8, 6);
   for (const auto& [name, labels] : read.frames)
     for (const Label& label : labels) {

@@ -2,5 +2,5 @@
 #include "parser.h"
 
 void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
-  dvi::io::read_map_cloud(put(folder / "map.las", bytes));
+  dvi::media::read_map_cloud(put(folder / "map.las", bytes));
 }

@@ -2,5 +2,5 @@
 #include "parser.h"
 
 void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
-  io::read_pose_matrix(put(folder / "pose.txt", bytes));
+  datasets::read_pose_matrix(put(folder / "pose.txt", bytes));
 }

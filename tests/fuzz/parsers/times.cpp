@@ -10,5 +10,5 @@ void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
   const std::size_t half = bytes.find("\n\n");
   put(folder / "times/front.txt", bytes.substr(0, half));
   put(folder / "times/lidar.txt", half == std::string::npos ? "1 1.0\n2 1.1\n" : bytes.substr(half + 2));
-  io::read_drive(folder);
+  datasets::read_drive(folder);
 }

@@ -2,5 +2,5 @@
 #include "parser.h"
 
 void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
-  io::read_kitti_tracking(put(folder / "tracking_labels.txt", bytes), {});
+  labels::read_kitti_tracking(put(folder / "tracking_labels.txt", bytes), {});
 }

@@ -2,5 +2,5 @@
 #include "parser.h"
 
 void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
-  io::read_tracklets(put(folder / "tracklet_labels.xml", bytes));
+  labels::read_tracklets(put(folder / "tracklet_labels.xml", bytes));
 }
