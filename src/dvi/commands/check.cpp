@@ -222,7 +222,7 @@ CheckReport check(const job::Job& given, bool with_forecast, Progress& progress)
   for (std::size_t i = known; i < warned.size(); ++i) report.warnings.push_back(without_name(warned[i], drives.front()));
   report.place = find_place(poses.front().world_from_lidar, drive.fixes);
   report.warnings.insert(report.warnings.end(), range_warnings.begin(), range_warnings.end());
-  const std::vector<std::string> doubts = inputs::doubt_setup(drives, poses, masks, progress);
+  const std::vector<std::string> doubts = inputs::check_setup(drives, poses, masks, progress);
   report.warnings.insert(report.warnings.end(), doubts.begin(), doubts.end());
   for (const std::string& doubt : diagnostics::scan_time_doubts(drive, inputs::chosen(drive, choice))) {
     progress.warn(drive.path.filename().string() + ": " + doubt);

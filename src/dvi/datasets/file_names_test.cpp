@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "dvi/datasets/reader.h"
-#include "dvi/testing/image_folder.h"
+#include "dvi/datasets/test_foreign_images.h"
 
 namespace dvi::datasets {
 namespace {
@@ -13,18 +13,12 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// Pictures that ImageMagick, cwebp, and exiftool wrote: tests/README.md.
-const fs::path kPictures = fs::path(DVI_TEST_FOREIGN) / "images";
-
-constexpr const char* kNamesConfig =
-    "[camera.front]\nK = [60, 0, 32, 0, 60, 24, 0, 0, 1]\ncamera_from_lidar = [0, -1, 0, 0,  0, 0, -1, 0,  1, 0, 0, 0]\n";
-
 class NamedFiles : public testing::Test {
  protected:
-  NamedFiles() { folder.write("dvi.toml", kNamesConfig); }
+  NamedFiles() { folder.write("dvi.toml", kForeignImagesConfig); }
   void add_image(const std::string& name) const {
-    const fs::path original = kPictures / ("picture" + fs::path(name).extension().string());
-    const fs::path source = fs::exists(original) ? original : kPictures / "upright.jpg";
+    const fs::path original = kForeignImages / ("picture" + fs::path(name).extension().string());
+    const fs::path source = fs::exists(original) ? original : kForeignImages / "upright.jpg";
     folder.write("images/front/" + name, read_file(source));
   }
   void add_scan(const std::string& name) const { folder.write_bin("lidar/" + name, {1, 0, 0, 0, 0, 1, 0, 0}); }

@@ -1,11 +1,11 @@
 #include "dvi/media/image_storage.h"
 
 #include "dvi/datasets/reader.h"
+#include "dvi/datasets/test_foreign_images.h"
 #include "dvi/labels/mask_folder.h"
 #include "dvi/labels/mask_reading.h"
 #include "dvi/media/image_file.h"
 #include "dvi/media/video_reader.h"
-#include "dvi/testing/image_folder.h"
 
 namespace dvi::datasets {
 namespace {
@@ -16,22 +16,17 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// Files that ImageMagick, exiftool, and ffmpeg wrote: tests/README.md.
-const fs::path kStored = fs::path(DVI_TEST_FOREIGN) / "images";
-constexpr const char* kStorageConfig =
-    "[camera.front]\nK = [60, 0, 32, 0, 60, 24, 0, 0, 1]\ncamera_from_lidar = [0, -1, 0, 0,  0, 0, -1, 0,  1, 0, 0, 0]\n";
-
 class StoredImages : public testing::Test {
  protected:
-  StoredImages() { folder.write("dvi.toml", kStorageConfig); }
-  // Frame `number` is a copy of a file of `kStored`.
+  StoredImages() { folder.write("dvi.toml", kForeignImagesConfig); }
+  // Frame `number` is a copy of a file of `kForeignImages`.
   void add(int number, const char* image) const {
     const std::string name = std::to_string(number);
-    folder.write("images/front/" + name + fs::path(image).extension().string(), read_file(kStored / image));
+    folder.write("images/front/" + name + fs::path(image).extension().string(), read_file(kForeignImages / image));
     folder.write_bin("lidar/" + name + ".bin", {1, 0, 0, 0, 0, 1, 0, 0});
   }
   void add_video(const char* video) const {
-    folder.write("images/front.mp4", read_file(kStored / video));
+    folder.write("images/front.mp4", read_file(kForeignImages / video));
     for (const char* name : {"0", "1", "2"}) folder.write_bin(std::string("lidar/") + name + ".bin", {1, 0, 0, 0, 0, 1, 0, 0});
   }
   Drive read() const { return datasets::read_drive(folder.path); }
@@ -42,24 +37,24 @@ class StoredImages : public testing::Test {
 };
 
 TEST_F(StoredImages, TellTheirOrientation) {
-  EXPECT_EQ(media::read_exif_orientation(kStored / "upright.jpg"), 1);
-  EXPECT_EQ(media::read_exif_orientation(kStored / "exif3.jpg"), 3);
-  EXPECT_EQ(media::read_exif_orientation(kStored / "exif6.jpg"), 6);
-  EXPECT_EQ(media::read_exif_orientation(kStored / "mask_exif8.png"), 8);
-  EXPECT_EQ(media::read_exif_orientation(kStored / "bits12.png"), 1);
+  EXPECT_EQ(media::read_exif_orientation(kForeignImages / "upright.jpg"), 1);
+  EXPECT_EQ(media::read_exif_orientation(kForeignImages / "exif3.jpg"), 3);
+  EXPECT_EQ(media::read_exif_orientation(kForeignImages / "exif6.jpg"), 6);
+  EXPECT_EQ(media::read_exif_orientation(kForeignImages / "mask_exif8.png"), 8);
+  EXPECT_EQ(media::read_exif_orientation(kForeignImages / "bits12.png"), 1);
 }
 
 TEST_F(StoredImages, OfFourInksAreReadAsColors) {
   const cv::Size size(64, 48);
-  EXPECT_LE(
-      cv::norm(media::read_image(kStored / "cmyk.jpg", size), media::read_image(kStored / "upright.jpg", size), cv::NORM_INF),
-      6);
+  EXPECT_LE(cv::norm(media::read_image(kForeignImages / "cmyk.jpg", size),
+                     media::read_image(kForeignImages / "upright.jpg", size), cv::NORM_INF),
+            6);
 }
 
 // A file may end, or lie, at any byte.
 TEST_F(StoredImages, MayBeDamaged) {
   for (const char* name : {"exif6.jpg", "mask_exif8.png"}) {
-    const std::string bytes = read_file(kStored / name);
+    const std::string bytes = read_file(kForeignImages / name);
     for (std::size_t i = 0; i < bytes.size(); ++i) {
       const int cut = media::read_exif_orientation(folder.write("cut", bytes.substr(0, i)));
       std::string changed = bytes;
@@ -76,7 +71,7 @@ TEST_F(StoredImages, AreReadAsTheyAreStoredWithAWarning) {
   EXPECT_THAT(drive.warnings,
               ElementsAre(AllOf(HasSubstr("0.jpg has EXIF orientation 3"), HasSubstr("turn the picture by 180 degrees"),
                                 HasSubstr("as they are stored"), HasSubstr("exiftran"))));
-  const cv::Mat3b stored = media::read_image(kStored / "upright.jpg", {64, 48});
+  const cv::Mat3b stored = media::read_image(kForeignImages / "upright.jpg", {64, 48});
   EXPECT_EQ(cv::norm(*drive.images[0], stored, cv::NORM_INF), 0);
 }
 
@@ -91,7 +86,7 @@ TEST_F(StoredImages, OfAnotherOrientationThanTheMasksAreNamed) {
 
 TEST_F(StoredImages, HaveMasksWhoseOwnOrientationIsNamed) {
   add(0, "upright.jpg");
-  folder.write("masks/front/0.png", read_file(kStored / "mask_exif8.png"));
+  folder.write("masks/front/0.png", read_file(kForeignImages / "mask_exif8.png"));
   Drive drive = read();
   EXPECT_THAT(drive.warnings, IsEmpty());
   labels::read_masks(drive, {});
@@ -108,21 +103,22 @@ TEST_F(StoredImages, OfTwelveBitsAreScaledAlike) {
   EXPECT_EQ(high, 255);
   add(1, "bits16.png");
   EXPECT_THAT(read().warnings, IsEmpty()) << "one image with larger values shows that all are of 16 bits";
-  EXPECT_EQ(cv::norm(*read().images[1], media::read_image(kStored / "bits16.png", {64, 48}), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(*read().images[1], media::read_image(kForeignImages / "bits16.png", {64, 48}), cv::NORM_INF), 0);
 }
 
 TEST_F(StoredImages, MustKeepToTheBitsOfTheSample) {
-  EXPECT_THAT(input_error([&] { media::read_scaled_image(kStored / "bits16.png", {64, 48}, 12); }),
+  EXPECT_THAT(input_error([&] { media::read_scaled_image(kForeignImages / "bits16.png", {64, 48}, 12); }),
               AllOf(HasSubstr("bits16.png: holds values up to 65535"), HasSubstr("12-bit images")));
-  const cv::Mat3b image = media::read_image(kStored / "upright.jpg", {64, 48});
-  EXPECT_EQ(cv::norm(media::read_scaled_image(kStored / "upright.jpg", {64, 48}, 12), image, cv::NORM_INF), 0) << "of 8 bits";
+  const cv::Mat3b image = media::read_image(kForeignImages / "upright.jpg", {64, 48});
+  EXPECT_EQ(cv::norm(media::read_scaled_image(kForeignImages / "upright.jpg", {64, 48}, 12), image, cv::NORM_INF), 0)
+      << "of 8 bits";
 }
 
 // ffmpeg, which turns the frames unless it is told -noautorotate, turns those of rotate90.mp4 by 90 degrees counterclockwise.
 TEST_F(StoredImages, OfAVideoTellItsRotation) {
-  EXPECT_EQ(media::VideoReader(kStored / "plain.mp4").rotation_deg(), 0);
-  EXPECT_EQ(media::VideoReader(kStored / "rotate90.mp4").rotation_deg(), 270);
-  EXPECT_EQ(media::VideoReader(kStored / "rotate180.mp4").rotation_deg(), 180);
+  EXPECT_EQ(media::VideoReader(kForeignImages / "plain.mp4").rotation_deg(), 0);
+  EXPECT_EQ(media::VideoReader(kForeignImages / "rotate90.mp4").rotation_deg(), 270);
+  EXPECT_EQ(media::VideoReader(kForeignImages / "rotate180.mp4").rotation_deg(), 180);
 }
 
 TEST_F(StoredImages, OfARotatedVideoAreReadAsTheyAreStoredWithAWarning) {
@@ -136,7 +132,7 @@ TEST_F(StoredImages, OfARotatedVideoAreReadAsTheyAreStoredWithAWarning) {
   EXPECT_THAT(drive.warnings,
               ElementsAre(AllOf(HasSubstr("front.mp4 has a rotation flag, by which players turn it by 270 degrees"),
                                 HasSubstr("as they are stored"), HasSubstr("rotate=0"))));
-  folder.write("dvi.toml", std::string("[camera.front]\nsize = [48, 64]\n") + std::string(kStorageConfig).substr(15));
+  folder.write("dvi.toml", std::string("[camera.front]\nsize = [48, 64]\n") + std::string(kForeignImagesConfig).substr(15));
   EXPECT_THAT(error(), AllOf(HasSubstr("is 64x48 pixels"), HasSubstr("turn it by 270 degrees")));
 }
 

@@ -25,11 +25,16 @@ std::vector<int> numbers_without(const Drive& drive, const Numbered& files) {
   return missing;
 }
 
-void warn_of_scans_without_image(Drive& drive, const Numbered& scans) {
+std::vector<Gap> find_kitti_gaps(Drive& drive, const Numbered& images, const Numbered& scans, const ReadOptions& options) {
+  std::vector<Gap> gaps;
+  if (can_list_numbers(drive, 1))
+    gaps = {{"no image for frames", numbers_without(drive, images)}, {"no scan for frames", numbers_without(drive, scans)}};
+  if (options.frames || options.span) return gaps;
   std::vector<int> outside;
   for (const auto& [number, file] : scans)
     if (number < drive.frames.front().number || number > drive.frames.back().number) outside.push_back(number);
   if (!outside.empty()) drive.warnings.push_back("no image for scans " + ranges(outside));
+  return gaps;
 }
 
 KittiStamps::KittiStamps(const fs::path& file) : file_(file) {

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "dvi/core/files.h"
+#include "dvi/datasets/reader.h"
 #include "dvi/drive/drive.h"
+#include "dvi/drive/gap.h"
 
 namespace dvi::datasets {
 
@@ -19,8 +21,10 @@ Numbered numbered_files(const fs::path& folder, const std::vector<std::string>& 
 /// The numbers from the drive's first frame to its last that are not among the files. can_list_numbers() holds.
 std::vector<int> numbers_without(const Drive& drive, const Numbered& files);
 
-/// Warns of scans before the drive's first image or after its last, whose images were lost or cut off.
-void warn_of_scans_without_image(Drive& drive, const Numbered& scans);
+/// Finds the frames between the first and the last that have no image or no scan; empty if the numbers cannot be
+/// listed. Warns of scans before the first image or after
+/// the last, whose images were lost or cut off, unless the options ask for a part of the drive.
+std::vector<Gap> find_kitti_gaps(Drive& drive, const Numbered& images, const Numbered& scans, const ReadOptions& options);
 
 /// A file of dates of KITTI: a line for each number of the whole drive, whichever excerpt is there; a blank one is lost.
 class KittiStamps {

@@ -269,10 +269,7 @@ DriveContents read_kitti_360(const fs::path& path, const ReadOptions& options) {
     drive.poses = read_imu_poses(places.poses, clock, read_imu_from_camera0(to_pose) * camera0_from_lidar);
     drive.other_files.insert(drive.other_files.end(), {to_pose, places.poses});
   }
-  if (can_list_numbers(drive, 1))
-    recording.gaps = {{"no image for frames", numbers_without(drive, images)},
-                      {"no scan for frames", numbers_without(drive, scans)}};
-  if (!options.frames && !options.span) warn_of_scans_without_image(drive, scans);
+  recording.gaps = find_kitti_gaps(drive, images, scans, options);
   Rotation rotation;  // clockwise, the front in the middle of the scan
   LidarConfig lidar;
   if (const auto config = read_drive_config(path)) {

@@ -85,10 +85,7 @@ DriveContents read_kitti_odometry(const fs::path& path, const ReadOptions& optio
     drive.poses = read_poses_of_camera_0(*poses, drive, calibration.rect0_from_lidar);
     drive.other_files.push_back(*poses);
   }
-  if (can_list_numbers(drive, 1))
-    recording.gaps = {{"no image for frames", numbers_without(drive, images)},
-                      {"no scan for frames", numbers_without(drive, scans)}};
-  if (!options.frames && !options.span) warn_of_scans_without_image(drive, scans);
+  recording.gaps = find_kitti_gaps(drive, images, scans, options);
   Rotation rotation{.turn = Turn::none};  // the benchmark's scans are compensated for the motion
   LidarConfig lidar;
   if (const auto config = read_drive_config(path)) {

@@ -123,13 +123,6 @@ void read_oxts(Drive& drive, const Numbered& files) {
   drive.poses = Trajectory(mercator_poses(packets, imu_from_lidar));
 }
 
-std::vector<Gap> find_gaps(Drive& drive, const Numbered& images, const Numbered& scans, const Numbered& packets) {
-  if (!can_list_numbers(drive, 1)) return {};
-  return {{"no image for frames", numbers_without(drive, images)},
-          {"no scan for frames", numbers_without(drive, scans)},
-          {"no oxts packet for frames", numbers_without(drive, packets)}};
-}
-
 std::vector<Gap> read_own_labels(Drive& drive) {
   std::vector<Gap> gaps;
   const fs::path tracking = drive.path / "tracking_labels.txt", tracklets = drive.path / "tracklet_labels.xml";
@@ -185,8 +178,8 @@ DriveContents read_kitti(const fs::path& path, const ReadOptions& options) {
   const Numbered packets = numbered_files(path / "oxts" / "data", {".txt"});
   read_oxts(drive, packets);
   const Numbered scans = numbered_files(path / "velodyne_points" / "data", {".bin"});
-  recording.gaps = find_gaps(drive, numbered_images(path, drive.camera_name), scans, packets);
-  if (!options.frames && !options.span) warn_of_scans_without_image(drive, scans);
+  recording.gaps = find_kitti_gaps(drive, numbered_images(path, drive.camera_name), scans, options);
+  if (!recording.gaps.empty()) recording.gaps.push_back({"no oxts packet for frames", numbers_without(drive, packets)});
 
   Rotation rotation;  // clockwise, the front in the middle of the scan
   LidarConfig lidar;

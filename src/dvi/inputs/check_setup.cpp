@@ -20,7 +20,7 @@ std::vector<std::string> doubts_of(const Recording& open, const DrivePoses& pose
 
 }  // namespace
 
-std::vector<std::string> doubt_setup(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress) {
+std::vector<std::string> check_setup(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress) {
   std::vector<std::string> warnings;
   progress.begin("camera and labels", drives.size());
   for (std::size_t i = 0; i < drives.size(); ++i) {

@@ -12,6 +12,6 @@ namespace dvi::inputs {
 
 /// Warns where a recording contradicts its camera, its clock or its labels (plausibility/), and returns the warnings. Labels
 /// are not judged where the camera is in doubt: boxes may come from it.
-std::vector<std::string> doubt_setup(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress);
+std::vector<std::string> check_setup(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress);
 
 }  // namespace dvi::inputs

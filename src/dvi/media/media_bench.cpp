@@ -13,7 +13,7 @@ namespace {
 
 /// A folder that goes with the benchmark. The files in it stay in the system's cache: what is measured is decoding.
 struct Folder {
-  fs::path path = fs::temp_directory_path() / ("dvi_io_bench" + std::to_string(getpid()));
+  fs::path path = fs::temp_directory_path() / ("dvi_media_bench" + std::to_string(getpid()));
   Folder() { make_folder(path); }
   ~Folder() { fs::remove_all(path); }
   Folder(const Folder&) = delete;

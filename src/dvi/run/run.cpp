@@ -41,7 +41,7 @@ namespace {
 /// What is global: found once, before any frame is filled.
 struct Plan {
   const inputs::Poses& poses;
-  const map::StaticMap& map;
+  const StaticMap& map;
   const Views& views;
   const Cameras& cameras;
   const inputs::Objects& objects;
@@ -60,12 +60,12 @@ auto with_plan(const job::Job& job, const inputs::Recordings& drives, const resu
   const inputs::Objects objects = kept("objects", [&] { return inputs::find_objects(drives, poses, grounds, job, progress); });
   const inputs::Masks masks = inputs::find_masks(drives, poses, grounds, objects, job, progress);
   const auto static_points = [&] {
-    inputs::doubt_setup(drives, poses, masks, progress);            // what contradicts the recording, likewise
+    inputs::check_setup(drives, poses, masks, progress);            // what contradicts the recording, likewise
     return build_map(drives, poses, masks, options.map, progress);  // 3.1
   };
-  const map::StaticMap map = kept("map", static_points, map::StaticMap(Scratch::of_process()));
+  const StaticMap map = kept("map", static_points, StaticMap(Scratch::of_process()));
   const Views posed = inputs::make_views(drives, poses, masks, progress);
-  const map::VisibleMap visible(map, posed);
+  const VisibleMap visible(map, posed);
   const Gains gains = kept("exposure", [&] { return estimate_exposure(posed, visible, drives, options, progress); });
   const Cameras cameras = kept("alignment", [&] { return align(posed, visible, drives, options, progress); });  // 3.1, eq. 1
   return then(Plan{poses, map, inputs::refined(posed, gains, cameras), cameras, objects});
@@ -81,7 +81,7 @@ void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const
   });
   const bool classified = options.harmonize.surface_classes,
              synthesized = options.harmonize.unobserved == Unobserved::synthesize;
-  std::optional<ground::RoadGround> ground;
+  std::optional<RoadGround> ground;
   std::optional<Surfaces> surfaces;
   if (!frames.empty() && (classified || synthesized)) ground.emplace(plan.map, views);
   if (ground && synthesized) surfaces.emplace(*ground, views, depths.visibility);
