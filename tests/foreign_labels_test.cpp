@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
-#include "dvi/inputs/find_masks.h"
+#include "dvi/inputs/collect_evidence.h"
 #include "dvi/media/write_image.h"
 #include "program.h"
 
@@ -69,7 +69,8 @@ class ForeignLabels : public ProgramTest {
     Masked out;
     try {
       const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::required, progress)};
-      const inputs::Masks masks = inputs::find_masks(drives, inputs::given_poses(drives), job, progress);
+      const inputs::Poses poses = inputs::given_poses(drives);
+      const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
       for (std::size_t i = 0; i < masks.front().images.size(); ++i)
         out.pixels.push_back(cv::countNonZero(*masks.front().images[i]));
     } catch (const InputError& e) {

@@ -114,7 +114,7 @@ TEST_F(Rig, WithoutMasksOfItsOwnItTakesThoseOfTheFirst) {
   stereo_drive();
   fs::remove_all(folder / "drive/masks/right");
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
-  EXPECT_EQ(cameras_of("out")[0]["masks"], "carried");
+  EXPECT_EQ(cameras_of("out")[0]["masks"], "reprojected");
   const Lent found = lent("out");
   EXPECT_GT(found.pixels, 100);
   EXPECT_LT(found.error, 20) << "no traffic is copied";
@@ -143,7 +143,7 @@ TEST_F(Rig, AuditChecksTheMasksOfTheOtherCamera) {
   stereo_drive();
   fs::rename(folder / "drive/masks/right", folder / "originals");
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
-  ASSERT_EQ(cameras_of("out")[0]["masks"], "carried");
+  ASSERT_EQ(cameras_of("out")[0]["masks"], "reprojected");
   const nlohmann::json sources = nlohmann::json::parse(read_file(folder / "out/sources.json")).at("sources");
   const auto [picture, p] = first_lent("out");
   cv::Mat_<cv::Vec3w> provenance = media::read_png_triples(picture, kSize);

@@ -66,7 +66,7 @@ Forecast forecast(const Views& views, const map::StaticMap& map, const depth::De
   const std::size_t frames = coarse.of_sequence(0).second;
   std::vector<Count> counts(frames);
   parallel_in_order(frames, [&](std::size_t i) {
-    counts[i] = count(sample::sample(coarse, i, *depths.maps[i], depths.visibility, seen_once), coarse);
+    counts[i] = count(sample::sample({coarse, i, *depths.maps[i], depths.visibility}, seen_once), coarse);
     tick();
   });
   Forecast out;

@@ -72,7 +72,7 @@ harmonize::FilledFrame copied(const sample::Candidates& candidates, const Views&
   as_is.poisson = false;
   as_is.unobserved = harmonize::Unobserved::leave;
   const cv::Mat1f no_depth(candidates.hole.index.size(), depth::DepthMap::kUnknown);
-  return harmonize::harmonize(candidates, views, target, {no_depth, no_depth}, {}, as_is);
+  return harmonize::harmonize({views, target, {no_depth, no_depth}, {}}, candidates, {}, as_is);
 }
 
 void inpaint_empty(harmonize::FilledFrame& frame, Inpainting method) {

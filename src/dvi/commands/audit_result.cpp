@@ -10,6 +10,7 @@
 #include "dvi/core/json_file.h"
 #include "dvi/core/json_text.h"
 #include "dvi/datasets/pose_file.h"
+#include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/make_views.h"
 #include "dvi/inputs/rig.h"
 #include "dvi/media/image_file.h"
@@ -45,8 +46,10 @@ std::vector<ListedSource> read_sources(const fs::path& file) {
 }
 
 /// The views as sources.json numbers them. Baselines copy from the first drive alone.
-Views views_of(const std::vector<ListedSource>& sources, const inputs::Recordings& drives, const inputs::Masks& masks,
-               const fs::path& out) {
+Views views_of(const std::vector<ListedSource>& sources, const inputs::Recordings& drives,
+               const std::vector<objects::GivenMasks>& given, const fs::path& out) {
+  objects::Masks masks;
+  for (const objects::GivenMasks& camera : given) masks.push_back({camera.images, nullptr});
   const Views all = inputs::make_unposed_views(drives, masks);
   std::map<std::pair<int, std::string>, std::size_t> index;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -91,8 +94,8 @@ cv::Mat1b kept_mask(const fs::path& file, const Camera& camera) {
   return media::read_mask(file, {camera.width, camera.height});
 }
 
-/// Shadows and what was detected, found to move or carried over come on top of the masks that the drives bring: of each frame
-/// all that the run masked, from which nothing may be copied. `more_removed`: in the target's own frames too.
+/// Shadows, and masks that were detected, found in scans, or reprojected, come on top of the masks that the drives bring: all
+/// that the run masked in each frame, from which nothing may be copied. `more_removed`: in the target's own frames too.
 Lazy<cv::Mat1b> with_removed(const Views& views, const std::vector<std::string>& names, bool more_removed,
                              const fs::path& out) {
   return {views.size(), [views, names, more_removed, out](std::size_t i) {
@@ -152,24 +155,20 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   job.sources.assign(drives.begin() + 1, drives.end());
   if (!masks.empty()) job.read.masks = job::MasksFrom::parse(masks);
   const bool detected = !job.read.detector.empty() && masks.empty();
-  job.read.detector.clear();
+  job.read.detector.clear();  // the result holds what it detected
   inputs::Recordings open =
       inputs::open_recordings(job, detected ? inputs::MaskNeed::optional : inputs::MaskNeed::required, progress);
   if (!job::is_baseline(job.method)) open = inputs::with_other_cameras(std::move(open), job, progress);
-  bool more_removed = job.options.masks.shadows;
-  job.options.masks.shadows = false;
-  for (inputs::Recording& recording : open)
-    if (detected || recording.masks_from == objects::MaskSource::found ||
-        recording.masks_from == objects::MaskSource::carried) {
-      recording.masks_from.reset();
-      more_removed = true;
-    }
-  for (inputs::Recording& recording : open) recording.labeled_in_part = false;  // what was carried over is among the kept masks
-  Views views = views_of(sources, open, inputs::find_masks(open, poses_of(out, open, job), job, progress), out);
+  if (detected)
+    for (inputs::Recording& recording : open) recording.masks_from = objects::MaskSource::detected;
+  const inputs::Poses poses = poses_of(out, open, job);
+  const std::vector<objects::GivenMasks> given =
+      objects::draw_given_masks(inputs::collect_evidence(open, poses), job.removal());
+  Views views = views_of(sources, open, given, out);
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < views.of_sequence(0).second; ++i) names.push_back(sources[i].frame);
-  views.masks = with_removed(views, names, more_removed, out);
+  views.masks = with_removed(views, names, !given.front().complete, out);
 
   progress.begin("audit", names.size());
   AuditReport report{audit::audit(out, views, names, progress.tick()), {}, {}};

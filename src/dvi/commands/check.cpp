@@ -16,6 +16,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/diagnostics/scan_time_doubts.h"
 #include "dvi/inputs/check_setup.h"
+#include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/reports_json.h"  // IWYU pragma: keep
 #include "dvi/inputs/stretches.h"
 #include "dvi/result/report_json.h"  // IWYU pragma: keep
@@ -77,7 +78,7 @@ std::map<std::string, std::size_t> tracks_by_class(const inputs::Recording& open
   return out;
 }
 
-CheckReport describe(const inputs::Recording& open, const inputs::PoseChoice& choice, const inputs::Masks& masks) {
+CheckReport describe(const inputs::Recording& open, const inputs::PoseChoice& choice, const objects::Masks& masks) {
   const Drive& drive = open.drive;
   const Contents found = contents(drive, masks.front().images);
   const Trajectory& poses = inputs::chosen(drive, choice);
@@ -216,20 +217,20 @@ CheckReport check(const job::Job& given, bool with_forecast, Progress& progress)
   const bool posed = !inputs::chosen(drive, choice).empty();
   const inputs::Poses poses = posed ? inputs::in_one_world(drives, {choice}) : inputs::given_poses(drives);
   const std::size_t known = progress.warnings().size();
-  const inputs::Masks masks = inputs::find_masks(drives, poses, job, progress);
+  const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
   CheckReport report = describe(drives.front(), choice, masks);
   const std::vector<std::string> warned = progress.warnings();
   for (std::size_t i = known; i < warned.size(); ++i) report.warnings.push_back(without_name(warned[i], drives.front()));
   report.place = find_place(poses.front().world_from_lidar, drive.fixes);
   report.warnings.insert(report.warnings.end(), range_warnings.begin(), range_warnings.end());
-  const std::vector<std::string> doubts = inputs::check_setup(drives, poses, masks, progress);
+  const std::vector<std::string> doubts = inputs::check_setup({drives, poses, masks}, progress);
   report.warnings.insert(report.warnings.end(), doubts.begin(), doubts.end());
   for (const std::string& doubt : diagnostics::scan_time_doubts(drive, inputs::chosen(drive, choice))) {
     progress.warn(drive.path.filename().string() + ": " + doubt);
     report.warnings.push_back(doubt);
   }
   if (!job.out.empty()) report.pictures = write_check_pictures(job.out, drive, inputs::chosen(drive, choice));
-  if (with_forecast && report.ready) report.forecast = forecast_holes(drives, poses, masks, job, progress);
+  if (with_forecast && report.ready) report.forecast = forecast_holes({drives, poses, masks}, job, progress);
   return report;
 }
 

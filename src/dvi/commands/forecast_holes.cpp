@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/json_text.h"
+#include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/make_views.h"
 #include "dvi/inputs/rig.h"
 #include "dvi/media/write_image.h"
@@ -48,11 +49,10 @@ void to_json(nlohmann::json& j, const ForecastReport& report) {
 
 std::string to_json(const ForecastReport& report) { return json_text(nlohmann::json(report)); }
 
-ForecastReport forecast_holes(const inputs::Recordings& drives, const inputs::Poses& poses, const inputs::Masks& masks,
-                              const job::Job& job, Progress& progress) {
-  const Views views = inputs::make_views(drives, poses, masks, progress);
-  const map::StaticMap map = run::build_map(drives, poses, masks, job.options.map, progress);
-  const Drive& target = drives.front().drive;
+ForecastReport forecast_holes(const inputs::Inputs& inputs, const job::Job& job, Progress& progress) {
+  const Views views = inputs::make_views(inputs, progress);
+  const map::StaticMap map = run::build_map(inputs, job.options.map, progress);
+  const Drive& target = inputs.drives.front().drive;
   const int step = target.camera.width < kCoarseFrom ? 1 : 2;
   progress.begin("forecast", views.of_sequence(0).second);
   const audit::Forecast found = audit::forecast(views, map, job.options.depth, job.options.sample, step, progress.tick());
@@ -75,7 +75,8 @@ ForecastReport forecast_holes(const job::Job& job, Progress& progress) {
   const inputs::Recordings drives =
       inputs::with_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::required, progress), job, progress);
   const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);
-  return forecast_holes(drives, poses, inputs::find_masks(drives, poses, job, progress), job, progress);
+  const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
+  return forecast_holes({drives, poses, masks}, job, progress);
 }
 
 }  // namespace dvi::commands

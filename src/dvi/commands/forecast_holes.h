@@ -8,7 +8,7 @@
 
 #include "dvi/audit/forecast.h"
 #include "dvi/core/progress.h"
-#include "dvi/inputs/find_masks.h"
+#include "dvi/inputs/inputs.h"
 
 namespace dvi::commands {
 
@@ -34,7 +34,6 @@ void to_json(nlohmann::json& json, const ForecastReport& report);
 ForecastReport forecast_holes(const job::Job& job, Progress& progress);
 
 /// The same for drives whose poses and masks are known.
-ForecastReport forecast_holes(const inputs::Recordings& drives, const inputs::Poses& poses, const inputs::Masks& masks,
-                              const job::Job& job, Progress& progress);
+ForecastReport forecast_holes(const inputs::Inputs& inputs, const job::Job& job, Progress& progress);
 
 }  // namespace dvi::commands

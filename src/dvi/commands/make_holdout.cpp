@@ -7,7 +7,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/hash.h"
 #include "dvi/core/version.h"
-#include "dvi/inputs/find_masks.h"
+#include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/rig.h"
 
 namespace dvi::commands {
@@ -44,7 +44,7 @@ void make(const job::Job& job, const holdout::HoldoutOptions& options, bool keep
     throw InputError(job.out, "holds a case made from another drive or with other options",
                      "remove it or choose another folder");
   const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);
-  const inputs::Masks masks = inputs::find_masks(drives, poses, job, progress);
+  const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
   progress.begin(fmt::format("holdout {}", holdout::name(options.scenario)),
                  drives.size() * open.drive.frames.size() + open.drive.scan_headers.size());
   std::vector<holdout::HoldoutCamera> cameras;

@@ -8,6 +8,7 @@
 
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
+#include "dvi/inputs/collect_evidence.h"
 #include "dvi/labels/mask_folder.h"
 #include "dvi/media/contact_sheet.h"
 #include "dvi/media/write_image.h"
@@ -91,10 +92,10 @@ std::string make_masks(const job::Job& job, Progress& progress) {
   const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::required, progress)};
   inputs::verify(drives, job, progress);
   const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);
-  const inputs::Masks masks = inputs::find_masks(drives, poses, job, progress);
+  const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
   const inputs::Recording& open = drives.front();
   const Drive& drive = open.drive;
-  const inputs::DriveMasks& found = masks.front();
+  const objects::CameraMasks& found = masks.front();
   const fs::path out = job.out, folder = labels::camera_masks(out, drive.camera_name);
   make_folder(folder);
   std::vector<double> shares(drive.frames.size());

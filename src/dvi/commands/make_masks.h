@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "dvi/core/progress.h"
-#include "dvi/inputs/find_masks.h"
+#include "dvi/job/job.h"
 
 namespace dvi::commands {
 

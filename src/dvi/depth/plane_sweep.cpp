@@ -284,30 +284,29 @@ std::vector<cv::Rect> boxes(const cv::Mat1b& hole) {
 
 }  // namespace
 
-depth::DepthMap plane_sweep(const depth::DepthMap& depth, const Views& views, std::size_t target,
-                            const Lazy<depth::VisibilityMap>& visibility, const PlaneSweepOptions& options) {
-  if (!options.enabled) return depth;
-  depth::DepthMap out{depth.z.clone(), depth.sigma.clone()};
-  const cv::Mat1b hole = *views.masks[target];
-  const Camera& camera = views[target].camera;
+DepthMap plane_sweep(const Target& target, const PlaneSweepOptions& options) {
+  if (!options.enabled) return target.depth;
+  const Views& views = target.views;
+  DepthMap out{target.depth.z.clone(), target.depth.sigma.clone()};
+  const cv::Mat1b hole = *target.mask();
+  const Camera& camera = target.view().camera;
   std::map<std::size_t, std::shared_ptr<const cv::Mat1f>> contrasts;
   const auto source_of = [&](std::size_t view) {
     auto& image = contrasts[view];
     if (!image) image = std::make_shared<cv::Mat1f>(contrast(*views.images[view], *views.masks[view]));
-    return Source{&views[view].camera, views[view].camera_from_world * views[target].camera_from_world.inverse(), image,
-                  visibility[view]};
+    return Source{&views[view].camera, views[view].camera_from_world * target.view().camera_from_world.inverse(), image,
+                  target.visibility[view]};
   };
   for (const cv::Rect& box : boxes(hole)) {
     Piece piece{box, {}, {}, 0, 0, {}};
-    double nearest = find_members(depth, piece);
+    double nearest = find_members(target.depth, piece);
     std::vector<cv::Point> wanted;
     cv::findNonZero(hole(box) & piece.member, wanted);
     if (wanted.empty()) continue;
     std::vector<Eigen::Vector3d> rays;
     for (std::size_t i = 0; i < wanted.size(); i += wanted.size() / kRays + 1)
       rays.push_back(camera.ray({wanted[i].x + box.x, wanted[i].y + box.y}));
-    for (const std::size_t view :
-         choose_source_frames(views, target, rays, nearest, visibility, options.sources, options.max_frame_gap))
+    for (const std::size_t view : choose_source_frames(target, {rays, nearest}, options.sources, options.max_frame_gap))
       piece.sources.push_back(source_of(view));
     if (piece.sources.empty()) continue;
     double most = 0;
@@ -316,7 +315,7 @@ depth::DepthMap plane_sweep(const depth::DepthMap& depth, const Views& views, st
     if (most > 0) nearest = std::min(nearest, kMostStep * (kMostLabels - 1) / most);
     piece.labels = std::clamp(cvCeil(most * nearest / kStep) + 1, 1, kMostLabels);
     piece.step = nearest / std::max(1, piece.labels - 1);
-    piece.sources.push_back(source_of(target));  // shows what is round the hole
+    piece.sources.push_back(source_of(target.index));  // shows what is round the hole
     cv::Mat cost(box.size(), CV_32FC(piece.labels)), seen(box.size(), CV_32FC(piece.labels));
     for (cv::Mat* m : {&cost, &seen}) m->reshape(1).setTo(0);
     compare(piece, camera, cost, seen);

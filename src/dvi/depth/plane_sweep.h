@@ -1,12 +1,7 @@
 #pragma once
 
-#include <cstddef>
-
-#include "dvi/core/lazy.h"
 #include "dvi/core/options.h"
-#include "dvi/depth/depth_map.h"
-#include "dvi/depth/visibility_map.h"
-#include "dvi/drive/view.h"
+#include "dvi/depth/target.h"
 
 namespace dvi::depth {
 
@@ -30,8 +25,7 @@ struct PlaneSweepOptions {
 /// Depth for the pixels of the target's hole, and within 12 px of it, that have none although a surface below them or the sky
 /// does: the one at which the views that show them agree (plane sweep over inverse depth; Collins, 1996), infinity where
 /// nothing moves between them.
-/// Kept as it is where they do not agree, or agree because nothing is to be seen there. `visibility` is as `views`.
-depth::DepthMap plane_sweep(const depth::DepthMap& depth, const Views& views, std::size_t target,
-                            const Lazy<depth::VisibilityMap>& visibility, const PlaneSweepOptions& options);
+/// The depth is kept where they do not agree, or agree because nothing is to be seen there.
+DepthMap plane_sweep(const Target& target, const PlaneSweepOptions& options);
 
 }  // namespace dvi::depth

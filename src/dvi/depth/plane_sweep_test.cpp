@@ -40,7 +40,7 @@ Lazy<depth::VisibilityMap> visibility(const FlatScene& scene) {
 }
 
 depth::DepthMap swept(const FlatScene& scene, const depth::DepthMap& depth = no_returns()) {
-  return plane_sweep(depth, scene.lazy(), 0, visibility(scene), {});
+  return plane_sweep({scene.lazy(), 0, depth, visibility(scene)}, {});
 }
 
 /// A wall 10 m away, where the LiDAR has no return.

@@ -24,13 +24,13 @@ std::vector<std::size_t> pool(const Views& views, std::size_t target, int max_fr
 }
 
 /// Numbers of the sights, ray by ray and depth by depth, that a view offers.
-std::vector<std::size_t> shown(const View& view, const SE3& world_from_target, const std::vector<Eigen::Vector3d>& rays,
-                               double nearest, const depth::VisibilityMap& visibility) {
+std::vector<std::size_t> shown(const View& view, const SE3& world_from_target, const SearchRays& search,
+                               const VisibilityMap& visibility) {
   const SE3 view_from_target = view.camera_from_world * world_from_target;
   std::vector<std::size_t> out;
-  for (std::size_t i = 0; i < 2 * rays.size(); ++i) {
-    const double w = i % 2 == 0 ? 0 : nearest;
-    const Eigen::Vector3d x = view_from_target.R * rays[i / 2] + w * view_from_target.t;
+  for (std::size_t i = 0; i < 2 * search.rays.size(); ++i) {
+    const double w = i % 2 == 0 ? 0 : search.nearest;
+    const Eigen::Vector3d x = view_from_target.R * search.rays[i / 2] + w * view_from_target.t;
     if (!view.camera.in_front(x)) continue;
     const Eigen::Vector2d at = view.camera.project(x);
     if (view.camera.contains(at) && !visibility.masked({static_cast<float>(at.x()), static_cast<float>(at.y())}))
@@ -41,16 +41,14 @@ std::vector<std::size_t> shown(const View& view, const SE3& world_from_target, c
 
 }  // namespace
 
-std::vector<std::size_t> choose_source_frames(const Views& views, std::size_t target, const std::vector<Eigen::Vector3d>& rays,
-                                              double nearest, const Lazy<depth::VisibilityMap>& visibility, int count,
-                                              int max_frame_gap) {
-  const SE3 world_from_target = views[target].camera_from_world.inverse();
-  const std::vector<std::size_t> candidates = pool(views, target, max_frame_gap);
+std::vector<std::size_t> choose_source_frames(const Target& target, const SearchRays& search, int count, int max_frame_gap) {
+  const SE3 world_from_target = target.view().camera_from_world.inverse();
+  const std::vector<std::size_t> candidates = pool(target.views, target.index, max_frame_gap);
   std::vector<std::vector<std::size_t>> sights;
   for (const std::size_t view : candidates)
-    sights.push_back(shown(views[view], world_from_target, rays, nearest, *visibility[view]));
+    sights.push_back(shown(target.views[view], world_from_target, search, *target.visibility[view]));
   // Greedily the view that adds most, where each further sight of the same counts half of the one before.
-  std::vector<double> worth(2 * rays.size(), 1);
+  std::vector<double> worth(2 * search.rays.size(), 1);
   std::vector<std::size_t> out;
   while (out.size() < static_cast<std::size_t>(count)) {
     std::size_t best = 0;

@@ -83,13 +83,13 @@ void propagate(const cv::Mat1b& unknown, const cv::Mat1b& spreads, cv::Mat1b& cl
 
 }  // namespace
 
-cv::Mat1b classify_surfaces(const View& view, const depth::DepthMap& depth, const sample::Candidates& candidates,
+cv::Mat1b classify_surfaces(const depth::Target& target, const sample::Candidates& candidates,
                             const ground::RoadGround& ground) {
   const Region& hole = candidates.hole;
   cv::Mat1b classes(hole.index.size(), as_byte(SurfaceClass::unknown)), unknown(hole.index.size(), uchar{0});
   cv::Mat1b spreads = unknown.clone();
-  if (!ground.found() || view.sensor != Sensor::lidar) return classes;
-  const Classifier classify(view, depth, ground);
+  if (!ground.found() || target.view().sensor != Sensor::lidar) return classes;
+  const Classifier classify(target.view(), target.depth, ground);
   for (const cv::Point p : Region(grown(cv::Mat1b(hole.index >= 0), kRound)).pixels) {
     const int i = hole.index(p);
     const bool copied = i >= 0 && candidates.leading[i].found();

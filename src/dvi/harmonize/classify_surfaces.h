@@ -2,8 +2,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "dvi/depth/depth_map.h"
-#include "dvi/drive/view.h"
+#include "dvi/depth/target.h"
 #include "dvi/ground/road_ground.h"
 #include "dvi/sample/candidates.h"
 
@@ -11,7 +10,7 @@ namespace dvi::harmonize {
 
 /// The SurfaceClass of each pixel of a frame's hole and of 24 px round it; unknown elsewhere, and without ground. Pixels below
 /// the horizon that are not copied and whose depth is unknown or unsure get the class of the pixels to either side.
-cv::Mat1b classify_surfaces(const View& view, const depth::DepthMap& depth, const sample::Candidates& candidates,
+cv::Mat1b classify_surfaces(const depth::Target& target, const sample::Candidates& candidates,
                             const ground::RoadGround& ground);
 
 }  // namespace dvi::harmonize

@@ -56,7 +56,7 @@ struct RoadWithWall {
     mask(hole) = 255;
     const sample::Candidates candidates{Region(mask), std::vector<sample::Candidate>(hole.area())};
     const Views all = memory_views(views, std::vector<cv::Mat3b>(views.size()), std::vector<cv::Mat1b>(views.size()));
-    return classify_surfaces(all[0], depth, candidates, ground::RoadGround(map, all));
+    return classify_surfaces({all, 0, depth, {}}, candidates, ground::RoadGround(map, all));
   }
   int wrong(const cv::Mat1b& found, const cv::Rect& where) const {
     return cv::countNonZero(cv::Mat1b(found(where)) != truth(where));

@@ -58,7 +58,8 @@ float Seam::weight() const {
   return 1 / (root * root);
 }
 
-Copies copy(const Fused& fused, const Views& views, std::size_t target, const depth::DepthMap& depth, const DayLight& light) {
+Copies copy(const depth::Target& target, const Fused& fused, const DayLight& light) {
+  const Views& views = target.views;
   const sample::Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
   const std::vector<cv::Vec3f> zeros(hole.size());
@@ -67,21 +68,21 @@ Copies copy(const Fused& fused, const Views& views, std::size_t target, const de
   for (std::size_t i = 0; i < hole.size(); ++i)
     if (candidates.leading[i].found()) of_view[candidates.leading[i].view].push_back(i);
   const cv::Rect frame({}, hole.index.size());
-  const std::shared_ptr<const cv::Mat3b> known = views.images[target];
+  const std::shared_ptr<const cv::Mat3b> known = target.image();
   for (const auto& [view, pixels] : of_view) {
-    out.of_other_days |= views[view].drive != views[target].drive;
-    const Source source{views[target], views[view], Warp(views[target], views[view]), views.images[view], views.masks[view]};
+    out.of_other_days |= views[view].drive != target.view().drive;
+    const Source source{target.view(), views[view], Warp(target.view(), views[view]), views.images[view], views.masks[view]};
     for (const std::size_t i : pixels) {
       const cv::Point p = hole.pixels[i];
       const sample::Candidate& shown = candidates.leading[i];
-      const cv::Vec3f gain = light.gain_to(views[target], views[view], i);
+      const cv::Vec3f gain = light.gain_to(target.view(), views[view], i);
       const auto own = [&] { return source.shown(p, shown.position, shown.footprint).mul(gain); };
       for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
         if (!frame.contains(q)) continue;
         const int j = hole.index(q);
         const bool seam = j >= 0 && candidates.leading[j].found() && candidates.leading[j].view != view;
         if (j >= 0 && !seam) continue;
-        const std::optional<cv::Vec3f> beside = neighbor(source, p, shown, gain, q, depth);
+        const std::optional<cv::Vec3f> beside = neighbor(source, p, shown, gain, q, target.depth);
         if (!beside) continue;
         if (seam) {
           const bool first = q.x > p.x || q.y > p.y;

@@ -3,8 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "dvi/depth/depth_map.h"
-#include "dvi/drive/view.h"
+#include "dvi/depth/target.h"
 #include "dvi/harmonize/fuse.h"
 
 namespace dvi::harmonize {
@@ -50,6 +49,6 @@ struct Copies {
 };
 
 /// Reads one source image at a time.
-Copies copy(const Fused& fused, const Views& views, std::size_t target, const depth::DepthMap& depth, const DayLight& light);
+Copies copy(const depth::Target& target, const Fused& fused, const DayLight& light);
 
 }  // namespace dvi::harmonize

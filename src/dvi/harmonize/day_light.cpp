@@ -116,10 +116,11 @@ float brightest(const cv::Mat3b& image, const cv::Mat1b& masked, const depth::De
   return static_cast<float>(level);
 }
 
-std::vector<Surface> surfaces_beside(const Views& views, std::size_t target, const depth::DepthMap& depth) {
-  const auto image = views.images[target];
-  const cv::Mat1b masked = grown(*views.masks[target], kMargin);
-  const Camera& camera = views[target].camera;
+std::vector<Surface> surfaces_beside(const depth::Target& target) {
+  const depth::DepthMap& depth = target.depth;
+  const auto image = target.image();
+  const cv::Mat1b masked = grown(*target.mask(), kMargin);
+  const Camera& camera = target.view().camera;
   const int apart = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(image->total()) / kSurfaces)));
   std::vector<Surface> out;
   for (int y = kMargin; y + kMargin < image->rows; y += apart)
@@ -153,16 +154,17 @@ struct Comparison {
 };
 
 /// Each surface as the first of these views shows it.
-std::vector<Comparison> compare(const std::vector<Surface>& surfaces, const std::vector<int>& of_drive, const Views& views,
-                                std::size_t target, const Lazy<depth::VisibilityMap>& visibility) {
+std::vector<Comparison> compare(const std::vector<Surface>& surfaces, const std::vector<int>& of_drive,
+                                const depth::Target& target) {
+  const Views& views = target.views;
   std::vector<Comparison> out;
   std::vector<char> done(surfaces.size(), 0);
   for (const int number : of_drive) {
     const auto view = static_cast<std::size_t>(number);
     const Camera& camera = views[view].camera;
-    const SE3 source_from_target = views[view].camera_from_world * views[target].camera_from_world.inverse();
-    const cv::Vec3f gain = gain_to(views[target], views[view]);
-    const auto seen = visibility[view];
+    const SE3 source_from_target = views[view].camera_from_world * target.view().camera_from_world.inverse();
+    const cv::Vec3f gain = gain_to(target.view(), views[view]);
+    const auto seen = target.visibility[view];
     const auto image = views.images[view];
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
       if (done[i] != 0) continue;
@@ -170,7 +172,7 @@ std::vector<Comparison> compare(const std::vector<Surface>& surfaces, const std:
       if (!at) continue;
       const cv::Vec3f color = box_mean(*image, *at, {kBox, kBox});
       if (!usable(color)) continue;
-      const float shade = vignetting_to(views[target], surfaces[i].pixel, views[view], *at);
+      const float shade = vignetting_to(target.view(), surfaces[i].pixel, views[view], *at);
       cv::Vec3f ratio;
       for (int c = 0; c < 3; ++c) ratio[c] = std::log(surfaces[i].color[c] / (shade * color[c] * gain[c]));
       out.push_back({&surfaces[i], ratio});
@@ -269,22 +271,22 @@ cv::Vec3f gain_of(const std::optional<Eigen::Vector3d>& normal, const std::array
 
 }  // namespace
 
-DayLight compare_days(const sample::Candidates& candidates, const Views& views, std::size_t target,
-                      const depth::DepthMap& depth, const Lazy<depth::VisibilityMap>& visibility) {
+DayLight compare_days(const depth::Target& target, const sample::Candidates& candidates) {
+  const Views& views = target.views;
   DayLight out;
   std::map<int, std::map<int, int>> used;  // by drive, how often each view
   for (const sample::Candidate& c : candidates.leading)
-    if (c.found() && views[c.view].drive != views[target].drive) ++used[views[c.view].drive][c.view];
+    if (c.found() && views[c.view].drive != target.view().drive) ++used[views[c.view].drive][c.view];
   if (used.empty()) return out;
-  const std::vector<Surface> surfaces = surfaces_beside(views, target, depth);
-  out.brightest = brightest(*views.images[target], *views.masks[target], depth);
+  const std::vector<Surface> surfaces = surfaces_beside(target);
+  out.brightest = brightest(*target.image(), *target.mask(), target.depth);
   std::vector<std::optional<Eigen::Vector3d>> normals;
-  for (const cv::Point p : candidates.hole.pixels) normals.push_back(normal_at(p, views[target].camera, depth));
+  for (const cv::Point p : candidates.hole.pixels) normals.push_back(normal_at(p, target.view().camera, target.depth));
   for (const auto& [drive, counts] : used) {
     std::vector<int> of_drive;
     for (const auto& [view, count] : counts) of_drive.push_back(view);
     std::stable_sort(of_drive.begin(), of_drive.end(), [&](int a, int b) { return counts.at(a) > counts.at(b); });
-    const std::vector<Comparison> compared = compare(surfaces, of_drive, views, target, visibility);
+    const std::vector<Comparison> compared = compare(surfaces, of_drive, target);
     std::array<Facing, kDirections> by_direction;
     for (std::size_t k = 0; k < kDirections; ++k) by_direction[k] = facing(compared, k);
     out.drives.resize(std::max(out.drives.size(), static_cast<std::size_t>(drive) + 1));

@@ -3,10 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "dvi/core/lazy.h"
-#include "dvi/depth/depth_map.h"
-#include "dvi/depth/visibility_map.h"
-#include "dvi/drive/view.h"
+#include "dvi/depth/target.h"
 #include "dvi/sample/candidates.h"
 
 namespace dvi::harmonize {
@@ -39,7 +36,6 @@ struct DayLight {
 /// from. The logarithm of the ratio of both colors, by the direction that a surface faces, has a weighted median in each of
 /// 26 directions; a direction counts if what one half of the surfaces says makes the other half agree better, and the other way
 /// round. Surfaces that differ too much even so do not agree. Without views of other drives it costs nothing.
-DayLight compare_days(const sample::Candidates& candidates, const Views& views, std::size_t target,
-                      const depth::DepthMap& depth, const Lazy<depth::VisibilityMap>& visibility);
+DayLight compare_days(const depth::Target& target, const sample::Candidates& candidates);
 
 }  // namespace dvi::harmonize

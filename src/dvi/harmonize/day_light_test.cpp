@@ -46,8 +46,8 @@ struct TwoDays {
     const Lazy<depth::VisibilityMap> visibility(
         2, [&](std::size_t) { return depth::visibility_map(depth, cv::Mat1b(hole.size(), uchar{0})); });
     const Views views = scene.lazy();
-    const DayLight light = compare_days(candidates, views, 0, depth, visibility);
-    return {light, fuse(candidates, views, 0, light), candidates.hole.index};
+    const DayLight light = compare_days({views, 0, depth, visibility}, candidates);
+    return {light, fuse({views, 0, depth, visibility}, candidates, light), candidates.hole.index};
   }
   double worst(const Found& found) const {
     double out = 0;

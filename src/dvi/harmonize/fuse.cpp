@@ -65,7 +65,8 @@ Agreement agreement(std::span<const SourceColor> shown) {
   return out;
 }
 
-Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t target, const DayLight& light) {
+Fused fuse(const depth::Target& target, const sample::Candidates& candidates, const DayLight& light) {
+  const Views& views = target.views;
   const std::size_t pixels = candidates.hole.size(), ranks = candidates.extra_per_pixel + 1;
   std::vector<SourceColor> shown(pixels * ranks);
   std::vector<cv::Vec2b> footprints(pixels * ranks, cv::Vec2b(1, 1));
@@ -80,14 +81,14 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
   for (const auto& [view, slots] : of_view) {
     const auto image = views.images[view];
     const auto mask = views.masks[view];
-    const bool other_day = views[view].drive != views[target].drive;
+    const bool other_day = views[view].drive != target.view().drive;
     for (const std::size_t slot : slots) {
       const sample::Candidate& from = candidate(slot);
       if (other_day && !light.agrees(views[view], slot / ranks)) continue;
       if (can_sample(*mask, from.position, from.footprint)) footprints[slot] = from.footprint;
       const cv::Vec3f color = box_mean(*image, from.position, footprints[slot]);
-      const float shade = vignetting_to(views[target], candidates.hole.pixels[slot / ranks], views[view], from.position);
-      const cv::Vec3f lit = vignetted(color, shade).mul(light.gain_to(views[target], views[view], slot / ranks));
+      const float shade = vignetting_to(target.view(), candidates.hole.pixels[slot / ranks], views[view], from.position);
+      const cv::Vec3f lit = vignetted(color, shade).mul(light.gain_to(target.view(), views[view], slot / ranks));
       // Brighter than any surface of the target, beyond noise: it is not lit as those are that the gains were found from.
       if (other_day && std::max({lit[0], lit[1], lit[2]}) > light.brightest + kDiffer) {
         sky(candidates.hole.pixels[slot / ranks]) = 255;
@@ -99,7 +100,7 @@ Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t
   sky = grown(sky, kBleeds);
   for (std::size_t slot = 0; slot < shown.size(); ++slot)
     if (sky(candidates.hole.pixels[slot / ranks]) != 0 && candidate(slot).found() &&
-        views[candidate(slot).view].drive != views[target].drive)
+        views[candidate(slot).view].drive != target.view().drive)
       shown[slot].trust = 0;
   Fused out{{candidates.hole, std::vector<sample::Candidate>(pixels)},
             std::vector<cv::Vec3f>(pixels),

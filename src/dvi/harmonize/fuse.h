@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "dvi/drive/view.h"
+#include "dvi/depth/target.h"
 #include "dvi/harmonize/day_light.h"
 #include "dvi/sample/candidates.h"
 
@@ -45,6 +45,6 @@ struct Fused {
 /// Reads one source image at a time. Where a box meets the source's mask the pixel itself is taken; saturated colors count
 /// only where there are no others. What another drive shows there where it is too bright for the
 /// target's light, as its sky is, or mixed with that, is not used.
-Fused fuse(const sample::Candidates& candidates, const Views& views, std::size_t target, const DayLight& light);
+Fused fuse(const depth::Target& target, const sample::Candidates& candidates, const DayLight& light);
 
 }  // namespace dvi::harmonize

@@ -62,7 +62,7 @@ struct Still {
       for (int k = 1; k <= static_cast<int>(sources.size()); ++k)
         (k == 1 ? candidates.leading : candidates.extra).push_back({k, cv::Point2f(p)});
   }
-  Fused run() const { return fuse(candidates, scene.lazy(), 0, {}); }
+  Fused run() const { return fuse({scene.lazy(), 0, {}, {}}, candidates, {}); }
 };
 
 double mean_square_error(const Still& still, const Fused& fused, const cv::Mat3b& truth) {

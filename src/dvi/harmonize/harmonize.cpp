@@ -281,12 +281,12 @@ cv::Mat1b interpolate(const Window& window, const Copies& copies, const View& vi
 
 std::uint16_t sixteenths(float position) { return static_cast<std::uint16_t>(std::lround(position * kSubpixel)); }
 
-void write_receipts(const Fused& fused, const Views& views, std::size_t target, FilledFrame& out) {
+void write_provenance(const depth::Target& target, const Fused& fused, FilledFrame& out) {
   const sample::Candidates& candidates = fused.candidates;
   for (std::size_t i = 0; i < candidates.leading.size(); ++i) {
     const sample::Candidate& source = candidates.leading[i];
     if (!source.found()) continue;
-    const bool here = views[source.view].sequence == views[target].sequence;
+    const bool here = target.views[source.view].sequence == target.view().sequence;
     out.kind(candidates.hole.pixels[i]) = static_cast<uchar>(here ? Kind::copied : Kind::copied_elsewhere);
     out.provenance(candidates.hole.pixels[i]) = {static_cast<std::uint16_t>(source.view + 1), sixteenths(source.position.x),
                                                  sixteenths(source.position.y)};
@@ -304,7 +304,7 @@ cv::Mat1f distance_to_known(const cv::Mat1b& kind) {
   return distance;
 }
 
-void write_confidence(const Fused& fused, const Window& window, const Views& views, std::size_t target, const ErrorScale& scale,
+void write_confidence(const depth::Target& target, const Fused& fused, const Window& window, const ErrorScale& scale,
                       FilledFrame& out) {
   const cv::Mat1f distance = distance_to_known(out.kind(window.box));
   for (std::size_t i = 0; i < fused.color.size(); ++i) {
@@ -312,7 +312,7 @@ void write_confidence(const Fused& fused, const Window& window, const Views& vie
     double sure = 0;
     if (fused.candidates.leading[i].found()) {
       const double change = mean_difference(out.color(p), fused.color[i]);
-      const double expected = expected_error(evidence_of(fused, i, views, target, out.color, change));
+      const double expected = expected_error(evidence_of(target, fused, i, {out.color, change}));
       sure = copied_confidence(scale.at(expected) * expected);
     } else if (out.kind(p) == static_cast<uchar>(Kind::interpolated)) {
       sure = interpolated_confidence(distance(window.pixel(i)));
@@ -323,43 +323,43 @@ void write_confidence(const Fused& fused, const Window& window, const Views& vie
 
 }  // namespace
 
-FilledFrame harmonize(const sample::Candidates& sampled, const Views& views, std::size_t target, const depth::DepthMap& depth,
-                      const HarmonizeInput& around, const HarmonizeOptions& options) {
-  const Fused fused = fuse(sampled, views, target, around.light);
+FilledFrame harmonize(const depth::Target& target, const sample::Candidates& sampled, const HarmonizeInput& input,
+                      const HarmonizeOptions& options) {
+  const Fused fused = fuse(target, sampled, input.light);
   const sample::Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
   const cv::Size size = hole.index.size();
   FilledFrame out;
-  views.images[target]->convertTo(out.color, CV_32FC3);
+  target.image()->convertTo(out.color, CV_32FC3);
   out.mask = hole.index >= 0;
   out.kind = cv::Mat1b(size, static_cast<uchar>(Kind::original));
   out.provenance = cv::Mat_<cv::Vec3w>(size, cv::Vec3w());
   out.used = cv::Mat3b(size, cv::Vec3b());
   out.confidence = cv::Mat1b(size, uchar{255});
-  out.depth = depth.z.clone();
+  out.depth = target.depth.z.clone();
   for (std::size_t i = 0; i < hole.size(); ++i)
     if (const cv::Point p = hole.pixels[i]; fused.sky(p) != 0 && !candidates.leading[i].found())
       out.depth(p) = depth::DepthMap::kInfinity;
-  out.gain = views[target].gain;
+  out.gain = target.view().gain;
 
-  Copies copies = copy(fused, views, target, depth, around.light);
+  Copies copies = copy(target, fused, input.light);
   copies.hold = hold_of(copies, candidates, options.robust_rim);
   for (std::size_t i = 0; i < hole.size(); ++i) out.color(hole.pixels[i]) = copies.color[i];
   const Role copied = options.poisson ? Role::solved : Role::fixed;
   const Role unseen = options.unobserved == Unobserved::leave ? Role::absent : Role::solved;
-  const Window window(fused, out.depth, around.classes);
+  const Window window(fused, out.depth, input.classes);
   cv::Mat3f color = out.color(window.box);
   cv::Mat1b roles = roles_of(window, copied, options.unobserved_last ? Role::absent : unseen);
   fill(window, copies, roles, {options.seam_gradients, 1}, color);
   if (options.poisson && options.within_range)
-    keep_within(range_round(*views.images[target], out.mask), candidates, copies.color, out.color);
-  if (options.unobserved_last && unseen == Role::solved) roles = interpolate(window, copies, views[target], options, color);
+    keep_within(range_round(*target.image(), out.mask), candidates, copies.color, out.color);
+  if (options.unobserved_last && unseen == Role::solved) roles = interpolate(window, copies, target.view(), options, color);
   for (std::size_t i = 0; i < hole.size(); ++i) {
     const bool solved = roles(window.pixel(i)) == static_cast<uchar>(Role::solved);
     out.kind(hole.pixels[i]) = static_cast<uchar>(solved ? Kind::interpolated : Kind::empty);
   }
-  write_receipts(fused, views, target, out);
-  write_confidence(fused, window, views, target, ErrorScale(known_copies(around.known, views, target)), out);
+  write_provenance(target, fused, out);
+  write_confidence(target, fused, window, ErrorScale(known_copies(target, input.known)), out);
   return out;
 }
 

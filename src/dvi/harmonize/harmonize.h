@@ -6,8 +6,7 @@
 
 #include "dvi/core/named.h"
 #include "dvi/core/options.h"
-#include "dvi/depth/depth_map.h"
-#include "dvi/drive/view.h"
+#include "dvi/depth/target.h"
 #include "dvi/harmonize/day_light.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/sample/candidates.h"
@@ -70,7 +69,7 @@ struct HarmonizeInput {
 /// boundary (Neumann at the image's border). Its guidance is the gradient of the copies, between pixels of different sources
 /// what these show there, and 0 at pixels without a source, which are interpolated once the copies stand: the sky, then the
 /// ground, then what stands on it, each from its like.
-FilledFrame harmonize(const sample::Candidates& candidates, const Views& views, std::size_t target,
-                      const depth::DepthMap& depth, const HarmonizeInput& around, const HarmonizeOptions& options);
+FilledFrame harmonize(const depth::Target& target, const sample::Candidates& candidates, const HarmonizeInput& input,
+                      const HarmonizeOptions& options);
 
 }  // namespace dvi::harmonize

@@ -33,7 +33,7 @@ void harmonize_hole(benchmark::State& state) {
   }
   const Views views = scene.lazy();
   const depth::DepthMap depth{scene.depth(), scene.depth()};
-  for (auto _ : state) benchmark::DoNotOptimize(harmonize(candidates, views, 0, depth, {}, {}));
+  for (auto _ : state) benchmark::DoNotOptimize(harmonize({views, 0, depth, {}}, candidates, {}, {}));
   state.counters["pixels"] = static_cast<double>(candidates.leading.size());
 }
 BENCHMARK(harmonize_hole)->Arg(60'000)->Arg(100'000)->Unit(benchmark::kMillisecond);

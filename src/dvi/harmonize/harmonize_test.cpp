@@ -58,7 +58,7 @@ struct Case {
   }
   FilledFrame run(const HarmonizeOptions& options = {}) const {
     const depth::DepthMap depth{scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
-    return harmonize(candidates, scene.lazy(), 0, depth, {}, options);
+    return harmonize({scene.lazy(), 0, depth, {}}, candidates, {}, options);
   }
   double worst(const FilledFrame& out) const {
     cv::Mat3f expected;
@@ -141,9 +141,9 @@ TEST(Harmonize, TheSkyDoesNotGoOnInWhatStandsBeforeIt) {
   c.scene.add_source(0, c.truth);
   c.seen(1, 0, {0, 30, kWidth, 15});
   depth::DepthMap depth{c.scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
-  EXPECT_LT(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {}).color(29, 40)[0], 100) << "a wall would";
+  EXPECT_LT(harmonize({c.scene.lazy(), 0, depth, {}}, c.candidates, {}, {}).color(29, 40)[0], 100) << "a wall would";
   depth.z.rowRange(0, 30) = depth::DepthMap::kInfinity;
-  EXPECT_LT(c.worst(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {})), 3);
+  EXPECT_LT(c.worst(harmonize({c.scene.lazy(), 0, depth, {}}, c.candidates, {}, {})), 3);
 }
 
 TEST(Harmonize, WhatAnotherDayShowsAsSkyLiesAtInfinity) {
@@ -168,7 +168,7 @@ TEST(Harmonize, TheSkyBetweenHousesIsThatAboveThem) {
   depth.z.setTo(depth::DepthMap::kSky);  // also where the houses are higher than the LiDAR looks
   depth.z(cv::Rect(10, 10, 60, 30)) = depth::DepthMap::kInfinity;
   depth.z.rowRange(40, kHeight) = 30.0F;  // no source observed what stands there either
-  const FilledFrame out = harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {});
+  const FilledFrame out = harmonize({c.scene.lazy(), 0, depth, {}}, c.candidates, {}, {});
   EXPECT_NEAR(out.color(38, 40)[0], 200, 10);
   EXPECT_NEAR(out.color(42, 40)[0], 60, 10) << "what stands before it does not take its color";
   EXPECT_EQ(cv::countNonZero(out.kind == static_cast<uchar>(Kind::empty)), 0);
@@ -182,8 +182,8 @@ TEST(Harmonize, UnobservedGroundEndsWhereWhatStandsOnItBegins) {
   cv::Mat1b classes(kHeight, kWidth, static_cast<uchar>(SurfaceClass::upright));
   classes(cv::Rect(0, 30, 70, 30)).setTo(static_cast<uchar>(SurfaceClass::ground));
   const depth::DepthMap depth{c.scene.depth(), cv::Mat1f(kHeight, kWidth, 0.1F)};
-  EXPECT_LT(c.worst(harmonize(c.candidates, c.scene.lazy(), 0, depth, {.classes = classes}, {})), 10);
-  EXPECT_GT(c.worst(harmonize(c.candidates, c.scene.lazy(), 0, depth, {}, {})), 40) << "without classes they mix";
+  EXPECT_LT(c.worst(harmonize({c.scene.lazy(), 0, depth, {}}, c.candidates, {.classes = classes}, {})), 10);
+  EXPECT_GT(c.worst(harmonize({c.scene.lazy(), 0, depth, {}}, c.candidates, {}, {})), 40) << "without classes they mix";
 }
 
 TEST(Harmonize, UnobservedPixelsContinueTheLayersBesideThem) {
@@ -369,7 +369,7 @@ TEST(Harmonize, ConfidenceFollowsKnownPixels) {
   const auto mean_confidence = [&](int off_px) {
     for (std::size_t i = 0; i < known.leading.size(); ++i)
       known.leading[i] = {1, cv::Point2f(known.hole.pixels[i] + cv::Point(2 + (i % 2 == 0 ? off_px : -off_px), 0))};
-    return cv::mean(harmonize(c.candidates, c.scene.lazy(), 0, depth, {.known = known}, {}).confidence, c.hole)[0];
+    return cv::mean(harmonize({c.scene.lazy(), 0, depth, {}}, c.candidates, {.known = known}, {}).confidence, c.hole)[0];
   };
   EXPECT_GT(mean_confidence(0), mean_confidence(8) + 5) << "known pixels that are copied wrongly lower it";
 }

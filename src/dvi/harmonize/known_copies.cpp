@@ -35,25 +35,24 @@ cv::Mat3f mean_nearby(cv::Mat3f sums, cv::Mat1f weights) {
 
 }  // namespace
 
-CopyEvidence evidence_of(const Fused& fused, std::size_t pixel, const Views& views, std::size_t target, const cv::Mat3f& image,
-                         double light) {
+CopyEvidence evidence_of(const depth::Target& target, const Fused& fused, std::size_t pixel, const CopiedTo& to) {
   const sample::Candidate& source = fused.candidates.leading[pixel];
-  const View& from = views[source.view];
+  const View& from = target.views[source.view];
   return {.shift = source.misplaced,
-          .texture = texture(image, fused.candidates.hole.pixels[pixel]),
+          .texture = texture(to.image, fused.candidates.hole.pixels[pixel]),
           .spread = fused.spread[pixel],
           .alone = fused.sources[pixel] == 1 && fused.spread[pixel] == 0,
-          .elsewhere = from.drive != views[target].drive,
-          .change = light,
-          .seconds = 1e-9 * static_cast<double>(std::llabs(from.time_ns - views[target].time_ns))};
+          .elsewhere = from.drive != target.view().drive,
+          .change = to.change,
+          .seconds = 1e-9 * static_cast<double>(std::llabs(from.time_ns - target.view().time_ns))};
 }
 
-std::vector<KnownCopy> known_copies(const sample::Candidates& known, const Views& views, std::size_t target) {
+std::vector<KnownCopy> known_copies(const depth::Target& target, const sample::Candidates& known) {
   std::vector<KnownCopy> out;
   if (known.hole.size() == 0) return out;
-  const Fused fused = fuse(known, views, target, DayLight{});
+  const Fused fused = fuse(target, known, DayLight{});
   cv::Mat3f image;
-  views.images[target]->convertTo(image, CV_32FC3);
+  target.image()->convertTo(image, CV_32FC3);
   cv::Mat3f off(image.size(), cv::Vec3f());
   cv::Mat1f copied(image.size(), 0.0F);
   const std::vector<cv::Point>& pixels = known.hole.pixels;
@@ -67,7 +66,7 @@ std::vector<KnownCopy> known_copies(const sample::Candidates& known, const Views
     if (copied(pixels[i]) == 0) continue;
     const cv::Vec3f& changed = light(pixels[i]);
     const bool within = most_different(off(pixels[i]), changed) <= kWithin;
-    out.push_back({expected_error(evidence_of(fused, i, views, target, image, mean_difference(changed, {}))), within});
+    out.push_back({expected_error(evidence_of(target, fused, i, {image, mean_difference(changed, {})})), within});
   }
   return out;
 }

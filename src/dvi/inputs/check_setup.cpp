@@ -8,7 +8,7 @@
 namespace dvi::inputs {
 namespace {
 
-std::vector<std::string> doubts_of(const Recording& open, const DrivePoses& poses, const DriveMasks& masks) {
+std::vector<std::string> doubts_of(const Recording& open, const DrivePoses& poses, const objects::CameraMasks& masks) {
   const Drive& drive = open.drive;
   const diagnostics::FlowPairs pairs = diagnostics::flow_pairs(drive, poses.choice.tracks, masks.images);
   std::vector<std::string> doubts = diagnostics::camera_doubts(pairs, drive.camera_from_lidar);
@@ -20,7 +20,8 @@ std::vector<std::string> doubts_of(const Recording& open, const DrivePoses& pose
 
 }  // namespace
 
-std::vector<std::string> check_setup(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress) {
+std::vector<std::string> check_setup(const Inputs& inputs, Progress& progress) {
+  const auto& [drives, poses, masks] = inputs;
   std::vector<std::string> warnings;
   progress.begin("camera and labels", drives.size());
   for (std::size_t i = 0; i < drives.size(); ++i) {

@@ -4,16 +4,18 @@
 
 #include <fmt/format.h>
 
+#include "dvi/drive/posed_view.h"
+
 namespace dvi::inputs {
 namespace {
 
 // Images and masks of the views. The drives' own caches hold the pixels; these only look up the right one.
-void attach_pictures(Views& views, const Recordings& drives, const Masks& masks_of_drives) {
+void attach_pictures(Views& views, const Recordings& drives, const objects::Masks& masks_of_cameras) {
   const auto of = [list = views.views](std::size_t i) { return std::pair(list[i].sequence, list[i].frame); };
   std::vector<Lazy<cv::Mat3b>> images;
   std::vector<Lazy<cv::Mat1b>> masks;
   for (const Recording& open : drives) images.push_back(open.drive.images);
-  for (const DriveMasks& drive : masks_of_drives) masks.push_back(drive.images);
+  for (const objects::CameraMasks& camera : masks_of_cameras) masks.push_back(camera.images);
   views.images = Lazy<cv::Mat3b>::through(views.size(), [=](std::size_t i) { return images[of(i).first][of(i).second]; });
   views.masks = Lazy<cv::Mat1b>::through(views.size(), [=](std::size_t i) { return masks[of(i).first][of(i).second]; });
 }
@@ -27,17 +29,8 @@ View numbered(View view, const Recordings& drives, std::size_t sequence) {
 
 }  // namespace
 
-std::optional<View> posed_view(const Drive& drive, std::size_t frame, const Trajectory& world_from_lidar) {
-  const std::int64_t time = drive.frames[frame].time_ns;
-  const std::optional<SE3> pose = world_from_lidar.at(time);
-  if (!pose) return std::nullopt;
-  View view{0, frame, time, drive.camera, drive.camera_from_lidar * pose->inverse()};
-  view.sensor = drive.sensor;
-  view.registered_depth = drive.registered_depth;
-  return view;
-}
-
-Views make_views(const Recordings& drives, const Poses& poses, const Masks& masks, Progress& progress) {
+Views make_views(const Inputs& inputs, Progress& progress) {
+  const auto& [drives, poses, masks] = inputs;
   Views out;
   for (std::size_t d = 0; d < drives.size(); ++d) {
     const Drive& drive = drives[d].drive;
@@ -52,7 +45,7 @@ Views make_views(const Recordings& drives, const Poses& poses, const Masks& mask
   return out;
 }
 
-Views make_unposed_views(const Recordings& drives, const Masks& masks) {
+Views make_unposed_views(const Recordings& drives, const objects::Masks& masks) {
   Views out;
   for (std::size_t d = 0; d < drives.size(); ++d) {
     const Drive& drive = drives[d].drive;

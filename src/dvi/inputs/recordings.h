@@ -10,7 +10,7 @@
 #include "dvi/datasets/reader.h"
 #include "dvi/job/job.h"
 #include "dvi/objects/detect/detector.h"
-#include "dvi/objects/masks.h"
+#include "dvi/objects/label_masks.h"
 
 namespace dvi::inputs {
 

@@ -27,13 +27,4 @@ void from_json(const json& j, PosesReport& report) {
   j.at("odometry").get_to(report.odometry);
 }
 
-void to_json(json& j, const StandingTracks& tracks) {
-  j = {{"tracks", tracks.tracks}, {"standing", tracks.standing}, {"pixels", tracks.pixels}};
-}
-void from_json(const json& j, StandingTracks& tracks) {
-  j.at("tracks").get_to(tracks.tracks);
-  j.at("standing").get_to(tracks.standing);
-  j.at("pixels").get_to(tracks.pixels);
-}
-
 }  // namespace dvi::inputs

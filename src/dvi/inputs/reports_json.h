@@ -2,7 +2,6 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "dvi/inputs/find_masks.h"
 #include "dvi/inputs/poses_report.h"
 
 namespace dvi::inputs {
@@ -10,7 +9,5 @@ namespace dvi::inputs {
 // The reports of this module as JSON. Only .cpp files that write or read a document include this.
 void to_json(nlohmann::json& json, const PosesReport& report);
 void from_json(const nlohmann::json& json, PosesReport& report);
-void to_json(nlohmann::json& json, const StandingTracks& tracks);
-void from_json(const nlohmann::json& json, StandingTracks& tracks);
 
 }  // namespace dvi::inputs

@@ -10,17 +10,14 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/core/error.h"
-#include "dvi/drive/deskew.h"
 #include "dvi/drive/nearest_in_time.h"
 #include "dvi/labels/mask_folder.h"
 #include "dvi/labels/mask_reading.h"
 #include "dvi/media/image_file.h"
-#include "dvi/objects/carried.h"
+#include "dvi/objects/reprojected_mask.h"
 
 namespace dvi::inputs {
 namespace {
-
-constexpr std::int64_t kTogether = 20'000'000;  // ns between images of one time: traffic at 15 m/s goes .3 m
 
 // None: whichever there are.
 std::optional<std::set<std::string>> cameras_asked_for(const std::string& text) {
@@ -47,7 +44,7 @@ void require_there(const std::optional<std::set<std::string>>& asked, const Reco
 }
 
 TimeSpan span_of(const Drive& drive) {
-  return {drive.frames.front().time_ns - kTogether, drive.frames.back().time_ns + kTogether};
+  return {drive.frames.front().time_ns - objects::kMaxRigGapNs, drive.frames.back().time_ns + objects::kMaxRigGapNs};
 }
 
 // By the first image. A damaged one is named when it is read.
@@ -83,7 +80,8 @@ std::optional<objects::MaskSource> masks_of(Drive& drive, const Recording& own, 
   }
   if (own.masks_from == objects::MaskSource::found) return objects::MaskSource::found;
   const bool boxes = own.drive.labeled_around || has_boxes(own.drive);
-  return own.masks_from == objects::MaskSource::labels && boxes ? objects::MaskSource::labels : objects::MaskSource::carried;
+  return own.masks_from == objects::MaskSource::labels && boxes ? objects::MaskSource::labels
+                                                                : objects::MaskSource::reprojected;
 }
 
 // The boxes of the frame that was taken at the same time; outlines are those of the other image.
@@ -131,14 +129,6 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
   return open;
 }
 
-// The returns of the scan nearest to a time, world axes.
-std::vector<Eigen::Vector3d> returns_near(const Drive& drive, std::int64_t time_ns, const Trajectory& world_from_lidar) {
-  const auto nearest = nearest_in_time(drive.scan_headers.begin(), drive.scan_headers.end(), time_ns);
-  if (nearest == drive.scan_headers.end() || time_ns < nearest->start_ns - kTogether || time_ns > nearest->end_ns + kTogether)
-    return {};
-  return to_world(*drive.scans[static_cast<std::size_t>(nearest - drive.scan_headers.begin())], *nearest, world_from_lidar);
-}
-
 }  // namespace
 
 Recordings with_other_cameras(Recordings drives, const job::Job& job, Progress& progress) {
@@ -164,21 +154,6 @@ Recordings with_other_cameras(Recordings drives, const job::Job& job, Progress& 
   std::stable_partition(drives.begin() + static_cast<std::ptrdiff_t>(own), drives.end(),
                         [](const Recording& open) { return !open.gray; });
   return drives;
-}
-
-Lazy<cv::Mat1b> carried_masks(const Drive& drive, const Lazy<cv::Mat1b>& own, const Drive& other,
-                              const Trajectory& world_from_lidar) {
-  return {other.frames.size(), [=](std::size_t i) {
-            const Frame& frame = other.frames[i];
-            const Frame* const together = nearest_in_time(drive.frames, frame.time_ns, kTogether);
-            const auto here = world_from_lidar.at(frame.time_ns);
-            const auto there = together ? world_from_lidar.at(together->time_ns) : std::nullopt;
-            if (!here || !there) return cv::Mat1b(other.camera.height, other.camera.width, uchar{255});
-            const auto mask = own[static_cast<std::size_t>(together - drive.frames.data())];
-            return objects::carried_mask(*mask, {drive.camera, drive.camera_from_lidar * there->inverse()},
-                                         {other.camera, other.camera_from_lidar * here->inverse()},
-                                         returns_near(other, frame.time_ns, world_from_lidar));
-          }};
 }
 
 }  // namespace dvi::inputs

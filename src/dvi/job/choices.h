@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "dvi/core/named.h"
+#include "dvi/objects/evidence.h"
 
 namespace dvi::job {
 
@@ -20,11 +21,7 @@ constexpr auto names_of(Method) {
 /// Whether a method looks at images and masks only: it needs no poses and no scans.
 constexpr bool is_baseline(Method method) { return method != Method::dvi && method != Method::paper; }
 
-/// moving: only labeled objects that move; labeled: what the masks say; all: both masks and labels.
-enum class Remove { moving, labeled, all };
-constexpr auto names_of(Remove) {
-  return std::array{std::pair{Remove::moving, "moving"}, std::pair{Remove::labeled, "labeled"}, std::pair{Remove::all, "all"}};
-}
+using objects::Remove;
 
 /// Parses what `--remove` takes; "labelled" is "labeled". std::invalid_argument for anything else.
 Remove parse_remove(const std::string& text);

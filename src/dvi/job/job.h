@@ -16,7 +16,8 @@
 #include "dvi/labels/mask_reading.h"
 #include "dvi/map/build_map.h"
 #include "dvi/media/video.h"
-#include "dvi/objects/masks.h"
+#include "dvi/objects/evidence.h"
+#include "dvi/objects/label_masks.h"
 #include "dvi/odometry/odometry.h"
 #include "dvi/regularize/regularize.h"
 #include "dvi/sample/sample.h"
@@ -75,6 +76,8 @@ struct Job {
 
   /// Every option, and section [job].
   OptionTable table();
+
+  objects::RemovalOptions removal() const { return {read.remove, options.masks, options.map.pose_error_m}; }
 };
 
 /// Sets the options in which a method differs from the default.

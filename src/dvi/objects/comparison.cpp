@@ -20,12 +20,12 @@ constexpr double kEndless = 1e4;  // meters: of what no scan reached
 Comparison::Comparison(const Views& views, Lazy<cv::Mat1f> standing, std::shared_ptr<const ground::ScanGround> ground)
     : others_(views, kSharp), standing_(std::move(standing)), ground_(std::move(ground)) {}
 
-Evidence Comparison::operator()(std::size_t target, const cv::Mat1b& band, int every) const {
+ImageDifference Comparison::compare(std::size_t target, const cv::Mat1b& band, int every) const {
   const auto half = others_.half(target);
   const std::vector<HalfSizePixel> places = places_of(target, band, every);
   const auto seen = others_.colors(target, kTimes, places, places_of(target, cv::Mat1b(half->mask == 0), kLightGrid));
   const int displaced = 2 * every + 1;  // what poses and depth are wrong by, each way one
-  Evidence out{Usual(places, seen, band.size(), displaced), {}, {}, {}, {}};
+  ImageDifference out{Usual(places, seen, band.size(), displaced), {}, {}, {}, {}};
   for (cv::Mat1b* mask : {&out.differs, &out.untold, &out.ground, &out.shown}) *mask = cv::Mat1b(band.size(), uchar{0});
   for (std::size_t i = 0; i < places.size(); ++i) {
     const cv::Point at = places[i].at;

@@ -169,7 +169,7 @@ class Follower {
       const cv::Mat1b mask = drawn(hull, image_size(next));
       const cv::Rect2f box = cv::boundingRect(hull);
       if (box.height < kLeastHeight || cv::countNonZero(mask) < kLeastWithin * cv::contourArea(hull)) return;
-      const Evidence evidence = comparison_(next, half_of(mask));
+      const ImageDifference evidence = comparison_.compare(next, half_of(mask));
       const cv::Mat1b half = half_of(mask), told(half & ~evidence.untold);
       const bool known = share(told, half) > kLeastKnown;
       if (known && share(evidence.shown, told) > kShown) return;
@@ -204,7 +204,7 @@ class Follower {
   }
 
   // The pixels of an outline that are the object's as far as others tell, or all.
-  static cv::Mat1b own_pixels(const cv::Mat1b& mask, const Evidence& evidence) {
+  static cv::Mat1b own_pixels(const cv::Mat1b& mask, const ImageDifference& evidence) {
     cv::Mat1b differs;
     cv::resize(evidence.differs, differs, mask.size(), 0, 0, cv::INTER_NEAREST);
     const cv::Mat1b own(differs & mask);
@@ -212,7 +212,7 @@ class Follower {
   }
   cv::Mat1b own_pixels(std::size_t at, const Hull& hull) const {
     const cv::Mat1b mask = drawn(hull, image_size(at));
-    return own_pixels(mask, comparison_(at, half_of(mask)));
+    return own_pixels(mask, comparison_.compare(at, half_of(mask)));
   }
 
   // The predicted step, corrected by flow if the object then looks more alike.

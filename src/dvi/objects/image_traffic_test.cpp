@@ -8,7 +8,7 @@
 #include "dvi/image/region.h"
 #include "dvi/objects/find_traffic.h"
 #include "dvi/objects/image_following.h"
-#include "dvi/objects/standing.h"
+#include "dvi/objects/static_depth.h"
 #include "dvi/synth/scene.h"
 
 namespace dvi::objects {
@@ -52,7 +52,7 @@ struct BlindStreet {
     return out;
   }
   Comparison comparison(const Views& views, const FrameLabels& labels) const {
-    return {views, standing_depth(drive, drive.poses, shared(labels), views, ground), ground};
+    return {views, static_depth(drive, drive.poses, shared(labels), views, ground), ground};
   }
   cv::Mat1b drawn(const std::vector<Label>& labels) const {
     cv::Mat1b mask(scene->camera().height, scene->camera().width, uchar{0});

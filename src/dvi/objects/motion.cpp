@@ -79,15 +79,15 @@ std::vector<TrackMotion> track_motions(const Drive& drive, const FrameLabels& la
   return out;
 }
 
-std::set<int> standing_tracks(const Drive& drive, const Trajectory& world_from_lidar) {
+std::set<int> stationary_tracks(const Drive& drive, const Trajectory& world_from_lidar) {
   std::set<int> standing;
   for (const TrackMotion& motion : track_motions(drive, drive.labels(), world_from_lidar))
     if (!motion.moves) standing.insert(motion.track);
   return standing;
 }
 
-FrameLabels without_standing(const Drive& drive, const Trajectory& world_from_lidar) {
-  const std::set<int> standing = standing_tracks(drive, world_from_lidar);
+FrameLabels without_stationary(const Drive& drive, const Trajectory& world_from_lidar) {
+  const std::set<int> standing = stationary_tracks(drive, world_from_lidar);
   FrameLabels labels = drive.labels();
   for (std::vector<Label>& frame : labels) std::erase_if(frame, [&](const Label& l) { return standing.contains(l.track); });
   return labels;

@@ -25,9 +25,9 @@ struct TrackMotion {
 std::vector<TrackMotion> track_motions(const Drive& drive, const FrameLabels& labels, const Trajectory& world_from_lidar);
 
 /// Tracks that do not move: parked vehicles. What is labeled without box or track may move.
-std::set<int> standing_tracks(const Drive& drive, const Trajectory& world_from_lidar);
+std::set<int> stationary_tracks(const Drive& drive, const Trajectory& world_from_lidar);
 
 /// The drive's labels without those of standing tracks.
-FrameLabels without_standing(const Drive& drive, const Trajectory& world_from_lidar);
+FrameLabels without_stationary(const Drive& drive, const Trajectory& world_from_lidar);
 
 }  // namespace dvi::objects

@@ -57,14 +57,14 @@ TEST(Motion, OfWhatWaitsAndThenDrivesOffAndOfWhatComesFromFar) {
 
 TEST(Standing, IsWhatKeepsItsPlaceInTheWorld) {
   const Drive drive = labeled_drive();
-  EXPECT_EQ(standing_tracks(drive, drive.poses), (std::set<int>{1, 3}));
+  EXPECT_EQ(stationary_tracks(drive, drive.poses), (std::set<int>{1, 3}));
 }
 
-TEST(Standing, NothingWithoutPoses) { EXPECT_TRUE(standing_tracks(labeled_drive(), {}).empty()); }
+TEST(Standing, NothingWithoutPoses) { EXPECT_TRUE(stationary_tracks(labeled_drive(), {}).empty()); }
 
 TEST(Standing, LabelsAreLeftOut) {
   const Drive drive = labeled_drive();
-  for (const std::vector<Label>& frame : without_standing(drive, drive.poses)) {
+  for (const std::vector<Label>& frame : without_stationary(drive, drive.poses)) {
     ASSERT_EQ(frame.size(), 2U);
     EXPECT_EQ(frame[0].track, 2);
     EXPECT_EQ(frame[1].track, 4);

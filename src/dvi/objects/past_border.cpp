@@ -46,7 +46,7 @@ class Continuation {
       label.type = last->type;
       label.box = moved_on(sights, seconds);
       label.box->frame_from_box = pose->inverse() * label.box->frame_from_box;
-      if (cv::countNonZero(label_mask(label, drive_.camera, drive_.camera_from_lidar, {.box_margin_m = 0})) == 0) break;
+      if (cv::countNonZero(draw_label(label, drive_.camera, drive_.camera_from_lidar, {.box_margin_m = 0})) == 0) break;
       out.emplace_back(frame, std::move(label));
     }
     return out;
@@ -63,7 +63,7 @@ class Continuation {
 
   bool touches_border(const Label& label) const {
     const cv::Mat1b mask =
-        grown(label_mask(label, drive_.camera, drive_.camera_from_lidar, options_), options_.label_dilation_px());
+        grown(draw_label(label, drive_.camera, drive_.camera_from_lidar, options_), options_.label_dilation_px());
     return cv::countNonZero(mask.col(0)) + cv::countNonZero(mask.col(mask.cols - 1)) + cv::countNonZero(mask.row(0)) +
                cv::countNonZero(mask.row(mask.rows - 1)) >
            0;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "dvi/drive/drive.h"
-#include "dvi/objects/masks.h"
+#include "dvi/objects/label_masks.h"
 
 namespace dvi::objects {
 

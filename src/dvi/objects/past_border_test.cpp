@@ -39,7 +39,7 @@ Label parked(const Drive& drive, std::size_t frame, double x, double y) {
 
 cv::Mat1b mask_of(const Drive& drive, const std::vector<Label>& labels) {
   cv::Mat1b mask(drive.camera.height, drive.camera.width, uchar{0});
-  for (const Label& label : labels) mask |= label_mask(label, drive.camera, drive.camera_from_lidar, {.box_margin_m = 0});
+  for (const Label& label : labels) mask |= draw_label(label, drive.camera, drive.camera_from_lidar, {.box_margin_m = 0});
   return mask;
 }
 

@@ -50,7 +50,7 @@ class Silhouettes {
     cv::Mat1b half;
     cv::resize(outline, half, {outline.cols / kScale, outline.rows / kScale}, 0, 0, cv::INTER_AREA);
     half = cv::Mat1b(half > 0);
-    const Evidence evidence = compare(target, half);
+    const ImageDifference evidence = compare(target, half);
     const cv::Mat1b object = joined(half, evidence);
     // What is only not told from the background ends with the outline; what differs has a margin everywhere.
     const cv::Mat1b end = ended(half, object, evidence);
@@ -80,7 +80,7 @@ class Silhouettes {
   }
 
   // A mask of full size with the edges of objects that it lacks.
-  cv::Mat1b with_missing_edges(std::size_t target, const cv::Mat1b& mask, const Evidence& evidence) const {
+  cv::Mat1b with_missing_edges(std::size_t target, const cv::Mat1b& mask, const ImageDifference& evidence) const {
     cv::Mat1b half, full;
     cv::resize(mask, half, evidence.differs.size(), 0, 0, cv::INTER_AREA);
     half = cv::Mat1b(half == 255);
@@ -89,21 +89,21 @@ class Silhouettes {
     return cv::Mat1b(mask | full);
   }
 
-  Evidence compare(std::size_t target, const cv::Mat1b& outline) const {
+  ImageDifference compare(std::size_t target, const cv::Mat1b& outline) const {
     cv::Mat1b band(outline.size(), uchar{0});
     for (const cv::Rect& part : part_boxes(outline)) {
       const int reach = std::max(rim_of(part), kFarther * edge_reach(outline.size()));
       const cv::Rect box(part.x - reach, part.y - reach, part.width + 2 * reach, part.height + 2 * reach);
       band(box & cv::Rect({}, band.size())) = 255;
     }
-    Evidence out = comparison_(target, band);
+    ImageDifference out = comparison_.compare(target, band);
     const auto half = comparison_.half(target);
     for (const cv::Rect& part : part_boxes(outline)) tell(part, outline, half->image, out);
     return out;
   }
 
   // Where an object would hardly differ from its background, nothing is told of pixels in the object's colors.
-  static void tell(const cv::Rect& part, const cv::Mat1b& outline, const Patch& image, Evidence& evidence) {
+  static void tell(const cv::Rect& part, const cv::Mat1b& outline, const Patch& image, ImageDifference& evidence) {
     std::vector<cv::Vec3f> colors;
     for (int y = part.y; y < part.br().y; ++y)
       for (int x = part.x; x < part.br().x; ++x)
@@ -122,7 +122,7 @@ class Silhouettes {
       }
   }
 
-  static cv::Mat1b ended(const cv::Mat1b& outline, const cv::Mat1b& object, const Evidence& evidence) {
+  static cv::Mat1b ended(const cv::Mat1b& outline, const cv::Mat1b& object, const ImageDifference& evidence) {
     cv::Mat1b out(outline.size(), uchar{0});
     cv::Mat1i parts;
     const int count = connected_parts(cv::Mat1b(outline | object), parts);
@@ -143,7 +143,7 @@ class Silhouettes {
 
   // Whether others saw what an outline should hide, and the view shows the same: errors of a LiDAR move along with it, but show
   // in no image. In small outlines there is too little to tell.
-  static bool refuted(const cv::Mat1b& outline, const Evidence& evidence) {
+  static bool refuted(const cv::Mat1b& outline, const ImageDifference& evidence) {
     const int pixels = cv::countNonZero(outline), told = cv::countNonZero(outline & ~evidence.untold);
     return pixels >= kLeastJudged && told > kLeastTold * pixels &&
            cv::countNonZero(outline & evidence.shown) > kLeastShown * told;
@@ -170,7 +170,7 @@ class Silhouettes {
   }
 
   // What differs, or nobody else saw, and hangs together with the outline; beyond it nothing thin.
-  static cv::Mat1b joined(const cv::Mat1b& outline, const Evidence& evidence) {
+  static cv::Mat1b joined(const cv::Mat1b& outline, const ImageDifference& evidence) {
     const cv::Mat1b within(outline & evidence.untold);
     const cv::Mat1b out = touching(outline, cv::Mat1b(evidence.differs | within));
     return cv::Mat1b((out & outline) | (opened(out) & ~outline));

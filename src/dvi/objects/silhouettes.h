@@ -10,7 +10,7 @@ namespace dvi::objects {
 /// Where the objects end that the masks of posed views outline, generously, by their returns: each view is compared with what
 /// others show of its background, in common light. What differs and hangs together with an outline is the object; the rim of an
 /// outline that looks like its background leaves, and what nobody else saw stays as it is. Views of one drive; `standing` is
-/// their standing_depth(), `ground` the drive's ground. On demand, as `views`; each is found once.
+/// their static_depth(), `ground` the drive's ground. On demand, as `views`; each is found once.
 Lazy<cv::Mat1b> silhouettes(const Views& views, const Lazy<cv::Mat1f>& standing,
                             const std::shared_ptr<const ground::ScanGround>& ground);
 

@@ -8,7 +8,7 @@
 
 #include "dvi/image/region.h"
 #include "dvi/objects/plain.h"
-#include "dvi/objects/standing.h"
+#include "dvi/objects/static_depth.h"
 #include "dvi/testing/memory_views.h"
 
 namespace dvi::objects {
@@ -39,7 +39,7 @@ struct Filmed {
   cv::Mat1b found(const std::vector<cv::Mat1b>& outlines) const {
     const Views seen = memory_views(views, images, outlines);
     const Lazy<cv::Mat1f> standing =
-        standing_depth(plain.drive, plain.drive.poses, shared(FrameLabels(views.size())), seen, ground);
+        static_depth(plain.drive, plain.drive.poses, shared(FrameLabels(views.size())), seen, ground);
     return silhouettes(seen, standing, ground)[kFrame]->clone();
   }
   std::vector<cv::Mat1b> wider(int by) const {
@@ -161,7 +161,7 @@ TEST(StandingDepth, SeesPastWhatIsInBoxes) {
       label.box = Box{SE3{Eigen::Matrix3d::Identity(), {10 - 0.8 * static_cast<double>(i), 0, -0.5}}, {1, 2.2, 1.4}};
       labels[i].push_back(label);
     }
-    return standing_depth(plain.drive, plain.drive.poses, shared(labels), views, ground)[0]->clone();
+    return static_depth(plain.drive, plain.drive.poses, shared(labels), views, ground)[0]->clone();
   };
   const cv::Point low(80, 46);  // half size: 0.5 m below the sensor at 10 m
   EXPECT_NEAR(depth_with(false)(low), 10, 0.1);

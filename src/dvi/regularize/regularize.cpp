@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "dvi/core/error.h"
-#include "dvi/depth/depth_map.h"
-#include "dvi/drive/view.h"
+#include "dvi/depth/target.h"
 #include "dvi/regularize/belief_propagation.h"
 #include "dvi/regularize/labeling.h"
 #include "dvi/regularize/shift_field.h"
@@ -24,11 +23,10 @@ void shift(sample::Candidates& candidates, std::size_t pixel, cv::Point2f by) {
 
 }  // namespace
 
-Labeling regularize(sample::Candidates candidates, const Views& views, std::size_t target, const depth::DepthMap& depth,
-                    const RegularizeOptions& options) {
+Labeling regularize(sample::Candidates candidates, const depth::Target& target, const RegularizeOptions& options) {
   if (options.window % 2 == 0) throw UsageError("regularize.window must be odd");
   if (!options.enabled) return {std::move(candidates), std::nullopt, 0};
-  const ShiftField field = shift_field(candidates, views, target, depth, options.window, options.alpha);
+  const ShiftField field = shift_field(candidates, target, options.window, options.alpha);
   const BeliefPropagation solution = propagate(field, options.iterations);
   Labeling out{std::move(candidates), Energies{solution.energy_before, solution.energy_after}, solution.iterations};
   for (std::size_t node = 0; node < field.nodes(); ++node)

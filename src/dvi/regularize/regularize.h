@@ -1,8 +1,7 @@
 #pragma once
 
 #include "dvi/core/options.h"
-#include "dvi/depth/depth_map.h"
-#include "dvi/drive/view.h"
+#include "dvi/depth/target.h"
 #include "dvi/regularize/labeling.h"
 
 namespace dvi::regularize {
@@ -29,7 +28,6 @@ struct RegularizeOptions {
 /// candidate; the data cost (eq. 3) asks that a boundary pixel's source continue into the true image, the discontinuity
 /// cost (eq. 4) that neighbors' sources agree on each other's color, each neighbor warped by its own depth. Switched off, it
 /// hands on the candidates as they are, and computes no energy.
-Labeling regularize(sample::Candidates candidates, const Views& views, std::size_t target, const depth::DepthMap& depth,
-                    const RegularizeOptions& options);
+Labeling regularize(sample::Candidates candidates, const depth::Target& target, const RegularizeOptions& options);
 
 }  // namespace dvi::regularize

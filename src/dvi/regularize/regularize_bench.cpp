@@ -52,7 +52,7 @@ void regularize_hole(benchmark::State& state) {
   const depth::DepthMap depth = hole.depth();
   Labeling out;
   for (auto _ : state) {
-    out = regularize(hole.candidates, views, 0, depth, {true});
+    out = regularize(hole.candidates, {views, 0, depth, {}}, {true});
     benchmark::DoNotOptimize(out);
   }
   state.counters["pixels"] = static_cast<double>(hole.candidates.leading.size());
@@ -65,7 +65,8 @@ BENCHMARK(regularize_hole)->Args({60'000, 0})->Args({100'000, 0})->Args({60'000,
 void judged_by_trw_s(benchmark::State& state) {
   const Hole hole(static_cast<double>(state.range(0)), state.range(1) != 0);
   const RegularizeOptions options;
-  const ShiftField field = shift_field(hole.candidates, hole.scene.lazy(), 0, hole.depth(), options.window, options.alpha);
+  const ShiftField field =
+      shift_field(hole.candidates, {hole.scene.lazy(), 0, hole.depth(), {}}, options.window, options.alpha);
   const BeliefPropagation found = propagate(field, options.iterations);
   for (auto _ : state) {
     const TreeReweighted judge(field, 50);

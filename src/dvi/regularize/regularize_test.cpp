@@ -50,7 +50,7 @@ struct Street {
     scene.add_source(-5, truth);
   }
   Labeling run(const sample::Candidates& candidates, const RegularizeOptions& options = kOn) const {
-    return regularize(candidates, scene.lazy(), 0, flat_depth(scene), options);
+    return regularize(candidates, {scene.lazy(), 0, flat_depth(scene), {}}, options);
   }
 };
 
@@ -97,12 +97,12 @@ TEST(Regularize, WarpsNeighborsByTheirOwnDepth) {
       }
   for (const cv::Point p : exact.hole.pixels) exact.leading.push_back({1, cv::Point2f(p + cv::Point(p.x >= 40 ? 16 : 8, 0))});
   street.scene.images[1] = source;
-  const Labeling out = regularize(exact, street.scene.lazy(), 0, depth, kOn);
+  const Labeling out = regularize(exact, {street.scene.lazy(), 0, depth, {}}, kOn);
   EXPECT_EQ(right_share(out.candidates, exact), 1);
   RegularizeOptions no_inner_cost = kOn;
   no_inner_cost.alpha = 0;
   EXPECT_EQ(street.scene.images.size(), 3);
-  EXPECT_EQ(regularize(exact, street.scene.lazy(), 0, depth, no_inner_cost).energy->before, 0);
+  EXPECT_EQ(regularize(exact, {street.scene.lazy(), 0, depth, {}}, no_inner_cost).energy->before, 0);
 }
 
 TEST(Regularize, NeverShiftsIntoTheSourcesMaskOrOutOfItsImage) {
@@ -171,7 +171,7 @@ TEST(Regularize, TakesAnyHole) {
     FlatScene scene(picture, mask);
     scene.add_source(0, picture);
     const sample::Candidates exact = seen_by_one(mask, 0);
-    const Labeling out = regularize(exact, scene.lazy(), 0, flat_depth(scene), kOn);
+    const Labeling out = regularize(exact, {scene.lazy(), 0, flat_depth(scene), {}}, kOn);
     EXPECT_TRUE(exact.leading.empty() || right_share(out.candidates, exact) == 1);
     EXPECT_LE(out.energy->after, out.energy->before);
   }
@@ -181,10 +181,10 @@ TEST(Regularize, UnknownDepthAndSkyAreNoObstacle) {
   const Street street;
   depth::DepthMap depth = flat_depth(street.scene);
   depth.z(cv::Rect(0, 0, 40, 70)) = depth::DepthMap::kUnknown;
-  const Labeling out = regularize(seen_by_one(street.hole, 8, {1, 0}), street.scene.lazy(), 0, depth, kOn);
+  const Labeling out = regularize(seen_by_one(street.hole, 8, {1, 0}), {street.scene.lazy(), 0, depth, {}}, kOn);
   EXPECT_GT(right_share(out.candidates, seen_by_one(street.hole, 8)), 0.99);
   depth.z = depth::DepthMap::kSky;
-  EXPECT_LE(regularize(seen_by_one(street.hole, 0), street.scene.lazy(), 0, depth, kOn).energy->after, 1e9);
+  EXPECT_LE(regularize(seen_by_one(street.hole, 0), {street.scene.lazy(), 0, depth, {}}, kOn).energy->after, 1e9);
 }
 
 TEST(Regularize, GivesTheSameTwice) {

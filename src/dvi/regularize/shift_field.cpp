@@ -12,7 +12,7 @@
 #include <tuple>
 #include <vector>
 
-#include "dvi/depth/depth_map.h"
+#include "dvi/depth/target.h"
 #include "dvi/drive/view.h"
 #include "dvi/drive/vignetting.h"
 #include "dvi/drive/warp.h"
@@ -25,16 +25,13 @@ namespace {
 
 class Builder {
  public:
-  Builder(const sample::Candidates& candidates, const Views& views, std::size_t target, const depth::DepthMap& depth,
-          double alpha, ShiftField& field)
+  Builder(const sample::Candidates& candidates, const depth::Target& target, double alpha, ShiftField& field)
       : candidates_(candidates),
-        views_(views),
         target_(target),
-        depth_(depth),
         alpha_(static_cast<std::int16_t>(std::lround(alpha))),
         field_(field),
-        target_image_(views.images[target]),
-        target_mask_(views.masks[target]),
+        target_image_(target.image()),
+        target_mask_(target.mask()),
         node_(candidates.leading.size(), -1),
         warped_(candidates.leading.size()) {}
 
@@ -62,12 +59,12 @@ class Builder {
   const sample::Candidate& candidate(int node) const { return candidates_.leading[field_.pixel[node]]; }
 
   void add_view(int view, const std::vector<int>& nodes) {
-    source_view_ = &views_[view];
-    source_image_ = views_.images[view];
-    source_mask_ = views_.masks[view];
-    gain_ = gain_to(views_[target_], views_[view]);
-    const Warp warp(views_[target_], views_[view]);
-    for (const int node : nodes) warped_[field_.pixel[node]] = warp(pixel(node), depth_.z(pixel(node)));
+    source_view_ = &target_.views[view];
+    source_image_ = target_.views.images[view];
+    source_mask_ = target_.views.masks[view];
+    gain_ = gain_to(target_.view(), target_.views[view]);
+    const Warp warp(target_.view(), target_.views[view]);
+    for (const int node : nodes) warped_[field_.pixel[node]] = warp(pixel(node), target_.depth.z(pixel(node)));
     for (const int node : nodes) add_node(node, warp);
   }
 
@@ -97,7 +94,7 @@ class Builder {
     const int other = node_[inside];
     if (other < 0) return;
     const bool same = candidate(other).view == candidate(node).view;
-    const Position q_at = same ? warped_[inside] : warp(q, depth_.z(q));
+    const Position q_at = same ? warped_[inside] : warp(q, target_.depth.z(q));
     const cv::Point2f at = neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, q_at);
     field_.neighbor[node][direction] = other;
     if (same && at == candidate(other).position)
@@ -109,7 +106,7 @@ class Builder {
   /// Eq. 3 for one neighbor outside the hole; 1 where the source can say what it expects there.
   int add_boundary(int node, cv::Point q, const Warp& warp, std::vector<int>& cost) {
     const cv::Point2f at =
-        neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, warp(q, depth_.z(q)));
+        neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, warp(q, target_.depth.z(q)));
     if (!can_sample(*source_mask_, at)) return 0;
     scratch_.resize(row_size());
     sample(at, q, scratch_.data());
@@ -129,7 +126,7 @@ class Builder {
   /// What the source shows at `at` and shifts from there, in the target's light at its pixel `of`.
   void sample(cv::Point2f at, cv::Point of, std::uint8_t* row) const {
     const cv::Mat3b& image = *source_image_;
-    const cv::Vec3f gain = vignetting_to(views_[target_], of, *source_view_, at) * gain_;
+    const cv::Vec3f gain = vignetting_to(target_.view(), of, *source_view_, at) * gain_;
     for (int i = 0; i < field_.labels(); ++i) {
       const cv::Point2f shifted = at + cv::Point2f(field_.shifts[i]);
       const cv::Vec3f color = bilinear(image, {std::clamp(shifted.x, 0.0F, static_cast<float>(image.cols - 1)),
@@ -139,9 +136,7 @@ class Builder {
   }
 
   const sample::Candidates& candidates_;
-  const Views& views_;
-  std::size_t target_;
-  const depth::DepthMap& depth_;
+  const depth::Target& target_;
   std::int16_t alpha_;
   ShiftField& field_;
   std::shared_ptr<const cv::Mat3b> target_image_, source_image_;
@@ -164,12 +159,11 @@ std::vector<cv::Point> window_shifts(int window) {
   return shifts;
 }
 
-ShiftField shift_field(const sample::Candidates& candidates, const Views& views, std::size_t target,
-                       const depth::DepthMap& depth, int window, double alpha) {
+ShiftField shift_field(const sample::Candidates& candidates, const depth::Target& target, int window, double alpha) {
   ShiftField field;
   field.shifts = window_shifts(window);
   field.stride = (field.labels() + kLanes - 1) / kLanes * kLanes;
-  Builder(candidates, views, target, depth, alpha, field).build();
+  Builder(candidates, target, alpha, field).build();
   return field;
 }
 

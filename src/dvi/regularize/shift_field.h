@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "dvi/depth/depth_map.h"
+#include "dvi/depth/target.h"
 #include "dvi/drive/view.h"
 #include "dvi/sample/candidates.h"
 
@@ -36,7 +36,6 @@ inline constexpr int kForbidden = 8192;
 std::vector<cv::Point> window_shifts(int window);
 
 /// Samples all colors, one source image at a time.
-ShiftField shift_field(const sample::Candidates& candidates, const Views& views, std::size_t target,
-                       const depth::DepthMap& depth, int window, double alpha);
+ShiftField shift_field(const sample::Candidates& candidates, const depth::Target& target, int window, double alpha);
 
 }  // namespace dvi::regularize

@@ -19,6 +19,15 @@ class CpuClock {
     const Scope scope(*this, name);
     return std::invoke(stage, std::forward<Arguments>(arguments)...);
   }
+
+  /// `stage` with its last arguments, its options, bound, and its CPU time booked. Options and clock must outlive it.
+  template <class Stage, class... Options>
+  auto timed(std::string name, const Stage& stage, const Options&... options) {
+    return [this, name = std::move(name), stage, &options...](auto&&... inputs) {
+      return time(name, stage, std::forward<decltype(inputs)>(inputs)..., options...);
+    };
+  }
+
   std::map<std::string, double> seconds() const {
     const std::lock_guard lock(mutex_);
     return seconds_;

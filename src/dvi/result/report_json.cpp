@@ -135,9 +135,10 @@ namespace {
 constexpr const char* kReportSchema = "dvi-report/1";
 
 void to_json(json& j, const RunReport& report) {
-  j = {{"schema", kReportSchema}, {"version", report.version}, {"method", report.method},       {"baseline", report.baseline},
-       {"drives", report.drives}, {"hole", report.hole},       {"artifacts", report.artifacts}, {"standing", report.standing},
-       {"map", report.map},       {"cost", report.cost},       {"warnings", report.warnings},   {"frames", report.frames}};
+  j = {{"schema", kReportSchema},       {"version", report.version},       {"method", report.method},
+       {"baseline", report.baseline},   {"drives", report.drives},         {"hole", report.hole},
+       {"artifacts", report.artifacts}, {"stationary", report.stationary}, {"map", report.map},
+       {"cost", report.cost},           {"warnings", report.warnings},     {"frames", report.frames}};
 }
 void from_json(const json& j, RunReport& report) {
   j.at("version").get_to(report.version);
@@ -146,7 +147,7 @@ void from_json(const json& j, RunReport& report) {
   j.at("drives").get_to(report.drives);
   j.at("hole").get_to(report.hole);
   j.at("artifacts").get_to(report.artifacts);
-  j.at("standing").get_to(report.standing);
+  j.at("stationary").get_to(report.stationary);
   j.at("map").get_to(report.map);
   j.at("cost").get_to(report.cost);
   j.at("warnings").get_to(report.warnings);

@@ -14,6 +14,7 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
+#include "dvi/inputs/collect_evidence.h"
 #include "dvi/report/report.h"
 #include "dvi/result/fingerprints.h"
 #include "dvi/result/frame_files.h"
@@ -221,7 +222,7 @@ void ResultFolder::claim_plan() {
   planned_ = true;
 }
 
-KeptStages ResultFolder::kept_stages(Progress& progress, KeptStages::Missing missing) const {
+StageCache ResultFolder::stage_cache(Progress& progress, StageCache::Missing missing) const {
   return {out_, stages_fingerprint_of(job_, content_), progress, missing};
 }
 
@@ -323,7 +324,8 @@ RunReport ResultFolder::report(const RunResults& results, const Progress& progre
     report.frames.push_back(*record->frame);
     report.hole += record->frame->hole;
   }
-  report.standing = inputs::standing_tracks(drives_.front(), results.poses.front().world_from_lidar, job_);
+  report.stationary =
+      objects::count_stationary(inputs::evidence_of(drives_.front(), results.poses.front().world_from_lidar), job_.removal());
   if (results.map != nullptr) report.map = map_report(*results.map);
   report.cost = cost_report(progress, results.cpu, made_);
   if (planned_) report.cost += kept_costs(out_, fingerprint_);

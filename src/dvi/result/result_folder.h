@@ -8,8 +8,8 @@
 #include "dvi/core/files.h"
 #include "dvi/core/folder_lock.h"
 #include "dvi/inputs/make_views.h"
-#include "dvi/result/kept_stages.h"
 #include "dvi/result/run_report.h"
+#include "dvi/result/stage_cache.h"
 
 namespace dvi::result {
 
@@ -61,7 +61,7 @@ class ResultFolder {
   void claim_plan();
 
   /// What earlier calls computed before they filled frames.
-  KeptStages kept_stages(Progress& progress, KeptStages::Missing missing = KeptStages::Missing::made) const;
+  StageCache stage_cache(Progress& progress, StageCache::Missing missing = StageCache::Missing::made) const;
 
   /// Writes down that all stages before the fill are kept, and which options they were made with.
   void write_plan(const Progress& progress) const;

@@ -147,10 +147,10 @@ std::string RunReport::brief(const std::string& out) const {
   std::string text = fmt::format("{} frames, {} hole pixels: {:.1f} % copied", frames.size(), hole.pixels, 100 * share.copied);
   if (share.copied_elsewhere > 0) text += fmt::format(", {:.1f} % from other cameras or drives", 100 * share.copied_elsewhere);
   text += unobserved_text(share);
-  const auto part = [&] { return static_cast<double>(standing->pixels) / static_cast<double>(hole.pixels); };
-  if (standing && hole.pixels > 0 && part() > 0.5)
+  const auto part = [&] { return static_cast<double>(stationary->pixels) / static_cast<double>(hole.pixels); };
+  if (stationary && hole.pixels > 0 && part() > 0.5)
     text += fmt::format("\n{} of {} removed tracks stand; they are {:.0f} % of the hole; --remove moving would keep them",
-                        standing->standing, standing->tracks, 100 * part());
+                        stationary->stationary, stationary->tracks, 100 * part());
   for (const DriveReport& drive : drives)
     if (const std::optional<RegistrationReport>& placed = drive.registration)
       text += fmt::format("\n{}: {:.0f} % of its scans overlap; placed to {:.1f} cm and {:.2f} degrees (95 %)",

@@ -10,10 +10,12 @@
 #include "dvi/align/align.h"
 #include "dvi/core/files.h"
 #include "dvi/core/progress.h"
-#include "dvi/inputs/find_masks.h"
+#include "dvi/inputs/poses.h"
 #include "dvi/inputs/poses_report.h"
+#include "dvi/inputs/recordings.h"
 #include "dvi/map/static_map.h"
 #include "dvi/metrics/artifacts.h"
+#include "dvi/objects/stationary_objects.h"
 #include "dvi/result/cpu_clock.h"
 #include "dvi/result/filled_view.h"
 
@@ -103,10 +105,10 @@ struct RunReport {
   std::string version, method;
   bool baseline = false;
   std::vector<DriveReport> drives;
-  HoleReport hole;                                 ///< of all frames
-  metrics::Artifacts artifacts;                    ///< what draws the eye in them
-  std::optional<inputs::StandingTracks> standing;  ///< removed from the target
-  std::optional<MapReport> map;                    ///< a baseline has none
+  HoleReport hole;                                       ///< of all frames
+  metrics::Artifacts artifacts;                          ///< what draws the eye in them
+  std::optional<objects::StationaryObjects> stationary;  ///< removed from the target
+  std::optional<MapReport> map;                          ///< a baseline has none
   CostReport cost;
   std::vector<std::string> warnings;
   std::vector<FrameReport> frames;

@@ -38,7 +38,7 @@ RunReport whole_report() {
   report.frames = {frame};
   report.hole = report.frames[0].hole;
   report.artifacts = {.hole = 100, .overshoots = 1, .hole_between = 90, .ring_between = 50, .flashes = 2, .ring_flashes = 3};
-  report.standing = inputs::StandingTracks{.tracks = 5, .standing = 4, .pixels = 80};
+  report.stationary = objects::StationaryObjects{.tracks = 5, .stationary = 4, .pixels = 80};
   report.map.emplace();
   report.map->points = 1000;
   report.map->counts.returns = 5000;
@@ -97,7 +97,7 @@ TEST(RunReport, BriefSaysWhatWasFilledAndWhatItCost) {
 
 TEST(RunReport, BriefLeavesOutWhatStandsWhereItIsLittleOfTheHole) {
   RunReport report = whole_report();
-  report.standing->pixels = 50;
+  report.stationary->pixels = 50;
   EXPECT_THAT(report.brief("out"), Not(HasSubstr("stand")));
 }
 

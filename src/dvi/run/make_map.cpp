@@ -8,6 +8,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
+#include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/make_views.h"
 #include "dvi/inputs/reports_json.h"  // IWYU pragma: keep
 #include "dvi/result/map_files.h"
@@ -74,8 +75,8 @@ std::string share_of(std::size_t count, const map::MapCounts& counts) {
 
 }  // namespace
 
-map::StaticMap build_map(const inputs::Recordings& drives, const inputs::Poses& poses, const inputs::Masks& masks,
-                         const map::MapOptions& options, Progress& progress) {
+map::StaticMap build_map(const inputs::Inputs& given, const map::MapOptions& options, Progress& progress) {
+  const auto& [drives, poses, masks] = given;
   std::vector<map::MapInput> inputs;
   for (std::size_t i = 0; i < drives.size(); ++i) {
     const Drive& drive = drives[i].drive;
@@ -101,9 +102,9 @@ std::string make_map(const job::Job& job, const std::string& trajectory, Progres
   const inputs::Recordings drives = inputs::open_recordings(job, inputs::MaskNeed::optional, progress);
   inputs::verify(drives, job, progress);
   const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);
-  const inputs::Masks masks = inputs::find_masks(drives, poses, job, progress);
-  const map::StaticMap map = build_map(drives, poses, masks, job.options.map, progress);
-  const Views views = inputs::make_views(drives, poses, masks, progress);
+  const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
+  const map::StaticMap map = build_map({drives, poses, masks}, job.options.map, progress);
+  const Views views = inputs::make_views({drives, poses, masks}, progress);
   progress.begin("write", 0);
   const Drive& target = drives.front().drive;
   const fs::path out = job.out;

@@ -6,8 +6,8 @@
 
 namespace dvi::run {
 
-exposure::Gains estimate_exposure(const Views& views, const map::VisibleMap& map, const inputs::Recordings& drives,
-                                  const job::Options& options, Progress& progress) {
+exposure::Gains estimate_exposure(const Refinement& from, Progress& progress) {
+  const auto& [views, map, drives, options] = from;
   if (!options.exposure.enabled) return exposure::Gains(views.size());
   progress.begin("exposure", views.size());
   exposure::Gains gains = exposure::estimate_exposure(views, map, progress.tick());
@@ -23,8 +23,8 @@ exposure::Gains estimate_exposure(const Views& views, const map::VisibleMap& map
   return gains;
 }
 
-align::Cameras align(const Views& views, const map::VisibleMap& map, const inputs::Recordings& drives,
-                     const job::Options& options, Progress& progress) {
+align::Cameras align(const Refinement& from, Progress& progress) {
+  const auto& [views, map, drives, options] = from;
   progress.begin("align", align::align_steps(views, options.align));
   align::Cameras cameras = align::align(views, map, options.align, progress.tick());
   for (std::size_t i = 0; i < cameras.sequences.size(); ++i)

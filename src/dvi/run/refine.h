@@ -8,12 +8,19 @@
 
 namespace dvi::run {
 
-/// estimate_exposure with progress, and a warning for the frames whose gain nothing tells. All 1 where it is switched off.
-exposure::Gains estimate_exposure(const Views& views, const map::VisibleMap& map, const inputs::Recordings& drives,
-                                  const job::Options& options, Progress& progress);
+/// What the exposure and the poses of views are refined by. Refers to these only.
+struct Refinement {
+  const Views& views;
+  const map::VisibleMap& map;
+  const inputs::Recordings& drives;  ///< for their names
+  const job::Options& options;
+};
 
-/// align with progress and its warnings.
-align::Cameras align(const Views& views, const map::VisibleMap& map, const inputs::Recordings& drives,
-                     const job::Options& options, Progress& progress);
+/// Estimates the exposure with progress, and warns of the frames whose gain nothing determines. All gains are 1 where it is
+/// switched off.
+exposure::Gains estimate_exposure(const Refinement& from, Progress& progress);
+
+/// Refines the poses with progress, and passes on the warnings.
+align::Cameras align(const Refinement& from, Progress& progress);
 
 }  // namespace dvi::run

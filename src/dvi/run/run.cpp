@@ -1,8 +1,9 @@
 #include "dvi/run/run.h"
 
-#include <functional>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,141 +11,183 @@
 #include "dvi/core/error.h"
 #include "dvi/depth/depths.h"
 #include "dvi/ground/road_ground.h"
-#include "dvi/harmonize/classify_surfaces.h"
 #include "dvi/inputs/check_setup.h"
+#include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/make_views.h"
 #include "dvi/inputs/rig.h"
 #include "dvi/result/plan_record.h"
 #include "dvi/result/result_folder.h"
 #include "dvi/result/stage_fields.h"  // IWYU pragma: keep
+#include "dvi/run/frame_stages.h"
 #include "dvi/run/make_map.h"
 #include "dvi/run/refine.h"
 #include "dvi/run/run_baseline.h"
 #include "dvi/run/run_stages.h"
 #include "dvi/run/smoothed_frames.h"
-#include "dvi/synthesize/synthesize.h"
 
 namespace dvi::run {
 
 using align::Cameras;
-using depth::DepthMap, depth::Depths;
+using depth::DepthMap, depth::Depths, depth::Target;
 using exposure::Gains;
 using ground::RoadGround, map::StaticMap, map::VisibleMap;
-using harmonize::FilledFrame, harmonize::Unobserved, harmonize::HarmonizeInput;
+using harmonize::FilledFrame, harmonize::HarmonizeInput, harmonize::Unobserved;
+using inputs::Poses, inputs::Recordings, inputs::Inputs;
+using objects::Evidence, objects::Masks, objects::Objects;
 using regularize::Labeling;
+using result::FilledView, result::ResultFolder, result::StageCache;
 using sample::Candidates;
-using synthesize::Grain;
-using synthesize::Surfaces;
+using synthesize::Grain, synthesize::Surfaces, synthesize::Textures;
 
 namespace {
 
-/// What is global: found once, before any frame is filled.
-struct Plan {
-  const inputs::Poses& poses;
-  const StaticMap& map;
-  const Views& views;
-  const Cameras& cameras;
-  const inputs::Objects& objects;
+/// What filling needs beside the plan: made once, for all frames.
+struct FillContext {
+  FillContext(const StaticMap& map, const Views& views, const job::Options& options, result::CpuClock& cpu)
+      : stages(options, cpu), depths(views, [&](std::size_t view) {  // 3.1
+          return cpu.time("depth", depth::depth_map, map, views[view], options.depth);
+        }) {
+    const bool synthesized = options.harmonize.unobserved == Unobserved::synthesize;
+    if (options.harmonize.surface_classes || synthesized) ground.emplace(map, views);
+    if (synthesized) textures.emplace(Textures{Surfaces(*ground, views, depths.visibility), Grain(views)});
+  }
+
+  FrameStages stages;
+  Depths depths;
+  std::optional<RoadGround> ground;
+  std::optional<Textures> textures;
 };
 
-/// Calls `then` with the plan; its stages are made unless they are kept.
-template <class Then>
-auto with_plan(const job::Job& job, const inputs::Recordings& drives, const result::KeptStages& kept, Progress& progress,
-               const Then& then) {
-  const job::Options& options = job.options;
-  const inputs::Poses poses = kept("poses", [&] {
-    inputs::verify(drives, job, progress);                 // what is damaged is said before hours of work
-    return inputs::estimate_poses(drives, job, progress);  // 3.1: LOAM, 3.5: further drives
-  });
-  const inputs::Grounds grounds(drives, poses);
-  const inputs::Objects objects = kept("objects", [&] { return inputs::find_objects(drives, poses, grounds, job, progress); });
-  const inputs::Masks masks = inputs::find_masks(drives, poses, grounds, objects, job, progress);
-  const auto static_points = [&] {
-    inputs::check_setup(drives, poses, masks, progress);            // what contradicts the recording, likewise
-    return build_map(drives, poses, masks, options.map, progress);  // 3.1
-  };
-  const StaticMap map = kept("map", static_points, StaticMap(Scratch::of_process()));
-  const Views posed = inputs::make_views(drives, poses, masks, progress);
-  const VisibleMap visible(map, posed);
-  const Gains gains = kept("exposure", [&] { return estimate_exposure(posed, visible, drives, options, progress); });
-  const Cameras cameras = kept("alignment", [&] { return align(posed, visible, drives, options, progress); });  // 3.1, eq. 1
-  return then(Plan{poses, map, inputs::refined(posed, gains, cameras), cameras, objects});
+/// A run of one job: plan() makes what is global, fill() one frame, finish() what lies beside the frames.
+class Run {
+ public:
+  /// Opens the drives and looks at the output folder. `content`: of the drives, where it is known (fingerprints.h).
+  Run(const job::Job& job, Progress& progress, std::string content = "")
+      : job_(job),
+        options_(job.options),
+        progress_(progress),
+        drives_(open_drives()),
+        folder_(job, drives_, std::move(content)) {}
+
+  ResultFolder& folder() { return folder_; }
+
+  /// Makes each stage before the fill, or takes it from the cache.
+  void plan(StageCache::Missing missing = StageCache::Missing::made);
+
+  /// Fills a frame of the target, by its view.
+  FilledView fill(std::size_t frame) const;
+  /// Fills frames, smooths them, and writes them.
+  void fill_frames(const std::vector<std::size_t>& frames, const result::FinishedFrame& hand_on = {});
+
+  result::RunReport finish();
+
+  /// The frames of the target, by their views, that the folder lacks, ascending.
+  std::vector<std::size_t> missing_frames() { return folder_.missing_frames(views_, progress_); }
+  std::size_t frames() const { return views_.of_sequence(0).second; }
+  /// The drive's own number of a frame.
+  int number_of(std::size_t frame) const { return drives_.front().drive.frames[views_[frame].frame].number; }
+  /// "A:B" for each run of frames that follow each other.
+  std::vector<std::string> ranges_of(const std::vector<std::size_t>& frames) const;
+  const result::CpuClock& cpu() const { return cpu_; }
+
+ private:
+  Recordings open_drives() const;
+  Poses estimate_poses() const;
+  StaticMap build_map() const;
+  HarmonizeInput harmonize_input(const Target& target, const Candidates& candidates) const;
+
+  const job::Job& job_;
+  const job::Options& options_;
+  Progress& progress_;
+  const Recordings drives_;
+  ResultFolder folder_;
+  result::CpuClock cpu_;
+
+  Poses poses_;
+  Objects objects_;
+  Masks masks_;
+  StaticMap map_{Scratch::of_process()};
+  Cameras cameras_;
+  Views views_;
+  std::optional<FillContext> context_;
+};
+
+void Run::plan(StageCache::Missing missing) {
+  const StageCache stages = folder_.stage_cache(progress_, missing);
+  poses_ = stages.cached("poses", [&] { return estimate_poses(); });  // 3.1: LOAM, 3.5: further drives
+  const Evidence evidence = inputs::collect_evidence(drives_, poses_);
+  objects_ = stages.cached("objects", [&] { return objects::find_objects(evidence, job_.removal(), progress_); });  // 3.1
+  masks_ = objects::draw_masks(evidence, objects_, job_.removal(), progress_);
+  map_ = stages.cached("map", [&] { return build_map(); }, StaticMap(Scratch::of_process()));  // 3.1
+  const Views posed = inputs::make_views({drives_, poses_, masks_}, progress_);
+  const VisibleMap visible(map_, posed);
+  const Refinement refine{posed, visible, drives_, options_};
+  const Gains gains = stages.cached("exposure", [&] { return estimate_exposure(refine, progress_); });
+  cameras_ = stages.cached("alignment", [&] { return align(refine, progress_); });  // 3.1, eq. 1
+  views_ = inputs::refined(posed, gains, cameras_);
 }
 
-using Write = std::function<void(std::size_t view, const result::FilledView& finished)>;
-
-void fill_frames(const Plan& plan, const std::vector<std::size_t>& frames, const job::Options& options, const Write& write,
-                 result::CpuClock& cpu, Progress& progress) {
-  const Views& views = plan.views;
-  const Depths depths(views, [&](std::size_t i) {  // 3.1
-    return cpu.time("depth", depth::depth_map, plan.map, views[i], options.depth);
-  });
-  const bool classified = options.harmonize.surface_classes,
-             synthesized = options.harmonize.unobserved == Unobserved::synthesize;
-  std::optional<RoadGround> ground;
-  std::optional<Surfaces> surfaces;
-  if (!frames.empty() && (classified || synthesized)) ground.emplace(plan.map, views);
-  if (ground && synthesized) surfaces.emplace(*ground, views, depths.visibility);
-  const Grain grain(views);
-  const auto fill = [&](std::size_t i) {
-    const DepthMap depth =
-        cpu.time("plane_sweep", depth::plane_sweep, *depths.maps[i], views, i, depths.visibility, options.plane_sweep);
-    Candidates candidates = cpu.time("sample", sample::sample, views, i, depth, depths.visibility, options.sample);  // 3.2
-    const Labeling labels = cpu.time("regularize", regularize::regularize, std::move(candidates), views, i, depth,
-                                     options.regularize);  // 3.3, eqs. 2-4
-    HarmonizeInput around;
-    if (options.harmonize.day_light)
-      around.light = cpu.time("harmonize", harmonize::compare_days, labels.candidates, views, i, depth, depths.visibility);
-    if (classified)
-      around.classes = cpu.time("harmonize", harmonize::classify_surfaces, views[i], depth, labels.candidates, *ground);
-    around.known =
-        cpu.time("sample", sample::sample_known, labels.candidates, views, i, depth, depths.visibility, options.sample);
-    FilledFrame frame = cpu.time("harmonize", harmonize::harmonize, labels.candidates, views, i, depth, around,
-                                 options.harmonize);  // 3.4, eq. 5
-    if (surfaces) frame = cpu.time("synthesize", synthesize::synthesize, frame, views[i], around.classes, *surfaces, grain);
-    return result::FilledView{std::move(frame), labels.energy};
-  };
-  progress.begin("fill", frames.size());
-  for_each_smoothed(frames, views.of_sequence(0).second,
-                    {.fill = fill, .smoothing = smoothing(options.smooth, cpu), .write = write});
-  progress.end();
+FilledView Run::fill(std::size_t frame) const {
+  const auto& [stages, depths, ground, textures] = *context_;
+  const DepthMap depth = stages.plane_sweep({views_, frame, *depths.maps[frame], depths.visibility});  // 3.1
+  const Target target{views_, frame, depth, depths.visibility};
+  Candidates candidates = stages.sample(target);                             // 3.2
+  const Labeling labels = stages.regularize(std::move(candidates), target);  // 3.3, eqs. 2-4
+  const HarmonizeInput input = harmonize_input(target, labels.candidates);
+  FilledFrame filled = stages.harmonize(target, labels.candidates, input);  // 3.4, eq. 5
+  if (textures) filled = stages.synthesize(filled, views_[frame], input.classes, *textures);
+  return {std::move(filled), labels.energy};
 }
 
-inputs::Recordings open_all(const job::Job& job, Progress& progress) {
-  progress.plan(run_stages(job));
-  return inputs::with_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::required, progress), job, progress);
+void Run::fill_frames(const std::vector<std::size_t>& frames, const result::FinishedFrame& hand_on) {
+  if (!frames.empty()) context_.emplace(map_, views_, options_, cpu_);
+  progress_.begin("fill", frames.size());
+  for_each_smoothed(frames, this->frames(),
+                    {.fill = [&](std::size_t frame) { return fill(frame); },
+                     .smoothing = smoothing(options_.smooth, cpu_),  // 3.6
+                     .write = folder_.writer(views_, cameras_, cpu_, progress_, hand_on)});
+  progress_.end();
 }
 
-/// The drive's own number of a frame.
-int number_of(const Views& views, std::size_t view, const inputs::Recordings& drives) {
-  return drives.front().drive.frames[views[view].frame].number;
+result::RunReport Run::finish() {
+  return folder_.complete(
+      {.views = views_, .map = &map_, .poses = poses_, .cameras = cameras_, .cpu = cpu_, .objects = *objects_.front()},
+      progress_);
 }
 
-/// "A:B" for each run of views that follow each other.
-std::vector<std::string> ranges_of(const std::vector<std::size_t>& frames, const Views& views,
-                                   const inputs::Recordings& drives) {
+Recordings Run::open_drives() const {
+  progress_.plan(run_stages(job_));
+  return inputs::with_other_cameras(inputs::open_recordings(job_, inputs::MaskNeed::required, progress_), job_, progress_);
+}
+
+Poses Run::estimate_poses() const {
+  inputs::verify(drives_, job_, progress_);  // damage is reported before hours of work
+  return inputs::estimate_poses(drives_, job_, progress_);
+}
+
+StaticMap Run::build_map() const {
+  const Inputs inputs{drives_, poses_, masks_};
+  inputs::check_setup(inputs, progress_);
+  return run::build_map(inputs, options_.map, progress_);
+}
+
+HarmonizeInput Run::harmonize_input(const Target& target, const Candidates& candidates) const {
+  const auto& [stages, depths, ground, textures] = *context_;
+  HarmonizeInput input;
+  if (options_.harmonize.day_light) input.light = stages.compare_days(target, candidates);
+  if (options_.harmonize.surface_classes) input.classes = stages.classify_surfaces(target, candidates, *ground);
+  input.known = stages.sample_known(target, candidates);
+  return input;
+}
+
+std::vector<std::string> Run::ranges_of(const std::vector<std::size_t>& frames) const {
   std::vector<std::string> out;
   for (std::size_t first = 0, next = 1; next <= frames.size(); ++next) {
     if (next < frames.size() && frames[next] == frames[next - 1] + 1) continue;
-    out.push_back(fmt::format("{}:{}", number_of(views, frames[first], drives), number_of(views, frames[next - 1], drives)));
+    out.push_back(fmt::format("{}:{}", number_of(frames[first]), number_of(frames[next - 1])));
     first = next;
   }
   return out;
-}
-
-/// Fills these frames into the folder and completes it.
-result::RunReport fill_and_complete(result::ResultFolder& out, const Plan& plan, const std::vector<std::size_t>& frames,
-                                    const job::Options& options, Progress& progress,
-                                    const result::FinishedFrame& hand_on = {}) {
-  result::CpuClock cpu;
-  fill_frames(plan, frames, options, out.writer(plan.views, plan.cameras, cpu, progress, hand_on), cpu, progress);
-  return out.complete({.views = plan.views,
-                       .map = &plan.map,
-                       .poses = plan.poses,
-                       .cameras = plan.cameras,
-                       .cpu = cpu,
-                       .objects = *plan.objects.front()},
-                      progress);
 }
 
 }  // namespace
@@ -152,70 +195,58 @@ result::RunReport fill_and_complete(result::ResultFolder& out, const Plan& plan,
 result::RunReport run(const job::Job& job, Progress& progress, const FrameSink& sink) {
   result::require_usable_folder(job.out, job.force);
   if (job::is_baseline(job.method)) return run_baseline(job, progress, sink);
-  const inputs::Recordings drives = open_all(job, progress);
-  result::ResultFolder out(job, drives);
-  if (const std::optional<result::RunReport> finished = out.finished_report(progress)) return *finished;
-  out.claim();
-  return with_plan(job, drives, out.kept_stages(progress), progress, [&](const Plan& plan) {
-    const std::vector<std::size_t> missing = out.missing_frames(plan.views, progress);
-    if (sink.begin) sink.begin(out.frame_names(), missing);
-    return fill_and_complete(out, plan, missing, job.options, progress, sink.finished);
-  });
+  Run run(job, progress);
+  if (const std::optional<result::RunReport> finished = run.folder().finished_report(progress)) return *finished;
+  run.folder().claim();
+  run.plan();
+  const std::vector<std::size_t> missing = run.missing_frames();
+  if (sink.begin) sink.begin(run.folder().frame_names(), missing);
+  run.fill_frames(missing, sink.finished);
+  return run.finish();
 }
 
 PlanReport plan(const job::Job& job, Progress& progress) {
   result::require_usable_folder(job.out, job.force);
   if (job::is_baseline(job.method))
     throw UsageError(fmt::format("--method {} has nothing to plan: dvi run fills each frame by itself", to_string(job.method)));
-  const inputs::Recordings drives = open_all(job, progress);
-  result::ResultFolder out(job, drives);
-  out.claim();
-  return with_plan(job, drives, out.kept_stages(progress), progress, [&](const Plan& plan) {
-    PlanReport report;
-    for (std::size_t i = 0; i < plan.views.of_sequence(0).second; ++i)
-      report.frames.push_back(number_of(plan.views, i, drives));
-    report.finished = report.frames.size() - out.missing_frames(plan.views, progress).size();
-    out.write_plan(progress);
-    return report;
-  });
+  Run run(job, progress);
+  run.folder().claim();
+  run.plan();
+  PlanReport report;
+  for (std::size_t i = 0; i < run.frames(); ++i) report.frames.push_back(run.number_of(i));
+  report.finished = report.frames.size() - run.missing_frames().size();
+  run.folder().write_plan(progress);
+  return report;
 }
 
 FillReport fill(const job::Job& job, const std::optional<FrameRange>& range, Progress& progress) {
-  const inputs::Recordings drives = open_all(job, progress);
-  result::ResultFolder out(job, drives, result::read_plan_record(job.out).content);
-  out.join();
-  return with_plan(
-      job, drives, out.kept_stages(progress, result::KeptStages::Missing::refused), progress, [&](const Plan& plan) {
-        const auto chosen = [&](std::size_t i) { return !range || range->contains(number_of(plan.views, i, drives)); };
-        FillReport report;
-        for (std::size_t i = 0; i < plan.views.of_sequence(0).second; ++i) report.frames += chosen(i) ? 1 : 0;
-        if (report.frames == 0) throw InputError(job.out, fmt::format("has no frames {}:{}", range->first, range->last));
-        std::vector<std::size_t> missing = out.missing_frames(plan.views, progress);
-        std::erase_if(missing, [&](std::size_t i) { return !chosen(i); });
-        result::CpuClock cpu;
-        fill_frames(plan, missing, job.options, out.writer(plan.views, plan.cameras, cpu, progress), cpu, progress);
-        out.keep_fill_cost(missing, cpu, progress);
-        report.filled = missing.size();
-        return report;
-      });
+  Run run(job, progress, result::read_plan_record(job.out).content);
+  run.folder().join();
+  run.plan(StageCache::Missing::refused);
+  const auto chosen = [&](std::size_t i) { return !range || range->contains(run.number_of(i)); };
+  FillReport report;
+  for (std::size_t i = 0; i < run.frames(); ++i) report.frames += chosen(i) ? 1 : 0;
+  if (report.frames == 0) throw InputError(job.out, fmt::format("has no frames {}:{}", range->first, range->last));
+  std::vector<std::size_t> missing = run.missing_frames();
+  std::erase_if(missing, [&](std::size_t i) { return !chosen(i); });
+  run.fill_frames(missing);
+  run.folder().keep_fill_cost(missing, run.cpu(), progress);
+  report.filled = missing.size();
+  return report;
 }
 
 result::RunReport finish(const job::Job& job, Progress& progress) {
-  const inputs::Recordings drives = open_all(job, progress);
-  result::ResultFolder out(job, drives);
-  if (const std::optional<result::RunReport> finished = out.finished_report(progress)) return *finished;
-  out.claim_plan();
-  return with_plan(
-      job, drives, out.kept_stages(progress, result::KeptStages::Missing::refused), progress, [&](const Plan& plan) {
-        if (const std::vector<std::size_t> missing = out.missing_frames(plan.views, progress); !missing.empty()) {
-          const std::vector<std::string> ranges = ranges_of(missing, plan.views, drives);
-          throw InputError(job.out,
-                           fmt::format("lacks {} of {} frames: {}", missing.size(), plan.views.of_sequence(0).second,
-                                       fmt::join(ranges, ", ")),
-                           fmt::format("dvi fill {} --frames {} makes the first of them", job.out, ranges.front()));
-        }
-        return fill_and_complete(out, plan, {}, job.options, progress);
-      });
+  Run run(job, progress);
+  if (const std::optional<result::RunReport> finished = run.folder().finished_report(progress)) return *finished;
+  run.folder().claim_plan();
+  run.plan(StageCache::Missing::refused);
+  if (const std::vector<std::size_t> missing = run.missing_frames(); !missing.empty()) {
+    const std::vector<std::string> ranges = run.ranges_of(missing);
+    throw InputError(job.out, fmt::format("lacks {} of {} frames: {}", missing.size(), run.frames(), fmt::join(ranges, ", ")),
+                     fmt::format("dvi fill {} --frames {} makes the first of them", job.out, ranges.front()));
+  }
+  run.fill_frames({});
+  return run.finish();
 }
 
 }  // namespace dvi::run

@@ -1,6 +1,7 @@
 #include "dvi/run/run_baseline.h"
 
 #include "dvi/baselines/baselines.h"
+#include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/make_views.h"
 #include "dvi/result/result_folder.h"
 #include "dvi/run/run_stages.h"
@@ -31,7 +32,7 @@ result::RunReport run_baseline(const job::Job& job, Progress& progress, const Fr
   inputs::verify(drives, job, progress);
 
   const inputs::Poses poses = inputs::given_poses(drives);
-  const inputs::Masks masks = inputs::find_masks(drives, poses, job, progress);
+  const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
   const Views views = inputs::make_unposed_views(drives, masks);
   const align::Cameras cameras(views);
   result::CpuClock cpu;

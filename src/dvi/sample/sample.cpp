@@ -41,14 +41,13 @@ constexpr double kMaxSkyDistanceM = 2000;
 /// One source, asked for pixels of the target.
 class Source {
  public:
-  Source(const Views& views, std::size_t target, std::size_t source, const Lazy<depth::VisibilityMap>& visibility,
-         const SampleOptions& options)
+  Source(const depth::Target& target, std::size_t source, const SampleOptions& options)
       : number_(source),
-        view_(views[source]),
-        other_day_(view_.drive != views[target].drive),
-        source_from_target_(view_.camera_from_world * views[target].camera_from_world.inverse()),
-        seconds_(seconds_between(view_, views[target])),
-        visibility_(visibility),
+        view_(target.views[source]),
+        other_day_(view_.drive != target.view().drive),
+        source_from_target_(view_.camera_from_world * target.view().camera_from_world.inverse()),
+        seconds_(seconds_between(view_, target.view())),
+        visibility_(target.visibility),
         options_(options) {}
 
   /// None unless it is trusted more than `than`.
@@ -163,23 +162,23 @@ std::vector<std::size_t> nearest_found(const Candidates& hole, const Region& pix
 
 }  // namespace
 
-Candidates sample_known(const Candidates& hole, const Views& views, std::size_t target, const depth::DepthMap& depth,
-                        const Lazy<depth::VisibilityMap>& visibility, const SampleOptions& options) {
-  Region known = known_pixels(*views.masks[target]);
+Candidates sample_known(const depth::Target& target, const Candidates& hole, const SampleOptions& options) {
+  Region known = known_pixels(*target.mask());
   const std::vector<std::size_t> nearest = nearest_found(hole, known);
   std::map<std::size_t, std::vector<SurfacePixel>> of_view;
-  for (const SurfacePixel& surface : surface_pixels(known, views[target].camera, depth)) {
+  for (const SurfacePixel& surface : surface_pixels(known, target.view().camera, target.depth)) {
     const std::size_t like = nearest[surface.pixel];
     if (like == hole.hole.size()) continue;
     const auto ask = [&](const Candidate& c) {
-      if (c.found() && views[c.view].drive == views[target].drive) of_view[static_cast<std::size_t>(c.view)].push_back(surface);
+      if (c.found() && target.views[c.view].drive == target.view().drive)
+        of_view[static_cast<std::size_t>(c.view)].push_back(surface);
     };
     ask(hole.leading[like]);
     for (const Candidate& c : hole.others(like)) ask(c);
   }
   Ranking ranking(known.size(), hole.extra_per_pixel + 1);
   for (const auto& [view, surface] : of_view) {
-    Source source(views, target, view, visibility, options);
+    Source source(target, view, options);
     for (const SurfacePixel& pixel : surface)
       if (const std::optional<Candidate> candidate = source.show(pixel, ranking.least(pixel.pixel)))
         ranking.add(pixel.pixel, *candidate);
@@ -187,34 +186,33 @@ Candidates sample_known(const Candidates& hole, const Views& views, std::size_t 
   return ranking.finish(std::move(known));
 }
 
-std::vector<std::size_t> search_order(const Views& views, std::size_t target, int max_frame_gap, bool scored) {
-  const std::size_t reach = max_frame_gap > 0 ? static_cast<std::size_t>(max_frame_gap) : views.size();
+std::vector<std::size_t> search_order(const Views& views, std::size_t target, const SampleOptions& options) {
+  const std::size_t reach = options.max_frame_gap > 0 ? static_cast<std::size_t>(options.max_frame_gap) : views.size();
   const auto [first, last] = views.of_sequence(views[target].sequence);
   std::vector<std::size_t> order;
   for (std::size_t i = target + 1; i < std::min(last, target + 1 + reach); ++i) order.push_back(i);
   for (std::size_t i = target; i-- > std::max(first, target - std::min(target, reach));) order.push_back(i);
   for (const std::size_t i : of_other_cameras(views, target, reach)) order.push_back(i);
   const auto seconds = [&](std::size_t i) { return seconds_between(views[i], views[target]); };
-  if (scored)
+  if (options.scored)
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seconds(a) < seconds(b); });
   for (const std::size_t i : nearest_of_other_drives(views, target, 2 * reach)) order.push_back(i);
   std::erase_if(order, [&](std::size_t i) { return !shares_colors(views[i], views[target]); });
   return order;
 }
 
-Candidates sample(const Views& views, std::size_t target, const depth::DepthMap& depth,
-                  const Lazy<depth::VisibilityMap>& visibility, const SampleOptions& options) {
-  Region hole(*views.masks[target]);
+Candidates sample(const depth::Target& target, const SampleOptions& options) {
+  Region hole(*target.mask());
   Ranking ranking(hole.size(), options.scored ? static_cast<std::size_t>(options.sources) : 1);
-  const std::vector<SurfacePixel> surface = surface_pixels(hole, views[target].camera, depth);
+  const std::vector<SurfacePixel> surface = surface_pixels(hole, target.view().camera, target.depth);
   std::vector<std::uint32_t> open(surface.size());  // those that may still find a better source
   std::iota(open.begin(), open.end(), 0U);
-  for (const std::size_t i : search_order(views, target, options.max_frame_gap, options.scored)) {
+  for (const std::size_t i : search_order(target.views, target.index, options)) {
     // Frames of the target's drive come by falling trust: what is full stays as it is.
-    const double most = options.scored ? most_trust(seconds_between(views[i], views[target])) : 1;
+    const double most = options.scored ? most_trust(seconds_between(target.views[i], target.view())) : 1;
     std::erase_if(open, [&](std::uint32_t k) { return ranking.least(surface[k].pixel) >= most; });
     if (open.empty()) break;
-    Source source(views, target, i, visibility, options);
+    Source source(target, i, options);
     for (const std::uint32_t k : open) {
       const std::size_t pixel = surface[k].pixel;
       const std::optional<Candidate> candidate = source.show(surface[k], ranking.least(pixel));

@@ -3,9 +3,7 @@
 #include <vector>
 
 #include "dvi/core/options.h"
-#include "dvi/depth/depth_map.h"
-#include "dvi/depth/visibility_map.h"
-#include "dvi/drive/view.h"
+#include "dvi/depth/target.h"
 #include "dvi/sample/candidates.h"
 
 namespace dvi::sample {
@@ -38,18 +36,15 @@ struct SampleOptions {
 
 /// Where other frames saw each hole pixel of the target (section 3.2 of the paper): the pixel's point, by its depth, is looked
 /// up in the frames around it in time, then in the source drives; a frame counts that has it inside its image, outside its
-/// mask, and sees that very surface. Up to `sources` of them, by falling trust(). `depth` is the target's; `visibility` is as
-/// `views`, and asked only for views that may show a pixel.
-Candidates sample(const Views& views, std::size_t target, const depth::DepthMap& depth,
-                  const Lazy<depth::VisibilityMap>& visibility, const SampleOptions& options);
+/// mask, and sees that very surface. Up to `sources` of them, by falling trust().
+Candidates sample(const depth::Target& target, const SampleOptions& options);
 
 /// The same for known pixels round the hole: each is looked up in those frames of its own drive that the nearest pixel of the
 /// hole was found in, so that what copies from these frames are worth can be read where the truth is known.
-Candidates sample_known(const Candidates& hole, const Views& views, std::size_t target, const depth::DepthMap& depth,
-                        const Lazy<depth::VisibilityMap>& visibility, const SampleOptions& options);
+Candidates sample_known(const depth::Target& target, const Candidates& hole, const SampleOptions& options);
 
 /// The order in which sample() asks the other views: scored, from the target outwards in time, else as published, forwards,
 /// then backwards; source drives after its own, the nearest places first. Not those that show no colors the target could take.
-std::vector<std::size_t> search_order(const Views& views, std::size_t target, int max_frame_gap, bool scored);
+std::vector<std::size_t> search_order(const Views& views, std::size_t target, const SampleOptions& options);
 
 }  // namespace dvi::sample

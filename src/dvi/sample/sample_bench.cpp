@@ -28,7 +28,7 @@ void sample_hole(benchmark::State& state) {
   const Lazy<depth::VisibilityMap> visibility(scene.views.size(), scene.views.size(), [&](std::size_t) { return same; });
   const Views views = scene.lazy();
   Candidates out;
-  for (auto _ : state) out = sample(views, 0, depth, visibility, {});
+  for (auto _ : state) out = sample({views, 0, depth, visibility}, {});
   std::size_t found = 0;
   for (const Candidate& c : out.leading) found += c.found() ? 1 : 0;
   state.counters["found_part"] = static_cast<double>(found) / static_cast<double>(out.leading.size());

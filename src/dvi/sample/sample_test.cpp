@@ -40,7 +40,7 @@ FlatScene drive_of(const std::vector<int>& disparities) {
 
 TEST(Sample, TakesTheNextFrameAtTheWarpedPosition) {
   const FlatScene scene = drive_of({3, 6});
-  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
+  const Candidates c = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {});
   ASSERT_EQ(c.leading.size(), 100);
   for (std::size_t i = 0; i < c.leading.size(); ++i) {
     EXPECT_EQ(c.leading[i].view, 1);
@@ -52,9 +52,9 @@ TEST(SampleKnown, CopiesPixelsRoundTheHoleFromTheFramesOfTheHole) {
   FlatScene scene = drive_of({3, 6, 9});
   scene.masks[1] = cv::Mat1b(60, 80, uchar{255});  // shows nothing of the hole
   const SampleOptions one{.sources = 1};
-  const Candidates hole = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), one);
+  const Candidates hole = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, one);
   scene.masks[1] = cv::Mat1b(60, 80, uchar{0});
-  const Candidates known = sample_known(hole, scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), one);
+  const Candidates known = sample_known({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, hole, one);
   EXPECT_GT(known.hole.size(), 20);
   for (std::size_t i = 0; i < known.leading.size(); ++i) {
     EXPECT_EQ(hole_mask()(known.hole.pixels[i]), 0);
@@ -66,8 +66,8 @@ TEST(SampleKnown, CopiesPixelsRoundTheHoleFromTheFramesOfTheHole) {
 TEST(SampleKnown, FindsNothingWhereTheHoleHasNoSource) {
   FlatScene scene = drive_of({3});
   scene.masks[1] = cv::Mat1b(60, 80, uchar{255});
-  const Candidates hole = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
-  for (const Candidate& c : sample_known(hole, scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {}).leading)
+  const Candidates hole = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {});
+  for (const Candidate& c : sample_known({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, hole, {}).leading)
     EXPECT_FALSE(c.found());
 }
 
@@ -79,7 +79,7 @@ TEST(Sample, CopiesNoSkyOfAnotherDay) {
     if (!own) scene.masks[1] = cv::Mat1b(60, 80, uchar{255});
     const Lazy<depth::VisibilityMap> seen{
         3, 3, [sky, masks = scene.masks](std::size_t i) { return depth::visibility_map(sky, masks[i]); }};
-    for (const Candidate& c : sample(scene.lazy(), 0, sky, seen, {}).leading) EXPECT_EQ(c.view, own ? 1 : -1);
+    for (const Candidate& c : sample({scene.lazy(), 0, sky, seen}, {}).leading) EXPECT_EQ(c.view, own ? 1 : -1);
   }
 }
 
@@ -90,7 +90,7 @@ TEST(Sample, CopiesNoSkyOfAPartOfTheDriveThatLiesApart) {
     depth::DepthMap sky{cv::Mat1f(60, 80, depth::DepthMap::kInfinity), cv::Mat1f(60, 80, 0.0F)};
     const Lazy<depth::VisibilityMap> seen{
         2, 2, [sky, masks = scene.masks](std::size_t i) { return depth::visibility_map(sky, masks[i]); }};
-    const std::vector<Candidate> found = sample(scene.lazy(), 0, sky, seen, {}).leading;
+    const std::vector<Candidate> found = sample({scene.lazy(), 0, sky, seen}, {}).leading;
     EXPECT_EQ(std::any_of(found.begin(), found.end(), [](const Candidate& c) { return c.found(); }), apart_m < 1000);
   }
 }
@@ -98,8 +98,8 @@ TEST(Sample, CopiesNoSkyOfAPartOfTheDriveThatLiesApart) {
 TEST(Sample, SearchesForwardsThenBackwardsThenOtherDrives) {
   FlatScene scene = drive_of({1, 2, 3, 4});
   scene.views[4].sequence = scene.views[4].drive = 1;
-  EXPECT_EQ(search_order(scene.lazy(), 2, 0, false), (std::vector<std::size_t>{3, 1, 0, 4}));
-  EXPECT_EQ(search_order(scene.lazy(), 2, 1, false), (std::vector<std::size_t>{3, 1, 4}));
+  EXPECT_EQ(search_order(scene.lazy(), 2, {.max_frame_gap = 0, .scored = false}), (std::vector<std::size_t>{3, 1, 0, 4}));
+  EXPECT_EQ(search_order(scene.lazy(), 2, {.max_frame_gap = 1, .scored = false}), (std::vector<std::size_t>{3, 1, 4}));
 }
 
 TEST(Sample, SearchesOtherCamerasOfTheDriveAsIfSomeSecondsFartherAway) {
@@ -108,8 +108,9 @@ TEST(Sample, SearchesOtherCamerasOfTheDriveAsIfSomeSecondsFartherAway) {
   scene.views[3].sequence = scene.views[4].sequence = 1;
   scene.views[3].time_ns = scene.views[1].time_ns + 1;
   scene.views[4].time_ns = scene.views[2].time_ns + 1;
-  EXPECT_EQ(search_order(scene.lazy(), 0, 0, true), (std::vector<std::size_t>{1, 3, 2, 4}));
-  EXPECT_EQ(search_order(scene.lazy(), 0, 1, true), (std::vector<std::size_t>{1, 3})) << "as far as its own frames";
+  EXPECT_EQ(search_order(scene.lazy(), 0, {.max_frame_gap = 0}), (std::vector<std::size_t>{1, 3, 2, 4}));
+  EXPECT_EQ(search_order(scene.lazy(), 0, {.max_frame_gap = 1}), (std::vector<std::size_t>{1, 3}))
+      << "as far as its own frames";
 }
 
 TEST(Sample, GrayAndColoredViewsDoNotMix) {
@@ -118,15 +119,15 @@ TEST(Sample, GrayAndColoredViewsDoNotMix) {
   scene.views[3].time_ns = scene.views[1].time_ns + 1;
   scene.views[4].time_ns = scene.views[2].time_ns + 1;
   scene.views[3].gray = scene.views[4].gray = true;
-  EXPECT_EQ(search_order(scene.lazy(), 0, 0, true), (std::vector<std::size_t>{1, 2}));
-  EXPECT_EQ(search_order(scene.lazy(), 3, 0, true), (std::vector<std::size_t>{4}));
+  EXPECT_EQ(search_order(scene.lazy(), 0, {.max_frame_gap = 0}), (std::vector<std::size_t>{1, 2}));
+  EXPECT_EQ(search_order(scene.lazy(), 3, {.max_frame_gap = 0}), (std::vector<std::size_t>{4}));
 }
 
 TEST(Sample, RankedSearchGoesOutwardsInTime) {
   FlatScene scene = drive_of({1, 2, 3, 4});
   scene.views[4].sequence = scene.views[4].drive = 1;
-  EXPECT_EQ(search_order(scene.lazy(), 1, 0, true), (std::vector<std::size_t>{2, 0, 3, 4}));
-  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
+  EXPECT_EQ(search_order(scene.lazy(), 1, {.max_frame_gap = 0}), (std::vector<std::size_t>{2, 0, 3, 4}));
+  const Candidates c = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {});
   ASSERT_EQ(c.extra_per_pixel, 2);
   for (std::size_t i = 0; i < c.leading.size(); ++i) {
     EXPECT_EQ(c.leading[i].view, 1);
@@ -134,13 +135,13 @@ TEST(Sample, RankedSearchGoesOutwardsInTime) {
     EXPECT_EQ(c.others(i)[1].view, 3);
     EXPECT_GT(c.leading[i].trust, c.others(i)[0].trust);
   }
-  for (const Candidate& one : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {.scored = false}).leading)
+  for (const Candidate& one : sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {.scored = false}).leading)
     EXPECT_EQ(one.trust, 1) << "as published nothing is weighed";
 }
 
 TEST(Sample, FewerSourcesThanAskedFor) {
   const FlatScene scene = drive_of({3});
-  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {.sources = 5});
+  const Candidates c = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {.sources = 5});
   for (std::size_t i = 0; i < c.leading.size(); ++i) {
     EXPECT_TRUE(c.leading[i].found());
     for (const Candidate& other : c.others(i)) EXPECT_FALSE(other.found());
@@ -152,7 +153,7 @@ TEST(Sample, TooLargeAnErrorIsNone) {
   const Views views = scene.lazy();
   const double drift = expected_shift({}, 0.1);
   const auto found = [&](double most) {
-    const Candidates c = sample(views, 0, flat_depth(scene), flat_visibility(scene), {.max_error_px = most});
+    const Candidates c = sample({views, 0, flat_depth(scene), flat_visibility(scene)}, {.max_error_px = most});
     return std::any_of(c.leading.begin(), c.leading.end(), [](const Candidate& one) { return one.found(); });
   };
   EXPECT_FALSE(found(0.99 * drift)) << "the time between the frames alone is more";
@@ -168,8 +169,8 @@ TEST(Sample, ANearerSourceIsFilteredDown) {
   cv::Mat3b& checker = scene.images.back();
   for (int y = 0; y < checker.rows; ++y)
     for (int x = 0; x < checker.cols; ++x) checker(y, x) = cv::Vec3b::all((x + y) % 2 == 0 ? 0 : 200);
-  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
-  const Candidates plain = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {.footprint = false});
+  const Candidates c = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {});
+  const Candidates plain = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {.footprint = false});
   for (std::size_t i = 0; i < c.leading.size(); ++i) {
     ASSERT_EQ(c.leading[i].footprint, cv::Vec2b(2, 2));
     EXPECT_EQ(box_mean(checker, c.leading[i].position, c.leading[i].footprint), cv::Vec3f::all(100));
@@ -181,7 +182,7 @@ TEST(Sample, TheFootprintKeepsOffTheMask) {
   FlatScene scene = drive_of({0});
   move_last(scene, 8);
   scene.masks.back()(cv::Rect(0, 0, 30, 60)) = 255;
-  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
+  const Candidates c = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {});
   int found = 0;
   for (const Candidate& one : c.leading) {
     if (!one.found()) continue;
@@ -196,7 +197,7 @@ TEST(Sample, AFartherSourceRanksLower) {
   move_last(scene, -10);
   scene.add_source(0, scene.images[0]);
   scene.views[2].time_ns = scene.views[1].time_ns;
-  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
+  const Candidates c = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {});
   for (std::size_t i = 0; i < c.leading.size(); ++i) {
     EXPECT_EQ(c.leading[i].view, 2);
     EXPECT_EQ(c.others(i)[0].view, 1);
@@ -242,7 +243,7 @@ TEST(Sample, SkipsSourcesThatMaskThePixel) {
   FlatScene scene = drive_of({3, 6});
   scene.masks[1] = hole_mask();
   int first = 0, second = 0;
-  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {.scored = false});
+  const Candidates c = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {.scored = false});
   for (std::size_t i = 0; i < c.leading.size(); ++i) {
     const cv::Point2f at = c.leading[i].position;
     ++(c.leading[i].view == 1 ? first : second);
@@ -255,13 +256,13 @@ TEST(Sample, SkipsSourcesThatMaskThePixel) {
   }
   EXPECT_GT(first, 0);
   EXPECT_GT(second, 0);
-  for (const Candidate& clear : sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {}).leading)
+  for (const Candidate& clear : sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {}).leading)
     EXPECT_EQ(clear.view, 2) << "beside its own mask a source ranks lower";
 }
 
 TEST(Sample, OutsideTheImageNobodySawIt) {
   const FlatScene scene = drive_of({60, -60});
-  const Candidates c = sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {});
+  const Candidates c = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {});
   for (const Candidate& candidate : c.leading) EXPECT_FALSE(candidate.found());
 }
 
@@ -272,8 +273,8 @@ TEST(Sample, OccludedSourcesDoNotCount) {
                                                 if (i == 1) seen.z = 5.0F;  // something stands before the plane there
                                                 return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}));
                                               }};
-  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {}).leading) EXPECT_EQ(c.view, 2);
-  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), visibility, {.occlusion_test = false}).leading)
+  for (const Candidate& c : sample({scene.lazy(), 0, flat_depth(scene), visibility}, {}).leading) EXPECT_EQ(c.view, 2);
+  for (const Candidate& c : sample({scene.lazy(), 0, flat_depth(scene), visibility}, {.occlusion_test = false}).leading)
     EXPECT_EQ(c.view, 1);
 }
 
@@ -289,8 +290,8 @@ TEST(Sample, SourcesThatSeeAnotherSurfaceBehindDoNotCount) {
                                         return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}));
                                       }};
   };
-  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), behind(0.1F), {}).leading) EXPECT_EQ(c.view, 2);
-  for (const Candidate& c : sample(scene.lazy(), 0, flat_depth(scene), behind(6), {}).leading)
+  for (const Candidate& c : sample({scene.lazy(), 0, flat_depth(scene), behind(0.1F)}, {}).leading) EXPECT_EQ(c.view, 2);
+  for (const Candidate& c : sample({scene.lazy(), 0, flat_depth(scene), behind(6)}, {}).leading)
     EXPECT_EQ(c.view, 1) << "it is not sure of what it sees";
 }
 
@@ -299,13 +300,13 @@ TEST(Sample, NoDepthNoCandidate) {
   depth::DepthMap depth = flat_depth(scene);
   depth.z = depth::DepthMap::kUnknown;
   depth.z.rowRange(0, 25) = depth::DepthMap::kSky;
-  for (const Candidate& c : sample(scene.lazy(), 0, depth, flat_visibility(scene), {}).leading) EXPECT_FALSE(c.found());
+  for (const Candidate& c : sample({scene.lazy(), 0, depth, flat_visibility(scene)}, {}).leading) EXPECT_FALSE(c.found());
 }
 
 TEST(Sample, EmptyHole) {
   FlatScene scene = drive_of({3});
   scene.masks[0].setTo(0);
-  EXPECT_TRUE(sample(scene.lazy(), 0, flat_depth(scene), flat_visibility(scene), {}).leading.empty());
+  EXPECT_TRUE(sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {}).leading.empty());
 }
 
 }  // namespace

@@ -140,13 +140,14 @@ std::vector<cv::Vec3f> light(const Texture& texture, const cv::Mat1b& wanted, co
 }  // namespace
 
 harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const View& view, const cv::Mat1b& surface_classes,
-                                  const Surfaces& surfaces, const Grain& grain) {
+                                  const Textures& textures) {
   const cv::Mat1b wanted(frame.kind == static_cast<uchar>(Kind::interpolated));
   if (cv::countNonZero(wanted) == 0) return frame;
   const cv::Mat1b classes = surface_classes.empty() ? cv::Mat1b(wanted.size(), uchar{0}) : surface_classes;
-  const Texture texture = texture_of(frame, wanted, view, classes, surfaces);
+  const Texture texture = texture_of(frame, wanted, view, classes, textures.surfaces);
   const Region region(wanted), textured(cv::Mat1b(wanted & texture.known));
-  const std::vector<cv::Vec3f> lights = light(texture, wanted, textured), grains = grain.at(frame, region, view, classes);
+  const std::vector<cv::Vec3f> lights = light(texture, wanted, textured),
+                               grains = textures.grain.at(frame, region, view, classes);
   harmonize::FilledFrame out = frame;
   for (cv::Mat* changed : std::initializer_list<cv::Mat*>{&out.color, &out.kind, &out.confidence}) *changed = changed->clone();
   cv::Mat1f distance;

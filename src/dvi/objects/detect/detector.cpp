@@ -57,7 +57,7 @@ std::vector<Detections> Detector::detect(const std::vector<cv::Mat3b>& images) c
   return out;
 }
 
-FrameLabels find_objects(const Drive& drive, const Detector& detector, const Tick& tick) {
+FrameLabels detect_objects(const Drive& drive, const Detector& detector, const Tick& tick) {
   DetectionTracker tracker;
   FrameLabels labels(drive.frames.size());
   for_blocks(drive.frames.size(), [&](std::size_t first, std::size_t last) {

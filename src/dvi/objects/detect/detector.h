@@ -37,6 +37,6 @@ class Detector {
 
 /// The objects in each frame of a drive, tracked over time; where the network missed one for a moment, it is filled in. One
 /// tick a frame.
-FrameLabels find_objects(const Drive& drive, const Detector& detector, const Tick& tick);
+FrameLabels detect_objects(const Drive& drive, const Detector& detector, const Tick& tick);
 
 }  // namespace dvi::objects

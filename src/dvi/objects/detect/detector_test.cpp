@@ -91,7 +91,7 @@ TEST_F(Networks, MissAFrameThatIsFilled) {
   const auto at = [](std::size_t i) { return cv::Rect(4 + 6 * static_cast<int>(i), 20, 12, 10); };
   drive.images = {5, [&](std::size_t i) { return i == 2 ? picture({}, {}) : picture(at(i), {}); }};
   std::size_t ticks = 0;
-  const FrameLabels labels = find_objects(drive, detector, [&] { ++ticks; });
+  const FrameLabels labels = detect_objects(drive, detector, [&] { ++ticks; });
   EXPECT_EQ(ticks, 5U);
   for (std::size_t i = 0; i < 5; ++i) {
     ASSERT_EQ(labels[i].size(), 1U) << i;

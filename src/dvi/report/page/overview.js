@@ -61,9 +61,9 @@
     if (hole.interpolated + hole.synthesized + hole.empty > 0.4)
       list.push(["Much of the removed area was not observed by any frame.",
         "A second drive through the same street as a SOURCE, or more cameras of this one (--sources all), would show more of it."]);
-    const standing = dvi.data.run.standing;
-    if (standing && standing.pixels > 0.5 * dvi.data.run.hole.pixels)
-      list.push([`${standing.standing} of ${standing.tracks} removed objects stand still all the time.`,
+    const stationary = dvi.data.run.stationary;
+    if (stationary && stationary.pixels > 0.5 * dvi.data.run.hole.pixels)
+      list.push([`${stationary.stationary} of ${stationary.tracks} removed objects are stationary all the time.`,
         "What they hide cannot be seen. --remove moving keeps them in the picture."]);
     return list;
   };

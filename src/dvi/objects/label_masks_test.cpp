@@ -1,4 +1,4 @@
-#include "dvi/objects/masks.h"
+#include "dvi/objects/label_masks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ Label boxed(double x, double y, double z) {
 
 TEST(Masks, ProjectsABoxToTheHullOfItsCorners) {
   const Drive drive = test_drive();
-  const cv::Mat1b mask = label_mask(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, kNoMargin);
+  const cv::Mat1b mask = draw_label(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, kNoMargin);
   // The near face, at 10 m, spans 2 m x 1 m: 20 px x 10 px round the center.
   EXPECT_EQ(mask(49, 99), 255);
   EXPECT_EQ(mask(49, 91), 255);
@@ -41,24 +41,24 @@ TEST(Masks, ProjectsABoxToTheHullOfItsCorners) {
 
 TEST(Masks, MarginGrowsTheBox) {
   const Drive drive = test_drive();
-  const int plain = cv::countNonZero(label_mask(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, kNoMargin));
-  const int grown = cv::countNonZero(label_mask(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, {.box_margin_m = 0.5}));
+  const int plain = cv::countNonZero(draw_label(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, kNoMargin));
+  const int grown = cv::countNonZero(draw_label(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, {.box_margin_m = 0.5}));
   EXPECT_GT(grown, 1.5 * plain);
 }
 
 TEST(Masks, CutsABoxAtTheCamera) {
   const Drive drive = test_drive();
-  const cv::Mat1b beside = label_mask(boxed(1, 2, 0), drive.camera, drive.camera_from_lidar, kNoMargin);
+  const cv::Mat1b beside = draw_label(boxed(1, 2, 0), drive.camera, drive.camera_from_lidar, kNoMargin);
   EXPECT_GT(cv::countNonZero(beside), 0);
   EXPECT_EQ(beside(49, 199), 0) << "a box to the left leaves the right side alone";
-  EXPECT_EQ(cv::countNonZero(label_mask(boxed(-10, 0, 0), drive.camera, drive.camera_from_lidar, kNoMargin)), 0) << "behind";
+  EXPECT_EQ(cv::countNonZero(draw_label(boxed(-10, 0, 0), drive.camera, drive.camera_from_lidar, kNoMargin)), 0) << "behind";
 }
 
 TEST(Masks, DecodesColumnMajorRuns) {
   Drive drive = test_drive();
   Label label;
   label.instance = Instance{{200, 100}, {3 * 100 + 10, 5, 95, 5}};  // rows 10..14 of columns 3 and 4
-  const cv::Mat1b mask = label_mask(label, drive.camera, drive.camera_from_lidar, kNoMargin);
+  const cv::Mat1b mask = draw_label(label, drive.camera, drive.camera_from_lidar, kNoMargin);
   EXPECT_EQ(cv::countNonZero(mask), 10);
   EXPECT_EQ(mask(10, 3), 255);
   EXPECT_EQ(mask(14, 4), 255);
@@ -69,10 +69,10 @@ TEST(Masks, OutlineComesWithTheGroundBelowItsBox) {
   const Drive drive = test_drive();
   Label label = boxed(12, 0, -1);  // its bottom, 1.5 m down, spans rows 60 (14 m) to 64.5 (10 m)
   label.instance = Instance{{200, 100}, {100 * 100}};
-  const cv::Mat1b mask = label_mask(label, drive.camera, drive.camera_from_lidar, kNoMargin);
+  const cv::Mat1b mask = draw_label(label, drive.camera, drive.camera_from_lidar, kNoMargin);
   EXPECT_EQ(mask(62, 99), 255);
   EXPECT_EQ(mask(55, 99), 0) << "the box's own hull does not count";
-  const cv::Mat1b wider = label_mask(label, drive.camera, drive.camera_from_lidar, {.footprint_margin_m = 0.5});
+  const cv::Mat1b wider = draw_label(label, drive.camera, drive.camera_from_lidar, {.footprint_margin_m = 0.5});
   EXPECT_GT(cv::countNonZero(wider), cv::countNonZero(mask));
 }
 
@@ -80,9 +80,9 @@ TEST(Masks, RectIsClippedToTheImage) {
   const Drive drive = test_drive();
   Label label;
   label.rect = cv::Rect2d(-20, 90, 30, 50);
-  EXPECT_EQ(cv::countNonZero(label_mask(label, drive.camera, drive.camera_from_lidar, kNoMargin)), 10 * 10);
+  EXPECT_EQ(cv::countNonZero(draw_label(label, drive.camera, drive.camera_from_lidar, kNoMargin)), 10 * 10);
   label.rect = cv::Rect2d(-1e300, -1e300, 2e300, 2e300);
-  EXPECT_EQ(cv::countNonZero(label_mask(label, drive.camera, drive.camera_from_lidar, kNoMargin)), 200 * 100);
+  EXPECT_EQ(cv::countNonZero(draw_label(label, drive.camera, drive.camera_from_lidar, kNoMargin)), 200 * 100);
 }
 
 TEST(Masks, ABoxWithoutEndCoversTheImageThroughAnyLens) {
@@ -90,7 +90,7 @@ TEST(Masks, ABoxWithoutEndCoversTheImageThroughAnyLens) {
   drive.camera.distortion = {1e300, 0, 0, 0, -1e300};  // inf - inf
   Label label = boxed(12, 0, 0);
   label.box->size = {4, 1e60, 1e60};
-  EXPECT_EQ(cv::countNonZero(label_mask(label, drive.camera, drive.camera_from_lidar, kNoMargin)), 200 * 100);
+  EXPECT_EQ(cv::countNonZero(draw_label(label, drive.camera, drive.camera_from_lidar, kNoMargin)), 200 * 100);
 }
 
 TEST(Masks, UnitesAndGrowsTheLabelsOfAFrame) {
@@ -99,7 +99,7 @@ TEST(Masks, UnitesAndGrowsTheLabelsOfAFrame) {
   a.rect = cv::Rect2d(20, 20, 10, 10);
   b.rect = cv::Rect2d(100, 20, 10, 10);
   drive.frames[1].labels = {a, b};
-  const Lazy<cv::Mat1b> masks = find_masks(drive, MaskSource::labels, shared(drive.labels()), {.dilate_px = 2});
+  const Lazy<cv::Mat1b> masks = draw_label_masks(drive, MaskSource::labels, shared(drive.labels()), {.dilate_px = 2});
   EXPECT_EQ(cv::countNonZero(*masks[0]), 0);
   EXPECT_EQ((*masks[1])(25, 18), 255);
   EXPECT_EQ((*masks[1])(25, 17), 0);
@@ -109,8 +109,8 @@ TEST(Masks, UnitesAndGrowsTheLabelsOfAFrame) {
 TEST(Masks, SaysWhatIsMissing) {
   const Drive drive = test_drive();
   EXPECT_EQ(default_mask_source(drive), MaskSource::found);
-  EXPECT_THROW(find_masks(drive, MaskSource::labels, {}, {}), InputError);
-  EXPECT_THROW(find_masks(drive, MaskSource::files, {}, {}), InputError);
+  EXPECT_THROW(draw_label_masks(drive, MaskSource::labels, {}, {}), InputError);
+  EXPECT_THROW(draw_label_masks(drive, MaskSource::files, {}, {}), InputError);
 }
 
 }  // namespace

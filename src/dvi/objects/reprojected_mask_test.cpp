@@ -1,4 +1,4 @@
-#include "dvi/objects/carried.h"
+#include "dvi/objects/reprojected_mask.h"
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -29,18 +29,18 @@ struct Pair {
       }
   }
 
-  cv::Mat1b carried() const { return carried_mask(mask, first, right, returns); }
+  cv::Mat1b reprojected() const { return reproject_mask(mask, first, right, returns); }
 };
 
 const cv::Rect kShown = kHidden - cv::Point(kShiftOfObject, 0);  // the object in the other image
 
 TEST(CarriedMask, HidesTheObjectWhereTheOtherCameraSeesIt) {
-  const cv::Mat1b mask = Pair([](int, int) { return true; }).carried();
+  const cv::Mat1b mask = Pair([](int, int) { return true; }).reprojected();
   EXPECT_EQ(cv::countNonZero(mask(kShown)), kShown.area());
 }
 
 TEST(CarriedMask, LeavesWhatTheOtherCameraSeesPastTheObject) {
-  const cv::Mat1b mask = Pair([](int, int) { return true; }).carried();
+  const cv::Mat1b mask = Pair([](int, int) { return true; }).reprojected();
   const cv::Rect past(kShown.br().x + 10, kHidden.y, 2, kHidden.height);  // up to 7 px before the wall's shift ends
   EXPECT_EQ(cv::countNonZero(mask(past)), 0);
   EXPECT_EQ(cv::countNonZero(mask(cv::Rect(10, 8, 300, 20))), 0) << "far above";
@@ -48,7 +48,7 @@ TEST(CarriedMask, LeavesWhatTheOtherCameraSeesPastTheObject) {
 
 TEST(CarriedMask, HoldsWhereRaysPassThroughGlass) {
   const auto frame_only = [](int x, int y) { return x < 108 || x > 152 || y < 48 || y > 72; };
-  const cv::Mat1b mask = Pair(frame_only).carried();
+  const cv::Mat1b mask = Pair(frame_only).reprojected();
   EXPECT_EQ(cv::countNonZero(mask(kShown)), kShown.area());
 }
 
@@ -56,7 +56,7 @@ TEST(CarriedMask, HidesWhatTheFirstCameraDidNotSee) {
   Pair pair([](int, int) { return true; });
   pair.right.camera_from_world =
       SE3{so3_exp({0, -0.5, 0}), Eigen::Vector3d::Zero()} * pair.right.camera_from_world;  // looks farther to the right
-  const cv::Mat1b mask = pair.carried();
+  const cv::Mat1b mask = pair.reprojected();
   EXPECT_EQ(cv::countNonZero(mask.colRange(240, 320)), 80 * 120);
   EXPECT_EQ(mask(20, 60), 0);
 }
@@ -64,7 +64,7 @@ TEST(CarriedMask, HidesWhatTheFirstCameraDidNotSee) {
 TEST(CarriedMask, HidesAllWithoutReturns) {
   Pair pair([](int, int) { return true; });
   pair.returns.clear();
-  EXPECT_EQ(cv::countNonZero(pair.carried()), 320 * 120);
+  EXPECT_EQ(cv::countNonZero(pair.reprojected()), 320 * 120);
 }
 
 }  // namespace

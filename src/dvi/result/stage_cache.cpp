@@ -1,4 +1,4 @@
-#include "dvi/result/kept_stages.h"
+#include "dvi/result/stage_cache.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -32,7 +32,7 @@ void remove_stages(const fs::path& out) {
   }
 }
 
-KeptStages::KeptStages(fs::path out, std::string fingerprint, Progress& progress, Missing missing)
+StageCache::StageCache(fs::path out, std::string fingerprint, Progress& progress, Missing missing)
     : out_(std::move(out)), fingerprint_(std::move(fingerprint)), progress_(progress), missing_(missing) {
   if (missing_ == Missing::made) {
     make_folder(out_ / kFolder);
@@ -46,7 +46,7 @@ KeptStages::KeptStages(fs::path out, std::string fingerprint, Progress& progress
     progress_.note(fmt::format("{} of an earlier call are used", fmt::join(held_, ", ")));
 }
 
-bool KeptStages::load(const std::string& name, const std::function<void(ArchiveReader&)>& read) const {
+bool StageCache::load(const std::string& name, const std::function<void(ArchiveReader&)>& read) const {
   if (!held_.contains(name)) return false;
   progress_.begin("load " + name, 0);
   std::vector<std::string> warnings;
@@ -63,12 +63,12 @@ bool KeptStages::load(const std::string& name, const std::function<void(ArchiveR
   return true;
 }
 
-void KeptStages::refuse_if_missing(const std::string& name) const {
+void StageCache::refuse_if_missing(const std::string& name) const {
   if (missing_ == Missing::made) return;
   throw InputError(out_ / file_of(name), "is missing or damaged", "plan again: dvi plan --config OUT/dvi.toml makes it anew");
 }
 
-void KeptStages::save(const std::string& name, std::size_t warned, const std::function<void(ArchiveWriter&)>& write) const {
+void StageCache::save(const std::string& name, std::size_t warned, const std::function<void(ArchiveWriter&)>& write) const {
   std::vector<std::string> warnings = progress_.warnings();
   warnings.erase(warnings.begin(), warnings.begin() + static_cast<std::ptrdiff_t>(warned));
   ArchiveWriter out(out_ / file_of(name), schema_of(name));

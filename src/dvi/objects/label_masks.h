@@ -39,12 +39,12 @@ struct MaskOptions {
 };
 
 /// Where masks come from: the drive's own PNG files, its labels, a network that sees objects in its images, the drive's own
-/// scans and images, in which what moves is found, or the masks of the rig's first camera (carried.h).
-enum class MaskSource { files, labels, detected, found, carried };
+/// scans and images, in which what moves is found, or the masks of the rig's first camera (reprojected_mask.h).
+enum class MaskSource { files, labels, detected, found, reprojected };
 constexpr auto names_of(MaskSource) {
   return std::array{std::pair{MaskSource::files, "files"}, std::pair{MaskSource::labels, "labels"},
                     std::pair{MaskSource::detected, "detector"}, std::pair{MaskSource::found, "found"},
-                    std::pair{MaskSource::carried, "carried"}};
+                    std::pair{MaskSource::reprojected, "reprojected"}};
 }
 
 /// What a drive offers when nobody says otherwise: mask files where there are any, else labels, else what is found.
@@ -53,9 +53,10 @@ MaskSource default_mask_source(const Drive& drive);
 /// What to remove from each frame, 255 = remove: the drive's mask files, dilated where the options say so, or masks made from
 /// `objects` (as its frames). Of a labeled object the instance mask and the ground below its 3D box where there is one, else
 /// the hull of its projected 3D box, else its 2D box.
-Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const SharedLabels& objects, const MaskOptions& options);
+Lazy<cv::Mat1b> draw_label_masks(const Drive& drive, MaskSource source, const SharedLabels& objects,
+                                 const MaskOptions& options);
 
 /// The mask of one label in an image of the camera, neither grown nor clipped by others.
-cv::Mat1b label_mask(const Label& label, const Camera& camera, const SE3& camera_from_lidar, const MaskOptions& options);
+cv::Mat1b draw_label(const Label& label, const Camera& camera, const SE3& camera_from_lidar, const MaskOptions& options);
 
 }  // namespace dvi::objects

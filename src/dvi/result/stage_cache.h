@@ -15,17 +15,17 @@ namespace dvi::result {
 ///
 /// OUT/.dvi/stages/NAME.bin (archive.h) holds a stage's warnings and its result, and says neither where nor when it was
 /// made. NAME.json is its record, written after it. What the record does not confirm is made again.
-class KeptStages {
+class StageCache {
  public:
   enum class Missing { made, refused };
 
   /// Notes which stages of an earlier call will be used. `fingerprint`: of all that the stages depend on. `missing`: what
   /// becomes of the others; refused is an InputError.
-  KeptStages(fs::path out, std::string fingerprint, Progress& progress, Missing missing = Missing::made);
+  StageCache(fs::path out, std::string fingerprint, Progress& progress, Missing missing = Missing::made);
 
   /// What `make` returned to an earlier call, its warnings repeated; otherwise what it returns now. `result`: where to read to.
   template <class Make, class Result = std::invoke_result_t<Make>>
-  Result operator()(const std::string& name, const Make& make, Result result = Result()) const {
+  Result cached(const std::string& name, const Make& make, Result result = Result()) const {
     if (load(name, [&](ArchiveReader& in) { in >> result; })) return result;
     refuse_if_missing(name);
     const std::size_t warned = progress_.warnings().size();

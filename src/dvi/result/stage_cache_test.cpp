@@ -1,4 +1,4 @@
-#include "dvi/result/kept_stages.h"
+#include "dvi/result/stage_cache.h"
 
 #include <vector>
 
@@ -12,14 +12,14 @@ namespace {
 
 using testing::ElementsAre;
 
-class Kept : public testing::Test {
+class Cached : public testing::Test {
  protected:
   // What a call gets from stage "map", which makes `value` and warns; warnings_ are those of the call.
   int call(int value, const std::string& fingerprint = "inputs") {
     Progress progress(ProgressStyle::quiet);
     progress.warn("before");
-    const KeptStages kept(folder.path, fingerprint, progress);
-    const int result = kept("map", [&] {
+    const StageCache stages(folder.path, fingerprint, progress);
+    const int result = stages.cached("map", [&] {
       progress.warn("few points");
       return value;
     });
@@ -32,7 +32,7 @@ class Kept : public testing::Test {
   std::vector<std::string> warnings_;
 };
 
-TEST_F(Kept, StageIsMadeOnceAndWarnsEachTime) {
+TEST_F(Cached, StageIsMadeOnceAndWarnsEachTime) {
   for (const int value : {1, 2}) {
     EXPECT_EQ(call(value), 1);
     EXPECT_THAT(warnings_, ElementsAre("before", "few points", "after"));
@@ -40,13 +40,13 @@ TEST_F(Kept, StageIsMadeOnceAndWarnsEachTime) {
   EXPECT_THAT(recorded_stages(folder.path), ElementsAre("map"));
 }
 
-TEST_F(Kept, OfOtherInputsIsMadeAgain) {
+TEST_F(Cached, OfOtherInputsIsMadeAgain) {
   call(1);
   EXPECT_EQ(call(2, "others"), 2);
   EXPECT_EQ(call(3, "others"), 2);
 }
 
-TEST_F(Kept, DamagedIsMadeAgain) {
+TEST_F(Cached, DamagedIsMadeAgain) {
   call(1);
   int value = 1;
   for (const fs::path& file : {bin, record}) {
@@ -63,7 +63,7 @@ TEST_F(Kept, DamagedIsMadeAgain) {
   }
 }
 
-TEST_F(Kept, OfAnotherSchemaIsMadeAgain) {
+TEST_F(Cached, OfAnotherSchemaIsMadeAgain) {
   call(1);
   {
     ArchiveWriter out(bin, "dvi-stage/2 map");

@@ -1,4 +1,4 @@
-#include "dvi/objects/standing.h"
+#include "dvi/objects/static_depth.h"
 
 #include <algorithm>
 #include <cmath>
@@ -80,8 +80,8 @@ void fill_gaps(cv::Mat1f& depth) {
 
 }  // namespace
 
-Lazy<cv::Mat1f> standing_depth(const Drive& drive, const Trajectory& world_from_lidar, const SharedLabels& objects,
-                               const Views& views, const std::shared_ptr<const ground::ScanGround>& ground) {
+Lazy<cv::Mat1f> static_depth(const Drive& drive, const Trajectory& world_from_lidar, const SharedLabels& objects,
+                             const Views& views, const std::shared_ptr<const ground::ScanGround>& ground) {
   const Lazy<StandingReturns> returns(drive.scan_headers.size(), Source{drive, world_from_lidar, objects, ground});
   return {views.size(), [=, headers = drive.scan_headers, list = views.views](std::size_t i) {
             const View& view = list[i];

@@ -1,4 +1,4 @@
-#include "dvi/objects/masks.h"
+#include "dvi/objects/label_masks.h"
 
 #include <opencv2/core.hpp>
 
@@ -36,7 +36,7 @@ Box footprint(const Box& box, double margin) {
 
 }  // namespace
 
-cv::Mat1b label_mask(const Label& label, const Camera& camera, const SE3& camera_from_lidar, const MaskOptions& options) {
+cv::Mat1b draw_label(const Label& label, const Camera& camera, const SE3& camera_from_lidar, const MaskOptions& options) {
   cv::Mat1b mask(camera.height, camera.width, uchar{0});
   if (label.instance) {
     draw(*label.instance, mask);
@@ -60,7 +60,8 @@ MaskSource default_mask_source(const Drive& drive) {
   return drive.has_labels() ? MaskSource::labels : MaskSource::found;
 }
 
-Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const SharedLabels& objects, const MaskOptions& options) {
+Lazy<cv::Mat1b> draw_label_masks(const Drive& drive, MaskSource source, const SharedLabels& objects,
+                                 const MaskOptions& options) {
   if (source == MaskSource::files) {
     if (drive.masks.empty())
       throw InputError(drive.path, "brings no mask files", "give --masks DIR, or --masks labels where it has labels");
@@ -75,7 +76,7 @@ Lazy<cv::Mat1b> find_masks(const Drive& drive, MaskSource source, const SharedLa
         cv::Mat1b mask(camera.height, camera.width, uchar{0});
         for (Label label : (*objects)[i]) {
           if (source == MaskSource::found) label.box.reset();  // outlines that were found reach down to the ground
-          mask |= label_mask(label, camera, pose, options);
+          mask |= draw_label(label, camera, pose, options);
         }
         return source == MaskSource::found ? mask : grown(mask, options.label_dilation_px());  // what was found has its margin
       }};

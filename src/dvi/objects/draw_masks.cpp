@@ -1,0 +1,107 @@
+#include "dvi/objects/draw_masks.h"
+
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "dvi/objects/image_masks.h"
+#include "dvi/objects/motion.h"
+#include "dvi/objects/past_border.h"
+#include "dvi/objects/reprojected_mask.h"
+
+namespace dvi::objects {
+namespace {
+
+// Of nothing but the ego mask.
+Lazy<cv::Mat1b> draw_ego_masks(const CameraEvidence& evidence) {
+  const Drive& drive = evidence.drive;
+  const auto mask = evidence.ego_mask.empty()
+                        ? std::make_shared<const cv::Mat1b>(drive.camera.height, drive.camera.width, uchar{0})
+                        : std::make_shared<const cv::Mat1b>(evidence.ego_mask);
+  return Lazy<cv::Mat1b>::through(drive.frames.size(), [mask](std::size_t) { return mask; });
+}
+
+Lazy<cv::Mat1b> unite(const Lazy<cv::Mat1b>& a, const Lazy<cv::Mat1b>& b) {
+  return {a.size(), [a, b](std::size_t i) { return cv::Mat1b(*a[i] | *b[i]); }};
+}
+
+// What labels of the drive's own camera do not draw in another one: objects without a box, and all outside of its view.
+Lazy<cv::Mat1b> draw_unlabeled(const CameraEvidence& own, FrameLabels objects, const CameraEvidence& other,
+                               const RemovalOptions& options) {
+  for (std::vector<Label>& frame : objects) std::erase_if(frame, [](const Label& label) { return label.box.has_value(); });
+  return reproject_masks(own.drive, draw_plain_masks(own, shared(std::move(objects)), options), other.drive,
+                         other.world_from_lidar);
+}
+
+Lazy<cv::Mat1b> draw_camera(const Evidence& evidence, std::size_t camera, const Objects& objects, const RemovalOptions& options,
+                            Progress& progress) {
+  const CameraEvidence& own = evidence[camera];
+  Lazy<cv::Mat1b> images = draw_plain_masks(own, objects[camera], options);
+  if (const int radius = options.masks.file_dilation_px(); radius > 0 && own.source == MaskSource::files)
+    progress.note(fmt::format("{}: its mask files are dilated by {} px (masks.dilate_px)", own.name, radius));
+  const bool found = own.source == MaskSource::found;
+  if (own.source && (found || options.masks.shadows))
+    images = compare_images({evidence, camera}, images, {found ? objects[camera] : nullptr, options.masks.shadows}, progress);
+  if (own.labeled_in_part) {
+    const std::size_t first = *own.rig_of;
+    images = unite(images, draw_unlabeled(evidence[first], *objects[first], own, options));
+  }
+  return images;
+}
+
+}  // namespace
+
+FrameLabels removed_labels(const CameraEvidence& evidence, const RemovalOptions& options) {
+  const Drive& drive = evidence.drive;
+  FrameLabels labels = options.remove == Remove::moving ? without_stationary(drive, evidence.world_from_lidar) : drive.labels();
+  return continued_past_border(drive, std::move(labels), evidence.world_from_lidar, options.masks);
+}
+
+Lazy<cv::Mat1b> draw_object_masks(const CameraEvidence& evidence, const SharedLabels& objects, const RemovalOptions& options) {
+  const Drive& drive = evidence.drive;
+  const Lazy<cv::Mat1b> masks = draw_label_masks(drive, *evidence.source, objects, options.masks);
+  const bool labels_too = options.remove == Remove::all && evidence.source == MaskSource::files && drive.has_labels();
+  return labels_too ? unite(masks, draw_label_masks(drive, MaskSource::labels, objects, options.masks)) : masks;
+}
+
+Lazy<cv::Mat1b> draw_plain_masks(const CameraEvidence& evidence, const SharedLabels& objects, const RemovalOptions& options) {
+  if (!evidence.source) return draw_ego_masks(evidence);
+  const Lazy<cv::Mat1b> masks = draw_object_masks(evidence, objects, options);
+  if (evidence.ego_mask.empty()) return masks;
+  return {masks.size(), [masks, ego = evidence.ego_mask](std::size_t i) { return cv::Mat1b(*masks[i] | ego); }};
+}
+
+Masks draw_masks(const Evidence& evidence, const Objects& objects, const RemovalOptions& options, Progress& progress) {
+  Masks masks;
+  for (std::size_t i = 0; i < evidence.size(); ++i) {
+    const CameraEvidence& camera = evidence[i];
+    if (camera.source == MaskSource::reprojected) {
+      const std::size_t own = *camera.rig_of;
+      masks.push_back(
+          {reproject_masks(evidence[own].drive, masks[own].images, camera.drive, camera.world_from_lidar), objects[i]});
+    } else {
+      masks.push_back({draw_camera(evidence, i, objects, options, progress), objects[i]});
+    }
+  }
+  return masks;
+}
+
+Masks find_and_draw(const Evidence& evidence, const RemovalOptions& options, Progress& progress) {
+  return draw_masks(evidence, find_objects(evidence, options, progress), options, progress);
+}
+
+std::vector<GivenMasks> draw_given_masks(const Evidence& evidence, const RemovalOptions& options) {
+  std::vector<GivenMasks> out;
+  for (std::size_t i = 0; i < evidence.size(); ++i) {
+    const CameraEvidence& camera = evidence[i];
+    const bool given = camera.source == MaskSource::files || camera.source == MaskSource::labels;
+    const bool complete = !camera.source || (given && !options.masks.shadows && !camera.labeled_in_part);
+    out.push_back({given ? draw_plain_masks(camera, shared(removed_labels(camera, options)), options) : draw_ego_masks(camera),
+                   complete});
+  }
+  return out;
+}
+
+}  // namespace dvi::objects

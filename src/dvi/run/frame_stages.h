@@ -1,0 +1,45 @@
+#pragma once
+
+#include <functional>
+
+#include "dvi/depth/plane_sweep.h"
+#include "dvi/harmonize/classify_surfaces.h"
+#include "dvi/harmonize/day_light.h"
+#include "dvi/harmonize/harmonize.h"
+#include "dvi/job/job.h"
+#include "dvi/regularize/regularize.h"
+#include "dvi/result/cpu_clock.h"
+#include "dvi/sample/sample.h"
+#include "dvi/synthesize/synthesize.h"
+
+namespace dvi::run {
+
+/// The stages that fill a frame, each with its options, its CPU time booked under its name. The options and the clock must
+/// outlive this.
+struct FrameStages {
+  FrameStages(const job::Options& options, result::CpuClock& cpu)
+      : plane_sweep(cpu.timed("plane_sweep", depth::plane_sweep, options.plane_sweep)),
+        sample(cpu.timed("sample", sample::sample, options.sample)),
+        sample_known(cpu.timed("sample", sample::sample_known, options.sample)),
+        regularize(cpu.timed("regularize", regularize::regularize, options.regularize)),
+        compare_days(cpu.timed("harmonize", harmonize::compare_days)),
+        classify_surfaces(cpu.timed("harmonize", harmonize::classify_surfaces)),
+        harmonize(cpu.timed("harmonize", harmonize::harmonize, options.harmonize)),
+        synthesize(cpu.timed("synthesize", synthesize::synthesize)) {}
+
+  template <class Signature>
+  using Stage = std::function<Signature>;
+
+  Stage<depth::DepthMap(const depth::Target&)> plane_sweep;
+  Stage<sample::Candidates(const depth::Target&)> sample;
+  Stage<sample::Candidates(const depth::Target&, const sample::Candidates& hole)> sample_known;
+  Stage<regularize::Labeling(sample::Candidates, const depth::Target&)> regularize;
+  Stage<harmonize::DayLight(const depth::Target&, const sample::Candidates&)> compare_days;
+  Stage<cv::Mat1b(const depth::Target&, const sample::Candidates&, const ground::RoadGround&)> classify_surfaces;
+  Stage<harmonize::FilledFrame(const depth::Target&, const sample::Candidates&, const harmonize::HarmonizeInput&)> harmonize;
+  Stage<harmonize::FilledFrame(const harmonize::FilledFrame&, const View&, const cv::Mat1b& classes,
+                               const synthesize::Textures&)>
+      synthesize;
+};
+
+}  // namespace dvi::run
