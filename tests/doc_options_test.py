@@ -25,7 +25,9 @@ def main():
     sections = {name.split(".")[0] for name in known}
     words = subprocess.check_output([program, "completion", "bash"], text=True)
     missing = []
-    for page in [docs / name for name in ("tutorial.md", "troubleshooting.md", "faq.md", "exports.md", "which_format.md", "python.md")]:
+    pages = [docs / name for name in ("tutorial.md", "troubleshooting.md", "faq.md", "exports.md", "which_format.md", "python.md")]
+    pages += [*sorted(docs.glob("algorithms/*.md")), *sorted(docs.glob("experiments/*.md"))]
+    for page in pages:
         text = page.read_text()
         for section, key in re.findall(r"[`\"](?:--set )?(\w+)\.(\w+)", text):
             if section in sections and key not in ("md", "ply", "json", "las", "mp4", "txt") and f"{section}.{key}" not in known:
