@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Options and commands that the docs name must exist.
+"""Options, commands, and source files that the docs name must exist.
 
     doc_options_test.py DOCS PROGRAM      exit code 1 with each that does not
 """
@@ -24,6 +24,7 @@ def main():
     known = options(program)
     sections = {name.split(".")[0] for name in known}
     words = subprocess.check_output([program, "completion", "bash"], text=True)
+    sources = [*(docs.parent / "src").rglob("*.h"), *(docs.parent / "src").rglob("*.cpp")]
     missing = []
     pages = [docs / name for name in ("tutorial.md", "troubleshooting.md", "faq.md", "exports.md", "which_format.md", "python.md")]
     pages += [*sorted(docs.glob("algorithms/*.md")), *sorted(docs.glob("experiments/*.md"))]
@@ -38,6 +39,9 @@ def main():
         for option in re.findall(r"`[^`|\n]*?(--[a-z][a-z-]+)", text):
             if option not in words and "colmap" not in text[max(0, text.find(option) - 300):text.find(option)]:
                 missing.append(f"{page.name}: there is no option {option}")
+        for name in re.findall(r"`((?:[\w]+/)*\w+\.(?:h|cpp))`", text):
+            if not any(str(path).endswith("/" + name) for path in sources):
+                missing.append(f"{page.name}: there is no file {name}")
     print(*missing, sep="\n", end="\n" if missing else "")
     return 1 if missing else 0
 
