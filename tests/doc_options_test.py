@@ -20,7 +20,7 @@ def options(program):
 
 
 def main():
-    docs, program = Path(sys.argv[1]), sys.argv[2]
+    docs, program = Path(sys.argv[1]).resolve(), sys.argv[2]
     known = options(program)
     sections = {name.split(".")[0] for name in known}
     words = subprocess.check_output([program, "completion", "bash"], text=True)
