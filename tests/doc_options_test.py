@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Options and commands that the docs name must exist.
+"""Options, commands, and source files that the docs name must exist.
 
     doc_options_test.py DOCS PROGRAM      exit code 1 with each that does not
 """
@@ -20,12 +20,15 @@ def options(program):
 
 
 def main():
-    docs, program = Path(sys.argv[1]), sys.argv[2]
+    docs, program = Path(sys.argv[1]).resolve(), sys.argv[2]
     known = options(program)
     sections = {name.split(".")[0] for name in known}
     words = subprocess.check_output([program, "completion", "bash"], text=True)
+    sources = [*(docs.parent / "src").rglob("*.h"), *(docs.parent / "src").rglob("*.cpp")]
     missing = []
-    for page in [docs / name for name in ("tutorial.md", "troubleshooting.md", "faq.md", "exports.md", "which_format.md", "python.md")]:
+    pages = [docs / name for name in ("tutorial.md", "troubleshooting.md", "faq.md", "exports.md", "which_format.md", "python.md")]
+    pages += [*sorted(docs.glob("algorithms/*.md")), *sorted(docs.glob("experiments/*.md"))]
+    for page in pages:
         text = page.read_text()
         for section, key in re.findall(r"[`\"](?:--set )?(\w+)\.(\w+)", text):
             if section in sections and key not in ("md", "ply", "json", "las", "mp4", "txt") and f"{section}.{key}" not in known:
@@ -36,6 +39,9 @@ def main():
         for option in re.findall(r"`[^`|\n]*?(--[a-z][a-z-]+)", text):
             if option not in words and "colmap" not in text[max(0, text.find(option) - 300):text.find(option)]:
                 missing.append(f"{page.name}: there is no option {option}")
+        for name in re.findall(r"`((?:[\w]+/)*\w+\.(?:h|cpp))`", text):
+            if not any(str(path).endswith("/" + name) for path in sources):
+                missing.append(f"{page.name}: there is no file {name}")
     print(*missing, sep="\n", end="\n" if missing else "")
     return 1 if missing else 0
 

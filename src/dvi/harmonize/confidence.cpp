@@ -45,7 +45,7 @@ double scale_near(const std::vector<ErrorBin>& bins, double center) {
 }  // namespace
 
 double expected_error(const CopyEvidence& evidence) {
-  // Fitted by maximum likelihood on synthetic streets, with and without errors in their poses (docs/algorithms/harmonize.md).
+  // Fitted by maximum likelihood on synthetic streets, with and without errors in their poses (docs/algorithms/confidence.md).
   constexpr double kNoise = 2.5, kShift = 1.3, kSpread = 2.8, kAlone = 1, kChange = 2, kPerSecond = 1, kElsewhere = 13;
   // What the solution changes is another light, seldom an error, where that was to be expected.
   const double light = evidence.elsewhere ? kElsewhere : std::hypot(kChange * evidence.change, kPerSecond * evidence.seconds);

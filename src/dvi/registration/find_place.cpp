@@ -18,7 +18,7 @@ constexpr std::size_t kFromPair = 8, kVerified = 24;     // candidates
 constexpr double kNearGuess = 15, kNearGuessTurn = 0.2;  // meters and radians
 constexpr double kAnother = 1, kAnotherTurn = 0.05;      // meters and radians: from here on it is another place
 constexpr double kPlaceReach = 60;                       // meters between submaps that may see the same
-constexpr double kChance = 0.4;  // of single things that agree in a street that looks alike (docs/algorithms/register.md)
+constexpr double kChance = 0.4;  // of single things that agree in a street that looks alike (docs/experiments/registration.md)
 constexpr std::size_t kFewestThings = 16;  // counted for both drives
 constexpr double kMostRival = 0.6;
 constexpr double kMostPassed = 0.25;  // twice what comes and goes between days

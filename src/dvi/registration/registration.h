@@ -41,7 +41,7 @@ struct Registered {
   std::vector<Placement> sources;  ///< as the source drives
 };
 
-/// Lays source drives onto the target by their scans (docs/algorithms/register.md). Where nothing is known, places are
+/// Lays source drives onto the target by their scans (docs/algorithms/registration.md). Where nothing is known, places are
 /// recognized from above (bird_view.h); what claims to share the target's world is looked for there first. A place counts once
 /// the single things there confirm it (confirm.h) and no other place does nearly as well. From there each scan is registered to
 /// the scans of the drives placed so far, as far as they overlap, and one pose graph ties all drives together. A source drive

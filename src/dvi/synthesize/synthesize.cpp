@@ -50,7 +50,7 @@ cv::Mat1f fine_contrast(const harmonize::FilledFrame& frame) {
 }
 
 /// Probability that a synthesized pixel is within 10 gray levels of the truth, by its distance in pixels to the nearest pixel
-/// that was known or copied, and by the contrast there (docs/algorithms/synthesize.md).
+/// that was known or copied, and by the contrast there (docs/algorithms/confidence.md).
 double synthesized_confidence(float distance, float contrast) {
   return 1 / (1 + std::exp(-3.83 - 2.83 * std::exp(-distance / 9) + 2.87 * std::log1p(contrast)));
 }
