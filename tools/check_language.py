@@ -51,7 +51,7 @@ PHRASES = (
     Phrase(r"(?<!same\s)(?<!this\s)(?<!that\s)(?<!other\s)(?<!either\s)(?<!any\s)(?<!no\s)(?<!a\s)\bway\b", "path length, distance"),
     Phrase(r"\b(?:stands?|standing|stood)\b", "is static, is stationary, is"),
     Phrase(r"\b(?:nobody|somebody)\b", "no source, the user"),
-    Phrase(rf"(?:\b\d[\d.,]*|\b(?:bytes?|[KMG]i?B|ms|px|dB|m|s|seconds?|CPU|gain|times?|pixels?|lines?|million)) an? (?:{_EACH})\b",
+    Phrase(rf"(?:\b\d(?:[\d.,]*\d)?|\b(?:bytes?|[KMG]i?B|ms|px|dB|m|s|seconds?|CPU|gain|times?|pixels?|lines?|million)) an? (?:{_EACH})\b",
            "per"),
     Phrase(r"\bwhat (?:goes|stays|moves?|stands|lies|shows|hides|changes|remains|follows|comes|takes|has|was|no|others?|the|an?|it|"
            r"they|that|is (?!missing|wrong|new|right|expected))\b", "a noun instead of a clause with 'what'",
