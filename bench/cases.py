@@ -30,11 +30,11 @@ class Recording:
 
 HELD_OUT = {
     "lead": "a car ahead in the own lane",
-    "oncoming": "a car comes toward on the left",
+    "oncoming": "an oncoming car on the left",
     "crossing": "a pedestrian walks across",
-    "parked": "a car stands at the right",
-    "truck": "a truck ahead, always as near",
-    "far": "a van 25 to 40 m ahead, before the vanishing point",
+    "parked": "a car parked at the right",
+    "truck": "a truck ahead at a constant distance",
+    "far": "a van 25 to 40 m ahead, in front of the vanishing point",
     "banner": "a rectangle of the image",
 }
 

@@ -5,7 +5,7 @@ FILL = ("depth", "sample", "regularize", "harmonize", "smooth", "write")
 
 
 def costs(report):
-    """CPU seconds a frame by stage, in the order they run, and what else a run's report.json says of its cost.
+    """CPU seconds per frame by stage, in the order they run, and what else a run's report.json says of its cost.
 
     Stages of `fill` stand below it; what no stage booked is its `else`.
     """
@@ -19,10 +19,10 @@ def costs(report):
             booked = {name: cost["fill"][name]["cpu_seconds"] / frames for name in sorted(cost["fill"], key=fill_order)}
             rows |= {f"  {name}": seconds for name, seconds in booked.items()}
             rows["  else"] = rows["fill"] - sum(booked.values())
-    rows["CPU s a frame"] = sum(stage["cpu_seconds"] for stage in cost["stages"]) / frames
-    rows["wall s a frame"] = sum(stage["seconds"] for stage in cost["stages"]) / frames
+    rows["CPU s per frame"] = sum(stage["cpu_seconds"] for stage in cost["stages"]) / frames
+    rows["wall s per frame"] = sum(stage["seconds"] for stage in cost["stages"]) / frames
     rows["peak MB"] = cost["peak_memory_bytes"] / 1e6
-    rows["hole, 1000 px a frame"] = report["hole"]["pixels"] / frames / 1000
+    rows["hole, 1000 px per frame"] = report["hole"]["pixels"] / frames / 1000
     return rows
 
 

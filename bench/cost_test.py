@@ -26,17 +26,17 @@ class Costs(unittest.TestCase):
     def test_stages_stand_in_the_order_they_run(self):
         self.assertEqual(list(costs(REPORT)), [
             "read", "map", "align", "fill", "  depth", "  sample", "  regularize", "  harmonize", "  smooth", "  write", "  else",
-            "video", "CPU s a frame", "wall s a frame", "peak MB", "hole, 1000 px a frame"])
+            "video", "CPU s per frame", "wall s per frame", "peak MB", "hole, 1000 px per frame"])
 
     def test_are_of_one_frame(self):
         found = costs(REPORT)
-        for name, value in {"align": 0.04, "  depth": 0.08, "  else": 0.015, "CPU s a frame": 0.22, "wall s a frame": 0.16,
-                            "peak MB": 166.002688, "hole, 1000 px a frame": 2.76905}.items():
+        for name, value in {"align": 0.04, "  depth": 0.08, "  else": 0.015, "CPU s per frame": 0.22, "wall s per frame": 0.16,
+                            "peak MB": 166.002688, "hole, 1000 px per frame": 2.76905}.items():
             self.assertAlmostEqual(found[name], value, msg=name)
 
     def test_no_stage_but_fill_is_counted_twice(self):
         found = costs(REPORT)
-        self.assertAlmostEqual(found["CPU s a frame"], sum(found[name] for name in ["read", "map", "align", "fill", "video"]))
+        self.assertAlmostEqual(found["CPU s per frame"], sum(found[name] for name in ["read", "map", "align", "fill", "video"]))
         self.assertAlmostEqual(found["fill"], sum(value for name, value in found.items() if name.startswith("  ")))
 
     def test_a_stage_that_is_new_here_follows_the_known_ones(self):

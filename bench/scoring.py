@@ -139,7 +139,7 @@ class Scorer:
         return result
 
     def audit(self, case: Case, variant: Variant, out: Path) -> str:
-        """What is wrong with a run's receipts; empty: nothing."""
+        """The problem that the audit found in a run's provenance; empty: none."""
         done = self.start("audit", out, *self.drives(case, variant), "--json", cwd=self.folder(case))
         if done.returncode == 0:
             return ""

@@ -22,7 +22,7 @@ METHODS = (
     Variant("ns", "OpenCV's Navier-Stokes inpainting: one image", ("--method", "ns")),
     Variant("flow", "propagation along optical flow: images and masks", ("--method", "flow")),
     Variant("paper", "the published form of every stage", ("--method", "paper")),
-    Variant("interpolate", "dvi, but what no source observed interpolated, not synthesized (`harmonize.unobserved=interpolate`)",
+    Variant("interpolate", "dvi with unobserved pixels interpolated instead of synthesized (`harmonize.unobserved=interpolate`)",
             ("--set", "harmonize.unobserved=interpolate")),
     DVI,
 )
@@ -35,15 +35,15 @@ def _off(name: str, what: str, option: str) -> Variant:
 ABLATIONS = (
     _off("no-poisson", "colors as copied, no Poisson blending", "harmonize.poisson"),
     Variant("bp", "belief propagation (`stages.regularize=true`)", ("--set", "stages.regularize=true")),
-    _off("no-exposure", "colors as the frames have them, no common light", "stages.exposure"),
-    Variant("membrane", "what no source observed, interpolated from all sides (`harmonize.unobserved_vertical=1.0`)",
+    _off("no-exposure", "colors of the source frames, no exposure compensation", "stages.exposure"),
+    Variant("membrane", "unobserved pixels interpolated equally from all directions (`harmonize.unobserved_vertical=1.0`)",
             ("--set", "harmonize.unobserved_vertical=1.0")),
-    _off("no-plane-sweep", "no depth beyond the LiDAR's reach from the images", "stages.plane_sweep"),
-    Variant("one-source", "one source a pixel (`sample.sources=1`)", ("--set", "sample.sources=1")),
+    _off("no-plane-sweep", "no depth from images beyond the range of the LiDAR", "stages.plane_sweep"),
+    Variant("one-source", "one source per pixel (`sample.sources=1`)", ("--set", "sample.sources=1")),
     _off("no-align", "poses as given, no refinement", "stages.align"),
-    _off("no-occlusion-test", "copies from where something stood before the point, too", "sample.occlusion_test"),
+    _off("no-occlusion-test", "copies also from frames in which the point is occluded", "sample.occlusion_test"),
     _off("no-smooth", "no temporal smoothing", "stages.smooth"),
-    Variant("no-loam", "poses as the drive gives them, not from the scans (`--poses given`)", ("--poses", "given")),
+    Variant("no-loam", "poses of the drive, not estimated from the scans (`--poses given`)", ("--poses", "given")),
     Variant("no-fusion", "without the second drive", fusion=False),
 )
 

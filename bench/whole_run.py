@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a run costs: CPU seconds a frame by stage and peak memory, by image size, by length of the drive and by number of drives.
+"""What a run costs: CPU seconds per frame by stage and peak memory, by image size, by length of the drive and by number of drives.
 
     whole_run.py [--quick] [--rounds N]
 
@@ -115,7 +115,7 @@ def main():
     days = QUICK_DAYS if arguments.quick else DAYS
     cases = [(*size, 1) for size in sizes + lengths] + [(*DRIVES, count) for count in days]
     found = measure(list(dict.fromkeys(cases)), arguments.rounds)
-    print(f"{machine()}; CPU s a frame, medians of {arguments.rounds} runs\n")
+    print(f"{machine()}; CPU s per frame, medians of {arguments.rounds} runs\n")
     print(cost_table(f"{sizes[0][2]} frames", {f"{w}x{h}": found[w, h, n, 1] for w, h, n in sizes}) + "\n")
     print(cost_table(f"{lengths[0][0]}x{lengths[0][1]}", {f"{n} frames": found[w, h, n, 1] for w, h, n in lengths}) + "\n")
     print(cost_table(f"{DRIVES[0]}x{DRIVES[1]}, a frame of the target", {f"{n} drive{'s' * (n > 1)}": found[*DRIVES, n] for n in days}))
