@@ -59,7 +59,7 @@ PHRASES = (
            (("docs/faq.md", "we cannot"),)),
     Phrase(r"(?://|#) of ", "a comment that begins with its noun"),
     # Terms.
-    Phrase(r"\breceipts?\b", "provenance"),
+    Phrase(r"\breceipts?\b", "provenance", (("docs/report.md", "dvi-receipt/1"),)),  # a schema
     Phrase(r"\b(?:lend(?:s|ing|ers?)?|lent)\b", "is used as a source; source frame, source camera"),
     Phrase(r"\b(?:saw|sees|seen(?! from))\b", "observed"),
     Phrase(r"\bnever[- ]seen\b", "unobserved"),
