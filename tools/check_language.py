@@ -68,7 +68,13 @@ PHRASES = (
     Phrase(r"\b(?:laid|lays|laying) (?:\w+ ){0,3}?(?:on|onto|over)\b", "align, overlay"),
     Phrase(r"\b(?:bent|suited)\b", "deform, adapt"),
     Phrase(r"\brims?\b", "boundary", (("docs/benchmarks.md", "paper-harmonize-robust-rim"),)),
-    Phrase(r"\b(?:by|of|its|their) trust\b", "score, weight"),
+    Phrase(r"\btrusts?\b", "score, weight"),
+    Phrase(r"\bmisplaced\b", "position error", (("docs/metrics.md", ""), ("docs/benchmarks.md", ""), ("bench/page.py", ""))),  # a figure
+    Phrase(r"(?:\b(?:the|its|their)|'s) reach\b|\breach_frames\b", "range, max_frame_gap"),
+    Phrase(r"\bof (?:itself|themselves)\b", "moves, is moving"),
+    Phrase(r"\btraffic that goes\b", "removed objects"),
+    Phrase(r"\bothers see\b", "that sources observe"),
+    Phrase(r"\bwas not taken after\b", "is not increasing"),
     Phrase(r"\bgrain\b", "noise texture"),
     Phrase(r"\bday[- ]?light\b|\banother (?:sun|light)\b|\blight of (?:another|the other) day\b", "illumination change",
            (("docs/benchmarks.md", "paper-harmonize-day-light"),)),
@@ -80,7 +86,7 @@ PHRASES = (
     Phrase(r"\b(?:is|was|are|were) cut\b", "truncated"),
     Phrase(r"\b(?:is|are|of) (?:of )?(?:an)?other size\b", "differs in size"),
     Phrase(r"(?<!plane\s)(?<!plane_)(?<!plane-)\bsweeps?\b(?!/)", "scan, plane sweep"),
-    Phrase(r"\breach_frames\b|\bsee_through\b", "max_frame_gap, occlusion_tolerance"),
+    Phrase(r"\bsee_through\b", "occlusion_tolerance"),
 )  # fmt: skip
 
 
