@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The tables of costs, from what a run of 20 frames of 320x180 reported."""
+"""The tables of costs, from the report of a run of 20 frames of 320x180."""
 import copy
 import json
 import unittest
@@ -39,13 +39,13 @@ class Costs(unittest.TestCase):
         self.assertAlmostEqual(found["CPU s per frame"], sum(found[name] for name in ["read", "map", "align", "fill", "video"]))
         self.assertAlmostEqual(found["fill"], sum(value for name, value in found.items() if name.startswith("  ")))
 
-    def test_a_stage_that_is_new_here_follows_the_known_ones(self):
+    def test_an_unknown_stage_follows_the_known_ones(self):
         report = copy.deepcopy(REPORT)
         report["cost"]["fill"]["color"] = {"cpu_seconds": 0.2}
         names = list(costs(report))
         self.assertEqual(names[names.index("  write") + 1], "  color")
 
-    def test_a_run_that_went_on_from_all_frames_tells_nothing(self):
+    def test_a_run_without_new_frames_is_refused(self):
         report = copy.deepcopy(REPORT)
         report["cost"]["frames_made"] = 0
         with self.assertRaises(ValueError):

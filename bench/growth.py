@@ -3,8 +3,8 @@
 
     ./dev bench growth [--frames N] [--sources N]
 
-Runs build/release/bin/dvi on synthetic drives of small images, the short ones first. Runs that are finished are not made again;
-Ctrl-C stops, the same command goes on.
+Runs build/release/bin/dvi on synthetic drives of small images, the short ones first. Finished runs are not repeated;
+Ctrl-C stops, and the same command resumes.
 """
 import argparse
 import hashlib
@@ -23,13 +23,13 @@ from whole_run import DVI, ROOT, WORK, at_least_one, call, guarded, machine, say
 LENGTHS = (40, 80, 160, 320, 640, 1280, 2560)  # frames
 SOURCES, SOURCE_FRAMES = (1, 2, 4, 8, 16), 24   # drives beside the target, and how long each is
 SCENE = ("--width", 160, "--height", 90, "--beams", 16, "--columns", 450)
-# Small, so that drives of this size reach it.
+# Small, so that drives of this size reach the bound.
 BOUNDS = ("--set", "job.memory_mb=250")
 FIGURES = ("CPU s per frame", "peak MB", "MB on disk per frame")
 
 
 def drive(frames, day=1, reverse=False):
-    """The synthetic drive, made if it is not there. A stop leaves no half a drive under its name."""
+    """The synthetic drive, made if it is not there. An interruption leaves no incomplete drive under its name."""
     path = WORK / "growth/drives" / f"{frames}-day{day}{'-reverse' * reverse}"
     if not path.is_dir():
         say(f"making {path.relative_to(ROOT)}")
@@ -42,7 +42,7 @@ def drive(frames, day=1, reverse=False):
 
 
 def days_of_a_street(count):
-    """The target and so many source drives: the same street on other days, and after eight of them driven the other way."""
+    """The target and `count` source drives: the same street on other days, from the ninth on in the opposite direction."""
     return [drive(SOURCE_FRAMES), *(drive(SOURCE_FRAMES, 2 + i % 8, i >= 8) for i in range(count))]
 
 

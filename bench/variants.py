@@ -1,4 +1,4 @@
-"""What is compared: methods, and the default method with one thing switched off or put back to the published form."""
+"""The variants to compare: methods, and the default method with one part switched off or in the published form."""
 import subprocess
 import tomllib
 from dataclasses import dataclass
@@ -11,8 +11,8 @@ from cases import Case
 class Variant:
     name: str
     what: str
-    arguments: tuple[str, ...] = ()  # of `dvi run`
-    fusion: bool = True  # whether further drives are given to it
+    arguments: tuple[str, ...] = ()  # arguments of `dvi run`
+    fusion: bool = True  # whether source drives are used
 
 
 DVI = Variant("dvi", "the default", ("--method", "dvi"))
@@ -62,12 +62,12 @@ def toml(value: object) -> str:
 
 
 def differences(ours: dict[str, object], published: dict[str, object]) -> list[tuple[str, str, str]]:
-    """(option, value of dvi, value of paper) where they differ: all that makes `--method paper`."""
+    """(option, value of dvi, value of paper) where they differ: the definition of `--method paper`."""
     return [(option, toml(value), toml(published[option])) for option, value in ours.items() if value != published[option]]
 
 
 def published_switches(differing: list[tuple[str, str, str]]) -> tuple[Variant, ...]:
-    """dvi with one of its departures from the paper taken back, but for those that are variants already."""
+    """dvi with one of its departures from the paper undone, except those that are variants already."""
     known = {variant.arguments for variant in (*METHODS, *ABLATIONS)}
     switches = {f"{option}={value}": option for option, _, value in differing}
     return tuple(

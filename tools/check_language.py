@@ -31,7 +31,7 @@ EXCLUDED = ("tests/foreign/", "tests/layouts/bags/", "tests/fuzz/parsers/corpus/
 NAMES = [("src/dvi/drive/traffic_classes.cpp", '"lorry"'), ("docs/detector.md", "van, truck, lorry"), ("src/dvi/job/choices", '"labelled"')]
 
 # The files whose phrases are checked. Spelling is checked everywhere.
-PHRASE_FILES = re.compile(r"[A-Z]+\.md|docs/\w[\w-]*\.md|bench/page\.py|bench/growth\.py")
+PHRASE_FILES = re.compile(r"[A-Z]+\.(?:md|cff)|docs/[\w-]+\.md|tests/.*\.md|bench/.*|deploy/.*|dev")
 
 
 @dataclass(frozen=True)
