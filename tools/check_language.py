@@ -49,7 +49,7 @@ PHRASES = (
     Phrase(r"\b(?:tells?|told|telling)\b", "show, report, state, determine, distinguish"),
     Phrase(r"\bround (?:the|an?|each|it|its|them|their|this|that|these|those|all|both|every|holes?)\b", "around",
            (("docs/metrics.md", "of the scene round the holes"),)),  # quoted output
-    Phrase(r"(?<!same\s)(?<!this\s)(?<!that\s)(?<!other\s)(?<!either\s)(?<!any\s)(?<!no\s)(?<!a\s)\bway\b", "path length, distance"),
+    Phrase(r"(?<!same\s)(?<!this\s)(?<!that\s)(?<!other\s)(?<!either\s)(?<!any\s)(?<!no\s)(?<!a\s)(?<!each\s)(?<!which\s)\bway\b", "path length, distance"),
     Phrase(r"\b(?:stands?|standing|stood)\b", "is static, is stationary, is"),
     Phrase(r"\b(?:nobody|somebody)\b", "no source, the user"),
     Phrase(rf"(?:\b\d(?:[\d.,]*\d)?|\b(?:bytes?|[KMG]i?B|ms|px|dB|m|s|seconds?|CPU|gain|times?|pixels?|lines?|million)) an? (?:{_EACH})\b",
@@ -85,7 +85,8 @@ PHRASES = (
     Phrase(r"\bkept stages?\b", "stage cache"),
     Phrase(r"\b(?:is|was|are|were) cut\b", "truncated"),
     Phrase(r"\b(?:is|are|of) (?:of )?(?:an)?other size\b", "differs in size"),
-    Phrase(r"(?<!plane\s)(?<!plane_)(?<!plane-)\bsweeps?\b(?!/)", "scan, plane sweep"),
+    Phrase(r"(?<!plane\s)(?<!plane_)(?<!plane-)\bsweeps?\b(?!/)", "scan, plane sweep",
+           (("src/dvi/image/poisson", ""), ("src/dvi/regularize/", ""))),  # of iterative solvers
     Phrase(r"\bsee_through\b", "occlusion_tolerance"),
 )  # fmt: skip
 
@@ -105,7 +106,10 @@ def text_of(path):
 
 def prose(name, text):
     """The text with blanks for line breaks, for marks of comment lines after the first, and for code spans; as long as before."""
-    text = re.sub(r"(?m)(^[ \t]*(?://|#)[^\n]*\n)([ \t]*(?://+|#))", lambda m: m[1] + " " * len(m[2]), text)
+    lines = text.split("\n")
+    marks = [re.match(r"[ \t]*(?://+|#+)", line) for line in lines]
+    text = "\n".join(" " * mark.end() + line[mark.end():] if mark and before else line
+                     for line, mark, before in zip(lines, marks, [None, *marks]))
     if name.endswith(".md"):
         text = re.sub(r"(?<!`)`[^`\n]+`(?!`)|\]\([^)\s]*\)", lambda m: "`" * len(m[0]), text)
     return text.replace("\n", " ")
