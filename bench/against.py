@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Holds this tree against another revision: CPU time of every stage's benchmarks, and what a whole run costs.
+"""Compares this tree with another revision: CPU time of every stage's benchmarks, and the cost of whole runs.
 
     against.py REV [--rounds N] [--quick]
 
-Builds both, REV in a worktree below build/bench that is removed again, and runs them in turn. This tree is measured as it
-stands, with whatever is not committed. Nothing is judged: the ratios are for a person to read.
+Builds both, REV in a worktree below build/bench that is removed again, and runs them in turn. This tree is measured
+with its uncommitted changes. The command only prints ratios; it does not fail if they are large.
 """
 import argparse
 import json
@@ -53,7 +53,7 @@ def remove(path):
 
 
 def build(tree):
-    """Its program and benchmarks, by its own preset. ccache, where there is one, finds again what an earlier call compiled."""
+    """Its program and benchmarks, by its own preset. ccache, if available, finds the objects of earlier calls."""
     environment = os.environ | {"CCACHE_BASEDIR": str(tree), "CCACHE_NOHASHDIR": "1"}
     say(f"building {tree}")
     call(["cmake", "--preset", "release", "-DDVI_BENCH=ON"], cwd=tree, env=environment)

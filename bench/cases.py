@@ -9,11 +9,11 @@ STREET = "Synthetic street"
 
 @dataclass(frozen=True)
 class Case:
-    name: str  # of its folder
-    group: str  # the recording: a table of the page each
-    short: str  # its column there
+    name: str  # name of its folder
+    group: str  # the recording; each has a table on the page
+    short: str  # column title there
     what: str
-    commands: tuple[tuple[str, ...], ...]  # arguments of dvi that make it
+    commands: tuple[tuple[str, ...], ...]  # arguments of dvi that generate it
     truth: str  # folders inside the case's
     ignore: str = ""
     drive: str = "drive"
@@ -30,17 +30,17 @@ class Recording:
 
 HELD_OUT = {
     "lead": "a car ahead in the own lane",
-    "oncoming": "a car comes toward on the left",
+    "oncoming": "an oncoming car on the left",
     "crossing": "a pedestrian walks across",
-    "parked": "a car stands at the right",
-    "truck": "a truck ahead, always as near",
-    "far": "a van 25 to 40 m ahead, before the vanishing point",
+    "parked": "a car parked at the right",
+    "truck": "a truck ahead at a constant distance",
+    "far": "a van 25 to 40 m ahead, in front of the vanishing point",
     "banner": "a rectangle of the image",
 }
 
 
 def street(size: tuple[int, int] = (640, 360), frames: int = FRAMES) -> list[Case]:
-    """The synthetic street: exact truth, one difficulty a case."""
+    """The synthetic street: exact truth, one difficulty per case."""
     base = ("--width", str(size[0]), "--height", str(size[1]), "--frames", str(frames))
 
     def synth(folder: str, *more: str) -> tuple[str, ...]:
@@ -62,11 +62,11 @@ def street(size: tuple[int, int] = (640, 360), frames: int = FRAMES) -> list[Cas
 
 
 def held_out(recording: Recording) -> list[Case]:
-    """Virtual traffic in a real drive: what it hides is the truth."""
+    """Virtual traffic in a real drive: the truth is known behind it."""
     frames = ("--frames", recording.frames) if recording.frames else ()
 
     def case(scenario: str) -> Case:
-        # The poses that the drive came with: whether better ones are found is part of what is compared.
+        # With the given poses of the drive, because the comparison includes the estimation of better ones.
         command = ("holdout", str(recording.path), "-o", ".", "--scenario", scenario, "--seed", "1", "--poses", "given", *frames)
         return Case(f"{recording.name}-{scenario}", recording.name, scenario, HELD_OUT[scenario], (command,),
                     "truth", ignore="ignore", ablated=scenario == "lead")
@@ -93,5 +93,5 @@ def parse_recording(text: str) -> Recording:
     if not (name and equals and path) or "/" in name:
         raise ValueError(f"--drive {text}: expected NAME=PATH or NAME=PATH@A:B")
     if not Path(path).is_dir():
-        raise ValueError(f"--drive {text}: {path} is no folder")
+        raise ValueError(f"--drive {text}: {path} is not a folder")
     return Recording(name, Path(path).resolve(), frames)

@@ -1,17 +1,17 @@
-"""What runs cost: read from their report.json, put together, and shown as tables."""
+"""The cost of runs: read from their report.json, combined, and shown as tables."""
 from statistics import median
 
 FILL = ("depth", "sample", "regularize", "harmonize", "smooth", "write")
 
 
 def costs(report):
-    """CPU seconds a frame by stage, in the order they run, and what else a run's report.json says of its cost.
+    """CPU seconds per frame by stage, in the order of the run, and the other figures of cost in a run's report.json.
 
-    Stages of `fill` stand below it; what no stage booked is its `else`.
+    Stages of `fill` are below it; the remainder is its `else`.
     """
     cost, frames = report["cost"], report["cost"]["frames_made"]
     if frames == 0:
-        raise ValueError("a run that made no frame tells no cost")
+        raise ValueError("a run without frames has no cost")
     rows = {}
     for stage in cost["stages"]:
         rows[stage["stage"]] = stage["cpu_seconds"] / frames
@@ -19,10 +19,10 @@ def costs(report):
             booked = {name: cost["fill"][name]["cpu_seconds"] / frames for name in sorted(cost["fill"], key=fill_order)}
             rows |= {f"  {name}": seconds for name, seconds in booked.items()}
             rows["  else"] = rows["fill"] - sum(booked.values())
-    rows["CPU s a frame"] = sum(stage["cpu_seconds"] for stage in cost["stages"]) / frames
-    rows["wall s a frame"] = sum(stage["seconds"] for stage in cost["stages"]) / frames
+    rows["CPU s per frame"] = sum(stage["cpu_seconds"] for stage in cost["stages"]) / frames
+    rows["wall s per frame"] = sum(stage["seconds"] for stage in cost["stages"]) / frames
     rows["peak MB"] = cost["peak_memory_bytes"] / 1e6
-    rows["hole, 1000 px a frame"] = report["hole"]["pixels"] / frames / 1000
+    rows["hole, 1000 px per frame"] = report["hole"]["pixels"] / frames / 1000
     return rows
 
 
@@ -46,7 +46,7 @@ def ratio(after, before):
 
 
 def cost_table(title, columns):
-    """A line a stage, a column a run ({heading: costs}), and how much the last is of the first."""
+    """One line per stage, one column per run ({heading: costs}), and the ratio of the last to the first."""
     first, last = list(columns.values())[0], list(columns.values())[-1]
     rows = [[name, *(number(column[name]) if name in column else "-" for column in columns.values()),
              ratio(last[name], first[name]) if name in first and name in last else "-"] for name in medians(columns.values())]
@@ -54,8 +54,8 @@ def cost_table(title, columns):
 
 
 def ratio_table(title, names, before, after):
-    """A line a row of `before` and `after`, lists of one {row: value} a round: their medians, and the ratio of these with
-    the least and the greatest of single rounds, which tell how much of it is noise."""
+    """One line per row of `before` and `after`, lists of one {row: value} per round: their medians, and the ratio of these with
+    the smallest and largest ratio of single rounds, which show the noise."""
     old, new, rows = medians(before), medians(after), []
     for name in medians([*before, *after]):
         if name not in old or name not in new:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The tables of costs, from what a run of 20 frames of 320x180 reported."""
+"""The tables of costs, from the report of a run of 20 frames of 320x180."""
 import copy
 import json
 import unittest
@@ -26,26 +26,26 @@ class Costs(unittest.TestCase):
     def test_stages_stand_in_the_order_they_run(self):
         self.assertEqual(list(costs(REPORT)), [
             "read", "map", "align", "fill", "  depth", "  sample", "  regularize", "  harmonize", "  smooth", "  write", "  else",
-            "video", "CPU s a frame", "wall s a frame", "peak MB", "hole, 1000 px a frame"])
+            "video", "CPU s per frame", "wall s per frame", "peak MB", "hole, 1000 px per frame"])
 
     def test_are_of_one_frame(self):
         found = costs(REPORT)
-        for name, value in {"align": 0.04, "  depth": 0.08, "  else": 0.015, "CPU s a frame": 0.22, "wall s a frame": 0.16,
-                            "peak MB": 166.002688, "hole, 1000 px a frame": 2.76905}.items():
+        for name, value in {"align": 0.04, "  depth": 0.08, "  else": 0.015, "CPU s per frame": 0.22, "wall s per frame": 0.16,
+                            "peak MB": 166.002688, "hole, 1000 px per frame": 2.76905}.items():
             self.assertAlmostEqual(found[name], value, msg=name)
 
     def test_no_stage_but_fill_is_counted_twice(self):
         found = costs(REPORT)
-        self.assertAlmostEqual(found["CPU s a frame"], sum(found[name] for name in ["read", "map", "align", "fill", "video"]))
+        self.assertAlmostEqual(found["CPU s per frame"], sum(found[name] for name in ["read", "map", "align", "fill", "video"]))
         self.assertAlmostEqual(found["fill"], sum(value for name, value in found.items() if name.startswith("  ")))
 
-    def test_a_stage_that_is_new_here_follows_the_known_ones(self):
+    def test_an_unknown_stage_follows_the_known_ones(self):
         report = copy.deepcopy(REPORT)
         report["cost"]["fill"]["color"] = {"cpu_seconds": 0.2}
         names = list(costs(report))
         self.assertEqual(names[names.index("  write") + 1], "  color")
 
-    def test_a_run_that_went_on_from_all_frames_tells_nothing(self):
+    def test_a_run_without_new_frames_is_refused(self):
         report = copy.deepcopy(REPORT)
         report["cost"]["frames_made"] = 0
         with self.assertRaises(ValueError):

@@ -3,8 +3,8 @@
 
     ./dev bench growth [--frames N] [--sources N]
 
-Runs build/release/bin/dvi on synthetic drives of small images, the short ones first. Runs that are finished are not made again;
-Ctrl-C stops, the same command goes on.
+Runs build/release/bin/dvi on synthetic drives of small images, the short ones first. Finished runs are not repeated;
+Ctrl-C stops, and the same command resumes.
 """
 import argparse
 import hashlib
@@ -23,13 +23,13 @@ from whole_run import DVI, ROOT, WORK, at_least_one, call, guarded, machine, say
 LENGTHS = (40, 80, 160, 320, 640, 1280, 2560)  # frames
 SOURCES, SOURCE_FRAMES = (1, 2, 4, 8, 16), 24   # drives beside the target, and how long each is
 SCENE = ("--width", 160, "--height", 90, "--beams", 16, "--columns", 450)
-# Small, so that drives of this size reach it.
+# Small, so that drives of this size reach the bound.
 BOUNDS = ("--set", "job.memory_mb=250")
-FIGURES = ("CPU s a frame", "peak MB", "MB on disk a frame")
+FIGURES = ("CPU s per frame", "peak MB", "MB on disk per frame")
 
 
 def drive(frames, day=1, reverse=False):
-    """The synthetic drive, made if it is not there. A stop leaves no half a drive under its name."""
+    """The synthetic drive, made if it is not there. An interruption leaves no incomplete drive under its name."""
     path = WORK / "growth/drives" / f"{frames}-day{day}{'-reverse' * reverse}"
     if not path.is_dir():
         say(f"making {path.relative_to(ROOT)}")
@@ -42,7 +42,7 @@ def drive(frames, day=1, reverse=False):
 
 
 def days_of_a_street(count):
-    """The target and so many source drives: the same street on other days, and after eight of them driven the other way."""
+    """The target and `count` source drives: the same street on other days, from the ninth on in the opposite direction."""
     return [drive(SOURCE_FRAMES), *(drive(SOURCE_FRAMES, 2 + i % 8, i >= 8) for i in range(count))]
 
 
@@ -63,26 +63,26 @@ def measure(name, drives):
         out = Path(folder) / "result"
         call([DVI, "run", *paths, "-o", out, *BOUNDS, "--quiet"])
         report = json.loads((out / "report.json").read_text(encoding="utf-8"))
-        found = costs(report) | {"MB on disk a frame": bytes_in(out) / report["cost"]["frames_made"] / 1e6}
+        found = costs(report) | {"MB on disk per frame": bytes_in(out) / report["cost"]["frames_made"] / 1e6}
     result.parent.mkdir(parents=True, exist_ok=True)
     write_json(result, {"key": key, "costs": found})
     return found
 
 
 def rows_of(columns):
-    """A line a stage that costs anything, in ms a frame, then the other figures."""
+    """One line per stage with any cost, in ms per frame, then the other figures."""
     names = list(dict.fromkeys(name for column in columns.values() for name in column))
-    other = ("peak MB", "MB on disk a frame", "hole, 1000 px a frame")
+    other = ("peak MB", "MB on disk per frame", "hole, 1000 px per frame")
     rows = []
     for name in names:
-        if name == "wall s a frame":
+        if name == "wall s per frame":
             continue
         values = [column.get(name) for column in columns.values()]
         if name in other:
             digits = 2 if name.startswith("MB") else 1 if name.startswith("hole") else 0
             rows.append([name, *(cell(value, digits) for value in values)])
         elif max(value or 0 for value in values) >= 0.0005:
-            what = "**CPU ms a frame**" if name == "CPU s a frame" else f"&nbsp;&nbsp;{name.strip()}" if name[0] == " " else name
+            what = "**CPU ms per frame**" if name == "CPU s per frame" else f"&nbsp;&nbsp;{name.strip()}" if name[0] == " " else name
             rows.append([what, *(cell(None if value is None else 1000 * value, 1) for value in values)])
     return rows
 
@@ -109,8 +109,8 @@ def write_page(lengths, sources, command, target=ROOT / "docs/growth.md"):
     plot(lengths, sources, target.parent / "images/growth.svg")
     text = f"""# How cost grows
 <!-- Written by ./dev bench growth. -->
-Synthetic streets of 160x90 px and 16 beams; `{' '.join(BOUNDS)}`. Figures are CPU milliseconds a frame
-of the target by stage (those below `fill` are its parts), the peak of memory, and the size of the result.
+Synthetic streets of 160x90 px and 16 beams; `{' '.join(BOUNDS)}`. Figures are CPU milliseconds per frame
+of the target by stage (the indented stages are parts of `fill`), the peak memory, and the size of the result.
 
 - Machine: {machine()}
 - Commit: `{commit()}`
@@ -121,8 +121,8 @@ of the target by stage (those below `fill` are its parts), the peak of memory, a
 ## By length
 {table(["frames", *map(str, lengths)], rows_of(lengths))}
 ## By source drives
-A target of {SOURCE_FRAMES} frames, and the same street on other days as sources, of {SOURCE_FRAMES} frames each;
-beyond eight of them driven the other way.
+A target of {SOURCE_FRAMES} frames, and source drives of the same street on other days, of {SOURCE_FRAMES} frames each;
+from the ninth on, driven in the opposite direction.
 
 {table(["source drives", *map(str, sources)], rows_of(sources))}"""
     new = target.with_suffix(".new")

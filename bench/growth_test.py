@@ -10,8 +10,8 @@ try:
 except ImportError as missing:
     MISSING = f"a package of ./dev bench growth is not installed: {missing}"
 
-COSTS = {"read": 0.002, "fill": 0.05, "  depth": 0.02, "idle": 0.0, "CPU s a frame": 0.052, "wall s a frame": 0.03, "peak MB": 200.4,
-         "MB on disk a frame": 0.123}
+COSTS = {"read": 0.002, "fill": 0.05, "  depth": 0.02, "idle": 0.0, "CPU s per frame": 0.052, "wall s per frame": 0.03, "peak MB": 200.4,
+         "MB on disk per frame": 0.123}
 
 
 @unittest.skipIf(MISSING, MISSING)
@@ -21,11 +21,11 @@ class Page(unittest.TestCase):
         self.assertEqual(rows[0], ["read", "2.0", "2.0"])
         self.assertEqual(rows[2], ["&nbsp;&nbsp;depth", "20.0", "20.0"])
         self.assertIn(["loops", "-", "10.0"], rows)
-        self.assertIn(["**CPU ms a frame**", "52.0", "52.0"], rows)
+        self.assertIn(["**CPU ms per frame**", "52.0", "52.0"], rows)
         self.assertIn(["peak MB", "200", "200"], rows)
-        self.assertIn(["MB on disk a frame", "0.12", "0.12"], rows)
+        self.assertIn(["MB on disk per frame", "0.12", "0.12"], rows)
         self.assertNotIn("idle", [row[0] for row in rows])
-        self.assertNotIn("wall s a frame", [row[0] for row in rows])
+        self.assertNotIn("wall s per frame", [row[0] for row in rows])
 
     def test_it_is_written_with_its_plot(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -13,7 +13,6 @@ from tables import cell, delta, interval, percent, share_of, table
 from variants import DVI, Variant, applies
 
 TREE = Path(__file__).resolve().parent.parent
-READING = TREE / "docs/benchmarks-reading.md"  # written by hand
 ORIGINS = {"copied": "copied", "interpolated": "interpolated", "synthesized": "synthesized", "empty": "left empty"}
 
 
@@ -29,7 +28,7 @@ class Outcome:
     failures: list[tuple[str, str, str]]  # case, what, message
 
     def audits(self) -> dict[tuple[str, str], str]:
-        """Of every run what `dvi audit` found wrong; empty: nothing. Frames of other programs have no receipts."""
+        """The finding of `dvi audit` for each run; empty: none. Frames of other programs have no provenance."""
         return {key: result["audit"] for key, result in self.results.items() if "audit" in result}
 
     def failed_audits(self) -> list[tuple[str, str, str]]:
@@ -87,18 +86,20 @@ def audited(outcome: Outcome) -> str:
 
 def head(outcome: Outcome, command: str) -> str:
     return f"""# Benchmarks
-<!-- Written by ./dev bench quality. The section "Reading the table" is docs/benchmarks-reading.md. -->
-We remove traffic from drives whose true background is known, and compare the fill with it, inside the removed pixels only. The
-drives are synthetic streets with exact truth, and real drives into which `dvi holdout` inserted virtual traffic.
+<!-- Written by ./dev bench quality. -->
+Traffic is removed from drives whose true background is known, and the filled pixels are compared with it, inside the masks only.
+The drives are synthetic streets with exact truth, and real drives into which `dvi holdout` inserted virtual traffic.
 
 - Machine: {machine()}
 - Commit: `{commit()}`
 - Command: `{command.strip()}`
-- Receipts: {audited(outcome)}
+- Provenance: {audited(outcome)}
 
 [metrics.md](metrics.md) defines every figure. All methods are scored on the same pixels, and **copied**, **interpolated** and
-**synthesized** refer to the result of `dvi`: pixels copied from another frame, and of those that no frame saw the ones
-interpolated from their surroundings and the ones given texture as well. Intervals are 95 %, by bootstrap over frames. `-` is undefined.
+**synthesized** refer to the result of `dvi`: pixels copied from another frame, unobserved pixels that are interpolated from their
+surroundings, and unobserved pixels that get texture as well. Intervals are 95 %, by bootstrap over frames. `-` is undefined.
+
+[benchmarks-reading.md](benchmarks-reading.md) discusses the results: where `dvi` is better, where it is worse, and why.
 """
 
 
@@ -116,18 +117,14 @@ def summary(outcome: Outcome) -> str:
 
         text.append(table([group, *(case.short for case in cases)],
                           [[name, *(entry(case, name) for case in cases)] for name in outcome.compared()]))
-    text.append(table(["method", "what"], [[f"`{method.name}`", method.what] for method in outcome.methods]
+    text.append(table(["method", "description"], [[f"`{method.name}`", method.what] for method in outcome.methods]
                       + [[f"`{name}`", "frames of another program"] for name in outcome.externals], words=2))
     return "\n".join(text)
 
 
-def reading() -> str:
-    return f"## Reading the table\n{READING.read_text().strip()}\n" if READING.exists() else ""
-
-
 def departures(outcome: Outcome) -> str:
     rows = [[f"`{option}`", ours, published] for option, ours, published in outcome.differences]
-    return ("## What `paper` and `dvi` differ in\nThese options and nothing else:\n\n"
+    return ("## Differences between `paper` and `dvi`\nThese options and no others:\n\n"
             + table(["option", "dvi", "paper"], rows))
 
 
@@ -142,12 +139,12 @@ def ablations(outcome: Outcome) -> str:
         theirs, ours = outcome.evaluation(case, ablation.name)[origin], outcome.evaluation(case, DVI.name)[origin]
         return delta(theirs[figure], ours[figure], digits)
 
-    text = ["## Ablations", "`dvi` with one thing changed, against `dvi` as it is: above 0 is better without.\n`n/a`: a single drive.\n"]
+    text = ["## Ablations", "`dvi` with one change minus `dvi` without it: positive values mean that the change improves the result.\n`n/a`: a single drive.\n"]
     for title, origin, figure, digits in (("PSNR, all, dB", "all", "psnr", 2), ("SSIM, all", "all", "ssim", 3),
-                                          ("PSNR, where each copied, dB", "copied", "psnr", 2)):
+                                          ("PSNR of the pixels copied by each, dB", "copied", "psnr", 2)):
         text.append(table([title, *(case.name for case in cases)],
                           [[v.name, *(entry(v, case, origin, figure, digits) for case in cases)] for v in whole]))
-    text.append(table(["ablation", "what"], [[v.name, v.what] for v in whole], words=2))
+    text.append(table(["ablation", "change"], [[v.name, v.what] for v in whole], words=2))
     if left := [v.name for v in outcome.ablations if v not in whole]:
         text.append(f"Not run on every case, and therefore left out: {', '.join(left)}.\n")
     return "\n".join(text)
@@ -156,14 +153,14 @@ def ablations(outcome: Outcome) -> str:
 def confidence(outcome: Outcome) -> str:
     rows = []
     for case in outcome.finished():
-        if told := outcome.evaluation(case, DVI.name)["confidence"]:
-            rows.append([case.name, percent(told["mean"]), percent(told["within"]), cell(told["ece"], 3),
-                         cell(told["ause"], 3)])
-    return ("## Is the confidence true?\nOf `dvi`: what it says on average, what share of the pixels is within 10 gray levels\n"
-            "of the truth, how far the two are apart (ECE), and how badly it ranks the errors (AUSE). 0 is best for both.\n\n"
-            + table(["case", "said", "true", "ECE", "AUSE"], rows)
-            + "\nThe plots show said against true, a dot for each tenth of the pixels: on the dashed line the confidence is true, above\n"
-              "it too modest, below it too sure. Under them is the mean error of the same tenths.\n")
+        if figures := outcome.evaluation(case, DVI.name)["confidence"]:
+            rows.append([case.name, percent(figures["mean"]), percent(figures["within"]), cell(figures["ece"], 3),
+                         cell(figures["ause"], 3)])
+    return ("## Calibration of the confidence\nFor `dvi`: the mean confidence (predicted), the share of pixels within 10 gray levels of the truth (measured),\n"
+            "the expected calibration error (ECE), and the area under the sparsification error (AUSE). 0 is best for both.\n\n"
+            + table(["case", "predicted", "measured", "ECE", "AUSE"], rows)
+            + "\nThe plots show measured over predicted confidence, with a dot per decile of the pixels. On the dashed line the confidence is\n"
+              "calibrated, above it too low, below it too high. The mean errors of the same deciles are below the plots.\n")
 
 
 def details(outcome: Outcome, case: Case, scorer: Scorer) -> str:
@@ -193,7 +190,7 @@ def details(outcome: Outcome, case: Case, scorer: Scorer) -> str:
         f"{shares}.\n",
         "```", *(f"dvi {' '.join(shown(part) for part in command)}" for command in case.commands), "```",
         table(["all scored", "PSNR", "95 %", "SSIM", "MAE", "RMSE", "sharpness", "flicker", "misplaced px",
-               "copied itself: share, PSNR", "whole frame: PSNR / SSIM", "CPU s a frame", "peak MB"], rows),
+               "own copies: share, PSNR", "whole frame: PSNR / SSIM", "CPU s per frame", "peak MB"], rows),
         "<details><summary>By origin</summary>\n\n"
         + table(["where dvi", "method", "PSNR", "95 %", "SSIM", "MAE", "RMSE", "sharpness", "flicker"], parts, words=2)
         + "\n</details>\n",
@@ -202,7 +199,7 @@ def details(outcome: Outcome, case: Case, scorer: Scorer) -> str:
 
 
 def warnings(outcome: Outcome, case: Case) -> list[str]:
-    """What the runs warned of, and which."""
+    """The warnings of the runs, and the runs that gave them."""
     by_text: dict[str, list[str]] = {}
     for name in outcome.compared():
         for text in outcome.results.get((case.name, name), {}).get("warnings", []):
@@ -211,29 +208,29 @@ def warnings(outcome: Outcome, case: Case) -> list[str]:
 
 
 def shown(text: str) -> str:
-    """Without the folders of absolute paths: where things lie on this machine says nothing."""
+    """Without the folders of absolute paths: the paths on this machine are irrelevant."""
     return re.sub(r"(?<!\S)/\S*/", "", text)
 
 
 def crops_note(names: dict[str, str]) -> str:
-    return (f"Above: frame {names['median']}, where the error of `dvi` is its median, where most is scored. "
-            f"Below: frame {names['worst']}, its worst, where it errs most. In the last tile green is copied, blue copied from "
+    return (f"Above: frame {names['median']}, which has the median error of `dvi`, at the largest scored region. "
+            f"Below: frame {names['worst']}, its worst frame, at the largest error. In the last tile, green is copied, blue copied from "
             "another drive, yellow interpolated, red synthesized.\n")
 
 
-HOW = """## Another program, another drive
+HOW = """## Other programs and other drives
 ```
-./dev bench quality                                    all, with the KITTI raw drives found in $DVI_DATA
+./dev bench quality                                    all cases, with the KITTI raw drives found in $DVI_DATA
 ./dev bench quality --quick                            three cases, all methods, about 5 minutes on 2 cores
-./dev bench quality --drive NAME=PATH@A:B              a recording of your own as well: all scenarios
-./dev bench quality --external NAME=DIR                frames of another program as well
+./dev bench quality --drive NAME=PATH@A:B              also a recording of your own: all scenarios
+./dev bench quality --external NAME=DIR                also frames of another program
 ```
-To hold ProPainter or a network of your own against these: after a first run the cases are in `build/bench/quality/cases/CASE`.
-Let it read `drive/images/` and fill what `build/bench/quality/results/CASE/dvi/masks/` marks (255), and write whole frames to
-`DIR/CASE/NAME.png`, named and sized as the images are. A case that DIR does not have is left out. Truths are in `truth/` or
-`drive/truth/`: not to be shown to it.
+To compare ProPainter or a network of your own with these results: after a first run, the cases are in
+`build/bench/quality/cases/CASE`. The program reads `drive/images/`, fills the pixels that are 255 in
+`build/bench/quality/results/CASE/dvi/masks/`, and writes whole frames to `DIR/CASE/NAME.png`, with the names and sizes of the
+images. Cases that are missing in DIR are left out. The truth in `truth/` or `drive/truth/` must not be used by the program.
 
-Each pair of case and method is run once; what is finished stays in `build/bench/quality/` until the program, the case or the
+Each pair of case and method is run once; finished results stay in `build/bench/quality/` until the program, the case or the
 options change.
 """
 
@@ -250,19 +247,19 @@ def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command:
     if outcome.finished():
         pictures.plot_psnr(outcome, images / "psnr.svg")
         text.append(image("psnr.svg", "PSNR of each method, case by case"))
-    text += [reading(), departures(outcome), ablations(outcome)]
+    text += [departures(outcome), ablations(outcome)]
     if outcome.whole_ablations() and outcome.ablated():
         pictures.plot_ablations(outcome, images / "ablations.svg")
-        text.append(image("ablations.svg", "What each ablation changes, case by case"))
+        text.append(image("ablations.svg", "The effect of each ablation, case by case"))
     text.append(confidence(outcome))
     if any(outcome.evaluation(case, DVI.name)["confidence"] for case in outcome.finished()):
         pictures.plot_confidence(outcome, images / "confidence.svg")
-        text.append(image("confidence.svg", "Reliability of the confidence: said against true, case by case"))
+        text.append(image("confidence.svg", "Reliability of the confidence: measured over predicted, case by case"))
     text.append("## Cases")
     for case in outcome.finished():
         text.append(details(outcome, case, scorer))
         names = picture_names(outcome.evaluation(case, DVI.name))
-        # Recordings have owners, and licenses that this repository's does not go with: their pictures stay in build/.
+        # Recordings have owners, and licenses that this repository's does not cover: their pictures stay in build/.
         ours = case.group == STREET
         place = (images if ours else scorer.root / "crops") / f"{case.name}.jpg"
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -270,7 +267,7 @@ def write(target: Path, images: Path, outcome: Outcome, scorer: Scorer, command:
         text.append(image(place.name, f"{case.name}: input, truth and each method") if ours
                     else f"Crops side by side, not part of this repository: `build/bench/quality/crops/{place.name}`.\n")
         text.append(crops_note(names))
-        text.append("Frame by frame and pixel by pixel, with the truth and the difference: "
+        text.append("The report shows every frame with the truth and the difference: "
                     f"`build/bench/quality/results/{case.name}/{DVI.name}/report.html`.\n")
     if failures := [*outcome.failures, *outcome.failed_audits()]:
         rows = [[case, what, shown(message)] for case, what, message in failures]

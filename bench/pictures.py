@@ -19,7 +19,7 @@ matplotlib.use("svg")
 matplotlib.rcParams.update({"svg.hashsalt": "dvi", "font.size": 8, "axes.spines.top": False, "axes.spines.right": False})
 from matplotlib import pyplot  # noqa: E402  after the choice of how to draw
 
-TILE = (240, 160)  # of a crop, pixels
+TILE = (240, 160)  # size of a crop, pixels
 COLUMNS = 4
 LABEL = 16  # height of a tile's title
 KINDS = {1: (0, 170, 60), 2: (40, 90, 255), 3: (250, 200, 0), 4: (230, 40, 40), 5: (0, 0, 0)}
@@ -64,23 +64,23 @@ def plot_confidence(outcome: Outcome, file: Path) -> None:
     for (top, bottom), (group, cases) in zip(axes.T, groups.items()):
         top.plot([0, 1], [0, 1], color="0.4", linewidth=1, linestyle="--")
         for number, case in enumerate(cases):
-            if told := outcome.evaluation(case, DVI.name)["confidence"]:
-                x = [decile["confidence"] for decile in told["deciles"]]
+            if figures := outcome.evaluation(case, DVI.name)["confidence"]:
+                x = [decile["confidence"] for decile in figures["deciles"]]
                 style = {"color": f"C{number}", "linewidth": 1, "marker": "o", "markersize": 3}
-                top.plot(x, [decile["within"] for decile in told["deciles"]], label=case.short, **style)
-                bottom.plot(x, [decile["mae"] for decile in told["deciles"]], **style)
+                top.plot(x, [decile["within"] for decile in figures["deciles"]], label=case.short, **style)
+                bottom.plot(x, [decile["mae"] for decile in figures["deciles"]], **style)
         top.set(title=group, xlim=(0, 1), ylim=(0, 1))
-        bottom.set(xlabel="confidence: said", ylim=(0, None))
+        bottom.set(xlabel="predicted confidence", ylim=(0, None))
         top.legend(frameon=False, loc="upper left", fontsize=7)
         for axis in (top, bottom):
             axis.grid(alpha=0.3)
-    axes[0][0].set_ylabel("true: share within 10 gray levels")
+    axes[0][0].set_ylabel("measured: share within 10 gray levels")
     axes[1][0].set_ylabel("mean error, gray levels")
     save(figure, file)
 
 
 def plot_ablations(outcome: Outcome, file: Path) -> None:
-    """A row an ablation, a dot a case: what it changes in the PSNR of dvi, over all scored pixels and where each copied."""
+    """A row per ablation and a dot per case: the change of the PSNR of dvi, over all scored pixels and over copied ones."""
     cases, names = outcome.ablated(), [ablation.name for ablation in outcome.whole_ablations()]
     figure, axes = pyplot.subplots(1, 2, figsize=(9.5, 0.28 * len(names) + 0.9), sharey=True)
     for axis, origin in zip(axes, ("all", "copied")):
@@ -92,7 +92,7 @@ def plot_ablations(outcome: Outcome, file: Path) -> None:
             if base is not None:
                 axis.plot([value - base for _, value in rows], [y for y, _ in rows], "o", color=f"C{number}", markersize=5,
                           alpha=0.8, label=case.name)
-        axis.set(xlabel=f"PSNR against dvi as it is, dB: {origin}", ylim=(len(names) - 0.5, -0.5))
+        axis.set(xlabel=f"PSNR minus that of dvi, dB: {origin}", ylim=(len(names) - 0.5, -0.5))
         axis.set_yticks(range(len(names)), names)
         axis.grid(alpha=0.3)
     axes[1].legend(frameon=False, loc="center left", bbox_to_anchor=(1, 0.5))
@@ -101,7 +101,7 @@ def plot_ablations(outcome: Outcome, file: Path) -> None:
 
 def densest(weight: np.ndarray, size: tuple[int, int]) -> tuple[int, int, int, int]:
     """The box (left, top, right, bottom) of this width and height, or the image's if less, with the largest sum; of several
-    the one amid them, so that what is smaller stands in its middle."""
+    the middle one, so that smaller regions are centered."""
     height, width = min(size[1], weight.shape[0]), min(size[0], weight.shape[1])
     sums = np.pad(weight.astype(np.float64).cumsum(0).cumsum(1), ((1, 0), (1, 0)))
     inside = sums[height:, width:] - sums[:-height, width:] - sums[height:, :-width] + sums[:-height, :-width]
@@ -115,7 +115,7 @@ def picture(folder: Path, name: str) -> Image.Image:
 
 
 def kinds(original: Image.Image, kind: np.ndarray) -> Image.Image:
-    """Where dvi got each pixel from, in colors on the input."""
+    """The kind of each pixel, in colors on the input."""
     painted = np.array(original) // 2 + 64
     for value, color in KINDS.items():
         painted[kind == value] = painted[kind == value] // 2 + np.array(color, np.uint8) // 2

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""How good dvi is: all methods and ablations on cases with a truth, written to docs/benchmarks.md.
+"""Measures quality: all methods and ablations on cases with a truth, written to docs/benchmarks.md.
 
     ./dev bench quality [--quick] [--external NAME=DIR]... [--drive NAME=PATH[@A:B]]...
 
-Finished parts are not run again; Ctrl-C stops, the same command goes on.
+Finished parts are not run again; Ctrl-C stops, and the same command resumes.
 """
 import argparse
 import os
@@ -32,12 +32,12 @@ def minutes(seconds: float) -> str:
 
 
 class Progress:
-    """Counts what has to be run: n of m, what, and when it will be done."""
+    """Counts the runs, and prints the number, the name, and the remaining time of each."""
 
     def __init__(self, due: int):
         self.due, self.done, self.begun = due, 0, time.monotonic()
 
-    def tell(self, what: str) -> None:
+    def report(self, what: str) -> None:
         passed = time.monotonic() - self.begun
         left = f", {minutes(passed / self.done * (self.due - self.done))} left" if self.done else ""
         self.done += 1
@@ -48,8 +48,8 @@ class Progress:
 
 
 def plan(chosen: list[Case], methods: list[Variant], ablations: list[Variant]) -> list[tuple[Case, list[Variant]]]:
-    """What to run on each case: all methods before any ablation, and real drives first; of methods dvi first, because it tells
-    which pixels are compared and which frames are shown. Ablations one by one on all cases: the page shows whole rows."""
+    """The runs in order: all methods before any ablation, and real drives first; dvi before other methods, because its result
+    determines the pixels to compare and the frames to show. Each ablation runs on all cases, so that the page has whole rows."""
     others = [method for method in methods if method != variants.DVI]
     chosen = sorted(chosen, key=lambda case: case.group == cases.STREET)
     return ([(case, [variants.DVI, *others]) for case in chosen]
@@ -58,7 +58,7 @@ def plan(chosen: list[Case], methods: list[Variant], ablations: list[Variant]) -
 
 
 def attempt(outcome: Outcome, case: Case, what: str, work: Callable[[], dict | None]) -> bool:
-    """Whether it worked. A failure is told, and goes on the page."""
+    """Whether the work succeeded. A failure is printed and listed on the page."""
     try:
         if (result := work()) is not None:
             outcome.results[case.name, what] = result
@@ -72,7 +72,7 @@ def attempt(outcome: Outcome, case: Case, what: str, work: Callable[[], dict | N
 
 
 def run_all(scorer: Scorer, outcome: Outcome, until: float = float("inf")) -> None:
-    """Up to a time of the monotonic clock; what was not begun by then is missing."""
+    """Runs everything that can begin before a time of the monotonic clock; the rest is missing on the page."""
     todo = plan(outcome.cases, outcome.methods, outcome.ablations)
     due = [(case, [variant for variant in row if scorer.known(case, variant) is None]) for case, row in todo]
     progress = Progress(sum(len(row) for _, row in due))
@@ -91,7 +91,7 @@ def run_all(scorer: Scorer, outcome: Outcome, until: float = float("inf")) -> No
                 continue
             if time.monotonic() > until:
                 continue
-            progress.tell(f"{case.name}: {variant.name}")
+            progress.report(f"{case.name}: {variant.name}")
             worked = attempt(outcome, case, variant.name, lambda: scorer.score(case, variant, variant in outcome.methods))
             if not worked and variant == variants.DVI:
                 progress.skip(len(missing) - 1)
@@ -128,7 +128,7 @@ def parse_external(text: str) -> tuple[str, Path]:
     if name in [variant.name for variant in (*variants.METHODS, *variants.ABLATIONS)] or name.startswith("paper-"):
         raise ValueError(f"--external {text}: '{name}' is a variant of dvi's; take another name")
     if not Path(folder).is_dir():
-        raise ValueError(f"--external {text}: {folder} is no folder; expected DIR/CASE/NAME.png")
+        raise ValueError(f"--external {text}: {folder} is not a folder; expected DIR/CASE/NAME.png")
     return name, Path(folder)
 
 
@@ -137,7 +137,7 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true",
                         help="three cases, all methods, no ablations: about 5 minutes; writes build/bench/quality/quick.md")
     parser.add_argument("--minutes", type=float, default=float("inf"), metavar="N",
-                        help="begin nothing more after so long, and write the page with what there is")
+                        help="begin no run after N minutes, and write the page with the finished ones")
     parser.add_argument("--external", action="append", default=[], metavar="NAME=DIR",
                         help="frames of another program, DIR/CASE/NAME.png, join the tables")
     parser.add_argument("--drive", action="append", default=[], metavar="NAME=PATH[@A:B]",

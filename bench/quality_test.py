@@ -176,7 +176,7 @@ class FromEndToEnd(unittest.TestCase):
         page.write(root / "page.md", root / "images", again, scorer, "test")
         text = (root / "page.md").read_text()
         self.assertIn("**100.00 / 100.00**", text)
-        self.assertIn("Receipts: 3 runs, all pass `dvi audit`", text)
+        self.assertIn("Provenance: 3 runs, all pass `dvi audit`", text)
         self.assertIn("| `a.b` | 1 | 2 |", text)
         self.assertIn("results/street-exact/dvi/report.html", text)
         self.assertEqual({file.name for file in (root / "images").iterdir()},

@@ -1,8 +1,8 @@
-"""Makes cases, runs variants on them, scores the results. What is finished is not done again.
+"""Makes cases, runs variants on them, scores the results. Finished parts are not done again.
 
     ROOT/cases/CASE/              the case, and recipe.json: the key it was made under
     ROOT/results/CASE/NAME/       result.json; frames/ of the pictures only (of dvi: the whole result, with its report.html)
-    ROOT/work/                    the run that is going on
+    ROOT/work/                    the current run
 A result's key is a hash of the program, the case's recipe, and the options: another key, another run.
 """
 import hashlib
@@ -139,7 +139,7 @@ class Scorer:
         return result
 
     def audit(self, case: Case, variant: Variant, out: Path) -> str:
-        """What is wrong with a run's receipts; empty: nothing."""
+        """The problem that the audit found in a run's provenance; empty: none."""
         done = self.start("audit", out, *self.drives(case, variant), "--json", cwd=self.folder(case))
         if done.returncode == 0:
             return ""
@@ -173,7 +173,7 @@ class Scorer:
         return result
 
     def keep(self, case: Case, name: str, out: Path, result: dict, whole: bool) -> None:
-        """Moves what is needed later out of the run's folder; result.json comes last and marks it as finished."""
+        """Moves the files that are needed later out of the run's folder; result.json is last and marks the result as finished."""
         folder = self.result_folder(case, name)
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)

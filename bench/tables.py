@@ -22,7 +22,7 @@ def delta(value: float | None, base: float | None, digits: int) -> str:
 
 
 def share_of(own: dict | None) -> str:
-    """What a method says it copied, and how well."""
+    """The share of pixels that a method copied, and their PSNR."""
     return f"{percent(own['copied']['share'])}, {cell(own['copied']['psnr'])}" if own and own["copied"]["pixels"] else "-"
 
 

@@ -1,4 +1,4 @@
-"""What is compared: methods, and the default method with one thing switched off or put back to the published form."""
+"""The variants to compare: methods, and the default method with one part switched off or in the published form."""
 import subprocess
 import tomllib
 from dataclasses import dataclass
@@ -11,8 +11,8 @@ from cases import Case
 class Variant:
     name: str
     what: str
-    arguments: tuple[str, ...] = ()  # of `dvi run`
-    fusion: bool = True  # whether further drives are given to it
+    arguments: tuple[str, ...] = ()  # arguments of `dvi run`
+    fusion: bool = True  # whether source drives are used
 
 
 DVI = Variant("dvi", "the default", ("--method", "dvi"))
@@ -22,7 +22,7 @@ METHODS = (
     Variant("ns", "OpenCV's Navier-Stokes inpainting: one image", ("--method", "ns")),
     Variant("flow", "propagation along optical flow: images and masks", ("--method", "flow")),
     Variant("paper", "the published form of every stage", ("--method", "paper")),
-    Variant("interpolate", "dvi, but what no source observed interpolated, not synthesized (`harmonize.unobserved=interpolate`)",
+    Variant("interpolate", "dvi with unobserved pixels interpolated instead of synthesized (`harmonize.unobserved=interpolate`)",
             ("--set", "harmonize.unobserved=interpolate")),
     DVI,
 )
@@ -35,15 +35,15 @@ def _off(name: str, what: str, option: str) -> Variant:
 ABLATIONS = (
     _off("no-poisson", "colors as copied, no Poisson blending", "harmonize.poisson"),
     Variant("bp", "belief propagation (`stages.regularize=true`)", ("--set", "stages.regularize=true")),
-    _off("no-exposure", "colors as the frames have them, no common light", "stages.exposure"),
-    Variant("membrane", "what no source observed, interpolated from all sides (`harmonize.unobserved_vertical=1.0`)",
+    _off("no-exposure", "colors of the source frames, no exposure compensation", "stages.exposure"),
+    Variant("membrane", "unobserved pixels interpolated equally from all directions (`harmonize.unobserved_vertical=1.0`)",
             ("--set", "harmonize.unobserved_vertical=1.0")),
-    _off("no-plane-sweep", "no depth beyond the LiDAR's reach from the images", "stages.plane_sweep"),
-    Variant("one-source", "one source a pixel (`sample.sources=1`)", ("--set", "sample.sources=1")),
+    _off("no-plane-sweep", "no depth from images beyond the range of the LiDAR", "stages.plane_sweep"),
+    Variant("one-source", "one source per pixel (`sample.sources=1`)", ("--set", "sample.sources=1")),
     _off("no-align", "poses as given, no refinement", "stages.align"),
-    _off("no-occlusion-test", "copies from where something stood before the point, too", "sample.occlusion_test"),
+    _off("no-occlusion-test", "copies also from frames in which the point is occluded", "sample.occlusion_test"),
     _off("no-smooth", "no temporal smoothing", "stages.smooth"),
-    Variant("no-loam", "poses as the drive gives them, not from the scans (`--poses given`)", ("--poses", "given")),
+    Variant("no-loam", "poses of the drive, not estimated from the scans (`--poses given`)", ("--poses", "given")),
     Variant("no-fusion", "without the second drive", fusion=False),
 )
 
@@ -62,12 +62,12 @@ def toml(value: object) -> str:
 
 
 def differences(ours: dict[str, object], published: dict[str, object]) -> list[tuple[str, str, str]]:
-    """(option, value of dvi, value of paper) where they differ: all that makes `--method paper`."""
+    """(option, value of dvi, value of paper) where they differ: the definition of `--method paper`."""
     return [(option, toml(value), toml(published[option])) for option, value in ours.items() if value != published[option]]
 
 
 def published_switches(differing: list[tuple[str, str, str]]) -> tuple[Variant, ...]:
-    """dvi with one of its departures from the paper taken back, but for those that are variants already."""
+    """dvi with one of its departures from the paper undone, except those that are variants already."""
     known = {variant.arguments for variant in (*METHODS, *ABLATIONS)}
     switches = {f"{option}={value}": option for option, _, value in differing}
     return tuple(

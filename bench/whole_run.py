@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a run costs: CPU seconds a frame by stage and peak memory, by image size, by length of the drive and by number of drives.
+"""Measures the cost of runs: CPU seconds per frame by stage and peak memory, by image size, by length of the drive and by number of drives.
 
     whole_run.py [--quick] [--rounds N]
 
@@ -82,7 +82,7 @@ def measure(cases, rounds):
 
 
 def machine():
-    """What the figures were measured on."""
+    """The machine of the measurement."""
     models = [line.split(":", 1)[1].strip() for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
               if line.startswith("model name")]
     return f"{models[0] if models else platform.machine()}, {len(os.sched_getaffinity(0))} cores"
@@ -106,7 +106,7 @@ def at_least_one(text):
 
 
 def main():
-    arguments = argparse.ArgumentParser(prog="./dev bench whole", description="What a run costs, by image size, length and drives.")
+    arguments = argparse.ArgumentParser(prog="./dev bench whole", description="The cost of runs by image size, length and number of drives.")
     arguments.add_argument("--quick", action="store_true", help="smaller and shorter drives: a minute")
     arguments.add_argument("--rounds", type=at_least_one, default=3, metavar="N", help="runs of each, of which medians are shown")
     arguments = arguments.parse_args()
@@ -115,7 +115,7 @@ def main():
     days = QUICK_DAYS if arguments.quick else DAYS
     cases = [(*size, 1) for size in sizes + lengths] + [(*DRIVES, count) for count in days]
     found = measure(list(dict.fromkeys(cases)), arguments.rounds)
-    print(f"{machine()}; CPU s a frame, medians of {arguments.rounds} runs\n")
+    print(f"{machine()}; CPU s per frame, medians of {arguments.rounds} runs\n")
     print(cost_table(f"{sizes[0][2]} frames", {f"{w}x{h}": found[w, h, n, 1] for w, h, n in sizes}) + "\n")
     print(cost_table(f"{lengths[0][0]}x{lengths[0][1]}", {f"{n} frames": found[w, h, n, 1] for w, h, n in lengths}) + "\n")
     print(cost_table(f"{DRIVES[0]}x{DRIVES[1]}, a frame of the target", {f"{n} drive{'s' * (n > 1)}": found[*DRIVES, n] for n in days}))

@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
-"""The spelling check itself, on trees made for it."""
+"""Tests of the language check, on trees made for it."""
 import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 PROJECT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(PROJECT / "tools"))
+import check_language  # noqa: E402
 
 
 class CheckLanguage(unittest.TestCase):
@@ -32,6 +35,33 @@ class CheckLanguage(unittest.TestCase):
     def test_names_of_others_pass(self):
         self.assertEqual(self.check("src/dvi/drive/traffic_classes.cpp", '"truck", "lorry"\n')[0], 0)
         self.assertEqual(self.check("tests/foreign/a.txt", "colour\n")[0], 0)
+
+    def test_phrases_are_found_in_documents_with_their_line(self):
+        code, output = self.check("docs/a.md", "# A\nNobody lends it, which\nis no mask. It takes 3 s a\nframe.\n")
+        self.assertEqual(code, 1)
+        for line in ("2: 'Nobody': write: no source", "2: 'lends': write: is used", "3: 'is no': write: is not a",
+                     "3: 's a frame': write: per"):
+            self.assertIn(f"docs/a.md:{line}", output)
+
+    def test_phrases_across_comment_lines_are_found(self):
+        hits = [(line, found) for line, _, found in check_language.phrases("a.cpp", "// A mask is\n// no image.\nint x;  // of it\n")]
+        self.assertEqual(sorted(hits), [(1, "is no"), (3, "// of")])
+
+    def test_a_comment_that_goes_on_with_of_passes(self):
+        self.assertEqual(list(check_language.phrases("a.cpp", "// The size\n// of the image, and the size\n// of the mask.\n")), [])
+
+    def test_terms_in_code_spans_and_related_wording_pass(self):
+        for text in ("`dvi forecast` writes `receipt.js`.", "There is no mask.", "It is no longer used.", "Seen from above, in the same way.",
+                     "The plane sweep.", "A round number.", "Understand the standard."):
+            self.assertEqual(self.check("docs/a.md", text + "\n"), (0, "language: spelling and terms are as they should be\n"), text)
+
+    def test_phrases_are_checked_in_the_listed_files_only(self):
+        self.assertEqual(self.check("notes/a.txt", "Nobody lends it.\n")[0], 0)
+
+    def test_allowed_lines_pass(self):
+        phrase = check_language.Phrase(r"\bwhat no\b", "a noun", (("docs/a", "exact words"),))
+        with mock.patch.object(check_language, "PHRASES", (phrase,)):
+            self.assertEqual([line for line, _, _ in check_language.phrases("docs/a.md", "what no one\nexact words what no\n")], [1])
 
 
 if __name__ == "__main__":
