@@ -46,7 +46,8 @@ Frame to_frame(const std::string& name, std::size_t number, const harmonize::Fil
 py::array to_array(const cv::Mat& mat) {
   auto owner = std::make_unique<cv::Mat>(mat);
   const auto rows = static_cast<py::ssize_t>(mat.rows), cols = static_cast<py::ssize_t>(mat.cols);
-  std::vector<py::ssize_t> shape{rows, cols}, strides{static_cast<py::ssize_t>(mat.step[0]), static_cast<py::ssize_t>(mat.elemSize())};
+  std::vector<py::ssize_t> shape{rows, cols},
+      strides{static_cast<py::ssize_t>(mat.step[0]), static_cast<py::ssize_t>(mat.elemSize())};
   if (mat.channels() > 1) shape.push_back(mat.channels()), strides.push_back(static_cast<py::ssize_t>(mat.elemSize1()));
   const void* data = mat.data;
   const py::capsule keep(owner.release(), [](void* matrix) { delete static_cast<cv::Mat*>(matrix); });
@@ -66,7 +67,7 @@ Run::Run(dvi::job::Job job, int threads, Task::Callback progress) : job_(std::mo
     const std::lock_guard lock(task_->mutex);
     report_ = dvi::result::to_json(report);
     if (!names_.empty()) return;
-    for (const dvi::result::FrameReport& frame : report.frames) names_.push_back(frame.name);  // the result was there already
+    names_ = report.frame_names();  // the result was there already
     missing_.assign(names_.size(), false);
   });
   task_->start();

@@ -17,9 +17,8 @@
 #include "dvi/diagnostics/scan_time_doubts.h"
 #include "dvi/inputs/check_setup.h"
 #include "dvi/inputs/collect_evidence.h"
-#include "dvi/inputs/reports_json.h"  // IWYU pragma: keep
 #include "dvi/inputs/stretches.h"
-#include "dvi/result/report_json.h"  // IWYU pragma: keep
+#include "dvi/result/stage_json.h"
 
 namespace dvi::commands {
 namespace {
@@ -96,7 +95,8 @@ CheckReport describe(const inputs::Recording& open, const inputs::PoseChoice& ch
                   .scan_rate_hz = rate(drive.scan_headers),
                   .mean_points = mean(found.points),
                   .path_m = path_length(drive, poses),
-                  .poses = inputs::poses_report(drive, choice),
+                  .poses_from = to_string(choice.from),
+                  .poses = std::make_shared<const nlohmann::json>(result::poses_json(drive, choice)),
                   .mask_source = inputs::mask_source(open),
                   .objects = tracks_by_class(open),
                   .mean_masked = mean(found.masked),
@@ -155,7 +155,7 @@ std::string CheckReport::brief() const {
       "{}  path     {:.1f} m, by {} poses\n"
       "  masks    {}\n",
       path, format, camera_name, camera.width, camera.height, camera.fx, frames, first_frame, last_frame, frame_rate_hz,
-      frames_with_pose, geometry_line(*this), path_m, poses.from, masks_line(*this));
+      frames_with_pose, geometry_line(*this), path_m, poses_from, masks_line(*this));
   if (place)
     text += fmt::format("  gps      {} fixes, half of them within {:.2f} m of the path\n", place->fixes, place->residual_m);
   for (const RecordedTopic& topic : topics)
@@ -192,14 +192,14 @@ std::string to_json(const CheckReport& r) {
       {"scans", {{"count", r.scans}, {"rate_hz", r.scan_rate_hz}, {"mean_points", r.mean_points}}},
       {"map", {{"points", r.map_points}}},
       {"path_m", r.path_m},
-      {"poses", r.poses},
+      {"poses", *r.poses},
       {"masks",
        {{"source", r.mask_source}, {"mean_share", r.mean_masked}, {"largest_share", r.largest_masked}, {"objects", r.objects}}},
       {"topics", topics_json(r.topics)},
       {"pictures", r.pictures},
       {"ready", r.ready},
       {"warnings", r.warnings}};
-  if (r.place) j["place"] = result::json_of(*r.place);
+  if (r.place) j["place"] = result::place_json(*r.place);
   if (r.forecast) j["forecast"] = *r.forecast;
   return json_text(j);
 }

@@ -2,13 +2,14 @@
 
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "dvi/commands/forecast_holes.h"
 #include "dvi/core/progress.h"
-#include "dvi/inputs/poses_report.h"
+#include "dvi/drive/drive.h"
 
 namespace dvi::commands {
 
@@ -25,12 +26,13 @@ struct CheckReport {
   double scan_rate_hz = 0, mean_points = 0;  ///< points of a scan
   std::size_t map_points = 0;                ///< of the map that it brings instead of scans
   double path_m = 0;
-  std::optional<FoundPlace> place = {};  ///< of the world of the first LiDAR pose, by GPS
-  inputs::PosesReport poses;
-  std::string mask_source;                     ///< files, labels, detector, none
-  std::map<std::string, std::size_t> objects;  ///< what labels say is removed: tracks by class
-  double mean_masked = 0, largest_masked = 0;  ///< parts of an image
-  bool ready = false;                          ///< for a run
+  std::optional<FoundPlace> place = {};         ///< of the world of the first LiDAR pose, by GPS
+  std::string poses_from;                       ///< given, loam
+  std::shared_ptr<const nlohmann::json> poses;  ///< as report.json has them
+  std::string mask_source;                      ///< files, labels, detector, none
+  std::map<std::string, std::size_t> objects;   ///< what labels say is removed: tracks by class
+  double mean_masked = 0, largest_masked = 0;   ///< parts of an image
+  bool ready = false;                           ///< for a run
   std::vector<std::string> warnings;
   std::vector<std::string> pictures;       ///< files, if asked for
   std::optional<ForecastReport> forecast;  ///< if asked for and ready

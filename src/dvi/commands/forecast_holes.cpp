@@ -8,7 +8,6 @@
 #include "dvi/inputs/make_views.h"
 #include "dvi/inputs/rig.h"
 #include "dvi/media/write_image.h"
-#include "dvi/result/report_json.h"  // IWYU pragma: keep
 #include "dvi/run/make_map.h"
 
 template <>

@@ -8,7 +8,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
 #include "dvi/result/fingerprints.h"
-#include "dvi/result/report_json.h"
+#include "dvi/result/run_report.h"
 
 namespace dvi::result {
 namespace {

@@ -8,7 +8,6 @@
 #include "dvi/core/hash.h"
 #include "dvi/core/json_file.h"
 #include "dvi/core/json_text.h"
-#include "dvi/result/report_json.h"
 
 namespace dvi::result {
 namespace {
@@ -49,7 +48,7 @@ bool Record::holds(const fs::path& out) const {
 
 void write_record(const fs::path& file, const Record& record) {
   nlohmann::json json{{"schema", kRecordSchema}, {"fingerprint", record.fingerprint}, {"files", record.files}};
-  if (record.frame) json["frame"] = json_of(*record.frame);
+  if (record.frame) json["frame"] = *record.frame;
   write_file(file, json_text(json));
 }
 
@@ -58,8 +57,8 @@ std::optional<Record> read_record(const fs::path& file) {
   try {
     const nlohmann::json json = read_json(file);
     if (json.at("schema") != kRecordSchema) return std::nullopt;
-    Record record{json.at("fingerprint"), json.at("files"), std::nullopt};
-    if (json.contains("frame")) record.frame = frame_of(json.at("frame"));
+    Record record{json.at("fingerprint"), json.at("files"), nullptr};
+    if (json.contains("frame")) record.frame = std::make_shared<const nlohmann::json>(json.at("frame"));
     return record;
   } catch (const nlohmann::json::exception&) {  // answered: cut by a crash, or by hand
     return std::nullopt;

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "dvi/core/files.h"
-#include "dvi/result/run_report.h"
 
 namespace dvi::result {
 
@@ -25,7 +27,7 @@ std::vector<FileRecord> record_files(const fs::path& out, const std::vector<std:
 struct Record {
   std::string fingerprint;  ///< of the options and inputs
   std::vector<FileRecord> files;
-  std::optional<FrameReport> frame;  ///< of a single frame
+  std::shared_ptr<const nlohmann::json> frame = nullptr;  ///< of a single frame: frame_json()
 
   /// Whether the files are there as they were written.
   bool holds(const fs::path& out) const;

@@ -11,19 +11,22 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
+#include "dvi/core/json_optional.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/core/version.h"
 #include "dvi/inputs/collect_evidence.h"
+#include "dvi/metrics/evaluation.h"
+#include "dvi/objects/stationary_objects.h"
 #include "dvi/report/report.h"
 #include "dvi/result/fingerprints.h"
 #include "dvi/result/frame_files.h"
 #include "dvi/result/map_files.h"
 #include "dvi/result/plan_record.h"
 #include "dvi/result/records.h"
-#include "dvi/result/report_json.h"  // IWYU pragma: keep
 #include "dvi/result/result_media.h"
 #include "dvi/result/source_masks.h"
+#include "dvi/result/stage_json.h"
 #include "dvi/result/write_report.h"
 
 namespace dvi::result {
@@ -169,10 +172,9 @@ void ResultFolder::refuse_other_drives() const {
     throw InputError(out_, "is the result of another drive", "choose another folder, or --force to replace it");
 }
 
-std::optional<FrameReport> ResultFolder::finished_frame(const std::string& name) const {
+bool ResultFolder::is_finished(const std::string& name) const {
   const std::optional<Record> record = read_record(this->record(name));
-  if (!record || !record->frame || record->fingerprint != fingerprint_ || !record->holds(out_)) return std::nullopt;
-  return record->frame;
+  return record && record->frame && record->fingerprint == fingerprint_ && record->holds(out_);
 }
 
 std::string ResultFolder::own_options() const {
@@ -187,13 +189,13 @@ std::optional<RunReport> ResultFolder::finished_report(Progress& progress) const
   const std::optional<RunReport> read = read_run_report(out_ / "report.json");
   if (!read || !fs::exists(out_ / "dvi.toml") || read_file(out_ / "dvi.toml") != own_options() || !read_job(out_))
     return std::nullopt;
-  const RunReport& report = *read;
-  std::vector<char> finished(report.frames.size());
-  parallel_for(finished.size(), [&](std::size_t i) { finished[i] = finished_frame(report.frames[i].name) ? 1 : 0; });
+  const std::vector<std::string> names = read->frame_names();
+  std::vector<char> finished(names.size());
+  parallel_for(finished.size(), [&](std::size_t i) { finished[i] = is_finished(names[i]) ? 1 : 0; });
   if (std::count(finished.begin(), finished.end(), 0) > 0) return std::nullopt;
   progress.note("every frame is finished already: nothing to do");
   if (!is_report_whole(out_)) write_report(out_, {}, progress);
-  return report;
+  return read;
 }
 
 void ResultFolder::claim() {
@@ -247,7 +249,7 @@ std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progre
   for (std::size_t i = 0; i < count; ++i) names_.push_back(frame_name(views, i));
   std::vector<char> finished(count), stale(count);
   parallel_for(count, [&](std::size_t i) {
-    finished[i] = finished_frame(names_[i]) ? 1 : 0;
+    finished[i] = is_finished(names_[i]) ? 1 : 0;
     stale[i] = finished[i] == 0 && fs::exists(record(names_[i])) ? 1 : 0;
   });
   std::vector<std::size_t> missing;
@@ -276,7 +278,8 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::writer(const V
       const std::vector<std::string> masks = source_masks->keep(finished.frame.provenance);
       files.insert(files.end(), masks.begin(), masks.end());
       write_record(record(frame.name),
-                   {fingerprint_, record_files(out_, files), frame_report(frame, finished, cameras.views[view])});
+                   {fingerprint_, record_files(out_, files),
+                    std::make_shared<const nlohmann::json>(frame_json(frame, finished, cameras.views[view]))});
       record_report_frame(out_, frame.name, view, fingerprint_);
     });
     if (hand_on) hand_on(view, finished.frame);
@@ -311,26 +314,32 @@ void ResultFolder::remove_map() const {
   if (fs::is_empty(out_ / "map")) fs::remove(out_ / "map");
 }
 
-RunReport ResultFolder::report(const RunResults& results, const Progress& progress) const {
-  RunReport report;
-  report.version = kVersion;
-  report.method = to_string(job_.method);
-  report.baseline = job::is_baseline(job_.method);
-  report.drives = drive_reports(drives_, results.poses, results.cameras);
+RunReport ResultFolder::report(const RunResults& results, const metrics::Artifacts& artifacts, const Progress& progress) const {
+  nlohmann::json frames = nlohmann::json::array();
+  HoleReport hole;
   for (const std::string& name : names_) {
     const std::optional<Record> record = read_record(this->record(name));
     if (!record || !record->frame)
       throw InputError(this->record(name), "was changed by another program during the run", "run again");
-    report.frames.push_back(*record->frame);
-    report.hole += record->frame->hole;
+    frames.push_back(*record->frame);
+    hole += record->frame->at("hole").get<HoleReport>();
   }
-  report.stationary =
+  const std::optional<objects::StationaryObjects> stationary =
       objects::count_stationary(inputs::evidence_of(drives_.front(), results.poses.front().world_from_lidar), job_.removal());
-  if (results.map != nullptr) report.map = map_report(*results.map);
-  report.cost = cost_report(progress, results.cpu, made_);
-  if (planned_) report.cost += kept_costs(out_, fingerprint_);
-  report.warnings = progress.warnings();
-  return report;
+  CostReport cost = cost_report(progress, results.cpu, made_);
+  if (planned_) cost += kept_costs(out_, fingerprint_);
+  return RunReport({{"schema", RunReport::kSchema},
+                    {"version", kVersion},
+                    {"method", to_string(job_.method)},
+                    {"baseline", job::is_baseline(job_.method)},
+                    {"drives", drives_json(drives_, results.poses, results.cameras)},
+                    {"hole", hole},
+                    {"artifacts", artifacts},
+                    {"stationary", stationary},
+                    {"map", results.map != nullptr ? map_json(*results.map) : nlohmann::json()},
+                    {"cost", cost},
+                    {"warnings", progress.warnings()},
+                    {"frames", frames}});
 }
 
 RunReport ResultFolder::complete(const RunResults& results, Progress& progress) {
@@ -341,7 +350,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   if (results.map != nullptr) {
     write_map_files(out_ / "map", *results.map, results.views, target,
                     tracks_of(results.objects, results.views, results.poses.front().world_from_lidar));
-    write_file(out_ / "map/map.json", json_text(map_report(*results.map)) + "\n");
+    write_file(out_ / "map/map.json", json_text(map_json(*results.map)) + "\n");
   } else {
     remove_map();  // left by another method, as the stages
     remove_stages(out_);
@@ -350,21 +359,20 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   const metrics::Artifacts artifacts = metrics::count_artifacts(out_, names_, progress.parts()("artifacts", names_.size()));
   progress.end();
   write_file(out_ / "dvi.toml", own_options());
-  RunReport finished;
+  std::optional<RunReport> finished;
   progress.begin("report", names_.size());
   write_report(
       job_, names_, fingerprint_,
       [&] {
         progress.end();
-        finished = report(results, progress);
-        finished.artifacts = artifacts;
-        const std::string text = to_json(finished);
+        finished = report(results, artifacts, progress);
+        const std::string text = to_json(*finished);
         write_file(out_ / "report.json", text + "\n");
         return text;
       },
       progress.tick());
-  write_record(result_record(), {fingerprint_, record_files(out_, files_beside_frames(out_)), std::nullopt});
-  return finished;
+  write_record(result_record(), {fingerprint_, record_files(out_, files_beside_frames(out_)), nullptr});
+  return *finished;
 }
 
 }  // namespace dvi::result

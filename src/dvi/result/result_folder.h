@@ -8,6 +8,8 @@
 #include "dvi/core/files.h"
 #include "dvi/core/folder_lock.h"
 #include "dvi/inputs/make_views.h"
+#include "dvi/metrics/artifacts.h"
+#include "dvi/result/filled_view.h"
 #include "dvi/result/run_report.h"
 #include "dvi/result/stage_cache.h"
 
@@ -90,12 +92,12 @@ class ResultFolder {
   fs::path result_record() const { return out_ / ".dvi/result.json"; }
   void refuse_other_drives() const;
   std::string own_options() const;  ///< what dvi.toml says
-  std::optional<FrameReport> finished_frame(const std::string& name) const;
+  bool is_finished(const std::string& name) const;
   std::string frame_name(const Views& views, std::size_t view) const;
   void remove_other_frames() const;
   void remove_other_source_masks() const;
   void remove_map() const;
-  RunReport report(const RunResults& results, const Progress& progress) const;
+  RunReport report(const RunResults& results, const metrics::Artifacts& artifacts, const Progress& progress) const;
 
   const job::Job& job_;
   const inputs::Recordings& drives_;

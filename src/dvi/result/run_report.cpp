@@ -1,50 +1,19 @@
 #include "dvi/result/run_report.h"
 
 #include <algorithm>
-#include <numbers>
+#include <array>
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/json_text.h"
+#include "dvi/harmonize/filled_frame.h"
+#include "dvi/result/stage_json.h"
 
 namespace dvi::result {
-namespace {
 
-std::array<double, 3> in_degrees(const Eigen::Vector3d& rotation) {
-  constexpr double kDegrees = 180 / std::numbers::pi;
-  return {rotation.x() * kDegrees, rotation.y() * kDegrees, rotation.z() * kDegrees};
-}
-
-/// Of a source drive that its scans put where it is.
-std::optional<RegistrationReport> registration_report(const Drive& drive, const inputs::DrivePoses& poses) {
-  if (!poses.placed) return std::nullopt;
-  const registration::PlacementFigures& placed = *poses.placed;
-  RegistrationReport out{.overlap = placed.overlap,
-                         .residual_m = placed.residual_m,
-                         .bound_m = placed.bound_m,
-                         .bound_deg = placed.bound_deg,
-                         .things = placed.things,
-                         .things_agree = placed.things_agree,
-                         .passed_share = placed.passed_share,
-                         .rival = placed.rival};
-  const Trajectory& trajectory = poses.world_from_lidar;
-  const SE3 first = trajectory.at(drive.scan_headers.front().time_ns).value_or(trajectory.poses().front().world_from_body);
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) out.target_from_source[row][column] = first.R(row, column);
-    out.target_from_source[row][3] = first.t[row];
-  }
-  return out;
-}
-
-}  // namespace
-
-HoleParts HoleReport::share() const {
-  const auto part = [this](std::size_t count) {
-    return pixels > 0 ? static_cast<double>(count) / static_cast<double>(pixels) : 0.0;
-  };
-  HoleParts out{part(copied), part(copied_elsewhere), part(interpolated), part(synthesized), part(empty), 0};
-  out.unobserved = out.interpolated + out.synthesized + out.empty;
-  return out;
-}
+using nlohmann::json;
 
 HoleReport& HoleReport::operator+=(const HoleReport& other) {
   pixels += other.pixels;
@@ -56,57 +25,33 @@ HoleReport& HoleReport::operator+=(const HoleReport& other) {
   return *this;
 }
 
-FrameReport frame_report(const Frame& frame, const FilledView& view, const align::ViewAlignment& alignment) {
-  std::array<std::size_t, 6> count{};
-  for (const uchar kind : view.frame.kind) ++count[std::min<std::size_t>(kind, 5)];
-  const auto of = [&](harmonize::Kind kind) { return count[static_cast<std::size_t>(kind)]; };
-  const cv::Vec3f& gain = view.frame.gain;
-  return {.number = frame.number,
-          .name = frame.name,
-          .hole = {.pixels = view.frame.kind.total() - of(harmonize::Kind::original),
-                   .copied = of(harmonize::Kind::copied),
-                   .copied_elsewhere = of(harmonize::Kind::copied_elsewhere),
-                   .interpolated = of(harmonize::Kind::interpolated),
-                   .synthesized = of(harmonize::Kind::synthesized),
-                   .empty = of(harmonize::Kind::empty)},
-          .energy = view.energy,
-          .alignment = {in_degrees(alignment.rotation),
-                        {alignment.position.x(), alignment.position.y(), alignment.position.z()},
-                        alignment.offset_before_px,
-                        alignment.offset_after_px,
-                        alignment.points},
-          .exposure_gain = {gain[2], gain[1], gain[0]}};
+void to_json(json& j, const HoleReport& hole) {
+  const std::array counts{std::pair{"copied", hole.copied}, std::pair{"copied_elsewhere", hole.copied_elsewhere},
+                          std::pair{"interpolated", hole.interpolated}, std::pair{"synthesized", hole.synthesized},
+                          std::pair{"empty", hole.empty}};
+  json share = {{"unobserved", hole.share(hole.unobserved())}};
+  j = {{"pixels", hole.pixels}};
+  for (const auto& [key, count] : counts) {
+    j[key] = count;
+    share[key] = hole.share(count);
+  }
+  j["share"] = share;
+}
+void from_json(const json& j, HoleReport& hole) {
+  hole = {j.at("pixels"), j.at("copied"), j.at("copied_elsewhere"), j.at("interpolated"), j.at("synthesized"), j.at("empty")};
 }
 
-MapReport map_report(const map::StaticMap& map) { return {map.points.size(), map.counts}; }
-
-std::vector<DriveReport> drive_reports(const inputs::Recordings& drives, const inputs::Poses& poses,
-                                       const align::Cameras& cameras) {
-  const auto alignment = [&](std::size_t sequence) -> std::optional<DriveAlignmentReport> {
-    if (sequence >= cameras.sequences.size()) return std::nullopt;
-    const align::SequenceAlignment& found = cameras.sequences[sequence];
-    return DriveAlignmentReport{found.kept, in_degrees(found.mounting)};
-  };
-  std::vector<DriveReport> reports;
-  for (std::size_t i = 0; i < drives.size(); ++i) {
-    const Drive& drive = drives[i].drive;
-    if (drives[i].rig_of)
-      reports[*drives[i].rig_of].other_cameras.push_back({drive.camera_name, inputs::mask_source(drives[i]), drives[i].gray,
-                                                          drive.frames.size(), alignment(i), drive.warnings});
-    else
-      reports.push_back({.path = fs::absolute(drive.path).lexically_normal().string(),
-                         .format = drive.format,
-                         .camera = drive.camera_name,
-                         .frames = drive.frames.size(),
-                         .scans = drive.scan_headers.size(),
-                         .poses = inputs::poses_report(drive, poses[i].choice),
-                         .place = find_place(poses[i].world_from_lidar, drive.fixes),
-                         .registration = registration_report(drive, poses[i]),
-                         .alignment = alignment(i),
-                         .warnings = drive.warnings,
-                         .other_cameras = {}});
-  }
-  return reports;
+HoleReport count_hole(const cv::Mat1b& kind) {
+  using harmonize::Kind;
+  std::array<std::size_t, 6> count{};
+  for (const uchar k : kind) ++count[std::min<std::size_t>(k, count.size() - 1)];
+  const auto of = [&](Kind k) { return count[static_cast<std::size_t>(k)]; };
+  return {kind.total() - of(Kind::original),
+          of(Kind::copied),
+          of(Kind::copied_elsewhere),
+          of(Kind::interpolated),
+          of(Kind::synthesized),
+          of(Kind::empty)};
 }
 
 CostReport cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames_made) {
@@ -129,44 +74,101 @@ CostReport& CostReport::operator+=(const CostReport& other) {
   return *this;
 }
 
+void to_json(json& j, const CostReport& cost) {
+  const double n = static_cast<double>(std::max<std::size_t>(cost.frames_made, 1));
+  json fill = json::object();
+  for (const auto& [stage, seconds] : cost.fill_cpu_seconds)
+    fill[stage] = {{"cpu_seconds", seconds}, {"cpu_seconds_per_frame", seconds / n}};
+  j = {{"stages", stages_json(cost.stages, "frame", cost.frames_made)},
+       {"fill", fill},
+       {"frames_made", cost.frames_made},
+       {"peak_memory_bytes", cost.peak_memory_bytes}};
+}
+void from_json(const json& j, CostReport& cost) {
+  for (const json& stage : j.at("stages"))
+    cost.stages.push_back({stage.at("stage"), stage.at("seconds"), stage.at("cpu_seconds")});
+  for (const auto& [stage, seconds] : j.at("fill").items()) cost.fill_cpu_seconds[stage] = seconds.at("cpu_seconds");
+  j.at("frames_made").get_to(cost.frames_made);
+  j.at("peak_memory_bytes").get_to(cost.peak_memory_bytes);
+}
+
 namespace {
 
 // ", 12.0 % unobserved (9.0 % synthesized, 3.0 % interpolated)".
-std::string unobserved_text(const HoleParts& share) {
+std::string describe_unobserved(const HoleReport& hole) {
   std::string how;
-  for (const auto& [part, name] : {std::pair(share.synthesized, "synthesized"), std::pair(share.interpolated, "interpolated"),
-                                   std::pair(share.empty, "left black")})
-    if (part > 0) how += fmt::format("{}{:.1f} % {}", how.empty() ? "" : ", ", 100 * part, name);
-  return fmt::format(", {:.1f} % unobserved", 100 * share.unobserved) + (how.empty() ? "" : " (" + how + ")");
+  for (const auto& [count, name] : {std::pair(hole.synthesized, "synthesized"), std::pair(hole.interpolated, "interpolated"),
+                                    std::pair(hole.empty, "left black")})
+    if (count > 0) how += fmt::format("{}{:.1f} % {}", how.empty() ? "" : ", ", 100 * hole.share(count), name);
+  return fmt::format(", {:.1f} % unobserved", 100 * hole.share(hole.unobserved())) + (how.empty() ? "" : " (" + how + ")");
+}
+
+// Where most of the hole are objects that need not be removed.
+std::string describe_stationary(const json& stationary, const HoleReport& hole) {
+  if (stationary.is_null()) return {};
+  const double share = hole.share(stationary.at("pixels").get<std::size_t>());
+  if (share <= 0.5) return {};
+  return fmt::format("\n{} of {} removed tracks are stationary; they are {:.0f} % of the hole; --remove moving would keep them",
+                     stationary.at("stationary").get<std::size_t>(), stationary.at("tracks").get<std::size_t>(), 100 * share);
+}
+
+std::string describe_registration(const json& drive) {
+  const json& placed = drive.at("registration");
+  if (placed.is_null()) return {};
+  return fmt::format("\n{}: {:.0f} % of its scans overlap; placed to {:.1f} cm and {:.2f} degrees (95 %)",
+                     fs::path(drive.at("path").get<std::string>()).filename().string(),
+                     100 * placed.at("overlap").get<double>(), 100 * placed.at("bound_m").get<double>(),
+                     placed.at("bound_deg").get<double>());
+}
+
+std::string describe_cost(const json& cost) {
+  double cpu = 0;
+  for (const json& stage : cost.at("stages")) cpu += stage.at("cpu_seconds").get<double>();
+  const auto frames = std::max<std::size_t>(1, cost.at("frames_made").get<std::size_t>());
+  return fmt::format("\n{:.1f} CPU s per frame, peak memory {:.0f} MB", cpu / static_cast<double>(frames),
+                     cost.at("peak_memory_bytes").get<double>() / 1e6);
 }
 
 }  // namespace
 
+RunReport::RunReport(json document) : document_(std::make_shared<const json>(std::move(document))) {}
+
+std::vector<std::string> RunReport::frame_names() const {
+  std::vector<std::string> names;
+  for (const json& frame : document().at("frames")) names.push_back(frame.at("name"));
+  return names;
+}
+
 std::string RunReport::brief(const std::string& out) const {
-  const HoleParts share = hole.share();
-  std::string text = fmt::format("{} frames, {} hole pixels: {:.1f} % copied", frames.size(), hole.pixels, 100 * share.copied);
-  if (share.copied_elsewhere > 0) text += fmt::format(", {:.1f} % from other cameras or drives", 100 * share.copied_elsewhere);
-  text += unobserved_text(share);
-  const auto part = [&] { return static_cast<double>(stationary->pixels) / static_cast<double>(hole.pixels); };
-  if (stationary && hole.pixels > 0 && part() > 0.5)
-    text += fmt::format("\n{} of {} removed tracks stand; they are {:.0f} % of the hole; --remove moving would keep them",
-                        stationary->stationary, stationary->tracks, 100 * part());
-  for (const DriveReport& drive : drives)
-    if (const std::optional<RegistrationReport>& placed = drive.registration)
-      text += fmt::format("\n{}: {:.0f} % of its scans overlap; placed to {:.1f} cm and {:.2f} degrees (95 %)",
-                          fs::path(drive.path).filename().string(), 100 * placed->overlap, 100 * placed->bound_m,
-                          placed->bound_deg);
-  double cpu = 0;
-  for (const StageTime& stage : cost.stages) cpu += stage.cpu_seconds;
-  text += fmt::format("\n{:.1f} CPU s a frame, peak memory {:.0f} MB",
-                      cpu / static_cast<double>(std::max<std::size_t>(1, cost.frames_made)),
-                      static_cast<double>(cost.peak_memory_bytes) / 1e6);
-  return text + fmt::format(
-                    "\n  {0}/report.html  what was removed and how well it went: open it in a browser\n"
-                    "  {0}/frames       the drive without its traffic\n  {0}/video.mp4    as a video\n"
-                    "  {0}/compare.mp4  input above result\n  {0}/contact.png  some frames on one sheet\n"
-                    "  {0}/report.json  all figures",
-                    out);
+  const auto hole = document().at("hole").get<HoleReport>();
+  std::string text = fmt::format("{} frames, {} hole pixels: {:.1f} % copied", document().at("frames").size(), hole.pixels,
+                                 100 * hole.share(hole.copied));
+  if (hole.copied_elsewhere > 0)
+    text += fmt::format(", {:.1f} % from other cameras or drives", 100 * hole.share(hole.copied_elsewhere));
+  text += describe_unobserved(hole) + describe_stationary(document().at("stationary"), hole);
+  for (const json& drive : document().at("drives")) text += describe_registration(drive);
+  return text + describe_cost(document().at("cost")) +
+         fmt::format(
+             "\n  {0}/report.html  what was removed and how well it went: open it in a browser\n"
+             "  {0}/frames       the drive without its traffic\n  {0}/video.mp4    as a video\n"
+             "  {0}/compare.mp4  input above result\n  {0}/contact.png  some frames on one sheet\n"
+             "  {0}/report.json  all figures",
+             out);
+}
+
+std::string to_json(const RunReport& report) { return json_text(report.document()); }
+
+std::optional<RunReport> read_run_report(const fs::path& file) {
+  if (!fs::is_regular_file(file)) return std::nullopt;
+  try {
+    RunReport report(json::parse(read_file(file)));
+    if (report.document().at("schema") != RunReport::kSchema) return std::nullopt;
+    report.frame_names();
+    report.brief("");  // fails where a figure is missing
+    return report;
+  } catch (const json::exception&) {  // answered: truncated by a crash, or changed by hand
+    return std::nullopt;
+  }
 }
 
 }  // namespace dvi::result

@@ -75,7 +75,7 @@ void StageCache::save(const std::string& name, std::size_t warned, const std::fu
   out << warnings;
   write(out);
   out.finish();
-  write_record(record_of(out_, name), {fingerprint_, record_files(out_, {file_of(name)}), std::nullopt});
+  write_record(record_of(out_, name), {fingerprint_, record_files(out_, {file_of(name)}), nullptr});
 }
 
 }  // namespace dvi::result

@@ -70,7 +70,7 @@ TEST_F(Cached, OfAnotherSchemaIsMadeAgain) {
     out << std::vector<std::string>() << 7;
     out.finish();
   }
-  write_record(record, {"inputs", record_files(folder.path, {".dvi/stages/map.bin"}), std::nullopt});
+  write_record(record, {"inputs", record_files(folder.path, {".dvi/stages/map.bin"}), nullptr});
   EXPECT_EQ(call(2), 2);
 }
 

@@ -14,7 +14,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/report/report.h"
 #include "dvi/result/records.h"
-#include "dvi/result/report_json.h"
+#include "dvi/result/run_report.h"
 
 namespace dvi::result {
 namespace {
@@ -64,10 +64,10 @@ json run_of(const fs::path& out, std::vector<std::string>& problems) {
   json frames = json::array();
   for (const fs::path& file : list_files(out / ".dvi/frames", {".json"}))
     if (const std::optional<Record> record = read_record(file); record && record->frame) {
-      frames.push_back(json_of(*record->frame));
-      hole += record->frame->hole;
+      frames.push_back(*record->frame);
+      hole += record->frame->at("hole").get<HoleReport>();
     }
-  return {{"frames", frames}, {"hole", json_of(hole)}};
+  return {{"frames", frames}, {"hole", hole}};
 }
 
 std::vector<std::string> names_of(const json& run) {
@@ -94,7 +94,7 @@ void record_report(const fs::path& out) {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(out / "report"))
     if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), out).string());
   std::sort(files.begin(), files.end());
-  write_record(report_record(out), {"", record_files(out, files), std::nullopt});
+  write_record(report_record(out), {"", record_files(out, files), nullptr});
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ bool is_report_whole(const fs::path& out) {
 }
 
 void record_report_frame(const fs::path& out, const std::string& name, std::size_t number, const std::string& fingerprint) {
-  write_record(frame_record(out, name), {fingerprint, record_files(out, report::frame_files(out, number)), std::nullopt});
+  write_record(frame_record(out, name), {fingerprint, record_files(out, report::frame_files(out, number)), nullptr});
 }
 
 void write_report(const job::Job& job, const std::vector<std::string>& names, const std::string& fingerprint,

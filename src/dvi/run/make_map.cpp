@@ -10,10 +10,9 @@
 #include "dvi/core/json_text.h"
 #include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/make_views.h"
-#include "dvi/inputs/reports_json.h"  // IWYU pragma: keep
 #include "dvi/result/map_files.h"
-#include "dvi/result/report_json.h"  // IWYU pragma: keep
 #include "dvi/result/result_folder.h"
+#include "dvi/result/stage_json.h"
 
 namespace dvi::run {
 namespace {
@@ -113,8 +112,8 @@ std::string make_map(const job::Job& job, const std::string& trajectory, Progres
   if (trajectory != "none")
     result::write_trajectory(out / "trajectory.txt", target, poses.front().world_from_lidar, trajectory == "tum");
   progress.end();
-  nlohmann::json report = result::map_report(map);
-  report["poses"] = inputs::poses_report(target, poses.front().choice);
+  nlohmann::json report = result::map_json(map);
+  report["poses"] = result::poses_json(target, poses.front().choice);
   report["cost"] = {{"stages", result::stages_json(progress.times(), "scan", map.scans.size())},
                     {"peak_memory_bytes", peak_memory()}};
   write_file(out / "map.json", json_text(report) + "\n");
