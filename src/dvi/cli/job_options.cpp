@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "dvi/core/error.h"
-#include "dvi/result/plan_record.h"
+#include "dvi/result/plan_manifest.h"
 
 namespace dvi::cli {
 namespace {
@@ -108,7 +108,7 @@ job::Job RunArguments::job(const std::string& command) {
 }
 
 job::Job planned_job(const std::string& out) {
-  result::read_plan_record(out);
+  result::read_plan(out);
   JobOptions options;
   options.config = (fs::path(out) / "dvi.toml").string();
   return options.job(fs::absolute(out).lexically_normal().string(), "", {});

@@ -21,9 +21,9 @@
 #include "dvi/report/report.h"
 #include "dvi/result/fingerprints.h"
 #include "dvi/result/frame_files.h"
+#include "dvi/result/manifest.h"
 #include "dvi/result/map_files.h"
-#include "dvi/result/plan_record.h"
-#include "dvi/result/records.h"
+#include "dvi/result/plan_manifest.h"
 #include "dvi/result/result_media.h"
 #include "dvi/result/source_masks.h"
 #include "dvi/result/stage_json.h"
@@ -32,16 +32,7 @@
 namespace dvi::result {
 namespace {
 
-constexpr const char* kResultSchema = "dvi-result/1";
-
 fs::path job_file(const fs::path& out) { return out / ".dvi/job.json"; }
-
-// What job.json says; nothing where it is missing or damaged.
-std::optional<nlohmann::json> read_job(const fs::path& out) {
-  if (!fs::exists(job_file(out))) return std::nullopt;
-  const nlohmann::json job = nlohmann::json::parse(read_file(job_file(out)), nullptr, false);
-  return job.is_object() ? std::optional(job) : std::nullopt;
-}
 
 // One camera on one drive, as dvi.toml of the plain layout describes it.
 nlohmann::json camera_json(const Drive& drive) {
@@ -126,12 +117,12 @@ const std::vector<std::string>& picture_folders() {
 }
 
 std::string kept_in(const fs::path& out) {
-  const std::vector<fs::path> records = list_files(out / ".dvi/frames", {".json"});
-  const auto finished = std::count_if(records.begin(), records.end(), [](const fs::path& file) {
-    const std::optional<Record> record = read_record(file);
-    return record && record->frame;
+  const std::vector<fs::path> manifests = list_files(out / ".dvi/frames", {".json"});
+  const auto finished = std::count_if(manifests.begin(), manifests.end(), [](const fs::path& file) {
+    const std::optional<Manifest> manifest = read_manifest(file);
+    return manifest && manifest->content;
   });
-  std::vector<std::string> kept = recorded_stages(out);
+  std::vector<std::string> kept = cached_stages(out);
   if (finished > 0) kept.push_back(fmt::format("{} finished frames", finished));
   if (kept.empty()) return "nothing was finished, the same command starts again";
   return fmt::format("{} are kept: the same command goes on from there", fmt::join(kept, ", "));
@@ -166,15 +157,15 @@ ResultFolder::~ResultFolder() {
 }
 
 void ResultFolder::refuse_other_drives() const {
-  const std::optional<nlohmann::json> old = read_job(out_);
-  if (job_.force || !old) return;  // cut by a crash: the frames' records tell what they are of
-  if (old->value("schema", "") != kResultSchema || old->value("identity", "") != hash_of(identity_))
+  if (job_.force || !fs::exists(job_file(out_))) return;
+  const std::optional<Manifest> old = read_manifest(job_file(out_));
+  if (old ? old->fingerprint != hash_of(identity_) : nlohmann::json::accept(read_file(job_file(out_))))
     throw InputError(out_, "is the result of another drive", "choose another folder, or --force to replace it");
 }
 
 bool ResultFolder::is_finished(const std::string& name) const {
-  const std::optional<Record> record = read_record(this->record(name));
-  return record && record->frame && record->fingerprint == fingerprint_ && record->holds(out_);
+  const std::optional<Manifest> manifest = read_manifest(frame_manifest(name));
+  return manifest && manifest->content && manifest->fingerprint == fingerprint_ && manifest->holds(out_);
 }
 
 std::string ResultFolder::own_options() const {
@@ -184,10 +175,11 @@ std::string ResultFolder::own_options() const {
 }
 
 std::optional<RunReport> ResultFolder::finished_report(Progress& progress) const {
-  const std::optional<Record> result = read_record(result_record());
+  const std::optional<Manifest> result = read_manifest(result_manifest());
   if (!result || result->fingerprint != fingerprint_ || !result->holds(out_)) return std::nullopt;
   const std::optional<RunReport> read = read_run_report(out_ / "report.json");
-  if (!read || !fs::exists(out_ / "dvi.toml") || read_file(out_ / "dvi.toml") != own_options() || !read_job(out_))
+  if (!read || !fs::exists(out_ / "dvi.toml") || read_file(out_ / "dvi.toml") != own_options() ||
+      !read_manifest(job_file(out_)))
     return std::nullopt;
   const std::vector<std::string> names = read->frame_names();
   std::vector<char> finished(names.size());
@@ -208,8 +200,7 @@ void ResultFolder::claim() {
     make_folder(folder);
     remove_temporaries(folder);
   }
-  const nlohmann::json job{{"schema", kResultSchema}, {"drives", identity_}, {"identity", hash_of(identity_)}};
-  write_file(job_file(out_), json_text(job) + "\n");
+  write_manifest(job_file(out_), hash_of(identity_), {{"drives", identity_}});
 }
 
 void ResultFolder::join() {
@@ -231,7 +222,7 @@ StageCache ResultFolder::stage_cache(Progress& progress, StageCache::Missing mis
 void ResultFolder::write_plan(const Progress& progress) const {
   write_file(out_ / "dvi.toml", own_options());
   keep_cost(out_, "plan", fingerprint_, cost_report(progress, CpuClock(), 0));
-  write_plan_record(out_, {kVersion, program_fingerprint(), listing_of(drives_), content_, fingerprint_});
+  result::write_plan(out_, {kVersion, program_fingerprint(), listing_of(drives_), content_, fingerprint_});
 }
 
 void ResultFolder::keep_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu, const Progress& progress) const {
@@ -250,7 +241,7 @@ std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progre
   std::vector<char> finished(count), stale(count);
   parallel_for(count, [&](std::size_t i) {
     finished[i] = is_finished(names_[i]) ? 1 : 0;
-    stale[i] = finished[i] == 0 && fs::exists(record(names_[i])) ? 1 : 0;
+    stale[i] = finished[i] == 0 && fs::exists(frame_manifest(names_[i])) ? 1 : 0;
   });
   std::vector<std::size_t> missing;
   for (std::size_t i = 0; i < count; ++i)
@@ -259,7 +250,7 @@ std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progre
     progress.note(fmt::format("{} of {} frames in {} are of other options or inputs, or damaged: they are made again", again,
                               count, out_.string()));
   if (!missing.empty())
-    for (const fs::path& mark : {result_record(), out_ / "report.json", out_ / "report.html"}) fs::remove(mark);
+    for (const fs::path& mark : {result_manifest(), out_ / "report.json", out_ / "report.html"}) fs::remove(mark);
   made_ = missing.size();
   return missing;
 }
@@ -271,16 +262,16 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::writer(const V
   return [&, this, source_masks, hand_on](std::size_t view, const FilledView& finished) {
     const Frame& frame = drives_.front().drive.frames[views[view].frame];
     cpu.time("write", [&] {
-      std::ofstream begun(record(frame.name));  // empty: the pictures are dvi's, and not finished
+      std::ofstream begun(frame_manifest(frame.name));  // empty: the pictures are dvi's, and not finished
       begun.close();
       write_pictures(out_, frame.name, finished.frame, views, view);
       std::vector<std::string> files = pictures_of(frame.name);
       const std::vector<std::string> masks = source_masks->keep(finished.frame.provenance);
       files.insert(files.end(), masks.begin(), masks.end());
-      write_record(record(frame.name),
-                   {fingerprint_, record_files(out_, files),
-                    std::make_shared<const nlohmann::json>(frame_json(frame, finished, cameras.views[view]))});
-      record_report_frame(out_, frame.name, view, fingerprint_);
+      write_manifest(frame_manifest(frame.name),
+                     {fingerprint_, list_contents(out_, files),
+                      std::make_shared<const nlohmann::json>(frame_json(frame, finished, cameras.views[view]))});
+      list_report_frame(out_, frame.name, view, fingerprint_);
     });
     if (hand_on) hand_on(view, finished.frame);
     progress.advance();
@@ -289,20 +280,20 @@ std::function<void(std::size_t, const FilledView&)> ResultFolder::writer(const V
 
 void ResultFolder::remove_other_frames() const {
   const std::set<std::string> own(names_.begin(), names_.end());
-  for (const fs::path& record : list_files(out_ / ".dvi/frames", {".json"})) {
-    const std::string name = record.stem().string();
+  for (const fs::path& manifest : list_files(out_ / ".dvi/frames", {".json"})) {
+    const std::string name = manifest.stem().string();
     if (own.contains(name)) continue;
     for (const std::string& picture : pictures_of(name))
       if (const fs::path file = out_ / picture; !fs::is_symlink(file.parent_path())) fs::remove(file);
-    fs::remove(record);
+    fs::remove(manifest);
   }
 }
 
 void ResultFolder::remove_other_source_masks() const {
   std::set<std::string> own;
   for (const std::string& name : names_)
-    if (const std::optional<Record> record = read_record(this->record(name)))
-      for (const FileRecord& file : record->files) own.insert(file.file);
+    if (const std::optional<Manifest> manifest = read_manifest(frame_manifest(name)))
+      for (const ListedFile& file : manifest->files) own.insert(file.file);
   for (const fs::path& mask : list_files(out_ / ".dvi/masks", {".png"}))
     if (!own.contains(".dvi/masks/" + mask.filename().string())) fs::remove(mask);
 }
@@ -318,11 +309,11 @@ RunReport ResultFolder::report(const RunResults& results, const metrics::Artifac
   nlohmann::json frames = nlohmann::json::array();
   HoleReport hole;
   for (const std::string& name : names_) {
-    const std::optional<Record> record = read_record(this->record(name));
-    if (!record || !record->frame)
-      throw InputError(this->record(name), "was changed by another program during the run", "run again");
-    frames.push_back(*record->frame);
-    hole += record->frame->at("hole").get<HoleReport>();
+    const std::optional<Manifest> manifest = read_manifest(frame_manifest(name));
+    if (!manifest || !manifest->content)
+      throw InputError(frame_manifest(name), "was changed by another program during the run", "run again");
+    frames.push_back(*manifest->content);
+    hole += manifest->content->at("hole").get<HoleReport>();
   }
   const std::optional<objects::StationaryObjects> stationary =
       objects::count_stationary(inputs::evidence_of(drives_.front(), results.poses.front().world_from_lidar), job_.removal());
@@ -371,7 +362,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
         return text;
       },
       progress.tick());
-  write_record(result_record(), {fingerprint_, record_files(out_, files_beside_frames(out_)), nullptr});
+  write_manifest(result_manifest(), {fingerprint_, list_contents(out_, files_beside_frames(out_))});
   return *finished;
 }
 

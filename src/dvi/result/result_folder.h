@@ -36,11 +36,12 @@ using FinishedFrame = std::function<void(std::size_t number, const harmonize::Fi
 
 /// The output folder of a run: which frames in it are finished, and how a frame is written.
 ///
-/// OUT/.dvi/job.json says which drives the folder is of. OUT/.dvi/frames/NAME.json is written after a frame's pictures, and
-/// OUT/.dvi/result.json after everything else: each says what its files were made from, their sizes and hashes. What is
-/// missing, damaged, or made from other options or inputs is made again. OUT/.dvi/masks is what source_masks.h keeps. A folder
-/// of other drives, or of anything else, is refused unless forced; one that is, holds or lies in an input always. Only files
-/// that a frame's record names are deleted.
+/// What is finished in it is listed by manifests (manifest.h), each written after the files that it lists: OUT/.dvi/job.json has
+/// the drives that the folder belongs to, .dvi/plan.json the plan, .dvi/stages/NAME.json a cached stage, .dvi/frames/NAME.json
+/// the images of a frame, .dvi/costs/NAME.json the cost of a part, .dvi/report.json the report, and .dvi/result.json all else.
+/// What is missing, damaged, or made from other options or inputs is made again. OUT/.dvi/masks is what source_masks.h keeps. A
+/// folder of other drives, or of anything else, is refused unless forced; one that is, holds, or lies in an input always. Only
+/// files that the manifest of a frame lists are deleted.
 class ResultFolder {
  public:
   /// InputError where the folder is refused. Looks only. `content`: content_of() the drives, where it is known already.
@@ -78,7 +79,7 @@ class ResultFolder {
   /// The names of the target's frames, known from missing_frames() on.
   const std::vector<std::string>& frame_names() const { return names_; }
 
-  /// Writes everything of a frame, its record last, and hands it on. Safe to call from several threads.
+  /// Writes everything of a frame, its manifest last, and hands it on. Safe to call from several threads.
   std::function<void(std::size_t view, const FilledView& finished)> writer(const Views& views, const align::Cameras& cameras,
                                                                            CpuClock& cpu, Progress& progress,
                                                                            const FinishedFrame& hand_on = {}) const;
@@ -88,8 +89,8 @@ class ResultFolder {
   RunReport complete(const RunResults& results, Progress& progress);
 
  private:
-  fs::path record(const std::string& name) const { return out_ / ".dvi/frames" / (name + ".json"); }
-  fs::path result_record() const { return out_ / ".dvi/result.json"; }
+  fs::path frame_manifest(const std::string& name) const { return out_ / ".dvi/frames" / (name + ".json"); }
+  fs::path result_manifest() const { return out_ / ".dvi/result.json"; }
   void refuse_other_drives() const;
   std::string own_options() const;  ///< what dvi.toml says
   bool is_finished(const std::string& name) const;

@@ -4,7 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "dvi/core/error.h"
-#include "dvi/result/records.h"
+#include "dvi/result/manifest.h"
 
 namespace dvi::result {
 namespace {
@@ -12,23 +12,23 @@ namespace {
 const char* const kFolder = ".dvi/stages";
 
 std::string file_of(const std::string& name) { return fmt::format("{}/{}.bin", kFolder, name); }
-fs::path record_of(const fs::path& out, const std::string& name) { return out / kFolder / (name + ".json"); }
+fs::path manifest_of(const fs::path& out, const std::string& name) { return out / kFolder / (name + ".json"); }
 std::string schema_of(const std::string& name) { return fmt::format("dvi-stage/1 {}", name); }
 
 }  // namespace
 
-std::vector<std::string> recorded_stages(const fs::path& out) {
+std::vector<std::string> cached_stages(const fs::path& out) {
   std::vector<std::string> names;
-  for (const fs::path& record : list_files(out / kFolder, {".json"})) names.push_back(record.stem().string());
-  std::erase_if(names, [&](const std::string& name) { return !read_record(record_of(out, name)); });
+  for (const fs::path& file : list_files(out / kFolder, {".json"})) names.push_back(file.stem().string());
+  std::erase_if(names, [&](const std::string& name) { return !read_manifest(manifest_of(out, name)); });
   return names;
 }
 
 void remove_stages(const fs::path& out) {
   if (fs::is_symlink(out / kFolder)) return;
-  for (const std::string& name : recorded_stages(out)) {
+  for (const std::string& name : cached_stages(out)) {
     fs::remove(out / file_of(name));
-    fs::remove(record_of(out, name));
+    fs::remove(manifest_of(out, name));
   }
 }
 
@@ -38,9 +38,9 @@ StageCache::StageCache(fs::path out, std::string fingerprint, Progress& progress
     make_folder(out_ / kFolder);
     remove_temporaries(out_ / kFolder);
   }
-  for (const std::string& name : recorded_stages(out_)) {
-    const std::optional<Record> record = read_record(record_of(out_, name));
-    if (record && record->fingerprint == fingerprint_ && record->holds(out_)) held_.insert(name);
+  for (const std::string& name : cached_stages(out_)) {
+    const std::optional<Manifest> manifest = read_manifest(manifest_of(out_, name));
+    if (manifest && manifest->fingerprint == fingerprint_ && manifest->holds(out_)) held_.insert(name);
   }
   if (!held_.empty() && missing_ == Missing::made)
     progress_.note(fmt::format("{} of an earlier call are used", fmt::join(held_, ", ")));
@@ -75,7 +75,7 @@ void StageCache::save(const std::string& name, std::size_t warned, const std::fu
   out << warnings;
   write(out);
   out.finish();
-  write_record(record_of(out_, name), {fingerprint_, record_files(out_, {file_of(name)}), nullptr});
+  write_manifest(manifest_of(out_, name), {fingerprint_, list_contents(out_, {file_of(name)})});
 }
 
 }  // namespace dvi::result

@@ -14,7 +14,7 @@ namespace dvi::result {
 /// Results of whole stages, so that no later call computes them again.
 ///
 /// OUT/.dvi/stages/NAME.bin (archive.h) holds a stage's warnings and its result, and says neither where nor when it was
-/// made. NAME.json is its record, written after it. What the record does not confirm is made again.
+/// made. NAME.json is its manifest, written after it. What the manifest does not confirm is made again.
 class StageCache {
  public:
   enum class Missing { made, refused };
@@ -46,8 +46,8 @@ class StageCache {
   const Missing missing_;
 };
 
-/// The stages that records in OUT name, whatever they were made from, by name.
-std::vector<std::string> recorded_stages(const fs::path& out);
+/// The stages that manifests in OUT name, whatever they were made from, by name.
+std::vector<std::string> cached_stages(const fs::path& out);
 
 /// Removes them: a result that is of another method now has no use for them.
 void remove_stages(const fs::path& out);

@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "dvi/result/records.h"
+#include "dvi/result/manifest.h"
 #include "dvi/testing/temp_folder.h"
 
 namespace dvi::result {
@@ -28,7 +28,7 @@ class Cached : public testing::Test {
     return result;
   }
   TempFolder folder;
-  const fs::path bin = folder.path / ".dvi/stages/map.bin", record = folder.path / ".dvi/stages/map.json";
+  const fs::path bin = folder.path / ".dvi/stages/map.bin", manifest = folder.path / ".dvi/stages/map.json";
   std::vector<std::string> warnings_;
 };
 
@@ -37,7 +37,7 @@ TEST_F(Cached, StageIsMadeOnceAndWarnsEachTime) {
     EXPECT_EQ(call(value), 1);
     EXPECT_THAT(warnings_, ElementsAre("before", "few points", "after"));
   }
-  EXPECT_THAT(recorded_stages(folder.path), ElementsAre("map"));
+  EXPECT_THAT(cached_stages(folder.path), ElementsAre("map"));
 }
 
 TEST_F(Cached, OfOtherInputsIsMadeAgain) {
@@ -49,7 +49,7 @@ TEST_F(Cached, OfOtherInputsIsMadeAgain) {
 TEST_F(Cached, DamagedIsMadeAgain) {
   call(1);
   int value = 1;
-  for (const fs::path& file : {bin, record}) {
+  for (const fs::path& file : {bin, manifest}) {
     const std::string bytes = read_file(file);
     for (const std::string& damaged : {bytes.substr(0, bytes.size() / 2), std::string(), std::string(bytes.size(), '\0')}) {
       write_file(file, damaged);
@@ -70,7 +70,7 @@ TEST_F(Cached, OfAnotherSchemaIsMadeAgain) {
     out << std::vector<std::string>() << 7;
     out.finish();
   }
-  write_record(record, {"inputs", record_files(folder.path, {".dvi/stages/map.bin"}), nullptr});
+  write_manifest(manifest, {"inputs", list_contents(folder.path, {".dvi/stages/map.bin"})});
   EXPECT_EQ(call(2), 2);
 }
 

@@ -13,7 +13,7 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/threads.h"
 #include "dvi/report/report.h"
-#include "dvi/result/records.h"
+#include "dvi/result/manifest.h"
 #include "dvi/result/run_report.h"
 
 namespace dvi::result {
@@ -63,9 +63,9 @@ json run_of(const fs::path& out, std::vector<std::string>& problems) {
   HoleReport hole;
   json frames = json::array();
   for (const fs::path& file : list_files(out / ".dvi/frames", {".json"}))
-    if (const std::optional<Record> record = read_record(file); record && record->frame) {
-      frames.push_back(*record->frame);
-      hole += record->frame->at("hole").get<HoleReport>();
+    if (const std::optional<Manifest> manifest = read_manifest(file); manifest && manifest->content) {
+      frames.push_back(*manifest->content);
+      hole += manifest->content->at("hole").get<HoleReport>();
     }
   return {{"frames", frames}, {"hole", hole}};
 }
@@ -84,36 +84,36 @@ void require_writable(const fs::path& out) {
                      "copy it to where it can, for a new report; report.html can be opened where it is");
 }
 
-fs::path frame_record(const fs::path& out, const std::string& name) { return out / ".dvi/report" / (name + ".json"); }
+fs::path frame_manifest(const fs::path& out, const std::string& name) { return out / ".dvi/report" / (name + ".json"); }
 
-fs::path report_record(const fs::path& out) { return out / ".dvi/report.json"; }
+fs::path report_manifest(const fs::path& out) { return out / ".dvi/report.json"; }
 
 /// Notes what the files of the report are, so that damaged ones are found.
-void record_report(const fs::path& out) {
+void list_report(const fs::path& out) {
   std::vector<std::string> files{"report.html"};
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(out / "report"))
     if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), out).string());
   std::sort(files.begin(), files.end());
-  write_record(report_record(out), {"", record_files(out, files), nullptr});
+  write_manifest(report_manifest(out), {"", list_contents(out, files)});
 }
 
 }  // namespace
 
 bool is_report_whole(const fs::path& out) {
-  const std::optional<Record> record = read_record(report_record(out));
-  return record && record->holds(out);
+  const std::optional<Manifest> manifest = read_manifest(report_manifest(out));
+  return manifest && manifest->holds(out);
 }
 
-void record_report_frame(const fs::path& out, const std::string& name, std::size_t number, const std::string& fingerprint) {
-  write_record(frame_record(out, name), {fingerprint, record_files(out, report::frame_files(out, number)), nullptr});
+void list_report_frame(const fs::path& out, const std::string& name, std::size_t number, const std::string& fingerprint) {
+  write_manifest(frame_manifest(out, name), {fingerprint, list_contents(out, report::frame_files(out, number))});
 }
 
 void write_report(const job::Job& job, const std::vector<std::string>& names, const std::string& fingerprint,
                   const std::function<std::string()>& report_json, const Tick& tick) {
   std::vector<char> written(names.size());
   parallel_for(names.size(), [&](std::size_t i) {
-    const std::optional<Record> record = read_record(frame_record(job.out, names[i]));
-    written[i] = record && record->fingerprint == fingerprint && record->holds(job.out) ? 1 : 0;
+    const std::optional<Manifest> manifest = read_manifest(frame_manifest(job.out, names[i]));
+    written[i] = manifest && manifest->fingerprint == fingerprint && manifest->holds(job.out) ? 1 : 0;
   });
   report::write_report({.out = job.out,
                         .names = names,
@@ -122,7 +122,7 @@ void write_report(const job::Job& job, const std::vector<std::string>& names, co
                         .evaluation = "null",
                         .written = written},
                        tick);
-  record_report(job.out);
+  list_report(job.out);
 }
 
 void write_report(const fs::path& out, const ShownTruth& truth, Progress& progress) {
@@ -142,7 +142,7 @@ void write_report(const fs::path& out, const ShownTruth& truth, Progress& progre
                         .truth = truth.folder,
                         .problems = problems},
                        progress.tick());
-  if (fs::is_directory(out / ".dvi")) record_report(out);
+  if (fs::is_directory(out / ".dvi")) list_report(out);
   progress.end();
 }
 

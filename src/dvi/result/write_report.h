@@ -17,10 +17,10 @@ struct ShownTruth {
 };
 
 /// Notes what the report's files of a frame are: written after them.
-void record_report_frame(const fs::path& out, const std::string& name, std::size_t number, const std::string& fingerprint);
+void list_report_frame(const fs::path& out, const std::string& name, std::size_t number, const std::string& fingerprint);
 
 /// OUT/report.html and OUT/report/ of a run's result. `report_json` is asked for once all else is written. Files of frames that
-/// record_report_frame() noted with this fingerprint are kept.
+/// list_report_frame() noted with this fingerprint are kept.
 void write_report(const job::Job& job, const std::vector<std::string>& names, const std::string& fingerprint,
                   const std::function<std::string()>& report_json, const Tick& tick);
 

@@ -15,7 +15,7 @@
 #include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/make_views.h"
 #include "dvi/inputs/rig.h"
-#include "dvi/result/plan_record.h"
+#include "dvi/result/plan_manifest.h"
 #include "dvi/result/result_folder.h"
 #include "dvi/result/stage_fields.h"  // IWYU pragma: keep
 #include "dvi/run/frame_stages.h"
@@ -220,7 +220,7 @@ PlanReport plan(const job::Job& job, Progress& progress) {
 }
 
 FillReport fill(const job::Job& job, const std::optional<FrameRange>& range, Progress& progress) {
-  Run run(job, progress, result::read_plan_record(job.out).content);
+  Run run(job, progress, result::read_plan(job.out).content);
   run.folder().join();
   run.plan(StageCache::Missing::refused);
   const auto chosen = [&](std::size_t i) { return !range || range->contains(run.number_of(i)); };

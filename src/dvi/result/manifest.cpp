@@ -1,0 +1,70 @@
+#include "dvi/result/manifest.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "dvi/core/error.h"
+#include "dvi/core/hash.h"
+#include "dvi/core/json_file.h"
+#include "dvi/core/json_text.h"
+
+namespace dvi::result {
+namespace {
+
+constexpr const char* kSchema = "dvi-manifest/1";
+
+}  // namespace
+
+static void to_json(nlohmann::json& json, const ListedFile& listed) {
+  json = {{"file", listed.file}, {"bytes", listed.bytes}, {"xxh3", listed.hash}};
+}
+static void from_json(const nlohmann::json& json, ListedFile& listed) {
+  listed = {json.at("file"), json.at("bytes"), json.at("xxh3")};
+}
+
+std::vector<ListedFile> list_contents(const fs::path& out, const std::vector<std::string>& files) {
+  std::vector<ListedFile> listed;
+  for (const std::string& file : files) {
+    const std::string hash = hash_of_file(out / file);
+    listed.push_back({file, fs::file_size(out / file), hash});
+  }
+  return listed;
+}
+
+bool Manifest::holds(const fs::path& out) const {
+  return std::all_of(files.begin(), files.end(), [&](const ListedFile& listed) {
+    std::error_code gone;
+    if (fs::file_size(out / listed.file, gone) != listed.bytes || gone) return false;
+    try {
+      return hash_of_file(out / listed.file) == listed.hash;
+    } catch (const InputError&) {  // answered: what cannot be read is made again
+      return false;
+    }
+  });
+}
+
+void write_manifest(const fs::path& file, const Manifest& manifest) {
+  nlohmann::json json{{"schema", kSchema}, {"fingerprint", manifest.fingerprint}, {"files", manifest.files}};
+  if (manifest.content) json["content"] = *manifest.content;
+  write_file(file, json_text(json) + "\n");
+}
+
+void write_manifest(const fs::path& file, const std::string& fingerprint, const nlohmann::json& content) {
+  write_manifest(file, {.fingerprint = fingerprint, .content = std::make_shared<const nlohmann::json>(content)});
+}
+
+std::optional<Manifest> read_manifest(const fs::path& file) {
+  if (!fs::is_regular_file(file)) return std::nullopt;
+  try {
+    const nlohmann::json json = read_json(file);
+    if (json.at("schema") != kSchema) return std::nullopt;
+    Manifest manifest{.fingerprint = json.at("fingerprint"), .files = json.at("files")};
+    if (json.contains("content")) manifest.content = std::make_shared<const nlohmann::json>(json.at("content"));
+    return manifest;
+  } catch (const nlohmann::json::exception&) {  // answered: truncated by a crash, or changed by hand
+    return std::nullopt;
+  }
+}
+
+}  // namespace dvi::result
