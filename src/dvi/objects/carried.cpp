@@ -86,8 +86,8 @@ void draw_hidden(const cv::Mat1b& mask, const cv::Mat1f& depths, const Camera& f
       for (float depth : {own(y, x), object(y, x) == kNone ? least : object(y, x)}) {
         if (depth == kNone) continue;
         const auto [low, high] = extent(block, depth, from, to, to_from_from);
-        cv::rectangle(out, drawing_pixel(low.x() - kMargin, low.y() - kMargin),
-                      drawing_pixel(high.x() + kMargin, high.y() + kMargin), 255, cv::FILLED);
+        cv::rectangle(out, to_drawing_pixel(low.x() - kMargin, low.y() - kMargin),
+                      to_drawing_pixel(high.x() + kMargin, high.y() + kMargin), 255, cv::FILLED);
       }
     }
 }

@@ -29,7 +29,7 @@ static void from_json(const nlohmann::json& json, FileRecord& record) {
 std::vector<FileRecord> record_files(const fs::path& out, const std::vector<std::string>& files) {
   std::vector<FileRecord> records;
   for (const std::string& file : files) {
-    const std::string hash = hash_of_file(out / file);
+    const std::string hash = compute_file_hash(out / file);
     records.push_back({file, fs::file_size(out / file), hash});
   }
   return records;
@@ -40,7 +40,7 @@ bool Record::holds(const fs::path& out) const {
     std::error_code gone;
     if (fs::file_size(out / record.file, gone) != record.bytes || gone) return false;
     try {
-      return hash_of_file(out / record.file) == record.hash;
+      return compute_file_hash(out / record.file) == record.hash;
     } catch (const InputError&) {  // answered: what cannot be read is made again
       return false;
     }

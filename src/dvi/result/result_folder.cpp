@@ -164,7 +164,7 @@ ResultFolder::~ResultFolder() {
 void ResultFolder::refuse_other_drives() const {
   const std::optional<nlohmann::json> old = read_job(out_);
   if (job_.force || !old) return;  // cut by a crash: the frames' records tell what they are of
-  if (old->value("schema", "") != kResultSchema || old->value("identity", "") != hash_of(identity_))
+  if (old->value("schema", "") != kResultSchema || old->value("identity", "") != compute_hash(identity_))
     throw InputError(out_, "is the result of another drive", "choose another folder, or --force to replace it");
 }
 
@@ -205,7 +205,7 @@ void ResultFolder::claim() {
     make_folder(folder);
     remove_temporaries(folder);
   }
-  const nlohmann::json job{{"schema", kResultSchema}, {"drives", identity_}, {"identity", hash_of(identity_)}};
+  const nlohmann::json job{{"schema", kResultSchema}, {"drives", identity_}, {"identity", compute_hash(identity_)}};
   write_file(job_file(out_), json_text(job) + "\n");
 }
 
