@@ -13,15 +13,19 @@ namespace {
 using Boxes = std::map<std::int64_t, Box>;
 using Key = Boxes::const_iterator;
 
-constexpr std::int64_t kMaxExtrapolationNs = 250'000'000;  // half the usual period of key frames
-constexpr std::int64_t kMaxStepNs = 1'100'000'000;         // one missing key frame
-constexpr std::int64_t kMaxBridgedNs = 5'000'000'000;      // the motion within longer gaps is unknown
+// The limits of interpolation between key frames.
+struct BoxTrackParams {
+  std::int64_t max_extrapolation_ns = 250'000'000;  // half the usual period of key frames
+  std::int64_t max_step_ns = 1'100'000'000;         // one missing key frame
+  std::int64_t max_bridged_ns = 5'000'000'000;      // the motion within longer gaps is unknown
+};
+constexpr BoxTrackParams kTrackParams;
 
 Eigen::Vector3d position(Key key) { return key->second.frame_from_box.t; }
 
 // Returns the velocity from one box to the next in m/s, if their times are near enough to determine it.
 std::optional<Eigen::Vector3d> estimate_velocity(Key from, Key to) {
-  if (to->first - from->first > kMaxStepNs) return std::nullopt;
+  if (to->first - from->first > kTrackParams.max_step_ns) return std::nullopt;
   return (position(to) - position(from)) / ns_to_s(to->first - from->first);
 }
 
@@ -30,7 +34,7 @@ std::optional<Eigen::Vector3d> estimate_velocity(Key from, Key to) {
 bool is_bridged(const Boxes& boxes, Key before, Key after) {
   constexpr double kMaxStationaryM = 1, kMaxAccelerationMps2 = 1;
   const double dt = ns_to_s(after->first - before->first);
-  if (after->first - before->first > kMaxBridgedNs) return false;
+  if (after->first - before->first > kTrackParams.max_bridged_ns) return false;
   const auto earlier = before == boxes.begin() ? std::nullopt : estimate_velocity(std::prev(before), before);
   const auto later = std::next(after) == boxes.end() ? std::nullopt : estimate_velocity(after, std::next(after));
   const Eigen::Vector3d displacement = position(after) - position(before);
@@ -53,22 +57,25 @@ std::optional<Box> BoxTrack::at(std::int64_t time_ns) const {
   auto after = boxes.lower_bound(time_ns);
   if (after != boxes.end() && after->first == time_ns) return after->second;
   const std::int64_t first = boxes.begin()->first, last = boxes.rbegin()->first;
-  if (time_ns < first - kMaxExtrapolationNs || time_ns > last + kMaxExtrapolationNs) return std::nullopt;
+  if (time_ns < first - kTrackParams.max_extrapolation_ns || time_ns > last + kTrackParams.max_extrapolation_ns)
+    return std::nullopt;
   if (boxes.size() == 1) return boxes.begin()->second;
   if (after == boxes.begin()) ++after;
   if (after == boxes.end()) --after;
   const auto before = std::prev(after);
-  const bool in_gap = time_ns > before->first + kMaxExtrapolationNs && time_ns < after->first - kMaxExtrapolationNs;
-  if (after->first - before->first > kMaxStepNs && in_gap && !is_bridged(boxes, before, after)) return std::nullopt;
+  const bool in_gap =
+      time_ns > before->first + kTrackParams.max_extrapolation_ns && time_ns < after->first - kTrackParams.max_extrapolation_ns;
+  if (after->first - before->first > kTrackParams.max_step_ns && in_gap && !is_bridged(boxes, before, after))
+    return std::nullopt;
   return interpolate(before, after, time_ns);
 }
 
 std::vector<BoxTrack::Gap> BoxTrack::gaps() const {
   std::vector<Gap> out;
   for (auto before = boxes.begin(); before != boxes.end() && std::next(before) != boxes.end(); ++before)
-    if (const auto after = std::next(before); after->first - before->first > kMaxStepNs)
-      out.push_back(
-          {before->first + kMaxExtrapolationNs, after->first - kMaxExtrapolationNs, is_bridged(boxes, before, after)});
+    if (const auto after = std::next(before); after->first - before->first > kTrackParams.max_step_ns)
+      out.push_back({before->first + kTrackParams.max_extrapolation_ns, after->first - kTrackParams.max_extrapolation_ns,
+                     is_bridged(boxes, before, after)});
   return out;
 }
 

@@ -13,9 +13,13 @@
 namespace dvi::datasets {
 namespace {
 
-constexpr double kMinDifferenceS = 0.5;  // smaller offsets are found better by alignment and optical flow
-constexpr double kMinSteps = 3;
-constexpr double kStartupS = 2;  // sensors start and stop at times that differ by up to this
+// The smallest differences that indicate different clocks.
+struct ClockParams {
+  double min_difference_s = 0.5;  // smaller offsets are found better by alignment and optical flow
+  double min_steps = 3;
+  double startup_s = 2;  // sensors start and stop at times that differ by up to this
+};
+constexpr ClockParams kClockParams;
 
 /// A difference between clocks that has a common cause, in seconds.
 struct KnownDifference {
@@ -29,9 +33,10 @@ constexpr double kHourS = 3600, kMaxTimeZones = 14;
 const char* find_cause(double seconds) {
   const double size = std::abs(seconds);
   for (const KnownDifference& known : kKnownDifferences)
-    if (std::abs(size - known.seconds) < kMinDifferenceS) return known.name;
+    if (std::abs(size - known.seconds) < kClockParams.min_difference_s) return known.name;
   const double hours = std::round(size / kHourS);
-  return hours >= 1 && hours <= kMaxTimeZones && std::abs(size - hours * kHourS) < kStartupS ? "a time zone" : nullptr;
+  return hours >= 1 && hours <= kMaxTimeZones && std::abs(size - hours * kHourS) < kClockParams.startup_s ? "a time zone"
+                                                                                                          : nullptr;
 }
 
 template <class Stamped>
@@ -77,9 +82,9 @@ std::optional<std::string> describe_scan_clock(const Drive& drive) {
 std::optional<double> clock_difference_s(const TimeSpan& a, const TimeSpan& b, double step_s) {
   const double starts = ns_to_s(a.first - b.first), ends = ns_to_s(a.last - b.last), mean = 0.5 * (starts + ends);
   if (ns_to_s(a.first - b.last) > step_s || ns_to_s(b.first - a.last) > step_s) return mean;
-  if (std::abs(mean) < std::max(kMinDifferenceS, kMinSteps * step_s)) return std::nullopt;
+  if (std::abs(mean) < std::max(kClockParams.min_difference_s, kClockParams.min_steps * step_s)) return std::nullopt;
   const double lengths = std::abs(starts - ends);
-  if (lengths <= step_s || (lengths <= kStartupS && find_cause(mean) != nullptr)) return mean;
+  if (lengths <= step_s || (lengths <= kClockParams.startup_s && find_cause(mean) != nullptr)) return mean;
   return std::nullopt;
 }
 

@@ -129,7 +129,7 @@ TEST_F(Colmap, ReadsTheLargestModel) {
   ASSERT_EQ(drive.warnings.size(), 1U);
   EXPECT_THAT(drive.warnings[0], AllOf(HasSubstr("1 is the largest of the 2 models"), HasSubstr("(3 images)")));
   fs::remove_all(folder.path / "sparse/0");
-  EXPECT_EQ(read().frames.size(), 3U) << "whatever its number";
+  EXPECT_EQ(read().frames.size(), 3U) << "the number of the model does not matter";
   fs::remove_all(folder.path / "images");
   EXPECT_THAT(error(), HasSubstr("holds a COLMAP model, but no folder images/"));
 }

@@ -12,11 +12,15 @@
 namespace dvi::datasets {
 namespace {
 
-constexpr double kMaxSpeedMps = 100;    // faster than any car or hand
-constexpr double kMaxSpeedRatio = 10;   // to the usual speed, in case that times are not in seconds
-constexpr double kMaxNoiseM = 5;        // of GPS from one pose to the next
-constexpr double kMaxCorrectionM = 50;  // of a GPS; a longer jump has another cause
-constexpr double kMinGroupShare = 0.2;  // of the largest group; a smaller group is an outlier
+// The limits of plausible steps between poses.
+struct PoseJumpParams {
+  double max_speed_mps = 100;    // faster than any car or hand
+  double max_speed_ratio = 10;   // to the usual speed, in case that times are not in seconds
+  double max_noise_m = 5;        // of GPS from one pose to the next
+  double max_correction_m = 50;  // of a GPS; a longer jump has another cause
+  double min_group_share = 0.2;  // of the largest group; a smaller group is an outlier
+};
+constexpr PoseJumpParams kJumpParams;
 
 struct Group {
   std::size_t last = 0;  // pose
@@ -36,11 +40,11 @@ double find_max_speed_mps(const std::vector<StampedPose>& poses) {
   for (std::size_t i = 1; i < poses.size(); ++i)
     if (const double seconds = compute_step_s(poses[i - 1], poses[i]); seconds > 0)
       speeds.push_back(compute_distance_m(poses[i - 1], poses[i]) / seconds);
-  if (speeds.empty()) return kMaxSpeedMps;
+  if (speeds.empty()) return kJumpParams.max_speed_mps;
   const auto usual =
       speeds.begin() + static_cast<std::ptrdiff_t>((speeds.size() - 1) / 4);  // robust, since an outlier makes two steps fast
   std::nth_element(speeds.begin(), usual, speeds.end());
-  return std::max(kMaxSpeedMps, kMaxSpeedRatio * *usual);
+  return std::max(kJumpParams.max_speed_mps, kJumpParams.max_speed_ratio * *usual);
 }
 
 PoseJump make_jump(const std::vector<StampedPose>& poses, std::size_t before, std::size_t after) {
@@ -53,7 +57,7 @@ std::pair<std::vector<std::size_t>, std::vector<Group>> group_poses(const std::v
   std::vector<Group> groups;
   const double max_mps = find_max_speed_mps(poses);
   const auto is_jump = [&](const StampedPose& a, const StampedPose& b) {
-    return compute_distance_m(a, b) > max_mps * compute_step_s(a, b) + kMaxNoiseM;
+    return compute_distance_m(a, b) > max_mps * compute_step_s(a, b) + kJumpParams.max_noise_m;
   };
   for (std::size_t i = 0; i < poses.size(); ++i) {
     std::size_t found = i > 0 && !is_jump(poses[i - 1], poses[i]) ? of_pose.back() : groups.size();
@@ -90,9 +94,10 @@ PoseJumps find_pose_jumps(const std::vector<StampedPose>& poses) {
   const auto main = static_cast<std::size_t>(largest - groups.begin());
   std::vector<bool> is_far(groups.size());
   for (std::size_t k = 0; k < groups.size(); ++k)
-    is_far[k] = k != main && static_cast<double>(groups[k].poses) < kMinGroupShare * static_cast<double>(largest->poses);
+    is_far[k] =
+        k != main && static_cast<double>(groups[k].poses) < kJumpParams.min_group_share * static_cast<double>(largest->poses);
   for (std::size_t i = 1; i < poses.size(); ++i)
-    if (of_pose[i] != of_pose[i - 1] && compute_distance_m(poses[i - 1], poses[i]) > kMaxCorrectionM)
+    if (of_pose[i] != of_pose[i - 1] && compute_distance_m(poses[i - 1], poses[i]) > kJumpParams.max_correction_m)
       for (const std::size_t k : {of_pose[i - 1], of_pose[i]})
         if (k != main) is_far[k] = true;
   for (std::size_t i = 0; i < poses.size(); ++i) {

@@ -101,7 +101,7 @@ TEST_F(Folder, MakesScansOfDepthImages) {
   EXPECT_TRUE(scan->points[0].isApprox(Eigen::Vector3f(1, 0, 2)));
   EXPECT_EQ(scan->time[0], 0);
   EXPECT_THAT(input_error([&] { drive.scans[1]; }), HasSubstr("b.png: holds no depth"));
-  EXPECT_THAT(input_error([&] { drive.scans[2]; }), HasSubstr("c.png: is no 16-bit gray image of 8x6"));
+  EXPECT_THAT(input_error([&] { drive.scans[2]; }), HasSubstr("c.png: is not a 16-bit gray image of 8x6"));
 }
 
 TEST_F(Folder, HasScansOfALidarUnlessDviTomlStatesAnotherSensor) {

@@ -96,7 +96,7 @@ TEST_F(SevenScenes, RefusesImplausibleDepth) {
   folder.write_image("frame-000008.depth.png", wall(640, 480, 65535));
   EXPECT_THAT(error_of(folder), HasSubstr("holds no depth"));
   folder.write_image("frame-000008.depth.png", wall(320, 240, 2000));
-  EXPECT_THAT(error_of(folder), AllOf(HasSubstr("frame-000008.depth.png"), HasSubstr("no 16-bit gray image of 640x480")));
+  EXPECT_THAT(error_of(folder), AllOf(HasSubstr("frame-000008.depth.png"), HasSubstr("not a 16-bit gray image of 640x480")));
 }
 
 TEST_F(SevenScenes, RefusesItsNominalCamerasForImagesOfAnotherSize) {

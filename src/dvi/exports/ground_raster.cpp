@@ -12,10 +12,14 @@
 namespace dvi::exports {
 namespace {
 
-constexpr double kSquareM = 1;    // the lowest point in a square and its neighbors is ground
-constexpr float kCurbM = 0.3F;    // height above it that still belongs to the ground
-constexpr double kMaxGapM = 0.5;  // over which gaps are closed
-constexpr double kMaxCells = 1 << 26;
+// The settings of the estimate of the ground.
+struct GroundParams {
+  double square_m = 1;     // the lowest point in a square and its neighbors is ground
+  float curb_m = 0.3F;     // height above it that still belongs to the ground
+  double max_gap_m = 0.5;  // over which gaps are closed
+  double max_cells = 1 << 26;
+};
+constexpr GroundParams kGroundParams;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 struct Box {
@@ -39,9 +43,9 @@ Box find_box(const std::vector<CloudPoint>& cloud) {
 // Finds the lowest point of each square and its neighbors. Single low points (echoes below the ground) are rare in a static
 // map.
 cv::Mat1f find_lowest(const std::vector<CloudPoint>& cloud, const Box& box) {
-  cv::Mat1f low(box.cells(kSquareM), std::numeric_limits<float>::max());
+  cv::Mat1f low(box.cells(kGroundParams.square_m), std::numeric_limits<float>::max());
   for (const CloudPoint& p : cloud) {
-    float& height = low(box.of(p, kSquareM));
+    float& height = low(box.of(p, kGroundParams.square_m));
     height = std::min(height, p.position.z());
   }
   cv::erode(low, low, cv::Mat1b::ones(3, 3));
@@ -53,7 +57,7 @@ cv::Mat1f compute_mean_height(const std::vector<CloudPoint>& cloud, const Box& b
   const cv::Mat1f low = find_lowest(cloud, box);
   cv::Mat1f sum(box.cells(cell), 0.0F), count(sum.size(), 0.0F);
   for (const CloudPoint& p : cloud) {
-    if (p.position.z() > low(box.of(p, kSquareM)) + kCurbM) continue;
+    if (p.position.z() > low(box.of(p, kGroundParams.square_m)) + kGroundParams.curb_m) continue;
     const cv::Point at = box.of(p, cell);
     sum(at) += p.position.z();
     count(at) += 1;
@@ -68,7 +72,7 @@ cv::Mat1f compute_mean_height(const std::vector<CloudPoint>& cloud, const Box& b
 // Fills cells without measurements by the mean of measured ones in growing windows.
 void close_gaps(cv::Mat1f& height, double cell) {
   cv::Mat1f known(height.size()), value(height.size());
-  for (int radius = 1; radius <= std::max(1, static_cast<int>(kMaxGapM / cell)); radius *= 2) {
+  for (int radius = 1; radius <= std::max(1, static_cast<int>(kGroundParams.max_gap_m / cell)); radius *= 2) {
     for (int y = 0; y < height.rows; ++y)
       for (int x = 0; x < height.cols; ++x) {
         known(y, x) = std::isnan(height(y, x)) ? 0.0F : 1.0F;
@@ -88,10 +92,10 @@ void close_gaps(cv::Mat1f& height, double cell) {
 GroundRaster ground_of(const std::vector<CloudPoint>& cloud, double cell_m) {
   const Box box = find_box(cloud);
   const double cells = (box.east - box.west) / cell_m * (box.north - box.south) / cell_m;
-  if (cells > kMaxCells)
+  if (cells > kGroundParams.max_cells)
     throw UsageError(fmt::format(
         "--cell-m {}: an image of {:.0f} m x {:.0f} m would have {:.0f} million pixels; give at least {:.2f}", cell_m,
-        box.east - box.west, box.north - box.south, cells / 1e6, cell_m * std::sqrt(cells / kMaxCells) + 0.005));
+        box.east - box.west, box.north - box.south, cells / 1e6, cell_m * std::sqrt(cells / kGroundParams.max_cells) + 0.005));
   GroundRaster ground{cell_m, box.west, box.north, compute_mean_height(cloud, box, cell_m)};
   close_gaps(ground.height, cell_m);
   return ground;

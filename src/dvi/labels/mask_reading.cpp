@@ -20,11 +20,15 @@
 namespace dvi::labels {
 namespace {
 
-constexpr std::size_t kMaxSampledFiles = 25;  // each file takes about ten milliseconds
-constexpr std::size_t kMinDecidingFiles = 3;  // a single truck may fill one image
-constexpr double kMaxRemovedShare = 0.5;      // of the image, in the median
-constexpr double kMinValueShare = 1e-3;       // of the image; rarer values are soft edges
-constexpr std::size_t kMinIdValues = 3;       // values other than 0 in an image of ids
+// The sample that decides the meaning of masks, and its thresholds.
+struct MaskReadingParams {
+  std::size_t max_sampled_files = 25;  // each file takes about ten milliseconds
+  std::size_t min_deciding_files = 3;  // a single truck may fill one image
+  double max_removed_share = 0.5;      // of the image, in the median
+  double min_value_share = 1e-3;       // of the image; rarer values are soft edges
+  std::size_t min_id_values = 3;       // values other than 0 in an image of ids
+};
+constexpr MaskReadingParams kReadingParams;
 
 cv::Size get_size(const Drive& drive) { return {drive.camera.width, drive.camera.height}; }
 
@@ -39,7 +43,7 @@ std::vector<fs::path> sample_files(const Drive& drive) {
     for (const fs::path& file : list_files(folder, {".png"}))
       if (!images.contains(file)) files.push_back(file);
   std::vector<fs::path> sample;
-  const std::size_t count = std::min(files.size(), kMaxSampledFiles);
+  const std::size_t count = std::min(files.size(), kReadingParams.max_sampled_files);
   for (std::size_t i = 0; i < count; ++i) sample.push_back(files[i * files.size() / count]);
   return sample;
 }
@@ -72,7 +76,8 @@ std::set<int> find_values(const cv::Mat& picture) {
     }
   std::set<int> values;
   for (const auto& [value, count] : counts)
-    if (value != 0 && static_cast<double>(count) >= kMinValueShare * static_cast<double>(picture.total())) values.insert(value);
+    if (value != 0 && static_cast<double>(count) >= kReadingParams.min_value_share * static_cast<double>(picture.total()))
+      values.insert(value);
   return values;
 }
 
@@ -99,7 +104,7 @@ Polarity decide_polarity(Drive& drive, const MaskStatistics& looks) {
   if (looks.shares.empty()) return Polarity::white;
   const double share = median(looks.shares);
   const std::string folder = looks.first.parent_path().string();
-  if (share > kMaxRemovedShare && looks.values.size() >= kMinIdValues)
+  if (share > kReadingParams.max_removed_share && looks.values.size() >= kReadingParams.min_id_values)
     throw InputError(
         looks.first,
         fmt::format("looks like an image of class ids: {:.0f} % of the masks in its folder are not 0, with {} values",
@@ -107,13 +112,13 @@ Polarity decide_polarity(Drive& drive, const MaskStatistics& looks) {
         "select the classes to remove by --classes car,truck,person, or remove all values other than 0 by --polarity white; "
         "masks "
         "of probabilities must be 0 where nothing is removed");
-  if (looks.values.size() >= kMinIdValues)
+  if (looks.values.size() >= kReadingParams.min_id_values)
     drive.warnings.push_back(
         fmt::format("the masks in {} have {} values other than 0, and all of them are removed; if they are "
                     "class ids, select the classes to remove by --classes",
                     folder, looks.values.size()));
-  if (share <= kMaxRemovedShare) return Polarity::white;
-  if (looks.shares.size() < kMinDecidingFiles) {
+  if (share <= kReadingParams.max_removed_share) return Polarity::white;
+  if (looks.shares.size() < kReadingParams.min_deciding_files) {
     drive.warnings.push_back(
         fmt::format("{:.0f} % of the masks in {} are not black and are removed; if black means remove, give "
                     "--polarity black",
@@ -228,7 +233,7 @@ void read_masks(Drive& drive, const MaskReading& reading) {
 cv::Mat1b read_static_mask(Drive& drive, const fs::path& file, Polarity polarity) {
   cv::Mat1b mask = media::read_mask(file, get_size(drive));
   drive.other_files.push_back(file);
-  const bool mostly_white = cv::countNonZero(mask) > kMaxRemovedShare * static_cast<double>(mask.total());
+  const bool mostly_white = cv::countNonZero(mask) > kReadingParams.max_removed_share * static_cast<double>(mask.total());
   if (polarity == Polarity::black || (polarity == Polarity::automatic && mostly_white)) mask = cv::Mat1b(~mask);
   if (polarity == Polarity::automatic && mostly_white)
     drive.warnings.push_back(

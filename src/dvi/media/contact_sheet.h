@@ -31,7 +31,7 @@ cv::Rect find_densest_part(const cv::Mat1b& mask, cv::Size size);
 /// Writes white text on a dark background into the lower left corner of an image, as large as its width allows.
 void write_caption(cv::Mat3b& image, const std::string& text);
 
-/// Arranges images of width `cell_width` in rows, for example input | draw_mask_overlay | result of a frame. Rows may differ in
+/// Arranges images of width `cell_width` in rows, for example input | mask overlay | result of a frame. Rows may differ in
 /// length.
 cv::Mat3b make_contact_sheet(const std::vector<std::vector<SheetCell>>& rows, int cell_width = 480);
 

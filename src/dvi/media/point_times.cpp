@@ -12,8 +12,12 @@
 namespace dvi::media {
 namespace {
 
-constexpr double kMinPeriods = 0.5, kMaxPeriods = 2.5;  // spanned by the times of a scan
-constexpr double kOriginTolerance = 0.25;               // of that span; the first and the last point may be missing
+// The relation between the times of a scan and its period.
+struct PointTimeParams {
+  double min_periods = 0.5, max_periods = 2.5;  // spanned by the times of a scan
+  double origin_tolerance = 0.25;               // of that span; the first and the last point may be missing
+};
+constexpr PointTimeParams kTimeParams;
 
 struct TimeRange {
   double first = 0, last = 0;
@@ -39,11 +43,11 @@ TimeRange find_robust_range(const std::vector<double>& sorted) {
 }
 
 std::optional<double> infer_unit(const TimeRange& values, const TimedScan& scan) {
-  const double least = kMinPeriods * std::min(scan.turn_share, 1.0);
+  const double least = kTimeParams.min_periods * std::min(scan.turn_share, 1.0);
   std::optional<double> unit;
   for (const double candidate : {1.0, 1e-3, 1e-6, 1e-9}) {
     const double periods = values.span() * candidate / scan.period_s;
-    if (periods >= least && periods <= kMaxPeriods) unit = candidate;
+    if (periods >= least && periods <= kTimeParams.max_periods) unit = candidate;
   }
   constexpr double kRounding = 1e-3, kMaxPeriodsOfSeconds = 1.5;
   const bool fractions = values.first >= -kRounding && values.last <= 1 + kRounding && values.span() >= least;
@@ -53,7 +57,7 @@ std::optional<double> infer_unit(const TimeRange& values, const TimedScan& scan)
 
 std::optional<PointTimes::Zero> infer_zero(const TimeRange& seconds, const TimedScan& scan) {
   constexpr double kMaxOffset = 1.25;  // periods
-  const double tolerance = kOriginTolerance * seconds.span(), farthest = kMaxOffset * scan.period_s;
+  const double tolerance = kTimeParams.origin_tolerance * seconds.span(), farthest = kMaxOffset * scan.period_s;
   if (std::abs(seconds.first) <= tolerance) return PointTimes::Zero::scan_start;
   if (std::abs(seconds.last) <= tolerance) return PointTimes::Zero::scan_end;
   if (std::abs(seconds.first + seconds.last) <= tolerance) return PointTimes::Zero::scan_middle;

@@ -9,11 +9,15 @@
 namespace dvi::scan_match {
 namespace {
 
-constexpr std::size_t kNeighbors = 5;   // on either side
-constexpr float kMinRangeJump = 0.03F;  // of the range, between two objects along a beam
-constexpr float kMaxSmoothM = 0.03F;    // distance from the chord up to which a beam is smooth
-constexpr float kMinCornerM = 0.12F;    // distance from the chord from which on it has a corner
-constexpr float kMaxPoleM = 0.4F;       // width of the widest pole
+// The thresholds of edges and planes.
+struct FeatureParams {
+  std::size_t neighbors = 5;     // on either side
+  float min_range_jump = 0.03F;  // of the range, between two objects along a beam
+  float max_smooth_m = 0.03F;    // distance from the chord up to which a beam is smooth
+  float min_corner_m = 0.12F;    // distance from the chord from which on it has a corner
+  float max_pole_m = 0.4F;       // width of the widest pole
+};
+constexpr FeatureParams kFeatureParams;
 
 // One beam with the ends of its continuous runs.
 class Beam {
@@ -41,32 +45,34 @@ class Beam {
   Feature feature(std::size_t k) const { return {at(k), scan_.time[index_[k]]}; }
 
   bool breaks_after(std::size_t k) const {
-    const float step = std::max(0.15F, kMinRangeJump * range_[k]);
+    const float step = std::max(0.15F, kFeatureParams.min_range_jump * range_[k]);
     return (at(k + 1) - at(k)).squaredNorm() > step * step;
   }
 
   // Finds the features of the run [first, last) without a jump.
   void run(std::size_t first, std::size_t last, Features& out) const {
     if (stands_free(first, last)) out.edges.push_back(feature((first + last) / 2));
-    if (last - first < 2 * kNeighbors + 1) return;
+    if (last - first < 2 * kFeatureParams.neighbors + 1) return;
     Eigen::Vector3f before = Eigen::Vector3f::Zero(), after = Eigen::Vector3f::Zero();
-    for (std::size_t k = 0; k < kNeighbors; ++k) before += at(first + k), after += at(first + kNeighbors + 1 + k);
+    for (std::size_t k = 0; k < kFeatureParams.neighbors; ++k)
+      before += at(first + k), after += at(first + kFeatureParams.neighbors + 1 + k);
     const float apart2 = static_cast<float>(options_.spacing_m * options_.spacing_m);
     Eigen::Vector3f taken = Eigen::Vector3f::Constant(1e9F);
     float sharpest = 0;
     std::size_t corner = 0;
-    for (std::size_t k = first + kNeighbors;; ++k) {
-      const Eigen::Vector3f a = before / kNeighbors, chord = after / kNeighbors - a, from_a = at(k) - a;
+    for (std::size_t k = first + kFeatureParams.neighbors;; ++k) {
+      const Eigen::Vector3f a = before / kFeatureParams.neighbors, chord = after / kFeatureParams.neighbors - a,
+                            from_a = at(k) - a;
       const float off = from_a.cross(chord).norm() / std::max(chord.norm(), 1e-6F);
-      if (off < kMaxSmoothM) {
+      if (off < kFeatureParams.max_smooth_m) {
         if ((at(k) - taken).squaredNorm() > apart2) out.planes.push_back(feature(k)), taken = at(k);
-      } else if (off > kMinCornerM && off > 0.25F * chord.norm() && off > sharpest) {
+      } else if (off > kFeatureParams.min_corner_m && off > 0.25F * chord.norm() && off > sharpest) {
         sharpest = off, corner = k;
       }
-      if (sharpest > 0 && k >= corner + kNeighbors) out.edges.push_back(feature(corner)), sharpest = 0;
-      if (k + kNeighbors + 1 >= last) break;
-      before += at(k) - at(k - kNeighbors);
-      after += at(k + kNeighbors + 1) - at(k + 1);
+      if (sharpest > 0 && k >= corner + kFeatureParams.neighbors) out.edges.push_back(feature(corner)), sharpest = 0;
+      if (k + kFeatureParams.neighbors + 1 >= last) break;
+      before += at(k) - at(k - kFeatureParams.neighbors);
+      after += at(k + kFeatureParams.neighbors + 1) - at(k + 1);
     }
   }
 
@@ -75,7 +81,7 @@ class Beam {
     if (first == 0 || last >= index_.size() || last - first < 3) return false;
     const float width = (at(last - 1) - at(first)).norm();
     const float near = range_[(first + last) / 2];
-    return width < kMaxPoleM && range_[first - 1] > near + 0.5F && range_[last] > near + 0.5F;
+    return width < kFeatureParams.max_pole_m && range_[first - 1] > near + 0.5F && range_[last] > near + 0.5F;
   }
 
   const Scan& scan_;

@@ -11,9 +11,13 @@
 namespace dvi::scan_match {
 namespace {
 
-constexpr double kMaxSquaredError = 30;  // in standard deviations; larger errors give uncertain edges almost no weight
-constexpr int kIterations = 20;
-constexpr double kMinStep = 1e-7;  // in meters and radians
+// The settings of the optimization.
+struct PoseGraphParams {
+  double max_squared_error = 30;  // in standard deviations; larger errors give uncertain edges almost no weight
+  int iterations = 20;
+  double min_step = 1e-7;  // in meters and radians
+};
+constexpr PoseGraphParams kGraphParams;
 
 Matrix6d compute_adjoint(const SE3& pose) {
   Matrix6d out = Matrix6d::Zero();
@@ -31,9 +35,9 @@ class Solver {
 
   /// Minimizes by Gauss-Newton, with new weights of uncertain edges in each iteration.
   void settle(double width) {
-    for (int i = 0; i < kIterations; ++i) {
+    for (int i = 0; i < kGraphParams.iterations; ++i) {
       weigh(width);
-      if (step() < kMinStep) return;
+      if (step() < kGraphParams.min_step) return;
     }
   }
 
@@ -124,10 +128,12 @@ std::vector<double> solve_pose_graph(std::vector<SE3>& world_from_body, const st
   Solver solver(world_from_body, edges);
   if (world_from_body.size() > 1) {
     solver.settle(std::numeric_limits<double>::infinity());
-    for (double width = std::max(solver.worst(), kMaxSquaredError); width > kMaxSquaredError; width /= 2) solver.settle(width);
-    solver.settle(kMaxSquaredError);
+    for (double width = std::max(solver.worst(), kGraphParams.max_squared_error); width > kGraphParams.max_squared_error;
+         width /= 2)
+      solver.settle(width);
+    solver.settle(kGraphParams.max_squared_error);
   }
-  solver.weigh(kMaxSquaredError);
+  solver.weigh(kGraphParams.max_squared_error);
   return std::move(solver).weights();
 }
 
