@@ -77,11 +77,11 @@ TEST(Reader, RefusesPositionsTooFarAway) {
   const TestFolder folder;
   write_drive(folder);
   folder.write("poses.txt", "10 1 0 0 0 0 1 0 1e300 0 0 1 0\n");
-  EXPECT_THAT(input_error([&] { read_drive(folder.path); }), AllOf(HasSubstr("poses.txt"), HasSubstr("lies 1e+300 m")));
+  EXPECT_THAT(input_error([&] { read_drive(folder.path); }), AllOf(HasSubstr("poses.txt"), HasSubstr("is 1e+300 m")));
   fs::remove(folder.path / "poses.txt");
   folder.write("dvi.toml",
                "[camera.front]\nsize=[8,6]\nK=[4,0,4,0,4,3,0,0,1]\ncamera_from_lidar=[0,-1,0,1e9, 0,0,-1,0, 1,0,0,0]\n");
-  EXPECT_THAT(input_error([&] { read_drive(folder.path); }), HasSubstr("its camera lies 1e+09 m"));
+  EXPECT_THAT(input_error([&] { read_drive(folder.path); }), HasSubstr("its camera is 1e+09 m"));
 }
 
 TEST(Reader, SuggestsFormatsIfThereIsNoDrive) {

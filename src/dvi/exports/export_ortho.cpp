@@ -16,7 +16,7 @@
 namespace dvi::exports {
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
 
 // The image from above.
 struct Ortho {
@@ -28,9 +28,9 @@ struct Ortho {
 
   explicit Ortho(cv::Size size)
       : color(size, cv::Vec3b()),
-        source(size, kUnknown),
-        age_s(size, kUnknown),
-        confidence(size, kUnknown),
+        source(size, kNoValue),
+        age_s(size, kNoValue),
+        confidence(size, kNoValue),
         distance(size, std::numeric_limits<float>::max()) {}
 };
 
