@@ -42,7 +42,7 @@ TEST_F(Convert, InitWritesWhatCanBeFoundOut) {
   fs::remove(drive / "dvi.toml");
   const Result init = dvi("init drive");
   ASSERT_EQ(init.code, 0) << init.err;
-  EXPECT_THAT(init.out, HasSubstr("K: from its calibration"));
+  EXPECT_THAT(init.out, HasSubstr("K: take it from the calibration"));
   std::string draft = read_file(drive / "dvi.toml");
   EXPECT_THAT(draft, HasSubstr("size = [240, 136]"));
   EXPECT_THAT(draft, HasSubstr("rate = 10"));

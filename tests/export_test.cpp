@@ -27,7 +27,7 @@ std::vector<GeoFix> fixes_along(const fs::path& drive) {
 
 TEST_F(ExportTest, IsReadByOtherTools) {
   const fs::path drive = small_drive();
-  write_file(drive / "gps.txt", datasets::fixes_text(fixes_along(drive)));
+  write_file(drive / "gps.txt", datasets::format_fixes(fixes_along(drive)));
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   for (const char* format : {"colmap", "nerfstudio", "ply", "las", "mcap", "video"}) {
     const Result result = dvi(std::string("export ") + format + " out -o exports/" + format + " --quiet --json");

@@ -121,7 +121,7 @@ TEST_F(ForeignLabels, CocoWithoutInstances) {
   expect_refused(coco + "coco_labels/annotations/labels_train.json", "neither a segmentation nor a bbox", "docs/masks.md");
   expect_refused(coco + "coco_captions/annotations/captions_train.json", "holds COCO captions", "instances");
   expect_refused(coco + "coco_panoptic/annotations/panoptic_train.json", "holds COCO panoptic JSON", "convert it to instances");
-  expect_refused(coco + "coco_instances/annotations/instances_val.json", "no image of the drive: its first is b.jpg",
+  expect_refused(coco + "coco_instances/annotations/instances_val.json", "no image of the drive: its first image is b.jpg",
                  "same name");
   const Masked none = mask(coco + "coco_image_info/annotations/image_info_train.json");
   EXPECT_EQ(none.code, 0);
@@ -133,7 +133,8 @@ TEST_F(ForeignLabels, Cvat) {
   drive_of({"img0"}, {8, 8});
   expect_masked(cvat + "for_images/export_task/train.xml", {8});  // a box of 4 x 2
   EXPECT_THAT(mask(cvat + "for_images/export_task/train.xml").err, HasSubstr("1 <polyline> left out"));
-  expect_refused(cvat + "for_images/export_project/annotations.xml", "has two images called img0", "leave the images of one");
+  expect_refused(cvat + "for_images/export_project/annotations.xml", "has two images called img0",
+                 "keep the images of one camera");
   // Frames 10, 13, 16, 19 of a video: a box of 7 x 1 in the first of them only, beside points and a polyline.
   drive_of({"frame_000010", "frame_000013", "frame_000016", "frame_000019"}, {25, 20});
   expect_masked(cvat + "for_video/annotations.xml", {7, 0, 0, 0});
@@ -150,12 +151,12 @@ TEST_F(ForeignLabels, FormatsThatAreNotRead) {
        {"kitti_dataset/kitti_3d/training/label_2", "kitti_dataset/kitti_detection/training/label_2/000030_10.txt"})
     expect_refused(kitti, "holds KITTI object labels", "tracking labels");
   expect_refused("kitti_dataset/kitti_raw/tracklet_labels.xml", "an <item> has the size -1.03 x 7.95 x -3.62 m", "");
-  expect_refused("mots_dataset/train/instances/labels.txt", "holds no labels that dvi knows", "COCO JSON");
+  expect_refused("mots_dataset/train/instances/labels.txt", "holds no labels in a supported format", "COCO JSON");
 }
 
 TEST_F(ForeignLabels, MotsPictures) {
   drive_of({"1", "2"}, {5, 1});
-  expect_refused("mots_dataset/train/instances", "looks like a picture of class ids", "--classes");
+  expect_refused("mots_dataset/train/instances", "looks like an image of class ids", "--classes");
   expect_masked("mots_dataset/train/instances", {4, 1}, "", labels::Polarity::white);
   expect_masked("mots_dataset/train/instances", {1, 0}, "3");  // the value is class * 1000 + instance
   drive_of({"3"}, {5, 1});
@@ -168,8 +169,8 @@ TEST_F(ForeignLabels, KittiPictures) {
   drive_of({"000030_10", "000030_11"}, {5, 1});
   expect_masked(kitti, {3, 0}, "truck");
   expect_masked(kitti, {3, 2}, "truck,train");
-  EXPECT_THAT(mask(kitti, "truck").err, HasSubstr("ids * 256"));
-  expect_refused(kitti, "looks like a picture of class ids", "--classes");
+  EXPECT_THAT(mask(kitti, "truck").err, HasSubstr("class * 256"));
+  expect_refused(kitti, "looks like an image of class ids", "--classes");
 }
 
 TEST_F(ForeignLabels, CityscapesPictures) {
@@ -178,7 +179,7 @@ TEST_F(ForeignLabels, CityscapesPictures) {
   drive_of({"defaultcity_000001_000031_leftImg8bit", "defaultcity_000001_000032_leftImg8bit"}, {5, 1});
   expect_masked(of_city + "test" + city, {3, 0}, "truck");
   expect_masked(of_city + "test" + city, {3, 2}, "truck,train");
-  expect_refused(all + "gtFine/test" + city, "both belong to image defaultcity_000001_000031_leftImg8bit", "leave one");
+  expect_refused(all + "gtFine/test" + city, "both match image defaultcity_000001_000031_leftImg8bit", "keep one");
   drive_of({"defaultcity_000002_000045"}, {5, 1});
   expect_masked(of_city + "train" + city, {1}, "person");
 }

@@ -72,7 +72,7 @@ TEST_F(ForeignNames, Kitti360WithTimesOfAnotherExcerptIsChecked) {
   if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings";
   const Result check = dvi(fmt::format("check {}", path.string()));
   EXPECT_EQ(check.code, 0) << check.err;
-  EXPECT_THAT(check.out, AllOf(HasSubstr("frames   3 (3000:3002), 9.6 Hz"), HasSubstr("it is of another excerpt")));
+  EXPECT_THAT(check.out, AllOf(HasSubstr("frames   3 (3000:3002), 9.6 Hz"), HasSubstr("it belongs to another excerpt")));
 }
 
 }  // namespace

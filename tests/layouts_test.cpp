@@ -104,7 +104,7 @@ TEST_F(Layouts, Kitti360) {
   const fs::path boxes = folder / "kitti/data_3d_bboxes/train" / (kKitti360 + ".xml");
   const std::string whole = read_file(boxes);
   write_file(boxes, whole.substr(0, whole.size() / 2));
-  expect_refused(drive, "is no XML");
+  expect_refused(drive, "is not valid XML");
 }
 
 TEST_F(Layouts, Nuscenes) {
@@ -115,7 +115,7 @@ TEST_F(Layouts, Nuscenes) {
   EXPECT_EQ(found["masks"]["source"], "labels");
   const auto name = [](int i) { return fmt::format("n001__CAM_FRONT__{}", 1000050000 + 100000 * i); };
   expect_same_frames("nuscenes/scene-0061", name, 3);
-  expect_refused("nuscenes", "name one: ");
+  expect_refused("nuscenes", "select a scene, such as ");
   expect_refused("nuscenes/scene-0063", "has no scene scene-0063");
 }
 
@@ -145,12 +145,12 @@ TEST_F(Layouts, ANuscenesTableThatPointsNowhere) {
   std::string other = poses;
   other.replace(other.find("ego 000002"), 10, "ego 999999");
   write_file(tables / "ego_pose.json", other);
-  expect_refused("nuscenes/scene-0061", "sample_data.json: points to token 'ego 000002', which ego_pose.json does not have");
+  expect_refused("nuscenes/scene-0061", "sample_data.json: refers to token 'ego 000002', which ego_pose.json does not have");
   write_file(tables / "ego_pose.json", poses.substr(0, poses.size() / 2));
   expect_refused("nuscenes/scene-0061", "ego_pose.json");
   write_file(tables / "ego_pose.json", poses);
   fs::remove(folder / "nuscenes/sweeps/CAM_FRONT/n001__CAM_FRONT__1000250000.png");
-  expect_refused("nuscenes/scene-0061", "which is not there");
+  expect_refused("nuscenes/scene-0061", "which does not exist");
 }
 
 // LIDAR_TOP scans have 20 bytes per point and any number of points.
@@ -165,14 +165,14 @@ TEST_F(Layouts, NuscenesScansOfAnySize) {
   const nlohmann::json bridged = check("nuscenes/scene-0061");
   EXPECT_EQ(bridged["scans"]["count"], 5);
   EXPECT_THAT(bridged["warnings"].dump(),
-              HasSubstr("sample_data.json: 1 of 6 scans that it points to are missing, the first is "
+              HasSubstr("sample_data.json: 1 of 6 scans that it refers to are missing; the first is "
                         "sweeps/LIDAR_TOP/" +
                         scans[1].filename().string()));
   fs::resize_file(scans[2], 1006);
   expect_refused("nuscenes/scene-0061", "1006 bytes are not a whole number of points of 20 bytes");
   fs::remove_all(folder / "nuscenes/sweeps/LIDAR_TOP");
   fs::remove_all(folder / "nuscenes/samples/LIDAR_TOP");
-  expect_refused("nuscenes/scene-0061", "6 of 6 scans that it points to are missing");
+  expect_refused("nuscenes/scene-0061", "6 of 6 scans that it refers to are missing");
 }
 
 }  // namespace

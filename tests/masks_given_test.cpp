@@ -44,7 +44,7 @@ class GivenMasks : public ProgramTest {
                              {"image_id", i},
                              {"category_id", 3},
                              {"iscrowd", 1},
-                             {"segmentation", {{"size", {136, 240}}, {"counts", outline_of(own[i]).runs}}}});
+                             {"segmentation", {{"size", {136, 240}}, {"counts", to_outline(own[i]).runs}}}});
     }
     write_file(folder / "coco.json",
                nlohmann::json{{"images", images}, {"categories", {{{"id", 3}, {"name", "car"}}}}, {"annotations", annotations}}
@@ -67,7 +67,7 @@ TEST_F(GivenMasks, RunTakesCoco) {
   EXPECT_EQ(differing(result("cars", 1), own[1]), 0);
   const Result trucks = dvi("mask drive -o none --masks coco.json --classes truck" + exactly);
   EXPECT_EQ(trucks.code, 2);
-  EXPECT_THAT(trucks.err, HasSubstr("no label is called 'truck'; there are car"));
+  EXPECT_THAT(trucks.err, HasSubstr("no label has the class 'truck'; the classes are car"));
 }
 
 TEST_F(GivenMasks, RunTakesCvat) {

@@ -144,7 +144,7 @@ TEST_F(Poses, ThatLieFarAwayAreNamedAndLeftOut) {
   write_file(folder / "drive/poses.txt", text);
   const Result check = dvi("check drive --quiet");
   EXPECT_EQ(check.code, 0) << check.err;
-  EXPECT_THAT(check.out, HasSubstr("1 of 6 given poses lie apart from the others and are left out"));
+  EXPECT_THAT(check.out, HasSubstr("1 of 6 given poses are outliers and are ignored"));
   for (const std::string poses : {"auto", "given"}) {
     map("drive", "--poses " + poses);
     EXPECT_LT(apart(read("out/trajectory.txt"), truth), 0.05) << poses;

@@ -239,7 +239,7 @@ TEST_F(Rig, FramesOfTheOtherCameraWithoutAMaskFileAreNamed) {
   fs::remove(drive / "masks/right/000004.png");
   const Result run = dvi("run drive -o out");
   ASSERT_EQ(run.code, 0) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("drive right: 1 of 6 frames have no mask file and keep their traffic: 4"));
+  EXPECT_THAT(run.err, HasSubstr("drive right: 1 of 6 frames have no mask file, and nothing is removed in them: 4"));
 }
 
 TEST_F(Rig, ADamagedImageOfTheOtherCameraIsNamed) { expect_named_if_damaged("right/000003.png"); }

@@ -46,7 +46,7 @@ using Poses = std::vector<SE3>;  // camera_from_world, of a sequence's views
 std::vector<std::vector<std::size_t>> anchors_of(const SequenceViews& sequence) {
   std::vector<std::vector<std::size_t>> out;
   for (std::size_t i = sequence.first; sequence.first > 0 && i < sequence.last; ++i)
-    out.push_back(nearest_views(sequence.views, i, {0, sequence.first}, kAnchors, kRadian));
+    out.push_back(find_nearest_views(sequence.views, i, {0, sequence.first}, kAnchors, kRadian));
   return out;
 }
 

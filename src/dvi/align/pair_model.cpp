@@ -28,7 +28,7 @@ cv::Size size_of(const PosedImage& view) { return {view.camera.width, view.camer
 Eigen::Matrix<double, 2, 3> project_derivative(const Camera& camera, const Eigen::Vector3d& point) {
   const double z = point.z(), x = point.x() / z, y = point.y() / z, r2 = x * x + y * y;
   Eigen::Matrix2d bent = Eigen::Matrix2d::Identity();
-  if (camera.distorted()) {
+  if (camera.is_distorted()) {
     const auto [k1, k2, p1, p2, k3] = camera.distortion;
     const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3)), slope = 2 * (k1 + r2 * (2 * k2 + r2 * 3 * k3));
     const double both = x * y * slope + 2 * p1 * x + 2 * p2 * y;

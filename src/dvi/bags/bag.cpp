@@ -11,12 +11,12 @@ namespace dvi::bags {
 namespace {
 
 Bag open_part(const fs::path& file) {
-  const std::string ending = lower_case(file.extension().string());
+  const std::string ending = to_lower_case(file.extension().string());
   return ending == ".mcap" ? open_mcap(file) : ending == ".db3" ? open_db3(file) : open_ros1_bag(file);
 }
 
-// "sensor_msgs/msg/Image" of ROS 2 is the "sensor_msgs/Image" of ROS 1.
-std::string plain_type(std::string type) {
+// Converts "sensor_msgs/msg/Image" of ROS 2 to "sensor_msgs/Image" of ROS 1.
+std::string to_plain_type(std::string type) {
   if (const std::size_t at = type.find("/msg/"); at != std::string::npos) type.erase(at, 4);
   return type;
 }
@@ -38,7 +38,7 @@ Bag open_bag(const fs::path& path) {
     Bag part = open_part(file);
     for (BagTopic& topic : part.topics) {
       BagTopic& joined =
-          topics.try_emplace(topic.name, BagTopic{topic.name, plain_type(topic.type), topic.encoding}).first->second;
+          topics.try_emplace(topic.name, BagTopic{topic.name, to_plain_type(topic.type), topic.encoding}).first->second;
       for (BagEntry& entry : topic.messages) {
         entry.file = readers.size();
         joined.messages.push_back(entry);

@@ -21,10 +21,10 @@
 namespace dvi::bags {
 namespace {
 
-constexpr std::uint64_t kMostPacked = 4096;  // bytes in one byte of a compressed chunk
+constexpr std::uint64_t kMaxCompressionRatio = 4096;
 
 [[noreturn]] [[maybe_unused]] void fail_without(std::string_view library) {
-  throw std::invalid_argument(fmt::format("it is compressed by {}, which this dvi was built without", library));
+  throw std::invalid_argument(fmt::format("it is compressed by {}, which this build of dvi does not support", library));
 }
 
 std::string unpack_lz4([[maybe_unused]] std::string_view bytes, [[maybe_unused]] std::uint64_t size) {
@@ -88,7 +88,7 @@ BagFile::BagFile(fs::path path) : path_(std::move(path)), size_(require_bag_file
 std::string BagFile::read(std::uint64_t at, std::uint64_t count) const {
   if (at > size_ || count > size_ - at) fail(at, "the file ends within a record");
   if (count > kMaxBagRecordBytes)
-    fail(at, fmt::format("a record of {} bytes is larger than the {} that are read", count, kMaxBagRecordBytes));
+    fail(at, fmt::format("a record of {} bytes is larger than the limit of {} bytes", count, kMaxBagRecordBytes));
   std::ifstream stream(path_, std::ios::binary);
   std::string bytes(count, '\0');
   stream.seekg(static_cast<std::streamoff>(at));
@@ -97,14 +97,14 @@ std::string BagFile::read(std::uint64_t at, std::uint64_t count) const {
 }
 
 void BagFile::fail(std::uint64_t at, const std::string& problem) const {
-  const std::string ending = lower_case(path_.extension().string());
+  const std::string ending = to_lower_case(path_.extension().string());
   const char* const tool = ending == ".mcap" ? "mcap recover" : "rosbag reindex";
   throw InputError(path_, fmt::format("byte {}: {}", at, problem),
-                   fmt::format("the recording was cut or damaged; repair it ({}) or record it again", tool));
+                   fmt::format("the recording is truncated or damaged; repair it ({}) or record it again", tool));
 }
 
 std::string_view ByteCursor::take(std::uint64_t count) {
-  if (count > rest_.size()) throw std::out_of_range("it ends too early");
+  if (count > rest_.size()) throw std::out_of_range("it is truncated");
   const std::string_view out = rest_.substr(0, count);
   rest_.remove_prefix(count);
   return out;
@@ -119,19 +119,19 @@ std::shared_ptr<const std::string> BagChunks::operator[](std::uint64_t place) {
   auto chunk = std::make_shared<const std::string>(load_(place));
   const std::scoped_lock lock(mutex_);
   kept_.emplace_front(place, chunk);
-  if (kept_.size() > kKept) kept_.pop_back();
+  if (kept_.size() > kMaxCached) kept_.pop_back();
   return chunk;
 }
 
 std::string unpack(std::string_view compression, std::string_view bytes, std::uint64_t size) {
-  if (size > kMaxBagRecordBytes || size / kMostPacked > bytes.size())
-    throw std::invalid_argument(fmt::format("{} bytes are said to be {} when unpacked", bytes.size(), size));
+  if (size > kMaxBagRecordBytes || size / kMaxCompressionRatio > bytes.size())
+    throw std::invalid_argument(fmt::format("a size of {1} bytes is stated for {0} compressed bytes", bytes.size(), size));
   std::string out = compression.empty() || compression == "none" ? std::string(bytes)
                     : compression == "lz4"                       ? unpack_lz4(bytes, size)
                     : compression == "zstd"                      ? unpack_zstd(bytes, size)
                     : compression == "bz2"
                         ? unpack_bz2(bytes, size)
-                        : throw std::invalid_argument(fmt::format("its compression '{}' is not known", compression));
+                        : throw std::invalid_argument(fmt::format("its compression '{}' is not supported", compression));
   if (out.size() != size) throw std::invalid_argument(fmt::format("it has {} bytes instead of {}", out.size(), size));
   return out;
 }
@@ -141,7 +141,7 @@ std::string unpack_message(std::string bytes) {
 #ifdef DVI_ZSTD
   const unsigned long long size = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
   if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN)
-    throw std::invalid_argument("it is compressed, and does not say how long it is");
+    throw std::invalid_argument("it is compressed and does not state its size");
   return unpack("zstd", bytes, size);
 #else
   fail_without("zstd");

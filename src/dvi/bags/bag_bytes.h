@@ -13,21 +13,22 @@
 
 namespace dvi::bags {
 
-/// No record, chunk, or message of a bag has more bytes. Recorders write chunks of some megabytes; a damaged length must not
-/// take all memory.
+/// The maximum size of a record, chunk, or message. Recorders write chunks of several megabytes; the limit keeps a damaged
+/// length from exhausting the memory.
 inline constexpr std::uint64_t kMaxBagRecordBytes = std::uint64_t{1} << 28;
 
-/// The size of a file. InputError where it cannot be read, is not a regular file, or is empty.
+/// Returns the size of a file. Throws InputError if it cannot be read, is not a regular file, or is empty.
 std::uint64_t require_bag_file(const fs::path& path);
 
-/// A large file of which parts are read, from any thread.
+/// A large file whose parts can be read from any thread.
 class BagFile {
  public:
   explicit BagFile(fs::path path);
   const fs::path& path() const { return path_; }
   std::uint64_t size() const { return size_; }
-  /// InputError naming the byte where the file ends before them, or they are more than a record has.
+  /// Reads `count` bytes from byte `at`. Throws InputError with the byte if the file is shorter or `count` exceeds the maximum.
   std::string read(std::uint64_t at, std::uint64_t count) const;
+  /// Throws an InputError about the byte `at`.
   [[noreturn]] void fail(std::uint64_t at, const std::string& problem) const;
 
  private:
@@ -35,7 +36,7 @@ class BagFile {
   std::uint64_t size_;
 };
 
-/// Takes little-endian numbers and lengths off the front of bytes. std::out_of_range where they end too early.
+/// Reads little-endian numbers and sized data from the front of bytes. Throws std::out_of_range if they are truncated.
 class ByteCursor {
  public:
   explicit ByteCursor(std::string_view bytes) : rest_(bytes) {}
@@ -47,7 +48,7 @@ class ByteCursor {
     return value;
   }
   std::string_view take(std::uint64_t count);
-  /// A string or array behind its length of type `Length`.
+  /// Reads a string or array that follows its length of type `Length`.
   template <class Length>
   std::string_view take_sized() {
     return take(take<Length>());
@@ -59,7 +60,7 @@ class ByteCursor {
   std::string_view rest_;
 };
 
-/// The chunks of a bag, unpacked on demand; the last few are kept.
+/// The chunks of a bag, decompressed on demand. The last few are cached.
 class BagChunks {
  public:
   using Load = std::function<std::string(std::uint64_t place)>;
@@ -67,17 +68,19 @@ class BagChunks {
   std::shared_ptr<const std::string> operator[](std::uint64_t place);
 
  private:
-  static constexpr std::size_t kKept = 4;
+  static constexpr std::size_t kMaxCached = 4;
   Load load_;
   std::mutex mutex_;
   std::list<std::pair<std::uint64_t, std::shared_ptr<const std::string>>> kept_;
 };
 
-/// Unpacks what was compressed by "lz4" (frames), "zstd" or "bz2"; "" and "none" are left as they are. std::invalid_argument
-/// where that fails, is not `size` bytes, or this program was built without that library.
+/// Decompresses bytes of "lz4" (frames), "zstd" or "bz2"; returns bytes of "" and "none" unchanged. Throws
+/// std::invalid_argument if that fails, if the result does not have `size` bytes, or if this build does not support the
+/// compression.
 std::string unpack(std::string_view compression, std::string_view bytes, std::uint64_t size);
 
-/// A message that was compressed by itself, as rosbag2 does with compression_mode message; others are left as they are.
+/// Decompresses a message that was compressed individually, as by rosbag2 with compression_mode message; returns others
+/// unchanged.
 std::string unpack_message(std::string bytes);
 
 }  // namespace dvi::bags

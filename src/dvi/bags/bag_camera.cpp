@@ -13,7 +13,8 @@
 namespace dvi::bags {
 namespace {
 
-// A part of the name says so: image_rect, image_rect_color, rectified; but not "correct".
+// Returns whether a part of the topic's name states rectified images: image_rect, image_rect_color, rectified; but not
+// "correct".
 bool is_rectified(const std::string& topic) {
   std::istringstream parts(topic);
   for (std::string part; std::getline(parts, part, '/');)
@@ -24,21 +25,20 @@ bool is_rectified(const std::string& topic) {
 }
 
 [[noreturn]] void refuse_model(const fs::path& path, const std::string& topic, const RosCameraInfo& info) {
-  const std::string model = lower_case(info.model);
+  const std::string model = to_lower_case(info.model);
   const bool is_rational = model == "rational_polynomial" || model == "plumb_bob" || model == "radtan";
   if (is_rational)
     throw InputError(path, fmt::format("{} has the distortion '{}' with {} numbers", topic, info.model, info.D.size()),
-                     "undistort the images first (image_proc), or give K and distortion of five numbers in dvi.toml");
-  throw InputError(path,
-                   fmt::format("{} has the camera model '{}', which is not supported: images must be those of a pinhole camera",
-                               topic, info.model),
-                   "undistort the images first (image_proc, or cv::fisheye::undistortImage of OpenCV), and give the K of the "
-                   "undistorted images in dvi.toml");
+                     "undistort the images first (image_proc), or set K and a distortion of five numbers in dvi.toml");
+  throw InputError(
+      path, fmt::format("{} has the camera model '{}', which is not supported: only pinhole cameras are", topic, info.model),
+      "undistort the images first (image_proc, or cv::fisheye::undistortImage of OpenCV), and set the K of the "
+      "undistorted images in dvi.toml");
 }
 
-// Coefficients k1, k2, p1, p2, k3.
+// Sets the coefficients k1, k2, p1, p2, k3.
 void set_distortion(Camera& camera, const RosCameraInfo& info, const fs::path& path, const std::string& topic) {
-  const std::string model = lower_case(info.model);
+  const std::string model = to_lower_case(info.model);
   const bool is_pinhole =
       model.empty() || model == "plumb_bob" || model == "radtan" || model == "none" || model == "rational_polynomial";
   const auto is_zero = [](double d) { return d == 0; };
@@ -51,7 +51,7 @@ void set_distortion(Camera& camera, const RosCameraInfo& info, const fs::path& p
 void warn_of_other_frame(const BagMessages& messages, const BagCamera& camera, const RosCameraInfo& info,
                          std::vector<std::string>& warnings) {
   const RosHeader image =
-      messages.parsed(*camera.images, 0, [](std::string_view m, BagEncoding e) { return read_header(m, e); });
+      messages.decode(*camera.images, 0, [](std::string_view m, BagEncoding e) { return read_header(m, e); });
   if (info.header.frame.empty() || image.frame.empty() || info.header.frame == image.frame) return;
   const std::string folder = camera.info->name.substr(0, camera.info->name.rfind('/') + 1);
   std::string rest = camera.images->name.substr(std::min(folder.size(), camera.images->name.size()));
@@ -59,19 +59,19 @@ void warn_of_other_frame(const BagMessages& messages, const BagCamera& camera, c
   const bool side_by_side = camera.images->name.starts_with(folder) && rest.find('/') == std::string::npos;
   if (side_by_side) return;
   warnings.push_back(fmt::format(
-      "the calibration {} is of the frame {}, and the images of {} are of the frame {}: is it the calibration of this camera? "
-      "--topic info=TOPIC names another",
+      "the calibration {} is of the frame {}, but the images of {} are of the frame {}; if it is of another camera, select "
+      "the right one by --topic info=TOPIC",
       camera.info->name, info.header.frame, camera.images->name, image.frame));
 }
 
-// Of the first image.
-cv::Size image_size_of(const BagMessages& messages, const BagTopic& images) {
+// Returns the size of the first image.
+cv::Size read_image_size(const BagMessages& messages, const BagTopic& images) {
   const auto size = [&](std::string_view m, BagEncoding e) {
     if (is_compressed(images)) return media::image_size(images.name, parse_image_file(m, e).file);
     const RosImage image = parse_image(m, e);
     return cv::Size(static_cast<int>(image.width), static_cast<int>(image.height));
   };
-  return messages.parsed(images, 0, size);
+  return messages.decode(images, 0, size);
 }
 
 }  // namespace
@@ -79,17 +79,17 @@ cv::Size image_size_of(const BagMessages& messages, const BagTopic& images) {
 Camera read_bag_camera(const BagMessages& messages, const BagCamera& camera, std::vector<std::string>& warnings) {
   const std::string& topic = camera.info->name;
   const RosCameraInfo info =
-      messages.parsed(*camera.info, 0, [](std::string_view m, BagEncoding e) { return parse_camera_info(m, e); });
+      messages.decode(*camera.info, 0, [](std::string_view m, BagEncoding e) { return parse_camera_info(m, e); });
   const bool rectified = is_rectified(camera.images->name);
   if ((rectified ? info.P[0] : info.K[0]) == 0)
     throw InputError(
         messages.path(),
         fmt::format("the camera of {} is not calibrated: {} of {} is zero", camera.images->name, rectified ? "P" : "K", topic),
-        fmt::format("give [camera.{}] K and size in dvi.toml, or --topic info=TOPIC", camera.name));
+        fmt::format("set [camera.{}] K and size in dvi.toml, or give --topic info=TOPIC", camera.name));
   warn_of_other_frame(messages, camera, info, warnings);
   Camera out;
   const bool has_size = info.width > 0 && info.height > 0;
-  const cv::Size size = has_size ? cv::Size(info.width, info.height) : image_size_of(messages, *camera.images);
+  const cv::Size size = has_size ? cv::Size(info.width, info.height) : read_image_size(messages, *camera.images);
   out.width = size.width, out.height = size.height;
   const auto set = [&](double fx, double fy, double cx, double cy) { out.fx = fx, out.fy = fy, out.cx = cx, out.cy = cy; };
   if (rectified) {

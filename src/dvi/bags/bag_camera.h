@@ -9,9 +9,10 @@
 
 namespace dvi::bags {
 
-/// The camera that the first CameraInfo of a topic describes; the rectified camera where the name of the topic of images says
-/// that they are rectified ("image_rect"). Where it has no image size, the first image has. Warns where the calibration seems
-/// to be that of another camera. InputError where it was never calibrated, and where its distortion model is not supported.
+/// Reads the camera of the first CameraInfo of a topic, or the rectified camera if the name of the image topic states rectified
+/// images ("image_rect"). If the calibration has no image size, uses that of the first image. Adds a warning if the calibration
+/// seems to be of another camera. Throws InputError if the camera was never calibrated or if its distortion model is not
+/// supported.
 Camera read_bag_camera(const BagMessages& messages, const BagCamera& camera, std::vector<std::string>& warnings);
 
 }  // namespace dvi::bags

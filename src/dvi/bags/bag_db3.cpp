@@ -17,9 +17,9 @@ namespace dvi::bags {
 #ifdef DVI_SQLITE3
 namespace {
 
-// The address of a database that SQLite writes no files beside. Where a recorder that was killed left messages in a write-ahead
-// log, these are read, too, and SQLite needs to write an index of them.
-std::string database_address(const fs::path& path) {
+// Returns the address by which SQLite opens a database without writing files beside it. If a killed recorder left messages in a
+// write-ahead log, they are read as well, which requires SQLite to write an index.
+std::string make_database_address(const fs::path& path) {
   std::error_code error;
   const fs::path log = path.string() + "-wal";
   const bool has_log = fs::exists(log) && fs::file_size(log, error) > 0;
@@ -29,29 +29,29 @@ std::string database_address(const fs::path& path) {
   return address + (has_log ? "" : "?immutable=1");
 }
 
-// One database, opened to be read only.
+// A database that is opened for reading only.
 class Db3 {
  public:
   explicit Db3(fs::path path) : path_(std::move(path)) {
     require_bag_file(path_);
     sqlite3* database = nullptr;
     const int result =
-        sqlite3_open_v2(database_address(path_).c_str(), &database, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
+        sqlite3_open_v2(make_database_address(path_).c_str(), &database, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     database_.reset(database);
     if (result != SQLITE_OK) fail("cannot be opened");
     sqlite3_limit(database, SQLITE_LIMIT_LENGTH, static_cast<int>(kMaxBagRecordBytes));
   }
 
-  /// Calls `take` for each row of a query, whose parameter ?1 is `id` where it has one.
+  /// Calls `take` for each row of a query. `id` is the value of its parameter ?1, if there is one.
   void for_each(const char* query, std::int64_t id, const std::function<void(sqlite3_stmt*)>& take) const {
     sqlite3_stmt* statement = nullptr;
-    if (sqlite3_prepare_v2(database_.get(), query, -1, &statement, nullptr) != SQLITE_OK) fail("is no ROS 2 bag");
+    if (sqlite3_prepare_v2(database_.get(), query, -1, &statement, nullptr) != SQLITE_OK) fail("is not a ROS 2 bag");
     const std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)> owner(statement, sqlite3_finalize);
     if (sqlite3_bind_parameter_count(statement) > 0) sqlite3_bind_int64(statement, 1, id);
     int result = sqlite3_step(statement);
     for (; result == SQLITE_ROW; result = sqlite3_step(statement)) take(statement);
     if (result == SQLITE_TOOBIG)
-      throw InputError(path_, fmt::format("holds a message of more than the {} bytes that are read", kMaxBagRecordBytes),
+      throw InputError(path_, fmt::format("holds a message larger than the limit of {} bytes", kMaxBagRecordBytes),
                        "record it again without the topic");
     if (result != SQLITE_DONE) fail("is damaged");
   }
@@ -71,7 +71,7 @@ class Db3 {
  private:
   [[noreturn]] void fail(const char* problem) const {
     throw InputError(path_, fmt::format("{} ({})", problem, database_ ? sqlite3_errmsg(database_.get()) : "no memory"),
-                     "the recording was cut or damaged; repair it (sqlite3 FILE .recover) or record it again");
+                     "the recording is truncated or damaged; repair it (sqlite3 FILE .recover) or record it again");
   }
 
   fs::path path_;
@@ -79,7 +79,7 @@ class Db3 {
   mutable std::mutex mutex_;
 };
 
-std::string text_of(sqlite3_stmt* row, int column) {
+std::string read_text(sqlite3_stmt* row, int column) {
   const unsigned char* text = sqlite3_column_text(row, column);
   return text == nullptr ? "" : reinterpret_cast<const char*>(text);
 }
@@ -90,13 +90,13 @@ Bag open_db3(const fs::path& path) {
   const auto database = std::make_shared<Db3>(path);
   std::map<std::int64_t, BagTopic> topics;
   database->for_each("SELECT id, name, type, serialization_format FROM topics", 0, [&](sqlite3_stmt* row) {
-    topics[sqlite3_column_int64(row, 0)] = {text_of(row, 1), text_of(row, 2),
-                                            text_of(row, 3) == "cdr" ? BagEncoding::cdr : BagEncoding::other};
+    topics[sqlite3_column_int64(row, 0)] = {read_text(row, 1), read_text(row, 2),
+                                            read_text(row, 3) == "cdr" ? BagEncoding::cdr : BagEncoding::other};
   });
   database->for_each("SELECT id, topic_id, timestamp FROM messages", 0, [&](sqlite3_stmt* row) {
     const auto topic = topics.find(sqlite3_column_int64(row, 1));
     if (topic == topics.end())
-      throw InputError(path, fmt::format("message {} is of topic {}, which is not there", sqlite3_column_int64(row, 0),
+      throw InputError(path, fmt::format("message {} is of topic {}, which does not exist", sqlite3_column_int64(row, 0),
                                          sqlite3_column_int64(row, 1)));
     topic->second.messages.push_back(
         {sqlite3_column_int64(row, 2), 0, 0, static_cast<std::uint64_t>(sqlite3_column_int64(row, 0))});
@@ -109,7 +109,7 @@ Bag open_db3(const fs::path& path) {
 }
 #else
 Bag open_db3(const fs::path& path) {
-  throw InputError(path, "is a database of SQLite, which this dvi was built without", "build it with libsqlite3-dev");
+  throw InputError(path, "is an SQLite database, which this build of dvi does not support", "build dvi with libsqlite3-dev");
 }
 #endif
 

@@ -14,7 +14,7 @@
 namespace dvi::bags {
 namespace {
 
-// Messages of a topic in consecutive missing files; none where that is unknown.
+// The messages of a topic in consecutive missing files.
 struct MessageGap {
   std::size_t file = 0;  // the first file after it
   std::string part;      // the first missing file
@@ -38,7 +38,7 @@ class GapCounter {
       for (MessageGap& gap : gaps_) gap.count = estimate(gap);
       use_total(total);
     }
-    return numbers();
+    return make_numbers();
   }
 
  private:
@@ -52,7 +52,8 @@ class GapCounter {
 
   std::size_t file_of(const StampedEntry& entry) const { return topic_.messages[entry.number].file; }
 
-  // Messages that regular times leave room for; none where the times are not regular, or the gap is long against what is there.
+  // Estimates the number of messages in a gap from regular times. Returns nothing if the times are irregular, or if the gap is
+  // long in relation to the existing messages.
   std::optional<std::size_t> estimate(const MessageGap& gap) const {
     constexpr double kMaxIrregularity = 0.25;  // of the period
     std::vector<std::int64_t> steps;
@@ -74,7 +75,7 @@ class GapCounter {
     return static_cast<std::size_t>(count) - 1;
   }
 
-  // The total takes precedence: it gives the count of a single gap, and shows whether those of several are right.
+  // The total takes precedence: it determines the count of a single gap and validates those of several gaps.
   void use_total(std::optional<std::size_t> total) {
     if (!total) return;
     std::size_t known = 0;
@@ -98,7 +99,7 @@ class GapCounter {
                        [&](const BagEntry& entry) { return entry.file >= gap.file; });
   }
 
-  FrameNumbers numbers() const {
+  FrameNumbers make_numbers() const {
     FrameNumbers out;
     const std::size_t files = messages_.bag().files.size();
     out.missing_before.assign(files, 0);
@@ -120,9 +121,9 @@ class GapCounter {
   [[noreturn]] void refuse(const MessageGap& gap) const {
     throw InputError(
         messages_.path(),
-        fmt::format("{} is missing, and the number of messages of {} in it is unknown: the frames after it have no numbers",
+        fmt::format("{} is missing and had an unknown number of messages of {}: the frames after it cannot be numbered",
                     gap.part, topic_.name),
-        "restore the file, or move the files after it into a folder of their own without metadata.yaml");
+        "restore the file, or move the files after it into a separate folder without metadata.yaml");
   }
 
   const BagMessages& messages_;

@@ -8,20 +8,21 @@
 
 namespace dvi::bags {
 
-/// Where the messages of a topic that are there lie in the whole recording.
+/// The numbers of a topic's existing messages in the whole recording.
 struct FrameNumbers {
-  std::vector<std::size_t> missing_before;  ///< per file of the bag: messages of the topic in missing files before it
-  std::vector<std::string> missing;         ///< numbers of messages that are missing between others: "10-14"
-  bool is_estimated = false;                ///< from the regular times of the messages, not from counts
+  std::vector<std::size_t>
+      missing_before;                ///< per file of the bag: the number of messages of the topic in missing files before it
+  std::vector<std::string> missing;  ///< the numbers of missing messages between existing ones: "10-14"
+  bool is_estimated = false;         ///< the numbers were estimated from regular times, not from counts
 
   std::size_t number(const BagTopic& topic, std::size_t message) const {
     return message + missing_before[topic.messages[message].file];
   }
 };
 
-/// Numbers the messages of a topic as in the whole recording, so that frame numbers and masks keep their meaning where files of
-/// a split recording are missing. By the counts of metadata.yaml, or where these do not say, by the times of the messages, if
-/// these are regular. `entries` are in order of time. InputError where the numbers cannot be known.
+/// Numbers the messages of a topic as in the whole recording, so that frame numbers and masks remain valid if files of a split
+/// recording are missing. Uses the counts of metadata.yaml or, if there are none, the times of the messages if these are
+/// regular. `entries` are in order of time. Throws InputError if the numbers cannot be determined.
 FrameNumbers number_frames(const BagMessages& messages, const BagTopic& topic, const std::vector<StampedEntry>& entries);
 
 }  // namespace dvi::bags

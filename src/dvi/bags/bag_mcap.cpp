@@ -13,10 +13,10 @@ namespace dvi::bags {
 namespace {
 
 constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
-constexpr std::uint64_t kRecordHead = 9;  // opcode and length
-constexpr std::uint64_t kNoChunk = 0;     // no chunk begins where the magic is
+constexpr std::uint64_t kRecordHeadBytes = 9;  // opcode and length
+constexpr std::uint64_t kNoChunk = 0;          // the position of the magic
 
-// Of the format's records, those that matter (https://mcap.dev/spec).
+// The opcodes of the records that are read (https://mcap.dev/spec).
 enum Opcode : std::uint8_t {
   footer_record = 2,
   schema_record = 3,
@@ -33,25 +33,25 @@ struct McapChannel {
 
 struct McapChunk {
   std::string compression;
-  std::uint64_t size = 0, unpacked_size = 0, at = 0;  ///< of its records, and where these begin in the file
+  std::uint64_t size = 0, unpacked_size = 0, at = 0;  ///< of its records; `at` is where they begin in the file
 };
 
 McapChunk parse_chunk_head(const BagFile& file, std::uint64_t record) {
-  constexpr std::uint64_t kMostHead = 8 + 8 + 8 + 4 + 4 + 64 + 8;  // with a name of the compression of up to 64 bytes
-  const std::uint64_t begin = record + kRecordHead;
-  const std::string bytes = file.read(begin, std::min(kMostHead, file.size() - begin));
+  constexpr std::uint64_t kMaxHeadBytes = 8 + 8 + 8 + 4 + 4 + 64 + 8;  // the name of the compression may have 64 bytes
+  const std::uint64_t begin = record + kRecordHeadBytes;
+  const std::string bytes = file.read(begin, std::min(kMaxHeadBytes, file.size() - begin));
   ByteCursor cursor(bytes);
   cursor.take(16);  // first and last time
   McapChunk chunk;
   chunk.unpacked_size = cursor.take<std::uint64_t>();
-  cursor.take(4);  // check sum
+  cursor.take(4);  // checksum
   chunk.compression = cursor.take_sized<std::uint32_t>();
   chunk.size = cursor.take<std::uint64_t>();
   chunk.at = begin + bytes.size() - cursor.left();
   return chunk;
 }
 
-std::string unpacked_chunk(const BagFile& file, std::uint64_t record) {
+std::string unpack_chunk(const BagFile& file, std::uint64_t record) {
   try {
     const McapChunk chunk = parse_chunk_head(file, record);
     return unpack(chunk.compression, file.read(chunk.at, chunk.size), chunk.unpacked_size);
@@ -62,34 +62,34 @@ std::string unpacked_chunk(const BagFile& file, std::uint64_t record) {
   }
 }
 
-// Collects what the records of one file tell.
+// Collects channels, chunks and messages from the records of one file.
 class McapScan {
  public:
   explicit McapScan(const BagFile& file) : file_(file) {}
 
   Bag run() {
     if (file_.size() < kMcapMagic.size() || file_.read(0, kMcapMagic.size()) != kMcapMagic)
-      throw InputError(file_.path(), "is no MCAP file", "its first bytes are not those of the format");
+      throw InputError(file_.path(), "is not an MCAP file", "its first bytes are not those of the format");
     bool complete = false;
     for (std::uint64_t at = kMcapMagic.size(); !complete;) {
       if (at >= file_.size()) file_.fail(at, "the file ends without a footer");
-      const auto [opcode, length] = head(at);
+      const auto [opcode, length] = read_head(at);
       if (opcode != message_index_record) finish_chunk();
       take(opcode, at, length);
       complete = opcode == footer_record;
-      at += kRecordHead + length;
+      at += kRecordHeadBytes + length;
     }
     find_unknown_channels();
-    return bag();
+    return make_bag();
   }
 
  private:
-  std::pair<std::uint8_t, std::uint64_t> head(std::uint64_t at) const {
-    const std::string bytes = file_.read(at, kRecordHead);
+  std::pair<std::uint8_t, std::uint64_t> read_head(std::uint64_t at) const {
+    const std::string bytes = file_.read(at, kRecordHeadBytes);
     ByteCursor cursor(bytes);
     const auto opcode = cursor.take<std::uint8_t>();
     const auto length = cursor.take<std::uint64_t>();
-    if (length > file_.size() - at - kRecordHead) file_.fail(at, "the file ends within a record");
+    if (length > file_.size() - at - kRecordHeadBytes) file_.fail(at, "the file ends within a record");
     return {opcode, length};
   }
 
@@ -101,12 +101,13 @@ class McapScan {
     }
     if (opcode != schema_record && opcode != channel_record && opcode != message_record && opcode != message_index_record)
       return;
-    constexpr std::uint64_t kMessageHead = 2 + 4 + 8;
-    const std::string bytes = file_.read(at + kRecordHead, opcode == message_record ? std::min(length, kMessageHead) : length);
-    guarded(at, [&] { take(opcode, bytes, opcode == message_index_record ? open_chunk_.value_or(kNoChunk) : kNoChunk, at); });
+    constexpr std::uint64_t kMessageHeadBytes = 2 + 4 + 8;
+    const std::string bytes =
+        file_.read(at + kRecordHeadBytes, opcode == message_record ? std::min(length, kMessageHeadBytes) : length);
+    guard(at, [&] { take(opcode, bytes, opcode == message_index_record ? open_chunk_.value_or(kNoChunk) : kNoChunk, at); });
   }
 
-  // `chunk`: that the record stands in, or indexes; `at`: its place there, or in the file.
+  // Handles a record. `chunk` is the chunk that holds or indexes it; `at` is its position there or in the file.
   void take(std::uint8_t opcode, std::string_view bytes, std::uint64_t chunk, std::uint64_t at) {
     ByteCursor cursor(bytes);
     if (opcode == schema_record) {
@@ -134,7 +135,7 @@ class McapScan {
     }
   }
 
-  // A chunk that no index followed is looked into.
+  // Reads the messages of a chunk that is not followed by an index.
   void finish_chunk() {
     if (open_chunk_ && !indexed_) walk(*open_chunk_, true);
     open_chunk_.reset();
@@ -142,8 +143,8 @@ class McapScan {
   }
 
   void walk(std::uint64_t place, bool with_messages) {
-    const std::string chunk = unpacked_chunk(file_, place);
-    guarded(place, [&] {
+    const std::string chunk = unpack_chunk(file_, place);
+    guard(place, [&] {
       ByteCursor cursor(chunk);
       while (!cursor.empty()) {
         const std::uint64_t at = chunk.size() - cursor.left();
@@ -155,7 +156,7 @@ class McapScan {
     });
   }
 
-  // Files without a summary name their channels in chunks only.
+  // Files without a summary declare their channels in chunks only.
   void find_unknown_channels() {
     const auto unknown = [&](const auto& messages) {
       const auto channel = channels_.find(messages.first);
@@ -165,10 +166,10 @@ class McapScan {
       if (std::any_of(messages_.begin(), messages_.end(), unknown)) walk(chunk, false);
     for (const auto& [id, list] : messages_)
       if (!channels_.contains(id))
-        file_.fail(list.front().chunk, fmt::format("a message is of channel {}, which is not there", id));
+        file_.fail(list.front().chunk, fmt::format("a message is of channel {}, which does not exist", id));
   }
 
-  Bag bag() {
+  Bag make_bag() {
     std::map<std::string, BagTopic> topics;
     for (auto& [id, channel] : channels_) {
       BagTopic& topic = topics[channel.topic];
@@ -183,40 +184,39 @@ class McapScan {
     Bag out;
     out.files = {file_.path()};
     for (auto& [name, topic] : topics) out.topics.push_back(std::move(topic));
-    const auto chunks =
-        std::make_shared<BagChunks>([file = file_](std::uint64_t place) { return unpacked_chunk(file, place); });
+    const auto chunks = std::make_shared<BagChunks>([file = file_](std::uint64_t place) { return unpack_chunk(file, place); });
     out.read = [file = file_, chunks](const BagEntry& entry) { return read(file, *chunks, entry); };
     return out;
   }
 
   static std::string read(const BagFile& file, BagChunks& chunks, const BagEntry& entry) {
-    static constexpr std::size_t kBeforeData = 2 + 4 + 8 + 8;
+    static constexpr std::size_t kMessagePrefixBytes = 2 + 4 + 8 + 8;
     const auto data_of = [](std::string_view record) {
       ByteCursor cursor(record);
       cursor.take(1);
       std::string_view message = cursor.take_sized<std::uint64_t>();
-      message.remove_prefix(std::min(kBeforeData, message.size()));
+      message.remove_prefix(std::min(kMessagePrefixBytes, message.size()));
       return std::string(message);
     };
     if (entry.chunk == kNoChunk) {
-      const std::string head = file.read(entry.offset, kRecordHead);
+      const std::string head = file.read(entry.offset, kRecordHeadBytes);
       ByteCursor cursor(std::string_view(head).substr(1));
-      return data_of(file.read(entry.offset, kRecordHead + cursor.take<std::uint64_t>()));
+      return data_of(file.read(entry.offset, kRecordHeadBytes + cursor.take<std::uint64_t>()));
     }
     const std::shared_ptr<const std::string> chunk = chunks[entry.chunk];
-    if (entry.offset >= chunk->size()) file.fail(entry.chunk, "the index of a chunk points behind its end");
+    if (entry.offset >= chunk->size()) file.fail(entry.chunk, "the index of a chunk points beyond its end");
     try {
       return data_of(std::string_view(*chunk).substr(entry.offset));
     } catch (const std::out_of_range&) {
-      file.fail(entry.chunk, "a message of the chunk ends too early");
+      file.fail(entry.chunk, "a message of the chunk is truncated");
     }
   }
 
-  void guarded(std::uint64_t at, const std::function<void()>& parse) const {
+  void guard(std::uint64_t at, const std::function<void()>& parse) const {
     try {
       parse();
     } catch (const std::out_of_range&) {
-      file_.fail(at, "a record ends too early");
+      file_.fail(at, "a record is truncated");
     }
   }
 

@@ -18,19 +18,19 @@ std::int64_t median_period_ns(const std::vector<StampedEntry>& entries) {
 
 void BagMessages::refuse(const BagTopic& topic, std::size_t number, const std::string& why) const {
   throw InputError(path_, fmt::format("message {} of {}: {}", number, topic.name, why),
-                   "convert or record it again, or name another topic with --topic");
+                   "convert or record it again, or select another topic by --topic");
 }
 
-std::vector<StampedEntry> BagMessages::stamped(const BagTopic& topic, std::vector<std::string>& warnings) const {
+std::vector<StampedEntry> BagMessages::list_stamped(const BagTopic& topic, std::vector<std::string>& warnings) const {
   std::vector<StampedEntry> out;
   bool set = false;
   for (std::size_t i = 0; i < topic.messages.size(); ++i) {
-    const RosHeader header = parsed(topic, i, [](std::string_view m, BagEncoding e) { return read_header(m, e); });
+    const RosHeader header = decode(topic, i, [](std::string_view m, BagEncoding e) { return read_header(m, e); });
     out.push_back({header.stamp_ns, i});
     set = set || header.stamp_ns != 0;
   }
   if (!set) {
-    warnings.push_back(fmt::format("the stamps of {} are not set: its messages have the time of their recording", topic.name));
+    warnings.push_back(fmt::format("the stamps of {} are not set; the times of recording are used instead", topic.name));
     for (StampedEntry& entry : out) entry.time_ns = topic.messages[entry.number].time_ns;
   }
   std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.time_ns < b.time_ns; });
@@ -39,10 +39,10 @@ std::vector<StampedEntry> BagMessages::stamped(const BagTopic& topic, std::vecto
             out.end());
   if (out.size() < all)
     warnings.push_back(
-        fmt::format("{} messages of {} have the stamp of another and are left out", all - out.size(), topic.name));
+        fmt::format("{} messages of {} have the same stamp as another one and are ignored", all - out.size(), topic.name));
   for (const StampedEntry& entry : out)
     if (entry.time_ns < 0 || entry.time_ns > 4'000'000'000 * 1'000'000'000)
-      throw InputError(path_, fmt::format("message {} of {}: its stamp is no time", entry.number, topic.name));
+      throw InputError(path_, fmt::format("message {} of {}: its stamp is not a time", entry.number, topic.name));
   return out;
 }
 

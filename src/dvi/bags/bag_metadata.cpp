@@ -11,7 +11,7 @@ namespace {
 constexpr const char* kMetadataFile = "metadata.yaml";
 constexpr const char* kMetadataRoot = "rosbag2_bagfile_information:";
 
-// A line of YAML in block style: "  - key: value". The indentation is that of '-', if there is one.
+// A line of YAML in block style: "  - key: value". The indentation is that of '-' if there is one.
 struct YamlLine {
   std::size_t indentation = 0;
   bool is_item = false;
@@ -63,7 +63,7 @@ class MetadataParser {
       metadata_.files.push_back(fs::path(line.value).filename().string());
     if (section_ != "topics_with_message_count") return;
     if (line.key == "name") topic_ = line.value;
-    if (line.key == "message_count" && all_digits(line.value) && line.value.size() < 19) count_ = std::stoull(line.value);
+    if (line.key == "message_count" && is_all_digits(line.value) && line.value.size() < 19) count_ = std::stoull(line.value);
   }
 
   BagMetadata finish() {
@@ -97,7 +97,7 @@ std::optional<BagMetadata> read_bag_metadata(const fs::path& folder) {
   std::istringstream text(read_settings(folder / kMetadataFile));
   MetadataParser parser;
   std::string line;
-  std::getline(text, line);  // the root
+  std::getline(text, line);  // skips the root
   while (std::getline(text, line))
     if (!trim(line).empty() && !trim(line).starts_with('#')) parser.take(parse_line(line));
   return parser.finish();

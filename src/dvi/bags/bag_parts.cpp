@@ -16,14 +16,14 @@ namespace {
 
 constexpr const char* kBagEndings[] = {".mcap", ".db3", ".bag"};
 
-std::vector<fs::path> bags_in(const fs::path& folder) { return list_files(folder, {".mcap", ".db3", ".bag"}); }
+std::vector<fs::path> list_bags(const fs::path& folder) { return list_files(folder, {".mcap", ".db3", ".bag"}); }
 
-// The name of a part without its number, and the number: "drive_12.db3" is part 12. ROS 1 puts the time before the number.
+// The name and number of a part: "drive_12.db3" is part 12. ROS 1 puts the time before the number.
 struct PartName {
   std::string prefix;
   std::size_t number = 0;
 
-  /// Parts of one recording have the same pattern: their prefixes differ in digits only.
+  /// Returns the name with digits replaced. The parts of one recording have the same pattern.
   std::string pattern() const {
     std::string out = prefix;
     std::replace_if(out.begin(), out.end(), [](char c) { return c >= '0' && c <= '9'; }, '0');
@@ -37,12 +37,12 @@ std::optional<PartName> parse_part_name(const fs::path& file) {
   const std::size_t mark = stem.rfind('_');
   if (mark == std::string::npos) return std::nullopt;
   const std::string digits = stem.substr(mark + 1);
-  const bool is_number = !digits.empty() && digits.size() <= kMaxDigits && all_digits(digits);
+  const bool is_number = !digits.empty() && digits.size() <= kMaxDigits && is_all_digits(digits);
   if (!is_number || (digits.size() > 1 && digits.front() == '0')) return std::nullopt;
   return PartName{stem.substr(0, mark + 1), std::stoul(digits)};
 }
 
-// The files by their numbers where all are parts of one recording, whose first part is number 0; else none.
+// Returns the files by number if all are parts of one recording that begins with number 0; nothing otherwise.
 std::optional<std::map<std::size_t, fs::path>> number_parts(const std::vector<fs::path>& files) {
   std::map<std::size_t, fs::path> parts;
   std::set<std::string> patterns;
@@ -75,8 +75,8 @@ void use_names(BagParts& parts) {
     next = number + 1;
   }
   if (!names.empty())
-    parts.warnings.push_back(
-        fmt::format("by the numbers of the files, {} {} missing", fmt::join(names, ", "), names.size() == 1 ? "is" : "are"));
+    parts.warnings.push_back(fmt::format("judging by the numbers of the files, {} {} missing", fmt::join(names, ", "),
+                                         names.size() == 1 ? "is" : "are"));
 }
 
 void use_metadata(const fs::path& folder, const BagMetadata& metadata, BagParts& parts) {
@@ -90,27 +90,28 @@ void use_metadata(const fs::path& folder, const BagMetadata& metadata, BagParts&
     if (unlisted.erase(decompressed) > 0) {
       listed.files.push_back(folder / decompressed);
     } else if (is_compressed && fs::exists(folder / name)) {
-      throw InputError(folder / name, "is compressed as a whole, which is not supported", "decompress it: zstd -d FILE");
+      throw InputError(folder / name, "is compressed as a whole, which is not supported", "decompress it by zstd -d FILE");
     } else {
       missing.push_back(name);
       listed.missing.push_back({name, listed.files.size()});
     }
   }
   if (parts.files.empty())
-    throw InputError(folder, fmt::format("has none of the files that metadata.yaml names: {}", fmt::join(missing, ", ")),
+    throw InputError(folder, fmt::format("has none of the files that metadata.yaml lists: {}", fmt::join(missing, ", ")),
                      "copy them into the folder");
   if (!missing.empty())
     parts.warnings.push_back(
-        fmt::format("metadata.yaml names {}, which {} missing", fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are"));
-  if (listed.files.empty()) return;  // renamed, so that nothing is known of them
+        fmt::format("metadata.yaml lists {}, which {} missing", fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are"));
+  if (listed.files.empty()) return;  // the files were renamed
   if (!unlisted.empty())
-    parts.warnings.push_back(fmt::format("metadata.yaml does not name {}, which is read, too", fmt::join(unlisted, ", ")));
+    parts.warnings.push_back(
+        fmt::format("metadata.yaml does not list {}; the additional files are read as well", fmt::join(unlisted, ", ")));
   for (const std::string& name : unlisted) listed.files.push_back(folder / name);
   parts.files = std::move(listed.files), parts.missing = std::move(listed.missing), parts.counts = metadata.counts;
 }
 
-// The files of the recording that a file is part of, in order; only that file where it is part of none.
-std::vector<std::string> names_of_recording(const fs::path& file) {
+// Lists the files of the recording that a file belongs to, in order; only that file if it belongs to none.
+std::vector<std::string> list_recording_names(const fs::path& file) {
   const std::string own = file.filename().string();
   if (const auto metadata = read_bag_metadata(file.parent_path())) {
     const bool is_listed = std::count(metadata->files.begin(), metadata->files.end(), own) > 0;
@@ -119,7 +120,7 @@ std::vector<std::string> names_of_recording(const fs::path& file) {
   const auto name = parse_part_name(file);
   if (!name) return {own};
   std::vector<fs::path> similar;
-  for (const fs::path& other : bags_in(file.parent_path()))
+  for (const fs::path& other : list_bags(file.parent_path()))
     if (const auto part = parse_part_name(other); part && part->pattern() == name->pattern()) similar.push_back(other);
   std::vector<std::string> out;
   for (const auto& [number, part] : number_parts(similar).value_or(std::map<std::size_t, fs::path>{{name->number, file}}))
@@ -129,27 +130,27 @@ std::vector<std::string> names_of_recording(const fs::path& file) {
 
 BagParts find_part(const fs::path& file) {
   BagParts parts{.files = {file}, .missing = {}, .counts = {}, .warnings = {}};
-  const std::vector<std::string> names = names_of_recording(file);
+  const std::vector<std::string> names = list_recording_names(file);
   if (names.size() < 2) return parts;
   const bool is_first = names.front() == file.filename().string();
   parts.warnings.push_back(fmt::format(
-      "{} is one of {} files of a recording and is read alone{}; name the folder to read all of them", file.filename().string(),
-      names.size(), is_first ? "" : ": its frames are numbered from 0, and masks of the whole recording do not fit"));
+      "{} is one of {} files of a recording and is read alone{}; give the folder to read all of them", file.filename().string(),
+      names.size(), is_first ? "" : ": its frames are numbered from 0, and masks of the whole recording do not match"));
   return parts;
 }
 
 }  // namespace
 
 bool has_bag_ending(const fs::path& file) {
-  const std::string ending = lower_case(file.extension().string());
+  const std::string ending = to_lower_case(file.extension().string());
   return std::find(std::begin(kBagEndings), std::end(kBagEndings), ending) != std::end(kBagEndings);
 }
 
 BagParts find_bag_parts(const fs::path& path) {
   if (!fs::is_directory(path)) return find_part(path);
   BagParts parts;
-  parts.files = bags_in(path);
-  // By their numbers, for 10 comes after 9.
+  parts.files = list_bags(path);
+  // The order is numeric, so that 10 comes after 9.
   std::stable_sort(parts.files.begin(), parts.files.end(),
                    [](const fs::path& a, const fs::path& b) { return a.string().size() < b.string().size(); });
   if (const auto metadata = read_bag_metadata(path); metadata && !metadata->files.empty())

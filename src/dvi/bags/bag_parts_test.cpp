@@ -14,8 +14,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Pair;
 
-// As rosbag2 writes it: rosbag2_cpp/test/rosbag2_cpp/reindex_test_bags/target_metadata/multiple_files of
-// github.com/ros2/rosbag2.
+// Written by rosbag2: rosbag2_cpp/test/rosbag2_cpp/reindex_test_bags/target_metadata/multiple_files of github.com/ros2/rosbag2.
 constexpr const char* kMetadata = R"(rosbag2_bagfile_information:
   version: 4
   storage_identifier: sqlite3
@@ -47,7 +46,7 @@ constexpr const char* kMetadata = R"(rosbag2_bagfile_information:
   compression_mode: ""
 )";
 
-// As PyYAML writes it: rosbag2_py/test/resources/mcap/talker of the same repository.
+// Written by PyYAML: rosbag2_py/test/resources/mcap/talker of the same repository.
 constexpr const char* kSortedMetadata = R"(rosbag2_bagfile_information:
   compression_format: ''
   message_count: 20
@@ -74,7 +73,7 @@ TEST(BagMetadata, MustBeAFile) {
   EXPECT_THAT(input_error([&] { read_bag_metadata(folder.path); }), HasSubstr("metadata.yaml: is a folder"));
 }
 
-TEST(BagMetadata, IsReadAsRosbag2WritesIt) {
+TEST(BagMetadata, IsReadFromFilesOfRosbag2) {
   const TestFolder folder;
   EXPECT_FALSE(read_bag_metadata(folder.path));
   folder.write("metadata.yaml", kMetadata);
@@ -89,7 +88,7 @@ TEST(BagMetadata, IsReadAsRosbag2WritesIt) {
   EXPECT_THAT(sorted->counts, ElementsAre(Pair("/rosout", 11), Pair("/topic", 10)));
 }
 
-TEST(BagMetadata, OtherFilesOfThatNameAreNotRead) {
+TEST(BagMetadata, IgnoresOtherFilesOfThatName) {
   const TestFolder folder;
   for (const char* text : {"", "title: a page\n", "rosbag2"}) {
     folder.write("metadata.yaml", text);
@@ -101,7 +100,7 @@ TEST(BagMetadata, OtherFilesOfThatNameAreNotRead) {
 
 class BagPartsOf : public testing::Test {
  protected:
-  // The names of the parts of a folder with these files.
+  // Returns the names of the parts of a folder with these files.
   BagParts parts(const std::vector<std::string>& files) {
     for (const std::string& file : files) folder.write(file, "x");
     return find_bag_parts(folder.path);
@@ -114,25 +113,25 @@ class BagPartsOf : public testing::Test {
   TestFolder folder;
 };
 
-TEST_F(BagPartsOf, MetadataNamesThoseThatAreMissing) {
+TEST_F(BagPartsOf, ReportsMissingFilesByMetadata) {
   folder.write("metadata.yaml", kMetadata);
   const BagParts found = parts({"drive_0.db3", "drive_2.db3"});
   EXPECT_THAT(names(found), ElementsAre("drive_0.db3", "drive_2.db3"));
   ASSERT_EQ(found.missing.size(), 1U);
   EXPECT_EQ(found.missing[0].name, "drive_1.db3");
   EXPECT_EQ(found.missing[0].position, 1U);
-  EXPECT_THAT(found.warnings, ElementsAre("metadata.yaml names drive_1.db3, which is missing"));
+  EXPECT_THAT(found.warnings, ElementsAre("metadata.yaml lists drive_1.db3, which is missing"));
   EXPECT_THAT(found.counts, Contains(Pair("/topic", 378)));
 }
 
-TEST_F(BagPartsOf, FilesThatMetadataDoesNotNameAreReadToo) {
+TEST_F(BagPartsOf, ReadsFilesThatMetadataDoesNotList) {
   folder.write("metadata.yaml", kMetadata);
   const BagParts found = parts({"drive_0.db3", "drive_1.db3", "drive_2.db3", "added.db3"});
   EXPECT_THAT(names(found), ElementsAre("drive_0.db3", "drive_1.db3", "drive_2.db3", "added.db3"));
-  EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("does not name added.db3")));
+  EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("does not list added.db3")));
 }
 
-TEST_F(BagPartsOf, RenamedFilesAreReadWithoutMetadata) {
+TEST_F(BagPartsOf, ReadsRenamedFilesWithoutMetadata) {
   folder.write("metadata.yaml", kMetadata);
   const BagParts found = parts({"renamed.db3"});
   EXPECT_THAT(names(found), ElementsAre("renamed.db3"));
@@ -140,12 +139,12 @@ TEST_F(BagPartsOf, RenamedFilesAreReadWithoutMetadata) {
   EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("drive_0.db3, drive_1.db3, drive_2.db3, which are missing")));
 }
 
-TEST_F(BagPartsOf, WithoutAnyFileTheNamesAreGiven) {
+TEST_F(BagPartsOf, ReportsTheNamesIfThereIsNoFile) {
   folder.write("metadata.yaml", kMetadata);
-  EXPECT_THAT(input_error([&] { parts({}); }), HasSubstr("none of the files that metadata.yaml names: drive_0.db3"));
+  EXPECT_THAT(input_error([&] { parts({}); }), HasSubstr("none of the files that metadata.yaml lists: drive_0.db3"));
 }
 
-TEST_F(BagPartsOf, CompressedFilesAreNamed) {
+TEST_F(BagPartsOf, RefusesCompressedFiles) {
   std::string text = kMetadata;
   text.replace(text.find("drive_1.db3"), 11, "drive_1.db3.zstd");
   folder.write("metadata.yaml", text);
@@ -154,7 +153,7 @@ TEST_F(BagPartsOf, CompressedFilesAreNamed) {
   EXPECT_THAT(parts({"drive_1.db3", "drive_2.db3"}).warnings, IsEmpty()) << "decompressed beside it";
 }
 
-TEST_F(BagPartsOf, NumbersInNamesShowWhatIsMissing) {
+TEST_F(BagPartsOf, ReportsMissingFilesByNumber) {
   const BagParts found = parts({"d_2019-07-01-12-00-00_0.bag", "d_2019-07-01-12-00-30_1.bag", "d_2019-07-01-12-05-00_10.bag"});
   EXPECT_THAT(found.files, testing::SizeIs(3));
   EXPECT_THAT(found.missing, testing::SizeIs(8));
@@ -162,16 +161,16 @@ TEST_F(BagPartsOf, NumbersInNamesShowWhatIsMissing) {
   EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("part 2, part 3")));
 }
 
-TEST_F(BagPartsOf, OtherNumbersInNamesMeanNothing) {
+TEST_F(BagPartsOf, IgnoresOtherNumbersInNames) {
   EXPECT_THAT(parts({"2011_09_26.bag", "2011_09_28.bag"}).warnings, IsEmpty()) << "dates";
-  EXPECT_THAT(parts({"run_0.bag"}).warnings, IsEmpty()) << "beside files of other names";
+  EXPECT_THAT(parts({"run_0.bag"}).warnings, IsEmpty()) << "beside files with other names";
 }
 
-TEST_F(BagPartsOf, AFileAloneIsNamedAsAPart) {
+TEST_F(BagPartsOf, WarnsOfASinglePart) {
   parts({"drive_0.db3", "drive_1.db3", "drive_2.db3", "other.db3"});
   const auto warnings = [&](const char* file) { return find_bag_parts(folder.path / file).warnings; };
   EXPECT_THAT(warnings("drive_1.db3"), ElementsAre(AllOf(HasSubstr("drive_1.db3 is one of 3 files"),
-                                                         HasSubstr("masks of the whole recording do not fit"))));
+                                                         HasSubstr("masks of the whole recording do not match"))));
   EXPECT_THAT(warnings("drive_0.db3"), ElementsAre(testing::Not(HasSubstr("masks"))));
   EXPECT_THAT(warnings("other.db3"), IsEmpty());
   folder.write("metadata.yaml", kMetadata);
@@ -179,7 +178,7 @@ TEST_F(BagPartsOf, AFileAloneIsNamedAsAPart) {
   EXPECT_THAT(warnings("other.db3"), IsEmpty());
 }
 
-// A topic of 20 images, 100 ms apart, in files of five, of which some are missing.
+// A topic of 20 images, 100 ms apart, in files of five, some of which are missing.
 class SplitTopic : public testing::Test {
  protected:
   static constexpr std::int64_t kStepNs = 100'000'000;
@@ -205,20 +204,20 @@ class SplitTopic : public testing::Test {
     bag.topics.push_back(topic);
     return number_frames(BagMessages("drive", bag), topic, entries);
   }
-  std::optional<std::size_t> count;  // by metadata.yaml
+  std::optional<std::size_t> count;  // stated by metadata.yaml
   std::int64_t jitter_ns = 0;
 
  private:
   std::vector<std::size_t> removed_;
 };
 
-TEST_F(SplitTopic, CompleteItIsNumberedFrom0) {
+TEST_F(SplitTopic, IsNumberedFrom0IfComplete) {
   const FrameNumbers found = numbers();
   EXPECT_THAT(found.missing_before, ElementsAre(0, 0, 0, 0));
   EXPECT_THAT(found.missing, IsEmpty());
 }
 
-TEST_F(SplitTopic, CountsNumberTheFramesAfterAMissingFile) {
+TEST_F(SplitTopic, NumbersFramesAfterAMissingFileByCounts) {
   remove_file(1);
   count = 20, jitter_ns = 60'000'000;
   const FrameNumbers found = numbers();
@@ -227,13 +226,13 @@ TEST_F(SplitTopic, CountsNumberTheFramesAfterAMissingFile) {
   EXPECT_FALSE(found.is_estimated);
 }
 
-TEST_F(SplitTopic, CountsNumberTheFramesAfterAMissingFirstFile) {
+TEST_F(SplitTopic, NumbersFramesAfterAMissingFirstFileByCounts) {
   remove_file(0);
   count = 20;
   EXPECT_THAT(numbers().missing_before, ElementsAre(5, 5, 5));
 }
 
-TEST_F(SplitTopic, RegularTimesDoWithoutCounts) {
+TEST_F(SplitTopic, NumbersFramesByRegularTimesWithoutCounts) {
   remove_file(1);
   jitter_ns = 5'000'000;
   const FrameNumbers found = numbers();
@@ -241,7 +240,7 @@ TEST_F(SplitTopic, RegularTimesDoWithoutCounts) {
   EXPECT_TRUE(found.is_estimated);
 }
 
-TEST_F(SplitTopic, SeveralGapsNeedRegularTimesThatFitTheCounts) {
+TEST_F(SplitTopic, RequiresRegularTimesThatMatchTheCountsForSeveralGaps) {
   remove_file(0);
   remove_file(2);
   count = 20;
@@ -250,7 +249,7 @@ TEST_F(SplitTopic, SeveralGapsNeedRegularTimesThatFitTheCounts) {
   EXPECT_THAT(found.missing, ElementsAre("0-4", "10-14"));
 }
 
-TEST_F(SplitTopic, AMissingLastFileChangesNoNumber) {
+TEST_F(SplitTopic, KeepsNumbersIfTheLastFileIsMissing) {
   remove_file(3);
   jitter_ns = 60'000'000;
   EXPECT_THAT(numbers().missing_before, ElementsAre(0, 0, 0));
@@ -258,14 +257,14 @@ TEST_F(SplitTopic, AMissingLastFileChangesNoNumber) {
   EXPECT_THAT(numbers().missing_before, ElementsAre(0, 0, 0));
 }
 
-TEST_F(SplitTopic, UnknownNumbersAreRefused) {
+TEST_F(SplitTopic, RefusesUnknownNumbers) {
   remove_file(1);
   jitter_ns = 60'000'000;
   EXPECT_THAT(input_error([&] { numbers(); }),
               AllOf(HasSubstr("part_1 is missing"), HasSubstr("/image"), HasSubstr("restore")));
 }
 
-TEST_F(SplitTopic, CountsThatDoNotFitAreRefused) {
+TEST_F(SplitTopic, RefusesInconsistentCounts) {
   remove_file(1);
   jitter_ns = 60'000'000;
   for (const std::size_t wrong : {3UL, 4'000'000'000'000UL}) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kRos1Magic = "#ROSBAG V2.0\n";
 
-// Of the records, those that matter (https://wiki.ros.org/Bags/Format/2.0).
+// The opcodes of the records that are read (https://wiki.ros.org/Bags/Format/2.0).
 enum Ros1Op : std::uint8_t { message_data_op = 2, bag_header_op = 3, index_data_op = 4, chunk_op = 5, connection_op = 7 };
 
 // The fields "name=value" of a record's header.
@@ -48,12 +48,12 @@ class Ros1Fields {
 
 struct Ros1Record {
   Ros1Fields fields;
-  std::uint64_t data = 0, length = 0;  ///< of the data: place in the file and bytes
+  std::uint64_t data = 0, length = 0;  ///< position in the file and size of the record's data
 
   std::uint64_t end() const { return data + length; }
 };
 
-Ros1Record record_at(const BagFile& file, std::uint64_t at) {
+Ros1Record read_record(const BagFile& file, std::uint64_t at) {
   const auto number = [&](std::uint64_t place) {
     const std::string bytes = file.read(place, 4);
     return std::uint64_t{ByteCursor(bytes).take<std::uint32_t>()};
@@ -68,8 +68,8 @@ Ros1Record record_at(const BagFile& file, std::uint64_t at) {
   }
 }
 
-std::string unpacked_ros1_chunk(const BagFile& file, std::uint64_t at) {
-  const Ros1Record record = record_at(file, at);
+std::string unpack_ros1_chunk(const BagFile& file, std::uint64_t at) {
+  const Ros1Record record = read_record(file, at);
   try {
     return unpack(record.fields.text("compression"), file.read(record.data, record.length),
                   record.fields.number<std::uint32_t>("size"));
@@ -86,11 +86,11 @@ class Ros1Scan {
 
   Bag run() {
     if (file_.size() < kRos1Magic.size() || file_.read(0, kRos1Magic.size()) != kRos1Magic)
-      throw InputError(file_.path(), "is no ROS 1 bag of version 2.0", "its first line is not #ROSBAG V2.0");
-    std::optional<std::uint64_t> chunk;  // whose index has not come yet
+      throw InputError(file_.path(), "is not a ROS 1 bag of version 2.0", "its first line is not #ROSBAG V2.0");
+    std::optional<std::uint64_t> chunk;  // whose index has not been read yet
     for (std::uint64_t at = kRos1Magic.size(); at < file_.size();) {
-      const Ros1Record record = record_at(file_, at);
-      guarded(at, [&] {
+      const Ros1Record record = read_record(file_, at);
+      guard(at, [&] {
         const auto op = record.fields.number<std::uint8_t>("op");
         if (chunk && op != index_data_op) walk(*chunk);
         if (op == index_data_op && chunk_of_index_) index(record);
@@ -101,8 +101,8 @@ class Ros1Scan {
       });
       at = record.end();
     }
-    if (chunk) guarded(*chunk, [&] { walk(*chunk); });
-    return bag();
+    if (chunk) guard(*chunk, [&] { walk(*chunk); });
+    return make_bag();
   }
 
  private:
@@ -124,9 +124,9 @@ class Ros1Scan {
     }
   }
 
-  // A chunk without an index, as a recorder that was killed leaves it.
+  // Reads the messages of a chunk without an index, as left by a killed recorder.
   void walk(std::uint64_t place) {
-    const std::string chunk = unpacked_ros1_chunk(file_, place);
+    const std::string chunk = unpack_ros1_chunk(file_, place);
     ByteCursor cursor(chunk);
     while (!cursor.empty()) {
       const std::uint64_t at = chunk.size() - cursor.left();
@@ -139,10 +139,11 @@ class Ros1Scan {
     }
   }
 
-  Bag bag() {
-    std::map<std::string, BagTopic> by_name;  // several publishers of a topic have a connection each
+  Bag make_bag() {
+    std::map<std::string, BagTopic> by_name;  // each publisher of a topic has a connection of its own
     for (auto& [id, topic] : topics_) {
-      if (topic.name.empty()) file_.fail(file_.size(), fmt::format("no connection {} is there, and messages are of it", id));
+      if (topic.name.empty())
+        file_.fail(file_.size(), fmt::format("messages refer to connection {}, which does not exist", id));
       BagTopic& joined = by_name[topic.name];
       joined.name = topic.name, joined.type = topic.type, joined.encoding = topic.encoding;
       joined.messages.insert(joined.messages.end(), topic.messages.begin(), topic.messages.end());
@@ -151,7 +152,7 @@ class Ros1Scan {
     out.files = {file_.path()};
     for (auto& [name, topic] : by_name) out.topics.push_back(std::move(topic));
     const auto chunks =
-        std::make_shared<BagChunks>([file = file_](std::uint64_t place) { return unpacked_ros1_chunk(file, place); });
+        std::make_shared<BagChunks>([file = file_](std::uint64_t place) { return unpack_ros1_chunk(file, place); });
     out.read = [file = file_, chunks](const BagEntry& entry) {
       const std::shared_ptr<const std::string> chunk = (*chunks)[entry.chunk];
       try {
@@ -160,13 +161,13 @@ class Ros1Scan {
         cursor.take_sized<std::uint32_t>();
         return std::string(cursor.take_sized<std::uint32_t>());
       } catch (const std::out_of_range&) {
-        file.fail(entry.chunk, "the index of a chunk points behind its end");
+        file.fail(entry.chunk, "the index of a chunk points beyond its end");
       }
     };
     return out;
   }
 
-  void guarded(std::uint64_t at, const std::function<void()>& parse) const {
+  void guard(std::uint64_t at, const std::function<void()>& parse) const {
     try {
       parse();
     } catch (const std::out_of_range&) {

@@ -28,14 +28,14 @@ bool is_poses(const BagTopic& topic) {
 
 bool is_scans(const BagTopic& topic) { return topic.type == kCloudType || is_livox(topic); }
 
-// Types of messages that hold images or scans and are not read.
+// Types of messages with images or scans that are not supported.
 struct UnreadType {
   const char* type;
   const char* content;
   const char* remedy;
 };
 
-constexpr const char* kRepublish = "republish it as sensor_msgs/Image (ros2 run image_transport republish) and record that";
+constexpr const char* kRepublish = "republish it as sensor_msgs/Image (ros2 run image_transport republish) and record it";
 constexpr const char* kConvertPackets = "play it with the driver of the sensor, and record its sensor_msgs/PointCloud2";
 constexpr UnreadType kUnreadTypes[] = {
     {"ffmpeg_image_transport_msgs/FFMPEGPacket", "compressed video", kRepublish},
@@ -50,25 +50,25 @@ constexpr UnreadType kUnreadTypes[] = {
     {"nebula_msgs/NebulaPackets", "packets of a LiDAR", kConvertPackets},
     {"rslidar_msg/RslidarPacket", "packets of a LiDAR", kConvertPackets},
     {"rslidar_msgs/rslidarScan", "packets of a LiDAR", kConvertPackets},
-    {"sensor_msgs/PointCloud", "points in a retired format", "convert it to sensor_msgs/PointCloud2"},
-    {"sensor_msgs/LaserScan", "scans of one plane", "scans in three dimensions are needed"},
+    {"sensor_msgs/PointCloud", "points in a deprecated format", "convert it to sensor_msgs/PointCloud2"},
+    {"sensor_msgs/LaserScan", "scans of one plane", "scans in three dimensions are required"},
 };
 
 bool has_word(const std::string& text, const char* word) { return text.find(word) != std::string::npos; }
 
-std::string base_of(const BagTopic& topic) {
+std::string find_base(const BagTopic& topic) {
   const std::string ending = "/compressed";
   return is_compressed(topic) && topic.name.ends_with(ending) ? topic.name.substr(0, topic.name.size() - ending.size())
                                                               : topic.name;
 }
 
-std::string folder_of(const std::string& topic) {
+std::string find_folder(const std::string& topic) {
   return topic.substr(0, topic.rfind('/') == std::string::npos ? 0 : topic.rfind('/'));
 }
 
-// /cam0/image_raw is cam0; where the last part says more than "image", it stays.
-std::string name_of_camera(const std::string& base) {
-  std::string name = base.substr(base.rfind('/') + 1).starts_with("image") ? folder_of(base) : base;
+// Returns cam0 for /cam0/image_raw; keeps the last part if it is more specific than "image".
+std::string make_camera_name(const std::string& base) {
+  std::string name = base.substr(base.rfind('/') + 1).starts_with("image") ? find_folder(base) : base;
   while (name.starts_with('/')) name.erase(0, 1);
   std::replace(name.begin(), name.end(), '/', '_');
   return name.empty() ? "camera" : name;
@@ -96,27 +96,27 @@ class TopicChooser {
         info = require(topic, "sensor_msgs/CameraInfo", [](const BagTopic& t) { return t.type == kInfoType; });
       } else if (key == "poses") {
         choice.poses = require(topic, "poses", is_poses);
-        choice.named_poses = true;
+        choice.has_named_poses = true;
       } else if (key == "gps") {
         choice.gps = require(topic, kFixType, [](const BagTopic& t) { return t.type == kFixType; });
       } else {
         throw UsageError(fmt::format(
-            "--topic {}: it is image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC, poses=TOPIC or gps=TOPIC", text));
+            "--topic {}: expected image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC, poses=TOPIC or gps=TOPIC", text));
       }
     }
     if (images.empty()) images = guess_images(&TopicChooser::is_color);
     if (images.empty()) images = guess_images(&TopicChooser::is_gray);
     if (images.empty()) fail("no topic of images" + explain_unread());
     for (const BagTopic* topic : images)
-      choice.cameras.push_back({name_of_camera(base_of(*topic)), topic, info ? info : info_of(*topic)});
+      choice.cameras.push_back({make_camera_name(find_base(*topic)), topic, info ? info : find_info(*topic)});
     make_unique(choice.cameras);
     if (choice.points == nullptr && choice.depth.images == nullptr) choice.points = guess_points();
     if (choice.points == nullptr && choice.depth.images == nullptr) choice.depth.images = guess_depth(choice.cameras);
     if (choice.points == nullptr && choice.depth.images == nullptr)
       fail("no topic of sensor_msgs/PointCloud2 and none of depth images" + explain_unread());
-    if (choice.depth.images != nullptr) choice.depth.name = "depth", choice.depth.info = info_of(*choice.depth.images);
+    if (choice.depth.images != nullptr) choice.depth.name = "depth", choice.depth.info = find_info(*choice.depth.images);
     if (choice.poses == nullptr) choice.poses = guess_poses();
-    if (choice.gps == nullptr) choice.gps = most_messages(kFixType);
+    if (choice.gps == nullptr) choice.gps = find_most_messages(kFixType);
     return choice;
   }
 
@@ -128,7 +128,7 @@ class TopicChooser {
         if (!fits(topic)) fail(fmt::format("topic {} of {}, which holds no {}", name, topic.type, what));
         if (topic.encoding == BagEncoding::other || topic.messages.empty())
           fail(fmt::format("topic {} {}", name,
-                           topic.messages.empty() ? "without messages" : "in an encoding that is not read"));
+                           topic.messages.empty() ? "without messages" : "in an encoding that is not supported"));
         return &topic;
       }
     fail(fmt::format("no topic {}", name));
@@ -141,7 +141,7 @@ class TopicChooser {
     throw InputError(path_, "has " + what, fmt::format("it has {}", fmt::join(topics, ", ")));
   }
 
-  // What the topics of images and scans hold that are not used.
+  // Describes the topics with images or scans that are not used.
   std::string explain_unread() const {
     std::string text;
     for (const BagTopic& topic : bag_.topics) {
@@ -157,15 +157,16 @@ class TopicChooser {
     return text;
   }
 
-  static bool usable(const BagTopic& topic) { return topic.encoding != BagEncoding::other && !topic.messages.empty(); }
+  static bool is_usable(const BagTopic& topic) { return topic.encoding != BagEncoding::other && !topic.messages.empty(); }
 
-  // Each camera once: as it is, rather than compressed.
+  // Lists one topic per camera; raw images take precedence over compressed ones.
   std::vector<const BagTopic*> guess_images(bool (TopicChooser::*fits)(const BagTopic&) const) const {
     std::map<std::string, const BagTopic*> by_base;
     for (const BagTopic& topic : bag_.topics) {
-      if (!is_images(topic) || !usable(topic) || has_word(topic.name, "depth") || has_word(topic.name, "disparity")) continue;
+      if (!is_images(topic) || !is_usable(topic) || has_word(topic.name, "depth") || has_word(topic.name, "disparity"))
+        continue;
       if (!(this->*fits)(topic)) continue;
-      const BagTopic*& known = by_base[base_of(topic)];
+      const BagTopic*& known = by_base[find_base(topic)];
       if (known == nullptr || is_compressed(*known)) known = &topic;
     }
     std::vector<const BagTopic*> out;
@@ -173,8 +174,8 @@ class TopicChooser {
     return out;
   }
 
-  // The first image without its pixels; none where it cannot be read, which is reported when it is used.
-  std::optional<RosImage> first_image(const BagTopic& topic) const {
+  // Reads the first image without its pixels. Returns nothing if it cannot be read, which is reported on use.
+  std::optional<RosImage> read_first_image(const BagTopic& topic) const {
     try {
       const std::string message = unpack_message(bag_.read(topic.messages.front()));
       RosImage image = parse_image(message, topic.encoding);
@@ -187,7 +188,7 @@ class TopicChooser {
 
   bool is_color(const BagTopic& topic) const {
     if (is_compressed(topic)) return !is_compressed_depth(topic);
-    const auto image = first_image(topic);
+    const auto image = read_first_image(topic);
     return !image || !is_depth(*image);
   }
 
@@ -199,18 +200,18 @@ class TopicChooser {
     }
   }
 
-  // Gray of 16 bits, which some depth cameras use for depth.
+  // Returns whether images are gray of 16 bits, which some depth cameras use for depth.
   bool is_gray(const BagTopic& topic) const {
-    const auto image = is_compressed(topic) ? std::nullopt : first_image(topic);
+    const auto image = is_compressed(topic) ? std::nullopt : read_first_image(topic);
     return image && image->encoding == "mono16";
   }
 
-  // Those of which there are most, not compressed: of one size with the images rather than raw.
+  // Returns the depth topic with the most messages that is not compressed. Registered depth takes precedence over raw depth.
   const BagTopic* guess_depth(const std::vector<BagCamera>& cameras) const {
     const BagTopic* best = nullptr;
     for (const BagTopic& topic : bag_.topics) {
       if (std::any_of(cameras.begin(), cameras.end(), [&](const BagCamera& c) { return c.images == &topic; })) continue;
-      if (topic.type != "sensor_msgs/Image" || !usable(topic) || is_color(topic)) continue;
+      if (topic.type != "sensor_msgs/Image" || !is_usable(topic) || is_color(topic)) continue;
       const auto registered = [](const BagTopic& t) { return has_word(t.name, "registered") || has_word(t.name, "aligned"); };
       const auto rank = [&](const BagTopic& t) { return std::pair(registered(t), t.messages.size()); };
       if (best == nullptr || rank(topic) > rank(*best)) best = &topic;
@@ -218,11 +219,11 @@ class TopicChooser {
     return best;
   }
 
-  // The one in the folder of the images, or in the nearest above it.
-  const BagTopic* info_of(const BagTopic& images) const {
-    for (std::string folder = folder_of(base_of(images));; folder = folder_of(folder)) {
+  // Returns the calibration in the folder of the images, or in the nearest one above it.
+  const BagTopic* find_info(const BagTopic& images) const {
+    for (std::string folder = find_folder(find_base(images));; folder = find_folder(folder)) {
       for (const BagTopic& topic : bag_.topics)
-        if (topic.type == kInfoType && usable(topic) && folder_of(topic.name) == folder) return &topic;
+        if (topic.type == kInfoType && is_usable(topic) && find_folder(topic.name) == folder) return &topic;
       if (folder.empty()) return nullptr;
     }
   }
@@ -233,12 +234,12 @@ class TopicChooser {
       if (const int count = ++counts[camera.name]; count > 1) camera.name += fmt::format("_{}", count);
   }
 
-  // A map, too, can be a message; scans are many.
+  // A map can be a point cloud as well, but the scans have the most messages.
   const BagTopic* guess_points() const {
     const BagTopic* best = nullptr;
     std::pair<bool, double> most;
     for (const BagTopic& topic : bag_.topics) {
-      if (!is_scans(topic) || !usable(topic)) continue;
+      if (!is_scans(topic) || !is_usable(topic)) continue;
       const double bytes =
           static_cast<double>(bag_.read(topic.messages.front()).size()) * static_cast<double>(topic.messages.size());
       const std::pair rank(topic.messages.size() > 1, bytes);
@@ -247,17 +248,17 @@ class TopicChooser {
     return best;
   }
 
-  const BagTopic* most_messages(const char* type) const {
+  const BagTopic* find_most_messages(const char* type) const {
     const BagTopic* best = nullptr;
     for (const BagTopic& topic : bag_.topics)
-      if (topic.type == type && usable(topic) && (best == nullptr || topic.messages.size() > best->messages.size()))
+      if (topic.type == type && is_usable(topic) && (best == nullptr || topic.messages.size() > best->messages.size()))
         best = &topic;
     return best;
   }
 
   const BagTopic* guess_poses() const {
     for (const char* type : kPoseTypes)
-      if (const BagTopic* best = most_messages(type)) return best;
+      if (const BagTopic* best = find_most_messages(type)) return best;
     return nullptr;
   }
 
@@ -280,7 +281,7 @@ BagChoice choose_topics(const fs::path& path, const Bag& bag, const std::vector<
   return TopicChooser(path, bag).run(named);
 }
 
-double rate_of(const BagTopic& topic) {
+double compute_rate_hz(const BagTopic& topic) {
   if (topic.messages.size() < 2) return 0;
   const auto span = static_cast<double>(topic.messages.back().time_ns - topic.messages.front().time_ns);
   return span > 0 ? 1e9 * static_cast<double>(topic.messages.size() - 1) / span : 0;
@@ -289,7 +290,7 @@ double rate_of(const BagTopic& topic) {
 std::vector<RecordedTopic> list_topics(const Bag& bag, const BagChoice& choice) {
   std::vector<RecordedTopic> out;
   for (const BagTopic& topic : bag.topics) {
-    RecordedTopic row{topic.name, topic.type, topic.messages.size(), rate_of(topic), ""};
+    RecordedTopic row{topic.name, topic.type, topic.messages.size(), compute_rate_hz(topic), ""};
     for (const BagCamera& camera : choice.cameras) {
       if (camera.images == &topic) row.use = "images of " + camera.name;
       if (camera.info == &topic) row.use = "calibration of " + camera.name;
@@ -298,8 +299,8 @@ std::vector<RecordedTopic> list_topics(const Bag& bag, const BagChoice& choice) 
     if (choice.depth.images == &topic) row.use = "depth images";
     if (choice.depth.info == &topic && row.use.empty()) row.use = "calibration of the depth images";
     if (choice.poses == &topic) row.use = "poses";
-    if (choice.gps == &topic) row.use = "place on Earth";
-    if (is_tf(topic)) row.use = "places of the sensors";
+    if (choice.gps == &topic) row.use = "position on Earth";
+    if (is_tf(topic)) row.use = "poses of the sensors";
     out.push_back(std::move(row));
   }
   return out;

@@ -42,20 +42,20 @@ class TopicsOf : public testing::Test {
   std::vector<std::string> messages_;
 };
 
-TEST_F(TopicsOf, VideoIsNamedWithARemedy) {
+TEST_F(TopicsOf, RefusesVideoWithARemedy) {
   add("/camera/ffmpeg", "ffmpeg_image_transport_msgs/FFMPEGPacket");
   add("/points", "sensor_msgs/PointCloud2");
   EXPECT_THAT(error(), AllOf(HasSubstr("no topic of images; /camera/ffmpeg holds compressed video"), HasSubstr("republish"),
                              HasSubstr("it has /camera/ffmpeg")));
 }
 
-TEST_F(TopicsOf, PacketsAreNamedWithARemedy) {
+TEST_F(TopicsOf, RefusesPacketsWithARemedy) {
   add_image("/camera/image_raw", "rgb8");
   add("/velodyne_packets", "velodyne_msgs/VelodyneScan");
   EXPECT_THAT(error(), AllOf(HasSubstr("/velodyne_packets holds packets of a LiDAR"), HasSubstr("sensor_msgs/PointCloud2")));
 }
 
-TEST_F(TopicsOf, LivoxIsScans) {
+TEST_F(TopicsOf, ReadsLivoxAsScans) {
   add_image("/camera/image_raw", "rgb8");
   std::size_t bytes = 10;
   for (const char* type : {"livox_ros_driver/CustomMsg", "livox_ros_driver2/CustomMsg", "livox_interfaces/CustomMsg"}) {
@@ -64,7 +64,7 @@ TEST_F(TopicsOf, LivoxIsScans) {
   }
 }
 
-TEST_F(TopicsOf, GrayOf16BitsIsImagesWhereThereAreNoOthers) {
+TEST_F(TopicsOf, ReadsGrayOf16BitsAsImagesIfThereAreNoOthers) {
   add_image("/left/image_raw", "mono16");
   add("/points", "sensor_msgs/PointCloud2", "x");
   EXPECT_EQ(choose().cameras.front().images->name, "/left/image_raw");
@@ -74,7 +74,7 @@ TEST_F(TopicsOf, GrayOf16BitsIsImagesWhereThereAreNoOthers) {
   EXPECT_EQ(choose({"image=/left/image_raw"}).cameras.front().images->name, "/left/image_raw");
 }
 
-TEST_F(TopicsOf, GrayOf16BitsIsNotImagesAndDepthAtOnce) {
+TEST_F(TopicsOf, DoesNotReadGrayOf16BitsAsImagesAndDepth) {
   add_image("/left/image_raw", "mono16");
   EXPECT_THAT(error(), HasSubstr("none of depth images"));
   add_image("/depth/image_raw", "mono16");
@@ -82,7 +82,7 @@ TEST_F(TopicsOf, GrayOf16BitsIsNotImagesAndDepthAtOnce) {
   EXPECT_EQ(choose().depth.images->name, "/depth/image_raw");
 }
 
-TEST_F(TopicsOf, DepthAloneIsExplained) {
+TEST_F(TopicsOf, ExplainsUnusedDepth) {
   add_image("/camera/image_rect_raw", "16UC1");
   add("/points", "sensor_msgs/PointCloud2", "x");
   EXPECT_THAT(error(), HasSubstr("/camera/image_rect_raw holds depth by its encoding"));

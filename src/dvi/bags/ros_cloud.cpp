@@ -14,19 +14,19 @@
 namespace dvi::bags {
 namespace {
 
-// sensor_msgs/PointField: what a number of a point is, and where.
+// sensor_msgs/PointField: name, position and type of a number of a point.
 struct RosPointField {
   std::uint32_t offset = 0;
   std::uint8_t type = 0;
 };
 
-std::size_t bytes_of_type(std::uint8_t type) {
+std::size_t count_bytes(std::uint8_t type) {
   constexpr std::size_t kBytes[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
   return type < std::size(kBytes) ? kBytes[type] : 0;
 }
 
 template <class T>
-double loaded(const char* at, bool swap) {
+double load(const char* at, bool swap) {
   char raw[sizeof(T)];
   std::memcpy(raw, at, sizeof(T));
   if (swap) std::reverse(raw, raw + sizeof(T));
@@ -39,27 +39,27 @@ double load_field(const RosPointField& field, const char* point, bool swap) {
   const char* at = point + field.offset;
   switch (field.type) {
     case 1:
-      return loaded<std::int8_t>(at, swap);
+      return load<std::int8_t>(at, swap);
     case 2:
-      return loaded<std::uint8_t>(at, swap);
+      return load<std::uint8_t>(at, swap);
     case 3:
-      return loaded<std::int16_t>(at, swap);
+      return load<std::int16_t>(at, swap);
     case 4:
-      return loaded<std::uint16_t>(at, swap);
+      return load<std::uint16_t>(at, swap);
     case 5:
-      return loaded<std::int32_t>(at, swap);
+      return load<std::int32_t>(at, swap);
     case 6:
-      return loaded<std::uint32_t>(at, swap);
+      return load<std::uint32_t>(at, swap);
     case 7:
-      return loaded<float>(at, swap);
+      return load<float>(at, swap);
     default:
-      return loaded<double>(at, swap);
+      return load<double>(at, swap);
   }
 }
 
 using RosPointFields = std::map<std::string, RosPointField>;
 
-std::optional<RosPointField> first_of(const RosPointFields& fields, std::initializer_list<const char*> names) {
+std::optional<RosPointField> find_first(const RosPointFields& fields, std::initializer_list<const char*> names) {
   for (const char* name : names)
     if (const auto field = fields.find(name); field != fields.end()) return field->second;
   return std::nullopt;
@@ -68,12 +68,12 @@ std::optional<RosPointField> first_of(const RosPointFields& fields, std::initial
 }  // namespace
 
 RosCloud parse_cloud(std::string_view message, BagEncoding encoding) {
-  constexpr std::size_t kLeastField = 4 + 4 + 1 + 4;
+  constexpr std::size_t kMinFieldBytes = 4 + 4 + 1 + 4;
   RosFields fields(message, encoding);
   RosCloud cloud{.header = take_header(fields), .points = {}, .intensity = {}, .ring = {}, .times = {}, .time_field = {}};
   const std::uint64_t height = fields.number<std::uint32_t>(), width = fields.number<std::uint32_t>();
   RosPointFields columns;
-  for (std::uint32_t left = fields.length(kLeastField); left > 0; --left) {
+  for (std::uint32_t left = fields.length(kMinFieldBytes); left > 0; --left) {
     const std::string name = fields.text();
     RosPointField field;
     field.offset = fields.number<std::uint32_t>();
@@ -84,18 +84,18 @@ RosCloud parse_cloud(std::string_view message, BagEncoding encoding) {
   const bool swap = fields.number<std::uint8_t>() != 0;
   const std::uint64_t step = fields.number<std::uint32_t>();
   std::uint64_t row_step = fields.number<std::uint32_t>();
-  if (height == 1) row_step = width * step;  // which some writers leave 0
+  if (height == 1) row_step = width * step;  // some writers set it to 0
   const std::string_view data = fields.bytes();
-  const auto x = first_of(columns, {"x"}), y = first_of(columns, {"y"}), z = first_of(columns, {"z"});
+  const auto x = find_first(columns, {"x"}), y = find_first(columns, {"y"}), z = find_first(columns, {"z"});
   if (!x || !y || !z) throw std::invalid_argument("its points have no fields x, y and z");
   for (const auto& [name, field] : columns)
-    if (const std::size_t bytes = bytes_of_type(field.type); bytes == 0 || field.offset > step || bytes > step - field.offset)
+    if (const std::size_t bytes = count_bytes(field.type); bytes == 0 || field.offset > step || bytes > step - field.offset)
       throw std::invalid_argument(fmt::format("its field '{}' lies outside of a point of {} bytes", name, step));
   if (width > 0 && height > 0 && (row_step < width * step || data.size() < (height - 1) * row_step + width * step))
     throw std::invalid_argument(
         fmt::format("{} bytes are not {} times {} points of {} bytes", data.size(), height, width, step));
-  const auto intensity = first_of(columns, {"intensity", "i", "reflectivity", "signal"});
-  const auto ring = first_of(columns, {"ring", "channel", "line", "laser_id"});
+  const auto intensity = find_first(columns, {"intensity", "i", "reflectivity", "signal"});
+  const auto ring = find_first(columns, {"ring", "channel", "line", "laser_id"});
   std::vector<std::string> names;
   for (const auto& [name, field] : columns) names.push_back(name);
   const std::optional<std::size_t> time_field = media::find_time_field(names);
@@ -123,14 +123,14 @@ RosCloud parse_livox(std::string_view message, BagEncoding encoding) {
   RosCloud cloud{
       .header = take_header(fields), .points = {}, .intensity = {}, .ring = {}, .times = {}, .time_field = "offset_time"};
   fields.number<std::uint64_t>();                                 // time base: the time of the header, by the sensor's clock
-  fields.number<std::uint32_t>();                                 // number of points, which the list has, too
+  fields.number<std::uint32_t>();                                 // number of points, which the list states as well
   for (int i = 0; i < 1 + 3; ++i) fields.number<std::uint8_t>();  // number of the sensor, reserved bytes
   for (std::uint32_t left = fields.length(kPointBytes); left > 0; --left) {
     const double offset_time = fields.number<std::uint32_t>();
     Eigen::Vector3f p;
     for (float& coordinate : p) coordinate = fields.number<float>();
     const auto reflectivity = fields.number<std::uint8_t>();
-    fields.number<std::uint8_t>();  // tag: which return it is, and how sure
+    fields.number<std::uint8_t>();  // tag: the number and confidence of the return
     const auto line = fields.number<std::uint8_t>();
     if (!p.allFinite() || p.isZero()) continue;  // no return
     cloud.points.push_back(p);

@@ -11,7 +11,7 @@ using testing::ThrowsMessage;
 
 class RosClouds : public testing::TestWithParam<BagEncoding> {};
 
-// A point of x, y, z and a time of one type.
+// Makes a point of x, y, z and a time of one type.
 template <class T>
 std::vector<double> times_of(BagEncoding encoding, const char* name, std::uint8_t type, std::vector<T> times) {
   MessageBytes bytes(encoding);
@@ -31,7 +31,7 @@ std::vector<double> times_of(BagEncoding encoding, const char* name, std::uint8_
   return cloud.times;
 }
 
-TEST_P(RosClouds, PointsHaveTheTimesOfTheMessage) {
+TEST_P(RosClouds, ReadTheTimesOfPoints) {
   EXPECT_THAT((times_of<std::uint32_t>(GetParam(), "t", 6, {0, 50'000'000})), ElementsAre(0, 5e7));
   EXPECT_THAT((times_of<std::uint32_t>(GetParam(), "offset_time", 6, {1'000'000})), ElementsAre(1e6));
   EXPECT_THAT((times_of<float>(GetParam(), "time", 7, {-0.5F, 0.25F})), ElementsAre(-0.5, 0.25));
@@ -40,8 +40,8 @@ TEST_P(RosClouds, PointsHaveTheTimesOfTheMessage) {
   EXPECT_THAT((times_of<double>(GetParam(), "range", 8, {1.7e9})), ElementsAre());
 }
 
-// The definitions of CustomMsg and CustomPoint in Livox-SDK/livox_ros_driver2 (msg/); in CDR numbers are aligned to their size.
-TEST_P(RosClouds, LivoxPointsAreRead) {
+// The message follows CustomMsg and CustomPoint in Livox-SDK/livox_ros_driver2 (msg/). CDR aligns numbers to their size.
+TEST_P(RosClouds, ReadLivoxPoints) {
   MessageBytes bytes(GetParam());
   bytes.add_header(100, 7, "livox_frame").add<std::uint64_t>(100'000'000'007).add<std::uint32_t>(3);
   bytes.add<std::uint8_t>(1).add<std::uint8_t>(0).add<std::uint8_t>(0).add<std::uint8_t>(0).add<std::uint32_t>(3);
@@ -60,13 +60,12 @@ TEST_P(RosClouds, LivoxPointsAreRead) {
     EXPECT_THROW(parse_livox(bytes.text().substr(0, size), GetParam()), std::invalid_argument) << size;
 }
 
-TEST_P(RosClouds, NumbersOfPointsThatAreNotThereAreRefused) {
+TEST_P(RosClouds, RefuseMoreStatedThanExistingPoints) {
   MessageBytes livox(GetParam());
   livox.add_header(100, 7, "livox_frame").add<std::uint64_t>(0).add<std::uint32_t>(0x80000000);
   for (int i = 0; i < 4; ++i) livox.add<std::uint8_t>(0);
   livox.add<std::uint32_t>(0x80000000);
-  EXPECT_THAT([&] { parse_livox(livox.text(), GetParam()); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("ends too early")));
+  EXPECT_THAT([&] { parse_livox(livox.text(), GetParam()); }, ThrowsMessage<std::invalid_argument>(HasSubstr("is truncated")));
   MessageBytes cloud(GetParam());
   cloud.add_header(100, 7, "lidar").add<std::uint32_t>(0xFFFFFFFF).add<std::uint32_t>(0xFFFFFFFF).add<std::uint32_t>(3);
   for (std::uint32_t axis = 0; axis < 3; ++axis)

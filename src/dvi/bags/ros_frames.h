@@ -10,16 +10,16 @@
 
 namespace dvi::bags {
 
-/// The tree of frames that tf messages tell: each frame has a parent.
+/// The tree of frames described by tf messages: each frame has a parent.
 class RosFrames {
  public:
   void add(const RosMotion& motion, bool is_static);
 
-  /// target_from_source between frames that do not move against each other; none where nothing joins them.
-  std::optional<SE3> between(const std::string& target, const std::string& source) const;
+  /// Returns target_from_source between frames that are stationary relative to each other; nothing if they are not connected.
+  std::optional<SE3> find_transform(const std::string& target, const std::string& source) const;
 
-  /// The motion of a frame against the topmost frame above it; empty where it does not move.
-  Trajectory motion_of(const std::string& frame) const;
+  /// Returns the motion of a frame relative to the topmost frame above it; an empty trajectory if it does not move.
+  Trajectory find_motion(const std::string& frame) const;
 
  private:
   struct Edge {
@@ -27,9 +27,9 @@ class RosFrames {
     std::vector<StampedPose> poses;  // parent_from_child
     bool is_static = false;
   };
-  // Also of publishers that repeat what never changes.
-  static bool constant(const Edge& edge);
-  std::pair<std::string, SE3> root_of(std::string frame) const;
+  // Returns whether the poses of an edge are constant, since some publishers repeat static transforms.
+  static bool is_constant(const Edge& edge);
+  std::pair<std::string, SE3> find_root(std::string frame) const;
 
   std::map<std::string, Edge> edges_;  // by child
 };

@@ -17,13 +17,13 @@
 namespace dvi::bags {
 namespace {
 
-// The type of the pixels, and how they become BGR when they have 8 bits.
+// The type of the pixels and their conversion to BGR from 8 bits.
 struct ImageEncoding {
   int type = CV_8UC3;
   std::optional<int> conversion = {};
 };
 
-// OpenCV names a Bayer pattern by the second row's second and third pixel, ROS by the first ones.
+// OpenCV names a Bayer pattern by the second and third pixel of the second row, ROS by the first two pixels.
 const std::map<std::string, ImageEncoding>& image_encodings() {
   static const std::map<std::string, ImageEncoding> encodings = {
       {"bgr8", {CV_8UC3, std::nullopt}},
@@ -58,21 +58,21 @@ const std::map<std::string, ImageEncoding>& image_encodings() {
   return encodings;
 }
 
-const ImageEncoding& encoding_of(const RosImage& image) {
+const ImageEncoding& find_encoding(const RosImage& image) {
   const auto encoding = image_encodings().find(image.encoding);
   if (encoding == image_encodings().end())
     throw std::invalid_argument(fmt::format(
-        "its encoding '{}' is not supported: rgb, bgr, rgba, bgra, mono and bayer of 8 or 16 bits are, uyvy and yuyv",
+        "its encoding '{}' is not supported; rgb, bgr, rgba, bgra, mono and bayer of 8 or 16 bits, uyvy, and yuyv are",
         image.encoding));
   return encoding->second;
 }
 
-// The pixels of the message, where they lie.
-cv::Mat pixels(const RosImage& image, int type) {
+// Returns the pixels of a message without a copy.
+cv::Mat view_pixels(const RosImage& image, int type) {
   const std::uint64_t row = std::uint64_t{image.width} * CV_ELEM_SIZE(type);
   if (image.width == 0 || image.height == 0 ||
       std::uint64_t{image.width} * image.height > static_cast<std::uint64_t>(kMaxPixels))
-    throw std::invalid_argument(fmt::format("{}x{} pixels are none that dvi reads", image.width, image.height));
+    throw std::invalid_argument(fmt::format("a size of {}x{} pixels is not supported", image.width, image.height));
   if (image.step < row || image.data.size() < (image.height - 1) * std::uint64_t{image.step} + row)
     throw std::invalid_argument(fmt::format("{} bytes in rows of {} are not {}x{} pixels of {}", image.data.size(), image.step,
                                             image.width, image.height, image.encoding));
@@ -80,9 +80,9 @@ cv::Mat pixels(const RosImage& image, int type) {
           image.step};
 }
 
-// The same for pixels of more than 8 bits, as a copy: in the message they lie at any address, in either byte order.
-cv::Mat wide_pixels(const RosImage& image, int type) {
-  cv::Mat bytes = pixels(image, CV_MAKETYPE(CV_8U, CV_ELEM_SIZE(type))).clone();
+// Copies pixels of more than 8 bits, since they may be unaligned in the message and in either byte order.
+cv::Mat copy_wide_pixels(const RosImage& image, int type) {
+  cv::Mat bytes = view_pixels(image, CV_MAKETYPE(CV_8U, CV_ELEM_SIZE(type))).clone();
   const std::size_t size = CV_ELEM_SIZE1(type);
   if (image.is_big_endian)
     for (uchar* at = bytes.data; at != bytes.data + bytes.total() * bytes.elemSize(); at += size) std::reverse(at, at + size);
@@ -95,16 +95,16 @@ cv::Mat to_8_bits(const cv::Mat& image, int value_bits) {
   for (uchar* to = out.data; to != out.data + out.total() * out.elemSize(); ++to, ++from) {
     if (*from >= 1 << value_bits)
       throw std::invalid_argument(
-          fmt::format("it holds the value {}, and other images of the topic were taken as {}-bit images", *from, value_bits));
+          fmt::format("it holds the value {}, but other images of the topic were read as {}-bit images", *from, value_bits));
     *to = static_cast<uchar>(*from >> (value_bits - 8));
   }
   return out;
 }
 
-// Without transparency.
+// Converts an image to BGR with its number of bits, without transparency.
 cv::Mat to_bgr_of_any_depth(const RosImage& image) {
-  const auto& [type, conversion] = encoding_of(image);
-  const cv::Mat raw = CV_MAT_DEPTH(type) == CV_16U ? wide_pixels(image, type) : pixels(image, type);
+  const auto& [type, conversion] = find_encoding(image);
+  const cv::Mat raw = CV_MAT_DEPTH(type) == CV_16U ? copy_wide_pixels(image, type) : view_pixels(image, type);
   cv::Mat out;
   if (conversion)
     cv::cvtColor(raw, out, *conversion);
@@ -119,7 +119,7 @@ int find_largest(const cv::Mat& image) {
   return static_cast<int>(largest);
 }
 
-// Empty where it cannot be decoded.
+// Decodes a file; returns an empty image if that is not possible.
 cv::Mat decode_any_depth(const std::string& file) {
   const cv::Mat1b bytes(1, static_cast<int>(file.size()), reinterpret_cast<uchar*>(const_cast<char*>(file.data())));
   return cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
@@ -157,15 +157,16 @@ bool is_depth(const RosImage& image) {
 
 cv::Mat1w to_depth(const RosImage& image) {
   if (!is_depth(image))
-    throw std::invalid_argument(fmt::format("its encoding '{}' is no depth that dvi reads: 16UC1 or 32FC1", image.encoding));
+    throw std::invalid_argument(
+        fmt::format("its encoding '{}' is not supported for depth; 16UC1 and 32FC1 are", image.encoding));
   const bool meters = image.encoding == "32FC1";
-  const cv::Mat raw = wide_pixels(image, meters ? CV_32FC1 : CV_16UC1);
+  const cv::Mat raw = copy_wide_pixels(image, meters ? CV_32FC1 : CV_16UC1);
   if (!meters) return raw;
   cv::Mat1w out(raw.rows, raw.cols, ushort{0});
-  constexpr float kMost = 65.5F;
+  constexpr float kMaxDepthM = 65.5F;
   for (int y = 0; y < raw.rows; ++y)
     for (int x = 0; x < raw.cols; ++x)
-      if (const float z = raw.at<float>(y, x); z > 0 && z < kMost)  // not NaN: there, nothing was measured
+      if (const float z = raw.at<float>(y, x); z > 0 && z < kMaxDepthM)  // NaN means that nothing was measured
         out(y, x) = static_cast<ushort>(std::lround(1000 * z));
   return out;
 }
@@ -190,8 +191,8 @@ RosCompressedImage parse_image_file(std::string_view message, BagEncoding encodi
 }
 
 bool has_16_bits(const RosCompressedImage& image) {
-  constexpr std::size_t kBitDepth = 24;  // where the header of a PNG has it
-  return image.file.starts_with("\x89PNG") && image.file.size() > kBitDepth && image.file[kBitDepth] == 16;
+  constexpr std::size_t kBitDepthByte = 24;  // in the header of a PNG
+  return image.file.starts_with("\x89PNG") && image.file.size() > kBitDepthByte && image.file[kBitDepthByte] == 16;
 }
 
 int find_largest_value(const RosCompressedImage& image) {

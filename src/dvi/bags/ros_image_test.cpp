@@ -27,7 +27,7 @@ class RosImages : public testing::TestWithParam<BagEncoding> {
   }
 };
 
-TEST_P(RosImages, ImagesOfAllEncodingsAreBgr) {
+TEST_P(RosImages, ConvertAllEncodingsToBgr) {
   const auto image = [&](const std::string& encoding, std::uint32_t step, const std::string& data) {
     const std::string message = this->message(encoding, step, data);
     EXPECT_EQ(parse_image(message, GetParam()).header.stamp_ns, 5'000'000'006);
@@ -42,8 +42,8 @@ TEST_P(RosImages, ImagesOfAllEncodingsAreBgr) {
   EXPECT_THAT([&] { image("rgb8", 3, "\1\2"); }, ThrowsMessage<std::invalid_argument>(HasSubstr("2 bytes")));
 }
 
-// sensor_msgs/image_encodings.hpp: 16 bits per channel, in the byte order that the message names.
-TEST_P(RosImages, SixteenBitsAreScaledByTheBitsInUse) {
+// 16 bits per channel as in sensor_msgs/image_encodings.hpp, in the byte order that the message states.
+TEST_P(RosImages, ScaleSixteenBitsByTheUsedBits) {
   const auto color = [&](const std::string& encoding, const std::string& data, int bits, bool is_big_endian = false) {
     const std::string bytes = message(encoding, static_cast<std::uint32_t>(data.size()), data, is_big_endian);
     return cv::Vec3b(to_bgr(parse_image(bytes, GetParam()), bits)(0, 0));
@@ -55,7 +55,7 @@ TEST_P(RosImages, SixteenBitsAreScaledByTheBitsInUse) {
   EXPECT_EQ(color("bgra16", std::string("\0\1\0\2\0\3\0\4", 8), 16), cv::Vec3b(1, 2, 3));
   EXPECT_EQ(color("rgba16", std::string("\x10\0\x20\0\x30\0\xFF\xFF", 8), 8), cv::Vec3b(0x30, 0x20, 0x10)) << "opaque";
   EXPECT_THAT([&] { color("mono16", std::string("\0\x10", 2), 12); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("4096, and other images of the topic were taken as 12-bit")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("4096, but other images of the topic were read as 12-bit")));
   const auto depth = [&](bool is_big_endian) {
     const std::string bytes = message("16UC1", 2, std::string("\1\2", 2), is_big_endian);
     return to_depth(parse_image(bytes, GetParam()))(0, 0);
@@ -64,18 +64,18 @@ TEST_P(RosImages, SixteenBitsAreScaledByTheBitsInUse) {
   EXPECT_EQ(depth(true), 0x102);
 }
 
-TEST_P(RosImages, TheBitsInUseAreThoseOfCameras) {
+TEST_P(RosImages, RoundUsedBitsUpToThoseOfCameras) {
   const std::string bytes = message("mono16", 2, std::string("\xF0\x0F", 2));
   EXPECT_TRUE(has_16_bits(parse_image(bytes, GetParam())));
   EXPECT_EQ(find_largest_value(parse_image(bytes, GetParam())), 0xFF0);
 }
 
-TEST_P(RosImages, OtherEncodingsAreNamed) {
+TEST_P(RosImages, RefuseOtherEncodings) {
   EXPECT_THAT([&] { to_bgr(parse_image(message("nv12", 1, "  "), GetParam())); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("'nv12' is not supported")));
 }
 
-TEST_P(RosImages, CompressedFilesOfOtherFormatsAreNamed) {
+TEST_P(RosImages, RefuseCompressedFilesOfOtherFormats) {
   const auto file = [&](const std::string& format, const std::string& data) {
     const std::string bytes = MessageBytes(GetParam()).add_header(5, 6, "optical").add_text(format).add_data(data).text();
     return parse_image_file(bytes, GetParam()).file;
@@ -85,8 +85,8 @@ TEST_P(RosImages, CompressedFilesOfOtherFormatsAreNamed) {
   EXPECT_THAT([&] { file("jpeg", ""); }, ThrowsMessage<std::invalid_argument>(HasSubstr("0 bytes")));
 }
 
-// image_transport stores a Bayer pattern as a gray file, and names it in the format.
-TEST(RosImageFiles, BayerPatternsAreConverted) {
+// image_transport stores a Bayer pattern as a gray file and states it in the format.
+TEST(RosImageFiles, ConvertBayerPatterns) {
   cv::Mat1b pattern(8, 8, uchar{0});
   for (int y = 0; y < 8; y += 2)
     for (int x = 0; x < 8; x += 2) pattern(y, x) = 200;  // red
@@ -99,7 +99,7 @@ TEST(RosImageFiles, BayerPatternsAreConverted) {
   EXPECT_EQ(cv::norm(convert_bayer_file(color, "bayer_rggb8; jpeg compressed bgr8"), color, cv::NORM_INF), 0);
 }
 
-TEST(RosImageFiles, SixteenBitsAreScaledByTheBitsInUse) {
+TEST(RosImageFiles, ScaleSixteenBitsByTheUsedBits) {
   std::vector<uchar> bytes;
   cv::imencode(".png", cv::Mat1w(2, 2, ushort{0xF30}), bytes);
   const RosCompressedImage image{"mono16; png compressed ", std::string(bytes.begin(), bytes.end())};
@@ -109,7 +109,7 @@ TEST(RosImageFiles, SixteenBitsAreScaledByTheBitsInUse) {
   EXPECT_FALSE(has_16_bits({"jpeg", "\xFF\xD8"}));
 }
 
-TEST(RosImageFiles, DepthIsNamedByTheFormat) {
+TEST(RosImageFiles, RecognizeDepthByTheFormat) {
   EXPECT_TRUE((RosCompressedImage{"16UC1; compressedDepth", ""}.is_depth()));
   EXPECT_TRUE((RosCompressedImage{"16UC1; png compressed ", ""}.is_depth()));
   EXPECT_FALSE((RosCompressedImage{"rgb8; jpeg compressed bgr8", ""}.is_depth()));

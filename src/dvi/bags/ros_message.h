@@ -13,8 +13,8 @@
 
 namespace dvi::bags {
 
-/// Takes the fields of a ROS message off its bytes, as CDR or as ROS 1 lay them out. std::invalid_argument where they end too
-/// early or are of another kind.
+/// Reads the fields of a ROS message from bytes in CDR or in the encoding of ROS 1. Throws std::invalid_argument if they are
+/// truncated or of another encoding.
 class RosFields {
  public:
   RosFields(std::string_view bytes, BagEncoding encoding);
@@ -28,7 +28,7 @@ class RosFields {
     return value;
   }
   std::string text();
-  std::string_view bytes();  ///< of an array of bytes
+  std::string_view bytes();  ///< reads an array of bytes
   template <std::size_t N>
   std::array<double, N> numbers() {
     std::array<double, N> out;
@@ -36,7 +36,7 @@ class RosFields {
     return out;
   }
   std::vector<double> list();
-  /// The length of a list, of whose items each takes so many bytes at least.
+  /// Reads the length of a list whose items have at least `item_bytes` bytes each.
   std::uint32_t length(std::size_t item_bytes);
   BagEncoding encoding() const { return encoding_; }
 
@@ -49,13 +49,13 @@ class RosFields {
   bool swap_ = false;
 };
 
-/// std_msgs/Header. Names of frames without a leading '/'.
+/// std_msgs/Header. The frame is without a leading '/'.
 struct RosHeader {
   std::int64_t stamp_ns = 0;  ///< 0: not set
   std::string frame;
 };
 RosHeader take_header(RosFields& fields);
-/// Of any message that begins with one.
+/// Reads the header of any message that begins with one.
 RosHeader read_header(std::string_view message, BagEncoding encoding);
 
 /// sensor_msgs/CameraInfo.
@@ -69,14 +69,14 @@ struct RosCameraInfo {
 };
 RosCameraInfo parse_camera_info(std::string_view message, BagEncoding encoding);
 
-/// A motion between two named frames: of tf, nav_msgs/Odometry or a stamped pose (which names no child).
+/// A motion between two named frames, of tf, nav_msgs/Odometry, or a stamped pose (which has no child).
 struct RosMotion {
   RosHeader header;
   std::string child;
   SE3 parent_from_child;
-  bool valid = true;  ///< false where its rotation is no quaternion of length 1 or its place is not finite
+  bool valid = true;  ///< false if its quaternion does not have length 1 or its translation is not finite
 };
-/// Motions that are not valid are kept, for tf2 ignores them, too. The other two functions refuse them (std::invalid_argument).
+/// Parses tf. Keeps invalid motions, which tf2 ignores as well. The other two functions refuse them (std::invalid_argument).
 std::vector<RosMotion> parse_tf(std::string_view message, BagEncoding encoding);
 RosMotion parse_odometry(std::string_view message, BagEncoding encoding);
 RosMotion parse_pose(std::string_view message, BagEncoding encoding);
@@ -84,7 +84,7 @@ RosMotion parse_pose(std::string_view message, BagEncoding encoding);
 /// sensor_msgs/NavSatFix.
 struct RosFix {
   RosHeader header;
-  bool valid = false;  ///< the receiver had one
+  bool valid = false;  ///< whether the receiver had a fix
   double latitude_deg = 0, longitude_deg = 0;
 };
 RosFix parse_fix(std::string_view message, BagEncoding encoding);

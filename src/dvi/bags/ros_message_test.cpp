@@ -14,28 +14,28 @@ class RosMessage : public testing::TestWithParam<BagEncoding> {
   MessageBytes bytes{GetParam()};
 };
 
-TEST_P(RosMessage, WhatEndsTooEarlyIsRefused) {
+TEST_P(RosMessage, RefusesTruncatedMessages) {
   const std::string whole =
       bytes.add_header(1, 2, "camera").add<std::uint32_t>(480).add<std::uint32_t>(640).add_text("plumb_bob").text();
   for (std::size_t size = 0; size < whole.size(); ++size)
     EXPECT_THROW(parse_camera_info(whole.substr(0, size), GetParam()), std::invalid_argument) << size;
 }
 
-// A length that is not there must not take its memory.
-TEST_P(RosMessage, LengthsOfGigabytesAreRefused) {
+// A false length must not allocate memory.
+TEST_P(RosMessage, RefusesLengthsOfGigabytes) {
   const auto text = [&](std::uint32_t length) {
     return MessageBytes(GetParam()).add_header(1, 2, "camera").add(std::uint32_t{1}).add(std::uint32_t{1}).add(length).text();
   };
   const std::string tf = MessageBytes(GetParam()).add(std::uint32_t{0xFFFFFFFF}).text();
   for (const std::uint32_t length : {0x7FFFFFFFU, 0x80000000U, 0xFFFFFFFFU}) {
     EXPECT_THAT([&] { parse_camera_info(text(length), GetParam()); },
-                ThrowsMessage<std::invalid_argument>(HasSubstr("ends too early")));
-    EXPECT_THAT([&] { parse_tf(tf, GetParam()); }, ThrowsMessage<std::invalid_argument>(HasSubstr("ends too early")));
+                ThrowsMessage<std::invalid_argument>(HasSubstr("is truncated")));
+    EXPECT_THAT([&] { parse_tf(tf, GetParam()); }, ThrowsMessage<std::invalid_argument>(HasSubstr("is truncated")));
   }
 }
 
-// As tf2 does with them (TF_DENORMALIZED_QUATERNION).
-TEST_P(RosMessage, TransformsThatAreNoneAreKeptAndMarked) {
+// tf2 ignores such transforms (TF_DENORMALIZED_QUATERNION).
+TEST_P(RosMessage, KeepsAndMarksInvalidTransforms) {
   MessageBytes tf(GetParam());
   tf.add(std::uint32_t{2});
   for (const double w : {0.0, 1.0}) {
@@ -50,7 +50,8 @@ TEST_P(RosMessage, TransformsThatAreNoneAreKeptAndMarked) {
   MessageBytes pose(GetParam());
   pose.add_header(1, 2, "map");
   for (int i = 0; i < 7; ++i) pose.add(0.0);
-  EXPECT_THAT([&] { parse_pose(pose.text(), GetParam()); }, ThrowsMessage<std::invalid_argument>(HasSubstr("no quaternion")));
+  EXPECT_THAT([&] { parse_pose(pose.text(), GetParam()); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("not a quaternion")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Encodings, RosMessage, testing::Values(BagEncoding::cdr, BagEncoding::ros1),
@@ -66,28 +67,28 @@ RosMotion motion(const char* parent, const char* child, std::int64_t ns, double 
   return {{ns, parent}, child, SE3{Eigen::Matrix3d::Identity(), {x, 0, 0}}};
 }
 
-TEST(RosFrames, JoinsWhatStandsStillAndFollowsWhatMoves) {
+TEST(RosFrames, ConnectsStationaryFramesAndFollowsMovingOnes) {
   RosFrames frames;
   frames.add(motion("base", "lidar", 0, 1), true);
-  frames.add(motion("base", "mast", 0, 2), false);  // repeated by a publisher that never changes it
+  frames.add(motion("base", "mast", 0, 2), false);  // a publisher repeats it without changes
   frames.add(motion("base", "mast", 9, 2), false);
   frames.add(motion("mast", "camera", 0, 4), true);
   for (std::int64_t ns : {0, 100}) frames.add(motion("odom", "base", ns, 10 + static_cast<double>(ns)), false);
   frames.add(motion("map", "odom", 0, 1000), true);
-  EXPECT_EQ(frames.between("camera", "lidar")->t.x(), 1 - 6);
-  EXPECT_FALSE(frames.between("odom", "lidar")) << "it moves";
-  EXPECT_FALSE(frames.between("radar", "lidar")) << "nothing is known of it";
-  const Trajectory path = frames.motion_of("lidar");
+  EXPECT_EQ(frames.find_transform("camera", "lidar")->t.x(), 1 - 6);
+  EXPECT_FALSE(frames.find_transform("odom", "lidar")) << "the frame moves";
+  EXPECT_FALSE(frames.find_transform("radar", "lidar")) << "the frame is unknown";
+  const Trajectory path = frames.find_motion("lidar");
   ASSERT_EQ(path.poses().size(), 2U);
   EXPECT_EQ(path.poses()[1].world_from_body.t.x(), 1000 + 110 + 1);
 }
 
-TEST(RosFrames, ARingOfFramesEnds) {
+TEST(RosFrames, StopsAtCyclesOfFrames) {
   RosFrames frames;
   frames.add(motion("a", "b", 0, 1), true);
   frames.add(motion("b", "a", 0, 1), true);
-  frames.between("a", "c");
-  EXPECT_TRUE(frames.motion_of("a").poses().size() < 2);
+  frames.find_transform("a", "c");
+  EXPECT_TRUE(frames.find_motion("a").poses().size() < 2);
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ void advance(Chain& chain, const Views& views, const Lazy<HoleFlow>& flows, samp
     const std::optional<cv::Point2f> motion = HoleFlow::at(flow, seeker.at);
     if (!motion) return true;
     seeker.at += *motion;
-    const cv::Point2f at = quantized(seeker.at.x, seeker.at.y);
+    const cv::Point2f at = quantize(seeker.at.x, seeker.at.y);
     if (!can_sample(*mask, at)) return false;
     candidate = {static_cast<int>(next), at};
     return true;

@@ -114,10 +114,10 @@ HoleFlow hole_flow(const cv::Mat3b& first, const cv::Mat1b& first_mask, const cv
   cv::Mat1b either;
   cv::bitwise_or(first_mask, second_mask, either);
   const cv::Mat1b spoilt = every_second<uchar>(grown(either, kMargin));
-  if (static_cast<std::size_t>(cv::countNonZero(spoilt)) == spoilt.total() || std::min(first.cols, first.rows) < kLeastFlowSide)
+  if (static_cast<std::size_t>(cv::countNonZero(spoilt)) == spoilt.total() || std::min(first.cols, first.rows) < kMinFlowSidePx)
     return unknown(spoilt.size());
   const cv::Mat1b from = gray_8bit(first), to = gray_8bit(second);
-  HoleFlow flow{every_second(optical_flow(from, to)), every_second(optical_flow(to, from))};
+  HoleFlow flow{every_second(compute_optical_flow(from, to)), every_second(compute_optical_flow(to, from))};
   complete(spoilt, flow);
   HoleFlow trusted{flow.forth.clone(), flow.back.clone()};
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();

@@ -201,7 +201,7 @@ CommandWords Program::words() const { return words_of(impl_->app); }
 
 int Program::main(int argc, char** argv) {
   const auto fail = [](int code, const std::string& message) {
-    fmt::print(stderr, "dvi: {}\n", printable(message));
+    fmt::print(stderr, "dvi: {}\n", to_printable(message));
     return code;
   };
   try {

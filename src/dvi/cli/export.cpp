@@ -37,7 +37,7 @@ void add_export(Program& program) {
                     "dvi export ortho OUT -o above --cell-m 0.1   a GeoTIFF",
                     "dvi export video OUT -o video --beside       input and result"});
   command.run([a] {
-    const exports::ExportFormat& format = exports::export_format(a->format);
+    const exports::ExportFormat& format = exports::find_export_format(a->format);
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     const exports::ExportReport report = exports::export_result(format, a->out, a->folder, a->options, progress);

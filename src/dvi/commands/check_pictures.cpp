@@ -93,7 +93,7 @@ cv::Mat3b lidar_on_image(const Drive& drive, std::size_t frame, const Trajectory
   const int radius = std::max(1, out.cols / 900);
   for (const Eigen::Vector3d& p : measured(drive, time, world_from_lidar, kFar)) {
     const Eigen::Vector3d x = camera_from_world * p;
-    if (x.z() < drive.least_range_m() || !drive.camera.in_front(x)) continue;
+    if (x.z() < drive.min_range_m() || !drive.camera.in_front(x)) continue;
     const Eigen::Vector2d pixel = drive.camera.project(x);
     if (!drive.camera.contains(pixel)) continue;
     cv::circle(out, {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))}, radius,

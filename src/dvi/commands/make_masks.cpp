@@ -25,13 +25,13 @@ cv::Mat3b sheet(const Drive& drive, const Lazy<cv::Mat1b>& masks) {
   std::vector<media::SheetCell> cells(count);
   parallel_for(count, [&](std::size_t k) {
     const std::size_t i = count < 2 ? 0 : k * (drive.frames.size() - 1) / (count - 1);
-    cells[k] = {media::thumbnail(media::mask_overlay(*drive.images[i], *masks[i]), 640), drive.frames[i].name};
+    cells[k] = {media::make_thumbnail(media::draw_mask_overlay(*drive.images[i], *masks[i]), 640), drive.frames[i].name};
   });
   std::vector<std::vector<media::SheetCell>> rows;
   for (std::size_t k = 0; k < count; k += kMaskColumns)
     rows.emplace_back(cells.begin() + static_cast<std::ptrdiff_t>(k),
                       cells.begin() + static_cast<std::ptrdiff_t>(std::min(count, k + kMaskColumns)));
-  return media::contact_sheet(rows, 640);
+  return media::make_contact_sheet(rows, 640);
 }
 
 nlohmann::json detected_tracks_json(const Drive& drive, const FrameLabels& objects) {

@@ -9,7 +9,7 @@ namespace dvi {
 namespace {
 
 constexpr std::size_t kDefaultBound = std::size_t{1000} << 20;
-constexpr std::size_t kTrimAfter = std::size_t{256} << 20;  // bytes dropped; a trim costs about what it takes to make them
+constexpr std::size_t kTrimAfter = std::size_t{256} << 20;  // dropped bytes; a trim costs about as much time as making them
 
 }  // namespace
 
@@ -18,8 +18,8 @@ const std::shared_ptr<CacheBudget>& CacheBudget::of_process() {
   return budget;
 }
 
-// Dropped items are destroyed by the callers, after the lock is released: that may take long. They leave holes in the heap,
-// which others of their size do not always fill.
+// Dropped items are destroyed after the lock is released, since that may take long. They leave holes in the heap that are not
+// always reused.
 void CacheBudget::destroy(Items dropped) {
   std::size_t bytes = 0;
   for (const auto& [rank, item] : dropped) bytes += item.size;

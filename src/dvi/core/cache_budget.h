@@ -11,8 +11,8 @@
 
 namespace dvi {
 
-/// Bytes that an item occupies, for CacheBudget: what its `bytes()` says, else the pixels of an image, the items of a
-/// container, the object itself. A type that owns memory in any other way needs `bytes()`.
+/// Returns the memory that an item occupies, for CacheBudget: its `bytes()` if it has that member, otherwise the pixels of an
+/// image, the items of a container, or the object itself. A type that owns memory in another way needs `bytes()`.
 template <class T>
 std::size_t bytes_of(const T& item) {
   if constexpr (requires { item.bytes(); }) {
@@ -33,29 +33,28 @@ std::size_t bytes_of(const T& item) {
   }
 }
 
-/// Keeps items of many caches as long as their sizes together stay within a bound. Beyond it, what is cheap to make again for
-/// its size goes first, and of what costs as much, what was used least recently: GreedyDual-Size (Cao and Irani, 1997). An item
-/// ranks by its cost per byte plus the rank of what was dropped last, at each use anew, so that none stays for ever. Every
-/// operation takes logarithmic time. Safe to use from several threads.
+/// Caches the items of many sequences within a common bound. Beyond it, items with the lowest cost per byte are dropped first
+/// and, among equals, the least recently used: GreedyDual-Size (Cao and Irani, 1997). The rank of an item is its cost per byte
+/// plus the rank of the last dropped item at its last use, so that every unused item is dropped eventually. Each operation
+/// takes logarithmic time. Thread-safe.
 class CacheBudget {
  public:
   using Value = std::shared_ptr<const void>;
 
   explicit CacheBudget(std::size_t bound) : bound_(bound) {}
 
-  /// The budget that all caches of the process share unless they are given another.
+  /// Returns the budget that all caches of the process share unless they are given another one.
   static const std::shared_ptr<CacheBudget>& of_process();
 
-  /// Drops items if that is less than what is kept.
+  /// Sets the bound in bytes, and drops items that exceed it.
   void set_bound(std::size_t bound);
   std::size_t used() const;
 
-  /// The item if it is kept; it counts as used from now on.
+  /// Returns the item if it is cached, and marks it as used.
   Value find(const void* cache, std::size_t index);
-  /// Keeps an item that is not kept yet. The newest item is never dropped, whatever its size. `cost`: of making it, in any
-  /// unit.
+  /// Caches a new item. The newest item is never dropped, whatever its size. `cost` is that of making the item, in any unit.
   void keep(const void* cache, std::size_t index, Value value, std::size_t size, double cost);
-  /// Drops what it keeps of a cache with so many items.
+  /// Drops all items of a cache with `count` items.
   void forget(const void* cache, std::size_t count);
 
  private:
@@ -71,7 +70,7 @@ class CacheBudget {
     std::size_t size = 0;
     double cost_per_byte = 0;
   };
-  using Items = std::multimap<double, Item>;  // by rank, the older first of those that rank alike
+  using Items = std::multimap<double, Item>;  // by rank; for equal ranks, the older item comes first
 
   Items::iterator drop(Items::iterator item, Items& dropped);
   void drop_beyond_bound(Items& dropped);
@@ -79,8 +78,8 @@ class CacheBudget {
 
   mutable std::mutex mutex_;
   std::size_t bound_, used_ = 0;
-  std::atomic<std::size_t> freed_ = 0;  // bytes since the heap was trimmed
-  double dropped_rank_ = 0;             // the highest
+  std::atomic<std::size_t> freed_ = 0;  // bytes dropped since the heap was trimmed
+  double dropped_rank_ = 0;             // the highest rank of dropped items
   Key newest_;
   Items items_;
   std::unordered_map<Key, Items::iterator, KeyHash> by_key_;

@@ -22,13 +22,13 @@ struct Sized {
   std::size_t bytes() const { return size; }
 };
 
-/// The budget of the process, set back at the end.
+/// Changes the bound of the process's budget and restores it at the end.
 struct BoundOfProcess {
   explicit BoundOfProcess(std::size_t bound) { CacheBudget::of_process()->set_bound(bound); }
   ~BoundOfProcess() { CacheBudget::of_process()->set_bound(std::size_t{1000} << 20); }
 };
 
-TEST(CacheBudget, SizesOfItems) {
+TEST(CacheBudget, MeasuresTheSizesOfItems) {
   EXPECT_EQ(bytes_of(3.0), sizeof(double));
   EXPECT_EQ(bytes_of(Sized{77}), 77U);
   EXPECT_EQ(bytes_of(std::vector<float>(10)), 40U);
@@ -50,7 +50,7 @@ TEST(CacheBudget, DropsTheLeastRecentlyUsedOfAllCaches) {
   EXPECT_EQ(budget.used(), 61U);
 }
 
-TEST(CacheBudget, DropsWhatIsCheapForItsSizeFirst) {
+TEST(CacheBudget, DropsItemsWithTheLowestCostPerByteFirst) {
   CacheBudget budget(100);
   const int a = 0, b = 0;
   budget.keep(&a, 0, number(1), 40, 80);
@@ -60,7 +60,7 @@ TEST(CacheBudget, DropsWhatIsCheapForItsSizeFirst) {
   EXPECT_EQ(budget.find(&b, 2), nullptr);
 }
 
-TEST(CacheBudget, NothingStaysForEverUnused) {
+TEST(CacheBudget, DropsUnusedItemsEventually) {
   CacheBudget budget(100);
   const int a = 0, b = 0;
   budget.keep(&a, 0, number(1), 40, 80);
@@ -68,7 +68,7 @@ TEST(CacheBudget, NothingStaysForEverUnused) {
   EXPECT_EQ(budget.find(&a, 0), nullptr);
 }
 
-TEST(CacheBudget, KeepsTheNewestWhateverItsSize) {
+TEST(CacheBudget, KeepsTheNewestItemOfAnySize) {
   CacheBudget budget(10);
   const int a = 0;
   budget.keep(&a, 0, number(1), 5, 50);
@@ -77,7 +77,7 @@ TEST(CacheBudget, KeepsTheNewestWhateverItsSize) {
   EXPECT_NE(budget.find(&a, 1), nullptr);
 }
 
-TEST(CacheBudget, ForgetsWhatBelongsToACache) {
+TEST(CacheBudget, ForgetsTheItemsOfACache) {
   CacheBudget budget(100);
   const int a = 0, b = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -90,7 +90,7 @@ TEST(CacheBudget, ForgetsWhatBelongsToACache) {
   EXPECT_NE(budget.find(&b, 1), nullptr);
 }
 
-TEST(CacheBudget, ASmallerBoundDropsAtOnce) {
+TEST(CacheBudget, DropsItemsIfTheBoundDecreases) {
   CacheBudget budget(100);
   const int a = 0;
   for (std::size_t i = 0; i < 10; ++i) budget.keep(&a, i, number(0), 10, 1);
@@ -99,7 +99,7 @@ TEST(CacheBudget, ASmallerBoundDropsAtOnce) {
   EXPECT_NE(budget.find(&a, 9), nullptr);
 }
 
-TEST(CacheBudget, SequencesShareThatOfTheProcess) {
+TEST(CacheBudget, IsSharedByAllSequencesOfTheProcess) {
   const std::size_t before = CacheBudget::of_process()->used();
   const BoundOfProcess bound(before + 100);
   int made = 0;
@@ -111,7 +111,7 @@ TEST(CacheBudget, SequencesShareThatOfTheProcess) {
     const Lazy<Sized> one(5, make), other(5, make);
     one[0], other[0], one[0];
     EXPECT_EQ(made, 2);
-    other[1];  // other[0] has to go
+    other[1];  // drops other[0]
     one[0];
     EXPECT_EQ(made, 3);
     other[0];
@@ -120,7 +120,7 @@ TEST(CacheBudget, SequencesShareThatOfTheProcess) {
   EXPECT_LE(CacheBudget::of_process()->used(), before);
 }
 
-TEST(CacheBudget, LookedUpItemsAreNotKeptTwice) {
+TEST(CacheBudget, DoesNotCacheItemsOfThroughTwice) {
   const std::size_t before = CacheBudget::of_process()->used();
   const Lazy<Sized> items(5, [](std::size_t i) { return Sized{i}; });
   const auto found = Lazy<Sized>::through(2, [items](std::size_t i) { return items[i + 3]; });
@@ -129,8 +129,8 @@ TEST(CacheBudget, LookedUpItemsAreNotKeptTwice) {
   EXPECT_EQ(CacheBudget::of_process()->used(), before + 4);
 }
 
-// Every item right, and the sum of the sizes within the bound, whatever the threads do.
-TEST(CacheBudget, HoldsUnderManyThreads) {
+// Each item must be right and the sum of the sizes within the bound for any schedule of the threads.
+TEST(CacheBudget, StaysWithinTheBoundWithManyThreads) {
   const auto budget = std::make_shared<CacheBudget>(1000);
   std::array<int, 4> caches{};
   std::atomic<int> wrong = 0;

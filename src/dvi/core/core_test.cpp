@@ -1,4 +1,4 @@
-// The small parts of core: errors, fingerprints, random numbers, threads, progress, interruption.
+// Tests of the small parts of core: errors, fingerprints, random numbers, threads, progress, interruption.
 #include <pthread.h>
 #include <unistd.h>
 
@@ -32,7 +32,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-TEST(InputError, SaysWhereWhatAndWhatWouldBeRight) {
+TEST(InputError, ReportsFileProblemAndRemedy) {
   EXPECT_STREQ(InputError("a/b.bin", "is empty", "copy it again").what(), "a/b.bin: is empty; copy it again");
   EXPECT_STREQ(InputError("a/b.bin", "is empty").what(), "a/b.bin: is empty");
 }
@@ -52,35 +52,35 @@ TEST(Fingerprint, DependsOnBytesBoundariesAndOrder) {
   EXPECT_EQ(fingerprint({"x"}).size(), 32U);
 }
 
-TEST(Printable, ControlCharactersAreShownNotObeyed) {
-  EXPECT_EQ(printable("a\x1b[2Jb\tc\nd\x7f"), "a\\x1b[2Jb\\x09c\nd\\x7f");
-  EXPECT_EQ(printable("Stra\xc3\x9f"
-                      "e"),
+TEST(Printable, EscapesControlCharacters) {
+  EXPECT_EQ(to_printable("a\x1b[2Jb\tc\nd\x7f"), "a\\x1b[2Jb\\x09c\nd\\x7f");
+  EXPECT_EQ(to_printable("Stra\xc3\x9f"
+                         "e"),
             "Stra\xc3\x9f"
             "e");
-  EXPECT_EQ(printable(std::string(3000, 'a')), std::string(3000, 'a'));
-  EXPECT_EQ(printable(std::string(5000, 'a')), std::string(3000, 'a') + " ... (5000 bytes in all)");
+  EXPECT_EQ(to_printable(std::string(3000, 'a')), std::string(3000, 'a'));
+  EXPECT_EQ(to_printable(std::string(5000, 'a')), std::string(3000, 'a') + " ... (5000 bytes in all)");
 }
 
-TEST(Fingerprint, OfAFileIsThatOfItsContent) {
+TEST(Fingerprint, OfAFileDependsOnItsContentOnly) {
   const TempFolder folder;
   const fs::path file = folder.path / "fingerprint.bin";
   write_file(file, std::string(3'000'000, 'a'));
-  const std::string before = hash_of_file(file);
+  const std::string before = compute_file_hash(file);
   const fs::file_time_type time = fs::last_write_time(file);
-  EXPECT_EQ(hash_of_file(file), before);
+  EXPECT_EQ(compute_file_hash(file), before);
   write_file(file, std::string(2'999'999, 'a') + "b");
   fs::last_write_time(file, time);
-  EXPECT_NE(hash_of_file(file), before) << "of the same size and time";
+  EXPECT_NE(compute_file_hash(file), before) << "with the same size and time";
   fs::remove(file);
-  EXPECT_THROW(hash_of_file(file), InputError);
-  EXPECT_THROW(hash_of_file(folder.path), InputError);
+  EXPECT_THROW(compute_file_hash(file), InputError);
+  EXPECT_THROW(compute_file_hash(folder.path), InputError);
   write_file(file, "a");
   fs::resize_file(file, std::uintmax_t{1} << 36);
-  EXPECT_THAT(input_error([&] { hash_of_file(file); }), testing::HasSubstr("were ever written"));
+  EXPECT_THAT(input_error([&] { compute_file_hash(file); }), testing::HasSubstr("of them were written"));
 }
 
-TEST(Random, IsSplitMix64) {  // reference values of the published generator for seed 1234567
+TEST(Random, IsSplitMix64) {  // reference values of the published generator for the seed 1234567
   Random random(1234567);
   EXPECT_EQ(random.next(), 6457827717110365317ULL);
   EXPECT_EQ(random.next(), 3203168211198807973ULL);
@@ -109,7 +109,7 @@ TEST(Random, KeepsItsRangesAndMoments) {
   EXPECT_GT(*std::min_element(counts.begin(), counts.end()), n / 7 - 300);
 }
 
-TEST(Threads, EveryIndexOnceWhateverTheLimit) {
+TEST(Threads, RunEachIndexOnceForAnyLimit) {
   for (const int limit : {1, 2, 0}) {
     const ThreadLimit threads(limit);
     EXPECT_TRUE(limit == 0 || thread_count() == limit);
@@ -120,7 +120,7 @@ TEST(Threads, EveryIndexOnceWhateverTheLimit) {
   parallel_for(0, [](std::size_t) { FAIL(); });
 }
 
-TEST(Threads, BlocksFollowEachOther) {
+TEST(Threads, RunBlocksInOrder) {
   const ThreadLimit three(3);
   using Blocks = std::vector<std::pair<std::size_t, std::size_t>>;
   const auto blocks_of = [](std::size_t count) {
@@ -133,7 +133,7 @@ TEST(Threads, BlocksFollowEachOther) {
   EXPECT_EQ(blocks_of(7), (Blocks{{0, 3}, {3, 6}, {6, 7}}));
 }
 
-TEST(Threads, InOrderFinishesABlockBeforeTheNext) {
+TEST(Threads, FinishABlockBeforeTheNextOne) {
   const ThreadLimit three(3);
   std::vector<std::atomic<int>> calls(100);
   std::atomic<bool> ahead = false;
@@ -145,7 +145,7 @@ TEST(Threads, InOrderFinishesABlockBeforeTheNext) {
   EXPECT_TRUE(std::all_of(calls.begin(), calls.end(), [](const auto& c) { return c == 1; }));
 }
 
-TEST(Threads, LimitEndsWithItsLife) {
+TEST(Threads, AreLimitedDuringTheLifeOfTheLimit) {
   const int before = thread_count();
   {
     const ThreadLimit one(1);
@@ -153,14 +153,14 @@ TEST(Threads, LimitEndsWithItsLife) {
   EXPECT_EQ(thread_count(), before);
 }
 
-TEST(Threads, ExceptionsReachTheCaller) {
+TEST(Threads, PassExceptionsToTheCaller) {
   const auto body = [](std::size_t i) {
     if (i == 57) throw InputError("scan 57", "is broken");
   };
   EXPECT_THROW(parallel_for(100, body), InputError);
 }
 
-TEST(Progress, TimesStagesAndKeepsEachWarningOnce) {
+TEST(Progress, MeasuresStagesAndKeepsEachWarningOnce) {
   testing::internal::CaptureStderr();
   Progress progress(ProgressStyle::lines);
   progress.begin("map", 3);
@@ -178,7 +178,7 @@ TEST(Progress, TimesStagesAndKeepsEachWarningOnce) {
   EXPECT_THAT(text, HasSubstr("map: done"));
 }
 
-TEST(Progress, TellsWhereItIsAndCanBeCanceled) {
+TEST(Progress, ReportsTheCurrentStageAndCanBeCanceled) {
   Progress progress(ProgressStyle::quiet);
   EXPECT_FALSE(progress.now());
   progress.begin("work", 3);
@@ -193,14 +193,14 @@ TEST(Progress, TellsWhereItIsAndCanBeCanceled) {
   EXPECT_FALSE(progress.now());
 }
 
-TEST(OwnBinary, IsTheFileOfThisProgram) {
-  EXPECT_EQ(read_file(own_binary()).substr(0, 4),
+TEST(OwnBinary, IsTheFileOfTheRunningProgram) {
+  EXPECT_EQ(read_file(find_own_binary()).substr(0, 4),
             "\x7f"
             "ELF");
-  EXPECT_TRUE(fs::equivalent(own_binary(), "/proc/self/exe"));
+  EXPECT_TRUE(fs::equivalent(find_own_binary(), "/proc/self/exe"));
 }
 
-TEST(Progress, QuietSaysNothingButRemembers) {
+TEST(Progress, PrintsNothingInQuietModeButKeepsWarnings) {
   testing::internal::CaptureStderr();
   Progress progress(ProgressStyle::quiet);
   progress.begin("map", 1);
@@ -211,7 +211,7 @@ TEST(Progress, QuietSaysNothingButRemembers) {
   EXPECT_EQ(progress.warnings().size(), 1U);
 }
 
-TEST(Progress, JsonIsOneObjectALine) {
+TEST(Progress, PrintsOneJsonObjectPerLine) {
   testing::internal::CaptureStderr();
   {
     Progress progress(ProgressStyle::json);
@@ -224,7 +224,7 @@ TEST(Progress, JsonIsOneObjectALine) {
   EXPECT_THAT(text, HasSubstr("stage_end"));
 }
 
-TEST(Progress, BarSurvivesMoreUnitsThanPromisedAndBytesThatAreNoText) {
+TEST(Progress, ShowsABarForExcessUnitsAndInvalidText) {
   testing::internal::CaptureStderr();
   Progress progress(ProgressStyle::bar);
   progress.begin("map", 2);
@@ -234,7 +234,7 @@ TEST(Progress, BarSurvivesMoreUnitsThanPromisedAndBytesThatAreNoText) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("5/2"));
 }
 
-TEST(Progress, JsonSurvivesNamesThatAreNoUtf8) {
+TEST(Progress, PrintsJsonForNamesThatAreNotUtf8) {
   testing::internal::CaptureStderr();
   Progress progress(ProgressStyle::json);
   EXPECT_NO_THROW(progress.warn("frame \xff.png"));
@@ -249,7 +249,7 @@ TEST(Interrupt, StopsTheNextUnitOfWork) {
     progress.begin("map", 2);
     progress.advance();
     std::raise(SIGTERM);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // ThreadSanitizer hands signals on at blocking calls only
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // ThreadSanitizer delivers signals at blocking calls only
     try {
       progress.advance();
     } catch (const Interrupted&) {
@@ -260,7 +260,7 @@ TEST(Interrupt, StopsTheNextUnitOfWork) {
   EXPECT_EXIT(work(), testing::ExitedWithCode(130), "");
 }
 
-TEST(Interrupt, BlockedReadsReturn) {
+TEST(Interrupt, EndsBlockedReads) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto work = [] {
     catch_interrupts();
@@ -278,7 +278,7 @@ TEST(Interrupt, BlockedReadsReturn) {
   EXPECT_EXIT(work(), testing::ExitedWithCode(130), "");
 }
 
-TEST(Usage, CpuTimeAndMemoryAreCounted) {
+TEST(Usage, MeasuresCpuTimeAndMemory) {
   const double before = process_cpu_seconds(), thread_before = thread_cpu_seconds();
   volatile double x = 1;
   for (int i = 0; i < 3000000; ++i) x = x * 1.0000001;

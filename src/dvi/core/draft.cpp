@@ -9,7 +9,7 @@ namespace dvi {
 namespace {
 
 void discard(const fs::path& path) {
-  std::error_code ignored;  // what stays in the way is met again by whoever writes there
+  std::error_code ignored;  // a file that cannot be removed is reported by the next write
   fs::remove_all(path, ignored);
 }
 

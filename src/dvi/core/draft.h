@@ -4,18 +4,19 @@
 
 namespace dvi {
 
-/// A file or folder that is made beside its place and renamed by finish(), so that the place is whole or absent. What is not
-/// finished is removed again.
+/// A file or folder that is written beside its final path and renamed by finish(), so that the final path is complete or
+/// absent. Without finish(), it is removed.
 class Draft {
  public:
-  /// `part` lies in the same folder as `place`. What a killed process left there is removed.
+  /// `part` has to be in the same folder as `place`. Removes what a killed process left at `part`.
   Draft(fs::path place, fs::path part);
   ~Draft();
   Draft(const Draft&) = delete;
   Draft& operator=(const Draft&) = delete;
 
-  const fs::path& path() const { return part_; }  ///< where to write
-  /// InputError where the place cannot be taken.
+  /// Returns the path to write to.
+  const fs::path& path() const { return part_; }
+  /// Renames the draft to `place`. Throws InputError if that fails.
   void finish();
 
  private:
@@ -23,7 +24,7 @@ class Draft {
   bool finished_ = false;
 };
 
-/// Of a folder: hidden beside it, by a name that another process for the same place takes over.
+/// Returns the draft of a folder: a hidden folder beside it, with a name that a later process for the same folder reuses.
 Draft draft_folder(const fs::path& folder);
 
 }  // namespace dvi

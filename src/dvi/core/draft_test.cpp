@@ -11,7 +11,7 @@
 namespace dvi {
 namespace {
 
-TEST(Draft, TakesItsPlaceOnceFinished) {
+TEST(Draft, IsRenamedWhenFinished) {
   const TempFolder folder;
   const fs::path place = folder.path / "a.txt";
   Draft draft(place, temporary_beside(place));
@@ -22,7 +22,7 @@ TEST(Draft, TakesItsPlaceOnceFinished) {
   EXPECT_FALSE(fs::exists(draft.path()));
 }
 
-TEST(Draft, MayBeAFolderAndStartsAnew) {
+TEST(Draft, MayBeAFolderAndRemovesLeftovers) {
   const TempFolder folder;
   folder.write(".case.part/left/behind.txt", "by a killed process");
   Draft draft(folder.path / "case", folder.path / ".case.part");
@@ -32,7 +32,7 @@ TEST(Draft, MayBeAFolderAndStartsAnew) {
   EXPECT_EQ(read_file(folder.path / "case/file.txt"), "new");
 }
 
-TEST(Draft, LeavesNothingWhenGivenUp) {
+TEST(Draft, IsRemovedIfNotFinished) {
   const TempFolder folder;
   const auto give_up = [&] {
     Draft draft(folder.path / "case", folder.path / ".case.part");
@@ -43,7 +43,7 @@ TEST(Draft, LeavesNothingWhenGivenUp) {
   EXPECT_TRUE(fs::is_empty(folder.path));
 }
 
-TEST(Draft, PlaceThatCannotBeTakenIsAnInputError) {
+TEST(Draft, ReportsAPathThatCannotBeReplaced) {
   const TempFolder folder;
   folder.write("case/mine.txt", "years of work");
   {

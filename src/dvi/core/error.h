@@ -7,27 +7,27 @@
 
 namespace dvi {
 
-/// The user's data are not as they must be: which file, what is wrong, what would be right. Exit code 3.
+/// An error in the user's data: file, problem, and remedy. Exit code 3.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(const std::string& message) : std::runtime_error(message) {}
   InputError(const std::filesystem::path& path, const std::string& problem, const std::string& remedy = {});
 };
 
-/// The command line or an option is not as it must be. Exit code 2.
+/// An error in the command line or an option. Exit code 2.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// SIGINT or SIGTERM arrived. Exit code 130.
+/// Reports SIGINT or SIGTERM. Exit code 130.
 class Interrupted : public std::runtime_error {
  public:
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
-/// A message as a terminal may show it: control characters but line ends as \xNN, and cut where it is very long. File names
-/// and contents can hold any byte, and many.
-std::string printable(std::string_view message);
+/// Returns a message that is safe to print on a terminal: control characters other than line ends become \xNN, and very long
+/// messages are shortened. File names and contents can hold any byte, and many of them.
+std::string to_printable(std::string_view message);
 
 }  // namespace dvi

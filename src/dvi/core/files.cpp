@@ -21,16 +21,16 @@
 namespace dvi {
 namespace {
 
-std::string reason() { return std::strerror(errno); }
+std::string describe_errno() { return std::strerror(errno); }
 
-/// Digits that no other process has, on machines that share a folder either.
-std::string process_digits() {
+/// Returns digits that are unique to the process, also among machines that share a folder.
+std::string make_process_digits() {
   std::array<char, 256> host{};
   if (gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
   return std::to_string(std::hash<std::string>{}(host.data()) % 1'000'000) + std::to_string(getpid());
 }
 
-/// Whether temporary_beside() gives such names: .NAME.partDIGITS.EXTENSION.
+/// Returns whether a name has the form of temporary_beside(): .NAME.partDIGITS.EXTENSION.
 bool is_temporary(const fs::path& path) {
   const std::string stem = path.stem().string();
   const std::size_t mark = stem.rfind(".part");
@@ -38,17 +38,17 @@ bool is_temporary(const fs::path& path) {
          stem.find_first_not_of("0123456789", mark + 5) == std::string::npos;
 }
 
-std::string lower_case_ending(const fs::path& path) {
+std::string get_lower_case_ending(const fs::path& path) {
   std::string ending = path.extension().string();
   for (char& c : ending)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return ending;
 }
 
-void sync(const fs::path& path) {
+void sync_file(const fs::path& path) {
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
-  const std::string why = reason();
+  const std::string why = describe_errno();
   if (descriptor >= 0) close(descriptor);
   if (!synced) throw InputError(path, "cannot be written (" + why + ")", "free space or choose another folder");
 }
@@ -56,7 +56,7 @@ void sync(const fs::path& path) {
 }  // namespace
 
 fs::path temporary_beside(const fs::path& path) {
-  return path.parent_path() / ("." + path.stem().string() + ".part" + process_digits() + path.extension().string());
+  return path.parent_path() / ("." + path.stem().string() + ".part" + make_process_digits() + path.extension().string());
 }
 
 void remove_temporaries(const fs::path& folder) {
@@ -70,24 +70,24 @@ void require_regular_file(const fs::path& path, std::uintmax_t most) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::status_known(status) || !fs::exists(status)) throw InputError(path, "cannot be read (" + error.message() + ")");
-  if (fs::is_directory(status)) throw InputError(path, "is a folder", "a file is wanted");
-  if (!fs::is_regular_file(status)) throw InputError(path, "is a pipe or a device", "a regular file is wanted");
+  if (fs::is_directory(status)) throw InputError(path, "is a folder", "give a file");
+  if (!fs::is_regular_file(status)) throw InputError(path, "is a pipe or a device", "give a regular file");
   const std::uintmax_t size = fs::file_size(path, error);
   if (!error && size > most)
-    throw InputError(path, "has " + std::to_string(size) + " bytes, and at most " + std::to_string(most) + " are read");
+    throw InputError(path, "has " + std::to_string(size) + " bytes, but at most " + std::to_string(most) + " are supported");
 }
 
 std::string read_file(const fs::path& path, std::uintmax_t most) {
   require_regular_file(path, most);
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path, "cannot be read (" + reason() + ")");
+  if (!in) throw InputError(path, "cannot be read (" + describe_errno() + ")");
   std::ostringstream bytes;
   bytes << in.rdbuf();
   return std::move(bytes).str();
 }
 
-fs::path own_binary() {
-  const auto here = reinterpret_cast<std::uintptr_t>(&own_binary);
+fs::path find_own_binary() {
+  const auto here = reinterpret_cast<std::uintptr_t>(&find_own_binary);
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);) {
     std::uintptr_t begin = 0, end = 0;
@@ -95,7 +95,7 @@ fs::path own_binary() {
     std::istringstream fields(line);
     fields >> std::hex >> begin >> dash >> end;
     if (here < begin || here >= end || line.find('/') == std::string::npos) continue;
-    // The link also leads to a program that was replaced since it began.
+    // The link leads to the running program even if its file was replaced.
     const fs::path file = line.substr(line.find('/'));
     return fs::is_symlink("/proc/self/exe") && fs::read_symlink("/proc/self/exe") == file ? "/proc/self/exe" : file;
   }
@@ -103,15 +103,15 @@ fs::path own_binary() {
 }
 
 std::string read_settings(const fs::path& path) {
-  constexpr std::size_t kLongestLine = 10'000;
+  constexpr std::size_t kMaxSettingsLineBytes = 10'000;
   std::string text = read_text(path, std::uintmax_t{1} << 20);
   std::size_t number = 1;
   for (std::size_t begin = 0; begin < text.size(); ++number) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    if (end - begin > kLongestLine)
-      throw InputError(
-          path.string() + ":" + std::to_string(number),
-          "the line has " + std::to_string(end - begin) + " bytes, and at most " + std::to_string(kLongestLine) + " are read");
+    if (end - begin > kMaxSettingsLineBytes)
+      throw InputError(path.string() + ":" + std::to_string(number),
+                       "the line has " + std::to_string(end - begin) + " bytes, but at most " +
+                           std::to_string(kMaxSettingsLineBytes) + " are supported");
     begin = end + 1;
   }
   return text;
@@ -149,8 +149,8 @@ void write_file(const fs::path& path, const std::string& bytes) {
     std::ofstream out(part, std::ios::binary);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     out.close();
-    if (!out) throw InputError(path, "cannot be written (" + reason() + ")", "free space or choose another folder");
-    sync(part);
+    if (!out) throw InputError(path, "cannot be written (" + describe_errno() + ")", "free space or choose another folder");
+    sync_file(part);
   });
 }
 
@@ -158,19 +158,19 @@ void make_folder(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);
   if (error || !fs::is_directory(path))
-    throw InputError(path, "cannot be created (" + error.message() + ")", "choose a folder that can be written");
+    throw InputError(path, "cannot be created (" + error.message() + ")", "choose a writable folder");
 }
 
 void require_empty(const fs::path& folder, const std::string& what) {
   if (fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder)))
-    throw InputError(folder, "is not an empty folder", "name a new one for the " + what);
+    throw InputError(folder, "is not an empty folder", "choose a new folder for the " + what);
 }
 
 std::vector<fs::path> list_files(const fs::path& folder, const std::vector<std::string>& endings) {
   std::vector<fs::path> files;
   if (!fs::is_directory(folder)) return files;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string ending = lower_case_ending(entry.path());
+    const std::string ending = get_lower_case_ending(entry.path());
     const bool hidden = entry.path().filename().string().starts_with('.');
     if (!hidden && entry.is_regular_file() && std::find(endings.begin(), endings.end(), ending) != endings.end())
       files.push_back(entry.path());

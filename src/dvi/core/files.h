@@ -10,45 +10,46 @@ namespace dvi {
 
 namespace fs = std::filesystem;
 
-/// The largest file that is read as a whole, in bytes.
-inline constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;
+/// The maximum size in bytes of a file that is read as a whole.
+inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 30;
 
-/// InputError where it cannot be read, is no regular file (a pipe or device may never end) or is larger than `most` bytes.
-void require_regular_file(const fs::path& path, std::uintmax_t most = kLargestFile);
+/// Throws InputError if a file cannot be read, is not a regular file (a pipe or device may never end) or exceeds `most` bytes.
+void require_regular_file(const fs::path& path, std::uintmax_t most = kMaxFileBytes);
 
-/// The whole file. InputError as require_regular_file().
-std::string read_file(const fs::path& path, std::uintmax_t most = kLargestFile);
+/// Reads a whole file. Throws InputError like require_regular_file().
+std::string read_file(const fs::path& path, std::uintmax_t most = kMaxFileBytes);
 
-/// The file that holds this code: the program, or the library it was loaded from.
-fs::path own_binary();
+/// Returns the file that holds this code: the program, or the library from which it was loaded.
+fs::path find_own_binary();
 
-/// The text of a file of settings. InputError as read_file, and where it has more than 1 MiB or lines of more than 10,000
-/// bytes: parsers recurse by the parts of a key.
+/// Reads a file of settings. Throws InputError like read_file(), and if the file exceeds 1 MiB or has lines of more than 10,000
+/// bytes, since parsers recurse over the parts of a key.
 std::string read_settings(const fs::path& path);
 
-/// The lines of a text file without line ends (LF, CRLF, or CR alone). Throws InputError as read_text() does.
+/// Reads the lines of a text file without line ends (LF, CRLF, or CR alone). Throws InputError like read_text().
 std::vector<std::string> read_lines(const fs::path& path);
 
-/// Where `path` is written before it is renamed: a hidden file beside it, of the same extension.
+/// Returns the temporary path from which a file is renamed to `path`: a hidden file in the same folder with the same extension.
 fs::path temporary_beside(const fs::path& path);
 
-/// Removes such files from a folder, not from those below it: what a killed process was writing.
+/// Removes the temporary files of killed processes from a folder, but not from its subfolders.
 void remove_temporaries(const fs::path& folder);
 
-/// Writes beside `path`, syncs and renames, so that `path` is whole or as before, after a power cut too. InputError on a full
-/// or read-only disk.
+/// Writes a temporary file, syncs it and renames it to `path`, so that `path` is complete or unchanged even after a power
+/// failure. Throws InputError on a full or read-only disk.
 void write_file(const fs::path& path, const std::string& bytes);
 
-/// The same for a file that `write` makes at the temporary path it is given (which keeps the extension of `path`).
+/// Does the same for a file that `write` makes at the given temporary path, which has the extension of `path`.
 void write_beside(const fs::path& path, const std::function<void(const fs::path&)>& write);
 
-/// Creates the folder and its parents. InputError where that is impossible.
+/// Creates a folder and its parents. Throws InputError if that fails.
 void make_folder(const fs::path& path);
 
-/// InputError unless the folder is empty or not there; `what` is to go into it, for the message.
+/// Throws InputError unless a folder is empty or absent; `what` is its intended content, for the message.
 void require_empty(const fs::path& folder, const std::string& what);
 
-/// The regular files of a folder with one of the endings (".png", in either case), in natural order; none if it does not exist.
+/// Lists the regular files of a folder with one of the endings (".png", in upper or lower case) in natural order; none if the
+/// folder does not exist.
 std::vector<fs::path> list_files(const fs::path& folder, const std::vector<std::string>& endings);
 
 }  // namespace dvi

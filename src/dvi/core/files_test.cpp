@@ -34,7 +34,7 @@ class Files : public testing::Test {
   const fs::path folder = temporary.path;
 };
 
-TEST_F(Files, RemovesWhatAKilledProcessWasWriting) {
+TEST_F(Files, RemovesTemporaryFilesOfKilledProcesses) {
   make_folder(folder / "deep");
   for (const fs::path& file : {folder / "video.mp4", folder / "deep/a.png"}) {
     write_file(file, "whole");
@@ -45,10 +45,10 @@ TEST_F(Files, RemovesWhatAKilledProcessWasWriting) {
   EXPECT_TRUE(fs::exists(temporary_beside(folder / "deep/a.png"))) << "one folder at a time";
   remove_temporaries(folder / "deep");
   EXPECT_TRUE(fs::exists(folder / "video.mp4") && fs::exists(folder / "deep/a.png"));
-  EXPECT_EQ(std::distance(fs::recursive_directory_iterator(folder), {}), 6) << "names of others stay";
+  EXPECT_EQ(std::distance(fs::recursive_directory_iterator(folder), {}), 6) << "files of others stay";
 }
 
-TEST_F(Files, WhatIsWrittenReadsBack) {
+TEST_F(Files, ReadsBackWrittenFiles) {
   const std::string bytes("a\0b\r\n\xff", 6);
   write_file(folder / "x.bin", bytes);
   EXPECT_EQ(read_file(folder / "x.bin"), bytes);
@@ -66,7 +66,7 @@ TEST_F(Files, ReadsLinesOfAnyLineEndWithoutAByteOrderMark) {
   }
 }
 
-TEST_F(Files, NamesTextInUtf16) {
+TEST_F(Files, RefusesTextInUtf16) {
   using namespace std::string_literals;
   for (const std::string& text : {"\xFF\xFE\x31\x00"s, "\xFE\xFF\x00\x31"s, "1\0 \0"s, "\0001"s}) {
     write_file(folder / "x.txt", text);
@@ -81,28 +81,29 @@ TEST_F(Files, ListsEndingsOfEitherCaseInNaturalOrder) {
   EXPECT_THAT(list_files(folder, {".png"}), ElementsAre(folder / "frame1.Png", folder / "frame9.png", folder / "frame10.PNG"));
 }
 
-TEST_F(Files, OnlyEmptyAndNewFoldersAreEmpty) {
+TEST_F(Files, AcceptsOnlyEmptyAndNewFoldersAsEmpty) {
   require_empty(folder / "new", "case");
   make_folder(folder / "empty");
   require_empty(folder / "empty", "case");
   write_file(folder / "empty/.hidden", "");
-  const auto refusal = ThrowsMessage<InputError>(AllOf(HasSubstr("is not an empty folder"), HasSubstr("new one for the case")));
+  const auto refusal =
+      ThrowsMessage<InputError>(AllOf(HasSubstr("is not an empty folder"), HasSubstr("new folder for the case")));
   EXPECT_THAT([&] { require_empty(folder / "empty", "case"); }, refusal);
   EXPECT_THAT([&] { require_empty(folder / "empty/.hidden", "case"); }, refusal);
 }
 
-TEST_F(Files, LinesLoseEveryKindOfLineEnd) {
+TEST_F(Files, RemovesAllLineEnds) {
   write_file(folder / "x.txt", "a\r\n\nb c\nlast");
   EXPECT_THAT(read_lines(folder / "x.txt"), ElementsAre("a", "", "b c", "last"));
 }
 
-TEST_F(Files, UnreadableIsAnInputErrorThatNamesTheFile) {
+TEST_F(Files, ReportsUnreadableFiles) {
   EXPECT_THAT([&] { read_file(folder / "absent"); },
               ThrowsMessage<InputError>(AllOf(HasSubstr((folder / "absent").string()), HasSubstr("No such file"))));
   EXPECT_THAT([&] { read_file(folder); }, ThrowsMessage<InputError>(HasSubstr("is a folder")));
 }
 
-TEST_F(Files, OnlyRegularFilesOfBoundedSizeAreRead) {
+TEST_F(Files, ReadsOnlyRegularFilesOfBoundedSize) {
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
   EXPECT_THAT([&] { read_file(folder / "pipe"); }, ThrowsMessage<InputError>(HasSubstr("pipe: is a pipe or a device")));
   EXPECT_THAT([] { read_file("/dev/zero"); }, ThrowsMessage<InputError>(HasSubstr("/dev/zero: is a pipe or a device")));
@@ -114,7 +115,7 @@ TEST_F(Files, OnlyRegularFilesOfBoundedSizeAreRead) {
   EXPECT_THAT([&] { read_file(folder / std::string(300, 'n')); }, ThrowsMessage<InputError>(HasSubstr("cannot be read")));
 }
 
-TEST_F(Files, SettingsHaveShortLines) {
+TEST_F(Files, RefusesSettingsWithLongLines) {
   write_file(folder / "a.toml", "a = 1\n" + std::string(10'000, 'b') + "\n");
   EXPECT_EQ(read_settings(folder / "a.toml").size(), 10'007U);
   write_file(folder / "a.toml", "a = 1\n" + std::string(10'001, 'b'));
@@ -123,7 +124,7 @@ TEST_F(Files, SettingsHaveShortLines) {
   EXPECT_THAT([&] { read_settings(folder / "a.toml"); }, ThrowsMessage<InputError>(HasSubstr("at most 1048576")));
 }
 
-TEST_F(Files, FailedWriterLeavesTheOldFileAndNothingElse) {
+TEST_F(Files, KeepsTheOldFileIfWritingFails) {
   write_file(folder / "x.png", "old");
   EXPECT_THROW(write_beside(folder / "x.png",
                             [](const fs::path& part) {
@@ -136,12 +137,12 @@ TEST_F(Files, FailedWriterLeavesTheOldFileAndNothingElse) {
   EXPECT_THAT(names(), ElementsAre("x.png"));
 }
 
-TEST_F(Files, WriterThatMakesNoFileIsAnError) {
+TEST_F(Files, ReportsAWriterThatMakesNoFile) {
   EXPECT_THROW(write_beside(folder / "x.png", [](const fs::path&) {}), InputError);
   EXPECT_THAT(names(), IsEmpty());
 }
 
-TEST_F(Files, NoRoomIsAnInputErrorAndLeavesNothing) {
+TEST_F(Files, ReportsAFullDiskAndLeavesNoFile) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto write_without_room = [&] {
     std::signal(SIGXFSZ, SIG_IGN);
@@ -159,11 +160,11 @@ TEST_F(Files, NoRoomIsAnInputErrorAndLeavesNothing) {
   EXPECT_THAT(names(), IsEmpty());
 }
 
-TEST_F(Files, MissingFolderIsAnInputError) {
+TEST_F(Files, ReportsAMissingFolder) {
   EXPECT_THAT([&] { write_file(folder / "no" / "x", "y"); }, ThrowsMessage<InputError>(HasSubstr("No such file")));
 }
 
-TEST_F(Files, FolderWhereAFileStands) {
+TEST_F(Files, RefusesAFolderWithThePathOfAFile) {
   make_folder(folder / "a" / "b");
   make_folder(folder / "a" / "b");
   EXPECT_TRUE(fs::is_directory(folder / "a" / "b"));
@@ -172,7 +173,7 @@ TEST_F(Files, FolderWhereAFileStands) {
   EXPECT_THROW(make_folder(folder / "file" / "below"), InputError);
 }
 
-TEST_F(Files, ListIsSortedByNameAndLeavesOutPartsAndOtherEndings) {
+TEST_F(Files, ListsSortedFilesWithoutPartsAndOtherEndings) {
   for (const char* name : {"b.png", "a.jpg", "c.txt", ".b.part12.png", "a.png"}) write_file(folder / name, "x");
   fs::create_directory(folder / "folder.png");
   EXPECT_THAT(list_files(folder, {".png", ".jpg"}), ElementsAre(folder / "a.jpg", folder / "a.png", folder / "b.png"));

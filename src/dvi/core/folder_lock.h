@@ -4,15 +4,15 @@
 
 namespace dvi {
 
-/// Keeps a folder to one process, or to some that share it: an advisory lock (flock) on a file in it. The system frees it when
-/// the process ends, however it ends.
+/// Locks a folder for one process, or for several that share it, by an advisory lock (flock) on a file in it. The system
+/// releases the lock whenever the process ends.
 class FolderLock {
  public:
   enum class Hold { alone, shared };
 
-  /// InputError, naming process and host of who holds it alone, where another process keeps `folder` to itself, or others share
-  /// it and it is wanted alone. `file` is made if it is missing and stays behind empty: a file that is removed and made again
-  /// could be locked twice. Where a file system knows no locks, sharing goes without.
+  /// Takes the lock. Throws InputError with process and host of the holder if another process holds `folder` alone, or if it is
+  /// wanted alone and others share it. `file` is created if necessary and is left empty: a file that is removed and created
+  /// again could be locked twice. If the file system does not support locks, a shared lock is skipped.
   FolderLock(const fs::path& folder, const fs::path& file, Hold hold = Hold::alone);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;

@@ -39,17 +39,17 @@ TEST_F(Lock, IsSharedOrHeldAlone) {
   EXPECT_THROW(FolderLock(folder.path, file, FolderLock::Hold::shared), InputError);
 }
 
-TEST_F(Lock, NamesTheProcessThatHoldsIt) {
+TEST_F(Lock, ReportsTheProcessThatHoldsIt) {
   {
     const FolderLock lock(folder.path, file);
     EXPECT_THAT(refusal(), HasSubstr("process " + std::to_string(getpid()) + " on "));
     EXPECT_THAT(refusal(), HasSubstr(folder.path.string()));
   }
-  EXPECT_EQ(refusal(), "") << "free again";
-  EXPECT_EQ(read_file(file), "") << "the same bytes whoever held it";
+  EXPECT_EQ(refusal(), "") << "the lock is free again";
+  EXPECT_EQ(read_file(file), "") << "the file does not depend on its holders";
 }
 
-TEST_F(Lock, IsFreeOnceItsHolderWasKilled) {
+TEST_F(Lock, IsReleasedWhenItsHolderIsKilled) {
   const pid_t child = fork();
   if (child == 0) {
     const FolderLock lock(folder.path, file);
@@ -60,10 +60,10 @@ TEST_F(Lock, IsFreeOnceItsHolderWasKilled) {
   EXPECT_EQ(refusal(), "");
 }
 
-TEST_F(Lock, WhereNothingCanBeWrittenSaysSo) {
+TEST_F(Lock, ReportsAFolderThatCannotBeWritten) {
   EXPECT_THROW(FolderLock(folder.path, folder.path / "missing/lock"), InputError);
   fs::create_symlink("/etc/hostname", folder.path / "link");
-  EXPECT_THROW(FolderLock(folder.path, folder.path / "link"), InputError) << "no link is followed out of the folder";
+  EXPECT_THROW(FolderLock(folder.path, folder.path / "link"), InputError) << "links out of the folder are not followed";
 }
 
 }  // namespace

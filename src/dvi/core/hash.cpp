@@ -23,7 +23,7 @@ Fingerprint::~Fingerprint() = default;
 
 void Fingerprint::add(std::string_view bytes) {
   const std::uint64_t size = bytes.size();
-  XXH3_128bits_update(state_->xxh, &size, sizeof size);  // ("ab", "c") is not ("a", "bc")
+  XXH3_128bits_update(state_->xxh, &size, sizeof size);  // distinguishes ("ab", "c") from ("a", "bc")
   XXH3_128bits_update(state_->xxh, bytes.data(), bytes.size());
 }
 
@@ -32,7 +32,7 @@ std::string Fingerprint::hex() const {
   return fmt::format("{:016x}{:016x}", h.high64, h.low64);
 }
 
-std::string hash_of(std::string_view bytes) {
+std::string compute_hash(std::string_view bytes) {
   Fingerprint print;
   print.add(bytes);
   return print.hex();
@@ -40,20 +40,20 @@ std::string hash_of(std::string_view bytes) {
 
 namespace {
 
-// A copy that was interrupted, or made of a damaged file system, can have its full size although next to nothing was written.
+// An interrupted copy, or one from a damaged file system, can have its full size although almost nothing was written.
 void require_written(const std::filesystem::path& path) {
   constexpr off_t kLargeBytes = off_t{1} << 30, kBlockBytes = 512, kMaxCompression = 64;
   struct stat status{};
   if (stat(path.c_str(), &status) != 0 || status.st_size <= kLargeBytes) return;
   const off_t written = status.st_blocks * kBlockBytes;
   if (written < status.st_size / kMaxCompression)
-    throw InputError(path, fmt::format("has {} bytes, of which only {} were ever written", status.st_size, written),
+    throw InputError(path, fmt::format("has {} bytes, but only {} of them were written", status.st_size, written),
                      "the copy is incomplete; copy it again");
 }
 
 }  // namespace
 
-std::string hash_of_file(const std::filesystem::path& path, std::uintmax_t most) {
+std::string compute_file_hash(const std::filesystem::path& path, std::uintmax_t most) {
   require_regular_file(path, most);
   require_written(path);
   std::ifstream in(path, std::ios::binary);

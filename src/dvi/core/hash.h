@@ -9,7 +9,7 @@
 
 namespace dvi {
 
-/// A 128-bit fingerprint of everything that was added, in that order (XXH3).
+/// A 128-bit fingerprint of all added data in their order (XXH3).
 class Fingerprint {
  public:
   Fingerprint();
@@ -25,10 +25,12 @@ class Fingerprint {
   std::unique_ptr<State> state_;
 };
 
-std::string hash_of(std::string_view bytes);
+/// Returns the fingerprint of bytes.
+std::string compute_hash(std::string_view bytes);
 
-/// The fingerprint of what a file holds. InputError where it cannot be read, is larger than
-/// `most` bytes, or has gigabytes that were never written (holes of a sparse file).
-std::string hash_of_file(const std::filesystem::path& path, std::uintmax_t most = std::numeric_limits<std::uintmax_t>::max());
+/// Returns the fingerprint of a file's content. Throws InputError if the file cannot be read, exceeds `most` bytes, or has
+/// gigabytes that were never written (holes of a sparse file).
+std::string compute_file_hash(const std::filesystem::path& path,
+                              std::uintmax_t most = std::numeric_limits<std::uintmax_t>::max());
 
 }  // namespace dvi

@@ -18,8 +18,8 @@ void remember(int) { interrupted = 1; }
 void catch_interrupts() {
   struct sigaction action{};
   action.sa_handler = remember;
-  // No SA_RESTART: a blocked read returns. A second signal ends the process the usual way: the first may be waiting for a long
-  // step.
+  // Without SA_RESTART, a blocked read returns. A second signal ends the process immediately, since the first one may wait for
+  // a long step.
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }

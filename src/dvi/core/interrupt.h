@@ -5,19 +5,19 @@
 
 namespace dvi {
 
-/// Called by a stage after each unit of work; may throw to end the stage (Interrupted).
+/// A function that a stage calls after each unit of work. It may throw Interrupted to end the stage.
 using Tick = std::function<void()>;
 
-/// Called by a stage as it begins each part of its work, with how often the tick that this returns will be called.
+/// A function that a stage calls at the beginning of each part of its work, with the number of calls of the returned Tick.
 using BeginPart = std::function<Tick(const char* part, std::size_t ticks)>;
 inline Tick no_parts(const char*, std::size_t) {
   return [] {};
 }
 
-/// From now on SIGINT and SIGTERM are remembered instead of ending the process at once.
+/// Makes SIGINT and SIGTERM set a flag instead of ending the process.
 void catch_interrupts();
 
-/// Throws Interrupted once such a signal has arrived.
+/// Throws Interrupted if such a signal has arrived.
 void throw_if_interrupted();
 
 }  // namespace dvi

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-/// Writes an optional as its value or as null. Only .cpp files that write or read a document include this.
+/// Converts an optional to its value or to null. Only .cpp files that write or read a document include this header.
 template <class T>
 struct nlohmann::adl_serializer<std::optional<T>> {
   static void to_json(nlohmann::json& json, const std::optional<T>& value) {

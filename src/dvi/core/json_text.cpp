@@ -28,7 +28,7 @@ std::string json_text(const nlohmann::json& document, int indent) {
   }
 }
 
-std::int64_t whole_number(const nlohmann::json& value, const std::string& what, std::int64_t least, std::int64_t most) {
+std::int64_t to_whole_number(const nlohmann::json& value, const std::string& what, std::int64_t least, std::int64_t most) {
   const bool fits = value.is_number_unsigned() ? value.get<std::uint64_t>() <= static_cast<std::uint64_t>(INT64_MAX)
                                                : value.is_number_integer();
   if (fits)

@@ -29,8 +29,8 @@ TEST(JsonText, EncodesStringsThatAreNotUtf8) {
   EXPECT_EQ(json_text({{"\xFF", 1}}, -1), "{\"\xEF\xBF\xBD\":1}") << "keys are replaced";
 }
 
-TEST(WholeNumber, IsWithinItsBoundsOrRefused) {
-  const auto read = [](const char* text) { return whole_number(nlohmann::json::parse(text), "version", -1, 100); };
+TEST(WholeNumber, IsRefusedOutsideItsBounds) {
+  const auto read = [](const char* text) { return to_whole_number(nlohmann::json::parse(text), "version", -1, 100); };
   EXPECT_EQ(read("7"), 7);
   EXPECT_EQ(read("-1"), -1);
   EXPECT_EQ(read("100"), 100);

@@ -16,8 +16,8 @@
 
 namespace dvi {
 
-/// A sequence whose items are made on demand and kept within the budget that all sequences share: what takes long to make stays
-/// longer. Copies share the items. Safe to read from many threads; an item is made by one of them while the others wait.
+/// A sequence whose items are made on demand and cached within the budget that all sequences share; expensive items are kept
+/// longer. Copies share the items. Thread-safe: one thread makes an item while the others wait for it.
 template <class T>
 class Lazy {
  public:
@@ -28,14 +28,14 @@ class Lazy {
   Lazy(std::size_t count, Make make)
       : state_(std::make_shared<State>(count, std::move(make), CacheBudget::of_process(),
                                        [](const T& item) { return bytes_of(item); })) {}
-  /// Apart from the shared budget: keeps the `capacity` items used last, whatever their size.
+  /// Makes a sequence with a cache of its own, which keeps the `capacity` last used items of any size.
   Lazy(std::size_t count, std::size_t capacity, Make make)
       : state_(std::make_shared<State>(count, std::move(make),
                                        std::make_shared<CacheBudget>(std::max<std::size_t>(capacity, 1)),
                                        [](const T&) { return std::size_t{1}; })) {
     state_->alike = true;
   }
-  /// Items that others keep: `find` is asked each time.
+  /// Makes a sequence of items that are cached elsewhere: `find` is called for each access.
   static Lazy through(std::size_t count, Find find) {
     Lazy out(count, 1, nullptr);
     out.state_->find = std::move(find);
@@ -45,7 +45,7 @@ class Lazy {
   std::size_t size() const { return state_ ? state_->count : 0; }
   bool empty() const { return size() == 0; }
 
-  /// The item; stays alive as long as the caller holds it, kept or not. Rethrows what making it threw.
+  /// Returns an item, which stays alive as long as the caller holds it. Rethrows exceptions of its making.
   std::shared_ptr<const T> operator[](std::size_t i) const {
     State& s = *state_;
     if (s.find) return s.find(i);
@@ -57,7 +57,7 @@ class Lazy {
     std::shared_ptr<const T> value;
     const auto start = std::chrono::steady_clock::now();
     try {
-      // Isolated, so that a thread waiting inside does not pick up a task that waits for this very item.
+      // Isolation prevents a thread that waits inside from starting a task that waits for this item.
       tbb::this_task_arena::isolate([&] { value = std::make_shared<const T>(s.make(i)); });
     } catch (...) {
       lock.lock();
@@ -73,7 +73,7 @@ class Lazy {
   }
 
  private:
-  // Not less than a millisecond: below, a clock tells more of the machine than of the work.
+  // The minimum is a millisecond, because shorter times depend on the machine rather than on the work.
   static double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::max(1e-3, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
@@ -90,7 +90,7 @@ class Lazy {
     Find find;
     std::shared_ptr<CacheBudget> budget;
     std::function<std::size_t(const T&)> size_of;
-    bool alike = false;  // all count as much
+    bool alike = false;  // all items have the same cost
     std::mutex mutex;
     std::condition_variable changed;
     std::set<std::size_t> in_work;

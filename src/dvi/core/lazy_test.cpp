@@ -15,12 +15,12 @@
 namespace dvi {
 namespace {
 
-TEST(Lazy, EmptyHasNoItems) {
+TEST(Lazy, HasNoItemsIfEmpty) {
   EXPECT_TRUE(Lazy<int>().empty());
   EXPECT_EQ(Lazy<int>(3, 1, [](std::size_t) { return 0; }).size(), 3U);
 }
 
-TEST(Lazy, MakesAnItemOnceWhileItIsKept) {
+TEST(Lazy, MakesACachedItemOnce) {
   int made = 0;
   const Lazy<int> lazy(10, 2, [&](std::size_t i) {
     ++made;
@@ -45,7 +45,7 @@ TEST(Lazy, DropsTheLeastRecentlyUsed) {
   EXPECT_EQ(made, (std::vector<std::size_t>{0, 1, 2, 1}));
 }
 
-TEST(Lazy, HeldItemOutlivesTheCache) {
+TEST(Lazy, KeepsHeldItemsAlive) {
   std::shared_ptr<const std::vector<int>> held;
   {
     const Lazy<std::vector<int>> lazy(3, 1, [](std::size_t i) { return std::vector<int>(100, static_cast<int>(i)); });
@@ -86,7 +86,7 @@ TEST(Lazy, RethrowsAndTriesAgain) {
   EXPECT_EQ(*lazy[0], 7);
 }
 
-TEST(Lazy, ManyThreadsMakeAnItemOnce) {
+TEST(Lazy, MakesAnItemOnceWithManyThreads) {
   std::vector<std::atomic<int>> made(8);
   const Lazy<int> lazy(8, 8, [&](std::size_t i) {
     ++made[i];
@@ -106,8 +106,8 @@ TEST(Lazy, ManyThreadsMakeAnItemOnce) {
   for (const auto& count : made) EXPECT_EQ(count, 1);
 }
 
-// Items that run parallel loops while other tasks wait for those very items: must neither deadlock nor mix up.
-TEST(Lazy, ItemsMayWorkInParallelInsideAParallelLoop) {
+// Items run parallel loops while other tasks wait for the same items. This must neither deadlock nor mix items.
+TEST(Lazy, SupportsParallelLoopsInItemsOfAParallelLoop) {
   const Lazy<std::vector<int>> lazy(16, 3, [](std::size_t i) {
     std::vector<int> out(64);
     parallel_for(out.size(), [&](std::size_t k) { out[k] = static_cast<int>(i * k); });

@@ -6,7 +6,7 @@
 
 namespace dvi {
 
-/// The value in the middle, of an even number the upper one; zero of none.
+/// Returns the median of values, the upper one of an even number; zero if there are none.
 template <class T>
 T median(std::vector<T> values) {
   if (values.empty()) return T{};

@@ -10,18 +10,20 @@
 
 namespace dvi {
 
-/// An enum whose values have names in options and reports. Beside such an enum E stands
+/// An enum whose values have names in options and reports. For each such enum E there is a function
 ///   constexpr auto names_of(E) { return std::array{std::pair{E::first, "first"}, ...}; }
 template <class E>
 concept Named = std::is_enum_v<E> && requires(E e) { names_of(e); };
 
+/// Lists the names of an enum's values.
 template <Named E>
-std::vector<std::string> all_names() {
+std::vector<std::string> list_names() {
   std::vector<std::string> out;
   for (const auto& [value, name] : names_of(E{})) out.emplace_back(name);
   return out;
 }
 
+/// Returns the name of a value.
 template <Named E>
 std::string to_string(E value) {
   for (const auto& [known, name] : names_of(value))
@@ -29,15 +31,15 @@ std::string to_string(E value) {
   throw std::logic_error("an enum value has no name");
 }
 
-/// std::invalid_argument: must be one of these.
+/// Throws std::invalid_argument: must be one of these names.
 [[noreturn]] void refuse_name(const std::vector<std::string>& names);
 
-/// The value of a name. std::invalid_argument with the names there are.
+/// Returns the value of a name. Throws std::invalid_argument with the existing names if it is unknown.
 template <Named E>
 E parse_name(std::string_view text) {
   for (const auto& [value, name] : names_of(E{}))
     if (text == name) return value;
-  refuse_name(all_names<E>());
+  refuse_name(list_names<E>());
 }
 
 }  // namespace dvi

@@ -8,7 +8,7 @@ namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-std::string_view digits_at(std::string_view text, std::size_t begin) {
+std::string_view find_digits(std::string_view text, std::size_t begin) {
   std::size_t end = begin;
   while (end < text.size() && is_digit(text[end])) ++end;
   return text.substr(begin, end - begin);
@@ -35,7 +35,7 @@ bool natural_less(std::string_view a, std::string_view b) {
       ++i, ++j;
       continue;
     }
-    const std::string_view digits_a = digits_at(a, i), digits_b = digits_at(b, j);
+    const std::string_view digits_a = find_digits(a, i), digits_b = find_digits(b, j);
     const int order = is_decimal(a, i) ? digits_a.compare(digits_b) : compare_values(digits_a, digits_b);
     if (order != 0) return order < 0;
     i += digits_a.size(), j += digits_b.size();

@@ -6,8 +6,8 @@
 namespace dvi {
 namespace {
 
-// Optimal string alignment distance.
-std::size_t typing_errors(const std::string& a, const std::string& b) {
+// Computes the optimal string alignment distance.
+std::size_t count_typing_errors(const std::string& a, const std::string& b) {
   std::vector<std::size_t> before, last(b.size() + 1), row(b.size() + 1);
   std::iota(last.begin(), last.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
@@ -25,12 +25,12 @@ std::size_t typing_errors(const std::string& a, const std::string& b) {
 }  // namespace
 
 std::string nearest_word(const std::string& typed, const std::vector<std::string>& words) {
-  constexpr std::size_t kBeginning = 3;  // letters that tell a word
+  constexpr std::size_t kMinPrefix = 3;  // letters that identify a word
   std::string best;
   std::size_t fewest = (typed.size() + 2) / 3 + 1;
   for (const std::string& word : words) {
-    if (typed.size() >= kBeginning && word.starts_with(typed)) return word;
-    const std::size_t errors = typing_errors(typed, word);
+    if (typed.size() >= kMinPrefix && word.starts_with(typed)) return word;
+    const std::size_t errors = count_typing_errors(typed, word);
     if (errors < fewest) fewest = errors, best = word;
   }
   return best;

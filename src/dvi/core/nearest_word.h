@@ -5,8 +5,9 @@
 
 namespace dvi {
 
-/// The word of `words` that `typed` was probably meant to be: the one it begins, else the one at the fewest typing errors (a
-/// letter too many, too few, wrong, or two swapped), at most one for every three letters. Empty if there is none.
+/// Returns the word of `words` that `typed` probably means: the one that begins with it, or else the one with the fewest typing
+/// errors (an additional, missing, wrong, or swapped letter), with at most one error per three letters. Returns an empty text
+/// if there is none.
 std::string nearest_word(const std::string& typed, const std::vector<std::string>& words);
 
 }  // namespace dvi

@@ -19,14 +19,14 @@
 namespace dvi {
 namespace {
 
-double number(const OptionValue& value) {
+double to_number_value(const OptionValue& value) {
   if (const auto* i = std::get_if<std::int64_t>(&value)) return static_cast<double>(*i);
   if (const auto* d = std::get_if<double>(&value)) return *d;
   throw std::invalid_argument("must be a number");
 }
 
-double whole_number(const OptionValue& value) {
-  const double d = number(value);
+double to_whole_number(const OptionValue& value) {
+  const double d = to_number_value(value);
   if (d != std::floor(d)) throw std::invalid_argument("must be a whole number");
   return d;
 }
@@ -36,8 +36,8 @@ void require_within(double value, Range range) {
     throw std::invalid_argument(fmt::format("must be within {} .. {}", range.low, range.high));
 }
 
-// Written as TOML does not allow: ".5", "5.", "+1.5".
-std::optional<double> decimal(std::string_view text) {
+// Parses notations that TOML does not allow: ".5", "5.", "+1.5".
+std::optional<double> parse_decimal(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
@@ -45,8 +45,8 @@ std::optional<double> decimal(std::string_view text) {
   return whole_text ? std::optional(value) : std::nullopt;
 }
 
-// A bare word is a string, so that the shell's quotes are enough: --set masks.source=labels.
-OptionValue parse(std::string_view text, const Option& option) {
+// A bare word is a string, so that no quotes within those of the shell are needed: --set masks.source=labels.
+OptionValue parse_value(std::string_view text, const Option& option) {
   if (option.automatic && text == kAutomatic) return std::string(text);
   const OptionValue like = option.automatic ? OptionValue(0.0) : option.get();
   if (std::holds_alternative<std::string>(like)) return std::string(text);
@@ -57,9 +57,9 @@ OptionValue parse(std::string_view text, const Option& option) {
     if (const auto b = table["v"].as_boolean()) return b->get();
     if (const auto i = table["v"].as_integer()) return i->get();
     if (const auto d = table["v"].as_floating_point()) return d->get();
-  } catch (const std::runtime_error&) {  // malformed (parse_error, TOML_ASSERT): answered below
+  } catch (const std::runtime_error&) {  // malformed (parse_error, TOML_ASSERT), reported below
   }
-  if (const auto d = decimal(text)) return *d;
+  if (const auto d = parse_decimal(text)) return *d;
   throw std::invalid_argument(std::holds_alternative<bool>(like) ? "must be true or false" : "must be a number");
 }
 
@@ -90,7 +90,7 @@ std::string to_toml(const OptionValue& value) {
     } else if constexpr (std::is_same_v<T, std::string>) {
       out << toml::value<T>(to_toml_text(v));
     } else if constexpr (std::is_same_v<T, double>) {
-      const std::string shortest = fmt::format("{}", v);  // 0.1; the library would write 0.10000000000000001
+      const std::string shortest = fmt::format("{}", v);  // 0.1 instead of 0.10000000000000001 of the library
       out << shortest << (shortest.find_first_of(".en") == std::string::npos ? ".0" : "");
     } else {
       out << toml::value<T>(v);
@@ -136,7 +136,7 @@ void OptionTable::add(std::string key, int& field, Range range, std::string doc)
        .get = [&field] { return OptionValue(std::int64_t{field}); },
        .set =
            [&field, range](const OptionValue& v) {
-             const double d = whole_number(v);
+             const double d = to_whole_number(v);
              require_within(d, range);
              field = static_cast<int>(d);
            }});
@@ -149,7 +149,7 @@ void OptionTable::add_one_of(std::string key, int& field, std::vector<int> allow
        .get = [&field] { return OptionValue(std::int64_t{field}); },
        .set =
            [&field, allowed = std::move(allowed)](const OptionValue& v) {
-             const double d = whole_number(v);
+             const double d = to_whole_number(v);
              const auto it = std::find(allowed.begin(), allowed.end(), d);
              if (it == allowed.end()) throw std::invalid_argument(fmt::format("must be one of {}", fmt::join(allowed, ", ")));
              field = *it;
@@ -167,8 +167,8 @@ void OptionTable::add(std::string key, std::vector<double*> fields, Range range,
        .get = [first = fields.front()] { return OptionValue(*first); },
        .set =
            [fields = std::move(fields), range](const OptionValue& v) {
-             require_within(number(v), range);
-             for (double* field : fields) *field = number(v);
+             require_within(to_number_value(v), range);
+             for (double* field : fields) *field = to_number_value(v);
            }});
 }
 
@@ -182,8 +182,8 @@ void OptionTable::add_automatic(std::string key, std::vector<std::optional<doubl
            [fields = std::move(fields), range](const OptionValue& v) {
              std::optional<double> value;
              if (const auto* text = std::get_if<std::string>(&v); text == nullptr || *text != kAutomatic) {
-               require_within(number(v), range);
-               value = number(v);
+               require_within(to_number_value(v), range);
+               value = to_number_value(v);
              }
              for (std::optional<double>* field : fields) *field = value;
            }});
@@ -230,7 +230,7 @@ const Option& OptionTable::find(const std::string& name) const {
   std::vector<std::string> names;
   for (const Option& option : options_) names.push_back(option.name());
   const std::string meant = nearest_word(name, names);
-  throw UsageError(fmt::format("there is no option '{}'{}; `dvi config dump --all` lists all of them", name,
+  throw UsageError(fmt::format("there is no option '{}'{}; `dvi config dump --all` lists all options", name,
                                meant.empty() ? "" : fmt::format(" (did you mean '{}'?)", meant)));
 }
 
@@ -240,7 +240,7 @@ void OptionTable::set(std::string_view assignment) {
   const Option& option = find(std::string(assignment.substr(0, equals)));
   const std::string_view text = assignment.substr(equals + 1);
   try {
-    option.assign(parse(text, option));
+    option.assign(parse_value(text, option));
   } catch (const std::invalid_argument& e) {
     throw UsageError(fmt::format("option {} = {}: {}", option.name(), text, e.what()));
   }
@@ -256,7 +256,7 @@ void OptionTable::load_toml(const std::filesystem::path& path, const std::vector
   for (const auto& [section, node] : table) {
     const std::string name(section.str());
     if (std::find(ignore.begin(), ignore.end(), name) != ignore.end()) continue;
-    if (!node.is_table()) throw UsageError(fmt::format("{}: '{}' stands outside any table", path.string(), name));
+    if (!node.is_table()) throw UsageError(fmt::format("{}: '{}' is outside any table", path.string(), name));
     for (const auto& [key, value] : *node.as_table()) {
       const std::string full_name = fmt::format("{}.{}", name, key.str());
       try {

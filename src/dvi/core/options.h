@@ -17,67 +17,67 @@ namespace dvi {
 
 using OptionValue = std::variant<bool, std::int64_t, double, std::string, std::vector<std::string>>;
 
-/// What stands for a number that the program is to choose from the data.
+/// The text of a number that the program determines from the data.
 inline constexpr const char* kAutomatic = "auto";
 
-/// Smallest and largest value of a number.
+/// The smallest and largest value of a number.
 struct Range {
   double low = 0, high = 0;
 };
 
-/// Whom an option is for. Developer options serve ablations and tuning: `--set` and files take them like all others, but only
-/// `dvi config dump --all` lists them.
+/// The intended user of an option. Developer options serve ablations and tuning: `--set` and files accept them like all others,
+/// but only `dvi config dump --all` lists them.
 enum class Audience { user, developer };
 
-/// A type that is written as text: to_string(value) and T::parse(text), which throws std::invalid_argument with the reason.
+/// A type with a text form: to_string(value) and T::parse(text), which throws std::invalid_argument with the reason.
 template <class T>
 concept Textual = requires(const T& value, const std::string& text) {
   { to_string(value) } -> std::convertible_to<std::string>;
   { T::parse(text) } -> std::same_as<T>;
 };
 
-/// One field of an options struct as TOML, `--set`, `dvi config dump` and the docs see it.
+/// The description of one field of an options struct for TOML, `--set`, `dvi config dump` and the documentation.
 struct Option {
   std::string section = {}, key = {}, doc = {};
   Audience audience = Audience::user;
-  std::vector<std::string> choices = {};  ///< of a string option; empty: any string
-  bool automatic = false;                 ///< a number that may also be kAutomatic
+  std::vector<std::string> choices = {};  ///< allowed strings; empty: any string
+  bool automatic = false;                 ///< whether a number may be kAutomatic as well
   std::function<OptionValue()> get = {};
   std::function<void(const OptionValue&)> set = {};  ///< throws std::invalid_argument with the reason
 
   std::string name() const { return section + "." + key; }
-  std::string text() const;  ///< its value as TOML
-  /// set(), with a UsageError that names option, value and what would be right.
+  std::string text() const;  ///< the value as TOML
+  /// Calls set(). Throws UsageError with option, value and the allowed values if it fails.
   void assign(const OptionValue& value) const;
 };
 
-/// The one description of all options: a stage's struct describes itself into it, field by field, and everything that
-/// reads, writes or documents options works from it. Holds references to the fields.
+/// The only description of all options. The struct of each stage adds its fields, and everything that reads, writes or
+/// documents options uses this table. Holds references to the fields.
 class OptionTable {
  public:
-  /// Fields added from now on belong to this section and are the user's.
+  /// Sets the section of the fields that are added next, and their audience to the user.
   void section(std::string name) {
     section_ = std::move(name);
     audience_ = Audience::user;
   }
-  /// Fields added from now on, up to the next section, are the developer's.
+  /// Sets the audience of the fields up to the next section to developers.
   void developer() { audience_ = Audience::developer; }
 
   void add(std::string key, bool& field, std::string doc);
   void add(std::string key, int& field, Range range, std::string doc);
   void add(std::string key, double& field, Range range, std::string doc);
-  /// One option that several structs share: it reads the first field and sets all of them.
+  /// Adds one option that several structs share: it reads the first field and sets all of them.
   void add(std::string key, std::vector<double*> fields, Range range, std::string doc);
-  /// The same for a number that may be left to the program: none is kAutomatic.
+  /// Adds such an option for a number that may be determined by the program; no value means kAutomatic.
   void add_automatic(std::string key, std::vector<std::optional<double>*> fields, Range range, std::string doc);
-  /// A number of which only these values have a meaning.
+  /// Adds a number that has only the allowed values.
   void add_one_of(std::string key, int& field, std::vector<int> allowed, std::string doc);
   void add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc);
   void add(std::string key, std::vector<std::string>& field, std::string doc);
   template <Named E>
   void add(std::string key, E& field, const std::string& doc) {
     add_text(
-        std::move(key), all_names<E>(), [&field] { return to_string(field); },
+        std::move(key), list_names<E>(), [&field] { return to_string(field); },
         [&field](const std::string& text) { field = parse_name<E>(text); }, doc);
   }
   template <Textual T>
@@ -89,13 +89,14 @@ class OptionTable {
 
   const std::vector<Option>& options() const { return options_; }
 
-  /// `section.key=value`, as `--set` takes it. UsageError with what would be right.
+  /// Applies `section.key=value` of `--set`. Throws UsageError with the remedy if it is malformed.
   void set(std::string_view assignment);
-  /// Sets what the file's tables name; tables not known here are left to others if in `ignore`. UsageError otherwise.
+  /// Sets the options in a TOML file. Skips unknown tables that are in `ignore`. Throws UsageError for others.
   void load_toml(const std::filesystem::path& path, const std::vector<std::string>& ignore = {});
-  /// Every option, or those that are wanted, with its doc line as TOML that load_toml reads back. One table a section.
+  /// Formats all options, or the wanted ones, with their documentation as TOML that load_toml() can read. Each section is one
+  /// table.
   std::string dump_toml(const std::function<bool(const Option&)>& wanted = {}) const;
-  /// UsageError for the first field that holds what set() would refuse.
+  /// Throws UsageError for the first field with a value that set() would refuse.
   void check() const;
 
  private:
@@ -109,7 +110,7 @@ class OptionTable {
   std::vector<Option> options_;
 };
 
-/// What the check() of an options struct does: UsageError for the first field outside its range, however it came there.
+/// Implements check() of an options struct: throws UsageError for the first field outside its range.
 template <class Described>
 void check_ranges(Described options) {
   OptionTable table;

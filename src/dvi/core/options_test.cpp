@@ -85,7 +85,7 @@ class Options : public testing::Test {
   const fs::path file = temporary.path / "options.toml";
 };
 
-TEST_F(Options, SetTakesEveryType) {
+TEST_F(Options, SetAcceptsAllTypes) {
   for (const char* assignment : {"first.enabled=false", "first.window=7", "second.alpha=-2.5e-3", "second.source=labels"})
     table.set(assignment);
   EXPECT_FALSE(settings.enabled);
@@ -94,19 +94,19 @@ TEST_F(Options, SetTakesEveryType) {
   EXPECT_EQ(settings.source, "labels");
 }
 
-TEST_F(Options, StringsNeedNoQuotesAndMayHoldEqualsSigns) {
+TEST_F(Options, StringsNeedNoQuotesAndMayContainEqualsSigns) {
   table.set("second.note=a = \"b\"");
   EXPECT_EQ(settings.note, "a = \"b\"");
 }
 
-TEST_F(Options, WholeNumbersServeAsReals) {
+TEST_F(Options, RealsMayBeWholeNumbers) {
   table.set("second.alpha=3");
   EXPECT_EQ(settings.alpha, 3.0);
   load("[second]\nalpha = 4");
   EXPECT_EQ(settings.alpha, 4.0);
 }
 
-TEST_F(Options, DumpReadsBackExactly) {
+TEST_F(Options, AreReadBackExactlyFromTheDump) {
   settings.enabled = false, settings.window = 3, settings.alpha = 0.1 + 0.2, settings.source = "labels";
   settings.note = "say \"x\" \\ \n\t#";
   const std::string text = table.dump_toml();
@@ -122,7 +122,7 @@ TEST_F(Options, DumpReadsBackExactly) {
   EXPECT_EQ(table.dump_toml(), text);
 }
 
-TEST_F(Options, ANumberMayBeLeftToTheProgram) {
+TEST_F(Options, NumbersMayBeAutomatic) {
   EXPECT_THAT(table.dump_toml(), HasSubstr("# How near. [auto | 0 .. 20]\nnear = 'auto'\n"));
   table.set("third.near=0.5");
   EXPECT_EQ(settings.near, 0.5);
@@ -138,7 +138,7 @@ TEST_F(Options, ANumberMayBeLeftToTheProgram) {
   EXPECT_THROW(load("[third]\nnear = \"none\""), UsageError);
 }
 
-TEST_F(Options, ListsOfStrings) {
+TEST_F(Options, MayBeListsOfStrings) {
   table.set("second.paths=one path");
   EXPECT_THAT(settings.paths, ElementsAre("one path"));
   settings.paths = {"a", "b \"c\""};
@@ -150,8 +150,8 @@ TEST_F(Options, ListsOfStrings) {
   EXPECT_THROW(load("[second]\npaths = \"a\""), UsageError);
 }
 
-// File names can hold any byte; TOML cannot.
-TEST_F(Options, StringsThatAreNotUtf8ReadBackAsTheyAre) {
+// File names can hold any byte, but TOML requires UTF-8.
+TEST_F(Options, StringsThatAreNotUtf8AreReadBackExactly) {
   const std::string latin =
                         "/tmp/Stra\xDF"
                         "e 100%",
@@ -169,13 +169,13 @@ TEST_F(Options, StringsThatAreNotUtf8ReadBackAsTheyAre) {
   EXPECT_EQ(settings.note, "/tmp/a b%");
 }
 
-TEST_F(Options, WholeValuedRealsReadBackAsReals) {
+TEST_F(Options, WholeValuedRealsAreReadBackAsReals) {
   settings.alpha = 1e6;
   load(table.dump_toml());
   EXPECT_EQ(settings.alpha, 1e6);
 }
 
-TEST_F(Options, DecimalsMayBeginOrEndWithTheirPoint) {
+TEST_F(Options, DecimalsMayBeginOrEndWithAPoint) {
   for (const auto& [text, value] : {std::pair(".5", 0.5), {"-.25", -0.25}, {"2.", 2.0}, {"+1.5", 1.5}}) {
     table.set(std::string("second.alpha=") + text);
     EXPECT_EQ(settings.alpha, value) << text;
@@ -184,7 +184,7 @@ TEST_F(Options, DecimalsMayBeginOrEndWithTheirPoint) {
     EXPECT_THROW(table.set(std::string("second.alpha=") + text), UsageError) << text;
 }
 
-TEST_F(Options, BadAssignmentsNameTheOptionAndTheReason) {
+TEST_F(Options, InvalidAssignmentsReportOptionAndReason) {
   const auto message = [this](const char* assignment) -> std::string {
     try {
       table.set(assignment);
@@ -212,11 +212,11 @@ TEST_F(Options, BadAssignmentsNameTheOptionAndTheReason) {
   EXPECT_THAT(message("third.side=4"), HasSubstr("option third.side = 4: must be one of 0, 3, 5"));
   EXPECT_THAT(message("third.color=blue"), HasSubstr("option third.color = 'blue': must be one of red, green"));
   EXPECT_THAT(message("third.share=9"), HasSubstr("option third.share = '9': must end in %"));
-  EXPECT_EQ(settings.window, 5) << "a refused value must not stay";
+  EXPECT_EQ(settings.window, 5) << "a refused value is not stored";
   EXPECT_EQ(settings.alpha, 0.1);
 }
 
-TEST_F(Options, EnumsAndTypesOfTheirOwnAreWrittenAsText) {
+TEST_F(Options, EnumsAndOtherTypesAreWrittenAsText) {
   for (const char* assignment : {"third.color=green", "third.share=40%", "third.side=0", "third.low=3"}) table.set(assignment);
   EXPECT_EQ(settings.color, Color::green);
   EXPECT_EQ(settings.share.value, 40);
@@ -229,7 +229,7 @@ TEST_F(Options, EnumsAndTypesOfTheirOwnAreWrittenAsText) {
   EXPECT_EQ(table.dump_toml(), text);
 }
 
-TEST_F(Options, DumpShowsWhatIsWantedOneTableASection) {
+TEST_F(Options, DumpHasTheWantedOptionsInOneTablePerSection) {
   const std::string users = table.dump_toml([](const Option& option) { return option.audience == Audience::user; });
   EXPECT_THAT(users, Not(HasSubstr("[third]")));
   EXPECT_THAT(users, HasSubstr("late"));
@@ -237,14 +237,14 @@ TEST_F(Options, DumpShowsWhatIsWantedOneTableASection) {
   EXPECT_THAT(table.dump_toml(), HasSubstr("[third]"));
 }
 
-TEST_F(Options, AnUnknownNameIsRefusedWithTheNearest) {
+TEST_F(Options, UnknownNamesAreRefusedWithASuggestion) {
   EXPECT_THAT([this] { table.set("first.windw=3"); },
               ThrowsMessage<UsageError>(HasSubstr("there is no option 'first.windw' (did you mean 'first.window'?)")));
   EXPECT_THAT([this] { table.set("zzz.q=3"); },
-              ThrowsMessage<UsageError>(StrEq("there is no option 'zzz.q'; `dvi config dump --all` lists all of them")));
+              ThrowsMessage<UsageError>(StrEq("there is no option 'zzz.q'; `dvi config dump --all` lists all options")));
 }
 
-TEST(OptionRanges, HoldForStructsFilledByCode) {
+TEST(OptionRanges, AreCheckedForStructsFilledByCode) {
   Settings bad;
   EXPECT_NO_THROW(bad.check());
   bad.side = 4;
@@ -255,12 +255,12 @@ TEST(OptionRanges, HoldForStructsFilledByCode) {
   EXPECT_THAT([&] { bad.check(); }, ThrowsMessage<UsageError>(StrEq("option third.low = 30.0: must be within 0 .. 20")));
 }
 
-TEST_F(Options, TomlLeavesForeignTablesAlone) {
+TEST_F(Options, TomlMayHaveOtherTables) {
   load("[drive]\nversion = 1\n[first]\nwindow = 9\n");
   EXPECT_EQ(settings.window, 9);
 }
 
-TEST_F(Options, BadTomlNamesTheFile) {
+TEST_F(Options, InvalidTomlIsReportedWithTheFile) {
   const auto loading = [this](const std::string& toml) { return [this, toml] { load(toml); }; };
   EXPECT_THAT(loading("[first]\nwindow = = 3"), ThrowsMessage<UsageError>(HasSubstr(file.string() + ":2")));
   EXPECT_THAT(loading("[first]\nwindow = [3]"), ThrowsMessage<UsageError>(HasSubstr(file.string())));

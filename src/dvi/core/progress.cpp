@@ -18,7 +18,7 @@
 namespace dvi {
 namespace {
 
-constexpr double kBarEvery = 0.1, kLineEvery = 5.0;  // seconds
+constexpr double kBarPeriodS = 0.1, kLinePeriodS = 5.0;
 
 double cpu_seconds(clockid_t clock) {
   timespec t{};
@@ -26,8 +26,8 @@ double cpu_seconds(clockid_t clock) {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// Of the terminal that stderr is.
-std::size_t terminal_columns() {
+// Returns the width of the terminal on stderr.
+std::size_t find_terminal_columns() {
   winsize size{};
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
@@ -72,7 +72,7 @@ void Progress::advance() {
   const std::lock_guard lock(mutex_);
   ++done_;
   const std::chrono::duration<double> since = Clock::now() - shown_;
-  if (since.count() >= (style_ == ProgressStyle::bar ? kBarEvery : kLineEvery)) show(false);
+  if (since.count() >= (style_ == ProgressStyle::bar ? kBarPeriodS : kLinePeriodS)) show(false);
 }
 
 void Progress::end() {
@@ -120,25 +120,25 @@ void Progress::show(bool last) {
     }
     fmt::print(stderr, "{}\n", json_text(line, -1));
   } else if (style_ == ProgressStyle::bar) {
-    // The line of a whole run is taken away at the end of a stage: the next one takes its place, or the result does.
+    // At the end of a stage, the line of a whole run is cleared, since that of the next stage or the result replaces it.
     if (last && at.of_run)
       fmt::print(stderr, "\r\033[K");
     else
-      fmt::print(stderr, "\r\033[K{}{}", bar_line(at, last, terminal_columns()), last ? "\n" : "");
+      fmt::print(stderr, "\r\033[K{}{}", format_bar_line(at, last, find_terminal_columns()), last ? "\n" : "");
     std::fflush(stderr);
   } else if (style_ == ProgressStyle::lines && (last || at.done > 0)) {
-    fmt::print(stderr, "{}\n", log_line(at, last));
+    fmt::print(stderr, "{}\n", format_log_line(at, last));
   }
 }
 
 void Progress::print(const char* kind, const std::string& message) {
   if (style_ == ProgressStyle::json)
-    // A message is for people: bytes that are not UTF-8 become U+FFFD.
+    // Messages are for people, so bytes that are not UTF-8 become U+FFFD.
     fmt::print(
         stderr, "{}\n",
         nlohmann::json{{"event", kind}, {"message", message}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   else if (style_ != ProgressStyle::quiet)
-    fmt::print(stderr, "{}{}: {}\n", style_ == ProgressStyle::bar ? "\r\033[K" : "", kind, printable(message));
+    fmt::print(stderr, "{}{}: {}\n", style_ == ProgressStyle::bar ? "\r\033[K" : "", kind, to_printable(message));
 }
 
 void Progress::warn(const std::string& message) {

@@ -14,16 +14,17 @@
 
 namespace dvi {
 
+/// The form in which progress is shown. `automatic` is a bar on a terminal, and a line every few seconds otherwise.
 enum class ProgressStyle { automatic, bar, lines, json, quiet };
 
-/// CPU and wall seconds of one stage.
+/// CPU and wall time of one stage in seconds.
 struct StageTime {
   std::string stage;
   double seconds = 0, cpu_seconds = 0;
 };
 
-/// Tells a person (or, as JSON lines, a machine) on stderr how far the work is; collects warnings and times a stage.
-/// `automatic` is a bar on a terminal and a line every few seconds elsewhere. Safe to advance from many threads.
+/// Shows progress on stderr for people or, as JSON lines, for programs; collects warnings and measures the time of stages.
+/// Thread-safe.
 class Progress {
  public:
   explicit Progress(ProgressStyle style = ProgressStyle::automatic);
@@ -31,19 +32,20 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// The stages of a whole run, in order: from now on one line shows how far all of it is. A plan within a plan is ignored: the
-  /// outer one knows more.
+  /// Sets the stages of a whole run in order, so that one line shows the progress of the whole run. A plan within a plan is
+  /// ignored, because the outer one covers more.
   void plan(std::vector<PlannedStage> stages);
 
-  /// Begins a stage of `total` units (0: unknown); ends the one before.
+  /// Begins a stage of `total` units (0: unknown), and ends the previous one.
   void begin(const std::string& stage, std::size_t total);
-  void advance();  ///< One unit done. Throws Interrupted after SIGINT or SIGTERM.
+  /// Counts one completed unit. Throws Interrupted after SIGINT or SIGTERM.
+  void advance();
   void end();
-  /// advance() as a stage wants it.
+  /// Returns advance() as a function for a stage.
   Tick tick() {
     return [this] { advance(); };
   }
-  /// begin() and advance() as a stage of several parts wants them.
+  /// Returns begin() and advance() as a function for a stage of several parts.
   BeginPart parts() {
     return [this](const char* part, std::size_t ticks) {
       begin(part, ticks);
@@ -51,9 +53,9 @@ class Progress {
     };
   }
 
-  /// Makes the next begin() or advance() throw Interrupted, as a signal would. From any thread.
+  /// Makes the next begin() or advance() throw Interrupted like a signal. May be called from any thread.
   void cancel() { canceled_ = true; }
-  /// Where the work is; none between stages.
+  /// Returns the current progress; nothing between stages.
   std::optional<StageProgress> now() const;
 
   void warn(const std::string& message);
@@ -82,7 +84,7 @@ class Progress {
   std::vector<StageTime> times_;
 };
 
-/// CPU seconds of this process, and of this thread, so far; peak resident memory in bytes.
+/// Return the CPU time of this process and of this thread so far in seconds, and the peak resident memory in bytes.
 double process_cpu_seconds();
 double thread_cpu_seconds();
 std::size_t peak_memory();

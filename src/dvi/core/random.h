@@ -6,7 +6,8 @@
 
 namespace dvi {
 
-/// SplitMix64 (Steele et al., 2014): the same numbers on every machine, which <random>'s distributions do not promise.
+/// Generates random numbers by SplitMix64 (Steele et al., 2014). Unlike the distributions of <random>, the numbers are the same
+/// on every machine.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -17,13 +18,13 @@ class Random {
     z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
     return z ^ (z >> 31);
   }
-  /// In [0, 1).
+  /// Returns a number in [0, 1).
   double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
-  /// In [low, high).
+  /// Returns a number in [low, high).
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  /// In [0, count).
+  /// Returns a whole number in [0, count).
   int below(int count) { return static_cast<int>(uniform() * count); }
-  /// Standard normal (Box-Muller).
+  /// Returns a number of the standard normal distribution (Box-Muller).
   double normal() {
     const double r = std::sqrt(-2.0 * std::log(1.0 - uniform()));
     return r * std::cos(2.0 * std::numbers::pi * uniform());

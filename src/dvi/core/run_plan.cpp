@@ -18,17 +18,17 @@ void RunPlan::end(double seconds) {
 }
 
 std::optional<double> RunPlan::seconds_left(double passed, std::optional<double> stage_left) const {
-  constexpr double kLeastSeconds = 3, kLeastPart = 0.03;
+  constexpr double kMinSeconds = 3, kMinShare = 0.03;
   double all = 0, later = 0;
   for (std::size_t i = 0; i < stages_.size(); ++i) {
     all += stages_[i].cost;
     if (i >= at_) later += stages_[i].cost;
   }
   const double current = cost_of_current();
-  // The stage that runs tells as well as those before, once it is known how much of it is done.
+  // The current stage contributes to the estimate once the completed share of it is known.
   const double share = stage_left ? passed / std::max(passed + *stage_left, 1e-9) : 0;
   const double seconds = seconds_ + (stage_left ? passed : 0), cost = cost_ + share * current;
-  if (seconds < kLeastSeconds || cost < kLeastPart * all) return std::nullopt;
+  if (seconds < kMinSeconds || cost < kMinShare * all) return std::nullopt;
   const double rate = seconds / cost;
   return stage_left.value_or(std::max(0.0, rate * current - passed)) + rate * later;
 }

@@ -7,15 +7,15 @@
 
 namespace dvi {
 
-/// A stage of a run that is still to come, and what it costs in proportion to the others.
+/// A future stage of a run and its cost in proportion to the others.
 struct PlannedStage {
   std::string name;
   double cost = 0;
-  bool always = false;  ///< never skipped: what comes after it cannot begin before
+  bool always = false;  ///< the stage is never skipped, so later ones cannot begin before it
 };
 
-/// How far a whole run is: which of its stages it is at, and how long it will still take, by what the stages before have taken.
-/// Stages that are skipped count as done; stages that are not planned belong to the one before.
+/// The progress of a whole run: the current stage, and the remaining time by the duration of the previous stages. Skipped
+/// stages count as done; unplanned stages belong to the previous one.
 class RunPlan {
  public:
   RunPlan() = default;
@@ -23,14 +23,14 @@ class RunPlan {
 
   bool empty() const { return stages_.empty(); }
   void begin(const std::string& stage);
-  /// The stage that began has ended after so many seconds.
+  /// Ends the current stage after its duration.
   void end(double seconds);
 
-  std::size_t number() const { return at_; }  ///< of the stage it is at, from 1; 0 before the first
+  std::size_t number() const { return at_; }  ///< of the current stage, from 1; 0 before the first one
   std::size_t count() const { return stages_.size(); }
 
-  /// Seconds until the end of the run, of whose stage so many seconds have passed and `stage_left` are left, where that is
-  /// known. None while too little is done to tell: 3 seconds, and 3 % of the cost.
+  /// Estimates the seconds until the end of the run. `passed` seconds of the current stage have passed, and `stage_left` are
+  /// left if known. Returns nothing before 3 seconds and 3 % of the cost.
   std::optional<double> seconds_left(double passed, std::optional<double> stage_left) const;
 
  private:
@@ -38,8 +38,8 @@ class RunPlan {
 
   std::vector<PlannedStage> stages_;
   std::size_t at_ = 0;
-  bool planned_ = false;           // the stage that runs
-  double seconds_ = 0, cost_ = 0;  // of the stages that ended
+  bool planned_ = false;           // whether the current stage is in the plan
+  double seconds_ = 0, cost_ = 0;  // of the ended stages
 };
 
 }  // namespace dvi

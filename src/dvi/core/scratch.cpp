@@ -14,9 +14,9 @@ namespace dvi {
 namespace {
 
 constexpr std::size_t kDefaultBound = 2'000'000'000;
-constexpr std::size_t kSmall = 1 << 16;  // bytes; smaller blocks are not worth a file
+constexpr std::size_t kMinFileBytes = 1 << 16;  // smaller blocks stay in memory
 
-/// An unlinked temporary file. InputError where the folder has no room for it.
+/// An unlinked temporary file. Throws InputError if the folder has no space for it.
 class NamelessFile {
  public:
   NamelessFile(const std::filesystem::path& folder, std::size_t bytes) {
@@ -36,15 +36,15 @@ class NamelessFile {
 
  private:
   [[noreturn]] static void fail(const std::filesystem::path& folder, int error) {
-    throw InputError(folder, std::string("takes no more of what does not fit into memory (") + std::strerror(error) + ")",
-                     "free space, set TMPDIR to a folder with more, or raise job.memory_mb");
+    throw InputError(folder, std::string("has no space for data that do not fit into memory (") + std::strerror(error) + ")",
+                     "free space, set TMPDIR to a folder with more space, or increase job.memory_mb");
   }
   int file_ = -1;
 };
 
 }  // namespace
 
-std::filesystem::path temporary_folder() {
+std::filesystem::path find_temporary_folder() {
   const char* set = std::getenv("TMPDIR");
   return set != nullptr && *set == '\0' ? "/tmp" : std::filesystem::temp_directory_path();
 }
@@ -66,7 +66,7 @@ std::size_t Scratch::bound() const {
 
 void* Scratch::allocate(std::size_t bytes) {
   const std::lock_guard lock(mutex_);
-  if (bytes >= kSmall && in_memory_ + bytes > bound_) return map_file(bytes);
+  if (bytes >= kMinFileBytes && in_memory_ + bytes > bound_) return map_file(bytes);
   void* block = ::operator new(bytes);
   in_memory_ += bytes;
   return block;
@@ -92,7 +92,8 @@ void Scratch::release(void* block, std::size_t bytes) {
 
 void Scratch::page_out() {
   const std::lock_guard lock(mutex_);
-  for (const auto& [block, bytes] : files_) madvise(block, bytes, MADV_DONTNEED);  // of a shared file: nothing is lost
+  for (const auto& [block, bytes] : files_)
+    madvise(block, bytes, MADV_DONTNEED);  // keeps the data, since the mapping is shared
 }
 
 std::size_t Scratch::on_disk() const {

@@ -10,21 +10,21 @@
 
 namespace dvi {
 
-/// TMPDIR; /tmp where it is not set or empty. std::filesystem::filesystem_error where it is no folder.
-std::filesystem::path temporary_folder();
+/// Returns TMPDIR, or /tmp if it is not set or empty. Throws std::filesystem::filesystem_error if it is not a folder.
+std::filesystem::path find_temporary_folder();
 
-/// Memory with a bound: blocks beyond it are paged to unlinked temporary files, which disappear with the process. The system
-/// keeps only the pages in use. Safe to use from several threads.
+/// Memory with a bound. Blocks beyond it are paged to unlinked temporary files, which disappear with the process; the system
+/// keeps only the pages in use. Thread-safe.
 class Scratch {
  public:
-  /// InputError, later, where `folder` has no room for what does not fit into `bound` bytes.
-  explicit Scratch(std::size_t bound, std::filesystem::path folder = temporary_folder())
+  /// Allocations beyond `bound` bytes throw InputError if `folder` has no space for them.
+  explicit Scratch(std::size_t bound, std::filesystem::path folder = find_temporary_folder())
       : bound_(bound), folder_(std::move(folder)) {}
 
-  /// That of the maps of the process.
+  /// Returns the scratch memory for the maps of the process.
   static const std::shared_ptr<Scratch>& of_process();
 
-  /// Holds for blocks made from now on.
+  /// Sets the bound in bytes for subsequent blocks.
   void set_bound(std::size_t bound);
   std::size_t bound() const;
 
@@ -33,7 +33,8 @@ class Scratch {
 
   /// Releases the pages of file-backed blocks from memory until they are next read.
   void page_out();
-  std::size_t on_disk() const;  ///< bytes
+  /// Returns the bytes in temporary files.
+  std::size_t on_disk() const;
 
  private:
   void* map_file(std::size_t bytes);
@@ -45,13 +46,13 @@ class Scratch {
   std::map<void*, std::size_t> files_;  // size by address
 };
 
-/// For loops over what Scratch::of_process() holds: the pages of the items behind leave memory every so many.
+/// Releases the pages of Scratch::of_process() from memory every 2^18 items of a loop over it.
 inline void page_out_sometimes(std::size_t item) {
   constexpr std::size_t kItems = std::size_t{1} << 18;
   if ((item + 1) % kItems == 0) Scratch::of_process()->page_out();
 }
 
-/// For standard containers that live in a Scratch; without one, in memory like any other.
+/// Allocates the memory of standard containers in a Scratch, or in ordinary memory if there is none.
 template <class T>
 struct ScratchAllocator {
   using value_type = T;

@@ -17,15 +17,15 @@ std::shared_ptr<Scratch> scratch(std::size_t bound, const std::filesystem::path&
   return std::make_shared<Scratch>(bound, folder);
 }
 
-TEST(Scratch, AnEmptyTmpdirIsNone) {
+TEST(Scratch, IgnoresAnEmptyTmpdir) {
   const char* set = std::getenv("TMPDIR");
   const std::string before = set != nullptr ? set : "/tmp";
   setenv("TMPDIR", "", 1);
-  EXPECT_EQ(temporary_folder(), "/tmp");
+  EXPECT_EQ(find_temporary_folder(), "/tmp");
   setenv("TMPDIR", before.c_str(), 1);
 }
 
-TEST(Scratch, HoldsTheSameInMemoryAndOnDisk) {
+TEST(Scratch, HoldsEqualDataInMemoryAndOnDisk) {
   constexpr std::size_t kCount = 100'000;
   for (const std::size_t bound : {std::size_t{0}, std::size_t{1} << 30}) {
     const auto memory = scratch(bound, std::filesystem::temp_directory_path());
@@ -43,17 +43,17 @@ TEST(Scratch, HoldsTheSameInMemoryAndOnDisk) {
   }
 }
 
-TEST(Scratch, GivesBackWhatIsReleased) {
+TEST(Scratch, ReleasesMemory) {
   const auto memory = scratch(0, std::filesystem::temp_directory_path());
   {
     const Numbers numbers(100'000, 1, memory);
   }
   EXPECT_EQ(memory->on_disk(), 0);
   const Numbers few(10, 1, memory);
-  EXPECT_EQ(memory->on_disk(), 0) << "not worth a file";
+  EXPECT_EQ(memory->on_disk(), 0) << "too small for a file";
 }
 
-TEST(Scratch, SaysWhereThereIsNoRoom) {
+TEST(Scratch, ReportsAFolderWithoutSpace) {
   const auto message = [](const std::filesystem::path& folder, std::size_t count) {
     return input_error([&] { Numbers(scratch(0, folder)).reserve(count); });
   };

@@ -22,10 +22,10 @@ std::optional<T> parse_whole(std::string_view text) {
   return value;
 }
 
-// More digits than any program prints of a double.
+// No program prints more digits of a double.
 constexpr int kMaxTimeDigits = 400;
 
-// The digits times 10^shift, rounded down; none beyond kLatestSecond.
+// Computes the digits times 10^shift, rounded down; returns nothing beyond kLatestSecond.
 std::optional<std::int64_t> to_whole_nanoseconds(std::string digits, int shift) {
   if (shift >= 0)
     digits.append(static_cast<std::size_t>(shift), '0');
@@ -60,7 +60,7 @@ std::optional<std::int64_t> to_nanoseconds(std::string_view seconds) {
   const std::size_t dot = std::min(mantissa.find('.'), mantissa.size());
   const std::string_view fraction = mantissa.substr(std::min(dot + 1, mantissa.size()));
   const std::string digits = std::string(mantissa.substr(0, dot)) + std::string(fraction);
-  if (!all_digits(digits) || digits.size() > kMaxTimeDigits) return std::nullopt;
+  if (!is_all_digits(digits) || digits.size() > kMaxTimeDigits) return std::nullopt;
   const auto ns = to_whole_nanoseconds(digits, 9 + exponent - static_cast<int>(fraction.size()));
   return ns && negative ? -*ns : ns;
 }
@@ -78,8 +78,8 @@ std::optional<std::int64_t> date_to_nanoseconds(std::string_view text) {
   const auto hour = to_integer(text.substr(11, 2)), minute = to_integer(text.substr(14, 2));
   const auto ns = to_nanoseconds(text.substr(17));
   if (!year || !month || !day || !hour || !minute || !ns) return std::nullopt;
-  constexpr std::int64_t kLongestMinute = 61'000'000'000;  // with a leap second
-  const bool in_day = *hour >= 0 && *hour < 24 && *minute >= 0 && *minute < 60 && *ns >= 0 && *ns < kLongestMinute;
+  constexpr std::int64_t kMaxMinuteNs = 61'000'000'000;  // with a leap second
+  const bool in_day = *hour >= 0 && *hour < 24 && *minute >= 0 && *minute < 60 && *ns >= 0 && *ns < kMaxMinuteNs;
   using namespace std::chrono;
   const year_month_day date(std::chrono::year(*year), std::chrono::month(static_cast<unsigned>(*month)),
                             std::chrono::day(static_cast<unsigned>(*day)));
@@ -89,11 +89,11 @@ std::optional<std::int64_t> date_to_nanoseconds(std::string_view text) {
   return duration_cast<nanoseconds>(whole).count() + *ns;
 }
 
-bool all_digits(std::string_view text) {
+bool is_all_digits(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-std::string lower_case(std::string text) {
+std::string to_lower_case(std::string text) {
   for (char& c : text)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return text;
@@ -110,12 +110,12 @@ std::vector<std::string> split_words(std::string_view line) {
   return words;
 }
 
-std::string ranges(const std::vector<int>& numbers) {
-  constexpr int kLongest = 12;
+std::string format_ranges(const std::vector<int>& numbers) {
+  constexpr int kMaxRanges = 12;
   std::string text;
   int parts = 0;
   for (std::size_t i = 0; i < numbers.size(); ++parts) {
-    if (parts == kLongest) return text + " and " + std::to_string(numbers.size() - i) + " more";
+    if (parts == kMaxRanges) return text + " and " + std::to_string(numbers.size() - i) + " more";
     std::size_t last = i;
     while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
     text += (parts ? ", " : "") + std::to_string(numbers[i]);
@@ -126,9 +126,10 @@ std::string ranges(const std::vector<int>& numbers) {
 }
 
 TextLine::TextLine(fs::path file, std::size_t number, std::string_view text) : file_(std::move(file)), number_(number) {
-  if (text.size() > kLongestLineBytes)
-    throw InputError(file_.string() + ":" + std::to_string(number_), fmt::format("the line has {} bytes", text.size()),
-                     fmt::format("at most {} are read: is it another file, or without line ends?", kLongestLineBytes));
+  if (text.size() > kMaxLineBytes)
+    throw InputError(
+        file_.string() + ":" + std::to_string(number_), fmt::format("the line has {} bytes", text.size()),
+        fmt::format("at most {} are supported; the file may be of another kind or without line ends", kMaxLineBytes));
   words_ = split_words(text);
 }
 
@@ -151,7 +152,7 @@ int TextLine::integer(std::size_t i) const {
 std::int64_t TextLine::nanoseconds(std::size_t i) const {
   if (const auto value = to_nanoseconds(word(i))) return *value;
   constexpr std::size_t kNanosecondDigits = 19;  // of a time since 1970
-  const bool counts_ns = all_digits(word(i)) && word(i).size() == kNanosecondDigits;
+  const bool counts_ns = is_all_digits(word(i)) && word(i).size() == kNanosecondDigits;
   fail("'" + word(i) + "' is not a time in seconds",
        counts_ns ? "it is in nanoseconds; write seconds, such as " + to_seconds(*parse_whole<std::int64_t>(word(i)))
                  : "a time is a number such as 1534313591.432032 or 1.036224e-01");

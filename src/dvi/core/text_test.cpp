@@ -9,7 +9,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Text, ReadsNumbersWholeOrNotAtAll) {
+TEST(Text, ReadsOnlyCompleteNumbers) {
   EXPECT_EQ(to_number("-1.5e2"), -150.0);
   EXPECT_EQ(to_number("+3"), 3.0);
   for (const char* text : {"", "nan", "inf", "1.5m", "1,5", "--1"}) EXPECT_FALSE(to_number(text)) << text;
@@ -35,7 +35,7 @@ TEST(Text, ReadsTimesExactly) {
     EXPECT_FALSE(date_to_nanoseconds(text)) << text;
 }
 
-// times.txt of KITTI's odometry benchmark ("1.036224e-01"), and trajectories of evo, which prints with "%.18e".
+// The formats are those of times.txt of KITTI's odometry benchmark ("1.036224e-01"), and of evo, which prints "%.18e".
 TEST(Text, ReadsTimesInScientificNotationExactly) {
   EXPECT_EQ(to_nanoseconds("0.000000e+00"), 0);
   EXPECT_EQ(to_nanoseconds("1.036224e-01"), 103'622'400);
@@ -48,20 +48,20 @@ TEST(Text, ReadsTimesInScientificNotationExactly) {
   EXPECT_EQ(to_nanoseconds("0e999999"), 0);
 }
 
-TEST(Text, WritesTimesAsItReadsThem) {
+TEST(Text, WritesTimesThatItReadsBack) {
   EXPECT_EQ(to_seconds(1534313591432032000), "1534313591.432032000");
   for (const std::int64_t time : {0L, 1L, -1L, 999'999'999L, -500'000'000L, -1'500'000'000L, 1534313591123456789L})
     EXPECT_EQ(to_nanoseconds(to_seconds(time)), time);
 }
 
-TEST(Text, NamesRangesOfNumbers) {
-  EXPECT_EQ(ranges({3, 177, 178, 179, 180}), "3, 177-180");
+TEST(Text, FormatsRangesOfNumbers) {
+  EXPECT_EQ(format_ranges({3, 177, 178, 179, 180}), "3, 177-180");
   std::vector<int> many;
   for (int i = 0; i < 20; ++i) many.push_back(2 * i);
-  EXPECT_THAT(ranges(many), HasSubstr("22 and 8 more"));
+  EXPECT_THAT(format_ranges(many), HasSubstr("22 and 8 more"));
 }
 
-TEST(Text, SaysFileAndLineOfWhatIsWrong) {
+TEST(Text, ReportsFileAndLineOfErrors) {
   const TempFolder folder;
   const fs::path file = folder.write("poses.txt", "# a comment\n1 2 3\r\n1 2 x\n\n");
   const auto lines = read_text_lines(file);
@@ -76,9 +76,9 @@ TEST(Text, SaysFileAndLineOfWhatIsWrong) {
               HasSubstr("in nanoseconds; write seconds, such as 1534313591.432"));
 }
 
-TEST(Text, RefusesLinesThatNoFileOfNumbersHas) {
+TEST(Text, RefusesVeryLongLines) {
   const TempFolder folder;
-  std::string line(kLongestLineBytes, '1');
+  std::string line(kMaxLineBytes, '1');
   EXPECT_EQ(read_text_lines(folder.write("a.txt", line + "\n")).size(), 1U);
   const fs::path file = folder.write("b.txt", "1 2\n" + line + " 1\n");
   EXPECT_THAT(input_error([&] { read_text_lines(file); }), HasSubstr("b.txt:2: the line has 1048578 bytes"));

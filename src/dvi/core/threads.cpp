@@ -26,8 +26,8 @@ ThreadLimit::~ThreadLimit() = default;
 int thread_count() { return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)); }
 
 #ifdef __SANITIZE_THREAD__
-// Debian's TBB is not instrumented. The sanitizer is told what TBB guarantees: each body begins after what came before the
-// loop, and ends before what comes after it. Bodies of one loop remain unordered.
+// Debian's TBB is not instrumented. The annotations state what TBB guarantees: each body begins after the code before the loop,
+// and ends before the code after it. Bodies of one loop remain unordered.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
   char before = 0, after = 0;
   struct Ends {

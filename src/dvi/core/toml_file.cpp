@@ -13,7 +13,7 @@ toml::table read_toml(const fs::path& path) {
     return toml::parse(text);
   } catch (const toml::parse_error& e) {
     throw InputError(fmt::format("{}:{}", path.string(), e.source().begin.line), std::string(e.description()));
-  } catch (const std::runtime_error&) {  // TOML_ASSERT, of which the library tells no line
+  } catch (const std::runtime_error&) {  // TOML_ASSERT, for which the library has no line number
     throw InputError(path, "is malformed TOML", "check that a name follows each '['");
   }
 }

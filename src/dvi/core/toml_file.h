@@ -10,7 +10,8 @@ class table;
 
 namespace dvi {
 
-/// A file of settings, parsed. InputError as read_settings(), and where it is malformed, with its line where that is known.
+/// Reads and parses a file of settings. Throws InputError like read_settings(), and if it is malformed, with the line number if
+/// that is known.
 toml::table read_toml(const fs::path& path);
 
 }  // namespace dvi

@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::string_view kScheme = "file:";
 
-// The length of the UTF-8 character that begins a text; 0 if none does.
-std::size_t character_length(std::string_view text) {
+// Returns the length of the UTF-8 character at the beginning of a text; 0 if there is none.
+std::size_t find_character_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned first = byte(0);
   if (first < 0x80) return 1;
@@ -20,7 +20,7 @@ std::size_t character_length(std::string_view text) {
   for (std::size_t i = 1; i < length; ++i)
     if ((byte(i) & 0xC0) != 0x80) return 0;
   const bool overlong = (first == 0xE0 && byte(1) < 0xA0) || (first == 0xF0 && byte(1) < 0x90);
-  const bool beyond = (first == 0xED && byte(1) > 0x9F) || (first == 0xF4 && byte(1) > 0x8F);  // surrogates, above U+10FFFF
+  const bool beyond = (first == 0xED && byte(1) > 0x9F) || (first == 0xF4 && byte(1) > 0x8F);  // surrogates, or above U+10FFFF
   return overlong || beyond ? 0 : length;
 }
 
@@ -28,7 +28,7 @@ std::size_t character_length(std::string_view text) {
 
 bool is_utf8(std::string_view bytes) {
   while (!bytes.empty()) {
-    const std::size_t length = character_length(bytes);
+    const std::size_t length = find_character_length(bytes);
     if (length == 0) return false;
     bytes.remove_prefix(length);
   }

@@ -7,8 +7,8 @@
 namespace dvi {
 namespace {
 
-// Rows of the table of well-formed sequences in the Unicode standard (table 3-7), and what lies beside them.
-TEST(TomlText, KnowsUtf8) {
+// The rows are from the table of well-formed sequences in the Unicode standard (table 3-7), with malformed neighbors.
+TEST(TomlText, RecognizesUtf8) {
   for (const char* text :
        {"", "a", "\xC3\x9F", "\xE0\xA0\x80", "\xED\x9F\xBF", "\xEF\xBF\xBD", "\xF0\x90\x80\x80", "\xF4\x8F\xBF\xBF"})
     EXPECT_TRUE(is_utf8(text)) << text;

@@ -13,28 +13,29 @@
 
 namespace dvi::datasets {
 
-/// The scans of a topic of a bag, sensor_msgs/PointCloud2 or CustomMsg of Livox.
+/// Reads the scans of one topic of a bag: sensor_msgs/PointCloud2, or CustomMsg of Livox.
 class BagScans {
  public:
-  /// `entries` are the messages in order of time, one at least. Infers from the first scan and one in the middle of the
-  /// recording what the times of the points mean. Warns where they are not seconds or nanoseconds after the stamp or since
-  /// 1970, and where there are none. InputError where they cannot be understood.
+  /// Infers the meaning of the points' times from the first scan and from one in the middle of the recording. `entries` are the
+  /// messages in order of time, at least one. Adds a warning if the times are not seconds or nanoseconds after the stamp or
+  /// since 1970, or if there are none. Throws InputError if their meaning cannot be determined.
   BagScans(std::shared_ptr<const bags::BagMessages> messages, const bags::BagTopic& topic,
            const std::vector<bags::StampedEntry>& entries, const LidarConfig& config, std::vector<std::string>& warnings);
 
-  /// The frame of the scans.
+  /// Returns the tf frame of the scans.
   const std::string& frame() const { return frame_; }
-  /// When the scan of a message begins and ends: half a period apart at least.
+  /// Returns the header of a message's scan. Its start and end are at least half a period apart.
   ScanHeader header(const bags::StampedEntry& entry) const;
-  /// The scan of a header. Its times may have been moved by the clock offset of the configuration since. InputError where the
-  /// message is damaged or holds no points.
+  /// Reads the scan of a header. The clock offset of the configuration may have been added to the header's times since. Throws
+  /// InputError if the message is damaged or holds no points.
   Scan read(const ScanHeader& header) const;
 
  private:
   bags::RosCloud cloud(std::size_t number) const;
   void infer_times(const std::vector<bags::StampedEntry>& entries, std::vector<std::string>& warnings);
   bool has_times() const { return times_.use == media::PointTimes::Use::times; }
-  /// Whether points have the times of the message: also where these are all the same, unless the configuration has others.
+  /// Returns whether points have the times of the message. This includes equal times of all points, unless the configuration
+  /// states a rotation.
   bool uses_times() const { return has_times() || (times_.use == media::PointTimes::Use::one_time && !is_rotation_given_); }
   std::vector<double> seconds_after_stamp(const bags::RosCloud& cloud) const;
 
@@ -47,7 +48,7 @@ class BagScans {
   Rotation rotation_;
   bool is_rotation_given_;
   media::PointTimes times_;
-  double first_s_ = 0, last_s_ = 0;  ///< after the stamp: of the points of the first scan
+  double first_s_ = 0, last_s_ = 0;  ///< of the points of the first scan, after its stamp
 };
 
 }  // namespace dvi::datasets

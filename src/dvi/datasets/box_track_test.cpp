@@ -11,7 +11,8 @@ using testing::HasSubstr;
 
 constexpr std::int64_t kKeyFrameNs = 500'000'000;  // nuScenes annotates twice a second
 
-// An object that drives 5 m/s along x, with boxes at these key frames, and `aside` meters aside from the key frame 4 on.
+// An object that drives 5 m/s along x, with boxes at the given key frames, shifted sideways by `aside` meters from key frame 4
+// on.
 BoxTrack track_with(const std::vector<int>& keys, double aside = 0) {
   BoxTrack track{.number = 3, .type = "car", .boxes = {}};
   for (const int key : keys)
@@ -25,7 +26,7 @@ Drive recording_of(int frames) {
   return drive;
 }
 
-TEST(BoxTrack, MovesLinearlyBetweenKeyFramesAndAlittleBeyond) {
+TEST(BoxTrack, InterpolatesBetweenKeyFramesAndExtrapolatesSlightly) {
   const BoxTrack track = track_with({0, 1, 3});
   EXPECT_NEAR(track.at(kKeyFrameNs / 2)->frame_from_box.t.x(), 1.25, 1e-9);
   EXPECT_NEAR(track.at(2 * kKeyFrameNs)->frame_from_box.t.x(), 5, 1e-9) << "one key frame is missing";
@@ -43,7 +44,7 @@ TEST(BoxTrack, BridgesGapsOfSteadyMotion) {
               AllOf(HasSubstr("1 labeled objects"), HasSubstr("1 gaps are interpolated"), Not(HasSubstr("are not"))));
 }
 
-TEST(BoxTrack, NamesGapsInWhichTheMotionIsUnknown) {
+TEST(BoxTrack, ReportsGapsWithUnknownMotion) {
   const BoxTrack turned = track_with({0, 1, 6, 7}, 20), long_gap = track_with({0, 1, 15, 16}), lone = track_with({0, 6});
   for (const BoxTrack& track : {turned, long_gap, lone}) {
     ASSERT_EQ(track.gaps().size(), 1U);
@@ -52,9 +53,9 @@ TEST(BoxTrack, NamesGapsInWhichTheMotionIsUnknown) {
     EXPECT_TRUE(track.at(track.boxes.begin()->first + 200'000'000)) << "near a key frame it is known";
   }
   EXPECT_THAT(*describe_gaps({turned}, recording_of(40)),
-              AllOf(HasSubstr("0 gaps are interpolated, 1 are not"), HasSubstr("the objects stay in frames 8-27"),
+              AllOf(HasSubstr("0 gaps are interpolated, 1 are not"), HasSubstr("the objects are not removed in frames 8-27"),
                     HasSubstr("the first is a car in frames 8-27")));
-  EXPECT_FALSE(describe_gaps({turned}, recording_of(5))) << "the gap lies behind the drive";
+  EXPECT_FALSE(describe_gaps({turned}, recording_of(5))) << "the gap lies after the end of the drive";
 }
 
 TEST(BoxTrack, BridgesGapsOfStationaryObjects) {

@@ -6,8 +6,8 @@
 
 namespace dvi::datasets {
 
-/// The camera asked for; where none is, `usual` if the drive has it, else its first. InputError where the drive does not
-/// have the one asked for.
+/// Returns `asked` if it is given, else `usual` if the drive has that camera, else the drive's first camera. Throws InputError
+/// if the drive does not have the camera `asked`.
 std::string choose_camera(const Drive& drive, const std::string& asked, const std::string& usual);
 
 }  // namespace dvi::datasets

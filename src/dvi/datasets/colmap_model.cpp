@@ -17,46 +17,46 @@
 namespace dvi::datasets {
 namespace {
 
-constexpr double kPixelCenter = 0.5;
+constexpr double kPixelCenterPx = 0.5;
 
 struct Model {
   const char* name;
   std::size_t focals, distortions;  // parameters: focal lengths, cx, cy, distortions
 };
-// By their numbers in binary files. What is not here has distortions that dvi does not know.
-constexpr std::array<Model, 7> kModels{{{"SIMPLE_PINHOLE", 1, 0},
-                                        {"PINHOLE", 2, 0},
-                                        {"SIMPLE_RADIAL", 1, 1},
-                                        {"RADIAL", 1, 2},
-                                        {"OPENCV", 2, 4},
-                                        {"OPENCV_FISHEYE", 0, 0},
-                                        {"FULL_OPENCV", 2, 8}}};
+// The index of a model is its number in binary files. A model with 0 focal lengths has a distortion that dvi does not support.
+constexpr std::array<Model, 7> kCameraModels{{{"SIMPLE_PINHOLE", 1, 0},
+                                              {"PINHOLE", 2, 0},
+                                              {"SIMPLE_RADIAL", 1, 1},
+                                              {"RADIAL", 1, 2},
+                                              {"OPENCV", 2, 4},
+                                              {"OPENCV_FISHEYE", 0, 0},
+                                              {"FULL_OPENCV", 2, 8}}};
 
 [[noreturn]] void fail_camera(const fs::path& file, const std::string& model) {
   throw InputError(file, "has a camera of model " + model, "undistort the images with colmap image_undistorter");
 }
 
-const Model& model_called(const fs::path& file, const std::string& name) {
-  for (const Model& model : kModels)
+const Model& find_model(const fs::path& file, const std::string& name) {
+  for (const Model& model : kCameraModels)
     if (model.focals > 0 && name == model.name) return model;
   fail_camera(file, name);
 }
 
-const Model& model_numbered(const fs::path& file, std::int32_t number) {
-  if (number < 0 || number >= static_cast<std::int32_t>(kModels.size()) ||
-      kModels[static_cast<std::size_t>(number)].focals == 0)
+const Model& find_model_by_id(const fs::path& file, std::int32_t number) {
+  if (number < 0 || number >= static_cast<std::int32_t>(kCameraModels.size()) ||
+      kCameraModels[static_cast<std::size_t>(number)].focals == 0)
     fail_camera(file, std::to_string(number));
-  return kModels[static_cast<std::size_t>(number)];
+  return kCameraModels[static_cast<std::size_t>(number)];
 }
 
-std::size_t parameters(const Model& model) { return model.focals + 2 + model.distortions; }
+std::size_t count_parameters(const Model& model) { return model.focals + 2 + model.distortions; }
 
 Camera to_camera(const fs::path& file, const Model& model, double width, double height, const std::vector<double>& p) {
   if (!(width >= 1 && height >= 1 && width * height <= 1 << 28))
     throw InputError(file, fmt::format("has a camera of {:g}x{:g} pixels", width, height));
   Camera camera{.width = static_cast<int>(width), .height = static_cast<int>(height)};
   const std::size_t f = model.focals;
-  camera.fx = p[0], camera.fy = p[f - 1], camera.cx = p[f] - kPixelCenter, camera.cy = p[f + 1] - kPixelCenter;
+  camera.fx = p[0], camera.fy = p[f - 1], camera.cx = p[f] - kPixelCenterPx, camera.cy = p[f + 1] - kPixelCenterPx;
   for (std::size_t k = 0; k < model.distortions; ++k) {
     if (k < camera.distortion.size())
       camera.distortion[k] = p[f + 2 + k];
@@ -70,7 +70,7 @@ Camera to_camera(const fs::path& file, const Model& model, double width, double 
 SE3 to_pose(const fs::path& file, const std::string& name, const std::array<double, 7>& v) {
   const Eigen::Quaterniond q(v[0], v[1], v[2], v[3]);
   const Eigen::Vector3d t(v[4], v[5], v[6]);
-  if (!(std::abs(q.norm() - 1) <= kPrintedRotation) || !t.allFinite())
+  if (!(std::abs(q.norm() - 1) <= kMaxRotationError) || !t.allFinite())
     throw InputError(file, fmt::format("the quaternion of {} has length {:.4g} instead of 1", name, q.norm()));
   const SE3 pose{q.normalized().toRotationMatrix(), t};
   require_near(pose.inverse().t, file, "the pose of " + name);
@@ -79,10 +79,10 @@ SE3 to_pose(const fs::path& file, const std::string& name, const std::array<doub
 
 void read_text_cameras(const fs::path& file, ColmapModel& out) {
   for (const TextLine& line : read_text_lines(file)) {
-    if (line.size() < 4) line.fail("is no camera", "CAMERA_ID MODEL WIDTH HEIGHT PARAMS...");
-    const Model& model = model_called(file, line.word(1));
-    if (line.size() != 4 + parameters(model))
-      line.fail(fmt::format("has {} parameters instead of {}", line.size() - 4, parameters(model)));
+    if (line.size() < 4) line.fail("is not a camera", "CAMERA_ID MODEL WIDTH HEIGHT PARAMS...");
+    const Model& model = find_model(file, line.word(1));
+    if (line.size() != 4 + count_parameters(model))
+      line.fail(fmt::format("has {} parameters instead of {}", line.size() - 4, count_parameters(model)));
     std::vector<double> values;
     for (std::size_t i = 4; i < line.size(); ++i) values.push_back(line.number(i));
     const Camera camera = to_camera(file, model, line.number(2), line.number(3), values);
@@ -91,7 +91,7 @@ void read_text_cameras(const fs::path& file, ColmapModel& out) {
   }
 }
 
-// A name may hold blanks, so that lines are not split there. The line behind each holds observations, and may be empty.
+// A name may hold blanks, so lines are not split there. The line after each image holds observations and may be empty.
 void read_text_images(const fs::path& file, ColmapModel& out) {
   bool pose = true;
   std::size_t number = 0;
@@ -104,7 +104,7 @@ void read_text_images(const fs::path& file, ColmapModel& out) {
     }
     if (split_words(text).empty()) continue;
     const TextLine line(file, number, text);
-    if (line.size() < 10) line.fail("is no image", "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
+    if (line.size() < 10) line.fail("is not an image", "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
     std::array<double, 7> values{};
     for (std::size_t i = 0; i < 7; ++i) values[i] = line.number(1 + i);
     std::string name = line.word(9);
@@ -115,7 +115,7 @@ void read_text_images(const fs::path& file, ColmapModel& out) {
   }
 }
 
-// The bytes of a binary file; what ends too early is said.
+// Passes a cursor over the bytes of a binary file to `read`; throws InputError if the file is truncated.
 template <class Read>
 void read_binary(const fs::path& file, const Read& read) {
   const std::string bytes = read_file(file);
@@ -123,7 +123,7 @@ void read_binary(const fs::path& file, const Read& read) {
   try {
     read(cursor);
   } catch (const std::out_of_range&) {
-    throw InputError(file, "ends too early", "the file was cut; write it again");
+    throw InputError(file, "is truncated", "write the file again");
   }
 }
 
@@ -138,9 +138,9 @@ void read_binary_cameras(const fs::path& file, ColmapModel& out) {
   read_binary(file, [&](bags::ByteCursor& cursor) {
     for (auto left = cursor.take<std::uint64_t>(); left > 0; --left) {
       const auto id = cursor.take<std::uint32_t>();
-      const Model& model = model_numbered(file, cursor.take<std::int32_t>());
+      const Model& model = find_model_by_id(file, cursor.take<std::int32_t>());
       const auto width = cursor.take<std::uint64_t>(), height = cursor.take<std::uint64_t>();
-      std::vector<double> values(parameters(model));
+      std::vector<double> values(count_parameters(model));
       for (double& value : values) value = cursor.take<double>();
       out.cameras.emplace(id, to_camera(file, model, static_cast<double>(width), static_cast<double>(height), values));
     }
@@ -148,7 +148,7 @@ void read_binary_cameras(const fs::path& file, ColmapModel& out) {
 }
 
 void read_binary_images(const fs::path& file, ColmapModel& out) {
-  constexpr std::uint64_t kObservation = 24;
+  constexpr std::uint64_t kObservationBytes = 24;
   read_binary(file, [&](bags::ByteCursor& cursor) {
     for (auto left = cursor.take<std::uint64_t>(); left > 0; --left) {
       cursor.take<std::uint32_t>();
@@ -157,35 +157,35 @@ void read_binary_images(const fs::path& file, ColmapModel& out) {
       std::string name;
       for (char c = cursor.take<char>(); c != '\0'; c = cursor.take<char>()) name += c;
       const auto observations = cursor.take<std::uint64_t>();
-      if (observations > cursor.left() / kObservation) throw std::out_of_range("observations");
-      cursor.take(observations * kObservation);
+      if (observations > cursor.left() / kObservationBytes) throw std::out_of_range("observations");
+      cursor.take(observations * kObservationBytes);
       out.images.push_back({name, camera, to_pose(file, name, values)});
     }
   });
 }
 
-fs::path file_of(const fs::path& folder, const char* name) {
+fs::path find_file(const fs::path& folder, const char* name) {
   for (const char* ending : {".bin", ".txt"})
     if (const fs::path file = folder / (std::string(name) + ending); fs::exists(file)) return file;
   return {};
 }
 
-bool is_model(const fs::path& folder) { return !file_of(folder, "cameras").empty() && !file_of(folder, "images").empty(); }
+bool is_model(const fs::path& folder) { return !find_file(folder, "cameras").empty() && !find_file(folder, "images").empty(); }
 
-// COLMAP numbers its models.
-std::vector<fs::path> models_in(const fs::path& folder) {
+// COLMAP names the folders of its models by numbers.
+std::vector<fs::path> list_models(const fs::path& folder) {
   std::vector<fs::path> models;
   if (!fs::is_directory(folder)) return models;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (all_digits(entry.path().filename().string()) && is_model(entry.path())) models.push_back(entry.path());
+    if (is_all_digits(entry.path().filename().string()) && is_model(entry.path())) models.push_back(entry.path());
   std::sort(models.begin(), models.end(),
             [](const fs::path& a, const fs::path& b) { return natural_less(a.filename().string(), b.filename().string()); });
   return models;
 }
 
-// Two lines of a text file are an image; a binary file begins with their number.
+// A text file has two lines per image; a binary file begins with the number of images.
 std::uint64_t count_images(const fs::path& folder) {
-  const fs::path file = file_of(folder, "images");
+  const fs::path file = find_file(folder, "images");
   if (file.extension() == ".txt") return read_text_lines(file).size() / 2;
   std::uint64_t count = 0;
   require_regular_file(file, std::numeric_limits<std::uintmax_t>::max());
@@ -197,7 +197,7 @@ std::uint64_t count_images(const fs::path& folder) {
 
 std::vector<fs::path> list_colmap_models(const fs::path& workspace) {
   for (const fs::path& place : {workspace / "sparse", workspace}) {
-    std::vector<fs::path> models = models_in(place);
+    std::vector<fs::path> models = list_models(place);
     if (models.empty() && is_model(place)) models = {place};
     if (!models.empty()) return models;
   }
@@ -214,7 +214,7 @@ fs::path find_colmap_model(const fs::path& workspace) {
 
 ColmapModel read_colmap_model(const fs::path& folder) {
   ColmapModel out;
-  const fs::path cameras = file_of(folder, "cameras"), images = file_of(folder, "images");
+  const fs::path cameras = find_file(folder, "cameras"), images = find_file(folder, "images");
   cameras.extension() == ".bin" ? read_binary_cameras(cameras, out) : read_text_cameras(cameras, out);
   images.extension() == ".bin" ? read_binary_images(images, out) : read_text_images(images, out);
   if (out.images.empty()) throw InputError(images, "holds no images");
@@ -230,31 +230,31 @@ ColmapModel read_colmap_model(const fs::path& folder) {
   return out;
 }
 
-fs::path colmap_points_file(const fs::path& folder) { return file_of(folder, "points3D"); }
+fs::path find_colmap_points_file(const fs::path& folder) { return find_file(folder, "points3D"); }
 
 media::PointCloud read_colmap_points(const fs::path& file) {
   media::PointCloud cloud;
   if (file.extension() == ".bin") {
-    constexpr std::uint64_t kColorAndError = 3 + 8, kElement = 8;
+    constexpr std::uint64_t kColorAndErrorBytes = 3 + 8, kTrackElementBytes = 8;
     read_binary(file, [&](bags::ByteCursor& cursor) {
       for (auto left = cursor.take<std::uint64_t>(); left > 0; --left) {
         cursor.take<std::uint64_t>();
         cloud.add(Eigen::Vector3d(take_numbers<3>(cursor).data()), 0);
-        cursor.take(kColorAndError);
+        cursor.take(kColorAndErrorBytes);
         const auto track = cursor.take<std::uint64_t>();
-        if (track > cursor.left() / kElement) throw std::out_of_range("track");
-        cursor.take(track * kElement);
+        if (track > cursor.left() / kTrackElementBytes) throw std::out_of_range("track");
+        cursor.take(track * kTrackElementBytes);
       }
     });
   } else {
     for (const TextLine& line : read_text_lines(file)) {
-      if (line.size() < 8) line.fail("is no point", "POINT3D_ID X Y Z R G B ERROR TRACK...");
+      if (line.size() < 8) line.fail("is not a point", "POINT3D_ID X Y Z R G B ERROR TRACK...");
       cloud.add({line.number(1), line.number(2), line.number(3)}, 0);
     }
   }
   if (cloud.points.empty()) throw InputError(file, "holds no points");
   if (std::any_of(cloud.points.begin(), cloud.points.end(), [](const auto& p) { return !p.allFinite(); }))
-    throw InputError(file, "holds points that are not finite", "leave such points out");
+    throw InputError(file, "holds points with coordinates that are not finite", "remove these points");
   return cloud;
 }
 

@@ -18,9 +18,9 @@
 namespace dvi::datasets {
 namespace {
 
-const std::vector<std::string> kScans = {".bin", ".ply", ".pcd"};
+const std::vector<std::string> kScanEndings = {".bin", ".ply", ".pcd"};
 
-std::vector<fs::path> folders_in(const fs::path& folder) {
+std::vector<fs::path> list_folders(const fs::path& folder) {
   std::vector<fs::path> out;
   if (!fs::is_directory(folder)) return out;
   for (const auto& entry : fs::directory_iterator(folder))
@@ -29,8 +29,9 @@ std::vector<fs::path> folders_in(const fs::path& folder) {
   return out;
 }
 
-// Lines "NAME seconds"; none where the file is not there or tells none.
-std::optional<double> rate_by_times(const fs::path& file) {
+// Returns the rate by the median step of lines "NAME seconds". Returns nothing if there is no such file or if its times do not
+// increase.
+std::optional<double> find_rate(const fs::path& file) {
   if (!fs::exists(file)) return std::nullopt;
   std::vector<std::int64_t> times;
   std::vector<double> steps;
@@ -41,43 +42,43 @@ std::optional<double> rate_by_times(const fs::path& file) {
   return step > 0 ? std::optional(1 / step) : std::nullopt;
 }
 
-// Where images or scans lie that the layout does not know.
-std::string elsewhere(const fs::path& folder) {
-  for (const fs::path& place : folders_in(folder)) {
+// Returns the remedy for images that lie where the layout does not expect them.
+std::string describe_image_remedy(const fs::path& folder) {
+  for (const fs::path& place : list_folders(folder)) {
     if (!list_files(place, kImageEndings).empty())
       return place.filename() == "images"
                  ? "move them into images/CAMERA, such as images/front"
                  : fmt::format("move those of {} into images/CAMERA, such as images/front", place.string());
-    for (const fs::path& below : folders_in(place))
+    for (const fs::path& below : list_folders(place))
       if (!list_files(below, kImageEndings).empty())
         return fmt::format("move those of {} into images/CAMERA, such as images/front", below.string());
   }
-  return list_files(folder, kImageEndings).empty() ? "they belong into images/CAMERA, such as images/front"
+  return list_files(folder, kImageEndings).empty() ? "put the images into images/CAMERA, such as images/front"
                                                    : "move its images into images/CAMERA, such as images/front";
 }
 
-std::string camera_table(const fs::path& images, bool depth, DraftConfig& out) {
+std::string format_camera_table(const fs::path& images, bool depth, DraftConfig& out) {
   const std::string camera = images.filename().string();
   const std::vector<fs::path> files = list_files(images, kImageEndings);
   const cv::Size size = media::image_size(files.front());
-  const auto rate = rate_by_times(images.parent_path().parent_path() / "times" / (camera + ".txt"));
-  out.open.push_back(
-      fmt::format("[camera.{}] K: from its calibration, in pixels of the {}x{} images", camera, size.width, size.height));
-  if (!depth) out.open.push_back(fmt::format("[camera.{}] camera_from_lidar: from its calibration", camera));
+  const auto rate = find_rate(images.parent_path().parent_path() / "times" / (camera + ".txt"));
+  out.open.push_back(fmt::format("[camera.{}] K: take it from the calibration, in pixels of the {}x{} images", camera,
+                                 size.width, size.height));
+  if (!depth) out.open.push_back(fmt::format("[camera.{}] camera_from_lidar: take it from the calibration", camera));
   std::string text = fmt::format("[camera.\"{}\"]                # {} images", camera, files.size());
   if (rate) text += fmt::format(", {:.4g} Hz by times/{}.txt", *rate, camera);
   text += fmt::format("\nsize = [{}, {}]\n# K = [fx, 0, {:g}, 0, fy, {:g}, 0, 0, 1]      # fill in: pixels, row by row\n",
                       size.width, size.height, 0.5 * (size.width - 1), 0.5 * (size.height - 1));
-  text += "# distortion = [0, 0, 0, 0, 0]  # k1, k2, p1, p2, k3 as in OpenCV, where the images are distorted\n";
+  text += "# distortion = [0, 0, 0, 0, 0]  # k1, k2, p1, p2, k3 as in OpenCV, if the images are distorted\n";
   if (!depth)
     text +=
-        "# fill in: x_camera = R x_lidar + t, meters; these numbers are a camera that looks ahead at the LiDAR's place\n"
+        "# fill in: x_camera = R x_lidar + t, meters; this example is a camera that looks ahead from the LiDAR's position\n"
         "# camera_from_lidar = [0, -1, 0, 0,   0, 0, -1, 0,   1, 0, 0, 0]\n";
-  return text + "# offset_s = 0.0                # added to this camera's times, where its clock is off\n\n";
+  return text + "# offset_s = 0.0                # added to this camera's times, if its clock is off\n\n";
 }
 
-std::string lidar_table(const fs::path& folder, const std::vector<fs::path>& scans, DraftConfig& out) {
-  const auto rate = rate_by_times(folder / "times/lidar.txt");
+std::string format_lidar_table(const fs::path& folder, const std::vector<fs::path>& scans, DraftConfig& out) {
+  const auto rate = find_rate(folder / "times/lidar.txt");
   std::vector<fs::path> bins = scans;
   std::erase_if(bins, [](const fs::path& file) { return !media::is_bin(file); });
   const media::BinLayout layout = media::infer_bin_layout(bins, {.period_s = 1 / rate.value_or(LidarConfig().rate)});
@@ -91,18 +92,18 @@ std::string lidar_table(const fs::path& folder, const std::vector<fs::path>& sca
   if (layout.shape() != media::BinShape())
     text += fmt::format("columns = [\"{}\"]      # inferred from the values of {}\n", fmt::join(layout.columns, "\", \""),
                         layout.text());
-  text += "stamp = \"middle\"              # assumed: what a scan's time means: start, middle or end\n";
+  text += "stamp = \"middle\"              # assumed: the time of a scan is its start, middle or end\n";
   if (!cloud.t.empty()) return text;
-  out.open.emplace_back("[lidar] rotation: clockwise is assumed; none where the scans are compensated for motion already");
+  out.open.emplace_back("[lidar] rotation: clockwise is assumed; none if the scans are compensated for motion already");
   return text +
-         "rotation = \"clockwise\"        # assumed, seen from above: clockwise, counterclockwise, or none: already "
+         "rotation = \"clockwise\"        # assumed, seen from above: clockwise, counterclockwise, or none if already "
          "compensated\n"
          "first_azimuth_deg = 180.0       # assumed: atan2(y, x) of a scan's first firing\n";
 }
 
 void require_none_yet(const fs::path& folder) {
-  if (!fs::is_directory(folder)) throw InputError(folder, "is no folder", "name a folder with images/CAMERA and lidar/");
-  if (fs::exists(folder / "dvi.toml")) throw InputError(folder / "dvi.toml", "is there already", "edit it, or move it away");
+  if (!fs::is_directory(folder)) throw InputError(folder, "is not a folder", "name a folder with images/CAMERA and lidar/");
+  if (fs::exists(folder / "dvi.toml")) throw InputError(folder / "dvi.toml", "exists already", "edit it, or move it away");
   for (const DriveFormat& format : drive_formats())
     if (format.name != "folder" && format.recognize(folder))
       throw InputError(folder, "is a " + format.name + " recording, which needs no dvi.toml", "see dvi check");
@@ -113,27 +114,28 @@ void require_none_yet(const fs::path& folder) {
 DraftConfig draft_config(const fs::path& given) {
   const fs::path folder = (fs::absolute(given).lexically_normal() / "").parent_path();
   require_none_yet(folder);
-  std::vector<fs::path> cameras = folders_in(folder / "images");
+  std::vector<fs::path> cameras = list_folders(folder / "images");
   std::erase_if(cameras, [](const fs::path& camera) { return list_files(camera, kImageEndings).empty(); });
   if (cameras.empty()) {
-    for (const fs::path& camera : folders_in(folder / "images"))
-      if (describe_unread_images(camera)) fail_without_images(camera, "holds no images that are read", {});
-    throw InputError(folder / "images", "holds no folder of images", elsewhere(folder));
+    for (const fs::path& camera : list_folders(folder / "images"))
+      if (describe_unread_images(camera)) fail_without_images(camera, "holds no images in a supported format", {});
+    throw InputError(folder / "images", "holds no folder with images", describe_image_remedy(folder));
   }
-  const std::vector<fs::path> scans = list_files(folder / "lidar", kScans);
-  const bool depth = scans.empty() && !folders_in(folder / "depth").empty();
+  const std::vector<fs::path> scans = list_files(folder / "lidar", kScanEndings);
+  const bool depth = scans.empty() && !list_folders(folder / "depth").empty();
   DraftConfig out;
   if (scans.empty() && !depth)
-    out.open.emplace_back("scans: .bin, .ply or .pcd files belong into lidar/, depth images into depth/CAMERA");
+    out.open.emplace_back("scans: put .bin, .ply or .pcd files into lidar/, or depth images into depth/CAMERA");
   out.text = fmt::format(
-      "# docs/formats.md says what each line means. Lines to fill in are commented out.\n[drive]\nversion = 1\n"
-      "camera = \"{}\"                # the one that is used where none is asked for\n\n",
+      "# docs/formats.md explains each line. Lines to fill in are commented out.\n[drive]\nversion = 1\n"
+      "camera = \"{}\"                # used if --camera is not given\n\n",
       cameras.front().filename().string());
-  for (const fs::path& camera : cameras) out.text += camera_table(camera, depth, out);
-  if (!scans.empty()) out.text += lidar_table(folder, scans, out);
-  if (depth) out.text += "[depth]\nunits_per_meter = 1000          # assumed: of the depth images, 1000 is millimeters\n";
+  for (const fs::path& camera : cameras) out.text += format_camera_table(camera, depth, out);
+  if (!scans.empty()) out.text += format_lidar_table(folder, scans, out);
+  if (depth) out.text += "[depth]\nunits_per_meter = 1000          # assumed; 1000 means millimeters\n";
   if (!fs::exists(folder / "times"))
-    out.open.emplace_back("times: without times/ an image and a scan of one name belong together, and names count scans");
+    out.open.emplace_back(
+        "times: without times/, an image and a scan with the same name belong together, and the names count scans");
   return out;
 }
 

@@ -7,15 +7,15 @@
 
 namespace dvi::datasets {
 
-/// A dvi.toml to fill in, for images and scans of one's own.
+/// A draft of dvi.toml for the user's own images and scans.
 struct DraftConfig {
   std::string text;
-  std::vector<std::string> open;  ///< what is left to do, in words for a person
+  std::vector<std::string> open;  ///< the remaining tasks, as text for the user
 };
 
-/// What can be found out of a folder with images/CAMERA and lidar/ or depth/: cameras, sizes, rates, the fields of the scans.
-/// What cannot is commented out. InputError where it is a drive of another format, has a dvi.toml, or holds no images where the
-/// `folder` layout has them, with what is there instead.
+/// Drafts dvi.toml for a folder with images/CAMERA and lidar/ or depth/. Finds cameras, sizes, rates, and the fields of the
+/// scans; entries that cannot be determined are commented out. Throws InputError if the folder is a drive of another format,
+/// has a dvi.toml already, or holds no images where the `folder` layout has them.
 DraftConfig draft_config(const fs::path& folder);
 
 }  // namespace dvi::datasets

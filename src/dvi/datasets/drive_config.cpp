@@ -19,9 +19,9 @@ namespace dvi::datasets {
 namespace {
 
 constexpr int kVersion = 1;
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kRadPerDegree = std::numbers::pi / 180;
 
-// The numbers of a list, or of a list of rows, in order; empty if something else is among them.
+// Returns the numbers of a list, or of a list of rows, in order; nothing if it holds anything else.
 std::vector<double> finite_numbers(const toml::node& node) {
   std::vector<double> out;
   if (const toml::array* list = node.as_array()) {
@@ -36,7 +36,7 @@ std::vector<double> finite_numbers(const toml::node& node) {
   return out;
 }
 
-// One table of the file; complains with file and line.
+// One table of the file. Its errors name file and line.
 class Table {
  public:
   Table(const fs::path& file, std::string name, const toml::table& table, std::vector<std::string> keys)
@@ -63,25 +63,25 @@ class Table {
     std::copy(list.begin(), list.end(), out.begin());
     return out;
   }
-  /// A matrix of 3 rows and 4 columns, which may have a fourth row of 0 0 0 1.
+  /// Returns a matrix of 3 rows and 4 columns, which may have a fourth row of 0 0 0 1.
   std::optional<std::array<double, 12>> rows_of_four(const char* key) const {
     const toml::node* node = table_->get(key);
     if (node && finite_numbers(*node).size() == 16) {
       const auto all = *numbers<16>(key);
       if (all[12] != 0 || all[13] != 0 || all[14] != 0 || all[15] != 1)
-        fail(*node, fmt::format("the fourth row of '{}' is not 0, 0, 0, 1: is it transposed?", key));
+        fail(*node, fmt::format("the fourth row of '{}' is not 0, 0, 0, 1; the matrix may be transposed", key));
       std::array<double, 12> out;
       std::copy_n(all.begin(), 12, out.begin());
       return out;
     }
     return numbers<12>(key);
   }
-  /// The place of a word among those allowed.
+  /// Returns the index of a word among `words`.
   std::optional<std::size_t> choice(const char* key, const std::vector<std::string>& words) const {
     const toml::node* node = table_->get(key);
     if (!node) return std::nullopt;
     const auto word = std::find(words.begin(), words.end(), node->value_or(std::string()));
-    if (word == words.end()) fail(*node, fmt::format("'{}' is none of {}", key, fmt::join(words, ", ")));
+    if (word == words.end()) fail(*node, fmt::format("'{}' is not one of {}", key, fmt::join(words, ", ")));
     return static_cast<std::size_t>(word - words.begin());
   }
   std::optional<std::string> text(const char* key) const {
@@ -90,12 +90,12 @@ class Table {
     if (!node->is_string()) fail(*node, fmt::format("'{}' is not a text", key));
     return node->as_string()->get();
   }
-  /// The number of entries of a list; 0 if there is no list.
+  /// Returns the number of entries of a list; 0 if there is no list.
   std::size_t list_size(const char* key) const {
     const toml::node* node = table_->get(key);
     return node && node->is_array() ? node->as_array()->size() : 0;
   }
-  /// A list of words; empty where there is none.
+  /// Returns a list of words; an empty list if there is none.
   std::vector<std::string> words(const char* key) const {
     const toml::node* node = table_->get(key);
     if (!node) return {};
@@ -120,28 +120,28 @@ class Table {
   const toml::table* table_;
 };
 
-std::int64_t offset_ns(const Table& table) {
+std::int64_t read_offset_ns(const Table& table) {
   const double seconds = table.number("offset_s").value_or(0);
-  if (!(std::abs(seconds) < kLongestOffset)) table.fail("offset_s", "is no offset in seconds");
+  if (!(std::abs(seconds) < kMaxOffsetS)) table.fail("offset_s", "is not an offset in seconds");
   return std::llround(seconds * 1e9);
 }
 
 std::optional<cv::Size> read_size(const Table& table) {
   const auto size = table.numbers<2>("size");
   if (!size) return std::nullopt;
-  constexpr double kLongest = 1 << 20;
+  constexpr double kMaxSidePx = 1 << 20;
   for (const double side : *size)
-    if (!(side >= 1 && side <= kLongest && side == std::floor(side)))
+    if (!(side >= 1 && side <= kMaxSidePx && side == std::floor(side)))
       table.fail("size", "is not [width, height] in whole pixels");
   if ((*size)[0] * (*size)[1] > static_cast<double>(kMaxPixels))
-    table.fail("size", fmt::format("is {:.0f}x{:.0f}, more than the 2^28 pixels that dvi reads", (*size)[0], (*size)[1]));
+    table.fail("size", fmt::format("is {:.0f}x{:.0f}, above the limit of 2^28 pixels", (*size)[0], (*size)[1]));
   return cv::Size(static_cast<int>((*size)[0]), static_cast<int>((*size)[1]));
 }
 
 std::optional<std::array<double, 9>> read_intrinsics(const Table& table) {
   const auto K = table.numbers<9>("K");
   if (K)
-    if (const std::string problem = camera_matrix_problem(*K); !problem.empty()) table.fail("K", problem);
+    if (const std::string problem = describe_camera_matrix_problem(*K); !problem.empty()) table.fail("K", problem);
   return K;
 }
 
@@ -149,33 +149,35 @@ std::optional<SE3> read_rigid(const Table& table, const char* key) {
   const auto m = table.rows_of_four(key);
   if (!m) return std::nullopt;
   const std::optional<SE3> motion = to_rigid(*m);
-  if (!motion) table.fail(key, rotation_problem(left_part(*m)) + "; it is a 3x4 matrix, row by row, each row r r r t");
+  if (!motion)
+    table.fail(key, describe_rotation_problem(get_left_part(*m)) + "; it is a 3x4 matrix, row by row, each row r r r t");
   return motion;
 }
 
 constexpr const char* kUndistort =
-    "undistort the images first (OpenCV: cv2.undistort, or cv2.fisheye.undistortImage for a fisheye lens) and give K of the "
+    "undistort the images first (OpenCV: cv2.undistort, or cv2.fisheye.undistortImage for a fisheye lens) and set K of the "
     "new images";
 
-// The models that read_distortion() holds for, as OpenCV, ROS, and Kalibr call them.
+// The names of the models that read_distortion() supports in OpenCV, ROS, and Kalibr.
 void require_pinhole(const Table& table, const char* key) {
   static const std::set<std::string> pinhole = {"pinhole", "perspective", "opencv", "plumb_bob", "radtan", "brown", "none"};
   const std::optional<std::string> model = table.text(key);
-  if (!model || pinhole.contains(lower_case(*model))) return;
-  table.fail(key, fmt::format("is '{}', and only pinhole cameras with k1, k2, p1, p2, k3 are read", *model), kUndistort);
+  if (!model || pinhole.contains(to_lower_case(*model))) return;
+  table.fail(key, fmt::format("is '{}', but only pinhole cameras with k1, k2, p1, p2, k3 are supported", *model), kUndistort);
 }
 
 std::optional<std::array<double, 5>> read_distortion(const Table& table) {
   for (const char* key : {"model", "distortion_model"}) require_pinhole(table, key);
   switch (table.list_size("distortion")) {
     case 4:
-      table.fail("distortion", "has 4 numbers, and 5 are read: k1, k2, p1, p2, k3",
+      table.fail("distortion", "has 4 numbers, but 5 are expected: k1, k2, p1, p2, k3",
                  std::string("add k3 = 0 if they are k1, k2, p1, p2; if they are k1 to k4 of a fisheye lens, ") + kUndistort);
     case 8:
     case 12:
     case 14:
-      table.fail("distortion", "holds the coefficients of OpenCV's rational model, and 5 are read: k1, k2, p1, p2, k3",
-                 std::string("leave out the rest if they are 0; else ") + kUndistort);
+      table.fail("distortion",
+                 "holds the coefficients of OpenCV's rational model, but only 5 are supported: k1, k2, p1, p2, k3",
+                 std::string("remove the others if they are 0; otherwise ") + kUndistort);
     default:
       return table.numbers<5>("distortion");
   }
@@ -183,7 +185,7 @@ std::optional<std::array<double, 5>> read_distortion(const Table& table) {
 
 CameraConfig read_camera(const Table& table) {
   return {read_size(table), read_intrinsics(table), read_distortion(table), read_rigid(table, "camera_from_lidar"),
-          offset_ns(table)};
+          read_offset_ns(table)};
 }
 
 std::optional<double> read_units(const Table& table) {
@@ -195,7 +197,8 @@ std::optional<double> read_units(const Table& table) {
 
 DepthConfig read_depth(const Table& table) {
   DepthConfig depth{read_intrinsics(table), read_distortion(table), read_rigid(table, "depth_from_color"), read_units(table)};
-  if (depth.distortion && !depth.K) table.fail("distortion", "needs K: the depth images have their own camera then");
+  if (depth.distortion && !depth.K)
+    table.fail("distortion", "needs K, because it means that the depth images have their own camera");
   return depth;
 }
 
@@ -205,26 +208,27 @@ std::vector<std::string> read_columns(const Table& table) {
   if (columns.size() > kMaxNames) table.fail("columns", "has more than 64 names");
   for (const char* axis : {"x", "y", "z"})
     if (!columns.empty() && std::count(columns.begin(), columns.end(), axis) != 1)
-      table.fail("columns",
-                 fmt::format("does not have '{}' once; it is such as [\"x\", \"y\", \"z\", \"intensity\", \"ring\"]", axis));
+      table.fail(
+          "columns",
+          fmt::format("does not have '{}' exactly once; an example is [\"x\", \"y\", \"z\", \"intensity\", \"ring\"]", axis));
   return columns;
 }
 
 LidarConfig read_lidar(const Table& table) {
   LidarConfig lidar;
   lidar.rate = table.number("rate").value_or(lidar.rate);
-  if (!(lidar.rate >= 0.1 && lidar.rate <= 1000)) table.fail("rate", "is not a number of scans a second");
+  if (!(lidar.rate >= 0.1 && lidar.rate <= 1000)) table.fail("rate", "is not a rate between 0.1 and 1000 scans per second");
   if (const auto sensor = table.choice("sensor", {"lidar", "depth_camera"})) lidar.sensor = Sensor(*sensor);
   if (const auto stamp = table.choice("stamp", {"start", "middle", "end"})) lidar.stamp = LidarConfig::Stamp(*stamp);
   if (const auto turn = table.choice("rotation", {"clockwise", "counterclockwise", "none"})) lidar.turn = Turn(*turn);
-  if (const auto azimuth = table.number("first_azimuth_deg")) lidar.first_azimuth = *azimuth * kDegree;
-  lidar.offset_ns = offset_ns(table);
+  if (const auto azimuth = table.number("first_azimuth_deg")) lidar.first_azimuth = *azimuth * kRadPerDegree;
+  lidar.offset_ns = read_offset_ns(table);
   lidar.columns = read_columns(table);
   lidar.units_per_meter = read_units(table).value_or(lidar.units_per_meter);
   return lidar;
 }
 
-const toml::table& table_of(const toml::node* node) {
+const toml::table& to_table(const toml::node* node) {
   static const toml::table none;
   return node && node->is_table() ? *node->as_table() : none;
 }
@@ -237,22 +241,22 @@ std::optional<DriveConfig> read_drive_config(const fs::path& drive) {
   if (!fs::exists(config.file)) return std::nullopt;
   const toml::table root = read_toml(config.file);
   const Table whole(config.file, "", root, {"drive", "camera", "lidar", "depth"});
-  const Table head(config.file, "drive", table_of(root.get("drive")), {"version", "camera"});
+  const Table head(config.file, "drive", to_table(root.get("drive")), {"version", "camera"});
   if (const auto version = head.number("version"); version && *version != kVersion)
-    head.fail("version", fmt::format("is {}, and this program reads {}", *version, kVersion));
-  for (const auto& [name, node] : table_of(root.get("camera"))) {
+    head.fail("version", fmt::format("is {}, but this program reads version {}", *version, kVersion));
+  for (const auto& [name, node] : to_table(root.get("camera"))) {
     require_plain_name(std::string(name.str()), config.file, "a camera");
     config.cameras[std::string(name.str())] =
-        read_camera(Table(config.file, fmt::format("camera.{}", name.str()), table_of(&node),
+        read_camera(Table(config.file, fmt::format("camera.{}", name.str()), to_table(&node),
                           {"size", "K", "distortion", "model", "distortion_model", "camera_from_lidar", "offset_s"}));
   }
   std::vector<std::string> names;
   for (const auto& [name, camera] : config.cameras) names.push_back(name);
   if (const auto place = head.choice("camera", names)) config.usual_camera = names[*place];
   config.lidar = read_lidar(
-      Table(config.file, "lidar", table_of(root.get("lidar")),
+      Table(config.file, "lidar", to_table(root.get("lidar")),
             {"rate", "sensor", "beams", "stamp", "rotation", "first_azimuth_deg", "offset_s", "columns", "units_per_meter"}));
-  config.depth = read_depth(Table(config.file, "depth", table_of(root.get("depth")),
+  config.depth = read_depth(Table(config.file, "depth", to_table(root.get("depth")),
                                   {"K", "distortion", "model", "distortion_model", "depth_from_color", "units_per_meter"}));
   return config;
 }
@@ -293,10 +297,10 @@ CameraConfig DriveConfig::camera(const std::string& name) const {
 
 void DriveConfig::apply(Drive& drive) const {
   if (!usual_camera.empty())
-    throw InputError(file, "[drive] camera is for the plain layout only", "name the camera with --camera");
+    throw InputError(file, "[drive] camera is supported in the plain layout only", "name the camera with --camera");
   for (const auto& [name, config] : cameras)
     if (std::find(drive.camera_names.begin(), drive.camera_names.end(), name) == drive.camera_names.end())
-      throw InputError(file, fmt::format("[camera.{}] is no camera of this drive", name),
+      throw InputError(file, fmt::format("[camera.{}] is not a camera of this drive", name),
                        fmt::format("it has {}", fmt::join(drive.camera_names, ", ")));
   camera(drive.camera_name).apply(drive);
   require_plausible(drive);

@@ -14,33 +14,35 @@
 
 namespace dvi::datasets {
 
-/// What a table [camera.NAME] of a drive's dvi.toml says; what it leaves out is none.
+/// The table [camera.NAME] of a drive's dvi.toml. Missing entries have no value.
 struct CameraConfig {
   std::optional<cv::Size> size;
   std::optional<std::array<double, 9>> K;  ///< row-major
   std::optional<std::array<double, 5>> distortion;
   std::optional<SE3> camera_from_lidar;
-  std::int64_t offset_ns = 0;  ///< added to the camera's stamps
+  std::int64_t offset_ns = 0;  ///< is added to the camera's stamps
 
-  void apply(Drive& drive) const;  ///< to camera, camera_from_lidar and the frames' times
+  /// Overrides the drive's camera, its `camera_from_lidar`, and the times of its frames.
+  void apply(Drive& drive) const;
 };
 
-/// What the table [lidar] says.
+/// The table [lidar] of a drive's dvi.toml.
 struct LidarConfig {
-  double rate = 10;  ///< scans a second
+  double rate = 10;  ///< scans per second
   std::optional<Sensor> sensor;
   enum class Stamp { start, middle, end } stamp = Stamp::middle;
   std::optional<Turn> turn;
   std::optional<double> first_azimuth;  ///< radians
-  std::int64_t offset_ns = 0;           ///< added to the LiDAR's stamps
+  std::int64_t offset_ns = 0;           ///< is added to the LiDAR's stamps
   std::vector<std::string> columns;     ///< of .bin files; empty: inferred
   double units_per_meter = 1;           ///< of coordinates in scan files
 
-  void apply(Drive& drive) const;  ///< to the sensor and the scans' times
+  /// Overrides the drive's sensor and the times of its scans.
+  void apply(Drive& drive) const;
   Rotation rotation() const { return {turn.value_or(Turn::clockwise), first_azimuth.value_or(std::numbers::pi)}; }
 };
 
-/// What the table [depth] says of the camera that took the depth images.
+/// The table [depth]: the camera that took the depth images.
 struct DepthConfig {
   std::optional<std::array<double, 9>> K;  ///< row-major
   std::optional<std::array<double, 5>> distortion;
@@ -50,24 +52,25 @@ struct DepthConfig {
   void apply(DepthCamera& depth) const;
 };
 
-/// A drive's dvi.toml: calibration and clocks. `folder` is made of it; in a drive of any other format it overrides.
+/// A drive's dvi.toml: calibration and clocks. The `folder` layout requires it; in all other formats it overrides the
+/// calibration of the recording.
 struct DriveConfig {
   fs::path file;
   std::map<std::string, CameraConfig> cameras;
-  std::string usual_camera;  ///< which is used where none is asked for; empty: the first
+  std::string usual_camera;  ///< is used if no camera is requested; empty: the first one
   LidarConfig lidar;
   DepthConfig depth;
 
-  /// What is said of a camera; nothing, if it is not there.
+  /// Returns the table of a camera; an empty one if there is none.
   CameraConfig camera(const std::string& name) const;
-  /// Overrides calibration and clocks of a drive of another format, and notes the file.
+  /// Overrides the calibration and clocks of a drive of another format, and adds the file to the drive's files.
   void apply(Drive& drive) const;
-  /// InputError where it made the drive's camera one that cannot be.
+  /// Throws InputError if the drive's camera is implausible because of this file.
   void require_plausible(const Drive& drive) const;
 };
 
-/// Reads DRIVE/dvi.toml; none where there is no such file. InputError where it is malformed, has keys that are not known, or
-/// is of another version.
+/// Reads DRIVE/dvi.toml. Returns nothing if there is no such file. Throws InputError if it is malformed, has unknown keys, or
+/// has another version.
 std::optional<DriveConfig> read_drive_config(const fs::path& drive);
 
 }  // namespace dvi::datasets

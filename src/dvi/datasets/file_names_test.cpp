@@ -34,7 +34,7 @@ class NamedFiles : public testing::Test {
   TestFolder folder;
 };
 
-TEST_F(NamedFiles, FollowEachOtherByTheNumbersInTheirNames) {
+TEST_F(NamedFiles, AreOrderedByTheNumbersInTheirNames) {
   for (const int i : {1, 2, 9, 10, 11}) {
     add_image("frame" + std::to_string(i) + ".jpg");
     add_scan("frame" + std::to_string(i) + ".bin");
@@ -49,14 +49,14 @@ TEST_F(NamedFiles, FollowEachOtherByTheNumbersInTheirNames) {
   EXPECT_EQ((*drive.masks[3])(0, 0), 255);
 }
 
-TEST_F(NamedFiles, OfOneWidthNeedNoWarning) {
+TEST_F(NamedFiles, OfEqualLengthCauseNoWarning) {
   for (const char* name : {"frame01", "frame02", "frame10"})
     add_image(name + std::string(".jpg")), add_scan(name + std::string(".bin"));
   EXPECT_THAT(names(), ElementsAre("frame01", "frame02", "frame10"));
   EXPECT_TRUE(read().warnings.empty());
 }
 
-TEST_F(NamedFiles, AreTiedByTheirNumbersWhateverTheirZeros) {
+TEST_F(NamedFiles, AreMatchedByTheirNumbersWithoutLeadingZeros) {
   for (const int i : {0, 5, 10}) {
     add_image(fmt::format("{:06}.jpg", i));
     add_scan(fmt::format("{}.bin", i));
@@ -74,7 +74,7 @@ TEST_F(NamedFiles, AreTiedByTheirNumbersWhateverTheirZeros) {
   EXPECT_EQ(drive.poses.poses()[1].time_ns, 3'250'000'000);
 }
 
-TEST_F(NamedFiles, MustHaveOneFilePerName) {
+TEST_F(NamedFiles, MustBeUnique) {
   add_scan("000000.bin");
   add_image("000000.jpg"), add_image("000000.png");
   EXPECT_THAT(error(),
@@ -84,10 +84,10 @@ TEST_F(NamedFiles, MustHaveOneFilePerName) {
   EXPECT_THAT(error(), HasSubstr("has the name or number of"));
 }
 
-TEST_F(NamedFiles, OfImagesAndScansMustFit) {
+TEST_F(NamedFiles, OfImagesAndScansMustMatch) {
   add_image("img_1.jpg"), add_scan("cloud_1.bin");
-  EXPECT_THAT(error(), AllOf(HasSubstr("img_1.jpg: has no scan of its name"), HasSubstr("the first scan is cloud_1.bin"),
-                             HasSubstr("give times/CAMERA.txt")));
+  EXPECT_THAT(error(), AllOf(HasSubstr("img_1.jpg: has no scan of the same name"), HasSubstr("the first scan is cloud_1.bin"),
+                             HasSubstr("add times/CAMERA.txt")));
   folder.write("times/front.txt", "img_1 1\n");
   folder.write("times/lidar.txt", "cloud_1 1.01\n");
   EXPECT_EQ(read().frames.size(), 1U);
@@ -104,12 +104,12 @@ TEST_F(NamedFiles, MayEndInUpperCase) {
   EXPECT_EQ((*drive.masks[1])(0, 0), 255);
 }
 
-TEST_F(NamedFiles, OfOtherKindsAreNamed) {
+TEST_F(NamedFiles, InOtherFormatsAreReported) {
   for (const char* name : {"0.tif", "1.TIF", "2.webp", "3.bmp"}) add_image(name);
   add_scan("0.bin");
-  EXPECT_THAT(error(), AllOf(HasSubstr("images/front: holds no images that are read"),
-                             HasSubstr("1 file .bmp, 2 files .tif, 1 file .webp"), HasSubstr(".png, .jpg, .jpeg are read"),
-                             HasSubstr("mogrify")));
+  EXPECT_THAT(error(), AllOf(HasSubstr("images/front: holds no images in a supported format"),
+                             HasSubstr("1 file .bmp, 2 files .tif, 1 file .webp"),
+                             HasSubstr("supported formats are .png, .jpg, .jpeg"), HasSubstr("mogrify")));
   add_image("0.jpg");
   EXPECT_THAT(read().warnings, Contains(AllOf(HasSubstr("2 files .tif"), HasSubstr("are not read"))));
 }

@@ -1,4 +1,4 @@
-// Files that COLMAP, PCL, and publishers of data sets wrote: tests/README.md says how.
+// These files were written by COLMAP, PCL, and publishers of data sets; tests/README.md describes how.
 
 #include <cmath>
 #include <cstdlib>
@@ -24,7 +24,7 @@ void expect_points(const media::PointCloud& cloud, const std::vector<Eigen::Vect
 
 class ForeignColmapModel : public testing::TestWithParam<const char*> {};
 
-TEST_P(ForeignColmapModel, HasTheNumbersThatColmapWasGiven) {
+TEST_P(ForeignColmapModel, HasTheNumbersGivenToColmap) {
   const fs::path folder = kForeign / "colmap" / GetParam();
   const ColmapModel model = read_colmap_model(folder);
   ASSERT_EQ(model.cameras.size(), 1U);
@@ -47,9 +47,11 @@ TEST_P(ForeignColmapModel, HasTheNumbersThatColmapWasGiven) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, ForeignColmapModel, testing::Values("bin", "txt"));
 
-TEST(ForeignClouds, PlyOfColmap) { expect_points(media::read_point_cloud(kForeign / "colmap/points.ply"), {{1.5, -0.5, 10}}); }
+TEST(ForeignClouds, ReadsPlyOfColmap) {
+  expect_points(media::read_point_cloud(kForeign / "colmap/points.ply"), {{1.5, -0.5, 10}});
+}
 
-// PCL pads binary files with zeros, and its PLY files have a camera behind the points.
+// PCL pads binary files with zeros, and its PLY files have a camera after the points.
 class CloudOfPcl : public testing::TestWithParam<const char*> {};
 
 TEST_P(CloudOfPcl, HasItsFourPoints) {
@@ -60,13 +62,13 @@ TEST_P(CloudOfPcl, HasItsFourPoints) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, CloudOfPcl, testing::Values("ascii.pcd", "binary.pcd", "ascii.ply", "binary.ply"));
 
-TEST(ForeignClouds, CompressedPcdIsNamed) {
+TEST(ForeignClouds, RefusesCompressedPcd) {
   EXPECT_THAT(input_error([] { media::read_point_cloud(kForeign / "pcl/compressed.pcd"); }),
               AllOf(HasSubstr("compressed.pcd"), HasSubstr("is compressed")));
 }
 
 // Frames 250 to 310 of a recording of the publisher.
-TEST(ForeignClouds, SevenScenes) {
+TEST(ForeignClouds, ReadsSevenScenes) {
   const char* root = std::getenv("DVI_DATA");
   const fs::path path = fs::path(root != nullptr ? root : "/tmp/dvi-data") / "seven_scenes_kitchen/visit_1";
   if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings";

@@ -1,4 +1,4 @@
-// Small recordings as their publishers offer them, if they are there: $DVI_DATA/foreign_files.
+// Small recordings as their publishers offer them, if they are available: $DVI_DATA/foreign_files.
 
 #include <cstdlib>
 
@@ -28,8 +28,8 @@ class ForeignRecordings : public testing::Test {
 #define SKIP_IF_ABSENT(path) \
   if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings"
 
-// times.txt of the benchmark: "1.041284e-01".
-TEST_F(ForeignRecordings, KittiOdometry) {
+// The benchmark writes times like "1.041284e-01" into times.txt.
+TEST_F(ForeignRecordings, ReadKittiOdometry) {
   const fs::path path = find("kitti_odometry/sequences/04");
   SKIP_IF_ABSENT(path);
   const Drive drive = read_drive(path);
@@ -44,8 +44,8 @@ TEST_F(ForeignRecordings, KittiOdometry) {
   EXPECT_EQ(read_drive(path, {.camera = "3"}).camera_name, "image_3");
 }
 
-// Numbers 3000 to 3002, with timestamps.txt of 1,031 lines.
-TEST_F(ForeignRecordings, Kitti360WithTimesOfAnotherExcerpt) {
+// The excerpt has the numbers 3000 to 3002 and a timestamps.txt of 1,031 lines.
+TEST_F(ForeignRecordings, ReadKitti360WithTimesOfAnotherExcerpt) {
   const fs::path path = find("kitti_360/data_2d_raw/2013_05_28_drive_0007_sync");
   SKIP_IF_ABSENT(path);
   const Drive drive = read_drive(path);
@@ -57,7 +57,7 @@ TEST_F(ForeignRecordings, Kitti360WithTimesOfAnotherExcerpt) {
                                              HasSubstr("another excerpt"))));
 }
 
-TEST_F(ForeignRecordings, TumRgbd) {
+TEST_F(ForeignRecordings, ReadTumRgbd) {
   const fs::path path = find("tum_fr1_rpy");
   SKIP_IF_ABSENT(path);
   const Drive drive = read_drive(path);
@@ -67,8 +67,8 @@ TEST_F(ForeignRecordings, TumRgbd) {
   EXPECT_EQ(drive.scan_headers.size(), 20U);
 }
 
-// As evo_traj --save_as_tum writes it: numpy.savetxt with "%.18e" of doubles.
-TEST_F(ForeignRecordings, TumPosesInScientificNotation) {
+// evo_traj --save_as_tum writes poses by numpy.savetxt with "%.18e".
+TEST_F(ForeignRecordings, ReadTumPosesInScientificNotation) {
   const fs::path path = find("tum_fr1_rpy");
   SKIP_IF_ABSENT(path);
   const TestFolder folder;
@@ -81,16 +81,16 @@ TEST_F(ForeignRecordings, TumPosesInScientificNotation) {
   const Drive drive = read_drive(path);
   const Trajectory poses = read_poses(folder.write("traj.txt", text), drive);
   ASSERT_EQ(poses.poses().size(), 20U);
-  EXPECT_NEAR(static_cast<double>(poses.poses()[3].time_ns - drive.frames[3].time_ns), 0, 300) << "a double holds no more";
+  EXPECT_NEAR(static_cast<double>(poses.poses()[3].time_ns - drive.frames[3].time_ns), 0, 300) << "the precision of a double";
   EXPECT_EQ(poses.poses()[3].world_from_body.t.z(), -1.618);
 }
 
-// A model of 50 images that are named by times ("9.307.png"), whose images are not there.
-TEST_F(ForeignRecordings, Colmap) {
+// The model has 50 images that are named by times ("9.307.png"); the images themselves are not included.
+TEST_F(ForeignRecordings, ReadColmap) {
   const fs::path path = find("colmap_sparse");
   SKIP_IF_ABSENT(path);
   EXPECT_THAT(input_error([&] { read_drive(path); }),
-              AllOf(HasSubstr("colmap_sparse: holds a COLMAP model and no folder images/"), HasSubstr("sparse/0")));
+              AllOf(HasSubstr("colmap_sparse: holds a COLMAP model, but no folder images/"), HasSubstr("sparse/0")));
   const ColmapModel model = read_colmap_model(path / "0");
   EXPECT_EQ(model.images.size(), 50U);
   ASSERT_EQ(model.cameras.size(), 1U);
@@ -107,7 +107,7 @@ TEST_F(ForeignRecordings, Colmap) {
   const Drive drive = read_drive(workspace.path);
   ASSERT_EQ(drive.frames.size(), 50U);
   for (std::size_t i = 1; i < drive.frames.size(); ++i)
-    EXPECT_LT(std::stod(drive.frames[i - 1].name), std::stod(drive.frames[i].name)) << "the order of time";
+    EXPECT_LT(std::stod(drive.frames[i - 1].name), std::stod(drive.frames[i].name)) << "in order of time";
   EXPECT_EQ(drive.poses.poses().size(), 50U);
 }
 

@@ -8,11 +8,11 @@
 
 namespace dvi::datasets {
 
-/// Reads lines "seconds latitude longitude [x y z]": degrees of WGS84, and where the antenna is in the LiDAR's axes (meters).
-/// InputError where a line is of another form or names no place on Earth.
+/// Reads lines "seconds latitude longitude [x y z]": degrees of WGS84, and the antenna's position in the LiDAR's axes (meters).
+/// Throws InputError if a line is malformed or if its position is not on Earth.
 std::vector<GeoFix> read_fixes(const fs::path& file);
 
-/// The text of such a file.
-std::string fixes_text(const std::vector<GeoFix>& fixes);
+/// Formats fixes as the text of such a file.
+std::string format_fixes(const std::vector<GeoFix>& fixes);
 
 }  // namespace dvi::datasets

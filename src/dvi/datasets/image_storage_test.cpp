@@ -19,7 +19,7 @@ using testing::IsEmpty;
 class StoredImages : public testing::Test {
  protected:
   StoredImages() { folder.write("dvi.toml", kForeignImagesConfig); }
-  // Frame `number` is a copy of a file of `kForeignImages`.
+  // Adds a copy of a file of `kForeignImages` as frame `number`.
   void add(int number, const char* image) const {
     const std::string name = std::to_string(number);
     folder.write("images/front/" + name + fs::path(image).extension().string(), read_file(kForeignImages / image));
@@ -36,7 +36,7 @@ class StoredImages : public testing::Test {
   TestFolder folder;
 };
 
-TEST_F(StoredImages, TellTheirOrientation) {
+TEST_F(StoredImages, StateTheirOrientation) {
   EXPECT_EQ(media::read_exif_orientation(kForeignImages / "upright.jpg"), 1);
   EXPECT_EQ(media::read_exif_orientation(kForeignImages / "exif3.jpg"), 3);
   EXPECT_EQ(media::read_exif_orientation(kForeignImages / "exif6.jpg"), 6);
@@ -44,14 +44,14 @@ TEST_F(StoredImages, TellTheirOrientation) {
   EXPECT_EQ(media::read_exif_orientation(kForeignImages / "bits12.png"), 1);
 }
 
-TEST_F(StoredImages, OfFourInksAreReadAsColors) {
+TEST_F(StoredImages, InCmykAreReadAsColors) {
   const cv::Size size(64, 48);
   EXPECT_LE(cv::norm(media::read_image(kForeignImages / "cmyk.jpg", size),
                      media::read_image(kForeignImages / "upright.jpg", size), cv::NORM_INF),
             6);
 }
 
-// A file may end, or lie, at any byte.
+// A file may be truncated or damaged at any byte.
 TEST_F(StoredImages, MayBeDamaged) {
   for (const char* name : {"exif6.jpg", "mask_exif8.png"}) {
     const std::string bytes = read_file(kForeignImages / name);
@@ -65,26 +65,26 @@ TEST_F(StoredImages, MayBeDamaged) {
   }
 }
 
-TEST_F(StoredImages, AreReadAsTheyAreStoredWithAWarning) {
+TEST_F(StoredImages, AreReadAsStoredWithAWarning) {
   add(0, "exif3.jpg"), add(1, "exif3.jpg");
   const Drive drive = read();
   EXPECT_THAT(drive.warnings,
-              ElementsAre(AllOf(HasSubstr("0.jpg has EXIF orientation 3"), HasSubstr("turn the picture by 180 degrees"),
+              ElementsAre(AllOf(HasSubstr("0.jpg has EXIF orientation 3"), HasSubstr("rotate the image by 180 degrees"),
                                 HasSubstr("as they are stored"), HasSubstr("exiftran"))));
   const cv::Mat3b stored = media::read_image(kForeignImages / "upright.jpg", {64, 48});
   EXPECT_EQ(cv::norm(*drive.images[0], stored, cv::NORM_INF), 0);
 }
 
-TEST_F(StoredImages, OfAnotherOrientationThanTheMasksAreNamed) {
+TEST_F(StoredImages, ThatDifferInOrientationFromTheirMasksAreRefused) {
   add(0, "exif6.jpg");
   folder.write_image("masks/front/0.png", cv::Mat1b(64, 48, uchar{1}));
   const Drive drive = read();
-  EXPECT_THAT(drive.warnings, Contains(HasSubstr("turn the picture by 90 degrees clockwise")));
+  EXPECT_THAT(drive.warnings, Contains(HasSubstr("rotate the image by 90 degrees clockwise")));
   EXPECT_THAT(input_error([&] { drive.masks[0]; }),
-              AllOf(HasSubstr("0.png: is 48x64 pixels instead of 64x48"), HasSubstr("turned by 90 degrees")));
+              AllOf(HasSubstr("0.png: is 48x64 pixels instead of 64x48"), HasSubstr("rotated by 90 degrees")));
 }
 
-TEST_F(StoredImages, HaveMasksWhoseOwnOrientationIsNamed) {
+TEST_F(StoredImages, CauseAWarningIfTheirMasksHaveAnOrientation) {
   add(0, "upright.jpg");
   folder.write("masks/front/0.png", read_file(kForeignImages / "mask_exif8.png"));
   Drive drive = read();
@@ -93,7 +93,7 @@ TEST_F(StoredImages, HaveMasksWhoseOwnOrientationIsNamed) {
   EXPECT_THAT(drive.warnings, Contains(AllOf(HasSubstr("the mask"), HasSubstr("0.png has EXIF orientation 8"))));
 }
 
-TEST_F(StoredImages, OfTwelveBitsAreScaledAlike) {
+TEST_F(StoredImages, OfTwelveBitsAreScaledToEightBits) {
   add(0, "bits12.png"), add(1, "bits12.png");
   const Drive drive = read();
   EXPECT_THAT(drive.warnings, ElementsAre(AllOf(HasSubstr("16 bits, but no value above 4095"), HasSubstr("12-bit images"))));
@@ -106,22 +106,22 @@ TEST_F(StoredImages, OfTwelveBitsAreScaledAlike) {
   EXPECT_EQ(cv::norm(*read().images[1], media::read_image(kForeignImages / "bits16.png", {64, 48}), cv::NORM_INF), 0);
 }
 
-TEST_F(StoredImages, MustKeepToTheBitsOfTheSample) {
+TEST_F(StoredImages, MustNotExceedTheBitsOfTheSample) {
   EXPECT_THAT(input_error([&] { media::read_scaled_image(kForeignImages / "bits16.png", {64, 48}, 12); }),
               AllOf(HasSubstr("bits16.png: holds values up to 65535"), HasSubstr("12-bit images")));
   const cv::Mat3b image = media::read_image(kForeignImages / "upright.jpg", {64, 48});
   EXPECT_EQ(cv::norm(media::read_scaled_image(kForeignImages / "upright.jpg", {64, 48}, 12), image, cv::NORM_INF), 0)
-      << "of 8 bits";
+      << "8 bits";
 }
 
-// ffmpeg, which turns the frames unless it is told -noautorotate, turns those of rotate90.mp4 by 90 degrees counterclockwise.
-TEST_F(StoredImages, OfAVideoTellItsRotation) {
+// ffmpeg turns the frames of rotate90.mp4 by 90 degrees counterclockwise, unless -noautorotate is given.
+TEST_F(StoredImages, OfAVideoStateItsRotation) {
   EXPECT_EQ(media::VideoReader(kForeignImages / "plain.mp4").rotation_deg(), 0);
   EXPECT_EQ(media::VideoReader(kForeignImages / "rotate90.mp4").rotation_deg(), 270);
   EXPECT_EQ(media::VideoReader(kForeignImages / "rotate180.mp4").rotation_deg(), 180);
 }
 
-TEST_F(StoredImages, OfARotatedVideoAreReadAsTheyAreStoredWithAWarning) {
+TEST_F(StoredImages, OfARotatedVideoAreReadAsStoredWithAWarning) {
   add_video("plain.mp4");
   fs::rename(folder.path / "images/front.mp4", folder.path / "images/front.MP4");
   EXPECT_THAT(read().warnings, IsEmpty());
@@ -130,13 +130,13 @@ TEST_F(StoredImages, OfARotatedVideoAreReadAsTheyAreStoredWithAWarning) {
   const Drive drive = read();
   EXPECT_EQ(drive.camera.width, 64);
   EXPECT_THAT(drive.warnings,
-              ElementsAre(AllOf(HasSubstr("front.mp4 has a rotation flag, by which players turn it by 270 degrees"),
+              ElementsAre(AllOf(HasSubstr("front.mp4 has a rotation flag, by which players rotate it by 270 degrees"),
                                 HasSubstr("as they are stored"), HasSubstr("rotate=0"))));
   folder.write("dvi.toml", std::string("[camera.front]\nsize = [48, 64]\n") + std::string(kForeignImagesConfig).substr(15));
-  EXPECT_THAT(error(), AllOf(HasSubstr("is 64x48 pixels"), HasSubstr("turn it by 270 degrees")));
+  EXPECT_THAT(error(), AllOf(HasSubstr("is 64x48 pixels"), HasSubstr("rotate it by 270 degrees")));
 }
 
-TEST(ValueBits, AreThoseOfCameras) {
+TEST(ValueBits, AreRoundedUpToThoseOfCameras) {
   EXPECT_EQ(media::estimate_value_bits(0), 8);
   EXPECT_EQ(media::estimate_value_bits(255), 8);
   EXPECT_EQ(media::estimate_value_bits(256), 10);

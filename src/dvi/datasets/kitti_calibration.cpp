@@ -10,11 +10,11 @@
 namespace dvi::datasets {
 namespace {
 
-// Lines "KEY: numbers".
+// The lines "KEY: numbers" of a file.
 class Entries {
  public:
   explicit Entries(const fs::path& file) : file_(file) {
-    if (!fs::exists(file)) throw InputError(file, "is missing", "KITTI offers it as the calibration files of that day");
+    if (!fs::exists(file)) throw InputError(file, "is missing", "download the calibration files of that day from KITTI");
     for (const TextLine& line : read_text_lines(file))
       if (line.size() > 0) lines_.emplace(line.word(0), line);
   }
@@ -22,7 +22,7 @@ class Entries {
   template <std::size_t N>
   std::array<double, N> numbers(const std::string& key) const {
     const auto line = lines_.find(key + ":");
-    if (line == lines_.end()) throw InputError(file_, "has no entry " + key, "take the file as KITTI offers it");
+    if (line == lines_.end()) throw InputError(file_, "has no entry " + key, "use the file as published by KITTI");
     if (line->second.size() != N + 1) line->second.fail(key + " does not have " + std::to_string(N) + " numbers");
     return line->second.numbers<N>(1);
   }
@@ -31,8 +31,8 @@ class Entries {
   }
   Eigen::Matrix3d rotation(const std::string& key) const {
     const Eigen::Matrix3d R = matrix(key);
-    const std::string problem = rotation_problem(R);
-    if (!problem.empty()) throw InputError(file_, key + " " + problem, "take the file as KITTI offers it");
+    const std::string problem = describe_rotation_problem(R);
+    if (!problem.empty()) throw InputError(file_, key + " " + problem, "use the file as published by KITTI");
     return nearest_rotation(R);
   }
   SE3 rigid() const {
@@ -45,12 +45,13 @@ class Entries {
   std::map<std::string, TextLine> lines_;
 };
 
-// Camera and camera_from_rect0 of a projection P = K [I | t]: t = K^-1 P's last column.
-KittiCalibration of_projection(const std::array<double, 12>& P, const fs::path& file, const std::string& entry) {
+// Returns camera and camera_from_rect0 of a projection P = K [I | t], where K t is the last column of P.
+KittiCalibration to_calibration(const std::array<double, 12>& P, const fs::path& file, const std::string& entry) {
   KittiCalibration out;
   out.camera.fx = P[0], out.camera.cx = P[2], out.camera.fy = P[5], out.camera.cy = P[6];
   const std::array<double, 9> K = {P[0], P[1], P[2], P[4], P[5], P[6], P[8], P[9], P[10]};
-  if (const std::string problem = camera_matrix_problem(K); !problem.empty()) throw InputError(file, entry + " " + problem);
+  if (const std::string problem = describe_camera_matrix_problem(K); !problem.empty())
+    throw InputError(file, entry + " " + problem);
   out.camera_from_rect0.t = {(P[3] - P[2] * P[11]) / P[0], (P[7] - P[6] * P[11]) / P[5], P[11]};
   return out;
 }
@@ -65,7 +66,7 @@ void read_size(const Entries& entries, const std::string& entry, const fs::path&
 
 SE3 require_rigid(const std::array<double, 12>& numbers, const fs::path& file, const std::string& entry) {
   if (const auto motion = to_rigid(numbers)) return *motion;
-  throw InputError(file, entry + " " + rotation_problem(left_part(numbers)), "take the file as KITTI offers it");
+  throw InputError(file, entry + " " + describe_rotation_problem(get_left_part(numbers)), "use the file as published by KITTI");
 }
 
 }  // namespace
@@ -74,7 +75,7 @@ KittiCalibration read_kitti_calibration(const fs::path& date_folder, const std::
   const fs::path cam_to_cam = date_folder / "calib_cam_to_cam.txt", velo_to_cam = date_folder / "calib_velo_to_cam.txt";
   const std::string number = camera.substr(camera.size() - 2);
   const Entries cameras(cam_to_cam), lidar(velo_to_cam);
-  KittiCalibration out = of_projection(cameras.numbers<12>("P_rect_" + number), cam_to_cam, "P_rect_" + number);
+  KittiCalibration out = to_calibration(cameras.numbers<12>("P_rect_" + number), cam_to_cam, "P_rect_" + number);
   out.files = {cam_to_cam, velo_to_cam};
   read_size(cameras, "S_rect_" + number, cam_to_cam, out.camera);
   out.rect0_from_lidar = SE3{cameras.rotation("R_rect_00"), {0, 0, 0}} * lidar.rigid();
@@ -84,11 +85,10 @@ KittiCalibration read_kitti_calibration(const fs::path& date_folder, const std::
 KittiCalibration read_kitti_odometry_calibration(const fs::path& file, const std::string& camera) {
   const Entries entries(file);
   const std::string entry = "P" + camera.substr(camera.size() - 1);
-  KittiCalibration out = of_projection(entries.numbers<12>(entry), file, entry);
+  KittiCalibration out = to_calibration(entries.numbers<12>(entry), file, entry);
   out.files = {file};
   if (!entries.has("Tr"))
-    throw InputError(file, "has no entry Tr, where the LiDAR is",
-                     "take calib.txt of the benchmark's velodyne data, which has it");
+    throw InputError(file, "has no entry Tr, the pose of the LiDAR", "use calib.txt of the benchmark's velodyne data");
   out.rect0_from_lidar = require_rigid(entries.numbers<12>("Tr"), file, "Tr");
   return out;
 }
@@ -97,12 +97,12 @@ KittiCalibration read_kitti_360_calibration(const fs::path& folder, const std::s
   const fs::path perspective = folder / "perspective.txt", to_velo = folder / "calib_cam_to_velo.txt";
   const std::string number = camera.substr(camera.size() - 2);
   const Entries cameras(perspective);
-  KittiCalibration out = of_projection(cameras.numbers<12>("P_rect_" + number), perspective, "P_rect_" + number);
+  KittiCalibration out = to_calibration(cameras.numbers<12>("P_rect_" + number), perspective, "P_rect_" + number);
   out.files = {perspective, to_velo};
   read_size(cameras, "S_rect_" + number, perspective, out.camera);
-  if (!fs::exists(to_velo)) throw InputError(to_velo, "is missing", "KITTI-360 offers it among its calibration files");
+  if (!fs::exists(to_velo)) throw InputError(to_velo, "is missing", "download it with KITTI-360's calibration files");
   const std::vector<TextLine> lines = read_text_lines(to_velo);
-  if (lines.empty()) throw InputError(to_velo, "is empty", "take the file as KITTI-360 offers it");
+  if (lines.empty()) throw InputError(to_velo, "is empty", "use the file as published by KITTI-360");
   const SE3 lidar_from_camera0 = require_rigid(lines.front().numbers<12>(0), to_velo, "its matrix");
   out.rect0_rotation = cameras.rotation("R_rect_00");
   out.rect0_from_lidar = SE3{out.rect0_rotation, {0, 0, 0}} * lidar_from_camera0.inverse();

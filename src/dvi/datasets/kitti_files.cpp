@@ -8,37 +8,39 @@
 
 namespace dvi::datasets {
 
-Numbered numbered_files(const fs::path& folder, const std::vector<std::string>& endings) {
-  Numbered files;
+NumberedFiles list_numbered_files(const fs::path& folder, const std::vector<std::string>& endings) {
+  NumberedFiles files;
   for (const fs::path& file : list_files(folder, endings))
-    if (all_digits(file.stem().string()))
+    if (is_all_digits(file.stem().string()))
       if (const auto number = to_integer(file.stem().string()))
         if (const auto [other, added] = files.emplace(*number, file); !added)
           throw InputError(file, "has the number of " + other->second.filename().string(), "remove one of the two");
   return files;
 }
 
-std::vector<int> numbers_without(const Drive& drive, const Numbered& files) {
+std::vector<int> find_numbers_without(const Drive& drive, const NumberedFiles& files) {
   std::vector<int> missing;
   for (int number = drive.frames.front().number; number <= drive.frames.back().number; ++number)
     if (!files.contains(number)) missing.push_back(number);
   return missing;
 }
 
-std::vector<Gap> find_kitti_gaps(Drive& drive, const Numbered& images, const Numbered& scans, const ReadOptions& options) {
+std::vector<Gap> find_kitti_gaps(Drive& drive, const NumberedFiles& images, const NumberedFiles& scans,
+                                 const ReadOptions& options) {
   std::vector<Gap> gaps;
   if (can_list_numbers(drive, 1))
-    gaps = {{"no image for frames", numbers_without(drive, images)}, {"no scan for frames", numbers_without(drive, scans)}};
+    gaps = {{"no image for frames", find_numbers_without(drive, images)},
+            {"no scan for frames", find_numbers_without(drive, scans)}};
   if (options.frames || options.span) return gaps;
   std::vector<int> outside;
   for (const auto& [number, file] : scans)
     if (number < drive.frames.front().number || number > drive.frames.back().number) outside.push_back(number);
-  if (!outside.empty()) drive.warnings.push_back("no image for scans " + ranges(outside));
+  if (!outside.empty()) drive.warnings.push_back("no image for scans " + format_ranges(outside));
   return gaps;
 }
 
 KittiStamps::KittiStamps(const fs::path& file) : file_(file) {
-  if (!fs::exists(file)) throw InputError(file, "is missing", "take the file as KITTI offers it");
+  if (!fs::exists(file)) throw InputError(file, "is missing", "use the file as published by KITTI");
   lines_ = read_lines(file);
 }
 
@@ -57,13 +59,13 @@ std::int64_t KittiStamps::of(int number, const fs::path& data) const {
   const std::string place = file_.string() + ":" + std::to_string(number + 1);
   if (static_cast<std::size_t>(number) >= lines_.size())
     throw InputError(file_, "ends before line " + std::to_string(number + 1) + ", the time of " + data.filename().string(),
-                     "take the file of the whole drive, as KITTI offers it");
+                     "use the file of the whole drive, as published by KITTI");
   const std::string& line = lines_[static_cast<std::size_t>(number)];
   const bool cut = &line == &lines_.back() && !line.empty() && line.size() < lines_.front().size();
-  if (cut) throw InputError(place, "'" + line + "' is shorter than the lines before it: the file was cut");
+  if (cut) throw InputError(place, "'" + line + "' is shorter than the lines before it: the file is truncated");
   if (const auto time = date_to_nanoseconds(line)) return *time;
-  throw InputError(place, line.empty() ? "the line is empty, and " + data.filename().string() + " is there"
-                                       : "'" + line + "' is no time YYYY-MM-DD HH:MM:SS.nnnnnnnnn");
+  throw InputError(place, line.empty() ? "the line is empty, but " + data.filename().string() + " exists"
+                                       : "'" + line + "' is not a time YYYY-MM-DD HH:MM:SS.nnnnnnnnn");
 }
 
 }  // namespace dvi::datasets

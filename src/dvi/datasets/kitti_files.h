@@ -12,29 +12,31 @@
 
 namespace dvi::datasets {
 
-/// Files that are named by their numbers.
-using Numbered = std::map<int, fs::path>;
+/// Files by the number in their names.
+using NumberedFiles = std::map<int, fs::path>;
 
-/// Lists those of a folder; none if there is no such folder. Throws InputError if two files have one number.
-Numbered numbered_files(const fs::path& folder, const std::vector<std::string>& endings);
+/// Lists the numbered files of a folder; none if there is no such folder. Throws InputError if two files have the same number.
+NumberedFiles list_numbered_files(const fs::path& folder, const std::vector<std::string>& endings);
 
-/// The numbers from the drive's first frame to its last that are not among the files. can_list_numbers() holds.
-std::vector<int> numbers_without(const Drive& drive, const Numbered& files);
+/// Returns the numbers from the drive's first frame to its last that are not among the files. Requires can_list_numbers().
+std::vector<int> find_numbers_without(const Drive& drive, const NumberedFiles& files);
 
-/// Finds the frames between the first and the last that have no image or no scan; empty if the numbers cannot be
-/// listed. Warns of scans before the first image or after
-/// the last, whose images were lost or cut off, unless the options ask for a part of the drive.
-std::vector<Gap> find_kitti_gaps(Drive& drive, const Numbered& images, const Numbered& scans, const ReadOptions& options);
+/// Finds the frames between the first and the last one that have no image or no scan; none if the numbers cannot be listed.
+/// Adds a warning about scans before the first or after the last image, whose images are missing, unless the options select a
+/// part of the drive.
+std::vector<Gap> find_kitti_gaps(Drive& drive, const NumberedFiles& images, const NumberedFiles& scans,
+                                 const ReadOptions& options);
 
-/// A file of dates of KITTI: a line for each number of the whole drive, whichever excerpt is there; a blank one is lost.
+/// The times of a KITTI timestamps file. It has a line for each number of the whole drive, also for an excerpt; an empty line
+/// means that the frame was lost.
 class KittiStamps {
  public:
   explicit KittiStamps(const fs::path& file);
-  /// The time of a number; InputError naming the line where there is none. `data` is the file that needs it.
+  /// Returns the time of a number. Throws InputError with the line number if there is none; `data` is the file that needs it.
   std::int64_t of(int number, const fs::path& data) const;
-  /// The number of lines.
+  /// Returns the number of lines.
   std::size_t size() const { return lines_.size(); }
-  /// The mean time from one line to the next: 0.1 s if the file does not tell.
+  /// Returns the mean time from one line to the next; 0.1 s if the file has fewer than two times.
   std::int64_t mean_step_ns() const;
 
  private:

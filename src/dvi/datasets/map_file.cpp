@@ -14,8 +14,8 @@ namespace dvi::datasets {
 
 namespace {
 
-// Formats of point clouds and meshes that are not read; the remedy of each.
-constexpr std::array<std::pair<const char*, const char*>, 12> kOtherMaps{{
+// Formats of point clouds and meshes that are not supported, each with its remedy.
+constexpr std::array<std::pair<const char*, const char*>, 12> kUnreadMapFormats{{
     {".laz", "decompress it to map.las, such as by las2las or pdal translate"},
     {".e57", "convert it to map.las or map.ply, such as by CloudCompare or pdal translate"},
     {".pts", "convert it to map.ply, such as by CloudCompare"},
@@ -37,16 +37,16 @@ void refuse_other_map(const fs::path& drive) {
   std::set<fs::path> files;
   for (const auto& entry : fs::directory_iterator(drive)) files.insert(entry.path());
   for (const fs::path& file : files)
-    for (const auto& [ending, remedy] : kOtherMaps)
-      if (lower_case(file.filename().string()).starts_with("map.") && lower_case(file.extension().string()) == ending)
-        throw InputError(file, "is in a format that is not read as a map (read are .ply, .pcd and .las)", remedy);
+    for (const auto& [ending, remedy] : kUnreadMapFormats)
+      if (to_lower_case(file.filename().string()).starts_with("map.") && to_lower_case(file.extension().string()) == ending)
+        throw InputError(file, "is in a format that is not supported for maps (.ply, .pcd and .las are)", remedy);
 }
 
 std::optional<fs::path> find_map(const fs::path& drive) {
   std::optional<fs::path> found;
   for (const char* name : {"map.ply", "map.pcd", "map.las"}) {
     if (!fs::exists(drive / name)) continue;
-    if (found) throw InputError(drive / name, "lies beside " + found->filename().string(), "leave one of the two there");
+    if (found) throw InputError(drive / name, "lies beside " + found->filename().string(), "remove one of the two");
     found = drive / name;
   }
   return found;

@@ -20,7 +20,7 @@ std::string packed(T value) {
   return {reinterpret_cast<const char*>(&value), sizeof(T)};
 }
 
-// As a map projection has them: floats would be off by decimeters.
+// Coordinates of a map projection: floats would round them by decimeters.
 const Eigen::Vector3d kFar(456'789.125, 5'412'345.25, 345.5);
 
 std::string las_header(int minor, int format, std::uint16_t record, std::uint32_t points) {
@@ -72,16 +72,16 @@ TEST(GivenMap, KeepsTheMillimetersOfAMapProjection) {
                    "DATA ascii\n456789.125 5412345.25 345.5\n456789.375 5412345.125 345.5\n")));
 }
 
-TEST(GivenMap, SaysWhatIsWrongWithALasFile) {
+TEST(GivenMap, RefusesDamagedLasFiles) {
   const TestFolder folder;
   const auto error = [&](const std::string& bytes) {
     return input_error([&] { media::read_map_cloud(folder.write("a.las", bytes)); });
   };
-  EXPECT_THAT(error("PLY"), HasSubstr("is no LAS file"));
+  EXPECT_THAT(error("PLY"), HasSubstr("is not a LAS file"));
   EXPECT_THAT(error(las_header(2, 0x83, 34, 1) + las_point(kFar, 34)), AllOf(HasSubstr("LAZ"), HasSubstr("write it as LAS")));
-  EXPECT_THAT(error(las_header(2, 3, 34, 2) + las_point(kFar, 34)), HasSubstr("ends before its 2 points do"));
+  EXPECT_THAT(error(las_header(2, 3, 34, 2) + las_point(kFar, 34)), HasSubstr("ends before its 2 points"));
   EXPECT_THAT(error(las_header(2, 3, 34, 0)), HasSubstr("holds no points"));
-  EXPECT_THAT(error(las_header(2, 3, 34, 1).substr(0, 100)), HasSubstr("header does not end"));
+  EXPECT_THAT(error(las_header(2, 3, 34, 1).substr(0, 100)), HasSubstr("header is truncated"));
   EXPECT_THAT(error(las_header(7, 3, 34, 1)), HasSubstr("LAS 1.7"));
 }
 
@@ -120,8 +120,8 @@ TEST_F(Colmap, ReadsPosesCamerasAndTheMap) {
   EXPECT_THAT(drive.warnings[0], HasSubstr("1 images of camera are not in the model"));
 }
 
-// COLMAP writes a model for each group of images that it could connect.
-TEST_F(Colmap, TakesTheLargestModel) {
+// COLMAP writes one model for each group of images that it could connect.
+TEST_F(Colmap, ReadsTheLargestModel) {
   folder.write("sparse/1/cameras.txt", kCameras);
   folder.write("sparse/1/images.txt", std::string(kImages) + "3 1 0 0 0 0 0 -2 1 c.png\n\n");
   const Drive drive = read();
@@ -129,12 +129,12 @@ TEST_F(Colmap, TakesTheLargestModel) {
   ASSERT_EQ(drive.warnings.size(), 1U);
   EXPECT_THAT(drive.warnings[0], AllOf(HasSubstr("1 is the largest of the 2 models"), HasSubstr("(3 images)")));
   fs::remove_all(folder.path / "sparse/0");
-  EXPECT_EQ(read().frames.size(), 3U) << "whatever its number";
+  EXPECT_EQ(read().frames.size(), 3U) << "the number of the model does not matter";
   fs::remove_all(folder.path / "images");
-  EXPECT_THAT(error(), HasSubstr("holds a COLMAP model and no folder images/"));
+  EXPECT_THAT(error(), HasSubstr("holds a COLMAP model, but no folder images/"));
 }
 
-TEST_F(Colmap, ReadsBinaryModelsAlike) {
+TEST_F(Colmap, ReadsBinaryModelsLikeTextModels) {
   std::string cameras = packed<std::uint64_t>(1) + packed<std::uint32_t>(1) + packed<std::int32_t>(1) +
                         packed<std::uint64_t>(8) + packed<std::uint64_t>(6);
   for (const double p : {4.0, 5.0, 4.5, 3.5}) cameras += packed(p);
@@ -154,10 +154,10 @@ TEST_F(Colmap, ReadsBinaryModelsAlike) {
   for (std::size_t i = 0; i < 2; ++i)
     EXPECT_EQ(binary.poses.poses()[i].world_from_body.t, text.poses.poses()[i].world_from_body.t);
   folder.write("sparse/0/images.bin", images.substr(0, images.size() - 3));
-  EXPECT_THAT(error(), HasSubstr("ends too early"));
+  EXPECT_THAT(error(), HasSubstr("is truncated"));
 }
 
-TEST_F(Colmap, CamerasThatStandFixedOnTheFirstAreARig) {
+TEST_F(Colmap, TreatsRigidlyMountedCamerasAsARig) {
   std::string images;
   for (const char* camera : {"left", "right", "hand"})
     for (int i = 0; i < 2; ++i) {
@@ -178,7 +178,7 @@ TEST_F(Colmap, CamerasThatStandFixedOnTheFirstAreARig) {
   EXPECT_LT((right_from_left.t - Eigen::Vector3d(-0.5, 0, 0)).norm(), 1e-12);
 }
 
-TEST_F(Colmap, SaysWhatIsWrong) {
+TEST_F(Colmap, RefusesInvalidModels) {
   folder.write("sparse/0/cameras.txt", "1 OPENCV_FISHEYE 8 6 4 5 4.5 3.5 0 0 0 0\n");
   EXPECT_THAT(error(), AllOf(HasSubstr("OPENCV_FISHEYE"), HasSubstr("image_undistorter")));
   folder.write("sparse/0/cameras.txt", "2 PINHOLE 8 6 4 5 4.5 3.5\n");
@@ -190,7 +190,7 @@ TEST_F(Colmap, SaysWhatIsWrong) {
   fs::remove(folder.path / "map.ply");
   EXPECT_THAT(error(), HasSubstr("has no map"));
   folder.write("sparse/0/points3D.txt", "1 0 0 5 1 2 3 0.5 1 0\n");
-  EXPECT_THAT(read().warnings.front(), HasSubstr("points3D.txt alone"));
+  EXPECT_THAT(read().warnings.front(), HasSubstr("points3D.txt only"));
   EXPECT_EQ(read().map[0]->points.size(), 1U);
 }
 
@@ -207,7 +207,7 @@ class FolderWithMap : public testing::Test {
   TestFolder folder;
 };
 
-TEST_F(FolderWithMap, PosesAreOfTheCameraWithoutALidar) {
+TEST_F(FolderWithMap, HasPosesOfTheCameraWithoutALidar) {
   for (const char* poses : {"0 0 0 0 0 0 0 1\n0.1 1 2 3 0 0 0 1\n", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 2 0 0 1 3\n"}) {
     folder.write("poses.txt", poses);
     const Drive drive = read_drive(folder.path);
@@ -220,7 +220,7 @@ TEST_F(FolderWithMap, PosesAreOfTheCameraWithoutALidar) {
   }
 }
 
-TEST_F(FolderWithMap, TwoMapsOrScansBesideItAreSaid) {
+TEST_F(FolderWithMap, RefusesTwoMapsAndWarnsOfScans) {
   folder.write_bin("lidar/000000.bin", {1, 0, 0, 0});
   folder.write("dvi.toml", std::string(kConfig) + "camera_from_lidar = [0, -1, 0, 0,  0, 0, -1, 0,  1, 0, 0, 0]\n");
   const Drive drive = read_drive(folder.path);
@@ -230,7 +230,7 @@ TEST_F(FolderWithMap, TwoMapsOrScansBesideItAreSaid) {
   EXPECT_THAT(input_error([&] { read_drive(folder.path); }), HasSubstr("lies beside map.ply"));
 }
 
-// LAS and its variable length records as the specification of ASPRS (LAS 1.4 R15) has them: 54 bytes of head each.
+// LAS and its variable length records follow the specification of ASPRS (LAS 1.4 R15): a header of 54 bytes each.
 std::string las_record(std::uint16_t id, const std::string& content) {
   std::string head(18, '\0');
   head += packed(id) + packed(static_cast<std::uint16_t>(content.size()));
@@ -254,7 +254,7 @@ TEST(GivenMap, RefusesCoordinatesThatAreNotMeters) {
   const auto error = [&](const std::string& record) {
     return input_error([&] { media::read_map_cloud(with_record(record)); });
   };
-  EXPECT_THAT(error(keys(1024, 2)), AllOf(HasSubstr("map.las: its coordinates are in degrees"), HasSubstr("UTM")));
+  EXPECT_THAT(error(keys(1024, 2)), AllOf(HasSubstr("map.las: its coordinate system is in degrees"), HasSubstr("UTM")));
   EXPECT_THAT(error(keys(3076, 9003)), HasSubstr("in feet"));
   EXPECT_THAT(error(las_record(2112, R"(GEOGCS["WGS 84",UNIT["degree",0.0174532925199433]])")), HasSubstr("in degrees"));
   EXPECT_THAT(error(las_record(2112, R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["foot",0.3048]])")),
@@ -264,8 +264,8 @@ TEST(GivenMap, RefusesCoordinatesThatAreNotMeters) {
     EXPECT_EQ(media::read_map_cloud(with_record(metric)).points.size(), 1U);
 }
 
-// Clouds that PDAL, OpenMVG, CloudCompare and others wrote, where they are.
-TEST(GivenMap, ReadsOrNamesWhatOtherProgramsWrote) {
+// These clouds were written by PDAL, OpenMVG, CloudCompare and others.
+TEST(GivenMap, ReadsOrRefusesFilesOfOtherPrograms) {
   const char* root = std::getenv("DVI_DATA");
   const fs::path clouds = fs::path(root ? root : "/tmp/dvi-data") / "foreign_files/clouds";
   if (!fs::exists(clouds)) GTEST_SKIP() << clouds << " is not there; set DVI_DATA to the recordings";
@@ -298,7 +298,7 @@ TEST(GivenMap, ReadsOrNamesWhatOtherProgramsWrote) {
                                                          {"test1_4.las", "in feet"},
                                                          {"simple.laz", "is compressed (LAZ)"},
                                                          {"1.2-with-color.copc.laz", "is compressed (LAZ)"},
-                                                         {"A4.e57", "is no LAS file"},
+                                                         {"A4.e57", "is not a LAS file"},
                                                          {"utm17_comma.pcd", "point 0 has 1 numbers instead of 3"},
                                                          {"missingheader.pcd", "its header is not understood at '289814.15"},
                                                          {"no_vertex.ply", "holds no element 'vertex'"},

@@ -39,8 +39,8 @@ TEST(Poses, AreReadInThreeForms) {
   EXPECT_NEAR(frames.poses().at(1).world_from_body.t.z(), 2, 1e-12);
 }
 
-// evo and pandas write commas and the names of columns; numpy.savetxt puts them behind '#'.
-TEST(Poses, OfTumMayHaveCommasAndNamesOfColumns) {
+// evo and pandas write commas and column names; numpy.savetxt puts the names after '#'.
+TEST(Poses, OfTumMayHaveCommasAndColumnNames) {
   const TestFolder folder;
   const double turn = std::sqrt(0.5);
   const std::string numbers = fmt::format("{0},{0}", turn);
@@ -54,21 +54,21 @@ TEST(Poses, OfTumMayHaveCommasAndNamesOfColumns) {
   }
 }
 
-TEST(Poses, MayRepeatATimeButNotContradictIt) {
+TEST(Poses, MayRepeatATimeWithoutContradiction) {
   const TestFolder folder;
   const std::string a = "0.000000110 1 2 3 0 0 0 1\n", b = "0.000000210 1 2 4 0 0 0 1\n";
   EXPECT_EQ(read_poses(folder.write("reversed", b + a + a), two_scans()).poses().front().time_ns, 110);
   EXPECT_THAT(input_error([&] { read_poses(folder.write("tum.txt", a + b + "0.000000110 5 2 3 0 0 0 1\n"), two_scans()); }),
-              HasSubstr("tum.txt:3: gives a second pose for '0.000000110', 4.00 m from the first"));
+              HasSubstr("tum.txt:3: gives another pose for '0.000000110', 4.00 m from the first"));
   EXPECT_THAT(input_error([&] {
                 read_poses(folder.write("scans.txt", "a 1 0 0 5 0 1 0 6 0 0 1 7\na 1 0 0 9 0 1 0 6 0 0 1 7\n"), two_scans());
               }),
-              HasSubstr("scans.txt:2: gives a second pose for 'a'"));
+              HasSubstr("scans.txt:2: gives another pose for 'a'"));
 }
 
-TEST(Poses, WrittenRowByRowComeBack) {
+TEST(Poses, AreWrittenRowByRow) {
   const SE3 pose{so3_exp({0.3, -1.2, 0.7}), {5, -6, 7.5}};
-  const std::array<double, 12> rows = row_major(pose);
+  const std::array<double, 12> rows = to_row_major(pose);
   EXPECT_EQ(rows[1], pose.R(0, 1));
   EXPECT_EQ(rows[4], pose.R(1, 0));
   EXPECT_EQ(rows[7], -6);
@@ -78,7 +78,7 @@ TEST(Poses, WrittenRowByRowComeBack) {
   EXPECT_EQ(back->t, pose.t);
 }
 
-TEST(Poses, SayFileAndLineOfWhatIsWrong) {
+TEST(Poses, AreRefusedWithFileAndLine) {
   const TestFolder folder;
   const auto error = [&](const std::string& text) {
     return input_error([&] { read_poses(folder.write("poses.txt", text), two_scans()); });
@@ -91,7 +91,7 @@ TEST(Poses, SayFileAndLineOfWhatIsWrong) {
   EXPECT_THAT(error("a 2 0 0 5 0 1 0 6 0 0 1 7\n"), HasSubstr("poses.txt:1: does not hold a rotation"));
   EXPECT_THAT(error("0.1 1 2 3 0 0 1 1\n"), HasSubstr("quaternion of length 1"));
   EXPECT_THAT(error("1 2 3\n"), HasSubstr("poses.txt:1: has 3 entries"));
-  EXPECT_THAT(error("z 1 0 0 5 0 1 0 6 0 0 1 7\n"), HasSubstr("no scan of the drive"));
+  EXPECT_THAT(error("z 1 0 0 5 0 1 0 6 0 0 1 7\n"), HasSubstr("none of its names is that of a scan"));
   EXPECT_THAT(error("1 0 0 0 0 1 0 0 0 0 1 1\n"), HasSubstr("has 1 poses for 2 frames"));
 }
 

@@ -14,14 +14,14 @@
 namespace dvi::datasets {
 namespace {
 
-constexpr std::int64_t kScanPeriod = 100'000'000;  // nanoseconds
-constexpr const char* kCamera = "front";           // the layout knows one camera and does not name it
+constexpr std::int64_t kScanPeriodNs = 100'000'000;  // nanoseconds
+constexpr const char* kCamera = "front";             // the layout has one camera, without a name
 
-// LiDAR axes of the files are x left, y back, z up; those of their poses, as LOAM has them, back, up, left.
+// The LiDAR axes of the files are x left, y back, z up. Their poses use those of LOAM: back, up, left.
 const Eigen::Matrix3d kLidarFromNative = (Eigen::Matrix3d() << 0, -1, 0, 1, 0, 0, 0, 0, 1).finished();
 const Eigen::Matrix3d kLoamFromNative = (Eigen::Matrix3d() << 0, 1, 0, 0, 0, 1, 1, 0, 0).finished();
 
-// The Pandora of the published recordings; its images are taken as free of distortion.
+// Sets the calibration of the Pandora of the published recordings; its images are assumed to be free of distortion.
 void calibrate(Drive& drive) {
   drive.camera.fx = 1477.504983559334, drive.camera.fy = 1464.34160012337;
   drive.camera.cx = 602.1210058502093, drive.camera.cy = 342.1011293729023;
@@ -33,11 +33,11 @@ void calibrate(Drive& drive) {
 
 bool is_span(const std::string& name) {
   const std::size_t dash = name.find('-');
-  return dash != std::string::npos && all_digits(name.substr(0, dash)) && all_digits(name.substr(dash + 1));
+  return dash != std::string::npos && is_all_digits(name.substr(0, dash)) && is_all_digits(name.substr(dash + 1));
 }
 
-// The folders T0-T1 or T0-T1_mask, in order.
-std::vector<fs::path> span_folders(const fs::path& path, const std::string& suffix) {
+// Lists the folders T0-T1 or T0-T1_mask in order.
+std::vector<fs::path> list_span_folders(const fs::path& path, const std::string& suffix) {
   std::vector<fs::path> folders;
   for (const auto& entry : fs::directory_iterator(path)) {
     const std::string name = entry.path().filename().string();
@@ -48,13 +48,13 @@ std::vector<fs::path> span_folders(const fs::path& path, const std::string& suff
   return folders;
 }
 
-std::int64_t time_in_name(const fs::path& file, const std::string& name) {
+std::int64_t parse_time(const fs::path& file, const std::string& name) {
   if (const auto time = to_nanoseconds(name)) return *time;
-  throw InputError(file, "is not named by its time in seconds");
+  throw InputError(file, "is not named by its time in seconds", "name it like 1534313591.532.jpg");
 }
 
-// "lidar_bg/bg_1534313591.532032.pcd.ply" -> "1534313591.532032"
-std::string scan_name(const std::string& file) {
+// Turns "lidar_bg/bg_1534313591.532032.pcd.ply" into "1534313591.532032".
+std::string find_scan_name(const std::string& file) {
   std::string name = fs::path(file).filename().string();
   name = name.substr(0, name.find(".p"));
   return name.starts_with("bg_") ? name.substr(3) : name;
@@ -64,7 +64,7 @@ std::vector<Frame> read_frames(const std::vector<fs::path>& folders) {
   std::map<std::int64_t, fs::path> images;
   for (const fs::path& folder : folders)
     for (const fs::path& file : list_files(folder, {".jpg", ".jpeg"}))
-      images.emplace(time_in_name(file, file.stem().string()), file);
+      images.emplace(parse_time(file, file.stem().string()), file);
   std::vector<Frame> frames;
   for (const auto& [time, file] : images)
     frames.push_back({static_cast<int>(frames.size()), file.stem().string(), time, file, {}});
@@ -74,39 +74,39 @@ std::vector<Frame> read_frames(const std::vector<fs::path>& folders) {
 std::vector<ScanHeader> read_scan_headers(const fs::path& folder) {
   std::vector<ScanHeader> scan_headers;
   for (const fs::path& file : list_files(folder, {".ply"})) {
-    const std::string name = scan_name(file.string());
-    const std::int64_t end = time_in_name(file, name);
-    scan_headers.push_back({name, end - kScanPeriod / 2, end - kScanPeriod, end, file});
+    const std::string name = find_scan_name(file.string());
+    const std::int64_t end = parse_time(file, name);
+    scan_headers.push_back({name, end - kScanPeriodNs / 2, end - kScanPeriodNs, end, file});
   }
   std::sort(scan_headers.begin(), scan_headers.end(),
             [](const ScanHeader& a, const ScanHeader& b) { return a.time_ns < b.time_ns; });
   return scan_headers;
 }
 
-Eigen::Matrix3d turn(const Eigen::Vector3d& axis, double angle) { return so3_exp(angle * axis); }
+Eigen::Matrix3d rotate(const Eigen::Vector3d& axis, double angle) { return so3_exp(angle * axis); }
 
-// Lines "NAME rx ry rz x y z", the rotations multiplied in an order of their own.
+// Reads lines "NAME rx ry rz x y z". `compose` multiplies the rotations in the order of that file.
 template <class Compose>
-std::map<std::int64_t, SE3> read_lines_of(const fs::path& file, const Compose& compose) {
+std::map<std::int64_t, SE3> read_pose_lines(const fs::path& file, const Compose& compose) {
   std::map<std::int64_t, SE3> poses;
   for (const TextLine& line : read_text_lines(file)) {
-    const auto end = to_nanoseconds(scan_name(line.word(0)));
+    const auto end = to_nanoseconds(find_scan_name(line.word(0)));
     if (!end) line.fail("'" + line.word(0) + "' does not name a scan by its time");
     const auto v = line.numbers<6>(1);
-    poses[*end] = {compose(turn(Eigen::Vector3d::UnitX(), v[0]), turn(Eigen::Vector3d::UnitY(), v[1]),
-                           turn(Eigen::Vector3d::UnitZ(), v[2])),
+    poses[*end] = {compose(rotate(Eigen::Vector3d::UnitX(), v[0]), rotate(Eigen::Vector3d::UnitY(), v[1]),
+                           rotate(Eigen::Vector3d::UnitZ(), v[2])),
                    {v[3], v[4], v[5]}};
   }
   return poses;
 }
 
-// The motion within a scan is even: a pose at its start and one at its end tell it. The end of a scan is the start of the
-// next one, so that only the first scan and those after a gap bring a start of their own.
+// A scan is described by a pose at its start and one at its end. The end of a scan is the start of the next one, so only the
+// first scan and those after a gap need a pose at their start.
 std::vector<StampedPose> read_span_poses(const fs::path& folder, std::vector<fs::path>& other_files) {
   const SE3 lidar_from_loam{kLidarFromNative * kLoamFromNative.transpose(), {0, 0, 0}};
   const fs::path global = folder / "global_poses.txt", relative = folder / "rel_poses.txt";
   if (!fs::exists(global)) return {};
-  const auto map_from_end = read_lines_of(global, [](const auto& X, const auto& Y, const auto& Z) { return Y * X * Z; });
+  const auto map_from_end = read_pose_lines(global, [](const auto& X, const auto& Y, const auto& Z) { return Y * X * Z; });
   other_files.push_back(global);
   std::vector<StampedPose> poses;
   const auto add = [&](std::int64_t time, const SE3& map_from_lidar) {
@@ -114,21 +114,21 @@ std::vector<StampedPose> read_span_poses(const fs::path& folder, std::vector<fs:
   };
   for (const auto& [end, pose] : map_from_end) add(end, pose);
   if (!fs::exists(relative)) return poses;
-  const auto end_from_start = read_lines_of(relative, [](const auto& X, const auto& Y, const auto& Z) { return Z * X * Y; });
+  const auto end_from_start = read_pose_lines(relative, [](const auto& X, const auto& Y, const auto& Z) { return Z * X * Y; });
   other_files.push_back(relative);
   for (const auto& [end, motion] : end_from_start) {
     const auto pose = map_from_end.find(end);
-    const auto before = map_from_end.lower_bound(end - kScanPeriod * 3 / 2);
-    if (pose != map_from_end.end() && before->first == end) add(end - kScanPeriod, pose->second * motion);
+    const auto before = map_from_end.lower_bound(end - kScanPeriodNs * 3 / 2);
+    if (pose != map_from_end.end() && before->first == end) add(end - kScanPeriodNs, pose->second * motion);
   }
   return poses;
 }
 
-Gap frames_without_scan(const Drive& drive) {
+Gap find_frames_without_scan(const Drive& drive) {
   Gap gap{"no scan for frames", {}};
   for (const Frame& frame : drive.frames)
     if (std::none_of(drive.scan_headers.begin(), drive.scan_headers.end(),
-                     [&](const ScanHeader& header) { return std::abs(header.start_ns - frame.time_ns) <= kScanPeriod / 2; }))
+                     [&](const ScanHeader& header) { return std::abs(header.start_ns - frame.time_ns) <= kScanPeriodNs / 2; }))
       gap.frames.push_back(frame.number);
   return gap;
 }
@@ -151,11 +151,11 @@ DriveContents read_apolloscape(const fs::path& path, const ReadOptions& options)
   drive.path = path;
   drive.camera_names = {kCamera};
   drive.camera_name = choose_camera(drive, options.camera, kCamera);
-  const std::vector<fs::path> mask_folders = span_folders(path, "_mask");
+  const std::vector<fs::path> mask_folders = list_span_folders(path, "_mask");
   std::vector<fs::path> image_folders = mask_folders;
   image_folders.insert(image_folders.begin(), path / "image");
   drive.frames = read_frames(image_folders);
-  if (drive.frames.empty()) throw InputError(path, "holds no images", "they belong into image/ and are named T.jpg");
+  if (drive.frames.empty()) throw InputError(path, "holds no images", "put them into image/, named T.jpg");
   labels::match_masks(drive, mask_folders);
   drive.scan_headers = read_scan_headers(path / "lidar_bg");
   calibrate(drive);
@@ -163,19 +163,20 @@ DriveContents read_apolloscape(const fs::path& path, const ReadOptions& options)
   drive.camera.width = size.width, drive.camera.height = size.height;
 
   std::vector<StampedPose> poses;
-  for (const fs::path& folder : span_folders(path, "")) {
+  for (const fs::path& folder : list_span_folders(path, "")) {
     const auto more = read_span_poses(folder, drive.other_files);
     poses.insert(poses.end(), more.begin(), more.end());
   }
   drive.poses = Trajectory(std::move(poses));
-  recording.gaps = {frames_without_scan(drive)};
+  recording.gaps = {find_frames_without_scan(drive)};
   if (const auto config = read_drive_config(path)) config->apply(drive);
   recording.read_scan = read_scan;
   return recording;
 }
 
 bool recognize_apolloscape(const fs::path& path) {
-  return fs::is_directory(path / "lidar_bg") && !(span_folders(path, "").empty() && span_folders(path, "_mask").empty());
+  return fs::is_directory(path / "lidar_bg") &&
+         !(list_span_folders(path, "").empty() && list_span_folders(path, "_mask").empty());
 }
 
 }  // namespace

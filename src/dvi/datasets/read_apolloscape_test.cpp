@@ -11,7 +11,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// Three scans of a straight drive at 10 m/s; LOAM's axes are back, up, left.
+// Three scans of a straight drive at 10 m/s, with poses in LOAM's axes: back, up, left.
 class Apolloscape : public testing::Test {
  protected:
   Apolloscape() {
@@ -19,7 +19,7 @@ class Apolloscape : public testing::Test {
     for (int i = 0; i < 3; ++i) {
       const std::string end = fmt::format("100.{}00000", i + 2), image = fmt::format("100.{}00000", i + 1);
       folder.write_image("image/" + image + ".jpg", cv::Mat3b(720, 1280, cv::Vec3b(5, 5, 5)));
-      // One point ahead, one behind: x left, y back.
+      // One point ahead and one behind, in the axes x left, y back.
       folder.write(
           "lidar_bg/bg_" + end + ".pcd.ply",
           "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float "
@@ -37,7 +37,7 @@ class Apolloscape : public testing::Test {
   TestFolder folder;
 };
 
-TEST_F(Apolloscape, ReadsScansIntoOurAxes) {
+TEST_F(Apolloscape, ConvertsScansToTheAxesOfDvi) {
   const Drive drive = read_drive(folder.path);
   EXPECT_EQ(drive.format, "apolloscape");
   ASSERT_EQ(drive.frames.size(), 3U);
@@ -50,7 +50,7 @@ TEST_F(Apolloscape, ReadsScansIntoOurAxes) {
   EXPECT_NEAR(scan->time[1], 0, 1e-4);
   EXPECT_EQ((*drive.masks[1])(3, 3), 255);
   EXPECT_TRUE(drive.mask_files[0].empty());
-  // Ahead is in the middle of the image, within the camera's tilt.
+  // The point ahead is in the middle of the image, up to the camera's tilt.
   const Eigen::Vector2d ahead = drive.camera.project(drive.camera_from_lidar * Eigen::Vector3d(50, 0, 0));
   EXPECT_NEAR(ahead.x(), 602, 40);
   EXPECT_NEAR(ahead.y(), 342, 60);
@@ -64,19 +64,19 @@ TEST_F(Apolloscape, HasPosesAtTheStartOfTheFirstScanAndTheEndOfEach) {
   EXPECT_NEAR(drive.poses.at(drive.scan_headers[2].end_ns)->t.x(), 3, 1e-9);
 }
 
-TEST_F(Apolloscape, SaysWhatIsWrong) {
+TEST_F(Apolloscape, RefusesInvalidFiles) {
   folder.write("100-101/global_poses.txt", "lidar_bg/bg_100.200000.pcd.ply 0 0 zero 1 2 3\n");
   EXPECT_THAT(error(), HasSubstr("global_poses.txt:1: 'zero' is not a number"));
   folder.write("100-101/global_poses.txt", "lidar_bg/bg_100.200000.pcd.ply 0 0 0 1 2 3\n\n");
   EXPECT_THAT(error(), HasSubstr("global_poses.txt:2: the line is empty"));
   folder.write_image("100-101_mask/7.png", cv::Mat1b(720, 1280, uchar{3}));
   fs::remove(folder.path / "100-101_mask/100.200000.png");
-  EXPECT_THAT(error(), HasSubstr("7.png: is a mask for no image"));
+  EXPECT_THAT(error(), HasSubstr("7.png: is not a mask of an image"));
   folder.write_image("image/front.jpg", cv::Mat3b(720, 1280, cv::Vec3b(5, 5, 5)));
   EXPECT_THAT(error(), HasSubstr("front.jpg: is not named by its time"));
 }
 
-TEST_F(Apolloscape, NamesFramesWithoutAScan) {
+TEST_F(Apolloscape, ReportsFramesWithoutAScan) {
   fs::remove(folder.path / "lidar_bg/bg_100.300000.pcd.ply");
   EXPECT_THAT(read_drive(folder.path).warnings, testing::ElementsAre("no scan for frames 1"));
 }

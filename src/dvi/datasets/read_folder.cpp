@@ -29,52 +29,51 @@
 namespace dvi::datasets {
 namespace {
 
-using Times = std::map<std::string, std::int64_t>;  // name_key() to nanoseconds
+using Times = std::map<std::string, std::int64_t>;  // to_name_key() to nanoseconds
 
-// A file and the NAME of what it holds.
-struct Named {
+// A file and the NAME of its frame or scan.
+struct NamedFile {
   std::string name;
   fs::path file;
 };
 
-std::vector<Named> named(const std::vector<fs::path>& files) {
+std::vector<NamedFile> name_files(const std::vector<fs::path>& files) {
   require_one_file_per_name(files);
-  std::vector<Named> out;
+  std::vector<NamedFile> out;
   for (const fs::path& file : files) out.push_back({file.stem().string(), file});
   return out;
 }
 
-// images/CAMERA.mp4, say; empty where there is none.
-fs::path video_of(const fs::path& drive, const std::string& camera) {
+// Finds the video of a camera, such as images/CAMERA.mp4. Returns an empty path if there is none.
+fs::path find_video(const fs::path& drive, const std::string& camera) {
   for (const fs::path& file : list_files(drive / "images", media::kVideoEndings))
     if (file.stem() == camera) return file;
   return {};
 }
 
-// Where the images of a camera are from.
+// The images of a camera.
 struct Images {
-  std::vector<Named> files;
-  std::shared_ptr<const media::VideoReader> video;  ///< of which each is a frame; none: they are files of their own
+  std::vector<NamedFile> files;
+  std::shared_ptr<const media::VideoReader> video;  ///< whose frames the images are; none: the images are files
 };
 
-Images images_of(const fs::path& drive, const std::string& camera) {
-  Images out{named(list_files(drive / "images" / camera, kImageEndings)), nullptr};
-  const fs::path video = video_of(drive, camera);
+Images find_images(const fs::path& drive, const std::string& camera) {
+  Images out{name_files(list_files(drive / "images" / camera, kImageEndings)), nullptr};
+  const fs::path video = find_video(drive, camera);
   if (video.empty()) return out;
-  if (!out.files.empty())
-    throw InputError(video, "lies beside a folder of images of that camera", "leave one of the two there");
+  if (!out.files.empty()) throw InputError(video, "lies beside a folder of images of that camera", "remove one of the two");
   out.video = std::make_shared<const media::VideoReader>(video);
   for (std::size_t i = 0; i < out.video->times_ns().size(); ++i) out.files.push_back({fmt::format("{:06}", i), video});
   return out;
 }
 
 bool has_images(const fs::path& drive, const std::string& camera) {
-  return !list_files(drive / "images" / camera, kImageEndings).empty() || !video_of(drive, camera).empty();
+  return !list_files(drive / "images" / camera, kImageEndings).empty() || !find_video(drive, camera).empty();
 }
 
 using Spans = std::map<std::string, TimeSpan>;
 
-// `spans`: where scans may have their start and end behind their time; none: lines of images.
+// Reads lines "NAME seconds". If `spans` is given, lines of scans may have a start and an end as well.
 Times read_times(const fs::path& file, Spans* spans) {
   Times times;
   for (const TextLine& line : read_text_lines(file)) {
@@ -82,7 +81,7 @@ Times read_times(const fs::path& file, Spans* spans) {
     if (line.size() != 2 && !spanned)
       line.fail("has " + std::to_string(line.size()) + " entries instead of 2",
                 spans == nullptr ? "lines are: NAME seconds" : "lines are: NAME seconds, or NAME seconds START END");
-    const std::string key = name_key(line.word(0));
+    const std::string key = to_name_key(line.word(0));
     times[key] = line.nanoseconds(1);
     if (!spanned) continue;
     const TimeSpan span{line.nanoseconds(2), line.nanoseconds(3)};
@@ -93,90 +92,92 @@ Times read_times(const fs::path& file, Spans* spans) {
   return times;
 }
 
-bool numbered(const std::vector<std::string>& names) {
+bool are_unique_numbers(const std::vector<std::string>& names) {
   std::set<int> numbers;
   for (const std::string& name : names) {
-    const auto number = all_digits(name) ? to_integer(name) : std::nullopt;
+    const auto number = is_all_digits(name) ? to_integer(name) : std::nullopt;
     if (!number || !numbers.insert(*number).second) return false;
   }
   return true;
 }
 
-std::vector<std::string> names_of(const std::vector<Named>& files) {
+std::vector<std::string> list_names(const std::vector<NamedFile>& files) {
   std::vector<std::string> names;
-  for (const Named& file : files) names.push_back(file.name);
+  for (const NamedFile& file : files) names.push_back(file.name);
   return names;
 }
 
 using Keys = std::set<std::string, NaturalLess>;
 
-Keys keys_of(const std::vector<Named>& files) {
+Keys list_keys(const std::vector<NamedFile>& files) {
   Keys keys;
-  for (const Named& file : files) keys.insert(name_key(file.name));
+  for (const NamedFile& file : files) keys.insert(to_name_key(file.name));
   return keys;
 }
 
-// Names that count scans of one drive have something in common.
+// Returns whether names of images and scans overlap. Names that count the scans of one drive do.
 bool share_names(const Keys& images, const Keys& scans, bool by_number) {
   if (images.empty() || scans.empty()) return true;
   if (by_number) return !natural_less(*images.rbegin(), *scans.begin()) && !natural_less(*scans.rbegin(), *images.begin());
   return std::any_of(images.begin(), images.end(), [&](const std::string& name) { return scans.contains(name); });
 }
 
-// Without any times, equal names tie image and scan: their numbers, or their places among all names, count scans.
-Times count_times(Drive& drive, const std::vector<Named>& images, const std::vector<Named>& scans, double rate) {
-  const Keys of_images = keys_of(images), of_scans = keys_of(scans);
+// Without any times, an image and a scan with the same name belong together. Their numbers, or their indices among all names,
+// count scans.
+Times count_times(Drive& drive, const std::vector<NamedFile>& images, const std::vector<NamedFile>& scans, double rate) {
+  const Keys of_images = list_keys(images), of_scans = list_keys(scans);
   Keys names = of_images;
   names.insert(of_scans.begin(), of_scans.end());
-  const bool by_number = numbered({names.begin(), names.end()});
+  const bool by_number = are_unique_numbers({names.begin(), names.end()});
   if (!share_names(of_images, of_scans, by_number))
     throw InputError(images.front().file,
-                     fmt::format("has no scan of its name, and neither has any other image: the first scan is {}",
+                     fmt::format("has no scan of the same name, nor has any other image: the first scan is {}",
                                  scans.front().file.filename().string()),
-                     "name image and scan of one moment alike, or give times/CAMERA.txt and times/lidar.txt");
+                     "give an image and a scan of the same time the same name, or add times/CAMERA.txt and times/lidar.txt");
   if (const auto order = describe_order({names.begin(), names.end()})) drive.warnings.push_back(*order);
   Times times;
   for (int index = 0; const std::string& name : names) {
     const int count = by_number ? *to_integer(name) : index;
     if (!(count / rate < kLatestSecond))
-      throw InputError(drive.path / "images", "'" + name + "' is too large a number to count scans",
-                       "remove the file, or give times/");
+      throw InputError(drive.path / "images", "'" + name + "' is too large for a number that counts scans",
+                       "remove the file, or add times/");
     times[name] = std::llround(1e9 * count / rate);
     ++index;
   }
   return times;
 }
 
-// When images and scans were taken, before the offsets of their clocks.
+// The times of images and scans, before the offsets of their clocks are added.
 struct Clocks {
   Times camera, lidar;
-  Spans scans;  ///< start and end, where the file tells them
+  Spans scans;  ///< start and end, if the file states them
   fs::path camera_file, lidar_file;
 };
 
-// A video tells its own times. A file may tell better ones: lines as of images, or the seconds alone.
-Times video_times(const fs::path& file, const Images& images) {
+// Returns the times of a video's frames. A file overrides those of the container; its lines are as for images, or seconds only.
+Times read_video_times(const fs::path& file, const Images& images) {
   Times times;
   if (!fs::exists(file)) {
-    for (std::size_t i = 0; i < images.files.size(); ++i) times[name_key(images.files[i].name)] = images.video->times_ns()[i];
+    for (std::size_t i = 0; i < images.files.size(); ++i)
+      times[to_name_key(images.files[i].name)] = images.video->times_ns()[i];
     return times;
   }
   const std::vector<TextLine> lines = read_text_lines(file);
   if (lines.size() != images.files.size())
     throw InputError(file,
-                     fmt::format("has {} times, and {} has {} frames", lines.size(),
+                     fmt::format("has {} times, but {} has {} frames", lines.size(),
                                  images.files.front().file.filename().string(), images.files.size()),
-                     "give a line for each frame");
+                     "write one line per frame");
   if (lines.front().size() != 1) return read_times(file, nullptr);
-  for (std::size_t i = 0; i < lines.size(); ++i) times[name_key(images.files[i].name)] = lines[i].nanoseconds(0);
+  for (std::size_t i = 0; i < lines.size(); ++i) times[to_name_key(images.files[i].name)] = lines[i].nanoseconds(0);
   return times;
 }
 
-Clocks read_video_clocks(Drive& drive, const Images& images, const std::vector<Named>& scans, double rate) {
+Clocks read_video_clocks(Drive& drive, const Images& images, const std::vector<NamedFile>& scans, double rate) {
   Clocks clocks;
   clocks.camera_file = drive.path / "times" / (drive.camera_name + ".txt");
   clocks.lidar_file = drive.path / "times" / "lidar.txt";
-  clocks.camera = video_times(clocks.camera_file, images);
+  clocks.camera = read_video_times(clocks.camera_file, images);
   clocks.lidar =
       fs::exists(clocks.lidar_file) ? read_times(clocks.lidar_file, &clocks.scans) : count_times(drive, {}, scans, rate);
   for (const fs::path& file : {clocks.camera_file, clocks.lidar_file})
@@ -184,7 +185,7 @@ Clocks read_video_clocks(Drive& drive, const Images& images, const std::vector<N
   return clocks;
 }
 
-Clocks read_clocks(Drive& drive, const std::vector<Named>& images, const std::vector<Named>& scans, double rate) {
+Clocks read_clocks(Drive& drive, const std::vector<NamedFile>& images, const std::vector<NamedFile>& scans, double rate) {
   Clocks clocks;
   clocks.camera_file = drive.path / "times" / (drive.camera_name + ".txt");
   clocks.lidar_file = drive.path / "times" / "lidar.txt";
@@ -196,32 +197,32 @@ Clocks read_clocks(Drive& drive, const std::vector<Named>& images, const std::ve
   return clocks;
 }
 
-std::int64_t time_of(const Times& times, const Named& file, const fs::path& source) {
-  if (const auto time = times.find(name_key(file.name)); time != times.end()) return time->second;
+std::int64_t find_time(const Times& times, const NamedFile& file, const fs::path& source) {
+  if (const auto time = times.find(to_name_key(file.name)); time != times.end()) return time->second;
   throw InputError(file.file, "has no time", "add a line '" + file.name + " seconds' to " + source.string());
 }
 
-std::vector<Frame> make_frames(const std::vector<Named>& files, const Clocks& clocks) {
-  const bool by_number = numbered(names_of(files));
+std::vector<Frame> make_frames(const std::vector<NamedFile>& files, const Clocks& clocks) {
+  const bool by_number = are_unique_numbers(list_names(files));
   std::vector<Frame> frames;
-  for (const Named& file : files)
-    frames.push_back({0, file.name, time_of(clocks.camera, file, clocks.camera_file), file.file, {}});
+  for (const NamedFile& file : files)
+    frames.push_back({0, file.name, find_time(clocks.camera, file, clocks.camera_file), file.file, {}});
   std::stable_sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) { return a.time_ns < b.time_ns; });
   for (std::size_t i = 0; i < frames.size(); ++i)
     frames[i].number = by_number ? *to_integer(frames[i].name) : static_cast<int>(i);
   for (std::size_t i = 1; i < frames.size(); ++i)
     if (frames[i].number < frames[i - 1].number)
       throw InputError(frames[i].file, "comes before " + frames[i - 1].name + " by name but after it by time",
-                       "names sort in time; correct " + clocks.camera_file.string());
+                       "the order of names must be the order of time; correct " + clocks.camera_file.string());
   return frames;
 }
 
-std::vector<ScanHeader> make_scan_headers(const std::vector<Named>& files, const Clocks& clocks, std::int64_t length,
+std::vector<ScanHeader> make_scan_headers(const std::vector<NamedFile>& files, const Clocks& clocks, std::int64_t length,
                                           LidarConfig::Stamp stamp) {
   std::vector<ScanHeader> scan_headers;
-  for (const Named& file : files) {
-    const std::int64_t time = time_of(clocks.lidar, file, clocks.lidar_file);
-    if (const auto span = clocks.scans.find(name_key(file.name)); span != clocks.scans.end()) {
+  for (const NamedFile& file : files) {
+    const std::int64_t time = find_time(clocks.lidar, file, clocks.lidar_file);
+    if (const auto span = clocks.scans.find(to_name_key(file.name)); span != clocks.scans.end()) {
       scan_headers.push_back({file.name, time, span->second.first, span->second.last, file.file});
       continue;
     }
@@ -250,7 +251,7 @@ std::vector<Gap> find_gaps(Drive& drive, std::int64_t period) {
     if (!header && drive.map.empty()) scans.frames.push_back(frame.number);
     if (header && by_scan && !posed.contains(header->time_ns)) poses.frames.push_back(frame.number);
   }
-  // Numbers are missing only where they otherwise count in even steps, and not where names are times, say.
+  // Missing numbers are listed only if the numbers usually increase by the same step, and not if names are times, for example.
   const auto usual = std::max_element(steps.begin(), steps.end(), [](auto& a, auto& b) { return a.second < b.second; });
   const bool even = usual != steps.end() && 2 * static_cast<std::size_t>(usual->second) >= drive.frames.size() - 1;
   if (even && can_list_numbers(drive, usual->first))
@@ -263,28 +264,28 @@ std::vector<Gap> find_gaps(Drive& drive, std::int64_t period) {
 
 DriveConfig read_config(const fs::path& path) {
   const auto config = read_drive_config(path);
-  if (!config) throw InputError(path / "dvi.toml", "is missing", "docs/formats.md shows one to copy");
+  if (!config) throw InputError(path / "dvi.toml", "is missing", "copy the example in docs/formats.md");
   if (config->cameras.empty())
-    throw InputError(config->file, "has no table [camera.NAME]", "docs/formats.md shows one to copy");
+    throw InputError(config->file, "has no table [camera.NAME]", "copy the example in docs/formats.md");
   return *config;
 }
 
-// What tells how far away things are.
+// The source of the geometry.
 enum class Geometry { scans, depth, map };
 
 void set_camera(Drive& drive, const DriveConfig& config, const Images& images, Geometry geometry) {
   const CameraConfig camera = config.camera(drive.camera_name);
   const std::string table = "[camera." + drive.camera_name + "]";
-  if (!camera.K) throw InputError(config.file, table + " has no K", "K = [fx, 0, cx, 0, fy, cy, 0, 0, 1] in pixels");
+  if (!camera.K) throw InputError(config.file, table + " has no K", "add K = [fx, 0, cx, 0, fy, cy, 0, 0, 1] in pixels");
   if (!camera.camera_from_lidar && geometry == Geometry::scans)
-    throw InputError(config.file, table + " has no camera_from_lidar", "give the 12 numbers of a 3x4 matrix, row by row");
+    throw InputError(config.file, table + " has no camera_from_lidar", "add the 12 numbers of a 3x4 matrix, row by row");
   if (images.video && camera.size.value_or(images.video->size()) != images.video->size())
     throw InputError(
         images.files.front().file,
-        fmt::format("is {}x{} pixels, and {} has another size", images.video->size().width, images.video->size().height, table),
+        fmt::format("is {}x{} pixels, but {} has another size", images.video->size().width, images.video->size().height, table),
         images.video->rotation_deg() != 0
             ? media::describe_video_rotation(images.files.front().file.filename(), images.video->rotation_deg())
-            : "K must be that of images of the video's size");
+            : "set K for images of the video's size");
   if (!camera.size) {
     const cv::Size size = images.video ? images.video->size() : media::image_size(drive.frames.front().file);
     drive.camera.width = size.width, drive.camera.height = size.height;
@@ -295,7 +296,7 @@ void set_camera(Drive& drive, const DriveConfig& config, const Images& images, G
   }
   camera.apply(drive);
   config.require_plausible(drive);
-  if (geometry == Geometry::depth)  // it hangs on the camera's clock
+  if (geometry == Geometry::depth)  // its times are on the camera's clock
     for (ScanHeader& header : drive.scan_headers)
       header.time_ns += camera.offset_ns, header.start_ns = header.end_ns = header.time_ns;
 }
@@ -303,9 +304,9 @@ void set_camera(Drive& drive, const DriveConfig& config, const Images& images, G
 [[noreturn]] void fail_without_cameras(const fs::path& path, const DriveConfig& config) {
   for (const auto& [name, camera] : config.cameras)
     if (const fs::path folder = path / "images" / name; describe_unread_images(folder))
-      fail_without_images(folder, "holds no images that are read", {});
+      fail_without_images(folder, "holds no images in a supported format", {});
   fail_without_images(path / "images", "holds no images of a camera that dvi.toml names",
-                      "they belong into images/CAMERA, or images/CAMERA.mp4");
+                      "put them into images/CAMERA, or add images/CAMERA.mp4");
 }
 
 DriveContents read_folder(const fs::path& path, const ReadOptions& options) {
@@ -322,19 +323,19 @@ DriveContents read_folder(const fs::path& path, const ReadOptions& options) {
   if (drive.camera_names.empty()) fail_without_cameras(path, config);
   drive.camera_name = choose_camera(drive, options.camera, config.usual_camera);
 
-  const Images images = images_of(path, drive.camera_name);
-  std::vector<Named> scans = named(list_files(path / "lidar", {".bin", ".ply", ".pcd"}));
+  const Images images = find_images(path, drive.camera_name);
+  std::vector<NamedFile> scans = name_files(list_files(path / "lidar", {".bin", ".ply", ".pcd"}));
   const std::optional<fs::path> map = find_map(path);
   Geometry geometry = Geometry::scans;
   if (scans.empty()) {
-    scans = named(list_files(path / "depth" / drive.camera_name, {".png"}));
+    scans = name_files(list_files(path / "depth" / drive.camera_name, {".png"}));
     geometry = scans.empty() && map ? Geometry::map : Geometry::depth;
     if (scans.empty() && !map) refuse_other_geometry(path);
   }
   if (const std::string others = geometry == Geometry::scans ? "" : describe_other_scans(path); !others.empty())
-    drive.warnings.push_back("lidar/ holds no scans that are read (.bin, .ply, .pcd) but " + others);
+    drive.warnings.push_back("lidar/ holds no scans in a supported format (.bin, .ply, .pcd), but " + others);
   if (map && geometry != Geometry::map)
-    drive.warnings.push_back(map->filename().string() + " is not used: the map is made of the scans");
+    drive.warnings.push_back(map->filename().string() + " is not used, because the map is built from the scans");
   const std::int64_t period = std::llround(1e9 / config.lidar.rate);
   const Clocks clocks = images.video ? read_video_clocks(drive, images, scans, config.lidar.rate)
                                      : read_clocks(drive, images.files, scans, config.lidar.rate);

@@ -28,7 +28,7 @@ class Folder : public testing::Test {
   TestFolder folder;
 };
 
-TEST_F(Folder, TiesEqualNamesAtTheRateWithoutTimes) {
+TEST_F(Folder, MatchesEqualNamesAtTheRateWithoutTimes) {
   folder.write("dvi.toml", std::string(kCamera) + "[lidar]\nrate = 20\n");
   const Drive drive = read();
   ASSERT_EQ(drive.frames.size(), 3U);
@@ -59,7 +59,7 @@ TEST_F(Folder, ReadsTimesPosesMasksAndBoxes) {
   EXPECT_EQ((*drive.masks[0])(0, 0), 0);
   EXPECT_EQ(drive.scans[0]->time[1], 0);
   EXPECT_EQ(drive.other_files.size(), 5U);
-  EXPECT_THAT(drive.warnings, testing::ElementsAre("boxes.json has no labels for 1 of 3 frames, which keep their traffic: 0",
+  EXPECT_THAT(drive.warnings, testing::ElementsAre("boxes.json has no labels for 1 of 3 frames, in which nothing is removed: 0",
                                                    "no pose for the scans of frames 1",
                                                    "boxes.json ends early: it has no labels for frames 2"));
 }
@@ -101,18 +101,18 @@ TEST_F(Folder, MakesScansOfDepthImages) {
   EXPECT_TRUE(scan->points[0].isApprox(Eigen::Vector3f(1, 0, 2)));
   EXPECT_EQ(scan->time[0], 0);
   EXPECT_THAT(input_error([&] { drive.scans[1]; }), HasSubstr("b.png: holds no depth"));
-  EXPECT_THAT(input_error([&] { drive.scans[2]; }), HasSubstr("c.png: is no 16-bit gray image of 8x6"));
+  EXPECT_THAT(input_error([&] { drive.scans[2]; }), HasSubstr("c.png: is not a 16-bit gray image of 8x6"));
 }
 
-TEST_F(Folder, ScansAreOfALidarUnlessDviTomlSaysOtherwise) {
+TEST_F(Folder, HasScansOfALidarUnlessDviTomlStatesAnotherSensor) {
   EXPECT_EQ(read().sensor, Sensor::lidar);
   folder.write("dvi.toml", std::string(kCamera) + "[lidar]\nsensor = \"depth_camera\"\n");
   EXPECT_EQ(read().sensor, Sensor::depth_camera);
   folder.write("dvi.toml", std::string(kCamera) + "[lidar]\nsensor = \"radar\"\n");
-  EXPECT_THAT(error(), HasSubstr("'sensor' is none of lidar, depth_camera"));
+  EXPECT_THAT(error(), HasSubstr("'sensor' is not one of lidar, depth_camera"));
 }
 
-TEST_F(Folder, UsesTheCameraThatDviTomlNames) {
+TEST_F(Folder, UsesTheCameraNamedInDviToml) {
   for (const char* name : {"a", "b", "c"})
     folder.write_image(std::string("images/a_rear/") + name + ".png", cv::Mat3b(6, 8, cv::Vec3b()));
   const std::string front = std::string(kCamera).substr(std::string(kCamera).find("[camera"));
@@ -124,10 +124,10 @@ TEST_F(Folder, UsesTheCameraThatDviTomlNames) {
   EXPECT_EQ(read().camera_name, "front");
   EXPECT_EQ(read_drive(folder.path, {.camera = "a_rear", .frames = {}, .span = {}}).camera_name, "a_rear");
   write("camera = \"left\"\n");
-  EXPECT_THAT(error(), HasSubstr("'camera' is none of a_rear, front"));
+  EXPECT_THAT(error(), HasSubstr("'camera' is not one of a_rear, front"));
 }
 
-TEST_F(Folder, TakesExtrinsicsOfThreeOrFourRows) {
+TEST_F(Folder, ReadsExtrinsicsOfThreeOrFourRows) {
   const SE3 expected = read().camera_from_lidar;
   std::string text = kCamera;
   const std::size_t at = text.find("camera_from_lidar"), end = text.find(']', at);
@@ -135,7 +135,7 @@ TEST_F(Folder, TakesExtrinsicsOfThreeOrFourRows) {
   const auto with = [&](const std::string& row) { return add_row(row), error(); };
   add_row(", 0, 0, 0, 1");
   EXPECT_TRUE(read().camera_from_lidar.t.isApprox(expected.t));
-  EXPECT_THAT(with(", 0, 0, 0, 2"), HasSubstr("'camera_from_lidar' is not 0, 0, 0, 1: is it transposed?"));
+  EXPECT_THAT(with(", 0, 0, 0, 2"), HasSubstr("'camera_from_lidar' is not 0, 0, 0, 1; the matrix may be transposed"));
   EXPECT_THAT(with(", 0, 0, 0"), HasSubstr("'camera_from_lidar' is not a list of 12 numbers"));
   folder.write("dvi.toml",
                "[camera.front]\nK = [[4, 0, 4], [0, 4, 3], [0, 0, 1]]\n"
@@ -160,8 +160,8 @@ TEST_F(Folder, RefusesSettingsThatAreMissingOrMalformed) {
   EXPECT_THAT(with("[camera.front]\nsize = [8.5, 6]\n"), HasSubstr("whole pixels"));
   EXPECT_THAT(with("[camera.front]\nK = [1e12, 0, 4, 0, 4, 3, 0, 0, 1]\ncamera_from_lidar=[1,0,0,0,0,1,0,0,0,0,1,0]\n"),
               HasSubstr("dvi.toml: [camera.front]: fx = 1e+12 px is not within"));
-  EXPECT_THAT(with("[camera.\"../../evil\"]\n"), HasSubstr("'../../evil' is no name of a camera"));
-  EXPECT_THAT(with("[camera.\"\"]\n"), HasSubstr("'' is no name of a camera"));
+  EXPECT_THAT(with("[camera.\"../../evil\"]\n"), HasSubstr("'../../evil' is not a valid name of a camera"));
+  EXPECT_THAT(with("[camera.\"\"]\n"), HasSubstr("'' is not a valid name of a camera"));
   EXPECT_THAT(with("[camera.front]\ncamera_from_lidar = [1,0,0,0,0,1,0,0,0,0,-1,0]\n"), HasSubstr("it mirrors"));
   EXPECT_THAT(with("[camera.front]\ncamera_from_lidar = [1,0,0,0,0,1,0,0,0,0,2,0]\n"), HasSubstr("does not hold a rotation"));
   EXPECT_THAT(with(std::string(kCamera) + "[lidar]\nrotation = \"left\"\n"), HasSubstr("clockwise, counterclockwise, none"));
@@ -208,13 +208,13 @@ TEST_F(Folder, RefusesBrokenTimesPosesAndMasks) {
   folder.write("times/front.txt", "a 1.0\nb 1.1\n");
   EXPECT_THAT(error(), AllOf(HasSubstr("c.png: has no time"), HasSubstr("front.txt")));
   folder.write("times/front.txt", "a 1.0\nb 1.0\nc 1.2\n");
-  EXPECT_THAT(error(), HasSubstr("b.png: was not taken after a"));
+  EXPECT_THAT(error(), HasSubstr("b.png: has a time that is not after that of a"));
   fs::remove_all(folder.path / "times");
   folder.write("poses.txt", "a 1 0 0 0 0 1 0 0 0 0 1 0\n\n");
   EXPECT_THAT(error(), HasSubstr("poses.txt:2: the line is empty"));
   fs::remove(folder.path / "poses.txt");
   folder.write_image("masks/front/z.png", cv::Mat1b(6, 8, uchar{1}));
-  EXPECT_THAT(error(), HasSubstr("z.png: is a mask for no image"));
+  EXPECT_THAT(error(), HasSubstr("z.png: is not a mask of an image"));
 }
 
 }  // namespace

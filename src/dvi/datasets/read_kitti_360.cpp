@@ -25,13 +25,13 @@
 namespace dvi::datasets {
 namespace {
 
-constexpr std::int64_t kHalfTurn = 50'000'000;  // of a scan at 10 Hz
+constexpr std::int64_t kHalfRevolutionNs = 50'000'000;  // at 10 Hz
 
 // The folders of one drive of the data set.
-struct Kitti360Places {
+struct Kitti360Paths {
   fs::path images, calibration, scans, poses, boxes, labels_2d;
 
-  explicit Kitti360Places(const fs::path& drive) : images(drive) {
+  explicit Kitti360Paths(const fs::path& drive) : images(drive) {
     const fs::path root = drive.parent_path().parent_path();
     const std::string name = drive.filename().string();
     calibration = root / "calibration";
@@ -44,16 +44,16 @@ struct Kitti360Places {
   }
 };
 
-Numbered rectified_images(const fs::path& drive, const std::string& camera) {
-  return numbered_files(drive / camera / "data_rect", kImageEndings);
+NumberedFiles list_rectified_images(const fs::path& drive, const std::string& camera) {
+  return list_numbered_files(drive / camera / "data_rect", kImageEndings);
 }
 
-// The times of a drive's images and scans. Copied excerpts often come with the timestamps.txt of another excerpt; if that of
-// the images or of the scans has no line for any of them, the numbers tell the times of both.
+// The times of a drive's images and scans. Copied excerpts often have the timestamps.txt of another excerpt. If that of the
+// images or of the scans has no line for any of them, the times of both are counted by their numbers.
 class Kitti360Clock {
  public:
   struct Sensor {
-    const Numbered* files;
+    const NumberedFiles* files;
     fs::path stamps;
   };
   Kitti360Clock(const Sensor& images, const Sensor& scans, Drive& drive) : images_(images.stamps) {
@@ -76,42 +76,43 @@ class Kitti360Clock {
     const auto& [first, file] = *sensor.files->begin();
     if (std::cmp_less(first, stamps.size()) || step_ns_) return;
     step_ns_ = stamps.mean_step_ns();
-    drive.warnings.push_back(
-        fmt::format("{} has {} lines and none for {}: it is of another excerpt. The times of images and scans are counted by "
-                    "their numbers, {:.4f} s apart",
-                    sensor.stamps.string(), stamps.size(), file.filename().string(), 1e-9 * static_cast<double>(*step_ns_)));
+    drive.warnings.push_back(fmt::format(
+        "{} has {} lines and none for {}: it belongs to another excerpt. The times of images and scans are counted by "
+        "their numbers, {:.4f} s apart",
+        sensor.stamps.string(), stamps.size(), file.filename().string(), 1e-9 * static_cast<double>(*step_ns_)));
   }
 
   KittiStamps images_;
   std::optional<KittiStamps> scans_;
-  std::optional<std::int64_t> step_ns_;  // where times are counted
+  std::optional<std::int64_t> step_ns_;  // if times are counted
 };
 
-// Lines "frame r r r t ...": world_from_imu, of frames in which the vehicle moved.
+// Reads lines "frame r r r t ...": world_from_imu of the frames in which the vehicle moved.
 Trajectory read_imu_poses(const fs::path& file, const Kitti360Clock& clock, const SE3& imu_from_lidar) {
   std::vector<StampedPose> poses;
   for (const TextLine& line : read_text_lines(file)) {
     const auto numbers = line.numbers<12>(1);
     const std::optional<SE3> world_from_imu = to_rigid(numbers);
-    if (!world_from_imu) line.fail(rotation_problem(left_part(numbers)), "lines are: frame and a 3x4 matrix, row by row");
+    if (!world_from_imu)
+      line.fail(describe_rotation_problem(get_left_part(numbers)), "lines are: frame, then a 3x4 matrix row by row");
     poses.push_back({clock.of_image(line.integer(0), file), *world_from_imu * imu_from_lidar});
   }
   return Trajectory(std::move(poses));
 }
 
-// Where camera 0 is on the inertial unit.
+// Reads the pose of camera 0 relative to the IMU.
 SE3 read_imu_from_camera0(const fs::path& file) {
-  if (!fs::exists(file)) throw InputError(file, "is missing", "KITTI-360 offers it among its calibration files");
+  if (!fs::exists(file)) throw InputError(file, "is missing", "download it with KITTI-360's calibration files");
   for (const TextLine& line : read_text_lines(file))
     if (line.size() > 0 && line.word(0) == "image_00:") {
       const auto numbers = line.numbers<12>(1);
       if (const auto motion = to_rigid(numbers)) return *motion;
-      line.fail(rotation_problem(left_part(numbers)));
+      line.fail(describe_rotation_problem(get_left_part(numbers)));
     }
-  throw InputError(file, "has no entry image_00", "take the file as KITTI-360 offers it");
+  throw InputError(file, "has no entry image_00", "use the file as published by KITTI-360");
 }
 
-// What takes part in traffic, parked or not; the data set's boxes are also of buildings, poles and the ground.
+// Returns whether a class is of traffic, parked or not. The data set has boxes of buildings, poles and the ground as well.
 bool is_traffic(const std::string& type) {
   static const std::set<std::string> types = {"car",     "truck",          "bus",     "train",  "caravan",
                                               "trailer", "motorcycle",     "bicycle", "person", "pedestrian",
@@ -119,7 +120,7 @@ bool is_traffic(const std::string& type) {
   return types.contains(type);
 }
 
-// One box of the file, in world axes; a moving object has one for each frame.
+// One box of the file in world axes. A moving object has one box per frame.
 struct WorldBox {
   int track = -1, first_frame = 0, last_frame = 0;
   std::string type;
@@ -134,7 +135,7 @@ class BoxReader {
     pugi::xml_document document;
     const std::string text = read_file(file_);
     if (const auto result = document.load_buffer(text.data(), text.size()); !result)
-      throw InputError(file_, fmt::format("is no XML at byte {} ({})", result.offset, result.description()));
+      throw InputError(file_, fmt::format("is not valid XML at byte {} ({})", result.offset, result.description()));
     std::vector<WorldBox> boxes;
     for (const pugi::xml_node& object : document.child("opencv_storage").children())
       if (object.child("transform"))
@@ -145,7 +146,7 @@ class BoxReader {
  private:
   std::optional<WorldBox> read(const pugi::xml_node& object) {
     WorldBox out;
-    out.type = lower_case(object.child_value("label"));
+    out.type = to_lower_case(object.child_value("label"));
     if (!is_traffic(out.type)) return std::nullopt;
     const int timestamp = integer(object, "timestamp");
     const bool moves = timestamp >= 0;
@@ -153,14 +154,14 @@ class BoxReader {
     out.last_frame = moves                       ? timestamp
                      : object.child("end_frame") ? integer(object, "end_frame")
                                                  : std::numeric_limits<int>::max();
-    // All boxes of one moving object share its instance; parked ones have an entry each.
+    // All boxes of a moving object have the same instance; each parked object has a box of its own.
     out.track = moves && object.child("instanceId") ? integer(object, "instanceId") : 1'000'000 + integer(object, "index");
     if (moves && object.child("dynamicSeq")) out.track = 500'000 + integer(object, "dynamicSeq");
     out.box = box(object);
     return out;
   }
 
-  // The transform's columns are the box's axes, as long as `vertices` are to be scaled.
+  // The columns of the transform are the box's axes, multiplied by the scale of `vertices`.
   Box box(const pugi::xml_node& object) {
     const std::vector<double> m = matrix(object, "transform"), v = matrix(object, "vertices");
     if (m.size() != 16 || v.size() < 6 || v.size() % 3 != 0)
@@ -179,7 +180,7 @@ class BoxReader {
     for (int axis = 0; axis < 3; ++axis) {
       const double length = scaled.col(axis).norm();
       out.size[axis] = length * (high - low)[axis];
-      if (!(out.size[axis] > 0)) fail(object, "is a box without size");
+      if (!(out.size[axis] > 0)) fail(object, "is a box of size 0");
       axes.col(axis) /= length;
     }
     if (axes.determinant() < 0) axes.col(2) *= -1;
@@ -204,14 +205,14 @@ class BoxReader {
     return numbers;
   }
   [[noreturn]] void fail(const pugi::xml_node& object, const std::string& problem) {
-    throw InputError(file_, fmt::format("{} {}", object.name(), problem), "take the file as KITTI-360 offers it");
+    throw InputError(file_, fmt::format("{} {}", object.name(), problem), "use the file as published by KITTI-360");
   }
 
   fs::path file_;
 };
 
 void add_boxes(Drive& drive, const fs::path& file) {
-  constexpr double kFarthest = 120;  // meters: what no scan reaches hides nothing that could be copied
+  constexpr double kMaxDistanceM = 120;  // beyond the range of scans
   const std::vector<WorldBox> boxes = BoxReader(file).read();
   for (Frame& frame : drive.frames) {
     const auto world_from_lidar = drive.poses.at(frame.time_ns);
@@ -220,7 +221,7 @@ void add_boxes(Drive& drive, const fs::path& file) {
     for (const WorldBox& box : boxes) {
       if (frame.number < box.first_frame || frame.number > box.last_frame) continue;
       const Box here{lidar_from_world * box.box.frame_from_box, box.box.size};
-      if (here.frame_from_box.t.norm() > kFarthest) continue;
+      if (here.frame_from_box.t.norm() > kMaxDistanceM) continue;
       frame.labels.push_back({.track = box.track, .type = box.type, .box = here, .rect = {}, .instance = {}});
     }
   }
@@ -228,12 +229,12 @@ void add_boxes(Drive& drive, const fs::path& file) {
   drive.other_files.push_back(file);
 }
 
-void set_times(Drive& drive, const Kitti360Clock& clock, const Numbered& images, const Numbered& scans) {
+void set_times(Drive& drive, const Kitti360Clock& clock, const NumberedFiles& images, const NumberedFiles& scans) {
   for (const auto& [number, file] : images)
     drive.frames.push_back({number, file.stem().string(), clock.of_image(number, file), file, {}});
   for (const auto& [number, file] : scans) {
     const std::int64_t time = clock.of_scan(number, file);
-    drive.scan_headers.push_back({file.stem().string(), time, time - kHalfTurn, time + kHalfTurn, file});
+    drive.scan_headers.push_back({file.stem().string(), time, time - kHalfRevolutionNs, time + kHalfRevolutionNs, file});
   }
 }
 
@@ -241,19 +242,20 @@ DriveContents read_kitti_360(const fs::path& path, const ReadOptions& options) {
   DriveContents recording;
   Drive& drive = recording.drive;
   drive.path = path;
-  const Kitti360Places places(path);
+  const Kitti360Paths places(path);
   for (const char* camera : {"image_00", "image_01"})
-    if (!rectified_images(path, camera).empty()) drive.camera_names.emplace_back(camera);
+    if (!list_rectified_images(path, camera).empty()) drive.camera_names.emplace_back(camera);
   if (drive.camera_names.empty())
     fail_without_images(path / "image_00/data_rect", "holds no images of the perspective cameras",
-                        "they belong into image_00/data_rect");
+                        "put them into image_00/data_rect");
   drive.camera_name = choose_camera(drive, options.camera, "image_00");
 
   const KittiCalibration calibration = read_kitti_360_calibration(places.calibration, drive.camera_name);
   drive.camera = calibration.camera;
   drive.camera_from_lidar = calibration.camera_from_lidar();
   drive.other_files = calibration.files;
-  const Numbered images = rectified_images(path, drive.camera_name), scans = numbered_files(places.scans / "data", {".bin"});
+  const NumberedFiles images = list_rectified_images(path, drive.camera_name),
+                      scans = list_numbered_files(places.scans / "data", {".bin"});
   const Kitti360Clock clock({&images, path / drive.camera_name / "timestamps.txt"}, {&scans, places.scans / "timestamps.txt"},
                             drive);
   set_times(drive, clock, images, scans);
@@ -264,13 +266,13 @@ DriveContents read_kitti_360(const fs::path& path, const ReadOptions& options) {
   require_plausible(drive.camera, calibration.files.front(), "P_rect_" + drive.camera_name.substr(6));
   if (fs::exists(places.poses)) {
     const fs::path to_pose = places.calibration / "calib_cam_to_pose.txt";
-    // calib_cam_to_velo takes the unrectified camera 0 to the LiDAR; so does rect0_from_lidar, but for the rectification.
+    // calib_cam_to_velo is of the unrectified camera 0, rect0_from_lidar of the rectified one.
     const SE3 camera0_from_lidar = SE3{calibration.rect0_rotation.transpose(), {0, 0, 0}} * calibration.rect0_from_lidar;
     drive.poses = read_imu_poses(places.poses, clock, read_imu_from_camera0(to_pose) * camera0_from_lidar);
     drive.other_files.insert(drive.other_files.end(), {to_pose, places.poses});
   }
   recording.gaps = find_kitti_gaps(drive, images, scans, options);
-  Rotation rotation;  // clockwise, the front in the middle of the scan
+  Rotation rotation;  // the default is correct: clockwise, with the front in the middle of the scan
   LidarConfig lidar;
   if (const auto config = read_drive_config(path)) {
     config->apply(drive);
@@ -281,7 +283,7 @@ DriveContents read_kitti_360(const fs::path& path, const ReadOptions& options) {
     add_boxes(drive, places.boxes);
   else if (!places.labels_2d.empty())
     drive.warnings.push_back(
-        fmt::format("its instance pictures are not used: give --masks {} --classes car,truck,bus,person,rider",
+        fmt::format("the instance images are not used; to use them, give --masks {} --classes car,truck,bus,person,rider",
                     (places.labels_2d / drive.camera_name / "instance").string()));
   attach_scan_files(recording, lidar, rotation);
   return recording;

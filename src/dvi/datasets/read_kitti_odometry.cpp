@@ -17,37 +17,37 @@
 namespace dvi::datasets {
 namespace {
 
-constexpr std::int64_t kHalfScan = 50'000'000;  // at 10 Hz
+constexpr std::int64_t kHalfScanNs = 50'000'000;  // at 10 Hz
 
-Numbered sequence_images(const fs::path& path, const std::string& camera) {
-  return numbered_files(path / camera, kImageEndings);
+NumberedFiles list_sequence_images(const fs::path& path, const std::string& camera) {
+  return list_numbered_files(path / camera, kImageEndings);
 }
 
-// times.txt and poses hold a line for each number of the whole sequence, whichever excerpt is there.
-const TextLine& line_of(const std::vector<TextLine>& lines, int number, const fs::path& file, const fs::path& data) {
+// Returns the line of a number. times.txt and the poses have a line for each number of the whole sequence, also for an excerpt.
+const TextLine& find_line(const std::vector<TextLine>& lines, int number, const fs::path& file, const fs::path& data) {
   if (static_cast<std::size_t>(number) < lines.size()) return lines[static_cast<std::size_t>(number)];
-  throw InputError(file, "ends before line " + std::to_string(number + 1) + ", that of " + data.filename().string(),
-                   "take the file of the whole sequence, as KITTI offers it");
+  throw InputError(file, "ends before line " + std::to_string(number + 1) + ", the line of " + data.filename().string(),
+                   "use the file of the whole sequence, as published by KITTI");
 }
 
-// Beside the sequence as SemanticKITTI has it, or in the folder that the benchmark offers.
-std::optional<fs::path> poses_file(const fs::path& path) {
+// Finds the poses in the sequence, as in SemanticKITTI, or in the folder of the benchmark.
+std::optional<fs::path> find_poses_file(const fs::path& path) {
   const fs::path benchmark = path.parent_path().parent_path() / "poses" / (path.filename().string() + ".txt");
   for (const fs::path& file : {path / "poses.txt", benchmark})
     if (fs::exists(file)) return file;
   return std::nullopt;
 }
 
-// Lines are of the rectified camera 0 in its own first axes; the world is to stand upright like the LiDAR.
+// Reads the poses of the rectified camera 0, which are relative to its first axes, and turns the world upright like the LiDAR.
 Trajectory read_poses_of_camera_0(const fs::path& file, const Drive& drive, const SE3& rect0_from_lidar) {
   const std::vector<TextLine> lines = read_text_lines(file);
   std::vector<StampedPose> poses;
   for (const Frame& frame : drive.frames) {
-    const TextLine& line = line_of(lines, frame.number, file, frame.file);
+    const TextLine& line = find_line(lines, frame.number, file, frame.file);
     const auto numbers = line.numbers<12>(0);
     const std::optional<SE3> world_from_rect0 = to_rigid(numbers);
     if (!world_from_rect0)
-      line.fail(rotation_problem(left_part(numbers)), "a pose is a 3x4 matrix, row by row, each row r r r t");
+      line.fail(describe_rotation_problem(get_left_part(numbers)), "a pose is a 3x4 matrix, row by row, each row r r r t");
     poses.push_back({frame.time_ns, rect0_from_lidar.inverse() * *world_from_rect0 * rect0_from_lidar});
   }
   return Trajectory(std::move(poses));
@@ -58,11 +58,11 @@ DriveContents read_kitti_odometry(const fs::path& path, const ReadOptions& optio
   Drive& drive = recording.drive;
   drive.path = path;
   for (const char* camera : {"image_0", "image_1", "image_2", "image_3"})
-    if (!sequence_images(path, camera).empty()) drive.camera_names.emplace_back(camera);
+    if (!list_sequence_images(path, camera).empty()) drive.camera_names.emplace_back(camera);
   if (drive.camera_names.empty())
     fail_without_images(fs::is_directory(path / "image_2") ? path / "image_2" : path / "image_0", "holds no images",
-                        "they belong into image_2 (color) or image_0 (gray), named by their numbers");
-  const bool number = all_digits(options.camera) && options.camera.size() == 1;
+                        "put them into image_2 (color) or image_0 (gray), named by their numbers");
+  const bool number = is_all_digits(options.camera) && options.camera.size() == 1;
   drive.camera_name = choose_camera(drive, number ? "image_" + options.camera : options.camera, "image_2");
 
   const KittiCalibration calibration = read_kitti_odometry_calibration(path / "calib.txt", drive.camera_name);
@@ -71,17 +71,18 @@ DriveContents read_kitti_odometry(const fs::path& path, const ReadOptions& optio
   const fs::path times = path / "times.txt";
   const std::vector<TextLine> stamps = read_text_lines(times);
   drive.other_files = {path / "calib.txt", times};
-  const Numbered images = sequence_images(path, drive.camera_name), scans = numbered_files(path / "velodyne", {".bin"});
-  const auto time_of = [&](int n, const fs::path& data) { return line_of(stamps, n, times, data).nanoseconds(0); };
+  const NumberedFiles images = list_sequence_images(path, drive.camera_name),
+                      scans = list_numbered_files(path / "velodyne", {".bin"});
+  const auto time_of = [&](int n, const fs::path& data) { return find_line(stamps, n, times, data).nanoseconds(0); };
   for (const auto& [n, file] : images) drive.frames.push_back({n, file.stem().string(), time_of(n, file), file, {}});
   for (const auto& [n, file] : scans) {
     const std::int64_t time = time_of(n, file);
-    drive.scan_headers.push_back({file.stem().string(), time, time - kHalfScan, time + kHalfScan, file});
+    drive.scan_headers.push_back({file.stem().string(), time, time - kHalfScanNs, time + kHalfScanNs, file});
   }
   const cv::Size size = media::image_size(drive.frames.front().file);
   drive.camera.width = size.width, drive.camera.height = size.height;
   require_plausible(drive.camera, path / "calib.txt", "P" + drive.camera_name.substr(6));
-  if (const auto poses = poses_file(path)) {
+  if (const auto poses = find_poses_file(path)) {
     drive.poses = read_poses_of_camera_0(*poses, drive, calibration.rect0_from_lidar);
     drive.other_files.push_back(*poses);
   }

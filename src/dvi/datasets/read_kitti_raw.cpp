@@ -21,28 +21,29 @@
 namespace dvi::datasets {
 namespace {
 
-Numbered numbered_images(const fs::path& drive, const std::string& camera) {
-  return numbered_files(drive / camera / "data", kImageEndings);
+NumberedFiles list_images(const fs::path& drive, const std::string& camera) {
+  return list_numbered_files(drive / camera / "data", kImageEndings);
 }
 
 std::vector<Frame> read_frames(const fs::path& drive, const std::string& camera) {
   std::vector<Frame> frames;
   const KittiStamps stamps(drive / camera / "timestamps.txt");
-  for (const auto& [number, file] : numbered_images(drive, camera))
+  for (const auto& [number, file] : list_images(drive, camera))
     frames.push_back({number, file.stem().string(), stamps.of(number, file), file, {}});
   return frames;
 }
 
 std::vector<ScanHeader> read_scan_headers(const fs::path& folder, std::vector<fs::path>& other_files) {
-  constexpr std::int64_t kHalf = 50'000'000;  // of a scan at 10 Hz
+  constexpr std::int64_t kHalfPeriodNs = 50'000'000;  // at 10 Hz
   std::vector<ScanHeader> scan_headers;
-  const Numbered scans = numbered_files(folder / "data", {".bin"});
+  const NumberedFiles scans = list_numbered_files(folder / "data", {".bin"});
   if (scans.empty()) return scan_headers;
   const fs::path starts = folder / "timestamps_start.txt", ends = folder / "timestamps_end.txt";
   const bool spans = fs::exists(starts) && fs::exists(ends);
   const KittiStamps first(spans ? starts : folder / "timestamps.txt"), last(spans ? ends : folder / "timestamps.txt");
   for (const auto& [number, file] : scans) {
-    const std::int64_t start = first.of(number, file) - (spans ? 0 : kHalf), end = last.of(number, file) + (spans ? 0 : kHalf);
+    const std::int64_t start = first.of(number, file) - (spans ? 0 : kHalfPeriodNs),
+                       end = last.of(number, file) + (spans ? 0 : kHalfPeriodNs);
     scan_headers.push_back({file.stem().string(), start + (end - start) / 2, start, end, file});
   }
   if (spans)
@@ -52,7 +53,7 @@ std::vector<ScanHeader> read_scan_headers(const fs::path& folder, std::vector<fs
   return scan_headers;
 }
 
-// Of a packet: latitude and longitude in degrees, altitude, roll, pitch, yaw in radians.
+// Reads latitude and longitude in degrees, altitude, and roll, pitch, yaw in radians of an oxts packet.
 std::array<double, 6> read_packet(const fs::path& file) {
   const std::vector<std::string> lines = read_lines(file);
   const TextLine line(file, 1, lines.empty() ? "" : lines[0]);
@@ -62,13 +63,14 @@ std::array<double, 6> read_packet(const fs::path& file) {
   return packet;
 }
 
-// The Mercator projection of KITTI's development kit; `scale` is the cosine of the drive's latitude.
-SE3 mercator_pose(const std::array<double, 6>& packet, double scale) {
-  constexpr double kEarthRadius = 6378137, kDegree = std::numbers::pi / 180;
+// Converts a packet to a pose by the Mercator projection of KITTI's development kit; `scale` is the cosine of the drive's
+// latitude.
+SE3 to_mercator_pose(const std::array<double, 6>& packet, double scale) {
+  constexpr double kEarthRadiusM = 6378137, kRadPerDegree = std::numbers::pi / 180;
   const auto [latitude, longitude, altitude, roll, pitch, yaw] = packet;
   SE3 world_from_imu;
-  world_from_imu.t = {scale * kEarthRadius * longitude * kDegree,
-                      scale * kEarthRadius * std::log(std::tan((90 + latitude) * kDegree / 2)), altitude};
+  world_from_imu.t = {scale * kEarthRadiusM * longitude * kRadPerDegree,
+                      scale * kEarthRadiusM * std::log(std::tan((90 + latitude) * kRadPerDegree / 2)), altitude};
   world_from_imu.R = so3_exp({0, 0, yaw}) * so3_exp({0, pitch, 0}) * so3_exp({roll, 0, 0});
   return world_from_imu;
 }
@@ -79,32 +81,32 @@ struct OxtsPacket {
   fs::path file;
 };
 
-double mercator_scale(const OxtsPacket& first) { return std::cos(first.values[0] * std::numbers::pi / 180); }
+double compute_mercator_scale(const OxtsPacket& first) { return std::cos(first.values[0] * std::numbers::pi / 180); }
 
-std::vector<StampedPose> mercator_poses(const std::vector<OxtsPacket>& packets, const SE3& imu_from_lidar) {
+std::vector<StampedPose> to_mercator_poses(const std::vector<OxtsPacket>& packets, const SE3& imu_from_lidar) {
   std::vector<StampedPose> poses;
-  const double scale = mercator_scale(packets.front());
+  const double scale = compute_mercator_scale(packets.front());
   for (const OxtsPacket& packet : packets)
-    poses.push_back({packet.time_ns, mercator_pose(packet.values, scale) * imu_from_lidar});
+    poses.push_back({packet.time_ns, to_mercator_pose(packet.values, scale) * imu_from_lidar});
   return poses;
 }
 
-// Before the first packet sets the scale: a receiver without a fix writes positions anywhere.
+// Removes outliers before the first packet sets the scale: a receiver without a fix writes arbitrary positions.
 void leave_out_far_packets(Drive& drive, std::vector<OxtsPacket>& packets, const SE3& imu_from_lidar) {
-  const PoseJumps jumps = find_pose_jumps(mercator_poses(packets, imu_from_lidar));
+  const PoseJumps jumps = find_pose_jumps(to_mercator_poses(packets, imu_from_lidar));
   if (jumps.outliers == 0) return;
   const auto first = std::find(jumps.outlier.begin(), jumps.outlier.end(), true) - jumps.outlier.begin();
-  drive.warnings.push_back(fmt::format(
-      "{} of {} oxts packets lie apart from the others, by up to {:.0f} m at the first jump, and are left out (the first: {})",
-      jumps.outliers, packets.size(), jumps.first->distance_m,
-      fs::relative(packets[static_cast<std::size_t>(first)].file, drive.path).string()));
+  drive.warnings.push_back(
+      fmt::format("{} of {} oxts packets are outliers, by up to {:.0f} m at the first jump, and are ignored (the first: {})",
+                  jumps.outliers, packets.size(), jumps.first->distance_m,
+                  fs::relative(packets[static_cast<std::size_t>(first)].file, drive.path).string()));
   std::vector<OxtsPacket> kept;
   for (std::size_t i = 0; i < packets.size(); ++i)
     if (!jumps.outlier[i]) kept.push_back(std::move(packets[i]));
   packets = std::move(kept);
 }
 
-void read_oxts(Drive& drive, const Numbered& files) {
+void read_oxts(Drive& drive, const NumberedFiles& files) {
   if (files.empty()) return;
   const fs::path folder = drive.path / "oxts";
   const SE3 imu_from_lidar = read_lidar_from_imu(drive.path.parent_path()).inverse();
@@ -117,10 +119,10 @@ void read_oxts(Drive& drive, const Numbered& files) {
     drive.other_files.push_back(file);
   }
   leave_out_far_packets(drive, packets, imu_from_lidar);
-  drive.world_scale = mercator_scale(packets.front());
+  drive.world_scale = compute_mercator_scale(packets.front());
   for (const OxtsPacket& packet : packets)
     drive.fixes.push_back({packet.time_ns, packet.values[0], packet.values[1], imu_from_lidar.inverse().t});
-  drive.poses = Trajectory(mercator_poses(packets, imu_from_lidar));
+  drive.poses = Trajectory(to_mercator_poses(packets, imu_from_lidar));
 }
 
 std::vector<Gap> read_own_labels(Drive& drive) {
@@ -135,12 +137,13 @@ std::vector<Gap> read_own_labels(Drive& drive) {
   return gaps;
 }
 
-// "2" and "02" mean image_02.
-std::string full_name(const std::string& camera) {
-  return all_digits(camera) && camera.size() <= 2 ? "image_0" + camera.substr(camera.size() - 1) : camera;
+// Expands "2" and "02" to "image_02".
+std::string to_full_name(const std::string& camera) {
+  return is_all_digits(camera) && camera.size() <= 2 ? "image_0" + camera.substr(camera.size() - 1) : camera;
 }
 
-// KITTI publishes each drive twice: as recorded (`_extract`, 1392x512 pixels) and rectified (`_sync`).
+// Refuses unrectified images. KITTI publishes each drive twice: as recorded (`_extract`, 1392x512 pixels) and rectified
+// (`_sync`).
 void require_rectified(const Drive& drive) {
   if (!drive.path.filename().string().ends_with("_extract")) return;
   const cv::Size size = media::image_size(drive.frames.front().file);
@@ -157,9 +160,9 @@ DriveContents read_kitti(const fs::path& path, const ReadOptions& options) {
   drive.path = path;
   drive.format = "kitti-raw";
   for (const char* camera : {"image_00", "image_01", "image_02", "image_03"})
-    if (!numbered_images(path, camera).empty()) drive.camera_names.emplace_back(camera);
-  if (drive.camera_names.empty()) throw InputError(path, "holds no images", "they belong into image_02/data");
-  drive.camera_name = choose_camera(drive, full_name(options.camera), "image_02");
+    if (!list_images(path, camera).empty()) drive.camera_names.emplace_back(camera);
+  if (drive.camera_names.empty()) throw InputError(path, "holds no images", "put them into image_02/data");
+  drive.camera_name = choose_camera(drive, to_full_name(options.camera), "image_02");
 
   const KittiCalibration calibration = read_kitti_calibration(path.parent_path(), drive.camera_name);
   drive.camera = calibration.camera;
@@ -175,13 +178,13 @@ DriveContents read_kitti(const fs::path& path, const ReadOptions& options) {
   require_rectified(drive);
   require_plausible(drive.camera, calibration.files.front(), "P_rect_" + drive.camera_name.substr(6));
   drive.scan_headers = read_scan_headers(path / "velodyne_points", drive.other_files);
-  const Numbered packets = numbered_files(path / "oxts" / "data", {".txt"});
+  const NumberedFiles packets = list_numbered_files(path / "oxts" / "data", {".txt"});
   read_oxts(drive, packets);
-  const Numbered scans = numbered_files(path / "velodyne_points" / "data", {".bin"});
-  recording.gaps = find_kitti_gaps(drive, numbered_images(path, drive.camera_name), scans, options);
-  if (!recording.gaps.empty()) recording.gaps.push_back({"no oxts packet for frames", numbers_without(drive, packets)});
+  const NumberedFiles scans = list_numbered_files(path / "velodyne_points" / "data", {".bin"});
+  recording.gaps = find_kitti_gaps(drive, list_images(path, drive.camera_name), scans, options);
+  if (!recording.gaps.empty()) recording.gaps.push_back({"no oxts packet for frames", find_numbers_without(drive, packets)});
 
-  Rotation rotation;  // clockwise, the front in the middle of the scan
+  Rotation rotation;  // the default is correct: clockwise, with the front in the middle of the scan
   LidarConfig lidar;
   if (const auto config = read_drive_config(path)) {
     config->apply(drive);

@@ -16,14 +16,14 @@ constexpr const char* kDrive = "2011_09_26/2011_09_26_drive_0001_sync";
 
 std::string file_name(int number, const char* ending) { return fmt::format("{:010d}.{}", number, ending); }
 
-// A line a tenth of a second for frames 0-29, `shift` seconds late.
+// Returns one line per 0.1 s for frames 0-29, `shift` seconds late.
 std::string stamps(double shift) {
   std::string text;
   for (int i = 0; i < 30; ++i) text += fmt::format("2011-09-26 13:00:{:012.9f}\n", 10 + 0.1 * i + shift);
   return text;
 }
 
-// Frames 20-24 of a drive northwards at 10 m/s; the IMU 1 m above the LiDAR, image_02 6 cm to the left of camera 0.
+// Frames 20-24 of a drive to the north at 10 m/s. The IMU is 1 m above the LiDAR, image_02 6 cm to the left of camera 0.
 class KittiRaw : public testing::Test {
  protected:
   KittiRaw() : drive(folder.path / kDrive) {
@@ -70,7 +70,7 @@ TEST_F(KittiRaw, ReadsAnExcerpt) {
   ASSERT_EQ(read.scan_headers.size(), 5U);
   EXPECT_EQ(read.scan_headers[0].time_ns, read.frames[0].time_ns);
   EXPECT_EQ(read.scan_headers[0].end_ns - read.scan_headers[0].start_ns, 100'000'000);
-  // A point straight ahead is 6 cm right of the camera's middle at f = 4.
+  // A point straight ahead is 6 cm to the right of the camera's center at f = 4.
   const Eigen::Vector3d ahead = read.camera_from_lidar * Eigen::Vector3d(6, 0, 0);
   EXPECT_TRUE(ahead.isApprox(Eigen::Vector3d(0.06, 0, 6)));
   const auto scan = read.scans[0];
@@ -78,7 +78,7 @@ TEST_F(KittiRaw, ReadsAnExcerpt) {
   EXPECT_FLOAT_EQ(scan->time[1], -0.025F);
 }
 
-TEST_F(KittiRaw, TakesPosesFromOxtsInAbsoluteMercatorMeters) {
+TEST_F(KittiRaw, ReadsPosesOfOxtsInAbsoluteMercatorMeters) {
   const Drive read = read_drive(drive);
   EXPECT_NEAR(read.world_scale, std::cos(49 * std::numbers::pi / 180), 1e-12);
   const auto& poses = read.poses.poses();
@@ -91,8 +91,8 @@ TEST_F(KittiRaw, TakesPosesFromOxtsInAbsoluteMercatorMeters) {
   EXPECT_NEAR(poses[0].world_from_body.t.z(), 109, 1e-9);
 }
 
-// A receiver without a fix writes any place: here one at the equator's other side, whose latitude would set the scale.
-TEST_F(KittiRaw, LeavesOutPacketsThatLieFarAway) {
+// A receiver without a fix writes arbitrary positions: here one beyond the equator, whose latitude would set the scale.
+TEST_F(KittiRaw, IgnoresOutliersAmongPackets) {
   const SE3 right = *read_drive(drive).poses.at(read_drive(drive).frames[2].time_ns);
   for (const int far : {20, 22}) {
     const std::string name = "oxts/data/" + file_name(far, "txt"), good = read_file(drive / name);
@@ -101,13 +101,13 @@ TEST_F(KittiRaw, LeavesOutPacketsThatLieFarAway) {
     EXPECT_NEAR(read.world_scale, std::cos(49 * std::numbers::pi / 180), 1e-6);
     ASSERT_EQ(read.poses.poses().size(), 4U);
     EXPECT_EQ(read.fixes.size(), 4U);
-    EXPECT_LT((read.poses.at(read.frames[2].time_ns)->t - right.t).norm(), 10) << "interpolated, in nearly the same scale";
+    EXPECT_LT((read.poses.at(read.frames[2].time_ns)->t - right.t).norm(), 10) << "interpolated, at nearly the same scale";
     EXPECT_THAT(read.warnings, testing::ElementsAre(AllOf(HasSubstr("1 of 5 oxts packets"), HasSubstr(name))));
     put(name, good);
   }
 }
 
-TEST_F(KittiRaw, TakesCamerasByTheirNumber) {
+TEST_F(KittiRaw, SelectsCamerasByNumber) {
   put("image_03/timestamps.txt", stamps(0));
   folder.write_image(fs::path(kDrive) / "image_03/data" / file_name(21, "png"), cv::Mat3b(6, 8, cv::Vec3b()));
   for (const char* name : {"3", "03", "image_03"}) EXPECT_EQ(read_drive(drive, {.camera = name}).camera_name, "image_03");
@@ -115,7 +115,7 @@ TEST_F(KittiRaw, TakesCamerasByTheirNumber) {
   EXPECT_THAT(error({.camera = "1"}), HasSubstr("it has image_02, image_03"));
 }
 
-TEST_F(KittiRaw, NamesGaps) {
+TEST_F(KittiRaw, ReportsGaps) {
   drop("image_02/data/" + file_name(21, "png"));
   drop("velodyne_points/data/" + file_name(22, "bin"));
   drop("velodyne_points/data/" + file_name(23, "bin"));
@@ -124,7 +124,7 @@ TEST_F(KittiRaw, NamesGaps) {
               testing::ElementsAre("no image for frames 21", "no scan for frames 22-23", "no oxts packet for frames 22"));
 }
 
-TEST_F(KittiRaw, NamesScansWhoseImagesAreMissingAtTheEnds) {
+TEST_F(KittiRaw, ReportsScansWithoutImagesAtTheEnds) {
   drop("image_02/data/" + file_name(20, "png"));
   drop("image_02/data/" + file_name(24, "png"));
   EXPECT_THAT(read_drive(drive).warnings, testing::ElementsAre("no image for scans 20, 24"));
@@ -146,7 +146,7 @@ TEST_F(KittiRaw, RefusesCalibrationThatIsMissingOrMalformed) {
   EXPECT_THAT(error(), HasSubstr("calib_velo_to_cam.txt:1: 'zero' is not a number"));
 }
 
-TEST_F(KittiRaw, RefusesCalibrationThatCannotBe) {
+TEST_F(KittiRaw, RefusesImplausibleCalibration) {
   const auto with = [&](const char* name, const char* text) {
     put(name, text);
     const std::string message = error();
@@ -183,26 +183,26 @@ TEST_F(KittiRaw, RefusesBrokenTimestamps) {
   EXPECT_THAT(error(), HasSubstr("timestamps.txt:23:"));
   text = stamps(0);
   put("image_02/timestamps.txt", text.substr(0, text.find("13:00:12.4") + 10));
-  EXPECT_THAT(error(), AllOf(HasSubstr("timestamps.txt:25:"), HasSubstr("was cut")));
+  EXPECT_THAT(error(), AllOf(HasSubstr("timestamps.txt:25:"), HasSubstr("is truncated")));
   drop("image_02/timestamps.txt");
   EXPECT_THAT(error(), HasSubstr("image_02/timestamps.txt: is missing"));
 }
 
-TEST_F(KittiRaw, RefusesImagesOfAnotherSizeWhenTheyAreDecoded) {
+TEST_F(KittiRaw, RefusesImagesThatDifferInSizeWhenDecoded) {
   folder.write_image(fs::path(kDrive) / "image_02/data" / file_name(22, "png"), cv::Mat3b(5, 8, cv::Vec3b()));
   const Drive read = read_drive(drive);
   EXPECT_THAT(input_error([&] { read.images[2]; }), AllOf(HasSubstr("0000000022.png"), HasSubstr("8x5 pixels instead of 8x6")));
 }
 
-TEST_F(KittiRaw, RefusesImagesAsRecorded) {
+TEST_F(KittiRaw, RefusesUnrectifiedImages) {
   const fs::path extract = folder.path / "2011_09_26/2011_09_26_drive_0001_extract";
   fs::copy(drive, extract, fs::copy_options::recursive);
-  EXPECT_EQ(read_drive(extract).frames.size(), 5U) << "rectified by the user";
+  EXPECT_EQ(read_drive(extract).frames.size(), 5U) << "the user may have rectified them";
   folder.write_image(extract / "image_02/data" / file_name(20, "png"), cv::Mat3b(10, 13, cv::Vec3b()));
   EXPECT_THAT(input_error([&] { read_drive(extract); }), AllOf(HasSubstr("13x10 pixels as recorded"), HasSubstr("_sync")));
 }
 
-TEST_F(KittiRaw, TheFolderOfADayNamesItsDrive) {
+TEST_F(KittiRaw, SuggestsTheDriveInTheFolderOfADay) {
   EXPECT_THAT(input_error([&] { read_drive(drive.parent_path()); }), HasSubstr("did you mean " + drive.string()));
 }
 
@@ -222,14 +222,13 @@ TEST_F(KittiRaw, ReadsLabelsBesideTheImages) {
   ASSERT_EQ(read.frames[1].labels.size(), 1U);
   EXPECT_TRUE(read.frames[1].labels[0].box->frame_from_box.t.isApprox(Eigen::Vector3d(10, 2, -0.95)));
   EXPECT_TRUE(read.labeled);
-  // Frames 0-29 were recorded, of which 20-24 are there.
+  // Frames 0-29 were recorded, of which 20-24 exist.
   EXPECT_THAT(read.warnings, testing::ElementsAre("tracking_labels.txt ends early: it has no labels for frames 22-24"));
   const std::string car = " 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n";
   put("tracking_labels.txt", "24" + car + "29" + car + "30" + car);
-  EXPECT_THAT(
-      read_drive(drive).warnings,
-      testing::ElementsAre(
-          "tracking_labels.txt labels 1 frames that are none of the drive, the first is 30: they are 30, the drive's 0 to 29"));
+  EXPECT_THAT(read_drive(drive).warnings,
+              testing::ElementsAre("tracking_labels.txt labels 1 frames that the drive does not have, first 30: its frames are "
+                                   "30, those of the drive are 0 to 29"));
 }
 
 }  // namespace

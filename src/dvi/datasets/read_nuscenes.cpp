@@ -23,9 +23,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::int64_t kMicrosecond = 1000, kLidarTurn = 50'000'000;  // ns; the LiDAR turns 20 times a second
+constexpr std::int64_t kNsPerMicrosecond = 1000, kRevolutionNs = 50'000'000;  // 20 scans per second
 
-// Axes of the data set's LiDAR are x right, y forward; ours x forward, y left.
+// The axes of the data set's LiDAR are x right, y forward; those of dvi are x forward, y left.
 SE3 lidar_from_theirs() { return {(Eigen::Matrix3d() << 0, 1, 0, -1, 0, 0, 0, 0, 1).finished(), {0, 0, 0}}; }
 
 // The tables of one version of the data set.
@@ -35,7 +35,7 @@ class NuscenesTables {
 
   fs::path file(const std::string& table) const { return folder_ / (table + ".json"); }
 
-  // Each row in turn; the file is never held as a whole: sample_data of all scenes has more than a gigabyte.
+  // Passes each row to `take`. The file is never held as a whole, since sample_data of all scenes has more than a gigabyte.
   void for_each(const std::string& table, const std::function<void(const json&)>& take) const {
     const fs::path path = file(table);
     require_regular_file(path, std::numeric_limits<std::uintmax_t>::max());
@@ -48,15 +48,15 @@ class NuscenesTables {
       return false;
     };
     try {
-      if (!json::parse(stream, on_event).is_array()) throw std::invalid_argument("it is no list of rows");
+      if (!json::parse(stream, on_event).is_array()) throw std::invalid_argument("it is not a list of rows");
     } catch (const InputError&) {
       throw;
-    } catch (const std::exception& e) {  // of the JSON library
-      throw InputError(path, fmt::format("row {}: {}", row, e.what()), "take the file as nuScenes offers it");
+    } catch (const std::exception& e) {  // the JSON library throws several types
+      throw InputError(path, fmt::format("row {}: {}", row, e.what()), "use the file as published by nuScenes");
     }
   }
 
-  // The rows whose tokens are wanted; InputError where one is not there, with the table that points to it.
+  // Returns the rows of the given tokens. Throws InputError if one is missing, with the table `from` that refers to it.
   std::map<std::string, json> rows(const std::string& table, const std::set<std::string>& tokens,
                                    const std::string& from) const {
     std::map<std::string, json> out;
@@ -65,8 +65,8 @@ class NuscenesTables {
     });
     for (const std::string& token : tokens)
       if (!out.contains(token))
-        throw InputError(file(from), fmt::format("points to token '{}', which {}.json does not have", token, table),
-                         "take all tables of one version of nuScenes");
+        throw InputError(file(from), fmt::format("refers to token '{}', which {}.json does not have", token, table),
+                         "use all tables of the same version of nuScenes");
     return out;
   }
 
@@ -74,32 +74,32 @@ class NuscenesTables {
   fs::path folder_;
 };
 
-SE3 rigid(const json& row) {
+SE3 parse_rigid(const json& row) {
   const auto q = row.at("rotation").get<std::array<double, 4>>();
   const auto t = row.at("translation").get<std::array<double, 3>>();
   const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
-  if (!(std::abs(rotation.norm() - 1) <= kPrintedRotation))
-    throw std::invalid_argument(fmt::format("a rotation is no quaternion of length 1 but of {:.4g}", rotation.norm()));
+  if (!(std::abs(rotation.norm() - 1) <= kMaxRotationError))
+    throw std::invalid_argument(fmt::format("the quaternion of a rotation has length {:.4g} instead of 1", rotation.norm()));
   return {rotation.normalized().toRotationMatrix(), {t[0], t[1], t[2]}};
 }
 
-// One picture or scan.
+// One image or scan.
 struct SensorData {
   std::string file, ego_pose, calibration;
   std::int64_t time_ns = 0;
   cv::Size size;
 };
 
-// What one scene of the data set consists of.
+// The contents of one scene of the data set.
 struct NuscenesScene {
   std::map<std::string, std::vector<SensorData>> channels;  // in order of time
   std::map<std::string, SE3> ego_from_sensor;               // by channel
   std::map<std::string, std::array<double, 9>> K;
   std::map<std::string, SE3> world_from_ego;      // by token of the ego pose
-  std::map<std::string, std::int64_t> key_times;  // of its samples, ns
+  std::map<std::string, std::int64_t> key_times;  // by token of the sample, ns
 };
 
-std::set<std::string> tokens_of(const NuscenesScene& scene, std::string SensorData::* member) {
+std::set<std::string> collect_tokens(const NuscenesScene& scene, std::string SensorData::* member) {
   std::set<std::string> out;
   for (const auto& [channel, list] : scene.channels)
     for (const SensorData& data : list) out.insert(data.*member);
@@ -109,18 +109,18 @@ std::set<std::string> tokens_of(const NuscenesScene& scene, std::string SensorDa
 void read_samples(const NuscenesTables& tables, const std::string& scene_token, NuscenesScene& scene) {
   tables.for_each("sample", [&](const json& row) {
     if (row.at("scene_token") == scene_token)
-      scene.key_times[row.at("token").get<std::string>()] = row.at("timestamp").get<std::int64_t>() * kMicrosecond;
+      scene.key_times[row.at("token").get<std::string>()] = row.at("timestamp").get<std::int64_t>() * kNsPerMicrosecond;
   });
 }
 
-// Key frames and what was recorded between them.
+// Reads key frames and the data between them.
 void read_sample_data(const NuscenesTables& tables, NuscenesScene& scene) {
   std::map<std::string, std::vector<SensorData>> by_calibration;
   tables.for_each("sample_data", [&](const json& row) {
     if (!scene.key_times.contains(row.at("sample_token").get<std::string>())) return;
     const auto calibration = row.at("calibrated_sensor_token").get<std::string>();
     by_calibration[calibration].push_back({row.at("filename").get<std::string>(), row.at("ego_pose_token").get<std::string>(),
-                                           calibration, row.at("timestamp").get<std::int64_t>() * kMicrosecond,
+                                           calibration, row.at("timestamp").get<std::int64_t>() * kNsPerMicrosecond,
                                            cv::Size(row.value("width", 0), row.value("height", 0))});
   });
   std::set<std::string> calibrations, sensors;
@@ -133,11 +133,11 @@ void read_sample_data(const NuscenesTables& tables, NuscenesScene& scene) {
     const auto channel = sensor_rows.at(row.at("sensor_token").get<std::string>()).at("channel").get<std::string>();
     if (channel != "LIDAR_TOP" && !channel.starts_with("CAM_")) continue;
     try {
-      scene.ego_from_sensor[channel] = rigid(row);
+      scene.ego_from_sensor[channel] = parse_rigid(row);
       if (channel.starts_with("CAM_")) {
         const auto K = row.at("camera_intrinsic").get<std::array<std::array<double, 3>, 3>>();
         for (std::size_t i = 0; i < 9; ++i) scene.K[channel][i] = K[i / 3][i % 3];
-        if (const std::string problem = camera_matrix_problem(scene.K[channel]); !problem.empty())
+        if (const std::string problem = describe_camera_matrix_problem(scene.K[channel]); !problem.empty())
           throw std::invalid_argument("camera_intrinsic " + problem);
       }
     } catch (const std::exception& e) {
@@ -149,15 +149,15 @@ void read_sample_data(const NuscenesTables& tables, NuscenesScene& scene) {
 }
 
 void read_ego_poses(const NuscenesTables& tables, NuscenesScene& scene) {
-  for (const auto& [token, row] : tables.rows("ego_pose", tokens_of(scene, &SensorData::ego_pose), "sample_data")) try {
-      scene.world_from_ego[token] = rigid(row);
+  for (const auto& [token, row] : tables.rows("ego_pose", collect_tokens(scene, &SensorData::ego_pose), "sample_data")) try {
+      scene.world_from_ego[token] = parse_rigid(row);
     } catch (const std::exception& e) {
       throw InputError(tables.file("ego_pose"), fmt::format("token '{}': {}", token, e.what()));
     }
 }
 
-// "vehicle.bus.rigid" is a bus, "human.pedestrian.adult" a pedestrian; what stands in the street for good is no traffic.
-std::optional<std::string> traffic_type(const std::string& category) {
+// Converts "vehicle.bus.rigid" to bus and "human.pedestrian.adult" to pedestrian; returns nothing for permanent objects.
+std::optional<std::string> find_traffic_type(const std::string& category) {
   if (category == "animal") return category;
   if (!category.starts_with("vehicle.") && !category.starts_with("human.")) return std::nullopt;
   const std::size_t first = category.find('.') + 1;
@@ -170,7 +170,7 @@ std::vector<BoxTrack> read_tracks(const NuscenesTables& tables, const NuscenesSc
     const auto sample = scene.key_times.find(row.at("sample_token").get<std::string>());
     if (sample == scene.key_times.end()) return;
     const auto size = row.at("size").get<std::array<double, 3>>();  // width, length, height
-    by_instance[row.at("instance_token").get<std::string>()][sample->second] = {rigid(row), {size[1], size[0], size[2]}};
+    by_instance[row.at("instance_token").get<std::string>()][sample->second] = {parse_rigid(row), {size[1], size[0], size[2]}};
   });
   std::set<std::string> instances, categories;
   for (const auto& [token, boxes] : by_instance) instances.insert(token);
@@ -180,13 +180,13 @@ std::vector<BoxTrack> read_tracks(const NuscenesTables& tables, const NuscenesSc
   std::vector<BoxTrack> tracks;
   for (auto& [token, boxes] : by_instance) {
     const std::string category = instance_rows.at(token).at("category_token").get<std::string>();
-    if (const auto type = traffic_type(category_rows.at(category).at("name").get<std::string>()))
+    if (const auto type = find_traffic_type(category_rows.at(category).at("name").get<std::string>()))
       tracks.push_back({static_cast<int>(tracks.size()), *type, std::move(boxes)});
   }
   return tracks;
 }
 
-void add_labels_of(const std::vector<BoxTrack>& tracks, Drive& drive) {
+void add_labels(const std::vector<BoxTrack>& tracks, Drive& drive) {
   for (Frame& frame : drive.frames) {
     const auto world_from_lidar = drive.poses.at(frame.time_ns);
     if (!world_from_lidar) continue;
@@ -207,7 +207,7 @@ const media::BinLayout& nuscenes_layout() {
   return layout;
 }
 
-// Compensated to the time of the scan, when its turn was complete.
+// Reads a scan that is compensated for motion to its time, the end of its revolution.
 Scan read_compensated_scan(const ScanHeader& header) {
   media::PointCloud cloud = media::read_point_cloud(header.file, nuscenes_layout());
   Scan scan;
@@ -218,24 +218,25 @@ Scan read_compensated_scan(const ScanHeader& header) {
   return scan;
 }
 
-// The scans whose files are there; the others leave a gap.
+// Adds the scans whose files exist, and a warning about the others.
 void add_scan_headers(Drive& drive, const std::vector<SensorData>& scans, const fs::path& root, const fs::path& table) {
   std::vector<std::string> missing;
   for (const SensorData& scan : scans) {
     const fs::path file = root / scan.file;
     if (fs::exists(file))
-      drive.scan_headers.push_back({file.stem().stem().string(), scan.time_ns, scan.time_ns - kLidarTurn, scan.time_ns, file});
+      drive.scan_headers.push_back(
+          {file.stem().stem().string(), scan.time_ns, scan.time_ns - kRevolutionNs, scan.time_ns, file});
     else
       missing.push_back(scan.file);
   }
   if (missing.empty()) return;
-  const std::string first = fmt::format("{} of {} scans that it points to are missing, the first is {}", missing.size(),
+  const std::string first = fmt::format("{} of {} scans that it refers to are missing; the first is {}", missing.size(),
                                         scans.size(), missing.front());
   if (drive.scan_headers.empty()) throw InputError(table, first, "unpack the samples and sweeps of this scene");
   drive.warnings.push_back(fmt::format("{}: {}", table.filename().string(), first));
 }
 
-std::optional<fs::path> version_folder(const fs::path& root) {
+std::optional<fs::path> find_version_folder(const fs::path& root) {
   if (fs::exists(root / "sample_data.json") && fs::exists(root / "scene.json")) return root;
   std::vector<fs::path> found;
   if (!fs::is_directory(root)) return std::nullopt;
@@ -246,21 +247,21 @@ std::optional<fs::path> version_folder(const fs::path& root) {
   return found.empty() ? std::nullopt : std::optional(found.front());
 }
 
-// ROOT/scene-0061 is no folder: the scenes of the data set share its folders.
+// The scene that a path selects. ROOT/scene-0061 is not a folder, since the scenes of the data set share its folders.
 struct SceneChoice {
   fs::path version, root;
-  std::string scene;  // empty: the only one
+  std::string scene;  // empty: the only scene
 };
 
-std::optional<SceneChoice> choose(const fs::path& path) {
+std::optional<SceneChoice> choose_scene(const fs::path& path) {
   const bool whole = fs::is_directory(path);
   const fs::path place = whole ? path : path.parent_path();
-  const auto version = version_folder(place);
+  const auto version = find_version_folder(place);
   if (!version) return std::nullopt;
   return SceneChoice{*version, version->parent_path(), whole ? "" : path.filename().string()};
 }
 
-std::string token_of_scene(const NuscenesTables& tables, const SceneChoice& choice) {
+std::string find_scene_token(const NuscenesTables& tables, const SceneChoice& choice) {
   std::map<std::string, std::string> scenes;
   tables.for_each("scene",
                   [&](const json& row) { scenes[row.at("name").get<std::string>()] = row.at("token").get<std::string>(); });
@@ -269,18 +270,18 @@ std::string token_of_scene(const NuscenesTables& tables, const SceneChoice& choi
   std::vector<std::string> names;
   for (const auto& [name, token] : scenes)
     if (names.size() < 20) names.push_back(name);
-  throw InputError(
-      tables.file("scene"),
-      choice.scene.empty() ? fmt::format("holds {} scenes", scenes.size()) : "has no scene " + choice.scene,
-      fmt::format("name one: {}/{}; there {} {}{}", choice.root.string(), names.empty() ? "SCENE" : names.front(),
-                  scenes.size() == 1 ? "is" : "are", fmt::join(names, ", "), names.size() < scenes.size() ? " and more" : ""));
+  throw InputError(tables.file("scene"),
+                   choice.scene.empty() ? fmt::format("holds {} scenes", scenes.size()) : "has no scene " + choice.scene,
+                   fmt::format("select a scene, such as {}/{}; the data set has {}{}", choice.root.string(),
+                               names.empty() ? "SCENE" : names.front(), fmt::join(names, ", "),
+                               names.size() < scenes.size() ? " and more" : ""));
 }
 
 DriveContents read_nuscenes(const fs::path& path, const ReadOptions& options) {
-  const SceneChoice choice = *choose(path);
+  const SceneChoice choice = *choose_scene(path);
   const NuscenesTables tables(choice.version);
   NuscenesScene scene;
-  read_samples(tables, token_of_scene(tables, choice), scene);
+  read_samples(tables, find_scene_token(tables, choice), scene);
   if (scene.key_times.empty()) throw InputError(tables.file("sample"), "has no sample of the scene");
   read_sample_data(tables, scene);
   read_ego_poses(tables, scene);
@@ -318,12 +319,12 @@ DriveContents read_nuscenes(const fs::path& path, const ReadOptions& options) {
     drive.other_files.push_back(tables.file(table));
   if (const auto config = read_drive_config(choice.root)) config->apply(drive);
   if (fs::exists(tables.file("sample_annotation"))) {
-    add_labels_of(read_tracks(tables, scene), drive);
+    add_labels(read_tracks(tables, scene), drive);
     for (const char* table : {"sample_annotation", "instance", "category"}) drive.other_files.push_back(tables.file(table));
   }
   for (const Frame& frame : drive.frames)
     if (!fs::exists(frame.file))
-      throw InputError(tables.file("sample_data"), "points to " + frame.file.string() + ", which is not there",
+      throw InputError(tables.file("sample_data"), "refers to " + frame.file.string() + ", which does not exist",
                        "unpack the samples and sweeps of this scene");
   recording.point_bytes = nuscenes_layout().shape().point_bytes();
   recording.read_scan = read_compensated_scan;
@@ -335,7 +336,7 @@ DriveContents read_nuscenes(const fs::path& path, const ReadOptions& options) {
 DriveFormat nuscenes_format() {
   return {"nuscenes",
           "a folder with v1.0-*/sample_data.json, samples and sweeps; FOLDER/scene-0061 names one of its scenes",
-          [](const fs::path& path) { return choose(path).has_value(); },
+          [](const fs::path& path) { return choose_scene(path).has_value(); },
           read_nuscenes,
           {"samples", "sweeps", "v1.0-mini/sample_data.json|v1.0-trainval/sample_data.json|v1.0-test/sample_data.json"}};
 }

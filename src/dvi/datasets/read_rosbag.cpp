@@ -27,27 +27,24 @@
 namespace dvi::datasets {
 namespace {
 
-double as_seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
-
-// By how much a topic's stamps are behind the recorder's clock, which is one for all topics.
-double behind(const bags::BagTopic& topic, const std::vector<bags::StampedEntry>& stamps) {
+// Returns the median delay of a topic's stamps behind the clock of the recorder, which is the same for all topics.
+double find_median_delay_s(const bags::BagTopic& topic, const std::vector<bags::StampedEntry>& stamps) {
   std::vector<double> out;
-  for (const bags::StampedEntry& entry : stamps)
-    out.push_back(as_seconds(topic.messages[entry.number].time_ns - entry.time_ns));
+  for (const bags::StampedEntry& entry : stamps) out.push_back(ns_to_s(topic.messages[entry.number].time_ns - entry.time_ns));
   return median(std::move(out));
 }
 
 void compare_clocks(const fs::path& path, const bags::BagCamera& camera, const std::vector<bags::StampedEntry>& images,
                     const bags::BagTopic& points, const std::vector<bags::StampedEntry>& scans,
                     std::vector<std::string>& warnings) {
-  constexpr double kOtherClock = 0.5;  // seconds; what drivers and networks take is less
-  const double ahead = behind(points, scans) - behind(*camera.images, images);
-  if (std::abs(ahead) > kOtherClock)
-    warnings.push_back(
-        fmt::format("by when they were recorded, the stamps of {} are {:.2f} s {} those of {}: of another clock? "
-                    "[camera.{}] offset_s = {:.2f} in dvi.toml would mend it",
-                    camera.images->name, std::abs(ahead), ahead > 0 ? "ahead of" : "behind", points.name, camera.name, -ahead));
-  if (std::abs(ahead) <= kOtherClock &&
+  constexpr double kMaxDelayS = 0.5;  // drivers and networks cause smaller delays
+  const double ahead = find_median_delay_s(points, scans) - find_median_delay_s(*camera.images, images);
+  if (std::abs(ahead) > kMaxDelayS)
+    warnings.push_back(fmt::format(
+        "judging by the times of recording, the stamps of {} are {:.2f} s {} those of {} and may be of another clock: "
+        "set [camera.{}] offset_s = {:.2f} in dvi.toml",
+        camera.images->name, std::abs(ahead), ahead > 0 ? "ahead of" : "behind", points.name, camera.name, -ahead));
+  if (std::abs(ahead) <= kMaxDelayS &&
       (images.front().time_ns > scans.back().time_ns || scans.front().time_ns > images.back().time_ns))
     throw InputError(path,
                      fmt::format("the stamps of {} are all before or after those of {}", camera.images->name, points.name));
@@ -61,7 +58,7 @@ bags::RosFrames read_frames_tree(const bags::BagMessages& messages, std::vector<
     if (!bags::is_tf(topic) || topic.encoding == bags::BagEncoding::other) continue;
     for (std::size_t i = 0; i < topic.messages.size(); ++i)
       for (const bags::RosMotion& motion :
-           messages.parsed(topic, i, [](std::string_view m, bags::BagEncoding e) { return bags::parse_tf(m, e); })) {
+           messages.decode(topic, i, [](std::string_view m, bags::BagEncoding e) { return bags::parse_tf(m, e); })) {
         if (motion.valid) {
           frames.add(motion, topic.name.ends_with("tf_static"));
         } else if (invalid++ == 0) {
@@ -70,27 +67,30 @@ bags::RosFrames read_frames_tree(const bags::BagMessages& messages, std::vector<
       }
   }
   if (invalid > 0)
-    warnings.push_back(fmt::format(
-        "{} transforms are not used, whose rotation is no quaternion of length 1 or whose place is not finite; first: {}",
-        invalid, first_invalid));
+    warnings.push_back(
+        fmt::format("{} transforms are ignored, because their quaternion does not have length 1 or their translation is not "
+                    "finite; the first: {}",
+                    invalid, first_invalid));
   return frames;
 }
 
-// world_from_lidar of a topic of poses; empty, with a warning, where it is not known where they are on the vehicle.
+// Reads world_from_lidar from a topic of poses. Returns an empty trajectory and adds a warning if their frame cannot be related
+// to the LiDAR.
 Trajectory read_pose_topic(const bags::BagMessages& messages, const bags::BagTopic& topic, const bags::RosFrames& frames,
                            const std::string& lidar, std::vector<std::string>& warnings) {
   std::vector<StampedPose> poses;
   std::optional<SE3> child_from_lidar;
   for (std::size_t i = 0; i < topic.messages.size(); ++i) {
     const bool odometry = topic.type == "nav_msgs/Odometry";
-    bags::RosMotion motion = messages.parsed(topic, i, [&](std::string_view m, bags::BagEncoding e) {
+    bags::RosMotion motion = messages.decode(topic, i, [&](std::string_view m, bags::BagEncoding e) {
       return odometry ? bags::parse_odometry(m, e) : bags::parse_pose(m, e);
     });
-    if (motion.child.empty()) motion.child = frames.between("base_link", lidar) ? "base_link" : lidar;
-    if (!child_from_lidar) child_from_lidar = frames.between(motion.child, lidar);
+    if (motion.child.empty()) motion.child = frames.find_transform("base_link", lidar) ? "base_link" : lidar;
+    if (!child_from_lidar) child_from_lidar = frames.find_transform(motion.child, lidar);
     if (!child_from_lidar) {
-      warnings.push_back(fmt::format("the poses of {} are not used: no tf joins their frame {} to {}, that of the scans",
-                                     topic.name, motion.child, lidar));
+      warnings.push_back(
+          fmt::format("the poses of {} are not used: no tf connects their frame {} with {}, the frame of the scans", topic.name,
+                      motion.child, lidar));
       return {};
     }
     const std::int64_t time = motion.header.stamp_ns != 0 ? motion.header.stamp_ns : topic.messages[i].time_ns;
@@ -99,15 +99,15 @@ Trajectory read_pose_topic(const bags::BagMessages& messages, const bags::BagTop
   return Trajectory(std::move(poses));
 }
 
-// An antenna that no tf joins to the LiDAR is taken to be where that is.
+// An antenna that no tf connects with the LiDAR is assumed to be at the LiDAR's position.
 std::vector<GeoFix> read_fixes(const bags::BagMessages& messages, const bags::BagTopic& topic, const bags::RosFrames& frames,
                                const std::string& lidar) {
   std::vector<GeoFix> fixes;
   for (std::size_t i = 0; i < topic.messages.size(); ++i) {
     const bags::RosFix fix =
-        messages.parsed(topic, i, [](std::string_view m, bags::BagEncoding e) { return bags::parse_fix(m, e); });
+        messages.decode(topic, i, [](std::string_view m, bags::BagEncoding e) { return bags::parse_fix(m, e); });
     const std::int64_t time = fix.header.stamp_ns != 0 ? fix.header.stamp_ns : topic.messages[i].time_ns;
-    const SE3 lidar_from_antenna = frames.between(lidar, fix.header.frame).value_or(SE3());
+    const SE3 lidar_from_antenna = frames.find_transform(lidar, fix.header.frame).value_or(SE3());
     if (fix.valid) fixes.push_back({time, fix.latitude_deg, fix.longitude_deg, lidar_from_antenna.t});
   }
   return fixes;
@@ -128,9 +128,9 @@ class BagReader {
 
   DriveContents read() {
     drive_.other_files = messages_->bag().files;
-    const std::vector<bags::StampedEntry> images = messages_->stamped(*camera_.images, drive_.warnings);
+    const std::vector<bags::StampedEntry> images = messages_->list_stamped(*camera_.images, drive_.warnings);
     const bags::BagTopic& measured = choice_.points ? *choice_.points : *choice_.depth.images;
-    const std::vector<bags::StampedEntry> scans = messages_->stamped(measured, drive_.warnings);
+    const std::vector<bags::StampedEntry> scans = messages_->list_stamped(measured, drive_.warnings);
     compare_clocks(messages_->path(), camera_, images, measured, scans, drive_.warnings);
     drive_.warnings.insert(drive_.warnings.end(), messages_->bag().warnings.begin(), messages_->bag().warnings.end());
     warn_of_lost_messages(measured);
@@ -150,13 +150,14 @@ class BagReader {
   }
 
  private:
-  // By their numbers in the whole recording.
+  // Numbers frames by their index in the whole recording.
   void add_frames(const std::vector<bags::StampedEntry>& images) {
     warn_of_lost_messages(*camera_.images);
     const bags::FrameNumbers numbers = bags::number_frames(*messages_, *camera_.images, images);
     if (!numbers.missing.empty())
-      drive_.warnings.push_back(fmt::format("frames {} are missing with the missing files{}", fmt::join(numbers.missing, ", "),
-                                            numbers.is_estimated ? ", by the regular times of the others" : ""));
+      drive_.warnings.push_back(fmt::format("frames {} are missing because files are missing{}",
+                                            fmt::join(numbers.missing, ", "),
+                                            numbers.is_estimated ? " (estimated from the regular times of the others)" : ""));
     for (const bags::StampedEntry& image : images) {
       const int number = static_cast<int>(numbers.number(*camera_.images, image.number));
       image_of_frame_[number] = image.number;
@@ -165,13 +166,14 @@ class BagReader {
     }
   }
 
-  // Where no file is missing, and metadata.yaml counts more messages than the files hold.
+  // Warns if no file is missing, but metadata.yaml counts more messages than the files hold.
   void warn_of_lost_messages(const bags::BagTopic& topic) {
     const bags::Bag& bag = messages_->bag();
     const auto count = bag.counts.find(topic.name);
     if (count != bag.counts.end() && bag.missing.empty() && count->second > topic.messages.size())
-      drive_.warnings.push_back(fmt::format("{} of {} messages of {} that metadata.yaml counts are missing: the files were cut",
-                                            count->second - topic.messages.size(), count->second, topic.name));
+      drive_.warnings.push_back(
+          fmt::format("{} of {} messages of {} that metadata.yaml counts are missing: the files are truncated",
+                      count->second - topic.messages.size(), count->second, topic.name));
   }
 
   void read_lidar(const std::vector<bags::StampedEntry>& entries, const bags::RosFrames& frames) {
@@ -182,9 +184,9 @@ class BagReader {
     set_poses(frames, scans_->frame(), {});
   }
 
-  // A LiDAR's axes at the first camera.
+  // The scans of depth images are in the axes that a level LiDAR at the camera would have.
   void read_depth(const std::vector<bags::StampedEntry>& depths, const bags::RosFrames& frames) {
-    const std::int64_t half = bags::median_period_ns(depths) / 2;  // images are taken at other times than depth
+    const std::int64_t half = bags::median_period_ns(depths) / 2;  // images and depth are not synchronous
     for (const bags::StampedEntry& depth : depths)
       drive_.scan_headers.push_back({fmt::format("{:06d}", depth.number), depth.time_ns, depth.time_ns - half,
                                      depth.time_ns + half, file_of(*choice_.depth.images, depth.number)});
@@ -194,30 +196,31 @@ class BagReader {
     set_poses(frames, first, camera_from_level());
   }
   std::string frame_of(const bags::BagTopic& topic) const {
-    return messages_->parsed(topic, 0, [](std::string_view m, bags::BagEncoding e) { return bags::read_header(m, e); }).frame;
+    return messages_->decode(topic, 0, [](std::string_view m, bags::BagEncoding e) { return bags::read_header(m, e); }).frame;
   }
 
-  // Registered where tf says that it was taken from the camera's own place.
+  // Depth is registered to the images if tf states that both cameras are at the same position.
   DepthScan depth_scan(Drive& drive, const bags::RosFrames& frames) const {
     const bags::BagTopic& topic = *choice_.depth.images;
     const bags::RosImage first =
-        messages_->parsed(topic, 0, [](std::string_view m, bags::BagEncoding e) { return bags::parse_image(m, e); });
+        messages_->decode(topic, 0, [](std::string_view m, bags::BagEncoding e) { return bags::parse_image(m, e); });
     const std::string color = frame_of(*camera_.images);
     DepthCamera depth;
     if (first.header.frame != color) {
-      depth.depth_from_color = frames.between(first.header.frame, color);
+      depth.depth_from_color = frames.find_transform(first.header.frame, color);
       if (!depth.depth_from_color)
         throw InputError(
             messages_->path(),
-            fmt::format("no tf joins {} of {} to {} of {}", first.header.frame, topic.name, color, camera_.images->name),
-            "record /tf_static too, or depth that is registered to the images");
+            fmt::format("no tf connects {} of {} with {} of {}", first.header.frame, topic.name, color, camera_.images->name),
+            "record /tf_static as well, or record depth that is registered to the images");
       if (choice_.depth.info == nullptr)
-        throw InputError(messages_->path(), fmt::format("has no calibration of {}", topic.name), "record its camera_info too");
-      std::vector<std::string> warnings;  // of the color camera's frame, which this camera need not have
+        throw InputError(messages_->path(), fmt::format("has no calibration of {}", topic.name),
+                         "record its camera_info as well");
+      std::vector<std::string> warnings;  // are ignored: they are about the frame of the color camera
       depth.camera = bags::read_bag_camera(*messages_, choice_.depth, warnings);
     }
     if (config_) config_->depth.apply(depth);
-    return depth_scan_of(drive, depth, cv::Size(static_cast<int>(first.width), static_cast<int>(first.height)), topic.name);
+    return make_depth_scan(drive, depth, cv::Size(static_cast<int>(first.width), static_cast<int>(first.height)), topic.name);
   }
 
   fs::path file_of(const bags::BagTopic& topic, std::size_t number) const {
@@ -231,20 +234,20 @@ class BagReader {
     if (camera_.info != nullptr && !overridden) drive_.camera = bags::read_bag_camera(*messages_, camera_, drive_.warnings);
     if (config_ && config_->camera(camera_.name).camera_from_lidar) return;
     const bags::RosHeader image =
-        messages_->parsed(*camera_.images, 0, [](std::string_view m, bags::BagEncoding e) { return bags::read_header(m, e); });
-    const auto camera_from_lidar = frames.between(image.frame, lidar);
+        messages_->decode(*camera_.images, 0, [](std::string_view m, bags::BagEncoding e) { return bags::read_header(m, e); });
+    const auto camera_from_lidar = frames.find_transform(image.frame, lidar);
     if (!camera_from_lidar)
       throw InputError(
           messages_->path(),
-          fmt::format("no tf joins {}, the frame of {}, to {}, that of {}", image.frame, camera_.images->name, lidar,
+          fmt::format("no tf connects {}, the frame of {}, with {}, the frame of {}", image.frame, camera_.images->name, lidar,
                       choice_.points ? choice_.points->name : choice_.cameras.front().images->name),
-          fmt::format("record /tf_static too, or give [camera.{}] camera_from_lidar in {}", camera_.name, config_path()));
+          fmt::format("record /tf_static as well, or set [camera.{}] camera_from_lidar in {}", camera_.name, config_path()));
     drive_.camera_from_lidar = *camera_from_lidar;
   }
 
-  // Of a LiDAR that is turned against the frame of that name.
+  // `frame_from_lidar` is the rotation of a LiDAR relative to the tf frame of its name.
   void set_poses(const bags::RosFrames& frames, const std::string& lidar, const SE3& frame_from_lidar) {
-    if (!choice_.named_poses) drive_.poses = frames.motion_of(lidar);
+    if (!choice_.has_named_poses) drive_.poses = frames.find_motion(lidar);
     if (drive_.poses.empty() && choice_.poses != nullptr)
       drive_.poses = read_pose_topic(*messages_, *choice_.poses, frames, lidar, drive_.warnings);
     else
@@ -257,7 +260,7 @@ class BagReader {
     for (GeoFix& fix : drive_.fixes) fix.antenna = frame_from_lidar.inverse() * fix.antenna;
   }
 
-  // Cameras of 10, 12, or 14 bits fill only the lower part of pixels of 16 bits.
+  // Cameras of 10, 12, or 14 bits use only the lower part of 16-bit pixels.
   int find_topic_bits() {
     constexpr std::size_t kMaxSamples = 50;
     const bags::BagTopic& topic = *camera_.images;
@@ -268,13 +271,13 @@ class BagReader {
     int largest = 0;
     const std::size_t step = topic.messages.size() / kMaxSamples + 1;
     for (std::size_t i = 0; i < topic.messages.size(); i += step) {
-      const int value = messages_->parsed(topic, i, largest_value);
+      const int value = messages_->decode(topic, i, largest_value);
       if (value < 0) return 16;
       largest = std::max(largest, value);
     }
     const int bits = media::estimate_value_bits(largest);
     if (bits < 16)
-      drive_.warnings.push_back(fmt::format("the 16-bit images of {} hold no value above {}: they are read as {}-bit images",
+      drive_.warnings.push_back(fmt::format("the 16-bit images of {} hold no value above {} and are read as {}-bit images",
                                             topic.name, largest, bits));
     return bits;
   }
@@ -296,24 +299,24 @@ class BagReader {
         const cv::Mat3b decoded = media::decode_image(place, image.file, size);
         return bags::convert_bayer_file(bags::has_16_bits(image) ? bags::to_bgr(image, value_bits) : decoded, image.format);
       };
-      const cv::Mat3b image = bags::is_compressed(topic) ? messages->parsed(topic, number, decode_file)
-                                                         : messages->parsed(topic, number, raw_image);
+      const cv::Mat3b image = bags::is_compressed(topic) ? messages->decode(topic, number, decode_file)
+                                                         : messages->decode(topic, number, raw_image);
       if (image.size() != size)
         throw InputError(place,
                          fmt::format("is {}x{} pixels instead of {}x{}", image.cols, image.rows, size.width, size.height),
-                         "images and calibration must be of one size");
+                         "images and calibration must have the same size");
       return image;
     };
     if (choice_.points == nullptr) {
       const auto number_of = [](const std::string& name) { return static_cast<std::size_t>(std::stoul(name)); };
       out.read_scan = [messages = messages_, topic = *choice_.depth.images, number_of,
                        scan = depth_scan(out.drive, frames)](const ScanHeader& header) {
-        const cv::Mat1w image = messages->parsed(topic, number_of(header.name), [](std::string_view m, bags::BagEncoding e) {
+        const cv::Mat1w image = messages->decode(topic, number_of(header.name), [](std::string_view m, bags::BagEncoding e) {
           return bags::to_depth(bags::parse_image(m, e));
         });
         if (image.size() != cv::Size(scan.camera.width, scan.camera.height))
           throw InputError(messages->path(),
-                           fmt::format("message {} of {} is of another size than the first", header.name, topic.name));
+                           fmt::format("message {} of {} differs in size from the first one", header.name, topic.name));
         return scan(image, fmt::format("{}: message {} of {}", messages->path().string(), header.name, topic.name));
       };
       return out;
@@ -326,8 +329,8 @@ class BagReader {
   bags::BagChoice choice_;
   std::optional<DriveConfig> config_;
   bags::BagCamera camera_;
-  std::map<int, std::size_t> image_of_frame_;  // messages by the numbers of the frames
-  std::shared_ptr<const BagScans> scans_;      // none of depth images
+  std::map<int, std::size_t> image_of_frame_;  // message by number of the frame
+  std::shared_ptr<const BagScans> scans_;      // none if the scans are depth images
   Drive drive_;
 };
 

@@ -14,7 +14,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// The same drive in bags of all kinds, by the formats' own writers (tests/layouts).
+// Bags of all kinds with the same drive, written by the formats' own writers (tests/layouts).
 const fs::path kBags = DVI_TEST_BAGS;
 
 std::string bag_error(const fs::path& path, const ReadOptions& options = {}) {
@@ -25,7 +25,7 @@ std::string bag_error(const fs::path& path, const ReadOptions& options = {}) {
   });
 }
 
-TEST(RosBagOfDepth, DepthImagesAreScans) {
+TEST(RosBagOfDepth, ReadsDepthImagesAsScans) {
   const Drive drive = read_drive(kBags / "rgbd.bag");
   EXPECT_EQ(drive.sensor, Sensor::depth_camera);
   EXPECT_TRUE(drive.registered_depth);
@@ -34,9 +34,9 @@ TEST(RosBagOfDepth, DepthImagesAreScans) {
   ASSERT_EQ(drive.poses.poses().size(), 3U);
   EXPECT_EQ(drive.scan_headers[1].time_ns, drive.frames[1].time_ns);
   EXPECT_GT(drive.scan_headers[1].end_ns, drive.scan_headers[1].start_ns)
-      << "images that are taken a little later show it, too";
+      << "images that are taken slightly later belong to it as well";
   EXPECT_TRUE(drive.warnings.empty());
-  // The room's floor and walls: from the camera's place, each point in its pixel.
+  // Each point of the room's floor and walls projects to its pixel.
   const auto scan = drive.scans[1];
   EXPECT_GT(scan->size(), 400U) << "of 1536 pixels; those beside a jump in depth are left out";
   for (const Eigen::Vector3f& p : scan->points) {
@@ -46,7 +46,7 @@ TEST(RosBagOfDepth, DepthImagesAreScans) {
   }
 }
 
-TEST(RosBagOfDepth, TopicsCanBeNamed) {
+TEST(RosBagOfDepth, ReadsTheNamedTopics) {
   const Drive drive = read_drive(kBags / "rgbd.bag", {.topics = {"depth=/camera/depth/image"}});
   EXPECT_EQ(drive.scan_headers.size(), 3U);
   EXPECT_THAT(bag_error(kBags / "rgbd.bag", {.topics = {"depth=/camera/rgb/image_color/compressed"}}), HasSubstr("no depth"));
@@ -69,7 +69,7 @@ TEST_P(RosBag, HoldsTheDrive) {
   EXPECT_EQ(drive.scan_headers[1].end_ns, 1000'200'000'000) << "when the next begins";
   ASSERT_EQ(drive.poses.poses().size(), 3U);
   EXPECT_NEAR(drive.poses.poses()[0].world_from_body.t.z(), 1.73, 1e-9);
-  ASSERT_EQ(drive.fixes.size(), 2U) << "without the one that the receiver marks as none";
+  ASSERT_EQ(drive.fixes.size(), 2U) << "without the fix that the receiver marks as invalid";
   EXPECT_EQ(drive.fixes[1].time_ns, drive.scan_headers[2].time_ns);
   EXPECT_NEAR(drive.fixes[0].latitude_deg, 49, 1e-4);
   EXPECT_GT(drive.fixes[1].longitude_deg, drive.fixes[0].longitude_deg);
@@ -79,11 +79,11 @@ TEST_P(RosBag, HoldsTheDrive) {
     EXPECT_EQ(cv::norm(*drive.images[i], *expected.images[i], cv::NORM_INF), 0);
     const auto scan = drive.scans[i], other = expected.scans[i];
     EXPECT_TRUE(scan->points == other->points && scan->time == other->time && scan->ring == other->ring);
-    EXPECT_EQ(scan->size(), 160U) << "without the one that is not finite";
+    EXPECT_EQ(scan->size(), 160U) << "without the point that is not finite";
   }
 }
 
-TEST_P(RosBag, AnotherCameraIsOfPixels) {
+TEST_P(RosBag, ReadsAnotherCameraInPixels) {
   const Drive drive = read_drive(kBags / GetParam(), {.camera = "right"});
   EXPECT_NEAR(drive.camera_from_lidar.t.x(), -0.437363218501, 1e-9);
   const cv::Mat3b image = *drive.images[0];
@@ -91,9 +91,9 @@ TEST_P(RosBag, AnotherCameraIsOfPixels) {
   EXPECT_GT(cv::norm(image, cv::NORM_L1), 0);
 }
 
-// At every byte would take long; a prime number of bytes meets all kinds of records.
-TEST_P(RosBag, CutAnywhereItIsRefused) {
-  if (std::string(GetParam()).ends_with(".db3")) GTEST_SKIP() << "a database finds its last pages by itself";
+// A step by a prime number of bytes meets all kinds of records and is faster than cutting at each byte.
+TEST_P(RosBag, IsRefusedIfTruncatedAnywhere) {
+  if (std::string(GetParam()).ends_with(".db3")) GTEST_SKIP() << "SQLite recovers the last pages";
   const std::string whole = read_file(kBags / GetParam());
   const TestFolder folder;
   const std::string name = "cut" + fs::path(GetParam()).extension().string();
@@ -108,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, RosBag,
                                          "lz4.bag"),
                          [](const auto& kind) { return std::string(kind.param).substr(0, std::string(kind.param).find('.')); });
 
-// Scans of Livox and images of 12 bits in 16, by python3-rosbag and @mcap/core.
+// Scans of Livox and 12-bit images in 16 bits, written by python3-rosbag and @mcap/core.
 class LivoxBag : public testing::TestWithParam<const char*> {};
 
 TEST_P(LivoxBag, HoldsScansWithTimes) {
@@ -123,9 +123,9 @@ TEST_P(LivoxBag, HoldsScansWithTimes) {
   for (std::size_t i = 0; i < scan->size(); ++i) EXPECT_NEAR(scan->time[i], expected.scans[1]->time[i], 1e-6);
 }
 
-TEST_P(LivoxBag, ImagesOf12BitsAreScaled) {
+TEST_P(LivoxBag, Scales12BitImages) {
   const Drive drive = read_drive(kBags / GetParam());
-  EXPECT_THAT(drive.warnings, testing::ElementsAre(HasSubstr("they are read as 12-bit images")));
+  EXPECT_THAT(drive.warnings, testing::ElementsAre(HasSubstr("are read as 12-bit images")));
   const cv::Mat3b image = *drive.images[1], expected = *read_drive(kBags / "zstd.mcap").images[1];
   cv::Mat1b gray;
   cv::cvtColor(expected, gray, cv::COLOR_BGR2GRAY);
@@ -149,29 +149,29 @@ class SplitBag : public testing::Test {
   TestFolder folder;
 };
 
-TEST_F(SplitBag, FramesKeepTheirNumbersWithoutTheFirstFile) {
+TEST_F(SplitBag, KeepsFrameNumbersWithoutTheFirstFile) {
   describe("    - drive_0.db3\n    - drive_1.db3\n", "5");
   const Drive drive = read_drive(folder.path);
   ASSERT_EQ(drive.frames.size(), 3U);
   EXPECT_EQ(drive.frames[0].number, 2);
   EXPECT_EQ(drive.frames[0].name, "000002");
   EXPECT_THAT(drive.warnings,
-              testing::ElementsAre(HasSubstr("names drive_0.db3, which is missing"), HasSubstr("frames 0-1 are missing")));
+              testing::ElementsAre(HasSubstr("lists drive_0.db3, which is missing"), HasSubstr("frames 0-1 are missing")));
   EXPECT_EQ(cv::norm(*drive.images[2], *read_drive(kBags / "sqlite.db3").images[2], cv::NORM_INF), 0);
 }
 
-TEST_F(SplitBag, MessagesThatAreNotThereAreCounted) {
+TEST_F(SplitBag, CountsMissingMessages) {
   describe("    - drive_1.db3\n", "5");
   EXPECT_THAT(read_drive(folder.path).warnings, testing::ElementsAre(HasSubstr("2 of 5 messages of /front/image_raw")));
 }
 
-TEST_F(SplitBag, AnUnknownNumberOfLostFramesIsRefused) {
+TEST_F(SplitBag, RefusesAnUnknownNumberOfLostFrames) {
   describe("    - drive_0.db3\n    - drive_1.db3\n", "unknown");
   EXPECT_THAT(bag_error(folder.path), AllOf(HasSubstr("drive_0.db3 is missing"), HasSubstr("/front/image_raw/compressed")));
 }
 
-// A reader must not write beside a recording, as SQLite does with a write-ahead log.
-TEST_F(SplitBag, NothingIsWrittenBesideIt) {
+// A reader must not write beside a recording, unlike SQLite with a write-ahead log.
+TEST_F(SplitBag, WritesNothingBesideIt) {
   std::string bytes = read_file(folder.path / "drive_1.db3");
   bytes[18] = bytes[19] = 2;  // file format versions of a database with a write-ahead log: https://sqlite.org/fileformat.html
   folder.write("log # 100%.db3", bytes);
@@ -179,8 +179,8 @@ TEST_F(SplitBag, NothingIsWrittenBesideIt) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()), 2);
 }
 
-// Bags of rosbag.js, rosbag2, and kapture: none is a drive, and the message says what each lacks.
-TEST(ForeignBags, AreRefusedForWhatTheyLack) {
+// Bags of rosbag.js, rosbag2, and kapture. None of them is a drive, and each message states what is missing.
+TEST(ForeignBags, AreRefusedWithTheMissingTopics) {
   const char* root = std::getenv("DVI_DATA");
   const fs::path folder = fs::path(root != nullptr ? root : "/tmp/dvi-data") / "foreign_files/bags";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there; set DVI_DATA to the recordings";
@@ -204,7 +204,7 @@ TEST(ForeignBags, AreRefusedForWhatTheyLack) {
 
 class ChangedBag : public testing::Test {
  protected:
-  // The unpacked bag with one word replaced wherever it stands, by one of the same length.
+  // Writes the uncompressed bag with all occurrences of a word replaced by one of the same length.
   fs::path replaced(const std::string& word, const std::string& other) const {
     EXPECT_EQ(word.size(), other.size());
     std::string bytes = read_file(kBags / "without_chunks.mcap");
@@ -215,29 +215,29 @@ class ChangedBag : public testing::Test {
   TestFolder folder;
 };
 
-TEST_F(ChangedBag, WithoutTfAsksForTheExtrinsics) {
+TEST_F(ChangedBag, RequiresExtrinsicsWithoutTf) {
   const fs::path bag = replaced("tf2_msgs/msg/TFMessage", "tf2_msgs/msg/Unknown__");
-  EXPECT_THAT(bag_error(bag), AllOf(HasSubstr("no tf joins front_optical"), HasSubstr("camera_from_lidar")));
+  EXPECT_THAT(bag_error(bag), AllOf(HasSubstr("no tf connects front_optical"), HasSubstr("camera_from_lidar")));
   folder.write("dvi.toml", "[camera.front]\ncamera_from_lidar = [0, -1, 0, 0,  0, 0, -1, 0,  1, 0, 0, 0]\n");
   const Drive drive = read_drive(bag);
-  EXPECT_TRUE(drive.poses.empty()) << "nothing says where the odometry's frame is";
+  EXPECT_TRUE(drive.poses.empty()) << "the frame of the odometry is unknown";
   EXPECT_THAT(drive.warnings, testing::Contains(HasSubstr("base_link")));
 }
 
-TEST_F(ChangedBag, WithoutCalibrationAsksForIt) {
+TEST_F(ChangedBag, RequiresACalibration) {
   EXPECT_THAT(bag_error(replaced("sensor_msgs/msg/CameraInfo", "sensor_msgs/msg/CameraXXXX")),
               AllOf(HasSubstr("no calibration of /front/image_raw/compressed"), HasSubstr("[camera.front] K")));
 }
 
-// height, width 32 and the length of "plumb_bob".
-TEST_F(ChangedBag, CalibrationsWithoutASizeHaveThatOfTheImages) {
+// The bytes are height, width 32, and the length of "plumb_bob".
+TEST_F(ChangedBag, UsesTheSizeOfTheImagesIfTheCalibrationHasNone) {
   const std::string behind = std::string("\x0A\0\0\0plumb_bob", 13), size("\x20\0\0\0\x20\0\0\0", 8);
   const fs::path bag = replaced(size + behind, std::string(8, '\0') + behind);
   for (const char* camera : {"front", "right"}) EXPECT_EQ(read_drive(bag, {.camera = camera}).camera.width, 32) << camera;
 }
 
-// Files of @mcap/core whose lengths are changed: 2^31 bytes and more.
-TEST_F(ChangedBag, RecordsOfGigabytesAreRefused) {
+// Files of @mcap/core with lengths changed to 2^31 bytes and more.
+TEST_F(ChangedBag, RefusesRecordsOfGigabytes) {
   std::string bytes = read_file(kBags / "without_chunks.mcap");
   const std::size_t record = 8;
   bytes.replace(record + 1, 8, std::string("\0\0\0\x80\0\0\0\0", 8));
@@ -246,43 +246,43 @@ TEST_F(ChangedBag, RecordsOfGigabytesAreRefused) {
   const std::size_t name = bytes.find(std::string("\4\0\0\0zstd", 8));
   bytes.replace(name - 12, 8, std::string("\0\0\0\0\4\0\0\0", 8));
   const fs::path unpacked = folder.write("unpacked.mcap", bytes);
-  EXPECT_THAT(bag_error(unpacked), AllOf(HasSubstr("cannot be unpacked"), HasSubstr("17179869184 when unpacked")));
+  EXPECT_THAT(bag_error(unpacked), AllOf(HasSubstr("cannot be unpacked"), HasSubstr("a size of 17179869184 bytes is stated")));
 }
 
-TEST_F(ChangedBag, SparseFilesWithLongRecordsTakeNoMemory) {
+TEST_F(ChangedBag, AllocatesNoMemoryForSparseFilesWithLongRecords) {
   const fs::path file = folder.write("sparse.mcap", std::string("\x89MCAP0\r\n\3\0\0\0\x40\0\0\0\0", 17));
   fs::resize_file(file, std::uintmax_t{1} << 31);
-  EXPECT_THAT(bag_error(file), HasSubstr("a record of 1073741824 bytes is larger than the 268435456 that are read"));
+  EXPECT_THAT(bag_error(file), HasSubstr("a record of 1073741824 bytes is larger than the limit of 268435456 bytes"));
   const fs::path bag = folder.write("sparse.bag", std::string("#ROSBAG V2.0\n\0\0\0\x40", 17));
   fs::resize_file(bag, std::uintmax_t{1} << 31);
   EXPECT_THAT(bag_error(bag), HasSubstr("a record of 1073741824 bytes is larger"));
 }
 
-TEST_F(ChangedBag, CamerasThatAreNoPinholesAreNamed) {
+TEST_F(ChangedBag, RefusesCamerasThatAreNotPinholes) {
   EXPECT_THAT(bag_error(replaced(std::string("\x0A\0\0\0plumb_bob\0", 14), std::string("\x0A\0\0\0equidista\0", 14))),
               AllOf(HasSubstr("the camera model 'equidista'"), HasSubstr("not supported"), HasSubstr("undistort")))
-      << "also where its coefficients are zero";
+      << "even if its coefficients are zero";
 }
 
-TEST_F(ChangedBag, CamerasWithoutCalibrationAreNamed) {
+TEST_F(ChangedBag, RefusesCamerasWithoutCalibration) {
   const double fx = 25.6, none = 0;
   const auto bytes_of = [](const double& value) { return std::string(reinterpret_cast<const char*>(&value), sizeof(value)); };
   EXPECT_THAT(bag_error(replaced(bytes_of(fx), bytes_of(none))),
               AllOf(HasSubstr("is not calibrated: K of /front/camera_info is zero"), HasSubstr("[camera.front] K")));
 }
 
-TEST_F(ChangedBag, WithoutScansListsTheTopics) {
+TEST_F(ChangedBag, ListsTheTopicsIfThereAreNoScans) {
   EXPECT_THAT(bag_error(replaced("sensor_msgs/msg/PointCloud2", "sensor_msgs/msg/LaserScan2_")),
               AllOf(HasSubstr("no topic of sensor_msgs/PointCloud2"), HasSubstr("/lidar/points")));
 }
 
-TEST_F(ChangedBag, AnotherEncodingOfMessagesIsNotRead) {
+TEST_F(ChangedBag, IgnoresOtherEncodingsOfMessages) {
   EXPECT_THAT(bag_error(replaced(std::string("\3\0\0\0cdr", 7), std::string("\3\0\0\0xml", 7))),
               HasSubstr("no topic of images"))
-      << "of those that can be read";
+      << "only supported encodings count";
 }
 
-TEST_F(ChangedBag, TopicsCanBeNamed) {
+TEST_F(ChangedBag, ReadsTheNamedTopics) {
   const fs::path bag = kBags / "zstd.mcap";
   EXPECT_EQ(read_drive(bag, {.topics = {"image=/right/image_raw", "poses=/odometry"}}).camera_name, "right");
   EXPECT_THAT(bag_error(bag, {.topics = {"image=/rear"}}), AllOf(HasSubstr("no topic /rear"), HasSubstr("/right/image_raw")));
@@ -290,7 +290,7 @@ TEST_F(ChangedBag, TopicsCanBeNamed) {
   EXPECT_THROW(read_drive(bag, {.topics = {"color=/right/image_raw"}}), UsageError);
 }
 
-TEST_F(ChangedBag, AnEmptyBagIsRefused) {
+TEST_F(ChangedBag, RefusesAnEmptyBag) {
   std::string bytes = "\x89MCAP0\r\n";
   bytes += std::string("\x02\x14\0\0\0\0\0\0\0", 9) + std::string(20, '\0') + "\x89MCAP0\r\n";
   EXPECT_THAT(bag_error(folder.write("empty.mcap", bytes)), HasSubstr("holds no messages"));

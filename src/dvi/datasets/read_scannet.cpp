@@ -9,12 +9,12 @@
 namespace dvi::datasets {
 namespace {
 
-// Files N.ENDING in order of their number, which has no leading zeros.
-std::vector<NumberedFile> files_by_number(const fs::path& folder, const std::vector<std::string>& endings) {
+// Lists the files N.ENDING in order of their numbers, which have no leading zeros.
+std::vector<NumberedFile> list_files_by_number(const fs::path& folder, const std::vector<std::string>& endings) {
   std::map<int, fs::path> by_number;
   for (const fs::path& file : list_files(folder, endings)) {
     const auto number = to_integer(file.stem().string());
-    if (!number || *number < 0) throw InputError(file, "is not named by its number", "files are named 0.jpg, 1.jpg, ...");
+    if (!number || *number < 0) throw InputError(file, "is not named by its number", "name the files 0.jpg, 1.jpg, ...");
     if (!by_number.emplace(*number, file).second)
       throw InputError(file, "has the number of " + by_number.at(*number).string(), "remove one of them");
   }
@@ -25,14 +25,14 @@ std::vector<NumberedFile> files_by_number(const fs::path& folder, const std::vec
 
 Camera read_intrinsic(const fs::path& path, const char* name, Drive& drive) {
   const fs::path file = path / "intrinsic" / name;
-  if (!fs::exists(file)) throw InputError(file, "is missing", "SensReader writes it with --export_intrinsics");
+  if (!fs::exists(file)) throw InputError(file, "is missing", "export it by SensReader with --export_intrinsics");
   const auto K = read_matrix(file);
   if (!K) throw InputError(file, "holds numbers that are not finite");
   drive.other_files.push_back(file);
   return {.fx = (*K)[0], .fy = (*K)[5], .cx = (*K)[2], .cy = (*K)[6]};
 }
 
-// Rig from camera; the identity where the file is not there.
+// Reads rig_from_camera; the identity if there is no such file.
 SE3 read_extrinsic(const fs::path& path, const char* name, Drive& drive) {
   const fs::path file = path / "intrinsic" / name;
   if (!fs::exists(file)) return {};
@@ -42,13 +42,14 @@ SE3 read_extrinsic(const fs::path& path, const char* name, Drive& drive) {
   return *pose;
 }
 
-// Of another size than the images, but of the same place where the recording was calibrated: then both are the identity.
-DepthCamera read_depth_camera_of(const fs::path& path, Drive& drive) {
+// Reads the depth camera. Its images differ in size from the color images. If the recording was calibrated, both cameras are at
+// the same position and both extrinsics are the identity.
+DepthCamera read_depth_camera(const fs::path& path, Drive& drive) {
   DepthCamera depth{.camera = read_intrinsic(path, "intrinsic_depth.txt", drive)};
   const SE3 rig_from_color = read_extrinsic(path, "extrinsic_color.txt", drive);
   const SE3 depth_from_color = read_extrinsic(path, "extrinsic_depth.txt", drive).inverse() * rig_from_color;
-  constexpr double kNone = 1e-6;
-  if (depth_from_color.t.norm() > kNone || so3_log(depth_from_color.R).norm() > kNone)
+  constexpr double kMaxIdentityDeviation = 1e-6;
+  if (depth_from_color.t.norm() > kMaxIdentityDeviation || so3_log(depth_from_color.R).norm() > kMaxIdentityDeviation)
     depth.depth_from_color = depth_from_color;
   return depth;
 }
@@ -58,12 +59,12 @@ DriveContents read_scannet(const fs::path& path, const ReadOptions& options) {
   Drive& drive = recording.drive;
   drive.path = path;
   name_camera(drive, options.camera, "color");
-  set_numbered_files(drive, files_by_number(path / "color", kImageEndings), files_by_number(path / "depth", {".png"}),
-                     files_by_number(path / "pose", {".txt"}));
+  set_numbered_files(drive, list_files_by_number(path / "color", kImageEndings), list_files_by_number(path / "depth", {".png"}),
+                     list_files_by_number(path / "pose", {".txt"}));
   labels::match_masks(drive, {path / "masks"});
-  recording.gaps = {frames_without_depth(drive, 0)};
+  recording.gaps = {find_frames_without_depth(drive, 0)};
   drive.camera = read_intrinsic(path, "intrinsic_color.txt", drive);
-  set_rgbd_cameras(recording, read_depth_camera_of(path, drive), PosedCamera::depth);
+  set_rgbd_cameras(recording, read_depth_camera(path, drive), PosedCamera::depth);
   return recording;
 }
 

@@ -9,9 +9,9 @@
 namespace dvi::datasets {
 namespace {
 
-// Files "frame-N.color.png" and the like.
-std::vector<NumberedFile> files_of_kind(const fs::path& path, const std::string& kind,
-                                        const std::vector<std::string>& endings) {
+// Lists the files "frame-N.KIND.ENDING" in order of their numbers.
+std::vector<NumberedFile> list_files_of_kind(const fs::path& path, const std::string& kind,
+                                             const std::vector<std::string>& endings) {
   std::vector<NumberedFile> out;
   for (const fs::path& file : list_files(path, endings)) {
     const std::string stem = file.stem().string();
@@ -23,9 +23,9 @@ std::vector<NumberedFile> files_of_kind(const fs::path& path, const std::string&
   return out;
 }
 
-// The depth camera that the authors give. They did not calibrate the color camera, nor register the depth to it: as usual with
-// these recordings, it is taken as the nominal one of the first Kinect, mounted as measured on another one
-// (https://projet.liris.cnrs.fr/voir/activities-dataset/kinect-calibration.html).
+// The depth camera is that of the authors. They calibrated neither the color camera nor its pose relative to the depth camera.
+// As usual with these recordings, the color camera is assumed to be the nominal one of the first Kinect, mounted as measured on
+// another one (https://projet.liris.cnrs.fr/voir/activities-dataset/kinect-calibration.html).
 constexpr Camera kKinectColor{.fx = 525, .fy = 525, .cx = 320, .cy = 240};
 
 SE3 color_from_kinect_depth() {
@@ -53,10 +53,10 @@ DriveContents read_seven_scenes(const fs::path& path, const ReadOptions& options
   Drive& drive = recording.drive;
   drive.path = path;
   name_camera(drive, options.camera, "color");
-  set_numbered_files(drive, files_of_kind(path, "color", kImageEndings), files_of_kind(path, "depth", {".png"}),
-                     files_of_kind(path, "pose", {".txt"}));
+  set_numbered_files(drive, list_files_of_kind(path, "color", kImageEndings), list_files_of_kind(path, "depth", {".png"}),
+                     list_files_of_kind(path, "pose", {".txt"}));
   labels::match_masks(drive, {path / "masks"});
-  recording.gaps = {missing_numbers(drive), frames_without_depth(drive, 0)};
+  recording.gaps = {find_missing_numbers(drive), find_frames_without_depth(drive, 0)};
   drive.camera = kKinectColor;
   set_rgbd_cameras(recording,
                    {.camera = read_depth_camera(path, drive), .depth_from_color = color_from_kinect_depth().inverse()},
@@ -65,7 +65,7 @@ DriveContents read_seven_scenes(const fs::path& path, const ReadOptions& options
 }
 
 bool recognize_seven_scenes(const fs::path& path) {
-  return !files_of_kind(path, "color", kImageEndings).empty() && !files_of_kind(path, "depth", {".png"}).empty();
+  return !list_files_of_kind(path, "color", kImageEndings).empty() && !list_files_of_kind(path, "depth", {".png"}).empty();
 }
 
 }  // namespace

@@ -18,22 +18,22 @@
 namespace dvi::datasets {
 namespace {
 
-const DriveFormat* format_of(const fs::path& path) {
+const DriveFormat* find_format(const fs::path& path) {
   for (const DriveFormat& format : drive_formats())
     if (format.recognize(path)) return &format;
   return nullptr;
 }
 
-// The first drive below a folder, for those who named one of its parents.
-std::optional<fs::path> drive_below(const fs::path& path, int levels) {
+// Finds the first drive below a folder, in order to suggest it.
+std::optional<fs::path> find_drive_below(const fs::path& path, int levels) {
   std::vector<fs::path> folders;
   for (const auto& entry : fs::directory_iterator(path, fs::directory_options::skip_permission_denied))
     if (entry.is_directory()) folders.push_back(entry.path());
   std::sort(folders.begin(), folders.end());
   for (const fs::path& folder : folders) {
-    if (format_of(folder)) return folder;
+    if (find_format(folder)) return folder;
     if (levels > 1)
-      if (const auto found = drive_below(folder, levels - 1)) return found;
+      if (const auto found = find_drive_below(folder, levels - 1)) return found;
   }
   return std::nullopt;
 }
@@ -44,8 +44,9 @@ bool has_part(const fs::path& folder, std::string_view part) {
   return false;
 }
 
-// The format of which a folder has the most, and what it lacks of it; none where it has nothing of any.
-std::optional<std::string> nearest_format(const fs::path& folder) {
+// Describes the format of which a folder has the most parts, and the parts that are missing. Returns nothing if the folder has
+// no part of any format.
+std::optional<std::string> describe_nearest_format(const fs::path& folder) {
   const DriveFormat* nearest = nullptr;
   double most = 0;
   std::string lacks;
@@ -62,28 +63,31 @@ std::optional<std::string> nearest_format(const fs::path& folder) {
     if (share > most) nearest = &format, most = share, lacks = missing;
   }
   if (nearest == nullptr) return std::nullopt;
-  return "it is nearest to " + nearest->name + (lacks.empty() ? "" : ", and lacks " + lacks);
+  return "it is most similar to " + nearest->name + (lacks.empty() ? "" : ", but lacks " + lacks);
 }
 
 [[noreturn]] void fail_unknown(const fs::path& path) {
-  if (!fs::exists(path)) throw InputError(path, "does not exist", "name the folder of a drive");
+  if (!fs::exists(path)) throw InputError(path, "does not exist", "check the path of the drive");
   if (!fs::is_directory(path))
-    throw InputError(path, "is no recording", "name the folder of a drive, or a bag: .mcap, .db3, .bag");
+    throw InputError(path, "is not a recording", "give the folder of a drive, or a bag: .mcap, .db3, .bag");
   if (const fs::path model = find_colmap_model(path); !model.empty() && !fs::is_directory(path / "images"))
-    throw InputError(path, "holds a COLMAP model and no folder images/",
+    throw InputError(path, "holds a COLMAP model, but no folder images/",
                      "put its images into images/ and the model into sparse/0");
-  if (const auto below = drive_below(path, 2)) throw InputError(path, "is no drive", "did you mean " + below->string() + "?");
-  if (const auto nearest = nearest_format(path)) throw InputError(path, "is no drive in a format that dvi reads", *nearest);
+  if (const auto below = find_drive_below(path, 2))
+    throw InputError(path, "is not a drive", "did you mean " + below->string() + "?");
+  if (const auto nearest = describe_nearest_format(path))
+    throw InputError(path, "is not a drive in a supported format", *nearest);
   std::string known;
   for (const DriveFormat& format : drive_formats()) known += "\n  " + format.name + ": " + format.summary;
-  throw InputError(path, fs::is_empty(path) ? "is empty" : "is no drive in a format that dvi reads", "it reads" + known);
+  throw InputError(path, fs::is_empty(path) ? "is empty" : "is not a drive in a supported format",
+                   "supported formats are:" + known);
 }
 
-void check(const Drive& drive) {
+void require_consistent(const Drive& drive) {
   if (drive.frames.empty()) throw InputError(drive.path, "holds no images of camera " + drive.camera_name);
   for (std::size_t i = 1; i < drive.frames.size(); ++i)
     if (drive.frames[i].time_ns <= drive.frames[i - 1].time_ns)
-      throw InputError(drive.frames[i].file, "was not taken after " + drive.frames[i - 1].name + ", by their times",
+      throw InputError(drive.frames[i].file, "has a time that is not after that of " + drive.frames[i - 1].name,
                        "correct the times");
   require_near(drive.camera_from_lidar.t, drive.path, "its camera");
   for (const StampedPose& pose : drive.poses.poses()) require_near(pose.world_from_body.t, drive.path, "a given pose");
@@ -96,8 +100,8 @@ void require_plain_names(const Drive& drive) {
 }
 
 // Keeps the frames that are `wanted` and the scans near them.
-void keep(Drive& drive, const std::function<bool(const Frame&)>& wanted) {
-  constexpr std::int64_t kNear = 10'000'000;  // a clock's worth: the scan that a frame was taken in must stay
+void keep_frames(Drive& drive, const std::function<bool(const Frame&)>& wanted) {
+  constexpr std::int64_t kClockMarginNs = 10'000'000;  // keeps the scan during which a frame was taken
   std::vector<Frame> frames;
   std::vector<fs::path> masks;
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
@@ -108,22 +112,22 @@ void keep(Drive& drive, const std::function<bool(const Frame&)>& wanted) {
   drive.frames = std::move(frames);
   drive.mask_files = std::move(masks);
   if (drive.frames.empty()) return;
-  const std::int64_t begin = drive.frames.front().time_ns - kNear, end = drive.frames.back().time_ns + kNear;
+  const std::int64_t begin = drive.frames.front().time_ns - kClockMarginNs, end = drive.frames.back().time_ns + kClockMarginNs;
   std::erase_if(drive.scan_headers, [&](const ScanHeader& header) { return header.end_ns < begin || header.start_ns > end; });
 }
 
-void cut(Drive& drive, const FrameRange& range) {
+void cut_drive(Drive& drive, const FrameRange& range) {
   const int first = drive.frames.front().number, last = drive.frames.back().number;
   if (range.first > range.last || range.first < first || range.last > last)
-    throw InputError(drive.path, "frames " + std::to_string(range.first) + ":" + std::to_string(range.last) + " are not in it",
+    throw InputError(drive.path, "frames " + std::to_string(range.first) + ":" + std::to_string(range.last) + " do not exist",
                      "it has frames " + std::to_string(first) + ":" + std::to_string(last));
-  keep(drive, [&](const Frame& frame) { return range.contains(frame.number); });
+  keep_frames(drive, [&](const Frame& frame) { return range.contains(frame.number); });
   if (drive.frames.empty())
     throw InputError(drive.path, "has no images for frames " + std::to_string(range.first) + ":" + std::to_string(range.last));
 }
 
-void cut(Drive& drive, const TimeSpan& span) {
-  keep(drive, [&](const Frame& frame) { return frame.time_ns >= span.first && frame.time_ns <= span.last; });
+void cut_drive(Drive& drive, const TimeSpan& span) {
+  keep_frames(drive, [&](const Frame& frame) { return frame.time_ns >= span.first && frame.time_ns <= span.last; });
   if (drive.frames.empty()) throw InputError(drive.path, "camera " + drive.camera_name + " took no image during these frames");
 }
 
@@ -132,7 +136,7 @@ void warn_of_gaps(Drive& drive, const std::vector<Gap>& gaps) {
   for (const Gap& gap : gaps) {
     std::vector<int> frames = gap.frames;
     std::erase_if(frames, [&](int number) { return number < first || number > last; });
-    if (!frames.empty()) drive.warnings.push_back(gap.what + " " + ranges(frames));
+    if (!frames.empty()) drive.warnings.push_back(gap.what + " " + format_ranges(frames));
   }
   if (const auto unposed = describe_unposed(drive)) drive.warnings.push_back(*unposed);
 }
@@ -159,7 +163,7 @@ void attach_lazy_readers(DriveContents& recording) {
 }  // namespace
 
 const std::vector<DriveFormat>& drive_formats() {
-  // What is recognized by its name alone comes after what is recognized by its files.
+  // Formats that are recognized by a name alone come after those that are recognized by their files.
   static const std::vector<DriveFormat> formats = {
       kitti_360_format(), kitti_raw_format(),   kitti_odometry_format(), nuscenes_format(),
       rosbag_format(),    apolloscape_format(), seven_scenes_format(),   tum_rgbd_format(),
@@ -179,15 +183,15 @@ bool can_list_numbers(Drive& drive, int step) {
   for (std::size_t i = 2; i < frames.size(); ++i)
     if (distance(frames[i - 1], frames[i]) > distance(frames[jump - 1], frames[jump])) jump = i;
   drive.warnings.push_back("frame numbers jump from " + frames[jump - 1].name + " to " + frames[jump].name +
-                           ": is an image named wrongly? Gaps are not listed");
+                           ": an image may have a wrong name; gaps are not listed");
   return false;
 }
 
 Drive read_drive(const fs::path& path, const ReadOptions& options) {
-  if (path.empty()) throw InputError("the drive's path is empty; name the folder of a drive");
+  if (path.empty()) throw InputError("the path of the drive is empty; give the folder of a drive");
   fs::path root = fs::absolute(path).lexically_normal();
   if (!root.has_filename()) root = root.parent_path();
-  const DriveFormat* format = format_of(root);
+  const DriveFormat* format = find_format(root);
   if (!format) fail_unknown(root);
   DriveContents recording = format->read(root, options);
   if (!recording.read_image) {
@@ -198,11 +202,11 @@ Drive read_drive(const fs::path& path, const ReadOptions& options) {
   drive.path = root;
   drive.format = format->name;
   leave_out_pose_jumps(drive);
-  check(drive);
+  require_consistent(drive);
   require_plain_names(drive);
   compare_times(drive);
-  if (options.frames) cut(drive, *options.frames);
-  if (options.span) cut(drive, *options.span);
+  if (options.frames) cut_drive(drive, *options.frames);
+  if (options.span) cut_drive(drive, *options.span);
   if (recording.inspect_scans) recording.inspect_scans(recording);
   for (const ScanHeader& header : drive.scan_headers) media::check_size(header.file, recording.point_bytes);
   warn_of_gaps(drive, recording.gaps);

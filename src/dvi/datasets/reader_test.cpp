@@ -12,7 +12,7 @@ using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
-// A drive in the `folder` layout: frames 10, 11, 13, 14 and scans 10, 11, 14.
+// Writes a drive in the `folder` layout: frames 10, 11, 13, 14 and scans 10, 11, 14.
 void write_drive(const TestFolder& folder) {
   folder.write("dvi.toml",
                "[camera.front]\nsize=[8,6]\nK=[4,0,4,0,4,3,0,0,1]\ncamera_from_lidar=[0,-1,0,0, 0,0,-1,0, 1,0,0,0]\n");
@@ -37,7 +37,7 @@ TEST(Reader, CutsToFramesAndTheScansTheyNeed) {
   EXPECT_EQ((*cut.images[1])(0, 0), cv::Vec3b(1, 2, 3));
 }
 
-TEST(Reader, SaysWhichFramesThereAre) {
+TEST(Reader, ReportsTheExistingFrames) {
   const TestFolder folder;
   write_drive(folder);
   for (const FrameRange range : {FrameRange{20, 30}, FrameRange{0, 11}, FrameRange{11, 15}, FrameRange{13, 11}})
@@ -45,7 +45,7 @@ TEST(Reader, SaysWhichFramesThereAre) {
   EXPECT_THAT(input_error([&] { read_drive(folder.path, {.frames = FrameRange{12, 12}}); }), HasSubstr("no images for frames"));
 }
 
-TEST(Reader, NamesGapsOfTheFramesChosen) {
+TEST(Reader, ReportsGapsOfTheSelectedFrames) {
   const TestFolder folder;
   write_drive(folder);
   EXPECT_THAT(read_drive(folder.path).warnings, testing::ElementsAre("no image for frames 12", "no scan for frames 13"));
@@ -73,35 +73,35 @@ TEST(Reader, ListsGapsUpToTheLargestNumber) {
   EXPECT_THAT(read_drive(folder.path).warnings, testing::ElementsAre("no image for frames 2147483620"));
 }
 
-TEST(Reader, RefusesPositionsBeyondAnyMap) {
+TEST(Reader, RefusesPositionsTooFarAway) {
   const TestFolder folder;
   write_drive(folder);
   folder.write("poses.txt", "10 1 0 0 0 0 1 0 1e300 0 0 1 0\n");
-  EXPECT_THAT(input_error([&] { read_drive(folder.path); }), AllOf(HasSubstr("poses.txt"), HasSubstr("lies 1e+300 m")));
+  EXPECT_THAT(input_error([&] { read_drive(folder.path); }), AllOf(HasSubstr("poses.txt"), HasSubstr("is 1e+300 m")));
   fs::remove(folder.path / "poses.txt");
   folder.write("dvi.toml",
                "[camera.front]\nsize=[8,6]\nK=[4,0,4,0,4,3,0,0,1]\ncamera_from_lidar=[0,-1,0,1e9, 0,0,-1,0, 1,0,0,0]\n");
-  EXPECT_THAT(input_error([&] { read_drive(folder.path); }), HasSubstr("its camera lies 1e+09 m"));
+  EXPECT_THAT(input_error([&] { read_drive(folder.path); }), HasSubstr("its camera is 1e+09 m"));
 }
 
-TEST(Reader, SaysWhatItReadsWhereThereIsNoDrive) {
+TEST(Reader, SuggestsFormatsIfThereIsNoDrive) {
   const TestFolder folder;
   const auto error = [](const fs::path& path) { return input_error([&] { read_drive(path); }); };
   EXPECT_THAT(error(folder.path),
               AllOf(HasSubstr("is empty"), HasSubstr("kitti-raw"), HasSubstr("apolloscape"), HasSubstr("folder")));
   folder.write("notes.txt", "x");
-  EXPECT_THAT(error(folder.path), AllOf(HasSubstr("no drive in a format"), HasSubstr("kitti-raw")));
+  EXPECT_THAT(error(folder.path), AllOf(HasSubstr("is not a drive in a supported format"), HasSubstr("kitti-raw")));
   make_folder(folder.path / "velodyne");
   make_folder(folder.path / "image_2");
-  EXPECT_THAT(error(folder.path), AllOf(HasSubstr("nearest to kitti-odometry"), HasSubstr("lacks calib.txt, times.txt")));
+  EXPECT_THAT(error(folder.path), AllOf(HasSubstr("most similar to kitti-odometry"), HasSubstr("lacks calib.txt, times.txt")));
   EXPECT_THAT(error(folder.path / "none"), HasSubstr("does not exist"));
-  EXPECT_THAT(error(""), HasSubstr("path is empty"));
-  EXPECT_THAT(error(folder.path / "notes.txt"), HasSubstr("is no recording"));
+  EXPECT_THAT(error(""), HasSubstr("path of the drive is empty"));
+  EXPECT_THAT(error(folder.path / "notes.txt"), HasSubstr("is not a recording"));
   make_folder(folder.path / "day/one/images");
   EXPECT_THAT(error(folder.path), HasSubstr("did you mean " + (folder.path / "day/one").string()));
 }
 
-TEST(Reader, FindsBrokenScansBeforeAnyWork) {
+TEST(Reader, RefusesBrokenScansBeforeAnyWork) {
   const TestFolder folder;
   write_drive(folder);
   folder.write("lidar/11.bin", "12345");
@@ -110,7 +110,7 @@ TEST(Reader, FindsBrokenScansBeforeAnyWork) {
   EXPECT_THAT(input_error([&] { read_drive(folder.path); }), AllOf(HasSubstr("11.bin"), HasSubstr("no points")));
 }
 
-// The recordings for development, where they are.
+// The development recordings, if they are available.
 class Recordings : public testing::Test {
  protected:
   static fs::path data(const std::string& drive) {
@@ -122,7 +122,7 @@ class Recordings : public testing::Test {
 #define SKIP_WITHOUT(path) \
   if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings"
 
-// Mean distance in pixels of the left and right edges of projected boxes from those of the labels' rectangles.
+// Returns the mean distance in pixels between the left and right edges of projected boxes and of the labels' rectangles.
 double box_error(const Drive& drive) {
   double sum = 0;
   int edges = 0;
@@ -168,7 +168,7 @@ TEST_F(Recordings, KittiRaw) {
   }
 }
 
-// Of a line "time, camera_from_world 3x4, ...".
+// Returns the pose of a line "time, camera_from_world 3x4, ...".
 SE3 true_pose(const TextLine& line) {
   SE3 pose;
   for (int row = 0; row < 3; ++row)

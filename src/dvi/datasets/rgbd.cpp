@@ -15,25 +15,25 @@ namespace dvi::datasets {
 namespace {
 
 bool not_finite(const std::string& word) {
-  const std::string lower = lower_case(word);  // Windows writes -1.#INF
+  const std::string lower = to_lower_case(word);  // Windows writes -1.#INF
   return lower.find("inf") != std::string::npos || lower.find("nan") != std::string::npos ||
          lower.find("#ind") != std::string::npos;
 }
 
-constexpr double kRate = 30;  // frames a second, where only numbers tell the time
+constexpr double kFrameRateHz = 30;  // if there are no times but only numbers
 
 void set_size(Camera& camera, const fs::path& image) {
   const cv::Size size = media::image_size(image);
   camera.width = size.width, camera.height = size.height;
 }
 
-// Where the user gave no K, it is that of the layout, which is for images of one size.
+// Throws InputError if the nominal camera of the layout does not match the size of the images, and the user stated no K.
 void require_centered(const Camera& camera, const fs::path& image, const std::string& table) {
-  if (const std::string problem = off_center_problem(camera); !problem.empty())
-    throw InputError(image, problem, "give K of these images in the table [" + table + "] of dvi.toml");
+  if (const std::string problem = describe_off_center_problem(camera); !problem.empty())
+    throw InputError(image, problem, "set K of these images in the table [" + table + "] of dvi.toml");
 }
 
-std::int64_t time_of(const NumberedFile& file) { return std::llround(1e9 * file.number / kRate); }
+std::int64_t to_time_ns(const NumberedFile& file) { return std::llround(1e9 * file.number / kFrameRateHz); }
 
 }  // namespace
 
@@ -41,14 +41,15 @@ SE3 camera_from_level() { return {(Eigen::Matrix3d() << 0, -1, 0, 0, 0, -1, 1, 0
 
 void set_numbered_files(Drive& drive, const std::vector<NumberedFile>& images, const std::vector<NumberedFile>& depths,
                         const std::vector<NumberedFile>& poses) {
-  for (const NumberedFile& image : images) drive.frames.push_back({image.number, image.name, time_of(image), image.file, {}});
+  for (const NumberedFile& image : images)
+    drive.frames.push_back({image.number, image.name, to_time_ns(image), image.file, {}});
   for (const NumberedFile& depth : depths)
-    drive.scan_headers.push_back({depth.name, time_of(depth), time_of(depth), time_of(depth), depth.file});
+    drive.scan_headers.push_back({depth.name, to_time_ns(depth), to_time_ns(depth), to_time_ns(depth), depth.file});
   std::vector<StampedPose> stamped;
   for (const NumberedFile& pose : poses) {
     drive.other_files.push_back(pose.file);
     if (const auto world_from_camera = read_pose_matrix(pose.file))
-      stamped.push_back({time_of(pose), *world_from_camera * camera_from_level()});
+      stamped.push_back({to_time_ns(pose), *world_from_camera * camera_from_level()});
   }
   drive.poses = Trajectory(std::move(stamped));
 }
@@ -82,7 +83,7 @@ std::optional<std::array<double, 16>> read_matrix(const fs::path& file) {
   std::array<double, 16> out{};
   bool lost = false;
   if (lines.size() != 4)
-    throw InputError(file, "has " + std::to_string(lines.size()) + " lines instead of 4", "it holds a 4x4 matrix");
+    throw InputError(file, "has " + std::to_string(lines.size()) + " lines instead of 4", "write a 4x4 matrix");
   for (std::size_t row = 0; row < 4; ++row) {
     if (lines[row].size() != 4) lines[row].fail("has " + std::to_string(lines[row].size()) + " entries instead of 4");
     for (std::size_t column = 0; column < 4; ++column) {
@@ -102,17 +103,17 @@ std::optional<SE3> read_pose_matrix(const fs::path& file) {
   std::array<double, 12> rows{};
   std::copy_n(matrix->begin(), rows.size(), rows.begin());
   if (const auto pose = to_rigid(rows)) return pose;
-  throw InputError(file, rotation_problem(left_part(rows)), "it holds a 4x4 matrix, camera to world");
+  throw InputError(file, describe_rotation_problem(get_left_part(rows)), "write a 4x4 matrix, camera to world");
 }
 
-Gap frames_without_depth(const Drive& drive, std::int64_t within_ns) {
+Gap find_frames_without_depth(const Drive& drive, std::int64_t within_ns) {
   Gap gap{"no depth image for frames", {}};
   for (const Frame& frame : drive.frames)
     if (!nearest_in_time(drive.scan_headers, frame.time_ns, within_ns)) gap.frames.push_back(frame.number);
   return gap;
 }
 
-Gap missing_numbers(Drive& drive) {
+Gap find_missing_numbers(Drive& drive) {
   Gap gap{"no image for frames", {}};
   if (can_list_numbers(drive, 1))
     for (std::size_t i = 1; i < drive.frames.size(); ++i)

@@ -13,9 +13,9 @@
 namespace dvi::datasets {
 namespace {
 
-// The period of scans is that of their headers or of their times, whichever is shorter: a rate that is not stated is 10 Hz by
-// default, and scans may be left out.
-media::TimedScan timed_scan(const Drive& drive, std::size_t number, std::int64_t clock_offset_ns) {
+// The period of scans is the shorter one of that of their headers and that of their times: a rate that is not stated is 10 Hz
+// by default, and scans may be missing.
+media::TimedScan make_timed_scan(const Drive& drive, std::size_t number, std::int64_t clock_offset_ns) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < drive.scan_headers.size(); ++i)
     steps.push_back(1e-9 * static_cast<double>(drive.scan_headers[i].time_ns - drive.scan_headers[i - 1].time_ns));
@@ -29,20 +29,20 @@ media::TimedScan timed_scan(const Drive& drive, std::size_t number, std::int64_t
   return scan;
 }
 
-media::BinLayout layout_of(Drive& drive, const LidarConfig& config, const media::TimedScan& last) {
+media::BinLayout find_layout(Drive& drive, const LidarConfig& config, const media::TimedScan& last) {
   std::vector<fs::path> files;
   for (const ScanHeader& header : drive.scan_headers)
     if (media::is_bin(header.file)) files.push_back(header.file);
-  if (!config.columns.empty()) return media::stated_layout(files, config.columns);
+  if (!config.columns.empty()) return media::use_stated_layout(files, config.columns);
   const media::BinLayout layout = media::infer_bin_layout(files, last);
   if (layout.shape() != media::BinShape())
-    drive.warnings.push_back(
-        fmt::format("scans are read as {}, inferred from their values; [lidar] columns in dvi.toml states them ('_': not used)",
-                    layout.text()));
+    drive.warnings.push_back(fmt::format(
+        "scans are read as {}, inferred from their values; [lidar] columns in dvi.toml overrides this ('_' means not used)",
+        layout.text()));
   return layout;
 }
 
-// Coordinates in other units, or in world axes.
+// Throws InputError if coordinates seem to be in other units or in world axes.
 void require_meters(const media::PointCloud& cloud, const fs::path& file, double units_per_meter) {
   constexpr double kMaxMedianRangeM = 500, kMaxMedianRangeMm = 100'000;
   std::vector<double> ranges;
@@ -52,18 +52,19 @@ void require_meters(const media::PointCloud& cloud, const fs::path& file, double
   const std::string problem = fmt::format("half of its points are {:.0f} m away or more: ", range);
   if (range <= kMaxMedianRangeMm)
     throw InputError(file, problem + "its coordinates look like millimeters",
-                     "say so in dvi.toml by [lidar] units_per_meter = 1000, or convert the scans to meters");
+                     "set [lidar] units_per_meter = 1000 in dvi.toml, or convert the scans to meters");
   throw InputError(file, problem + "its coordinates are not meters in the axes of the sensor",
-                   "transform the scans to the axes of the sensor, or give their unit by [lidar] units_per_meter in dvi.toml");
+                   "transform the scans to the axes of the sensor, or set [lidar] units_per_meter in dvi.toml");
 }
 
-media::PointTimes times_of(Drive& drive, const media::PointCloud& cloud, const ScanHeader& header, media::TimedScan scan) {
+media::PointTimes find_point_times(Drive& drive, const media::PointCloud& cloud, const ScanHeader& header,
+                                   media::TimedScan scan) {
   if (cloud.t.empty()) return {};
-  scan.turn_share = media::turn_share(cloud.points);
+  scan.turn_share = media::compute_turn_share(cloud.points);
   media::PointTimes times = media::infer_point_times(cloud.t, scan);
   if (times.use == media::PointTimes::Use::unknown)
     throw InputError(header.file, fmt::format("the times of its points {}", times.text),
-                     "convert them to seconds after the start of the scan, correct [lidar] rate, or leave the field out");
+                     "convert them to seconds after the start of the scan, correct [lidar] rate, or remove the field");
   if (times.use == media::PointTimes::Use::times && !times.usual())
     drive.warnings.push_back(fmt::format("the times of the points in scans {}, by their values", times.text));
   return times;
@@ -86,18 +87,18 @@ ScanFiles inspect_scan_files(Drive& drive, const LidarConfig& config, const Rota
                   .units_per_meter = config.units_per_meter};
   if (drive.scan_headers.empty()) return files;
   const std::size_t last = drive.scan_headers.size() - 1;
-  const media::TimedScan scan = timed_scan(drive, last, config.offset_ns);
-  files.bin = layout_of(drive, config, scan);
+  const media::TimedScan scan = make_timed_scan(drive, last, config.offset_ns);
+  files.bin = find_layout(drive, config, scan);
   const ScanHeader& header = drive.scan_headers[last];
   const media::PointCloud cloud = media::read_point_cloud(header.file, files.bin);
   require_meters(cloud, header.file, config.units_per_meter);
-  files.times = times_of(drive, cloud, header, scan);
+  files.times = find_point_times(drive, cloud, header, scan);
   if (files.times.use == media::PointTimes::Use::none) {
     if (!config.turn) files.rotation.turn = Turn::none;
-    drive.warnings.push_back(
-        fmt::format("the times of the points in scans {} and are not used: {}", files.times.text,
-                    config.turn ? "[lidar] rotation says when points were measured"
-                                : "scans are taken as compensated for motion; [lidar] rotation in dvi.toml says otherwise"));
+    drive.warnings.push_back(fmt::format(
+        "the times of the points in scans {} and are not used: {}", files.times.text,
+        config.turn ? "[lidar] rotation is used instead"
+                    : "scans are assumed to be compensated for motion; set [lidar] rotation in dvi.toml if this is wrong"));
   }
   return files;
 }
@@ -115,7 +116,7 @@ std::string describe_other_scans(const fs::path& drive) {
   if (fs::is_directory(drive / "lidar"))
     for (const auto& entry : fs::directory_iterator(drive / "lidar"))
       if (entry.is_regular_file() && !entry.path().filename().string().starts_with("."))
-        ++files[lower_case(entry.path().extension().string())];
+        ++files[to_lower_case(entry.path().extension().string())];
   std::string text;
   for (const auto& [ending, count] : files)
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, ending.empty() ? "without an ending" : ending);
@@ -124,8 +125,8 @@ std::string describe_other_scans(const fs::path& drive) {
 
 void refuse_other_geometry(const fs::path& drive) {
   if (const std::string others = describe_other_scans(drive); !others.empty())
-    throw InputError(drive / "lidar", "holds no scans that are read (.bin, .ply, .pcd) but " + others,
-                     "convert each scan to .bin (float32 x y z intensity), .ply or .pcd; docs/formats.md says more");
+    throw InputError(drive / "lidar", "holds no scans in a supported format (.bin, .ply, .pcd), but " + others,
+                     "convert each scan to .bin (float32 x y z intensity), .ply or .pcd; see docs/formats.md");
   refuse_other_map(drive);
 }
 

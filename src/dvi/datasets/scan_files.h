@@ -9,7 +9,7 @@
 
 namespace dvi::datasets {
 
-/// How the scan files of a drive are read. One description holds for all files of a drive.
+/// The description of a drive's scan files. It is the same for all files of a drive.
 struct ScanFiles {
   media::BinLayout bin;
   Rotation rotation;
@@ -20,20 +20,20 @@ struct ScanFiles {
   Scan read(const ScanHeader& header) const;
 };
 
-/// Infers from up to three scans of a drive what their files do not declare: the columns of .bin files, the meaning of times,
-/// the unit of coordinates. What `config` states is not inferred. What is not as the documentation asks for is added to the
-/// warnings of the drive; InputError for what cannot be inferred, with the entry of dvi.toml that states it. The headers have
-/// their final times; `rotation` holds where neither times nor `config` say when points were measured.
+/// Infers from up to three scans of a drive what its files do not declare: the columns of .bin files, the meaning of times, and
+/// the unit of coordinates. Does not infer what `config` states. Adds a warning to the drive if anything differs from the
+/// documented layout. Throws InputError, with the entry of dvi.toml to set, for what cannot be inferred. The headers must have
+/// their final times. `rotation` is used if neither times nor `config` determine when points were measured.
 ScanFiles inspect_scan_files(Drive& drive, const LidarConfig& config, const Rotation& rotation);
 
-/// Lets a recording inspect its scan files, once it is cut to the frames asked for, and read them so.
+/// Lets a recording inspect its scan files after it is cut to the requested frames, and read them accordingly.
 void attach_scan_files(DriveContents& recording, const LidarConfig& config, const Rotation& rotation);
 
-/// Describes the files in lidar/ of a drive by their endings, where none of them is a scan in a format that is read: "20 .las".
-/// Empty where there are no files.
+/// Describes the files in lidar/ of a drive by their endings if none of them is a scan in a supported format: "20 .las".
+/// Returns an empty text if there are no files.
 std::string describe_other_scans(const fs::path& drive);
 
-/// Throws InputError where a drive without scans, depth images and a map has scans or a map in a format that is not read.
+/// Throws InputError if a drive without scans, depth images and map has scans or a map in a format that is not supported.
 void refuse_other_geometry(const fs::path& drive);
 
 }  // namespace dvi::datasets

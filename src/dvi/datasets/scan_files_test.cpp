@@ -15,7 +15,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr int kScans = 5;
+constexpr int kScanCount = 5;
 constexpr double kFirstS = 1534313591.4, kPeriodS = 0.1;
 constexpr const char* kToml =
     "[camera.front]\nsize = [8, 6]\nK = [4, 0, 4, 0, 4, 3, 0, 0, 1]\ncamera_from_lidar = [0, -1, 0, 0,  0, 0, -1, 0,  1, 0, 0, "
@@ -30,7 +30,7 @@ class ScanFilesOf : public testing::Test {
   ScanFilesOf() {
     folder.write("dvi.toml", kToml);
     std::string times;
-    for (int i = 0; i < kScans; ++i) {
+    for (int i = 0; i < kScanCount; ++i) {
       folder.write_image(fmt::format("images/front/{:06d}.png", i), cv::Mat3b(6, 8, cv::Vec3b()));
       times += fmt::format("{:06d} {:.6f}\n", i, middle(i));
     }
@@ -39,11 +39,11 @@ class ScanFilesOf : public testing::Test {
   static double middle(int number) { return kFirstS + kPeriodS * number; }
 
   void write_bin_scans(const Columns& columns) const {
-    for (int i = 0; i < kScans; ++i) folder.write(fmt::format("lidar/{:06d}.bin", i), bin_of<float>(columns));
+    for (int i = 0; i < kScanCount; ++i) folder.write(fmt::format("lidar/{:06d}.bin", i), bin_of<float>(columns));
   }
-  // With a field of times; `time` makes it of the seconds after the start of scan n.
+  // Writes scans with a field of times; `time` computes it from the seconds after the start of scan n.
   void write_ply_scans(const std::string& field, const std::function<double(double, int)>& time) const {
-    for (int n = 0; n < kScans; ++n) {
+    for (int n = 0; n < kScanCount; ++n) {
       std::vector<double> times;
       for (const double t : scan.t) times.push_back(time(t, n));
       folder.write(fmt::format("lidar/{:06d}.ply", n),
@@ -58,7 +58,7 @@ class ScanFilesOf : public testing::Test {
   std::string error() const {
     return input_error([&] { read(); });
   }
-  // The times of the points of all scans must be those of the test's scan.
+  // Expects that the times of the points of all scans are those of the test's scan.
   void expect_times(const Drive& drive) const {
     for (std::size_t n = 0; n < drive.scans.size(); ++n) {
       const std::shared_ptr<const Scan> found = drive.scans[n];
@@ -71,7 +71,7 @@ class ScanFilesOf : public testing::Test {
   const TestScan scan;
 };
 
-TEST_F(ScanFilesOf, BinColumnsAreUsedAndNamed) {
+TEST_F(ScanFilesOf, BinColumnsAreInferredAndReported) {
   write_bin_scans({scan.x, scan.y, scan.z, scan.intensity, scan.ring, scan.t});
   const Drive drive = read();
   EXPECT_THAT(
@@ -87,27 +87,27 @@ TEST_F(ScanFilesOf, BinColumnsAreUsedAndNamed) {
   expect_times(stated);
 }
 
-TEST_F(ScanFilesOf, FourColumnsNeedNoWord) {
+TEST_F(ScanFilesOf, FourColumnsCauseNoWarning) {
   write_bin_scans({scan.x, scan.y, scan.z, scan.intensity});
   EXPECT_THAT(read().warnings, IsEmpty());
   EXPECT_EQ(read().scans[0]->size(), scan.x.size());
 }
 
-TEST_F(ScanFilesOf, AFileWithOtherColumnsIsNamed) {
+TEST_F(ScanFilesOf, AFileWithOtherColumnsIsRefused) {
   write_bin_scans({scan.x, scan.y, scan.z, scan.intensity});
   folder.write("lidar/000001.bin", bin_of<float>({scan.x, scan.y, scan.z, scan.intensity, scan.ring}));
   EXPECT_THAT(input_error([&] { read().scans[1]; }),
-              HasSubstr("000001.bin: looks like 5 columns of float32, and other scans have 4"));
+              HasSubstr("000001.bin: looks like 5 columns of float32, but other scans have 4"));
   folder.write("lidar/000004.bin", bin_of<float>({scan.x, scan.y, scan.z}));
-  EXPECT_THAT(error(), HasSubstr("000004.bin: has 3 columns of float32, and 000002.bin has 4"));
+  EXPECT_THAT(error(), HasSubstr("000004.bin: has 3 columns of float32, but 000002.bin has 4"));
 }
 
-TEST_F(ScanFilesOf, ColumnsThatAreStatedMustBeRight) {
+TEST_F(ScanFilesOf, StatedColumnsMustMatchTheFiles) {
   write_bin_scans({scan.x, scan.y, scan.z, scan.intensity});
   configure("columns = [\"x\", \"y\", \"z\", \"intensity\", \"ring\", \"t\", \"a\"]\n");
   EXPECT_THAT(error(), AllOf(HasSubstr("000000.bin: 92160 bytes"), HasSubstr("points of 28 bytes")));
   configure("columns = [\"x\", \"y\", \"intensity\"]\n");
-  EXPECT_THAT(error(), AllOf(HasSubstr("dvi.toml:"), HasSubstr("'columns' does not have 'z' once")));
+  EXPECT_THAT(error(), AllOf(HasSubstr("dvi.toml:"), HasSubstr("'columns' does not have 'z' exactly once")));
   configure("columns = 5\n");
   EXPECT_THAT(error(), HasSubstr("'columns' is not a list of names"));
 }
@@ -141,7 +141,7 @@ TEST_F(ScanFilesOf, TimesOfAnyUnitAndOriginAreUsed) {
   expect_times(read());
 }
 
-TEST_F(ScanFilesOf, AbsoluteTimesFollowAnOffsetOfTheClock) {
+TEST_F(ScanFilesOf, AbsoluteTimesGetTheOffsetOfTheClock) {
   configure("offset_s = 0.3\n");
   write_ply_scans("timestamp", [](double t, int n) { return t + middle(n) - 0.5 * kPeriodS; });
   expect_times(read());
@@ -151,28 +151,28 @@ TEST_F(ScanFilesOf, TimesThatAreAllZeroAreNotUsed) {
   write_ply_scans("t", [](double, int) { return 0; });
   const Drive drive = read();
   EXPECT_THAT(drive.warnings, ElementsAre(AllOf(HasSubstr("times of the points in scans are all 0 and are not used"),
-                                                HasSubstr("taken as compensated for motion"))));
+                                                HasSubstr("assumed to be compensated for motion"))));
   EXPECT_EQ(drive.scans[0]->time[7], 0);
   configure("rotation = \"clockwise\"\n");
-  EXPECT_THAT(read().warnings, ElementsAre(HasSubstr("not used: [lidar] rotation says when points were measured")));
+  EXPECT_THAT(read().warnings, ElementsAre(HasSubstr("not used: [lidar] rotation is used instead")));
   expect_times(read());
 }
 
-TEST_F(ScanFilesOf, OneTimeWithinTheScanIsTheTimeOfAll) {
+TEST_F(ScanFilesOf, OneTimeWithinTheScanIsUsedForAllPoints) {
   write_ply_scans("t", [](double, int) { return 0.02; });
   EXPECT_THAT(read().warnings, IsEmpty());
   EXPECT_FLOAT_EQ(read().scans[0]->time[7], -0.03F);
 }
 
-TEST_F(ScanFilesOf, TimesThatAreNoScanAreRefused) {
+TEST_F(ScanFilesOf, TimesThatMatchNoScanAreRefused) {
   write_ply_scans("t", [](double t, int) { return 200 * t; });
   EXPECT_THAT(error(), AllOf(HasSubstr("000004.ply: the times of its points go from 0"), HasSubstr("in no unit"),
-                             HasSubstr("leave the field out")));
+                             HasSubstr("remove the field")));
   write_ply_scans("t", [](double t, int n) { return n == 1 ? 1e9 * t : t; });
   EXPECT_THAT(input_error([&] { read().scans[1]; }), HasSubstr("000001.ply: a time of its points is"));
 }
 
-TEST_F(ScanFilesOf, MillimetersAreNamed) {
+TEST_F(ScanFilesOf, MillimetersAreRefused) {
   Columns columns = {scan.x, scan.y, scan.z, scan.intensity};
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (double& value : columns[axis]) value *= 1000;
@@ -190,15 +190,16 @@ TEST_F(ScanFilesOf, MillimetersAreNamed) {
   EXPECT_THAT(error(), HasSubstr("its coordinates are not meters in the axes of the sensor"));
 }
 
-TEST_F(ScanFilesOf, OtherFormatsAreNamed) {
-  for (int n = 0; n < kScans; ++n) folder.write(fmt::format("lidar/{:06d}.npy", n), "\x93NUMPY");
+TEST_F(ScanFilesOf, OtherFormatsAreRefused) {
+  for (int n = 0; n < kScanCount; ++n) folder.write(fmt::format("lidar/{:06d}.npy", n), "\x93NUMPY");
   folder.write("lidar/README", "x");
-  EXPECT_THAT(error(),
-              AllOf(HasSubstr("lidar: holds no scans that are read (.bin, .ply, .pcd) but 1 without an ending, 5 .npy"),
-                    HasSubstr("convert each scan")));
+  EXPECT_THAT(
+      error(),
+      AllOf(HasSubstr("lidar: holds no scans in a supported format (.bin, .ply, .pcd), but 1 without an ending, 5 .npy"),
+            HasSubstr("convert each scan")));
   fs::remove_all(folder.path / "lidar");
   folder.write("map.laz", "LASF");
-  EXPECT_THAT(error(), AllOf(HasSubstr("map.laz: is in a format that is not read as a map"), HasSubstr("decompress it")));
+  EXPECT_THAT(error(), AllOf(HasSubstr("map.laz: is in a format that is not supported for maps"), HasSubstr("decompress it")));
   fs::remove(folder.path / "map.laz");
   folder.write("map.copc.laz", "LASF");
   EXPECT_THAT(error(), HasSubstr("map.copc.laz: is in a format"));

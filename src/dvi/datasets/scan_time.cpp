@@ -9,16 +9,16 @@
 namespace dvi::datasets {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kRevolutionRad = 2 * std::numbers::pi;
 
-double azimuth(const Eigen::Vector3f& p) { return std::atan2(p.y(), p.x()); }
+double compute_azimuth(const Eigen::Vector3f& p) { return std::atan2(p.y(), p.x()); }
 
-double wrapped(double angle) {
-  angle = std::fmod(angle, kTurn);
-  return angle < 0 ? angle + kTurn : angle;
+double wrap_angle(double angle) {
+  angle = std::fmod(angle, kRevolutionRad);
+  return angle < 0 ? angle + kRevolutionRad : angle;
 }
 
-// Seconds after the stamp of a fraction of the scan.
+// Converts a fraction of the scan to seconds after the stamp.
 class Clock {
  public:
   explicit Clock(const ScanHeader& header)
@@ -30,7 +30,7 @@ class Clock {
   double start_, length_;
 };
 
-constexpr double kMaxTimeS = 10;  // after the start of a scan; more is of another unit or clock
+constexpr double kMaxTimeS = 10;  // after the start of a scan; a larger time is of another unit or clock
 
 }  // namespace
 
@@ -41,23 +41,23 @@ std::vector<float> times_by_azimuth(const std::vector<Eigen::Vector3f>& points, 
   const double sign = rotation.turn == Turn::clockwise ? 1 : -1;
   const Clock at(header);
   for (std::size_t i = 0; i < points.size(); ++i)
-    times[i] = at(wrapped(sign * (rotation.first_azimuth - azimuth(points[i]))) / kTurn);
+    times[i] = at(wrap_angle(sign * (rotation.first_azimuth - compute_azimuth(points[i]))) / kRevolutionRad);
   return times;
 }
 
 std::vector<float> times_in_order(const std::vector<Eigen::Vector3f>& points, const ScanHeader& header) {
-  constexpr double kSeam = 0.2;  // radians that returns may be out of order
+  constexpr double kMaxDisorderRad = 0.2;  // by which returns may be out of order
   std::vector<float> times(points.size(), 0.0F);
   if (points.empty()) return times;
-  const double first = azimuth(points.front());
-  double span = wrapped(first - azimuth(points.back()));
-  if (span < std::numbers::pi) span += kTurn;  // a little more than one turn, or exactly one
+  const double first = compute_azimuth(points.front());
+  double span = wrap_angle(first - compute_azimuth(points.back()));
+  if (span < std::numbers::pi) span += kRevolutionRad;  // slightly more than one revolution, or exactly one
   const Clock at(header);
   double furthest = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    double angle = wrapped(first - azimuth(points[i]));
-    if (furthest < std::numbers::pi && angle > kTurn - kSeam) angle -= kTurn;
-    if (furthest > std::numbers::pi && angle < kSeam) angle += kTurn;
+    double angle = wrap_angle(first - compute_azimuth(points[i]));
+    if (furthest < std::numbers::pi && angle > kRevolutionRad - kMaxDisorderRad) angle -= kRevolutionRad;
+    if (furthest > std::numbers::pi && angle < kMaxDisorderRad) angle += kRevolutionRad;
     furthest = std::max(furthest, angle);
     times[i] = at(angle / span);
   }
@@ -73,10 +73,10 @@ Scan to_scan(media::PointCloud cloud, const ScanHeader& header, const Rotation& 
     scan.time = times_by_azimuth(cloud.points, header, rotation);
   } else {
     const Clock at(header);
-    for (const double after : media::seconds_after_start(cloud.t, times, start_s, length_s)) {
+    for (const double after : media::to_seconds_after_start(cloud.t, times, start_s, length_s)) {
       if (!(std::abs(after) <= kMaxTimeS))
         throw InputError(header.file, fmt::format("a time of its points is {:.4g} s after the start of the scan", after),
-                         "correct the times, or leave the field out");
+                         "correct the times, or remove the field");
       scan.time.push_back(at(0) + static_cast<float>(after));
     }
   }

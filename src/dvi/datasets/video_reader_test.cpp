@@ -14,9 +14,9 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr int kFrames = 40;  // more than one group of pictures of the encoder that is taken
+constexpr int kFrames = 40;  // more than one group of pictures of the encoder
 
-// Frame i is of one color that no other has.
+// Returns the color of frame i, which differs from that of all others.
 cv::Vec3b color_of(int i) { return {static_cast<uchar>(20 + 5 * i), static_cast<uchar>(230 - 5 * i), 120}; }
 
 fs::path write_video(const fs::path& file, int frames = kFrames) {
@@ -28,7 +28,7 @@ fs::path write_video(const fs::path& file, int frames = kFrames) {
 
 double off(const cv::Mat3b& image, int i) { return cv::norm(image - cv::Mat3b(image.size(), color_of(i)), cv::NORM_INF); }
 
-TEST(VideoReader, DecodesAnyFrameInAnyOrderAlike) {
+TEST(VideoReader, DecodesFramesIdenticallyInAnyOrder) {
   const TestFolder folder;
   const media::VideoReader video(write_video(folder.path / "a.mp4"));
   EXPECT_EQ(video.size(), cv::Size(64, 48));
@@ -50,15 +50,15 @@ TEST(VideoReader, DecodesAnyFrameInAnyOrderAlike) {
   EXPECT_EQ(*std::max_element(differs.begin(), differs.end()), 0);
 }
 
-TEST(VideoReader, RefusesWhatIsCutOrNoVideo) {
+TEST(VideoReader, RefusesTruncatedFilesAndOtherFiles) {
   const TestFolder folder;
   const std::string bytes = read_file(write_video(folder.path / "a.mp4"));
   const auto error = [&](const std::string& content) {
     return input_error([&] { media::VideoReader{folder.write("b.mp4", content)}; });
   };
-  EXPECT_THAT(error("no video"), HasSubstr("is no video that can be read"));
+  EXPECT_THAT(error("no video"), HasSubstr("is not a video that can be read"));
   EXPECT_THAT(error(""), HasSubstr("b.mp4"));
-  EXPECT_THAT(error(bytes.substr(0, bytes.size() * 3 / 4)), AllOf(HasSubstr("of its 40 frames"), HasSubstr("cut")));
+  EXPECT_THAT(error(bytes.substr(0, bytes.size() * 3 / 4)), AllOf(HasSubstr("of its 40 frames"), HasSubstr("is truncated")));
 }
 
 class FolderWithVideo : public testing::Test {
@@ -77,7 +77,7 @@ class FolderWithVideo : public testing::Test {
   TestFolder folder;
 };
 
-TEST_F(FolderWithVideo, FramesHaveTheTimesOfTheContainerOrOfAFile) {
+TEST_F(FolderWithVideo, HasTimesOfTheContainerOrOfAFile) {
   folder.write_image("masks/front/000001.png", cv::Mat1b(48, 64, uchar{1}));
   const Drive drive = datasets::read_drive(folder.path);
   ASSERT_EQ(drive.frames.size(), 3U);
@@ -93,9 +93,9 @@ TEST_F(FolderWithVideo, FramesHaveTheTimesOfTheContainerOrOfAFile) {
   EXPECT_EQ(datasets::read_drive(folder.path, {.frames = FrameRange{1, 2}}).frames[0].time_ns, 250'000'000);
 }
 
-TEST_F(FolderWithVideo, SaysWhatDoesNotFit) {
+TEST_F(FolderWithVideo, RefusesInconsistentTimesAndImages) {
   folder.write("times/front.txt", "5\n6\n");
-  EXPECT_THAT(error(), HasSubstr("has 2 times, and front.mp4 has 3 frames"));
+  EXPECT_THAT(error(), HasSubstr("has 2 times, but front.mp4 has 3 frames"));
   fs::remove(folder.path / "times/front.txt");
   folder.write_image("images/front/000000.png", cv::Mat3b(48, 64, cv::Vec3b()));
   EXPECT_THAT(error(), HasSubstr("lies beside a folder of images"));

@@ -24,42 +24,43 @@
 namespace dvi::datasets {
 namespace {
 
-// Numbers are written with all digits that they need to be read back as they are.
-std::string intrinsics(const Camera& c) {
+// Numbers are written with all digits that are needed to read them back exactly.
+std::string format_intrinsics(const Camera& c) {
   const std::string text = fmt::format("K = [{}, 0, {}, 0, {}, {}, 0, 0, 1]\n", c.fx, c.cx, c.fy, c.cy);
-  return c.distorted() ? text + fmt::format("distortion = [{}]\n", fmt::join(c.distortion, ", ")) : text;
+  return c.is_distorted() ? text + fmt::format("distortion = [{}]\n", fmt::join(c.distortion, ", ")) : text;
 }
 
-std::string camera_settings(const Drive& drive) {
+std::string format_camera(const Drive& drive) {
   return fmt::format("[camera.\"{}\"]\nsize = [{}, {}]\n{}camera_from_lidar = [{}]\n\n", drive.camera_name, drive.camera.width,
-                     drive.camera.height, intrinsics(drive.camera), fmt::join(row_major(drive.camera_from_lidar), ", "));
+                     drive.camera.height, format_intrinsics(drive.camera),
+                     fmt::join(to_row_major(drive.camera_from_lidar), ", "));
 }
 
-std::string depth_settings(const DepthImages& depth) {
-  std::string text = fmt::format("[depth]\nunits_per_meter = {}\n{}", depth.units_per_meter, intrinsics(depth.camera));
+std::string format_depth(const DepthImages& depth) {
+  std::string text = fmt::format("[depth]\nunits_per_meter = {}\n{}", depth.units_per_meter, format_intrinsics(depth.camera));
   if (depth.depth_from_color)
-    text += fmt::format("depth_from_color = [{}]\n", fmt::join(row_major(*depth.depth_from_color), ", "));
+    text += fmt::format("depth_from_color = [{}]\n", fmt::join(to_row_major(*depth.depth_from_color), ", "));
   return text;
 }
 
-std::string settings(const Drive& drive, const std::vector<Drive>& more_cameras) {
-  std::string text = fmt::format("[drive]\nversion = 1\ncamera = \"{}\"\n\n", drive.camera_name) + camera_settings(drive);
-  for (const Drive& camera : more_cameras) text += camera_settings(camera);
+std::string format_settings(const Drive& drive, const std::vector<Drive>& more_cameras) {
+  std::string text = fmt::format("[drive]\nversion = 1\ncamera = \"{}\"\n\n", drive.camera_name) + format_camera(drive);
+  for (const Drive& camera : more_cameras) text += format_camera(camera);
   text += fmt::format("[lidar]\nrate = {}\nstamp = \"middle\"\nrotation = \"clockwise\"\nfirst_azimuth_deg = 180.0\n",
-                      scan_rate(drive));
+                      compute_scan_rate(drive));
   if (drive.sensor == Sensor::depth_camera) text += "sensor = \"depth_camera\"\n";
-  if (drive.depth_images) text += "\n" + depth_settings(*drive.depth_images);
+  if (drive.depth_images) text += "\n" + format_depth(*drive.depth_images);
   return text;
 }
 
-std::string times(const std::vector<Frame>& frames) {
+std::string format_times(const std::vector<Frame>& frames) {
   std::string text;
   for (const Frame& frame : frames) text += fmt::format("{} {}\n", frame.name, to_seconds(frame.time_ns));
   return text;
 }
 
-// Start and end only where `rate` does not tell them.
-std::string times(const std::vector<ScanHeader>& scan_headers, double rate) {
+// Writes start and end only if they do not follow from `rate`.
+std::string format_times(const std::vector<ScanHeader>& scan_headers, double rate) {
   std::string text;
   const std::int64_t half = std::llround(1e9 / rate) / 2;
   for (const ScanHeader& header : scan_headers) {
@@ -71,19 +72,19 @@ std::string times(const std::vector<ScanHeader>& scan_headers, double rate) {
   return text;
 }
 
-std::string poses(const Drive& drive) {
+std::string format_poses(const Drive& drive) {
   std::map<std::int64_t, std::string> scans;
   for (const ScanHeader& header : drive.scan_headers) scans[header.time_ns] = header.name;
   std::string text;
   for (const StampedPose& pose : drive.poses.poses()) {
     const auto scan = scans.find(pose.time_ns);
     const std::string when = scan == scans.end() ? "@" + to_seconds(pose.time_ns) : scan->second;
-    text += fmt::format("{} {}\n", when, fmt::join(row_major(pose.world_from_body), " "));
+    text += fmt::format("{} {}\n", when, fmt::join(to_row_major(pose.world_from_body), " "));
   }
   return text;
 }
 
-nlohmann::json label_json(const Label& label) {
+nlohmann::json to_json(const Label& label) {
   nlohmann::json json = {{"track", label.track}, {"class", label.type}};
   if (label.box) {
     const Eigen::Vector3d &c = label.box->frame_from_box.t, &size = label.box->size;
@@ -100,13 +101,13 @@ nlohmann::json label_json(const Label& label) {
   return json;
 }
 
-std::string boxes(const Drive& drive, const std::vector<Drive>& more_cameras) {
+std::string format_boxes(const Drive& drive, const std::vector<Drive>& more_cameras) {
   nlohmann::json frames = nlohmann::json::object();
   const auto add = [&](const Drive& camera) {
     for (const Frame& frame : camera.frames) {
       if (frames.contains(frame.name)) continue;
-      frames[frame.name] = nlohmann::json::array();  // labeled, though it shows none
-      for (const Label& label : frame.labels) frames[frame.name].push_back(label_json(label));
+      frames[frame.name] = nlohmann::json::array();  // the frame is labeled, but shows no object
+      for (const Label& label : frame.labels) frames[frame.name].push_back(to_json(label));
     }
   };
   add(drive);
@@ -118,16 +119,16 @@ std::string boxes(const Drive& drive, const std::vector<Drive>& more_cameras) {
   return json_text(document) + "\n";
 }
 
-bool times_follow(const Scan& scan, const ScanHeader& header) {
-  constexpr float kTolerance = 1e-4F;  // seconds: 1.5 mm at 15 m/s
+bool have_times_by_azimuth(const Scan& scan, const ScanHeader& header) {
+  constexpr float kTolerance = 1e-4F;  // seconds; 1.5 mm at 15 m/s
   const std::vector<float> expected = times_by_azimuth(scan.points, header, {});
   return std::equal(expected.begin(), expected.end(), scan.time.begin(),
                     [](float a, float b) { return std::abs(a - b) <= kTolerance; });
 }
 
-// Of an image file as it is; empty where the frame is part of a file of another kind.
-std::string image_ending(const fs::path& file) {
-  const std::string ending = lower_case(file.extension().string());
+// Returns the ending of an image file that can be copied; an empty text if the frame is part of a file of another kind.
+std::string find_image_ending(const fs::path& file) {
+  const std::string ending = to_lower_case(file.extension().string());
   return ending == ".png" || ending == ".jpg" || ending == ".jpeg" ? ending : "";
 }
 
@@ -139,7 +140,7 @@ void write_pictures(const fs::path& folder, const Drive& drive, const Tick& tick
   if (!drive.mask_files.empty()) make_folder(masks);
   parallel_for(drive.frames.size(), [&](std::size_t i) {
     const Frame& frame = drive.frames[i];
-    if (const std::string ending = image_ending(frame.file); !ending.empty())
+    if (const std::string ending = find_image_ending(frame.file); !ending.empty())
       copy_bytes(frame.file, images / (frame.name + ending));
     else
       media::write_png(images / (frame.name + ".png"), *drive.images[i]);
@@ -149,7 +150,7 @@ void write_pictures(const fs::path& folder, const Drive& drive, const Tick& tick
   });
 }
 
-// In the world of the poses, as it was given.
+// Writes the map in the world of the poses, as it was given.
 void write_map(const fs::path& folder, const Drive& drive) {
   const std::string ending = drive.map_file.extension().string();
   if (ending == ".ply" || ending == ".pcd" || ending == ".las") return copy_bytes(drive.map_file, folder / ("map" + ending));
@@ -159,7 +160,7 @@ void write_map(const fs::path& folder, const Drive& drive) {
 
 }  // namespace
 
-double scan_rate(const Drive& drive) {
+double compute_scan_rate(const Drive& drive) {
   std::vector<std::int64_t> lengths;
   for (const ScanHeader& header : drive.scan_headers) lengths.push_back(header.end_ns - header.start_ns);
   const std::int64_t length = median(std::move(lengths));
@@ -167,8 +168,8 @@ double scan_rate(const Drive& drive) {
 }
 
 void write_folder_scan(const fs::path& folder, const ScanHeader& header, const Scan& scan) {
-  if (times_follow(scan, header)) {
-    write_file(folder / "lidar" / (header.name + ".bin"), media::bin_bytes(scan));
+  if (have_times_by_azimuth(scan, header)) {
+    write_file(folder / "lidar" / (header.name + ".bin"), media::to_bin_bytes(scan));
     return;
   }
   std::vector<float> t = scan.time;
@@ -180,13 +181,14 @@ void write_folder_scan(const fs::path& folder, const ScanHeader& header, const S
 }
 
 void write_folder_tables(const fs::path& folder, const Drive& drive, const std::vector<Drive>& more_cameras) {
-  write_file(folder / "times" / (drive.camera_name + ".txt"), times(drive.frames));
-  for (const Drive& camera : more_cameras) write_file(folder / "times" / (camera.camera_name + ".txt"), times(camera.frames));
-  if (drive.map.empty()) write_file(folder / "times/lidar.txt", times(drive.scan_headers, scan_rate(drive)));
-  if (!drive.poses.empty()) write_file(folder / "poses.txt", poses(drive));
-  if (!drive.fixes.empty()) write_file(folder / "gps.txt", fixes_text(drive.fixes));
-  if (drive.has_labels()) write_file(folder / "boxes.json", boxes(drive, more_cameras));
-  write_file(folder / "dvi.toml", settings(drive, more_cameras));
+  write_file(folder / "times" / (drive.camera_name + ".txt"), format_times(drive.frames));
+  for (const Drive& camera : more_cameras)
+    write_file(folder / "times" / (camera.camera_name + ".txt"), format_times(camera.frames));
+  if (drive.map.empty()) write_file(folder / "times/lidar.txt", format_times(drive.scan_headers, compute_scan_rate(drive)));
+  if (!drive.poses.empty()) write_file(folder / "poses.txt", format_poses(drive));
+  if (!drive.fixes.empty()) write_file(folder / "gps.txt", format_fixes(drive.fixes));
+  if (drive.has_labels()) write_file(folder / "boxes.json", format_boxes(drive, more_cameras));
+  write_file(folder / "dvi.toml", format_settings(drive, more_cameras));
 }
 
 void write_folder(const fs::path& place, const Drive& drive, const std::vector<Drive>& more_cameras, const Tick& tick) {

@@ -9,22 +9,22 @@
 
 namespace dvi::datasets {
 
-/// The files of the `folder` layout (docs/formats.md) for a drive: dvi.toml, times/, poses.txt and boxes.json, of its camera,
-/// clocks, given poses and labels, each as far as there are any. dvi.toml comes last, so that a folder without
-/// it is no drive yet. `more_cameras`: the same drive as its other cameras saw it, of which camera and times are written too;
-/// the drive's own is the one a reader uses. Images, masks and scans are the caller's.
+/// Writes the text files of the `folder` layout (docs/formats.md) for a drive: dvi.toml, times/, poses.txt and boxes.json, with
+/// its camera, clocks, given poses and labels as far as they exist. dvi.toml is written last, so that a folder without it is
+/// not a drive yet. `more_cameras` are the same drive with its other cameras, of which camera and times are written as well; a
+/// reader uses the camera of `drive` by default. The caller writes images, masks and scans.
 void write_folder_tables(const fs::path& folder, const Drive& drive, const std::vector<Drive>& more_cameras = {});
 
-/// Scans a second as dvi.toml states them: by the median length of the scans; 10 where they have none.
-double scan_rate(const Drive& drive);
+/// Returns the rate of scans for dvi.toml: the inverse of their median length, or 10 per second if they have none.
+double compute_scan_rate(const Drive& drive);
 
-/// Writes lidar/NAME.bin where the reader of such a file gives each point back its time (within 0.1 ms) by the azimuth,
-/// clockwise from behind; else lidar/NAME.ply with `t` (and `ring` where known).
+/// Writes lidar/NAME.bin if the times of all points follow (within 0.1 ms) from their azimuth, clockwise from behind; otherwise
+/// writes lidar/NAME.ply with `t` (and `ring` if known).
 void write_folder_scan(const fs::path& folder, const ScanHeader& header, const Scan& scan);
 
-/// Writes a drive as such a folder: images and masks as their files are, or as PNG where the recording keeps them in files of
-/// another kind; scans as above, depth images as their files are. `more_cameras` as above; `tick` is called for each image and
-/// scan. The folder is whole or absent; InputError where it is there and not empty.
+/// Writes a drive in this layout. Copies image and mask files, or writes PNG if the recording keeps them in files of another
+/// kind; writes scans as above and copies depth images. `more_cameras` is as above; `tick` is called for each image and scan.
+/// The folder is complete or absent. Throws InputError if it exists and is not empty.
 void write_folder(const fs::path& folder, const Drive& drive, const std::vector<Drive>& more_cameras, const Tick& tick);
 
 }  // namespace dvi::datasets

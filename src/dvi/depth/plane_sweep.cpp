@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kMargin = 12;  // px round a hole, where the target itself shows what is there
 constexpr int kTile = 256;   // px; larger holes are swept piece by piece, which bounds the memory
-constexpr int kMostLabels = 64;
+constexpr int kMaxLabels = 64;
 constexpr double kStep = 0.5;       // px of parallax from one label to the next, if there are labels enough
 constexpr double kMostStep = 2;     // otherwise; what is nearer is not looked for
 constexpr double kNearest = 10;     // meters of a surface in a column without any return
@@ -271,7 +271,7 @@ double parallax(const Source& source, const Eigen::Vector3d& ray) {
 // The boxes of the hole's parts, with a margin, large ones cut.
 std::vector<cv::Rect> boxes(const cv::Mat1b& hole) {
   std::vector<cv::Rect> out;
-  for (const cv::Rect& part : part_boxes(hole)) {
+  for (const cv::Rect& part : find_part_boxes(hole)) {
     const cv::Point end = part.br();
     for (int y = part.y; y < end.y; y += kTile)
       for (int x = part.x; x < end.x; x += kTile)
@@ -312,8 +312,8 @@ DepthMap plane_sweep(const Target& target, const PlaneSweepOptions& options) {
     double most = 0;
     for (const Source& source : piece.sources)
       for (const Eigen::Vector3d& ray : rays) most = std::max(most, parallax(source, ray));
-    if (most > 0) nearest = std::min(nearest, kMostStep * (kMostLabels - 1) / most);
-    piece.labels = std::clamp(cvCeil(most * nearest / kStep) + 1, 1, kMostLabels);
+    if (most > 0) nearest = std::min(nearest, kMostStep * (kMaxLabels - 1) / most);
+    piece.labels = std::clamp(cvCeil(most * nearest / kStep) + 1, 1, kMaxLabels);
     piece.step = nearest / std::max(1, piece.labels - 1);
     piece.sources.push_back(source_of(target.index));  // shows what is round the hole
     cv::Mat cost(box.size(), CV_32FC(piece.labels)), seen(box.size(), CV_32FC(piece.labels));

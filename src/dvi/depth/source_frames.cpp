@@ -18,8 +18,8 @@ std::vector<std::size_t> pool(const Views& views, std::size_t target, int max_fr
     if (target + d < last) out.push_back(target + d);
     if (target >= first + d) out.push_back(target - d);
   }
-  for (const std::size_t view : of_other_cameras(views, target, kOfOtherCameras)) out.push_back(view);
-  for (const std::size_t view : nearest_of_other_drives(views, target, kOfOtherDrives)) out.push_back(view);
+  for (const std::size_t view : list_views_of_other_cameras(views, target, kOfOtherCameras)) out.push_back(view);
+  for (const std::size_t view : find_nearest_views_of_other_drives(views, target, kOfOtherDrives)) out.push_back(view);
   return out;
 }
 

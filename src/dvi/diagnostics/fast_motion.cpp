@@ -35,7 +35,7 @@ std::vector<std::string> fast_motion(const Drive& drive, const Trajectory& world
   return {
       fmt::format("the camera turns fast: by up to {:.0f} px while an image of a rolling shutter is read, in frames {}; they "
                   "may be blurred and bent, which is not corrected",
-                  most_px, ranges(fast))};
+                  most_px, format_ranges(fast))};
 }
 
 }  // namespace dvi::diagnostics

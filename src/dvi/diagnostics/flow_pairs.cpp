@@ -97,8 +97,8 @@ void drop_masked(const cv::Mat1b& mask, cv::Mat2f& flow) {
 
 /// The flow where the flow back returns to where it began.
 cv::Mat2f sure_flow(const cv::Mat1b& from, const cv::Mat1b& to) {
-  cv::Mat2f flow = optical_flow(from, to);
-  const cv::Mat2f back = optical_flow(to, from);
+  cv::Mat2f flow = compute_optical_flow(from, to);
+  const cv::Mat2f back = compute_optical_flow(to, from);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (int y = 0; y < flow.rows; ++y)
     for (int x = 0; x < flow.cols; ++x) {
@@ -125,7 +125,7 @@ FlowPair pair_of(const Drive& drive, const ScanTrack& track, const Lazy<cv::Mat1
 
 FlowPairs flow_pairs(const Drive& drive, const std::vector<ScanTrack>& tracks, const Lazy<cv::Mat1b>& masks) {
   FlowPairs out{small_camera(drive.camera), {}};
-  if (tracks.empty() || std::min(out.camera.width, out.camera.height) < kLeastFlowSide) return out;
+  if (tracks.empty() || std::min(out.camera.width, out.camera.height) < kMinFlowSidePx) return out;
   std::vector<std::pair<const ScanTrack*, std::size_t>> places;
   for (const ScanTrack& track : tracks)
     for (const std::size_t frame : frames_along(drive, track, kPairs / tracks.size())) places.emplace_back(&track, frame);

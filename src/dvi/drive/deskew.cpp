@@ -7,7 +7,7 @@
 namespace dvi {
 namespace {
 
-// Poses a scan is cut into: 0.2 ms of a 10 Hz scan either way, 3 mm at 15 m/s.
+// The number of poses within a scan: 0.2 ms each at 10 Hz, or 3 mm at 15 m/s.
 constexpr int kSlices = 256;
 
 }  // namespace

@@ -19,78 +19,79 @@
 
 namespace dvi {
 
-/// One image of the drive's chosen camera.
+/// One image of the drive's selected camera.
 struct Frame {
-  int number = 0;    ///< the drive's own number, as --frames takes it
-  std::string name;  ///< the image's file name without its ending
+  int number = 0;    ///< the number in the drive, as used by --frames
+  std::string name;  ///< the file name of the image without its ending
   std::int64_t time_ns = 0;
   std::filesystem::path file;
   std::vector<Label> labels;
 };
 
-/// What is known of a scan, one revolution of the LiDAR, before its points are read. Its stamp is the middle of the scan.
+/// The name and times of a scan, which is one revolution of the LiDAR; its points are read later. Its stamp is its middle.
 struct ScanHeader {
   std::string name;
   std::int64_t time_ns = 0, start_ns = 0, end_ns = 0;
   std::filesystem::path file;
 };
 
-/// The camera of depth images, and how they are to be read.
+/// The camera of depth images and their unit.
 struct DepthImages {
   Camera camera;
-  std::optional<SE3> depth_from_color;  ///< none: registered, their pixels are those of the images
+  std::optional<SE3> depth_from_color;  ///< none: the depth is registered to the images
   double units_per_meter = 1000;
 };
 
-/// One stream of a bag.
+/// One topic of a bag.
 struct RecordedTopic {
   std::string name, type;
   std::size_t messages = 0;
   double rate_hz = 0;
-  std::string use;  ///< what it is taken for: "images of front"; empty: for nothing
+  std::string use;  ///< its use, such as "images of front"; empty: it is not used
 };
 
-/// A recording: what a reader found in a folder. Images, scans and masks are read on demand and cached within bounds.
+/// A recording as found by a reader. Images, scans and masks are read on demand and cached within bounds.
 struct Drive {
   std::filesystem::path path;
   std::string format;
   std::string camera_name;
   Camera camera;
   SE3 camera_from_lidar;
-  /// The camera in whose axes label files of KITTI give their boxes; none: the drive's camera.
+  /// The camera in whose axes KITTI's label files give their boxes; none: the drive's camera.
   std::optional<SE3> box_camera_from_lidar = {};
-  std::vector<std::string> camera_names;  ///< all that the drive has
-  std::vector<RecordedTopic> topics;      ///< of a bag
+  std::vector<std::string> camera_names;  ///< all cameras of the drive
+  std::vector<RecordedTopic> topics;      ///< the topics of a bag
 
   std::vector<Frame> frames;             ///< in order of time
   std::vector<ScanHeader> scan_headers;  ///< in order of time
   Sensor sensor = Sensor::lidar;
-  /// Depth images whose pixels are those of the images by definition: nothing turns the camera against the sensor.
+  /// Whether the pixels of depth images are those of the images by definition, so that the extrinsics are exact.
   bool registered_depth = false;
-  std::optional<DepthImages> depth_images;  ///< where scans are made of such: ScanHeader::file is one
-  Trajectory poses;                         ///< world_from_lidar as given; empty where none are
-  std::vector<GeoFix> fixes;                ///< of a GPS receiver, its antenna in the LiDAR's axes; empty where there is none
-  /// Factor of the given positions to meters of the drive's own place: the Mercator scale of oxts; 1 where poses are
-  /// metric. Two drives share a world when their positions are brought to one scale.
+  std::optional<DepthImages> depth_images;  ///< if the scans are made of depth images, which ScanHeader::file refers to
+  Trajectory poses;                         ///< given world_from_lidar; empty if there are none
+  std::vector<GeoFix> fixes;  ///< of a GPS receiver, with its antenna in the LiDAR's axes; empty if there are none
+  /// The factor from the given positions to meters: the Mercator scale of oxts, or 1 for metric poses. Two drives share a world
+  /// if their positions have the same scale.
   double world_scale = 1;
-  /// The camera itself is what given poses are of: text files of poses are in its axes, not in those of a LiDAR.
+  /// Whether given poses are those of the camera itself, so that text files of poses are in its axes instead of those of a
+  /// LiDAR.
   bool camera_is_posed = false;
 
-  Lazy<cv::Mat3b> images;  ///< as `frames`; BGR
-  Lazy<Scan> scans;        ///< as `scan_headers`
-  Lazy<GivenMap> map;      ///< one, where the drive brings a static map instead of scans; else empty
-  Lazy<cv::Mat1b> masks;   ///< as `frames`, 255 = remove; empty where the drive brings none
+  Lazy<cv::Mat3b> images;  ///< one per frame; BGR
+  Lazy<Scan> scans;        ///< one per scan header
+  Lazy<GivenMap> map;      ///< one item if the drive has a static map instead of scans; otherwise empty
+  Lazy<cv::Mat1b> masks;   ///< one per frame, 255 = remove; empty if the drive has none
 
-  /// The file of `map`; empty where there is none.
+  /// The file of `map`; empty if there is none.
   std::filesystem::path map_file;
-  /// Files that everything depends on besides images, scans and masks (calibration, poses, labels).
+  /// Files other than images, scans and masks that determine the drive (calibration, poses, labels).
   std::vector<std::filesystem::path> other_files;
-  /// Mask files as `frames` (an empty path: none for that frame); empty where the drive brings none.
+  /// One mask file per frame, an empty path for a frame without one; empty if the drive has none.
   std::vector<std::filesystem::path> mask_files;
-  /// Gaps that the rest can bridge, in words that name them.
+  /// Warnings about gaps that do not prevent a run.
   std::vector<std::string> warnings;
 
-  /// Whether anything tells how far away what the images show is.
+  /// Returns whether scans or a map determine the distances of what the images show.
   bool has_geometry() const { return !scan_headers.empty() || !map.empty(); }
   bool has_labels() const {
     for (const Frame& frame : frames)
@@ -102,23 +103,22 @@ struct Drive {
     for (const Frame& frame : frames) out.push_back(frame.labels);
     return out;
   }
-  /// Meters below and beyond which returns are left out, unless the user says otherwise. A LiDAR on a car measures the car
-  /// itself; a depth camera sees nothing of its bearer, and measures no nearer. The noise of a depth camera grows with the
-  /// square of the depth, to decimeters at 10 m.
-  double least_range_m() const { return sensor == Sensor::depth_camera ? 0.1 : 2; }
-  double most_range_m() const { return sensor == Sensor::depth_camera ? 10 : 120; }
-  bool labeled = false;         ///< the drive came with labels, be they empty
-  bool labeled_around = false;  ///< they hold for all cameras: 3D boxes of what stands all round
+  /// Return the default range in meters outside of which returns are ignored. A LiDAR on a car measures the car itself. A depth
+  /// camera does not observe its carrier, and its noise grows with the square of the depth, to decimeters at 10 m.
+  double min_range_m() const { return sensor == Sensor::depth_camera ? 0.1 : 2; }
+  double max_range_m() const { return sensor == Sensor::depth_camera ? 10 : 120; }
+  bool labeled = false;         ///< the drive has labels, which may be empty
+  bool labeled_around = false;  ///< the labels are 3D boxes all around the vehicle, for all cameras
 };
 
-/// A range of frames by the drive's own numbers, both included.
+/// A range of frames by their numbers in the drive, both ends included.
 struct FrameRange {
   int first = 0, last = 0;
 
   bool contains(int number) const { return number >= first && number <= last; }
 };
 
-/// Nanoseconds, both included.
+/// A span of time in nanoseconds, both ends included.
 struct TimeSpan {
   std::int64_t first = 0, last = 0;
 };

@@ -8,11 +8,12 @@
 
 namespace dvi {
 
-/// A static map that a drive brings instead of scans: points in the world of its poses.
+/// A static map that a drive has instead of scans: points in the world of its poses.
 struct GivenMap {
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of `points`; far from the world's where that is a map projection's
-  std::vector<Eigen::Vector3f> points;               ///< meters from `origin`, world axes
-  std::vector<float> intensity;                      ///< one a point
+  Eigen::Vector3d origin =
+      Eigen::Vector3d::Zero();          ///< of `points`; far from that of the world if the latter is that of a map projection
+  std::vector<Eigen::Vector3f> points;  ///< meters from `origin`, world axes
+  std::vector<float> intensity;         ///< one per point
 
   std::size_t bytes() const { return bytes_of(points) + bytes_of(intensity); }
 };

@@ -13,16 +13,16 @@
 
 namespace dvi {
 
-/// The outline of one object in one image: lengths of runs in column-major order, the first of background (COCO).
+/// The outline of one object in one image: run lengths in column-major order, beginning with background (COCO).
 struct Instance {
   cv::Size size;
   std::vector<std::uint32_t> runs;
 };
 
-/// One labeled object in one frame, by whatever the labels hold of it.
+/// One labeled object in one frame; the labels have some of its shapes.
 struct Label {
   int track = -1;
-  std::string type;                ///< as the labels name it, in lower case ("car", "van", "pedestrian")
+  std::string type;                ///< the class in the labels, in lower case ("car", "van", "pedestrian")
   std::optional<Box> box;          ///< in LiDAR axes, at the time of the image
   std::optional<cv::Rect2d> rect;  ///< in the image
   std::optional<Instance> instance;
@@ -30,7 +30,7 @@ struct Label {
 
 /// The labels of each frame of a drive.
 using FrameLabels = std::vector<std::vector<Label>>;
-/// Of which a long drive has many: kept once, for all that read them.
+/// The labels of a drive, shared by all readers because a long drive has many.
 using SharedLabels = std::shared_ptr<const FrameLabels>;
 inline SharedLabels shared(FrameLabels labels) { return std::make_shared<const FrameLabels>(std::move(labels)); }
 

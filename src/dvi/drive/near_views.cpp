@@ -6,12 +6,12 @@
 namespace dvi {
 namespace {
 
-constexpr std::int64_t kAlone = 50'000'000;  // ns each way round a frame without neighbors: half a usual step
+constexpr std::int64_t kAloneNs = 50'000'000;  // around a frame without neighbors; half of a usual period
 
 }  // namespace
 
-std::vector<std::size_t> nearest_views(const Views& views, std::size_t target, std::pair<std::size_t, std::size_t> range,
-                                       std::size_t most, double radian_m) {
+std::vector<std::size_t> find_nearest_views(const Views& views, std::size_t target, std::pair<std::size_t, std::size_t> range,
+                                            std::size_t most, double radian_m) {
   const SE3 here = views[target].camera_from_world.inverse();
   std::vector<std::pair<double, std::size_t>> near;
   for (std::size_t i = range.first; i < range.second; ++i) {
@@ -25,14 +25,14 @@ std::vector<std::size_t> nearest_views(const Views& views, std::size_t target, s
   return out;
 }
 
-std::vector<std::size_t> of_other_cameras(const Views& views, std::size_t target, std::size_t steps) {
+std::vector<std::size_t> list_views_of_other_cameras(const Views& views, std::size_t target, std::size_t steps) {
   const auto [first, last] = views.of_sequence(views[target].sequence);
-  // Half a step more: the cameras of a rig need not be triggered at once.
+  // Half a period is added because the cameras of a rig may be triggered at different times.
   const auto time = [&views](std::size_t i) { return views[i].time_ns; };
   const std::size_t before = target - std::min(steps, target - first), behind = std::min(last - 1, target + steps);
   const std::int64_t half = last - first > 1
                                 ? (time(last - 1) - time(first)) / static_cast<std::int64_t>(2 * (last - first - 1))
-                                : std::int64_t{kAlone};
+                                : std::int64_t{kAloneNs};
   std::vector<std::size_t> out;
   for (int sequence = 0; sequence < views.sequences(); ++sequence) {
     const auto [begin, end] = views.of_sequence(sequence);
@@ -46,12 +46,12 @@ std::vector<std::size_t> of_other_cameras(const Views& views, std::size_t target
   return out;
 }
 
-std::vector<std::size_t> nearest_of_other_drives(const Views& views, std::size_t target, std::size_t most) {
+std::vector<std::size_t> find_nearest_views_of_other_drives(const Views& views, std::size_t target, std::size_t most) {
   std::vector<std::size_t> out;
   for (int sequence = 0; sequence < views.sequences(); ++sequence) {
     const auto range = views.of_sequence(sequence);
     if (range.first == range.second || views[range.first].drive == views[target].drive) continue;
-    for (const std::size_t view : nearest_views(views, target, range, most)) out.push_back(view);
+    for (const std::size_t view : find_nearest_views(views, target, range, most)) out.push_back(view);
   }
   return out;
 }

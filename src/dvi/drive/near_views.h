@@ -8,16 +8,17 @@
 
 namespace dvi {
 
-/// The `most` views of [range.first, range.second) nearest to view `target`, nearest first and by number where they are as
-/// near. A radian between the directions in which they look counts as much as `radian_m` meters between their places.
-std::vector<std::size_t> nearest_views(const Views& views, std::size_t target, std::pair<std::size_t, std::size_t> range,
-                                       std::size_t most, double radian_m = 0);
+/// Finds the `most` views of [range.first, range.second) nearest to view `target`, ordered by distance and then by number. An
+/// angle of one radian between the viewing directions counts like a distance of `radian_m` meters.
+std::vector<std::size_t> find_nearest_views(const Views& views, std::size_t target, std::pair<std::size_t, std::size_t> range,
+                                            std::size_t most, double radian_m = 0);
 
-/// The views of the other cameras on the target's drive that were taken while its own `steps` views before and behind it were,
-/// camera after camera.
-std::vector<std::size_t> of_other_cameras(const Views& views, std::size_t target, std::size_t steps);
+/// Lists the views of the other cameras on the target's drive that were taken during the time of its own `steps` views before
+/// and after it, camera by camera.
+std::vector<std::size_t> list_views_of_other_cameras(const Views& views, std::size_t target, std::size_t steps);
 
-/// Of each sequence of another drive the `most` nearest views by place, sequence after sequence: time says nothing there.
-std::vector<std::size_t> nearest_of_other_drives(const Views& views, std::size_t target, std::size_t most);
+/// Finds the `most` nearest views by position of each sequence of another drive, sequence by sequence. The times of other
+/// drives are ignored.
+std::vector<std::size_t> find_nearest_views_of_other_drives(const Views& views, std::size_t target, std::size_t most);
 
 }  // namespace dvi

@@ -8,8 +8,8 @@
 
 namespace dvi {
 
-/// The item nearest to a time, of [begin, end) in order of their `time_of`, by default their `time_ns`: of two as near the
-/// earlier, of several at one time the first. `end` where there is none.
+/// Finds the item nearest to a time in [begin, end), which is ordered by `time_of`, `time_ns` by default. Of two equally near
+/// items it returns the earlier one, of equal times the first item, and `end` if there is no item.
 template <class Iterator, class TimeOf = std::int64_t std::iterator_traits<Iterator>::value_type::*>
 Iterator nearest_in_time(Iterator begin, Iterator end, std::int64_t time_ns,
                          TimeOf time_of = &std::iterator_traits<Iterator>::value_type::time_ns) {
@@ -23,7 +23,7 @@ Iterator nearest_in_time(Iterator begin, Iterator end, std::int64_t time_ns,
   return from(std::invoke(time_of, *before));
 }
 
-/// The same of a whole list, if it is no farther than that from the time; null otherwise.
+/// Does the same for a list; returns null if the item is farther than `within_ns` from the time.
 template <class Items>
 auto nearest_in_time(const Items& items, std::int64_t time_ns, std::int64_t within_ns) -> const typename Items::value_type* {
   const auto nearest = nearest_in_time(items.begin(), items.end(), time_ns);

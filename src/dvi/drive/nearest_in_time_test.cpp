@@ -13,7 +13,7 @@ struct Item {
   std::int64_t time_ns = 0;
 };
 
-TEST(NearestInTime, IsTheFirstThatASearchThroughAllFinds) {
+TEST(NearestInTime, EqualsTheFirstItemOfALinearSearch) {
   Random random(7);
   for (int round = 0; round < 500; ++round) {
     std::vector<Item> items(random.below(8));

@@ -8,11 +8,11 @@
 namespace dvi {
 namespace {
 
-// In this order NaN becomes the lower end.
-int held(double place) { return static_cast<int>(std::max(-1e5, std::min(std::round(place), 1e5))); }
+// The order of the arguments turns NaN into the lower limit.
+int clamp_to_drawing(double place) { return static_cast<int>(std::max(-1e5, std::min(std::round(place), 1e5))); }
 
-// The pixels of an image that polygons can cover.
-cv::Rect pixels_around(const std::vector<Polygon>& polygons, cv::Size size) {
+// Returns the pixels of an image that polygons can cover.
+cv::Rect find_covered_pixels(const std::vector<Polygon>& polygons, cv::Size size) {
   const auto within = [](double place, int end) { return static_cast<int>(std::clamp(place, 0.0, static_cast<double>(end))); };
   cv::Point low(size.width, size.height), high(0, 0);
   for (const Polygon& polygon : polygons)
@@ -23,10 +23,10 @@ cv::Rect pixels_around(const std::vector<Polygon>& polygons, cv::Size size) {
   return low.x < high.x && low.y < high.y ? cv::Rect(low, high) : cv::Rect();
 }
 
-// Sets the pixels whose centers lie in the polygon; the mask's first pixel is `corner`.
+// Sets the pixels whose centers lie in the polygon; the first pixel of the mask is `corner`.
 void fill(const Polygon& polygon, cv::Point corner, cv::Mat1b& mask) {
-  std::vector<double> crossings;  // of a row's center line with the edges
-  // The first pixel whose center is not left of a place.
+  std::vector<double> crossings;  // of the center line of a row with the edges
+  // Returns the first pixel whose center is not to the left of x.
   const auto pixel = [&](double x) {
     return static_cast<int>(std::clamp(std::ceil(x - corner.x - 0.5), 0.0, static_cast<double>(mask.cols)));
   };
@@ -46,11 +46,11 @@ void fill(const Polygon& polygon, cv::Point corner, cv::Mat1b& mask) {
 
 }  // namespace
 
-cv::Point drawing_pixel(double x, double y) { return {held(x), held(y)}; }
+cv::Point to_drawing_pixel(double x, double y) { return {clamp_to_drawing(x), clamp_to_drawing(y)}; }
 
-Instance outline_of(const cv::Mat1b& mask) { return outline_of(mask, {0, 0}, mask.size()); }
+Instance to_outline(const cv::Mat1b& mask) { return to_outline(mask, {0, 0}, mask.size()); }
 
-Instance outline_of(const cv::Mat1b& part, cv::Point corner, cv::Size size) {
+Instance to_outline(const cv::Mat1b& part, cv::Point corner, cv::Size size) {
   Instance out{size, {}};
   std::int64_t begun = 0;
   bool inside = false;
@@ -72,11 +72,11 @@ Instance outline_of(const cv::Mat1b& part, cv::Point corner, cv::Size size) {
   return out;
 }
 
-Instance outline_of(const std::vector<Polygon>& polygons, cv::Size size) {
-  const cv::Rect part = pixels_around(polygons, size);
+Instance to_outline(const std::vector<Polygon>& polygons, cv::Size size) {
+  const cv::Rect part = find_covered_pixels(polygons, size);
   cv::Mat1b mask(part.size(), uchar{0});
   for (const Polygon& polygon : polygons) fill(polygon, part.tl(), mask);
-  return outline_of(mask, part.tl(), size);
+  return to_outline(mask, part.tl(), size);
 }
 
 void draw(const Instance& outline, cv::Mat1b& mask) {
@@ -99,7 +99,7 @@ bool draw_hull(const std::vector<Eigen::Vector3d>& points, const Camera& camera,
   for (const Eigen::Vector3d& point : points) {
     if (point.z() < kNearPlane) continue;
     const Eigen::Vector2d p = camera.project(point);
-    pixels.push_back(drawing_pixel(p.x(), p.y()));
+    pixels.push_back(to_drawing_pixel(p.x(), p.y()));
   }
   if (pixels.empty()) return false;
   cv::convexHull(pixels, hull);

@@ -10,13 +10,13 @@
 
 namespace dvi {
 
-/// Whether a point in LiDAR axes lies in the 3D box of any label, grown by a margin, meters.
-inline bool in_any_box(const std::vector<Label>& labels, const Eigen::Vector3d& in_lidar, double margin_m) {
+/// Returns whether a point in LiDAR axes lies in the 3D box of any label, enlarged by a margin in meters.
+inline bool is_in_any_box(const std::vector<Label>& labels, const Eigen::Vector3d& in_lidar, double margin_m) {
   return std::any_of(labels.begin(), labels.end(),
                      [&](const Label& l) { return l.box && l.box->contains(in_lidar, margin_m); });
 }
 
-/// How an image shows a place: not at all, as something that is removed, or as background.
+/// The content of an image at a point: outside the image, an object that is removed, or background.
 enum class InImage { unseen, removed, background };
 inline InImage in_image(const Eigen::Vector3d& in_camera, const Camera& camera, const cv::Mat1b& mask) {
   if (!camera.in_front(in_camera)) return InImage::unseen;

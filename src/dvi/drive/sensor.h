@@ -2,7 +2,7 @@
 
 namespace dvi {
 
-/// What measured the scans.
+/// The sensor that measured the scans.
 enum class Sensor { lidar, depth_camera };
 
 }  // namespace dvi

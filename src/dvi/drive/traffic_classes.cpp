@@ -14,7 +14,7 @@ const std::set<std::string, std::less<>>& traffic_classes() {
 }
 
 bool is_traffic_class(const std::string& name) {
-  // Data sets' further words for the same.
+  // Further names for such classes in data sets.
   static const std::set<std::string, std::less<>> further{"walker",      "human",  "vehicles",  "cars",
                                                           "pedestrians", "misc",   "suv",       "pickup",
                                                           "taxi",        "wheels", "emergency", "construction"};

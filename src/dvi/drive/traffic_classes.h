@@ -6,11 +6,11 @@
 
 namespace dvi {
 
-/// Names of vehicles, people, and animals in COCO, Cityscapes, KITTI, and Mapillary, in lower case.
+/// Returns the names of vehicles, people, and animals in COCO, Cityscapes, KITTI, and Mapillary, in lower case.
 const std::set<std::string, std::less<>>& traffic_classes();
 
-/// Whether one of the words of a class name is one of these: "other_vehicle" and "human.pedestrian.adult" are traffic, "road"
-/// and "3" are not known to be.
+/// Returns whether one of the words of a class name is one of these: "other_vehicle" and "human.pedestrian.adult" are, "road"
+/// and "3" are not.
 bool is_traffic_class(const std::string& name);
 
 }  // namespace dvi

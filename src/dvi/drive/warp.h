@@ -8,7 +8,7 @@
 
 namespace dvi {
 
-/// Takes pixels of a target view, with their depth, to where a source view shows them.
+/// Maps pixels of a target view by their depth to the image of a source view.
 class Warp {
  public:
   Warp(const View& target, const View& source)
@@ -16,15 +16,15 @@ class Warp {
         source_(&source.camera),
         source_from_target_(source.camera_from_world * target.camera_from_world.inverse()) {}
 
-  /// Quantized; may lie outside the source's image. Depth z in meters, infinity for the sky. None where the depth is
-  /// unknown (z <= 0) or the point is not in front of the source.
+  /// Returns the quantized position, which may lie outside the source's image. `z` is the depth in meters, infinity for the
+  /// sky. Returns nothing if the depth is unknown (z <= 0) or if the point is not in front of the source.
   std::optional<cv::Point2f> operator()(cv::Point pixel, float z) const {
     if (!(z > 0)) return std::nullopt;
     const Eigen::Vector3d ray = target_->ray({pixel.x, pixel.y});
     const Eigen::Vector3d x = std::isinf(z) ? source_from_target_.R * ray : source_from_target_ * (z * ray);
     if (!source_->in_front(x)) return std::nullopt;
     const Eigen::Vector2d at = source_->project(x);
-    return quantized(at.x(), at.y());
+    return quantize(at.x(), at.y());
   }
 
  private:
@@ -32,15 +32,15 @@ class Warp {
   SE3 source_from_target_;
 };
 
-/// Where the source frame that shows pixel `p` at `p_in_source` shows its neighbor `q`: both are warped by their own depths
-/// (`p_at`, `q_at`), and q is shifted as p_in_source is from p_at. Where a depth is unknown, q - p is added to p_in_source.
-inline cv::Point2f neighbor_in_source(cv::Point p, cv::Point2f p_in_source, std::optional<cv::Point2f> p_at, cv::Point q,
-                                      std::optional<cv::Point2f> q_at) {
+/// Returns the position in a source frame of the neighbor `q` of pixel `p`, which is at `p_in_source`: both are warped by their
+/// own depths to `p_at` and `q_at`, and q is shifted like p. If a depth is unknown, adds q - p to p_in_source.
+inline cv::Point2f find_neighbor_in_source(cv::Point p, cv::Point2f p_in_source, std::optional<cv::Point2f> p_at, cv::Point q,
+                                           std::optional<cv::Point2f> q_at) {
   if (p_at && q_at) return p_in_source + (*q_at - *p_at);
   return p_in_source + cv::Point2f(q - p);
 }
 
-/// Whether bilinear interpolation at this position stays within the image and off its mask (255 = remove).
+/// Returns whether bilinear interpolation at this position stays within the image and outside its mask (255 = remove).
 inline bool can_sample(const cv::Mat1b& mask, cv::Point2f at) {
   if (!(at.x >= 0 && at.y >= 0 && at.x <= static_cast<float>(mask.cols - 1) && at.y <= static_cast<float>(mask.rows - 1)))
     return false;
@@ -49,7 +49,7 @@ inline bool can_sample(const cv::Mat1b& mask, cv::Point2f at) {
   return (mask(y, x) | mask(y, x1) | mask(y1, x) | mask(y1, x1)) == 0;
 }
 
-/// The same for box_mean().
+/// Does the same for box_mean().
 inline bool can_sample(const cv::Mat1b& mask, cv::Point2f at, cv::Vec2b footprint) {
   const cv::Point2f first = at - 0.5F * cv::Point2f(static_cast<float>(footprint[0] - 1), static_cast<float>(footprint[1] - 1));
   for (int y = 0; y < footprint[1]; ++y)

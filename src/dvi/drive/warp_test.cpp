@@ -17,7 +17,7 @@ View looking_ahead() {
   return view;
 }
 
-TEST(Warp, FindsAPlaneMovedByItsDisparity) {
+TEST(Warp, MapsAPlaneByItsDisparity) {
   FlatScene scene(waves(60, 40, 1), cv::Mat1b(40, 60, uchar{0}));
   scene.add_source(7, scene.images[0]);
   const Warp warp(scene.views[0], scene.views[1]);
@@ -27,7 +27,7 @@ TEST(Warp, FindsAPlaneMovedByItsDisparity) {
                 cv::Point2f(static_cast<float>(x + 7), static_cast<float>(y)));
 }
 
-TEST(Warp, ThereAndBackEndsWhereItBegan) {
+TEST(Warp, ReturnsToItsOriginFromTheSource) {
   Random random(2);
   const View target = looking_ahead();
   View source = looking_ahead();
@@ -45,7 +45,7 @@ TEST(Warp, ThereAndBackEndsWhereItBegan) {
   }
 }
 
-TEST(Warp, TheSkyTurnsButDoesNotMove) {
+TEST(Warp, RotatesTheSkyWithoutTranslation) {
   const View target = looking_ahead();
   View source = looking_ahead();
   source.camera_from_world.t = {5, 1, -20};
@@ -55,7 +55,7 @@ TEST(Warp, TheSkyTurnsButDoesNotMove) {
   EXPECT_NE(Warp(target, source)({100, 30}, kSky), cv::Point2f(100, 30));
 }
 
-TEST(Warp, NoneWithoutDepthOrBehindTheSource) {
+TEST(Warp, ReturnsNothingWithoutDepthOrBehindTheSource) {
   const View target = looking_ahead();
   View source = looking_ahead();
   source.camera_from_world.t.z() = -10;  // 10 m ahead of the target
@@ -64,19 +64,19 @@ TEST(Warp, NoneWithoutDepthOrBehindTheSource) {
   for (const float z : {0.0F, -1.0F, std::numeric_limits<float>::quiet_NaN(), 8.0F}) EXPECT_FALSE(warp({10, 10}, z)) << z;
 }
 
-TEST(NeighborInSource, NeighborsKeepTheirOwnMotion) {
+TEST(NeighborInSource, KeepsTheMotionOfNeighbors) {
   const cv::Point2f shown(50.5, 20);
-  EXPECT_EQ(neighbor_in_source({10, 10}, shown, cv::Point2f(50, 20), {11, 10}, cv::Point2f(52, 20.25)),
+  EXPECT_EQ(find_neighbor_in_source({10, 10}, shown, cv::Point2f(50, 20), {11, 10}, cv::Point2f(52, 20.25)),
             cv::Point2f(52.5, 20.25));
-  EXPECT_EQ(neighbor_in_source({10, 10}, shown, std::nullopt, {11, 10}, cv::Point2f(52, 20)), cv::Point2f(51.5, 20));
-  EXPECT_EQ(neighbor_in_source({10, 10}, shown, cv::Point2f(50, 20), {10, 9}, std::nullopt), cv::Point2f(50.5, 19));
+  EXPECT_EQ(find_neighbor_in_source({10, 10}, shown, std::nullopt, {11, 10}, cv::Point2f(52, 20)), cv::Point2f(51.5, 20));
+  EXPECT_EQ(find_neighbor_in_source({10, 10}, shown, cv::Point2f(50, 20), {10, 9}, std::nullopt), cv::Point2f(50.5, 19));
 }
 
-TEST(CanSample, WholeCellsWithinTheImageAndOffTheMask) {
+TEST(CanSample, RequiresCellsWithinTheImageAndOutsideTheMask) {
   cv::Mat1b mask(10, 20, uchar{0});
   mask(5, 8) = 255;
   EXPECT_TRUE(can_sample(mask, {0, 0}));
-  EXPECT_TRUE(can_sample(mask, {19, 9}));  // the last pixel itself needs no neighbor
+  EXPECT_TRUE(can_sample(mask, {19, 9}));  // the last pixel needs no neighbor
   for (const cv::Point2f outside :
        {cv::Point2f(-0.0625F, 3), cv::Point2f(19.0625F, 3), cv::Point2f(3, -1), cv::Point2f(3, 9.5F)})
     EXPECT_FALSE(can_sample(mask, outside)) << outside;
@@ -88,7 +88,7 @@ TEST(CanSample, WholeCellsWithinTheImageAndOffTheMask) {
   EXPECT_FALSE(can_sample(mask, {std::numeric_limits<float>::quiet_NaN(), 0}));
 }
 
-TEST(CanSample, FootprintsWhoseMeanShowsNothingOfTheMask) {
+TEST(CanSample, RequiresFootprintsOutsideTheMask) {
   Random random(3);
   cv::Mat1b mask(16, 24, uchar{0});
   mask(7, 12) = mask(2, 3) = 255;
@@ -96,7 +96,7 @@ TEST(CanSample, FootprintsWhoseMeanShowsNothingOfTheMask) {
   cv::merge(std::vector<cv::Mat>{mask, mask, mask}, image);
   int allowed = 0;
   for (int i = 0; i < 2000; ++i) {
-    const cv::Point2f at = quantized(random.uniform(2, 21), random.uniform(2, 13));  // all of it inside the image
+    const cv::Point2f at = quantize(random.uniform(2, 21), random.uniform(2, 13));  // completely inside the image
     const cv::Vec2b footprint(static_cast<uchar>(1 + random.below(4)), static_cast<uchar>(1 + random.below(4)));
     const bool clear = box_mean(image, at, footprint) == cv::Vec3f(0, 0, 0);
     ASSERT_EQ(can_sample(mask, at, footprint), clear) << at << " " << footprint;
@@ -104,7 +104,7 @@ TEST(CanSample, FootprintsWhoseMeanShowsNothingOfTheMask) {
   }
   EXPECT_GT(allowed, 500);
   EXPECT_LT(allowed, 1900);
-  EXPECT_FALSE(can_sample(mask, {0.5F, 8}, {4, 1}));  // reaches out of the image
+  EXPECT_FALSE(can_sample(mask, {0.5F, 8}, {4, 1}));  // extends beyond the image
   EXPECT_TRUE(can_sample(mask, {1.5F, 8}, {4, 1}));
 }
 

@@ -11,9 +11,9 @@
 namespace dvi::exports {
 namespace {
 
-// The clean image with what was filled tinted by its origin: green from this drive, blue from another drive or camera, orange
-// interpolated, red synthesized or empty.
-cv::Mat3b overlay(const Result& result, std::size_t frame) {
+// Tints the filled parts of the clean image by their origin: green for this drive, blue for another drive or camera, orange for
+// interpolated, red for synthesized or empty.
+cv::Mat3b draw_overlay(const Result& result, std::size_t frame) {
   static const std::array<cv::Vec3b, 6> kTints{cv::Vec3b(0, 0, 0),     cv::Vec3b(60, 180, 60), cv::Vec3b(220, 120, 40),
                                                cv::Vec3b(0, 140, 255), cv::Vec3b(40, 40, 220), cv::Vec3b(40, 40, 220)};
   cv::Mat3b picture = result.image(frame);
@@ -42,7 +42,7 @@ void write_file_of(const Result& result, McapWriter& file, const std::vector<Clo
   file.write(path, begin, ros::path(poses));
   for_blocks(poses.size(), [&](std::size_t first, std::size_t last) {
     std::vector<std::string> overlays(last - first);
-    parallel_for(overlays.size(), [&](std::size_t i) { overlays[i] = media::encode_png(overlay(result, first + i)); });
+    parallel_for(overlays.size(), [&](std::size_t i) { overlays[i] = media::encode_png(draw_overlay(result, first + i)); });
     for (std::size_t i = first; i < last; ++i) {
       const std::int64_t time = poses[i].time_ns;
       file.write(tf, time, ros::transform(poses[i]));
@@ -56,7 +56,7 @@ void write_file_of(const Result& result, McapWriter& file, const std::vector<Clo
 
 ExportReport write_mcap(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress) {
   const std::vector<CloudPoint> cloud =
-      thinned(read_map_cloud(result.folder() / "map/map.ply"), static_cast<std::size_t>(options.max_points));
+      thin_cloud(read_map_cloud(result.folder() / "map/map.ply"), static_cast<std::size_t>(options.max_points));
   write_beside(folder / "drive.mcap", [&](const fs::path& part) {
     McapWriter file(part);
     write_file_of(result, file, cloud, progress);

@@ -14,8 +14,8 @@
 namespace dvi::exports {
 namespace {
 
-// The loader's default unit: 16-bit millimeters. What is farther than 65.5 m is unknown to it.
-cv::Mat1w millimeters(const cv::Mat1f& depth) {
+// Converts depth to the loader's default unit, 16-bit millimeters. Depths beyond 65.5 m become unknown.
+cv::Mat1w to_millimeters(const cv::Mat1f& depth) {
   cv::Mat1w out(depth.size(), ushort{0});
   for (int y = 0; y < depth.rows; ++y)
     for (int x = 0; x < depth.cols; ++x)
@@ -23,8 +23,8 @@ cv::Mat1w millimeters(const cv::Mat1f& depth) {
   return out;
 }
 
-// Camera axes of OpenGL: x right, y up, z backward.
-nlohmann::json opengl_pose(const SE3& world_from_camera) {
+// Converts to the camera axes of OpenGL: x right, y up, z backward.
+nlohmann::json to_opengl_pose(const SE3& world_from_camera) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
   m.topLeftCorner<3, 3>() = world_from_camera.R * Eigen::Vector3d(1, -1, -1).asDiagonal();
   m.topRightCorner<3, 1>() = world_from_camera.t;
@@ -43,15 +43,15 @@ void write_cloud(const fs::path& file, const std::vector<CloudPoint>& cloud) {
   media::write_ply(file, {points, colors});
 }
 
-nlohmann::json transforms(const Result& result) {
+nlohmann::json make_transforms(const Result& result) {
   const Camera& c = result.camera();
   nlohmann::json frames = nlohmann::json::array();
   for (const ResultFrame& frame : result.frames())
     frames.push_back({{"file_path", "images/" + frame.name + ".png"},
                       {"mask_path", "masks/" + frame.name + ".png"},
                       {"depth_file_path", "depth/" + frame.name + ".png"},
-                      {"transform_matrix", opengl_pose(frame.world_from_camera)}});
-  // Its pixel centers are at (0.5, 0.5), as COLMAP's.
+                      {"transform_matrix", to_opengl_pose(frame.world_from_camera)}});
+  // The pixel centers of nerfstudio are at (0.5, 0.5), as in COLMAP.
   return {{"camera_model", "OPENCV"},
           {"w", c.width},
           {"h", c.height},
@@ -72,13 +72,13 @@ ExportReport write_nerfstudio(const Result& result, const fs::path& folder, cons
   write_images_and_masks(result, folder, ".png", progress);
   make_folder(folder / "depth");
   parallel_for(result.frames().size(), [&](std::size_t i) {
-    media::write_png(folder / "depth" / (result.frames()[i].name + ".png"), millimeters(result.depth(i)));
+    media::write_png(folder / "depth" / (result.frames()[i].name + ".png"), to_millimeters(result.depth(i)));
   });
   std::vector<CloudPoint> cloud = read_map_cloud(result.folder() / "map/map.ply");
   std::erase_if(cloud, [](const CloudPoint& p) { return !p.colored(); });
-  cloud = thinned(cloud, static_cast<std::size_t>(options.max_points));
+  cloud = thin_cloud(cloud, static_cast<std::size_t>(options.max_points));
   write_cloud(folder / "map.ply", cloud);
-  write_file(folder / "transforms.json", json_text(transforms(result)) + "\n");
+  write_file(folder / "transforms.json", json_text(make_transforms(result)) + "\n");
   return {{"transforms.json"},
           {{"images", static_cast<double>(result.frames().size())}, {"points", static_cast<double>(cloud.size())}}};
 }

@@ -7,7 +7,7 @@ namespace {
 
 ExportReport write_ply(const Result& result, const fs::path& folder, const ExportOptions&, Progress&) {
   const fs::path map = result.folder() / "map/map.ply";
-  const std::size_t points = read_map_cloud(map).size();  // it is whole
+  const std::size_t points = read_map_cloud(map).size();  // verifies that the file is complete
   copy_picture(map, folder / "map.ply");
   return {{"map.ply"}, {{"points", static_cast<double>(points)}}};
 }

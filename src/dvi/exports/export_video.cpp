@@ -14,7 +14,7 @@ cv::Mat3b picture(const Result& result, std::size_t frame, bool beside) {
   if (!beside) return clean;
   const fs::path& input = result.frames()[frame].input;
   if (datasets::holds_many_images(input))
-    throw InputError(input, "holds no images of their own to stand beside the result", "compare.mp4 of the result shows both");
+    throw InputError(input, "has no image files to show beside the result", "use compare.mp4 of the result, which shows both");
   cv::Mat3b both;
   cv::hconcat(media::read_image(input, result.size()), clean, both);
   return both;
@@ -38,7 +38,7 @@ ExportReport write_video(const Result& result, const fs::path& folder, const Exp
 }  // namespace
 
 ExportFormat video_format() {
-  return {"video", "an mp4 of the result at a rate and quality, beside the input if wanted", write_video};
+  return {"video", "an mp4 of the result with selectable rate and quality, optionally beside the input", write_video};
 }
 
 }  // namespace dvi::exports

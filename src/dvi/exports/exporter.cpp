@@ -16,13 +16,13 @@ const std::vector<ExportFormat>& export_formats() {
   return formats;
 }
 
-const ExportFormat& export_format(const std::string& name) {
+const ExportFormat& find_export_format(const std::string& name) {
   std::vector<std::string> names;
   for (const ExportFormat& format : export_formats()) {
     if (format.name == name) return format;
     names.push_back(format.name);
   }
-  throw UsageError(fmt::format("there is no export format '{}': there are {}", name, fmt::join(names, ", ")));
+  throw UsageError(fmt::format("there is no export format '{}'; the formats are {}", name, fmt::join(names, ", ")));
 }
 
 ExportReport export_result(const ExportFormat& format, const fs::path& out, const fs::path& folder,

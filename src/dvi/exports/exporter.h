@@ -13,7 +13,7 @@
 
 namespace dvi::exports {
 
-/// What a person may choose. Each format takes what concerns it.
+/// The options of all formats; each format uses those that concern it.
 struct ExportOptions {
   int max_points = 500'000;
   double cell_m = 0.05;
@@ -24,29 +24,29 @@ struct ExportOptions {
   void describe(OptionTable& table) {
     table.section("export");
     table.add("max_points", max_points, {0, 2e9},
-              "colmap, nerfstudio, mcap: the map is evenly thinned to so many points; 0: all are written.");
-    table.add("cell_m", cell_m, {0.005, 10}, "ortho: meters a pixel.");
+              "colmap, nerfstudio, mcap: maximum number of points, to which the map is thinned evenly; 0: all.");
+    table.add("cell_m", cell_m, {0.005, 10}, "ortho: meters per pixel.");
     table.add(
         "origin", origin, {},
         "ortho: LAT,LON,HEADING of the world's origin and x axis (degrees, heading clockwise from north), or local for the "
-        "world's own meters; without it, by the drive's GPS, and local where it has none.");
+        "world's own meters; by default from the drive's GPS, or local if it has none.");
     table.add("beside", beside, "video: the input on the left, the result on the right.");
     video.describe(table);
   }
   void check() const { check_ranges(*this); }
 };
 
-/// What an export wrote.
+/// The files and counts of an export.
 struct ExportReport {
-  std::vector<std::string> files;                           ///< relative to the folder, what a person opens first
-  std::vector<std::pair<std::string, double>> counts = {};  ///< by name: images, points and so on
+  std::vector<std::string> files;                           ///< relative to the folder; those that a user opens first
+  std::vector<std::pair<std::string, double>> counts = {};  ///< counts by name, such as images and points
 };
 
-/// A form that other tools read.
+/// An export format for other tools.
 struct ExportFormat {
   std::string name;
-  std::string summary;  ///< one line: what is written, for which tools
-  /// Writes into a folder that is there and empty. Ticks once a frame.
+  std::string summary;  ///< one line: the files, and the tools that read them
+  /// Writes into an existing, empty folder. Ticks once per frame.
   std::function<ExportReport(const Result& result, const fs::path& folder, const ExportOptions& options, Progress& progress)>
       write;
 };
@@ -59,18 +59,18 @@ ExportFormat ortho_format();
 ExportFormat video_format();
 ExportFormat mcap_format();
 
-/// All of them; a new one is one file and one line here.
+/// Returns all formats. A new format is one file and one line here.
 const std::vector<ExportFormat>& export_formats();
 
-/// The format of that name. UsageError with all names if there is none.
-const ExportFormat& export_format(const std::string& name);
+/// Returns the format of a name. Throws UsageError with all names if there is none.
+const ExportFormat& find_export_format(const std::string& name);
 
-/// Writes a finished result of `dvi run` into a new or empty folder, all of it or nothing. InputError where the result lacks
-/// what the format needs.
+/// Writes a finished result of `dvi run` into a new or empty folder, completely or not at all. Throws InputError if the result
+/// lacks data that the format needs.
 ExportReport export_result(const ExportFormat& format, const fs::path& out, const fs::path& folder,
                            const ExportOptions& options, Progress& progress);
 
-/// One JSON document, and some lines for a person.
+/// Format a report as a JSON document, and as lines for the user.
 std::string to_json(const ExportReport& report, const std::string& format, const fs::path& folder);
 std::string brief(const ExportReport& report, const fs::path& folder);
 

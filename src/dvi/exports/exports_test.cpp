@@ -40,7 +40,7 @@ fs::path write_cloud(const TempFolder& folder, const std::vector<CloudPoint>& cl
   return folder.path / "map.ply";
 }
 
-TEST(MapCloud, ReadsWhatTheWriterWroteAndThinsItEvenly) {
+TEST(MapCloud, ReadsWrittenMapsAndThinsThemEvenly) {
   const TempFolder folder;
   std::vector<CloudPoint> cloud;
   for (int i = 0; i < 10; ++i) cloud.push_back(at(static_cast<float>(i), -1, 2));
@@ -52,17 +52,17 @@ TEST(MapCloud, ReadsWhatTheWriterWroteAndThinsItEvenly) {
   EXPECT_EQ(read[7].normal, cloud[7].normal);
   EXPECT_EQ(read[7].last_s, 1);
   EXPECT_EQ(read_map_cloud(ply, 5).size(), 5U);
-  EXPECT_EQ(thinned(cloud, 3).size(), 3U);
-  EXPECT_EQ(thinned(cloud, 0).size(), 10U);
+  EXPECT_EQ(thin_cloud(cloud, 3).size(), 3U);
+  EXPECT_EQ(thin_cloud(cloud, 0).size(), 10U);
 }
 
-TEST(MapCloud, RefusesWhatIsNoMapOfAResult) {
+TEST(MapCloud, RefusesFilesThatAreNotMapsOfAResult) {
   const TempFolder folder;
   EXPECT_THAT(input_error([&] { read_map_cloud(write_cloud(folder, {})); }), HasSubstr("holds no points"));
   EXPECT_THAT(input_error([&] { read_map_cloud(folder.path / "none.ply"); }), HasSubstr("cannot be read"));
   const std::string whole = read_file(write_cloud(folder, {at(0, 0, 0), at(1, 0, 0)}));
   const fs::path cut = folder.write("cut.ply", whole.substr(0, whole.size() - 1));
-  EXPECT_THAT(input_error([&] { read_map_cloud(cut); }), HasSubstr("is cut short: its header declares 2 points"));
+  EXPECT_THAT(input_error([&] { read_map_cloud(cut); }), HasSubstr("is truncated: its header declares 2 points"));
   const fs::path other =
       folder.write("other.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n");
   EXPECT_THAT(input_error([&] { read_map_cloud(other); }), HasSubstr("is not a map of dvi"));
@@ -74,7 +74,7 @@ TEST(Ground, IsTheLowestSurfaceAndKeepsItsSlope) {
     for (int y = 0; y <= 100; ++y) {
       const auto east = 0.1F * static_cast<float>(x), north = 0.1F * static_cast<float>(y);
       cloud.push_back(at(east, north, 0.05F * east));
-      if (x > 40 && x < 60) cloud.push_back(at(east, north, 4));  // the crown of a tree above it
+      if (x > 40 && x < 60) cloud.push_back(at(east, north, 4));  // the crown of a tree above the ground
     }
   const GroundRaster ground = ground_of(cloud, 0.25);
   for (int row = 2; row < ground.height.rows - 2; ++row)
@@ -85,14 +85,14 @@ TEST(Ground, IsTheLowestSurfaceAndKeepsItsSlope) {
   EXPECT_THROW(ground_of({at(0, 0, 0), at(1e5, 1e5, 0)}, 0.01), UsageError);
 }
 
-TEST(GeoPlace, TurnsTheWorldByItsHeading) {
+TEST(GeoPlace, RotatesTheWorldByItsHeading) {
   const GeoPlace local{0.5, 10, 20, {}};
   EXPECT_THAT(local.transform(), testing::ElementsAre(10, 0.5, 0, 20, 0, -0.5));
   EXPECT_EQ(local.projection(), "");
-  // Heading east: world x is east and y is north, as without an origin.
+  // With an eastward heading, world x is east and y is north, as without an origin.
   const GeoPlace east{0.5, 10, 20, parse_origin("49,8,90")};
   for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(east.transform()[k], local.transform()[k], 1e-12);
-  // Heading north: x is north, y is west.
+  // With a northward heading, x is north and y is west.
   const std::array<double, 6> north = GeoPlace{0.5, 10, 20, parse_origin("49,8,0")}.transform();
   EXPECT_NEAR(north[0], -20, 1e-12);
   EXPECT_NEAR(north[3], 10, 1e-12);
@@ -101,7 +101,7 @@ TEST(GeoPlace, TurnsTheWorldByItsHeading) {
     EXPECT_THROW(parse_origin(wrong), UsageError) << wrong;
 }
 
-// The records behind the magic, by opcode; those within chunks are not among them.
+// Returns the records after the magic by opcode, without those within chunks.
 std::vector<std::pair<int, std::string>> records(const std::string& file) {
   std::vector<std::pair<int, std::string>> out;
   for (std::size_t i = 8; i + 8 < file.size();) {
@@ -113,7 +113,7 @@ std::vector<std::pair<int, std::string>> records(const std::string& file) {
   return out;
 }
 
-TEST(McapWriter, EndsInASummaryThatCountsAndFindsTheMessages) {
+TEST(McapWriter, WritesASummaryWithCountsAndIndices) {
   const TempFolder folder;
   McapWriter writer(folder.path / "a.mcap");
   const std::uint16_t a = writer.add_channel("/a", "x/msg/X", "int32 a\n"),
@@ -141,24 +141,24 @@ TEST(RosMessages, AlignEachNumberToItsSize) {
   std::int32_t seconds = 0;
   std::memcpy(&seconds, info.data() + 4, 4);
   EXPECT_EQ(seconds, 1);
-  // header: 8 bytes of time, 4 + 7 of "camera"; padded to 20; height, width; 4 + 10 of "plumb_bob"; padded to 44; count,
-  // padded.
+  // The bytes are the header: 8 bytes of time, 4 + 7 of "camera", padded to 20; then height and width; 4 + 10 of "plumb_bob",
+  // padded to 44; then the count with padding.
   double fx = 0;
   std::memcpy(&fx, info.data() + 4 + 48 + 5 * 8, 8);
   EXPECT_EQ(fx, 500);
   EXPECT_EQ(info.size(), 4 + 48 + 8 * (5 + 9 + 9 + 12) + 6 * 4 + 1);
 }
 
-TEST(Exports, NameWhatIsMissing) {
+TEST(Exports, ReportMissingFiles) {
   const TempFolder folder;
-  const ExportFormat& format = export_format("ply");
+  const ExportFormat& format = find_export_format("ply");
   Progress quiet(ProgressStyle::quiet);
   const auto message = [&] {
     return input_error([&] { export_result(format, folder.path / "out", folder.path / "to", {}, quiet); });
   };
-  EXPECT_THAT(message(), HasSubstr("is no folder"));
+  EXPECT_THAT(message(), HasSubstr("is not a folder"));
   folder.write("out/frames/a.png", "");
-  EXPECT_THAT(message(), HasSubstr("is no finished result of dvi run"));
+  EXPECT_THAT(message(), HasSubstr("is not a finished result of dvi run"));
   folder.write("out/sources.json", R"({"schema": "dvi-sources/1", "sources": []})");
   folder.write("out/report.json", "{}");
   EXPECT_THAT(message(), HasSubstr("has no poses and no map"));
@@ -168,11 +168,11 @@ TEST(Exports, NameWhatIsMissing) {
   folder.write("out/map/times.txt", "0.5\n");
   EXPECT_THAT(message(), HasSubstr("earlier version"));
   folder.write("out/sources.json", R"({"cameras": [{}], "sources": []})");
-  EXPECT_THAT(message(), AllOf(HasSubstr("sources.json"), HasSubstr("is not as dvi writes it")));
+  EXPECT_THAT(message(), AllOf(HasSubstr("sources.json"), HasSubstr("is not as written by dvi")));
   folder.write("out/sources.json", "{");
-  EXPECT_THAT(message(), HasSubstr("is not as dvi writes it"));
+  EXPECT_THAT(message(), HasSubstr("is not as written by dvi"));
   EXPECT_FALSE(fs::exists(folder.path / "to"));
-  EXPECT_THROW(export_format("obj"), UsageError);
+  EXPECT_THROW(find_export_format("obj"), UsageError);
 }
 
 }  // namespace

@@ -27,13 +27,13 @@ EarthPlace parse_origin(const std::string& text) {
     begin = end + 1;
   }
   if (numbers.size() != 3 || begin <= text.size() || std::abs(numbers[0]) > 90 || std::abs(numbers[1]) > 180)
-    throw UsageError(fmt::format("--origin {}: give LAT,LON,HEADING in degrees, such as 49.01,8.43,90, or local", text));
+    throw UsageError(fmt::format("--origin {}: expected LAT,LON,HEADING in degrees, such as 49.01,8.43,90, or local", text));
   return {numbers[0], numbers[1], numbers[2]};
 }
 
 std::array<double, 6> GeoPlace::transform() const {
   if (!origin) return {west_m, cell_m, 0, north_m, 0, -cell_m};
-  // World x points along the heading, y to its left: east and north of (x, y).
+  // World x points along the heading, and y to its left.
   const double heading = origin->heading_deg * std::numbers::pi / 180, s = std::sin(heading), c = std::cos(heading);
   return {s * west_m - c * north_m, s * cell_m, c * cell_m, c * west_m + s * north_m, c * cell_m, -s * cell_m};
 }
@@ -105,7 +105,7 @@ void write_geotiff(const fs::path& file, const GeoPlace& place, const std::vecto
 bool can_write_geotiff() { return false; }
 
 void write_geotiff(const fs::path&, const GeoPlace&, const std::vector<GeoBand>&, bool) {
-  throw UsageError("this build of dvi has no GDAL: install libgdal-dev and build again");
+  throw UsageError("this build of dvi has no GDAL; install libgdal-dev and build it again");
 }
 
 #endif

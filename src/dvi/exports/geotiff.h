@@ -12,31 +12,32 @@
 
 namespace dvi::exports {
 
-/// "LAT,LON,HEADING". UsageError otherwise.
+/// Parses "LAT,LON,HEADING". Throws UsageError if it is malformed.
 EarthPlace parse_origin(const std::string& text);
 
-/// Where a raster lies. Meters east and north of the world's origin if its place is known, else in the drive's own world.
+/// The position of a raster: meters east and north of the world's origin if its place is known, otherwise in the drive's own
+/// world.
 struct GeoPlace {
-  double cell_m = 0, west_m = 0, north_m = 0;  ///< as Ground
+  double cell_m = 0, west_m = 0, north_m = 0;  ///< see GroundRaster
   std::optional<EarthPlace> origin = {};
 
-  /// GDAL's affine transform from pixels to the place.
+  /// Returns GDAL's affine transform from pixels to positions.
   std::array<double, 6> transform() const;
-  /// The coordinate system as PROJ has it; empty: local meters.
+  /// Returns the coordinate system in PROJ's notation; empty for local meters.
   std::string projection() const;
 };
 
-/// One band of a raster, 8-bit or 32-bit float, and what it holds.
+/// One band of a raster, 8-bit or 32-bit float, and its description.
 struct GeoBand {
   cv::Mat values;
   std::string description;
 };
 
-/// Whether this build has GDAL.
+/// Returns whether this build has GDAL.
 bool can_write_geotiff();
 
-/// Writes bands of one size and type; `alpha`: the last one tells where there is something; else NaN does. UsageError where
-/// this build has no GDAL, InputError where the file cannot be written.
+/// Writes bands of the same size and type. With `alpha`, the last band states which pixels have data; otherwise NaN means no
+/// data. Throws UsageError if this build has no GDAL, and InputError if the file cannot be written.
 void write_geotiff(const fs::path& file, const GeoPlace& place, const std::vector<GeoBand>& bands, bool alpha);
 
 }  // namespace dvi::exports

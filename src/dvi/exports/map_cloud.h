@@ -10,23 +10,23 @@
 
 namespace dvi::exports {
 
-/// A point of the static map as a result keeps it.
+/// A point of a result's static map.
 struct CloudPoint {
   Eigen::Vector3f position;       ///< meters, world axes
   cv::Vec3b color;                ///< BGR
-  Eigen::Vector3f normal;         ///< of the surface; zeros where unknown
-  float intensity = 0;            ///< as the LiDAR gave it
-  float first_s = 0, last_s = 0;  ///< when it was measured, in seconds after the first scan
+  Eigen::Vector3f normal;         ///< of the surface; zero if unknown
+  float intensity = 0;            ///< as measured by the LiDAR
+  float first_s = 0, last_s = 0;  ///< first and last time of measurement, in seconds after the first scan
 
-  /// Whether a frame saw it. Points that none did are gray.
+  /// Returns whether a frame observed the point. Unobserved points are gray.
   bool colored() const { return color != cv::Vec3b(128, 128, 128); }
 };
 
-/// The points of OUT/map/map.ply. InputError where the file is missing or not as dvi writes it. `most`: evenly thinned to so
-/// many points; 0: all.
+/// Reads the points of OUT/map/map.ply, thinned evenly to `most` points (0: all). Throws InputError if the file is missing or
+/// not as written by dvi.
 std::vector<CloudPoint> read_map_cloud(const fs::path& ply, std::size_t most = 0);
 
-/// Every nth, so that at most `most` stay, in their order; 0: all.
-std::vector<CloudPoint> thinned(const std::vector<CloudPoint>& cloud, std::size_t most);
+/// Keeps every n-th point in order, so that at most `most` points are left; 0: all.
+std::vector<CloudPoint> thin_cloud(const std::vector<CloudPoint>& cloud, std::size_t most);
 
 }  // namespace dvi::exports

@@ -19,7 +19,7 @@ static_assert(std::endian::native == std::endian::little, "numbers are written a
 const std::string kMagic("\x89MCAP0\r\n", 8);
 constexpr std::size_t kChunkBytes = std::size_t{4} << 20;
 
-// Opcodes of records.
+// The opcodes of records.
 enum class Record : char {
   header = 1,
   footer,
@@ -34,7 +34,7 @@ enum class Record : char {
   data_end
 };
 
-/// The fields of a record, in a row.
+/// The fields of a record in order.
 class Fields {
  public:
   template <class T>
@@ -147,7 +147,7 @@ std::string McapWriter::statistics() const {
 
 void McapWriter::finish() {
   end_chunk();
-  put(record(Record::data_end, Fields().number(std::uint32_t{0})));  // 0: no checksum of all data; each chunk has its own
+  put(record(Record::data_end, Fields().number(std::uint32_t{0})));  // 0: no checksum of all data, since each chunk has its own
   const std::uint64_t summary = written_;
   put(definitions_);
   put(statistics());

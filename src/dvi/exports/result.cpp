@@ -17,7 +17,7 @@
 namespace dvi::exports {
 namespace {
 
-constexpr const char* kRunAgain = "call the same dvi run again: it finishes the result";
+constexpr const char* kRunAgain = "run the same dvi run again, which completes the result";
 
 Camera to_camera(const nlohmann::json& entry) {
   const auto size = entry.at("size").get<std::array<int, 2>>();
@@ -25,24 +25,24 @@ Camera to_camera(const nlohmann::json& entry) {
   return {size[0], size[1], K[0], K[4], K[2], K[5], entry.at("distortion").get<std::array<double, 5>>()};
 }
 
-// Hands a JSON document of a result to `take`.
+// Passes a JSON document of a result to `take`.
 template <class Take>
 void read_table(const fs::path& file, const Take& take) {
   try {
     take(read_json(file));
   } catch (const nlohmann::json::exception& e) {
-    throw InputError(file, fmt::format("is not as dvi writes it ({})", e.what()), kRunAgain);
+    throw InputError(file, fmt::format("is not as written by dvi ({})", e.what()), kRunAgain);
   }
 }
 
 }  // namespace
 
 Result::Result(const fs::path& out) : folder_(out) {
-  if (!fs::is_directory(out)) throw InputError(out, "is no folder", "give the OUT of a dvi run");
+  if (!fs::is_directory(out)) throw InputError(out, "is not a folder", "give the OUT of a dvi run");
   if (!fs::exists(out / "sources.json") || !fs::exists(out / "report.json"))
-    throw InputError(out, "is no finished result of dvi run", kRunAgain);
+    throw InputError(out, "is not a finished result of dvi run", kRunAgain);
   if (!fs::exists(out / "map/poses.txt"))
-    throw InputError(out, "has no poses and no map", "export a result of --method dvi or paper: the others make none");
+    throw InputError(out, "has no poses and no map", "export a result of --method dvi or paper, since the others have none");
   read_poses();
   read_sources();
   read_place();
@@ -56,7 +56,7 @@ void Result::read_poses() {
                      kRunAgain);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const std::optional<SE3> pose = to_rigid(poses[i].numbers<12>(0));
-    if (!pose) poses[i].fail("is no rigid motion", kRunAgain);
+    if (!pose) poses[i].fail("is not a rigid motion", kRunAgain);
     frames_.push_back({{}, {}, times[i].nanoseconds(0), *pose});
   }
 }
@@ -72,11 +72,11 @@ void Result::read_sources() {
   const fs::path file = folder_ / "sources.json";
   read_table(file, [&](const nlohmann::json& table) {
     if (!table.contains("cameras"))
-      throw InputError(file, "does not tell the cameras: it is of an earlier version of dvi", kRunAgain);
+      throw InputError(file, "does not state the cameras: it was written by an earlier version of dvi", kRunAgain);
     const nlohmann::json& camera = table.at("cameras").at(0);
     camera_ = to_camera(camera);
     camera_name_ = camera.at("camera").get<std::string>();
-    for (std::size_t i = 0; i < frames_.size(); ++i) {  // the target's are the first sources
+    for (std::size_t i = 0; i < frames_.size(); ++i) {  // the frames of the target are the first sources
       const nlohmann::json& source = table.at("sources").at(i);
       frames_[i].name = source.at("frame").get<std::string>();
       frames_[i].input = source.at("file").get<std::string>();
@@ -84,7 +84,7 @@ void Result::read_sources() {
   });
   for (const ResultFrame& frame : frames_)
     if (frame.name.empty() || frame.name.find('/') != std::string::npos || frame.name == "." || frame.name == "..")
-      throw InputError(file, "names a frame '" + frame.name + "', which is no name of a file", kRunAgain);
+      throw InputError(file, "has a frame '" + frame.name + "', which is not a valid name of a file", kRunAgain);
 }
 
 cv::Mat3b Result::image(std::size_t frame) const { return media::read_image(picture("frames", frame), size()); }

@@ -16,17 +16,18 @@ namespace dvi::exports {
 
 /// A frame of a finished result.
 struct ResultFrame {
-  std::string name;  ///< of its pictures, NAME.png
-  fs::path input;    ///< the image it was made from
+  std::string name;  ///< the name of its images, NAME.png
+  fs::path input;    ///< the input image
   std::int64_t time_ns = 0;
   SE3 world_from_camera;
 };
 
-/// An output folder of `dvi run` as other tools want it: the target's camera and its frames with their refined poses. Pictures
-/// are read on demand. World: the target's first LiDAR pose, x forward, y left, z up.
+/// An output folder of `dvi run` as other tools need it: the target's camera and its frames with their refined poses. Images
+/// are read on demand. The world is the target's first LiDAR pose: x forward, y left, z up.
 class Result {
  public:
-  /// Reads the tables of OUT. InputError where OUT is no finished result, is damaged, or has no poses (methods without a map).
+  /// Reads the tables of OUT. Throws InputError if OUT is not a finished result, is damaged, or has no poses (methods without a
+  /// map).
   explicit Result(const fs::path& out);
 
   const fs::path& folder() const { return folder_; }
@@ -34,14 +35,14 @@ class Result {
   const Camera& camera() const { return camera_; }
   cv::Size size() const { return {camera_.width, camera_.height}; }
   const std::vector<ResultFrame>& frames() const { return frames_; }
-  const std::optional<EarthPlace>& place() const { return place_; }  ///< of the world, by GPS; none where that told none
+  const std::optional<EarthPlace>& place() const { return place_; }  ///< of the world by GPS; none if unknown
 
   fs::path picture(const std::string& kind, std::size_t frame) const { return folder_ / kind / (frames_[frame].name + ".png"); }
   cv::Mat3b image(std::size_t frame) const;
   cv::Mat1b kind(std::size_t frame) const;        ///< harmonize::Kind
-  cv::Mat1b confidence(std::size_t frame) const;  ///< 255 = 1; of pixels that were filled
-  cv::Mat1f depth(std::size_t frame) const;       ///< meters along the optical axis; 0: unknown or sky
-  /// 255 where a camera saw the pixel: original or copied; 0 where it was made up.
+  cv::Mat1b confidence(std::size_t frame) const;  ///< 255 = 1, for filled pixels
+  cv::Mat1f depth(std::size_t frame) const;       ///< depth z in meters; 0: unknown or sky
+  /// Returns a mask: 255 for original and copied pixels, 0 for pixels without observation.
   cv::Mat1b evidence(std::size_t frame) const;
 
  private:

@@ -8,12 +8,12 @@
 namespace dvi::exports::ros {
 namespace {
 
-/// Fields in a row, each aligned to its own size behind the four bytes that name the encoding.
+/// The fields of a message in order, each aligned to its size relative to the end of the four-byte encapsulation header.
 class Cdr {
  public:
   template <class T>
   Cdr& number(T value) {
-    while ((bytes_.size() - kHeader) % sizeof value != 0) bytes_ += '\0';
+    while ((bytes_.size() - kHeaderBytes) % sizeof value != 0) bytes_ += '\0';
     bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
     return *this;
   }
@@ -46,8 +46,8 @@ class Cdr {
   const std::string& bytes() const { return bytes_; }
 
  private:
-  static constexpr std::size_t kHeader = 4;
-  std::string bytes_{"\0\1\0\0", kHeader};
+  static constexpr std::size_t kHeaderBytes = 4;
+  std::string bytes_{"\0\1\0\0", kHeaderBytes};
 };
 
 constexpr const char* kWorld = "world";
@@ -129,15 +129,15 @@ std::string camera_info(std::int64_t time_ns, const Camera& c) {
   out.numbers(std::array{c.fx, 0., c.cx, 0., c.fy, c.cy, 0., 0., 1.});
   out.numbers(std::array{1., 0., 0., 0., 1., 0., 0., 0., 1.});
   out.numbers(std::array{c.fx, 0., c.cx, 0., 0., c.fy, c.cy, 0., 0., 0., 1., 0.});
-  for (int k = 0; k < 6; ++k) out.count(0);  // no binning, no region
+  for (int k = 0; k < 6; ++k) out.count(0);  // no binning and no region
   return out.number(std::uint8_t{0}).bytes();
 }
 
 std::string point_cloud(std::int64_t time_ns, const std::vector<CloudPoint>& cloud) {
   constexpr std::uint8_t kFloat32 = 7;
-  constexpr std::size_t kStep = 16;
-  if (cloud.size() > (std::size_t{1} << 32) / kStep - 1)
-    throw UsageError("--max-points: a message holds no more than 268 million points");
+  constexpr std::size_t kPointStepBytes = 16;
+  if (cloud.size() > (std::size_t{1} << 32) / kPointStepBytes - 1)
+    throw UsageError("--max-points: a message can hold at most 268 million points");
   Cdr out;
   out.header(time_ns, kWorld).count(1).count(cloud.size()).count(4);
   std::uint32_t offset = 0;
@@ -146,13 +146,13 @@ std::string point_cloud(std::int64_t time_ns, const std::vector<CloudPoint>& clo
     offset += 4;
   }
   std::string data;
-  data.reserve(cloud.size() * kStep);
+  data.reserve(cloud.size() * kPointStepBytes);
   for (const CloudPoint& p : cloud) {
     data.append(reinterpret_cast<const char*>(p.position.data()), 12);
     data.append(reinterpret_cast<const char*>(p.color.val), 3);  // 0x00RRGGBB, little endian
     data += '\0';
   }
-  return out.number(std::uint8_t{0}).count(kStep).count(data.size()).blob(data).number(std::uint8_t{1}).bytes();
+  return out.number(std::uint8_t{0}).count(kPointStepBytes).count(data.size()).blob(data).number(std::uint8_t{1}).bytes();
 }
 
 std::string path(const std::vector<StampedMotion>& poses) {

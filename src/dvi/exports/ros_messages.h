@@ -8,11 +8,11 @@
 #include "dvi/geometry/camera.h"
 #include "dvi/geometry/se3.h"
 
-/// ROS 2 messages as bytes (CDR, little endian). All are in the frame "world", but images and their camera, which are in
+/// ROS 2 messages as bytes (CDR, little endian). All are in the frame "world", except images and their camera, which are in
 /// "camera".
 namespace dvi::exports::ros {
 
-/// A type and the text of its definition with those of all that it is made of (ros2msg).
+/// A message type and its definition, including the definitions of its parts (ros2msg).
 struct MessageType {
   std::string name, definition;
 };
@@ -28,10 +28,10 @@ struct StampedMotion {
   SE3 world_from_camera;
 };
 
-/// `format`: png or jpeg; `bytes`: the file.
+/// Makes a sensor_msgs/msg/CompressedImage. `format` is png or jpeg; `bytes` is the file.
 std::string compressed_image(std::int64_t time_ns, const std::string& format, const std::string& bytes);
 std::string camera_info(std::int64_t time_ns, const Camera& camera);
-/// Fields x, y, z, rgb.
+/// Makes a point cloud with the fields x, y, z, rgb.
 std::string point_cloud(std::int64_t time_ns, const std::vector<CloudPoint>& cloud);
 std::string path(const std::vector<StampedMotion>& poses);
 std::string transform(const StampedMotion& pose);

@@ -43,7 +43,7 @@ void compare(std::size_t a, std::size_t b, const Lazy<Sightings>& seen, const st
   const std::shared_ptr<const Sightings> in_a = seen[a], in_b = seen[b];
   std::array<std::vector<float>, 3> ratios;
   for_each_shared(*in_a, *in_b, [&](const PointObservation& i, const PointObservation& j) {
-    const float darker = vignetting[b] * j.off_axis - vignetting[a] * i.off_axis;
+    const float darker = vignetting[b] * j.compute_off_axis - vignetting[a] * i.compute_off_axis;
     for (int c = 0; c < 3; ++c) ratios[c].push_back(j.color[c] - i.color[c] + darker);
   });
   if (ratios[0].size() < kFewest) return;
@@ -59,7 +59,7 @@ void compare(std::size_t a, std::size_t b, const Lazy<Sightings>& seen, const st
 
 /// The views of earlier sequences that look from nearest to where a view does, by place and direction.
 std::vector<std::size_t> places(const Views& views, std::size_t view) {
-  return nearest_views(views, view, {0, views.of_sequence(views[view].sequence).first}, kPlaces, kRadian);
+  return find_nearest_views(views, view, {0, views.of_sequence(views[view].sequence).first}, kPlaces, kRadian);
 }
 
 std::vector<Pair> compare_all(const Views& views, const Lazy<Sightings>& seen, const std::vector<float>& vignetting,

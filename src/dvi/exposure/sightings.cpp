@@ -42,7 +42,7 @@ Sightings sightings(const View& view, const std::vector<map::VisiblePoint>& poin
     if (use(at) == 0) continue;
     const cv::Vec3f& c = colors(at);
     if (std::min({c[0], c[1], c[2]}) < static_cast<float>(kBlack)) continue;
-    out.push_back({p.index, {std::log(c[0]), std::log(c[1]), std::log(c[2])}, off_axis(view.camera, {p.u, p.v})});
+    out.push_back({p.index, {std::log(c[0]), std::log(c[1]), std::log(c[2])}, compute_off_axis(view.camera, {p.u, p.v})});
   }
   std::sort(out.begin(), out.end(), [](const PointObservation& a, const PointObservation& b) { return a.point < b.point; });
   return out;

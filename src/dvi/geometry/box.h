@@ -6,16 +6,17 @@
 
 namespace dvi {
 
-/// A 3D box: center and axes by `frame_from_box` (x along its length), full size in meters.
+/// A 3D box. `frame_from_box` has its center and axes (x along its length); `size` is its full size in meters.
 struct Box {
   SE3 frame_from_box;
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
 
-  /// Whether a point of the frame lies inside, the box grown by `margin` on all sides.
+  /// Returns whether a point of the frame lies inside the box after it is enlarged by `margin` on all sides.
   bool contains(const Eigen::Vector3d& x, double margin = 0) const {
     const Eigen::Vector3d local = frame_from_box.R.transpose() * (x - frame_from_box.t);
     return ((local.cwiseAbs() - 0.5 * size).array() <= margin).all();
   }
+  /// Returns the corners in axes of the frame.
   std::array<Eigen::Vector3d, 8> corners() const {
     std::array<Eigen::Vector3d, 8> out;
     for (int i = 0; i < 8; ++i)

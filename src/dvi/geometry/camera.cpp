@@ -13,9 +13,9 @@ Eigen::Vector2d Camera::distort(const Eigen::Vector2d& n) const {
 
 Eigen::Vector3d Camera::ray(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d d((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
-  if (!distorted()) return {d.x(), d.y(), 1};
+  if (!is_distorted()) return {d.x(), d.y(), 1};
   Eigen::Vector2d n = d;
-  for (int i = 0; i < 20; ++i) {  // Newton
+  for (int i = 0; i < 20; ++i) {  // Newton's method
     const Eigen::Vector2d error = distort(n) - d;
     if (error.squaredNorm() < 1e-24) break;
     const double h = 1e-6;
@@ -30,7 +30,7 @@ Eigen::Vector3d Camera::ray(const Eigen::Vector2d& pixel) const {
 
 bool Camera::in_front(const Eigen::Vector3d& x) const {
   if (x.z() <= 0.05) return false;
-  if (!distorted()) return true;
+  if (!is_distorted()) return true;
   const auto [k1, k2, p1, p2, k3] = distortion;
   const double r2 = (x.x() * x.x() + x.y() * x.y()) / (x.z() * x.z());
   return 1 + r2 * (3 * k1 + r2 * (5 * k2 + r2 * 7 * k3)) > 0;

@@ -10,28 +10,28 @@
 namespace dvi {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kRadPerDegree = std::numbers::pi / 180;
 
-// Meters a radian of latitude and of longitude, on the ellipsoid of WGS84 at a latitude.
+// The meters per radian of latitude and of longitude at a latitude of the WGS84 ellipsoid.
 struct Radii {
   double north, east;
 
   explicit Radii(double latitude_deg) {
-    constexpr double kEquator = 6378137, kEccentricity2 = 6.69437999014e-3;
-    const double sine = std::sin(latitude_deg * kDegree), w = std::sqrt(1 - kEccentricity2 * sine * sine);
-    north = kEquator * (1 - kEccentricity2) / (w * w * w);
-    east = kEquator / w * std::cos(latitude_deg * kDegree);
+    constexpr double kEquatorRadiusM = 6378137, kEccentricity2 = 6.69437999014e-3;
+    const double sine = std::sin(latitude_deg * kRadPerDegree), w = std::sqrt(1 - kEccentricity2 * sine * sine);
+    north = kEquatorRadiusM * (1 - kEccentricity2) / (w * w * w);
+    east = kEquatorRadiusM / w * std::cos(latitude_deg * kRadPerDegree);
   }
 };
 
-using Plane = std::complex<double>;  // x + iy of the world; east + i north on Earth
+using Plane = std::complex<double>;  // x + iy of the world, or east + i north on Earth
 
-// earth = origin + turn * world.
+// The transform earth = origin + turn * world.
 struct Fit {
   Plane origin, turn = 1;
 };
 
-Fit least_squares(const std::vector<Plane>& world, const std::vector<Plane>& earth, const std::vector<double>& weights) {
+Fit fit_least_squares(const std::vector<Plane>& world, const std::vector<Plane>& earth, const std::vector<double>& weights) {
   Plane world_mean = 0, earth_mean = 0, product = 0;
   double sum = 0;
   for (std::size_t i = 0; i < world.size(); ++i)
@@ -43,28 +43,28 @@ Fit least_squares(const std::vector<Plane>& world, const std::vector<Plane>& ear
   return {earth_mean - turn * world_mean, turn};
 }
 
-std::vector<double> residuals(const Fit& fit, const std::vector<Plane>& world, const std::vector<Plane>& earth) {
+std::vector<double> compute_residuals(const Fit& fit, const std::vector<Plane>& world, const std::vector<Plane>& earth) {
   std::vector<double> out;
   for (std::size_t i = 0; i < world.size(); ++i) out.push_back(std::abs(fit.origin + fit.turn * world[i] - earth[i]));
   return out;
 }
 
-// A fix under a bridge may be meters off: weights of Cauchy's, by the residuals' median.
-Fit robust_fit(const std::vector<Plane>& world, const std::vector<Plane>& earth) {
-  constexpr int kRounds = 10;
-  constexpr double kLeastScale = 0.01;  // meters: no receiver is better
+// A fix under a bridge may be off by meters, so fixes get Cauchy weights scaled by the median residual.
+Fit fit_robustly(const std::vector<Plane>& world, const std::vector<Plane>& earth) {
+  constexpr int kIterations = 10;
+  constexpr double kMinScaleM = 0.01;  // the best accuracy of receivers
   std::vector<double> weights(world.size(), 1);
-  Fit fit = least_squares(world, earth, weights);
-  for (int round = 0; round < kRounds; ++round) {
-    const std::vector<double> off = residuals(fit, world, earth);
-    const double scale = std::max(2 * median(off), kLeastScale);
+  Fit fit = fit_least_squares(world, earth, weights);
+  for (int round = 0; round < kIterations; ++round) {
+    const std::vector<double> off = compute_residuals(fit, world, earth);
+    const double scale = std::max(2 * median(off), kMinScaleM);
     for (std::size_t i = 0; i < off.size(); ++i) weights[i] = 1 / (1 + (off[i] / scale) * (off[i] / scale));
-    fit = least_squares(world, earth, weights);
+    fit = fit_least_squares(world, earth, weights);
   }
   return fit;
 }
 
-double extent(const std::vector<Plane>& path) {
+double compute_extent(const std::vector<Plane>& path) {
   double most = 0;
   for (const Plane& p : path) most = std::max(most, std::abs(p - path.front()));
   return most;
@@ -73,8 +73,8 @@ double extent(const std::vector<Plane>& path) {
 }  // namespace
 
 std::optional<FoundPlace> find_place(const Trajectory& world_from_body, const std::vector<GeoFix>& fixes) {
-  constexpr std::size_t kLeastFixes = 3;
-  constexpr double kLeastError = 0.05, kMostUncertain = 5;  // meters, between fixes of one drive; degrees
+  constexpr std::size_t kMinFixes = 3;
+  constexpr double kMinErrorM = 0.05, kMaxHeadingErrorDeg = 5;  // the former between fixes of one drive
   if (fixes.empty()) return std::nullopt;
   const GeoFix& first = fixes.front();
   const Radii radii(first.latitude_deg);
@@ -85,18 +85,19 @@ std::optional<FoundPlace> find_place(const Trajectory& world_from_body, const st
     const Eigen::Vector3d antenna = *pose * fix.antenna;
     const double east_deg = std::remainder(fix.longitude_deg - first.longitude_deg, 360);
     world.emplace_back(antenna.x(), antenna.y());
-    earth.emplace_back(radii.east * east_deg * kDegree, radii.north * (fix.latitude_deg - first.latitude_deg) * kDegree);
+    earth.emplace_back(radii.east * east_deg * kRadPerDegree,
+                       radii.north * (fix.latitude_deg - first.latitude_deg) * kRadPerDegree);
   }
-  if (world.size() < kLeastFixes) return std::nullopt;
-  const Fit fit = robust_fit(world, earth);
+  if (world.size() < kMinFixes) return std::nullopt;
+  const Fit fit = fit_robustly(world, earth);
   FoundPlace out;
   out.fixes = world.size();
-  out.residual_m = median(residuals(fit, world, earth));
-  out.heading_bound_deg = std::atan2(4 * std::max(out.residual_m, kLeastError), extent(world)) / kDegree;
-  if (out.heading_bound_deg > kMostUncertain) return std::nullopt;
-  out.place.latitude_deg = first.latitude_deg + fit.origin.imag() / radii.north / kDegree;
-  out.place.longitude_deg = std::remainder(first.longitude_deg + fit.origin.real() / radii.east / kDegree, 360);
-  out.place.heading_deg = std::fmod(450 - std::arg(fit.turn) / kDegree, 360);  // x at angle 0 points east
+  out.residual_m = median(compute_residuals(fit, world, earth));
+  out.heading_bound_deg = std::atan2(4 * std::max(out.residual_m, kMinErrorM), compute_extent(world)) / kRadPerDegree;
+  if (out.heading_bound_deg > kMaxHeadingErrorDeg) return std::nullopt;
+  out.place.latitude_deg = first.latitude_deg + fit.origin.imag() / radii.north / kRadPerDegree;
+  out.place.longitude_deg = std::remainder(first.longitude_deg + fit.origin.real() / radii.east / kRadPerDegree, 360);
+  out.place.heading_deg = std::fmod(450 - std::arg(fit.turn) / kRadPerDegree, 360);  // x points east at angle 0
   return out;
 }
 

@@ -9,11 +9,11 @@
 namespace dvi {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kRadPerDegree = std::numbers::pi / 180;
 const EarthPlace kTruth{49.0125, 8.4375, 327};
 const Eigen::Vector3d kAntenna(-0.8, 0.3, 1.1);
 
-// A bend of 60 m, ten poses a second.
+// A bend of 60 m at ten poses per second.
 Trajectory bend(double meters) {
   std::vector<StampedPose> poses;
   for (int i = 0; i <= 60; ++i) {
@@ -23,15 +23,15 @@ Trajectory bend(double meters) {
   return Trajectory(std::move(poses));
 }
 
-// What an antenna would have told; the lengths of a degree by their series in multiples of the latitude.
+// Returns the fixes of an exact antenna; the lengths of a degree are computed by their series in multiples of the latitude.
 std::vector<GeoFix> fixes_of(const Trajectory& path) {
-  const double latitude = kTruth.latitude_deg * kDegree;
+  const double latitude = kTruth.latitude_deg * kRadPerDegree;
   const double north_degree = 111132.954 - 559.822 * std::cos(2 * latitude) + 1.175 * std::cos(4 * latitude);
   const double east_degree = 111412.84 * std::cos(latitude) - 93.5 * std::cos(3 * latitude) + 0.118 * std::cos(5 * latitude);
   std::vector<GeoFix> fixes;
   for (const StampedPose& pose : path.poses()) {
     const Eigen::Vector3d at = pose.world_from_body * kAntenna;
-    const double s = std::sin(kTruth.heading_deg * kDegree), c = std::cos(kTruth.heading_deg * kDegree);
+    const double s = std::sin(kTruth.heading_deg * kRadPerDegree), c = std::cos(kTruth.heading_deg * kRadPerDegree);
     const double east = s * at.x() - c * at.y(), north = c * at.x() + s * at.y();
     fixes.push_back(
         {pose.time_ns, kTruth.latitude_deg + north / north_degree, kTruth.longitude_deg + east / east_degree, kAntenna});
@@ -40,11 +40,11 @@ std::vector<GeoFix> fixes_of(const Trajectory& path) {
 }
 
 double meters_apart(const EarthPlace& a, const EarthPlace& b) {
-  return 111'000 * std::hypot(a.latitude_deg - b.latitude_deg,
-                              std::cos(a.latitude_deg * kDegree) * std::remainder(a.longitude_deg - b.longitude_deg, 360));
+  return 111'000 * std::hypot(a.latitude_deg - b.latitude_deg, std::cos(a.latitude_deg * kRadPerDegree) *
+                                                                   std::remainder(a.longitude_deg - b.longitude_deg, 360));
 }
 
-TEST(FindPlace, LaysAPathOntoItsFixes) {
+TEST(FindPlace, AlignsAPathWithItsFixes) {
   const Trajectory path = bend(60);
   const auto found = find_place(path, fixes_of(path));
   ASSERT_TRUE(found);
@@ -54,7 +54,7 @@ TEST(FindPlace, LaysAPathOntoItsFixes) {
   EXPECT_LT(found->residual_m, 0.01);
 }
 
-TEST(FindPlace, IsNotMovedByAFewFixesThatAreFarOff) {
+TEST(FindPlace, IsRobustAgainstAFewOutliers) {
   const Trajectory path = bend(60);
   std::vector<GeoFix> fixes = fixes_of(path);
   std::mt19937 random(7);

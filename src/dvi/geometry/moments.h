@@ -4,8 +4,8 @@
 
 namespace dvi {
 
-/// Count, sum and sum of outer products of points: their mean and covariance. Points are given from an origin near them, or
-/// the difference of large numbers in covariance() is noise.
+/// The count, sum and sum of outer products of points, from which mean and covariance follow. Points must be given relative to
+/// an origin near them; otherwise, covariance() is dominated by rounding errors.
 template <class Scalar>
 struct Moments {
   using Vector = Eigen::Matrix<Scalar, 3, 1>;
@@ -20,13 +20,13 @@ struct Moments {
     sum += x;
     squares += x * x.transpose();
   }
-  /// Takes back a point that was added.
+  /// Removes a point that was added before.
   void remove(const Vector& x) {
     --count;
     sum -= x;
     squares -= x * x.transpose();
   }
-  /// Those of other points, whose origin lies at `offset` from this one.
+  /// Adds the moments of other points, whose origin lies at `offset` from this one.
   void add(const Moments& other, const Vector& offset) {
     const auto n = static_cast<Scalar>(other.count);
     count += other.count;
@@ -36,7 +36,8 @@ struct Moments {
   }
 
   Vector mean() const { return sum / static_cast<Scalar>(count); }
-  /// By the count, not one less. The normal of the plane through the points is the eigenvector of its least eigenvalue.
+  /// Returns the covariance, normalized by the count. The normal of the plane through the points is its eigenvector with the
+  /// smallest eigenvalue.
   Matrix covariance() const {
     const Vector m = mean();
     return squares / static_cast<Scalar>(count) - m * m.transpose();

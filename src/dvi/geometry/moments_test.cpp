@@ -34,7 +34,7 @@ TEST(Moments, AreMeanAndCovariance) {
   EXPECT_LT((moments.covariance() - covariance).norm(), 1e-12);
 }
 
-TEST(Moments, OfOtherOriginsAddUp) {
+TEST(Moments, OfOtherOriginsAreAdded) {
   const std::vector<Eigen::Vector3d> here = cloud(2), there = cloud(3);
   const Eigen::Vector3d origin(10, -4, 2);
   Moments<double> together = moments_of(here, {0, 0, 0});
@@ -47,7 +47,7 @@ TEST(Moments, OfOtherOriginsAddUp) {
   EXPECT_LT((together.covariance() - expected.covariance()).norm(), 1e-10);
 }
 
-TEST(Moments, TakenBackPointsLeaveTheRest) {
+TEST(Moments, WithoutRemovedPointsAreThoseOfTheRest) {
   const std::vector<Eigen::Vector3d> points = cloud(4);
   Moments<double> moments = moments_of(points, {0, 0, 0});
   const Moments<double> before = moments;

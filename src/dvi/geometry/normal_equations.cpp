@@ -11,7 +11,7 @@ Eigen::MatrixXd solve_normal_equations(const std::vector<Eigen::Triplet<double>>
   Eigen::SparseMatrix<double> matrix(right.rows(), right.rows());
   matrix.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
-  if (solver.info() != Eigen::Success) throw std::logic_error("normal equations: an unknown is tied to nothing");
+  if (solver.info() != Eigen::Success) throw std::logic_error("normal equations: the matrix is singular");
   return solver.solve(right);
 }
 

@@ -7,9 +7,9 @@
 
 namespace dvi {
 
-/// Solves the normal equations A x = right, A sparse, symmetric and positive definite; `right` may have several columns.
-/// Entries of one place add up in their order; of A its lower half counts, the upper one may be left out. std::logic_error
-/// where A is singular. A few milliseconds for a thousand unknowns of a chain.
+/// Solves the normal equations A x = right, where A is sparse, symmetric and positive definite, and `right` may have several
+/// columns. Entries with the same indices are added in their order. Only the lower half of A is used. Throws std::logic_error
+/// if A is singular. Takes a few milliseconds for a chain of a thousand unknowns.
 Eigen::MatrixXd solve_normal_equations(const std::vector<Eigen::Triplet<double>>& entries, const Eigen::MatrixXd& right);
 
 }  // namespace dvi

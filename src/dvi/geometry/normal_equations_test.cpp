@@ -12,7 +12,7 @@ namespace {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-// A chain of unknowns, each tied to the next and a little to zero; entries of one place come in several parts.
+// Makes a chain of unknowns, each coupled to the next and weakly to zero. Entries with the same indices have several parts.
 Entries chain(int unknowns, Random& random, bool upper_half) {
   Entries entries;
   for (int i = 0; i < unknowns; ++i) entries.emplace_back(i, i, 0.1);
@@ -26,7 +26,7 @@ Entries chain(int unknowns, Random& random, bool upper_half) {
   return entries;
 }
 
-TEST(NormalEquations, AreSolvedForEveryColumn) {
+TEST(NormalEquations, AreSolvedForAllColumns) {
   Random random(1);
   const Entries entries = chain(40, random, true);
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(40, 40);
@@ -36,18 +36,18 @@ TEST(NormalEquations, AreSolvedForEveryColumn) {
   EXPECT_LT((solve_normal_equations(entries, right) - dense.ldlt().solve(right)).cwiseAbs().maxCoeff(), 1e-10);
 }
 
-TEST(NormalEquations, LowerHalfIsEnough) {
+TEST(NormalEquations, NeedTheLowerHalfOnly) {
   Random first(2), second(2);
   const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(20, -1, 1);
   EXPECT_EQ(solve_normal_equations(chain(20, first, true), right), solve_normal_equations(chain(20, second, false), right));
 }
 
-TEST(NormalEquations, SingularOnesAreABug) {
+TEST(NormalEquations, AreRefusedIfSingular) {
   const Entries loose{{0, 0, 1.0}};  // the second unknown has no equation
   EXPECT_THROW(solve_normal_equations(loose, Eigen::VectorXd::Ones(2)), std::logic_error);
 }
 
-TEST(NormalEquations, OfNothingHaveNoSolution) { EXPECT_EQ(solve_normal_equations({}, Eigen::MatrixXd(0, 4)).rows(), 0); }
+TEST(NormalEquations, MayBeEmpty) { EXPECT_EQ(solve_normal_equations({}, Eigen::MatrixXd(0, 4)).rows(), 0); }
 
 }  // namespace
 }  // namespace dvi

@@ -11,26 +11,27 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-TEST(Plausible, RotationsOnly) {
+TEST(Plausible, AcceptsRotationsOnly) {
   const Eigen::Matrix3d R = so3_exp({0.3, -1.2, 0.7});
-  EXPECT_EQ(rotation_problem(R), "");
-  EXPECT_EQ(rotation_problem((R.array() + 3e-4).matrix()), "");
-  EXPECT_THAT(rotation_problem(Eigen::Matrix3d::Zero()), HasSubstr("does not hold a rotation: its rows have lengths 0, 0, 0"));
-  EXPECT_THAT(rotation_problem(-R), HasSubstr("mirrors"));
-  EXPECT_THAT(rotation_problem(1.01 * R), HasSubstr("lengths 1.01"));
+  EXPECT_EQ(describe_rotation_problem(R), "");
+  EXPECT_EQ(describe_rotation_problem((R.array() + 3e-4).matrix()), "");
+  EXPECT_THAT(describe_rotation_problem(Eigen::Matrix3d::Zero()),
+              HasSubstr("does not hold a rotation: its rows have lengths 0, 0, 0"));
+  EXPECT_THAT(describe_rotation_problem(-R), HasSubstr("mirrors"));
+  EXPECT_THAT(describe_rotation_problem(1.01 * R), HasSubstr("lengths 1.01"));
   Eigen::Matrix3d sheared = R;
   sheared.row(0) = R.row(1);
-  EXPECT_THAT(rotation_problem(sheared), HasSubstr("its rows have lengths 1, 1, 1"));
+  EXPECT_THAT(describe_rotation_problem(sheared), HasSubstr("its rows have lengths 1, 1, 1"));
   sheared(0, 0) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(rotation_problem(sheared), HasSubstr("not finite"));
+  EXPECT_THAT(describe_rotation_problem(sheared), HasSubstr("not finite"));
 }
 
-TEST(Plausible, CameraMatricesRowByRow) {
-  EXPECT_EQ(camera_matrix_problem({500, 0, 320, 0, 500, 240, 0, 0, 1}), "");
-  EXPECT_THAT(camera_matrix_problem({500, 0, 0, 0, 500, 0, 320, 240, 1}), HasSubstr("is transposed"));
-  EXPECT_THAT(camera_matrix_problem({500, 0, 320, 0, 500, 240, 0, 0, 0}), HasSubstr("0 0 0 as its last row"));
-  EXPECT_THAT(camera_matrix_problem({500, 0, 320, 0, -500, 240, 0, 0, 1}), HasSubstr("fy = -500"));
-  EXPECT_THAT(camera_matrix_problem({500, 9, 320, 0, 500, 240, 0, 0, 1}), HasSubstr("skewed"));
+TEST(Plausible, AcceptsCameraMatricesRowByRow) {
+  EXPECT_EQ(describe_camera_matrix_problem({500, 0, 320, 0, 500, 240, 0, 0, 1}), "");
+  EXPECT_THAT(describe_camera_matrix_problem({500, 0, 0, 0, 500, 0, 320, 240, 1}), HasSubstr("is transposed"));
+  EXPECT_THAT(describe_camera_matrix_problem({500, 0, 320, 0, 500, 240, 0, 0, 0}), HasSubstr("0 0 0 as its last row"));
+  EXPECT_THAT(describe_camera_matrix_problem({500, 0, 320, 0, -500, 240, 0, 0, 1}), HasSubstr("fy = -500"));
+  EXPECT_THAT(describe_camera_matrix_problem({500, 9, 320, 0, 500, 240, 0, 0, 1}), HasSubstr("skewed"));
 }
 
 Camera camera_of(int width, int height, double f, double cx, double cy) {
@@ -39,7 +40,7 @@ Camera camera_of(int width, int height, double f, double cx, double cy) {
   return camera;
 }
 
-TEST(Plausible, CamerasNearTheirImages) {
+TEST(Plausible, AcceptsCamerasThatMatchTheirImages) {
   const auto error = [](const Camera& camera) { return input_error([&] { require_plausible(camera, "calib.txt", "P2"); }); };
   EXPECT_NO_THROW(require_plausible(camera_of(640, 480, 500, 320, 240), "calib.txt", "P2"));
   EXPECT_NO_THROW(require_plausible(camera_of(640, 480, 32, -320, 720), "calib.txt", "P2"));
@@ -51,10 +52,11 @@ TEST(Plausible, CamerasNearTheirImages) {
   EXPECT_THAT(error(camera_of(65536, 65536, 65536, 320, 240)), AllOf(HasSubstr("65536x65536"), HasSubstr("2^28")));
 }
 
-TEST(Plausible, NamesThatStayInTheirFolder) {
+TEST(Plausible, AcceptsNamesWithinTheirFolder) {
   EXPECT_NO_THROW(require_plain_name("front..left", "dvi.toml", "a camera"));
   for (const char* name : {"", ".", "..", "../../evil", "a/b", "a\\b"})
-    EXPECT_THAT(input_error([&] { require_plain_name(name, "dvi.toml", "a camera"); }), HasSubstr("is no name of a camera"));
+    EXPECT_THAT(input_error([&] { require_plain_name(name, "dvi.toml", "a camera"); }),
+                HasSubstr("is not a valid name of a camera"));
 }
 
 }  // namespace

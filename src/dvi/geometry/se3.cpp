@@ -10,10 +10,10 @@ namespace dvi {
 namespace {
 
 constexpr double kSmallAngle = 1e-8;
-constexpr double kSeriesAngle = 1e-4;  // below it 1 - cos has lost half its digits, and the next term of the series is 1e-13
+constexpr double kSeriesAngle = 1e-4;  // below it, 1 - cos loses half of its digits, and the next term of the series is 1e-13
 
-// The left Jacobian of SO(3): translation of exp(rho, phi) = J(phi) rho.
-Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& phi) {
+// Returns the left Jacobian of SO(3): the translation of exp(rho, phi) is J(phi) rho.
+Eigen::Matrix3d compute_left_jacobian(const Eigen::Vector3d& phi) {
   const double angle = phi.norm();
   const Eigen::Matrix3d k = skew(phi);
   if (angle < kSeriesAngle) return Eigen::Matrix3d::Identity() + 0.5 * k + k * k / 6;
@@ -30,7 +30,7 @@ Eigen::Matrix3d so3_exp(const Eigen::Vector3d& w) {
 }
 
 Eigen::Vector3d so3_log(const Eigen::Matrix3d& R) {
-  // By the quaternion: well conditioned near zero and near pi alike.
+  // The quaternion is well conditioned near zero as well as near pi.
   Eigen::Quaterniond q(R);
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   const double s = q.vec().norm();
@@ -39,13 +39,13 @@ Eigen::Vector3d so3_log(const Eigen::Matrix3d& R) {
 
 SE3 se3_exp(const Vector6d& twist) {
   const Eigen::Vector3d phi = twist.tail<3>();
-  return {so3_exp(phi), left_jacobian(phi) * twist.head<3>()};
+  return {so3_exp(phi), compute_left_jacobian(phi) * twist.head<3>()};
 }
 
 Vector6d se3_log(const SE3& pose) {
   Vector6d twist;
   twist.tail<3>() = so3_log(pose.R);
-  twist.head<3>() = left_jacobian(twist.tail<3>()).inverse() * pose.t;
+  twist.head<3>() = compute_left_jacobian(twist.tail<3>()).inverse() * pose.t;
   return twist;
 }
 

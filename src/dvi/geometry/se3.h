@@ -18,18 +18,18 @@ struct SE3 {
   SE3 inverse() const { return {R.transpose(), -(R.transpose() * t)}; }
 };
 
-/// Rotation of the rotation vector w (Rodrigues), and back for angles below pi.
+/// Converts a rotation vector w to its rotation (Rodrigues), and back for angles below pi.
 Eigen::Matrix3d so3_exp(const Eigen::Vector3d& w);
 Eigen::Vector3d so3_log(const Eigen::Matrix3d& R);
 
-/// Exponential map of the twist (translation part rho, rotation part phi), and its inverse.
+/// The exponential map of a twist (translation part rho, rotation part phi), and its inverse.
 SE3 se3_exp(const Vector6d& twist);
 Vector6d se3_log(const SE3& pose);
 
-/// The pose at `u` of the way from a (0) to b (1), on the screw between them; u outside [0, 1] goes on along it.
+/// Interpolates between the poses a (u = 0) and b (u = 1) along the screw between them; extrapolates for u outside [0, 1].
 SE3 interpolate(const SE3& a, const SE3& b, double u);
 
-/// The rotation nearest to a matrix that was printed with few digits.
+/// Returns the rotation nearest to a matrix, such as one that was printed with few digits.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m);
 
 }  // namespace dvi

@@ -18,7 +18,7 @@ Eigen::Vector3d random_vector(Random& random, double scale) {
   return {random.uniform(-scale, scale), random.uniform(-scale, scale), random.uniform(-scale, scale)};
 }
 
-// Angles from far below the threshold of the series up to just below pi.
+// The angles range from far below the threshold of the series up to just below pi.
 Eigen::Vector3d random_rotation_vector(Random& random) {
   const double angle =
       random.below(2) == 0 ? std::pow(10.0, random.uniform(-12, 0)) : random.uniform(0, std::numbers::pi - 1e-6);
@@ -29,7 +29,7 @@ SE3 random_pose(Random& random) { return {so3_exp(random_rotation_vector(random)
 
 double distance(const SE3& a, const SE3& b) { return (a.R - b.R).norm() + (a.t - b.t).norm(); }
 
-TEST(SE3, SkewIsTheCrossProduct) {
+TEST(SE3, HasSkewMatricesOfTheCrossProduct) {
   Random random(11);
   for (int i = 0; i < 20; ++i) {
     const Eigen::Vector3d v = random_vector(random, 3), x = random_vector(random, 3);
@@ -38,7 +38,7 @@ TEST(SE3, SkewIsTheCrossProduct) {
   }
 }
 
-TEST(SE3, RotationVectorsComeBack) {
+TEST(SE3, RecoversRotationVectors) {
   Random random(1);
   for (int i = 0; i < kTrials; ++i) {
     const Eigen::Vector3d w = random_rotation_vector(random);
@@ -49,12 +49,12 @@ TEST(SE3, RotationVectorsComeBack) {
   }
 }
 
-TEST(SE3, QuarterTurnAboutZTakesXToY) {
+TEST(SE3, RotatesXToYByAQuarterTurnAboutZ) {
   const Eigen::Matrix3d R = so3_exp({0, 0, std::numbers::pi / 2});
   EXPECT_LT((R * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), 1e-15);
 }
 
-TEST(SE3, HalfTurnHasALogarithmOfLengthPi) {
+TEST(SE3, HasALogarithmOfLengthPiForHalfTurns) {
   for (const Eigen::Vector3d& direction : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 2, -2)}) {
     const Eigen::Vector3d axis = direction.normalized();
     const Eigen::Vector3d w = so3_log(Eigen::AngleAxisd(std::numbers::pi, axis).toRotationMatrix());
@@ -63,7 +63,7 @@ TEST(SE3, HalfTurnHasALogarithmOfLengthPi) {
   }
 }
 
-TEST(SE3, TwistsComeBack) {
+TEST(SE3, RecoversTwists) {
   Random random(2);
   for (int i = 0; i < kTrials; ++i) {
     Vector6d twist;
@@ -73,12 +73,12 @@ TEST(SE3, TwistsComeBack) {
   }
 }
 
-TEST(SE3, SmallAnglesAreAsExactAsLargeOnes) {
+TEST(SE3, IsExactForSmallAngles) {
   for (const double angle : {1e-3, 1e-5, 1e-7, 1.1e-8, 1e-9}) {
     Vector6d twist;
     twist << 30, 20, 10, 0, 0, angle;
     const Eigen::Vector3d t = se3_exp(twist).t;
-    // The arc of a screw about z, by series: sin(a)/a = 1 - a^2/6, (1 - cos(a))/a = a/2 - a^3/24.
+    // The oracle is the arc of a screw about z by series: sin(a)/a = 1 - a^2/6, (1 - cos(a))/a = a/2 - a^3/24.
     const double a2 = angle * angle, along = 1 - a2 / 6, across = angle / 2 * (1 - a2 / 12);
     EXPECT_NEAR(t.x(), 30 * along - 20 * across, 1e-10) << angle;
     EXPECT_NEAR(t.y(), 20 * along + 30 * across, 1e-10) << angle;
@@ -96,7 +96,7 @@ TEST(SE3, InverseAndProductAgreeWithPoints) {
   }
 }
 
-TEST(SE3, InterpolationMeetsItsEndsAndComposesAlongTheWay) {
+TEST(SE3, InterpolatesBetweenItsEndsAndComposes) {
   Random random(4);
   for (int i = 0; i < kTrials; ++i) {
     const SE3 a = random_pose(random);
@@ -107,11 +107,11 @@ TEST(SE3, InterpolationMeetsItsEndsAndComposesAlongTheWay) {
     ASSERT_LT(distance(interpolate(a, b, 1), b), 1e-9);
     const SE3 middle = interpolate(a, b, 0.5);
     ASSERT_LT(distance(interpolate(a, middle, 0.5), interpolate(a, b, 0.25)), 1e-9);
-    ASSERT_LT(distance(interpolate(a, middle, 2), b), 1e-8);  // goes on along the screw
+    ASSERT_LT(distance(interpolate(a, middle, 2), b), 1e-8);  // extrapolates along the screw
   }
 }
 
-TEST(SE3, NearestRotationUndoesPrintingWithFewDigits) {
+TEST(SE3, RecoversRotationsPrintedWithFewDigits) {
   Random random(5);
   for (int i = 0; i < kTrials; ++i) {
     const Eigen::Matrix3d R = so3_exp(random_rotation_vector(random));
@@ -124,16 +124,16 @@ TEST(SE3, NearestRotationUndoesPrintingWithFewDigits) {
   EXPECT_NEAR(nearest_rotation(Eigen::Vector3d(1, 1, -1).asDiagonal()).determinant(), 1, 1e-13);
 }
 
-TEST(Box, ContainsWhatIsInsideItsTurnedSides) {
+TEST(Box, ContainsPointsInsideItsRotatedSides) {
   const Box box{{so3_exp({0, 0, std::numbers::pi / 2}), {10, 0, 1}}, {4, 2, 1.5}};
-  EXPECT_TRUE(box.contains({10, 1.9, 1}));  // its length lies along y now
+  EXPECT_TRUE(box.contains({10, 1.9, 1}));  // its length is along y
   EXPECT_FALSE(box.contains({11.9, 0, 1}));
   EXPECT_FALSE(box.contains({10, 2.1, 1}));
   EXPECT_TRUE(box.contains({10, 2.1, 1}, 0.2));
   EXPECT_FALSE(box.contains({10, 1.9, 1}, -0.2));
 }
 
-TEST(Box, CornersLieOnItsSurface) {
+TEST(Box, HasCornersOnItsSurface) {
   Random random(6);
   const Box box{random_pose(random), {4, 2, 1.5}};
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();

@@ -7,9 +7,9 @@
 namespace dvi {
 namespace {
 
-constexpr std::int64_t kStep = 100'000'000;  // 10 Hz
+constexpr std::int64_t kStepNs = 100'000'000;  // 10 Hz
 
-// A steady turn: 1.2 m and 0.02 rad a step.
+// A steady turn of 1.2 m and 0.02 rad per step.
 SE3 turn(double steps) {
   Vector6d twist;
   twist << 1.2 * steps, 0, 0, 0, 0, 0.02 * steps;
@@ -18,7 +18,7 @@ SE3 turn(double steps) {
 
 Trajectory turning(int first, int last) {
   std::vector<StampedPose> poses;
-  for (int i = first; i <= last; ++i) poses.push_back({i * kStep, turn(i)});
+  for (int i = first; i <= last; ++i) poses.push_back({i * kStepNs, turn(i)});
   return Trajectory(poses);
 }
 
@@ -32,52 +32,52 @@ TEST(Trajectory, EmptyHasNoPoses) {
   EXPECT_FALSE(Trajectory().at(0).has_value());
 }
 
-TEST(Trajectory, OnePoseHoldsAtItsTimeOnly) {
-  const Trajectory one({{kStep, turn(3)}});
-  expect_near(one.at(kStep), turn(3));
-  EXPECT_FALSE(one.at(kStep + 1).has_value());
+TEST(Trajectory, HasAPoseOnlyAtTheTimeOfASingleOne) {
+  const Trajectory one({{kStepNs, turn(3)}});
+  expect_near(one.at(kStepNs), turn(3));
+  EXPECT_FALSE(one.at(kStepNs + 1).has_value());
 }
 
-TEST(Trajectory, SteadyMotionIsInterpolatedExactly) {
+TEST(Trajectory, InterpolatesSteadyMotionExactly) {
   const Trajectory t = turning(0, 20);
-  for (double at = 0; at <= 20; at += 0.37) expect_near(t.at(std::llround(at * kStep)), turn(at), 1e-7);
-  for (int i = 0; i <= 20; ++i) expect_near(t.at(i * kStep), turn(i), 1e-15);
+  for (double at = 0; at <= 20; at += 0.37) expect_near(t.at(std::llround(at * kStepNs)), turn(at), 1e-7);
+  for (int i = 0; i <= 20; ++i) expect_near(t.at(i * kStepNs), turn(i), 1e-15);
 }
 
-TEST(Trajectory, OrderDoesNotMatterAndTheFirstOfEqualTimesStays) {
-  const Trajectory t({{2 * kStep, turn(2)}, {0, turn(0)}, {kStep, turn(1)}, {kStep, turn(7)}});
+TEST(Trajectory, SortsPosesAndKeepsTheFirstOfEqualTimes) {
+  const Trajectory t({{2 * kStepNs, turn(2)}, {0, turn(0)}, {kStepNs, turn(1)}, {kStepNs, turn(7)}});
   ASSERT_EQ(t.poses().size(), 3U);
   EXPECT_EQ(t.poses()[0].time_ns, 0);
-  expect_near(t.at(kStep), turn(1));
+  expect_near(t.at(kStepNs), turn(1));
 }
 
-TEST(Trajectory, MotionGoesOnBeyondTheEndsForAWhile) {
+TEST(Trajectory, ExtrapolatesBeyondTheEnds) {
   const Trajectory t = turning(0, 5);
-  expect_near(t.at(7 * kStep), turn(7));
-  expect_near(t.at(-2 * kStep), turn(-2));
-  EXPECT_FALSE(t.at(7 * kStep + 1).has_value());
-  EXPECT_FALSE(t.at(-2 * kStep - 1).has_value());
+  expect_near(t.at(7 * kStepNs), turn(7));
+  expect_near(t.at(-2 * kStepNs), turn(-2));
+  EXPECT_FALSE(t.at(7 * kStepNs + 1).has_value());
+  EXPECT_FALSE(t.at(-2 * kStepNs - 1).has_value());
 }
 
-TEST(Trajectory, ShortGapsAreBridgedLongOnesAreNot) {
+TEST(Trajectory, InterpolatesAcrossShortGapsOnly) {
   std::vector<StampedPose> poses = turning(0, 5).poses();
-  for (int i = 15; i <= 20; ++i) poses.push_back({i * kStep, turn(i)});  // exactly max_gap apart
+  for (int i = 15; i <= 20; ++i) poses.push_back({i * kStepNs, turn(i)});  // exactly max_gap apart
   Trajectory t(poses);
-  expect_near(t.at(10 * kStep), turn(10));
-  t.max_gap = 10 * kStep - 1;
-  EXPECT_FALSE(t.at(10 * kStep).has_value());
-  expect_near(t.at(5 * kStep), turn(5));
-  expect_near(t.at(15 * kStep), turn(15));
+  expect_near(t.at(10 * kStepNs), turn(10));
+  t.max_gap = 10 * kStepNs - 1;
+  EXPECT_FALSE(t.at(10 * kStepNs).has_value());
+  expect_near(t.at(5 * kStepNs), turn(5));
+  expect_near(t.at(15 * kStepNs), turn(15));
 }
 
-TEST(Trajectory, AnotherWorldSeesTheSameMotion) {
+TEST(Trajectory, IsTheSameMotionInAnotherWorld) {
   const SE3 other_from_world{so3_exp({0.1, -0.2, 2}), {5, 6, 7}};
   const Trajectory t = turning(0, 5).in(other_from_world);
   expect_near(t.at(250'000'000), other_from_world * turn(2.5));
 }
 
-// Nanoseconds since 1970 do not fit a double.
-TEST(Trajectory, TimesSince1970KeepTheirNanoseconds) {
+// Nanoseconds since 1970 exceed the precision of a double.
+TEST(Trajectory, KeepsNanosecondsSince1970) {
   const std::int64_t since_1970 = 1'557'540'003'123'456'789;
   const Trajectory t({{since_1970, turn(0)}, {since_1970 + 1000, turn(1)}});
   expect_near(t.at(since_1970 + 250), turn(0.25));

@@ -28,7 +28,7 @@ struct Source {
 
   /// What it shows of a pixel of the target, in its light but for the gain.
   cv::Vec3f shown(cv::Point p, cv::Point2f at, cv::Vec2b footprint) const {
-    return vignetted(box_mean(*image, at, footprint), vignetting_to(target, p, view, at));
+    return apply_vignetting(box_mean(*image, at, footprint), vignetting_to(target, p, view, at));
   }
 };
 
@@ -36,7 +36,8 @@ struct Source {
 /// it cannot.
 std::optional<cv::Vec3f> neighbor(const Source& source, cv::Point p, const sample::Candidate& shown, const cv::Vec3f& gain,
                                   cv::Point q, const depth::DepthMap& depth) {
-  const cv::Point2f by_depth = neighbor_in_source(p, shown.position, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
+  const cv::Point2f by_depth =
+      find_neighbor_in_source(p, shown.position, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
   const cv::Point2f by_image = shown.position + cv::Point2f(q - p);
   for (const cv::Point2f at : {by_depth, by_image})
     if (can_sample(*source.mask, at, shown.footprint)) return source.shown(q, at, shown.footprint).mul(gain);

@@ -141,7 +141,7 @@ std::optional<cv::Point2f> shown_at(const Surface& surface, const Camera& camera
   if (!camera.in_front(x)) return std::nullopt;
   const Eigen::Vector2d p = camera.project(x);
   if (!camera.contains(p)) return std::nullopt;
-  const cv::Point2f at = quantized(p.x(), p.y());
+  const cv::Point2f at = quantize(p.x(), p.y());
   if (!camera.contains({at.x, at.y}) || seen.clear_px(at) < kMargin) return std::nullopt;
   if (seen.hides(at, x.z(), kTolerance) || seen.sees_through(at, x.z(), kTolerance)) return std::nullopt;
   return at;

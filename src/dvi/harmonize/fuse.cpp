@@ -88,7 +88,7 @@ Fused fuse(const depth::Target& target, const sample::Candidates& candidates, co
       if (can_sample(*mask, from.position, from.footprint)) footprints[slot] = from.footprint;
       const cv::Vec3f color = box_mean(*image, from.position, footprints[slot]);
       const float shade = vignetting_to(target.view(), candidates.hole.pixels[slot / ranks], views[view], from.position);
-      const cv::Vec3f lit = vignetted(color, shade).mul(light.gain_to(target.view(), views[view], slot / ranks));
+      const cv::Vec3f lit = apply_vignetting(color, shade).mul(light.gain_to(target.view(), views[view], slot / ranks));
       // Brighter than any surface of the target, beyond noise: it is not lit as those are that the gains were found from.
       if (other_day && std::max({lit[0], lit[1], lit[2]}) > light.brightest + kDiffer) {
         sky(candidates.hole.pixels[slot / ranks]) = 255;

@@ -110,7 +110,7 @@ struct Part {
 };
 
 std::vector<Part> parts_of(const Window& window, const cv::Mat1b& roles, cv::Mat1i& labels) {
-  const int count = connected_parts(where(roles, Role::solved), labels);
+  const int count = label_connected_parts(where(roles, Role::solved), labels);
   std::vector<Part> parts(count + 1);
   for (std::size_t i = 0; i < window.size(); ++i) {
     const cv::Point p = window.pixel(i);
@@ -178,7 +178,7 @@ class Equation {
   bool silhouette(cv::Point p, cv::Point q) const {
     if (roles_(q) != static_cast<uchar>(Role::fixed) || !window_.unobserved(p)) return false;
     if (!window_.unobserved_sky(p)) return window_.unobserved_sky(q) || differ(window_.class_of(p), window_.class_of(q));
-    return depth::DepthMap::is_solid(window_.depth(q)) || sky_.clamped(color_(q)) != color_(q);
+    return depth::DepthMap::is_solid(window_.depth(q)) || sky_.clamp(color_(q)) != color_(q);
   }
 
   /// What a neighbor adds to the right side: its color where it is fixed, the gradient of the copies within one source.

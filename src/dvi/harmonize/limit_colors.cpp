@@ -21,7 +21,7 @@ ColorRange widened(ColorRange range, const sample::Candidates& candidates, const
   for (int y = std::max(p.y - 1, 0); y <= std::min(p.y + 1, index.rows - 1); ++y)
     for (int x = std::max(p.x - 1, 0); x <= std::min(p.x + 1, index.cols - 1); ++x) {
       const int j = index(y, x);
-      if (j >= 0 && candidates.leading[j].found()) range = range.with(ColorRange{}.clamped(copies[j]));
+      if (j >= 0 && candidates.leading[j].found()) range = range.with(ColorRange{}.clamp(copies[j]));
     }
   return range;
 }
@@ -61,8 +61,8 @@ void keep_within(const ColorRange& surroundings, const sample::Candidates& candi
   for (std::size_t i = 0; i < candidates.leading.size(); ++i) {
     if (!candidates.leading[i].found()) continue;
     const cv::Point p = candidates.hole.pixels[i];
-    if (surroundings.clamped(color(p)) == color(p)) continue;
-    color(p) = widened(surroundings, candidates, copies, p).clamped(color(p));
+    if (surroundings.clamp(color(p)) == color(p)) continue;
+    color(p) = widened(surroundings, candidates, copies, p).clamp(color(p));
   }
 }
 

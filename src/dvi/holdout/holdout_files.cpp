@@ -29,7 +29,8 @@ nlohmann::json description(const Holdout& holdout, const std::string& recipe, co
                             {"visible", static_cast<bool>(holdout.visible()[i])},
                             {"held_out_pixels", held_out[i]},
                             {"scored_pixels", scored[i]}};
-    if (holdout.vehicle()) frame["world_from_box"] = row_major(holdout.vehicle()->at(drive.frames[i].time_ns).frame_from_box);
+    if (holdout.vehicle())
+      frame["world_from_box"] = to_row_major(holdout.vehicle()->at(drive.frames[i].time_ns).frame_from_box);
     frames.push_back(std::move(frame));
   }
   nlohmann::json json = {{"schema", "dvi-holdout/1"},

@@ -33,7 +33,7 @@ cv::Vec3b grained(const std::array<double, 3>& color, double shade, std::uint64_
 // Of a pinhole the pixels that can show the box; corners behind the camera or distortion say nothing of that.
 cv::Rect bounds(const Box& box, const Camera& camera) {
   const cv::Rect image(0, 0, camera.width, camera.height);
-  if (camera.distorted()) return image;
+  if (camera.is_distorted()) return image;
   double left = camera.width, right = -1, top = camera.height, bottom = -1;
   for (const Eigen::Vector3d& corner : box.corners()) {
     if (corner.z() < 0.1) return image;

@@ -7,16 +7,16 @@
 namespace dvi {
 namespace {
 
-/// Of the blocks along one side of an image.
+/// The blocks along one side of an image.
 struct Blocks {
   int count;
   double sigma;  // in blocks
 
   Blocks(int pixels, double sigma_px) : count(pixels), sigma(sigma_px) {
-    constexpr double kFine = 2.5;  // blocks of a Gaussian: what lies between them is smooth
-    if (sigma_px < 2 * kFine) return;
-    count = static_cast<int>(std::ceil(pixels * kFine / sigma_px));
-    // Means over blocks have a variance of 1 / 12, linear interpolation between them twice that.
+    constexpr double kMinSigmaBlocks = 2.5;  // the image is smooth between the blocks of a Gaussian
+    if (sigma_px < 2 * kMinSigmaBlocks) return;
+    count = static_cast<int>(std::ceil(pixels * kMinSigmaBlocks / sigma_px));
+    // Means over blocks have a variance of 1 / 12, and linear interpolation between them has twice that.
     const double width = static_cast<double>(pixels) / count;
     sigma = std::sqrt(sigma_px * sigma_px / (width * width) - 0.25);
   }

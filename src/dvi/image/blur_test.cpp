@@ -18,7 +18,7 @@ cv::Mat3f steps_and_noise(cv::Size size, std::uint64_t seed) {
   return image;
 }
 
-TEST(Blurred, IsAGaussianWhateverItsWidth) {
+TEST(Blurred, IsAGaussianOfAnyWidth) {
   for (const cv::Size size : {cv::Size(240, 130), cv::Size(97, 61), cv::Size(9, 5)}) {
     const cv::Mat3f image = steps_and_noise(size, 5);
     for (const double sigma_x : {1.0, 4.0, 5.0, 8.0, 10.0, 20.0})
@@ -32,7 +32,7 @@ TEST(Blurred, IsAGaussianWhateverItsWidth) {
   }
 }
 
-TEST(Blurred, KeepsWhatIsEven) {
+TEST(Blurred, KeepsUniformImages) {
   const cv::Mat1f even(50, 70, 12.5F);
   for (const double sigma : {2.0, 9.0, 30.0}) EXPECT_LT(cv::norm(blurred(even, sigma), even, cv::NORM_INF), 1e-4);
 }

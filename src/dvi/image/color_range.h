@@ -6,16 +6,16 @@
 
 namespace dvi {
 
-/// BGR, 0 to 255, each channel by itself.
+/// A range of BGR colors, 0 to 255, separate for each channel.
 struct ColorRange {
   cv::Vec3f low = cv::Vec3f::all(0), high = cv::Vec3f::all(255);
 
-  cv::Vec3f clamped(const cv::Vec3f& color) const {
+  cv::Vec3f clamp(const cv::Vec3f& color) const {
     cv::Vec3f out;
     for (int c = 0; c < 3; ++c) out[c] = std::clamp(color[c], low[c], high[c]);
     return out;
   }
-  /// Wide enough for a color.
+  /// Returns the range extended to a color.
   ColorRange with(const cv::Vec3f& color) const {
     ColorRange out = *this;
     for (int c = 0; c < 3; ++c) {

@@ -26,40 +26,40 @@ cv::Mat3b noise(int width, int height, std::uint64_t seed) {
 }
 
 TEST(Quantized, IsTheNearestSixteenth) {
-  EXPECT_EQ(quantized(3.0, 7.5), cv::Point2f(3.0F, 7.5F));
-  EXPECT_EQ(quantized(0.031, 0.032), cv::Point2f(0, 1 / 16.0F));
+  EXPECT_EQ(quantize(3.0, 7.5), cv::Point2f(3.0F, 7.5F));
+  EXPECT_EQ(quantize(0.031, 0.032), cv::Point2f(0, 1 / 16.0F));
   Random random(1);
   for (int i = 0; i < 1000; ++i) {
     const double x = random.uniform(0, 4000), y = random.uniform(0, 3000);
-    const cv::Point2f q = quantized(x, y);
+    const cv::Point2f q = quantize(x, y);
     ASSERT_LE(std::abs(q.x - x), 1 / 32.0);
     ASSERT_LE(std::abs(q.y - y), 1 / 32.0);
-    // What is written to a 16-bit file comes back as it was.
+    // The value is read back unchanged from a 16-bit file.
     const auto written = static_cast<std::uint16_t>(q.x * kSubpixel);
     ASSERT_EQ(static_cast<float>(written) / kSubpixel, q.x);
   }
 }
 
-TEST(Bilinear, WholePositionsAreThePixelsThemselves) {
+TEST(Bilinear, EqualsPixelsAtWholePositions) {
   const cv::Mat3b image = noise(7, 5, 1);
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x)
       ASSERT_EQ(bilinear(image, cv::Point2f(static_cast<float>(x), static_cast<float>(y))), cv::Vec3f(image(y, x)));
 }
 
-TEST(Bilinear, RampsAreReproducedExactly) {
+TEST(Bilinear, ReproducesRampsExactly) {
   cv::Mat3b image(10, 12);
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x)
       image(y, x) = cv::Vec3b(static_cast<uchar>(16 * x), static_cast<uchar>(16 * y), static_cast<uchar>(3 * x + 5 * y));
   Random random(2);
   for (int i = 0; i < 1000; ++i) {
-    const cv::Point2f at = quantized(random.uniform(0, 11), random.uniform(0, 9));
+    const cv::Point2f at = quantize(random.uniform(0, 11), random.uniform(0, 9));
     ASSERT_EQ(bilinear(image, at), cv::Vec3f(16 * at.x, 16 * at.y, 3 * at.x + 5 * at.y)) << at;
   }
 }
 
-TEST(Bilinear, StaysBetweenItsNeighborsUpToTheVeryEdge) {
+TEST(Bilinear, StaysBetweenItsNeighborsUpToTheEdge) {
   const cv::Mat3b image = noise(6, 4, 3);
   double low = 0, high = 0;
   cv::minMaxLoc(image.reshape(1), &low, &high);
@@ -72,7 +72,7 @@ TEST(Bilinear, StaysBetweenItsNeighborsUpToTheVeryEdge) {
       }
 }
 
-TEST(Bilinear, OneRowOrColumnIsAnImageToo) {
+TEST(Bilinear, SupportsImagesOfOneRowOrColumn) {
   const cv::Mat3b pixel(1, 1, cv::Vec3b(1, 2, 3));
   EXPECT_EQ(bilinear(pixel, {0, 0}), cv::Vec3f(1, 2, 3));
   const cv::Mat3b row = (cv::Mat3b(1, 2) << cv::Vec3b(0, 0, 0), cv::Vec3b(100, 50, 10));
@@ -93,34 +93,34 @@ TEST(Region, NumbersItsPixelsInRasterOrder) {
   EXPECT_EQ(cv::countNonZero(region.index >= 0), 3);
 }
 
-TEST(Region, OfNothingIsEmpty) {
+TEST(Region, IsEmptyForAnEmptyMask) {
   EXPECT_EQ(Region().size(), 0U);
   EXPECT_EQ(Region(mask_of({"...", "..."})).size(), 0U);
   EXPECT_EQ(Region(cv::Mat1b()).size(), 0U);
 }
 
-TEST(Grown, GrowsAndShrinksByItsRadius) {
+TEST(Grown, EnlargesAndShrinksByItsRadius) {
   const cv::Mat1b dot = mask_of({".....", ".....", "..#..", ".....", "....."});
   EXPECT_TRUE(equal(grown(dot, 0), dot));
   EXPECT_TRUE(equal(grown(dot, 1), mask_of({".....", "..#..", ".###.", "..#..", "....."})));
   EXPECT_TRUE(equal(grown(grown(dot, 1), -1), dot));
   EXPECT_EQ(cv::countNonZero(grown(dot, -1)), 0);
-  EXPECT_EQ(cv::countNonZero(dot), 1) << "the input stays as it is";
+  EXPECT_EQ(cv::countNonZero(dot), 1) << "the input is unchanged";
 }
 
-TEST(Grown, TheImagesBorderIsNoBoundaryOfTheMask) {
+TEST(Grown, IgnoresTheBorderOfTheImage) {
   const cv::Mat1b full(6, 8, uchar{255});
   EXPECT_TRUE(equal(grown(full, -2), full));
 }
 
-TEST(ConnectedParts, DiagonalsDoNotConnect) {
+TEST(ConnectedParts, AreNotConnectedDiagonally) {
   cv::Mat1i labels;
-  EXPECT_EQ(connected_parts(mask_of({"##..", "..#.", "..##"}), labels), 2);
+  EXPECT_EQ(label_connected_parts(mask_of({"##..", "..#.", "..##"}), labels), 2);
   EXPECT_EQ(labels(0, 0), labels(0, 1));
   EXPECT_EQ(labels(1, 2), labels(2, 3));
   EXPECT_NE(labels(0, 0), labels(1, 2));
   EXPECT_EQ(labels(0, 3), 0);
-  EXPECT_EQ(connected_parts(mask_of({"...."}), labels), 0);
+  EXPECT_EQ(label_connected_parts(mask_of({"...."}), labels), 0);
 }
 
 }  // namespace

@@ -7,15 +7,16 @@
 
 namespace dvi {
 
-/// Positions in images are held to this part of a pixel, so that a written position reproduces its color exactly.
+/// The number of positions per pixel. Image coordinates are rounded to them, so that a written position reproduces its color
+/// exactly.
 inline constexpr float kSubpixel = 16.0F;
 
-inline cv::Point2f quantized(double x, double y) {
+inline cv::Point2f quantize(double x, double y) {
   return {static_cast<float>(std::floor(x * kSubpixel + 0.5)) / kSubpixel,
           static_cast<float>(std::floor(y * kSubpixel + 0.5)) / kSubpixel};
 }
 
-/// Bilinear color at a position within [0, width - 1] x [0, height - 1].
+/// Interpolates the color at a position within [0, width - 1] x [0, height - 1] bilinearly.
 inline cv::Vec3f bilinear(const cv::Mat3b& image, cv::Point2f at) {
   const int x = std::clamp(static_cast<int>(at.x), 0, image.cols - 1), x1 = std::min(x + 1, image.cols - 1);
   const int y = std::clamp(static_cast<int>(at.y), 0, image.rows - 1), y1 = std::min(y + 1, image.rows - 1);
@@ -30,7 +31,7 @@ inline cv::Vec3f bilinear(const cv::Mat3b& image, cv::Point2f at) {
   return out;
 }
 
-/// The same of an image of floats, or of vectors of them.
+/// Does the same for an image of floats or of vectors of floats.
 template <class Pixel>
 Pixel bilinear(const cv::Mat_<Pixel>& image, cv::Point2f at) {
   const int x = static_cast<int>(at.x), x1 = std::min(x + 1, image.cols - 1);
@@ -39,8 +40,8 @@ Pixel bilinear(const cv::Mat_<Pixel>& image, cv::Point2f at) {
   return (image(y, x) * (1 - u) + image(y, x1) * u) * (1 - v) + (image(y1, x) * (1 - u) + image(y1, x1) * u) * v;
 }
 
-/// Mean color of width x height pixels round a position, bilinear and a pixel apart, all within the image: what a pixel shows
-/// that spans so many of the image.
+/// Averages width x height bilinear samples, one pixel apart, around a position; all must be within the image. It is the color
+/// of a target pixel that covers so many pixels of the image.
 inline cv::Vec3f box_mean(const cv::Mat3b& image, cv::Point2f at, cv::Vec2b footprint) {
   const int width = footprint[0], height = footprint[1];
   if (width == 1 && height == 1) return bilinear(image, at);

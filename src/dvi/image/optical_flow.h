@@ -4,13 +4,13 @@
 
 namespace dvi {
 
-/// Of DIS (Kroeger et al., 2016): fast is cheaper and coarser.
+/// The presets of DIS (Kroeger et al., 2016): `fast` is cheaper and coarser.
 enum class FlowPreset { medium, fast };
 
-/// Optical flow (DIS) in pixels: from(p) looks as to(p + flow(p)). Both images are of one size, at least kLeastFlowSide each
-/// way.
-cv::Mat2f optical_flow(const cv::Mat1b& from, const cv::Mat1b& to, FlowPreset preset = FlowPreset::medium);
+/// Computes the optical flow (DIS) in pixels: from(p) corresponds to to(p + flow(p)). Both images must have the same size, with
+/// sides of at least kMinFlowSidePx.
+cv::Mat2f compute_optical_flow(const cv::Mat1b& from, const cv::Mat1b& to, FlowPreset preset = FlowPreset::medium);
 
-inline constexpr int kLeastFlowSide = 32;  ///< px; DIS needs some pyramid
+inline constexpr int kMinFlowSidePx = 32;  ///< pixels; DIS needs an image pyramid
 
 }  // namespace dvi

@@ -11,16 +11,16 @@ namespace dvi {
 namespace {
 
 TEST(OpticalFlow, PointsFromOneImageIntoTheOther) {
-  constexpr int kShift = 3;  // px
+  constexpr int kShiftPx = 3;
   Random random(5);
-  cv::Mat1b wide(96, 128 + kShift);
+  cv::Mat1b wide(96, 128 + kShiftPx);
   for (uchar& pixel : wide) pixel = static_cast<uchar>(random.below(256));
   cv::GaussianBlur(wide, wide, {}, 2);
-  const cv::Mat1b from = wide(cv::Rect(kShift, 0, 128, 96)).clone(), to = wide(cv::Rect(0, 0, 128, 96)).clone();
-  const cv::Mat2f flow = optical_flow(from, to);
+  const cv::Mat1b from = wide(cv::Rect(kShiftPx, 0, 128, 96)).clone(), to = wide(cv::Rect(0, 0, 128, 96)).clone();
+  const cv::Mat2f flow = compute_optical_flow(from, to);
   double sum = 0;
   for (int y = 20; y < 76; ++y)
-    for (int x = 20; x < 108; ++x) sum += cv::norm(flow(y, x) - cv::Vec2f(kShift, 0));
+    for (int x = 20; x < 108; ++x) sum += cv::norm(flow(y, x) - cv::Vec2f(kShiftPx, 0));
   EXPECT_LT(sum / (56 * 88), 0.1);
 }
 

@@ -11,23 +11,23 @@
 namespace dvi {
 namespace {
 
-using Color = Eigen::Array4f;  // the fourth lane is idle
+using Color = Eigen::Array4f;  // the fourth component is unused
 using Field = std::vector<Color>;
 using Sums = Eigen::Array4d;
 
 bool is_red(cv::Point p) { return (p.x + p.y) % 2 == 0; }
 
-/// A grid equation: diagonal x - sum of weight x over the neighbors = right. Neighbors are of different squares of the
-/// checcurboard, so each can be relaxed at once. Fields have a last entry more, which is 0: the neighbor that does not exist.
-/// `Uniform` levels have no weights: 1, and `vertical`.
+/// A grid equation: diagonal x - sum of weight x over the neighbors = right. Neighbors have different colors in the
+/// red-black ordering, so all nodes of a color can be relaxed at once. Fields have an additional last entry of 0 for missing
+/// neighbors. `Uniform` levels have no weights: these are 1 and `vertical`.
 struct Level {
-  float vertical = 1;               // about how much weightier vertical neighbors are than horizontal ones
-  std::vector<cv::Point> position;  // the red ones first
+  float vertical = 1;               // approximate ratio of vertical to horizontal weights
+  std::vector<cv::Point> position;  // red nodes first
   int reds = 0;
   std::vector<std::array<int, 4>> neighbor;
   std::vector<std::array<float, 4>> weight;  // none if uniform
   std::vector<float> diagonal, inverse;
-  std::vector<int> parent;  // the node of the next level that it is part of
+  std::vector<int> parent;  // the node of the next level that contains it
   Field x, right;
 
   int size() const { return static_cast<int>(position.size()); }
@@ -45,7 +45,7 @@ struct Level {
     inverse.reserve(diagonal.size());
     for (const float d : diagonal) inverse.push_back(d > 0 ? 1 / d : 0);
   }
-  /// The neighbors' sum.
+  /// Returns the weighted sum of the neighbors.
   template <bool Uniform>
   Color pull(int i, const Field& of) const {
     const auto& [a, b, c, d] = neighbor[i];
@@ -59,7 +59,7 @@ struct Level {
   }
 };
 
-cv::Mat1i numbers(const std::vector<cv::Point>& nodes) {
+cv::Mat1i number_nodes(const std::vector<cv::Point>& nodes) {
   cv::Point last;
   for (const cv::Point p : nodes) last = {std::max(last.x, p.x), std::max(last.y, p.y)};
   cv::Mat1i out(last.y + 1, last.x + 1, -1);
@@ -67,7 +67,7 @@ cv::Mat1i numbers(const std::vector<cv::Point>& nodes) {
   return out;
 }
 
-void weigh(Level& level, const PoissonSystem& system) {
+void set_weights(Level& level, const PoissonSystem& system) {
   const auto number = [&](int node) { return system.region.index(level.position[node]); };
   const auto beside = [&](int node) { return system.beside.empty() ? 1 : system.beside[number(node)]; };
   const auto below = [&](int node) { return system.below.empty() ? system.vertical : system.below[number(node)]; };
@@ -81,11 +81,11 @@ void weigh(Level& level, const PoissonSystem& system) {
   }
 }
 
-Level finest_level(const PoissonSystem& system) {
+Level make_finest_level(const PoissonSystem& system) {
   Level level;
   level.vertical = system.vertical;
   level.place(system.region.pixels);
-  const cv::Mat1i number = numbers(level.position);
+  const cv::Mat1i number = number_nodes(level.position);
   const cv::Point step[4] = {{-1, 0}, {0, -1}, {1, 0}, {0, 1}};
   const cv::Rect inside({}, number.size());
   for (int i = 0; i < level.size(); ++i) {
@@ -95,43 +95,43 @@ Level finest_level(const PoissonSystem& system) {
       if (inside.contains(q) && number(q) >= 0) level.neighbor[i][d] = number(q);
     }
   }
-  if (!system.beside.empty() || !system.below.empty()) weigh(level, system);
+  if (!system.beside.empty() || !system.below.empty()) set_weights(level, system);
   level.finish();
   return level;
 }
 
-/// Places the nodes of the next level: a block of 2 x 2 each, or 2 x 1 where rows hold together more.
-Level blocks_of(Level& fine, cv::Point block) {
+/// Creates the nodes of the next level from blocks of 2 x 2, or 2 x 1 if vertical weights are larger.
+Level make_blocks(Level& fine, cv::Point block) {
   std::vector<cv::Point> at;
   for (const cv::Point p : fine.position) at.emplace_back(p.x / block.x, p.y / block.y);
-  cv::Mat1i number = numbers(at);
-  std::vector<cv::Point> nodes;  // each once, at its last pixel
+  cv::Mat1i number = number_nodes(at);
+  std::vector<cv::Point> nodes;  // each block once, at its last pixel
   for (std::size_t i = 0; i < at.size(); ++i)
     if (number(at[i]) == static_cast<int>(i)) nodes.push_back(at[i]);
   Level level;
   level.place(std::move(nodes));
-  number = numbers(level.position);
+  number = number_nodes(level.position);
   for (const cv::Point p : at) fine.parent.push_back(number(p));
   fine.parent.push_back(level.size());
   return level;
 }
 
-/// Sums over piecewise constants make the edges of a coarser grid twice too stiff along the direction that was coarsened
-/// (Braess 1995), hence the half.
-Level coarser(Level& fine) {
+/// Sums over piecewise constants make the edges of a coarser grid twice too stiff along the coarsened direction (Braess 1995),
+/// hence the factor 1/2.
+Level make_coarser_level(Level& fine) {
   constexpr float kIsotropic = 0.5F;
-  constexpr float kHeld = 2.0F / 3;  // what holds a block lies one and a half pixels from its center, the next block two
+  constexpr float kBoundary = 2.0F / 3;  // the boundary is one and a half pixels from the center of a block, the next block two
   const bool along_rows = fine.vertical < kIsotropic;
   const float across = along_rows ? 1 : 0.5F;
   const float stiff[4] = {0.5F, across, 0.5F, across};
-  Level level = blocks_of(fine, {2, along_rows ? 1 : 2});
+  Level level = make_blocks(fine, {2, along_rows ? 1 : 2});
   level.vertical = along_rows ? 4 * fine.vertical : fine.vertical;
   level.weight.assign(level.position.size(), {});
   const std::array<float, 4> uniform{1, fine.vertical, 1, fine.vertical};
   for (int i = 0; i < fine.size(); ++i) {
     const int parent = fine.parent[i];
     const std::array<float, 4>& weight = fine.weight.empty() ? uniform : fine.weight[i];
-    float held = fine.diagonal[i];  // by what is not in the region
+    float held = fine.diagonal[i];  // the weight of neighbors outside the region
     for (int d = 0; d < 4; ++d) {
       if (fine.neighbor[i][d] == fine.size()) continue;
       held -= weight[d];
@@ -141,7 +141,7 @@ Level coarser(Level& fine) {
       level.weight[parent][d] += stiff[d] * weight[d];
       level.diagonal[parent] += stiff[d] * weight[d];
     }
-    level.diagonal[parent] += kHeld * std::max(held, 0.0F);
+    level.diagonal[parent] += kBoundary * std::max(held, 0.0F);
   }
   level.finish();
   return level;
@@ -150,16 +150,16 @@ Level coarser(Level& fine) {
 class Multigrid {
  public:
   explicit Multigrid(const PoissonSystem& system) {
-    levels_.push_back(finest_level(system));
-    while (levels_.back().size() > kCoarsest) {
-      Level next = coarser(levels_.back());
+    levels_.push_back(make_finest_level(system));
+    while (levels_.back().size() > kMaxCoarsestSize) {
+      Level next = make_coarser_level(levels_.back());
       levels_.push_back(std::move(next));
     }
   }
 
   const Level& finest() const { return levels_.front(); }
 
-  /// About A^-1 `right`: one symmetric cycle.
+  /// Returns an approximation of A^-1 `right` by one symmetric cycle.
   const Field& precondition(Field& right) {
     levels_[0].right.swap(right);
     if (levels_[0].weight.empty())
@@ -171,7 +171,7 @@ class Multigrid {
   }
 
  private:
-  static constexpr int kCoarsest = 16;
+  static constexpr int kMaxCoarsestSize = 16;
 
   template <bool Uniform>
   void cycle(std::size_t depth) {
@@ -191,7 +191,7 @@ class Multigrid {
     } else {
       Level& below = levels_[depth + 1];
       std::fill(below.right.begin(), below.right.end(), Color::Zero());
-      for (int i = 0; i < reds; ++i)  // the black ones have just been solved
+      for (int i = 0; i < reds; ++i)  // black nodes are already solved
         below.right[level.parent[i]] += level.right[i] + level.pull<Uniform>(i, level.x) - level.diagonal[i] * level.x[i];
       cycle<false>(depth + 1);
       for (int i = 0; i < all; ++i) level.x[i] += below.x[level.parent[i]];
@@ -203,14 +203,14 @@ class Multigrid {
   std::vector<Level> levels_;
 };
 
-Color ratio(const Sums& a, const Sums& b) { return (b > 0).select(a / b, Sums::Zero()).cast<float>(); }
+Color divide(const Sums& a, const Sums& b) { return (b > 0).select(a / b, Sums::Zero()).cast<float>(); }
 
-Color color(const cv::Vec3f& c) { return {c[0], c[1], c[2], 0}; }
+Color to_color(const cv::Vec3f& c) { return {c[0], c[1], c[2], 0}; }
 
 }  // namespace
 
 int solve_poisson(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double tolerance) {
-  constexpr int kMost = 200;
+  constexpr int kMaxIterations = 200;
   if (system.region.size() == 0) return 0;
   Multigrid multigrid(system);
   const Level& a = multigrid.finest();
@@ -218,12 +218,12 @@ int solve_poisson(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double
   const auto pull = [&](int i, const Field& of) { return a.weight.empty() ? a.pull<true>(i, of) : a.pull<false>(i, of); };
   const Field none(a.x.size(), Color::Zero());
   Field solution = none, residual = none, direction = none, image = none;
-  for (int i = 0; i < n; ++i) solution[i] = color(x[system.region.index(a.position[i])]);
+  for (int i = 0; i < n; ++i) solution[i] = to_color(x[system.region.index(a.position[i])]);
   for (int i = 0; i < n; ++i)
-    residual[i] = color(system.right[system.region.index(a.position[i])]) + pull(i, solution) - a.diagonal[i] * solution[i];
+    residual[i] = to_color(system.right[system.region.index(a.position[i])]) + pull(i, solution) - a.diagonal[i] * solution[i];
   Sums before = Sums::Zero();
   int iteration = 0;
-  for (; iteration < kMost; ++iteration) {
+  for (; iteration < kMaxIterations; ++iteration) {
     const Field& error = multigrid.precondition(residual);
     Color largest = Color::Zero();
     Sums now = Sums::Zero(), energy = Sums::Zero();
@@ -232,14 +232,14 @@ int solve_poisson(const PoissonSystem& system, std::vector<cv::Vec3f>& x, double
       now += (residual[i] * error[i]).cast<double>();
     }
     if (largest.maxCoeff() < tolerance) break;
-    const Color keep = ratio(now, before);
+    const Color keep = divide(now, before);
     before = now;
     for (int i = 0; i < n; ++i) direction[i] = error[i] + keep * direction[i];
     for (int i = 0; i < n; ++i) {
       image[i] = a.diagonal[i] * direction[i] - pull(i, direction);
       energy += (direction[i] * image[i]).cast<double>();
     }
-    const Color step = ratio(now, energy);
+    const Color step = divide(now, energy);
     for (int i = 0; i < n; ++i) {
       solution[i] += step * direction[i];
       residual[i] -= step * image[i];

@@ -15,7 +15,7 @@
 namespace dvi {
 namespace {
 
-/// Dirichlet where the region ends within the image.
+/// Makes a system with Dirichlet conditions where the region ends within the image.
 PoissonSystem random_system(const cv::Mat1b& mask, std::uint64_t seed, float vertical = 1) {
   Random random(seed);
   PoissonSystem system{Region(mask), {}, {}, vertical};
@@ -71,7 +71,7 @@ cv::Mat1b shape(int which) {
       mask(cv::Rect(210, 150, 10, 10)) = 255;
       break;
     case 2:
-      for (uchar& v : mask) v = random.uniform() < 0.62 ? 255 : 0;  // a labyrinth
+      for (uchar& v : mask) v = random.uniform() < 0.62 ? 255 : 0;  // a maze
       break;
     case 3:
       for (int i = 0; i < 160; i += 3) mask.row(i) = 255;  // lines
@@ -88,13 +88,13 @@ TEST(Poisson, EqualsTheDirectSolution) {
     const PoissonSystem system = random_system(shape(which), which);
     std::vector<cv::Vec3f> x(system.region.size());
     const int iterations = solve_poisson(system, x);
-    // One known pixel in the frame: random sources without balance drive values to thousands.
+    // One known pixel in the frame: random sources without balance lead to values in the thousands.
     EXPECT_LT(error_to_direct(system, x), which == 4 ? 2 : 0.05) << "shape " << which;
     EXPECT_LT(iterations, 50) << "shape " << which;
   }
 }
 
-TEST(Poisson, EqualsTheDirectSolutionWhereRowsHoldTogetherMore) {
+TEST(Poisson, EqualsTheDirectSolutionWithLargerVerticalWeights) {
   for (int which = 0; which < 4; ++which) {
     const PoissonSystem system = random_system(shape(which), which, 0.1F);
     std::vector<cv::Vec3f> x(system.region.size());
@@ -103,19 +103,19 @@ TEST(Poisson, EqualsTheDirectSolutionWhereRowsHoldTogetherMore) {
   }
 }
 
-TEST(Poisson, EqualsTheDirectSolutionWhereEachColumnHasItsWeights) {
+TEST(Poisson, EqualsTheDirectSolutionWithWeightsPerColumn) {
   for (int which = 0; which < 4; ++which) {
     PoissonSystem system = random_system(shape(which), which, 0.1F);
     Random random(which);
     for (std::size_t i = 0; i < system.region.size(); ++i) system.below.push_back(static_cast<float>(random.uniform(0.01, 1)));
-    for (float& diagonal : system.diagonal) diagonal += 2;  // not less than the sum of weights
+    for (float& diagonal : system.diagonal) diagonal += 2;  // at least the sum of weights
     std::vector<cv::Vec3f> x(system.region.size());
     EXPECT_LT(solve_poisson(system, x), 100) << "shape " << which;
     EXPECT_LT(error_to_direct(system, x), 0.2) << "shape " << which;
   }
 }
 
-TEST(Poisson, EqualsTheDirectSolutionWhereSomeNeighborsHardlyHoldTogether) {
+TEST(Poisson, EqualsTheDirectSolutionWithVerySmallWeights) {
   for (int which = 0; which < 4; ++which) {
     PoissonSystem system = random_system(shape(which), which);
     Random random(which);
@@ -128,14 +128,14 @@ TEST(Poisson, EqualsTheDirectSolutionWhereSomeNeighborsHardlyHoldTogether) {
   }
 }
 
-TEST(Poisson, StopsAtOnceAtTheSolution) {
+TEST(Poisson, StopsImmediatelyAtTheSolution) {
   const PoissonSystem system = random_system(shape(0), 3);
   std::vector<cv::Vec3f> x(system.region.size());
   solve_poisson(system, x, 1e-3);
   EXPECT_EQ(solve_poisson(system, x), 0);
 }
 
-TEST(Poisson, EmptyAndSinglePixels) {
+TEST(Poisson, SolvesEmptyAndSinglePixelRegions) {
   std::vector<cv::Vec3f> none;
   EXPECT_EQ(solve_poisson(random_system(cv::Mat1b(4, 4, uchar{0}), 1), none), 0);
   cv::Mat1b one(4, 4, uchar{0});

@@ -27,14 +27,16 @@ cv::Mat1b grown(const cv::Mat1b& mask, int radius) {
   return out;
 }
 
-int connected_parts(const cv::Mat1b& mask, cv::Mat1i& labels) { return cv::connectedComponents(mask, labels, 4, CV_32S) - 1; }
+int label_connected_parts(const cv::Mat1b& mask, cv::Mat1i& labels) {
+  return cv::connectedComponents(mask, labels, 4, CV_32S) - 1;
+}
 
-std::vector<cv::Rect> part_boxes(const cv::Mat1b& mask) {
+std::vector<cv::Rect> find_part_boxes(const cv::Mat1b& mask) {
   cv::Mat1i labels, boxes;
   cv::Mat1d centers;
   const int count = cv::connectedComponentsWithStats(mask, labels, boxes, centers, 8, CV_32S);
   std::vector<cv::Rect> out;
-  for (int i = 1; i < count; ++i)  // 0 is what is outside
+  for (int i = 1; i < count; ++i)  // 0 is the background
     out.emplace_back(boxes(i, cv::CC_STAT_LEFT), boxes(i, cv::CC_STAT_TOP), boxes(i, cv::CC_STAT_WIDTH),
                      boxes(i, cv::CC_STAT_HEIGHT));
   return out;

@@ -17,13 +17,13 @@ struct Region {
   std::size_t size() const { return pixels.size(); }
 };
 
-/// The mask grown by a disc (positive radius) or shrunk by it (negative), radius in pixels.
+/// Dilates a mask by a disk (positive radius) or erodes it (negative); the radius is in pixels.
 cv::Mat1b grown(const cv::Mat1b& mask, int radius);
 
-/// 4-connected parts of a mask: labels 1..count, 0 outside.
-int connected_parts(const cv::Mat1b& mask, cv::Mat1i& labels);
+/// Labels the 4-connected parts of a mask from 1, with 0 outside. Returns their number.
+int label_connected_parts(const cv::Mat1b& mask, cv::Mat1i& labels);
 
-/// The bounding boxes of the 8-connected parts of a mask.
-std::vector<cv::Rect> part_boxes(const cv::Mat1b& mask);
+/// Returns the bounding boxes of the 8-connected parts of a mask.
+std::vector<cv::Rect> find_part_boxes(const cv::Mat1b& mask);
 
 }  // namespace dvi

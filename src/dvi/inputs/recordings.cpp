@@ -27,14 +27,15 @@ namespace {
 // Replaces the drive's labels by those of a file, or of a folder with a file per image.
 void take_labels(Drive& drive, const fs::path& path) {
   const labels::FileLabels read = labels::read_labels(path, drive);
-  if (read.all_strays)
+  if (read.has_only_unknown_frames)
     throw InputError(path, "has no labels of the drive: " + read.warnings.front(),
                      "give the labels of this drive, or name its images as the labels do");
   for (std::size_t i = 0; i < read.frames.size(); ++i) drive.frames[i].labels = read.frames[i];
   drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
-  if (const Gap& gap = read.after_the_last; !gap.frames.empty()) drive.warnings.push_back(gap.what + " " + ranges(gap.frames));
+  if (const Gap& gap = read.frames_after_last; !gap.frames.empty())
+    drive.warnings.push_back(gap.what + " " + format_ranges(gap.frames));
   drive.labeled = true;
-  drive.labeled_around = read.all_round;
+  drive.labeled_around = read.all_around;
   drive.other_files.insert(drive.other_files.end(), read.files.begin(), read.files.end());
 }
 
@@ -110,7 +111,7 @@ struct UsedRange {
 };
 
 UsedRange used_range(const Drive& drive, const map::MapOptions& options) {
-  return {options.min_range_m.value_or(drive.least_range_m()), options.max_range_m.value_or(drive.most_range_m())};
+  return {options.min_range_m.value_or(drive.min_range_m()), options.max_range_m.value_or(drive.max_range_m())};
 }
 
 struct Returns {
@@ -214,7 +215,7 @@ Recording open_with(const fs::path& path, const job::ReadChoice& choice,
   choose_masked(drive, open.masks_from, choice);
   if (!choice.ego_mask.empty()) open.ego_mask = labels::read_static_mask(drive, choice.ego_mask, choice.mask_files.polarity);
   if (open.masks_from == objects::MaskSource::files)
-    if (const auto bare = labels::frames_without_mask(drive)) drive.warnings.push_back(*bare);
+    if (const auto bare = labels::describe_frames_without_mask(drive)) drive.warnings.push_back(*bare);
   warn();
   return open;
 }
@@ -337,7 +338,7 @@ void add_files(Fingerprint& print, const Recording& open) {
   parallel_for(files.size(), [&](std::size_t i) {
     const bool large = datasets::holds_many_images(files[i]);
     if (files[i].empty()) return;  // a frame without a mask
-    hashes[i] = large ? hash_of_file(files[i]) : hash_of_file(files[i], kLargestFile);
+    hashes[i] = large ? compute_file_hash(files[i]) : compute_file_hash(files[i], kMaxFileBytes);
   });
   print.add(drive.path.filename().string());  // warnings say it
   print.add(fmt::format("{} {} {}", drive.frames.size(), drive.scan_headers.size(), drive.mask_files.size()));

@@ -37,7 +37,7 @@ class OpenedDrive : public testing::Test {
 
 TEST_F(OpenedDrive, WarnsOfFramesWithoutAMaskAndFingerprintsThem) {
   const Recordings drives = open_recordings(job, MaskNeed::required, progress);
-  EXPECT_THAT(drives.front().drive.warnings, Contains("1 of 2 frames have no mask file and keep their traffic: 1"));
+  EXPECT_THAT(drives.front().drive.warnings, Contains("1 of 2 frames have no mask file, and nothing is removed in them: 1"));
   Fingerprint print;
   add_files(print, drives.front());
   EXPECT_FALSE(print.hex().empty());

@@ -73,7 +73,7 @@ std::optional<objects::MaskSource> masks_of(Drive& drive, const Recording& own, 
   const job::MasksFrom from = choice.is_source ? job::MasksFrom() : choice.masks;
   if (from.kind == job::MasksFrom::Kind::found) return objects::MaskSource::found;
   const bool given = from.kind == job::MasksFrom::Kind::path;
-  if (given ? labels::folder_of_camera(from.path, drive.camera_name).has_value() : !drive.masks.empty()) {
+  if (given ? labels::find_camera_folder(from.path, drive.camera_name).has_value() : !drive.masks.empty()) {
     if (given) labels::attach_masks(drive, from.path);
     labels::read_masks(drive, choice.mask_files);
     return objects::MaskSource::files;
@@ -124,7 +124,7 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
     open.labeled_in_part = !drive.labeled_around;
   }
   if (open.masks_from == objects::MaskSource::files)
-    if (const auto bare = labels::frames_without_mask(drive)) drive.warnings.push_back(*bare);
+    if (const auto bare = labels::describe_frames_without_mask(drive)) drive.warnings.push_back(*bare);
   open.gray = is_gray(drive);
   return open;
 }

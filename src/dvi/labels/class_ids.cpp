@@ -23,7 +23,7 @@ struct ClassId {
   std::array<uchar, 3> rgb;
 };
 
-// The labels of Cityscapes, and from 34 on those that KITTI-360 adds.
+// The labels of Cityscapes; those from 34 on are additions of KITTI-360.
 constexpr std::array kCityscapes = std::to_array<ClassId>({
     {0, 255, "unlabeled", "void", {0, 0, 0}},
     {1, 255, "ego vehicle", "void", {0, 0, 0}},
@@ -77,7 +77,7 @@ struct ScanClassId {
   std::string_view name;
 };
 
-// A name also stands for what moves of it.
+// The name of a class includes its moving objects.
 constexpr std::array kSemanticKitti = std::to_array<ScanClassId>({
     {0, "unlabeled"},
     {1, "outlier"},
@@ -115,42 +115,42 @@ constexpr std::array kSemanticKitti = std::to_array<ScanClassId>({
     {259, "moving other vehicle"},
 });
 
-cv::Vec3b bgr(const ClassId& entry) { return {entry.rgb[2], entry.rgb[1], entry.rgb[0]}; }
+cv::Vec3b to_bgr(const ClassId& entry) { return {entry.rgb[2], entry.rgb[1], entry.rgb[0]}; }
 
-// "traffic-light" and "Traffic_Light" are "traffic light".
-std::string plain_name(std::string name) {
-  name = lower_case(std::move(name));
+// Converts "traffic-light" and "Traffic_Light" to "traffic light".
+std::string to_plain_name(std::string name) {
+  name = to_lower_case(std::move(name));
   for (char& c : name)
     if (c == '-' || c == '_') c = ' ';
   return fmt::format("{}", fmt::join(split_words(name), " "));
 }
 
-std::vector<std::string> names_in(std::string_view list) {
+std::vector<std::string> split_names(std::string_view list) {
   std::vector<std::string> names;
   for (std::size_t at = 0; at <= list.size();) {
     const std::size_t end = std::min(list.find(',', at), list.size());
-    names.push_back(plain_name(std::string(list.substr(at, end - at))));
+    names.push_back(to_plain_name(std::string(list.substr(at, end - at))));
     at = end + 1;
   }
   return names;
 }
 
-void choose_of_cityscapes(const std::string& name, bool by_train_id, ChosenClasses& chosen) {
+void add_cityscapes_class(const std::string& name, bool by_train_id, ChosenClasses& chosen) {
   for (const ClassId& entry : kCityscapes) {
     const int id = by_train_id ? entry.train_id : entry.id;
     if (by_train_id && id == kNoTrainId) continue;
     if (name != entry.name && name != entry.group && to_integer(name) != id) continue;
     chosen.ids.insert(id);
-    chosen.colors.push_back(bgr(entry));
+    chosen.colors.push_back(to_bgr(entry));
   }
 }
 
-void choose_of_semantic_kitti(const std::string& name, ChosenClasses& chosen) {
+void add_semantic_kitti_class(const std::string& name, ChosenClasses& chosen) {
   for (const ScanClassId& entry : kSemanticKitti)
     if (entry.name == name || entry.name == "moving " + name) chosen.ids.insert(entry.id);
 }
 
-std::string names_of_table(const std::string& table) {
+std::string list_table_names(const std::string& table) {
   std::vector<std::string> names;
   if (table == "semantic-kitti")
     for (const ScanClassId& entry : kSemanticKitti) names.emplace_back(entry.name);
@@ -171,18 +171,18 @@ ChosenClasses parse_classes(const std::string& text) {
     throw UsageError("--classes " + text + ": there is no table '" + table +
                      "'; there are cityscapes, kitti-360, cityscapes-train and semantic-kitti");
   ChosenClasses chosen;
-  for (const std::string& name : names_in(std::string_view(text).substr(colon == std::string::npos ? 0 : colon + 1))) {
-    const auto number = all_digits(name) ? to_integer(name) : std::nullopt;
+  for (const std::string& name : split_names(std::string_view(text).substr(colon == std::string::npos ? 0 : colon + 1))) {
+    const auto number = is_all_digits(name) ? to_integer(name) : std::nullopt;
     const std::size_t before = chosen.ids.size() + chosen.colors.size();
     if (table == "semantic-kitti")
-      choose_of_semantic_kitti(name, chosen);
+      add_semantic_kitti_class(name, chosen);
     else
-      choose_of_cityscapes(name, table == "cityscapes-train", chosen);
+      add_cityscapes_class(name, table == "cityscapes-train", chosen);
     if (number)
       chosen.ids.insert(*number);
     else if (chosen.ids.size() + chosen.colors.size() == before)
-      throw UsageError(fmt::format("--classes {}: there is no class '{}' in {}; there are numbers, and {}", text, name, table,
-                                   names_of_table(table)));
+      throw UsageError(fmt::format("--classes {}: there is no class '{}' in {}; give numbers or names of {}", text, name, table,
+                                   list_table_names(table)));
   }
   return chosen;
 }
@@ -190,7 +190,7 @@ ChosenClasses parse_classes(const std::string& text) {
 bool has_class_colors(const cv::Mat3b& picture) {
   std::set<int> known;
   const auto packed = [](const cv::Vec3b& color) { return color[0] | color[1] << 8 | color[2] << 16; };
-  for (const ClassId& entry : kCityscapes) known.insert(packed(bgr(entry)));
+  for (const ClassId& entry : kCityscapes) known.insert(packed(to_bgr(entry)));
   int last = 0;
   bool colored = false;
   for (const cv::Vec3b& color : picture) {
@@ -202,7 +202,7 @@ bool has_class_colors(const cv::Mat3b& picture) {
   return colored;
 }
 
-cv::Mat1b mask_of_classes(const cv::Mat& picture, const ChosenClasses& classes) {
+cv::Mat1b make_class_mask(const cv::Mat& picture, const ChosenClasses& classes) {
   cv::Mat1b mask(picture.size(), uchar{0});
   if (picture.type() == CV_8UC3) {
     std::transform(picture.begin<cv::Vec3b>(), picture.end<cv::Vec3b>(), mask.begin(), [&](const cv::Vec3b& color) {
@@ -213,7 +213,7 @@ cv::Mat1b mask_of_classes(const cv::Mat& picture, const ChosenClasses& classes) 
   std::vector<uchar> chosen(1 << 16, 0);
   for (int value = 0; value < 1 << 16; ++value)
     if (classes.ids.contains(value) ||
-        (value >= classes.ids_of_a_class && classes.ids.contains(value / classes.ids_of_a_class)))
+        (value >= classes.instances_per_class && classes.ids.contains(value / classes.instances_per_class)))
       chosen[static_cast<std::size_t>(value)] = 255;
   if (picture.type() == CV_16UC1)
     std::transform(picture.begin<ushort>(), picture.end<ushort>(), mask.begin(), [&](ushort value) { return chosen[value]; });
@@ -228,9 +228,9 @@ bool are_kitti_ids(const std::vector<cv::Mat>& pictures) {
     if (picture.type() != CV_16UC1) return false;
     for (const ushort value : cv::Mat1w(picture)) {
       if (value == 0) continue;
-      if (value < kKittiIdsOfAClass || value / kKittiIdsOfAClass > kCityscapes.back().id) return false;
+      if (value < kKittiInstancesPerClass || value / kKittiInstancesPerClass > kCityscapes.back().id) return false;
       ++pixels;
-      without_instance += value % kKittiIdsOfAClass == 0 ? 1 : 0;
+      without_instance += value % kKittiInstancesPerClass == 0 ? 1 : 0;
     }
   }
   return pixels > 0 && 4 * without_instance >= pixels;
@@ -253,7 +253,7 @@ void warn_of_unknown_types(Drive& drive) {
   if (names.empty())
     for (const auto& [type, count] : unknown) names.push_back(type);
   drive.warnings.push_back(fmt::format(
-      "labels of classes that are not known as traffic are removed, too ({}); to remove some classes only, name them, as in "
+      "labels of classes that are not known as traffic are removed as well ({}); to remove some classes only, give them as in "
       "--classes \"{}\"",
       fmt::join(counts, ", "), fmt::join(names, ",")));
 }
@@ -261,18 +261,19 @@ void warn_of_unknown_types(Drive& drive) {
 void keep_label_types(Drive& drive, const std::string& text) {
   std::set<std::string> types, wanted;
   for (const Frame& frame : drive.frames)
-    for (const Label& label : frame.labels) types.insert(plain_name(label.type));
-  for (std::string name : names_in(text)) {
-    if (all_digits(name) && !types.contains(name) && types.contains("class " + name)) name = "class " + name;  // without names
+    for (const Label& label : frame.labels) types.insert(to_plain_name(label.type));
+  for (std::string name : split_names(text)) {
+    if (is_all_digits(name) && !types.contains(name) && types.contains("class " + name))
+      name = "class " + name;  // for classes without names
     wanted.insert(name);
     if (types.contains(name)) continue;
     drive.warnings.push_back(
-        fmt::format("--classes {}: no label is called '{}'; there are {}", text, name, fmt::join(types, ", ")));
+        fmt::format("--classes {}: no label has the class '{}'; the classes are {}", text, name, fmt::join(types, ", ")));
   }
   if (!types.empty() && std::none_of(wanted.begin(), wanted.end(), [&](const auto& name) { return types.contains(name); }))
     throw UsageError(drive.warnings.back());
   for (Frame& frame : drive.frames)
-    std::erase_if(frame.labels, [&](const Label& label) { return !wanted.contains(plain_name(label.type)); });
+    std::erase_if(frame.labels, [&](const Label& label) { return !wanted.contains(to_plain_name(label.type)); });
 }
 
 }  // namespace dvi::labels

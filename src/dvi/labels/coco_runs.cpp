@@ -6,20 +6,21 @@
 
 namespace dvi::labels {
 
-// Six bits a character, five of them value, from the third run on as difference to the one before last.
+// Each character has six bits, five of them of the value. From the third run on, a run is stored as the difference from the run
+// before the previous one.
 std::vector<std::uint32_t> decode_runs(std::string_view text) {
-  constexpr char kZero = '0';
-  constexpr int kMore = 0x20, kSign = 0x10, kValue = 0x1F, kLongest = 6;
+  constexpr char kZeroDigit = '0';
+  constexpr int kMoreBit = 0x20, kSignBit = 0x10, kValueBits = 0x1F, kMaxDigits = 6;
   std::vector<std::int64_t> runs;
   for (std::size_t at = 0; at < text.size();) {
     std::int64_t run = 0;
-    int digit = 0, bits = kMore;
-    for (; bits & kMore; ++digit) {
-      if (at == text.size() || digit > kLongest) throw std::invalid_argument("its outline is cut");
-      bits = text[at++] - kZero;
-      run |= static_cast<std::int64_t>(bits & kValue) << (5 * digit);
+    int digit = 0, bits = kMoreBit;
+    for (; bits & kMoreBit; ++digit) {
+      if (at == text.size() || digit > kMaxDigits) throw std::invalid_argument("its outline is truncated");
+      bits = text[at++] - kZeroDigit;
+      run |= static_cast<std::int64_t>(bits & kValueBits) << (5 * digit);
     }
-    if (bits & kSign) run -= std::int64_t{1} << (5 * digit);
+    if (bits & kSignBit) run -= std::int64_t{1} << (5 * digit);
     if (runs.size() > 2) run += runs[runs.size() - 2];
     if (run < 0 || run > std::numeric_limits<std::uint32_t>::max()) throw std::invalid_argument("its outline is malformed");
     runs.push_back(run);

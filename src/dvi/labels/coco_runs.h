@@ -8,10 +8,11 @@
 
 namespace dvi::labels {
 
-/// COCO's compressed run lengths, as MOTS has them too. std::invalid_argument with the reason.
+/// Decodes COCO's compressed run lengths, which MOTS uses as well. Throws std::invalid_argument with the reason if they are
+/// malformed.
 std::vector<std::uint32_t> decode_runs(std::string_view text);
 
-/// std::invalid_argument where the runs are not as many pixels as an image of `size` has.
+/// Throws std::invalid_argument unless the runs cover exactly the pixels of an image of `size`.
 void require_filled(const std::vector<std::uint32_t>& runs, cv::Size size);
 
 }  // namespace dvi::labels

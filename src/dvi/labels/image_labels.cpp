@@ -15,15 +15,15 @@
 namespace dvi::labels {
 namespace {
 
-// More than that is no labeling, but would take all memory: few bytes of a file can stand for many frames.
-constexpr std::size_t kMostLabels = 10'000'000;
+// A limit on the memory, since few bytes of a file can describe labels of many frames.
+constexpr std::size_t kMaxLabels = 10'000'000;
 
-fs::path as_path(std::string image) {
+fs::path to_path(std::string image) {
   std::replace(image.begin(), image.end(), '\\', '/');
   return image;
 }
 
-bool names_folder(const fs::path& image, const std::string& camera) {
+bool has_folder(const fs::path& image, const std::string& camera) {
   const fs::path folder = image.parent_path();
   return std::find(folder.begin(), folder.end(), fs::path(camera)) != folder.end();
 }
@@ -36,26 +36,26 @@ bool shows_something(const Instance& outline) {
 
 }  // namespace
 
-std::vector<std::string> names_in_order(const Drive& drive) {
-  std::set<std::string> all = recorded_names(drive);
+std::vector<std::string> list_names_in_order(const Drive& drive) {
+  std::set<std::string> all = list_recorded_names(drive);
   for (const Frame& frame : drive.frames) all.insert(frame.name);
   std::vector<std::string> names(all.begin(), all.end());
-  const auto is_number = [](const std::string& name) { return all_digits(name) && to_integer(name).has_value(); };
+  const auto is_number = [](const std::string& name) { return is_all_digits(name) && to_integer(name).has_value(); };
   if (std::all_of(names.begin(), names.end(), is_number))
     std::stable_sort(names.begin(), names.end(),
                      [](const std::string& a, const std::string& b) { return *to_integer(a) < *to_integer(b); });
   return names;
 }
 
-ImageFrames frames_of_images(const fs::path& file, const std::vector<std::string>& images, const Drive& drive) {
+ImageFrames find_image_frames(const fs::path& file, const std::vector<std::string>& images, const Drive& drive) {
   std::vector<fs::path> paths;
-  for (const std::string& image : images) paths.push_back(as_path(image));
-  const auto of_camera = [&](const fs::path& path) { return names_folder(path, drive.camera_name); };
+  for (const std::string& image : images) paths.push_back(to_path(image));
+  const auto of_camera = [&](const fs::path& path) { return has_folder(path, drive.camera_name); };
   const bool several_cameras = std::any_of(paths.begin(), paths.end(), of_camera);
   std::vector<std::string> names;
   for (const fs::path& path : paths)
     if (!several_cameras || of_camera(path)) names.push_back(path.stem().string());
-  const std::vector<std::string> order = names_in_order(drive);
+  const std::vector<std::string> order = list_names_in_order(drive);
   const MatchedNames matched = match_names(file, names, {order.begin(), order.end()});
   const bool any =
       std::any_of(matched.images.begin(), matched.images.end(), [](const auto& image) { return image.has_value(); });
@@ -67,12 +67,13 @@ ImageFrames frames_of_images(const fs::path& file, const std::vector<std::string
     ++used;
     if (!seen.insert(*out.frames[i]).second)
       throw InputError(file, "has two images called " + *out.frames[i] + ", the second is " + images[i],
-                       "leave the images of one camera in it, or put each camera's into a folder of the camera's name");
+                       "keep the images of one camera only, or put those of each camera into a folder with the camera's name");
   }
   if (!images.empty() && !any)
-    throw InputError(file,
-                     fmt::format("has no image of the drive: its first is {}, the drive's {}", images.front(), order.at(0)),
-                     "labels belong to the image of the same name, whatever its folder and ending");
+    throw InputError(
+        file,
+        fmt::format("has no image of the drive: its first image is {}, that of the drive is {}", images.front(), order.at(0)),
+        "labels belong to the image with the same name; folders and endings are ignored");
   return out;
 }
 
@@ -84,15 +85,15 @@ ImageLabels::ImageLabels(const fs::path& file, const Drive& drive)
 void ImageLabels::require_size(const std::string& image, cv::Size size) const {
   if (size != size_)
     throw InputError(file_,
-                     fmt::format("{} is {}x{} pixels, the drive's images are {}x{}", image, size.width, size.height,
+                     fmt::format("{} is {}x{} pixels, but the drive's images are {}x{}", image, size.width, size.height,
                                  size_.width, size_.height),
-                     "label the images of this camera as they are in the drive");
+                     "label the images of this camera at their original size");
 }
 
 void ImageLabels::add(const std::string& frame, Label label, bool shows) {
   if (!shows && unobserved_++ == 0) first_unobserved_ = frame;
   if (!shows || label.type == "dontcare") return know(frame);
-  if (++labels_ > kMostLabels) throw InputError(file_, fmt::format("has more than {} labels", kMostLabels));
+  if (++labels_ > kMaxLabels) throw InputError(file_, fmt::format("has more than {} labels", kMaxLabels));
   out_.frames[frame].push_back(std::move(label));
 }
 
@@ -104,7 +105,7 @@ void ImageLabels::add_box(const std::string& frame, Label label, cv::Point2d low
 }
 
 void ImageLabels::add_polygons(const std::string& frame, Label label, const std::vector<Polygon>& polygons) {
-  add_outline(frame, std::move(label), outline_of(polygons, size_));
+  add_outline(frame, std::move(label), to_outline(polygons, size_));
 }
 
 void ImageLabels::add_outline(const std::string& frame, Label label, Instance outline) {
@@ -115,7 +116,7 @@ void ImageLabels::add_outline(const std::string& frame, Label label, Instance ou
 
 NamedLabels ImageLabels::take() {
   if (unobserved_ > 0)
-    warn(fmt::format("{} has {} object{} outside of the image, the first in frame {}", file_.filename().string(), unobserved_,
+    warn(fmt::format("{} has {} object{} outside the image, the first in frame {}", file_.filename().string(), unobserved_,
                      unobserved_ == 1 ? "" : "s", first_unobserved_));
   return std::move(out_);
 }

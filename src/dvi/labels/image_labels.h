@@ -11,41 +11,42 @@
 
 namespace dvi::labels {
 
-/// Places in images farther than this from the first pixel are malformed [px]. Tools write what lies somewhat outside.
-inline constexpr double kFarthestPixel = 1e6;
-/// Corners of a polygon. Each costs time in each row.
-inline constexpr std::size_t kMostCorners = 100'000;
+/// The largest absolute image coordinate in pixels; larger ones are malformed. Tools write coordinates slightly outside the
+/// image.
+inline constexpr double kMaxCoordinatePx = 1e6;
+/// The maximum number of corners of a polygon. Each of them costs time in each row.
+inline constexpr std::size_t kMaxCorners = 100'000;
 
-/// Names of all images of the recording in the order of its frames: by number where all names are numbers, else by name.
-/// --frames leaves none out.
-std::vector<std::string> names_in_order(const Drive& drive);
+/// Lists the names of all images of the recording in the order of its frames: by number if all names are numbers, otherwise by
+/// name. Includes images outside --frames.
+std::vector<std::string> list_names_in_order(const Drive& drive);
 
-/// Frames that a label file's images belong to.
+/// The frames that the images of a label file belong to.
 struct ImageFrames {
-  std::vector<std::optional<std::string>> frames;  ///< names, one per image; none for an image of another camera
-  std::optional<std::string> warning;              ///< as of MatchedNames
+  std::vector<std::optional<std::string>> frames;  ///< the name per image; none for an image of another camera
+  std::optional<std::string> warning;              ///< see MatchedNames
 };
 
-/// Finds the frames of the images that a label file names, such as "front/000012.jpg": by their names without folder and
-/// ending, as match_names() compares them. Images of other cameras can only be told where a folder in some name is called as
-/// the drive's camera. Throws InputError if no image is one of the recording, or two have one name.
-ImageFrames frames_of_images(const fs::path& file, const std::vector<std::string>& images, const Drive& drive);
+/// Finds the frames of the images in a label file, such as "front/000012.jpg", by their names without folder and ending; see
+/// match_names(). Images of other cameras are recognized only if a folder in some name is named like the drive's camera. Throws
+/// InputError if no image is one of the recording, or if two have the same name.
+ImageFrames find_image_frames(const fs::path& file, const std::vector<std::string>& images, const Drive& drive);
 
-/// Labels of shapes drawn in images. A shape outside of its image is no label, but counts.
+/// Collects labels of shapes drawn in images. Shapes outside their image are counted, but are not labels.
 class ImageLabels {
  public:
   ImageLabels(const fs::path& file, const Drive& drive);
 
   cv::Size size() const { return size_; }
   bool wanted(const std::string& frame) const { return wanted_.contains(frame); }
-  /// The frame is labeled, be it with nothing.
+  /// Marks a frame as labeled, even if it has no labels.
   void know(const std::string& frame) { out_.frames[frame]; }
-  /// InputError of `image` where images of this size are not the drive's.
+  /// Throws InputError about `image` if an image of this size is not one of the drive.
   void require_size(const std::string& image, cv::Size size) const;
 
-  /// A label of a frame that is not wanted: for the warning about frames that are none of the recording.
+  /// Notes a label of a frame that is not wanted, for the warning about frames that the recording does not have.
   void note(const std::string& frame) { out_.frames[frame].emplace_back(); }
-  /// Each takes a label without geometry.
+  /// Add a shape to a label without geometry.
   void add_box(const std::string& frame, Label label, cv::Point2d low, cv::Point2d high);
   void add_polygons(const std::string& frame, Label label, const std::vector<Polygon>& polygons);
   void add_outline(const std::string& frame, Label label, Instance outline);

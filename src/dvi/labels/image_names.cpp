@@ -21,7 +21,7 @@ constexpr auto kSuffixes = std::to_array<std::string_view>(
 constexpr auto kPrefixes = std::to_array<std::string_view>({"mask_", "mask-", "frame_", "frame-", "image_", "img_"});
 constexpr auto kRoboflowMarks = std::to_array<std::string_view>({"_png.rf.", "_jpg.rf.", "_jpeg.rf."});
 
-// Label Studio writes eight hexadecimal digits and a hyphen before the name of an uploaded file.
+// Label Studio adds eight hexadecimal digits and a hyphen before the name of an uploaded file.
 bool has_upload_prefix(std::string_view name) {
   constexpr std::size_t kHashLength = 8;
   return name.size() > kHashLength + 1 && name[kHashLength] == '-' &&
@@ -29,9 +29,9 @@ bool has_upload_prefix(std::string_view name) {
                      [](char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; });
 }
 
-// Removes one addition of a tool; false if there is none.
+// Removes one addition of a tool. Returns false if there is none.
 bool remove_addition(std::string& name) {
-  const std::string lower = lower_case(name);
+  const std::string lower = to_lower_case(name);
   for (const std::string_view mark : kRoboflowMarks)
     if (const std::size_t at = lower.find(mark); at != std::string::npos && at > 0) return name.resize(at), true;
   for (const std::string_view suffix : kSuffixes)
@@ -42,46 +42,47 @@ bool remove_addition(std::string& name) {
   return false;
 }
 
-std::string plain_image_name(const std::string& name) {
+std::string to_plain_image_name(const std::string& name) {
   std::string plain = name;
   while (remove_addition(plain)) {
   }
   return plain;
 }
 
-std::optional<int> number_of(const std::string& name) {
-  const std::string plain = plain_image_name(name);
-  return all_digits(plain) ? to_integer(plain) : std::nullopt;
+std::optional<int> find_number(const std::string& name) {
+  const std::string plain = to_plain_image_name(name);
+  return is_all_digits(plain) ? to_integer(plain) : std::nullopt;
 }
 
-/// The numbers of names, if all are numbers and no two are equal.
-std::optional<std::set<int>> numbers_of(const std::set<std::string>& names) {
+/// Returns the numbers of names if all are different numbers.
+std::optional<std::set<int>> find_numbers(const std::set<std::string>& names) {
   std::set<int> numbers;
   for (const std::string& name : names)
-    if (const std::optional<int> number = number_of(name); !number || !numbers.insert(*number).second) return std::nullopt;
+    if (const std::optional<int> number = find_number(name); !number || !numbers.insert(*number).second) return std::nullopt;
   return numbers;
 }
 
 void require_same_count(const fs::path& source, const std::set<std::string>& names, const std::set<std::string>& recorded) {
-  constexpr std::size_t kMinNames = 3;  // that show how they are counted
+  constexpr std::size_t kMinNames = 3;  // fewer names do not show where the count begins
   if (names.size() < kMinNames || names.size() != recorded.size()) return;
-  const auto given = numbers_of(names), images = numbers_of(recorded);
+  const auto given = find_numbers(names), images = find_numbers(recorded);
   if (!given || !images) return;
   const int shift = *given->begin() - *images->begin();
   const bool counts_alike =
       std::equal(given->begin(), given->end(), images->begin(), [&](int number, int image) { return number == image + shift; });
   if (std::abs(shift) == 1 && counts_alike)
-    throw InputError(source,
-                     fmt::format("its names are {}, those of the drive's images {}: one of them seems to count from 1, so "
-                                 "equal numbers would not belong together",
-                                 span_of(names), span_of(recorded)),
-                     fmt::format("give both the same names; if equal numbers do belong together, take out {}",
-                                 shift > 0 ? *names.rbegin() : *names.begin()));
+    throw InputError(
+        source,
+        fmt::format("its names are {}, but those of the drive's images are {}: one of them seems to count from 1, so that "
+                    "equal numbers would not match",
+                    span_of(names), span_of(recorded)),
+        fmt::format("give both the same names; if equal numbers do match, remove {}",
+                    shift > 0 ? *names.rbegin() : *names.begin()));
 }
 
 using Key = std::string (*)(const std::string&);
 
-// None if no name has the key of an image; if `all` is asked for, if one has not.
+// Matches names by a key. Returns nothing if no name has the key of an image or, with `all`, if one has not.
 std::optional<MatchedNames> match_by(Key key, bool all, const fs::path& source, const std::vector<std::string>& names,
                                      const std::set<std::string>& recorded) {
   std::map<std::string, std::string> image_of;
@@ -96,18 +97,19 @@ std::optional<MatchedNames> match_by(Key key, bool all, const fs::path& source, 
     out.images.push_back(found == image_of.end() ? std::nullopt : std::optional(found->second));
     if (found == image_of.end()) continue;
     if (const auto [other, fresh] = first.emplace(found->second, name); !fresh && other->second != name)
-      throw InputError(source, fmt::format("{} and {} both belong to image {}", other->second, name, found->second),
-                       "leave one of each image in it");
+      throw InputError(source, fmt::format("{} and {} both match image {}", other->second, name, found->second),
+                       "keep one of them per image");
   }
   if (first.empty()) return std::nullopt;
   const fs::path named = source.has_filename() ? source : source.parent_path();
-  out.warning = fmt::format("{}: names are matched by {}, such as {} to image {}", named.filename().string(),
-                            all ? "number" : "what tools leave of them", first.begin()->second, first.begin()->first);
+  out.warning =
+      fmt::format("{}: names are matched by {}, such as {} to image {}", named.filename().string(),
+                  all ? "number" : "their part without additions of tools", first.begin()->second, first.begin()->first);
   return out;
 }
 
-std::string number_key(const std::string& name) {
-  const std::optional<int> number = number_of(name);
+std::string to_number_key(const std::string& name) {
+  const std::optional<int> number = find_number(name);
   return number ? std::to_string(*number) : "";
 }
 
@@ -116,7 +118,7 @@ std::string number_key(const std::string& name) {
 std::string span_of(const std::set<std::string>& names) {
   if (names.empty()) return "none";
   const auto by_length = [](const std::string& a, const std::string& b) { return a.size() < b.size(); };
-  const bool numbers = std::all_of(names.begin(), names.end(), [](const std::string& name) { return all_digits(name); });
+  const bool numbers = std::all_of(names.begin(), names.end(), [](const std::string& name) { return is_all_digits(name); });
   std::vector<std::string> sorted(names.begin(), names.end());
   if (numbers) std::stable_sort(sorted.begin(), sorted.end(), by_length);
   return sorted.size() == 1 ? sorted.front() : sorted.front() + " to " + sorted.back();
@@ -128,8 +130,8 @@ MatchedNames match_names(const fs::path& source, const std::vector<std::string>&
   const std::set<std::string> distinct(names.begin(), names.end());
   require_same_count(source, distinct, recorded);
   if (std::any_of(equal.images.begin(), equal.images.end(), [](const auto& image) { return image.has_value(); })) return equal;
-  if (auto plain = match_by(plain_image_name, false, source, names, recorded)) return *plain;
-  if (auto numbered = match_by(number_key, true, source, names, recorded)) return *numbered;
+  if (auto plain = match_by(to_plain_image_name, false, source, names, recorded)) return *plain;
+  if (auto numbered = match_by(to_number_key, true, source, names, recorded)) return *numbered;
   return equal;
 }
 

@@ -15,25 +15,26 @@
 namespace dvi::labels {
 namespace {
 
-// KITTI's rectangles and outlines are drawn in image_02.
-bool of_this_camera(const Drive& drive) { return drive.format != "kitti-raw" || drive.camera_name == "image_02"; }
+// The rectangles and outlines of KITTI are in images of image_02.
+bool is_kitti_label_camera(const Drive& drive) { return drive.format != "kitti-raw" || drive.camera_name == "image_02"; }
 
-LabelsByNumber read_mots_of(const fs::path& file, const Drive& drive) {
-  if (!of_this_camera(drive))
-    throw InputError(file, "holds outlines in image_02, not in " + drive.camera_name, "use --camera image_02 or boxes");
+LabelsByNumber read_drive_mots(const fs::path& file, const Drive& drive) {
+  if (!is_kitti_label_camera(drive))
+    throw InputError(file, "holds outlines for image_02, not for " + drive.camera_name,
+                     "use --camera image_02, or labels with boxes");
   return read_mots(file, {drive.camera.width, drive.camera.height});
 }
 
-LabelsByNumber read_tracking_of(const fs::path& file, const Drive& drive) {
+LabelsByNumber read_drive_tracking(const fs::path& file, const Drive& drive) {
   LabelsByNumber labels = read_kitti_tracking(file, drive.box_camera_from_lidar.value_or(drive.camera_from_lidar).inverse());
-  if (!of_this_camera(drive))
+  if (!is_kitti_label_camera(drive))
     for (auto& [number, frame] : labels)
       for (Label& label : frame) label.rect.reset();
   return labels;
 }
 
-// Numbers of the whole recording, of which the drive may be an excerpt.
-std::set<int> recorded_numbers(const Drive& drive) {
+// Returns the frame numbers of the whole recording, of which the drive may be an excerpt.
+std::set<int> list_recorded_numbers(const Drive& drive) {
   std::set<int> numbers;
   for (const Frame& frame : drive.frames) numbers.insert(frame.number);
   const fs::path stamps = drive.path / drive.camera_name / "timestamps.txt";
@@ -42,30 +43,30 @@ std::set<int> recorded_numbers(const Drive& drive) {
     for (int number = 0; number < lines; ++number) numbers.insert(numbers.end(), number);
     return numbers;
   }
-  for (int index = 0; const std::string& name : recorded_names(drive)) {
-    const auto number = all_digits(name) ? to_integer(name) : std::nullopt;
+  for (int index = 0; const std::string& name : list_recorded_names(drive)) {
+    const auto number = is_all_digits(name) ? to_integer(name) : std::nullopt;
     numbers.insert(number.value_or(index++));
   }
   return numbers;
 }
 
-std::string text(const std::string& name) { return name; }
-std::string text(int number) { return std::to_string(number); }
+std::string to_text(const std::string& name) { return name; }
+std::string to_text(int number) { return std::to_string(number); }
 
-std::string span(const std::set<std::string>& names) { return span_of(names); }
-std::string span(const std::set<int>& numbers) {
+std::string describe_span(const std::set<std::string>& names) { return span_of(names); }
+std::string describe_span(const std::set<int>& numbers) {
   if (numbers.empty()) return "none";
-  return numbers.size() == 1 ? text(*numbers.begin()) : fmt::format("{} to {}", *numbers.begin(), *numbers.rbegin());
+  return numbers.size() == 1 ? to_text(*numbers.begin()) : fmt::format("{} to {}", *numbers.begin(), *numbers.rbegin());
 }
 
-/// Labels of frames that the recording does not have, in words.
-struct Strays {
+/// Labels of frames that the recording does not have, described for a warning.
+struct UnknownFrames {
   std::vector<std::string> warnings;
-  bool all = false;  ///< and there are no others
+  bool all = false;  ///< whether there are no other labels
 };
 
 template <class Labels, class Frames>
-Strays find_strays(const fs::path& file, const Labels& labels, const Frames& recorded) {
+UnknownFrames find_strays(const fs::path& file, const Labels& labels, const Frames& recorded) {
   Frames missing;
   bool others = false;
   for (const auto& [frame, list] : labels) {
@@ -75,62 +76,65 @@ Strays find_strays(const fs::path& file, const Labels& labels, const Frames& rec
   }
   if (missing.empty()) return {};
   return {.warnings = {fmt::format(
-              "{} labels {} frames that are none of the drive, the first is {}: they are {}, the drive's {}",
-              file.filename().string(), missing.size(), text(*missing.begin()), span(missing), span(recorded))},
+              "{} labels {} frames that the drive does not have, first {}: its frames are {}, those of the drive are {}",
+              file.filename().string(), missing.size(), to_text(*missing.begin()), describe_span(missing),
+              describe_span(recorded))},
           .all = !others};
 }
 
 template <class Labels, class Key>
-FileLabels as_frames(const fs::path& file, Labels labels, const Drive& drive, const Key& key) {
+FileLabels to_frames(const fs::path& file, Labels labels, const Drive& drive, const Key& key) {
   FileLabels out;
   out.frames.resize(drive.frames.size());
-  std::size_t known = 0;  // frames up to the last that the file names
+  std::size_t known = 0;  // the number of frames up to the last one in the file
   for (std::size_t i = 0; i < drive.frames.size(); ++i)
     if (const auto found = labels.find(key(drive.frames[i])); found != labels.end())
       out.frames[i] = std::move(found->second), known = i + 1;
   if (labels.empty() || 20 * (drive.frames.size() - known) <= drive.frames.size()) return out;
-  out.after_the_last.what = fmt::format("{} ends early: it has no labels for frames", file.filename().string());
-  for (std::size_t i = known; i < drive.frames.size(); ++i) out.after_the_last.frames.push_back(drive.frames[i].number);
+  out.frames_after_last.what = fmt::format("{} ends early: it has no labels for frames", file.filename().string());
+  for (std::size_t i = known; i < drive.frames.size(); ++i) out.frames_after_last.frames.push_back(drive.frames[i].number);
   return out;
 }
 
 template <class Labels, class Recorded, class Key>
-FileLabels matched(const fs::path& file, Labels labels, Recorded recorded, const Drive& drive, const Key& key) {
+FileLabels match_frames(const fs::path& file, Labels labels, Recorded recorded, const Drive& drive, const Key& key) {
   for (const Frame& frame : drive.frames) recorded.insert(key(frame));
-  Strays strays = find_strays(file, labels, recorded);
-  FileLabels out = as_frames(file, std::move(labels), drive, key);
+  UnknownFrames strays = find_strays(file, labels, recorded);
+  FileLabels out = to_frames(file, std::move(labels), drive, key);
   out.warnings = std::move(strays.warnings);
-  out.all_strays = strays.all;
+  out.has_only_unknown_frames = strays.all;
   return out;
 }
 
-FileLabels by_number(const fs::path& file, LabelsByNumber labels, const Drive& drive) {
-  return matched(file, std::move(labels), recorded_numbers(drive), drive, [](const Frame& frame) { return frame.number; });
+FileLabels to_frames_by_number(const fs::path& file, LabelsByNumber labels, const Drive& drive) {
+  return match_frames(file, std::move(labels), list_recorded_numbers(drive), drive,
+                      [](const Frame& frame) { return frame.number; });
 }
 
-// Warns of frames that a file which lists its images does not list; those after the last are named apart.
+// Warns of frames that a file with a list of its images does not list. Those after the last one are reported separately.
 void warn_of_unlisted(const fs::path& file, const std::set<std::string>& listed, const Drive& drive, FileLabels& labels) {
   std::vector<int> unlisted;
   for (const Frame& frame : drive.frames)
     if (!listed.contains(frame.name)) unlisted.push_back(frame.number);
-  const std::size_t after = labels.after_the_last.frames.size();
+  const std::size_t after = labels.frames_after_last.frames.size();
   if (listed.empty() || unlisted.size() <= after) return;
   unlisted.resize(unlisted.size() - after);
-  labels.warnings.push_back(fmt::format("{} has no labels for {} of {} frames, which keep their traffic: {}",
-                                        file.filename().string(), unlisted.size(), drive.frames.size(), ranges(unlisted)));
+  labels.warnings.push_back(fmt::format("{} has no labels for {} of {} frames, in which nothing is removed: {}",
+                                        file.filename().string(), unlisted.size(), drive.frames.size(),
+                                        format_ranges(unlisted)));
 }
 
-FileLabels by_name(const fs::path& file, NamedLabels labels, const Drive& drive) {
+FileLabels to_frames_by_name(const fs::path& file, NamedLabels labels, const Drive& drive) {
   std::set<std::string> listed;
   for (const auto& [name, list] : labels.frames) listed.insert(name);
-  FileLabels out =
-      matched(file, std::move(labels.frames), recorded_names(drive), drive, [](const Frame& frame) { return frame.name; });
+  FileLabels out = match_frames(file, std::move(labels.frames), list_recorded_names(drive), drive,
+                                [](const Frame& frame) { return frame.name; });
   out.warnings.insert(out.warnings.end(), labels.warnings.begin(), labels.warnings.end());
   warn_of_unlisted(file, listed, drive, out);
   return out;
 }
 
-FileLabels read_boxes_of(const fs::path& file, const Drive& drive) {
+FileLabels read_drive_boxes(const fs::path& file, const Drive& drive) {
   BoxesFile boxes = read_boxes_json(file);
   const cv::Size size(drive.camera.width, drive.camera.height);
   for (auto& [name, labels] : boxes.frames)
@@ -139,47 +143,51 @@ FileLabels read_boxes_of(const fs::path& file, const Drive& drive) {
         label.rect.reset();
         label.instance.reset();
       } else if (label.instance && label.instance->size != size) {
-        throw InputError(file, fmt::format("frame {}: an outline is of an image of {}x{} pixels, the drive's are {}x{}", name,
-                                           label.instance->size.width, label.instance->size.height, size.width, size.height));
+        throw InputError(
+            file, fmt::format("frame {}: an outline is of an image of {}x{} pixels, but the drive's images are {}x{}", name,
+                              label.instance->size.width, label.instance->size.height, size.width, size.height));
       }
     }
-  FileLabels read = by_name(file, {std::move(boxes.frames), {}}, drive);
-  read.all_round = boxes.camera.empty();
+  FileLabels read = to_frames_by_name(file, {std::move(boxes.frames), {}}, drive);
+  read.all_around = boxes.camera.empty();
   return read;
 }
 
 FileLabels read_one_labelme(const fs::path& file, const Drive& drive) {
-  FileLabels read = by_name(file, read_labelme(file, {file}, drive), drive);
+  FileLabels read = to_frames_by_name(file, read_labelme(file, {file}, drive), drive);
   if (const std::size_t files = list_files(file.parent_path(), {".json"}).size(); files > 1)
-    read.warnings.push_back(fmt::format("LabelMe writes a file per image: give the folder of {} for all {} of them",
+    read.warnings.push_back(fmt::format("LabelMe writes one file per image; give the folder of {} to read all {} files",
                                         file.filename().string(), files));
   return read;
 }
 
-bool has(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
+bool contains(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
 
-// The words of a line that begins with two numbers, frame and track.
-std::vector<std::string> numbered_line(std::string_view text) {
+// Returns the words of a line that begins with two numbers, frame and track.
+std::vector<std::string> split_numbered_line(std::string_view text) {
   std::vector<std::string> words = split_words(text.substr(0, text.find('\n')));
   const bool numbered = words.size() >= 6 && to_integer(words[0]) && to_integer(words[1]);
   return numbered ? std::move(words) : std::vector<std::string>();
 }
 
 bool is_tracking(std::string_view text) {
-  const std::vector<std::string> words = numbered_line(text);
+  const std::vector<std::string> words = split_numbered_line(text);
   return (words.size() == 17 || words.size() == 18) && !to_number(words[2]);
 }
 
 bool is_mots(std::string_view text) {
-  const std::vector<std::string> words = numbered_line(text);
+  const std::vector<std::string> words = split_numbered_line(text);
   return words.size() == 6 && to_integer(words[2]) && to_integer(words[3]);
 }
 
 bool is_labelme(std::string_view text) {
-  return text.starts_with('{') && has(text, "\"shapes\"") && (has(text, "\"imagePath\"") || has(text, "\"shape_type\""));
+  return text.starts_with('{') && contains(text, "\"shapes\"") &&
+         (contains(text, "\"imagePath\"") || contains(text, "\"shape_type\""));
 }
 
-bool is_coco(std::string_view text) { return text.starts_with('{') && has(text, "\"annotations\"") && has(text, "\"images\""); }
+bool is_coco(std::string_view text) {
+  return text.starts_with('{') && contains(text, "\"annotations\"") && contains(text, "\"images\"");
+}
 
 }  // namespace
 
@@ -187,18 +195,19 @@ const std::vector<LabelFormat>& label_formats() {
   using Text = std::string_view;
   using Path = const fs::path&;
   static const std::vector<LabelFormat> formats = {
-      {"KITTI's tracklet_labels.xml", [](Text t) { return t.starts_with('<') && has(t, "<tracklets"); },
-       [](Path file, const Drive& drive) { return by_number(file, read_tracklets(file), drive); }},
+      {"KITTI's tracklet_labels.xml", [](Text t) { return t.starts_with('<') && contains(t, "<tracklets"); },
+       [](Path file, const Drive& drive) { return to_frames_by_number(file, read_tracklets(file), drive); }},
       {"KITTI tracking labels", is_tracking,
-       [](Path file, const Drive& drive) { return by_number(file, read_tracking_of(file, drive), drive); }},
+       [](Path file, const Drive& drive) { return to_frames_by_number(file, read_drive_tracking(file, drive), drive); }},
       {"MOTS instances_txt", is_mots,
-       [](Path file, const Drive& drive) { return by_number(file, read_mots_of(file, drive), drive); }},
-      {"COCO JSON", is_coco, [](Path file, const Drive& drive) { return by_name(file, read_coco(file, drive), drive); }},
-      {"CVAT XML (for video or for images)", [](Text t) { return t.starts_with('<') && has(t, "<annotations"); },
-       [](Path file, const Drive& drive) { return by_name(file, read_cvat(file, drive), drive); }},
+       [](Path file, const Drive& drive) { return to_frames_by_number(file, read_drive_mots(file, drive), drive); }},
+      {"COCO JSON", is_coco,
+       [](Path file, const Drive& drive) { return to_frames_by_name(file, read_coco(file, drive), drive); }},
+      {"CVAT XML (for video or for images)", [](Text t) { return t.starts_with('<') && contains(t, "<annotations"); },
+       [](Path file, const Drive& drive) { return to_frames_by_name(file, read_cvat(file, drive), drive); }},
       {"LabelMe JSON", is_labelme, read_one_labelme},
-      {"boxes.json", [](Text t) { return t.starts_with('{') && has(t, "\"frames\""); },
-       [](Path file, const Drive& drive) { return read_boxes_of(file, drive); }},
+      {"boxes.json", [](Text t) { return t.starts_with('{') && contains(t, "\"frames\""); },
+       [](Path file, const Drive& drive) { return read_drive_boxes(file, drive); }},
   };
   return formats;
 }
@@ -215,14 +224,13 @@ bool is_label_folder(const fs::path& folder) {
 FileLabels read_labels(const fs::path& file, const Drive& drive) {
   if (fs::is_directory(file)) {
     const std::vector<fs::path> files = list_files(file, {".json"});
-    FileLabels read = by_name(file, read_labelme(file, files, drive), drive);
+    FileLabels read = to_frames_by_name(file, read_labelme(file, files, drive), drive);
     read.files = files;
     return read;
   }
   const std::string all = read_text(file);
   const std::string_view text = label_text(all);
-  if (text.empty())
-    throw InputError(file, "is empty and holds no labels that dvi knows", "give a file with labels, or a folder of masks");
+  if (text.empty()) throw InputError(file, "is empty", "give a file with labels, or a folder of masks");
   refuse_unread_labels(file);
   std::vector<std::string> known;
   for (const LabelFormat& format : label_formats()) {
@@ -233,7 +241,8 @@ FileLabels read_labels(const fs::path& file, const Drive& drive) {
     }
     known.push_back(format.name);
   }
-  throw InputError(file, "holds no labels that dvi knows", fmt::format("it reads {}", fmt::join(known, ", ")));
+  throw InputError(file, "holds no labels in a supported format",
+                   fmt::format("supported formats are {}", fmt::join(known, ", ")));
 }
 
 Gap add_labels(Drive& drive, const fs::path& file) {
@@ -251,10 +260,10 @@ Gap add_labels(Drive& drive, const fs::path& file) {
         labels.push_back(std::move(label));
     }
   drive.warnings.insert(drive.warnings.end(), read.warnings.begin(), read.warnings.end());
-  drive.labeled_around = read.all_round && (drive.labeled_around || !drive.labeled);
+  drive.labeled_around = read.all_around && (drive.labeled_around || !drive.labeled);
   drive.labeled = true;
   drive.other_files.push_back(file);
-  return std::move(read.after_the_last);
+  return std::move(read.frames_after_last);
 }
 
 }  // namespace dvi::labels

@@ -17,29 +17,29 @@ namespace {
 
 using nlohmann::json;
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-constexpr int kBoxesVersion = 1, kNewest = 1000;
+constexpr int kBoxesVersion = 1, kMaxVersion = 1000;
 
-Eigen::Vector3d vector(const json& value) {
+Eigen::Vector3d to_vector(const json& value) {
   const auto v = value.get<std::array<double, 3>>();
   return {v[0], v[1], v[2]};
 }
 
-Eigen::Matrix3d rotation_of(const json& box) {
+Eigen::Matrix3d read_rotation(const json& box) {
   if (!box.contains("rotation")) return so3_exp({0, 0, box.at("yaw").get<double>()});
   const auto r = box.at("rotation").get<std::array<double, 9>>();
   const auto pose = to_rigid({r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], r[7], r[8], 0});
-  if (!pose) throw std::invalid_argument("a rotation " + rotation_problem(Eigen::Map<const RowMajor3d>(r.data())));
+  if (!pose) throw std::invalid_argument("a rotation " + describe_rotation_problem(Eigen::Map<const RowMajor3d>(r.data())));
   return pose->R;
 }
 
 Instance read_outline(const json& outline) {
-  constexpr int kLongest = 1 << 20;
+  constexpr int kMaxSidePx = 1 << 20;
   Instance instance;
-  instance.size.height = static_cast<int>(whole_number(outline.at("size").at(0), "height", 1, kLongest));
-  instance.size.width = static_cast<int>(whole_number(outline.at("size").at(1), "width", 1, kLongest));
+  instance.size.height = static_cast<int>(to_whole_number(outline.at("size").at(0), "height", 1, kMaxSidePx));
+  instance.size.width = static_cast<int>(to_whole_number(outline.at("size").at(1), "width", 1, kMaxSidePx));
   for (const json& run : outline.at("counts"))
     instance.runs.push_back(
-        static_cast<std::uint32_t>(whole_number(run, "a run", 0, std::numeric_limits<std::uint32_t>::max())));
+        static_cast<std::uint32_t>(to_whole_number(run, "a run", 0, std::numeric_limits<std::uint32_t>::max())));
   require_filled(instance.runs, instance.size);
   return instance;
 }
@@ -47,8 +47,8 @@ Instance read_outline(const json& outline) {
 Label read_box(const json& box) {
   Label label;
   if (const auto track = box.find("track"); track != box.end())
-    label.track = static_cast<int>(whole_number(*track, "track", -1, std::numeric_limits<int>::max()));
-  label.type = lower_case(box.at("class").get<std::string>());
+    label.track = static_cast<int>(to_whole_number(*track, "track", -1, std::numeric_limits<int>::max()));
+  label.type = to_lower_case(box.at("class").get<std::string>());
   if (const auto rect = box.find("rect"); rect != box.end()) {
     const auto r = rect->get<std::array<double, 4>>();
     label.rect = cv::Rect2d(r[0], r[1], r[2], r[3]);
@@ -56,7 +56,7 @@ Label read_box(const json& box) {
   }
   if (const auto outline = box.find("outline"); outline != box.end()) label.instance = read_outline(*outline);
   if (!box.contains("center") && (label.rect || label.instance)) return label;
-  label.box = Box{{rotation_of(box), vector(box.at("center"))}, vector(box.at("size"))};
+  label.box = Box{{read_rotation(box), to_vector(box.at("center"))}, to_vector(box.at("size"))};
   if (!(label.box->size.array() > 0).all()) throw std::invalid_argument("a box has no size [length, width, height]");
   return label;
 }
@@ -69,8 +69,8 @@ BoxesFile read_boxes_json(const fs::path& file) {
   std::string name;
   try {
     const json document = json::parse(read_text(file));
-    if (const auto version = whole_number(document.at("version"), "version", 0, kNewest); version != kBoxesVersion)
-      throw std::invalid_argument(fmt::format("version is {}, and this program reads {}", version, kBoxesVersion));
+    if (const auto version = to_whole_number(document.at("version"), "version", 0, kMaxVersion); version != kBoxesVersion)
+      throw std::invalid_argument(fmt::format("version is {}, but this program reads version {}", version, kBoxesVersion));
     out.camera = document.value("camera", std::string());
     for (const auto& [frame, boxes] : document.at("frames").items()) {
       name = frame;
@@ -80,8 +80,8 @@ BoxesFile read_boxes_json(const fs::path& file) {
     }
   } catch (const InputError&) {
     throw;
-  } catch (const std::exception& e) {  // of the JSON library or of ours
-    throw InputError(file, (name.empty() ? "" : "frame " + name + ": ") + e.what(), "docs/formats.md shows the layout");
+  } catch (const std::exception& e) {  // the JSON library throws several types
+    throw InputError(file, (name.empty() ? "" : "frame " + name + ": ") + e.what(), "see docs/formats.md for the layout");
   }
   return out;
 }

@@ -25,38 +25,41 @@ namespace {
 
 using nlohmann::json;
 
-std::int64_t whole(const json& value, const char* what, std::int64_t most) { return whole_number(value, what, 0, most); }
-
-cv::Size pixels(const json& width, const json& height) {
-  constexpr int kMostAcross = std::numeric_limits<int>::max();
-  return {static_cast<int>(whole(width, "width", kMostAcross)), static_cast<int>(whole(height, "height", kMostAcross))};
+std::int64_t read_whole(const json& value, const char* what, std::int64_t most) {
+  return to_whole_number(value, what, 0, most);
 }
 
-double coordinate(const json& value) {
+cv::Size read_size(const json& width, const json& height) {
+  constexpr int kMaxSidePx = std::numeric_limits<int>::max();
+  return {static_cast<int>(read_whole(width, "width", kMaxSidePx)), static_cast<int>(read_whole(height, "height", kMaxSidePx))};
+}
+
+double read_coordinate(const json& value) {
   const double number = value.get<double>();
-  if (!(std::abs(number) <= kFarthestPixel)) throw std::invalid_argument("a corner lies far outside of any image");
+  if (!(std::abs(number) <= kMaxCoordinatePx)) throw std::invalid_argument("a corner lies far outside the image");
   return number;
 }
 
-// Reads the polygons of a segmentation. Tools write empty lists, and points or lines, for objects that have a box only.
-std::vector<Polygon> polygons_of(const json& parts) {
+// Reads the polygons of a segmentation. Tools write empty lists, points or lines for objects that have only a box.
+std::vector<Polygon> read_polygons(const json& parts) {
   constexpr std::size_t kMinCorners = 3;
   std::vector<Polygon> polygons;
   for (const json& part : parts) {
-    if (!part.is_array() || part.size() % 2 != 0) throw std::invalid_argument("a polygon is no list of pairs x, y");
-    if (part.size() > 2 * kMostCorners) throw std::invalid_argument("a polygon has too many corners");
+    if (!part.is_array() || part.size() % 2 != 0) throw std::invalid_argument("a polygon is not a list of pairs x, y");
+    if (part.size() > 2 * kMaxCorners) throw std::invalid_argument("a polygon has too many corners");
     Polygon polygon;
-    for (std::size_t i = 0; i < part.size(); i += 2) polygon.emplace_back(coordinate(part[i]), coordinate(part[i + 1]));
+    for (std::size_t i = 0; i < part.size(); i += 2)
+      polygon.emplace_back(read_coordinate(part[i]), read_coordinate(part[i + 1]));
     if (polygon.size() >= kMinCorners) polygons.push_back(std::move(polygon));
   }
   return polygons;
 }
 
-// Whether a polygon or box is given in parts of the image instead of pixels: no coordinate of the file exceeds this.
+// If no coordinate of a file exceeds this, its polygons and boxes are in fractions of the image instead of pixels.
 constexpr double kMaxNormalized = 1.5;
 
-// Returns the largest coordinate of all polygons and boxes of a file; none where it has run lengths or no coordinates.
-std::optional<double> largest_coordinate(const json& annotations) {
+// Returns the largest coordinate of all polygons and boxes of a file; nothing if it has run lengths or no coordinates.
+std::optional<double> find_largest_coordinate(const json& annotations) {
   std::optional<double> largest;
   const auto add = [&](const json& values) {
     for (const json& value : values)
@@ -72,9 +75,9 @@ std::optional<double> largest_coordinate(const json& annotations) {
   return largest;
 }
 
-// Whether polygons run through the centers of the boundary pixels, as OpenCV's findContours makes them, instead of along the
-// edges of pixels as COCO's do: the annotation's area is then nearer to the number of pixels on and within them (Pick's
-// theorem).
+// Returns whether polygons run through the centers of the boundary pixels, as by OpenCV's findContours, instead of along the
+// edges of pixels as in COCO. The area of the annotation is then nearer to the number of pixels on and within the polygons
+// (Pick's theorem).
 bool run_through_pixel_centers(const std::vector<Polygon>& polygons, const json& annotation) {
   const json area = annotation.value("area", json());
   if (!area.is_number()) return false;
@@ -94,33 +97,33 @@ bool run_through_pixel_centers(const std::vector<Polygon>& polygons, const json&
   return std::abs(area.get<double>() - pixels) < std::abs(area.get<double>() - within);
 }
 
-Instance outline_through_pixels(const std::vector<Polygon>& polygons, cv::Size size) {
+Instance make_outline(const std::vector<Polygon>& polygons, cv::Size size) {
   cv::Mat1b mask(size, uchar{0});
   for (const Polygon& polygon : polygons)
     cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{{polygon.begin(), polygon.end()}}, 255);
-  return outline_of(mask);
+  return to_outline(mask);
 }
 
-Instance outline(const json& segmentation, cv::Size wanted) {
+Instance read_outline(const json& segmentation, cv::Size wanted) {
   const json& size = segmentation.at("size");
-  const cv::Size own = pixels(size.at(1), size.at(0));
+  const cv::Size own = read_size(size.at(1), size.at(0));
   if (own != wanted)
-    throw std::invalid_argument(fmt::format("its outline is of an image of {}x{} pixels, the drive's are {}x{}", own.width,
-                                            own.height, wanted.width, wanted.height));
+    throw std::invalid_argument(fmt::format("its outline is of an image of {}x{} pixels, but the drive's images are {}x{}",
+                                            own.width, own.height, wanted.width, wanted.height));
   Instance out{own, {}};
   const json& counts = segmentation.at("counts");
   if (counts.is_string()) {
     out.runs = decode_runs(counts.get_ref<const std::string&>());
   } else {
     for (const json& run : counts)
-      out.runs.push_back(static_cast<std::uint32_t>(whole(run, "a run", std::numeric_limits<std::uint32_t>::max())));
+      out.runs.push_back(static_cast<std::uint32_t>(read_whole(run, "a run", std::numeric_limits<std::uint32_t>::max())));
   }
   require_filled(out.runs, own);
   return out;
 }
 
-// Tools keep the number of a track in one of these places.
-int track_of(const json& annotation) {
+// Reads the number of a track, which tools store under several keys.
+int read_track(const json& annotation) {
   const json attributes = annotation.value("attributes", json::object());
   for (const json* from : {&attributes, &annotation})
     for (const char* key : {"track_id", "instance_id"})
@@ -140,7 +143,7 @@ class Coco {
     read_images(document.at("images"));
     place_ = "categories";
     for (const json& category : document.value("categories", json::array()))
-      categories_[category.at("id").dump()] = lower_case(category.at("name").get<std::string>());
+      categories_[category.at("id").dump()] = to_lower_case(category.at("name").get<std::string>());
     place_ = "annotations";
     find_unit(document.at("annotations"));
     for (const json& annotation : document.at("annotations")) {
@@ -156,28 +159,29 @@ class Coco {
   void read_images(const json& images) {
     std::vector<std::string> names;
     for (const json& image : images) names.push_back(image.at("file_name").get<std::string>());
-    const auto [frames, warning] = frames_of_images(file_, names, drive_);
+    const auto [frames, warning] = find_image_frames(file_, names, drive_);
     if (warning) labels_.warn(*warning);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       const json& image = images[i];
       if (!frames_.emplace(image.at("id").dump(), frames[i]).second)
-        throw std::invalid_argument("two have the id " + image.at("id").dump());
+        throw std::invalid_argument("two images have the id " + image.at("id").dump());
       if (!frames[i]) continue;
       labels_.know(*frames[i]);
       if (labels_.wanted(*frames[i]) && image.contains("width") && image.contains("height"))
-        labels_.require_size(names[i], pixels(image.at("width"), image.at("height")));
+        labels_.require_size(names[i], read_size(image.at("width"), image.at("height")));
     }
   }
 
-  // Coordinates that are parts of the image, 0 to 1, are scaled to pixels.
+  // Scales coordinates that are fractions of the image, 0 to 1, to pixels.
   void find_unit(const json& annotations) {
-    constexpr int kMinSidePx = 32;  // of an image in which shapes of a pixel at most mean nothing else
-    const std::optional<double> largest = largest_coordinate(annotations);
+    constexpr int kMinSidePx = 32;  // of an image, in which all shapes are one pixel at most
+    const std::optional<double> largest = find_largest_coordinate(annotations);
     const cv::Size size = labels_.size();
     if (!largest || *largest == 0 || *largest > kMaxNormalized || std::min(size.width, size.height) < kMinSidePx) return;
     unit_ = {static_cast<double>(size.width), static_cast<double>(size.height)};
-    labels_.warn(fmt::format("{}: its largest coordinate is {:.3g}: they are taken as parts of the image, not as pixels",
-                             file_.filename().string(), *largest));
+    labels_.warn(
+        fmt::format("{}: its largest coordinate is {:.3g}: coordinates are read as fractions of the image, not as pixels",
+                    file_.filename().string(), *largest));
   }
 
   cv::Point2d corner(const cv::Point2d& given) const { return {given.x * unit_.x, given.y * unit_.y}; }
@@ -185,33 +189,33 @@ class Coco {
   void read_annotation(const json& annotation) {
     const std::string image = annotation.at("image_id").dump(), category = annotation.at("category_id").dump();
     const auto frame = frames_.find(image);
-    if (frame == frames_.end()) throw std::invalid_argument("there is no image " + image);
+    if (frame == frames_.end()) throw std::invalid_argument("it refers to an unknown image " + image);
     if (!frame->second) return;
     if (!labels_.wanted(*frame->second)) return labels_.note(*frame->second);
     const auto named = categories_.find(category);
     Label label;
-    label.track = track_of(annotation);
+    label.track = read_track(annotation);
     label.type = named != categories_.end() ? named->second : "class " + category;
     const auto shape = annotation.find("segmentation");
     if (shape != annotation.end() && shape->is_object())
-      return labels_.add_outline(*frame->second, std::move(label), outline(*shape, labels_.size()));
+      return labels_.add_outline(*frame->second, std::move(label), read_outline(*shape, labels_.size()));
     std::vector<Polygon> polygons;
-    if (shape != annotation.end() && shape->is_array()) polygons = polygons_of(*shape);
+    if (shape != annotation.end() && shape->is_array()) polygons = read_polygons(*shape);
     if (polygons.empty()) return read_box(annotation, *frame->second, std::move(label));
     for (Polygon& polygon : polygons)
       for (cv::Point2d& p : polygon) p = corner(p);
     if (run_through_pixel_centers(polygons, annotation))
-      labels_.add_outline(*frame->second, std::move(label), outline_through_pixels(polygons, labels_.size()));
+      labels_.add_outline(*frame->second, std::move(label), make_outline(polygons, labels_.size()));
     else
       labels_.add_polygons(*frame->second, std::move(label), polygons);
   }
 
   void read_box(const json& annotation, const std::string& frame, Label label) {
-    if (!annotation.contains("bbox"))
-      throw std::invalid_argument("it has neither a segmentation nor a bbox, so it marks no part of the image");
+    if (!annotation.contains("bbox")) throw std::invalid_argument("it has neither a segmentation nor a bbox");
     const json& box = annotation.at("bbox");
     if (!box.is_array() || box.size() != 4) throw std::invalid_argument("its bbox is not x, y, width, height");
-    const cv::Point2d low(coordinate(box[0]), coordinate(box[1])), extent(coordinate(box[2]), coordinate(box[3]));
+    const cv::Point2d low(read_coordinate(box[0]), read_coordinate(box[1])),
+        extent(read_coordinate(box[2]), read_coordinate(box[3]));
     if (extent.x < 0 || extent.y < 0) throw std::invalid_argument("its bbox has a negative width or height");
     labels_.add_box(frame, std::move(label), corner(low), corner(low + extent));
   }
@@ -220,8 +224,8 @@ class Coco {
   const Drive& drive_;
   ImageLabels labels_;
   cv::Point2d unit_{1, 1};                                    // pixels per unit of the file's coordinates
-  std::string place_ = "it";                                  // of what is being read
-  std::map<std::string, std::optional<std::string>> frames_;  // by id; none: of another camera
+  std::string place_ = "it";                                  // the element that is being read, for messages
+  std::map<std::string, std::optional<std::string>> frames_;  // by id; none if it is of another camera
   std::map<std::string, std::string> categories_;             // by id
 };
 
@@ -230,7 +234,7 @@ class Coco {
 NamedLabels read_coco(const fs::path& file, const Drive& drive) {
   Coco coco(file, drive);
   const auto fail = [&](const std::exception& e) {
-    throw InputError(file, coco.place() + ": " + e.what(), "docs/masks.md says what is read of COCO files");
+    throw InputError(file, coco.place() + ": " + e.what(), "see docs/masks.md for the supported parts of COCO");
   };
   try {
     coco.read(json::parse(read_text(file)));

@@ -20,28 +20,28 @@ namespace {
 struct Shape {
   int frame = 0;
   bool outside = false;
-  double turn_deg = 0;  ///< of a box about its middle, clockwise
-  Polygon corners;      ///< of a box the first and the last
+  double turn_deg = 0;  ///< clockwise rotation of a box about its center
+  Polygon corners;      ///< of a box, the first and the last corner
   Instance mask;
   enum class Kind { box, polygon, mask } kind = Kind::box;
 };
 
-/// An element and where it stands, for messages.
+/// An element and its file, for messages.
 class Element {
  public:
   Element(const fs::path& file, const pugi::xml_node& node) : file_(file), node_(node) {}
 
   [[noreturn]] void fail(const std::string& problem) const {
     throw InputError(file_, fmt::format("<{}> at byte {}: {}", node_.name(), node_.offset_debug(), problem),
-                     "docs/masks.md says what is read of CVAT's files");
+                     "see docs/masks.md for the supported parts of CVAT");
   }
   std::string text(const char* name) const {
-    if (!node_.attribute(name)) fail(fmt::format("has no {}", name));
+    if (!node_.attribute(name)) fail(fmt::format("has no attribute {}", name));
     return node_.attribute(name).value();
   }
   int whole(const char* name) const {
     const auto value = to_integer(text(name));
-    if (!value || *value < 0) fail(fmt::format("{}=\"{}\" is not a whole number from 0 on", name, text(name)));
+    if (!value || *value < 0) fail(fmt::format("{}=\"{}\" is not a whole number of at least 0", name, text(name)));
     return *value;
   }
   double place(const char* name) const { return coordinate(text(name)); }
@@ -55,7 +55,7 @@ class Element {
     if (!value) fail(fmt::format("{}=\"{}\" is not a number", name, text(name)));
     return std::remainder(*value, 360.0);
   }
-  /// "x,y;x,y;..."
+  /// Reads corners "x,y;x,y;...".
   Polygon points() const {
     const std::string all = text("points");
     Polygon out;
@@ -64,17 +64,17 @@ class Element {
       if (comma >= end) fail("its points are not x,y;x,y;...");
       out.emplace_back(coordinate(std::string_view(all).substr(at, comma - at)),
                        coordinate(std::string_view(all).substr(comma + 1, end - comma - 1)));
-      if (out.size() > kMostCorners) fail("has too many points");
+      if (out.size() > kMaxCorners) fail("has too many points");
       at = end + 1;
     }
     if (out.size() < 3) fail("has fewer than three points");
     return out;
   }
-  /// Runs along the rows of a part of the image, the first of background: "3, 5, 3".
+  /// Reads run lengths along the rows of a part of the image, beginning with background: "3, 5, 3".
   Instance outline(cv::Size size) const {
     const cv::Rect part(whole("left"), whole("top"), whole("width"), whole("height"));
     const auto within = [](int first, int length, int end) { return std::int64_t{first} + length <= end; };
-    if (!within(part.x, part.width, size.width) || !within(part.y, part.height, size.height)) fail("reaches beyond the image");
+    if (!within(part.x, part.width, size.width) || !within(part.y, part.height, size.height)) fail("extends beyond the image");
     cv::Mat1b mask(part.size(), uchar{0});
     const std::string all = text("rle");
     uchar value = 0;
@@ -88,13 +88,13 @@ class Element {
       for (from = after; from != end && (*from == ',' || *from == ' ');) ++from;
     }
     if (at != part.area()) fail("its rle is not the lengths of runs that fill width x height");
-    return outline_of(mask, part.tl(), size);
+    return to_outline(mask, part.tl(), size);
   }
 
  private:
   double coordinate(std::string_view text) const {
     const auto value = to_number(text);
-    if (!value || std::abs(*value) > kFarthestPixel) fail(fmt::format("'{}' is no place in an image", text));
+    if (!value || std::abs(*value) > kMaxCoordinatePx) fail(fmt::format("'{}' is not a position in an image", text));
     return *value;
   }
 
@@ -102,8 +102,8 @@ class Element {
   pugi::xml_node node_;
 };
 
-// None of an element that encloses nothing.
-std::optional<Shape> shape_of(const fs::path& file, const pugi::xml_node& node, cv::Size size) {
+// Reads a shape. Returns nothing for an element that encloses no area.
+std::optional<Shape> read_shape(const fs::path& file, const pugi::xml_node& node, cv::Size size) {
   const std::string_view name = node.name();
   const Element element(file, node);
   Shape shape;
@@ -124,8 +124,8 @@ std::optional<Shape> shape_of(const fs::path& file, const pugi::xml_node& node, 
   return shape;
 }
 
-// As CVAT moves a shape from one of its keyframes to the next.
-Shape between(const Shape& a, const Shape& b, int frame) {
+// Interpolates between two keyframes like CVAT.
+Shape interpolate(const Shape& a, const Shape& b, int frame) {
   const double t = (static_cast<double>(frame) - a.frame) / (static_cast<double>(b.frame) - a.frame);
   if (a.kind != b.kind || a.kind == Shape::Kind::mask || a.corners.size() != b.corners.size()) return t < 0.5 ? a : b;
   Shape out = a;
@@ -134,7 +134,7 @@ Shape between(const Shape& a, const Shape& b, int frame) {
   return out;
 }
 
-Polygon turned(const cv::Point2d& low, const cv::Point2d& high, double degrees) {
+Polygon rotate_box(const cv::Point2d& low, const cv::Point2d& high, double degrees) {
   const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
   const cv::Point2d middle = 0.5 * (low + high);
   Polygon out{low, {high.x, low.y}, high, {low.x, high.y}};
@@ -145,10 +145,10 @@ Polygon turned(const cv::Point2d& low, const cv::Point2d& high, double degrees) 
   return out;
 }
 
-/// The frames of a video that a task has: CVAT numbers them as the video does.
+/// The frames of a video that a task has. CVAT numbers them as in the video.
 struct Task {
   int start = 0, stop = std::numeric_limits<int>::max(), step = 1;
-  bool is_drive = false;  ///< the drive's images are those of the task, which is a part of a video
+  bool is_drive = false;  ///< whether the drive's images are those of the task, which is a part of a video
 
   std::int64_t frames() const { return (std::int64_t{stop} - start) / step + 1; }
   bool has(int frame) const { return (frame - start) % step == 0; }
@@ -158,7 +158,7 @@ struct Task {
 class Cvat {
  public:
   Cvat(const fs::path& file, const Drive& drive)
-      : file_(file), drive_(drive), labels_(file, drive), order_(names_in_order(drive)) {}
+      : file_(file), drive_(drive), labels_(file, drive), order_(list_names_in_order(drive)) {}
 
   NamedLabels read(const pugi::xml_node& annotations) {
     read_task(annotations.child("meta"));
@@ -170,15 +170,16 @@ class Cvat {
     if (strays_ > 0 && within_ == 0)
       throw InputError(
           file_,
-          fmt::format("has shapes in no frame of the drive: they are in frames {} to {}, the drive's images are 0 to {}",
-                      first_stray_, last_stray_, order_.size() - 1),
-          "frame n of a track is the n-th of the drive's images, from 0");
+          fmt::format(
+              "has no shape in a frame of the drive: its shapes are in frames {} to {}, but the drive's images are 0 to {}",
+              first_stray_, last_stray_, order_.size() - 1),
+          "frame n of a track must be the n-th image of the drive, from 0");
     say_left_out();
     return labels_.take();
   }
 
  private:
-  // Tasks, jobs and projects describe themselves alike.
+  // Tasks, jobs and projects have the same description.
   void read_task(const pugi::xml_node& meta) {
     for (const char* kind : {"task", "job"}) {
       const pugi::xml_node task = meta.child(kind);
@@ -197,23 +198,24 @@ class Cvat {
     }
   }
 
-  // Ties the frames of a task that is a part of a video to the drive's images.
+  // Maps the frames of a task that is a part of a video to the drive's images.
   void place_task() {
     if (task_.start == 0 && task_.step == 1) return;
     const std::string name = file_.filename().string();
     task_.is_drive = task_.stop >= task_.start && task_.frames() == static_cast<std::int64_t>(order_.size());
     const std::string every = task_.step > 1 ? fmt::format("one in {} of ", task_.step) : "";
     if (task_.is_drive)
-      labels_.warn(fmt::format("{}: its task has {}the frames {} to {} of a video: they are the drive's {} images, in order",
-                               name, every, task_.start, task_.stop, order_.size()));
-    else if (task_.step > 1)
       labels_.warn(
-          fmt::format("{}: its task has only one in {} frames of a video: shapes between them are interpolated, and the last "
-                      "of a track stays as it is",
-                      name, task_.step));
+          fmt::format("{}: its task has {}the frames {} to {} of a video: these are mapped to the drive's {} images in order",
+                      name, every, task_.start, task_.stop, order_.size()));
+    else if (task_.step > 1)
+      labels_.warn(fmt::format(
+          "{}: its task has only one in {} frames of a video: shapes between them are interpolated, and the last shape "
+          "of a track is kept",
+          name, task_.step));
   }
 
-  // One after the last frame of the recording that the task has.
+  // Returns the number after the last frame of the recording that the task has.
   int last_frame() const {
     const std::int64_t all = static_cast<std::int64_t>(order_.size());
     return static_cast<int>(task_.is_drive ? all : std::clamp<std::int64_t>(std::int64_t{task_.stop} + 1, 0, all));
@@ -222,7 +224,7 @@ class Cvat {
   void read_images(const pugi::xml_node& annotations) {
     std::vector<std::string> names;
     for (const pugi::xml_node& image : annotations.children("image")) names.push_back(Element(file_, image).text("name"));
-    const auto [frames, warning] = frames_of_images(file_, names, drive_);
+    const auto [frames, warning] = find_image_frames(file_, names, drive_);
     if (warning) labels_.warn(*warning);
     std::size_t i = 0;
     for (const pugi::xml_node& image : annotations.children("image"))
@@ -237,7 +239,7 @@ class Cvat {
     for (const pugi::xml_node& node : image.children()) {
       if (!wanted) {
         labels_.note(frame);
-      } else if (const auto shape = shape_of(file_, node, labels_.size())) {
+      } else if (const auto shape = read_shape(file_, node, labels_.size())) {
         Label label;
         label.type = type_of(node);
         add(frame, std::move(label), *shape);
@@ -253,7 +255,7 @@ class Cvat {
     label.type = type_of(track);
     std::vector<Shape> shapes;
     for (const pugi::xml_node& node : track.children()) {
-      auto shape = shape_of(file_, node, labels_.size());
+      auto shape = read_shape(file_, node, labels_.size());
       if (!shape) {
         leave_out(node);
         continue;
@@ -261,9 +263,8 @@ class Cvat {
       const Element element(file_, node);
       const int frame = element.whole("frame");
       if (!task_.has(frame))
-        element.fail(
-            fmt::format("frame {} is not in the task, which has one in {} frames from {} on: it is unknown which image it is",
-                        frame, task_.step, task_.start));
+        element.fail(fmt::format("frame {} is not in the task, which has one in {} frames from {} on; its image is unknown",
+                                 frame, task_.step, task_.start));
       shape->frame = task_.index_of(frame);
       shape->outside = element.is_set("outside");
       if (!shape->outside) count(frame, shape->frame);
@@ -287,13 +288,13 @@ class Cvat {
     last_stray_ = std::max(last_stray_, frame);
   }
 
-  // A track from one of its shapes up to the next, or to the end of the task.
+  // Adds a track from one of its shapes to the next one, or to the end of the task.
   void follow(const Label& label, const Shape& shape, const Shape* next) {
     if (shape.outside) return;
     for (int frame = std::max(shape.frame, 0);
          frame < (next ? std::min(next->frame, static_cast<int>(order_.size())) : end_of(shape)); ++frame)
       if (const std::string& name = order_[static_cast<std::size_t>(frame)]; labels_.wanted(name))
-        add(name, label, next ? between(shape, *next, frame) : shape);
+        add(name, label, next ? interpolate(shape, *next, frame) : shape);
   }
 
   int end_of(const Shape& last) const {
@@ -306,12 +307,12 @@ class Cvat {
     else if (shape.kind == Shape::Kind::polygon)
       labels_.add_polygons(frame, std::move(label), {shape.corners});
     else if (shape.turn_deg != 0)
-      labels_.add_polygons(frame, std::move(label), {turned(shape.corners[0], shape.corners[1], shape.turn_deg)});
+      labels_.add_polygons(frame, std::move(label), {rotate_box(shape.corners[0], shape.corners[1], shape.turn_deg)});
     else
       labels_.add_box(frame, std::move(label), shape.corners[0], shape.corners[1]);
   }
 
-  std::string type_of(const pugi::xml_node& node) const { return lower_case(Element(file_, node).text("label")); }
+  std::string type_of(const pugi::xml_node& node) const { return to_lower_case(Element(file_, node).text("label")); }
 
   void leave_out(const pugi::xml_node& node) {
     for (const char* known : {"polyline", "points", "cuboid", "skeleton", "ellipse"})
@@ -320,11 +321,11 @@ class Cvat {
 
   void say_left_out() {
     for (const auto& [name, count] : left_out_)
-      labels_.warn(
-          fmt::format("{}: {} <{}> left out: boxes, polygons and masks are read", file_.filename().string(), count, name));
+      labels_.warn(fmt::format("{}: {} <{}> ignored: only boxes, polygons and masks are supported", file_.filename().string(),
+                               count, name));
     if (strays_ > 0)
       labels_.warn(
-          fmt::format("{} has {} shapes in frames that are none of the drive, the first is {}; frame n of a track is "
+          fmt::format("{} has {} shapes in frames that the drive does not have, first {}; frame n of a track is "
                       "the n-th of the drive's {} images, from 0",
                       file_.filename().string(), strays_, first_stray_, order_.size()));
   }
@@ -335,7 +336,7 @@ class Cvat {
   std::vector<std::string> order_;  // names of the recording's images
   Task task_;
   std::map<std::string, int> left_out_;
-  std::size_t strays_ = 0, within_ = 0;  // shapes in frames that the drive does not have, and has
+  std::size_t strays_ = 0, within_ = 0;  // shapes in frames that the drive does not have, and in those that it has
   int first_stray_ = 0, last_stray_ = 0;
 };
 

@@ -45,7 +45,7 @@ std::string box(int frame, double x, double y, const std::string& more = "") {
 
 std::string track(const std::string& shapes) { return R"(<track id="3" label="Car">)" + shapes + "</track>"; }
 
-TEST(Cvat, MovesBoxesBetweenKeyframes) {
+TEST(Cvat, InterpolatesBoxesBetweenKeyframes) {
   const TestFolder folder;
   const auto file = folder.write(
       "a.xml", cvat(track(box(6, 8, 4) + box(2, 0, 2, "outside=\"0\" occluded=\"1\"") + box(8, 9, 5, "outside=\"1\""))));
@@ -53,14 +53,14 @@ TEST(Cvat, MovesBoxesBetweenKeyframes) {
   std::vector<int> labeled;
   for (int i = 0; i < 12; ++i)
     if (!read.frames[static_cast<std::size_t>(i)].empty()) labeled.push_back(i);
-  EXPECT_THAT(labeled, ElementsAre(2, 3, 4, 5, 6, 7)) << "from the first to the one before it is outside";
+  EXPECT_THAT(labeled, ElementsAre(2, 3, 4, 5, 6, 7)) << "from the first shape to the frame before it is outside";
   const Label& car = read.frames[3].at(0);
   EXPECT_EQ(car.type, "car");
   EXPECT_EQ(car.track, 3);
   EXPECT_EQ(*car.rect, cv::Rect2d(2, 2.5, 4, 2));
   EXPECT_EQ(*read.frames[6][0].rect, cv::Rect2d(8, 4, 4, 2));
   EXPECT_EQ(*read.frames[7][0].rect, cv::Rect2d(8.5, 4.5, 4, 2));
-  EXPECT_THAT(read.after_the_last.frames, ElementsAre(110, 111)) << "the task has 10 frames";
+  EXPECT_THAT(read.frames_after_last.frames, ElementsAre(110, 111)) << "the task has 10 frames";
 }
 
 TEST(Cvat, KeepsATrackToTheEndOfTheTask) {
@@ -78,7 +78,7 @@ TEST(Cvat, KeepsATrackToTheEndOfTheTask) {
   EXPECT_EQ(last("<size>0</size>"), 5U);
 }
 
-TEST(Cvat, CountsTheFramesOfTheWholeRecording) {
+TEST(Cvat, NumbersTheFramesOfTheWholeRecording) {
   const TestFolder folder;
   Drive drive = drive_of(3);
   for (int i = 0; i < 5; ++i) folder.write(fmt::format("images/{:03}.png", i), "an image");
@@ -89,7 +89,7 @@ TEST(Cvat, CountsTheFramesOfTheWholeRecording) {
   EXPECT_TRUE(read.warnings.empty());
 }
 
-TEST(Cvat, MovesPolygonsCornerByCorner) {
+TEST(Cvat, InterpolatesPolygonsByCorner) {
   const TestFolder folder;
   const auto polygon = [](int frame, const char* points) {
     return fmt::format(R"(<polygon frame="{}" outside="0" points="{}"/>)", frame, points);
@@ -99,11 +99,11 @@ TEST(Cvat, MovesPolygonsCornerByCorner) {
   const FrameLabels labels = read_labels(file, drive_of(7)).frames;
   expect_filled(labels[0].at(0), {0, 0, 4, 4});
   expect_filled(labels[1].at(0), {2, 1, 6, 4});
-  expect_filled(labels[3].at(0), {4, 2, 8, 4});  // the next has another number of corners
+  expect_filled(labels[3].at(0), {4, 2, 8, 4});  // the next shape has another number of corners
   expect_filled(labels[4].at(0), {10, 10, 4, 2});
 }
 
-TEST(Cvat, TurnsBoxes) {
+TEST(Cvat, RotatesBoxes) {
   const TestFolder folder;
   const auto file = folder.write("a.xml", cvat(track(box(0, 4, 5, R"(rotation="90")"))));
   expect_filled(read_labels(file, drive_of(1)).frames[0].at(0), {5, 4, 2, 4});
@@ -127,23 +127,23 @@ TEST(Cvat, ReadsImages) {
   cv::Mat1b person(kPicture, uchar{0});
   person(3, 11) = person(4, 10) = person(5, 10) = 255;
   EXPECT_EQ(cv::norm(mask_of_outline(read.frames[1][2]), person, cv::NORM_INF), 0);
-  EXPECT_THAT(read.warnings, ElementsAre(HasSubstr("1 <polyline> left out"),
-                                         HasSubstr("1 object outside of the image, the first in frame 001"),
-                                         "a.xml has no labels for 1 of 4 frames, which keep their traffic: 100"));
-  EXPECT_THAT(read.after_the_last.frames, ElementsAre(103));
+  EXPECT_THAT(read.warnings,
+              ElementsAre(HasSubstr("1 <polyline> ignored"), HasSubstr("1 object outside the image, the first in frame 001"),
+                          "a.xml has no labels for 1 of 4 frames, in which nothing is removed: 100"));
+  EXPECT_THAT(read.frames_after_last.frames, ElementsAre(103));
 }
 
-TEST(Cvat, WarnsOfFramesItDoesNotHave) {
+TEST(Cvat, WarnsOfFramesThatTheDriveDoesNotHave) {
   const TestFolder folder;
   const auto file = folder.write("a.xml", cvat(track(box(2, 0, 2) + box(2000000000, 8, 2))));
   EXPECT_THAT(read_labels(file, drive_of(4)).warnings,
-              ElementsAre(AllOf(HasSubstr("1 shapes in frames that are none"), HasSubstr("2000000000"),
+              ElementsAre(AllOf(HasSubstr("1 shapes in frames that the drive does not have"), HasSubstr("2000000000"),
                                 HasSubstr("4 images, from 0"))));
 }
 
-TEST(Cvat, TiesATaskOfAPartOfAVideoToItsImages) {
+TEST(Cvat, MapsATaskOfAPartOfAVideoToItsImages) {
   const TestFolder folder;
-  // Frames 10, 13, 16, 19 of a video, numbered as there: so CVAT exports a task with a frame filter.
+  // Frames 10, 13, 16, 19 of a video with their numbers there, as CVAT exports a task with a frame filter.
   const std::string task =
       "<size>4</size><start_frame>10</start_frame><stop_frame>19</stop_frame>"
       "<frame_filter>step=3</frame_filter>";
@@ -154,7 +154,7 @@ TEST(Cvat, TiesATaskOfAPartOfAVideoToItsImages) {
   EXPECT_EQ(*read.frames[2].at(0).rect, cv::Rect2d(8, 4, 4, 2));
   EXPECT_TRUE(read.frames[3].empty());
   EXPECT_THAT(read.warnings,
-              ElementsAre(HasSubstr("one in 3 of the frames 10 to 19 of a video: they are the drive's 4 images")));
+              ElementsAre(HasSubstr("one in 3 of the frames 10 to 19 of a video: these are mapped to the drive's 4 images")));
   const FileLabels whole = read_labels(file, drive_of(20));
   EXPECT_EQ(*whole.frames[13].at(0).rect, cv::Rect2d(4, 3, 4, 2)) << "the drive has the whole video";
   EXPECT_THAT(whole.warnings, testing::Contains(HasSubstr("only one in 3 frames of a video")));
@@ -162,14 +162,14 @@ TEST(Cvat, TiesATaskOfAPartOfAVideoToItsImages) {
   EXPECT_THAT(input_error([&] { read_labels(counted, drive_of(20)); }), HasSubstr("frame 11 is not in the task"));
 }
 
-TEST(Cvat, RefusesShapesOfOtherFramesOnly) {
+TEST(Cvat, RefusesLabelsWithoutAFrameOfTheDrive) {
   const TestFolder folder;
   const auto file = folder.write("a.xml", cvat(track(box(100, 0, 2) + box(119, 8, 2))));
   EXPECT_THAT(input_error([&] { read_labels(file, drive_of(20)); }),
-              HasSubstr("they are in frames 100 to 119, the drive's images are 0 to 19"));
+              HasSubstr("its shapes are in frames 100 to 119, but the drive's images are 0 to 19"));
 }
 
-TEST(Cvat, RefusesWithThePlace) {
+TEST(Cvat, ReportsThePositionOfErrors) {
   const TestFolder folder;
   const auto error = [&](const std::string& text) {
     return input_error([&] { read_labels(folder.write("a.xml", text), drive_of(4)); });
@@ -177,8 +177,8 @@ TEST(Cvat, RefusesWithThePlace) {
   const auto expect = [&](const std::string& inside, const char* what) {
     EXPECT_THAT(error(cvat(inside)), AllOf(HasSubstr("a.xml"), HasSubstr("at byte "), HasSubstr(what))) << inside;
   };
-  expect(track(R"(<box frame="0" xtl="a" ytl="1" xbr="2" ybr="3"/>)"), "'a' is no place in an image");
-  expect(track(R"(<box frame="0" xtl="1e9" ytl="1" xbr="2e9" ybr="3"/>)"), "'1e9' is no place in an image");
+  expect(track(R"(<box frame="0" xtl="a" ytl="1" xbr="2" ybr="3"/>)"), "'a' is not a position in an image");
+  expect(track(R"(<box frame="0" xtl="1e9" ytl="1" xbr="2e9" ybr="3"/>)"), "'1e9' is not a position in an image");
   expect(track(R"(<box frame="0" xtl="4" ytl="1" xbr="2" ybr="3"/>)"), "left of or above");
   expect(track(R"(<box frame="0" xtl="1" ytl="1" xbr="2"/>)"), "<box> at byte");
   expect(track(R"(<box frame="-1" xtl="1" ytl="1" xbr="2" ybr="3"/>)"), "frame=\"-1\" is not a whole number");
@@ -188,7 +188,7 @@ TEST(Cvat, RefusesWithThePlace) {
   expect(track(R"(<polygon frame="0" points="1,1;2,2"/>)"), "fewer than three");
   expect(track(R"(<polygon frame="0" points="1,1;2;3,3"/>)"), "x,y;x,y");
   expect(R"(<track id="x" label="car"/>)", "id=\"x\"");
-  expect(R"(<track id="1"/>)", "has no label");
+  expect(R"(<track id="1"/>)", "has no attribute label");
   const auto image = [](const std::string& shape) {
     return R"(<image name="001.png" width="20" height="12">)" + shape + "</image>";
   };

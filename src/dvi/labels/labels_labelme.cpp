@@ -16,27 +16,28 @@ namespace {
 
 using nlohmann::json;
 
-cv::Point2d corner_of(const json& point) {
+cv::Point2d read_corner(const json& point) {
   const cv::Point2d corner(point.at(0).get<double>(), point.at(1).get<double>());
-  if (!(std::abs(corner.x) <= kFarthestPixel && std::abs(corner.y) <= kFarthestPixel))
-    throw std::invalid_argument("a corner lies far outside of any image");
+  if (!(std::abs(corner.x) <= kMaxCoordinatePx && std::abs(corner.y) <= kMaxCoordinatePx))
+    throw std::invalid_argument("a corner lies far outside the image");
   return corner;
 }
 
-Polygon corners_of(const json& points) {
-  if (points.size() > kMostCorners) throw std::invalid_argument("a polygon has too many corners");
+Polygon read_corners(const json& points) {
+  if (points.size() > kMaxCorners) throw std::invalid_argument("a polygon has too many corners");
   Polygon corners;
-  for (const json& point : points) corners.push_back(corner_of(point));
+  for (const json& point : points) corners.push_back(read_corner(point));
   return corners;
 }
 
-// A circle has its center and a point of its rim.
-Polygon circle(const cv::Point2d& center, const cv::Point2d& on_rim) {
-  constexpr int kSides = 64;
-  const double radius = std::hypot(on_rim.x - center.x, on_rim.y - center.y) / std::cos(CV_PI / kSides);
+// A circle is given by its center and a point on its boundary.
+Polygon make_circle(const cv::Point2d& center, const cv::Point2d& on_rim) {
+  constexpr int kCircleSides = 64;
+  const double radius = std::hypot(on_rim.x - center.x, on_rim.y - center.y) / std::cos(CV_PI / kCircleSides);
   Polygon corners;
-  for (int i = 0; i < kSides; ++i)
-    corners.push_back(center + radius * cv::Point2d(std::cos(2 * CV_PI * i / kSides), std::sin(2 * CV_PI * i / kSides)));
+  for (int i = 0; i < kCircleSides; ++i)
+    corners.push_back(center +
+                      radius * cv::Point2d(std::cos(2 * CV_PI * i / kCircleSides), std::sin(2 * CV_PI * i / kCircleSides)));
   return corners;
 }
 
@@ -49,8 +50,9 @@ class LabelMe {
     const bool wanted = labels_.wanted(frame);
     if (wanted && document.contains("imageWidth") && document.contains("imageHeight")) {
       constexpr int kMaxSidePx = 1 << 20;
-      labels_.require_size(frame, {static_cast<int>(whole_number(document.at("imageWidth"), "imageWidth", 0, kMaxSidePx)),
-                                   static_cast<int>(whole_number(document.at("imageHeight"), "imageHeight", 0, kMaxSidePx))});
+      labels_.require_size(frame,
+                           {static_cast<int>(to_whole_number(document.at("imageWidth"), "imageWidth", 0, kMaxSidePx)),
+                            static_cast<int>(to_whole_number(document.at("imageHeight"), "imageHeight", 0, kMaxSidePx))});
     }
     for (const json& shape : document.at("shapes")) {
       if (!wanted)
@@ -62,24 +64,24 @@ class LabelMe {
 
   NamedLabels take(const std::string& name) {
     if (left_out_ > 0)
-      labels_.warn(fmt::format("{}: {} points and lines are left out: polygons, rectangles, circles and masks are read", name,
-                               left_out_));
-    if (masks_ > 0) labels_.warn(fmt::format("{}: of {} masks their rectangles are used", name, masks_));
+      labels_.warn(fmt::format(
+          "{}: {} points and lines are ignored: only polygons, rectangles, circles and masks are supported", name, left_out_));
+    if (masks_ > 0) labels_.warn(fmt::format("{}: the rectangles of {} masks are used instead of the masks", name, masks_));
     return labels_.take();
   }
 
  private:
   void read_shape(const json& shape, const std::string& frame) {
     const std::string type = shape.value("shape_type", "polygon");
-    const Polygon corners = corners_of(shape.at("points"));
+    const Polygon corners = read_corners(shape.at("points"));
     Label label;
-    label.type = lower_case(shape.at("label").get<std::string>());
+    label.type = to_lower_case(shape.at("label").get<std::string>());
     if (type == "polygon" && corners.size() > 2) return labels_.add_polygons(frame, std::move(label), {corners});
     if (type == "circle" && corners.size() == 2)
-      return labels_.add_polygons(frame, std::move(label), {circle(corners[0], corners[1])});
+      return labels_.add_polygons(frame, std::move(label), {make_circle(corners[0], corners[1])});
     if ((type == "rectangle" || type == "mask") && corners.size() >= 2) {
       masks_ += type == "mask" ? 1 : 0;
-      const cv::Point2d &a = corners[0], &b = corners[corners.size() == 4 ? 2 : 1];  // four corners since LabelMe 5.6
+      const cv::Point2d &a = corners[0], &b = corners[corners.size() == 4 ? 2 : 1];  // LabelMe 5.6 and later write four corners
       return labels_.add_box(frame, std::move(label), {std::min(a.x, b.x), std::min(a.y, b.y)},
                              {std::max(a.x, b.x), std::max(a.y, b.y)});
     }
@@ -100,20 +102,20 @@ NamedLabels read_labelme(const fs::path& source, const std::vector<fs::path>& fi
     try {
       parse();
     } catch (const json::exception& e) {
-      throw InputError(file, e.what(), "docs/masks.md says what is read of LabelMe files");
+      throw InputError(file, e.what(), "see docs/masks.md for the supported parts of LabelMe");
     } catch (const std::invalid_argument& e) {
-      throw InputError(file, e.what(), "docs/masks.md says what is read of LabelMe files");
+      throw InputError(file, e.what(), "see docs/masks.md for the supported parts of LabelMe");
     }
   };
   for (const fs::path& file : files)
     read(file, [&] {
       json document = json::parse(read_text(file));
-      document.erase("imageData");  // the image itself
+      document.erase("imageData");  // removes the embedded image to save memory
       const json name = document.value("imagePath", json());
       images.push_back(name.is_string() ? name.get<std::string>() : file.stem().string());
       documents.push_back(std::move(document));
     });
-  const ImageFrames frames = frames_of_images(source, images, drive);
+  const ImageFrames frames = find_image_frames(source, images, drive);
   for (std::size_t i = 0; i < files.size(); ++i)
     if (frames.frames[i]) read(files[i], [&] { labels.read_shapes(documents[i], *frames.frames[i]); });
   NamedLabels out = labels.take(source.filename().string());

@@ -25,7 +25,8 @@ int pixels(const Label& label) {
   return cv::countNonZero(mask);
 }
 
-// As LabelMe 5 writes it (labelme/label_file.py): two points of a rectangle in any order, center and rim of a circle.
+// The format is that of LabelMe 5 (labelme/label_file.py): two points of a rectangle in any order, center and boundary point of
+// a circle.
 std::string labelme(const std::string& image, const std::string& shapes, int width = 20) {
   return fmt::format(R"({{"version":"5.4.1","flags":{{}},"shapes":[{}],"imagePath":"{}","imageData":null,"imageHeight":12,
     "imageWidth":{}}})",
@@ -52,30 +53,30 @@ TEST(LabelMe, ReadsAFilePerImage) {
   ASSERT_EQ(read.frames[1].size(), 2U);
   EXPECT_NEAR(pixels(read.frames[1][0]), CV_PI * 16, 4);
   EXPECT_EQ(*read.frames[1][1].rect, cv::Rect2d(1, 1, 3, 2));
-  EXPECT_EQ(read.files.size(), 2U) << "all are inputs of a run";
-  EXPECT_THAT(read.warnings, testing::Contains(HasSubstr("1 points and lines are left out")));
-  EXPECT_THAT(read.warnings, testing::Contains(HasSubstr("of 1 masks their rectangles are used")));
-  EXPECT_THAT(read.after_the_last.frames, ElementsAre(2)) << "it has no file";
+  EXPECT_EQ(read.files.size(), 2U) << "all files are inputs of a run";
+  EXPECT_THAT(read.warnings, testing::Contains(HasSubstr("1 points and lines are ignored")));
+  EXPECT_THAT(read.warnings, testing::Contains(HasSubstr("the rectangles of 1 masks are used")));
+  EXPECT_THAT(read.frames_after_last.frames, ElementsAre(2)) << "this frame has no file";
 }
 
-TEST(LabelMe, OneFileLabelsOneFrame) {
+TEST(LabelMe, ReadsOneFileForOneFrame) {
   const TestFolder folder;
   const fs::path file = folder.write("001.json", labelme("001.png", shape("rectangle", "[[2,3],[6,7]]")));
   const FileLabels read = read_labels(file, three_images());
   EXPECT_EQ(read.frames[1].size(), 1U);
-  EXPECT_THAT(read.warnings, ElementsAre("001.json has no labels for 1 of 3 frames, which keep their traffic: 0"));
+  EXPECT_THAT(read.warnings, ElementsAre("001.json has no labels for 1 of 3 frames, in which nothing is removed: 0"));
   folder.write("002.json", labelme("002.png", ""));
   EXPECT_THAT(read_labels(file, three_images()).warnings,
-              testing::Contains("LabelMe writes a file per image: give the folder of 001.json for all 2 of them"));
+              testing::Contains("LabelMe writes one file per image; give the folder of 001.json to read all 2 files"));
 }
 
-TEST(LabelMe, RefusesWithTheFile) {
+TEST(LabelMe, ReportsTheMalformedFile) {
   const TestFolder folder;
   const auto error = [&](const std::string& text) {
     return input_error([&] { read_labels(folder.write("000.json", text), three_images()); });
   };
   EXPECT_THAT(error(labelme("000.png", shape("rectangle", "[[2,3],[6,7]]"), 40)),
-              AllOf(HasSubstr("000.json"), HasSubstr("is 40x12 pixels, the drive's images are 20x12")));
+              AllOf(HasSubstr("000.json"), HasSubstr("is 40x12 pixels, but the drive's images are 20x12")));
   EXPECT_THAT(error(labelme("x.png", "")), HasSubstr("no image of the drive"));
   EXPECT_THAT(error(labelme("000.png", shape("polygon", "[[1],[2,2],[3,3]]"))), HasSubstr("000.json"));
   EXPECT_THAT(error(labelme("000.png", shape("polygon", "[[1,1e9],[2,2],[3,3]]"))), HasSubstr("far outside"));
@@ -85,12 +86,12 @@ TEST(LabelMe, RefusesWithTheFile) {
   EXPECT_THAT(error(R"({"shapes":[],"imagePath":"000.png")"), HasSubstr("parse error"));
 }
 
-TEST(UnreadLabels, AreNamedWithARemedy) {
+TEST(UnreadLabels, AreRefusedWithARemedy) {
   const TestFolder folder;
   const auto expect = [&](const std::string& name, const std::string& text, const char* format, const char* remedy) {
     const fs::path file = folder.write(name, text);
     EXPECT_THAT(input_error([&] { read_labels(file, three_images()); }),
-                AllOf(HasSubstr(name), HasSubstr(format), HasSubstr("which dvi does not read"), HasSubstr(remedy)));
+                AllOf(HasSubstr(name), HasSubstr(format), HasSubstr("which dvi does not support"), HasSubstr(remedy)));
   };
   expect("000.txt", "2 0.133333 0.300000 0.266667 0.200000\n", "YOLO labels", "COCO");
   expect("001.txt", "0 0.1 0.1 0.2 0.1 0.2 0.2\r\n", "YOLO labels", "COCO");
@@ -109,7 +110,7 @@ TEST(UnreadLabels, AreNamedWithARemedy) {
   expect("c.json", R"({"images":[],"annotations":[{"image_id":5,"caption":"a car"}]})", "COCO captions", "instances");
   expect("r.json", R"([{"image_id":5,"category_id":3,"bbox":[1,2,3,4],"score":0.9}])", "COCO results", "\"images\"");
   EXPECT_THAT(input_error([&] { read_labels(folder.write("x.json", R"({"version":"5"})"), three_images()); }),
-              AllOf(HasSubstr("holds no labels that dvi knows"), HasSubstr("COCO JSON"), HasSubstr("LabelMe")));
+              AllOf(HasSubstr("holds no labels in a supported format"), HasSubstr("COCO JSON"), HasSubstr("LabelMe")));
   EXPECT_THAT(input_error([&] { read_labels(folder.write("empty.txt", " \n"), three_images()); }), HasSubstr("is empty"));
   folder.write("yolo/classes.txt", "car\nvan\n");
   folder.write("yolo/000.txt", "");

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 constexpr double kTolerance = 1e-9;
 
-// A camera that looks along the LiDAR's x, without an offset.
+// Two frames of a camera at the LiDAR's position that looks along the LiDAR's x.
 Drive two_frames() {
   Drive drive;
   drive.camera.width = 4, drive.camera.height = 3;
@@ -59,7 +59,7 @@ TEST(Labels, ReadsTracklets) {
 
 TEST(Labels, ReadsTrackingIntoLidarAxes) {
   const TestFolder folder;
-  // 10 m ahead, 2 m to the left, on ground 1.7 m below the camera; yaw -pi/2 looks ahead.
+  // The object is 10 m ahead and 2 m to the left, on ground 1.7 m below the camera; a yaw of -pi/2 points ahead.
   const auto file = folder.write("0000.txt",
                                  "5 -1 DontCare -1 -1 -10 1 1 2 2 -1000 -1000 -1000 -10 -1 -1 -1\n"
                                  "5 3 Car 0 0 -1.5 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 -1.5707963267948966\n"
@@ -75,9 +75,9 @@ TEST(Labels, ReadsTrackingIntoLidarAxes) {
   EXPECT_FALSE(labels[1].at(0).box);
 }
 
-TEST(Labels, ReadsOutlinesAndJoinsThem) {
+TEST(Labels, ReadsOutlinesAndAddsThemToTracks) {
   const TestFolder folder;
-  // Runs 4 2 1 3 2 of a 3x4 image: the characters are those of COCO's own encoder.
+  // Runs 4 2 1 3 2 of a 3x4 image; the characters are those of COCO's own encoder.
   const auto outlines = folder.write("instances.txt", "5 1003 1 3 4 42111\n5 10000 10 3 4 42111\n6 2001 2 3 4 <\n");
   const auto tracking = folder.write("tracking.txt", "5 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n");
   Drive drive = two_frames();
@@ -106,50 +106,49 @@ TEST(Labels, ReadsBoxesByName) {
   EXPECT_NEAR(so3_log(labels[1][0].box->frame_from_box.R).z(), 0.25, kTolerance);
 }
 
-TEST(Labels, WarnsOfFramesItDoesNotHave) {
+TEST(Labels, WarnOfFramesThatTheDriveDoesNotHave) {
   const TestFolder folder;
   const auto box = R"([{"class":"car","center":[1,2,3],"size":[4,5,6],"yaw":0}])";
   const auto boxes =
       folder.write("boxes.json", fmt::format(R"({{"version":1,"frames":{{"five":{},"ten":{},"two":{}}}}})", box, box, box));
   const FileLabels read = read_labels(boxes, two_frames());
   EXPECT_THAT(read.warnings,
-              ElementsAre("boxes.json labels 2 frames that are none of the drive, the first is ten: they are ten "
-                          "to two, the drive's five to six"));
-  EXPECT_FALSE(read.all_strays);
-  EXPECT_EQ(read.after_the_last.what, "boxes.json ends early: it has no labels for frames");
-  EXPECT_THAT(read.after_the_last.frames, ElementsAre(6));
+              ElementsAre("boxes.json labels 2 frames that the drive does not have, first ten: its frames are ten "
+                          "to two, those of the drive are five to six"));
+  EXPECT_FALSE(read.has_only_unknown_frames);
+  EXPECT_EQ(read.frames_after_last.what, "boxes.json ends early: it has no labels for frames");
+  EXPECT_THAT(read.frames_after_last.frames, ElementsAre(6));
   const auto all = folder.write("all.json", fmt::format(R"({{"version":1,"frames":{{"five":{},"six":[]}}}})", box));
-  EXPECT_TRUE(read_labels(all, two_frames()).after_the_last.frames.empty()) << "an empty list says that there is nothing";
+  EXPECT_TRUE(read_labels(all, two_frames()).frames_after_last.frames.empty()) << "an empty list means that there is no object";
   const auto tracking = folder.write("tracking.txt",
                                      "6 -1 DontCare -1 -1 -10 1 1 2 2 -1000 -1000 -1000 -10 -1 -1 -1\n"
                                      "9 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n");
   Drive drive = two_frames();
   EXPECT_TRUE(add_labels(drive, tracking).frames.empty());
-  EXPECT_THAT(
-      drive.warnings,
-      ElementsAre("tracking.txt labels 1 frames that are none of the drive, the first is 9: they are 9, the drive's 5 to 6"));
+  EXPECT_THAT(drive.warnings, ElementsAre("tracking.txt labels 1 frames that the drive does not have, first 9: its frames are "
+                                          "9, those of the drive are 5 to 6"));
 }
 
-TEST(Labels, RefusesWhatItDoesNotKnow) {
+TEST(Labels, AreRefusedInUnknownFormats) {
   const TestFolder folder;
   const auto error = [&](const std::string& text) {
     return input_error([&] { read_labels(folder.write("labels", text), two_frames()); });
   };
-  for (const char* text : {"", "hello world\n", "<html></html>", "1 2 3\n"})
-    EXPECT_THAT(error(text), HasSubstr("no labels that dvi knows"));
+  for (const char* text : {"hello world\n", "<html></html>", "1 2 3\n"})
+    EXPECT_THAT(error(text), HasSubstr("no labels in a supported format"));
   EXPECT_THAT(error("<tracklets><boost"), HasSubstr("malformed XML"));
   EXPECT_THAT(error("{\"version\":2,\"frames\":{}}"), HasSubstr("version is 2"));
   EXPECT_THAT(error("{\"version\":1e30,\"frames\":{}}"), HasSubstr("version is not a whole number"));
   EXPECT_THAT(error("{\"version\":1,\"frames\":{\"six\":[{\"class\":\"car\"}]}}"), HasSubstr("frame six:"));
   EXPECT_THAT(error("5 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n5 3 Car 0 0 x 1 0 3 y\n"), HasSubstr("labels:2"));
-  EXPECT_THAT(error("5 1003 1 30 40 abc\n"), HasSubstr("40x30 pixels, the drive's are 4x3"));
+  EXPECT_THAT(error("5 1003 1 30 40 abc\n"), HasSubstr("40x30 pixels, but the drive's images are 4x3"));
   EXPECT_THAT(error("5 1003 1 3 4 42\n"), HasSubstr("does not fill the image"));
-  EXPECT_THAT(error("5 1003 1 3 4 4Z\n"), HasSubstr("outline is cut"));
-  // A first run of 2^32 + 4, which 32 bits would take for 4.
+  EXPECT_THAT(error("5 1003 1 3 4 4Z\n"), HasSubstr("outline is truncated"));
+  // A first run of 2^32 + 4, of which 32 bits would keep 4.
   EXPECT_THAT(error("5 1003 1 3 4 TPPPPP42111\n"), HasSubstr("outline is malformed"));
 }
 
-TEST(Labels, MayHaveAByteOrderMarkAndLineEndsOfWindows) {
+TEST(Labels, MayHaveAByteOrderMarkAndWindowsLineEnds) {
   const TestFolder folder;
   const std::string mark = "\xEF\xBB\xBF", car = "5 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\r\n";
   EXPECT_EQ(read_labels(folder.write("tracking.txt", mark + car), two_frames()).frames[0].size(), 1U);
@@ -160,19 +159,19 @@ TEST(Labels, MayHaveAByteOrderMarkAndLineEndsOfWindows) {
   EXPECT_THAT(input_error([&] { read_labels(folder.write("wide.json", wide), two_frames()); }), HasSubstr("is UTF-16 text"));
 }
 
-TEST(Labels, OfOtherFramesOnlyAreNamedWithBothRanges) {
+TEST(Labels, OfOtherFramesOnlyAreReportedWithBothRanges) {
   const TestFolder folder;
   const auto tracking = folder.write("tracking.txt",
                                      "100 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n"
                                      "119 3 Car 0 0 0 1 0 3 2 1.5 1.6 4.0 -2 1.7 10 0\n");
   const FileLabels read = read_labels(tracking, two_frames());
-  EXPECT_TRUE(read.all_strays);
+  EXPECT_TRUE(read.has_only_unknown_frames);
   EXPECT_THAT(read.warnings,
-              ElementsAre("tracking.txt labels 2 frames that are none of the drive, the first is 100: they are 100 "
-                          "to 119, the drive's 5 to 6"));
+              ElementsAre("tracking.txt labels 2 frames that the drive does not have, first 100: its frames are 100 "
+                          "to 119, those of the drive are 5 to 6"));
 }
 
-TEST(Labels, OfClassesThatAreNotKnownAsTrafficAreNamed) {
+TEST(Labels, OfClassesThatAreNotKnownAsTrafficCauseAWarning) {
   Drive drive = two_frames();
   const auto label = [](const char* type) { return Label{.track = -1, .type = type, .box = {}, .rect = {}, .instance = {}}; };
   for (const char* type : {"other_vehicle", "human.pedestrian.adult", "Car-parked"})
@@ -186,10 +185,10 @@ TEST(Labels, OfClassesThatAreNotKnownAsTrafficAreNamed) {
                                        HasSubstr("--classes \"Car-parked,human.pedestrian.adult,other_vehicle\"")));
   keep_label_types(drive, "3,other vehicle");
   EXPECT_EQ(drive.frames[0].labels.size(), 1U);
-  EXPECT_EQ(drive.frames[1].labels.size(), 1U) << "a number stands for a class without a name";
+  EXPECT_EQ(drive.frames[1].labels.size(), 1U) << "a number selects a class without a name";
 }
 
-TEST(MaskFolder, SaysWhatAFolderHoldsInsteadOfMasks) {
+TEST(MaskFolder, ReportsTheContentOfAFolderWithoutMasks) {
   const TestFolder folder;
   Drive drive = two_frames();
   folder.write("jpeg/five.jpg", "an image");
@@ -199,7 +198,7 @@ TEST(MaskFolder, SaysWhatAFolderHoldsInsteadOfMasks) {
   EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "yolo"); }), HasSubstr("holds YOLO labels"));
 }
 
-TEST(MaskFolder, TiesMasksByName) {
+TEST(MaskFolder, MatchesMasksByName) {
   const TestFolder folder;
   cv::Mat1b mask(3, 4, uchar{0});
   mask(1, 2) = 7;
@@ -209,13 +208,13 @@ TEST(MaskFolder, TiesMasksByName) {
   EXPECT_TRUE(drive.mask_files.empty());
   match_masks(drive, {folder.path / "masks"});
   EXPECT_THAT(drive.mask_files, ElementsAre(fs::path(), folder.path / "masks/six.png"));
-  EXPECT_EQ(frames_without_mask(drive), "1 of 2 frames have no mask file and keep their traffic: 5");
+  EXPECT_EQ(describe_frames_without_mask(drive), "1 of 2 frames have no mask file, and nothing is removed in them: 5");
   attach_masks(drive, folder.path / "masks");
   EXPECT_EQ(cv::countNonZero(*drive.masks[0]), 0);
   EXPECT_EQ((*drive.masks[1])(1, 2), 255);
 }
 
-TEST(MaskFolder, TakesEndingsInUpperCase) {
+TEST(MaskFolder, ReadsEndingsInUpperCase) {
   const TestFolder folder;
   folder.write_image("masks/six.PNG", cv::Mat1b(3, 4, uchar{255}));
   Drive drive = two_frames();
@@ -223,7 +222,7 @@ TEST(MaskFolder, TakesEndingsInUpperCase) {
   EXPECT_EQ(cv::countNonZero(*drive.masks[1]), 12);
 }
 
-TEST(MaskFolder, TakesNamesWithTheEndingOfTheImage) {
+TEST(MaskFolder, ReadsNamesWithTheEndingOfTheImage) {
   const TestFolder folder;
   for (const char* name : {"five.jpg.png", "six.png.png", "six.png"})
     folder.write_image(std::string("masks/") + name, cv::Mat1b(3, 4, uchar{0}));
@@ -233,7 +232,7 @@ TEST(MaskFolder, TakesNamesWithTheEndingOfTheImage) {
   EXPECT_TRUE(drive.warnings.empty());
 }
 
-TEST(MaskFolder, LeavesMasksOfMissingImagesAlone) {
+TEST(MaskFolder, AcceptsMasksOfMissingImages) {
   const TestFolder folder;
   for (const char* name : {"five", "join", "six"})
     folder.write_image(std::string("masks/") + name + ".png", cv::Mat1b(3, 4, uchar{0}));
@@ -241,22 +240,22 @@ TEST(MaskFolder, LeavesMasksOfMissingImagesAlone) {
   match_masks(drive, {folder.path / "masks"});
   EXPECT_THAT(drive.mask_files, ElementsAre(folder.path / "masks/five.png", folder.path / "masks/six.png"));
   EXPECT_TRUE(drive.warnings.empty());
-  EXPECT_FALSE(frames_without_mask(drive));
+  EXPECT_FALSE(describe_frames_without_mask(drive));
 }
 
-TEST(MaskFolder, WarnsOfMasksOfNoFrame) {
+TEST(MaskFolder, WarnsOfMasksWithoutAFrame) {
   const TestFolder folder;
   for (const char* name : {"five", "early", "sixth"})
     folder.write_image(std::string("masks/") + name + ".png", cv::Mat1b(3, 4, uchar{0}));
   Drive drive = two_frames();
   match_masks(drive, {folder.path / "masks"});
   ASSERT_EQ(drive.warnings.size(), 1U);
-  EXPECT_THAT(drive.warnings[0], AllOf(HasSubstr("2 mask files are of no image"), HasSubstr("early.png")));
+  EXPECT_THAT(drive.warnings[0], AllOf(HasSubstr("2 mask files have no image"), HasSubstr("early.png")));
   Drive given = two_frames();
-  given.frames[0].file = given.frames[1].file = folder.write("images/sixth.jpg", "an image that --frames left out");
+  given.frames[0].file = given.frames[1].file = folder.write("images/sixth.jpg", "an image outside --frames");
   attach_masks(given, folder.path / "masks");
   ASSERT_EQ(given.warnings.size(), 1U);
-  EXPECT_THAT(given.warnings[0], AllOf(HasSubstr("1 mask file is of no image"), HasSubstr("early.png")));
+  EXPECT_THAT(given.warnings[0], AllOf(HasSubstr("1 mask file has no image"), HasSubstr("early.png")));
 }
 
 TEST(MaskFolder, FindsMasksInTheFolderAboveOrBelow) {
@@ -268,12 +267,12 @@ TEST(MaskFolder, FindsMasksInTheFolderAboveOrBelow) {
   match_masks(drive, {folder.path / "masks/front"});
   EXPECT_TRUE(drive.mask_files.empty());
   ASSERT_EQ(drive.warnings.size(), 1U);
-  EXPECT_THAT(drive.warnings[0], HasSubstr("are not used: they belong into " + (folder.path / "masks/front").string()));
+  EXPECT_THAT(drive.warnings[0], HasSubstr("are not used; move them into " + (folder.path / "masks/front").string()));
   EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path); }),
               HasSubstr("holds no masks; did you mean " + (folder.path / "masks").string()));
 }
 
-TEST(MaskFolder, TakesTheFoldersThatDviMaskWrites) {
+TEST(MaskFolder, ReadsTheFoldersOfDviMask) {
   const TestFolder folder;
   folder.write_image("masks/front/six.png", cv::Mat1b(3, 4, uchar{255}));
   Drive drive = two_frames();
@@ -287,9 +286,10 @@ TEST(MaskFolder, RefusesMasksOfOtherImages) {
   const TestFolder folder;
   folder.write_image("masks/ten.png", cv::Mat1b(3, 4, uchar{0}));
   Drive drive = two_frames();
-  EXPECT_THAT(input_error([&] { match_masks(drive, {folder.path / "masks"}); }), HasSubstr("ten.png: is a mask for no image"));
+  EXPECT_THAT(input_error([&] { match_masks(drive, {folder.path / "masks"}); }),
+              HasSubstr("ten.png: is not a mask of an image"));
   EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "masks"); }),
-              AllOf(HasSubstr("ten.png: is a mask for no image"), HasSubstr("masks are named ten, images five to six")));
+              AllOf(HasSubstr("ten.png: is not a mask of an image"), HasSubstr("masks are named ten, but images five to six")));
   EXPECT_THAT(input_error([&] { attach_masks(drive, folder.path / "none"); }), HasSubstr("holds no masks"));
   folder.write_image("wrong/six.png", cv::Mat1b(4, 4, uchar{0}));
   attach_masks(drive, folder.path / "wrong");

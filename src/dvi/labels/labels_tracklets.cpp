@@ -8,7 +8,7 @@
 namespace dvi::labels {
 namespace {
 
-double number(const fs::path& file, const pugi::xml_node& node, const char* name) {
+double read_number(const fs::path& file, const pugi::xml_node& node, const char* name) {
   const auto value = to_number(node.child_value(name));
   if (!value) throw InputError(file, std::string("an <item> has no number <") + name + ">");
   return *value;
@@ -29,21 +29,21 @@ LabelsByNumber read_tracklets(const fs::path& file) {
   LabelsByNumber labels;
   int track = 0;
   for (const pugi::xml_node& item : tracklets.children("item")) {
-    const std::string type = lower_case(item.child_value("objectType"));
-    const Eigen::Vector3d size(number(file, item, "l"), number(file, item, "w"), number(file, item, "h"));
+    const std::string type = to_lower_case(item.child_value("objectType"));
+    const Eigen::Vector3d size(read_number(file, item, "l"), read_number(file, item, "w"), read_number(file, item, "h"));
     if (!(size.array() > 0).all())
       throw InputError(file, fmt::format("an <item> has the size {:g} x {:g} x {:g} m", size.x(), size.y(), size.z()));
     const auto first = to_integer(item.child_value("first_frame"));
-    constexpr int kMostFrames = 100'000'000;
-    if (!first || *first < 0 || *first > kMostFrames)
-      throw InputError(file, "an <item> has no whole number <first_frame>, from 0 on");
+    constexpr int kMaxFrames = 100'000'000;
+    if (!first || *first < 0 || *first > kMaxFrames)
+      throw InputError(file, "an <item> has no whole number <first_frame> of at least 0");
     int frame = *first;
     for (const pugi::xml_node& pose : item.child("poses").children("item")) {
       Label label;
       label.track = track, label.type = type;
-      // The position is that of the middle of the underside; KITTI's boxes turn about the vertical only.
-      const Eigen::Vector3d bottom(number(file, pose, "tx"), number(file, pose, "ty"), number(file, pose, "tz"));
-      const Eigen::Matrix3d R = so3_exp({0, 0, number(file, pose, "rz")});
+      // The position is that of the center of the bottom face. KITTI's boxes rotate about the vertical axis only.
+      const Eigen::Vector3d bottom(read_number(file, pose, "tx"), read_number(file, pose, "ty"), read_number(file, pose, "tz"));
+      const Eigen::Matrix3d R = so3_exp({0, 0, read_number(file, pose, "rz")});
       label.box = Box{{R, bottom + Eigen::Vector3d(0, 0, 0.5 * size.z())}, size};
       labels[frame++].push_back(std::move(label));
     }

@@ -20,11 +20,11 @@ bool has_all(Text text, std::initializer_list<Text> parts) {
   return std::all_of(parts.begin(), parts.end(), [&](Text part) { return contains(text, part); });
 }
 
-Text first_line(Text text) { return text.substr(0, text.find_first_of("\r\n")); }
+Text get_first_line(Text text) { return text.substr(0, text.find_first_of("\r\n")); }
 
-// A class and numbers from 0 to 1: a box of four, with or without a score, or the corners of a polygon.
+// Lines have a class and numbers from 0 to 1: a box of four, with or without a score, or the corners of a polygon.
 bool is_yolo(Text text) {
-  const std::vector<std::string> words = split_words(first_line(text));
+  const std::vector<std::string> words = split_words(get_first_line(text));
   if (words.size() < 5 || !to_integer(words[0])) return false;
   return std::all_of(words.begin() + 1, words.begin() + 5, [](const std::string& word) {
     const auto value = to_number(word);
@@ -32,17 +32,17 @@ bool is_yolo(Text text) {
   });
 }
 
-// frame,track,x,y,width,height,...
+// Lines are frame,track,x,y,width,height,...
 bool is_mot(Text text) {
-  const Text line = first_line(text);
+  const Text line = get_first_line(text);
   if (std::count(line.begin(), line.end(), ',') < 5) return false;
   return std::all_of(line.begin(), line.end(),
                      [](char c) { return (c >= '0' && c <= '9') || contains(",.-+eE ", Text(&c, 1)); });
 }
 
-// Class, truncation, occlusion, alpha, box: 15 words, or 16 with a score, the first of which is no number.
+// Lines have class, truncation, occlusion, alpha, and box: 15 words, or 16 with a score. The first word is not a number.
 bool is_kitti_object(Text text) {
-  const std::vector<std::string> words = split_words(first_line(text));
+  const std::vector<std::string> words = split_words(get_first_line(text));
   if (words.size() < 14 || words.size() > 16 || to_number(words[0])) return false;
   return std::all_of(words.begin() + 1, words.end(), [](const std::string& word) { return to_number(word).has_value(); });
 }
@@ -53,29 +53,30 @@ struct UnreadFormat {
   Text remedy;
 };
 
-constexpr Text kAsCoco = "convert it to COCO JSON (CVAT, Roboflow, and datumaro do), or draw it as PNG files, one per image";
+constexpr Text kConvertToCoco =
+    "convert it to COCO JSON (CVAT, Roboflow, and datumaro do), or draw it as PNG files, one per image";
 
-constexpr auto kUnread = std::to_array<UnreadFormat>({
+constexpr auto kUnreadFormats = std::to_array<UnreadFormat>({
     {"NumPy arrays", [](Text t) { return t.starts_with("\x93NUMPY") || (t.starts_with("PK") && contains(t, ".npy")); },
      "write each mask as a PNG file, named like its image: cv2.imwrite(NAME + '.png', 255 * mask.astype('uint8'))"},
-    {"a ZIP archive's files", [](Text t) { return t.starts_with("PK\x03\x04"); },
+    {"files in a ZIP archive", [](Text t) { return t.starts_with("PK\x03\x04"); },
      "unpack it, and give the file or folder in it"},
-    {"YOLO labels, one text file per image", is_yolo, kAsCoco},
-    {"MOT labels", is_mot, kAsCoco},
+    {"YOLO labels, one text file per image", is_yolo, kConvertToCoco},
+    {"MOT labels", is_mot, kConvertToCoco},
     {"KITTI object labels, one text file per image", is_kitti_object,
-     "give the tracking labels of the sequence (one file, its lines begin with frame and track), or COCO JSON"},
+     "give the tracking labels of the sequence (one file whose lines begin with frame and track), or COCO JSON"},
     {"Pascal VOC XML, one file per image", [](Text t) { return contains(t, "<annotation") && contains(t, "<bndbox"); },
-     kAsCoco},
-    {"COCO panoptic JSON, whose segments are in PNG files beside it", [](Text t) { return contains(t, "\"segments_info\""); },
-     "convert it to instances, as panopticapi's panoptic2detection_coco_format.py does"},
+     kConvertToCoco},
+    {"COCO panoptic JSON, whose segments are in separate PNG files", [](Text t) { return contains(t, "\"segments_info\""); },
+     "convert it to instances, for example by panoptic2detection_coco_format.py of panopticapi"},
     {"COCO captions", [](Text t) { return has_all(t, {"\"annotations\"", "\"caption\""}) && !contains(t, "\"bbox\""); },
      "give the file of instances"},
     {"COCO results without the list of images",
      [](Text t) { return t.starts_with('[') && has_all(t, {"\"image_id\"", "\"category_id\""}); },
-     "put them as \"annotations\" into the file that has \"images\" and \"categories\""},
+     "add them as \"annotations\" to the file that has \"images\" and \"categories\""},
     {"Label Studio JSON", [](Text t) { return t.starts_with('[') && has_all(t, {"\"annotations\"", "\"data\""}); },
      "export it as COCO"},
-    {"BDD100K labels", [](Text t) { return t.starts_with('[') && has_all(t, {"\"labels\"", "\"category\""}); }, kAsCoco},
+    {"BDD100K labels", [](Text t) { return t.starts_with('[') && has_all(t, {"\"labels\"", "\"category\""}); }, kConvertToCoco},
     {"Cityscapes polygons, one JSON file per image",
      [](Text t) { return has_all(t, {"\"imgHeight\"", "\"objects\"", "\"polygon\""}); },
      "give the folder of labelIds or instanceIds PNG files with --classes car,truck,person"},
@@ -83,25 +84,25 @@ constexpr auto kUnread = std::to_array<UnreadFormat>({
      "export it as COCO"},
 });
 
-const UnreadFormat* unread_format(Text text) {
-  const auto found =
-      std::find_if(kUnread.begin(), kUnread.end(), [&](const UnreadFormat& format) { return format.recognize(text); });
-  return found == kUnread.end() ? nullptr : &*found;
+const UnreadFormat* find_unread_format(Text text) {
+  const auto found = std::find_if(kUnreadFormats.begin(), kUnreadFormats.end(),
+                                  [&](const UnreadFormat& format) { return format.recognize(text); });
+  return found == kUnreadFormats.end() ? nullptr : &*found;
 }
 
 }  // namespace
 
 void refuse_unread_labels(const fs::path& path) {
-  if (!fs::exists(path)) return;  // whoever opens it says so
+  if (!fs::exists(path)) return;  // the reader reports it
   const std::vector<fs::path> files =
       fs::is_directory(path) ? list_files(path, {".txt", ".xml", ".json", ".npy", ".npz"}) : std::vector<fs::path>{path};
-  constexpr std::size_t kMaxLookedAt = 25;  // lists of classes and images without objects are no labels
-  for (std::size_t i = 0; i < std::min(files.size(), kMaxLookedAt); ++i) {
+  constexpr std::size_t kMaxInspected = 25;  // lists of classes and files of images without objects may come first
+  for (std::size_t i = 0; i < std::min(files.size(), kMaxInspected); ++i) {
     const fs::path& file = files[i];
     const std::string all = read_file(file);
-    if (const UnreadFormat* format = unread_format(label_text(all)))
+    if (const UnreadFormat* format = find_unread_format(label_text(all)))
       throw InputError(path,
-                       fmt::format("holds {}, which dvi does not read{}", format->name,
+                       fmt::format("holds {}, which dvi does not support{}", format->name,
                                    file == path ? "" : ": the first is " + file.filename().string()),
                        std::string(format->remedy));
   }

@@ -18,12 +18,12 @@ namespace {
 
 using MaskFiles = std::map<std::string, fs::path>;  // by name
 
-// COLMAP's masks keep the ending of their image: NAME.jpg.png. NAME.png comes before them.
-MaskFiles masks_by_name(const std::vector<fs::path>& folders) {
+// COLMAP's masks keep the ending of their image: NAME.jpg.png. NAME.png takes precedence.
+MaskFiles list_masks_by_name(const std::vector<fs::path>& folders) {
   MaskFiles masks, longer;
   for (const fs::path& folder : folders)
     for (const fs::path& file : list_files(folder, {".png"})) {
-      const std::string ending = lower_case(file.stem().extension().string());
+      const std::string ending = to_lower_case(file.stem().extension().string());
       const bool of_image = ending == ".jpg" || ending == ".jpeg" || ending == ".png";
       (of_image ? longer[file.stem().stem().string()] : masks[file.stem().string()]) = file;
     }
@@ -31,7 +31,7 @@ MaskFiles masks_by_name(const std::vector<fs::path>& folders) {
   return masks;
 }
 
-// Names the masks like the images that they belong to.
+// Renames the keys of masks to the images that they belong to.
 void match_to_images(Drive& drive, const fs::path& folder, const std::set<std::string>& recorded, MaskFiles& masks) {
   std::vector<std::string> names;
   for (const auto& [name, file] : masks) names.push_back(name);
@@ -45,8 +45,8 @@ void match_to_images(Drive& drive, const fs::path& folder, const std::set<std::s
     }
 }
 
-// Takes what it uses out of `masks`.
-std::vector<fs::path> as_frames(const std::vector<Frame>& frames, MaskFiles& masks) {
+// Removes the masks that it uses from `masks`.
+std::vector<fs::path> assign_to_frames(const std::vector<Frame>& frames, MaskFiles& masks) {
   std::vector<fs::path> files;
   for (const Frame& frame : frames) {
     const auto found = masks.find(frame.name);
@@ -56,22 +56,22 @@ std::vector<fs::path> as_frames(const std::vector<Frame>& frames, MaskFiles& mas
   return files;
 }
 
-// A name between those of the first and the last frame is that of an image that is missing, which is said elsewhere.
-bool in_a_gap(const std::string& name, const std::vector<Frame>& frames) {
+// Returns whether a name lies between those of the first and the last frame. Its image is missing, which is reported elsewhere.
+bool is_in_gap(const std::string& name, const std::vector<Frame>& frames) {
   const auto by_name = [](const Frame& a, const Frame& b) { return natural_less(a.name, b.name); };
   const auto [first, last] = std::minmax_element(frames.begin(), frames.end(), by_name);
   return first != frames.end() && natural_less(first->name, name) && natural_less(name, last->name);
 }
 
-// A folder above or directly below that holds masks of the drive's frames.
-std::optional<fs::path> masks_nearby(const fs::path& folder, const std::vector<Frame>& frames) {
+// Finds a folder above or directly below that holds masks of the drive's frames.
+std::optional<fs::path> find_masks_nearby(const fs::path& folder, const std::vector<Frame>& frames) {
   std::vector<fs::path> near = {folder.parent_path()};
   if (fs::is_directory(folder))
     for (const auto& entry : fs::directory_iterator(folder))
       if (entry.is_directory()) near.push_back(entry.path());
   std::sort(near.begin() + 1, near.end());
   for (const fs::path& other : near) {
-    const MaskFiles masks = masks_by_name({other});
+    const MaskFiles masks = list_masks_by_name({other});
     const auto has_mask = [&](const Frame& frame) {
       const auto mask = masks.find(frame.name);
       return mask != masks.end() && mask->second != frame.file;
@@ -83,9 +83,8 @@ std::optional<fs::path> masks_nearby(const fs::path& folder, const std::vector<F
 
 void warn_of_strays(Drive& drive, const MaskFiles& strays) {
   if (strays.empty()) return;
-  drive.warnings.push_back(
-      fmt::format("{} mask file{} of no image of the drive, the first is {}; masks are named like the images", strays.size(),
-                  strays.size() == 1 ? " is" : "s are", strays.begin()->second.string()));
+  drive.warnings.push_back(fmt::format("{} mask file{} no image in the drive, the first is {}; name masks like the images",
+                                       strays.size(), strays.size() == 1 ? " has" : "s have", strays.begin()->second.string()));
 }
 
 void require_any(const Drive& drive, const MaskFiles& masks, const std::set<std::string>& recorded) {
@@ -93,66 +92,66 @@ void require_any(const Drive& drive, const MaskFiles& masks, const std::set<std:
   std::set<std::string> names;
   for (const auto& [name, file] : masks) names.insert(name);
   throw InputError(masks.begin()->second,
-                   fmt::format("is a mask for no image of the drive, as are all others: masks are named {}, images {}",
+                   fmt::format("is not a mask of an image of the drive, nor is any other: masks are named {}, but images {}",
                                span_of(names), span_of(recorded)),
-                   "name a mask like its image, or remove it");
+                   "name each mask like its image, or remove it");
 }
 
-std::set<std::string> names_of(const std::vector<Frame>& frames) {
+std::set<std::string> list_names(const std::vector<Frame>& frames) {
   std::set<std::string> names;
   for (const Frame& frame : frames) names.insert(frame.name);
   return names;
 }
 
-// Says what a folder without PNG files holds instead.
+// Throws an InputError that describes the content of a folder without PNG files.
 [[noreturn]] void refuse_without_masks(const Drive& drive, const fs::path& folder) {
-  if (const auto other = masks_nearby(folder, drive.frames))
+  if (const auto other = find_masks_nearby(folder, drive.frames))
     throw InputError(folder, "holds no masks", "did you mean " + other->string() + "?");
   refuse_unread_labels(folder);
   if (const std::size_t jpegs = list_files(folder, {".jpg", ".jpeg"}).size(); jpegs > 0)
-    throw InputError(folder, fmt::format("holds no masks as PNG, but {} JPEG files", jpegs),
-                     "JPEG blurs the border of a mask: write masks as PNG files, named like the images");
-  throw InputError(folder, "holds no masks", "masks are PNG files named like the images");
+    throw InputError(folder, fmt::format("holds no PNG masks, but {} JPEG files", jpegs),
+                     "write masks as PNG files named like the images, because JPEG blurs their boundary");
+  throw InputError(folder, "holds no masks", "add masks as PNG files named like the images");
 }
 
 }  // namespace
 
 fs::path camera_masks(const fs::path& folder, const std::string& camera) { return folder / "masks" / camera; }
 
-std::optional<fs::path> folder_of_camera(const fs::path& given, const std::string& camera) {
+std::optional<fs::path> find_camera_folder(const fs::path& given, const std::string& camera) {
   for (const fs::path& folder : {camera_masks(given, camera), given / camera})
     if (fs::is_directory(folder)) return folder;
   return std::nullopt;
 }
 
 void match_masks(Drive& drive, const std::vector<fs::path>& folders) {
-  MaskFiles masks = masks_by_name(folders);
+  MaskFiles masks = list_masks_by_name(folders);
   if (masks.empty()) {
     for (const fs::path& folder : folders)
-      if (const auto other = masks_nearby(folder, drive.frames))
+      if (const auto other = find_masks_nearby(folder, drive.frames))
         drive.warnings.push_back(
-            fmt::format("the masks in {} are not used: they belong into {}", other->string(), folder.string()));
+            fmt::format("the masks in {} are not used; move them into {}", other->string(), folder.string()));
     return;
   }
-  const std::set<std::string> recorded = names_of(drive.frames);
+  const std::set<std::string> recorded = list_names(drive.frames);
   match_to_images(drive, folders.front(), recorded, masks);
-  drive.mask_files = as_frames(drive.frames, masks);
-  std::erase_if(masks, [&](const auto& mask) { return in_a_gap(mask.first, drive.frames); });
+  drive.mask_files = assign_to_frames(drive.frames, masks);
+  std::erase_if(masks, [&](const auto& mask) { return is_in_gap(mask.first, drive.frames); });
   if (!masks.empty()) require_any(drive, masks, recorded);
   warn_of_strays(drive, masks);
 }
 
 void attach_masks(Drive& drive, const fs::path& given) {
-  const fs::path folder = folder_of_camera(given, drive.camera_name).value_or(given);
-  MaskFiles masks = masks_by_name({folder});
+  const fs::path folder = find_camera_folder(given, drive.camera_name).value_or(given);
+  MaskFiles masks = list_masks_by_name({folder});
   if (masks.empty()) refuse_without_masks(drive, folder);
-  std::set<std::string> recorded = recorded_names(drive);
-  recorded.merge(names_of(drive.frames));
+  std::set<std::string> recorded = list_recorded_names(drive);
+  recorded.merge(list_names(drive.frames));
   match_to_images(drive, folder, recorded, masks);
   const MaskFiles all = masks;
-  drive.mask_files = as_frames(drive.frames, masks);
+  drive.mask_files = assign_to_frames(drive.frames, masks);
   require_any(drive, all, recorded);
-  std::erase_if(masks, [&](const auto& mask) { return recorded.contains(mask.first) || in_a_gap(mask.first, drive.frames); });
+  std::erase_if(masks, [&](const auto& mask) { return recorded.contains(mask.first) || is_in_gap(mask.first, drive.frames); });
   warn_of_strays(drive, masks);
   attach_mask_files(drive);
 }
@@ -164,16 +163,16 @@ void attach_mask_files(Drive& drive) {
   });
 }
 
-std::optional<std::string> frames_without_mask(const Drive& drive) {
+std::optional<std::string> describe_frames_without_mask(const Drive& drive) {
   std::vector<int> bare;
   for (std::size_t i = 0; i < drive.mask_files.size(); ++i)
     if (drive.mask_files[i].empty()) bare.push_back(drive.frames[i].number);
   if (bare.empty()) return std::nullopt;
-  return fmt::format("{} of {} frames have no mask file and keep their traffic: {}", bare.size(), drive.frames.size(),
-                     ranges(bare));
+  return fmt::format("{} of {} frames have no mask file, and nothing is removed in them: {}", bare.size(), drive.frames.size(),
+                     format_ranges(bare));
 }
 
-std::set<std::string> recorded_names(const Drive& drive) {
+std::set<std::string> list_recorded_names(const Drive& drive) {
   std::set<fs::path> folders;
   for (const Frame& frame : drive.frames) folders.insert(frame.file.parent_path());
   std::set<std::string> names;

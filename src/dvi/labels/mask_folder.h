@@ -10,29 +10,29 @@
 
 namespace dvi::labels {
 
-/// Sets drive.mask_files to the PNG masks of folders, tied to frames by NAME (NAME.png, or NAME.jpg.png as for
-/// COLMAP; else as match_names() says): an empty path where a frame has none, an empty list where there are no masks. Warns of
-/// masks that belong to no frame, except those of images that are missing between the first and the last, and of masks that lie
-/// in the folder above or in one below. InputError where no mask belongs to a frame.
+/// Sets drive.mask_files to the PNG masks of folders, matched to frames by NAME (NAME.png, or NAME.jpg.png as for COLMAP;
+/// otherwise by match_names()). A frame without a mask has an empty path; the list is empty if there are no masks. Adds
+/// warnings about masks without a frame, except those of missing images between the first and the last frame, and about masks
+/// in the folder above or in one below. Throws InputError if no mask belongs to a frame.
 void match_masks(Drive& drive, const std::vector<fs::path>& folders);
 
-/// Where the masks of a camera lie in a folder that holds those of several, as `dvi mask` writes it.
+/// Returns the folder of a camera's masks within a folder for several cameras, as written by `dvi mask`.
 fs::path camera_masks(const fs::path& folder, const std::string& camera);
 
-/// Finds the folder of a camera's masks in a folder of several cameras': masks/CAMERA or CAMERA.
-std::optional<fs::path> folder_of_camera(const fs::path& given, const std::string& camera);
+/// Finds the folder of a camera's masks within a folder for several cameras: masks/CAMERA or CAMERA.
+std::optional<fs::path> find_camera_folder(const fs::path& given, const std::string& camera);
 
-/// Gives an open drive the masks of a folder, or of its masks/CAMERA or CAMERA, instead of its own. The drive may have been
-/// cut: masks of its other images are left alone. Warns of masks of no image. InputError where none belongs to a frame.
+/// Replaces the masks of an open drive by those of a folder, or of its masks/CAMERA or CAMERA. Accepts masks of images that
+/// were cut from the drive. Adds a warning about masks without an image. Throws InputError if no mask belongs to a frame.
 void attach_masks(Drive& drive, const fs::path& given);
 
-/// Sets drive.masks to the drive.mask_files: 255 where they are not 0, and nothing where a frame has none.
+/// Sets drive.masks to the drive.mask_files: 255 where they are not 0; no mask for a frame without a file.
 void attach_mask_files(Drive& drive);
 
-/// Names the frames without a mask file, which keep their traffic; none where all have one.
-std::optional<std::string> frames_without_mask(const Drive& drive);
+/// Describes the frames without a mask file, in which nothing is removed. Returns nothing if all frames have one.
+std::optional<std::string> describe_frames_without_mask(const Drive& drive);
 
-/// The names of all images beside those of the drive's frames, also of those that --frames left out.
-std::set<std::string> recorded_names(const Drive& drive);
+/// Lists the names of all images in the folders of the drive's frames, including those outside --frames.
+std::set<std::string> list_recorded_names(const Drive& drive);
 
 }  // namespace dvi::labels

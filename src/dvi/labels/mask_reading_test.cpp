@@ -18,7 +18,7 @@ using testing::IsEmpty;
 
 const cv::Size kMaskSize(10, 8);
 
-// A drive with the masks of a folder, as many as are wanted of it.
+// Makes a drive with the given number of frames and the masks of a folder.
 Drive drive_with(const TestFolder& folder, int frames) {
   Drive drive;
   drive.camera.width = kMaskSize.width, drive.camera.height = kMaskSize.height;
@@ -28,7 +28,7 @@ Drive drive_with(const TestFolder& folder, int frames) {
   return drive;
 }
 
-// A mask whose first rows are of a value, above others of 0.
+// Makes a mask whose first rows have a value and whose other rows are 0.
 cv::Mat1b rows_of(int rows, uchar value = 255) {
   cv::Mat1b mask(kMaskSize, uchar{0});
   mask.rowRange(0, rows) = value;
@@ -46,14 +46,14 @@ std::string usage_error(const std::function<void()>& call) {
   return "no error";
 }
 
-// The PNG of a gray picture with a palette, of which its values are the indices.
+// Adds a palette to the PNG of a gray image, whose values become the indices.
 std::string with_palette(std::string png, const std::vector<cv::Vec3b>& rgb) {
   const auto number = [](std::uint32_t value) {
     std::string out;
     for (const int shift : {24, 16, 8, 0}) out += static_cast<char>(value >> shift);
     return out;
   };
-  const auto chunk = [&](const std::string& body) {  // with its name
+  const auto chunk = [&](const std::string& body) {  // the body begins with the chunk's name
     return number(static_cast<std::uint32_t>(body.size() - 4)) + body + number(libdeflate_crc32(0, body.data(), body.size()));
   };
   std::string palette = "PLTE";
@@ -69,7 +69,7 @@ TEST(MaskReading, DecidesThePolarityForTheFolder) {
   Drive truck = drive_with(folder, 5);
   read_masks(truck, {});
   EXPECT_EQ(removed(truck, 0), 20);
-  EXPECT_EQ(removed(truck, 2), 80) << "one frame filled by a truck";
+  EXPECT_EQ(removed(truck, 2), 80) << "a truck fills one frame";
   EXPECT_THAT(truck.warnings, IsEmpty());
   EXPECT_EQ(truck.other_files.size(), 5U) << "the decision depends on them";
   for (int i = 0; i < 5; ++i) folder.write_image(fmt::format("masks/{}.png", i), rows_of(i == 2 ? 0 : 7));
@@ -80,7 +80,7 @@ TEST(MaskReading, DecidesThePolarityForTheFolder) {
   EXPECT_THAT(black.warnings[0], AllOf(HasSubstr("black means remove, because 88 %"), HasSubstr("--polarity white")));
 }
 
-TEST(MaskReading, TakesThePolarityItIsTold) {
+TEST(MaskReading, UsesTheGivenPolarity) {
   const TestFolder folder;
   for (int i = 0; i < 4; ++i) folder.write_image(fmt::format("masks/{}.png", i), rows_of(6, 1));
   Drive drive = drive_with(folder, 5);
@@ -88,11 +88,11 @@ TEST(MaskReading, TakesThePolarityItIsTold) {
   EXPECT_EQ(removed(drive, 0), 60);
   read_masks(drive, {.polarity = Polarity::black});
   EXPECT_EQ(removed(drive, 0), 20);
-  EXPECT_EQ(removed(drive, 4), 0) << "a frame without a file keeps its traffic";
+  EXPECT_EQ(removed(drive, 4), 0) << "nothing is removed in a frame without a file";
   EXPECT_THAT(drive.warnings, IsEmpty());
 }
 
-TEST(MaskReading, DoesNotTurnRoundFewMasksOrThoseOfDviMask) {
+TEST(MaskReading, DoesNotInvertFewMasksOrThoseOfDviMask) {
   const TestFolder folder;
   for (int i = 0; i < 2; ++i) folder.write_image(fmt::format("masks/{}.png", i), rows_of(6));
   Drive few = drive_with(folder, 2);
@@ -112,7 +112,7 @@ TEST(MaskReading, DoesNotTurnRoundFewMasksOrThoseOfDviMask) {
   EXPECT_THAT(drive.warnings, IsEmpty());
 }
 
-// Road, sky and a car, by the ids of Cityscapes, in rows of 10 pixels: 3, 4 and 1.
+// An image with road, sky and a car by the ids of Cityscapes, in 3, 4 and 1 rows of 10 pixels.
 cv::Mat1b street() {
   cv::Mat1b ids(kMaskSize, uchar{7});
   ids.rowRange(0, 4) = 23;
@@ -120,25 +120,25 @@ cv::Mat1b street() {
   return ids;
 }
 
-TEST(MaskReading, PicturesOfIdsNeedClasses) {
+TEST(MaskReading, RequiresClassesForImagesOfIds) {
   const TestFolder folder;
   folder.write_image("masks/0.png", street());
   Drive drive = drive_with(folder, 1);
   EXPECT_THAT(input_error([&] { read_masks(drive, {}); }),
-              AllOf(HasSubstr("0.png: looks like a picture of class ids"), HasSubstr("--classes car")));
+              AllOf(HasSubstr("0.png: looks like an image of class ids"), HasSubstr("--classes car")));
   read_masks(drive, {.classes = "car"});
   EXPECT_EQ(removed(drive, 0), 10);
   EXPECT_THAT(drive.warnings, IsEmpty());
   read_masks(drive, {.classes = "bus,truck"});
   EXPECT_EQ(removed(drive, 0), 0);
-  EXPECT_THAT(drive.warnings, ElementsAre(HasSubstr("none of the 1 pictures of ids")));
+  EXPECT_THAT(drive.warnings, ElementsAre(HasSubstr("none of the 1 inspected images of ids")));
   cv::Mat1b objects = rows_of(1, 1);  // objects on 0
   objects.row(1) = 2, objects.row(2) = 3;
   folder.write_image("masks/0.png", objects);
   Drive instances = drive_with(folder, 1);
   read_masks(instances, {});
   EXPECT_EQ(removed(instances, 0), 30);
-  EXPECT_THAT(instances.warnings, ElementsAre(HasSubstr("3 values besides 0, and all of them are removed")));
+  EXPECT_THAT(instances.warnings, ElementsAre(HasSubstr("3 values other than 0, and all of them are removed")));
 }
 
 TEST(MaskReading, ReadsInstancesPalettesAndColors) {
@@ -174,7 +174,7 @@ TEST(MaskReading, ReadsInstancesPalettesAndColors) {
   EXPECT_EQ(palette({{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}, "1,2"), 20) << "by the indices";
 }
 
-TEST(MaskReading, SaysWhatHoldsNoIds) {
+TEST(MaskReading, ReportsFilesWithoutIds) {
   const TestFolder folder;
   folder.write_image("masks/0.png", rows_of(2));
   Drive plain = drive_with(folder, 1);
@@ -202,7 +202,7 @@ TEST(MaskReading, ReadsAStaticMask) {
   EXPECT_THAT(input_error([&] { count(cv::Mat1b(3, 3, uchar{0})); }), HasSubstr("ego.png: is 3x3 pixels instead of 10x8"));
 }
 
-TEST(ClassIds, TakesNamesGroupsAndNumbersOfTables) {
+TEST(ClassIds, ParsesNamesGroupsAndNumbersOfTables) {
   EXPECT_THAT(parse_classes("car, Traffic_Light,traffic-sign").ids, ElementsAre(19, 20, 26));
   EXPECT_THAT(parse_classes("kitti-360:trash bin").ids, ElementsAre(39));
   EXPECT_THAT(parse_classes("human").ids, ElementsAre(24, 25));
@@ -212,7 +212,7 @@ TEST(ClassIds, TakesNamesGroupsAndNumbersOfTables) {
   EXPECT_THAT(parse_classes("26").colors, ElementsAre(cv::Vec3b(142, 0, 0)));
 }
 
-TEST(ClassIds, NamesTheClassesThereAre) {
+TEST(ClassIds, ListsTheExistingClasses) {
   EXPECT_THAT(usage_error([] { parse_classes("car,wagon"); }), AllOf(HasSubstr("no class 'wagon'"), HasSubstr("truck, bus")));
   EXPECT_THAT(usage_error([] { parse_classes("semantic-kitti:truck,tram"); }),
               AllOf(HasSubstr("'tram'"), HasSubstr("on rails")));
@@ -221,7 +221,7 @@ TEST(ClassIds, NamesTheClassesThereAre) {
   EXPECT_THAT(usage_error([] { parse_classes("car,"); }), HasSubstr("no class ''"));
 }
 
-TEST(ClassIds, KeepsLabelsOfTheTypesNamed) {
+TEST(ClassIds, KeepsLabelsOfTheSelectedTypes) {
   Drive drive;
   drive.frames = {{0, "0", 0, {}, {}}};
   for (const char* type : {"car", "traffic light", "car"}) {
@@ -233,10 +233,10 @@ TEST(ClassIds, KeepsLabelsOfTheTypesNamed) {
   drive.warnings.clear();
   keep_label_types(drive, "car,van");
   EXPECT_EQ(drive.frames[0].labels.size(), 2U);
-  EXPECT_THAT(drive.warnings, ElementsAre(HasSubstr("no label is called 'van'")));
+  EXPECT_THAT(drive.warnings, ElementsAre(HasSubstr("no label has the class 'van'")));
 }
 
-TEST(KittiIds, AreToldFromThoseOfCityscapesAndMots) {
+TEST(KittiIds, AreDistinguishedFromThoseOfCityscapesAndMots) {
   const auto picture = [](const std::vector<ushort>& values) { return cv::Mat(cv::Mat_<ushort>(values, true)); };
   EXPECT_TRUE(are_kitti_ids({picture({768, 768, 6913, 6914}), picture({7937, 0, 1792, 1792})}));
   EXPECT_FALSE(are_kitti_ids({picture({7, 7, 26001, 26002})})) << "Cityscapes";

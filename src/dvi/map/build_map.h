@@ -12,8 +12,8 @@ namespace dvi::map {
 
 struct MapOptions {
   double voxel_m = 0.05;
-  std::optional<double> min_range_m;       ///< of the scan; none: Drive::least_range_m()
-  std::optional<double> max_range_m = {};  ///< none: Drive::most_range_m()
+  std::optional<double> min_range_m;       ///< of the scan; none: Drive::min_range_m()
+  std::optional<double> max_range_m = {};  ///< none: Drive::max_range_m()
   double box_margin_m = 0.2;
   bool require_camera_visibility = true;
   bool carve = true;

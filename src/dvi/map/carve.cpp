@@ -18,7 +18,7 @@ constexpr double kShare = 0.1;
 
 // Columns of tiles that a scan reaches.
 std::set<std::pair<int, int>> within_reach(const std::vector<FreeSpace>& spaces) {
-  constexpr double kReach = FreeSpace::kMaxRange + MapVoxels::kTile;
+  constexpr double kReach = FreeSpace::kMaxRangeM + MapVoxels::kTile;
   const auto tile_of = [](double meters) { return static_cast<int>(std::floor(meters / MapVoxels::kTile)); };
   std::set<std::pair<int, int>> near;
   for (const FreeSpace& space : spaces) {

@@ -48,7 +48,7 @@ class NearPath {
   std::unordered_map<std::int64_t, Nearest> cells_;
 };
 
-double range_of(const Drive& drive, const MapOptions& options) { return options.max_range_m.value_or(drive.most_range_m()); }
+double range_of(const Drive& drive, const MapOptions& options) { return options.max_range_m.value_or(drive.max_range_m()); }
 
 // Where the sensor was at the drive's frames.
 std::vector<MapScan> places(const Drive& drive, const Trajectory& world_from_lidar, std::size_t number) {

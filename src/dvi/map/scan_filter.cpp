@@ -56,8 +56,8 @@ class Filter {
     for (const MapCamera& camera : input_.more_cameras)
       if (auto frame = nearest_frame(header, *camera.drive, camera.masks, input_.world_from_lidar))
         more.push_back(std::move(*frame));
-    const double nearest_m = options_.min_range_m.value_or(input_.drive->least_range_m());
-    const double farthest_m = options_.max_range_m.value_or(input_.drive->most_range_m());
+    const double nearest_m = options_.min_range_m.value_or(input_.drive->min_range_m());
+    const double farthest_m = options_.max_range_m.value_or(input_.drive->max_range_m());
     for (std::size_t i = 0; i < world.size(); ++i) {
       const float range = scan->points[i].norm();
       if (range < nearest_m || range > farthest_m)
@@ -73,7 +73,7 @@ class Filter {
  private:
   bool boxed(const NearestFrame& nearest, const Eigen::Vector3d& point) const {
     if (!input_.objects) return false;
-    return in_any_box((*input_.objects)[nearest.frame], nearest.lidar_from_world * point, options_.box_margin_m);
+    return is_in_any_box((*input_.objects)[nearest.frame], nearest.lidar_from_world * point, options_.box_margin_m);
   }
 
   static void drop(const Eigen::Vector3d& point, Cause cause, std::size_t& count, FilteredScan& out) {

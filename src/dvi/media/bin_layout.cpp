@@ -22,10 +22,10 @@ constexpr std::size_t kMinColumns = 3, kMaxColumns = 12;
 constexpr const char* kStateColumns =
     R"(state them in dvi.toml, such as [lidar] columns = ["x", "y", "z", "intensity", "ring"])";
 
-// Numbers from three blocks of a file, each with its place in a row of any length.
+// Numbers from three blocks of a file, each with its index among all numbers.
 struct NumberSample {
   std::vector<double> numbers;
-  std::vector<std::size_t> places;  // among all numbers of the file
+  std::vector<std::size_t> places;  // index among all numbers of the file
 };
 
 NumberSample sample_numbers(std::string_view bytes, std::size_t scalar_bytes) {
@@ -42,8 +42,8 @@ NumberSample sample_numbers(std::string_view bytes, std::size_t scalar_bytes) {
   return sample;
 }
 
-// Ranks from -1 to 1; equal values share theirs.
-std::vector<double> centered_ranks(const std::vector<double>& values) {
+// Returns ranks from -1 to 1; equal values have equal ranks.
+std::vector<double> compute_centered_ranks(const std::vector<double>& values) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
@@ -57,8 +57,8 @@ std::vector<double> centered_ranks(const std::vector<double>& values) {
   return ranks;
 }
 
-// The share of the variance of ranks that lies between columns.
-double variance_between(const std::vector<double>& ranks, const std::vector<std::size_t>& places, std::size_t columns) {
+// Returns the share of the variance of ranks that lies between columns.
+double compute_variance_between(const std::vector<double>& ranks, const std::vector<std::size_t>& places, std::size_t columns) {
   std::vector<double> sums(columns), counts(columns);
   double total = 0;
   for (std::size_t i = 0; i < ranks.size(); ++i) {
@@ -71,8 +71,8 @@ double variance_between(const std::vector<double>& ranks, const std::vector<std:
   return total > 0 ? between / total : 0;
 }
 
-// The largest distance between two cumulative distributions, of Kolmogorov and Smirnov.
-double distribution_distance(std::vector<double> a, std::vector<double> b) {
+// Returns the Kolmogorov-Smirnov distance: the largest distance between two cumulative distributions.
+double compute_distribution_distance(std::vector<double> a, std::vector<double> b) {
   std::sort(a.begin(), a.end());
   std::sort(b.begin(), b.end());
   double largest = 0;
@@ -86,8 +86,8 @@ double distribution_distance(std::vector<double> a, std::vector<double> b) {
   return largest;
 }
 
-// Whether the points at two places within rows lie in the same direction, as those of two beams or returns do that were
-// measured at once. The scan may cover a part of a turn only.
+// Returns whether the points at two positions within rows lie in the same direction, like those of two beams or returns that
+// were measured at the same time. The scan may cover only a part of a revolution.
 bool share_azimuth(const std::vector<std::vector<double>>& values, std::size_t shift) {
   constexpr double kMinExcess = 0.5;
   Eigen::Vector2d first = Eigen::Vector2d::Zero(), second = first, between = first;
@@ -105,12 +105,12 @@ bool share_azimuth(const std::vector<std::vector<double>>& values, std::size_t s
 bool share_distribution(const std::vector<std::vector<double>>& values, std::size_t shift) {
   constexpr double kMaxMeanDistance = 0.3;
   double sum = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) sum += distribution_distance(values[axis], values[axis + shift]);
+  for (std::size_t axis = 0; axis < 3; ++axis) sum += compute_distribution_distance(values[axis], values[axis + shift]);
   return sum / 3 <= kMaxMeanDistance;
 }
 
-// Whether rows of `columns` numbers are several points of `fewer`: then x, y and z repeat within them.
-bool repeats(const NumberSample& sample, std::size_t columns, std::size_t fewer) {
+// Returns whether rows of `columns` numbers are several points of `fewer` numbers: x, y and z then repeat within the rows.
+bool is_repeating(const NumberSample& sample, std::size_t columns, std::size_t fewer) {
   std::vector<std::vector<double>> values(columns);
   for (std::size_t i = 0; i + columns <= sample.numbers.size(); ++i)
     if (sample.places[i] % columns == 0 && sample.places[i + columns - 1] == sample.places[i] + columns - 1)  // a whole row
@@ -122,28 +122,29 @@ bool repeats(const NumberSample& sample, std::size_t columns, std::size_t fewer)
 
 std::optional<std::size_t> infer_column_count(std::string_view bytes, std::size_t scalar_bytes) {
   constexpr std::size_t kMinNumbers = 600;
-  constexpr double kMinBetween = 0.2, kAsGood = 0.97;
+  constexpr double kMinVarianceBetween = 0.2, kMinRelativeVariance = 0.97;
   const NumberSample sample = sample_numbers(bytes, scalar_bytes);
   if (sample.numbers.size() < kMinNumbers) return std::nullopt;
   std::vector<double> magnitudes;
   for (const double number : sample.numbers) magnitudes.push_back(std::abs(number));
-  const std::vector<double> ranks = centered_ranks(sample.numbers), magnitude_ranks = centered_ranks(magnitudes);
+  const std::vector<double> ranks = compute_centered_ranks(sample.numbers),
+                            magnitude_ranks = compute_centered_ranks(magnitudes);
   std::array<double, kMaxColumns + 1> between{};
   for (std::size_t columns = kMinColumns; columns <= kMaxColumns; ++columns)
-    between[columns] =
-        variance_between(ranks, sample.places, columns) + variance_between(magnitude_ranks, sample.places, columns);
+    between[columns] = compute_variance_between(ranks, sample.places, columns) +
+                       compute_variance_between(magnitude_ranks, sample.places, columns);
   const double best = *std::max_element(between.begin(), between.end());
-  if (best < kMinBetween) return std::nullopt;
+  if (best < kMinVarianceBetween) return std::nullopt;
   std::size_t columns = kMinColumns;
-  while (between[columns] < kAsGood * best) ++columns;
+  while (between[columns] < kMinRelativeVariance * best) ++columns;
   for (std::size_t fewer = kMinColumns; fewer < columns; ++fewer)
-    if (columns % fewer == 0 && repeats(sample, columns, fewer)) return fewer;
+    if (columns % fewer == 0 && is_repeating(sample, columns, fewer)) return fewer;
   return columns;
 }
 
 bool is_plausible(double number) { return std::abs(number) >= 1e-4 && std::abs(number) <= 1e4; }
 
-// The first half of a number of 8 bytes is the end of its mantissa, which is zero or random.
+// The first half of an 8-byte number is the end of its mantissa, which is zero or random.
 bool holds_float64(std::string_view bytes) {
   constexpr double kMinPlausible = 0.7, kMaxPlausibleHalves = 0.4;
   const NumberSample sample = sample_numbers(bytes, 8);
@@ -157,7 +158,7 @@ bool holds_float64(std::string_view bytes) {
   return count > 0 && plausible >= kMinPlausible * count && halves <= kMaxPlausibleHalves * count;
 }
 
-// The columns of a file behind x, y and z, with what they are compared with.
+// The columns of a file after x, y and z, and the values that they are compared with.
 struct BinColumns {
   std::vector<std::vector<double>> values;  // by column
   std::vector<Eigen::Vector3f> points;
@@ -181,8 +182,8 @@ BinColumns load_columns(std::string_view bytes, const BinShape& shape) {
   return out;
 }
 
-// Small whole numbers, each of one elevation. Near returns, among them those of the vehicle itself, do not count: rays do not
-// begin at one point.
+// Rings are small whole numbers, each with one elevation. Near returns, including those of the vehicle itself, are ignored,
+// because rays do not begin at one point.
 bool is_ring(const std::vector<double>& values, const BinColumns& columns) {
   constexpr std::size_t kMinRings = 4, kMaxRings = 256;
   constexpr double kMaxVarianceWithin = 0.1;
@@ -206,7 +207,7 @@ bool is_ring(const std::vector<double>& values, const BinColumns& columns) {
   return rings.size() >= kMinRings && within <= kMaxVarianceWithin * all.variance();
 }
 
-// Whether values grow with the order of the points, or points of one time share one azimuth.
+// Returns whether values increase with the order of the points, or points with equal times have equal azimuths.
 bool follows_scan(const std::vector<double>& times, const std::vector<double>& azimuth) {
   constexpr double kMinGrowing = 0.99, kMaxVarianceWithin = 0.1;
   constexpr std::size_t kBins = 24;
@@ -239,7 +240,7 @@ std::vector<std::string> name_columns(std::string_view bytes, const BinShape& sh
   if (shape.columns <= 4) return names;
   const BinColumns columns = load_columns(bytes, shape);
   TimedScan cropped = scan;
-  cropped.turn_share = turn_share(columns.points);
+  cropped.turn_share = compute_turn_share(columns.points);
   const auto is_new = [&](const char* name) { return std::find(names.begin(), names.end(), name) == names.end(); };
   for (std::size_t c = 3; c < shape.columns; ++c) {
     const std::vector<double>& values = columns.values[c];
@@ -256,14 +257,14 @@ std::vector<std::string> name_columns(std::string_view bytes, const BinShape& sh
   return names;
 }
 
-// The shape that all files fit, where their values do not tell.
-BinShape usual_shape(const std::vector<fs::path>& files) {
+// Returns the default shape, which all files must match if their values do not determine the shape.
+BinShape find_default_shape(const std::vector<fs::path>& files) {
   const BinShape usual;
   for (const fs::path& file : files)
     if (const std::uintmax_t bytes = fs::file_size(file); bytes % usual.point_bytes() != 0)
       throw InputError(file,
-                       fmt::format("{} bytes are not a whole number of points of 16 bytes (float32 x y z intensity), and it "
-                                   "cannot be inferred which columns it has",
+                       fmt::format("{} bytes are not a whole number of points of 16 bytes (float32 x y z intensity), and "
+                                   "its columns cannot be inferred",
                                    bytes),
                        kStateColumns);
   return usual;
@@ -271,7 +272,7 @@ BinShape usual_shape(const std::vector<fs::path>& files) {
 
 }  // namespace
 
-bool is_bin(const fs::path& file) { return lower_case(file.extension().string()) == ".bin"; }
+bool is_bin(const fs::path& file) { return to_lower_case(file.extension().string()) == ".bin"; }
 
 double load_scalar(const char* at, std::size_t scalar_bytes) {
   if (scalar_bytes == 8) {
@@ -305,18 +306,18 @@ BinLayout infer_bin_layout(const std::vector<fs::path>& files, const TimedScan& 
     const auto found = infer_bin_shape(read_file(file));
     if (found && shape && *found != *shape)
       throw InputError(file,
-                       fmt::format("has {}, and {} has {}", to_text(*found), example.filename().string(), to_text(*shape)),
+                       fmt::format("has {}, but {} has {}", to_text(*found), example.filename().string(), to_text(*shape)),
                        "write all scans with the same columns");
     if (found) shape = found, example = file;
   }
-  if (!shape) shape = usual_shape(sampled);
+  if (!shape) shape = find_default_shape(sampled);
   constexpr std::size_t kMaxUsualColumns = 8;
-  if (shape->columns > kMaxUsualColumns)  // or numbers of several types, which are not of equal size
-    throw InputError(example, fmt::format("looks like {}, which is not usual for scans", to_text(*shape)), kStateColumns);
+  if (shape->columns > kMaxUsualColumns)  // more columns suggest numbers of different sizes
+    throw InputError(example, fmt::format("looks like {}, which is unusual for scans", to_text(*shape)), kStateColumns);
   return {shape->scalar_bytes, name_columns(read_file(files.back()), *shape, scan)};
 }
 
-BinLayout stated_layout(const std::vector<fs::path>& files, const std::vector<std::string>& columns) {
+BinLayout use_stated_layout(const std::vector<fs::path>& files, const std::vector<std::string>& columns) {
   BinLayout layout{.columns = columns, .stated = true};
   if (files.empty()) return layout;
   if (holds_float64(read_file(files.back()))) layout.scalar_bytes = 8;

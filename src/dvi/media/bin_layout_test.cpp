@@ -20,7 +20,7 @@ using Columns = std::vector<std::vector<double>>;
 
 constexpr TimedScan kTimes{.period_s = 0.1, .start_s = 0, .turn_share = 1};
 
-// All columns that converters write, and further ones of noise.
+// Returns all columns that converters write, and further columns of noise.
 Columns all_columns(std::size_t count) {
   const TestScan scan;
   Columns columns = {scan.x, scan.y, scan.z, scan.intensity, scan.ring, scan.t};
@@ -38,14 +38,14 @@ BinLayout layout_of(const std::string& bytes) {
   return infer_bin_layout({folder.write("a.bin", bytes)}, kTimes);
 }
 
-TEST(BinLayout, ShapesFollowFromTheValues) {
+TEST(BinLayout, InfersShapesFromTheValues) {
   for (std::size_t count = 3; count <= 8; ++count) {
     EXPECT_EQ(infer_bin_shape(bin_of<float>(all_columns(count))), (BinShape{4, count}));
     EXPECT_EQ(infer_bin_shape(bin_of<double>(all_columns(count))), (BinShape{8, count}));
   }
 }
 
-TEST(BinLayout, ShapesDoNotDependOnTheOrderOfPoints) {
+TEST(BinLayout, InfersShapesInAnyOrderOfPoints) {
   for (std::size_t count = 3; count <= 8; ++count) {
     Columns columns = all_columns(count);
     for (std::vector<double>& column : columns) {
@@ -57,7 +57,7 @@ TEST(BinLayout, ShapesDoNotDependOnTheOrderOfPoints) {
   }
 }
 
-TEST(BinLayout, PaddingAndUnsetColumnsCount) {
+TEST(BinLayout, CountsPaddingAndUnsetColumns) {
   const TestScan scan;
   const std::vector<double> zeros(scan.x.size(), 0);
   EXPECT_EQ(infer_bin_shape(bin_of<float>({scan.x, scan.y, scan.z, zeros})), (BinShape{4, 4}));
@@ -66,9 +66,9 @@ TEST(BinLayout, PaddingAndUnsetColumnsCount) {
             (BinShape{4, 8}));
 }
 
-// Lasers fire in an order that alternates between the lower and the upper half (VLP-16: -15, 1, -13, 3 degrees and so on): two
-// points that follow each other differ in height and range, but are not one point of eight numbers.
-TEST(BinLayout, PointsThatAlternateAreNotOne) {
+// Lasers fire alternately in the lower and the upper half (VLP-16: -15, 1, -13, 3 degrees and so on). Consecutive points differ
+// in height and range, but they are not one point of eight numbers.
+TEST(BinLayout, DoesNotMergeAlternatingPoints) {
   for (const std::size_t count : {3, 4, 5, 6}) {
     const Columns all = all_columns(count);
     Columns columns(count);
@@ -80,14 +80,14 @@ TEST(BinLayout, PointsThatAlternateAreNotOne) {
   }
 }
 
-TEST(BinLayout, FewOrEqualPointsDoNotTell) {
+TEST(BinLayout, InfersNothingFromFewOrEqualPoints) {
   EXPECT_EQ(infer_bin_shape(""), std::nullopt);
   EXPECT_EQ(infer_bin_shape(bin_of<float>({{1, 2}, {3, 4}, {5, 6}, {0, 0}, {7, 8}})), std::nullopt);
   EXPECT_EQ(infer_bin_shape(std::string(4000, '\0')), std::nullopt);
   EXPECT_THAT(layout_of(bin_of<float>({{1, 2}, {3, 4}, {5, 6}, {0, 0}})).columns, ElementsAre("x", "y", "z", "intensity"));
 }
 
-TEST(BinLayout, ColumnsFollowFromTheValues) {
+TEST(BinLayout, InfersColumnsFromTheValues) {
   const TestScan scan;
   const std::vector<double> zeros(scan.x.size(), 0);
   const auto named = [](const Columns& columns) { return layout_of(bin_of<float>(columns)).columns; };
@@ -100,26 +100,26 @@ TEST(BinLayout, ColumnsFollowFromTheValues) {
               ElementsAre("x", "y", "z", "ring", "t", "intensity"));
   EXPECT_THAT(named({scan.x, scan.y, scan.z, zeros, scan.intensity, zeros, zeros, zeros}),
               ElementsAre("x", "y", "z", "_", "intensity", "_", "_", "_"))
-      << "PCL's PointXYZI as it lies in memory";
+      << "the memory layout of PCL's PointXYZI";
   Columns columns = all_columns(8);
   EXPECT_EQ(layout_of(bin_of<double>(columns)).text(), "8 columns of float64: x y z intensity ring t _ _");
 }
 
-TEST(BinLayout, FilesOfOneDriveHaveOneShape) {
+TEST(BinLayout, RequiresOneShapeForAllFilesOfADrive) {
   const TestFolder folder;
   const fs::path four = folder.write("0.bin", bin_of<float>(all_columns(4))),
                  five = folder.write("1.bin", bin_of<float>(all_columns(5)));
   EXPECT_THAT(input_error([&] { infer_bin_layout({four, five}, kTimes); }),
-              AllOf(HasSubstr("1.bin: has 5 columns of float32, and 0.bin has 4 columns of float32")));
+              AllOf(HasSubstr("1.bin: has 5 columns of float32, but 0.bin has 4 columns of float32")));
   EXPECT_THAT(input_error([&] { read_point_cloud(five); }),
-              HasSubstr("1.bin: looks like 5 columns of float32, and other scans have 4"));
+              HasSubstr("1.bin: looks like 5 columns of float32, but other scans have 4"));
   const fs::path small = folder.write("2.bin", bin_of<float>({{1, 2}, {3, 4}, {5, 6}}));
   EXPECT_THAT(input_error([&] { infer_bin_layout({small}, kTimes); }),
               AllOf(HasSubstr("2.bin: 24 bytes"), HasSubstr("[lidar] columns")));
 }
 
-// Points of numbers of several types, such as 18 bytes of x y z intensity and a ring of 16 bits, repeat after a multiple of 4.
-TEST(BinLayout, WhatIsNotUsualMustBeStated) {
+// Points of numbers of several types, such as 18 bytes of x y z intensity and a 16-bit ring, repeat after a multiple of 4.
+TEST(BinLayout, RequiresThatUnusualLayoutsAreStated) {
   const TestFolder folder;
   const TestScan scan;
   std::string bytes;
@@ -131,17 +131,17 @@ TEST(BinLayout, WhatIsNotUsualMustBeStated) {
               AllOf(HasSubstr("0.bin: looks like 9 columns"), HasSubstr("[lidar] columns")));
 }
 
-TEST(BinLayout, UsersCanStateTheColumns) {
+TEST(BinLayout, UsesStatedColumns) {
   const TestFolder folder;
   const fs::path file = folder.write("0.bin", bin_of<float>({{1, 2}, {3, 4}, {5, 6}, {0, 0}, {7, 8}}));
-  EXPECT_EQ(stated_layout({file}, {"x", "y", "z", "_", "ring"}).text(), "5 columns of float32: x y z _ ring");
-  EXPECT_THAT(input_error([&] { stated_layout({file}, {"x", "y", "z"}); }),
+  EXPECT_EQ(use_stated_layout({file}, {"x", "y", "z", "_", "ring"}).text(), "5 columns of float32: x y z _ ring");
+  EXPECT_THAT(input_error([&] { use_stated_layout({file}, {"x", "y", "z"}); }),
               AllOf(HasSubstr("40 bytes are not a whole number of points of 12 bytes"), HasSubstr("correct [lidar] columns")));
   const fs::path wide = folder.write("1.bin", bin_of<double>(all_columns(5)));
-  EXPECT_EQ(stated_layout({wide}, {"x", "y", "z", "_", "ring"}).scalar_bytes, 8U);
+  EXPECT_EQ(use_stated_layout({wide}, {"x", "y", "z", "_", "ring"}).scalar_bytes, 8U);
 }
 
-// Scans that other programs wrote, where they are.
+// These scans were written by other programs.
 TEST(BinLayout, RecognizesScansOfDataSets) {
   const char* root = std::getenv("DVI_DATA");
   const fs::path clouds = fs::path(root ? root : "/tmp/dvi-data") / "foreign_files/clouds";

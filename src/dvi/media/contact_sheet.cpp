@@ -9,26 +9,26 @@
 namespace dvi::media {
 namespace {
 
-constexpr int kGap = 4, kCaption = 20;
+constexpr int kGapPx = 4, kCaptionPx = 20;
 const cv::Vec3b kRed(40, 40, 255);
-const cv::Scalar kPaper(32, 32, 32), kInk(230, 230, 230);
+const cv::Scalar kBackground(32, 32, 32), kTextColor(230, 230, 230);
 
-int row_height(const std::vector<SheetCell>& row) {
+int find_row_height(const std::vector<SheetCell>& row) {
   int height = 0;
   for (const SheetCell& cell : row) height = std::max(height, cell.image.rows);
-  return height + kCaption + kGap;
+  return height + kCaptionPx + kGapPx;
 }
 
 void draw(cv::Mat3b& sheet, const SheetCell& cell, cv::Point corner, int width) {
   cell.image.copyTo(sheet(cv::Rect(corner, cell.image.size())));
   const int y = corner.y + cell.image.rows;
-  cv::putText(sheet(cv::Rect(corner.x, y, width, kCaption)), cell.caption, {3, kCaption - 6}, cv::FONT_HERSHEY_SIMPLEX, 0.42,
-              kInk, 1, cv::LINE_AA);
+  cv::putText(sheet(cv::Rect(corner.x, y, width, kCaptionPx)), cell.caption, {3, kCaptionPx - 6}, cv::FONT_HERSHEY_SIMPLEX,
+              0.42, kTextColor, 1, cv::LINE_AA);
 }
 
 }  // namespace
 
-cv::Mat3b thumbnail(const cv::Mat3b& image, int width) {
+cv::Mat3b make_thumbnail(const cv::Mat3b& image, int width) {
   if (image.cols == width) return image;
   const int height = std::max(1, cvRound(static_cast<double>(image.rows) * width / image.cols));
   cv::Mat3b small;
@@ -36,7 +36,7 @@ cv::Mat3b thumbnail(const cv::Mat3b& image, int width) {
   return small;
 }
 
-cv::Mat3b mask_overlay(const cv::Mat3b& image, const cv::Mat1b& mask) {
+cv::Mat3b draw_mask_overlay(const cv::Mat3b& image, const cv::Mat1b& mask) {
   cv::Mat3b tinted = image.clone();
   cv::Mat3b mixed;
   cv::addWeighted(image, 0.5, cv::Mat3b(image.size(), kRed), 0.5, 0, mixed);
@@ -52,7 +52,7 @@ void draw_outline(cv::Mat3b& image, const cv::Mat1b& mask, int width) {
   image.setTo(kRed, outline);
 }
 
-cv::Mat3b label_overlay(const cv::Mat3b& image, const cv::Mat1b& labels, const std::vector<cv::Vec3b>& colors) {
+cv::Mat3b draw_label_overlay(const cv::Mat3b& image, const cv::Mat1b& labels, const std::vector<cv::Vec3b>& colors) {
   cv::Mat3b out = image.clone();
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) {
@@ -63,7 +63,7 @@ cv::Mat3b label_overlay(const cv::Mat3b& image, const cv::Mat1b& labels, const s
   return out;
 }
 
-cv::Rect densest_part(const cv::Mat1b& mask, cv::Size size) {
+cv::Rect find_densest_part(const cv::Mat1b& mask, cv::Size size) {
   const cv::Rect whole({}, mask.size());
   cv::Rect best({}, cv::Size(std::min(size.width, mask.cols), std::min(size.height, mask.rows)));
   cv::Mat1i sums;
@@ -82,9 +82,9 @@ cv::Rect densest_part(const cv::Mat1b& mask, cv::Size size) {
 }
 
 void write_caption(cv::Mat3b& image, const std::string& text) {
-  constexpr double kLargest = 0.6;
+  constexpr double kMaxFontScale = 0.6;
   const cv::Size at_one = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, 1, 1, nullptr);
-  const double scale = std::min(kLargest, (image.cols - 12.0) / std::max(1, at_one.width));
+  const double scale = std::min(kMaxFontScale, (image.cols - 12.0) / std::max(1, at_one.width));
   const int height = std::max(6, cvRound(scale * at_one.height)), pad = std::max(2, height / 2);
   const cv::Rect ground =
       cv::Rect(0, image.rows - height - 2 * pad, cvRound(scale * at_one.width) + 3 * pad, height + 2 * pad) &
@@ -94,25 +94,25 @@ void write_caption(cv::Mat3b& image, const std::string& text) {
   cv::putText(image, text, {pad, image.rows - pad}, cv::FONT_HERSHEY_SIMPLEX, scale, cv::Scalar::all(255), 1, cv::LINE_AA);
 }
 
-cv::Mat3b contact_sheet(const std::vector<std::vector<SheetCell>>& rows, int cell_width) {
+cv::Mat3b make_contact_sheet(const std::vector<std::vector<SheetCell>>& rows, int cell_width) {
   std::vector<std::vector<SheetCell>> small = rows;
   std::size_t columns = 0;
-  int height = kGap;
+  int height = kGapPx;
   for (std::vector<SheetCell>& row : small) {
-    for (SheetCell& cell : row) cell.image = thumbnail(cell.image, cell_width);
+    for (SheetCell& cell : row) cell.image = make_thumbnail(cell.image, cell_width);
     columns = std::max(columns, row.size());
-    height += row_height(row);
+    height += find_row_height(row);
   }
-  cv::Mat3b sheet(height, kGap + static_cast<int>(columns) * (cell_width + kGap));
-  sheet.setTo(kPaper);
-  int y = kGap;
+  cv::Mat3b sheet(height, kGapPx + static_cast<int>(columns) * (cell_width + kGapPx));
+  sheet.setTo(kBackground);
+  int y = kGapPx;
   for (const std::vector<SheetCell>& row : small) {
-    int x = kGap;
+    int x = kGapPx;
     for (const SheetCell& cell : row) {
       draw(sheet, cell, {x, y}, cell_width);
-      x += cell_width + kGap;
+      x += cell_width + kGapPx;
     }
-    y += row_height(row);
+    y += find_row_height(row);
   }
   return sheet;
 }

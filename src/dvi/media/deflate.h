@@ -6,7 +6,7 @@
 
 namespace dvi::media {
 
-/// The bytes in the zlib format (RFC 1950), compressed for speed.
-std::string zlib_compressed(const std::vector<std::uint8_t>& bytes);
+/// Compresses bytes into the zlib format (RFC 1950), optimized for speed.
+std::string compress_zlib(const std::vector<std::uint8_t>& bytes);
 
 }  // namespace dvi::media

@@ -8,29 +8,30 @@
 
 namespace dvi::media {
 
-/// Width and height by the header of a PNG or JPEG, without decoding it. InputError where it is neither or is too large.
+/// Returns width and height by the header of a PNG or JPEG, without decoding it. Throws InputError if the file is neither or is
+/// too large.
 cv::Size image_size(const fs::path& path);
 
-/// The same of a file's bytes, and the image in BGR that they are; `name` is for messages.
+/// Do the same for a file's bytes, and decode them to BGR; `name` is used in messages.
 cv::Size image_size(const fs::path& name, const std::string& bytes);
 cv::Mat3b decode_image(const fs::path& name, const std::string& bytes, cv::Size size);
 
-/// The image in BGR, as it is stored: an EXIF orientation is not applied, because calibration and scans do not turn with it.
-/// InputError where it cannot be decoded as a whole or has another size, which the header tells.
+/// Reads an image in BGR as it is stored. EXIF orientations are not applied, because calibration and scans do not rotate with
+/// them. Throws InputError if the image cannot be decoded completely, or has another size by its header.
 cv::Mat3b read_image(const fs::path& path, cv::Size size);
 
-/// The mask: 255 where any color of the file is not 0, of whatever depth. Transparency counts only in a file of one color all
-/// over, and where it tells pixels apart: 255 where some of it is not 0. Errors and orientation as read_image.
+/// Reads a mask: 255 where any color of the file is not 0, at any bit depth. If all colors of the file are equal and its
+/// transparency varies, 255 where the transparency channel is not 0. Errors and orientation are as for read_image().
 cv::Mat1b read_mask(const fs::path& path, cv::Size size);
 
-/// The same of a picture as read_unchanged() returns it.
-cv::Mat1b mask_of(const cv::Mat& picture);
+/// Converts an image from read_unchanged() to such a mask.
+cv::Mat1b to_mask(const cv::Mat& picture);
 
-/// The image as the file has it, but where it has a palette the indices, as one channel of 8 bits. Errors as read_image.
+/// Reads the stored image; with a palette, the indices as one 8-bit channel. Errors are as for read_image().
 cv::Mat read_indices(const fs::path& path, cv::Size size);
 
-/// The image as the file has it: its depth and channels (BGR where there are three). Empty where it is no whole PNG or JPEG of
-/// that size; InputError where it is too large.
+/// Reads the stored image with its bit depth and channels (BGR if there are three). Returns an empty image if the file is not a
+/// complete PNG or JPEG of that size. Throws InputError if it is too large.
 cv::Mat read_unchanged(const fs::path& path, cv::Size size);
 
 }  // namespace dvi::media

@@ -8,7 +8,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-TEST(ImageFile, TellsTheSizeByTheHeader) {
+TEST(ImageFile, ReadsTheSizeFromTheHeader) {
   const TestFolder folder;
   const cv::Mat3b image(37, 301, cv::Vec3b(10, 20, 30));
   EXPECT_EQ(image_size(folder.write_image("a.png", image)), cv::Size(301, 37));
@@ -27,7 +27,7 @@ TEST(ImageFile, DecodesToBgrAndMasksToTwoValues) {
   EXPECT_EQ(cv::countNonZero(read), 2);
 }
 
-TEST(ImageFile, RefusesWhatIsUnreadable) {
+TEST(ImageFile, RefusesUnreadableFiles) {
   const TestFolder folder;
   cv::Mat3b image(200, 300);
   cv::randu(image, 0, 255);
@@ -41,14 +41,14 @@ TEST(ImageFile, RefusesWhatIsUnreadable) {
   EXPECT_THAT(input_error([&] { read_image(folder.path / "d.png", {1, 1}); }), HasSubstr("d.png: cannot be read"));
 }
 
-TEST(ImageFile, NamesBothSizes) {
+TEST(ImageFile, ReportsBothSizes) {
   const TestFolder folder;
   const fs::path file = folder.write_image("a.png", cv::Mat3b(4, 6, cv::Vec3b()));
   EXPECT_THAT(input_error([&] { read_image(file, {6, 5}); }), HasSubstr("is 6x4 pixels instead of 6x5"));
   EXPECT_THAT(input_error([&] { read_mask(file, {7, 4}); }), HasSubstr("is 6x4 pixels instead of 7x4"));
 }
 
-TEST(ImageFile, TakesAnyChannelOfAMaskThatIsNotZero) {
+TEST(ImageFile, ReadsAllChannelsOfAMask) {
   const TestFolder folder;
   const auto count = [&](const cv::Mat& image) {
     return cv::countNonZero(read_mask(folder.write_image("m.png", image), image.size()));
@@ -61,7 +61,7 @@ TEST(ImageFile, TakesAnyChannelOfAMaskThatIsNotZero) {
   EXPECT_EQ(count(color), 3);
 }
 
-TEST(ImageFile, TakesTransparencyOnlyWhereColorsSayNothing) {
+TEST(ImageFile, UsesTransparencyOnlyIfColorsAreEqual) {
   const TestFolder folder;
   const auto count = [&](const cv::Mat4b& image) {
     return cv::countNonZero(read_mask(folder.write_image("m.png", image), image.size()));
@@ -76,13 +76,13 @@ TEST(ImageFile, TakesTransparencyOnlyWhereColorsSayNothing) {
   EXPECT_EQ(count(drawn), 2);
   cv::Mat4b white(4, 6, cv::Vec4b(255, 255, 255, 0));
   white(1, 1) = {255, 255, 255, 255};
-  EXPECT_EQ(count(white), 1) << "painted in one color on nothing";
+  EXPECT_EQ(count(white), 1) << "painted in one color on a transparent background";
   EXPECT_EQ(count(cv::Mat4b(4, 6, cv::Vec4b(255, 255, 255, 255))), 24);
 }
 
 TEST(ImageFile, ReadsMasksWithAPalette) {
   const TestFolder folder;
-  // 2x1 pixels of indices 0 and 1: black, and red of 1.
+  // The 2x1 pixels have the indices 0 and 1: black, and red of 1.
   const std::vector<uchar> bytes = {0x89, 0x50, 0x4E, 0x47, 0x0D, 0x0A, 0x1A, 0x0A, 0x00, 0x00, 0x00, 0x0D, 0x49, 0x48, 0x44,
                                     0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x03, 0x00, 0x00, 0x00, 0xC3,
                                     0xFC, 0x8F, 0xB8, 0x00, 0x00, 0x00, 0x06, 0x50, 0x4C, 0x54, 0x45, 0x00, 0x00, 0x00, 0x01,
@@ -98,8 +98,8 @@ TEST(ImageFile, ReadsMasksWithAPalette) {
   EXPECT_EQ(indices.at<uchar>(0, 1), 1);
 }
 
-// A JPEG with the EXIF tag "turn by a quarter".
-std::string turned(const std::string& jpeg) {
+// Adds the EXIF tag for a rotation by 90 degrees to a JPEG.
+std::string add_rotation(const std::string& jpeg) {
   using namespace std::string_literals;
   const std::string exif =
       "\xFF\xE1\0\x22"
@@ -107,19 +107,19 @@ std::string turned(const std::string& jpeg) {
   return jpeg.substr(0, 2) + exif + jpeg.substr(2);
 }
 
-TEST(ImageFile, DoesNotTurnImagesByTheirOrientation) {
+TEST(ImageFile, DoesNotApplyTheOrientationOfImages) {
   const TestFolder folder;
   cv::Mat3b image(16, 32, cv::Vec3b());
   image.colRange(0, 16) = cv::Vec3b(255, 255, 255);
-  const fs::path file = folder.write("a.jpg", turned(read_file(folder.write_image("plain.jpg", image))));
+  const fs::path file = folder.write("a.jpg", add_rotation(read_file(folder.write_image("plain.jpg", image))));
   ASSERT_EQ(cv::imread(file.string()).size(), cv::Size(16, 32)) << "the tag is not understood";
   EXPECT_EQ(image_size(file), cv::Size(32, 16));
   EXPECT_GT(read_image(file, {32, 16})(8, 2)[0], 200);
   EXPECT_EQ(read_mask(file, {32, 16})(8, 2), 255);
 }
 
-// A PNG whose header claims another size; its data would fail to decode.
-std::string with_size(std::string png, std::uint32_t width, std::uint32_t height) {
+// Changes the size in the header of a PNG; its data would fail to decode.
+std::string change_size(std::string png, std::uint32_t width, std::uint32_t height) {
   for (int i = 0; i < 4; ++i) {
     png[static_cast<std::size_t>(16 + i)] = static_cast<char>(width >> (24 - 8 * i));
     png[static_cast<std::size_t>(20 + i)] = static_cast<char>(height >> (24 - 8 * i));
@@ -130,15 +130,15 @@ std::string with_size(std::string png, std::uint32_t width, std::uint32_t height
 TEST(ImageFile, RefusesSizesByTheHeader) {
   const TestFolder folder;
   const std::string png = read_file(folder.write_image("a.png", cv::Mat1w(4, 6, ushort{1})));
-  const fs::path huge = folder.write("huge.png", with_size(png, 60000, 60000));
+  const fs::path huge = folder.write("huge.png", change_size(png, 60000, 60000));
   const auto too_large = AllOf(HasSubstr("huge.png: is 60000x60000 pixels"), HasSubstr("2^28"));
   EXPECT_THAT(input_error([&] { image_size(huge); }), too_large);
   EXPECT_THAT(input_error([&] { read_unchanged(huge, {60000, 60000}); }), too_large);
   EXPECT_THAT(input_error([&] { read_mask(huge, {60000, 60000}); }), too_large);
   EXPECT_TRUE(read_unchanged(folder.path / "a.png", {6, 5}).empty());
-  const fs::path other = folder.write("other.png", with_size(png, 16000, 16000));
+  const fs::path other = folder.write("other.png", change_size(png, 16000, 16000));
   EXPECT_THAT(input_error([&] { read_image(other, {6, 4}); }), HasSubstr("is 16000x16000 pixels instead of 6x4"));
-  EXPECT_THAT(input_error([&] { image_size(folder.write("minus.png", with_size(png, 0x80000001U, 4))); }),
+  EXPECT_THAT(input_error([&] { image_size(folder.write("minus.png", change_size(png, 0x80000001U, 4))); }),
               HasSubstr("cannot be decoded"));
 }
 

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kMaxSampleFiles = 25;
 constexpr int kFullBits = 16;
 
-// Evenly spread files, without those that are empty.
+// Selects evenly spaced files, without empty paths.
 std::vector<fs::path> sample_files(std::vector<fs::path> files) {
   std::erase_if(files, [](const fs::path& file) { return file.empty(); });
   std::vector<fs::path> sample;
@@ -34,7 +34,7 @@ std::vector<fs::path> sample_images(const Drive& drive) {
   return sample_files(std::move(files));
 }
 
-// A number of up to four bytes, in either order.
+// Joins up to four bytes to a number, in either byte order.
 std::uint32_t join_bytes(std::string_view bytes, bool big_endian) {
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i)
@@ -48,7 +48,7 @@ std::string take_bytes(std::istream& in, std::size_t count) {
   return in ? bytes : std::string();
 }
 
-// The value of tag 0x0112 in the first directory of a TIFF structure, which is what EXIF data are.
+// Finds the value of tag 0x0112 in the first directory of a TIFF structure, which is the format of EXIF data.
 std::optional<int> find_orientation(std::string_view tiff) {
   if (tiff.size() < 8 || (!tiff.starts_with("II") && !tiff.starts_with("MM"))) return std::nullopt;
   const bool big_endian = tiff.starts_with("MM");
@@ -66,7 +66,7 @@ std::optional<int> find_orientation(std::string_view tiff) {
   return std::nullopt;
 }
 
-// The EXIF data among the segments before the picture.
+// Reads the EXIF data from the segments before the image data.
 std::string read_jpeg_exif(std::istream& in) {
   constexpr std::string_view kExif("Exif\0\0", 6);
   in.seekg(2);
@@ -111,15 +111,15 @@ bool is_16_bit_png(const fs::path& file) {
   return head.starts_with("\x89PNG") && head[24] == 16;
 }
 
-// What the sample shows: the first file of each orientation but 1.
-struct Turned {
+// The first file of a sample with an orientation other than 1.
+struct RotatedFile {
   fs::path first;
   int orientation = 1;
 };
 
-std::optional<Turned> find_turned(const std::vector<fs::path>& sample) {
+std::optional<RotatedFile> find_rotated_file(const std::vector<fs::path>& sample) {
   for (const fs::path& file : sample)
-    if (const int orientation = read_exif_orientation(file); orientation != 1) return Turned{file, orientation};
+    if (const int orientation = read_exif_orientation(file); orientation != 1) return RotatedFile{file, orientation};
   return std::nullopt;
 }
 
@@ -142,43 +142,46 @@ int read_exif_orientation(const fs::path& file) {
 
 std::string describe_orientation(int exif_orientation) {
   constexpr std::array<const char*, 9> kEffects = {"",
-                                                   "show the picture as it is stored",
-                                                   "mirror the picture",
-                                                   "turn the picture by 180 degrees",
-                                                   "mirror and turn the picture by 180 degrees",
-                                                   "mirror and turn the picture by 90 degrees",
-                                                   "turn the picture by 90 degrees clockwise",
-                                                   "mirror and turn the picture by 90 degrees",
-                                                   "turn the picture by 90 degrees counterclockwise"};
+                                                   "show the image as it is stored",
+                                                   "mirror the image",
+                                                   "rotate the image by 180 degrees",
+                                                   "mirror and rotate the image by 180 degrees",
+                                                   "mirror and rotate the image by 90 degrees",
+                                                   "rotate the image by 90 degrees clockwise",
+                                                   "mirror and rotate the image by 90 degrees",
+                                                   "rotate the image by 90 degrees counterclockwise"};
   return kEffects.at(static_cast<std::size_t>(exif_orientation));
 }
 
 void warn_of_image_orientation(Drive& drive) {
-  const auto image = find_turned(sample_images(drive));
+  const auto image = find_rotated_file(sample_images(drive));
   if (!image) return;
   drive.warnings.push_back(fmt::format(
-      "{} has EXIF orientation {}, by which viewers and labeling tools {}: dvi reads the pixels as they are stored, and so "
+      "{} has EXIF orientation {}, by which viewers and labeling tools {}. dvi reads the pixels as they are stored, and so "
       "must "
-      "calibration and masks be; if they are of the upright picture, turn the images first (mogrify -auto-orient, or exiftran "
-      "-ai without loss), else remove the flag (exiftool -Orientation=)",
+      "calibration and masks be; if they refer to the upright image, rotate the images first (mogrify -auto-orient, or "
+      "exiftran "
+      "-ai without loss); otherwise remove the flag (exiftool -Orientation=)",
       image->first.string(), image->orientation, describe_orientation(image->orientation)));
 }
 
 void warn_of_mask_orientation(Drive& drive, const std::vector<fs::path>& sample) {
-  const auto mask = find_turned(sample);
+  const auto mask = find_rotated_file(sample);
   if (!mask) return;
   drive.warnings.push_back(
-      fmt::format("the mask {} has EXIF orientation {}, by which viewers {}: dvi reads the pixels as they are stored; if that "
-                  "is wrong, turn "
-                  "the masks first (mogrify -auto-orient), else remove the flag (exiftool -Orientation=)",
+      fmt::format("the mask {} has EXIF orientation {}, by which viewers {}. dvi reads the pixels as they are stored; if that "
+                  "is wrong, rotate "
+                  "the masks first (mogrify -auto-orient); otherwise remove the flag (exiftool -Orientation=)",
                   mask->first.string(), mask->orientation, describe_orientation(mask->orientation)));
 }
 
 std::string describe_video_rotation(const fs::path& video, int rotation_deg) {
   return fmt::format(
-      "{} has a rotation flag, by which players turn it by {} degrees clockwise: dvi reads the frames as they are stored, and "
+      "{} has a rotation flag, by which players rotate it by {} degrees clockwise. dvi reads the frames as they are stored, "
+      "and "
       "so must "
-      "calibration and masks be; if they are of the upright picture, turn the frames first (ffmpeg -i IN -qp 0 OUT), else "
+      "calibration and masks be; if they refer to the upright image, rotate the frames first (ffmpeg -i IN -qp 0 OUT); "
+      "otherwise "
       "remove "
       "the flag (ffmpeg -i IN -c copy -metadata:s:v rotate=0 OUT)",
       video.string(), rotation_deg);
@@ -191,8 +194,8 @@ int find_value_bits(Drive& drive) {
     if (!is_16_bit_png(file)) continue;
     double low = 0, high = 0;
     const cv::Mat picture = read_unchanged(file, image_size(file));
-    if (picture.empty()) continue;                                                 // reading its frame reports the damage
-    for (int channel = 0; channel < std::min(picture.channels(), 3); ++channel) {  // not transparency
+    if (picture.empty()) continue;                                                 // reading its frame reports the error
+    for (int channel = 0; channel < std::min(picture.channels(), 3); ++channel) {  // without transparency
       cv::Mat values;
       cv::extractChannel(picture, values, channel);
       cv::minMaxLoc(values, &low, &high);
@@ -201,17 +204,17 @@ int find_value_bits(Drive& drive) {
   }
   const int bits = largest > 0 ? estimate_value_bits(static_cast<int>(largest)) : kFullBits;
   if (bits < kFullBits)
-    drive.warnings.push_back(
-        fmt::format("the images have 16 bits, but no value above {:.0f} ({}): they are read as {}-bit images, all by the same "
-                    "factor of {}",
-                    largest, brightest.string(), bits, 1 << (kFullBits - bits)));
+    drive.warnings.push_back(fmt::format(
+        "the images have 16 bits, but no value above {:.0f} ({}); they are read as {}-bit images, all scaled by the same "
+        "factor {}",
+        largest, brightest.string(), bits, 1 << (kFullBits - bits)));
   return bits;
 }
 
 cv::Mat3b read_scaled_image(const fs::path& file, cv::Size size, int value_bits) {
   if (value_bits >= kFullBits || !is_16_bit_png(file)) return read_image(file, size);
   const cv::Mat picture = read_unchanged(file, size);
-  if (picture.empty()) return read_image(file, size);  // which reports what is wrong
+  if (picture.empty()) return read_image(file, size);  // reports the error
   cv::Mat3b out(size);
   for (int channel = 0; channel < 3; ++channel) {
     cv::Mat1w values;
@@ -220,8 +223,8 @@ cv::Mat3b read_scaled_image(const fs::path& file, cv::Size size, int value_bits)
     cv::minMaxLoc(values, &low, &high);
     if (high >= 1 << value_bits)
       throw InputError(file,
-                       fmt::format("holds values up to {:.0f}, and other images were taken as {}-bit images", high, value_bits),
-                       "write all images with 8 bits per color, scaled alike");
+                       fmt::format("holds values up to {:.0f}, but other images were read as {}-bit images", high, value_bits),
+                       "write all images with 8 bits per color and the same scale");
     cv::Mat1b scaled(size);
     std::transform(values.begin(), values.end(), scaled.begin(),
                    [shift = value_bits - 8](ushort value) { return static_cast<uchar>(value >> shift); });

@@ -11,7 +11,7 @@
 namespace dvi::media {
 namespace {
 
-/// A folder that goes with the benchmark. The files in it stay in the system's cache: what is measured is decoding.
+/// A temporary folder. Its files stay in the system's cache, so that decoding is measured.
 struct Folder {
   fs::path path = fs::temp_directory_path() / ("dvi_media_bench" + std::to_string(getpid()));
   Folder() { make_folder(path); }
@@ -20,7 +20,7 @@ struct Folder {
   Folder& operator=(const Folder&) = delete;
 };
 
-/// A picture of 1280x720 with some noise, which is what makes PNG slow.
+/// Makes an image of 1280x720 with some noise, which makes PNG slow.
 cv::Mat3b noisy_picture() {
   cv::Mat3b image = waves(1280, 720, 1, 10);
   Random random(3);
@@ -44,7 +44,7 @@ void write_picture(benchmark::State& state) {
 }
 BENCHMARK(write_picture)->Unit(benchmark::kMillisecond);
 
-/// A scan of 120,000 points as KITTI stores it.
+/// Reads a scan of 120,000 points in KITTI's format.
 void read_scan(benchmark::State& state) {
   const Folder folder;
   Random random(4);

@@ -29,7 +29,7 @@ void append_chunk(std::string& out, const std::string& type, const std::string& 
   append_number(out, libdeflate_crc32(0, out.data() + begin, out.size() - begin));
 }
 
-/// A row as the file has it: RGB, the high byte first.
+/// Converts a row to the order of the file: RGB, the high byte first.
 void to_file_order(const cv::Mat& image, int y, std::uint8_t* row) {
   const std::size_t count = static_cast<std::size_t>(image.cols) * static_cast<std::size_t>(image.channels());
   const std::uint8_t* in = image.ptr(y);
@@ -46,8 +46,9 @@ void to_file_order(const cv::Mat& image, int y, std::uint8_t* row) {
   }
 }
 
-/// Of left, above and above left the one nearest to left + above - above left. Narrow types, so that a vector holds many.
-inline std::uint8_t predicted(std::uint8_t left, std::uint8_t above, std::uint8_t corner) {
+/// Returns the value of left, above and corner that is nearest to left + above - corner (the Paeth predictor). The types are
+/// narrow for vectorization.
+inline std::uint8_t predict(std::uint8_t left, std::uint8_t above, std::uint8_t corner) {
   const std::int16_t dl = static_cast<std::int16_t>(above - corner), da = static_cast<std::int16_t>(left - corner);
   const std::int16_t dc = static_cast<std::int16_t>(dl + da);
   const auto size = [](std::int16_t value) { return static_cast<std::int16_t>(value < 0 ? -value : value); };
@@ -56,7 +57,8 @@ inline std::uint8_t predicted(std::uint8_t left, std::uint8_t above, std::uint8_
   return to_left <= to_above && to_left <= to_corner ? left : other;
 }
 
-/// `row` and `above` are preceded by a pixel of zeros. Gives the sum of the residuals' sizes: what they will cost, roughly.
+/// Filters a row. `row` and `above` are preceded by a pixel of zeros. Returns the sum of the residuals' magnitudes, which
+/// approximates the compressed size.
 int filter_row(Filter filter, const std::uint8_t* row, const std::uint8_t* above, int pixel, int size,
                std::uint8_t* __restrict out) {
   const std::uint8_t *left = row - pixel, *corner = above - pixel;
@@ -66,7 +68,7 @@ int filter_row(Filter filter, const std::uint8_t* row, const std::uint8_t* above
   if (filter == up)
     for (int i = 0; i < size; ++i) out[i] = static_cast<std::uint8_t>(row[i] - above[i]);
   if (filter == paeth)
-    for (int i = 0; i < size; ++i) out[i] = static_cast<std::uint8_t>(row[i] - predicted(left[i], above[i], corner[i]));
+    for (int i = 0; i < size; ++i) out[i] = static_cast<std::uint8_t>(row[i] - predict(left[i], above[i], corner[i]));
   int cost = 0;
   for (int i = 0; i < size; ++i) {
     const std::uint8_t minus = static_cast<std::uint8_t>(-out[i]), m = out[i] < minus ? out[i] : minus;
@@ -75,8 +77,8 @@ int filter_row(Filter filter, const std::uint8_t* row, const std::uint8_t* above
   return cost;
 }
 
-/// The filtered rows, each behind the number of its filter.
-std::vector<std::uint8_t> filtered(const cv::Mat& image) {
+/// Filters the rows; each row follows the number of its filter.
+std::vector<std::uint8_t> filter_rows(const cv::Mat& image) {
   const int pixel = static_cast<int>(image.elemSize()), size = image.cols * pixel;
   const auto stride = static_cast<std::size_t>(size) + 1;
   std::vector<std::uint8_t> out(stride * static_cast<std::size_t>(image.rows));
@@ -108,7 +110,7 @@ std::vector<std::uint8_t> filtered(const cv::Mat& image) {
 std::string encode_png(const cv::Mat& image) {
   const int type = image.type();
   if (type != CV_8UC1 && type != CV_8UC3 && type != CV_8UC4 && type != CV_16UC1 && type != CV_16UC3)
-    throw std::logic_error("no PNG can hold this type of image");
+    throw std::logic_error("PNG does not support this type of image");
   const std::uint8_t colors = image.channels() == 1 ? kGray : image.channels() == 3 ? kRgb : kRgba;
   std::string header;
   append_number(header, static_cast<std::uint32_t>(image.cols));
@@ -118,7 +120,7 @@ std::string encode_png(const cv::Mat& image) {
     header.push_back(static_cast<char>(field));
   std::string out = "\x89PNG\r\n\x1A\n";
   append_chunk(out, "IHDR", header);
-  append_chunk(out, "IDAT", zlib_compressed(filtered(image)));
+  append_chunk(out, "IDAT", compress_zlib(filter_rows(image)));
   append_chunk(out, "IEND", {});
   return out;
 }

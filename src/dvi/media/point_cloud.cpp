@@ -16,17 +16,17 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::size_t kBinPoint = BinShape().point_bytes();  // of a scan that dvi writes
+constexpr std::size_t kBinPointBytes = BinShape().point_bytes();  // of a scan that dvi writes
 
-// In this order NaN becomes 0.
+// The order of the arguments turns NaN into 0.
 std::uint16_t to_ring(double value) { return static_cast<std::uint16_t>(std::max(0.0, std::min(value, 65535.0))); }
 
-// The file's own values may contradict the layout of the other files.
+// Throws InputError if the file's own values contradict the layout of the other files.
 void require_shape(const fs::path& path, std::string_view bytes, const BinLayout& layout) {
   if (layout.stated) return;
   const std::optional<BinShape> shape = infer_bin_shape(bytes);
   if (shape && *shape != layout.shape())
-    throw InputError(path, fmt::format("looks like {}, and other scans have {}", to_text(*shape), to_text(layout.shape())),
+    throw InputError(path, fmt::format("looks like {}, but other scans have {}", to_text(*shape), to_text(layout.shape())),
                      "write all scans with the same columns");
 }
 
@@ -54,7 +54,7 @@ PointCloud read_bin(const fs::path& path, const BinLayout& layout) {
   return cloud;
 }
 
-constexpr const char* kNoPoints = "remove the file; dvi bridges a missing scan";
+constexpr const char* kNoPoints = "remove the file; a missing scan is tolerated";
 
 template <class T>
 void keep_values(std::vector<T>& values, const std::vector<bool>& kept) {
@@ -65,7 +65,7 @@ void keep_values(std::vector<T>& values, const std::vector<bool>& kept) {
   values.resize(next);
 }
 
-// Leaves out points for which `wanted` does not hold. InputError where none is left.
+// Keeps only the points for which `wanted` holds. Throws InputError if none is left.
 template <class Wanted>
 void keep_points(const fs::path& path, PointCloud& cloud, const char* remedy, const Wanted& wanted) {
   const std::size_t points = cloud.points.size();
@@ -76,8 +76,7 @@ void keep_points(const fs::path& path, PointCloud& cloud, const char* remedy, co
   keep_values(cloud.points, kept), keep_values(cloud.intensity, kept), keep_values(cloud.t, kept),
       keep_values(cloud.ring, kept);
   if (cloud.points.empty())
-    throw InputError(path, fmt::format("none of its {} points is a return: all are not finite (NaN), or 0 0 0", points),
-                     remedy);
+    throw InputError(path, fmt::format("none of its {} points is a return: all are NaN or 0 0 0", points), remedy);
 }
 
 template <class T>
@@ -106,17 +105,17 @@ double load(const PointField& field, const char* at, bool swap) {
 }
 
 [[noreturn]] void fail_short(const fs::path& path, std::size_t points) {
-  throw InputError(path, "ends before its " + std::to_string(points) + " points do", "the file was cut; write it again");
+  throw InputError(path, "ends before its " + std::to_string(points) + " points", "the file is truncated; write it again");
 }
 
-// The columns that matter; the place of each in a row, or none.
+// The columns that are used, with the index of each in a row, or -1.
 class Columns {
  public:
   Columns(const fs::path& path, const PointTable& table) {
     const auto find = [&](std::initializer_list<const char*> names) {
       for (const char* name : names)
         for (std::size_t i = 0; i < table.fields.size(); ++i)
-          if (lower_case(table.fields[i].name) == name && table.fields[i].count == 1) return static_cast<int>(i);
+          if (to_lower_case(table.fields[i].name) == name && table.fields[i].count == 1) return static_cast<int>(i);
       return -1;
     };
     at_[0] = find({"x"}), at_[1] = find({"y"}), at_[2] = find({"z"});
@@ -135,7 +134,7 @@ class Columns {
     const auto exact = [&](int column) { return number(static_cast<std::size_t>(at_[column])); };
     const auto value = [&](int column) { return static_cast<float>(exact(column)); };
     const Eigen::Vector3d position(exact(0), exact(1), exact(2));
-    if (from == CountFrom::first_point && !position.allFinite()) return;  // it would be the origin of all others
+    if (from == CountFrom::first_point && !position.allFinite()) return;  // it would become the origin of all others
     cloud.add(position, at_[3] < 0 ? 0.0F : value(3), from);
     if (at_[4] >= 0) cloud.t.push_back(exact(4));
     if (at_[5] >= 0) cloud.ring.push_back(to_ring(exact(5)));
@@ -175,11 +174,11 @@ PointCloud decode_ascii(const fs::path& path, const PointTable& table, std::stri
     if (words.size() < row && data.empty()) fail_short(path, table.points);
     if (words.size() < row)
       throw InputError(path, fmt::format("point {} has {} numbers instead of {}", i, words.size(), row),
-                       "write a line per point, its numbers separated by blanks");
+                       "write one line per point, with numbers separated by blanks");
     const auto number = [&](std::size_t field) {
       const std::string& word = words[offsets[field]];
       if (const auto value = to_number(word)) return *value;
-      if (lower_case(word).find("nan") != std::string::npos || lower_case(word).find("inf") != std::string::npos)
+      if (to_lower_case(word).find("nan") != std::string::npos || to_lower_case(word).find("inf") != std::string::npos)
         return std::nan("");
       throw InputError(path, "point " + std::to_string(i) + ": '" + word + "' is not a number");
     };
@@ -204,27 +203,27 @@ void check_size(const fs::path& path, std::size_t point_bytes) {
 }
 
 PointCloud read_point_cloud(const fs::path& path, const BinLayout& layout) {
-  const std::string ending = lower_case(path.extension().string());
+  const std::string ending = to_lower_case(path.extension().string());
   PointCloud cloud = ending == ".ply" ? read_ply(path) : ending == ".pcd" ? read_pcd(path) : read_bin(path, layout);
   keep_points(path, cloud, kNoPoints, is_return);
   return cloud;
 }
 
 PointCloud read_map_cloud(const fs::path& path) {
-  const std::string ending = lower_case(path.extension().string());
+  const std::string ending = to_lower_case(path.extension().string());
   PointCloud cloud = ending == ".ply"   ? read_ply(path, CountFrom::first_point)
                      : ending == ".pcd" ? read_pcd(path, CountFrom::first_point)
                                         : read_las(path);
-  cloud.t.clear();  // of a map, seconds since anything
+  cloud.t.clear();  // the times of a map have an unknown origin
   keep_points(path, cloud, "write the map again", [](const Eigen::Vector3f& point) { return point.allFinite(); });
   return cloud;
 }
 
-std::string bin_bytes(const Scan& scan) {
-  std::string bytes(scan.size() * kBinPoint, '\0');
+std::string to_bin_bytes(const Scan& scan) {
+  std::string bytes(scan.size() * kBinPointBytes, '\0');
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    std::memcpy(bytes.data() + i * kBinPoint, scan.points[i].data(), 3 * sizeof(float));
-    std::memcpy(bytes.data() + i * kBinPoint + 3 * sizeof(float), &scan.intensity[i], sizeof(float));
+    std::memcpy(bytes.data() + i * kBinPointBytes, scan.points[i].data(), 3 * sizeof(float));
+    std::memcpy(bytes.data() + i * kBinPointBytes + 3 * sizeof(float), &scan.intensity[i], sizeof(float));
   }
   return bytes;
 }

@@ -35,7 +35,7 @@ TEST(PointCloud, ReadsBin) {
 TEST(PointCloud, ReadsBackTheBytesOfABin) {
   const TestFolder folder;
   const Scan scan{{{1, 2, 3}, {-4, 5.5F, 6}}, {0.5F, 1}, {0, 0}, {}};
-  const PointCloud cloud = read_point_cloud(folder.write("a.bin", bin_bytes(scan)));
+  const PointCloud cloud = read_point_cloud(folder.write("a.bin", to_bin_bytes(scan)));
   EXPECT_EQ(cloud.points, scan.points);
   EXPECT_EQ(cloud.intensity, scan.intensity);
 }
@@ -75,7 +75,7 @@ TEST(PointCloud, ReadsBinaryPlyOfEitherEnd) {
   }
 }
 
-TEST(PointCloud, ReadsBackWhatWasWrittenAsPly) {
+TEST(PointCloud, ReadsBackWrittenPly) {
   const TestFolder folder;
   const std::vector<Eigen::Vector3f> points = {{1, 2, 3}, {-4, 5.5F, 6}};
   const std::vector<float> intensity = {0.25F, 0.75F};
@@ -102,8 +102,8 @@ TEST(PointCloud, ReadsPcd) {
               HasSubstr("write it as DATA binary or ascii"));
 }
 
-// PCL and ROS keep the grid of the rays in organized clouds: rays that did not return are NaN there, or 0 0 0.
-TEST(PointCloud, LeavesOutWhatDidNotReturn) {
+// PCL and ROS keep the grid of rays in organized clouds: rays without a return are NaN or 0 0 0.
+TEST(PointCloud, IgnoresRaysWithoutAReturn) {
   const TestFolder folder;
   const float nan = std::nanf("");
   const PointCloud bin = read_point_cloud(
@@ -120,7 +120,7 @@ TEST(PointCloud, LeavesOutWhatDidNotReturn) {
   EXPECT_THAT(pcd.ring, ElementsAre(1, 3));
 }
 
-TEST(PointCloud, SkipsElementsInFrontOfThePoints) {
+TEST(PointCloud, SkipsElementsBeforeThePoints) {
   const TestFolder folder;
   const std::string head =
       "element camera 2\nproperty float a\nproperty uchar b\nelement vertex 2\nproperty float x\n"
@@ -155,7 +155,7 @@ TEST(PointCloud, ReadsPcdHeadersOfOtherPrograms) {
       AllOf(HasSubstr("point 0 has 1 numbers instead of 3"), HasSubstr("separated by blanks")));
 }
 
-TEST(PointCloud, MapsCountFromTheirFirstPointThatIsFinite) {
+TEST(PointCloud, UsesTheFirstFinitePointOfAMapAsOrigin) {
   const TestFolder folder;
   const PointCloud map =
       read_map_cloud(folder.write("map.pcd",
@@ -187,17 +187,17 @@ TEST(PointCloud, RefusesBrokenBin) {
               AllOf(HasSubstr("c.bin"), HasSubstr("none of its 2 points is a return")));
 }
 
-TEST(PointCloud, RefusesBrokenHeadersAndCutFiles) {
+TEST(PointCloud, RefusesBrokenHeadersAndTruncatedFiles) {
   const TestFolder folder;
   const auto error = [&](const std::string& name, const std::string& text) {
     return input_error([&] { read_point_cloud(folder.write(name, text)); });
   };
   const std::string head = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n";
-  EXPECT_THAT(error("a.ply", "pcd"), HasSubstr("is no PLY file"));
-  EXPECT_THAT(error("b.ply", head), HasSubstr("header does not end"));
+  EXPECT_THAT(error("a.ply", "pcd"), HasSubstr("is not a PLY file"));
+  EXPECT_THAT(error("b.ply", head), HasSubstr("header is truncated"));
   EXPECT_THAT(error("c.ply", head + "end_header\n1 2\n3 4\n"), HasSubstr("no field 'z'"));
   EXPECT_THAT(error("d.ply", head + "property half z\nend_header\n"), HasSubstr("'property half z'"));
-  EXPECT_THAT(error("e.ply", head + "property float z\nend_header\n1 2 3\n"), HasSubstr("ends before its 2 points do"));
+  EXPECT_THAT(error("e.ply", head + "property float z\nend_header\n1 2 3\n"), HasSubstr("ends before its 2 points"));
   EXPECT_THAT(error("f.ply", head + "property float z\nend_header\n0 0 0\n4 nan 6\n"), HasSubstr("none of its 2 points"));
   EXPECT_THAT(error("g.ply", head + "property float z\nend_header\n1 2 3\n4 abc 6\n"), HasSubstr("'abc' is not a number"));
   EXPECT_THAT(error("h.ply",

@@ -8,28 +8,29 @@
 
 namespace dvi::media {
 
-/// A number of each point as the header of a PLY or PCD file declares it.
+/// A field of each point as declared by the header of a PLY or PCD file.
 struct PointField {
   std::string name;
   char kind = 'f';        ///< f: floating, i: signed, u: unsigned
   std::size_t bytes = 4;  ///< 1, 2, 4 or 8
-  std::size_t count = 1;  ///< numbers in a row; only single ones are understood, others skipped
+  std::size_t count = 1;  ///< numbers per point; fields with several numbers are skipped
 };
 
-/// What a header says of the data behind it.
+/// The description of the data by the header.
 struct PointTable {
   std::vector<PointField> fields;
   std::size_t points = 0;
   enum class Data { ascii, little_endian, big_endian } data = Data::ascii;
 };
 
-/// Takes the data behind a header apart. InputError where they are shorter than declared or lack x, y, z.
+/// Decodes the data after a header. Throws InputError if they are shorter than declared or lack x, y, or z.
 PointCloud decode_points(const fs::path& path, const PointTable& table, std::string_view data,
                          CountFrom from = CountFrom::origin);
 
+/// Read a PLY or PCD file. Throw InputError if it is malformed or truncated.
 PointCloud read_ply(const fs::path& path, CountFrom from = CountFrom::origin);
 PointCloud read_pcd(const fs::path& path, CountFrom from = CountFrom::origin);
-/// LAS 1.0 to 1.4, any point format, not compressed; counted from the first point.
+/// Reads LAS 1.0 to 1.4 in any point format, not compressed. The origin is the first point. Throws the same errors.
 PointCloud read_las(const fs::path& path);
 
 }  // namespace dvi::media

@@ -15,7 +15,7 @@ using Zero = PointTimes::Zero;
 
 constexpr double kScanPeriodS = 0.1, kStartS = 1534313591.4;
 
-// 1,000 values from `first`, evenly over `span`.
+// Returns 1,000 values from `first`, evenly spaced over `span`.
 std::vector<double> values(double first, double span) {
   std::vector<double> out;
   for (int i = 0; i < 1000; ++i) out.push_back(first + span * i / 1000);
@@ -26,7 +26,7 @@ PointTimes infer(const std::vector<double>& of, double turn_share = 1) {
   return infer_point_times(of, {.period_s = kScanPeriodS, .start_s = kStartS, .turn_share = turn_share});
 }
 
-TEST(PointTimes, FieldsHaveManyNames) {
+TEST(PointTimes, RecognizeManyFieldNames) {
   for (const char* name :
        {"t", "time", "timestamp", "time_stamp", "offset_time", "timeOffset", "scalar_GpsTime", "GpsTime", "gps_time"})
     EXPECT_EQ(find_time_field({"x", "y", "z", "intensity", name}), 4U) << name;
@@ -34,9 +34,9 @@ TEST(PointTimes, FieldsHaveManyNames) {
   EXPECT_FALSE(find_time_field({"x", "y", "z", "tag", "temperature"}));
 }
 
-TEST(PointTimes, UnitsFollowFromTheSpan) {
-  // As drivers write them: Velodyne (float seconds), Hesai (double seconds), Ouster (uint32 nanoseconds), Livox (uint32
-  // nanoseconds, offset_time), RoboSense and others in micro- and milliseconds.
+TEST(PointTimes, InferUnitsFromTheSpan) {
+  // These are the formats of Velodyne (float seconds), Hesai (double seconds), Ouster (uint32 nanoseconds), Livox (uint32
+  // nanoseconds, offset_time), RoboSense and others (microseconds and milliseconds).
   for (const double unit : {1.0, 1e-3, 1e-6, 1e-9}) {
     const PointTimes times = infer(values(0, 0.1 / unit));
     EXPECT_EQ(times.use, Use::times) << unit;
@@ -50,7 +50,7 @@ TEST(PointTimes, UnitsFollowFromTheSpan) {
   EXPECT_EQ(fractions.text, "are fractions of a scan after the start of the scan");
 }
 
-TEST(PointTimes, OriginsFollowFromTheEnds) {
+TEST(PointTimes, InferOriginsFromTheEnds) {
   EXPECT_EQ(infer(values(-0.1, 0.1)).zero, Zero::scan_end);
   EXPECT_EQ(infer(values(-1e8, 1e8)).zero, Zero::scan_end);
   EXPECT_EQ(infer(values(-0.05, 0.1)).zero, Zero::scan_middle);
@@ -63,33 +63,33 @@ TEST(PointTimes, OriginsFollowFromTheEnds) {
   EXPECT_THAT(unclear.text, HasSubstr("go from -0.0319 to 0.0678 s around neither the start"));
 }
 
-TEST(PointTimes, WhatSpansTooLittleIsNotUsed) {
+TEST(PointTimes, IgnoreTimesWithASmallSpan) {
   EXPECT_EQ(infer(values(0, 0)).use, Use::none);
   EXPECT_EQ(infer(values(0, 0)).text, "are all 0");
   EXPECT_EQ(infer(values(kStartS, 0)).use, Use::none);
   EXPECT_EQ(infer(values(0.05, 0)).use, Use::one_time);
   EXPECT_EQ(infer(values(0, 0.04)).use, Use::none);
   EXPECT_EQ(infer({}).use, Use::none);
-  // Seconds since 1970 in 32 bits have steps of 128 s, which could as well be milliseconds.
+  // Seconds since 1970 in 32 bits have steps of 128 s and are ambiguous with milliseconds.
   std::vector<double> coarse = values(1534313472, 0);
   for (std::size_t i = 500; i < coarse.size(); ++i) coarse[i] += 128;
   EXPECT_EQ(infer(coarse).use, Use::none);
   EXPECT_EQ(infer(coarse).text, "have only 2 different values");
 }
 
-TEST(PointTimes, WhatIsAScanInNoUnitIsUnknown) {
+TEST(PointTimes, AreUnknownIfTheSpanMatchesNoUnit) {
   EXPECT_EQ(infer(values(0, 20)).use, Use::unknown);
-  EXPECT_THAT(infer(values(0, 20)).text, HasSubstr("which is a scan of 0.1 s in no unit"));
+  EXPECT_THAT(infer(values(0, 20)).text, HasSubstr("which matches a scan of 0.1 s in no unit"));
 }
 
-TEST(PointTimes, ScansMayBeCroppedToAFieldOfView) {
+TEST(PointTimes, AreInferredForScansCroppedToAFieldOfView) {
   EXPECT_EQ(infer(values(0.037, 0.026)).use, Use::none);
   EXPECT_TRUE(infer(values(0.037, 0.026), 0.26).usual());
   EXPECT_EQ(infer(values(-0.063, 0.026), 0.26).zero, Zero::scan_end);
   EXPECT_EQ(infer(values(0.37e8, 0.26e8), 0.26).unit_s, 1e-9);
 }
 
-TEST(PointTimes, IgnoresSingleValuesOfPointsThatWereNotMeasured) {
+TEST(PointTimes, IgnoreSingleValuesOfPointsThatWereNotMeasured) {
   std::vector<double> of = values(kStartS, 0.1);
   of.insert(of.end(), 500, kStartS);
   of[7] = 0;
@@ -100,7 +100,7 @@ TEST(PointTimes, IgnoresSingleValuesOfPointsThatWereNotMeasured) {
 
 TEST(PointTimes, AreConvertedToSecondsAfterTheStart) {
   const auto converted = [](double value, const PointTimes& times) {
-    return seconds_after_start({value, value + 0.01 / times.unit_s}, times, kStartS, kScanPeriodS);
+    return to_seconds_after_start({value, value + 0.01 / times.unit_s}, times, kStartS, kScanPeriodS);
   };
   EXPECT_DOUBLE_EQ(converted(0.02, {})[0], 0.02);
   EXPECT_DOUBLE_EQ(converted(-0.02, {.zero = Zero::scan_end, .text = {}})[0], 0.08);
@@ -110,16 +110,16 @@ TEST(PointTimes, AreConvertedToSecondsAfterTheStart) {
   EXPECT_NEAR(converted(777, {.zero = Zero::first_point, .text = {}})[1], 0.01, 1e-9);
 }
 
-TEST(PointTimes, TurnShareCountsTheSectorsWithPoints) {
+TEST(PointTimes, HaveAShareOfTheRevolutionByOccupiedSectors) {
   std::vector<Eigen::Vector3f> points;
   for (int degree = -180; degree < 180; ++degree) {
     const double a = degree * 3.14159265358979 / 180;
     points.push_back(Eigen::Vector3d(10 * std::cos(a), 10 * std::sin(a), 1).cast<float>());
   }
-  EXPECT_EQ(turn_share(points), 1);
+  EXPECT_EQ(compute_turn_share(points), 1);
   points.resize(90);
-  EXPECT_NEAR(turn_share(points), 0.25, 0.02);
-  EXPECT_EQ(turn_share({}), 0);
+  EXPECT_NEAR(compute_turn_share(points), 0.25, 0.02);
+  EXPECT_EQ(compute_turn_share({}), 0);
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ using Packet = std::unique_ptr<AVPacket, Release<av_packet_free>>;
 
 const AVCodec* find_encoder(const std::string& name) {
   const AVCodec* codec = name == "mpeg4" ? nullptr : avcodec_find_encoder_by_name("libx264");
-  if (!codec && name == "h264") throw UsageError("video.encoder = h264: this libavcodec has no libx264; use mpeg4");
+  if (!codec && name == "h264") throw UsageError("video.encoder = h264: the installed libavcodec has no libx264; use mpeg4");
   return codec ? codec : avcodec_find_encoder(AV_CODEC_ID_MPEG4);
 }
 
@@ -65,18 +65,18 @@ void describe_colors(AVCodecContext& codec) {
   codec.chroma_sample_location = AVCHROMA_LOC_CENTER;
 }
 
-int even(int size) { return size + size % 2; }
+int round_up_to_even(int size) { return size + size % 2; }
 
-/// Parts of 2^16 by which B, G, R of full range count in Y, Cb, Cr of video range, BT.709.
+/// The weights of full-range B, G, R in video-range Y, Cb, Cr of BT.709, in units of 2^-16.
 constexpr std::array<int, 3> kLuma{4064, 40254, 11966}, kBlue{28784, -22188, -6596}, kRed{-2639, -26145, 28784};
 
-uchar weighted(const std::array<int, 3>& weights, const std::array<int, 3>& bgr, int offset, int shift) {
+uchar apply_weights(const std::array<int, 3>& weights, const std::array<int, 3>& bgr, int offset, int shift) {
   const int sum = weights[0] * bgr[0] + weights[1] * bgr[1] + weights[2] * bgr[2];
   return static_cast<uchar>((sum + (offset << shift) + (1 << (shift - 1))) >> shift);
 }
 
-/// Converts an image into rows `top`.. of the planes of a picture, chroma as the mean of 2 x 2 pixels. Odd sizes repeat the
-/// last column and row.
+/// Converts an image into rows `top` and following of the planes of a picture. Chroma is the mean of 2 x 2 pixels. Odd sizes
+/// repeat the last column and row.
 void convert(const cv::Mat3b& image, AVFrame& picture, int top) {
   const auto row_of = [&](int plane, int y) {
     return picture.data[plane] + static_cast<std::ptrdiff_t>(y) * picture.linesize[plane];
@@ -90,11 +90,11 @@ void convert(const cv::Mat3b& image, AVFrame& picture, int top) {
       for (const int row : {0, 1})
         for (const int column : {x, x + 1}) {
           const cv::Vec3b& bgr = in[row][std::min(column, image.cols - 1)];
-          luma[row][column] = weighted(kLuma, {bgr[0], bgr[1], bgr[2]}, 16, 16);
+          luma[row][column] = apply_weights(kLuma, {bgr[0], bgr[1], bgr[2]}, 16, 16);
           for (int c = 0; c < 3; ++c) sum[c] += bgr[c];
         }
-      blue[x / 2] = weighted(kBlue, sum, 128, 18);
-      red[x / 2] = weighted(kRed, sum, 128, 18);
+      blue[x / 2] = apply_weights(kBlue, sum, 128, 18);
+      red[x / 2] = apply_weights(kRed, sum, 128, 18);
     }
   }
 }
@@ -104,7 +104,7 @@ void convert(const cv::Mat3b& image, AVFrame& picture, int top) {
 struct VideoWriter::Impl {
   fs::path path;
   cv::Size size;
-  Draft draft{path, temporary_beside(path)};  // before `format`, which is closed first
+  Draft draft{path, temporary_beside(path)};  // declared before `format`, which has to be closed first
   std::int64_t count = 0;
   Format format;
   Codec codec;
@@ -129,18 +129,18 @@ struct VideoWriter::Impl {
 void VideoWriter::Impl::open_encoder(const VideoOptions& options) {
   const AVCodec* encoder = find_encoder(options.encoder);
   codec.reset(avcodec_alloc_context3(encoder));
-  codec->width = even(size.width);
-  codec->height = even(size.height);
+  codec->width = round_up_to_even(size.width);
+  codec->height = round_up_to_even(size.height);
   codec->framerate = av_d2q(options.fps, 1000000);
   codec->time_base = av_inv_q(codec->framerate);
-  codec->thread_count = 1;  // the bytes depend on it
+  codec->thread_count = 1;  // the bytes depend on the number of threads
   codec->flags |= AV_CODEC_FLAG_BITEXACT;
   if (format->oformat->flags & AVFMT_GLOBALHEADER) codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   describe_colors(*codec);
   if (encoder->id == AV_CODEC_ID_H264) {
     check(av_opt_set(codec->priv_data, "preset", "veryfast", 0));
     check(av_opt_set_double(codec->priv_data, "crf", options.crf, 0));
-    // It gives other bytes from run to run, most often where two encoders work at once (seen at 162x184 with 12 frames).
+    // Macroblock trees make the bytes differ between runs, most often if two encoders work at the same time.
     check(av_opt_set_int(codec->priv_data, "mbtree", 0, 0));
   } else {
     codec->flags |= AV_CODEC_FLAG_QSCALE;
@@ -150,9 +150,9 @@ void VideoWriter::Impl::open_encoder(const VideoOptions& options) {
 }
 
 void VideoWriter::Impl::open(const VideoOptions& options) {
-  av_log_set_level(AV_LOG_QUIET);  // what went wrong is said by the exception
+  av_log_set_level(AV_LOG_QUIET);  // the exception reports the error
   AVFormatContext* raw = nullptr;
-  const std::string url = "file:" + draft.path().string();  // or libav takes what stands before a colon for a protocol
+  const std::string url = "file:" + draft.path().string();  // otherwise libav reads the part before a colon as a protocol
   check(avformat_alloc_output_context2(&raw, nullptr, "mp4", url.c_str()));
   format.reset(raw);
   format->flags |= AVFMT_FLAG_BITEXACT;
@@ -176,7 +176,7 @@ void VideoWriter::Impl::open(const VideoOptions& options) {
   check(code);
 }
 
-/// A frame, or none to flush.
+/// Encodes a frame, or flushes the encoder if there is none.
 void VideoWriter::Impl::encode(const AVFrame* frame) {
   check(avcodec_send_frame(codec.get(), frame));
   for (;;) {
@@ -203,14 +203,15 @@ void VideoWriter::push(const cv::Mat3b& frame) { push_stacked({frame}); }
 void VideoWriter::push_stacked(const std::vector<cv::Mat3b>& images) {
   Impl& s = *impl_;
   int height = 0;
-  for (const cv::Mat3b& image : images) height += even(image.rows);
+  for (const cv::Mat3b& image : images) height += round_up_to_even(image.rows);
   for (const cv::Mat3b& image : images)
-    if (image.cols != s.size.width || height != even(s.size.height)) throw std::logic_error("a video's frames are of one size");
+    if (image.cols != s.size.width || height != round_up_to_even(s.size.height))
+      throw std::logic_error("all frames of a video must have the same size");
   s.check(av_frame_make_writable(s.picture.get()));
   int top = 0;
   for (const cv::Mat3b& image : images) {
     convert(image, *s.picture, top);
-    top += even(image.rows);
+    top += round_up_to_even(image.rows);
   }
   s.picture->pts = s.count++;
   s.encode(s.picture.get());

@@ -20,14 +20,14 @@ struct VideoOptions {
     table.section("video");
     table.add("fps", fps, {0.1, 240}, "Frames per second of the videos.");
     table.add("crf", crf, {0, 51}, "Quality of the videos: 0 is lossless, 18 visually lossless, 28 small.");
-    table.add("encoder", encoder, {"auto", "h264", "mpeg4"}, "Encoder of the videos; auto uses h264 where available.");
+    table.add("encoder", encoder, {"auto", "h264", "mpeg4"}, "Encoder of the videos; auto uses h264 if available.");
   }
   void check() const { check_ranges(*this); }
 };
 
-/// An mp4 (yuv420p, BT.709, playable while it loads) that takes frame after frame and keeps none. The same frames give the
-/// same bytes. Odd sizes gain a repeated last column or row, for players want even ones. InputError on a full or read-only
-/// disk. Destroyed without finish(), it leaves nothing behind.
+/// Writes an mp4 (yuv420p, BT.709, playable while it loads) frame by frame, without keeping frames. Equal frames give equal
+/// bytes. Odd sizes get a repeated last column or row, because players require even sizes. Throws InputError on a full or
+/// read-only disk. Leaves no file behind if it is destroyed without finish().
 class VideoWriter {
  public:
   VideoWriter(const fs::path& path, cv::Size size, const VideoOptions& options = {});
@@ -35,10 +35,13 @@ class VideoWriter {
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;
 
-  void push(const cv::Mat3b& frame);  ///< of the size given at the start
-  /// Images one below the other, each of an even number of rows or extended to one; together of the size given at the start.
+  /// Adds a frame of the size given to the constructor.
+  void push(const cv::Mat3b& frame);
+  /// Adds images stacked vertically, each extended to an even number of rows; together they have the size given to the
+  /// constructor.
   void push_stacked(const std::vector<cv::Mat3b>& images);
-  void finish();  ///< the video is at its path afterward, not before
+  /// Completes the video and moves it to its path.
+  void finish();
 
  private:
   struct Impl;

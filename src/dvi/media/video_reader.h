@@ -12,28 +12,29 @@
 
 namespace dvi::media {
 
-/// Of the files that are taken for videos: .mp4, .mkv, .mov, .avi.
+/// The endings of files that are read as videos: .mp4, .mkv, .mov, .avi.
 extern const std::vector<std::string> kVideoEndings;
 
-/// Whether a file is a video, by its ending in either case.
+/// Returns whether a file is a video, by its ending in upper or lower case.
 bool is_video(const fs::path& file);
 
-/// The frames of a video file, decoded on demand: the same bytes in whatever order and from whichever thread they are asked
-/// for. A video's rotation is not applied, as that of an image is not.
+/// Decodes the frames of a video file on demand. The bytes of a frame do not depend on the order or the thread of the calls. A
+/// video's rotation is not applied, like that of images.
 class VideoReader {
  public:
-  /// Reads the times of all frames, and decodes none. InputError where the file is no video, was cut, or tells no times.
+  /// Reads the times of all frames without decoding them. Throws InputError if the file is not a video, is truncated, or has no
+  /// times.
   explicit VideoReader(fs::path file);
   ~VideoReader();
   VideoReader(const VideoReader&) = delete;
   VideoReader& operator=(const VideoReader&) = delete;
 
   cv::Size size() const;  ///< as stored
-  /// Degrees clockwise, 0 to 359, by which players turn the frames.
+  /// Returns the angle in degrees clockwise, 0 to 359, by which players rotate the frames.
   int rotation_deg() const;
-  /// As shown, counted from the first frame.
+  /// Returns the presentation times in nanoseconds, relative to the first frame.
   const std::vector<std::int64_t>& times_ns() const;
-  /// Frame i of times_ns(). InputError where it is damaged.
+  /// Decodes frame i of times_ns(). Throws InputError if it is damaged.
   cv::Mat3b operator[](std::size_t i) const;
 
  private:

@@ -36,7 +36,7 @@ struct Decoded {
   std::vector<cv::Mat1b> luma;
 };
 
-/// Plain reading by libav: every frame's Y plane.
+/// Decodes the Y plane of all frames by libav.
 Decoded decode(const fs::path& path) {
   Decoded out;
   AVFormatContext* format = nullptr;
@@ -95,7 +95,7 @@ class Video : public testing::Test {
   const fs::path folder = temporary.path;
 };
 
-TEST_F(Video, DecodesToTheFramesThatWerePushed) {
+TEST_F(Video, DecodesToThePushedFrames) {
   const cv::Size size(96, 64);
   VideoOptions options;
   options.fps = 12.5;
@@ -111,12 +111,12 @@ TEST_F(Video, DecodesToTheFramesThatWerePushed) {
   }
 }
 
-TEST_F(Video, SameFramesSameBytes) {
+TEST_F(Video, HasEqualBytesForEqualFrames) {
   EXPECT_EQ(read_file(write("a.mp4", {96, 64}, 20)), read_file(write("b.mp4", {96, 64}, 20)));
 }
 
-// Also of odd sizes, where chroma asks for pixels beyond the last column and row: what lies in memory there is no part of it.
-TEST_F(Video, BytesDependOnThePixelsOnly) {
+// For odd sizes, chroma needs pixels beyond the last column and row, where the memory is not part of the image.
+TEST_F(Video, DependsOnThePixelsOnly) {
   const cv::Size size(97, 65);
   const std::array<std::string, 4> names{"a.mp4", "b.mp4", "c.mp4", "d.mp4"};
   parallel_for(names.size(), [&](std::size_t k) {
@@ -138,7 +138,7 @@ TEST_F(Video, CanBePlayedWhileItLoads) {
   EXPECT_LT(bytes.find("moov"), bytes.find("mdat"));
 }
 
-TEST_F(Video, OddSizesRepeatTheLastColumnAndRow) {
+TEST_F(Video, RepeatsTheLastColumnAndRowOfOddSizes) {
   const Decoded video = decode(write("a.mp4", {97, 65}, 3));
   ASSERT_EQ(video.size, cv::Size(98, 66));
   ASSERT_EQ(video.luma.size(), 3U);
@@ -147,8 +147,8 @@ TEST_F(Video, OddSizesRepeatTheLastColumnAndRow) {
   EXPECT_LT(cv::norm(luma.row(64), luma.row(65), cv::NORM_INF), 12);
 }
 
-// BT.709 in video range: white 235, black 16, pure red, green and blue as the standard's weights say.
-TEST_F(Video, ColorsAreThoseOfTheStandard) {
+// BT.709 in video range has white 235, black 16, and pure red, green and blue by the weights of the standard.
+TEST_F(Video, HasTheColorsOfTheStandard) {
   const cv::Size size(64, 64);
   const std::vector<std::pair<cv::Vec3b, int>> cases{
       {{255, 255, 255}, 235}, {{0, 0, 0}, 16}, {{0, 0, 255}, 63}, {{0, 255, 0}, 173}, {{255, 0, 0}, 32}};
@@ -160,7 +160,7 @@ TEST_F(Video, ColorsAreThoseOfTheStandard) {
   for (std::size_t i = 0; i < cases.size(); ++i) EXPECT_NEAR(decoded.luma[i](32, 32), cases[i].second, 1) << i;
 }
 
-TEST_F(Video, StackedImagesBeginOnEvenRows) {
+TEST_F(Video, BeginsStackedImagesOnEvenRows) {
   const cv::Size size(97, 65);
   VideoWriter video(folder / "a.mp4", {97, 132});
   video.push_stacked({cv::Mat3b(size, cv::Vec3b::all(0)), cv::Mat3b(size, cv::Vec3b::all(255))});
@@ -172,7 +172,7 @@ TEST_F(Video, StackedImagesBeginOnEvenRows) {
   EXPECT_NEAR(decoded.luma.at(0)(67, 50), 235, 8);
 }
 
-TEST_F(Video, LowerCrfIsLargerAndMpeg4IsThereToo) {
+TEST_F(Video, IsLargerWithLowerCrfAndSupportsMpeg4) {
   VideoOptions fine, coarse, mpeg4;
   fine.crf = 10;
   coarse.crf = 35;
@@ -181,7 +181,7 @@ TEST_F(Video, LowerCrfIsLargerAndMpeg4IsThereToo) {
   EXPECT_EQ(decode(write("c.mp4", {96, 64}, 10, mpeg4)).luma.size(), 10U);
 }
 
-TEST_F(Video, IsThereWhenFinishedAndNotBefore) {
+TEST_F(Video, ExistsOnlyAfterFinish) {
   {
     VideoWriter video(folder / "a.mp4", {96, 64});
     video.push(picture({96, 64}, 0));

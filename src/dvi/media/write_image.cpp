@@ -19,8 +19,8 @@ namespace {
 cv::Mat read_as(const fs::path& path, cv::Size size, int type, const std::string& expected) {
   cv::Mat image = read_unchanged(path, size);
   if (image.type() != type || image.size() != size)
-    throw InputError(path, "is no " + expected + " image of " + std::to_string(size.width) + "x" + std::to_string(size.height),
-                     "let the program that wrote it write it anew");
+    throw InputError(path, "is not " + expected + " image of " + std::to_string(size.width) + "x" + std::to_string(size.height),
+                     "write it again with the program that made it");
   return image;
 }
 
@@ -34,12 +34,12 @@ void write_jpeg(const fs::path& path, const cv::Mat3b& image, int quality) {
   write_file(path, {bytes.begin(), bytes.end()});
 }
 
-cv::Mat1b read_png_gray(const fs::path& path, cv::Size size) { return read_as(path, size, CV_8UC1, "8-bit gray"); }
+cv::Mat1b read_png_gray(const fs::path& path, cv::Size size) { return read_as(path, size, CV_8UC1, "an 8-bit gray"); }
 
-cv::Mat1w read_png_depth(const fs::path& path, cv::Size size) { return read_as(path, size, CV_16UC1, "16-bit gray"); }
+cv::Mat1w read_png_depth(const fs::path& path, cv::Size size) { return read_as(path, size, CV_16UC1, "a 16-bit gray"); }
 
 cv::Mat_<cv::Vec3w> read_png_triples(const fs::path& path, cv::Size size) {
-  cv::Mat image = read_as(path, size, CV_16UC3, "16-bit RGB");
+  cv::Mat image = read_as(path, size, CV_16UC3, "a 16-bit RGB");
   cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
   return image;
 }

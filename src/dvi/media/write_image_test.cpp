@@ -40,7 +40,7 @@ bool same(const cv::Mat& a, const cv::Mat& b) {
   return a.type() == b.type() && a.size() == b.size() && cv::norm(a.reshape(1), b.reshape(1), cv::NORM_INF) == 0;
 }
 
-TEST_F(WriteImage, ReadsBackWhatWasWritten) {
+TEST_F(WriteImage, ReadsBackWrittenImages) {
   const cv::Size size(37, 21);
   const fs::path path = folder / "1534313591.432032.png";
   const auto color = noise<cv::Vec3b>(size, 256);
@@ -58,8 +58,8 @@ TEST_F(WriteImage, ReadsBackWhatWasWritten) {
   EXPECT_EQ(list_files(folder, {".png"}).size(), 1U);
 }
 
-// Smooth rows, empty rows and noise, so that every filter is chosen somewhere; single pixels and columns.
-TEST_F(WriteImage, EveryFilterAndSizeReadsBack) {
+// Smooth rows, empty rows and noise, so that each filter is chosen somewhere; single pixels and columns.
+TEST_F(WriteImage, ReadsBackAllFiltersAndSizes) {
   const fs::path path = folder / "a.png";
   for (const cv::Size size : {cv::Size(1, 1), cv::Size(1, 9), cv::Size(9, 1), cv::Size(64, 48)}) {
     cv::Mat3b color = noise<cv::Vec3b>(size, 256);
@@ -78,17 +78,17 @@ TEST_F(WriteImage, EveryFilterAndSizeReadsBack) {
   }
 }
 
-TEST_F(WriteImage, FilesHoldChannelsInTheOrderTheFormatNames) {
+TEST_F(WriteImage, WritesChannelsInTheOrderOfTheFormat) {
   const fs::path path = folder / "a.png";
   write_png(path, cv::Mat3b(2, 2, cv::Vec3b(10, 20, 30)));
-  const cv::Mat color = cv::imread(path.string(), cv::IMREAD_UNCHANGED);  // OpenCV turns the file's RGB to BGR
+  const cv::Mat color = cv::imread(path.string(), cv::IMREAD_UNCHANGED);  // OpenCV converts the file's RGB to BGR
   EXPECT_EQ(color.at<cv::Vec3b>(0, 0), cv::Vec3b(10, 20, 30));
   write_png(path, cv::Mat_<cv::Vec3w>(2, 2, cv::Vec3w(1, 16 * 500, 16 * 300)));
   const cv::Mat triples = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
   EXPECT_EQ(triples.at<cv::Vec3w>(0, 0), cv::Vec3w(16 * 300, 16 * 500, 1));
 }
 
-TEST_F(WriteImage, SaysWhatCannotBeWrittenOrRead) {
+TEST_F(WriteImage, ReportsFilesThatCannotBeWrittenOrRead) {
   EXPECT_THROW(write_png(folder / "none" / "a.png", cv::Mat1b(2, 2, uchar{0})), InputError);
   EXPECT_THROW(write_png(folder / "a.png", cv::Mat1f(2, 2, 0.0F)), std::logic_error);
   const fs::path path = folder / "a.png";

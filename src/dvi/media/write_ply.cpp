@@ -18,7 +18,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "points are written as they lie in memory");
 
-std::string header(const PlyCloud& cloud) {
+std::string make_header(const PlyCloud& cloud) {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   if (!cloud.comment.empty()) text += "comment " + cloud.comment + "\n";
   text += "element vertex " + std::to_string(cloud.points.size()) + "\n";
@@ -47,21 +47,21 @@ void append_point(std::string& bytes, const PlyCloud& cloud, std::size_t i) {
   for (const PlyScalar& scalar : cloud.scalars) append(bytes, &scalar.values[i], sizeof(float));
 }
 
-void require_one_a_point(const PlyCloud& cloud) {
+void require_one_per_point(const PlyCloud& cloud) {
   const std::size_t count = cloud.points.size();
   bool fits = cloud.colors.empty() || cloud.colors.size() == count;
   for (const PlyScalar& scalar : cloud.scalars) fits = fits && scalar.values.size() == count;
-  if (!fits) throw std::logic_error("a PLY's properties need one value a point");
+  if (!fits) throw std::logic_error("the properties of a PLY need one value per point");
 }
 
 }  // namespace
 
 void write_ply(const fs::path& path, const PlyCloud& cloud) {
-  require_one_a_point(cloud);
-  constexpr std::size_t kChunk = std::size_t{1} << 20;
+  require_one_per_point(cloud);
+  constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
   write_beside(path, [&](const fs::path& part) {
     std::ofstream out(part, std::ios::binary);
-    std::string bytes = header(cloud);
+    std::string bytes = make_header(cloud);
     const auto flush = [&] {
       out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
       bytes.clear();
@@ -69,7 +69,7 @@ void write_ply(const fs::path& path, const PlyCloud& cloud) {
     for (std::size_t i = 0; i < cloud.points.size(); ++i) {
       page_out_sometimes(i);
       append_point(bytes, cloud, i);
-      if (bytes.size() >= kChunk) flush();
+      if (bytes.size() >= kChunkBytes) flush();
     }
     flush();
     out.close();

@@ -12,23 +12,23 @@
 
 namespace dvi::media {
 
-/// One more float a point, by the name viewers show ("intensity", "t").
+/// An additional float per point, by the name that viewers show ("intensity", "t").
 struct PlyScalar {
   std::string name;
   std::span<const float> values;
 };
 
-/// What a PLY holds; nothing is copied. Whatever is given besides points has one entry a point.
+/// The content of a PLY, which is not copied. Each property has one entry per point.
 struct PlyCloud {
   std::span<const Eigen::Vector3f> points;
   std::span<const cv::Vec3b> colors = {};  ///< BGR; empty: none
   std::vector<PlyScalar> scalars = {};
   std::string comment = {};  ///< one line for the header
-  /// Of the points; where it is not zero, positions are written as doubles.
+  /// The origin of the points. If it is not zero, positions are written as doubles.
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
-/// Binary little-endian PLY as CloudCompare and MeshLab open it, written beside its place and renamed. InputError on a full
+/// Writes a binary little-endian PLY for CloudCompare and MeshLab beside its path and renames it. Throws InputError on a full
 /// or read-only disk.
 void write_ply(const fs::path& path, const PlyCloud& cloud);
 

@@ -30,13 +30,13 @@ TEST(WritePly, HasTheHeaderAndTheBytesOfEachPoint) {
       "property float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\n"
       "property float intensity\nproperty float count\nend_header\n";
-  constexpr std::size_t kPoint = 3 * 4 + 3 + 2 * 4;
-  ASSERT_EQ(bytes.size(), header.size() + 2 * kPoint);
+  constexpr std::size_t kPointBytes = 3 * 4 + 3 + 2 * 4;
+  ASSERT_EQ(bytes.size(), header.size() + 2 * kPointBytes);
   EXPECT_EQ(bytes.substr(0, header.size()), header);
-  const char* second = bytes.data() + header.size() + kPoint;
+  const char* second = bytes.data() + header.size() + kPointBytes;
   float x = 0, last = 0;
   std::memcpy(&x, second, 4);
-  std::memcpy(&last, second + kPoint - 4, 4);
+  std::memcpy(&last, second + kPointBytes - 4, 4);
   EXPECT_EQ(x, -4.5F);
   EXPECT_EQ(last, 9);
   EXPECT_EQ(static_cast<unsigned char>(second[12]), 0);  // red
@@ -44,7 +44,7 @@ TEST(WritePly, HasTheHeaderAndTheBytesOfEachPoint) {
   fs::remove(kPath);
 }
 
-TEST(WritePly, TakesPointsAloneAndNone) {
+TEST(WritePly, WritesPointsAloneAndNone) {
   const std::vector<Eigen::Vector3f> points(100000, Eigen::Vector3f(1, 2, 3));
   write_ply(kPath, {points});
   EXPECT_GT(fs::file_size(kPath), 1200000U);
@@ -53,7 +53,7 @@ TEST(WritePly, TakesPointsAloneAndNone) {
   fs::remove(kPath);
 }
 
-TEST(WritePly, SaysWhatIsWrong) {
+TEST(WritePly, ReportsErrors) {
   const std::vector<Eigen::Vector3f> points(2, Eigen::Vector3f::Zero());
   EXPECT_THROW(write_ply("/nowhere/map.ply", {points}), InputError);
   const std::vector<float> three = {1, 2, 3};

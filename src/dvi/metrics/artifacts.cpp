@@ -64,7 +64,7 @@ std::size_t overshoots(const cv::Mat1b& gray, const cv::Mat1b& mask, const cv::M
 
 /// Another frame as seen from this one.
 cv::Mat1b warped(const cv::Mat1b& now, const cv::Mat1b& other) {
-  cv::Mat2f from = optical_flow(now, other, FlowPreset::fast);
+  cv::Mat2f from = compute_optical_flow(now, other, FlowPreset::fast);
   from.forEach([](cv::Vec2f& flow, const int* at) { flow += cv::Vec2f(static_cast<float>(at[1]), static_cast<float>(at[0])); });
   cv::Mat1b out;
   cv::remap(other, out, from, {}, cv::INTER_LINEAR);
@@ -126,7 +126,7 @@ Artifacts count_artifacts(const fs::path& out, const std::vector<std::string>& n
     if (counts.hole == 0) return;
     const cv::Mat1b ring = ring_round(mask);
     counts.overshoots = overshoots(*now, mask, ring);
-    if (i == 0 || i + 1 == names.size() || std::min(now->rows, now->cols) < kLeastFlowSide) return;
+    if (i == 0 || i + 1 == names.size() || std::min(now->rows, now->cols) < kMinFlowSidePx) return;
     const auto before = gray[i - 1], behind = gray[i + 1];
     if (before->size() != now->size() || behind->size() != now->size()) return;
     const cv::Mat1b flashing = flashes(*now, *before, *behind);

@@ -138,7 +138,7 @@ cv::Mat1f change_along(const cv::Mat3b& now, const cv::Mat3b& before, const cv::
 cv::Mat1f misplacement(const cv::Mat3b& result, const cv::Mat3b& truth, const cv::Mat1b& pixels) {
   cv::Mat3b anchored = truth.clone();
   result.copyTo(anchored, pixels);
-  const cv::Mat2f flow = optical_flow(gray_8bit(truth), gray_8bit(anchored));
+  const cv::Mat2f flow = compute_optical_flow(gray_8bit(truth), gray_8bit(anchored));
   cv::Mat1f length(flow.size());
   for (int y = 0; y < flow.rows; ++y)
     for (int x = 0; x < flow.cols; ++x) length(y, x) = std::hypot(flow(y, x)[0], flow(y, x)[1]);

@@ -50,7 +50,7 @@ struct Maps {
         gradient_result(gradient_magnitude(frame.result)),
         gradient_truth(gradient_magnitude(frame.truth)) {
     if (!before) return;
-    const cv::Mat2f motion = optical_flow(gray_8bit(frame.clean), gray_8bit(before->clean));
+    const cv::Mat2f motion = compute_optical_flow(gray_8bit(frame.clean), gray_8bit(before->clean));
     change_result = change_along(frame.result, before->result, motion, frame.scored);
     change_truth = change_along(frame.clean, before->clean, motion, frame.scored);
   }

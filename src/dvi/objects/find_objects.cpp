@@ -49,7 +49,7 @@ void warn_of_untrusted(const CameraEvidence& evidence, const std::vector<std::si
         frames.insert(frame->number);
     progress.warn(fmt::format("{}: {} of {} scans {}, so no moving objects are looked for in them (frames {})", evidence.name,
                               scans.size(), drive.scan_headers.size(), reason,
-                              frames.empty() ? "none" : ranges({frames.begin(), frames.end()})));
+                              frames.empty() ? "none" : format_ranges({frames.begin(), frames.end()})));
   };
   std::vector<std::size_t> known;
   for (std::size_t i = 0; i < evidence.untrusted_scans.size(); ++i)

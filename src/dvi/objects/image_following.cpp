@@ -62,7 +62,7 @@ Hull moved(const Hull& hull, const Similarity& by) {
 cv::Mat1b drawn(const Hull& hull, cv::Size size) {
   cv::Mat1b mask(size, uchar{0});
   std::vector<cv::Point> corners;
-  for (const cv::Point2f& x : hull) corners.push_back(drawing_pixel(x.x, x.y));
+  for (const cv::Point2f& x : hull) corners.push_back(to_drawing_pixel(x.x, x.y));
   cv::fillConvexPoly(mask, corners, 255);
   return mask;
 }
@@ -219,14 +219,14 @@ class Follower {
   Similarity corrected(std::size_t from, std::size_t to, const Hull& hull, const cv::Mat1b& object,
                        const Similarity& predicted) const {
     const cv::Rect box = cv::boundingRect(hull) & cv::Rect({}, object.size());
-    const int around = std::max(kLeastFlowSide / 2, cvRound(kFlowAround * std::max(box.width, box.height)));
+    const int around = std::max(kMinFlowSidePx / 2, cvRound(kFlowAround * std::max(box.width, box.height)));
     const cv::Rect patch =
         cv::Rect(box.x - around, box.y - around, box.width + 2 * around, box.height + 2 * around) & cv::Rect({}, object.size());
-    if (patch.width < kLeastFlowSide || patch.height < kLeastFlowSide) return predicted;
+    if (patch.width < kMinFlowSidePx || patch.height < kMinFlowSidePx) return predicted;
     const auto& images = comparison_.views().images;
     const cv::Mat1b here = gray_8bit(*images[from])(patch).clone(), image = gray_8bit(*images[to]), where = object(patch);
     const cv::Mat1b there = seen_in(image, patch, predicted);
-    const auto change = similarity_of(optical_flow(here, there), where, patch);
+    const auto change = similarity_of(compute_optical_flow(here, there), where, patch);
     if (!change || std::abs(change->scale - 1) > kScaleStep) return predicted;
     const Similarity step{change->from, predicted(change->to), predicted.scale * change->scale};
     return unlike(here, seen_in(image, patch, step), where) < unlike(here, there, where) ? step : predicted;
@@ -236,7 +236,7 @@ class Follower {
     Label out;
     out.track = number_;
     out.type = seen.type;
-    out.instance = outline_of(mask);
+    out.instance = to_outline(mask);
     if (const auto pose = world_from_lidar_.at(view(at).time_ns)) {
       out.box = box_of(track_, comparison_.ground(), view(at).time_ns);
       out.box->frame_from_box = pose->inverse() * out.box->frame_from_box;

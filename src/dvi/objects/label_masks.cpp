@@ -48,8 +48,8 @@ cv::Mat1b draw_label(const Label& label, const Camera& camera, const SE3& camera
     draw_hull(visible_corners(box, camera_from_lidar), camera, mask);
   } else if (label.rect) {
     const cv::Rect2d& r = *label.rect;
-    const cv::Point corner = drawing_pixel(std::floor(r.x), std::floor(r.y));
-    const cv::Point opposite = drawing_pixel(std::ceil(r.x + r.width), std::ceil(r.y + r.height));
+    const cv::Point corner = to_drawing_pixel(std::floor(r.x), std::floor(r.y));
+    const cv::Point opposite = to_drawing_pixel(std::ceil(r.x + r.width), std::ceil(r.y + r.height));
     mask(cv::Rect(corner, opposite) & cv::Rect(0, 0, mask.cols, mask.rows)) = 255;
   }
   return mask;

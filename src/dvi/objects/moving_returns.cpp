@@ -90,7 +90,7 @@ ObstacleReturns MovingReturns::obstacles_of(std::size_t scan) const {
   const std::vector<Eigen::Vector3d> world = to_world(*returns, header, world_from_lidar_);
   for (std::size_t i = 0; i < world.size(); ++i) {
     const float range = returns->points[i].norm();
-    if (range < 1 || range > FreeSpace::kMaxRange) continue;
+    if (range < 1 || range > FreeSpace::kMaxRangeM) continue;
     const auto ground = ground_.height(world[i].head<2>());
     if (!ground || world[i].z() < *ground + kLowest || world[i].z() > *ground + kHighest) continue;
     out.points.push_back(world[i]);

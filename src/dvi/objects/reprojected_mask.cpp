@@ -88,8 +88,8 @@ void draw_hidden(const cv::Mat1b& mask, const cv::Mat1f& depths, const Camera& f
       for (float depth : {own(y, x), object(y, x) == kNoDepth ? least : object(y, x)}) {
         if (depth == kNoDepth) continue;
         const auto [low, high] = extent(block, depth, from, to, to_from_from);
-        cv::rectangle(out, drawing_pixel(low.x() - kDrawnMarginPx, low.y() - kDrawnMarginPx),
-                      drawing_pixel(high.x() + kDrawnMarginPx, high.y() + kDrawnMarginPx), 255, cv::FILLED);
+        cv::rectangle(out, to_drawing_pixel(low.x() - kDrawnMarginPx, low.y() - kDrawnMarginPx),
+                      to_drawing_pixel(high.x() + kDrawnMarginPx, high.y() + kDrawnMarginPx), 255, cv::FILLED);
       }
     }
 }

@@ -49,7 +49,7 @@ class Finder {
   // As far round each part as it is high: shadows of a sun above 45 degrees; lower ones are cut.
   static cv::Mat1b band_round(const cv::Mat1b& mask) {
     cv::Mat1b band(mask.size(), uchar{0});
-    for (const cv::Rect& part : part_boxes(mask)) {
+    for (const cv::Rect& part : find_part_boxes(mask)) {
       const int reach = std::clamp(part.height, 8, mask.cols / 8);
       const cv::Rect box(part.x - reach, part.y, part.width + 2 * reach, part.height + reach);
       band(box & cv::Rect({}, mask.size())) = 255;
@@ -73,7 +73,7 @@ class Finder {
   static cv::Mat1b joined(const cv::Mat1b& mask, const cv::Mat1b& small_mask, const cv::Mat1b& differs,
                           const cv::Mat1b& unseen) {
     cv::Mat1i parts;
-    const int count = connected_parts(cv::Mat1b(differs | unseen), parts);
+    const int count = label_connected_parts(cv::Mat1b(differs | unseen), parts);
     const cv::Mat1b near = grown(small_mask, kTouch);
     std::vector<int> pixels(static_cast<std::size_t>(count) + 1, 0);
     std::vector<bool> touches(pixels.size(), false);

@@ -73,7 +73,7 @@ class Silhouettes {
     cv::Mat1b out = far_grown(outline, -rim);
     if (cv::countNonZero(out) == 0) return out;
     cv::Mat1i parts;
-    const int count = connected_parts(cv::Mat1b(outline & ~far_grown(out, rim)), parts);
+    const int count = label_connected_parts(cv::Mat1b(outline & ~far_grown(out, rim)), parts);
     for (int i = 1; i <= count; ++i)
       if (const cv::Mat1b part(parts == i); cv::countNonZero(part) >= kLeastPart) out |= middle(part, kLeastRim / 2);
     return out;
@@ -91,14 +91,14 @@ class Silhouettes {
 
   ImageDifference compare(std::size_t target, const cv::Mat1b& outline) const {
     cv::Mat1b band(outline.size(), uchar{0});
-    for (const cv::Rect& part : part_boxes(outline)) {
+    for (const cv::Rect& part : find_part_boxes(outline)) {
       const int reach = std::max(rim_of(part), kFarther * edge_reach(outline.size()));
       const cv::Rect box(part.x - reach, part.y - reach, part.width + 2 * reach, part.height + 2 * reach);
       band(box & cv::Rect({}, band.size())) = 255;
     }
     ImageDifference out = comparison_.compare(target, band);
     const auto half = comparison_.half(target);
-    for (const cv::Rect& part : part_boxes(outline)) tell(part, outline, half->image, out);
+    for (const cv::Rect& part : find_part_boxes(outline)) tell(part, outline, half->image, out);
     return out;
   }
 
@@ -125,7 +125,7 @@ class Silhouettes {
   static cv::Mat1b ended(const cv::Mat1b& outline, const cv::Mat1b& object, const ImageDifference& evidence) {
     cv::Mat1b out(outline.size(), uchar{0});
     cv::Mat1i parts;
-    const int count = connected_parts(cv::Mat1b(outline | object), parts);
+    const int count = label_connected_parts(cv::Mat1b(outline | object), parts);
     for (int i = 1; i <= count; ++i) {
       const cv::Mat1b part(parts == i), whole(outline & part), own(object & part);
       if (cv::countNonZero(own & evidence.differs) < kLeastPart) {
@@ -152,7 +152,7 @@ class Silhouettes {
   // The parts of a mask that overlap another one and are no specks.
   static cv::Mat1b touching(const cv::Mat1b& other, const cv::Mat1b& mask) {
     cv::Mat1i parts;
-    const std::size_t count = static_cast<std::size_t>(connected_parts(mask, parts)) + 1;
+    const std::size_t count = static_cast<std::size_t>(label_connected_parts(mask, parts)) + 1;
     std::vector<int> pixels(count, 0);
     std::vector<bool> touches(count, false);
     for (int y = 0; y < parts.rows; ++y)

@@ -36,7 +36,7 @@ struct Source {
     const std::vector<Box> boxes = boxes_at(header.time_ns);
     for (const Eigen::Vector3d& x : world) {
       const double range = (x - pose->t).norm();
-      if (range < drive.least_range_m() || range > kFarthestReturn) continue;
+      if (range < drive.min_range_m() || range > kFarthestReturn) continue;
       const auto height = ground->height(x.head<2>());
       if (height && x.z() < *height + kAbove) continue;
       if (std::any_of(boxes.begin(), boxes.end(), [&](const Box& box) { return box.contains(x, kScanMargin); })) continue;

@@ -145,7 +145,7 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
   label.type = box.size.head<2>().maxCoeff() > kPerson ? "vehicle" : "person";
   box.frame_from_box = lidar_from_world * box.frame_from_box;
   label.box = box;
-  label.instance = outline_of(mask);
+  label.instance = to_outline(mask);
   return label;
 }
 

@@ -149,7 +149,7 @@ SE3 leveled(const SE3& pose) {
 
 struct Fit {
   scan_match::Registration registration;
-  double share = 0;  // standing_share
+  double share = 0;  // compute_scene_share
 };
 
 class LoopFinder {
@@ -178,12 +178,12 @@ class LoopFinder {
  private:
   scan_match::ScanFeatures features(std::size_t i) const {
     const std::shared_ptr<const Scan> scan = drive_.scans[course_.scan_index[i]];
-    return scan_match::scan_features(drive_, *scan, scan_match::rings_of(drive_, *scan), options_);
+    return scan_match::extract_scan_features(drive_, *scan, scan_match::find_scan_rings(drive_, *scan), options_);
   }
 
   /// The scene in the axes of pose i, from scans before and after it but from long before pose `later`, without its own.
   scan_match::LocalMaps map_round(std::size_t i, std::size_t later) const {
-    scan_match::LocalMaps scene = scan_match::empty_scene(options_);
+    scan_match::LocalMaps scene = scan_match::make_empty_scene(options_);
     const auto add = [&](std::size_t k) {
       scene.add(features(k).dense, course_.pose[i].inverse() * course_.pose[k], course_.twist[k]);
     };
@@ -196,14 +196,14 @@ class LoopFinder {
   }
 
   Fit fit(const scan_match::Features& sparse, const SE3& guess, std::size_t i, scan_match::LocalMaps& place, int coarse) const {
-    scan_match::RegisterOptions options = scan_match::register_options(options_);
+    scan_match::RegisterOptions options = scan_match::to_register_options(options_);
     options.coarse_iterations = coarse;
     options.iterations += coarse;
     options.prior_m = 1;
     Fit out;
     out.registration = scan_match::register_scan(sparse, guess, course_.twist[i], {}, 0, place, options);
-    out.share =
-        scan_match::standing_share(sparse, course_.twist[i], out.registration.world_from_lidar, place, kOn * options_.noise_m);
+    out.share = scan_match::compute_scene_share(sparse, course_.twist[i], out.registration.world_from_lidar, place,
+                                                kOn * options_.noise_m);
     return out;
   }
 
@@ -221,8 +221,8 @@ class LoopFinder {
     };
     std::vector<Eigen::Vector3d> planes, edges;
     for (std::size_t k = 0; k < sparse.planes.size(); k += kEveryFeature)
-      planes.push_back(scan_match::compensated(sparse.planes[k], course_.twist[later]));
-    for (const scan_match::Feature& edge : sparse.edges) edges.push_back(scan_match::compensated(edge, course_.twist[later]));
+      planes.push_back(scan_match::compensate(sparse.planes[k], course_.twist[later]));
+    for (const scan_match::Feature& edge : sparse.edges) edges.push_back(scan_match::compensate(edge, course_.twist[later]));
     std::vector<Start> all;
     const int cells = static_cast<int>(radius / lengths_.grid), turns = static_cast<int>(kLargestTurn / kTurn);
     const int rise = lengths_.level ? 0 : cells;

@@ -64,7 +64,7 @@ double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 class Track {
  public:
   Track(const OdometryOptions& options, const MotionPrior& prior)
-      : options_(&options), prior_(&prior), scene_(scan_match::empty_scene(options)) {}
+      : options_(&options), prior_(&prior), scene_(scan_match::make_empty_scene(options)) {}
 
   const Entry& last() const { return window_.back(); }
   const Entry& operator[](std::size_t i) const { return window_[i]; }
@@ -84,7 +84,7 @@ class Track {
     entry.pose = fit->world_from_lidar;
     entry.twist = fit->twist;
     put(std::move(entry));
-    scene_.keep_near(last().pose.t, scan_match::feature_range(*options_) + kMargin);
+    scene_.keep_near(last().pose.t, scan_match::find_feature_range(*options_) + kMargin);
     return *fit;
   }
 
@@ -94,11 +94,11 @@ class Track {
     scan_match::Registration fit;
     fit.twist = twist;
     fit.world_from_lidar = se3_exp(fit.twist * dt);
-    scan_match::RegisterOptions coarse = scan_match::register_options(*options_);
+    scan_match::RegisterOptions coarse = scan_match::to_register_options(*options_);
     coarse.coarse_iterations = 8;
     coarse.iterations = 12;
     coarse.prior_m = 1e3;
-    coarse.guess_holds = second.given = given;
+    coarse.keeps_guess = second.given = given;
     for (int round = 0; round < 4; ++round) {
       Track fresh(*options_, *prior_);
       first.twist = fit.twist;
@@ -119,8 +119,8 @@ class Track {
   /// Registers scan i of the window again, against all that is in the map but itself.
   void refine(std::size_t i) {
     Entry& entry = window_[i];
-    scan_match::RegisterOptions options = scan_match::register_options(*options_);
-    options.guess_holds = entry.given;
+    scan_match::RegisterOptions options = scan_match::to_register_options(*options_);
+    options.keeps_guess = entry.given;
     scene_.remove(entry.features.dense, entry.pose, entry.twist);
     entry.twist = smooth_twist(i);
     entry.pose =
@@ -141,8 +141,8 @@ class Track {
     const std::optional<SE3> motion = prior_->motion(last().time_ns, entry.time_ns);
     if (!motion) return std::nullopt;
     const double dt = seconds(entry.time_ns - last().time_ns);
-    scan_match::RegisterOptions options = scan_match::register_options(*options_);
-    options.guess_holds = true;
+    scan_match::RegisterOptions options = scan_match::to_register_options(*options_);
+    options.keeps_guess = true;
     const SE3 guess = last().pose * *motion;
     const scan_match::Registration fit = scan_match::register_scan(entry.features.sparse, guess, se3_log(*motion) / dt,
                                                                    last().pose, dt <= kLongGap ? dt : 0, scene_, options);
@@ -157,7 +157,7 @@ class Track {
     const double dt = seconds(entry.time_ns - last().time_ns);
     const auto from = [&](double share, double within) {
       return scan_match::register_scan(entry.features.sparse, last().pose * se3_exp(last().twist * dt * share), last().twist,
-                                       last().pose, within, scene_, scan_match::register_options(*options_));
+                                       last().pose, within, scene_, scan_match::to_register_options(*options_));
     };
     if (dt <= kLongGap) return from(1, dt);
     scan_match::Registration fit = from(1, 0);
@@ -214,12 +214,12 @@ class Runner {
       return std::nullopt;
     }
     before_ns_ = header.time_ns;
-    const scan_match::Rings rings = scan_match::rings_of(drive_, *scan);
+    const scan_match::Rings rings = scan_match::find_scan_rings(drive_, *scan);
     if (out_.rings.empty()) note_rings(rings, *scan);
     Entry entry;
     entry.scan_index = i;
     entry.time_ns = header.time_ns;
-    entry.features = scan_match::scan_features(drive_, *scan, rings, options_);
+    entry.features = scan_match::extract_scan_features(drive_, *scan, rings, options_);
     const scan_match::Features& sparse = entry.features.sparse;
     fit.features = sparse.planes.size() + sparse.edges.size();
     if (fit.features < kFewestFeatures) {
@@ -367,7 +367,7 @@ void leave_out_lost(const Drive& drive, Odometry& odometry) {
 }  // namespace
 
 OdometryOptions suited(const Drive& drive, OdometryOptions options) {
-  static_cast<scan_match::MatchOptions&>(options) = scan_match::for_sensor(options, drive);
+  static_cast<scan_match::MatchOptions&>(options) = scan_match::adapt_to_sensor(options, drive);
   return options;
 }
 

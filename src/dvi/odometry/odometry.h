@@ -29,7 +29,7 @@ struct OdometryOptions : scan_match::MatchOptions {
   void check() const { check_ranges(*this); }
 };
 
-/// With the range of the drive's sensor and lengths that suit it (scan_match::for_sensor).
+/// With the range of the drive's sensor and lengths that suit it (scan_match::adapt_to_sensor).
 OdometryOptions suited(const Drive& drive, OdometryOptions options);
 
 /// How the registration of one scan went.

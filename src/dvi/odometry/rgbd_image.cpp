@@ -37,7 +37,7 @@ cv::Mat1f gray_image(const cv::Mat3b& image, const Camera& camera, const Pinhole
   cv::resize(gray, small, size, 0, 0, cv::INTER_AREA);
   cv::Mat1f out;
   small.convertTo(out, CV_32F);
-  if (!camera.distorted()) return out;
+  if (!camera.is_distorted()) return out;
   cv::Mat2f sources(size);
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {

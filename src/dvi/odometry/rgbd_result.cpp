@@ -38,11 +38,11 @@ void optimize(RgbdTrack& track, std::size_t map, Odometry& out) {
       edges.back().a = node[edge.a];
       edges.back().b = node[edge.b];
     }
-  if (std::none_of(edges.begin(), edges.end(), [](const scan_match::PoseEdge& edge) { return edge.doubtful; })) return;
+  if (std::none_of(edges.begin(), edges.end(), [](const scan_match::PoseEdge& edge) { return edge.uncertain; })) return;
   std::vector<SE3> poses;
   for (const std::size_t k : keys) poses.push_back(track.world_from_key[k]);
   const std::vector<double> weights = scan_match::solve_pose_graph(poses, edges);
-  for (std::size_t e = 0; e < edges.size(); ++e) out.loops += edges[e].doubtful && weights[e] > kAcceptedLoop ? 1 : 0;
+  for (std::size_t e = 0; e < edges.size(); ++e) out.loops += edges[e].uncertain && weights[e] > kAcceptedLoop ? 1 : 0;
   for (std::size_t n = 0; n < keys.size(); ++n) {
     SE3& pose = track.world_from_key[keys[n]];
     out.largest_correction_m = std::max(out.largest_correction_m, (poses[n].t - pose.t).norm());

@@ -126,14 +126,14 @@ TEST(LoopClosure, DoesNotTakeARoomForOneThatLooksLikeIt) {
 TEST(ForSensor, TakesRangeAndLengthsOfRoomsForADepthCamera) {
   Drive drive;
   const OdometryOptions options;
-  EXPECT_EQ(scan_match::for_sensor(options, drive).max_range_m, 120);
-  EXPECT_EQ(scan_match::for_sensor(options, drive).voxel_m, options.voxel_m);
+  EXPECT_EQ(scan_match::adapt_to_sensor(options, drive).max_range_m, 120);
+  EXPECT_EQ(scan_match::adapt_to_sensor(options, drive).voxel_m, options.voxel_m);
   drive.sensor = Sensor::depth_camera;
-  EXPECT_EQ(scan_match::for_sensor(options, drive).max_range_m, 10);
-  EXPECT_LT(scan_match::for_sensor(options, drive).voxel_m, options.voxel_m);
+  EXPECT_EQ(scan_match::adapt_to_sensor(options, drive).max_range_m, 10);
+  EXPECT_LT(scan_match::adapt_to_sensor(options, drive).voxel_m, options.voxel_m);
   OdometryOptions given;
   given.max_range_m = 4;
-  EXPECT_EQ(scan_match::for_sensor(given, drive).max_range_m, 4);
+  EXPECT_EQ(scan_match::adapt_to_sensor(given, drive).max_range_m, 4);
 }
 
 }  // namespace

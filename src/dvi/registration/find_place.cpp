@@ -69,9 +69,9 @@ std::vector<Eigen::Vector3d> moved(const std::vector<Eigen::Vector3d>& points, c
 PlaceMatch verified(const KeyScans& a_keys, const KeyScans& b_keys, const PlaceFinder::Start& start) {
   const StillScan a_scan = submap(a_keys, start.a, kSubmap), b_scan = submap(b_keys, start.b, kSubmap);
   const Level a = leveled(a_scan), b = leveled(b_scan);
-  scan_match::LocalMaps scene = scan_match::empty_scene(a_keys.options());
+  scan_match::LocalMaps scene = scan_match::make_empty_scene(a_keys.options());
   scene.add(a_scan.dense, {}, Vector6d::Zero());
-  scan_match::RegisterOptions options = scan_match::register_options(a_keys.options());
+  scan_match::RegisterOptions options = scan_match::to_register_options(a_keys.options());
   options.coarse_iterations = 10;
   options.iterations = 30;
   options.prior_m = 1;

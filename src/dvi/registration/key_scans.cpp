@@ -47,7 +47,7 @@ class Traffic {
   }
 
   bool holds(const Eigen::Vector3d& point) const {
-    if (labels_ != nullptr && in_any_box(*labels_, point, kBoxMargin)) return true;
+    if (labels_ != nullptr && is_in_any_box(*labels_, point, kBoxMargin)) return true;
     if (!mask_ || mask_->empty()) return false;
     return in_image(drive_.camera_from_lidar * point, drive_.camera, *mask_) == InImage::removed;
   }
@@ -63,7 +63,7 @@ std::vector<scan_match::Feature> still(const std::vector<scan_match::Feature>& f
   std::vector<scan_match::Feature> out;
   out.reserve(features.size());
   for (const scan_match::Feature& f : features)
-    if (!traffic.holds(f.point.cast<double>())) out.push_back({scan_match::compensated(f, twist).cast<float>(), 0});
+    if (!traffic.holds(f.point.cast<double>())) out.push_back({scan_match::compensate(f, twist).cast<float>(), 0});
   return out;
 }
 
@@ -73,26 +73,27 @@ std::vector<scan_match::Feature> returns_of(const Scan& scan, double nearest_m, 
     const double range = scan.points[i].norm();
     if (range >= nearest_m && range <= farthest_m) out.push_back({scan.points[i], scan.time[i]});
   }
-  return scan_match::thinned(out, kPoint);
+  return scan_match::thin_features(out, kPoint);
 }
 
 }  // namespace
 
 KeyScans::KeyScans(const Drive& drive, const scan_match::MatchOptions& options, const Trajectory& world_from_lidar)
     : drive_(&drive),
-      options_(scan_match::for_sensor(options, drive)),
+      options_(scan_match::adapt_to_sensor(options, drive)),
       world_from_lidar_(world_from_lidar),
       keys_(keys_of(drive, world_from_lidar)) {
   scans_ = Lazy<StillScan>(keys_.size(), [drive = drive_, suited = options_, keys = keys_](std::size_t i) {
     const std::shared_ptr<const Scan> scan = drive->scans[keys[i].scan];
-    const scan_match::ScanFeatures all = scan_match::scan_features(*drive, *scan, scan_match::rings_of(*drive, *scan), suited);
+    const scan_match::ScanFeatures all =
+        scan_match::extract_scan_features(*drive, *scan, scan_match::find_scan_rings(*drive, *scan), suited);
     const Traffic traffic(*drive, drive->scan_headers[keys[i].scan]);
     const auto of = [&](const scan_match::Features& f) {
       return scan_match::Features{still(f.planes, traffic, keys[i].twist), still(f.edges, traffic, keys[i].twist)};
     };
-    const double nearest = suited.min_range_m.value_or(drive->least_range_m());
+    const double nearest = suited.min_range_m.value_or(drive->min_range_m());
     return StillScan{of(all.dense), of(all.sparse),
-                     still(returns_of(*scan, nearest, scan_match::feature_range(suited)), traffic, keys[i].twist)};
+                     still(returns_of(*scan, nearest, scan_match::find_feature_range(suited)), traffic, keys[i].twist)};
   });
 }
 
@@ -120,8 +121,9 @@ StillScan submap(const KeyScans& keys, std::size_t i, double way_m) {
     append(out.points, scan->points);
   }
   const scan_match::MatchOptions& options = keys.options();
-  out.sparse = {scan_match::thinned(out.sparse.planes, options.cell_m), scan_match::thinned(out.sparse.edges, options.voxel_m)};
-  out.points = scan_match::thinned(out.points, kPoint);
+  out.sparse = {scan_match::thin_features(out.sparse.planes, options.cell_m),
+                scan_match::thin_features(out.sparse.edges, options.voxel_m)};
+  out.points = scan_match::thin_features(out.points, kPoint);
   return out;
 }
 

@@ -188,7 +188,7 @@ class Registrar {
     out.residual_m = std::sqrt(squares / static_cast<double>(tied.size()));
     out.target_from_source = motion_between(placed.keys, moved, tied) * placed.world_from_source;
     const scan_match::PoseEdge& middle = edges[edge[edge.size() / 2]];
-    const Matrix6d covariance = scan_match::relative_covariance(poses, edges, weights, middle.a, middle.b);
+    const Matrix6d covariance = scan_match::compute_relative_covariance(poses, edges, weights, middle.a, middle.b);
     const auto bound = [&](int at) {  // of the length of an error in three dimensions: chi-squared
       const Eigen::Matrix3d part = covariance.block<3, 3>(at, at);
       return kInflation * std::sqrt(7.81 * Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(part).eigenvalues().maxCoeff());

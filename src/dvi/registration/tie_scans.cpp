@@ -38,13 +38,13 @@ struct Fit {
 
 Fit fit(const scan_match::Features& sparse, const SE3& guess, int coarse, scan_match::LocalMaps& scene,
         const scan_match::MatchOptions& match) {
-  scan_match::RegisterOptions options = scan_match::register_options(match);
+  scan_match::RegisterOptions options = scan_match::to_register_options(match);
   options.coarse_iterations = coarse;
   options.iterations += coarse;
   options.prior_m = 1;
   Fit out;
   out.registration = scan_match::register_scan(sparse, guess, Vector6d::Zero(), {}, 0, scene, options);
-  out.share = scan_match::standing_share(sparse, Vector6d::Zero(), out.registration.world_from_lidar, scene);
+  out.share = scan_match::compute_scene_share(sparse, Vector6d::Zero(), out.registration.world_from_lidar, scene);
   return out;
 }
 
@@ -60,7 +60,7 @@ std::optional<Neighborhood> neighborhood(const PlacedKeys& placed, const Eigen::
   const auto pose = [&](const KeyOf& k) { return (*placed[k.drive])[k.key].world_from_lidar; };
   const auto features = [&](const KeyOf& k) { return placed[k.drive]->scan(k.key); };
   const scan_match::MatchOptions& match = placed[anchor.drive]->options();
-  Neighborhood out{anchor.drive, anchor.key, pose(anchor).inverse(), position, scan_match::empty_scene(match), 0, 0};
+  Neighborhood out{anchor.drive, anchor.key, pose(anchor).inverse(), position, scan_match::make_empty_scene(match), 0, 0};
   std::vector<KeyOf> taken;
   for (const KeyOf& k : near) {
     if (&k == &near.front() || taken.size() == kMostScans) continue;

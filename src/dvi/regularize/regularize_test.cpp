@@ -191,7 +191,7 @@ TEST(Regularize, GivesTheSameTwice) {
   const Street street;
   sample::Candidates noisy = seen_by_one(street.hole, 8);
   Random random(5);
-  for (auto& c : noisy.leading) c.position += quantized(random.uniform(-2, 2), random.uniform(-2, 2));
+  for (auto& c : noisy.leading) c.position += quantize(random.uniform(-2, 2), random.uniform(-2, 2));
   const Labeling a = street.run(noisy), b = street.run(noisy);
   EXPECT_EQ(right_share(a.candidates, b.candidates), 1);
   EXPECT_EQ(a.energy->after, b.energy->after);

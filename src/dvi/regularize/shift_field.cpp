@@ -95,7 +95,7 @@ class Builder {
     if (other < 0) return;
     const bool same = candidate(other).view == candidate(node).view;
     const Position q_at = same ? warped_[inside] : warp(q, target_.depth.z(q));
-    const cv::Point2f at = neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, q_at);
+    const cv::Point2f at = find_neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, q_at);
     field_.neighbor[node][direction] = other;
     if (same && at == candidate(other).position)
       field_.expected[node][direction] = other;
@@ -106,7 +106,7 @@ class Builder {
   /// Eq. 3 for one neighbor outside the hole; 1 where the source can say what it expects there.
   int add_boundary(int node, cv::Point q, const Warp& warp, std::vector<int>& cost) {
     const cv::Point2f at =
-        neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, warp(q, target_.depth.z(q)));
+        find_neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, warp(q, target_.depth.z(q)));
     if (!can_sample(*source_mask_, at)) return 0;
     scratch_.resize(row_size());
     sample(at, q, scratch_.data());

@@ -80,7 +80,7 @@ void write_above(const fs::path& folder, const Above& above) {
   const Raster raster(above.world_from_camera);
   media::write_png(folder / "map.png", picture_of(above, raster));
   nlohmann::json poses = nlohmann::json::array(), tracks = nlohmann::json::array();
-  for (const SE3& pose : above.world_from_camera) poses.push_back(row_major(pose));
+  for (const SE3& pose : above.world_from_camera) poses.push_back(to_row_major(pose));
   for (const ObjectPath& track : above.tracks) tracks.push_back(json_of(track));
   const Camera& c = above.camera;
   write_file(folder / "above.json", json_text({{"schema", "dvi-above/1"},

@@ -77,7 +77,7 @@ std::string frame_block(std::size_t number, const FramePictures& pictures, const
   fields.add("averaged", pictures.used, 2);
   fields.add("error", error);
   return fmt::format("dvi.block({},{},{},[{}],\"{}\");\n", number, pictures.kind.cols, pictures.kind.rows, fields.header(),
-                     base64(media::zlib_compressed(fields.bytes())));
+                     base64(media::compress_zlib(fields.bytes())));
 }
 
 }  // namespace dvi::report

@@ -14,7 +14,7 @@ std::string identity_of(const inputs::Recordings& drives) {
   return identity;
 }
 
-std::string program_fingerprint() { return hash_of(read_file(own_binary())); }
+std::string program_fingerprint() { return compute_hash(read_file(find_own_binary())); }
 
 std::string listing_of(const inputs::Recordings& drives) {
   Fingerprint print;
@@ -29,7 +29,7 @@ std::string listing_of(const inputs::Recordings& drives) {
 
 std::string content_of(const inputs::Recordings& drives) {
   Fingerprint print;
-  print.add(read_file(own_binary()));  // another build may make other pixels
+  print.add(read_file(find_own_binary()));  // another build may make other pixels
   for (const inputs::Recording& open : drives) inputs::add_files(print, open);
   return print.hex();
 }
@@ -37,7 +37,7 @@ std::string content_of(const inputs::Recordings& drives) {
 std::string fingerprint_of(job::Job job, const std::string& content) {
   job.out.clear();
   job.memory_mb = 0;  // change no pixel
-  return hash_of(content + job.table().dump_toml());
+  return compute_hash(content + job.table().dump_toml());
 }
 
 std::string stages_fingerprint_of(job::Job job, const std::string& content) {

@@ -26,7 +26,7 @@ static void from_json(const nlohmann::json& json, ListedFile& listed) {
 std::vector<ListedFile> list_contents(const fs::path& out, const std::vector<std::string>& files) {
   std::vector<ListedFile> listed;
   for (const std::string& file : files) {
-    const std::string hash = hash_of_file(out / file);
+    const std::string hash = compute_file_hash(out / file);
     listed.push_back({file, fs::file_size(out / file), hash});
   }
   return listed;
@@ -37,7 +37,7 @@ bool Manifest::holds(const fs::path& out) const {
     std::error_code gone;
     if (fs::file_size(out / listed.file, gone) != listed.bytes || gone) return false;
     try {
-      return hash_of_file(out / listed.file) == listed.hash;
+      return compute_file_hash(out / listed.file) == listed.hash;
     } catch (const InputError&) {  // answered: what cannot be read is made again
       return false;
     }

@@ -21,7 +21,7 @@ constexpr int kColorFrames = 40;  // frames, evenly spread, from which the map t
 constexpr double kSplat = 0.07, kTolerance = 0.05;
 const cv::Vec3b kUncolored(128, 128, 128);
 
-std::string kitti_line(const SE3& pose) { return fmt::format("{:.9g}\n", fmt::join(row_major(pose), " ")); }
+std::string kitti_line(const SE3& pose) { return fmt::format("{:.9g}\n", fmt::join(to_row_major(pose), " ")); }
 
 std::string tum_line(std::int64_t time_ns, const SE3& pose) {
   const Eigen::Quaterniond q(pose.R);

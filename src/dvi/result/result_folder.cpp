@@ -159,7 +159,7 @@ ResultFolder::~ResultFolder() {
 void ResultFolder::refuse_other_drives() const {
   if (job_.force || !fs::exists(job_file(out_))) return;
   const std::optional<Manifest> old = read_manifest(job_file(out_));
-  if (old ? old->fingerprint != hash_of(identity_) : nlohmann::json::accept(read_file(job_file(out_))))
+  if (old ? old->fingerprint != compute_hash(identity_) : nlohmann::json::accept(read_file(job_file(out_))))
     throw InputError(out_, "is the result of another drive", "choose another folder, or --force to replace it");
 }
 
@@ -200,7 +200,7 @@ void ResultFolder::claim() {
     make_folder(folder);
     remove_temporaries(folder);
   }
-  write_manifest(job_file(out_), hash_of(identity_), {{"drives", identity_}});
+  write_manifest(job_file(out_), compute_hash(identity_), {{"drives", identity_}});
 }
 
 void ResultFolder::join() {

@@ -47,8 +47,8 @@ std::string share_of(std::size_t count, const map::MapCounts& counts) {
       {counts.unseen_by_camera, "were not observed by the camera while they were scanned",
        "check camera_from_lidar, and that images and scans share one clock (offset_s of the camera in dvi.toml)", true},
       {counts.too_near,
-       fmt::format("are nearer than {:g} m or farther than {:g} m", options.min_range_m.value_or(target.least_range_m()),
-                   options.max_range_m.value_or(target.most_range_m())),
+       fmt::format("are nearer than {:g} m or farther than {:g} m", options.min_range_m.value_or(target.min_range_m()),
+                   options.max_range_m.value_or(target.max_range_m())),
        "set lidar.min_range_m and lidar.max_range_m to what the sensor measures, in meters", true},
       {counts.moved, "lie where rays of other scans passed", "check the poses: --poses loam estimates them from the scans"}};
   std::string words;

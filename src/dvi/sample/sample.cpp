@@ -56,7 +56,7 @@ class Source {
     if (is_apart && pixel.at.z() >= depth::DepthMap::kInfinity) return std::nullopt;  // no sky stays
     const std::optional<SourcePosition> place = locate(pixel, view_.camera, source_from_target_);
     if (!place) return std::nullopt;
-    const cv::Point2f at = quantized(place->position.x(), place->position.y());
+    const cv::Point2f at = quantize(place->position.x(), place->position.y());
     if (!view_.camera.contains({at.x, at.y})) return std::nullopt;
     if (!lent_) lent_ = visibility_[number_];
     if (lent_->masked(at)) return std::nullopt;
@@ -192,11 +192,11 @@ std::vector<std::size_t> search_order(const Views& views, std::size_t target, co
   std::vector<std::size_t> order;
   for (std::size_t i = target + 1; i < std::min(last, target + 1 + reach); ++i) order.push_back(i);
   for (std::size_t i = target; i-- > std::max(first, target - std::min(target, reach));) order.push_back(i);
-  for (const std::size_t i : of_other_cameras(views, target, reach)) order.push_back(i);
+  for (const std::size_t i : list_views_of_other_cameras(views, target, reach)) order.push_back(i);
   const auto seconds = [&](std::size_t i) { return seconds_between(views[i], views[target]); };
   if (options.scored)
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seconds(a) < seconds(b); });
-  for (const std::size_t i : nearest_of_other_drives(views, target, 2 * reach)) order.push_back(i);
+  for (const std::size_t i : find_nearest_views_of_other_drives(views, target, 2 * reach)) order.push_back(i);
   std::erase_if(order, [&](std::size_t i) { return !shares_colors(views[i], views[target]); });
   return order;
 }

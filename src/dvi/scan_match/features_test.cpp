@@ -14,7 +14,7 @@ Scan standing_scan(bool rings) {
   return street.scan(TestStreet::path(0), 0);
 }
 
-/// The scan with its points in another order.
+/// Returns the scan with its points in another order.
 Scan reordered(const Scan& scan, const std::vector<std::uint32_t>& order) {
   Scan out;
   for (const std::uint32_t i : order) {
@@ -34,7 +34,7 @@ std::vector<std::uint32_t> beam_after_beam(const Scan& with_rings) {
   return order;
 }
 
-// Every beam found holds points of one true beam only.
+// Expects that each found beam has points of only one true beam.
 void expect_true_beams(const Rings& rings, const std::vector<std::uint16_t>& truth) {
   EXPECT_THAT(rings.points.size(), testing::AllOf(testing::Ge(31), testing::Le(33)));
   std::size_t astray = 0;
@@ -43,7 +43,7 @@ void expect_true_beams(const Rings& rings, const std::vector<std::uint16_t>& tru
   EXPECT_LE(astray, 20);
 }
 
-TEST(Rings, FromTheFile) {
+TEST(Rings, AreReadFromTheFile) {
   const Scan scan = standing_scan(true);
   const Rings rings = find_rings(scan);
   EXPECT_EQ(rings.source, Rings::Source::file);
@@ -52,13 +52,13 @@ TEST(Rings, FromTheFile) {
     for (std::size_t k = 1; k < beam.size(); ++k) ASSERT_LE(scan.time[beam[k - 1]], scan.time[beam[k]]);
 }
 
-TEST(Rings, FromElevationWherePointsLieInTheOrderOfTime) {
+TEST(Rings, AreFoundByElevationForPointsInOrderOfTime) {
   const Rings rings = find_rings(standing_scan(false));
   EXPECT_EQ(rings.source, Rings::Source::elevation);
   expect_true_beams(rings, standing_scan(true).ring);
 }
 
-TEST(Rings, FromTurnsWhereBeamFollowsBeam) {
+TEST(Rings, AreFoundByRevolutionsForConsecutiveBeams) {
   const Scan known = standing_scan(true);
   const Scan sorted = reordered(known, beam_after_beam(known));
   Scan unknown = sorted;
@@ -68,7 +68,7 @@ TEST(Rings, FromTurnsWhereBeamFollowsBeam) {
   expect_true_beams(rings, sorted.ring);
 }
 
-TEST(Rings, WrongNumbersAreNotBelieved) {
+TEST(Rings, AreNotReadFromWrongNumbers) {
   Scan scan = standing_scan(true);
   for (std::size_t i = 0; i < scan.size(); ++i) scan.ring[i] = static_cast<std::uint16_t>(i % 7);
   EXPECT_EQ(find_rings(scan).source, Rings::Source::elevation);
@@ -77,7 +77,7 @@ TEST(Rings, WrongNumbersAreNotBelieved) {
   EXPECT_EQ(find_rings(scan).source, Rings::Source::elevation);
 }
 
-TEST(Rings, NoneInAnUnorderedCloud) {
+TEST(Rings, AreNotFoundInAnUnorderedCloud) {
   Random random(3);
   Scan scan;
   for (int i = 0; i < 5000; ++i) {
@@ -90,12 +90,12 @@ TEST(Rings, NoneInAnUnorderedCloud) {
   EXPECT_TRUE(find_features({}, {}, {}).planes.empty());
 }
 
-TEST(Features, PlanesLieOnFlatThingsAndEdgesOnPoles) {
+TEST(Features, ArePlanesOnFlatSurfacesAndEdgesOnPoles) {
   TestStreet street;
   street.boxes.clear();
   street.add({-500, -500, -1}, {500, 500, 0});
   street.add({-20, 10, 0}, {20, 12, 8});
-  street.add({4.9, 4.9, 0}, {5.1, 5.1, 6});  // a pole before the wall
+  street.add({4.9, 4.9, 0}, {5.1, 5.1, 6});  // a pole in front of the wall
   const Scan scan = street.scan(TestStreet::path(0), 0);
   const Features features = find_features(scan, find_rings(scan), {});
   EXPECT_GT(features.planes.size(), 3000);
@@ -107,10 +107,10 @@ TEST(Features, PlanesLieOnFlatThingsAndEdgesOnPoles) {
   EXPECT_GE(std::count_if(features.edges.begin(), features.edges.end(), on_pole), 10);
 }
 
-TEST(Features, ThinnedKeepsOneACube) {
+TEST(Features, AreThinnedToOnePerCube) {
   std::vector<Feature> features;
   for (int i = 0; i < 100; ++i) features.push_back({{0.1F * static_cast<float>(i) + 0.05F, 0.01F, 0.01F}, 0});
-  EXPECT_EQ(thinned(features, 1).size(), 10);
+  EXPECT_EQ(thin_features(features, 1).size(), 10);
 }
 
 }  // namespace

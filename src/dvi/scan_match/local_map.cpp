@@ -5,19 +5,19 @@
 namespace dvi::scan_match {
 namespace {
 
-constexpr int kFewestPoints = 6;  // points in a voxel
-constexpr std::size_t kFewestSlots = 1024;
+constexpr int kMinPoints = 6;  // in a voxel
+constexpr std::size_t kMinSlots = 1024;
 
 }  // namespace
 
-LocalMap::LocalMap(double voxel_m) : voxel_m_(voxel_m), slots_(kFewestSlots) {}
+LocalMap::LocalMap(double voxel_m) : voxel_m_(voxel_m), slots_(kMinSlots) {}
 
 void LocalMap::change(const Eigen::Vector3d& point, int sign) {
   const VoxelKey key = voxel_key(point, voxel_m_);
   if (sign > 0 && 2 * (voxels_.size() + 1) > slots_.size()) index(2 * slots_.size());
   Slot& slot = slot_of(key);
   if (slot.voxel == kFree) {
-    if (sign < 0) return;  // dropped meanwhile
+    if (sign < 0) return;  // the voxel was dropped since
     slot = {key, static_cast<std::uint32_t>(voxels_.size()), kUnknown};
     voxels_.push_back({key, point, {}, false, {}});
   }
@@ -50,7 +50,7 @@ void LocalMap::index(std::size_t slots) {
 }
 
 const Shape* LocalMap::shape_of(Voxel& voxel) const {
-  if (voxel.moments.count < kFewestPoints) return nullptr;
+  if (voxel.moments.count < kMinPoints) return nullptr;
   if (!voxel.fitted) fit(voxel);
   return voxel.shape.thin > 0 ? &voxel.shape : nullptr;
 }
@@ -62,7 +62,7 @@ void LocalMap::fit(Voxel& voxel) const {
   shape.mean = voxel.origin + voxel.moments.mean();
   shape.axes = solver.eigenvectors();
   shape.variance = solver.eigenvalues().cwiseMax(0.0);
-  const double thick = std::max(0.01, 0.0036 * voxel_m_ * voxel_m_);  // variance; a plane of the voxel's width has voxel^2 / 12
+  const double thick = std::max(0.01, 0.0036 * voxel_m_ * voxel_m_);  // variance; a plane as wide as the voxel has voxel^2 / 12
   const double wide = 0.01 * voxel_m_ * voxel_m_;
   shape.thin = 0;
   if (shape.variance[0] < thick && shape.variance[1] > wide && shape.variance[0] < 0.1 * shape.variance[1])

@@ -11,14 +11,14 @@
 namespace dvi::scan_match {
 namespace {
 
-constexpr double kVoxel = 0.5;
+constexpr double kVoxelM = 0.5;
 
-/// The same by brute force: the points of each voxel, the first one added first.
+/// A brute-force oracle: the points of each voxel in order of insertion.
 class Points {
  public:
-  void add(const Eigen::Vector3d& x) { voxels_[voxel_key(x, kVoxel)].push_back(x); }
+  void add(const Eigen::Vector3d& x) { voxels_[voxel_key(x, kVoxelM)].push_back(x); }
   void remove(const Eigen::Vector3d& x) {
-    const auto it = voxels_.find(voxel_key(x, kVoxel));
+    const auto it = voxels_.find(voxel_key(x, kVoxelM));
     if (it == voxels_.end()) return;
     const auto found = std::find(it->second.begin() + 1, it->second.end(), x);
     if (found != it->second.end()) it->second.erase(found);
@@ -54,13 +54,13 @@ void expect_same(LocalMap& map, const Points& points) {
 
 TEST(LocalMap, HoldsThePointsOfEachVoxel) {
   Random random(5);
-  LocalMap map(kVoxel);
+  LocalMap map(kVoxelM);
   Points points;
-  std::vector<Eigen::Vector3d> later;  // not the first of a voxel, which stays its origin
+  std::vector<Eigen::Vector3d> later;  // without the first points of voxels, which remain their origins
   for (int round = 0; round < 4; ++round) {
     for (int i = 0; i < 20000; ++i) {
       const Eigen::Vector3d x(10 * round + random.uniform(-12, 12), random.uniform(-12, 12), random.uniform(0, 0.05));
-      const auto known = points.voxels().find(voxel_key(x, kVoxel));
+      const auto known = points.voxels().find(voxel_key(x, kVoxelM));
       if (known != points.voxels().end() && i % 3 == 0) later.push_back(x);
       map.add(x), points.add(x);
     }
@@ -75,8 +75,8 @@ TEST(LocalMap, HoldsThePointsOfEachVoxel) {
   EXPECT_GT(map.size(), 500U);
 }
 
-TEST(LocalMap, WhatWasDroppedIsNoMore) {
-  LocalMap map(kVoxel);
+TEST(LocalMap, HasNoDroppedVoxels) {
+  LocalMap map(kVoxelM);
   const Eigen::Vector3d x(0.1, 0.1, 0.1);
   for (int i = 0; i < 9; ++i) map.add(x + 0.1 * Eigen::Vector3d(i % 3, i / 3, 0));
   ASSERT_NE(map.at(x, 1), nullptr);

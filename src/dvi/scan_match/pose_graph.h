@@ -11,19 +11,19 @@ namespace dvi::scan_match {
 struct PoseEdge {
   std::size_t a = 0, b = 0;
   SE3 a_from_b;
-  Matrix6d information;   ///< inverse covariance: translation (m), rotation (rad), in the axes of b
-  bool doubtful = false;  ///< gives way where it contradicts the others, as a loop may that is none
+  Matrix6d information;    ///< inverse covariance: translation (m), rotation (rad), in the axes of b
+  bool uncertain = false;  ///< loses weight if it contradicts the others, as a false loop does
 };
 
-/// Moves the poses, all but the first, to where world_from_a^-1 * world_from_b agrees best with the edges: Gauss-Newton on
-/// SE(3), doubtful edges under Geman-McClure's loss, narrowed step by step (graduated non-convexity, Yang et al. 2020).
-/// Returns the weight of each edge, 0 to 1. Edges must tie all poses together. Eigen's sparse Cholesky does for one kind of
-/// residual; Ceres would bring a dozen packages.
+/// Optimizes the poses, except the first one, for the best agreement of world_from_a^-1 * world_from_b with the edges:
+/// Gauss-Newton on SE(3), with Geman-McClure's loss for uncertain edges, narrowed step by step (graduated non-convexity, Yang
+/// et al. 2020). Returns the weight of each edge, 0 to 1. The edges must connect all poses. Eigen's sparse Cholesky is
+/// sufficient for one kind of residual; Ceres would add a dozen packages.
 std::vector<double> solve_pose_graph(std::vector<SE3>& world_from_body, const std::vector<PoseEdge>& edges);
 
-/// Covariance of world_from_a^-1 * world_from_b at the solution, by the edges as they are weighted: translation, rotation, in
-/// the axes of b. The edges' information is taken at its word: what errors of neighboring edges share makes it too small.
-Matrix6d relative_covariance(std::vector<SE3> world_from_body, const std::vector<PoseEdge>& edges, std::vector<double> weights,
-                             std::size_t a, std::size_t b);
+/// Returns the covariance of world_from_a^-1 * world_from_b at the solution for the weighted edges: translation and rotation in
+/// the axes of b. It assumes independent edges and is too small if errors of neighboring edges are correlated.
+Matrix6d compute_relative_covariance(std::vector<SE3> world_from_body, const std::vector<PoseEdge>& edges,
+                                     std::vector<double> weights, std::size_t a, std::size_t b);
 
 }  // namespace dvi::scan_match

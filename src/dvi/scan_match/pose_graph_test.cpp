@@ -20,7 +20,7 @@ Matrix6d information(double meters, double radians) {
   return out.asDiagonal();
 }
 
-/// Twice round a ring of 100 m, by steps of 1 m.
+/// Returns poses for two rounds on a circle of 100 m in steps of 1 m.
 std::vector<SE3> two_rounds() {
   std::vector<SE3> poses(201);
   Vector6d step = Vector6d::Zero();
@@ -42,7 +42,7 @@ PoseEdge loop(const std::vector<SE3>& truth, std::size_t a, std::size_t b) {
   return {a, b, truth[a].inverse() * truth[b], information(0.02, 0.001), true};
 }
 
-/// What odometry makes of the truth: each step is off by a little, always the same way.
+/// Simulates odometry: each step has the same small error.
 std::vector<SE3> drifted(const std::vector<SE3>& truth) {
   std::vector<SE3> out{truth[0]};
   Vector6d drift;
@@ -58,7 +58,7 @@ double worst(const std::vector<SE3>& poses, const std::vector<SE3>& truth) {
   return out;
 }
 
-TEST(PoseGraph, LeavesPosesThatAgree) {
+TEST(PoseGraph, KeepsConsistentPoses) {
   const std::vector<SE3> truth = two_rounds();
   std::vector<SE3> poses = truth;
   std::vector<PoseEdge> edges = chain(truth);
@@ -67,18 +67,18 @@ TEST(PoseGraph, LeavesPosesThatAgree) {
   EXPECT_LT(worst(poses, truth), 1e-9);
 }
 
-TEST(PoseGraph, FindsExactPosesFromAnywhereNear) {
+TEST(PoseGraph, FindsExactPosesFromNearbyOnes) {
   const std::vector<SE3> truth = two_rounds();
   std::vector<SE3> poses = truth;
   Random random(3);
   for (std::size_t i = 1; i < poses.size(); ++i) poses[i] = poses[i] * se3_exp(random_twist(random, 0.5, 0.1));
   std::vector<PoseEdge> edges = chain(truth);
-  edges.push_back(loop(truth, 103, 3));  // either way round
+  edges.push_back(loop(truth, 103, 3));  // in either direction
   solve_pose_graph(poses, edges);
   EXPECT_LT(worst(poses, truth), 1e-6);
 }
 
-TEST(PoseGraph, LoopsTakeBackDriftAndTheFirstPoseStays) {
+TEST(PoseGraph, RemovesDriftByLoopsAndKeepsTheFirstPose) {
   const std::vector<SE3> truth = two_rounds(), odometry = drifted(truth);
   std::vector<SE3> poses = odometry;
   std::vector<PoseEdge> edges = chain(odometry);
@@ -89,11 +89,11 @@ TEST(PoseGraph, LoopsTakeBackDriftAndTheFirstPoseStays) {
   EXPECT_GT(*std::min_element(weights.begin(), weights.end()), 0.5);
   EXPECT_GT(worst(odometry, truth), 3);
   EXPECT_LT(worst(poses, truth), 0.5);
-  for (std::size_t i = 0; i <= 100; ++i)  // the two rounds lie on each other
+  for (std::size_t i = 0; i <= 100; ++i)  // the two rounds coincide
     EXPECT_LT((truth[i].inverse() * truth[i + 100] * (poses[i].inverse() * poses[i + 100]).inverse()).t.norm(), 0.05) << i;
 }
 
-TEST(PoseGraph, GivesUpALoopThatContradictsTheOthers) {
+TEST(PoseGraph, IgnoresALoopThatContradictsTheOthers) {
   const std::vector<SE3> truth = two_rounds(), odometry = drifted(truth);
   std::vector<PoseEdge> edges = chain(odometry);
   for (std::size_t i = 0; i <= 100; i += 10) edges.push_back(loop(truth, i, i + 100));
@@ -105,7 +105,7 @@ TEST(PoseGraph, GivesUpALoopThatContradictsTheOthers) {
   EXPECT_LT(worst(poses, right), 0.02);
 }
 
-TEST(PoseGraph, IsAboutTheMotionNotTheWorld) {
+TEST(PoseGraph, IsIndependentOfTheWorld) {
   const std::vector<SE3> truth = two_rounds(), odometry = drifted(truth);
   std::vector<PoseEdge> edges = chain(odometry);
   edges.push_back(loop(truth, 0, 200));
@@ -119,7 +119,7 @@ TEST(PoseGraph, IsAboutTheMotionNotTheWorld) {
   EXPECT_LT(worst(here, there), 1e-5);
 }
 
-TEST(PoseGraph, TakesNoPoseAndOne) {
+TEST(PoseGraph, AcceptsNoPoseAndOnePose) {
   std::vector<SE3> none, one(1);
   EXPECT_THAT(solve_pose_graph(none, {}), testing::IsEmpty());
   EXPECT_THAT(solve_pose_graph(one, {}), testing::IsEmpty());
@@ -127,17 +127,17 @@ TEST(PoseGraph, TakesNoPoseAndOne) {
   EXPECT_THROW(solve_pose_graph(apart, {{0, 1, {}, information(1, 1), false}}), std::logic_error);
 }
 
-TEST(PoseGraph, CovarianceGrowsAlongAChainAndHalvesWithASecondMeasurement) {
+TEST(PoseGraph, HasACovarianceThatGrowsAlongAChainAndHalvesWithASecondMeasurement) {
   std::vector<SE3> poses(5);
   for (std::size_t i = 0; i < poses.size(); ++i) poses[i].t = {2.0 * static_cast<double>(i), 0, 0};
   std::vector<PoseEdge> edges = chain(poses);
   const auto variance = [&](std::size_t a, std::size_t b) {
-    return relative_covariance(poses, edges, std::vector<double>(edges.size(), 1.0), a, b).diagonal().eval();
+    return compute_relative_covariance(poses, edges, std::vector<double>(edges.size(), 1.0), a, b).diagonal().eval();
   };
   EXPECT_NEAR(variance(0, 1)[0], 1e-4, 1e-9);
   EXPECT_NEAR(variance(0, 4)[0], 4e-4, 1e-9) << "four steps of 1 cm";
-  EXPECT_NEAR(variance(1, 3)[0], 2e-4, 1e-9) << "whatever lies outside";
-  // A turn of 1 mrad moves what is 2, 4 and 6 m ahead.
+  EXPECT_NEAR(variance(1, 3)[0], 2e-4, 1e-9) << "independent of the outer edges";
+  // A rotation by 1 mrad shifts points that are 2, 4 and 6 m ahead.
   EXPECT_NEAR(variance(0, 4)[1], 4e-4 + 1e-6 * (4 + 16 + 36), 1e-8);
   EXPECT_NEAR(variance(0, 4)[5], 4e-6, 1e-11);
   edges.push_back(edges[1]);

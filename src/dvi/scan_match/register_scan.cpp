@@ -24,7 +24,7 @@ void add(const Shape& shape, const Eigen::Vector3d& p, const Eigen::Vector3d& ce
     const Eigen::Vector3d axis = shape.axes.col(k);
     const double r = axis.dot(off);
     const double across = shape.variance[k] + noise2;
-    // The surface itself is known worse the farther from the points that it was fitted to.
+    // The uncertainty of the surface grows with the distance from the points that it was fitted to.
     double s2 = across;
     for (int j = shape.thin; j < 3; ++j) {
       const double along = shape.axes.col(j).dot(off);
@@ -42,19 +42,20 @@ void add(const Shape& shape, const Eigen::Vector3d& p, const Eigen::Vector3d& ce
   }
 }
 
-// Directions of translation, rotation left free, that hold next to none of the information: one a column.
-Eigen::Matrix3Xd loose_directions(const Matrix6d& H) {
-  constexpr double kLoose = 0.002;
+// Returns the directions of translation, with free rotation, that have almost no information, as columns.
+Eigen::Matrix3Xd find_loose_directions(const Matrix6d& H) {
+  constexpr double kMaxLooseShare = 0.002;
   const Eigen::Matrix3d turning = H.bottomRightCorner<3, 3>() + 1e-9 * H.trace() * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d held =
       H.topLeftCorner<3, 3>() - H.topRightCorner<3, 3>() * turning.ldlt().solve(H.bottomLeftCorner<3, 3>());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(held);  // eigenvalues rise
-  return solver.eigenvectors().leftCols((solver.eigenvalues().array() < kLoose * H.topLeftCorner<3, 3>().trace()).count());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(held);  // eigenvalues in increasing order
+  return solver.eigenvectors().leftCols(
+      (solver.eigenvalues().array() < kMaxLooseShare * H.topLeftCorner<3, 3>().trace()).count());
 }
 
 }  // namespace
 
-Eigen::Vector3d compensated(const Feature& feature, const Vector6d& twist) {
+Eigen::Vector3d compensate(const Feature& feature, const Vector6d& twist) {
   const Eigen::Vector3d p = feature.point.cast<double>(), w = twist.tail<3>();
   const double t = feature.time;
   const Eigen::Vector3d velocity = twist.head<3>() + w.cross(p);
@@ -63,20 +64,20 @@ Eigen::Vector3d compensated(const Feature& feature, const Vector6d& twist) {
 
 void LocalMaps::add(const Features& features, const SE3& world_from_lidar, const Vector6d& twist) {
   for (const Feature& f : features.planes) {
-    const Eigen::Vector3d p = world_from_lidar * compensated(f, twist);
+    const Eigen::Vector3d p = world_from_lidar * compensate(f, twist);
     fine.add(p);
     coarse.add(p);
   }
-  for (const Feature& f : features.edges) edges.add(world_from_lidar * compensated(f, twist));
+  for (const Feature& f : features.edges) edges.add(world_from_lidar * compensate(f, twist));
 }
 
 void LocalMaps::remove(const Features& features, const SE3& world_from_lidar, const Vector6d& twist) {
   for (const Feature& f : features.planes) {
-    const Eigen::Vector3d p = world_from_lidar * compensated(f, twist);
+    const Eigen::Vector3d p = world_from_lidar * compensate(f, twist);
     fine.remove(p);
     coarse.remove(p);
   }
-  for (const Feature& f : features.edges) edges.remove(world_from_lidar * compensated(f, twist));
+  for (const Feature& f : features.edges) edges.remove(world_from_lidar * compensate(f, twist));
 }
 
 void LocalMaps::keep_near(const Eigen::Vector3d& position, double radius_m) {
@@ -101,26 +102,26 @@ Registration register_scan(const Features& features, const SE3& guess, const Vec
     out.twist = seconds > 0 ? Vector6d(se3_log(before.inverse() * pose) / seconds) : twist;
     Sums sums;
     for (const Feature& f : features.planes) {
-      const Eigen::Vector3d p = pose * compensated(f, out.twist);
+      const Eigen::Vector3d p = pose * compensate(f, out.twist);
       const Shape* shape = coarse ? nullptr : scene.fine.at(p, 1);
       if (shape == nullptr) shape = scene.coarse.at(p, 1);
       if (shape != nullptr) add(*shape, p, pose.t, noise2, kernel2, sums);
     }
     for (const Feature& f : features.edges) {
-      const Eigen::Vector3d p = pose * compensated(f, out.twist);
+      const Eigen::Vector3d p = pose * compensate(f, out.twist);
       if (const Shape* shape = scene.edges.at(p, 2)) add(*shape, p, pose.t, noise2, kernel2, sums);
     }
     out.inliers = sums.inliers;
     if (sums.inliers < 20) break;
     out.residual_m = std::sqrt(sums.squares / static_cast<double>(sums.inliers));
     const Matrix6d H = sums.H.selfadjointView<Eigen::Lower>();
-    const Eigen::Matrix3Xd loose = loose_directions(H);
+    const Eigen::Matrix3Xd loose = find_loose_directions(H);
     out.degenerate = static_cast<int>(loose.cols());
     Vector6d from_guess;
     from_guess << pose.t - guess.t, so3_log(pose.R * guess.R.transpose());
     held = H + prior.asDiagonal().toDenseMatrix();
     Matrix6d stay = prior.asDiagonal();
-    if (options.guess_holds) stay.topLeftCorner<3, 3>() += H.trace() * loose * loose.transpose();
+    if (options.keeps_guess) stay.topLeftCorner<3, 3>() += H.trace() * loose * loose.transpose();
     const Vector6d step = (H + stay).ldlt().solve(sums.b - stay * from_guess);
     pose.t += step.head<3>();
     pose.R = so3_exp(step.tail<3>()) * pose.R;
@@ -133,24 +134,24 @@ Registration register_scan(const Features& features, const SE3& guess, const Vec
   return out;
 }
 
-double standing_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, LocalMaps& scene,
-                      double on_m) {
-  constexpr double kLevel = 0.8;
+double compute_scene_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, LocalMaps& scene,
+                           double on_m) {
+  constexpr double kMinLevelCosine = 0.8;
   std::size_t on = 0, all = features.edges.size();
   const auto lies_on = [&](const Shape* shape, const Eigen::Vector3d& p) {
     return shape != nullptr && (shape->axes.leftCols(shape->thin).transpose() * (p - shape->mean)).norm() < on_m;
   };
   for (const Feature& f : features.planes) {
-    const Eigen::Vector3d p = world_from_lidar * compensated(f, twist);
+    const Eigen::Vector3d p = world_from_lidar * compensate(f, twist);
     const Shape* shape = scene.fine.at(p, 1);
     if (shape == nullptr) shape = scene.coarse.at(p, 1);
     const bool found = lies_on(shape, p);
-    if (found && std::abs(shape->axes(2, 0)) > kLevel) continue;
+    if (found && std::abs(shape->axes(2, 0)) > kMinLevelCosine) continue;
     ++all;
     on += found ? 1 : 0;
   }
   for (const Feature& f : features.edges) {
-    const Eigen::Vector3d p = world_from_lidar * compensated(f, twist);
+    const Eigen::Vector3d p = world_from_lidar * compensate(f, twist);
     on += lies_on(scene.edges.at(p, 2), p) ? 1 : 0;
   }
   return static_cast<double>(on) / static_cast<double>(std::max<std::size_t>(all, 1));

@@ -8,7 +8,7 @@
 
 namespace dvi::scan_match {
 
-/// The scene round the car, planes at two sizes of voxels: the small ones where they hold enough points.
+/// The scene around the vehicle, with planes in voxels of two sizes. The small ones are used if they have enough points.
 struct LocalMaps {
   LocalMap fine, coarse, edges;
 
@@ -17,36 +17,40 @@ struct LocalMaps {
   void keep_near(const Eigen::Vector3d& position, double radius_m);
 };
 
-/// The LiDAR's motion about the middle of a scan: constant twist, per second, in the LiDAR's axes at the middle.
-Eigen::Vector3d compensated(const Feature& feature, const Vector6d& twist);
+/// Compensates a feature for the LiDAR's motion relative to the middle of the scan: a constant twist per second in the LiDAR's
+/// axes at the middle.
+Eigen::Vector3d compensate(const Feature& feature, const Vector6d& twist);
 
+/// The options of register_scan().
 struct RegisterOptions {
   int iterations = 20;
-  int coarse_iterations = 0;  ///< of them, first, on large voxels only
-  double noise_m = 0.03;      ///< of a return, across a surface
-  double kernel_m = 0.1;      ///< residuals well beyond count for nothing
-  double prior_m = 0.1;       ///< how far off the guess may be where the scene tells nothing; a tenth of it in radians
-  bool guess_holds = false;   ///< the guess is measured: directions that the scene does not hold stay as guessed
+  int coarse_iterations = 0;  ///< the first of these iterations use large voxels only
+  double noise_m = 0.03;      ///< noise of a return across a surface
+  double kernel_m = 0.1;      ///< scale of the robust kernel; much larger residuals have no weight
+  double prior_m =
+      0.1;  ///< standard deviation of the guess (one tenth of it in radians), for directions that the scene does not constrain
+  bool keeps_guess = false;  ///< the guess is measured: directions that the scene does not constrain keep it
 };
 
+/// The result of a registration.
 struct Registration {
   SE3 world_from_lidar;
   Vector6d twist = Vector6d::Zero();
-  double residual_m = 0;  ///< RMS across surfaces, of the inliers
+  double residual_m = 0;  ///< RMS distance of the inliers from their surfaces
   std::size_t inliers = 0, features = 0;
-  int degenerate = 0;                       ///< directions of motion that the scene does not hold
-  Matrix6d information = Matrix6d::Zero();  ///< of the pose, prior included: translation, rotation, in the LiDAR's axes
+  int degenerate = 0;                       ///< number of directions that the scene does not constrain
+  Matrix6d information = Matrix6d::Zero();  ///< of the pose including the prior: translation, rotation, in the LiDAR's axes
 };
 
-/// Where a scan fits the scene: Gauss-Newton on SE(3) over distances to planes and lines (Geman-McClure weights). The motion
-/// within the scan follows from the pose `seconds` before: the scan is compensated anew each iteration. With `seconds` 0 the
-/// twist stays as given.
+/// Registers a scan to the scene: Gauss-Newton on SE(3) over distances to planes and lines (Geman-McClure weights). The motion
+/// within the scan follows from the pose `before`, `seconds` earlier, and the scan is compensated again in each iteration. If
+/// `seconds` is 0, the twist is kept.
 Registration register_scan(const Features& features, const SE3& guess, const Vector6d& twist, const SE3& before, double seconds,
                            LocalMaps& scene, const RegisterOptions& options);
 
-/// Of the features that do not lie on level ground, which looks the same everywhere, the share that lies on what stands in the
-/// scene, 0 to 1: within `on_m` of it. The scene's z points up.
-double standing_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, LocalMaps& scene,
-                      double on_m = 0.15);
+/// Computes the share of features on the scene, 0 to 1, within `on_m` of it. Features on level ground are ignored, because it
+/// looks the same everywhere. The scene's z axis points up.
+double compute_scene_share(const Features& features, const Vector6d& twist, const SE3& world_from_lidar, LocalMaps& scene,
+                           double on_m = 0.15);
 
 }  // namespace dvi::scan_match

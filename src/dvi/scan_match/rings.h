@@ -7,15 +7,15 @@
 
 namespace dvi::scan_match {
 
-/// The points of a scan beam by beam, each in the order in which the beam turned.
+/// The points of a scan by beam, in the order of the beam's rotation.
 struct Rings {
   enum class Source { file, order, elevation, none };
-  Source source = Source::none;                    ///< none: the cloud shows no beams, `points` is empty
-  std::vector<std::vector<std::uint32_t>> points;  ///< one list of indices a beam that returned anything
+  Source source = Source::none;                    ///< none: no beams were found, and `points` is empty
+  std::vector<std::vector<std::uint32_t>> points;  ///< the indices of points per beam with returns
 };
 
-/// By the file's ring numbers, if these tell beams apart; else by turns, where the file holds one beam after the other; else by
-/// elevation, where the elevations of all points fall into narrow groups.
+/// Finds the beams by the file's ring numbers if these distinguish beams; otherwise by revolutions if the file has one beam
+/// after the other; otherwise by elevation if the elevations form narrow groups.
 Rings find_rings(const Scan& scan);
 
 const char* to_string(Rings::Source source);

@@ -7,37 +7,39 @@
 
 namespace dvi::scan_match {
 
-/// How scans are thinned and matched.
+/// The options for thinning and matching scans.
 struct MatchOptions {
-  std::optional<double> min_range_m = {};  ///< of the scan; none: Drive::least_range_m()
-  std::optional<double> max_range_m = {};  ///< none: Drive::most_range_m(); features come from somewhat less than both
-  double spacing_m = 0.2;                  ///< edge of the cubes that give one feature each to the local map
-  double cell_m = 0.6;                     ///< edge of the cubes that give one feature each to registration
+  std::optional<double> min_range_m = {};  ///< of scans; none: Drive::min_range_m()
+  std::optional<double> max_range_m = {};  ///< none: Drive::max_range_m(); features use a slightly smaller range
+  double spacing_m = 0.2;                  ///< edge of the cubes with one feature each in the local map
+  double cell_m = 0.6;                     ///< edge of the cubes with one feature each in registration
   double voxel_m = 0.5;                    ///< edge of the small voxels of the local map; large ones are three times as wide
   double noise_m = 0.03;                   ///< standard deviation of returns across a flat surface
   double kernel_m = 0.1;                   ///< scale of the robust kernel: larger distances to a surface are outliers
 };
 
-/// What is kept of a scan.
+/// The stored features of a scan.
 struct ScanFeatures {
-  Features dense, sparse;  ///< for the map, and for registering
+  Features dense, sparse;  ///< for the map and for registration
 };
 
-/// The range of the drive's sensor, where the user gives none, and lengths that suit it: the options hold those of streets.
-/// What a depth camera sees is nearer and denser, its surfaces are smaller.
-MatchOptions for_sensor(MatchOptions options, const Drive& drive);
+/// Adapts the options, which have lengths for streets, to the drive's sensor: its range unless the user sets one, and lengths.
+/// A depth camera observes nearer, denser and smaller surfaces.
+MatchOptions adapt_to_sensor(MatchOptions options, const Drive& drive);
 
-/// The beams of a scan of the drive; none of a depth image.
-Rings rings_of(const Drive& drive, const Scan& scan);
+/// Finds the beams of a scan of the drive; none for a depth image.
+Rings find_scan_rings(const Drive& drive, const Scan& scan);
 
-/// Distance in meters up to which features are taken from a scan.
-double feature_range(const MatchOptions& options);
+/// Returns the distance in meters up to which features are extracted.
+double find_feature_range(const MatchOptions& options);
 
-/// Of a scan of the drive.
-ScanFeatures scan_features(const Drive& drive, const Scan& scan, const Rings& rings, const MatchOptions& options);
+/// Extracts the features of a scan of the drive.
+ScanFeatures extract_scan_features(const Drive& drive, const Scan& scan, const Rings& rings, const MatchOptions& options);
 
-LocalMaps empty_scene(const MatchOptions& options);
+/// Makes an empty scene with the voxels of the options.
+LocalMaps make_empty_scene(const MatchOptions& options);
 
-RegisterOptions register_options(const MatchOptions& options);
+/// Converts the options to those of register_scan().
+RegisterOptions to_register_options(const MatchOptions& options);
 
 }  // namespace dvi::scan_match

@@ -8,7 +8,7 @@
 
 namespace dvi::scan_match {
 
-/// Which cube of a grid a point lies in: 21 bits an axis.
+/// The cube of a grid that contains a point: 21 bits per axis.
 using VoxelKey = std::uint64_t;
 
 inline VoxelKey voxel_key(const Eigen::Vector3d& point, double edge_m) {

@@ -30,7 +30,7 @@ constexpr float kOutlier = 15;      // gray levels from both neighbors; interpol
 /// A box round each part of the hole, those that meet as one.
 std::vector<cv::Rect> windows_round(const cv::Mat1b& mask) {
   std::vector<cv::Rect> out;
-  for (const cv::Rect& box : part_boxes(mask)) {
+  for (const cv::Rect& box : find_part_boxes(mask)) {
     cv::Rect window =
         cv::Rect(box.tl() - cv::Point(kMargin, kMargin), box.br() + cv::Point(kMargin, kMargin)) & cv::Rect({}, mask.size());
     const auto meets = [&](const cv::Rect& other) { return !(other & window).empty(); };
@@ -167,9 +167,9 @@ FramePair::FramePair(const FilledFrame& first, const FilledFrame& second) : earl
   const cv::Mat1b holes(earlier.mask | later.mask);
   const cv::Vec3f unchanged = cv::Vec3f::all(1), gain = gain_to(earlier.gain, later.gain);
   for (const cv::Rect& box : windows_round(holes)) {
-    if (box.width < kLeastFlowSide || box.height < kLeastFlowSide) continue;
+    if (box.width < kMinFlowSidePx || box.height < kMinFlowSidePx) continue;
     const cv::Mat1b from = gray(earlier, box, unchanged), to = gray(later, box, gain);
-    windows.push_back({box, optical_flow(from, to), optical_flow(to, from)});
+    windows.push_back({box, compute_optical_flow(from, to), compute_optical_flow(to, from)});
   }
 }
 

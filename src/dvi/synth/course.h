@@ -5,23 +5,24 @@
 
 namespace dvi::synth {
 
-/// How the recording car drives along the street. Places are told as its driver sees them: meters on its way, and meters to the
-/// left of the centerline.
+/// The course of the recording car along the street. Positions are in its driving direction: path length in meters, and meters
+/// to the left of the centerline.
 class Course {
  public:
   explicit Course(const SynthOptions& options);
 
-  /// Meters on its way after `time` seconds.
-  double way(double time) const;
-  /// Where it drives, and the other lane of its direction; the same where there is none.
+  /// Returns the path length in meters after `time` seconds.
+  double path_length(double time) const;
+  /// Return the lateral position of its lane and of the other lane of its direction; both are the same if there is only one
+  /// lane.
   double lane() const { return lane_; }
   double other_lane() const { return other_lane_; }
 
-  /// (s, d) of the street.
-  Eigen::Vector2d place(double way, double left) const;
-  /// Where on the way the street's s is.
-  double way_at(double s) const { return reverse_ ? begin_ - s : s; }
-  SE3 world_from_place(const Street& street, double way, double left, double z, double yaw) const;
+  /// Converts a position to (s, d) of the street.
+  Eigen::Vector2d place(double length, double left) const;
+  /// Returns the path length at the street's s.
+  double path_length_at(double s) const { return reverse_ ? begin_ - s : s; }
+  SE3 world_from_place(const Street& street, double length, double left, double z, double yaw) const;
 
  private:
   double speed_mps_ = 0, lane_ = 0, other_lane_ = 0, begin_ = 0;

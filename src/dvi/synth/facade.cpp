@@ -7,9 +7,9 @@ namespace dvi::synth {
 namespace {
 
 constexpr double kPixelsPerMeter = 45;
-constexpr double kStory = 3.0, kShopHeight = 3.7;
+constexpr double kStoryM = 3.0, kShopHeightM = 3.7;
 
-std::string shop_name(Random& random) {
+std::string choose_shop_name(Random& random) {
   static const std::array<const char*, 18> kNames = {"CAFE",   "BANK",  "HOTEL",   "BOOKS",  "PHARMACY", "NOODLES",
                                                      "SHOES",  "24 H",  "BAKERY",  "TAXI",   "MUSIC",    "REPAIR",
                                                      "OPTICS", "PIZZA", "FLOWERS", "PHONES", "TAILOR",   "CINEMA"};
@@ -63,7 +63,7 @@ void paint_stories(Canvas& canvas, Random& random, const cv::Scalar& base) {
   const double pitch = random.uniform(1.7, 2.7), w = pitch * random.uniform(0.48, 0.7), h = random.uniform(1.4, 1.9);
   const cv::Scalar trim = random.below(2) == 0 ? base * 1.3 : cv::Scalar(205, 212, 215);
   const bool balconies = random.below(3) == 0;
-  for (double z = kShopHeight + 0.8; z + h < canvas.height() - 0.6; z += kStory) {
+  for (double z = kShopHeightM + 0.8; z + h < canvas.height() - 0.6; z += kStoryM) {
     canvas.box(0, z - 0.55, canvas.width(), 0.09, base * 0.82);
     for (double x = 0.6; x + w < canvas.width() - 0.4; x += pitch) {
       paint_window(canvas, random, x, z, w, h, trim);
@@ -94,7 +94,8 @@ void paint_shop(Canvas& canvas, Random& random, double x, double w) {
   canvas.box(door + 0.08, 0, w / 3 - 0.12, 2.3, board * 0.45);
   canvas.box(door + 0.2, 0.5, w / 3 - 0.36, 1.6, {95, 88, 80});
   canvas.box(x - 0.08, 2.7, w + 0.16, 0.75, board);
-  canvas.text(x + 0.1, 2.8, w - 0.2, 0.52, shop_name(random), light_words ? cv::Scalar(240, 240, 240) : cv::Scalar(25, 25, 30));
+  canvas.text(x + 0.1, 2.8, w - 0.2, 0.52, choose_shop_name(random),
+              light_words ? cv::Scalar(240, 240, 240) : cv::Scalar(25, 25, 30));
 }
 
 }  // namespace
@@ -105,13 +106,13 @@ TexturePtr paint_facade(Random random, const Noise& noise, double width_m, doubl
   Canvas canvas(width_m, height_m, kPixelsPerMeter, base);
   paint_wall(canvas, random, base);
   paint_stories(canvas, random, base);
-  canvas.box(0, 0, canvas.width(), kShopHeight, base * 0.88);
+  canvas.box(0, 0, canvas.width(), kShopHeightM, base * 0.88);
   const int shops = std::max(1, static_cast<int>(std::lround(width_m / random.uniform(3.2, 5.0))));
   for (int i = 0; i < shops; ++i) {
     const double w = (width_m - 0.4) / shops;
     paint_shop(canvas, random, 0.3 + i * w, w - 0.35);
   }
-  canvas.box(0, kShopHeight - 0.1, canvas.width(), 0.16, base * 1.15);
+  canvas.box(0, kShopHeightM - 0.1, canvas.width(), 0.16, base * 1.15);
   canvas.box(0, canvas.height() - 0.5, canvas.width(), 0.5, base * 0.72);
   canvas.box(0, canvas.height() - 0.62, canvas.width(), 0.1, base * 1.25);
   canvas.box(0, 0, 0.12, canvas.height(), base * 0.55);
@@ -127,7 +128,8 @@ TexturePtr paint_sign(Random random, const Noise& noise, double width_m, double 
   canvas.frame(0.04, 0.04, width_m - 0.08, height_m - 0.08, ink, 3);
   const int rows = std::max(1, static_cast<int>(height_m / 0.45));
   for (int i = 0; i < rows; ++i)
-    canvas.text(0.1, 0.1 + i * (height_m - 0.2) / rows, width_m - 0.2, 0.7 * (height_m - 0.2) / rows, shop_name(random), ink);
+    canvas.text(0.1, 0.1 + i * (height_m - 0.2) / rows, width_m - 0.2, 0.7 * (height_m - 0.2) / rows, choose_shop_name(random),
+                ink);
   roughen(canvas.picture, noise, 4, {random.below(512), random.below(512)});
   return std::make_shared<Texture>(canvas.picture);
 }

@@ -5,11 +5,11 @@
 
 namespace dvi::synth {
 
-/// The front of a house: wall of brick, plaster or slabs, windows, shops with signs.
+/// Paints the front of a house: a wall of brick, plaster or slabs, with windows and shops with signs.
 TexturePtr paint_facade(Random random, const Noise& noise, double width_m, double height_m);
-/// A blade sign, a poster: words on a colored board.
+/// Paints a blade sign or a poster: words on a colored board.
 TexturePtr paint_sign(Random random, const Noise& noise, double width_m, double height_m);
-/// The board of a barrier: red and white, 1.8 x 0.25 m.
+/// Paints the board of a barrier: red and white, 1.8 x 0.25 m.
 TexturePtr paint_barrier(Random random, const Noise& noise);
 
 }  // namespace dvi::synth

@@ -29,17 +29,17 @@ void add_frustum(Solid& solid, const Rectangle& low, const Rectangle& high, cons
 }
 
 TexturePtr paint_plain(Random random, const Noise& noise, const cv::Scalar& color, double amplitude) {
-  cv::Mat3b picture = plain(128, 128, color);
+  cv::Mat3b picture = make_plain_picture(128, 128, color);
   roughen(picture, noise, amplitude, {random.below(512), random.below(512)});
   return std::make_shared<Texture>(picture);
 }
 
 TexturePtr paint_leaves(Random random, double cover) {
   constexpr int kSize = 256;
-  cv::Mat3b picture = plain(kSize, kSize, {32, 62, 44});
+  cv::Mat3b picture = make_plain_picture(kSize, kSize, {32, 62, 44});
   cv::Mat1b alpha(kSize, kSize, uchar{0});
   const double autumn = random.uniform(-12, 18);
-  // Mean area of a clump of leaves below; clumps fall anywhere and overlap.
+  // The mean area of a clump of leaves below is 510 pixels; clumps are placed at random and overlap.
   const double clumps = -std::log(1 - cover) * kSize * kSize / 510;
   for (int i = 0; i < 1500; ++i) {
     const cv::Point at(random.below(kSize), random.below(kSize));
@@ -50,7 +50,7 @@ TexturePtr paint_leaves(Random random, double cover) {
     cv::ellipse(picture, at, axes, angle, 0, 360, color, cv::FILLED, cv::LINE_AA);
     if (i < clumps) cv::ellipse(alpha, at, axes * 2, angle, 0, 360, 255, cv::FILLED);
   }
-  // Round at the rim, so that crossing planes do not show their rectangles.
+  // The boundary is round, so that crossing planes do not show their rectangles.
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x) {
       constexpr double kMiddle = kSize / 2.0;
@@ -73,7 +73,7 @@ Model make_tree(Random random, const TexturePtr& bark, const TexturePtr& leaves)
     Surface& surface =
         model.solid.add(center - right - up, center + right - up, center - right + up, center + right + up, leaves);
     surface.lit = false;
-    // Deep in the crown it is darker.
+    // The crown is darker inside.
     const auto shade = static_cast<float>(0.72 + 0.25 * reach + 0.08 * (center.z() - trunk));
     surface.tint = {shade, shade, shade};
   }

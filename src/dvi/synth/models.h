@@ -5,39 +5,40 @@
 
 namespace dvi::synth {
 
-/// Something that stands at the origin of its own axes: x forward, y left, z up from the ground.
+/// An object at the origin of its own axes: x forward, y left, z up from the ground.
 struct Model {
-  std::string type;  ///< as a label names it
+  std::string type;  ///< the class of its labels
   Solid solid;
-  Eigen::Vector3d size;  ///< of the box round it, centered above the origin
+  Eigen::Vector3d size;  ///< of its bounding box, centered above the origin
 };
 
 Model make_car(Random random, const Noise& noise);
 Model make_van(Random random, const Noise& noise);
 Model make_truck(Random random, const Noise& noise);
 Model make_pedestrian(Random random, const Noise& noise);
-/// A person who walks: one model for each of kGaitPhases equal parts of a stride of kStride meters, two steps.
+/// Makes a walking person: one model for each of kGaitPhases equal parts of a stride of kStrideM meters (two steps).
 inline constexpr int kGaitPhases = 16;
-inline constexpr double kStride = 1.4;
+inline constexpr double kStrideM = 1.4;
 std::vector<Model> make_walker(Random random, const Noise& noise);
 
-/// Leaves with gaps between them; `cover` is about the share that is leaf.
+/// Paints leaves with gaps between them; `cover` is the approximate share of leaves.
 TexturePtr paint_leaves(Random random, double cover);
-/// One color, rough.
+/// Paints one color with noise.
 TexturePtr paint_plain(Random random, const Noise& noise, const cv::Scalar& color, double amplitude = 6);
 
-/// A trunk and a crown of leafy planes with gaps.
+/// Makes a trunk with a crown of leafy planes with gaps.
 Model make_tree(Random random, const TexturePtr& bark, const TexturePtr& leaves);
-/// A planter with a hedge of several leafy planes.
+/// Makes a planter with a hedge of several leafy planes.
 Model make_hedge(double length, const TexturePtr& planter, const TexturePtr& leaves);
 
-/// A frustum: faces left, right, front, back, top between a lower and an upper rectangle; a null texture leaves a face out.
+/// Adds a frustum with the faces left, right, front, back, and top between a lower and an upper rectangle; a null texture omits
+/// a face.
 struct Rectangle {
   double back, front, half_width, z;
 };
 struct Faces {
   TexturePtr left, right, front, back, top;
-  bool mirrored = true;  ///< the right face's picture, so that what is in front stays in front
+  bool mirrored = true;  ///< mirrors the picture of the right face, so that its front is in front
 };
 void add_frustum(Solid& solid, const Rectangle& low, const Rectangle& high, const Faces& faces);
 

@@ -7,7 +7,7 @@
 
 namespace dvi::synth {
 
-Random random_for(std::uint64_t seed, std::uint64_t kind, std::int64_t number) {
+Random make_random(std::uint64_t seed, std::uint64_t kind, std::int64_t number) {
   Random mix(seed * 0x9E3779B97F4A7C15ULL + kind);
   return Random(mix.next() ^ static_cast<std::uint64_t>(number) * 0xD1B54A32D192ED03ULL);
 }
@@ -29,7 +29,7 @@ Noise::Noise(std::uint64_t seed) : tile_(cv::Mat1f::zeros(512, 512)) {
   }
 }
 
-cv::Mat3b plain(int rows, int cols, const cv::Scalar& color) {
+cv::Mat3b make_plain_picture(int rows, int cols, const cv::Scalar& color) {
   cv::Mat3b picture(rows, cols);
   picture.setTo(color);
   return picture;
@@ -40,7 +40,7 @@ void roughen(cv::Mat3b& picture, const Noise& noise, double amplitude, cv::Point
   for (int y = 0; y < picture.rows; ++y) {
     cv::Vec3b* row = picture[y];
     for (int x = 0; x < picture.cols; ++x) {
-      // Rounded, by way of a positive number.
+      // Adding an offset makes the number positive, so that truncation rounds.
       const int add = static_cast<int>(gain * noise(x + offset.x, y + offset.y) + 1024.5F) - 1024;
       for (int c = 0; c < 3; ++c) row[x][c] = cv::saturate_cast<uchar>(row[x][c] + add);
     }
@@ -48,8 +48,8 @@ void roughen(cv::Mat3b& picture, const Noise& noise, double amplitude, cv::Point
 }
 
 Canvas::Canvas(double width_m, double height_m, double pixels_per_m, const cv::Scalar& color)
-    : picture(plain(std::max(2, static_cast<int>(std::lround(height_m * pixels_per_m))),
-                    std::max(2, static_cast<int>(std::lround(width_m * pixels_per_m))), color)),
+    : picture(make_plain_picture(std::max(2, static_cast<int>(std::lround(height_m * pixels_per_m))),
+                                 std::max(2, static_cast<int>(std::lround(width_m * pixels_per_m))), color)),
       scale_(pixels_per_m) {}
 
 cv::Point Canvas::at(double x, double z) const {

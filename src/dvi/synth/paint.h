@@ -9,10 +9,10 @@
 
 namespace dvi::synth {
 
-/// A random generator for one thing of the street: the same whatever else is built.
-Random random_for(std::uint64_t seed, std::uint64_t kind, std::int64_t number);
+/// Makes the random generator of one object of the street, which does not depend on other objects.
+Random make_random(std::uint64_t seed, std::uint64_t kind, std::int64_t number);
 
-/// A square of noise with all scales from one pixel to a quarter of its side; repeats seamlessly. Unit deviation.
+/// A square of noise at all scales from one pixel to a quarter of its side. It repeats seamlessly and has unit deviation.
 class Noise {
  public:
   explicit Noise(std::uint64_t seed);
@@ -22,9 +22,9 @@ class Noise {
   cv::Mat1f tile_;
 };
 
-/// A picture of one color.
-cv::Mat3b plain(int rows, int cols, const cv::Scalar& color);
-/// Adds noise, its pixel (0, 0) being that of `offset`.
+/// Makes a picture of one color.
+cv::Mat3b make_plain_picture(int rows, int cols, const cv::Scalar& color);
+/// Adds noise; its pixel (0, 0) is that of `offset`.
 void roughen(cv::Mat3b& picture, const Noise& noise, double amplitude, cv::Point offset);
 
 /// A picture measured in meters: x to the right, z up from the lower edge.
@@ -33,7 +33,7 @@ class Canvas {
   Canvas(double width_m, double height_m, double pixels_per_m, const cv::Scalar& color);
 
   cv::Mat3b picture;
-  cv::Mat1b alpha;  ///< empty until `cut` or `uncut` is called: no holes
+  cv::Mat1b alpha;  ///< empty (no holes) until cut_below() or uncut() is called
 
   double width() const { return picture.cols / scale_; }
   double height() const { return picture.rows / scale_; }
@@ -41,9 +41,9 @@ class Canvas {
   void frame(double x, double z, double w, double h, const cv::Scalar& color, int thickness);
   void line(double x0, double z0, double x1, double z1, const cv::Scalar& color, int thickness);
   void disc(double x, double z, double radius, const cv::Scalar& color);
-  /// Words within a box, as large as fits.
+  /// Draws words in a box, as large as possible.
   void text(double x, double z, double w, double h, const std::string& words, const cv::Scalar& color);
-  /// Makes the strip below z a hole, but for discs of `uncut`.
+  /// Makes the strip below z a hole, except for disks of uncut().
   void cut_below(double z);
   void uncut(double x, double z, double radius);
 

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kEdgeSamples = 3;  // a side
+constexpr int kEdgeSamples = 3;  // per side
 
 struct Layer {
   cv::Mat1i id;
@@ -51,7 +51,7 @@ class Painter {
 
   /// Marks the pixels that a mover or its shadow may change.
   void mark(const PlacedMover& placed, const Vector3d& to_sun, cv::Mat1b& wanted) const {
-    const Vector3d size = placed.model->size + Vector3d::Constant(2 * kShadowReach);
+    const Vector3d size = placed.model->size + Vector3d::Constant(2 * kShadowReachM);
     const Box box{placed.world_from_mover * SE3{Eigen::Matrix3d::Identity(), {0, 0, 0.5 * placed.model->size.z()}}, size};
     std::vector<Vector3d> corners;
     for (const Vector3d& corner : box.corners()) {

@@ -6,7 +6,7 @@
 
 namespace dvi::synth {
 
-/// The image of a camera with and without the movers, antialiased: pixels at edges are traced many times.
+/// Renders the image of a camera with and without the movers, antialiased: pixels at edges are traced several times.
 SynthFrame render(const StaticWorld& world, std::vector<PlacedMover> movers, const Camera& camera, const SE3& camera_from_world,
                   double gain);
 

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kHalfLength = 3.5, kHalfWidth = 2.7, kHeight = 2.6;
+constexpr double kHalfLengthM = 3.5, kHalfWidthM = 2.7, kHeightM = 2.6;
 constexpr double kRoomPixelsPerMeter = 160;
 
 TexturePtr to_texture(Canvas& canvas, Random& random, const Noise& noise, double amplitude = 4) {
@@ -21,15 +21,15 @@ TexturePtr to_texture(Canvas& canvas, Random& random, const Noise& noise, double
   return std::make_shared<Texture>(canvas.picture);
 }
 
-// Wallpaper with a pattern, a skirting board, pictures.
+// Paints wallpaper with a pattern, a skirting board, and pictures.
 TexturePtr paint_wallpaper(Random random, const Noise& noise, double length, bool window) {
   const double gray = random.uniform(165, 200);
   const cv::Scalar base(gray * random.uniform(0.82, 1), gray * random.uniform(0.9, 1), gray);
-  Canvas canvas(length, kHeight, kRoomPixelsPerMeter, base);
+  Canvas canvas(length, kHeightM, kRoomPixelsPerMeter, base);
   const cv::Scalar pattern = base * random.uniform(0.8, 0.9);
   for (double x = 0.1; x < length; x += 0.2)
-    for (double z = 0.1; z < kHeight; z += 0.25) canvas.disc(x + 0.1 * (static_cast<int>(z * 4) % 2), z, 0.02, pattern);
-  for (double x = 0; x < length; x += 0.8) canvas.line(x, 0, x, kHeight, pattern, 2);
+    for (double z = 0.1; z < kHeightM; z += 0.25) canvas.disc(x + 0.1 * (static_cast<int>(z * 4) % 2), z, 0.02, pattern);
+  for (double x = 0; x < length; x += 0.8) canvas.line(x, 0, x, kHeightM, pattern, 2);
   for (double x = random.uniform(0.3, 0.7); x < length - 0.9; x += random.uniform(1.1, 1.6)) {
     const double w = random.uniform(0.45, 0.8), h = random.uniform(0.4, 0.7), z = random.uniform(1.2, 1.6);
     canvas.box(x - 0.05, z - 0.05, w + 0.1, h + 0.1, {40, 55, 80});
@@ -52,7 +52,7 @@ TexturePtr paint_wallpaper(Random random, const Noise& noise, double length, boo
 }
 
 TexturePtr paint_planks(Random random, const Noise& noise) {
-  Canvas canvas(2 * kHalfLength, 2 * kHalfWidth, 120, {82, 120, 158});
+  Canvas canvas(2 * kHalfLengthM, 2 * kHalfWidthM, 120, {82, 120, 158});
   for (int row = 0; row * 0.14 < canvas.height(); ++row)
     for (double x = random.uniform(-1.2, 0); x < canvas.width();) {
       const double length = random.uniform(0.7, 1.5);
@@ -103,11 +103,13 @@ class Furnisher {
   }
 
  private:
-  Random random(int number) const { return random_for(seed_, 120, number); }
-  TexturePtr plain(int number, const cv::Scalar& color) const { return paint_plain(random(number), noise_, color, 9); }
+  Random random(int number) const { return make_random(seed_, 120, number); }
+  TexturePtr make_plain_picture(int number, const cv::Scalar& color) const {
+    return paint_plain(random(number), noise_, color, 9);
+  }
 
   void add_walls() {
-    const double x = kHalfLength, y = kHalfWidth, z = kHeight;
+    const double x = kHalfLengthM, y = kHalfWidthM, z = kHeightM;
     const auto wall = [&](const Vector2d& left, const Vector2d& right, int number) {
       room_.add({left.x(), left.y(), 0}, {right.x(), right.y(), 0}, {left.x(), left.y(), z}, {right.x(), right.y(), z},
                 paint_wallpaper(random(number), noise_, (right - left).norm(), number == 1));
@@ -117,7 +119,7 @@ class Furnisher {
     wall({x, -y}, {-x, -y}, 2);
     wall({-x, -y}, {-x, y}, 3);
     room_.add({-x, -y, 0}, {x, -y, 0}, {-x, y, 0}, {x, y, 0}, paint_planks(random(4), noise_));
-    room_.add({-x, y, z}, {x, y, z}, {-x, -y, z}, {x, -y, z}, plain(5, {205, 210, 212}));
+    room_.add({-x, y, z}, {x, y, z}, {-x, -y, z}, {x, -y, z}, make_plain_picture(5, {205, 210, 212}));
   }
 
   void add_block(double length, double width, double low, double high, const Faces& faces, const SE3& place) {
@@ -130,7 +132,7 @@ class Furnisher {
   static Faces all(const TexturePtr& texture) { return {texture, texture, texture, texture, texture}; }
 
   void add_shelf(double x, double y, double width, double height) {
-    const TexturePtr wood = plain(10, {52, 72, 96});
+    const TexturePtr wood = make_plain_picture(10, {52, 72, 96});
     add_block(0.36, width, 0, height, {wood, wood, wood, paint_books(random(11), noise_, width, height), wood}, at(x, y));
   }
 
@@ -139,7 +141,7 @@ class Furnisher {
     Canvas top(1.5, 0.8, kRoomPixelsPerMeter, {60, 92, 128});
     for (double z = 0; z < 0.8; z += 0.05) top.line(0, z, 1.5, z + 0.02, {48, 76, 108}, 2);
     for (int i = 0; i < 6; ++i) top.box(dice.uniform(0, 1.2), dice.uniform(0, 0.5), 0.21, 0.29, random_color(dice, 90, 235));
-    const TexturePtr wood = plain(13, {55, 85, 120});
+    const TexturePtr wood = make_plain_picture(13, {55, 85, 120});
     add_block(0.8, 1.5, 0.7, 0.75, {wood, wood, wood, wood, to_texture(top, dice, noise_)}, at(x, y));
     for (const double dx : {-0.34, 0.34})
       for (const double dy : {-0.68, 0.68}) add_block(0.06, 0.06, 0, 0.7, all(wood), at(x + dx, y + dy));
@@ -154,19 +156,19 @@ class Furnisher {
       doors.disc(left + (left < 0.5 ? 0.48 : 0.07), 0.55, 0.025, {40, 44, 48});
       for (double z = 0.15; z < 1; z += 0.12) doors.line(left + 0.08, z, left + 0.47, z, {112, 130, 146}, 3);
     }
-    const TexturePtr wood = plain(16, {130, 150, 168});
+    const TexturePtr wood = make_plain_picture(16, {130, 150, 168});
     add_block(0.5, 1.2, 0, 1.1, {wood, wood, wood, to_texture(doors, dice, noise_), wood}, at(x, y));
   }
 
   void add_box(double x, double y, double length, double width, double height, double yaw, double low = 0) {
     const TexturePtr side = paint_sign(random(20 + static_cast<int>(100 * (x + low))), noise_, width, height);
-    const TexturePtr lid = plain(17, {96, 140, 176});
+    const TexturePtr lid = make_plain_picture(17, {96, 140, 176});
     add_block(length, width, low, low + height, {side, side, side, side, lid, false}, at(x, y, yaw));
   }
 
-  // As high as a person, and stays.
+  // The stand is as high as a person, but static.
   void add_stand(double x, double y) {
-    const TexturePtr wood = plain(18, {44, 58, 78}), cloth = plain(19, {60, 50, 120});
+    const TexturePtr wood = make_plain_picture(18, {44, 58, 78}), cloth = make_plain_picture(19, {60, 50, 120});
     room_.add_cylinder({x, y, 0}, 0.03, 1.75, wood);
     add_block(0.4, 0.4, 0, 0.04, all(wood), at(x, y));
     Solid coat;
@@ -175,7 +177,7 @@ class Furnisher {
   }
 
   void add_plant(double x, double y) {
-    const TexturePtr pot = plain(21, {70, 90, 160});
+    const TexturePtr pot = make_plain_picture(21, {70, 90, 160});
     add_block(0.3, 0.3, 0, 0.35, all(pot), at(x, y));
     const TexturePtr leaves = paint_leaves(random(22), 0.5);
     for (int i = 0; i < 3; ++i) {
@@ -192,9 +194,9 @@ class Furnisher {
   Solid room_;
 };
 
-// To and fro between -1 and 1, at constant speed: 4 is once forth and back.
-double to_and_fro(double way) {
-  const double phase = way - 4 * std::floor(way / 4);
+// Moves back and forth between -1 and 1 at constant speed; the period is 4.
+double move_back_and_forth(double length) {
+  const double phase = length - 4 * std::floor(length / 4);
   return phase < 2 ? phase - 1 : 3 - phase;
 }
 
@@ -204,7 +206,7 @@ Solid make_room(const SynthOptions& options, const Noise& noise) {
   return Furnisher(static_cast<std::uint64_t>(options.seed), noise).furnish();
 }
 
-Light room_light(int day) {
+Light make_room_light(int day) {
   const double evening = day % 2 == 1 ? 1 : 0.8;
   const cv::Vec3f lamp(0.5F, 0.54F, 0.58F), walls(0.5F, 0.5F, 0.5F);
   return {Vector3d(-0.35, 0.3, 0.89).normalized(), lamp * evening, walls * evening};
@@ -220,13 +222,13 @@ SE3 world_from_hand(const SynthOptions& options, double time) {
 }
 
 std::vector<Mover> make_visitors(const SynthOptions& options, const Noise& noise) {
-  constexpr double kReach = 2.2, kSpeed = 1.1;
+  constexpr double kReachM = 2.2, kSpeedMps = 1.1;
   const double start = 0.3 + 0.7 * (options.day - 1);
-  const auto place = [=](double t) { return Vector2d(0.3, kReach * to_and_fro(start + kSpeed / kReach * t)); };
-  return {{0, make_walker(random_for(static_cast<std::uint64_t>(options.seed), 23, options.day), noise), place}};
+  const auto place = [=](double t) { return Vector2d(0.3, kReachM * move_back_and_forth(start + kSpeedMps / kReachM * t)); };
+  return {{0, make_walker(make_random(static_cast<std::uint64_t>(options.seed), 23, options.day), noise), place}};
 }
 
-cv::Mat1w measured_depth(const cv::Mat1f& depth, double noise_5m, Random random) {
+cv::Mat1w simulate_depth(const cv::Mat1f& depth, double noise_5m, Random random) {
   cv::Mat1f near, far;
   cv::erode(depth, near, {});
   cv::dilate(depth, far, {});

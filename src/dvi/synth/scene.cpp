@@ -16,11 +16,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr std::int64_t kStart = 1'000'000'000'000, kReverseLater = 500'000'000'000;
-constexpr double kLidarHeight = 1.73;
+constexpr double kRadPerDegree = std::numbers::pi / 180;
+constexpr std::int64_t kStartNs = 1'000'000'000'000, kReverseDelayNs = 500'000'000'000;
+constexpr double kLidarHeightM = 1.73;
 
-// The HDL-64E: its upper half three beams a degree, its lower half two.
+// Returns the elevation of a beam of the HDL-64E: three beams per degree in its upper half, two in its lower half.
 double elevation_deg(int beam, int beams) {
   if (beams == 64) return beam < 32 ? -24.33 + 0.5 * beam : -8.33 + (beam - 32) / 3.0;
   return beams == 1 ? -5.0 : -24.8 + 26.8 * beam / (beams - 1);
@@ -35,8 +35,8 @@ struct Scene::World {
         course(options),
         movers(options.room ? make_visitors(options, noise) : make_traffic(options, course, noise)) {}
 
-  std::vector<PlacedMover> placed(double time) const {
-    return synth::placed(movers, still.street, time, course.place(course.way(time), 0).x());
+  std::vector<PlacedMover> place_movers(double time) const {
+    return synth::place_movers(movers, still.street, time, course.place(course.path_length(time), 0).x());
   }
 
   Noise noise;
@@ -57,7 +57,7 @@ Scene::~Scene() = default;
 std::string Scene::name(int frame) const { return fmt::format("{:06d}", frame); }
 
 std::int64_t Scene::time_ns(int frame) const {
-  const std::int64_t start = kStart * options_.day + (options_.reverse ? kReverseLater : 0);
+  const std::int64_t start = kStartNs * options_.day + (options_.reverse ? kReverseDelayNs : 0);
   return start + std::llround(1e9 * (frame + 0.5) / options_.rate_hz);
 }
 
@@ -68,21 +68,21 @@ SE3 Scene::world_from_lidar(std::int64_t time_ns) const {
   if (options_.room) return world_from_hand(options_, t);
   const Course& course = world_->course;
   const double sway = 0.12 * std::sin(0.8 * p + 0.3);
-  const double yaw = 0.55 * kDegree * std::sin(1.3 * p + 0.2), roll = 0.25 * kDegree * std::sin(2.3 * p);
-  const double pitch = kDegree * (0.22 * std::sin(6.1 * p) + 0.05 * std::sin(11 * p));
-  const SE3 level = course.world_from_place(world_->still.street, course.way(t), course.lane() + sway,
-                                            kLidarHeight + 0.012 * std::sin(7 * p), yaw);
+  const double yaw = 0.55 * kRadPerDegree * std::sin(1.3 * p + 0.2), roll = 0.25 * kRadPerDegree * std::sin(2.3 * p);
+  const double pitch = kRadPerDegree * (0.22 * std::sin(6.1 * p) + 0.05 * std::sin(11 * p));
+  const SE3 level = course.world_from_place(world_->still.street, course.path_length(t), course.lane() + sway,
+                                            kLidarHeightM + 0.012 * std::sin(7 * p), yaw);
   return level * SE3{so3_exp({0, pitch, 0}) * so3_exp({roll, 0, 0}), Vector3d::Zero()};
 }
 
 SE3 Scene::camera_from_world(int frame, std::size_t camera) const {
-  Random random = synth::random_for(static_cast<std::uint64_t>(options_.seed), stream(200, camera), frame);
+  Random random = synth::make_random(static_cast<std::uint64_t>(options_.seed), stream(200, camera), frame);
   const double pitch = random.uniform(-1, 1) * options_.jitter_deg, yaw = random.uniform(-1, 1) * options_.jitter_deg;
-  const SE3 jitter{so3_exp({pitch * kDegree, 0, 0}) * so3_exp({0, yaw * kDegree, 0}), Vector3d::Zero()};
+  const SE3 jitter{so3_exp({pitch * kRadPerDegree, 0, 0}) * so3_exp({0, yaw * kRadPerDegree, 0}), Vector3d::Zero()};
   return jitter * cameras_[camera].camera_from_lidar * world_from_lidar(time_ns(frame)).inverse();
 }
 
-// Random numbers of their own for each purpose, day, direction and camera.
+// Returns a separate stream of random numbers for each purpose, day, direction and camera.
 int Scene::stream(int purpose, std::size_t camera) const {
   return purpose + options_.day + 100 * static_cast<int>(camera) + (options_.reverse ? 1000 : 0);
 }
@@ -94,7 +94,7 @@ double Scene::gain(int frame, std::size_t camera) const {
 
 SynthFrame Scene::render(int frame, std::size_t camera) const {
   const double t = seconds(time_ns(frame));
-  return synth::render(world_->still, world_->placed(t), camera_, camera_from_world(frame, camera), gain(frame, camera));
+  return synth::render(world_->still, world_->place_movers(t), camera_, camera_from_world(frame, camera), gain(frame, camera));
 }
 
 cv::Mat3b Scene::record(int frame, const SynthFrame& rendered, std::size_t camera) const {
@@ -102,7 +102,7 @@ cv::Mat3b Scene::record(int frame, const SynthFrame& rendered, std::size_t camer
   if (options_.image_noise == 0) return image;
   parallel_for(static_cast<std::size_t>(image.rows), [&](std::size_t row) {
     const auto number = static_cast<std::int64_t>(frame) * image.rows + static_cast<std::int64_t>(row);
-    Random random = synth::random_for(static_cast<std::uint64_t>(options_.seed), stream(210, camera), number);
+    Random random = synth::make_random(static_cast<std::uint64_t>(options_.seed), stream(210, camera), number);
     cv::Vec3b* pixels = image[static_cast<int>(row)];
     for (int x = 0; x < image.cols; ++x)
       for (int c = 0; c < 3; ++c)
@@ -119,8 +119,8 @@ cv::Mat1b Scene::mask(const SynthFrame& rendered) const {
 }
 
 cv::Mat1w Scene::depth_image(int frame, const SynthFrame& rendered) const {
-  return measured_depth(rendered.seen, options_.range_noise,
-                        synth::random_for(static_cast<std::uint64_t>(options_.seed), stream(230, 0), frame));
+  return simulate_depth(rendered.seen, options_.range_noise,
+                        synth::make_random(static_cast<std::uint64_t>(options_.seed), stream(230, 0), frame));
 }
 
 SynthScan Scene::scan(int frame) const {
@@ -132,12 +132,12 @@ SynthScan Scene::scan(int frame) const {
     const double share = static_cast<double>(column) / static_cast<double>(columns), after = (share - 0.5) * period;
     const std::int64_t time = time_ns(frame) + std::llround(1e9 * after);
     const double t = seconds(time), azimuth = std::numbers::pi * (1 - 2 * share);
-    const Tracer tracer(world_->still, world_->placed(t));
+    const Tracer tracer(world_->still, world_->place_movers(t));
     const SE3 pose = world_from_lidar(time);
-    Random random = synth::random_for(static_cast<std::uint64_t>(options_.seed), stream(220, 0),
-                                      static_cast<std::int64_t>(frame) * options_.columns + static_cast<std::int64_t>(column));
+    Random random = synth::make_random(static_cast<std::uint64_t>(options_.seed), stream(220, 0),
+                                       static_cast<std::int64_t>(frame) * options_.columns + static_cast<std::int64_t>(column));
     for (int beam = 0; beam < options_.beams; ++beam) {
-      const double up = elevation_deg(beam, options_.beams) * kDegree, error = options_.range_noise * random.normal();
+      const double up = elevation_deg(beam, options_.beams) * kRadPerDegree, error = options_.range_noise * random.normal();
       const Vector3d direction(std::cos(up) * std::cos(azimuth), std::cos(up) * std::sin(azimuth), std::sin(up));
       const Ray ray{pose.t, pose.R * direction};
       const Tracer::Seen seen = tracer.trace(ray, options_.range_m);
@@ -168,12 +168,12 @@ std::vector<Label> Scene::boxes(int frame) const {
   const double t = seconds(time_ns(frame));
   const SE3 lidar_from_world = world_from_lidar(time_ns(frame)).inverse();
   std::vector<Label> labels;
-  for (const PlacedMover& placed : world_->placed(t)) {
+  for (const PlacedMover& placed : world_->place_movers(t)) {
     const Model& model = *placed.model;
     const SE3 pose = lidar_from_world * placed.world_from_mover;
     const Vector3d center = pose * Vector3d(0, 0, 0.5 * model.size.z());
     if (center.norm() > options_.range_m) continue;
-    // Labels know a turn about z only.
+    // Labels have only a rotation about z.
     const double yaw = std::atan2(pose.R(1, 0), pose.R(0, 0));
     Label label;
     label.track = placed.mover->track;

@@ -17,29 +17,29 @@ namespace dvi::synth {
 struct SynthFrame {
   cv::Mat3b image;    ///< with traffic
   cv::Mat3b clean;    ///< without traffic
-  cv::Mat1f depth;    ///< meters along the optical axis at the pixel's center, without traffic; 0: sky
-  cv::Mat1f seen;     ///< the same with traffic: what a depth camera measures
+  cv::Mat1f depth;    ///< depth z in meters at the pixel's center, without traffic; 0: sky
+  cv::Mat1f seen;     ///< the same with traffic, as measured by a depth camera
   cv::Mat1b dynamic;  ///< 255 where image differs from clean: traffic and its shadow
 };
 
 /// A scan with its truth.
 struct SynthScan {
   Scan scan;
-  std::vector<std::uint8_t> dynamic;  ///< one a point: 1 on traffic
-  std::vector<float> range;           ///< one a point: meters, without noise
+  std::vector<std::uint8_t> dynamic;  ///< one per point: 1 on traffic
+  std::vector<float> range;           ///< one per point: in meters, without noise
 };
 
 /// One camera of the rig; all have the same lens.
 struct SceneCamera {
   std::string name;
-  SE3 camera_from_lidar;  ///< the calibration a recording brings; the true one of a frame differs from it by its jitter
+  SE3 camera_from_lidar;  ///< the recorded calibration; the true one of a frame differs from it by its jitter
   double gain = 1;        ///< factor of all its colors
 };
 
-/// The synthetic street, or room, and its recording, in memory: everything is computed when asked for, and each call for the
-/// same thing gives the same. Frame i is exposed at the middle of scan i. Safe to use from many threads. The world is the
-/// street's own: x along it, z up, the road at z = 0. A room's origin is in the middle of its floor. Its camera measures depth
-/// as well; the axes that are elsewhere those of the LiDAR are x forward, y left, z up at the camera.
+/// The synthetic street or room and its recording in memory. Everything is computed on demand and deterministically. Frame i is
+/// exposed at the middle of scan i. Thread-safe. The world is that of the street: x along it, z up, the road at z = 0. The
+/// origin of a room is in the middle of its floor; its camera measures depth as well, and the axes of the LiDAR are replaced by
+/// x forward, y left, z up at the camera.
 class Scene {
  public:
   explicit Scene(const SynthOptions& options);
@@ -49,24 +49,24 @@ class Scene {
 
   const SynthOptions& options() const { return options_; }
   const Camera& camera() const { return camera_; }
-  const std::vector<SceneCamera>& cameras() const { return cameras_; }  ///< "front" first
+  const std::vector<SceneCamera>& cameras() const { return cameras_; }  ///< the first one is "front"
 
   std::string name(int frame) const;
-  std::int64_t time_ns(int frame) const;  ///< of the image, and of the scan's middle
+  std::int64_t time_ns(int frame) const;  ///< of the image and of the middle of the scan
   SE3 world_from_lidar(std::int64_t time_ns) const;
   SE3 camera_from_world(int frame, std::size_t camera = 0) const;  ///< of the true camera
-  double gain(int frame, std::size_t camera = 0) const;            ///< exposure: factor of all colors
+  double gain(int frame, std::size_t camera = 0) const;            ///< the exposure, a factor of all colors
 
   SynthFrame render(int frame, std::size_t camera = 0) const;
-  /// The image as a camera records it: with traffic and noise.
+  /// Returns the image as recorded by a camera, with traffic and noise.
   cv::Mat3b record(int frame, const SynthFrame& rendered, std::size_t camera = 0) const;
-  /// What a mask file holds: `dynamic` and some pixels round it.
+  /// Returns the mask of the mask files: `dynamic`, enlarged by several pixels.
   cv::Mat1b mask(const SynthFrame& rendered) const;
-  /// What the depth camera in a room records: millimeters, 0 nothing.
+  /// Returns the depth image of a room in millimeters, 0 for none.
   cv::Mat1w depth_image(int frame, const SynthFrame& rendered) const;
-  /// The scan, each firing from its own place at its own time.
+  /// Returns the scan; each firing has its own position and time.
   SynthScan scan(int frame) const;
-  /// Boxes of the moving traffic within the LiDAR's range, in LiDAR axes at the time of the image.
+  /// Returns the boxes of the moving traffic within the LiDAR's range, in LiDAR axes at the time of the image.
   std::vector<Label> boxes(int frame) const;
 
  private:
@@ -80,10 +80,10 @@ class Scene {
   std::unique_ptr<const World> world_;
 };
 
-/// The recording as a reader would give it, rendered on demand.
+/// Returns the recording like a reader, rendered on demand.
 Drive drive_of(const std::shared_ptr<const Scene>& scene);
 
-/// Its frames with the true cameras, images and masks: input for the stages after alignment.
+/// Returns its frames with the true cameras, images and masks, as input for the stages after alignment.
 Views views_of(const std::shared_ptr<const Scene>& scene);
 
 }  // namespace dvi::synth

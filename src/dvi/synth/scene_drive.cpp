@@ -5,19 +5,19 @@
 namespace dvi::synth {
 namespace {
 
-constexpr std::size_t kKept = 16;
+constexpr std::size_t kMaxCached = 16;
 
-Lazy<SynthFrame> frames_of(const std::shared_ptr<const Scene>& scene) {
-  return {static_cast<std::size_t>(scene->options().frames), kKept,
+Lazy<SynthFrame> make_frames(const std::shared_ptr<const Scene>& scene) {
+  return {static_cast<std::size_t>(scene->options().frames), kMaxCached,
           [scene](std::size_t i) { return scene->render(static_cast<int>(i)); }};
 }
 
-Lazy<cv::Mat3b> images_of(const std::shared_ptr<const Scene>& scene, const Lazy<SynthFrame>& frames) {
-  return {frames.size(), kKept, [scene, frames](std::size_t i) { return scene->record(static_cast<int>(i), *frames[i]); }};
+Lazy<cv::Mat3b> make_images(const std::shared_ptr<const Scene>& scene, const Lazy<SynthFrame>& frames) {
+  return {frames.size(), kMaxCached, [scene, frames](std::size_t i) { return scene->record(static_cast<int>(i), *frames[i]); }};
 }
 
-Lazy<cv::Mat1b> masks_of(const std::shared_ptr<const Scene>& scene, const Lazy<SynthFrame>& frames) {
-  return {frames.size(), kKept, [scene, frames](std::size_t i) { return scene->mask(*frames[i]); }};
+Lazy<cv::Mat1b> make_masks(const std::shared_ptr<const Scene>& scene, const Lazy<SynthFrame>& frames) {
+  return {frames.size(), kMaxCached, [scene, frames](std::size_t i) { return scene->mask(*frames[i]); }};
 }
 
 }  // namespace
@@ -39,10 +39,10 @@ Drive drive_of(const std::shared_ptr<const Scene>& scene) {
     poses.push_back({time, scene->world_from_lidar(time)});
   }
   drive.poses = Trajectory(poses);
-  const Lazy<SynthFrame> frames = frames_of(scene);
-  drive.images = images_of(scene, frames);
-  drive.masks = masks_of(scene, frames);
-  drive.scans = Lazy<Scan>(frames.size(), kKept, [scene](std::size_t i) { return scene->scan(static_cast<int>(i)).scan; });
+  const Lazy<SynthFrame> frames = make_frames(scene);
+  drive.images = make_images(scene, frames);
+  drive.masks = make_masks(scene, frames);
+  drive.scans = Lazy<Scan>(frames.size(), kMaxCached, [scene](std::size_t i) { return scene->scan(static_cast<int>(i)).scan; });
   return drive;
 }
 
@@ -50,9 +50,9 @@ Views views_of(const std::shared_ptr<const Scene>& scene) {
   Views views;
   for (int i = 0; i < scene->options().frames; ++i)
     views.views.push_back({0, static_cast<std::size_t>(i), scene->time_ns(i), scene->camera(), scene->camera_from_world(i)});
-  const Lazy<SynthFrame> frames = frames_of(scene);
-  views.images = images_of(scene, frames);
-  views.masks = masks_of(scene, frames);
+  const Lazy<SynthFrame> frames = make_frames(scene);
+  views.images = make_images(scene, frames);
+  views.masks = make_masks(scene, frames);
   return views;
 }
 

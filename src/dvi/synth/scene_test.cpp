@@ -28,7 +28,7 @@ SynthOptions small() {
   return options;
 }
 
-// Built once: most tests only look.
+// The scene is built once for most tests.
 const std::shared_ptr<const Scene>& small_scene() {
   static const auto scene = std::make_shared<const Scene>(small());
   return scene;
@@ -47,7 +47,7 @@ TEST(Street, LocateInvertsPointOnStraightsAndArc) {
   }
 }
 
-TEST(Scene, ShowsTheSameWhateverTheThreads) {
+TEST(Scene, IsIndependentOfTheThreads) {
   SynthFrame frames[2];
   SynthScan scans[2];
   for (const int threads : {1, 2}) {
@@ -62,7 +62,8 @@ TEST(Scene, ShowsTheSameWhateverTheThreads) {
   EXPECT_EQ(scans[0].scan.intensity, scans[1].scan.intensity);
 }
 
-// Every static pixel of one frame is found in another by depth and poses, where that frame sees the same place.
+// Expects that each static pixel of one frame is found in another one by depth and poses, if that frame observes the same
+// point.
 void expect_reprojects(const Scene& scene, int from, int to, std::size_t from_camera = 0, std::size_t to_camera = 0,
                        int at_least = 25000) {
   const SynthFrame a = scene.render(from, from_camera), b = scene.render(to, to_camera);
@@ -91,9 +92,9 @@ void expect_reprojects(const Scene& scene, int from, int to, std::size_t from_ca
   EXPECT_GT(shifted / count, 1.6 * error / count);
 }
 
-TEST(Scene, DepthAndPosesCarryColorsFromFrameToFrame) { expect_reprojects(*small_scene(), 1, 3); }
+TEST(Scene, ReprojectsColorsByDepthAndPoses) { expect_reprojects(*small_scene(), 1, 3); }
 
-TEST(Scene, DepthAndPosesHoldInATurnWithJitterAndDrift) {
+TEST(Scene, ReprojectsColorsInATurnWithJitterAndDrift) {
   SynthOptions options = small();
   options.turn_deg = 25;
   options.jitter_deg = 0.5;
@@ -101,7 +102,7 @@ TEST(Scene, DepthAndPosesHoldInATurnWithJitterAndDrift) {
   expect_reprojects(Scene(options), 4, 6);
 }
 
-TEST(Scene, SideCamerasSeeTheSameStreet) {
+TEST(Scene, ShowsTheSameStreetInSideCameras) {
   SynthOptions options = small();
   options.side_cameras = true;
   options.jitter_deg = 0.5;
@@ -110,13 +111,13 @@ TEST(Scene, SideCamerasSeeTheSameStreet) {
   const auto looks = [&](std::size_t camera) { return Eigen::Vector3d(scene.cameras()[camera].camera_from_lidar.R.row(2)); };
   EXPECT_GT(looks(1).y(), 0.8) << "to the left";
   EXPECT_LT(looks(2).y(), -0.8) << "to the right";
-  // What the front camera sees now passes a side camera some frames later.
+  // A side camera observes what the front camera observed some frames before.
   expect_reprojects(scene, 0, 8, 0, 1, 800);
   expect_reprojects(scene, 0, 8, 0, 2, 800);
   expect_reprojects(scene, 4, 5, 1, 1);
 }
 
-TEST(Scene, WetRoadsAndChangesLeaveTheRestAsItIs) {
+TEST(Scene, KeepsTheRestForWetRoadsAndChanges) {
   const cv::Mat3b dry = small_scene()->render(0).clean;
   const cv::Rect road(0, 130, 320, 50), sky(130, 0, 60, 40);
   SynthOptions options = small();
@@ -128,10 +129,10 @@ TEST(Scene, WetRoadsAndChangesLeaveTheRestAsItIs) {
   options.changes = true;
   const cv::Mat3b changed = Scene(options).render(0).clean;
   EXPECT_GT(mean_difference(changed, dry), 2);
-  EXPECT_LT(mean_difference(changed(road), dry(road)), 1) << "but for the building site";
+  EXPECT_LT(mean_difference(changed(road), dry(road)), 1) << "except for the building site";
 }
 
-TEST(Scene, WhoWalksStandsOnTheGroundAndSwingsLegs) {
+TEST(Scene, HasWalkersOnTheGroundWithMovingLegs) {
   const std::vector<Model> gait = make_walker(Random(1), Noise(1));
   ASSERT_EQ(gait.size(), static_cast<std::size_t>(kGaitPhases));
   double longest = 0, shortest = 9;
@@ -147,13 +148,13 @@ TEST(Scene, WhoWalksStandsOnTheGroundAndSwingsLegs) {
   EXPECT_LT(shortest, 0.5);
 }
 
-TEST(Scene, WhoWalksCastsAShadow) {
+TEST(Scene, HasWalkersWithShadows) {
   SynthOptions options = small();
   options.walker = true;
   const Scene scene(options);
   const SynthFrame frame = scene.render(9);
   const std::vector<Label> labels = scene.boxes(9);
-  // The shadow falls on the ground beside the box: pixels that change, below nobody.
+  // The shadow falls on the ground beside the box, where pixels change without a person.
   int beside = 0;
   for (int y = 0; y < frame.dynamic.rows; ++y)
     for (int x = 0; x < frame.dynamic.cols; ++x) {
@@ -175,14 +176,14 @@ SynthOptions small_room() {
   return options;
 }
 
-TEST(Scene, ARoomIsClosedAndReprojects) {
+TEST(Scene, HasAClosedRoomThatReprojects) {
   const Scene scene(small_room());
   EXPECT_EQ(scene.cameras().front().name, "color");
   EXPECT_EQ(cv::countNonZero(scene.render(3).depth == 0), 0);
   expect_reprojects(scene, 1, 8);
 }
 
-TEST(Scene, ADepthCameraMeasuresWhatItSees) {
+TEST(Scene, HasADepthCameraThatMeasuresVisibleSurfaces) {
   SynthOptions options = small_room();
   const Scene noisy(options);
   options.range_noise = 0;
@@ -207,13 +208,13 @@ TEST(Scene, ADepthCameraMeasuresWhatItSees) {
   EXPECT_NEAR(squares / expected, 1, 0.05);
 }
 
-TEST(Scene, ARoomHasNoStreet) {
+TEST(Scene, HasNoStreetInARoom) {
   SynthOptions options = small_room();
   options.truck = true;
   EXPECT_THROW(Scene{options}, UsageError);
 }
 
-TEST(Scene, ScanLiesOnTheDepthSurface) {
+TEST(Scene, HasScansOnTheDepthSurface) {
   SynthOptions options = small();
   options.speed_mps = 0;
   options.range_noise = 0;
@@ -222,7 +223,7 @@ TEST(Scene, ScanLiesOnTheDepthSurface) {
   const SynthScan scan = scene.scan(2);
   std::vector<double> errors;
   for (std::size_t i = 0; i < scan.scan.size(); ++i) {
-    // The firing's own pose: the car still sways.
+    // The pose is that of the firing, since the car sways.
     const SE3 world_from_lidar = scene.world_from_lidar(scene.time_ns(2) + std::llround(1e9 * scan.scan.time[i]));
     const Eigen::Vector3d p = scene.camera_from_world(2) * (world_from_lidar * scan.scan.points[i].cast<double>());
     if (scan.dynamic[i] || p.z() < 1 || !scene.camera().contains(scene.camera().project(p))) continue;
@@ -236,7 +237,7 @@ TEST(Scene, ScanLiesOnTheDepthSurface) {
   EXPECT_LT(errors[errors.size() * 9 / 10], 0.05);
 }
 
-TEST(Scene, FiresClockwiseFromBehindWithinThePeriod) {
+TEST(Scene, HasFiringsClockwiseFromBehindWithinThePeriod) {
   const SynthScan scan = small_scene()->scan(0);
   ASSERT_GT(scan.scan.size(), 10000U);
   for (std::size_t i = 0; i < scan.scan.size(); i += 97) {
@@ -248,7 +249,7 @@ TEST(Scene, FiresClockwiseFromBehindWithinThePeriod) {
   }
 }
 
-TEST(Scene, MaskCoversWhatTrafficChanges) {
+TEST(Scene, HasMasksThatCoverThePixelsChangedByTraffic) {
   const Scene& scene = *small_scene();
   for (const int frame : {0, 9}) {
     const SynthFrame rendered = scene.render(frame);
@@ -265,7 +266,7 @@ TEST(Scene, MaskCoversWhatTrafficChanges) {
   }
 }
 
-TEST(Scene, BoxesHoldTheDynamicPoints) {
+TEST(Scene, HasBoxesAroundTheDynamicPoints) {
   const Scene& scene = *small_scene();
   const SynthScan scan = scene.scan(4);
   const std::vector<Label> labels = scene.boxes(4);
@@ -275,7 +276,8 @@ TEST(Scene, BoxesHoldTheDynamicPoints) {
   EXPECT_EQ(std::count(types.begin(), types.end(), "pedestrian"), 1);
   int dynamic = 0;
   for (std::size_t i = 0; i < scan.scan.size(); ++i) {
-    // What is ahead is hit near the time of the image; compensate for the own motion, leave that of the traffic.
+    // Points ahead are measured near the time of the image. They are compensated for the vehicle's motion, but not for that of
+    // the traffic.
     const std::int64_t time = scene.time_ns(4);
     const Eigen::Vector3d world =
         scene.world_from_lidar(time + std::llround(1e9 * scan.scan.time[i])) * scan.scan.points[i].cast<double>();
@@ -289,7 +291,7 @@ TEST(Scene, BoxesHoldTheDynamicPoints) {
   EXPECT_GT(dynamic, 50);
 }
 
-TEST(Scene, DriftAndJitterAreWhatTheOptionsSay) {
+TEST(Scene, HasTheDriftAndJitterOfTheOptions) {
   SynthOptions options = small();
   options.exposure_drift = 0.12;
   options.jitter_deg = 0.4;
@@ -309,7 +311,7 @@ TEST(Scene, DriftAndJitterAreWhatTheOptionsSay) {
   EXPECT_GT(largest, 0.1);
 }
 
-TEST(Scene, TruckStaysAheadAndTheSecondDayIsTheSameStreet) {
+TEST(Scene, HasATruckAheadAndTheSameStreetOnTheSecondDay) {
   SynthOptions options = small();
   options.truck = true;
   const Scene scene(options);
@@ -329,8 +331,8 @@ TEST(Scene, TruckStaysAheadAndTheSecondDayIsTheSameStreet) {
   EXPECT_GT(mean_difference(other.render(0).clean, first.render(0).clean), 10);
 }
 
-// A place that both drives see has the same position in both: they share one world.
-TEST(Scene, ReverseComesBackAlongTheSameStreet) {
+// Both drives share one world: a point observed by both has the same position.
+TEST(Scene, ReturnsAlongTheSameStreetInReverse) {
   for (const double turn : {0.0, 40.0}) {
     SynthOptions options = small();
     options.frames = 30;
@@ -342,7 +344,7 @@ TEST(Scene, ReverseComesBackAlongTheSameStreet) {
       return Eigen::Vector3d(scene.world_from_lidar(scene.time_ns(frame)).R.col(0));
     };
     EXPECT_LT(ahead(forth, 29).dot(ahead(back, 0)), -0.97) << turn;
-    // Roofs and walls far from traffic, scanned by one drive, lie on surfaces that the other scanned.
+    // Roofs and walls far from traffic that one drive scanned lie on surfaces that the other one scanned.
     const auto points = [](const Scene& scene, int frame) {
       const SynthScan scan = scene.scan(frame);
       std::vector<Eigen::Vector3d> out;
@@ -366,7 +368,7 @@ TEST(Scene, ReverseComesBackAlongTheSameStreet) {
   }
 }
 
-TEST(Scene, EveryDayHasItsOwnParkedCars) {
+TEST(Scene, HasDifferentParkedCarsOnEachDay) {
   SynthOptions options = small();
   options.truck = true;
   std::vector<cv::Mat3b> days;
@@ -378,7 +380,7 @@ TEST(Scene, EveryDayHasItsOwnParkedCars) {
   }
 }
 
-TEST(Scene, ADriveInMemoryIsWholeAndConsistent) {
+TEST(Scene, HasACompleteAndConsistentDriveInMemory) {
   const auto& scene = small_scene();
   const Drive drive = drive_of(scene);
   const Views views = views_of(scene);

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 constexpr int kLeafSize = 3;
 
-AlignedBox3d bounds(const Surface& surface) {
+AlignedBox3d find_bounds(const Surface& surface) {
   AlignedBox3d box(surface.origin);
   if (surface.radius > 0) {
     box.extend(Vector3d(surface.origin + surface.down));
@@ -26,16 +26,16 @@ AlignedBox3d bounds(const Surface& surface) {
   return box;
 }
 
-void complete(Surface& surface) {
+void complete_surface(Surface& surface) {
   surface.normal = surface.down.cross(surface.right).normalized();
-  // Duals: dot products with them are the coordinates along the two edges.
+  // The duals are vectors whose dot products are the coordinates along the two edges.
   const double rr = surface.right.squaredNorm(), dd = surface.down.squaredNorm(), rd = surface.right.dot(surface.down);
   const double det = rr * dd - rd * rd;
   surface.dual_right = (dd * surface.right - rd * surface.down) / det;
   surface.dual_down = (rr * surface.down - rd * surface.right) / det;
 }
 
-// The nearest place in (near, t_max) on an upright cylinder's wall, by quadratic equation.
+// Returns the nearest intersection in (near, t_max) with the wall of an upright cylinder, by a quadratic equation.
 double meet_cylinder(const Surface& surface, const Ray& ray, double near, double t_max) {
   const Vector2d o = (ray.origin - surface.origin).head<2>(), d = ray.direction.head<2>();
   const double a = d.squaredNorm(), b = o.dot(d), c = o.squaredNorm() - surface.radius * surface.radius;
@@ -58,7 +58,7 @@ Surface& Solid::add(const Vector3d& lower_left, const Vector3d& lower_right, con
   const double length2 = surface.right.squaredNorm();
   surface.taper_left = (upper_left - lower_left).dot(surface.right) / length2;
   surface.taper_right = (lower_right - upper_right).dot(surface.right) / length2;
-  if (surface.taper_left < 0 || surface.taper_right < 0) {  // leaning: a sheared parallelogram bounds it
+  if (surface.taper_left < 0 || surface.taper_right < 0) {  // its bound is a sheared parallelogram
     surface.taper_right += surface.taper_left;
     surface.taper_left = 0;
   }
@@ -66,7 +66,7 @@ Surface& Solid::add(const Vector3d& lower_left, const Vector3d& lower_right, con
   surface.down = lower_left - surface.origin;
   surface.part = cv::Rect2d(0, 0, texture->width(), texture->height());
   surface.texture = std::move(texture);
-  complete(surface);
+  complete_surface(surface);
   return surfaces_.emplace_back(std::move(surface));
 }
 
@@ -86,14 +86,14 @@ void Solid::add(const Solid& other, const SE3& this_from_other) {
     surface.origin = this_from_other * surface.origin;
     surface.right = this_from_other.R * surface.right;
     surface.down = this_from_other.R * surface.down;
-    if (surface.radius == 0) complete(surface);
+    if (surface.radius == 0) complete_surface(surface);
     surfaces_.push_back(std::move(surface));
   }
 }
 
 void Solid::finish() {
   std::vector<AlignedBox3d> boxes;
-  for (const Surface& surface : surfaces_) boxes.push_back(bounds(surface));
+  for (const Surface& surface : surfaces_) boxes.push_back(find_bounds(surface));
   order_.resize(surfaces_.size());
   std::iota(order_.begin(), order_.end(), 0);
   nodes_.assign(1, {});
@@ -106,7 +106,7 @@ void Solid::split(int node, int first, int count, const std::vector<AlignedBox3d
     box.extend(boxes[order_[i]]);
     centers.extend(boxes[order_[i]].center());
   }
-  // Room for the rounding of floats at the far end of a street.
+  // The margin allows for the rounding of floats at the far end of a street.
   nodes_[node].low = (box.min().array() - 1e-3).cast<float>();
   nodes_[node].high = (box.max().array() + 1e-3).cast<float>();
   nodes_[node].first = first;

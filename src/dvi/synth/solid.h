@@ -12,7 +12,7 @@
 
 namespace dvi::synth {
 
-/// A ray and how its direction changes from pixel to pixel (zero: a beam without width).
+/// A ray and the change of its direction between pixels (zero: a beam without width).
 struct Ray {
   Eigen::Vector3d origin, direction;
   Eigen::Vector3d step_x = Eigen::Vector3d::Zero(), step_y = Eigen::Vector3d::Zero();
@@ -30,22 +30,23 @@ struct Light {
   }
 };
 
-/// A textured trapezoid (two parallel edges), or an upright cylinder.
+/// A textured trapezoid (two parallel edges) or an upright cylinder.
 struct Surface {
   Eigen::Vector3d origin, right, down;  ///< the upper left corner of the bounding parallelogram and its edges
   Eigen::Vector3d normal = Eigen::Vector3d::Zero(), dual_right = Eigen::Vector3d::Zero(), dual_down = Eigen::Vector3d::Zero();
   double taper_left = 0, taper_right = 0;  ///< share of `right` missing at the upper edge
-  double radius = 0;                       ///< of a cylinder round `origin`, as high as `down`; 0: a trapezoid
+  double radius = 0;                       ///< of a cylinder around `origin`, as high as `down`; 0: a trapezoid
   TexturePtr texture;
-  cv::Rect2d part;  ///< of the texture that covers the surface, pixels
+  cv::Rect2d part;  ///< the part of the texture that covers the surface, in pixels
   cv::Vec3f tint{1, 1, 1};
-  bool lit = true;  ///< by its normal; otherwise as the ground is (leaves)
+  bool lit = true;  ///< whether it is lit by its normal; otherwise like the ground (leaves)
 };
 
+/// The intersection of a ray with a surface.
 struct Hit {
   double t = std::numeric_limits<double>::infinity();
   int surface = -1;
-  double x = 0, y = 0;  ///< in the texture, pixels
+  double x = 0, y = 0;  ///< in pixels of the texture
 
   explicit operator bool() const { return surface >= 0; }
 };
@@ -53,27 +54,28 @@ struct Hit {
 /// Surfaces in a bounding volume hierarchy.
 class Solid {
  public:
-  /// A surface by its corners as seen from outside; the upper edge is parallel to the lower and no longer.
+  /// Adds a surface by its corners as seen from outside. The upper edge is parallel to the lower one and not longer.
   Surface& add(const Eigen::Vector3d& lower_left, const Eigen::Vector3d& lower_right, const Eigen::Vector3d& upper_left,
                const Eigen::Vector3d& upper_right, TexturePtr texture);
-  /// An upright cylinder standing on `foot`.
+  /// Adds an upright cylinder on `foot`.
   Surface& add_cylinder(const Eigen::Vector3d& foot, double radius, double height, TexturePtr texture);
   void add(const Solid& other, const SE3& this_from_other);
-  /// To be called after the last add and before the first trace.
+  /// Builds the hierarchy; must be called after the last add() and before the first trace().
   void finish();
 
-  /// The nearest surface with t in (near, t_max).
+  /// Returns the nearest intersection with t in (near, t_max).
   Hit trace(const Ray& ray, double t_max, double near = 0.3) const;
   cv::Vec3f shade(const Ray& ray, const Hit& hit, const Light& light, double pixel_share = 1) const;
 
   const std::vector<Surface>& surfaces() const { return surfaces_; }
-  /// Smallest box round it.
+  /// Return the corners of the bounding box.
   Eigen::Vector3d low() const, high() const;
 
  private:
   struct Node {
     Eigen::Vector3f low, high;
-    int first = 0, count = 0;  ///< of `order_`; count 0: inner node, whose children are `first` and the next
+    int first = 0,
+        count = 0;  ///< range in `order_`; with count 0, the node is an inner one, with the children `first` and `first` + 1
   };
   void split(int node, int first, int count, const std::vector<Eigen::AlignedBox3d>& boxes);
   bool meet(const Surface& surface, const Ray& ray, double near, double t_max, Hit& hit) const;

@@ -17,7 +17,7 @@ TexturePtr white(const cv::Mat1b& alpha = {}) {
 
 Ray toward(const Vector3d& origin, const Vector3d& target) { return {origin, (target - origin).normalized()}; }
 
-TEST(Solid, NearestOfManyIsTheOneThatBruteForceFinds) {
+TEST(Solid, FindsTheNearestSurfaceLikeBruteForce) {
   Random random(5);
   Solid all;
   std::vector<Solid> single(80);
@@ -41,7 +41,7 @@ TEST(Solid, NearestOfManyIsTheOneThatBruteForceFinds) {
   EXPECT_GT(hits, 300);
 }
 
-TEST(Solid, LeaningTrapezoidsAreWhole) {
+TEST(Solid, HasCompleteLeaningTrapezoids) {
   Solid solid;
   solid.add({0, 0, 0}, {1, 0, 0}, {3, 0, 2}, {3.8, 0, 2}, white());
   solid.finish();
@@ -55,7 +55,7 @@ TEST(Solid, LeaningTrapezoidsAreWhole) {
   EXPECT_FALSE(hit(0.5, 1));
 }
 
-TEST(Solid, RaysPassThroughHoles) {
+TEST(Solid, LetsRaysPassThroughHoles) {
   cv::Mat1b alpha(8, 8, uchar{255});
   alpha(cv::Rect(0, 0, 4, 8)).setTo(0);
   Solid solid;
@@ -65,7 +65,7 @@ TEST(Solid, RaysPassThroughHoles) {
   EXPECT_TRUE(solid.trace(toward({0.7, -2, 0.5}, {0.7, 0, 0.5}), 100));
 }
 
-TEST(Solid, CylindersAreRound) {
+TEST(Solid, HasRoundCylinders) {
   Solid solid;
   solid.add_cylinder({1, 2, 0}, 0.5, 3, white());
   solid.finish();

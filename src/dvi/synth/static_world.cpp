@@ -16,17 +16,17 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kBegin = -50, kView = 110;  // the street is closed by houses at both ends
+constexpr double kBeginM = -50, kViewM = 110;  // houses close the street at both ends
 
 Street make_street(const SynthOptions& options) {
   if (options.turn_deg == 0) return {};
   const double turn = options.turn_deg * std::numbers::pi / 180;
-  // No tighter than the houses on the inner side allow.
+  // The radius is limited by the houses on the inner side.
   const double length = std::max(0.6 * options.distance(), 24 * std::abs(turn));
   return {0.2 * options.distance() + 4, length, turn};
 }
 
-// Odd days are clear, the others overcast. The sun stands elsewhere on each pair of days.
+// Odd days are clear, the others overcast. The position of the sun differs between pairs of days.
 bool is_clear(int day) { return day % 2 == 1; }
 
 Light make_light(int day) {
@@ -43,7 +43,7 @@ struct House {
 
 std::vector<House> make_row(std::uint64_t seed, int side, double begin, double end) {
   std::vector<House> row;
-  Random random = random_for(seed, 31 + side, 0);
+  Random random = make_random(seed, 31 + side, 0);
   for (double s = begin; s < end;) {
     House house{side, static_cast<int>(row.size()), s, s + random.uniform(8, 16), random.uniform(7.5, 15)};
     s = house.end;
@@ -52,7 +52,7 @@ std::vector<House> make_row(std::uint64_t seed, int side, double begin, double e
   return row;
 }
 
-/// Puts the things of a street into one Solid and collects the shade they cast.
+/// Adds the objects of a street to one Solid and collects their shade.
 class Builder {
  public:
   Builder(const SynthOptions& options, const Noise& noise, const Street& street)
@@ -61,18 +61,18 @@ class Builder {
         street_(street),
         seed_(static_cast<std::uint64_t>(options.seed)),
         sun_(make_light(options.day).to_sun),
-        end_(options.distance() + kView) {}
+        end_(options.distance() + kViewM) {}
 
   void build() {
-    std::vector<House> houses = make_row(seed_, 1, kBegin, end_ + 12);
-    for (const House& house : make_row(seed_, -1, kBegin, end_ + 12)) houses.push_back(house);
+    std::vector<House> houses = make_row(seed_, 1, kBeginM, end_ + 12);
+    for (const House& house : make_row(seed_, -1, kBeginM, end_ + 12)) houses.push_back(house);
     std::vector<TexturePtr> fronts(houses.size());
     for_blocks(houses.size(), [&](std::size_t first, std::size_t last) {
       parallel_for(last - first, [&](std::size_t i) { fronts[first + i] = paint(houses[first + i]); });
       Texture::page_out();
     });
     for (std::size_t i = 0; i < houses.size(); ++i) place_house(houses[i], fronts[i]);
-    close(kBegin, 0);
+    close(kBeginM, 0);
     close(end_, 1);
     place_curbs();
     place_furniture();
@@ -86,13 +86,13 @@ class Builder {
   std::vector<Shade> shades;
 
  private:
-  Random random(std::uint64_t kind, int number) const { return random_for(seed_, kind, number); }
+  Random random(std::uint64_t kind, int number) const { return make_random(seed_, kind, number); }
   Vector3d at(double s, double d, double z) const {
     const Eigen::Vector2d p = street_.point(s, d);
     return {p.x(), p.y(), z};
   }
 
-  // Of a house whose front has changed, all but its shape is another one's.
+  // A house with a changed front is another house of the same shape.
   bool is_changed(const House& house) const { return options_.changes && random(55 + house.side, house.number).below(3) == 0; }
 
   TexturePtr paint(const House& house) const {
@@ -102,10 +102,10 @@ class Builder {
 
   void place_house(const House& house, const TexturePtr& front) {
     const bool left = house.side > 0;
-    const double d = left ? kLeftFacade : kRightFacade, back = d + (left ? 9 : -9), h = house.height;
+    const double d = left ? kLeftFacadeM : kRightFacadeM, back = d + (left ? 9 : -9), h = house.height;
     const double s0 = left ? house.begin : house.end, s1 = left ? house.end : house.begin;
     solid.add(at(s0, d, 0), at(s1, d, 0), at(s0, d, h), at(s1, d, h), front);
-    // Gables show above lower neighbors.
+    // Gables are visible above lower neighbors.
     const TexturePtr wall = paint_plain(random(51, 2 * house.number + left), noise_, {120, 130, 142});
     for (const double s : {house.begin, house.end}) solid.add(at(s, back, 0), at(s, d, 0), at(s, back, h), at(s, d, h), wall);
     place_signs(house, d, left ? -1 : 1);
@@ -125,7 +125,7 @@ class Builder {
 
   void place_signs(const House& house, double d, double inward) {
     Random dice = random((is_changed(house) ? 65 : 61) + house.side, house.number);
-    if (dice.below(3) != 0) {  // a blade across the pavement, to be read along the street
+    if (dice.below(3) != 0) {  // a blade sign across the pavement
       const double s = dice.uniform(house.begin + 1, house.end - 1), z = dice.uniform(3.2, 4.4),
                    height = dice.uniform(0.8, 1.9);
       const TexturePtr sign = paint_sign(dice, noise_, 0.9, height);
@@ -145,23 +145,23 @@ class Builder {
   }
 
   void close(double s, int number) {
-    const double height = 11 + 2.0 * number, l = number == 1 ? kLeftFacade + 9 : kRightFacade - 9,
-                 r = number == 1 ? kRightFacade - 9 : kLeftFacade + 9;
+    const double height = 11 + 2.0 * number, l = number == 1 ? kLeftFacadeM + 9 : kRightFacadeM - 9,
+                 r = number == 1 ? kRightFacadeM - 9 : kLeftFacadeM + 9;
     const TexturePtr front = paint_facade(random(71, number), noise_, std::abs(l - r), height);
     solid.add(at(s, l, 0), at(s, r, 0), at(s, l, height), at(s, r, height), front);
   }
 
   void place_curbs() {
     const TexturePtr stone = paint_plain(random(72, 0), noise_, {150, 156, 160}, 9);
-    for (const double d : {kLeftCurb, kRightCurb})
-      for (double s = kBegin; s < end_; s += 2) {
+    for (const double d : {kLeftCurbM, kRightCurbM})
+      for (double s = kBeginM; s < end_; s += 2) {
         const double s0 = d > 0 ? s : s + 2, s1 = d > 0 ? s + 2 : s;
-        solid.add(at(s0, d, 0), at(s1, d, 0), at(s0, d, kPavementHeight), at(s1, d, kPavementHeight), stone);
+        solid.add(at(s0, d, 0), at(s1, d, 0), at(s0, d, kPavementHeightM), at(s1, d, kPavementHeightM), stone);
       }
   }
 
   void stand(const Model& model, double s, double d, double yaw = 0) {
-    solid.add(model.solid, street_.world_from_place(s, d, kPavementHeight, yaw));
+    solid.add(model.solid, street_.world_from_place(s, d, kPavementHeightM, yaw));
   }
 
   void place_furniture() {
@@ -171,14 +171,14 @@ class Builder {
     }
     bark_ = paint_plain(random(83, 0), noise_, {62, 74, 86}, 12);
     metal_ = paint_plain(random(84, 0), noise_, {92, 98, 96}, 5);
-    const int count = static_cast<int>((end_ - kBegin) / 6.5);
+    const int count = static_cast<int>((end_ - kBeginM) / 6.5);
     for (int i = 0; i < count; ++i)
       for (const int side : {1, -1}) place_thing(i, side);
   }
 
   void place_thing(int i, int side) {
     Random dice = random(90 + side, i);
-    const double s = kBegin + 3 + 6.5 * i + dice.uniform(-0.8, 0.8), d = side > 0 ? kLeftCurb + 0.75 : kRightCurb - 0.75;
+    const double s = kBeginM + 3 + 6.5 * i + dice.uniform(-0.8, 0.8), d = side > 0 ? kLeftCurbM + 0.75 : kRightCurbM - 0.75;
     const int kind = (i + (side > 0 ? 0 : 2)) % 4;
     if (kind == 0) {
       stand(make_tree(dice, bark_, leaves_[dice.below(3)]), s, d);
@@ -240,11 +240,11 @@ class Builder {
       }
   }
 
-  // Building sites, where cars park on the right.
-  static constexpr double kSiteBegin = 8, kSiteLength = 9, kSiteEvery = 50;
+  // Building sites replace parked cars on the right.
+  static constexpr double kSiteBeginM = 8, kSiteLengthM = 9, kSitePeriodM = 50;
   static bool on_site(double s) {
-    const double past = s + 4 - kSiteBegin - kSiteEvery * std::floor((s + 4 - kSiteBegin) / kSiteEvery);
-    return past < kSiteLength + 8;
+    const double past = s + 4 - kSiteBeginM - kSitePeriodM * std::floor((s + 4 - kSiteBeginM) / kSitePeriodM);
+    return past < kSiteLengthM + 8;
   }
 
   void place_sites() {
@@ -257,11 +257,11 @@ class Builder {
     }
     for (const double x : {-0.8, 0.8}) fence.solid.add_cylinder({x, 0.015, 0}, 0.03, 1.1, wood);
     add_frustum(heap.solid, {-1.8, 1.8, 0.8, 0}, {-0.5, 0.6, 0.15, 0.9}, {sand, sand, sand, sand, sand});
-    for (double begin = kSiteBegin; begin < end_ - 20; begin += kSiteEvery) {
-      const double left = -2 * kLane - 0.2, right = kRightCurb + 0.25, middle = 0.5 * (left + right);
-      for (double s = begin + 0.9; s < begin + kSiteLength; s += 1.8)
+    for (double begin = kSiteBeginM; begin < end_ - 20; begin += kSitePeriodM) {
+      const double left = -2 * kLaneWidthM - 0.2, right = kRightCurbM + 0.25, middle = 0.5 * (left + right);
+      for (double s = begin + 0.9; s < begin + kSiteLengthM; s += 1.8)
         for (const double d : {left, right}) solid.add(fence.solid, street_.world_from_place(s, d));
-      for (const double s : {begin, begin + kSiteLength})
+      for (const double s : {begin, begin + kSiteLengthM})
         solid.add(fence.solid, street_.world_from_place(s, middle, 0, 0.5 * std::numbers::pi));
       solid.add(heap.solid, street_.world_from_place(begin + 5.5, middle));
       shades.push_back({rectangle(begin + 5.5, middle, 3.8, 1.8), 0.5, 0.2});
@@ -289,11 +289,11 @@ class Builder {
   TexturePtr bark_, metal_;
 };
 
-// Left and right end of the panorama meet behind the car: toward its right end, it becomes the mirrored left one.
+// The left and right end of the panorama meet behind the car: toward its right end, it becomes the mirrored left one.
 void close_behind(cv::Mat3b& panorama) {
-  constexpr int kWidth = 96;
-  for (int x = panorama.cols - kWidth; x < panorama.cols; ++x) {
-    const double other = (x - panorama.cols + kWidth + 0.5) / kWidth;
+  constexpr int kWidthPx = 96;
+  for (int x = panorama.cols - kWidthPx; x < panorama.cols; ++x) {
+    const double other = (x - panorama.cols + kWidthPx + 0.5) / kWidthPx;
     cv::addWeighted(panorama.col(x), 1 - other, panorama.col(panorama.cols - 1 - x), other, 0, panorama.col(x));
   }
 }
@@ -334,7 +334,7 @@ cv::Vec3f Sky::shade(const Ray& ray, double pixel_share) const {
 
 StaticWorld::StaticWorld(const SynthOptions& options, const Noise& noise) {
   if (options.room) {
-    light = room_light(options.day);
+    light = make_room_light(options.day);
     solid = make_room(options, noise);
     return;
   }
@@ -345,7 +345,7 @@ StaticWorld::StaticWorld(const SynthOptions& options, const Noise& noise) {
   builder.build();
   solid = std::move(builder.solid);
   ground =
-      Ground(street, static_cast<std::uint64_t>(options.seed), noise, kBegin, builder.end() + 2, builder.shades, options.wet);
+      Ground(street, static_cast<std::uint64_t>(options.seed), noise, kBeginM, builder.end() + 2, builder.shades, options.wet);
 }
 
 }  // namespace dvi::synth

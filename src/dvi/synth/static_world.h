@@ -8,7 +8,7 @@
 
 namespace dvi::synth {
 
-/// A panorama of gradient and clouds, infinitely far.
+/// An infinitely distant panorama with a gradient and clouds.
 class Sky {
  public:
   Sky() = default;
@@ -19,7 +19,7 @@ class Sky {
   std::optional<Texture> panorama_;
 };
 
-/// All that does not move on one day, in world axes. A room has neither ground nor sky: it is closed.
+/// All static parts of the world on one day, in world axes. A room has neither ground nor sky, since it is closed.
 struct StaticWorld {
   StaticWorld(const SynthOptions& options, const Noise& noise);
 

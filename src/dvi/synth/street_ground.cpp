@@ -9,8 +9,8 @@
 namespace dvi::synth {
 namespace {
 
-constexpr double kTexel = 0.016, kChunk = 10, kMargin = 0.64;  // the margin keeps coarse mip levels free of seams
-constexpr double kTop = 9.6, kBottom = -13.2;                  // d of the picture's upper and lower edge
+constexpr double kTexelM = 0.016, kChunkM = 10, kMarginM = 0.64;  // the margin keeps coarse mip levels free of seams
+constexpr double kTopM = 9.6, kBottomM = -13.2;                   // d of the picture's upper and lower edge
 
 /// Paints one chunk in street coordinates.
 class GroundPainter {
@@ -19,28 +19,28 @@ class GroundPainter {
       : s0_(s0),
         seed_(seed),
         noise_(noise),
-        picture_(plain(pixels(kTop - kBottom), pixels(kChunk + 2 * kMargin), {106, 105, 103})) {}
+        picture_(make_plain_picture(pixels(kTopM - kBottomM), pixels(kChunkM + 2 * kMarginM), {106, 105, 103})) {}
 
   cv::Mat3b paint(int number, const std::vector<Shade>& shades, bool wet) {
     roughen(picture_, noise_, 12, offset(0));
     for (int cell = number - 1; cell <= number + 1; ++cell) paint_wear(cell);
     paint_wheel_tracks();
     paint_lines();
-    for (const double curb : {kLeftCurb, kRightCurb}) {
+    for (const double curb : {kLeftCurbM, kRightCurbM}) {
       const double side = curb > 0 ? -1 : 1;
       box(-1e3, curb, 2e3, side * 0.35, {70, 72, 74});  // gutter
     }
-    paint_pavement(kLeftCurb, kTop);
-    paint_pavement(kBottom, kRightCurb);
+    paint_pavement(kLeftCurbM, kTopM);
+    paint_pavement(kBottomM, kRightCurbM);
     if (wet) paint_water();
     for (const Shade& shade : shades) paint_shade(shade);
     return picture_;
   }
 
  private:
-  static int pixels(double meters) { return static_cast<int>(std::lround(meters / kTexel)); }
-  cv::Point at(double s, double d) const { return {pixels(std::clamp(s - s0_, -50.0, 60.0)), pixels(kTop - d)}; }
-  // One noise over the whole street: its pixels are counted from s = 0.
+  static int pixels(double meters) { return static_cast<int>(std::lround(meters / kTexelM)); }
+  cv::Point at(double s, double d) const { return {pixels(std::clamp(s - s0_, -50.0, 60.0)), pixels(kTopM - d)}; }
+  // The noise is continuous over the whole street: its pixels are counted from s = 0.
   cv::Point offset(int shift) const { return {pixels(s0_) + shift, 3 * shift}; }
   void box(double s, double d, double length, double width, const cv::Scalar& color, cv::Mat* target = nullptr) {
     cv::Mat& on = target ? *target : picture_;
@@ -49,9 +49,9 @@ class GroundPainter {
   }
 
   void paint_wear(int cell) {
-    Random random = random_for(seed_, 11, cell);
-    const double s = cell * kChunk;
-    const auto place = [&] { return cv::Point2d(s + random.uniform(0, kChunk), random.uniform(kRightCurb, kLeftCurb)); };
+    Random random = make_random(seed_, 11, cell);
+    const double s = cell * kChunkM;
+    const auto place = [&] { return cv::Point2d(s + random.uniform(0, kChunkM), random.uniform(kRightCurbM, kLeftCurbM)); };
     for (int i = 0; i < 6; ++i) {  // patches
       const cv::Point2d p = place();
       const double length = random.uniform(0.5, 4.5), width = random.uniform(0.4, 1.9), tone = random.uniform(-30, 24);
@@ -71,7 +71,7 @@ class GroundPainter {
       cv::polylines(picture_, line, false, {40, 39, 38}, 1 + random.below(3), cv::LINE_AA);
     }
     for (int i = 0; i < 9; ++i) {  // stains and covers
-      const cv::Point center = at(s + random.uniform(0, kChunk), random.uniform(kRightCurb + 0.6, kLeftCurb - 0.6));
+      const cv::Point center = at(s + random.uniform(0, kChunkM), random.uniform(kRightCurbM + 0.6, kLeftCurbM - 0.6));
       if (i < 7) {
         const cv::Size axes(pixels(random.uniform(0.1, 0.6)), pixels(random.uniform(0.05, 0.3)));
         cv::ellipse(picture_, center, axes, random.uniform(0, 180), 0, 360, cv::Scalar::all(random.uniform(58, 84)), cv::FILLED,
@@ -84,7 +84,7 @@ class GroundPainter {
     }
   }
 
-  // Wet asphalt takes more light, puddles take most.
+  // Wet asphalt is darker, and puddles are darkest.
   void paint_water() {
     for (int y = 0; y < picture_.rows; ++y)
       for (int x = 0; x < picture_.cols; ++x) {
@@ -97,7 +97,7 @@ class GroundPainter {
   // Tires polish two bands of each lane.
   void paint_wheel_tracks() {
     for (int y = 0; y < picture_.rows; ++y) {
-      const double d = kTop - (y + 0.5) * kTexel, in_lane = d - kLane * std::floor(d / kLane) - 0.5 * kLane;
+      const double d = kTopM - (y + 0.5) * kTexelM, in_lane = d - kLaneWidthM * std::floor(d / kLaneWidthM) - 0.5 * kLaneWidthM;
       const double off = (std::abs(in_lane) - 0.8) / 0.28;
       picture_.row(y) -= cv::Scalar::all(std::round(9 * std::exp(-0.5 * off * off)));
     }
@@ -111,15 +111,15 @@ class GroundPainter {
     };
     const cv::Scalar white(214, 217, 216), yellow(75, 175, 212);
     for (const double d : {0.08, -0.2}) stripe(-1e3, d, 2e3, 0.12, yellow);
-    stripe(-1e3, kLane - 0.06, 2e3, 0.12, white);
-    stripe(-1e3, -2 * kLane - 0.06, 2e3, 0.12, white);
-    for (double s = -60; s < s0_ + 20; s += 6) stripe(s, -kLane - 0.07, 2.4, 0.14, white);
+    stripe(-1e3, kLaneWidthM - 0.06, 2e3, 0.12, white);
+    stripe(-1e3, -2 * kLaneWidthM - 0.06, 2e3, 0.12, white);
+    for (double s = -60; s < s0_ + 20; s += 6) stripe(s, -kLaneWidthM - 0.07, 2.4, 0.14, white);
     for (double s = -56; s < s0_ + 20; s += 6.2)  // parking bays
-      for (const double d : {kLane, kRightCurb}) stripe(s, d, 0.1, 2.2, white);
+      for (const double d : {kLaneWidthM, kRightCurbM}) stripe(s, d, 0.1, 2.2, white);
     for (int k = -1; crossing(k) < s0_ + 20; ++k) {
-      for (double d = kRightCurb + 0.5; d < kLeftCurb - 0.6; d += 0.95) stripe(crossing(k), d, 3.2, 0.48, white);
-      for (const double d : {-0.5 * kLane, -1.5 * kLane}) stripe(crossing(k) - 1.6, d - 1.5, 0.4, 3.0, white);
-      for (const double d : {-0.5 * kLane, -1.5 * kLane}) arrow(crossing(k) + 16, d, color, cover, white);
+      for (double d = kRightCurbM + 0.5; d < kLeftCurbM - 0.6; d += 0.95) stripe(crossing(k), d, 3.2, 0.48, white);
+      for (const double d : {-0.5 * kLaneWidthM, -1.5 * kLaneWidthM}) stripe(crossing(k) - 1.6, d - 1.5, 0.4, 3.0, white);
+      for (const double d : {-0.5 * kLaneWidthM, -1.5 * kLaneWidthM}) arrow(crossing(k) + 16, d, color, cover, white);
     }
     for (int y = 0; y < picture_.rows; ++y)
       for (int x = 0; x < picture_.cols; ++x) {
@@ -141,16 +141,16 @@ class GroundPainter {
   }
 
   void paint_pavement(double low, double high) {
-    constexpr double kSlab = 0.5;
+    constexpr double kSlabM = 0.5;
     box(-1e3, low, 2e3, high - low, {140, 146, 150});
-    const int first = static_cast<int>(std::floor(s0_ / kSlab));
-    for (int i = first; i < first + static_cast<int>((kChunk + 2 * kMargin) / kSlab) + 2; ++i)
-      for (int j = 0; low + j * kSlab < high; ++j) {
-        Random random = random_for(seed_, 12 + (low > 0 ? 1 : 0), i * 64 + j);
-        const double width = std::min(kSlab, high - low - j * kSlab), tone = random.uniform(-16, 14);
-        box(i * kSlab, low + j * kSlab, kSlab, width, {140 + tone, 146 + tone, 149 + tone});
-        box(i * kSlab, low + j * kSlab, 0.025, width, {88, 92, 94});
-        box(i * kSlab, low + j * kSlab, kSlab, 0.025, {88, 92, 94});
+    const int first = static_cast<int>(std::floor(s0_ / kSlabM));
+    for (int i = first; i < first + static_cast<int>((kChunkM + 2 * kMarginM) / kSlabM) + 2; ++i)
+      for (int j = 0; low + j * kSlabM < high; ++j) {
+        Random random = make_random(seed_, 12 + (low > 0 ? 1 : 0), i * 64 + j);
+        const double width = std::min(kSlabM, high - low - j * kSlabM), tone = random.uniform(-16, 14);
+        box(i * kSlabM, low + j * kSlabM, kSlabM, width, {140 + tone, 146 + tone, 149 + tone});
+        box(i * kSlabM, low + j * kSlabM, 0.025, width, {88, 92, 94});
+        box(i * kSlabM, low + j * kSlabM, kSlabM, 0.025, {88, 92, 94});
       }
     const cv::Rect rect = cv::Rect(0, at(0, high).y, picture_.cols, pixels(high - low)) & cv::Rect({}, picture_.size());
     cv::Mat3b part = picture_(rect);
@@ -167,7 +167,7 @@ class GroundPainter {
     if (inside.empty()) return;
     cv::Mat1f dark(rect.size(), 0.0F);
     cv::fillPoly(dark, std::vector<std::vector<cv::Point>>{outline}, 1.0, cv::LINE_8, 0, -rect.tl());
-    // Twice a box is nearly a Gaussian, at a cost that does not grow with softness.
+    // Two box filters are nearly a Gaussian, at a cost that does not grow with softness.
     for (int i = 0; i < 2; ++i) cv::blur(dark, dark, {2 * soft / 2 + 1, 2 * soft / 2 + 1}, {-1, -1}, cv::BORDER_REPLICATE);
     for (int y = inside.y; y < inside.br().y; ++y)
       for (int x = inside.x; x < inside.br().x; ++x) {
@@ -188,14 +188,14 @@ double crossing(int number) { return 26 + 70.0 * number; }
 
 Ground::Ground(const Street& street, std::uint64_t seed, const Noise& noise, double s_begin, double s_end,
                const std::vector<Shade>& shades, bool wet)
-    : street_(street), begin_(kChunk * std::floor(s_begin / kChunk)) {
-  const auto count = static_cast<std::size_t>(std::ceil((s_end - begin_) / kChunk));
+    : street_(street), begin_(kChunkM * std::floor(s_begin / kChunkM)) {
+  const auto count = static_cast<std::size_t>(std::ceil((s_end - begin_) / kChunkM));
   chunks_.reserve(count);
   for_blocks(count, [&](std::size_t first, std::size_t last) {
     std::vector<cv::Mat3b> pictures(last - first);
     parallel_for(pictures.size(), [&](std::size_t i) {
-      const double s = begin_ + kChunk * static_cast<double>(first + i);
-      pictures[i] = GroundPainter(s - kMargin, seed, noise).paint(static_cast<int>(std::lround(s / kChunk)), shades, wet);
+      const double s = begin_ + kChunkM * static_cast<double>(first + i);
+      pictures[i] = GroundPainter(s - kMarginM, seed, noise).paint(static_cast<int>(std::lround(s / kChunkM)), shades, wet);
     });
     for (const cv::Mat3b& picture : pictures) chunks_.emplace_back(picture);
     Texture::page_out();
@@ -205,21 +205,21 @@ Ground::Ground(const Street& street, std::uint64_t seed, const Noise& noise, dou
 Ground::Place Ground::trace(const Ray& ray) const {
   Place place;
   if (ray.direction.z() >= -1e-9 || chunks_.empty()) return place;
-  for (const double height : {kPavementHeight, 0.0}) {
+  for (const double height : {kPavementHeightM, 0.0}) {
     const double t = (height - ray.origin.z()) / ray.direction.z();
     const Eigen::Vector2d there = street_.locate(ray.at(t).head<2>());
     place = {t, height > 0, there.x(), there.y()};
-    if (there.y() > kLeftCurb || there.y() < kRightCurb) break;
+    if (there.y() > kLeftCurbM || there.y() < kRightCurbM) break;
   }
   return place;
 }
 
 cv::Vec3f Ground::shade(const Ray& ray, const Place& place, const Light& light, double pixel_share) const {
-  const double along = (place.s - begin_) / kChunk;
+  const double along = (place.s - begin_) / kChunkM;
   const double chunk = std::clamp(std::floor(along), 0.0, static_cast<double>(chunks_.size() - 1));
-  const double x = ((along - chunk) * kChunk + kMargin) / kTexel, y = (kTop - place.d) / kTexel;
+  const double x = ((along - chunk) * kChunkM + kMarginM) / kTexelM, y = (kTopM - place.d) / kTexelM;
   const double height = place.t * ray.direction.z(), heading = street_.heading(place.s);
-  const double c = std::cos(heading) / kTexel, s = std::sin(heading) / kTexel;
+  const double c = std::cos(heading) / kTexelM, s = std::sin(heading) / kTexelM;
   Eigen::Vector2d steps[2];
   for (int i = 0; i < 2; ++i) {
     const Eigen::Vector3d direction = ray.direction + pixel_share * (i == 0 ? ray.step_x : ray.step_y);

@@ -8,14 +8,14 @@
 
 namespace dvi::synth {
 
-/// A soft dark place on the ground: of a parked car, of a tree, of a house. Corners are (s, d).
+/// A soft shadow on the ground, such as that of a parked car, a tree, or a house. Corners are (s, d).
 struct Shade {
   std::vector<Eigen::Vector2d> corners;
-  double strength = 0.5;  ///< share of the light it takes
+  double strength = 0.5;  ///< share of the light that it absorbs
   double softness_m = 0.3;
 };
 
-/// Carriageway and pavements: two planes, one picture every ten meters of the street.
+/// The carriageway and pavements: two planes, with one picture per ten meters of the street.
 class Ground {
  public:
   Ground() = default;
@@ -27,7 +27,7 @@ class Ground {
     bool pavement = false;
     double s = 0, d = 0;
   };
-  /// Where a ray meets it; infinite t where it does not.
+  /// Returns the intersection of a ray with the ground; t is infinite if there is none.
   Place trace(const Ray& ray) const;
   cv::Vec3f shade(const Ray& ray, const Place& place, const Light& light, double pixel_share = 1) const;
 
@@ -37,7 +37,7 @@ class Ground {
   std::vector<Texture> chunks_;
 };
 
-/// Where pedestrians cross.
+/// Returns the position s of a pedestrian crossing.
 double crossing(int number);
 
 }  // namespace dvi::synth

@@ -16,18 +16,18 @@
 namespace dvi::synth {
 namespace {
 
-std::string numbers(const SE3& pose, const char* between) {
-  return fmt::format("{:.12g}", fmt::join(row_major(pose), between));
+std::string format_numbers(const SE3& pose, const char* between) {
+  return fmt::format("{:.12g}", fmt::join(to_row_major(pose), between));
 }
 
-std::string settings(const Scene& scene) {
+std::string format_settings(const Scene& scene) {
   const Camera& camera = scene.camera();
   const SynthOptions& options = scene.options();
   std::string text = "[drive]\nversion = 1\n\n";
   for (const SceneCamera& one : scene.cameras())
     text += fmt::format("[camera.{}]\nsize = [{}, {}]\nK = [{}, 0, {}, 0, {}, {}, 0, 0, 1]\ncamera_from_lidar = [{}]\n\n",
                         one.name, camera.width, camera.height, camera.fx, camera.cx, camera.fy, camera.cy,
-                        numbers(one.camera_from_lidar, ", "));
+                        format_numbers(one.camera_from_lidar, ", "));
   if (options.room) return text + fmt::format("[lidar]\nsensor = \"depth_camera\"\nrate = {:.12g}\n", options.rate_hz);
   return text + fmt::format(
                     "[lidar]\nrate = {:.12g}\nbeams = {}\nstamp = \"middle\"\nrotation = \"clockwise\"\n"
@@ -35,24 +35,24 @@ std::string settings(const Scene& scene) {
                     options.rate_hz, options.beams);
 }
 
-std::string readme(const SynthOptions& options) {
+std::string format_readme(const SynthOptions& options) {
   SynthOptions copy = options;
   OptionTable table;
   copy.describe(table);
   return std::string("A synthetic ") + (options.room ? "room" : "street") +
          ", made by `dvi synth`: a drive in the `folder` layout with its exact truth.\n\n"
          "truth/NAME.png            the frame without traffic and noise, with the frame's exposure\n"
-         "truth_depth/NAME.png      16-bit, depth z in meters x 256 of what stands still, at pixel centers, 0 sky\n"
+         "truth_depth/NAME.png      16-bit, depth z in meters x 256 of the static scene, at pixel centers, 0 sky\n"
          "truth_cameras.txt         NAME, 12 numbers camera_from_world (row-major 3x4) of the true camera, exposure gain\n"
          "truth/CAMERA/ and so on   the same of a camera that is not the first\n" +
          (options.room
               ? "poses.txt                 exact world_from_lidar of each image; axes x forward, y left, z up at the camera\n\n"
-              : "truth_points/NAME.label   uint8 a point of lidar/NAME.bin: 0 static, 1 on moving traffic\n"
+              : "truth_points/NAME.label   uint8 per point of lidar/NAME.bin: 0 static, 1 on moving traffic\n"
                 "poses.txt                 exact world_from_lidar at the middle of each scan, when the image is exposed\n\n") +
          "Made with\n\n" + table.dump_toml();
 }
 
-std::string frame_json(const std::vector<Label>& labels) {
+std::string format_frame_json(const std::vector<Label>& labels) {
   std::string text;
   for (const Label& label : labels) {
     const Eigen::Vector3d &c = label.box->frame_from_box.t, &size = label.box->size;
@@ -65,8 +65,8 @@ std::string frame_json(const std::vector<Label>& labels) {
   return text;
 }
 
-/// In `folder`, of a camera: the first one's files stand in the folder itself.
-fs::path of_camera(const Scene& scene, std::size_t camera, const fs::path& folder) {
+/// Returns the path of a camera's files in `folder`: the folder itself for the first camera.
+fs::path find_camera_folder(const Scene& scene, std::size_t camera, const fs::path& folder) {
   return camera == 0 ? folder : folder / scene.cameras()[camera].name;
 }
 
@@ -75,10 +75,10 @@ void write_image(const Scene& scene, int frame, std::size_t camera, const SynthF
   const std::string png = scene.name(frame) + ".png";
   media::write_png(out / "images" / folder / png, scene.record(frame, rendered, camera));
   media::write_png(out / "masks" / folder / png, scene.mask(rendered));
-  media::write_png(of_camera(scene, camera, out / "truth") / png, rendered.clean);
+  media::write_png(find_camera_folder(scene, camera, out / "truth") / png, rendered.clean);
   cv::Mat depth;
   rendered.depth.convertTo(depth, CV_16U, 256);
-  media::write_png(of_camera(scene, camera, out / "truth_depth") / png, depth);
+  media::write_png(find_camera_folder(scene, camera, out / "truth_depth") / png, depth);
   if (scene.options().room) media::write_png(out / "depth" / folder / png, scene.depth_image(frame, rendered));
 }
 
@@ -88,15 +88,15 @@ void write_frame(const Scene& scene, int frame, const fs::path& out) {
   if (scene.options().room) return;
   const std::string name = scene.name(frame);
   const SynthScan scan = scene.scan(frame);
-  write_file(out / "lidar" / (name + ".bin"), media::bin_bytes(scan.scan));
+  write_file(out / "lidar" / (name + ".bin"), media::to_bin_bytes(scan.scan));
   write_file(out / "truth_points" / (name + ".label"), {scan.dynamic.begin(), scan.dynamic.end()});
 }
 
-std::string true_cameras(const Scene& scene, std::size_t camera) {
+std::string format_true_cameras(const Scene& scene, std::size_t camera) {
   std::string text;
   for (int i = 0; i < scene.options().frames; ++i)
-    text +=
-        fmt::format("{} {} {:.12g}\n", scene.name(i), numbers(scene.camera_from_world(i, camera), " "), scene.gain(i, camera));
+    text += fmt::format("{} {} {:.12g}\n", scene.name(i), format_numbers(scene.camera_from_world(i, camera), " "),
+                        scene.gain(i, camera));
   return text;
 }
 
@@ -106,20 +106,20 @@ void write_tables(const Scene& scene, const fs::path& out) {
     const std::string name = scene.name(i);
     const std::int64_t time = scene.time_ns(i);
     times += fmt::format("{} {}\n", name, to_seconds(time));
-    poses += fmt::format("{} {}\n", name, numbers(scene.world_from_lidar(time), " "));
-    boxes += fmt::format("{} \"{}\":[{}]", i == 0 ? "\n" : ",\n", name, frame_json(scene.boxes(i)));
+    poses += fmt::format("{} {}\n", name, format_numbers(scene.world_from_lidar(time), " "));
+    boxes += fmt::format("{} \"{}\":[{}]", i == 0 ? "\n" : ",\n", name, format_frame_json(scene.boxes(i)));
   }
   for (std::size_t i = 0; i < scene.cameras().size(); ++i) {
     const std::string& camera = scene.cameras()[i].name;
     write_file(out / "times" / (camera + ".txt"), times);
-    write_file(out / (i == 0 ? "truth_cameras.txt" : "truth_cameras_" + camera + ".txt"), true_cameras(scene, i));
+    write_file(out / (i == 0 ? "truth_cameras.txt" : "truth_cameras_" + camera + ".txt"), format_true_cameras(scene, i));
   }
   if (!scene.options().room) write_file(out / "times/lidar.txt", times);
   write_file(out / "poses.txt", poses);
   write_file(out / "boxes.json", "{\"version\":1,\"frames\":{" + boxes + "\n}}\n");
-  write_file(out / "README.txt", readme(scene.options()));
-  // Last: a folder without it is no drive, so that a killed run leaves none that looks whole.
-  write_file(out / "dvi.toml", settings(scene));
+  write_file(out / "README.txt", format_readme(scene.options()));
+  // dvi.toml is written last: a folder without it is not a drive, so that a killed run leaves no folder that looks complete.
+  write_file(out / "dvi.toml", format_settings(scene));
 }
 
 }  // namespace
@@ -132,7 +132,7 @@ void synthesize(const SynthOptions& options, const fs::path& out, const Tick& ti
   for (std::size_t i = 0; i < scene.cameras().size(); ++i) {
     for (const char* folder : {"images", "masks"}) make_folder(out / folder / scene.cameras()[i].name);
     if (options.room) make_folder(out / "depth" / scene.cameras()[i].name);
-    for (const char* folder : {"truth", "truth_depth"}) make_folder(of_camera(scene, i, out / folder));
+    for (const char* folder : {"truth", "truth_depth"}) make_folder(find_camera_folder(scene, i, out / folder));
   }
   parallel_for(static_cast<std::size_t>(options.frames), [&](std::size_t i) {
     write_frame(scene, static_cast<int>(i), out);

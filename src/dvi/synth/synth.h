@@ -8,14 +8,14 @@
 
 namespace dvi::synth {
 
-/// Writes the recording of a synthetic street or room in the `folder` layout and its exact truth beside, of the first camera
-/// ("front", in a room "color"):
+/// Writes the recording of a synthetic street or room in the `folder` layout, with the exact truth of the first camera
+/// ("front", or "color" in a room):
 ///   truth/NAME.png          the frame without traffic and without noise, with the frame's exposure
-///   truth_depth/NAME.png    16-bit, depth z in meters x 256 of what stands still, 0 sky (255.99 m at most)
-///   truth_points/NAME.label uint8 a point of the scan: 1 on traffic; not in a room
+///   truth_depth/NAME.png    16-bit, depth z in meters x 256 of the static scene, 0 sky (255.99 m at most)
+///   truth_points/NAME.label uint8 per point of the scan: 1 on traffic; not in a room
 ///   truth_cameras.txt       NAME, 12 numbers camera_from_world of the true camera, exposure gain
-/// and of each other camera the same in truth/CAMERA, truth_depth/CAMERA and truth_cameras_CAMERA.txt.
-/// `tick` is called once a frame. UsageError for bad options, InputError where the folder cannot be written.
+/// and the same of each other camera in truth/CAMERA, truth_depth/CAMERA and truth_cameras_CAMERA.txt. `tick` is called once
+/// per frame. Throws UsageError for bad options, and InputError if the folder cannot be written.
 void synthesize(const SynthOptions& options, const std::filesystem::path& out, const Tick& tick = {});
 
 }  // namespace dvi::synth

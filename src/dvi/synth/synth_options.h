@@ -4,9 +4,9 @@
 
 namespace dvi::synth {
 
-/// What street, or room, is built and how it is recorded. Two recordings share one street (world coordinates, facades, trees)
-/// when seed, frames, speed_mps, rate_hz and turn_deg agree; `day` changes light, parked cars, lane and traffic, `reverse` the
-/// direction, `wet` and `changes` the street itself. Two recordings share one room when seed agrees.
+/// The options of the street or room and its recording. Two recordings share one street (world coordinates, facades, trees) if
+/// seed, frames, speed_mps, rate_hz and turn_deg agree; `day` changes light, parked cars, lane and traffic, `reverse` the
+/// direction, `wet` and `changes` the street itself. Two recordings share one room if seed agrees.
 struct SynthOptions {
   int frames = 20;
   int width = 960, height = 540;
@@ -29,10 +29,10 @@ struct SynthOptions {
   double image_noise = 1.5, range_noise = 0.02;
 
   void describe(OptionTable& table);
-  /// UsageError naming the first option out of its range, or those that a room does not have.
+  /// Throws UsageError for the first option out of its range, or for options that do not apply to a room.
   void check() const;
 
-  /// Meters driven.
+  /// Returns the length of the drive in meters.
   double distance() const { return speed_mps * frames / rate_hz; }
 };
 

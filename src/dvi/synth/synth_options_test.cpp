@@ -10,7 +10,7 @@
 namespace dvi::synth {
 namespace {
 
-TEST(SynthOptions, RefusesWhatIsOutOfRange) {
+TEST(SynthOptions, RefusesValuesOutOfRange) {
   const auto refused = [](auto change) {
     SynthOptions options;
     change(options);

@@ -7,11 +7,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSideways = std::numbers::pi / 3;                                // as on cars that see all round
-constexpr double kRightGain = 1.05, kSideLeftGain = 0.96, kSideRightGain = 1.02;  // no two cameras see alike
+constexpr double kSideYawRad = std::numbers::pi / 3;                              // as on cars with cameras all around
+constexpr double kRightGain = 1.05, kSideLeftGain = 0.96, kSideRightGain = 1.02;  // all cameras differ
 
-/// Of a camera that looks along the LiDAR's x, at a place in LiDAR axes.
-SE3 looking_ahead(const Eigen::Matrix3d& error, const Vector3d& place) {
+/// Returns the pose of a camera that looks along the LiDAR's x, at a position in LiDAR axes.
+SE3 make_camera_ahead(const Eigen::Matrix3d& error, const Vector3d& place) {
   SE3 camera;
   camera.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
   camera.R = error * camera.R;
@@ -19,7 +19,7 @@ SE3 looking_ahead(const Eigen::Matrix3d& error, const Vector3d& place) {
   return camera;
 }
 
-SE3 turned(const SE3& camera_from_lidar, double left, const Vector3d& place) {
+SE3 rotate_camera(const SE3& camera_from_lidar, double left, const Vector3d& place) {
   const Eigen::Matrix3d R = camera_from_lidar.R * so3_exp({0, 0, -left});
   return {R, R * -place};
 }
@@ -37,13 +37,13 @@ Camera make_lens(const SynthOptions& options) {
 }
 
 std::vector<SceneCamera> make_rig(const SynthOptions& options) {
-  if (options.room) return {{"color", looking_ahead(Eigen::Matrix3d::Identity(), Vector3d::Zero())}};
-  const SE3 front = looking_ahead(so3_exp({0.012, -0.008, 0.004}), {0.27, 0.06, -0.12});
+  if (options.room) return {{"color", make_camera_ahead(Eigen::Matrix3d::Identity(), Vector3d::Zero())}};
+  const SE3 front = make_camera_ahead(so3_exp({0.012, -0.008, 0.004}), {0.27, 0.06, -0.12});
   std::vector<SceneCamera> cameras = {{"front", front}};
   if (options.stereo_m > 0) cameras.push_back({"right", SE3{front.R, front.t - Vector3d(options.stereo_m, 0, 0)}, kRightGain});
   if (options.side_cameras) {
-    cameras.push_back({"side-left", turned(front, kSideways, {0.1, 0.4, -0.15}), kSideLeftGain});
-    cameras.push_back({"side-right", turned(front, -kSideways, {0.1, -0.4, -0.15}), kSideRightGain});
+    cameras.push_back({"side-left", rotate_camera(front, kSideYawRad, {0.1, 0.4, -0.15}), kSideLeftGain});
+    cameras.push_back({"side-right", rotate_camera(front, -kSideYawRad, {0.1, -0.4, -0.15}), kSideRightGain});
   }
   return cameras;
 }

@@ -6,9 +6,9 @@
 
 namespace dvi::synth {
 
-/// The lens that all cameras of the scene share.
+/// Makes the lens that all cameras of the scene have.
 Camera make_lens(const SynthOptions& options);
-/// The cameras of a car, "front" first; of a room the one in the hand, "color".
+/// Makes the cameras of a car, of which the first one is "front", or the hand-held camera of a room, "color".
 std::vector<SceneCamera> make_rig(const SynthOptions& options);
 
 }  // namespace dvi::synth

@@ -29,7 +29,7 @@ class Synth : public testing::Test {
   SynthOptions options_;
 };
 
-TEST_F(Synth, WritesTheSameBytesWithAnyThreads) {
+TEST_F(Synth, WritesTheSameBytesWithAnyNumberOfThreads) {
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
     synthesize(options_, folder_ / std::to_string(threads));
@@ -76,7 +76,7 @@ TEST_F(Synth, EachCameraHasItsTruth) {
     EXPECT_TRUE(fs::exists(folder_ / folder / other / "000002.png")) << folder;
 }
 
-TEST_F(Synth, ARoomHasDepthImagesInsteadOfScans) {
+TEST_F(Synth, HasDepthImagesInsteadOfScansInARoom) {
   options_.room = true;
   synthesize(options_, folder_);
   EXPECT_FALSE(fs::exists(folder_ / "lidar"));
@@ -86,7 +86,7 @@ TEST_F(Synth, ARoomHasDepthImagesInsteadOfScans) {
   EXPECT_EQ(cv::norm(depth, scene.depth_image(1, scene.render(1)), cv::NORM_INF), 0);
 }
 
-TEST_F(Synth, RefusesBadOptionsAndPlaces) {
+TEST_F(Synth, RefusesBadOptionsAndFolders) {
   SynthOptions bad = options_;
   bad.rate_hz = 0;
   EXPECT_THROW(synthesize(bad, folder_), UsageError);

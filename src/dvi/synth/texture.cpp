@@ -8,13 +8,13 @@
 namespace dvi::synth {
 namespace {
 
-constexpr double kMostTaps = 8;
-// Slightly finer than the footprint: bilinear lookup blurs by itself.
+constexpr double kMaxTaps = 8;
+// The level is slightly finer than the footprint, since bilinear lookup blurs as well.
 constexpr double kLevelBias = -0.4;
-constexpr std::size_t kInMemory = 400'000'000;  // bytes: 500 m of street, several times what a view sees from near
+constexpr std::size_t kMaxMemoryBytes = 400'000'000;  // 500 m of street, several times the near part of a view
 
 const std::shared_ptr<Scratch>& scratch() {
-  static const auto shared = std::make_shared<Scratch>(kInMemory);
+  static const auto shared = std::make_shared<Scratch>(kMaxMemoryBytes);
   return shared;
 }
 
@@ -80,10 +80,10 @@ cv::Vec3f Texture::sample(double x, double y, const Eigen::Vector2d& step_x, con
   const bool first_longer = step_x.squaredNorm() > step_y.squaredNorm();
   const Eigen::Vector2d& along = first_longer ? step_x : step_y;
   const double major = along.norm();
-  // Width across the longer step: of the parallelogram's area, so that sheared footprints do not alias.
+  // The width across the longer step follows from the parallelogram's area, so that sheared footprints do not alias.
   const double area = std::abs(step_x.x() * step_y.y() - step_x.y() * step_y.x());
-  const double minor = std::max({area / std::max(major, 1e-9), major / kMostTaps, 1e-6});
-  const int taps = std::clamp(static_cast<int>(std::ceil(major / minor - 0.25)), 1, static_cast<int>(kMostTaps));
+  const double minor = std::max({area / std::max(major, 1e-9), major / kMaxTaps, 1e-6});
+  const int taps = std::clamp(static_cast<int>(std::ceil(major / minor - 0.25)), 1, static_cast<int>(kMaxTaps));
   const auto level = static_cast<float>(std::log2(minor) + kLevelBias);
   cv::Vec3f sum(0, 0, 0);
   for (int i = 0; i < taps; ++i) {

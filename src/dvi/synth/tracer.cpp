@@ -6,18 +6,18 @@
 namespace dvi::synth {
 namespace {
 
-constexpr double kNear = 150;  // meters along the street within which movers are considered
+constexpr double kMaxMoverDistanceM = 150;  // along the street
 constexpr double kShadowDepth = 0.62;
 constexpr int kSkyId = 0, kRoadId = 1, kPavementId = 2, kFirstSurfaceId = 3, kFirstMoverId = 1 << 24, kShadedId = 1 << 30;
 
 }  // namespace
 
-std::vector<PlacedMover> placed(const std::vector<Mover>& movers, const Street& street, double time, double own_s) {
+std::vector<PlacedMover> place_movers(const std::vector<Mover>& movers, const Street& street, double time, double own_s) {
   std::vector<PlacedMover> out;
   for (const Mover& mover : movers) {
     const Eigen::Vector2d at = mover.place(time);
-    const bool indoors = at.y() > kLeftFacade - 0.4 || at.y() < kRightFacade + 0.4;
-    if (indoors || std::abs(at.x() - own_s) > kNear) continue;
+    const bool indoors = at.y() > kLeftFacadeM - 0.4 || at.y() < kRightFacadeM + 0.4;
+    if (indoors || std::abs(at.x() - own_s) > kMaxMoverDistanceM) continue;
     const SE3 pose = mover.world_from_mover(street, time);
     out.push_back({&mover, &mover.model(time), pose, pose.inverse()});
   }
@@ -49,7 +49,7 @@ Tracer::Seen Tracer::trace(const Ray& ray, double t_max) const {
   }
   if (!seen.dynamic && seen.id != kSkyId && in_shadow(ray.at(seen.t))) {
     seen.shaded = true;
-    seen.id |= kShadedId;  // an edge
+    seen.id |= kShadedId;  // marks an edge
   }
   return seen;
 }
@@ -66,10 +66,10 @@ float Tracer::light_left(const Eigen::Vector3d& x) const {
   double left = 1;
   for (const PlacedMover& placed : movers_) {
     const Eigen::Vector3d local = placed.mover_from_world * x;
-    const Eigen::Vector2d outside = (local.head<2>().cwiseAbs() - 0.5 * placed.model->size.head<2>()).cwiseMax(-kShadowReach);
-    // From full depth well inside the outline to none at the reach outside it.
+    const Eigen::Vector2d outside = (local.head<2>().cwiseAbs() - 0.5 * placed.model->size.head<2>()).cwiseMax(-kShadowReachM);
+    // The shadow decreases from full depth well inside the outline to none at the reach outside it.
     const double distance = outside.cwiseMax(0).norm() + std::min(outside.maxCoeff(), 0.0);
-    const double u = std::clamp((kShadowReach - distance) / (2 * kShadowReach), 0.0, 1.0);
+    const double u = std::clamp((kShadowReachM - distance) / (2 * kShadowReachM), 0.0, 1.0);
     left *= 1 - kShadowDepth * u * u * (3 - 2 * u);
   }
   return static_cast<float>(left);

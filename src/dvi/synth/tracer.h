@@ -14,25 +14,25 @@ struct PlacedMover {
   SE3 world_from_mover, mover_from_world;
 };
 
-/// The movers on the street at a time, in seconds after the first frame, that are near the recording car.
-std::vector<PlacedMover> placed(const std::vector<Mover>& movers, const Street& street, double time, double own_s);
+/// Places the movers that are near the recording car at a time in seconds after the first frame.
+std::vector<PlacedMover> place_movers(const std::vector<Mover>& movers, const Street& street, double time, double own_s);
 
-/// What a ray sees in the static world and among the movers of one time.
+/// Traces rays in the static world and among the movers of one time.
 class Tracer {
  public:
   Tracer(const StaticWorld& world, std::vector<PlacedMover> movers) : world_(world), movers_(std::move(movers)) {}
 
   struct Seen {
     double t = std::numeric_limits<double>::infinity();  ///< infinite: sky
-    int id = 0;  ///< of the surface; neighboring rays with equal ids see one smooth surface
+    int id = 0;  ///< of the surface; neighboring rays with equal ids hit one smooth surface
     bool dynamic = false;
-    bool shaded = false;  ///< from the sun, by someone who walks
+    bool shaded = false;  ///< in the shadow of a walking person
     int mover = -1;
     Hit hit;
     Ground::Place ground;
   };
   Seen trace(const Ray& ray, double t_max = std::numeric_limits<double>::infinity()) const;
-  /// `pixel_share`: side of the area to average over, as a share of a pixel.
+  /// Computes the color; `pixel_share` is the side of the averaged area as a share of a pixel.
   cv::Vec3f shade(const Ray& ray, const Seen& seen, double pixel_share = 1) const;
 
   const std::vector<PlacedMover>& movers() const { return movers_; }
@@ -45,7 +45,7 @@ class Tracer {
   std::vector<PlacedMover> movers_;
 };
 
-/// How far the soft shadow under a mover reaches beyond its box, meters.
-inline constexpr double kShadowReach = 0.4;
+/// The distance in meters that the soft shadow under a mover extends beyond its box.
+inline constexpr double kShadowReachM = 0.4;
 
 }  // namespace dvi::synth

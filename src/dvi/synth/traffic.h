@@ -9,8 +9,8 @@
 
 namespace dvi::synth {
 
-/// Something that moves: its model, and its place (s, d) at a time in seconds after the first frame. People who walk have one
-/// model for each part of a stride, and a shadow from the sun; under everything else it is dark.
+/// A moving object: its models and its position (s, d) at a time in seconds after the first frame. Walking people have one
+/// model for each part of a stride, and a shadow from the sun; the ground under all others is dark.
 struct Mover {
   int track = 0;
   std::vector<Model> models;
@@ -21,8 +21,8 @@ struct Mover {
   SE3 world_from_mover(const Street& street, double time) const;
 };
 
-/// The traffic of the drive: a vehicle ahead that changes lane where there are two (or a truck that stays), a slower van in the
-/// second lane, oncoming cars, pedestrians who cross. All of it moves all the time.
+/// Makes the traffic of the drive: a vehicle ahead that changes lane if there are two (or a truck that stays ahead), a slower
+/// van in the second lane, oncoming cars, and pedestrians who cross. All of them move all the time.
 std::vector<Mover> make_traffic(const SynthOptions& options, const Course& course, const Noise& noise);
 
 }  // namespace dvi::synth

@@ -16,7 +16,7 @@ TexturePtr finish(Canvas& canvas, Random& random, const Noise& noise, double amp
   return std::make_shared<Texture>(canvas.picture, canvas.alpha);
 }
 
-cv::Scalar car_color(Random& random) {
+cv::Scalar choose_car_color(Random& random) {
   static const std::array<cv::Scalar, 9> kColors = {cv::Scalar(205, 208, 210),
                                                     {40, 38, 38},
                                                     {150, 148, 145},
@@ -39,7 +39,7 @@ void paint_wheel(Canvas& canvas, double x, double radius) {
   canvas.uncut(x, radius, radius);
 }
 
-// Front to the left; wheels and a gap below the body.
+// Paints a side with the front to the left; wheels and a gap are below the body.
 TexturePtr paint_side(Random random, const Noise& noise, const cv::Scalar& color, double length, double height, double sill) {
   Canvas canvas(length, height, kBodyPixelsPerMeter, color);
   canvas.cut_below(sill);
@@ -97,7 +97,7 @@ TexturePtr paint_cargo(Random random, const Noise& noise, const cv::Scalar& colo
   return finish(canvas, random, noise, 5);
 }
 
-// Up to the belt line, as long and wide as the model; wheels below the sill. Returns the sheet metal.
+// Adds the body up to the belt line, as long and wide as the model, with wheels below the sill. Returns the sheet metal.
 TexturePtr add_body(Model& model, const Random& random, const Noise& noise, const cv::Scalar& color, double belt, double sill) {
   const double length = model.size.x(), half = 0.5 * length, width = model.size.y(), h = 0.5 * width;
   const TexturePtr side = paint_side(random, noise, color, length, belt, sill),
@@ -115,7 +115,7 @@ TexturePtr add_body(Model& model, const Random& random, const Noise& noise, cons
 }  // namespace
 
 Model make_car(Random random, const Noise& noise) {
-  const cv::Scalar color = car_color(random);
+  const cv::Scalar color = choose_car_color(random);
   const double length = random.uniform(3.9, 4.7), half = 0.5 * length, width = random.uniform(1.7, 1.85), h = 0.5 * width;
   const double belt = random.uniform(0.86, 0.95), roof = belt + random.uniform(0.48, 0.6), sill = 0.26;
   Model model{"car", {}, {length, width, roof}};
@@ -129,7 +129,7 @@ Model make_car(Random random, const Noise& noise) {
 }
 
 Model make_van(Random random, const Noise& noise) {
-  const cv::Scalar color = car_color(random);
+  const cv::Scalar color = choose_car_color(random);
   const double length = random.uniform(4.9, 5.4), half = 0.5 * length, width = 1.95, h = 0.5 * width, belt = 1.15, roof = 2.15,
                sill = 0.3;
   Model model{"van", {}, {length, width, roof}};
@@ -144,7 +144,7 @@ Model make_van(Random random, const Noise& noise) {
 }
 
 Model make_truck(Random random, const Noise& noise) {
-  const cv::Scalar cab = car_color(random), box = random_color(random, 120, 230);
+  const cv::Scalar cab = choose_car_color(random), box = random_color(random, 120, 230);
   const double length = 8.2, half = 0.5 * length, width = 2.45, h = 0.5 * width;
   Model model{"truck", {}, {length, width, 3.5}};
   const TexturePtr chassis = paint_side(random, noise, {60, 60, 62}, length, 0.95, 0.45), top = paint_plain(random, noise, box);

@@ -9,23 +9,23 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kThigh = 0.45, kShank = 0.45, kHip = 0.9;  // meters
+constexpr double kThighM = 0.45, kShankM = 0.45, kHipM = 0.9;
 
 struct Clothes {
   TexturePtr trousers, shoes, coat, skin, hair;
 };
 
 struct Leg {
-  Vector3d hip, knee, foot;  // foot: its ankle, a hand's breadth above the ground where it stands
+  Vector3d hip, knee, foot;  // foot: its ankle, 9 cm above the ground when it stands
 };
 
-// The thigh swings as a pendulum; the knee is bent while the leg swings forward.
-Leg leg_at(double phase, double y) {
+// The thigh swings like a pendulum; the knee is bent while the leg swings forward.
+Leg make_leg(double phase, double y) {
   const double swing = 0.45 * std::sin(phase), bend = 0.75 * std::max(0.0, std::cos(phase)) + 0.08;
   Leg leg;
-  leg.hip = {0, y, kHip};
-  leg.knee = leg.hip + kThigh * Vector3d(std::sin(swing), 0, -std::cos(swing));
-  leg.foot = leg.knee + kShank * Vector3d(std::sin(swing - bend), 0, -std::cos(swing - bend));
+  leg.hip = {0, y, kHipM};
+  leg.knee = leg.hip + kThighM * Vector3d(std::sin(swing), 0, -std::cos(swing));
+  leg.foot = leg.knee + kShankM * Vector3d(std::sin(swing - bend), 0, -std::cos(swing - bend));
   return leg;
 }
 
@@ -36,9 +36,9 @@ void add_limb(Solid& solid, const Vector3d& low, const Vector3d& high, double ha
   solid.add(part, {Eigen::Matrix3d::Identity(), {0, low.y(), 0}});
 }
 
-Model walker_at(double phase, const Clothes& clothes) {
-  const std::array<Leg, 2> legs = {leg_at(phase, 0.1), leg_at(phase + std::numbers::pi, -0.1)};
-  // The lower foot stands on the ground.
+Model make_walker_at(double phase, const Clothes& clothes) {
+  const std::array<Leg, 2> legs = {make_leg(phase, 0.1), make_leg(phase + std::numbers::pi, -0.1)};
+  // The lower foot is on the ground.
   const double lift = 0.09 - std::min(legs[0].foot.z(), legs[1].foot.z());
   const Vector3d up(0, 0, lift);
   Model model{"pedestrian", {}, {1.2, 0.56, 1.84}};
@@ -53,7 +53,7 @@ Model walker_at(double phase, const Clothes& clothes) {
                 {clothes.shoes, clothes.shoes, clothes.shoes, clothes.shoes, clothes.shoes});
     solid.add(shoe, {Eigen::Matrix3d::Identity(), {0, foot.y(), 0}});
   }
-  for (const double side : {1.0, -1.0}) {  // arms swing against the legs
+  for (const double side : {1.0, -1.0}) {  // arms swing opposite to the legs
     const double swing = -0.4 * side * std::sin(phase);
     const Vector3d shoulder = Vector3d(0, 0.215 * side, 1.4) + up;
     add_limb(solid, shoulder + 0.62 * Vector3d(std::sin(swing), 0, -std::cos(swing)), shoulder, 0.055, clothes.coat);
@@ -75,7 +75,7 @@ std::vector<Model> make_walker(Random random, const Noise& noise) {
   clothes.skin = paint_plain(random, noise, {130, 160, 200});
   clothes.hair = paint_plain(random, noise, random_color(random, 20, 70));
   std::vector<Model> gait;
-  for (int i = 0; i < kGaitPhases; ++i) gait.push_back(walker_at(2 * std::numbers::pi * i / kGaitPhases, clothes));
+  for (int i = 0; i < kGaitPhases; ++i) gait.push_back(make_walker_at(2 * std::numbers::pi * i / kGaitPhases, clothes));
   return gait;
 }
 

@@ -27,7 +27,7 @@ struct Folder {
 
 void judge(const std::string& message, const fs::path& folder) {
   require(message.find(folder.string()) != std::string::npos, "the message names the file");
-  require(printable(message).size() <= kLongestMessage, "the message is short");
+  require(to_printable(message).size() <= kLongestMessage, "the message is short");
 }
 
 }  // namespace

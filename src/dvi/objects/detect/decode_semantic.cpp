@@ -56,7 +56,7 @@ cv::Mat1i nearest_ids(const cv::Mat1f& ids, const InputFit& fit) {
 // The 4-connected parts of a mask, in raster order of their first pixels.
 void keep_parts(Detections& out, int type, const cv::Mat1b& mask, int least_pixels) {
   cv::Mat1i labels;
-  std::vector<cv::Rect> boxes(static_cast<std::size_t>(connected_parts(mask, labels)));
+  std::vector<cv::Rect> boxes(static_cast<std::size_t>(label_connected_parts(mask, labels)));
   std::vector<int> order;
   for (int y = 0; y < labels.rows; ++y)
     for (int x = 0; x < labels.cols; ++x) {

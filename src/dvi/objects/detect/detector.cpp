@@ -17,7 +17,7 @@ Label label_of(const TrackedObject& tracked, const Detector& detector, cv::Size 
   Label label;
   label.track = tracked.track;
   label.type = detector.classes()[static_cast<std::size_t>(tracked.object.type)];
-  label.instance = outline_of(mask);
+  label.instance = to_outline(mask);
   return label;
 }
 
