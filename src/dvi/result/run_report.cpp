@@ -22,10 +22,10 @@ std::optional<RegistrationReport> registration_report(const Drive& drive, const 
                          .residual_m = placed.residual_m,
                          .bound_m = placed.bound_m,
                          .bound_deg = placed.bound_deg,
-                         .things = placed.things,
-                         .things_agree = placed.things_agree,
+                         .things = placed.landmarks,
+                         .things_agree = placed.landmark_inliers,
                          .passed_share = placed.passed_share,
-                         .rival = placed.rival};
+                         .rival = placed.second_best_ratio};
   const Trajectory& trajectory = poses.world_from_lidar;
   const SE3 first = trajectory.at(drive.scan_headers.front().time_ns).value_or(trajectory.poses().front().world_from_body);
   for (int row = 0; row < 3; ++row) {
