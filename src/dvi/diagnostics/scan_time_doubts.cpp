@@ -51,7 +51,7 @@ std::vector<std::string> scan_time_doubts(const Drive& drive, const Trajectory& 
   const auto span = static_cast<double>(drive.scan_headers[best + count - 1].time_ns - drive.scan_headers[best].time_ns) * 1e-9;
   if (farthest < kLeastSpeed * span || !has_times(*drive.scans[best])) return {};
   const auto spread = [&](float factor) {
-    return odometry::sharpness(with_times(drive, best, count, factor), world_from_lidar);
+    return odometry::measure_sharpness(with_times(drive, best, count, factor), world_from_lidar);
   };
   const odometry::Sharpness as_read = spread(1);
   if (!as_read.known()) return {};

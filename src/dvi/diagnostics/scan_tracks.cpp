@@ -26,7 +26,7 @@ bool holds(const odometry::ScanFit& fit) {
 
 std::optional<ScanTrack> track_of(const Drive& drive, std::size_t first, std::size_t last,
                                   const odometry::OdometryOptions& options) {
-  const odometry::Odometry found = odometry::odometry(stretch_of(drive, first, last), options);
+  const odometry::Odometry found = odometry::estimate_odometry(stretch_of(drive, first, last), options);
   if (found.world_from_lidar.poses().size() < kFewestScans || !std::all_of(found.scans.begin(), found.scans.end(), holds))
     return std::nullopt;
   return ScanTrack{first, last, found.world_from_lidar};

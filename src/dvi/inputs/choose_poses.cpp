@@ -37,9 +37,9 @@ void hold_against_scans(const Drive& drive, const odometry::OdometryOptions& opt
 }
 
 void compare_sharpness(const Drive& drive, bool both, Progress& progress, PoseChoice& choice) {
-  progress.begin("sharpness", (both ? 2 : 1) * odometry::sharpness_ticks(drive));
-  choice.loam = odometry::sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
-  if (both) choice.given = odometry::sharpness(drive, drive.poses, progress.tick());
+  progress.begin("sharpness", (both ? 2 : 1) * odometry::count_sharpness_ticks(drive));
+  choice.loam = odometry::measure_sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
+  if (both) choice.given = odometry::measure_sharpness(drive, drive.poses, progress.tick());
   progress.end();
   if (both && !supported(*choice.given, *choice.loam) && choice.loam->known())
     choice.warnings.push_back(
