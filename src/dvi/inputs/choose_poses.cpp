@@ -29,9 +29,9 @@ bool sharper(const odometry::Sharpness& loam, const odometry::Sharpness& given) 
 }
 
 void hold_against_scans(const Drive& drive, const odometry::OdometryOptions& options, Progress& progress, PoseChoice& choice) {
-  progress.begin("plausibility", diagnostics::scan_tracks_ticks(drive));
-  choice.tracks = diagnostics::scan_tracks(drive, options, progress.tick());
-  choice.misread = diagnostics::better_reading(drive.poses, drive.camera_from_lidar, choice.tracks);
+  progress.begin("plausibility", diagnostics::count_scan_track_ticks(drive));
+  choice.tracks = diagnostics::estimate_scan_tracks(drive, options, progress.tick());
+  choice.misread = diagnostics::find_better_reading(drive.poses, drive.camera_from_lidar, choice.tracks);
   if (choice.misread) choice.warnings.push_back(choice.misread->words);
   progress.end();
 }

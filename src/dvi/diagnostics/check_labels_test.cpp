@@ -1,4 +1,4 @@
-#include "dvi/diagnostics/label_doubts.h"
+#include "dvi/diagnostics/check_labels.h"
 
 #include <vector>
 
@@ -14,48 +14,48 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-TEST(LabelDoubts, RightLabelsAreNotDoubted) {
-  EXPECT_THAT(label_doubts(test_drive(1, 0)), IsEmpty());
-  EXPECT_THAT(label_doubts(test_drive(2, 40)), IsEmpty());
+TEST(CheckLabels, AcceptsCorrectLabels) {
+  EXPECT_THAT(check_labels(test_drive(1, 0)), IsEmpty());
+  EXPECT_THAT(check_labels(test_drive(2, 40)), IsEmpty());
 }
 
-TEST(LabelDoubts, LabelsOfAnotherDriveAreSaid) {
+TEST(CheckLabels, ReportsLabelsOfAnotherDrive) {
   Drive drive = test_drive(1, 0);
   const Drive other = test_drive(2, 40);
   for (std::size_t i = 0; i < drive.frames.size(); ++i) drive.frames[i].labels = other.frames[i].labels;
-  EXPECT_THAT(label_doubts(drive), ElementsAre(HasSubstr("another drive")));
+  EXPECT_THAT(check_labels(drive), ElementsAre(HasSubstr("another drive")));
 }
 
-TEST(LabelDoubts, LabelsOfOtherFramesAreSaid) {
+TEST(CheckLabels, ReportsLabelsOfOtherFrames) {
   Drive drive = test_drive(1, 0);
   const std::vector<Frame> right = drive.frames;
   for (std::size_t i = 0; i < right.size(); ++i) drive.frames[i].labels = right[(i + 7) % right.size()].labels;
-  EXPECT_THAT(label_doubts(drive), ElementsAre(HasSubstr("other frames")));
+  EXPECT_THAT(check_labels(drive), ElementsAre(HasSubstr("other frames")));
 }
 
-TEST(LabelDoubts, LooseLabelsAreNotDoubted) {
+TEST(CheckLabels, AcceptsLooseLabels) {
   Drive drive = test_drive(1, 0);
   for (Frame& frame : drive.frames)
     for (Label& label : frame.labels) label.box->size *= 1.1, label.box->frame_from_box.t.y() += 0.1;
-  EXPECT_THAT(label_doubts(drive), IsEmpty());
+  EXPECT_THAT(check_labels(drive), IsEmpty());
 }
 
-TEST(LabelDoubts, PeopleTellNothing) {
+TEST(CheckLabels, IgnoresPeople) {
   Drive drive = test_drive(1, 0);
   for (Frame& frame : drive.frames)
     for (Label& label : frame.labels) label.box->size = {0.8, 0.6, 1.8}, label.box->frame_from_box.t.y() += 3;
-  EXPECT_THAT(label_doubts(drive), IsEmpty());
+  EXPECT_THAT(check_labels(drive), IsEmpty());
 }
 
-TEST(LabelDoubts, FewOrNoBoxesTellNothing) {
+TEST(CheckLabels, ReportsNothingForFewOrNoBoxes) {
   Drive drive = test_drive(1, 0);
   for (Frame& frame : drive.frames)
     for (Label& label : frame.labels) label.box->frame_from_box.t.z() += 500;
-  EXPECT_THAT(label_doubts(drive), IsEmpty()) << "out of sight";
+  EXPECT_THAT(check_labels(drive), IsEmpty()) << "out of view";
   for (Frame& frame : drive.frames) frame.labels.clear();
-  EXPECT_THAT(label_doubts(drive), IsEmpty());
+  EXPECT_THAT(check_labels(drive), IsEmpty());
   drive.scan_headers.clear();
-  EXPECT_THAT(label_doubts(drive), IsEmpty());
+  EXPECT_THAT(check_labels(drive), IsEmpty());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "dvi/diagnostics/scan_time_doubts.h"
+#include "dvi/diagnostics/check_scan_times.h"
 
 #include <functional>
 
@@ -14,7 +14,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-Drive changed(const Drive& drive, const std::function<Scan(const Scan&, const ScanHeader&)>& change) {
+Drive change_scans(const Drive& drive, const std::function<Scan(const Scan&, const ScanHeader&)>& change) {
   Drive out = drive;
   out.scans = Lazy<Scan>(drive.scans.size(), 20, [scans = drive.scans, headers = drive.scan_headers, change](std::size_t i) {
     return change(*scans[i], headers[i]);
@@ -22,31 +22,31 @@ Drive changed(const Drive& drive, const std::function<Scan(const Scan&, const Sc
   return out;
 }
 
-TEST(ScanTimeDoubts, SaysNothingOfAGoodRecording) {
+TEST(CheckScanTimes, AcceptsAGoodRecording) {
   const Drive drive = test_drive(1, 0, 16);
-  EXPECT_THAT(scan_time_doubts(drive, drive.poses), ElementsAre());
+  EXPECT_THAT(check_scan_times(drive, drive.poses), ElementsAre());
 }
 
-TEST(ScanTimeDoubts, NamesScansThatAreCompensatedAlready) {
+TEST(CheckScanTimes, ReportsScansThatAreCompensatedAlready) {
   const Drive drive = test_drive(1, 0, 16);
-  const Drive compensated = changed(drive, [&](const Scan& scan, const ScanHeader& header) {
+  const Drive compensated = change_scans(drive, [&](const Scan& scan, const ScanHeader& header) {
     Scan out = scan;
     const std::vector<Eigen::Vector3d> world = to_world(scan, header, drive.poses);
     const auto lidar_from_world = drive.poses.at(header.time_ns)->inverse();
     for (std::size_t k = 0; k < world.size(); ++k) out.points[k] = (lidar_from_world * world[k]).cast<float>();
     return out;
   });
-  EXPECT_THAT(scan_time_doubts(compensated, drive.poses), ElementsAre(HasSubstr("scans look compensated already")));
+  EXPECT_THAT(check_scan_times(compensated, drive.poses), ElementsAre(HasSubstr("scans seem to be compensated already")));
 }
 
-TEST(ScanTimeDoubts, NamesALidarThatTurnsTheOtherWay) {
+TEST(CheckScanTimes, ReportsALidarThatRotatesInTheOtherDirection) {
   const Drive drive = test_drive(1, 0, 16);
-  const Drive backwards = changed(drive, [](const Scan& scan, const ScanHeader&) {
+  const Drive backwards = change_scans(drive, [](const Scan& scan, const ScanHeader&) {
     Scan out = scan;
     for (float& time : out.time) time = -time;
     return out;
   });
-  EXPECT_THAT(scan_time_doubts(backwards, drive.poses), ElementsAre(HasSubstr("turn the other way")));
+  EXPECT_THAT(check_scan_times(backwards, drive.poses), ElementsAre(HasSubstr("rotate in the other direction")));
 }
 
 }  // namespace
