@@ -54,7 +54,7 @@ cv::Mat4b picture_of(const Above& above, const Raster& raster) {
     page_out_sometimes(i);
     const map::MapPoint& point = map.points[i];
     const cv::Point at = raster.pixel(point.position);
-    if (!inside.contains(at) || !point.stood_on(0) || point.position.z() <= height(at)) continue;
+    if (!inside.contains(at) || !point.is_present_in(0) || point.position.z() <= height(at)) continue;
     if (point.position.z() > map.scans[point.first].sensor.z() + kAboveSensor) continue;
     height(at) = point.position.z();
     const cv::Vec3b color = above.color(i);
