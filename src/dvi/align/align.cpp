@@ -20,21 +20,21 @@ Cameras align(const Views& views, const map::VisibleMap& map, const AlignOptions
   if (!options.enabled) return out;
   for (int sequence = 0; sequence < views.sequences(); ++sequence) {
     const auto [first, last] = views.of_sequence(sequence);
-    AlignOptions suited = options;
-    if (first != last) suited.rotation_deg = expected_rotation_deg(options, views[first].sensor);
+    AlignOptions adapted = options;
+    if (first != last) adapted.rotation_deg = expected_rotation_deg(options, views[first].sensor);
     if (first == last) {
       out.sequences.emplace_back();
     } else if (options.method == AlignMethod::paper) {
       search_as_published({views, map, first, last}, options, tick, out);
       out.sequences.push_back({.kept = true});
     } else {
-      align_jointly({views, map, first, last}, suited, tick, out);
+      align_jointly({views, map, first, last}, adapted, tick, out);
     }
   }
   return out;
 }
 
-std::size_t align_steps(const Views& views, const AlignOptions& options) {
+std::size_t count_align_ticks(const Views& views, const AlignOptions& options) {
   constexpr std::size_t kPasses = 3;  // of the joint method
   if (!options.enabled) return 0;
   return views.size() * (options.method == AlignMethod::paper ? 1 : kPasses);

@@ -1,4 +1,4 @@
-#include "dvi/align/sight.h"
+#include "dvi/align/unmasked_points.h"
 
 #include <algorithm>
 
@@ -7,37 +7,37 @@
 namespace dvi::align {
 namespace {
 
-constexpr int kScale = 4;  // px of the image a px of the depths
+constexpr int kScalePx = 4;  // pixels of the image per pixel of the depths
 constexpr double kTolerance = map::VisibleMap::kTolerance;
-constexpr int kMaskMargin = 5;  // px
+constexpr int kMaskMarginPx = 5;
 
-float least_round(const cv::Mat1f& z, int x, int y) {
-  float least = 1e9F;
+float find_min_around(const cv::Mat1f& z, int x, int y) {
+  float lowest = 1e9F;
   const cv::Rect around = cv::Rect(x - 1, y - 1, 3, 3) & cv::Rect({}, z.size());
   for (int row = around.y; row < around.br().y; ++row)
-    for (int col = around.x; col < around.br().x; ++col) least = std::min(least, z(row, col));
-  return least;
+    for (int col = around.x; col < around.br().x; ++col) lowest = std::min(lowest, z(row, col));
+  return lowest;
 }
 
 }  // namespace
 
 UnmaskedPoints::UnmaskedPoints(const std::vector<map::VisiblePoint>& visible, const cv::Mat1b& mask)
-    : masked_(grown(mask, kMaskMargin)), nearest_(mask.rows / kScale + 1, mask.cols / kScale + 1, 1e9F) {
+    : masked_(grown(mask, kMaskMarginPx)), nearest_(mask.rows / kScalePx + 1, mask.cols / kScalePx + 1, 1e9F) {
   for (const map::VisiblePoint& p : visible) {
     const cv::Point pixel(cvRound(p.u), cvRound(p.v));
-    float& z = nearest_(pixel.y / kScale, pixel.x / kScale);
+    float& z = nearest_(pixel.y / kScalePx, pixel.x / kScalePx);
     z = std::min(z, p.z);
-    if (!masked(pixel)) points_.push_back(p);
+    if (!is_masked(pixel)) points_.push_back(p);
   }
 }
 
-bool UnmaskedPoints::shows(const Eigen::Vector2d& pixel, double z) const {
+bool UnmaskedPoints::is_visible(const Eigen::Vector2d& pixel, double z) const {
   const cv::Point at(cvRound(pixel.x()), cvRound(pixel.y()));
-  return !masked(at) && z <= least_round(nearest_, at.x / kScale, at.y / kScale) * (1 + 2 * kTolerance);
+  return !is_masked(at) && z <= find_min_around(nearest_, at.x / kScalePx, at.y / kScalePx) * (1 + 2 * kTolerance);
 }
 
-bool UnmaskedPoints::beside_nearer(const map::VisiblePoint& p) const {
-  return p.z > least_round(nearest_, cvRound(p.u) / kScale, cvRound(p.v) / kScale) * (1 + 2 * kTolerance);
+bool UnmaskedPoints::is_near_edge(const map::VisiblePoint& p) const {
+  return p.z > find_min_around(nearest_, cvRound(p.u) / kScalePx, cvRound(p.v) / kScalePx) * (1 + 2 * kTolerance);
 }
 
 }  // namespace dvi::align
