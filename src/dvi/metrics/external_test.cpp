@@ -33,7 +33,7 @@ class External : public ResultFixture {
   EvaluationFolders with_net() const { return {folder / "out", folder / "truth", {}, {{"net", folder / "net"}}}; }
 };
 
-TEST_F(External, TheSameFramesGetTheSameFigures) {
+TEST_F(External, TheSameFramesHaveTheSameFigures) {
   add_external([](cv::Mat3b& image) -> const cv::Mat3b& { return image; });
   const nlohmann::json json = evaluate(with_net());
   nlohmann::json own = json;
@@ -42,7 +42,7 @@ TEST_F(External, TheSameFramesGetTheSameFigures) {
   EXPECT_EQ(json["external"]["net"].dump(), own.dump());
 }
 
-TEST_F(External, CountAsTheInputOutsideTheMasks) {
+TEST_F(External, AreReplacedByTheInputOutsideTheMasks) {
   add_external([](cv::Mat3b& image) -> const cv::Mat3b& {
     const cv::Mat3b inside = image(kHole).clone();
     image = cv::Mat3b(kSize, cv::Vec3b(0, 0, 255));
@@ -54,7 +54,7 @@ TEST_F(External, CountAsTheInputOutsideTheMasks) {
   EXPECT_EQ(e.external[0].evaluation.whole_frame.ssim, e.whole_frame.ssim);
 }
 
-TEST_F(External, HaveRowsAndNoConfidenceOfTheirOwn) {
+TEST_F(External, HaveRowsButNoConfidence) {
   make_folder(folder / "out/confidence");
   for (int i = 0; i < 3; ++i) {
     const std::string name = std::to_string(i);
@@ -67,10 +67,10 @@ TEST_F(External, HaveRowsAndNoConfidenceOfTheirOwn) {
   EXPECT_FALSE(net.confidence[0]);
   EXPECT_LT(net.total[Origin::all].mae, 0.5 * e.total[Origin::all].mae);
   EXPECT_EQ(net.total[Origin::copied].pixels, e.total[Origin::copied].pixels);
-  EXPECT_THAT(table(e), testing::ContainsRegex("whole frame(.|\n)*\nnet\n(.|\n)*whole frame"));
+  EXPECT_THAT(format_table(e), testing::ContainsRegex("whole frame(.|\n)*\nnet\n(.|\n)*whole frame"));
 }
 
-TEST_F(External, SayWhatIsWrong) {
+TEST_F(External, ReportErrors) {
   add_external([](cv::Mat3b& image) -> const cv::Mat3b& { return image; });
   fs::remove(folder / "net/0.png");
   EXPECT_THAT(error(with_net()), HasSubstr("net/0.png: is missing"));

@@ -23,7 +23,7 @@ inline cv::Mat1b box(const cv::Rect& rect, uchar value = 255) {
   return mask;
 }
 
-/// A result folder and its truth, frame by frame; by default a perfect one. Gone after the test.
+/// A result folder with its truth; the folder is removed after the test.
 class ResultFixture : public testing::Test {
  protected:
   ResultFixture() {
