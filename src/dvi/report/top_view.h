@@ -15,23 +15,25 @@
 
 namespace dvi::report {
 
-/// Where an object that was removed has been.
+/// The positions of a removed object.
 struct ObjectPath {
   int number = -1;
   std::string type;
-  std::vector<Eigen::Vector2d> points;  ///< meters, world axes
-  std::vector<std::size_t> frames;      ///< as `points`: indices of posed frames of the target
+  std::vector<Eigen::Vector2d> points;  ///< meters, in the world
+  std::vector<std::size_t> frames;      ///< per point: index of the target's posed frame
 };
 
-/// The drive from above: FOLDER/map.png, the static map in its colors with what was removed in red, north up where x is east,
-/// and FOLDER/above.json: where that picture lies, the camera, its poses and the tracks.
-struct Above {
+/// The input of the view of the drive from above.
+struct TopView {
   const map::StaticMap& map;
-  std::function<cv::Vec3b(std::size_t point)> color;  ///< BGR, of a point of the map
+  std::function<cv::Vec3b(std::size_t point)> color;  ///< BGR of a map point
   Camera camera;
   std::vector<SE3> world_from_camera;  ///< of the target's frames
   std::vector<ObjectPath> tracks;
 };
-void write_above(const fs::path& folder, const Above& above);
+
+/// Writes FOLDER/map.png, the static map in its colors with removed points in red, x of the world to the right and y up, and
+/// FOLDER/above.json, which has the position of this image, the camera, its poses, and the tracks.
+void write_top_view(const fs::path& folder, const TopView& view);
 
 }  // namespace dvi::report

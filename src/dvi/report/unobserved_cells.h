@@ -11,20 +11,21 @@
 
 namespace dvi::report {
 
-/// A square of the ground that pixels which no other frame saw look at.
+/// A square of the ground that pixels without any source show.
 struct UnobservedCell {
-  std::size_t frame = 0;  ///< the one with most such pixels
-  int pixels = 0;         ///< of that frame
+  std::size_t frame = 0;  ///< the frame with most such pixels
+  int pixels = 0;         ///< their number in that frame
 };
 
-/// By place, in whole cells of kUnobservedCell meters.
-using UnobservedPlaces = std::map<std::pair<int, int>, UnobservedCell>;
-inline constexpr double kUnobservedCell = 0.5;
+/// The unobserved cells by position, in units of kUnobservedCellM.
+using UnobservedCells = std::map<std::pair<int, int>, UnobservedCell>;
+inline constexpr double kUnobservedCellM = 0.5;
 
-/// Of the pixels of a frame that no source observed (kind 3 to 5), where they lie. `above`: map/above.json, which has camera
-/// and poses.
-UnobservedPlaces unobserved_places(const FramePictures& pictures, std::size_t frame, const nlohmann::json& above);
+/// Finds the positions of the pixels of a frame that no source observed (kinds 3 to 5). `above` is map/above.json, which has
+/// the camera and the poses.
+UnobservedCells find_unobserved_cells(const FramePictures& pictures, std::size_t frame, const nlohmann::json& above);
 
-void add(const UnobservedPlaces& frame, UnobservedPlaces& sum);
+/// Adds the cells of a frame to those of other frames.
+void add(const UnobservedCells& frame, UnobservedCells& sum);
 
 }  // namespace dvi::report

@@ -150,11 +150,11 @@ void write_map_files(const fs::path& folder, const map::StaticMap& map, const Vi
   const std::string name = target.path.filename().string();
   const Colors color = colors(map, views);
   write_map(folder / "map.ply", map, color, "dvi map of " + name);
-  report::write_above(folder, {.map = map,
-                               .color = [&](std::size_t point) { return color[point]; },
-                               .camera = target.camera,
-                               .world_from_camera = camera_poses(views),
-                               .tracks = tracks});
+  report::write_top_view(folder, {.map = map,
+                                  .color = [&](std::size_t point) { return color[point]; },
+                                  .camera = target.camera,
+                                  .world_from_camera = camera_poses(views),
+                                  .tracks = tracks});
   write_removed(folder / "moving.ply", map.removed, "taken out of the dvi map of " + name);
 }
 

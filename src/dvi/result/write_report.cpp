@@ -105,7 +105,7 @@ bool is_report_whole(const fs::path& out) {
 }
 
 void record_report_frame(const fs::path& out, const std::string& name, std::size_t number, const std::string& fingerprint) {
-  write_record(frame_record(out, name), {fingerprint, record_files(out, report::frame_files(out, number)), std::nullopt});
+  write_record(frame_record(out, name), {fingerprint, record_files(out, report::list_frame_files(out, number)), std::nullopt});
 }
 
 void write_report(const job::Job& job, const std::vector<std::string>& names, const std::string& fingerprint,
