@@ -11,36 +11,37 @@
 
 namespace dvi::audit {
 
-/// Parts of a hole, 0..1, by who else sees them.
+/// The shares of a hole, 0..1, by the sources that observe them.
 struct HoleShares {
-  double copied = 0;            ///< other frames of the same drive
-  double copied_elsewhere = 0;  ///< source drives
+  double copied = 0;            ///< observed by other frames of the same drive
+  double copied_elsewhere = 0;  ///< observed by source drives
   double unobserved = 0;
 };
 
-struct FrameForecast {
+/// The coverage of the hole of one frame.
+struct FrameCoverage {
   std::size_t view = 0;
-  double image_share = 0;  ///< of the image that is hole
-  HoleShares hole;         ///< all zeros where there is no hole
+  double image_share = 0;  ///< share of the image that is the hole
+  HoleShares hole;         ///< all zero if there is no hole
 };
 
-/// What a run will be able to copy.
-struct Forecast {
-  std::vector<FrameForecast> frames;  ///< of the target drive
+/// The predicted coverage of the holes of a drive: the share that a run can copy.
+struct Coverage {
+  std::vector<FrameCoverage> frames;  ///< frames of the target drive
   HoleShares total;                   ///< over the pixels of all holes
 };
 
-/// Asks depth and sample for every `step`th row and column of the views only, so that neither colors nor whole depth maps are
-/// needed. One tick a frame of the target drive.
-Forecast forecast(
+/// Predicts the coverage by running depth and sample on every `step`th row and column of the views, without colors and without
+/// full depth maps. Calls `tick` once per frame of the target drive.
+Coverage predict_coverage(
     const Views& views, const map::StaticMap& map, const depth::DepthOptions& depth, const sample::SampleOptions& sample,
     int step = 2, const Tick& tick = [] {});
 
-/// The same views as cameras of every `step`th row and column. Images are left out.
-Views every_nth(const Views& views, int step);
+/// Returns the views with every `step`th row and column, without images.
+Views subsample(const Views& views, int step);
 
-/// A bar a frame from left to right, as high as its hole is seen: this drive's part below, source drives' above it, what is
-/// unobserved on top. Frames without a hole stay blank. `numbers` of the frames, for the axis.
-cv::Mat3b forecast_chart(const Forecast& forecast, const std::vector<int>& numbers);
+/// Draws one bar per frame: the share of its hole that this drive observes, above it the share of source drives, and the
+/// unobserved share on top. Frames without a hole have no bar. `numbers` are the frame numbers for the axis.
+cv::Mat3b draw_coverage_chart(const Coverage& coverage, const std::vector<int>& numbers);
 
 }  // namespace dvi::audit
