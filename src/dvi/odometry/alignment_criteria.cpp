@@ -26,7 +26,7 @@ Matrix6d add_model_errors(const Matrix6d& information, double turn_rad_s) {
 bool AlignmentCriteria::accept(const Alignment& alignment) const {
   if (alignment.inlier_share() < inlier_share || alignment.overlap() < overlap) return false;
   if (alignment.gray_points > 0 && alignment.correlation < correlation) return false;
-  const Matrix6d covariance = information_in_reference(alignment, 0).inverse();
+  const Matrix6d covariance = compute_information_in_reference(alignment, 0).inverse();
   const auto largest = [&](int first) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance.block<3, 3>(first, first));
     return std::sqrt(solver.eigenvalues()[2]);
@@ -34,11 +34,11 @@ bool AlignmentCriteria::accept(const Alignment& alignment) const {
   return largest(0) < sigma_m && largest(3) < sigma_rad;
 }
 
-Matrix6d information_in_reference(const Alignment& alignment, double turn_rad_s) {
+Matrix6d compute_information_in_reference(const Alignment& alignment, double turn_rad_s) {
   return add_model_errors(alignment.information, turn_rad_s);
 }
 
-Matrix6d information_in_current(const Alignment& alignment, double turn_rad_s) {
+Matrix6d compute_information_in_current(const Alignment& alignment, double turn_rad_s) {
   const SE3& pose = alignment.reference_from_current;
   Matrix6d adjoint = Matrix6d::Zero();
   adjoint.topLeftCorner<3, 3>() = adjoint.bottomRightCorner<3, 3>() = pose.R;

@@ -30,9 +30,9 @@ inline constexpr AlignmentCriteria kCertain{0.75, 0.75, 0.4};
 inline constexpr AlignmentCriteria kGood{0.92, 0.94, 0.25};
 
 /// Return the inverse covariance of an alignment, translation and rotation, in the axes of the reference and of the current
-/// camera. It includes errors that neighboring pixels share, and for what the camera model omits, such as a rolling shutter:
-/// `turn_rad_s` is the faster rotation of the two cameras.
-Matrix6d information_in_reference(const Alignment& alignment, double turn_rad_s);
-Matrix6d information_in_current(const Alignment& alignment, double turn_rad_s);
+/// camera. It includes errors that neighboring pixels share and errors that the camera model omits, such as a rolling shutter.
+/// `turn_rad_s` is the rotation speed of the faster camera.
+Matrix6d compute_information_in_reference(const Alignment& alignment, double turn_rad_s);
+Matrix6d compute_information_in_current(const Alignment& alignment, double turn_rad_s);
 
 }  // namespace dvi::odometry

@@ -13,12 +13,10 @@
 
 namespace dvi::odometry {
 
-using namespace scan_match;
-
 namespace {
 
 /// Returns the parameters for the drive's sensor. A depth camera has a tenth of the range of a LiDAR, is tilted by the hand
-/// that holds it, and has one viewing direction, so that views must overlap. The walls that it sees look alike in many rooms.
+/// that holds it, and has one viewing direction, so that views must overlap. Walls look alike in many rooms.
 LoopParams get_params(const Drive& drive) {
   if (drive.sensor != Sensor::depth_camera) return {};
   return {.min_path_step_m = 0.05,

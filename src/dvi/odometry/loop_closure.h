@@ -20,7 +20,7 @@ struct LoopParams {
   double check_path_m = 3;          ///< path length from the later scan back to the one that must agree
   double grid_step_m = 1;           ///< distance of the initial guesses
   bool is_level = true;             ///< the guesses have the height and attitude of the earlier pose: a car on a road
-  double max_turn_rad = 4;          ///< between the two views; any for a sensor that sees in all directions
+  double max_turn_rad = 4;          ///< between the two views; any for a sensor that covers all directions
   double min_relative_share = 0.7;  ///< share of matched static features, over that of a scan of the place itself
 };
 
@@ -34,7 +34,7 @@ struct LoopStartParams {
 };
 inline constexpr LoopStartParams kLoopStart;
 
-/// Thresholds that a loop must meet. "Noise" stands for MatchOptions::noise_m, which grows with the sensor's other errors.
+/// Thresholds that a loop must meet. Noise is MatchOptions::noise_m, which grows with the other errors of the sensor.
 struct LoopCheckParams {
   double max_relative_residual = 1.3;  ///< over the residual of a scan of the place itself ...
   double min_own_share = 0.1;          ///< ... which must have at least this share of matched static features

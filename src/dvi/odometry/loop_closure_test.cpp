@@ -7,8 +7,6 @@
 
 namespace dvi::odometry {
 
-using namespace scan_match;
-
 namespace {
 
 using testing::IsEmpty;

@@ -8,8 +8,6 @@
 
 namespace dvi::odometry {
 
-using namespace scan_match;
-
 namespace {
 
 constexpr std::int64_t kScanPeriod = TestStreet::kScanPeriod;

@@ -16,8 +16,6 @@
 
 namespace dvi::odometry {
 
-using namespace scan_match;
-
 namespace {
 
 constexpr double kStartSpeedsMS[] = {0, 15, 30, -10};  // m/s forward; registration converges from an error of 10 m/s
@@ -297,9 +295,9 @@ class OdometryRun {
     const double share = static_cast<double>(fit.inliers) / static_cast<double>(std::max<std::size_t>(fit.features, 1));
     const bool after_gap = scan_index > 0 && to_seconds(drive_.scan_headers[scan_index].time_ns -
                                                         drive_.scan_headers[scan_index - 1].time_ns) > kOdometry.max_gap_s;
-    if (share < kOdometry.min_inlier_share || (after_gap && share < kOdometry.min_relative_share * usual_share_))
+    if (share < kOdometry.min_inlier_share || (after_gap && share < kOdometry.min_relative_share * average_share_))
       out.state = ScanFit::State::lost;
-    usual_share_ = usual_share_ > 0 ? 0.8 * usual_share_ + 0.2 * share : share;
+    average_share_ = average_share_ > 0 ? 0.8 * average_share_ + 0.2 * share : share;
   }
 
   void emit(const WindowScan& entry) { poses_.push_back({entry.time_ns, entry.pose}); }
@@ -340,7 +338,7 @@ class OdometryRun {
   const Tick& tick_;
   ScanTracker tracker_;
   std::vector<WindowScan> starting_;
-  double usual_share_ = 0;
+  double average_share_ = 0;
   std::size_t refined_ = 0;  // of the window
   std::vector<StampedPose> poses_;
   std::shared_ptr<const Scan> before_;

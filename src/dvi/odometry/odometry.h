@@ -38,7 +38,7 @@ struct OdometryParams {
   std::size_t start_scans = 4;             ///< scans that must agree on the initial speed
   std::size_t min_features = 100;          ///< of a scan that is registered
   double min_inlier_share = 0.25;          ///< of the features of a scan; otherwise the scan is lost
-  double min_relative_share = 0.75;        ///< after a gap: inlier share over the usual one
+  double min_relative_share = 0.75;        ///< after a gap: inlier share over the average one
   double map_margin_m = 60;                ///< the local map exceeds the range of a scan by this
   double max_prior_difference_m = 0.3;     ///< between a given motion and the registered one
   double max_prior_difference_rad = 0.03;  ///< likewise

@@ -7,8 +7,6 @@
 
 namespace dvi::odometry {
 
-using namespace scan_match;
-
 namespace {
 
 constexpr int kScans = 8, kBeams = 64, kColumns = 1800;

@@ -11,8 +11,6 @@
 
 namespace dvi::odometry {
 
-using namespace scan_match;
-
 namespace {
 
 using testing::ElementsAre;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::int64_t kMaxColorDelayNs = 25'000'000;
 constexpr int kMaxWidthPx = 400, kMinWidthPx = 32, kMaxLevels = 4;
-constexpr float kSameSurface = 0.05F;  // relative difference in depth of points that may lie on one surface
+constexpr float kMaxDepthDifference = 0.05F;  // relative difference in depth of points that may lie on one surface
 
 int compute_reduction(const Camera& camera) {
   int factor = 1;
@@ -68,7 +68,7 @@ cv::Mat3f project_points(const Scan& scan, const SE3& camera_from_scan, const Pi
   }
   for (const auto& [pixel, p] : seen) {
     const int y = pixel / size.width, x = pixel % size.width;
-    if (p.z() > nearest(y, x) * (1 + kSameSurface)) continue;
+    if (p.z() > nearest(y, x) * (1 + kMaxDepthDifference)) continue;
     out(y, x) += cv::Vec3f(p.x(), p.y(), p.z());
     count(y, x) += 1;
   }
@@ -88,7 +88,7 @@ cv::Mat3f halve(const cv::Mat3f& points) {
       for (const cv::Vec3f& p : four)
         if (p[2] > 0) nearest = std::min(nearest, p[2]);
       for (const cv::Vec3f& p : four)
-        if (p[2] > 0 && p[2] <= nearest * (1 + kSameSurface)) out(y, x) += p, count += 1;
+        if (p[2] > 0 && p[2] <= nearest * (1 + kMaxDepthDifference)) out(y, x) += p, count += 1;
       if (count > 0) out(y, x) *= 1 / count;
     }
   return out;
@@ -122,7 +122,7 @@ std::vector<RgbdMoment> pair_depth_with_color(const Drive& drive) {
   return out;
 }
 
-Pinhole finest_camera(const Camera& camera) { return reduce(camera, compute_reduction(camera)); }
+Pinhole get_finest_camera(const Camera& camera) { return reduce(camera, compute_reduction(camera)); }
 
 RgbdImage read_rgbd_image(const Drive& drive, const RgbdMoment& moment, const Vector6d& twist) {
   const int factor = compute_reduction(drive.camera);
@@ -148,7 +148,7 @@ cv::Mat3f compute_normals(const RgbdLevel& level, int stride) {
       if (p.z() <= 0) continue;
       const std::array<Eigen::Vector3f, 4> around{level.point(y, x - stride), level.point(y, x + stride),
                                                   level.point(y - stride, x), level.point(y + stride, x)};
-      const auto apart = [&](const Eigen::Vector3f& q) { return std::abs(q.z() - p.z()) > kSameSurface * p.z(); };
+      const auto apart = [&](const Eigen::Vector3f& q) { return std::abs(q.z() - p.z()) > kMaxDepthDifference * p.z(); };
       if (std::any_of(around.begin(), around.end(), apart)) continue;
       const Eigen::Vector3f normal = (around[1] - around[0]).cross(around[3] - around[2]).normalized();
       out(y, x) = {normal.x(), normal.y(), normal.z()};

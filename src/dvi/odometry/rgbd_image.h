@@ -53,12 +53,12 @@ struct RgbdMoment {
 /// Depth is not corrected for the motion of the camera if its delay is at most this: no point would be displaced by a pixel.
 inline constexpr double kMinDelayS = 1e-3;
 
-/// Pairs each depth image with the nearest color image. A color image belongs to at most one depth image; the delay is
-/// at most 25 ms.
+/// Pairs each depth image with the nearest color image. A color image belongs to at most one depth image; the delay is at most
+/// 25 ms.
 std::vector<RgbdMoment> pair_depth_with_color(const Drive& drive);
 
 /// Returns the camera of the finest level.
-Pinhole finest_camera(const Camera& camera);
+Pinhole get_finest_camera(const Camera& camera);
 
 /// Reads the images of a moment. `twist` is the motion of the color camera (meters and radians per second, in its own axes)
 /// by which the depth is moved to the time of the color image: at 2 rad/s, 15 ms are 1.7 degrees. Distortion is removed.

@@ -29,7 +29,7 @@ struct RgbdTrackingParams {
   double max_recovery_roll_deg = 24;    // between an image and any key frame
   double min_known_share = 0.05;        // of the depth of an image that is aligned
   double fast_rad_s = 1.5;              // rotation at which a rolling shutter distorts a key frame noticeably
-  double blurred = 0.7;                 // gradient over the usual mean gradient
+  double blurred = 0.7;                 // gradient over the average gradient
   double max_delay_error_px = 0.7;      // displacement of the depth by a wrong prediction of the motion
 };
 constexpr RgbdTrackingParams kTracking;
@@ -52,7 +52,7 @@ class RgbdTracker {
         moments_(pair_depth_with_color(drive)),
         track_(moments_.size()),
         keys_(moments_.size(), [this](std::size_t i) { return ReferenceView(read(i, track_[i].depth_twist)); }) {
-    if (drive.camera.width > 0) focal_px_ = finest_camera(drive.camera).fx;
+    if (drive.camera.width > 0) focal_px_ = get_finest_camera(drive.camera).fx;
   }
 
   RgbdTrack run(const Tick& tick) {
@@ -108,7 +108,7 @@ class RgbdTracker {
     track_[i].key = keys_.add(i, image, SE3(), next_map_++);
     track_[i].key_from_camera = SE3();
     track_[i].overlap = 1;
-    usual_gradient_ = sum_gradients(image);
+    average_gradient_ = sum_gradients(image);
     lost_for_ = 0;
   }
 
@@ -154,7 +154,7 @@ class RgbdTracker {
     pose.points = alignment.compared;
     pose.inliers = alignment.inliers;
     pose.residual_m = alignment.residual_m;
-    pose.information = information_in_current(alignment, std::max(turn_rad_s(i), turn_rad_s(keys_[k].moment)));
+    pose.information = compute_information_in_current(alignment, std::max(turn_rad_s(i), turn_rad_s(keys_[k].moment)));
   }
 
   bool follow_track(std::size_t i, RgbdImage& image) {
@@ -197,8 +197,7 @@ class RgbdTracker {
     found = align(*keys_.view(k), image, found.reference_from_current, {1, 0});
   }
 
-  /// Aligns images again whose depth was moved by a motion that is wrong according to the poses of the images after
-  /// them.
+  /// Aligns images again whose depth was moved by a motion that is wrong according to the poses of the images after them.
   void refine_delays() {
     const std::vector<RgbdPose> found = track_;
     const auto pose = [&](std::size_t i) { return keys_[*found[i].key].world_from_camera * found[i].key_from_camera; };
@@ -227,7 +226,7 @@ class RgbdTracker {
   }
 
   void update_motion(std::size_t i, const RgbdImage& image) {
-    usual_gradient_ = 0.9 * usual_gradient_ + 0.1 * sum_gradients(image);
+    average_gradient_ = 0.9 * average_gradient_ + 0.1 * sum_gradients(image);
     if (i == 0 || !track_[i - 1].key) return;
     const double dt = to_seconds(moments_[i].time_ns - moments_[i - 1].time_ns);
     if (dt > kTracking.min_step_s && dt < kTracking.max_step_s && keys_[*track_[i].key].map == keys_[*track_[i - 1].key].map)
@@ -302,7 +301,7 @@ class RgbdTracker {
       return;
     }
     const bool distorted =
-        sum_gradients(image) < kTracking.blurred * usual_gradient_ || turn > std::max(kTracking.fast_rad_s, key_turn);
+        sum_gradients(image) < kTracking.blurred * average_gradient_ || turn > std::max(kTracking.fast_rad_s, key_turn);
     if (distorted && pose.overlap >= kTracking.min_overlap) return;
     const std::size_t key = keys_.add(i, image, here, map);
     edges_.push_back({*pose.key, key, pose.key_from_camera, pose.information, false});
@@ -318,7 +317,7 @@ class RgbdTracker {
     if (!options_.loops) return;
     const double turn = std::max({turn_rad_s(i), turn_rad_s(keys_[a].moment), turn_rad_s(keys_[b].moment)});
     edges_.push_back({a, b, track_[i].key_from_camera * b_from_camera.reference_from_current.inverse(),
-                      information_in_reference(b_from_camera, turn), true});
+                      compute_information_in_reference(b_from_camera, turn), true});
   }
 
   /// The rotation speed of the camera at a moment in radians per second.
@@ -345,7 +344,7 @@ class RgbdTracker {
     }
     edges_.push_back(
         {earlier, key, alignment.reference_from_current,
-         information_in_current(alignment, std::max(turn_rad_s(keys_[earlier].moment), turn_rad_s(keys_[key].moment))),
+         compute_information_in_current(alignment, std::max(turn_rad_s(keys_[earlier].moment), turn_rad_s(keys_[key].moment))),
          !joins});
   }
 
@@ -357,7 +356,7 @@ class RgbdTracker {
   KeyFrames keys_;
   std::vector<scan_match::PoseEdge> edges_;
   Thumbnail last_thumbnail_;
-  double focal_px_ = 0, usual_gradient_ = 0;
+  double focal_px_ = 0, average_gradient_ = 0;
   std::size_t lost_for_ = 0, next_map_ = 0;
 };
 

@@ -92,7 +92,7 @@ TEST(RgbdOdometry, HasNoPoseInFrontOfAWhiteWallAndRecovers) {
 }
 
 TEST(RgbdOdometry, RecoversAfterOneSecondWithoutImages) {
-  // The camera goes on turning meanwhile, and comes back.
+  // The camera continues to rotate in the meantime, and returns.
   TestRgbd test{[](double s) {
     const double t = s < 0.5 ? s : s + 1;
     return SE3{so3_exp({0, 0, 0.4 * std::sin(2 * t)}) * so3_exp({0, 0.1, 0}), {0.05 * t, 0.02 * t, 1.3}};

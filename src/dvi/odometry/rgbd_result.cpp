@@ -10,8 +10,8 @@
 namespace dvi::odometry {
 namespace {
 
-constexpr double kAcceptedLoop = 0.25;           // weight in the pose graph
-constexpr double kMaxInterpolatedGaps = 2.5;     // in periods of the depth images
+constexpr double kMinLoopWeight = 0.25;          // weight in the pose graph
+constexpr double kMaxInterpolatedPeriods = 2.5;  // in periods of the depth images
 constexpr std::int64_t kMinGapNs = 100'000'000;  // that is interpolated over in any case
 constexpr std::int64_t kMaxExtrapolationNs = 50'000'000;
 
@@ -42,7 +42,7 @@ void optimize(RgbdTrack& track, std::size_t map, Odometry& out) {
   std::vector<SE3> poses;
   for (const std::size_t k : keys) poses.push_back(track.world_from_key[k]);
   const std::vector<double> weights = scan_match::solve_pose_graph(poses, edges);
-  for (std::size_t e = 0; e < edges.size(); ++e) out.loops += edges[e].doubtful && weights[e] > kAcceptedLoop ? 1 : 0;
+  for (std::size_t e = 0; e < edges.size(); ++e) out.loops += edges[e].doubtful && weights[e] > kMinLoopWeight ? 1 : 0;
   for (std::size_t n = 0; n < keys.size(); ++n) {
     SE3& pose = track.world_from_key[keys[n]];
     out.largest_correction_m = std::max(out.largest_correction_m, (poses[n].t - pose.t).norm());
@@ -87,7 +87,7 @@ std::int64_t compute_max_gap(const Drive& drive) {
     periods.push_back(drive.scan_headers[i].time_ns - drive.scan_headers[i - 1].time_ns);
   if (periods.empty()) return kMinGapNs;
   std::nth_element(periods.begin(), periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2), periods.end());
-  const double gap = kMaxInterpolatedGaps * static_cast<double>(periods[periods.size() / 2]);
+  const double gap = kMaxInterpolatedPeriods * static_cast<double>(periods[periods.size() / 2]);
   return std::clamp(static_cast<std::int64_t>(gap), kMinGapNs, Trajectory().max_gap);
 }
 

@@ -28,7 +28,7 @@ struct RgbdTrack {
   std::vector<RgbdPose> poses;  ///< one per moment
   std::vector<SE3> world_from_key;
   std::vector<std::size_t> map_of_key;
-  std::vector<scan_match::PoseEdge> edges;  ///< between key frames; doubtful ones are loops
+  std::vector<scan_match::PoseEdge> edges;  ///< between key frames; those marked doubtful are loops
 };
 
 /// Optimizes the poses of the key frames of the largest map by the edges between them, and places all images of that map.

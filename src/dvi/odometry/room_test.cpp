@@ -13,8 +13,6 @@
 
 namespace dvi::odometry {
 
-using namespace scan_match;
-
 namespace {
 
 constexpr std::int64_t kPeriodNs = 33'333'333;
@@ -44,7 +42,7 @@ TEST(Odometry, FollowsADepthCameraThroughARoom) {
 }
 
 /// A drive of a depth camera with poses `truth`, in the room with that index.
-Drive room_drive(const std::vector<SE3>& truth, const std::vector<TestRoom>& rooms, const std::vector<std::size_t>& room) {
+Drive make_room_drive(const std::vector<SE3>& truth, const std::vector<TestRoom>& rooms, const std::vector<std::size_t>& room) {
   Drive drive;
   drive.sensor = Sensor::depth_camera;
   for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -70,7 +68,7 @@ Odometry make_room_odometry(const std::vector<SE3>& poses) {
 
 const SE3& pose_of(const Odometry& odometry, std::size_t i) { return odometry.world_from_lidar.poses()[i].world_from_body; }
 
-TestRoom large_room(std::uint64_t seed) {
+TestRoom make_large_room(std::uint64_t seed) {
   TestRoom room;
   room.walls = {{-2, -2.5, 0}, {4, 2.5, 2.5}};
   room.furnish(seed);
@@ -96,7 +94,7 @@ TEST(LoopClosure, ClosesAHandheldLoopInARoom) {
         .t.norm();
   };
   EXPECT_GT(error_between_passes(10), 0.07);
-  const Drive drive = room_drive(truth, {large_room(1)}, std::vector<std::size_t>(kCount, 0));
+  const Drive drive = make_room_drive(truth, {make_large_room(1)}, std::vector<std::size_t>(kCount, 0));
   const OdometryOptions options = adapt_to_sensor(drive, {});
   const std::vector<Loop> loops = find_loops(drive, options, odometry);
   for (const Loop& loop : loops)
@@ -119,7 +117,7 @@ TEST(LoopClosure, DoesNotConfuseSimilarRooms) {
       estimate.push_back({so3_exp({0, 0, 0.03 * aside}) * truth[i].R, truth[i].t + aside * Eigen::Vector3d(0.15, 0.1, 0.05)});
       room.push_back(i < kEach ? 0 : 1);
     }
-    const Drive drive = room_drive(truth, {large_room(1), large_room(seed)}, room);
+    const Drive drive = make_room_drive(truth, {make_large_room(1), make_large_room(seed)}, room);
     const std::vector<Loop> loops = find_loops(drive, adapt_to_sensor(drive, {}), make_room_odometry(estimate));
     EXPECT_EQ(loops.empty(), seed != 1) << seed;
   }

@@ -15,8 +15,6 @@
 
 namespace dvi::odometry {
 
-using namespace scan_match;
-
 namespace {
 
 struct PatchPoint {

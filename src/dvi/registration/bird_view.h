@@ -46,7 +46,7 @@ SE3 level_from_lidar(const std::vector<scan_match::Feature>& planes);
 std::vector<Eigen::Vector3d> extract_upright_points(const std::vector<scan_match::Feature>& points,
                                                     const SE3& level_from_lidar);
 
-/// The upright structures around a place, seen from above, as a whitened spectrum.
+/// The upright structures around a place in a view from above, as a whitened spectrum.
 struct BirdView {
   cv::Mat2f spectrum;
 };

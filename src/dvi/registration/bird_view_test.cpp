@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// A flat ground at `height` below the sensor, in the axes of a tilted sensor.
-std::vector<scan_match::Feature> ground(const SE3& lidar_from_level, double height) {
+std::vector<scan_match::Feature> make_ground(const SE3& lidar_from_level, double height) {
   std::vector<scan_match::Feature> out;
   for (double x = -15; x < 15; x += 0.4)
     for (double y = -15; y < 15; y += 0.4) out.push_back({(lidar_from_level * Vector3d(x, y, -height)).cast<float>(), 0});
@@ -22,14 +22,14 @@ std::vector<scan_match::Feature> ground(const SE3& lidar_from_level, double heig
 
 TEST(BirdView, LevelsAnyMountingByTheGround) {
   const SE3 tilted{so3_exp({0.05, -0.08, 0}), Vector3d::Zero()};
-  const SE3 level = level_from_lidar(ground(tilted, 2));
+  const SE3 level = level_from_lidar(make_ground(tilted, 2));
   for (const Vector3d& below : {Vector3d(3, 4, -2), Vector3d(-10, 2, -2)}) EXPECT_NEAR((level * (tilted * below)).z(), 0, 0.01);
   EXPECT_NEAR(level.t.z(), 2, 0.01) << "meters above the ground";
   EXPECT_TRUE(level_from_lidar({}).R.isIdentity()) << "no ground";
 }
 
 TEST(BirdView, RoadAndCurbsAreNotUpright) {
-  std::vector<scan_match::Feature> points = ground({}, 0);
+  std::vector<scan_match::Feature> points = make_ground({}, 0);
   for (float z = 0; z < 3; z += 0.1F) points.push_back({{5, 5, z}, 0});
   for (const Vector3d& p : extract_upright_points(points, {})) EXPECT_LT((p - Vector3d(5, 5, p.z())).norm(), 0.75);
 }

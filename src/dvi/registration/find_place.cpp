@@ -26,7 +26,7 @@ std::vector<std::size_t> select_submaps(const KeyScans& keys, std::size_t max_co
 
 /// The lower bound of the 95 % interval of the inlier ratio (Wilson 1927). Both directions count the same landmarks, so that
 /// the sample size is half the total.
-double lower_bound_of_ratio(const LandmarkVotes& landmarks) {
+double compute_lower_bound(const LandmarkVotes& landmarks) {
   constexpr double z = 1.96;
   const double n = 0.5 * static_cast<double>(landmarks.total());
   if (n == 0) return 0;
@@ -95,7 +95,7 @@ double compute_passed_share(const KeyScans& a_keys, const KeyScans& b_keys, cons
 }  // namespace
 
 bool PlaceMatch::is_certain() const {
-  return landmarks.inliers >= kPlace.min_inliers && lower_bound_of_ratio(landmarks) > kPlace.chance_inlier_ratio &&
+  return landmarks.inliers >= kPlace.min_inliers && compute_lower_bound(landmarks) > kPlace.chance_inlier_ratio &&
          second_best_ratio < kPlace.max_second_best_ratio && passed_share < kPlace.max_passed_share;
 }
 

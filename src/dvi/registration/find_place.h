@@ -9,7 +9,7 @@
 
 namespace dvi::registration {
 
-/// Parameters of place recognition. docs/algorithms/register.md has the measurements behind the decision thresholds.
+/// Parameters of place recognition. docs/experiments/registration.md has the measurements behind the thresholds.
 struct PlaceParams {
   double submap_path_m = 25;            ///< path length of a submap before and after its key scan
   double submap_spacing_m = 20;         ///< path length from one submap to the next

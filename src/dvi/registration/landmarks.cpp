@@ -64,7 +64,7 @@ cv::Mat1f compute_similarity(const OccupancyGrid& grid, const std::vector<Vector
 }
 
 /// The mean similarity at other places, in the direction in which it decreases least.
-double self_similarity(const cv::Mat1f& similarity, cv::Point best) {
+double compute_self_similarity(const cv::Mat1f& similarity, cv::Point best) {
   constexpr int kDirections = 16;
   double highest = 0;
   for (int k = 0; k < kDirections; ++k) {
@@ -114,7 +114,8 @@ LandmarkVotes check_landmarks(const std::vector<Vector3d>& a, const std::vector<
     double highest = 0;
     cv::Point best;
     cv::minMaxLoc(similarity, nullptr, &highest, nullptr, &best);
-    if (highest < kLandmarks.min_similarity || self_similarity(similarity, best) > kLandmarks.max_self_similarity * highest)
+    if (highest < kLandmarks.min_similarity ||
+        compute_self_similarity(similarity, best) > kLandmarks.max_self_similarity * highest)
       continue;
     const cv::Point shift = best - cv::Point(kMaxShift, kMaxShift);
     ++(std::max(std::abs(shift.x), std::abs(shift.y)) <= kLandmarks.tolerance_cells ? out.inliers : out.outliers);

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// Posts 5 m high at random positions in front of a wall of 80 m, all moved by `offset`.
-std::vector<Vector3d> posts(std::uint64_t seed, const Vector3d& offset = Vector3d::Zero()) {
+std::vector<Vector3d> make_posts(std::uint64_t seed, const Vector3d& offset = Vector3d::Zero()) {
   std::vector<Vector3d> out;
   Random random(seed);
   for (double x = -40; x < 40; x += 5)
@@ -25,20 +25,20 @@ std::vector<Vector3d> posts(std::uint64_t seed, const Vector3d& offset = Vector3
 }
 
 TEST(Landmarks, TheSamePlaceAgrees) {
-  const LandmarkVotes found = check_landmarks(posts(1), posts(1));
+  const LandmarkVotes found = check_landmarks(make_posts(1), make_posts(1));
   EXPECT_GT(found.inliers, 15);
   EXPECT_GT(found.inlier_ratio(), 0.9);
 }
 
 TEST(Landmarks, AnOffsetOfHalfAMeterIsDetected) {
-  const LandmarkVotes found = check_landmarks(posts(1), posts(1, {0.5, 0, 0}));
+  const LandmarkVotes found = check_landmarks(make_posts(1), make_posts(1, {0.5, 0, 0}));
   EXPECT_GT(found.outliers, 15);
   EXPECT_EQ(found.inliers, 0);
 }
 
 TEST(Landmarks, ASimilarStreetAgreesByChanceOnly) {
   for (std::uint64_t seed = 2; seed < 12; ++seed)
-    EXPECT_LT(check_landmarks(posts(1), posts(seed)).inlier_ratio(), 0.35) << seed;
+    EXPECT_LT(check_landmarks(make_posts(1), make_posts(seed)).inlier_ratio(), 0.35) << seed;
 }
 
 TEST(Landmarks, AWallHasNoLandmarks) {

@@ -49,11 +49,11 @@ struct Placement {
 };
 
 struct Registered {
-  Trajectory target;               ///< the target's trajectory, deformed where the source drives constrain it
+  Trajectory target;               ///< the target's trajectory, deformed if the source drives constrain it
   std::vector<Placement> sources;  ///< one per source drive, in their order
 };
 
-/// Registers source drives to the target by their scans (docs/algorithms/register.md; section 3.5 of the paper). Places are
+/// Registers source drives to the target by their scans (docs/algorithms/registration.md; section 3.5 of the paper). Places are
 /// recognized in views from above (bird_view.h). A drive whose poses are said to be in the target's world is searched there
 /// first. A place is accepted if its landmarks agree (landmarks.h) and no other place scores nearly as well. From there each
 /// key scan is registered to the scans of the drives placed so far, and one pose graph joins all drives. A source drive that
