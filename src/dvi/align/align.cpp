@@ -9,11 +9,11 @@ Cameras::Cameras(const Views& given) : views(given.size()) {
   for (const View& view : given.views) camera_from_world.push_back(view.camera_from_world);
 }
 
-double expected_rotation_deg(const AlignOptions& options, Sensor sensor) {
+double get_expected_rotation_deg(const AlignOptions& options, Sensor sensor) {
   return options.rotation_deg.value_or(sensor == Sensor::depth_camera ? 0.5 : 0.1);
 }
 
-double expected_position_m(Sensor sensor) { return sensor == Sensor::depth_camera ? 0.01 : 0; }
+double get_expected_position_m(Sensor sensor) { return sensor == Sensor::depth_camera ? 0.01 : 0; }
 
 Cameras align(const Views& views, const map::VisibleMap& map, const AlignOptions& options, const Tick& tick) {
   Cameras out(views);
@@ -21,7 +21,7 @@ Cameras align(const Views& views, const map::VisibleMap& map, const AlignOptions
   for (int sequence = 0; sequence < views.sequences(); ++sequence) {
     const auto [first, last] = views.of_sequence(sequence);
     AlignOptions adapted = options;
-    if (first != last) adapted.rotation_deg = expected_rotation_deg(options, views[first].sensor);
+    if (first != last) adapted.rotation_deg = get_expected_rotation_deg(options, views[first].sensor);
     if (first == last) {
       out.sequences.emplace_back();
     } else if (options.method == AlignMethod::paper) {

@@ -23,7 +23,7 @@ struct AlignOptions {
   bool enabled = true;
   AlignMethod method = AlignMethod::joint;
   int points = 2000;
-  std::optional<double> rotation_deg = {};  ///< default: expected_rotation_deg() of the sensor
+  std::optional<double> rotation_deg = {};  ///< default: get_expected_rotation_deg() of the sensor
   double mounting_deg = 0.2;
   int ring_px = 100;
 
@@ -46,11 +46,11 @@ struct AlignOptions {
 
 /// Returns the expected error of a rotation in degrees. Color and depth images of a handheld camera are exposed up to half a
 /// period (15 ms) apart, while the hand rotates by 30 degrees per second.
-double expected_rotation_deg(const AlignOptions& options, Sensor sensor);
+double get_expected_rotation_deg(const AlignOptions& options, Sensor sensor);
 
 /// Returns the expected error of a position in meters; 0 if positions are precise enough and not refined. In the 15 ms above, a
 /// hand moves by about a centimeter.
-double expected_position_m(Sensor sensor);
+double get_expected_position_m(Sensor sensor);
 
 /// The refinement of one view: camera_from_world = (exp(rotation), position) * given.
 struct ViewAlignment {

@@ -130,11 +130,11 @@ TEST(Align, AlignsAnotherDriveToTheFirst) {
 }
 
 TEST(Align, ExpectsLargerErrorsForHandheldCameras) {
-  EXPECT_EQ(expected_rotation_deg({}, Sensor::lidar), 0.1);
-  EXPECT_EQ(expected_rotation_deg({}, Sensor::depth_camera), 0.5);
+  EXPECT_EQ(get_expected_rotation_deg({}, Sensor::lidar), 0.1);
+  EXPECT_EQ(get_expected_rotation_deg({}, Sensor::depth_camera), 0.5);
   AlignOptions given;
   given.rotation_deg = 0.2;
-  EXPECT_EQ(expected_rotation_deg(given, Sensor::depth_camera), 0.2);
+  EXPECT_EQ(get_expected_rotation_deg(given, Sensor::depth_camera), 0.2);
 }
 
 TEST(Align, WarnsOfPosesThatDoNotFit) {

@@ -160,7 +160,7 @@ std::vector<SharedPoint> Chain::find_shared_points(std::size_t i, const Lazy<Unm
 
 std::vector<PairModel> Chain::fit_models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const {
   const double expected = 2 * std::hypot(to_radians(*options_.rotation_deg), to_radians(options_.mounting_deg));
-  const Freedom freedom = expected_position_m(view(0).sensor) > 0 ? Freedom::pose : Freedom::rotation;
+  const Freedom freedom = get_expected_position_m(view(0).sensor) > 0 ? Freedom::pose : Freedom::rotation;
   const PosedImage moving = get_posed(i, poses);
   std::vector<PairModel> out;
   for (const Pair& pair : pairs_.get_pairs(i))
@@ -263,7 +263,7 @@ Expected make_expected(const AlignOptions& options, const View& view, double sha
           .mounting = share * to_radians(options.mounting_deg),
           .pair = kJoint.pair_error_px / view.camera.fx,
           .common = common,
-          .position = share * expected_position_m(view.sensor),
+          .position = share * get_expected_position_m(view.sensor),
           .pair_m = kJoint.pair_error_px / view.camera.fx * kJoint.room_depth_m};
 }
 

@@ -102,18 +102,16 @@ std::string describe_rotation(const Eigen::Vector3d& rotation) {
       parts += fmt::format("{}{:+.1f} degrees about {}", parts.empty() ? "" : ", ", to_degrees(rotation[k]), kAbout[k]);
   return fmt::format(
       "the images indicate that the camera is rotated relative to the LiDAR by {}: check camera_from_lidar, whose rotation "
-      "would "
-      "have to be multiplied from the left by the rotation vector ({:.3f}, {:.3f}, {:.3f}), and the camera's K; clocks that "
-      "differ by more than {:g} s have the same effect: compare the times of images and scans first",
+      "would have to be multiplied from the left by the rotation vector ({:.3f}, {:.3f}, {:.3f}), and the camera's K; clocks "
+      "that differ by more than {:g} s have the same effect: compare the times of images and scans first",
       parts, rotation.x(), rotation.y(), rotation.z(), kCameraCheck.max_delay_s);
 }
 
 std::string describe_delay(double late_s) {
   return fmt::format(
       "the times of the images seem to be {} by about {:.2f} s relative to the LiDAR: check that both use the same clock; "
-      "adding "
-      "{:.2f} to offset_s of the camera in dvi.toml would correct it (on a straight road, a camera that is mounted {} by the "
-      "distance driven in this time has the same effect)",
+      "adding {:.2f} to offset_s of the camera in dvi.toml would correct it (on a straight road, a camera that is mounted {} "
+      "by the distance driven in this time has the same effect)",
       late_s > 0 ? "late" : "early", std::abs(late_s), -late_s, late_s > 0 ? "farther behind" : "farther ahead");
 }
 

@@ -17,7 +17,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 std::vector<std::string> check(const Drive& drive) {
-  return check_camera(make_flow_pairs(drive, true_tracks(drive), drive.masks), drive.camera_from_lidar);
+  return check_camera(make_flow_pairs(drive, make_true_tracks(drive), drive.masks), drive.camera_from_lidar);
 }
 
 Drive rotate_camera(Drive drive, const Eigen::Vector3d& degrees) {
@@ -51,13 +51,13 @@ Drive replace_lidar_by_depth(Drive drive, const std::shared_ptr<const synth::Sce
 }
 
 TEST(CheckCamera, AcceptsCorrectSetups) {
-  EXPECT_THAT(check(test_drive(1, 0)), IsEmpty());
-  EXPECT_THAT(check(test_drive(2, 40)), IsEmpty());
-  EXPECT_THAT(check(test_drive(3, -30, 12)), IsEmpty());
+  EXPECT_THAT(check(make_test_drive(1, 0)), IsEmpty());
+  EXPECT_THAT(check(make_test_drive(2, 40)), IsEmpty());
+  EXPECT_THAT(check(make_test_drive(3, -30, 12)), IsEmpty());
 }
 
 TEST(CheckCamera, ReportsARotationWithItsAxis) {
-  const Drive straight = test_drive(1, 0), curve = test_drive(2, 40);
+  const Drive straight = make_test_drive(1, 0), curve = make_test_drive(2, 40);
   for (const Drive& drive : {straight, curve}) {
     EXPECT_THAT(check(rotate_camera(drive, {2, 0, 0})), ElementsAre(HasSubstr("degrees about its horizontal axis")));
     EXPECT_THAT(check(rotate_camera(drive, {0, 5, 0})), ElementsAre(HasSubstr("degrees about the vertical")));
@@ -66,14 +66,14 @@ TEST(CheckCamera, ReportsARotationWithItsAxis) {
 }
 
 TEST(CheckCamera, ReportsADelayOfTheImages) {
-  for (const Drive& drive : {test_drive(1, 0), test_drive(2, 40)}) {
+  for (const Drive& drive : {make_test_drive(1, 0), make_test_drive(2, 40)}) {
     EXPECT_THAT(check(delay_images(drive, 0.1)), ElementsAre(HasSubstr("seem to be late by about 0.")));
     EXPECT_THAT(check(delay_images(drive, -0.4)), ElementsAre(HasSubstr("seem to be early by about 0.")));
   }
 }
 
 TEST(CheckCamera, ReportsAnInvertedMountingAndAnotherResolution) {
-  Drive drive = test_drive(1, 0);
+  Drive drive = make_test_drive(1, 0);
   const SE3 right = drive.camera_from_lidar;
   drive.camera_from_lidar = right.inverse();
   EXPECT_THAT(check(drive), ElementsAre(HasSubstr("inverted")));
@@ -91,11 +91,11 @@ TEST(CheckCamera, ReportsAnInvertedMountingAndAnotherResolution) {
 }
 
 TEST(CheckCamera, ReportsNothingWithoutMotionOrTexture) {
-  EXPECT_THAT(check(rotate_camera(test_drive(1, 0, 0), {0, 5, 0})), IsEmpty()) << "stationary";
-  Drive dark = rotate_camera(test_drive(1, 0), {0, 5, 0});
+  EXPECT_THAT(check(rotate_camera(make_test_drive(1, 0, 0), {0, 5, 0})), IsEmpty()) << "stationary";
+  Drive dark = rotate_camera(make_test_drive(1, 0), {0, 5, 0});
   dark.images = Lazy<cv::Mat3b>(dark.frames.size(), [](std::size_t) { return cv::Mat3b(360, 640, cv::Vec3b(9, 9, 9)); });
   EXPECT_THAT(check(dark), IsEmpty()) << "no texture";
-  Drive one = test_drive(1, 0);
+  Drive one = make_test_drive(1, 0);
   one.scan_headers.resize(1), one.frames.resize(1);
   EXPECT_THAT(check(one), IsEmpty()) << "one scan";
 }

@@ -23,12 +23,12 @@ Drive change_scans(const Drive& drive, const std::function<Scan(const Scan&, con
 }
 
 TEST(CheckScanTimes, AcceptsAGoodRecording) {
-  const Drive drive = test_drive(1, 0, 16);
+  const Drive drive = make_test_drive(1, 0, 16);
   EXPECT_THAT(check_scan_times(drive, drive.poses), ElementsAre());
 }
 
 TEST(CheckScanTimes, ReportsScansThatAreCompensatedAlready) {
-  const Drive drive = test_drive(1, 0, 16);
+  const Drive drive = make_test_drive(1, 0, 16);
   const Drive compensated = change_scans(drive, [&](const Scan& scan, const ScanHeader& header) {
     Scan out = scan;
     const std::vector<Eigen::Vector3d> world = to_world(scan, header, drive.poses);
@@ -40,7 +40,7 @@ TEST(CheckScanTimes, ReportsScansThatAreCompensatedAlready) {
 }
 
 TEST(CheckScanTimes, ReportsALidarThatRotatesInTheOtherDirection) {
-  const Drive drive = test_drive(1, 0, 16);
+  const Drive drive = make_test_drive(1, 0, 16);
   const Drive backwards = change_scans(drive, [](const Scan& scan, const ScanHeader&) {
     Scan out = scan;
     for (float& time : out.time) time = -time;

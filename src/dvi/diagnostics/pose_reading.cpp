@@ -123,8 +123,7 @@ std::optional<PoseReading> find_better_reading(const Trajectory& given, const SE
                   "camera_from_world^-1 * camera_from_lidar") ||
       try_reading([&](const SE3& pose) { return pose * camera_from_lidar.inverse(); },
                   "the given poses seem to be of the LiDAR, read as poses of the camera: a file of 12 numbers per line has "
-                  "world_from_camera; "
-                  "write the name of the scan, or @ and its time in seconds, before the 12 numbers") ||
+                  "world_from_camera; write the name of the scan, or @ and its time in seconds, before the 12 numbers") ||
       try_reading(reorder_quaternion, kWFirstMessage))
     return out;
   if (const double scale = estimate_scale(steps); scale > 0 && std::abs(std::log(scale)) > kPoseReading.min_scale_log)

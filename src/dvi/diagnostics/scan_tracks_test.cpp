@@ -8,7 +8,7 @@ namespace dvi::diagnostics {
 namespace {
 
 TEST(ScanTracks, FollowTheTruth) {
-  const Drive drive = test_drive(2, 40);
+  const Drive drive = make_test_drive(2, 40);
   const std::vector<ScanTrack> tracks = estimate_scan_tracks(drive, {});
   ASSERT_EQ(tracks.size(), 1);
   const auto& poses = tracks[0].world_from_lidar.poses();
@@ -19,7 +19,7 @@ TEST(ScanTracks, FollowTheTruth) {
 }
 
 TEST(ScanTracks, AreEmptyForTooFewScans) {
-  Drive drive = test_drive(1, 0);
+  Drive drive = make_test_drive(1, 0);
   drive.scan_headers.resize(1);
   EXPECT_TRUE(estimate_scan_tracks(drive, {}).empty());
   drive.scan_headers.clear();

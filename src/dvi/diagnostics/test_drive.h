@@ -11,7 +11,7 @@
 namespace dvi::diagnostics {
 
 /// Returns a small recording of the synthetic street. Each is rendered once per process.
-inline Drive test_drive(int seed, double turn_deg, double speed_mps = 8) {
+inline Drive make_test_drive(int seed, double turn_deg, double speed_mps = 8) {
   static std::map<std::tuple<int, double, double>, Drive> made;
   const auto [place, is_new] = made.try_emplace({seed, turn_deg, speed_mps});
   if (!is_new) return place->second;
@@ -22,6 +22,6 @@ inline Drive test_drive(int seed, double turn_deg, double speed_mps = 8) {
 }
 
 /// Returns the true motion in place of that of odometry.
-inline std::vector<ScanTrack> true_tracks(const Drive& drive) { return {{0, drive.scan_headers.size(), drive.poses}}; }
+inline std::vector<ScanTrack> make_true_tracks(const Drive& drive) { return {{0, drive.scan_headers.size(), drive.poses}}; }
 
 }  // namespace dvi::diagnostics

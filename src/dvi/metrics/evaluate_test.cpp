@@ -78,11 +78,11 @@ TEST_F(Evaluate, PoolsErrorsButAveragesPsnrOverFrames) {
 }
 
 TEST_F(Evaluate, ExcludesIgnoredPixelsAndFramesWithoutScoredPixels) {
-  cv::Mat3b wrong = scene(kSize, 0);
+  cv::Mat3b wrong = make_scene(kSize, 0);
   wrong(cv::Rect(30, 20, 40, 10)) = cv::Vec3b(0, 0, 0);
-  add("a", scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
-  add("b", scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
-  add("c", scene(kSize, 0), wrong, box({}), box({}));
+  add("a", make_scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
+  add("b", make_scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
+  add("c", make_scene(kSize, 0), wrong, box({}), box({}));
   fs::remove(folder / "truth/c.png");
   media::write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
   media::write_png(folder / "ignore/b.png", box(kHole));
@@ -99,7 +99,7 @@ TEST_F(Evaluate, DoesNotUseTheTruthFarFromTheMasks) {
   cv::Mat3b near(kSize, cv::Vec3b(0, 0, 0));
   const cv::Rect known(14, 4, 72, 62);
   for (int i = 0; i < 3; ++i) {
-    const cv::Mat3b whole = scene(kSize, i);
+    const cv::Mat3b whole = make_scene(kSize, i);
     whole(known).copyTo(near(known));
     add(std::to_string(i), near, whole, box(kHole), box(kHole, 1));
   }
@@ -112,7 +112,7 @@ TEST_F(Evaluate, DoesNotUseTheTruthFarFromTheMasks) {
 
 TEST_F(Evaluate, MeasuresFlicker) {
   for (int i = 0; i < 4; ++i) {
-    const cv::Mat3b truth = scene(kSize, 1.3 * i);
+    const cv::Mat3b truth = make_scene(kSize, 1.3 * i);
     cv::Mat3b result = truth.clone();
     result(kHole) += cv::Scalar::all(i % 2 ? 20 : 0);
     add(std::to_string(i), truth, result, box(kHole), box(kHole, 4));
@@ -124,26 +124,27 @@ TEST_F(Evaluate, MeasuresFlicker) {
 }
 
 TEST_F(Evaluate, FlickerIsUndefinedForAStaticTruth) {
-  for (int i = 0; i < 3; ++i) add(std::to_string(i), scene(kSize, 0), scene(kSize, 2), box(kHole), box(kHole, 1));
+  for (int i = 0; i < 3; ++i) add(std::to_string(i), make_scene(kSize, 0), make_scene(kSize, 2), box(kHole), box(kHole, 1));
   EXPECT_TRUE(std::isnan(run().total[Origin::all].flicker));  // the truth has none to compare with
 }
 
 TEST_F(Evaluate, MeasuresShiftsAndBlur) {
-  cv::Mat3b shifted = scene(kSize, 0);
-  scene(kSize, 2)(kHole).copyTo(shifted(kHole));
-  add("shifted", scene(kSize, 0), shifted, box(kHole), box(kHole, 2));
+  cv::Mat3b shifted = make_scene(kSize, 0);
+  make_scene(kSize, 2)(kHole).copyTo(shifted(kHole));
+  add("shifted", make_scene(kSize, 0), shifted, box(kHole), box(kHole, 2));
   EXPECT_NEAR(run().total[Origin::copied].position_error_px, 2, 0.4);
 
-  cv::Mat3b flat = scene(kSize, 0);
+  cv::Mat3b flat = make_scene(kSize, 0);
   flat(kHole) = cv::Vec3b(128, 128, 128);
-  add("shifted", scene(kSize, 0), flat, box(kHole), box(kHole, 4));
+  add("shifted", make_scene(kSize, 0), flat, box(kHole), box(kHole, 4));
   const Evaluation e = run();
   EXPECT_LT(e.total[Origin::all].sharpness, 0.2);
   EXPECT_TRUE(std::isnan(e.total[Origin::all].position_error_px));
 }
 
 TEST_F(Evaluate, DoesNotDependOnTheNumberOfThreads) {
-  for (int i = 0; i < 5; ++i) add(std::to_string(i), scene(kSize, i), scene(kSize, i + 0.4), box(kHole), box(kHole, 1));
+  for (int i = 0; i < 5; ++i)
+    add(std::to_string(i), make_scene(kSize, i), make_scene(kSize, i + 0.4), box(kHole), box(kHole, 1));
   const auto with = [&](int threads) {
     const ThreadLimit limit(threads);
     const nlohmann::json json = run();
@@ -155,7 +156,7 @@ TEST_F(Evaluate, DoesNotDependOnTheNumberOfThreads) {
 
 TEST_F(Evaluate, WritesJsonAndATable) {
   add_perfect("a");
-  media::write_png(folder / "truth/b.png", scene(kSize, 0));
+  media::write_png(folder / "truth/b.png", make_scene(kSize, 0));
   const Evaluation e = run();
   EXPECT_THAT(e.warnings, ElementsAre(HasSubstr("1 frames of the truth are not in the result: b")));
   const nlohmann::json json = nlohmann::json::parse(nlohmann::json(e).dump());
@@ -210,9 +211,9 @@ TEST_F(Evaluate, AgreesWithNumpyInsideTheMaskAndOverWholeFrames) {
 }
 
 TEST_F(Evaluate, WholeFramesExcludeIgnoredPixels) {
-  cv::Mat3b wrong = scene(kSize, 0);
+  cv::Mat3b wrong = make_scene(kSize, 0);
   wrong(cv::Rect(30, 20, 40, 10)) = cv::Vec3b(0, 0, 0);
-  add("a", scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
+  add("a", make_scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
   media::write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
   EXPECT_LT(run().whole_frame.ssim, 0.99);
   EXPECT_EQ(run(true).whole_frame.mae, 0);
@@ -223,7 +224,7 @@ TEST_F(Evaluate, OnlyFlickerDependsOnTheOrderOfFrames) {
   const std::vector<double> shifts = {0, 0.6, 1.7, 0.3};
   const auto add_in_order = [&](const std::vector<std::size_t>& order) {
     for (std::size_t i = 0; i < order.size(); ++i)
-      add(std::to_string(i), scene(kSize, 0), scene(kSize, shifts[order[i]]), box(kHole), box(kHole, 1));
+      add(std::to_string(i), make_scene(kSize, 0), make_scene(kSize, shifts[order[i]]), box(kHole), box(kHole, 1));
   };
   add_in_order({0, 1, 2, 3});
   const Evaluation one = run();
@@ -238,10 +239,10 @@ TEST_F(Evaluate, OnlyFlickerDependsOnTheOrderOfFrames) {
 }
 
 TEST_F(Evaluate, HasIntervalsForTwoFramesOrMore) {
-  add("a", scene(kSize, 0), scene(kSize, 1), box(kHole), box(kHole, 1));
+  add("a", make_scene(kSize, 0), make_scene(kSize, 1), box(kHole), box(kHole, 1));
   EXPECT_FALSE(run().intervals[0]);
   EXPECT_TRUE(nlohmann::json(run())["all"]["interval"].is_null());
-  add("b", scene(kSize, 0), scene(kSize, 2), box(kHole), box(kHole, 4));
+  add("b", make_scene(kSize, 0), make_scene(kSize, 2), box(kHole), box(kHole, 4));
   const Evaluation e = run();
   const nlohmann::json json = e;
   EXPECT_TRUE(json["copied"]["interval"].is_null()) << "one frame only has copied pixels";
@@ -279,8 +280,8 @@ TEST_F(Evaluate, ComparesTheConfidenceWithTheError) {
 }
 
 TEST_F(Evaluate, WarnsThatNothingIsScored) {
-  add("a", scene(kSize, 0), scene(kSize, 0), box({}), box({}));
-  add("b", scene(kSize, 0), scene(kSize, 0), box({}), box({}));
+  add("a", make_scene(kSize, 0), make_scene(kSize, 0), box({}), box({}));
+  add("b", make_scene(kSize, 0), make_scene(kSize, 0), box({}), box({}));
   const Evaluation e = run();
   EXPECT_THAT(e.warnings, ElementsAre(HasSubstr("nothing is scored: every mask is empty")));
   EXPECT_THAT(format_table(e), HasSubstr("frames without scored pixels: a b"));

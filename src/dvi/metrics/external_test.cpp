@@ -22,11 +22,11 @@ class External : public ResultFixture {
   External() {
     make_folder(folder / "net");
     for (int i = 0; i < 3; ++i)
-      add(std::to_string(i), scene(kSize, i), scene(kSize, i + 0.5), box(kHole), box({30, 20, 20, 30}, 1));
+      add(std::to_string(i), make_scene(kSize, i), make_scene(kSize, i + 0.5), box(kHole), box({30, 20, 20, 30}, 1));
   }
   void add_external(const cv::Mat3b& (*change)(cv::Mat3b&)) const {
     for (int i = 0; i < 3; ++i) {
-      cv::Mat3b image = scene(kSize, i + 0.5);
+      cv::Mat3b image = make_scene(kSize, i + 0.5);
       media::write_png(folder / "net" / (std::to_string(i) + ".png"), change(image));
     }
   }
@@ -59,7 +59,7 @@ TEST_F(External, HaveRowsButNoConfidence) {
   for (int i = 0; i < 3; ++i) {
     const std::string name = std::to_string(i);
     media::write_png(folder / "out/confidence" / (name + ".png"), cv::Mat1b(kSize, uchar{200}));
-    cv::imwrite((folder / "net" / (name + ".jpg")).string(), scene(kSize, i));  // nearly the truth
+    cv::imwrite((folder / "net" / (name + ".jpg")).string(), make_scene(kSize, i));  // nearly the truth
   }
   const Evaluation e = evaluate(with_net());
   EXPECT_TRUE(e.confidence[0]);

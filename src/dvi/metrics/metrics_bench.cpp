@@ -9,7 +9,7 @@ namespace {
 
 /// A frame of 1280x720, a result that is shifted by half a pixel, and a hole.
 struct ShiftedResult {
-  cv::Mat3b truth = scene({1280, 720}, 0), result = scene({1280, 720}, 0.5);
+  cv::Mat3b truth = make_scene({1280, 720}, 0), result = make_scene({1280, 720}, 0.5);
   cv::Mat1b hole = cv::Mat1b(720, 1280, uchar{0});
   ShiftedResult() { hole(cv::Rect(500, 300, 300, 210)) = 255; }
 };

@@ -74,7 +74,7 @@ TEST(Gradient, IsTheSlopeOfARamp) {
 
 TEST(Change, FollowsTheMotion) {
   const cv::Size size(80, 60);
-  const cv::Mat3b before = scene(size, 0), now = scene(size, 3);  // content moves 3 px to the right
+  const cv::Mat3b before = make_scene(size, 0), now = make_scene(size, 3);  // content moves 3 px to the right
   const cv::Mat2f back(size, cv::Vec2f(-3, 0));
   const cv::Mat1b all(size, uchar{255});
   const cv::Mat1f change = compute_change(now, before, back, all);
@@ -90,7 +90,7 @@ TEST(PositionError, IsTheShiftOfTheContent) {
   cv::Mat1b pixels(size, uchar{0});
   pixels(cv::Rect(40, 30, 80, 60)) = 255;
   for (const double shift : {0.0, 1.0, 2.5}) {
-    const cv::Mat1f map = compute_position_error(scene(size, shift), scene(size, 0), pixels);
+    const cv::Mat1f map = compute_position_error(make_scene(size, shift), make_scene(size, 0), pixels);
     std::vector<float> lengths;
     for (int y = 40; y < 80; ++y) lengths.insert(lengths.end(), &map(y, 50), &map(y, 110));
     std::nth_element(lengths.begin(), lengths.begin() + 1200, lengths.end());
