@@ -207,7 +207,7 @@ class Report(unittest.TestCase):
         browser.until(self.driver, "document.querySelector('#picture img') && document.querySelector('#picture img').naturalWidth")
         shutil.rmtree(moved / "report")
         self.open(moved)
-        self.assertIn("This report is not whole", self.text("main"))
+        self.assertIn("This report is incomplete", self.text("main"))
 
     def test_a_result_without_frames_opens(self):
         out = self.folder / "empty"
@@ -218,7 +218,7 @@ class Report(unittest.TestCase):
             browser.until(self.driver, f"dvi.started.has('{view.split('/')[0]}')")
             self.press(" n")
         self.no_error(out)
-        self.assertIn("holds no frames yet", self.text("#overview"))
+        self.assertIn("has no frames yet", self.text("#overview"))
         self.assertIn("not finished", self.text("#overview"))
 
     def test_a_result_that_cannot_be_written_opens(self):

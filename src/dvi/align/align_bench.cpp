@@ -7,7 +7,7 @@
 namespace dvi::align {
 namespace {
 
-/// A whole drive of 1280x720 with a jitter of +-0.15 degrees, by frames. Once: making the drive takes longer.
+/// Aligns a drive of 1280x720 with a jitter of 0.15 degrees, by number of frames. Runs once, because making the drive is slow.
 void align_drive(benchmark::State& state) {
   const Camera camera{1280, 720, 1600, 1600, 639.5, 359.5, {}};
   const ShakyDrive drive(static_cast<std::size_t>(state.range(0)), {.jitter_deg = 0.15, .hole = {500, 300, 300, 210}}, camera);

@@ -15,9 +15,9 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const Shake kExact{}, kJitter{.jitter_deg = 0.2};
+const PoseError kExact{}, kJitter{.jitter_deg = 0.2};
 
-TEST(Align, FindsTheJitterOfAllFramesTogether) {
+TEST(Align, FindsTheJitterOfAllFrames) {
   ShakyDrive drive(10, kJitter);
   EXPECT_GT(drive.residual_deg(std::vector<ViewAlignment>(10)), 0.08);
   const Cameras found = align(drive.views, {drive.map, drive.views}, {});
@@ -30,18 +30,18 @@ TEST(Align, FindsTheJitterOfAllFramesTogether) {
   }
 }
 
-TEST(Align, LeavesExactPosesAsTheyAre) {
+TEST(Align, DoesNotChangeExactPoses) {
   ShakyDrive drive(8, kExact);
   for (const ViewAlignment& a : align(drive.views, {drive.map, drive.views}, {}).views)
     EXPECT_LT(a.rotation.norm(), 4e-5);  // .002 degrees
 }
 
-TEST(Align, FramesMayBeExposedDifferently) {
+TEST(Align, AcceptsDifferentExposures) {
   ShakyDrive drive(8, {.jitter_deg = 0.2, .gain_step = 0.9});
   EXPECT_LT(drive.residual_deg(align(drive.views, {drive.map, drive.views}, {}).views), 0.015);
 }
 
-TEST(Align, PosesOfTheViewsAreCorrected) {
+TEST(Align, CorrectsThePosesOfTheViews) {
   ShakyDrive drive(6, kJitter);
   const Views& given = drive.views;
   const Cameras found = align(drive.views, {drive.map, drive.views}, {});
@@ -52,14 +52,14 @@ TEST(Align, PosesOfTheViewsAreCorrected) {
   }
 }
 
-TEST(Align, SwitchedOffItDoesNothing) {
+TEST(Align, DoesNothingIfDisabled) {
   ShakyDrive drive(3, kJitter);
   const Cameras found = align(drive.views, {drive.map, drive.views}, {.enabled = false});
   EXPECT_EQ(found.views[1].rotation, Eigen::Vector3d::Zero());
   EXPECT_EQ(found.camera_from_world[1].R, drive.views[1].camera_from_world.R);
 }
 
-TEST(Align, WithoutSharedPointsNothingMovesAndIsSaid) {
+TEST(Align, WarnsAndKeepsThePosesWithoutSharedPoints) {
   ShakyDrive drive(3, {.jitter_deg = 0.2, .hole = {0, 0, 320, 240}});  // masks cover whole frames
   ShakyDrive empty(3, kJitter);
   const map::StaticMap no_map;
@@ -73,12 +73,12 @@ TEST(Align, WithoutSharedPointsNothingMovesAndIsSaid) {
   }
 }
 
-TEST(Align, OneFrameAloneStaysAsItIs) {
+TEST(Align, DoesNotChangeASingleFrame) {
   ShakyDrive drive(1, kJitter);
   EXPECT_EQ(align(drive.views, {drive.map, drive.views}, {}).views[0].rotation, Eigen::Vector3d::Zero());
 }
 
-TEST(Align, ACameraThatStandsStillHasItsJitterFoundOnly) {
+TEST(Align, FindsOnlyTheJitterOfAStationaryCamera) {
   ShakyDrive drive(8, {.jitter_deg = 0.2, .speed = {0, 0, 0}});
   const Cameras found = align(drive.views, {drive.map, drive.views}, {});
   EXPECT_THAT(found.sequences.front().warnings, ElementsAre(HasSubstr("hardly moves")));
@@ -86,7 +86,7 @@ TEST(Align, ACameraThatStandsStillHasItsJitterFoundOnly) {
   EXPECT_LT(drive.residual_deg(found.views), 0.015);
 }
 
-TEST(Align, ACameraThatStandsStillIsNotTurnedAsAWhole) {
+TEST(Align, DoesNotRotateAStationaryCameraAsAWhole) {
   ShakyDrive drive(8, {.jitter_deg = 0.2, .mounting = {0.004, -0.003, 0}, .speed = {0, 0, 0}});
   const Cameras found = align(drive.views, {drive.map, drive.views}, {});
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -96,7 +96,7 @@ TEST(Align, ACameraThatStandsStillIsNotTurnedAsAWhole) {
   EXPECT_LT(found.sequences.at(0).mounting.norm(), 1e-9);
 }
 
-TEST(Align, ACameraOfRegisteredDepthIsNotTurnedAsAWhole) {
+TEST(Align, DoesNotRotateACameraWithRegisteredDepthAsAWhole) {
   ShakyDrive drive(8, {.jitter_deg = 0.2, .mounting = {0.004, -0.003, 0}});
   for (View& view : drive.views.views) view.registered_depth = true;
   const Cameras found = align(drive.views, {drive.map, drive.views}, {});
@@ -105,8 +105,8 @@ TEST(Align, ACameraOfRegisteredDepthIsNotTurnedAsAWhole) {
   EXPECT_GT(align(drive.views, {drive.map, drive.views}, {}).sequences.at(0).mounting.norm(), 1e-3);
 }
 
-// Rows before and behind: of one drive with exact poses, then of another whose camera is turned.
-TEST(Align, AnotherDriveIsTurnedOntoTheFirst) {
+// The first drive has exact poses, the second a rotated camera.
+TEST(Align, AlignsAnotherDriveToTheFirst) {
   const ShakyDrive first(8, kExact);
   ShakyDrive second(8, {.jitter_deg = 0.1, .mounting = {0.002, -0.0015, 0}});
   Views both = first.views;
@@ -129,21 +129,22 @@ TEST(Align, AnotherDriveIsTurnedOntoTheFirst) {
   }
 }
 
-TEST(Align, ExpectsMoreOfAHandThanOfACar) {
-  EXPECT_EQ(expected_rotation_deg({}, Sensor::lidar), 0.1);
-  EXPECT_EQ(expected_rotation_deg({}, Sensor::depth_camera), 0.5);
+TEST(Align, ExpectsLargerErrorsForHandheldCameras) {
+  EXPECT_EQ(get_expected_rotation_deg({}, Sensor::lidar), 0.1);
+  EXPECT_EQ(get_expected_rotation_deg({}, Sensor::depth_camera), 0.5);
   AlignOptions given;
   given.rotation_deg = 0.2;
-  EXPECT_EQ(expected_rotation_deg(given, Sensor::depth_camera), 0.2);
+  EXPECT_EQ(get_expected_rotation_deg(given, Sensor::depth_camera), 0.2);
 }
 
-TEST(Align, PosesThatDoNotFitAreSaid) {
+TEST(Align, WarnsOfPosesThatDoNotFit) {
   ShakyDrive drive(10, {.speed = {0, 0, 5}});
   for (View& view : drive.views.views) view.camera_from_world.t.z() *= -1;  // backwards
-  EXPECT_THAT(align(drive.views, {drive.map, drive.views}, {}).sequences.front().warnings, ElementsAre(HasSubstr("misplaced")));
+  EXPECT_THAT(align(drive.views, {drive.map, drive.views}, {}).sequences.front().warnings,
+              ElementsAre(HasSubstr("position error")));
 }
 
-TEST(Align, ThePublishedSearchFindsOneFrameAmongExactOnes) {
+TEST(Align, ThePublishedSearchCorrectsOneFrameAmongExactOnes) {
   ShakyDrive exact(3, kExact), drive = exact;
   const Eigen::Matrix3d off = so3_exp({0.0032, -0.0021, 0});
   drive.views.views[1].camera_from_world.R = off.transpose() * exact.views[1].camera_from_world.R;
@@ -153,7 +154,7 @@ TEST(Align, ThePublishedSearchFindsOneFrameAmongExactOnes) {
   EXPECT_NEAR(found.views[1].rotation.y(), -0.0021, 2e-4);
 }
 
-TEST(Align, SameWhateverTheThreads) {
+TEST(Align, DoesNotDependOnTheNumberOfThreads) {
   Cameras found[2];
   for (int threads : {1, 2}) {
     const ThreadLimit limit(threads);

@@ -9,10 +9,8 @@
 namespace dvi::align {
 namespace {
 
-constexpr double kFine = 1, kCoarse = 4;  // px of the level: finer is noise, coarser is light
-constexpr double kDark = 8;               // gray levels: below, the sensor's noise would be blown up
-
-cv::Mat1f blurred(const cv::Mat1f& weighted, const cv::Mat1f& weight, double sigma) {
+/// Blurs with weights: masked pixels have weight 0.
+cv::Mat1f blur_weighted(const cv::Mat1f& weighted, const cv::Mat1f& weight, double sigma) {
   cv::Mat1f above, below;
   cv::GaussianBlur(weighted, above, {}, sigma);
   cv::GaussianBlur(weight, below, {}, sigma);
@@ -20,7 +18,7 @@ cv::Mat1f blurred(const cv::Mat1f& weighted, const cv::Mat1f& weight, double sig
   return above;
 }
 
-float value_at(const cv::Mat1f& image, double x, double y) {
+float interpolate_value(const cv::Mat1f& image, double x, double y) {
   const int x0 = std::clamp(static_cast<int>(x), 0, image.cols - 2), y0 = std::clamp(static_cast<int>(y), 0, image.rows - 2);
   const float u = static_cast<float>(x - x0), v = static_cast<float>(y - y0);
   const float *top = image[y0] + x0, *bottom = image[y0 + 1] + x0;
@@ -29,16 +27,16 @@ float value_at(const cv::Mat1f& image, double x, double y) {
 
 }  // namespace
 
-BandPass band_pass(const cv::Mat3b& image, const cv::Mat1b& mask, int levels) {
+BandPass make_band_pass(const cv::Mat3b& image, const cv::Mat1b& mask, int levels) {
   cv::Mat1f brightness, weight;
-  gray_8bit(image).convertTo(brightness, CV_32F, 1, kDark);
+  gray_8bit(image).convertTo(brightness, CV_32F, 1, kBandPass.dark);
   cv::log(brightness, brightness);
   cv::Mat1b(mask == 0).convertTo(weight, CV_32F, 1.0 / 255);
   cv::Mat1f weighted;
   cv::multiply(brightness, weight, weighted);
   BandPass out;
   for (int l = 0;; ++l) {
-    out.emplace_back(blurred(weighted, weight, kFine) - blurred(weighted, weight, kCoarse));
+    out.emplace_back(blur_weighted(weighted, weight, kBandPass.fine_px) - blur_weighted(weighted, weight, kBandPass.coarse_px));
     if (l + 1 >= levels) return out;
     const cv::Size half((weighted.cols + 1) / 2, (weighted.rows + 1) / 2);
     cv::resize(weighted, weighted, half, 0, 0, cv::INTER_AREA);
@@ -46,13 +44,13 @@ BandPass band_pass(const cv::Mat3b& image, const cv::Mat1b& mask, int levels) {
   }
 }
 
-Spot spot_at(const cv::Mat1f& level, const cv::Size& image, const Eigen::Vector2d& pixel) {
+ValueAndSlope sample(const cv::Mat1f& level, const cv::Size& image, const Eigen::Vector2d& pixel) {
   const double sx = static_cast<double>(level.cols) / image.width, sy = static_cast<double>(level.rows) / image.height;
   const double x = std::clamp((pixel.x() + 0.5) * sx - 0.5, 1.0, level.cols - 2.0);
   const double y = std::clamp((pixel.y() + 0.5) * sy - 0.5, 1.0, level.rows - 2.0);
-  return {value_at(level, x, y),
-          {0.5 * sx * (value_at(level, x + 1, y) - value_at(level, x - 1, y)),
-           0.5 * sy * (value_at(level, x, y + 1) - value_at(level, x, y - 1))}};
+  return {interpolate_value(level, x, y),
+          {0.5 * sx * (interpolate_value(level, x + 1, y) - interpolate_value(level, x - 1, y)),
+           0.5 * sy * (interpolate_value(level, x, y + 1) - interpolate_value(level, x, y - 1))}};
 }
 
 }  // namespace dvi::align

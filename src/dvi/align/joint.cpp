@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -14,51 +13,37 @@
 
 #include "dvi/align/joint_solve.h"
 #include "dvi/align/pair_store.h"
-#include "dvi/align/sight.h"
+#include "dvi/align/unmasked_points.h"
 #include "dvi/core/threads.h"
 #include "dvi/drive/near_views.h"
+#include "dvi/geometry/angles.h"
 
 namespace dvi::align {
 namespace {
 
-constexpr double kPairErrorPx = 0.2;  // by which a pair may mislead: surfaces that the map has a little off, light that moves
-constexpr double kRoomDepth = 2;      // meters, usual: where so many pixels are so many millimeters
-constexpr double kFlat = 0.01;        // of log brightness a pixel: no texture below
-constexpr double kLeastCaught = 3;    // expected errors that the coarsest level must be able to catch
-constexpr double kNoise = 2;          // standard errors by which held-out points must agree better
-// Of the expected rotations: poses that are good already are better not believed to be off by as much as others.
-constexpr std::array<double, 3> kParts{0.1, 0.3, 1};
-constexpr double kMisplacedPx = 0.6;
-// Meters over which a rotation common to all frames shows. An error of a position looks like one, by itself over this motion:
-// those of handheld cameras, about a centimeter, like less than the expected 0.2 degrees only over 3 m.
-constexpr double kHardlyMoves = 0.5, kHandHardlyMoves = 3;
+/// Shares of the expected rotations that are tried: poses that are already good need a stronger prior.
+constexpr std::array<double, 3> kPriorShares{0.1, 0.3, 1};
 
-// Frames from one to the other that are compared. A hand holds a view for seconds, of thirty images each; a vehicle does not.
-constexpr std::size_t kFarthest = 8, kHandFarthest = 32;
+using Poses = std::vector<SE3>;  // camera_from_world of the views of a sequence
 
-constexpr double kRadian = 10;  // meters that count as much as a radian between the directions in which views look
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
-
-using Poses = std::vector<SE3>;  // camera_from_world, of a sequence's views
-
-// Of each view of a sequence, the views of earlier sequences that it is held to: those that look from nearest to where it does.
-std::vector<std::vector<std::size_t>> anchors_of(const SequenceViews& sequence) {
+/// Finds for each view of a sequence the most similar views of earlier sequences, which constrain it.
+std::vector<std::vector<std::size_t>> find_anchors(const SequenceViews& sequence) {
   std::vector<std::vector<std::size_t>> out;
   for (std::size_t i = sequence.first; sequence.first > 0 && i < sequence.last; ++i)
-    out.push_back(find_nearest_views(sequence.views, i, {0, sequence.first}, kAnchors, kRadian));
+    out.push_back(find_nearest_views(sequence.views, i, {0, sequence.first}, kAnchors, kJoint.radian_m));
   return out;
 }
 
-// The views of a sequence and then their anchors; who of these is compared with whom.
-struct Members {
+/// The views of a sequence, followed by their anchors, and the pairs that are compared.
+struct ChainViews {
   std::vector<std::size_t> views;
   Partners partners;
 
-  explicit Members(const SequenceViews& sequence)
+  explicit ChainViews(const SequenceViews& sequence)
       : views(sequence.last - sequence.first),
-        partners{views.size(), anchors_of(sequence),
-                 sequence.views[sequence.first].sensor == Sensor::depth_camera ? kHandFarthest : kFarthest} {
+        partners{views.size(), find_anchors(sequence),
+                 sequence.views[sequence.first].sensor == Sensor::depth_camera ? kJoint.max_handheld_frame_distance
+                                                                               : kJoint.max_frame_distance} {
     std::iota(views.begin(), views.end(), sequence.first);
     std::set<std::size_t> anchors;
     for (const auto& of_view : partners.anchors) anchors.insert(of_view.begin(), of_view.end());
@@ -70,10 +55,11 @@ struct Members {
   }
 };
 
+/// The pairs of views of a sequence and their photometric models.
 class Chain {
  public:
-  // Of the sequences before it, `aligned` has the poses.
-  Chain(const SequenceViews& sequence, const Members& members, const Cameras& aligned, const AlignOptions& options)
+  /// `aligned` has the poses of the sequences before.
+  Chain(const SequenceViews& sequence, const ChainViews& members, const Cameras& aligned, const AlignOptions& options)
       : views_(sequence.views),
         map_(sequence.map),
         members_(members.views),
@@ -82,47 +68,49 @@ class Chain {
         pairs_(sequence.map.map, members.partners) {
     for (std::size_t i = count_; i < members_.size(); ++i) anchors_.push_back(aligned.camera_from_world[members_[i]]);
     const Camera& camera = view(0).camera;
-    const double caught = kLeastCaught * std::max(radians(*options.rotation_deg), radians(options.mounting_deg)) * camera.fx;
-    while (caught > 2 * std::exp2(coarsest_) && std::min(camera.width, camera.height) >> coarsest_ > 64) ++coarsest_;
+    const double capture_px =
+        kJoint.min_capture * std::max(to_radians(*options.rotation_deg), to_radians(options.mounting_deg)) * camera.fx;
+    while (capture_px > 2 * std::exp2(coarsest_) && std::min(camera.width, camera.height) >> coarsest_ > 64) ++coarsest_;
     images_ = {members_.size(), [this](std::size_t i) {
-                 return band_pass(*views_.images[members_[i]], *views_.masks[members_[i]], static_cast<int>(coarsest_) + 1);
+                 return make_band_pass(*views_.images[members_[i]], *views_.masks[members_[i]],
+                                       static_cast<int>(coarsest_) + 1);
                }};
   }
 
-  /// Returns their models where the views are as given.
+  /// Finds the pairs and returns their models at the given poses.
   std::vector<PairModel> find_pairs(const Tick& tick);
-  std::vector<PairModel> models(const Corrections& now, std::size_t coarsest, const Tick& tick) const;
+  std::vector<PairModel> fit_models(const Corrections& now, std::size_t coarsest, const Tick& tick) const;
   struct Check {
-    std::vector<double> cost;       // a candidate
-    std::vector<double> offset_px;  // median, a candidate
+    std::vector<double> cost;       // per candidate
+    std::vector<double> offset_px;  // median, per candidate
     int points = 0;
   };
   std::vector<Check> check(const std::vector<PairModel>& models, const std::vector<Poses>& candidates, const Tick& tick) const;
 
   std::size_t coarsest() const { return coarsest_; }
-  bool anchored() const { return members_.size() > count_; }
-  Poses turned(const Corrections& c) const;
+  bool is_anchored() const { return members_.size() > count_; }
+  Poses apply(const Corrections& c) const;
 
  private:
-  std::vector<SharedPoint> shared_points(std::size_t i, const Lazy<UnmaskedPoints>& sights) const;
-  std::vector<PairModel> models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const;
+  std::vector<SharedPoint> find_shared_points(std::size_t i, const Lazy<UnmaskedPoints>& sights) const;
+  std::vector<PairModel> fit_models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const;
   void add_models(std::size_t first, std::size_t last, const Poses& poses, std::size_t coarsest, std::vector<PairModel>& all,
                   const Tick& tick) const;
-  std::vector<map::VisiblePoint> textured(const UnmaskedPoints& sight, const View& view, const cv::Mat1f& texture) const;
+  std::vector<map::VisiblePoint> select_textured(const UnmaskedPoints& sight, const View& view, const cv::Mat1f& texture) const;
   const View& view(std::size_t i) const { return views_[members_[i]]; }
-  PosedImage posed(std::size_t i, const Poses& poses) const { return {view(i).camera, poses[i], images_[i]}; }
+  PosedImage get_posed(std::size_t i, const Poses& poses) const { return {view(i).camera, poses[i], images_[i]}; }
 
   const Views& views_;
   const map::VisibleMap& map_;
-  std::vector<std::size_t> members_;  // of `views`: the sequence's, then its anchors
+  std::vector<std::size_t> members_;  // indices of the views of the sequence, then of its anchors
   std::size_t count_, coarsest_ = 0;  // of the sequence
   Poses anchors_;
   const AlignOptions& options_;
   Lazy<BandPass> images_;
-  PairStore pairs_;  // by moving view
+  PairStore pairs_;
 };
 
-Poses Chain::turned(const Corrections& c) const {
+Poses Chain::apply(const Corrections& c) const {
   Poses out;
   for (std::size_t i = 0; i < count_; ++i)
     out.push_back(SE3{so3_exp(c.rotations[i]), c.positions[i]} * view(i).camera_from_world);
@@ -130,18 +118,19 @@ Poses Chain::turned(const Corrections& c) const {
   return out;
 }
 
-// The most textured point of each cell of a grid over the image.
-std::vector<map::VisiblePoint> Chain::textured(const UnmaskedPoints& sight, const View& view, const cv::Mat1f& texture) const {
+// Selects the point with the most texture in each cell of a grid over the image.
+std::vector<map::VisiblePoint> Chain::select_textured(const UnmaskedPoints& sight, const View& view,
+                                                      const cv::Mat1f& texture) const {
   const cv::Size size(view.camera.width, view.camera.height);
   const double cell = std::max(1.0, std::sqrt(static_cast<double>(size.area()) / options_.points));
   const int columns = static_cast<int>(size.width / cell) + 1, rows = static_cast<int>(size.height / cell) + 1;
   std::vector<map::VisiblePoint> best(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  std::vector<double> slope(best.size(), kFlat);
+  std::vector<double> slope(best.size(), kJoint.min_slope);
   for (const map::VisiblePoint& p : sight.points()) {
     const int column = static_cast<int>((p.u + 0.5) / cell), row = static_cast<int>((p.v + 0.5) / cell);
     const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column);
-    const double here = spot_at(texture, size, {p.u, p.v}).slope.norm();
-    if (here <= slope[at] || sight.beside_nearer(p)) continue;
+    const double here = sample(texture, size, {p.u, p.v}).slope.norm();
+    if (here <= slope[at] || sight.is_near_edge(p)) continue;
     slope[at] = here;
     best[at] = p;
   }
@@ -149,12 +138,12 @@ std::vector<map::VisiblePoint> Chain::textured(const UnmaskedPoints& sight, cons
   return best;
 }
 
-std::vector<SharedPoint> Chain::shared_points(std::size_t i, const Lazy<UnmaskedPoints>& sights) const {
+std::vector<SharedPoint> Chain::find_shared_points(std::size_t i, const Lazy<UnmaskedPoints>& sights) const {
   std::vector<SharedPoint> out;
-  for (const map::VisiblePoint& point : textured(*sights[i], view(i), images_[i]->front()))
-    out.push_back({.index = point.index, .seen_by = 0});
+  for (const map::VisiblePoint& point : select_textured(*sights[i], view(i), images_[i]->front()))
+    out.push_back({.index = point.index, .observed_by = 0});
   for (std::size_t k = 0; k < kPartners + kAnchors; ++k) {
-    const std::optional<std::size_t> partner = pairs_.partners().of(i, k);
+    const std::optional<std::size_t> partner = pairs_.partners().get(i, k);
     if (!partner) continue;
     const View& other = view(*partner);
     const auto sight = sights[*partner];
@@ -162,20 +151,20 @@ std::vector<SharedPoint> Chain::shared_points(std::size_t i, const Lazy<Unmasked
       const Eigen::Vector3d p = other.camera_from_world * map_.map.points[point.index].position.cast<double>();
       if (!other.camera.in_front(p)) continue;
       const Eigen::Vector2d pixel = other.camera.project(p);
-      if (other.camera.contains(pixel) && sight->shows(pixel, p.z()))
-        point.seen_by = static_cast<std::uint16_t>(point.seen_by | 1U << k);
+      if (other.camera.contains(pixel) && sight->is_visible(pixel, p.z()))
+        point.observed_by = static_cast<std::uint16_t>(point.observed_by | 1U << k);
     }
   }
   return out;
 }
 
-std::vector<PairModel> Chain::models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const {
-  const double expected = 2 * std::hypot(radians(*options_.rotation_deg), radians(options_.mounting_deg));
-  const Freedom freedom = expected_position_m(view(0).sensor) > 0 ? Freedom::pose : Freedom::rotation;
-  const PosedImage moving = posed(i, poses);
+std::vector<PairModel> Chain::fit_models_of(std::size_t i, const Poses& poses, std::size_t coarsest) const {
+  const double expected = 2 * std::hypot(to_radians(*options_.rotation_deg), to_radians(options_.mounting_deg));
+  const Freedom freedom = get_expected_position_m(view(0).sensor) > 0 ? Freedom::pose : Freedom::rotation;
+  const PosedImage moving = get_posed(i, poses);
   std::vector<PairModel> out;
-  for (const Pair& pair : pairs_.of(i))
-    if (auto model = fit_pair(pair, moving, posed(pair.fixed, poses), coarsest, expected, freedom)) out.push_back(*model);
+  for (const Pair& pair : pairs_.get_pairs(i))
+    if (auto model = fit_pair(pair, moving, get_posed(pair.fixed, poses), coarsest, expected, freedom)) out.push_back(*model);
   return out;
 }
 
@@ -184,36 +173,36 @@ void Chain::add_models(std::size_t first, std::size_t last, const Poses& poses, 
                        std::vector<PairModel>& all, const Tick& tick) const {
   std::vector<std::vector<PairModel>> by_view(last - first);
   parallel_for(by_view.size(), [&](std::size_t i) {
-    by_view[i] = models_of(first + i, poses, coarsest);
+    by_view[i] = fit_models_of(first + i, poses, coarsest);
     tick();
   });
   for (const auto& some : by_view) all.insert(all.end(), some.begin(), some.end());
 }
 
-// In one pass, while the images are at hand.
+// Finds pairs and fits models in one pass, while the images are in memory.
 std::vector<PairModel> Chain::find_pairs(const Tick& tick) {
   const Lazy<UnmaskedPoints> sights(
       members_.size(), [this](std::size_t i) { return UnmaskedPoints(*map_.points[members_[i]], *views_.masks[members_[i]]); });
-  const Poses given = turned(Corrections(count_));
+  const Poses given = apply(Corrections(count_));
   std::vector<PairModel> all;
   for_blocks(count_, [&](std::size_t first, std::size_t last) {
     std::vector<std::vector<SharedPoint>> points(last - first);
-    parallel_for(points.size(), [&](std::size_t i) { points[i] = shared_points(first + i, sights); });
+    parallel_for(points.size(), [&](std::size_t i) { points[i] = find_shared_points(first + i, sights); });
     for (const std::vector<SharedPoint>& of_view : points) pairs_.add(of_view);
     add_models(first, last, given, coarsest_, all, tick);
   });
   return all;
 }
 
-std::vector<PairModel> Chain::models(const Corrections& now, std::size_t coarsest, const Tick& tick) const {
-  const Poses poses = turned(now);
+std::vector<PairModel> Chain::fit_models(const Corrections& now, std::size_t coarsest, const Tick& tick) const {
+  const Poses poses = apply(now);
   std::vector<PairModel> all;
   for_blocks(count_, [&](std::size_t first, std::size_t last) { add_models(first, last, poses, coarsest, all, tick); });
   return all;
 }
 
-// The model of a pair; they lie in the order of the moving views. None where there was too little to fit.
-const PairModel* model_of(const Pair& pair, const std::vector<PairModel>& models) {
+/// Finds the model of a pair; models are in the order of the moving views. Null if the pair had too few points.
+const PairModel* find_model(const Pair& pair, const std::vector<PairModel>& models) {
   auto model = std::lower_bound(models.begin(), models.end(), pair.moving,
                                 [](const PairModel& m, std::size_t moving) { return m.moving < moving; });
   for (; model != models.end() && model->moving == pair.moving; ++model)
@@ -225,15 +214,15 @@ std::vector<Chain::Check> Chain::check(const std::vector<PairModel>& models, con
                                        const Tick& tick) const {
   std::vector<Check> out(count_);
   parallel_in_order(count_, [&](std::size_t i) {
-    const std::vector<Pair> pairs = pairs_.of(i);
+    const std::vector<Pair> pairs = pairs_.get_pairs(i);
     for (const Poses& candidate : candidates) {
       double cost = 0;
       int points = 0;
       std::vector<double> offsets;
       for (const Pair& pair : pairs) {
-        const PairModel* const model = model_of(pair, models);
+        const PairModel* const model = find_model(pair, models);
         if (model == nullptr) continue;
-        const HeldOutCost a = held_out(pair, posed(i, candidate), posed(pair.fixed, candidate), model->scale);
+        const HeldOutCost a = evaluate_held_out(pair, get_posed(i, candidate), get_posed(pair.fixed, candidate), model->scale);
         cost += a.cost * a.points;
         points += a.points;
         offsets.insert(offsets.end(), a.offsets_px.begin(), a.offsets_px.end());
@@ -248,8 +237,9 @@ std::vector<Chain::Check> Chain::check(const std::vector<PairModel>& models, con
   return out;
 }
 
-// Whether a measure is lower for candidate b than for a by more than noise, over the views of the drive.
-bool lower(const std::vector<Chain::Check>& checks, std::size_t a, std::size_t b, std::vector<double> Chain::Check::* measure) {
+/// Returns whether a measure is significantly lower for candidate b than for a, over the views of the drive.
+bool is_lower(const std::vector<Chain::Check>& checks, std::size_t a, std::size_t b,
+              std::vector<double> Chain::Check::* measure) {
   double n = 0, sum = 0, squares = 0;
   for (const Chain::Check& check : checks) {
     if (check.points == 0) continue;
@@ -260,52 +250,55 @@ bool lower(const std::vector<Chain::Check>& checks, std::size_t a, std::size_t b
   }
   if (n < 2) return false;
   const double mean = sum / n, variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
-  return mean > kNoise * std::sqrt(variance);
+  return mean > kJoint.min_sigmas * std::sqrt(variance);
 }
 
-// Both the cost and the offsets: each alone can be bought with a systematic error.
-bool better(const std::vector<Chain::Check>& checks, std::size_t a, std::size_t b) {
-  return lower(checks, a, b, &Chain::Check::cost) && lower(checks, a, b, &Chain::Check::offset_px);
+/// Returns whether both cost and offsets are lower: a systematic error can reduce either of them alone.
+bool is_better(const std::vector<Chain::Check>& checks, std::size_t a, std::size_t b) {
+  return is_lower(checks, a, b, &Chain::Check::cost) && is_lower(checks, a, b, &Chain::Check::offset_px);
 }
 
-Expected expected_errors(const AlignOptions& options, const View& view, double part, bool common) {
-  return {.rotation = part * radians(*options.rotation_deg),
-          .mounting = part * radians(options.mounting_deg),
-          .pair = kPairErrorPx / view.camera.fx,
+Expected make_expected(const AlignOptions& options, const View& view, double share, bool common) {
+  return {.rotation = share * to_radians(*options.rotation_deg),
+          .mounting = share * to_radians(options.mounting_deg),
+          .pair = kJoint.pair_error_px / view.camera.fx,
           .common = common,
-          .position = part * expected_position_m(view.sensor),
-          .pair_m = kPairErrorPx / view.camera.fx * kRoomDepth};
+          .position = share * get_expected_position_m(view.sensor),
+          .pair_m = kJoint.pair_error_px / view.camera.fx * kJoint.room_depth_m};
 }
 
-// Whether surfaces come nearer, or pass by, so that a rotation common to all frames shows.
-bool moves(const SequenceViews& sequence) {
-  const auto place = [&](std::size_t i) { return sequence.views[i].camera_from_world.inverse().t; };
-  double most = 0;  // meters from the first place to the farthest
-  for (std::size_t i = sequence.first; i < sequence.last; ++i) most = std::max(most, (place(i) - place(sequence.first)).norm());
-  return most >= (sequence.views[sequence.first].sensor == Sensor::depth_camera ? kHandHardlyMoves : kHardlyMoves);
+/// Returns whether the camera moves far enough for a common rotation to be observable.
+bool has_motion(const SequenceViews& sequence) {
+  const auto position = [&](std::size_t i) { return sequence.views[i].camera_from_world.inverse().t; };
+  double max_distance_m = 0;  // from the first position
+  for (std::size_t i = sequence.first; i < sequence.last; ++i)
+    max_distance_m = std::max(max_distance_m, (position(i) - position(sequence.first)).norm());
+  return max_distance_m >=
+         (sequence.views[sequence.first].sensor == Sensor::depth_camera ? kJoint.min_handheld_path_m : kJoint.min_path_m);
 }
 
-// What could not be aligned, in words.
-std::vector<std::string> warnings(const SequenceViews& aligned, const Cameras& found) {
+/// Describes what could not be aligned.
+std::vector<std::string> make_warnings(const SequenceViews& aligned, const Cameras& found) {
   const auto& [views, map, first, last] = aligned;
   std::vector<std::string> out;
   std::vector<double> offsets;
   for (std::size_t i = first; i < last; ++i)
     if (found.views[i].points > 0) offsets.push_back(found.views[i].offset_after_px);
   if (offsets.empty()) return {"no two frames show the same map points; all poses stay as given"};
-  const std::size_t alone = last - first - offsets.size();
-  if (alone > 0)
-    out.push_back(fmt::format("{} of {} frames share too few map points with others to be aligned", alone, last - first));
+  const std::size_t isolated = last - first - offsets.size();
+  if (isolated > 0)
+    out.push_back(
+        fmt::format("{} of {} frames share too few map points with other frames to be aligned", isolated, last - first));
   std::sort(offsets.begin(), offsets.end());
   const double offset = offsets[offsets.size() / 2];
-  if (offset > kMisplacedPx)
+  if (offset > kJoint.max_offset_px)
     out.push_back(
-        fmt::format("colors stay misplaced by {:.1f} px in the median; check camera_from_lidar, the poses, and that camera "
-                    "and LiDAR share one clock",
+        fmt::format("the median position error of colors is still {:.1f} px; check camera_from_lidar, the poses, and that "
+                    "camera and LiDAR use the same clock",
                     offset));
-  if (first == 0 && !views[first].registered_depth && !moves(aligned))
+  if (first == 0 && !views[first].registered_depth && !has_motion(aligned))
     out.emplace_back(
-        "the camera hardly moves; a rotation common to all its frames cannot be estimated and is assumed to be none");
+        "the camera hardly moves; a rotation common to all its frames cannot be estimated and is assumed to be zero");
   return out;
 }
 
@@ -314,22 +307,21 @@ std::vector<std::string> warnings(const SequenceViews& aligned, const Cameras& f
 void align_jointly(const SequenceViews& sequence, const AlignOptions& options, const Tick& tick, Cameras& out) {
   const Views& views = sequence.views;
   const std::size_t first = sequence.first, last = sequence.last;
-  Chain chain(sequence, Members(sequence), out, options);
+  Chain chain(sequence, ChainViews(sequence), out, options);
   const Corrections given(last - first);
-  const auto expected = [&, common = chain.anchored() || (!views[first].registered_depth && moves(sequence))](double part) {
-    return expected_errors(options, views[first], part, common);
-  };
-  const Corrections coarse = solve(chain.find_pairs(tick), given, expected(1));
-  const std::vector<PairModel> models = chain.models(coarse, std::min<std::size_t>(chain.coarsest(), 1), tick);
+  const auto expected = [&, common = chain.is_anchored() || (!views[first].registered_depth && has_motion(sequence))](
+                            double share) { return make_expected(options, views[first], share, common); };
+  const Corrections coarse = solve_jointly(chain.find_pairs(tick), given, expected(1));
+  const std::vector<PairModel> models = chain.fit_models(coarse, std::min<std::size_t>(chain.coarsest(), 1), tick);
 
   std::vector<Corrections> candidates{given};
-  for (const double part : kParts) candidates.push_back(solve(models, coarse, expected(part)));
+  for (const double share : kPriorShares) candidates.push_back(solve_jointly(models, coarse, expected(share)));
   std::vector<Poses> poses;
-  for (const Corrections& candidate : candidates) poses.push_back(chain.turned(candidate));
+  for (const Corrections& candidate : candidates) poses.push_back(chain.apply(candidate));
   const std::vector<Chain::Check> checks = chain.check(models, poses, tick);
   std::size_t best = 0;
   for (std::size_t k = 1; k < candidates.size(); ++k)
-    if (better(checks, best, k)) best = k;
+    if (is_better(checks, best, k)) best = k;
   const Corrections& chosen = candidates[best];
   out.sequences.push_back({best > 0, chosen.mounting, {}});
 
@@ -338,7 +330,7 @@ void align_jointly(const SequenceViews& sequence, const AlignOptions& options, c
                             checks[i].points};
     out.camera_from_world[first + i] = poses[best][i];
   }
-  out.sequences.back().warnings = warnings(sequence, out);
+  out.sequences.back().warnings = make_warnings(sequence, out);
 }
 
 }  // namespace dvi::align

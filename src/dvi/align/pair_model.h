@@ -11,51 +11,51 @@
 
 namespace dvi::align {
 
-/// A point on a surface of the map, world axes. The normal is zero where none is known.
+/// A point on a surface of the map, in the world. The normal is zero if it is unknown.
 struct SurfacePoint {
   Eigen::Vector3f position = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::Zero();
 };
 
-/// What two views are compared by: what both see of the map, taken where the moving one has texture.
+/// Two views and the map points by which they are compared: visible in both, with texture in the moving view.
 struct Pair {
   std::size_t moving = 0, fixed = 0;
-  std::shared_ptr<const std::vector<SurfacePoint>> points;  ///< of all pairs of the moving view
-  std::vector<std::uint32_t> seen;                          ///< those that both see; every fourth is held out
+  std::shared_ptr<const std::vector<SurfacePoint>> points;  ///< shared by all pairs of the moving view
+  std::vector<std::uint32_t> visible;                       ///< points visible in both views; every fourth is held out
 };
 
-/// A view as it is believed to be at this moment.
+/// A view with its current pose.
 struct PosedImage {
   Camera camera;
   SE3 camera_from_world;
   std::shared_ptr<const BandPass> image;
 };
 
-/// What is refined of a view: its rotation (radians, camera axes) or, after it, its position too (meters, the same axes).
+/// The corrections of a view: rotation (radians, camera axes), or rotation and position (meters, camera axes).
 enum class Freedom { rotation = 3, pose = 6 };
 
-/// The photometric cost of a pair as a quadratic of both views' corrections (moving, fixed), near the place where the moving
-/// view fits best by its rotation.
+/// The photometric cost of a pair as a quadratic function of the corrections of both views (moving, fixed), near the best
+/// rotation of the moving view.
 struct PairModel {
   std::size_t moving = 0, fixed = 0;
-  Eigen::MatrixXd H;  ///< twice as many rows and columns as a view has corrections
-  Eigen::VectorXd g;  ///< gradient at corrections zero, the views as given to `fit_pair`
+  Eigen::MatrixXd H;  ///< square, with the corrections of both views
+  Eigen::VectorXd g;  ///< gradient at zero corrections, for the poses given to `fit_pair`
   double scale = 1;   ///< of the residuals
 };
 
-/// The best rotation of the moving view by Gauss-Newton from coarse to fine (levels `coarsest` to 0, Cauchy weights, scale from
-/// the median residual), and the model there. `expected` is the size of a usual rotation, radians. Nothing where too few points
-/// stay in both images.
+/// Finds the best rotation of the moving view by Gauss-Newton from coarse to fine (levels `coarsest` to 0, Cauchy weights,
+/// scale from the median residual) and returns the model there. `expected` is the standard deviation of the rotation in
+/// radians. Returns nothing if too few points are in both images.
 std::optional<PairModel> fit_pair(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, std::size_t coarsest,
                                   double expected, Freedom freedom = Freedom::rotation);
 
-/// How well the held-out points of a pair agree.
+/// The agreement of the held-out points of a pair.
 struct HeldOutCost {
-  double cost = 0;  ///< mean over the points, Cauchy
+  double cost = 0;  ///< mean Cauchy loss of the points
   int points = 0;
-  std::vector<double> offsets_px;  ///< residual over slope, a point
+  std::vector<double> offsets_px;  ///< residual over slope, per point
 };
-HeldOutCost held_out(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, double scale);
+HeldOutCost evaluate_held_out(const Pair& pair, const PosedImage& moving, const PosedImage& fixed, double scale);
 
-inline constexpr std::size_t kFewestPoints = 40;  ///< of a pair
+inline constexpr std::size_t kMinPairPoints = 40;
 
 }  // namespace dvi::align

@@ -1,38 +1,38 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "dvi/align/align.h"
 #include "dvi/core/random.h"
+#include "dvi/geometry/angles.h"
 #include "dvi/image/interpolate.h"
 #include "dvi/testing/flat_scene.h"
 
 namespace dvi::align {
 
-/// What is wrong with the poses of a ShakyDrive, and how it moves.
-struct Shake {
+/// The errors of the poses of a ShakyDrive, and its motion.
+struct PoseError {
   double jitter_deg = 0;                               ///< largest pitch and yaw of a frame
   Eigen::Vector3d mounting = Eigen::Vector3d::Zero();  ///< radians, the same in all frames
-  Eigen::Vector3d speed{1, 0, 0};                      ///< meters a second, camera axes
+  Eigen::Vector3d speed{1, 0, 0};                      ///< meters per second, camera axes
   cv::Rect hole{140, 100, 40, 40};
   double gain_step = 1;  ///< of brightness from frame to frame
 };
 
-/// A world for tests: a textured wall 12 m ahead of the first view, whose poses are off by a Shake.
+/// A drive for tests: a textured wall 12 m ahead of the first view, with errors in the poses.
 struct ShakyDrive {
   map::StaticMap map;
   Views views;
   std::vector<Eigen::Vector3d> errors;  ///< radians: the rotation that each pose lacks
 
-  ShakyDrive(std::size_t count, const Shake& shake, const Camera& camera = {320, 240, 400, 400, 159.5, 119.5, {}}) {
-    constexpr double kDepth = 12, kPixelsPerMeter = 40;
+  ShakyDrive(std::size_t count, const PoseError& shake, const Camera& camera = {320, 240, 400, 400, 159.5, 119.5, {}}) {
+    constexpr double kDepthM = 12, kPixelsPerMeter = 40;
     static const cv::Mat3b texture = waves(1000, 600, 7, 5);
     for (double x = -10; x <= 10; x += 0.05)
-      for (double y = -6; y <= 6; y += 0.1) map.points.push_back({Eigen::Vector3d(x, y, kDepth).cast<float>(), 0, 1});
+      for (double y = -6; y <= 6; y += 0.1) map.points.push_back({Eigen::Vector3d(x, y, kDepthM).cast<float>(), 0, 1});
     map.tiles = {{Eigen::AlignedBox3f(Eigen::Vector3f(-10, -6, 12), Eigen::Vector3f(10, 6, 12)), 0, map.points.size()}};
     Random random(3);
     std::vector<View> list;
@@ -44,7 +44,7 @@ struct ShakyDrive {
       view.time_ns = static_cast<std::int64_t>(i) * 100'000'000;
       view.camera = camera;
       view.camera_from_world.t = -0.1 * static_cast<double>(i) * shake.speed;
-      const double limit = shake.jitter_deg * std::numbers::pi / 180, gain = std::pow(shake.gain_step, static_cast<double>(i));
+      const double limit = to_radians(shake.jitter_deg), gain = std::pow(shake.gain_step, static_cast<double>(i));
       const double pitch = random.uniform(-limit, limit), yaw = random.uniform(-limit, limit);
       errors.emplace_back(shake.mounting + Eigen::Vector3d(pitch, yaw, 0));
       const SE3 truth = SE3{so3_exp(errors.back()), {0, 0, 0}} * view.camera_from_world;
@@ -53,7 +53,7 @@ struct ShakyDrive {
       for (int y = 0; y < camera.height; ++y)
         for (int x = 0; x < camera.width; ++x) {
           const Eigen::Vector3d ray = world_from_camera.R * view.camera.ray({x, y});
-          const Eigen::Vector3d p = world_from_camera.t + (kDepth - world_from_camera.t.z()) / ray.z() * ray;
+          const Eigen::Vector3d p = world_from_camera.t + (kDepthM - world_from_camera.t.z()) / ray.z() * ray;
           const cv::Vec3f c = bilinear(
               texture, {static_cast<float>(500 + kPixelsPerMeter * p.x()), static_cast<float>(300 + kPixelsPerMeter * p.y())});
           for (int k = 0; k < 3; ++k) image(y, x)[k] = cv::saturate_cast<uchar>(gain * c[k]);
@@ -68,15 +68,15 @@ struct ShakyDrive {
     views = memory_views(list, images, masks);
   }
 
-  /// RMS over frames of the error that is left in pitch and yaw, degrees, without the part common to all frames, which a flat
-  /// wall hardly tells.
+  /// Returns the RMS of the remaining errors in pitch and yaw in degrees, without the part common to all frames, which is
+  /// hardly observable on a flat wall.
   double residual_deg(const std::vector<ViewAlignment>& found) const {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < errors.size(); ++i)
       mean += (errors[i] - found[i].rotation) / static_cast<double>(errors.size());
     double sum = 0;
     for (std::size_t i = 0; i < errors.size(); ++i) sum += (errors[i] - found[i].rotation - mean).head<2>().squaredNorm();
-    return std::sqrt(sum / static_cast<double>(2 * errors.size())) * 180 / std::numbers::pi;
+    return to_degrees(std::sqrt(sum / static_cast<double>(2 * errors.size())));
   }
 };
 

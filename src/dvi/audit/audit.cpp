@@ -16,18 +16,18 @@
 namespace dvi::audit {
 namespace {
 
-/// |harmonization| in thirds of a gray level, the sum over the channels, as a histogram: percentiles in flat memory.
+/// The histogram of |harmonization|, summed over the channels (thirds of a gray level), for percentiles with constant memory.
 using Changes = std::vector<std::size_t>;
-constexpr std::size_t kMostChange = 3 * 255;
+constexpr std::size_t kMaxChange = 3 * 255;
 
 struct FrameAudit {
   Audit audit;
-  Changes changes = Changes(kMostChange + 1, 0);
+  Changes changes = Changes(kMaxChange + 1, 0);
 };
 
-/// The pictures of one frame of a result.
-struct Written {
-  Written(const fs::path& out, const std::string& name, cv::Size size)
+/// The images of one frame of a result.
+struct WrittenFrame {
+  WrittenFrame(const fs::path& out, const std::string& name, cv::Size size)
       : frame(media::read_image(out / "frames" / (name + ".png"), size)),
         mask(media::read_mask(out / "masks" / (name + ".png"), size)),
         kind(media::read_png_gray(out / "kind" / (name + ".png"), size)),
@@ -35,7 +35,7 @@ struct Written {
         used(media::read_image(out / "sources_used" / (name + ".png"), size)),
         harmonization(media::read_png_triples(out / "harmonization" / (name + ".png"), size)) {}
 
-  harmonize::Provenance from(cv::Point p) const { return harmonize::Provenance::of(provenance(p), used(p)); }
+  harmonize::Provenance get_provenance(cv::Point p) const { return harmonize::Provenance::of(provenance(p), used(p)); }
 
   cv::Mat3b frame;
   cv::Mat1b mask, kind;
@@ -60,29 +60,30 @@ class FrameAuditor {
     for (int y = 0; y < mask_->rows; ++y)
       for (int x = 0; x < mask_->cols; ++x) {
         const cv::Point p(x, y);
-        if (((*mask_)(p) != 0) != (written_.mask(p) != 0)) found(Breach::mask, p);
+        if (((*mask_)(p) != 0) != (written_.mask(p) != 0)) add_finding(Breach::mask, p);
         result_.audit.removed += written_.mask(p) != 0 ? 1 : 0;
-        if (written_.mask(p) == 0 && written_.frame(p) != (*image_)(p)) found(Breach::outside, p);
+        if (written_.mask(p) == 0 && written_.frame(p) != (*image_)(p)) add_finding(Breach::outside, p);
         if (!is_consistent(p))
-          found(Breach::receipt, p);
+          add_finding(Breach::provenance, p);
         else if (written_.provenance(p)[0] > 0)
-          of_view[written_.from(p).view].push_back(p);
+          of_view[written_.get_provenance(p).view].push_back(p);
       }
-    refuse_other_image();
+    require_same_image();
     for (const auto& [view, pixels] : of_view) check_copies(static_cast<std::size_t>(view), pixels);
     return std::move(result_);
   }
 
  private:
-  /// Not a pixel here and there: another picture.
-  void refuse_other_image() const {
+  /// Throws InputError if most pixels outside the mask differ, as in the image of another drive.
+  void require_same_image() const {
     const std::size_t kept = mask_->total() - result_.audit.removed;
     if (2 * result_.audit.findings[static_cast<std::size_t>(Breach::outside)].pixels > kept)
-      throw InputError("frame " + name_ +
-                       " of the result is not the drive's image: audit a result with the drives it was made from");
+      throw InputError(
+          "frame " + name_ +
+          " of the result differs from the image of the drive: audit a result with the drives from which it was made");
   }
 
-  /// Kind, mask and provenance say the same, and the source exists.
+  /// Returns whether kind, mask, and provenance agree, and the source exists.
   bool is_consistent(cv::Point p) const {
     const auto kind = static_cast<harmonize::Kind>(written_.kind(p));
     const bool copied = kind == harmonize::Kind::copied || kind == harmonize::Kind::copied_elsewhere;
@@ -90,7 +91,7 @@ class FrameAuditor {
     const cv::Vec3b& used = written_.used(p);
     if (copied != (written_.provenance(p)[0] > 0) || copied != (used[0] > 0 && used[1] > 0 && used[2] > 0)) return false;
     if (!copied) return true;
-    const harmonize::Provenance from = written_.from(p);
+    const harmonize::Provenance from = written_.get_provenance(p);
     if (static_cast<std::size_t>(from.view) >= views_.size() || static_cast<std::size_t>(from.view) == target_) return false;
     const View& source = views_[static_cast<std::size_t>(from.view)];
     return source.camera.contains({from.position.x, from.position.y}) && shares_colors(source, views_[target_]) &&
@@ -102,8 +103,8 @@ class FrameAuditor {
     const auto mask = views_.masks[view];
     result_.audit.copied += pixels.size();
     for (const cv::Point p : pixels) {
-      const harmonize::Provenance from = written_.from(p);
-      if (!can_sample(*mask, from.position, from.footprint)) found(Breach::masked_source, p);
+      const harmonize::Provenance from = written_.get_provenance(p);
+      if (!can_sample(*mask, from.position, from.footprint)) add_finding(Breach::masked_source, p);
       const cv::Vec3i copy = harmonize::copied_color(views_, target_, *image, from);
       std::size_t size = 0;
       bool same = true;
@@ -112,12 +113,12 @@ class FrameAuditor {
         same &= copy[c] + change == static_cast<int>(written_.frame(p)[c]);
         size += static_cast<std::size_t>(std::abs(change));
       }
-      if (!same) found(Breach::color, p);
-      ++result_.changes[std::min(size, kMostChange)];
+      if (!same) add_finding(Breach::color, p);
+      ++result_.changes[std::min(size, kMaxChange)];
     }
   }
 
-  void found(Breach breach, cv::Point p) {
+  void add_finding(Breach breach, cv::Point p) {
     Finding& finding = result_.audit.findings[static_cast<std::size_t>(breach)];
     if (finding.pixels++ == 0) {
       finding.frame = name_;
@@ -129,7 +130,7 @@ class FrameAuditor {
   const Views& views_;
   std::size_t target_;
   std::string name_;
-  Written written_;
+  WrittenFrame written_;
   std::shared_ptr<const cv::Mat3b> image_;
   std::shared_ptr<const cv::Mat1b> mask_;
   FrameAudit result_;
@@ -149,17 +150,17 @@ void add(const FrameAudit& frame, FrameAudit& sum) {
   for (std::size_t i = 0; i < sum.changes.size(); ++i) sum.changes[i] += frame.changes[i];
 }
 
-double percentile(const Changes& changes, std::size_t count, double part) {
+double compute_percentile(const Changes& changes, std::size_t count, double share) {
   std::size_t below = 0, i = 0;
-  while (i < kMostChange && static_cast<double>(below += changes[i]) < part * static_cast<double>(count)) ++i;
+  while (i < kMaxChange && static_cast<double>(below += changes[i]) < share * static_cast<double>(count)) ++i;
   return count > 0 ? static_cast<double>(i) / 3 : 0;
 }
 
-void refuse_other_frames(const fs::path& out, const std::vector<std::string>& names) {
+void require_known_frames(const fs::path& out, const std::vector<std::string>& names) {
   const std::set<std::string> known(names.begin(), names.end());
   for (const fs::path& file : list_files(out / "frames", {".png"}))
     if (!known.contains(file.stem().string()))
-      throw InputError(file, "is a frame that the drive has not", "audit a result with the drives it was made from");
+      throw InputError(file, "is not a frame of the drive", "audit a result with the drives from which it was made");
 }
 
 }  // namespace
@@ -168,8 +169,8 @@ bool Audit::passed() const {
   return std::all_of(findings.begin(), findings.end(), [](const Finding& f) { return f.pixels == 0; });
 }
 
-Audit audit(const fs::path& out, const Views& views, const std::vector<std::string>& names, const Tick& tick) {
-  refuse_other_frames(out, names);
+Audit audit_result(const fs::path& out, const Views& views, const std::vector<std::string>& names, const Tick& tick) {
+  require_known_frames(out, names);
   FrameAudit sum;
   for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
     std::vector<FrameAudit> block(last - first);
@@ -179,8 +180,8 @@ Audit audit(const fs::path& out, const Views& views, const std::vector<std::stri
     });
     for (const FrameAudit& frame : block) add(frame, sum);
   });
-  sum.audit.change_median = percentile(sum.changes, sum.audit.copied, 0.5);
-  sum.audit.change_p95 = percentile(sum.changes, sum.audit.copied, 0.95);
+  sum.audit.change_median = compute_percentile(sum.changes, sum.audit.copied, 0.5);
+  sum.audit.change_p95 = compute_percentile(sum.changes, sum.audit.copied, 0.95);
   return sum.audit;
 }
 

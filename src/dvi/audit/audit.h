@@ -11,35 +11,37 @@
 
 namespace dvi::audit {
 
-/// What can be wrong with a pixel of a result.
+/// An error of a pixel of a result.
 enum class Breach : std::uint8_t {
-  mask,           ///< the result's mask is not what the drive's masks say
-  outside,        ///< outside the mask the result is not the drive's image
-  receipt,        ///< kind and provenance contradict each other, or name a source or position that does not exist or has no
-                  ///< colors
-  masked_source,  ///< was copied from inside a mask
-  color,          ///< source and recorded harmonization do not give the color that was written
+  mask,           ///< the mask of the result differs from the masks of the drive
+  outside,        ///< outside the mask, the result differs from the image of the drive
+  provenance,     ///< kind and provenance contradict each other, or name a source or position that does not exist or has no
+                  ///< colors; named "receipt" in files
+  masked_source,  ///< copied from inside a mask
+  color,          ///< source and recorded harmonization do not reproduce the color
 };
 inline constexpr std::array<const char*, 5> kBreaches{"mask", "outside", "receipt", "masked_source", "color"};
 
-/// How many pixels are so, and the first of them.
+/// The number of pixels with an error, and the first of them.
 struct Finding {
   std::size_t pixels = 0;
   std::string frame;
   int x = 0, y = 0;
 };
 
+/// The result of an audit.
 struct Audit {
-  std::size_t frames = 0, removed = 0, copied = 0;  ///< pixels in masks; of these copied
+  std::size_t frames = 0, removed = 0, copied = 0;  ///< pixels in masks, and copied pixels among them
   double change_median = 0, change_p95 = 0;         ///< |harmonization| of copied pixels, mean over channels, gray levels
-  std::array<Finding, kBreaches.size()> findings;   ///< as Breach
+  std::array<Finding, kBreaches.size()> findings;   ///< indexed by Breach
 
   bool passed() const;
 };
 
-/// Checks every pixel of a result against the drives: `views` are numbered as OUT/sources.json numbers its sources, with the
-/// drives' own images and masks; `names` are those of the target's frames (the views of drive 0). InputError where a picture is
-/// missing, cut short or of another size, or the result has frames that are not the drive's. One tick a frame.
-Audit audit(const fs::path& out, const Views& views, const std::vector<std::string>& names, const Tick& tick = [] {});
+/// Checks every pixel of a result against the drives. `views` have the numbers of the sources in OUT/sources.json, with the
+/// images and masks of the drives; `names` are those of the target's frames (the views of drive 0). Throws InputError if an
+/// image is missing, truncated, or differs in size, or if the result has frames that the drive does not have. Calls `tick` once
+/// per frame.
+Audit audit_result(const fs::path& out, const Views& views, const std::vector<std::string>& names, const Tick& tick = [] {});
 
 }  // namespace dvi::audit

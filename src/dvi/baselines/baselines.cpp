@@ -16,34 +16,35 @@
 namespace dvi::baselines {
 namespace {
 
-constexpr double kRadius = 3;  // px, of cv::inpaint
+constexpr double kInpaintRadiusPx = 3;
 
-/// A hole pixel on its way from frame to frame.
-struct Seeker {
+/// A hole pixel that is tracked from frame to frame.
+struct TrackedPixel {
   std::size_t pixel;
-  cv::Point2f at;
+  cv::Point2f position;
 };
 
-/// All that move in one direction of time, and the view that they have come to.
-struct Chain {
+/// The pixels that are tracked in one direction of time, and the current view.
+struct FlowChain {
   std::size_t view;
   int direction;
-  std::vector<Seeker> open;
+  std::vector<TrackedPixel> open;
 };
 
-// One frame on: those that come out of the masks have found their source, those that lose their way are dropped.
-void advance(Chain& chain, const Views& views, const Lazy<HoleFlow>& flows, sample::Candidates& out) {
+/// Tracks the pixels to the next frame: pixels outside its mask have found their source, pixels with inconsistent flow are
+/// dropped.
+void advance(FlowChain& chain, const Views& views, const Lazy<HoleFlow>& flows, sample::Candidates& out) {
   const std::size_t next = chain.direction > 0 ? chain.view + 1 : chain.view - 1;
   const auto pair = flows[std::min(chain.view, next)];
-  const cv::Mat2f& flow = chain.direction > 0 ? pair->forth : pair->back;
+  const cv::Mat2f& flow = chain.direction > 0 ? pair->forward : pair->backward;
   const auto mask = views.masks[next];
-  std::erase_if(chain.open, [&](Seeker& seeker) {
-    sample::Candidate& candidate = out.leading[seeker.pixel];
+  std::erase_if(chain.open, [&](TrackedPixel& tracked) {
+    sample::Candidate& candidate = out.leading[tracked.pixel];
     if (candidate.found()) return true;
-    const std::optional<cv::Point2f> motion = HoleFlow::at(flow, seeker.at);
+    const std::optional<cv::Point2f> motion = HoleFlow::interpolate(flow, tracked.position);
     if (!motion) return true;
-    seeker.at += *motion;
-    const cv::Point2f at = quantize(seeker.at.x, seeker.at.y);
+    tracked.position += *motion;
+    const cv::Point2f at = quantize(tracked.position.x, tracked.position.y);
     if (!can_sample(*mask, at)) return false;
     candidate = {static_cast<int>(next), at};
     return true;
@@ -51,28 +52,28 @@ void advance(Chain& chain, const Views& views, const Lazy<HoleFlow>& flows, samp
   chain.view = next;
 }
 
-// Where each hole pixel leaves the masks, in the frame nearest in time; forwards where both are as near.
-sample::Candidates follow(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows, int max_frames) {
+/// Finds the source of each hole pixel, in the nearest frame in time; in the later one if both are equally near.
+sample::Candidates track(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows, int max_frames) {
   sample::Candidates out{Region(*views.masks[target]), {}};
   out.leading.resize(out.hole.size());
   const auto [first, last] = views.of_sequence(views[target].sequence);
-  Chain forwards{target, 1, {}};
-  for (std::size_t i = 0; i < out.hole.size(); ++i) forwards.open.push_back({i, cv::Point2f(out.hole.pixels[i])});
-  Chain backwards{target, -1, forwards.open};
+  FlowChain forward{target, 1, {}};
+  for (std::size_t i = 0; i < out.hole.size(); ++i) forward.open.push_back({i, cv::Point2f(out.hole.pixels[i])});
+  FlowChain backward{target, -1, forward.open};
   for (int frame = 0; frame < max_frames; ++frame) {
-    if (!forwards.open.empty() && forwards.view + 1 < last) advance(forwards, views, flows, out);
-    if (!backwards.open.empty() && backwards.view > first) advance(backwards, views, flows, out);
+    if (!forward.open.empty() && forward.view + 1 < last) advance(forward, views, flows, out);
+    if (!backward.open.empty() && backward.view > first) advance(backward, views, flows, out);
   }
   return out;
 }
 
-// The candidates' colors as they are, with their receipts; black and of kind empty where there is none.
-harmonize::FilledFrame copied(const sample::Candidates& candidates, const Views& views, std::size_t target) {
-  harmonize::HarmonizeOptions as_is;
-  as_is.poisson = false;
-  as_is.unobserved = harmonize::Unobserved::leave;
+/// Copies the colors of the candidates, with their provenance; pixels without candidate are black, with kind empty.
+harmonize::FilledFrame copy_colors(const sample::Candidates& candidates, const Views& views, std::size_t target) {
+  harmonize::HarmonizeOptions options;
+  options.poisson = false;
+  options.unobserved = harmonize::Unobserved::leave;
   const cv::Mat1f no_depth(candidates.hole.index.size(), depth::DepthMap::kUnknown);
-  return harmonize::harmonize({views, target, {no_depth, no_depth}, {}}, candidates, {}, as_is);
+  return harmonize::harmonize(candidates, views, target, {no_depth, no_depth}, {}, options);
 }
 
 void inpaint_empty(harmonize::FilledFrame& frame, Inpainting method) {
@@ -82,7 +83,7 @@ void inpaint_empty(harmonize::FilledFrame& frame, Inpainting method) {
   if (count == 0 || count == rest.total()) return;
   cv::Mat3b known, filled;
   frame.color.convertTo(known, CV_8U);
-  cv::inpaint(known, rest, filled, kRadius, method == Inpainting::telea ? cv::INPAINT_TELEA : cv::INPAINT_NS);
+  cv::inpaint(known, rest, filled, kInpaintRadiusPx, method == Inpainting::telea ? cv::INPAINT_TELEA : cv::INPAINT_NS);
   cv::Mat1f distance;
   cv::distanceTransform(rest, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   for (const cv::Point p : Region(rest).pixels) {
@@ -97,21 +98,21 @@ void inpaint_empty(harmonize::FilledFrame& frame, Inpainting method) {
 harmonize::FilledFrame inpaint_frame(const Views& views, std::size_t target, Inpainting method) {
   sample::Candidates none{Region(*views.masks[target]), {}};
   none.leading.resize(none.hole.size());
-  harmonize::FilledFrame frame = copied(none, views, target);
+  harmonize::FilledFrame frame = copy_colors(none, views, target);
   inpaint_empty(frame, method);
   return frame;
 }
 
-Lazy<HoleFlow> hole_flows(const Views& views, const FlowOptions& options) {
+Lazy<HoleFlow> make_hole_flows(const Views& views, const FlowOptions& options) {
   return {views.size() - 1, [views, options](std::size_t i) {
-            return hole_flow(*views.images[i], *views.masks[i], *views.images[i + 1], *views.masks[i + 1],
-                             options.consistency_px);
+            return compute_hole_flow(*views.images[i], *views.masks[i], *views.images[i + 1], *views.masks[i + 1],
+                                     options.consistency_px);
           }};
 }
 
-harmonize::FilledFrame flow_fill(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows,
-                                 const FlowOptions& options) {
-  harmonize::FilledFrame frame = copied(follow(views, target, flows, options.max_frames), views, target);
+harmonize::FilledFrame fill_along_flow(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows,
+                                       const FlowOptions& options) {
+  harmonize::FilledFrame frame = copy_colors(track(views, target, flows, options.max_frames), views, target);
   inpaint_empty(frame, Inpainting::telea);
   return frame;
 }

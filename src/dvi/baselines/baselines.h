@@ -8,13 +8,12 @@
 
 namespace dvi::baselines {
 
-/// What is done without LiDAR, for comparison: images and masks are all that these look at. Nothing is blended, the depth
-/// of their frames is unknown.
+// Methods without LiDAR, for comparison. They use images and masks only. Colors are not blended, and the depth is unknown.
 
-/// How OpenCV fills a hole from around it: A. Telea 2004, fast marching; M. Bertalmio et al. 2001, Navier-Stokes.
+/// The inpainting methods of OpenCV: A. Telea 2004 (fast marching), and M. Bertalmio et al. 2001 (Navier-Stokes).
 enum class Inpainting { telea, navier_stokes };
 
-/// Each hole filled from its own frame, radius 3 px. A frame that is all hole stays black, kind 5.
+/// Fills the holes of a frame by inpainting with a radius of 3 px. A frame that is completely masked stays black, with kind 5.
 harmonize::FilledFrame inpaint_frame(const Views& views, std::size_t target, Inpainting method);
 
 struct FlowOptions {
@@ -24,18 +23,20 @@ struct FlowOptions {
   void describe(OptionTable& table) {
     table.section("flow");
     table.developer();
-    table.add("max_frames", max_frames, {1, 1000}, "Method flow: most frames over which a pixel is tracked, either way.");
+    table.add("max_frames", max_frames, {1, 1000},
+              "Method flow: largest number of frames over which a pixel is tracked, in each direction.");
     table.add("consistency_px", consistency_px, {0.1, 20}, "Method flow: largest error of the forward-backward check.");
   }
   void check() const { check_ranges(*this); }
 };
 
-/// The flow between each view and the next, on demand; of the views' order only that within a drive has a meaning.
-Lazy<HoleFlow> hole_flows(const Views& views, const FlowOptions& options);
+/// Computes the flow between each view and the next, on demand. It is meaningful only within a drive.
+Lazy<HoleFlow> make_hole_flows(const Views& views, const FlowOptions& options);
 
-/// Each hole pixel is followed along the flow, frame by frame forwards and backwards at once, until one of the two leaves the
-/// masks, and copied from there; what never does, or loses its way, is filled as by Telea. `flows` as hole_flows() gives.
-harmonize::FilledFrame flow_fill(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows,
-                                 const FlowOptions& options);
+/// Fills a frame along optical flow: each hole pixel is tracked frame by frame, forward and backward at the same time, and
+/// copied from the first frame in which it is outside the masks. Pixels that never are, or whose flow is inconsistent, are
+/// inpainted (Telea). `flows` are those of make_hole_flows().
+harmonize::FilledFrame fill_along_flow(const Views& views, std::size_t target, const Lazy<HoleFlow>& flows,
+                                       const FlowOptions& options);
 
 }  // namespace dvi::baselines

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kWidth = 200, kHeight = 120, kFrames = 9;
 
-/// A picture that moves to the left by `speed` pixels a frame; a hole each frame, with gray (or what else) in it.
+/// A scene that moves to the left by `speed` pixels per frame, with a painted hole in each frame.
 struct MovingScene {
   std::vector<cv::Mat3b> truth, images;
   std::vector<cv::Mat1b> masks;
@@ -40,19 +40,19 @@ struct MovingScene {
     return memory_views(views, images, masks);
   }
   harmonize::FilledFrame flow(std::size_t target, FlowOptions options = {}) const {
-    return flow_fill(views(), target, hole_flows(views(), options), options);
+    return fill_along_flow(views(), target, make_hole_flows(views(), options), options);
   }
 };
 
-harmonize::Kind kind_at(const harmonize::FilledFrame& frame, cv::Point p) {
+harmonize::Kind get_kind(const harmonize::FilledFrame& frame, cv::Point p) {
   return static_cast<harmonize::Kind>(frame.kind(p));
 }
 
-double error_at(const harmonize::FilledFrame& frame, const cv::Mat3b& truth, cv::Point p) {
+double compute_error(const harmonize::FilledFrame& frame, const cv::Mat3b& truth, cv::Point p) {
   return cv::norm(frame.color(p) - cv::Vec3f(truth(p))) / std::sqrt(3.0);
 }
 
-std::size_t count(const harmonize::FilledFrame& frame, harmonize::Kind kind) {
+std::size_t count_pixels(const harmonize::FilledFrame& frame, harmonize::Kind kind) {
   return static_cast<std::size_t>(cv::countNonZero(frame.kind == static_cast<uchar>(kind)));
 }
 
@@ -62,7 +62,7 @@ void expect_original_outside(const harmonize::FilledFrame& frame, const cv::Mat3
       ASSERT_EQ(frame.mask(y, x), mask(y, x));
       if (mask(y, x) != 0) continue;
       ASSERT_EQ(frame.color(y, x), cv::Vec3f(image(y, x)));
-      ASSERT_EQ(kind_at(frame, {x, y}), harmonize::Kind::original);
+      ASSERT_EQ(get_kind(frame, {x, y}), harmonize::Kind::original);
       ASSERT_EQ(frame.confidence(y, x), 255);
     }
 }
@@ -80,19 +80,19 @@ TEST(InpaintFrame, ContinuesAGradient) {
   for (const Inpainting method : {Inpainting::telea, Inpainting::navier_stokes}) {
     const harmonize::FilledFrame frame = inpaint_frame(views, 0, method);
     expect_original_outside(frame, image, mask);
-    EXPECT_EQ(count(frame, harmonize::Kind::interpolated), static_cast<std::size_t>(cv::countNonZero(mask)));
+    EXPECT_EQ(count_pixels(frame, harmonize::Kind::interpolated), static_cast<std::size_t>(cv::countNonZero(mask)));
     EXPECT_EQ(cv::countNonZero(frame.depth), 0);
     for (int y = 20; y < 32; ++y)
       for (int x = 30; x < 44; ++x) {
-        ASSERT_LT(error_at(frame, truth, {x, y}), 15) << x << " " << y;
+        ASSERT_LT(compute_error(frame, truth, {x, y}), 15) << x << " " << y;
         ASSERT_EQ(frame.provenance(y, x), cv::Vec3w());
       }
-    EXPECT_LT(frame.confidence(26, 37), frame.confidence(20, 30)) << "less is known in the middle of the hole";
-    EXPECT_LT(error_at(frame, truth, {4, 55}), 25) << "a hole in the corner is filled from its two sides";
+    EXPECT_LT(frame.confidence(26, 37), frame.confidence(20, 30)) << "the center of the hole is less certain";
+    EXPECT_LT(compute_error(frame, truth, {4, 55}), 25) << "a hole in the corner is filled from its two sides";
   }
 }
 
-TEST(InpaintFrame, KnowsNothingOfWhatTheMaskCovers) {
+TEST(InpaintFrame, DoesNotUseMaskedPixels) {
   const MovingScene one(0, [](int) { return cv::Rect(0, 30, 60, 90); }, {0, 0, 255});
   const MovingScene other(0, [](int) { return cv::Rect(0, 30, 60, 90); }, {255, 255, 0});
   for (const Inpainting method : {Inpainting::telea, Inpainting::navier_stokes})
@@ -100,15 +100,15 @@ TEST(InpaintFrame, KnowsNothingOfWhatTheMaskCovers) {
         cv::norm(inpaint_frame(one.views(), 0, method).color, inpaint_frame(other.views(), 0, method).color, cv::NORM_INF), 0);
 }
 
-TEST(InpaintFrame, OfNothingButHoleStaysEmpty) {
+TEST(InpaintFrame, LeavesACompletelyMaskedFrameEmpty) {
   const cv::Mat3b image(40, 50, cv::Vec3b(10, 20, 30));
   const harmonize::FilledFrame frame =
       inpaint_frame(memory_views(std::vector<View>(1), {image}, {cv::Mat1b(40, 50, uchar{255})}), 0, Inpainting::telea);
-  EXPECT_EQ(count(frame, harmonize::Kind::empty), frame.kind.total());
+  EXPECT_EQ(count_pixels(frame, harmonize::Kind::empty), frame.kind.total());
   EXPECT_EQ(cv::norm(frame.color), 0);
 }
 
-TEST(FlowFill, FollowsAMovingSceneOutOfTheHole) {
+TEST(FillAlongFlow, FollowsAMovingScene) {
   const MovingScene scene(5, [](int) { return cv::Rect(80, 40, 30, 40); });
   const std::size_t target = 4;
   const harmonize::FilledFrame frame = scene.flow(target);
@@ -117,76 +117,77 @@ TEST(FlowFill, FollowsAMovingSceneOutOfTheHole) {
   std::size_t copied = 0;
   for (int y = 40; y < 80; ++y)
     for (int x = 80; x < 110; ++x) {
-      if (kind_at(frame, {x, y}) != harmonize::Kind::copied) continue;
+      if (get_kind(frame, {x, y}) != harmonize::Kind::copied) continue;
       ++copied;
-      sum += error_at(frame, scene.truth[target], {x, y});
-      const cv::Vec3w receipt = frame.provenance(y, x);
-      const int source = receipt[0] - 1;
-      const cv::Point2f at(static_cast<float>(receipt[1]) / kSubpixel, static_cast<float>(receipt[2]) / kSubpixel);
+      sum += compute_error(frame, scene.truth[target], {x, y});
+      const cv::Vec3w provenance = frame.provenance(y, x);
+      const int source = provenance[0] - 1;
+      const cv::Point2f at(static_cast<float>(provenance[1]) / kSubpixel, static_cast<float>(provenance[2]) / kSubpixel);
       const int frames = source - static_cast<int>(target);
-      ASSERT_NEAR(at.x, x - scene.speed * frames, 1.5) << "the receipt names where the scene has moved to";
+      ASSERT_NEAR(at.x, x - scene.speed * frames, 1.5) << "the provenance is the position of the scene in the source";
       ASSERT_NEAR(at.y, y, 1);
       ASSERT_EQ(frame.color(y, x), bilinear(scene.images[source], at));
       ASSERT_EQ(scene.masks[source](cvRound(at.y), cvRound(at.x)), 0);
-      const int way_left = (x - 80) / scene.speed + 1, way_right = (109 - x) / scene.speed + 1;
-      ASSERT_LE(std::abs(frames), std::min(way_left, way_right) + 1) << "the nearest frame in time";
+      const int frames_left = (x - 80) / scene.speed + 1, frames_right = (109 - x) / scene.speed + 1;
+      ASSERT_LE(std::abs(frames), std::min(frames_left, frames_right) + 1) << "the nearest frame in time";
     }
   EXPECT_GT(copied, 0.95 * 30 * 40);
   EXPECT_LT(sum / static_cast<double>(copied), 4);
-  EXPECT_EQ(copied + count(frame, harmonize::Kind::interpolated), 30U * 40U);
+  EXPECT_EQ(copied + count_pixels(frame, harmonize::Kind::interpolated), 30U * 40U);
 }
 
-TEST(FlowFill, OfAStaticCameraTakesWhatStoodThereBeforeAndAfter) {
+TEST(FillAlongFlow, CopiesFromBeforeAndAfterForAStaticCamera) {
   const MovingScene scene(0, [](int i) { return cv::Rect(20 + 15 * i, 40, 40, 40); });
   for (const std::size_t target : {std::size_t{0}, std::size_t{4}, std::size_t{8}}) {
     const harmonize::FilledFrame frame = scene.flow(target);
-    EXPECT_GT(count(frame, harmonize::Kind::copied), 0.98 * 40 * 40);
+    EXPECT_GT(count_pixels(frame, harmonize::Kind::copied), 0.98 * 40 * 40);
     double sum = 0;
     for (int y = 40; y < 80; ++y)
-      for (int x = 0; x < 40; ++x) sum += error_at(frame, scene.truth[target], {20 + 15 * static_cast<int>(target) + x, y});
+      for (int x = 0; x < 40; ++x)
+        sum += compute_error(frame, scene.truth[target], {20 + 15 * static_cast<int>(target) + x, y});
     EXPECT_LT(sum / (40 * 40), 2);
   }
 }
 
-TEST(FlowFill, InterpolatesWhatNeverComesOut) {
+TEST(FillAlongFlow, InpaintsPixelsThatAreAlwaysMasked) {
   const MovingScene scene(0, [](int) { return cv::Rect(80, 40, 30, 40); });
   const harmonize::FilledFrame frame = scene.flow(4);
-  EXPECT_EQ(count(frame, harmonize::Kind::copied), 0U);
-  EXPECT_EQ(count(frame, harmonize::Kind::interpolated), 30U * 40U);
+  EXPECT_EQ(count_pixels(frame, harmonize::Kind::copied), 0U);
+  EXPECT_EQ(count_pixels(frame, harmonize::Kind::interpolated), 30U * 40U);
   EXPECT_EQ(cv::norm(frame.color, inpaint_frame(scene.views(), 4, Inpainting::telea).color, cv::NORM_INF), 0);
 }
 
-TEST(FlowFill, LooksNoFartherThanItMay) {
+TEST(FillAlongFlow, RespectsTheMaximumNumberOfFrames) {
   const MovingScene scene(5, [](int) { return cv::Rect(80, 40, 30, 40); });
   FlowOptions near;
   near.max_frames = 1;
   const harmonize::FilledFrame frame = scene.flow(4, near);
   for (int y = 40; y < 80; ++y)
     for (int x = 80; x < 110; ++x) {
-      if (kind_at(frame, {x, y}) != harmonize::Kind::copied) continue;
+      if (get_kind(frame, {x, y}) != harmonize::Kind::copied) continue;
       ASSERT_LE(std::abs(frame.provenance(y, x)[0] - 1 - 4), 1);
     }
-  EXPECT_GT(count(frame, harmonize::Kind::interpolated), 15U * 40U);
-  EXPECT_GT(count(frame, harmonize::Kind::copied), 5U * 40U);
+  EXPECT_GT(count_pixels(frame, harmonize::Kind::interpolated), 15U * 40U);
+  EXPECT_GT(count_pixels(frame, harmonize::Kind::copied), 5U * 40U);
 }
 
-TEST(FlowFill, ScenesWithoutSurroundingsAreNotFollowed) {
+TEST(FillAlongFlow, DoesNotTrackWithoutSurroundings) {
   const MovingScene all(3, [](int) { return cv::Rect(0, 0, kWidth, kHeight); });
-  EXPECT_EQ(count(all.flow(4), harmonize::Kind::empty), all.masks[4].total());
+  EXPECT_EQ(count_pixels(all.flow(4), harmonize::Kind::empty), all.masks[4].total());
   const cv::Mat3b small(16, 20, cv::Vec3b(1, 2, 3));
   cv::Mat1b hole(small.size(), uchar{0});
   hole(cv::Rect(5, 5, 4, 4)) = 255;
   const Views views = memory_views(std::vector<View>(2), {small, small}, {hole, hole});
-  const harmonize::FilledFrame frame = flow_fill(views, 0, hole_flows(views, {}), {});
-  EXPECT_EQ(count(frame, harmonize::Kind::interpolated), 16U);
+  const harmonize::FilledFrame frame = fill_along_flow(views, 0, make_hole_flows(views, {}), {});
+  EXPECT_EQ(count_pixels(frame, harmonize::Kind::interpolated), 16U);
 }
 
-TEST(FlowFill, StaysWithinItsDrive) {
+TEST(FillAlongFlow, StaysWithinItsDrive) {
   const MovingScene scene(0, [](int i) { return i < 4 ? cv::Rect(80, 40, 30, 40) : cv::Rect(0, 0, 0, 0); });
   std::vector<View> views(kFrames);
   for (std::size_t i = 4; i < kFrames; ++i) views[i].sequence = views[i].drive = 1;
   const Views two = memory_views(views, scene.images, scene.masks);
-  EXPECT_EQ(count(flow_fill(two, 3, hole_flows(two, {}), {}), harmonize::Kind::copied), 0U);
+  EXPECT_EQ(count_pixels(fill_along_flow(two, 3, make_hole_flows(two, {}), {}), harmonize::Kind::copied), 0U);
 }
 
 }  // namespace

@@ -9,18 +9,27 @@
 
 namespace dvi::baselines {
 
-/// How the scene behind the masks moves between two frames, on a grid of every second pixel: their optical flow (DIS, both
-/// ways), in and near the masks of either continued from around them as a thin plate.
+/// The optical flow of the background between two frames (DIS, in both directions), on a grid of every second pixel. In and
+/// near the masks of both frames, it is extrapolated from the surroundings as a thin plate.
 struct HoleFlow {
-  cv::Mat2f forth, back;  ///< px of the image, from the first frame to the second and back; NaN: the two disagree
+  cv::Mat2f forward, backward;  ///< px of the image, from the first frame to the second, and back; NaN if inconsistent
 
-  std::size_t bytes() const { return bytes_of(forth) + bytes_of(back); }
-  /// The motion of a position of the image; none outside it and where the flow is not trusted.
-  static std::optional<cv::Point2f> at(const cv::Mat2f& flow, cv::Point2f position);
+  std::size_t bytes() const { return bytes_of(forward) + bytes_of(backward); }
+  /// Interpolates the motion at a position in the image; nothing outside the image or if the flow is inconsistent.
+  static std::optional<cv::Point2f> interpolate(const cv::Mat2f& flow, cv::Point2f position);
 };
 
-/// `consistency_px`: how far from where it began a pixel may end that moves forth and back.
-HoleFlow hole_flow(const cv::Mat3b& first, const cv::Mat1b& first_mask, const cv::Mat3b& second, const cv::Mat1b& second_mask,
-                   double consistency_px);
+/// Parameters of the flow.
+struct HoleFlowParams {
+  int step_px = 2;                 ///< distance of the grid points
+  int margin_px = 8;               ///< size of the patches of DIS, within which masked pixels affect the flow
+  int band = 8;                    ///< grid points around the masks whose flow is extrapolated into them
+  double data_weight = 1 / 256.0;  ///< relative to the bending energy: smooths noise finer than 4 grid points
+};
+inline constexpr HoleFlowParams kHoleFlow;
+
+/// Computes the flow. `consistency_px` is the largest error of the forward-backward check.
+HoleFlow compute_hole_flow(const cv::Mat3b& first, const cv::Mat1b& first_mask, const cv::Mat3b& second,
+                           const cv::Mat1b& second_mask, double consistency_px);
 
 }  // namespace dvi::baselines

@@ -79,7 +79,7 @@ void add_demo(Program& program) {
         if (synthetic) {
           const fs::path truth = fs::path(drive) / "truth";
           const metrics::Evaluation evaluation = metrics::evaluate({job.out, truth});
-          fmt::print("\nAgainst the truth, inside the mask:\n{}\n", metrics::table(evaluation));
+          fmt::print("\nAgainst the truth, inside the mask:\n{}\n", metrics::format_table(evaluation));
           result::show_truth(job.out, {truth, json_text(evaluation)}, progress);
         }
         fmt::print("{}\n", what_to_look_at(fs::path(job.out), synthetic));

@@ -39,7 +39,7 @@ void add_eval(Program& program) {
     if (a->common.json)
       fmt::print("{}\n", json_text(evaluation));
     else
-      fmt::print("{}\n", metrics::table(evaluation));
+      fmt::print("{}\n", metrics::format_table(evaluation));
   });
 }
 

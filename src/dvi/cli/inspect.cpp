@@ -24,9 +24,9 @@ void add_inspect(Program& program) {
   command.option("-o,--out", a->folder, "Folder for result.png and source.png, what lies around the pixel");
   a->common.add_to(command, true, false);
   command.run([a] {
-    const report::Receipt receipt = report::read_receipt(a->out, a->frame, {a->x, a->y});
-    if (!a->folder.empty()) report::write_crops(a->folder, a->out, receipt);
-    fmt::print("{}\n", a->common.json ? report::json_of(receipt) : report::text_of(receipt));
+    const report::PixelRecord record = report::read_pixel_record(a->out, a->frame, {a->x, a->y});
+    if (!a->folder.empty()) report::write_crops(a->folder, a->out, record);
+    fmt::print("{}\n", a->common.json ? report::to_json(record) : report::to_text(record));
   });
 }
 

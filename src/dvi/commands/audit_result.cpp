@@ -171,7 +171,7 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   views.masks = with_removed(views, names, !given.front().complete, out);
 
   progress.begin("audit", names.size());
-  AuditReport report{audit::audit(out, views, names, progress.tick()), {}, {}};
+  AuditReport report{audit::audit_result(out, views, names, progress.tick()), {}, {}};
   progress.end();
   report.json = json_text(json_of(report.audit, out));
   report.text = text_of(report.audit, out);

@@ -14,7 +14,7 @@
 #include "dvi/core/json_text.h"
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
-#include "dvi/diagnostics/scan_time_doubts.h"
+#include "dvi/diagnostics/check_scan_times.h"
 #include "dvi/inputs/check_setup.h"
 #include "dvi/inputs/collect_evidence.h"
 #include "dvi/inputs/stretches.h"
@@ -225,7 +225,7 @@ CheckReport check(const job::Job& given, bool with_forecast, Progress& progress)
   report.warnings.insert(report.warnings.end(), range_warnings.begin(), range_warnings.end());
   const std::vector<std::string> doubts = inputs::check_setup({drives, poses, masks}, progress);
   report.warnings.insert(report.warnings.end(), doubts.begin(), doubts.end());
-  for (const std::string& doubt : diagnostics::scan_time_doubts(drive, inputs::chosen(drive, choice))) {
+  for (const std::string& doubt : diagnostics::check_scan_times(drive, inputs::chosen(drive, choice))) {
     progress.warn(drive.path.filename().string() + ": " + doubt);
     report.warnings.push_back(doubt);
   }

@@ -54,18 +54,19 @@ ForecastReport forecast_holes(const inputs::Inputs& inputs, const job::Job& job,
   const Drive& target = inputs.drives.front().drive;
   const int step = target.camera.width < kCoarseFrom ? 1 : 2;
   progress.begin("forecast", views.of_sequence(0).second);
-  const audit::Forecast found = audit::forecast(views, map, job.options.depth, job.options.sample, step, progress.tick());
+  const audit::Coverage found =
+      audit::predict_coverage(views, map, job.options.depth, job.options.sample, step, progress.tick());
   progress.end();
   ForecastReport report{found.total, {}};
   std::vector<int> numbers;
-  for (const audit::FrameForecast& f : found.frames) {
+  for (const audit::FrameCoverage& f : found.frames) {
     const Frame& frame = target.frames[views[f.view].frame];
     report.frames.push_back({frame.number, frame.name, f.image_share, f.hole});
     numbers.push_back(frame.number);
   }
   if (!job.out.empty()) {
     make_folder(job.out);
-    media::write_png(fs::path(job.out) / "forecast.png", audit::forecast_chart(found, numbers));
+    media::write_png(fs::path(job.out) / "forecast.png", audit::draw_coverage_chart(found, numbers));
   }
   return report;
 }

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "dvi/audit/forecast.h"
+#include "dvi/audit/coverage.h"
 #include "dvi/core/progress.h"
 #include "dvi/inputs/inputs.h"
 

@@ -38,7 +38,7 @@ void make(const job::Job& job, const holdout::HoldoutOptions& options, bool keep
   const inputs::Recording& open = drives.front();
   if (!open.masks_from) progress.warn("the drive brings neither masks nor labels: its real traffic counts as street");
   const std::string recipe = recipe_of(job, options, drives);
-  const std::string kept = keep ? holdout::holdout_recipe(job.out) : "";
+  const std::string kept = keep ? holdout::read_holdout_recipe(job.out) : "";
   if (kept == recipe) return;
   if (!kept.empty())
     throw InputError(job.out, "holds a case made from another drive or with other options",
@@ -54,11 +54,12 @@ void make(const job::Job& job, const holdout::HoldoutOptions& options, bool keep
   const holdout::Holdout holdout(cameras, poses.front().world_from_lidar, options);
   holdout::write_holdout(holdout, job.out, recipe, progress.tick());
   progress.end();
-  if (const auto stand = holdout.vehicle() ? holdout.vehicle()->stand() : std::nullopt; stand && stand->returns > 0)
+  if (const auto avoidance = holdout.vehicle() ? holdout.vehicle()->avoidance() : std::nullopt;
+      avoidance && avoidance->returns > 0)
     progress.warn(
         fmt::format("the {} vehicle of seed {} stands in what the scans show ({} returns inside it): no place within "
                     "15 m along the road is free; another --seed may find one",
-                    holdout::name(options.scenario), options.seed, stand->returns));
+                    holdout::name(options.scenario), options.seed, avoidance->returns));
 }
 
 }  // namespace

@@ -54,8 +54,8 @@ BENCHMARK(depth)
 
 void triangulate(benchmark::State& state) {
   const DepthOptions options;
-  const auto points = map::visible_points(street_map(static_cast<int>(state.range(0))), street_view(), options.splat_m,
-                                          options.occlusion_tolerance);
+  const auto points = map::find_visible_points(street_map(static_cast<int>(state.range(0))), street_view(), options.splat_m,
+                                               options.occlusion_tolerance);
   std::size_t triangles = 0;
   for (auto _ : state) {
     triangles = 0;

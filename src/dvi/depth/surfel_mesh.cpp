@@ -222,7 +222,7 @@ Joint joint(const Surfel& a, const Surfel& b) {
 
 SurfelMesh surfel_mesh(const map::StaticMap& map, const View& view, double splat_m, double occlusion_tolerance,
                        double max_slope) {
-  const std::vector<map::VisiblePoint> points = map::visible_points(map, view, splat_m, occlusion_tolerance);
+  const std::vector<map::VisiblePoint> points = map::find_visible_points(map, view, splat_m, occlusion_tolerance);
   SurfelMesh mesh;
   mesh.surfels.reserve(points.size());
   for (const map::VisiblePoint& p : points) mesh.surfels.push_back(surfel(p, map));

@@ -7,9 +7,16 @@
 
 namespace dvi::diagnostics {
 
-/// Frames of a depth camera during which it turns so fast that their images are blurred, and that the rows of the image, if
-/// they are exposed one after the other (rolling shutter), are bent against each other by more than dvi corrects; empty where
-/// there are none, and for a LiDAR drive. In words, with the frames and the largest bend.
-std::vector<std::string> fast_motion(const Drive& drive, const Trajectory& world_from_lidar);
+/// Parameters of the check for fast rotations.
+struct FastMotionParams {
+  double readout_s = 0.03;  ///< time from the first to the last row of a rolling shutter at 30 Hz
+  double max_skew_px = 15;  ///< the first and last rows are displaced by half of it
+};
+inline constexpr FastMotionParams kFastMotion;
+
+/// Finds the frames of a depth camera during which it rotates so fast that images are blurred and, with a rolling shutter,
+/// skewed by more than dvi corrects. Returns a warning with the frames and the largest skew; nothing if there are no such
+/// frames, and for a LiDAR drive.
+std::vector<std::string> check_fast_motion(const Drive& drive, const Trajectory& world_from_lidar);
 
 }  // namespace dvi::diagnostics

@@ -9,15 +9,24 @@
 
 namespace dvi::diagnostics {
 
-/// The LiDAR's motion over a stretch of scans, by the scans alone.
+/// The motion of the LiDAR over a section of the drive, estimated from the scans alone.
 struct ScanTrack {
-  std::size_t first = 0, last = 0;  ///< scans of the drive, last excluded
-  Trajectory world_from_lidar;      ///< each track has a world of its own
+  std::size_t first = 0, last = 0;  ///< scans of the drive; last is excluded
+  Trajectory world_from_lidar;      ///< each track has its own world
 };
 
-/// At most three stretches, evenly spread, by odometry without given poses. A stretch is left out where the scene does not hold
-/// every direction of motion, or the odometry lost its way: given poses must not be doubted there. One tick a stretch.
-std::vector<ScanTrack> scan_tracks(const Drive& drive, odometry::OdometryOptions options, const Tick& tick = [] {});
-std::size_t scan_tracks_ticks(const Drive& drive);
+/// Parameters of the selection of sections.
+struct ScanTrackParams {
+  std::size_t scans = 20;        ///< of a section
+  std::size_t max_sections = 3;  ///< evenly spaced
+  std::size_t min_scans = 5;     ///< of a drive and of a track
+};
+inline constexpr ScanTrackParams kScanTrack;
+
+/// Runs odometry without given poses over at most three sections of the drive. Leaves out a section if the scene does not
+/// constrain all directions of motion or if odometry is lost, because given poses cannot be checked there. Calls `tick` once
+/// per section, count_scan_track_ticks() times in all.
+std::vector<ScanTrack> estimate_scan_tracks(const Drive& drive, odometry::OdometryOptions options, const Tick& tick = [] {});
+std::size_t count_scan_track_ticks(const Drive& drive);
 
 }  // namespace dvi::diagnostics

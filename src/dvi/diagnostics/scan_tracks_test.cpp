@@ -8,22 +8,22 @@ namespace dvi::diagnostics {
 namespace {
 
 TEST(ScanTracks, FollowTheTruth) {
-  const Drive drive = test_drive(2, 40);
-  const std::vector<ScanTrack> tracks = scan_tracks(drive, {});
+  const Drive drive = make_test_drive(2, 40);
+  const std::vector<ScanTrack> tracks = estimate_scan_tracks(drive, {});
   ASSERT_EQ(tracks.size(), 1);
   const auto& poses = tracks[0].world_from_lidar.poses();
   ASSERT_EQ(poses.size(), drive.scan_headers.size());
-  const SE3 moved = poses.front().world_from_body.inverse() * poses.back().world_from_body;
+  const SE3 motion = poses.front().world_from_body.inverse() * poses.back().world_from_body;
   const SE3 truth = drive.poses.poses().front().world_from_body.inverse() * drive.poses.poses().back().world_from_body;
-  EXPECT_LT((moved.t - truth.t).norm(), 0.1);
+  EXPECT_LT((motion.t - truth.t).norm(), 0.1);
 }
 
-TEST(ScanTracks, TooFewScansMakeNone) {
-  Drive drive = test_drive(1, 0);
+TEST(ScanTracks, AreEmptyForTooFewScans) {
+  Drive drive = make_test_drive(1, 0);
   drive.scan_headers.resize(1);
-  EXPECT_TRUE(scan_tracks(drive, {}).empty());
+  EXPECT_TRUE(estimate_scan_tracks(drive, {}).empty());
   drive.scan_headers.clear();
-  EXPECT_TRUE(scan_tracks(drive, {}).empty());
+  EXPECT_TRUE(estimate_scan_tracks(drive, {}).empty());
 }
 
 }  // namespace

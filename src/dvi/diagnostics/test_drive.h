@@ -10,8 +10,8 @@
 
 namespace dvi::diagnostics {
 
-/// A small recording of the synthetic street; rendered once, whoever asks.
-inline Drive test_drive(int seed, double turn_deg, double speed_mps = 8) {
+/// Returns a small recording of the synthetic street. Each is rendered once per process.
+inline Drive make_test_drive(int seed, double turn_deg, double speed_mps = 8) {
   static std::map<std::tuple<int, double, double>, Drive> made;
   const auto [place, is_new] = made.try_emplace({seed, turn_deg, speed_mps});
   if (!is_new) return place->second;
@@ -21,7 +21,7 @@ inline Drive test_drive(int seed, double turn_deg, double speed_mps = 8) {
   return place->second = synth::drive_of(std::make_shared<synth::Scene>(options));
 }
 
-/// The true motion, in place of the odometry's.
-inline std::vector<ScanTrack> true_tracks(const Drive& drive) { return {{0, drive.scan_headers.size(), drive.poses}}; }
+/// Returns the true motion in place of that of odometry.
+inline std::vector<ScanTrack> make_true_tracks(const Drive& drive) { return {{0, drive.scan_headers.size(), drive.poses}}; }
 
 }  // namespace dvi::diagnostics

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "dvi/core/interrupt.h"
@@ -16,25 +17,38 @@ struct ExposureOptions {
     table.section("stages");
     table.developer();
     table.add("exposure", enabled,
-              "Estimate how lenses darken, and a gain per frame and channel, from map points that several frames show.");
+              "Estimate vignetting and a gain per frame and channel from map points that several frames show.");
   }
   void check() const { check_ranges(*this); }
 };
 
-/// One gain a view, and how its lens darkens.
+/// One gain per view, and the vignetting of its lens.
 struct Gains {
-  std::vector<cv::Vec3f> of_view;  ///< BGR; a view's colors times this are in the light common to all views
-  std::vector<int> compared;       ///< with how many views; where it is 0 the gain is 1
+  std::vector<cv::Vec3f> of_view;  ///< BGR; the colors of a view times its gain have the common exposure
+  std::vector<int> compared;       ///< number of views that a view was compared with; if it is 0, the gain is 1
   std::vector<float> vignetting;   ///< as View::vignetting
 
   explicit Gains(std::size_t views = 0) : of_view(views, cv::Vec3f(1, 1, 1)), compared(views, 0), vignetting(views, 0) {}
 };
 
-/// Estimates how each camera's lens darkens (vignetting.h), then each view's gain: views are compared in the colors that both
-/// show of the same points of the map, unmasked, unhidden, neither black nor saturated; the gains of all views are then solved
-/// for jointly and robustly from these ratios (least squares on their logarithms, reweighted). Their logarithms have mean 0.
-/// Poses good to some pixels will do. Gray views among colored ones, whose colors nobody takes, stay as they are (and
-/// colored ones among gray). One tick a view.
+/// Parameters of the gains.
+struct ExposureParams {
+  std::size_t anchors = 3;       ///< views of earlier sequences, the nearest ones, that a view is compared with
+  double radian_m = 10;          ///< distance in meters that counts as much as a radian between viewing directions
+  std::size_t min_points = 50;   ///< of a pair of views
+  double min_sigma = 0.005;      ///< of a ratio, in logarithms; more points do not make it more precise
+  double outlier = 0.03;         ///< scale of the robust weight of a pair, in logarithms
+  double prior_weight = 1e-6;    ///< of "gain 1", relative to a precise pair; fixes gains that no pair constrains
+  int iterations = 10;           ///< of reweighting
+  double max_log_gain = 1.3863;  ///< gains are between 1/4 and 4
+};
+inline constexpr ExposureParams kExposure;
+
+/// Estimates the vignetting of each camera (estimate_vignetting.h) and then the gain of each view. Pairs of views are compared
+/// by the colors of the map points that both show, if these are unmasked, visible, and neither black nor saturated. The gains
+/// of all views are solved jointly from these ratios by reweighted least squares on their logarithms, whose mean is 0. Poses
+/// with errors of some pixels suffice. Gray views among colored views are not compared, and vice versa. Calls `tick` once per
+/// view.
 Gains estimate_exposure(const Views& views, const map::VisibleMap& map, const Tick& tick = [] {});
 
 }  // namespace dvi::exposure

@@ -11,40 +11,40 @@
 
 namespace dvi::ground {
 
-/// Coordinates along the road: meters along the way of a drive's cameras, and to the left of it. The way goes on straight
-/// before its first and behind its last camera. Where two cameras in a row are hundreds of meters apart, it consists of pieces
-/// that follow each other in these coordinates, so that its cost does not depend on how far poses are off.
+/// Coordinates along the road: meters along the path of a drive's cameras, and meters to its left. The path is extended by a
+/// straight line before its first and after its last camera. Between consecutive cameras that are hundreds of meters apart, the
+/// path is split; its pieces follow each other in these coordinates, so that wrong poses do not increase its cost.
 class RoadFrame {
  public:
-  static constexpr double kOnward = 70;  ///< meters the way goes on, at either end
-  static constexpr double kReach = 20;   ///< meters to either side
+  static constexpr double kExtensionM = 70;  ///< length of the straight line at each end
+  static constexpr double kHalfWidthM = 20;  ///< largest distance from the path
 
-  /// Of the target's cameras.
+  /// Follows the cameras of the target.
   explicit RoadFrame(const Views& views);
 
-  /// Meters: of the whole way; its first camera is at kOnward.
-  double length() const { return static_cast<double>(way_.size() - 1); }
-  /// World x and y of a place.
-  Eigen::Vector2d place(double along, double left) const;
-  /// The unit vector along the road.
+  /// Returns the length of the extended path in meters; the first camera is at kExtensionM.
+  double length() const { return static_cast<double>(path_.size() - 1); }
+  /// Returns the x and y of a position in the world.
+  Eigen::Vector2d to_world(double along, double left) const;
+  /// Returns the unit vector along the road.
   Eigen::Vector2d direction(double along) const;
-  /// Meters along and to the left; none beyond the road's reach.
-  std::optional<Eigen::Vector2d> locate(const Eigen::Vector2d& place) const;
+  /// Converts a position in the world to meters along the path and to its left; nothing beyond kHalfWidthM.
+  std::optional<Eigen::Vector2d> locate(const Eigen::Vector2d& position) const;
 
  private:
   using Square = std::pair<int, int>;
   struct Piece {
-    int first, last;  // of way_, both included
+    int first, last;  // indices in path_, both included
   };
 
-  void add_piece(const std::vector<Eigen::Vector2d>& way, const Views& views);
-  void find_near();
-  int meter(double along) const;               // that begins before a place
-  Eigen::Vector2d middle(double along) const;  // place(along, 0)
+  void add_piece(const std::vector<Eigen::Vector2d>& path, const Views& views);
+  void index_squares();
+  int meter(double along) const;               // the last path point before a position
+  Eigen::Vector2d middle(double along) const;  // to_world(along, 0)
 
-  std::vector<Eigen::Vector2d> way_, directions_;  // a meter apart
-  std::vector<Piece> pieces_;                      // in order
-  std::map<Square, std::vector<int>> near_;        // those that may be the nearest of a place in the square
+  std::vector<Eigen::Vector2d> path_, directions_;  // points at intervals of one meter
+  std::vector<Piece> pieces_;                       // in order
+  std::map<Square, std::vector<int>> near_;         // path points that may be the nearest to a position in the square
 };
 
 }  // namespace dvi::ground

@@ -12,54 +12,53 @@
 namespace dvi::holdout {
 namespace {
 
-constexpr double kStanding = 1;  // meters: a shorter path tells no direction
-constexpr double kBend = 5;      // meters at an end whose bend goes on beyond it
-constexpr double kTangent = 2;   // meters either way
+constexpr double kMinPathM = 1;        // a shorter path has no direction
+constexpr double kExtrapolationM = 5;  // part of the path at an end whose curvature continues beyond it
+constexpr double kTangentM = 2;        // half the length of the chord
 
-// Returns of the own lane, by meters ahead and height over the LiDAR.
-std::vector<Eigen::Vector2d> own_lane(const Scan& scan, const Eigen::Vector3d& ahead) {
-  constexpr float kNear = 3, kFar = 30, kHalfLane = 1.5F, kHighest = -0.3F, kDeepest = -5;
+/// Selects the returns in the vehicle's lane: distance ahead and height relative to the LiDAR.
+std::vector<Eigen::Vector2d> select_lane(const Scan& scan, const Eigen::Vector3d& ahead) {
   const Eigen::Vector2f forward = ahead.head<2>().normalized().cast<float>(), side(-forward.y(), forward.x());
   std::vector<Eigen::Vector2d> lane;
   for (const Eigen::Vector3f& p : scan.points) {
     const float distance = forward.dot(p.head<2>());
-    if (std::abs(distance) < kNear || std::abs(distance) > kFar || std::abs(side.dot(p.head<2>())) > kHalfLane) continue;
-    if (p.z() < kHighest && p.z() > kDeepest) lane.emplace_back(distance, p.z());
+    if (std::abs(distance) < kLaneGround.min_distance_m || std::abs(distance) > kLaneGround.max_distance_m ||
+        std::abs(side.dot(p.head<2>())) > kLaneGround.half_width_m)
+      continue;
+    if (p.z() < kLaneGround.max_height_m && p.z() > kLaneGround.min_height_m) lane.emplace_back(distance, p.z());
   }
   return lane;
 }
 
-// The height that most returns within 15 m share.
-std::optional<double> commonest_height(const std::vector<Eigen::Vector2d>& lane) {
-  constexpr double kBin = 0.1, kFar = 15;
+/// Finds the most frequent height of the returns within 15 m.
+std::optional<double> find_mode_of_heights(const std::vector<Eigen::Vector2d>& lane) {
   std::vector<int> bins(51, 0);
   for (const Eigen::Vector2d& p : lane)
-    if (std::abs(p.x()) < kFar) ++bins[static_cast<std::size_t>(-p.y() / kBin)];
+    if (std::abs(p.x()) < kLaneGround.histogram_range_m) ++bins[static_cast<std::size_t>(-p.y() / kLaneGround.bin_m)];
   const auto most = std::max_element(bins.begin(), bins.end());
   if (*most == 0) return std::nullopt;
-  return -kBin * (0.5 + static_cast<double>(most - bins.begin()));
+  return -kLaneGround.bin_m * (0.5 + static_cast<double>(most - bins.begin()));
 }
 
-// z = line.x + line.y * distance through the ground of the own lane: near first, then as far as it goes.
+/// Fits z = line.x + line.y * distance to the ground of the lane, over increasing distances.
 std::optional<Eigen::Vector2d> fit_ground(const Scan& scan, const Eigen::Vector3d& ahead) {
-  constexpr double kOff = 0.15, kSteepest = 0.1;
-  constexpr int kEnough = 20;
-  const std::vector<Eigen::Vector2d> lane = own_lane(scan, ahead);
-  const std::optional<double> start = commonest_height(lane);
+  const std::vector<Eigen::Vector2d> lane = select_lane(scan, ahead);
+  const std::optional<double> start = find_mode_of_heights(lane);
   if (!start) return std::nullopt;
   Eigen::Vector2d line(*start, 0);
-  for (const double reach : {8.0, 15.0, 30.0, 30.0}) {
+  for (const double max_distance : {8.0, 15.0, 30.0, 30.0}) {
     Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
     Eigen::Vector2d right = Eigen::Vector2d::Zero();
     for (const Eigen::Vector2d& p : lane) {
       const Eigen::Vector2d row(1, p.x());
-      if (std::abs(p.x()) > reach || std::abs(p.y() - row.dot(line)) > kOff) continue;
+      if (std::abs(p.x()) > max_distance || std::abs(p.y() - row.dot(line)) > kLaneGround.max_residual_m) continue;
       normal += row * row.transpose();
       right += p.y() * row;
     }
-    if (normal(0, 0) < kEnough || normal.determinant() < normal(0, 0) * normal(0, 0)) break;  // spread below a meter
+    if (normal(0, 0) < kLaneGround.min_inliers || normal.determinant() < normal(0, 0) * normal(0, 0))
+      break;  // spread below a meter
     const Eigen::Vector2d better = normal.inverse() * right;
-    if (std::abs(better.y()) > kSteepest) break;
+    if (std::abs(better.y()) > kLaneGround.max_slope) break;
     line = better;
   }
   return line;
@@ -85,7 +84,7 @@ void DrivenPath::measure_ground(const Drive& drive) {
   parallel_for(lines.size(), [&](std::size_t i) {
     const std::int64_t time = drive.scan_headers[i].time_ns;
     if (const std::optional<SE3> pose = world_from_lidar_.at(time))
-      lines[i] = fit_ground(*drive.scans[i], pose->R.transpose() * tangent(along(time)));
+      lines[i] = fit_ground(*drive.scans[i], pose->R.transpose() * tangent(path_length_at(time)));
   });
   std::vector<StampedGround> found;
   std::vector<double> heights;
@@ -96,13 +95,12 @@ void DrivenPath::measure_ground(const Drive& drive) {
   }
   if (found.empty())
     throw InputError(drive.path, "its scans show no ground within 15 m of the LiDAR",
-                     "virtual traffic needs a LiDAR that sees the road");
+                     "virtual traffic requires a LiDAR whose scans show the road");
   sensor_height_ = median(std::move(heights));
 
-  // Means over half a second: the fits of single scans jitter.
-  constexpr std::size_t kEitherSide = 2;
+  constexpr std::size_t kNeighbors = kLaneGround.smoothing_scans;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const std::size_t begin = i - std::min(i, kEitherSide), end = std::min(i + kEitherSide + 1, found.size());
+    const std::size_t begin = i - std::min(i, kNeighbors), end = std::min(i + kNeighbors + 1, found.size());
     StampedGround mean{found[i].time_ns, {}};
     for (std::size_t k = begin; k < end; ++k) {
       mean.ground.height += found[k].ground.height / static_cast<double>(end - begin);
@@ -112,7 +110,7 @@ void DrivenPath::measure_ground(const Drive& drive) {
   }
 }
 
-DrivenPath::Ground DrivenPath::ground_at(std::int64_t time_ns) const {
+DrivenPath::GroundLine DrivenPath::ground_at(std::int64_t time_ns) const {
   const auto after = std::upper_bound(grounds_.begin(), grounds_.end(), time_ns,
                                       [](std::int64_t time, const StampedGround& g) { return time < g.time_ns; });
   if (after == grounds_.begin()) return grounds_.front().ground;
@@ -122,7 +120,7 @@ DrivenPath::Ground DrivenPath::ground_at(std::int64_t time_ns) const {
   return {a.ground.height + u * (b.ground.height - a.ground.height), a.ground.slope + u * (b.ground.slope - a.ground.slope)};
 }
 
-double DrivenPath::along(std::int64_t time_ns) const {
+double DrivenPath::path_length_at(std::int64_t time_ns) const {
   const std::vector<StampedPose>& poses = world_from_lidar_.poses();
   const auto after = std::upper_bound(poses.begin(), poses.end(), time_ns,
                                       [](std::int64_t time, const StampedPose& p) { return time < p.time_ns; });
@@ -145,24 +143,26 @@ SE3 DrivenPath::lidar_within(double along) const {
 }
 
 SE3 DrivenPath::lidar_at(double along) const {
-  if (length() < kStanding) {
+  if (length() < kMinPathM) {
     const SE3& first = world_from_lidar_.poses().front().world_from_body;
     return {first.R, first.t + along * ahead_};
   }
-  const double base = std::min(kBend, length());
+  const double base = std::min(kExtrapolationM, length());
   if (along < 0) return interpolate(lidar_within(0), lidar_within(base), along / base);
   if (along > length())
     return interpolate(lidar_within(length() - base), lidar_within(length()), 1 + (along - length()) / base);
   return lidar_within(along);
 }
 
-Eigen::Vector3d DrivenPath::tangent(double along) const { return lidar_at(along + kTangent).t - lidar_at(along - kTangent).t; }
+Eigen::Vector3d DrivenPath::tangent(double along) const {
+  return lidar_at(along + kTangentM).t - lidar_at(along - kTangentM).t;
+}
 
-SE3 DrivenPath::at(double along, double left, std::int64_t time_ns) const {
+SE3 DrivenPath::road_pose(double along, double left, std::int64_t time_ns) const {
   const SE3 there = lidar_at(along), now = world_from_lidar_.at(time_ns).value_or(there);
-  const Ground ground = ground_at(time_ns);
-  // In LiDAR axes of the time, where the ground is a plane that rises ahead.
-  const Eigen::Vector3d forward = now.R.transpose() * tangent(this->along(time_ns));
+  const GroundLine ground = ground_at(time_ns);
+  // In the LiDAR axes at this time, the ground is a plane that rises ahead.
+  const Eigen::Vector3d forward = now.R.transpose() * tangent(path_length_at(time_ns));
   const Eigen::Vector3d rise(ground.slope * forward.x() / forward.head<2>().norm(),
                              ground.slope * forward.y() / forward.head<2>().norm(), 0);
   const Eigen::Vector3d up = (Eigen::Vector3d::UnitZ() - rise).normalized();

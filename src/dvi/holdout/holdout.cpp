@@ -15,16 +15,17 @@
 namespace dvi::holdout {
 namespace {
 
-constexpr double kRangeNoise = 0.02;  // meters either way
+constexpr double kRangeNoiseM = 0.02;  // largest error of a range
 constexpr float kIntensity = 0.3F;
 
-// What belongs to one thing of a seed: the same whatever is made before it.
-std::uint64_t part_seed(int seed, std::uint64_t a, std::uint64_t b = 0) {
+/// Derives the seed of one part, which does not depend on what was made before it.
+std::uint64_t derive_seed(int seed, std::uint64_t a, std::uint64_t b = 0) {
   return Random(Random(Random(static_cast<std::uint64_t>(seed)).next() ^ a).next() ^ b).next();
 }
 
+/// Keeps the items that have a pose and returns their indices.
 template <class Stamped>
-std::vector<std::size_t> posed(std::vector<Stamped>& items, const Trajectory& poses) {
+std::vector<std::size_t> keep_posed(std::vector<Stamped>& items, const Trajectory& poses) {
   std::vector<Stamped> kept;
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < items.size(); ++i) {
@@ -36,27 +37,27 @@ std::vector<std::size_t> posed(std::vector<Stamped>& items, const Trajectory& po
   return indices;
 }
 
-// Poses as the case's reader will know them.
-Trajectory at_scans(const std::vector<ScanHeader>& scan_headers, const Trajectory& poses) {
+/// Returns the poses at the scans, which are those that the files of the case have.
+Trajectory sample_at_scans(const std::vector<ScanHeader>& scan_headers, const Trajectory& poses) {
   std::vector<StampedPose> out;
   for (const ScanHeader& header : scan_headers) out.push_back({header.time_ns, *poses.at(header.time_ns)});
   return Trajectory(std::move(out));
 }
 
-Box moved(const SE3& target_from_source, const Box& box) { return {target_from_source * box.frame_from_box, box.size}; }
+Box transform(const SE3& target_from_source, const Box& box) { return {target_from_source * box.frame_from_box, box.size}; }
 
-// Whether a return of a scan may lie behind a box that moves during it: a cone round all that it covers.
-class Cone {
+/// A cone around a box that moves during a scan. Returns outside it cannot be behind the box.
+class OcclusionCone {
  public:
-  Cone(const Box& lidar_box, double seconds) : axis_(lidar_box.frame_from_box.t.cast<float>()) {
-    constexpr double kFastest = 60;  // m/s of box and sensor together
-    const double radius = 0.5 * lidar_box.size.norm() + kFastest * seconds;
+  OcclusionCone(const Box& lidar_box, double seconds) : axis_(lidar_box.frame_from_box.t.cast<float>()) {
+    constexpr double kMaxSpeedMS = 60;  // of box and sensor together
+    const double radius = 0.5 * lidar_box.size.norm() + kMaxSpeedMS * seconds;
     const double distance = axis_.norm();
     nearest_ = static_cast<float>(distance - radius);
     cosine_ = nearest_ > 0 ? static_cast<float>(std::sqrt(1 - std::pow(radius / distance, 2))) : -2.0F;
     axis_.normalize();
   }
-  bool may_hide(const Eigen::Vector3f& p) const {
+  bool contains(const Eigen::Vector3f& p) const {
     const float range = p.norm();
     return range > nearest_ && axis_.dot(p) > cosine_ * range;
   }
@@ -71,8 +72,8 @@ class Cone {
 Holdout::Holdout(const std::vector<HoldoutCamera>& cameras, const Trajectory& world_from_lidar, const HoldoutOptions& options)
     : drive_(cameras.front().drive), options_(options), scans_(drive_.scans) {
   const Drive& drive = cameras.front().drive;
-  scan_numbers_ = posed(drive_.scan_headers, world_from_lidar);
-  drive_.poses = at_scans(drive_.scan_headers, world_from_lidar);
+  scan_indices_ = keep_posed(drive_.scan_headers, world_from_lidar);
+  drive_.poses = sample_at_scans(drive_.scan_headers, world_from_lidar);
   drive_.world_scale = 1;
   target_ = take_pictures(cameras.front(), drive_);
   for (std::size_t k = 1; k < cameras.size(); ++k) {
@@ -82,28 +83,28 @@ Holdout::Holdout(const std::vector<HoldoutCamera>& cameras, const Trajectory& wo
   }
   if (target_.frames.empty())
     throw InputError(drive.path, "no frame has a pose and a scan near it",
-                     "check that poses, scans and images share one clock");
+                     "check that poses, scans, and images use the same clock");
   if (options.scenario != Scenario::banner) {
     road_ = std::make_shared<const DrivenPath>(drive, world_from_lidar);
-    vehicle_.emplace(options.scenario, part_seed(options.seed, static_cast<std::uint64_t>(options.scenario)), road_,
+    vehicle_.emplace(options.scenario, derive_seed(options.seed, static_cast<std::uint64_t>(options.scenario)), road_,
                      drive_.frames.front().time_ns, drive_.frames.back().time_ns);
-    if (options.scenario == Scenario::parked) vehicle_->stand_clear(drive, world_from_lidar);
+    if (options.scenario == Scenario::parked) vehicle_->avoid_obstacles(drive, world_from_lidar);
     add_labels();
   }
-  std::vector<std::uint8_t> seen(target_.frames.size());
-  parallel_for(seen.size(), [&](std::size_t i) { seen[i] = cv::countNonZero(paint(drive_, i).pixels) > 0 ? 1 : 0; });
-  visible_.assign(seen.begin(), seen.end());
+  std::vector<std::uint8_t> visible(target_.frames.size());
+  parallel_for(visible.size(), [&](std::size_t i) { visible[i] = cv::countNonZero(paint(drive_, i).pixels) > 0 ? 1 : 0; });
+  visible_.assign(visible.begin(), visible.end());
   if (std::find(visible_.begin(), visible_.end(), true) == visible_.end())
     throw InputError(drive.path,
-                     fmt::format("the {} vehicle of seed {} enters no image of camera {}", name(options.scenario), options.seed,
+                     fmt::format("the {} vehicle of seed {} is in no image of camera {}", name(options.scenario), options.seed,
                                  drive.camera_name),
-                     "choose another --scenario, --seed, --camera or more --frames");
+                     "choose another --scenario, --seed, or --camera, or more --frames");
 }
 
-// Leaves the frames in the drive that have a pose, and what is lazy out of it.
+// Keeps the frames of the drive that have a pose, and removes its images, masks, and scans.
 Holdout::Pictures Holdout::take_pictures(const HoldoutCamera& camera, Drive& drive) const {
   drive.images = {}, drive.masks = {}, drive.scans = {};
-  return {camera.drive.images, camera.traffic, posed(drive.frames, drive.poses)};
+  return {camera.drive.images, camera.traffic, keep_posed(drive.frames, drive.poses)};
 }
 
 void Holdout::add_labels() {
@@ -112,20 +113,20 @@ void Holdout::add_labels() {
   for (Frame& frame : drive_.frames) {
     Label label;
     label.track = track_, label.type = vehicle_->type();
-    label.box = moved(drive_.poses.at(frame.time_ns)->inverse(), vehicle_->at(frame.time_ns));
+    label.box = transform(drive_.poses.at(frame.time_ns)->inverse(), vehicle_->box_at(frame.time_ns));
     frame.labels.push_back(std::move(label));
   }
 }
 
 Painting Holdout::paint(const Drive& drive, std::size_t frame) const {
-  const std::uint64_t seed = part_seed(options_.seed, 0x9A127);
+  const std::uint64_t seed = derive_seed(options_.seed, 0x9A127);
   if (!vehicle_) return paint_banner({drive.camera.width, drive.camera.height}, seed);
   const std::int64_t time = drive.frames[frame].time_ns;
   const SE3 camera_from_world = drive.camera_from_lidar * drive.poses.at(time)->inverse();
-  return paint_box(moved(camera_from_world, vehicle_->at(time)), drive.camera, seed);
+  return paint_box(transform(camera_from_world, vehicle_->box_at(time)), drive.camera, seed);
 }
 
-HoldoutFrame Holdout::frame_of(const Drive& drive, const Pictures& pictures, std::size_t i) const {
+HoldoutFrame Holdout::make_frame(const Drive& drive, const Pictures& pictures, std::size_t i) const {
   const Painting painting = paint(drive, i);
   const auto traffic = pictures.traffic[pictures.frames[i]];
   HoldoutFrame out;
@@ -133,30 +134,30 @@ HoldoutFrame Holdout::frame_of(const Drive& drive, const Pictures& pictures, std
   out.mask = out.held_out | *traffic;
   out.ignore = grown(*traffic, options_.ignore_margin_px);
   out.image = pictures.images[pictures.frames[i]]->clone();
-  // The margin too: nothing that is scored may show its truth.
-  out.image.setTo(outline_color(part_seed(options_.seed, 0x9A127)), out.held_out);
+  // The margin is painted, too, because no scored pixel may show its truth.
+  out.image.setTo(get_outline_color(derive_seed(options_.seed, 0x9A127)), out.held_out);
   painting.colors.copyTo(out.image, painting.pixels);
   return out;
 }
 
 Scan Holdout::scan(std::size_t i) const {
-  Scan scan = *scans_[scan_numbers_[i]];
+  Scan scan = *scans_[scan_indices_[i]];
   if (!vehicle_) return scan;
   const ScanHeader& header = drive_.scan_headers[i];
-  const Box lidar_box = moved(drive_.poses.at(header.time_ns)->inverse(), vehicle_->at(header.time_ns));
+  const Box lidar_box = transform(drive_.poses.at(header.time_ns)->inverse(), vehicle_->box_at(header.time_ns));
   const auto [first, last] = std::minmax_element(scan.time.begin(), scan.time.end());
   if (first == scan.time.end()) return scan;
-  const Cone cone(lidar_box, std::max(std::abs(*first), std::abs(*last)));
+  const OcclusionCone cone(lidar_box, std::max(std::abs(*first), std::abs(*last)));
   for (std::size_t k = 0; k < scan.size(); ++k) {
     Eigen::Vector3f& p = scan.points[k];
-    if (!cone.may_hide(p)) continue;
+    if (!cone.contains(p)) continue;
     const std::int64_t time = header.time_ns + std::llround(1e9 * static_cast<double>(scan.time[k]));
     const std::optional<SE3> pose = drive_.poses.at(time);
     if (!pose) continue;
-    const auto hit = first_hit(vehicle_->at(time), pose->t, pose->R * p.cast<double>());
+    const auto hit = find_hit(vehicle_->box_at(time), pose->t, pose->R * p.cast<double>());
     if (!hit || hit->distance >= 1) continue;
-    Random random(part_seed(options_.seed, i + 1, k));
-    const double noise = random.uniform(-kRangeNoise, kRangeNoise);
+    Random random(derive_seed(options_.seed, i + 1, k));
+    const double noise = random.uniform(-kRangeNoiseM, kRangeNoiseM);
     p *= static_cast<float>(hit->distance + noise / static_cast<double>(p.norm()));
     scan.intensity[k] = kIntensity + static_cast<float>(random.uniform(-0.1, 0.1));
   }

@@ -17,11 +17,11 @@
 namespace dvi::holdout {
 namespace {
 
-nlohmann::json vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+nlohmann::json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-// `held_out`, `scored`: pixels a frame.
-nlohmann::json description(const Holdout& holdout, const std::string& recipe, const std::vector<int>& held_out,
-                           const std::vector<int>& scored) {
+/// Describes the case; `held_out` and `scored` are numbers of pixels per frame.
+nlohmann::json describe(const Holdout& holdout, const std::string& recipe, const std::vector<int>& held_out,
+                        const std::vector<int>& scored) {
   const Drive& drive = holdout.drive();
   nlohmann::json frames = nlohmann::json::array();
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
@@ -30,7 +30,7 @@ nlohmann::json description(const Holdout& holdout, const std::string& recipe, co
                             {"held_out_pixels", held_out[i]},
                             {"scored_pixels", scored[i]}};
     if (holdout.vehicle())
-      frame["world_from_box"] = to_row_major(holdout.vehicle()->at(drive.frames[i].time_ns).frame_from_box);
+      frame["world_from_box"] = to_row_major(holdout.vehicle()->box_at(drive.frames[i].time_ns).frame_from_box);
     frames.push_back(std::move(frame));
   }
   nlohmann::json json = {{"schema", "dvi-holdout/1"},
@@ -44,11 +44,12 @@ nlohmann::json description(const Holdout& holdout, const std::string& recipe, co
                          {"frames", frames}};
   if (holdout.vehicle())
     json["vehicle"] = {{"class", holdout.vehicle()->type()},
-                       {"size", vector(holdout.vehicle()->size())},
+                       {"size", to_json(holdout.vehicle()->size())},
                        {"track", holdout.track()},
                        {"sensor_height", holdout.sensor_height()}};
-  if (holdout.vehicle() && holdout.vehicle()->stand())
-    json["vehicle"]["stand"] = {{"moved", holdout.vehicle()->stand()->moved}, {"returns", holdout.vehicle()->stand()->returns}};
+  if (holdout.vehicle() && holdout.vehicle()->avoidance())
+    json["vehicle"]["stand"] = {{"moved", holdout.vehicle()->avoidance()->moved_m},
+                                {"returns", holdout.vehicle()->avoidance()->returns}};
   return json;
 }
 
@@ -64,12 +65,12 @@ void write_pictures(const fs::path& folder, const Drive& camera, std::size_t i, 
 
 }  // namespace
 
-std::string holdout_recipe(const fs::path& folder) {
+std::string read_holdout_recipe(const fs::path& folder) {
   if (!fs::exists(folder / "holdout.json")) return {};
   try {
     return nlohmann::json::parse(read_file(folder / "holdout.json")).at("recipe").get<std::string>();
   } catch (const nlohmann::json::exception&) {
-    throw InputError(folder / "holdout.json", "is not what dvi holdout writes", "remove the folder");
+    throw InputError(folder / "holdout.json", "was not written by dvi holdout", "remove the folder or give another one");
   }
 }
 
@@ -96,7 +97,7 @@ void write_holdout(const Holdout& holdout, const fs::path& case_folder, const st
     const Drive& other = holdout.more_cameras()[k];
     make_camera_folders(folder, other);
     parallel_for(other.frames.size(), [&](std::size_t i) {
-      write_pictures(folder, other, i, holdout.frame_of_camera(k, i));
+      write_pictures(folder, other, i, holdout.camera_frame(k, i));
       if (tick) tick();
     });
   }
@@ -105,7 +106,7 @@ void write_holdout(const Holdout& holdout, const fs::path& case_folder, const st
     if (tick) tick();
   });
   datasets::write_folder_tables(folder, drive, holdout.more_cameras());
-  write_file(out / "holdout.json", json_text(description(holdout, recipe, held_out, scored)) + "\n");
+  write_file(out / "holdout.json", json_text(describe(holdout, recipe, held_out, scored)) + "\n");
   draft.finish();
 }
 

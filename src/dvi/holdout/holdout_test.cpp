@@ -21,14 +21,14 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kNoise = 0.021;  // meters of range on the vehicle's faces, and rounding
+constexpr double kNoiseM = 0.021;  // range noise on the faces of the vehicle, and rounding
 
-Drive small_street() {
+Drive make_small_street() {
   synth::SynthOptions options;
   options.frames = 5, options.width = 160, options.height = 90, options.beams = 16, options.columns = 400;
   static const auto scene = std::make_shared<const synth::Scene>(options);
   Drive drive = synth::drive_of(scene);
-  // As files give them: the first firing, straight back, may count as the last.
+  // Times as files have them: the first return, directly behind, may count as the last.
   drive.scans =
       Lazy<Scan>(drive.scan_headers.size(), 8, [scans = drive.scans, scan_headers = drive.scan_headers](std::size_t i) {
         Scan scan = *scans[i];
@@ -42,14 +42,14 @@ Holdout make(const Drive& drive, Scenario scenario, int seed = 1) {
   return {{{drive, drive.masks}}, drive.poses, {scenario, seed}};
 }
 
-bool same(const cv::Mat& a, const cv::Mat& b) { return a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0; }
+bool is_same(const cv::Mat& a, const cv::Mat& b) { return a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0; }
 
-// Meters along the ray of a return at which it meets the vehicle; none where it does not.
-std::optional<double> range_to_vehicle(const Holdout& holdout, std::size_t scan_index, const Eigen::Vector3f& p,
-                                       float seconds) {
+/// Returns the range at which the ray of a return hits the vehicle; nothing if it misses.
+std::optional<double> compute_range_to_vehicle(const Holdout& holdout, std::size_t scan_index, const Eigen::Vector3f& p,
+                                               float seconds) {
   const std::int64_t time = holdout.drive().scan_headers[scan_index].time_ns + std::llround(1e9 * static_cast<double>(seconds));
   const auto pose = holdout.drive().poses.at(time);
-  const auto hit = first_hit(holdout.vehicle()->at(time), pose->t, pose->R * p.cast<double>());
+  const auto hit = find_hit(holdout.vehicle()->box_at(time), pose->t, pose->R * p.cast<double>());
   if (!hit) return std::nullopt;
   return hit->distance * static_cast<double>(p.norm());
 }
@@ -65,8 +65,8 @@ class EachScenario : public testing::TestWithParam<Scenario> {};
 INSTANTIATE_TEST_SUITE_P(Holdout, EachScenario, testing::ValuesIn(kScenarios),
                          [](const auto& scenario) { return name(scenario.param); });
 
-TEST_P(EachScenario, PaintsMaskedPixelsOnlyAndAllOfThem) {
-  const Drive drive = small_street();
+TEST_P(EachScenario, PaintsExactlyTheMaskedPixels) {
+  const Drive drive = make_small_street();
   const Holdout holdout = make(drive, GetParam());
   int painted = 0;
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
@@ -85,32 +85,32 @@ TEST_P(EachScenario, PaintsMaskedPixelsOnlyAndAllOfThem) {
   EXPECT_GT(painted, 20);
 }
 
-TEST_P(EachScenario, StandsOnTheRoad) {
-  if (GetParam() == Scenario::banner) GTEST_SKIP() << "a banner stands nowhere";
-  const Drive drive = small_street();
+TEST_P(EachScenario, TouchesTheRoad) {
+  if (GetParam() == Scenario::banner) GTEST_SKIP() << "a banner has no position on the road";
+  const Drive drive = make_small_street();
   const Holdout holdout = make(drive, GetParam());
   EXPECT_NEAR(holdout.sensor_height(), drive.poses.poses()[0].world_from_body.t.z(), 0.03);
   for (const Frame& frame : drive.frames) {
-    const Box box = holdout.vehicle()->at(frame.time_ns);
+    const Box box = holdout.vehicle()->box_at(frame.time_ns);
     const double bottom = (box.frame_from_box * Eigen::Vector3d(0, 0, -0.5 * box.size.z())).z();
     EXPECT_NEAR(bottom, 0, 0.08) << "the street's road is at z = 0";
     EXPECT_GT(box.frame_from_box.R(2, 2), 0.999);
   }
 }
 
-TEST_P(EachScenario, ScansMeetTheVehicleAndNothingBehindIt) {
-  if (GetParam() == Scenario::banner) GTEST_SKIP() << "a banner is no matter of the LiDAR's";
-  const Drive drive = small_street();
+TEST_P(EachScenario, ScansHitTheVehicleAndNothingBehindIt) {
+  if (GetParam() == Scenario::banner) GTEST_SKIP() << "a banner is not in the scans";
+  const Drive drive = make_small_street();
   const Holdout holdout = make(drive, GetParam());
   int replaced = 0;
   for (std::size_t i = 0; i < drive.scan_headers.size(); ++i) {
     const Scan before = *drive.scans[i], after = holdout.scan(i);
     ASSERT_EQ(before.size(), after.size());
     for (std::size_t k = 0; k < before.size(); ++k) {
-      const auto range = range_to_vehicle(holdout, i, before.points[k], before.time[k]);
+      const auto range = compute_range_to_vehicle(holdout, i, before.points[k], before.time[k]);
       if (range && *range < static_cast<double>(before.points[k].norm())) {
         ++replaced;
-        ASSERT_NEAR(after.points[k].norm(), *range, kNoise);
+        ASSERT_NEAR(after.points[k].norm(), *range, kNoiseM);
         ASSERT_LT(after.points[k].normalized().cross(before.points[k].normalized()).norm(), 1e-5F);
       } else {
         ASSERT_EQ(after.points[k], before.points[k]);
@@ -122,14 +122,14 @@ TEST_P(EachScenario, ScansMeetTheVehicleAndNothingBehindIt) {
 }
 
 TEST(Holdout, PaintsTheVehicleInAllCameras) {
-  const Drive drive = small_street();
+  const Drive drive = make_small_street();
   Drive right = drive;
   right.camera_name = "right";
   right.camera_from_lidar.t.x() -= 1;
   const Holdout holdout({{drive, drive.masks}, {right, drive.masks}}, drive.poses, {Scenario::lead, 1});
   ASSERT_EQ(holdout.more_cameras().size(), 1U);
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
-    const cv::Mat1b vehicle(~grown(cv::Mat1b(~holdout.frame_of_camera(0, i).held_out), 4));  // without its margin
+    const cv::Mat1b vehicle(~grown(cv::Mat1b(~holdout.camera_frame(0, i).held_out), 4));  // without its margin
     ASSERT_GT(cv::countNonZero(vehicle), 20) << i;
     const std::int64_t time = drive.frames[i].time_ns;
     const SE3 world_from_camera = *drive.poses.at(time) * right.camera_from_lidar.inverse();
@@ -137,29 +137,29 @@ TEST(Holdout, PaintsTheVehicleInAllCameras) {
       for (int x = 0; x < vehicle.cols; ++x)
         if (vehicle(y, x) != 0) {
           EXPECT_TRUE(
-              first_hit(holdout.vehicle()->at(time), world_from_camera.t, world_from_camera.R * drive.camera.ray({x, y})))
+              find_hit(holdout.vehicle()->box_at(time), world_from_camera.t, world_from_camera.R * drive.camera.ray({x, y})))
               << x << ", " << y;
         }
   }
 }
 
-TEST(Holdout, IsTheSameWithAnyNumberOfThreadsAndOtherByItsSeed) {
-  const Drive drive = small_street();
+TEST(Holdout, DependsOnTheSeedAndNotOnTheNumberOfThreads) {
+  const Drive drive = make_small_street();
   const ThreadLimit limit(2);
   const Holdout two = make(drive, Scenario::lead), other = make(drive, Scenario::lead, 2);
   const ThreadLimit lower(1);
   const Holdout one = make(drive, Scenario::lead);
   for (std::size_t i = 0; i < drive.frames.size(); ++i) {
-    EXPECT_TRUE(same(one.frame(i).image, two.frame(i).image));
+    EXPECT_TRUE(is_same(one.frame(i).image, two.frame(i).image));
     EXPECT_TRUE(one.scan(i).points == two.scan(i).points);
     EXPECT_TRUE(one.scan(i).intensity == two.scan(i).intensity);
-    EXPECT_FALSE(same(one.frame(i).image, other.frame(i).image));
+    EXPECT_FALSE(is_same(one.frame(i).image, other.frame(i).image));
     EXPECT_FALSE(one.scan(i).points == other.scan(i).points);
   }
 }
 
-TEST(Holdout, LeadKeepsAheadAtAVaryingDistance) {
-  const Drive drive = small_street();
+TEST(Holdout, LeadStaysAheadAtAVaryingDistance) {
+  const Drive drive = make_small_street();
   const Holdout holdout = make(drive, Scenario::lead);
   std::vector<double> distances;
   for (const Frame& frame : holdout.drive().frames) {
@@ -173,8 +173,8 @@ TEST(Holdout, LeadKeepsAheadAtAVaryingDistance) {
   EXPECT_NE(distances.front(), distances.back());
 }
 
-TEST_F(Folder, NothingOfTheTruthLeaksIntoTheCase) {
-  const Drive drive = small_street();
+TEST_F(Folder, TheCaseDoesNotContainTheTruth) {
+  const Drive drive = make_small_street();
   for (const Scenario scenario : {Scenario::lead, Scenario::banner}) {
     const Holdout holdout = make(drive, scenario);
     Drive other = drive;
@@ -195,12 +195,12 @@ TEST_F(Folder, NothingOfTheTruthLeaksIntoTheCase) {
   }
 }
 
-TEST_F(Folder, CaseIsADriveThatReadsBack) {
-  const Drive drive = small_street();
+TEST_F(Folder, TheCaseIsADriveThatCanBeRead) {
+  const Drive drive = make_small_street();
   const Holdout holdout = make(drive, Scenario::oncoming);
   write_holdout(holdout, folder / "new/case", "recipe");
-  EXPECT_EQ(holdout_recipe(folder / "new/case"), "recipe");
-  EXPECT_EQ(holdout_recipe(folder / "elsewhere"), "");
+  EXPECT_EQ(read_holdout_recipe(folder / "new/case"), "recipe");
+  EXPECT_EQ(read_holdout_recipe(folder / "elsewhere"), "");
   const Drive read = datasets::read_drive(folder / "new/case/drive");
   EXPECT_TRUE(read.warnings.empty());
   ASSERT_EQ(read.frames.size(), drive.frames.size());
@@ -211,8 +211,8 @@ TEST_F(Folder, CaseIsADriveThatReadsBack) {
     EXPECT_EQ(read.scan_headers[i].time_ns, drive.scan_headers[i].time_ns);
     EXPECT_EQ(read.scan_headers[i].file.extension(), ".bin");
     const HoldoutFrame frame = holdout.frame(i);
-    EXPECT_TRUE(same(*read.images[i], frame.image));
-    EXPECT_TRUE(same(*read.masks[i], frame.mask));
+    EXPECT_TRUE(is_same(*read.images[i], frame.image));
+    EXPECT_TRUE(is_same(*read.masks[i], frame.mask));
     const Scan expected = holdout.scan(i);
     const auto scan = read.scans[i];
     EXPECT_TRUE(scan->points == expected.points);
@@ -222,15 +222,15 @@ TEST_F(Folder, CaseIsADriveThatReadsBack) {
   }
 }
 
-TEST_F(Folder, CaseOfADepthCameraSaysSo) {
-  Drive drive = small_street();
+TEST_F(Folder, TheCaseOfADepthCameraHasItsSensor) {
+  Drive drive = make_small_street();
   drive.sensor = Sensor::depth_camera;
   write_holdout(make(drive, Scenario::lead), folder / "case", "recipe");
   EXPECT_EQ(datasets::read_drive(folder / "case/drive").sensor, Sensor::depth_camera);
 }
 
-TEST_F(Folder, OtherTimesAreWrittenOut) {
-  Drive drive = small_street();
+TEST_F(Folder, UnusualTimesAreWritten) {
+  Drive drive = make_small_street();
   drive.scans = Lazy<Scan>(drive.scan_headers.size(), 8, [scans = drive.scans](std::size_t i) {
     Scan scan = *scans[i];
     for (std::size_t k = 0; k < scan.size(); ++k) scan.time[k] = 1e-4F * static_cast<float>(k % 1000) - 0.05F;
@@ -246,8 +246,8 @@ TEST_F(Folder, OtherTimesAreWrittenOut) {
   }
 }
 
-TEST_F(Folder, RefusesWhatItCannotDo) {
-  const Drive drive = small_street();
+TEST_F(Folder, RejectsInvalidInput) {
+  const Drive drive = make_small_street();
   const Holdout holdout = make(drive, Scenario::lead);
   make_folder(folder / "mine");
   write_file(folder / "mine/thesis.tex", "years of work");
@@ -256,25 +256,25 @@ TEST_F(Folder, RefusesWhatItCannotDo) {
   EXPECT_THROW(parse_scenario("meteor"), UsageError);
 
   Drive blind = drive;
-  blind.camera_from_lidar = SE3{so3_exp({0, M_PI, 0}), {0, 0, 0}} * drive.camera_from_lidar;  // looks back
-  EXPECT_THAT(input_error([&] { make(blind, Scenario::parked); }), HasSubstr("enters no image"));
+  blind.camera_from_lidar = SE3{so3_exp({0, M_PI, 0}), {0, 0, 0}} * drive.camera_from_lidar;  // points backward
+  EXPECT_THAT(input_error([&] { make(blind, Scenario::parked); }), HasSubstr("is in no image"));
   Drive floating = drive;
   floating.scans = Lazy<Scan>(drive.scan_headers.size(), 8, [](std::size_t) { return Scan{{{5, 5, 5}}, {0}, {0}, {}}; });
   EXPECT_THROW(make(floating, Scenario::lead), InputError);
 }
 
-TEST(PaintedBox, MeetsTheNearestFace) {
+TEST(PaintedBox, HitsTheNearestFace) {
   const Box box{{Eigen::Matrix3d::Identity(), {10, 0, 0}}, {4, 2, 2}};
-  const auto hit = first_hit(box, {0, 0.5, 0.25}, {2, 0, 0});
+  const auto hit = find_hit(box, {0, 0.5, 0.25}, {2, 0, 0});
   ASSERT_TRUE(hit);
   EXPECT_DOUBLE_EQ(hit->distance, 4);
   EXPECT_EQ(hit->axis, 0);
   EXPECT_EQ(hit->side, -1);
   EXPECT_TRUE(hit->point.isApprox(Eigen::Vector3d(-2, 0.5, 0.25)));
-  EXPECT_FALSE(first_hit(box, {0, 1.5, 0}, {1, 0, 0})) << "beside it";
-  EXPECT_FALSE(first_hit(box, {0, 0, 0}, {-1, 0, 0})) << "behind";
-  EXPECT_FALSE(first_hit(box, {10, 0, 0}, {1, 0, 0})) << "from inside";
-  EXPECT_FALSE(first_hit(box, {0, 0, 0}, {1, 1, 0}));
+  EXPECT_FALSE(find_hit(box, {0, 1.5, 0}, {1, 0, 0})) << "beside it";
+  EXPECT_FALSE(find_hit(box, {0, 0, 0}, {-1, 0, 0})) << "behind";
+  EXPECT_FALSE(find_hit(box, {10, 0, 0}, {1, 0, 0})) << "from inside";
+  EXPECT_FALSE(find_hit(box, {0, 0, 0}, {1, 1, 0}));
 }
 
 }  // namespace

@@ -13,39 +13,39 @@
 namespace dvi::holdout {
 namespace {
 
-constexpr double kKnownGround = 30;  // meters: beyond, the road does not know the ground
+constexpr double kMaxRangeM = 30;  // the height of the ground is unknown at larger ranges
 
-// The thing as it stands at each place at a time.
-std::vector<Box> boxes_at(const DrivenPath& road, const Eigen::Vector3d& size, const std::vector<double>& places, double left,
-                          std::int64_t time_ns) {
-  constexpr double kLowest = 0.3, kClearance = 0.2;
-  const double highest = size.z() + kClearance;
-  const SE3 lifted{Eigen::Matrix3d::Identity(), {0, 0, 0.5 * (kLowest + highest)}};
-  const Eigen::Vector3d grown(size.x() + 2 * kClearance, size.y() + 2 * kClearance, highest - kLowest);
+/// Returns the box at each position at a time.
+std::vector<Box> make_boxes(const DrivenPath& road, const Eigen::Vector3d& size, const std::vector<double>& along, double left,
+                            std::int64_t time_ns) {
+  constexpr double kMinHeightM = 0.3, kClearanceM = 0.2;
+  const double highest = size.z() + kClearanceM;
+  const SE3 lifted{Eigen::Matrix3d::Identity(), {0, 0, 0.5 * (kMinHeightM + highest)}};
+  const Eigen::Vector3d grown(size.x() + 2 * kClearanceM, size.y() + 2 * kClearanceM, highest - kMinHeightM);
   std::vector<Box> boxes;
-  for (const double along : places) boxes.push_back({road.at(along, left, time_ns) * lifted, grown});
+  for (const double meters : along) boxes.push_back({road.road_pose(meters, left, time_ns) * lifted, grown});
   return boxes;
 }
 
 }  // namespace
 
-std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& world_from_lidar, const DrivenPath& road,
-                                        const Eigen::Vector3d& size, const std::vector<double>& places, double left) {
+std::vector<std::size_t> count_returns_inside(const Drive& drive, const Trajectory& world_from_lidar, const DrivenPath& road,
+                                              const Eigen::Vector3d& size, const std::vector<double>& along, double left) {
   const Lazy<cv::Mat1b> no_masks(drive.frames.size(), 1,
                                  [&](std::size_t) { return cv::Mat1b(drive.camera.height, drive.camera.width, uchar{0}); });
   const map::MapInput input{&drive, world_from_lidar, no_masks, shared(objects::without_stationary(drive, world_from_lidar))};
   map::MapOptions options;
   options.require_camera_visibility = false;
-  options.max_range_m = kKnownGround;
-  options.box_margin_m = 0.5;  // what traffic moves within half a scan
+  options.max_range_m = kMaxRangeM;
+  options.box_margin_m = 0.5;  // the motion of traffic within half a scan
   std::vector<std::vector<std::size_t>> counts(drive.scan_headers.size());
   parallel_for(counts.size(), [&](std::size_t i) {
     const std::int64_t time = drive.scan_headers[i].time_ns;
     const std::optional<SE3> pose = world_from_lidar.at(time);
     if (!pose) return;
-    const std::vector<Box> boxes = boxes_at(road, size, places, left, time);
+    const std::vector<Box> boxes = make_boxes(road, size, along, left, time);
     if (std::none_of(boxes.begin(), boxes.end(),
-                     [&](const Box& box) { return (box.frame_from_box.t - pose->t).norm() < kKnownGround + box.size.norm(); }))
+                     [&](const Box& box) { return (box.frame_from_box.t - pose->t).norm() < kMaxRangeM + box.size.norm(); }))
       return;
     Eigen::AlignedBox3d all;
     for (const Box& box : boxes)
@@ -55,7 +55,7 @@ std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& wo
       for (std::size_t k = 0; all.contains(point.position) && k < boxes.size(); ++k)
         counts[i][k] += boxes[k].contains(point.position) ? 1 : 0;
   });
-  std::vector<std::size_t> sum(places.size(), 0);
+  std::vector<std::size_t> sum(along.size(), 0);
   for (const std::vector<std::size_t>& of_scan : counts)
     for (std::size_t k = 0; k < of_scan.size(); ++k) sum[k] += of_scan[k];
   return sum;

@@ -8,10 +8,10 @@
 
 namespace dvi::holdout {
 
-/// How many returns of all scans lie inside a thing of this size (length, width, height) that stands on the road, for each
-/// place (meters along it) at which it might, `left` of the path. What is below 0.3 m is ground, what is nearer than 0.2 m
-/// counts as inside. Traffic counts too, but for what lies in boxes that labels move. Reads the scans that came near.
-std::vector<std::size_t> returns_inside(const Drive& drive, const Trajectory& world_from_lidar, const DrivenPath& road,
-                                        const Eigen::Vector3d& size, const std::vector<double>& places, double left);
+/// Counts the returns of all scans inside a box of this size (length, width, height) on the road, for each position along the
+/// road (meters), `left` meters to the left of the path. Returns below 0.3 m are ground; returns within 0.2 m of the box count
+/// as inside. Returns in the boxes of moving labels do not count. Reads the scans near the positions.
+std::vector<std::size_t> count_returns_inside(const Drive& drive, const Trajectory& world_from_lidar, const DrivenPath& road,
+                                              const Eigen::Vector3d& size, const std::vector<double>& along, double left);
 
 }  // namespace dvi::holdout

@@ -15,9 +15,9 @@
 namespace dvi::holdout {
 namespace {
 
-constexpr double kLane = 3.5;          // meters
-constexpr double kSwayPeriod = 6;      // seconds
-constexpr double kNearestParked = 10;  // meters ahead of the first frame: in front of its camera
+constexpr double kLaneWidthM = 3.5;
+constexpr double kSwayPeriodS = 6;
+constexpr double kMinParkedM = 10;  // ahead of the first frame, so that its camera shows the vehicle
 constexpr double kPi = std::numbers::pi;
 
 }  // namespace
@@ -33,14 +33,14 @@ Scenario parse_scenario(const std::string& text) {
     if (text == name(scenario)) return scenario;
     names.emplace_back(name(scenario));
   }
-  throw UsageError(fmt::format("--scenario {}: there are {}", text, fmt::join(names, ", ")));
+  throw UsageError(fmt::format("--scenario {}: unknown; the scenarios are {}", text, fmt::join(names, ", ")));
 }
 
 VirtualVehicle::VirtualVehicle(Scenario scenario, std::uint64_t seed, std::shared_ptr<const DrivenPath> road,
                                std::int64_t start_ns, std::int64_t end_ns)
     : road_(std::move(road)), start_ns_(start_ns) {
   Random random(seed);
-  const double first = road_->along(start_ns), traveled = road_->along(end_ns) - first;
+  const double first = road_->path_length_at(start_ns), traveled = road_->path_length_at(end_ns) - first;
   const double seconds = std::max(0.1, 1e-9 * static_cast<double>(end_ns - start_ns));
   const double speed = traveled / seconds;
   switch (scenario) {
@@ -55,7 +55,7 @@ VirtualVehicle::VirtualVehicle(Scenario scenario, std::uint64_t seed, std::share
       type_ = "truck", size_ = {9, 2.5, 3.5};
       motion_ = {.along = 4.5 + random.uniform(9, 10), .left = random.uniform(-0.2, 0.2), .follows = true};
       break;
-    case Scenario::far:  // its body hides the vanishing point all the time
+    case Scenario::far:  // always hides the vanishing point
       type_ = "van", size_ = {5.5, 2, 2.4};
       motion_ = {.along = random.uniform(30, 35),
                  .left = random.uniform(-0.2, 0.2),
@@ -64,21 +64,21 @@ VirtualVehicle::VirtualVehicle(Scenario scenario, std::uint64_t seed, std::share
                  .phase = random.uniform(0, 2 * kPi)};
       break;
     case Scenario::oncoming: {
-      // Passes when most of the recording is over, if it is short.
+      // Passes near the end of a short recording.
       const double own = random.uniform(8, 10), closing = own + speed;
       motion_ = {.along = first + std::clamp(0.7 * seconds * closing, 25.0, 60.0) + random.uniform(-2, 2),
                  .along_speed = -own,
-                 .left = kLane + random.uniform(-0.2, 0.2),
+                 .left = kLaneWidthM + random.uniform(-0.2, 0.2),
                  .turn = kPi};
       break;
     }
     case Scenario::parked:
-      motion_ = {.along = first + std::clamp(0.8 * traveled, kNearestParked + 2, 30.0) + random.uniform(-2, 2),
+      motion_ = {.along = first + std::clamp(0.8 * traveled, kMinParkedM + 2, 30.0) + random.uniform(-2, 2),
                  .left = -random.uniform(2.9, 3.3)};
       break;
     case Scenario::crossing: {
       type_ = "pedestrian", size_ = {0.8, 0.6, 1.8};
-      // Half way across in the middle of the recording, or as early as leaves the lane free when the drive arrives.
+      // In the middle of the lane at half the recording, or early enough to leave the lane before the drive arrives.
       const double ahead = std::clamp(0.9 * traveled, 12.0, 35.0) + random.uniform(-1, 1), walk = random.uniform(1.3, 1.5);
       const double arrival = ahead / std::max(speed, 0.1), middle = std::min(0.5 * seconds, arrival - 1.8);
       motion_ = {.along = first + ahead, .left = -walk * middle, .left_speed = walk, .turn = kPi / 2};
@@ -89,26 +89,27 @@ VirtualVehicle::VirtualVehicle(Scenario scenario, std::uint64_t seed, std::share
   }
 }
 
-void VirtualVehicle::stand_clear(const Drive& drive, const Trajectory& world_from_lidar) {
-  constexpr double kStep = 0.25;
-  constexpr int kSteps = 60;
-  const double drawn = motion_.along, nearest = road_->along(start_ns_) + kNearestParked;
-  std::vector<double> places{drawn};
-  for (int step = 1; step <= kSteps; ++step) {
-    places.push_back(drawn + step * kStep);
-    if (drawn - step * kStep >= nearest) places.push_back(drawn - step * kStep);
+void VirtualVehicle::avoid_obstacles(const Drive& drive, const Trajectory& world_from_lidar) {
+  constexpr double kStepM = 0.25;
+  constexpr int kMaxSteps = 60;
+  const double drawn = motion_.along, nearest = road_->path_length_at(start_ns_) + kMinParkedM;
+  std::vector<double> along{drawn};
+  for (int step = 1; step <= kMaxSteps; ++step) {
+    along.push_back(drawn + step * kStepM);
+    if (drawn - step * kStepM >= nearest) along.push_back(drawn - step * kStepM);
   }
-  const std::vector<std::size_t> returns = returns_inside(drive, world_from_lidar, *road_, size_, places, motion_.left);
+  const std::vector<std::size_t> returns = count_returns_inside(drive, world_from_lidar, *road_, size_, along, motion_.left);
   const auto fewest = std::min_element(returns.begin(), returns.end());
-  motion_.along = places[static_cast<std::size_t>(fewest - returns.begin())];
-  stand_ = {motion_.along - drawn, *fewest};
+  motion_.along = along[static_cast<std::size_t>(fewest - returns.begin())];
+  avoidance_ = {motion_.along - drawn, *fewest};
 }
 
-Box VirtualVehicle::at(std::int64_t time_ns) const {
+Box VirtualVehicle::box_at(std::int64_t time_ns) const {
   const double seconds = 1e-9 * static_cast<double>(time_ns - start_ns_);
-  const double sway = motion_.sway * std::sin(2 * kPi * seconds / kSwayPeriod + motion_.phase);
-  const double along = (motion_.follows ? road_->along(time_ns) : 0) + motion_.along + motion_.along_speed * seconds + sway;
-  const SE3 world_from_road = road_->at(along, motion_.left + motion_.left_speed * seconds, time_ns);
+  const double sway = motion_.sway * std::sin(2 * kPi * seconds / kSwayPeriodS + motion_.phase);
+  const double along =
+      (motion_.follows ? road_->path_length_at(time_ns) : 0) + motion_.along + motion_.along_speed * seconds + sway;
+  const SE3 world_from_road = road_->road_pose(along, motion_.left + motion_.left_speed * seconds, time_ns);
   return {world_from_road * SE3{so3_exp({0, 0, motion_.turn}), {0, 0, 0.5 * size_.z()}}, size_};
 }
 

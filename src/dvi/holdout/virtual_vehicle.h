@@ -12,41 +12,42 @@
 
 namespace dvi::holdout {
 
-/// What is put into a drive, as `--scenario` names it (docs/holdout.md).
+/// The virtual traffic in a drive, as named by `--scenario` (docs/holdout.md).
 enum class Scenario { lead, oncoming, crossing, parked, truck, banner, far };
 inline constexpr std::array kScenarios = {Scenario::lead,  Scenario::oncoming, Scenario::crossing, Scenario::parked,
                                           Scenario::truck, Scenario::banner,   Scenario::far};
 const char* name(Scenario scenario);
-/// UsageError for an unknown one.
+/// Throws UsageError for an unknown name.
 Scenario parse_scenario(const std::string& text);
 
-/// A box that moves on the road. Its seed varies distances, speeds and sideways place. Not for `banner`, which is none.
+/// A box that moves on the road. The seed varies distance, speed, and lateral position. `banner` has no vehicle.
 class VirtualVehicle {
  public:
-  /// The drive is recorded from `start_ns` to `end_ns`.
+  /// The drive was recorded from `start_ns` to `end_ns`.
   VirtualVehicle(Scenario scenario, std::uint64_t seed, std::shared_ptr<const DrivenPath> road, std::int64_t start_ns,
                  std::int64_t end_ns);
 
-  /// Moves a parked one along the road, by 15 m at most, to the place nearest to the one drawn at which no return of the
-  /// drive's scans is inside it (obstacles.h); where there is none, to the nearest with the fewest.
-  void stand_clear(const Drive& drive, const Trajectory& world_from_lidar);
-  /// How stand_clear() went.
-  struct Stand {
-    double moved = 0;         ///< meters ahead
-    std::size_t returns = 0;  ///< still inside
+  /// Moves a parked vehicle along the road by at most 15 m to the nearest position at which no return of the drive's scans is
+  /// inside it (obstacles.h); if there is none, to the nearest position with the fewest returns.
+  void avoid_obstacles(const Drive& drive, const Trajectory& world_from_lidar);
+  /// The result of avoid_obstacles().
+  struct Avoidance {
+    double moved_m = 0;       ///< displacement along the road
+    std::size_t returns = 0;  ///< returns that are still inside
   };
-  const std::optional<Stand>& stand() const { return stand_; }
+  const std::optional<Avoidance>& avoidance() const { return avoidance_; }
 
   const std::string& type() const { return type_; }
   const Eigen::Vector3d& size() const { return size_; }
-  Box at(std::int64_t time_ns) const;  ///< in the world
+  Box box_at(std::int64_t time_ns) const;  ///< in the world
 
  private:
-  // Place: meters along the road and to its left, each even in time; some keep their distance to the drive, and sway about it.
+  // Position in meters along the road and to its left, with constant velocity. A vehicle that follows keeps its distance to the
+  // drive, except for a periodic variation.
   struct Motion {
     double along = 0, along_speed = 0;
     double left = 0, left_speed = 0;
-    double turn = 0;  // radians against the road's direction
+    double turn = 0;  // radians relative to the road's direction
     bool follows = false;
     double sway = 0, phase = 0;
   };
@@ -56,7 +57,7 @@ class VirtualVehicle {
   Motion motion_;
   std::shared_ptr<const DrivenPath> road_;
   std::int64_t start_ns_;
-  std::optional<Stand> stand_;
+  std::optional<Avoidance> avoidance_;
 };
 
 }  // namespace dvi::holdout

@@ -1,20 +1,20 @@
 #include "dvi/inputs/check_setup.h"
 
-#include "dvi/diagnostics/camera_doubts.h"
+#include "dvi/diagnostics/check_camera.h"
+#include "dvi/diagnostics/check_labels.h"
 #include "dvi/diagnostics/fast_motion.h"
 #include "dvi/diagnostics/flow_pairs.h"
-#include "dvi/diagnostics/label_doubts.h"
 
 namespace dvi::inputs {
 namespace {
 
 std::vector<std::string> doubts_of(const Recording& open, const DrivePoses& poses, const objects::CameraMasks& masks) {
   const Drive& drive = open.drive;
-  const diagnostics::FlowPairs pairs = diagnostics::flow_pairs(drive, poses.choice.tracks, masks.images);
-  std::vector<std::string> doubts = diagnostics::camera_doubts(pairs, drive.camera_from_lidar);
+  const diagnostics::FlowPairs pairs = diagnostics::make_flow_pairs(drive, poses.choice.tracks, masks.images);
+  std::vector<std::string> doubts = diagnostics::check_camera(pairs, drive.camera_from_lidar);
   if (open.rig_of) return doubts;
-  if (doubts.empty()) doubts = diagnostics::label_doubts(drive);
-  for (const std::string& fast : diagnostics::fast_motion(drive, poses.world_from_lidar)) doubts.push_back(fast);
+  if (doubts.empty()) doubts = diagnostics::check_labels(drive);
+  for (const std::string& fast : diagnostics::check_fast_motion(drive, poses.world_from_lidar)) doubts.push_back(fast);
   return doubts;
 }
 

@@ -29,17 +29,17 @@ bool sharper(const odometry::Sharpness& loam, const odometry::Sharpness& given) 
 }
 
 void hold_against_scans(const Drive& drive, const odometry::OdometryOptions& options, Progress& progress, PoseChoice& choice) {
-  progress.begin("plausibility", diagnostics::scan_tracks_ticks(drive));
-  choice.tracks = diagnostics::scan_tracks(drive, options, progress.tick());
-  choice.misread = diagnostics::better_reading(drive.poses, drive.camera_from_lidar, choice.tracks);
+  progress.begin("plausibility", diagnostics::count_scan_track_ticks(drive));
+  choice.tracks = diagnostics::estimate_scan_tracks(drive, options, progress.tick());
+  choice.misread = diagnostics::find_better_reading(drive.poses, drive.camera_from_lidar, choice.tracks);
   if (choice.misread) choice.warnings.push_back(choice.misread->words);
   progress.end();
 }
 
 void compare_sharpness(const Drive& drive, bool both, Progress& progress, PoseChoice& choice) {
-  progress.begin("sharpness", (both ? 2 : 1) * odometry::sharpness_ticks(drive));
-  choice.loam = odometry::sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
-  if (both) choice.given = odometry::sharpness(drive, drive.poses, progress.tick());
+  progress.begin("sharpness", (both ? 2 : 1) * odometry::count_sharpness_ticks(drive));
+  choice.loam = odometry::measure_sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
+  if (both) choice.given = odometry::measure_sharpness(drive, drive.poses, progress.tick());
   progress.end();
   if (both && !supported(*choice.given, *choice.loam) && choice.loam->known())
     choice.warnings.push_back(

@@ -269,7 +269,7 @@ void verify_map(const Drive& drive, const map::MapOptions& options) {
   if (drive.map.empty()) return;
   if (drive.poses.empty())
     throw InputError(drive.path, "has a map but no poses in it", "give poses.txt, or --poses FILE (docs/formats.md)");
-  const map::GivenReach reach = map::reach_of_given(drive, options);
+  const map::GivenCoverage reach = map::measure_given_coverage(drive, options);
   if (reach.near == 0)
     throw InputError(drive.map_file,
                      fmt::format("none of its {} points is near the path; the nearest is {:.0f} m from its first pose",

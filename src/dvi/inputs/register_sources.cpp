@@ -43,7 +43,7 @@ bool has_scans(const Drive& drive, const Trajectory& world_from_lidar) {
 }
 
 std::string agreement(const registration::PlacementFigures& figures) {
-  return fmt::format("{} of {} single things agree", figures.things_agree, figures.things);
+  return fmt::format("{} of {} single things agree", figures.landmark_inliers, figures.landmarks);
 }
 
 /// Why a source drive cannot be placed, whose poses say nothing of where it lies.
@@ -52,7 +52,7 @@ std::string agreement(const registration::PlacementFigures& figures) {
   if (figures.overlap > 0)
     throw InputError(source.path, fmt::format("overlaps with {} in {:.0f} % of its scans only", name, 100 * figures.overlap),
                      kRemedy);
-  if (figures.rival > 0.6 && figures.things_agree > 0)
+  if (figures.second_best_ratio > 0.6 && figures.landmark_inliers > 0)
     throw InputError(
         source.path,
         fmt::format("fits {} in several places equally well, so its overlap cannot be told (0 % is sure; in the best "

@@ -179,10 +179,10 @@ odometry::Odometry odometry_of_stretches(const Drive& drive, const odometry::Odo
   const std::vector<Stretch> stretches = split_at_gaps(drive, given);
   // A depth camera with color images is found again after a gap by what it sees.
   if (stretches.size() == 1 || odometry::has_color_and_depth(drive))
-    return odometry::odometry(drive, options, given, progress.parts());
+    return odometry::estimate_odometry(drive, options, given, progress.parts());
   std::vector<Part> parts;
   for (const Stretch& scans : stretches) {
-    Part part{scans, odometry::odometry(drive_of(drive, scans), options, given, progress.parts()), {}, false};
+    Part part{scans, odometry::estimate_odometry(drive_of(drive, scans), options, given, progress.parts()), {}, false};
     part.world_from_lidar = part.odometry.world_from_lidar;
     parts.push_back(std::move(part));
   }

@@ -18,9 +18,9 @@ struct RemovedVoxel {
   Cause cause = Cause::masked;
 };
 
-// What scans are gathered into before any of it is judged by the others.
-struct Gathered {
-  Gathered(double edge, const std::shared_ptr<Scratch>& scratch) : voxels(edge, scratch), removed(edge, scratch) {}
+/// The sums over all scans before carving.
+struct ScanSums {
+  ScanSums(double edge, const std::shared_ptr<Scratch>& scratch) : voxels(edge, scratch), removed(edge, scratch) {}
 
   MapVoxels voxels;
   VoxelGrid<RemovedVoxel> removed;
@@ -40,7 +40,7 @@ void add(MapCounts& sum, const MapCounts& more) {
   sum.scans_without_pose += more.scans_without_pose;
 }
 
-void Gathered::add(const FilteredScan& scan, std::size_t drive, std::int64_t time_ns) {
+void ScanSums::add(const FilteredScan& scan, std::size_t drive, std::int64_t time_ns) {
   dvi::map::add(counts, scan.counts);
   for (const RemovedPoint& point : scan.removed) {
     RemovedVoxel& voxel = removed.at(point.position.cast<double>());
@@ -53,19 +53,19 @@ void Gathered::add(const FilteredScan& scan, std::size_t drive, std::int64_t tim
     MapVoxel& voxel = voxels.at(point.position);
     if (voxel.count == 0) voxel.first = number;
     voxel.last = number;
-    voxel.offset_sum += (point.position - voxels.center(voxels.place(point.position))).cast<float>();
+    voxel.offset_sum += (point.position - voxels.center(voxels.index(point.position))).cast<float>();
     voxel.intensity_sum += point.intensity;
     ++voxel.count;
   }
 }
 
-void gather(const std::vector<MapInput>& inputs, const MapOptions& options, Gathered& all, const Tick& tick) {
+void gather(const std::vector<MapInput>& inputs, const MapOptions& options, ScanSums& all, const Tick& tick) {
   for (std::size_t drive = 0; drive < inputs.size(); ++drive) {
     const std::vector<ScanHeader>& scan_headers = inputs[drive].drive->scan_headers;
     for_blocks(scan_headers.size(), [&](std::size_t first, std::size_t last) {
       std::vector<FilteredScan> filtered(last - first);
       parallel_for(filtered.size(), [&](std::size_t i) { filtered[i] = filter_scan(inputs[drive], options, first + i); });
-      for (std::size_t i = 0; i < filtered.size(); ++i) {  // in order, so that sums do not depend on scheduling
+      for (std::size_t i = 0; i < filtered.size(); ++i) {  // in order, so that sums do not depend on the scheduling
         all.add(filtered[i], drive, scan_headers[first + i].time_ns);
         tick();
       }
@@ -74,25 +74,25 @@ void gather(const std::vector<MapInput>& inputs, const MapOptions& options, Gath
   }
 }
 
-// A tile's voxels in the order of their coordinates.
+/// Sorts the voxels of a tile by their coordinates.
 template <class Tile>
-std::vector<std::size_t> in_order(const Tile& tile) {
-  std::vector<std::size_t> order(tile.places.size());
+std::vector<std::size_t> sort_voxels(const Tile& tile) {
+  std::vector<std::size_t> order(tile.indices.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto key = [&](std::size_t i) {
-    const Eigen::Vector3i& p = tile.places[i];
+    const Eigen::Vector3i& p = tile.indices[i];
     return std::tie(p.x(), p.y(), p.z());
   };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
   return order;
 }
 
-// Adds what a tile holds to the map.
+/// Adds the voxels of a tile to the map.
 void add_tile(const MapVoxels& voxels, const MapVoxels::Tile& tile, bool carve, StaticMap& map) {
   StaticMap::Tile out{{}, map.points.size(), 0};
-  for (const std::size_t i : in_order(tile)) {
+  for (const std::size_t i : sort_voxels(tile)) {
     const MapVoxel& voxel = tile.voxels[i];
-    const Eigen::Vector3f position = mean(voxels, tile.places[i], voxel).cast<float>();
+    const Eigen::Vector3f position = compute_mean(voxels, tile.indices[i], voxel).cast<float>();
     if (carve && has_moved(voxel)) {
       map.counts.moved += voxel.count;
       map.removed.push_back({position, Cause::moved});
@@ -106,21 +106,21 @@ void add_tile(const MapVoxels& voxels, const MapVoxels::Tile& tile, bool carve, 
   if (out.first < out.last) map.tiles.push_back(out);
 }
 
-// Moves what was gathered into the map, tile by tile.
-void move_to_map(Gathered& gathered, bool carve, StaticMap& map) {
-  map.scans = gathered.scans;
-  map.counts = gathered.counts;
+/// Moves the voxels into the map, tile by tile.
+void move_to_map(ScanSums& sums, bool carve, StaticMap& map) {
+  map.scans = sums.scans;
+  map.counts = sums.counts;
   std::size_t voxels = 0;
-  for (const auto& [column, tile] : gathered.voxels.tiles()) voxels += tile.voxels.size();
-  map.points.reserve(voxels);  // at once: while a vector grows, it is in memory twice
-  for (auto& [column, tile] : gathered.voxels.tiles()) {
-    add_tile(gathered.voxels, tile, carve, map);
+  for (const auto& [column, tile] : sums.voxels.tiles()) voxels += tile.voxels.size();
+  map.points.reserve(voxels);  // a growing vector would be in memory twice
+  for (auto& [column, tile] : sums.voxels.tiles()) {
+    add_tile(sums.voxels, tile, carve, map);
     tile = MapVoxels::Tile(map.scratch());
     map.page_out();
   }
-  for (const auto& [column, tile] : gathered.removed.tiles())
-    for (const std::size_t i : in_order(tile))
-      map.removed.push_back({gathered.removed.center(tile.places[i]).cast<float>(), tile.voxels[i].cause});
+  for (const auto& [column, tile] : sums.removed.tiles())
+    for (const std::size_t i : sort_voxels(tile))
+      map.removed.push_back({sums.removed.center(tile.indices[i]).cast<float>(), tile.voxels[i].cause});
 }
 
 }  // namespace
@@ -129,14 +129,14 @@ StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& optio
   std::size_t scans = 0;
   for (const MapInput& input : inputs) scans += input.drive->scan_headers.size();
   StaticMap map(Scratch::of_process());
-  Gathered gathered(options.voxel_m, map.scratch());
-  gather(inputs, options, gathered, begin("map", scans));
+  ScanSums sums(options.voxel_m, map.scratch());
+  gather(inputs, options, sums, begin("map", scans));
   for (std::size_t drive = 0; drive < inputs.size(); ++drive)
     if (!inputs[drive].drive->map.empty())
-      gathered.counts.returns += add_given(inputs[drive], options, drive, gathered.scans, gathered.voxels);
-  if (options.carve) count_hits_and_passes(gathered.voxels, inputs, options.pose_error_m, begin("carve", scans));
+      sums.counts.returns += add_given_points(inputs[drive], options, drive, sums.scans, sums.voxels);
+  if (options.carve) count_hits_and_passes(sums.voxels, inputs, options.pose_error_m, begin("carve", scans));
   begin("normals", 0);
-  move_to_map(gathered, options.carve, map);
+  move_to_map(sums, options.carve, map);
   add_normals(map);
   return map;
 }

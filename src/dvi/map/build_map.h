@@ -12,8 +12,8 @@ namespace dvi::map {
 
 struct MapOptions {
   double voxel_m = 0.05;
-  std::optional<double> min_range_m;       ///< of the scan; none: Drive::min_range_m()
-  std::optional<double> max_range_m = {};  ///< none: Drive::max_range_m()
+  std::optional<double> min_range_m;       ///< of a return; default: Drive::min_range_m()
+  std::optional<double> max_range_m = {};  ///< default: Drive::max_range_m()
   double box_margin_m = 0.2;
   bool require_camera_visibility = true;
   bool carve = true;
@@ -26,7 +26,7 @@ struct MapOptions {
               "Expected position error between scans; free-space carving keeps this distance from rays.");
     table.developer();
     table.add("require_camera_visibility", require_camera_visibility,
-              "Keep only points that the camera saw unmasked when they were scanned; others may belong to traffic.");
+              "Keep only points that a camera observed unmasked when they were scanned; others may belong to traffic.");
     table.add("carve", carve, "Free-space carving: remove points that rays of other scans passed through.");
     table.add("box_margin_m", box_margin_m, {0, 5},
               "Margin added to labeled 3D boxes before their points are dropped; objects move while they are scanned.");
@@ -34,27 +34,28 @@ struct MapOptions {
   void check() const { check_ranges(*this); }
 };
 
-/// What another camera of a drive saw.
+/// Another camera of a drive.
 struct MapCamera {
   const Drive* drive = nullptr;
-  Lazy<cv::Mat1b> masks;  ///< as drive->frames
+  Lazy<cv::Mat1b> masks;  ///< one per frame of the drive
 };
 
-/// One drive as the map sees it.
+/// One drive as input of the map.
 struct MapInput {
   const Drive* drive = nullptr;
   Trajectory world_from_lidar;
-  Lazy<cv::Mat1b> masks;                  ///< as drive->frames
-  SharedLabels objects{};                 ///< labels of what is removed, as drive->frames; null: none
-  std::vector<MapCamera> more_cameras{};  ///< whose sight of a point counts as much
-  SE3 world_from_map{};                   ///< of drive->map, where there is one
+  Lazy<cv::Mat1b> masks;                  ///< one per frame of the drive
+  SharedLabels objects{};                 ///< labels of removed objects, per frame; null: none
+  std::vector<MapCamera> more_cameras{};  ///< their observations count as much
+  SE3 world_from_map{};                   ///< of drive->map, if the drive has one
 };
 
-/// The static map of several drives in one world: scans are compensated for the motion within the scan; points that project
-/// into the mask of the frame nearest in time, unless another camera saw them unmasked, or lie in its labeled boxes are
-/// dropped (section 3.1 of the paper), the rest is thinned to one mean point a voxel; then voxels that rays of other scans went
-/// through are dropped. A map that a drive brings is taken as it is, as far from its path as scans are. Streams over scans:
-/// memory grows with the area seen, up to the bound of Scratch::of_process(). Parts: map, carve, normals.
+/// Builds the static map of several drives in one world (section 3.1 of the paper). Scans are compensated for the motion within
+/// the scan. Points are dropped if they are in a labeled box of the frame nearest in time, or if they project into its mask and
+/// no other camera observed them unmasked. The rest is thinned to one mean point per voxel, and voxels that rays of other scans
+/// passed through are removed. The points of a map that a drive brings are added within the range of its scans. Processes scans
+/// one block at a time: memory grows with the observed area, up to the bound of Scratch::of_process(). Reports three parts of
+/// progress, "map", "carve", and "normals".
 StaticMap build_map(const std::vector<MapInput>& inputs, const MapOptions& options, const BeginPart& begin = no_parts);
 
 }  // namespace dvi::map

@@ -13,39 +13,36 @@ namespace {
 
 using Tile = MapVoxels::Tile;
 
-// Passes a hit that make a thing one that moved: wires and leaves are passed now and then, but hit more often.
-constexpr double kShare = 0.1;
-
-// Columns of tiles that a scan reaches.
-std::set<std::pair<int, int>> within_reach(const std::vector<FreeSpace>& spaces) {
-  constexpr double kReach = FreeSpace::kMaxRangeM + MapVoxels::kTile;
-  const auto tile_of = [](double meters) { return static_cast<int>(std::floor(meters / MapVoxels::kTile)); };
+/// Returns the columns of tiles within the range of the scans.
+std::set<std::pair<int, int>> find_columns_in_range(const std::vector<FreeSpace>& spaces) {
+  constexpr double kMaxDistanceM = FreeSpace::kMaxRangeM + MapVoxels::kTileM;
+  const auto tile_of = [](double meters) { return static_cast<int>(std::floor(meters / MapVoxels::kTileM)); };
   std::set<std::pair<int, int>> near;
   for (const FreeSpace& space : spaces) {
     if (!space.valid()) continue;
     const Eigen::Vector2d at = space.sensor().head<2>();
-    for (int x = tile_of(at.x() - kReach); x <= tile_of(at.x() + kReach); ++x)
-      for (int y = tile_of(at.y() - kReach); y <= tile_of(at.y() + kReach); ++y)
-        if ((at - MapVoxels::kTile * Eigen::Vector2d(x + 0.5, y + 0.5)).norm() < kReach) near.emplace(x, y);
+    for (int x = tile_of(at.x() - kMaxDistanceM); x <= tile_of(at.x() + kMaxDistanceM); ++x)
+      for (int y = tile_of(at.y() - kMaxDistanceM); y <= tile_of(at.y() + kMaxDistanceM); ++y)
+        if ((at - MapVoxels::kTileM * Eigen::Vector2d(x + 0.5, y + 0.5)).norm() < kMaxDistanceM) near.emplace(x, y);
   }
   return near;
 }
 
-// What one drive says of a voxel, and on to the next drive.
+/// Concludes from the counts of one drive and resets them.
 void conclude(MapVoxel& voxel, std::size_t drive) {
   const std::uint32_t bit = MapPoint::drive_bit(drive);
-  if (voxel.passes > kShare * static_cast<double>(voxel.hits))
+  if (voxel.passes > kCarving.max_pass_ratio * static_cast<double>(voxel.hits))
     voxel.absent |= bit;
   else if (voxel.hits > 0)
-    voxel.stood |= bit;
+    voxel.present |= bit;
   voxel.hits = voxel.passes = 0;
 }
 
-void judge(MapVoxels& voxels, Tile& tile, const std::vector<FreeSpace>& spaces) {
+void count_for_tile(MapVoxels& voxels, Tile& tile, const std::vector<FreeSpace>& spaces) {
   const double radius = 0.5 * voxels.edge();
   for (std::size_t i = 0; i < tile.voxels.size(); ++i) {
     MapVoxel& voxel = tile.voxels[i];
-    const Eigen::Vector3d point = mean(voxels, tile.places[i], voxel);
+    const Eigen::Vector3d point = compute_mean(voxels, tile.indices[i], voxel);
     for (const FreeSpace& space : spaces) {
       if (!space.valid()) continue;
       const FreeSpace::Seen seen = space.judge(point, radius);
@@ -61,19 +58,19 @@ void count_hits_and_passes(MapVoxels& voxels, const std::vector<MapInput>& input
   for (std::size_t drive = 0; drive < inputs.size(); ++drive) {
     const MapInput& input = inputs[drive];
     const std::vector<ScanHeader>& scan_headers = input.drive->scan_headers;
-    std::set<std::pair<int, int>> reached;  // by the rays of this drive
+    std::set<std::pair<int, int>> reached;  // columns in the range of this drive
     for_blocks(scan_headers.size(), [&](std::size_t first, std::size_t last) {
       std::vector<FreeSpace> spaces(last - first);
       parallel_for(spaces.size(), [&](std::size_t i) {
         spaces[i] = FreeSpace(*input.drive->scans[first + i], scan_headers[first + i], input.world_from_lidar, pose_error_m);
       });
       std::vector<Tile*> near;
-      for (const auto& column : within_reach(spaces))
+      for (const auto& column : find_columns_in_range(spaces))
         if (const auto tile = voxels.tiles().find(column); tile != voxels.tiles().end()) {
           near.push_back(&tile->second);
           reached.insert(column);
         }
-      parallel_for(near.size(), [&](std::size_t i) { judge(voxels, *near[i], spaces); });
+      parallel_for(near.size(), [&](std::size_t i) { count_for_tile(voxels, *near[i], spaces); });
       voxels.page_out();
       for (std::size_t i = first; i < last; ++i) tick();
     });
@@ -87,6 +84,6 @@ void count_hits_and_passes(MapVoxels& voxels, const std::vector<MapInput>& input
   }
 }
 
-bool has_moved(const MapVoxel& voxel) { return voxel.absent != 0 && voxel.stood == 0; }
+bool has_moved(const MapVoxel& voxel) { return voxel.absent != 0 && voxel.present == 0; }
 
 }  // namespace dvi::map

@@ -7,16 +7,17 @@
 
 namespace dvi::map {
 
-/// Adds the map that a drive brings to the voxels, as far from its path as scans are used, and a scan without returns for each
-/// of its frames: the nearest to a point stands for what saw it. Returns how many points were added.
-std::size_t add_given(const MapInput& input, const MapOptions& options, std::size_t drive, std::vector<MapScan>& scans,
-                      MapVoxels& voxels);
+/// Adds the points of the map that a drive brings to the voxels, within the range of scans from its path. Adds a scan without
+/// returns for each frame, because each point refers to the scan that observed it. Returns the number of points added.
+std::size_t add_given_points(const MapInput& input, const MapOptions& options, std::size_t drive, std::vector<MapScan>& scans,
+                             MapVoxels& voxels);
 
-/// How many points of that map lie so near its path, and how far the nearest one is from it. The path: world_from_lidar.
-struct GivenReach {
+/// How many points of that map are within the range of scans from the path.
+struct GivenCoverage {
   std::size_t points = 0, near = 0;
-  double nearest_m = 0;  ///< from the path's first pose; where none is near
+  double nearest_m = 0;  ///< distance of the nearest point from the first pose
 };
-GivenReach reach_of_given(const Drive& drive, const MapOptions& options);
+/// Measures the coverage with the poses of the drive.
+GivenCoverage measure_given_coverage(const Drive& drive, const MapOptions& options);
 
 }  // namespace dvi::map

@@ -7,34 +7,35 @@
 #include "dvi/core/random.h"
 #include "dvi/drive/deskew.h"
 #include "dvi/drive/free_space.h"
+#include "dvi/geometry/angles.h"
 #include "dvi/map/build_map.h"
 #include "dvi/map/visible_points.h"
 
 namespace dvi::map {
 namespace {
 
-constexpr std::int64_t kScanPeriod = 100'000'000;  // nanoseconds
+constexpr std::int64_t kScanPeriodNs = 100'000'000;
 constexpr int kScans = 8, kBeams = 64, kColumns = 1800;
 
-/// Meters to the street along a ray from 1.7 m above it: ground, facades 9 m to either side, nothing above 6 m.
-float range_along(const Eigen::Vector3f& ray) {
+/// Returns the range of a ray from 1.7 m above a street: ground, facades 9 m to both sides, nothing above 6 m.
+float trace_street(const Eigen::Vector3f& ray) {
   const float ground = ray.z() < 0 ? -1.7F / ray.z() : 1e9F;
   const float facade = 9 / std::max(std::abs(ray.y()), 1e-6F);
   return std::min(ground, facade * ray.z() < 4.3F ? facade : 1e9F);
 }
 
-/// A scan within the street, the same from everywhere along it but for its noise.
-Scan street_scan(std::uint64_t seed) {
+/// A scan in the street; all positions along it differ in noise only.
+Scan make_street_scan(std::uint64_t seed) {
   Random random(seed);
   Scan scan;
   for (int column = 0; column < kColumns; ++column)
     for (int beam = 0; beam < kBeams; ++beam) {
       const double azimuth = 2 * std::numbers::pi * (0.5 - (column + 0.5) / kColumns);
-      const double elevation = (-24.8 + 26.8 * beam / (kBeams - 1)) * std::numbers::pi / 180;
+      const double elevation = to_radians(-24.8 + 26.8 * beam / (kBeams - 1));
       const Eigen::Vector3f ray =
           Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation))
               .cast<float>();
-      const float range = range_along(ray);
+      const float range = trace_street(ray);
       if (range > 120) continue;
       scan.points.emplace_back((range + 0.02F * static_cast<float>(random.normal())) * ray);
       scan.intensity.push_back(0.5F);
@@ -58,13 +59,13 @@ struct StreetDrive {
     drive.camera_from_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
     std::vector<StampedPose> stamped;
     for (int i = -1; i <= kScans; ++i) {
-      const std::int64_t time = i * kScanPeriod;
+      const std::int64_t time = i * kScanPeriodNs;
       stamped.push_back({time, {Eigen::Matrix3d::Identity(), {0.8 * i, 0, 0}}});
       if (i < 0 || i == kScans) continue;
       drive.frames.push_back({i, "", time, {}, {}});
-      drive.scan_headers.push_back({"", time, time - kScanPeriod / 2, time + kScanPeriod / 2, {}});
+      drive.scan_headers.push_back({"", time, time - kScanPeriodNs / 2, time + kScanPeriodNs / 2, {}});
     }
-    drive.scans = {kScans, kScans, street_scan};
+    drive.scans = {kScans, kScans, make_street_scan};
     poses = Trajectory(stamped);
   }
 
@@ -84,10 +85,10 @@ void deskew(benchmark::State& state) {
 }
 BENCHMARK(deskew)->Unit(benchmark::kMillisecond);
 
-/// Eight scans in memory to a map: of what the camera saw or not (first argument), carved or not (second).
+/// Builds a map from eight scans in memory, with camera visibility (first argument) and carving (second argument).
 void build(benchmark::State& state) {
   const StreetDrive street;
-  StaticMap map = street.map(false);  // the scans are made here
+  StaticMap map = street.map(false);  // makes the scans
   for (auto _ : state) map = street.map(state.range(0) != 0, state.range(1) != 0);
   state.counters["returns"] = static_cast<double>(map.counts.returns);
   state.counters["points"] = static_cast<double>(map.points.size());
@@ -100,7 +101,7 @@ BENCHMARK(build)
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime();
 
-/// One scan made ready to ask what its rays passed.
+/// Prepares the free space of one scan.
 void free_space(benchmark::State& state) {
   const StreetDrive street;
   const auto scan = street.drive.scans[0];
@@ -115,7 +116,7 @@ void visible(benchmark::State& state) {
   view.camera = street.drive.camera;
   view.camera_from_world = street.drive.camera_from_lidar;
   std::vector<VisiblePoint> points;
-  for (auto _ : state) points = visible_points(map, view, 0.07, 0.05);
+  for (auto _ : state) points = find_visible_points(map, view, 0.07, 0.05);
   state.counters["map_points"] = static_cast<double>(map.points.size());
   state.counters["visible"] = static_cast<double>(points.size());
 }

@@ -10,7 +10,7 @@
 namespace dvi::map {
 namespace {
 
-/// The frame a scan is judged by: the one nearest in time, if it is of this scan at all.
+/// The frame nearest in time to a scan, with its pose and mask.
 struct NearestFrame {
   std::size_t frame = 0;
   SE3 lidar_from_world;
@@ -23,8 +23,8 @@ InImage in_image(const Eigen::Vector3d& point, const NearestFrame& frame) {
   return dvi::in_image(frame.camera_from_world * point, *frame.camera, *frame.mask);
 }
 
-std::optional<NearestFrame> nearest_frame(const ScanHeader& header, const Drive& drive, const Lazy<cv::Mat1b>& masks,
-                                          const Trajectory& world_from_lidar) {
+std::optional<NearestFrame> find_nearest_frame(const ScanHeader& header, const Drive& drive, const Lazy<cv::Mat1b>& masks,
+                                               const Trajectory& world_from_lidar) {
   const std::vector<Frame>& frames = drive.frames;
   const Frame* const nearest = nearest_in_time(frames, header.time_ns, header.end_ns - header.start_ns);
   if (!nearest) return std::nullopt;
@@ -35,11 +35,11 @@ std::optional<NearestFrame> nearest_frame(const ScanHeader& header, const Drive&
   return NearestFrame{frame, lidar_from_world, drive.camera_from_lidar * lidar_from_world, &drive.camera, masks[frame]};
 }
 
-class Filter {
+class ScanFilter {
  public:
-  Filter(const MapInput& input, const MapOptions& options) : input_(input), options_(options) {}
+  ScanFilter(const MapInput& input, const MapOptions& options) : input_(input), options_(options) {}
 
-  FilteredScan operator()(std::size_t index) const {
+  FilteredScan filter(std::size_t index) const {
     const ScanHeader& header = input_.drive->scan_headers[index];
     const std::shared_ptr<const Scan> scan = input_.drive->scans[index];
     FilteredScan out;
@@ -51,18 +51,19 @@ class Filter {
     }
     out.counts.scans = 1;
     if (const std::optional<SE3> middle = input_.world_from_lidar.at(header.time_ns)) out.sensor = middle->t.cast<float>();
-    const std::optional<NearestFrame> nearest = nearest_frame(header, *input_.drive, input_.masks, input_.world_from_lidar);
+    const std::optional<NearestFrame> nearest =
+        find_nearest_frame(header, *input_.drive, input_.masks, input_.world_from_lidar);
     std::vector<NearestFrame> more;
     for (const MapCamera& camera : input_.more_cameras)
-      if (auto frame = nearest_frame(header, *camera.drive, camera.masks, input_.world_from_lidar))
+      if (auto frame = find_nearest_frame(header, *camera.drive, camera.masks, input_.world_from_lidar))
         more.push_back(std::move(*frame));
-    const double nearest_m = options_.min_range_m.value_or(input_.drive->min_range_m());
-    const double farthest_m = options_.max_range_m.value_or(input_.drive->max_range_m());
+    const double min_range_m = options_.min_range_m.value_or(input_.drive->min_range_m());
+    const double max_range_m = options_.max_range_m.value_or(input_.drive->max_range_m());
     for (std::size_t i = 0; i < world.size(); ++i) {
       const float range = scan->points[i].norm();
-      if (range < nearest_m || range > farthest_m)
+      if (range < min_range_m || range > max_range_m)
         ++out.counts.too_near;
-      else if (nearest && boxed(*nearest, world[i]))
+      else if (nearest && is_boxed(*nearest, world[i]))
         drop(world[i], Cause::boxed, out.counts.boxed, out);
       else
         judge(world[i], scan->intensity[i], nearest, more, out);
@@ -71,7 +72,7 @@ class Filter {
   }
 
  private:
-  bool boxed(const NearestFrame& nearest, const Eigen::Vector3d& point) const {
+  bool is_boxed(const NearestFrame& nearest, const Eigen::Vector3d& point) const {
     if (!input_.objects) return false;
     return is_in_any_box((*input_.objects)[nearest.frame], nearest.lidar_from_world * point, options_.box_margin_m);
   }
@@ -83,12 +84,12 @@ class Filter {
 
   void judge(const Eigen::Vector3d& point, float intensity, const std::optional<NearestFrame>& nearest,
              const std::vector<NearestFrame>& more, FilteredScan& out) const {
-    InImage sight = nearest ? in_image(point, *nearest) : InImage::unseen;
+    InImage observation = nearest ? in_image(point, *nearest) : InImage::unseen;
     for (const NearestFrame& other : more)
-      if (sight != InImage::background) sight = std::max(sight, in_image(point, other));
-    if (sight == InImage::removed)
+      if (observation != InImage::background) observation = std::max(observation, in_image(point, other));
+    if (observation == InImage::removed)
       drop(point, Cause::masked, out.counts.masked, out);
-    else if (sight == InImage::unseen && options_.require_camera_visibility)
+    else if (observation == InImage::unseen && options_.require_camera_visibility)
       ++out.counts.unseen_by_camera;
     else
       out.kept.push_back({point, intensity});
@@ -101,7 +102,7 @@ class Filter {
 }  // namespace
 
 FilteredScan filter_scan(const MapInput& input, const MapOptions& options, std::size_t index) {
-  return Filter(input, options)(index);
+  return ScanFilter(input, options).filter(index);
 }
 
 }  // namespace dvi::map

@@ -7,7 +7,7 @@
 
 namespace dvi::map {
 
-/// What masks, labels and options leave of one scan.
+/// The points of one scan after filtering by masks, labels, and options.
 struct FilteredScan {
   struct Kept {
     Eigen::Vector3d position;  ///< meters, world axes
@@ -15,11 +15,11 @@ struct FilteredScan {
   };
   std::vector<Kept> kept;
   std::vector<RemovedPoint> removed;
-  std::optional<Eigen::Vector3f> sensor;  ///< where it was in the middle of the scan; none where the poses do not say
+  std::optional<Eigen::Vector3f> sensor;  ///< position at the middle of the scan; nothing if there is no pose
   MapCounts counts;
 };
 
-/// Scan `index` of a drive, compensated for its motion and judged by the frame nearest in time (section 3.1 of the paper).
+/// Compensates scan `index` of a drive for its motion and filters it by the frame nearest in time (section 3.1 of the paper).
 FilteredScan filter_scan(const MapInput& input, const MapOptions& options, std::size_t index);
 
 }  // namespace dvi::map

@@ -7,32 +7,32 @@
 namespace dvi::map {
 namespace {
 
-constexpr float kNearPlane = 0.5F;    // meters
-constexpr int kMaxSplat = 12;         // px
-constexpr double kCullMargin = 0.15;  // of the image size, for what distortion bends in
-constexpr double kFarPixel = 0.5;     // meters that a pixel spans where the view ends: nothing farther can be told apart
+constexpr float kNearPlaneM = 0.5F;
+constexpr int kMaxSplatPx = 12;
+constexpr double kCullMargin = 0.15;  // share of the image size, for points that distortion moves into the image
+constexpr double kMaxPixelM = 0.5;    // size of a pixel on a surface at the far plane
 
-double far_plane(const Camera& camera) { return kFarPixel * camera.fx; }
+double compute_far_plane_m(const Camera& camera) { return kMaxPixelM * camera.fx; }
 
-// Whether the tile lies farther away than any corner of the view where it ends, as most of a long drive's do.
-bool beyond(const Eigen::AlignedBox3f& bounds, const Eigen::Vector3f& eye, const Camera& c) {
+/// Returns whether the tile is farther away than the far corners of the view, as are most tiles of a long drive.
+bool is_beyond(const Eigen::AlignedBox3f& bounds, const Eigen::Vector3f& eye, const Camera& c) {
   const double x = (0.5 + kCullMargin) * c.width + std::abs(c.cx - 0.5 * c.width);
   const double y = (0.5 + kCullMargin) * c.height + std::abs(c.cy - 0.5 * c.height);
-  const double farthest = far_plane(c) * std::hypot(1, x / c.fx, y / c.fy);
+  const double farthest = compute_far_plane_m(c) * std::hypot(1, x / c.fx, y / c.fy);
   return bounds.squaredExteriorDistance(eye) > farthest * farthest;
 }
 
-// Whether all corners of the tile lie outside one side of the view.
-bool outside(const Eigen::AlignedBox3f& bounds, const View& view) {
+/// Returns whether all corners of the tile are outside the same side of the view.
+bool is_outside(const Eigen::AlignedBox3f& bounds, const View& view) {
   const Camera& c = view.camera;
   const double left = (-kCullMargin * c.width - c.cx) / c.fx, right = ((1 + kCullMargin) * c.width - c.cx) / c.fx;
   const double top = (-kCullMargin * c.height - c.cy) / c.fy, bottom = ((1 + kCullMargin) * c.height - c.cy) / c.fy;
-  const double far = far_plane(c);
+  const double far = compute_far_plane_m(c);
   std::array<int, 6> beyond{};
   for (int i = 0; i < 8; ++i) {
     const auto corner = static_cast<Eigen::AlignedBox3f::CornerType>(i);
     const Eigen::Vector3d p = view.camera_from_world * bounds.corner(corner).cast<double>();
-    beyond[0] += p.z() < kNearPlane ? 1 : 0;
+    beyond[0] += p.z() < kNearPlaneM ? 1 : 0;
     beyond[1] += p.x() < left * p.z() ? 1 : 0;
     beyond[2] += p.x() > right * p.z() ? 1 : 0;
     beyond[3] += p.y() < top * p.z() ? 1 : 0;
@@ -42,9 +42,9 @@ bool outside(const Eigen::AlignedBox3f& bounds, const View& view) {
   return std::find(beyond.begin(), beyond.end(), 8) != beyond.end();
 }
 
-/// The nearest point of each pixel, in `points`; -1: none.
-struct Nearest {
-  explicit Nearest(const Camera& camera) : index(camera.height, camera.width, -1), z(camera.height, camera.width, 1e9F) {}
+/// The nearest point of each pixel, as an index in `points`; -1 if there is none.
+struct ZBuffer {
+  explicit ZBuffer(const Camera& camera) : index(camera.height, camera.width, -1), z(camera.height, camera.width, 1e9F) {}
 
   void add(const VisiblePoint& point) {
     const int x = cvRound(point.u), y = cvRound(point.v);
@@ -54,22 +54,22 @@ struct Nearest {
     points.push_back(point);
   }
 
-  std::vector<VisiblePoint> points;  ///< and some that others hide
+  std::vector<VisiblePoint> points;  ///< includes some hidden points
   cv::Mat1i index;
   cv::Mat1f z;
 };
 
-Nearest project(const StaticMap& map, const View& view) {
-  Nearest nearest(view.camera);
-  const double far = far_plane(view.camera);
+ZBuffer project(const StaticMap& map, const View& view) {
+  ZBuffer nearest(view.camera);
+  const double far = compute_far_plane_m(view.camera);
   const Eigen::Vector3f eye = view.camera_from_world.inverse().t.cast<float>();
   for (const StaticMap::Tile& tile : map.tiles) {
-    if (beyond(tile.bounds, eye, view.camera) || outside(tile.bounds, view)) continue;
+    if (is_beyond(tile.bounds, eye, view.camera) || is_outside(tile.bounds, view)) continue;
     for (std::size_t i = tile.first; i < tile.last; ++i) {
-      if (!map.points[i].stood_on(static_cast<std::size_t>(view.drive))) continue;
+      if (!map.points[i].is_present_in(static_cast<std::size_t>(view.drive))) continue;
       const Eigen::Vector3f& world = map.points[i].position;
       const Eigen::Vector3d p = view.camera_from_world * world.cast<double>();
-      if (p.z() < kNearPlane || p.z() > far || !view.camera.in_front(p)) continue;
+      if (p.z() < kNearPlaneM || p.z() > far || !view.camera.in_front(p)) continue;
       const Eigen::Vector2d pixel = view.camera.project(p);
       const float u = static_cast<float>(pixel.x()), v = static_cast<float>(pixel.y());
       if (std::abs(u) < 1e6F && std::abs(v) < 1e6F) nearest.add({u, v, static_cast<float>(p.z()), world, i});
@@ -78,24 +78,24 @@ Nearest project(const StaticMap& map, const View& view) {
   return nearest;
 }
 
-// Half the width of the rows of a disc, by its radius and their distance from its middle.
-using Disc = std::array<int, kMaxSplat + 1>;
-std::array<Disc, kMaxSplat + 1> discs() {
-  std::array<Disc, kMaxSplat + 1> out{};
-  for (int r = 0; r <= kMaxSplat; ++r)
+// Half the width of the rows of a disc, by its radius and their distance from its center.
+using Disc = std::array<int, kMaxSplatPx + 1>;
+std::array<Disc, kMaxSplatPx + 1> make_discs() {
+  std::array<Disc, kMaxSplatPx + 1> out{};
+  for (int r = 0; r <= kMaxSplatPx; ++r)
     for (int dy = 0; dy <= r; ++dy) out[r][dy] = static_cast<int>(std::sqrt(static_cast<double>(r * r - dy * dy)));
   return out;
 }
 
-// Depth of the nearest disc at each pixel.
-cv::Mat1f occluders(const Nearest& nearest, double splat_px_at_1m) {
-  const std::array<Disc, kMaxSplat + 1> half_width = discs();
+/// Renders the depth of the nearest disc at each pixel.
+cv::Mat1f render_occluders(const ZBuffer& nearest, double splat_px_at_1m) {
+  const std::array<Disc, kMaxSplatPx + 1> half_width = make_discs();
   cv::Mat1f z = nearest.z.clone();
   for (int y = 0; y < z.rows; ++y)
     for (int x = 0; x < z.cols; ++x) {
       if (nearest.index(y, x) < 0) continue;
       const float depth = nearest.z(y, x);
-      const int r = std::min(kMaxSplat, cvRound(splat_px_at_1m / depth));
+      const int r = std::min(kMaxSplatPx, cvRound(splat_px_at_1m / depth));
       if (r == 0) continue;
       for (int dy = -std::min(r, y); dy <= std::min(r, z.rows - 1 - y); ++dy) {
         const int half = half_width[r][std::abs(dy)], last = std::min(z.cols - 1, x + half);
@@ -108,10 +108,10 @@ cv::Mat1f occluders(const Nearest& nearest, double splat_px_at_1m) {
 
 }  // namespace
 
-std::vector<VisiblePoint> visible_points(const StaticMap& map, const View& view, double splat_m, double tolerance) {
-  const Nearest nearest = project(map, view);
+std::vector<VisiblePoint> find_visible_points(const StaticMap& map, const View& view, double splat_m, double tolerance) {
+  const ZBuffer nearest = project(map, view);
   map.page_out();
-  const cv::Mat1f occluder = occluders(nearest, splat_m * view.camera.fx);
+  const cv::Mat1f occluder = render_occluders(nearest, splat_m * view.camera.fx);
   std::vector<VisiblePoint> visible;
   for (int y = 0; y < occluder.rows; ++y)
     for (int x = 0; x < occluder.cols; ++x)

@@ -15,25 +15,17 @@
 namespace dvi::metrics {
 namespace {
 
-constexpr int kRing = 40;       // px
-constexpr int kFlash = 40;      // gray levels off both neighboring frames
-constexpr int kAgree = 20;      // gray levels between these two
-constexpr double kTail = 0.01;  // of the ring's pixels at either end of its range
-constexpr int kGrace = 5;       // gray levels beyond the range
-constexpr int kNeighbors = 5;   // px: width of the neighborhood
-constexpr int kLone = 25;       // gray levels off its median
-
-cv::Mat1b ring_round(const cv::Mat1b& mask) {
-  cv::Mat1b ring;
-  cv::dilate(mask, ring, cv::Mat1b(2 * kRing + 1, 2 * kRing + 1, uchar{1}));
-  return cv::Mat1b(ring & ~mask);
+cv::Mat1b find_boundary(const cv::Mat1b& mask) {
+  cv::Mat1b boundary;
+  cv::dilate(mask, boundary, cv::Mat1b(2 * kArtifact.boundary_px + 1, 2 * kArtifact.boundary_px + 1, uchar{1}));
+  return cv::Mat1b(boundary & ~mask);
 }
 
 struct Range {
   int low = 0, high = 255;
 };
 
-Range range_of(const cv::Mat1b& gray, const cv::Mat1b& pixels) {
+Range compute_range(const cv::Mat1b& gray, const cv::Mat1b& pixels) {
   std::array<std::size_t, 256> levels{};
   std::size_t count = 0;
   for (int y = 0; y < gray.rows; ++y)
@@ -45,25 +37,25 @@ Range range_of(const cv::Mat1b& gray, const cv::Mat1b& pixels) {
     while (at < 255 && static_cast<double>(passed += levels[at]) <= before) ++at;
     return static_cast<int>(at);
   };
-  return count == 0 ? Range{} : Range{level(kTail), level(1 - kTail)};
+  return count == 0 ? Range{} : Range{level(kArtifact.tail_share), level(1 - kArtifact.tail_share)};
 }
 
-std::size_t overshoots(const cv::Mat1b& gray, const cv::Mat1b& mask, const cv::Mat1b& ring) {
-  const Range range = range_of(gray, ring);
+std::size_t count_overshoots(const cv::Mat1b& gray, const cv::Mat1b& mask, const cv::Mat1b& boundary) {
+  const Range range = compute_range(gray, boundary);
   cv::Mat1b median;
-  cv::medianBlur(gray, median, kNeighbors);
+  cv::medianBlur(gray, median, kArtifact.median_px);
   std::size_t count = 0;
   for (int y = 0; y < gray.rows; ++y)
     for (int x = 0; x < gray.cols; ++x) {
       const int value = gray(y, x);
-      const bool beyond = value < range.low - kGrace || value > range.high + kGrace;
-      count += mask(y, x) != 0 && beyond && std::abs(value - median(y, x)) > kLone ? 1 : 0;
+      const bool is_outside = value < range.low - kArtifact.range_margin || value > range.high + kArtifact.range_margin;
+      count += mask(y, x) != 0 && is_outside && std::abs(value - median(y, x)) > kArtifact.min_outlier ? 1 : 0;
     }
   return count;
 }
 
-/// Another frame as seen from this one.
-cv::Mat1b warped(const cv::Mat1b& now, const cv::Mat1b& other) {
+/// Warps another frame to this one by optical flow.
+cv::Mat1b warp(const cv::Mat1b& now, const cv::Mat1b& other) {
   cv::Mat2f from = compute_optical_flow(now, other, FlowPreset::fast);
   from.forEach([](cv::Vec2f& flow, const int* at) { flow += cv::Vec2f(static_cast<float>(at[1]), static_cast<float>(at[0])); });
   cv::Mat1b out;
@@ -71,20 +63,20 @@ cv::Mat1b warped(const cv::Mat1b& now, const cv::Mat1b& other) {
   return out;
 }
 
-cv::Mat1b flashes(const cv::Mat1b& now, const cv::Mat1b& before, const cv::Mat1b& behind) {
-  const cv::Mat1b a = warped(now, before), b = warped(now, behind);
+cv::Mat1b find_flashes(const cv::Mat1b& now, const cv::Mat1b& before, const cv::Mat1b& after) {
+  const cv::Mat1b a = warp(now, before), b = warp(now, after);
   cv::Mat1b off_a, off_b, apart;
   cv::absdiff(now, a, off_a);
   cv::absdiff(now, b, off_b);
   cv::absdiff(a, b, apart);
-  return cv::Mat1b((off_a > kFlash) & (off_b > kFlash) & (apart < kAgree));
+  return cv::Mat1b((off_a > kArtifact.min_flash) & (off_b > kArtifact.min_flash) & (apart < kArtifact.max_neighbor_change));
 }
 
-double ppm(std::size_t count, std::size_t of) {
+double to_ppm(std::size_t count, std::size_t of) {
   return 1e6 * static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(of, 1));
 }
 
-std::size_t pixels(const cv::Mat1b& mask) { return static_cast<std::size_t>(cv::countNonZero(mask)); }
+std::size_t count_pixels(const cv::Mat1b& mask) { return static_cast<std::size_t>(cv::countNonZero(mask)); }
 
 }  // namespace
 
@@ -98,13 +90,13 @@ Artifacts& Artifacts::operator+=(const Artifacts& other) {
   return *this;
 }
 
-double Artifacts::flash_ppm() const { return ppm(flashes, hole_between); }
-double Artifacts::ring_flash_ppm() const { return ppm(ring_flashes, ring_between); }
-double Artifacts::overshoot_ppm() const { return ppm(overshoots, hole); }
+double Artifacts::flash_ppm() const { return to_ppm(flashes, hole_between); }
+double Artifacts::ring_flash_ppm() const { return to_ppm(ring_flashes, ring_between); }
+double Artifacts::overshoot_ppm() const { return to_ppm(overshoots, hole); }
 
 Artifacts count_artifacts(const fs::path& out, const std::vector<std::string>& names, const Tick& tick,
                           const std::function<fs::path(const std::string& name)>& filled) {
-  const auto mask_of = [&](std::size_t i, cv::Size size) {
+  const auto read_mask = [&](std::size_t i, cv::Size size) {
     return media::read_mask(out / "masks" / (names[i] + ".png"), size);
   };
   const Lazy<cv::Mat1b> gray(names.size(), [&](std::size_t i) {
@@ -112,7 +104,7 @@ Artifacts count_artifacts(const fs::path& out, const std::vector<std::string>& n
     const cv::Size size = media::image_size(file);
     cv::Mat3b frame = media::read_image(file, size);
     if (filled)
-      if (const cv::Mat1b mask = mask_of(i, size); cv::countNonZero(mask) > 0)
+      if (const cv::Mat1b mask = read_mask(i, size); cv::countNonZero(mask) > 0)
         media::read_image(filled(names[i]), size).copyTo(frame, mask);
     return gray_8bit(frame);
   });
@@ -120,18 +112,19 @@ Artifacts count_artifacts(const fs::path& out, const std::vector<std::string>& n
   parallel_in_order(names.size(), [&](std::size_t i) {
     tick();
     const auto now = gray[i];
-    const cv::Mat1b mask = mask_of(i, now->size());
+    const cv::Mat1b mask = read_mask(i, now->size());
     Artifacts& counts = found[i];
-    counts.hole = pixels(mask);
+    counts.hole = count_pixels(mask);
     if (counts.hole == 0) return;
-    const cv::Mat1b ring = ring_round(mask);
-    counts.overshoots = overshoots(*now, mask, ring);
+    const cv::Mat1b boundary = find_boundary(mask);
+    counts.overshoots = count_overshoots(*now, mask, boundary);
     if (i == 0 || i + 1 == names.size() || std::min(now->rows, now->cols) < kMinFlowSidePx) return;
-    const auto before = gray[i - 1], behind = gray[i + 1];
-    if (before->size() != now->size() || behind->size() != now->size()) return;
-    const cv::Mat1b flashing = flashes(*now, *before, *behind);
-    counts.hole_between = counts.hole, counts.ring_between = pixels(ring);
-    counts.flashes = pixels(cv::Mat1b(flashing & mask)), counts.ring_flashes = pixels(cv::Mat1b(flashing & ring));
+    const auto before = gray[i - 1], after = gray[i + 1];
+    if (before->size() != now->size() || after->size() != now->size()) return;
+    const cv::Mat1b flashing = find_flashes(*now, *before, *after);
+    counts.hole_between = counts.hole, counts.ring_between = count_pixels(boundary);
+    counts.flashes = count_pixels(cv::Mat1b(flashing & mask)),
+    counts.ring_flashes = count_pixels(cv::Mat1b(flashing & boundary));
   });
   Artifacts sum;
   for (const Artifacts& counts : found) sum += counts;

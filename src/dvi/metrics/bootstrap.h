@@ -8,8 +8,8 @@
 
 namespace dvi::metrics {
 
-/// 95 % confidence intervals of figures() by the percentile bootstrap (Efron, 1979): 1000 times as many frames as there are
-/// are drawn with replacement. Always the same draws. None for fewer than two frames, for one cannot vary.
-std::optional<Intervals> bootstrap(const std::vector<OriginSums>& frames);
+/// Estimates 95 % confidence intervals of figures() by the percentile bootstrap (Efron, 1979), with 1000 resamples of the
+/// frames with replacement. The seed is fixed. Returns nothing for fewer than two frames.
+std::optional<Intervals> estimate_intervals(const std::vector<OriginSums>& frames);
 
 }  // namespace dvi::metrics

@@ -33,12 +33,12 @@ std::vector<OriginSums> frames(int count) {
 
 double width(const Interval& interval) { return interval[1] - interval[0]; }
 
-TEST(Bootstrap, HoldsTheFigures) {
+TEST(Bootstrap, ContainsTheFigures) {
   const std::vector<OriginSums> some = frames(30);
   OriginSums sum;
   for (const OriginSums& frame : some) sum += frame;
-  const Figures f = figures(sum);
-  const Intervals intervals = bootstrap(some).value();
+  const Figures f = compute_figures(sum);
+  const Intervals intervals = estimate_intervals(some).value();
   const auto expect_inside = [](double value, const Interval& interval) {
     EXPECT_LT(interval[0], value);
     EXPECT_GT(interval[1], value);
@@ -50,34 +50,34 @@ TEST(Bootstrap, HoldsTheFigures) {
   expect_inside(f.sharpness, intervals.sharpness);
 }
 
-TEST(Bootstrap, OfAMeanIsAsWideAsTheoryHasIt) {
+TEST(Bootstrap, HasTheTheoreticalWidthForAMean) {
   for (const int count : {40, 400})
-    EXPECT_NEAR(width(bootstrap(frames(count))->psnr), 2 * 1.96 * 2 / std::sqrt(count), 0.25 * 8 / std::sqrt(count));
+    EXPECT_NEAR(width(estimate_intervals(frames(count))->psnr), 2 * 1.96 * 2 / std::sqrt(count), 0.25 * 8 / std::sqrt(count));
 }
 
-TEST(Bootstrap, IsAlwaysTheSame) {
-  EXPECT_EQ(bootstrap(frames(10))->psnr, bootstrap(frames(10))->psnr);
-  EXPECT_EQ(bootstrap(frames(10))->mae, bootstrap(frames(10))->mae);
+TEST(Bootstrap, IsReproducible) {
+  EXPECT_EQ(estimate_intervals(frames(10))->psnr, estimate_intervals(frames(10))->psnr);
+  EXPECT_EQ(estimate_intervals(frames(10))->mae, estimate_intervals(frames(10))->mae);
 }
 
-TEST(Bootstrap, EqualFramesLeaveNoDoubt) {
-  const Intervals intervals = bootstrap(std::vector<OriginSums>(12, frame(24))).value();
+TEST(Bootstrap, HasNoWidthForEqualFrames) {
+  const Intervals intervals = estimate_intervals(std::vector<OriginSums>(12, frame(24))).value();
   EXPECT_EQ(intervals.mae[0], intervals.mae[1]);
   EXPECT_NEAR(intervals.psnr[0], 24, 1e-9);
   EXPECT_NEAR(width(intervals.psnr), 0, 1e-9);
 }
 
 TEST(Bootstrap, NeedsTwoFrames) {
-  EXPECT_FALSE(bootstrap({}));
-  EXPECT_FALSE(bootstrap({frame(24)}));
-  const Intervals two = bootstrap({frame(20), frame(30)}).value();
+  EXPECT_FALSE(estimate_intervals({}));
+  EXPECT_FALSE(estimate_intervals({frame(24)}));
+  const Intervals two = estimate_intervals({frame(20), frame(30)}).value();
   EXPECT_EQ(two.psnr, (Interval{20, 30}));
 }
 
-TEST(Bootstrap, IsUndefinedWhereADrawMayBe) {
+TEST(Bootstrap, IsUndefinedIfAResampleMayBe) {
   OriginSums flat = frame(24);
   flat.gradient_truth.sum = 0;
-  EXPECT_TRUE(std::isnan(bootstrap({flat, frame(24)})->sharpness[0]));
+  EXPECT_TRUE(std::isnan(estimate_intervals({flat, frame(24)})->sharpness[0]));
 }
 
 }  // namespace

@@ -19,10 +19,10 @@ namespace {
 
 using Level = ConfidenceCounts::Level;
 
-/// Pixels of several levels.
-struct Pool {
+/// The sum over the pixels of several levels.
+struct LevelPool {
   Level sum;
-  std::uint64_t levels = 0;  // summed over the pixels
+  std::uint64_t levels = 0;  // sum over the pixels
 
   void add(std::size_t level, const Level& counts) {
     sum += counts;
@@ -33,9 +33,9 @@ struct Pool {
   double mae() const { return static_cast<double>(sum.error) / 3 / static_cast<double>(sum.pixels); }
 };
 
-/// The area under the mean error of the pixels that are left while the share removed grows from 0 to 1, over the mean error of
-/// all. Groups come in reverse, the last to be removed first; within a group pixels go in no order, each at the group's mean:
-/// with r left, E + m (r - n) of the error is.
+/// The area under the curve of the mean error of the remaining pixels over the removed share, from 0 to 1, divided by the mean
+/// error of all pixels. Groups are added in reverse order: the first group added is removed last. Within a group, pixels are
+/// removed in no particular order, each with the mean error of the group.
 class Sparsification {
  public:
   void add(std::uint64_t pixels, std::uint64_t error) {
@@ -53,29 +53,29 @@ class Sparsification {
   double left_ = 0, error_ = 0, area_ = 0;
 };
 
-double ause(const ConfidenceCounts& counts) {
+double compute_ause(const ConfidenceCounts& counts) {
   Sparsification by_confidence, by_error;
   for (std::size_t level = counts.levels.size(); level-- > 0;)
     by_confidence.add(counts.levels[level].pixels, counts.levels[level].error);
-  for (std::size_t error = 0; error < counts.pixels_of.size(); ++error)
-    by_error.add(counts.pixels_of[error], error * counts.pixels_of[error]);
+  for (std::size_t error = 0; error < counts.pixels_by_error.size(); ++error)
+    by_error.add(counts.pixels_by_error[error], error * counts.pixels_by_error[error]);
   return by_confidence.area() - by_error.area();
 }
 
-double expected_calibration_error(const ConfidenceCounts& counts, std::size_t pixels) {
+double compute_ece(const ConfidenceCounts& counts, std::size_t pixels) {
   constexpr std::size_t kBins = 10;
-  std::array<Pool, kBins> bins;
+  std::array<LevelPool, kBins> bins;
   for (std::size_t level = 0; level < counts.levels.size(); ++level)
     bins[std::min(kBins - 1, level * kBins / 255)].add(level, counts.levels[level]);
   double sum = 0;
-  for (const Pool& bin : bins)
+  for (const LevelPool& bin : bins)
     if (bin.sum.pixels > 0) sum += static_cast<double>(bin.sum.pixels) * std::abs(bin.within() - bin.confidence());
   return sum / static_cast<double>(pixels);
 }
 
-/// A level goes where its middle pixel falls.
-std::vector<Calibration::Decile> deciles(const ConfidenceCounts& counts, std::size_t pixels) {
-  std::array<Pool, 10> pools;
+/// Assigns each level to the decile of its middle pixel.
+std::vector<Calibration::Decile> compute_deciles(const ConfidenceCounts& counts, std::size_t pixels) {
+  std::array<LevelPool, 10> pools;
   std::size_t below = 0;
   for (std::size_t level = 0; level < counts.levels.size(); ++level) {
     const Level& here = counts.levels[level];
@@ -84,7 +84,7 @@ std::vector<Calibration::Decile> deciles(const ConfidenceCounts& counts, std::si
     below += here.pixels;
   }
   std::vector<Calibration::Decile> out;
-  for (const Pool& pool : pools)
+  for (const LevelPool& pool : pools)
     if (pool.sum.pixels > 0) out.push_back({pool.confidence(), pool.within(), pool.mae(), pool.sum.pixels});
   return out;
 }
@@ -92,17 +92,17 @@ std::vector<Calibration::Decile> deciles(const ConfidenceCounts& counts, std::si
 }  // namespace
 
 void ConfidenceCounts::add(std::uint8_t confidence, const cv::Vec3b& result, const cv::Vec3b& truth) {
-  int sum = 0, most = 0;
+  int sum = 0, largest = 0;
   for (int c = 0; c < 3; ++c) {
     const int difference = std::abs(int{result[c]} - int{truth[c]});
     sum += difference;
-    most = std::max(most, difference);
+    largest = std::max(largest, difference);
   }
   Level& level = levels[confidence];
   ++level.pixels;
-  level.within += most <= Calibration::kWithin ? 1 : 0;
+  level.within += largest <= Calibration::kMaxDifference ? 1 : 0;
   level.error += static_cast<std::uint64_t>(sum);
-  ++pixels_of[static_cast<std::size_t>(sum)];
+  ++pixels_by_error[static_cast<std::size_t>(sum)];
 }
 
 Level& Level::operator+=(const Level& other) {
@@ -114,17 +114,17 @@ Level& Level::operator+=(const Level& other) {
 
 ConfidenceCounts& ConfidenceCounts::operator+=(const ConfidenceCounts& other) {
   for (std::size_t i = 0; i < levels.size(); ++i) levels[i] += other.levels[i];
-  for (std::size_t i = 0; i < pixels_of.size(); ++i) pixels_of[i] += other.pixels_of[i];
+  for (std::size_t i = 0; i < pixels_by_error.size(); ++i) pixels_by_error[i] += other.pixels_by_error[i];
   return *this;
 }
 
-std::optional<Calibration> ConfidenceCounts::calibration() const {
-  Pool all;
+std::optional<Calibration> ConfidenceCounts::compute_calibration() const {
+  LevelPool all;
   for (std::size_t level = 0; level < levels.size(); ++level) all.add(level, levels[level]);
   const std::size_t pixels = all.sum.pixels;
   if (pixels == 0) return std::nullopt;
-  return Calibration{pixels,      all.confidence(),      all.within(), expected_calibration_error(*this, pixels),
-                     ause(*this), deciles(*this, pixels)};
+  return Calibration{
+      pixels, all.confidence(), all.within(), compute_ece(*this, pixels), compute_ause(*this), compute_deciles(*this, pixels)};
 }
 
 ConfidenceCounts count_confidence(const cv::Mat1b& confidence, const cv::Mat3b& result, const cv::Mat3b& truth,

@@ -10,18 +10,19 @@
 
 namespace dvi::metrics {
 
-/// All that calibration needs to know of any number of pixels, in whole numbers: they may be added in any order.
+/// The counts from which a calibration is computed, for any number of pixels. They are integers, so that the order of additions
+/// does not matter.
 struct ConfidenceCounts {
   struct Level {
-    std::uint64_t pixels = 0, within = 0, error = 0;  ///< error: sum of the three channels' differences
+    std::uint64_t pixels = 0, within = 0, error = 0;  ///< error: sum of the differences of the three channels
     Level& operator+=(const Level& other);
   };
-  std::array<Level, 256> levels{};                     ///< by confidence
-  std::array<std::uint64_t, 3 * 255 + 1> pixels_of{};  ///< by error
+  std::array<Level, 256> levels{};                           ///< per confidence
+  std::array<std::uint64_t, 3 * 255 + 1> pixels_by_error{};  ///< per error
 
   void add(std::uint8_t confidence, const cv::Vec3b& result, const cv::Vec3b& truth);
   ConfidenceCounts& operator+=(const ConfidenceCounts& other);
-  std::optional<Calibration> calibration() const;  ///< none of no pixels
+  std::optional<Calibration> compute_calibration() const;  ///< nothing if there are no pixels
 };
 
 ConfidenceCounts count_confidence(const cv::Mat1b& confidence, const cv::Mat3b& result, const cv::Mat3b& truth,

@@ -24,20 +24,20 @@
 namespace dvi::metrics {
 namespace {
 
-std::vector<std::string> names_in(const fs::path& folder) {
+std::vector<std::string> list_names(const fs::path& folder) {
   std::vector<std::string> names;
   for (const fs::path& file : list_files(folder, {".png"})) names.push_back(file.stem().string());
   return names;
 }
 
-std::string listed(const std::vector<std::string>& names) {
-  constexpr std::size_t kShown = 5;
+std::string join_first(const std::vector<std::string>& names) {
+  constexpr std::size_t kMaxShown = 5;
   std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i) text += (i ? ", " : "") + names[i];
-  return names.size() > kShown ? text + " and " + std::to_string(names.size() - kShown) + " more" : text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMaxShown); ++i) text += (i ? ", " : "") + names[i];
+  return names.size() > kMaxShown ? text + " and " + std::to_string(names.size() - kMaxShown) + " more" : text;
 }
 
-std::vector<std::string> without(const std::vector<std::string>& names, const std::vector<std::string>& others) {
+std::vector<std::string> subtract(const std::vector<std::string>& names, const std::vector<std::string>& others) {
   const std::set<std::string> known(others.begin(), others.end());
   std::vector<std::string> rest;
   for (const std::string& name : names)
@@ -45,32 +45,32 @@ std::vector<std::string> without(const std::vector<std::string>& names, const st
   return rest;
 }
 
-/// The frames of the result, once all folders are what they should be.
-std::vector<std::string> frames_of(const EvaluationFolders& folders) {
+/// Checks the folders and returns the names of the frames of the result.
+std::vector<std::string> check_folders(const EvaluationFolders& folders) {
   for (const char* part : {"frames", "masks", "kind"})
     if (!fs::is_directory(folders.out / part))
-      throw InputError(folders.out, std::string("holds no result (there is no ") + part + "/ in it)",
+      throw InputError(folders.out, std::string("has no result (") + part + "/ is missing)",
                        "give the folder that `dvi run` wrote");
-  const std::vector<std::string> names = names_in(folders.out / "frames");
-  if (names.empty()) throw InputError(folders.out / "frames", "holds no frames", "give the folder that `dvi run` wrote");
-  const std::vector<std::string> truths = names_in(folders.truth);
-  if (truths.empty()) throw InputError(folders.truth, "holds no PNG files", "give the folder of the true frames, NAME.png");
-  if (!folders.ignore.empty() && without(names, names_in(folders.ignore)).size() == names.size())
-    throw InputError(folders.ignore, "holds no NAME.png of any frame of " + folders.out.string(),
-                     "give the folder of the masks of pixels not to score");
+  const std::vector<std::string> names = list_names(folders.out / "frames");
+  if (names.empty()) throw InputError(folders.out / "frames", "has no frames", "give the folder that `dvi run` wrote");
+  const std::vector<std::string> truths = list_names(folders.truth);
+  if (truths.empty()) throw InputError(folders.truth, "has no PNG files", "give the folder of the true frames, NAME.png");
+  if (!folders.ignore.empty() && subtract(names, list_names(folders.ignore)).size() == names.size())
+    throw InputError(folders.ignore, "has no NAME.png for any frame of " + folders.out.string(),
+                     "give the folder with the masks of ignored pixels");
   for (const ExternalFrames& external : folders.external)
     if (!fs::is_directory(external.folder))
       throw InputError(external.folder, "is not a folder", "give the folder of the frames of " + external.name + ", NAME.png");
   return names;
 }
 
-fs::path frame_of(const ExternalFrames& external, const std::string& name) {
+fs::path find_frame(const ExternalFrames& external, const std::string& name) {
   for (const char* ending : {".png", ".jpg"})
     if (fs::exists(external.folder / (name + ending))) return external.folder / (name + ending);
-  throw InputError(external.folder / (name + ".png"), "is missing", "every frame with a mask needs its NAME.png or NAME.jpg");
+  throw InputError(external.folder / (name + ".png"), "is missing", "every frame with a mask requires a NAME.png or NAME.jpg");
 }
 
-/// The run's frame, or another program's.
+/// Loads a frame of the run, or of another program.
 ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* external, const std::string& name) {
   const std::string file = name + ".png";
   const cv::Size size = media::image_size(folders.out / "frames" / file);
@@ -82,10 +82,10 @@ ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* externa
   if (cv::countNonZero(frame.scored) == 0) return frame;
 
   if (!fs::exists(folders.truth / file))
-    throw InputError(folders.truth / file, "is missing", "every frame with a mask needs its truth");
+    throw InputError(folders.truth / file, "is missing", "every frame with a mask requires its truth");
   frame.truth = media::read_image(folders.truth / file, size);
   if (external)
-    media::read_image(frame_of(*external, name), size).copyTo(frame.result, frame.scored);
+    media::read_image(find_frame(*external, name), size).copyTo(frame.result, frame.scored);
   else if (fs::is_directory(folders.out / "confidence"))
     frame.confidence = media::read_png_gray(folders.out / "confidence" / file, size);
   frame.clean = frame.result.clone();
@@ -95,7 +95,7 @@ ScoredFrame load(const EvaluationFolders& folders, const ExternalFrames* externa
   return frame;
 }
 
-/// Takes the tallies in the order of the frames.
+/// Collects the tallies in the order of the frames.
 struct Collector {
   Evaluation evaluation;
   Tally total;
@@ -106,21 +106,21 @@ struct Collector {
       evaluation.unscored.push_back(name);
       return;
     }
-    evaluation.frames.push_back({name, tally.figures()});
+    evaluation.frames.push_back({name, tally.compute_figures()});
     total += tally;
     for (std::size_t i = 0; i < frames.size(); ++i)
       if (tally.origins[i].pixels > 0) frames[i].push_back(tally.origins[i]);
   }
 
   Evaluation finish() {
-    evaluation.total = total.figures();
-    evaluation.whole_frame = figures(total.whole_frame);
+    evaluation.total = total.compute_figures();
+    evaluation.whole_frame = compute_figures(total.whole_frame);
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      evaluation.intervals[i] = bootstrap(frames[i]);
-      evaluation.confidence[i] = total.confidence[i].calibration();
+      evaluation.intervals[i] = estimate_intervals(frames[i]);
+      evaluation.confidence[i] = total.confidence[i].compute_calibration();
     }
     if (total.pixels(Origin::all) == 0)
-      evaluation.warnings.emplace_back("nothing is scored: every mask is empty, or ignored as a whole");
+      evaluation.warnings.emplace_back("nothing is scored: every mask is empty or completely ignored");
     warn_of_unknown_origin();
     return evaluation;
   }
@@ -131,17 +131,17 @@ struct Collector {
       if (origin != Origin::all) known += total.pixels(origin);
     const std::size_t unknown = total.pixels(Origin::all) - known;
     if (unknown > 0)
-      evaluation.warnings.push_back(std::to_string(unknown) + " scored pixels are of kind 0: counted under `all` only");
+      evaluation.warnings.push_back(std::to_string(unknown) + " scored pixels have kind 0 and count only under `all`");
   }
 };
 
 Evaluation score(const EvaluationFolders& folders, const ExternalFrames* external, const std::vector<std::string>& names,
                  const Tick& tick) {
   Collector collector;
-  const std::vector<std::string> missing = without(names_in(folders.truth), names);
+  const std::vector<std::string> missing = subtract(list_names(folders.truth), names);
   if (!missing.empty())
     collector.evaluation.warnings.push_back(std::to_string(missing.size()) +
-                                            " frames of the truth are not in the result: " + listed(missing));
+                                            " frames of the truth are not in the result: " + join_first(missing));
 
   ScoredFrame previous;
   for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
@@ -152,7 +152,7 @@ Evaluation score(const EvaluationFolders& folders, const ExternalFrames* externa
     parallel_for(count, [&](std::size_t i) {
       const ScoredFrame* before = i > 0 ? &frames[i - 1] : &previous;
       const bool comparable = before->result.size() == frames[i].result.size();
-      tallies[i] = tally(frames[i], comparable ? before : nullptr);
+      tallies[i] = make_tally(frames[i], comparable ? before : nullptr);
     });
     for (std::size_t i = 0; i < count; ++i) {
       collector.add(names[first + i], tallies[i]);
@@ -161,7 +161,7 @@ Evaluation score(const EvaluationFolders& folders, const ExternalFrames* externa
     previous = frames.back();
   });
   std::function<fs::path(const std::string&)> filled;
-  if (external) filled = [&](const std::string& name) { return frame_of(*external, name); };
+  if (external) filled = [&](const std::string& name) { return find_frame(*external, name); };
   collector.evaluation.artifacts = count_artifacts(folders.out, names, [] {}, filled);  // ignored pixels, too
   return collector.finish();
 }
@@ -176,13 +176,14 @@ std::vector<ExternalFrames> parse_external(const std::vector<std::string>& argum
     if (equals == std::string::npos || equals == 0 || equals + 1 == argument.size())
       throw UsageError("--external " + argument + ": give NAME=DIR");
     out.push_back({argument.substr(0, equals), argument.substr(equals + 1)});
-    if (!names.insert(out.back().name).second) throw UsageError("--external " + out.back().name + " is given twice");
+    if (!names.insert(out.back().name).second)
+      throw UsageError("--external " + out.back().name + " is given twice; give each name once");
   }
   return out;
 }
 
 Evaluation evaluate(const EvaluationFolders& folders, const BeginPart& begin) {
-  const std::vector<std::string> names = frames_of(folders);
+  const std::vector<std::string> names = check_folders(folders);
   const Tick tick = begin("eval", names.size() * (1 + folders.external.size()));
   Evaluation evaluation = score(folders, nullptr, names, tick);
   for (const ExternalFrames& external : folders.external)

@@ -15,20 +15,20 @@ struct ExternalFrames {
   fs::path folder;
 };
 
-/// "NAME=DIR" each. UsageError where one is not, or two have one name.
+/// Parses arguments of the form "NAME=DIR". Throws UsageError if one has another form or if a name occurs twice.
 std::vector<ExternalFrames> parse_external(const std::vector<std::string>& arguments);
 
 struct EvaluationFolders {
-  fs::path out;       ///< of a run: frames/, masks/, kind/, and confidence/ if there is one
-  fs::path truth;     ///< NAME.png: true within 16 px of the masks, anything elsewhere
-  fs::path ignore{};  ///< NAME.png: pixels above 0 are not scored; empty: all are
+  fs::path out;       ///< result of a run: frames/, masks/, kind/, and optionally confidence/
+  fs::path truth;     ///< NAME.png: must be true within 16 px of the masks
+  fs::path ignore{};  ///< NAME.png: pixels above 0 are not scored; may be empty
   std::vector<ExternalFrames> external{};
 };
 
-/// Scores a run against the truth, and the frames of other programs on the same pixels: outside the run's masks they count as
-/// the input, whatever they show. Its one part, "eval", ticks once a frame
-/// and program. Holds a frame a thread at a time. InputError where a
-/// folder is not what it should be, a masked frame has no truth or other program's frame, or sizes differ.
+/// Scores a run against the truth, and the frames of other programs on the same pixels. Outside the masks of the run, frames of
+/// other programs are replaced by the input. Reports one part of progress, "eval", with one tick per frame and program. Keeps
+/// one frame per thread in memory. Throws InputError if a folder has other contents, if the truth or another program's frame is
+/// missing for a masked frame, or if sizes differ.
 Evaluation evaluate(const EvaluationFolders& folders, const BeginPart& begin = no_parts);
 
 }  // namespace dvi::metrics

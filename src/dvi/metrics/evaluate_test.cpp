@@ -36,16 +36,16 @@ TEST_F(Evaluate, APerfectResultIsPerfect) {
   EXPECT_EQ(all.frames, 2U);
   EXPECT_EQ(all.pixels, 2U * 40 * 30);
   EXPECT_EQ(all.mae, 0);
-  EXPECT_EQ(all.psnr, kMostPsnr);
+  EXPECT_EQ(all.psnr, kMaxPsnr);
   EXPECT_NEAR(all.ssim, 1, 1e-6);
   EXPECT_DOUBLE_EQ(all.sharpness, 1);
-  EXPECT_LT(all.misplaced_px, 0.05);
+  EXPECT_LT(all.position_error_px, 0.05);
   EXPECT_EQ(e.frames.size(), 2U);
   EXPECT_TRUE(e.unscored.empty());
   EXPECT_TRUE(e.warnings.empty());
 }
 
-TEST_F(Evaluate, CountsEveryKindForItself) {
+TEST_F(Evaluate, CountsEachKindSeparately) {
   cv::Mat1b kind(kSize, uchar{0});
   for (int k = 1; k <= 5; ++k) kind(cv::Rect(30 + 8 * (k - 1), 20, 8, 30)) = static_cast<uchar>(k);
   const cv::Mat3b truth(kSize, cv::Vec3b(100, 100, 100));
@@ -77,12 +77,12 @@ TEST_F(Evaluate, PoolsErrorsButAveragesPsnrOverFrames) {
   EXPECT_NEAR(e.total[Origin::copied].psnr, 10 * std::log10(65025.0), 1e-9);
 }
 
-TEST_F(Evaluate, LeavesOutIgnoredPixelsAndFramesWithoutAny) {
-  cv::Mat3b wrong = scene(kSize, 0);
+TEST_F(Evaluate, ExcludesIgnoredPixelsAndFramesWithoutScoredPixels) {
+  cv::Mat3b wrong = make_scene(kSize, 0);
   wrong(cv::Rect(30, 20, 40, 10)) = cv::Vec3b(0, 0, 0);
-  add("a", scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
-  add("b", scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
-  add("c", scene(kSize, 0), wrong, box({}), box({}));
+  add("a", make_scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
+  add("b", make_scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
+  add("c", make_scene(kSize, 0), wrong, box({}), box({}));
   fs::remove(folder / "truth/c.png");
   media::write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
   media::write_png(folder / "ignore/b.png", box(kHole));
@@ -92,14 +92,14 @@ TEST_F(Evaluate, LeavesOutIgnoredPixelsAndFramesWithoutAny) {
   EXPECT_EQ(e.total[Origin::all].pixels, 40U * 20);
   EXPECT_THAT(e.unscored, ElementsAre("b", "c"));
   EXPECT_EQ(e.frames.size(), 1U);
-  EXPECT_THAT(table(e), HasSubstr("b c"));
+  EXPECT_THAT(format_table(e), HasSubstr("b c"));
 }
 
-TEST_F(Evaluate, NeedsNoTruthFarFromTheMasks) {
+TEST_F(Evaluate, DoesNotUseTheTruthFarFromTheMasks) {
   cv::Mat3b near(kSize, cv::Vec3b(0, 0, 0));
   const cv::Rect known(14, 4, 72, 62);
   for (int i = 0; i < 3; ++i) {
-    const cv::Mat3b whole = scene(kSize, i);
+    const cv::Mat3b whole = make_scene(kSize, i);
     whole(known).copyTo(near(known));
     add(std::to_string(i), near, whole, box(kHole), box(kHole, 1));
   }
@@ -107,12 +107,12 @@ TEST_F(Evaluate, NeedsNoTruthFarFromTheMasks) {
   EXPECT_EQ(e.total[Origin::all].mae, 0);
   EXPECT_NEAR(e.total[Origin::all].ssim, 1, 1e-6);
   EXPECT_DOUBLE_EQ(e.total[Origin::all].flicker, 1);
-  EXPECT_LT(e.total[Origin::all].misplaced_px, 0.05);
+  EXPECT_LT(e.total[Origin::all].position_error_px, 0.05);
 }
 
-TEST_F(Evaluate, SeesFlickerOfTheResult) {
+TEST_F(Evaluate, MeasuresFlicker) {
   for (int i = 0; i < 4; ++i) {
-    const cv::Mat3b truth = scene(kSize, 1.3 * i);
+    const cv::Mat3b truth = make_scene(kSize, 1.3 * i);
     cv::Mat3b result = truth.clone();
     result(kHole) += cv::Scalar::all(i % 2 ? 20 : 0);
     add(std::to_string(i), truth, result, box(kHole), box(kHole, 4));
@@ -123,27 +123,28 @@ TEST_F(Evaluate, SeesFlickerOfTheResult) {
   EXPECT_GT(e.frames[1].figures[Origin::all].flicker, 3);
 }
 
-TEST_F(Evaluate, FlickerUnderAStillTruthIsUndefined) {
-  for (int i = 0; i < 3; ++i) add(std::to_string(i), scene(kSize, 0), scene(kSize, 2), box(kHole), box(kHole, 1));
+TEST_F(Evaluate, FlickerIsUndefinedForAStaticTruth) {
+  for (int i = 0; i < 3; ++i) add(std::to_string(i), make_scene(kSize, 0), make_scene(kSize, 2), box(kHole), box(kHole, 1));
   EXPECT_TRUE(std::isnan(run().total[Origin::all].flicker));  // the truth has none to compare with
 }
 
-TEST_F(Evaluate, SeesShiftsAndBlur) {
-  cv::Mat3b shifted = scene(kSize, 0);
-  scene(kSize, 2)(kHole).copyTo(shifted(kHole));
-  add("shifted", scene(kSize, 0), shifted, box(kHole), box(kHole, 2));
-  EXPECT_NEAR(run().total[Origin::copied].misplaced_px, 2, 0.4);
+TEST_F(Evaluate, MeasuresShiftsAndBlur) {
+  cv::Mat3b shifted = make_scene(kSize, 0);
+  make_scene(kSize, 2)(kHole).copyTo(shifted(kHole));
+  add("shifted", make_scene(kSize, 0), shifted, box(kHole), box(kHole, 2));
+  EXPECT_NEAR(run().total[Origin::copied].position_error_px, 2, 0.4);
 
-  cv::Mat3b flat = scene(kSize, 0);
+  cv::Mat3b flat = make_scene(kSize, 0);
   flat(kHole) = cv::Vec3b(128, 128, 128);
-  add("shifted", scene(kSize, 0), flat, box(kHole), box(kHole, 4));
+  add("shifted", make_scene(kSize, 0), flat, box(kHole), box(kHole, 4));
   const Evaluation e = run();
   EXPECT_LT(e.total[Origin::all].sharpness, 0.2);
-  EXPECT_TRUE(std::isnan(e.total[Origin::all].misplaced_px));
+  EXPECT_TRUE(std::isnan(e.total[Origin::all].position_error_px));
 }
 
-TEST_F(Evaluate, IsTheSameWithAnyNumberOfThreads) {
-  for (int i = 0; i < 5; ++i) add(std::to_string(i), scene(kSize, i), scene(kSize, i + 0.4), box(kHole), box(kHole, 1));
+TEST_F(Evaluate, DoesNotDependOnTheNumberOfThreads) {
+  for (int i = 0; i < 5; ++i)
+    add(std::to_string(i), make_scene(kSize, i), make_scene(kSize, i + 0.4), box(kHole), box(kHole, 1));
   const auto with = [&](int threads) {
     const ThreadLimit limit(threads);
     const nlohmann::json json = run();
@@ -153,9 +154,9 @@ TEST_F(Evaluate, IsTheSameWithAnyNumberOfThreads) {
   EXPECT_EQ(with(1), with(5));
 }
 
-TEST_F(Evaluate, TellsMachinesAndPeople) {
+TEST_F(Evaluate, WritesJsonAndATable) {
   add_perfect("a");
-  media::write_png(folder / "truth/b.png", scene(kSize, 0));
+  media::write_png(folder / "truth/b.png", make_scene(kSize, 0));
   const Evaluation e = run();
   EXPECT_THAT(e.warnings, ElementsAre(HasSubstr("1 frames of the truth are not in the result: b")));
   const nlohmann::json json = nlohmann::json::parse(nlohmann::json(e).dump());
@@ -163,10 +164,10 @@ TEST_F(Evaluate, TellsMachinesAndPeople) {
   EXPECT_EQ(json["copied"]["pixels"], 1200);
   EXPECT_TRUE(json["empty"]["mae"].is_null());
   EXPECT_EQ(json["per_frame"][0]["name"], "a");
-  EXPECT_THAT(table(e), HasSubstr("copied        100.0 %    0.00    0.00  100.00   1.000"));
+  EXPECT_THAT(format_table(e), HasSubstr("copied        100.0 %    0.00    0.00  100.00   1.000"));
 }
 
-TEST_F(Evaluate, TellsHowManyFramesThereAreAndCountsThem) {
+TEST_F(Evaluate, ReportsProgressPerFrame) {
   add_perfect("a");
   add_perfect("b");
   std::size_t frames = 0, ticks = 0;
@@ -209,55 +210,55 @@ TEST_F(Evaluate, AgreesWithNumpyInsideTheMaskAndOverWholeFrames) {
   EXPECT_NEAR(e.whole_frame.ssim, 0.9805070538, 1e-6);
 }
 
-TEST_F(Evaluate, WholeFramesKnowNothingOfIgnoredPixels) {
-  cv::Mat3b wrong = scene(kSize, 0);
+TEST_F(Evaluate, WholeFramesExcludeIgnoredPixels) {
+  cv::Mat3b wrong = make_scene(kSize, 0);
   wrong(cv::Rect(30, 20, 40, 10)) = cv::Vec3b(0, 0, 0);
-  add("a", scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
+  add("a", make_scene(kSize, 0), wrong, box(kHole), box(kHole, 1));
   media::write_png(folder / "ignore/a.png", box({30, 20, 40, 10}));
   EXPECT_LT(run().whole_frame.ssim, 0.99);
   EXPECT_EQ(run(true).whole_frame.mae, 0);
   EXPECT_NEAR(run(true).whole_frame.ssim, 1, 1e-6);
 }
 
-TEST_F(Evaluate, TheOrderOfFramesMattersToFlickerOnly) {
+TEST_F(Evaluate, OnlyFlickerDependsOnTheOrderOfFrames) {
   const std::vector<double> shifts = {0, 0.6, 1.7, 0.3};
   const auto add_in_order = [&](const std::vector<std::size_t>& order) {
     for (std::size_t i = 0; i < order.size(); ++i)
-      add(std::to_string(i), scene(kSize, 0), scene(kSize, shifts[order[i]]), box(kHole), box(kHole, 1));
+      add(std::to_string(i), make_scene(kSize, 0), make_scene(kSize, shifts[order[i]]), box(kHole), box(kHole, 1));
   };
   add_in_order({0, 1, 2, 3});
   const Evaluation one = run();
   add_in_order({2, 0, 3, 1});
   const Evaluation other = run();
   for (double Figures::* figure :
-       {&Figures::mae, &Figures::rmse, &Figures::psnr, &Figures::ssim, &Figures::sharpness, &Figures::misplaced_px}) {
+       {&Figures::mae, &Figures::rmse, &Figures::psnr, &Figures::ssim, &Figures::sharpness, &Figures::position_error_px}) {
     EXPECT_NEAR(one.total[Origin::all].*figure, other.total[Origin::all].*figure, 1e-12);
     EXPECT_FALSE(std::isnan(one.total[Origin::all].*figure));
   }
   EXPECT_NEAR(one.whole_frame.psnr, other.whole_frame.psnr, 1e-12);
 }
 
-TEST_F(Evaluate, GivesIntervalsFromTwoFramesOn) {
-  add("a", scene(kSize, 0), scene(kSize, 1), box(kHole), box(kHole, 1));
+TEST_F(Evaluate, HasIntervalsForTwoFramesOrMore) {
+  add("a", make_scene(kSize, 0), make_scene(kSize, 1), box(kHole), box(kHole, 1));
   EXPECT_FALSE(run().intervals[0]);
   EXPECT_TRUE(nlohmann::json(run())["all"]["interval"].is_null());
-  add("b", scene(kSize, 0), scene(kSize, 2), box(kHole), box(kHole, 4));
+  add("b", make_scene(kSize, 0), make_scene(kSize, 2), box(kHole), box(kHole, 4));
   const Evaluation e = run();
   const nlohmann::json json = e;
   EXPECT_TRUE(json["copied"]["interval"].is_null()) << "one frame only has copied pixels";
   EXPECT_LT(json["all"]["interval"]["psnr"][0], json["all"]["psnr"]);
   EXPECT_GT(json["all"]["interval"]["psnr"][1], json["all"]["psnr"]);
   EXPECT_FALSE(json["per_frame"][0]["all"].contains("interval"));
-  EXPECT_THAT(table(e), testing::ContainsRegex("all .*[0-9]\\.\\.[0-9]"));
+  EXPECT_THAT(format_table(e), testing::ContainsRegex("all .*[0-9]\\.\\.[0-9]"));
 }
 
-TEST_F(Evaluate, HoldsTheConfidenceAgainstTheError) {
+TEST_F(Evaluate, ComparesTheConfidenceWithTheError) {
   const cv::Mat3b truth(kSize, cv::Vec3b(100, 100, 100));
   cv::Mat3b result = truth.clone();
   result(cv::Rect(30, 20, 20, 30)) = cv::Vec3b(100, 111, 100);  // half of the hole
   add("a", truth, result, box(kHole), box(kHole, 1));
   EXPECT_TRUE(nlohmann::json(run())["confidence"].is_null());
-  EXPECT_THAT(table(run()), testing::Not(HasSubstr("confidence")));
+  EXPECT_THAT(format_table(run()), testing::Not(HasSubstr("confidence")));
 
   make_folder(folder / "out/confidence");
   EXPECT_THAT(error(), HasSubstr("confidence/a.png"));
@@ -268,27 +269,27 @@ TEST_F(Evaluate, HoldsTheConfidenceAgainstTheError) {
   EXPECT_EQ(json["pixels"], 1200);
   EXPECT_DOUBLE_EQ(json["mean"], 0.6);
   EXPECT_DOUBLE_EQ(json["within"], 0.5);
-  EXPECT_DOUBLE_EQ(json["ece"], 0.1);  // half at 0.2 of which none is, half at 1 of which all are
+  EXPECT_DOUBLE_EQ(json["ece"], 0.1);  // half at 0.2, all wrong; half at 1, all right
   EXPECT_NEAR(json["ause"], 0, 1e-12);
   ASSERT_EQ(json["deciles"].size(), 2);
   EXPECT_NEAR(json["deciles"][0]["mae"], 11.0 / 3, 1e-12);
   EXPECT_EQ(json["deciles"][1]["within"], 1);
   EXPECT_EQ(json["by_kind"]["copied"]["deciles"], json["deciles"]);
   EXPECT_TRUE(json["by_kind"]["empty"].is_null());
-  EXPECT_THAT(table(run()), HasSubstr("confidence 0.600 on average, 0.500 of the pixels within 10 gray levels"));
+  EXPECT_THAT(format_table(run()), HasSubstr("confidence 0.600 on average, 0.500 of the pixels within 10 gray levels"));
 }
 
-TEST_F(Evaluate, SaysThatNothingIsScored) {
-  add("a", scene(kSize, 0), scene(kSize, 0), box({}), box({}));
-  add("b", scene(kSize, 0), scene(kSize, 0), box({}), box({}));
+TEST_F(Evaluate, WarnsThatNothingIsScored) {
+  add("a", make_scene(kSize, 0), make_scene(kSize, 0), box({}), box({}));
+  add("b", make_scene(kSize, 0), make_scene(kSize, 0), box({}), box({}));
   const Evaluation e = run();
   EXPECT_THAT(e.warnings, ElementsAre(HasSubstr("nothing is scored: every mask is empty")));
-  EXPECT_THAT(table(e), HasSubstr("left out, no pixel to score: a b"));
+  EXPECT_THAT(format_table(e), HasSubstr("frames without scored pixels: a b"));
   EXPECT_TRUE(nlohmann::json::parse(nlohmann::json(e).dump())["whole_frame"]["psnr"].is_null());
 }
 
-TEST_F(Evaluate, SaysWhatIsWrongWithTheInput) {
-  EXPECT_THAT(error(), HasSubstr("holds no frames"));
+TEST_F(Evaluate, ReportsErrorsInTheInput) {
+  EXPECT_THAT(error(), HasSubstr("has no frames"));
   add_perfect("a");
   media::write_png(folder / "ignore/zzz.png", box({}));
   EXPECT_THROW(run(true), InputError);
@@ -304,7 +305,7 @@ TEST_F(Evaluate, SaysWhatIsWrongWithTheInput) {
   fs::rename(folder / "truth/a.png", folder / "truth/b.png");
   EXPECT_THAT(error(), HasSubstr("truth/a.png: is missing"));
   fs::remove(folder / "truth/b.png");
-  EXPECT_THAT(error(), HasSubstr("truth: holds no PNG files"));
+  EXPECT_THAT(error(), HasSubstr("truth: has no PNG files"));
 
   add_perfect("a");
   media::write_png(folder / "out/kind/a.png", cv::Mat1b(10, 10, uchar{0}));
@@ -312,7 +313,7 @@ TEST_F(Evaluate, SaysWhatIsWrongWithTheInput) {
   fs::remove(folder / "out/kind/a.png");
   EXPECT_THAT(error(), HasSubstr("kind/a.png"));
   fs::remove_all(folder / "out/kind");
-  EXPECT_THAT(error(), HasSubstr("holds no result (there is no kind/ in it)"));
+  EXPECT_THAT(error(), HasSubstr("has no result (kind/ is missing)"));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ static void to_json(nlohmann::json& json, const Figures& f) {
           {"share", f.share},     {"mae", f.mae},
           {"rmse", f.rmse},       {"psnr", f.psnr},
           {"ssim", f.ssim},       {"sharpness", f.sharpness},
-          {"flicker", f.flicker}, {"misplaced_px", f.misplaced_px}};
+          {"flicker", f.flicker}, {"misplaced_px", f.position_error_px}};
 }
 
 static void to_json(nlohmann::json& json, const ByOrigin& figures) {
@@ -25,7 +25,7 @@ static void to_json(nlohmann::json& json, const FrameEvaluation& frame) {
   json["name"] = frame.name;
 }
 
-static nlohmann::json document(const std::optional<Intervals>& intervals) {
+static nlohmann::json to_document(const std::optional<Intervals>& intervals) {
   if (!intervals) return nullptr;
   return {{"mae", intervals->mae},
           {"rmse", intervals->rmse},
@@ -38,20 +38,20 @@ static void to_json(nlohmann::json& json, const Calibration::Decile& decile) {
   json = {{"confidence", decile.confidence}, {"within", decile.within}, {"mae", decile.mae}, {"pixels", decile.pixels}};
 }
 
-static nlohmann::json document(const std::optional<Calibration>& confidence) {
+static nlohmann::json to_document(const std::optional<Calibration>& confidence) {
   if (!confidence) return nullptr;
   return {{"pixels", confidence->pixels}, {"mean", confidence->mean}, {"within", confidence->within},
           {"ece", confidence->ece},       {"ause", confidence->ause}, {"deciles", confidence->deciles}};
 }
 
-static nlohmann::json confidence(const Evaluation& evaluation) {
-  nlohmann::json json = document(evaluation.confidence.front());
+static nlohmann::json to_confidence_json(const Evaluation& evaluation) {
+  nlohmann::json json = to_document(evaluation.confidence.front());
   for (std::size_t i = 1; !json.is_null() && i < kOrigins.size(); ++i)
-    json["by_kind"][name(kOrigins[i])] = document(evaluation.confidence[i]);
+    json["by_kind"][name(kOrigins[i])] = to_document(evaluation.confidence[i]);
   return json;
 }
 
-static nlohmann::json whole_frame(const Figures& f) {
+static nlohmann::json to_whole_frame_json(const Figures& f) {
   return {{"mae", f.mae}, {"rmse", f.rmse}, {"psnr", f.psnr}, {"ssim", f.ssim}};
 }
 
@@ -73,9 +73,9 @@ void from_json(const nlohmann::json& json, Artifacts& a) {
 void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   json = evaluation.total;
   for (const Origin origin : kOrigins)
-    json[name(origin)]["interval"] = document(evaluation.intervals[static_cast<std::size_t>(origin)]);
-  json["whole_frame"] = whole_frame(evaluation.whole_frame);
-  json["confidence"] = confidence(evaluation);
+    json[name(origin)]["interval"] = to_document(evaluation.intervals[static_cast<std::size_t>(origin)]);
+  json["whole_frame"] = to_whole_frame_json(evaluation.whole_frame);
+  json["confidence"] = to_confidence_json(evaluation);
   json["version"] = 1;
   json["per_frame"] = evaluation.frames;
   json["unscored"] = evaluation.unscored;

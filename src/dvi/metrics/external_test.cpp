@@ -22,18 +22,18 @@ class External : public ResultFixture {
   External() {
     make_folder(folder / "net");
     for (int i = 0; i < 3; ++i)
-      add(std::to_string(i), scene(kSize, i), scene(kSize, i + 0.5), box(kHole), box({30, 20, 20, 30}, 1));
+      add(std::to_string(i), make_scene(kSize, i), make_scene(kSize, i + 0.5), box(kHole), box({30, 20, 20, 30}, 1));
   }
   void add_external(const cv::Mat3b& (*change)(cv::Mat3b&)) const {
     for (int i = 0; i < 3; ++i) {
-      cv::Mat3b image = scene(kSize, i + 0.5);
+      cv::Mat3b image = make_scene(kSize, i + 0.5);
       media::write_png(folder / "net" / (std::to_string(i) + ".png"), change(image));
     }
   }
   EvaluationFolders with_net() const { return {folder / "out", folder / "truth", {}, {{"net", folder / "net"}}}; }
 };
 
-TEST_F(External, TheSameFramesGetTheSameFigures) {
+TEST_F(External, TheSameFramesHaveTheSameFigures) {
   add_external([](cv::Mat3b& image) -> const cv::Mat3b& { return image; });
   const nlohmann::json json = evaluate(with_net());
   nlohmann::json own = json;
@@ -42,7 +42,7 @@ TEST_F(External, TheSameFramesGetTheSameFigures) {
   EXPECT_EQ(json["external"]["net"].dump(), own.dump());
 }
 
-TEST_F(External, CountAsTheInputOutsideTheMasks) {
+TEST_F(External, AreReplacedByTheInputOutsideTheMasks) {
   add_external([](cv::Mat3b& image) -> const cv::Mat3b& {
     const cv::Mat3b inside = image(kHole).clone();
     image = cv::Mat3b(kSize, cv::Vec3b(0, 0, 255));
@@ -54,12 +54,12 @@ TEST_F(External, CountAsTheInputOutsideTheMasks) {
   EXPECT_EQ(e.external[0].evaluation.whole_frame.ssim, e.whole_frame.ssim);
 }
 
-TEST_F(External, HaveRowsAndNoConfidenceOfTheirOwn) {
+TEST_F(External, HaveRowsButNoConfidence) {
   make_folder(folder / "out/confidence");
   for (int i = 0; i < 3; ++i) {
     const std::string name = std::to_string(i);
     media::write_png(folder / "out/confidence" / (name + ".png"), cv::Mat1b(kSize, uchar{200}));
-    cv::imwrite((folder / "net" / (name + ".jpg")).string(), scene(kSize, i));  // nearly the truth
+    cv::imwrite((folder / "net" / (name + ".jpg")).string(), make_scene(kSize, i));  // nearly the truth
   }
   const Evaluation e = evaluate(with_net());
   EXPECT_TRUE(e.confidence[0]);
@@ -67,10 +67,10 @@ TEST_F(External, HaveRowsAndNoConfidenceOfTheirOwn) {
   EXPECT_FALSE(net.confidence[0]);
   EXPECT_LT(net.total[Origin::all].mae, 0.5 * e.total[Origin::all].mae);
   EXPECT_EQ(net.total[Origin::copied].pixels, e.total[Origin::copied].pixels);
-  EXPECT_THAT(table(e), testing::ContainsRegex("whole frame(.|\n)*\nnet\n(.|\n)*whole frame"));
+  EXPECT_THAT(format_table(e), testing::ContainsRegex("whole frame(.|\n)*\nnet\n(.|\n)*whole frame"));
 }
 
-TEST_F(External, SayWhatIsWrong) {
+TEST_F(External, ReportErrors) {
   add_external([](cv::Mat3b& image) -> const cv::Mat3b& { return image; });
   fs::remove(folder / "net/0.png");
   EXPECT_THAT(error(with_net()), HasSubstr("net/0.png: is missing"));

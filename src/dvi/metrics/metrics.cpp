@@ -16,16 +16,16 @@
 namespace dvi::metrics {
 namespace {
 
-cv::Mat1d blurred(const cv::Mat1d& image) {
+cv::Mat1d blur(const cv::Mat1d& image) {
   cv::Mat1d out;
   cv::GaussianBlur(image, out, {11, 11}, 1.5, 1.5, cv::BORDER_REFLECT);
   return out;
 }
 
-cv::Mat1d blurred_product(const cv::Mat1d& a, const cv::Mat1d& b) {
+cv::Mat1d blur_product(const cv::Mat1d& a, const cv::Mat1d& b) {
   cv::Mat1d product;
   cv::multiply(a, b, product);
-  return blurred(product);
+  return blur(product);
 }
 
 }  // namespace
@@ -36,8 +36,8 @@ double ErrorSums::rmse() const { return std::sqrt(static_cast<double>(square) / 
 
 double ErrorSums::psnr() const {
   if (values == 0) return std::numeric_limits<double>::quiet_NaN();
-  if (square == 0) return kMostPsnr;
-  return std::min(kMostPsnr, 10 * std::log10(255.0 * 255.0 * static_cast<double>(values) / static_cast<double>(square)));
+  if (square == 0) return kMaxPsnr;
+  return std::min(kMaxPsnr, 10 * std::log10(255.0 * 255.0 * static_cast<double>(values) / static_cast<double>(square)));
 }
 
 ErrorSums& ErrorSums::operator+=(const ErrorSums& other) {
@@ -47,7 +47,7 @@ ErrorSums& ErrorSums::operator+=(const ErrorSums& other) {
   return *this;
 }
 
-ErrorSums error_sums(const cv::Mat3b& result, const cv::Mat3b& truth, const cv::Mat1b& pixels) {
+ErrorSums sum_errors(const cv::Mat3b& result, const cv::Mat3b& truth, const cv::Mat1b& pixels) {
   ErrorSums sums;
   for (int y = 0; y < pixels.rows; ++y)
     for (int x = 0; x < pixels.cols; ++x) {
@@ -79,7 +79,7 @@ PixelSum sum_over(const cv::Mat1f& map, const cv::Mat1b& pixels) {
   return out;
 }
 
-cv::Mat1d gray(const cv::Mat3b& image) {
+cv::Mat1d to_gray(const cv::Mat3b& image) {
   cv::Mat1d out(image.size());
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x) {
@@ -89,11 +89,11 @@ cv::Mat1d gray(const cv::Mat3b& image) {
   return out;
 }
 
-cv::Mat1f ssim_map(const cv::Mat3b& a, const cv::Mat3b& b) {
+cv::Mat1f compute_ssim(const cv::Mat3b& a, const cv::Mat3b& b) {
   constexpr double kC1 = 0.01 * 255 * 0.01 * 255, kC2 = 0.03 * 255 * 0.03 * 255;
-  const cv::Mat1d ga = gray(a), gb = gray(b);
-  const cv::Mat1d mean_a = blurred(ga), mean_b = blurred(gb);
-  const cv::Mat1d square_a = blurred_product(ga, ga), square_b = blurred_product(gb, gb), product = blurred_product(ga, gb);
+  const cv::Mat1d ga = to_gray(a), gb = to_gray(b);
+  const cv::Mat1d mean_a = blur(ga), mean_b = blur(gb);
+  const cv::Mat1d square_a = blur_product(ga, ga), square_b = blur_product(gb, gb), product = blur_product(ga, gb);
   cv::Mat1f map(a.size());
   for (int y = 0; y < map.rows; ++y)
     for (int x = 0; x < map.cols; ++x) {
@@ -106,9 +106,9 @@ cv::Mat1f ssim_map(const cv::Mat3b& a, const cv::Mat3b& b) {
   return map;
 }
 
-cv::Mat1f gradient_magnitude(const cv::Mat3b& image) {
+cv::Mat1f compute_gradient(const cv::Mat3b& image) {
   cv::Mat1f g;
-  gray(image).convertTo(g, CV_32F);
+  to_gray(image).convertTo(g, CV_32F);
   cv::Mat1f dx, dy, length;
   cv::Sobel(g, dx, CV_32F, 1, 0, 1, 0.5);
   cv::Sobel(g, dy, CV_32F, 0, 1, 1, 0.5);
@@ -116,8 +116,8 @@ cv::Mat1f gradient_magnitude(const cv::Mat3b& image) {
   return length;
 }
 
-cv::Mat1f change_along(const cv::Mat3b& now, const cv::Mat3b& before, const cv::Mat2f& before_from_now,
-                       const cv::Mat1b& pixels) {
+cv::Mat1f compute_change(const cv::Mat3b& now, const cv::Mat3b& before, const cv::Mat2f& before_from_now,
+                         const cv::Mat1b& pixels) {
   cv::Mat1f change(now.size(), std::numeric_limits<float>::quiet_NaN());
   for (int y = 0; y < now.rows; ++y)
     for (int x = 0; x < now.cols; ++x) {
@@ -135,7 +135,7 @@ cv::Mat1f change_along(const cv::Mat3b& now, const cv::Mat3b& before, const cv::
   return change;
 }
 
-cv::Mat1f misplacement(const cv::Mat3b& result, const cv::Mat3b& truth, const cv::Mat1b& pixels) {
+cv::Mat1f compute_position_error(const cv::Mat3b& result, const cv::Mat3b& truth, const cv::Mat1b& pixels) {
   cv::Mat3b anchored = truth.clone();
   result.copyTo(anchored, pixels);
   const cv::Mat2f flow = compute_optical_flow(gray_8bit(truth), gray_8bit(anchored));

@@ -7,30 +7,30 @@
 namespace dvi::metrics {
 namespace {
 
-/// A frame of 1280x720, a result that lies half a pixel beside it, and a hole.
-struct Pair {
-  cv::Mat3b truth = scene({1280, 720}, 0), result = scene({1280, 720}, 0.5);
+/// A frame of 1280x720, a result that is shifted by half a pixel, and a hole.
+struct ShiftedResult {
+  cv::Mat3b truth = make_scene({1280, 720}, 0), result = make_scene({1280, 720}, 0.5);
   cv::Mat1b hole = cv::Mat1b(720, 1280, uchar{0});
-  Pair() { hole(cv::Rect(500, 300, 300, 210)) = 255; }
+  ShiftedResult() { hole(cv::Rect(500, 300, 300, 210)) = 255; }
 };
 
-void differences(benchmark::State& state) {
-  const Pair pair;
-  for (auto _ : state) benchmark::DoNotOptimize(error_sums(pair.result, pair.truth, pair.hole));
+void benchmark_errors(benchmark::State& state) {
+  const ShiftedResult pair;
+  for (auto _ : state) benchmark::DoNotOptimize(sum_errors(pair.result, pair.truth, pair.hole));
 }
-BENCHMARK(differences)->Unit(benchmark::kMillisecond);
+BENCHMARK(benchmark_errors)->Unit(benchmark::kMillisecond);
 
-void similarity(benchmark::State& state) {
-  const Pair pair;
-  for (auto _ : state) benchmark::DoNotOptimize(ssim_map(pair.result, pair.truth));
+void benchmark_ssim(benchmark::State& state) {
+  const ShiftedResult pair;
+  for (auto _ : state) benchmark::DoNotOptimize(compute_ssim(pair.result, pair.truth));
 }
-BENCHMARK(similarity)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+BENCHMARK(benchmark_ssim)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 
-void misplaced(benchmark::State& state) {
-  const Pair pair;
-  for (auto _ : state) benchmark::DoNotOptimize(misplacement(pair.result, pair.truth, pair.hole));
+void benchmark_position_error(benchmark::State& state) {
+  const ShiftedResult pair;
+  for (auto _ : state) benchmark::DoNotOptimize(compute_position_error(pair.result, pair.truth, pair.hole));
 }
-BENCHMARK(misplaced)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+BENCHMARK(benchmark_position_error)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 
 }  // namespace
 }  // namespace dvi::metrics

@@ -14,7 +14,7 @@
 namespace dvi::metrics {
 namespace {
 
-TEST(ErrorSums, AreWhatPaperAndPencilSay) {
+TEST(ErrorSums, AgreeWithManualResults) {
   const cv::Mat3b truth(1, 3, cv::Vec3b(10, 10, 10));
   cv::Mat3b result = truth.clone();
   result(0, 0) = {13, 6, 10};   // 3, -4, 0
@@ -22,16 +22,16 @@ TEST(ErrorSums, AreWhatPaperAndPencilSay) {
   result(0, 2) = {255, 0, 255};
   cv::Mat1b pixels(1, 3, uchar{255});
   pixels(0, 2) = 0;
-  const ErrorSums sums = error_sums(result, truth, pixels);
+  const ErrorSums sums = sum_errors(result, truth, pixels);
   EXPECT_EQ(sums.values, 6U);
   EXPECT_DOUBLE_EQ(sums.mae(), 19.0 / 6);
   EXPECT_DOUBLE_EQ(sums.rmse(), std::sqrt(169.0 / 6));
   EXPECT_DOUBLE_EQ(sums.psnr(), 10 * std::log10(65025.0 * 6 / 169));
-  EXPECT_DOUBLE_EQ(error_sums(truth, truth, pixels).psnr(), kMostPsnr);
+  EXPECT_DOUBLE_EQ(sum_errors(truth, truth, pixels).psnr(), kMaxPsnr);
   EXPECT_TRUE(std::isnan(ErrorSums{}.psnr()));
 }
 
-TEST(SumOver, LeavesOutWhatIsUndefined) {
+TEST(SumOver, IgnoresUndefinedValues) {
   const cv::Mat1f map = (cv::Mat1f(1, 4) << 1, 2, NAN, 8);
   const cv::Mat1b pixels = (cv::Mat1b(1, 4) << 255, 255, 255, 0);
   const PixelSum sum = sum_over(map, pixels);
@@ -46,7 +46,7 @@ TEST(SumOver, LeavesOutWhatIsUndefined) {
 //   gray = lambda i: 0.114 * i[..., 0] + 0.587 * i[..., 1] + 0.299 * i[..., 2]
 //   mean, full = skimage.metrics.structural_similarity(gray(a), gray(b), gaussian_weights=True, sigma=1.5,
 //                                                      use_sample_covariance=False, data_range=255, full=True)
-TEST(SsimMap, AgreesWithScikitImage) {
+TEST(Ssim, AgreesWithScikitImage) {
   cv::Mat3b a(48, 64), b(48, 64);
   for (int y = 0; y < a.rows; ++y)
     for (int x = 0; x < a.cols; ++x)
@@ -55,7 +55,7 @@ TEST(SsimMap, AgreesWithScikitImage) {
         a(y, x)[c] = static_cast<uchar>(value);
         b(y, x)[c] = static_cast<uchar>((value + (x * y) % 23 - (x + 2 * y) % 11 + 5 * c) % 256);
       }
-  const cv::Mat1f map = ssim_map(a, b);
+  const cv::Mat1f map = compute_ssim(a, b);
   EXPECT_NEAR(map(0, 0), 0.994922, 1e-6);
   EXPECT_NEAR(map(0, 30), 0.958791, 1e-6);
   EXPECT_NEAR(map(24, 32), 0.973530, 1e-6);
@@ -65,32 +65,32 @@ TEST(SsimMap, AgreesWithScikitImage) {
   EXPECT_NEAR(cv::mean(map(cv::Rect(20, 10, 30, 20)))[0], 0.954255, 1e-6);
 }
 
-TEST(GradientMagnitude, IsTheSlopeOfARamp) {
+TEST(Gradient, IsTheSlopeOfARamp) {
   cv::Mat3b ramp(8, 8);
   for (int y = 0; y < 8; ++y)
     for (int x = 0; x < 8; ++x) ramp(y, x) = cv::Vec3b::all(static_cast<uchar>(3 * x + 4 * y));
-  EXPECT_NEAR(gradient_magnitude(ramp)(4, 4), 5, 1e-4);
+  EXPECT_NEAR(compute_gradient(ramp)(4, 4), 5, 1e-4);
 }
 
-TEST(ChangeAlong, FollowsTheMotion) {
+TEST(Change, FollowsTheMotion) {
   const cv::Size size(80, 60);
-  const cv::Mat3b before = scene(size, 0), now = scene(size, 3);  // content moves 3 px to the right
+  const cv::Mat3b before = make_scene(size, 0), now = make_scene(size, 3);  // content moves 3 px to the right
   const cv::Mat2f back(size, cv::Vec2f(-3, 0));
   const cv::Mat1b all(size, uchar{255});
-  const cv::Mat1f change = change_along(now, before, back, all);
+  const cv::Mat1f change = compute_change(now, before, back, all);
   const PixelSum sum = sum_over(change, all);
-  EXPECT_EQ(sum.count, static_cast<std::size_t>((80 - 3) * 60));  // the rest came from outside the image
+  EXPECT_EQ(sum.count, static_cast<std::size_t>((80 - 3) * 60));  // the other pixels come from outside the image
   EXPECT_DOUBLE_EQ(sum.sum, 0);
-  EXPECT_GT(sum_over(change_along(now, before, cv::Mat2f(size, cv::Vec2f(0, 0)), all), all).mean(), 5);
-  EXPECT_TRUE(std::isnan(change_along(now, before, back, cv::Mat1b(size, uchar{0}))(30, 40)));
+  EXPECT_GT(sum_over(compute_change(now, before, cv::Mat2f(size, cv::Vec2f(0, 0)), all), all).mean(), 5);
+  EXPECT_TRUE(std::isnan(compute_change(now, before, back, cv::Mat1b(size, uchar{0}))(30, 40)));
 }
 
-TEST(Misplacement, IsTheShiftOfTheContent) {
+TEST(PositionError, IsTheShiftOfTheContent) {
   const cv::Size size(160, 120);
   cv::Mat1b pixels(size, uchar{0});
   pixels(cv::Rect(40, 30, 80, 60)) = 255;
   for (const double shift : {0.0, 1.0, 2.5}) {
-    const cv::Mat1f map = misplacement(scene(size, shift), scene(size, 0), pixels);
+    const cv::Mat1f map = compute_position_error(make_scene(size, shift), make_scene(size, 0), pixels);
     std::vector<float> lengths;
     for (int y = 40; y < 80; ++y) lengths.insert(lengths.end(), &map(y, 50), &map(y, 110));
     std::nth_element(lengths.begin(), lengths.begin() + 1200, lengths.end());

@@ -18,10 +18,10 @@
 namespace dvi::metrics {
 namespace {
 
-constexpr float kSteps = 256;
+constexpr float kStepsPerPx = 256;
 constexpr std::size_t kBins = 64 * 256 + 1;
 
-cv::Mat1b pixels_of(const ScoredFrame& frame, Origin origin) {
+cv::Mat1b select_pixels(const ScoredFrame& frame, Origin origin) {
   const auto between = [&](harmonize::Kind first, harmonize::Kind last) {
     cv::Mat1b pixels;
     cv::inRange(frame.kind, static_cast<int>(first), static_cast<int>(last), pixels);
@@ -43,26 +43,26 @@ cv::Mat1b pixels_of(const ScoredFrame& frame, Origin origin) {
   throw std::logic_error("no such origin");
 }
 
-/// The per pixel figures of a frame, whatever the origin.
+/// The figures per pixel of a frame.
 struct Maps {
   Maps(const ScoredFrame& frame, const ScoredFrame* before)
-      : ssim(ssim_map(frame.result, frame.truth)),
-        gradient_result(gradient_magnitude(frame.result)),
-        gradient_truth(gradient_magnitude(frame.truth)) {
+      : ssim(compute_ssim(frame.result, frame.truth)),
+        gradient_result(compute_gradient(frame.result)),
+        gradient_truth(compute_gradient(frame.truth)) {
     if (!before) return;
     const cv::Mat2f motion = compute_optical_flow(gray_8bit(frame.clean), gray_8bit(before->clean));
-    change_result = change_along(frame.result, before->result, motion, frame.scored);
-    change_truth = change_along(frame.clean, before->clean, motion, frame.scored);
+    change_result = compute_change(frame.result, before->result, motion, frame.scored);
+    change_truth = compute_change(frame.clean, before->clean, motion, frame.scored);
   }
   cv::Mat1f ssim, gradient_result, gradient_truth, change_result, change_truth;
 };
 
-OriginSums sums(const ScoredFrame& frame, const Maps& maps, const cv::Mat1b& pixels) {
+OriginSums make_sums(const ScoredFrame& frame, const Maps& maps, const cv::Mat1b& pixels) {
   OriginSums out;
   out.pixels = static_cast<std::size_t>(cv::countNonZero(pixels));
   if (out.pixels == 0) return out;
   out.frames = 1;
-  out.error = error_sums(frame.result, frame.truth, pixels);
+  out.error = sum_errors(frame.result, frame.truth, pixels);
   out.frame_psnr = out.error.psnr();
   out.frame_ssim = sum_over(maps.ssim, pixels).mean();
   out.gradient_result = sum_over(maps.gradient_result, pixels);
@@ -74,7 +74,7 @@ OriginSums sums(const ScoredFrame& frame, const Maps& maps, const cv::Mat1b& pix
   return out;
 }
 
-OriginSums whole_frame(const ScoredFrame& frame, const ErrorSums& scored) {
+OriginSums make_whole_frame_sums(const ScoredFrame& frame, const ErrorSums& scored) {
   cv::Mat3b truth = frame.result.clone();
   frame.truth.copyTo(truth, frame.scored);
   const cv::Mat1b everywhere(truth.size(), uchar{255});
@@ -84,31 +84,33 @@ OriginSums whole_frame(const ScoredFrame& frame, const ErrorSums& scored) {
   out.error = scored;
   out.error.values = 3 * out.pixels;
   out.frame_psnr = out.error.psnr();
-  out.frame_ssim = sum_over(ssim_map(frame.result, truth), everywhere).mean();
+  out.frame_ssim = sum_over(compute_ssim(frame.result, truth), everywhere).mean();
   return out;
 }
 
-Lengths misplaced(const ScoredFrame& frame, const cv::Mat1b& copied) {
-  Lengths lengths;
+LengthHistogram measure_position_errors(const ScoredFrame& frame, const cv::Mat1b& copied) {
+  LengthHistogram lengths;
   if (cv::countNonZero(copied) == 0) return lengths;
-  const cv::Mat1f map = misplacement(frame.result, frame.clean, frame.scored);
+  const cv::Mat1f map = compute_position_error(frame.result, frame.clean, frame.scored);
   for (int y = 0; y < map.rows; ++y)
     for (int x = 0; x < map.cols; ++x)
       if (copied(y, x)) lengths.add(map(y, x));
   return lengths;
 }
 
-double ratio(const PixelSum& result, const PixelSum& truth) { return truth.sum > 0 ? result.sum / truth.sum : Figures::kNone; }
+double compute_ratio(const PixelSum& result, const PixelSum& truth) {
+  return truth.sum > 0 ? result.sum / truth.sum : Figures::kNone;
+}
 
 }  // namespace
 
-void Lengths::add(float length_px) {
+void LengthHistogram::add(float length_px) {
   bins_.resize(kBins);
-  ++bins_[std::min(kBins - 1, static_cast<std::size_t>(std::min(length_px, 64.0F) * kSteps + 0.5F))];
+  ++bins_[std::min(kBins - 1, static_cast<std::size_t>(std::min(length_px, 64.0F) * kStepsPerPx + 0.5F))];
   ++count_;
 }
 
-Lengths& Lengths::operator+=(const Lengths& other) {
+LengthHistogram& LengthHistogram::operator+=(const LengthHistogram& other) {
   if (other.count_ == 0) return *this;
   bins_.resize(kBins);
   for (std::size_t i = 0; i < kBins; ++i) bins_[i] += other.bins_[i];
@@ -116,12 +118,12 @@ Lengths& Lengths::operator+=(const Lengths& other) {
   return *this;
 }
 
-double Lengths::median() const {
+double LengthHistogram::median() const {
   if (count_ == 0) return Figures::kNone;
   std::uint64_t below = 0;
   std::size_t bin = 0;
   while (2 * (below + bins_[bin]) < count_) below += bins_[bin++];
-  return static_cast<double>(bin) / double{kSteps};
+  return static_cast<double>(bin) / double{kStepsPerPx};
 }
 
 OriginSums& OriginSums::operator+=(const OriginSums& other) {
@@ -143,11 +145,11 @@ Tally& Tally::operator+=(const Tally& other) {
     confidence[i] += other.confidence[i];
   }
   whole_frame += other.whole_frame;
-  misplaced += other.misplaced;
+  position_errors += other.position_errors;
   return *this;
 }
 
-Figures figures(const OriginSums& sums) {
+Figures compute_figures(const OriginSums& sums) {
   Figures out;
   if (sums.pixels == 0) return out;
   out.frames = sums.frames;
@@ -156,34 +158,34 @@ Figures figures(const OriginSums& sums) {
   out.rmse = sums.error.rmse();
   out.psnr = sums.frame_psnr / static_cast<double>(sums.frames);
   out.ssim = sums.frame_ssim / static_cast<double>(sums.frames);
-  out.sharpness = ratio(sums.gradient_result, sums.gradient_truth);
-  out.flicker = ratio(sums.change_result, sums.change_truth);
+  out.sharpness = compute_ratio(sums.gradient_result, sums.gradient_truth);
+  out.flicker = compute_ratio(sums.change_result, sums.change_truth);
   return out;
 }
 
-ByOrigin Tally::figures() const {
+ByOrigin Tally::compute_figures() const {
   ByOrigin out;
   for (const Origin origin : kOrigins) {
     const OriginSums& sums = origins[static_cast<std::size_t>(origin)];
-    out[origin] = dvi::metrics::figures(sums);
+    out[origin] = dvi::metrics::compute_figures(sums);
     if (sums.pixels > 0) out[origin].share = static_cast<double>(sums.pixels) / static_cast<double>(pixels(Origin::all));
   }
-  out[Origin::all].misplaced_px = out[Origin::copied].misplaced_px = misplaced.median();
+  out[Origin::all].position_error_px = out[Origin::copied].position_error_px = position_errors.median();
   return out;
 }
 
-Tally tally(const ScoredFrame& frame, const ScoredFrame* before) {
+Tally make_tally(const ScoredFrame& frame, const ScoredFrame* before) {
   Tally out;
   if (cv::countNonZero(frame.scored) == 0) return out;
   const Maps maps(frame, before);
   for (const Origin origin : kOrigins) {
     const auto i = static_cast<std::size_t>(origin);
-    const cv::Mat1b pixels = pixels_of(frame, origin);
-    out.origins[i] = sums(frame, maps, pixels);
+    const cv::Mat1b pixels = select_pixels(frame, origin);
+    out.origins[i] = make_sums(frame, maps, pixels);
     if (!frame.confidence.empty()) out.confidence[i] = count_confidence(frame.confidence, frame.result, frame.truth, pixels);
   }
-  out.whole_frame = whole_frame(frame, out.origins[static_cast<std::size_t>(Origin::all)].error);
-  out.misplaced = misplaced(frame, pixels_of(frame, Origin::copied));
+  out.whole_frame = make_whole_frame_sums(frame, out.origins[static_cast<std::size_t>(Origin::all)].error);
+  out.position_errors = measure_position_errors(frame, select_pixels(frame, Origin::copied));
   return out;
 }
 

@@ -12,19 +12,19 @@
 
 namespace dvi::metrics {
 
-/// Lengths counted in steps of 1/256 px up to 64 px: a median of any number of them in the same memory.
-class Lengths {
+/// A histogram of lengths in steps of 1/256 px up to 64 px, for medians with constant memory.
+class LengthHistogram {
  public:
   void add(float length_px);
-  Lengths& operator+=(const Lengths& other);
-  double median() const;  ///< NaN of none
+  LengthHistogram& operator+=(const LengthHistogram& other);
+  double median() const;  ///< NaN if there are none
 
  private:
   std::vector<std::uint64_t> bins_;
   std::uint64_t count_ = 0;
 };
 
-/// What the figures of one origin are made of, for one frame or, added up, for many.
+/// The sums for the figures of one origin, over one frame or several.
 struct OriginSums {
   std::size_t frames = 0, pixels = 0;
   ErrorSums error;
@@ -35,30 +35,31 @@ struct OriginSums {
   OriginSums& operator+=(const OriginSums& other);
 };
 
-/// What they amount to; share and misplaced_px are not known here.
-Figures figures(const OriginSums& sums);
+/// Computes the figures of the sums, except share and position error.
+Figures compute_figures(const OriginSums& sums);
 
+/// The sums over one frame or several, by origin.
 struct Tally {
   std::array<OriginSums, kOrigins.size()> origins;
   OriginSums whole_frame;  ///< without gradients and changes
-  Lengths misplaced;
+  LengthHistogram position_errors;
   std::array<ConfidenceCounts, kOrigins.size()> confidence;
 
   Tally& operator+=(const Tally& other);
-  ByOrigin figures() const;
+  ByOrigin compute_figures() const;
   std::size_t pixels(Origin origin) const { return origins[static_cast<std::size_t>(origin)].pixels; }
 };
 
-/// A frame as it is scored.
+/// A frame with its masks for scoring.
 struct ScoredFrame {
   cv::Mat3b result;
-  cv::Mat3b truth;  ///< as given; empty where nothing is scored
-  cv::Mat3b clean;  ///< the truth inside the mask, the result, which is the input, outside: a whole picture
+  cv::Mat3b truth;  ///< as given; empty if nothing is scored
+  cv::Mat3b clean;  ///< the truth inside the mask and the input outside: a complete true frame
   cv::Mat1b scored, kind;
-  cv::Mat1b confidence;  ///< empty where none is given
+  cv::Mat1b confidence;  ///< empty if there is none
 };
 
-/// `before` is the frame before this one, or null.
-Tally tally(const ScoredFrame& frame, const ScoredFrame* before);
+/// Computes the sums of a frame. `before` is the frame before, or null.
+Tally make_tally(const ScoredFrame& frame, const ScoredFrame* before);
 
 }  // namespace dvi::metrics

@@ -23,7 +23,7 @@ inline cv::Mat1b box(const cv::Rect& rect, uchar value = 255) {
   return mask;
 }
 
-/// A result folder and its truth, frame by frame; by default a perfect one. Gone after the test.
+/// A result folder with its truth; the folder is removed after the test.
 class ResultFixture : public testing::Test {
  protected:
   ResultFixture() {
@@ -38,7 +38,9 @@ class ResultFixture : public testing::Test {
     media::write_png(folder / "out/masks" / file, mask);
     media::write_png(folder / "out/kind" / file, kind);
   }
-  void add_perfect(const std::string& name) const { add(name, scene(kSize, 0), scene(kSize, 0), box(kHole), box(kHole, 1)); }
+  void add_perfect(const std::string& name) const {
+    add(name, make_scene(kSize, 0), make_scene(kSize, 0), box(kHole), box(kHole, 1));
+  }
   EvaluationFolders folders() const { return {folder / "out", folder / "truth"}; }
   Evaluation run(bool ignore = false) const {
     return evaluate({folder / "out", folder / "truth", ignore ? folder / "ignore" : fs::path()});

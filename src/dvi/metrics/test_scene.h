@@ -6,8 +6,8 @@
 
 namespace dvi::metrics {
 
-/// A textured picture for the tests of this room, its content shifted to the right.
-inline cv::Mat3b scene(cv::Size size, double shift_px) {
+/// A textured image whose content is shifted to the right.
+inline cv::Mat3b make_scene(cv::Size size, double shift_px) {
   cv::Mat3b image(size);
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {

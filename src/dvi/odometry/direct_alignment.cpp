@@ -13,22 +13,11 @@ namespace {
 using Vector8d = Eigen::Matrix<double, 8, 1>;
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
-constexpr std::size_t kMaxPointsPerLevel = 9000;
-constexpr int kMaxIterations = 15;
-constexpr double kDegreesOfFreedom = 5;                         // of Student's t-distribution
-constexpr double kMinGrayNoise = 2.5;                           // gray levels
-constexpr double kDepthNoisePerM = 0.0015, kMinNoiseM = 0.001;  // grows with the square of the depth (Khoshelham 2012)
-constexpr float kMinGradient = 2;                               // gray levels per pixel; noise has less
-constexpr double kUniformGray = 3;                              // standard deviation of noise in gray levels
-constexpr double kMaxInlierNoise = 5;                           // standard deviations
-constexpr double kOcclusionTolerance = 0.1;                     // relative difference in depth
-constexpr double kCostGray = 15, kCostNoise = 6;                // residuals beyond which the cost of a point no longer grows
-constexpr double kCostOutside = 0.6;                            // cost of a point outside the image
-constexpr double kMaxStepM = 0.3, kMaxStepRad = 0.2;
-constexpr double kConvergedPx = 0.02;
-constexpr double kPrior = 1e-2;  // keeps the equations solvable where the scene constrains nothing
+constexpr DirectAlignmentParams kDirect;
 
-double depth_noise_m(double depth) { return std::max(kMinNoiseM, kDepthNoisePerM * depth * depth); }
+double compute_depth_noise_m(double depth) {
+  return std::max(kDirect.min_depth_noise_m, kDirect.depth_noise_per_m * depth * depth);
+}
 
 /// Residuals of the points of a level, as far as they could be compared.
 struct Residuals {
@@ -61,12 +50,12 @@ Residuals compare(const std::vector<ReferenceView::Point>& points, const RgbdLev
     ++out.visible;
     const Eigen::Vector3f seen = current.point(static_cast<int>(at.y() + 0.5F), static_cast<int>(at.x() + 0.5F));
     if (seen.z() > 0) {
-      if (std::abs(seen.z() - p.z()) > kOcclusionTolerance * p.z()) {
+      if (std::abs(seen.z() - p.z()) > kDirect.occlusion_tolerance * p.z()) {
         ++out.occluded;
         continue;
       }
       if (point.normal.z() != 0) {
-        const float noise = static_cast<float>(1.4 * depth_noise_m(p.z()));
+        const float noise = static_cast<float>(1.4 * compute_depth_noise_m(p.z()));
         out.distance.push_back({i, point.normal.dot(R.transpose() * (seen - t) - point.x) / noise});
       }
     }
@@ -79,8 +68,8 @@ Residuals compare(const std::vector<ReferenceView::Point>& points, const RgbdLev
 }
 
 /// The scale of Student's t-distribution that fits the residuals best.
-double student_scale(const std::vector<Residuals::Item>& residuals, double least) {
-  if (residuals.empty()) return least;
+double fit_student_scale(const std::vector<Residuals::Item>& residuals, double min_scale) {
+  if (residuals.empty()) return min_scale;
   double squares = 0;
   for (const Residuals::Item& r : residuals) squares += r.value * r.value;
   double variance = squares / static_cast<double>(residuals.size());
@@ -88,16 +77,16 @@ double student_scale(const std::vector<Residuals::Item>& residuals, double least
     double sum = 0;
     for (const Residuals::Item& r : residuals) {
       const double r2 = static_cast<double>(r.value) * r.value;
-      sum += r2 * (kDegreesOfFreedom + 1) / (kDegreesOfFreedom + r2 / variance);
+      sum += r2 * (kDirect.degrees_of_freedom + 1) / (kDirect.degrees_of_freedom + r2 / variance);
     }
-    variance = std::max(sum / static_cast<double>(residuals.size()), least * least);
+    variance = std::max(sum / static_cast<double>(residuals.size()), min_scale * min_scale);
   }
   return std::sqrt(variance);
 }
 
-double student_weight(double residual, double scale) {
+double compute_student_weight(double residual, double scale) {
   const double r2 = residual * residual / (scale * scale);
-  return (kDegreesOfFreedom + 1) / (kDegreesOfFreedom + r2) / (scale * scale);
+  return (kDirect.degrees_of_freedom + 1) / (kDirect.degrees_of_freedom + r2) / (scale * scale);
 }
 
 /// Normal equations in the motion of the reference's points, gain and offset.
@@ -112,25 +101,25 @@ struct Equations {
   }
 };
 
-Equations equations_of(const std::vector<ReferenceView::Point>& points, const Residuals& residuals,
-                       const Brightness& brightness) {
+Equations build_equations(const std::vector<ReferenceView::Point>& points, const Residuals& residuals,
+                          const Brightness& brightness) {
   Equations out;
   auto lower = out.H.selfadjointView<Eigen::Lower>();
-  const double gray_scale = student_scale(residuals.gray, kMinGrayNoise);
+  const double gray_scale = fit_student_scale(residuals.gray, kDirect.min_gray_noise);
   for (const Residuals::Item& r : residuals.gray) {
     Vector8d J;
     J << -brightness.gain * points[r.point].by_gray, -points[r.point].gray / 100.0, -1;
-    const double weight = student_weight(r.value, gray_scale);
+    const double weight = compute_student_weight(r.value, gray_scale);
     lower.rankUpdate(J, weight);
     out.b -= weight * r.value * J;
   }
   Matrix6d H = Matrix6d::Zero();
   Vector6d b = Vector6d::Zero();
-  const double distance_scale = student_scale(residuals.distance, 1);
+  const double distance_scale = fit_student_scale(residuals.distance, 1);
   for (const Residuals::Item& r : residuals.distance) {
     const ReferenceView::Point& point = points[r.point];
-    const double inverse_noise = 1 / (1.4 * depth_noise_m(point.x.z()));
-    const double weight = student_weight(r.value, distance_scale);
+    const double inverse_noise = 1 / (1.4 * compute_depth_noise_m(point.x.z()));
+    const double weight = compute_student_weight(r.value, distance_scale);
     H.selfadjointView<Eigen::Lower>().rankUpdate(point.by_distance, weight * inverse_noise * inverse_noise);
     b -= weight * inverse_noise * r.value * point.by_distance;
   }
@@ -139,20 +128,21 @@ Equations equations_of(const std::vector<ReferenceView::Point>& points, const Re
   return out;
 }
 
-double truncated_cost(const Residuals& residuals, std::size_t points) {
+double compute_truncated_cost(const Residuals& residuals, std::size_t points) {
   double gray = 0, distance = 0, n_gray = 0, n_distance = 0;
-  for (const Residuals::Item& r : residuals.gray) gray += std::min(1.0, r.value * r.value / (kCostGray * kCostGray)), ++n_gray;
+  for (const Residuals::Item& r : residuals.gray)
+    gray += std::min(1.0, r.value * r.value / (kDirect.max_cost_gray * kDirect.max_cost_gray)), ++n_gray;
   for (const Residuals::Item& r : residuals.distance)
-    distance += std::min(1.0, r.value * r.value / (kCostNoise * kCostNoise)), ++n_distance;
+    distance += std::min(1.0, r.value * r.value / (kDirect.max_cost_sigmas * kDirect.max_cost_sigmas)), ++n_distance;
   const auto hidden = static_cast<double>(residuals.occluded);
   double sum = 0, parts = 0;
   if (n_gray > 0) sum += (gray + hidden) / (n_gray + hidden), ++parts;
   if (n_distance > 0) sum += (distance + hidden) / (n_distance + hidden), ++parts;
   const double seen = static_cast<double>(residuals.visible) / static_cast<double>(std::max<std::size_t>(points, 1));
-  return parts > 0 ? seen * sum / parts + (1 - seen) * kCostOutside : 1;
+  return parts > 0 ? seen * sum / parts + (1 - seen) * kDirect.cost_outside : 1;
 }
 
-double correlation_of(const std::vector<ReferenceView::Point>& points, const Residuals& residuals) {
+double compute_correlation(const std::vector<ReferenceView::Point>& points, const Residuals& residuals) {
   double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
   for (std::size_t k = 0; k < residuals.gray.size(); ++k) {
     const double x = points[residuals.gray[k].point].gray, y = residuals.current_gray[k];
@@ -160,46 +150,46 @@ double correlation_of(const std::vector<ReferenceView::Point>& points, const Res
   }
   if (n == 0) return 0;
   const double va = aa / n - a / n * a / n, vb = bb / n - b / n * b / n;
-  if (std::max(va, vb) < kUniformGray * kUniformGray) return 1;
+  if (std::max(va, vb) < kDirect.uniform_gray * kDirect.uniform_gray) return 1;
   return va > 1e-6 && vb > 1e-6 ? (ab / n - a / n * b / n) / std::sqrt(va * vb) : 0;
 }
 
-void note_agreement(const std::vector<ReferenceView::Point>& points, const Residuals& residuals, Alignment& out) {
+void set_agreement(const std::vector<ReferenceView::Point>& points, const Residuals& residuals, Alignment& out) {
   out.points = points.size();
   out.visible = residuals.visible;
   out.compared = residuals.distance.size() + residuals.occluded;
   out.inliers = 0;
   double squares = 0;
   for (const Residuals::Item& r : residuals.distance)
-    if (std::abs(r.value) < kMaxInlierNoise) {
-      const double distance = r.value * 1.4 * depth_noise_m(points[r.point].x.z());
+    if (std::abs(r.value) < kDirect.max_inlier_sigmas) {
+      const double distance = r.value * 1.4 * compute_depth_noise_m(points[r.point].x.z());
       squares += distance * distance, ++out.inliers;
     }
   if (out.inliers > 0) out.residual_m = std::sqrt(squares / static_cast<double>(out.inliers));
   out.gray_points = residuals.gray.size();
-  out.correlation = correlation_of(points, residuals);
-  out.cost = truncated_cost(residuals, points.size());
+  out.correlation = compute_correlation(points, residuals);
+  out.cost = compute_truncated_cost(residuals, points.size());
 }
 
-Vector8d limited(Vector8d step) {
-  const double excess = std::max(step.head<3>().norm() / kMaxStepM, step.segment<3>(3).norm() / kMaxStepRad);
+Vector8d limit_step(Vector8d step) {
+  const double excess = std::max(step.head<3>().norm() / kDirect.max_step_m, step.segment<3>(3).norm() / kDirect.max_step_rad);
   if (excess > 1) step.head<6>() /= excess;
   return step;
 }
 
 void align_on_level(const std::vector<ReferenceView::Point>& points, const RgbdLevel& current, Brightness& brightness,
                     Alignment& out) {
-  for (int i = 0; i < kMaxIterations; ++i) {
+  for (int i = 0; i < kDirect.max_iterations; ++i) {
     const Residuals residuals = compare(points, current, out.reference_from_current.inverse(), brightness);
-    const Equations equations = equations_of(points, residuals, brightness);
-    Vector8d prior = Vector8d::Constant(kPrior);
+    const Equations equations = build_equations(points, residuals, brightness);
+    Vector8d prior = Vector8d::Constant(kDirect.prior);
     prior[6] = prior[7] = 1;
     const Matrix8d H = Matrix8d(equations.H.selfadjointView<Eigen::Lower>()) + Matrix8d(prior.asDiagonal());
-    const Vector8d step = limited(H.ldlt().solve(equations.b));
+    const Vector8d step = limit_step(H.ldlt().solve(equations.b));
     out.reference_from_current = se3_exp(step.head<6>()) * out.reference_from_current;
     brightness.gain = std::clamp(brightness.gain + step[6] / 100, 0.3, 3.0);
     brightness.offset = std::clamp(brightness.offset + step[7], -150.0, 150.0);
-    if (current.camera.fx * (step.head<3>().norm() + step.segment<3>(3).norm()) < kConvergedPx) break;
+    if (current.camera.fx * (step.head<3>().norm() + step.segment<3>(3).norm()) < kDirect.converged_px) break;
   }
 }
 
@@ -208,18 +198,18 @@ void align_on_level(const std::vector<ReferenceView::Point>& points, const RgbdL
 ReferenceView::ReferenceView(const RgbdImage& image) {
   for (std::size_t l = 0; l < image.levels.size(); ++l) {
     const RgbdLevel& level = image.levels[l];
-    const cv::Mat3f normals = surface_normals(level, l == 0 ? 4 : l == 1 ? 2 : 1);
+    const cv::Mat3f normals = compute_normals(level, l == 0 ? 4 : l == 1 ? 2 : 1);
     std::vector<Point>& out = levels_.emplace_back();
     const cv::Size size = level.points.size();
     int block = 1;
-    while (static_cast<std::size_t>(size.area() / (block * block)) > kMaxPointsPerLevel) ++block;
+    while (static_cast<std::size_t>(size.area() / (block * block)) > kDirect.max_points_per_level) ++block;
     const auto gradient = [&](int y, int x) -> Eigen::Vector2f {
       if (level.gray.empty()) return {0, 0};
       return 0.5F * Eigen::Vector2f(level.gray(y, x + 1) - level.gray(y, x - 1), level.gray(y + 1, x) - level.gray(y - 1, x));
     };
     for (int top = 1; top + block < size.height; top += block)
       for (int left = 1; left + block < size.width; left += block) {
-        // Of each block the point with the strongest gradient: it says most about the motion.
+        // The point with the strongest gradient constrains the motion most.
         float strongest = -1;
         cv::Point best;
         for (int y = top; y < top + block; ++y)
@@ -242,7 +232,7 @@ ReferenceView::ReferenceView(const RgbdImage& image) {
         if (image.has_gray()) {
           point.gray = bilinear(level.gray, cv::Point2f(at.x(), at.y()));
           Eigen::Vector2d g = gradient(best.y, best.x).cast<double>();
-          if (strongest < kMinGradient * kMinGradient) g.setZero();
+          if (strongest < kDirect.min_gradient * kDirect.min_gradient) g.setZero();
           const double gx = g.x() * level.camera.fx / x.z(), gy = g.y() * level.camera.fy / x.z();
           const Eigen::Vector3d by_place(gx, gy, -(gx * x.x() + gy * x.y()) / x.z());
           point.by_gray << by_place, x.cross(by_place);
@@ -267,10 +257,10 @@ Alignment align(const ReferenceView& reference, const RgbdImage& current, const 
   const Residuals residuals = compare(points, current.levels[finest], current_from_reference, brightness);
   const std::vector<ReferenceView::Point>& coarse = reference.levels()[levels - 1];
   const Residuals coarse_residuals = compare(coarse, current.levels[levels - 1], current_from_reference, brightness);
-  out.information = equations_of(coarse, coarse_residuals, brightness).information();
+  out.information = build_equations(coarse, coarse_residuals, brightness).information();
   out.gain = brightness.gain;
   out.offset = brightness.offset;
-  note_agreement(points, residuals, out);
+  set_agreement(points, residuals, out);
   return out;
 }
 

@@ -8,15 +8,35 @@
 
 namespace dvi::odometry {
 
-/// An image that others are aligned to: at each level, the points that are compared, with what their residuals change by when
-/// the camera moves.
+/// Parameters of the alignment.
+struct DirectAlignmentParams {
+  std::size_t max_points_per_level = 9000;
+  int max_iterations = 15;            ///< per level
+  double degrees_of_freedom = 5;      ///< of Student's t-distribution
+  double min_gray_noise = 2.5;        ///< lower bound of the scale of gray residuals, in gray levels
+  double depth_noise_per_m = 0.0015;  ///< noise of depth over the square of the depth (Khoshelham 2012)
+  double min_depth_noise_m = 0.001;
+  float min_gradient = 2;            ///< in gray levels per pixel; smaller gradients are noise
+  double uniform_gray = 3;           ///< standard deviation in gray levels below which an image counts as uniform
+  double max_inlier_sigmas = 5;      ///< distance of an inlier to the surface, in standard deviations of the noise
+  double occlusion_tolerance = 0.1;  ///< relative difference in depth
+  double max_cost_gray = 15;         ///< gray residual beyond which the cost of a point is constant
+  double max_cost_sigmas = 6;        ///< distance beyond which the cost of a point is constant
+  double cost_outside = 0.6;         ///< cost of a point outside the image
+  double max_step_m = 0.3;           ///< of one iteration
+  double max_step_rad = 0.2;         ///< of one iteration
+  double converged_px = 0.02;        ///< displacement by the last step
+  double prior = 1e-2;               ///< keeps the equations solvable in directions that the scene does not constrain
+};
+
+/// An image that others are aligned to: at each level, the points that are compared, with the derivatives of their residuals.
 class ReferenceView {
  public:
   struct Point {
     Eigen::Vector3f x;                                     ///< camera axes, meters
     Eigen::Vector3f normal;                                ///< zero if unknown
-    float gray = std::numeric_limits<float>::quiet_NaN();  ///< gray level; not a number without color image
-    Vector6d by_gray, by_distance;  ///< gray level and distance change so with a motion of the point: translation, rotation
+    float gray = std::numeric_limits<float>::quiet_NaN();  ///< gray level; NaN without color image
+    Vector6d by_gray, by_distance;  ///< derivatives of gray level and distance by the point's motion: translation, rotation
   };
 
   ReferenceView() = default;
@@ -28,12 +48,12 @@ class ReferenceView {
   std::vector<std::vector<Point>> levels_;
 };
 
-/// Where an image lies relative to a reference view, and how well the two agree there.
+/// The pose of an image relative to a reference view, and how well the two agree.
 struct Alignment {
   SE3 reference_from_current;
   double gain = 1, offset = 0;  ///< gray level of the current image = gain * reference + offset
-  /// Inverse covariance of translation and rotation in the axes of the reference. It is that of the coarsest level: on finer
-  /// ones, noise in gradients and normals looks as if it constrained the pose. Neighboring pixels are counted as independent,
+  /// Inverse covariance of translation and rotation in the axes of the reference. It is computed on the coarsest level: on
+  /// finer levels, noise in gradients and normals seems to constrain the pose. Neighboring pixels are counted as independent,
   /// so it is too large by about the number of pixels that share an error.
   Matrix6d information = Matrix6d::Zero();
   std::size_t points = 0;       ///< of the reference
@@ -54,7 +74,7 @@ struct LevelRange {
   std::size_t coarsest = 3, finest = 0;
 };
 
-/// Aligns an image directly to a reference view: the pose at which gray levels and depths agree best. Minimizes photometric
+/// Aligns an image directly to a reference view, so that gray levels and depths agree best. Minimizes photometric
 /// residuals and distances to the surfaces of the reference together by Gauss-Newton on SE(3) from coarse to fine (inverse
 /// compositional, Baker and Matthews 2004), each weighted by Student's t-distribution with a scale estimated from the
 /// residuals, as in Kerl, Sturm and Cremers, "Robust odometry estimation for RGB-D cameras" (ICRA 2013) and "Dense visual SLAM

@@ -13,7 +13,7 @@ constexpr int kOutlineStep = 3;  // pixels of the coarsest level
 KeyFrames::KeyFrames(std::size_t moments, ReadView read) : views_(moments, kViewsInMemory, std::move(read)) {}
 
 std::size_t KeyFrames::add(std::size_t moment, const RgbdImage& image, const SE3& world_from_camera, std::size_t map) {
-  KeyFrame key{moment, map, world_from_camera, thumbnail_of(image), {}};
+  KeyFrame key{moment, map, world_from_camera, make_thumbnail(image), {}};
   const RgbdLevel& coarsest = image.levels.back();
   for (int y = 1; y < coarsest.points.rows; y += kOutlineStep)
     for (int x = 1; x < coarsest.points.cols; x += kOutlineStep)

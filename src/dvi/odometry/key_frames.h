@@ -11,15 +11,15 @@ namespace dvi::odometry {
 
 /// A view that other images are aligned to. It belongs to a map: poses of key frames of one map share a world.
 struct KeyFrame {
-  std::size_t moment = 0;
+  std::size_t moment = 0;  ///< index of the RgbdMoment
   std::size_t map = 0;
   SE3 world_from_camera;
   Thumbnail thumbnail;
   std::vector<Eigen::Vector3f> outline;  ///< a few of its points, in camera axes
 };
 
-/// The key frames of a recording. Of each, a thumbnail and a few points stay in memory; what images are aligned to is made
-/// again from the files where it was not used lately.
+/// The key frames of a recording. A thumbnail and a few points of each stay in memory. The reference views, to which images are
+/// aligned, are read again from the files unless they were used recently.
 class KeyFrames {
  public:
   using ReadView = std::function<ReferenceView(std::size_t moment)>;
@@ -34,7 +34,7 @@ class KeyFrames {
   /// Adds a key frame and returns its index.
   std::size_t add(std::size_t moment, const RgbdImage& image, const SE3& world_from_camera, std::size_t map);
 
-  /// The share of the points of key frame `k` that a camera with this pose sees.
+  /// Returns the share of the points of key frame `k` that are within the image of a camera with this pose.
   double predict_overlap(std::size_t k, const SE3& world_from_camera, const Pinhole& camera, cv::Size size) const;
 
   /// Moves the key frames of one map into the world of another.

@@ -7,8 +7,6 @@
 
 namespace dvi::odometry {
 
-using namespace scan_match;
-
 namespace {
 
 constexpr int kScans = 8, kBeams = 64, kColumns = 1800;
@@ -19,23 +17,23 @@ void follow(benchmark::State& state) {
   street.beams = kBeams;
   street.columns = kColumns;
   const Drive drive = street.drive(TestStreet::path(8, 0.1), kScans);
-  Odometry found = odometry(drive, {});
-  for (auto _ : state) found = odometry(drive, {});
+  Odometry found = estimate_odometry(drive, {});
+  for (auto _ : state) found = estimate_odometry(drive, {});
   state.counters["scans"] = kScans;
   state.counters["inliers"] = static_cast<double>(found.scans.back().inliers);
 }
 BENCHMARK(follow)->Unit(benchmark::kMillisecond);
 
-void measure_sharpness(benchmark::State& state) {
+void benchmark_sharpness(benchmark::State& state) {
   TestStreet street;
   street.beams = kBeams;
   street.columns = kColumns;
   const Drive drive = street.drive(TestStreet::path(8), kScans);
-  Sharpness found = sharpness(drive, TestStreet::path(8));
-  for (auto _ : state) found = sharpness(drive, TestStreet::path(8));
+  Sharpness found = measure_sharpness(drive, TestStreet::path(8));
+  for (auto _ : state) found = measure_sharpness(drive, TestStreet::path(8));
   state.counters["patches"] = static_cast<double>(found.ground_patches + found.vertical_patches);
 }
-BENCHMARK(measure_sharpness)->Unit(benchmark::kMillisecond);
+BENCHMARK(benchmark_sharpness)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace dvi::odometry

@@ -11,15 +11,13 @@
 
 namespace dvi::odometry {
 
-using namespace scan_match;
-
 namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-TEST(LocalMap, TellsPlanesLinesAndHeapsApart) {
+TEST(LocalMap, DistinguishesPlanesLinesAndVolumes) {
   scan_match::LocalMap map(1);
   Random random(2);
   for (int i = 0; i < 200; ++i) {
@@ -39,7 +37,7 @@ TEST(LocalMap, TellsPlanesLinesAndHeapsApart) {
   EXPECT_EQ(map.at({-50, 0, 0}, 1), nullptr);
 }
 
-TEST(LocalMap, TakesBackWhatWasAdded) {
+TEST(LocalMap, RemovesPoints) {
   scan_match::LocalMap map(1), other(1);
   Random random(2);
   std::vector<Eigen::Vector3d> points;
@@ -50,13 +48,13 @@ TEST(LocalMap, TakesBackWhatWasAdded) {
   for (const Eigen::Vector3d& p : points) other.add(p);
   ASSERT_NE(map.at({0.5, 0.5, 0.5}, 1), nullptr);
   EXPECT_LT((map.at({0.5, 0.5, 0.5}, 1)->mean - other.at({0.5, 0.5, 0.5}, 1)->mean).norm(), 1e-12);
-  map.remove({99, 0, 0});  // long dropped
+  map.remove({99, 0, 0});  // not in the map
   EXPECT_EQ(map.size(), 1);
   map.keep_near({500, 0, 0}, 100);
   EXPECT_EQ(map.size(), 0);
 }
 
-/// The pose of the middle of scan i in the frame of the first, as it was.
+/// The true pose at the middle of scan i relative to the first scan.
 SE3 truth_from_start(const Trajectory& path, std::size_t i) {
   return path.at(0)->inverse() * *path.at(static_cast<std::int64_t>(i) * TestStreet::kScanPeriod);
 }
@@ -76,9 +74,9 @@ TEST(RegisterScan, FindsAKnownMotion) {
   EXPECT_EQ(found.degenerate, 0);
 }
 
-TEST(Odometry, FollowsABendFromAColdStart) {
+TEST(Odometry, FollowsACurveFromAnUnknownSpeed) {
   const Trajectory path = TestStreet::path(11, 0.15, 2);
-  const Odometry found = odometry(TestStreet().drive(path, 20), {});
+  const Odometry found = estimate_odometry(TestStreet().drive(path, 20), {});
   EXPECT_THAT(found.warnings, IsEmpty());
   ASSERT_EQ(found.world_from_lidar.poses().size(), 20);
   EXPECT_LT(worst_error(found.world_from_lidar, path), 0.05);  // of 23 m
@@ -93,35 +91,35 @@ TEST(Odometry, FollowsABendFromAColdStart) {
   }
 }
 
-TEST(Odometry, StandsStillWithTheCar) {
+TEST(Odometry, IsStationaryWithTheCar) {
   const Trajectory path = TestStreet::path(0);
-  const Odometry found = odometry(TestStreet().drive(path, 6), {});
+  const Odometry found = estimate_odometry(TestStreet().drive(path, 6), {});
   EXPECT_THAT(found.warnings, IsEmpty());
   EXPECT_LT(worst_error(found.world_from_lidar, path), 0.01);
 }
 
-TEST(Odometry, SaysWhatATunnelDoesNotHold) {
-  const Odometry found = odometry(TestStreet::tunnel().drive(TestStreet::path(10), 6), {});
+TEST(Odometry, WarnsOfAnUnconstrainedDirectionInATunnel) {
+  const Odometry found = estimate_odometry(TestStreet::tunnel().drive(TestStreet::path(10), 6), {});
   ASSERT_FALSE(found.warnings.empty());
-  EXPECT_THAT(found.warnings.back(), HasSubstr("nothing that holds them"));
+  EXPECT_THAT(found.warnings.back(), HasSubstr("do not constrain the pose"));
   EXPECT_EQ(found.scans[3].degenerate, 1);
 }
 
-TEST(Odometry, BridgesScansThatAreEmptyOrRepeated) {
+TEST(Odometry, SkipsEmptyAndRepeatedScans) {
   const Trajectory path = TestStreet::path(8);
   Drive drive = TestStreet().drive(path, 10);
   const Lazy<Scan> scans = drive.scans;
   drive.scans = {10, 10, [scans](std::size_t i) { return i == 4 ? Scan{} : i == 7 ? *scans[6] : *scans[i]; }};
-  const Odometry found = odometry(drive, {});
+  const Odometry found = estimate_odometry(drive, {});
   EXPECT_EQ(found.scans[4].state, ScanFit::State::no_points);
   EXPECT_EQ(found.scans[7].state, ScanFit::State::duplicate);
-  EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("too few points"), HasSubstr("repeat the one before")));
+  EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("too few points"), HasSubstr("repeat the scan before")));
   EXPECT_EQ(found.world_from_lidar.poses().size(), 8);
   EXPECT_LT(worst_error(found.world_from_lidar, path), 0.03);
   EXPECT_TRUE(found.world_from_lidar.at(drive.scan_headers[7].time_ns));
 }
 
-TEST(Odometry, SaysWhereScansDoNotFitTogether) {
+TEST(Odometry, WarnsOfScansThatDoNotFit) {
   const Trajectory path = TestStreet::path(5);
   Drive drive = TestStreet().drive(path, 12);
   TestStreet elsewhere;
@@ -130,12 +128,12 @@ TEST(Odometry, SaysWhereScansDoNotFitTogether) {
   const Lazy<Scan> here = drive.scans, there = elsewhere.drive(TestStreet::path(5, 0.4), 12).scans;
   drive.scans = {12, 12, [here, there](std::size_t i) { return i < 6 ? *here[i] : *there[i]; }};
   for (std::size_t i = 6; i < 12; ++i) drive.scan_headers[i].time_ns += 60 * 1'000'000'000LL;
-  const Odometry found = odometry(drive, {});
+  const Odometry found = estimate_odometry(drive, {});
   ASSERT_FALSE(found.warnings.empty());
-  EXPECT_THAT(found.warnings.front(), HasSubstr("not to be trusted"));
+  EXPECT_THAT(found.warnings.front(), HasSubstr("unreliable"));
 }
 
-TEST(Odometry, MissesTheGroundWhereAxesAreOthers) {
+TEST(Odometry, WarnsOfWrongAxes) {
   Drive drive = TestStreet().drive(TestStreet::path(5), 3);
   const Lazy<Scan> scans = drive.scans;
   drive.scans = {3, 3, [scans](std::size_t i) {
@@ -143,21 +141,21 @@ TEST(Odometry, MissesTheGroundWhereAxesAreOthers) {
                    for (auto& p : scan.points) p = {p.x(), -p.y(), -p.z()};  // z down
                    return scan;
                  }};
-  EXPECT_THAT(odometry(drive, {}).warnings, testing::Contains(HasSubstr("z up")));
+  EXPECT_THAT(estimate_odometry(drive, {}).warnings, testing::Contains(HasSubstr("z up")));
 }
 
-TEST(Odometry, TakesDrivesOfOneScanAndOfNone) {
-  const Odometry one = odometry(TestStreet().drive(TestStreet::path(0), 1), {});
+TEST(Odometry, AcceptsDrivesOfOneScanOrNone) {
+  const Odometry one = estimate_odometry(TestStreet().drive(TestStreet::path(0), 1), {});
   EXPECT_THAT(one.warnings, ElementsAre(HasSubstr("only one scan")));
   EXPECT_TRUE(one.world_from_lidar.at(-50'000'000));
-  EXPECT_TRUE(odometry({}, {}).world_from_lidar.empty());
+  EXPECT_TRUE(estimate_odometry({}, {}).world_from_lidar.empty());
 }
 
-TEST(Odometry, IsTheSameWithAnyNumberOfThreads) {
+TEST(Odometry, DoesNotDependOnTheNumberOfThreads) {
   Odometry found[2];
   for (const int threads : {1, 2}) {
     const ThreadLimit limit(threads);
-    found[threads - 1] = odometry(TestStreet().drive(TestStreet::path(8), 5), {});
+    found[threads - 1] = estimate_odometry(TestStreet().drive(TestStreet::path(8), 5), {});
   }
   for (std::size_t i = 0; i < 5; ++i) {
     const SE3 &a = found[0].world_from_lidar.poses()[i].world_from_body,
@@ -167,10 +165,10 @@ TEST(Odometry, IsTheSameWithAnyNumberOfThreads) {
   }
 }
 
-TEST(Sharpness, ShowsHowFarPosesAreOff) {
+TEST(Sharpness, MeasuresErrorsOfPoses) {
   const Trajectory path = TestStreet::path(8);
   const Drive drive = TestStreet().drive(path, 12);
-  const Sharpness exact = sharpness(drive, path);
+  const Sharpness exact = measure_sharpness(drive, path);
   EXPECT_GT(exact.ground_patches, 100);
   EXPECT_GT(exact.vertical_patches, 30);
   EXPECT_LT(exact.total_m(), 0.004);
@@ -180,10 +178,10 @@ TEST(Sharpness, ShowsHowFarPosesAreOff) {
     off.push_back({header.time_ns, *path.at(header.time_ns)});
     off.back().world_from_body.t += 0.05 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
   }
-  const Sharpness shaken = sharpness(drive, Trajectory(off));
+  const Sharpness shaken = measure_sharpness(drive, Trajectory(off));
   EXPECT_NEAR(shaken.ground_m, 0.05, 0.02);
   EXPECT_NEAR(shaken.vertical_m, 0.05, 0.02);
-  EXPECT_FALSE(sharpness(drive, Trajectory()).known());
+  EXPECT_FALSE(measure_sharpness(drive, Trajectory()).known());
 }
 
 }  // namespace

@@ -16,21 +16,21 @@ namespace {
 
 constexpr std::int64_t kMaxColorDelayNs = 25'000'000;
 constexpr int kMaxWidthPx = 400, kMinWidthPx = 32, kMaxLevels = 4;
-constexpr float kSameSurface = 0.05F;  // relative difference in depth of points that may lie on one surface
+constexpr float kMaxDepthDifference = 0.05F;  // relative difference in depth of points that may lie on one surface
 
-int reduction_of(const Camera& camera) {
+int compute_reduction(const Camera& camera) {
   int factor = 1;
   while (camera.width / factor > kMaxWidthPx) ++factor;
   return factor;
 }
 
-Pinhole reduced(const Camera& camera, int factor) {
+Pinhole reduce(const Camera& camera, int factor) {
   const auto scale = [&](double center) { return static_cast<float>((center + 0.5) / factor - 0.5); };
   return {static_cast<float>(camera.fx / factor), static_cast<float>(camera.fy / factor), scale(camera.cx), scale(camera.cy)};
 }
 
 /// The gray image at the finest level, without distortion.
-cv::Mat1f gray_image(const cv::Mat3b& image, const Camera& camera, const Pinhole& pinhole, int factor) {
+cv::Mat1f make_gray_image(const cv::Mat3b& image, const Camera& camera, const Pinhole& pinhole, int factor) {
   const cv::Size size(camera.width / factor, camera.height / factor);
   const cv::Mat1b gray = gray_8bit(image(cv::Rect(0, 0, size.width * factor, size.height * factor)));
   cv::Mat small;
@@ -68,7 +68,7 @@ cv::Mat3f project_points(const Scan& scan, const SE3& camera_from_scan, const Pi
   }
   for (const auto& [pixel, p] : seen) {
     const int y = pixel / size.width, x = pixel % size.width;
-    if (p.z() > nearest(y, x) * (1 + kSameSurface)) continue;
+    if (p.z() > nearest(y, x) * (1 + kMaxDepthDifference)) continue;
     out(y, x) += cv::Vec3f(p.x(), p.y(), p.z());
     count(y, x) += 1;
   }
@@ -78,7 +78,7 @@ cv::Mat3f project_points(const Scan& scan, const SE3& camera_from_scan, const Pi
   return out;
 }
 
-cv::Mat3f halved(const cv::Mat3f& points) {
+cv::Mat3f halve(const cv::Mat3f& points) {
   cv::Mat3f out(points.rows / 2, points.cols / 2, cv::Vec3f());
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) {
@@ -88,16 +88,16 @@ cv::Mat3f halved(const cv::Mat3f& points) {
       for (const cv::Vec3f& p : four)
         if (p[2] > 0) nearest = std::min(nearest, p[2]);
       for (const cv::Vec3f& p : four)
-        if (p[2] > 0 && p[2] <= nearest * (1 + kSameSurface)) out(y, x) += p, count += 1;
+        if (p[2] > 0 && p[2] <= nearest * (1 + kMaxDepthDifference)) out(y, x) += p, count += 1;
       if (count > 0) out(y, x) *= 1 / count;
     }
   return out;
 }
 
-RgbdLevel halved(const RgbdLevel& level) {
+RgbdLevel halve(const RgbdLevel& level) {
   const auto scale = [](float center) { return (center + 0.5F) / 2 - 0.5F; };
   const Pinhole& c = level.camera;
-  RgbdLevel out{{c.fx / 2, c.fy / 2, scale(c.cx), scale(c.cy)}, {}, halved(level.points)};
+  RgbdLevel out{{c.fx / 2, c.fy / 2, scale(c.cx), scale(c.cy)}, {}, halve(level.points)};
   if (level.gray.empty()) return out;
   const cv::Rect even(0, 0, 2 * out.points.cols, 2 * out.points.rows);
   cv::resize(level.gray(even), out.gray, out.points.size(), 0, 0, cv::INTER_AREA);
@@ -106,7 +106,7 @@ RgbdLevel halved(const RgbdLevel& level) {
 
 }  // namespace
 
-std::vector<RgbdMoment> rgbd_moments(const Drive& drive) {
+std::vector<RgbdMoment> pair_depth_with_color(const Drive& drive) {
   std::vector<RgbdMoment> out;
   for (std::size_t i = 0; i < drive.scan_headers.size(); ++i) {
     const std::int64_t time = drive.scan_headers[i].time_ns;
@@ -122,11 +122,11 @@ std::vector<RgbdMoment> rgbd_moments(const Drive& drive) {
   return out;
 }
 
-Pinhole finest_camera(const Camera& camera) { return reduced(camera, reduction_of(camera)); }
+Pinhole get_finest_camera(const Camera& camera) { return reduce(camera, compute_reduction(camera)); }
 
 RgbdImage read_rgbd_image(const Drive& drive, const RgbdMoment& moment, const Vector6d& twist) {
-  const int factor = reduction_of(drive.camera);
-  const Pinhole pinhole = reduced(drive.camera, factor);
+  const int factor = compute_reduction(drive.camera);
+  const Pinhole pinhole = reduce(drive.camera, factor);
   SE3 color_from_depth;
   if (std::abs(moment.depth_delay_s) > kMinDelayS) color_from_depth = se3_exp(twist * moment.depth_delay_s);
   RgbdImage out;
@@ -134,13 +134,13 @@ RgbdImage read_rgbd_image(const Drive& drive, const RgbdMoment& moment, const Ve
   finest.camera = pinhole;
   finest.points = project_points(*drive.scans[moment.scan_index], color_from_depth * drive.camera_from_lidar, pinhole,
                                  {drive.camera.width / factor, drive.camera.height / factor});
-  if (moment.frame) finest.gray = gray_image(*drive.images[*moment.frame], drive.camera, pinhole, factor);
+  if (moment.frame) finest.gray = make_gray_image(*drive.images[*moment.frame], drive.camera, pinhole, factor);
   while (static_cast<int>(out.levels.size()) < kMaxLevels && out.levels.back().points.cols / 2 >= kMinWidthPx)
-    out.levels.push_back(halved(out.levels.back()));
+    out.levels.push_back(halve(out.levels.back()));
   return out;
 }
 
-cv::Mat3f surface_normals(const RgbdLevel& level, int stride) {
+cv::Mat3f compute_normals(const RgbdLevel& level, int stride) {
   cv::Mat3f out(level.points.size(), cv::Vec3f());
   for (int y = stride; y + stride < out.rows; ++y)
     for (int x = stride; x + stride < out.cols; ++x) {
@@ -148,7 +148,7 @@ cv::Mat3f surface_normals(const RgbdLevel& level, int stride) {
       if (p.z() <= 0) continue;
       const std::array<Eigen::Vector3f, 4> around{level.point(y, x - stride), level.point(y, x + stride),
                                                   level.point(y - stride, x), level.point(y + stride, x)};
-      const auto apart = [&](const Eigen::Vector3f& q) { return std::abs(q.z() - p.z()) > kSameSurface * p.z(); };
+      const auto apart = [&](const Eigen::Vector3f& q) { return std::abs(q.z() - p.z()) > kMaxDepthDifference * p.z(); };
       if (std::any_of(around.begin(), around.end(), apart)) continue;
       const Eigen::Vector3f normal = (around[1] - around[0]).cross(around[3] - around[2]).normalized();
       out(y, x) = {normal.x(), normal.y(), normal.z()};

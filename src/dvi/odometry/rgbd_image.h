@@ -16,7 +16,7 @@ struct Pinhole {
   float fx = 1, fy = 1, cx = 0, cy = 0;
 
   Eigen::Vector2f project(const Eigen::Vector3f& x) const { return {fx * x.x() / x.z() + cx, fy * x.y() / x.z() + cy}; }
-  /// The point of a pixel at depth 1.
+  /// Returns the point of a pixel at depth 1.
   Eigen::Vector3f ray(int x, int y) const { return {(static_cast<float>(x) - cx) / fx, (static_cast<float>(y) - cy) / fy, 1}; }
 };
 
@@ -26,8 +26,8 @@ inline double to_seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns
 struct RgbdLevel {
   Pinhole camera;
   cv::Mat1f gray;  ///< gray levels; empty if the moment has no color image
-  cv::Mat3f
-      points;  ///< the mean of the points that a pixel shows, in camera axes, in meters; z is 0 where the depth is unknown
+  /// The mean of the points that a pixel shows, in camera axes, in meters; z is 0 where the depth is unknown.
+  cv::Mat3f points;
 
   Eigen::Vector3f point(int y, int x) const {
     const cv::Vec3f& p = points(y, x);
@@ -35,7 +35,7 @@ struct RgbdLevel {
   }
 };
 
-/// Color and depth of one moment as one camera sees them, from fine (about 320 pixels wide) to coarse (about 40).
+/// Color and depth of one moment from the view of one camera, from fine (about 320 pixels wide) to coarse (about 40).
 struct RgbdImage {
   std::vector<RgbdLevel> levels;
 
@@ -50,22 +50,22 @@ struct RgbdMoment {
   double depth_delay_s = 0;          ///< time of the depth image less `time_ns`
 };
 
-/// Depth that is taken at most so long before or after its color image is not moved: no point would be displaced by a pixel.
+/// Depth is not corrected for the motion of the camera if its delay is at most this: no point would be displaced by a pixel.
 inline constexpr double kMinDelayS = 1e-3;
 
-/// Pairs each depth image with the nearest color image. A color image belongs to one depth image at most, and is at most
-/// 25 ms away from it.
-std::vector<RgbdMoment> rgbd_moments(const Drive& drive);
+/// Pairs each depth image with the nearest color image. A color image belongs to at most one depth image; the delay is at most
+/// 25 ms.
+std::vector<RgbdMoment> pair_depth_with_color(const Drive& drive);
 
-/// The camera of the finest level.
-Pinhole finest_camera(const Camera& camera);
+/// Returns the camera of the finest level.
+Pinhole get_finest_camera(const Camera& camera);
 
 /// Reads the images of a moment. `twist` is the motion of the color camera (meters and radians per second, in its own axes)
 /// by which the depth is moved to the time of the color image: at 2 rad/s, 15 ms are 1.7 degrees. Distortion is removed.
 RgbdImage read_rgbd_image(const Drive& drive, const RgbdMoment& moment, const Vector6d& twist);
 
-/// The normals of the surfaces at the points of a level, zero where they are unknown. `stride` is the distance in pixels of
-/// the neighbors that a normal is computed from.
-cv::Mat3f surface_normals(const RgbdLevel& level, int stride);
+/// Computes the normals of the surfaces at the points of a level; a normal is zero where it is unknown. `stride` is the
+/// distance in pixels of the neighbors that a normal is computed from.
+cv::Mat3f compute_normals(const RgbdLevel& level, int stride);
 
 }  // namespace dvi::odometry

@@ -10,13 +10,13 @@
 namespace dvi::odometry {
 namespace {
 
-constexpr double kAcceptedLoop = 0.25;           // weight in the pose graph
-constexpr double kMaxInterpolatedGaps = 2.5;     // in periods of the depth images
+constexpr double kMinLoopWeight = 0.25;          // weight in the pose graph
+constexpr double kMaxInterpolatedPeriods = 2.5;  // in periods of the depth images
 constexpr std::int64_t kMinGapNs = 100'000'000;  // that is interpolated over in any case
 constexpr std::int64_t kMaxExtrapolationNs = 50'000'000;
 
-/// The map that places most images.
-std::optional<std::size_t> largest_map(const RgbdTrack& track) {
+/// The map with the most images.
+std::optional<std::size_t> find_largest_map(const RgbdTrack& track) {
   std::map<std::size_t, std::size_t> images;
   for (const RgbdPose& pose : track.poses)
     if (pose.key) ++images[track.map_of_key[*pose.key]];
@@ -42,7 +42,7 @@ void optimize(RgbdTrack& track, std::size_t map, Odometry& out) {
   std::vector<SE3> poses;
   for (const std::size_t k : keys) poses.push_back(track.world_from_key[k]);
   const std::vector<double> weights = scan_match::solve_pose_graph(poses, edges);
-  for (std::size_t e = 0; e < edges.size(); ++e) out.loops += edges[e].uncertain && weights[e] > kAcceptedLoop ? 1 : 0;
+  for (std::size_t e = 0; e < edges.size(); ++e) out.loops += edges[e].uncertain && weights[e] > kMinLoopWeight ? 1 : 0;
   for (std::size_t n = 0; n < keys.size(); ++n) {
     SE3& pose = track.world_from_key[keys[n]];
     out.largest_correction_m = std::max(out.largest_correction_m, (poses[n].t - pose.t).norm());
@@ -50,7 +50,7 @@ void optimize(RgbdTrack& track, std::size_t map, Odometry& out) {
   }
 }
 
-/// The camera at the times of color images.
+/// The poses of the camera at the times of the color images.
 class CameraPath {
  public:
   CameraPath(const RgbdTrack& track, std::size_t map) : track_(track) {
@@ -62,11 +62,11 @@ class CameraPath {
 
   const std::optional<SE3>& operator[](std::size_t i) const { return poses_[i]; }
 
-  /// At the time of the depth image of moment i, which has a pose.
+  /// Returns the pose at the time of the depth image of moment i, which must have a pose.
   SE3 at_depth(std::size_t i) const {
     const double delay = track_.moments[i].depth_delay_s;
     if (delay == 0) return *poses_[i];
-    std::size_t other = delay > 0 ? i + 1 : i - 1;  // may wrap around, which is no index, either
+    std::size_t other = delay > 0 ? i + 1 : i - 1;  // may wrap around, which is not a valid index either
     if (!has_pose(other)) other = delay > 0 ? i - 1 : i + 1;
     if (!has_pose(other)) return *poses_[i] * se3_exp(track_.poses[i].twist * delay);
     const double period = to_seconds(track_.moments[other].time_ns - track_.moments[i].time_ns);
@@ -81,17 +81,17 @@ class CameraPath {
   std::vector<std::optional<SE3>> poses_;
 };
 
-std::int64_t largest_gap(const Drive& drive) {
+std::int64_t compute_max_gap(const Drive& drive) {
   std::vector<std::int64_t> periods;
   for (std::size_t i = 1; i < drive.scan_headers.size(); ++i)
     periods.push_back(drive.scan_headers[i].time_ns - drive.scan_headers[i - 1].time_ns);
   if (periods.empty()) return kMinGapNs;
   std::nth_element(periods.begin(), periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2), periods.end());
-  const double gap = kMaxInterpolatedGaps * static_cast<double>(periods[periods.size() / 2]);
+  const double gap = kMaxInterpolatedPeriods * static_cast<double>(periods[periods.size() / 2]);
   return std::clamp(static_cast<std::int64_t>(gap), kMinGapNs, Trajectory().max_gap);
 }
 
-void place(const Drive& drive, const RgbdTrack& track, const CameraPath& path, Odometry& out) {
+void set_trajectory(const Drive& drive, const RgbdTrack& track, const CameraPath& path, Odometry& out) {
   std::vector<StampedPose> poses;
   std::vector<std::int64_t> lost_ns;
   for (std::size_t i = 0; i < track.moments.size(); ++i) {
@@ -105,13 +105,13 @@ void place(const Drive& drive, const RgbdTrack& track, const CameraPath& path, O
   }
   if (poses.empty()) return;
   const SE3 first_from_world = poses.front().world_from_body.inverse();
-  Trajectory trajectory = without_poses_at(std::move(poses), lost_ns).in(first_from_world);
-  trajectory.max_gap = std::min(trajectory.max_gap, largest_gap(drive));
+  Trajectory trajectory = exclude_times(std::move(poses), lost_ns).in(first_from_world);
+  trajectory.max_gap = std::min(trajectory.max_gap, compute_max_gap(drive));
   trajectory.max_extrapolation = std::min(trajectory.max_extrapolation, kMaxExtrapolationNs);
   out.world_from_lidar = std::move(trajectory);
 }
 
-void note_scans(const Drive& drive, const RgbdTrack& track, const CameraPath& path, Odometry& out) {
+void set_scans(const Drive& drive, const RgbdTrack& track, const CameraPath& path, Odometry& out) {
   using State = ScanFit::State;
   out.scans.resize(drive.scan_headers.size());
   std::size_t lost = 0, first_lost = 0;
@@ -129,14 +129,14 @@ void note_scans(const Drive& drive, const RgbdTrack& track, const CameraPath& pa
   }
   if (lost > 0)
     out.warnings.push_back(
-        fmt::format("{} of {} depth images could not be aligned to the others reliably and have no pose (the first: {}): the "
-                    "images there are left out",
+        fmt::format("{} of {} depth images could not be aligned to the others reliably and have no pose (the first: {}): their "
+                    "images are left out",
                     lost, out.scans.size(), drive.scan_headers[first_lost].name));
 }
 
 }  // namespace
 
-Trajectory without_poses_at(std::vector<StampedPose> poses, const std::vector<std::int64_t>& lost_ns) {
+Trajectory exclude_times(std::vector<StampedPose> poses, const std::vector<std::int64_t>& lost_ns) {
   Trajectory out(std::move(poses));
   if (out.empty()) return out;
   const std::vector<StampedPose>& known = out.poses();
@@ -155,11 +155,11 @@ Trajectory without_poses_at(std::vector<StampedPose> poses, const std::vector<st
 Odometry to_odometry(const Drive& drive, RgbdTrack track) {
   Odometry out;
   out.rings = "none";
-  const std::optional<std::size_t> map = largest_map(track);
+  const std::optional<std::size_t> map = find_largest_map(track);
   if (map) optimize(track, *map, out);
   const CameraPath path(track, map.value_or(0));
-  note_scans(drive, track, path, out);
-  place(drive, track, path, out);
+  set_scans(drive, track, path, out);
+  set_trajectory(drive, track, path, out);
   return out;
 }
 

@@ -4,6 +4,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/geometry/angles.h"
 #include "dvi/image/interpolate.h"
 
 namespace dvi::odometry {
@@ -12,10 +13,8 @@ namespace {
 constexpr double kThumbnailBlurPx = 1.2, kRollStepDeg = 8;
 constexpr double kMaxShift = 0.5, kMinCommonShare = 0.35;  // of the image
 
-double to_radians(double degrees) { return degrees * M_PI / 180; }
-
-/// The image that the camera would show after a roll about its axis.
-cv::Mat1f rolled(const Thumbnail& thumbnail, double roll, cv::Mat1b& known) {
+/// Returns the image that the camera would show after a roll about its optical axis; `known` marks pixels with a value.
+cv::Mat1f roll_image(const Thumbnail& thumbnail, double roll, cv::Mat1b& known) {
   const cv::Mat1f& gray = thumbnail.gray;
   cv::Mat1f out(gray.size(), 0.0F);
   known = cv::Mat1b(gray.size(), uchar{0});
@@ -32,8 +31,8 @@ cv::Mat1f rolled(const Thumbnail& thumbnail, double roll, cv::Mat1b& known) {
   return out;
 }
 
-/// Correlation of a(x + shift) and b(x) where both are known; -1 where that is too little.
-double correlation(const cv::Mat1f& a, const cv::Mat1f& b, const cv::Mat1b& known, cv::Point shift) {
+/// The correlation of a(x + shift) and b(x) where both are known; -1 if they share too little.
+double correlate(const cv::Mat1f& a, const cv::Mat1f& b, const cv::Mat1b& known, cv::Point shift) {
   double n = 0, sum_a = 0, sum_b = 0, aa = 0, bb = 0, ab = 0;
   for (int y = std::max(0, -shift.y); y < std::min(b.rows, a.rows - shift.y); ++y)
     for (int x = std::max(0, -shift.x); x < std::min(b.cols, a.cols - shift.x); ++x) {
@@ -48,7 +47,7 @@ double correlation(const cv::Mat1f& a, const cv::Mat1f& b, const cv::Mat1b& know
 
 }  // namespace
 
-Thumbnail thumbnail_of(const RgbdImage& image) {
+Thumbnail make_thumbnail(const RgbdImage& image) {
   const RgbdLevel& coarsest = image.levels.back();
   Thumbnail out{coarsest.camera, coarsest.gray.clone()};
   if (out.gray.empty()) {
@@ -64,19 +63,19 @@ Thumbnail thumbnail_of(const RgbdImage& image) {
 ThumbnailMatch match(const Thumbnail& a, const Thumbnail& b, double max_roll_deg) {
   ThumbnailMatch out;
   if (a.gray.size() != b.gray.size()) return out;
-  const cv::Point most(static_cast<int>(kMaxShift * a.gray.cols), static_cast<int>(kMaxShift * a.gray.rows));
+  const cv::Point max_shift(static_cast<int>(kMaxShift * a.gray.cols), static_cast<int>(kMaxShift * a.gray.rows));
   const int rolls = static_cast<int>(max_roll_deg / kRollStepDeg);
   for (int k = -rolls; k <= rolls; ++k) {
     const double roll = to_radians(k * kRollStepDeg);
     cv::Mat1b known;
-    const cv::Mat1f turned = rolled(b, roll, known);
+    const cv::Mat1f rotated = roll_image(b, roll, known);
     cv::Point best;
     double found = -1;
     const auto attempt = [&](cv::Point shift) {
-      if (const double value = correlation(a.gray, turned, known, shift); value > found) found = value, best = shift;
+      if (const double value = correlate(a.gray, rotated, known, shift); value > found) found = value, best = shift;
     };
-    for (int y = -most.y; y <= most.y; y += 2)
-      for (int x = -most.x; x <= most.x; x += 2) attempt({x, y});
+    for (int y = -max_shift.y; y <= max_shift.y; y += 2)
+      for (int x = -max_shift.x; x <= max_shift.x; x += 2) attempt({x, y});
     const cv::Point middle = best;
     for (int y = -1; y <= 1; ++y)
       for (int x = -1; x <= 1; ++x) attempt(middle + cv::Point(x, y));

@@ -10,7 +10,8 @@ struct Thumbnail {
   cv::Mat1f gray;
 };
 
-Thumbnail thumbnail_of(const RgbdImage& image);
+/// Makes a thumbnail from the coarsest level of an image.
+Thumbnail make_thumbnail(const RgbdImage& image);
 
 /// How similar two thumbnails are after the rotation that makes them most similar.
 struct ThumbnailMatch {

@@ -5,70 +5,61 @@
 
 #include "dvi/core/threads.h"
 #include "dvi/registration/bird_view.h"
-#include "dvi/registration/seen_through.h"
+#include "dvi/registration/ray_votes.h"
 
 namespace dvi::registration {
 namespace {
 
-constexpr double kSubmap = 25;                           // meters of way before and after
-constexpr double kEveryPlace = 20;                       // meters of way from one submap to the next
-constexpr std::size_t kMostQueries = 16;                 // submaps of the drive that looks for its place
-constexpr std::size_t kViews = 32;                       // places whose views are held at once
-constexpr std::size_t kFromPair = 8, kVerified = 24;     // candidates
-constexpr double kNearGuess = 15, kNearGuessTurn = 0.2;  // meters and radians
-constexpr double kAnother = 1, kAnotherTurn = 0.05;      // meters and radians: from here on it is another place
-constexpr double kPlaceReach = 60;                       // meters between submaps that may see the same
-constexpr double kChance = 0.4;  // of single things that agree in a street that looks alike (docs/experiments/registration.md)
-constexpr std::size_t kFewestThings = 16;  // counted for both drives
-constexpr double kMostRival = 0.6;
-constexpr double kMostPassed = 0.25;  // twice what comes and goes between days
-
-std::vector<std::size_t> places_of(const KeyScans& keys, std::size_t most) {
-  const double way = keys.empty() ? 0 : keys[keys.size() - 1].way_m;
-  const auto count = std::clamp<std::size_t>(static_cast<std::size_t>(way / kEveryPlace), 1, most);
+/// The indices of at most `max_count` key scans, evenly spaced along the path.
+std::vector<std::size_t> select_submaps(const KeyScans& keys, std::size_t max_count) {
+  const double path_m = keys.empty() ? 0 : keys[keys.size() - 1].path_length_m;
+  const auto count = std::clamp<std::size_t>(static_cast<std::size_t>(path_m / kPlace.submap_spacing_m), 1, max_count);
   std::vector<std::size_t> out;
   std::size_t next = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    const double at = way * (static_cast<double>(k) + 0.5) / static_cast<double>(count);
-    while (next + 1 < keys.size() && keys[next].way_m < at) ++next;
+    const double at = path_m * (static_cast<double>(k) + 0.5) / static_cast<double>(count);
+    while (next + 1 < keys.size() && keys[next].path_length_m < at) ++next;
     if (out.empty() || out.back() != next) out.push_back(next);
   }
   return out;
 }
 
-/// The smallest share that would be no surprise (95 %, Wilson's interval). Both drives count the same things: they are half as
-/// many.
-double least_share(const Confirmation& things) {
+/// The lower bound of the 95 % interval of the inlier ratio (Wilson 1927). Both directions count the same landmarks, so that
+/// the sample size is half the total.
+double compute_lower_bound(const LandmarkVotes& landmarks) {
   constexpr double z = 1.96;
-  const double n = 0.5 * static_cast<double>(things.all());
+  const double n = 0.5 * static_cast<double>(landmarks.total());
   if (n == 0) return 0;
-  const double p = things.share(), center = p + z * z / (2 * n);
+  const double p = landmarks.inlier_ratio(), center = p + z * z / (2 * n);
   return (center - z * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n);
 }
 
-struct Level {
+struct LevelSubmap {
   SE3 level_from_lidar;
-  std::vector<Eigen::Vector3d> standing;  // level axes
+  std::vector<Eigen::Vector3d> upright;  // level axes
 };
 
-Level leveled(const StillScan& scan) {
-  const SE3 level = level_from_lidar(scan.dense.planes);
-  return {level, standing_points(scan.points, level)};
+LevelSubmap level(const StaticScan& scan) {
+  const SE3 transform = level_from_lidar(scan.dense.planes);
+  return {transform, extract_upright_points(scan.points, transform)};
 }
 
-Level level_at(const KeyScans& keys, std::size_t key) { return leveled(submap(keys, key, kSubmap)); }
+LevelSubmap make_level_submap(const KeyScans& keys, std::size_t key) {
+  return level(make_submap(keys, key, kPlace.submap_path_m));
+}
 
-std::vector<Eigen::Vector3d> moved(const std::vector<Eigen::Vector3d>& points, const SE3& motion) {
+std::vector<Eigen::Vector3d> transform(const std::vector<Eigen::Vector3d>& points, const SE3& motion) {
   std::vector<Eigen::Vector3d> out;
   out.reserve(points.size());
   for (const Eigen::Vector3d& p : points) out.push_back(motion * p);
   return out;
 }
 
-/// Registers the submaps to each other from a start, and asks the single things in both directions.
-PlaceMatch verified(const KeyScans& a_keys, const KeyScans& b_keys, const PlaceFinder::Start& start) {
-  const StillScan a_scan = submap(a_keys, start.a, kSubmap), b_scan = submap(b_keys, start.b, kSubmap);
-  const Level a = leveled(a_scan), b = leveled(b_scan);
+/// Registers the submaps of a candidate to each other and checks the landmarks in both directions.
+PlaceMatch verify(const KeyScans& a_keys, const KeyScans& b_keys, const PlaceFinder::Candidate& candidate) {
+  const StaticScan a_scan = make_submap(a_keys, candidate.a, kPlace.submap_path_m);
+  const StaticScan b_scan = make_submap(b_keys, candidate.b, kPlace.submap_path_m);
+  const LevelSubmap a = level(a_scan), b = level(b_scan);
   scan_match::LocalMaps scene = scan_match::make_empty_scene(a_keys.options());
   scene.add(a_scan.dense, {}, Vector6d::Zero());
   scan_match::RegisterOptions options = scan_match::to_register_options(a_keys.options());
@@ -76,25 +67,26 @@ PlaceMatch verified(const KeyScans& a_keys, const KeyScans& b_keys, const PlaceF
   options.iterations = 30;
   options.prior_m = 1;
   const scan_match::Registration fit =
-      scan_match::register_scan(b_scan.sparse, start.a_from_b, Vector6d::Zero(), {}, 0, scene, options);
+      scan_match::register_scan(b_scan.sparse, candidate.a_from_b, Vector6d::Zero(), {}, 0, scene, options);
   const SE3 level_a_from_b = a.level_from_lidar * fit.world_from_lidar * b.level_from_lidar.inverse();
-  PlaceMatch out{start.a, start.b, fit.world_from_lidar, confirm(a.standing, moved(b.standing, level_a_from_b)), 0, 0};
-  const Confirmation other = confirm(b.standing, moved(a.standing, level_a_from_b.inverse()));
-  out.things.confirmed += other.confirmed;
-  out.things.moved += other.moved;
+  PlaceMatch out{
+      candidate.a, candidate.b, fit.world_from_lidar, check_landmarks(a.upright, transform(b.upright, level_a_from_b)), 0, 0};
+  const LandmarkVotes other = check_landmarks(b.upright, transform(a.upright, level_a_from_b.inverse()));
+  out.landmarks.inliers += other.inliers;
+  out.landmarks.outliers += other.outliers;
   return out;
 }
 
-/// Both ways.
-double passed_share(const KeyScans& a_keys, const KeyScans& b_keys, const PlaceMatch& place) {
-  const auto standing_in = [](const KeyScans& keys, std::size_t key, const SE3& world_from_key) {
-    const Level level = level_at(keys, key);
-    return moved(level.standing, world_from_key * level.level_from_lidar.inverse());
+/// The share of upright points that rays passed, in both directions together.
+double compute_passed_share(const KeyScans& a_keys, const KeyScans& b_keys, const PlaceMatch& place) {
+  const auto upright_points = [](const KeyScans& keys, std::size_t key, const SE3& world_from_key) {
+    const LevelSubmap submap = make_level_submap(keys, key);
+    return transform(submap.upright, world_from_key * submap.level_from_lidar.inverse());
   };
   const SE3 a_world_from_b = a_keys[place.a].world_from_lidar * place.a_from_b;
   const SE3 b_world_from_a = b_keys[place.b].world_from_lidar * place.a_from_b.inverse();
-  RayVotes out = sight(a_keys, place.a, standing_in(b_keys, place.b, a_world_from_b));
-  const RayVotes other = sight(b_keys, place.b, standing_in(a_keys, place.a, b_world_from_a));
+  RayVotes out = count_ray_votes(a_keys, place.a, upright_points(b_keys, place.b, a_world_from_b));
+  const RayVotes other = count_ray_votes(b_keys, place.b, upright_points(a_keys, place.a, b_world_from_a));
   out.hit += other.hit;
   out.passed += other.passed;
   return out.passed_share();
@@ -102,52 +94,54 @@ double passed_share(const KeyScans& a_keys, const KeyScans& b_keys, const PlaceM
 
 }  // namespace
 
-bool PlaceMatch::sure() const {
-  return things.confirmed >= kFewestThings && least_share(things) > kChance && rival < kMostRival && passed_share < kMostPassed;
+bool PlaceMatch::is_certain() const {
+  return landmarks.inliers >= kPlace.min_inliers && compute_lower_bound(landmarks) > kPlace.chance_inlier_ratio &&
+         second_best_ratio < kPlace.max_second_best_ratio && passed_share < kPlace.max_passed_share;
 }
 
 PlaceFinder::PlaceFinder(const KeyScans& a, const KeyScans& b) : a_(a), b_(b) {}
 
-std::vector<PlaceFinder::Start> PlaceFinder::starts(const std::optional<SE3>& a_world_from_b_world) const {
-  const std::vector<std::size_t> a_keys = places_of(a_, a_.size()), b_keys = places_of(b_, kMostQueries);
-  std::vector<Level> queries(b_keys.size());
-  parallel_for(queries.size(), [&](std::size_t k) { queries[k] = level_at(b_, b_keys[k]); });
-  const auto guessed = [&](std::size_t a, std::size_t b) {
+std::vector<PlaceFinder::Candidate> PlaceFinder::propose(const std::optional<SE3>& a_world_from_b_world) const {
+  const std::vector<std::size_t> a_keys = select_submaps(a_, a_.size());
+  const std::vector<std::size_t> b_keys = select_submaps(b_, kPlace.max_queries);
+  std::vector<LevelSubmap> queries(b_keys.size());
+  parallel_for(queries.size(), [&](std::size_t k) { queries[k] = make_level_submap(b_, b_keys[k]); });
+  const auto guess = [&](std::size_t a, std::size_t b) {
     return a_[a].world_from_lidar.inverse() * *a_world_from_b_world * b_[b].world_from_lidar;
   };
-  const auto in_question = [&](std::size_t a, std::size_t b) {
-    return !a_world_from_b_world || guessed(a, b).t.norm() < kPlaceReach;
+  const auto may_overlap = [&](std::size_t a, std::size_t b) {
+    return !a_world_from_b_world || guess(a, b).t.norm() < kPlace.max_pair_distance_m;
   };
-  const auto near_guess = [&](std::size_t a, std::size_t b, const SE3& a_from_b) {
+  const auto is_near_guess = [&](std::size_t a, std::size_t b, const SE3& a_from_b) {
     if (!a_world_from_b_world) return true;
-    const SE3 off = guessed(a, b).inverse() * a_from_b;
-    return off.t.norm() < kNearGuess && so3_log(off.R).norm() < kNearGuessTurn;
+    const SE3 off = guess(a, b).inverse() * a_from_b;
+    return off.t.norm() < kPlace.max_guess_error_m && so3_log(off.R).norm() < kPlace.max_guess_error_rad;
   };
-  std::vector<Start> out;
-  for (std::size_t first = 0; first < a_keys.size(); first += kViews) {  // a long drive has many places
-    const std::size_t count = std::min(kViews, a_keys.size() - first);
-    std::vector<Level> places(count);
+  std::vector<Candidate> out;
+  for (std::size_t first = 0; first < a_keys.size(); first += kPlace.max_views) {  // bounds the memory on long drives
+    const std::size_t count = std::min(kPlace.max_views, a_keys.size() - first);
+    std::vector<LevelSubmap> places(count);
     std::vector<BirdView> views(count);
     parallel_for(count, [&](std::size_t i) {
       const std::size_t a = a_keys[first + i];
-      if (std::none_of(b_keys.begin(), b_keys.end(), [&](std::size_t b) { return in_question(a, b); })) return;
-      places[i] = level_at(a_, a);
-      views[i] = bird_view(places[i].standing);
-      places[i].standing = {};
+      if (std::none_of(b_keys.begin(), b_keys.end(), [&](std::size_t b) { return may_overlap(a, b); })) return;
+      places[i] = make_level_submap(a_, a);
+      views[i] = make_bird_view(places[i].upright);
+      places[i].upright = {};
     });
     for (std::size_t k = 0; k < queries.size(); ++k) {
-      const TurnedViews turned = turned_views(queries[k].standing);
-      std::vector<std::vector<Start>> found(count);
+      const RotatedViews rotated = make_rotated_views(queries[k].upright);
+      std::vector<std::vector<Candidate>> found(count);
       parallel_for(count, [&](std::size_t i) {
         const std::size_t a = a_keys[first + i], b = b_keys[k];
-        if (!in_question(a, b)) return;
-        if (a_world_from_b_world) found[i].push_back({1, a, b, guessed(a, b)});
-        for (const PlacementGuess& c : correlate(views[i], turned, kFromPair)) {
+        if (!may_overlap(a, b)) return;
+        if (a_world_from_b_world) found[i].push_back({1, a, b, guess(a, b)});
+        for (const PlacementGuess& c : correlate(views[i], rotated, kPlace.candidates_per_pair)) {
           const SE3 a_from_b = places[i].level_from_lidar.inverse() * c.a_from_b * queries[k].level_from_lidar;
-          if (near_guess(a, b, a_from_b)) found[i].push_back({c.score, a, b, a_from_b});
+          if (is_near_guess(a, b, a_from_b)) found[i].push_back({c.score, a, b, a_from_b});
         }
       });
-      for (const std::vector<Start>& some : found) out.insert(out.end(), some.begin(), some.end());
+      for (const std::vector<Candidate>& some : found) out.insert(out.end(), some.begin(), some.end());
     }
   }
   return out;
@@ -155,25 +149,24 @@ std::vector<PlaceFinder::Start> PlaceFinder::starts(const std::optional<SE3>& a_
 
 std::optional<PlaceMatch> PlaceFinder::find(const std::optional<SE3>& a_world_from_b_world) const {
   if (a_.empty() || b_.empty()) return std::nullopt;
-  std::vector<Start> all = starts(a_world_from_b_world);
-  std::stable_sort(all.begin(), all.end(), [](const Start& p, const Start& q) { return p.score > q.score; });
-  if (all.size() > kVerified) all.resize(kVerified);
+  std::vector<Candidate> all = propose(a_world_from_b_world);
+  std::stable_sort(all.begin(), all.end(), [](const Candidate& p, const Candidate& q) { return p.score > q.score; });
+  if (all.size() > kPlace.max_verified) all.resize(kPlace.max_verified);
   std::vector<PlaceMatch> places(all.size());
-  parallel_for(all.size(), [&](std::size_t i) { places[i] = verified(a_, b_, all[i]); });
+  parallel_for(all.size(), [&](std::size_t i) { places[i] = verify(a_, b_, all[i]); });
   const auto best = std::max_element(places.begin(), places.end(),
-                                     [](const PlaceMatch& p, const PlaceMatch& q) { return p.strength() < q.strength(); });
-  if (best == places.end() || best->things.confirmed == 0) return std::nullopt;
-  // Both places as seen from the best one's key scan.
+                                     [](const PlaceMatch& p, const PlaceMatch& q) { return p.score() < q.score(); });
+  if (best == places.end() || best->landmarks.inliers == 0) return std::nullopt;
   const auto from_world = [&](const PlaceMatch& p) {
     return a_[p.a].world_from_lidar * p.a_from_b * b_[p.b].world_from_lidar.inverse() * b_[best->b].world_from_lidar;
   };
   PlaceMatch out = *best;
   for (const PlaceMatch& other : places) {
     const SE3 off = from_world(*best).inverse() * from_world(other);
-    if (off.t.norm() > kAnother || so3_log(off.R).norm() > kAnotherTurn)
-      out.rival = std::max(out.rival, other.strength() / best->strength());
+    if (off.t.norm() > kPlace.other_place_m || so3_log(off.R).norm() > kPlace.other_place_rad)
+      out.second_best_ratio = std::max(out.second_best_ratio, other.score() / best->score());
   }
-  out.passed_share = passed_share(a_, b_, out);
+  out.passed_share = compute_passed_share(a_, b_, out);
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "dvi/core/threads.h"
+#include "dvi/geometry/angles.h"
 #include "dvi/synth/scene.h"
 
 namespace dvi::registration {
@@ -34,8 +35,8 @@ Recorded record(int seed, int day, int beams = 32, bool truck = false) {
   return out;
 }
 
-/// The drive the other way: played backwards by a car that is turned about.
-Recorded reversed(const Recorded& there) {
+/// The drive in the opposite direction: played backwards by a car that is rotated by half a turn.
+Recorded reverse(const Recorded& there) {
   const SE3 about{so3_exp({0, 0, M_PI}), Eigen::Vector3d::Zero()};
   const std::int64_t first = there.drive.scan_headers.front().time_ns, last = there.drive.scan_headers.back().time_ns;
   Recorded out = there;
@@ -52,8 +53,8 @@ Recorded reversed(const Recorded& there) {
   return out;
 }
 
-/// The sensor mounted otherwise.
-Recorded mounted(const Recorded& drive, const SE3& other_from_lidar) {
+/// The drive with another mounting of the sensor.
+Recorded remount(const Recorded& drive, const SE3& other_from_lidar) {
   Recorded out = drive;
   std::vector<StampedPose> poses = drive.truth.poses();
   for (StampedPose& p : poses) p.world_from_body = p.world_from_body * other_from_lidar.inverse();
@@ -67,63 +68,63 @@ Recorded mounted(const Recorded& drive, const SE3& other_from_lidar) {
   return out;
 }
 
-/// The trajectory in a world of its own, in which nothing tells where the drive was.
-Trajectory unknown_start(const Recorded& drive) {
+/// The trajectory in a world of its own.
+Trajectory to_own_world(const Recorded& drive) {
   const SE3 other{so3_exp({0, 0, 2.2}), {-310, 95, 12}};
   return drive.truth.in(other * drive.truth.poses().front().world_from_body.inverse());
 }
 
-Placement placed(const Recorded& target, const Recorded& source) {
+Placement place(const Recorded& target, const Recorded& source) {
   const Registered found =
-      register_drives({&target.drive, target.truth, true}, {{&source.drive, unknown_start(source), false}}, {}, true);
+      register_drives({&target.drive, target.truth, true}, {{&source.drive, to_own_world(source), false}}, {}, true);
   return found.sources.front();
 }
 
-void expect_right(const Placement& found, const Recorded& source) {
-  ASSERT_TRUE(found.found()) << found.figures.things_agree << " of " << found.figures.things;
+void expect_near_truth(const Placement& found, const Recorded& source) {
+  ASSERT_TRUE(found.found()) << found.figures.landmark_inliers << " of " << found.figures.landmarks;
   EXPECT_GT(found.figures.overlap, 0.8);
   for (const StampedPose& p : found.world_from_lidar.poses()) {
     const SE3 off = source.truth.at(p.time_ns)->inverse() * p.world_from_body;
     EXPECT_LT(off.t.norm(), 0.03);
-    EXPECT_LT(so3_log(off.R).norm() * 180 / M_PI, 0.05);
+    EXPECT_LT(to_degrees(so3_log(off.R).norm()), 0.05);
     EXPECT_LT(off.t.norm(), found.figures.bound_m);
-    EXPECT_LT(so3_log(off.R).norm() * 180 / M_PI, found.figures.bound_deg);
+    EXPECT_LT(to_degrees(so3_log(off.R).norm()), found.figures.bound_deg);
   }
 }
 
-TEST(Registration, AnotherDayFromAnUnknownStart) {
+TEST(Registration, PlacesADriveOfAnotherDayWithoutAGuess) {
   const Recorded target = record(1, 1, 32, true), source = record(1, 2);
-  const Placement found = placed(target, source);
-  expect_right(found, source);
-  EXPECT_LT(found.figures.rival, 0.5);
+  const Placement found = place(target, source);
+  expect_near_truth(found, source);
+  EXPECT_LT(found.figures.second_best_ratio, 0.5);
 }
 
-TEST(Registration, TheOtherWayWithFewerBeamsMountedOtherwise) {
+TEST(Registration, PlacesADriveInTheOppositeDirectionWithAnotherSensor) {
   const Recorded target = record(2, 1);
   const SE3 mounting{so3_exp({0.03, -0.05, 0.2}), {0.5, 0.1, -0.6}};
-  const Recorded source = mounted(reversed(record(2, 2, 24)), mounting);
-  expect_right(placed(target, source), source);
+  const Recorded source = remount(reverse(record(2, 2, 24)), mounting);
+  expect_near_truth(place(target, source), source);
 }
 
-TEST(Registration, AStreetThatLooksAlikeIsRefused) {
+TEST(Registration, ASimilarStreetIsRejected) {
   const Recorded target = record(3, 1);
-  for (const int seed : {4, 5}) EXPECT_FALSE(placed(target, record(seed, 2)).found()) << seed;
+  for (const int seed : {4, 5}) EXPECT_FALSE(place(target, record(seed, 2)).found()) << seed;
 }
 
-TEST(Registration, GivenPosesAreWhereItBegins) {
+TEST(Registration, GivenPosesAreTheInitialGuess) {
   const Recorded target = record(1, 1), source = record(1, 2);
   const Trajectory given = source.truth.in({so3_exp({0, 0, 0.02}), {1.5, -1, 0.3}});
   const Registered found = register_drives({&target.drive, target.truth, true}, {{&source.drive, given, true}}, {}, true);
-  expect_right(found.sources.front(), source);
+  expect_near_truth(found.sources.front(), source);
 }
 
-TEST(Registration, TheSameBytesWithAnyNumberOfThreads) {
+TEST(Registration, TheResultDoesNotDependOnTheNumberOfThreads) {
   const Recorded target = record(1, 1), source = record(1, 2);
   const Placement one = [&] {
     const ThreadLimit limit(1);
-    return placed(target, source);
+    return place(target, source);
   }();
-  const Placement many = placed(target, source);
+  const Placement many = place(target, source);
   ASSERT_EQ(one.world_from_lidar.poses().size(), many.world_from_lidar.poses().size());
   for (std::size_t i = 0; i < one.world_from_lidar.poses().size(); ++i) {
     EXPECT_EQ(one.world_from_lidar.poses()[i].world_from_body.t, many.world_from_lidar.poses()[i].world_from_body.t);
@@ -135,7 +136,7 @@ TEST(Registration, ADriveWithoutScansIsNotFound) {
   const Recorded target = record(1, 1);
   Recorded source = record(1, 2);
   source.drive.scan_headers.clear();
-  EXPECT_FALSE(placed(target, source).found());
+  EXPECT_FALSE(place(target, source).found());
 }
 
 }  // namespace

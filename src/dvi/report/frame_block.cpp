@@ -13,7 +13,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-std::string base64(std::string_view bytes) {
+std::string to_base64(std::string_view bytes) {
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string out;
   out.reserve((bytes.size() + 2) / 3 * 4);
@@ -26,7 +26,7 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-/// The fields of a frame's hole, one behind the other.
+/// Collects the fields of a frame's hole.
 class Fields {
  public:
   explicit Fields(const cv::Mat1b& kind) : bytes_(kind.begin(), kind.end()) {
@@ -34,7 +34,7 @@ class Fields {
       if (bytes_[i] != 0) hole_.push_back(static_cast<int>(i));
   }
 
-  /// One value a pixel, of one channel of the picture.
+  /// Adds one value per pixel from one channel of the image.
   void add(const char* name, const cv::Mat& picture, int channel = 0) {
     if (picture.empty()) return;
     const bool wide = picture.depth() == CV_16U;
@@ -66,7 +66,7 @@ class Fields {
 
 }  // namespace
 
-std::string frame_block(std::size_t number, const FramePictures& pictures, const cv::Mat1b& error) {
+std::string format_frame_block(std::size_t number, const FramePictures& pictures, const cv::Mat1b& error) {
   Fields fields(pictures.kind);
   fields.add("confidence", pictures.confidence);
   fields.add("depth", pictures.depth);
@@ -77,7 +77,7 @@ std::string frame_block(std::size_t number, const FramePictures& pictures, const
   fields.add("averaged", pictures.used, 2);
   fields.add("error", error);
   return fmt::format("dvi.block({},{},{},[{}],\"{}\");\n", number, pictures.kind.cols, pictures.kind.rows, fields.header(),
-                     base64(media::compress_zlib(fields.bytes())));
+                     to_base64(media::compress_zlib(fields.bytes())));
 }
 
 }  // namespace dvi::report

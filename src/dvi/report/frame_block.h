@@ -9,12 +9,12 @@
 
 namespace dvi::report {
 
-/// The script data_NNNNNN.js: the receipts of a frame's hole. A browser that opens a page from disk lets scripts read scripts,
-/// not pictures.
+/// Formats the script data_NNNNNN.js with the provenance of a frame's hole. It is a script because a page that is opened from
+/// disk may load scripts, but not read images.
 ///
-/// Its bytes, in base64 of zlib: the plane of kinds, then, for the hole's pixels in raster order, one field after the other as
-/// the header names them. Two bytes a value are kept as differences from the value before, low bytes first, then high bytes.
-/// `error`: largest difference of a channel to the truth; empty: there is no truth.
-std::string frame_block(std::size_t number, const FramePictures& pictures, const cv::Mat1b& error);
+/// Its bytes, compressed by zlib and in base64, are the plane of kinds and then, for the pixels of the hole in raster order,
+/// one field after another as named in the header. Values of two bytes are differences from the value before; all low bytes
+/// come first, then all high bytes. `error` is the largest difference of a channel from the truth; empty if there is no truth.
+std::string format_frame_block(std::size_t number, const FramePictures& pictures, const cv::Mat1b& error);
 
 }  // namespace dvi::report

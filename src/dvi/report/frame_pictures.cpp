@@ -16,12 +16,12 @@ FramePictures read_pictures(const fs::path& out, const std::string& name, bool a
     try {
       if (size.empty()) size = media::image_size(out / file);
       picture = reader(out / file, size);
-    } catch (const InputError&) {  // answered: the page says what is missing
+    } catch (const InputError&) {  // the page shows what is missing
       pictures.missing.push_back(file);
     }
   };
   read("kind", pictures.kind, media::read_png_gray);
-  if (pictures.kind.empty()) return pictures;  // nothing tells which pixels the others are about
+  if (pictures.kind.empty()) return pictures;  // the other images depend on it
   read("confidence", pictures.confidence, media::read_png_gray);
   read("depth", pictures.depth, media::read_png_depth);
   if (!all) return pictures;
@@ -34,7 +34,7 @@ FramePictures read_pictures(const fs::path& out, const std::string& name, bool a
 cv::Mat3b read_frame(const fs::path& file, cv::Size size) {
   try {
     return media::read_image(file, size);
-  } catch (const InputError&) {  // answered: the page says what is missing
+  } catch (const InputError&) {  // the page shows what is missing
     return {};
   }
 }

@@ -23,21 +23,20 @@ using nlohmann::json;
 
 constexpr std::array<const char*, 6> kKinds{"original",     "copied",      "copied from elsewhere",
                                             "interpolated", "synthesized", "left empty"};
-constexpr int kCrop = 120, kZoom = 3;  // px of the picture to each crop, and how large each is shown
+constexpr int kCropPx = 120, kZoom = 3;
 
-json document(const fs::path& file) {
+json read_document(const fs::path& file) {
   if (!fs::exists(file))
-    throw InputError(file.parent_path(), "has no " + file.filename().string(),
-                     "dvi inspect takes the result of a finished dvi run");
+    throw InputError(file.parent_path(), "has no " + file.filename().string(), "give the result of a finished dvi run");
   json read = read_json(file, DamagedJson::is_discarded);
-  if (!read.is_object()) throw InputError(file, "is no JSON document", "run dvi again");
+  if (!read.is_object()) throw InputError(file, "is not a JSON document", "run dvi again");
   return read;
 }
 
-/// The name of a frame that is named, or given by the drive's own number.
-std::string name_of(const fs::path& out, const std::string& frame) {
+/// Returns the name of a frame that is given by its name or by its number in the drive.
+std::string find_name(const fs::path& out, const std::string& frame) {
   if (fs::exists(out / "frames" / (frame + ".png"))) return frame;
-  const json run = document(out / "report.json");
+  const json run = read_document(out / "report.json");
   std::string first, last;
   for (const json& entry : run.value("frames", json::array())) {
     last = entry.value("name", "");
@@ -48,7 +47,7 @@ std::string name_of(const fs::path& out, const std::string& frame) {
                    first.empty() ? "" : fmt::format("its frames are {} to {}", first, last));
 }
 
-std::optional<int> frames_apart(const json& sources, std::size_t number, const std::string& frame) {
+std::optional<int> compute_frames_apart(const json& sources, std::size_t number, const std::string& frame) {
   const json& source = sources.at(number);
   for (std::size_t i = 0; i < sources.size(); ++i)
     if (sources[i].at("frame") == frame && sources[i].at("drive") == sources[0].at("drive") &&
@@ -59,50 +58,51 @@ std::optional<int> frames_apart(const json& sources, std::size_t number, const s
   return std::nullopt;
 }
 
-/// The part of a picture around a position, enlarged, its middle marked.
+/// Enlarges the part of an image around a position and marks the position.
 cv::Mat3b crop(const cv::Mat3b& image, cv::Point2f at) {
-  const int width = std::min(kCrop, image.cols), height = std::min(kCrop, image.rows);
+  const int width = std::min(kCropPx, image.cols), height = std::min(kCropPx, image.rows);
   const cv::Point corner(std::clamp(cvRound(at.x) - width / 2, 0, image.cols - width),
                          std::clamp(cvRound(at.y) - height / 2, 0, image.rows - height));
   cv::Mat3b out;
   cv::resize(image(cv::Rect(corner, cv::Size(width, height))), out, {}, kZoom, kZoom, cv::INTER_NEAREST);
   const cv::Point middle(cvRound((at.x - static_cast<float>(corner.x) + 0.5F) * kZoom),
                          cvRound((at.y - static_cast<float>(corner.y) + 0.5F) * kZoom));
-  constexpr int kGap = 6, kArm = 22;
+  constexpr int kGapPx = 6, kArmPx = 22;
   for (const auto& [color, thickness] : {std::pair(cv::Scalar(0, 0, 0), 3), std::pair(cv::Scalar(255, 255, 255), 1)})
     for (const cv::Point arm : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)})
-      cv::line(out, middle + kGap * arm, middle + kArm * arm, color, thickness);
+      cv::line(out, middle + kGapPx * arm, middle + kArmPx * arm, color, thickness);
   return out;
 }
 
-Receipt receipt_of(const fs::path& out, const std::string& frame, cv::Point pixel) {
-  Receipt receipt;
-  receipt.frame = name_of(out, frame);
-  receipt.pixel = pixel;
-  const std::string png = receipt.frame + ".png";
+PixelRecord read_record(const fs::path& out, const std::string& frame, cv::Point pixel) {
+  PixelRecord record;
+  record.frame = find_name(out, frame);
+  record.pixel = pixel;
+  const std::string png = record.frame + ".png";
   const cv::Size size = media::image_size(out / "kind" / png);
   if (!cv::Rect({}, size).contains(pixel))
-    throw InputError(out, fmt::format("has no pixel {}, {} in frame {}", pixel.x, pixel.y, receipt.frame),
+    throw InputError(out, fmt::format("has no pixel {}, {} in frame {}", pixel.x, pixel.y, record.frame),
                      fmt::format("X is 0 to {}, Y 0 to {}", size.width - 1, size.height - 1));
   const auto kind = static_cast<std::size_t>(media::read_png_gray(out / "kind" / png, size)(pixel));
-  if (kind >= kKinds.size()) throw InputError(out / "kind" / png, fmt::format("holds a kind {}", kind), "run dvi again");
-  receipt.kind = kKinds[kind];
+  if (kind >= kKinds.size())
+    throw InputError(out / "kind" / png, fmt::format("has the unknown kind {}", kind), "run dvi again");
+  record.kind = kKinds[kind];
   const cv::Vec3b color = media::read_image(out / "frames" / png, size)(pixel);
-  receipt.color = {color[2], color[1], color[0]};
-  if (const ushort depth = media::read_png_depth(out / "depth" / png, size)(pixel); depth > 0) receipt.depth_m = depth / 256.0;
-  if (kind > 0) receipt.confidence = media::read_png_gray(out / "confidence" / png, size)(pixel) / 255.0;
+  record.color = {color[2], color[1], color[0]};
+  if (const ushort depth = media::read_png_depth(out / "depth" / png, size)(pixel); depth > 0) record.depth_m = depth / 256.0;
+  if (kind > 0) record.confidence = media::read_png_gray(out / "confidence" / png, size)(pixel) / 255.0;
   const cv::Vec3w triple = media::read_png_triples(out / "provenance" / png, size)(pixel);
-  if (triple[0] == 0) return receipt;
+  if (triple[0] == 0) return record;
 
   const cv::Vec3b used = media::read_image(out / "sources_used" / png, size)(pixel);
   const cv::Vec3w change = media::read_png_triples(out / "harmonization" / png, size)(pixel);
   const harmonize::Provenance from = harmonize::Provenance::of(triple, used);
-  const json sources = document(out / "sources.json").value("sources", json::array());
+  const json sources = read_document(out / "sources.json").value("sources", json::array());
   if (static_cast<std::size_t>(from.view) >= sources.size())
-    throw InputError(out / "sources.json", fmt::format("has no source {}, which the pixel was copied from", from.view),
+    throw InputError(out / "sources.json", fmt::format("has no source {}, from which the pixel was copied", from.view),
                      "run dvi again");
   const json& source = sources[static_cast<std::size_t>(from.view)];
-  ReceiptSource& to = receipt.source.emplace();
+  PixelSource& to = record.source.emplace();
   to.number = static_cast<std::size_t>(from.view);
   to.drive = source.value("drive", "");
   to.camera = source.value("camera", "");
@@ -112,30 +112,31 @@ Receipt receipt_of(const fs::path& out, const std::string& frame, cv::Point pixe
   to.footprint = {from.footprint[0], from.footprint[1]};
   to.averaged = used[2];
   for (int c = 0; c < 3; ++c) to.change[c] = change[c] - harmonize::kNoChange;
-  to.frames_apart = frames_apart(sources, to.number, receipt.frame);
-  return receipt;
+  to.frames_apart = compute_frames_apart(sources, to.number, record.frame);
+  return record;
 }
 
 }  // namespace
 
-Receipt read_receipt(const fs::path& out, const std::string& frame, cv::Point pixel) {
+PixelRecord read_pixel_record(const fs::path& out, const std::string& frame, cv::Point pixel) {
   try {
-    return receipt_of(out, frame, pixel);
+    return read_record(out, frame, pixel);
   } catch (const nlohmann::json::exception& e) {
-    throw InputError(out, fmt::format("report.json or sources.json is not what dvi run writes ({})", e.what()),
+    throw InputError(out, fmt::format("report.json or sources.json was not written by dvi run ({})", e.what()),
                      "run dvi again");
   }
 }
 
-std::string text_of(const Receipt& receipt) {
-  const auto& [red, green, blue] = receipt.color;
-  std::string text = fmt::format("frame {}, pixel {}, {}: {}\n  color      {} {} {} (red, green, blue)\n", receipt.frame,
-                                 receipt.pixel.x, receipt.pixel.y, receipt.kind, red, green, blue);
-  text += receipt.depth_m ? fmt::format("  depth       {:.2f} m\n", *receipt.depth_m) : "  depth       unknown\n";
-  if (receipt.confidence)
-    text += fmt::format("  confidence  {:.0f} % to be within 10 gray levels of the truth\n", 100 * *receipt.confidence);
-  if (receipt.source) {
-    const ReceiptSource& s = *receipt.source;
+std::string to_text(const PixelRecord& record) {
+  const auto& [red, green, blue] = record.color;
+  std::string text = fmt::format("frame {}, pixel {}, {}: {}\n  color      {} {} {} (red, green, blue)\n", record.frame,
+                                 record.pixel.x, record.pixel.y, record.kind, red, green, blue);
+  text += record.depth_m ? fmt::format("  depth       {:.2f} m\n", *record.depth_m) : "  depth       unknown\n";
+  if (record.confidence)
+    text +=
+        fmt::format("  confidence  {:.0f} %: probability of an error of at most 10 gray levels\n", 100 * *record.confidence);
+  if (record.source) {
+    const PixelSource& s = *record.source;
     text +=
         fmt::format("  from        frame {} of camera {}, at {:.2f}, {:.2f}", s.frame, s.camera, s.position.x, s.position.y);
     if (s.frames_apart)
@@ -148,14 +149,14 @@ std::string text_of(const Receipt& receipt) {
   return text;
 }
 
-std::string json_of(const Receipt& receipt) {
-  json out{{"schema", "dvi-receipt/1"}, {"frame", receipt.frame}, {"x", receipt.pixel.x},
-           {"y", receipt.pixel.y},      {"kind", receipt.kind},   {"color", receipt.color},
-           {"depth_m", nullptr},        {"confidence", nullptr},  {"source", nullptr}};
-  if (receipt.depth_m) out["depth_m"] = *receipt.depth_m;
-  if (receipt.confidence) out["confidence"] = *receipt.confidence;
-  if (receipt.source) {
-    const ReceiptSource& s = *receipt.source;
+std::string to_json(const PixelRecord& record) {
+  json out{{"schema", "dvi-receipt/1"}, {"frame", record.frame}, {"x", record.pixel.x},
+           {"y", record.pixel.y},       {"kind", record.kind},   {"color", record.color},
+           {"depth_m", nullptr},        {"confidence", nullptr}, {"source", nullptr}};
+  if (record.depth_m) out["depth_m"] = *record.depth_m;
+  if (record.confidence) out["confidence"] = *record.confidence;
+  if (record.source) {
+    const PixelSource& s = *record.source;
     out["source"] = {{"number", s.number},      {"drive", s.drive},
                      {"camera", s.camera},      {"frame", s.frame},
                      {"file", s.file.string()}, {"x", s.position.x},
@@ -167,13 +168,13 @@ std::string json_of(const Receipt& receipt) {
   return json_text(out);
 }
 
-void write_crops(const fs::path& folder, const fs::path& out, const Receipt& receipt) {
+void write_crops(const fs::path& folder, const fs::path& out, const PixelRecord& record) {
   make_folder(folder);
-  const fs::path frame = out / "frames" / (receipt.frame + ".png");
-  media::write_png(folder / "result.png", crop(media::read_image(frame, media::image_size(frame)), receipt.pixel));
-  if (!receipt.source || !fs::exists(receipt.source->file)) return;
-  const fs::path& file = receipt.source->file;
-  media::write_png(folder / "source.png", crop(media::read_image(file, media::image_size(file)), receipt.source->position));
+  const fs::path frame = out / "frames" / (record.frame + ".png");
+  media::write_png(folder / "result.png", crop(media::read_image(frame, media::image_size(frame)), record.pixel));
+  if (!record.source || !fs::exists(record.source->file)) return;
+  const fs::path& file = record.source->file;
+  media::write_png(folder / "source.png", crop(media::read_image(file, media::image_size(file)), record.source->position));
 }
 
 }  // namespace dvi::report

@@ -12,37 +12,37 @@
 namespace dvi::report {
 
 /// The image that a pixel was copied from.
-struct ReceiptSource {
-  std::size_t number = 0;  ///< as OUT/sources.json numbers it
+struct PixelSource {
+  std::size_t number = 0;  ///< index in OUT/sources.json
   std::string drive, camera, frame;
   fs::path file;
   cv::Point2f position;             ///< px, to 1/16
-  cv::Vec2i footprint;              ///< width and height in px over which its colors are averaged
-  int averaged = 0;                 ///< sources whose colors went into the pixel
-  std::array<int, 3> change{};      ///< RGB: what blending added to the copy, gray levels
-  std::optional<int> frames_apart;  ///< signed, where both are frames of the target
+  cv::Vec2i footprint;              ///< width and height in px over which colors are averaged
+  int averaged = 0;                 ///< number of sources whose colors were averaged
+  std::array<int, 3> change{};      ///< RGB: change of the copy by blending, gray levels
+  std::optional<int> frames_apart;  ///< signed; nothing unless both are frames of the target
 };
 
-/// Where one pixel of a result comes from.
-struct Receipt {
+/// The provenance of one pixel of a result.
+struct PixelRecord {
   std::string frame;
   cv::Point pixel;
-  std::string kind;                     ///< original, copied, copied from elsewhere, interpolated, synthesized, left empty
-  std::array<int, 3> color{};           ///< RGB, as written
-  std::optional<double> depth_m;        ///< none: unknown, or sky
-  std::optional<double> confidence;     ///< of pixels that were filled
-  std::optional<ReceiptSource> source;  ///< of pixels that were copied
+  std::string kind;                   ///< original, copied, copied from elsewhere, interpolated, synthesized, left empty
+  std::array<int, 3> color{};         ///< RGB, as written
+  std::optional<double> depth_m;      ///< nothing if unknown, or for the sky
+  std::optional<double> confidence;   ///< only of filled pixels
+  std::optional<PixelSource> source;  ///< only of copied pixels
 };
 
-/// InputError where `out` is no result, has no such frame (by name, or by its number of the drive), the pixel lies outside of
-/// it, or a picture is missing.
-Receipt read_receipt(const fs::path& out, const std::string& frame, cv::Point pixel);
+/// Reads the provenance of a pixel. Throws InputError if `out` is not a result, if it has no such frame (given by its name or
+/// by its number in the drive), if the pixel is outside the frame, or if an image is missing.
+PixelRecord read_pixel_record(const fs::path& out, const std::string& frame, cv::Point pixel);
 
-std::string text_of(const Receipt& receipt);  ///< some lines for a person
-std::string json_of(const Receipt& receipt);  ///< dvi-receipt/1
+std::string to_text(const PixelRecord& record);  ///< some lines for the terminal
+std::string to_json(const PixelRecord& record);  ///< schema dvi-receipt/1
 
-/// result.png, and of copies source.png, into the folder: what lies around the pixel, three times its size, with crosshairs.
-/// The source is left out where its file is gone.
-void write_crops(const fs::path& folder, const fs::path& out, const Receipt& receipt);
+/// Writes result.png and, for copied pixels, source.png into the folder: the part of the image around the pixel, enlarged by
+/// three, with crosshairs. The source is left out if its file is missing.
+void write_crops(const fs::path& folder, const fs::path& out, const PixelRecord& record);
 
 }  // namespace dvi::report

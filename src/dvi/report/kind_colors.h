@@ -6,8 +6,8 @@
 
 namespace dvi::report {
 
-/// A kind of pixel (harmonize::Kind) in pictures: its name, and a color (BGR) by Okabe and Ito, which color-blind people can
-/// tell from the others. page/texts.js has the same.
+/// The name of a kind of pixel (harmonize::Kind) and its color (BGR) in images. The colors are those of Okabe and Ito, which
+/// color-blind people can distinguish. page/texts.js has the same colors.
 struct KindColor {
   const char* name;
   cv::Vec3b color;

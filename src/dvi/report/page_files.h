@@ -5,12 +5,12 @@
 
 namespace dvi::report {
 
-/// A file of the page, as it was when the program was built.
+/// A file of the page, embedded when the program was built.
 struct PageFile {
   std::string_view name, bytes;
 };
 
-/// report.html and what it loads, with the licenses of the libraries among it.
-const std::vector<PageFile>& page_files();
+/// Returns report.html and the files that it loads, including the licenses of libraries.
+const std::vector<PageFile>& get_page_files();
 
 }  // namespace dvi::report

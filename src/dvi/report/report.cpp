@@ -15,11 +15,11 @@
 #include "dvi/core/threads.h"
 #include "dvi/media/image_file.h"
 #include "dvi/media/write_image.h"
-#include "dvi/report/doubt.h"
 #include "dvi/report/frame_block.h"
 #include "dvi/report/frame_pictures.h"
 #include "dvi/report/page_files.h"
-#include "dvi/report/unobserved_places.h"
+#include "dvi/report/uncertainty.h"
+#include "dvi/report/unobserved_cells.h"
 
 namespace dvi::report {
 namespace {
@@ -28,25 +28,25 @@ using nlohmann::json;
 
 constexpr const char* kIndexSchema = "dvi-page/1";
 constexpr std::array<const char*, 4> kFolders{"report", "report/before", "report/truth", "report/sources"};
-constexpr int kSourceQuality = 85;  // of JPEG
+constexpr int kJpegQuality = 85;
 
-std::string numbered(const char* folder, std::size_t number, const char* ending) {
+std::string make_path(const char* folder, std::size_t number, const char* ending) {
   return fmt::format("report/{}{:06d}{}", folder, number, ending);
 }
 
-/// A file of the result as a URL beside the page.
-std::string url(const std::string& path) {
+/// Converts the path of a file of the result to a URL relative to the page.
+std::string to_url(const std::string& path) {
   std::string out;
   for (const char c : path) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
-                       c == '.' || c == '/';
-    out += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
+                          c == '.' || c == '/';
+    out += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return out;
 }
 
-/// A document of the result; null, and the reason in `problems`, where it is missing or damaged.
-json document(const fs::path& out, const char* file, std::vector<std::string>& problems) {
+/// Reads a JSON document of the result; returns null and adds the reason to `problems` if it is missing or damaged.
+json read_document(const fs::path& out, const char* file, std::vector<std::string>& problems) {
   if (!fs::exists(out / file)) {
     problems.push_back(fmt::format("{} is missing", file));
     return {};
@@ -57,8 +57,8 @@ json document(const fs::path& out, const char* file, std::vector<std::string>& p
   return {};
 }
 
-/// The pixels of the hole; all others transparent.
-cv::Mat4b patch(const cv::Mat3b& image, const cv::Mat1b& kind) {
+/// Returns the pixels of the hole; all others are transparent.
+cv::Mat4b cut_hole(const cv::Mat3b& image, const cv::Mat1b& kind) {
   cv::Mat4b out(image.size(), cv::Vec4b(0, 0, 0, 0));
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x)
@@ -66,7 +66,7 @@ cv::Mat4b patch(const cv::Mat3b& image, const cv::Mat1b& kind) {
   return out;
 }
 
-cv::Mat1b largest_difference(const cv::Mat3b& a, const cv::Mat3b& b) {
+cv::Mat1b compute_largest_difference(const cv::Mat3b& a, const cv::Mat3b& b) {
   cv::Mat3b difference;
   cv::absdiff(a, b, difference);
   cv::Mat1b out(a.size());
@@ -75,38 +75,38 @@ cv::Mat1b largest_difference(const cv::Mat3b& a, const cv::Mat3b& b) {
   return out;
 }
 
-/// Nothing where there is no image.
+/// Writes nothing if there is no image.
 void write_patch(const fs::path& out, const char* folder, std::size_t number, const cv::Mat3b& image, const cv::Mat1b& kind) {
-  if (!image.empty()) media::write_png(out / numbered(folder, number, ".png"), patch(image, kind));
+  if (!image.empty()) media::write_png(out / make_path(folder, number, ".png"), cut_hole(image, kind));
 }
 
 void write_block(const fs::path& out, std::size_t number, const FramePictures& pictures, const cv::Mat1b& error) {
-  write_file(out / numbered("data_", number, ".js"), frame_block(number, pictures, error));
+  write_file(out / make_path("data_", number, ".js"), format_frame_block(number, pictures, error));
 }
 
-/// What the page is told of one frame, and what the whole is made of.
+/// The entry of one frame in index.js, and its unobserved cells.
 struct FrameEntry {
   json entry;
-  UnobservedPlaces unseen;
+  UnobservedCells unobserved;
 };
 
-class Writer {
+class ReportWriter {
  public:
-  explicit Writer(const Sources& sources)
-      : in_(sources), out_(sources.out), problems_(sources.problems), names_(sources.names) {
-    const json listed = document(out_, "sources.json", problems_);
+  explicit ReportWriter(const ReportInput& input)
+      : in_(input), out_(input.out), problems_(input.problems), names_(input.names) {
+    const json listed = read_document(out_, "sources.json", problems_);
     const auto is_source = [](const json& source) { return source.is_object(); };
     if (listed.is_object() && listed.contains("sources") &&
         std::all_of(listed["sources"].begin(), listed["sources"].end(), is_source))
       list_ = listed.at("sources");
-    while (own_ < list_.size() && of_target(list_[own_])) ++own_;
-    if (fs::exists(out_ / "map/above.json")) above_ = document(out_, "map/above.json", problems_);
+    while (own_ < list_.size() && is_of_target(list_[own_])) ++own_;
+    if (fs::exists(out_ / "map/above.json")) above_ = read_document(out_, "map/above.json", problems_);
   }
 
   void write(const Tick& tick) {
     for (const char* folder : kFolders) make_folder(out_ / folder);
     std::vector<json> entries(names_.size());
-    UnobservedPlaces unseen;
+    UnobservedCells unobserved;
     for_blocks(names_.size(), [&](std::size_t first, std::size_t last) {
       std::vector<FrameEntry> block(last - first);
       parallel_for(block.size(), [&](std::size_t i) {
@@ -115,16 +115,16 @@ class Writer {
       });
       for (std::size_t i = 0; i < block.size(); ++i) {
         entries[first + i] = std::move(block[i].entry);
-        add(block[i].unseen, unseen);
+        add(block[i].unobserved, unobserved);
       }
     });
     write_sources();
-    for (const PageFile& file : page_files())
+    for (const PageFile& file : get_page_files())
       if (file.name != "report.html") write(std::string("report/") + std::string(file.name), std::string(file.bytes));
-    write("report/index.js", "dvi.index(" + json_text(index(entries, unseen), -1) + ");\n");
-    remove_others();
-    for (const PageFile& file : page_files())
-      if (file.name == "report.html") write("report.html", std::string(file.bytes));  // last: what it loads is there
+    write("report/index.js", "dvi.index(" + json_text(make_index(entries, unobserved), -1) + ");\n");
+    remove_stale_files();
+    for (const PageFile& file : get_page_files())
+      if (file.name == "report.html") write("report.html", std::string(file.bytes));  // last, after the files that it loads
   }
 
  private:
@@ -132,82 +132,82 @@ class Writer {
 
   FrameEntry write_frame(std::size_t i) const {
     const std::string& name = names_[i];
-    const bool written = !in_.written.empty() && in_.written[i] != 0;
-    const FramePictures pictures = read_pictures(out_, name, !written);
-    FrameEntry frame{{{"picture", url("frames/" + name + ".png")}, {"missing", pictures.missing}, {"truth", false}}, {}};
+    const bool is_written = !in_.written.empty() && in_.written[i] != 0;
+    const FramePictures pictures = read_pictures(out_, name, !is_written);
+    FrameEntry frame{{{"picture", to_url("frames/" + name + ".png")}, {"missing", pictures.missing}, {"truth", false}}, {}};
     if (!fs::exists(out_ / "frames" / (name + ".png"))) frame.entry["missing"].push_back("frames/" + name + ".png");
     if (pictures.kind.empty()) return frame;
-    const Doubt doubts = doubt(pictures.kind, pictures.confidence);
-    const cv::Rect& worst = doubts.worst;
+    const Uncertainty uncertainty = estimate_uncertainty(pictures.kind, pictures.confidence);
+    const cv::Rect& worst = uncertainty.worst;
     frame.entry["size"] = {pictures.kind.cols, pictures.kind.rows};
-    frame.entry["within"] = doubts.within;
-    frame.entry["doubtful"] = doubts.pixels;
+    frame.entry["within"] = uncertainty.within;
+    frame.entry["doubtful"] = uncertainty.pixels;
     frame.entry["worst"] = {worst.x, worst.y, worst.width, worst.height};
-    frame.entry["in_worst"] = doubts.in_worst;
-    if (!written) {
-      const cv::Mat1b error = error_of(i, pictures);
+    frame.entry["in_worst"] = uncertainty.in_worst;
+    if (!is_written) {
+      const cv::Mat1b error = compute_error(i, pictures);
       frame.entry["truth"] = !error.empty();
       write_block(out_, i, pictures, error);
-      if (const fs::path input = input_of(name, i); !input.empty())
+      if (const fs::path input = find_input(name, i); !input.empty())
         write_patch(out_, "before/", i, read_frame(input, pictures.kind.size()), pictures.kind);
     }
-    frame.entry["before"] = fs::exists(out_ / numbered("before/", i, ".png"));
-    if (above_.is_object()) frame.unseen = unobserved_places(pictures, i, above_);
+    frame.entry["before"] = fs::exists(out_ / make_path("before/", i, ".png"));
+    if (above_.is_object()) frame.unobserved = find_unobserved_cells(pictures, i, above_);
     return frame;
   }
 
-  bool of_target(const json& source) const {
+  bool is_of_target(const json& source) const {
     return source.value("drive", "") == list_[0].value("drive", "") &&
            source.value("camera", "") == list_[0].value("camera", "");
   }
 
-  fs::path input_of(std::size_t number) const {
+  fs::path find_input(std::size_t number) const {
     return number < list_.size() ? fs::path(list_[number].value("file", "")) : fs::path();
   }
-  /// Sources are numbered as the frames, unless some of the result are gone.
-  fs::path input_of(const std::string& name, std::size_t i) const {
-    if (i < own_ && list_[i].value("frame", "") == name) return input_of(i);
+  /// Sources have the numbers of the frames, unless frames of the result are missing.
+  fs::path find_input(const std::string& name, std::size_t i) const {
+    if (i < own_ && list_[i].value("frame", "") == name) return find_input(i);
     for (std::size_t k = 0; k < own_; ++k)
-      if (list_[k].value("frame", "") == name) return input_of(k);
+      if (list_[k].value("frame", "") == name) return find_input(k);
     return {};
   }
 
-  /// The error of each pixel where there is a truth, which is put beside the page.
-  cv::Mat1b error_of(std::size_t i, const FramePictures& pictures) const {
+  /// Computes the error of each pixel if there is a truth, and writes the truth beside the page.
+  cv::Mat1b compute_error(std::size_t i, const FramePictures& pictures) const {
     if (in_.truth.empty()) return {};
     const cv::Size size = pictures.kind.size();
     const cv::Mat3b truth = read_frame(in_.truth / (names_[i] + ".png"), size);
     const cv::Mat3b frame = read_frame(out_ / "frames" / (names_[i] + ".png"), size);
     if (truth.empty() || frame.empty()) return {};
     write_patch(out_, "truth/", i, truth, pictures.kind);
-    return largest_difference(truth, frame);
+    return compute_largest_difference(truth, frame);
   }
 
-  /// Images of other cameras and drives that were copied from: those whose masks the result keeps.
+  /// Writes the images of other cameras and drives from which pixels were copied: those whose masks are in the result.
   void write_sources() const {
     const std::vector<fs::path> masks = list_files(out_ / ".dvi/masks", {".png"});
     parallel_for(masks.size(), [&](std::size_t i) {
       const std::size_t number = std::strtoul(masks[i].stem().c_str(), nullptr, 10);
-      const fs::path file = input_of(number);
+      const fs::path file = find_input(number);
       try {
         if (!file.empty())
-          media::write_jpeg(out_ / numbered("sources/", number, ".jpg"), media::read_image(file, media::image_size(file)),
-                            kSourceQuality);
-      } catch (const InputError&) {  // answered: the page shows no crop of it
+          media::write_jpeg(out_ / make_path("sources/", number, ".jpg"), media::read_image(file, media::image_size(file)),
+                            kJpegQuality);
+      } catch (const InputError&) {  // the page shows no crop of it
       }
     });
   }
 
-  json index(const std::vector<json>& entries, const UnobservedPlaces& unseen) {
+  json make_index(const std::vector<json>& entries, const UnobservedCells& unobserved) {
     json run = json::parse(in_.run());
     const json::json_pointer odometry("/poses/odometry");
     if (run.contains("drives"))
-      for (json& drive : run["drives"])  // a line a scan, which the page does not show
+      for (json& drive : run["drives"])  // one entry per scan, which the page does not show
         if (drive.contains(odometry) && drive[odometry].is_object()) drive[odometry].erase("scans");
     json sources = json::array(), cells = json::array();
     for (const json& source : list_)
       sources.push_back({source.value("drive", ""), source.value("camera", ""), source.value("frame", "")});
-    for (const auto& [place, cell] : unseen) cells.push_back({place.first, place.second, cell.frame, cell.pixels});
+    for (const auto& [place, cell] : unobserved) cells.push_back({place.first, place.second, cell.frame, cell.pixels});
     std::size_t missing = 0;
     for (const json& entry : entries) missing += entry.at("missing").empty() ? 0 : 1;
     if (missing > 0) problems_.push_back(fmt::format("pictures of {} of {} frames are missing", missing, entries.size()));
@@ -217,40 +217,40 @@ class Writer {
             {"frames", entries},
             {"sources", sources},
             {"above", above_},
-            {"times", times()},
-            {"unseen", {{"cell_m", kUnobservedCell}, {"cells", cells}}},
+            {"times", read_times()},
+            {"unseen", {{"cell_m", kUnobservedCellM}, {"cells", cells}}},
             {"options", json::parse(in_.options)},
             {"evaluation", json::parse(in_.evaluation)},
             {"problems", problems_}};
   }
 
-  /// Seconds of the frames.
-  json times() const {
+  /// Reads the times of the frames in seconds.
+  json read_times() const {
     json seconds = json::array();
     if (!fs::exists(out_ / "map/times.txt")) return seconds;
     for (const std::string& line : read_lines(out_ / "map/times.txt")) seconds.push_back(std::strtod(line.c_str(), nullptr));
     return seconds;
   }
 
-  /// What reports of more frames, or with a truth, left.
-  void remove_others() const {
+  /// Removes the files of earlier reports with more frames or with a truth.
+  void remove_stale_files() const {
     for (const char* folder : kFolders)
       for (const fs::path& file : list_files(out_ / folder, {".js", ".png", ".jpg"})) {
         const std::string name = file.lexically_relative(out_).string();
         const std::string digits = name.substr(0, name.rfind('.')).substr(name.find_last_of("/_") + 1);
         if (digits.size() != 6 || digits.find_first_not_of("0123456789") != std::string::npos) continue;
         const std::size_t number = std::stoul(digits);
-        const bool of_source = name.starts_with("report/sources/");
-        const bool stale = name.starts_with("report/truth/") && in_.truth.empty();
-        if (stale || number >= (of_source ? list_.size() : names_.size())) fs::remove(file);
+        const bool is_source = name.starts_with("report/sources/");
+        const bool is_stale = name.starts_with("report/truth/") && in_.truth.empty();
+        if (is_stale || number >= (is_source ? list_.size() : names_.size())) fs::remove(file);
       }
   }
 
-  const Sources& in_;
+  const ReportInput& in_;
   const fs::path out_;
   std::vector<std::string> problems_, names_;
   json list_ = json::array(), above_;
-  std::size_t own_ = 0;  // of the sources, those that are the target's frames
+  std::size_t own_ = 0;  // number of sources that are frames of the target
 };
 
 }  // namespace
@@ -261,12 +261,12 @@ void write_frame(const fs::path& out, std::size_t number, const FramePictures& p
   write_patch(out, "before/", number, input, pictures.kind);
 }
 
-std::vector<std::string> frame_files(const fs::path& out, std::size_t number) {
-  std::vector<std::string> files{numbered("data_", number, ".js"), numbered("before/", number, ".png")};
+std::vector<std::string> list_frame_files(const fs::path& out, std::size_t number) {
+  std::vector<std::string> files{make_path("data_", number, ".js"), make_path("before/", number, ".png")};
   std::erase_if(files, [&](const std::string& file) { return !fs::exists(out / file); });
   return files;
 }
 
-void write_report(const Sources& sources, const Tick& tick) { Writer(sources).write(tick); }
+void write_report(const ReportInput& input, const Tick& tick) { ReportWriter(input).write(tick); }
 
 }  // namespace dvi::report

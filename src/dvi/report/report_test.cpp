@@ -14,11 +14,11 @@
 #include "dvi/harmonize/receipt.h"
 #include "dvi/media/image_file.h"
 #include "dvi/media/write_image.h"
-#include "dvi/report/above.h"
-#include "dvi/report/doubt.h"
 #include "dvi/report/inspect.h"
 #include "dvi/report/page_files.h"
-#include "dvi/report/unobserved_places.h"
+#include "dvi/report/top_view.h"
+#include "dvi/report/uncertainty.h"
+#include "dvi/report/unobserved_cells.h"
 #include "dvi/testing/temp_folder.h"
 
 namespace dvi::report {
@@ -26,7 +26,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A result of one frame, "a", whose pixel 5, 3 was copied from frame "b" and pixel 6, 3 was made up.
+/// A result with one frame, "a", whose pixel 5, 3 was copied from frame "b" and whose pixel 6, 3 was interpolated.
 class SmallResult : public testing::Test {
  protected:
   void SetUp() override {
@@ -70,56 +70,56 @@ class SmallResult : public testing::Test {
   FramePictures pictures;
 };
 
-TEST_F(SmallResult, AReceiptSaysWhatThePicturesHold) {
-  const Receipt receipt = read_receipt(out, "a", {5, 3});
-  EXPECT_EQ(receipt.kind, "copied");
-  EXPECT_EQ(receipt.color, (std::array{10, 20, 30}));
-  EXPECT_DOUBLE_EQ(receipt.depth_m.value_or(0), 2);
-  EXPECT_DOUBLE_EQ(receipt.confidence.value_or(0), 0.8);
-  ASSERT_TRUE(receipt.source);
-  EXPECT_EQ(receipt.source->frame, "b");
-  EXPECT_EQ(receipt.source->position, cv::Point2f(5 + 3 / 16.0F, 4));
-  EXPECT_EQ(receipt.source->footprint, cv::Vec2i(2, 1));
-  EXPECT_EQ(receipt.source->averaged, 3);
-  EXPECT_EQ(receipt.source->change, (std::array{-2, 0, 7}));
-  EXPECT_EQ(receipt.source->frames_apart, 1);
-  EXPECT_EQ(nlohmann::json::parse(json_of(receipt)).at("source").at("x"), 5 + 3 / 16.0);
-  EXPECT_THAT(text_of(receipt), HasSubstr("frame b"));
-  EXPECT_EQ(read_receipt(out, "7", {5, 3}).frame, "a") << "by the drive's number";
+TEST_F(SmallResult, APixelRecordHasTheValuesOfTheImages) {
+  const PixelRecord record = read_pixel_record(out, "a", {5, 3});
+  EXPECT_EQ(record.kind, "copied");
+  EXPECT_EQ(record.color, (std::array{10, 20, 30}));
+  EXPECT_DOUBLE_EQ(record.depth_m.value_or(0), 2);
+  EXPECT_DOUBLE_EQ(record.confidence.value_or(0), 0.8);
+  ASSERT_TRUE(record.source);
+  EXPECT_EQ(record.source->frame, "b");
+  EXPECT_EQ(record.source->position, cv::Point2f(5 + 3 / 16.0F, 4));
+  EXPECT_EQ(record.source->footprint, cv::Vec2i(2, 1));
+  EXPECT_EQ(record.source->averaged, 3);
+  EXPECT_EQ(record.source->change, (std::array{-2, 0, 7}));
+  EXPECT_EQ(record.source->frames_apart, 1);
+  EXPECT_EQ(nlohmann::json::parse(to_json(record)).at("source").at("x"), 5 + 3 / 16.0);
+  EXPECT_THAT(to_text(record), HasSubstr("frame b"));
+  EXPECT_EQ(read_pixel_record(out, "7", {5, 3}).frame, "a") << "by the number in the drive";
 }
 
 TEST_F(SmallResult, OtherPixelsHaveNoSource) {
-  EXPECT_EQ(read_receipt(out, "a", {0, 0}).kind, "original");
-  EXPECT_FALSE(read_receipt(out, "a", {0, 0}).confidence);
-  EXPECT_EQ(read_receipt(out, "a", {6, 3}).kind, "interpolated");
-  EXPECT_FALSE(read_receipt(out, "a", {6, 3}).source);
+  EXPECT_EQ(read_pixel_record(out, "a", {0, 0}).kind, "original");
+  EXPECT_FALSE(read_pixel_record(out, "a", {0, 0}).confidence);
+  EXPECT_EQ(read_pixel_record(out, "a", {6, 3}).kind, "interpolated");
+  EXPECT_FALSE(read_pixel_record(out, "a", {6, 3}).source);
 }
 
-TEST_F(SmallResult, WhatIsNotThereIsAnInputError) {
-  EXPECT_THROW(read_receipt(out, "c", {0, 0}), InputError);
-  EXPECT_THROW(read_receipt(out, "a", {12, 0}), InputError);
-  EXPECT_THROW(read_receipt(out, "a", {0, -1}), InputError);
+TEST_F(SmallResult, MissingDataIsAnInputError) {
+  EXPECT_THROW(read_pixel_record(out, "c", {0, 0}), InputError);
+  EXPECT_THROW(read_pixel_record(out, "a", {12, 0}), InputError);
+  EXPECT_THROW(read_pixel_record(out, "a", {0, -1}), InputError);
   fs::remove(out / "provenance/a.png");
-  EXPECT_THROW(read_receipt(out, "a", {5, 3}), InputError);
+  EXPECT_THROW(read_pixel_record(out, "a", {5, 3}), InputError);
   write_file(out / "report.json", R"({"frames": 3})");
-  EXPECT_THROW(read_receipt(out, "c", {0, 0}), InputError);
+  EXPECT_THROW(read_pixel_record(out, "c", {0, 0}), InputError);
 }
 
-TEST_F(SmallResult, CropsShowBothPlaces) {
-  write_crops(folder / "crops", out, read_receipt(out, "a", {5, 3}));
-  EXPECT_EQ(media::image_size(folder / "crops/result.png"), cv::Size(36, 24)) << "three times the whole picture";
+TEST_F(SmallResult, CropsShowBothPositions) {
+  write_crops(folder / "crops", out, read_pixel_record(out, "a", {5, 3}));
+  EXPECT_EQ(media::image_size(folder / "crops/result.png"), cv::Size(36, 24)) << "three times the whole image";
   EXPECT_TRUE(fs::exists(folder / "crops/source.png"));
 }
 
 TEST_F(SmallResult, AReportShowsItsFramesAndHoles) {
-  EXPECT_TRUE(frame_files(out, 0).empty());
+  EXPECT_TRUE(list_frame_files(out, 0).empty());
   write();
-  EXPECT_EQ(frame_files(out, 0), (std::vector<std::string>{"report/data_000000.js", "report/before/000000.png"}));
+  EXPECT_EQ(list_frame_files(out, 0), (std::vector<std::string>{"report/data_000000.js", "report/before/000000.png"}));
   EXPECT_THAT(read_file(out / "report/index.js"), HasSubstr(R"("picture":"frames/a.png")"));
   EXPECT_EQ(media::image_size(out / "report/before/000000.png"), cv::Size(12, 8));
 }
 
-TEST_F(SmallResult, WhatARunWritesIsWhatTheReportWouldRead) {
+TEST_F(SmallResult, TheRunAndTheReportWriteTheSameFiles) {
   write_frame(out, 0, pictures, cv::Mat3b(8, 12, cv::Vec3b(1, 2, 3)));
   const std::string block = read_file(out / "report/data_000000.js"), before = read_file(out / "report/before/000000.png");
   write();
@@ -127,7 +127,7 @@ TEST_F(SmallResult, WhatARunWritesIsWhatTheReportWouldRead) {
   EXPECT_EQ(read_file(out / "report/before/000000.png"), before);
 }
 
-TEST_F(SmallResult, LeftoversOfLongerResultsGo) {
+TEST_F(SmallResult, RemovesFilesOfLongerResults) {
   make_folder(out / "report/before");
   write_file(out / "report/data_000001.js", "x");
   write_file(out / "report/before/000001.png", "x");
@@ -138,7 +138,7 @@ TEST_F(SmallResult, LeftoversOfLongerResultsGo) {
   EXPECT_TRUE(fs::exists(out / "report/notes.txt"));
 }
 
-TEST_F(SmallResult, DamageIsSaidInTheReport) {
+TEST_F(SmallResult, TheReportShowsDamage) {
   fs::remove(out / "kind/a.png");
   write_file(out / "sources.json", "[");
   write();
@@ -148,20 +148,20 @@ TEST_F(SmallResult, DamageIsSaidInTheReport) {
   EXPECT_THAT(index, HasSubstr("pictures of 1 of 1 frames are missing"));
 }
 
-TEST(Doubt, FindsThePlaceWithMostOfIt) {
+TEST(Uncertainty, FindsTheWorstPart) {
   cv::Mat1b kind(90, 160, uchar{0}), confidence(90, 160, uchar{0});
   kind(cv::Rect(10, 10, 10, 10)) = 1;
   confidence(cv::Rect(10, 10, 10, 10)) = 255;
   kind(cv::Rect(100, 60, 10, 10)) = 3;
-  const Doubt found = doubt(kind, confidence);
+  const Uncertainty found = estimate_uncertainty(kind, confidence);
   EXPECT_DOUBLE_EQ(found.within, 0.5);
   EXPECT_DOUBLE_EQ(found.pixels, 100);
   EXPECT_DOUBLE_EQ(found.in_worst, 100);
   EXPECT_EQ(found.worst & cv::Rect(100, 60, 10, 10), cv::Rect(100, 60, 10, 10));
-  EXPECT_TRUE(doubt(cv::Mat1b(90, 160, uchar{0}), confidence).worst.empty());
+  EXPECT_TRUE(estimate_uncertainty(cv::Mat1b(90, 160, uchar{0}), confidence).worst.empty());
 }
 
-TEST(UnobservedPlaces, LieWhereTheirPixelsLook) {
+TEST(UnobservedCells, AreAtThePositionsOfTheirPixels) {
   FramePictures pictures;
   pictures.kind = cv::Mat1b(9, 9, uchar{0});
   pictures.depth = cv::Mat1w(9, 9, ushort{256 * 4});
@@ -170,13 +170,13 @@ TEST(UnobservedPlaces, LieWhereTheirPixelsLook) {
   const nlohmann::json above{{"camera", {9, 9, 8, 8, 4, 4}},
                              {"distortion", {0, 0, 0, 0, 0}},
                              {"world_from_camera", {{0, 0, 1, 10.25, -1, 0, 0, 0.25, 0, -1, 0, 0}}}};
-  const UnobservedPlaces places = unobserved_places(pictures, 0, above);
-  ASSERT_EQ(places.size(), 1U);
-  EXPECT_EQ(places.begin()->first, std::pair(28, 0)) << "4 m ahead of 10.25, 0.25, in half meters";
-  EXPECT_TRUE(unobserved_places(pictures, 5, above).empty()) << "no pose";
+  const UnobservedCells cells = find_unobserved_cells(pictures, 0, above);
+  ASSERT_EQ(cells.size(), 1U);
+  EXPECT_EQ(cells.begin()->first, std::pair(28, 0)) << "4 m ahead of 10.25, 0.25, in half meters";
+  EXPECT_TRUE(find_unobserved_cells(pictures, 5, above).empty()) << "no pose";
 }
 
-TEST(Above, PutsPointsIntoThePicture) {
+TEST(TopView, HasThePointsOfTheMap) {
   const TempFolder temporary;
   map::StaticMap map;
   map.scans.push_back({});
@@ -185,11 +185,11 @@ TEST(Above, PutsPointsIntoThePicture) {
   roof.position = {-10, 5, 30};
   map.points.push_back(road);
   map.points.push_back(roof);
-  write_above(temporary.path, {.map = map,
-                               .color = [](std::size_t) { return cv::Vec3b(1, 2, 3); },
-                               .camera = {.width = 4, .height = 4, .fx = 1, .fy = 1},
-                               .world_from_camera = {SE3{}},
-                               .tracks = {{3, "car", {{1, 2}}, {0}}}});
+  write_top_view(temporary.path, {.map = map,
+                                  .color = [](std::size_t) { return cv::Vec3b(1, 2, 3); },
+                                  .camera = {.width = 4, .height = 4, .fx = 1, .fy = 1},
+                                  .world_from_camera = {SE3{}},
+                                  .tracks = {{3, "car", {{1, 2}}, {0}}}});
   const nlohmann::json above = nlohmann::json::parse(read_file(temporary.path / "above.json"));
   const double meters = above.at("meters_per_px");
   const auto pixel = [&](double x, double y) {
@@ -202,9 +202,9 @@ TEST(Above, PutsPointsIntoThePicture) {
   EXPECT_EQ(above.at("tracks")[0].at("points")[0], (nlohmann::json{1.0, 2.0, 0}));
 }
 
-TEST(PageFiles, HoldThePage) {
+TEST(PageFiles, ContainThePage) {
   std::set<std::string_view> names;
-  for (const PageFile& file : page_files()) {
+  for (const PageFile& file : get_page_files()) {
     names.insert(file.name);
     EXPECT_FALSE(file.bytes.empty()) << file.name;
   }

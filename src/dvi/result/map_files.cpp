@@ -58,7 +58,7 @@ Colors colors(const map::StaticMap& map, const Views& views) {
   for (std::size_t i = 0; i < last; i += step) {
     const auto image = views.images[i];
     const auto mask = views.masks[i];
-    for (const map::VisiblePoint& p : map::visible_points(map, views[i], kSplat, kTolerance)) {
+    for (const map::VisiblePoint& p : map::find_visible_points(map, views[i], kSplat, kTolerance)) {
       const cv::Point pixel(cvRound(p.u), cvRound(p.v));
       if ((*mask)(pixel) == 0) out[p.index] = (*image)(pixel);  // later frames are nearer and win
     }
@@ -81,7 +81,7 @@ void write_map(const fs::path& path, const map::StaticMap& map, const Colors& co
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     page_out_sometimes(i);
     const map::MapPoint& p = map.points[i];
-    if (!p.stood_on(0)) continue;
+    if (!p.is_present_in(0)) continue;
     points.push_back(p.position);
     color_of_points.push_back(color[i]);
     const std::array<float, 7> values{p.normal.x(),     p.normal.y(),   p.normal.z(), p.intensity, static_cast<float>(p.count),
@@ -150,11 +150,11 @@ void write_map_files(const fs::path& folder, const map::StaticMap& map, const Vi
   const std::string name = target.path.filename().string();
   const Colors color = colors(map, views);
   write_map(folder / "map.ply", map, color, "dvi map of " + name);
-  report::write_above(folder, {.map = map,
-                               .color = [&](std::size_t point) { return color[point]; },
-                               .camera = target.camera,
-                               .world_from_camera = camera_poses(views),
-                               .tracks = tracks});
+  report::write_top_view(folder, {.map = map,
+                                  .color = [&](std::size_t point) { return color[point]; },
+                                  .camera = target.camera,
+                                  .world_from_camera = camera_poses(views),
+                                  .tracks = tracks});
   write_removed(folder / "moving.ply", map.removed, "taken out of the dvi map of " + name);
 }
 

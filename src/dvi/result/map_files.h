@@ -6,7 +6,7 @@
 #include "dvi/drive/drive.h"
 #include "dvi/drive/view.h"
 #include "dvi/map/static_map.h"
-#include "dvi/report/above.h"
+#include "dvi/report/top_view.h"
 
 namespace dvi::result {
 
@@ -15,7 +15,7 @@ std::vector<report::ObjectPath> tracks_of(const FrameLabels& labels, const Views
 
 /// poses.txt (KITTI: world_from_camera, one line a frame of the target), times.txt (seconds), map.ply (colored by the
 /// target's frames where they see it), moving.ply (what was taken out, colored by cause), map.png and above.json
-/// (report/above.h) into a folder.
+/// (report/top_view.h) into a folder.
 void write_map_files(const fs::path& folder, const map::StaticMap& map, const Views& views, const Drive& target,
                      const std::vector<report::ObjectPath>& tracks);
 

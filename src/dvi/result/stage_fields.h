@@ -68,15 +68,11 @@ constexpr auto fields_of(Of<inputs::PoseChoice>) {
 }
 constexpr auto fields_of(Of<registration::PlacementFigures>) {
   using registration::PlacementFigures;
-  return std::tuple{&PlacementFigures::target_from_source,
-                    &PlacementFigures::overlap,
-                    &PlacementFigures::residual_m,
-                    &PlacementFigures::bound_m,
-                    &PlacementFigures::bound_deg,
-                    &PlacementFigures::things,
-                    &PlacementFigures::things_agree,
-                    &PlacementFigures::passed_share,
-                    &PlacementFigures::rival};
+  return std::tuple{&PlacementFigures::target_from_source, &PlacementFigures::overlap,
+                    &PlacementFigures::residual_m,         &PlacementFigures::bound_m,
+                    &PlacementFigures::bound_deg,          &PlacementFigures::landmarks,
+                    &PlacementFigures::landmark_inliers,   &PlacementFigures::passed_share,
+                    &PlacementFigures::second_best_ratio};
 }
 constexpr auto fields_of(Of<inputs::DrivePoses>) {
   return std::tuple{&inputs::DrivePoses::choice, &inputs::DrivePoses::world_from_lidar, &inputs::DrivePoses::placed};

@@ -103,8 +103,8 @@ json registration_json(const Drive& drive, const inputs::DrivePoses& poses) {
   json rows = json::array();
   for (int row = 0; row < 3; ++row) rows.push_back({first.R(row, 0), first.R(row, 1), first.R(row, 2), first.t[row]});
   return {{"target_from_source", rows},          {"overlap", placed.overlap},           {"residual_m", placed.residual_m},
-              {"bound_m", placed.bound_m},           {"bound_deg", placed.bound_deg},       {"things", placed.things},
-              {"things_agree", placed.things_agree}, {"passed_share", placed.passed_share}, {"rival", placed.rival}};
+              {"bound_m", placed.bound_m},           {"bound_deg", placed.bound_deg},       {"landmarks", placed.landmarks},
+              {"landmark_inliers", placed.landmark_inliers}, {"passed_share", placed.passed_share}, {"second_best_ratio", placed.second_best_ratio}};
 }
 
 json alignment_json(const align::Cameras& cameras, std::size_t sequence) {

@@ -105,7 +105,7 @@ bool is_report_whole(const fs::path& out) {
 }
 
 void list_report_frame(const fs::path& out, const std::string& name, std::size_t number, const std::string& fingerprint) {
-  write_manifest(frame_manifest(out, name), {fingerprint, list_contents(out, report::frame_files(out, number))});
+  write_manifest(frame_manifest(out, name), {fingerprint, list_contents(out, report::list_frame_files(out, number))});
 }
 
 void write_report(const job::Job& job, const std::vector<std::string>& names, const std::string& fingerprint,

@@ -25,7 +25,7 @@ exposure::Gains estimate_exposure(const Refinement& from, Progress& progress) {
 
 align::Cameras align(const Refinement& from, Progress& progress) {
   const auto& [views, map, drives, options] = from;
-  progress.begin("align", align::align_steps(views, options.align));
+  progress.begin("align", align::count_align_ticks(views, options.align));
   align::Cameras cameras = align::align(views, map, options.align, progress.tick());
   for (std::size_t i = 0; i < cameras.sequences.size(); ++i)
     for (const std::string& warning : cameras.sequences[i].warnings)

@@ -11,8 +11,8 @@ namespace {
 
 std::function<result::FilledView(std::size_t)> filler_of(const job::Job& job, const Views& views, result::CpuClock& cpu) {
   if (job.method == job::Method::flow)
-    return [&, flows = baselines::hole_flows(views, job.options.flow)](std::size_t i) -> result::FilledView {
-      return {cpu.time("flow", baselines::flow_fill, views, i, flows, job.options.flow), std::nullopt};
+    return [&, flows = baselines::make_hole_flows(views, job.options.flow)](std::size_t i) -> result::FilledView {
+      return {cpu.time("flow", baselines::fill_along_flow, views, i, flows, job.options.flow), std::nullopt};
     };
   const baselines::Inpainting inpainting =
       job.method == job::Method::telea ? baselines::Inpainting::telea : baselines::Inpainting::navier_stokes;

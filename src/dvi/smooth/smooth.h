@@ -20,29 +20,40 @@ struct SmoothOptions {
     table.section("smooth");
     table.developer();
     table.add("replace_outliers", replace_outliers,
-              "First replace what neither neighboring frame shows, where these two agree or the flow is sure, by the median of "
-              "the three.");
+              "First replace colors that neither neighboring frame shows, if these two agree or the flow is consistent, by "
+              "the median of the three.");
   }
   void check() const { check_ranges(*this); }
 };
 
-/// Optical flow (DIS) between two frames in a box of both, in pixels.
+/// The optical flow (DIS) between two frames in a box of both, in pixels.
 struct FlowWindow {
   cv::Rect box;
   cv::Mat2f forward, backward;  ///< from the earlier frame to the later one, and back
 };
 
-/// Two filled frames that follow each other, and the flow between them round the holes of either. It refers to both frames.
+/// Two consecutive filled frames, and the flow between them around the holes of both. Keeps references to both frames.
 struct FramePair {
   FramePair(const harmonize::FilledFrame& first, const harmonize::FilledFrame& second);
 
   const harmonize::FilledFrame& earlier;
   const harmonize::FilledFrame& later;
-  std::vector<FlowWindow> windows;  ///< do not overlap
+  std::vector<FlowWindow> windows;  ///< without overlap
 };
 
-/// The frame with its hole averaged with where the flow finds it in the frames before and after: before->later and
-/// after->earlier are this frame; null at the ends of the drive. A color unlike those of both is replaced first.
+/// Parameters of temporal smoothing.
+struct SmoothParams {
+  int margin_px = 64;          ///< around the hole, for the flow
+  float max_mismatch_px = 1;   ///< of forward and backward flow
+  float color_scale = 20;      ///< gray levels at which the weight of a neighboring frame is 1/e
+  float min_outlier = 15;      ///< gray levels from both neighbors; right interpolated texture differs by up to 10
+  int comparison_step_px = 4;  ///< between the compared pixels around the hole
+};
+inline constexpr SmoothParams kSmooth;
+
+/// Smooths the hole of a frame by a weighted average along optical flow with the frames before and after (section 3.6 of the
+/// paper). `before->later` and `after->earlier` are this frame; both may be null at the ends of the drive. First replaces
+/// colors that differ from both neighbors.
 harmonize::FilledFrame smooth(const FramePair* before, const harmonize::FilledFrame& frame, const FramePair* after,
                               const SmoothOptions& options = {});
 

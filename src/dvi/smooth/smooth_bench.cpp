@@ -7,7 +7,7 @@
 namespace dvi::smooth {
 namespace {
 
-harmonize::FilledFrame moved(int shift, cv::Rect hole) {
+harmonize::FilledFrame make_frame(int shift, cv::Rect hole) {
   harmonize::FilledFrame frame;
   const cv::Mat3b wide = waves(1360, 720, 1, 12);
   wide(cv::Rect(40 + shift, 0, 1280, 720)).convertTo(frame.color, CV_32FC3);
@@ -17,12 +17,12 @@ harmonize::FilledFrame moved(int shift, cv::Rect hole) {
   return frame;
 }
 
-/// A hole at 1280x720 of so many pixels width, and 0.7 of that height.
+/// Smooths a hole in 1280x720 with the given width in pixels and 0.7 times this height.
 void smooth_hole(benchmark::State& state) {
   const int width = static_cast<int>(state.range(0));
   const cv::Rect hole = cv::Rect(640 - width / 2, 360 - width * 7 / 20, width, width * 7 / 10) & cv::Rect(0, 0, 1280, 720);
-  const harmonize::FilledFrame before = moved(-6, hole), frame = moved(0, hole), after = moved(6, hole);
-  for (auto _ : state) {  // a frame of a drive: one pair is made for it, the other was made for the frame before
+  const harmonize::FilledFrame before = make_frame(-6, hole), frame = make_frame(0, hole), after = make_frame(6, hole);
+  for (auto _ : state) {  // as in a drive, in which one pair was made for the frame before
     state.PauseTiming();
     const FramePair to_before(before, frame);
     state.ResumeTiming();

@@ -87,7 +87,7 @@ Sheet paint_ground(const Painter& painter, const ground::RoadGround& ground, dou
     const double along = first + (x + 0.5) * cell;
     for (int y = 0; y < sheet.known.rows; ++y) {
       const double left = (y + 0.5) * cell - GroundSheets::kWide;
-      const Eigen::Vector2d place = ground.road().place(along, left);
+      const Eigen::Vector2d place = ground.road().to_world(along, left);
       const Eigen::Vector3d world(place.x(), place.y(), ground.height(along, left));
       for (const Lookup& view : views)
         if (const auto color = view.color(world, kNearest - 1)) {

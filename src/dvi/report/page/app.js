@@ -1,13 +1,13 @@
 "use strict";
-// What the views share: the data, making elements, and which view is shown. The part of the address behind # says it:
+// Shared by the views: the data, functions that make elements, and the current view, which is the part of the address after #:
 // #overview, #frames/12, #above, #stages.
 const dvi = {
   views: {},  // by the id of its section: {title, start(), show(argument), key(event)}; filled by the files of the views
-  data: null, // what index.js holds: write_report() in report.cpp
+  data: null, // from index.js: write_report() in report.cpp
   started: new Set(),
 };
 
-/** An element with properties and children; text is never taken for HTML. */
+/** An element with properties and children; text is never interpreted as HTML. */
 dvi.element = (tag, properties = {}, ...children) => {
   const node = Object.assign(document.createElement(tag), properties);
   node.append(...children.flat().filter((child) => child !== null && child !== undefined));
@@ -26,10 +26,10 @@ dvi.percent = (share, digits = 1) => (Number.isFinite(share) ? (100 * share).toF
 dvi.number = (value, digits = 1) => (Number.isFinite(value) ? value.toFixed(digits) : "–");
 dvi.numbered = (folder, number, ending) => `report/${folder}${String(number).padStart(6, "0")}${ending}`;
 
-/** The frames as the run reported them: name, number, hole and so on. */
+/** The frames in the report of the run: name, number, hole, and so on. */
 dvi.frames = () => dvi.data.run.frames || [];
 
-/** Where it went and what it is about, of a source number; none where sources.json is gone. */
+/** The drive, camera, and frame of a source number; null if sources.json is missing. */
 dvi.source = (number) => {
   const found = dvi.data.sources[number];
   if (!found) return null;
@@ -39,7 +39,7 @@ dvi.source = (number) => {
   return {drive, camera, name, frame: own ? dvi.frames().findIndex((frame) => frame.name === name) : -1};
 };
 
-/** Part of a frame, enlarged: pictures are drawn over each other, `mark` gets crosshairs. Whole numbers are pixel centers. */
+/** An enlarged part of a frame: pictures are drawn over each other, with crosshairs at `mark`. Integers are pixel centers. */
 dvi.crop = (pictures, size, part, mark) => {
   const [x, y, width, height] = part;
   const svg = dvi.svg("svg", {viewBox: `${x} ${y} ${width} ${height}`, class: "crop", role: "img"});
@@ -58,7 +58,7 @@ dvi.crop = (pictures, size, part, mark) => {
   return svg;
 };
 
-/** The pictures of a frame: as it was recorded, and as it is now. */
+/** The pictures of a frame as it was recorded. */
 dvi.before = (frame) => {
   const entry = dvi.data.frames[frame];
   return entry.before ? [entry.picture, dvi.numbered("before/", frame, ".png")] : [entry.picture];

@@ -3,7 +3,7 @@
 (() => {
   const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-  /** A chart in a new canvas within `parent`, or a note where the library is missing. */
+  /** Draws a chart in a new canvas in `parent`, or a note if the library is missing. */
   dvi.chart = (parent, config) => {
     if (!window.Chart) {
       parent.replaceChildren(dvi.element("p", {className: "hint", textContent: "No charts: this dvi was built without the package libjs-chart.js."}));
@@ -20,7 +20,7 @@
   const axis = (text, more = {}) => Object.assign({title: {display: true, text}}, more);
   dvi.axis = axis;
 
-  /** What changes from frame to frame, as lines; clicking goes to the frame. `series`: {label, color, values, hint}. */
+  /** Draws values per frame as lines; a click goes to the frame. `series`: {label, color, values, hint}. */
   dvi.linesOverFrames = (parent, series, title) =>
     dvi.chart(parent, {
       type: "line",
@@ -37,7 +37,7 @@
       },
     });
 
-  /** Shares of each frame's hole by kind, stacked. `current()` is marked. */
+  /** Draws the shares of each frame's hole by kind, stacked. The frame `current()` is marked. */
   dvi.shareStrip = (parent, current) => {
     const kinds = dvi.texts.kinds.filter((kind) => kind.key && dvi.frames().some((frame) => frame.hole && frame.hole[kind.key] > 0));
     const mark = {

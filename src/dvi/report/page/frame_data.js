@@ -1,9 +1,9 @@
 "use strict";
-// The receipts of a frame's hole: data_NNNNNN.js, loaded when looked at (its format: frame_block.h). A few are kept.
+// The provenance of a frame's hole: data_NNNNNN.js, loaded on demand (its format: frame_block.h). A few are kept in memory.
 (() => {
-  const kept = new Map();     // by frame: promise of its block, the one used last at the end
-  const arrived = new Map();  // by frame: what its script handed over
-  const most = 6;
+  const kept = new Map();     // by frame: promise of its block, the most recently used last
+  const arrived = new Map();  // by frame: the data from its script
+  const maxKept = 6;
 
   dvi.block = (frame, width, height, fields, base64) => arrived.set(frame, {width, height, fields, base64});
 
@@ -19,7 +19,7 @@
     constructor({width, height, fields}, bytes) {
       Object.assign(this, {width, height});
       this.kind = bytes.subarray(0, width * height);
-      this.hole = [];  // pixels of the hole, in raster order: what the fields are about
+      this.hole = [];  // pixels of the hole, in raster order, which the fields describe
       for (let i = 0; i < this.kind.length; ++i) if (this.kind[i]) this.hole.push(i);
       let at = width * height;
       this.fields = {};
@@ -34,7 +34,7 @@
       for (let i = 0, value = 0; i < count; ++i) out[i] = value = (value + bytes[i] + 256 * bytes[count + i]) & 65535;
       return out;
     }
-    /** The values of a pixel, or null outside of the hole. */
+    /** Returns the values of a pixel, or null outside the hole. */
     at(x, y) {
       const pixel = y * this.width + x;
       if (x < 0 || y < 0 || x >= this.width || y >= this.height || !this.kind[pixel]) return null;
@@ -67,12 +67,12 @@
     document.head.append(script);
   });
 
-  /** Promise of a frame's receipts; rejected with the reason where there are none. */
+  /** Returns a promise of a frame's provenance; it is rejected with the reason if there is none. */
   dvi.receipts = (frame) => {
     const promise = kept.get(frame) || (dvi.data.frames[frame].size ? load(frame) : Promise.reject(new Error("pictures of this frame are missing")));
     kept.delete(frame);
     kept.set(frame, promise);
-    if (kept.size > most) kept.delete(kept.keys().next().value);
+    if (kept.size > maxKept) kept.delete(kept.keys().next().value);
     return promise;
   };
 })();

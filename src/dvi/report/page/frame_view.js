@@ -15,7 +15,7 @@
     layers[name] = picture ? L.imageOverlay(picture, bounds(size()), {pane, className: "pixels"}).addTo(map) : null;
   };
 
-  // Holds the last picture until the next is decoded, so that a film does not flash.
+  // Keeps the last picture until the next one is decoded, so that a film does not flash.
   const swap = (name, picture, pane) => {
     const layer = layers[name];
     if (!layer || !picture) return place(name, picture, pane);
@@ -37,7 +37,7 @@
     return entry.before ? dvi.numbered("before/", state.frame, ".png") : null;
   };
 
-  // ---- overlays: cividis, which color-blind people read as others do
+  // ---- overlays: cividis, which color-blind people can read
   const ramp = [[0, 34, 78], [53, 69, 108], [102, 105, 112], [148, 142, 119], [200, 184, 102], [254, 232, 56]];
   const rampAt = (share) => {
     const at = Math.max(0, Math.min(0.9999, share)) * (ramp.length - 1), low = Math.floor(at);
@@ -76,7 +76,7 @@
     } catch (error) {
       if (state.asked !== ask) return;
       showOverlay(null, ask);
-      dvi.noReceipt(`${error.message}: no overlay, no receipts.`);
+      dvi.noReceipt(`${error.message}: no overlay and no provenance.`);
       return;
     }
     if (state.asked !== ask) return;
@@ -95,7 +95,7 @@
   const showOverlay = (canvas, ask) => {
     if (state.asked !== ask) return;
     if (layers.overlay) layers.overlay.remove();
-    // Leaflet takes any element for an SVG overlay.
+    // Leaflet accepts any element as an SVG overlay.
     layers.overlay = canvas ? L.svgOverlay(canvas, bounds(size()), {pane: "overlay", className: "pixels"}).addTo(map) : null;
     id("picture").dataset.overlay = state.overlay;
     legend();
@@ -122,7 +122,7 @@
     state.frame = Math.max(0, Math.min(last(), frame));
     const entry = dvi.data.frames[state.frame], report = dvi.frames()[state.frame];
     id("frame-name").textContent = `${report.name}  (${state.frame + 1} of ${last() + 1})`;
-    if (entry.missing.length) dvi.noReceipt(`Missing in this result: ${entry.missing.join(", ")}. Run the same dvi run again to make it anew.`);
+    if (entry.missing.length) dvi.noReceipt(`Missing in this result: ${entry.missing.join(", ")}. Run the same command again to complete it.`);
     swap("after", entry.size ? entry.picture : null, "right");
     swap("base", entry.size ? entry.picture : null, "base");
     swap("patch", entry.size ? leftPicture() : null, "left");
@@ -159,7 +159,7 @@
     state.timer = setTimeout(step, 0);
   };
 
-  // The worst tenth of the frames, and of these one in a row of neighbors.
+  // The worst tenth of the frames, and only the worst of neighboring frames.
   const badFrames = () => dvi.worstFrames(Math.max(3, Math.ceil(dvi.data.frames.length / 10))).sort((a, b) => a - b);
   const toBad = (direction) => {
     const list = badFrames();
@@ -188,7 +188,7 @@
       const block = await dvi.receipts(frame);
       dvi.showReceipt(frame, x, y, block.at(x, y));
     } catch (error) {
-      dvi.noReceipt(`${error.message}: there is no receipt.`);
+      dvi.noReceipt(`${error.message}: there is no provenance.`);
     }
   };
 
@@ -249,7 +249,7 @@
 
   dvi.frameView = {
     state,
-    /** The next frame that is shown shows this part of it: x, y, width, height. */
+    /** Sets the part of the next frame that is shown: x, y, width, height. */
     lookAt: (part) => { state.look = part; },
   };
 
@@ -257,7 +257,7 @@
     title: "Frames",
     start: () => {
       if (!window.L || !dvi.frames().length) {
-        const text = dvi.frames().length ? "No pictures here: this dvi was built without the package libjs-leaflet." : "This result holds no frames yet.";
+        const text = dvi.frames().length ? "No pictures: this dvi was built without the package libjs-leaflet." : "This result has no frames yet.";
         id("frames").replaceChildren(e("p", {className: "lead", textContent: text}));
         return;
       }

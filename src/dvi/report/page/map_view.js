@@ -21,7 +21,7 @@
     const tracked = above.tracks.flatMap((track) => track.points.map(([x, y]) => [y, x])).filter(near);
     const [south, west, north, east] = [...path, ...tracked].reduce(([a, b, c, d], [y, x]) =>
       [Math.min(a, y), Math.min(b, x), Math.max(c, y), Math.max(d, x)], [Infinity, Infinity, -Infinity, -Infinity]);
-    const margin = 15;  // meters: the road and what stands beside it
+    const margin = 15;  // meters: the road and the structures beside it
     map.fitBounds([[south - margin, west - margin], [north + margin, east + margin]], {animate: false});
     const right = above.left_m + above.width * above.meters_per_px, bottom = above.top_m - above.height * above.meters_per_px;
     const ground = L.imageOverlay("map/map.png", [[bottom, above.left_m], [above.top_m, right]], {className: "pixels"}).addTo(map);
@@ -31,7 +31,7 @@
     const shown = ([x, y]) => x * cell >= above.left_m && x * cell < right && y * cell >= bottom && y * cell < above.top_m;
     const unseen = L.layerGroup(cells.filter(shown).map(([x, y, frame, pixels]) =>
       L.rectangle([[y * cell, x * cell], [(y + 1) * cell, (x + 1) * cell]], {stroke: false, fillColor: colors.unseen, fillOpacity: 0.5})
-        .bindTooltip(`no source observed this, most of it in frame ${(dvi.frames()[frame] || {}).name} (${pixels * 16} px or so)`)
+        .bindTooltip(`no source observed this; most pixels are in frame ${(dvi.frames()[frame] || {}).name} (about ${pixels * 16} px)`)
         .on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", frame); }))).addTo(map);
 
     const tracks = L.layerGroup(above.tracks.filter((track) => track.points.length).map((track) =>
@@ -45,7 +45,7 @@
     path.forEach((at, i) => i % every === 0 && L.circleMarker(at, {radius: 4, color: "#ffffff", weight: 1, fillColor: colors.path, fillOpacity: 1})
       .bindTooltip(`frame ${(dvi.frames()[i] || {}).name}`).on("click", (event) => { L.DomEvent.stopPropagation(event); dvi.go("frames", i); }).addTo(map));
     map.on("click", (event) => dvi.go("frames", nearest(poses, event.latlng)));
-    L.control.layers(null, {"unobserved": unseen, "tracks of what was removed": tracks}, {collapsed: false}).addTo(map);
+    L.control.layers(null, {"unobserved": unseen, "tracks of removed objects": tracks}, {collapsed: false}).addTo(map);
     L.control.scale({imperial: false}).addTo(map);
   };
 
@@ -54,18 +54,18 @@
     start: () => {
       const above = dvi.data.above;
       if (!above || !window.L || !above.world_from_camera.length) {
-        id("above-text").textContent = !above ? "This result has no map: methods without depth make none, and results of earlier versions lack its picture."
-          : window.L ? "No frame of this result has a pose." : "No map here: this dvi was built without the package libjs-leaflet.";
+        id("above-text").textContent = !above ? "This result has no map: methods without depth do not make one, and results of earlier versions have no picture of it."
+          : window.L ? "No frame of this result has a pose." : "No map: this dvi was built without the package libjs-leaflet.";
         id("map").remove();
         return;
       }
-      id("above-text").textContent = "The static map that pixels were placed by. Click the path, or any place, to go to the frame next to it.";
+      id("above-text").textContent = "The static map that gives pixels their depth. Click the path, or any position, to go to the nearest frame.";
       const entry = (color, text, hint) => e("span", {className: "entry", title: hint}, e("i", {className: "swatch", style: `background:${color}`}), text);
       id("map-legend").append(
-        entry(colors.path, "path of the camera", "One dot a frame."),
-        entry(colors.removed, "scanner returns taken out of the map", "On traffic by masks or boxes, or gone in other scans."),
-        entry("#cc79a7", "tracks of what was removed", "Where labeled objects were, frame by frame."),
-        entry(colors.unseen, "not observed by any frame", "Filled pixels that no other frame saw look at these half-meter squares."));
+        entry(colors.path, "path of the camera", "One dot per frame."),
+        entry(colors.removed, "returns removed from the map", "On traffic according to masks or boxes, or absent in other scans."),
+        entry("#cc79a7", "tracks of removed objects", "Positions of labeled objects in each frame."),
+        entry(colors.unseen, "not observed by any frame", "Filled pixels that no other frame observed show these half-meter squares."));
       draw(above);
     },
     show: () => { if (dvi.mapView) dvi.mapView.map.invalidateSize({animate: false}); },

@@ -1,11 +1,11 @@
 "use strict";
-// The first screen: what was removed and how well it went.
+// The first screen: the removed area and the quality of the filling.
 (() => {
   const e = dvi.element, t = dvi.texts;
 
   const mean = (values) => (values.length ? values.reduce((a, b) => a + b, 0) / values.length : NaN);
 
-  // Over the pixels of all holes, not over frames.
+  // The mean over the pixels of all holes, not over frames.
   const within = () => {
     let pixels = 0, doubtful = 0;
     dvi.data.frames.forEach((entry, i) => {
@@ -20,7 +20,7 @@
 
   const sentence = () => {
     const frames = dvi.frames();
-    if (!frames.length) return "This result holds no frames yet.";
+    if (!frames.length) return "This result has no frames yet.";
     const shares = frames.map((frame, i) => {
       const size = dvi.data.frames[i].size;
       return size && frame.hole ? frame.hole.pixels / (size[0] * size[1]) : NaN;
@@ -29,7 +29,7 @@
     if (!hole || !dvi.data.run.hole.pixels) return `${frames.length} frames. Nothing was removed from them.`;
     const seen = hole.copied + hole.copied_elsewhere;
     return `Traffic was removed from ${frames.length} frames; on average it covered ${dvi.percent(mean(shares))} of the image. ` +
-      `${dvi.percent(seen, 0)} of that shows what was really there, seen by other frames` +
+      `${dvi.percent(seen, 0)} of that shows the real background, observed by other frames` +
       (seen < 0.995 ? `; ${dvi.percent(1 - seen, 0)} was not observed by any frame.` : ".");
   };
 
@@ -59,12 +59,12 @@
     const hole = (dvi.data.run.hole || {}).share || {};
     const list = [];
     if (hole.interpolated + hole.synthesized + hole.empty > 0.4)
-      list.push(["Much of the removed area was not observed by any frame.",
-        "A second drive through the same street as a SOURCE, or more cameras of this one (--sources all), would show more of it."]);
-    const stationary = dvi.data.run.stationary;
-    if (stationary && stationary.pixels > 0.5 * dvi.data.run.hole.pixels)
-      list.push([`${stationary.stationary} of ${stationary.tracks} removed objects are stationary all the time.`,
-        "What they hide cannot be seen. --remove moving keeps them in the picture."]);
+      list.push(["A large part of the removed area was not observed by any frame.",
+        "A second drive through the same street as a SOURCE, or more cameras of this drive (--sources all), would observe more of it."]);
+    const standing = dvi.data.run.standing;
+    if (standing && standing.pixels > 0.5 * dvi.data.run.hole.pixels)
+      list.push([`${standing.standing} of ${standing.tracks} removed objects are stationary all the time.`,
+        "The background behind them cannot be observed. --remove moving keeps them in the frames."]);
     return list;
   };
 
@@ -82,7 +82,7 @@
       e("li", {className: kind}, e("strong", {textContent: text}), e("span", {textContent: advice}))));
   };
 
-  /** Frames by how many pixels of their worst place are expected to be wrong; of neighbors the worst only. */
+  /** The frames with most pixels that are expected to be wrong in their worst part; only the worst of neighboring frames. */
   dvi.worstFrames = (count) => {
     const apart = Math.max(1, Math.floor(dvi.data.frames.length / (count + 1)));
     const order = dvi.data.frames.map((entry, i) => i).filter((i) => dvi.data.frames[i].in_worst > 0)
@@ -116,7 +116,7 @@
         truthTiles(),
         e("h2", {textContent: "What to know"}),
         notices(),
-        worst.length ? e("h2", {textContent: "The places that are least certain"}) : null,
+        worst.length ? e("h2", {textContent: "The least certain parts"}) : null,
         e("div", {className: "cards"}, worst.map(card)),
         e("p", {className: "foot", textContent: `Made by dvi ${dvi.data.run.version || "(unknown version)"}, method ${dvi.data.run.method || "unknown"}.`}),
       ].filter(Boolean));

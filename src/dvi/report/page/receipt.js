@@ -1,9 +1,9 @@
 "use strict";
-// Where a pixel comes from: words, and both places side by side.
+// The provenance of a pixel: values, and both positions side by side.
 (() => {
   const e = dvi.element, t = dvi.texts;
-  const shown = [40, 30];  // px of the picture in each crop
-  const noChange = 32768;  // as harmonization/ has it
+  const shown = [40, 30];  // size of a crop in px
+  const noChange = 32768;  // as in harmonization/
 
   const around = ([x, y], size) => [
     Math.max(0, Math.min(size[0] - shown[0], x + 0.5 - shown[0] / 2)),
@@ -21,24 +21,24 @@
 
   const figure = (title, svg) => {
     const caption = e("figcaption", {textContent: title});
-    svg.addEventListener("gone", () => { caption.textContent = `${title}: its picture is missing`; });
+    svg.addEventListener("gone", () => { caption.textContent = `${title}: the picture is missing`; });
     return e("figure", {}, svg, caption);
   };
 
   const sourceRows = (frame, values, source) => {
     const change = ["red", "green", "blue"].map((name) => (values[name] === undefined ? NaN : values[name] - noChange));
     return [
-      row("source", source ? `frame ${source.name}` : `number ${values.source - 1}`, "The image that shows this place free of traffic."),
+      row("source", source ? `frame ${source.name}` : `number ${values.source - 1}`, "The image that shows the background without traffic."),
       source ? row("camera", source.camera) : null,
       row("position", e("span", {id: "source-position", textContent: `${values.x / 16}, ${values.y / 16}`}), "Column and row in the source image, to a sixteenth of a pixel."),
-      source && apart(frame, source) ? row("in time", apart(frame, source), "How far the source is from this frame.") : null,
+      source && apart(frame, source) ? row("in time", apart(frame, source), "Distance in time between the source and this frame.") : null,
       row("blending", change.every(Number.isFinite) ? change.map((c) => (c > 0 ? "+" : "") + c).join(" ") + " levels" : "–",
-        "What was added to red, green and blue of the copy so that it joins its surroundings."),
-      values.averaged > 1 ? row("averaged", `${values.averaged} sources`, "Several frames agreed; their colors were averaged.") : null,
+        "Change of red, green, and blue of the copy by blending with the surroundings."),
+      values.averaged > 1 ? row("averaged", `${values.averaged} sources`, "The colors of several frames that agree were averaged.") : null,
     ];
   };
 
-  /** Shows the receipt of a pixel of a frame; null values: outside of the removed area. */
+  /** Shows the provenance of a pixel of a frame; values are null outside the removed area. */
   dvi.showReceipt = (frame, x, y, values) => {
     const entry = dvi.data.frames[frame], size = entry.size;
     const kind = t.kinds[values ? values.kind : 0];
@@ -57,9 +57,9 @@
       row("pixel", e("span", {id: "pixel-position", textContent: `${x}, ${y}`}), "Column and row in this frame, from 0."),
       row("kind", e("span", {}, kind.color ? e("i", {className: "swatch", style: `background:${kind.color}`}) : null, kind.name), kind.hint),
       values && values.confidence !== undefined ? row("confidence", dvi.percent(values.confidence / 255, 0), t.within.hint) : null,
-      values && values.depth ? row("depth", `${(values.depth / 256).toFixed(2)} m`, "Distance along the camera's axis.") : null,
+      values && values.depth ? row("depth", `${(values.depth / 256).toFixed(2)} m`, "Distance along the optical axis.") : null,
       ...(copied ? sourceRows(frame, values, source) : []),
-      values && values.error !== undefined ? row("error", `${values.error} levels`, "Largest difference of red, green or blue to the truth.") : null,
+      values && values.error !== undefined ? row("error", `${values.error} levels`, "Largest difference of red, green, or blue from the truth.") : null,
     ];
     dvi.byId("receipt").replaceChildren(...[
       e("h2", {textContent: "Where this pixel comes from"}),
@@ -73,5 +73,5 @@
     ].filter(Boolean));
   };
 
-  dvi.noReceipt = (text) => dvi.byId("receipt").replaceChildren(e("h2", {textContent: "Receipt"}), e("p", {className: "hint", textContent: text}));
+  dvi.noReceipt = (text) => dvi.byId("receipt").replaceChildren(e("h2", {textContent: "Provenance"}), e("p", {className: "hint", textContent: text}));
 })();

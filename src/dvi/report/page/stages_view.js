@@ -1,5 +1,5 @@
 "use strict";
-// How the result was made: poses, light, alignment, cost, options.
+// How the result was made: poses, exposure, alignment, cost, options.
 (() => {
   const e = dvi.element;
 
@@ -12,10 +12,10 @@
     const rows = (dvi.data.run.drives || []).map((drive) => {
       const {given, loam} = (drive.poses || {}).sharpness || {};
       const sharp = (s) => (s ? `${millimeters(s.ground_m)} / ${millimeters(s.vertical_m)}` : "–");
-      const aligned = drive.alignment ? (drive.alignment.kept ? "refined" : "kept as they were") : "–";
+      const aligned = drive.alignment ? (drive.alignment.kept ? "refined" : "kept as given") : "–";
       return [drive.path.split("/").pop(), drive.camera, String(drive.frames), String(drive.scans), (drive.poses || {}).from || "–", sharp(given), sharp(loam), aligned];
     });
-    return block("Poses and their sharpness", "Thickness of the ground and of walls in the map that the poses make: smaller is sharper. The sharper ones are used.",
+    return block("Poses and their sharpness", "Thickness of the ground and of walls in the map with these poses: smaller is sharper. The sharper poses are used.",
       table(["drive", "camera", "frames", "scans", "poses used", "given: ground / walls", "estimated: ground / walls", "camera alignment"], rows));
   };
 
@@ -26,7 +26,7 @@
     return {node: block("Time and memory", `CPU seconds of each stage. Peak memory ${memory ? Math.round(memory / 1e6) + " MB" : "unknown"}.`, chart),
       draw: () => dvi.chart(chart, {type: "bar", data: {labels: stages.map((s) => s.stage), datasets: [
         {label: "CPU seconds", data: stages.map((s) => s.cpu_seconds), backgroundColor: "#0072b2"},
-        {label: "seconds on the clock", data: stages.map((s) => s.seconds), backgroundColor: "#e69f00"}]},
+        {label: "elapsed seconds", data: stages.map((s) => s.seconds), backgroundColor: "#e69f00"}]},
       options: {indexAxis: "y", scales: {x: dvi.axis("seconds")}, plugins: {legend: {labels: {boxWidth: 12}}}}})};
   };
 
@@ -35,11 +35,11 @@
     return {node: block(title, hint, chart), draw: () => dvi.linesOverFrames(chart, series, unit)};
   };
 
-  const exposure = () => lines("Exposure over time", "Gains that bring each frame into one light; 1 is as recorded. Steps and swings are the camera's.", "gain",
+  const exposure = () => lines("Exposure over time", "Gains that adapt each frame to a common exposure; 1 is as recorded. Steps and swings are those of the camera.", "gain",
     [["red", "#d55e00"], ["green", "#009e73"], ["blue", "#0072b2"]].map(([label, color], i) =>
       ({label, color, values: dvi.frames().map((frame) => (frame.exposure_gain || [])[i])})));
 
-  const alignment = () => lines("Alignment", "How far points of the map lie from where the picture shows them, in the middle of a frame, before and after the camera was aligned.", "px",
+  const alignment = () => lines("Alignment", "Median position error of map points in a frame, before and after the alignment of the camera.", "px",
     [["before", "#999999", "offset_before_px"], ["after", "#0072b2", "offset_after_px"]].map(([label, color, key]) =>
       ({label, color, values: dvi.frames().map((frame) => (frame.alignment || {})[key])})));
 
@@ -51,9 +51,9 @@
       [{label: "MAE", color: "#d55e00", values: dvi.frames().map((frame) => ((by.get(frame.name) || {}).all || {}).mae)}]);
   };
 
-  const options = () => block("Options that differ from the default", "dvi.toml beside this page holds all of them.",
+  const options = () => block("Options that differ from the default", "dvi.toml beside this page has all options.",
     dvi.data.options.length ? table(["option", "value", "default", "meaning"], dvi.data.options.map((o) => [o.name, o.value, o.default, o.doc]))
-      : e("p", {textContent: "None: everything is as dvi has it by default."}));
+      : e("p", {textContent: "None: all options have their defaults."}));
 
   dvi.views.stages = {
     title: "Stages",

@@ -1,4 +1,4 @@
-#include "dvi/audit/forecast.h"
+#include "dvi/audit/coverage.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -10,13 +10,13 @@
 namespace dvi::audit {
 namespace {
 
-/// Hole pixels of a frame.
-struct Count {
+/// The numbers of hole pixels of a frame.
+struct HoleCount {
   std::size_t copied = 0, elsewhere = 0, hole = 0;
 };
 
-Count count(const sample::Candidates& candidates, const Views& views) {
-  Count out;
+HoleCount count_pixels(const sample::Candidates& candidates, const Views& views) {
+  HoleCount out;
   for (const sample::Candidate& candidate : candidates.leading) {
     ++out.hole;
     if (!candidate.found()) continue;
@@ -25,14 +25,14 @@ Count count(const sample::Candidates& candidates, const Views& views) {
   return out;
 }
 
-HoleShares shares(const Count& c) {
+HoleShares to_shares(const HoleCount& c) {
   if (c.hole == 0) return {};
   const auto hole = static_cast<double>(c.hole);
   return {static_cast<double>(c.copied) / hole, static_cast<double>(c.elsewhere) / hole,
           static_cast<double>(c.hole - c.copied - c.elsewhere) / hole};
 }
 
-cv::Mat1b every_nth(const cv::Mat1b& mask, int step) {
+cv::Mat1b subsample(const cv::Mat1b& mask, int step) {
   cv::Mat1b out((mask.rows + step - 1) / step, (mask.cols + step - 1) / step);
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) out(y, x) = mask(step * y, step * x);
@@ -41,7 +41,7 @@ cv::Mat1b every_nth(const cv::Mat1b& mask, int step) {
 
 }  // namespace
 
-Views every_nth(const Views& views, int step) {
+Views subsample(const Views& views, int step) {
   Views out;
   for (View view : views.views) {
     Camera& c = view.camera;
@@ -50,35 +50,35 @@ Views every_nth(const Views& views, int step) {
     for (double* length : {&c.fx, &c.fy, &c.cx, &c.cy}) *length /= step;
     out.views.push_back(view);
   }
-  // Small enough to keep many; a mask may be costly to make (labels).
-  out.masks = {views.size(), 256, [masks = views.masks, step](std::size_t i) { return every_nth(*masks[i], step); }};
+  // Small enough to keep many, because a mask from labels may be slow to make.
+  out.masks = {views.size(), 256, [masks = views.masks, step](std::size_t i) { return subsample(*masks[i], step); }};
   return out;
 }
 
-Forecast forecast(const Views& views, const map::StaticMap& map, const depth::DepthOptions& depth,
-                  const sample::SampleOptions& sample_options, int step, const Tick& tick) {
-  const Views coarse = every_nth(views, step);
+Coverage predict_coverage(const Views& views, const map::StaticMap& map, const depth::DepthOptions& depth,
+                          const sample::SampleOptions& sample_options, int step, const Tick& tick) {
+  const Views coarse = subsample(views, step);
   depth::DepthOptions coarse_depth = depth;
   coarse_depth.median_px = depth.median_px >= 3 ? std::max(3, depth.median_px / step) : 0;
-  sample::SampleOptions seen_once = sample_options;
-  seen_once.sources = 1;
+  sample::SampleOptions single_source = sample_options;
+  single_source.sources = 1;
   const depth::Depths depths(coarse, [&](std::size_t i) { return depth::depth_map(map, coarse[i], coarse_depth); });
   const std::size_t frames = coarse.of_sequence(0).second;
-  std::vector<Count> counts(frames);
+  std::vector<HoleCount> counts(frames);
   parallel_in_order(frames, [&](std::size_t i) {
-    counts[i] = count(sample::sample({coarse, i, *depths.maps[i], depths.visibility}, seen_once), coarse);
+    counts[i] = count_pixels(sample::sample(coarse, i, *depths.maps[i], depths.visibility, single_source), coarse);
     tick();
   });
-  Forecast out;
-  Count all;
+  Coverage out;
+  HoleCount all;
   for (std::size_t i = 0; i < frames; ++i) {
     const auto pixels = static_cast<double>(coarse[i].camera.width) * coarse[i].camera.height;
-    out.frames.push_back({i, static_cast<double>(counts[i].hole) / pixels, shares(counts[i])});
+    out.frames.push_back({i, static_cast<double>(counts[i].hole) / pixels, to_shares(counts[i])});
     all.copied += counts[i].copied;
     all.elsewhere += counts[i].elsewhere;
     all.hole += counts[i].hole;
   }
-  out.total = shares(all);
+  out.total = to_shares(all);
   return out;
 }
 

@@ -1,4 +1,4 @@
-#include "dvi/report/above.h"
+#include "dvi/report/top_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,15 +14,15 @@
 namespace dvi::report {
 namespace {
 
-constexpr double kMargin = 50;        // meters around the path: what lies farther is seen sparsely
-constexpr double kFinest = 0.1;       // meters a pixel: the map's voxels leave holes below
-constexpr int kLargest = 2400;        // px
-constexpr float kAboveSensor = 0.5F;  // meters: crowns of trees and bridges would hide the road
+constexpr double kMarginM = 50;     // around the path; points farther away are sparse
+constexpr double kMinPixelM = 0.1;  // smaller pixels would have holes between the map's voxels
+constexpr int kMaxSizePx = 2400;
+constexpr float kMaxHeightAboveSensorM = 0.5F;  // excludes trees and bridges, which would hide the road
 const cv::Vec4b kRemoved(60, 60, 230, 255);
 
-/// Pixels of the picture: x to the right, y of the world up.
+/// The pixels of the image: x of the world to the right, y up.
 struct Raster {
-  double left = 0, top = 0, meters = kFinest;
+  double left = 0, top = 0, meters = kMinPixelM;
   cv::Size size;
 
   explicit Raster(const std::vector<SE3>& path) {
@@ -32,32 +32,32 @@ struct Raster {
       low = i == 0 ? at : Eigen::Vector2d(low.cwiseMin(at));
       high = i == 0 ? at : Eigen::Vector2d(high.cwiseMax(at));
     }
-    const Eigen::Vector2d extent = high - low + Eigen::Vector2d::Constant(2 * kMargin);
-    meters = std::max(kFinest, extent.maxCoeff() / kLargest);
-    left = low.x() - kMargin;
-    top = high.y() + kMargin;
+    const Eigen::Vector2d extent = high - low + Eigen::Vector2d::Constant(2 * kMarginM);
+    meters = std::max(kMinPixelM, extent.maxCoeff() / kMaxSizePx);
+    left = low.x() - kMarginM;
+    top = high.y() + kMarginM;
     size = {static_cast<int>(extent.x() / meters), static_cast<int>(extent.y() / meters)};
   }
-  /// Outside of the picture for points beyond it.
+  /// Returns the pixel of a position; it may be outside the image.
   cv::Point pixel(const Eigen::Vector3f& at) const {
     return {static_cast<int>(std::floor((at.x() - left) / meters)), static_cast<int>(std::floor((top - at.y()) / meters))};
   }
 };
 
-/// The highest point of a cell that is not far above the sensor that saw it.
-cv::Mat4b picture_of(const Above& above, const Raster& raster) {
+/// Draws the highest point of each pixel that is not far above its sensor.
+cv::Mat4b draw(const TopView& view, const Raster& raster) {
   const cv::Rect inside({}, raster.size);
   cv::Mat4b picture(raster.size, cv::Vec4b(0, 0, 0, 0));
   cv::Mat1f height(raster.size, -std::numeric_limits<float>::infinity());
-  const map::StaticMap& map = above.map;
+  const map::StaticMap& map = view.map;
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     page_out_sometimes(i);
     const map::MapPoint& point = map.points[i];
     const cv::Point at = raster.pixel(point.position);
-    if (!inside.contains(at) || !point.stood_on(0) || point.position.z() <= height(at)) continue;
-    if (point.position.z() > map.scans[point.first].sensor.z() + kAboveSensor) continue;
+    if (!inside.contains(at) || !point.is_present_in(0) || point.position.z() <= height(at)) continue;
+    if (point.position.z() > map.scans[point.first].sensor.z() + kMaxHeightAboveSensorM) continue;
     height(at) = point.position.z();
-    const cv::Vec3b color = above.color(i);
+    const cv::Vec3b color = view.color(i);
     picture(at) = {color[0], color[1], color[2], 255};
   }
   for (const map::RemovedPoint& point : map.removed)
@@ -65,24 +65,24 @@ cv::Mat4b picture_of(const Above& above, const Raster& raster) {
   return picture;
 }
 
-double rounded(double value) { return std::round(value * 1000) / 1000; }
+double round_to_mm(double value) { return std::round(value * 1000) / 1000; }
 
-nlohmann::json json_of(const ObjectPath& track) {
+nlohmann::json to_json(const ObjectPath& track) {
   nlohmann::json points = nlohmann::json::array();
   for (std::size_t i = 0; i < track.points.size(); ++i)
-    points.push_back({rounded(track.points[i].x()), rounded(track.points[i].y()), track.frames[i]});
+    points.push_back({round_to_mm(track.points[i].x()), round_to_mm(track.points[i].y()), track.frames[i]});
   return {{"track", track.number}, {"type", track.type}, {"points", points}};
 }
 
 }  // namespace
 
-void write_above(const fs::path& folder, const Above& above) {
-  const Raster raster(above.world_from_camera);
-  media::write_png(folder / "map.png", picture_of(above, raster));
+void write_top_view(const fs::path& folder, const TopView& view) {
+  const Raster raster(view.world_from_camera);
+  media::write_png(folder / "map.png", draw(view, raster));
   nlohmann::json poses = nlohmann::json::array(), tracks = nlohmann::json::array();
-  for (const SE3& pose : above.world_from_camera) poses.push_back(to_row_major(pose));
-  for (const ObjectPath& track : above.tracks) tracks.push_back(json_of(track));
-  const Camera& c = above.camera;
+  for (const SE3& pose : view.world_from_camera) poses.push_back(to_row_major(pose));
+  for (const ObjectPath& track : view.tracks) tracks.push_back(to_json(track));
+  const Camera& c = view.camera;
   write_file(folder / "above.json", json_text({{"schema", "dvi-above/1"},
                                                {"left_m", raster.left},
                                                {"top_m", raster.top},

@@ -1,4 +1,4 @@
-#include "dvi/audit/forecast.h"
+#include "dvi/audit/coverage.h"
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kWidth = 160, kHeight = 96;
 
-/// A wall 10 m ahead of a camera that moves sideways by `pixels` a frame; the right half of each image is masked where asked.
+/// A wall 10 m ahead of a camera that moves sideways by `pixels` per frame, with a hole in each image.
 class Wall {
  public:
   void add(int pixels, cv::Rect hole, int drive = 0) {
@@ -24,7 +24,7 @@ class Wall {
     masks_.emplace_back(kHeight, kWidth, uchar{0});
     masks_.back()(hole) = 255;
   }
-  Forecast forecast(int step) const { return dvi::audit::forecast(memory_views(views_, images_, masks_), map(), {}, {}, step); }
+  Coverage predict(int step) const { return predict_coverage(memory_views(views_, images_, masks_), map(), {}, {}, step); }
 
  private:
   static map::StaticMap map() {
@@ -47,13 +47,13 @@ class Wall {
   std::vector<cv::Mat1b> masks_;
 };
 
-TEST(Forecast, CountsWhatOthersSee) {
+TEST(Coverage, CountsPixelsObservedByOtherFrames) {
   const cv::Rect hole(60, 32, 40, 32);
   Wall wall;
   wall.add(0, hole);
-  wall.add(20, hole);  // half of the hole comes out of the mask
+  wall.add(20, hole);  // half of the hole is outside this mask
   for (const int step : {1, 2}) {
-    const Forecast found = wall.forecast(step);
+    const Coverage found = wall.predict(step);
     ASSERT_EQ(found.frames.size(), 2U);
     EXPECT_NEAR(found.frames[0].hole.copied, 0.5, 0.02);
     EXPECT_NEAR(found.total.copied + found.total.unobserved, 1, 1e-9);
@@ -61,43 +61,43 @@ TEST(Forecast, CountsWhatOthersSee) {
   }
 }
 
-TEST(Forecast, TellsFurtherDrivesApart) {
+TEST(Coverage, SeparatesSourceDrives) {
   const cv::Rect hole(60, 32, 40, 32);
   Wall wall;
   wall.add(0, hole);
   wall.add(20, hole);
   wall.add(0, {}, 1);
-  const Forecast found = wall.forecast(2);
-  ASSERT_EQ(found.frames.size(), 2U) << "the target drive's only";
+  const Coverage found = wall.predict(2);
+  ASSERT_EQ(found.frames.size(), 2U) << "only those of the target drive";
   EXPECT_NEAR(found.total.copied, 0.5, 0.02);
   EXPECT_NEAR(found.total.copied_elsewhere, 0.5, 0.02);
   EXPECT_NEAR(found.total.unobserved, 0, 0.01);
 }
 
-TEST(Forecast, FramesWithoutAHoleHaveNothingToTell) {
+TEST(Coverage, IsZeroForFramesWithoutAHole) {
   Wall wall;
   wall.add(0, {});
   wall.add(5, {});
-  const Forecast found = wall.forecast(2);
+  const Coverage found = wall.predict(2);
   EXPECT_EQ(found.total.copied, 0);
   EXPECT_EQ(found.total.unobserved, 0);
   EXPECT_EQ(found.frames[0].image_share, 0);
 }
 
-TEST(ForecastChart, BarsAreAsHighAsTheShares) {
+TEST(CoverageChart, HasBarsWithTheHeightOfTheShares) {
   const auto amount = [](const HoleShares& hole) {
-    Forecast forecast;
-    forecast.frames = {{0, 0.1, hole}};
+    Coverage coverage;
+    coverage.frames = {{0, 0.1, hole}};
     cv::Mat1b found;
-    cv::inRange(forecast_chart(forecast, {7}), cv::Scalar(180, 120, 40), cv::Scalar(180, 120, 40), found);
+    cv::inRange(draw_coverage_chart(coverage, {7}), cv::Scalar(180, 120, 40), cv::Scalar(180, 120, 40), found);
     return cv::countNonZero(found);
   };
   const int none = amount({0, 0, 1}), half = amount({0.5, 0, 0.5}), all = amount({1, 0, 0});
   EXPECT_GT(half, none);
   EXPECT_NEAR(half - none, (all - none) / 2, 24);
-  Forecast longer;
+  Coverage longer;
   longer.frames.resize(3000);
-  EXPECT_GE(forecast_chart(longer, std::vector<int>(3000, 5)).cols, 3000) << "a long drive has its bars, too";
+  EXPECT_GE(draw_coverage_chart(longer, std::vector<int>(3000, 5)).cols, 3000) << "a long drive has one bar per frame";
 }
 
 }  // namespace
