@@ -22,7 +22,7 @@ struct BackgroundParams {
   std::size_t min_gain_samples = 20;    ///< pixels that both views must show for an estimate of the gain
   double max_shadow_brightness = 0.85;  ///< fraction of the background's brightness below which ground may be in shadow
   float noise_levels = 6;               ///< noise of the averages of two images, gray levels
-  float spread_factor = 2.5F;           ///< multiple of the usual spread between views that noise explains
+  float spread_factor = 2.5F;           ///< multiple of the spread between views that noise explains
   float min_difference_levels = 25;     ///< smallest difference of a reflection or an object, gray levels
 };
 constexpr BackgroundParams kBackground{};

@@ -36,19 +36,17 @@ Lazy<cv::Mat1b> draw_unlabeled(const CameraEvidence& own, FrameLabels objects, c
                          other.world_from_lidar);
 }
 
-Lazy<cv::Mat1b> draw_camera(const Evidence& evidence, std::size_t camera, const Objects& objects, const RemovalOptions& options,
-                            Progress& progress) {
-  const CameraEvidence& own = evidence[camera];
-  Lazy<cv::Mat1b> images = draw_plain_masks(own, objects[camera], options);
+Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const RemovalOptions& options, Progress& progress) {
+  const CameraEvidence& own = ref.camera();
+  Lazy<cv::Mat1b> images = draw_plain_masks(own, objects[ref.index], options);
   if (const int radius = options.masks.file_dilation_px(); radius > 0 && own.source == MaskSource::files)
     progress.note(fmt::format("{}: mask files are dilated by {} px (masks.dilate_px)", own.name, radius));
   const bool from_scans = own.source == MaskSource::found;
   if (own.source && (from_scans || options.masks.shadows))
-    images =
-        refine_masks({evidence, camera}, images, {from_scans ? objects[camera] : nullptr, options.masks.shadows}, progress);
+    images = refine_masks(ref, images, {from_scans ? objects[ref.index] : nullptr, options.masks.shadows}, progress);
   if (own.labeled_in_part) {
     const std::size_t first = *own.rig_of;
-    images = unite(images, draw_unlabeled(evidence[first], *objects[first], own, options));
+    images = unite(images, draw_unlabeled(ref.evidence[first], *objects[first], own, options));
   }
   return images;
 }
@@ -84,7 +82,7 @@ Masks draw_masks(const Evidence& evidence, const Objects& objects, const Removal
       masks.push_back(
           {reproject_masks(evidence[own].drive, masks[own].images, camera.drive, camera.world_from_lidar), objects[i]});
     } else {
-      masks.push_back({draw_camera(evidence, i, objects, options, progress), objects[i]});
+      masks.push_back({draw_camera({evidence, i}, objects, options, progress), objects[i]});
     }
   }
   return masks;

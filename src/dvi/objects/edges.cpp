@@ -18,8 +18,9 @@ struct EdgeParams {
   double background_quantile = 0.95;    ///< an edge differs by more than this quantile of the differences far from the mask
   std::size_t min_background_px = 100;  ///< pixels of half size far from the mask that the quantile needs
   int view_width_radii = 155;           ///< width of a view in units of the search radius
-  int min_neighbors =
-      6;  ///< of a pixel and its eight neighbors: the end of a straight boundary has as many, a line that leaves it fewer
+  /// Smallest number of pixels in the 3 x 3 window of an added pixel. The end of a straight boundary has as many, a line that
+  /// leaves the boundary has fewer.
+  int min_neighbors = 6;
 };
 constexpr EdgeParams kEdges{};
 

@@ -25,8 +25,8 @@ struct ImageTrackingParams {
   double flow_margin = 0.5;         ///< margin of the flow around an outline, relative to its longer side
   double min_visible_share = 0.5;   ///< share of an outline within the image
   double min_observed_share = 0.5;  ///< share of an outline whose background is observed
-  double max_matching_share =
-      0.5;  ///< share of this that shows the background; before leaves, not even a car differs everywhere
+  /// Share of these pixels that may show the background: before leaves, not even a car differs everywhere.
+  double max_matching_share = 0.5;
   double min_differing_share = 0.25;  ///< share of an outline that differs, from which the rest is excluded from the flow
   std::size_t min_flow_px = 50;       ///< pixels of an object that an estimate from flow needs
   double drift_px = 0.5;              ///< error of the flow of a small object, per frame

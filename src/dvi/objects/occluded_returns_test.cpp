@@ -69,7 +69,7 @@ Track track_of_panel(const Drive& drive) {
 }
 
 // Meters to the left of the panel's middle at which there are returns, in tenths.
-std::vector<int> places(const Cluster& cluster) {
+std::vector<int> offsets(const Cluster& cluster) {
   std::vector<int> out;
   for (const Eigen::Vector3d& x : cluster.points)
     out.push_back(static_cast<int>(std::lround(10 * (x.y() - center(static_cast<int>(cluster.scan))))));
@@ -85,7 +85,7 @@ TEST(OccludedReturns, AreAddedBehindANearerSurface) {
   const Track before = track_of_panel(drive);
   const Track after = add_occluded_returns({before}, returns).front();
   ASSERT_EQ(after.observations.size(), before.observations.size());
-  const std::vector<int> hidden = places(before.observations[kHiddenFrom]), found = places(after.observations[kHiddenFrom]);
+  const std::vector<int> hidden = offsets(before.observations[kHiddenFrom]), found = offsets(after.observations[kHiddenFrom]);
   EXPECT_LT(hidden.size(), 17U) << "the post hides no part of the panel";
   for (int tenth = -9; tenth <= 9; ++tenth) EXPECT_TRUE(std::binary_search(found.begin(), found.end(), tenth)) << tenth;
   EXPECT_GE(found.front(), -11);

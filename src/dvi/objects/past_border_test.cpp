@@ -31,10 +31,10 @@ Drive make_drive(double turn = 0) {
 
 // Returns the label of a parked car in LiDAR axes of a frame.
 Label make_parked(const Drive& drive, std::size_t frame, double x, double y) {
-  const SE3 place{Eigen::Matrix3d::Identity(), {x, y, 0}};
+  const SE3 world_from_box{Eigen::Matrix3d::Identity(), {x, y, 0}};
   Label label;
   label.track = 1;
-  label.box = Box{drive.poses.at(drive.frames[frame].time_ns)->inverse() * place, {4, 2, 1.5}};
+  label.box = Box{drive.poses.at(drive.frames[frame].time_ns)->inverse() * world_from_box, {4, 2, 1.5}};
   return label;
 }
 

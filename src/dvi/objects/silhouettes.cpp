@@ -22,8 +22,9 @@ struct SilhouetteParams {
   int min_rejected_px = 200;        ///< smallest outline that the images can reject, pixels of half size: ten parts
   double min_decided_share = 0.75;  ///< share of decided pixels in a rejected outline
   double min_matching_share = 0.8;  ///< share of pixels among these that show the background; edges and leaves move
-  double notch_share =
-      0.125;  ///< of an outline's shorter side; narrower notches resemble their background by chance and are filled
+  /// Share of an outline's shorter side. Narrower notches are filled, because objects have none, but resemble their background
+  /// by chance.
+  double notch_share = 0.125;
   std::size_t max_colors = 64;       ///< colors of an object that are compared with its background
   double min_distinct_share = 0.75;  ///< share of these colors that the background must exclude
   double similar_levels = 25;  ///< gray levels between a pixel and a color of the object, up to which it may be of the object

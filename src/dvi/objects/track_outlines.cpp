@@ -21,9 +21,10 @@ struct OutlineParams {
   std::size_t min_sparse_returns = 20;  ///< so far apart, fewer returns do not locate an object: single errors would move it
   double margin_m = 0.05;               ///< around the returns: the ends of an object lie between rays
   double side_margin_m = 0.2;           ///< beside the returns: mirrors and other parts between rays
-  double min_margin_depth_m =
-      6;                  ///< depth for the conversion of margins to pixels; the visible part of nearer objects is farther away
-  int min_margin_px = 4;  ///< blur of the image
+  /// Smallest depth for the conversion of margins to pixels. The visible part of a nearer object is farther away than its
+  /// nearest return.
+  double min_margin_depth_m = 6;
+  int min_margin_px = 4;      ///< blur of the image
   double max_person_m = 1.2;  ///< a longer object is a vehicle
 };
 constexpr OutlineParams kOutline{};

@@ -12,8 +12,7 @@ struct OutlineView {
   const Camera& camera;
   SE3 world_from_lidar;
   SE3 camera_from_lidar;
-  double footprint_m =
-      0;  ///< width of the ground around an object that belongs to it: wheels, and the darkest part of the shadow
+  double footprint_m = 0;  ///< width of the ground around an object that is masked with it: wheels, and the darkest shadow
 };
 
 /// Draws a tracked object into an image taken at `time_ns`: the returns of the nearest scan, moved along the track, and the

@@ -54,10 +54,10 @@ std::optional<double> measure_miss(const Track& track, const Cluster& cluster) {
 }  // namespace
 
 std::optional<Eigen::Vector2d> Track::heading(std::size_t observation) const {
-  for (std::size_t apart = 0; apart < observations.size(); ++apart)
+  for (std::size_t offset = 0; offset < observations.size(); ++offset)
     for (const bool later : {false, true}) {
-      if (later ? observation + apart >= observations.size() : apart > observation) continue;
-      const Eigen::Vector2d velocity_mps = velocity(later ? observation + apart : observation - apart);
+      if (later ? observation + offset >= observations.size() : offset > observation) continue;
+      const Eigen::Vector2d velocity_mps = velocity(later ? observation + offset : observation - offset);
       if (velocity_mps.norm() > kTracking.min_heading_speed_mps) return velocity_mps.normalized();
     }
   return std::nullopt;
