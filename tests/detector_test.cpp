@@ -75,7 +75,7 @@ TEST_F(DetectorOption, RunsAndIsAudited) {
   write_file(folder / "semantic.toml", test_description("semantic") + "remove = [\"person\"]\n");
   const Result other = dvi("run drive -o out --detector semantic.onnx --poses given");
   EXPECT_EQ(other.code, 0) << other.err;
-  EXPECT_THAT(other.err, HasSubstr("the detector sees nothing")) << "its description is an input, too";
+  EXPECT_THAT(other.err, HasSubstr("the detector finds no object to remove")) << "its description is an input, too";
 }
 
 TEST_F(DetectorOption, WorksWithoutScansAndWithSourceDrives) {
@@ -88,7 +88,7 @@ TEST_F(DetectorOption, WorksWithoutScansAndWithSourceDrives) {
   paint("third", "--day 2");
   const Result both = dvi("run second third -o both --detector semantic.onnx --poses given --remove moving");
   EXPECT_EQ(both.code, 0) << both.err;
-  EXPECT_THAT(both.err, HasSubstr("third: --remove moving: a detector does not say what stands still"));
+  EXPECT_THAT(both.err, HasSubstr("third: --remove moving: a detector does not show which objects are stationary"));
   EXPECT_EQ(dvi("audit both second third --quiet").code, 0);
   EXPECT_THAT(dvi("check second --detector semantic.onnx --poses given --quiet").out, HasSubstr("from detector"));
 }
@@ -103,7 +103,7 @@ TEST_F(DetectorOption, RefusesInOneLine) {
   EXPECT_THAT(refused("--detector topk.onnx", 3), HasSubstr("cannot run node 'head/top' (TopK)"));
   EXPECT_THAT(refused("--detector ids.onnx", 3), HasSubstr("docs/detector.md has a template"));
   EXPECT_THAT(refused("--detector nowhere.onnx", 3), HasSubstr("nowhere.onnx"));
-  EXPECT_THAT(refused("--detector semantic.toml", 3), HasSubstr("is no ONNX file"));
+  EXPECT_THAT(refused("--detector semantic.toml", 3), HasSubstr("is not an ONNX file"));
   EXPECT_THAT(refused("--detector semantic.onnx --masks auto", 2), HasSubstr("give one of them"));
   EXPECT_THAT(refused("--set job.detector=semantic.onnx --masks labels", 2), HasSubstr("give one of them"));
 }

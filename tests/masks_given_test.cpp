@@ -150,7 +150,7 @@ TEST_F(GivenMasks, MaskFilesAreDilatedIfAsked) {
   const Result mask =
       dvi("mask drive -o masks --masks drive/masks --poses given --set masks.shadows=false --set masks.dilate_px=3");
   ASSERT_EQ(mask.code, 0) << mask.err;
-  EXPECT_THAT(mask.err, HasSubstr("its mask files are dilated by 3 px"));
+  EXPECT_THAT(mask.err, HasSubstr("mask files are dilated by 3 px"));
   EXPECT_EQ(nlohmann::json::parse(read_file(folder / "masks/masks.json"))["dilate_px"], 3);
   for (std::size_t i = 0; i < own.size(); ++i) EXPECT_EQ(differing(result("masks", i), grown(own[i], 3)), 0) << i;
   ASSERT_EQ(dvi("mask drive -o plain --masks drive/masks --quiet --poses given --set masks.shadows=false").code, 0);

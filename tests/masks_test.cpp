@@ -156,7 +156,7 @@ TEST_F(MasksOfDrives, LabelsSayWhatMovesAndOneFrameHasNothingThatDoes) {
   unlabeled("drive");
   const Result one = dvi("mask drive -o one --poses given --frames 3");
   EXPECT_EQ(one.code, 0) << one.err;
-  EXPECT_THAT(one.err, HasSubstr("nothing moves in it"));
+  EXPECT_THAT(one.err, HasSubstr("its scans show no moving objects"));
 }
 
 TEST_F(MasksOfDrives, WhereNothingMovesTheResultIsTheInput) {
@@ -165,7 +165,7 @@ TEST_F(MasksOfDrives, WhereNothingMovesTheResultIsTheInput) {
   fs::remove(drive / "boxes.json");
   const Result run = dvi("run drive -o out");
   ASSERT_EQ(run.code, 0) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("nothing moves in it"));
+  EXPECT_THAT(run.err, HasSubstr("its scans show no moving objects"));
   EXPECT_EQ(json("out/report.json").at("hole").at("pixels"), 0);
   for (const fs::directory_entry& file : fs::directory_iterator(drive / "images/front"))
     EXPECT_EQ(cv::norm(media::read_image(file.path(), kSize),

@@ -65,14 +65,14 @@ nlohmann::json tracks_json(const inputs::Recording& open, const FrameLabels& rem
   for (const std::vector<Label>& frame : removed)
     for (const Label& label : frame) gone.insert(label.track);
   nlohmann::json tracks = nlohmann::json::array();
-  for (const objects::TrackMotion& motion : objects::track_motions(drive, labels, world_from_lidar))
+  for (const objects::TrackMotion& motion : objects::measure_track_motions(drive, labels, world_from_lidar))
     tracks.push_back({{"track", motion.track},
                       {"type", motion.type},
                       {"moves", motion.moves},
                       {"removed", gone.contains(motion.track)},
                       {"speed_mps", motion.speed_mps},
-                      {"way_m", motion.way_m},
-                      {"way_sigma_m", motion.way_sigma_m},
+                      {"way_m", motion.displacement_m},
+                      {"way_sigma_m", motion.displacement_sigma_m},
                       {"first_frame", drive.frames[motion.first].number},
                       {"last_frame", drive.frames[motion.last].number},
                       {"frames", motion.frames}});

@@ -33,7 +33,7 @@ std::vector<std::size_t> count_returns_inside(const Drive& drive, const Trajecto
                                               const Eigen::Vector3d& size, const std::vector<double>& along, double left) {
   const Lazy<cv::Mat1b> no_masks(drive.frames.size(), 1,
                                  [&](std::size_t) { return cv::Mat1b(drive.camera.height, drive.camera.width, uchar{0}); });
-  const map::MapInput input{&drive, world_from_lidar, no_masks, shared(objects::without_stationary(drive, world_from_lidar))};
+  const map::MapInput input{&drive, world_from_lidar, no_masks, shared(objects::remove_stationary(drive, world_from_lidar))};
   map::MapOptions options;
   options.require_camera_visibility = false;
   options.max_range_m = kMaxRangeM;

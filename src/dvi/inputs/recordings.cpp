@@ -41,7 +41,7 @@ void take_labels(Drive& drive, const fs::path& path) {
 
 std::optional<objects::MaskSource> resolve_masks(Drive& drive, const job::MasksFrom& from, MaskNeed need) {
   if (from.kind == job::MasksFrom::Kind::automatic) {
-    const objects::MaskSource source = objects::default_mask_source(drive);
+    const objects::MaskSource source = objects::choose_mask_source(drive);
     if (source != objects::MaskSource::found) return source;
     if (need == MaskNeed::optional) return std::nullopt;
     if (!drive.scan_headers.empty()) return source;

@@ -7,20 +7,24 @@
 namespace dvi::objects {
 namespace {
 
-constexpr double kClusterSquare = 0.5;     // meters: the gap between returns of one vehicle at 60 m, its mirrors and hitch
-constexpr std::size_t kFewestReturns = 5;  // moving returns of an object
+struct ClusterParams {
+  double square_m = 0.5;               ///< the gap between returns of one vehicle at 60 m, with its mirrors and hitch
+  std::size_t min_moving_returns = 5;  ///< fewer moving returns are noise
+};
+constexpr ClusterParams kClustering{};
 
 using ClusterSquare = std::pair<int, int>;
 
 ClusterSquare square_of(const Eigen::Vector3d& x) {
-  return {static_cast<int>(std::floor(x.x() / kClusterSquare)), static_cast<int>(std::floor(x.y() / kClusterSquare))};
+  return {static_cast<int>(std::floor(x.x() / kClustering.square_m)),
+          static_cast<int>(std::floor(x.y() / kClustering.square_m))};
 }
 
-// Numbers the squares that hold moving returns by group.
-std::map<ClusterSquare, int> groups_of(const ObstacleReturns& returns) {
+// Assigns the squares with moving returns to groups of squares that touch, and returns the number of each square's group.
+std::map<ClusterSquare, int> group_squares(const ObstacleReturns& returns) {
   std::map<ClusterSquare, int> groups;
   for (std::size_t i = 0; i < returns.points.size(); ++i)
-    if (returns.witness[i] == Witness::moving) groups.emplace(square_of(returns.points[i]), -1);
+    if (returns.vote[i] == VisibilityVote::moving) groups.emplace(square_of(returns.points[i]), -1);
   int count = 0;
   for (auto& [seed, group] : groups) {
     if (group >= 0) continue;
@@ -48,7 +52,7 @@ void add(Cluster& cluster, const ObstacleReturns& returns, std::size_t i) {
   cluster.points.push_back(returns.points[i]);
   cluster.time_ns.push_back(returns.time_ns[i]);
   cluster.ground.push_back(returns.ground[i]);
-  cluster.rise.push_back(returns.rise[i]);
+  cluster.ray_spacing_m.push_back(returns.ray_spacing_m[i]);
 }
 
 void measure(Cluster& cluster) {
@@ -64,26 +68,26 @@ void measure(Cluster& cluster) {
   cluster.mean_time_ns = cluster.time_ns.front() + time / static_cast<std::int64_t>(cluster.points.size());
 }
 
-std::vector<Cluster> clusters_of(const ObstacleReturns& returns) {
-  const std::map<ClusterSquare, int> groups = groups_of(returns);
+std::vector<Cluster> find_clusters(const ObstacleReturns& returns) {
+  const std::map<ClusterSquare, int> groups = group_squares(returns);
   struct Counts {
-    std::size_t moving = 0, standing = 0;
+    std::size_t moving = 0, stationary = 0;
   };
   std::map<int, std::pair<Cluster, Counts>> found;
   for (std::size_t i = 0; i < returns.points.size(); ++i) {
     const auto group = groups.find(square_of(returns.points[i]));
     if (group == groups.end()) continue;
     auto& [cluster, counts] = found[group->second];
-    counts.moving += returns.witness[i] == Witness::moving;
-    counts.standing += returns.witness[i] == Witness::standing;
-    if (returns.witness[i] == Witness::standing) continue;
+    counts.moving += returns.vote[i] == VisibilityVote::moving;
+    counts.stationary += returns.vote[i] == VisibilityVote::stationary;
+    if (returns.vote[i] == VisibilityVote::stationary) continue;
     add(cluster, returns, i);
   }
   std::vector<Cluster> clusters;
   for (auto& [group, entry] : found) {
     auto& [cluster, counts] = entry;
-    if (counts.moving < kFewestReturns) continue;
-    cluster.moving_share = static_cast<double>(counts.moving) / static_cast<double>(counts.moving + counts.standing);
+    if (counts.moving < kClustering.min_moving_returns) continue;
+    cluster.moving_share = static_cast<double>(counts.moving) / static_cast<double>(counts.moving + counts.stationary);
     measure(cluster);
     clusters.push_back(std::move(cluster));
   }

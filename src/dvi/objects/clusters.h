@@ -6,26 +6,27 @@
 
 namespace dvi::objects {
 
-/// Returns of one scan that hang together and were found to move: what may be one object.
+/// The moving returns of one scan that are close to each other: a candidate for one object.
 struct Cluster {
-  std::vector<Eigen::Vector3d> points;  ///< meters, world axes; with those between them that nobody could tell
-  std::vector<std::int64_t> time_ns;    ///< as `points`
-  std::vector<double> ground;           ///< as `points`: height of the ground below
-  std::vector<double> rise;             ///< as `points`: meters to the next ray above
-  std::size_t scan = 0;                 ///< its number in the drive
-  Eigen::Vector2d center;               ///< of the bounding rectangle
-  double extent_m = 0;                  ///< its longer side
+  std::vector<Eigen::Vector3d> points;  ///< meters, world axes; with the returns between them whose vote is unknown
+  std::vector<std::int64_t> time_ns;    ///< per point
+  std::vector<double> ground;           ///< per point: height of the ground below, meters, world axes
+  std::vector<double> ray_spacing_m;    ///< per point: distance to the next ray above
+  std::size_t scan = 0;                 ///< index of the scan in the drive
+  Eigen::Vector2d center;               ///< center of the bounding rectangle, world axes
+  double extent_m = 0;                  ///< longer side of the bounding rectangle
   std::int64_t mean_time_ns = 0;
-  double moving_share = 0;  ///< of the returns of which other scans tell something
+  double moving_share = 0;  ///< share of moving returns among those whose vote is known
 };
 
-/// Adds return `i`.
+/// Adds return `i` to the cluster.
 void add(Cluster& cluster, const ObstacleReturns& returns, std::size_t i);
 
-/// Sets center, extent and mean time by the points, of which there is one at least.
+/// Sets center, extent, and mean time from the points. The cluster must have at least one.
 void measure(Cluster& cluster);
 
-/// Seen from above, squares of half a meter that touch belong together.
-std::vector<Cluster> clusters_of(const ObstacleReturns& returns);
+/// Groups moving returns. Returns in squares of half a meter that touch, seen from above, belong to one cluster. A cluster has
+/// at least five moving returns. The returns must have votes.
+std::vector<Cluster> find_clusters(const ObstacleReturns& returns);
 
 }  // namespace dvi::objects

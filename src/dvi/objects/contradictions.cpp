@@ -11,17 +11,21 @@ namespace {
 
 using GroundSquare = std::pair<int, int>;
 
-constexpr double kGroundSquareM = 0.5;
-constexpr std::size_t kMinJudgedSquares = 30;
-constexpr double kMaxUnexplainedShare = 0.06;
-constexpr double kMaxContradictoryShare = 1.0 / 3;  // of all scans; beyond, none is trusted
+struct ContradictionParams {
+  double square_m = 0.5;
+  std::size_t min_judged_squares = 30;       ///< scans with fewer squares are not judged
+  double max_unexplained_share = 0.06;       ///< share of moving squares outside of tracks that a correct pose explains
+  double max_contradictory_share = 1.0 / 3;  ///< share of contradictory scans beyond which no scan is used
+};
+constexpr ContradictionParams kContradiction{};
 
 GroundSquare ground_square_of(const Eigen::Vector3d& x) {
-  return {static_cast<int>(std::floor(x.x() / kGroundSquareM)), static_cast<int>(std::floor(x.y() / kGroundSquareM))};
+  return {static_cast<int>(std::floor(x.x() / kContradiction.square_m)),
+          static_cast<int>(std::floor(x.y() / kContradiction.square_m))};
 }
 
-// The squares of the tracked objects in each scan, and those that touch them.
-std::vector<std::set<GroundSquare>> explained_squares(std::size_t scans, const std::vector<Track>& tracks) {
+// Returns, per scan, the squares of the tracked objects and those that touch them.
+std::vector<std::set<GroundSquare>> find_explained_squares(std::size_t scans, const std::vector<Track>& tracks) {
   std::vector<std::set<GroundSquare>> out(scans);
   for (const Track& track : tracks)
     for (const Cluster& cluster : track.observations)
@@ -35,11 +39,11 @@ std::vector<std::set<GroundSquare>> explained_squares(std::size_t scans, const s
 
 }  // namespace
 
-Contradictions contradictions_of(const ObstacleReturns& returns) {
+Contradictions find_contradictions(const ObstacleReturns& returns) {
   std::map<GroundSquare, int> votes;  // positive: most returns of the square move
   for (std::size_t i = 0; i < returns.points.size(); ++i)
-    if (returns.witness[i] != Witness::unknown)
-      votes[ground_square_of(returns.points[i])] += returns.witness[i] == Witness::moving ? 1 : -1;
+    if (returns.vote[i] != VisibilityVote::unknown)
+      votes[ground_square_of(returns.points[i])] += returns.vote[i] == VisibilityVote::moving ? 1 : -1;
   Contradictions out;
   out.judged = votes.size();
   for (const auto& [square, vote] : votes)
@@ -48,15 +52,17 @@ Contradictions contradictions_of(const ObstacleReturns& returns) {
 }
 
 std::vector<std::size_t> find_contradictory_scans(const std::vector<Contradictions>& scans, const std::vector<Track>& tracks) {
-  const std::vector<std::set<GroundSquare>> explained = explained_squares(scans.size(), tracks);
+  const std::vector<std::set<GroundSquare>> explained = find_explained_squares(scans.size(), tracks);
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const auto& [judged, moving] = scans[i];
     const auto unexplained = static_cast<double>(
         std::count_if(moving.begin(), moving.end(), [&](const GroundSquare& at) { return !explained[i].contains(at); }));
-    if (judged >= kMinJudgedSquares && unexplained > kMaxUnexplainedShare * static_cast<double>(judged)) out.push_back(i);
+    if (judged >= kContradiction.min_judged_squares &&
+        unexplained > kContradiction.max_unexplained_share * static_cast<double>(judged))
+      out.push_back(i);
   }
-  if (static_cast<double>(out.size()) > kMaxContradictoryShare * static_cast<double>(scans.size())) {
+  if (static_cast<double>(out.size()) > kContradiction.max_contradictory_share * static_cast<double>(scans.size())) {
     out.resize(scans.size());
     std::iota(out.begin(), out.end(), std::size_t{0});
   }

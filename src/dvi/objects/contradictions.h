@@ -9,16 +9,18 @@
 
 namespace dvi::objects {
 
-/// The places at which one scan contradicts the others, on a grid of ground squares.
+/// The ground squares of 0.5 m in which one scan contradicts the others.
 struct Contradictions {
-  std::size_t judged = 0;                   ///< Squares of which other scans tell something.
-  std::vector<std::pair<int, int>> moving;  ///< Those of them most of whose returns move.
+  std::size_t judged = 0;                   ///< number of squares with returns whose vote is known
+  std::vector<std::pair<int, int>> moving;  ///< squares among them in which most returns move
 };
-Contradictions contradictions_of(const ObstacleReturns& returns);
 
-/// Returns the scans of which a large share of the squares moves without being part of a tracked object. Traffic moves along
-/// tracks; what contradicts the other scans without forming any shows that the pose of the scan is wrong. All scans if these
-/// are more than a third of them.
+/// Counts the squares of one scan. The returns must have votes.
+Contradictions find_contradictions(const ObstacleReturns& returns);
+
+/// Returns the scans in which a large share of the squares moves without being part of a tracked object. Objects move along
+/// tracks. Contradictions that form no track show that the pose of the scan is wrong. If more than a third of the scans are
+/// affected, all scans are returned.
 std::vector<std::size_t> find_contradictory_scans(const std::vector<Contradictions>& scans, const std::vector<Track>& tracks);
 
 }  // namespace dvi::objects

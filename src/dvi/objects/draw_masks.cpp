@@ -14,7 +14,7 @@
 namespace dvi::objects {
 namespace {
 
-// Of nothing but the ego mask.
+// Draws masks that remove the ego mask only.
 Lazy<cv::Mat1b> draw_ego_masks(const CameraEvidence& evidence) {
   const Drive& drive = evidence.drive;
   const auto mask = evidence.ego_mask.empty()
@@ -27,7 +27,8 @@ Lazy<cv::Mat1b> unite(const Lazy<cv::Mat1b>& a, const Lazy<cv::Mat1b>& b) {
   return {a.size(), [a, b](std::size_t i) { return cv::Mat1b(*a[i] | *b[i]); }};
 }
 
-// What labels of the drive's own camera do not draw in another one: objects without a box, and all outside of its view.
+// Draws the masks of objects in another camera that the labels of the drive's own camera do not outline there: objects without
+// a box, and everything outside of its view.
 Lazy<cv::Mat1b> draw_unlabeled(const CameraEvidence& own, FrameLabels objects, const CameraEvidence& other,
                                const RemovalOptions& options) {
   for (std::vector<Label>& frame : objects) std::erase_if(frame, [](const Label& label) { return label.box.has_value(); });
@@ -35,35 +36,34 @@ Lazy<cv::Mat1b> draw_unlabeled(const CameraEvidence& own, FrameLabels objects, c
                          other.world_from_lidar);
 }
 
-Lazy<cv::Mat1b> draw_camera(const Evidence& evidence, std::size_t camera, const Objects& objects, const RemovalOptions& options,
-                            Progress& progress) {
-  const CameraEvidence& own = evidence[camera];
-  Lazy<cv::Mat1b> images = draw_plain_masks(own, objects[camera], options);
+Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const RemovalOptions& options, Progress& progress) {
+  const CameraEvidence& own = ref.camera();
+  Lazy<cv::Mat1b> images = draw_plain_masks(own, objects[ref.index], options);
   if (const int radius = options.masks.file_dilation_px(); radius > 0 && own.source == MaskSource::files)
-    progress.note(fmt::format("{}: its mask files are dilated by {} px (masks.dilate_px)", own.name, radius));
-  const bool found = own.source == MaskSource::found;
-  if (own.source && (found || options.masks.shadows))
-    images = compare_images({evidence, camera}, images, {found ? objects[camera] : nullptr, options.masks.shadows}, progress);
+    progress.note(fmt::format("{}: mask files are dilated by {} px (masks.dilate_px)", own.name, radius));
+  const bool from_scans = own.source == MaskSource::found;
+  if (own.source && (from_scans || options.masks.shadows))
+    images = refine_masks(ref, images, {from_scans ? objects[ref.index] : nullptr, options.masks.shadows}, progress);
   if (own.labeled_in_part) {
     const std::size_t first = *own.rig_of;
-    images = unite(images, draw_unlabeled(evidence[first], *objects[first], own, options));
+    images = unite(images, draw_unlabeled(ref.evidence[first], *objects[first], own, options));
   }
   return images;
 }
 
 }  // namespace
 
-FrameLabels removed_labels(const CameraEvidence& evidence, const RemovalOptions& options) {
+FrameLabels select_removed_labels(const CameraEvidence& evidence, const RemovalOptions& options) {
   const Drive& drive = evidence.drive;
-  FrameLabels labels = options.remove == Remove::moving ? without_stationary(drive, evidence.world_from_lidar) : drive.labels();
-  return continued_past_border(drive, std::move(labels), evidence.world_from_lidar, options.masks);
+  FrameLabels labels = options.remove == Remove::moving ? remove_stationary(drive, evidence.world_from_lidar) : drive.labels();
+  return extend_past_border(drive, std::move(labels), evidence.world_from_lidar, options.masks);
 }
 
 Lazy<cv::Mat1b> draw_object_masks(const CameraEvidence& evidence, const SharedLabels& objects, const RemovalOptions& options) {
   const Drive& drive = evidence.drive;
   const Lazy<cv::Mat1b> masks = draw_label_masks(drive, *evidence.source, objects, options.masks);
-  const bool labels_too = options.remove == Remove::all && evidence.source == MaskSource::files && drive.has_labels();
-  return labels_too ? unite(masks, draw_label_masks(drive, MaskSource::labels, objects, options.masks)) : masks;
+  const bool add_labels = options.remove == Remove::all && evidence.source == MaskSource::files && drive.has_labels();
+  return add_labels ? unite(masks, draw_label_masks(drive, MaskSource::labels, objects, options.masks)) : masks;
 }
 
 Lazy<cv::Mat1b> draw_plain_masks(const CameraEvidence& evidence, const SharedLabels& objects, const RemovalOptions& options) {
@@ -82,7 +82,7 @@ Masks draw_masks(const Evidence& evidence, const Objects& objects, const Removal
       masks.push_back(
           {reproject_masks(evidence[own].drive, masks[own].images, camera.drive, camera.world_from_lidar), objects[i]});
     } else {
-      masks.push_back({draw_camera(evidence, i, objects, options, progress), objects[i]});
+      masks.push_back({draw_camera({evidence, i}, objects, options, progress), objects[i]});
     }
   }
   return masks;
@@ -98,8 +98,9 @@ std::vector<GivenMasks> draw_given_masks(const Evidence& evidence, const Removal
     const CameraEvidence& camera = evidence[i];
     const bool given = camera.source == MaskSource::files || camera.source == MaskSource::labels;
     const bool complete = !camera.source || (given && !options.masks.shadows && !camera.labeled_in_part);
-    out.push_back({given ? draw_plain_masks(camera, shared(removed_labels(camera, options)), options) : draw_ego_masks(camera),
-                   complete});
+    out.push_back(
+        {given ? draw_plain_masks(camera, shared(select_removed_labels(camera, options)), options) : draw_ego_masks(camera),
+         complete});
   }
   return out;
 }

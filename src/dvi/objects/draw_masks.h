@@ -8,40 +8,40 @@
 
 namespace dvi::objects {
 
-/// What is removed from the images of one camera.
+/// The masks and the removed objects of one camera.
 struct CameraMasks {
-  Lazy<cv::Mat1b> images;  ///< as the drive's frames; 255 = remove
-  SharedLabels objects;    ///< labels of what is removed, as the drive's frames
+  Lazy<cv::Mat1b> images;  ///< per frame of the drive; 255 = remove
+  SharedLabels objects;    ///< labels of the removed objects, per frame of the drive
 };
 
-/// As the cameras of the evidence.
+/// Masks per camera of the evidence.
 using Masks = std::vector<CameraMasks>;
 
-/// The masks of all cameras: mask files, or drawn from `objects`, with the shadows beside them where poses and scans allow to
-/// find these. Masks of objects that were found in scans end where the images show the background.
+/// Draws the masks of all cameras: from mask files or from `objects`, with the shadows beside them if poses and scans are
+/// available. Masks from motion segmentation are refined in the images.
 Masks draw_masks(const Evidence& evidence, const Objects& objects, const RemovalOptions& options, Progress& progress);
 
 /// Finds the objects and draws their masks.
 Masks find_and_draw(const Evidence& evidence, const RemovalOptions& options, Progress& progress);
 
-/// The masks of one camera as mask files and labels give them: nothing that the program itself has to find.
+/// The masks of one camera that follow from mask files and labels alone, without searches in scans or images.
 struct GivenMasks {
-  Lazy<cv::Mat1b> images;  ///< as the drive's frames; 255 = remove
-  bool complete = false;   ///< whether a run masks no more than that
+  Lazy<cv::Mat1b> images;  ///< per frame of the drive; 255 = remove
+  bool complete = false;   ///< whether a run uses exactly these masks
 };
 
-/// As the cameras of the evidence.
+/// Draws the given masks, per camera of the evidence.
 std::vector<GivenMasks> draw_given_masks(const Evidence& evidence, const RemovalOptions& options);
 
-/// The masks of one camera without its ego mask, without shadows, and without what images show: those of its mask files, or of
-/// `objects` (as its frames).
+/// Draws the masks of one camera from its mask files or from `objects` (per frame), without ego mask, shadows, and refinement
+/// in the images.
 Lazy<cv::Mat1b> draw_object_masks(const CameraEvidence& evidence, const SharedLabels& objects, const RemovalOptions& options);
 
-/// The same with the ego mask; the ego mask only where nothing else is removed.
+/// Draws the same masks with the ego mask. If the camera has no mask source, the ego mask is all that is removed.
 Lazy<cv::Mat1b> draw_plain_masks(const CameraEvidence& evidence, const SharedLabels& objects, const RemovalOptions& options);
 
-/// The labels of what is removed where labels say so: those of the drive, or, to remove moving objects only, those of them that
-/// are not stationary.
-FrameLabels removed_labels(const CameraEvidence& evidence, const RemovalOptions& options);
+/// Returns the labels of the removed objects, if labels define them: all labels of the drive or, with Remove::moving, those
+/// that are not stationary. Tracks that end at the image border are extended.
+FrameLabels select_removed_labels(const CameraEvidence& evidence, const RemovalOptions& options);
 
 }  // namespace dvi::objects

@@ -2,17 +2,17 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "dvi/objects/other_times.h"
+#include "dvi/objects/background_model.h"
 
 namespace dvi::objects {
 
-/// Up to so many half pixels beyond its mask an edge of an object is looked for in views of so many: masks lack tires, rims and
-/// what passes between two rays of 64 beams, half a degree; a view has about 80 degrees.
-int edge_reach(const cv::Size& half_size);
+/// Returns the distance, in pixels of half size, up to which edges of an object are searched beyond its mask. Masks lack tires,
+/// wheels, and parts between two rays of 64 beams, which is half a degree; a view is assumed to have about 80 degrees.
+int edge_search_radius_px(const cv::Size& half_size);
 
-/// A mask (half size) with what is missing of its objects' edges: what touches it and differs from what other times show there
-/// and a pixel beside, by more than almost everything farther away from the mask does. Nothing thin that leads away from it, as
-/// displaced edges of what stands. `image`: of the same view.
-cv::Mat1b with_edges(const cv::Mat1b& mask, const Usual& usual, const Patch& image, int reach);
+/// Adds the missing edges of objects to their mask (half size). A pixel is added if it is connected to the mask and differs
+/// from the background, also one pixel beside, by more than almost all pixels farther from the mask do. Thin lines that lead
+/// away from the mask are not added: they are displaced edges of static surfaces. `image` is the same view at half size.
+cv::Mat1b add_missing_edges(const cv::Mat1b& mask, const BackgroundModel& background, const cv::Mat3f& image, int radius_px);
 
 }  // namespace dvi::objects

@@ -17,36 +17,37 @@
 
 namespace dvi::objects {
 
-using dvi::to_string;  // of the enums below, beside the overloads of this namespace
+using dvi::to_string;  // for the enums below, beside the overloads of this namespace
 
-/// Which objects are removed. moving: of the labeled ones, those that move; labeled: what masks or labels cover; all: what both
-/// cover.
+/// The selection of removed objects. labeled: all that labels or mask files cover. moving: the labeled objects that move. all:
+/// what labels and mask files cover together.
 enum class Remove { moving, labeled, all };
 constexpr auto names_of(Remove) {
   return std::array{std::pair{Remove::moving, "moving"}, std::pair{Remove::labeled, "labeled"}, std::pair{Remove::all, "all"}};
 }
 
-/// What the user wants to be removed, and how its masks are drawn.
+/// Which objects are removed, and how their masks are drawn.
 struct RemovalOptions {
   Remove remove = Remove::labeled;
   MaskOptions masks;
-  double pose_error_m = 0.05;  ///< map.pose_error_m: between poses of scans that are near in time
+  double pose_error_m = 0.05;  ///< map.pose_error_m: position error between scans at similar times
 };
 
-/// All that shows which objects one camera of a drive recorded. It refers to the drive and its poses, which must outlive it.
+/// The evidence of one camera for the objects that it recorded. It refers to the drive and its poses, which must outlive it.
 struct CameraEvidence {
   const Drive& drive;                                  ///< with its labels and mask files
   const Trajectory& world_from_lidar;                  ///< empty without poses
-  std::string name;                                    ///< of the drive, or of the drive and the camera, for messages
-  std::optional<MaskSource> source;                    ///< none: nothing is removed but what the ego mask covers
+  std::string name;                                    ///< name for messages: of the drive, or of the drive and the camera
+  std::optional<MaskSource> source;                    ///< empty: only the ego mask is removed
   std::shared_ptr<const Detector> detector = nullptr;  ///< for MaskSource::detected
-  cv::Mat1b ego_mask{};                                ///< removed from all frames, 255; empty: none
-  std::optional<std::size_t> rig_of{};                 ///< of another camera of a drive: index of the drive's own camera
-  bool labeled_in_part = false;                        ///< the labels cover the view of the drive's own camera only
-  std::vector<bool> untrusted_scans{};                 ///< as the drive's scans: their poses are known to be wrong
+  cv::Mat1b ego_mask{};                                ///< removed from all frames, 255; empty if there is none
+  std::optional<std::size_t> rig_of{};                 ///< for further cameras of a drive: index of the drive's own camera
+  bool labeled_in_part = false;                        ///< whether labels cover the view of the drive's own camera only
+  std::vector<bool> untrusted_scans{};                 ///< per scan of the drive, whether its pose is known to be wrong
 };
 
-/// The evidence of all cameras of all drives, the target first, each drive's own camera before its others.
+/// The evidence of all cameras of all drives: the target drive first, and the own camera of each drive before its further
+/// cameras.
 class Evidence {
  public:
   explicit Evidence(std::vector<CameraEvidence> cameras) : cameras_(std::move(cameras)) {}
@@ -54,10 +55,11 @@ class Evidence {
   std::size_t size() const { return cameras_.size(); }
   const CameraEvidence& operator[](std::size_t camera) const { return cameras_[camera]; }
 
-  /// The index of the own camera of the drive that a camera belongs to.
+  /// Returns the index of the own camera of a camera's drive.
   std::size_t own_camera(std::size_t camera) const { return cameras_[camera].rig_of.value_or(camera); }
 
-  /// The ground of a camera's drive, which its cameras share: made when it is first asked for. None without poses or scans.
+  /// Returns the ground of a camera's drive, which its cameras share, or null without poses or scans. It is computed at the
+  /// first call.
   std::shared_ptr<const ground::ScanGround> ground(std::size_t camera) const;
 
  private:

@@ -14,8 +14,8 @@
 #include "dvi/core/text.h"
 #include "dvi/drive/nearest_in_time.h"
 #include "dvi/objects/draw_masks.h"
-#include "dvi/objects/find_traffic.h"
 #include "dvi/objects/image_masks.h"
+#include "dvi/objects/motion_segmentation.h"
 #include "dvi/objects/past_border.h"
 
 namespace dvi::objects {
@@ -29,17 +29,18 @@ FrameLabels detect_objects(const CameraEvidence& evidence, Progress& progress) {
   FrameLabels labels = detect_objects(drive, *evidence.detector, [&] { progress.advance(); });
   progress.end();
   if (std::all_of(labels.begin(), labels.end(), [](const std::vector<Label>& frame) { return frame.empty(); }))
-    progress.warn(drive.path.filename().string() + ": the detector sees nothing that is to be removed in any frame");
+    progress.warn(drive.path.filename().string() + ": the detector finds no object to remove in any frame");
   return labels;
 }
 
-FrameLabels objects_of(const CameraEvidence& evidence, const RemovalOptions& options, Progress& progress) {
+FrameLabels select_objects(const CameraEvidence& evidence, const RemovalOptions& options, Progress& progress) {
   if (evidence.source == MaskSource::reprojected) return FrameLabels(evidence.drive.frames.size());
   if (evidence.source == MaskSource::detected) return detect_objects(evidence, progress);
-  return removed_labels(evidence, options);
+  return select_removed_labels(evidence, options);
 }
 
-void warn_of_untrusted(const CameraEvidence& evidence, const std::vector<std::size_t>& contradictory, Progress& progress) {
+void warn_of_untrusted(const CameraEvidence& evidence, const std::vector<std::size_t>& contradictory_scans,
+                       Progress& progress) {
   const Drive& drive = evidence.drive;
   const auto warn = [&](const std::vector<std::size_t>& scans, const char* reason) {
     if (scans.empty()) return;
@@ -47,35 +48,35 @@ void warn_of_untrusted(const CameraEvidence& evidence, const std::vector<std::si
     for (const std::size_t scan : scans)
       if (const Frame* frame = nearest_in_time(drive.frames, drive.scan_headers[scan].time_ns, kMaxFrameToScanNs))
         frames.insert(frame->number);
-    progress.warn(fmt::format("{}: {} of {} scans {}, so no moving objects are looked for in them (frames {})", evidence.name,
+    progress.warn(fmt::format("{}: {} of {} scans {}, so moving objects are not searched in them (frames {})", evidence.name,
                               scans.size(), drive.scan_headers.size(), reason,
                               frames.empty() ? "none" : format_ranges({frames.begin(), frames.end()})));
   };
   std::vector<std::size_t> known;
   for (std::size_t i = 0; i < evidence.untrusted_scans.size(); ++i)
     if (evidence.untrusted_scans[i]) known.push_back(i);
-  warn(known, "have poses that are not to be trusted");
-  warn(contradictory, "contradict the others in many places, as with wrong poses");
+  warn(known, "have poses known to be wrong");
+  warn(contradictory_scans, "contradict the other scans at many positions, which indicates wrong poses");
 }
 
-/// The objects that move in the scans of one drive.
+// The moving objects of all drives, each segmented at the first call.
 class MovingObjects {
  public:
   MovingObjects(const Evidence& evidence, const RemovalOptions& options, Progress& progress)
       : evidence_(evidence), options_(options), progress_(progress) {}
 
-  /// Those of a drive, by its own camera; found once. Nothing without poses or scans.
+  // Returns the tracks of the drive whose own camera this is; none without poses or scans.
   const std::vector<Track>& of_drive(std::size_t camera) {
-    const auto [found, is_new] = tracks_.try_emplace(camera);
-    if (is_new) found->second = find(camera);
-    return found->second;
+    const auto [entry, is_new] = tracks_.try_emplace(camera);
+    if (is_new) entry->second = find(camera);
+    return entry->second;
   }
 
-  /// Their outlines in the images of a camera of that drive.
-  FrameLabels outlines_in(std::size_t camera) {
+  // Draws their outlines into the images of a camera of the drive.
+  FrameLabels draw_outlines_in(std::size_t camera) {
     const CameraEvidence& evidence = evidence_[camera];
-    return outlines(of_drive(evidence_.own_camera(camera)), evidence.drive, evidence.world_from_lidar,
-                    options_.masks.footprint_margin_m);
+    return draw_outlines(of_drive(evidence_.own_camera(camera)), evidence.drive, evidence.world_from_lidar,
+                         options_.masks.footprint_margin_m);
   }
 
  private:
@@ -84,12 +85,12 @@ class MovingObjects {
     const auto ground = evidence_.ground(camera);
     if (!ground) return {};
     progress_.begin("traffic", evidence.drive.scan_headers.size());
-    const FoundTraffic found =
-        find_traffic(evidence.drive, {evidence.world_from_lidar, options_.pose_error_m, evidence.untrusted_scans}, *ground,
-                     progress_.tick());
+    const MotionSegmentation segmentation =
+        segment_motion(evidence.drive, {evidence.world_from_lidar, options_.pose_error_m, evidence.untrusted_scans}, *ground,
+                       progress_.tick());
     progress_.end();
-    warn_of_untrusted(evidence, found.contradictory, progress_);
-    return found.tracks;
+    warn_of_untrusted(evidence, segmentation.contradictory_scans, progress_);
+    return segmentation.tracks;
   }
 
   const Evidence& evidence_;
@@ -98,7 +99,7 @@ class MovingObjects {
   std::map<std::size_t, std::vector<Track>> tracks_;  // by own camera
 };
 
-// Whether masks or labels remove nothing in any frame. Most drives need a look at their first frame only.
+// Returns whether masks or labels remove nothing in any frame. The first frame decides for most drives.
 bool removes_nothing(const CameraEvidence& evidence, const SharedLabels& objects, const RemovalOptions& options) {
   const Lazy<cv::Mat1b> masks = draw_object_masks(evidence, objects, options);
   for (std::size_t i = 0; i < masks.size(); ++i)
@@ -106,7 +107,7 @@ bool removes_nothing(const CameraEvidence& evidence, const SharedLabels& objects
   return true;
 }
 
-// Says what moves in the scans although masks or labels remove nothing.
+// Describes the objects that move in the scans although masks or labels remove nothing.
 std::string describe_unmasked_motion(const FrameLabels& moving, const Drive& drive) {
   std::set<int> tracks;
   std::optional<int> first;
@@ -116,9 +117,8 @@ std::string describe_unmasked_motion(const FrameLabels& moving, const Drive& dri
       if (!first) first = drive.frames[i].number;
     }
   if (!first) return {};
-  return fmt::format(
-      ", but its scans show {} object{} that move{}, the first in frame {}: give --masks found to remove what moves",
-      tracks.size(), tracks.size() == 1 ? "" : "s", tracks.size() == 1 ? "s" : "", *first);
+  return fmt::format(", but its scans show {} object{} that move{}, the first in frame {}: give --masks found to remove them",
+                     tracks.size(), tracks.size() == 1 ? "" : "s", tracks.size() == 1 ? "s" : "", *first);
 }
 
 std::string describe_nothing_removed(const CameraEvidence& evidence, const RemovalOptions& options) {
@@ -139,7 +139,7 @@ bool has_boxes_with_tracks(const Drive& drive) {
   });
 }
 
-// --remove moving needs to know which objects are stationary.
+// Warns if --remove moving cannot distinguish stationary objects.
 void warn_of_all_removed(const CameraEvidence& evidence, Progress& progress) {
   if (!evidence.source || evidence.source == MaskSource::found) return;
   const Drive& drive = evidence.drive;
@@ -148,11 +148,11 @@ void warn_of_all_removed(const CameraEvidence& evidence, Progress& progress) {
                               reason, remedy));
   };
   if (*evidence.source == MaskSource::detected)
-    warn("a detector does not say which objects are stationary",
-         "leave these out of the masks that dvi mask writes, or use labels with 3D boxes");
+    warn("a detector does not show which objects are stationary",
+         "remove these from the masks that dvi mask writes, or use labels with 3D boxes");
   else if (*evidence.source == MaskSource::files)
-    warn("mask files do not say which objects are stationary",
-         "leave out of them what is to stay, or use labels with 3D boxes");
+    warn("mask files do not show which objects are stationary",
+         "remove the objects to keep from the mask files, or use labels with 3D boxes");
   else if (evidence.world_from_lidar.empty())
     warn("without poses it is unknown which objects are stationary", "give --poses FILE");
   else if (!has_boxes_with_tracks(drive))
@@ -169,20 +169,20 @@ Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Pr
     const Drive& drive = camera.drive;
     if (options.remove == Remove::moving && !camera.rig_of) warn_of_all_removed(camera, progress);
     if (camera.source != MaskSource::found) {
-      objects.push_back(shared(objects_of(camera, options, progress)));
+      objects.push_back(shared(select_objects(camera, options, progress)));
       const bool given = camera.source == MaskSource::labels || camera.source == MaskSource::files;
       if (!camera.rig_of && given && removes_nothing(camera, objects.back(), options))
         progress.warn(camera.name + ": " + describe_nothing_removed(camera, options) +
-                      describe_unmasked_motion(moving.outlines_in(i), drive));
+                      describe_unmasked_motion(moving.draw_outlines_in(i), drive));
       continue;
     }
     const std::vector<Track>& tracks = moving.of_drive(evidence.own_camera(i));
     if (tracks.empty() && !camera.rig_of)
-      progress.warn(camera.name + ": nothing moves in it, as far as its scans show: nothing is removed");
-    SharedLabels found = shared(moving.outlines_in(i));
+      progress.warn(camera.name + ": its scans show no moving objects, so nothing is removed");
+    SharedLabels labels = shared(moving.draw_outlines_in(i));
     if (evidence.ground(i))
-      found = shared(continue_in_images({evidence, i}, draw_plain_masks(camera, found, options), found, tracks));
-    objects.push_back(found);
+      labels = shared(extend_in_images({evidence, i}, draw_plain_masks(camera, labels, options), labels, tracks));
+    objects.push_back(labels);
   }
   return objects;
 }

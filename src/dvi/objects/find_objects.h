@@ -8,12 +8,12 @@
 
 namespace dvi::objects {
 
-/// Labels of the objects that are removed, for each camera of the evidence, as its frames.
+/// Labels of the removed objects: per camera of the evidence, per frame.
 using Objects = std::vector<SharedLabels>;
 
-/// The objects to remove (section 3.1 of the paper): those labeled, without the stationary ones if only moving ones are to be
-/// removed; those that the detector sees, tracked over time; or, where a drive has neither masks nor labels, those that move in
-/// its scans. A warning says where it is unknown which objects are stationary, so that all are removed.
+/// Finds the objects to remove (section 3.1 of the paper): the labeled objects, without the stationary ones with
+/// Remove::moving; the objects that the detector finds, tracked over time; or, if a drive has neither masks nor labels, the
+/// objects that move in its scans. A warning states when the motion state of objects is unknown, so that all are removed.
 Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Progress& progress);
 
 }  // namespace dvi::objects

@@ -6,24 +6,24 @@
 
 namespace dvi::objects {
 
-HalfView half_view(const cv::Mat3b& image, const cv::Mat1b& mask, int blur) {
-  HalfView out;
-  const cv::Size size(image.cols / kScale, image.rows / kScale);
+HalfSizeView make_half_size_view(const cv::Mat3b& image, const cv::Mat1b& mask, int blur_px) {
+  HalfSizeView out;
+  const cv::Size size(image.cols / kHalfSizeFactor, image.rows / kHalfSizeFactor);
   cv::Mat3b half;
   cv::resize(image, half, size, 0, 0, cv::INTER_AREA);
-  if (blur > 1) cv::blur(half, half, {blur, blur});
+  if (blur_px > 1) cv::blur(half, half, {blur_px, blur_px});
   half.convertTo(out.image, CV_32FC3);
-  cv::resize(grown(mask, kScale), out.mask, size, 0, 0, cv::INTER_NEAREST);
+  cv::resize(grown(mask, kHalfSizeFactor), out.mask, size, 0, 0, cv::INTER_NEAREST);
   return out;
 }
 
-Eigen::Vector2d full_size(cv::Point half) {
-  return {kScale * half.x + 0.5 * (kScale - 1), kScale * half.y + 0.5 * (kScale - 1)};
+Eigen::Vector2d to_full_size(cv::Point half) {
+  return {kHalfSizeFactor * half.x + 0.5 * (kHalfSizeFactor - 1), kHalfSizeFactor * half.y + 0.5 * (kHalfSizeFactor - 1)};
 }
 
-cv::Point2f half_size(const Eigen::Vector2d& full) {
-  return {static_cast<float>((full.x() - 0.5 * (kScale - 1)) / kScale),
-          static_cast<float>((full.y() - 0.5 * (kScale - 1)) / kScale)};
+cv::Point2f to_half_size(const Eigen::Vector2d& full) {
+  return {static_cast<float>((full.x() - 0.5 * (kHalfSizeFactor - 1)) / kHalfSizeFactor),
+          static_cast<float>((full.y() - 0.5 * (kHalfSizeFactor - 1)) / kHalfSizeFactor)};
 }
 
 }  // namespace dvi::objects

@@ -9,24 +9,24 @@
 
 namespace dvi::objects {
 
-/// Images of different times are compared at half their size: poses are good to a pixel or so.
-inline constexpr int kScale = 2;
+/// Images of different times are compared at this fraction of their size, because poses have errors of about a pixel.
+inline constexpr int kHalfSizeFactor = 2;
 
-using Patch = cv::Mat_<cv::Vec3f>;
-
-/// A view's image at half size.
-struct HalfView {
-  Patch image;
-  cv::Mat1b mask;  ///< 255 where any of the pixels, or one beside them, is masked
+/// The image of a view at half size.
+struct HalfSizeView {
+  cv::Mat3f image;  ///< BGR, gray levels
+  cv::Mat1b mask;   ///< 255 where any of the pixels, or one of their neighbors, is masked
 
   std::size_t bytes() const { return bytes_of(image) + bytes_of(mask); }
 };
 
-/// `blur`: pixels of half size across that are averaged; 1: none.
-HalfView half_view(const cv::Mat3b& image, const cv::Mat1b& mask, int blur);
+/// Halves an image and its mask. The image is averaged over a square of `blur_px` pixels of half size; 1 means no blur.
+HalfSizeView make_half_size_view(const cv::Mat3b& image, const cv::Mat1b& mask, int blur_px);
 
-/// Where the middle of a pixel of half size lies in the image, and back.
-Eigen::Vector2d full_size(cv::Point half);
-cv::Point2f half_size(const Eigen::Vector2d& full);
+/// Converts a pixel of half size to the image coordinates of its center at full size.
+Eigen::Vector2d to_full_size(cv::Point half);
+
+/// Converts image coordinates at full size to image coordinates at half size.
+cv::Point2f to_half_size(const Eigen::Vector2d& full);
 
 }  // namespace dvi::objects

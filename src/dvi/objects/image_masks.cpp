@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "dvi/drive/posed_view.h"
-#include "dvi/objects/image_following.h"
+#include "dvi/objects/image_tracking.h"
 #include "dvi/objects/shadows.h"
 #include "dvi/objects/silhouettes.h"
 #include "dvi/objects/static_depth.h"
@@ -13,7 +13,7 @@
 namespace dvi::objects {
 namespace {
 
-// The views of the frames that have a pose, masked as given; and of each frame the number of its view, or -1.
+// The views of the frames that have a pose, with their masks, and the index of the view of each frame, -1 without a pose.
 struct PosedFrames {
   Views views;
   std::vector<int> view_of;
@@ -29,45 +29,45 @@ struct PosedFrames {
     views.masks = Lazy<cv::Mat1b>::through(views.size(), [=](std::size_t i) { return masks[frame(i)]; });
   }
 
-  // Masks of the views, as the drive's frames again.
-  Lazy<cv::Mat1b> of_frames(const Lazy<cv::Mat1b>& found, const Lazy<cv::Mat1b>& masks) const {
+  // Converts masks per view to masks per frame. Frames without a pose get their mask from `unposed`.
+  Lazy<cv::Mat1b> to_frames(const Lazy<cv::Mat1b>& masks, const Lazy<cv::Mat1b>& unposed) const {
     return Lazy<cv::Mat1b>::through(view_of.size(), [=, of = view_of](std::size_t i) {
-      return of[i] < 0 ? masks[i] : found[static_cast<std::size_t>(of[i])];
+      return of[i] < 0 ? unposed[i] : masks[static_cast<std::size_t>(of[i])];
     });
   }
 };
 
 }  // namespace
 
-FrameLabels continue_in_images(const EvidenceOf& of, const Lazy<cv::Mat1b>& masks, const SharedLabels& labels,
-                               const std::vector<Track>& tracks) {
-  const Drive& drive = of.camera().drive;
-  const Trajectory& world_from_lidar = of.camera().world_from_lidar;
-  const auto ground = of.ground();
+FrameLabels extend_in_images(const CameraRef& ref, const Lazy<cv::Mat1b>& masks, const SharedLabels& labels,
+                             const std::vector<Track>& tracks) {
+  const Drive& drive = ref.camera().drive;
+  const Trajectory& world_from_lidar = ref.camera().world_from_lidar;
+  const auto ground = ref.ground();
   PosedFrames posed(drive, world_from_lidar, masks);
-  posed.views.masks = whereabouts(posed.views, tracks, ground);
-  const Lazy<cv::Mat1f> depth = static_depth(drive, world_from_lidar, labels, posed.views, ground);
-  return followed_in_images(*labels, tracks, Comparison(posed.views, depth, ground), world_from_lidar);
+  posed.views.masks = mask_possible_positions(posed.views, tracks, ground);
+  const Lazy<cv::Mat1f> depth = render_static_depth({drive, world_from_lidar, labels, ground}, posed.views);
+  return track_in_images(*labels, tracks, BackgroundComparison(posed.views, depth, ground), world_from_lidar);
 }
 
-Lazy<cv::Mat1b> compare_images(const EvidenceOf& of, const Lazy<cv::Mat1b>& masks, const ImageSearch& search,
-                               Progress& progress) {
-  const Drive& drive = of.camera().drive;
-  const Trajectory& world_from_lidar = of.camera().world_from_lidar;
-  const auto ground = of.ground();
+Lazy<cv::Mat1b> refine_masks(const CameraRef& ref, const Lazy<cv::Mat1b>& masks, const MaskRefinement& refinement,
+                             Progress& progress) {
+  const Drive& drive = ref.camera().drive;
+  const Trajectory& world_from_lidar = ref.camera().world_from_lidar;
+  const auto ground = ref.ground();
   if (!ground) {
-    progress.note(drive.path.filename().string() + ": without poses and scans, shadows beside the masks are not looked for");
+    progress.note(drive.path.filename().string() + ": shadows beside the masks are not removed, which needs poses and scans");
     return masks;
   }
   Lazy<cv::Mat1b> out = masks;
-  if (search.found) {
+  if (refinement.outlined) {
     const PosedFrames posed(drive, world_from_lidar, out);
-    const Lazy<cv::Mat1f> depth = static_depth(drive, world_from_lidar, search.found, posed.views, ground);
-    out = posed.of_frames(silhouettes(posed.views, depth, ground), out);
+    const Lazy<cv::Mat1f> depth = render_static_depth({drive, world_from_lidar, refinement.outlined, ground}, posed.views);
+    out = posed.to_frames(refine_silhouettes(posed.views, depth, ground), out);
   }
-  if (search.shadows) {
+  if (refinement.shadows) {
     const PosedFrames posed(drive, world_from_lidar, out);
-    out = posed.of_frames(with_shadows(posed.views, ground), out);
+    out = posed.to_frames(add_shadows(posed.views, ground), out);
   }
   return out;
 }

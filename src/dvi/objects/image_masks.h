@@ -10,8 +10,8 @@
 
 namespace dvi::objects {
 
-/// One camera among the evidence.
-struct EvidenceOf {
+/// One camera of the evidence.
+struct CameraRef {
   const Evidence& evidence;
   std::size_t index;
 
@@ -19,20 +19,21 @@ struct EvidenceOf {
   std::shared_ptr<const ground::ScanGround> ground() const { return evidence.ground(index); }
 };
 
-/// Labels of tracks that a drive's scans show (outlines(), from which `masks` are drawn), continued in the images of the camera
-/// (image_following.h); both as its frames. The drive must have a ground.
-FrameLabels continue_in_images(const EvidenceOf& of, const Lazy<cv::Mat1b>& masks, const SharedLabels& labels,
-                               const std::vector<Track>& tracks);
+/// Continues the labels of tracks that a drive's scans show (draw_outlines(), from which `masks` are drawn) in the images of
+/// the camera (image_tracking.h). Masks and labels are per frame. The drive must have a ground.
+FrameLabels extend_in_images(const CameraRef& ref, const Lazy<cv::Mat1b>& masks, const SharedLabels& labels,
+                             const std::vector<Track>& tracks);
 
-/// What to look for in the images around masks.
-struct ImageSearch {
-  SharedLabels found;   ///< the masks are outlines of these, found in the scans: where images end them (silhouettes.h)
-  bool shadows = true;  ///< cast by what is masked (shadows.h)
+/// The refinements of masks by a comparison of images.
+struct MaskRefinement {
+  SharedLabels
+      outlined;  ///< objects whose outlines the masks are, to be refined to silhouettes (silhouettes.h); empty: no refinement
+  bool shadows = true;  ///< whether shadows of the masked objects are added (shadows.h)
 };
 
-/// The masks of a camera after a comparison of each image with those of other times, on demand; a frame without pose keeps its
-/// mask. The same masks, and a note, where the drive has no ground.
-Lazy<cv::Mat1b> compare_images(const EvidenceOf& of, const Lazy<cv::Mat1b>& masks, const ImageSearch& search,
-                               Progress& progress);
+/// Refines the masks of a camera by a comparison of each image with the background model, on demand. A frame without a pose
+/// keeps its mask. If the drive has no ground, returns the masks unchanged and adds a note.
+Lazy<cv::Mat1b> refine_masks(const CameraRef& ref, const Lazy<cv::Mat1b>& masks, const MaskRefinement& refinement,
+                             Progress& progress);
 
 }  // namespace dvi::objects

@@ -9,8 +9,8 @@
 namespace dvi::objects {
 namespace {
 
-// The corners of the part of the box in front of the camera: edges that pass the near plane are cut there.
-std::vector<Eigen::Vector3d> visible_corners(const Box& box, const SE3& camera_from_lidar) {
+// Returns the corners of the part of a box in front of the camera. Edges are clipped at the near plane.
+std::vector<Eigen::Vector3d> find_visible_corners(const Box& box, const SE3& camera_from_lidar) {
   std::array<Eigen::Vector3d, 8> corners = box.corners();
   for (Eigen::Vector3d& c : corners) c = camera_from_lidar * c;
   std::vector<Eigen::Vector3d> visible;
@@ -26,8 +26,8 @@ std::vector<Eigen::Vector3d> visible_corners(const Box& box, const SE3& camera_f
   return visible;
 }
 
-// The flat box of the ground below another, grown sideways.
-Box footprint(const Box& box, double margin) {
+// Returns the bottom face of a box, grown sideways.
+Box make_footprint(const Box& box, double margin) {
   Box ground = box;
   ground.frame_from_box.t -= 0.5 * box.size.z() * box.frame_from_box.R.col(2);
   ground.size = {box.size.x() + 2 * margin, box.size.y() + 2 * margin, 0};
@@ -41,11 +41,11 @@ cv::Mat1b draw_label(const Label& label, const Camera& camera, const SE3& camera
   if (label.instance) {
     draw(*label.instance, mask);
     if (label.box)
-      draw_hull(visible_corners(footprint(*label.box, options.footprint_margin_m), camera_from_lidar), camera, mask);
+      draw_hull(find_visible_corners(make_footprint(*label.box, options.footprint_margin_m), camera_from_lidar), camera, mask);
   } else if (label.box) {
     Box box = *label.box;
     box.size.array() += 2 * options.box_margin_m;
-    draw_hull(visible_corners(box, camera_from_lidar), camera, mask);
+    draw_hull(find_visible_corners(box, camera_from_lidar), camera, mask);
   } else if (label.rect) {
     const cv::Rect2d& r = *label.rect;
     const cv::Point corner = to_drawing_pixel(std::floor(r.x), std::floor(r.y));
@@ -55,7 +55,7 @@ cv::Mat1b draw_label(const Label& label, const Camera& camera, const SE3& camera
   return mask;
 }
 
-MaskSource default_mask_source(const Drive& drive) {
+MaskSource choose_mask_source(const Drive& drive) {
   if (!drive.masks.empty()) return MaskSource::files;
   return drive.has_labels() ? MaskSource::labels : MaskSource::found;
 }
@@ -64,22 +64,22 @@ Lazy<cv::Mat1b> draw_label_masks(const Drive& drive, MaskSource source, const Sh
                                  const MaskOptions& options) {
   if (source == MaskSource::files) {
     if (drive.masks.empty())
-      throw InputError(drive.path, "brings no mask files", "give --masks DIR, or --masks labels where it has labels");
+      throw InputError(drive.path, "has no mask files", "give --masks DIR, or --masks labels if the drive has labels");
     const int radius = options.file_dilation_px();
     if (radius == 0) return drive.masks;
     return {drive.masks.size(), [masks = drive.masks, radius](std::size_t i) { return grown(*masks[i], radius); }};
   }
   if (source == MaskSource::labels && !drive.has_labels())
     throw InputError(drive.path, "has no labels", "give --masks DIR or --masks FILE");
-  return {
-      drive.frames.size(), [objects, source, camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
-        cv::Mat1b mask(camera.height, camera.width, uchar{0});
-        for (Label label : (*objects)[i]) {
-          if (source == MaskSource::found) label.box.reset();  // outlines that were found reach down to the ground
-          mask |= draw_label(label, camera, pose, options);
-        }
-        return source == MaskSource::found ? mask : grown(mask, options.label_dilation_px());  // what was found has its margin
-      }};
+  return {drive.frames.size(),
+          [objects, source, camera = drive.camera, pose = drive.camera_from_lidar, options](std::size_t i) {
+            cv::Mat1b mask(camera.height, camera.width, uchar{0});
+            for (Label label : (*objects)[i]) {
+              if (source == MaskSource::found) label.box.reset();  // the outline includes the ground
+              mask |= draw_label(label, camera, pose, options);
+            }
+            return source == MaskSource::found ? mask : grown(mask, options.label_dilation_px());  // outlines have a margin
+          }};
 }
 
 }  // namespace dvi::objects

@@ -12,11 +12,12 @@
 
 namespace dvi::objects {
 
+/// The options of masks.
 struct MaskOptions {
-  std::optional<double> dilate_px = {};  ///< none: kLabelDilationPx for masks made from labels, 0 for mask files
-  double box_margin_m = 0.1;
-  double footprint_margin_m = 0.3;
-  bool shadows = true;
+  std::optional<double> dilate_px = {};  ///< empty: kLabelDilationPx for masks drawn from labels, 0 for mask files
+  double box_margin_m = 0.1;             ///< on all sides of 3D boxes
+  double footprint_margin_m = 0.3;       ///< around the ground below 3D boxes
+  bool shadows = true;                   ///< whether cast shadows and reflections are removed
 
   void describe(OptionTable& table) {
     table.section("masks");
@@ -26,7 +27,7 @@ struct MaskOptions {
     table.developer();
     table.add("box_margin_m", box_margin_m, {0, 5}, "Margin added to all sides of 3D boxes before they are projected.");
     table.add("footprint_margin_m", footprint_margin_m, {0, 5},
-              "Margin of the ground below a 3D box that is masked with the object: it holds wheels and shadow.");
+              "Margin of the ground below a 3D box that is masked with the object, with its wheels and shadow.");
   }
   void check() const {
     check_ranges(*this);
@@ -38,8 +39,9 @@ struct MaskOptions {
   int file_dilation_px() const { return static_cast<int>(dilate_px.value_or(0)); }
 };
 
-/// Where masks come from: the drive's own PNG files, its labels, a network that sees objects in its images, the drive's own
-/// scans and images, in which what moves is found, or the masks of the rig's first camera (reprojected_mask.h).
+/// The source of masks. files: the drive's own mask files. labels: its labels. detected: a network that detects objects in its
+/// images. found: motion segmentation in its scans and images. reprojected: the masks of the rig's first camera
+/// (reprojected_mask.h).
 enum class MaskSource { files, labels, detected, found, reprojected };
 constexpr auto names_of(MaskSource) {
   return std::array{std::pair{MaskSource::files, "files"}, std::pair{MaskSource::labels, "labels"},
@@ -47,16 +49,16 @@ constexpr auto names_of(MaskSource) {
                     std::pair{MaskSource::reprojected, "reprojected"}};
 }
 
-/// What a drive offers when nobody says otherwise: mask files where there are any, else labels, else what is found.
-MaskSource default_mask_source(const Drive& drive);
+/// Returns the default source of a drive: mask files if it has any, else labels, else motion segmentation.
+MaskSource choose_mask_source(const Drive& drive);
 
-/// What to remove from each frame, 255 = remove: the drive's mask files, dilated where the options say so, or masks made from
-/// `objects` (as its frames). Of a labeled object the instance mask and the ground below its 3D box where there is one, else
-/// the hull of its projected 3D box, else its 2D box.
+/// Draws the masks of a drive, per frame, 255 = remove. They are its mask files, dilated as the options state, or drawn from
+/// `objects` (per frame). A labeled object is drawn as its instance mask and the ground below its 3D box, else as the convex
+/// hull of its projected 3D box, else as its 2D box. Throws InputError if the drive has no data of that source.
 Lazy<cv::Mat1b> draw_label_masks(const Drive& drive, MaskSource source, const SharedLabels& objects,
                                  const MaskOptions& options);
 
-/// The mask of one label in an image of the camera, neither grown nor clipped by others.
+/// Draws the mask of one label into an image of the camera, without dilation.
 cv::Mat1b draw_label(const Label& label, const Camera& camera, const SE3& camera_from_lidar, const MaskOptions& options);
 
 }  // namespace dvi::objects

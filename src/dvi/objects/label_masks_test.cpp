@@ -28,10 +28,10 @@ Label boxed(double x, double y, double z) {
   return label;
 }
 
-TEST(Masks, ProjectsABoxToTheHullOfItsCorners) {
+TEST(LabelMasks, DrawTheConvexHullOfAProjectedBox) {
   const Drive drive = test_drive();
   const cv::Mat1b mask = draw_label(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, kNoMargin);
-  // The near face, at 10 m, spans 2 m x 1 m: 20 px x 10 px round the center.
+  // The near face, at 10 m, spans 2 m x 1 m: 20 px x 10 px around the center.
   EXPECT_EQ(mask(49, 99), 255);
   EXPECT_EQ(mask(49, 91), 255);
   EXPECT_EQ(mask(49, 87), 0);
@@ -39,14 +39,14 @@ TEST(Masks, ProjectsABoxToTheHullOfItsCorners) {
   EXPECT_NEAR(cv::countNonZero(mask), 200, 45);
 }
 
-TEST(Masks, MarginGrowsTheBox) {
+TEST(LabelMasks, GrowWithTheMarginOfTheBox) {
   const Drive drive = test_drive();
   const int plain = cv::countNonZero(draw_label(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, kNoMargin));
   const int grown = cv::countNonZero(draw_label(boxed(12, 0, 0), drive.camera, drive.camera_from_lidar, {.box_margin_m = 0.5}));
   EXPECT_GT(grown, 1.5 * plain);
 }
 
-TEST(Masks, CutsABoxAtTheCamera) {
+TEST(LabelMasks, ClipABoxAtTheNearPlane) {
   const Drive drive = test_drive();
   const cv::Mat1b beside = draw_label(boxed(1, 2, 0), drive.camera, drive.camera_from_lidar, kNoMargin);
   EXPECT_GT(cv::countNonZero(beside), 0);
@@ -54,7 +54,7 @@ TEST(Masks, CutsABoxAtTheCamera) {
   EXPECT_EQ(cv::countNonZero(draw_label(boxed(-10, 0, 0), drive.camera, drive.camera_from_lidar, kNoMargin)), 0) << "behind";
 }
 
-TEST(Masks, DecodesColumnMajorRuns) {
+TEST(LabelMasks, DecodeColumnMajorRuns) {
   Drive drive = test_drive();
   Label label;
   label.instance = Instance{{200, 100}, {3 * 100 + 10, 5, 95, 5}};  // rows 10..14 of columns 3 and 4
@@ -65,7 +65,7 @@ TEST(Masks, DecodesColumnMajorRuns) {
   EXPECT_EQ(mask(15, 4), 0);
 }
 
-TEST(Masks, OutlineComesWithTheGroundBelowItsBox) {
+TEST(LabelMasks, AddTheGroundBelowTheBoxToAnOutline) {
   const Drive drive = test_drive();
   Label label = boxed(12, 0, -1);  // its bottom, 1.5 m down, spans rows 60 (14 m) to 64.5 (10 m)
   label.instance = Instance{{200, 100}, {100 * 100}};
@@ -76,7 +76,7 @@ TEST(Masks, OutlineComesWithTheGroundBelowItsBox) {
   EXPECT_GT(cv::countNonZero(wider), cv::countNonZero(mask));
 }
 
-TEST(Masks, RectIsClippedToTheImage) {
+TEST(LabelMasks, ClipARectangleToTheImage) {
   const Drive drive = test_drive();
   Label label;
   label.rect = cv::Rect2d(-20, 90, 30, 50);
@@ -85,7 +85,7 @@ TEST(Masks, RectIsClippedToTheImage) {
   EXPECT_EQ(cv::countNonZero(draw_label(label, drive.camera, drive.camera_from_lidar, kNoMargin)), 200 * 100);
 }
 
-TEST(Masks, ABoxWithoutEndCoversTheImageThroughAnyLens) {
+TEST(LabelMasks, CoverTheImageWithAHugeBoxThroughAnyLens) {
   Drive drive = test_drive();
   drive.camera.distortion = {1e300, 0, 0, 0, -1e300};  // inf - inf
   Label label = boxed(12, 0, 0);
@@ -93,7 +93,7 @@ TEST(Masks, ABoxWithoutEndCoversTheImageThroughAnyLens) {
   EXPECT_EQ(cv::countNonZero(draw_label(label, drive.camera, drive.camera_from_lidar, kNoMargin)), 200 * 100);
 }
 
-TEST(Masks, UnitesAndGrowsTheLabelsOfAFrame) {
+TEST(LabelMasks, UniteAndDilateTheLabelsOfAFrame) {
   Drive drive = test_drive();
   Label a, b;
   a.rect = cv::Rect2d(20, 20, 10, 10);
@@ -106,9 +106,9 @@ TEST(Masks, UnitesAndGrowsTheLabelsOfAFrame) {
   EXPECT_EQ((*masks[1])(25, 111), 255);
 }
 
-TEST(Masks, SaysWhatIsMissing) {
+TEST(LabelMasks, ThrowIfTheSourceIsMissing) {
   const Drive drive = test_drive();
-  EXPECT_EQ(default_mask_source(drive), MaskSource::found);
+  EXPECT_EQ(choose_mask_source(drive), MaskSource::found);
   EXPECT_THROW(draw_label_masks(drive, MaskSource::labels, {}, {}), InputError);
   EXPECT_THROW(draw_label_masks(drive, MaskSource::files, {}, {}), InputError);
 }

@@ -16,8 +16,8 @@ Label label(int track, double x) {
   return out;
 }
 
-// The recording car does 10 m/s; track 1 is parked at x = 30 (and labeled a little off now and then), 2 drives ahead, 3 is
-// seen once, 4 has no box.
+// Makes a drive at 10 m/s. Track 1 is parked at x = 30, and its labels have errors. Track 2 drives ahead, track 3 has one
+// label, and track 4 has no box.
 Drive labeled_drive() {
   Drive drive;
   std::vector<StampedPose> poses;
@@ -35,14 +35,14 @@ Drive labeled_drive() {
   return drive;
 }
 
-TEST(Motion, OfWhatWaitsAndThenDrivesOffAndOfWhatComesFromFar) {
+TEST(TrackMotions, DistinguishWaitingCarsFromParkedOnes) {
   Drive drive = labeled_drive();
   for (int i = 0; i < 20; ++i) {
     std::vector<Label>& labels = drive.frames[static_cast<std::size_t>(i)].labels;
     labels.push_back(label(5, 12 - i + (i < 12 ? 0 : 0.3 * (i - 12) * (i - 12))));  // waits, then drives off
     labels.push_back(label(7, 70 - i + 0.5 * (i % 2)));                             // parked far away, labeled badly
   }
-  const std::vector<TrackMotion> motions = track_motions(drive, drive.labels(), drive.poses);
+  const std::vector<TrackMotion> motions = measure_track_motions(drive, drive.labels(), drive.poses);
   ASSERT_EQ(motions.size(), 5U);
   const auto moves = [&](int track) {
     return std::find_if(motions.begin(), motions.end(), [&](const TrackMotion& m) { return m.track == track; })->moves;
@@ -55,16 +55,16 @@ TEST(Motion, OfWhatWaitsAndThenDrivesOffAndOfWhatComesFromFar) {
   EXPECT_EQ(motions[1].frames, 20U);
 }
 
-TEST(Standing, IsWhatKeepsItsPlaceInTheWorld) {
+TEST(StationaryTracks, KeepTheirPositionInTheWorld) {
   const Drive drive = labeled_drive();
-  EXPECT_EQ(stationary_tracks(drive, drive.poses), (std::set<int>{1, 3}));
+  EXPECT_EQ(find_stationary_tracks(drive, drive.poses), (std::set<int>{1, 3}));
 }
 
-TEST(Standing, NothingWithoutPoses) { EXPECT_TRUE(stationary_tracks(labeled_drive(), {}).empty()); }
+TEST(StationaryTracks, AreUnknownWithoutPoses) { EXPECT_TRUE(find_stationary_tracks(labeled_drive(), {}).empty()); }
 
-TEST(Standing, LabelsAreLeftOut) {
+TEST(StationaryTracks, CanBeRemovedFromLabels) {
   const Drive drive = labeled_drive();
-  for (const std::vector<Label>& frame : without_stationary(drive, drive.poses)) {
+  for (const std::vector<Label>& frame : remove_stationary(drive, drive.poses)) {
     ASSERT_EQ(frame.size(), 2U);
     EXPECT_EQ(frame[0].track, 2);
     EXPECT_EQ(frame[1].track, 4);

@@ -8,40 +8,51 @@
 namespace dvi::objects {
 namespace {
 
-constexpr double kLowest = 0.3, kHighest = 4.5;     // meters above ground: curbs and grass; trucks and buses
-constexpr double kRadius = 0.05;                    // meters round a return that must have been free
-constexpr std::size_t kNear = 10;                   // scans before and after
-constexpr std::size_t kFarStep = 4, kMostFar = 20;  // of the scans of the whole drive, each fourth, or fewer, so many at most
-constexpr double kFarReach = 60;                    // meters between sensors
-constexpr double kSamePlaceM = 0.2;                 // between sensors
-constexpr int kFewestPasses = 2;                    // scans that must have seen through
-constexpr double kPassedShare = 0.6;                // of the scans that can tell: edges and glass are passed now and then
+struct VisibilityVoteParams {
+  double min_height_m = 0.3;           ///< above ground: excludes curbs and grass
+  double max_height_m = 4.5;           ///< above ground: includes trucks and buses
+  double min_range_m = 1;              ///< closer returns lie on the ego vehicle
+  double return_radius_m = 0.05;       ///< radius around a return that must be free
+  std::size_t window_scans = 10;       ///< scans before and after that are compared
+  std::size_t distant_step = 4;        ///< step between the scans of the whole drive that are compared
+  std::size_t max_distant_scans = 20;  ///< the step is doubled until at most so many scans remain
+  double max_sensor_distance_m = 60;   ///< distance between the sensors of two scans that are compared
+  double same_position_m = 0.2;        ///< distance between sensors up to which scans have the same view
+  int min_free_scans = 2;              ///< scans that must observe free space at a moving return
+  int min_hit_scans = 2;               ///< scans that must observe a surface at a stationary return
+  double min_free_share = 0.6;         ///< share among the scans that observe the position: rays pass edges and glass at times
+};
+constexpr VisibilityVoteParams kVoting{};
+
+// Whether the scans of a sensor position have the view of the scan that is judged.
+enum class SensorPosition { own, other };
 
 }  // namespace
 
-// Scans that were taken from one place have one view of a return, so they count as one scan: by their mean. Only those from the
-// place of the return's own scan, which observe it as that scan does, can show on their own that it moves.
-class Votes {
+// Counts the votes of scans on one return. Scans from one sensor position have one view of the return, so they count as one
+// scan, by their mean. Only scans from the position of the return's own scan, which observe the return as that scan does, can
+// show on their own that it moves.
+class VoteCounts {
  public:
-  void add(FreeSpace::Seen seen) {
-    here_passed_ += seen == FreeSpace::Seen::passed;
-    here_hit_ += seen == FreeSpace::Seen::hit;
+  void add(FreeSpace::Seen state) {
+    current_free_ += state == FreeSpace::Seen::passed;
+    current_hit_ += state == FreeSpace::Seen::hit;
   }
-  void finish_place(bool own) {
-    if (here_passed_ + here_hit_ > 0) {
-      ++places_;
-      passed_share_ += static_cast<double>(here_passed_) / (here_passed_ + here_hit_);
+  void finish_position(SensorPosition position) {
+    if (current_free_ + current_hit_ > 0) {
+      ++positions_;
+      free_share_sum_ += static_cast<double>(current_free_) / (current_free_ + current_hit_);
     }
-    passed_ += own ? here_passed_ : std::min(here_passed_, 1);
-    hit_ += here_hit_;
-    here_passed_ = here_hit_ = 0;
+    free_ += position == SensorPosition::own ? current_free_ : std::min(current_free_, 1);
+    hit_ += current_hit_;
+    current_free_ = current_hit_ = 0;
   }
   int hit() const { return hit_; }
-  bool moving() const { return passed_ >= kFewestPasses && passed_share_ >= kPassedShare * places_; }
+  bool is_moving() const { return free_ >= kVoting.min_free_scans && free_share_sum_ >= kVoting.min_free_share * positions_; }
 
  private:
-  int here_passed_ = 0, here_hit_ = 0, passed_ = 0, hit_ = 0, places_ = 0;
-  double passed_share_ = 0;  // sum over the places
+  int current_free_ = 0, current_hit_ = 0, free_ = 0, hit_ = 0, positions_ = 0;
+  double free_share_sum_ = 0;  // over the positions
 };
 
 MovingReturns::MovingReturns(const Drive& drive, const ScanPoses& poses, const ground::ScanGround& ground)
@@ -52,7 +63,7 @@ MovingReturns::MovingReturns(const Drive& drive, const ScanPoses& poses, const g
               [this, error_m = poses.error_m](std::size_t i) {
                 return FreeSpace(*drive_.scans[i], drive_.scan_headers[i], world_from_lidar_, error_m);
               }),
-      obstacles_(drive.scan_headers.size(), [this](std::size_t i) { return obstacles_of(i); }),
+      obstacles_(drive.scan_headers.size(), [this](std::size_t i) { return extract_obstacles(i); }),
       untrusted_(poses.untrusted) {
   untrusted_.resize(drive.scan_headers.size(), false);
   for (const ScanHeader& header : drive.scan_headers) {
@@ -61,76 +72,84 @@ MovingReturns::MovingReturns(const Drive& drive, const ScanPoses& poses, const g
   }
 }
 
-std::vector<std::size_t> MovingReturns::witnesses_far(std::size_t scan) const {
-  const auto witnesses = [&](std::size_t step) {
-    std::vector<std::size_t> far;
-    for (std::size_t i = 0; i < sensors_.size(); i += step)
-      if ((i + kNear < scan || i > scan + kNear) && (sensors_[i] - sensors_[scan]).norm() < kFarReach) far.push_back(i);
-    return far;
-  };
-  std::size_t step = kFarStep;
-  std::vector<std::size_t> far = witnesses(step);
-  while (far.size() > kMostFar) far = witnesses(step *= 2);
-  return far;
+std::vector<std::size_t> MovingReturns::select_window(std::size_t scan) const {
+  std::vector<std::size_t> window;
+  const std::size_t radius = kVoting.window_scans;
+  for (std::size_t other = scan - std::min(scan, radius); other < std::min(scan + radius + 1, sensors_.size()); ++other)
+    if (other != scan) window.push_back(other);
+  return window;
 }
 
-bool MovingReturns::observes(std::size_t scan, const Eigen::Vector2d& place) const {
-  return trusts(scan) && (sensors_[scan] - place).norm() < kFarReach;
+std::vector<std::size_t> MovingReturns::select_distant(std::size_t scan) const {
+  const auto select = [&](std::size_t step) {
+    std::vector<std::size_t> distant;
+    for (std::size_t i = 0; i < sensors_.size(); i += step)
+      if ((i + kVoting.window_scans < scan || i > scan + kVoting.window_scans) &&
+          (sensors_[i] - sensors_[scan]).norm() < kVoting.max_sensor_distance_m)
+        distant.push_back(i);
+    return distant;
+  };
+  std::size_t step = kVoting.distant_step;
+  std::vector<std::size_t> distant = select(step);
+  while (distant.size() > kVoting.max_distant_scans) distant = select(step *= 2);
+  return distant;
+}
+
+bool MovingReturns::can_observe(std::size_t scan, const Eigen::Vector2d& position) const {
+  return is_trusted(scan) && (sensors_[scan] - position).norm() < kVoting.max_sensor_distance_m;
 }
 
 std::shared_ptr<const ObstacleReturns> MovingReturns::obstacles(std::size_t scan) const {
-  return trusts(scan) ? obstacles_[scan] : std::make_shared<const ObstacleReturns>();
+  return is_trusted(scan) ? obstacles_[scan] : std::make_shared<const ObstacleReturns>();
 }
 
-ObstacleReturns MovingReturns::obstacles_of(std::size_t scan) const {
+ObstacleReturns MovingReturns::extract_obstacles(std::size_t scan) const {
   ObstacleReturns out;
-  const float rise = spaces_[scan]->rise();
+  const float ray_spacing_rad = spaces_[scan]->rise();
   const auto returns = drive_.scans[scan];
   const ScanHeader& header = drive_.scan_headers[scan];
   const std::vector<Eigen::Vector3d> world = to_world(*returns, header, world_from_lidar_);
   for (std::size_t i = 0; i < world.size(); ++i) {
     const float range = returns->points[i].norm();
-    if (range < 1 || range > FreeSpace::kMaxRangeM) continue;
+    if (static_cast<double>(range) < kVoting.min_range_m || range > FreeSpace::kMaxRangeM) continue;
     const auto ground = ground_.height(world[i].head<2>());
-    if (!ground || world[i].z() < *ground + kLowest || world[i].z() > *ground + kHighest) continue;
+    if (!ground || world[i].z() < *ground + kVoting.min_height_m || world[i].z() > *ground + kVoting.max_height_m) continue;
     out.points.push_back(world[i]);
     out.time_ns.push_back(header.time_ns + std::llround(1e9 * static_cast<double>(returns->time[i])));
     out.ground.push_back(*ground);
-    out.rise.push_back(static_cast<double>(rise * range));
+    out.ray_spacing_m.push_back(static_cast<double>(ray_spacing_rad * range));
   }
   return out;
 }
 
-std::vector<Votes> MovingReturns::votes_of(const std::vector<std::size_t>& scans, std::size_t judged,
-                                           const std::vector<Eigen::Vector3d>& points) const {
-  std::vector<Votes> votes(points.size());
-  std::optional<Eigen::Vector2d> place;
-  const auto finish_place = [&] {
-    const bool own = place && (sensors_[judged] - *place).norm() < kSamePlaceM;
-    for (Votes& of_point : votes) of_point.finish_place(own);
+std::vector<VoteCounts> MovingReturns::count_votes(const std::vector<std::size_t>& scans, std::size_t judged,
+                                                   const std::vector<Eigen::Vector3d>& points) const {
+  std::vector<VoteCounts> votes(points.size());
+  std::optional<Eigen::Vector2d> position;
+  const auto finish_position = [&] {
+    const bool own = position && (sensors_[judged] - *position).norm() < kVoting.same_position_m;
+    for (VoteCounts& counts : votes) counts.finish_position(own ? SensorPosition::own : SensorPosition::other);
   };
   for (const std::size_t scan : scans) {
-    if (!trusts(scan)) continue;
+    if (!is_trusted(scan)) continue;
     const auto space = spaces_[scan];
     if (!space->valid()) continue;
-    if (place && (sensors_[scan] - *place).norm() >= kSamePlaceM) finish_place();
-    if (!place || (sensors_[scan] - *place).norm() >= kSamePlaceM) place = sensors_[scan];
-    for (std::size_t i = 0; i < points.size(); ++i) votes[i].add(space->judge(points[i], kRadius));
+    if (position && (sensors_[scan] - *position).norm() >= kVoting.same_position_m) finish_position();
+    if (!position || (sensors_[scan] - *position).norm() >= kVoting.same_position_m) position = sensors_[scan];
+    for (std::size_t i = 0; i < points.size(); ++i) votes[i].add(space->judge(points[i], kVoting.return_radius_m));
   }
-  finish_place();
+  finish_position();
   return votes;
 }
 
-ObstacleReturns MovingReturns::find(std::size_t scan) const {
+ObstacleReturns MovingReturns::vote(std::size_t scan) const {
   ObstacleReturns out = *obstacles(scan);
-  std::vector<std::size_t> window;
-  for (std::size_t other = scan - std::min(scan, kNear); other < std::min(scan + kNear + 1, sensors_.size()); ++other)
-    if (other != scan) window.push_back(other);
-  const std::vector<Votes> near = votes_of(window, scan, out.points), far = votes_of(witnesses_far(scan), scan, out.points);
+  const std::vector<VoteCounts> near = count_votes(select_window(scan), scan, out.points);
+  const std::vector<VoteCounts> far = count_votes(select_distant(scan), scan, out.points);
   for (std::size_t i = 0; i < out.points.size(); ++i)
-    out.witness.push_back(near[i].moving() || far[i].moving()             ? Witness::moving
-                          : near[i].hit() + far[i].hit() >= kFewestPasses ? Witness::standing
-                                                                          : Witness::unknown);
+    out.vote.push_back(near[i].is_moving() || far[i].is_moving()               ? VisibilityVote::moving
+                       : near[i].hit() + far[i].hit() >= kVoting.min_hit_scans ? VisibilityVote::stationary
+                                                                               : VisibilityVote::unknown);
   return out;
 }
 

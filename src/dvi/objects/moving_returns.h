@@ -11,32 +11,33 @@
 
 namespace dvi::objects {
 
-/// What other scans say of a return: they saw through its place, saw something there, or cannot tell.
-enum class Witness : std::uint8_t { unknown, standing, moving };
+/// The visibility vote on a return. moving: other scans observed free space at its position. stationary: they observed a
+/// surface there. unknown: they observed neither.
+enum class VisibilityVote : std::uint8_t { unknown, stationary, moving };
 
-/// The returns of one scan that lie above the ground, below bridges and signs.
+/// The returns of one scan above the ground and below bridges and signs.
 struct ObstacleReturns {
   std::vector<Eigen::Vector3d> points;  ///< meters, world axes
-  std::vector<std::int64_t> time_ns;    ///< as `points`: when each was measured
-  std::vector<double> ground;           ///< as `points`: height of the ground below, world axes
-  std::vector<double> rise;             ///< as `points`: meters to the next ray above
-  std::vector<Witness> witness;         ///< as `points`; empty where nobody asked
+  std::vector<std::int64_t> time_ns;    ///< per point: time of the measurement
+  std::vector<double> ground;           ///< per point: height of the ground below, meters, world axes
+  std::vector<double> ray_spacing_m;    ///< per point: distance to the next ray above
+  std::vector<VisibilityVote> vote;     ///< per point; empty without a comparison with other scans
 
   std::size_t bytes() const {
-    return bytes_of(points) + bytes_of(time_ns) + bytes_of(ground) + bytes_of(rise) + bytes_of(witness);
+    return bytes_of(points) + bytes_of(time_ns) + bytes_of(ground) + bytes_of(ray_spacing_m) + bytes_of(vote);
   }
 };
 
-/// The poses that scans are compared by.
+/// The poses for comparisons of scans.
 struct ScanPoses {
   Trajectory world_from_lidar;
-  double error_m = 0.05;             ///< Error of a position between two scans, across the ray.
-  std::vector<bool> untrusted = {};  ///< For each scan, whether its pose is known to be wrong; empty if none is.
+  double error_m = 0.05;             ///< position error between two scans, across the ray
+  std::vector<bool> untrusted = {};  ///< per scan, whether its pose is known to be wrong; empty if none is
 };
 
-class Votes;
+class VoteCounts;
 
-/// Compares each scan with others: those shortly before and after, and some of the whole drive.
+/// Finds moving returns: compares each scan with those shortly before and after, and with some of the whole drive.
 class MovingReturns {
  public:
   MovingReturns(const Drive& drive, const ScanPoses& poses, const ground::ScanGround& ground);
@@ -44,31 +45,32 @@ class MovingReturns {
   MovingReturns& operator=(const MovingReturns&) = delete;
 
   std::size_t scans() const { return sensors_.size(); }
-  /// The obstacle returns of a scan; none if the scan is not trusted.
+  /// Returns the obstacle returns of a scan without votes, or none if its pose is wrong.
   std::shared_ptr<const ObstacleReturns> obstacles(std::size_t scan) const;
-  /// The same returns with the votes of the other scans.
-  ObstacleReturns find(std::size_t scan) const;
+  /// Returns the obstacle returns of a scan with the visibility votes of the other scans.
+  ObstacleReturns vote(std::size_t scan) const;
   std::shared_ptr<const FreeSpace> free_space(std::size_t scan) const { return spaces_[scan]; }
-
-  /// Whether a scan may be compared with others.
-  bool trusts(std::size_t scan) const { return !untrusted_[scan]; }
+  /// Returns whether a scan may be compared with others.
+  bool is_trusted(std::size_t scan) const { return !untrusted_[scan]; }
+  /// Excludes a scan from comparisons.
   void distrust(std::size_t scan) { untrusted_[scan] = true; }
-  /// Whether a scan was taken near enough to a place to observe it.
-  bool observes(std::size_t scan, const Eigen::Vector2d& place) const;
+  /// Returns whether a scan is usable and was taken close enough to a position (world axes) to observe it.
+  bool can_observe(std::size_t scan, const Eigen::Vector2d& position) const;
 
  private:
-  ObstacleReturns obstacles_of(std::size_t scan) const;
-  std::vector<Votes> votes_of(const std::vector<std::size_t>& scans, std::size_t judged,
-                              const std::vector<Eigen::Vector3d>& points) const;
-  std::vector<std::size_t> witnesses_far(std::size_t scan) const;
+  ObstacleReturns extract_obstacles(std::size_t scan) const;
+  std::vector<VoteCounts> count_votes(const std::vector<std::size_t>& scans, std::size_t judged,
+                                      const std::vector<Eigen::Vector3d>& points) const;
+  std::vector<std::size_t> select_window(std::size_t scan) const;
+  std::vector<std::size_t> select_distant(std::size_t scan) const;
 
   const Drive& drive_;
   Trajectory world_from_lidar_;
   const ground::ScanGround& ground_;
-  Lazy<FreeSpace> spaces_;                // as the scans
-  Lazy<ObstacleReturns> obstacles_;       // as the scans
-  std::vector<Eigen::Vector2d> sensors_;  // as the scans
-  std::vector<bool> untrusted_;           // as the scans
+  Lazy<FreeSpace> spaces_;                // per scan
+  Lazy<ObstacleReturns> obstacles_;       // per scan
+  std::vector<Eigen::Vector2d> sensors_;  // per scan: position, world axes
+  std::vector<bool> untrusted_;           // per scan
 };
 
 }  // namespace dvi::objects

@@ -14,37 +14,42 @@
 namespace dvi::objects {
 namespace {
 
-constexpr double kFitted = 0.5;   // seconds: of which motion is read
-constexpr double kContinued = 1;  // second
+struct BorderParams {
+  double fit_s = 0.5;          ///< time at the end of a track from which its motion is estimated
+  double max_extension_s = 1;  ///< time for which a track is extended
+};
+constexpr BorderParams kBorder{};
 
-using Frames = std::vector<std::pair<std::size_t, const Label*>>;  // the labels of a track, from its end inwards
+// The labels of a track and their frames, from one end of the track inward.
+using TrackLabels = std::vector<std::pair<std::size_t, const Label*>>;
 
-struct PlacedBox {
-  double seconds;  // from the end of the track
-  Box box;         // in the world, or in LiDAR axes if there are no poses
+struct TimedBox {
+  double time_s;  // from the end of the track
+  Box box;        // world axes, or LiDAR axes without poses
 };
 
-class Continuation {
+// Extends tracks beyond the image border.
+class BorderExtension {
  public:
-  Continuation(const Drive& drive, const Trajectory& world_from_lidar, const MaskOptions& options)
+  BorderExtension(const Drive& drive, const Trajectory& world_from_lidar, const MaskOptions& options)
       : drive_(drive), world_from_lidar_(world_from_lidar), options_(options) {}
 
-  // What frames beyond the end show of a track, outwards.
-  std::vector<std::pair<std::size_t, Label>> of(const Frames& track, int step) const {
+  // Returns the labels of a track beyond its end, with their frames. `step` is the direction in time, 1 or -1.
+  std::vector<std::pair<std::size_t, Label>> extend(const TrackLabels& track, int step) const {
     std::vector<std::pair<std::size_t, Label>> out;
     const auto [end, last] = track.front();
     if (!touches_border(*last)) return out;
-    const std::vector<PlacedBox> sights = sights_of(track);
-    if (sights.empty() || (sights.size() == 1 && world_from_lidar_.empty())) return out;
+    const std::vector<TimedBox> boxes = collect_boxes(track);
+    if (boxes.empty() || (boxes.size() == 1 && world_from_lidar_.empty())) return out;
     for (auto i = static_cast<std::ptrdiff_t>(end) + step; i >= 0 && i < std::ssize(drive_.frames); i += step) {
       const auto frame = static_cast<std::size_t>(i);
-      const double seconds = seconds_between(end, frame);
+      const double time_s = seconds_between_frames(end, frame);
       const std::optional<SE3> pose = pose_of(frame);
-      if (std::abs(seconds) > kContinued || !pose) break;
+      if (std::abs(time_s) > kBorder.max_extension_s || !pose) break;
       Label label;
       label.track = last->track;
       label.type = last->type;
-      label.box = moved_on(sights, seconds);
+      label.box = extrapolate(boxes, time_s);
       label.box->frame_from_box = pose->inverse() * label.box->frame_from_box;
       if (cv::countNonZero(draw_label(label, drive_.camera, drive_.camera_from_lidar, {.box_margin_m = 0})) == 0) break;
       out.emplace_back(frame, std::move(label));
@@ -53,7 +58,7 @@ class Continuation {
   }
 
  private:
-  double seconds_between(std::size_t from, std::size_t to) const {
+  double seconds_between_frames(std::size_t from, std::size_t to) const {
     return 1e-9 * static_cast<double>(drive_.frames[to].time_ns - drive_.frames[from].time_ns);
   }
 
@@ -69,35 +74,35 @@ class Continuation {
            0;
   }
 
-  std::vector<PlacedBox> sights_of(const Frames& track) const {
-    std::vector<PlacedBox> out;
+  std::vector<TimedBox> collect_boxes(const TrackLabels& track) const {
+    std::vector<TimedBox> out;
     for (const auto& [frame, label] : track) {
-      const double seconds = seconds_between(track.front().first, frame);
-      if (std::abs(seconds) > kFitted) break;
+      const double time_s = seconds_between_frames(track.front().first, frame);
+      if (std::abs(time_s) > kBorder.fit_s) break;
       const std::optional<SE3> pose = pose_of(frame);
       if (!label->box || !pose) continue;
-      out.push_back({seconds, {*pose * label->box->frame_from_box, label->box->size}});
+      out.push_back({time_s, {*pose * label->box->frame_from_box, label->box->size}});
     }
     return out;
   }
 
-  // The box nearest to the end, on the line fitted to the places of all.
-  static Box moved_on(const std::vector<PlacedBox>& sights, double seconds) {
-    const auto count = static_cast<double>(sights.size());
-    double time = 0, spread = 0;
-    Eigen::Vector3d place = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();
-    for (const PlacedBox& sight : sights) {
-      time += sight.seconds / count;
-      place += sight.box.frame_from_box.t / count;
+  // Returns the first box, moved along the line that is fitted to the positions of all boxes.
+  static Box extrapolate(const std::vector<TimedBox>& boxes, double time_s) {
+    const auto count = static_cast<double>(boxes.size());
+    double mean_time_s = 0, spread = 0;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();
+    for (const TimedBox& box : boxes) {
+      mean_time_s += box.time_s / count;
+      mean += box.box.frame_from_box.t / count;
     }
-    for (const PlacedBox& sight : sights) {
-      spread += (sight.seconds - time) * (sight.seconds - time);
-      moment += (sight.seconds - time) * (sight.box.frame_from_box.t - place);
+    for (const TimedBox& box : boxes) {
+      spread += (box.time_s - mean_time_s) * (box.time_s - mean_time_s);
+      moment += (box.time_s - mean_time_s) * (box.box.frame_from_box.t - mean);
     }
-    Box box = sights.front().box;
-    box.frame_from_box.t = place;
-    if (spread > 0) box.frame_from_box.t += (seconds - time) / spread * moment;
-    return box;
+    Box out = boxes.front().box;
+    out.frame_from_box.t = mean;
+    if (spread > 0) out.frame_from_box.t += (time_s - mean_time_s) / spread * moment;
+    return out;
   }
 
   const Drive& drive_;
@@ -107,17 +112,17 @@ class Continuation {
 
 }  // namespace
 
-FrameLabels continued_past_border(const Drive& drive, FrameLabels labels, const Trajectory& world_from_lidar,
-                                  const MaskOptions& options) {
-  std::map<int, Frames> tracks;
+FrameLabels extend_past_border(const Drive& drive, FrameLabels labels, const Trajectory& world_from_lidar,
+                               const MaskOptions& options) {
+  std::map<int, TrackLabels> tracks;
   for (std::size_t i = 0; i < labels.size(); ++i)
     for (const Label& label : labels[i])
       if (label.track >= 0) tracks[label.track].emplace_back(i, &label);
-  const Continuation continuation(drive, world_from_lidar, options);
+  const BorderExtension extension(drive, world_from_lidar, options);
   std::vector<std::pair<std::size_t, Label>> added;
   for (const auto& [_, track] : tracks) {
-    for (std::pair<std::size_t, Label>& label : continuation.of(track, -1)) added.push_back(std::move(label));
-    for (std::pair<std::size_t, Label>& label : continuation.of(Frames(track.rbegin(), track.rend()), 1))
+    for (std::pair<std::size_t, Label>& label : extension.extend(track, -1)) added.push_back(std::move(label));
+    for (std::pair<std::size_t, Label>& label : extension.extend(TrackLabels(track.rbegin(), track.rend()), 1))
       added.push_back(std::move(label));
   }
   for (auto& [frame, label] : added) labels[frame].push_back(std::move(label));

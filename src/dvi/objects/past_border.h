@@ -5,10 +5,10 @@
 
 namespace dvi::objects {
 
-/// `labels` (as the drive's frames), and the boxes of tracks that end where the image's border cuts them: labels often leave
-/// out what shows less than a part of an object. A box moves on as it moved last, in the world or, without poses, in LiDAR
-/// axes, for a second at most and while the image shows it; likewise backwards from a track's first frame.
-FrameLabels continued_past_border(const Drive& drive, FrameLabels labels, const Trajectory& world_from_lidar,
-                                  const MaskOptions& options);
+/// Extends labeled tracks beyond the image border. Labels often end while a part of the object is still visible. If the first
+/// or last box of a track touches the border, the box continues with its last motion, in world axes or, without poses, in LiDAR
+/// axes, for at most a second and only while it is inside the image. `labels` are per frame of the drive.
+FrameLabels extend_past_border(const Drive& drive, FrameLabels labels, const Trajectory& world_from_lidar,
+                               const MaskOptions& options);
 
 }  // namespace dvi::objects

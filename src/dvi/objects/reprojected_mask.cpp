@@ -14,101 +14,116 @@
 namespace dvi::objects {
 namespace {
 
-constexpr int kBlockPx = 4;        // pixels: rays of a LiDAR lie about as close
-constexpr int kObjectBlocks = 6;   // blocks each way in which the nearest return is of the same object: a window is no wider
-constexpr int kClosedGapPx = 25;   // pixels: an object seen from beside it is stretched, and has no holes
-constexpr int kDrawnMarginPx = 4;  // pixels: calibration, and what lies between blocks
-constexpr float kFarthestM = 1e4;  // meters: infinity, for any rig
+struct ReprojectionParams {
+  int block_px = 4;        ///< side of a block; about the distance between the rays of a LiDAR
+  int object_blocks = 6;   ///< radius in which the nearest return is taken to be of the same object: a car window is not wider
+  int closed_gap_px = 25;  ///< gaps in the result that are closed: another view stretches an object, which has no holes
+  int margin_px = 4;       ///< margin of each drawn block: errors of the calibration, and gaps between blocks
+  float infinity_m = 1e4;  ///< a depth that has no parallax in any rig
+};
+constexpr ReprojectionParams kReprojection{};
+
 constexpr float kNoDepth = std::numeric_limits<float>::max();
 
-cv::Size blocks_of(const Camera& camera) {
-  return {(camera.width + kBlockPx - 1) / kBlockPx, (camera.height + kBlockPx - 1) / kBlockPx};
+// A camera that pixels are reprojected from, and the camera that they are reprojected to.
+struct CameraPair {
+  const Camera& from;
+  const Camera& to;
+  SE3 to_from_from;
+};
+
+cv::Size count_blocks(const Camera& camera) {
+  const int side = kReprojection.block_px;
+  return {(camera.width + side - 1) / side, (camera.height + side - 1) / side};
 }
 
-cv::Rect pixels_of(cv::Point block, const Camera& camera) {
-  return cv::Rect(block.x * kBlockPx, block.y * kBlockPx, kBlockPx, kBlockPx) & cv::Rect(0, 0, camera.width, camera.height);
+cv::Rect to_pixels(cv::Point block, const Camera& camera) {
+  const int side = kReprojection.block_px;
+  return cv::Rect(block.x * side, block.y * side, side, side) & cv::Rect(0, 0, camera.width, camera.height);
 }
 
-/// The depth of the nearest return in each block, meters; kNoDepth where there is none.
-cv::Mat1f nearest_depths(const RigCamera& view, const std::vector<Eigen::Vector3d>& returns) {
-  cv::Mat1f out(blocks_of(view.camera), kNoDepth);
+// Returns the depth in meters of the nearest return in each block, and kNoDepth where there is none.
+cv::Mat1f find_nearest_depths(const RigCamera& view, const std::vector<Eigen::Vector3d>& returns) {
+  cv::Mat1f out(count_blocks(view.camera), kNoDepth);
   for (const Eigen::Vector3d& point : returns) {
     const Eigen::Vector3d p = view.camera_from_world * point;
     if (p.z() < kNearPlane || !view.camera.in_front(p)) continue;
     const Eigen::Vector2d pixel = view.camera.project(p);
     if (!view.camera.contains(pixel)) continue;
-    float& depth = out(cvRound(pixel.y()) / kBlockPx, cvRound(pixel.x()) / kBlockPx);
+    float& depth = out(cvRound(pixel.y()) / kReprojection.block_px, cvRound(pixel.x()) / kReprojection.block_px);
     depth = std::min(depth, static_cast<float>(p.z()));
   }
   return out;
 }
 
-// The least value in a window of so many blocks each way.
-cv::Mat1f least_round(const cv::Mat1f& depths, int reach) {
+// Returns the smallest depth around each block, within the radius of one object.
+cv::Mat1f find_object_depths(const cv::Mat1f& depths) {
+  const int side = 2 * kReprojection.object_blocks + 1;
   cv::Mat1f out;
-  cv::erode(depths, out, cv::Mat1b(2 * reach + 1, 2 * reach + 1, uchar{1}));
+  cv::erode(depths, out, cv::Mat1b(side, side, uchar{1}));
   return out;
 }
 
-cv::Mat1b masked_blocks(const cv::Mat1b& mask, const Camera& camera) {
-  cv::Mat1b out(blocks_of(camera), uchar{0});
+cv::Mat1b find_masked_blocks(const cv::Mat1b& mask, const Camera& camera) {
+  cv::Mat1b out(count_blocks(camera), uchar{0});
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x)
-      if (cv::countNonZero(mask(pixels_of({x, y}, camera))) > 0) out(y, x) = 255;
+      if (cv::countNonZero(mask(to_pixels({x, y}, camera))) > 0) out(y, x) = 255;
   return out;
 }
 
-// A block of one image as another shows it if it lies at that depth: pixels of the other, none where it is behind the camera.
-std::array<Eigen::Vector2d, 2> extent(const cv::Rect& block, float depth, const Camera& from, const Camera& to,
-                                      const SE3& to_from_from) {
+// Reprojects a block at a depth. Returns the corners of its bounding rectangle in the other image; they lie far outside of the
+// image if the block is behind the camera.
+std::array<Eigen::Vector2d, 2> reproject_block(const cv::Rect& block, float depth, const CameraPair& cameras) {
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
   for (const int x : {block.x, block.x + block.width})
     for (const int y : {block.y, block.y + block.height}) {
-      const Eigen::Vector3d p = to_from_from * Eigen::Vector3d(static_cast<double>(depth) * from.ray({x - 0.5, y - 0.5}));
-      const Eigen::Vector2d pixel = p.z() < kNearPlane ? Eigen::Vector2d(-1e9, -1e9) : to.project(p);
+      const Eigen::Vector3d p =
+          cameras.to_from_from * Eigen::Vector3d(static_cast<double>(depth) * cameras.from.ray({x - 0.5, y - 0.5}));
+      const Eigen::Vector2d pixel = p.z() < kNearPlane ? Eigen::Vector2d(-1e9, -1e9) : cameras.to.project(p);
       low = low.cwiseMin(pixel);
       high = high.cwiseMax(pixel);
     }
   return {low, high};
 }
 
-// What the mask hides, drawn into the other image: each block as deep as the nearest return in it, and as the nearest of the
-// object that it may belong to, for rays pass through glass.
-void draw_hidden(const cv::Mat1b& mask, const cv::Mat1f& depths, const Camera& from, const Camera& to, const SE3& to_from_from,
-                 cv::Mat1b& out) {
-  const cv::Mat1b masked = masked_blocks(mask, from);
+// Draws the masked blocks into the other image: at the depth of the nearest return in the block, and at the depth of the
+// nearest return of the object that it may belong to, because rays pass through glass.
+void draw_masked(const cv::Mat1b& mask, const cv::Mat1f& depths, const CameraPair& cameras, cv::Mat1b& out) {
+  const cv::Mat1b masked = find_masked_blocks(mask, cameras.from);
   cv::Mat1f own = depths.clone();
   own.setTo(kNoDepth, masked == 0);
-  const cv::Mat1f object = least_round(own, kObjectBlocks);
-  const float least = *std::min_element(own.begin(), own.end());
+  const cv::Mat1f object = find_object_depths(own);
+  const float nearest = *std::min_element(own.begin(), own.end());
   for (int y = 0; y < masked.rows; ++y)
     for (int x = 0; x < masked.cols; ++x) {
       if (masked(y, x) == 0) continue;
-      const cv::Rect block = pixels_of({x, y}, from);
-      for (float depth : {own(y, x), object(y, x) == kNoDepth ? least : object(y, x)}) {
+      const cv::Rect block = to_pixels({x, y}, cameras.from);
+      for (float depth : {own(y, x), object(y, x) == kNoDepth ? nearest : object(y, x)}) {
         if (depth == kNoDepth) continue;
-        const auto [low, high] = extent(block, depth, from, to, to_from_from);
-        cv::rectangle(out, to_drawing_pixel(low.x() - kDrawnMarginPx, low.y() - kDrawnMarginPx),
-                      to_drawing_pixel(high.x() + kDrawnMarginPx, high.y() + kDrawnMarginPx), 255, cv::FILLED);
+        const auto [low, high] = reproject_block(block, depth, cameras);
+        const int margin_px = kReprojection.margin_px;
+        cv::rectangle(out, to_drawing_pixel(low.x() - margin_px, low.y() - margin_px),
+                      to_drawing_pixel(high.x() + margin_px, high.y() + margin_px), 255, cv::FILLED);
       }
     }
 }
 
-// What may lie outside of the first camera's image, which knows nothing of it.
-void draw_outside(const cv::Mat1f& depths, const Camera& from, const Camera& to, const SE3& to_from_from, cv::Mat1b& out) {
-  const cv::Mat1f nearest = least_round(depths, kObjectBlocks);
+// Masks the blocks whose surfaces may lie outside of the masked camera's image. `cameras.to` is the masked camera.
+void draw_outside(const cv::Mat1f& depths, const CameraPair& cameras, cv::Mat1b& out) {
+  const cv::Mat1f nearest = find_object_depths(depths);
   for (int y = 0; y < nearest.rows; ++y)
     for (int x = 0; x < nearest.cols; ++x)
-      for (const float depth : {nearest(y, x), kFarthestM}) {
+      for (const float depth : {nearest(y, x), kReprojection.infinity_m}) {
         if (depth == kNoDepth) continue;
-        const cv::Rect block = pixels_of({x, y}, from);
-        const auto [low, high] = extent(block, depth, from, to, to_from_from);
-        if (!to.contains(low) || !to.contains(high)) out(block) = 255;
+        const cv::Rect block = to_pixels({x, y}, cameras.from);
+        const auto [low, high] = reproject_block(block, depth, cameras);
+        if (!cameras.to.contains(low) || !cameras.to.contains(high)) out(block) = 255;
       }
 }
 
-// The returns of the scan nearest to a time, world axes.
-std::vector<Eigen::Vector3d> returns_near(const Drive& drive, std::int64_t time_ns, const Trajectory& world_from_lidar) {
+// Returns the returns of the scan nearest to a time, world axes.
+std::vector<Eigen::Vector3d> read_returns(const Drive& drive, std::int64_t time_ns, const Trajectory& world_from_lidar) {
   const auto nearest = nearest_in_time(drive.scan_headers.begin(), drive.scan_headers.end(), time_ns);
   if (nearest == drive.scan_headers.end() || time_ns < nearest->start_ns - kMaxRigGapNs ||
       time_ns > nearest->end_ns + kMaxRigGapNs)
@@ -122,12 +137,13 @@ cv::Mat1b reproject_mask(const cv::Mat1b& mask, const RigCamera& masked, const R
                          const std::vector<Eigen::Vector3d>& returns) {
   const SE3 other_from_masked = other.camera_from_world * masked.camera_from_world.inverse();
   cv::Mat1b out(other.camera.height, other.camera.width, uchar{0});
-  const cv::Mat1f depths = nearest_depths(masked, returns);
+  const cv::Mat1f depths = find_nearest_depths(masked, returns);
   const bool measured = std::any_of(depths.begin(), depths.end(), [](float depth) { return depth < kNoDepth; });
   if (!measured) return cv::Mat1b(out.size(), uchar{255});
-  draw_hidden(mask, depths, masked.camera, other.camera, other_from_masked, out);
-  cv::morphologyEx(out, out, cv::MORPH_CLOSE, cv::Mat1b(kClosedGapPx, kClosedGapPx, uchar{1}));
-  draw_outside(nearest_depths(other, returns), other.camera, masked.camera, other_from_masked.inverse(), out);
+  draw_masked(mask, depths, {masked.camera, other.camera, other_from_masked}, out);
+  const int gap_px = kReprojection.closed_gap_px;
+  cv::morphologyEx(out, out, cv::MORPH_CLOSE, cv::Mat1b(gap_px, gap_px, uchar{1}));
+  draw_outside(find_nearest_depths(other, returns), {other.camera, masked.camera, other_from_masked.inverse()}, out);
   return out;
 }
 
@@ -135,14 +151,14 @@ Lazy<cv::Mat1b> reproject_masks(const Drive& drive, const Lazy<cv::Mat1b>& own, 
                                 const Trajectory& world_from_lidar) {
   return {other.frames.size(), [=](std::size_t i) {
             const Frame& frame = other.frames[i];
-            const Frame* const together = nearest_in_time(drive.frames, frame.time_ns, kMaxRigGapNs);
+            const Frame* const simultaneous = nearest_in_time(drive.frames, frame.time_ns, kMaxRigGapNs);
             const auto here = world_from_lidar.at(frame.time_ns);
-            const auto there = together ? world_from_lidar.at(together->time_ns) : std::nullopt;
+            const auto there = simultaneous ? world_from_lidar.at(simultaneous->time_ns) : std::nullopt;
             if (!here || !there) return cv::Mat1b(other.camera.height, other.camera.width, uchar{255});
-            const auto mask = own[static_cast<std::size_t>(together - drive.frames.data())];
+            const auto mask = own[static_cast<std::size_t>(simultaneous - drive.frames.data())];
             return reproject_mask(*mask, {drive.camera, drive.camera_from_lidar * there->inverse()},
                                   {other.camera, other.camera_from_lidar * here->inverse()},
-                                  returns_near(other, frame.time_ns, world_from_lidar));
+                                  read_returns(other, frame.time_ns, world_from_lidar));
           }};
 }
 

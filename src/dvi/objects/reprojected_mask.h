@@ -17,17 +17,19 @@ struct RigCamera {
   SE3 camera_from_world;
 };
 
-/// The mask of one camera as another needs it that was there at the same time: 255 where the other may show what `mask` hides,
-/// or what lies outside of the first one's image, of which its mask says nothing. What is hidden lies as deep as the nearest
-/// returns in and around each block of the mask. `returns`: of the scan, world axes; without any in the mask, all is 255.
+/// Reprojects the mask of one camera of a rig to another camera, at the same time. The result is 255 where the other camera may
+/// show masked surfaces, or surfaces outside the first image, for which no mask exists. Masked surfaces have the depth of the
+/// nearest returns in and around each block of the mask. `returns` are those of the scan, world axes. Without returns in the
+/// first image, all pixels are 255.
 cv::Mat1b reproject_mask(const cv::Mat1b& mask, const RigCamera& masked, const RigCamera& other,
                          const std::vector<Eigen::Vector3d>& returns);
 
-/// Images that cameras of a rig took at the same time are no farther apart; traffic at 15 m/s moves .3 m in between.
+/// Images of the cameras of a rig belong together if their times differ by at most this much, in which objects at 15 m/s move
+/// 0.3 m.
 constexpr std::int64_t kMaxRigGapNs = 20'000'000;
 
-/// The masks of a drive's own camera (`own`, as its frames), reprojected to another camera of it, as its frames. A frame of
-/// which the own camera has none at the same time is masked completely.
+/// Reprojects the masks of a drive's own camera (`own`, per frame) to another camera of the rig, per frame of `other`. A frame
+/// without an image of the own camera at the same time is masked completely.
 Lazy<cv::Mat1b> reproject_masks(const Drive& drive, const Lazy<cv::Mat1b>& own, const Drive& other,
                                 const Trajectory& world_from_lidar);
 

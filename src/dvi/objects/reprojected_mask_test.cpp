@@ -7,17 +7,17 @@ namespace dvi::objects {
 namespace {
 
 constexpr double kBaseline = 0.5, kFocal = 200, kObject = 4, kWall = 40;  // meters, pixels, meters, meters
-const cv::Rect kHidden(100, 40, 60, 40);                                  // of the object, in the first image
+const cv::Rect kHidden(100, 40, 60, 40);                                  // the object in the first image
 constexpr int kShiftOfObject = 25;                                        // pixels between the images: 200 x .5 / 4
 
-/// Two cameras side by side before a wall, and an object that the first one's mask hides.
+/// Two cameras side by side before a wall, and an object that the mask of the first one covers.
 struct Pair {
   RigCamera first{{320, 120, kFocal, kFocal, 160, 60, {}}, {}};
   RigCamera right = first;
   cv::Mat1b mask{cv::Mat1b(120, 320, uchar{0})};
   std::vector<Eigen::Vector3d> returns;
 
-  /// `on_object`: whether the object returns a ray through a pixel of the first image; one that it lets pass meets the wall.
+  /// `on_object` returns whether the object reflects the ray through a pixel of the first image. Other rays hit the wall.
   template <class OnObject>
   explicit Pair(OnObject on_object) {
     right.camera_from_world.t.x() = -kBaseline;
@@ -34,25 +34,25 @@ struct Pair {
 
 const cv::Rect kShown = kHidden - cv::Point(kShiftOfObject, 0);  // the object in the other image
 
-TEST(CarriedMask, HidesTheObjectWhereTheOtherCameraSeesIt) {
+TEST(ReprojectedMask, CoversTheObjectInTheOtherCamera) {
   const cv::Mat1b mask = Pair([](int, int) { return true; }).reprojected();
   EXPECT_EQ(cv::countNonZero(mask(kShown)), kShown.area());
 }
 
-TEST(CarriedMask, LeavesWhatTheOtherCameraSeesPastTheObject) {
+TEST(ReprojectedMask, DoesNotCoverTheBackgroundBesideTheObject) {
   const cv::Mat1b mask = Pair([](int, int) { return true; }).reprojected();
   const cv::Rect past(kShown.br().x + 10, kHidden.y, 2, kHidden.height);  // up to 7 px before the wall's shift ends
   EXPECT_EQ(cv::countNonZero(mask(past)), 0);
   EXPECT_EQ(cv::countNonZero(mask(cv::Rect(10, 8, 300, 20))), 0) << "far above";
 }
 
-TEST(CarriedMask, HoldsWhereRaysPassThroughGlass) {
+TEST(ReprojectedMask, CoversObjectsWhoseGlassRaysPass) {
   const auto frame_only = [](int x, int y) { return x < 108 || x > 152 || y < 48 || y > 72; };
   const cv::Mat1b mask = Pair(frame_only).reprojected();
   EXPECT_EQ(cv::countNonZero(mask(kShown)), kShown.area());
 }
 
-TEST(CarriedMask, HidesWhatTheFirstCameraDidNotSee) {
+TEST(ReprojectedMask, CoversAreasOutsideTheFirstImage) {
   Pair pair([](int, int) { return true; });
   pair.right.camera_from_world =
       SE3{so3_exp({0, -0.5, 0}), Eigen::Vector3d::Zero()} * pair.right.camera_from_world;  // looks farther to the right
@@ -61,7 +61,7 @@ TEST(CarriedMask, HidesWhatTheFirstCameraDidNotSee) {
   EXPECT_EQ(mask(20, 60), 0);
 }
 
-TEST(CarriedMask, HidesAllWithoutReturns) {
+TEST(ReprojectedMask, CoversTheImageWithoutReturns) {
   Pair pair([](int, int) { return true; });
   pair.returns.clear();
   EXPECT_EQ(cv::countNonZero(pair.reprojected()), 320 * 120);

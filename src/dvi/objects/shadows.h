@@ -7,9 +7,9 @@
 
 namespace dvi::objects {
 
-/// The masks of posed views, and beside each masked object the ground that its shadow darkens or that mirrors it: what differs
-/// there from the same ground at other times, in common light, and hangs together with the mask. On demand, as `views`;
-/// each is found once, and its outline kept. Views of one drive; `ground` is its ground, in the world of the views.
-Lazy<cv::Mat1b> with_shadows(const Views& views, const std::shared_ptr<const ground::ScanGround>& ground);
+/// Adds shadows and reflections to the masks of posed views: ground beside a masked object that differs from the same ground at
+/// other times, at equal exposure, and is connected to the mask. Masks are per view, on demand, and each is computed once. All
+/// views belong to one drive; `ground` is its ground in the world of the views. Method: docs/algorithms/objects.md.
+Lazy<cv::Mat1b> add_shadows(const Views& views, const std::shared_ptr<const ground::ScanGround>& ground);
 
 }  // namespace dvi::objects

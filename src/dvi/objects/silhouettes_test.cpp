@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/image/region.h"
-#include "dvi/objects/plain.h"
+#include "dvi/objects/plain_drive.h"
 #include "dvi/objects/static_depth.h"
 #include "dvi/testing/memory_views.h"
 
@@ -17,39 +17,38 @@ namespace {
 constexpr std::size_t kFrame = 20;
 const cv::Vec3b kSky(200, 180, 160), kRed(30, 30, 200);
 
-// Films the plain with an upright board that moves away ahead and to the left, so that all round it is seen at other times.
-struct Filmed {
-  Plain plain{40, 0};
+// Images of the plain with an upright board that moves away ahead and to the left, so that all of the background around it is
+// observed at other times.
+struct FilmedBoard {
+  PlainDrive plain{40, 0};
   std::shared_ptr<const ground::ScanGround> ground = std::make_shared<const ground::ScanGround>(plain.drive, plain.drive.poses);
   std::vector<View> views;
   std::vector<cv::Mat3b> images;
   std::vector<cv::Mat1b> boards;
 
-  explicit Filmed(const cv::Vec3b& color, double light_step = 0) {
+  explicit FilmedBoard(const cv::Vec3b& color, double exposure_step = 0) {
     const Drive& drive = plain.drive;
     for (std::size_t i = 0; i < drive.frames.size(); ++i) {
       const SE3 camera_from_world = drive.camera_from_lidar * drive.poses.at(drive.frames[i].time_ns)->inverse();
       views.push_back({0, i, drive.frames[i].time_ns, drive.camera, camera_from_world});
       film(views.back(), {7 + 1.1 * static_cast<double>(i), 0.3 * (static_cast<double>(i) - kFrame)}, color,
-           1 + light_step * static_cast<double>(i));
+           1 + exposure_step * static_cast<double>(i));
     }
   }
 
-  // What is found where the outlines are these.
-  cv::Mat1b found(const std::vector<cv::Mat1b>& outlines) const {
-    const Views seen = memory_views(views, images, outlines);
-    const Lazy<cv::Mat1f> standing =
-        static_depth(plain.drive, plain.drive.poses, shared(FrameLabels(views.size())), seen, ground);
-    return silhouettes(seen, standing, ground)[kFrame]->clone();
+  cv::Mat1b refine(const std::vector<cv::Mat1b>& outlines) const {
+    const Views masked = memory_views(views, images, outlines);
+    const StaticScene scene{plain.drive, plain.drive.poses, shared(FrameLabels(views.size())), ground};
+    return refine_silhouettes(masked, render_static_depth(scene, masked), ground)[kFrame]->clone();
   }
-  std::vector<cv::Mat1b> wider(int by) const {
+  std::vector<cv::Mat1b> dilate_boards(int radius_px) const {
     std::vector<cv::Mat1b> out;
-    for (const cv::Mat1b& board : boards) out.push_back(grown(board, by));
+    for (const cv::Mat1b& board : boards) out.push_back(grown(board, radius_px));
     return out;
   }
 
  private:
-  void film(const View& view, const Eigen::Vector2d& board_at, const cv::Vec3b& color, double light) {
+  void film(const View& view, const Eigen::Vector2d& board_at, const cv::Vec3b& color, double exposure) {
     const SE3 world_from_camera = view.camera_from_world.inverse();
     cv::Mat3b image(view.camera.height, view.camera.width, kSky);
     cv::Mat1b board(image.size(), uchar{0});
@@ -62,7 +61,7 @@ struct Filmed {
           image(y, x) = color;
         } else if (ray.z() < 0) {
           const Eigen::Vector2d foot = (world_from_camera.t - world_from_camera.t.z() / ray.z() * ray).head<2>();
-          image(y, x) = cv::Vec3b::all(cv::saturate_cast<uchar>(road(foot) * light));
+          image(y, x) = cv::Vec3b::all(cv::saturate_cast<uchar>(sample_road(foot) * exposure));
         }
       }
     images.push_back(image);
@@ -70,70 +69,70 @@ struct Filmed {
   }
 };
 
-TEST(Silhouettes, EndWithTheirObjectsAlsoWhenTheLightDrifts) {
+TEST(Silhouettes, EndWithTheirObjectsAlsoIfTheExposureDrifts) {
   for (const double drift : {0.0, 0.01}) {
-    const Filmed filmed(kRed, drift);
-    const cv::Mat1b found = filmed.found(filmed.wider(14)), board = filmed.boards[kFrame];
+    const FilmedBoard filmed(kRed, drift);
+    const cv::Mat1b found = filmed.refine(filmed.dilate_boards(14)), board = filmed.boards[kFrame];
     EXPECT_EQ(cv::countNonZero(board & ~found), 0);
-    const cv::Mat1b rim(grown(board, 14) & ~grown(board, 8));
-    EXPECT_LT(cv::countNonZero(found & rim), cv::countNonZero(rim) / 20);
+    const cv::Mat1b boundary(grown(board, 14) & ~grown(board, 8));
+    EXPECT_LT(cv::countNonZero(found & boundary), cv::countNonZero(boundary) / 20);
     EXPECT_EQ(cv::countNonZero(found & ~grown(board, 14)), 0);
   }
 }
 
-TEST(Silhouettes, ReachWhatTheirOutlinesMissed) {
-  const Filmed filmed(kRed);
-  std::vector<cv::Mat1b> outlines = filmed.wider(0);
+TEST(Silhouettes, IncludePartsThatTheirOutlinesMiss) {
+  const FilmedBoard filmed(kRed);
+  std::vector<cv::Mat1b> outlines = filmed.dilate_boards(0);
   for (std::size_t i = 0; i < outlines.size(); ++i) {  // the upper fifth is glass
     const cv::Rect box = cv::boundingRect(outlines[i]);
     outlines[i].rowRange(box.y, box.y + box.height / 5) = 0;
   }
   const cv::Mat1b board = filmed.boards[kFrame];
   ASSERT_GT(cv::countNonZero(board & ~outlines[kFrame]), 100);
-  const cv::Mat1b found = filmed.found(outlines);
+  const cv::Mat1b found = filmed.refine(outlines);
   EXPECT_EQ(cv::countNonZero(board & ~found), 0);
   EXPECT_EQ(cv::countNonZero(found & ~grown(board, 10)), 0);
 }
 
-TEST(Silhouettes, KeepOutlinesOfWhatLooksLikeItsBackground) {
-  const Filmed filmed(kSky);
-  const std::vector<cv::Mat1b> outlines = filmed.wider(8);
-  const cv::Mat1b found = filmed.found(outlines), board = filmed.boards[kFrame];
+TEST(Silhouettes, KeepOutlinesOfObjectsWithTheColorOfTheBackground) {
+  const FilmedBoard filmed(kSky);
+  const std::vector<cv::Mat1b> outlines = filmed.dilate_boards(8);
+  const cv::Mat1b found = filmed.refine(outlines), board = filmed.boards[kFrame];
   EXPECT_EQ(cv::countNonZero(board & ~found), 0);
 }
 
-TEST(Silhouettes, KeepWhatIsNarrowBesideWhatIsWide) {
-  const Filmed filmed(kRed);
-  std::vector<cv::Mat1b> outlines = filmed.wider(4);
+TEST(Silhouettes, KeepNarrowObjectsBesideWideOnes) {
+  const FilmedBoard filmed(kRed);
+  std::vector<cv::Mat1b> outlines = filmed.dilate_boards(4);
   const cv::Rect narrow = cv::boundingRect(outlines[kFrame]), feet(narrow.x, narrow.br().y - 8, 3 * narrow.width, 8);
-  const cv::Rect wide(feet.br().x, narrow.y - narrow.height, 200, 2 * narrow.height);  // nobody sees past it
+  const cv::Rect wide(feet.br().x, narrow.y - narrow.height, 200, 2 * narrow.height);  // hides its background in all views
   for (cv::Mat1b& outline : outlines)
     for (const cv::Rect& part : {feet, wide}) outline(part & cv::Rect({}, outline.size())) = 255;
   const cv::Mat1b board = filmed.boards[kFrame];
-  EXPECT_EQ(cv::countNonZero(board & ~filmed.found(outlines)), 0);
+  EXPECT_EQ(cv::countNonZero(board & ~filmed.refine(outlines)), 0);
 }
 
-TEST(Silhouettes, KeepOutlinesThatNobodyElseSawAround) {
-  Filmed filmed(kRed);
-  const std::vector<cv::Mat1b> outlines = filmed.wider(8);
+TEST(Silhouettes, KeepOutlinesWithAnUnobservedBackground) {
+  FilmedBoard filmed(kRed);
+  const std::vector<cv::Mat1b> outlines = filmed.dilate_boards(8);
   std::vector<cv::Mat1b> hidden(outlines.size(), cv::Mat1b(outlines[0].size(), uchar{255}));
   hidden[kFrame] = outlines[kFrame];
-  EXPECT_EQ(cv::norm(filmed.found(hidden), outlines[kFrame], cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(filmed.refine(hidden), outlines[kFrame], cv::NORM_INF), 0);
 }
 
-TEST(Silhouettes, LeaveNothingOfAnOutlineInWhichTheRoadIsSeen) {
-  const Filmed filmed(kRed);
-  std::vector<cv::Mat1b> outlines = filmed.wider(8);
-  const cv::Mat1b real = filmed.found(outlines);
+TEST(Silhouettes, RejectOutlinesThatShowTheRoad) {
+  const FilmedBoard filmed(kRed);
+  std::vector<cv::Mat1b> outlines = filmed.dilate_boards(8);
+  const cv::Mat1b real = filmed.refine(outlines);
   const cv::Rect phantom(220, 120, 60, 50);
   ASSERT_EQ(cv::countNonZero(outlines[kFrame](phantom)), 0);
   outlines[kFrame](phantom) = 255;
-  EXPECT_EQ(cv::norm(filmed.found(outlines), real, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(filmed.refine(outlines), real, cv::NORM_INF), 0);
 }
 
-// A wall ahead, and before it something that a label's box holds.
-TEST(StandingDepth, SeesPastWhatIsInBoxes) {
-  Plain plain(3, 0);
+// A wall ahead, and an object before it within the box of a label.
+TEST(StaticDepth, ExcludesReturnsWithinBoxes) {
+  PlainDrive plain(3, 0);
   plain.drive.scans = Lazy<Scan>(3, 3, [](std::size_t i) {
     Scan scan;
     const auto put = [&](double x, double y, double z) {
@@ -149,7 +148,7 @@ TEST(StandingDepth, SeesPastWhatIsInBoxes) {
     return scan;
   });
   const std::shared_ptr<const ground::ScanGround> ground =
-      std::make_shared<const ground::ScanGround>(Plain(3, 0).drive, Plain(3, 0).drive.poses);
+      std::make_shared<const ground::ScanGround>(PlainDrive(3, 0).drive, PlainDrive(3, 0).drive.poses);
   Views views;
   for (std::size_t i = 0; i < 3; ++i)
     views.views.push_back({0, i, plain.drive.frames[i].time_ns, plain.drive.camera,
@@ -161,7 +160,7 @@ TEST(StandingDepth, SeesPastWhatIsInBoxes) {
       label.box = Box{SE3{Eigen::Matrix3d::Identity(), {10 - 0.8 * static_cast<double>(i), 0, -0.5}}, {1, 2.2, 1.4}};
       labels[i].push_back(label);
     }
-    return static_depth(plain.drive, plain.drive.poses, shared(labels), views, ground)[0]->clone();
+    return render_static_depth({plain.drive, plain.drive.poses, shared(labels), ground}, views)[0]->clone();
   };
   const cv::Point low(80, 46);  // half size: 0.5 m below the sensor at 10 m
   EXPECT_NEAR(depth_with(false)(low), 10, 0.1);

@@ -8,10 +8,16 @@
 
 namespace dvi::objects {
 
-/// What stands in a drive, as its views see it at half their size: meters along the optical axis to the nearest return above
-/// the ground that the scans of a second before and after have of it; 0 where there is none. Returns within the boxes of
-/// `objects` (as the drive's frames) do not count. On demand, as `views`.
-Lazy<cv::Mat1f> static_depth(const Drive& drive, const Trajectory& world_from_lidar, const SharedLabels& objects,
-                             const Views& views, const std::shared_ptr<const ground::ScanGround>& ground);
+/// The scans of a drive, and the objects that do not belong to its static surfaces.
+struct StaticScene {
+  Drive drive;
+  Trajectory world_from_lidar;
+  SharedLabels objects;  ///< per frame; returns within their boxes are left out
+  std::shared_ptr<const ground::ScanGround> ground;
+};
+
+/// Renders the static surfaces of a drive into its views at half size: the depth in meters of the nearest return above the
+/// ground, from the scans of a second before and after; 0 where there is none. Per view, on demand.
+Lazy<cv::Mat1f> render_static_depth(const StaticScene& scene, const Views& views);
 
 }  // namespace dvi::objects

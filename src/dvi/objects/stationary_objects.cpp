@@ -24,7 +24,7 @@ void from_json(const nlohmann::json& json, StationaryObjects& objects) {
 std::optional<StationaryObjects> count_stationary(const CameraEvidence& evidence, const RemovalOptions& options) {
   if (evidence.source != MaskSource::labels || options.remove == Remove::moving) return std::nullopt;
   const Drive& drive = evidence.drive;
-  StationaryObjects out{.stationary = stationary_tracks(drive, evidence.world_from_lidar).size()};
+  StationaryObjects out{.stationary = find_stationary_tracks(drive, evidence.world_from_lidar).size()};
   if (out.stationary == 0) return std::nullopt;
   std::set<int> tracks;
   for (const Frame& frame : drive.frames)
@@ -33,7 +33,7 @@ std::optional<StationaryObjects> count_stationary(const CameraEvidence& evidence
   out.tracks = tracks.size();
   const Lazy<cv::Mat1b> all = draw_plain_masks(evidence, shared(drive.labels()), options);
   const Lazy<cv::Mat1b> moving =
-      draw_plain_masks(evidence, shared(without_stationary(drive, evidence.world_from_lidar)), options);
+      draw_plain_masks(evidence, shared(remove_stationary(drive, evidence.world_from_lidar)), options);
   std::vector<std::size_t> pixels(all.size());
   parallel_for(pixels.size(), [&](std::size_t i) {
     pixels[i] = static_cast<std::size_t>(cv::countNonZero(cv::Mat1b(*all[i] & ~*moving[i])));

@@ -9,17 +9,19 @@
 
 namespace dvi::objects {
 
-/// Removed tracks of a drive that are stationary.
+/// The removed tracks of a drive that are stationary.
 struct StationaryObjects {
-  std::size_t tracks = 0, stationary = 0;  ///< removed tracks; those of them that are stationary
-  std::size_t pixels = 0;                  ///< of the hole, that `--remove moving` would not remove
+  std::size_t tracks = 0;      ///< number of removed tracks
+  std::size_t stationary = 0;  ///< number of stationary tracks among them
+  std::size_t pixels = 0;      ///< pixels of the hole that `--remove moving` would not remove
 };
 
-// As report.json has it. Only .cpp files that write or read a document use these.
+// The form of report.json. Only .cpp files that write or read a document use these.
 void to_json(nlohmann::json& json, const StationaryObjects& objects);
 void from_json(const nlohmann::json& json, StationaryObjects& objects);
 
-/// What is removed although it is stationary; none where the evidence does not show what is stationary.
+/// Counts the stationary tracks that are removed. Returns nothing if there are none or the evidence does not show the motion
+/// state.
 std::optional<StationaryObjects> count_stationary(const CameraEvidence& evidence, const RemovalOptions& options);
 
 }  // namespace dvi::objects

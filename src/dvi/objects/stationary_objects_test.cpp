@@ -15,7 +15,7 @@ Label car(int track, double x, double y) {
   return out;
 }
 
-// The recording car drives at 10 m/s; track 1 is parked on the left, track 2 drives ahead on the right.
+// Makes a drive at 10 m/s. Track 1 is parked on the left, and track 2 drives ahead on the right.
 Drive labeled_drive() {
   Drive drive;
   drive.camera = {200, 100, 100, 100, 99.5, 49.5, {}};
@@ -37,7 +37,7 @@ CameraEvidence evidence_of(const Drive& drive, const Trajectory& world_from_lida
   return {.drive = drive, .world_from_lidar = world_from_lidar, .name = "drive", .source = MaskSource::labels};
 }
 
-TEST(StationaryObjects, AreTheHoleThatRemoveMovingLeaves) {
+TEST(StationaryObjects, CountThePixelsThatRemoveMovingWouldKeep) {
   const Drive drive = labeled_drive();
   const RemovalOptions options;
   const std::optional<StationaryObjects> found = count_stationary(evidence_of(drive, drive.poses), options);
@@ -53,15 +53,15 @@ TEST(StationaryObjects, AreTheHoleThatRemoveMovingLeaves) {
   EXPECT_EQ(found->pixels, parked);
 }
 
-TEST(StationaryObjects, AreUnknownWithoutPosesOrLabelsAndWhereTheyStay) {
+TEST(StationaryObjects, AreNotCountedWithoutPosesOrLabelsOrIfTheyRemain) {
   Drive drive = labeled_drive();
   const Trajectory none;
   CameraEvidence evidence = evidence_of(drive, drive.poses);
   EXPECT_FALSE(count_stationary(evidence_of(drive, none), {})) << "no poses";
-  EXPECT_FALSE(count_stationary(evidence, {.remove = Remove::moving, .masks = {}})) << "they stay";
+  EXPECT_FALSE(count_stationary(evidence, {.remove = Remove::moving, .masks = {}})) << "they remain";
   evidence.source = MaskSource::files;
   drive.masks = {10, [](std::size_t) { return cv::Mat1b(100, 200, uchar{255}); }};
-  EXPECT_FALSE(count_stationary(evidence, {})) << "mask files do not say";
+  EXPECT_FALSE(count_stationary(evidence, {})) << "mask files do not show the motion state";
   evidence.source.reset();
   EXPECT_FALSE(count_stationary(evidence, {})) << "nothing is removed";
 }

@@ -14,24 +14,29 @@
 namespace dvi::objects {
 namespace {
 
-constexpr double kOutlineWindow = 0.25;    // seconds each way in which an object hardly turns
-constexpr double kRoof = 0.5;              // meters: windows are no higher
-constexpr double kShape = kRoof / 3;       // meters between rays: above, so few hit a window that a lost one hides the shape
-constexpr std::size_t kFewestPlaced = 20;  // returns so far apart that place an object: of fewer, single wrong ones move it
-constexpr double kMargin = 0.05;           // meters round the returns: the ends of an object lie between rays
-constexpr double kMirror = 0.2;            // meters beside the returns: what sticks out between rays
-constexpr double kAlongside = 6;           // meters: of what is nearer, the part within the image is farther away
-constexpr int kBlur = 4;                   // pixels at least: the image's own
-constexpr double kPerson = 1.2;            // meters: what is longer is a vehicle
+struct OutlineParams {
+  double window_s = 0.25;               ///< time to the nearest scan; an object hardly turns within it
+  double window_height_m = 0.5;         ///< height of car windows, which return few rays below the roof
+  double max_ray_spacing_m = 0.5 / 3;   ///< beyond, so few rays hit a window that a missing one hides the shape
+  std::size_t min_sparse_returns = 20;  ///< so far apart, fewer returns do not locate an object: single errors would move it
+  double margin_m = 0.05;               ///< around the returns: the ends of an object lie between rays
+  double side_margin_m = 0.2;           ///< beside the returns: mirrors and other parts between rays
+  /// Smallest depth for the conversion of margins to pixels. The visible part of a nearer object is farther away than its
+  /// nearest return.
+  double min_margin_depth_m = 6;
+  int min_margin_px = 4;      ///< blur of the image
+  double max_person_m = 1.2;  ///< a longer object is a vehicle
+};
+constexpr OutlineParams kOutline{};
 
 struct Body {
   std::vector<Eigen::Vector3d> points;  // world axes, at the time of the image
-  std::vector<Eigen::Vector3d> feet;    // likewise: the ground below them
+  std::vector<Eigen::Vector3d> feet;    // the ground below them
   Eigen::Vector2d heading = Eigen::Vector2d::UnitX();
-  bool shapeless = false;  // rays are too far apart to show where it ends
+  bool is_sparse = false;  // rays are too far apart to show the shape
 };
 
-// Grows an interval to a length, away from the sensor: the face toward it is the one that its rays hit.
+// Extends an interval to a length, away from the sensor, because its rays hit the side that faces it.
 void lengthen(double& low, double& high, double length, double sensor) {
   const double lacking = length - (high - low);
   if (lacking <= 0) return;
@@ -40,8 +45,8 @@ void lengthen(double& low, double& high, double length, double sensor) {
   low -= (1 - share) * lacking;
 }
 
-// The corners of the box of the whole object that these returns are part of.
-void add_whole(const Track& track, double ground, const Eigen::Vector2d& sensor, Body& body) {
+// Adds the corners of the box of the whole object.
+void add_box(const Track& track, double ground, const Eigen::Vector2d& sensor, Body& body) {
   const Eigen::Vector2d along = body.heading, across(-along.y(), along.x());
   Eigen::Array2d low = Eigen::Array2d::Constant(1e9), high = -low;
   for (const Eigen::Vector3d& x : body.points) {
@@ -59,39 +64,41 @@ void add_whole(const Track& track, double ground, const Eigen::Vector2d& sensor,
     }
 }
 
-// The returns of the scan nearest to a time, moved to it; each also put onto the ground, where wheels and feet are. Where rays
-// are too far apart to show a shape, with the whole box, and also for a while before and after they hit it at all.
-Body body_at(const Track& track, std::int64_t time_ns, const Eigen::Vector2d& sensor) {
+// Returns the returns of the scan nearest to a time, moved to that time, and their projections to the ground, with wheels and
+// feet. If rays are too far apart to show the shape, the whole box is added, also for some time before and after the
+// observations.
+Body predict_body(const Track& track, std::int64_t time_ns, const Eigen::Vector2d& sensor) {
   Body body;
   if (track.observations.empty()) return body;
   const std::size_t nearest = track.nearest(time_ns);
   const Cluster& cluster = track.observations[nearest];
-  const double apart = std::abs(seconds_from(cluster.mean_time_ns, time_ns));
+  const double gap_s = std::abs(seconds_between(cluster.mean_time_ns, time_ns));
   const Eigen::Vector2d velocity = track.velocity(nearest);
   const std::optional<Eigen::Vector2d> heading = track.heading(nearest);
-  const bool boxed = heading && median(cluster.rise) > kShape;
-  body.shapeless = median(cluster.rise) > kShape;
-  if (apart > (boxed ? kGoesOn : kOutlineWindow)) return body;
+  body.is_sparse = median(cluster.ray_spacing_m) > kOutline.max_ray_spacing_m;
+  const bool use_box = heading && body.is_sparse;
+  if (gap_s > (use_box ? kMaxExtrapolationS : kOutline.window_s)) return body;
   if (heading) body.heading = *heading;
-  const bool upright = track.size_m.maxCoeff() > 0 && track.size_m.maxCoeff() <= kPerson;
+  const bool is_person = track.size_m.maxCoeff() > 0 && track.size_m.maxCoeff() <= kOutline.max_person_m;
   for (std::size_t k = 0; k < cluster.points.size(); ++k) {
     Eigen::Vector3d x = cluster.points[k];
-    x.head<2>() += velocity * seconds_from(cluster.time_ns[k], time_ns);
+    x.head<2>() += velocity * seconds_between(cluster.time_ns[k], time_ns);
     body.points.push_back(x);
     body.feet.emplace_back(x.x(), x.y(), cluster.ground[k]);
-    // It may go on up to the next ray, but no higher than it usually is; glass below a roof returns little, and so does hair.
-    // A head ends half the distance between rays above the highest that hits it, more or less by as much; a roof is flat. Not
-    // where rays are so far apart that the half is more than a head.
-    const double top = cluster.ground[k] + track.height_m + (upright && !body.shapeless ? 0.5 * cluster.rise[k] : 0);
-    const double above = upright || x.z() > top - kRoof ? top : std::min(x.z() + cluster.rise[k], top);
+    // The object may continue up to the next ray, but not above its usual height; glass below a roof returns little, and so
+    // does hair. A head ends half the ray spacing above its highest return on average, but a roof is flat. If rays are sparse,
+    // the half is more than a head.
+    const double top = cluster.ground[k] + track.height_m + (is_person && !body.is_sparse ? 0.5 * cluster.ray_spacing_m[k] : 0);
+    const double above =
+        is_person || x.z() > top - kOutline.window_height_m ? top : std::min(x.z() + cluster.ray_spacing_m[k], top);
     if (above > x.z()) body.points.emplace_back(x.x(), x.y(), above);
   }
-  if (boxed) add_whole(track, median(cluster.ground), sensor, body);
+  if (use_box) add_box(track, median(cluster.ground), sensor, body);
   body.points.insert(body.points.end(), body.feet.begin(), body.feet.end());
   return body;
 }
 
-Box box_round(const Body& body) {
+Box bounding_box(const Body& body) {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   R.col(0).head<2>() = body.heading;
   R.col(1).head<2>() = Eigen::Vector2d(-body.heading.y(), body.heading.x());
@@ -105,18 +112,20 @@ Box box_round(const Body& body) {
 
 }  // namespace
 
-ScanEvidence shown_by_scans(const Track& track, std::int64_t time_ns) {
-  if (track.observations.empty()) return ScanEvidence::no;
+ScanEvidence rate_scan_evidence(const Track& track, std::int64_t time_ns) {
+  if (track.observations.empty()) return ScanEvidence::none;
   const Cluster& nearest = track.observations[track.nearest(time_ns)];
-  if (std::abs(seconds_from(nearest.mean_time_ns, time_ns)) > kOutlineWindow) return ScanEvidence::no;
-  return nearest.points.size() < kFewestPlaced && median(nearest.rise) > kShape ? ScanEvidence::poorly : ScanEvidence::well;
+  if (std::abs(seconds_between(nearest.mean_time_ns, time_ns)) > kOutline.window_s) return ScanEvidence::none;
+  const bool weak =
+      nearest.points.size() < kOutline.min_sparse_returns && median(nearest.ray_spacing_m) > kOutline.max_ray_spacing_m;
+  return weak ? ScanEvidence::weak : ScanEvidence::strong;
 }
 
-std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Camera& camera, const SE3& world_from_lidar,
-                             const SE3& camera_from_lidar, double footprint_m) {
-  const Body body = body_at(track, time_ns, world_from_lidar.t.head<2>());
+std::optional<Label> draw_outline(const Track& track, std::int64_t time_ns, const OutlineView& view) {
+  const Camera& camera = view.camera;
+  const Body body = predict_body(track, time_ns, view.world_from_lidar.t.head<2>());
   if (body.points.empty()) return std::nullopt;
-  const SE3 lidar_from_world = world_from_lidar.inverse(), camera_from_world = camera_from_lidar * lidar_from_world;
+  const SE3 lidar_from_world = view.world_from_lidar.inverse(), camera_from_world = view.camera_from_lidar * lidar_from_world;
   std::vector<Eigen::Vector3d> in_camera, below;
   double nearest = 1e9;
   for (const Eigen::Vector3d& x : body.points) {
@@ -124,25 +133,27 @@ std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Cam
     if (in_camera.back().z() >= kNearPlane) nearest = std::min(nearest, in_camera.back().z());
   }
   for (const Eigen::Vector3d& x : body.feet)
-    for (const double dx : {-footprint_m, footprint_m})
-      for (const double dy : {-footprint_m, footprint_m}) below.push_back(camera_from_world * (x + Eigen::Vector3d(dx, dy, 0)));
-  // Beside a body there is nothing above the ground round it; but only returns close to each other show where the body ends.
+    for (const double dx : {-view.footprint_m, view.footprint_m})
+      for (const double dy : {-view.footprint_m, view.footprint_m})
+        below.push_back(camera_from_world * (x + Eigen::Vector3d(dx, dy, 0)));
+  // Beside the body, only the ground belongs to the object. Sparse returns do not show where the body ends.
   cv::Mat1b mask(camera.height, camera.width, uchar{0}), ground = mask.clone(), both = mask.clone();
-  const bool seen = draw_hull(in_camera, camera, mask), stands = draw_hull(below, camera, ground);
-  if (!seen && !stands) return std::nullopt;
-  const auto pixels = [&](double meters) {
-    return std::max(kBlur, cvRound(meters * camera.fx / std::max(kAlongside, nearest)));
+  const bool body_visible = draw_hull(in_camera, camera, mask), ground_visible = draw_hull(below, camera, ground);
+  if (!body_visible && !ground_visible) return std::nullopt;
+  const auto to_pixels = [&](double meters) {
+    return std::max(kOutline.min_margin_px, cvRound(meters * camera.fx / std::max(kOutline.min_margin_depth_m, nearest)));
   };
-  cv::dilate(mask, mask, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * pixels(kMirror) + 1, 2 * pixels(kMargin) + 1}));
-  mask |= grown(ground, pixels(kMargin));
+  const int margin_px = to_pixels(kOutline.margin_m), side_margin_px = to_pixels(kOutline.side_margin_m);
+  cv::dilate(mask, mask, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * side_margin_px + 1, 2 * margin_px + 1}));
+  mask |= grown(ground, margin_px);
   in_camera.insert(in_camera.end(), below.begin(), below.end());
   draw_hull(in_camera, camera, both);
-  both = grown(both, pixels(kMargin));
-  mask = body.shapeless ? both : cv::Mat1b(mask & both);
+  both = grown(both, margin_px);
+  mask = body.is_sparse ? both : cv::Mat1b(mask & both);
   if (cv::countNonZero(mask) == 0) return std::nullopt;
-  Box box = box_round(body);
+  Box box = bounding_box(body);
   Label label;
-  label.type = box.size.head<2>().maxCoeff() > kPerson ? "vehicle" : "person";
+  label.type = box.size.head<2>().maxCoeff() > kOutline.max_person_m ? "vehicle" : "person";
   box.frame_from_box = lidar_from_world * box.frame_from_box;
   label.box = box;
   label.instance = to_outline(mask);

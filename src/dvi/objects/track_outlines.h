@@ -7,15 +7,23 @@
 
 namespace dvi::objects {
 
-/// A tracked object as the image taken at `time_ns` shows it: the returns of the scan nearest to it, moved along the track,
-/// down to the ground and to `footprint_m` of it all round: its wheels, and the darkest of its shadow. None where the track has
-/// no returns near that time or they lie outside the image.
-std::optional<Label> outline(const Track& track, std::int64_t time_ns, const Camera& camera, const SE3& world_from_lidar,
-                             const SE3& camera_from_lidar, double footprint_m);
+/// The view into which outlines are drawn.
+struct OutlineView {
+  const Camera& camera;
+  SE3 world_from_lidar;
+  SE3 camera_from_lidar;
+  double footprint_m = 0;  ///< width of the ground around an object that is masked with it: wheels, and the darkest shadow
+};
 
-/// How well scans show where a tracked object is at a time: not within a quarter of a second; by returns too few and too far
-/// apart for its place and shape; well.
-enum class ScanEvidence : std::uint8_t { no, poorly, well };
-ScanEvidence shown_by_scans(const Track& track, std::int64_t time_ns);
+/// Draws a tracked object into an image taken at `time_ns`: the returns of the nearest scan, moved along the track, and the
+/// ground below and around them. Returns nothing if the track has no returns near that time or they lie outside the image.
+std::optional<Label> draw_outline(const Track& track, std::int64_t time_ns, const OutlineView& view);
+
+/// The evidence of scans for the position of a tracked object. none: no scan within a quarter of a second. weak: the returns
+/// are too few and too far apart for its position and shape.
+enum class ScanEvidence : std::uint8_t { none, weak, strong };
+
+/// Rates the evidence for a track at a time.
+ScanEvidence rate_scan_evidence(const Track& track, std::int64_t time_ns);
 
 }  // namespace dvi::objects

@@ -11,41 +11,54 @@
 namespace dvi::objects {
 namespace {
 
-constexpr double kLongestGap = 0.55;  // seconds without an observation
-constexpr double kFastest = 40;       // meters a second
-constexpr double kGate = 1;           // meters between prediction and observation
-constexpr double kAcceleration = 10;  // meters a second squared: hard braking
-constexpr double kMinDrivingSpeedMps = 1;
-constexpr double kMinMovingSpeedMps = 0.3;      // below, other scans hit the object again: it waits
-constexpr double kVelocityWindow = 0.5;         // seconds each way that a velocity is fitted over
-constexpr std::size_t kFewestObservations = 4;  // observations of an object
-constexpr double kMovingShare = 0.5;            // of its returns, those that lie where others saw through
-// Scans that follow hit the side of a long, slow van again: fewer of its returns look moving, but it goes far.
-constexpr double kSlidingShare = 1.0 / 3, kFar = 3;  // the distance, in its own lengths, that it gets
-constexpr std::size_t kLong = 10;                    // observations of such a track
-constexpr double kLeastWay = 1;                      // meters: labels, poses and the visible side of things wander less
-constexpr double kOff = 0.25;                        // of the distance it gets, what it is off a smooth motion
-constexpr double kStraight = 0.5;                    // of its way, the distance it gets
+struct TrackingParams {
+  double max_gap_s = 0.55;            ///< time without an observation after which a track ends
+  double max_speed_mps = 40;          ///< between the first two observations
+  double gate_m = 1;                  ///< distance between prediction and observation, without acceleration
+  double max_acceleration_mps2 = 10;  ///< hard braking
+  double min_heading_speed_mps = 1;   ///< below, the heading is that of another observation
+  double velocity_window_s = 0.5;     ///< time before and after over which a velocity is fitted
+};
+constexpr TrackingParams kTracking{};
 
-// How far an observation is from where the track should be; negative: it cannot be its next one.
-double distance(const Track& track, const Cluster& cluster) {
+struct MovingObjectParams {
+  std::size_t min_observations = 4;
+  double min_speed_mps = 0.3;     ///< slower observations have no vote: other scans hit an object that waits
+  double min_moving_share = 0.5;  ///< median share of returns in space that other scans observed as free
+  /// The same for a track that travels far: scans hit the side of a long, slow van again, so that fewer of its returns look
+  /// moving.
+  double min_far_moving_share = 1.0 / 3;
+  double far_distance_lengths = 3;        ///< distance of such a track, in lengths of the object
+  std::size_t min_far_observations = 10;  ///< observations of such a track
+  double min_distance_m = 1;              ///< errors of poses, and changes of the visible side, are smaller
+  double max_deviation = 0.25;            ///< deviation from a smooth motion, relative to the distance
+  double min_straightness = 0.5;          ///< ratio of distance and path length
+};
+constexpr MovingObjectParams kMovingObject{};
+
+// Returns the distance between an observation and the prediction of a track, or nothing if it cannot be its next observation.
+std::optional<double> measure_miss(const Track& track, const Cluster& cluster) {
   const Cluster& last = track.observations.back();
-  const double dt = seconds_from(last.mean_time_ns, cluster.mean_time_ns);
-  if (dt >= kLongestGap) return -1;  // the track has ended
+  const double dt = seconds_between(last.mean_time_ns, cluster.mean_time_ns);
+  if (dt >= kTracking.max_gap_s) return std::nullopt;
   const Eigen::Vector2d step = cluster.center - last.center;
-  if (track.observations.size() == 1) return step.norm() < kFastest * dt + kGate ? step.norm() : -1;
+  if (track.observations.size() == 1) {
+    if (step.norm() < kTracking.max_speed_mps * dt + kTracking.gate_m) return step.norm();
+    return std::nullopt;
+  }
   const double miss = (step - track.velocity(track.observations.size() - 1) * dt).norm();
-  return miss < kGate + 0.5 * kAcceleration * dt * dt + 0.5 * last.extent_m ? miss : -1;
+  if (miss < kTracking.gate_m + 0.5 * kTracking.max_acceleration_mps2 * dt * dt + 0.5 * last.extent_m) return miss;
+  return std::nullopt;
 }
 
 }  // namespace
 
 std::optional<Eigen::Vector2d> Track::heading(std::size_t observation) const {
-  for (std::size_t apart = 0; apart < observations.size(); ++apart)
+  for (std::size_t offset = 0; offset < observations.size(); ++offset)
     for (const bool later : {false, true}) {
-      if (later ? observation + apart >= observations.size() : apart > observation) continue;
-      const Eigen::Vector2d at = velocity(later ? observation + apart : observation - apart);
-      if (at.norm() > kMinDrivingSpeedMps) return at.normalized();
+      if (later ? observation + offset >= observations.size() : offset > observation) continue;
+      const Eigen::Vector2d velocity_mps = velocity(later ? observation + offset : observation - offset);
+      if (velocity_mps.norm() > kTracking.min_heading_speed_mps) return velocity_mps.normalized();
     }
   return std::nullopt;
 }
@@ -54,12 +67,14 @@ Track::State Track::state(std::size_t observation) const {
   const std::int64_t origin = observations[observation].mean_time_ns;
   double n = 0, t = 0, tt = 0;
   Eigen::Vector2d x = Eigen::Vector2d::Zero(), tx = Eigen::Vector2d::Zero();
-  const auto outside = [&](const Cluster& o) { return std::abs(seconds_from(origin, o.mean_time_ns)) > kVelocityWindow; };
+  const auto outside = [&](const Cluster& o) {
+    return std::abs(seconds_between(origin, o.mean_time_ns)) > kTracking.velocity_window_s;
+  };
   std::size_t first = observation;
   while (first > 0 && !outside(observations[first - 1])) --first;
   for (std::size_t i = first; i < observations.size() && !outside(observations[i]); ++i) {
     const Cluster& o = observations[i];
-    const double dt = seconds_from(origin, o.mean_time_ns);
+    const double dt = seconds_between(origin, o.mean_time_ns);
     n += 1, t += dt, tt += dt * dt;
     x += o.center, tx += dt * o.center;
   }
@@ -74,39 +89,46 @@ std::size_t Track::nearest(std::int64_t time_ns) const {
   return static_cast<std::size_t>(found - observations.begin());
 }
 
-bool moves(const Track& track) {
-  const auto& seen = track.observations;
-  if (seen.size() < kFewestObservations) return false;
+bool is_moving_object(const Track& track) {
+  const auto& observations = track.observations;
+  if (observations.size() < kMovingObject.min_observations) return false;
   std::vector<double> shares, extents;
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    extents.push_back(seen[i].extent_m);
-    if (track.velocity(i).norm() >= kMinMovingSpeedMps) shares.push_back(seen[i].moving_share);
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    extents.push_back(observations[i].extent_m);
+    if (track.velocity(i).norm() >= kMovingObject.min_speed_mps) shares.push_back(observations[i].moving_share);
   }
-  if (shares.size() < kFewestObservations) return false;
-  double farthest = 0, way = 0, off = 0;
+  if (shares.size() < kMovingObject.min_observations) return false;
+  double distance_m = 0, path_m = 0, deviation_m2 = 0;
   std::size_t last = 0;
-  for (std::size_t i = 0; i < seen.size(); ++i)
-    off += (seen[i].center - track.state(i).place).squaredNorm() / static_cast<double>(seen.size());
-  for (std::size_t i = 1; i < seen.size(); ++i) {
-    farthest = std::max(farthest, (seen[i].center - seen.front().center).norm());
-    if (seconds_from(seen[last].mean_time_ns, seen[i].mean_time_ns) < kVelocityWindow && i + 1 < seen.size()) continue;
-    way += (seen[i].center - seen[last].center).norm();
+  for (std::size_t i = 0; i < observations.size(); ++i)
+    deviation_m2 += (observations[i].center - track.state(i).position).squaredNorm() / static_cast<double>(observations.size());
+  for (std::size_t i = 1; i < observations.size(); ++i) {
+    const Cluster& o = observations[i];
+    distance_m = std::max(distance_m, (o.center - observations.front().center).norm());
+    // Steps are long, so that noise does not add to the path length.
+    if (seconds_between(observations[last].mean_time_ns, o.mean_time_ns) < kTracking.velocity_window_s &&
+        i + 1 < observations.size())
+      continue;
+    path_m += (o.center - observations[last].center).norm();
     last = i;
   }
-  const double share = median(shares), extent = median(extents);
-  const bool goes_far = seen.size() >= kLong && farthest >= kFar * std::max(extent, kLeastWay);
-  return share >= (goes_far ? kSlidingShare : kMovingShare) && farthest >= std::max(kLeastWay, 0.5 * extent) &&
-         farthest >= kStraight * way && std::sqrt(off) < kOff * farthest;
+  const double share = median(shares), extent_m = median(extents);
+  const bool far = observations.size() >= kMovingObject.min_far_observations &&
+                   distance_m >= kMovingObject.far_distance_lengths * std::max(extent_m, kMovingObject.min_distance_m);
+  return share >= (far ? kMovingObject.min_far_moving_share : kMovingObject.min_moving_share) &&
+         distance_m >= std::max(kMovingObject.min_distance_m, 0.5 * extent_m) &&
+         distance_m >= kMovingObject.min_straightness * path_m &&
+         std::sqrt(deviation_m2) < kMovingObject.max_deviation * distance_m;
 }
 
 void Tracker::add(std::vector<Cluster> clusters) {
-  std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
+  std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;  // miss, track, cluster
   for (std::size_t t = 0; t < active_.size(); ++t)
     for (std::size_t c = 0; c < clusters.size(); ++c)
-      if (const double d = distance(active_[t], clusters[c]); d >= 0) pairs.emplace_back(d, t, c);
+      if (const auto miss = measure_miss(active_[t], clusters[c])) pairs.emplace_back(*miss, t, c);
   std::sort(pairs.begin(), pairs.end());
   std::vector<bool> track_taken(active_.size()), cluster_taken(clusters.size());
-  for (const auto& [d, t, c] : pairs) {
+  for (const auto& [miss, t, c] : pairs) {
     if (track_taken[t] || cluster_taken[c]) continue;
     track_taken[t] = cluster_taken[c] = true;
     active_[t].observations.push_back(clusters[c]);
@@ -117,16 +139,16 @@ void Tracker::add(std::vector<Cluster> clusters) {
     if (!cluster_taken[c]) active_.push_back({{std::move(clusters[c])}});
   }
   const auto ended = std::stable_partition(active_.begin(), active_.end(), [&](const Track& track) {
-    return seconds_from(track.observations.back().mean_time_ns, now) < kLongestGap;
+    return seconds_between(track.observations.back().mean_time_ns, now) < kTracking.max_gap_s;
   });
   for (auto track = ended; track != active_.end(); ++track)
-    if (moves(*track)) ended_.push_back(std::move(*track));
+    if (is_moving_object(*track)) ended_.push_back(std::move(*track));
   active_.erase(ended, active_.end());
 }
 
 std::vector<Track> Tracker::finish() {
   for (Track& track : active_)
-    if (moves(track)) ended_.push_back(std::move(track));
+    if (is_moving_object(track)) ended_.push_back(std::move(track));
   active_.clear();
   return std::move(ended_);
 }

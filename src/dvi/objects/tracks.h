@@ -10,36 +10,38 @@ namespace dvi::objects {
 
 /// One object over time.
 struct Track {
-  std::vector<Cluster> observations;  ///< one a scan, in order of time
-  double height_m = 0;                ///< above the ground: the median over its scans
-  Eigen::Vector2d size_m{0, 0};       ///< along and across its way, as its scans show it at best; 0: unknown
+  std::vector<Cluster> observations;  ///< at most one per scan, in order of time
+  double height_m = 0;                ///< height above the ground
+  Eigen::Vector2d size_m{0, 0};       ///< size along and across its heading; 0 if unknown
 
-  /// Where it is and how fast, meters a second, at an observation: a line through those within half a second.
+  /// Position in meters and velocity in m/s, world axes.
   struct State {
-    Eigen::Vector2d place, velocity;
+    Eigen::Vector2d position, velocity;
   };
+
+  /// Estimates the state at an observation by a line fitted to the centers within half a second.
   State state(std::size_t observation) const;
   Eigen::Vector2d velocity(std::size_t observation) const { return state(observation).velocity; }
-  /// The direction in which it moves at an observation, or at the nearest one at which it moves fast enough to have a
-  /// direction; none if there is no such observation.
+  /// Returns the direction of motion at an observation, or at the nearest one with a sufficient speed; nothing if there is
+  /// none.
   std::optional<Eigen::Vector2d> heading(std::size_t observation) const;
-  /// The observation nearest to a time; there is one at least.
+  /// Returns the observation nearest to a time. There must be at least one.
   std::size_t nearest(std::int64_t time_ns) const;
 };
 
-inline constexpr double kGoesOn = 1;  ///< seconds for which a motion goes on unseen
+inline constexpr double kMaxExtrapolationS = 1;  ///< time for which the motion of an unobserved object is extrapolated
 
-/// Whether what was tracked is an object that moves of itself: it gets somewhere, straight enough, and what it leaves is
-/// free. Glass, edges and leaves that rays pass now and then do none of this.
-bool moves(const Track& track);
+/// Returns whether a track is a moving object: it covers a distance on a straight and smooth path, and most of its returns lie
+/// in space that other scans observed as free. Returns on glass, edges, and leaves do not meet these conditions.
+bool is_moving_object(const Track& track);
 
-/// Ties the clusters of following scans together: constant velocity, nearest first. What is not seen for half a second has
-/// ended.
+/// Tracks the clusters of consecutive scans at constant velocity. The nearest pairs of track and cluster are assigned first. A
+/// track that is unobserved for more than half a second ends.
 class Tracker {
  public:
-  /// The clusters of the next scan.
+  /// Adds the clusters of the next scan.
   void add(std::vector<Cluster> clusters);
-  /// All tracks that move.
+  /// Returns the tracks of moving objects.
   std::vector<Track> finish();
 
  private:

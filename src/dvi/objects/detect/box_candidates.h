@@ -8,26 +8,35 @@ namespace dvi::objects {
 
 /// A box that a YOLO network proposes.
 struct BoxCandidate {
-  int type = 0;
+  int type = 0;  ///< index of its class
   float score = 0;
   cv::Rect2d box;                   ///< in pixels of the input
-  std::vector<float> coefficients;  ///< of the prototypes
+  std::vector<float> coefficients;  ///< per prototype
 };
 
-/// The best of `count` classes whose values lie `step` apart; -1 where none is a number.
-int best_class(const float* values, int count, std::ptrdiff_t step);
+/// The pixels of an object in a part of the image.
+struct DetectedPart {
+  int type = 0;  ///< index of its class
+  float score = 1;
+  cv::Mat1b mask;    ///< of the part; 255 = object
+  cv::Point corner;  ///< of the part in the image
+};
 
-/// The candidates that no better one of their class suppresses, with their outlines. `prototypes`: 1 x M x h x w.
-Detections with_masks(const std::vector<BoxCandidate>& candidates, const cv::Mat& prototypes, const Description& description,
-                      const InputFit& fit);
+/// Returns the index of the largest of `count` values that are `step` apart, or -1 if all are NaN or infinite.
+int find_best_class(const float* values, int count, std::ptrdiff_t step);
 
-/// An object of these pixels of a part of the image, its box tight; dropped if it has fewer than `least_pixels`.
-void keep(Detections& detections, int type, float score, const cv::Mat1b& mask, cv::Point corner, int least_pixels);
+/// Draws the masks of the candidates that no better candidate of their class suppresses. `prototypes` is 1 x M x h x w.
+Detections draw_candidates(const std::vector<BoxCandidate>& candidates, const cv::Mat& prototypes,
+                           const Description& description, const InputFit& fit);
 
-/// Outputs of other shapes than the layout's: "expected" names those.
-[[noreturn]] void refuse_shapes(const std::vector<cv::Mat>& outputs, const Description& description,
-                                const std::string& expected);
+/// Adds an object with a tight box. An object with fewer than `min_pixels` pixels is dropped.
+void add_detection(Detections& detections, const DetectedPart& part, int min_pixels);
 
+/// Throws InputError for outputs whose shapes do not fit the layout. `expected` describes the shapes that do.
+[[noreturn]] void throw_unexpected_shapes(const std::vector<cv::Mat>& outputs, const Description& description,
+                                          const std::string& expected);
+
+/// Decode the outputs of one layout, as decode() does.
 Detections decode_semantic(const std::vector<cv::Mat>& outputs, const Description& description, const InputFit& fit);
 Detections decode_yolov5(const std::vector<cv::Mat>& outputs, const Description& description, const InputFit& fit);
 Detections decode_yolov8(const std::vector<cv::Mat>& outputs, const Description& description, const InputFit& fit);

@@ -14,12 +14,11 @@
 namespace dvi::objects {
 namespace {
 
-// Boxes held against each other: many more than one image has objects.
-constexpr int kMostBoxes = 1000;
+constexpr int kMaxBoxes = 1000;  // in non-maximum suppression: many more than an image has objects
 
-// The pixels of the image that a box in the input touches.
-cv::Rect pixels_of(const cv::Rect2d& box, const InputFit& fit) {
-  const cv::Point2d a = fit.in_image(box.tl()), b = fit.in_image(box.br());
+// Returns the pixels of the image that a box in the input touches.
+cv::Rect to_image_pixels(const cv::Rect2d& box, const InputFit& fit) {
+  const cv::Point2d a = fit.to_image(box.tl()), b = fit.to_image(box.br());
   const double width = fit.image.width, height = fit.image.height;
   const cv::Point first(static_cast<int>(std::floor(std::clamp(a.x, 0.0, width))),
                         static_cast<int>(std::floor(std::clamp(a.y, 0.0, height))));
@@ -28,58 +27,59 @@ cv::Rect pixels_of(const cv::Rect2d& box, const InputFit& fit) {
   return {first, end};
 }
 
-// Boxes of different classes lie side by side, where none suppresses another.
-std::vector<int> unsuppressed(const std::vector<BoxCandidate>& candidates, const Description& description,
-                              const InputFit& fit) {
-  const double apart = 4 * (fit.input.width + fit.input.height);
+// Returns the indices of candidates that no better one of their class suppresses. The boxes of each class are moved to another
+// area, so that they do not suppress those of other classes.
+std::vector<int> suppress_non_maxima(const std::vector<BoxCandidate>& candidates, const Description& description,
+                                     const InputFit& fit) {
+  const double class_offset = 4 * (fit.input.width + fit.input.height);
   std::vector<cv::Rect2d> boxes;
   std::vector<float> scores;
   for (const BoxCandidate& c : candidates) {
-    boxes.push_back(c.box + cv::Point2d(apart * c.type, 0));
+    boxes.push_back(c.box + cv::Point2d(class_offset * c.type, 0));
     scores.push_back(c.score);
   }
   std::vector<int> kept;
-  cv::dnn::NMSBoxes(boxes, scores, 0, static_cast<float>(description.nms), kept, 1, kMostBoxes);
+  cv::dnn::NMSBoxes(boxes, scores, 0, static_cast<float>(description.nms), kept, 1, kMaxBoxes);
   return kept;
 }
 
 }  // namespace
 
-int best_class(const float* values, int count, std::ptrdiff_t step) {
+int find_best_class(const float* values, int count, std::ptrdiff_t step) {
   int best = -1;
   for (int c = 0; c < count; ++c)
     if (const float value = values[c * step]; std::isfinite(value) && (best < 0 || value > values[best * step])) best = c;
   return best;
 }
 
-void keep(Detections& detections, int type, float score, const cv::Mat1b& mask, cv::Point corner, int least_pixels) {
-  if (mask.empty() || cv::countNonZero(mask) < least_pixels) return;
-  const cv::Rect box = cv::boundingRect(mask);
-  detections.push_back({type, score, box + corner, mask(box).clone()});
+void add_detection(Detections& detections, const DetectedPart& part, int min_pixels) {
+  if (part.mask.empty() || cv::countNonZero(part.mask) < min_pixels) return;
+  const cv::Rect box = cv::boundingRect(part.mask);
+  detections.push_back({part.type, part.score, box + part.corner, part.mask(box).clone()});
 }
 
-Detections with_masks(const std::vector<BoxCandidate>& candidates, const cv::Mat& prototypes, const Description& description,
-                      const InputFit& fit) {
+Detections draw_candidates(const std::vector<BoxCandidate>& candidates, const cv::Mat& prototypes,
+                           const Description& description, const InputFit& fit) {
   const int count = prototypes.size[1], rows = prototypes.size[2], cols = prototypes.size[3];
   const cv::Mat1f flat(count, rows * cols, const_cast<float*>(prototypes.ptr<float>()));
   Detections out;
-  for (const int i : unsuppressed(candidates, description, fit)) {
+  for (const int i : suppress_non_maxima(candidates, description, fit)) {
     const BoxCandidate& candidate = candidates[static_cast<std::size_t>(i)];
-    const cv::Rect part = pixels_of(candidate.box, fit);
+    const cv::Rect part = to_image_pixels(candidate.box, fit);
     if (part.empty()) continue;
     const cv::Mat1f weights(1, count, const_cast<float*>(candidate.coefficients.data()));
     const cv::Mat1f logits = cv::Mat1f(weights * flat).reshape(1, rows);
-    keep(out, candidate.type, candidate.score, cv::Mat1b(map_in_image(logits, fit, part) > 0), part.tl(),
-         description.least_pixels);
+    const cv::Mat1b mask(resample_to_image(logits, fit, part) > 0);
+    add_detection(out, {candidate.type, candidate.score, mask, part.tl()}, description.least_pixels);
   }
   return out;
 }
 
-void refuse_shapes(const std::vector<cv::Mat>& outputs, const Description& description, const std::string& expected) {
+void throw_unexpected_shapes(const std::vector<cv::Mat>& outputs, const Description& description, const std::string& expected) {
   throw InputError(description.model,
-                   fmt::format("its outputs are {}, and kind \"{}\" with {} classes expects {}", shapes_of(outputs),
+                   fmt::format("its outputs are {}, and kind \"{}\" with {} classes expects {}", format_shapes(outputs),
                                to_string(description.layout), description.classes.size(), expected),
-                   fmt::format("correct 'kind', 'names' or the classes in {}, or export it as docs/detector.md says",
+                   fmt::format("correct 'kind', 'names', or the classes in {}, or export it as docs/detector.md describes",
                                description.file.filename().string()));
 }
 

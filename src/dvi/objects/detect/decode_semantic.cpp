@@ -17,12 +17,12 @@ cv::Mat1f plane_of(const cv::Mat& blob, int plane) {
   return {rows, cols, const_cast<float*>(blob.ptr<float>()) + offset};
 }
 
-// The class of each pixel of the image, -1 where no logit is a number.
-cv::Mat1i best_of_logits(const cv::Mat& logits, const InputFit& fit) {
+// Returns the class of each pixel of the image, -1 if all logits are NaN.
+cv::Mat1i find_best_classes(const cv::Mat& logits, const InputFit& fit) {
   cv::Mat1f best(fit.image, -std::numeric_limits<float>::infinity());
   cv::Mat1i classes(fit.image, -1);
   for (int c = 0; c < logits.size[1]; ++c) {
-    const cv::Mat1f value = map_in_image(plane_of(logits, c), fit, {{0, 0}, fit.image});
+    const cv::Mat1f value = resample_to_image(plane_of(logits, c), fit, {{0, 0}, fit.image});
     const cv::Mat1b better(value > best);
     value.copyTo(best, better);
     classes.setTo(c, better);
@@ -30,8 +30,8 @@ cv::Mat1i best_of_logits(const cv::Mat& logits, const InputFit& fit) {
   return classes;
 }
 
-// What is the class of each pixel; other networks' outputs may have such a shape, too.
-bool are_ids(const cv::Mat& blob) {
+// Returns whether an output is the class of each pixel. Other outputs may have such a shape, but not whole numbers.
+bool is_class_map(const cv::Mat& blob) {
   const bool plane =
       blob.dims == 2 || (blob.dims == 3 && blob.size[0] == 1) || (blob.dims == 4 && blob.size[0] == 1 && blob.size[1] == 1);
   if (!plane || blob.empty()) return false;
@@ -39,8 +39,8 @@ bool are_ids(const cv::Mat& blob) {
   return ids.rows > 1 && std::all_of(ids.begin(), ids.end(), [](float id) { return id == std::floor(id) && id >= 0; });
 }
 
-// Classes have no values between them: each pixel takes the nearest one's.
-cv::Mat1i nearest_ids(const cv::Mat1f& ids, const InputFit& fit) {
+// Resamples a class map to the image. Classes cannot be interpolated, so each pixel takes the nearest one.
+cv::Mat1i resample_nearest(const cv::Mat1f& ids, const InputFit& fit) {
   const auto cell = [](double in_input, int count, int input) {
     return std::clamp(static_cast<int>(in_input * count / input), 0, count - 1);
   };
@@ -53,8 +53,8 @@ cv::Mat1i nearest_ids(const cv::Mat1f& ids, const InputFit& fit) {
   return out;
 }
 
-// The 4-connected parts of a mask, in raster order of their first pixels.
-void keep_parts(Detections& out, int type, const cv::Mat1b& mask, int least_pixels) {
+// Adds the 4-connected parts of a mask, in raster order of their first pixels.
+void add_parts(Detections& out, int type, const cv::Mat1b& mask, int min_pixels) {
   cv::Mat1i labels;
   std::vector<cv::Rect> boxes(static_cast<std::size_t>(label_connected_parts(mask, labels)));
   std::vector<int> order;
@@ -67,7 +67,7 @@ void keep_parts(Detections& out, int type, const cv::Mat1b& mask, int least_pixe
     }
   for (const int label : order) {
     const cv::Rect& box = boxes[static_cast<std::size_t>(label - 1)];
-    keep(out, type, 1, cv::Mat1b(labels(box) == label), box.tl(), least_pixels);
+    add_detection(out, {type, 1, cv::Mat1b(labels(box) == label), box.tl()}, min_pixels);
   }
 }
 
@@ -80,15 +80,16 @@ Detections decode_semantic(const std::vector<cv::Mat>& outputs, const Descriptio
   for (const cv::Mat& output : outputs) {
     if (found) break;
     const bool logits = output.dims == 4 && output.size[0] == 1 && output.size[1] == count && !output.empty();
-    if (!logits && !are_ids(output)) continue;
+    if (!logits && !is_class_map(output)) continue;
     found = true;
-    classes = logits ? best_of_logits(output, fit) : nearest_ids(plane_of(output, 0), fit);
+    classes = logits ? find_best_classes(output, fit) : resample_nearest(plane_of(output, 0), fit);
   }
-  if (!found) refuse_shapes(outputs, description, fmt::format("1x{}xHxW (logits), or 1xHxW (the class of each pixel)", count));
+  if (!found)
+    throw_unexpected_shapes(outputs, description, fmt::format("1x{}xHxW (logits), or 1xHxW (the class of each pixel)", count));
   Detections out;
   for (int c = 0; c < count; ++c)
     if (description.removed[static_cast<std::size_t>(c)] != 0)
-      keep_parts(out, c, cv::Mat1b(classes == c), description.least_pixels);
+      add_parts(out, c, cv::Mat1b(classes == c), description.least_pixels);
   return out;
 }
 

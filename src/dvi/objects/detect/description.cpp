@@ -16,16 +16,21 @@
 namespace dvi::objects {
 namespace {
 
-// Pixels: below, nothing is recognized; above, a blob takes gigabytes.
-constexpr double kLeastSide = 8, kLargestSide = 8192, kMostInputPixels = 1 << 24;
-constexpr std::size_t kMostClasses = 10'000;
+// The limits of a description.
+struct DescriptionLimits {
+  double min_side_px = 8;  ///< in a smaller input, no object is recognizable
+  double max_side_px = 8192;
+  double max_input_px = 1 << 24;  ///< a larger blob takes gigabytes
+  std::size_t max_names = 10'000;
+};
+constexpr DescriptionLimits kLimits{};
 
 std::string to_lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
 }
 
-// One table of the file; complains with file and line.
+// One table of the file. Throws InputError with file and line.
 class Section {
  public:
   Section(const fs::path& file, const toml::table& root, std::string name, const std::vector<std::string>& keys)
@@ -41,7 +46,8 @@ class Section {
   double number(const char* key, double standard, double least, double most) const {
     if (!has(key)) return standard;
     const auto value = table_->get(key)->value<double>();
-    if (!value || !(*value >= least && *value <= most)) fail(key, fmt::format("is no number from {:g} to {:g}", least, most));
+    if (!value || !(*value >= least && *value <= most))
+      fail(key, fmt::format("is not a number from {:g} to {:g}", least, most));
     return *value;
   }
   template <std::size_t N>
@@ -50,17 +56,17 @@ class Section {
     std::array<double, N> out;
     for (std::size_t i = 0; i < N; ++i) {
       const auto value = list && list->size() == N ? (*list)[i].value<double>() : std::nullopt;
-      if (!value || !std::isfinite(*value)) fail(key, fmt::format("is no list of {} numbers", N));
+      if (!value || !std::isfinite(*value)) fail(key, fmt::format("is not a list of {} numbers", N));
       out[i] = *value;
     }
     return out;
   }
   std::vector<std::string> words(const char* key) const {
     const toml::array* list = required(key).as_array();
-    if (!list || list->empty() || list->size() > kMostClasses) fail(key, "is no list of names");
+    if (!list || list->empty() || list->size() > kLimits.max_names) fail(key, "is not a list of names");
     std::vector<std::string> out;
     for (const toml::node& node : *list) {
-      if (!node.is_string()) fail(key, "is no list of names");
+      if (!node.is_string()) fail(key, "is not a list of names");
       out.push_back(node.value_or(std::string()));
     }
     return out;
@@ -99,12 +105,13 @@ class Section {
 void read_input(const Section& section, Description& out) {
   const auto [width, height] = section.numbers<2>("size");
   for (const double side : {width, height})
-    if (!(side >= kLeastSide && side <= kLargestSide && side == std::floor(side)))
-      section.fail("size", fmt::format("is not [width, height] in pixels, {} to {} each", kLeastSide, kLargestSide));
-  if (width * height > kMostInputPixels) section.fail("size", "has more than 2^24 pixels");
+    if (!(side >= kLimits.min_side_px && side <= kLimits.max_side_px && side == std::floor(side)))
+      section.fail("size",
+                   fmt::format("is not [width, height] in pixels, {} to {} each", kLimits.min_side_px, kLimits.max_side_px));
+  if (width * height > kLimits.max_input_px) section.fail("size", "has more than 2^24 pixels");
   out.input = {static_cast<int>(width), static_cast<int>(height)};
   out.fit = section.choice("fit", out.fit);
-  if (out.fit == Fit::stretch && section.has("pad")) section.fail("pad", "has no meaning where fit = \"stretch\"");
+  if (out.fit == Fit::stretch && section.has("pad")) section.fail("pad", "has no meaning with fit = \"stretch\"");
   out.pad = section.number("pad", out.pad, 0, 255);
   out.channels = section.choice("channels", out.channels);
   if (section.has("mean")) out.mean = section.numbers<3>("mean");
@@ -118,7 +125,7 @@ void read_output(const Section& section, Description& out) {
   if (section.has("names")) out.outputs = section.words("names");
   if (out.layout == Layout::semantic)
     for (const char* key : {"score", "nms"})
-      if (section.has(key)) section.fail(key, "has no meaning where kind = \"semantic\": each pixel has its best class");
+      if (section.has(key)) section.fail(key, "has no meaning with kind = \"semantic\": each pixel has its best class");
   out.score = section.number("score", out.score, 0.001, 1);
   out.nms = section.number("nms", out.nms, 0, 1);
   out.least_pixels = static_cast<int>(section.number("least_pixels", out.least_pixels, 1, 1e6));
@@ -127,19 +134,19 @@ void read_output(const Section& section, Description& out) {
 void read_classes(const Section& section, Description& out) {
   for (const std::string& name : section.words("names")) out.classes.push_back(to_lower_case(name));
   if (out.layout == Layout::semantic && out.classes.size() < 2)
-    section.fail("names", "has one class, and kind = \"semantic\" needs the background's, too");
+    section.fail("names", "has one class, but kind = \"semantic\" also needs the class of the background");
   std::set<std::string, std::less<>> wanted = traffic_classes();
   if (section.has("remove")) {
     wanted.clear();
     for (const std::string& name : section.words("remove")) {
       const std::string& word = *wanted.insert(to_lower_case(name)).first;
       if (std::find(out.classes.begin(), out.classes.end(), word) == out.classes.end())
-        section.fail("remove", fmt::format("has '{}', which is none of the classes' names", name));
+        section.fail("remove", fmt::format("has '{}', which is not the name of a class", name));
     }
   }
   for (const std::string& name : out.classes) out.removed.push_back(wanted.contains(name) ? 1 : 0);
   if (std::count(out.removed.begin(), out.removed.end(), 1) == 0)
-    section.fail("names", "has none of the names that are removed by default; name what to remove with 'remove'");
+    section.fail("names", "has none of the names that are removed by default; list the classes to remove in 'remove'");
 }
 
 }  // namespace
@@ -149,13 +156,13 @@ Description read_description(const fs::path& model) {
   out.model = model;
   out.file = fs::path(model).replace_extension(".toml");
   if (!fs::exists(out.file))
-    throw InputError(out.file, fmt::format("does not exist, and {} needs it", model.filename().string()),
-                     "it says input size, kind of output and classes: docs/detector.md has a template");
+    throw InputError(out.file, fmt::format("does not exist, but {} needs it", model.filename().string()),
+                     "it defines the input size, the kind of output, and the classes: docs/detector.md has a template");
   const toml::table root = read_toml(out.file);
   for (const auto& [key, node] : root)
     if (key.str() != "input" && key.str() != "output" && key.str() != "classes")
       throw InputError(fmt::format("{}:{}", out.file.string(), node.source().begin.line),
-                       fmt::format("[{}] is none of [input], [output], [classes]", key.str()), "see docs/detector.md");
+                       fmt::format("[{}] is not one of [input], [output], [classes]", key.str()), "see docs/detector.md");
   read_input({out.file, root, "input", {"size", "fit", "pad", "channels", "mean", "std"}}, out);
   read_output({out.file, root, "output", {"kind", "names", "score", "nms", "least_pixels"}}, out);
   read_classes({out.file, root, "classes", {"names", "remove"}}, out);

@@ -38,7 +38,7 @@ TEST(Description, HasDefaultsForAllButSizeKindAndClasses) {
   EXPECT_THAT(d.removed, ElementsAre(1, 0, 1)) << "vehicles, people and animals";
 }
 
-TEST(Description, TakesEveryKey) {
+TEST(Description, ReadsEveryKey) {
   const Description d = read(
       "[input]\nsize = [32, 16]\nfit = \"letterbox\"\npad = 0\nchannels = \"BGR\"\nmean = [1, 2, 3]\nstd = [4, 5, 6.5]\n"
       "[output]\nkind = \"yolov8-seg\"\nnames = [\"a\", \"b\"]\nscore = 0.5\nnms = 0.7\nleast_pixels = 9\n"
@@ -61,17 +61,17 @@ TEST(Description, NamesFileLineAndRemedy) {
   EXPECT_THAT(complaint(kInput + "size_px = 1\n" + kOutput + kClasses), HasSubstr("net.toml:3: [input] has no key 'size_px'"));
   EXPECT_THAT(complaint("[input]\nsize = [0, 64]\n" + kOutput + kClasses), HasSubstr("8 to 8192"));
   EXPECT_THAT(complaint("[input]\nsize = [8192, 8192]\n" + kOutput + kClasses), HasSubstr("2^24"));
-  EXPECT_THAT(complaint("[input]\nsize = 64\n" + kOutput + kClasses), HasSubstr("is no list of 2 numbers"));
+  EXPECT_THAT(complaint("[input]\nsize = 64\n" + kOutput + kClasses), HasSubstr("is not a list of 2 numbers"));
   EXPECT_THAT(complaint(kInput + "std = [1, 0, 1]\n" + kOutput + kClasses), HasSubstr("is not positive"));
   EXPECT_THAT(complaint(kInput + "fit = \"stretch\"\npad = 3\n" + kOutput + kClasses), HasSubstr("no meaning"));
   EXPECT_THAT(complaint(kInput + "[output]\nkind = \"rcnn\"\n" + kClasses), HasSubstr("semantic"));
   EXPECT_THAT(complaint(kInput + "[output]\nkind = 3\n" + kClasses), HasSubstr("yolov8-seg"));
   EXPECT_THAT(complaint(kInput + "[output]\nkind = \"semantic\"\nscore = 0.5\n" + kClasses), HasSubstr("no meaning"));
-  EXPECT_THAT(complaint(kInput + kOutput + "score = nan\n" + kClasses), HasSubstr("is no number from 0.001 to 1"));
+  EXPECT_THAT(complaint(kInput + kOutput + "score = nan\n" + kClasses), HasSubstr("is not a number from 0.001 to 1"));
   EXPECT_THAT(complaint(kInput + kOutput + "[classes]\nnames = [\"sky\"]\n"), HasSubstr("'remove'"));
-  EXPECT_THAT(complaint(kInput + kOutput + "[classes]\nnames = [1]\n"), HasSubstr("is no list of names"));
+  EXPECT_THAT(complaint(kInput + kOutput + "[classes]\nnames = [1]\n"), HasSubstr("is not a list of names"));
   EXPECT_THAT(complaint(kInput + kOutput + kClasses + "remove = [\"bus\"]\n"), HasSubstr("has 'bus'"));
-  EXPECT_THAT(complaint(kInput + kOutput + kClasses + "[more]\n"), HasSubstr("[more] is none of"));
+  EXPECT_THAT(complaint(kInput + kOutput + kClasses + "[more]\n"), HasSubstr("[more] is not one of"));
   EXPECT_THAT(complaint("[input\n"), HasSubstr("net.toml:1"));
   EXPECT_THAT(input_error([] { read_description("nowhere/net.onnx"); }), HasSubstr("docs/detector.md has a template"));
 }

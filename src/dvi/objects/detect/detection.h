@@ -6,12 +6,12 @@
 
 namespace dvi::objects {
 
-/// One object that a network sees in one image.
+/// One object that a network detects in one image.
 struct Detection {
   int type = 0;     ///< index of its class
-  float score = 1;  ///< 0..1; 1 where the network gives none
+  float score = 1;  ///< 0..1; 1 if the network has no scores
   cv::Rect box;     ///< in the image
-  cv::Mat1b mask;   ///< of the box; 255 = object
+  cv::Mat1b mask;   ///< size of the box; 255 = object
 };
 using Detections = std::vector<Detection>;
 

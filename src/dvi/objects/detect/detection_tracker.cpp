@@ -10,12 +10,15 @@
 namespace dvi::objects {
 namespace {
 
-constexpr std::int64_t kLongestGap = 500'000'000;  // ns: longer, and what returns may be another object
-constexpr double kLeastOverlap = 0.2;              // outlines of one object change with its distance and with what hides it
+struct DetectionTrackingParams {
+  std::int64_t max_gap_ns = 500'000'000;  ///< after a longer gap, a detection may be another object
+  double min_overlap = 0.2;               ///< outlines of one object change with its distance and with occlusion
+};
+constexpr DetectionTrackingParams kDetectionTracking{};
 
 cv::Point2d center(const cv::Rect& box) { return {box.x + 0.5 * box.width, box.y + 0.5 * box.height}; }
 
-cv::Mat1b scaled(const cv::Mat1b& mask, cv::Size size) {
+cv::Mat1b scale(const cv::Mat1b& mask, cv::Size size) {
   if (mask.size() == size) return mask;
   cv::Mat1b out;
   cv::resize(mask, out, size, 0, 0, cv::INTER_NEAREST);
@@ -24,16 +27,16 @@ cv::Mat1b scaled(const cv::Mat1b& mask, cv::Size size) {
 
 }  // namespace
 
-double overlap(const Detection& a, cv::Point moved, const Detection& b) {
-  const cv::Rect at = a.box + moved, common = at & b.box;
+double compute_overlap(const Detection& a, cv::Point shift, const Detection& b) {
+  const cv::Rect at = a.box + shift, common = at & b.box;
   if (common.empty()) return 0;
   const int both = cv::countNonZero(cv::Mat1b(a.mask(common - at.tl()) & b.mask(common - b.box.tl())));
   return static_cast<double>(both) / (cv::countNonZero(a.mask) + cv::countNonZero(b.mask) - both);
 }
 
-Detection between(const Detection& before, const Detection& after, double share) {
+Detection interpolate(const Detection& before, const Detection& after, double share) {
   const auto mix = [&](int a, int b) { return (1 - share) * a + share * b; };
-  // Outwards to whole pixels, but for what rounding errors add.
+  // The box is extended to whole pixels, but not by rounding errors.
   constexpr double kRounding = 1e-9;
   const cv::Point first(static_cast<int>(std::floor(mix(before.box.x, after.box.x) + kRounding)),
                         static_cast<int>(std::floor(mix(before.box.y, after.box.y) + kRounding)));
@@ -41,7 +44,7 @@ Detection between(const Detection& before, const Detection& after, double share)
                       static_cast<int>(std::ceil(mix(before.box.br().y, after.box.br().y) - kRounding)));
   const cv::Rect box(first, end);
   return {before.type, std::min(before.score, after.score), box,
-          cv::Mat1b(scaled(before.mask, box.size()) | scaled(after.mask, box.size()))};
+          cv::Mat1b(scale(before.mask, box.size()) | scale(after.mask, box.size()))};
 }
 
 void DetectionTracker::continue_track(Track& track, Detection detection) {
@@ -49,7 +52,7 @@ void DetectionTracker::continue_track(Track& track, Detection detection) {
   const auto since = static_cast<double>(times_[now] - times_[track.frame]);
   for (std::size_t frame = track.frame + 1; frame < now; ++frame) {
     const double share = static_cast<double>(times_[frame] - times_[track.frame]) / since;
-    objects_.push_back({frame, track.id, between(track.last, detection, share), true});
+    objects_.push_back({frame, track.id, interpolate(track.last, detection, share), true});
   }
   if (since > 0) track.velocity = (center(detection.box) - center(track.last.box)) * (1e9 / since);
   track.frame = now;
@@ -58,21 +61,22 @@ void DetectionTracker::continue_track(Track& track, Detection detection) {
 
 void DetectionTracker::add(std::int64_t time_ns, Detections detections) {
   times_.push_back(time_ns);
-  std::erase_if(active_, [&](const Track& track) { return time_ns - times_[track.frame] > kLongestGap; });
+  std::erase_if(active_, [&](const Track& track) { return time_ns - times_[track.frame] > kDetectionTracking.max_gap_ns; });
 
   std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;  // minus overlap, track, detection
   for (std::size_t t = 0; t < active_.size(); ++t) {
-    const cv::Point2d way = active_[t].velocity * (1e-9 * static_cast<double>(time_ns - times_[active_[t].frame]));
-    const cv::Point moved(cvRound(way.x), cvRound(way.y));
+    const cv::Point2d motion = active_[t].velocity * (1e-9 * static_cast<double>(time_ns - times_[active_[t].frame]));
+    const cv::Point shift(cvRound(motion.x), cvRound(motion.y));
     for (std::size_t d = 0; d < detections.size(); ++d)
       if (detections[d].type == active_[t].last.type)
-        if (const double share = overlap(active_[t].last, moved, detections[d]); share >= kLeastOverlap)
-          pairs.emplace_back(-share, t, d);
+        if (const double overlap = compute_overlap(active_[t].last, shift, detections[d]);
+            overlap >= kDetectionTracking.min_overlap)
+          pairs.emplace_back(-overlap, t, d);
   }
   std::sort(pairs.begin(), pairs.end());
   std::vector<int> track_of(detections.size(), -1);
   std::vector<char> continued(active_.size());
-  for (const auto& [share, t, d] : pairs) {
+  for (const auto& [_, t, d] : pairs) {
     if (continued[t] != 0 || track_of[d] >= 0) continue;
     continued[t] = 1;
     track_of[d] = static_cast<int>(t);

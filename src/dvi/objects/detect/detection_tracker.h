@@ -8,30 +8,31 @@
 
 namespace dvi::objects {
 
-/// An object in one frame, as one of a track.
+/// The detection of a tracked object in one frame.
 struct TrackedObject {
-  std::size_t frame = 0;  ///< as they were added
-  int track = 0;          ///< in order of their first frames
+  std::size_t frame = 0;  ///< index in the order of add()
+  int track = 0;          ///< number of the track, in order of first frames
   Detection object;
-  bool filled = false;  ///< the network missed it: outlined between the frames before and after
+  bool is_interpolated = false;  ///< whether the network missed the object, so that it is interpolated between frames
 };
 
-/// Ties detections of following frames together and closes the gaps of up to half a second in which an object was missed, from
-/// both sides. A detection continues the track of its class that overlaps it most once moved by the track's velocity.
+/// Tracks detections over consecutive frames. A detection continues the track of its class that overlaps it most after the
+/// track is moved by its velocity. Gaps of up to half a second, in which the network missed an object, are filled by
+/// interpolation.
 class DetectionTracker {
  public:
-  /// The detections of the next frame.
+  /// Adds the detections of the next frame.
   void add(std::int64_t time_ns, Detections detections);
 
-  /// The objects since the last call: those of the frames added, and what was filled in earlier ones.
+  /// Returns the objects since the last call: those of the added frames, and those interpolated in earlier frames.
   std::vector<TrackedObject> take();
 
  private:
   struct Track {
     int id = 0;
-    std::size_t frame = 0;  // of `last`
+    std::size_t frame = 0;  // frame of `last`
     Detection last;
-    cv::Point2d velocity;  // of the box's center, pixels a second
+    cv::Point2d velocity;  // motion of the center of the box, pixels per second
   };
 
   std::vector<std::int64_t> times_;
@@ -42,11 +43,11 @@ class DetectionTracker {
   void continue_track(Track& track, Detection detection);
 };
 
-/// The share of the union of two outlines that both cover, the first one moved by whole pixels.
-double overlap(const Detection& a, cv::Point moved, const Detection& b);
+/// Returns the intersection over union of two masks. The first one is moved by `shift` pixels.
+double compute_overlap(const Detection& a, cv::Point shift, const Detection& b);
 
-/// The object between two of its outlines, at share 0..1 of the way: its box lies between theirs; its outline covers both,
-/// each brought to that box.
-Detection between(const Detection& before, const Detection& after, double share);
+/// Interpolates an object between two detections; `share` is 0 at the first and 1 at the second one. The box is interpolated,
+/// and the mask is the union of both masks, scaled to that box.
+Detection interpolate(const Detection& before, const Detection& after, double share);
 
 }  // namespace dvi::objects

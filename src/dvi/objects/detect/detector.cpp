@@ -11,7 +11,7 @@
 namespace dvi::objects {
 namespace {
 
-Label label_of(const TrackedObject& tracked, const Detector& detector, cv::Size image) {
+Label make_label(const TrackedObject& tracked, const Detector& detector, cv::Size image) {
   cv::Mat1b mask(image, uchar{0});
   tracked.object.mask.copyTo(mask(tracked.object.box));
   Label label;
@@ -31,7 +31,7 @@ struct Detector::Impl {
 };
 
 Detector::Detector(const fs::path& model) {
-  require_regular_file(model);  // before its description is missed
+  require_regular_file(model);  // so that a missing network is reported before its description
   impl_ = std::make_unique<Impl>(model);
   detect({cv::Mat3b(impl_->description.input, cv::Vec3b::all(0))});
 }
@@ -48,7 +48,7 @@ std::vector<Detections> Detector::detect(const std::vector<cv::Mat3b>& images) c
   std::vector<cv::Mat> blobs(images.size());
   parallel_for(images.size(), [&](std::size_t i) {
     fits[i] = fit_image(images[i].size(), description);
-    blobs[i] = input_blob(images[i], fits[i], description);
+    blobs[i] = make_input_blob(images[i], fits[i], description);
   });
   std::vector<std::vector<cv::Mat>> outputs;
   for (const cv::Mat& blob : blobs) outputs.push_back(impl_->network.run(blob));
@@ -67,7 +67,7 @@ FrameLabels detect_objects(const Drive& drive, const Detector& detector, const T
     for (std::size_t i = first; i < last; ++i) tracker.add(drive.frames[i].time_ns, std::move(found[i - first]));
     const std::vector<TrackedObject> objects = tracker.take();
     std::vector<Label> drawn(objects.size());
-    parallel_for(objects.size(), [&](std::size_t i) { drawn[i] = label_of(objects[i], detector, images.front().size()); });
+    parallel_for(objects.size(), [&](std::size_t i) { drawn[i] = make_label(objects[i], detector, images.front().size()); });
     for (std::size_t i = 0; i < objects.size(); ++i) labels[objects[i].frame].push_back(std::move(drawn[i]));
     for (std::size_t i = first; i < last; ++i) tick();
   });

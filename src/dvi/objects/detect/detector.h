@@ -12,22 +12,23 @@
 
 namespace dvi::objects {
 
-/// A network that the user brings, with its description: what it sees in images of what is to be removed.
+/// A network of the user, with its description, that detects the objects to remove in images.
 class Detector {
  public:
-  /// Loads MODEL.onnx and MODEL.toml beside it, and runs the network once. InputError where one is missing or malformed, the
-  /// network cannot be run, or its outputs are not as described.
+  /// Loads MODEL.onnx and MODEL.toml beside it, and runs the network once. Throws InputError if a file is missing or malformed,
+  /// the network cannot be run, or its outputs differ from the description.
   explicit Detector(const fs::path& model);
   ~Detector();
   Detector(const Detector&) = delete;
   Detector& operator=(const Detector&) = delete;
 
-  std::vector<fs::path> files() const;  ///< the network and its description
-  /// The names of the classes, lower case.
+  /// Returns the paths of the network and of its description.
+  std::vector<fs::path> files() const;
+  /// Returns the names of the classes, lower case.
   const std::vector<std::string>& classes() const;
 
-  /// The objects of the classes that are removed in each image. Images are prepared and read out in parallel; the network takes
-  /// one after the other.
+  /// Detects the objects of the removed classes, per image. Images are prepared and outputs are decoded in parallel; the
+  /// network runs on one image at a time.
   std::vector<Detections> detect(const std::vector<cv::Mat3b>& images) const;
 
  private:
@@ -35,8 +36,8 @@ class Detector {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The objects in each frame of a drive, tracked over time; where the network missed one for a moment, it is filled in. One
-/// tick a frame.
+/// Detects the objects in each frame of a drive, and tracks them over time. Short gaps in which the network missed an object
+/// are filled. Calls `tick` once per frame.
 FrameLabels detect_objects(const Drive& drive, const Detector& detector, const Tick& tick);
 
 }  // namespace dvi::objects

@@ -17,17 +17,17 @@ using testing::Not;
 
 const cv::Vec3b kMagenta(255, 0, 255), kCyan(255, 255, 0);
 
-class Networks : public testing::Test {
+class DetectorModels : public testing::Test {
  protected:
   void SetUp() override {
-    if (!make_test_models(folder.path)) GTEST_SKIP() << "takes a Python with onnx (Debian's python3-onnx)";
+    if (!make_test_models(folder.path)) GTEST_SKIP() << "needs Python with onnx (Debian's python3-onnx)";
   }
-  fs::path described(const std::string& name, const std::string& text) const {
+  fs::path write_description(const std::string& name, const std::string& text) const {
     folder.write(name + ".toml", text);
     return folder.path / (name + ".onnx");
   }
-  std::string complaint(const std::string& name, const std::string& text) const {
-    const fs::path model = described(name, text);
+  std::string load_error(const std::string& name, const std::string& text) const {
+    const fs::path model = write_description(name, text);
     return input_error([&] { const Detector detector(model); });
   }
 
@@ -41,12 +41,12 @@ cv::Mat3b picture(cv::Rect car, cv::Rect person) {
   return image;
 }
 
-TEST_F(Networks, OfAllKindsSeeWhatThereIs) {
+TEST_F(DetectorModels, OfAllLayoutsDetectTheObjects) {
   const cv::Rect car(8, 16, 16, 16), person(40, 32, 16, 16);
   for (const auto& [name, kind] : {std::pair{"semantic", "semantic"}, std::pair{"ids", "semantic"},
                                    std::pair{"yolov5", "yolov5-seg"}, std::pair{"yolov8", "yolov8-seg"}}) {
     const bool semantic = std::string(kind) == "semantic";
-    const Detector detector(described(name, test_description(kind, "", semantic ? "" : "nms = 0.3")));
+    const Detector detector(write_description(name, test_description(kind, "", semantic ? "" : "nms = 0.3")));
     Detections found = detector.detect({picture(car, person)}).front();
     ASSERT_EQ(found.size(), 2U) << name;
     if (found[0].type > found[1].type) std::swap(found[0], found[1]);
@@ -58,8 +58,8 @@ TEST_F(Networks, OfAllKindsSeeWhatThereIs) {
   }
 }
 
-TEST_F(Networks, SeeTheSameWithAnyNumberOfThreads) {
-  const Detector detector(described("semantic", test_description("semantic")));
+TEST_F(DetectorModels, DetectTheSameWithAnyNumberOfThreads) {
+  const Detector detector(write_description("semantic", test_description("semantic")));
   cv::Mat3b noise(200, 300);
   for (int y = 0; y < noise.rows; ++y)
     for (int x = 0; x < noise.cols; ++x)
@@ -80,8 +80,8 @@ TEST_F(Networks, SeeTheSameWithAnyNumberOfThreads) {
   }
 }
 
-TEST_F(Networks, MissAFrameThatIsFilled) {
-  const Detector detector(described("semantic", test_description("semantic")));
+TEST_F(DetectorModels, MissAFrameThatIsInterpolated) {
+  const Detector detector(write_description("semantic", test_description("semantic")));
   Drive drive;
   for (int i = 0; i < 5; ++i) {
     Frame frame;
@@ -104,43 +104,44 @@ TEST_F(Networks, MissAFrameThatIsFilled) {
   }
 }
 
-TEST_F(Networks, ThatOpenCvCannotRunAreRefusedWithTheirNode) {
-  const std::string text = complaint("topk", test_description("semantic"));
+TEST_F(DetectorModels, ThatOpenCvCannotRunAreRejectedWithTheirNode) {
+  const std::string text = load_error("topk", test_description("semantic"));
   EXPECT_THAT(text, HasSubstr("topk.onnx: OpenCV's dnn " CV_VERSION " cannot run node 'head/top' (TopK)"));
   EXPECT_THAT(text, HasSubstr("docs/detector.md"));
   EXPECT_THAT(text, Not(HasSubstr("onnx_node")));
   const std::string larger = "[input]\nsize = [128, 64]\n" + test_description("semantic").substr(25);
-  EXPECT_THAT(complaint("fixed", larger), HasSubstr("cannot run node 'head/flatten' (Reshape) on an input of 1x3x64x128"));
+  EXPECT_THAT(load_error("fixed", larger), HasSubstr("cannot run node 'head/flatten' (Reshape) on an input of 1x3x64x128"));
 }
 
-TEST_F(Networks, OfOtherShapesOrFilesAreRefusedInOneLine) {
-  EXPECT_THAT(complaint("yolov8", test_description("semantic")), HasSubstr("kind \"semantic\" with 3 classes expects 1x3xHxW"));
-  EXPECT_THAT(complaint("semantic", test_description("yolov5-seg")), HasSubstr("its outputs are 1x3x64x64, and kind"));
-  EXPECT_THAT(complaint("semantic", test_description("semantic", "", "names = [\"ids\"]")),
+TEST_F(DetectorModels, WithOtherShapesOrDamagedFilesAreRejected) {
+  EXPECT_THAT(load_error("yolov8", test_description("semantic")),
+              HasSubstr("kind \"semantic\" with 3 classes expects 1x3xHxW"));
+  EXPECT_THAT(load_error("semantic", test_description("yolov5-seg")), HasSubstr("its outputs are 1x3x64x64, and kind"));
+  EXPECT_THAT(load_error("semantic", test_description("semantic", "", "names = [\"ids\"]")),
               HasSubstr("has no output 'ids'; it has logits"));
   const std::string whole = read_file(folder.path / "semantic.onnx");
   folder.write("cut.onnx", whole.substr(0, whole.size() / 2));
   folder.write("text.onnx", "no network at all");
   folder.write("empty.onnx", "");
   for (const char* name : {"cut", "text", "empty"})
-    EXPECT_THAT(complaint(name, test_description("semantic")), HasSubstr("is no ONNX file, or is damaged")) << name;
+    EXPECT_THAT(load_error(name, test_description("semantic")), HasSubstr("is not an ONNX file, or is damaged")) << name;
   EXPECT_THAT(input_error([] { const Detector detector("nowhere.onnx"); }), HasSubstr("nowhere.onnx"));
   fs::remove(folder.path / "ids.toml");
   EXPECT_THAT(input_error([&] { const Detector detector(folder.path / "ids.onnx"); }), HasSubstr("ids.toml: does not exist"));
 }
 
-TEST(ImporterComplaint, NamesTheNode) {
-  EXPECT_EQ(importer_complaint(
+TEST(ImporterError, NamesTheNode) {
+  EXPECT_EQ(summarize_importer_error(
                 "OpenCV(4.6.0) ./a.cpp:1040: error: (-2:Unspecified error) in function 'handleNode'\n> Node "
                 "[TopK@ai.onnx]:(onnx_node!best) parse error: OpenCV(4.6.0) ./b.hpp:110: error: (-2:Unspecified error) Can't "
                 "create layer \"onnx_node!best\" of type \"TopK\" in function 'getLayerInstance'\n> "),
             "node 'best' (TopK): Can't create layer \"best\" of type \"TopK\"");
-  EXPECT_EQ(importer_complaint(
+  EXPECT_EQ(summarize_importer_error(
                 "OpenCV(4.6.0) ./a.cpp:1: error: (-2:Unspecified error) in function 'f'\n> Node "
                 "[X@ai.onnx]:(onnx_node_output_0!y) parse error: OpenCV(4.6.0) ./b.hpp:1: error: (-215:Assertion failed) a > 0 "
                 "in function 'g'\n"),
             "node 'y' (X): a > 0");
-  EXPECT_EQ(importer_complaint("something else"), "something else");
+  EXPECT_EQ(summarize_importer_error("something else"), "something else");
 }
 
 }  // namespace

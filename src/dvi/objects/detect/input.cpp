@@ -25,7 +25,7 @@ InputFit fit_image(cv::Size image, const Description& description) {
           cv::Point2d(content.x, content.y)};
 }
 
-cv::Mat input_blob(const cv::Mat3b& image, const InputFit& fit, const Description& description) {
+cv::Mat make_input_blob(const cv::Mat3b& image, const InputFit& fit, const Description& description) {
   cv::Mat3b input(fit.input, cv::Vec3b::all(cv::saturate_cast<uchar>(description.pad)));
   cv::Mat3b content = input(fit.content);
   if (image.size() == content.size())
@@ -44,7 +44,7 @@ cv::Mat input_blob(const cv::Mat3b& image, const InputFit& fit, const Descriptio
   return blob;
 }
 
-cv::Mat1f map_in_image(const cv::Mat1f& map, const InputFit& fit, cv::Rect part) {
+cv::Mat1f resample_to_image(const cv::Mat1f& map, const InputFit& fit, cv::Rect part) {
   const cv::Point2d cells(static_cast<double>(map.cols) / fit.input.width, static_cast<double>(map.rows) / fit.input.height);
   const cv::Point2d scale(cells.x * fit.scale.x, cells.y * fit.scale.y);
   const cv::Matx23d map_from_part(scale.x, 0, scale.x * (part.x + 0.5) + cells.x * fit.offset.x - 0.5,  //

@@ -14,9 +14,10 @@
 namespace dvi::objects {
 namespace {
 
-constexpr const char* kRemedy = "docs/detector.md says what can be run, and how to cut a network before what cannot";
+constexpr const char* kRemedy =
+    "docs/detector.md lists the supported nodes, and how to remove others from the end of a network";
 
-// OpenCV logs to stderr what it also throws.
+// Silences OpenCV's log, which repeats the text of its exceptions.
 class QuietOpenCv {
  public:
   QuietOpenCv() : before_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT)) {}
@@ -28,22 +29,24 @@ class QuietOpenCv {
   cv::utils::logging::LogLevel before_;
 };
 
-// What stands between two words; empty where they are missing.
-std::string between(const std::string& text, const std::string& left, const std::string& right) {
+// Returns the text between two words, or an empty text if they are missing.
+std::string extract_between(const std::string& text, const std::string& left, const std::string& right) {
   const std::size_t at = text.find(left);
   if (at == std::string::npos) return {};
   const std::size_t begin = at + left.size(), end = text.find(right, begin);
   return end == std::string::npos ? std::string() : text.substr(begin, end - begin);
 }
 
-// The importer names layers "onnx_node!NAME" or, of a node without name, "onnx_node_output_0!OUTPUT".
-std::string node_name(const std::string& layer) {
+// Returns the name of a layer's node. The importer names layers "onnx_node!NAME" or, for a node without name,
+// "onnx_node_output_0!OUTPUT".
+std::string find_node_name(const std::string& layer) {
   const std::size_t mark = layer.find('!');
   return layer.starts_with("onnx_node") && mark != std::string::npos ? layer.substr(mark + 1) : layer;
 }
 
-// "OpenCV(4.6.0) FILE:LINE: error: (-2:Unspecified error) MESSAGE in function 'F'\n": the message of the last one in the text.
-std::string plain_message(const std::string& what) {
+// Returns the message of the last error in a text: "OpenCV(4.6.0) FILE:LINE: error: (-2:Unspecified error) MESSAGE in function
+// 'F'\n".
+std::string extract_message(const std::string& what) {
   std::string text = what;
   if (const std::size_t error = text.rfind(" error: ("); error != std::string::npos)
     if (const std::size_t close = text.find(')', error); close != std::string::npos)
@@ -55,20 +58,20 @@ std::string plain_message(const std::string& what) {
   return text;
 }
 
-InputError cannot_run(const fs::path& model, const std::string& why) {
+InputError make_run_error(const fs::path& model, const std::string& why) {
   return {model, fmt::format("OpenCV's dnn {} cannot run {}", CV_VERSION, why), kRemedy};
 }
 
 }  // namespace
 
-std::string importer_complaint(const std::string& what) {
-  const std::string node = between(what, "> Node [", " parse error:");
-  const std::string type = node.substr(0, node.find_first_of("@]")), name = between(node + "\n", "]:(", ")\n");
-  const std::string message = plain_message(what);
-  return name.empty() ? message : fmt::format("node '{}' ({}): {}", node_name(name), type, message);
+std::string summarize_importer_error(const std::string& what) {
+  const std::string node = extract_between(what, "> Node [", " parse error:");
+  const std::string type = node.substr(0, node.find_first_of("@]")), name = extract_between(node + "\n", "]:(", ")\n");
+  const std::string message = extract_message(what);
+  return name.empty() ? message : fmt::format("node '{}' ({}): {}", find_node_name(name), type, message);
 }
 
-std::string shapes_of(const std::vector<cv::Mat>& blobs) {
+std::string format_shapes(const std::vector<cv::Mat>& blobs) {
   std::vector<std::string> shapes;
   for (const cv::Mat& blob : blobs) {
     const std::vector<int> sizes(blob.size.p, blob.size.p + blob.dims);
@@ -83,8 +86,8 @@ struct Network::Impl {
   std::vector<std::string> outputs;
   std::mutex mutex;
 
-  // The first layer for which shapes cannot be inferred: exceptions of a run do not name it.
-  std::optional<std::string> first_failing(const cv::Mat& blob) {
+  // Describes the first layer whose shapes cannot be inferred. Exceptions of a run do not name it.
+  std::optional<std::string> find_failing_layer(const cv::Mat& blob) {
     const std::vector<int> shape(blob.size.p, blob.size.p + blob.dims);
     for (const std::string& name : net.getLayerNames()) {
       const int id = net.getLayerId(name);
@@ -92,8 +95,8 @@ struct Network::Impl {
       try {
         net.getLayerShapes(shape, id, in, out);
       } catch (const cv::Exception& e) {
-        return fmt::format("node '{}' ({}) on an input of {}: {}", node_name(name), net.getLayer(id)->type, shapes_of({blob}),
-                           plain_message(e.what()));
+        return fmt::format("node '{}' ({}) on an input of {}: {}", find_node_name(name), net.getLayer(id)->type,
+                           format_shapes({blob}), extract_message(e.what()));
       }
     }
     return std::nullopt;
@@ -109,8 +112,8 @@ Network::Network(const fs::path& model, const std::vector<std::string>& outputs)
   } catch (const cv::Exception& e) {
     const std::string what = e.what();
     if (what.find("Failed to parse ONNX model") != std::string::npos || what.find("has_graph()") != std::string::npos)
-      throw InputError(model, "is no ONNX file, or is damaged", "--detector takes a network exported to ONNX");
-    throw cannot_run(model, importer_complaint(what));
+      throw InputError(model, "is not an ONNX file, or is damaged", "--detector takes a network exported to ONNX");
+    throw make_run_error(model, summarize_importer_error(what));
   }
   impl_->net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
   impl_->net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
@@ -131,12 +134,12 @@ std::vector<cv::Mat> Network::run(const cv::Mat& blob) const {
     std::vector<cv::Mat> blobs;
     impl_->net.setInput(blob);
     impl_->net.forward(blobs, impl_->outputs);
-    for (const cv::Mat& output : blobs) {  // the net keeps its own for the next call
+    for (const cv::Mat& output : blobs) {  // the net reuses its memory in the next call
       own.emplace_back();
       output.convertTo(own.back(), CV_32F);
     }
   } catch (const cv::Exception& e) {
-    throw cannot_run(impl_->model, impl_->first_failing(blob).value_or("it: " + plain_message(e.what())));
+    throw make_run_error(impl_->model, impl_->find_failing_layer(blob).value_or("it: " + extract_message(e.what())));
   }
   return own;
 }

@@ -11,23 +11,23 @@
 
 namespace dvi::objects {
 
-// For tests.
+// For tests only.
 
-/// A drive along x over ground of a given height, scanned in rings, filmed by a camera that looks along x.
-struct Plain {
-  static constexpr std::int64_t kTenthOfSecond = 100'000'000;
+/// A drive along x over a plain of a given slope. The LiDAR scans rings on the plain, and the camera looks along x.
+struct PlainDrive {
+  static constexpr std::int64_t kScanPeriodNs = 100'000'000;
 
   Drive drive;
 
-  explicit Plain(int scans, double slope, double outliers = 0) {
+  explicit PlainDrive(int scans, double slope, double outliers = 0) {
     drive.camera = {320, 192, 240, 240, 159.5, 80.5, {}};
     drive.camera_from_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
     std::vector<StampedPose> poses;
     for (int i = 0; i < scans; ++i) {
       const double x = 0.8 * i;
-      poses.push_back({i * kTenthOfSecond, {Eigen::Matrix3d::Identity(), {x, 0, slope * x + 1.7}}});
-      drive.scan_headers.push_back({"", i * kTenthOfSecond, i * kTenthOfSecond, i * kTenthOfSecond, {}});
-      drive.frames.push_back({i, std::to_string(i), i * kTenthOfSecond, {}, {}});
+      poses.push_back({i * kScanPeriodNs, {Eigen::Matrix3d::Identity(), {x, 0, slope * x + 1.7}}});
+      drive.scan_headers.push_back({"", i * kScanPeriodNs, i * kScanPeriodNs, i * kScanPeriodNs, {}});
+      drive.frames.push_back({i, std::to_string(i), i * kScanPeriodNs, {}, {}});
     }
     drive.poses = Trajectory(poses);
     drive.scans = Lazy<Scan>(scans, 4, [slope, outliers](std::size_t i) {
@@ -45,8 +45,8 @@ struct Plain {
   }
 };
 
-/// Gray levels of its ground.
-inline float road(const Eigen::Vector2d& x) {
+/// Returns the gray level of the plain.
+inline float sample_road(const Eigen::Vector2d& x) {
   return static_cast<float>(120 + 25 * std::sin(0.9 * x.x()) + 25 * std::sin(1.3 * x.y()));
 }
 

@@ -11,8 +11,8 @@
 #include "dvi/core/random.h"
 #include "dvi/drive/outline.h"
 #include "dvi/image/region.h"
-#include "dvi/objects/find_traffic.h"
-#include "dvi/objects/plain.h"
+#include "dvi/objects/motion_segmentation.h"
+#include "dvi/objects/plain_drive.h"
 #include "dvi/objects/shadows.h"
 #include "dvi/synth/scene.h"
 #include "dvi/testing/memory_views.h"
@@ -37,26 +37,26 @@ struct Street {
   }
 };
 
-cv::Mat1b drawn(const std::vector<Label>& labels, cv::Size size) {
+cv::Mat1b draw_labels(const std::vector<Label>& labels, cv::Size size) {
   cv::Mat1b mask(size, uchar{0});
   for (const Label& label : labels) draw(*label.instance, mask);
   return mask;
 }
 
-TEST(Traffic, FindsWhatMovesAndNothingThatStands) {
+TEST(MotionSegmentation, FindsMovingObjectsAndNoStaticOnes) {
   const Street street(14);
   const std::vector<Track> tracks =
-      find_traffic(street.drive, {street.drive.poses}, ground::ScanGround(street.drive, street.drive.poses), [] {}).tracks;
-  const FrameLabels labels = outlines(tracks, street.drive, street.drive.poses, 0.3);
+      segment_motion(street.drive, {street.drive.poses}, ground::ScanGround(street.drive, street.drive.poses), [] {}).tracks;
+  const FrameLabels labels = draw_outlines(tracks, street.drive, street.drive.poses, 0.3);
   ASSERT_EQ(labels.size(), street.drive.frames.size());
   double covered = 0, all = 0;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const synth::SynthFrame truth = street.scene->render(static_cast<int>(i));
-    const cv::Mat1b found = drawn(labels[i], truth.dynamic.size());
+    const cv::Mat1b found = draw_labels(labels[i], truth.dynamic.size());
     covered += cv::countNonZero(grown(found, 3) & truth.dynamic);
     all += cv::countNonZero(truth.dynamic);
     for (const Label& label : labels[i]) {
-      const cv::Mat1b own = drawn({label}, truth.dynamic.size());
+      const cv::Mat1b own = draw_labels({label}, truth.dynamic.size());
       EXPECT_GT(cv::countNonZero(own & grown(truth.dynamic, 3)), cv::countNonZero(own) / 3)
           << "frame " << i << " track " << label.track;
       ASSERT_TRUE(label.box);
@@ -67,12 +67,13 @@ TEST(Traffic, FindsWhatMovesAndNothingThatStands) {
   RecordProperty("recall", std::to_string(covered / all));
 }
 
-// Scans, from a slow vehicle, a plain before a wall, and someone 0.8 m long who walks across it, 25 m ahead of the first one.
-Drive walker_before_a_wall(int scans) {
-  Drive drive = Plain(scans, 0).drive;
+// Makes a drive of a slow vehicle toward a wall on a plain. A person 0.8 m long walks across the plain, 25 m ahead of the first
+// scan.
+Drive make_drive_with_walker(int scans) {
+  Drive drive = PlainDrive(scans, 0).drive;
   std::vector<StampedPose> poses;
   for (int i = 0; i < scans; ++i)
-    poses.push_back({i * Plain::kTenthOfSecond, {Eigen::Matrix3d::Identity(), {0.3 * i, 0, 1.7}}});
+    poses.push_back({i * PlainDrive::kScanPeriodNs, {Eigen::Matrix3d::Identity(), {0.3 * i, 0, 1.7}}});
   drive.poses = Trajectory(poses);
   drive.scans = Lazy<Scan>(scans, 4, [](std::size_t i) {
     constexpr double kDegree = std::numbers::pi / 180, kWall = 40, kWalker = 25, kTall = 1.8;
@@ -95,27 +96,27 @@ Drive walker_before_a_wall(int scans) {
   return drive;
 }
 
-TEST(Traffic, FindsAWalkerInAShortDrive) {
-  const Drive drive = walker_before_a_wall(24);
-  const std::vector<Track> tracks = find_traffic(drive, {drive.poses}, ground::ScanGround(drive, drive.poses), [] {}).tracks;
+TEST(MotionSegmentation, FindsAWalkingPersonInAShortDrive) {
+  const Drive drive = make_drive_with_walker(24);
+  const std::vector<Track> tracks = segment_motion(drive, {drive.poses}, ground::ScanGround(drive, drive.poses), [] {}).tracks;
   ASSERT_EQ(tracks.size(), 1U);
   EXPECT_GE(tracks[0].observations.size(), 18U);
   EXPECT_NEAR(tracks[0].height_m, 1.8, 0.2);
   EXPECT_NEAR(tracks[0].velocity(12).norm(), 1.45, 0.3);
 }
 
-TEST(Traffic, OneScanOrNoPoseFindsNothing) {
+TEST(MotionSegmentation, FindsNothingInOneScanOrWithoutPoses) {
   const Street street(1);
   const ground::ScanGround ground(street.drive, street.drive.poses);
-  EXPECT_TRUE(find_traffic(street.drive, {street.drive.poses}, ground, [] {}).tracks.empty());
+  EXPECT_TRUE(segment_motion(street.drive, {street.drive.poses}, ground, [] {}).tracks.empty());
   const std::vector<Track> unposed =
-      find_traffic(street.drive, {}, ground::ScanGround(street.drive, Trajectory()), [] {}).tracks;
+      segment_motion(street.drive, {}, ground::ScanGround(street.drive, Trajectory()), [] {}).tracks;
   EXPECT_TRUE(unposed.empty());
-  EXPECT_EQ(outlines(unposed, street.drive, Trajectory(), 0.3).size(), 1U);
+  EXPECT_EQ(draw_outlines(unposed, street.drive, Trajectory(), 0.3).size(), 1U);
 }
 
-TEST(GroundOfADrive, FollowsSlopesAndIgnoresWhatMirrorsShowBelow) {
-  const Plain plain(12, 0.08, 0.005);
+TEST(ScanGroundOfADrive, FollowsSlopesAndIgnoresReflectionsBelowTheGround) {
+  const PlainDrive plain(12, 0.08, 0.005);
   const ground::ScanGround ground(plain.drive, plain.drive.poses);
   for (const double x : {1.3, 7.7, 15.2, 24.9})
     for (const double y : {-8.4, -0.3, 6.1}) {
@@ -126,12 +127,14 @@ TEST(GroundOfADrive, FollowsSlopesAndIgnoresWhatMirrorsShowBelow) {
   EXPECT_FALSE(ground.height({500, 0}));
 }
 
-// Films the plain with an upright board ahead that moves away, masked, and its shadow to the left of it, not masked.
-struct Shadowed {
+// Images of the plain with an upright board ahead that moves away. The board is masked, the shadow to its left is not.
+struct ShadowedViews {
   Views views;
   std::vector<cv::Mat1b> shadows;
 
-  Shadowed(const Drive& drive, bool with_shadow, double light_step = 0) {
+  enum class Shadow { none, cast };
+
+  ShadowedViews(const Drive& drive, Shadow shadowed, double exposure_step = 0) {
     std::vector<cv::Mat3b> images;
     std::vector<cv::Mat1b> masks;
     for (std::size_t i = 0; i < drive.frames.size(); ++i) {
@@ -140,7 +143,7 @@ struct Shadowed {
                 world_from_camera = camera_from_world.inverse();
       views.views.push_back({0, i, drive.frames[i].time_ns, drive.camera, camera_from_world});
       const double board = 7 + 1.1 * static_cast<double>(i);  // meters along x
-      const double light = 1 + light_step * static_cast<double>(i);
+      const double exposure = 1 + exposure_step * static_cast<double>(i);
       cv::Mat3b image(drive.camera.height, drive.camera.width, cv::Vec3b(200, 180, 160));
       cv::Mat1b mask(image.size(), uchar{0}), shadow(image.size(), uchar{0});
       for (int y = 0; y < image.rows; ++y)
@@ -155,9 +158,10 @@ struct Shadowed {
           }
           if (ray.z() >= 0) continue;
           const Eigen::Vector2d foot = (world_from_camera.t - world_from_camera.t.z() / ray.z() * ray).head<2>();
-          const bool dark = with_shadow && foot.x() > board - 0.2 && foot.x() < board + 1.8 && foot.y() > 0.5 && foot.y() < 2.6;
+          const bool dark =
+              shadowed == Shadow::cast && foot.x() > board - 0.2 && foot.x() < board + 1.8 && foot.y() > 0.5 && foot.y() < 2.6;
           if (dark && foot.y() > 0.9) shadow(y, x) = 255;
-          const double level = road(foot) * light * (dark ? 0.45 : 1.0);
+          const double level = sample_road(foot) * exposure * (dark ? 0.45 : 1.0);
           image(y, x) = cv::Vec3b::all(cv::saturate_cast<uchar>(level));
         }
       images.push_back(image);
@@ -168,12 +172,12 @@ struct Shadowed {
   }
 };
 
-TEST(Shadows, JoinTheirObjectAlsoWhenTheLightDrifts) {
-  const Plain plain(40, 0);
+TEST(Shadows, AreAddedToTheMaskAlsoIfTheExposureDrifts) {
+  const PlainDrive plain(40, 0);
   const auto ground = std::make_shared<const ground::ScanGround>(plain.drive, plain.drive.poses);
   for (const double drift : {0.0, 0.01}) {
-    const Shadowed filmed(plain.drive, true, drift);
-    const Lazy<cv::Mat1b> masks = with_shadows(filmed.views, ground);
+    const ShadowedViews filmed(plain.drive, ShadowedViews::Shadow::cast, drift);
+    const Lazy<cv::Mat1b> masks = add_shadows(filmed.views, ground);
     for (const std::size_t i : {std::size_t{8}, std::size_t{12}}) {
       const cv::Mat1b base = *filmed.views.masks[i], mask = *masks[i], shadow(filmed.shadows[i] & ~base);
       ASSERT_GT(cv::countNonZero(shadow), 30);
@@ -184,37 +188,37 @@ TEST(Shadows, JoinTheirObjectAlsoWhenTheLightDrifts) {
   }
 }
 
-TEST(Shadows, LeaveGroundThatOnlyLooksDarkAndFramesThatNobodyElseSaw) {
-  const Plain plain(40, 0);
+TEST(Shadows, AreNotFoundOnDarkGroundOrWithoutOtherViews) {
+  const PlainDrive plain(40, 0);
   const auto ground = std::make_shared<const ground::ScanGround>(plain.drive, plain.drive.poses);
-  const Shadowed filmed(plain.drive, false);
-  const Lazy<cv::Mat1b> masks = with_shadows(filmed.views, ground);
+  const ShadowedViews filmed(plain.drive, ShadowedViews::Shadow::none);
+  const Lazy<cv::Mat1b> masks = add_shadows(filmed.views, ground);
   const cv::Mat1b base = *filmed.views.masks[20];
   EXPECT_EQ(cv::countNonZero(*masks[20] & ~grown(base, 4)), 0);
   Views alone = filmed.views;
   alone.views.resize(1);
   alone.images = {1, 1, [of = filmed.views.images](std::size_t) { return of[0]->clone(); }};
   alone.masks = {1, 1, [of = filmed.views.masks](std::size_t) { return of[0]->clone(); }};
-  EXPECT_EQ(cv::norm(*with_shadows(alone, ground)[0], *filmed.views.masks[0], cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(*add_shadows(alone, ground)[0], *filmed.views.masks[0], cv::NORM_INF), 0);
 }
 
-TEST(Shadows, AreFoundOnceHoweverLittleIsKept) {
-  const Plain plain(40, 0);
-  Shadowed filmed(plain.drive, true);
-  const auto asked = std::make_shared<std::atomic<int>>(0);
-  filmed.views.images = Lazy<cv::Mat3b>::through(filmed.views.size(), [asked, of = filmed.views.images](std::size_t i) {
-    ++*asked;
+TEST(Shadows, AreComputedOnceEvenWithoutACache) {
+  const PlainDrive plain(40, 0);
+  ShadowedViews filmed(plain.drive, ShadowedViews::Shadow::cast);
+  const auto reads = std::make_shared<std::atomic<int>>(0);
+  filmed.views.images = Lazy<cv::Mat3b>::through(filmed.views.size(), [reads, of = filmed.views.images](std::size_t i) {
+    ++*reads;
     return of[i];
   });
   const Lazy<cv::Mat1b> masks =
-      with_shadows(filmed.views, std::make_shared<const ground::ScanGround>(plain.drive, plain.drive.poses));
+      add_shadows(filmed.views, std::make_shared<const ground::ScanGround>(plain.drive, plain.drive.poses));
   const cv::Mat1b found = masks[12]->clone();
   CacheBudget& budget = *CacheBudget::of_process();
-  budget.set_bound(0);  // of all sequences together, one item stays
+  budget.set_bound(0);  // one item of all sequences stays in memory
   masks[0];
-  const int looks = *asked;
+  const int before = *reads;
   EXPECT_EQ(cv::norm(*masks[12], found, cv::NORM_INF), 0);
-  EXPECT_EQ(*asked, looks);
+  EXPECT_EQ(*reads, before);
   budget.set_bound(std::size_t{1000} << 20);
 }
 
@@ -227,7 +231,7 @@ Cluster cluster_at(double x, double y, double seconds, double moving_share = 1) 
   return cluster;
 }
 
-TEST(Tracker, KeepsTwoThatPassEachOtherApart) {
+TEST(Tracker, SeparatesTwoObjectsThatPassEachOther) {
   Tracker tracker;
   for (int i = 0; i < 20; ++i) {
     const double t = 0.1 * i;
@@ -243,7 +247,7 @@ TEST(Tracker, KeepsTwoThatPassEachOtherApart) {
   }
 }
 
-TEST(Tracker, DoesNotResumeWhatWasNotSeenForLong) {
+TEST(Tracker, EndsATrackAfterALongGap) {
   for (const double gap : {0.5, 0.6}) {
     Tracker tracker;
     for (int i = 0; i < 20; ++i) {
@@ -254,7 +258,7 @@ TEST(Tracker, DoesNotResumeWhatWasNotSeenForLong) {
   }
 }
 
-TEST(Tracker, KeepsAVanWhoseSideIsHitAgainOnceItGoesFar) {
+TEST(Tracker, KeepsAVanWithFewMovingReturnsIfItTravelsFar) {
   for (const double speed : {5.0, 1.0}) {
     Tracker tracker;
     for (int i = 0; i < 20; ++i) tracker.add({cluster_at(0.1 * i * speed, 0, 0.1 * i, 0.4)});
@@ -262,7 +266,7 @@ TEST(Tracker, KeepsAVanWhoseSideIsHitAgainOnceItGoesFar) {
   }
 }
 
-TEST(Tracker, DropsWhatStaysWhatWandersAndWhatIsMostlyStanding) {
+TEST(Tracker, DropsStationaryWanderingAndMostlyStaticClusters) {
   Random random(5);
   Tracker tracker;
   for (int i = 0; i < 30; ++i) {

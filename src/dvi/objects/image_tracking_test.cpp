@@ -6,15 +6,15 @@
 
 #include "dvi/drive/outline.h"
 #include "dvi/image/region.h"
-#include "dvi/objects/find_traffic.h"
-#include "dvi/objects/image_following.h"
+#include "dvi/objects/image_tracking.h"
+#include "dvi/objects/motion_segmentation.h"
 #include "dvi/objects/static_depth.h"
 #include "dvi/synth/scene.h"
 
 namespace dvi::objects {
 namespace {
 
-// A street of which scans from `blind` on have no returns of what moves.
+// A street whose scans have no returns of moving objects from scan `blind` on.
 struct BlindStreet {
   std::shared_ptr<const synth::Scene> scene;
   Drive drive;
@@ -48,35 +48,35 @@ struct BlindStreet {
   Views views(const FrameLabels& labels) const {
     Views out = synth::views_of(scene);
     out.images = drive.images;
-    out.masks = Lazy<cv::Mat1b>(out.size(), out.size(), [this, labels](std::size_t i) { return drawn(labels[i]); });
+    out.masks = Lazy<cv::Mat1b>(out.size(), out.size(), [this, labels](std::size_t i) { return draw_labels(labels[i]); });
     return out;
   }
-  Comparison comparison(const Views& views, const FrameLabels& labels) const {
-    return {views, static_depth(drive, drive.poses, shared(labels), views, ground), ground};
+  BackgroundComparison comparison(const Views& views, const FrameLabels& labels) const {
+    return {views, render_static_depth({drive, drive.poses, shared(labels), ground}, views), ground};
   }
-  cv::Mat1b drawn(const std::vector<Label>& labels) const {
+  cv::Mat1b draw_labels(const std::vector<Label>& labels) const {
     cv::Mat1b mask(scene->camera().height, scene->camera().width, uchar{0});
     for (const Label& label : labels) draw(*label.instance, mask);
     return mask;
   }
 };
 
-TEST(ImageFollowing, GoesOnWhereNoScanShowsTheObject) {
+TEST(ImageTracking, ContinuesWhereNoScanShowsTheObject) {
   constexpr std::size_t kBlind = 7;
   const BlindStreet street(14, kBlind);
-  const std::vector<Track> tracks = find_traffic(street.drive, {street.drive.poses}, *street.ground, [] {}).tracks;
+  const std::vector<Track> tracks = segment_motion(street.drive, {street.drive.poses}, *street.ground, [] {}).tracks;
   ASSERT_FALSE(tracks.empty());
-  const FrameLabels labels = outlines(tracks, street.drive, street.drive.poses, 0.3);
+  const FrameLabels labels = draw_outlines(tracks, street.drive, street.drive.poses, 0.3);
   Views views = street.views(labels);
-  views.masks = whereabouts(views, tracks, street.ground);
-  const FrameLabels followed = followed_in_images(labels, tracks, street.comparison(views, labels), street.drive.poses);
+  views.masks = mask_possible_positions(views, tracks, street.ground);
+  const FrameLabels tracked = track_in_images(labels, tracks, street.comparison(views, labels), street.drive.poses);
   double all = 0, before = 0, after = 0;
   for (std::size_t i = kBlind + 3; i < labels.size(); ++i) {
     const cv::Mat1b truth = street.scene->render(static_cast<int>(i)).dynamic;
     all += cv::countNonZero(truth);
-    before += cv::countNonZero(truth & grown(street.drawn(labels[i]), 3));
-    after += cv::countNonZero(truth & grown(street.drawn(followed[i]), 3));
-    EXPECT_LT(cv::countNonZero(street.drawn(followed[i])), 3 * cv::countNonZero(truth)) << "frame " << i;
+    before += cv::countNonZero(truth & grown(street.draw_labels(labels[i]), 3));
+    after += cv::countNonZero(truth & grown(street.draw_labels(tracked[i]), 3));
+    EXPECT_LT(cv::countNonZero(street.draw_labels(tracked[i])), 3 * cv::countNonZero(truth)) << "frame " << i;
   }
   RecordProperty("recall", std::to_string(after / all));
   EXPECT_LT(before / all, 0.3);

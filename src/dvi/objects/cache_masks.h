@@ -10,9 +10,9 @@
 
 namespace dvi::objects {
 
-/// Masks that are made once: one that the shared budget drops is drawn again from its outline, some kilobytes that are always
-/// kept.
-inline Lazy<cv::Mat1b> kept_masks(std::size_t count, const std::function<cv::Mat1b(std::size_t)>& make) {
+/// Makes masks on demand, each once. A mask that the shared budget drops is drawn again from its outline, which takes some
+/// kilobytes and is always in memory.
+inline Lazy<cv::Mat1b> cache_masks(std::size_t count, const std::function<cv::Mat1b(std::size_t)>& make) {
   const Lazy<Instance> outlines(count, count, [make](std::size_t i) { return to_outline(make(i)); });
   return {count, [outlines](std::size_t i) {
             const auto outline = outlines[i];

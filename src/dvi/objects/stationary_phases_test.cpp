@@ -1,4 +1,4 @@
-#include "dvi/objects/standstill.h"
+#include "dvi/objects/stationary_phases.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <Eigen/Geometry>
 
 #include "dvi/core/random.h"
-#include "dvi/objects/find_traffic.h"
-#include "dvi/objects/plain.h"
+#include "dvi/objects/motion_segmentation.h"
+#include "dvi/objects/plain_drive.h"
 
 namespace dvi::objects {
 namespace {
@@ -28,7 +28,7 @@ struct Situation {
   std::function<double(int)> sensor_x = [](int) { return 0.0; };
   std::function<std::vector<Cuboid>(int)> movers;
   double degrees_between_beams = 0.4;
-  double yaw_error_deg = 0;  // of each pose
+  double yaw_error_deg = 0;  // random error of each pose
 
   static std::vector<Cuboid> houses() {
     std::vector<Cuboid> out{{Eigen::Vector3d(70, -40, 0), Eigen::Vector3d(72, 40, 9)}};
@@ -43,9 +43,9 @@ struct Situation {
 
   Scan measure(std::size_t i) const {
     constexpr double kDegree = std::numbers::pi / 180;
-    std::vector<Cuboid> things = houses();
-    things.push_back(parked());
-    for (const Cuboid& mover : movers(static_cast<int>(i))) things.push_back(mover);
+    std::vector<Cuboid> surfaces = houses();
+    surfaces.push_back(parked());
+    for (const Cuboid& mover : movers(static_cast<int>(i))) surfaces.push_back(mover);
     const Eigen::Vector3d sensor = pose(static_cast<int>(i)).t;
     Random random(i + 1);
     Scan scan;
@@ -54,7 +54,7 @@ struct Situation {
         const Eigen::Vector3d ray(std::cos(aside * kDegree) * std::cos(up * kDegree),
                                   std::sin(aside * kDegree) * std::cos(up * kDegree), std::sin(up * kDegree));
         double length = ray.z() < 0 ? -sensor.z() / ray.z() : 1e9;
-        for (const Cuboid& thing : things) length = std::min(length, range_to(thing, sensor, ray));
+        for (const Cuboid& surface : surfaces) length = std::min(length, intersect(surface, sensor, ray));
         if (length > 90) continue;
         scan.points.emplace_back(((length + 0.02 * random.normal()) * ray).cast<float>());
         scan.time.push_back(0);
@@ -64,13 +64,13 @@ struct Situation {
   }
 
   Drive drive() const {
-    Drive out = Plain(scans, 0).drive;
+    Drive out = PlainDrive(scans, 0).drive;
     std::vector<StampedPose> poses;
     Random random(7);
     for (int i = 0; i < scans; ++i) {
       SE3 at = pose(i);
       at.R = Eigen::AngleAxisd(yaw_error_deg * random.normal() * std::numbers::pi / 180, Eigen::Vector3d::UnitZ()).matrix();
-      poses.push_back({i * Plain::kTenthOfSecond, at});
+      poses.push_back({i * PlainDrive::kScanPeriodNs, at});
     }
     out.poses = Trajectory(poses);
     out.scans = Lazy<Scan>(static_cast<std::size_t>(scans), static_cast<std::size_t>(scans),
@@ -79,109 +79,111 @@ struct Situation {
   }
 
  private:
-  static double range_to(const Cuboid& thing, const Eigen::Vector3d& sensor, const Eigen::Vector3d& ray) {
-    const Eigen::Array3d a = (thing.min() - sensor).array() / ray.array(), b = (thing.max() - sensor).array() / ray.array();
+  static double intersect(const Cuboid& cuboid, const Eigen::Vector3d& sensor, const Eigen::Vector3d& ray) {
+    const Eigen::Array3d a = (cuboid.min() - sensor).array() / ray.array(), b = (cuboid.max() - sensor).array() / ray.array();
     const double enter = a.min(b).maxCoeff(), leave = a.max(b).minCoeff();
     return enter > 0 && enter < leave ? enter : 1e9;
   }
 };
 
-FoundTraffic traffic_of(const Situation& situation) {
+MotionSegmentation segment(const Situation& situation) {
   const Drive drive = situation.drive();
-  return find_traffic(drive, {drive.poses}, ground::ScanGround(drive, drive.poses), [] {});
+  return segment_motion(drive, {drive.poses}, ground::ScanGround(drive, drive.poses), [] {});
 }
 
-bool holds(const Cuboid& thing, const Eigen::Vector2d& place) {
-  return (place.array() > thing.min().head<2>().array() - 0.5).all() &&
-         (place.array() < thing.max().head<2>().array() + 0.5).all();
+bool contains(const Cuboid& cuboid, const Eigen::Vector2d& position) {
+  return (position.array() > cuboid.min().head<2>().array() - 0.5).all() &&
+         (position.array() < cuboid.max().head<2>().array() + 0.5).all();
 }
 
-// The share of the first `scans` scans in which a track covers mover `k`.
-double share_covered(const Situation& situation, const std::vector<Track>& tracks, std::size_t k, int scans) {
+// Returns the share of the first `scans` scans in which a track covers mover `k`.
+double compute_covered_share(const Situation& situation, const std::vector<Track>& tracks, std::size_t k, int scans) {
   int covered = 0;
   for (int scan = 0; scan < scans; ++scan) {
     const Cuboid mover = situation.movers(scan)[k];
     covered += std::any_of(tracks.begin(), tracks.end(), [&](const Track& track) {
-      return std::any_of(track.observations.begin(), track.observations.end(),
-                         [&](const Cluster& o) { return o.scan == static_cast<std::size_t>(scan) && holds(mover, o.center); });
+      return std::any_of(track.observations.begin(), track.observations.end(), [&](const Cluster& o) {
+        return o.scan == static_cast<std::size_t>(scan) && contains(mover, o.center);
+      });
     });
   }
   return covered / static_cast<double>(scans);
 }
 
-void expect_parked_stays(const std::vector<Track>& tracks) {
+void expect_parked_car_remains(const std::vector<Track>& tracks) {
   for (const Track& track : tracks)
-    for (const Cluster& o : track.observations) EXPECT_FALSE(holds(Situation::parked(), o.center)) << "scan " << o.scan;
+    for (const Cluster& o : track.observations) EXPECT_FALSE(contains(Situation::parked(), o.center)) << "scan " << o.scan;
 }
 
-// Meters from where it starts, for something that accelerates in scan `start`.
+// Returns the path length in meters of an object that accelerates from scan `start` on.
 double path_length(int scan, int start, double speed_mps) {
   const double t = std::max(0, scan - start) * 0.1, ramp_s = speed_mps / 3;
   return t < ramp_s ? 1.5 * t * t : speed_mps * (t - 0.5 * ramp_s);
 }
 
-TEST(Standstill, FindsCarsInARowThatWaitHoweverLongBeforeTheyLeave) {
+TEST(StationaryPhases, FindsCarsInARowThatWaitForAnyTimeBeforeTheyLeave) {
   for (const int wait : {10, 50}) {
     const Situation situation{.scans = wait + 40, .movers = [&](int scan) {
                                 return std::vector<Cuboid>{car_at(20 + path_length(scan, wait, 8), 4),
                                                            car_at(29 + path_length(scan, wait - 5, 8), 4)};
                               }};
-    const FoundTraffic found = traffic_of(situation);
+    const MotionSegmentation found = segment(situation);
     for (const std::size_t k : {0U, 1U})
-      EXPECT_GT(share_covered(situation, found.tracks, k, wait + 10), 0.95) << wait << ", car " << k;
-    expect_parked_stays(found.tracks);
-    EXPECT_TRUE(found.contradictory.empty());
+      EXPECT_GT(compute_covered_share(situation, found.tracks, k, wait + 10), 0.95) << wait << ", car " << k;
+    expect_parked_car_remains(found.tracks);
+    EXPECT_TRUE(found.contradictory_scans.empty());
   }
 }
 
-TEST(Standstill, FindsACarThatWaitsWhileTheSensorMovesTowardIt) {
+TEST(StationaryPhases, FindsACarThatWaitsWhileTheSensorMovesTowardIt) {
   const Situation situation{.scans = 60,
                             .sensor_x = [](int scan) { return 0.3 * scan; },
                             .movers = [](int scan) { return std::vector<Cuboid>{car_at(45 + path_length(scan, 35, 8), -1)}; }};
-  const FoundTraffic found = traffic_of(situation);
-  EXPECT_GT(share_covered(situation, found.tracks, 0, situation.scans), 0.95);
-  expect_parked_stays(found.tracks);
+  const MotionSegmentation found = segment(situation);
+  EXPECT_GT(compute_covered_share(situation, found.tracks, 0, situation.scans), 0.95);
+  expect_parked_car_remains(found.tracks);
 }
 
-TEST(Standstill, FindsACarThatArrivesAndStopsUntilTheEnd) {
+TEST(StationaryPhases, FindsACarThatArrivesAndStopsUntilTheEnd) {
   const Situation situation{
       .scans = 80, .movers = [](int scan) { return std::vector<Cuboid>{car_at(30 - path_length(80 - scan, 50, 8), 1)}; }};
-  const FoundTraffic found = traffic_of(situation);
-  EXPECT_GT(share_covered(situation, found.tracks, 0, situation.scans), 0.95);
-  expect_parked_stays(found.tracks);
+  const MotionSegmentation found = segment(situation);
+  EXPECT_GT(compute_covered_share(situation, found.tracks, 0, situation.scans), 0.95);
+  expect_parked_car_remains(found.tracks);
 }
 
-TEST(Standstill, FindsAPersonWhoWaitsBehindPassingTrafficAndThenCrosses) {
+TEST(StationaryPhases, FindsAPersonWhoWaitsBehindPassingTrafficAndThenCrosses) {
   const Situation situation{.scans = 90, .movers = [](int scan) {
                               return std::vector<Cuboid>{person_at(22, -4 + path_length(scan, 50, 1.4)),
                                                          car_at(-30 + 1.2 * scan, -3)};
                             }};
-  const FoundTraffic found = traffic_of(situation);
-  EXPECT_GT(share_covered(situation, found.tracks, 0, situation.scans), 0.85) << "the car hides the person for some scans";
+  const MotionSegmentation found = segment(situation);
+  EXPECT_GT(compute_covered_share(situation, found.tracks, 0, situation.scans), 0.85)
+      << "the car hides the person for some scans";
 }
 
-TEST(Standstill, LeavesWhatStandsForTheWholeDrive) {
+TEST(StationaryPhases, IgnoresObjectsThatAreStationaryForTheWholeDrive) {
   const Situation situation{.scans = 60,
                             .sensor_x = [](int scan) { return 0.6 * scan; },
                             .movers = [](int) { return std::vector<Cuboid>{car_at(25, 3), car_at(32, 3), person_at(20, -3)}; }};
-  EXPECT_TRUE(traffic_of(situation).tracks.empty());
+  EXPECT_TRUE(segment(situation).tracks.empty());
 }
 
-TEST(Contradictions, KeepScansWithWrongPosesOut) {
+TEST(Contradictions, ExcludeScansWithWrongPoses) {
   const Situation situation{.scans = 24, .movers = [](int) { return std::vector<Cuboid>(); }, .yaw_error_deg = 6};
-  const FoundTraffic found = traffic_of(situation);
+  const MotionSegmentation found = segment(situation);
   EXPECT_TRUE(found.tracks.empty());
-  EXPECT_GT(found.contradictory.size(), 12U);
+  EXPECT_GT(found.contradictory_scans.size(), 12U);
 }
 
-TEST(Contradictions, ScansThatAreNotTrustedFindNothing) {
+TEST(Contradictions, UntrustedScansAreNotUsed) {
   const Situation situation{.scans = 30, .movers = [](int scan) { return std::vector<Cuboid>{car_at(10 + 0.8 * scan, 1)}; }};
   const Drive drive = situation.drive();
   ScanPoses poses{drive.poses};
   const ground::ScanGround ground(drive, drive.poses);
-  EXPECT_FALSE(find_traffic(drive, poses, ground, [] {}).tracks.empty());
+  EXPECT_FALSE(segment_motion(drive, poses, ground, [] {}).tracks.empty());
   poses.untrusted = std::vector<bool>(30, true);
-  EXPECT_TRUE(find_traffic(drive, poses, ground, [] {}).tracks.empty());
+  EXPECT_TRUE(segment_motion(drive, poses, ground, [] {}).tracks.empty());
 }
 
 }  // namespace

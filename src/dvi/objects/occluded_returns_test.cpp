@@ -1,4 +1,4 @@
-#include "dvi/objects/complete.h"
+#include "dvi/objects/occluded_returns.h"
 
 #include <gtest/gtest.h>
 
@@ -10,19 +10,19 @@ namespace dvi::objects {
 namespace {
 
 constexpr std::int64_t kTenth = 100'000'000;
-constexpr double kSpeed = 8;  // meters a second to the left, of a panel 15 m ahead that is 2 m wide
+constexpr double kSpeed = 8;  // meters per second to the left, of a panel 15 m ahead that is 2 m wide
 constexpr int kHiddenFrom = 4;
 
 double center(int scan) { return 0.1 * kSpeed * (scan - kHiddenFrom); }
 
-// What stands in direction (1, y, z): the post, from one scan on; the panel; the wall behind.
+// The surface in direction (1, y, z): the post, from one scan on; the panel; or the wall behind.
 double range_along_x(double y, double z, int scan) {
   if (scan >= kHiddenFrom && std::abs(5 * y - 0.2) < 0.15) return 5;
   if (std::abs(15 * y - center(scan)) < 1 && std::abs(15 * z) < 0.8) return 15;
   return 40;
 }
 
-// A sensor that stands still and looks ahead; each scan takes no time.
+// A stationary sensor that looks ahead. Each scan takes no time.
 Drive drive_before_a_panel(int scans) {
   Drive drive;
   std::vector<StampedPose> poses;
@@ -59,7 +59,7 @@ Track track_of_panel(const Drive& drive) {
       cluster.points.emplace_back(point.cast<double>());
       cluster.time_ns.push_back(drive.scan_headers[i].time_ns);
       cluster.ground.push_back(-1);
-      cluster.rise.push_back(0.1);
+      cluster.ray_spacing_m.push_back(0.1);
     }
     measure(cluster);
     cluster.center = {15, center(static_cast<int>(i))};
@@ -69,7 +69,7 @@ Track track_of_panel(const Drive& drive) {
 }
 
 // Meters to the left of the panel's middle at which there are returns, in tenths.
-std::vector<int> places(const Cluster& cluster) {
+std::vector<int> offsets(const Cluster& cluster) {
   std::vector<int> out;
   for (const Eigen::Vector3d& x : cluster.points)
     out.push_back(static_cast<int>(std::lround(10 * (x.y() - center(static_cast<int>(cluster.scan))))));
@@ -78,26 +78,26 @@ std::vector<int> places(const Cluster& cluster) {
   return out;
 }
 
-TEST(Complete, AddsWhatSomethingNearerHides) {
+TEST(OccludedReturns, AreAddedBehindANearerSurface) {
   const Drive drive = drive_before_a_panel(6);
   const ground::ScanGround ground(drive, drive.poses);
   const MovingReturns returns(drive, {drive.poses}, ground);
   const Track before = track_of_panel(drive);
-  const Track after = completed({before}, returns).front();
+  const Track after = add_occluded_returns({before}, returns).front();
   ASSERT_EQ(after.observations.size(), before.observations.size());
-  const std::vector<int> hidden = places(before.observations[kHiddenFrom]), found = places(after.observations[kHiddenFrom]);
+  const std::vector<int> hidden = offsets(before.observations[kHiddenFrom]), found = offsets(after.observations[kHiddenFrom]);
   EXPECT_LT(hidden.size(), 17U) << "the post hides no part of the panel";
   for (int tenth = -9; tenth <= 9; ++tenth) EXPECT_TRUE(std::binary_search(found.begin(), found.end(), tenth)) << tenth;
   EXPECT_GE(found.front(), -11);
   EXPECT_LE(found.back(), 11);
 }
 
-TEST(Complete, AddsNothingInPlainSight) {
+TEST(OccludedReturns, AreNotAddedWhereTheScanObservesTheObject) {
   const Drive drive = drive_before_a_panel(kHiddenFrom);
   const ground::ScanGround ground(drive, drive.poses);
   const MovingReturns returns(drive, {drive.poses}, ground);
   const Track before = track_of_panel(drive);
-  const Track after = completed({before}, returns).front();
+  const Track after = add_occluded_returns({before}, returns).front();
   for (std::size_t i = 0; i < before.observations.size(); ++i)
     EXPECT_EQ(after.observations[i].points.size(), before.observations[i].points.size()) << i;
 }

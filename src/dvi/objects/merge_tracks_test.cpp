@@ -1,0 +1,52 @@
+#include "dvi/objects/merge_tracks.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace dvi::objects {
+namespace {
+
+// Makes a track of the returns on the side of a car in scans [first, last), from [from, to) meters along the car.
+Track make_track(std::size_t first, std::size_t last, double from, double to, double speed_mps = 8) {
+  Track track;
+  for (std::size_t scan = first; scan < last; ++scan) {
+    Cluster cluster;
+    cluster.scan = scan;
+    for (double x = 0; x < 4; x += 0.125) {
+      if (x < from || x >= to) continue;
+      cluster.points.emplace_back(x + 0.1 * speed_mps * static_cast<double>(scan), 1, 0.5);
+      cluster.time_ns.push_back(std::llround(1e8 * static_cast<double>(scan)));
+      cluster.ground.push_back(0);
+      cluster.ray_spacing_m.push_back(0.1);
+    }
+    measure(cluster);
+    track.observations.push_back(cluster);
+  }
+  track.height_m = to - from;
+  track.size_m = {to - from, 1};
+  return track;
+}
+
+TEST(MergeTracks, MergesTracksOfOneCarThatWasLostAndFoundAgain) {
+  const std::vector<Track> tracks = merge_duplicates({make_track(0, 12, 0, 2.5), make_track(6, 20, 1, 4)});
+  ASSERT_EQ(tracks.size(), 1U);
+  const std::vector<Cluster>& observations = tracks.front().observations;
+  ASSERT_EQ(observations.size(), 20U);
+  for (std::size_t scan = 0; scan < 20; ++scan) EXPECT_EQ(observations[scan].scan, scan);
+  EXPECT_EQ(observations[3].points.size(), 20U);
+  EXPECT_EQ(observations[8].points.size(), 32U) << "each return once";
+  EXPECT_EQ(observations[8].time_ns.size(), 32U);
+  EXPECT_NEAR(observations[8].extent_m, 3.875, 1e-9);
+  EXPECT_EQ(tracks.front().size_m.x(), 3);
+}
+
+TEST(MergeTracks, SeparatesTracksWithFewCommonReturnsOrScans) {
+  EXPECT_EQ(merge_duplicates({make_track(0, 20, 0, 2.5), make_track(0, 20, 2, 4)}).size(), 2U) << "bumper to bumper";
+  EXPECT_EQ(merge_duplicates({make_track(0, 20, 0, 4), make_track(0, 20, 0, 4, 7.9)}).size(), 2U) << "same place at first";
+  EXPECT_EQ(merge_duplicates({make_track(0, 10, 0, 4), make_track(8, 20, 0, 4)}).size(), 2U) << "two scans are too few";
+  EXPECT_EQ(merge_duplicates({make_track(0, 5, 0, 4), make_track(9, 20, 0, 4), Track{}}).size(), 3U);
+}
+
+}  // namespace
+}  // namespace dvi::objects

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "dvi/core/interrupt.h"
+#include "dvi/core/options.h"
+#include "dvi/ground/scan_ground.h"
+#include "dvi/objects/moving_returns.h"
+#include "dvi/objects/tracks.h"
+
+namespace dvi::objects {
+
+/// The moving objects of a drive.
+struct MotionSegmentation {
+  std::vector<Track> tracks;
+  std::vector<std::size_t> contradictory_scans;  ///< scans with wrong poses (find_contradictory_scans()), which are not used
+};
+
+/// Finds moving objects without labels. Obstacle returns at positions where other scans observed free space are clustered and
+/// tracked over time. Tracks are extended through the stationary phases before and after the motion. Calls `tick` once per
+/// scan. Method: docs/algorithms/motion_segmentation.md.
+MotionSegmentation segment_motion(const Drive& drive, const ScanPoses& poses, const ground::ScanGround& ground,
+                                  const Tick& tick);
+
+/// Draws the outlines of tracks into the images of a drive, per frame. The track number of a label is the index in `tracks`.
+/// `footprint_m` is the width of the ground around an object that belongs to it, with wheels and the darkest part of the
+/// shadow.
+FrameLabels draw_outlines(const std::vector<Track>& tracks, const Drive& drive, const Trajectory& world_from_lidar,
+                          double footprint_m);
+
+}  // namespace dvi::objects
