@@ -2,8 +2,6 @@
 
 namespace dvi::job {
 
-Remove parse_remove(const std::string& text) { return text == "labelled" ? Remove::labeled : parse_name<Remove>(text); }
-
 PosesFrom PosesFrom::parse(const std::string& text) {
   if (text.empty() || text == "auto") return {};
   if (text == "given") return {Kind::given};

@@ -26,9 +26,6 @@ constexpr auto names_of(Remove) {
   return std::array{std::pair{Remove::moving, "moving"}, std::pair{Remove::labeled, "labeled"}, std::pair{Remove::all, "all"}};
 }
 
-/// Parses what `--remove` takes; "labelled" is "labeled". std::invalid_argument for anything else.
-Remove parse_remove(const std::string& text);
-
 /// What `--poses` takes. automatic: given or loam, whichever makes the sharper map.
 struct PosesFrom {
   enum class Kind { automatic, given, loam, file };
