@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Options and commands that the docs name must exist.
+"""Options and commands that the docs name must exist, and the table of options in reference.md must be current.
 
-    doc_options_test.py DOCS PROGRAM      exit code 1 with each that does not
+    doc_options_test.py DOCS PROGRAM             exit code 1 with each that does not exist, or if the table is not current
+    doc_options_test.py DOCS PROGRAM --write     writes the table: ./dev docs
 """
 import re
 import subprocess
@@ -19,22 +20,42 @@ def options(program):
     return names
 
 
+def words(program):
+    """What the program completes: its commands, and the options of each."""
+    def complete(*typed):
+        lines = subprocess.check_output([program, "completion", "words", "--", *typed], text=True).splitlines()
+        return [line.split("\t")[0] for line in lines]
+    commands = complete("")
+    typed = [[command] for command in commands] + [[command, inner] for command in commands for inner in complete(command, "")]
+    return set(commands), {option for command in typed for option in complete(*command, "--")}
+
+
+def with_table(page, program):
+    """The page with the current table of options."""
+    table = subprocess.check_output([program, "config", "dump", "--markdown"], text=True)
+    return re.sub(r"(<!-- options: [^\n]*\n).*(?=<!-- end of options)", lambda found: found[1] + table, page, flags=re.S)
+
+
 def main():
     docs, program = Path(sys.argv[1]), sys.argv[2]
+    reference = docs / "reference.md"
+    current = with_table(reference.read_text(), program)
+    if "--write" in sys.argv:
+        reference.write_text(current)
     known = options(program)
     sections = {name.split(".")[0] for name in known}
-    words = subprocess.check_output([program, "completion", "bash"], text=True)
-    missing = []
+    commands, flags = words(program)
+    missing = [] if current == reference.read_text() else ["reference.md: the table of options is not current: ./dev docs"]
     for page in [docs / name for name in ("tutorial.md", "troubleshooting.md", "faq.md", "exports.md", "which_format.md", "python.md")]:
         text = page.read_text()
         for section, key in re.findall(r"[`\"](?:--set )?(\w+)\.(\w+)", text):
             if section in sections and key not in ("md", "ply", "json", "las", "mp4", "txt") and f"{section}.{key}" not in known:
                 missing.append(f"{page.name}: there is no option {section}.{key}")
         for command in re.findall(r"`dvi ([a-z]+)", text):
-            if f"'{command}')" not in words:
+            if command not in commands:
                 missing.append(f"{page.name}: there is no command dvi {command}")
         for option in re.findall(r"`[^`|\n]*?(--[a-z][a-z-]+)", text):
-            if option not in words and "colmap" not in text[max(0, text.find(option) - 300):text.find(option)]:
+            if option not in flags and "colmap" not in text[max(0, text.find(option) - 300):text.find(option)]:
                 missing.append(f"{page.name}: there is no option {option}")
     print(*missing, sep="\n", end="\n" if missing else "")
     return 1 if missing else 0
