@@ -53,6 +53,12 @@ class _Opened:
         if self._folder is not None:
             self._folder.cleanup()
 
+    def __enter__(self) -> str:
+        return self.path
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
 
 class Run(Iterator[Frame]):
     """The frames of a run in order of time, each as soon as it is made. Also a context manager: leaving it stops the work."""
@@ -153,11 +159,8 @@ def config(*, all: bool = False, **options: Any) -> str:
 def check(dataset: Source, *, out: "str | os.PathLike | None" = None, forecast: bool = False, threads: int = 0,
           progress: Progress = None, **options: Any) -> dict:
     """What a drive is, whether it is complete and right: what `dvi check --json` prints. out: folder for pictures."""
-    opened = _Opened(dataset, progress)
-    try:
-        return json.loads(_dvi.check(opened.path, "" if out is None else os.fspath(out), options, forecast, threads, progress))
-    finally:
-        opened.close()
+    with _Opened(dataset, progress) as path:
+        return json.loads(_dvi.check(path, "" if out is None else os.fspath(out), options, forecast, threads, progress))
 
 
 @dataclass
@@ -175,13 +178,9 @@ def map(dataset: Source, *, out: "str | os.PathLike | None" = None, trajectory: 
         progress: Progress = None, **options: Any) -> Map:
     """Poses and static map of a drive: `dvi map`. out: folder for its files; None: they are not kept. trajectory: kitti or tum
     also writes trajectory.txt."""
-    opened = _Opened(dataset, progress)
-    with tempfile.TemporaryDirectory(prefix="dvi-map-") as temporary:
+    with tempfile.TemporaryDirectory(prefix="dvi-map-") as temporary, _Opened(dataset, progress) as path:
         folder = Path(temporary) / "map" if out is None else Path(out)
-        try:
-            report = json.loads(_dvi.map(opened.path, str(folder), trajectory, options, threads, progress))
-        finally:
-            opened.close()
+        report = json.loads(_dvi.map(path, str(folder), trajectory, options, threads, progress))
         points, colors = _dvi.read_map(str(folder / "map.ply"))
         rows = np.loadtxt(folder / "poses.txt", ndmin=2).reshape(-1, 3, 4)
         poses = np.concatenate([rows, np.broadcast_to([[[0.0, 0, 0, 1]]], (len(rows), 1, 4))], axis=1)
@@ -199,13 +198,9 @@ class Masks:
 def masks(dataset: Source, *, out: "str | os.PathLike | None" = None, threads: int = 0, progress: Progress = None,
           **options: Any) -> Masks:
     """What a run would remove: `dvi mask`. out: a new folder for the masks; None: only the report is kept."""
-    opened = _Opened(dataset, progress)
-    with tempfile.TemporaryDirectory(prefix="dvi-masks-") as temporary:
+    with tempfile.TemporaryDirectory(prefix="dvi-masks-") as temporary, _Opened(dataset, progress) as path:
         folder = Path(temporary) / "masks" if out is None else Path(out)
-        try:
-            report = json.loads(_dvi.masks(opened.path, str(folder), options, threads, progress))
-        finally:
-            opened.close()
+        report = json.loads(_dvi.masks(path, str(folder), options, threads, progress))
         return Masks(None if out is None else folder, report)
 
 

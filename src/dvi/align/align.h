@@ -40,7 +40,6 @@ struct AlignOptions {
     table.add("points", points, {50, 100000}, "Most map points per frame that are compared.");
     table.add("ring_px", ring_px, {1, 2000}, "Method paper: width of the ring around the mask whose map points are compared.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// Degrees. Given poses are those of the sensor. Color and depth of a handheld camera are exposed up to half an image period

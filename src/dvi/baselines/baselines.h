@@ -27,7 +27,6 @@ struct FlowOptions {
     table.add("max_frames", max_frames, {1, 1000}, "Method flow: most frames over which a pixel is tracked, either way.");
     table.add("consistency_px", consistency_px, {0.1, 20}, "Method flow: largest error of the forward-backward check.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// The flow between each view and the next, on demand; of the views' order only that within a drive has a meaning.

@@ -31,9 +31,26 @@ double whole_number(const OptionValue& value) {
   return d;
 }
 
-void require_within(double value, Range range) {
+double require_within(double value, Range range) {
   if (!(value >= range.low && value <= range.high))
     throw std::invalid_argument(fmt::format("must be within {} .. {}", range.low, range.high));
+  return value;
+}
+
+template <class T>
+T require(const OptionValue& value, const char* reason) {
+  if (!std::holds_alternative<T>(value)) throw std::invalid_argument(reason);
+  return std::get<T>(value);
+}
+
+template <class T>
+OptionValue to_value(const T& field) {
+  if constexpr (std::is_same_v<T, std::optional<double>>)
+    return field ? OptionValue(*field) : OptionValue(kAutomatic);
+  else if constexpr (std::is_same_v<T, int>)
+    return std::int64_t{field};
+  else
+    return field;
 }
 
 OptionValue from_toml(const toml::node& node) {
@@ -138,76 +155,61 @@ Option& OptionTable::add(Option option) {
   return options_.back();
 }
 
-Option& OptionTable::add(std::string key, bool& field, std::string doc) {
+template <class T, class Read>
+Option& OptionTable::add_fields(std::string key, std::vector<T*> fields, std::string doc, Read read) {
   return add({.key = std::move(key),
               .doc = std::move(doc),
-              .get = [&field] { return OptionValue(field); },
+              .get = [first = fields.front()] { return to_value(*first); },
               .set =
-                  [&field](const OptionValue& v) {
-                    if (!std::holds_alternative<bool>(v)) throw std::invalid_argument("must be true or false");
-                    field = std::get<bool>(v);
+                  [fields = std::move(fields), read = std::move(read)](const OptionValue& v) {
+                    const T value = read(v);
+                    for (T* field : fields) *field = value;
                   }});
+}
+
+Option& OptionTable::add(std::string key, bool& field, std::string doc) {
+  return add_fields(std::move(key), std::vector{&field}, std::move(doc),
+                    [](const OptionValue& v) { return require<bool>(v, "must be true or false"); });
 }
 
 Option& OptionTable::add(std::string key, int& field, Range range, std::string doc) {
   doc += fmt::format(" [{} .. {}]", range.low, range.high);
-  return add({.key = std::move(key),
-              .doc = std::move(doc),
-              .get = [&field] { return OptionValue(std::int64_t{field}); },
-              .set =
-                  [&field, range](const OptionValue& v) {
-                    const double d = whole_number(v);
-                    require_within(d, range);
-                    field = static_cast<int>(d);
-                  }});
+  return add_fields(std::move(key), std::vector{&field}, std::move(doc),
+                    [range](const OptionValue& v) { return static_cast<int>(require_within(whole_number(v), range)); });
 }
 
 Option& OptionTable::add_one_of(std::string key, int& field, std::vector<int> allowed, std::string doc) {
   doc += fmt::format(" [{}]", fmt::join(allowed, " | "));
-  return add({.key = std::move(key),
-              .doc = std::move(doc),
-              .get = [&field] { return OptionValue(std::int64_t{field}); },
-              .set =
-                  [&field, allowed = std::move(allowed)](const OptionValue& v) {
-                    const double d = whole_number(v);
-                    const auto it = std::find(allowed.begin(), allowed.end(), d);
-                    if (it == allowed.end())
-                      throw std::invalid_argument(fmt::format("must be one of {}", fmt::join(allowed, ", ")));
-                    field = *it;
-                  }});
+  return add_fields(std::move(key), std::vector{&field}, std::move(doc), [allowed](const OptionValue& v) {
+    const auto it = std::find(allowed.begin(), allowed.end(), whole_number(v));
+    if (it == allowed.end()) throw std::invalid_argument(fmt::format("must be one of {}", fmt::join(allowed, ", ")));
+    return *it;
+  });
 }
 
 Option& OptionTable::add(std::string key, double& field, Range range, std::string doc) {
-  return add(std::move(key), std::vector<double*>{&field}, range, std::move(doc));
+  return add(std::move(key), std::vector{&field}, range, std::move(doc));
 }
 
 Option& OptionTable::add(std::string key, std::vector<double*> fields, Range range, std::string doc) {
   doc += fmt::format(" [{} .. {}]", range.low, range.high);
-  return add({.key = std::move(key),
-              .doc = std::move(doc),
-              .get = [first = fields.front()] { return OptionValue(*first); },
-              .set =
-                  [fields = std::move(fields), range](const OptionValue& v) {
-                    require_within(number(v), range);
-                    for (double* field : fields) *field = number(v);
-                  }});
+  return add_fields(std::move(key), std::move(fields), std::move(doc),
+                    [range](const OptionValue& v) { return require_within(number(v), range); });
 }
 
 Option& OptionTable::add_automatic(std::string key, std::vector<std::optional<double>*> fields, Range range, std::string doc) {
   doc += fmt::format(" [{} | {} .. {}]", kAutomatic, range.low, range.high);
-  return add({.key = std::move(key),
-              .doc = std::move(doc),
-              .automatic = true,
-              .get = [first = fields.front()] { return *first ? OptionValue(**first) : OptionValue(std::string(kAutomatic)); },
-              .set =
-                  [fields = std::move(fields), range](const OptionValue& v) {
-                    std::optional<double> value;
-                    if (const auto* text = std::get_if<std::string>(&v); text == nullptr || *text != kAutomatic) {
-                      require_within(number(v), range);
-                      value = number(v);
-                    }
-                    for (std::optional<double>* field : fields) *field = value;
-                  }});
+  const auto read = [range](const OptionValue& v) {
+    return v == OptionValue(kAutomatic) ? std::nullopt : std::optional(require_within(number(v), range));
+  };
+  Option& option = add_fields(std::move(key), std::move(fields), std::move(doc), read);
+  option.automatic = true;
+  return option;
+}
+
+Option& OptionTable::add(std::string key, std::vector<std::string>& field, std::string doc) {
+  return add_fields(std::move(key), std::vector{&field}, std::move(doc),
+                    [](const OptionValue& v) { return require<std::vector<std::string>>(v, "must be a list of strings"); });
 }
 
 Option& OptionTable::add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc) {
@@ -224,25 +226,8 @@ Option& OptionTable::add_text(std::string key, std::vector<std::string> choices,
   return add({.key = std::move(key),
               .doc = std::move(doc),
               .choices = std::move(choices),
-              .get = [get = std::move(get)] { return OptionValue(get()); },
-              .set =
-                  [set = std::move(set)](const OptionValue& v) {
-                    const auto* s = std::get_if<std::string>(&v);
-                    if (s == nullptr) throw std::invalid_argument("must be a string");
-                    set(*s);
-                  }});
-}
-
-Option& OptionTable::add(std::string key, std::vector<std::string>& field, std::string doc) {
-  return add({.key = std::move(key),
-              .doc = std::move(doc),
-              .get = [&field] { return OptionValue(field); },
-              .set =
-                  [&field](const OptionValue& v) {
-                    const auto* list = std::get_if<std::vector<std::string>>(&v);
-                    if (list == nullptr) throw std::invalid_argument("must be a list of strings");
-                    field = *list;
-                  }});
+              .get = std::move(get),
+              .set = [set = std::move(set)](const OptionValue& v) { set(require<std::string>(v, "must be a string")); }});
 }
 
 const Option& OptionTable::find(const std::string& name) const {
@@ -273,14 +258,15 @@ Assignment Assignment::parse(std::string_view text) {
 
 void OptionTable::assign(const Assignment& assignment) const {
   const Option& option = find(assignment.option);
+  const bool flag = assignment.option == option.flag;
   const auto* text = std::get_if<std::string>(&assignment.value);
   std::string shown = text != nullptr ? *text : to_toml(assignment.value);
   try {
     const OptionValue value = text != nullptr ? parse(*text, option) : assignment.value;
-    shown = to_toml(value);
+    if (!flag) shown = to_toml(value);
     option.set(value);
   } catch (const std::invalid_argument& e) {
-    const std::string what = assignment.option == option.flag ? option.flag + " " : fmt::format("option {} = ", option.name());
+    const std::string what = flag ? option.flag + " " : fmt::format("option {} = ", option.name());
     throw UsageError(fmt::format("{}{}: {}", what, shown, e.what()));
   }
 }

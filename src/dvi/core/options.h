@@ -122,6 +122,8 @@ class OptionTable {
 
  private:
   Option& add(Option option);
+  template <class T, class Read>
+  Option& add_fields(std::string key, std::vector<T*> fields, std::string doc, Read read);
   Option& add_text(std::string key, std::vector<std::string> choices, std::function<std::string()> get,
                    std::function<void(const std::string&)> set, std::string doc);
 

@@ -18,7 +18,6 @@ struct ExposureOptions {
     table.add("exposure", enabled,
               "Estimate how lenses darken, and a gain per frame and channel, from map points that several frames show.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// One gain a view, and how its lens darkens.

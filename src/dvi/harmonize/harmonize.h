@@ -58,7 +58,6 @@ struct HarmonizeOptions {
     table.add("unobserved_vertical", unobserved_vertical, {0.001, 1},
               "Smoothness along columns relative to rows for unobserved pixels; 1: a membrane.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// What is known round a hole, beside the image.

@@ -34,6 +34,10 @@ struct PosesFrom {
 
   static PosesFrom parse(const std::string& text);  ///< whatever is no word is a file
 };
+constexpr auto names_of(PosesFrom::Kind) {
+  using Kind = PosesFrom::Kind;
+  return std::array{std::pair{Kind::automatic, "auto"}, std::pair{Kind::given, "given"}, std::pair{Kind::loam, "loam"}};
+}
 std::string to_string(const PosesFrom& from);
 
 /// What `--masks` takes. automatic: what the drive brings, mask files before labels, and what moves if it brings neither.
@@ -45,6 +49,10 @@ struct MasksFrom {
 
   static MasksFrom parse(const std::string& text);  ///< whatever is no word is a path
 };
+constexpr auto names_of(MasksFrom::Kind) {
+  using Kind = MasksFrom::Kind;
+  return std::array{std::pair{Kind::automatic, "auto"}, std::pair{Kind::labels, "labels"}, std::pair{Kind::found, "found"}};
+}
 std::string to_string(const MasksFrom& from);
 
 }  // namespace dvi::job

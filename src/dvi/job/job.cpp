@@ -11,7 +11,12 @@
 namespace dvi::job {
 
 void Options::describe(OptionTable& table) {
-  describe_lidar(table);
+  table.section("lidar");
+  table.add_automatic(
+      "min_range_m", {&map.min_range_m, &odometry.min_range_m}, {0, 20},
+      "Nearer returns are left out, such as the recording car; auto: 2 m for a LiDAR, 0.1 m for a depth camera.");
+  table.add_automatic("max_range_m", {&map.max_range_m, &odometry.max_range_m}, {1, 500},
+                      "Farther returns are left out; auto: 120 m for a LiDAR, 10 m for a depth camera.");
   masks.describe(table);
   odometry.describe(table);
   map.describe(table);
@@ -27,33 +32,9 @@ void Options::describe(OptionTable& table) {
   video.describe(table);
 }
 
-void Options::describe_lidar(OptionTable& table) {
-  table.section("lidar");
-  table.add_automatic(
-      "min_range_m", {&map.min_range_m, &odometry.min_range_m}, {0, 20},
-      "Nearer returns are left out, such as the recording car; auto: 2 m for a LiDAR, 0.1 m for a depth camera.");
-  table.add_automatic("max_range_m", {&map.max_range_m, &odometry.max_range_m}, {1, 500},
-                      "Farther returns are left out; auto: 120 m for a LiDAR, 10 m for a depth camera.");
-}
-
 void Options::check() const {
+  check_ranges(*this);
   masks.check();
-  odometry.check();
-  map.check();
-  exposure.check();
-  align.check();
-  depth.check();
-  plane_sweep.check();
-  sample.check();
-  regularize.check();
-  harmonize.check();
-  smooth.check();
-  flow.check();
-  video.check();
-  Options copy = *this;
-  OptionTable lidar;
-  copy.describe_lidar(lidar);
-  lidar.check();
   if (map.min_range_m && map.max_range_m && *map.max_range_m <= *map.min_range_m)
     throw UsageError(fmt::format("option lidar.max_range_m = {}: must be greater than lidar.min_range_m = {}", *map.max_range_m,
                                  *map.min_range_m));

@@ -86,7 +86,7 @@ TEST(Request, AssignmentsMustNameAnOptionAndFitIt) {
                                                        {"job.camera", std::vector<std::string>{"a", "b"}}})
     EXPECT_THROW(make_job({bad}), UsageError) << bad.option;
   EXPECT_THAT([] { make_job({{"--method", "magic"}}); },
-              ThrowsMessage<UsageError>(StartsWith("--method 'magic': must be one of dvi, paper")));
+              ThrowsMessage<UsageError>(StartsWith("--method magic: must be one of dvi, paper")));
   EXPECT_THAT([] { make_job({{"job.method", "magic"}}); },
               ThrowsMessage<UsageError>(StartsWith("option job.method = 'magic': must be one of dvi, paper")));
 }

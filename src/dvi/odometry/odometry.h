@@ -26,7 +26,6 @@ struct OdometryOptions : scan_match::MatchOptions {
     table.add("kernel_m", kernel_m, {0.01, 2}, "Scale of the robust kernel: larger distances to a surface are outliers.");
     table.add("lag", lag, {0, 100}, "Fixed lag in scans after which a pose is estimated again from both sides; 0: never.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// With the range of the drive's sensor and lengths that suit it (scan_match::for_sensor).

@@ -23,7 +23,6 @@ struct SmoothOptions {
               "First replace what neither neighboring frame shows, where these two agree or the flow is sure, by the median of "
               "the three.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// Optical flow (DIS) between two frames in a box of both, in pixels.
