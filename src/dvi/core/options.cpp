@@ -126,6 +126,17 @@ std::string to_toml(const OptionValue& value) {
   return out.str();
 }
 
+// Makes the option read the first field, and set all of them to what `read` makes of a value.
+template <class T, class Read>
+Option& connect(Option& option, const std::vector<T*>& fields, const Read& read) {
+  option.get = [first = fields.front()] { return to_value(*first); };
+  option.set = [fields, read](const OptionValue& v) {
+    const T value = read(v);
+    for (T* field : fields) *field = value;
+  };
+  return option;
+}
+
 }  // namespace
 
 std::string Option::text() const { return to_toml(get()); }
@@ -155,32 +166,20 @@ Option& OptionTable::add(Option option) {
   return options_.back();
 }
 
-template <class T, class Read>
-Option& OptionTable::add_fields(std::string key, std::vector<T*> fields, std::string doc, Read read) {
-  return add({.key = std::move(key),
-              .doc = std::move(doc),
-              .get = [first = fields.front()] { return to_value(*first); },
-              .set =
-                  [fields = std::move(fields), read = std::move(read)](const OptionValue& v) {
-                    const T value = read(v);
-                    for (T* field : fields) *field = value;
-                  }});
-}
-
 Option& OptionTable::add(std::string key, bool& field, std::string doc) {
-  return add_fields(std::move(key), std::vector{&field}, std::move(doc),
-                    [](const OptionValue& v) { return require<bool>(v, "must be true or false"); });
+  return connect(add({.key = std::move(key), .doc = std::move(doc)}), std::vector{&field},
+                 [](const OptionValue& v) { return require<bool>(v, "must be true or false"); });
 }
 
 Option& OptionTable::add(std::string key, int& field, Range range, std::string doc) {
   doc += fmt::format(" [{} .. {}]", range.low, range.high);
-  return add_fields(std::move(key), std::vector{&field}, std::move(doc),
-                    [range](const OptionValue& v) { return static_cast<int>(require_within(whole_number(v), range)); });
+  return connect(add({.key = std::move(key), .doc = std::move(doc)}), std::vector{&field},
+                 [range](const OptionValue& v) { return static_cast<int>(require_within(whole_number(v), range)); });
 }
 
-Option& OptionTable::add_one_of(std::string key, int& field, std::vector<int> allowed, std::string doc) {
+Option& OptionTable::add_one_of(std::string key, int& field, const std::vector<int>& allowed, std::string doc) {
   doc += fmt::format(" [{}]", fmt::join(allowed, " | "));
-  return add_fields(std::move(key), std::vector{&field}, std::move(doc), [allowed](const OptionValue& v) {
+  return connect(add({.key = std::move(key), .doc = std::move(doc)}), std::vector{&field}, [allowed](const OptionValue& v) {
     const auto it = std::find(allowed.begin(), allowed.end(), whole_number(v));
     if (it == allowed.end()) throw std::invalid_argument(fmt::format("must be one of {}", fmt::join(allowed, ", ")));
     return *it;
@@ -191,25 +190,26 @@ Option& OptionTable::add(std::string key, double& field, Range range, std::strin
   return add(std::move(key), std::vector{&field}, range, std::move(doc));
 }
 
-Option& OptionTable::add(std::string key, std::vector<double*> fields, Range range, std::string doc) {
+Option& OptionTable::add(std::string key, const std::vector<double*>& fields, Range range, std::string doc) {
   doc += fmt::format(" [{} .. {}]", range.low, range.high);
-  return add_fields(std::move(key), std::move(fields), std::move(doc),
-                    [range](const OptionValue& v) { return require_within(number(v), range); });
+  return connect(add({.key = std::move(key), .doc = std::move(doc)}), fields,
+                 [range](const OptionValue& v) { return require_within(number(v), range); });
 }
 
-Option& OptionTable::add_automatic(std::string key, std::vector<std::optional<double>*> fields, Range range, std::string doc) {
+Option& OptionTable::add_automatic(std::string key, const std::vector<std::optional<double>*>& fields, Range range,
+                                   std::string doc) {
   doc += fmt::format(" [{} | {} .. {}]", kAutomatic, range.low, range.high);
   const auto read = [range](const OptionValue& v) {
     return v == OptionValue(kAutomatic) ? std::nullopt : std::optional(require_within(number(v), range));
   };
-  Option& option = add_fields(std::move(key), std::move(fields), std::move(doc), read);
+  Option& option = connect(add({.key = std::move(key), .doc = std::move(doc)}), fields, read);
   option.automatic = true;
   return option;
 }
 
 Option& OptionTable::add(std::string key, std::vector<std::string>& field, std::string doc) {
-  return add_fields(std::move(key), std::vector{&field}, std::move(doc),
-                    [](const OptionValue& v) { return require<std::vector<std::string>>(v, "must be a list of strings"); });
+  return connect(add({.key = std::move(key), .doc = std::move(doc)}), std::vector{&field},
+                 [](const OptionValue& v) { return require<std::vector<std::string>>(v, "must be a list of strings"); });
 }
 
 Option& OptionTable::add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc) {

@@ -81,11 +81,11 @@ class OptionTable {
   Option& add(std::string key, int& field, Range range, std::string doc);
   Option& add(std::string key, double& field, Range range, std::string doc);
   /// One option that several structs share: it reads the first field and sets all of them.
-  Option& add(std::string key, std::vector<double*> fields, Range range, std::string doc);
+  Option& add(std::string key, const std::vector<double*>& fields, Range range, std::string doc);
   /// The same for a number that may be left to the program: none is kAutomatic.
-  Option& add_automatic(std::string key, std::vector<std::optional<double>*> fields, Range range, std::string doc);
+  Option& add_automatic(std::string key, const std::vector<std::optional<double>*>& fields, Range range, std::string doc);
   /// A number of which only these values have a meaning.
-  Option& add_one_of(std::string key, int& field, std::vector<int> allowed, std::string doc);
+  Option& add_one_of(std::string key, int& field, const std::vector<int>& allowed, std::string doc);
   Option& add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc);
   Option& add(std::string key, std::vector<std::string>& field, std::string doc);
   template <Named E>
@@ -122,8 +122,6 @@ class OptionTable {
 
  private:
   Option& add(Option option);
-  template <class T, class Read>
-  Option& add_fields(std::string key, std::vector<T*> fields, std::string doc, Read read);
   Option& add_text(std::string key, std::vector<std::string> choices, std::function<std::string()> get,
                    std::function<void(const std::string&)> set, std::string doc);
 

@@ -1,9 +1,6 @@
 #include "dvi/job/request.h"
 
-#include <string_view>
-
 #include "dvi/core/error.h"
-#include "dvi/core/files.h"
 
 namespace dvi::job {
 namespace {
