@@ -1,7 +1,5 @@
 #include <malloc.h>
 
-#include <algorithm>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,12 +10,12 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dvi/cli/job_options.h"
 #include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/version.h"
 #include "dvi/exports/exporter.h"
 #include "dvi/exports/map_cloud.h"
+#include "dvi/job/request.h"
 #include "dvi/media/write_image.h"
 #include "dvi/metrics/evaluate.h"
 #include "dvi/commands/check.h"
@@ -32,35 +30,40 @@ namespace {
 namespace py = pybind11;
 using Strings = std::vector<std::string>;
 
-// The options that the command line spells --ego-mask and so on, by their names in Python.
-cli::JobOptions to_options(const py::dict& given) {
-  cli::JobOptions options;
-  const std::vector<std::pair<const char*, std::optional<std::string>*>> fields{
-      {"camera", &options.camera},   {"source_cameras", &options.source_cameras}, {"frames", &options.frames},
-      {"masks", &options.masks},     {"polarity", &options.polarity},             {"classes", &options.classes},
-      {"ego_mask", &options.ego_mask}, {"detector", &options.detector},           {"poses", &options.poses},
-      {"remove", &options.remove},   {"method", &options.method}};
+// A value as --set takes it, or a list of strings.
+OptionValue to_value(const py::handle& value) {
+  if (py::isinstance<py::bool_>(value)) return std::string(py::cast<bool>(value) ? "true" : "false");
+  if (!py::isinstance<py::list>(value) && !py::isinstance<py::tuple>(value)) return py::cast<std::string>(py::str(value));
+  Strings list;
+  for (const py::handle item : value) list.push_back(py::cast<std::string>(py::str(item)));
+  return list;
+}
+
+// The option of a keyword, as Python refuses an unknown one.
+const Option& find_keyword(const OptionTable& table, const std::string& keyword, const Strings& others = {}) {
+  try {
+    return table.find_keyword(keyword, others);
+  } catch (const UsageError& e) {
+    throw py::type_error(e.what());
+  }
+}
+
+job::Request to_request(const py::dict& given) {
+  job::Job defaults;
+  const OptionTable table = defaults.table();
+  job::Request request;
   for (const auto& [key, value] : given) {
     const auto name = py::cast<std::string>(key);
     if (value.is_none()) continue;
-    const auto text = py::cast<std::string>(py::str(value));
-    const auto field = std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.first == name; });
-    if (field != fields.end()) {
-      *field->second = text;
-    } else if (name == "config") {
-      options.config = text;
-    } else if (name == "set") {
-      for (const auto& [option, setting] : py::cast<py::dict>(value)) {
-        const bool is_bool = py::isinstance<py::bool_>(setting);
-        const auto as_toml = is_bool ? std::string(py::cast<bool>(setting) ? "true" : "false")
-                                     : py::cast<std::string>(py::str(setting));
-        options.set.push_back(py::cast<std::string>(py::str(option)) + "=" + as_toml);
-      }
-    } else {
-      throw py::type_error("there is no option '" + name + "'");
-    }
+    if (name == "config")
+      request.config = py::cast<std::string>(py::str(value));
+    else if (name == "set")
+      for (const auto& [option, setting] : py::cast<py::dict>(value))
+        request.assignments.push_back({py::cast<std::string>(py::str(option)), to_value(setting)});
+    else
+      request.assignments.push_back({find_keyword(table, name, {"config", "set"}).name(), to_value(value)});
   }
-  return options;
+  return request;
 }
 
 // Runs work that returns a text, with the GIL given up.
@@ -115,7 +118,7 @@ void bind_frames(py::module_& m) {
   py::class_<Run>(m, "Run")
       .def(py::init([](const std::string& target, const Strings& sources, const std::string& out, const py::dict& options,
                        bool force, int threads, const py::object& progress) {
-             dvi::job::Job job = to_options(options).job(out, target, sources);
+             dvi::job::Job job = to_request(options).job(out, target, sources);
              job.force = force;
              return std::make_unique<Run>(std::move(job), threads, progress);
            }),
@@ -129,34 +132,34 @@ void bind_frames(py::module_& m) {
 }
 
 void bind_commands(py::module_& m) {
-  m.def("check", [](const std::string& drive, const py::dict& options, bool forecast, int threads, const py::object& progress) {
-    const dvi::job::Job job = to_options(options).job("", drive, {});
+  m.def("config", [](const py::dict& options, bool all) {
+    dvi::job::Job job = to_request(options).job("", "", {});
+    return job.table().dump_toml([all](const Option& option) { return all || option.audience == Audience::user; });
+  });
+  m.def("check", [](const std::string& drive, const std::string& out, const py::dict& options, bool forecast, int threads, const py::object& progress) {
+    const dvi::job::Job job = to_request(options).job(out, drive, {});
     return run_task(threads, progress, [&](Progress& p) { return dvi::commands::to_json(dvi::commands::check(job, forecast, p)); });
   });
-  m.def("map", [](const std::string& drive, const std::string& out, const py::dict& options, int threads, const py::object& progress) {
-    const dvi::job::Job job = to_options(options).job(out, drive, {});
-    return run_task(threads, progress, [&](Progress& p) { return dvi::run::make_map(job, "none", p); });
+  m.def("map", [](const std::string& drive, const std::string& out, const std::string& trajectory, const py::dict& options, int threads, const py::object& progress) {
+    const dvi::job::Job job = to_request(options).job(out, drive, {});
+    return run_task(threads, progress, [&](Progress& p) { return dvi::run::make_map(job, trajectory, p); });
   });
   m.def("masks", [](const std::string& drive, const std::string& out, const py::dict& options, int threads, const py::object& progress) {
-    const dvi::job::Job job = to_options(options).job(out, drive, {});
+    const dvi::job::Job job = to_request(options).job(out, drive, {});
     return run_task(threads, progress, [&](Progress& p) { return dvi::commands::make_masks(job, p); });
   });
-  m.def("evaluate", [](const std::string& out, const std::string& truth, const std::string& ignore, int threads, const py::object& progress) {
-    return run_task(threads, progress,
-                    [&](Progress& p) { return json_text(metrics::evaluate({out, truth, ignore, {}}, p.parts())); });
+  m.def("evaluate", [](const std::string& out, const std::string& truth, const std::string& ignore, const Strings& external, int threads,
+                       const py::object& progress) {
+    const metrics::EvaluationFolders folders{out, truth, ignore, metrics::parse_external(external)};
+    return run_task(threads, progress, [&](Progress& p) { return json_text(metrics::evaluate(folders, p.parts())); });
   });
   m.def("export", [](const std::string& format, const std::string& out, const std::string& folder, const py::dict& options, int threads,
                      const py::object& progress) {
     exports::ExportOptions chosen;
     OptionTable table;
     chosen.describe(table);
-    for (const auto& [key, value] : options) {
-      const auto name = py::cast<std::string>(key);
-      const char* section = name == "fps" || name == "crf" || name == "encoder" ? "video." : "export.";
-      const bool is_bool = py::isinstance<py::bool_>(value);
-      table.set(section + name + "=" +
-                (is_bool ? (py::cast<bool>(value) ? "true" : "false") : py::cast<std::string>(py::str(value))));
-    }
+    for (const auto& [key, value] : options)
+      table.assign({find_keyword(table, py::cast<std::string>(key)).name(), to_value(value)});
     const exports::ExportFormat& to = exports::export_format(format);
     return run_task(threads, progress, [&](Progress& p) {
       return exports::to_json(exports::export_result(to, out, folder, chosen, p), to.name, folder);

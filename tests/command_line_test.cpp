@@ -1,8 +1,14 @@
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/version.h"
+#include "dvi/job/job.h"
 #include "program.h"
 
 namespace dvi {
@@ -59,6 +65,24 @@ TEST_F(CommandLine, DumpedOptionsReadBack) {
   EXPECT_EQ(dvi("config dump --all --config all.toml").out, dump.out);
   EXPECT_THAT(dvi("config dump --method paper").out, HasSubstr("method = 'paper'"));
   EXPECT_THAT(dvi("config dump").out, Not(HasSubstr("[regularize]"))) << "developer options are asked for";
+}
+
+TEST_F(CommandLine, AShortFormIsItsOptionInSetAndInAFile) {
+  const std::string defaults = dvi("config dump --all").out;
+  job::Job job;
+  const OptionTable table = job.table();
+  for (const Option& option : table.options()) {
+    if (option.flag.empty()) continue;
+    const std::string value = option.choices.empty() ? "a=b" : option.choices.back();
+    const bool list = std::holds_alternative<std::vector<std::string>>(option.get());
+    const std::string toml = list ? "['" + value + "']" : "'" + value + "'";
+    write_file(folder / "one.toml", fmt::format("[{}]\n{} = {}\n", option.section, option.key, toml));
+    const Result flag = dvi(fmt::format("config dump --all {} {}", option.flag, value));
+    EXPECT_EQ(flag.code, 0) << flag.err;
+    EXPECT_NE(flag.out, defaults) << option.flag;
+    EXPECT_EQ(dvi(fmt::format("config dump --all --set {}={}", option.name(), value)).out, flag.out) << option.name();
+    EXPECT_EQ(dvi("config dump --all --config one.toml").out, flag.out) << option.name();
+  }
 }
 
 TEST_F(CommandLine, UnknownOptionsOfAFileAreRefusedWithTheNearest) {

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Checks that the options, commands, and source files named in the documents and on the report page exist.
 
-    doc_options_test.py ROOT PROGRAM      prints each that does not exist; exit code 1 if there is any
+    doc_options_test.py ROOT PROGRAM            prints each that does not exist, and whether the table of options in
+                                                docs/reference.md is not current; exit code 1 if there is any
+    doc_options_test.py ROOT PROGRAM --write    writes the table: ./dev docs
 """
 import re
 import subprocess
@@ -29,8 +31,18 @@ def options(program):
 
 def commands(program):
     """The options of each command line, by its command."""
-    script = subprocess.check_output([program, "completion", "bash"], text=True)
-    return {path: set(re.findall(r"--[\w-]+", words)) for path, words in re.findall(r"'([a-z ]*)'\) words='([^']*)'", script)}
+    def complete(*typed):
+        lines = subprocess.check_output([program, "completion", "words", "--", *typed], text=True).splitlines()
+        return [line.split("\t")[0] for line in lines]
+    typed = [[command] for command in complete("")]
+    typed += [[command, inner] for command, in typed for inner in complete(command, "")]
+    return {" ".join(command): set(complete(*command, "--")) for command in typed}
+
+
+def with_table(page, program):
+    """The page with the current table of options."""
+    table = subprocess.check_output([program, "config", "dump", "--markdown"], text=True)
+    return re.sub(r"(<!-- options: [^\n]*\n).*(?=<!-- end of options)", lambda found: found[1] + table, page, flags=re.S)
 
 
 def code_of(page, text):
@@ -75,13 +87,19 @@ def missing_files(text, sources):
 def main():
     root, program = Path(sys.argv[1]).resolve(), sys.argv[2]
     sources = [*root.glob("src/**/*.h"), *root.glob("src/**/*.cpp")]
+    reference = root / "docs/reference.md"
+    current = with_table(reference.read_text(encoding="utf-8"), program)
+    if "--write" in sys.argv:
+        reference.write_text(current, encoding="utf-8")
     known, known_commands = options(program), commands(program)
     of_dev = {option for file in (root / "dev", *root.glob("bench/*.py")) for option in re.findall(OPTION, file.read_text(encoding="utf-8"))}
     pages = [*root.glob("*.md"), *root.glob("docs/**/*.md"), *root.glob("src/dvi/report/page/*.js"), *root.glob("src/dvi/report/page/*.html")]
     pages = [page for page in sorted(pages) if not str(page.relative_to(root)).startswith(PAST)]
-    assert known and "" in known_commands and len(pages) > 30, f"{len(known)} options, {len(known_commands)} commands, {len(pages)} pages"
+    assert known and "run" in known_commands and len(pages) > 30, f"{len(known)} options, {len(known_commands)} commands, {len(pages)} pages"
     found = [f"{page.relative_to(root)}: {error}" for page in pages
              for error in dict.fromkeys(missing(page, page.read_text(encoding="utf-8"), known, known_commands, OTHERS | of_dev))]
+    if current != reference.read_text(encoding="utf-8"):
+        found.append("docs/reference.md: the table of options is not current: ./dev docs")
     found += [f"{page.relative_to(root)}: {error}" for page in sorted(root.glob("docs/algorithms/*.md"))
               for error in missing_files(page.read_text(encoding="utf-8"), sources)]
     print(*found, sep="\n", end="\n" if found else "")

@@ -28,7 +28,7 @@ SPELLINGS = {
 PATTERN = re.compile("|".join(sorted(SPELLINGS, key=len, reverse=True)), re.I)
 EXCLUDED = ("tests/foreign/", "tests/layouts/bags/", "tests/fuzz/parsers/corpus/", "tools/check_language", "LICENSE")
 # Lines that hold a name of someone else: (file, part of the line).
-NAMES = [("src/dvi/drive/traffic_classes.cpp", '"lorry"'), ("docs/detector.md", "van, truck, lorry"), ("src/dvi/job/choices", '"labelled"')]
+NAMES = [("src/dvi/drive/traffic_classes.cpp", '"lorry"'), ("docs/detector.md", "van, truck, lorry"), ("src/dvi/job/", '"labelled"')]
 
 # The files whose phrases are checked. Spelling is checked everywhere.
 PHRASE_FILES = re.compile(r"[A-Z]+\.(?:md|cff)|docs/[\w-]+\.md|tests/.*\.md|bench/.*|deploy/.*|dev")

@@ -14,6 +14,6 @@ page() {  # NAME SUMMARY WORDS: help2man calls WORDS --help
   "$help2man" --no-info --version-string="$version" --manual="dvi" --name="$2" "$3" | gzip -n9 >"$folder/man/$1.1.gz"
 }
 page dvi "remove traffic from recorded drives" "$program"
-sed -n "s/^complete .*__fish_use_subcommand -f -a \([a-z]*\) -d '\(.*\)'$/\1 \2/p" "$folder/share/fish/vendor_completions.d/dvi.fish" |
-  while read -r command summary; do page "dvi-$command" "$summary" "$program $command"; done
+"$program" completion words -- '' |
+  while IFS=$'\t' read -r command summary; do page "dvi-$command" "$summary" "$program $command"; done
 touch "$folder/made"

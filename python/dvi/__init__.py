@@ -4,10 +4,10 @@
         frame.image        # height x width x 3, uint8, RGB: the result
         frame.kind         # height x width, uint8: 0 original, 1 copied, 2 copied from elsewhere, 3 interpolated, 4, 5 made up
 
-A dataset is a path to a recording that the program reads, or an object like `dvi.Dataset`. Options have the names of the command
-line's (`--ego-mask` is ``ego_mask``); any option of `dvi config dump --all` goes into ``set={"lidar.max_range_m": 80}``.
-``progress`` is called as ``progress(stage, done, total)``. Ctrl-C stops the work. What is wrong with the data is a
-`dvi.InputError`, with the program's own words; with an option, a `dvi.UsageError`.
+A dataset is a path to a recording that the program reads, or an object like `dvi.Dataset`. Options of the command line are keywords
+(`--ego-mask` is ``ego_mask``, `--topic` is ``topics``, `--sources` is ``source_cameras``); ``config`` takes a TOML file, and ``set``
+any option: ``set={"lidar.max_range_m": 80}``. ``print(dvi.config())`` lists the options with their meaning. ``progress`` is called as
+``progress(stage, done, total)``. Ctrl-C stops the work. `dvi.InputError` and `dvi.UsageError` have the messages of the program.
 """
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ InputError.__module__ = UsageError.__module__ = Frame.__module__ = __name__
 
 __version__: str = _dvi.version
 __all__ = ["Box", "Camera", "Dataset", "Frame", "FrameData", "InputError", "Map", "Masks", "Run", "ScanData", "UsageError", "check",
-           "convert", "eval", "export", "map", "masks", "run"]
+           "config", "convert", "eval", "export", "map", "masks", "run"]
 
 Source = Union[str, os.PathLike, Dataset]
 Progress = Optional[Callable[[str, int, int], None]]
@@ -52,6 +52,12 @@ class _Opened:
     def close(self) -> None:
         if self._folder is not None:
             self._folder.cleanup()
+
+    def __enter__(self) -> str:
+        return self.path
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
 
 class Run(Iterator[Frame]):
@@ -145,13 +151,16 @@ def run(dataset: Source, *sources: Source, out: "str | os.PathLike | None" = Non
     return Run(dataset, sources, out, force, threads, progress, options)
 
 
-def check(dataset: Source, *, forecast: bool = False, threads: int = 0, progress: Progress = None, **options: Any) -> dict:
-    """What a drive is, whether it is complete and right: what `dvi check --json` prints."""
-    opened = _Opened(dataset, progress)
-    try:
-        return json.loads(_dvi.check(opened.path, options, forecast, threads, progress))
-    finally:
-        opened.close()
+def config(*, all: bool = False, **options: Any) -> str:
+    """Returns the options with their values and meaning, as TOML: what `dvi config dump` prints. all: developer options, too."""
+    return _dvi.config(options, all)
+
+
+def check(dataset: Source, *, out: "str | os.PathLike | None" = None, forecast: bool = False, threads: int = 0,
+          progress: Progress = None, **options: Any) -> dict:
+    """What a drive is, whether it is complete and right: what `dvi check --json` prints. out: folder for pictures."""
+    with _Opened(dataset, progress) as path:
+        return json.loads(_dvi.check(path, "" if out is None else os.fspath(out), options, forecast, threads, progress))
 
 
 @dataclass
@@ -165,16 +174,13 @@ class Map:
     report: dict  #: as map.json
 
 
-def map(dataset: Source, *, out: "str | os.PathLike | None" = None, threads: int = 0, progress: Progress = None,
-        **options: Any) -> Map:
-    """Poses and static map of a drive: `dvi map`. out: folder for its files; None: they are not kept."""
-    opened = _Opened(dataset, progress)
-    with tempfile.TemporaryDirectory(prefix="dvi-map-") as temporary:
+def map(dataset: Source, *, out: "str | os.PathLike | None" = None, trajectory: str = "none", threads: int = 0,
+        progress: Progress = None, **options: Any) -> Map:
+    """Poses and static map of a drive: `dvi map`. out: folder for its files; None: they are not kept. trajectory: kitti or tum
+    also writes trajectory.txt."""
+    with tempfile.TemporaryDirectory(prefix="dvi-map-") as temporary, _Opened(dataset, progress) as path:
         folder = Path(temporary) / "map" if out is None else Path(out)
-        try:
-            report = json.loads(_dvi.map(opened.path, str(folder), options, threads, progress))
-        finally:
-            opened.close()
+        report = json.loads(_dvi.map(path, str(folder), trajectory, options, threads, progress))
         points, colors = _dvi.read_map(str(folder / "map.ply"))
         rows = np.loadtxt(folder / "poses.txt", ndmin=2).reshape(-1, 3, 4)
         poses = np.concatenate([rows, np.broadcast_to([[[0.0, 0, 0, 1]]], (len(rows), 1, 4))], axis=1)
@@ -192,20 +198,19 @@ class Masks:
 def masks(dataset: Source, *, out: "str | os.PathLike | None" = None, threads: int = 0, progress: Progress = None,
           **options: Any) -> Masks:
     """What a run would remove: `dvi mask`. out: a new folder for the masks; None: only the report is kept."""
-    opened = _Opened(dataset, progress)
-    with tempfile.TemporaryDirectory(prefix="dvi-masks-") as temporary:
+    with tempfile.TemporaryDirectory(prefix="dvi-masks-") as temporary, _Opened(dataset, progress) as path:
         folder = Path(temporary) / "masks" if out is None else Path(out)
-        try:
-            report = json.loads(_dvi.masks(opened.path, str(folder), options, threads, progress))
-        finally:
-            opened.close()
+        report = json.loads(_dvi.masks(path, str(folder), options, threads, progress))
         return Masks(None if out is None else folder, report)
 
 
-def eval(out: "str | os.PathLike", truth: "str | os.PathLike", *, ignore: "str | os.PathLike | None" = None, threads: int = 0,
-         progress: Progress = None) -> dict:
-    """Scores a result against the truth: what `dvi eval --json` prints. truth: folder of NAME.png; ignore: of masks not to score."""
-    return json.loads(_dvi.evaluate(os.fspath(out), os.fspath(truth), "" if ignore is None else os.fspath(ignore), threads, progress))
+def eval(out: "str | os.PathLike", truth: "str | os.PathLike", *, ignore: "str | os.PathLike | None" = None,
+         external: Mapping[str, "str | os.PathLike"] = {}, threads: int = 0, progress: Progress = None) -> dict:
+    """Scores a result against the truth: what `dvi eval --json` prints. truth: folder of NAME.png; ignore: of masks not to score;
+    external: folders of other programs' frames, by the name of the program."""
+    others = [f"{name}={os.fspath(folder)}" for name, folder in external.items()]
+    ignored = "" if ignore is None else os.fspath(ignore)
+    return json.loads(_dvi.evaluate(os.fspath(out), os.fspath(truth), ignored, others, threads, progress))
 
 
 def export(format: str, out: "str | os.PathLike", folder: "str | os.PathLike", *, threads: int = 0, progress: Progress = None,

@@ -1,6 +1,7 @@
 """The package on small synthetic drives that the program makes."""
 import gc
 import os
+import re
 import subprocess
 import sys
 import time
@@ -123,27 +124,68 @@ def test_an_object_gives_the_frames_of_the_folder(street, result):
 
 def test_the_other_commands(street, result, tmp_path):
     assert dvi.check(street)["frames"]["count"] == 5
-    assert dvi.check(street, frames="1:3")["frames"]["count"] == 3
-    found = dvi.map(street)
+    assert dvi.check(street, frames="1:3", out=tmp_path / "pictures")["frames"]["count"] == 3
+    assert any((tmp_path / "pictures").iterdir())
+    found = dvi.map(street, out=tmp_path / "map", trajectory="tum")
+    assert (tmp_path / "map/trajectory.txt").exists()
     assert found.points.shape == found.colors.shape and len(found.points) > 1000
     assert found.world_from_camera.shape == (5, 4, 4) and found.times.shape == (5,)
     masks = dvi.masks(street, out=tmp_path / "masks")
     assert (masks.folder / "masks.json").exists() and masks.report["schema"] == "dvi-masks/1"
-    assert dvi.eval(result, street / "truth")["all"]["frames"] == 5
+    scores = dvi.eval(result, street / "truth", external={"own": result / "frames"})
+    assert scores["all"]["frames"] == 5 and "own" in str(scores)
     assert dvi.export("ply", result, tmp_path / "ply")["counts"]["points"] > 1000
 
 
 def test_errors_have_the_words_of_the_program(street, tmp_path):
     with pytest.raises(dvi.InputError, match="nowhere"):
         list(dvi.run(tmp_path / "nowhere"))
-    with pytest.raises(dvi.UsageError, match="--method fast"):
+    with pytest.raises(dvi.UsageError, match="option job.method = 'fast': must be one of dvi, paper"):
         dvi.run(street, method="fast")
+    with pytest.raises(dvi.UsageError, match="give one of them"):
+        dvi.run(street, masks="labels", detector="net.onnx")
     with pytest.raises(dvi.UsageError, match="depth.nothing"):
         dvi.run(street, set={"depth.nothing": 1})
+    with pytest.raises(TypeError, match=r"no option 'mask' \(did you mean 'masks'\?\)"):
+        dvi.check(street, mask="labels")
     with pytest.raises(TypeError, match="no option 'color'"):
-        dvi.check(street, color="red")
+        dvi.export("ply", street, tmp_path / "ply", color="red")
     with pytest.raises(dvi.InputError, match="int is neither a path nor a dataset"):
         dvi.check(3)
+
+
+def program(*arguments):
+    return subprocess.run([PROGRAM, *arguments], check=True, capture_output=True, text=True).stdout
+
+
+def short_forms():
+    """Option, its flag, and its allowed values, of every option that has a short form."""
+    rows = re.findall(r"^\| `(\S+)` \| `(--\S+)` \| [^|]* \| (.*) \|$", program("config", "dump", "--all", "--markdown"), re.M)
+    return [(option, flag, re.sub(r".*\[(.*)\]$|.*", r"\1", doc).split(r" \| ")) for option, flag, doc in rows]
+
+
+def test_every_short_form_is_a_keyword_with_the_same_effect():
+    options = short_forms()
+    assert {"job.masks", "job.topics", "harmonize.unobserved"} < {option for option, _, _ in options}
+    for option, flag, allowed in options:
+        value = allowed[-1] or "a=b"
+        expected = program("config", "dump", "--all", flag, value)
+        assert expected != program("config", "dump", "--all")
+        assert dvi.config(all=True, **{option.split(".")[1]: value}) == expected, option
+        assert dvi.config(all=True, set={option: value}) == expected, option
+    topics = program("config", "dump", "--topic", "image=/a", "--topic", "points=/b")
+    assert dvi.config(topics=["image=/a", "points=/b"]) == dvi.config(set={"job.topics": ("image=/a", "points=/b")}) == topics
+    assert dvi.config(masks=None) == program("config", "dump")
+
+
+def test_a_run_records_the_options_of_the_program(street, tmp_path):
+    program("run", street, "-o", tmp_path / "a", "--quiet", "--method", "telea", "--frames", "1:2", "--unobserved", "leave", "--set",
+            "video.crf=20")
+    dvi.run(street, out=tmp_path / "b", method="telea", frames="1:2", unobserved="leave", set={"video.crf": 20}).finish()
+    recorded = (tmp_path / "a/dvi.toml").read_text().replace(str(tmp_path / "a"), str(tmp_path / "b"))
+    assert (tmp_path / "b/dvi.toml").read_text() == recorded
+    dvi.run(street, out=tmp_path / "c", config=tmp_path / "a/dvi.toml").finish()
+    assert (tmp_path / "c/dvi.toml").read_text() == recorded.replace(str(tmp_path / "b"), str(tmp_path / "c"))
 
 
 def broken(street, where, **fields):

@@ -41,7 +41,6 @@ struct AlignOptions {
     table.add("points", points, {50, 100000}, "Largest number of map points per frame that are compared.");
     table.add("ring_px", ring_px, {1, 2000}, "Method paper: width of the ring around the mask whose map points are compared.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// Returns the expected error of a rotation in degrees. Color and depth images of a handheld camera are exposed up to half a

@@ -27,7 +27,6 @@ struct FlowOptions {
               "Method flow: largest number of frames over which a pixel is tracked, in each direction.");
     table.add("consistency_px", consistency_px, {0.1, 20}, "Method flow: largest error of the forward-backward check.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// Computes the flow between each view and the next, on demand. It is meaningful only within a drive.

@@ -46,13 +46,12 @@ std::vector<std::string> commands_of(const CLI::App& command) {
   return out;
 }
 
-CommandWords words_of(const CLI::App& command) {
-  CommandWords words{command.get_name(), command.get_description(), {}, {}};
-  for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames())
-      words.options.push_back({"--" + name, option->get_description(), option->get_expected_max() > 0});
+Word words_of(const CLI::App& command) {
+  Word words{command.get_name(), command.get_description()};
   for (const CLI::App* inner : command.get_subcommands([](const CLI::App*) { return true; }))
-    words.commands.push_back(words_of(*inner));
+    words.next.push_back(words_of(*inner));
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) words.next.push_back({"--" + name, option->get_description()});
   return words;
 }
 
@@ -131,9 +130,6 @@ void Command::positional(const std::string& name, int& field, const std::string&
 void Command::option(const std::string& names, std::string& field, const std::string& doc, bool required) {
   impl_->app->add_option(names, field, doc)->required(required);
 }
-void Command::option(const std::string& names, std::optional<std::string>& field, const std::string& doc) {
-  impl_->app->add_option(names, field, doc);
-}
 void Command::option(const std::string& names, std::vector<std::string>& field, const std::string& doc) {
   impl_->app->add_option(names, field, doc)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
@@ -141,17 +137,30 @@ void Command::option(const std::string& names, int& field, const std::string& do
   impl_->app->add_option(names, field, doc);
 }
 void Command::flag(const std::string& names, bool& field, const std::string& doc) { impl_->app->add_flag(names, field, doc); }
-void Command::options(OptionTable& table) {
+void Command::options(const OptionTable& table, std::vector<Assignment>& given, const std::vector<std::string>& names) {
+  using Strings = std::vector<std::string>;
   for (const Option& option : table.options()) {
-    std::string name = "--" + option.key;
-    std::replace(name.begin(), name.end(), '_', '-');
-    if (impl_->app->get_option_no_throw(name) != nullptr) continue;
-    const auto assign = [&table, full = option.name()](const std::string& value) { table.set(full + "=" + value); };
+    if (option.flag.empty()) continue;
+    if (!names.empty() && std::find(names.begin(), names.end(), option.name()) == names.end()) continue;
+    const auto give = [&given, flag = option.flag](const OptionValue& value) { given.push_back({flag, value}); };
     if (std::holds_alternative<bool>(option.get()))
-      impl_->app->add_flag_callback(name, [assign] { assign("true"); }, option.doc);
+      impl_->app->add_flag_callback(option.flag, [give] { give(true); }, option.doc);
+    else if (std::holds_alternative<Strings>(option.get()))
+      impl_->app->add_option_function<Strings>(option.flag, give, option.doc + " Repeatable.")->expected(1)->take_all();
     else
-      impl_->app->add_option_function<std::string>(name, assign, option.doc)->default_str(option.text());
+      impl_->app->add_option_function<std::string>(option.flag, give, option.doc)->default_str(option.plain());
   }
+}
+void Command::option_file(std::string& config, std::vector<Assignment>& given) {
+  option("--config", config, "Reads options from a TOML file, such as the dvi.toml of an earlier result.");
+  const auto set = [&given](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) given.push_back(Assignment::parse(text));
+  };
+  impl_->app
+      ->add_option_function<std::vector<std::string>>(
+          "--set", set, "Sets section.key=value. Repeatable; dvi config dump --all lists all options.")
+      ->expected(1)
+      ->take_all();
 }
 void Command::examples(const std::vector<std::string>& lines) {
   std::string text = "Examples:";
@@ -197,7 +206,7 @@ Command Program::command(const std::string& name, const std::string& summary) {
   return Command(std::make_unique<Command::Impl>(Command::Impl{command}));
 }
 
-CommandWords Program::words() const { return words_of(impl_->app); }
+Word Program::words() const { return words_of(impl_->app); }
 
 int Program::main(int argc, char** argv) {
   const auto fail = [](int code, const std::string& message) {

@@ -25,12 +25,14 @@ class Command {
   void positional(const std::string& name, std::vector<std::string>& field, const std::string& doc);
   void positional(const std::string& name, int& field, const std::string& doc);
   void option(const std::string& names, std::string& field, const std::string& doc, bool required = false);
-  void option(const std::string& names, std::optional<std::string>& field, const std::string& doc);
   void option(const std::string& names, std::vector<std::string>& field, const std::string& doc);
   void option(const std::string& names, int& field, const std::string& doc);
   void flag(const std::string& names, bool& field, const std::string& doc);
-  /// Every option of the table that is not there yet by its own name: exposure_drift as --exposure-drift.
-  void options(OptionTable& table);
+  /// The options of the table that have a flag, or those of them that are named (section.key). What the command line assigns
+  /// to them is appended to `given`.
+  void options(const OptionTable& table, std::vector<Assignment>& given, const std::vector<std::string>& names = {});
+  /// --config FILE, and --set section.key=value, which is appended to `given`.
+  void option_file(std::string& config, std::vector<Assignment>& given);
   /// Lines for the end of the command's help, such as "dvi run DRIVE -o OUT   the usual case".
   void examples(const std::vector<std::string>& lines);
   Command subcommand(const std::string& name, const std::string& summary);
@@ -42,7 +44,7 @@ class Command {
   std::unique_ptr<Impl> impl_;
 };
 
-struct CommandWords;
+struct Word;
 
 /// The program: reads the command line and runs the command it names. Returns the exit code: 0, 1 our bug, 2 usage, 3 the
 /// user's data, 130 interrupted.
@@ -55,8 +57,8 @@ class Program {
   /// Commands added from now on stand below this heading in the help.
   void group(const std::string& heading);
   Command command(const std::string& name, const std::string& summary);
-  /// The words of the program, its commands and their options, as completion.h has them.
-  CommandWords words() const;
+  /// The words of the command line, its commands and their options, for completion.h.
+  Word words() const;
   int main(int argc, char** argv);
 
  private:

@@ -122,20 +122,26 @@ TEST(Program, HelpGroupsCommandsAndEndsInExamples) {
   EXPECT_THAT(call(program, {"run", "--help"}).out, HasSubstr("Examples:\n  dvi run DRIVE\n  dvi run OTHER"));
 }
 
-TEST(Program, CompletionKnowsItsWords) {
+TEST(Program, CompletionOffersWhatMayFollow) {
   Program program;
   int number = 0;
   bool flag = false;
   Command run = program.command("run", "Does it: now");
-  run.option("-n,--number", number, "A number's doc");
+  run.option("-n,--number", number, "A number. Any");
   run.flag("--fast", flag, "Faster");
-  const CommandWords words = program.words();
-  ASSERT_EQ(words.commands.size(), 1U);
-  EXPECT_EQ(words.commands[0].name, "run");
-  for (const char* shell : {"bash", "zsh", "fish"}) EXPECT_THAT(completion_script(words, shell), HasSubstr("number"));
-  EXPECT_THAT(completion_script(words, "fish"), HasSubstr("-l number -r -d 'A number s doc'\n"));
-  EXPECT_THAT(completion_script(words, "fish"), HasSubstr("-l fast -d 'Faster'\n"));
-  EXPECT_THROW(completion_script(words, "tcsh"), UsageError);
+  program.command("config", "The options").subcommand("dump", "Prints them");
+  const auto offered = [&](const std::vector<std::string>& typed) {
+    std::vector<std::string> words;
+    for (const Word& word : complete(program.words(), typed)) words.push_back(word.text + " " + word.summary);
+    return words;
+  };
+  EXPECT_THAT(offered({""}), ElementsAre("run Does it", "config The options"));
+  EXPECT_THAT(offered({"r"}), ElementsAre("run Does it"));
+  EXPECT_THAT(offered({"config", ""}), ElementsAre("dump Prints them"));
+  EXPECT_THAT(offered({"run", "drive", "--n"}), ElementsAre("--number A number"));
+  EXPECT_THAT(offered({"run", "--fast", "--f"}), ElementsAre("--fast Faster"));
+  EXPECT_THAT(offered({"run", ""}), IsEmpty());
+  EXPECT_THAT(offered({"fly", "--number"}), IsEmpty());
 }
 
 TEST(Program, WithoutACommandItsHelpIsShown) {
@@ -162,7 +168,7 @@ TEST(Command, FillsItsFieldsAndLeavesTheOthers) {
   Program program;
   Command command = program.command("work", "For tests");
   std::string drive, camera = "front", out;
-  std::optional<std::string> frames, masks;
+  std::string frames, masks;
   std::vector<std::string> sources, set;
   int threads = 7;
   bool quiet = false, json = false;
@@ -184,7 +190,7 @@ TEST(Command, FillsItsFieldsAndLeavesTheOthers) {
   EXPECT_THAT(sources, ElementsAre("b", "c"));
   EXPECT_EQ(out, "x");
   EXPECT_EQ(frames, "3:4");
-  EXPECT_FALSE(masks);
+  EXPECT_EQ(masks, "");
   EXPECT_THAT(set, ElementsAre("k=1", "l=2"));
   EXPECT_EQ(camera, "front");
   EXPECT_EQ(threads, 7);
@@ -203,29 +209,44 @@ TEST(Command, RequiredOptionsAreAskedFor) {
   EXPECT_EQ(call(program, {"work", "-o", "x", "--threads", "many"}).code, 2);
 }
 
-TEST(Command, TablesBecomeOptionsOfTheirOwn) {
-  int frames = 5, seed = 1;
+TEST(Command, OptionsOfATableWithAFlagAreItsOwn) {
+  int frames = 5;
   double drift = 0.5;
   bool rain = false;
+  std::vector<std::string> topics;
+  std::string name = "front", config;
   OptionTable table;
   table.section("street");
+  table.add("hidden", name, {}, "Without a flag.");
+  table.flags(true);
   table.add("frames", frames, {1, 100}, "How many.");
   table.add("exposure_drift", drift, {0, 1}, "Of the camera.");
   table.add("rain", rain, "Whether.");
-  table.add("seed", seed, {0, 100}, "Of the table.");
+  table.add("topics", topics, "Which.").flag = "--topic";
+  table.add("name", name, {}, "Whose.");
   Program program;
+  std::vector<Assignment> given, few;
   Command command = program.command("work", "For tests");
-  int own_seed = 0;
-  command.option("--seed", own_seed, "");
-  command.options(table);
-  command.run([] {});
-  EXPECT_EQ(call(program, {"work", "--frames", "8", "--exposure-drift", "0.25", "--rain", "--seed", "9"}).code, 0);
+  command.options(table, given);
+  command.option_file(config, given);
+  command.run([&] {
+    for (const Assignment& assignment : given) table.assign(assignment);
+  });
+  program.command("part", "For tests").options(table, few, {"street.frames"});
+  EXPECT_EQ(call(program, {"work", "--frames", "8", "--exposure-drift", "0.25", "--rain", "--topic", "a", "--topic=b"}).code,
+            0);
   EXPECT_EQ(frames, 8);
   EXPECT_EQ(drift, 0.25);
   EXPECT_TRUE(rain);
-  EXPECT_EQ(own_seed, 9) << "what was there by its own name stays";
-  EXPECT_EQ(seed, 1);
+  EXPECT_THAT(topics, ElementsAre("a", "b"));
+  EXPECT_EQ(call(program, {"work", "--set", "street.frames=9", "--config", "a.toml"}).code, 0);
+  EXPECT_EQ(frames, 9);
+  EXPECT_EQ(config, "a.toml");
   EXPECT_EQ(call(program, {"work", "--frames", "1000"}).code, 2) << "out of range";
+  EXPECT_EQ(call(program, {"work", "--set", "x"}).err, "dvi: --set x: must be section.key=value\n");
+  EXPECT_EQ(call(program, {"work", "--hidden", "x"}).code, 2);
+  EXPECT_EQ(call(program, {"part", "--rain"}).code, 2);
+  EXPECT_THAT(call(program, {"work", "--help"}).out, testing::ContainsRegex("--name TEXT.*front.* Whose."));
 }
 
 TEST(Common, StyleOfProgress) {

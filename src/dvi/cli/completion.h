@@ -5,19 +5,18 @@
 
 namespace dvi::cli {
 
-struct OptionWords {
-  std::string name, doc;  ///< "--frames"
-  bool takes_value = false;
+/// A word of the command line: a command, with the words that may follow it, or an option ("--frames").
+struct Word {
+  std::string text, summary;
+  std::vector<Word> next = {};
 };
 
-/// The words of a command line: a command, its options, the commands within it.
-struct CommandWords {
-  std::string name, summary;
-  std::vector<OptionWords> options;
-  std::vector<CommandWords> commands;
-};
+/// The words that may replace the last of `typed`, the words behind the name of the program: options if it begins with "-",
+/// else commands. Empty where a value or a file is expected.
+std::vector<Word> complete(const Word& program, const std::vector<std::string>& typed);
 
-/// A script with which the shell completes commands, options and files. `shell`: bash, zsh or fish. UsageError otherwise.
-std::string completion_script(const CommandWords& program, const std::string& shell);
+/// A script with which the shell completes commands, options, and files. It calls `dvi completion words`. `shell`: bash, zsh,
+/// or fish. UsageError otherwise.
+std::string completion_script(const std::string& shell);
 
 }  // namespace dvi::cli

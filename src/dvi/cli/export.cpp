@@ -23,6 +23,7 @@ void add_export(Program& program) {
     std::string format, out, folder;
     exports::ExportOptions options;
     OptionTable table;
+    std::vector<Assignment> given;
     Common common;
   };
   const auto a = std::make_shared<Arguments>();
@@ -31,12 +32,13 @@ void add_export(Program& program) {
   command.positional("FORMAT", a->format, formats_for_help());
   command.positional("OUT", a->out, "A result of dvi run");
   command.option("-o,--out", a->folder, "Folder for the files, new or empty", true);
-  command.options(a->table);
+  command.options(a->table, a->given);
   a->common.add_to(command, true, false);
   command.examples({"dvi export colmap OUT -o scene               for COLMAP, gsplat",
                     "dvi export ortho OUT -o above --cell-m 0.1   a GeoTIFF",
                     "dvi export video OUT -o video --beside       input and result"});
   command.run([a] {
+    for (const Assignment& assignment : a->given) a->table.assign(assignment);
     const exports::ExportFormat& format = exports::find_export_format(a->format);
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());

@@ -16,18 +16,20 @@ namespace dvi::cli {
 void add_fill(Program& program) {
   struct Arguments {
     std::string out;
-    std::optional<std::string> frames;
+    job::Request frames;
     Common common;
   };
   const auto a = std::make_shared<Arguments>();
   Command command = program.command("fill", "Fill frames of a plan: any range, on any machine, several ranges at once");
   command.positional("OUT", a->out, "Folder that dvi plan wrote");
-  command.option("--frames", a->frames, "A:B: only these frames, inclusive, by the drive's own numbers; A: only that frame");
+  job::Job defaults;
+  command.options(defaults.table(), a->frames.assignments, {"job.frames"});
   a->common.add_to(command, true);
   command.run(
       [a] {
         std::optional<FrameRange> range;
-        if (a->frames) range = job::parse_frames(*a->frames);
+        const std::string frames = a->frames.job("", "", {}).read.frames;
+        if (!frames.empty()) range = job::parse_frames(frames);
         const job::Job job = planned_job(a->out);
         const ThreadLimit limit(a->common.threads);
         Progress progress(a->common.style());

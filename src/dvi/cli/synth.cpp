@@ -12,7 +12,7 @@ namespace dvi::cli {
 void add_synth(Program& program) {
   struct Arguments {
     std::string out, config;
-    std::vector<std::string> set;
+    std::vector<Assignment> given;
     synth::SynthOptions options;
     OptionTable table;
     Common common;
@@ -21,14 +21,13 @@ void add_synth(Program& program) {
   a->options.describe(a->table);
   Command command = program.command("synth", "A synthetic street, or room, with exact truth, as a drive in the folder layout");
   command.option("-o,--out", a->out, "Folder of the drive", true);
-  command.option("--config", a->config, "Options from a TOML file, table [synth]");
-  command.option("--set", a->set, "synth.key=value, any number of times");
-  command.options(a->table);
+  command.options(a->table, a->given);
+  command.option_file(a->config, a->given);
   a->common.add_to(command, false, false);  // its seed is an option of the street
   command.examples({"dvi synth -o street --frames 20", "dvi synth -o room --room"});
   command.run([a] {
     if (!a->config.empty()) a->table.load_toml(a->config);
-    for (const std::string& assignment : a->set) a->table.set(assignment);
+    for (const Assignment& assignment : a->given) a->table.assign(assignment);
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
     progress.begin("synth", static_cast<std::size_t>(a->options.frames));

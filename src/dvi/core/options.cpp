@@ -31,36 +31,26 @@ double to_whole_number(const OptionValue& value) {
   return d;
 }
 
-void require_within(double value, Range range) {
+double require_within(double value, Range range) {
   if (!(value >= range.low && value <= range.high))
     throw std::invalid_argument(fmt::format("must be within {} .. {}", range.low, range.high));
+  return value;
 }
 
-// Parses notations that TOML does not allow: ".5", "5.", "+1.5".
-std::optional<double> parse_decimal(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
-  const bool whole_text = error == std::errc() && end == text.data() + text.size() && text.find('.') != std::string_view::npos;
-  return whole_text ? std::optional(value) : std::nullopt;
+template <class T>
+T require(const OptionValue& value, const char* reason) {
+  if (!std::holds_alternative<T>(value)) throw std::invalid_argument(reason);
+  return std::get<T>(value);
 }
 
-// A bare word is a string, so that no quotes within those of the shell are needed: --set masks.source=labels.
-OptionValue parse_value(std::string_view text, const Option& option) {
-  if (option.automatic && text == kAutomatic) return std::string(text);
-  const OptionValue like = option.automatic ? OptionValue(0.0) : option.get();
-  if (std::holds_alternative<std::string>(like)) return std::string(text);
-  if (std::holds_alternative<std::vector<std::string>>(like)) return std::vector<std::string>{std::string(text)};
-  try {
-    const toml::table table = toml::parse(fmt::format("v = {}", text));
-    if (table.size() != 1) throw std::invalid_argument("must be one value");
-    if (const auto b = table["v"].as_boolean()) return b->get();
-    if (const auto i = table["v"].as_integer()) return i->get();
-    if (const auto d = table["v"].as_floating_point()) return d->get();
-  } catch (const std::runtime_error&) {  // malformed (parse_error, TOML_ASSERT), reported below
-  }
-  if (const auto d = parse_decimal(text)) return *d;
-  throw std::invalid_argument(std::holds_alternative<bool>(like) ? "must be true or false" : "must be a number");
+template <class T>
+OptionValue to_value(const T& field) {
+  if constexpr (std::is_same_v<T, std::optional<double>>)
+    return field ? OptionValue(*field) : OptionValue(kAutomatic);
+  else if constexpr (std::is_same_v<T, int>)
+    return std::int64_t{field};
+  else
+    return field;
 }
 
 OptionValue from_toml(const toml::node& node) {
@@ -77,6 +67,42 @@ OptionValue from_toml(const toml::node& node) {
     return list;
   }
   throw std::invalid_argument("must be a plain value");
+}
+
+// Written as TOML does not allow: ".5", "5.", "+1.5".
+std::optional<double> decimal(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
+  const bool whole_text = error == std::errc() && end == text.data() + text.size() && text.find('.') != std::string_view::npos;
+  return whole_text ? std::optional(value) : std::nullopt;
+}
+
+// A bare word is a string, so that the shell's quotes are enough: --set masks.source=labels.
+OptionValue parse(std::string_view text, const Option& option) {
+  if (option.automatic && text == kAutomatic) return std::string(text);
+  const OptionValue like = option.automatic ? OptionValue(0.0) : option.get();
+  if (std::holds_alternative<std::string>(like)) return std::string(text);
+  const bool list = std::holds_alternative<std::vector<std::string>>(like);
+  if (list && !text.starts_with('[')) return std::vector<std::string>{std::string(text)};
+  try {
+    const toml::table table = toml::parse(fmt::format("v = {}", text));
+    if (table.size() != 1) throw std::invalid_argument("must be one value");
+    if (const auto b = table["v"].as_boolean()) return b->get();
+    if (const auto i = table["v"].as_integer()) return i->get();
+    if (const auto d = table["v"].as_floating_point()) return d->get();
+    if (list && table["v"].is_array()) return from_toml(*table.get("v"));
+  } catch (const std::runtime_error&) {  // malformed (parse_error, TOML_ASSERT): answered below
+  }
+  if (const auto d = decimal(text)) return *d;
+  throw std::invalid_argument(list                                 ? "must be a list of strings"
+                              : std::holds_alternative<bool>(like) ? "must be true or false"
+                                                                   : "must be a number");
+}
+
+std::string suggest(const std::string& name, const std::vector<std::string>& names) {
+  const std::string meant = nearest_word(name, names);
+  return meant.empty() ? "" : fmt::format(" (did you mean '{}'?)", meant);
 }
 
 std::string to_toml(const OptionValue& value) {
@@ -100,9 +126,26 @@ std::string to_toml(const OptionValue& value) {
   return out.str();
 }
 
+// Makes the option read the first field, and set all of them to what `read` makes of a value.
+template <class T, class Read>
+Option& connect(Option& option, const std::vector<T*>& fields, const Read& read) {
+  option.get = [first = fields.front()] { return to_value(*first); };
+  option.set = [fields, read](const OptionValue& v) {
+    const T value = read(v);
+    for (T* field : fields) *field = value;
+  };
+  return option;
+}
+
 }  // namespace
 
 std::string Option::text() const { return to_toml(get()); }
+
+std::string Option::plain() const {
+  const OptionValue value = get();
+  const auto* string = std::get_if<std::string>(&value);
+  return string != nullptr ? *string : to_toml(value);
+}
 
 void Option::assign(const OptionValue& value) const {
   try {
@@ -112,137 +155,119 @@ void Option::assign(const OptionValue& value) const {
   }
 }
 
-void OptionTable::add(Option option) {
+Option& OptionTable::add(Option option) {
   option.section = section_;
   option.audience = audience_;
+  if (flags_) {
+    option.flag = "--" + option.key;
+    std::replace(option.flag.begin(), option.flag.end(), '_', '-');
+  }
   options_.push_back(std::move(option));
+  return options_.back();
 }
 
-void OptionTable::add(std::string key, bool& field, std::string doc) {
-  add({.key = std::move(key),
-       .doc = std::move(doc),
-       .get = [&field] { return OptionValue(field); },
-       .set =
-           [&field](const OptionValue& v) {
-             if (!std::holds_alternative<bool>(v)) throw std::invalid_argument("must be true or false");
-             field = std::get<bool>(v);
-           }});
+Option& OptionTable::add(std::string key, bool& field, std::string doc) {
+  return connect(add({.key = std::move(key), .doc = std::move(doc)}), std::vector{&field},
+                 [](const OptionValue& v) { return require<bool>(v, "must be true or false"); });
 }
 
-void OptionTable::add(std::string key, int& field, Range range, std::string doc) {
+Option& OptionTable::add(std::string key, int& field, Range range, std::string doc) {
   doc += fmt::format(" [{} .. {}]", range.low, range.high);
-  add({.key = std::move(key),
-       .doc = std::move(doc),
-       .get = [&field] { return OptionValue(std::int64_t{field}); },
-       .set =
-           [&field, range](const OptionValue& v) {
-             const double d = to_whole_number(v);
-             require_within(d, range);
-             field = static_cast<int>(d);
-           }});
+  return connect(add({.key = std::move(key), .doc = std::move(doc)}), std::vector{&field},
+                 [range](const OptionValue& v) { return static_cast<int>(require_within(whole_number(v), range)); });
 }
 
-void OptionTable::add_one_of(std::string key, int& field, std::vector<int> allowed, std::string doc) {
+Option& OptionTable::add_one_of(std::string key, int& field, const std::vector<int>& allowed, std::string doc) {
   doc += fmt::format(" [{}]", fmt::join(allowed, " | "));
-  add({.key = std::move(key),
-       .doc = std::move(doc),
-       .get = [&field] { return OptionValue(std::int64_t{field}); },
-       .set =
-           [&field, allowed = std::move(allowed)](const OptionValue& v) {
-             const double d = to_whole_number(v);
-             const auto it = std::find(allowed.begin(), allowed.end(), d);
-             if (it == allowed.end()) throw std::invalid_argument(fmt::format("must be one of {}", fmt::join(allowed, ", ")));
-             field = *it;
-           }});
+  return connect(add({.key = std::move(key), .doc = std::move(doc)}), std::vector{&field}, [allowed](const OptionValue& v) {
+    const auto it = std::find(allowed.begin(), allowed.end(), whole_number(v));
+    if (it == allowed.end()) throw std::invalid_argument(fmt::format("must be one of {}", fmt::join(allowed, ", ")));
+    return *it;
+  });
 }
 
-void OptionTable::add(std::string key, double& field, Range range, std::string doc) {
-  add(std::move(key), std::vector<double*>{&field}, range, std::move(doc));
+Option& OptionTable::add(std::string key, double& field, Range range, std::string doc) {
+  return add(std::move(key), std::vector{&field}, range, std::move(doc));
 }
 
-void OptionTable::add(std::string key, std::vector<double*> fields, Range range, std::string doc) {
+Option& OptionTable::add(std::string key, const std::vector<double*>& fields, Range range, std::string doc) {
   doc += fmt::format(" [{} .. {}]", range.low, range.high);
-  add({.key = std::move(key),
-       .doc = std::move(doc),
-       .get = [first = fields.front()] { return OptionValue(*first); },
-       .set =
-           [fields = std::move(fields), range](const OptionValue& v) {
-             require_within(to_number_value(v), range);
-             for (double* field : fields) *field = to_number_value(v);
-           }});
+  return connect(add({.key = std::move(key), .doc = std::move(doc)}), fields,
+                 [range](const OptionValue& v) { return require_within(number(v), range); });
 }
 
-void OptionTable::add_automatic(std::string key, std::vector<std::optional<double>*> fields, Range range, std::string doc) {
+Option& OptionTable::add_automatic(std::string key, const std::vector<std::optional<double>*>& fields, Range range,
+                                   std::string doc) {
   doc += fmt::format(" [{} | {} .. {}]", kAutomatic, range.low, range.high);
-  add({.key = std::move(key),
-       .doc = std::move(doc),
-       .automatic = true,
-       .get = [first = fields.front()] { return *first ? OptionValue(**first) : OptionValue(std::string(kAutomatic)); },
-       .set =
-           [fields = std::move(fields), range](const OptionValue& v) {
-             std::optional<double> value;
-             if (const auto* text = std::get_if<std::string>(&v); text == nullptr || *text != kAutomatic) {
-               require_within(to_number_value(v), range);
-               value = to_number_value(v);
-             }
-             for (std::optional<double>* field : fields) *field = value;
-           }});
+  const auto read = [range](const OptionValue& v) {
+    return v == OptionValue(kAutomatic) ? std::nullopt : std::optional(require_within(number(v), range));
+  };
+  Option& option = connect(add({.key = std::move(key), .doc = std::move(doc)}), fields, read);
+  option.automatic = true;
+  return option;
 }
 
-void OptionTable::add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc) {
+Option& OptionTable::add(std::string key, std::vector<std::string>& field, std::string doc) {
+  return connect(add({.key = std::move(key), .doc = std::move(doc)}), std::vector{&field},
+                 [](const OptionValue& v) { return require<std::vector<std::string>>(v, "must be a list of strings"); });
+}
+
+Option& OptionTable::add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc) {
   auto set = [&field, choices](const std::string& text) {
     if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) refuse_name(choices);
     field = text;
   };
-  add_text(std::move(key), std::move(choices), [&field] { return field; }, std::move(set), std::move(doc));
+  return add_text(std::move(key), std::move(choices), [&field] { return field; }, std::move(set), std::move(doc));
 }
 
-void OptionTable::add_text(std::string key, std::vector<std::string> choices, std::function<std::string()> get,
-                           std::function<void(const std::string&)> set, std::string doc) {
+Option& OptionTable::add_text(std::string key, std::vector<std::string> choices, std::function<std::string()> get,
+                              std::function<void(const std::string&)> set, std::string doc) {
   if (!choices.empty()) doc += fmt::format(" [{}]", fmt::join(choices, " | "));
-  add({.key = std::move(key),
-       .doc = std::move(doc),
-       .choices = std::move(choices),
-       .get = [get = std::move(get)] { return OptionValue(get()); },
-       .set =
-           [set = std::move(set)](const OptionValue& v) {
-             const auto* s = std::get_if<std::string>(&v);
-             if (s == nullptr) throw std::invalid_argument("must be a string");
-             set(*s);
-           }});
-}
-
-void OptionTable::add(std::string key, std::vector<std::string>& field, std::string doc) {
-  add({.key = std::move(key),
-       .doc = std::move(doc),
-       .get = [&field] { return OptionValue(field); },
-       .set =
-           [&field](const OptionValue& v) {
-             const auto* list = std::get_if<std::vector<std::string>>(&v);
-             if (list == nullptr) throw std::invalid_argument("must be a list of strings");
-             field = *list;
-           }});
+  return add({.key = std::move(key),
+              .doc = std::move(doc),
+              .choices = std::move(choices),
+              .get = std::move(get),
+              .set = [set = std::move(set)](const OptionValue& v) { set(require<std::string>(v, "must be a string")); }});
 }
 
 const Option& OptionTable::find(const std::string& name) const {
-  const auto it = std::find_if(options_.begin(), options_.end(), [&](const Option& o) { return o.name() == name; });
-  if (it != options_.end()) return *it;
   std::vector<std::string> names;
-  for (const Option& option : options_) names.push_back(option.name());
-  const std::string meant = nearest_word(name, names);
-  throw UsageError(fmt::format("there is no option '{}'{}; `dvi config dump --all` lists all options", name,
-                               meant.empty() ? "" : fmt::format(" (did you mean '{}'?)", meant)));
+  for (const Option& option : options_) {
+    if (name == option.name() || (name == option.flag && !name.empty())) return option;
+    names.push_back(option.name());
+  }
+  throw UsageError(
+      fmt::format("there is no option '{}'{}; `dvi config dump --all` lists all of them", name, suggest(name, names)));
 }
 
-void OptionTable::set(std::string_view assignment) {
-  const auto equals = assignment.find('=');
-  if (equals == std::string_view::npos) throw UsageError(fmt::format("--set {}: must be section.key=value", assignment));
-  const Option& option = find(std::string(assignment.substr(0, equals)));
-  const std::string_view text = assignment.substr(equals + 1);
+const Option& OptionTable::find_keyword(const std::string& keyword, const std::vector<std::string>& others) const {
+  std::vector<std::string> keywords = others;
+  for (const Option& option : options_) {
+    if (option.flag.empty()) continue;
+    if (option.key == keyword) return option;
+    keywords.push_back(option.key);
+  }
+  throw UsageError(fmt::format("there is no option '{}'{}", keyword, suggest(keyword, keywords)));
+}
+
+Assignment Assignment::parse(std::string_view text) {
+  const auto equals = text.find('=');
+  if (equals == std::string_view::npos) throw UsageError(fmt::format("--set {}: must be section.key=value", text));
+  return {std::string(text.substr(0, equals)), std::string(text.substr(equals + 1))};
+}
+
+void OptionTable::assign(const Assignment& assignment) const {
+  const Option& option = find(assignment.option);
+  const bool flag = assignment.option == option.flag;
+  const auto* text = std::get_if<std::string>(&assignment.value);
+  std::string shown = text != nullptr ? *text : to_toml(assignment.value);
   try {
-    option.assign(parse_value(text, option));
+    const OptionValue value = text != nullptr ? parse(*text, option) : assignment.value;
+    if (!flag) shown = to_toml(value);
+    option.set(value);
   } catch (const std::invalid_argument& e) {
-    throw UsageError(fmt::format("option {} = {}: {}", option.name(), text, e.what()));
+    const std::string what = flag ? option.flag + " " : fmt::format("option {} = ", option.name());
+    throw UsageError(fmt::format("{}{}: {}", what, shown, e.what()));
   }
 }
 
@@ -280,6 +305,18 @@ std::string OptionTable::dump_toml(const std::function<bool(const Option&)>& wan
   }
   std::string text;
   for (const auto& [name, lines] : sections) text += fmt::format("{}[{}]\n{}", text.empty() ? "" : "\n", name, lines);
+  return text;
+}
+
+std::string OptionTable::dump_markdown(const std::function<bool(const Option&)>& wanted) const {
+  std::string text = "| option | command line | default | meaning |\n|---|---|---|---|\n";
+  const auto code = [](const std::string& word) { return word.empty() ? "" : fmt::format("`{}`", word); };
+  for (const Option& option : options_) {
+    if (wanted && !wanted(option)) continue;
+    std::string doc = option.doc;
+    for (std::size_t i = doc.find('|'); i != std::string::npos; i = doc.find('|', i + 2)) doc.insert(i, "\\");
+    text += fmt::format("| {} | {} | {} | {} |\n", code(option.name()), code(option.flag), code(option.plain()), doc);
+  }
   return text;
 }
 

@@ -36,9 +36,11 @@ concept Textual = requires(const T& value, const std::string& text) {
   { T::parse(text) } -> std::same_as<T>;
 };
 
-/// The description of one field of an options struct for TOML, `--set`, `dvi config dump` and the documentation.
+/// One field of an options struct. The command line, TOML, `--set`, `dvi config dump`, the docs, shell completion, and the
+/// keywords of the Python package are made from it.
 struct Option {
   std::string section = {}, key = {}, doc = {};
+  std::string flag = {};  ///< its short form on the command line, such as "--masks"; empty: none
   Audience audience = Audience::user;
   std::vector<std::string> choices = {};  ///< allowed strings; empty: any string
   bool automatic = false;                 ///< whether a number may be kAutomatic as well
@@ -46,13 +48,23 @@ struct Option {
   std::function<void(const OptionValue&)> set = {};  ///< throws std::invalid_argument with the reason
 
   std::string name() const { return section + "." + key; }
-  std::string text() const;  ///< the value as TOML
-  /// Calls set(). Throws UsageError with option, value and the allowed values if it fails.
+  std::string text() const;   ///< its value as TOML
+  std::string plain() const;  ///< its value as text() has it, strings without quotes
+  /// set(), with a UsageError that names option, value and what would be right.
   void assign(const OptionValue& value) const;
 };
 
-/// The only description of all options. The struct of each stage adds its fields, and everything that reads, writes or
-/// documents options uses this table. Holds references to the fields.
+/// A value that a caller gives to an option. Text is parsed by the type of the option: "true", "0.5", or ["a", "b"].
+struct Assignment {
+  std::string option;  ///< section.key, or the flag
+  OptionValue value;
+
+  /// Parses `section.key=value`, as `--set` takes it. UsageError if there is no "=".
+  static Assignment parse(std::string_view text);
+};
+
+/// The one description of all options: a stage's struct describes itself into it, field by field, and everything that
+/// reads, writes or documents options works from it. Holds references to the fields.
 class OptionTable {
  public:
   /// Sets the section of the fields that are added next, and their audience to the user.
@@ -62,51 +74,61 @@ class OptionTable {
   }
   /// Sets the audience of the fields up to the next section to developers.
   void developer() { audience_ = Audience::developer; }
+  /// Whether fields added from now on have a flag, made of their key: --ego-mask for ego_mask.
+  void flags(bool wanted) { flags_ = wanted; }
 
-  void add(std::string key, bool& field, std::string doc);
-  void add(std::string key, int& field, Range range, std::string doc);
-  void add(std::string key, double& field, Range range, std::string doc);
-  /// Adds one option that several structs share: it reads the first field and sets all of them.
-  void add(std::string key, std::vector<double*> fields, Range range, std::string doc);
-  /// Adds such an option for a number that may be determined by the program; no value means kAutomatic.
-  void add_automatic(std::string key, std::vector<std::optional<double>*> fields, Range range, std::string doc);
-  /// Adds a number that has only the allowed values.
-  void add_one_of(std::string key, int& field, std::vector<int> allowed, std::string doc);
-  void add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc);
-  void add(std::string key, std::vector<std::string>& field, std::string doc);
+  Option& add(std::string key, bool& field, std::string doc);
+  Option& add(std::string key, int& field, Range range, std::string doc);
+  Option& add(std::string key, double& field, Range range, std::string doc);
+  /// One option that several structs share: it reads the first field and sets all of them.
+  Option& add(std::string key, const std::vector<double*>& fields, Range range, std::string doc);
+  /// The same for a number that may be left to the program: none is kAutomatic.
+  Option& add_automatic(std::string key, const std::vector<std::optional<double>*>& fields, Range range, std::string doc);
+  /// A number of which only these values have a meaning.
+  Option& add_one_of(std::string key, int& field, const std::vector<int>& allowed, std::string doc);
+  Option& add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc);
+  Option& add(std::string key, std::vector<std::string>& field, std::string doc);
   template <Named E>
-  void add(std::string key, E& field, const std::string& doc) {
-    add_text(
-        std::move(key), list_names<E>(), [&field] { return to_string(field); },
+  Option& add(std::string key, E& field, const std::string& doc) {
+    return add_text(
+        std::move(key), all_names<E>(), [&field] { return to_string(field); },
         [&field](const std::string& text) { field = parse_name<E>(text); }, doc);
   }
   template <Textual T>
-  void add(std::string key, T& field, const std::string& doc) {
-    add_text(
+  Option& add(std::string key, T& field, const std::string& doc) {
+    return add_text(
         std::move(key), {}, [&field] { return to_string(field); },
         [&field](const std::string& text) { field = T::parse(text); }, doc);
   }
 
   const std::vector<Option>& options() const { return options_; }
 
-  /// Applies `section.key=value` of `--set`. Throws UsageError with the remedy if it is malformed.
-  void set(std::string_view assignment);
-  /// Sets the options in a TOML file. Skips unknown tables that are in `ignore`. Throws UsageError for others.
+  /// The option of this name, section.key, or with this flag. UsageError with the nearest name if there is none.
+  const Option& find(const std::string& name) const;
+  /// The option whose key is this keyword of the Python package: each option with a flag has one. UsageError with the nearest
+  /// keyword, one of `others` included, if there is none.
+  const Option& find_keyword(const std::string& keyword, const std::vector<std::string>& others = {}) const;
+  /// Assigns a value. UsageError with what would be right.
+  void assign(const Assignment& assignment) const;
+  void set(std::string_view assignment) const { assign(Assignment::parse(assignment)); }
+  /// Sets what the file's tables name; tables not known here are left to others if in `ignore`. UsageError otherwise.
   void load_toml(const std::filesystem::path& path, const std::vector<std::string>& ignore = {});
   /// Formats all options, or the wanted ones, with their documentation as TOML that load_toml() can read. Each section is one
   /// table.
   std::string dump_toml(const std::function<bool(const Option&)>& wanted = {}) const;
-  /// Throws UsageError for the first field with a value that set() would refuse.
+  /// The same as a table in Markdown, for the docs.
+  std::string dump_markdown(const std::function<bool(const Option&)>& wanted = {}) const;
+  /// UsageError for the first field that holds what set() would refuse.
   void check() const;
 
  private:
-  void add(Option option);
-  void add_text(std::string key, std::vector<std::string> choices, std::function<std::string()> get,
-                std::function<void(const std::string&)> set, std::string doc);
-  const Option& find(const std::string& name) const;
+  Option& add(Option option);
+  Option& add_text(std::string key, std::vector<std::string> choices, std::function<std::string()> get,
+                   std::function<void(const std::string&)> set, std::string doc);
 
   std::string section_;
   Audience audience_ = Audience::user;
+  bool flags_ = false;
   std::vector<Option> options_;
 };
 

@@ -169,7 +169,45 @@ TEST_F(Options, StringsThatAreNotUtf8AreReadBackExactly) {
   EXPECT_EQ(settings.note, "/tmp/a b%");
 }
 
-TEST_F(Options, WholeValuedRealsAreReadBackAsReals) {
+TEST_F(Options, ListsAreGivenAsOneItemOrAsToml) {
+  table.set("second.paths=[\"a\", 'b']");
+  EXPECT_THAT(settings.paths, ElementsAre("a", "b"));
+  table.assign({"second.paths", std::vector<std::string>{"[c", "d"}});
+  EXPECT_THAT(settings.paths, ElementsAre("[c", "d"));
+  EXPECT_THAT([this] { table.set("second.paths=[1]"); }, ThrowsMessage<UsageError>(HasSubstr("must be a list of strings")));
+  EXPECT_THAT([this] { table.set("second.paths=[a"); }, ThrowsMessage<UsageError>(HasSubstr("must be a list of strings")));
+  EXPECT_THAT([this] { table.set("first.window=[3]"); }, ThrowsMessage<UsageError>(HasSubstr("must be a number")));
+}
+
+TEST_F(Options, ShortFormsAreFlagsAndKeywords) {
+  table.flags(true);
+  int frame_gap = 3;
+  table.add("frame_gap", frame_gap, {1, 9}, "How far.");
+  std::vector<std::string> topics;
+  table.add("topics", topics, "Which.").flag = "--topic";
+  table.flags(false);
+  bool last = false;
+  table.add("last", last, "Whether.");
+  EXPECT_EQ(table.find("--frame-gap").name(), "first.frame_gap");
+  EXPECT_EQ(table.find_keyword("topics").flag, "--topic");
+  table.assign({"--frame-gap", "4"});
+  EXPECT_EQ(frame_gap, 4);
+  EXPECT_THAT([this] { table.assign({"--frame-gap", "10"}); },
+              ThrowsMessage<UsageError>(StrEq("--frame-gap 10: must be within 1 .. 9")));
+  EXPECT_THAT([this] { table.find_keyword("frame_gab"); },
+              ThrowsMessage<UsageError>(StrEq("there is no option 'frame_gab' (did you mean 'frame_gap'?)")));
+  EXPECT_THAT([this] { table.find_keyword("confg", {"config"}); },
+              ThrowsMessage<UsageError>(HasSubstr("did you mean 'config'?")));
+  EXPECT_THROW(table.find_keyword("last"), UsageError) << "it has no short form";
+  EXPECT_THROW(table.find(""), UsageError);
+}
+
+TEST_F(Options, MarkdownHasARowPerOption) {
+  const std::string text = table.dump_markdown([](const Option& option) { return option.key == "source"; });
+  EXPECT_THAT(text, testing::EndsWith("|\n| `second.source` |  | `auto` | From where. [auto \\| labels] |\n"));
+}
+
+TEST_F(Options, WholeValuedRealsReadBackAsReals) {
   settings.alpha = 1e6;
   load(table.dump_toml());
   EXPECT_EQ(settings.alpha, 1e6);

@@ -26,7 +26,6 @@ struct DepthOptions {
     table.add_one_of("median_px", median_px, {0, 3, 5}, "Side of the median filter after interpolation; 0: none.");
     table.add("sky_gap_deg", sky_gap_deg, {0, 10}, "Pixels above all returns within this angle to either side are sky.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// Depth of a view from the map (section 3.1 of the paper): the visible points with the planes they lie on, and between them

@@ -19,7 +19,6 @@ struct PlaneSweepOptions {
     table.add("sources", sources, {2, 16}, "Most views that are compared.");
     table.add("max_frame_gap", max_frame_gap, {1, 1000}, "Views are taken from up to this many frames before and after.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// Depth for the pixels of the target's hole, and within 12 px of it, that have none although a surface below them or the sky

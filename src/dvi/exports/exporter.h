@@ -23,6 +23,7 @@ struct ExportOptions {
 
   void describe(OptionTable& table) {
     table.section("export");
+    table.flags(true);
     table.add("max_points", max_points, {0, 2e9},
               "colmap, nerfstudio, mcap: maximum number of points, to which the map is thinned evenly; 0: all.");
     table.add("cell_m", cell_m, {0.005, 10}, "ortho: meters per pixel.");

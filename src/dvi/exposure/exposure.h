@@ -19,7 +19,6 @@ struct ExposureOptions {
     table.add("exposure", enabled,
               "Estimate vignetting and a gain per frame and channel from map points that several frames show.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// One gain per view, and the vignetting of its lens.

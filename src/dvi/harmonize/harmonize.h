@@ -33,9 +33,11 @@ struct HarmonizeOptions {
 
   void describe(OptionTable& table) {
     table.section("harmonize");
+    table.flags(true);
     table.add("unobserved", unobserved,
-              "Pixels that no frame saw: synthesize (interpolated, with the texture of the ground or grain, kind 4), "
-              "interpolate (kind 3), or leave (black, kind 5).");
+              "Determines how unobserved pixels are filled: synthesize (interpolated, with the texture of the ground or noise, "
+              "kind 4), interpolate (kind 3), or leave (black, kind 5).");
+    table.flags(false);
     table.developer();
     table.add("poisson", poisson, "Blend copies seamlessly into their surroundings (eq. 5); false copies colors unchanged.");
     table.add("seam_gradients", seam_gradients,
@@ -55,7 +57,6 @@ struct HarmonizeOptions {
     table.add("unobserved_vertical", unobserved_vertical, {0.001, 1},
               "Smoothness along columns relative to rows for unobserved pixels; 1: a membrane.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// What is known round a hole, beside the image.

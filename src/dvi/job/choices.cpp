@@ -1,49 +1,30 @@
 #include "dvi/job/choices.h"
 
 namespace dvi::job {
+namespace {
 
-Remove parse_remove(const std::string& text) { return text == "labelled" ? Remove::labeled : parse_name<Remove>(text); }
+// The kind of this name; the first for an empty text, the last, which has no name, for any other.
+template <class Kind>
+Kind parse_kind(const std::string& text, Kind last) {
+  for (const auto& [kind, name] : names_of(last))
+    if (text == name || text.empty()) return kind;
+  return last;
+}
+
+}  // namespace
 
 PosesFrom PosesFrom::parse(const std::string& text) {
-  if (text.empty() || text == "auto") return {};
-  if (text == "given") return {Kind::given};
-  if (text == "loam") return {Kind::loam};
-  return {Kind::file, text};
+  const Kind kind = parse_kind(text, Kind::file);
+  return {kind, kind == Kind::file ? text : ""};
 }
 
-std::string to_string(const PosesFrom& from) {
-  switch (from.kind) {
-    case PosesFrom::Kind::automatic:
-      return "auto";
-    case PosesFrom::Kind::given:
-      return "given";
-    case PosesFrom::Kind::loam:
-      return "loam";
-    case PosesFrom::Kind::file:
-      break;
-  }
-  return from.file;
-}
+std::string to_string(const PosesFrom& from) { return from.kind == PosesFrom::Kind::file ? from.file : to_string(from.kind); }
 
 MasksFrom MasksFrom::parse(const std::string& text) {
-  if (text.empty() || text == "auto") return {};
-  if (text == "labels") return {Kind::labels};
-  if (text == "found") return {Kind::found};
-  return {Kind::path, text};
+  const Kind kind = parse_kind(text, Kind::path);
+  return {kind, kind == Kind::path ? text : ""};
 }
 
-std::string to_string(const MasksFrom& from) {
-  switch (from.kind) {
-    case MasksFrom::Kind::automatic:
-      return "auto";
-    case MasksFrom::Kind::labels:
-      return "labels";
-    case MasksFrom::Kind::found:
-      return "found";
-    case MasksFrom::Kind::path:
-      break;
-  }
-  return from.path;
-}
+std::string to_string(const MasksFrom& from) { return from.kind == MasksFrom::Kind::path ? from.path : to_string(from.kind); }
 
 }  // namespace dvi::job

@@ -23,9 +23,6 @@ constexpr bool is_baseline(Method method) { return method != Method::dvi && meth
 
 using objects::Remove;
 
-/// Parses what `--remove` takes; "labelled" is "labeled". std::invalid_argument for anything else.
-Remove parse_remove(const std::string& text);
-
 /// What `--poses` takes. automatic: given or loam, whichever makes the sharper map.
 struct PosesFrom {
   enum class Kind { automatic, given, loam, file };
@@ -34,6 +31,10 @@ struct PosesFrom {
 
   static PosesFrom parse(const std::string& text);  ///< whatever is no word is a file
 };
+constexpr auto names_of(PosesFrom::Kind) {
+  using Kind = PosesFrom::Kind;
+  return std::array{std::pair{Kind::automatic, "auto"}, std::pair{Kind::given, "given"}, std::pair{Kind::loam, "loam"}};
+}
 std::string to_string(const PosesFrom& from);
 
 /// What `--masks` takes. automatic: what the drive brings, mask files before labels, and what moves if it brings neither.
@@ -45,6 +46,10 @@ struct MasksFrom {
 
   static MasksFrom parse(const std::string& text);  ///< whatever is no word is a path
 };
+constexpr auto names_of(MasksFrom::Kind) {
+  using Kind = MasksFrom::Kind;
+  return std::array{std::pair{Kind::automatic, "auto"}, std::pair{Kind::labels, "labels"}, std::pair{Kind::found, "found"}};
+}
 std::string to_string(const MasksFrom& from);
 
 }  // namespace dvi::job

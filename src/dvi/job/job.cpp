@@ -11,7 +11,12 @@
 namespace dvi::job {
 
 void Options::describe(OptionTable& table) {
-  describe_lidar(table);
+  table.section("lidar");
+  table.add_automatic(
+      "min_range_m", {&map.min_range_m, &odometry.min_range_m}, {0, 20},
+      "Nearer returns are left out, such as the recording car; auto: 2 m for a LiDAR, 0.1 m for a depth camera.");
+  table.add_automatic("max_range_m", {&map.max_range_m, &odometry.max_range_m}, {1, 500},
+                      "Farther returns are left out; auto: 120 m for a LiDAR, 10 m for a depth camera.");
   masks.describe(table);
   odometry.describe(table);
   map.describe(table);
@@ -27,33 +32,9 @@ void Options::describe(OptionTable& table) {
   video.describe(table);
 }
 
-void Options::describe_lidar(OptionTable& table) {
-  table.section("lidar");
-  table.add_automatic(
-      "min_range_m", {&map.min_range_m, &odometry.min_range_m}, {0, 20},
-      "Nearer returns are left out, such as the recording car; auto: 2 m for a LiDAR, 0.1 m for a depth camera.");
-  table.add_automatic("max_range_m", {&map.max_range_m, &odometry.max_range_m}, {1, 500},
-                      "Farther returns are left out; auto: 120 m for a LiDAR, 10 m for a depth camera.");
-}
-
 void Options::check() const {
+  check_ranges(*this);
   masks.check();
-  odometry.check();
-  map.check();
-  exposure.check();
-  align.check();
-  depth.check();
-  plane_sweep.check();
-  sample.check();
-  regularize.check();
-  harmonize.check();
-  smooth.check();
-  flow.check();
-  video.check();
-  Options copy = *this;
-  OptionTable lidar;
-  copy.describe_lidar(lidar);
-  lidar.check();
   if (map.min_range_m && map.max_range_m && *map.max_range_m <= *map.min_range_m)
     throw UsageError(fmt::format("option lidar.max_range_m = {}: must be greater than lidar.min_range_m = {}", *map.max_range_m,
                                  *map.min_range_m));
@@ -62,35 +43,47 @@ void Options::check() const {
 OptionTable Job::table() {
   OptionTable table;
   table.section("job");
-  table.add("target", target, {}, "The drive to clean.");
-  table.add("sources", sources, "Source drives of the same street.");
-  table.add("out", out, {}, "The folder of the result.");
-  table.add("camera", read.camera, {}, "The camera to use; empty: the drive's first.");
-  table.add("topics", read.topics,
-            "Of bags, which topics to take: image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC, poses=TOPIC.");
-  table.add("source_cameras", read.source_cameras, {},
-            "Other cameras of the drives that lend pixels: all, none, or NAME,NAME.");
-  table.add("frames", read.frames, {}, "A:B, inclusive, or A, one frame, by the drive's own numbers; empty: all.");
+  table.add("target", target, {}, "Names the drive to clean.");
+  table.add("sources", sources, "Names source drives of the same street to copy pixels from.");
+  table.add("out", out, {}, "Names the folder of the result.");
+  table.flags(true);
+  table.add("camera", read.camera, {}, "Selects the camera to clean; empty: the drive's first.");
+  const char* topics =
+      "Selects the topics of a bag: image=TOPIC, points=TOPIC, depth=TOPIC, info=TOPIC, poses=TOPIC; empty: guessed.";
+  table.add("topics", read.topics, topics).flag = "--topic";
+  const char* source_cameras = "Selects the other cameras of the drives to copy pixels from: all, none, or NAME,NAME.";
+  table.add("source_cameras", read.source_cameras, {}, source_cameras).flag = "--sources";
+  table.add("frames", read.frames, {},
+            "Selects the frames A to B (A:B, inclusive) or one frame (A), by the drive's own numbers; empty: all.");
   table.add("masks", read.masks,
-            "auto (the drive's mask files, else its labels, else what moves), labels, found (what moves), a folder of PNG, or "
-            "a label file.");
-  table.add("polarity", read.mask_files.polarity,
-            "Of mask files: white = remove, black = remove, or auto: white, unless most of most masks is white.");
+            "Determines what is removed: auto (the drive's mask files, else its labels, else moving objects), labels, found "
+            "(moving objects), DIR (PNG masks, LabelMe), or FILE (labels: KITTI, MOTS, COCO, CVAT, boxes.json).");
+  table.add(
+      "polarity", read.mask_files.polarity,
+      "States which pixels of mask files are removed: white, black, or auto (white, unless most masks are mostly white).");
   table.add("classes", read.mask_files.classes, {},
-            "Classes to remove, where mask files are pictures of class ids, or of labels; empty: all that is masked.");
-  table.add("ego_mask", read.ego_mask, {}, "A PNG of what hides the view in all frames, such as the hood; empty: none.");
+            "Selects the classes to remove from labels, or from masks that are pictures of class ids: car,truck or "
+            "semantic-kitti:car or 26,27; empty: all that is masked.");
+  table.add("ego_mask", read.ego_mask, {},
+            "Names a PNG of what hides the view in all frames, such as the hood, which is removed too; empty: none.");
   table.add("detector", read.detector, {},
-            "A network (MODEL.onnx, with MODEL.toml beside it) whose detections are removed; empty: masks says what.");
+            "Names a network (MODEL.onnx, with MODEL.toml beside it) whose detections are removed; empty: masks are used.");
   table.add("poses", read.poses,
-            "auto (given or loam, whichever map is sharper), given, loam (estimated from scans), or a file of poses.");
-  table.add("remove", read.remove,
-            "moving: only labeled objects that move; labeled: what the masks say; all: both masks and labels.");
-  table.add("method", method, "dvi, the published form (paper), or a baseline without depth.");
+            "Selects the poses: auto (given or loam, whichever map is sharper), given, loam (estimated from scans), or FILE.");
+  Option& remove = table.add("remove", read.remove,
+                             "Selects what is removed: moving (labeled objects that move), labeled (what the masks cover), or "
+                             "all (both masks and labels).");
+  remove.set = [set = remove.set](const OptionValue& value) {
+    set(value == OptionValue("labelled") ? OptionValue("labeled") : value);
+  };
+  table.add("method", method,
+            "Selects the method: dvi, paper (the published form), or a baseline without depth and poses (flow, telea, ns).");
+  table.flags(false);
   table.add(
       "memory_mb", memory_mb, {16, 1000000},
-      "Memory to stay within: 150 MB (at most half) for the program itself; of the rest a third for the map, what does not fit "
-      "is paged to unlinked files in TMPDIR; a third for the images, scans, masks and depth maps kept for further use; a third "
-      "for the work in hand.");
+      "Limits the memory: 150 MB (at most half) are for the program itself; of the rest, a third is for the map (what does "
+      "not fit is paged to unlinked files in TMPDIR), a third for the images, scans, masks, and depth maps that are kept "
+      "for further use, and a third for the work in progress.");
   options.describe(table);
   return table;
 }

@@ -44,9 +44,6 @@ struct Options {
   void describe(OptionTable& table);
   /// UsageError that names the first option with a value that is not allowed.
   void check() const;
-
- private:
-  void describe_lidar(OptionTable& table);
 };
 
 /// What to read: shared by every command that opens a drive.

@@ -31,7 +31,6 @@ struct MapOptions {
     table.add("box_margin_m", box_margin_m, {0, 5},
               "Margin added to labeled 3D boxes before their points are dropped; objects move while they are scanned.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// Another camera of a drive.

@@ -22,7 +22,6 @@ struct VideoOptions {
     table.add("crf", crf, {0, 51}, "Quality of the videos: 0 is lossless, 18 visually lossless, 28 small.");
     table.add("encoder", encoder, {"auto", "h264", "mpeg4"}, "Encoder of the videos; auto uses h264 if available.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// Writes an mp4 (yuv420p, BT.709, playable while it loads) frame by frame, without keeping frames. Equal frames give equal

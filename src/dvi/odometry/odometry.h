@@ -26,7 +26,6 @@ struct OdometryOptions : scan_match::MatchOptions {
     table.add("kernel_m", kernel_m, {0.01, 2}, "Scale of the robust kernel: larger distances to a surface are outliers.");
     table.add("lag", lag, {0, 100}, "Fixed lag in scans after which a pose is estimated again from both sides; 0: never.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// Returns the options with the range and the lengths of the drive's sensor (scan_match::adapt_to_sensor).

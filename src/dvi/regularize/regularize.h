@@ -21,7 +21,6 @@ struct RegularizeOptions {
     table.add_one_of("window", window, {1, 3, 5, 7, 9, 11}, "Labels of a pixel: window x window pixels around its candidate.");
     table.add("iterations", iterations, {1, 1000}, "Most rounds of message passing.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// Min-sum belief propagation over the 4-connected hole (section 3.3 of the paper). A pixel's labels are shifts of its

@@ -31,7 +31,6 @@ struct SampleOptions {
               "Sources whose copy is expected to be off or blurred by more pixels are not used.");
     table.add("footprint", footprint, "Average the source pixels that one target pixel covers.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// Where other frames saw each hole pixel of the target (section 3.2 of the paper): the pixel's point, by its depth, is looked

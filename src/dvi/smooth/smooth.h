@@ -23,7 +23,6 @@ struct SmoothOptions {
               "First replace colors that neither neighboring frame shows, if these two agree or the flow is consistent, by "
               "the median of the three.");
   }
-  void check() const { check_ranges(*this); }
 };
 
 /// The optical flow (DIS) between two frames in a box of both, in pixels.

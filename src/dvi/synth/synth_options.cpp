@@ -9,6 +9,7 @@ namespace dvi::synth {
 
 void SynthOptions::describe(OptionTable& table) {
   table.section("synth");
+  table.flags(true);
   table.add("frames", frames, {1, 100000}, "Number of images and of scans of the LiDAR.");
   table.add("width", width, {32, 4096}, "Image width in pixels.");
   table.add("height", height, {32, 4096}, "Image height in pixels.");

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dvi/core/options.h"
+#include "dvi/job/job.h"
+
+namespace dvi::job {
+
+/// What a caller states about a job, whichever interface it uses: a file of options, and single options.
+struct Request {
+  std::string config;                   ///< a TOML file, such as the dvi.toml of an earlier result; empty: none
+  std::vector<Assignment> assignments;  ///< in the order in which they were given
+
+  /// Makes the job: the defaults, then the values of the method, then the file, then the assignments. An assignment to masks
+  /// replaces the detector of the file, and vice versa; UsageError if both are assigned. Empty paths leave those of the file.
+  /// Paths that exist become absolute.
+  Job job(const std::string& out, const std::string& target, const std::vector<std::string>& sources) const;
+};
+
+}  // namespace dvi::job
