@@ -168,7 +168,7 @@ TEST(Thumbnails, ShowHowTheCameraTurned) {
   const Drive drive = test.drive();
   const std::vector<RgbdMoment> moments = rgbd_moments(drive);
   const auto thumbnail = [&](std::size_t i) { return thumbnail_of(read_rgbd_image(drive, moments[i], Vector6d::Zero())); };
-  const ThumbnailMatch found = match(make_thumbnail(0), make_thumbnail(1), 16);
+  const ThumbnailMatch found = match(thumbnail(0), thumbnail(1), 16);
   const Eigen::Matrix3d R = drive.camera_from_lidar.R;
   const Eigen::Matrix3d truth = R * test.world_from_lidar(0).R.transpose() * test.world_from_lidar(0.033).R * R.transpose();
   EXPECT_GT(found.correlation, 0.8);
