@@ -157,7 +157,7 @@ void bind_commands(py::module_& m) {
       table.set(section + name + "=" +
                 (is_bool ? (py::cast<bool>(value) ? "true" : "false") : py::cast<std::string>(py::str(value))));
     }
-    const exports::ExportFormat& to = exports::export_format(format);
+    const exports::ExportFormat& to = exports::find_export_format(format);
     return run_task(threads, progress, [&](Progress& p) {
       return exports::to_json(exports::export_result(to, out, folder, chosen, p), to.name, folder);
     });
