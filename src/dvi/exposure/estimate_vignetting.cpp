@@ -12,8 +12,8 @@ namespace {
 
 /// A point in two views, less the median of all points of these.
 struct Ratio {
-  float compute_off_axis = 0;  ///< how much farther off the axis it lies in the first
-  float brighter = 0;          ///< the logarithm of how much brighter it is in the second
+  float off_axis = 0;  ///< how much farther off the axis it lies in the first
+  float brighter = 0;  ///< the logarithm of how much brighter it is in the second
 };
 
 std::vector<Ratio> ratios_of(const Sightings& a, const Sightings& b) {
@@ -21,12 +21,12 @@ std::vector<Ratio> ratios_of(const Sightings& a, const Sightings& b) {
   std::vector<Ratio> all;
   for_each_shared(a, b, [&](const PointObservation& i, const PointObservation& j) {
     const cv::Vec3f brighter = j.color - i.color;
-    all.push_back({i.compute_off_axis - j.compute_off_axis, (brighter[0] + brighter[1] + brighter[2]) / 3});
+    all.push_back({i.off_axis - j.off_axis, (brighter[0] + brighter[1] + brighter[2]) / 3});
   });
   if (all.size() < kFewPoints) return {};
   std::vector<Ratio> out;
   for (std::size_t i = 0; i < all.size(); i += 1 + all.size() / kManyPoints) out.push_back(all[i]);
-  for (float Ratio::* value : {&Ratio::compute_off_axis, &Ratio::brighter}) {
+  for (float Ratio::* value : {&Ratio::off_axis, &Ratio::brighter}) {
     std::vector<float> values;
     for (const Ratio& r : out) values.push_back(r.*value);
     const float middle = median(std::move(values));
@@ -38,7 +38,7 @@ std::vector<Ratio> ratios_of(const Sightings& a, const Sightings& b) {
 /// Cauchy's weight of what k leaves of a ratio.
 float weight(const Ratio& r, float k) {
   constexpr float kOff = 0.05F;  // of a ratio's logarithm: from here on a point counts less
-  const float off = (r.brighter - k * r.compute_off_axis) / kOff;
+  const float off = (r.brighter - k * r.off_axis) / kOff;
   return 1 / (1 + off * off);
 }
 
@@ -49,8 +49,8 @@ float fit(const std::vector<Ratio>& ratios) {
     double both = 0, square = 1e-9;
     for (const Ratio& r : ratios) {
       const double w = weight(r, k);
-      both += w * r.compute_off_axis * r.brighter;
-      square += w * r.compute_off_axis * r.compute_off_axis;
+      both += w * r.off_axis * r.brighter;
+      square += w * r.off_axis * r.off_axis;
     }
     k = static_cast<float>(both / square);
   }

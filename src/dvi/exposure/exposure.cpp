@@ -43,7 +43,7 @@ void compare(std::size_t a, std::size_t b, const Lazy<Sightings>& seen, const st
   const std::shared_ptr<const Sightings> in_a = seen[a], in_b = seen[b];
   std::array<std::vector<float>, 3> ratios;
   for_each_shared(*in_a, *in_b, [&](const PointObservation& i, const PointObservation& j) {
-    const float darker = vignetting[b] * j.compute_off_axis - vignetting[a] * i.compute_off_axis;
+    const float darker = vignetting[b] * j.off_axis - vignetting[a] * i.off_axis;
     for (int c = 0; c < 3; ++c) ratios[c].push_back(j.color[c] - i.color[c] + darker);
   });
   if (ratios[0].size() < kFewest) return;

@@ -12,8 +12,8 @@ namespace dvi::exposure {
 /// What a view shows of a point of the map.
 struct PointObservation {
   std::size_t point = 0;
-  cv::Vec3f color;             ///< its logarithm
-  float compute_off_axis = 0;  ///< as compute_off_axis()
+  cv::Vec3f color;     ///< its logarithm
+  float off_axis = 0;  ///< as compute_off_axis()
 };
 
 using Sightings = std::vector<PointObservation>;
