@@ -160,7 +160,7 @@ void bind_commands(py::module_& m) {
     chosen.describe(table);
     for (const auto& [key, value] : options)
       table.assign({find_keyword(table, py::cast<std::string>(key)).name(), to_value(value)});
-    const exports::ExportFormat& to = exports::export_format(format);
+    const exports::ExportFormat& to = exports::find_export_format(format);
     return run_task(threads, progress, [&](Progress& p) {
       return exports::to_json(exports::export_result(to, out, folder, chosen, p), to.name, folder);
     });

@@ -174,13 +174,13 @@ Option& OptionTable::add(std::string key, bool& field, std::string doc) {
 Option& OptionTable::add(std::string key, int& field, Range range, std::string doc) {
   doc += fmt::format(" [{} .. {}]", range.low, range.high);
   return connect(add({.key = std::move(key), .doc = std::move(doc)}), std::vector{&field},
-                 [range](const OptionValue& v) { return static_cast<int>(require_within(whole_number(v), range)); });
+                 [range](const OptionValue& v) { return static_cast<int>(require_within(to_whole_number(v), range)); });
 }
 
 Option& OptionTable::add_one_of(std::string key, int& field, const std::vector<int>& allowed, std::string doc) {
   doc += fmt::format(" [{}]", fmt::join(allowed, " | "));
   return connect(add({.key = std::move(key), .doc = std::move(doc)}), std::vector{&field}, [allowed](const OptionValue& v) {
-    const auto it = std::find(allowed.begin(), allowed.end(), whole_number(v));
+    const auto it = std::find(allowed.begin(), allowed.end(), to_whole_number(v));
     if (it == allowed.end()) throw std::invalid_argument(fmt::format("must be one of {}", fmt::join(allowed, ", ")));
     return *it;
   });

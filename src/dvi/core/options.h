@@ -91,7 +91,7 @@ class OptionTable {
   template <Named E>
   Option& add(std::string key, E& field, const std::string& doc) {
     return add_text(
-        std::move(key), all_names<E>(), [&field] { return to_string(field); },
+        std::move(key), list_names<E>(), [&field] { return to_string(field); },
         [&field](const std::string& text) { field = parse_name<E>(text); }, doc);
   }
   template <Textual T>

@@ -144,14 +144,14 @@ double height_above_ground(const Region& region, const cv::Mat1f& z, const cv::M
 }  // namespace
 
 Grain::Grain(const Views& views) {
-  constexpr double kStepS = 10;  // meters
+  constexpr double kStep = 10;  // meters
   const auto [first, last] = views.of_sequence(0);
   for (std::size_t i = first; i < last; ++i) {
     const SE3 world_from_camera = views[i].camera_from_world.inverse();
     const Eigen::Vector3d& center = world_from_camera.t;
-    way_.push_back(i == first ? 0 : way_.back() + (center - centers_.back()).norm() / kStepS);
+    way_.push_back(i == first ? 0 : way_.back() + (center - centers_.back()).norm() / kStep);
     centers_.push_back(center);
-    if (i == first) places_ = {center - kStepS * world_from_camera.R.col(2)};
+    if (i == first) places_ = {center - kStep * world_from_camera.R.col(2)};
     while (way_.back() >= static_cast<double>(places_.size() - 1)) places_.push_back(center);
   }
 }

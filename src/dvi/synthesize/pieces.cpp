@@ -136,7 +136,7 @@ Sheet joined(const Lazy<Sheet>& pieces, std::size_t from, std::size_t to) {
 }  // namespace
 
 GroundSheets::GroundSheets(const Painter& painter, const ground::RoadGround& ground) {
-  constexpr double kReachM = 2;  // meters of surroundings that offsets are judged by
+  constexpr double kReach = 2;  // meters of surroundings that offsets are judged by
   const auto count = static_cast<std::size_t>(ground.road().length() / kPiece);
   const Lazy<Sheet> painted(count, [=](std::size_t i) {
     return paint_ground(painter, ground, static_cast<double>(i) * kPiece, cells(kPiece, kCell));
@@ -144,7 +144,7 @@ GroundSheets::GroundSheets(const Painter& painter, const ground::RoadGround& gro
   pieces = {count, [=](std::size_t i) {
               const std::size_t from = i - std::min<std::size_t>(i, 1), to = std::min(i + 1, count - 1);
               Sheet sheet = joined(painted, from, to);
-              complete(sheet, ground_offsets(), kReachM / kCell);
+              complete(sheet, ground_offsets(), kReach / kCell);
               const int width = cells(kPiece, kCell);
               const cv::Rect own(static_cast<int>(i - from) * width, 0, width, sheet.known.rows);
               Sheet out;

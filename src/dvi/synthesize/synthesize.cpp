@@ -37,8 +37,8 @@ float share_of(float span) {
 
 /// The fine contrast of what was known or copied near each pixel, in gray levels.
 cv::Mat1f fine_contrast(const harmonize::FilledFrame& frame) {
-  constexpr double kFine = 2, kMaxMoverDistanceM = 20;  // px
-  constexpr float kPrior = 1e-3F, kUsual = 8;           // where there is nothing near
+  constexpr double kFine = 2, kNear = 20;      // px
+  constexpr float kPrior = 1e-3F, kUsual = 8;  // where there is nothing near
   cv::Mat1f gray, smooth;
   cv::transform(frame.color, gray, cv::Matx13f::all(1.0F / 3));
   cv::GaussianBlur(gray, smooth, {}, kFine);
@@ -46,7 +46,7 @@ cv::Mat1f fine_contrast(const harmonize::FilledFrame& frame) {
   cv::Mat1f fine(cv::abs(gray - smooth)), weight(gray.size(), 0.0F);
   fine.setTo(0, ~seen);
   weight.setTo(1, seen);
-  return cv::Mat1f((blurred(fine, kMaxMoverDistanceM) + kPrior * kUsual) / (blurred(weight, kMaxMoverDistanceM) + kPrior));
+  return cv::Mat1f((blurred(fine, kNear) + kPrior * kUsual) / (blurred(weight, kNear) + kPrior));
 }
 
 /// Probability that a synthesized pixel is within 10 gray levels of the truth, by its distance in pixels to the nearest pixel

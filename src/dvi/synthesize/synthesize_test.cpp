@@ -17,7 +17,7 @@ namespace {
 
 using harmonize::Kind;
 
-constexpr double kHeightM = 1.6;  // meters of the camera above the ground
+constexpr double kHeight = 1.6;  // meters of the camera above the ground
 constexpr int kViews = 16;
 
 View looking_ahead(double x) {
@@ -61,7 +61,7 @@ struct Street {
       for (int u = 0; u < image.cols; ++u) {
         const Eigen::Vector3d ray = world_from_camera.R * view.camera.ray({u, v});
         if (ray.z() >= -0.03) continue;
-        const Eigen::Vector3d x = world_from_camera.t - kHeightM / ray.z() * ray;
+        const Eigen::Vector3d x = world_from_camera.t - kHeight / ray.z() * ray;
         image(v, u) = cv::Vec3b::all(color(x.y()));
         if (parked(x.x(), x.y())) mask(v, u) = 255;
       }
