@@ -32,7 +32,7 @@ job::Job RunArguments::job(const std::string& command) {
 }
 
 job::Job planned_job(const std::string& out) {
-  result::read_plan_record(out);
+  result::read_plan(out);
   const job::Request request{(fs::path(out) / "dvi.toml").string(), {}};
   return request.job(fs::absolute(out).lexically_normal().string(), "", {});
 }

@@ -193,14 +193,14 @@ Option& OptionTable::add(std::string key, double& field, Range range, std::strin
 Option& OptionTable::add(std::string key, const std::vector<double*>& fields, Range range, std::string doc) {
   doc += fmt::format(" [{} .. {}]", range.low, range.high);
   return connect(add({.key = std::move(key), .doc = std::move(doc)}), fields,
-                 [range](const OptionValue& v) { return require_within(number(v), range); });
+                 [range](const OptionValue& v) { return require_within(to_number_value(v), range); });
 }
 
 Option& OptionTable::add_automatic(std::string key, const std::vector<std::optional<double>*>& fields, Range range,
                                    std::string doc) {
   doc += fmt::format(" [{} | {} .. {}]", kAutomatic, range.low, range.high);
   const auto read = [range](const OptionValue& v) {
-    return v == OptionValue(kAutomatic) ? std::nullopt : std::optional(require_within(number(v), range));
+    return v == OptionValue(kAutomatic) ? std::nullopt : std::optional(require_within(to_number_value(v), range));
   };
   Option& option = connect(add({.key = std::move(key), .doc = std::move(doc)}), fields, read);
   option.automatic = true;
