@@ -25,7 +25,7 @@ struct DescriptionLimits {
 };
 constexpr DescriptionLimits kLimits{};
 
-std::string lower_case(std::string text) {
+std::string to_lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
 }
@@ -132,14 +132,14 @@ void read_output(const Section& section, Description& out) {
 }
 
 void read_classes(const Section& section, Description& out) {
-  for (const std::string& name : section.words("names")) out.classes.push_back(lower_case(name));
+  for (const std::string& name : section.words("names")) out.classes.push_back(to_lower_case(name));
   if (out.layout == Layout::semantic && out.classes.size() < 2)
     section.fail("names", "has one class, but kind = \"semantic\" also needs the class of the background");
   std::set<std::string, std::less<>> wanted = traffic_classes();
   if (section.has("remove")) {
     wanted.clear();
     for (const std::string& name : section.words("remove")) {
-      const std::string& word = *wanted.insert(lower_case(name)).first;
+      const std::string& word = *wanted.insert(to_lower_case(name)).first;
       if (std::find(out.classes.begin(), out.classes.end(), word) == out.classes.end())
         section.fail("remove", fmt::format("has '{}', which is not the name of a class", name));
     }
