@@ -15,7 +15,7 @@ constexpr ClusterParams kClustering{};
 
 using ClusterSquare = std::pair<int, int>;
 
-ClusterSquare square_of(const Eigen::Vector3d& x) {
+ClusterSquare to_square(const Eigen::Vector3d& x) {
   return {static_cast<int>(std::floor(x.x() / kClustering.square_m)),
           static_cast<int>(std::floor(x.y() / kClustering.square_m))};
 }
@@ -24,7 +24,7 @@ ClusterSquare square_of(const Eigen::Vector3d& x) {
 std::map<ClusterSquare, int> group_squares(const ObstacleReturns& returns) {
   std::map<ClusterSquare, int> groups;
   for (std::size_t i = 0; i < returns.points.size(); ++i)
-    if (returns.vote[i] == VisibilityVote::moving) groups.emplace(square_of(returns.points[i]), -1);
+    if (returns.vote[i] == VisibilityVote::moving) groups.emplace(to_square(returns.points[i]), -1);
   int count = 0;
   for (auto& [seed, group] : groups) {
     if (group >= 0) continue;
@@ -75,7 +75,7 @@ std::vector<Cluster> find_clusters(const ObstacleReturns& returns) {
   };
   std::map<int, std::pair<Cluster, Counts>> found;
   for (std::size_t i = 0; i < returns.points.size(); ++i) {
-    const auto group = groups.find(square_of(returns.points[i]));
+    const auto group = groups.find(to_square(returns.points[i]));
     if (group == groups.end()) continue;
     auto& [cluster, counts] = found[group->second];
     counts.moving += returns.vote[i] == VisibilityVote::moving;

@@ -19,7 +19,7 @@ struct ContradictionParams {
 };
 constexpr ContradictionParams kContradiction{};
 
-GroundSquare ground_square_of(const Eigen::Vector3d& x) {
+GroundSquare to_ground_square(const Eigen::Vector3d& x) {
   return {static_cast<int>(std::floor(x.x() / kContradiction.square_m)),
           static_cast<int>(std::floor(x.y() / kContradiction.square_m))};
 }
@@ -30,7 +30,7 @@ std::vector<std::set<GroundSquare>> find_explained_squares(std::size_t scans, co
   for (const Track& track : tracks)
     for (const Cluster& cluster : track.observations)
       for (const Eigen::Vector3d& x : cluster.points) {
-        const GroundSquare at = ground_square_of(x);
+        const GroundSquare at = to_ground_square(x);
         for (int dy = -1; dy <= 1; ++dy)
           for (int dx = -1; dx <= 1; ++dx) out[cluster.scan].insert({at.first + dx, at.second + dy});
       }
@@ -43,7 +43,7 @@ Contradictions find_contradictions(const ObstacleReturns& returns) {
   std::map<GroundSquare, int> votes;  // positive: most returns of the square move
   for (std::size_t i = 0; i < returns.points.size(); ++i)
     if (returns.vote[i] != VisibilityVote::unknown)
-      votes[ground_square_of(returns.points[i])] += returns.vote[i] == VisibilityVote::moving ? 1 : -1;
+      votes[to_ground_square(returns.points[i])] += returns.vote[i] == VisibilityVote::moving ? 1 : -1;
   Contradictions out;
   out.judged = votes.size();
   for (const auto& [square, vote] : votes)

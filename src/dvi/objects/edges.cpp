@@ -58,7 +58,7 @@ std::optional<float> estimate_threshold(const cv::Mat1f& differences, const cv::
 
 }  // namespace
 
-int edge_search_radius_px(const cv::Size& half_size) { return std::max(1, half_size.width / kEdges.view_width_radii); }
+int compute_edge_search_radius_px(const cv::Size& half_size) { return std::max(1, half_size.width / kEdges.view_width_radii); }
 
 cv::Mat1b add_missing_edges(const cv::Mat1b& mask, const BackgroundModel& background, const cv::Mat3f& image, int radius_px) {
   const cv::Mat1f differences = compute_differences(background, image, mask);

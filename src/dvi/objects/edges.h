@@ -8,7 +8,7 @@ namespace dvi::objects {
 
 /// Returns the distance, in pixels of half size, up to which edges of an object are searched beyond its mask. Masks lack tires,
 /// wheels, and parts between two rays of 64 beams, which is half a degree; a view is assumed to have about 80 degrees.
-int edge_search_radius_px(const cv::Size& half_size);
+int compute_edge_search_radius_px(const cv::Size& half_size);
 
 /// Adds the missing edges of objects to their mask (half size). A pixel is added if it is connected to the mask and differs
 /// from the background, also one pixel beside, by more than almost all pixels farther from the mask do. Thin lines that lead

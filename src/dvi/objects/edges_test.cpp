@@ -77,9 +77,9 @@ TEST(Edges, AreNotAddedWhereTheBackgroundIsUnobserved) {
 }
 
 TEST(Edges, AreSearchedWithinHalfADegree) {
-  EXPECT_EQ(edge_search_radius_px({621, 187}), 4);
-  EXPECT_EQ(edge_search_radius_px({320, 180}), 2);
-  EXPECT_EQ(edge_search_radius_px({80, 48}), 1);
+  EXPECT_EQ(compute_edge_search_radius_px({621, 187}), 4);
+  EXPECT_EQ(compute_edge_search_radius_px({320, 180}), 2);
+  EXPECT_EQ(compute_edge_search_radius_px({80, 48}), 1);
 }
 
 TEST(Edges, MustDifferByMoreThanTheRestOfTheView) {

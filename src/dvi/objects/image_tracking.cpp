@@ -71,7 +71,7 @@ cv::Mat1b draw_mask(const Hull& hull, cv::Size size) {
   return mask;
 }
 
-cv::Point2d center_of(const Hull& hull) {
+cv::Point2d find_center(const Hull& hull) {
   const cv::Rect2f box = cv::boundingRect(hull);
   return {box.x + 0.5 * box.width, box.y + 0.5 * box.height};
 }
@@ -217,7 +217,7 @@ class ImageTracker {
     const Eigen::Vector3d x = center_in_camera(at);
     if (!view(at).camera.in_front(x)) return true;
     const double t = seconds_between(start_ns, view(at).time_ns);
-    const double offset_m = std::abs(center_of(hull).x - view(at).camera.project(x).x()) * x.z() / view(at).camera.fx;
+    const double offset_m = std::abs(find_center(hull).x - view(at).camera.project(x).x()) * x.z() / view(at).camera.fx;
     return offset_m > kImageTracking.max_position_error_m + 0.5 * track_.size_m.maxCoeff() +
                           0.5 * kImageTracking.max_acceleration_mps2 * t * t;
   }

@@ -44,7 +44,7 @@ class BorderExtension {
     for (auto i = static_cast<std::ptrdiff_t>(end) + step; i >= 0 && i < std::ssize(drive_.frames); i += step) {
       const auto frame = static_cast<std::size_t>(i);
       const double time_s = seconds_between_frames(end, frame);
-      const std::optional<SE3> pose = pose_of(frame);
+      const std::optional<SE3> pose = find_pose(frame);
       if (std::abs(time_s) > kBorder.max_extension_s || !pose) break;
       Label label;
       label.track = last->track;
@@ -62,7 +62,7 @@ class BorderExtension {
     return 1e-9 * static_cast<double>(drive_.frames[to].time_ns - drive_.frames[from].time_ns);
   }
 
-  std::optional<SE3> pose_of(std::size_t frame) const {
+  std::optional<SE3> find_pose(std::size_t frame) const {
     return world_from_lidar_.empty() ? SE3() : world_from_lidar_.at(drive_.frames[frame].time_ns);
   }
 
@@ -79,7 +79,7 @@ class BorderExtension {
     for (const auto& [frame, label] : track) {
       const double time_s = seconds_between_frames(track.front().first, frame);
       if (std::abs(time_s) > kBorder.fit_s) break;
-      const std::optional<SE3> pose = pose_of(frame);
+      const std::optional<SE3> pose = find_pose(frame);
       if (!label->box || !pose) continue;
       out.push_back({time_s, {*pose * label->box->frame_from_box, label->box->size}});
     }

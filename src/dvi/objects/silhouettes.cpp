@@ -54,14 +54,14 @@ cv::Mat1b resize_nearest(const cv::Mat1b& mask, cv::Size size) {
 cv::Mat1b open_mask(const cv::Mat1b& mask) { return grown(grown(mask, -1), 1); }
 
 // Returns the width of the boundary of an outline.
-int boundary_width_px(const cv::Rect& part, int min_px = kSilhouette.min_boundary_px) {
+int compute_boundary_width_px(const cv::Rect& part, int min_px = kSilhouette.min_boundary_px) {
   return std::max(min_px, cvRound(kSilhouette.boundary_share * std::min(part.width, part.height)));
 }
 
 // Returns the pixels within the boundary of an outline, or within that of a narrower one that it is connected to, such as a
 // person beside a car.
 cv::Mat1b find_middle(const cv::Mat1b& outline, int min_px = kSilhouette.min_boundary_px) {
-  const int width_px = boundary_width_px(cv::boundingRect(outline), min_px);
+  const int width_px = compute_boundary_width_px(cv::boundingRect(outline), min_px);
   cv::Mat1b out = grow_far(outline, -width_px);
   if (cv::countNonZero(out) == 0) return out;
   cv::Mat1i parts;
@@ -181,14 +181,15 @@ class SilhouetteFinder {
     cv::resize(mask, half, difference.differs.size(), 0, 0, cv::INTER_AREA);
     half = cv::Mat1b(half == 255);
     const cv::Mat1b with_edges = add_missing_edges(half, difference.background, comparison_.half_size_view(target)->image,
-                                                   edge_search_radius_px(half.size()));
+                                                   compute_edge_search_radius_px(half.size()));
     return cv::Mat1b(mask | resize_nearest(cv::Mat1b(with_edges & ~half), mask.size()));
   }
 
   ImageDifference compare(std::size_t target, const cv::Mat1b& outline) const {
     cv::Mat1b band(outline.size(), uchar{0});
     for (const cv::Rect& part : find_part_boxes(outline)) {
-      const int width = std::max(boundary_width_px(part), kSilhouette.band_radii * edge_search_radius_px(outline.size()));
+      const int width =
+          std::max(compute_boundary_width_px(part), kSilhouette.band_radii * compute_edge_search_radius_px(outline.size()));
       const cv::Rect box(part.x - width, part.y - width, part.width + 2 * width, part.height + 2 * width);
       band(box & cv::Rect({}, band.size())) = 255;
     }

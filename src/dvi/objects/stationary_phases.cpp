@@ -64,7 +64,7 @@ class TrackEnd {
       const auto returns = returns_.obstacles(*next);
       if (returns->points.empty()) continue;
       const double max_gap_s = is_stationary() ? kPhases.max_stationary_gap_s : kPhases.max_gap_s;
-      if (gap_s(returns->time_ns[returns->time_ns.size() / 2]) > max_gap_s) return;
+      if (compute_gap_s(returns->time_ns[returns->time_ns.size() / 2]) > max_gap_s) return;
       if (auto cluster = find_in(*returns)) {
         cluster->scan = *next;
         track_.observations.insert(is_forward() ? track_.observations.end() : track_.observations.begin(), std::move(*cluster));
@@ -91,7 +91,7 @@ class TrackEnd {
   std::size_t index() const { return is_forward() ? track_.observations.size() - 1 : 0; }
   const Cluster& last() const { return track_.observations[index()]; }
   bool is_stationary() const { return track_.velocity(index()).norm() < kPhases.stationary_speed_mps; }
-  double gap_s(std::int64_t time_ns) const { return std::abs(seconds_between(last().mean_time_ns, time_ns)); }
+  double compute_gap_s(std::int64_t time_ns) const { return std::abs(seconds_between(last().mean_time_ns, time_ns)); }
   std::optional<std::size_t> next_scan(std::size_t scan, Direction direction, std::size_t offset = 1) const {
     const bool forward = direction == Direction::forward;
     if (forward ? scan + offset >= returns_.scans() : scan < offset) return std::nullopt;
@@ -110,7 +110,7 @@ class TrackEnd {
 
   // Returns the distance between the predicted position and the nearest return of a cluster. The center of the returns is not
   // used, because it shifts if the object is partly occluded.
-  double miss_m(const Cluster& cluster) const {
+  double compute_miss_m(const Cluster& cluster) const {
     const Eigen::Vector2d expected =
         last().center + track_.velocity(index()) * seconds_between(last().mean_time_ns, cluster.mean_time_ns);
     double nearest_m = kPhases.max_miss_m;
@@ -131,9 +131,9 @@ class TrackEnd {
     std::optional<Cluster> best;
     double best_miss_m = kPhases.max_miss_m;
     for (Cluster& cluster : find_clusters(near)) {
-      const double miss = miss_m(cluster);
-      if (!fits(cluster) || miss >= best_miss_m) continue;
-      best_miss_m = miss;
+      const double miss_m = compute_miss_m(cluster);
+      if (!fits(cluster) || miss_m >= best_miss_m) continue;
+      best_miss_m = miss_m;
       best = std::move(cluster);
     }
     return best;

@@ -116,7 +116,7 @@ void expect_parked_car_remains(const std::vector<Track>& tracks) {
 }
 
 // Returns the path length in meters of an object that accelerates from scan `start` on.
-double path_length(int scan, int start, double speed_mps) {
+double compute_path_length(int scan, int start, double speed_mps) {
   const double t = std::max(0, scan - start) * 0.1, ramp_s = speed_mps / 3;
   return t < ramp_s ? 1.5 * t * t : speed_mps * (t - 0.5 * ramp_s);
 }
@@ -124,8 +124,8 @@ double path_length(int scan, int start, double speed_mps) {
 TEST(StationaryPhases, FindsCarsInARowThatWaitForAnyTimeBeforeTheyLeave) {
   for (const int wait : {10, 50}) {
     const Situation situation{.scans = wait + 40, .movers = [&](int scan) {
-                                return std::vector<Cuboid>{car_at(20 + path_length(scan, wait, 8), 4),
-                                                           car_at(29 + path_length(scan, wait - 5, 8), 4)};
+                                return std::vector<Cuboid>{car_at(20 + compute_path_length(scan, wait, 8), 4),
+                                                           car_at(29 + compute_path_length(scan, wait - 5, 8), 4)};
                               }};
     const MotionSegmentation found = segment(situation);
     for (const std::size_t k : {0U, 1U})
@@ -136,17 +136,19 @@ TEST(StationaryPhases, FindsCarsInARowThatWaitForAnyTimeBeforeTheyLeave) {
 }
 
 TEST(StationaryPhases, FindsACarThatWaitsWhileTheSensorMovesTowardIt) {
-  const Situation situation{.scans = 60,
-                            .sensor_x = [](int scan) { return 0.3 * scan; },
-                            .movers = [](int scan) { return std::vector<Cuboid>{car_at(45 + path_length(scan, 35, 8), -1)}; }};
+  const Situation situation{
+      .scans = 60,
+      .sensor_x = [](int scan) { return 0.3 * scan; },
+      .movers = [](int scan) { return std::vector<Cuboid>{car_at(45 + compute_path_length(scan, 35, 8), -1)}; }};
   const MotionSegmentation found = segment(situation);
   EXPECT_GT(compute_covered_share(situation, found.tracks, 0, situation.scans), 0.95);
   expect_parked_car_remains(found.tracks);
 }
 
 TEST(StationaryPhases, FindsACarThatArrivesAndStopsUntilTheEnd) {
-  const Situation situation{
-      .scans = 80, .movers = [](int scan) { return std::vector<Cuboid>{car_at(30 - path_length(80 - scan, 50, 8), 1)}; }};
+  const Situation situation{.scans = 80, .movers = [](int scan) {
+                              return std::vector<Cuboid>{car_at(30 - compute_path_length(80 - scan, 50, 8), 1)};
+                            }};
   const MotionSegmentation found = segment(situation);
   EXPECT_GT(compute_covered_share(situation, found.tracks, 0, situation.scans), 0.95);
   expect_parked_car_remains(found.tracks);
@@ -154,7 +156,7 @@ TEST(StationaryPhases, FindsACarThatArrivesAndStopsUntilTheEnd) {
 
 TEST(StationaryPhases, FindsAPersonWhoWaitsBehindPassingTrafficAndThenCrosses) {
   const Situation situation{.scans = 90, .movers = [](int scan) {
-                              return std::vector<Cuboid>{person_at(22, -4 + path_length(scan, 50, 1.4)),
+                              return std::vector<Cuboid>{person_at(22, -4 + compute_path_length(scan, 50, 1.4)),
                                                          car_at(-30 + 1.2 * scan, -3)};
                             }};
   const MotionSegmentation found = segment(situation);

@@ -98,7 +98,7 @@ Body predict_body(const Track& track, std::int64_t time_ns, const Eigen::Vector2
   return body;
 }
 
-Box bounding_box(const Body& body) {
+Box compute_bounding_box(const Body& body) {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   R.col(0).head<2>() = body.heading;
   R.col(1).head<2>() = Eigen::Vector2d(-body.heading.y(), body.heading.x());
@@ -151,7 +151,7 @@ std::optional<Label> draw_outline(const Track& track, std::int64_t time_ns, cons
   both = grown(both, margin_px);
   mask = body.is_sparse ? both : cv::Mat1b(mask & both);
   if (cv::countNonZero(mask) == 0) return std::nullopt;
-  Box box = bounding_box(body);
+  Box box = compute_bounding_box(body);
   Label label;
   label.type = box.size.head<2>().maxCoeff() > kOutline.max_person_m ? "vehicle" : "person";
   box.frame_from_box = lidar_from_world * box.frame_from_box;

@@ -11,7 +11,7 @@
 namespace dvi::objects {
 namespace {
 
-cv::Mat1f plane_of(const cv::Mat& blob, int plane) {
+cv::Mat1f view_plane(const cv::Mat& blob, int plane) {
   const int rows = blob.size[blob.dims - 2], cols = blob.size[blob.dims - 1];
   const auto offset = static_cast<std::size_t>(plane) * static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
   return {rows, cols, const_cast<float*>(blob.ptr<float>()) + offset};
@@ -22,7 +22,7 @@ cv::Mat1i find_best_classes(const cv::Mat& logits, const InputFit& fit) {
   cv::Mat1f best(fit.image, -std::numeric_limits<float>::infinity());
   cv::Mat1i classes(fit.image, -1);
   for (int c = 0; c < logits.size[1]; ++c) {
-    const cv::Mat1f value = resample_to_image(plane_of(logits, c), fit, {{0, 0}, fit.image});
+    const cv::Mat1f value = resample_to_image(view_plane(logits, c), fit, {{0, 0}, fit.image});
     const cv::Mat1b better(value > best);
     value.copyTo(best, better);
     classes.setTo(c, better);
@@ -35,7 +35,7 @@ bool is_class_map(const cv::Mat& blob) {
   const bool plane =
       blob.dims == 2 || (blob.dims == 3 && blob.size[0] == 1) || (blob.dims == 4 && blob.size[0] == 1 && blob.size[1] == 1);
   if (!plane || blob.empty()) return false;
-  const cv::Mat1f ids = plane_of(blob, 0);
+  const cv::Mat1f ids = view_plane(blob, 0);
   return ids.rows > 1 && std::all_of(ids.begin(), ids.end(), [](float id) { return id == std::floor(id) && id >= 0; });
 }
 
@@ -82,7 +82,7 @@ Detections decode_semantic(const std::vector<cv::Mat>& outputs, const Descriptio
     const bool logits = output.dims == 4 && output.size[0] == 1 && output.size[1] == count && !output.empty();
     if (!logits && !is_class_map(output)) continue;
     found = true;
-    classes = logits ? find_best_classes(output, fit) : resample_nearest(plane_of(output, 0), fit);
+    classes = logits ? find_best_classes(output, fit) : resample_nearest(view_plane(output, 0), fit);
   }
   if (!found)
     throw_unexpected_shapes(outputs, description, fmt::format("1x{}xHxW (logits), or 1xHxW (the class of each pixel)", count));

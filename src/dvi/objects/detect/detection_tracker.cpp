@@ -16,7 +16,7 @@ struct DetectionTrackingParams {
 };
 constexpr DetectionTrackingParams kDetectionTracking{};
 
-cv::Point2d center(const cv::Rect& box) { return {box.x + 0.5 * box.width, box.y + 0.5 * box.height}; }
+cv::Point2d find_center(const cv::Rect& box) { return {box.x + 0.5 * box.width, box.y + 0.5 * box.height}; }
 
 cv::Mat1b scale(const cv::Mat1b& mask, cv::Size size) {
   if (mask.size() == size) return mask;
@@ -54,7 +54,7 @@ void DetectionTracker::continue_track(Track& track, Detection detection) {
     const double share = static_cast<double>(times_[frame] - times_[track.frame]) / since;
     objects_.push_back({frame, track.id, interpolate(track.last, detection, share), true});
   }
-  if (since > 0) track.velocity = (center(detection.box) - center(track.last.box)) * (1e9 / since);
+  if (since > 0) track.velocity = (find_center(detection.box) - find_center(track.last.box)) * (1e9 / since);
   track.frame = now;
   track.last = std::move(detection);
 }

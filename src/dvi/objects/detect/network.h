@@ -13,8 +13,8 @@ namespace dvi::objects {
 /// A network of an ONNX file, which OpenCV's dnn module runs on the CPU.
 class Network {
  public:
-  /// `outputs` are the names of the outputs that run() returns, in that order; empty: all outputs. Throws InputError if there
-  /// is no such file, it is not an ONNX file, it has no such output, or OpenCV cannot run it; the message names the first node
+  /// `outputs` are the names of the outputs that run() returns, in that order; empty: all outputs. Throws InputError if the
+  /// file does not exist, is not an ONNX file, lacks an output, or cannot be run by OpenCV. The message names the first node
   /// that fails.
   Network(const fs::path& model, const std::vector<std::string>& outputs);
   ~Network();
