@@ -62,7 +62,7 @@ Forecast forecast(const Views& views, const map::StaticMap& map, const depth::De
   coarse_depth.median_px = depth.median_px >= 3 ? std::max(3, depth.median_px / step) : 0;
   sample::SampleOptions seen_once = sample_options;
   seen_once.sources = 1;
-  const depth::Depths depths(coarse, [&](std::size_t i) { return depth::depth_map(map, coarse[i], coarse_depth); });
+  const depth::Depths depths(coarse, [&](std::size_t i) { return depth::compute_depth_map(map, coarse[i], coarse_depth); });
   const std::size_t frames = coarse.of_sequence(0).second;
   std::vector<Count> counts(frames);
   parallel_in_order(frames, [&](std::size_t i) {

@@ -142,8 +142,8 @@ std::optional<cv::Point2f> shown_at(const Surface& surface, const Camera& camera
   const Eigen::Vector2d p = camera.project(x);
   if (!camera.contains(p)) return std::nullopt;
   const cv::Point2f at = quantized(p.x(), p.y());
-  if (!camera.contains({at.x, at.y}) || seen.clear_px(at) < kMargin) return std::nullopt;
-  if (seen.hides(at, x.z(), kTolerance) || seen.sees_through(at, x.z(), kTolerance)) return std::nullopt;
+  if (!camera.contains({at.x, at.y}) || seen.clearance_px(at) < kMargin) return std::nullopt;
+  if (seen.occludes(at, x.z(), kTolerance) || seen.is_farther(at, x.z(), kTolerance)) return std::nullopt;
   return at;
 }
 

@@ -44,7 +44,7 @@ struct TwoDays {
     sample::Candidates candidates{Region(hole), {}, 0};
     for (const cv::Point p : candidates.hole.pixels) candidates.leading.push_back({1, cv::Point2f(p)});
     const Lazy<depth::VisibilityMap> visibility(
-        2, [&](std::size_t) { return depth::visibility_map(depth, cv::Mat1b(hole.size(), uchar{0})); });
+        2, [&](std::size_t) { return depth::make_visibility_map(depth, cv::Mat1b(hole.size(), uchar{0})); });
     const Views views = scene.lazy();
     const DayLight light = compare_days({views, 0, depth, visibility}, candidates);
     return {light, fuse({views, 0, depth, visibility}, candidates, light), candidates.hole.index};

@@ -18,7 +18,7 @@ namespace dvi::run {
 /// outlive this.
 struct FrameStages {
   FrameStages(const job::Options& options, result::CpuClock& cpu)
-      : plane_sweep(cpu.timed("plane_sweep", depth::plane_sweep, options.plane_sweep)),
+      : plane_sweep(cpu.timed("plane_sweep", depth::sweep_planes, options.plane_sweep)),
         sample(cpu.timed("sample", sample::sample, options.sample)),
         sample_known(cpu.timed("sample", sample::sample_known, options.sample)),
         regularize(cpu.timed("regularize", regularize::regularize, options.regularize)),

@@ -45,7 +45,7 @@ namespace {
 struct FillContext {
   FillContext(const StaticMap& map, const Views& views, const job::Options& options, result::CpuClock& cpu)
       : stages(options, cpu), depths(views, [&](std::size_t view) {  // 3.1
-          return cpu.time("depth", depth::depth_map, map, views[view], options.depth);
+          return cpu.time("depth", depth::compute_depth_map, map, views[view], options.depth);
         }) {
     const bool synthesized = options.harmonize.unobserved == Unobserved::synthesize;
     if (options.harmonize.surface_classes || synthesized) ground.emplace(map, views);

@@ -59,8 +59,8 @@ class Source {
     const cv::Point2f at = quantized(place->position.x(), place->position.y());
     if (!view_.camera.contains({at.x, at.y})) return std::nullopt;
     if (!lent_) lent_ = visibility_[number_];
-    if (lent_->masked(at)) return std::nullopt;
-    const float clear = lent_->clear_px(at);
+    if (lent_->is_masked(at)) return std::nullopt;
+    const float clear = lent_->clearance_px(at);
     if (options_.scored && static_cast<float>(most_trust(seconds_, clear)) <= than) return std::nullopt;
     if (options_.occlusion_test && !same_surface(at, place->z, pixel.sigma)) return std::nullopt;
     const std::optional<SourceFootprint> seen = sight(pixel, *place, view_.camera, source_from_target_);
@@ -78,9 +78,9 @@ class Source {
 
  private:
   bool same_surface(cv::Point2f at, double z, double sigma) const {
-    const double off = depth::VisibilityMap::kSigmas * sigma;
-    return !lent_->hides(at, z - off, options_.occlusion_tolerance) &&
-           !lent_->sees_through(at, z + off, options_.occlusion_tolerance);
+    const double off = depth::VisibilityMap::kMaxSigmas * sigma;
+    return !lent_->occludes(at, z - off, options_.occlusion_tolerance) &&
+           !lent_->is_farther(at, z + off, options_.occlusion_tolerance);
   }
 
   std::size_t number_;

@@ -24,7 +24,7 @@ void sample_hole(benchmark::State& state) {
     scene.masks.back() = hole;
   }
   const depth::DepthMap depth{scene.depth(), cv::Mat1f(scene.depth().size(), 0.02F)};
-  const depth::VisibilityMap same = depth::visibility_map(depth, hole);
+  const depth::VisibilityMap same = depth::make_visibility_map(depth, hole);
   const Lazy<depth::VisibilityMap> visibility(scene.views.size(), scene.views.size(), [&](std::size_t) { return same; });
   const Views views = scene.lazy();
   Candidates out;

@@ -26,7 +26,7 @@ depth::DepthMap flat_depth(const FlatScene& scene) { return {scene.depth(), cv::
 Lazy<depth::VisibilityMap> flat_visibility(const FlatScene& scene) {
   return {scene.views.size(), 8, [views = scene.views, masks = scene.masks](std::size_t i) {
             const float z = static_cast<float>(FlatScene::kDepth + views[i].camera_from_world.t.z());
-            return depth::visibility_map({cv::Mat1f(masks[i].size(), z), cv::Mat1f(masks[i].size(), 0.02F)}, masks[i]);
+            return depth::make_visibility_map({cv::Mat1f(masks[i].size(), z), cv::Mat1f(masks[i].size(), 0.02F)}, masks[i]);
           }};
 }
 
@@ -78,7 +78,7 @@ TEST(Sample, CopiesNoSkyOfAnotherDay) {
   for (const bool own : {true, false}) {
     if (!own) scene.masks[1] = cv::Mat1b(60, 80, uchar{255});
     const Lazy<depth::VisibilityMap> seen{
-        3, 3, [sky, masks = scene.masks](std::size_t i) { return depth::visibility_map(sky, masks[i]); }};
+        3, 3, [sky, masks = scene.masks](std::size_t i) { return depth::make_visibility_map(sky, masks[i]); }};
     for (const Candidate& c : sample({scene.lazy(), 0, sky, seen}, {}).leading) EXPECT_EQ(c.view, own ? 1 : -1);
   }
 }
@@ -89,7 +89,7 @@ TEST(Sample, CopiesNoSkyOfAPartOfTheDriveThatLiesApart) {
     scene.views[1].camera_from_world.t.z() -= apart_m;  // ahead, so that the sky is in sight
     depth::DepthMap sky{cv::Mat1f(60, 80, depth::DepthMap::kInfinity), cv::Mat1f(60, 80, 0.0F)};
     const Lazy<depth::VisibilityMap> seen{
-        2, 2, [sky, masks = scene.masks](std::size_t i) { return depth::visibility_map(sky, masks[i]); }};
+        2, 2, [sky, masks = scene.masks](std::size_t i) { return depth::make_visibility_map(sky, masks[i]); }};
     const std::vector<Candidate> found = sample({scene.lazy(), 0, sky, seen}, {}).leading;
     EXPECT_EQ(std::any_of(found.begin(), found.end(), [](const Candidate& c) { return c.found(); }), apart_m < 1000);
   }
@@ -271,7 +271,7 @@ TEST(Sample, OccludedSourcesDoNotCount) {
   const Lazy<depth::VisibilityMap> visibility{3, 3, [depth = flat_depth(scene)](std::size_t i) {
                                                 depth::DepthMap seen{depth.z.clone(), depth.sigma};
                                                 if (i == 1) seen.z = 5.0F;  // something stands before the plane there
-                                                return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}));
+                                                return depth::make_visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}));
                                               }};
   for (const Candidate& c : sample({scene.lazy(), 0, flat_depth(scene), visibility}, {}).leading) EXPECT_EQ(c.view, 2);
   for (const Candidate& c : sample({scene.lazy(), 0, flat_depth(scene), visibility}, {.occlusion_test = false}).leading)
@@ -287,7 +287,7 @@ TEST(Sample, SourcesThatSeeAnotherSurfaceBehindDoNotCount) {
                                           seen.z = 20.0F;
                                           seen.sigma = sigma;
                                         }
-                                        return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}));
+                                        return depth::make_visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}));
                                       }};
   };
   for (const Candidate& c : sample({scene.lazy(), 0, flat_depth(scene), behind(0.1F)}, {}).leading) EXPECT_EQ(c.view, 2);

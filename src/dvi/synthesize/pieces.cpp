@@ -38,8 +38,8 @@ struct Lookup {
     const Eigen::Vector2d at = view->camera.project(x);
     if (!view->camera.contains(at)) return std::nullopt;
     const cv::Point2f p(static_cast<float>(at.x()), static_cast<float>(at.y()));
-    if (visible->masked(p) || visible->clear_px(p) < kClear) return std::nullopt;
-    if (visible->hides(p, x.z(), kTolerance)) return std::nullopt;
+    if (visible->is_masked(p) || visible->clearance_px(p) < kClear) return std::nullopt;
+    if (visible->occludes(p, x.z(), kTolerance)) return std::nullopt;
     return bilinear(*image, p).mul(view->gain) / vignetting(*view, p);
   }
 };

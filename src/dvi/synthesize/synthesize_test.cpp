@@ -83,7 +83,7 @@ struct Street {
   harmonize::FilledFrame run(const harmonize::FilledFrame& frame) const {
     const Views all = memory_views(views, images, masks);
     const Lazy<depth::VisibilityMap> visibility(views.size(),
-                                                [&](std::size_t i) { return depth::visibility_map(depth(), *all.masks[i]); });
+                                                [&](std::size_t i) { return depth::make_visibility_map(depth(), *all.masks[i]); });
     return synthesize(frame, all[8], {}, {Surfaces(ground::RoadGround(map, all), all, visibility), Grain(all)});
   }
 };
