@@ -94,7 +94,7 @@ Fused fuse(const depth::Target& target, const sample::Candidates& candidates, co
         sky(candidates.hole.pixels[slot / ranks]) = 255;
         continue;
       }
-      shown[slot] = {lit, from.trust * (is_saturated(color) ? kSaturatedTrust : 1)};
+      shown[slot] = {lit, from.score * (is_saturated(color) ? kSaturatedTrust : 1)};
     }
   }
   sky = grown(sky, kBleeds);

@@ -38,7 +38,7 @@ cv::Mat3f mean_nearby(cv::Mat3f sums, cv::Mat1f weights) {
 CopyEvidence evidence_of(const depth::Target& target, const Fused& fused, std::size_t pixel, const CopiedTo& to) {
   const sample::Candidate& source = fused.candidates.leading[pixel];
   const View& from = target.views[source.view];
-  return {.shift = source.misplaced,
+  return {.shift = source.position_error_px,
           .texture = texture(to.image, fused.candidates.hole.pixels[pixel]),
           .spread = fused.spread[pixel],
           .alone = fused.sources[pixel] == 1 && fused.spread[pixel] == 0,
