@@ -174,7 +174,7 @@ StaticMap Run::build_map() const {
 HarmonizeInput Run::harmonize_input(const Target& target, const Candidates& candidates) const {
   const auto& [stages, depths, ground, textures] = *context_;
   HarmonizeInput input;
-  if (options_.harmonize.day_light) input.light = stages.compare_days(target, candidates);
+  if (options_.harmonize.illumination_change) input.illumination = stages.compare_illumination(target, candidates);
   if (options_.harmonize.surface_classes) input.classes = stages.classify_surfaces(target, candidates, *ground);
   input.known = stages.sample_known(target, candidates);
   return input;
