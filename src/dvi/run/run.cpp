@@ -37,7 +37,7 @@ using objects::Evidence, objects::Masks, objects::Objects;
 using regularize::Labeling;
 using result::FilledView, result::ResultFolder, result::StageCache;
 using sample::Candidates;
-using synthesize::Grain, synthesize::Surfaces, synthesize::Textures;
+using synthesize::NoiseTexture, synthesize::RoadTexture, synthesize::Textures;
 
 namespace {
 
@@ -49,7 +49,7 @@ struct FillContext {
         }) {
     const bool synthesized = options.harmonize.unobserved == Unobserved::synthesize;
     if (options.harmonize.surface_classes || synthesized) ground.emplace(map, views);
-    if (synthesized) textures.emplace(Textures{Surfaces(*ground, views, depths.visibility), Grain(views)});
+    if (synthesized) textures.emplace(Textures{RoadTexture(*ground, views, depths.visibility), NoiseTexture(views)});
   }
 
   FrameStages stages;
