@@ -27,7 +27,7 @@ struct TriangleImage {
   TriangleImage(int height, int width)
       : inverse(height, width, 0.0F), spread(height, width, 0.0F), owner(height, width, -1), gap(height, width, uchar{0}) {}
 
-  cv::Mat1f inverse, spread;  ///< As in Triangle::Value.
+  cv::Mat1f inverse, spread;  ///< The values of Triangle::Value.
   cv::Mat1i owner;            ///< Index of the surfel whose surface is drawn; -1: none.
   cv::Mat1b gap;  ///< 255 where the triangle is wider than the spacing of returns, so that its inside was not scanned.
 };
@@ -54,13 +54,13 @@ void for_each_pixel(const Triangle& t, cv::Size size, const Visit& visit) {
     }
 }
 
-TriangleImage draw_triangles(const SurfelMesh& mesh, const View& view, bool split_edges) {
+TriangleImage draw_triangles(const SurfelMesh& mesh, const View& view, const DepthOptions& options) {
   TriangleImage image(view.camera.height, view.camera.width);
   for (const auto& corners : mesh.triangles) {
     const Triangle triangle(mesh, corners);
     for_each_pixel(triangle, image.inverse.size(), [&](int x, int y, const std::array<float, 3>& w) {
       const Triangle::Value value =
-          split_edges ? triangle.evaluate(static_cast<float>(x), static_cast<float>(y), w) : triangle.interpolate(w);
+          options.split_edges ? triangle.evaluate(static_cast<float>(x), static_cast<float>(y), w) : triangle.interpolate(w);
       image.inverse(y, x) = value.inverse;
       image.spread(y, x) = value.spread;
       image.owner(y, x) = static_cast<int>(&triangle.corner(value.corner) - mesh.surfels.data());
@@ -111,7 +111,7 @@ DepthMap compute_depth_map(const map::StaticMap& map, const View& view, const De
   const SurfelMesh mesh = make_surfel_mesh(
       map, view,
       {.splat_m = options.splat_m, .occlusion_tolerance = options.occlusion_tolerance, .max_slope = options.max_slope});
-  TriangleImage image = draw_triangles(mesh, view, options.split_edges);
+  TriangleImage image = draw_triangles(mesh, view, options);
   if (options.split_edges) extend_upright_surfaces(image, mesh.surfels);
   if (options.median_px >= 3) cv::medianBlur(image.inverse.clone(), image.inverse, options.median_px);
 

@@ -13,7 +13,7 @@ namespace dvi::depth {
 struct DepthMap {
   static constexpr float kUnknown = 0;                                   ///< The map has no return near the pixel.
   static constexpr float kSky = std::numeric_limits<float>::infinity();  ///< The pixel is above the topmost return.
-  /// In meters. The depth of pixels without parallax, on which several views agree: the sky, or a surface as distant.
+  /// The depth, in meters, of pixels for which several views show no parallax: the sky, or a surface as distant.
   static constexpr float kInfinity = 1e7F;
 
   cv::Mat1f z;      ///< Meters along the optical axis, or kUnknown, or kSky.

@@ -19,15 +19,15 @@ namespace {
 
 /// Parameters of the plane sweep that are not options. Costs are in units of the noise of the camera.
 struct PlaneSweepParams {
-  int margin_px = 12;                 ///< Around a hole, where the target's image itself can be compared.
+  int margin_px = 12;                 ///< Width of the area around a hole where the target's image itself is compared.
   int tile_px = 256;                  ///< Larger holes are processed in tiles, which bounds the memory.
   int max_labels = 64;                ///< Inverse depths that are compared, at most.
   double step_px = 0.5;               ///< Parallax between adjacent labels, if max_labels suffice.
   double max_step_px = 2;             ///< Parallax between adjacent labels otherwise; nearer surfaces are not searched.
-  double min_depth_m = 10;            ///< Of surfaces in image columns without any return.
+  double min_depth_m = 10;            ///< Smallest depth of surfaces in image columns without any return.
   int window_px = 5;                  ///< Side of the window over which costs are averaged.
   std::size_t max_rays = 200;         ///< Rays of a tile by which its source frames are selected.
-  double occlusion_tolerance = 0.05;  ///< As VisibilityMap::occludes().
+  double occlusion_tolerance = 0.05;  ///< The tolerance of VisibilityMap::occludes().
 
   int contrast_window_px = 17;  ///< Side of the window whose mean contrast is relative to.
   float contrast_scale = 64;    ///< Unit of contrast.
@@ -38,7 +38,7 @@ struct PlaneSweepParams {
   float max_agreement_cost = 2;  ///< Mean cost up to which views agree.
   float min_cost_gap = 0.5F;     ///< Difference of costs from which on one depth is distinguished from another.
   float min_signal = 3;  ///< Ratio of contrast to noise, and to the difference of views, from which on texture suffices.
-  StepCosts steps{.one_label = 0.15F, .more = 1.5F};  ///< Of semi-global matching.
+  StepCosts steps{.one_label = 0.15F, .more = 1.5F};  ///< The costs of semi-global matching.
   float cost_per_label = 0.01F;                       ///< Selects the farthest of labels with equal costs.
 };
 constexpr PlaneSweepParams kPlaneSweep;
@@ -69,7 +69,7 @@ struct Tile {
   cv::Mat1b searched;  ///< Pixels of the box whose depth is searched: 255.
   cv::Mat1f below;     ///< Inverse depth of the nearest surface below each searched pixel; 0: none.
   int labels = 0;
-  double step = 0;  ///< In 1/m.
+  double step = 0;  ///< The step between labels, in 1/m.
   std::vector<Source> sources;
 
   double inverse_depth(int label) const { return label == 0 ? 1 / depth::DepthMap::kInfinity : label * step; }

@@ -23,10 +23,10 @@ struct PlaneSweepOptions {
   void check() const { check_ranges(*this); }
 };
 
-/// Estimates the depth of pixels of the target's hole, and within 12 px of it, that have none although there is a surface or the
-/// sky below or around them. The method is a plane sweep over inverse depth (R. Collins, CVPR 1996): it selects the depth at
-/// which several views agree. Pixels without parallax are at infinity. The depth remains as it is where views do not agree, or
-/// have too little texture to distinguish depths. Returns the completed depth map.
+/// Estimates the depth of pixels of the target's hole, and within 12 px of it, that have none although there is a surface or
+/// the sky below or around them. The method is a plane sweep over inverse depth (R. Collins, CVPR 1996): it selects the depth
+/// at which several views agree. Pixels without parallax are at infinity. The depth remains as it is where views do not agree,
+/// or have too little texture to distinguish depths. Returns the completed depth map.
 DepthMap sweep_planes(const Target& target, const PlaneSweepOptions& options);
 
 }  // namespace dvi::depth

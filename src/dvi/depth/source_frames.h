@@ -11,8 +11,8 @@ namespace dvi::depth {
 
 /// Rays of the target's camera along which surfaces are searched.
 struct SearchRays {
-  const std::vector<Eigen::Vector3d>& rays;  ///< In camera axes, with z = 1.
-  double max_inverse_depth;                  ///< Of the nearest surface, in 1/m.
+  const std::vector<Eigen::Vector3d>& rays;  ///< Directions in camera axes, with z = 1.
+  double max_inverse_depth;                  ///< The inverse depth of the nearest surface, in 1/m.
 };
 
 /// Selects at most `count` source frames that together observe the points on the rays, from the largest inverse depth to

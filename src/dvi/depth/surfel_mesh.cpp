@@ -21,7 +21,7 @@ struct SurfelParams {
   float min_ground_cosine = 0.9F;  ///< Normals nearer to the vertical are ground: it is steep in depth without being an edge.
   float min_view_cosine = 0.005F;  ///< Planes at grazing angles below a third of a degree have no usable slope.
   float max_spacing_ratio = 2;     ///< Displacements longer than this many medians cross an area that was not scanned.
-  int smoothing_rounds = 8;        ///< Of averaging normals: about eight returns to either side.
+  int smoothing_rounds = 8;        ///< Rounds of averaging normals, each of which adds about one return at each side.
 };
 constexpr SurfelParams kSurfel;
 

@@ -56,8 +56,8 @@ struct SurfelMesh {
 
 /// Options of make_surfel_mesh().
 struct SurfelMeshOptions {
-  double splat_m;              ///< As in map::visible_points().
-  double occlusion_tolerance;  ///< As in map::visible_points().
+  double splat_m;              ///< An option of map::visible_points().
+  double occlusion_tolerance;  ///< An option of map::visible_points().
   double
       max_slope;  ///< Planes that are steeper in depth (depth over width) are not estimated from neighbors, except the ground.
 };

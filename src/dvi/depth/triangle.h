@@ -36,8 +36,8 @@ class Triangle {
   Value evaluate_plane(int k, const cv::Point2f& at) const;
   Value split_pair(int a, int b, const cv::Point2f& at, const std::array<float, 3>& w) const;
 
-  std::array<const Surfel*, 3> corners_;  ///< From near to far.
-  std::array<Joint, 3> joints_{};         ///< Of the corners 0-1, 0-2, 1-2.
+  std::array<const Surfel*, 3> corners_;  ///< The corners, sorted from near to far.
+  std::array<Joint, 3> joints_{};         ///< The joints of the corners 0-1, 0-2, and 1-2.
   std::array<float, 3> cuts_{};  ///< The part of each edge, from its nearer corner, that belongs to the nearer surface.
   bool is_one_surface_ = false;
   bool is_gap_ = false;

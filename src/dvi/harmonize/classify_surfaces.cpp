@@ -18,15 +18,15 @@ namespace {
 
 /// Parameters of the classification.
 struct SurfaceClassParams {
-  double max_ground_height_m = 0.35;  ///< Above the ground; no curb is higher.
-  double max_foot_px =
-      16;  ///< Height in the image up to which a class is propagated; higher parts are far in front of their neighbors.
-  float max_relative_sigma = 0.03F;  ///< Of the depth; with a larger uncertainty the pixel may show another object.
-  int margin_px = 24;                ///< Around the hole.
+  double max_ground_height_m = 0.35;  ///< Largest height above the ground; no curb is higher.
+  /// Height in the image up to which a class is propagated; higher parts are far in front of their neighbors.
+  double max_foot_px = 16;
+  float max_relative_sigma = 0.03F;  ///< Relative uncertainty of the depth above which the pixel may show another object.
+  int margin_px = 24;                ///< Width of the classified area around the hole.
   /// Vertical smoothness of the propagation. It is small, because the end of the ground continues from one side of the hole to
   /// the other, whatever is above and below.
   float vertical_weight = 0.01F;
-  float prior_weight = 1e-6F;  ///< It makes the equation solvable for parts without known surroundings.
+  float prior_weight = 1e-6F;  ///< Weight that makes the equation solvable without known surroundings.
 };
 constexpr SurfaceClassParams kSurfaceClass;
 
@@ -37,12 +37,18 @@ struct PixelClass {
 
 class Classifier {
  public:
-  Classifier(const View& view, const depth::DepthMap& depth, const ground::RoadGround& ground)
-      : view_(view), depth_(depth), ground_(ground), world_from_camera_(view.camera_from_world.inverse()) {}
+  Classifier(const depth::Target& target, const sample::Candidates& candidates, const ground::RoadGround& ground)
+      : view_(target.view()),
+        depth_(target.depth),
+        candidates_(candidates),
+        ground_(ground),
+        world_from_camera_(view_.camera_from_world.inverse()) {}
 
   /// Classifies a pixel. The depth of a copied pixel is used in spite of its uncertainty, because it was verified by the
   /// source.
-  PixelClass classify(cv::Point p, bool copied) const {
+  PixelClass classify(cv::Point p) const {
+    const int i = candidates_.hole.index(p);
+    const bool copied = i >= 0 && candidates_.leading[i].found();
     const float z = depth_.z(p);
     if (z == depth::DepthMap::kInfinity) return {SurfaceClass::upright, true};
     const Eigen::Vector3d ray = view_.camera.ray(Eigen::Vector2d(p.x, p.y));
@@ -59,6 +65,7 @@ class Classifier {
  private:
   const View& view_;
   const depth::DepthMap& depth_;
+  const sample::Candidates& candidates_;
   const ground::RoadGround& ground_;
   SE3 world_from_camera_;
 };
@@ -97,11 +104,9 @@ cv::Mat1b classify_surfaces(const depth::Target& target, const sample::Candidate
   cv::Mat1b classes(hole.index.size(), to_byte(SurfaceClass::unknown)), unknown(hole.index.size(), uchar{0});
   cv::Mat1b propagates = unknown.clone();
   if (!ground.found() || target.view().sensor != Sensor::lidar) return classes;
-  const Classifier classifier(target.view(), target.depth, ground);
+  const Classifier classifier(target, candidates, ground);
   for (const cv::Point p : Region(grown(cv::Mat1b(hole.index >= 0), kSurfaceClass.margin_px)).pixels) {
-    const int i = hole.index(p);
-    const bool copied = i >= 0 && candidates.leading[i].found();
-    const PixelClass found = classifier.classify(p, copied);
+    const PixelClass found = classifier.classify(p);
     classes(p) = to_byte(found.surface);
     propagates(p) = found.propagates ? 255 : 0;
     if (found.surface == SurfaceClass::unknown) unknown(p) = 255;

@@ -10,13 +10,13 @@ namespace {
 /// Parameters of estimate_error_levels(). They were fitted by maximum likelihood on synthetic streets, with and without errors
 /// of the poses (docs/algorithms/confidence.md).
 struct CopyErrorParams {
-  double noise = 2.5;           ///< Gray levels.
+  double noise = 2.5;           ///< Noise of the camera in gray levels.
   double position_error = 1.3;  ///< Factor of position error times texture.
   double spread = 2.8;          ///< Factor of the spread.
   double single_spread = 1;     ///< Spread of a copy without further sources, in gray levels.
   double change = 2;            ///< Factor of the change.
-  double per_second = 1;        ///< Gray levels per second between target and source.
-  double other_drive = 13;      ///< Gray levels. It replaces change and time, because illumination is expected to differ.
+  double per_second = 1;        ///< Error in gray levels per second between target and source.
+  double other_drive = 13;  ///< Error in gray levels that replaces change and time, because illumination is expected to differ.
 };
 constexpr CopyErrorParams kCopyError;
 
@@ -34,11 +34,11 @@ struct ErrorScaleParams {
   double scale_step = 0.5;        ///< Distance of the errors at which the factor is computed.
   int scale_steps = 15;           ///< Number of these errors.
   double width = 0.6;             ///< Standard deviation of the Gaussian weights.
-  double max_logarithm = 1.3863;  ///< Of the factor: 1/4 to 4.
+  double max_logarithm = 1.3863;  ///< Bound of the logarithm of the factor: 1/4 to 4.
   double prior_copies = 200;      ///< Weight of the factor 1.
-  double known_error_ratio =
-      1.22;  ///< Known copies have larger errors, because illumination changes faster around a hole than its local mean.
-  int halvings = 12;  ///< Of the interval that contains the factor.
+  /// Known copies have larger errors, because illumination changes faster around a hole than its local mean.
+  double known_error_ratio = 1.22;
+  int halvings = 12;  ///< Bisections of the interval that contains the factor.
 };
 constexpr ErrorScaleParams kErrorScale;
 

@@ -12,7 +12,7 @@ struct CopyEvidence {
   bool is_single = false;  ///< Whether there is no further source.
   bool is_other_drive = false;  ///< Whether the source is a frame of another drive, with another illumination.
   double change = 0;            ///< Difference between copy and result, in gray levels.
-  double seconds = 0;           ///< Between target and source, if they belong to one drive.
+  double seconds = 0;           ///< Time between target and source; used if they belong to one drive.
 };
 
 /// Estimates the error of a copied pixel in gray levels: the root of the sum of squares of its parts.

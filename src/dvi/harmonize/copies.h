@@ -26,8 +26,8 @@ struct BoundaryPixel {
 struct Seam {
   cv::Vec3f step;   ///< Color of the pixel minus that of the neighbor: the mean of the sources that show both, or 0.
   int sources = 0;  ///< Number of sources that show both pixels: 0 to 2.
-  float spread =
-      0;  ///< Difference of both sources, in the step and in the mean of the two colors; 0 unless both show the pair.
+  /// Difference of both sources, in the step and in the mean of the two colors; 0 unless both show the pair.
+  float spread = 0;
   cv::Vec3f middle;  ///< Mean of the two colors in the source that was added last.
 
   /// The weight of the step in eq. 5, by the robust function of Geman and McClure, so that displaced edges and moved shadows do
@@ -44,13 +44,14 @@ struct Screening {
 
 /// The colors of the sources for each hole pixel, in the illumination of the target; zeros for pixels without a candidate.
 struct Copies {
-  std::vector<cv::Vec3f> color;  ///< As in Fused.
+  std::vector<cv::Vec3f> color;  ///< The colors of Fused.
   /// Sum over the neighbors outside the hole of the pixel's color minus the neighbor's, both in the leading source.
   std::vector<cv::Vec3f> outward;
-  std::vector<std::array<Seam, 2>> seams;  ///< To the right and lower neighbor; `sources` is 0 if it has the same source.
-  std::vector<BoundaryPixel> boundary{};   ///< The known pixels next to copied ones that the sources show.
-  bool from_other_drives = false;          ///< Whether pixels were copied from other drives.
-  Screening screening{};                   ///< By compute_screening().
+  std::vector<std::array<Seam, 2>>
+      seams;  ///< The seams to the right and lower neighbor; `sources` is 0 if the source is the same.
+  std::vector<BoundaryPixel> boundary{};  ///< The known pixels next to copied ones that the sources show.
+  bool from_other_drives = false;         ///< Whether pixels were copied from other drives.
+  Screening screening{};                  ///< The result of compute_screening().
 };
 
 /// Reads the gradients of the copies and the boundary from the sources, one source image at a time.

@@ -17,8 +17,8 @@ struct FilledFrame {
   cv::Mat_<cv::Vec3w> provenance;  ///< Index of the source + 1 (0: none), x * 16, y * 16.
   cv::Mat3b used;                  ///< Height and width of the footprint in pixels, number of averaged sources; 0: not copied.
   cv::Mat1b confidence;            ///< Probability of being within 10 gray levels of the truth; 255: certain.
-  cv::Mat1f depth;                 ///< As DepthMap::z; pixels that only another drive shows, as sky, are at infinity.
-  cv::Vec3f gain{1, 1, 1};         ///< As View::gain.
+  cv::Mat1f depth;                 ///< Values of DepthMap::z; pixels that only another drive shows, as sky, are at infinity.
+  cv::Vec3f gain{1, 1, 1};         ///< The gain of the view.
 };
 
 }  // namespace dvi::harmonize

@@ -15,8 +15,8 @@ namespace {
 
 /// Parameters of the fusion of sources.
 struct FuseParams {
-  float max_difference_levels =
-      3 * 1.41421F * 2.5F;         ///< Between two pixels of the same surface: three sigmas, of 2.5 gray levels each.
+  /// Difference between two pixels of the same surface: three sigmas, where each pixel has a sigma of 2.5 gray levels.
+  float max_difference_levels = 3 * 1.41421F * 2.5F;
   float saturated_weight = 0.01F;  ///< Relative weight of saturated colors.
   int bleed_px = 1;                ///< Distance from sky at which colors are mixed with it.
 };

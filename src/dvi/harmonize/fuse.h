@@ -19,7 +19,7 @@ float mean_difference(const cv::Vec3f& a, const cv::Vec3f& b);
 /// The color of a pixel in a source, in the illumination of the target.
 struct SourceColor {
   cv::Vec3f color;
-  float weight = 0;  ///< By Candidate::score; 0: not used.
+  float weight = 0;  ///< The score of the candidate, reduced for saturated colors; 0: not used.
 };
 
 /// The consensus of several colors.

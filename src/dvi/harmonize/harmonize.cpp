@@ -32,12 +32,12 @@ namespace {
 /// Parameters of the Poisson equation that are not options.
 struct PoissonParams {
   float anchor_weight = 1e-4F;  ///< Data term of parts without a boundary; too weak to be visible in gradients.
-  float silhouette_weight =
-      1e-3F;             ///< Between surfaces of different classes. Not 0, because a pixel may have no other neighbor.
-  float sky_sigmas = 3;  ///< Deviation from the median up to which a color may be sky.
+  /// Weight between surfaces of different classes. It is not 0, because a pixel may have no other neighbor.
+  float silhouette_weight = 1e-3F;
+  float sky_sigmas = 3;             ///< Deviation from the median up to which a color may be sky.
   float pixel_noise_levels = 2.5F;  ///< Standard deviation of a camera's pixel.
-  double along_road_weight = 4;     ///< Along the road colors change half as fast as across it.
-  double min_ground_weight = 0.01;  ///< Near the horizon, where the ground may rise.
+  double along_road_weight = 4;     ///< Weight along the road, where colors change half as fast as across it.
+  double min_ground_weight = 0.01;  ///< Smallest weight, used near the horizon, where the ground may rise.
 };
 constexpr PoissonParams kPoisson;
 
@@ -58,10 +58,11 @@ cv::Mat1b mask_equal(const cv::Mat1b& image, Value value) {
   return out;
 }
 
-/// The bounding box of the hole and of its surroundings. Pixels are relative to the box.
+/// The bounding box of the target's hole and of its surroundings. Pixels are relative to the box.
 struct Window {
-  Window(const Fused& fused, const cv::Mat1f& depths, const cv::Mat1b& surface_classes) : copies(fused.candidates) {
-    const Region& hole = copies.hole;
+  Window(const depth::Target& frame, const Fused& sources, const cv::Mat1f& depths, const cv::Mat1b& surface_classes)
+      : target(frame), fused(sources), candidates(sources.candidates) {
+    const Region& hole = candidates.hole;
     if (hole.pixels.empty()) return;
     const cv::Rect bounds = cv::boundingRect(hole.pixels);
     box = cv::Rect(bounds.x - 1, bounds.y - 1, bounds.width + 2, bounds.height + 2) & cv::Rect({}, hole.index.size());
@@ -70,15 +71,17 @@ struct Window {
     classes = surface_classes.empty() ? cv::Mat1b(box.size(), static_cast<uchar>(SurfaceClass::unknown)) : surface_classes(box);
   }
 
-  const sample::Candidates& copies;
+  const depth::Target& target;
+  const Fused& fused;
+  const sample::Candidates& candidates;
   cv::Rect box;
   cv::Mat1i index;    ///< Index of the hole pixel, or -1.
-  cv::Mat1f depth;    ///< As FilledFrame::depth.
+  cv::Mat1f depth;    ///< The values of FilledFrame::depth.
   cv::Mat1b classes;  ///< Values of SurfaceClass.
 
-  std::size_t size() const { return copies.leading.size(); }
-  cv::Point pixel(std::size_t i) const { return copies.hole.pixels[i] - box.tl(); }
-  bool is_unobserved(cv::Point p) const { return index(p) >= 0 && !copies.leading[index(p)].found(); }
+  std::size_t size() const { return candidates.leading.size(); }
+  cv::Point pixel(std::size_t i) const { return candidates.hole.pixels[i] - box.tl(); }
+  bool is_unobserved(cv::Point p) const { return index(p) >= 0 && !candidates.leading[index(p)].found(); }
   bool is_unobserved_sky(cv::Point p) const { return depth(p) == depth::DepthMap::kInfinity && is_unobserved(p); }
   SurfaceClass class_of(cv::Point p) const { return static_cast<SurfaceClass>(classes(p)); }
 };
@@ -87,7 +90,7 @@ struct Window {
 cv::Mat1b assign_roles(const Window& window, Role copied, Role unobserved) {
   cv::Mat1b roles(window.box.size(), static_cast<uchar>(Role::fixed));
   for (std::size_t i = 0; i < window.size(); ++i)
-    roles(window.pixel(i)) = static_cast<uchar>(window.copies.leading[i].found() ? copied : unobserved);
+    roles(window.pixel(i)) = static_cast<uchar>(window.candidates.leading[i].found() ? copied : unobserved);
   return roles;
 }
 
@@ -129,7 +132,7 @@ std::vector<Part> label_parts(const Window& window, const cv::Mat1b& roles, cv::
   for (std::size_t i = 0; i < window.size(); ++i) {
     const cv::Point p = window.pixel(i);
     Part& part = parts[labels(p)];
-    part.has_copies |= window.copies.leading[i].found();
+    part.has_copies |= window.candidates.leading[i].found();
     for (const cv::Point q : neighbors_of(p))
       part.is_bounded |= is_inside(roles, q) && roles(q) == static_cast<uchar>(Role::fixed);
   }
@@ -148,16 +151,22 @@ struct Guidance {
   }
 };
 
-/// Builds the system of eq. 5 for the solved pixels. `color` has the colors of the fixed ones.
+/// The pixels of the window: their roles in an equation, and their colors.
+struct Canvas {
+  cv::Mat1b roles;  ///< Values of Role.
+  cv::Mat3f color;
+};
+
+/// Builds the system of eq. 5 for the solved pixels of a canvas.
 class Equation {
  public:
-  Equation(const Window& window, const Copies& copies, const cv::Mat1b& roles, const cv::Mat3f& color, const Guidance& guidance)
+  Equation(const Window& window, const Copies& copies, const Guidance& guidance, const Canvas& canvas)
       : window_(window),
         copies_(copies),
-        roles_(roles),
-        color_(color),
         guidance_(guidance),
-        sky_(estimate_sky_colors(window, roles, color)) {}
+        roles_(canvas.roles),
+        color_(canvas.color),
+        sky_(estimate_sky_colors(window, roles_, color_)) {}
 
   PoissonSystem build(const cv::Mat1i& labels, const std::vector<Part>& parts) const {
     PoissonSystem out{Region(mask_equal(roles_, Role::solved)), {}, {}, guidance_.vertical};
@@ -166,7 +175,7 @@ class Equation {
     out.right.reserve(out.region.size());
     for (const cv::Point p : out.region.pixels) {
       const int i = window_.index(p);
-      const bool copied = window_.copies.leading[i].found();
+      const bool copied = window_.candidates.leading[i].found();
       float diagonal = 0;
       cv::Vec3f right = copied ? copies_.outward[i] : cv::Vec3f();
       for (const cv::Point q : neighbors_of(p)) {
@@ -200,7 +209,7 @@ class Equation {
     cv::Vec3f out;
     if (roles_(q) == static_cast<uchar>(Role::fixed)) out += color_(q);
     const int j = window_.index(q);
-    const std::vector<sample::Candidate>& candidates = window_.copies.leading;
+    const std::vector<sample::Candidate>& candidates = window_.candidates.leading;
     if (j < 0 || !candidates[i].found() || !candidates[j].found()) return out;
     if (candidates[j].view == candidates[i].view) return out + copies_.color[i] - copies_.color[j];
     if (!guidance_.seams) return out;
@@ -228,16 +237,10 @@ class Equation {
 
   const Window& window_;
   const Copies& copies_;
+  Guidance guidance_;
   const cv::Mat1b& roles_;
   const cv::Mat3f& color_;
-  Guidance guidance_;
   ColorRange sky_;
-};
-
-/// An equation's pixels: their roles, and the window's colors.
-struct Canvas {
-  cv::Mat1b roles;
-  cv::Mat3f color;
 };
 
 /// Solves for the colors of the solved pixels. Parts without copies and without a boundary become absent.
@@ -251,7 +254,7 @@ void solve(const Window& window, const Copies& copies, const Guidance& guidance,
     if (labels(p) > 0 && !parts[labels(p)].is_bounded && !parts[labels(p)].has_copies)
       roles(p) = static_cast<uchar>(Role::absent);
   }
-  const PoissonSystem system = Equation(window, copies, roles, color, guidance).build(labels, parts);
+  const PoissonSystem system = Equation(window, copies, guidance, canvas).build(labels, parts);
   std::vector<cv::Vec3f> x;
   x.reserve(system.region.size());
   for (const cv::Point p : system.region.pixels) x.push_back(copies.color[window.index(p)]);
@@ -263,7 +266,8 @@ void solve(const Window& window, const Copies& copies, const Guidance& guidance,
 /// Computes the weight of vertical pairs on the ground, relative to horizontal ones, for a membrane in the plane of the ground.
 /// A pixel there is (distance / height of the camera) times as long as wide, and weights are proportional to the inverse
 /// square.
-cv::Mat1f weigh_ground_pairs(const Window& window, const View& view) {
+cv::Mat1f weigh_ground_pairs(const Window& window) {
+  const View& view = window.target.view();
   const Eigen::Matrix3d world_from_camera = view.camera_from_world.R.transpose();
   cv::Mat1f out(window.box.size(), 1.0F);
   for (std::size_t i = 0; i < window.size(); ++i) {
@@ -277,11 +281,10 @@ cv::Mat1f weigh_ground_pairs(const Window& window, const View& view) {
 
 /// Interpolates unobserved pixels from all others: the sky, the ground, then the rest. On return, the interpolated pixels have
 /// the role `solved`.
-void interpolate_unobserved(const Window& window, const Copies& copies, const View& view, const Guidance& plain,
-                            Canvas& canvas) {
+void interpolate_unobserved(const Window& window, const Copies& copies, const Guidance& plain, Canvas& canvas) {
   if (window.size() == 0) return;
   Guidance level = plain;
-  level.below = weigh_ground_pairs(window, view);
+  level.below = weigh_ground_pairs(window);
   cv::Mat1b filled(window.box.size(), uchar{0});
   const auto fill_where = [&](const auto& is_wanted, const Guidance& guidance) {
     canvas.roles = assign_roles(window, Role::fixed, Role::absent);
@@ -325,15 +328,15 @@ cv::Mat1f measure_distance_to_known(const cv::Mat1b& kind) {
   return distance;
 }
 
-void write_confidence(const depth::Target& target, const Fused& fused, const Window& window, const ErrorScale& scale,
-                      FilledFrame& out) {
+void write_confidence(const Window& window, const ErrorScale& scale, FilledFrame& out) {
+  const Fused& fused = window.fused;
   const cv::Mat1f distance = measure_distance_to_known(out.kind(window.box));
   for (std::size_t i = 0; i < fused.color.size(); ++i) {
     const cv::Point p = fused.candidates.hole.pixels[i];
     double confidence = 0;
     if (fused.candidates.leading[i].found()) {
       const double change = mean_difference(out.color(p), fused.color[i]);
-      const double expected = estimate_error_levels(gather_evidence(target, fused, i, {out.color, change}));
+      const double expected = estimate_error_levels(gather_evidence(window.target, fused, i, {out.color, change}));
       confidence = confidence_of_copy(scale.at(expected) * expected);
     } else if (out.kind(p) == static_cast<uchar>(Kind::interpolated)) {
       confidence = confidence_of_interpolation(distance(window.pixel(i)));
@@ -369,21 +372,21 @@ FilledFrame harmonize(const depth::Target& target, const sample::Candidates& sam
   for (std::size_t i = 0; i < hole.size(); ++i) out.color(hole.pixels[i]) = copies.color[i];
   const Role copied = options.poisson ? Role::solved : Role::fixed;
   const Role unobserved = options.unobserved == Unobserved::leave ? Role::absent : Role::solved;
-  const Window window(fused, out.depth, input.classes);
+  const Window window(target, fused, out.depth, input.classes);
   Canvas canvas{assign_roles(window, copied, options.unobserved_last ? Role::absent : unobserved), out.color(window.box)};
   solve(window, copies, {.seams = options.seam_gradients}, canvas);
   if (options.poisson && options.within_range)
     limit_copies(find_range_around(*target.image(), out.mask), candidates, copies.color, out.color);
   if (options.unobserved_last && unobserved == Role::solved) {
     const Guidance plain{.seams = false, .vertical = static_cast<float>(options.unobserved_vertical)};
-    interpolate_unobserved(window, copies, target.view(), plain, canvas);
+    interpolate_unobserved(window, copies, plain, canvas);
   }
   for (std::size_t i = 0; i < hole.size(); ++i) {
     const bool solved = canvas.roles(window.pixel(i)) == static_cast<uchar>(Role::solved);
     out.kind(hole.pixels[i]) = static_cast<uchar>(solved ? Kind::interpolated : Kind::empty);
   }
   write_provenance(target, fused, out);
-  write_confidence(target, fused, window, ErrorScale(measure_known_copies(target, input.known)), out);
+  write_confidence(window, ErrorScale(measure_known_copies(target, input.known)), out);
   return out;
 }
 

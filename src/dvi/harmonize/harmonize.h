@@ -61,8 +61,8 @@ struct HarmonizeOptions {
 
 /// Further inputs of harmonize(), all of them optional.
 struct HarmonizeInput {
-  IlluminationChange illumination{};  ///< By compare_illumination().
-  sample::Candidates known{};         ///< By sample::sample_known(); confidence is calibrated by the errors of these copies.
+  IlluminationChange illumination{};  ///< The result of compare_illumination().
+  sample::Candidates known{};         ///< Candidates of sample::sample_known(), by whose errors confidence is calibrated.
   cv::Mat1b classes{};                ///< SurfaceClass of each pixel, by classify_surfaces(); empty: all unknown.
 };
 

@@ -31,12 +31,12 @@ namespace {
 /// Parameters of the comparison of illumination.
 struct IlluminationParams {
   int max_surfaces = 4000;  ///< Surface points that are compared, at most.
-  int normal_step_px =
-      3;                  ///< Distance of pixels from which normals are computed; at smaller ones noise of the depth dominates.
+  /// Distance of pixels from which normals are computed; at smaller ones noise of the depth dominates.
+  int normal_step_px = 3;
   uchar box_px = 5;       ///< Side of the square whose mean color is compared, because positions have errors of about a pixel.
   int margin_px = 3;      ///< Distance to the mask: the extent of the box and of the camera's blur.
-  float min_level = 8;    ///< Of usable colors, in gray levels; in darker ones, noise dominates.
-  float max_level = 250;  ///< Of usable colors, in gray levels; brighter ones are saturated.
+  float min_level = 8;    ///< Smallest channel of usable colors, in gray levels; noise dominates darker ones.
+  float max_level = 250;  ///< Largest channel of usable colors, in gray levels; brighter ones are saturated.
   double depth_tolerance = 0.05;  ///< Relative difference of two depths of one surface.
   double min_cosine = 0.7071;     ///< Surfaces count for orientations within 45 degrees of their normal.
   float prior_surfaces = 10;      ///< Weight of an unchanged illumination.

@@ -17,7 +17,7 @@ struct IlluminationChange {
     /// not consistent. It is empty if the drive was not compared.
     std::vector<cv::Vec3f> gain;
   };
-  std::vector<OfDrive> drives{};  ///< By View::drive.
+  std::vector<OfDrive> drives{};  ///< One per drive, by View::drive.
   float max_surface_level = 255;  ///< Largest channel, in gray levels, of the brightest surfaces of the target.
 
   /// Returns the factor from the colors of a view to the illumination at a pixel of the target's hole.

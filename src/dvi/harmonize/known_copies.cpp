@@ -12,8 +12,8 @@
 namespace dvi::harmonize {
 namespace {
 
-constexpr float kMaxErrorLevels = 10;  // in the definition of confidence
-constexpr int kMeanWindowPx = 35;      // for the change of illumination
+constexpr float kMaxErrorLevels = 10;  // the threshold in the definition of confidence
+constexpr int kMeanWindowPx = 35;      // the window in which the change of illumination is averaged
 
 /// Computes the largest difference of a pixel to a neighbor.
 double measure_texture(const cv::Mat3f& image, cv::Point p) {

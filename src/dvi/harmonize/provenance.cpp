@@ -23,7 +23,8 @@ cv::Vec3i copy_color(const Views& views, std::size_t target, const cv::Mat3b& so
 }
 
 cv::Mat_<cv::Vec3w> compute_harmonization(const Views& views, std::size_t target, const cv::Mat3b& written,
-                                          const cv::Mat_<cv::Vec3w>& provenance, const cv::Mat3b& used) {
+                                          const FilledFrame& frame) {
+  const cv::Mat_<cv::Vec3w>& provenance = frame.provenance;
   cv::Mat_<cv::Vec3w> out(written.size(), cv::Vec3w());
   std::map<int, std::vector<cv::Point>> of_view;  // each source is decoded once
   for (int y = 0; y < written.rows; ++y)
@@ -32,7 +33,7 @@ cv::Mat_<cv::Vec3w> compute_harmonization(const Views& views, std::size_t target
   for (const auto& [view, pixels] : of_view) {
     const auto image = views.images[static_cast<std::size_t>(view)];
     for (const cv::Point p : pixels) {
-      const Provenance from = Provenance::decode(provenance(p), used(p));
+      const Provenance from = Provenance::decode(provenance(p), frame.used(p));
       const cv::Vec3i change = cv::Vec3i(written(p)) - copy_color(views, target, *image, from);
       for (int c = 0; c < 3; ++c) out(p)[2 - c] = cv::saturate_cast<ushort>(change[c] + kNoChange);
     }

@@ -5,6 +5,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "dvi/drive/view.h"
+#include "dvi/harmonize/filled_frame.h"
 
 namespace dvi::harmonize {
 
@@ -27,8 +28,8 @@ cv::Vec3i copy_color(const Views& views, std::size_t target, const cv::Mat3b& so
 inline constexpr int kNoChange = 32768;
 
 /// Computes the change of each copied pixel, by which it can be reproduced exactly: `written` minus copy_color(), plus
-/// kNoChange, in the channels R, G, B; 0 for pixels that were not copied.
+/// kNoChange, in the channels R, G, B; 0 for pixels that were not copied. `frame` has their provenance.
 cv::Mat_<cv::Vec3w> compute_harmonization(const Views& views, std::size_t target, const cv::Mat3b& written,
-                                          const cv::Mat_<cv::Vec3w>& provenance, const cv::Mat3b& used);
+                                          const FilledFrame& frame);
 
 }  // namespace dvi::harmonize

@@ -22,7 +22,7 @@ struct ScreeningParams {
   int max_cell_px = 128;                 ///< Size of the coarsest cells in which differences are averaged.
   int min_cell_px = 8;                   ///< Size of the finest cells.
   float prior_pixels = 4;                ///< Weight of the coarser cell in the mean of a cell.
-  std::size_t min_boundary_pixels = 20;  ///< Of a source, for a median difference of its own.
+  std::size_t min_boundary_pixels = 20;  ///< Boundary pixels of a source that suffice for a median difference of its own.
 };
 constexpr ScreeningParams kScreening;
 

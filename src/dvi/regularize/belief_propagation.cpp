@@ -105,7 +105,7 @@ class Messages {
       if (other < 0) continue;
       const Cost* in = incoming(node, d);
       for (int i = 0; i < field_.stride; ++i) without_[i] = static_cast<Cost>(belief_[i] - in[i]);
-      compute_message(without_.data(), make_edge(field_, node, d, zeros_.data()), field_.labels(), field_.stride,
+      compute_message(without_.data(), make_edge(field_, node, d, zeros_.data()), {field_.labels(), field_.stride},
                       message_.data());
       Cost* out = incoming(other, d ^ 2);
       if (std::equal(message_.begin(), message_.begin() + field_.labels(), out)) continue;
@@ -118,7 +118,7 @@ class Messages {
 
   const ShiftField& field_;
   std::vector<Cost> incoming_;
-  std::vector<std::uint8_t> unsent_;  // per node, the sides to which messages have to be sent: kAhead, kBehind
+  std::vector<std::uint8_t> unsent_;  // the sides to which each node has to send messages: kAhead, kBehind
   std::vector<std::uint8_t> zeros_;
   std::vector<Cost> belief_, without_, message_;
 };

@@ -23,7 +23,8 @@ using Lanes [[gnu::vector_size(kLanes * sizeof(std::int16_t))]] = std::int16_t;
 }  // namespace
 
 DVI_TARGET_CLONES
-void compute_message(const std::int16_t* belief, const EdgeColors& edge, int labels, int stride, std::int16_t* out) {
+void compute_message(const std::int16_t* belief, const EdgeColors& edge, LabelCounts counts, std::int16_t* out) {
+  const auto [labels, stride] = counts;
   int first = 0;
   for (int i = 1; i < labels; ++i)
     if (belief[i] < belief[first]) first = i;

@@ -15,8 +15,13 @@ struct EdgeColors {
   const std::uint8_t* receiver[2];
 };
 
+/// The number of labels, and of entries of a row of labels: a multiple of kLanes.
+struct LabelCounts {
+  int labels, stride;
+};
+
 /// Computes the message out(j) = min_i(belief(i) + cost(i, j)), minus its smallest entry. `belief` and `out` have `stride`
 /// entries, of which `labels` are used; 0 <= belief < 16384. Integers make the result the same on every processor.
-void compute_message(const std::int16_t* belief, const EdgeColors& edge, int labels, int stride, std::int16_t* out);
+void compute_message(const std::int16_t* belief, const EdgeColors& edge, LabelCounts counts, std::int16_t* out);
 
 }  // namespace dvi::regularize

@@ -45,7 +45,7 @@ TEST(MinSum, EqualsABruteForceMinimum) {
         for (auto& v : row) v = static_cast<std::uint8_t>(random.below(trial % 3 == 0 ? 256 : 40));
       }
       const EdgeColors edge{{rows[0].data(), rows[1].data()}, {rows[2].data(), rows[3].data()}};
-      compute_message(belief.data(), edge, labels, stride, out.data());
+      compute_message(belief.data(), edge, {labels, stride}, out.data());
       ASSERT_THAT(out, testing::ElementsAreArray(compute_reference(belief, edge, labels, stride))) << labels << " labels";
     }
 }

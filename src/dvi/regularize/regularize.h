@@ -11,7 +11,7 @@ struct RegularizeOptions {
   bool enabled = false;
   int window = 5;
   int iterations = 20;
-  double alpha = 20;  ///< Of eq. 3, in gray levels over three channels. Labels do not depend on it, only the energy does.
+  double alpha = 20;  ///< The constant of eq. 3, in gray levels over three channels. It affects the energy, but not the labels.
 
   void describe(OptionTable& table) {
     table.section("stages");

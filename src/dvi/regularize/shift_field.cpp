@@ -77,9 +77,8 @@ class ShiftFieldBuilder {
     for (int d = 0; d < 4; ++d) {
       const cv::Point q = pixel(node) + cv::Point(kDirections[d][0], kDirections[d][1]);
       if (!cv::Rect({}, candidates_.hole.index.size()).contains(q)) continue;
-      const int inside = candidates_.hole.index(q);
-      if (inside >= 0)
-        add_edge(node, d, q, inside, warp);
+      if (candidates_.hole.index(q) >= 0)
+        add_edge(node, d, warp);
       else if ((*target_mask_)(q) == 0)
         boundary += add_boundary(node, q, warp, boundary_cost);
     }
@@ -91,7 +90,9 @@ class ShiftFieldBuilder {
     }
   }
 
-  void add_edge(int node, int direction, cv::Point q, int inside, const Warp& warp) {
+  void add_edge(int node, int direction, const Warp& warp) {
+    const cv::Point q = pixel(node) + cv::Point(kDirections[direction][0], kDirections[direction][1]);
+    const int inside = candidates_.hole.index(q);
     const int other = node_[inside];
     if (other < 0) return;
     const bool same = candidate(other).view == candidate(node).view;
@@ -144,7 +145,7 @@ class ShiftFieldBuilder {
   std::shared_ptr<const cv::Mat3b> target_image_, source_image_;
   std::shared_ptr<const cv::Mat1b> target_mask_, source_mask_;
   const View* source_view_ = nullptr;
-  cv::Vec3f gain_;                // from the source to the target
+  cv::Vec3f gain_;                // gain from the source to the target
   std::vector<int> node_;         // node of each hole pixel, or -1
   std::vector<Position> warped_;  // position of each hole pixel in its candidate's view
   std::vector<std::uint8_t> scratch_;

@@ -127,9 +127,9 @@ class Ranking {
 
 /// Parameters of the known pixels around a hole.
 struct KnownPixelParams {
-  int min_distance_px = 4;   ///< From the mask; nearer pixels may be blended with the removed object.
-  int max_distance_px = 40;  ///< From the mask.
-  int step_px = 6;           ///< Of the grid.
+  int min_distance_px = 4;   ///< Smallest distance to the mask; nearer pixels may be blended with the removed object.
+  int max_distance_px = 40;  ///< Largest distance to the mask.
+  int step_px = 6;           ///< Spacing of the grid.
 };
 constexpr KnownPixelParams kKnownPixels;
 

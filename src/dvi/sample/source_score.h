@@ -65,8 +65,9 @@ double max_score(double seconds, double clearance_px);
 struct SourceScoreParams {
   double tolerance_px = 0.3;  ///< Error at which the score is halved. Smaller errors are below the blur of the camera itself.
   double drift_px = 0.3;      ///< Position error between frames one second apart. It grows with the square root of time.
-  double other_drive_s = 10;  ///< Frames of other drives count as this far away: illumination and registered poses differ.
-  double other_camera_s = 4;  ///< Added for other cameras of a drive: their mounting, response, and sharpness differ.
+  /// Time difference of frames of other drives, by which changes of illumination and of poses count.
+  double other_drive_s = 10;
+  double other_camera_s = 4;  ///< Time added for other cameras of a drive: their mounting, response, and sharpness differ.
   double max_sky_distance_m = 2000;  ///< Distance beyond which cameras do not show the same sky, nor share a heading.
 };
 inline constexpr SourceScoreParams kSourceScore;

@@ -30,14 +30,15 @@ constexpr int kSkyClass = 3, kClasses = 4;  // the sky, in addition to the value
 struct NoiseParams {
   int contrast_cell_px = 4;  ///< Contrast is stored at this reduced resolution, because it changes slowly.
   double row_sigma_px = 40;  ///< Horizontal standard deviation of the mean of contrast; neighbors in a row are often similar.
-  double column_sigma_px = 12;       ///< Vertical standard deviation of the mean of contrast.
-  float min_levels = 0.5F;           ///< Contrast in gray levels that is due to rounding.
-  float other_class_weight = 1e-3F;  ///< Of pixels of other classes; they count where none of the same class is near.
-  double panorama_step_m = 10;       ///< Distance between panoramas along the path.
-  double cell_px = 1.5;              ///< Size of the noise cells of the finest octave.
-  double max_distance_m = 200;       ///< Of surfaces; also of pixels without depth.
-  double ground_aspect = 5;  ///< Ratio of width to height of the noise on the ground, which is viewed at a grazing angle.
-  float dark_levels = 8;     ///< Brightness in gray levels above which contrast is proportional to brightness.
+  double column_sigma_px = 12;  ///< Vertical standard deviation of the mean of contrast.
+  float min_levels = 0.5F;      ///< Contrast in gray levels that is due to rounding.
+  /// Relative weight of other classes, which counts where no pixel of the same class is near.
+  float other_class_weight = 1e-3F;
+  double panorama_step_m = 10;  ///< Distance between panoramas along the path.
+  double cell_px = 1.5;         ///< Size of the noise cells of the finest octave.
+  double max_distance_m = 200;  ///< Largest distance of surfaces; pixels without depth have it.
+  double ground_aspect = 5;     ///< Ratio of width to height of the noise on the ground, which is viewed at a grazing angle.
+  float dark_levels = 8;        ///< Brightness in gray levels above which contrast is proportional to brightness.
 };
 constexpr NoiseParams kNoise;
 
@@ -77,7 +78,7 @@ using Octaves = std::array<cv::Mat1f, kOctaves>;
 /// SurfaceClass::unknown over all classes. It is a harmonic mean of the known pixels nearby, because too much noise on a wall
 /// with cars in front of it is more visible than too little noise between leaves.
 std::array<Octaves, kClasses> measure_contrast(const cv::Mat1f& gray, const cv::Mat1f& known, const cv::Mat1b& classes) {
-  constexpr float kSigmaOfMeanAbsolute = 1.25F;  // for a normal distribution
+  constexpr float kSigmaOfMeanAbsolute = 1.25F;  // ratio for a normal distribution
   constexpr double kCell = kNoise.contrast_cell_px;
   std::vector<WeightedMean> of_classes;
   for (int c = 0; c < kClasses; ++c) {
@@ -190,7 +191,7 @@ std::vector<cv::Vec3f> NoiseTexture::compute(const harmonize::FilledFrame& frame
                                    std::sin(static_cast<float>(progress * std::numbers::pi / 2))};  // the squares add up to 1
   const auto descent = [&](cv::Point p) { return -(world_from_camera.R * view.camera.ray({p.x, p.y})).z(); };
   const double height = estimate_height(region, frame.depth, classes, descent);
-  std::vector<LatticeNoise> noise;  // by panorama and octave
+  std::vector<LatticeNoise> noise;  // one per panorama and octave
   for (std::size_t k = 0; k < 2 * kOctaves; ++k) noise.emplace_back(before * kOctaves + k);
   std::vector<cv::Vec3f> out;
   out.reserve(region.size());

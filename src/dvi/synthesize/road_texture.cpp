@@ -34,9 +34,9 @@ namespace {
 
 /// Parameters of the intersection of rays with the ground.
 struct GroundRayParams {
-  double max_depth_m = 60;           ///< Of the intersection.
-  int max_rounds = 4;                ///< Of the iteration by the height of the ground at the intersection.
-  double height_tolerance_m = 1e-3;  ///< At which the iteration ends.
+  double max_depth_m = 60;           ///< Largest depth of the intersection.
+  int max_rounds = 4;                ///< Iterations with the height of the ground at the intersection.
+  double height_tolerance_m = 1e-3;  ///< Change of the height at which the iteration ends.
   double border_m = 0.1;             ///< Margin at the sides of the tiles.
   int max_samples = 8;               ///< Cells per direction that are averaged for a pixel.
 };

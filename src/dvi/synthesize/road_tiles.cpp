@@ -23,13 +23,13 @@ namespace {
 
 /// Parameters of the tiles.
 struct RoadTileParams {
-  double depth_tolerance = 0.1;   ///< Of occlusion tests, relative: the ground's height has errors.
+  double depth_tolerance = 0.1;   ///< Relative tolerance of occlusion tests, because the ground's height has errors.
   float min_clearance_px = 3;     ///< Distance to masks and depth edges.
   double view_step_m = 0.7;       ///< Distance of views along the road; nearer ones show the same.
   std::size_t max_views = 24;     ///< Views of a tile that are in memory together.
-  double min_distance_m = 4;      ///< From the camera to the middle of the tile.
-  double max_distance_m = 60;     ///< From the camera to the middle of the tile.
-  double best_distance_m = 8;     ///< From the camera to the middle of the tile; views near it are preferred.
+  double min_distance_m = 4;      ///< Smallest distance from the camera to the middle of the tile.
+  double max_distance_m = 60;     ///< Largest distance from the camera to the middle of the tile.
+  double best_distance_m = 8;     ///< Distance from the camera to the middle of the tile at which views are preferred.
   double comparison_sigma_m = 2;  ///< Size of the surroundings by which offsets are compared.
   int offset_step_cells = 4;      ///< Offsets are multiples of this, as complete() demands.
 };

@@ -17,8 +17,8 @@ using harmonize::Kind;
 struct RangeWindowParams {
   int min_radius_px = 8;    ///< Half the width of the smallest window.
   int max_radius_px = 256;  ///< Half the width of the largest window, in which any known pixel suffices.
-  float known_share =
-      0.25F;  ///< Of the window's pixels: a straight boundary at a quarter of its width. A few copies do not suffice.
+  /// Share of known pixels in a window: at a straight boundary, a quarter of its width. A few copies do not suffice.
+  float known_share = 0.25F;
 };
 constexpr RangeWindowParams kRangeWindow;
 

@@ -10,7 +10,8 @@ namespace dvi::synthesize {
 
 /// Computes, for each pixel of a region, the color range of known and copied pixels around it, in a square window. The half
 /// width of the window is at least twice the distance to the nearest such pixel, and at least a quarter of its pixels are known
-/// or copied. The range has all colors if there is no such window.
+/// or copied. In the largest window, 513 px wide, one such pixel suffices. Without
+/// any, the range has all colors.
 std::vector<ColorRange> find_surrounding_ranges(const harmonize::FilledFrame& frame, const Region& region);
 
 }  // namespace dvi::synthesize

@@ -26,25 +26,25 @@ using harmonize::Kind;
 
 /// Parameters of the synthesis.
 struct SynthesisParams {
-  int margin_px = 6;           ///< Around synthesized pixels, where texture and frame are compared.
+  int margin_px = 6;           ///< Width of the area around synthesized pixels where texture and frame are compared.
   float road_contrast = 0.6F;  ///< Share of the contrast of the road texture: synthesized pixels should not attract attention.
   float noise_contrast = 0.75F;  ///< Share of the contrast of the noise texture.
   float fine_extent_m = 0.5F;    ///< Extent of a pixel on the ground up to which the road texture has its full contrast.
   float max_extent_m = 1;        ///< Extent from which on it is not used, because errors of height and offsets exceed a pixel.
-  double relight_sigma_px = 10;  ///< Of the means by which the texture is adapted to the illumination of the frame.
+  double relight_sigma_px = 10;  ///< Sigma of the means by which the texture is adapted to the illumination of the frame.
   float dark_levels = 4;         ///< Added to these means, in gray levels.
   float max_relight = 2;         ///< Largest factor of that adaptation.
-  double margin_sigma_px =
-      2;  ///< Smoothing of differences along the margin; a texture that is displaced there must not spread.
-  float screening_weight = 1e-2F;  ///< Beyond 10 px, 1 / sqrt(weight), the interpolation determines the brightness.
+  /// Smoothing of differences along the margin; a texture that is displaced there must not spread.
+  double margin_sigma_px = 2;
+  float screening_weight = 1e-2F;  ///< The interpolation determines the brightness beyond 1 / sqrt(weight), 10 px.
 };
 constexpr SynthesisParams kSynthesis;
 
 /// Parameters of the fine contrast of the surroundings, which confidence depends on.
 struct FineContrastParams {
   double fine_sigma_px = 2;    ///< Details smaller than this are fine.
-  double mean_sigma_px = 20;   ///< Of the surroundings.
-  float prior_weight = 1e-3F;  ///< Of the prior contrast, relative to a known pixel.
+  double mean_sigma_px = 20;   ///< Size of the surroundings.
+  float prior_weight = 1e-3F;  ///< Weight of the prior contrast, relative to a known pixel.
   float prior_levels = 8;      ///< Contrast where no known pixel is near.
 };
 constexpr FineContrastParams kFineContrast;
@@ -78,7 +78,7 @@ double confidence_of_synthesis(float distance_px, float contrast) {
 /// The road texture in a frame.
 struct FrameTexture {
   cv::Mat3f color, difference;  ///< Its color; the color of the frame minus it.
-  cv::Mat1f share;              ///< By road_share().
+  cv::Mat1f share;              ///< The result of road_share().
   cv::Mat1b known;              ///< 255 where it is known.
 };
 

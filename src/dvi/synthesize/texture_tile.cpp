@@ -17,11 +17,11 @@ namespace {
 struct CompletionParams {
   int cell_px = 4;                 ///< Offsets are compared at this reduced resolution.
   float max_difference = 120;      ///< Sum over the channels, in gray levels; larger differences of two pixels count as this.
-  float prior_weight = 1e-3F;      ///< Of the prior difference, relative to a known pixel.
-  float prior_difference = 60;     ///< Where no surroundings can be compared.
+  float prior_weight = 1e-3F;      ///< Weight of the prior difference, relative to a known pixel.
+  float prior_difference = 60;     ///< Difference where no surroundings can be compared.
   float black_levels = 4;          ///< Added to colors before the logarithm.
-  float screening_weight = 1e-4F;  ///< Beyond 100 px, 1 / sqrt(weight), the copies determine the brightness.
-  double solver_tolerance = 1e-3;  ///< In the logarithm: a quarter of a gray level at most.
+  float screening_weight = 1e-4F;  ///< The copies determine the brightness beyond 1 / sqrt(weight), 100 px.
+  double solver_tolerance = 1e-3;  ///< Tolerance of the logarithm: a quarter of a gray level at most.
 };
 constexpr CompletionParams kCompletion;
 
