@@ -27,7 +27,7 @@ TEST_F(Room, ThePersonIsRemovedWithDefaults) {
   EXPECT_GT(all.at("psnr").get<double>(), 27);
   EXPECT_EQ(dvi("audit out room").code, 0);
   const nlohmann::json hole = nlohmann::json::parse(read_file(folder / "out/report.json")).at("hole");
-  EXPECT_EQ(hole.at("interpolated"), 0) << "without the ground of a road there is grain";
+  EXPECT_EQ(hole.at("interpolated"), 0) << "without the ground of a road there is noise texture";
 }
 
 TEST_F(Room, HasNoStreet) {

@@ -67,7 +67,7 @@ PHRASES = (
     Phrase(r"\bcarried (?:over|masks?)\b|\bcarr(?:y|ies|ied) \w+ masks?\b", "reprojected"),
     Phrase(r"\b(?:laid|lays|laying) (?:\w+ ){0,3}?(?:on|onto|over)\b", "align, overlay"),
     Phrase(r"\b(?:bent|suited)\b", "deform, adapt"),
-    Phrase(r"\brims?\b", "boundary", (("docs/benchmarks.md", "paper-harmonize-robust-rim"),)),
+    Phrase(r"\brims?\b", "boundary"),
     Phrase(r"\btrusts?\b", "score, weight"),
     Phrase(r"\bmisplaced\b", "position error", (("docs/metrics.md", ""), ("docs/benchmarks.md", ""), ("bench/page.py", ""))),  # a figure
     Phrase(r"(?:\b(?:the|its|their)|'s) reach\b|\breach_frames\b", "range, max_frame_gap"),
@@ -76,8 +76,7 @@ PHRASES = (
     Phrase(r"\bothers see\b", "that sources observe"),
     Phrase(r"\bwas not taken after\b", "is not increasing"),
     Phrase(r"\bgrain\b", "noise texture"),
-    Phrase(r"\bday[- ]?light\b|\banother (?:sun|light)\b|\blight of (?:another|the other) day\b", "illumination change",
-           (("docs/benchmarks.md", "paper-harmonize-day-light"),)),
+    Phrase(r"\bday[- ]?light\b|\banother (?:sun|light)\b|\blight of (?:another|the other) day\b", "illumination change"),
     Phrase(r"\b(?:rivals?|single things?|things agree)\b", "second-best candidate, landmark, inliers"),
     Phrase(r"\bfound masks\b|\bmasks (?:that (?:are|were) )?found\b", "motion segmentation"),
     Phrase(r"\bwitness(?:es)?\b", "visibility vote"),

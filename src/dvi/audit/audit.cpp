@@ -9,7 +9,7 @@
 #include "dvi/core/threads.h"
 #include "dvi/drive/warp.h"
 #include "dvi/harmonize/filled_frame.h"
-#include "dvi/harmonize/receipt.h"
+#include "dvi/harmonize/provenance.h"
 #include "dvi/media/image_file.h"
 #include "dvi/media/write_image.h"
 
@@ -35,7 +35,7 @@ struct WrittenFrame {
         used(media::read_image(out / "sources_used" / (name + ".png"), size)),
         harmonization(media::read_png_triples(out / "harmonization" / (name + ".png"), size)) {}
 
-  harmonize::Provenance get_provenance(cv::Point p) const { return harmonize::Provenance::of(provenance(p), used(p)); }
+  harmonize::Provenance get_provenance(cv::Point p) const { return harmonize::Provenance::decode(provenance(p), used(p)); }
 
   cv::Mat3b frame;
   cv::Mat1b mask, kind;
@@ -105,7 +105,7 @@ class FrameAuditor {
     for (const cv::Point p : pixels) {
       const harmonize::Provenance from = written_.get_provenance(p);
       if (!can_sample(*mask, from.position, from.footprint)) add_finding(Breach::masked_source, p);
-      const cv::Vec3i copy = harmonize::copied_color(views_, target_, *image, from);
+      const cv::Vec3i copy = harmonize::copy_color(views_, target_, *image, from);
       std::size_t size = 0;
       bool same = true;
       for (int c = 0; c < 3; ++c) {

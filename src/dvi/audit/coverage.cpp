@@ -62,11 +62,11 @@ Coverage predict_coverage(const Views& views, const map::StaticMap& map, const d
   coarse_depth.median_px = depth.median_px >= 3 ? std::max(3, depth.median_px / step) : 0;
   sample::SampleOptions single_source = sample_options;
   single_source.sources = 1;
-  const depth::Depths depths(coarse, [&](std::size_t i) { return depth::depth_map(map, coarse[i], coarse_depth); });
+  const depth::Depths depths(coarse, [&](std::size_t i) { return depth::compute_depth_map(map, coarse[i], coarse_depth); });
   const std::size_t frames = coarse.of_sequence(0).second;
   std::vector<HoleCount> counts(frames);
   parallel_in_order(frames, [&](std::size_t i) {
-    counts[i] = count_pixels(sample::sample(coarse, i, *depths.maps[i], depths.visibility, single_source), coarse);
+    counts[i] = count_pixels(sample::sample({coarse, i, *depths.maps[i], depths.visibility}, single_source), coarse);
     tick();
   });
   Coverage out;

@@ -89,7 +89,7 @@ void inpaint_empty(harmonize::FilledFrame& frame, Inpainting method) {
   for (const cv::Point p : Region(rest).pixels) {
     frame.color(p) = filled(p);
     frame.kind(p) = static_cast<uchar>(harmonize::Kind::interpolated);
-    frame.confidence(p) = static_cast<uchar>(std::lround(255 * harmonize::interpolated_confidence(distance(p))));
+    frame.confidence(p) = static_cast<uchar>(std::lround(255 * harmonize::confidence_of_interpolation(distance(p))));
   }
 }
 

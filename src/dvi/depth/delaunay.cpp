@@ -7,7 +7,7 @@
 namespace dvi::depth {
 namespace {
 
-constexpr double kScale = 16;  // the diagram wants integers
+constexpr double kStepsPerPixel = 16;
 
 struct Site {
   int x, y;
@@ -29,22 +29,22 @@ struct boost::polygon::point_traits<dvi::depth::Site> {
 
 namespace dvi::depth {
 
-void delaunay(const std::vector<map::VisiblePoint>& points,
-              const std::function<void(const std::array<std::size_t, 3>&)>& triangle) {
+void triangulate(const std::vector<map::VisiblePoint>& points,
+                 const std::function<void(const std::array<std::size_t, 3>&)>& visit) {
   std::vector<Site> sites;
   sites.reserve(points.size());
   for (const map::VisiblePoint& p : points)
-    sites.push_back({static_cast<int>(std::lround(p.u * kScale)), static_cast<int>(std::lround(p.v * kScale))});
+    sites.push_back({static_cast<int>(std::lround(p.u * kStepsPerPixel)), static_cast<int>(std::lround(p.v * kStepsPerPixel))});
   boost::polygon::voronoi_diagram<double> diagram;
   boost::polygon::construct_voronoi(sites.begin(), sites.end(), &diagram);
-  // The cells round a Voronoi vertex are the corners of a Delaunay polygon: a triangle, or a fan where more are cocircular.
+  // The cells around a Voronoi vertex are the corners of a Delaunay polygon. If more than three are cocircular, it is a fan.
   for (const auto& vertex : diagram.vertices()) {
     const auto* first = vertex.incident_edge();
     std::array<std::size_t, 3> corners{first->cell()->source_index(), 0, 0};
     int count = 1;
     for (const auto* edge = first->rot_next(); edge != first; edge = edge->rot_next()) {
       corners[2] = edge->cell()->source_index();
-      if (++count > 2) triangle(corners);
+      if (++count > 2) visit(corners);
       corners[1] = corners[2];
     }
   }

@@ -7,6 +7,7 @@
 
 namespace dvi::depth {
 
+/// Options of compute_depth_map(); describe() documents each field.
 struct DepthOptions {
   double splat_m = 0.07;
   double occlusion_tolerance = 0.05;
@@ -28,9 +29,9 @@ struct DepthOptions {
   }
 };
 
-/// Depth of a view from the map (section 3.1 of the paper): the visible points with the planes they lie on, and between them
-/// what those surfaces show: one surface interpolated linearly in 1/z (exact for planes), several cut where they meet or hide
-/// each other. Pixels above the last return are sky.
-DepthMap depth_map(const map::StaticMap& map, const View& view, const DepthOptions& options);
+/// Computes the depth of every pixel of a view from the map (section 3.1 of the paper). The visible points are triangulated in
+/// the image. A triangle on one surface is interpolated linearly in 1/z, which is exact for planes. A triangle that spans
+/// several surfaces is split where these intersect or occlude each other. Pixels above the topmost return are sky.
+DepthMap compute_depth_map(const map::StaticMap& map, const View& view, const DepthOptions& options);
 
 }  // namespace dvi::depth

@@ -9,7 +9,7 @@
 namespace dvi::depth {
 namespace {
 
-/// Points of a street 60 m long before the camera: ground, facades to either side, trunks along the curbs.
+/// A map of a street of 60 m: ground, facades at both sides, and trunks along the curbs.
 map::StaticMap street_map(int points) {
   map::StaticMap map;
   Random random(5);
@@ -33,13 +33,13 @@ View street_view() {
   return view;
 }
 
-/// The whole of depth_map at 1280x720, by points of the map; with the argument 0 in the published form.
+/// compute_depth_map() at 1280x720, by points of the map; with split = 0 in the published form.
 void depth(benchmark::State& state) {
   const map::StaticMap map = street_map(static_cast<int>(state.range(0)));
   DepthOptions options;
   options.split_edges = state.range(1) != 0;
   DepthMap out;
-  for (auto _ : state) out = depth_map(map, street_view(), options);
+  for (auto _ : state) out = compute_depth_map(map, street_view(), options);
   int known = 0;
   for (const float z : out.z) known += DepthMap::is_surface(z) ? 1 : 0;
   state.counters["known_part"] = known / static_cast<double>(out.z.total());
@@ -59,7 +59,7 @@ void triangulate(benchmark::State& state) {
   std::size_t triangles = 0;
   for (auto _ : state) {
     triangles = 0;
-    delaunay(points, [&](const std::array<std::size_t, 3>&) { ++triangles; });
+    dvi::depth::triangulate(points, [&](const std::array<std::size_t, 3>&) { ++triangles; });
   }
   state.counters["visible"] = static_cast<double>(points.size());
   state.counters["triangles"] = static_cast<double>(triangles);
@@ -67,10 +67,10 @@ void triangulate(benchmark::State& state) {
 BENCHMARK(triangulate)->ArgName("points")->Arg(50'000)->Arg(200'000)->Arg(800'000)->Unit(benchmark::kMillisecond);
 
 void visibility(benchmark::State& state) {
-  const DepthMap of = depth_map(street_map(200'000), street_view(), {});
-  cv::Mat1b mask(of.z.size(), uchar{0});
+  const DepthMap depth = compute_depth_map(street_map(200'000), street_view(), {});
+  cv::Mat1b mask(depth.z.size(), uchar{0});
   mask(cv::Rect(500, 300, 300, 210)) = 255;
-  for (auto _ : state) benchmark::DoNotOptimize(visibility_map(of, mask));
+  for (auto _ : state) benchmark::DoNotOptimize(make_visibility_map(depth, mask));
 }
 BENCHMARK(visibility)->Unit(benchmark::kMillisecond);
 

@@ -9,18 +9,20 @@
 
 namespace dvi::depth {
 
-/// Depth of every pixel of a view.
+/// The depth of every pixel of a view.
 struct DepthMap {
-  static constexpr float kUnknown = 0;
-  static constexpr float kSky = std::numeric_limits<float>::infinity();
-  static constexpr float kInfinity = 1e7F;  ///< meters; where views agree on what does not move between them: sky, or as far
+  static constexpr float kUnknown = 0;                                   ///< The map has no return near the pixel.
+  static constexpr float kSky = std::numeric_limits<float>::infinity();  ///< The pixel is above the topmost return.
+  /// The depth, in meters, of pixels for which several views show no parallax: the sky, or a surface as distant.
+  static constexpr float kInfinity = 1e7F;
 
-  cv::Mat1f z;      ///< meters along the optical axis; kUnknown, or kSky above the last return
-  cv::Mat1f sigma;  ///< its standard deviation in meters; 0 where z is unknown or sky
+  cv::Mat1f z;      ///< Meters along the optical axis, or kUnknown, or kSky.
+  cv::Mat1f sigma;  ///< The standard deviation of `z` in meters; 0 where `z` is unknown or sky.
 
   std::size_t bytes() const { return bytes_of(z) + bytes_of(sigma); }
+  /// Whether the depth is neither unknown nor sky; it may be kInfinity.
   static bool is_surface(float depth) { return depth > 0 && depth < kSky; }
-  /// Neither unknown nor sky.
+  /// Whether the depth is that of a surface nearer than kInfinity.
   static bool is_solid(float depth) { return depth > 0 && depth < kInfinity; }
 };
 

@@ -14,7 +14,7 @@
 namespace dvi::depth {
 namespace {
 
-TEST(Delaunay, CoversTheHullOnceAndKeepsCirclesEmpty) {
+TEST(Triangulate, TrianglesCoverTheHullOnceAndHaveEmptyCircumcircles) {
   Random random(1);
   std::vector<map::VisiblePoint> points;
   std::set<std::pair<int, int>> used;
@@ -28,7 +28,7 @@ TEST(Delaunay, CoversTheHullOnceAndKeepsCirclesEmpty) {
       points.push_back({static_cast<float>(u), static_cast<float>(v), 1, Eigen::Vector3f::Zero(), 0});
   double area = 0;
   int inside = 0;
-  delaunay(points, [&](const std::array<std::size_t, 3>& t) {
+  triangulate(points, [&](const std::array<std::size_t, 3>& t) {
     const Eigen::Vector2d a(points[t[0]].u, points[t[0]].v), b(points[t[1]].u, points[t[1]].v),
         c(points[t[2]].u, points[t[2]].v);
     const Eigen::Vector2d ab = b - a, ac = c - a;
@@ -45,13 +45,13 @@ TEST(Delaunay, CoversTheHullOnceAndKeepsCirclesEmpty) {
   EXPECT_EQ(inside, 0);
 }
 
-TEST(Depth, SlantedPlaneIsExact) {
-  map::StaticMap map;  // the ground, 1.6 m below, sampled in rows that get sparse with distance as a LiDAR's do
+TEST(DepthMap, IsExactOnASlantedPlane) {
+  map::StaticMap map;  // the ground, 1.6 m below, sampled in rows whose spacing grows with distance, as those of a LiDAR
   for (double x = 3; x < 60; x *= 1.06)
     for (double y = -12; y <= 12; y += 0.2) add(map, x, y, -1.6);
   finish(map);
   const View view = test_view();
-  const DepthMap depth = depth_map(map, view, {});
+  const DepthMap depth = compute_depth_map(map, view, {});
   double worst = 0;
   int known = 0;
   for (int y = 115; y < 180; ++y)
@@ -66,21 +66,21 @@ TEST(Depth, SlantedPlaneIsExact) {
   EXPECT_LT(worst, 0.01);
 }
 
-TEST(Depth, AboveTheLastReturnIsSky) {
+TEST(DepthMap, PixelsAboveTheTopmostReturnAreSky) {
   map::StaticMap map;
   for (double y = -8; y <= 8; y += 0.1)
     for (double z = -1.6; z <= 2; z += 0.1) add(map, 20, y, z);
   finish(map);
-  const DepthMap depth = depth_map(map, test_view(), {});
+  const DepthMap depth = compute_depth_map(map, test_view(), {});
   EXPECT_NEAR(depth.z(100, 160), 20, 0.05);
   EXPECT_TRUE(std::isinf(depth.z(60, 160))) << "2 m up at 20 m is row 74.5";
-  EXPECT_TRUE(std::isinf(depth.z(100, 10))) << "no return in the column at all";
-  EXPECT_EQ(depth.z(180, 160), DepthMap::kUnknown) << "below the last return nothing is known";
+  EXPECT_TRUE(std::isinf(depth.z(100, 10))) << "the column has no return";
+  EXPECT_EQ(depth.z(180, 160), DepthMap::kUnknown) << "below the lowest return";
   EXPECT_EQ(depth.sigma(60, 160), 0);
   EXPECT_GT(depth.sigma(100, 160), 0);
 }
 
-// A pole at 10 m before a wall at 20 m, both well sampled.
+// A pole at 10 m in front of a wall at 20 m, both densely sampled.
 map::StaticMap pole_and_wall() {
   map::StaticMap map;
   for (double y = -8; y <= 8; y += 0.08)
@@ -91,8 +91,8 @@ map::StaticMap pole_and_wall() {
   return map;
 }
 
-TEST(Depth, EdgesAreCutNotBent) {
-  const DepthMap depth = depth_map(pole_and_wall(), test_view(), {});
+TEST(DepthMap, EdgesAreSplitNotInterpolated) {
+  const DepthMap depth = compute_depth_map(pole_and_wall(), test_view(), {});
   int between = 0, pole = 0;
   for (int x = 130; x < 190; ++x) {
     const float z = depth.z(100, x);
@@ -105,67 +105,68 @@ TEST(Depth, EdgesAreCutNotBent) {
   linear.split_edges = false;
   linear.median_px = 0;
   linear.splat_m = 0;
-  const DepthMap bent = depth_map(pole_and_wall(), test_view(), linear);
-  int bent_pixels = 0;
-  for (int x = 130; x < 190; ++x) bent_pixels += bent.z(100, x) > 10.5F && bent.z(100, x) < 19.5F ? 1 : 0;
-  EXPECT_GT(bent_pixels, 0) << "the published form bends them";
+  const DepthMap interpolated = compute_depth_map(pole_and_wall(), test_view(), linear);
+  int interpolated_pixels = 0;
+  for (int x = 130; x < 190; ++x)
+    interpolated_pixels += interpolated.z(100, x) > 10.5F && interpolated.z(100, x) < 19.5F ? 1 : 0;
+  EXPECT_GT(interpolated_pixels, 0) << "the published form interpolates across edges";
 }
 
-TEST(Depth, NearSurfaceHidesTheFarOneThroughItsGaps) {
+TEST(DepthMap, ASparseNearSurfaceOccludesTheFarOne) {
   map::StaticMap map;
   for (double y = -8; y <= 8; y += 0.05)
     for (double z = -3; z <= 3; z += 0.05) add(map, 30, y, z);
   for (double y = -2; y <= 2; y += 0.1)
-    for (double z = -1; z <= 1; z += 0.1) add(map, 6, y, z);  // a pixel in sixteen
+    for (double z = -1; z <= 1; z += 0.1) add(map, 6, y, z);  // one of sixteen pixels
   finish(map);
-  const DepthMap depth = depth_map(map, test_view(), {});
+  const DepthMap depth = compute_depth_map(map, test_view(), {});
   int through = 0;
   for (int y = 70; y < 130; ++y)
     for (int x = 90; x < 230; ++x) through += depth.z(y, x) > 7 ? 1 : 0;
   EXPECT_EQ(through, 0);
 }
 
-TEST(VisibilityMap, HidesWhatIsFartherThanAllThatIsSeenThere) {
+TEST(VisibilityMap, OccludesDepthsBehindTheFarthestSurface) {
   DepthMap depth{cv::Mat1f(7, 9, 10.0F), cv::Mat1f(7, 9, 0.0F)};
   depth.z.colRange(6, 9) = 20.0F;
   depth.z(6, 0) = DepthMap::kUnknown;
   cv::Mat1b mask(7, 9, uchar{0});
-  const VisibilityMap map = visibility_map(depth, mask);
-  EXPECT_FALSE(map.hides({2, 2}, 10.4, 0.05));
-  EXPECT_TRUE(map.hides({2, 2}, 10.6, 0.05));
-  EXPECT_FALSE(map.hides({5.5F, 2}, 19, 0.05)) << "beside the edge either surface counts";
-  EXPECT_TRUE(map.hides({8, 6}, 22, 0.05));
-  EXPECT_FALSE(map.hides({0, 6}, 1000, 0.05)) << "the unknown hides nothing";
-  EXPECT_FALSE(map.hides({8.9F, 6.9F}, 20, 0.05)) << "the last pixel is inside";
+  const VisibilityMap map = make_visibility_map(depth, mask);
+  EXPECT_FALSE(map.occludes({2, 2}, 10.4, 0.05));
+  EXPECT_TRUE(map.occludes({2, 2}, 10.6, 0.05));
+  EXPECT_FALSE(map.occludes({5.5F, 2}, 19, 0.05)) << "both surfaces at the edge are accepted";
+  EXPECT_TRUE(map.occludes({8, 6}, 22, 0.05));
+  EXPECT_FALSE(map.occludes({0, 6}, 1000, 0.05)) << "unknown depth does not occlude";
+  EXPECT_FALSE(map.occludes({8.9F, 6.9F}, 20, 0.05)) << "the last pixel is inside";
   mask(3, 3) = 255;
-  const VisibilityMap masked = visibility_map(depth, mask);
-  EXPECT_TRUE(masked.masked({3, 3}));
-  EXPECT_TRUE(masked.masked({2.5F, 3}));
-  EXPECT_TRUE(masked.masked({3.9F, 3.9F}));
-  EXPECT_FALSE(masked.masked({2, 3})) << "exact to the pixel, whatever else is in the block";
-  EXPECT_FALSE(masked.masked({4, 3}));
-  EXPECT_FALSE(masked.masked({3, 2}));
+  const VisibilityMap masked = make_visibility_map(depth, mask);
+  EXPECT_TRUE(masked.is_masked({3, 3}));
+  EXPECT_TRUE(masked.is_masked({2.5F, 3}));
+  EXPECT_TRUE(masked.is_masked({3.9F, 3.9F}));
+  EXPECT_FALSE(masked.is_masked({2, 3})) << "exact to the pixel, not to the block";
+  EXPECT_FALSE(masked.is_masked({4, 3}));
+  EXPECT_FALSE(masked.is_masked({3, 2}));
 }
 
-TEST(VisibilityMap, KnowsHowSureItIsOfWhatItSees) {
+TEST(VisibilityMap, AllowsForTheUncertaintyOfDepth) {
   DepthMap depth{cv::Mat1f(20, 40, 10.0F), cv::Mat1f(20, 40, 0.5F)};
   depth.z.colRange(20, 40) = 20.0F;
   depth.z(2, 38) = DepthMap::kUnknown;
-  const VisibilityMap map = visibility_map(depth, cv::Mat1b(20, 40, uchar{0}));
-  EXPECT_FALSE(map.hides({8, 8}, 10.9, 0)) << "within two standard deviations";
-  EXPECT_TRUE(map.hides({8, 8}, 11.1, 0));
-  EXPECT_FALSE(map.sees_through({8, 8}, 9.1, 0));
-  EXPECT_TRUE(map.sees_through({8, 8}, 8.8, 0));
-  EXPECT_FALSE(map.sees_through({8, 8}, 8.8, 0.05));
-  EXPECT_FALSE(map.sees_through({20, 8}, 10, 0)) << "beside the edge either surface counts";
-  EXPECT_TRUE(map.sees_through({30, 8}, 10, 0));
-  EXPECT_FALSE(map.sees_through({38, 2}, 10, 0)) << "the unknown may be anything";
-  EXPECT_EQ(map.clear_px({20, 8}), 0);
-  EXPECT_NEAR(map.clear_px({10, 10}), 7, 1) << "from the block to the edge or the border of the image";
+  const VisibilityMap map = make_visibility_map(depth, cv::Mat1b(20, 40, uchar{0}));
+  EXPECT_FALSE(map.occludes({8, 8}, 10.9, 0)) << "within two standard deviations";
+  EXPECT_TRUE(map.occludes({8, 8}, 11.1, 0));
+  EXPECT_FALSE(map.is_farther({8, 8}, 9.1, 0));
+  EXPECT_TRUE(map.is_farther({8, 8}, 8.8, 0));
+  EXPECT_FALSE(map.is_farther({8, 8}, 8.8, 0.05));
+  EXPECT_FALSE(map.is_farther({20, 8}, 10, 0)) << "both surfaces at the edge are accepted";
+  EXPECT_TRUE(map.is_farther({30, 8}, 10, 0));
+  EXPECT_FALSE(map.is_farther({38, 2}, 10, 0)) << "unknown depth may be any";
+  EXPECT_EQ(map.clearance_px({20, 8}), 0);
+  EXPECT_NEAR(map.clearance_px({10, 10}), 7, 1) << "from the block to the edge or the border of the image";
 }
 
-TEST(Depth, EmptyMapIsAllSky) {
-  const DepthMap depth = depth_map(map::StaticMap(), test_view(), {});
+TEST(DepthMap, OfAnEmptyMapIsSky) {
+  const DepthMap depth = compute_depth_map(map::StaticMap(), test_view(), {});
   EXPECT_EQ(depth.z.size(), cv::Size(320, 200));
   EXPECT_TRUE(std::isinf(depth.z(0, 0)));
 }

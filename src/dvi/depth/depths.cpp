@@ -12,12 +12,17 @@
 namespace dvi::depth {
 namespace {
 
-constexpr std::size_t kPackedBytes = std::size_t{192} << 20;
+/// Parameters of the store of packed depth maps.
+struct PackedDepthParams {
+  std::size_t max_bytes = std::size_t{192} << 20;  ///< Memory of all packed depth maps together.
+  std::size_t max_delay = 64;  ///< Views by which threads may differ; depth maps of earlier views are not needed any more.
+};
+constexpr PackedDepthParams kPackedDepth;
 
-/// Depths of views whose turn is still to come, in order.
-class Waiting {
+/// Packed depth maps of views that will be targets later.
+class PackedDepths {
  public:
-  /// What does not fit is not kept: the turn of what came before it is earlier.
+  /// Stores a depth map unless the bound is reached: the stored ones are mostly of earlier views, so needed sooner.
   void put(std::size_t view, const DepthMap& depth, const cv::Mat1b& hole) {
     {
       const std::lock_guard lock(mutex_);
@@ -25,15 +30,16 @@ class Waiting {
     }
     PackedDepth packed(depth, hole);
     const std::lock_guard lock(mutex_);
-    if (bytes_ + packed.bytes() > kPackedBytes) return;
+    if (bytes_ + packed.bytes() > kPackedDepth.max_bytes) return;
     const std::size_t bytes = packed.bytes();
     if (items_.emplace(view, std::move(packed)).second) bytes_ += bytes;
   }
+  /// Removes and returns the depth map of a view; none if it is not stored.
   std::optional<PackedDepth> take(std::size_t view) {
     const std::lock_guard lock(mutex_);
     next_ = std::max(next_, view + 1);
     std::optional<PackedDepth> out;
-    while (!items_.empty() && items_.begin()->first + kLate < next_) drop(items_.begin());
+    while (!items_.empty() && items_.begin()->first + kPackedDepth.max_delay < next_) drop(items_.begin());
     const auto it = items_.find(view);
     if (it == items_.end()) return out;
     out = std::move(it->second);
@@ -43,7 +49,6 @@ class Waiting {
   }
 
  private:
-  static constexpr std::size_t kLate = 64;  // views by which threads may be apart; what is later is not asked for any more
   using Items = std::map<std::size_t, PackedDepth>;
 
   void drop(Items::iterator item) {
@@ -56,8 +61,8 @@ class Waiting {
   std::size_t bytes_ = 0, next_ = 0;
 };
 
-/// With sigma in the mask only, as a packed map keeps it: a frame must not tell by its depth which was made first.
-DepthMap within(const cv::Mat1b& mask, const DepthMap& whole) {
+/// Sets `sigma` to 0 outside the mask, as packing does, so that the result does not depend on which use of the view came first.
+DepthMap limit_sigma_to(const cv::Mat1b& mask, const DepthMap& whole) {
   DepthMap out{whole.z, cv::Mat1f(mask.size(), 0.0F)};
   whole.sigma.copyTo(out.sigma, mask);
   return out;
@@ -66,18 +71,19 @@ DepthMap within(const cv::Mat1b& mask, const DepthMap& whole) {
 }  // namespace
 
 Depths::Depths(const Views& views, const std::function<DepthMap(std::size_t)>& make) {
-  const std::size_t in_work = static_cast<std::size_t>(thread_count()) + 2;
-  const Lazy<DepthMap> whole(views.size(), in_work, make);
-  const auto waiting = std::make_shared<Waiting>();
-  maps = {views.size(), in_work, [whole, waiting, masks = views.masks](std::size_t i) {
-            const std::optional<PackedDepth> packed = waiting->take(i);
-            return packed ? packed->unpack(*masks[i]) : within(*masks[i], *whole[i]);
+  const std::size_t in_progress = static_cast<std::size_t>(thread_count()) + 2;
+  const Lazy<DepthMap> whole(views.size(), in_progress, make);
+  const auto packed_depths = std::make_shared<PackedDepths>();
+  maps = {views.size(), in_progress, [whole, packed_depths, masks = views.masks](std::size_t i) {
+            const std::optional<PackedDepth> packed = packed_depths->take(i);
+            return packed ? packed->unpack(*masks[i]) : limit_sigma_to(*masks[i], *whole[i]);
           }};
-  visibility = {views.size(), [whole, waiting, masks = views.masks, targets = views.of_sequence(0).second](std::size_t i) {
+  visibility = {views.size(),
+                [whole, packed_depths, masks = views.masks, targets = views.of_sequence(0).second](std::size_t i) {
                   const std::shared_ptr<const DepthMap> depth = whole[i];
                   const std::shared_ptr<const cv::Mat1b> mask = masks[i];
-                  if (i < targets) waiting->put(i, *depth, *mask);
-                  return visibility_map(*depth, *mask);
+                  if (i < targets) packed_depths->put(i, *depth, *mask);
+                  return make_visibility_map(*depth, *mask);
                 }};
 }
 

@@ -10,15 +10,15 @@
 
 namespace dvi::depth {
 
-/// Depth maps and visibility maps, made on demand. Visibility maps are small and cached for many source frames. Depth maps
-/// are cached only for the frames in progress, so that memory stays bounded. A view of the target drive that is first used as
-/// a source frame keeps its depth, packed and within a bound, until its own turn, so that it is computed once.
+/// Depth maps and visibility maps, computed on demand. Visibility maps are small and are cached for many source frames. Depth
+/// maps are cached only for the frames in progress, so that memory stays bounded. If a view of the target drive is first used
+/// as a source frame, its depth is packed and stored, within a bound, until it is the target, so that it is computed once.
 struct Depths {
-  /// `make`: the depth map of a view.
+  /// `make(view)` computes the depth map of a view.
   Depths(const Views& views, const std::function<DepthMap(std::size_t)>& make);
 
-  Lazy<DepthMap> maps;             ///< as views; sigma is 0 outside the mask
-  Lazy<VisibilityMap> visibility;  ///< as views
+  Lazy<DepthMap> maps;             ///< One per view; `sigma` is 0 outside the mask.
+  Lazy<VisibilityMap> visibility;  ///< One per view.
 };
 
 }  // namespace dvi::depth

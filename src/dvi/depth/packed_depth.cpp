@@ -5,9 +5,9 @@
 namespace dvi::depth {
 namespace {
 
-constexpr std::ptrdiff_t kWorthIt = 8;  // pixels alike that make a run
+constexpr std::ptrdiff_t kMinRunPixels = 8;  // shorter runs would take more memory than their pixels
 
-const float* end_of_equals(const float* from, const float* end) {
+const float* find_end_of_run(const float* from, const float* end) {
   return std::find_if(from, end, [value = *from](float z) { return z != value; });
 }
 
@@ -18,12 +18,12 @@ PackedDepth::PackedDepth(const DepthMap& depth, const cv::Mat1b& hole) {
   const float *at = z[0], *const end = at + z.total();
   while (at < end) {
     Run run{*at, 0, 0};
-    const float* literal = end_of_equals(at, end);
-    if (literal - at < kWorthIt) literal = at;
+    const float* literal = find_end_of_run(at, end);
+    if (literal - at < kMinRunPixels) literal = at;
     run.same = static_cast<std::uint32_t>(literal - at);
     for (at = literal; at < end;) {
-      const float* const next = end_of_equals(at, end);
-      if (next - at >= kWorthIt) break;
+      const float* const next = find_end_of_run(at, end);
+      if (next - at >= kMinRunPixels) break;
       at = next;
     }
     run.values = static_cast<std::uint32_t>(at - literal);

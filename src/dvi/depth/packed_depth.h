@@ -9,19 +9,19 @@
 
 namespace dvi::depth {
 
-/// A depth map without loss in less memory, for views that are targets later: pixels alike (sky, unknown) as runs, and the
-/// standard deviations only of the pixels that are to be filled.
+/// A depth map in less memory, without loss of the depths: equal pixels (sky, unknown) are stored as runs, and standard
+/// deviations are stored for the pixels of the hole only.
 class PackedDepth {
  public:
   PackedDepth() = default;
   PackedDepth(const DepthMap& depth, const cv::Mat1b& hole);
 
-  /// `hole` as it was packed with; outside of it sigma is 0.
+  /// Restores the depth map. `hole` must be the one of the constructor; `sigma` is 0 outside it.
   DepthMap unpack(const cv::Mat1b& hole) const;
   std::size_t bytes() const;
 
  private:
-  /// Pixels in raster order: `same` times `value`, then `values` that differ.
+  /// Consecutive pixels in raster order: `same` pixels equal to `value`, then `values` pixels that are stored individually.
   struct Run {
     float value = 0;
     std::uint32_t same = 0, values = 0;

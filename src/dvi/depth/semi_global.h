@@ -4,9 +4,15 @@
 
 namespace dvi::depth {
 
-/// Semi-global matching (Hirschmueller, 2008): the costs of every label at every pixel, summed along eight paths on which a
-/// step of one label between neighbors costs `small_step`, any larger one `large_step`. `cost`: CV_32F with as many channels
-/// as there are labels. Paths begin anew where `member` is 0. Of the shape of `cost`.
-cv::Mat semi_global(const cv::Mat& cost, const cv::Mat1b& member, float small_step, float large_step);
+/// The costs of differences between the labels of neighbors.
+struct StepCosts {
+  float one_label;  ///< The cost of a difference of one label.
+  float more;       ///< The cost of any larger difference.
+};
+
+/// Sums the costs of every label at every pixel along eight paths (semi-global matching: H. Hirschmueller, Stereo processing by
+/// semiglobal matching and mutual information, PAMI 2008). `cost` is CV_32F with one channel per label; the result has the same
+/// shape. Paths end at pixels where `member` is 0.
+cv::Mat sum_path_costs(const cv::Mat& cost, const cv::Mat1b& member, const StepCosts& steps);
 
 }  // namespace dvi::depth

@@ -7,33 +7,38 @@
 namespace dvi::depth {
 namespace {
 
-constexpr std::size_t kOfOtherCameras = 1;  // steps each way: the parallax is between the cameras
-constexpr std::size_t kOfOtherDrives = 4;
+/// Parameters of the list of candidates.
+struct CandidateFrameParams {
+  std::size_t other_camera_gap = 1;    ///< Frames before and after, of each other camera: its parallax is that of the mounting.
+  std::size_t other_drive_frames = 4;  ///< Nearest frames of other drives.
+};
+constexpr CandidateFrameParams kCandidateFrames;
 
-// Steps in time grow: near frames are alike, far ones bring parallax.
-std::vector<std::size_t> pool(const Views& views, std::size_t target, int max_frame_gap) {
+/// Lists candidates for source frames. Gaps in time grow, because near frames are similar and distant ones have parallax.
+std::vector<std::size_t> list_candidates(const Views& views, std::size_t target, int max_frame_gap) {
   const auto [first, last] = views.of_sequence(views[target].sequence);
   std::vector<std::size_t> out;
   for (std::size_t d = 1; d <= static_cast<std::size_t>(max_frame_gap); d += std::max<std::size_t>(1, d / 3)) {
     if (target + d < last) out.push_back(target + d);
     if (target >= first + d) out.push_back(target - d);
   }
-  for (const std::size_t view : list_views_of_other_cameras(views, target, kOfOtherCameras)) out.push_back(view);
-  for (const std::size_t view : find_nearest_views_of_other_drives(views, target, kOfOtherDrives)) out.push_back(view);
+  for (const std::size_t view : list_views_of_other_cameras(views, target, kCandidateFrames.other_camera_gap)) out.push_back(view);
+  for (const std::size_t view : find_nearest_views_of_other_drives(views, target, kCandidateFrames.other_drive_frames))
+    out.push_back(view);
   return out;
 }
 
-/// Numbers of the sights, ray by ray and depth by depth, that a view offers.
-std::vector<std::size_t> shown(const View& view, const SE3& world_from_target, const SearchRays& search,
-                               const VisibilityMap& visibility) {
+/// Lists the points that a view observes: point 2i is at infinity on ray i, point 2i + 1 at the largest inverse depth.
+std::vector<std::size_t> find_observed_points(const View& view, const SE3& world_from_target, const SearchRays& search,
+                                              const VisibilityMap& visibility) {
   const SE3 view_from_target = view.camera_from_world * world_from_target;
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < 2 * search.rays.size(); ++i) {
-    const double w = i % 2 == 0 ? 0 : search.nearest;
+    const double w = i % 2 == 0 ? 0 : search.max_inverse_depth;
     const Eigen::Vector3d x = view_from_target.R * search.rays[i / 2] + w * view_from_target.t;
     if (!view.camera.in_front(x)) continue;
     const Eigen::Vector2d at = view.camera.project(x);
-    if (view.camera.contains(at) && !visibility.masked({static_cast<float>(at.x()), static_cast<float>(at.y())}))
+    if (view.camera.contains(at) && !visibility.is_masked({static_cast<float>(at.x()), static_cast<float>(at.y())}))
       out.push_back(i);
   }
   return out;
@@ -43,28 +48,28 @@ std::vector<std::size_t> shown(const View& view, const SE3& world_from_target, c
 
 std::vector<std::size_t> choose_source_frames(const Target& target, const SearchRays& search, int count, int max_frame_gap) {
   const SE3 world_from_target = target.view().camera_from_world.inverse();
-  const std::vector<std::size_t> candidates = pool(target.views, target.index, max_frame_gap);
-  std::vector<std::vector<std::size_t>> sights;
+  const std::vector<std::size_t> candidates = list_candidates(target.views, target.index, max_frame_gap);
+  std::vector<std::vector<std::size_t>> observed;
   for (const std::size_t view : candidates)
-    sights.push_back(shown(target.views[view], world_from_target, search, *target.visibility[view]));
-  // Greedily the view that adds most, where each further sight of the same counts half of the one before.
-  std::vector<double> worth(2 * search.rays.size(), 1);
+    observed.push_back(find_observed_points(target.views[view], world_from_target, search, *target.visibility[view]));
+  // Greedy: each further observation of a point counts half as much as the one before.
+  std::vector<double> weight(2 * search.rays.size(), 1);
   std::vector<std::size_t> out;
   while (out.size() < static_cast<std::size_t>(count)) {
     std::size_t best = 0;
-    double most = 0;
-    for (std::size_t i = 0; i < sights.size(); ++i) {
+    double max_gain = 0;
+    for (std::size_t i = 0; i < observed.size(); ++i) {
       double gain = 0;
-      for (const std::size_t sight : sights[i]) gain += worth[sight];
-      if (gain > most) {
+      for (const std::size_t point : observed[i]) gain += weight[point];
+      if (gain > max_gain) {
         best = i;
-        most = gain;
+        max_gain = gain;
       }
     }
-    if (most == 0) break;
-    for (const std::size_t sight : sights[best]) worth[sight] /= 2;
+    if (max_gain == 0) break;
+    for (const std::size_t point : observed[best]) weight[point] /= 2;
     out.push_back(candidates[best]);
-    sights[best].clear();
+    observed[best].clear();
   }
   return out;
 }

@@ -2,43 +2,46 @@
 
 #include <array>
 
+#include <opencv2/core/types.hpp>
+
 #include "dvi/depth/surfel_mesh.h"
 
 namespace dvi::depth {
 
-/// What is seen within a triangle of three surfels: one surface, or several that meet in it or hide each other.
+/// The depth within a triangle of three surfels: of one surface, or of several that intersect or occlude each other.
 class Triangle {
  public:
   struct Value {
-    float inverse = 0;  ///< 1 / meters
-    float spread = 0;   ///< meters: how far off it may be beside the noise of the returns
-    int corner = 0;     ///< whose surface it is
+    float inverse = 0;  ///< Inverse depth, in 1/m.
+    float spread = 0;   ///< Uncertainty of the depth in meters, in addition to the noise of the returns.
+    int corner = 0;     ///< The corner whose surface is visible.
   };
 
   Triangle(const SurfelMesh& mesh, const std::array<std::size_t, 3>& corners);
 
+  /// The corners are sorted from near to far.
   const Surfel& corner(int k) const { return *corners_[k]; }
-  /// Wider than returns lie apart: nothing was scanned within.
-  bool gap() const { return gap_; }
-  /// At a pixel with the weights `w` of the corners. One surface is interpolated linearly in inverse depth, exact for planes.
-  Value at(float x, float y, const std::array<float, 3>& w) const;
-  /// Interpolates whatever the corners are.
+  /// Whether the triangle is wider than the spacing of returns, so that its inside was not scanned.
+  bool is_gap() const { return is_gap_; }
+  /// Computes the depth at a pixel; `w` are its barycentric coordinates. One surface is interpolated linearly in inverse depth,
+  /// which is exact for planes. Several surfaces are split.
+  Value evaluate(float x, float y, const std::array<float, 3>& w) const;
+  /// Interpolates the corners linearly in inverse depth, even if they belong to several surfaces.
   Value interpolate(const std::array<float, 3>& w) const;
 
  private:
   Joint joint_of(int a, int b) const { return joints_[a + b - 1]; }
   float cut_of(int a, int b) const { return cuts_[a + b - 1]; }
-  Value shown(float x, float y, const std::array<float, 3>& w) const;
-  Value own(int k, float x, float y) const;
-  Value meet(int a, int b, float x, float y, const std::array<float, 3>& w) const;
-  static Value meet(Joint how, const Value& a, const Value& b);
+  Value split(const cv::Point2f& at, const std::array<float, 3>& w) const;
+  Value evaluate_plane(int k, const cv::Point2f& at) const;
+  Value split_pair(int a, int b, const cv::Point2f& at, const std::array<float, 3>& w) const;
 
-  std::array<const Surfel*, 3> corners_;  ///< from near to far
-  std::array<Joint, 3> joints_{};         ///< of corners 0-1, 0-2, 1-2
-  std::array<float, 3> cuts_{};           ///< part of the way between them, from the nearer, that belongs to it
-  bool whole_ = false;
-  bool gap_ = false;
-  int lone_ = -1;  ///< the corner that a step parts from both others
+  std::array<const Surfel*, 3> corners_;  ///< The corners, sorted from near to far.
+  std::array<Joint, 3> joints_{};         ///< The joints of the corners 0-1, 0-2, and 1-2.
+  std::array<float, 3> cuts_{};  ///< The part of each edge, from its nearer corner, that belongs to the nearer surface.
+  bool is_one_surface_ = false;
+  bool is_gap_ = false;
+  int isolated_ = -1;  ///< The corner that is separated from both others by steps; -1: none.
 };
 
 }  // namespace dvi::depth

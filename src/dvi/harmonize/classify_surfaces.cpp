@@ -16,61 +16,76 @@
 namespace dvi::harmonize {
 namespace {
 
-constexpr double kStands = 0.35;  // meters above the ground: no curb is higher
-constexpr double kFoot = 16;      // px above where it stands: higher parts, as of a trunk, are far before what is beside them
-constexpr float kUnsure = 0.03F;  // of the depth, one sigma: behind such a pixel may stand something else
-constexpr int kRound = 24;        // px: of the surroundings of a hole
+/// Parameters of the classification.
+struct SurfaceClassParams {
+  double max_ground_height_m = 0.35;  ///< Largest height above the ground; no curb is higher.
+  /// Height in the image up to which a class is propagated; higher parts are far in front of their neighbors.
+  double max_foot_px = 16;
+  float max_relative_sigma = 0.03F;  ///< Relative uncertainty of the depth above which the pixel may show another object.
+  int margin_px = 24;                ///< Width of the classified area around the hole.
+  /// Vertical smoothness of the propagation. It is small, because the end of the ground continues from one side of the hole to
+  /// the other, whatever is above and below.
+  float vertical_weight = 0.01F;
+  float prior_weight = 1e-6F;  ///< Weight that makes the equation solvable without known surroundings.
+};
+constexpr SurfaceClassParams kSurfaceClass;
 
-struct Classified {
+struct PixelClass {
   SurfaceClass surface = SurfaceClass::unknown;
-  bool spreads = false;  ///< what is beside it may be of its class
+  bool propagates = false;  ///< Whether unknown neighbors may have the same class.
 };
 
 class Classifier {
  public:
-  Classifier(const View& view, const depth::DepthMap& depth, const ground::RoadGround& ground)
-      : view_(view), depth_(depth), ground_(ground), world_from_camera_(view.camera_from_world.inverse()) {}
+  Classifier(const depth::Target& target, const sample::Candidates& candidates, const ground::RoadGround& ground)
+      : view_(target.view()),
+        depth_(target.depth),
+        candidates_(candidates),
+        ground_(ground),
+        world_from_camera_(view_.camera_from_world.inverse()) {}
 
-  Classified at(cv::Point p, bool sure) const {
+  /// Classifies a pixel. The depth of a copied pixel is used in spite of its uncertainty, because it was verified by the
+  /// source.
+  PixelClass classify(cv::Point p) const {
+    const int i = candidates_.hole.index(p);
+    const bool copied = i >= 0 && candidates_.leading[i].found();
     const float z = depth_.z(p);
     if (z == depth::DepthMap::kInfinity) return {SurfaceClass::upright, true};
     const Eigen::Vector3d ray = view_.camera.ray(Eigen::Vector2d(p.x, p.y));
-    if (!depth::DepthMap::is_solid(z) || (!sure && depth_.sigma(p) > kUnsure * z))
-      return (world_from_camera_.R * ray).z() > 0 ? Classified{SurfaceClass::upright, true} : Classified{};
+    if (!depth::DepthMap::is_solid(z) || (!copied && depth_.sigma(p) > kSurfaceClass.max_relative_sigma * z))
+      return (world_from_camera_.R * ray).z() > 0 ? PixelClass{SurfaceClass::upright, true} : PixelClass{};
     const Eigen::Vector3d point = world_from_camera_ * Eigen::Vector3d(z * ray);
     const std::optional<double> ground = ground_.height(Eigen::Vector2d(point.head<2>()));
     if (!ground) return {};
     const double height = point.z() - *ground;
-    if (height <= kStands) return {SurfaceClass::ground, true};
-    return {SurfaceClass::upright, height * view_.camera.fy < kFoot * z};
+    if (height <= kSurfaceClass.max_ground_height_m) return {SurfaceClass::ground, true};
+    return {SurfaceClass::upright, height * view_.camera.fy < kSurfaceClass.max_foot_px * z};
   }
 
  private:
   const View& view_;
   const depth::DepthMap& depth_;
+  const sample::Candidates& candidates_;
   const ground::RoadGround& ground_;
   SE3 world_from_camera_;
 };
 
-constexpr uchar as_byte(SurfaceClass c) { return static_cast<uchar>(c); }
+constexpr uchar to_byte(SurfaceClass c) { return static_cast<uchar>(c); }
 
-/// Gives the pixels of `unknown` the class that prevails round them: a membrane between 1, ground, and -1, upright, where
-/// pixels spread their class.
-void propagate(const cv::Mat1b& unknown, const cv::Mat1b& spreads, cv::Mat1b& classes) {
-  // The line where the ground ends leads from one side of the hole to the other, whatever lies above and below.
-  constexpr float kVertical = 0.01F;
-  constexpr float kNothing = 1e-6F;  // where nothing is known round a part
+/// Gives the pixels of `unknown` the prevailing class around them: the sign of a membrane between 1 (ground) and -1 (upright)
+/// at the pixels of `propagates`.
+void propagate_classes(const cv::Mat1b& unknown, const cv::Mat1b& propagates, cv::Mat1b& classes) {
   const std::array<cv::Point, 4> steps{cv::Point(-1, 0), cv::Point(1, 0), cv::Point(0, -1), cv::Point(0, 1)};
   const cv::Rect inside({}, classes.size());
-  PoissonSystem system{Region(unknown), {}, {}, kVertical};
+  PoissonSystem system{Region(unknown), {}, {}, kSurfaceClass.vertical_weight};
   for (const cv::Point p : system.region.pixels) {
-    float diagonal = kNothing, right = 0;
+    float diagonal = kSurfaceClass.prior_weight, right = 0;
     for (const cv::Point step : steps) {
       const cv::Point q = p + step;
-      if (!inside.contains(q) || (unknown(q) == 0 && spreads(q) == 0)) continue;
-      const float weight = step.y == 0 ? 1 : kVertical;
+      if (!inside.contains(q) || (unknown(q) == 0 && propagates(q) == 0)) continue;
+      const float weight = step.y == 0 ? 1 : kSurfaceClass.vertical_weight;
       diagonal += weight;
-      if (unknown(q) == 0) right += classes(q) == as_byte(SurfaceClass::ground) ? weight : -weight;
+      if (unknown(q) == 0) right += classes(q) == to_byte(SurfaceClass::ground) ? weight : -weight;
     }
     system.diagonal.push_back(diagonal);
     system.right.push_back(cv::Vec3f::all(right));
@@ -78,7 +93,7 @@ void propagate(const cv::Mat1b& unknown, const cv::Mat1b& spreads, cv::Mat1b& cl
   std::vector<cv::Vec3f> x(system.region.size());
   solve_poisson(system, x, 1e-3);
   for (std::size_t i = 0; i < x.size(); ++i)
-    if (x[i][0] != 0) classes(system.region.pixels[i]) = as_byte(x[i][0] > 0 ? SurfaceClass::ground : SurfaceClass::upright);
+    if (x[i][0] != 0) classes(system.region.pixels[i]) = to_byte(x[i][0] > 0 ? SurfaceClass::ground : SurfaceClass::upright);
 }
 
 }  // namespace
@@ -86,19 +101,17 @@ void propagate(const cv::Mat1b& unknown, const cv::Mat1b& spreads, cv::Mat1b& cl
 cv::Mat1b classify_surfaces(const depth::Target& target, const sample::Candidates& candidates,
                             const ground::RoadGround& ground) {
   const Region& hole = candidates.hole;
-  cv::Mat1b classes(hole.index.size(), as_byte(SurfaceClass::unknown)), unknown(hole.index.size(), uchar{0});
-  cv::Mat1b spreads = unknown.clone();
+  cv::Mat1b classes(hole.index.size(), to_byte(SurfaceClass::unknown)), unknown(hole.index.size(), uchar{0});
+  cv::Mat1b propagates = unknown.clone();
   if (!ground.found() || target.view().sensor != Sensor::lidar) return classes;
-  const Classifier classify(target.view(), target.depth, ground);
-  for (const cv::Point p : Region(grown(cv::Mat1b(hole.index >= 0), kRound)).pixels) {
-    const int i = hole.index(p);
-    const bool copied = i >= 0 && candidates.leading[i].found();
-    const Classified found = classify.at(p, copied);
-    classes(p) = as_byte(found.surface);
-    spreads(p) = found.spreads ? 255 : 0;
+  const Classifier classifier(target, candidates, ground);
+  for (const cv::Point p : Region(grown(cv::Mat1b(hole.index >= 0), kSurfaceClass.margin_px)).pixels) {
+    const PixelClass found = classifier.classify(p);
+    classes(p) = to_byte(found.surface);
+    propagates(p) = found.propagates ? 255 : 0;
     if (found.surface == SurfaceClass::unknown) unknown(p) = 255;
   }
-  propagate(unknown, spreads, classes);
+  propagate_classes(unknown, propagates, classes);
   return classes;
 }
 

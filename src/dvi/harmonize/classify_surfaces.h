@@ -8,8 +8,9 @@
 
 namespace dvi::harmonize {
 
-/// The SurfaceClass of each pixel of a frame's hole and of 24 px round it; unknown elsewhere, and without ground. Pixels below
-/// the horizon that are not copied and whose depth is unknown or unsure get the class of the pixels to either side.
+/// Determines the SurfaceClass of each pixel of a frame's hole and of 24 px around it, from its height above the ground. It is
+/// unknown elsewhere, for views without LiDAR, and if the drive has no ground. Pixels below the horizon that are not copied and
+/// whose depth is unknown or uncertain get the class of the pixels at both sides.
 cv::Mat1b classify_surfaces(const depth::Target& target, const sample::Candidates& candidates,
                             const ground::RoadGround& ground);
 

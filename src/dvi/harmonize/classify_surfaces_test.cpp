@@ -17,7 +17,7 @@ namespace {
 constexpr double kCameraHeight = 1.6;  // meters of the camera above the ground
 constexpr int kStreetColumns = 320, kStreetRows = 120;
 
-/// A level road with a wall across it, 30 m ahead of the first camera, and a trunk 8 m ahead.
+/// A level road that ends at a wall 30 m ahead of the first camera, and a trunk at 8 m.
 struct RoadWithWall {
   std::vector<View> views;
   map::StaticMap map;
@@ -58,44 +58,44 @@ struct RoadWithWall {
     const Views all = memory_views(views, std::vector<cv::Mat3b>(views.size()), std::vector<cv::Mat1b>(views.size()));
     return classify_surfaces({all, 0, depth, {}}, candidates, ground::RoadGround(map, all));
   }
-  int wrong(const cv::Mat1b& found, const cv::Rect& where) const {
+  int count_wrong(const cv::Mat1b& found, const cv::Rect& where) const {
     return cv::countNonZero(cv::Mat1b(found(where)) != truth(where));
   }
 };
 
-TEST(ClassifySurfaces, FollowTheDepth) {
+TEST(ClassifySurfaces, FollowsTheDepth) {
   const RoadWithWall street;
-  const cv::Rect hole(100, 20, 150, 80), round(80, 0, 190, kStreetRows);
-  EXPECT_LT(street.wrong(street.classes(hole), round), round.width) << "within a row";
+  const cv::Rect hole(100, 20, 150, 80), surroundings(80, 0, 190, kStreetRows);
+  EXPECT_LT(street.count_wrong(street.classes(hole), surroundings), surroundings.width) << "within a row";
   EXPECT_EQ(cv::countNonZero(street.classes(hole).colRange(0, 70)), 0) << "unknown far from the hole";
 }
 
-TEST(ClassifySurfaces, WithoutDepthTheGroundEndsAsBesideTheHole) {
+TEST(ClassifySurfaces, PropagatesClassesWhereDepthIsUnknown) {
   RoadWithWall street;
   const cv::Rect hole(60, 30, 80, 50);
   for (const float z : {depth::DepthMap::kUnknown, depth::DepthMap::kSky}) {
     street.depth.z(hole) = z;
-    EXPECT_LT(street.wrong(street.classes(hole), hole), 2 * hole.width) << "within two rows";
+    EXPECT_LT(street.count_wrong(street.classes(hole), hole), 2 * hole.width) << "within two rows";
   }
 }
 
-TEST(ClassifySurfaces, AnUnsureDepthIsNone) {
+TEST(ClassifySurfaces, IgnoresUncertainDepth) {
   RoadWithWall street;
   const cv::Rect hole(60, 30, 80, 50);
-  street.depth.z(hole) = 5.0F;  // as if something stood there
-  EXPECT_GT(street.wrong(street.classes(hole), hole), hole.area() / 4);
+  street.depth.z(hole) = 5.0F;  // as of an object in front of the wall
+  EXPECT_GT(street.count_wrong(street.classes(hole), hole), hole.area() / 4);
   street.depth.sigma(hole) = 1.0F;
-  EXPECT_LT(street.wrong(street.classes(hole), hole), 2 * hole.width);
+  EXPECT_LT(street.count_wrong(street.classes(hole), hole), 2 * hole.width);
 }
 
-TEST(ClassifySurfaces, ATrunkBesideTheHoleDoesNotGoOnInIt) {
+TEST(ClassifySurfaces, DoesNotPropagateATrunkBesideTheHole) {
   RoadWithWall street;
   const cv::Rect hole(150, 30, 50, 50);  // up to the trunk
   street.depth.z(hole) = depth::DepthMap::kUnknown;
-  EXPECT_LT(street.wrong(street.classes(hole), hole), 3 * hole.width);
+  EXPECT_LT(street.count_wrong(street.classes(hole), hole), 3 * hole.width);
 }
 
-TEST(ClassifySurfaces, AreUnknownWithoutGroundAndForDepthCameras) {
+TEST(ClassifySurfaces, IsUnknownWithoutGroundAndForDepthCameras) {
   RoadWithWall street;
   const cv::Rect hole(60, 30, 80, 50);
   for (View& view : street.views) view.sensor = Sensor::depth_camera;

@@ -26,40 +26,46 @@ struct Source {
   std::shared_ptr<const cv::Mat3b> image;
   std::shared_ptr<const cv::Mat1b> mask;
 
-  /// What it shows of a pixel of the target, in its light but for the gain.
-  cv::Vec3f shown(cv::Point p, cv::Point2f at, cv::Vec2b footprint) const {
+  /// Reads the color of a pixel of the target, corrected for vignetting but not for the gain.
+  cv::Vec3f read_color(cv::Point p, cv::Point2f at, cv::Vec2b footprint) const {
     return apply_vignetting(box_mean(*image, at, footprint), vignetting_to(target, p, view, at));
   }
 };
 
-/// What the source that shows p shows of its neighbor q, which was not copied from it, in the light of the target; none where
-/// it cannot.
-std::optional<cv::Vec3f> neighbor(const Source& source, cv::Point p, const sample::Candidate& shown, const cv::Vec3f& gain,
-                                  cv::Point q, const depth::DepthMap& depth) {
+/// A copied pixel of the target and its candidate in a source.
+struct CopiedPixel {
+  cv::Point at;
+  const sample::Candidate& candidate;
+};
+
+/// Reads the color of q, a neighbor of a pixel that was copied from the source. Returns nothing if the source does not show it.
+std::optional<cv::Vec3f> read_neighbor(const Source& source, const CopiedPixel& p, cv::Point q, const depth::DepthMap& depth) {
+  const auto& [at, candidate] = p;
   const cv::Point2f by_depth =
-      find_neighbor_in_source(p, shown.position, source.warp(p, depth.z(p)), q, source.warp(q, depth.z(q)));
-  const cv::Point2f by_image = shown.position + cv::Point2f(q - p);
-  for (const cv::Point2f at : {by_depth, by_image})
-    if (can_sample(*source.mask, at, shown.footprint)) return source.shown(q, at, shown.footprint).mul(gain);
+      find_neighbor_in_source(at, candidate.position, source.warp(at, depth.z(at)), q, source.warp(q, depth.z(q)));
+  const cv::Point2f by_image = candidate.position + cv::Point2f(q - at);
+  for (const cv::Point2f position : {by_depth, by_image})
+    if (can_sample(*source.mask, position, candidate.footprint)) return source.read_color(q, position, candidate.footprint);
   return std::nullopt;
 }
 
-void add(Seam& seam, const cv::Vec3f& first, const cv::Vec3f& second) {
+/// Adds the colors of both pixels of a seam in one source.
+void add_source(Seam& seam, const cv::Vec3f& first, const cv::Vec3f& second) {
   const cv::Vec3f step = first - second, middle = 0.5F * (first + second);
-  if (seam.shown == 1) seam.doubt = std::hypot(mean_difference(2 * seam.step, step), mean_difference(seam.middle, middle));
+  if (seam.sources == 1) seam.spread = std::hypot(mean_difference(2 * seam.step, step), mean_difference(seam.middle, middle));
   seam.middle = middle;
   seam.step += 0.5F * step;
-  ++seam.shown;
+  ++seam.sources;
 }
 
 }  // namespace
 
 float Seam::weight() const {
-  const float root = 1 + doubt * doubt / (kDoubtfulSeam * kDoubtfulSeam);
+  const float root = 1 + spread * spread / (kSeam.inconsistent_seam_levels * kSeam.inconsistent_seam_levels);
   return 1 / (root * root);
 }
 
-Copies copy(const depth::Target& target, const Fused& fused, const DayLight& light) {
+Copies read_copies(const depth::Target& target, const Fused& fused, const IlluminationChange& illumination) {
   const Views& views = target.views;
   const sample::Candidates& candidates = fused.candidates;
   const Region& hole = candidates.hole;
@@ -71,26 +77,28 @@ Copies copy(const depth::Target& target, const Fused& fused, const DayLight& lig
   const cv::Rect frame({}, hole.index.size());
   const std::shared_ptr<const cv::Mat3b> known = target.image();
   for (const auto& [view, pixels] : of_view) {
-    out.of_other_days |= views[view].drive != target.view().drive;
+    out.from_other_drives |= views[view].drive != target.view().drive;
     const Source source{target.view(), views[view], Warp(target.view(), views[view]), views.images[view], views.masks[view]};
     for (const std::size_t i : pixels) {
       const cv::Point p = hole.pixels[i];
-      const sample::Candidate& shown = candidates.leading[i];
-      const cv::Vec3f gain = light.gain_to(target.view(), views[view], i);
-      const auto own = [&] { return source.shown(p, shown.position, shown.footprint).mul(gain); };
+      const sample::Candidate& candidate = candidates.leading[i];
+      const cv::Vec3f gain = illumination.gain_to(target.view(), views[view], i);
+      const auto own = [&] { return source.read_color(p, candidate.position, candidate.footprint).mul(gain); };
       for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
         if (!frame.contains(q)) continue;
         const int j = hole.index(q);
         const bool seam = j >= 0 && candidates.leading[j].found() && candidates.leading[j].view != view;
         if (j >= 0 && !seam) continue;
-        const std::optional<cv::Vec3f> beside = neighbor(source, p, shown, gain, q, target.depth);
-        if (!beside) continue;
+        const std::optional<cv::Vec3f> shown = read_neighbor(source, {p, candidate}, q, target.depth);
+        if (!shown) continue;
+        const cv::Vec3f neighbor = shown->mul(gain);
         if (seam) {
           const bool first = q.x > p.x || q.y > p.y;
-          add((first ? out.seams[i] : out.seams[j])[q.y == p.y ? 0 : 1], first ? own() : *beside, first ? *beside : own());
+          add_source((first ? out.seams[i] : out.seams[j])[q.y == p.y ? 0 : 1], first ? own() : neighbor,
+                     first ? neighbor : own());
         } else {
-          out.outward[i] += own() - *beside;
-          out.rim.push_back({q, view, cv::Vec3f((*known)(q)) - *beside});
+          out.outward[i] += own() - neighbor;
+          out.boundary.push_back({q, view, cv::Vec3f((*known)(q)) - neighbor});
         }
       }
     }

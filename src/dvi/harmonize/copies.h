@@ -8,47 +8,53 @@
 
 namespace dvi::harmonize {
 
-/// Gray levels: three times what a right copy may be off by. A seam is between two colors in each of two sources, which is
-/// twice as uncertain.
-constexpr float kDoubtful = 30, kDoubtfulSeam = 2 * kDoubtful;
+/// Parameters of the consistency of copies.
+struct SeamParams {
+  float inconsistent_levels = 30;       ///< Three times the error of a correct copy, in gray levels.
+  float inconsistent_seam_levels = 60;  ///< The same of a seam: two colors in each of two sources are twice as uncertain.
+};
+inline constexpr SeamParams kSeam;
 
-/// A known pixel beside a copied one.
-struct RimPixel {
+/// A known pixel next to a copied one.
+struct BoundaryPixel {
   cv::Point at;
-  int view = 0;          ///< the source of the copied one
-  cv::Vec3f difference;  ///< its color, less what this source shows of it
+  int view = 0;          ///< Index of the source of the copied pixel.
+  cv::Vec3f difference;  ///< Color of the known pixel minus its color in that source.
 };
 
-/// A hole pixel and its neighbor to the right, or below, which another source shows.
+/// A pair of a hole pixel and its right or lower neighbor that have different sources.
 struct Seam {
-  cv::Vec3f step;    ///< its color less the neighbor's: the mean of what both sources show of the two, 0 where one does not
-  int shown = 0;     ///< how many of both do
-  float doubt = 0;   ///< gray levels by which they differ in the step and in the mean of the two colors; 0 unless both show it
-  cv::Vec3f middle;  ///< that mean, as shown last
+  cv::Vec3f step;   ///< Color of the pixel minus that of the neighbor: the mean of the sources that show both, or 0.
+  int sources = 0;  ///< Number of sources that show both pixels: 0 to 2.
+  /// Difference of both sources, in the step and in the mean of the two colors; 0 unless both show the pair.
+  float spread = 0;
+  cv::Vec3f middle;  ///< Mean of the two colors in the source that was added last.
 
-  /// In eq. 5, that of Geman and McClure: misplaced edges and moved shadows must not set how bright all beyond them is.
+  /// The weight of the step in eq. 5, by the robust function of Geman and McClure, so that displaced edges and moved shadows do
+  /// not change the brightness of the pixels behind them.
   float weight() const;
 };
 
-/// What the solution of eq. 5 is held near to (screened Poisson: Bhat et al., Fourier analysis of the 2D screened Poisson
-/// equation, ECCV 2008).
-struct Hold {
-  std::vector<cv::Vec3f> color;  ///< as the hole's pixels: the copies in the light of the rim
-  std::vector<float> weight;     ///< the same; 0: not held
+/// The data term of eq. 5 (screened Poisson equation: P. Bhat et al., Fourier analysis of the 2D screened Poisson equation,
+/// ECCV 2008).
+struct Screening {
+  std::vector<cv::Vec3f> color;  ///< One per hole pixel: the copies, in the illumination of the boundary.
+  std::vector<float> weight;     ///< One per hole pixel; 0: no data term.
 };
 
-/// What the sources show for each hole pixel, in the light of the target; zeros where there is no candidate.
+/// The colors of the sources for each hole pixel, in the illumination of the target; zeros for pixels without a candidate.
 struct Copies {
-  std::vector<cv::Vec3f> color;  ///< as fused
-  /// Sum over the pixel's neighbors outside the hole of (its color - the neighbor's), both as its leading source shows them.
+  std::vector<cv::Vec3f> color;  ///< The colors of Fused.
+  /// Sum over the neighbors outside the hole of the pixel's color minus the neighbor's, both in the leading source.
   std::vector<cv::Vec3f> outward;
-  std::vector<std::array<Seam, 2>> seams;  ///< to the right and below; elsewhere none is shown
-  std::vector<RimPixel> rim{};             ///< of those that the sources show
-  bool of_other_days = false;              ///< some were copied from another drive
-  Hold hold{};                             ///< by hold_of()
+  std::vector<std::array<Seam, 2>>
+      seams;  ///< The seams to the right and lower neighbor; `sources` is 0 if the source is the same.
+  std::vector<BoundaryPixel> boundary{};  ///< The known pixels next to copied ones that the sources show.
+  bool from_other_drives = false;         ///< Whether pixels were copied from other drives.
+  Screening screening{};                  ///< The result of compute_screening().
 };
 
-/// Reads one source image at a time.
-Copies copy(const depth::Target& target, const Fused& fused, const DayLight& light);
+/// Reads the gradients of the copies and the boundary from the sources, one source image at a time.
+Copies read_copies(const depth::Target& target, const Fused& fused, const IlluminationChange& illumination);
 
 }  // namespace dvi::harmonize

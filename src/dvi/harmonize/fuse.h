@@ -6,45 +6,47 @@
 #include <vector>
 
 #include "dvi/depth/target.h"
-#include "dvi/harmonize/day_light.h"
+#include "dvi/harmonize/illumination_change.h"
 #include "dvi/sample/candidates.h"
 
 namespace dvi::harmonize {
 
-/// Gray levels by which colors differ, in the channel where it is most and as a mean over the channels.
-float most_different(const cv::Vec3f& a, const cv::Vec3f& b);
+/// The largest difference of two colors over the channels, in gray levels.
+float max_difference(const cv::Vec3f& a, const cv::Vec3f& b);
+/// The mean difference of two colors over the channels, in gray levels.
 float mean_difference(const cv::Vec3f& a, const cv::Vec3f& b);
 
-/// What a source shows of a pixel, in the light of the target.
+/// The color of a pixel in a source, in the illumination of the target.
 struct SourceColor {
   cv::Vec3f color;
-  float trust = 0;  ///< 0: nothing
+  float weight = 0;  ///< The score of the candidate, reduced for saturated colors; 0: not used.
 };
 
-/// One color of several.
+/// The consensus of several colors.
 struct Agreement {
-  std::size_t leading = 0;   ///< which of them leads
-  cv::Vec3f color;           ///< mean of those that agree with it, weighted by trust
-  std::uint8_t sources = 0;  ///< how many these are, itself included
-  float spread = 0;          ///< mean over all others of how far they are from the leading one, gray levels a channel
+  std::size_t leading = 0;   ///< Index of the leading color.
+  cv::Vec3f color;           ///< Weighted mean of the colors that agree with it.
+  std::uint8_t sources = 0;  ///< Number of these colors, including the leading one.
+  float spread = 0;          ///< Mean difference of all other colors to the leading one, in gray levels per channel.
 };
 
-/// The leading source is the first that at least half of the trust agrees with, so that one that is the odd one out does not
-/// lead; two agree if no channel differs by more than noise does.
-Agreement agreement(std::span<const SourceColor> shown);
+/// Combines colors, of which at least one has a weight. The leading color is the first with which at least half of the weight
+/// agrees, so that an outlier does not lead; if there is none, that with the largest weight. Two colors agree if no channel
+/// differs by more than noise.
+Agreement find_agreement(std::span<const SourceColor> colors);
 
-/// The sources of each hole pixel as one.
+/// The fused sources of each hole pixel.
 struct Fused {
-  sample::Candidates candidates;      ///< `leading` only, with the footprints that were read; no further ones
-  std::vector<cv::Vec3f> color;       ///< as hole.pixels; zeros where there is no candidate
-  std::vector<std::uint8_t> sources;  ///< as hole.pixels
-  std::vector<float> spread;          ///< as hole.pixels
-  cv::Mat1b sky;                      ///< 255: another drive shows what is too bright for the target's light, or bleeds from it
+  sample::Candidates candidates;      ///< Only `leading`, with the footprints that were read.
+  std::vector<cv::Vec3f> color;       ///< One per hole pixel; zeros if it has no candidate.
+  std::vector<std::uint8_t> sources;  ///< One per hole pixel, as Agreement::sources.
+  std::vector<float> spread;          ///< One per hole pixel, as Agreement::spread.
+  cv::Mat1b sky;  ///< 255: a source of another drive is too bright there for a surface, or adjacent to such.
 };
 
-/// Reads one source image at a time. Where a box meets the source's mask the pixel itself is taken; saturated colors count
-/// only where there are no others. What another drive shows there where it is too bright for the
-/// target's light, as its sky is, or mixed with that, is not used.
-Fused fuse(const depth::Target& target, const sample::Candidates& candidates, const DayLight& light);
+/// Reads the candidates' colors, one source image at a time, and fuses those of each pixel. Footprints that overlap the mask of
+/// the source are reduced to one pixel. Saturated colors have a low weight. Colors of other drives that are brighter than any
+/// surface of the target, as sky, or adjacent to such, are not used.
+Fused fuse(const depth::Target& target, const sample::Candidates& candidates, const IlluminationChange& illumination);
 
 }  // namespace dvi::harmonize

@@ -10,23 +10,21 @@
 namespace dvi::harmonize {
 namespace {
 
-SourceColor gray(float level, float trust = 0.5F) { return {cv::Vec3f::all(level), trust}; }
+SourceColor gray(float level, float weight = 0.5F) { return {cv::Vec3f::all(level), weight}; }
 
-Agreement of(const std::vector<SourceColor>& shown) { return agreement(shown); }
-
-TEST(Fuse, ThoseThatAgreeAreAveragedByTrust) {
-  const Agreement out = of({gray(100, 0.75F), gray(104, 0.25F)});
+TEST(FindAgreement, AveragesColorsThatAgreeByWeight) {
+  const Agreement out = find_agreement(std::vector{gray(100, 0.75F), gray(104, 0.25F)});
   EXPECT_EQ(out.leading, 0);
   EXPECT_EQ(out.sources, 2);
   EXPECT_FLOAT_EQ(out.color[1], 101);
   EXPECT_FLOAT_EQ(out.spread, 4);
 }
 
-TEST(Fuse, OneOutlierOfThreeIsIgnored) {
+TEST(FindAgreement, IgnoresOneOutlierOfThree) {
   for (std::size_t odd = 0; odd < 3; ++odd) {
     std::vector<SourceColor> shown{gray(100, 0.6F), gray(100), gray(100)};
     shown[odd].color = cv::Vec3f::all(180);
-    const Agreement out = of(shown);
+    const Agreement out = find_agreement(shown);
     EXPECT_EQ(out.leading, odd == 0 ? 1 : 0);
     EXPECT_NEAR(out.color[0], 100, 1e-3);
     EXPECT_EQ(out.sources, 2);
@@ -34,21 +32,21 @@ TEST(Fuse, OneOutlierOfThreeIsIgnored) {
   }
 }
 
-TEST(Fuse, WhereNoneAgreeTheMostTrustedLeads) {
-  const Agreement out = of({gray(100, 0.6F), gray(150), gray(200)});
+TEST(FindAgreement, SelectsTheLargestWeightIfNoColorsAgree) {
+  const Agreement out = find_agreement(std::vector{gray(100, 0.6F), gray(150), gray(200)});
   EXPECT_EQ(out.leading, 0);
   EXPECT_NEAR(out.color[0], 100, 1e-3);
   EXPECT_EQ(out.sources, 1);
 }
 
-TEST(Fuse, AloneItIsWhatItIs) {
-  const Agreement out = of({gray(100), {}, {}});
+TEST(FindAgreement, ReturnsASingleColor) {
+  const Agreement out = find_agreement(std::vector<SourceColor>{gray(100), {}, {}});
   EXPECT_NEAR(out.color[0], 100, 1e-3);
   EXPECT_EQ(out.sources, 1);
   EXPECT_EQ(out.spread, 0);
 }
 
-/// A hole whose pixels all sources show at their own place.
+/// A hole in a stationary scene: sources show each pixel at the same image position.
 struct Still {
   cv::Mat1b hole = cv::Mat1b(60, 80, uchar{0});
   FlatScene scene;
@@ -74,7 +72,7 @@ double mean_square_error(const Still& still, const Fused& fused, const cv::Mat3b
   return sum / static_cast<double>(fused.color.size());
 }
 
-TEST(Fuse, SeveralBeatTheNoiseOfOne) {
+TEST(Fuse, AveragingReducesNoise) {
   const cv::Mat3b truth = waves(80, 60, 1);
   Random random(5);
   std::vector<cv::Mat3b> noisy;
@@ -97,7 +95,7 @@ TEST(Fuse, SaturatedSourcesAreAvoided) {
   for (const cv::Vec3f& color : all.run().color) EXPECT_EQ(color[0], 255);
 }
 
-TEST(Fuse, SourcesComeInTheLightOfTheTarget) {
+TEST(Fuse, TransfersSourcesToTheIlluminationOfTheTarget) {
   const cv::Mat3b truth(60, 80, cv::Vec3b::all(100)), dark(60, 80, cv::Vec3b::all(50));
   Still still({truth, dark}, truth);
   still.scene.views[2].gain = {2, 2, 2};
@@ -106,12 +104,12 @@ TEST(Fuse, SourcesComeInTheLightOfTheTarget) {
   EXPECT_NEAR(out.color[0][2], 100, 1e-3);
 }
 
-TEST(Fuse, WhatAnotherDayShowsTooBrightIsNotUsed) {
+TEST(Fuse, ColorsOfOtherDrivesThatAreTooBrightAreNotUsed) {
   const cv::Mat3b truth(60, 80, cv::Vec3b::all(200)), dark(60, 80, cv::Vec3b::all(100));
   Still still({truth, dark}, truth);
   still.scene.views[1].gain = {1.5, 1.5, 1.5};
   still.scene.views[2].gain = {2, 2, 2};
-  EXPECT_EQ(still.run().color[0], cv::Vec3f(300, 300, 300)) << "on one day, the blending brings it down";
+  EXPECT_EQ(still.run().color[0], cv::Vec3f(300, 300, 300)) << "within one drive, the blending corrects it";
   still.scene.views[1].sequence = still.scene.views[1].drive = 1;
   const Fused out = still.run();
   EXPECT_EQ(out.candidates.leading[0].view, 2);
@@ -122,7 +120,7 @@ TEST(Fuse, WhatAnotherDayShowsTooBrightIsNotUsed) {
   EXPECT_FALSE(alone.run().candidates.leading[0].found());
 }
 
-TEST(Fuse, WhatIsMixedWithTheSkyOfAnotherDayIsNotUsed) {
+TEST(Fuse, ColorsAdjacentToTheSkyOfAnotherDriveAreNotUsed) {
   cv::Mat3b roof(60, 80, cv::Vec3b::all(80));
   roof.rowRange(0, 30) = cv::Scalar::all(200);
   Still still({roof}, roof);
@@ -136,10 +134,10 @@ TEST(Fuse, WhatIsMixedWithTheSkyOfAnotherDayIsNotUsed) {
   }
 }
 
-TEST(Fuse, FootprintsKeepOffTheMask) {
+TEST(Fuse, FootprintsDoNotOverlapTheMask) {
   const cv::Mat3b truth = waves(80, 60, 1);
   Still still({truth}, truth);
-  still.scene.masks[1](cv::Rect(0, 0, 30, 60)) = 255;  // beside the hole: the box would reach into it
+  still.scene.masks[1](cv::Rect(0, 0, 30, 60)) = 255;  // next to the hole, so that footprints would overlap it
   for (sample::Candidate& c : still.candidates.leading) c.footprint = {3, 3};
   for (const Fused out = still.run(); const sample::Candidate& c : out.candidates.leading)
     EXPECT_EQ(c.footprint, c.position.x == 30 ? cv::Vec2b(1, 1) : cv::Vec2b(3, 3));

@@ -13,7 +13,8 @@
 namespace dvi::harmonize {
 namespace {
 
-/// A hole of so many pixels at 1280x720, a tenth of it unseen, the rest from 12 sources of different brightness.
+/// harmonize() at 1280x720, by pixels of the hole. A tenth of it is unobserved, the rest has 12 sources of different
+/// brightness.
 void harmonize_hole(benchmark::State& state) {
   const cv::Mat3b truth = waves(1280, 720, 1, 10);
   cv::Mat1b hole(truth.size(), uchar{0});

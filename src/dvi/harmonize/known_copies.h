@@ -12,18 +12,17 @@
 
 namespace dvi::harmonize {
 
-/// What the copies of a frame are compared with: the image that they are copied to, and by how many gray levels one is changed
-/// to be in the light of that image.
-struct CopiedTo {
+/// The image that a pixel is copied to, and the difference between copy and result in gray levels.
+struct CopyTarget {
   const cv::Mat3f& image;
   double change;
 };
 
-/// The evidence for how far one fused copy, a pixel of the hole, is off.
-CopyEvidence evidence_of(const depth::Target& target, const Fused& fused, std::size_t pixel, const CopiedTo& to);
+/// Gathers the evidence on the error of one fused copy; `pixel` is its index in the hole.
+CopyEvidence gather_evidence(const depth::Target& target, const Fused& fused, std::size_t pixel, const CopyTarget& to);
 
-/// Copies known pixels (sample::sample_known) as if they were removed, and compares them with what the target shows there. As
-/// the solution of eq. 5 does in the hole, their mean difference nearby is subtracted as a change of light.
-std::vector<KnownCopy> known_copies(const depth::Target& target, const sample::Candidates& known);
+/// Copies known pixels, by sample::sample_known(), as if they were removed, and compares them with the target. Their local mean
+/// difference is subtracted as a change of illumination, as the solution of eq. 5 does in the hole.
+std::vector<KnownCopy> measure_known_copies(const depth::Target& target, const sample::Candidates& known);
 
 }  // namespace dvi::harmonize

@@ -12,11 +12,11 @@
 namespace dvi::harmonize {
 namespace {
 
-constexpr int kRing = 40;       // px
-constexpr double kTail = 0.01;  // of the ring's pixels at either end: lamps, noise
+constexpr int kMarginPx = 40;
+constexpr double kTailShare = 0.01;  // pixels at both ends, as of lamps and noise
 
-/// By the copies of a pixel and its neighbors. In the target's light these may be brighter than white.
-ColorRange widened(ColorRange range, const sample::Candidates& candidates, const std::vector<cv::Vec3f>& copies, cv::Point p) {
+/// Extends a range by the copies of a pixel and its neighbors, which may be brighter than white before they are limited.
+ColorRange extend(ColorRange range, const sample::Candidates& candidates, const std::vector<cv::Vec3f>& copies, cv::Point p) {
   const cv::Mat1i& index = candidates.hole.index;
   for (int y = std::max(p.y - 1, 0); y <= std::min(p.y + 1, index.rows - 1); ++y)
     for (int x = std::max(p.x - 1, 0); x <= std::min(p.x + 1, index.cols - 1); ++x) {
@@ -28,12 +28,13 @@ ColorRange widened(ColorRange range, const sample::Candidates& candidates, const
 
 }  // namespace
 
-ColorRange range_round(const cv::Mat3b& image, const cv::Mat1b& hole) {
+ColorRange find_range_around(const cv::Mat3b& image, const cv::Mat1b& hole) {
   const cv::Rect within = cv::boundingRect(hole);
-  const cv::Rect box = cv::Rect(within.x - kRing, within.y - kRing, within.width + 2 * kRing, within.height + 2 * kRing) &
-                       cv::Rect({}, image.size());
+  const cv::Rect box =
+      cv::Rect(within.x - kMarginPx, within.y - kMarginPx, within.width + 2 * kMarginPx, within.height + 2 * kMarginPx) &
+      cv::Rect({}, image.size());
   cv::Mat1b near;
-  cv::dilate(hole(box), near, cv::Mat1b(2 * kRing + 1, 2 * kRing + 1, uchar{1}));
+  cv::dilate(hole(box), near, cv::Mat1b(2 * kMarginPx + 1, 2 * kMarginPx + 1, uchar{1}));
   std::array<std::array<std::size_t, 256>, 3> levels{};
   std::size_t count = 0;
   for (int y = 0; y < box.height; ++y)
@@ -45,7 +46,7 @@ ColorRange range_round(const cv::Mat3b& image, const cv::Mat1b& hole) {
     }
   ColorRange out;
   if (count == 0) return out;
-  const auto tail = static_cast<std::size_t>(kTail * static_cast<double>(count));
+  const auto tail = static_cast<std::size_t>(kTailShare * static_cast<double>(count));
   for (int c = 0; c < 3; ++c) {
     int low = 0, high = 255;
     for (std::size_t passed = levels[c][low]; passed <= tail; passed += levels[c][low]) ++low;
@@ -56,13 +57,13 @@ ColorRange range_round(const cv::Mat3b& image, const cv::Mat1b& hole) {
   return out;
 }
 
-void keep_within(const ColorRange& surroundings, const sample::Candidates& candidates, const std::vector<cv::Vec3f>& copies,
-                 cv::Mat3f& color) {
+void limit_copies(const ColorRange& surroundings, const sample::Candidates& candidates, const std::vector<cv::Vec3f>& copies,
+                  cv::Mat3f& color) {
   for (std::size_t i = 0; i < candidates.leading.size(); ++i) {
     if (!candidates.leading[i].found()) continue;
     const cv::Point p = candidates.hole.pixels[i];
-    if (surroundings.clamp(color(p)) == color(p)) continue;
-    color(p) = widened(surroundings, candidates, copies, p).clamp(color(p));
+    if (surroundings.clamped(color(p)) == color(p)) continue;
+    color(p) = extend(surroundings, candidates, copies, p).clamped(color(p));
   }
 }
 

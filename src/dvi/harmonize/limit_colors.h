@@ -9,13 +9,14 @@
 
 namespace dvi::harmonize {
 
-/// 1st to 99th percentile of what lies within 40 px of the hole (255), outside of it; all colors where nothing does.
-ColorRange range_round(const cv::Mat3b& image, const cv::Mat1b& hole);
+/// Computes the range from the 1st to the 99th percentile of the colors within 40 px of the hole (255), per channel. Without
+/// such pixels, the range has all colors.
+ColorRange find_range_around(const cv::Mat3b& image, const cv::Mat1b& hole);
 
-/// Keeps each copied pixel of `color`, which is of the size of the image, within `surroundings`, widened to what was copied
-/// for it and its eight neighbors. `copies` as candidates.hole.pixels. Where sources disagree at the rim, the solution may
-/// leave that range: nothing that any frame shows there is so dark or so bright.
-void keep_within(const ColorRange& surroundings, const sample::Candidates& candidates, const std::vector<cv::Vec3f>& copies,
-                 cv::Mat3f& color);
+/// Limits each copied pixel of `color`, an image, to `surroundings`, extended by the copies of the pixel and of its eight
+/// neighbors. `copies` has one color per hole pixel. Where sources contradict the boundary, the solution of eq. 5 may exceed
+/// that range, although no frame shows such colors there.
+void limit_copies(const ColorRange& surroundings, const sample::Candidates& candidates, const std::vector<cv::Vec3f>& copies,
+                  cv::Mat3f& color);
 
 }  // namespace dvi::harmonize

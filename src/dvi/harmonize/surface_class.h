@@ -4,11 +4,11 @@
 
 namespace dvi::harmonize {
 
-/// What a pixel shows: the ground, or what stands more than a curb's height above it or lies beyond its horizon.
+/// The surface that a pixel shows: the ground, or one that is more than the height of a curb above it or above the horizon.
 enum class SurfaceClass : std::uint8_t { unknown, ground, upright };
 
-/// Whether colors of one class do not go on in the other.
-constexpr bool differ(SurfaceClass a, SurfaceClass b) {
+/// Whether two classes are known and different, so that colors do not continue from one to the other.
+constexpr bool are_different(SurfaceClass a, SurfaceClass b) {
   return a != b && a != SurfaceClass::unknown && b != SurfaceClass::unknown;
 }
 

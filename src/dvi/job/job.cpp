@@ -105,8 +105,8 @@ void use_method(Method method, Options& options) {
   options.regularize.enabled = true;
   options.harmonize.poisson = true;
   options.harmonize.seam_gradients = false;
-  options.harmonize.day_light = false;
-  options.harmonize.robust_rim = false;
+  options.harmonize.illumination_change = false;
+  options.harmonize.robust_boundary = false;
   options.harmonize.within_range = false;
   options.harmonize.unobserved_last = false;
   options.harmonize.unobserved_vertical = 1;

@@ -12,36 +12,41 @@
 namespace dvi::regularize {
 namespace {
 
-/// The edge from a node in a direction; what a source cannot say costs nothing.
-EdgeColors edge_colors(const ShiftField& field, std::size_t node, int direction, const std::uint8_t* nothing) {
+/// Returns the colors of the edge from a node in a direction. Where a source does not show the neighbor, `zeros` is used for
+/// both sides, so that the cost is 0.
+EdgeColors make_edge(const ShiftField& field, std::size_t node, int direction, const std::uint8_t* zeros) {
   const int other = field.neighbor[node][direction];
   const int forth = field.expected[node][direction], back = field.expected[other][direction ^ 2];
   const std::uint8_t* own = field.row(static_cast<int>(node));
-  return {{forth < 0 ? nothing : field.row(forth), back < 0 ? nothing : own},
-          {forth < 0 ? nothing : field.row(other), back < 0 ? nothing : field.row(back)}};
+  return {{forth < 0 ? zeros : field.row(forth), back < 0 ? zeros : own},
+          {forth < 0 ? zeros : field.row(other), back < 0 ? zeros : field.row(back)}};
 }
 
-int edge_cost(const EdgeColors& edge, int stride, int i, int j) {
+int compute_edge_cost(const EdgeColors& edge, int stride, int i, int j) {
   int cost = 0;
   for (int c = 0; c < 6; ++c)
     cost += std::abs(edge.sender[c / 3][(c % 3) * stride + i] - edge.receiver[c / 3][(c % 3) * stride + j]);
   return cost;
 }
 
+enum class Order : std::uint8_t { forward, backward };
+
+/// The messages between all nodes.
 class Messages {
  public:
   explicit Messages(const ShiftField& field)
       : field_(field),
         incoming_(field.nodes() * 4 * field.stride),
         unsent_(field.nodes(), kAhead | kBehind),
-        nothing_(std::size_t{3} * field.stride),
+        zeros_(std::size_t{3} * field.stride),
         belief_(field.stride),
         without_(field.stride),
         message_(field.stride) {}
 
-  /// In raster order every node that has heard something new tells its neighbors ahead (right and below), or, in the
-  /// opposite order, those behind: so news crosses the whole hole at once. Whether any message changed.
-  bool sweep(bool forward) {
+  /// In raster order, sends messages from every node with new messages to its right and lower neighbors, or in the opposite
+  /// order to its left and upper ones, so that messages cross the whole hole in one sweep. Returns whether any message changed.
+  bool sweep(Order order) {
+    const bool forward = order == Order::forward;
     bool changed = false;
     const std::size_t nodes = field_.nodes();
     for (std::size_t k = 0; k < nodes; ++k) {
@@ -54,8 +59,9 @@ class Messages {
     return changed;
   }
 
-  /// In raster order the label that is cheapest given those already chosen: beliefs alone would mix optima that tie.
-  std::vector<int> labels() {
+  /// Selects labels in raster order, each the cheapest given those of the left and upper neighbors. Selection by beliefs alone
+  /// would mix equally good solutions.
+  std::vector<int> select_labels() {
     std::vector<int> out(field_.nodes());
     std::vector<int> cost(field_.labels());
     for (std::size_t node = 0; node < field_.nodes(); ++node) {
@@ -63,11 +69,12 @@ class Messages {
       for (int d = 0; d < 4; ++d) {
         const int other = field_.neighbor[node][d];
         if (other < 0) continue;
-        const EdgeColors edge = edge_colors(field_, node, d, nothing_.data());
+        const EdgeColors edge = make_edge(field_, node, d, zeros_.data());
         const Cost* in = incoming(node, d);
-        for (int i = 0; i < field_.labels(); ++i) cost[i] += d < 2 ? edge_cost(edge, field_.stride, i, out[other]) : in[i];
+        for (int i = 0; i < field_.labels(); ++i)
+          cost[i] += d < 2 ? compute_edge_cost(edge, field_.stride, i, out[other]) : in[i];
       }
-      // The first of equals: the shortest shift. (A small cost on shifts instead would go round the loops and grow.)
+      // The first of equal costs is the shortest shift. A small cost of shifts instead would accumulate around loops.
       out[node] = static_cast<int>(std::min_element(cost.begin(), cost.end()) - cost.begin());
     }
     return out;
@@ -98,7 +105,8 @@ class Messages {
       if (other < 0) continue;
       const Cost* in = incoming(node, d);
       for (int i = 0; i < field_.stride; ++i) without_[i] = static_cast<Cost>(belief_[i] - in[i]);
-      min_sum(without_.data(), edge_colors(field_, node, d, nothing_.data()), field_.labels(), field_.stride, message_.data());
+      compute_message(without_.data(), make_edge(field_, node, d, zeros_.data()), {field_.labels(), field_.stride},
+                      message_.data());
       Cost* out = incoming(other, d ^ 2);
       if (std::equal(message_.begin(), message_.begin() + field_.labels(), out)) continue;
       std::copy(message_.begin(), message_.end(), out);
@@ -110,39 +118,40 @@ class Messages {
 
   const ShiftField& field_;
   std::vector<Cost> incoming_;
-  std::vector<std::uint8_t> unsent_;  // of each node, to whom it has news
-  std::vector<std::uint8_t> nothing_;
+  std::vector<std::uint8_t> unsent_;  // the sides to which each node has to send messages: kAhead, kBehind
+  std::vector<std::uint8_t> zeros_;
   std::vector<Cost> belief_, without_, message_;
 };
 
 }  // namespace
 
-double energy(const ShiftField& field, const std::vector<int>& labels) {
-  const std::vector<std::uint8_t> nothing(std::size_t{3} * field.stride);
+double compute_energy(const ShiftField& field, const std::vector<int>& labels) {
+  const std::vector<std::uint8_t> zeros(std::size_t{3} * field.stride);
   double sum = 0;
   for (std::size_t node = 0; node < field.nodes(); ++node) {
     sum += field.data_of(node)[labels[node]];
     for (const int d : {2, 3}) {
       const int other = field.neighbor[node][d];
-      if (other >= 0) sum += edge_cost(edge_colors(field, node, d, nothing.data()), field.stride, labels[node], labels[other]);
+      if (other >= 0)
+        sum += compute_edge_cost(make_edge(field, node, d, zeros.data()), field.stride, labels[node], labels[other]);
     }
   }
   return sum;
 }
 
-BeliefPropagation propagate(const ShiftField& field, int iterations) {
+BeliefPropagation propagate_beliefs(const ShiftField& field, int iterations) {
   BeliefPropagation out;
   out.labels.assign(field.nodes(), 0);
-  out.energy_before = out.energy_after = energy(field, out.labels);
+  out.energy_before = out.energy_after = compute_energy(field, out.labels);
   if (field.labels() == 1) return out;
   Messages messages(field);
   for (bool changed = true; changed && out.iterations < iterations; ++out.iterations) {
-    changed = messages.sweep(true);
-    changed |= messages.sweep(false);
-    std::vector<int> labels = messages.labels();
-    const double cost = energy(field, labels);
-    if (cost < out.energy_after) {
-      out.energy_after = cost;
+    changed = messages.sweep(Order::forward);
+    changed |= messages.sweep(Order::backward);
+    std::vector<int> labels = messages.select_labels();
+    const double energy = compute_energy(field, labels);
+    if (energy < out.energy_after) {
+      out.energy_after = energy;
       out.labels = std::move(labels);
     }
   }

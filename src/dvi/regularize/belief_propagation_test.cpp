@@ -19,7 +19,7 @@ namespace {
 ShiftField random_field(int width, int height, std::uint64_t seed) {
   Random random(seed);
   ShiftField field;
-  field.shifts = window_shifts(3);
+  field.shifts = list_shifts(3);
   field.stride = kLanes;  // 9 labels
   const int nodes = width * height;
   int rows = nodes;
@@ -39,57 +39,58 @@ ShiftField random_field(int width, int height, std::uint64_t seed) {
   return field;
 }
 
-double least_energy(const ShiftField& field) {
+/// Computes the lowest energy by enumeration of all labels.
+double enumerate_min_energy(const ShiftField& field) {
   std::vector<int> labels(field.nodes(), 0);
-  double least = energy(field, labels);
+  double min_energy = compute_energy(field, labels);
   for (std::size_t digit = 0; digit < labels.size();) {
     if (++labels[digit] == field.labels()) {
       labels[digit++] = 0;
       continue;
     }
     digit = 0;
-    least = std::min(least, energy(field, labels));
+    min_energy = std::min(min_energy, compute_energy(field, labels));
   }
-  return least;
+  return min_energy;
 }
 
 TEST(BeliefPropagation, IsExactOnChains) {
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     const ShiftField field = seed % 2 == 0 ? random_field(4, 1, seed) : random_field(1, 4, seed);
-    const double least = least_energy(field);
-    const BeliefPropagation found = propagate(field, 20);
-    EXPECT_EQ(found.energy_after, least);
+    const double min_energy = enumerate_min_energy(field);
+    const BeliefPropagation found = propagate_beliefs(field, 20);
+    EXPECT_EQ(found.energy_after, min_energy);
     EXPECT_LT(found.iterations, 20) << "a chain converges";
-    EXPECT_EQ(found.energy_after, energy(field, found.labels));
+    EXPECT_EQ(found.energy_after, compute_energy(field, found.labels));
   }
 }
 
 TEST(BeliefPropagation, IsNearTheOptimumOnLoops) {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     const ShiftField field = random_field(2, 2, seed);
-    EXPECT_LE(propagate(field, 50).energy_after, 1.1 * least_energy(field));
+    EXPECT_LE(propagate_beliefs(field, 50).energy_after, 1.1 * enumerate_min_energy(field));
   }
 }
 
-TEST(BeliefPropagation, ComesNearToAStrongerSolver) {
+TEST(BeliefPropagation, IsNearTheResultOfAStrongerSolver) {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     const ShiftField field = random_field(12, 9, seed);
-    const TreeReweighted judge(field, 50);
-    EXPECT_LE(judge.bound(), judge.energy());
-    const double found = propagate(field, 50).energy_after;
-    EXPECT_LE(judge.bound(), found);
-    EXPECT_LE(found, 1.05 * judge.energy()) << judge.bound();
+    const TreeReweighted reference(field, 50);
+    EXPECT_LE(reference.bound(), reference.energy());
+    const double found = propagate_beliefs(field, 50).energy_after;
+    EXPECT_LE(reference.bound(), found);
+    EXPECT_LE(found, 1.05 * reference.energy()) << reference.bound();
   }
 }
 
-TEST(BeliefPropagation, NeverMakesTheEnergyWorse) {
+TEST(BeliefPropagation, NeverIncreasesTheEnergy) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const ShiftField field = random_field(8, 6, seed);
-    double last = energy(field, std::vector<int>(field.nodes(), 0));
+    double last = compute_energy(field, std::vector<int>(field.nodes(), 0));
     for (const int iterations : {1, 2, 5, 20}) {
-      const BeliefPropagation found = propagate(field, iterations);
+      const BeliefPropagation found = propagate_beliefs(field, iterations);
       EXPECT_LE(found.energy_after, last);
-      EXPECT_EQ(found.energy_after, energy(field, found.labels));
+      EXPECT_EQ(found.energy_after, compute_energy(field, found.labels));
       last = found.energy_after;
     }
   }
@@ -98,24 +99,24 @@ TEST(BeliefPropagation, NeverMakesTheEnergyWorse) {
 TEST(TreeReweighted, IsExactOnChains) {
   const ShiftField field = random_field(4, 1, 1);
   const TreeReweighted found(field, 20);
-  EXPECT_EQ(found.energy(), least_energy(field));
+  EXPECT_EQ(found.energy(), enumerate_min_energy(field));
   EXPECT_NEAR(found.bound(), found.energy(), 1e-6);
-  EXPECT_EQ(found.energy(), energy(field, found.labels()));
+  EXPECT_EQ(found.energy(), compute_energy(field, found.labels()));
 }
 
-TEST(TreeReweighted, BoundsTheLeastEnergyOnLoops) {
+TEST(TreeReweighted, BoundsTheMinimumEnergyOnLoops) {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     const ShiftField field = random_field(2, 2, seed);
     const TreeReweighted found(field, 50);
-    const double least = least_energy(field);
-    EXPECT_LE(found.bound(), least + 1e-6);
-    EXPECT_GT(found.bound(), 0.9 * least);
-    EXPECT_GE(found.energy(), least);
-    EXPECT_EQ(found.energy(), energy(field, found.labels()));
+    const double min_energy = enumerate_min_energy(field);
+    EXPECT_LE(found.bound(), min_energy + 1e-6);
+    EXPECT_GT(found.bound(), 0.9 * min_energy);
+    EXPECT_GE(found.energy(), min_energy);
+    EXPECT_EQ(found.energy(), compute_energy(field, found.labels()));
   }
 }
 
-TEST(BeliefPropagation, CountsTheEdgeOnceFromEitherSide) {
+TEST(BeliefPropagation, CountsEachEdgeOnce) {
   const ShiftField field = random_field(2, 1, 3);
   int cost = field.data_of(0)[1] + field.data_of(1)[2];
   for (int c = 0; c < 3; ++c) {
@@ -123,7 +124,7 @@ TEST(BeliefPropagation, CountsTheEdgeOnceFromEitherSide) {
     if (field.expected[0][2] >= 0) cost += std::abs(field.row(field.expected[0][2])[at + 1] - field.row(1)[at + 2]);
     if (field.expected[1][0] >= 0) cost += std::abs(field.row(field.expected[1][0])[at + 2] - field.row(0)[at + 1]);
   }
-  EXPECT_EQ(energy(field, {1, 2}), cost);
+  EXPECT_EQ(compute_energy(field, {1, 2}), cost);
 }
 
 }  // namespace

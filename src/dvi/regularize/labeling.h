@@ -6,17 +6,17 @@
 
 namespace dvi::regularize {
 
-/// Eqs. 2-4.
+/// Energies of eq. 2.
 struct Energies {
-  double before = 0;  ///< of the candidates as sampled
-  double after = 0;
+  double before = 0;  ///< The energy of the candidates as sampled.
+  double after = 0;   ///< The energy of the shifted candidates.
 };
 
-/// The candidates after the MRF has moved each within its window.
+/// The candidates, each shifted within its window by the solution of the MRF.
 struct Labeling {
   sample::Candidates candidates;
-  std::optional<Energies> energy;  ///< none where nothing was to be moved
-  int iterations = 0;
+  std::optional<Energies> energy;  ///< Nothing if the stage is disabled.
+  int iterations = 0;              ///< The iterations of belief propagation.
 };
 
 }  // namespace dvi::regularize

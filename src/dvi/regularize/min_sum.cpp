@@ -4,7 +4,7 @@
 #include <cstring>
 #include <limits>
 
-// One clone a processor generation, chosen when the program starts. Sanitizers run before that choice can be made.
+// One clone per processor generation, selected when the program starts. Sanitizers run before that selection.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define DVI_TARGET_CLONES __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
@@ -16,14 +16,15 @@ namespace dvi::regularize {
 
 namespace {
 
-// A vector type, for GCC 12 does not vectorize the loop over lanes. Signs in place of comparisons, for it takes those apart
-// lane by lane where the processor's registers are shorter. Nothing may be outlined: it would lose the clone's target.
+// A vector type is used because GCC 12 does not vectorize the loop over lanes. Signs replace comparisons, because GCC computes
+// those lane by lane if the registers are shorter. No part may be moved to another function, which would not be cloned.
 using Lanes [[gnu::vector_size(kLanes * sizeof(std::int16_t))]] = std::int16_t;
 
 }  // namespace
 
 DVI_TARGET_CLONES
-void min_sum(const std::int16_t* belief, const EdgeColors& edge, int labels, int stride, std::int16_t* out) {
+void compute_message(const std::int16_t* belief, const EdgeColors& edge, LabelCounts counts, std::int16_t* out) {
+  const auto [labels, stride] = counts;
   int first = 0;
   for (int i = 1; i < labels; ++i)
     if (belief[i] < belief[first]) first = i;
@@ -35,15 +36,16 @@ void min_sum(const std::int16_t* belief, const EdgeColors& edge, int labels, int
       std::memcpy(&receiver[c], lanes, sizeof lanes);
     }
     Lanes best = Lanes{} + std::numeric_limits<std::int16_t>::max();
-    // Costs are not negative: once the best label has spoken, a label whose belief is above all its answers is silent.
+    // Costs are not negative. So after the label with the smallest belief, labels with beliefs above all results have no
+    // effect.
     std::int16_t bound = std::numeric_limits<std::int16_t>::max();
     for (int k = -1; k < labels; ++k) {
       const int i = k < 0 ? first : k;
       if (belief[i] >= bound) continue;
       Lanes cost = Lanes{} + belief[i];
       for (int c = 0; c < 6; ++c) {
-        const Lanes apart = receiver[c] - edge.sender[c / 3][(c % 3) * stride + i], sign = apart >> 15;
-        cost += (apart ^ sign) - sign;
+        const Lanes difference = receiver[c] - edge.sender[c / 3][(c % 3) * stride + i], sign = difference >> 15;
+        cost += (difference ^ sign) - sign;
       }
       const Lanes less = cost - best;
       best += less & (less >> 15);

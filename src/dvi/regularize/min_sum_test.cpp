@@ -13,7 +13,8 @@
 namespace dvi::regularize {
 namespace {
 
-std::vector<std::int16_t> plain(const std::vector<std::int16_t>& belief, const EdgeColors& edge, int labels, int stride) {
+std::vector<std::int16_t> compute_reference(const std::vector<std::int16_t>& belief, const EdgeColors& edge, int labels,
+                                            int stride) {
   std::vector<std::int16_t> out(stride, 0);
   int least = 1 << 30;
   std::vector<int> best(labels, 1 << 30);
@@ -30,7 +31,7 @@ std::vector<std::int16_t> plain(const std::vector<std::int16_t>& belief, const E
   return out;
 }
 
-TEST(MinSum, EqualsThePlainMinimum) {
+TEST(MinSum, EqualsABruteForceMinimum) {
   Random random(1);
   for (const int labels : {1, 9, 25, 49, 121})
     for (int trial = 0; trial < 50; ++trial) {
@@ -44,8 +45,8 @@ TEST(MinSum, EqualsThePlainMinimum) {
         for (auto& v : row) v = static_cast<std::uint8_t>(random.below(trial % 3 == 0 ? 256 : 40));
       }
       const EdgeColors edge{{rows[0].data(), rows[1].data()}, {rows[2].data(), rows[3].data()}};
-      min_sum(belief.data(), edge, labels, stride, out.data());
-      ASSERT_THAT(out, testing::ElementsAreArray(plain(belief, edge, labels, stride))) << labels << " labels";
+      compute_message(belief.data(), edge, {labels, stride}, out.data());
+      ASSERT_THAT(out, testing::ElementsAreArray(compute_reference(belief, edge, labels, stride))) << labels << " labels";
     }
 }
 

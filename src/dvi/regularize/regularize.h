@@ -6,11 +6,12 @@
 
 namespace dvi::regularize {
 
+/// Options of regularize(); describe() documents each field.
 struct RegularizeOptions {
   bool enabled = false;
   int window = 5;
   int iterations = 20;
-  double alpha = 20;  ///< of eq. 3, in gray levels over three channels; no label depends on it, only the energy
+  double alpha = 20;  ///< The constant of eq. 3, in gray levels over three channels. It affects the energy, but not the labels.
 
   void describe(OptionTable& table) {
     table.section("stages");
@@ -19,14 +20,14 @@ struct RegularizeOptions {
     table.section("regularize");
     table.developer();
     table.add_one_of("window", window, {1, 3, 5, 7, 9, 11}, "Labels of a pixel: window x window pixels around its candidate.");
-    table.add("iterations", iterations, {1, 1000}, "Most rounds of message passing.");
+    table.add("iterations", iterations, {1, 1000}, "Maximum number of iterations of message passing.");
   }
 };
 
-/// Min-sum belief propagation over the 4-connected hole (section 3.3 of the paper). A pixel's labels are shifts of its
-/// candidate; the data cost (eq. 3) asks that a boundary pixel's source continue into the true image, the discontinuity
-/// cost (eq. 4) that neighbors' sources agree on each other's color, each neighbor warped by its own depth. Switched off, it
-/// hands on the candidates as they are, and computes no energy.
+/// Shifts the candidates by min-sum belief propagation over the 4-connected hole (section 3.3 of the paper). A pixel's labels
+/// are shifts of its candidate. The data cost (eq. 3) is the difference at the boundary between the source and the image. The
+/// discontinuity cost (eq. 4) is the difference of the sources of neighbors, each warped by its own depth. If disabled, it
+/// returns the candidates without changes and without energies. Throws UsageError if `window` is even.
 Labeling regularize(sample::Candidates candidates, const depth::Target& target, const RegularizeOptions& options);
 
 }  // namespace dvi::regularize

@@ -18,13 +18,13 @@
 namespace dvi::regularize {
 namespace {
 
-/// A round hole of about so many pixels at 1280x720 with candidates from 12 noisy sources, off by up to a pixel: alike in each
-/// patch, or each pixel by itself.
+/// An elliptic hole at 1280x720 with candidates from 12 noisy sources. Candidates are displaced by up to a pixel: equally
+/// within patches, or each independently.
 struct Hole {
   FlatScene scene{waves(1280, 720, 1, 10), cv::Mat1b(720, 1280, uchar{0})};
   sample::Candidates candidates;
 
-  Hole(double pixels, bool alone) {
+  Hole(double pixels, bool independent) {
     const cv::Mat3b truth = scene.images[0].clone();
     const double scale = std::sqrt(pixels / 60'000);
     cv::ellipse(scene.masks[0], {700, 420}, cv::Size(cvRound(165 * scale), cvRound(115 * scale)), 0, 0, 360, 255, cv::FILLED);
@@ -38,9 +38,9 @@ struct Hole {
     candidates.hole = Region(scene.masks[0]);
     for (const cv::Point p : candidates.hole.pixels) {
       const int k = (p.x / 40 + p.y / 25) % 12;
-      candidates.leading.push_back(
-          {k + 1, cv::Point2f(p + cv::Point(4 * k - 20, 0)) +
-                      cv::Point2f(alone ? cv::Point(random.below(3) - 1, random.below(3) - 1) : cv::Point(k % 3 - 1, k % 2))});
+      candidates.leading.push_back({k + 1, cv::Point2f(p + cv::Point(4 * k - 20, 0)) +
+                                               cv::Point2f(independent ? cv::Point(random.below(3) - 1, random.below(3) - 1)
+                                                                       : cv::Point(k % 3 - 1, k % 2))});
     }
   }
   depth::DepthMap depth() const { return {scene.depth(), scene.depth()}; }
@@ -61,21 +61,21 @@ void regularize_hole(benchmark::State& state) {
 }
 BENCHMARK(regularize_hole)->Args({60'000, 0})->Args({100'000, 0})->Args({60'000, 1})->Unit(benchmark::kMillisecond);
 
-/// How near belief propagation comes to the least energy, by a stronger solver and its lower bound; parts of the energy before.
-void judged_by_trw_s(benchmark::State& state) {
+/// Compares the energy of belief propagation with that of a stronger solver and its lower bound, relative to the energy before.
+void compare_with_trw_s(benchmark::State& state) {
   const Hole hole(static_cast<double>(state.range(0)), state.range(1) != 0);
   const RegularizeOptions options;
   const ShiftField field =
-      shift_field(hole.candidates, {hole.scene.lazy(), 0, hole.depth(), {}}, options.window, options.alpha);
-  const BeliefPropagation found = propagate(field, options.iterations);
+      make_shift_field(hole.candidates, {hole.scene.lazy(), 0, hole.depth(), {}}, options.window, options.alpha);
+  const BeliefPropagation found = propagate_beliefs(field, options.iterations);
   for (auto _ : state) {
-    const TreeReweighted judge(field, 50);
-    state.counters["trw_s_part"] = judge.energy() / found.energy_before;
-    state.counters["bound_part"] = judge.bound() / found.energy_before;
+    const TreeReweighted reference(field, 50);
+    state.counters["trw_s_part"] = reference.energy() / found.energy_before;
+    state.counters["bound_part"] = reference.bound() / found.energy_before;
   }
   state.counters["energy_part"] = found.energy_after / found.energy_before;
 }
-BENCHMARK(judged_by_trw_s)->Args({2'000, 0})->Args({2'000, 1})->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(compare_with_trw_s)->Args({2'000, 0})->Args({2'000, 1})->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace dvi::regularize

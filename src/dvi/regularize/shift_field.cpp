@@ -23,9 +23,10 @@
 namespace dvi::regularize {
 namespace {
 
-class Builder {
+/// Builds a ShiftField.
+class ShiftFieldBuilder {
  public:
-  Builder(const sample::Candidates& candidates, const depth::Target& target, double alpha, ShiftField& field)
+  ShiftFieldBuilder(const sample::Candidates& candidates, const depth::Target& target, double alpha, ShiftField& field)
       : candidates_(candidates),
         target_(target),
         alpha_(static_cast<std::int16_t>(std::lround(alpha))),
@@ -76,21 +77,22 @@ class Builder {
     for (int d = 0; d < 4; ++d) {
       const cv::Point q = pixel(node) + cv::Point(kDirections[d][0], kDirections[d][1]);
       if (!cv::Rect({}, candidates_.hole.index.size()).contains(q)) continue;
-      const int inside = candidates_.hole.index(q);
-      if (inside >= 0)
-        add_edge(node, d, q, inside, warp);
+      if (candidates_.hole.index(q) >= 0)
+        add_edge(node, d, warp);
       else if ((*target_mask_)(q) == 0)
         boundary += add_boundary(node, q, warp, boundary_cost);
     }
     std::int16_t* data = &field_.data[static_cast<std::size_t>(node) * field_.stride];
     for (int i = 0; i < field_.labels(); ++i) {
       data[i] = boundary > 0 ? static_cast<std::int16_t>((2 * boundary_cost[i] + boundary) / (2 * boundary)) : alpha_;
-      // The candidate itself stays allowed: whether it may be copied was the sampler's to say.
-      if (i > 0 && !can_sample(*source_mask_, own.position + cv::Point2f(field_.shifts[i]))) data[i] += kForbidden;
+      // The unshifted candidate is always allowed, because it was accepted by the sampling stage.
+      if (i > 0 && !can_sample(*source_mask_, own.position + cv::Point2f(field_.shifts[i]))) data[i] += kForbiddenCost;
     }
   }
 
-  void add_edge(int node, int direction, cv::Point q, int inside, const Warp& warp) {
+  void add_edge(int node, int direction, const Warp& warp) {
+    const cv::Point q = pixel(node) + cv::Point(kDirections[direction][0], kDirections[direction][1]);
+    const int inside = candidates_.hole.index(q);
     const int other = node_[inside];
     if (other < 0) return;
     const bool same = candidate(other).view == candidate(node).view;
@@ -100,10 +102,10 @@ class Builder {
     if (same && at == candidate(other).position)
       field_.expected[node][direction] = other;
     else if (can_sample(*source_mask_, at))
-      field_.expected[node][direction] = new_row(at, q);
+      field_.expected[node][direction] = add_row(at, q);
   }
 
-  /// Eq. 3 for one neighbor outside the hole; 1 where the source can say what it expects there.
+  /// Adds the terms of eq. 3 for one neighbor outside the hole. Returns 1 if the source shows it, else 0.
   int add_boundary(int node, cv::Point q, const Warp& warp, std::vector<int>& cost) {
     const cv::Point2f at =
         find_neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, warp(q, target_.depth.z(q)));
@@ -116,17 +118,18 @@ class Builder {
     return 1;
   }
 
-  int new_row(cv::Point2f at, cv::Point of) {
+  /// Appends a row with the colors of a pixel at a position of the source. Returns its index.
+  int add_row(cv::Point2f at, cv::Point target_pixel) {
     const std::size_t begin = field_.colors.size();
     field_.colors.resize(begin + row_size());
-    sample(at, of, &field_.colors[begin]);
+    sample(at, target_pixel, &field_.colors[begin]);
     return static_cast<int>(begin / row_size());
   }
 
-  /// What the source shows at `at` and shifts from there, in the target's light at its pixel `of`.
-  void sample(cv::Point2f at, cv::Point of, std::uint8_t* row) const {
+  /// Samples the source at all shifts from a position, in the illumination of the target at a pixel.
+  void sample(cv::Point2f at, cv::Point target_pixel, std::uint8_t* row) const {
     const cv::Mat3b& image = *source_image_;
-    const cv::Vec3f gain = vignetting_to(target_.view(), of, *source_view_, at) * gain_;
+    const cv::Vec3f gain = vignetting_to(target_.view(), target_pixel, *source_view_, at) * gain_;
     for (int i = 0; i < field_.labels(); ++i) {
       const cv::Point2f shifted = at + cv::Point2f(field_.shifts[i]);
       const cv::Vec3f color = bilinear(image, {std::clamp(shifted.x, 0.0F, static_cast<float>(image.cols - 1)),
@@ -142,15 +145,15 @@ class Builder {
   std::shared_ptr<const cv::Mat3b> target_image_, source_image_;
   std::shared_ptr<const cv::Mat1b> target_mask_, source_mask_;
   const View* source_view_ = nullptr;
-  cv::Vec3f gain_;                // of the source, into the target's light
-  std::vector<int> node_;         // of each hole pixel, or -1
-  std::vector<Position> warped_;  // of each hole pixel, in its candidate's view
+  cv::Vec3f gain_;                // gain from the source to the target
+  std::vector<int> node_;         // node of each hole pixel, or -1
+  std::vector<Position> warped_;  // position of each hole pixel in its candidate's view
   std::vector<std::uint8_t> scratch_;
 };
 
 }  // namespace
 
-std::vector<cv::Point> window_shifts(int window) {
+std::vector<cv::Point> list_shifts(int window) {
   std::vector<cv::Point> shifts;
   for (int y = -(window / 2); y <= window / 2; ++y)
     for (int x = -(window / 2); x <= window / 2; ++x) shifts.emplace_back(x, y);
@@ -159,11 +162,11 @@ std::vector<cv::Point> window_shifts(int window) {
   return shifts;
 }
 
-ShiftField shift_field(const sample::Candidates& candidates, const depth::Target& target, int window, double alpha) {
+ShiftField make_shift_field(const sample::Candidates& candidates, const depth::Target& target, int window, double alpha) {
   ShiftField field;
-  field.shifts = window_shifts(window);
+  field.shifts = list_shifts(window);
   field.stride = (field.labels() + kLanes - 1) / kLanes * kLanes;
-  Builder(candidates, target, alpha, field).build();
+  ShiftFieldBuilder(candidates, target, alpha, field).build();
   return field;
 }
 

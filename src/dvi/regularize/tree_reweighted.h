@@ -11,36 +11,36 @@
 
 namespace dvi::regularize {
 
-/// Sequential tree-reweighted message passing (TRW-S: Kolmogorov, Convergent tree-reweighted message passing for energy
-/// minimization, PAMI 2006). It judges belief propagation in tests and benchmarks: it shares no code with it, is slower, and
-/// tells how low any energy can be.
+/// Sequential tree-reweighted message passing (TRW-S: V. Kolmogorov, Convergent tree-reweighted message passing for energy
+/// minimization, PAMI 2006). It is the reference for belief propagation in tests and benchmarks: it shares no code with it, is
+/// slower, and computes a lower bound of the energy.
 class TreeReweighted {
  public:
   TreeReweighted(const ShiftField& field, int iterations)
       : field_(field),
         labels_(field.labels()),
         incoming_(field.nodes() * 4 * labels_),
-        chosen_(field.nodes(), 0),
-        best_(chosen_) {
-    energy_ = energy_of(chosen_);
+        selected_(field.nodes(), 0),
+        best_(selected_) {
+    energy_ = energy_of(selected_);
     for (int k = 0; k < iterations; ++k) {
-      forward();
-      if (const double found = energy_of(chosen_); found < energy_) {
+      pass_forward();
+      if (const double found = energy_of(selected_); found < energy_) {
         energy_ = found;
-        best_ = chosen_;
+        best_ = selected_;
       }
-      bound_ = std::max(bound_, backward());
+      bound_ = std::max(bound_, pass_backward());
     }
   }
 
-  /// The cheapest labeling met, and what it costs.
+  /// The labels with the lowest energy of all iterations, and that energy.
   const std::vector<int>& labels() const { return best_; }
   double energy() const { return energy_; }
-  /// No labeling costs less.
+  /// A lower bound of the energy of any labels.
   double bound() const { return bound_; }
 
  private:
-  static constexpr int kAhead = 2;  // of the directions: right and below
+  static constexpr int kFirstAhead = 2;  // the first of the directions right and down
 
   double cost(std::size_t node, int direction, int own, int others) const {
     const int other = field_.neighbor[node][direction];
@@ -54,20 +54,20 @@ class TreeReweighted {
     return sum;
   }
 
-  double energy_of(const std::vector<int>& of) const {
+  double energy_of(const std::vector<int>& labels) const {
     double sum = 0;
     for (std::size_t node = 0; node < field_.nodes(); ++node) {
-      sum += field_.data_of(node)[of[node]];
-      for (int d = kAhead; d < 4; ++d)
-        if (const int other = field_.neighbor[node][d]; other >= 0) sum += cost(node, d, of[node], of[other]);
+      sum += field_.data_of(node)[labels[node]];
+      for (int d = kFirstAhead; d < 4; ++d)
+        if (const int other = field_.neighbor[node][d]; other >= 0) sum += cost(node, d, labels[node], labels[other]);
     }
     return sum;
   }
 
   double* message(std::size_t node, int direction) { return &incoming_[(node * 4 + direction) * labels_]; }
 
-  // Data cost and all messages.
-  std::vector<double> belief(std::size_t node) {
+  /// Sums the data cost and all messages of a node.
+  std::vector<double> compute_belief(std::size_t node) {
     std::vector<double> out(field_.data_of(node), field_.data_of(node) + labels_);
     for (int d = 0; d < 4; ++d)
       if (field_.neighbor[node][d] >= 0)
@@ -75,14 +75,14 @@ class TreeReweighted {
     return out;
   }
 
-  // The share of a node's belief that each of the trees through it, which are chains in raster order, gets.
+  /// The share of a node's belief in each of the trees through it, which are chains in raster order.
   double share(std::size_t node) const {
     std::array<int, 2> count{};
-    for (int d = 0; d < 4; ++d) count[d / kAhead] += field_.neighbor[node][d] >= 0;
+    for (int d = 0; d < 4; ++d) count[d / kFirstAhead] += field_.neighbor[node][d] >= 0;
     return 1.0 / std::max({count[0], count[1], 1});
   }
 
-  // Tells a neighbor; the least of the message is taken out of it and returned.
+  /// Sends a message to a neighbor. Its smallest entry is subtracted from it and returned.
   double send(std::size_t node, int direction, const std::vector<double>& belief) {
     const int other = field_.neighbor[node][direction];
     const double part = share(node);
@@ -91,36 +91,37 @@ class TreeReweighted {
       const double own = part * belief[i] - message(node, direction)[i];
       for (int j = 0; j < labels_; ++j) out[j] = std::min(out[j], own + cost(node, direction, i, j));
     }
-    const double least = *std::min_element(out.begin(), out.end());
-    for (int j = 0; j < labels_; ++j) message(other, direction ^ 2)[j] = out[j] - least;
-    return least;
+    const double smallest = *std::min_element(out.begin(), out.end());
+    for (int j = 0; j < labels_; ++j) message(other, direction ^ 2)[j] = out[j] - smallest;
+    return smallest;
   }
 
-  // In raster order; chooses the label that is cheapest given those chosen before.
-  void forward() {
+  /// Sends messages in raster order, and selects the cheapest label of each node given those selected before.
+  void pass_forward() {
     for (std::size_t node = 0; node < field_.nodes(); ++node) {
       std::vector<double> given(field_.data_of(node), field_.data_of(node) + labels_);
       for (int d = 0; d < 4; ++d) {
         const int other = field_.neighbor[node][d];
         if (other < 0) continue;
-        for (int i = 0; i < labels_; ++i) given[i] += d < kAhead ? cost(node, d, i, chosen_[other]) : message(node, d)[i];
+        for (int i = 0; i < labels_; ++i)
+          given[i] += d < kFirstAhead ? cost(node, d, i, selected_[other]) : message(node, d)[i];
       }
-      chosen_[node] = static_cast<int>(std::min_element(given.begin(), given.end()) - given.begin());
-      const std::vector<double> all = belief(node);
-      for (int d = kAhead; d < 4; ++d)
+      selected_[node] = static_cast<int>(std::min_element(given.begin(), given.end()) - given.begin());
+      const std::vector<double> all = compute_belief(node);
+      for (int d = kFirstAhead; d < 4; ++d)
         if (field_.neighbor[node][d] >= 0) send(node, d, all);
     }
   }
 
-  // The other way. Returns the bound: what is taken out of all messages and beliefs.
-  double backward() {
+  /// Sends messages in the opposite order. Returns the bound: the sum of all that is subtracted from messages and beliefs.
+  double pass_backward() {
     double sum = 0;
     for (std::size_t node = field_.nodes(); node-- > 0;) {
-      std::vector<double> all = belief(node);
-      const double least = *std::min_element(all.begin(), all.end());
-      for (double& value : all) value -= least;
-      sum += least;
-      for (int d = 0; d < kAhead; ++d)
+      std::vector<double> all = compute_belief(node);
+      const double smallest = *std::min_element(all.begin(), all.end());
+      for (double& value : all) value -= smallest;
+      sum += smallest;
+      for (int d = 0; d < kFirstAhead; ++d)
         if (field_.neighbor[node][d] >= 0) sum += send(node, d, all);
     }
     return sum;
@@ -129,7 +130,7 @@ class TreeReweighted {
   const ShiftField& field_;
   int labels_;
   std::vector<double> incoming_;
-  std::vector<int> chosen_, best_;
+  std::vector<int> selected_, best_;
   double energy_ = 0, bound_ = 0;
 };
 

@@ -12,7 +12,7 @@
 #include "dvi/core/json_file.h"
 #include "dvi/core/json_text.h"
 #include "dvi/harmonize/filled_frame.h"
-#include "dvi/harmonize/receipt.h"
+#include "dvi/harmonize/provenance.h"
 #include "dvi/media/image_file.h"
 #include "dvi/media/write_image.h"
 
@@ -96,7 +96,7 @@ PixelRecord read_record(const fs::path& out, const std::string& frame, cv::Point
 
   const cv::Vec3b used = media::read_image(out / "sources_used" / png, size)(pixel);
   const cv::Vec3w change = media::read_png_triples(out / "harmonization" / png, size)(pixel);
-  const harmonize::Provenance from = harmonize::Provenance::of(triple, used);
+  const harmonize::Provenance from = harmonize::Provenance::decode(triple, used);
   const json sources = read_document(out / "sources.json").value("sources", json::array());
   if (static_cast<std::size_t>(from.view) >= sources.size())
     throw InputError(out / "sources.json", fmt::format("has no source {}, from which the pixel was copied", from.view),

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/core/error.h"
-#include "dvi/harmonize/receipt.h"
+#include "dvi/harmonize/provenance.h"
 #include "dvi/media/image_file.h"
 #include "dvi/media/write_image.h"
 #include "dvi/report/inspect.h"

@@ -1,7 +1,7 @@
 #include "dvi/result/frame_files.h"
 
 #include "dvi/depth/depth_map.h"
-#include "dvi/harmonize/receipt.h"
+#include "dvi/harmonize/provenance.h"
 #include "dvi/media/write_image.h"
 #include "dvi/report/report.h"
 
@@ -24,14 +24,13 @@ void write_pictures(const fs::path& out, const std::string& name, const harmoniz
   cv::Mat3b color;
   frame.color.convertTo(color, CV_8U);
   const std::string png = name + ".png";
-  const report::FramePictures receipts{
-      .kind = frame.kind,
-      .confidence = frame.confidence,
-      .depth = depth_image(frame.depth),
-      .provenance = frame.provenance,
-      .harmonization = harmonize::harmonization(views, view, color, frame.provenance, frame.used),
-      .used = frame.used,
-      .missing = {}};
+  const report::FramePictures receipts{.kind = frame.kind,
+                                       .confidence = frame.confidence,
+                                       .depth = depth_image(frame.depth),
+                                       .provenance = frame.provenance,
+                                       .harmonization = harmonize::compute_harmonization(views, view, color, frame),
+                                       .used = frame.used,
+                                       .missing = {}};
   media::write_png(out / "masks" / png, frame.mask);
   media::write_png(out / "kind" / png, receipts.kind);
   media::write_png(out / "provenance" / png, receipts.provenance);

@@ -4,8 +4,8 @@
 
 #include "dvi/depth/plane_sweep.h"
 #include "dvi/harmonize/classify_surfaces.h"
-#include "dvi/harmonize/day_light.h"
 #include "dvi/harmonize/harmonize.h"
+#include "dvi/harmonize/illumination_change.h"
 #include "dvi/job/job.h"
 #include "dvi/regularize/regularize.h"
 #include "dvi/result/cpu_clock.h"
@@ -18,11 +18,11 @@ namespace dvi::run {
 /// outlive this.
 struct FrameStages {
   FrameStages(const job::Options& options, result::CpuClock& cpu)
-      : plane_sweep(cpu.timed("plane_sweep", depth::plane_sweep, options.plane_sweep)),
+      : plane_sweep(cpu.timed("plane_sweep", depth::sweep_planes, options.plane_sweep)),
         sample(cpu.timed("sample", sample::sample, options.sample)),
         sample_known(cpu.timed("sample", sample::sample_known, options.sample)),
         regularize(cpu.timed("regularize", regularize::regularize, options.regularize)),
-        compare_days(cpu.timed("harmonize", harmonize::compare_days)),
+        compare_illumination(cpu.timed("harmonize", harmonize::compare_illumination)),
         classify_surfaces(cpu.timed("harmonize", harmonize::classify_surfaces)),
         harmonize(cpu.timed("harmonize", harmonize::harmonize, options.harmonize)),
         synthesize(cpu.timed("synthesize", synthesize::synthesize)) {}
@@ -34,7 +34,7 @@ struct FrameStages {
   Stage<sample::Candidates(const depth::Target&)> sample;
   Stage<sample::Candidates(const depth::Target&, const sample::Candidates& hole)> sample_known;
   Stage<regularize::Labeling(sample::Candidates, const depth::Target&)> regularize;
-  Stage<harmonize::DayLight(const depth::Target&, const sample::Candidates&)> compare_days;
+  Stage<harmonize::IlluminationChange(const depth::Target&, const sample::Candidates&)> compare_illumination;
   Stage<cv::Mat1b(const depth::Target&, const sample::Candidates&, const ground::RoadGround&)> classify_surfaces;
   Stage<harmonize::FilledFrame(const depth::Target&, const sample::Candidates&, const harmonize::HarmonizeInput&)> harmonize;
   Stage<harmonize::FilledFrame(const harmonize::FilledFrame&, const View&, const cv::Mat1b& classes,

@@ -37,7 +37,7 @@ using objects::Evidence, objects::Masks, objects::Objects;
 using regularize::Labeling;
 using result::FilledView, result::ResultFolder, result::StageCache;
 using sample::Candidates;
-using synthesize::Grain, synthesize::Surfaces, synthesize::Textures;
+using synthesize::NoiseTexture, synthesize::RoadTexture, synthesize::Textures;
 
 namespace {
 
@@ -45,11 +45,11 @@ namespace {
 struct FillContext {
   FillContext(const StaticMap& map, const Views& views, const job::Options& options, result::CpuClock& cpu)
       : stages(options, cpu), depths(views, [&](std::size_t view) {  // 3.1
-          return cpu.time("depth", depth::depth_map, map, views[view], options.depth);
+          return cpu.time("depth", depth::compute_depth_map, map, views[view], options.depth);
         }) {
     const bool synthesized = options.harmonize.unobserved == Unobserved::synthesize;
     if (options.harmonize.surface_classes || synthesized) ground.emplace(map, views);
-    if (synthesized) textures.emplace(Textures{Surfaces(*ground, views, depths.visibility), Grain(views)});
+    if (synthesized) textures.emplace(Textures{RoadTexture(*ground, views, depths.visibility), NoiseTexture(views)});
   }
 
   FrameStages stages;
@@ -174,7 +174,7 @@ StaticMap Run::build_map() const {
 HarmonizeInput Run::harmonize_input(const Target& target, const Candidates& candidates) const {
   const auto& [stages, depths, ground, textures] = *context_;
   HarmonizeInput input;
-  if (options_.harmonize.day_light) input.light = stages.compare_days(target, candidates);
+  if (options_.harmonize.illumination_change) input.illumination = stages.compare_illumination(target, candidates);
   if (options_.harmonize.surface_classes) input.classes = stages.classify_surfaces(target, candidates, *ground);
   input.known = stages.sample_known(target, candidates);
   return input;

@@ -10,13 +10,13 @@
 
 namespace dvi::sample {
 
-/// Where another frame saw a pixel of the hole.
+/// A position in a source frame where a pixel of the hole is observed.
 struct Candidate {
-  int view = -1;              ///< source number; -1: no source observed it
-  cv::Point2f position;       ///< in the source's image, quantized to 1/16 px
-  cv::Vec2b footprint{1, 1};  ///< width and height in source pixels of what the pixel shows: box_mean()
-  float trust = 1;            ///< 0..1, see sample/sighting.h
-  float misplaced = 0;        ///< px of the target by which the copy is expected to be off
+  int view = -1;                ///< Index of the source frame; -1: no source observed the pixel.
+  cv::Point2f position;         ///< Image coordinates in the source, rounded to 1/16 px.
+  cv::Vec2b footprint{1, 1};    ///< Width and height, in source pixels, of the area that the pixel covers, for box_mean().
+  float score = 1;              ///< 0..1, by score_source().
+  float position_error_px = 0;  ///< Expected displacement of the copy, in pixels of the target.
 
   bool found() const { return view >= 0; }
 };
@@ -24,10 +24,11 @@ struct Candidate {
 /// The candidates for each pixel of a frame's hole.
 struct Candidates {
   Region hole;
-  std::vector<Candidate> leading;   ///< as hole.pixels: the one copied from
-  std::size_t extra_per_pixel = 0;  ///< how many further ones a pixel may have
-  std::vector<Candidate> extra{};   ///< extra_per_pixel each, by falling trust; those not found last
+  std::vector<Candidate> leading;   ///< One per hole pixel: the candidate that is copied.
+  std::size_t extra_per_pixel = 0;  ///< Maximum number of further candidates per pixel.
+  std::vector<Candidate> extra{};   ///< `extra_per_pixel` per hole pixel, by decreasing score; those not found are last.
 
+  /// The further candidates of a hole pixel.
   std::span<const Candidate> others(std::size_t pixel) const {
     return {extra.data() + pixel * extra_per_pixel, extra_per_pixel};
   }

@@ -16,101 +16,96 @@
 
 #include "dvi/drive/near_views.h"
 #include "dvi/image/interpolate.h"
-#include "dvi/sample/sighting.h"
+#include "dvi/sample/source_score.h"
 
 namespace dvi::sample {
 namespace {
 
 double seconds_between(const View& a, const View& b) {
-  if (a.drive != b.drive) return kSecondsElsewhere;
-  return static_cast<double>(std::llabs(a.time_ns - b.time_ns)) * 1e-9 + (a.sequence != b.sequence ? kSecondsOfRig : 0);
+  if (a.drive != b.drive) return kSourceScore.other_drive_s;
+  return static_cast<double>(std::llabs(a.time_ns - b.time_ns)) * 1e-9 +
+         (a.sequence != b.sequence ? kSourceScore.other_camera_s : 0);
 }
 
-/// Pixels of the source to be averaged where one pixel of the target spans so many, all of them clear of the mask and of other
-/// surfaces.
-uchar pixels_spanned(double spanned, float clear_px) {
-  constexpr int kMost = 8;
-  const int clear = 2 * static_cast<int>(clear_px) + 1;
-  return static_cast<uchar>(std::clamp(cvRound(spanned), 1, std::min(kMost, clear)));
+/// Rounds an extent of a footprint to whole source pixels, all of which are clear of the mask and of other surfaces.
+uchar round_extent(double extent_px, float clearance_px) {
+  constexpr int kMaxExtentPx = 8;
+  const int clear = 2 * static_cast<int>(clearance_px) + 1;
+  return static_cast<uchar>(std::clamp(cvRound(extent_px), 1, std::min(kMaxExtentPx, clear)));
 }
 
-/// Meters between two cameras beyond which they do not show the same sky; parts of a drive that nothing ties together lie
-/// farther apart, and do not even share a heading.
-constexpr double kMaxSkyDistanceM = 2000;
-
-/// One source, asked for pixels of the target.
+/// A source frame in which pixels of the target are searched.
 class Source {
  public:
   Source(const depth::Target& target, std::size_t source, const SampleOptions& options)
       : number_(source),
         view_(target.views[source]),
-        other_day_(view_.drive != target.view().drive),
+        is_other_drive_(view_.drive != target.view().drive),
         source_from_target_(view_.camera_from_world * target.view().camera_from_world.inverse()),
         seconds_(seconds_between(view_, target.view())),
         visibility_(target.visibility),
         options_(options) {}
 
-  /// None unless it is trusted more than `than`.
-  std::optional<Candidate> show(const SurfacePixel& pixel, float than) {
-    const bool is_apart = other_day_ || source_from_target_.t.norm() > kMaxSkyDistanceM;
-    if (is_apart && pixel.at.z() >= depth::DepthMap::kInfinity) return std::nullopt;  // no sky stays
-    const std::optional<SourcePosition> place = locate(pixel, view_.camera, source_from_target_);
-    if (!place) return std::nullopt;
-    const cv::Point2f at = quantize(place->position.x(), place->position.y());
+  /// Returns the candidate for a pixel, or nothing if the source does not show it with a score above `min_score`.
+  std::optional<Candidate> find_candidate(const SurfacePixel& pixel, float min_score) {
+    const bool is_other_sky = is_other_drive_ || source_from_target_.t.norm() > kSourceScore.max_sky_distance_m;
+    if (is_other_sky && pixel.at.z() >= depth::DepthMap::kInfinity) return std::nullopt;
+    const std::optional<SourcePosition> projection = locate(pixel, view_.camera, source_from_target_);
+    if (!projection) return std::nullopt;
+    const cv::Point2f at = quantize(projection->position.x(), projection->position.y());
     if (!view_.camera.contains({at.x, at.y})) return std::nullopt;
-    if (!lent_) lent_ = visibility_[number_];
-    if (lent_->masked(at)) return std::nullopt;
-    const float clear = lent_->clear_px(at);
-    if (options_.scored && static_cast<float>(most_trust(seconds_, clear)) <= than) return std::nullopt;
-    if (options_.occlusion_test && !same_surface(at, place->z, pixel.sigma)) return std::nullopt;
-    const std::optional<SourceFootprint> seen = sight(pixel, *place, view_.camera, source_from_target_);
-    if (!seen) return std::nullopt;
+    if (!visible_) visible_ = visibility_[number_];
+    if (visible_->is_masked(at)) return std::nullopt;
+    const float clearance = visible_->clearance_px(at);
+    if (options_.scored && static_cast<float>(max_score(seconds_, clearance)) <= min_score) return std::nullopt;
+    if (options_.occlusion_test && !shows_surface(at, projection->z, pixel.sigma)) return std::nullopt;
+    const std::optional<SourceFootprint> footprint = measure_footprint(pixel, *projection, view_.camera, source_from_target_);
+    if (!footprint) return std::nullopt;
     Candidate out{static_cast<int>(number_), at};
-    out.misplaced = static_cast<float>(expected_shift(*seen, seconds_));
-    if (options_.footprint) {
-      out.footprint = {pixels_spanned(seen->across, clear), pixels_spanned(seen->down, clear)};
-    }
+    out.position_error_px = static_cast<float>(estimate_position_error_px(*footprint, seconds_));
+    if (options_.footprint)
+      out.footprint = {round_extent(footprint->across, clearance), round_extent(footprint->down, clearance)};
     if (!options_.scored) return out;
-    if (expected_error(*seen, seconds_) > options_.max_error_px) return std::nullopt;
-    out.trust = static_cast<float>(trust(*seen, seconds_, clear));
+    if (estimate_copy_error_px(*footprint, seconds_) > options_.max_error_px) return std::nullopt;
+    out.score = static_cast<float>(score_source(*footprint, seconds_, clearance));
     return out;
   }
 
  private:
-  bool same_surface(cv::Point2f at, double z, double sigma) const {
-    const double off = depth::VisibilityMap::kSigmas * sigma;
-    return !lent_->hides(at, z - off, options_.occlusion_tolerance) &&
-           !lent_->sees_through(at, z + off, options_.occlusion_tolerance);
+  bool shows_surface(cv::Point2f at, double z, double sigma) const {
+    const double off = depth::VisibilityMap::kMaxSigmas * sigma;
+    return !visible_->occludes(at, z - off, options_.occlusion_tolerance) &&
+           !visible_->is_farther(at, z + off, options_.occlusion_tolerance);
   }
 
   std::size_t number_;
   const View& view_;
-  bool other_day_;
+  bool is_other_drive_;
   SE3 source_from_target_;
   double seconds_;
   const Lazy<depth::VisibilityMap>& visibility_;
   const SampleOptions& options_;
-  std::shared_ptr<const depth::VisibilityMap> lent_;  // once a pixel may be seen
+  std::shared_ptr<const depth::VisibilityMap> visible_;  // computed once a pixel projects into the image
 };
 
-/// The best candidates of each pixel so far.
+/// The candidates of each pixel with the highest scores so far.
 class Ranking {
  public:
-  Ranking(std::size_t pixels, std::size_t ranks) : ranks_(ranks), candidates_(pixels * ranks), least_(pixels, kOpen) {}
+  Ranking(std::size_t pixels, std::size_t ranks) : ranks_(ranks), candidates_(pixels * ranks), min_score_(pixels, kNoScore) {}
 
-  /// Behind those that are trusted as much.
+  /// Inserts a candidate behind those with the same or a higher score.
   void add(std::size_t pixel, const Candidate& candidate) {
     Candidate* const begin = &candidates_[pixel * ranks_];
     Candidate* const end = begin + ranks_;
     Candidate* const place =
-        std::find_if(begin, end, [&](const Candidate& c) { return !c.found() || c.trust < candidate.trust; });
+        std::find_if(begin, end, [&](const Candidate& c) { return !c.found() || c.score < candidate.score; });
     if (place == end) return;
     std::move_backward(place, end - 1, end);
     *place = candidate;
-    if (end[-1].found()) least_[pixel] = end[-1].trust;
+    if (end[-1].found()) min_score_[pixel] = end[-1].score;
   }
-  /// A candidate is kept if it is trusted more than this.
-  float least(std::size_t pixel) const { return least_[pixel]; }
+  /// The score above which a further candidate of the pixel is kept.
+  float min_score(std::size_t pixel) const { return min_score_[pixel]; }
   Candidates finish(Region&& hole) const {
     Candidates out{std::move(hole), {}, ranks_ - 1, {}};
     out.leading.reserve(out.hole.size());
@@ -124,25 +119,32 @@ class Ranking {
   }
 
  private:
-  static constexpr float kOpen = -1;
+  static constexpr float kNoScore = -1;
   std::size_t ranks_;
   std::vector<Candidate> candidates_;
-  std::vector<float> least_;  // the trust of each pixel's last one
+  std::vector<float> min_score_;  // one per pixel
 };
 
-/// Pixels round the mask on a grid: not those beside it, which traffic may blur into, nor far from it.
-Region known_pixels(const cv::Mat1b& mask) {
-  constexpr int kBeside = 4, kFar = 40, kStep = 6;  // px
-  cv::Mat1b near(grown(mask, kFar));
-  near.setTo(0, grown(mask, kBeside));
+/// Parameters of the known pixels around a hole.
+struct KnownPixelParams {
+  int min_distance_px = 4;   ///< Smallest distance to the mask; nearer pixels may be blended with the removed object.
+  int max_distance_px = 40;  ///< Largest distance to the mask.
+  int step_px = 6;           ///< Spacing of the grid.
+};
+constexpr KnownPixelParams kKnownPixels;
+
+/// Selects known pixels around the mask, on a grid.
+Region select_known_pixels(const cv::Mat1b& mask) {
+  cv::Mat1b near(grown(mask, kKnownPixels.max_distance_px));
+  near.setTo(0, grown(mask, kKnownPixels.min_distance_px));
   for (int y = 0; y < near.rows; ++y)
     for (int x = 0; x < near.cols; ++x)
-      if (x % kStep != 0 || y % kStep != 0) near(y, x) = 0;
+      if (x % kKnownPixels.step_px != 0 || y % kKnownPixels.step_px != 0) near(y, x) = 0;
   return Region(near);
 }
 
-/// For each of the pixels, the nearest one of the hole that was found; `hole.size()` where none was.
-std::vector<std::size_t> nearest_found(const Candidates& hole, const Region& pixels) {
+/// Finds, for each of the pixels, the index of the nearest hole pixel that has a candidate; the size of the hole if none has.
+std::vector<std::size_t> find_nearest_copied(const Candidates& hole, const Region& pixels) {
   cv::Mat1b missing(hole.hole.index.size(), uchar{255});
   for (std::size_t i = 0; i < hole.leading.size(); ++i)
     if (hole.leading[i].found()) missing(hole.hole.pixels[i]) = 0;
@@ -163,40 +165,40 @@ std::vector<std::size_t> nearest_found(const Candidates& hole, const Region& pix
 }  // namespace
 
 Candidates sample_known(const depth::Target& target, const Candidates& hole, const SampleOptions& options) {
-  Region known = known_pixels(*target.mask());
-  const std::vector<std::size_t> nearest = nearest_found(hole, known);
+  Region known = select_known_pixels(*target.mask());
+  const std::vector<std::size_t> nearest = find_nearest_copied(hole, known);
   std::map<std::size_t, std::vector<SurfacePixel>> of_view;
-  for (const SurfacePixel& surface : surface_pixels(known, target.view().camera, target.depth)) {
-    const std::size_t like = nearest[surface.pixel];
-    if (like == hole.hole.size()) continue;
-    const auto ask = [&](const Candidate& c) {
+  for (const SurfacePixel& surface : find_surface_pixels(known, target.view().camera, target.depth)) {
+    const std::size_t copied = nearest[surface.pixel];
+    if (copied == hole.hole.size()) continue;
+    const auto add = [&](const Candidate& c) {
       if (c.found() && target.views[c.view].drive == target.view().drive)
         of_view[static_cast<std::size_t>(c.view)].push_back(surface);
     };
-    ask(hole.leading[like]);
-    for (const Candidate& c : hole.others(like)) ask(c);
+    add(hole.leading[copied]);
+    for (const Candidate& c : hole.others(copied)) add(c);
   }
   Ranking ranking(known.size(), hole.extra_per_pixel + 1);
   for (const auto& [view, surface] : of_view) {
     Source source(target, view, options);
     for (const SurfacePixel& pixel : surface)
-      if (const std::optional<Candidate> candidate = source.show(pixel, ranking.least(pixel.pixel)))
+      if (const std::optional<Candidate> candidate = source.find_candidate(pixel, ranking.min_score(pixel.pixel)))
         ranking.add(pixel.pixel, *candidate);
   }
   return ranking.finish(std::move(known));
 }
 
-std::vector<std::size_t> search_order(const Views& views, std::size_t target, const SampleOptions& options) {
-  const std::size_t reach = options.max_frame_gap > 0 ? static_cast<std::size_t>(options.max_frame_gap) : views.size();
+std::vector<std::size_t> list_search_order(const Views& views, std::size_t target, const SampleOptions& options) {
+  const std::size_t max_gap = options.max_frame_gap > 0 ? static_cast<std::size_t>(options.max_frame_gap) : views.size();
   const auto [first, last] = views.of_sequence(views[target].sequence);
   std::vector<std::size_t> order;
-  for (std::size_t i = target + 1; i < std::min(last, target + 1 + reach); ++i) order.push_back(i);
-  for (std::size_t i = target; i-- > std::max(first, target - std::min(target, reach));) order.push_back(i);
-  for (const std::size_t i : list_views_of_other_cameras(views, target, reach)) order.push_back(i);
+  for (std::size_t i = target + 1; i < std::min(last, target + 1 + max_gap); ++i) order.push_back(i);
+  for (std::size_t i = target; i-- > std::max(first, target - std::min(target, max_gap));) order.push_back(i);
+  for (const std::size_t i : list_views_of_other_cameras(views, target, max_gap)) order.push_back(i);
   const auto seconds = [&](std::size_t i) { return seconds_between(views[i], views[target]); };
   if (options.scored)
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return seconds(a) < seconds(b); });
-  for (const std::size_t i : find_nearest_views_of_other_drives(views, target, 2 * reach)) order.push_back(i);
+  for (const std::size_t i : find_nearest_views_of_other_drives(views, target, 2 * max_gap)) order.push_back(i);
   std::erase_if(order, [&](std::size_t i) { return !shares_colors(views[i], views[target]); });
   return order;
 }
@@ -204,18 +206,18 @@ std::vector<std::size_t> search_order(const Views& views, std::size_t target, co
 Candidates sample(const depth::Target& target, const SampleOptions& options) {
   Region hole(*target.mask());
   Ranking ranking(hole.size(), options.scored ? static_cast<std::size_t>(options.sources) : 1);
-  const std::vector<SurfacePixel> surface = surface_pixels(hole, target.view().camera, target.depth);
-  std::vector<std::uint32_t> open(surface.size());  // those that may still find a better source
+  const std::vector<SurfacePixel> surface = find_surface_pixels(hole, target.view().camera, target.depth);
+  std::vector<std::uint32_t> open(surface.size());  // pixels that may still find a better source
   std::iota(open.begin(), open.end(), 0U);
-  for (const std::size_t i : search_order(target.views, target.index, options)) {
-    // Frames of the target's drive come by falling trust: what is full stays as it is.
-    const double most = options.scored ? most_trust(seconds_between(target.views[i], target.view())) : 1;
-    std::erase_if(open, [&](std::uint32_t k) { return ranking.least(surface[k].pixel) >= most; });
+  for (const std::size_t i : list_search_order(target.views, target.index, options)) {
+    // Later frames have lower scores, so that they cannot improve pixels whose candidates all have higher ones.
+    const double bound = options.scored ? max_score(seconds_between(target.views[i], target.view())) : 1;
+    std::erase_if(open, [&](std::uint32_t k) { return ranking.min_score(surface[k].pixel) >= bound; });
     if (open.empty()) break;
     Source source(target, i, options);
     for (const std::uint32_t k : open) {
       const std::size_t pixel = surface[k].pixel;
-      const std::optional<Candidate> candidate = source.show(surface[k], ranking.least(pixel));
+      const std::optional<Candidate> candidate = source.find_candidate(surface[k], ranking.min_score(pixel));
       if (candidate) ranking.add(pixel, *candidate);
     }
   }

@@ -10,8 +10,8 @@
 namespace dvi::sample {
 namespace {
 
-/// A hole at 1280x720: a vehicle ahead that all sources mask at the same place, so that each of them sees a little more of what
-/// it hid. By sources, and by pixels of the hole.
+/// sample() at 1280x720, by the number of sources and the pixels of the hole. The hole is a vehicle ahead that all sources mask
+/// at the same image position, so that each source observes a little more of the background.
 void sample_hole(benchmark::State& state) {
   const int sources = static_cast<int>(state.range(0));
   const double scale = std::sqrt(static_cast<double>(state.range(1)) / 60'000);
@@ -24,7 +24,7 @@ void sample_hole(benchmark::State& state) {
     scene.masks.back() = hole;
   }
   const depth::DepthMap depth{scene.depth(), cv::Mat1f(scene.depth().size(), 0.02F)};
-  const depth::VisibilityMap same = depth::visibility_map(depth, hole);
+  const depth::VisibilityMap same = depth::make_visibility_map(depth, hole);
   const Lazy<depth::VisibilityMap> visibility(scene.views.size(), scene.views.size(), [&](std::size_t) { return same; });
   const Views views = scene.lazy();
   Candidates out;

@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "dvi/image/interpolate.h"
-#include "dvi/sample/sighting.h"
+#include "dvi/sample/source_score.h"
 #include "dvi/testing/flat_scene.h"
 
 namespace dvi::sample {
@@ -26,7 +26,7 @@ depth::DepthMap flat_depth(const FlatScene& scene) { return {scene.depth(), cv::
 Lazy<depth::VisibilityMap> flat_visibility(const FlatScene& scene) {
   return {scene.views.size(), 8, [views = scene.views, masks = scene.masks](std::size_t i) {
             const float z = static_cast<float>(FlatScene::kDepth + views[i].camera_from_world.t.z());
-            return depth::visibility_map({cv::Mat1f(masks[i].size(), z), cv::Mat1f(masks[i].size(), 0.02F)}, masks[i]);
+            return depth::make_visibility_map({cv::Mat1f(masks[i].size(), z), cv::Mat1f(masks[i].size(), 0.02F)}, masks[i]);
           }};
 }
 
@@ -48,9 +48,9 @@ TEST(Sample, TakesTheNextFrameAtTheWarpedPosition) {
   }
 }
 
-TEST(SampleKnown, CopiesPixelsRoundTheHoleFromTheFramesOfTheHole) {
+TEST(SampleKnown, FindsPixelsAroundTheHoleInTheSourceFramesOfTheHole) {
   FlatScene scene = drive_of({3, 6, 9});
-  scene.masks[1] = cv::Mat1b(60, 80, uchar{255});  // shows nothing of the hole
+  scene.masks[1] = cv::Mat1b(60, 80, uchar{255});  // does not observe the hole
   const SampleOptions one{.sources = 1};
   const Candidates hole = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, one);
   scene.masks[1] = cv::Mat1b(60, 80, uchar{0});
@@ -71,75 +71,75 @@ TEST(SampleKnown, FindsNothingWhereTheHoleHasNoSource) {
     EXPECT_FALSE(c.found());
 }
 
-TEST(Sample, CopiesNoSkyOfAnotherDay) {
+TEST(Sample, DoesNotCopySkyFromOtherDrives) {
   FlatScene scene = drive_of({0, 0});
   scene.views[2].sequence = scene.views[2].drive = 1;
   depth::DepthMap sky{cv::Mat1f(60, 80, depth::DepthMap::kInfinity), cv::Mat1f(60, 80, 0.0F)};
   for (const bool own : {true, false}) {
     if (!own) scene.masks[1] = cv::Mat1b(60, 80, uchar{255});
-    const Lazy<depth::VisibilityMap> seen{
-        3, 3, [sky, masks = scene.masks](std::size_t i) { return depth::visibility_map(sky, masks[i]); }};
-    for (const Candidate& c : sample({scene.lazy(), 0, sky, seen}, {}).leading) EXPECT_EQ(c.view, own ? 1 : -1);
+    const Lazy<depth::VisibilityMap> visibility{
+        3, 3, [sky, masks = scene.masks](std::size_t i) { return depth::make_visibility_map(sky, masks[i]); }};
+    for (const Candidate& c : sample({scene.lazy(), 0, sky, visibility}, {}).leading) EXPECT_EQ(c.view, own ? 1 : -1);
   }
 }
 
-TEST(Sample, CopiesNoSkyOfAPartOfTheDriveThatLiesApart) {
+TEST(Sample, DoesNotCopySkyFromDistantPartsOfTheDrive) {
   for (const double apart_m : {100, 5000}) {
     FlatScene scene = drive_of({0});
-    scene.views[1].camera_from_world.t.z() -= apart_m;  // ahead, so that the sky is in sight
+    scene.views[1].camera_from_world.t.z() -= apart_m;  // ahead, so that the sky is inside the image
     depth::DepthMap sky{cv::Mat1f(60, 80, depth::DepthMap::kInfinity), cv::Mat1f(60, 80, 0.0F)};
-    const Lazy<depth::VisibilityMap> seen{
-        2, 2, [sky, masks = scene.masks](std::size_t i) { return depth::visibility_map(sky, masks[i]); }};
-    const std::vector<Candidate> found = sample({scene.lazy(), 0, sky, seen}, {}).leading;
+    const Lazy<depth::VisibilityMap> visibility{
+        2, 2, [sky, masks = scene.masks](std::size_t i) { return depth::make_visibility_map(sky, masks[i]); }};
+    const std::vector<Candidate> found = sample({scene.lazy(), 0, sky, visibility}, {}).leading;
     EXPECT_EQ(std::any_of(found.begin(), found.end(), [](const Candidate& c) { return c.found(); }), apart_m < 1000);
   }
 }
 
-TEST(Sample, SearchesForwardsThenBackwardsThenOtherDrives) {
+TEST(Sample, SearchesForwardThenBackwardThenOtherDrives) {
   FlatScene scene = drive_of({1, 2, 3, 4});
   scene.views[4].sequence = scene.views[4].drive = 1;
-  EXPECT_EQ(search_order(scene.lazy(), 2, {.max_frame_gap = 0, .scored = false}), (std::vector<std::size_t>{3, 1, 0, 4}));
-  EXPECT_EQ(search_order(scene.lazy(), 2, {.max_frame_gap = 1, .scored = false}), (std::vector<std::size_t>{3, 1, 4}));
+  EXPECT_EQ(list_search_order(scene.lazy(), 2, {.max_frame_gap = 0, .scored = false}), (std::vector<std::size_t>{3, 1, 0, 4}));
+  EXPECT_EQ(list_search_order(scene.lazy(), 2, {.max_frame_gap = 1, .scored = false}), (std::vector<std::size_t>{3, 1, 4}));
 }
 
-TEST(Sample, SearchesOtherCamerasOfTheDriveAsIfSomeSecondsFartherAway) {
+TEST(Sample, SearchesOtherCamerasAsIfTheyWereSecondsFartherAway) {
   FlatScene scene = drive_of({1, 2, 3, 4});
-  scene.views[2].time_ns += static_cast<std::int64_t>(1e9 * (kSecondsOfRig + 1));
+  scene.views[2].time_ns += static_cast<std::int64_t>(1e9 * (kSourceScore.other_camera_s + 1));
   scene.views[3].sequence = scene.views[4].sequence = 1;
   scene.views[3].time_ns = scene.views[1].time_ns + 1;
   scene.views[4].time_ns = scene.views[2].time_ns + 1;
-  EXPECT_EQ(search_order(scene.lazy(), 0, {.max_frame_gap = 0}), (std::vector<std::size_t>{1, 3, 2, 4}));
-  EXPECT_EQ(search_order(scene.lazy(), 0, {.max_frame_gap = 1}), (std::vector<std::size_t>{1, 3}))
-      << "as far as its own frames";
+  EXPECT_EQ(list_search_order(scene.lazy(), 0, {.max_frame_gap = 0}), (std::vector<std::size_t>{1, 3, 2, 4}));
+  EXPECT_EQ(list_search_order(scene.lazy(), 0, {.max_frame_gap = 1}), (std::vector<std::size_t>{1, 3}))
+      << "with the same frame gap";
 }
 
-TEST(Sample, GrayAndColoredViewsDoNotMix) {
+TEST(Sample, DoesNotMixGrayAndColorViews) {
   FlatScene scene = drive_of({1, 2, 3, 4});
   scene.views[3].sequence = scene.views[4].sequence = 1;
   scene.views[3].time_ns = scene.views[1].time_ns + 1;
   scene.views[4].time_ns = scene.views[2].time_ns + 1;
   scene.views[3].gray = scene.views[4].gray = true;
-  EXPECT_EQ(search_order(scene.lazy(), 0, {.max_frame_gap = 0}), (std::vector<std::size_t>{1, 2}));
-  EXPECT_EQ(search_order(scene.lazy(), 3, {.max_frame_gap = 0}), (std::vector<std::size_t>{4}));
+  EXPECT_EQ(list_search_order(scene.lazy(), 0, {.max_frame_gap = 0}), (std::vector<std::size_t>{1, 2}));
+  EXPECT_EQ(list_search_order(scene.lazy(), 3, {.max_frame_gap = 0}), (std::vector<std::size_t>{4}));
 }
 
-TEST(Sample, RankedSearchGoesOutwardsInTime) {
+TEST(Sample, ScoredSearchIsByDistanceInTime) {
   FlatScene scene = drive_of({1, 2, 3, 4});
   scene.views[4].sequence = scene.views[4].drive = 1;
-  EXPECT_EQ(search_order(scene.lazy(), 1, {.max_frame_gap = 0}), (std::vector<std::size_t>{2, 0, 3, 4}));
+  EXPECT_EQ(list_search_order(scene.lazy(), 1, {.max_frame_gap = 0}), (std::vector<std::size_t>{2, 0, 3, 4}));
   const Candidates c = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {});
   ASSERT_EQ(c.extra_per_pixel, 2);
   for (std::size_t i = 0; i < c.leading.size(); ++i) {
     EXPECT_EQ(c.leading[i].view, 1);
     EXPECT_EQ(c.others(i)[0].view, 2);
     EXPECT_EQ(c.others(i)[1].view, 3);
-    EXPECT_GT(c.leading[i].trust, c.others(i)[0].trust);
+    EXPECT_GT(c.leading[i].score, c.others(i)[0].score);
   }
   for (const Candidate& one : sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {.scored = false}).leading)
-    EXPECT_EQ(one.trust, 1) << "as published nothing is weighed";
+    EXPECT_EQ(one.score, 1) << "the published form has no scores";
 }
 
-TEST(Sample, FewerSourcesThanAskedFor) {
+TEST(Sample, HandlesFewerSourcesThanRequested) {
   const FlatScene scene = drive_of({3});
   const Candidates c = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {.sources = 5});
   for (std::size_t i = 0; i < c.leading.size(); ++i) {
@@ -148,22 +148,22 @@ TEST(Sample, FewerSourcesThanAskedFor) {
   }
 }
 
-TEST(Sample, TooLargeAnErrorIsNone) {
+TEST(Sample, RejectsCandidatesWithLargeErrors) {
   const FlatScene scene = drive_of({3});
   const Views views = scene.lazy();
-  const double drift = expected_shift({}, 0.1);
-  const auto found = [&](double most) {
-    const Candidates c = sample({views, 0, flat_depth(scene), flat_visibility(scene)}, {.max_error_px = most});
+  const double drift = estimate_position_error_px({}, 0.1);
+  const auto finds_any = [&](double max_error_px) {
+    const Candidates c = sample({views, 0, flat_depth(scene), flat_visibility(scene)}, {.max_error_px = max_error_px});
     return std::any_of(c.leading.begin(), c.leading.end(), [](const Candidate& one) { return one.found(); });
   };
-  EXPECT_FALSE(found(0.99 * drift)) << "the time between the frames alone is more";
-  EXPECT_TRUE(found(2 * drift)) << "also beside depth edges";
+  EXPECT_FALSE(finds_any(0.99 * drift)) << "drift alone exceeds it";
+  EXPECT_TRUE(finds_any(2 * drift)) << "including pixels beside depth edges";
 }
 
 // A camera `forward` meters nearer to the plane shows it larger, by 10 / (10 - forward).
 void move_last(FlatScene& scene, double forward) { scene.views.back().camera_from_world.t.z() = -forward; }
 
-TEST(Sample, ANearerSourceIsFilteredDown) {
+TEST(Sample, AveragesThePixelsOfANearerSource) {
   FlatScene scene = drive_of({0});
   move_last(scene, 5);
   cv::Mat3b& checker = scene.images.back();
@@ -178,7 +178,7 @@ TEST(Sample, ANearerSourceIsFilteredDown) {
   }
 }
 
-TEST(Sample, TheFootprintKeepsOffTheMask) {
+TEST(Sample, FootprintsDoNotOverlapTheMask) {
   FlatScene scene = drive_of({0});
   move_last(scene, 8);
   scene.masks.back()(cv::Rect(0, 0, 30, 60)) = 255;
@@ -192,7 +192,7 @@ TEST(Sample, TheFootprintKeepsOffTheMask) {
   EXPECT_GT(found, 0);
 }
 
-TEST(Sample, AFartherSourceRanksLower) {
+TEST(Sample, AFartherSourceHasALowerScore) {
   FlatScene scene = drive_of({0});
   move_last(scene, -10);
   scene.add_source(0, scene.images[0]);
@@ -201,42 +201,42 @@ TEST(Sample, AFartherSourceRanksLower) {
   for (std::size_t i = 0; i < c.leading.size(); ++i) {
     EXPECT_EQ(c.leading[i].view, 2);
     EXPECT_EQ(c.others(i)[0].view, 1);
-    EXPECT_LT(c.others(i)[0].trust, 0.5F * c.leading[i].trust);
+    EXPECT_LT(c.others(i)[0].score, 0.5F * c.leading[i].score);
   }
 }
 
-TEST(Sample, GrazingViewsAreToldByTheirSmallestSpan) {
+TEST(Sample, TheSmallestExtentReflectsGrazingAngles) {
   const FlatScene scene = drive_of({0});
   Candidates c{Region(hole_mask()), {}};
-  const std::vector<SurfacePixel> pixels = surface_pixels(c.hole, scene.views[0].camera, flat_depth(scene));
+  const std::vector<SurfacePixel> pixels = find_surface_pixels(c.hole, scene.views[0].camera, flat_depth(scene));
   ASSERT_EQ(pixels.size(), 100);
-  SE3 turned;  // looks at the plane from the side, at 60 degrees, from as far away
+  SE3 turned;  // at 60 degrees to the plane's normal, at the same distance
   turned.R = Eigen::AngleAxisd(1.0472, Eigen::Vector3d::UnitY()).toRotationMatrix();
   turned.t = Eigen::Vector3d(0, 0, 10) - turned.R * Eigen::Vector3d(0, 0, 10);
   const Camera& camera = scene.views[0].camera;
-  const std::optional<SourcePosition> place = locate(pixels[55], camera, turned);
-  ASSERT_TRUE(place);
-  const std::optional<SourceFootprint> seen = sight(pixels[55], *place, camera, turned);
-  ASSERT_TRUE(seen);
-  EXPECT_NEAR(seen->smallest, 0.5, 0.1);
-  EXPECT_NEAR(seen->down, 1, 0.1);
+  const std::optional<SourcePosition> projection = locate(pixels[55], camera, turned);
+  ASSERT_TRUE(projection);
+  const std::optional<SourceFootprint> footprint = measure_footprint(pixels[55], *projection, camera, turned);
+  ASSERT_TRUE(footprint);
+  EXPECT_NEAR(footprint->smallest, 0.5, 0.1);
+  EXPECT_NEAR(footprint->down, 1, 0.1);
 }
 
-TEST(Sample, TrustFollowsItsFormula) {
-  SourceFootprint seen;
-  const double far = 1e18;  // px to masks and edges
-  EXPECT_DOUBLE_EQ(trust(seen, 0, far), 1);
-  EXPECT_DOUBLE_EQ(trust(seen, 1, far), 0.5);
-  EXPECT_DOUBLE_EQ(trust(seen, 1, far), most_trust(1));
-  EXPECT_DOUBLE_EQ(trust(seen, 0, 0.5), 0.5);
-  EXPECT_DOUBLE_EQ(trust(seen, 0, 0), 1.0 / 3);
-  EXPECT_EQ(trust(seen, 0.7, 2.3), most_trust(0.7, 2.3));
-  seen.misplaced = 0.3;
-  EXPECT_DOUBLE_EQ(trust(seen, 0, far), 0.5);
-  EXPECT_NEAR(expected_shift(seen, 1), 0.3 * std::sqrt(2), 1e-12);
-  seen.misplaced = 0;
-  seen.smallest = 0.625;
-  EXPECT_NEAR(trust(seen, 0, far), 0.5, 1e-12);
+TEST(SourceScore, FollowsItsFormula) {
+  SourceFootprint footprint;
+  const double far = 1e18;  // px to masks and depth edges
+  EXPECT_DOUBLE_EQ(score_source(footprint, 0, far), 1);
+  EXPECT_DOUBLE_EQ(score_source(footprint, 1, far), 0.5);
+  EXPECT_DOUBLE_EQ(score_source(footprint, 1, far), max_score(1));
+  EXPECT_DOUBLE_EQ(score_source(footprint, 0, 0.5), 0.5);
+  EXPECT_DOUBLE_EQ(score_source(footprint, 0, 0), 1.0 / 3);
+  EXPECT_EQ(score_source(footprint, 0.7, 2.3), max_score(0.7, 2.3));
+  footprint.depth_error_px = 0.3;
+  EXPECT_DOUBLE_EQ(score_source(footprint, 0, far), 0.5);
+  EXPECT_NEAR(estimate_position_error_px(footprint, 1), 0.3 * std::sqrt(2), 1e-12);
+  footprint.depth_error_px = 0;
+  footprint.smallest = 0.625;
+  EXPECT_NEAR(score_source(footprint, 0, far), 0.5, 1e-12);
 }
 
 TEST(Sample, SkipsSourcesThatMaskThePixel) {
@@ -257,45 +257,47 @@ TEST(Sample, SkipsSourcesThatMaskThePixel) {
   EXPECT_GT(first, 0);
   EXPECT_GT(second, 0);
   for (const Candidate& clear : sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {}).leading)
-    EXPECT_EQ(clear.view, 2) << "beside its own mask a source ranks lower";
+    EXPECT_EQ(clear.view, 2) << "the score is lower beside the mask of a source";
 }
 
-TEST(Sample, OutsideTheImageNobodySawIt) {
+TEST(Sample, PixelsOutsideOfAllSourcesHaveNoCandidate) {
   const FlatScene scene = drive_of({60, -60});
   const Candidates c = sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {});
   for (const Candidate& candidate : c.leading) EXPECT_FALSE(candidate.found());
 }
 
-TEST(Sample, OccludedSourcesDoNotCount) {
+TEST(Sample, RejectsSourcesThatAreOccluded) {
   const FlatScene scene = drive_of({3, 6});
   const Lazy<depth::VisibilityMap> visibility{3, 3, [depth = flat_depth(scene)](std::size_t i) {
-                                                depth::DepthMap seen{depth.z.clone(), depth.sigma};
-                                                if (i == 1) seen.z = 5.0F;  // something stands before the plane there
-                                                return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}));
+                                                depth::DepthMap depth_of_view{depth.z.clone(), depth.sigma};
+                                                if (i == 1) depth_of_view.z = 5.0F;  // an object in front of the plane
+                                                return depth::make_visibility_map(depth_of_view,
+                                                                                  cv::Mat1b(depth_of_view.z.size(), uchar{0}));
                                               }};
   for (const Candidate& c : sample({scene.lazy(), 0, flat_depth(scene), visibility}, {}).leading) EXPECT_EQ(c.view, 2);
   for (const Candidate& c : sample({scene.lazy(), 0, flat_depth(scene), visibility}, {.occlusion_test = false}).leading)
     EXPECT_EQ(c.view, 1);
 }
 
-TEST(Sample, SourcesThatSeeAnotherSurfaceBehindDoNotCount) {
+TEST(Sample, RejectsSourcesThatShowASurfaceBehind) {
   const FlatScene scene = drive_of({3, 6});
   const auto behind = [&](float sigma) {
     return Lazy<depth::VisibilityMap>{3, 3, [depth = flat_depth(scene), sigma](std::size_t i) {
-                                        depth::DepthMap seen{depth.z.clone(), depth.sigma.clone()};
+                                        depth::DepthMap depth_of_view{depth.z.clone(), depth.sigma.clone()};
                                         if (i == 1) {
-                                          seen.z = 20.0F;
-                                          seen.sigma = sigma;
+                                          depth_of_view.z = 20.0F;
+                                          depth_of_view.sigma = sigma;
                                         }
-                                        return depth::visibility_map(seen, cv::Mat1b(seen.z.size(), uchar{0}));
+                                        return depth::make_visibility_map(depth_of_view,
+                                                                          cv::Mat1b(depth_of_view.z.size(), uchar{0}));
                                       }};
   };
   for (const Candidate& c : sample({scene.lazy(), 0, flat_depth(scene), behind(0.1F)}, {}).leading) EXPECT_EQ(c.view, 2);
   for (const Candidate& c : sample({scene.lazy(), 0, flat_depth(scene), behind(6)}, {}).leading)
-    EXPECT_EQ(c.view, 1) << "it is not sure of what it sees";
+    EXPECT_EQ(c.view, 1) << "its depth is too uncertain";
 }
 
-TEST(Sample, NoDepthNoCandidate) {
+TEST(Sample, PixelsWithoutDepthHaveNoCandidate) {
   const FlatScene scene = drive_of({3});
   depth::DepthMap depth = flat_depth(scene);
   depth.z = depth::DepthMap::kUnknown;
@@ -303,7 +305,7 @@ TEST(Sample, NoDepthNoCandidate) {
   for (const Candidate& c : sample({scene.lazy(), 0, depth, flat_visibility(scene)}, {}).leading) EXPECT_FALSE(c.found());
 }
 
-TEST(Sample, EmptyHole) {
+TEST(Sample, HandlesAnEmptyHole) {
   FlatScene scene = drive_of({3});
   scene.masks[0].setTo(0);
   EXPECT_TRUE(sample({scene.lazy(), 0, flat_depth(scene), flat_visibility(scene)}, {}).leading.empty());

@@ -2,20 +2,20 @@
 
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
-#include "dvi/synthesize/grain.h"
-#include "dvi/synthesize/surfaces.h"
+#include "dvi/synthesize/noise_texture.h"
+#include "dvi/synthesize/road_texture.h"
 
 namespace dvi::synthesize {
 
-/// What the unobserved pixels of a drive are given the texture of.
+/// The textures of the unobserved pixels of a drive.
 struct Textures {
-  Surfaces surfaces;
-  Grain grain;
+  RoadTexture road;
+  NoiseTexture noise;
 };
 
-/// Gives interpolated pixels the texture of the surfaces that lie there, and grain where nothing is known of these: kind
-/// synthesized. The interpolation keeps the low frequencies, which continue what surrounds the hole. `classes` are
-/// the harmonize::SurfaceClass of the frame's pixels; empty: all unknown.
+/// Adds the road texture to interpolated pixels, or noise texture where the road texture is unknown; their kind becomes
+/// `synthesized`. Low frequencies remain those of the interpolation, which continues the surroundings of the hole. `classes`
+/// are the harmonize::SurfaceClass of the frame's pixels; empty: all unknown.
 harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const View& view, const cv::Mat1b& classes,
                                   const Textures& textures);
 

@@ -28,15 +28,15 @@ View looking_ahead(double x) {
   return view;
 }
 
-/// Stripes along the road, and what the camera saw of them from 1 m to the next.
+/// A road with stripes along it, and images of it every 1 m.
 struct Street {
   std::vector<View> views;
   std::vector<cv::Mat3b> images;
   std::vector<cv::Mat1b> masks;
   map::StaticMap map;
 
-  /// Where a car stands all along, world axes.
-  static bool parked(double x, double y) { return x > 14 && x < 18 && y > -3 && y < 0.5; }
+  /// Whether a parked car covers a point of the world.
+  static bool is_parked_car(double x, double y) { return x > 14 && x < 18 && y > -3 && y < 0.5; }
   static uchar color(double y) { return std::fmod(std::abs(y), 1.0) < 0.5 ? 90 : 130; }
 
   Street() {
@@ -63,13 +63,13 @@ struct Street {
         if (ray.z() >= -0.03) continue;
         const Eigen::Vector3d x = world_from_camera.t - kHeight / ray.z() * ray;
         image(v, u) = cv::Vec3b::all(color(x.y()));
-        if (parked(x.x(), x.y())) mask(v, u) = 255;
+        if (is_parked_car(x.x(), x.y())) mask(v, u) = 255;
       }
   }
 
   depth::DepthMap depth() const { return {cv::Mat1f(120, 320, 0.0F), cv::Mat1f(120, 320, 0.0F)}; }
 
-  /// View 8, its hole interpolated as gray.
+  /// View 8, with its hole interpolated as gray.
   harmonize::FilledFrame interpolated() const {
     harmonize::FilledFrame frame;
     images[8].convertTo(frame.color, CV_32F);
@@ -82,9 +82,9 @@ struct Street {
   }
   harmonize::FilledFrame run(const harmonize::FilledFrame& frame) const {
     const Views all = memory_views(views, images, masks);
-    const Lazy<depth::VisibilityMap> visibility(views.size(),
-                                                [&](std::size_t i) { return depth::visibility_map(depth(), *all.masks[i]); });
-    return synthesize(frame, all[8], {}, {Surfaces(ground::RoadGround(map, all), all, visibility), Grain(all)});
+    const Lazy<depth::VisibilityMap> visibility(
+        views.size(), [&](std::size_t i) { return depth::make_visibility_map(depth(), *all.masks[i]); });
+    return synthesize(frame, all[8], {}, {RoadTexture(ground::RoadGround(map, all), all, visibility), NoiseTexture(all)});
   }
 };
 
@@ -106,7 +106,7 @@ cv::Mat1f gray_of(const cv::Mat3f& color) {
   return out;
 }
 
-TEST(Synthesize, StripesOfTheRoadRunOnUnderAParkedCar) {
+TEST(Synthesize, StripesOfTheRoadContinueUnderAParkedCar) {
   const Street street;
   const harmonize::FilledFrame before = street.interpolated(), after = street.run(before);
   const cv::Mat1b hole = before.mask;
@@ -117,7 +117,7 @@ TEST(Synthesize, StripesOfTheRoadRunOnUnderAParkedCar) {
   EXPECT_EQ(mean_error(after.color, street.images[8], outside), 0);
 }
 
-TEST(Synthesize, InTheShadeContrastGoesWithTheLight) {
+TEST(Synthesize, ContrastIsProportionalToBrightness) {
   const Street street;
   harmonize::FilledFrame frame = street.interpolated();
   frame.color = cv::Mat3f(0.25 * frame.color);
@@ -128,16 +128,16 @@ TEST(Synthesize, InTheShadeContrastGoesWithTheLight) {
   EXPECT_NEAR(deviation[1] / lit_deviation[1], 0.25, 0.1);
 }
 
-TEST(Synthesize, StaysWithinTheColorsRoundTheHole) {
+TEST(Synthesize, IsWithinTheColorsAroundTheHole) {
   const Street street;
   const harmonize::FilledFrame frame = street.interpolated();
-  cv::Mat1b rim;
-  cv::dilate(frame.mask, rim, cv::Mat1b(17, 17, uchar{1}));
-  rim &= ~frame.mask;
+  cv::Mat1b boundary;
+  cv::dilate(frame.mask, boundary, cv::Mat1b(17, 17, uchar{1}));
+  boundary &= ~frame.mask;
   harmonize::FilledFrame even = frame;
   even.color = frame.color.clone();
-  even.color.setTo(cv::Scalar::all(105), rim);
-  even.color.setTo(cv::Scalar::all(115), cv::Mat1b(rim & cv::Mat1b(gray_of(frame.color) > 110)));
+  even.color.setTo(cv::Scalar::all(105), boundary);
+  even.color.setTo(cv::Scalar::all(115), cv::Mat1b(boundary & cv::Mat1b(gray_of(frame.color) > 110)));
   const harmonize::FilledFrame after = street.run(even);
   const cv::Mat1b near(grown(cv::Mat1b(~frame.mask), 3) & frame.mask);
   double low = 0, high = 0;
@@ -146,16 +146,16 @@ TEST(Synthesize, StaysWithinTheColorsRoundTheHole) {
   EXPECT_LE(high, 115);
 }
 
-TEST(Synthesize, LeavesAnInterpolatedColorThatNothingNearShows) {
+TEST(Synthesize, DoesNotChangeInterpolatedColorsThatAreNotNearby) {
   Street street;
   street.map.points.clear();
   harmonize::FilledFrame frame = street.interpolated();
   frame.color.setTo(cv::Scalar::all(110));
-  frame.color.setTo(cv::Scalar::all(200), frame.mask);  // as the sky that begins within the hole
+  frame.color.setTo(cv::Scalar::all(200), frame.mask);  // as of sky that begins inside the hole
   EXPECT_LT(cv::norm(frame.color, street.run(frame).color, cv::NORM_INF), 0.01);
 }
 
-TEST(Synthesize, ConfidenceFallsWithTheContrastOfWhatIsSeenAround) {
+TEST(Synthesize, ConfidenceDecreasesWithTheContrastAroundTheHole) {
   const Street street;
   harmonize::FilledFrame frame = street.interpolated();
   const cv::Mat1b hole = frame.mask;
@@ -169,7 +169,7 @@ TEST(Synthesize, ConfidenceFallsWithTheContrastOfWhatIsSeenAround) {
   EXPECT_LT(plain, 255);
 }
 
-TEST(Synthesize, WithoutGroundPlainSurroundingsStayPlain) {
+TEST(Synthesize, AddsNoNoiseToUniformSurroundingsWithoutGround) {
   Street street;
   street.map.points.clear();
   harmonize::FilledFrame before = street.interpolated();
@@ -179,7 +179,7 @@ TEST(Synthesize, WithoutGroundPlainSurroundingsStayPlain) {
   EXPECT_EQ(cv::countNonZero(cv::Mat1b(after.kind == static_cast<uchar>(Kind::synthesized)) != before.mask), 0);
 }
 
-TEST(Synthesize, WithoutGroundGrainFollowsTheSurroundings) {
+TEST(Synthesize, NoiseFollowsTheSurroundingsWithoutGround) {
   Street street;
   street.map.points.clear();
   harmonize::FilledFrame frame = street.interpolated();
@@ -194,7 +194,7 @@ TEST(Synthesize, WithoutGroundGrainFollowsTheSurroundings) {
   EXPECT_NEAR(mean[1], 110, 2);
 }
 
-TEST(Synthesize, AHoleOfTheWholeFrameIsFilledWithNumbers) {
+TEST(Synthesize, AHoleOfTheWholeFrameHasFiniteColors) {
   Street street;
   harmonize::FilledFrame frame = street.interpolated();
   frame.mask.setTo(255);
@@ -204,7 +204,7 @@ TEST(Synthesize, AHoleOfTheWholeFrameIsFilledWithNumbers) {
   EXPECT_TRUE(cv::checkRange(after.color, true, nullptr, 0, 255.001));
 }
 
-TEST(Synthesize, AFrameWithoutAHoleStays) {
+TEST(Synthesize, DoesNotChangeAFrameWithoutAHole) {
   const Street street;
   harmonize::FilledFrame frame = street.interpolated();
   frame.kind.setTo(0);

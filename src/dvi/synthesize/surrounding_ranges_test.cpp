@@ -1,4 +1,4 @@
-#include "dvi/synthesize/range.h"
+#include "dvi/synthesize/surrounding_ranges.h"
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -22,27 +22,27 @@ harmonize::FilledFrame street(const cv::Rect& hole) {
 
 ColorRange range_at(const harmonize::FilledFrame& frame, cv::Point p) {
   const Region region(cv::Mat1b(frame.kind == static_cast<uchar>(Kind::interpolated)));
-  return ranges_round(frame, region).at(static_cast<std::size_t>(region.index(p)));
+  return find_surrounding_ranges(frame, region).at(static_cast<std::size_t>(region.index(p)));
 }
 
-TEST(Range, IsThatOfTheNearestKnownPixels) {
+TEST(SurroundingRanges, AreThoseOfTheNearestKnownPixels) {
   const harmonize::FilledFrame frame = street({100, 50, 200, 100});
   EXPECT_EQ(range_at(frame, {102, 100}).high[0], 60);
   EXPECT_EQ(range_at(frame, {297, 100}).low[0], 120);
-  EXPECT_EQ(range_at(frame, {200, 100}).low[0], 60) << "far inside, of both sides";
+  EXPECT_EQ(range_at(frame, {200, 100}).low[0], 60) << "in the middle, of both sides";
   EXPECT_EQ(range_at(frame, {200, 100}).high[0], 120);
 }
 
-TEST(Range, IsNotThatOfALoneCopy) {
+TEST(SurroundingRanges, AreNotThoseOfFewCopies) {
   harmonize::FilledFrame frame = street({100, 50, 200, 100});
-  const cv::Rect lone(170, 98, 20, 4);
-  frame.kind(lone).setTo(static_cast<uchar>(Kind::copied));
-  frame.color(lone).setTo(cv::Vec3f::all(5));
+  const cv::Rect copy(170, 98, 20, 4);
+  frame.kind(copy).setTo(static_cast<uchar>(Kind::copied));
+  frame.color(copy).setTo(cv::Vec3f::all(5));
   for (const cv::Point p : {cv::Point(180, 106), cv::Point(180, 94), cv::Point(195, 100), cv::Point(160, 110)})
     EXPECT_GE(range_at(frame, p).high[0], 60) << p;
 }
 
-TEST(Range, IsOfAllColorsWhereNothingIsKnown) {
+TEST(SurroundingRanges, HaveAllColorsWithoutKnownPixels) {
   const harmonize::FilledFrame frame = street({0, 0, 400, 200});
   EXPECT_EQ(range_at(frame, {200, 100}).low[0], 0);
   EXPECT_EQ(range_at(frame, {200, 100}).high[0], 255);

@@ -1,4 +1,4 @@
-#include "dvi/synthesize/grain.h"
+#include "dvi/synthesize/noise_texture.h"
 
 #include <cmath>
 #include <cstddef>
@@ -19,8 +19,8 @@ using harmonize::Kind;
 constexpr int kColumns = 240, kRows = 80;
 constexpr double kDistance = 40;  // meters from the first view to the wall ahead
 
-/// Cameras that look at a wall and come a meter nearer with each view.
-View before_the_wall(int i) {
+/// A camera that faces a wall and approaches it by a meter per view.
+View approaching_view(int i) {
   View view;
   view.camera = {kColumns, kRows, 250, 250, 119.5, 39.5, {}};
   view.camera_from_world.t = Eigen::Vector3d(0, 0, -i);
@@ -29,13 +29,13 @@ View before_the_wall(int i) {
 
 Views views_of(int count) {
   std::vector<View> views;
-  for (int i = 0; i < count; ++i) views.push_back(before_the_wall(i));
+  for (int i = 0; i < count; ++i) views.push_back(approaching_view(i));
   return memory_views(views, std::vector<cv::Mat3b>(views.size()), std::vector<cv::Mat1b>(views.size()));
 }
 
 cv::Mat1f wall(int i) { return cv::Mat1f(kRows, kColumns, static_cast<float>(kDistance - i)); }
 
-/// A frame of a pattern of so much contrast, with a hole in the middle.
+/// A frame with a pattern of the given contrast, and a hole.
 harmonize::FilledFrame frame_of(float contrast, const cv::Rect& hole) {
   harmonize::FilledFrame frame;
   frame.color = cv::Mat3f(kRows, kColumns, cv::Vec3f::all(120));
@@ -50,11 +50,11 @@ harmonize::FilledFrame frame_of(float contrast, const cv::Rect& hole) {
 
 const cv::Mat1b kUnknown(kRows, kColumns, static_cast<uchar>(harmonize::SurfaceClass::unknown));
 
-/// Of a frame without depth: that of the wall.
-cv::Mat1f grain_of(const Views& views, int i, harmonize::FilledFrame frame, const cv::Mat1b& classes = kUnknown) {
+/// Computes the noise texture of a frame; its depth is that of the wall if it has none.
+cv::Mat1f compute_noise(const Views& views, int i, harmonize::FilledFrame frame, const cv::Mat1b& classes = kUnknown) {
   if (frame.depth.empty()) frame.depth = wall(i);
   const Region region(frame.mask);
-  const std::vector<cv::Vec3f> found = Grain(views).at(frame, region, views[static_cast<std::size_t>(i)], classes);
+  const std::vector<cv::Vec3f> found = NoiseTexture(views).compute(frame, region, views[static_cast<std::size_t>(i)], classes);
   cv::Mat1f out(frame.mask.size(), 0.0F);
   for (std::size_t k = 0; k < region.size(); ++k) out(region.pixels[k]) = found[k][1];
   return out;
@@ -68,12 +68,12 @@ double deviation_of(const cv::Mat1f& image, const cv::Mat1b& mask) {
 
 const cv::Rect kHole(80, 20, 80, 40);
 
-TEST(Grain, IsAsStrongAsWhatSurroundsTheHole) {
+TEST(NoiseTexture, IsAsStrongAsTheSurroundingsOfTheHole) {
   const Views views = views_of(12);
   double before = -1;
   for (const float contrast : {0.0F, 5.0F, 10.0F, 20.0F}) {
     const harmonize::FilledFrame frame = frame_of(contrast, kHole);
-    const double deviation = deviation_of(grain_of(views, 5, frame), frame.mask);
+    const double deviation = deviation_of(compute_noise(views, 5, frame), frame.mask);
     EXPECT_GT(deviation, before);
     EXPECT_LE(deviation, 1.2 * contrast + 0.01);
     before = deviation;
@@ -81,12 +81,12 @@ TEST(Grain, IsAsStrongAsWhatSurroundsTheHole) {
   EXPECT_GT(before, 10);
 }
 
-TEST(Grain, StaysOnTheSurfaceAsTheCameraComesNearer) {
+TEST(NoiseTexture, MovesWithTheSurfaceAsTheCameraApproaches) {
   const Views views = views_of(12);
   const harmonize::FilledFrame frame = frame_of(10, kHole);
-  const cv::Mat1f a = grain_of(views, 4, frame), b = grain_of(views, 5, frame);
+  const cv::Mat1f a = compute_noise(views, 4, frame), b = compute_noise(views, 5, frame);
   double both = 0, first = 0, second = 0, still = 0;
-  const double nearer = (kDistance - 4) / (kDistance - 5);  // the picture grows by so much
+  const double nearer = (kDistance - 4) / (kDistance - 5);  // growth of the image
   for (int y = 24; y < 56; ++y)
     for (int x = 84; x < 156; ++x) {
       const int u = static_cast<int>(std::lround(119.5 + nearer * (x - 119.5)));
@@ -100,22 +100,22 @@ TEST(Grain, StaysOnTheSurfaceAsTheCameraComesNearer) {
   EXPECT_GT(both, still);
 }
 
-TEST(Grain, IsTheSameEachTime) {
+TEST(NoiseTexture, IsDeterministic) {
   const harmonize::FilledFrame frame = frame_of(10, kHole);
-  EXPECT_EQ(cv::norm(grain_of(views_of(12), 7, frame), grain_of(views_of(12), 7, frame), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(compute_noise(views_of(12), 7, frame), compute_noise(views_of(12), 7, frame), cv::NORM_INF), 0);
 }
 
-TEST(Grain, OneViewWithoutDepthHasSomeToo) {
+TEST(NoiseTexture, ExistsForASingleViewWithoutDepth) {
   const Views views = views_of(1);
   harmonize::FilledFrame frame = frame_of(10, kHole);
   frame.depth = cv::Mat1f(kRows, kColumns, depth::DepthMap::kUnknown);
   const Region region(frame.mask);
   double square = 0;
-  for (const cv::Vec3f& g : Grain(views).at(frame, region, views[0], kUnknown)) square += g[1] * g[1];
+  for (const cv::Vec3f& g : NoiseTexture(views).compute(frame, region, views[0], kUnknown)) square += g[1] * g[1];
   EXPECT_GT(std::sqrt(square / static_cast<double>(region.size())), 2);
 }
 
-TEST(Grain, TheGroundHasTheGrainOfGround) {
+TEST(NoiseTexture, OnTheGroundIsAsStrongAsOnKnownGround) {
   const Views views = views_of(12);
   harmonize::FilledFrame frame = frame_of(20, kHole);
   cv::Mat1b classes(kRows, kColumns, static_cast<uchar>(harmonize::SurfaceClass::upright));
@@ -124,14 +124,14 @@ TEST(Grain, TheGroundHasTheGrainOfGround) {
   cv::Mat1b above = frame.mask.clone(), below = frame.mask.clone();
   above.rowRange(36, kRows).setTo(0);
   below.rowRange(0, 44).setTo(0);
-  const cv::Mat1f grain = grain_of(views, 5, frame, classes);
-  EXPECT_GT(deviation_of(grain, above), 10);
-  EXPECT_LT(deviation_of(grain, below), 1.5);
-  const cv::Mat1f of_all = grain_of(views, 5, frame);
-  EXPECT_GT(deviation_of(of_all, below), 2 * deviation_of(grain, below));
+  const cv::Mat1f noise = compute_noise(views, 5, frame, classes);
+  EXPECT_GT(deviation_of(noise, above), 10);
+  EXPECT_LT(deviation_of(noise, below), 1.5);
+  const cv::Mat1f of_all = compute_noise(views, 5, frame);
+  EXPECT_GT(deviation_of(of_all, below), 2 * deviation_of(noise, below));
 }
 
-TEST(Grain, TheSkyHasTheGrainOfSky) {
+TEST(NoiseTexture, InTheSkyIsAsStrongAsInKnownSky) {
   const Views views = views_of(12);
   harmonize::FilledFrame frame = frame_of(20, kHole);
   frame.color.rowRange(0, 40).setTo(cv::Scalar::all(120));
@@ -143,16 +143,16 @@ TEST(Grain, TheSkyHasTheGrainOfSky) {
   cv::Mat1b above = frame.mask.clone(), below = frame.mask.clone();
   above.rowRange(36, kRows).setTo(0);
   below.rowRange(0, 44).setTo(0);
-  const cv::Mat1f grain = grain_of(views, 5, with_sky, upright);
-  EXPECT_LT(deviation_of(grain, above), 1.5);
-  EXPECT_GT(deviation_of(grain, below), 10);
-  EXPECT_GT(deviation_of(grain_of(views, 5, frame, upright), above), 2 * deviation_of(grain, above));
+  const cv::Mat1f noise = compute_noise(views, 5, with_sky, upright);
+  EXPECT_LT(deviation_of(noise, above), 1.5);
+  EXPECT_GT(deviation_of(noise, below), 10);
+  EXPECT_GT(deviation_of(compute_noise(views, 5, frame, upright), above), 2 * deviation_of(noise, above));
 }
 
-TEST(Grain, WhereNothingIsKnownThereIsNone) {
+TEST(NoiseTexture, IsNoneWithoutKnownPixels) {
   const Views views = views_of(3);
   const harmonize::FilledFrame frame = frame_of(10, {0, 0, kColumns, kRows});
-  EXPECT_LT(cv::norm(grain_of(views, 1, frame), cv::NORM_INF), 1e-3);
+  EXPECT_LT(cv::norm(compute_noise(views, 1, frame), cv::NORM_INF), 1e-3);
 }
 
 }  // namespace
