@@ -73,7 +73,7 @@ harmonize::FilledFrame copy_colors(const sample::Candidates& candidates, const V
   options.poisson = false;
   options.unobserved = harmonize::Unobserved::leave;
   const cv::Mat1f no_depth(candidates.hole.index.size(), depth::DepthMap::kUnknown);
-  return harmonize::harmonize(candidates, views, target, {no_depth, no_depth}, {}, options);
+  return harmonize::harmonize({views, target, {no_depth, no_depth}, {}}, candidates, {}, options);
 }
 
 void inpaint_empty(harmonize::FilledFrame& frame, Inpainting method) {

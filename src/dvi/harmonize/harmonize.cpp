@@ -201,7 +201,7 @@ class Equation {
     if (roles_(q) != static_cast<uchar>(Role::fixed) || !window_.is_unobserved(p)) return false;
     if (!window_.is_unobserved_sky(p))
       return window_.is_unobserved_sky(q) || are_different(window_.class_of(p), window_.class_of(q));
-    return depth::DepthMap::is_solid(window_.depth(q)) || sky_.clamped(color_(q)) != color_(q);
+    return depth::DepthMap::is_solid(window_.depth(q)) || sky_.clamp(color_(q)) != color_(q);
   }
 
   /// The contribution of a neighbor to the right side: its color if it is fixed, plus the gradient of the copies.

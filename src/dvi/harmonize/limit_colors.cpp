@@ -62,8 +62,8 @@ void limit_copies(const ColorRange& surroundings, const sample::Candidates& cand
   for (std::size_t i = 0; i < candidates.leading.size(); ++i) {
     if (!candidates.leading[i].found()) continue;
     const cv::Point p = candidates.hole.pixels[i];
-    if (surroundings.clamped(color(p)) == color(p)) continue;
-    color(p) = extend(surroundings, candidates, copies, p).clamped(color(p));
+    if (surroundings.clamp(color(p)) == color(p)) continue;
+    color(p) = extend(surroundings, candidates, copies, p).clamp(color(p));
   }
 }
 

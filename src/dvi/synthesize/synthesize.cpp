@@ -180,7 +180,7 @@ harmonize::FilledFrame synthesize(const harmonize::FilledFrame& frame, const Vie
     const float share = texture.share(p);
     cv::Vec3f color = frame.color(p) + kSynthesis.noise_contrast * (1 - share / kSynthesis.road_contrast) * noise[i];
     if (share > 0) color += share * (texture.color(p) + offsets[textured.index(p)] - frame.color(p));
-    out.color(p) = ranges[i].with(frame.color(p)).clamped(color);
+    out.color(p) = ranges[i].with(frame.color(p)).clamp(color);
     out.kind(p) = static_cast<uchar>(Kind::synthesized);
     out.confidence(p) = static_cast<uchar>(std::lround(255 * confidence_of_synthesis(distance(p), contrast(p))));
   }
