@@ -41,7 +41,7 @@ TEST_F(OtherSources, AMapAndPosesFillAsTheScansDid) {
   copy("las/map.las", "work/map.las");
   const Result unmasked = dvi("run work -o nothing --quiet");
   EXPECT_EQ(unmasked.code, 3);
-  EXPECT_THAT(unmasked.err, AllOf(HasSubstr("no scans in which what moves could be found"), HasSubstr("give --masks")));
+  EXPECT_THAT(unmasked.err, AllOf(HasSubstr("no scans in which moving objects could be found"), HasSubstr("give --masks")));
   copy("drive/masks/front", "work/masks/camera");
   EXPECT_THAT(dvi("check work --quiet").out,
               AllOf(HasSubstr("colmap"), HasSubstr("points, instead of scans"), HasSubstr("  ready")));

@@ -211,7 +211,7 @@ TEST_F(Rig, ACameraThatCannotBeReadIsLeftOut) {
   write_file(drive / "dvi.toml", config);
   const Result run = dvi("run drive -o out");
   ASSERT_EQ(run.code, 0) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("camera right lends nothing"));
+  EXPECT_THAT(run.err, HasSubstr("camera right is not used as a source"));
   EXPECT_TRUE(cameras_of("out").empty());
 }
 

@@ -89,7 +89,7 @@ TEST_F(SourceDrive, AnotherStreetIsRefused) {
   small_drive("drive", "--truck", kFrames);
   without_poses("other", "--day 2 --seed 2");
   EXPECT_THAT(refused("drive other"),
-              testing::AllOf(HasSubstr("other: "), HasSubstr("single things agree"), HasSubstr("poses in one world")));
+              testing::AllOf(HasSubstr("other: "), HasSubstr("landmarks are inliers"), HasSubstr("poses in one world")));
 }
 
 TEST_F(SourceDrive, TheTargetIsNotItsOwnSource) {

@@ -158,7 +158,7 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   job.read.detector.clear();  // the result holds what it detected
   inputs::Recordings open =
       inputs::open_recordings(job, detected ? inputs::MaskNeed::optional : inputs::MaskNeed::required, progress);
-  if (!job::is_baseline(job.method)) open = inputs::with_other_cameras(std::move(open), job, progress);
+  if (!job::is_baseline(job.method)) open = inputs::add_other_cameras(std::move(open), job, progress);
   if (detected)
     for (inputs::Recording& recording : open) recording.masks_from = objects::MaskSource::detected;
   const inputs::Poses poses = poses_of(out, open, job);

@@ -80,7 +80,7 @@ std::map<std::string, std::size_t> tracks_by_class(const inputs::Recording& open
 CheckReport describe(const inputs::Recording& open, const inputs::PoseChoice& choice, const objects::Masks& masks) {
   const Drive& drive = open.drive;
   const Contents found = contents(drive, masks.front().images);
-  const Trajectory& poses = inputs::chosen(drive, choice);
+  const Trajectory& poses = inputs::trajectory_of(drive, choice);
   CheckReport out{.path = drive.path.string(),
                   .format = drive.format,
                   .camera_name = drive.camera_name,
@@ -214,8 +214,8 @@ CheckReport check(const job::Job& given, bool with_forecast, Progress& progress)
   inputs::PoseChoice choice;
   if (!drive.poses.empty() || !drive.scan_headers.empty())
     choice = inputs::choose_poses(drive, job.read.poses, job.options.odometry, progress);
-  const bool posed = !inputs::chosen(drive, choice).empty();
-  const inputs::Poses poses = posed ? inputs::in_one_world(drives, {choice}) : inputs::given_poses(drives);
+  const bool posed = !inputs::trajectory_of(drive, choice).empty();
+  const inputs::Poses poses = posed ? inputs::transform_to_target_world(drives, {choice}) : inputs::given_poses(drives);
   const std::size_t known = progress.warnings().size();
   const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
   CheckReport report = describe(drives.front(), choice, masks);
@@ -225,11 +225,11 @@ CheckReport check(const job::Job& given, bool with_forecast, Progress& progress)
   report.warnings.insert(report.warnings.end(), range_warnings.begin(), range_warnings.end());
   const std::vector<std::string> doubts = inputs::check_setup({drives, poses, masks}, progress);
   report.warnings.insert(report.warnings.end(), doubts.begin(), doubts.end());
-  for (const std::string& doubt : diagnostics::scan_time_doubts(drive, inputs::chosen(drive, choice))) {
+  for (const std::string& doubt : diagnostics::scan_time_doubts(drive, inputs::trajectory_of(drive, choice))) {
     progress.warn(drive.path.filename().string() + ": " + doubt);
     report.warnings.push_back(doubt);
   }
-  if (!job.out.empty()) report.pictures = write_check_pictures(job.out, drive, inputs::chosen(drive, choice));
+  if (!job.out.empty()) report.pictures = write_check_pictures(job.out, drive, inputs::trajectory_of(drive, choice));
   if (with_forecast && report.ready) report.forecast = forecast_holes({drives, poses, masks}, job, progress);
   return report;
 }

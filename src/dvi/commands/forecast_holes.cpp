@@ -72,7 +72,7 @@ ForecastReport forecast_holes(const inputs::Inputs& inputs, const job::Job& job,
 
 ForecastReport forecast_holes(const job::Job& job, Progress& progress) {
   const inputs::Recordings drives =
-      inputs::with_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::required, progress), job, progress);
+      inputs::add_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::required, progress), job, progress);
   const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);
   const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
   return forecast_holes({drives, poses, masks}, job, progress);

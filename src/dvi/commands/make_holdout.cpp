@@ -32,7 +32,7 @@ std::string recipe_of(job::Job job, const holdout::HoldoutOptions& options, cons
 void make(const job::Job& job, const holdout::HoldoutOptions& options, bool keep, Progress& progress) {
   if (!keep) require_empty(job.out, "case");
   inputs::Recordings drives =
-      inputs::with_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::optional, progress), job, progress);
+      inputs::add_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::optional, progress), job, progress);
   // A colored vehicle in a gray picture would pass for a camera in color.
   std::erase_if(drives, [gray = drives.front().gray](const inputs::Recording& other) { return other.gray != gray; });
   const inputs::Recording& open = drives.front();

@@ -7,7 +7,7 @@
 namespace dvi::inputs {
 namespace {
 
-// For each scan, whether the check of the poses found that it is wrong.
+// For each scan, whether its pose is known to be wrong.
 std::vector<bool> untrusted_scans(const Drive& drive, const PoseChoice& choice) {
   std::vector<bool> untrusted(drive.scan_headers.size(), choice.misread && choice.from == PoseOrigin::given);
   if (choice.from == PoseOrigin::loam && choice.odometry)

@@ -124,7 +124,7 @@ void Run::plan(StageCache::Missing missing) {
   const Refinement refine{posed, visible, drives_, options_};
   const Gains gains = stages.cached("exposure", [&] { return estimate_exposure(refine, progress_); });
   cameras_ = stages.cached("alignment", [&] { return align(refine, progress_); });  // 3.1, eq. 1
-  views_ = inputs::refined(posed, gains, cameras_);
+  views_ = inputs::refine_views(posed, gains, cameras_);
 }
 
 FilledView Run::fill(std::size_t frame) const {
@@ -157,7 +157,7 @@ result::RunReport Run::finish() {
 
 Recordings Run::open_drives() const {
   progress_.plan(run_stages(job_));
-  return inputs::with_other_cameras(inputs::open_recordings(job_, inputs::MaskNeed::required, progress_), job_, progress_);
+  return inputs::add_other_cameras(inputs::open_recordings(job_, inputs::MaskNeed::required, progress_), job_, progress_);
 }
 
 Poses Run::estimate_poses() const {
