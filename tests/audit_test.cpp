@@ -115,7 +115,7 @@ TEST_F(AuditCommand, RefusesWhatIsNoResultOrNotOfThisDrive) {
     EXPECT_EQ(result.code, 3) << arguments;
     return result.err;
   };
-  EXPECT_THAT(error("drive drive"), HasSubstr("is no result"));
+  EXPECT_THAT(error("drive drive"), HasSubstr("is not a result"));
   EXPECT_THAT(error("out nowhere"), HasSubstr("nowhere"));
   EXPECT_THAT(error("out drive drive"), HasSubstr("was made from 1 drive"));
   ASSERT_EQ(dvi("synth -o longer --frames 3 --width 240 --height 136 --beams 16 --columns 300 --quiet").code, 0);

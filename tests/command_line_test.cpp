@@ -155,7 +155,7 @@ TEST_F(CommandLine, InterruptEndsIn130) {
                               " run drive -o out --threads 1 2> log & pid=$!; until grep -q read log; do sleep 0.01; done; "
                               "kill -INT $pid; wait $pid; code=$?; cat log >&2; exit $code; }");
   EXPECT_EQ(result.code, 130);
-  EXPECT_THAT(result.err, HasSubstr("interrupted; nothing was finished, the same command starts again"));
+  EXPECT_THAT(result.err, HasSubstr("interrupted; no part is finished; the same command starts again"));
 }
 
 }  // namespace

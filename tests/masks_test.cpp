@@ -49,7 +49,7 @@ TEST_F(MasksOfDrives, ADriveWithoutMasksAndLabelsJustRuns) {
   unlabeled("drive");
   const Result check = dvi("check drive --quiet");
   EXPECT_EQ(check.code, 0) << check.err;
-  EXPECT_THAT(check.out, HasSubstr("dvi run finds what moves"));
+  EXPECT_THAT(check.out, HasSubstr("dvi run finds moving objects"));
   const Result run = dvi("run drive -o out --poses given --quiet");
   ASSERT_EQ(run.code, 0) << run.err;
   const nlohmann::json report = json("out/report.json");
@@ -95,7 +95,7 @@ TEST_F(MasksOfDrives, CheckPromisesOnlyWhatRunFinds) {
   fs::remove(drive / "poses.txt");
   const Result check = dvi("check drive --quiet");
   EXPECT_EQ(check.code, 3) << "run refuses it, too";
-  EXPECT_THAT(check.out, testing::Not(HasSubstr("finds what moves")));
+  EXPECT_THAT(check.out, testing::Not(HasSubstr("finds moving objects")));
   EXPECT_THAT(check.out, HasSubstr("warning  neither masks nor labels nor scans say what to remove"));
   EXPECT_EQ(dvi("run drive -o out --quiet").code, 3);
 }

@@ -140,7 +140,7 @@ TEST_F(Methods, ForecastSaysWhatTheRunThenReports) {
 
 TEST_F(Methods, CheckSaysWhatToExpect) {
   small_drive();
-  EXPECT_THAT(dvi("check drive --forecast --quiet").out, HasSubstr("of the hole seen elsewhere"));
+  EXPECT_THAT(dvi("check drive --forecast --quiet").out, HasSubstr("of the hole is observed by sources"));
   const nlohmann::json checked = nlohmann::json::parse(dvi("check drive --forecast --quiet --json").out);
   EXPECT_EQ(checked["forecast"], nlohmann::json::parse(dvi("forecast drive --quiet --json").out));
   fs::remove(folder / "drive/poses.txt");

@@ -57,8 +57,8 @@ TEST_F(Pieces, MakeTheBytesOfARun) {
 
 TEST_F(Pieces, AreRefusedWithoutTheirPlan) {
   small_drive();
-  expect_refused("fill nowhere", "holds no plan");
-  expect_refused("finish drive", "holds no plan");
+  expect_refused("fill nowhere", "does not contain a plan");
+  expect_refused("finish drive", "does not contain a plan");
   ASSERT_EQ(dvi("plan drive -o out --quiet").code, 0);
   expect_refused("fill out --frames 6:9", "has no frames 6:9");
   EXPECT_EQ(dvi("fill out --frames x").code, 2);

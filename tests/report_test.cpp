@@ -34,7 +34,7 @@ TEST_F(ReportOfARun, OfAFolderThatIsNoneIsRefused) {
   fs::create_directories(folder / "empty");
   const Result result = dvi("report empty");
   EXPECT_EQ(result.code, 3);
-  EXPECT_THAT(result.err, HasSubstr("is no result of dvi"));
+  EXPECT_THAT(result.err, HasSubstr("is not a result of dvi"));
   EXPECT_EQ(dvi("inspect empty 0 0 0").code, 3);
   EXPECT_EQ(dvi("inspect empty 0 0").code, 2);
   EXPECT_FALSE(fs::exists(folder / "empty/report"));

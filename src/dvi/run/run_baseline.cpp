@@ -9,7 +9,7 @@
 namespace dvi::run {
 namespace {
 
-std::function<result::FilledView(std::size_t)> filler_of(const job::Job& job, const Views& views, result::CpuClock& cpu) {
+std::function<result::FilledView(std::size_t)> make_filler(const job::Job& job, const Views& views, result::CpuClock& cpu) {
   if (job.method == job::Method::flow)
     return [&, flows = baselines::hole_flows(views, job.options.flow)](std::size_t i) -> result::FilledView {
       return {cpu.time("flow", baselines::flow_fill, views, i, flows, job.options.flow), std::nullopt};
@@ -24,7 +24,7 @@ std::function<result::FilledView(std::size_t)> filler_of(const job::Job& job, co
 }  // namespace
 
 result::RunReport run_baseline(const job::Job& job, Progress& progress, const FrameSink& sink) {
-  progress.plan(run_stages(job));
+  progress.plan(plan_run_stages(job));
   const inputs::Recordings drives = inputs::open_images(job, progress);
   result::ResultFolder out(job, drives);
   if (const std::optional<result::RunReport> finished = out.finished_report(progress)) return *finished;
@@ -40,8 +40,8 @@ result::RunReport run_baseline(const job::Job& job, Progress& progress, const Fr
   if (sink.begin) sink.begin(out.frame_names(), missing);
   progress.begin("fill", missing.size());
   for_each_smoothed(missing, views.of_sequence(0).second,
-                    {.fill = filler_of(job, views, cpu),
-                     .smoothing = smoothing(job.options.smooth, cpu),
+                    {.fill = make_filler(job, views, cpu),
+                     .smoothing = make_smoothing(job.options.smooth, cpu),
                      .write = out.writer(views, cameras, cpu, progress, sink.finished)});
   return out.complete(
       {.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu, .objects = *masks.front().objects},
