@@ -14,8 +14,8 @@ class CompletionTest : public ProgramTest {
  protected:
   bool has(const std::string& shell_name) const { return shell("command -v " + shell_name).code == 0; }
 
-  // What bash offers for these words, the last of which is being typed.
-  std::string offered(const std::string& words) const {
+  /// Returns the completions that bash offers for the last of these words.
+  std::string complete(const std::string& words) const {
     write_file(folder / "ask.bash", "source <(" DVI_PROGRAM " completion bash)\nCOMP_WORDS=(" + words +
                                         ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_dvi\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n");
     return shell("bash ask.bash").out;
@@ -24,14 +24,14 @@ class CompletionTest : public ProgramTest {
 
 TEST_F(CompletionTest, BashOffersCommandsOptionsAndFiles) {
   write_file(folder / "drive.txt", "");
-  EXPECT_THAT(offered("dvi ''"), AllOf(HasSubstr("run\n"), HasSubstr("export\n"), Not(HasSubstr("drive.txt"))));
-  EXPECT_EQ(offered("dvi exp"), "export\n");
-  EXPECT_EQ(offered("dvi run drive.txt --fra"), "--frames\n");
-  EXPECT_EQ(offered("dvi config du"), "dump\n");
-  EXPECT_THAT(offered("dvi run dri"), HasSubstr("drive.txt\n"));
+  EXPECT_THAT(complete("dvi ''"), AllOf(HasSubstr("run\n"), HasSubstr("export\n"), Not(HasSubstr("drive.txt"))));
+  EXPECT_EQ(complete("dvi exp"), "export\n");
+  EXPECT_EQ(complete("dvi run drive.txt --fra"), "--frames\n");
+  EXPECT_EQ(complete("dvi config du"), "dump\n");
+  EXPECT_THAT(complete("dvi run dri"), HasSubstr("drive.txt\n"));
 }
 
-TEST_F(CompletionTest, ScriptsAreUnderstoodByTheirShells) {
+TEST_F(CompletionTest, ScriptsAreValidInTheirShells) {
   for (const std::string name : {"zsh", "fish"}) {
     write_file(folder / "script", dvi("completion " + name).out);
     if (!has(name)) continue;

@@ -16,8 +16,8 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// Label files that other programs wrote (datumaro's test data), each on a drive whose images have the names and the size that
-/// the file states. The numbers of pixels that are expected follow from the numbers in the files.
+/// Reads label files that other programs wrote (datumaro's test data), each with a drive whose images have the names and the
+/// size in the file. The expected numbers of pixels are derived from the numbers in the files.
 class ForeignLabels : public ProgramTest {
  protected:
   void SetUp() override {

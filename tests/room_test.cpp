@@ -21,16 +21,16 @@ class Room : public ProgramTest {
   }
 };
 
-TEST_F(Room, ThePersonIsRemovedWithDefaults) {
+TEST_F(Room, ThePersonIsRemovedWithDefaultOptions) {
   small_drive("room", "--room", 20);
   const nlohmann::json all = scores("room").at("all");
   EXPECT_GT(all.at("psnr").get<double>(), 27);
   EXPECT_EQ(dvi("audit out room").code, 0);
   const nlohmann::json hole = nlohmann::json::parse(read_file(folder / "out/report.json")).at("hole");
-  EXPECT_EQ(hole.at("interpolated"), 0) << "without the ground of a road there is grain";
+  EXPECT_EQ(hole.at("interpolated"), 0) << "without a road, noise texture is synthesized";
 }
 
-TEST_F(Room, HasNoStreet) {
+TEST_F(Room, OptionsOfAStreetAreRefused) {
   const Result refused = dvi("synth -o room --room --truck");
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.err, HasSubstr("--truck"));

@@ -67,7 +67,7 @@ double part(const depth::DepthMap& depth, const std::function<bool(float)>& is) 
   return count / static_cast<double>(kHole.area());
 }
 
-bool at_wall(float z) { return std::abs(z / FlatScene::kDepth - 1) < 0.03; }
+bool at_wall(float z) { return std::abs(z / FlatScene::kDepthM - 1) < 0.03; }
 bool at_infinity(float z) { return z == depth::DepthMap::kInfinity; }
 bool kept(float z) { return z == depth::DepthMap::kSky; }
 
@@ -99,12 +99,12 @@ TEST(PlaneSweep, ASurfaceGoesOnUpwardsAsFarAsItsTexture) {
   cv::Mat3b picture = waves(96, 64, 1);
   picture.rowRange(0, 21) = cv::Scalar(230, 180, 150);  // the sky above the wall
   depth::DepthMap depth = no_returns();
-  depth.z.rowRange(30, 58) = FlatScene::kDepth;
+  depth.z.rowRange(30, 58) = FlatScene::kDepthM;
   const depth::DepthMap out = swept(wall(picture, {-1, 1}), depth);  // too near to each other to tell its depth
   const auto walls = [&](int first, int last) {
     int count = 0;
     for (int y = first; y < last; ++y)
-      for (int x = kHole.x; x < kHole.br().x; ++x) count += out.z(y, x) == static_cast<float>(FlatScene::kDepth) ? 1 : 0;
+      for (int x = kHole.x; x < kHole.br().x; ++x) count += out.z(y, x) == static_cast<float>(FlatScene::kDepthM) ? 1 : 0;
     return count / static_cast<double>((last - first) * kHole.width);
   };
   EXPECT_GT(walls(24, 30), 0.75);
