@@ -69,7 +69,7 @@ class ForeignLabels : public ProgramTest {
     Masked out;
     try {
       const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::required, progress)};
-      const inputs::Poses poses = inputs::given_poses(drives);
+      const inputs::Poses poses = inputs::use_given_poses(drives);
       const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
       for (std::size_t i = 0; i < masks.front().images.size(); ++i)
         out.pixels.push_back(cv::countNonZero(*masks.front().images[i]));

@@ -80,7 +80,7 @@ Views make_listed_views(const std::vector<ListedSource>& sources, const inputs::
 
 /// Returns the poses that the run used to separate static from moving objects. A baseline uses the given poses only.
 inputs::Poses read_run_poses(const fs::path& out, const inputs::Recordings& drives, const job::Job& job) {
-  inputs::Poses poses = inputs::given_poses(drives);
+  inputs::Poses poses = inputs::use_given_poses(drives);
   const fs::path file = out / "map/poses.txt";
   if (job.read.remove == job::Remove::moving && fs::exists(file))
     poses.front().world_from_lidar = datasets::read_poses(file, drives.front().drive);

@@ -216,7 +216,7 @@ CheckReport check(const job::Job& given, bool with_forecast, Progress& progress)
   if (!drive.poses.empty() || !drive.scan_headers.empty())
     choice = inputs::choose_poses(drive, job.read.poses, job.options.odometry, progress);
   const bool posed = !inputs::trajectory_of(drive, choice).empty();
-  const inputs::Poses poses = posed ? inputs::transform_to_target_world(drives, {choice}) : inputs::given_poses(drives);
+  const inputs::Poses poses = posed ? inputs::transform_to_target_world(drives, {choice}) : inputs::use_given_poses(drives);
   const std::size_t known = progress.warnings().size();
   const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
   CheckReport report = make_report(drives.front(), choice, masks);

@@ -35,7 +35,10 @@ void check_given_poses(const Drive& drive, const odometry::OdometryOptions& opti
   progress.end();
 }
 
-void compare_sharpness(const Drive& drive, bool both, Progress& progress, PoseChoice& choice) {
+enum class Compared { loam, both };
+
+void compare_sharpness(const Drive& drive, Compared compared, Progress& progress, PoseChoice& choice) {
+  const bool both = compared == Compared::both;
   progress.begin("sharpness", (both ? 2 : 1) * odometry::sharpness_ticks(drive));
   choice.loam = odometry::sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
   if (both) choice.given = odometry::sharpness(drive, drive.poses, progress.tick());
@@ -72,7 +75,7 @@ PoseChoice compare_sources(const Drive& drive, const job::PosesFrom& wish, const
   check_given_poses(drive, options, progress, choice);
   if (!loam && (!automatic || drive.scan_headers.empty())) return choice;
   const bool guess = automatic && !choice.misread;
-  choice.odometry = odometry_of_stretches(drive, options, guess ? drive.poses : Trajectory(), progress);
+  choice.odometry = estimate_odometry(drive, options, guess ? drive.poses : Trajectory(), progress);
   choice.warnings.insert(choice.warnings.end(), choice.odometry->warnings.begin(), choice.odometry->warnings.end());
   if (choice.odometry->loops > 0)
     progress.note(fmt::format("{}: {} loops closed, poses moved by up to {:.2f} m", drive.path.filename().string(),
@@ -89,7 +92,7 @@ PoseChoice compare_sources(const Drive& drive, const job::PosesFrom& wish, const
         "give poses (--poses FILE), or record more slowly, in better light, and closer to objects with texture");
   }
   const bool both = automatic && can_compare_given(drive);
-  compare_sharpness(drive, both, progress, choice);
+  compare_sharpness(drive, both ? Compared::both : Compared::loam, progress, choice);
   const bool lost = std::any_of(choice.odometry->scans.begin(), choice.odometry->scans.end(),
                                 [](const odometry::ScanFit& fit) { return fit.state == odometry::ScanFit::State::lost; });
   if (!both || choice.misread || (!lost && is_loam_sharper(*choice.loam, *choice.given))) choice.from = PoseOrigin::loam;

@@ -70,7 +70,7 @@ Poses estimate_poses(const Recordings& drives, const job::Job& job, Progress& pr
   return poses;
 }
 
-Poses given_poses(const Recordings& drives) {
+Poses use_given_poses(const Recordings& drives) {
   Poses poses;
   for (const Recording& open : drives) poses.push_back({{}, open.drive.poses});
   return poses;

@@ -33,6 +33,6 @@ Poses transform_to_target_world(const Recordings& drives, std::vector<PoseChoice
 bool shares_world(const Drive& target, const Drive& drive);
 
 /// Returns the given poses, each drive in its own world; empty for a drive without given poses.
-Poses given_poses(const Recordings& drives);
+Poses use_given_poses(const Recordings& drives);
 
 }  // namespace dvi::inputs

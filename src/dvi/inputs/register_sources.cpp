@@ -68,6 +68,7 @@ std::string describe_inliers(const registration::PlacementFigures& figures) {
       kRemedy);
 }
 
+/// Whether given poses in the target's world are used without registration.
 bool keeps_given(const job::Job& job) {
   return job.read.poses.kind == job::PosesFrom::Kind::given || job.read.poses.kind == job::PosesFrom::Kind::file;
 }
@@ -78,7 +79,8 @@ struct Unplaced {
   registration::DriveTrack track;
 };
 
-std::vector<Unplaced> find_unplaced(const Recordings& drives, const Poses& poses, bool keep_given) {
+/// Lists the source drives to register. Throws InputError for those that cannot be placed.
+std::vector<Unplaced> find_unplaced(const Recordings& drives, const Poses& poses, const job::Job& job) {
   const Drive& target = drives.front().drive;
   const std::string name = target.path.filename().string();
   const Trajectory& target_track = poses.front().world_from_lidar;
@@ -93,7 +95,7 @@ std::vector<Unplaced> find_unplaced(const Recordings& drives, const Poses& poses
                        fmt::format("does not overlap with {} (0 %): by the given poses its distance is at least {:.0f} m", name,
                                    min_distance_m(target_track, track)),
                        "give a source drive of the same street, or remove poses that are not in one world");
-    if (shared && keep_given) continue;
+    if (shared && keeps_given(job)) continue;
     if (can_register(target, target_track) && can_register(source, track))
       out.push_back({i, {&source, track, shared}});
     else if (!shared)
@@ -123,7 +125,7 @@ std::optional<std::string> apply_registration(registration::Placement placement,
 
 void register_sources(const Recordings& drives, const job::Job& job, Poses& poses, Progress& progress) {
   const Drive& target = drives.front().drive;
-  const std::vector<Unplaced> unplaced = find_unplaced(drives, poses, keeps_given(job));
+  const std::vector<Unplaced> unplaced = find_unplaced(drives, poses, job);
   if (unplaced.empty()) return;
   std::vector<registration::DriveTrack> tracks;
   for (const Unplaced& one : unplaced) tracks.push_back(one.track);

@@ -51,7 +51,7 @@ bool has_given_pose(const Trajectory& given, const Trajectory& part) {
 }
 
 /// Aligns the parts that have given poses to these. If no part has, the longest part defines the world.
-void place_first(std::vector<Part>& parts, const Trajectory& given) {
+void place_first_parts(std::vector<Part>& parts, const Trajectory& given) {
   for (Part& part : parts)
     if (has_given_pose(given, part.world_from_lidar)) {
       part.world_from_lidar = align_to_given(given, part.world_from_lidar);
@@ -181,8 +181,8 @@ std::vector<Stretch> split_at_gaps(const Drive& drive, const Trajectory& given) 
   return out;
 }
 
-odometry::Odometry odometry_of_stretches(const Drive& drive, const odometry::OdometryOptions& options, const Trajectory& given,
-                                         Progress& progress) {
+odometry::Odometry estimate_odometry(const Drive& drive, const odometry::OdometryOptions& options, const Trajectory& given,
+                                     Progress& progress) {
   const std::vector<Stretch> stretches = split_at_gaps(drive, given);
   // RGB-D odometry relocalizes a depth camera after a gap.
   if (stretches.size() == 1 || odometry::has_color_and_depth(drive))
@@ -193,7 +193,7 @@ odometry::Odometry odometry_of_stretches(const Drive& drive, const odometry::Odo
     part.world_from_lidar = part.odometry.world_from_lidar;
     parts.push_back(std::move(part));
   }
-  place_first(parts, given);
+  place_first_parts(parts, given);
   register_parts(drive, options, parts, progress);
   separate_unplaced(parts);
   return merge(drive, parts, progress);

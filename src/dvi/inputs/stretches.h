@@ -25,8 +25,8 @@ std::vector<Stretch> split_at_gaps(const Drive& drive, const Trajectory& given);
 /// The others are registered to them, or to the longest stretch, as a source drive to its target (registration.h). A stretch
 /// that cannot be registered is placed kSeparationM beside the others, so that the parts do not observe each other, and a
 /// warning describes the gap.
-odometry::Odometry odometry_of_stretches(const Drive& drive, const odometry::OdometryOptions& options, const Trajectory& given,
-                                         Progress& progress);
+odometry::Odometry estimate_odometry(const Drive& drive, const odometry::OdometryOptions& options, const Trajectory& given,
+                                     Progress& progress);
 
 /// Returns the sum of the distances between poses, without the distances between separated parts.
 double path_length_m(const std::vector<StampedPose>& poses);

@@ -58,7 +58,7 @@ TEST(Stretches, EndAtAGapThatGivenPosesDoNotCover) {
 TEST(Stretches, AreRegisteredOrSeparated) {
   const Drive drive = street(40, [](std::size_t i) { return i < 8 || i >= 32; });
   Progress progress(ProgressStyle::quiet);
-  const odometry::Odometry found = odometry_of_stretches(drive, {}, {}, progress);
+  const odometry::Odometry found = estimate_odometry(drive, {}, {}, progress);
   EXPECT_EQ(found.scans.size(), drive.scan_headers.size());
   const std::vector<StampedPose>& poses = found.world_from_lidar.poses();
   ASSERT_EQ(poses.size(), drive.scan_headers.size());
@@ -78,7 +78,7 @@ TEST(Stretches, WithGivenPosesAreAlignedToThem) {
     if (const auto k = (pose.time_ns - drive.frames.front().time_ns) / 100'000'000; (k > 2 && k < 6) || (k > 30 && k < 34))
       some.push_back(pose);
   Progress progress(ProgressStyle::quiet);
-  const odometry::Odometry found = odometry_of_stretches(drive, {}, Trajectory(some), progress);
+  const odometry::Odometry found = estimate_odometry(drive, {}, Trajectory(some), progress);
   EXPECT_THAT(found.warnings, testing::Not(Contains(HasSubstr("neither poses nor scans"))));
   for (const StampedPose& pose : some)
     EXPECT_LT((found.world_from_lidar.at(pose.time_ns)->t - pose.world_from_body.t).norm(), 0.2);

@@ -57,21 +57,21 @@ Trajectory round_path(double seconds, const Speed& speed) {
   double way = 0;
   for (int i = -10; i < static_cast<int>(100 * seconds) + 10; ++i) {
     const double angle = way / kRadius;
-    poses.push_back({i * TestStreet::kScanPeriod / 10,
+    poses.push_back({i * TestStreet::kScanPeriodNs / 10,
                      {so3_exp({0, 0, angle}), {kRadius * std::sin(angle), kRadius * (1 - std::cos(angle)), 1.8}}});
     way += 0.01 * speed(0.01 * i);
   }
   return Trajectory(poses);
 }
 
-SE3 truth(const Trajectory& path, std::size_t i) { return *path.at(static_cast<std::int64_t>(i) * TestStreet::kScanPeriod); }
+SE3 truth(const Trajectory& path, std::size_t i) { return *path.at(static_cast<std::int64_t>(i) * TestStreet::kScanPeriodNs); }
 
 /// What odometry would say of a drive that it follows with these poses.
 Odometry told(const std::vector<SE3>& poses) {
   Odometry out;
   std::vector<StampedPose> stamped;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    stamped.push_back({static_cast<std::int64_t>(i) * TestStreet::kScanPeriod, poses[i]});
+    stamped.push_back({static_cast<std::int64_t>(i) * TestStreet::kScanPeriodNs, poses[i]});
     out.scans.emplace_back();
     out.scans.back().information = 1e5 * Matrix6d::Identity();
   }
@@ -150,7 +150,7 @@ struct TwoStreets {
                    // The car moves at 15 m/s.
                    std::vector<StampedPose> path;
                    for (const int k : {-1, 0, 1})
-                     path.push_back({(static_cast<std::int64_t>(i) + k) * TestStreet::kScanPeriod,
+                     path.push_back({(static_cast<std::int64_t>(i) + k) * TestStreet::kScanPeriodNs,
                                      {was[i].R, was[i].t + Eigen::Vector3d(1.5 * k, 0, 0)}});
                    return world.scan(Trajectory(path), 0.1 * static_cast<double>(i));
                  }};

@@ -12,7 +12,7 @@ using namespace scan_match;
 
 namespace {
 
-constexpr std::int64_t kScanPeriod = TestStreet::kScanPeriod;
+constexpr std::int64_t kScanPeriod = TestStreet::kScanPeriodNs;
 
 /// A path by its poses at the scans, each changed by `change(i, pose)`.
 template <class Change>

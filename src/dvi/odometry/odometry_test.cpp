@@ -58,7 +58,7 @@ TEST(LocalMap, TakesBackWhatWasAdded) {
 
 /// The pose of the middle of scan i in the frame of the first, as it was.
 SE3 truth_from_start(const Trajectory& path, std::size_t i) {
-  return path.at(0)->inverse() * *path.at(static_cast<std::int64_t>(i) * TestStreet::kScanPeriod);
+  return path.at(0)->inverse() * *path.at(static_cast<std::int64_t>(i) * TestStreet::kScanPeriodNs);
 }
 
 TEST(RegisterScan, FindsAKnownMotion) {

@@ -14,7 +14,7 @@ ArchiveWriter::ArchiveWriter(const fs::path& file, const std::string& schema)
   *this << schema;
 }
 
-void ArchiveWriter::bytes(const void* from, std::size_t count) {
+void ArchiveWriter::pass_bytes(const void* from, std::size_t count) {
   out_.write(static_cast<const char*>(from), static_cast<std::streamsize>(count));
 }
 
@@ -35,7 +35,7 @@ ArchiveReader::ArchiveReader(fs::path file, const std::string& schema) : file_(s
   if (found != schema) refuse("does not have the schema " + schema);
 }
 
-void ArchiveReader::bytes(void* to, std::size_t count) {
+void ArchiveReader::pass_bytes(void* to, std::size_t count) {
   if (count > left_ ||
       in_.rdbuf()->sgetn(static_cast<char*>(to), static_cast<std::streamsize>(count)) != static_cast<std::streamsize>(count))
     refuse("is truncated");

@@ -48,19 +48,19 @@ template <class Archive, class T>
 void pass(Archive& archive, T& value) {
   using Value = std::remove_const_t<T>;
   if constexpr (std::is_arithmetic_v<Value> || std::is_enum_v<Value>) {
-    archive.bytes(&value, sizeof value);
+    archive.pass_bytes(&value, sizeof value);
   } else if constexpr (requires { Value::SizeAtCompileTime; }) {  // a matrix of Eigen
     static_assert(sizeof value == Value::SizeAtCompileTime * sizeof *value.data());
-    archive.bytes(value.data(), sizeof value);
+    archive.pass_bytes(value.data(), sizeof value);
   } else if constexpr (requires { Value::AmbientDimAtCompileTime; }) {  // a box of Eigen
     pass(archive, value.min());
     pass(archive, value.max());
   } else if constexpr (requires { value.val; }) {  // a vector of OpenCV
-    archive.bytes(value.val, sizeof value.val);
+    archive.pass_bytes(value.val, sizeof value.val);
   } else if constexpr (requires { value.has_value(); }) {
-    archive.optional(value);
+    archive.pass_optional(value);
   } else if constexpr (requires { value.get_allocator(); }) {
-    archive.items(value);
+    archive.pass_items(value);
   } else if constexpr (requires { pass_parts(archive, value, Of<Value>()); }) {
     pass_parts(archive, value, Of<Value>());
   } else {
@@ -85,14 +85,14 @@ class ArchiveWriter {
   void finish();
 
   // For pass().
-  void bytes(const void* from, std::size_t count);
+  void pass_bytes(const void* from, std::size_t count);
   template <class T>
-  void optional(const T& value) {
+  void pass_optional(const T& value) {
     *this << value.has_value();
     if (value) *this << *value;
   }
   template <class T>
-  void items(const T& container) {
+  void pass_items(const T& container) {
     *this << container.size();
     std::size_t i = 0;
     for (const auto& item : container) {
@@ -122,16 +122,16 @@ class ArchiveReader {
   void finish() const;
 
   // For pass().
-  void bytes(void* to, std::size_t count);
+  void pass_bytes(void* to, std::size_t count);
   template <class T>
-  void optional(T& value) {
+  void pass_optional(T& value) {
     bool has = false;
     *this >> has;
     value.reset();
     if (has) *this >> value.emplace();
   }
   template <class T>
-  void items(T& container) {
+  void pass_items(T& container) {
     const std::size_t count = read_count();
     container.clear();
     container.reserve(count);

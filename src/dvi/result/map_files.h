@@ -11,13 +11,21 @@
 namespace dvi::result {
 
 /// Returns the paths of the 3D boxes of the target's labels, in frames that have a pose.
-std::vector<report::ObjectPath> tracks_of(const FrameLabels& labels, const Views& views, const Trajectory& world_from_lidar);
+std::vector<report::ObjectPath> collect_object_paths(const FrameLabels& labels, const Views& views,
+                                                     const Trajectory& world_from_lidar);
+
+/// The contents of the map's files.
+struct MapContents {
+  const map::StaticMap& map;
+  const Views& views;
+  const Drive& target;
+  std::vector<report::ObjectPath> objects;  ///< paths of the target's objects
+};
 
 /// Writes to a folder: poses.txt (world_from_camera in KITTI's format, one line per frame of the target), times.txt (seconds),
 /// map.ply (with the colors of points that the target's frames observe), moving.ply (removed points, colored by cause), and
 /// map.png and above.json (report/above.h).
-void write_map_files(const fs::path& folder, const map::StaticMap& map, const Views& views, const Drive& target,
-                     const std::vector<report::ObjectPath>& tracks);
+void write_map_files(const fs::path& folder, const MapContents& contents);
 
 /// The lines of a trajectory file: 12 numbers of [R | t] (KITTI), or seconds and tx ty tz qx qy qz qw (TUM).
 enum class TrajectoryFormat { kitti, tum };

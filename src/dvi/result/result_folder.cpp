@@ -132,8 +132,9 @@ void require_apart(const job::Job& job) {
   for (const fs::path& input : list_inputs(job)) require_apart_from(input, job.out);
 }
 
-void require_usable_folder(const fs::path& out, bool force) {
-  if (force || !fs::exists(out) || (fs::is_directory(out) && fs::is_empty(out))) return;
+void require_usable_folder(const job::Job& job) {
+  const fs::path out = job.out;
+  if (job.force || !fs::exists(out) || (fs::is_directory(out) && fs::is_empty(out))) return;
   // This test is last because a run that begins at the same time creates .dvi before anything else.
   if (!fs::is_directory(out / ".dvi"))
     throw InputError(out, "exists and is not a result of dvi", "choose another folder, or --force to write into it");
@@ -168,17 +169,17 @@ bool ResultFolder::is_finished(const std::string& name) const {
   return manifest && manifest->content && manifest->fingerprint == fingerprint_ && manifest->holds(out_);
 }
 
-std::string ResultFolder::own_options() const {
+std::string ResultFolder::format_options() const {
   job::Job resolved = job_;
   resolved.out = fs::absolute(job_.out).lexically_normal().string();
   return job::effective_toml(resolved);
 }
 
-std::optional<RunReport> ResultFolder::finished_report(Progress& progress) const {
+std::optional<RunReport> ResultFolder::read_finished_report(Progress& progress) const {
   const std::optional<Manifest> result = read_manifest(result_manifest());
   if (!result || result->fingerprint != fingerprint_ || !result->holds(out_)) return std::nullopt;
   const std::optional<RunReport> read = read_run_report(out_ / "report.json");
-  if (!read || !fs::exists(out_ / "dvi.toml") || read_file(out_ / "dvi.toml") != own_options() ||
+  if (!read || !fs::exists(out_ / "dvi.toml") || read_file(out_ / "dvi.toml") != format_options() ||
       !read_manifest(job_file(out_)))
     return std::nullopt;
   const std::vector<std::string> names = read->frame_names();
@@ -215,12 +216,12 @@ void ResultFolder::claim_plan() {
   planned_ = true;
 }
 
-StageCache ResultFolder::stage_cache(Progress& progress, StageCache::Missing missing) const {
+StageCache ResultFolder::make_stage_cache(Progress& progress, StageCache::Missing missing) const {
   return {out_, stages_fingerprint_of(job_, content_), progress, missing};
 }
 
 void ResultFolder::write_plan(const Progress& progress) const {
-  write_file(out_ / "dvi.toml", own_options());
+  write_file(out_ / "dvi.toml", format_options());
   write_cost(out_, "plan", fingerprint_, make_cost_report(progress, CpuClock(), 0));
   result::write_plan(out_, {kVersion, program_fingerprint(), listing_of(drives_), content_, fingerprint_});
 }
@@ -236,7 +237,7 @@ std::string ResultFolder::frame_name(const Views& views, std::size_t view) const
   return drives_.front().drive.frames[views[view].frame].name;
 }
 
-std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progress& progress) {
+std::vector<std::size_t> ResultFolder::find_missing_frames(const Views& views, Progress& progress) {
   const std::size_t count = views.of_sequence(0).second;
   for (std::size_t i = 0; i < count; ++i) names_.push_back(frame_name(views, i));
   std::vector<char> finished(count), stale(count);
@@ -256,9 +257,9 @@ std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progre
   return missing;
 }
 
-std::function<void(std::size_t, const FilledView&)> ResultFolder::writer(const Views& views, const align::Cameras& cameras,
-                                                                         CpuClock& cpu, Progress& progress,
-                                                                         const FinishedFrame& hand_on) const {
+std::function<void(std::size_t, const FilledView&)> ResultFolder::make_writer(const Views& views, const align::Cameras& cameras,
+                                                                              CpuClock& cpu, Progress& progress,
+                                                                              const FinishedFrame& hand_on) const {
   const auto source_masks = std::make_shared<SourceMasks>(out_, views);
   return [&, this, source_masks, hand_on](std::size_t view, const FilledView& finished) {
     const Frame& frame = drives_.front().drive.frames[views[view].frame];
@@ -306,7 +307,8 @@ void ResultFolder::remove_map() const {
   if (fs::is_empty(out_ / "map")) fs::remove(out_ / "map");
 }
 
-RunReport ResultFolder::report(const RunResults& results, const metrics::Artifacts& artifacts, const Progress& progress) const {
+RunReport ResultFolder::make_report(const RunResults& results, const metrics::Artifacts& artifacts,
+                                    const Progress& progress) const {
   nlohmann::json frames = nlohmann::json::array();
   HoleReport hole;
   for (const std::string& name : names_) {
@@ -340,8 +342,9 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   remove_other_source_masks();
   write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
   if (results.map != nullptr) {
-    write_map_files(out_ / "map", *results.map, results.views, target,
-                    tracks_of(results.objects, results.views, results.poses.front().world_from_lidar));
+    write_map_files(out_ / "map",
+                    {*results.map, results.views, target,
+                     collect_object_paths(results.objects, results.views, results.poses.front().world_from_lidar)});
     write_file(out_ / "map/map.json", json_text(map_json(*results.map)) + "\n");
   } else {
     remove_map();  // of an earlier run with another method
@@ -350,14 +353,14 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   write_media(out_, target, names_, job_.options.video, progress);
   const metrics::Artifacts artifacts = metrics::count_artifacts(out_, names_, progress.parts()("artifacts", names_.size()));
   progress.end();
-  write_file(out_ / "dvi.toml", own_options());
+  write_file(out_ / "dvi.toml", format_options());
   std::optional<RunReport> finished;
   progress.begin("report", names_.size());
   write_report(
       job_, names_, fingerprint_,
       [&] {
         progress.end();
-        finished = report(results, artifacts, progress);
+        finished = make_report(results, artifacts, progress);
         const std::string text = to_json(*finished);
         write_file(out_ / "report.json", text + "\n");
         return text;

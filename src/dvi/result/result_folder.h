@@ -15,8 +15,8 @@
 
 namespace dvi::result {
 
-/// Throws InputError if `out` contains anything but a result of dvi, unless `force`. Changes no file.
-void require_usable_folder(const fs::path& out, bool force);
+/// Throws InputError if job.out contains anything but a result of dvi, unless job.force. Changes no file.
+void require_usable_folder(const job::Job& job);
 
 /// Throws InputError if job.out is, contains, or is inside of an input of the job. Changes no file.
 void require_apart(const job::Job& job);
@@ -52,7 +52,7 @@ class ResultFolder {
   ResultFolder& operator=(const ResultFolder&) = delete;
 
   /// Returns the report if the folder already contains the complete result of this run; otherwise none.
-  std::optional<RunReport> finished_report(Progress& progress) const;
+  std::optional<RunReport> read_finished_report(Progress& progress) const;
 
   /// Locks the folder for this run, and creates its subfolders. Throws InputError if it is read-only, or if another process has
   /// locked it.
@@ -66,26 +66,27 @@ class ResultFolder {
   void claim_plan();
 
   /// Returns the cache of the stages before the fill.
-  StageCache stage_cache(Progress& progress, StageCache::Missing missing = StageCache::Missing::compute) const;
+  StageCache make_stage_cache(Progress& progress, StageCache::Missing missing = StageCache::Missing::compute) const;
 
   /// Writes the options, the cost, and the manifest of the plan, after all stages before the fill are cached.
   void write_plan(const Progress& progress) const;
 
   /// Returns the views of the target whose frames are not finished, ascending. If there are any, marks the result as
   /// unfinished.
-  std::vector<std::size_t> missing_frames(const Views& views, Progress& progress);
+  std::vector<std::size_t> find_missing_frames(const Views& views, Progress& progress);
 
   /// Writes the cost of these frames, for the process that completes the result.
   void write_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu, const Progress& progress) const;
 
-  /// Returns the names of the target's frames; empty before missing_frames() is called.
+  /// Returns the names of the target's frames; empty before find_missing_frames() is called.
   const std::vector<std::string>& frame_names() const { return names_; }
 
   /// Returns a function that writes all files of a frame, its manifest last, and then passes the frame to `hand_on`. It may be
   /// called from several threads at once.
-  std::function<void(std::size_t view, const FilledView& finished)> writer(const Views& views, const align::Cameras& cameras,
-                                                                           CpuClock& cpu, Progress& progress,
-                                                                           const FinishedFrame& hand_on = {}) const;
+  std::function<void(std::size_t view, const FilledView& finished)> make_writer(const Views& views,
+                                                                                const align::Cameras& cameras, CpuClock& cpu,
+                                                                                Progress& progress,
+                                                                                const FinishedFrame& hand_on = {}) const;
 
   /// Writes all files other than the frames, the report last, and removes frames of earlier runs. The cost in the report
   /// includes that of the plan and its fills, if claim_plan() was called.
@@ -95,13 +96,13 @@ class ResultFolder {
   fs::path frame_manifest(const std::string& name) const { return out_ / ".dvi/frames" / (name + ".json"); }
   fs::path result_manifest() const { return out_ / ".dvi/result.json"; }
   void refuse_other_drives() const;
-  std::string own_options() const;  ///< the text of dvi.toml
+  std::string format_options() const;  ///< the text of dvi.toml
   bool is_finished(const std::string& name) const;
   std::string frame_name(const Views& views, std::size_t view) const;
   void remove_other_frames() const;
   void remove_other_source_masks() const;
   void remove_map() const;
-  RunReport report(const RunResults& results, const metrics::Artifacts& artifacts, const Progress& progress) const;
+  RunReport make_report(const RunResults& results, const metrics::Artifacts& artifacts, const Progress& progress) const;
 
   const job::Job& job_;
   const inputs::Recordings& drives_;

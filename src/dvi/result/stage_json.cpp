@@ -36,7 +36,7 @@ std::optional<std::pair<double, double>> median_and_largest(std::vector<double> 
   return std::pair(values[values.size() / 2], values.back());
 }
 
-/// How far the odometry's motion over 10 m is from the given poses'.
+/// Compares the odometry with the given poses over 10 m of the path; null if no given poses cover it.
 json deviation_json(const std::vector<StampedPose>& poses, const Trajectory& given) {
   constexpr double kPathLengthM = 10;
   std::vector<double> meters, degrees;

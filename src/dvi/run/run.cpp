@@ -82,7 +82,7 @@ class Run {
   result::RunReport finish();
 
   /// Returns the views of the target whose frames are not finished, ascending.
-  std::vector<std::size_t> missing_frames() { return folder_.missing_frames(views_, progress_); }
+  std::vector<std::size_t> find_missing_frames() { return folder_.find_missing_frames(views_, progress_); }
   std::size_t frames() const { return views_.of_sequence(0).second; }
   /// Returns the number of a frame in the drive.
   int number_of(std::size_t frame) const { return drives_.front().drive.frames[views_[frame].frame].number; }
@@ -94,7 +94,7 @@ class Run {
   Recordings open_drives() const;
   Poses estimate_poses() const;
   StaticMap build_map() const;
-  HarmonizeInput harmonize_input(const Target& target, const Candidates& candidates) const;
+  HarmonizeInput make_harmonize_input(const Target& target, const Candidates& candidates) const;
 
   const job::Job& job_;
   const job::Options& options_;
@@ -113,7 +113,7 @@ class Run {
 };
 
 void Run::plan(StageCache::Missing missing) {
-  const StageCache stages = folder_.stage_cache(progress_, missing);
+  const StageCache stages = folder_.make_stage_cache(progress_, missing);
   poses_ = stages.load_or_compute("poses", [&] { return estimate_poses(); });  // 3.1: LOAM, 3.5: further drives
   const Evidence evidence = inputs::collect_evidence(drives_, poses_);
   objects_ =
@@ -134,7 +134,7 @@ FilledView Run::fill(std::size_t frame) const {
   const Target target{views_, frame, depth, depths.visibility};
   Candidates candidates = stages.sample(target);                             // 3.2
   const Labeling labels = stages.regularize(std::move(candidates), target);  // 3.3, eqs. 2-4
-  const HarmonizeInput input = harmonize_input(target, labels.candidates);
+  const HarmonizeInput input = make_harmonize_input(target, labels.candidates);
   FilledFrame filled = stages.harmonize(target, labels.candidates, input);  // 3.4, eq. 5
   if (textures) filled = stages.synthesize(filled, views_[frame], input.classes, *textures);
   return {std::move(filled), labels.energy};
@@ -146,7 +146,7 @@ void Run::fill_frames(const std::vector<std::size_t>& frames, const result::Fini
   for_each_smoothed(frames, this->frames(),
                     {.fill = [&](std::size_t frame) { return fill(frame); },
                      .smoothing = make_smoothing(options_.smooth, cpu_),  // 3.6
-                     .write = folder_.writer(views_, cameras_, cpu_, progress_, hand_on)});
+                     .write = folder_.make_writer(views_, cameras_, cpu_, progress_, hand_on)});
   progress_.end();
 }
 
@@ -172,7 +172,7 @@ StaticMap Run::build_map() const {
   return run::build_map(inputs, options_.map, progress_);
 }
 
-HarmonizeInput Run::harmonize_input(const Target& target, const Candidates& candidates) const {
+HarmonizeInput Run::make_harmonize_input(const Target& target, const Candidates& candidates) const {
   const auto& [stages, depths, ground, textures] = *context_;
   HarmonizeInput input;
   if (options_.harmonize.day_light) input.light = stages.compare_days(target, candidates);
@@ -194,20 +194,20 @@ std::vector<std::string> Run::ranges_of(const std::vector<std::size_t>& frames) 
 }  // namespace
 
 result::RunReport run(const job::Job& job, Progress& progress, const FrameSink& sink) {
-  result::require_usable_folder(job.out, job.force);
+  result::require_usable_folder(job);
   if (job::is_baseline(job.method)) return run_baseline(job, progress, sink);
   Run run(job, progress);
-  if (const std::optional<result::RunReport> finished = run.folder().finished_report(progress)) return *finished;
+  if (const std::optional<result::RunReport> finished = run.folder().read_finished_report(progress)) return *finished;
   run.folder().claim();
   run.plan();
-  const std::vector<std::size_t> missing = run.missing_frames();
+  const std::vector<std::size_t> missing = run.find_missing_frames();
   if (sink.begin) sink.begin(run.folder().frame_names(), missing);
   run.fill_frames(missing, sink.finished);
   return run.finish();
 }
 
 PlanReport plan(const job::Job& job, Progress& progress) {
-  result::require_usable_folder(job.out, job.force);
+  result::require_usable_folder(job);
   if (job::is_baseline(job.method))
     throw UsageError(
         fmt::format("--method {} cannot be planned: it fills each frame alone; use dvi run", to_string(job.method)));
@@ -216,7 +216,7 @@ PlanReport plan(const job::Job& job, Progress& progress) {
   run.plan();
   PlanReport report;
   for (std::size_t i = 0; i < run.frames(); ++i) report.frames.push_back(run.number_of(i));
-  report.finished = report.frames.size() - run.missing_frames().size();
+  report.finished = report.frames.size() - run.find_missing_frames().size();
   run.folder().write_plan(progress);
   return report;
 }
@@ -229,7 +229,7 @@ FillReport fill(const job::Job& job, const std::optional<FrameRange>& range, Pro
   FillReport report;
   for (std::size_t i = 0; i < run.frames(); ++i) report.frames += is_in_range(i) ? 1 : 0;
   if (report.frames == 0) throw InputError(job.out, fmt::format("has no frames {}:{}", range->first, range->last));
-  std::vector<std::size_t> missing = run.missing_frames();
+  std::vector<std::size_t> missing = run.find_missing_frames();
   std::erase_if(missing, [&](std::size_t i) { return !is_in_range(i); });
   run.fill_frames(missing);
   run.folder().write_fill_cost(missing, run.cpu(), progress);
@@ -239,10 +239,10 @@ FillReport fill(const job::Job& job, const std::optional<FrameRange>& range, Pro
 
 result::RunReport finish(const job::Job& job, Progress& progress) {
   Run run(job, progress);
-  if (const std::optional<result::RunReport> finished = run.folder().finished_report(progress)) return *finished;
+  if (const std::optional<result::RunReport> finished = run.folder().read_finished_report(progress)) return *finished;
   run.folder().claim_plan();
   run.plan(StageCache::Missing::refuse);
-  if (const std::vector<std::size_t> missing = run.missing_frames(); !missing.empty()) {
+  if (const std::vector<std::size_t> missing = run.find_missing_frames(); !missing.empty()) {
     const std::vector<std::string> ranges = run.ranges_of(missing);
     throw InputError(job.out, fmt::format("lacks {} of {} frames: {}", missing.size(), run.frames(), fmt::join(ranges, ", ")),
                      fmt::format("dvi fill {} --frames {} fills the first range", job.out, ranges.front()));

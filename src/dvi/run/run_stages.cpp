@@ -7,14 +7,14 @@ using Stages = std::vector<PlannedStage>;
 
 // CPU seconds per frame, measured on a drive of KITTI. Only their ratios are used: the stages that have ended determine the
 // speed of this machine and drive.
-const Stages& before_fill() {
+const Stages& stages_before_fill() {
   static const Stages stages{{"read", 0.02},      {"plausibility", 0.015},    {"odometry", 0.015}, {"loops", 0.001},
                              {"sharpness", 0.01}, {"camera and labels", 0.1}, {"map", 0.015},      {"carve", 0.015},
                              {"normals", 0.005},  {"exposure", 0.03},         {"align", 0.05}};
   return stages;
 }
 
-const Stages& after_fill() {
+const Stages& stages_after_fill() {
   static const Stages stages{{"video", 0.07}, {"artifacts", 0.035}, {"report", 0.02}};
   return stages;
 }
@@ -28,9 +28,9 @@ Stages plan_run_stages(const job::Job& job) {
   if (job::is_baseline(job.method))
     stages.push_back({"read", 0.02});
   else
-    append(before_fill(), stages);
+    append(stages_before_fill(), stages);
   stages.push_back({"fill", 0.6});
-  append(after_fill(), stages);
+  append(stages_after_fill(), stages);
   return stages;
 }
 

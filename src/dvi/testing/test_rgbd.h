@@ -34,9 +34,9 @@ struct TestRgbd {
   double color_delay_s = 0;                                             ///< delay of color images relative to depth images
   std::function<double(double)> exposure = [](double) { return 1.0; };  ///< by time in seconds
   std::function<bool(std::size_t)> blank = [](std::size_t) { return false; };  ///< whether an image shows a white wall only
-  TestRoom room = furnished();
+  TestRoom room = make_furnished_room();
 
-  static TestRoom furnished() {
+  static TestRoom make_furnished_room() {
     TestRoom room;
     room.furnish(3);
     return room;

@@ -75,8 +75,8 @@ class TestStreet {
   Drive drive(const Trajectory& path, int count) const {
     Drive out;
     for (int i = 0; i < count; ++i) {
-      const std::int64_t t = i * kScanPeriod;
-      out.scan_headers.push_back({std::to_string(i), t, t - kScanPeriod / 2, t + kScanPeriod / 2, {}});
+      const std::int64_t t = i * kScanPeriodNs;
+      out.scan_headers.push_back({std::to_string(i), t, t - kScanPeriodNs / 2, t + kScanPeriodNs / 2, {}});
     }
     out.scans = {out.scan_headers.size(), out.scan_headers.size(),
                  [street = *this, path](std::size_t i) { return street.scan(path, 0.1 * static_cast<double>(i)); }};
@@ -90,7 +90,7 @@ class TestStreet {
     SE3 pose;
     pose.t = {-3, 0, 1.8};
     for (int i = -10; i < 400; ++i) {
-      poses.push_back({i * kScanPeriod / 10, pose});
+      poses.push_back({i * kScanPeriodNs / 10, pose});
       Vector6d step = Vector6d::Zero();
       step[0] = 0.01 * (speed + push * 0.01 * std::max(i, 0));
       step[5] = 0.01 * turn;
@@ -99,7 +99,7 @@ class TestStreet {
     return Trajectory(poses);
   }
 
-  static constexpr std::int64_t kScanPeriod = 100'000'000;
+  static constexpr std::int64_t kScanPeriodNs = 100'000'000;
 
  private:
   double hit(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) const {
