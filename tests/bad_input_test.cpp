@@ -75,7 +75,7 @@ TEST_F(BadInput, NoStaticPointRemains) {
     const Result result = dvi(std::string(command) + " drive -o out --quiet --masks drive/masks/front --polarity white");
     EXPECT_EQ(result.code, 3) << command;
     EXPECT_THAT(result.err, AllOf(HasSubstr("no static points remain of"), HasSubstr("are covered by masks of removed objects"),
-                                  HasSubstr("were not observed by the camera"), HasSubstr("look at the masks")))
+                                  HasSubstr("were not observed by the camera"), HasSubstr("check the masks")))
         << command;
   }
 }

@@ -80,7 +80,7 @@ TEST_F(SourceDrive, FramesFarFromTheTargetAreNotRead) {
   write_file(other / "poses.txt", poses);
   const Result result = dvi("run drive other -o out --poses given");
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("other: 6 of 12 frames lie near drive"));
+  EXPECT_THAT(result.err, HasSubstr("other: 6 of 12 frames are near drive"));
   EXPECT_GT(nlohmann::json::parse(read_file(folder / "out/report.json"))["hole"]["copied_elsewhere"], 100);
   EXPECT_EQ(dvi("audit out drive other --quiet").code, 0);
 }

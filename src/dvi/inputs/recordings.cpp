@@ -83,7 +83,7 @@ void apply_mask_options(Drive& drive, const std::optional<objects::MaskSource>& 
   if (from == objects::MaskSource::labels && (classes.empty() || choice.is_source)) labels::warn_of_unknown_types(drive);
   if (classes.empty() || choice.is_source) return;
   if (from == objects::MaskSource::detected)
-    throw UsageError("--classes " + classes + ": of a detector, MODEL.toml says which classes are removed");
+    throw UsageError("--classes " + classes + ": MODEL.toml determines the classes that a detector removes");
   if (from != objects::MaskSource::labels)
     throw UsageError("--classes " + classes + ": the drive has neither mask files nor labels to choose from");
   labels::keep_label_types(drive, classes);
@@ -180,7 +180,7 @@ Drive read_near_target(const Drive& target, const fs::path& path, datasets::Read
   };
   const auto near = static_cast<std::size_t>(std::count_if(whole.frames.begin(), whole.frames.end(), is_near));
   if (near == 0 || near == whole.frames.size()) return whole;
-  progress.note(fmt::format("{}: {} of {} frames lie near {} by the given poses; the other frames are not read",
+  progress.note(fmt::format("{}: {} of {} frames are near {} by the given poses; the other frames are not read",
                             path.filename().string(), near, whole.frames.size(), target.path.filename().string()));
   return datasets::read_drive(path, read);
 }

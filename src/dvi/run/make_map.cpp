@@ -41,16 +41,16 @@ std::string format_share(std::size_t count, const map::MapCounts& counts) {
   constexpr double kMinShare = 0.01;
   const Reason reasons[] = {
       {counts.masked, "are covered by masks of removed objects",
-       "look at the masks: 255 = remove; --polarity black reads them the other way (dvi mask DRIVE -o MASKS writes "
+       "check the masks: 255 = remove; --polarity black inverts them (dvi mask DRIVE -o MASKS writes "
        "contact.png)"},
-      {counts.boxed, "lie in labeled boxes", "look at the labels: dvi check DRIVE"},
+      {counts.boxed, "are in labeled boxes", "check the labels: dvi check DRIVE"},
       {counts.unseen_by_camera, "were not observed by the camera while they were scanned",
        "check camera_from_lidar, and that images and scans share one clock (offset_s of the camera in dvi.toml)", true},
       {counts.too_near,
        fmt::format("are nearer than {:g} m or farther than {:g} m", options.min_range_m.value_or(target.least_range_m()),
                    options.max_range_m.value_or(target.most_range_m())),
        "set lidar.min_range_m and lidar.max_range_m to the range of the sensor in meters", true},
-      {counts.moved, "lie where rays of other scans passed", "check the poses: --poses loam estimates them from the scans"}};
+      {counts.moved, "are on the rays of other scans", "check the poses: --poses loam estimates them from the scans"}};
   std::string words;
   const Reason* most = nullptr;
   std::pair<bool, std::size_t> highest;

@@ -53,7 +53,7 @@ def semantic(folder):
 
 
 def prototypes():
-    """The first is positive where there is an object; every object takes it alone."""
+    """Prototypes of which only the first is used, which is positive on objects."""
     weights = numpy.zeros((MASKS, 3))
     weights[0] = 1, 1, 1
     bias = numpy.zeros(MASKS)
