@@ -134,7 +134,7 @@ TEST_F(AuditCommand, DetectsAnotherDriveWithTheSameFrameNames) {
   ASSERT_EQ(dvi("synth -o other --seed 5 --frames 6 --width 240 --height 136 --beams 16 --columns 300 --quiet").code, 0);
   const Result result = dvi("audit out other --quiet");
   EXPECT_EQ(result.code, 3);
-  EXPECT_THAT(result.err, HasSubstr("differs from the drive's image"));
+  EXPECT_THAT(result.err, HasSubstr("is not the drive's image"));
 }
 
 TEST_F(AuditCommand, ChecksResultsOfSourceDrivesAndBaselines) {

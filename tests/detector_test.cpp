@@ -88,7 +88,7 @@ TEST_F(DetectorOption, WorksWithoutScansAndWithSourceDrives) {
   paint("third", "--day 2");
   const Result both = dvi("run second third -o both --detector semantic.onnx --poses given --remove moving");
   EXPECT_EQ(both.code, 0) << both.err;
-  EXPECT_THAT(both.err, HasSubstr("third: --remove moving: a detector does not say what stands still"));
+  EXPECT_THAT(both.err, HasSubstr("third: --remove moving: a detector does not say which objects are stationary"));
   EXPECT_EQ(dvi("audit both second third --quiet").code, 0);
   EXPECT_THAT(dvi("check second --detector semantic.onnx --poses given --quiet").out, HasSubstr("from detector"));
 }

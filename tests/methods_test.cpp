@@ -91,11 +91,13 @@ TEST_F(Methods, RemovingMovingObjectsNeedsPosesAndLabels) {
   small_drive();
   fs::remove(folder / "drive/poses.txt");
   const std::string run = "run drive --method telea --remove moving ";
-  EXPECT_THAT(dvi(run + "--masks labels -o unposed").err, HasSubstr("without poses it is unknown what stands still"));
-  EXPECT_THAT(dvi(run + "--masks drive/masks/front -o files").err, HasSubstr("mask files do not say what stands still"));
+  EXPECT_THAT(dvi(run + "--masks labels -o unposed").err,
+              HasSubstr("without poses it is unknown which objects are stationary"));
+  EXPECT_THAT(dvi(run + "--masks drive/masks/front -o files").err,
+              HasSubstr("mask files do not say which objects are stationary"));
   small_drive("posed");
   EXPECT_THAT(dvi("run posed --method telea --remove moving --masks labels -o out").err,
-              testing::Not(HasSubstr("what stands still")));
+              testing::Not(HasSubstr("which objects are stationary")));
 }
 
 TEST_F(Methods, AnUnknownMethodIsRefusedWithTheList) {
