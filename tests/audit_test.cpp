@@ -31,7 +31,7 @@ class AuditCommand : public ProgramTest {
     return {};
   }
 
-  /// The audit's own words; it must fail with exit code 3 and find `breach` in so many pixels and nothing else.
+  /// Expects that the audit fails with exit code 3, and finds `breach` in this number of pixels.
   void expect_breach(const std::string& breach, std::size_t pixels, const std::string& arguments = "out drive") const {
     const Result result = dvi("audit " + arguments + " --json --quiet");
     EXPECT_EQ(result.code, 3);
@@ -44,7 +44,7 @@ class AuditCommand : public ProgramTest {
   std::string name;
 };
 
-TEST_F(AuditCommand, PassesWhatRunWroteAndFindsEveryTrace) {
+TEST_F(AuditCommand, PassesTheResultOfARun) {
   const Result result = dvi("audit out drive --json --quiet");
   ASSERT_EQ(result.code, 0) << result.out << result.err;
   const nlohmann::json report = nlohmann::json::parse(result.out);
@@ -57,7 +57,7 @@ TEST_F(AuditCommand, PassesWhatRunWroteAndFindsEveryTrace) {
   EXPECT_EQ(dvi("audit out drive --json --quiet --threads 1").out, result.out);
 }
 
-TEST_F(AuditCommand, FindsOnePixelThatWasTamperedWith) {
+TEST_F(AuditCommand, FindsOneChangedPixel) {
   cv::Mat3b frame = media::read_image(picture("frames"), kSize);
   const cv::Point copied = first_of_kind(1), kept = first_of_kind(0);
   frame(copied)[1] = static_cast<uchar>(frame(copied)[1] ^ 1);
@@ -68,7 +68,7 @@ TEST_F(AuditCommand, FindsOnePixelThatWasTamperedWith) {
   expect_breach("outside", 1);
 }
 
-TEST_F(AuditCommand, FindsAMaskThatWasShrunk) {
+TEST_F(AuditCommand, FindsASmallerMask) {
   cv::Mat1b mask = media::read_png_gray(picture("masks"), kSize);
   mask(first_of_kind(1)) = 0;
   media::write_png(picture("masks"), mask);
@@ -76,8 +76,8 @@ TEST_F(AuditCommand, FindsAMaskThatWasShrunk) {
   expect_breach("receipt", 1);
 }
 
-TEST_F(AuditCommand, FindsARunWithSmallerMasksThanThoseThatCount) {
-  // The drive's masks after the run: a pixel more each, as if the run had been made with shrunk ones.
+TEST_F(AuditCommand, FindsARunWithSmallerMasksThanTheGivenOnes) {
+  // The given mask has one pixel more than that of the run.
   const fs::path wanted = folder / "wanted";
   fs::copy(folder / "drive/masks/front", wanted, fs::copy_options::recursive);
   cv::Mat1b mask = media::read_mask(wanted / (name + ".png"), kSize);
@@ -102,20 +102,20 @@ TEST_F(AuditCommand, FindsACopyFromInsideAMask) {
   expect_breach("masked_source", 1);
 }
 
-TEST_F(AuditCommand, FindsReceiptsOfSourcesThatDoNotExist) {
+TEST_F(AuditCommand, FindsProvenanceOfMissingSources) {
   cv::Mat_<cv::Vec3w> provenance = media::read_png_triples(picture("provenance"), kSize);
   provenance(first_of_kind(1))[0] = 999;
   media::write_png(picture("provenance"), provenance);
   expect_breach("receipt", 1);
 }
 
-TEST_F(AuditCommand, RefusesWhatIsNoResultOrNotOfThisDrive) {
+TEST_F(AuditCommand, RefusesFoldersThatAreNotAResultOfThisDrive) {
   const auto error = [&](const std::string& arguments) {
     const Result result = dvi("audit " + arguments + " --quiet");
     EXPECT_EQ(result.code, 3) << arguments;
     return result.err;
   };
-  EXPECT_THAT(error("drive drive"), HasSubstr("is no result"));
+  EXPECT_THAT(error("drive drive"), HasSubstr("is not a result"));
   EXPECT_THAT(error("out nowhere"), HasSubstr("nowhere"));
   EXPECT_THAT(error("out drive drive"), HasSubstr("was made from 1 drive"));
   ASSERT_EQ(dvi("synth -o longer --frames 3 --width 240 --height 136 --beams 16 --columns 300 --quiet").code, 0);
@@ -130,14 +130,14 @@ TEST_F(AuditCommand, RefusesWhatIsNoResultOrNotOfThisDrive) {
   EXPECT_THAT(error("out drive"), HasSubstr("sources.json"));
 }
 
-TEST_F(AuditCommand, TellsAnotherDriveOfTheSameFrames) {
+TEST_F(AuditCommand, DetectsAnotherDriveWithTheSameFrameNames) {
   ASSERT_EQ(dvi("synth -o other --seed 5 --frames 6 --width 240 --height 136 --beams 16 --columns 300 --quiet").code, 0);
   const Result result = dvi("audit out other --quiet");
   EXPECT_EQ(result.code, 3);
   EXPECT_THAT(result.err, HasSubstr("differs from the image of the drive"));
 }
 
-TEST_F(AuditCommand, CoversFurtherDrivesAndBaselines) {
+TEST_F(AuditCommand, ChecksResultsOfSourceDrivesAndBaselines) {
   small_drive("second", "--day 2");
   ASSERT_EQ(dvi("run drive second -o both --quiet").code, 0);
   EXPECT_EQ(dvi("audit both drive second --quiet").code, 0);

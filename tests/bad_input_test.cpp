@@ -1,4 +1,4 @@
-// Bad input gets one message that names the file and the remedy, exit code 3, and leaves no result.
+// Bad input causes one message with the file and the remedy, and exit code 3. No result is written.
 
 #include <sys/mount.h>
 #include <unistd.h>
@@ -23,7 +23,7 @@ class BadInput : public ProgramTest {
  protected:
   BadInput() { small_drive(); }
 
-  // `dvi run` must refuse the drive with a message that holds all these words.
+  /// Expects that `dvi run` refuses the drive with a message that contains all these words.
   void expect_refused(const std::vector<std::string>& words, const std::string& arguments = "run drive -o out --quiet") const {
     const Result result = dvi(arguments);
     EXPECT_EQ(result.code, 3) << result.err;
@@ -75,7 +75,7 @@ TEST_F(BadInput, NoStaticPointRemains) {
     const Result result = dvi(std::string(command) + " drive -o out --quiet --masks drive/masks/front --polarity white");
     EXPECT_EQ(result.code, 3) << command;
     EXPECT_THAT(result.err, AllOf(HasSubstr("no static points remain of"), HasSubstr("are covered by masks of removed objects"),
-                                  HasSubstr("were not observed by the camera"), HasSubstr("look at the masks")))
+                                  HasSubstr("were not observed by the camera"), HasSubstr("check the masks")))
         << command;
   }
 }
@@ -102,12 +102,12 @@ TEST_F(BadInput, UnreadableImage) {
   expect_refused({"000002.png"});
 }
 
-TEST_F(BadInput, ImageOfAnotherSize) {
+TEST_F(BadInput, ImageWhoseSizeDiffers) {
   media::write_png(image(), cv::Mat3b(100, 200, cv::Vec3b(1, 2, 3)));
   expect_refused({"000002.png", "200", "240"});
 }
 
-TEST_F(BadInput, MaskOfAnotherSize) {
+TEST_F(BadInput, MaskWhoseSizeDiffers) {
   media::write_png(mask(), cv::Mat1b(100, 200, uchar{0}));
   expect_refused({"000002.png", "200", "240"});
 }
@@ -128,7 +128,7 @@ TEST_F(BadInput, MalformedPoses) {
   expect_refused({"poses.txt"});
 }
 
-TEST_F(BadInput, NoPosesAndNoScansToFindThem) {
+TEST_F(BadInput, NeitherPosesNorScans) {
   fs::remove(folder / "drive/poses.txt");
   fs::remove_all(folder / "drive/lidar");
   fs::remove(folder / "drive/poses.txt");
@@ -166,7 +166,7 @@ TEST_F(BadInput, FramesOutsideTheDrive) { expect_refused({"5"}, "run drive -o ou
 
 TEST_F(BadInput, UnknownCamera) { expect_refused({"rear", "front"}, "run drive -o out --quiet --camera rear"); }
 
-TEST_F(BadInput, ReadOnlyPlace) {
+TEST_F(BadInput, ReadOnlyFolder) {
   const Result result = dvi("run drive -o /proc/dvi-out --quiet");
   EXPECT_EQ(result.code, 3) << result.err;
   EXPECT_THAT(result.err, HasSubstr("/proc/dvi-out"));
@@ -180,11 +180,11 @@ TEST_F(BadInput, DiskFull) {
   EXPECT_EQ(result.code, 3) << result.err;
   EXPECT_THAT(result.err, HasSubstr("tiny/out"));
   for (const auto& entry : fs::recursive_directory_iterator(tiny))
-    EXPECT_THAT(entry.path().filename().string(), testing::Not(HasSubstr(".part"))) << "half a file was left";
+    EXPECT_THAT(entry.path().filename().string(), testing::Not(HasSubstr(".part"))) << "a partial file is left";
   umount(tiny.c_str());
 }
 
-// Gaps that the rest can bridge: named, in the report, and no error.
+/// Gaps that can be bridged cause a warning, also in the report, and not an error.
 class ScanGap : public BadInput {
  protected:
   void expect_warned(const std::string& word) const {
@@ -208,7 +208,7 @@ TEST_F(ScanGap, MissingImageNumber) {
   EXPECT_TRUE(fs::exists(folder / "out/frames/000003.png"));
 }
 
-TEST_F(ScanGap, FrameWithoutPoseBetweenTwoWith) {
+TEST_F(ScanGap, FrameWithoutPoseBetweenTwoWithPoses) {
   const fs::path poses = folder / "drive/poses.txt";
   std::string kept;
   for (const std::string& line : read_lines(poses))

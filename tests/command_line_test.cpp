@@ -18,7 +18,7 @@ using testing::HasSubstr;
 using testing::Not;
 using CommandLine = ProgramTest;
 
-TEST_F(CommandLine, SaysWhatItIs) {
+TEST_F(CommandLine, PrintsVersionHelpAndFormats) {
   EXPECT_EQ(dvi("version").out, std::string("dvi ") + kVersion + "\n");
   EXPECT_EQ(dvi("--version").code, 0);
   EXPECT_EQ(dvi("--help").code, 0);
@@ -28,7 +28,7 @@ TEST_F(CommandLine, SaysWhatItIs) {
     EXPECT_THAT(formats, HasSubstr(format));
 }
 
-TEST_F(CommandLine, UsageErrorsEndInTwo) {
+TEST_F(CommandLine, UsageErrorsHaveExitCode2) {
   for (const char* arguments : {"",
                                 "fly",
                                 "run",
@@ -58,13 +58,13 @@ TEST_F(CommandLine, UsageErrorsEndInTwo) {
   }
 }
 
-TEST_F(CommandLine, DumpedOptionsReadBack) {
+TEST_F(CommandLine, DumpedOptionsCanBeReadBack) {
   const Result dump = dvi("config dump --all --set regularize.window=3");
   EXPECT_THAT(dump.out, HasSubstr("window = 3"));
   write_file(folder / "all.toml", dump.out);
   EXPECT_EQ(dvi("config dump --all --config all.toml").out, dump.out);
   EXPECT_THAT(dvi("config dump --method paper").out, HasSubstr("method = 'paper'"));
-  EXPECT_THAT(dvi("config dump").out, Not(HasSubstr("[regularize]"))) << "developer options are asked for";
+  EXPECT_THAT(dvi("config dump").out, Not(HasSubstr("[regularize]"))) << "developer options need --all";
 }
 
 TEST_F(CommandLine, AShortFormIsItsOptionInSetAndInAFile) {
@@ -97,7 +97,7 @@ TEST_F(CommandLine, CheckDescribesADrive) {
   small_drive();
   const Result text = dvi("check drive --quiet");
   EXPECT_EQ(text.code, 0) << text.err;
-  EXPECT_THAT(text.out, testing::AllOf(HasSubstr("ready for dvi run"), Not(HasSubstr("expected"))));
+  EXPECT_THAT(text.out, testing::AllOf(HasSubstr("ready for dvi run"), Not(HasSubstr("coverage"))));
   const nlohmann::json j = nlohmann::json::parse(dvi("check drive --quiet --json").out);
   EXPECT_EQ(j["format"], "folder");
   EXPECT_FALSE(j.contains("forecast"));
@@ -107,7 +107,7 @@ TEST_F(CommandLine, CheckDescribesADrive) {
   EXPECT_NEAR(j["frames"]["rate_hz"], 10, 0.01);
 }
 
-TEST_F(CommandLine, OneFrameAloneIsSaid) {
+TEST_F(CommandLine, ASingleFrameIsReported) {
   small_drive();
   const Result result = dvi("check drive --frames 3 --json");
   ASSERT_EQ(result.code, 0) << result.err;
@@ -127,7 +127,7 @@ TEST_F(CommandLine, MapWritesPosesAndPoints) {
   EXPECT_EQ(read_file(folder / "map/map.ply").substr(0, 4), "ply\n");
 }
 
-TEST_F(CommandLine, MapNeverWritesIntoItsInputs) {
+TEST_F(CommandLine, MapDoesNotWriteToItsInputs) {
   const fs::path drive = small_drive();
   const auto before = ::dvi::contents(drive);
   for (const char* arguments : {"-o drive", "-o .", "-o drive/map", "--poses drive/poses.txt -o drive/poses.txt/map",
@@ -172,14 +172,14 @@ TEST_F(CommandLine, ProgressGoesToStderrOnly) {
   EXPECT_TRUE(dvi("run drive -o out3 --quiet").err.empty());
 }
 
-TEST_F(CommandLine, InterruptEndsIn130) {
+TEST_F(CommandLine, AnInterruptHasExitCode130) {
   small_drive();
-  // The signal is sent once the program says that it has read the drive: most of the work is still ahead.
+  // The signal is sent after the program reports that it has read the drive, when most of the work remains.
   const Result result = shell("{ " + std::string(DVI_PROGRAM) +
                               " run drive -o out --threads 1 2> log & pid=$!; until grep -q read log; do sleep 0.01; done; "
                               "kill -INT $pid; wait $pid; code=$?; cat log >&2; exit $code; }");
   EXPECT_EQ(result.code, 130);
-  EXPECT_THAT(result.err, HasSubstr("interrupted; nothing was finished, the same command starts again"));
+  EXPECT_THAT(result.err, HasSubstr("interrupted; no part is finished; the same command starts again"));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ TEST_F(CompletionTest, BashOffersCommandsOptionsAndFiles) {
   EXPECT_EQ(offered("dvi run dri"), "\n") << "bash then offers files";
 }
 
-TEST_F(CompletionTest, ScriptsAreUnderstoodByTheirShells) {
+TEST_F(CompletionTest, ScriptsAreValidInTheirShells) {
   for (const std::string name : {"zsh", "fish"}) {
     write_file(folder / "script", dvi("completion " + name).out);
     if (!has(name)) continue;

@@ -11,7 +11,7 @@ using testing::HasSubstr;
 
 class Convert : public ProgramTest {};
 
-TEST_F(Convert, TheCopyRunsToTheSameFrames) {
+TEST_F(Convert, ARunOfTheCopyWritesTheSameFrames) {
   small_drive("drive", "--side-cameras");
   const Result convert = dvi("convert drive -o copy --quiet");
   ASSERT_EQ(convert.code, 0) << convert.err;
@@ -22,7 +22,7 @@ TEST_F(Convert, TheCopyRunsToTheSameFrames) {
     EXPECT_TRUE(contents(folder / "out" / part) == contents(folder / "out_of_copy" / part)) << part;
 }
 
-TEST_F(Convert, ARangeIsADriveOfThatRange) {
+TEST_F(Convert, ConvertsARangeOfFrames) {
   small_drive();
   ASSERT_EQ(dvi("convert drive -o part --frames 2:4 --quiet").code, 0);
   EXPECT_EQ(list_files(folder / "part/images/front", {".png"}).size(), 3U);
@@ -35,7 +35,7 @@ TEST_F(Convert, ARangeIsADriveOfThatRange) {
   EXPECT_FALSE(fs::exists(folder / "other"));
 }
 
-TEST_F(Convert, InitWritesWhatCanBeFoundOut) {
+TEST_F(Convert, InitWritesADraftOfTheConfiguration) {
   const fs::path drive = small_drive();
   const std::string whole = read_file(drive / "dvi.toml");
   EXPECT_EQ(dvi("init drive").code, 3) << "there is one already";

@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// A drive of which nobody said what to remove, with a magenta rectangle painted into its frames.
+/// A drive without masks and labels, with a magenta rectangle in its frames.
 class DetectorOption : public ProgramTest {
  protected:
   void SetUp() override {
@@ -32,7 +32,7 @@ class DetectorOption : public ProgramTest {
     const std::vector<fs::path> images = list_files(drive / "images/front", {".png"});
     ASSERT_EQ(images.size(), 6U);
     for (std::size_t i = 0; i < images.size(); ++i) {
-      if (i == 3) continue;  // the network misses it there
+      if (i == 3) continue;  // a missed detection
       cv::Mat3b image = media::read_image(images[i], kSize);
       image(at(i)) = cv::Vec3b(255, 0, 255);
       media::write_png(images[i], image);
@@ -41,7 +41,7 @@ class DetectorOption : public ProgramTest {
   nlohmann::json json(const fs::path& file) const { return nlohmann::json::parse(read_file(folder / file)); }
 };
 
-TEST_F(DetectorOption, MasksWhatTheNetworkSeesInEveryFrame) {
+TEST_F(DetectorOption, MasksDetectedObjectsInEveryFrame) {
   const Result mask = dvi("mask drive -o masks --detector semantic.onnx --poses given --quiet --set masks.shadows=false");
   ASSERT_EQ(mask.code, 0) << mask.err;
   const nlohmann::json masks = json("masks/masks.json");
@@ -52,13 +52,13 @@ TEST_F(DetectorOption, MasksWhatTheNetworkSeesInEveryFrame) {
   const std::vector<fs::path> files = list_files(folder / "masks/masks/front", {".png"});
   ASSERT_EQ(files.size(), 6U);
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const cv::Mat1b seen = media::read_mask(files[i], kSize);
-    EXPECT_EQ(cv::countNonZero(seen(at(i))), at(i).area()) << i;
-    EXPECT_LT(cv::countNonZero(seen), 3 * at(i).area()) << i;
+    const cv::Mat1b detected = media::read_mask(files[i], kSize);
+    EXPECT_EQ(cv::countNonZero(detected(at(i))), at(i).area()) << i;
+    EXPECT_LT(cv::countNonZero(detected), 3 * at(i).area()) << i;
   }
 }
 
-TEST_F(DetectorOption, RunsAndIsAudited) {
+TEST_F(DetectorOption, ARunPassesTheAudit) {
   const std::string arguments = "run drive -o out --detector semantic.onnx --poses given --quiet --threads ";
   const Result run = dvi(arguments + "1");
   ASSERT_EQ(run.code, 0) << run.err;
@@ -93,7 +93,7 @@ TEST_F(DetectorOption, WorksWithoutScansAndWithSourceDrives) {
   EXPECT_THAT(dvi("check second --detector semantic.onnx --poses given --quiet").out, HasSubstr("from detector"));
 }
 
-TEST_F(DetectorOption, RefusesInOneLine) {
+TEST_F(DetectorOption, RefusesBadModelsWithOneLine) {
   const auto refused = [&](const std::string& arguments, int code) {
     const Result result = dvi("mask drive -o masks --quiet " + arguments);
     EXPECT_EQ(result.code, code) << result.err;

@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-# Left out: CHANGELOG.md and docs/experiments name options of the past.
+# CHANGELOG.md and docs/experiments are left out, because they contain names of earlier options.
 PAST = ("CHANGELOG.md", "docs/experiments/")
 OTHERS = {"--imgsz"}  # options of other programs that pages explain
 # `map.ply` is a file, not an option of the section [map].
@@ -19,7 +19,7 @@ OPTION = r"(?<![\w-])--[a-z][a-z-]+(?!\w)"
 
 
 def options(program):
-    """The names of all options, as `section.key`."""
+    """Returns the names of all options, as `section.key`."""
     names, section = set(), ""
     for line in subprocess.check_output([program, "config", "dump", "--all"], text=True).splitlines():
         if found := re.match(r"\[(\w+)\]", line):
@@ -46,7 +46,7 @@ def with_table(page, program):
 
 
 def code_of(page, text):
-    """The pieces of a page that may be command lines: code spans, lines of code blocks and of comments, strings of scripts."""
+    """Returns the parts of a page that may be command lines: code spans, lines of code blocks and comments, strings of scripts."""
     if page.suffix != ".md":
         return [piece for piece in re.findall(r'"((?:[^"\\\n]|\\.)* (?:[^"\\\n]|\\.)*)"', text)]
     blocks = re.findall(r"^```.*?^```|<!--.*?-->|^    .*?$", text, re.M | re.S)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# every_command.sh PROGRAM [--once]: every command and method on drives of some hundred pixels, where each must succeed; what it
-# is for are the sanitizers. --once: only one run of two drives, with threads. Writes below $TMPDIR.
+# every_command.sh PROGRAM [--once]: runs every command and method on drives of some hundred pixels, for the sanitizers. Each must
+# succeed. --once: only one run of two drives, with threads. Writes to a folder in $TMPDIR.
 set -euo pipefail
 program=$(realpath "$1") only=${2:-}
 work=$(mktemp -d)
@@ -25,8 +25,8 @@ dvi run one two -o both --threads 4 --set stages.regularize=true
 dvi synth -o room --room --frames 6 --width 160 --height 120
 dvi run room -o tidy
 street -o rig --side-cameras --walker --wet --changes --reverse
-dvi run rig -o seen
-dvi audit seen rig
+dvi run rig -o filled
+dvi audit filled rig
 dvi run one -o own --poses loam --remove all
 rm own/frames/000003.png
 dvi run one -o own --poses loam --remove all   # resumes

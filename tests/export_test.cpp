@@ -13,19 +13,19 @@ using testing::HasSubstr;
 
 class ExportTest : public ProgramTest {};
 
-// The world's x axis points east.
+/// Returns GPS fixes along the path; the world's x axis points east.
 std::vector<GeoFix> fixes_along(const fs::path& drive) {
-  constexpr double kNorthDegree = 111'210, kEastDegree = 73'157;  // meters, at that latitude
+  constexpr double kNorthDegreeM = 111'210, kEastDegreeM = 73'157;  // at this latitude
   std::vector<GeoFix> fixes;
   const Trajectory path = datasets::read_drive(drive).poses;
   for (const StampedPose& pose : path.poses()) {
     const Eigen::Vector3d& at = pose.world_from_body.t;
-    fixes.push_back({pose.time_ns, 49.01 + at.y() / kNorthDegree, 8.43 + at.x() / kEastDegree});
+    fixes.push_back({pose.time_ns, 49.01 + at.y() / kNorthDegreeM, 8.43 + at.x() / kEastDegreeM});
   }
   return fixes;
 }
 
-TEST_F(ExportTest, IsReadByOtherTools) {
+TEST_F(ExportTest, CanBeReadByOtherTools) {
   const fs::path drive = small_drive();
   write_file(drive / "gps.txt", datasets::format_fixes(fixes_along(drive)));
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
@@ -39,7 +39,7 @@ TEST_F(ExportTest, IsReadByOtherTools) {
   const Result read = shell("/usr/bin/python3 " DVI_EXPORT_READER " out exports");
   EXPECT_EQ(read.code, 0) << read.out << read.err;
 
-  // Masks hide what no source observed, and nothing else.
+  // Exported masks exclude exactly the pixels that no source observed.
   for (const fs::path& file : list_files(folder / "out/kind", {".png"})) {
     const cv::Mat1b kind = media::read_png_gray(file, kSize);
     const cv::Mat1b mask = media::read_png_gray(folder / "exports/colmap/masks" / (file.filename().string() + ".png"), kSize);
@@ -49,7 +49,7 @@ TEST_F(ExportTest, IsReadByOtherTools) {
   }
 }
 
-TEST_F(ExportTest, LeavesNothingWhereItCannotBeMade) {
+TEST_F(ExportTest, LeavesNoFilesIfItFails) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o out --method telea --quiet").code, 0);
   const Result no_map = dvi("export colmap out -o model");

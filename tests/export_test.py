@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Reads exports of a result as their own tools would, by code that shares nothing with the program, and by those tools where
-they are installed.
+"""Reads exports of a result by code that is independent of the program, and by the tools for which they are
+made, if these are installed.
 
     export_test.py OUT EXPORTS      EXPORTS/colmap, EXPORTS/nerfstudio and so on; exit code 1 with the first fault
 """
@@ -38,7 +38,7 @@ def check_colmap(folder, sources):
     close(cx, sources["cameras"][0]["K"][2] + 0.5, 1e-6)
     points = {int(line.split()[0]): [float(v) for v in line.split()[1:4]] for line in lines(model / "points3D.txt")}
     text = lines(model / "images.txt")
-    centers, seen = {}, 0
+    centers, matched = {}, 0
     for head, tail in zip(text[::2], text[1::2]):
         words, observed = head.split(), tail.split()
         q, t = [float(v) for v in words[1:5]], [float(v) for v in words[5:8]]
@@ -49,8 +49,8 @@ def check_colmap(folder, sources):
             x, y, z = (a + b for a, b in zip(rotate(q, points[int(point)]), t))
             close(fx * x / z + cx, float(u), 0.05)
             close(fy * y / z + cy, float(v), 0.05)
-            seen += 1
-    assert seen > 100, seen
+            matched += 1
+    assert matched > 100, matched
     if shutil.which("colmap"):
         text = subprocess.run(["colmap", "model_analyzer", "--path", model], check=True, capture_output=True, text=True,
                               env={"QT_QPA_PLATFORM": "offscreen", "PATH": "/usr/bin:/bin"})

@@ -1,4 +1,4 @@
-// What the file system refuses ends every command in exit code 3, with a message that names the path.
+// If the file system refuses an operation, every command ends with exit code 3 and a message with the path.
 
 #include <sys/mount.h>
 
@@ -28,7 +28,7 @@ class FileSystem : public ProgramTest {
   }
 };
 
-TEST_F(FileSystem, PathsThatCannotBe) {
+TEST_F(FileSystem, RefusesInvalidPaths) {
   std::string deep;  // more than PATH_MAX
   for (int i = 0; i < 500; ++i) deep += "a_folder/";
   for (const std::string& path : {std::string("loop"), std::string("file/x"), std::string(300, 'a'), deep}) {
@@ -42,7 +42,7 @@ TEST_F(FileSystem, PathsThatCannotBe) {
   }
 }
 
-TEST_F(FileSystem, PartsOfADriveThatCannotBe) {
+TEST_F(FileSystem, RefusesDrivesWithBrokenLinks) {
   for (const char* part : {"dvi.toml", "poses.txt", "images", "images/front", "images/front/000002.png",
                            "masks/front/000002.png", "lidar", "lidar/000002.bin", "times", "times/lidar.txt"})
     for (const std::string& target : {fs::path(part).filename().string(), std::string(300, 'a')}) {
@@ -55,7 +55,7 @@ TEST_F(FileSystem, PartsOfADriveThatCannotBe) {
     }
 }
 
-TEST_F(FileSystem, ReadOnlyMount) {
+TEST_F(FileSystem, RefusesAReadOnlyMount) {
   make_folder(folder / "disk");
   if (mount("tmpfs", (folder / "disk").c_str(), "tmpfs", MS_RDONLY, "size=64k") != 0)
     GTEST_SKIP() << "needs the right to mount a tmpfs";

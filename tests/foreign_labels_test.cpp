@@ -16,8 +16,8 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// Label files that other programs wrote (datumaro's test data), each on a drive whose images have the names and the size that
-/// the file states. The numbers of pixels that are expected follow from the numbers in the files.
+/// Reads label files that other programs wrote (datumaro's test data), each with a drive whose images have the names and the
+/// size in the file. The expected numbers of pixels are derived from the numbers in the files.
 class ForeignLabels : public ProgramTest {
  protected:
   void SetUp() override {
@@ -69,7 +69,7 @@ class ForeignLabels : public ProgramTest {
     Masked out;
     try {
       const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::required, progress)};
-      const inputs::Poses poses = inputs::given_poses(drives);
+      const inputs::Poses poses = inputs::use_given_poses(drives);
       const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
       for (std::size_t i = 0; i < masks.front().images.size(); ++i)
         out.pixels.push_back(cv::countNonZero(*masks.front().images[i]));

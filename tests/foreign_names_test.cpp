@@ -1,4 +1,4 @@
-// Paths and recordings as other systems and programs write them, from end to end.
+// Runs on paths and recordings as written by other systems and programs.
 
 #include <cstdlib>
 #include <string>
@@ -26,7 +26,7 @@ class ForeignNames : public ProgramTest {
   }
 };
 
-// Folders and images that Latin-1 named; TOML and JSON hold UTF-8 only.
+// Folders and images have names in Latin-1, while TOML and JSON are UTF-8.
 TEST_F(ForeignNames, NeedNotBeUtf8) {
   const std::string latin = fmt::format("Stra{}e", '\xDF');
   const fs::path drive = small_drive(latin, "", 4);
@@ -55,8 +55,8 @@ TEST_F(ForeignNames, NeedNotBeUtf8) {
   }
 }
 
-// As the benchmark ships it: times in scientific notation, no masks.
-TEST_F(ForeignNames, KittiOdometryRunsAsItIs) {
+// The published form of the benchmark has times in scientific notation and no masks.
+TEST_F(ForeignNames, KittiOdometryRunsWithoutChanges) {
   const fs::path path = data("kitti_odometry");
   if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings";
   const Result parent = dvi("check " + path.string());
@@ -67,7 +67,7 @@ TEST_F(ForeignNames, KittiOdometryRunsAsItIs) {
   EXPECT_EQ(list_files(folder / "out/frames", {".png"}).size(), 3U);
 }
 
-TEST_F(ForeignNames, Kitti360WithTimesOfAnotherExcerptIsChecked) {
+TEST_F(ForeignNames, CheckWarnsOfKitti360TimesOfAnotherExcerpt) {
   const fs::path path = data("kitti_360/data_2d_raw/2013_05_28_drive_0007_sync");
   if (!fs::exists(path)) GTEST_SKIP() << path << " is not there; set DVI_DATA to the recordings";
   const Result check = dvi(fmt::format("check {}", path.string()));

@@ -20,7 +20,7 @@ class Holdout : public ProgramTest {
   }
 };
 
-TEST_F(Holdout, CaseIsRunAndScored) {
+TEST_F(Holdout, ACaseIsFilledAndScored) {
   small_drive();
   const Result made = dvi("holdout drive -o case --scenario lead --quiet --json");
   ASSERT_EQ(made.code, 0) << made.err;
@@ -34,7 +34,7 @@ TEST_F(Holdout, CaseIsRunAndScored) {
   EXPECT_GT(nlohmann::json::parse(scored.out)["all"]["pixels"], 300);
 }
 
-TEST_F(Holdout, SelfcheckDoesAllOfItOnce) {
+TEST_F(Holdout, SelfcheckMakesEachPartOnce) {
   small_drive();
   const std::string call = "selfcheck drive -o check --scenario parked --scenario banner --quiet";
   const Result first = dvi(call);
@@ -62,7 +62,7 @@ TEST_F(Holdout, SelfcheckDoesAllOfItOnce) {
   expect_refused("selfcheck drive -o check --scenario parked --seed 2 --quiet", "another drive or with other options");
 }
 
-TEST_F(Holdout, WarnsWhereNoPlaceIsFree) {
+TEST_F(Holdout, WarnsIfNoPlaceIsFree) {
   const fs::path drive = small_drive();
   EXPECT_THAT(dvi("holdout drive -o free --scenario parked").err, testing::Not(HasSubstr("warning")));
   for (const auto& entry : fs::directory_iterator(drive / "lidar")) {  // a wall to the right
@@ -79,7 +79,7 @@ TEST_F(Holdout, WarnsWhereNoPlaceIsFree) {
   EXPECT_GT(nlohmann::json::parse(walled.out)["vehicle"]["stand"]["returns"], 0);
 }
 
-TEST_F(Holdout, RefusesWhatItCannotDo) {
+TEST_F(Holdout, RefusesUnknownScenariosAndUsedFolders) {
   const fs::path drive = small_drive();
   EXPECT_EQ(dvi("holdout drive -o case --scenario meteor").code, 2);
   EXPECT_EQ(dvi("selfcheck drive --scenario meteor").code, 2);

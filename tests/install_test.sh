@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# install_test.sh SOURCE BUILD COMPILER SANITIZERS: installs the build into a folder of its own, builds the example against it, runs both.
+# install_test.sh SOURCE BUILD COMPILER SANITIZERS: installs the build into a temporary folder, builds the example with it, and runs both.
 set -euo pipefail
 source=$1 build=$2 compiler=$3 sanitizers=$4
 work=$(mktemp -d)

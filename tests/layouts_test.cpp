@@ -21,10 +21,10 @@ using testing::HasSubstr;
 
 const std::string kKitti360 = "2013_05_28_drive_0000_sync";
 
-// One drive in the layouts of several data sets, written by a script that knows nothing of dvi.
+/// Reads one drive in the layouts of several data sets, written by a script that is independent of dvi.
 class Layouts : public ProgramTest {
  protected:
-  /// Whose scans are declared to be compensated, as those of the data sets but KITTI-360 are.
+  /// Makes a drive whose scans are declared to be motion-compensated, as in all of these data sets except KITTI-360.
   fs::path compensated_drive() const {
     const fs::path drive = small_drive();
     std::string config = read_file(drive / "dvi.toml");
@@ -36,7 +36,7 @@ class Layouts : public ProgramTest {
     const Result written = shell(fmt::format("python3 -B {} {} drive {}", DVI_LAYOUTS, layout, out));
     ASSERT_EQ(written.code, 0) << written.err;
   }
-  // Frames of a run without labels, which the layouts hold differently.
+  /// Returns the frames of a run with mask files, because the layouts store labels differently.
   std::vector<cv::Mat3b> frames_of(const std::string& drive) const {
     fs::remove_all(folder / "out");
     const Result run = dvi(fmt::format("run {} -o out --masks masks --poses given --quiet", drive));
@@ -45,15 +45,15 @@ class Layouts : public ProgramTest {
     for (const fs::path& file : list_files(folder / "out/frames", {".png"})) frames.push_back(media::read_image(file, kSize));
     return frames;
   }
-  // The drive's masks under the names of another layout's images.
+  /// Copies the drive's masks with the names of another layout's images.
   void name_masks(const std::function<std::string(int)>& name) const {
     fs::create_directories(folder / "masks");
     for (int i = 0; i < 6; ++i)
       fs::copy_file(folder / fmt::format("drive/masks/front/{:06d}.png", i), folder / "masks" / (name(i) + ".png"),
                     fs::copy_options::overwrite_existing);
   }
-  // But for so many colors a frame that are off by one level: with poses as quaternions some at the edge of rounding go the
-  // other way.
+  /// Expects equal frames, except for `off` color values per frame that differ by one level. Poses that are stored as
+  /// quaternions change the rounding of some values.
   void expect_same_frames(const std::string& drive, const std::function<std::string(int)>& name, int off = 0) const {
     name_masks([](int i) { return fmt::format("{:06d}", i); });
     name_masks(name);
@@ -119,7 +119,7 @@ TEST_F(Layouts, Nuscenes) {
   expect_refused("nuscenes/scene-0063", "has no scene scene-0063");
 }
 
-TEST_F(Layouts, NuscenesBoxesMoveEvenlyBetweenKeyFrames) {
+TEST_F(Layouts, NuscenesBoxesAreInterpolatedBetweenKeyFrames) {
   compensated_drive();
   write_layout("nuscenes", "nuscenes");
   ASSERT_EQ(dvi("convert nuscenes/scene-0061 -o plain --quiet").code, 0);
@@ -133,11 +133,11 @@ TEST_F(Layouts, NuscenesBoxesMoveEvenlyBetweenKeyFrames) {
       double distance = 0;
       for (int axis = 0; axis < 3; ++axis)
         distance += std::abs(other["center"][axis].get<double>() - box["center"][axis].get<double>());
-      return distance < 0.1;  // the street's vehicles sway
+      return distance < 0.1;  // the motion of the vehicles is not uniform
     })) << box;
 }
 
-TEST_F(Layouts, ANuscenesTableThatPointsNowhere) {
+TEST_F(Layouts, ANuscenesTableWithAMissingToken) {
   compensated_drive();
   write_layout("nuscenes", "nuscenes");
   const fs::path tables = folder / "nuscenes/v1.0-mini";

@@ -12,14 +12,14 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// Recordings without scans, or without image files.
+/// Runs on recordings without scans, or without image files.
 class OtherSources : public ProgramTest {
  protected:
   void copy(const std::string& from, const std::string& to) const {
     make_folder((folder / to).parent_path());
     fs::copy(folder / from, folder / to, fs::copy_options::recursive);
   }
-  /// Mean difference of the frames of two results, gray levels.
+  /// Returns the mean difference of the frames of two results in gray levels.
   double difference(const std::string& a, const std::string& b) const {
     double sum = 0;
     const auto files = list_files(folder / a / "frames", {".png"});
@@ -31,7 +31,7 @@ class OtherSources : public ProgramTest {
   }
 };
 
-TEST_F(OtherSources, AMapAndPosesFillAsTheScansDid) {
+TEST_F(OtherSources, AMapAndPosesReplaceScans) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   ASSERT_EQ(dvi("export colmap out -o model --quiet").code, 0);
@@ -41,7 +41,7 @@ TEST_F(OtherSources, AMapAndPosesFillAsTheScansDid) {
   copy("las/map.las", "work/map.las");
   const Result unmasked = dvi("run work -o nothing --quiet");
   EXPECT_EQ(unmasked.code, 3);
-  EXPECT_THAT(unmasked.err, AllOf(HasSubstr("no scans in which what moves could be found"), HasSubstr("give --masks")));
+  EXPECT_THAT(unmasked.err, AllOf(HasSubstr("no scans in which moving objects could be found"), HasSubstr("give --masks")));
   copy("drive/masks/front", "work/masks/camera");
   EXPECT_THAT(dvi("check work --quiet").out,
               AllOf(HasSubstr("colmap"), HasSubstr("points, instead of scans"), HasSubstr("  ready")));

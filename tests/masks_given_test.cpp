@@ -17,7 +17,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// Masks that other programs made.
+/// Runs with masks of other programs.
 class GivenMasks : public ProgramTest {
  protected:
   GivenMasks() {
@@ -35,7 +35,7 @@ class GivenMasks : public ProgramTest {
 
   static int differing(const cv::Mat1b& a, const cv::Mat1b& b) { return cv::countNonZero(cv::Mat1b(a != b)); }
 
-  // The drive's own masks, a COCO annotation each.
+  /// Writes each of the drive's masks as a COCO annotation.
   fs::path coco() const {
     nlohmann::json images = nlohmann::json::array(), annotations = nlohmann::json::array();
     for (std::size_t i = 0; i < own.size(); ++i) {
@@ -56,7 +56,7 @@ class GivenMasks : public ProgramTest {
   const std::string exactly = " --quiet --poses given --set masks.shadows=false --set masks.dilate_px=0 ";
 };
 
-TEST_F(GivenMasks, RunTakesCoco) {
+TEST_F(GivenMasks, RunReadsCoco) {
   coco();
   EXPECT_THAT(dvi("check drive --masks coco.json --quiet").out, HasSubstr("from labels (6 car)"));
   const Result run = dvi("run drive -o out --masks coco.json" + exactly);
@@ -70,7 +70,7 @@ TEST_F(GivenMasks, RunTakesCoco) {
   EXPECT_THAT(trucks.err, HasSubstr("no label has the class 'truck'; the classes are car"));
 }
 
-TEST_F(GivenMasks, RunTakesCvat) {
+TEST_F(GivenMasks, RunReadsCvat) {
   write_file(
       folder / "annotations.xml",
       "<annotations><meta><task><size>6</size></task></meta><track id=\"0\" label=\"car\">"
@@ -88,7 +88,7 @@ TEST_F(GivenMasks, RunTakesCvat) {
   EXPECT_EQ(dvi("audit out drive --quiet").code, 0);
 }
 
-TEST_F(GivenMasks, BlackMayMeanRemove) {
+TEST_F(GivenMasks, BlackCanMeanRemove) {
   make_folder(folder / "colmap");
   for (std::size_t i = 0; i < own.size(); ++i)
     media::write_png(folder / ("colmap/" + name(i) + ".jpg.png"), cv::Mat1b(~own[i]));
@@ -120,12 +120,12 @@ TEST_F(GivenMasks, AnEgoMaskIsPartOfEveryMask) {
   EXPECT_THAT(small.err, HasSubstr("ego.png: is 240x100 pixels instead of 240x136"));
 }
 
-TEST_F(GivenMasks, AFolderWithASubfolderPerCameraIsTaken) {
+TEST_F(GivenMasks, AFolderWithASubfolderPerCameraIsRead) {
   ASSERT_EQ(dvi("mask drive -o masks --masks drive/masks" + exactly).code, 0);
   for (std::size_t i = 0; i < own.size(); ++i) EXPECT_EQ(differing(result("masks", i), own[i]), 0) << i;
 }
 
-TEST_F(GivenMasks, NamesThatToolsChangeAreMatched) {
+TEST_F(GivenMasks, ChangedNamesAreMatched) {
   make_folder(folder / "odm");
   make_folder(folder / "short");
   make_folder(folder / "from1");
@@ -146,7 +146,7 @@ TEST_F(GivenMasks, NamesThatToolsChangeAreMatched) {
                                HasSubstr("take out 000006")));
 }
 
-TEST_F(GivenMasks, MaskFilesAreDilatedIfAsked) {
+TEST_F(GivenMasks, MaskFilesAreDilatedIfRequested) {
   const Result mask =
       dvi("mask drive -o masks --masks drive/masks --poses given --set masks.shadows=false --set masks.dilate_px=3");
   ASSERT_EQ(mask.code, 0) << mask.err;
@@ -158,7 +158,7 @@ TEST_F(GivenMasks, MaskFilesAreDilatedIfAsked) {
   EXPECT_EQ(dvi("mask drive -o half --masks drive/masks --set masks.dilate_px=2.5").code, 2);
 }
 
-TEST_F(GivenMasks, MasksThatRemoveNothingAreNamed) {
+TEST_F(GivenMasks, EmptyMasksCauseAWarning) {
   small_drive("long", "", 16);
   fs::remove(folder / "long/boxes.json");
   for (const fs::path& file : list_files(folder / "long/masks/front", {".png"}))
@@ -179,7 +179,7 @@ TEST_F(GivenMasks, MasksThatRemoveNothingAreNamed) {
               HasSubstr("warning  its labels (0 in 16 frames) remove nothing, but"));
 }
 
-TEST_F(GivenMasks, CheckEndsWithAnErrorWhereTheDriveIsNotReady) {
+TEST_F(GivenMasks, CheckFailsIfARunIsNotPossible) {
   for (const char* name : {"lidar", "masks", "times", "boxes.json"}) fs::remove_all(folder / "drive" / name);
   std::string poses,
       map = "ply\nformat ascii 1.0\nelement vertex 400\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
@@ -191,7 +191,8 @@ TEST_F(GivenMasks, CheckEndsWithAnErrorWhereTheDriveIsNotReady) {
              "[drive]\nversion = 1\n[camera.front]\nsize = [240, 136]\nK = [192, 0, 119.5, 0, 192, 67.5, 0, 0, 1]\n");
   const Result check = dvi("check drive --quiet");
   EXPECT_EQ(check.code, 3) << check.err;
-  EXPECT_THAT(check.out, AllOf(HasSubstr("neither masks nor labels nor scans say what to remove"), HasSubstr("not ready")));
+  EXPECT_THAT(check.out,
+              AllOf(HasSubstr("neither masks, labels, nor scans show the objects to remove"), HasSubstr("not ready")));
   EXPECT_THAT(check.err, HasSubstr("is not ready for dvi run"));
   const Result json = dvi("check drive --quiet --json");
   EXPECT_EQ(json.code, 3);

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 class MasksOfDrives : public ProgramTest {
  protected:
-  // A drive of which nobody said what to remove.
+  /// Makes a drive without masks and labels.
   fs::path unlabeled(const std::string& name) const {
     const fs::path drive = small_drive(name, "", 12);
     fs::remove_all(drive / "masks");
@@ -30,7 +30,7 @@ class MasksOfDrives : public ProgramTest {
   struct Overlap {
     double both = 0, wanted = 0, found = 0, pixels = 0;
   };
-  // Of masks/ as `dvi mask` wrote it with the true masks, over all frames.
+  /// Compares the masks that `dvi mask` wrote with the true masks, over all frames.
   Overlap overlap_with(const fs::path& truth) const {
     Overlap sum;
     for (const fs::directory_entry& file : fs::directory_iterator(truth)) {
@@ -45,11 +45,11 @@ class MasksOfDrives : public ProgramTest {
   }
 };
 
-TEST_F(MasksOfDrives, ADriveWithoutMasksAndLabelsJustRuns) {
+TEST_F(MasksOfDrives, ADriveWithoutMasksAndLabelsRuns) {
   unlabeled("drive");
   const Result check = dvi("check drive --quiet");
   EXPECT_EQ(check.code, 0) << check.err;
-  EXPECT_THAT(check.out, HasSubstr("dvi run finds what moves"));
+  EXPECT_THAT(check.out, HasSubstr("dvi run finds moving objects"));
   const Result run = dvi("run drive -o out --poses given --quiet");
   ASSERT_EQ(run.code, 0) << run.err;
   const nlohmann::json report = json("out/report.json");
@@ -57,7 +57,7 @@ TEST_F(MasksOfDrives, ADriveWithoutMasksAndLabelsJustRuns) {
   EXPECT_EQ(dvi("audit out drive --quiet").code, 0);
 }
 
-TEST_F(MasksOfDrives, LittleTrafficIsCopiedFromASourceDriveThatNobodyLabeled) {
+TEST_F(MasksOfDrives, LittleTrafficIsCopiedFromAnUnlabeledSourceDrive) {
   small_drive("drive", "--truck", 12);
   const fs::path source = small_drive("source", "--day 2", 12);
   fs::remove_all(source / "masks");
@@ -89,18 +89,18 @@ TEST_F(MasksOfDrives, LittleTrafficIsCopiedFromASourceDriveThatNobodyLabeled) {
   EXPECT_LT(static_cast<double>(traffic), 0.05 * static_cast<double>(copied));
 }
 
-TEST_F(MasksOfDrives, CheckPromisesOnlyWhatRunFinds) {
+TEST_F(MasksOfDrives, CheckFailsWithoutScansMasksAndLabels) {
   const fs::path drive = unlabeled("drive");
   fs::remove_all(drive / "lidar");
   fs::remove(drive / "poses.txt");
   const Result check = dvi("check drive --quiet");
   EXPECT_EQ(check.code, 3) << "run refuses it, too";
-  EXPECT_THAT(check.out, testing::Not(HasSubstr("finds what moves")));
-  EXPECT_THAT(check.out, HasSubstr("warning  neither masks nor labels nor scans say what to remove"));
+  EXPECT_THAT(check.out, testing::Not(HasSubstr("finds moving objects")));
+  EXPECT_THAT(check.out, HasSubstr("warning  neither masks, labels, nor scans show the objects to remove"));
   EXPECT_EQ(dvi("run drive -o out --quiet").code, 3);
 }
 
-TEST_F(MasksOfDrives, WhatMaskWritesRunTakes) {
+TEST_F(MasksOfDrives, RunReadsTheMasksOfMask) {
   unlabeled("drive");
   const Result mask = dvi("mask drive -o masks --poses given --quiet");
   ASSERT_EQ(mask.code, 0) << mask.err;
@@ -114,7 +114,7 @@ TEST_F(MasksOfDrives, WhatMaskWritesRunTakes) {
   EXPECT_EQ(::dvi::contents(folder / "found/masks"), ::dvi::contents(folder / "given/masks"));
 }
 
-TEST_F(MasksOfDrives, FoundMasksHoldWhatMovesAndLittleElse) {
+TEST_F(MasksOfDrives, MotionSegmentationCoversMovingObjects) {
   const fs::path truth = small_drive("labeled", "", 12) / "masks/front";
   unlabeled("drive");
   ASSERT_EQ(dvi("mask drive -o masks --poses given --quiet").code, 0);
@@ -123,7 +123,7 @@ TEST_F(MasksOfDrives, FoundMasksHoldWhatMovesAndLittleElse) {
   EXPECT_GT(overlap.both / overlap.found, 0.75);
 }
 
-TEST_F(MasksOfDrives, MaskOverwritesNothing) {
+TEST_F(MasksOfDrives, MaskOverwritesNoFile) {
   small_drive();
   const std::string call = "mask drive --masks labels --poses given --quiet -o ";
   make_folder(folder / "empty");
@@ -147,7 +147,7 @@ TEST_F(MasksOfDrives, MaskOverwritesNothing) {
   EXPECT_TRUE(present() == before);
 }
 
-TEST_F(MasksOfDrives, LabelsSayWhatMovesAndOneFrameHasNothingThatDoes) {
+TEST_F(MasksOfDrives, MovingLabelsAreRemovedAndOneFrameShowsNoMotion) {
   small_drive("labeled", "", 12);
   ASSERT_EQ(dvi("mask labeled -o masks --masks labels --poses given --remove moving --quiet").code, 0);
   const nlohmann::json masks = json("masks/masks.json");
@@ -159,8 +159,8 @@ TEST_F(MasksOfDrives, LabelsSayWhatMovesAndOneFrameHasNothingThatDoes) {
   EXPECT_THAT(one.err, HasSubstr("its scans show no moving objects"));
 }
 
-TEST_F(MasksOfDrives, WhereNothingMovesTheResultIsTheInput) {
-  const fs::path drive = small_drive("drive", "--speed-mps 0", 12);  // a van stands ahead as well
+TEST_F(MasksOfDrives, WithoutMovingObjectsTheResultIsTheInput) {
+  const fs::path drive = small_drive("drive", "--speed-mps 0", 12);  // a van ahead is stationary, too
   fs::remove_all(drive / "masks");
   fs::remove(drive / "boxes.json");
   const Result run = dvi("run drive -o out");
@@ -173,7 +173,7 @@ TEST_F(MasksOfDrives, WhereNothingMovesTheResultIsTheInput) {
               0);
 }
 
-TEST_F(MasksOfDrives, TrafficIsFoundAtNightByTheScans) {
+TEST_F(MasksOfDrives, TrafficIsFoundInTheScansAtNight) {
   const fs::path truth = small_drive("labeled", "", 12) / "masks/front";
   const fs::path drive = unlabeled("drive");
   for (const fs::directory_entry& file : fs::directory_iterator(drive / "images/front"))
@@ -181,7 +181,7 @@ TEST_F(MasksOfDrives, TrafficIsFoundAtNightByTheScans) {
   ASSERT_EQ(dvi("mask drive -o masks --poses given --quiet").code, 0);
   const Overlap overlap = overlap_with(truth);
   EXPECT_GT(overlap.both / overlap.wanted, 0.8);
-  EXPECT_LT(overlap.found / overlap.pixels, 0.3) << "never the whole road";
+  EXPECT_LT(overlap.found / overlap.pixels, 0.3) << "not the whole road";
 }
 
 TEST_F(MasksOfDrives, ABaselineNeedsMasks) {

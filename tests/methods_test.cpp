@@ -1,4 +1,4 @@
-// Baselines and the forecast, through the program.
+// Runs baselines and the forecast of the program.
 
 #include <gmock/gmock.h>
 
@@ -60,14 +60,14 @@ TEST_F(Methods, BaselinesFillADriveWithoutPosesAndScans) {
   }
 }
 
-TEST_F(Methods, BaselinesAreTheSameBytesWithAnyThreads) {
+TEST_F(Methods, BaselinesWriteTheSameBytesWithAnyNumberOfThreads) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o one --method flow --threads 1 --quiet").code, 0);
   ASSERT_EQ(dvi("run drive -o two --method flow --threads 2 --quiet").code, 0);
   EXPECT_TRUE(contents(folder / "one") == contents(folder / "two"));
 }
 
-TEST_F(Methods, OneFolderCanChangeItsMethod) {
+TEST_F(Methods, AFolderCanBeRunWithAnotherMethod) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   EXPECT_EQ(json("out/report.json")["baseline"], false);
@@ -78,7 +78,7 @@ TEST_F(Methods, OneFolderCanChangeItsMethod) {
   EXPECT_TRUE(contents(folder / "out") == contents(folder / "again"));
 }
 
-TEST_F(Methods, FurtherDrivesAreOfNoUseToBaselines) {
+TEST_F(Methods, BaselinesDoNotUseSourceDrives) {
   small_drive();
   small_drive("other", "--day 2");
   const Result result = dvi("run drive other -o out --method flow");
@@ -87,7 +87,7 @@ TEST_F(Methods, FurtherDrivesAreOfNoUseToBaselines) {
   EXPECT_EQ(json("out/report.json")["drives"].size(), 1);
 }
 
-TEST_F(Methods, MovingObjectsAreToldByPosesAndLabelsOnly) {
+TEST_F(Methods, RemovingMovingObjectsNeedsPosesAndLabels) {
   small_drive();
   fs::remove(folder / "drive/poses.txt");
   const std::string run = "run drive --method telea --remove moving ";
@@ -100,14 +100,14 @@ TEST_F(Methods, MovingObjectsAreToldByPosesAndLabelsOnly) {
               testing::Not(HasSubstr("which objects are stationary")));
 }
 
-TEST_F(Methods, AnUnknownOneIsToldWhichThereAre) {
+TEST_F(Methods, AnUnknownMethodIsRefusedWithTheList) {
   small_drive();
   const Result result = dvi("run drive -o out --method magic");
   EXPECT_EQ(result.code, 2);
   for (const char* method : {"dvi", "paper", "flow", "telea", "ns"}) EXPECT_THAT(result.err, HasSubstr(method));
 }
 
-TEST_F(Methods, OnlyBaselinesDoWithoutPosesAndScans) {
+TEST_F(Methods, OnlyBaselinesRunWithoutPosesAndScans) {
   small_drive();
   fs::remove(folder / "drive/poses.txt");
   fs::remove_all(folder / "drive/lidar");
@@ -119,7 +119,7 @@ TEST_F(Methods, OnlyBaselinesDoWithoutPosesAndScans) {
   }
 }
 
-TEST_F(Methods, ForecastSaysWhatTheRunThenReports) {
+TEST_F(Methods, ForecastAgreesWithTheRun) {
   small_drive("one", "--truck");
   small_drive("two", "--truck --day 2");
   for (const std::string drives : {"one", "one two"}) {
@@ -140,16 +140,16 @@ TEST_F(Methods, ForecastSaysWhatTheRunThenReports) {
   EXPECT_THAT(dvi("forecast one --quiet").out, HasSubstr("unobserved"));
 }
 
-TEST_F(Methods, CheckSaysWhatToExpect) {
+TEST_F(Methods, CheckEstimatesTheCoverage) {
   small_drive();
-  EXPECT_THAT(dvi("check drive --forecast --quiet").out, HasSubstr("of the hole seen elsewhere"));
+  EXPECT_THAT(dvi("check drive --forecast --quiet").out, HasSubstr("of the hole is observed by sources"));
   const nlohmann::json checked = nlohmann::json::parse(dvi("check drive --forecast --quiet --json").out);
   EXPECT_EQ(checked["forecast"], nlohmann::json::parse(dvi("forecast drive --quiet --json").out));
   fs::remove(folder / "drive/poses.txt");
   fs::remove_all(folder / "drive/lidar");
   const Result unposed = dvi("check drive --forecast --quiet");
   EXPECT_EQ(unposed.code, 3) << "it is not ready";
-  EXPECT_THAT(unposed.out, testing::Not(HasSubstr("expected")));
+  EXPECT_THAT(unposed.out, testing::Not(HasSubstr("coverage")));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Frames and masks that say little: the run ends, nothing is garbage, and the summary says what was filled how.
+// Runs on frames and masks with little information: the run succeeds, the colors are plausible, and the summary states how the
+// holes are filled.
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -19,7 +20,7 @@ class OddFrames : public ProgramTest {
   cv::Mat3b image(int frame) const { return media::read_image(file("drive/images/front", frame), kSize); }
   cv::Mat1b mask(int frame) const { return media::read_png_gray(file("drive/masks/front", frame), kSize); }
 
-  /// The mean of what was filled, over all channels.
+  /// Returns the mean of the filled pixels over all channels.
   double filled_mean(int frame) const {
     const cv::Mat3b filled = media::read_image(file("out/frames", frame), kSize);
     const cv::Mat1b kind = media::read_png_gray(file("out/kind", frame), kSize);
@@ -29,7 +30,7 @@ class OddFrames : public ProgramTest {
   }
 };
 
-TEST_F(OddFrames, BlackWhiteDarkWholeAndCut) {
+TEST_F(OddFrames, FramesAreBlackWhiteOrDarkAndMasksWholeOrInStripes) {
   small_drive();
   media::write_png(file("drive/images/front", 0), cv::Mat3b(kSize, cv::Vec3b(0, 0, 0)));
   media::write_png(file("drive/images/front", 1), cv::Mat3b(kSize, cv::Vec3b(255, 255, 255)));
@@ -51,8 +52,8 @@ TEST_F(OddFrames, BlackWhiteDarkWholeAndCut) {
   EXPECT_LT(filled_mean(4), 225);
 }
 
-// Nothing to compare with: all that is hidden stays unobserved, and the run says so.
-TEST_F(OddFrames, OneOrTwoAreADrive) {
+// Without other frames, the holes are unobserved, and the summary states it.
+TEST_F(OddFrames, ADriveOfOneOrTwoFramesRuns) {
   small_drive();
   for (const int last : {0, 1}) {
     const std::string out = "out" + std::to_string(last);

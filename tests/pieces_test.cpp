@@ -11,10 +11,10 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A run in pieces: plan, fill, finish.
+/// Runs plan, fill, and finish.
 class Pieces : public ProgramTest {
  protected:
-  /// A result less what only plans have.
+  /// Returns the files of a result, without the files that only plans have.
   std::map<std::string, std::string> result(const std::string& out) const {
     std::map<std::string, std::string> files = contents(folder / out);
     std::erase_if(files,
@@ -30,19 +30,19 @@ class Pieces : public ProgramTest {
   }
 };
 
-TEST_F(Pieces, MakeTheBytesOfARun) {
+TEST_F(Pieces, WriteTheSameBytesAsARun) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o whole --quiet").code, 0);
   const nlohmann::json plan = json(dvi("plan drive -o out --quiet --json"));
   EXPECT_EQ(plan["frames"], (nlohmann::json{0, 1, 2, 3, 4, 5}));
   EXPECT_EQ(plan["finished"], 0);
-  // Out of order, overlapping, two at once and one of them again.
+  // Ranges are out of order, they overlap, two run at once, and a part is repeated.
   const std::string fill = std::string(DVI_PROGRAM) + " fill out --quiet --frames ";
   const Result both = shell("{ " + fill + "3:5 & first=$!; " + fill + "2:4 --threads 1 && wait $first; }");
   EXPECT_EQ(both.code, 0) << both.err;
   EXPECT_EQ(json(dvi("fill out --frames 4 --quiet --json"))["filled"], 0);
   expect_refused("finish out --quiet",
-                 "lacks 2 of 6 frames: 0:1; dvi fill " + (folder / "out").string() + " --frames 0:1 makes");
+                 "lacks 2 of 6 frames: 0:1; dvi fill " + (folder / "out").string() + " --frames 0:1 fills");
   EXPECT_FALSE(fs::exists(folder / "out/report.json"));
   const nlohmann::json rest = json(dvi("fill out --quiet --json"));
   EXPECT_EQ(rest["filled"], 2);
@@ -50,15 +50,15 @@ TEST_F(Pieces, MakeTheBytesOfARun) {
   const Result finished = dvi("finish out --quiet --json");
   ASSERT_EQ(finished.code, 0) << finished.err;
   EXPECT_EQ(result("out"), result("whole"));
-  EXPECT_GE(json(finished)["cost"]["frames_made"], 6) << "what all processes made";
+  EXPECT_GE(json(finished)["cost"]["frames_made"], 6) << "of all processes";
   EXPECT_EQ(json(dvi("finish out --quiet --json")), json(finished)) << "it is finished";
   EXPECT_THAT(dvi("run drive -o out").err, HasSubstr("nothing to do"));
 }
 
 TEST_F(Pieces, AreRefusedWithoutTheirPlan) {
   small_drive();
-  expect_refused("fill nowhere", "holds no plan");
-  expect_refused("finish drive", "holds no plan");
+  expect_refused("fill nowhere", "does not contain a plan");
+  expect_refused("finish drive", "does not contain a plan");
   ASSERT_EQ(dvi("plan drive -o out --quiet").code, 0);
   expect_refused("fill out --frames 6:9", "has no frames 6:9");
   EXPECT_EQ(dvi("fill out --frames x").code, 2);
@@ -84,7 +84,7 @@ TEST_F(Pieces, AreRefusedWithoutTheirPlan) {
   expect_refused("fill out --quiet", "map.bin: is missing or damaged");
 }
 
-TEST_F(Pieces, GoOnAfterAKilledFill) {
+TEST_F(Pieces, ContinueAfterAKilledFill) {
   small_drive();
   ASSERT_EQ(dvi("plan drive -o out --quiet").code, 0);
   ASSERT_EQ(dvi("fill out --frames 0:4 --quiet").code, 0);

@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 class Poses : public ProgramTest {
  protected:
-  /// world_from_lidar a scan: the last 12 numbers of each line.
+  /// Reads world_from_lidar of each scan, the last 12 numbers of each line.
   std::vector<SE3> read(const fs::path& file) const {
     std::vector<SE3> poses;
     for (const std::string& line : read_lines(folder / file)) {
@@ -34,8 +34,8 @@ class Poses : public ProgramTest {
     return poses;
   }
 
-  /// Meters at most between two tracks, each seen from its first pose.
-  static double apart(const std::vector<SE3>& a, const std::vector<SE3>& b) {
+  /// Returns the maximum distance in meters between two trajectories, each relative to its first pose.
+  static double max_distance_m(const std::vector<SE3>& a, const std::vector<SE3>& b) {
     double worst = a.size() == b.size() ? 0 : INFINITY;
     for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
       worst = std::max(worst, ((a[0].inverse() * a[i]).t - (b[0].inverse() * b[i]).t).norm());
@@ -48,7 +48,7 @@ class Poses : public ProgramTest {
     return nlohmann::json::parse(result.out)["poses"];
   }
 
-  /// Moves every given pose by `meters`, to and fro.
+  /// Moves the given poses by `meters`, in alternating directions.
   void shake(const std::string& drive, double meters) const {
     std::string text;
     int line_number = 0;
@@ -76,27 +76,27 @@ TEST_F(Poses, FromScansFollowTheTruth) {
   }
   EXPECT_THAT(stages, testing::ElementsAre("read", "plausibility", "odometry", "loops", "sharpness", "map", "carve", "normals",
                                            "write"));
-  EXPECT_LT(apart(read("out/trajectory.txt"), read("drive/poses.txt")), 0.03);
+  EXPECT_LT(max_distance_m(read("out/trajectory.txt"), read("drive/poses.txt")), 0.03);
   ASSERT_EQ(dvi("map drive -o tum --quiet --poses loam --trajectory tum").code, 0);
   EXPECT_EQ(read_lines(folder / "tum/trajectory.txt").size(), 6);
   EXPECT_EQ(dvi("map drive -o out --trajectory evo").code, 2);
 }
 
-TEST_F(Poses, AutoKeepsExactOnesAndMendsShakenOnes) {
+TEST_F(Poses, AutoKeepsExactPosesAndReplacesNoisyPoses) {
   small_drive();
   const std::vector<SE3> truth = read("drive/poses.txt");
   EXPECT_EQ(map("drive", "")["from"], "given");
-  EXPECT_LT(apart(read("out/trajectory.txt"), truth), 1e-6);
+  EXPECT_LT(max_distance_m(read("out/trajectory.txt"), truth), 1e-6);
   shake("drive", 0.05);
   const nlohmann::json report = map("drive", "");
   EXPECT_EQ(report["from"], "loam");
   EXPECT_GT(report["sharpness"]["given"]["ground_m"], 0.02);
   EXPECT_LT(report["sharpness"]["loam"]["ground_m"], 0.01);
-  EXPECT_LT(apart(read("out/trajectory.txt"), truth), 0.03);
+  EXPECT_LT(max_distance_m(read("out/trajectory.txt"), truth), 0.03);
   EXPECT_EQ(map("drive", "--poses given")["from"], "given");
 }
 
-TEST_F(Poses, ThatAreInvertedAreSaidAndNotUsed) {
+TEST_F(Poses, InvertedPosesCauseAWarningAndAreNotUsed) {
   small_drive("drive", "", 16);
   const std::vector<SE3> truth = read("drive/poses.txt");
   std::string text;
@@ -113,17 +113,17 @@ TEST_F(Poses, ThatAreInvertedAreSaidAndNotUsed) {
   EXPECT_THAT(dvi("check drive --quiet").out, HasSubstr("seem to be inverted"));
 }
 
-TEST_F(Poses, AreFoundWhereNoneAreGiven) {
+TEST_F(Poses, AreEstimatedIfNoneAreGiven) {
   small_drive();
   const std::vector<SE3> truth = read("drive/poses.txt");
   fs::remove(folder / "drive/poses.txt");
   EXPECT_EQ(map("drive", "")["from"], "loam");
-  EXPECT_LT(apart(read("out/trajectory.txt"), truth), 0.03);
+  EXPECT_LT(max_distance_m(read("out/trajectory.txt"), truth), 0.03);
   EXPECT_THAT(dvi("check drive --quiet").out, HasSubstr("loam poses"));
   EXPECT_EQ(dvi("map drive -o given --quiet --poses given").code, 3);
 }
 
-TEST_F(Poses, OfDrivesInOneWorldStayTogether) {
+TEST_F(Poses, OfDrivesInOneWorldRemainAligned) {
   small_drive("one");
   small_drive("two", "--day 2");
   shake("two", 0.05);
@@ -134,7 +134,7 @@ TEST_F(Poses, OfDrivesInOneWorldStayTogether) {
   EXPECT_EQ(drives[1]["poses"]["from"], "loam");
 }
 
-TEST_F(Poses, ThatLieFarAwayAreNamedAndLeftOut) {
+TEST_F(Poses, OutliersCauseAWarningAndAreLeftOut) {
   small_drive();
   const std::vector<SE3> truth = read("drive/poses.txt");
   std::string text;
@@ -147,7 +147,7 @@ TEST_F(Poses, ThatLieFarAwayAreNamedAndLeftOut) {
   EXPECT_THAT(check.out, HasSubstr("1 of 6 given poses are outliers and are ignored"));
   for (const std::string poses : {"auto", "given"}) {
     map("drive", "--poses " + poses);
-    EXPECT_LT(apart(read("out/trajectory.txt"), truth), 0.05) << poses;
+    EXPECT_LT(max_distance_m(read("out/trajectory.txt"), truth), 0.05) << poses;
   }
 }
 
@@ -166,7 +166,7 @@ TEST_F(Poses, OfAnotherClockAreRefusedWithTheDifference) {
   }
 }
 
-/// More than a second without images and scans.
+// The gap has more than a second without images and scans.
 TEST_F(Poses, AcrossAGapAreNotGuessed) {
   small_drive("drive", "", 24);
   for (int i = 6; i < 18; ++i) {

@@ -16,10 +16,10 @@
 
 namespace dvi {
 
-/// A folder of its own for each test, gone after it.
+/// Runs the program in a temporary folder of the test.
 class ProgramTest : public testing::Test {
  protected:
-  /// Of the pictures of a small drive.
+  /// The image size of a small drive.
   inline static const cv::Size kSize{240, 136};
 
   struct Result {
@@ -37,8 +37,8 @@ class ProgramTest : public testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_file(out), read_file(err)};
   }
 
-  /// A small synthetic drive, made once and copied: for all tests of ctest's run, or of the process where ctest does not run
-  /// it.
+  /// Makes a small synthetic drive in the test's folder. It is a copy of one that is made once per run of ctest, or once per
+  /// process without ctest.
   fs::path small_drive(const std::string& name = "drive", const std::string& options = "", int frames = 6) const {
     static const TempFolder own;
     const char* shared = std::getenv("DVI_TEST_DRIVES");
@@ -47,7 +47,8 @@ class ProgramTest : public testing::Test {
     const fs::path original = (shared != nullptr ? fs::path(shared) : own.path) / drive;
     if (!fs::exists(original)) {
       fs::create_directories(original.parent_path());
-      const fs::path draft = original.string() + "-" + folder.filename().string();  // another process may be making it as well
+      const fs::path draft =
+          original.string() + "-" + folder.filename().string();  // another process may make it at the same time
       const Result result = dvi("synth -o " + draft.string() + " --frames " + std::to_string(frames) +
                                 " --width 240 --height 136 --beams 32 --columns 900 --quiet " + options);
       EXPECT_EQ(result.code, 0) << result.err;
@@ -59,10 +60,10 @@ class ProgramTest : public testing::Test {
     return folder / name;
   }
 
-  /// Every file below a folder by its relative path, but for what tells times.
+  /// Returns the contents of every file below a folder by relative path, without files that contain times.
   std::map<std::string, std::string> contents(const fs::path& root) const {
     std::map<std::string, std::string> files = ::dvi::contents(root);
-    for (const char* tells_times : {"report.json", "dvi.toml", "report/index.js", ".dvi/report.json"}) files.erase(tells_times);
+    for (const char* timed : {"report.json", "dvi.toml", "report/index.js", ".dvi/report.json"}) files.erase(timed);
     return files;
   }
 

@@ -24,15 +24,15 @@ constexpr uchar kOtherCamera = 2;
 class Rig : public ProgramTest {
  protected:
   fs::path stereo_drive() const { return small_drive("drive", "--stereo-m 0.5 --truck"); }
-  /// The receipts of a frame, and its first pixel that came from another camera.
-  std::pair<fs::path, cv::Point> first_lent(const std::string& out) const {
+  /// Returns the provenance of a frame, and its first pixel that was copied from another camera.
+  std::pair<fs::path, cv::Point> first_copied_elsewhere(const std::string& out) const {
     for (const fs::path& file : frames(out)) {
       const cv::Mat1b kind = read(folder / out / "kind" / file.filename());
       for (int y = 0; y < kind.rows; ++y)
         for (int x = 0; x < kind.cols; ++x)
           if (kind(y, x) == kOtherCamera) return {folder / out / "provenance" / file.filename(), {x, y}};
     }
-    ADD_FAILURE() << "nothing came from another camera";
+    ADD_FAILURE() << "no pixel was copied from another camera";
     return {};
   }
   nlohmann::json cameras_of(const std::string& out) const {
@@ -41,13 +41,13 @@ class Rig : public ProgramTest {
   std::vector<fs::path> frames(const std::string& out) const { return list_files(folder / out / "frames", {".png"}); }
   cv::Mat read(const fs::path& file) const { return cv::imread(file.string(), cv::IMREAD_UNCHANGED); }
 
-  struct Lent {
+  struct CopiedElsewhere {
     int pixels = 0;
-    double error = 0;  // gray levels, mean
+    double error = 0;  ///< mean, in gray levels
   };
-  // What came from the other camera, against the street without its traffic.
-  Lent lent(const std::string& out) const {
-    Lent sum;
+  /// Compares the pixels copied from the other camera with the true background.
+  CopiedElsewhere score_copied_elsewhere(const std::string& out) const {
+    CopiedElsewhere sum;
     for (const fs::path& file : frames(out)) {
       const cv::Mat1b kind = read(folder / out / "kind" / file.filename());
       const cv::Mat3b frame = read(file), truth = read(folder / "drive/truth" / file.filename());
@@ -62,7 +62,7 @@ class Rig : public ProgramTest {
     return sum;
   }
 
-  /// A drive whose labels are of what the first camera sees, with the label of the truck changed for each mask of that camera.
+  /// Makes a drive with labels for the view of the first camera only. `change` edits the label of the truck in each frame.
   template <class Change>
   void label_truck_by(const Change& change) const {
     stereo_drive();
@@ -79,15 +79,15 @@ class Rig : public ProgramTest {
   void expect_masked_by_labels() const {
     ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
     EXPECT_EQ(cameras_of("out")[0]["masks"], "labels");
-    const Lent found = lent("out");
+    const CopiedElsewhere found = score_copied_elsewhere("out");
     EXPECT_GT(found.pixels, 100);
     EXPECT_LT(found.error, 20) << "no traffic is copied";
     const Result audit = dvi("audit out drive");
     EXPECT_EQ(audit.code, 0) << audit.out << audit.err;
   }
 
-  // It ends the run, as one of the target camera does.
-  void expect_named_if_damaged(const std::string& image) const {
+  /// Expects that a damaged image ends the run with a message that contains its name.
+  void expect_refused_if_damaged(const std::string& image) const {
     write_file(stereo_drive() / "images" / image, "damaged");
     const Result run = dvi("run drive -o out --quiet");
     EXPECT_EQ(run.code, 3);
@@ -96,13 +96,13 @@ class Rig : public ProgramTest {
   }
 };
 
-TEST_F(Rig, TheOtherCameraLends) {
+TEST_F(Rig, TheOtherCameraIsASource) {
   stereo_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   ASSERT_EQ(cameras_of("out").size(), 1U);
   EXPECT_EQ(cameras_of("out")[0]["camera"], "right");
   EXPECT_EQ(cameras_of("out")[0]["masks"], "files");
-  const Lent found = lent("out");
+  const CopiedElsewhere found = score_copied_elsewhere("out");
   EXPECT_GT(found.pixels, 100);
   EXPECT_LT(found.error, 20);
   const Result audit = dvi("audit out drive");
@@ -110,24 +110,24 @@ TEST_F(Rig, TheOtherCameraLends) {
   EXPECT_THAT(read_file(folder / "out/sources.json"), HasSubstr("\"camera\": \"right\""));
 }
 
-TEST_F(Rig, WithoutMasksOfItsOwnItTakesThoseOfTheFirst) {
+TEST_F(Rig, MasksAreReprojectedToACameraWithoutMasks) {
   stereo_drive();
   fs::remove_all(folder / "drive/masks/right");
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   EXPECT_EQ(cameras_of("out")[0]["masks"], "reprojected");
-  const Lent found = lent("out");
+  const CopiedElsewhere found = score_copied_elsewhere("out");
   EXPECT_GT(found.pixels, 100);
   EXPECT_LT(found.error, 20) << "no traffic is copied";
   EXPECT_EQ(dvi("audit out drive").code, 0);
 }
 
-// Labels of what the first camera sees: nothing tells what stands outside of its view.
-TEST_F(Rig, LabeledBoxesOfTheFirstMaskTheOther) {
+// The labels cover the view of the first camera only.
+TEST_F(Rig, LabeledBoxesOfTheFirstCameraMaskTheOther) {
   label_truck_by([](nlohmann::json&, const fs::path&) {});
   expect_masked_by_labels();
 }
 
-TEST_F(Rig, LabelsWithoutABoxAreCarriedOver) {
+TEST_F(Rig, LabelsWithoutABoxAreReprojected) {
   label_truck_by([&](nlohmann::json& truck, const fs::path& mask) {
     cv::Mat labels, stats, centers;
     cv::connectedComponentsWithStats(cv::Mat1b(read(mask)), labels, stats, centers);
@@ -145,7 +145,7 @@ TEST_F(Rig, AuditChecksTheMasksOfTheOtherCamera) {
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   ASSERT_EQ(cameras_of("out")[0]["masks"], "reprojected");
   const nlohmann::json sources = nlohmann::json::parse(read_file(folder / "out/sources.json")).at("sources");
-  const auto [picture, p] = first_lent("out");
+  const auto [picture, p] = first_copied_elsewhere("out");
   cv::Mat_<cv::Vec3w> provenance = media::read_png_triples(picture, kSize);
   const std::size_t source = provenance(p)[0] - 1U;
   ASSERT_EQ(sources.at(source).at("camera"), "right");
@@ -153,7 +153,7 @@ TEST_F(Rig, AuditChecksTheMasksOfTheOtherCamera) {
   std::vector<cv::Point> masked;
   cv::findNonZero(cv::Mat1b(read(kept)), masked);
   ASSERT_FALSE(masked.empty());
-  // The truck, as far as its mask could be carried over.
+  // The reprojected mask covers most of the truck.
   const cv::Mat1b true_mask = read(folder / "originals" / (sources.at(source).at("frame").get<std::string>() + ".png"));
   EXPECT_GT(cv::countNonZero(cv::Mat1b(read(kept) & true_mask)), cv::countNonZero(true_mask) / 2);
 
@@ -168,7 +168,7 @@ TEST_F(Rig, AuditChecksTheMasksOfTheOtherCamera) {
   EXPECT_EQ(missing.code, 3);
   EXPECT_THAT(missing.err, HasSubstr(kept.filename().string()));
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
-  EXPECT_EQ(dvi("audit out drive").code, 0) << "the run makes again what is missing";
+  EXPECT_EQ(dvi("audit out drive").code, 0) << "the run writes missing masks again";
 }
 
 TEST_F(Rig, FindsTheTrafficOfAllCamerasInTheScans) {
@@ -178,7 +178,7 @@ TEST_F(Rig, FindsTheTrafficOfAllCamerasInTheScans) {
   EXPECT_EQ(cameras_of("out")[0]["masks"], "found");
 }
 
-TEST_F(Rig, VirtualTrafficStandsInAllCameras) {
+TEST_F(Rig, VirtualTrafficIsVisibleInAllCameras) {
   stereo_drive();
   ASSERT_EQ(dvi("holdout drive --scenario lead --camera right -o case --quiet").code, 0);
   for (const char* camera : {"front", "right"})
@@ -191,11 +191,11 @@ TEST_F(Rig, VirtualTrafficStandsInAllCameras) {
   EXPECT_EQ(dvi("eval out --truth case/truth --ignore case/ignore --quiet").code, 0);
 }
 
-TEST_F(Rig, SourcesSayWhichCamerasLend) {
+TEST_F(Rig, SourcesSelectsTheCameras) {
   stereo_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet --sources none").code, 0);
   EXPECT_TRUE(cameras_of("out").empty());
-  EXPECT_EQ(lent("out").pixels, 0);
+  EXPECT_EQ(score_copied_elsewhere("out").pixels, 0);
   ASSERT_EQ(dvi("run drive -o named --quiet --sources right").code, 0);
   EXPECT_EQ(cameras_of("named").size(), 1U);
   const Result refused = dvi("run drive -o other --quiet --sources left");
@@ -211,30 +211,30 @@ TEST_F(Rig, ACameraThatCannotBeReadIsLeftOut) {
   write_file(drive / "dvi.toml", config);
   const Result run = dvi("run drive -o out");
   ASSERT_EQ(run.code, 0) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("camera right lends nothing"));
+  EXPECT_THAT(run.err, HasSubstr("camera right is not used as a source"));
   EXPECT_TRUE(cameras_of("out").empty());
 }
 
-TEST_F(Rig, AGrayCameraLendsNoColors) {
+TEST_F(Rig, NoColorsAreCopiedFromAGrayCamera) {
   const fs::path drive = stereo_drive();
   for (const fs::path& file : list_files(drive / "images/right", {".png"}))
     media::write_png(file, cv::imread(file.string(), cv::IMREAD_GRAYSCALE));
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   ASSERT_EQ(cameras_of("out").size(), 1U);
   EXPECT_TRUE(cameras_of("out")[0]["gray"].get<bool>());
-  EXPECT_EQ(lent("out").pixels, 0);
+  EXPECT_EQ(score_copied_elsewhere("out").pixels, 0);
   EXPECT_EQ(dvi("audit out drive").code, 0);
   ASSERT_EQ(dvi("holdout drive --scenario lead -o case --quiet").code, 0);
   EXPECT_FALSE(fs::exists(folder / "case/drive/images/right")) << "virtual vehicles have colors";
-  // As the target it is filled from its own frames: no colors come into a gray picture.
+  // A gray target camera is filled from its own frames only.
   ASSERT_EQ(dvi("run drive -o right --quiet --camera right").code, 0);
-  EXPECT_EQ(lent("right").pixels, 0);
+  EXPECT_EQ(score_copied_elsewhere("right").pixels, 0);
   EXPECT_EQ(dvi("audit right drive").code, 0);
 }
 
-TEST_F(Rig, ADamagedFirstImageIsNotTakenForAGrayOne) { expect_named_if_damaged("right/000000.png"); }
+TEST_F(Rig, ADamagedFirstImageIsNotTreatedAsGray) { expect_refused_if_damaged("right/000000.png"); }
 
-TEST_F(Rig, FramesOfTheOtherCameraWithoutAMaskFileAreNamed) {
+TEST_F(Rig, FramesOfTheOtherCameraWithoutAMaskFileCauseAWarning) {
   const fs::path drive = stereo_drive();
   fs::remove(drive / "masks/right/000004.png");
   const Result run = dvi("run drive -o out");
@@ -242,7 +242,7 @@ TEST_F(Rig, FramesOfTheOtherCameraWithoutAMaskFileAreNamed) {
   EXPECT_THAT(run.err, HasSubstr("drive right: 1 of 6 frames have no mask file, and nothing is removed in them: 4"));
 }
 
-TEST_F(Rig, ADamagedImageOfTheOtherCameraIsNamed) { expect_named_if_damaged("right/000003.png"); }
+TEST_F(Rig, ADamagedImageOfTheOtherCameraIsRefused) { expect_refused_if_damaged("right/000003.png"); }
 
 }  // namespace
 }  // namespace dvi

@@ -21,7 +21,7 @@ class Room : public ProgramTest {
   }
 };
 
-TEST_F(Room, ThePersonIsRemovedWithDefaults) {
+TEST_F(Room, ThePersonIsRemovedWithDefaultOptions) {
   small_drive("room", "--room", 20);
   const nlohmann::json all = scores("room").at("all");
   EXPECT_GT(all.at("psnr").get<double>(), 27);
@@ -30,7 +30,7 @@ TEST_F(Room, ThePersonIsRemovedWithDefaults) {
   EXPECT_EQ(hole.at("interpolated"), 0) << "without the ground of a road there is noise texture";
 }
 
-TEST_F(Room, HasNoStreet) {
+TEST_F(Room, OptionsOfAStreetAreRefused) {
   const Result refused = dvi("synth -o room --room --truck");
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.err, HasSubstr("--truck"));

@@ -20,13 +20,13 @@ class Run : public ProgramTest {
   }
 };
 
-// A report less what it cost.
+/// Returns a report without its cost.
 nlohmann::json timeless(nlohmann::json report) {
   report.erase("cost");
   return report;
 }
 
-TEST_F(Run, WritesEverythingTheContractNames) {
+TEST_F(Run, WritesAllDocumentedFiles) {
   small_drive();
   const Result result = dvi("run drive -o out --quiet");
   ASSERT_EQ(result.code, 0) << result.err;
@@ -63,7 +63,7 @@ TEST_F(Run, WritesEverythingTheContractNames) {
   }
 }
 
-TEST_F(Run, ReportAddsUp) {
+TEST_F(Run, ReportIsConsistent) {
   small_drive();
   const Result result = dvi("run drive -o out --quiet --json");
   ASSERT_EQ(result.code, 0) << result.err;
@@ -84,7 +84,7 @@ TEST_F(Run, ReportAddsUp) {
   EXPECT_GT(hole["share"]["copied"], 0);
 }
 
-TEST_F(Run, SameBytesWithOneThreadAndTwo) {
+TEST_F(Run, WritesTheSameBytesWithOneAndTwoThreads) {
   small_drive();
   small_drive("second", "--day 2");
   ASSERT_EQ(dvi("run drive second -o one --threads 1 --quiet").code, 0);
@@ -94,11 +94,11 @@ TEST_F(Run, SameBytesWithOneThreadAndTwo) {
   for (const auto& [name, bytes] : one) EXPECT_TRUE(two.at(name) == bytes) << name;
 }
 
-TEST_F(Run, TakesUpAnInterruptedRun) {
+TEST_F(Run, ContinuesAnInterruptedRun) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o whole --quiet").code, 0);
   const auto whole = contents(folder / "whole");
-  // Wherever the signal falls, the next call must end with the same bytes.
+  // The next call must write the same bytes for every time of the signal.
   int interrupted = 0;
   for (const char* delay : {"0.15", "0.4", "0.7", "1.0"}) {
     const Result killed =
@@ -120,21 +120,21 @@ TEST_F(Run, KeepsFinishedFramesAndMakesMissingOnes) {
   const auto time = fs::last_write_time(first);
   fs::remove(folder / "out/.dvi/frames/000002.json");
   fs::remove(third);
-  const nlohmann::json told = timeless(report());
+  const nlohmann::json earlier = timeless(report());
   const Result again = dvi("run drive -o out");
   ASSERT_EQ(again.code, 0) << again.err;
-  EXPECT_EQ(fs::last_write_time(first), time) << "a finished frame is left alone";
+  EXPECT_EQ(fs::last_write_time(first), time) << "a finished frame is not written again";
   EXPECT_TRUE(contents(folder / "out") == before);
   EXPECT_THAT(again.err, HasSubstr("alignment, exposure, map, objects, poses of an earlier call are used"));
   for (const char* stage : {"read:", "odometry:", "carve:", "exposure:", "align:"})
     EXPECT_THAT(again.err, Not(HasSubstr(std::string("\n") + stage))) << "the stage is kept";
-  EXPECT_EQ(timeless(report()), told) << "poses, map, warnings as on the first call";
+  EXPECT_EQ(timeless(report()), earlier) << "poses, map, warnings as on the first call";
   const Result whole = dvi("run drive -o out");
   EXPECT_THAT(whole.err, HasSubstr("nothing to do"));
-  EXPECT_THAT(whole.err, Not(HasSubstr("odometry"))) << "that is found out first";
+  EXPECT_THAT(whole.err, Not(HasSubstr("odometry"))) << "this is determined first";
 }
 
-TEST_F(Run, WhatIsDamagedIsMadeAgain) {
+TEST_F(Run, DamagedFilesAreMadeAgain) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   const auto whole = contents(folder / "out");
@@ -173,7 +173,7 @@ TEST_F(Run, WhatIsDamagedIsMadeAgain) {
   }
 }
 
-TEST_F(Run, DeletesNothingButItsOwn) {
+TEST_F(Run, DeletesOnlyItsOwnFiles) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   make_folder(folder / "elsewhere");
@@ -186,7 +186,7 @@ TEST_F(Run, DeletesNothingButItsOwn) {
   for (const fs::path& file : foreign) EXPECT_EQ(read_file(file), "mine") << file;
 }
 
-TEST_F(Run, NeverWritesIntoItsInputs) {
+TEST_F(Run, DoesNotWriteToItsInputs) {
   const fs::path drive = small_drive();
   fs::copy(drive / "masks/front", folder / "masks");
   const auto before = ::dvi::contents(folder / "drive");
@@ -200,7 +200,7 @@ TEST_F(Run, NeverWritesIntoItsInputs) {
   EXPECT_EQ(list_files(folder / "masks", {".png"}).size(), 6U);
 }
 
-TEST_F(Run, TwoAtOnceInOneFolderDoNotMix) {
+TEST_F(Run, TwoRunsInOneFolderDoNotMix) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o alone --quiet").code, 0);
   const Result both =
@@ -216,14 +216,14 @@ TEST_F(Run, TwoAtOnceInOneFolderDoNotMix) {
   EXPECT_TRUE(contents(folder / "out") == contents(folder / "alone"));
 }
 
-TEST_F(Run, AFolderThatAnotherRunHasJustBegunIsAResult) {
+TEST_F(Run, AFolderOfARunThatHasJustBegunIsAccepted) {
   small_drive();
-  make_folder(folder / "out/.dvi/frames");  // what it makes first
+  make_folder(folder / "out/.dvi/frames");  // the first folder of a run
   EXPECT_EQ(dvi("run drive -o out --quiet").code, 0);
   EXPECT_TRUE(fs::exists(folder / "out/report.json"));
 }
 
-TEST_F(Run, NoticesAChangedScanOfTheSameSizeAndTime) {
+TEST_F(Run, DetectsAChangedScanOfTheSameSizeAndTime) {
   const fs::path drive = small_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   const fs::path scan = list_files(drive / "lidar", {".ply", ".bin", ".pcd"}).front();
@@ -244,11 +244,11 @@ TEST_F(Run, OtherOptionsMakeFramesAgain) {
   const auto before = contents(folder / "out");
   ASSERT_EQ(dvi("run drive -o out --quiet --set harmonize.poisson=false --set stages.smooth=false --frames 1:4").code, 0);
   EXPECT_NE(read_file(folder / "out/frames/000002.png"), before.at("frames/000002.png"));
-  EXPECT_FALSE(fs::exists(folder / "out/frames/000000.png")) << "what is no longer part of the result is gone";
+  EXPECT_FALSE(fs::exists(folder / "out/frames/000000.png")) << "frames that are no longer part of the result are removed";
   EXPECT_EQ(report()["frames"].size(), 4);
 }
 
-TEST_F(Run, OptionsOfTheFillLeaveTheStagesBeforeIt) {
+TEST_F(Run, OptionsOfTheFillKeepTheStagesBeforeIt) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet").code, 0);
   const Result fill = dvi("run drive -o out --frames 0:5 --set harmonize.poisson=false --set job.memory_mb=16");
@@ -277,7 +277,7 @@ TEST_F(Run, RefusesFoldersOfOtherDrives) {
   EXPECT_EQ(read_file(folder / "mine/thesis.tex"), "years of work");
 }
 
-TEST_F(Run, ItsOwnOptionsRepeatIt) {
+TEST_F(Run, ItsOptionsFileRepeatsIt) {
   small_drive();
   ASSERT_EQ(dvi("run drive -o out --quiet --set regularize.window=3 --frames 1:4").code, 0);
   const Result result = dvi("run --config out/dvi.toml -o again --quiet");
@@ -285,7 +285,7 @@ TEST_F(Run, ItsOwnOptionsRepeatIt) {
   EXPECT_TRUE(contents(folder / "out") == contents(folder / "again"));
 }
 
-TEST_F(Run, FusionFillsWhatOneDriveNeverSaw) {
+TEST_F(Run, SourceDrivesReduceTheUnobservedShare) {
   small_drive("one", "--truck");
   small_drive("two", "--truck --day 2");
   ASSERT_EQ(dvi("run one -o alone --quiet").code, 0);
@@ -310,7 +310,7 @@ TEST_F(Run, EveryStageCanBeSwitchedOff) {
   for (const auto& frame : report("paper")["frames"]) EXPECT_LE(frame["energy"]["after"], frame["energy"]["before"]);
 }
 
-TEST_F(Run, WhatNobodySawIsSynthesizedInterpolatedOrLeft) {
+TEST_F(Run, UnobservedPixelsAreSynthesizedInterpolatedOrLeft) {
   small_drive("one", "--truck");
   const auto share = [&](const std::string& how) {
     const Result result = dvi("run one -o " + how + " --quiet --unobserved " + how);
@@ -325,7 +325,7 @@ TEST_F(Run, WhatNobodySawIsSynthesizedInterpolatedOrLeft) {
   EXPECT_EQ(dvi("run one -o no --quiet --unobserved guess").code, 2);
 }
 
-TEST_F(Run, EmptyMasksLeaveTheDriveAsItIs) {
+TEST_F(Run, EmptyMasksLeaveTheDriveUnchanged) {
   const fs::path drive = small_drive();
   for (const fs::path& mask : list_files(drive / "masks/front", {".png"})) media::write_png(mask, cv::Mat1b(kSize, uchar{0}));
   const Result result = dvi("run drive -o out --quiet");

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 class SourceDrive : public ProgramTest {
  protected:
-  /// A drive of which nothing tells where it was.
+  /// Makes a drive without poses.
   fs::path without_poses(const std::string& name, const std::string& options) const {
     const fs::path drive = small_drive(name, options, kFrames);
     fs::remove(drive / "poses.txt");
@@ -37,7 +37,7 @@ class SourceDrive : public ProgramTest {
   static constexpr int kFrames = 12;
 };
 
-TEST_F(SourceDrive, IsPlacedByItsScansAlone) {
+TEST_F(SourceDrive, IsRegisteredByItsScansAlone) {
   small_drive("drive", "--truck", kFrames);
   without_poses("other", "--day 2");
   const Result result = dvi("run drive other -o out --quiet");
@@ -55,7 +55,7 @@ TEST_F(SourceDrive, IsPlacedByItsScansAlone) {
   EXPECT_EQ(dvi("audit out drive other --quiet").code, 0);
 }
 
-TEST_F(SourceDrive, GivenPosesAreRefinedUnlessTheyAreToStay) {
+TEST_F(SourceDrive, GivenPosesAreRefinedUnlessPosesIsGiven) {
   small_drive("drive", "--truck", kFrames);
   small_drive("other", "--day 2", kFrames);
   ASSERT_EQ(dvi("run drive other -o refined --quiet").code, 0);
@@ -64,7 +64,7 @@ TEST_F(SourceDrive, GivenPosesAreRefinedUnlessTheyAreToStay) {
   EXPECT_TRUE(drives_of("kept")[1]["registration"].is_null());
 }
 
-TEST_F(SourceDrive, WhatLiesFarFromTheTargetIsNeverRead) {
+TEST_F(SourceDrive, FramesFarFromTheTargetAreNotRead) {
   small_drive("drive", "--truck", kFrames);
   const fs::path other = small_drive("other", "--day 2", kFrames);
   std::string poses;
@@ -80,7 +80,7 @@ TEST_F(SourceDrive, WhatLiesFarFromTheTargetIsNeverRead) {
   write_file(other / "poses.txt", poses);
   const Result result = dvi("run drive other -o out --poses given");
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("other: 6 of 12 frames lie near drive"));
+  EXPECT_THAT(result.err, HasSubstr("other: 6 of 12 frames are near drive"));
   EXPECT_GT(nlohmann::json::parse(read_file(folder / "out/report.json"))["hole"]["copied_elsewhere"], 100);
   EXPECT_EQ(dvi("audit out drive other --quiet").code, 0);
 }
@@ -89,7 +89,7 @@ TEST_F(SourceDrive, AnotherStreetIsRefused) {
   small_drive("drive", "--truck", kFrames);
   without_poses("other", "--day 2 --seed 2");
   EXPECT_THAT(refused("drive other"),
-              testing::AllOf(HasSubstr("other: "), HasSubstr("single things agree"), HasSubstr("poses in one world")));
+              testing::AllOf(HasSubstr("other: "), HasSubstr("landmarks are inliers"), HasSubstr("poses in one world")));
 }
 
 TEST_F(SourceDrive, TheTargetIsNotItsOwnSource) {

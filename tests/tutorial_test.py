@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs a page of the docs as a reader would: every line of its ```sh blocks, in order, in one shell.
+"""Runs the commands of a page of the docs: every line of its ```sh blocks, in order, in one shell.
 
     tutorial_test.py PAGE PROGRAM      in a temporary folder; exit code 1 with the first line that failed
 """

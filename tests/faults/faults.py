@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Disturbs runs of dvi, and compares what comes out at last with an undisturbed run.
+"""Disturbs runs of dvi, and compares their results with the result of an undisturbed run.
 
     faults.py --program build/release/bin/dvi [--cases N] [--seed S] [--case K] [--jobs N]
 
@@ -31,7 +31,7 @@ class Case(NamedTuple):
 
 
 class Undisturbed:
-    """A drive, and what a run makes of it when nothing happens."""
+    """A drive, and the result of an undisturbed run."""
 
     def __init__(self, program, work):
         self.drive, self.out = drives.synthetic(program, work / "drive"), work / "undisturbed"
@@ -53,30 +53,30 @@ def run_case(program, undisturbed, seed, number, work):
         shutil.rmtree(folder)
 
 
-def table(told):
+def table(done):
     lines = [f"{'scenario':18}{'cases':>9}{'findings':>10}"]
     for name in dict.fromkeys(scenario.__name__ for scenario in scenarios.ALL):
-        mine = [case for case in told if case.scenario == name]
+        mine = [case for case in done if case.scenario == name]
         if mine:
             lines.append(f"{name:18}{len(mine):>9}{sum(1 for case in mine if case.findings) or '':>10}")
     return "\n".join(lines)
 
 
 def main():
-    options = cases.parser(__doc__, 40).parse_args()  # moments in time are never quite the same with --case
+    options = cases.parser(__doc__, 40).parse_args()  # with --case, the times of signals differ
     program = Program(options.program.resolve(), options.seconds)
     with tempfile.TemporaryDirectory(prefix="dvi-faults-") as temporary:
         work = Path(temporary)
         undisturbed = Undisturbed(program, work)
         with ThreadPoolExecutor(options.jobs) as pool:
             run = pool.map(lambda n: run_case(program, undisturbed, options.seed, n, work), cases.numbers(options))
-            told = [cases.tell(case, case.scenario, "--fault", options.seed) for case in run]
+            done = [cases.report(case, case.scenario, "--fault", options.seed) for case in run]
     if options.case is not None:
-        print(f"{told[0].scenario}: {told[0].what}")
-    print(table(told))
-    bad = sum(1 for case in told if case.findings)
-    skipped = sum(1 for case in told if case.what.startswith("skipped"))
-    print(f"{len(told)} faults, {bad} with findings" + (f", {skipped} skipped" if skipped else ""))
+        print(f"{done[0].scenario}: {done[0].what}")
+    print(table(done))
+    bad = sum(1 for case in done if case.findings)
+    skipped = sum(1 for case in done if case.what.startswith("skipped"))
+    print(f"{len(done)} faults, {bad} with findings" + (f", {skipped} skipped" if skipped else ""))
     return 1 if bad else 0
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of the comparison of results, and of the scenarios with a script in the program's place."""
+"""Tests the comparison of results, and the scenarios, with a script instead of the program."""
 import random
 import sys
 import tempfile
@@ -13,7 +13,7 @@ import results  # noqa: E402
 import scenarios  # noqa: E402
 from program import Program  # noqa: E402
 
-# OUT is $4. A file that is there is believed, as a careless program would.
+# OUT is $4. The careless program uses an existing file without checking it.
 CARELESS = ('mkdir -p $4/.dvi/frames $4/.dvi/stages $4/frames\n[ -e $4/frames/000001.png ] || cat $2/in.txt > $4/frames/000001.png\n'
             'echo "{}" > $4/report.json\necho record > $4/.dvi/frames/000001.json\n'
             'for s in poses map exposure alignment; do [ -e $4/.dvi/stages/$s.json ] || { echo $s > $4/.dvi/stages/$s.bin;'
@@ -40,7 +40,7 @@ class Faults(unittest.TestCase):
                                       expected=results.contents(complete))
         return scenarios.Scene(program, undisturbed, case, random.Random(seed))
 
-    def test_times_and_records_are_no_difference(self):
+    def test_times_and_records_are_not_compared(self):
         out = self.folder / "out"
         (out / ".dvi").mkdir(parents=True)
         (out / "report.json").write_text('{"hole": 1, "cost": {"seconds": 1}}')

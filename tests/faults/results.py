@@ -1,22 +1,22 @@
-"""A result folder as bytes, and one made in peace to compare with."""
+"""Compares a result folder with the result of an undisturbed run."""
 import hashlib
 import json
 import re
 
 OWN_RECORDS = ".dvi"
 PAGE = "report/index.js"
-TELL_TIMES = ("report.json", "dvi.toml", PAGE)
+TIMED = ("report.json", "dvi.toml", PAGE)
 
 
 def contents(out):
-    """What every file of a result must hold, by its relative path. Times, and the place of OUT, are left out."""
+    """Returns the expected contents of every file of a result, by relative path, without times and the path of OUT."""
     files = {}
     for path in sorted(out.rglob("*")):
         name = path.relative_to(out)
         if name.parts[0] == OWN_RECORDS or path.is_dir():
             continue
         data = path.read_bytes()
-        files[str(name)] = timeless(str(name), data) if str(name) in TELL_TIMES else hashlib.sha256(data).hexdigest()
+        files[str(name)] = timeless(str(name), data) if str(name) in TIMED else hashlib.sha256(data).hexdigest()
     return files
 
 
@@ -37,7 +37,7 @@ def timeless(name, data):
 
 
 def differences(expected, out):
-    """Findings: files that are missing, too many, or other than expected."""
+    """Returns findings about files that are missing, not expected, or different."""
     found = contents(out) if out.is_dir() else {}
     missing, extra = sorted(expected.keys() - found.keys()), sorted(found.keys() - expected.keys())
     other = sorted(name for name in expected.keys() & found.keys() if expected[name] != found[name])
@@ -47,5 +47,5 @@ def differences(expected, out):
 
 
 def kind_of(name):
-    """Files that are written in one way: the pictures of one folder, the records, each single file."""
+    """Returns the kind of a file: the pictures of one folder, the manifests, or a single file."""
     return re.sub(r"[^/]*\d{3}[^/]*$", "*", name)

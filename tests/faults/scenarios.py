@@ -1,4 +1,4 @@
-"""What can happen to a run: each function lets it happen once and returns (what was done, the findings)."""
+"""Disturbances of a run. Each function applies one and returns (its description, the findings)."""
 import os
 import shutil
 import signal
@@ -13,12 +13,12 @@ from program import wait
 from results import contents, differences, kind_of
 
 REFUSED, INTERRUPTED = 3, 130
-STAGES = ("poses", "map", "exposure", "alignment")  # as a run makes and keeps them
-LOST = ("deleted", "cut", "emptied", "zeroed")  # what disks do to files
+STAGES = ("poses", "map", "exposure", "alignment")  # in the order of a run
+LOST = ("deleted", "cut", "emptied", "zeroed")  # damage by disks
 
 
 class Scene:
-    """One case: a drive that is shared and the result of an undisturbed run; a folder of its own."""
+    """One case: a shared drive with the result of an undisturbed run, and a folder for this case."""
 
     def __init__(self, program, undisturbed, folder, rng):
         self.program, self.drive, self.seconds = program, undisturbed.drive, undisturbed.seconds
@@ -29,19 +29,19 @@ class Scene:
         return self.program.call("run", self.drive, "-o", out or self.out, *options, **limits)
 
     def finish(self, out=None):
-        """Runs until the end; the result must be that of an undisturbed run."""
+        """Runs to the end; returns the differences from the result of an undisturbed run."""
         ended = self.run(out=out)
         if ended.code != 0:
             return [f"run again exits with {ended.code}: {classify.first_line(ended.err)}"]
         return differences(self.expected, out or self.out)
 
     def expect_refused(self, ended):
-        """Of a call that cannot succeed: exit 3 and a message that names the result's folder."""
-        return classify.judge(ended, self.out) + (["it succeeded all the same"] if ended.code == 0 else [])
+        """Returns findings about a call that must end with exit code 3 and a message with the result's folder."""
+        return classify.judge(ended, self.out) + (["it succeeded, but an error was expected"] if ended.code == 0 else [])
 
 
 def killed(scene):
-    """Ended by a signal at any moment, up to three times, then resumed."""
+    """A signal ends the run at a random time, up to three times; then the run is resumed."""
     done, found = [], []
     for _ in range(scene.rng.randint(1, 3)):
         name = scene.rng.choice(("SIGKILL", "SIGKILL", "SIGKILL", "SIGTERM", "SIGINT"))
@@ -52,14 +52,14 @@ def killed(scene):
         except subprocess.TimeoutExpired:
             process.send_signal(signal.Signals[name])
             code, _ = wait(process, 20)
-            if code not in (0, 128 + signal.Signals[name], INTERRUPTED):  # before it catches them, signals end the process
+            if code not in (0, 128 + signal.Signals[name], INTERRUPTED):  # until the program has a handler, signals end it
                 found.append(f"{name} after {moment:.2f} s: exit {code}")
         done.append(f"{name} at {moment:.2f} s")
     return ", ".join(done), found + scene.finish()
 
 
 def killed_after_stage(scene):
-    """Killed as soon as a stage is kept, several times over; a later call uses what was kept, and does not make it again."""
+    """The run is killed after a stage is cached, several times; a later call must load the stage from the cache."""
     done, kept = [], {}
     for name in sorted(scene.rng.sample(range(len(STAGES)), scene.rng.randint(1, 3))):
         record = scene.out / f".dvi/stages/{STAGES[name]}.json"
@@ -79,7 +79,7 @@ def killed_after_stage(scene):
 
 
 def pieces_killed(scene):
-    """plan, two fills that share a frame, and finish: each killed at any moment, up to twice, and called again."""
+    """plan, two fills with a common frame, and finish are each killed at a random time, up to twice, and called again."""
     fills = [("fill", scene.out, "--frames", "0:1"), ("fill", scene.out, "--frames", "1:99")]
     scene.rng.shuffle(fills)
     done = []
@@ -100,7 +100,7 @@ def pieces_killed(scene):
 
 
 def stages_damaged(scene):
-    """Frames are missing, and files of kept stages too, or they are damaged."""
+    """Frames are missing, and files of cached stages are missing or damaged."""
     shutil.copytree(scene.complete, scene.out)
     done = [": ".join(damage(scene.out, scene.rng, lambda name: name.startswith("frames/"), ("deleted",)))]
     done += [": ".join(damage(scene.out, scene.rng, lambda name: name.startswith(".dvi/stages/"), (*LOST, "changed")))
@@ -109,7 +109,7 @@ def stages_damaged(scene):
 
 
 def disk_full(scene):
-    """No room for the result, or for a file of it; then there is room."""
+    """The disk is too small for the result or for one of its files; then it has enough space."""
     total = sum(p.stat().st_size for p in scene.complete.rglob("*") if p.is_file())
     kilobytes = scene.rng.randrange(4, max(8, total // 1024))
     disk = Tmpfs.mounted(scene.folder / "disk", f"size={kilobytes}k")
@@ -126,7 +126,7 @@ def disk_full(scene):
 
 
 def read_only(scene):
-    """A result that cannot be written to: not begun, or half of it there."""
+    """The result is read-only, before it is begun or half finished."""
     disk = Tmpfs.mounted(scene.folder / "disk", "size=256m")
     if disk is None:
         return "skipped: needs the right to mount a tmpfs", []
@@ -142,23 +142,23 @@ def read_only(scene):
 
 
 def damaged(scene):
-    """One file of a complete result is deleted, cut, emptied or changed; a run makes it again."""
+    """One file of a complete result is deleted, truncated, emptied, or changed; a run makes it again."""
     shutil.copytree(scene.complete, scene.out)
     path, done = damage(scene.out, scene.rng, lambda name: not name.startswith(".dvi/"), (*LOST, "changed"))
     return f"{path}: {done}", scene.finish()
 
 
 def power_cut(scene):
-    """Records that the disk lost: cut anywhere, emptied, or of the right size but zero; also several, also before the end."""
+    """One or several manifests are truncated, emptied, or filled with zeros, in a complete or unfinished result."""
     shutil.copytree(scene.complete, scene.out)
     done = []
     if scene.rng.random() < 0.7:
-        (scene.out / "report.json").unlink()  # it is written last
+        (scene.out / "report.json").unlink()  # the report is written last
         done.append("an unfinished run")
     done += [": ".join(damage(scene.out, scene.rng, lambda name: name.startswith(".dvi/"), LOST))
             for _ in range(scene.rng.choice((1, 1, 3)))]
     found = scene.finish()
-    if found and any("job.json" in what for what in done):  # without it, the folder may be anyone's
+    if found and any("job.json" in what for what in done):  # without this file, the drives of the folder are unknown
         ended = scene.run()
         if ended.code == REFUSED and "--force" in ended.err:
             forced = scene.run("--force")
@@ -167,7 +167,7 @@ def power_cut(scene):
 
 
 def damage(out, rng, wanted, ways):
-    """One file, each kind as often; returns (its path in OUT, what was done)."""
+    """Damages one random file, with equal probability per kind; returns (its path in OUT, the kind of damage)."""
     kinds = {}
     for path in sorted(p for p in out.rglob("*") if p.is_file()):
         name = str(path.relative_to(out))
@@ -185,7 +185,7 @@ def damage(out, rng, wanted, ways):
 
 
 def two_at_once(scene):
-    """Two runs with one OUT: one is refused, or both end with the right result."""
+    """Two runs write to one OUT; one is refused, or both end with the correct result."""
     delay, calls = scene.rng.uniform(0, scene.seconds), []
     for _ in range(2):
         err = tempfile.TemporaryFile()
@@ -210,7 +210,7 @@ def two_at_once(scene):
 
 
 def input_changed(scene):
-    """A file of the drive changes after a run, also with its date kept; the next run gives what a fresh one gives."""
+    """A file of the drive changes after a run, possibly with an unchanged date; the next run must give the result of a fresh run."""
     drive = scene.folder / "drive"
     shutil.copytree(scene.drive, drive)
     scene.drive = drive
@@ -232,7 +232,7 @@ def input_changed(scene):
 
 
 def changed(path):
-    """Other content that is as valid, of the same size where that is easy."""
+    """Returns other valid content, of the same size for some formats."""
     data = path.read_bytes()
     if path.suffix == ".png":
         image = png.decode(data)
@@ -247,7 +247,7 @@ def changed(path):
 
 
 class Tmpfs:
-    """A file system of its own, unmounted at the end."""
+    """A temporary file system, unmounted at the end."""
 
     def __init__(self, folder):
         self.folder = folder

@@ -1,4 +1,4 @@
-"""A drive of the `folder` layout as one of `apolloscape`."""
+"""Converts a drive of the `folder` layout to `apolloscape`."""
 import math
 import shutil
 import struct

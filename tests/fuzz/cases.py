@@ -1,4 +1,4 @@
-"""What the runs of numbered cases share: the command line, and how findings are told."""
+"""The command line and the output of programs that run numbered cases."""
 import argparse
 import os
 from pathlib import Path
@@ -21,8 +21,8 @@ def numbers(options):
     return range(options.cases) if options.case is None else [options.case]
 
 
-def tell(case, kind, option, seed):
-    """The findings of a case of some kind, below the command that repeats it."""
+def report(case, kind, option, seed):
+    """Prints the findings of a case below the command that repeats it; returns the case."""
     if case.findings:
         print(f"./dev fuzz --seed {seed} {option} {case.number}: {kind}: {case.what}", flush=True)
     for finding in case.findings:

@@ -1,4 +1,4 @@
-"""What dvi may answer to a drive, and what is a finding."""
+"""Classifies the behavior of dvi on a drive as correct or as a finding."""
 import re
 
 import png
@@ -12,8 +12,8 @@ LONGEST_MESSAGE = 4000
 def findings(program, drive, out, mutated=None, root=None, expected=None):
     """Calls check, run and, if it succeeded, audit; returns (exit of run, findings, CPU seconds).
 
-    `root` is all that belongs to the drive, if more than its folder; nothing else lies beside OUT. `expected` is the
-    silent.Reference of a drive whose mutation must not go unnoticed.
+    `root` is the folder with all files of the drive, if it is not `drive`; no other file is beside OUT. `expected` is the
+    silent.Reference of a drive whose mutation must be detected.
     """
     root = root or drive
     before = snapshot(root)
@@ -35,13 +35,13 @@ def findings(program, drive, out, mutated=None, root=None, expected=None):
 
 
 def leaves_result(out):
-    """Whether a refused run left more than the finished stages that it keeps for the next call."""
+    """Whether a refused run left more files than the cached stages."""
     kept = any((out / ".dvi/stages").glob("*"))
     return out.exists() and (not kept or any(path.is_file() and ".dvi" not in path.parts for path in out.rglob("*")))
 
 
 def judge(ended, drive, mutated=None):
-    """Findings of one call: how it ended, what it said, what it took. `drive` is the folder that messages must name a file of."""
+    """Returns findings about the exit code, the message, and the memory of a call. Messages must name a file of `drive`."""
     found, command = [], ended.arguments[0]
     if ended.code is None:
         found.append(f"{command} hangs")
@@ -57,7 +57,7 @@ def judge(ended, drive, mutated=None):
 
 
 def bad_message(text, drive, mutated=None):
-    """Problems of a message for a person, who wants to know which file to look at."""
+    """Returns the problems of a message, which must name the file that causes the error."""
     problems = []
     if not text.startswith("dvi: "):
         problems.append("the message does not begin with 'dvi: '")
@@ -75,13 +75,13 @@ def first_line(text):
 
 
 def snapshot(folder):
-    """All that a program could change in a drive."""
+    """Returns the size, time, and mode of all files of a drive."""
     return {path: (status.st_size, status.st_mtime_ns, status.st_mode)
             for path in [folder, *folder.rglob("*")] for status in [path.lstat()]}
 
 
 def wrong_pixels(drive, out):
-    """Pixels outside of the mask that differ from the input's; pictures we cannot decode ourselves are left to the audit."""
+    """Returns findings about pixels outside of the mask that differ from the input. Only the audit checks formats that png.py lacks."""
     inputs = {path.stem: path for folder in ("images/front", "image_02/data") for path in (drive / folder).glob("*.png")
               if path.is_file()}
     found = []
@@ -89,7 +89,7 @@ def wrong_pixels(drive, out):
         mask = png.decode((out / "masks" / frame.name).read_bytes())
         result = png.decode(frame.read_bytes())
         if mask is None or result is None or (result.width, result.height) != (mask.width, mask.height):
-            found.append(f"wrong result: {frame.name} or its mask is no picture")
+            found.append(f"wrong result: {frame.name} or its mask cannot be decoded")
             continue
         source = png.decode(inputs[frame.stem].read_bytes()) if frame.stem in inputs else None
         if source is None or source.depth != 8 or source.color not in (png.GRAY, png.RGB):

@@ -1,4 +1,4 @@
-"""Tiny drives in several layouts, so that each kind of reader has files to damage."""
+"""Makes tiny drives in several layouts, so that files of each reader can be damaged."""
 import shutil
 import sqlite3
 import struct
@@ -16,7 +16,7 @@ SYNTH = ("--frames", 4, "--width", 128, "--height", 80, "--beams", 16, "--column
 
 
 class Layout(NamedTuple):
-    """A folder to copy, which holds nothing else; the drive's path in it; the true images as RGB bytes, if they are known."""
+    """A folder to copy, the drive's path in it, and the true images as RGB bytes, if they are known."""
     folder: Path
     inner: str
     truths: list
@@ -39,7 +39,7 @@ def synthetic(program, folder, *options):
 
 
 def mask_static_surfaces(drive):
-    """Adds a rectangle to each mask, left and right in turn: what is there can only be copied well with right poses and times."""
+    """Adds a rectangle to each mask, left and right in turn, whose background is copied well only with correct poses and times."""
     for i, path in enumerate(sorted((drive / "masks/front").glob("*.png"))):
         mask = png.decode(path.read_bytes())
         left, top, width, height = STATIC_MASK_PX
@@ -109,7 +109,7 @@ def depth_images(source, target):
 
 
 def video(program, source, target):
-    """A video instead of images: that of a run."""
+    """The video of a run instead of images."""
     shutil.copytree(source, target)
     made = program.call("run", source, "-o", target / "out")
     if made.code != 0:
@@ -138,7 +138,7 @@ def bag_in_parts(target):
 
 
 def all_layouts(program, folder):
-    """Layout by name."""
+    """Returns the layouts by name."""
     source, truths = synthetic_with_truth(program, folder / "folder")
     mask_static_surfaces(source)
     calibration, poses = calibration_of(source), poses_of(source)

@@ -1,5 +1,5 @@
-"""Drives as other programs and other people write them. Each mutation takes (path, rng) and returns a short description, or None
-if it does not apply to that file. None of them is damage: the program must read the drive correctly, warn, or refuse it."""
+"""Variants of drives as other programs and users write them. Each mutation takes (path, rng) and returns a short description, or None
+if it does not apply to that file. The variants are not damaged: the program must read the drive correctly, warn, or refuse it."""
 import json
 import math
 import re
@@ -201,7 +201,7 @@ def clock_offset(path, rng):
 
 
 def far_pose(path, rng):
-    """One pose that cannot be, or a line that does not end."""
+    """One pose is impossible, or a line is very long."""
     oxts = path.parent.parent.name == "oxts" and path.parent.name == "data"
     if not oxts and path.name not in ("poses.txt", "global_poses.txt"):
         return None
@@ -219,7 +219,7 @@ def far_pose(path, rng):
 
 
 def upper_case(path, rng):
-    """Endings as cameras and some systems write them."""
+    """File extensions in upper case, as some cameras write them."""
     files = some(path, rng)
     if not path.suffix or path.suffix == path.suffix.upper():
         return None
@@ -229,7 +229,7 @@ def upper_case(path, rng):
 
 
 def byte_order_mark(path, rng):
-    """Texts as editors of Windows save them."""
+    """Texts with a byte order mark, as Windows editors write them."""
     if not is_text(path):
         return None
     kind = rng.choice(("utf-8-sig", "utf-16"))

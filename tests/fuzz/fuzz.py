@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Changes a small drive in each case, and looks at what dvi makes of it.
+"""Changes a small drive in each case, and checks the behavior of dvi.
 
-Most mutations damage one file. Others (foreign.py) write the drive as other programs do; then dvi must also not be wrong silently:
-if it succeeds without a new warning, the result must be as good as that of the unchanged drive.
+Most mutations damage one file. Others (foreign.py) write the drive as other programs do; then dvi must not
+write a wrong result without a warning: if it succeeds without a new warning, the result must be as good as that of the unchanged
+drive.
 
     fuzz.py --program build/release/bin/dvi [--cases N] [--seed S] [--case K] [--keep DIR] [--jobs N]
 
@@ -28,7 +29,7 @@ from program import Program
 
 HUGE_BYTES = 1 << 30
 MUTATIONS = mutations.ALL + foreign.ALL
-# What no program can notice, with the reason: (mutation, start of what it did).
+# Changes that no program can detect, with the reason, by (mutation, start of its description).
 UNNOTICEABLE = {
 }
 
@@ -43,7 +44,7 @@ class Case(NamedTuple):
 
 
 class Layouts:
-    """The drives to change, and what a run makes of each unchanged, which is made when it is needed."""
+    """The drives to change, and the result of a run on each unchanged drive, which is made on demand."""
 
     def __init__(self, program, folder):
         self.program, self.folder = program, folder
@@ -65,7 +66,7 @@ def must_be_noticed(mutation, done):
 
 
 def changed_drive(layouts, rng, mutation, root):
-    """Copies a drive that the mutation applies to, and applies it; returns (name of the layout, the path, what was done)."""
+    """Copies a drive that the mutation applies to, and applies it; returns (name of the layout, the path, the description)."""
     for layout in rng.sample(sorted(layouts.drives), len(layouts.drives)):
         shutil.copytree(layouts.drives[layout].folder, root)
         path, done = mutations.mutate(root, rng, mutation)
@@ -78,7 +79,7 @@ def changed_drive(layouts, rng, mutation, root):
 
 
 def run_case(program, layouts, seed, number, folder):
-    """The case of this seed and number: the same mutant on every machine."""
+    """Runs the case of this seed and number; its mutant is the same on every machine."""
     rng = random.Random(f"{seed}/{number}")
     mutation, root = MUTATIONS[number % len(MUTATIONS)], folder / "drive"
     layout, path, done = changed_drive(layouts, rng, mutation, root)
@@ -89,7 +90,7 @@ def run_case(program, layouts, seed, number, folder):
 
 
 def not_copied(folder, names):
-    """FIFOs, which block, and huge files, which take no disk only until they are copied."""
+    """Returns FIFOs, which block, and sparse huge files, which need much space when they are copied."""
     paths = [Path(folder) / name for name in names]
     return [path.name for path in paths if path.is_fifo() or path.lstat().st_size > HUGE_BYTES]
 
@@ -106,14 +107,14 @@ def in_folder(program, layouts, seed, number, work, keep):
         shutil.rmtree(folder)
 
 
-def table(told):
-    counts = Counter((case.mutation, case.code) for case in told)
-    codes = sorted({case.code for case in told}, key=lambda code: -1 if code is None else code)
+def table(results):
+    counts = Counter((case.mutation, case.code) for case in results)
+    codes = sorted({case.code for case in results}, key=lambda code: -1 if code is None else code)
     lines = [f"{'mutation':18}" + "".join(f"{'hang' if code is None else f'exit {code}':>9}" for code in codes) + "  findings"]
     for mutation in [m.__name__ for m in MUTATIONS]:
         row = [counts[mutation, code] for code in codes]
         if sum(row):
-            bad = sum(1 for case in told if case.mutation == mutation and case.findings)
+            bad = sum(1 for case in results if case.mutation == mutation and case.findings)
             lines.append(f"{mutation:18}" + "".join(f"{n or '':>9}" for n in row) + f"{bad or '':>10}")
     return "\n".join(lines)
 
@@ -128,12 +129,12 @@ def main():
         layouts = Layouts(Program(program.path), work)
         with ThreadPoolExecutor(options.jobs) as pool:
             run = pool.map(lambda n: in_folder(program, layouts, options.seed, n, work, options.keep), cases.numbers(options))
-            told = [cases.tell(case, case.mutation, "--case", options.seed) for case in run]
+            results = [cases.report(case, case.mutation, "--case", options.seed) for case in run]
     if options.case is not None:
-        print(f"{told[0].mutation}: {told[0].what}: exit {told[0].code}")
-    print(table(told))
-    bad = sum(1 for case in told if case.findings)
-    print(f"{len(told)} cases, {bad} with findings, {sum(c.cpu for c in told) / max(1, len(told)):.2f} CPU s per case")
+        print(f"{results[0].mutation}: {results[0].what}: exit {results[0].code}")
+    print(table(results))
+    bad = sum(1 for case in results if case.findings)
+    print(f"{len(results)} cases, {bad} with findings, {sum(c.cpu for c in results) / max(1, len(results)):.2f} CPU s per case")
     return 1 if bad else 0
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of the mutator and of the classifier, without the program: scripts take its place."""
+"""Tests the mutator and the classifier, with scripts instead of the program."""
 import json
 import os
 import random
@@ -77,7 +77,7 @@ class Pictures(Temporary):
             rows = b"\0" + above + bytes([kind, *packed])
             self.assertEqual(png._unfilter(rows, 3, 2, 1), above + bytes([11, 22, 33]), kind)
 
-    def test_damaged_files_are_no_pictures(self):
+    def test_damaged_files_are_not_decoded(self):
         data = png.encode(picture(1))
         for cut in range(0, len(data) - 16):
             self.assertIsNone(png.decode(data[:cut]))
@@ -141,10 +141,10 @@ class Mutations(Temporary):
 
 
 class ForeignMutations(Temporary):
-    """Each mutation with a seed of its own for each choice that it makes."""
+    """Tests each mutation with many seeds, so that each of its choices occurs."""
 
     def mutants(self, mutation, name, make=None, count=40):
-        """(what was done, the drive) of many seeds, with the file of this name."""
+        """Yields (description, drive) of a mutation of the file of this name, for many seeds."""
         for seed in range(count):
             drive = self.small_drive(f"{mutation.__name__}-{seed}")
             if make:
@@ -168,37 +168,37 @@ class ForeignMutations(Temporary):
             self.assertEqual([(name, float(time)) for name, time in words], [("000000", 1000.05), ("000001", 1000.15)], done)
 
     def test_units_of_times(self):
-        seen = {done: (drive / "times/lidar.txt").read_text() for done, drive in
+        mutants = {done: (drive / "times/lidar.txt").read_text() for done, drive in
                 self.mutants(foreign.time_units, "times/lidar.txt", count=80)}
-        self.assertEqual(seen["times: nanoseconds"], "000000 1000050000000.00\n000001 1000150000000.00\n")
-        self.assertEqual(seen["times: from 0 to 1"], "000000 0\n000001 1\n")
-        self.assertEqual(len(seen), 7)
+        self.assertEqual(mutants["times: nanoseconds"], "000000 1000050000000.00\n000001 1000150000000.00\n")
+        self.assertEqual(mutants["times: from 0 to 1"], "000000 0\n000001 1\n")
+        self.assertEqual(len(mutants), 7)
 
     def test_times_of_points(self):
-        seen = {}
+        mutants = {}
         for done, drive in self.mutants(foreign.point_times, "lidar/000000.bin", count=80):
             header, _, rows = (drive / "lidar/000001.ply").read_bytes().partition(b"end_header\n")
             self.assertIn(b"element vertex 50\n", header)
-            *point, seen[done] = struct.unpack_from("<4fd", rows)
+            *point, mutants[done] = struct.unpack_from("<4fd", rows)
             self.assertEqual(point, [1, 2, 3, 0.5])
-        self.assertEqual(len(seen), 10)
-        seconds = seen["point times: seconds"]
-        self.assertAlmostEqual(seen["point times: microseconds"], seconds * 1e6)
-        self.assertAlmostEqual(seen["point times: absolute"], seconds + 1000)
+        self.assertEqual(len(mutants), 10)
+        seconds = mutants["point times: seconds"]
+        self.assertAlmostEqual(mutants["point times: microseconds"], seconds * 1e6)
+        self.assertAlmostEqual(mutants["point times: absolute"], seconds + 1000)
 
     def test_unpadded_names(self):
         def third_frame(drive):
             for name in ("images/front/000002.png", "masks/front/000002.png", "lidar/000002.bin"):
                 shutil.copy(drive / name.replace("2.", "1."), drive / name)
-        seen = {}
+        mutants = {}
         for done, drive in self.mutants(foreign.unpadded, "lidar/000000.bin", third_frame):
             names = (drive / "poses.txt").read_text().split()[::13]
-            seen[done] = {str(path.relative_to(drive)) for path in drive.rglob("*.*")} | set(names)
-        whole, folder = seen["names from 8 without zeros in the whole drive"], seen["names from 98 without zeros"]
+            mutants[done] = {str(path.relative_to(drive)) for path in drive.rglob("*.*")} | set(names)
+        whole, folder = mutants["names from 8 without zeros in the whole drive"], mutants["names from 98 without zeros"]
         self.assertLessEqual({"lidar/8.bin", "lidar/10.bin", "masks/front/9.png", "images/front/10.png", "8", "9"}, whole)
         self.assertLessEqual({"lidar/98.bin", "lidar/100.bin", "images/front/000000.png", "000000"}, folder)
 
-    def test_exif_is_as_opencv_or_anyone_reads_it(self):
+    def test_exif_is_valid(self):
         path = self.folder / "a.jpg"
         for seed in range(10):
             path.write_bytes(png.blocky_jpeg(picture(9)))
@@ -238,11 +238,11 @@ class ForeignMutations(Temporary):
         self.assertRegex(done, "the clock of /.* off by")
 
     def test_far_poses(self):
-        seen = {done.split(": ")[1]: (drive / "poses.txt").read_text() for done, drive in
+        mutants = {done.split(": ")[1]: (drive / "poses.txt").read_text() for done, drive in
                 self.mutants(foreign.far_pose, "poses.txt", count=12)}
-        self.assertIn(" 1000000\n", seen["far"])
-        self.assertIn(" nan\n", seen["NaN"])
-        self.assertGreater(len(seen["long"]), 4000000)
+        self.assertIn(" 1000000\n", mutants["far"])
+        self.assertIn(" nan\n", mutants["NaN"])
+        self.assertGreater(len(mutants["long"]), 4000000)
 
     def test_labels_of_other_frames(self):
         for done, drive in self.mutants(foreign.label_numbers, "boxes.json"):
@@ -270,7 +270,7 @@ class ForeignMutations(Temporary):
 
 
 class Silence(Temporary):
-    """Results that are wrong although nothing was reported."""
+    """Tests the detection of wrong results without a warning."""
 
     def result(self, value, frames=2, warnings=()):
         out = Path(tempfile.mkdtemp(dir=self.folder))
@@ -333,7 +333,7 @@ class Layouts(Temporary):
 
 
 class Judgment(Temporary):
-    """`run` of these programs copies the drive's pictures to OUT, or fails in a way of its own."""
+    """Tests programs whose `run` copies the drive's images to OUT, or fails in several ways."""
     COPY = ('[ $1 = run ] || exit 0\nmkdir -p $4/frames $4/masks\ncp $2/images/front/* $4/frames\ncp $2/masks/front/* $4/masks\n')
 
     def findings(self, script, seconds=20):
@@ -371,11 +371,11 @@ class Judgment(Temporary):
     def test_wrong_results(self):
         self.expect("audit exits with 3", self.COPY.replace("exit 0", "[ $1 = check ] || exit 3; exit 0"))
         self.expect("000000.png differs from its image", self.COPY + "cp $2/images/front/000001.png $4/frames/000000.png\n")
-        self.expect("is no picture", self.COPY + ": > $4/masks/000001.png\n")
+        self.expect("cannot be decoded", self.COPY + ": > $4/masks/000001.png\n")
         self.expect("a result is left", 'mkdir -p "$4"; echo "dvi: $2: bad" >&2; exit 3')
         late = 'if [ $1 = run ]; then mkdir -p $4/.dvi/stages $4/frames; : > $4/.dvi/stages/poses.bin; fi\n'
         refused = 'echo "dvi: $2/poses.txt: bad" >&2; exit 3'
-        self.assertEqual(self.findings(late + refused), (3, []))  # stages are kept
+        self.assertEqual(self.findings(late + refused), (3, []))  # stages are cached
         self.expect("a result is left", late + ": > $4/frames/000000.png\n" + refused)
 
     def test_writes_outside(self):

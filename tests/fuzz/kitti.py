@@ -1,4 +1,4 @@
-"""A drive of the `folder` layout as one of `kitti-raw`."""
+"""Converts a drive of the `folder` layout to `kitti-raw`."""
 import json
 import math
 import shutil
@@ -51,7 +51,7 @@ def tracking(count, width, height):
 
 
 def mots(count, width, height):
-    """The outline of one car, 24 columns left or right in the image, as MOTS' runs: six bits a character, the lowest five first."""
+    """The outline of one car, 24 columns left or right in the image, as MOTS' runs: six bits per character, the lowest five first."""
     def run(value):
         text = ""
         while value > 15 or not text:

@@ -1,4 +1,4 @@
-"""Ways to damage one file of a drive. Each takes (path, rng) and says in a few words what it did; None: it does not apply."""
+"""Mutations that damage one file of a drive. Each takes (path, rng) and returns a short description, or None if it does not apply."""
 import os
 import re
 import shutil
@@ -41,7 +41,7 @@ def flip_bits(path, rng):
 
 
 def replace_number(path, rng, values):
-    """In a text, or in the header of a cloud, one number becomes another text."""
+    """Replaces one number in a text, or in the header of a point cloud."""
     data = path.read_bytes()
     if path.suffix in IMAGES + BINARY_CLOUDS:
         return None
@@ -160,7 +160,7 @@ def device_instead(path, rng):
 
 def no_permission(path, rng):
     if os.geteuid() == 0:
-        return None  # root may read everything
+        return None  # root can read all files
     path.chmod(0)
     return "no permission"
 
@@ -191,7 +191,7 @@ def stray(path, rng):
 
 
 def repaint(path, rng):
-    """Another size, depth or number of channels, as a valid file."""
+    """Writes a valid image with a different size, depth, or number of channels."""
     image = png.decode(path.read_bytes()) if path.suffix == ".png" else None
     if image is None:
         return None
@@ -215,7 +215,7 @@ def palette(path, rng):
 
 
 def image_header(path, rng):
-    """A size in the header that the picture's data does not have; the checksum is right."""
+    """Writes a size in the header that differs from the data, with a valid checksum."""
     data = bytearray(path.read_bytes()) if path.suffix == ".png" else b""
     if not data.startswith(png.SIGNATURE):
         return None
@@ -239,7 +239,7 @@ def bomb(path, rng):
 
 
 def sparse(path, rng):
-    """A huge file that takes no disk."""
+    """Makes a huge sparse file."""
     size = rng.choice((3 << 30, 1 << 36))
     os.truncate(path, size)
     return f"{size >> 30} GB of zeros"
@@ -251,7 +251,7 @@ def garbage(path, rng):
 
 
 def nested(path, rng):
-    """Deep nesting, which recursive parsers take from the stack."""
+    """Writes deep nesting, which overflows the stack of recursive parsers."""
     start, level = {".json": (b"", b"["), ".toml": (b"a = ", b"["), ".xml": (b"", b"<a>")}.get(path.suffix, (None, b""))
     if start is None:
         return None
@@ -260,7 +260,7 @@ def nested(path, rng):
 
 
 def replace_word(path, rng):
-    """A word of one place at another place."""
+    """Replaces a word of a text by another word of it."""
     if not is_text(path):
         return None
     words = re.split(rb"(\s+)", path.read_bytes())
@@ -279,7 +279,7 @@ ALL = ON_FILES + ON_ANYTHING
 
 
 def kind_of(path, root):
-    """Files that one reader reads in one way."""
+    """Returns the kind of a file: files of one kind have the same reader."""
     if path.is_dir():
         return "folder"
     parent = str(path.parent.relative_to(root))
@@ -287,7 +287,7 @@ def kind_of(path, root):
 
 
 def mutate(root, rng, mutation):
-    """Applies it to a file or folder below `root`, each kind of file as often; returns (the path, what was done)."""
+    """Applies a mutation to a file or folder below `root`, with equal probability per kind; returns (the path, the description)."""
     kinds = {}
     for path in sorted(root.rglob("*")):
         if path.is_file() or mutation in ON_ANYTHING:

@@ -1,4 +1,4 @@
-"""Runs the program under limits, and says what it cost."""
+"""Runs the program with limits, and measures its resources."""
 import contextlib
 import os
 import resource
@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 SECONDS = 60
 MEMORY_BYTES = 1 << 30       # resident; more is a finding
-DATA_BYTES = 3 << 30         # allocated; keeps a runaway from taking the machine down
+DATA_BYTES = 3 << 30         # allocated; protects the machine from excessive memory
 
 
 class Ended(NamedTuple):
-    """How a call ended; `code` is that of a shell, 128 + n after signal n, or None if it took too long."""
+    """The result of a call; `code` is the exit code, 128 + n after signal n, or None after the time limit."""
     arguments: tuple
     code: int | None
     err: str
@@ -22,13 +22,13 @@ class Ended(NamedTuple):
 
 
 class Program:
-    """The program under test, with the arguments every call gets."""
+    """The program under test, with its limits."""
 
     def __init__(self, path, seconds=SECONDS):
         self.path, self.seconds = str(path), seconds
 
     def start(self, *arguments, err=subprocess.DEVNULL, file_bytes=None):
-        """A call in a session of its own. No file may grow beyond `file_bytes`: writing fails as on a full disk."""
+        """Starts a call in a new session. Writing beyond `file_bytes` of a file fails as on a full disk."""
         process = subprocess.Popen([self.path, *map(str, arguments), "--quiet"], stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=err, start_new_session=True,
                                    restore_signals=file_bytes is None)  # Python ignores SIGXFSZ, and so does the call then
@@ -52,7 +52,7 @@ class Program:
 
 
 def wait(process, seconds):
-    """Exit code and resources of a process, which is killed when its time is over."""
+    """Returns exit code and resources of a process, which is killed after the time limit."""
     end, late = time.monotonic() + seconds, False
     while True:
         pid, status, usage = os.wait4(process.pid, os.WNOHANG)

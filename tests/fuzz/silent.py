@@ -1,4 +1,4 @@
-"""Finds results that are wrong although the program reported nothing, by the truth of a synthetic drive."""
+"""Finds wrong results without a warning, by comparison with the truth of a synthetic drive."""
 import json
 import math
 import re
@@ -10,7 +10,7 @@ MAX_LOSS_DB = 1.5
 
 
 class Reference(NamedTuple):
-    """A run on an undamaged drive: its masks, the true images as RGB bytes (none: only frames are counted), PSNR and warnings."""
+    """A run on an undamaged drive: masks, true images as RGB bytes (none: frames are only counted), PSNR, and warnings."""
     masks: list
     truths: list
     psnr: float
@@ -23,7 +23,7 @@ def pictures(folder):
 
 
 def warnings_of(out):
-    """Warnings of a run without the numbers in them; drives are too small for the alignment, which always warns."""
+    """Returns the warnings of a run without their numbers, and without those of the alignment, for which the drives are too small."""
     try:
         return {re.sub(r"[\d.]+", "#", text) for text in json.loads((out / "report.json").read_text())["warnings"]
                 if not text.startswith("align:")}
@@ -56,7 +56,7 @@ def reference(program, drive, out, truths):
 
 
 def findings(out, expected):
-    """What is wrong with a result that was reported to be right: no warning but those of the undamaged drive."""
+    """Returns findings about a result that has no other warnings than the undamaged drive."""
     if warnings_of(out) - expected.warnings:
         return []
     frames = pictures(out / "frames")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""bag_messages.py DRIVE OUT: the messages that a vehicle with the drive's sensors would have recorded, for write_mcap.mjs, write_db3.py
+"""bag_messages.py DRIVE OUT: makes the messages of a vehicle with the drive's sensors, for write_mcap.mjs, write_db3.py
 and write_ros1.py: OUT/messages.json, and the bytes of images and points beside it. Needs OpenCV's Python."""
 import json
 import pathlib
@@ -51,7 +51,7 @@ def stamps(name):
 
 
 def azimuth_times(points, rate):
-    """Seconds after the start of a scan that turns clockwise from behind."""
+    """Returns seconds after the start of a scan that rotates clockwise from behind."""
     azimuth = np.arctan2(points[:, 1].astype(np.float64), points[:, 0].astype(np.float64))
     return np.mod(np.pi - azimuth, 2 * np.pi) / (2 * np.pi) / rate
 

@@ -16,7 +16,7 @@ IDENTITY = [1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0, 0]
 
 
 def times(a, b):
-    """Of two 3x4 matrices, row by row."""
+    """Multiplies two 3x4 transforms, given row by row."""
     out = []
     for r in range(3):
         for c in range(4):
@@ -31,7 +31,7 @@ def inverse(m):
 
 
 def quaternion(m):
-    """w x y z of a rotation by less than half a turn, else by way of its largest part."""
+    """Returns w, x, y, z of a rotation matrix, computed from its largest component for large angles."""
     r = [[m[4 * i + j] for j in range(3)] for i in range(3)]
     candidates = [1 + r[0][0] + r[1][1] + r[2][2], 1 + r[0][0] - r[1][1] - r[2][2], 1 - r[0][0] + r[1][1] - r[2][2],
                   1 - r[0][0] - r[1][1] + r[2][2]]
@@ -56,7 +56,7 @@ def line(numbers):
 
 
 class Drive:
-    """What the plain layout holds, of its first camera."""
+    """The contents of a drive of the plain layout, for its first camera."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """write_rgbd_bag.py DRIVE OUT.bag [16UC1|32FC1]: a plain drive with depth images as a ROS 1 bag, by Debian's python3-rosbag.
 
-Depth has a place and a calibration of its own where the drive's dvi.toml says so."""
+Depth has its own pose and calibration if the drive's dvi.toml contains them."""
 import pathlib
 import sys
 import tomllib
@@ -33,7 +33,7 @@ def stamped(kind_of_message, text, frame):
 
 
 def transform(motion, text, parent, child):
-    """tf of parent_from_child."""
+    """Returns the tf message of parent_from_child."""
     message = stamped(geometry_msgs.msg.TransformStamped, text, parent)
     message.child_frame_id = child
     t, q = message.transform.translation, message.transform.rotation
@@ -65,7 +65,7 @@ with rosbag.Bag(sys.argv[2], "w") as bag:
                 write("/tf_static", transform(matrix(depth["depth_from_color"]), text, DEPTH, COLOR))
             write("/camera/rgb/camera_info", info(camera["K"], camera["size"], text, COLOR))
             write("/camera/depth/camera_info", info(depth.get("K", camera["K"]), values.shape[::-1], text, DEPTH))
-        # The tree has one root: the pose is of its topmost sensor.
+        # The tree has one root, so the pose is that of its topmost sensor.
         root = DEPTH if DEPTH != COLOR else COLOR
         body = poses[frame] @ np.linalg.inv(color_from_body)
         root_pose = body @ np.linalg.inv(matrix(depth["depth_from_color"])) if root != COLOR else body

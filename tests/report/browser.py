@@ -1,4 +1,4 @@
-"""A headless Chromium that opens reports from disk, and results to open."""
+"""Starts a headless Chromium that opens reports from disk, and makes results to open."""
 import json
 import os
 import re
@@ -42,13 +42,13 @@ def errors(driver):
 
 
 def requests(driver):
-    """Every address that was asked for since the last call."""
+    """Returns every address requested since the last call."""
     messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
     return [m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"]
 
 
 def resident_bytes(driver):
-    """Memory of the browser's processes that hold pages; what several of them share is counted in parts (PSS)."""
+    """Returns the memory of the browser's page processes; shared memory is divided among them (PSS)."""
     parents = {int(stat.parent.name): int(text_of(stat).rpartition(")")[2].split()[1]) for stat in Path("/proc").glob("[0-9]*/stat")
                if text_of(stat)}
     ours = {driver.service.process.pid}
@@ -60,7 +60,7 @@ def resident_bytes(driver):
 
 
 def text_of(file):
-    """Of a process, which may end at any time: then nothing."""
+    """Reads a file of a process; empty if the process has ended."""
     try:
         return file.read_text(errors="replace")
     except OSError:
@@ -85,7 +85,7 @@ def dvi_without_override(program, *arguments):
 
 
 def result_of(names, out, real):
-    """A result whose frames have these names: the pictures of a real one, over and over."""
+    """Makes a result whose frames have these names, with repeated pictures of a real result."""
     report = json.loads((real / "report.json").read_text())
     sources = json.loads((real / "sources.json").read_text())
     frames, listed = report["frames"], sources["sources"]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Opens reports in a headless Chromium from disk and uses them as a person does.
+"""Opens reports in a headless Chromium from disk, and uses their controls.
 
     report_test.py DVI [TEST...]      exit code 77: the browser or its driver is not installed
 """
@@ -50,7 +50,7 @@ class Report(unittest.TestCase):
         self.driver.get(browser.address(out, view))
 
     def setUp(self):
-        browser.errors(self.driver), browser.requests(self.driver)  # of the test before, where it failed or asked for none
+        browser.errors(self.driver), browser.requests(self.driver)  # discards those of the previous test
         self.began = time.monotonic()
 
     def tearDown(self):
@@ -72,7 +72,7 @@ class Report(unittest.TestCase):
         self.assertEqual(outside, [], "requests that leave the folder")
 
     def copied_pixel(self, frame):
-        """Some pixel of the frame that was copied, and where it is in the window."""
+        """Returns a copied pixel of the frame, and its position in the window."""
         return self.driver.execute_async_script("""
             const done = arguments[1];
             dvi.receipts(arguments[0]).then((block) => {
@@ -87,7 +87,7 @@ class Report(unittest.TestCase):
         actions.w3c_actions.pointer_action.move_to_location(x, y).click()
         actions.perform()
 
-    def test_overview_tells_the_figures_of_the_run(self):
+    def test_overview_shows_the_figures_of_the_run(self):
         self.open(self.out)
         browser.until(self.driver, "document.querySelectorAll('.tile').length > 4")
         share = json.loads((self.out / "report.json").read_text())["hole"]["share"]
@@ -97,7 +97,7 @@ class Report(unittest.TestCase):
         self.assertGreaterEqual(len(self.driver.find_elements(By.CSS_SELECTOR, ".card")), 1)
         self.no_error(self.out)
 
-    def test_clicking_a_pixel_shows_its_receipt(self):
+    def test_clicking_a_pixel_shows_its_provenance(self):
         self.open(self.out, "frames/2")
         browser.until(self.driver, "document.querySelector('#picture img') && document.querySelector('#picture img').complete")
         self.press("b")  # the divider to the edge
@@ -180,7 +180,7 @@ class Report(unittest.TestCase):
             self.assertTrue(self.text("#frame-name").startswith(name))
         self.no_error(out)
 
-    def test_what_is_missing_is_said(self):
+    def test_missing_parts_are_reported(self):
         out = self.folder / "partly"
         browser.result_of(["a", "b"], out, self.out)
         (out / "kind/b.png").unlink()
@@ -221,7 +221,7 @@ class Report(unittest.TestCase):
         self.assertIn("has no frames yet", self.text("#overview"))
         self.assertIn("not finished", self.text("#overview"))
 
-    def test_a_result_that_cannot_be_written_opens(self):
+    def test_a_read_only_result_opens(self):
         out = self.folder / "read only"
         shutil.copytree(self.out, out)
         for part in (out, out / "report"):

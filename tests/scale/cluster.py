@@ -1,4 +1,4 @@
-"""A Slurm cluster of two nodes that are both this machine, for the time of a test. Needs root, slurm-wlm and munge."""
+"""Starts a Slurm cluster of two nodes on this machine during a test. Needs root, slurm-wlm, and munge."""
 import os
 import shutil
 import socket
@@ -38,7 +38,7 @@ PartitionName=main Nodes=a,b Default=YES MaxTime=INFINITE State=UP
 
 
 def missing():
-    """Why there can be no cluster here; empty if there can."""
+    """Returns the reason why a cluster cannot be started; empty if it can."""
     if os.geteuid() != 0:
         return "needs root"
     lacking = [tool for tool in TOOLS if not shutil.which(tool)]
@@ -56,7 +56,7 @@ def free_ports(count):
 
 
 class Cluster:
-    """With its daemons running; `call` runs a command that finds it."""
+    """A cluster with running daemons; `call` runs a command with its configuration."""
 
     def __init__(self, folder):
         self.folder = Path(folder)

@@ -23,7 +23,7 @@ SBATCH = "sbatch --parsable --requeue -c {threads} --mem={resources.mem_mb} -t {
 
 
 class Disk:
-    """A small file system of its own, which can be filled."""
+    """A small file system that can be filled."""
 
     def __init__(self, folder, megabytes):
         self.folder, self.ballast = folder, folder / "ballast"
@@ -58,7 +58,7 @@ class Slurm(unittest.TestCase):
         subprocess.run([DVI, "run", self.drive, "-o", self.folder / "whole", "--quiet"], check=True, stdout=subprocess.DEVNULL)
 
     def fills(self):
-        """Numbers of the jobs that fill now."""
+        """Returns the numbers of the running fill jobs."""
         rows = self.slurm.call("squeue", "-h", "-t", "R", "-o", "%A %j").stdout.split("\n")
         return [row.split()[0] for row in rows if "fill" in row]
 
@@ -79,7 +79,7 @@ class Slurm(unittest.TestCase):
     def text(self):
         return "".join(path.read_text(errors="replace") for path in sorted(self.folder.glob("*.out")))
 
-    def test_faults_cost_no_byte(self):
+    def test_faults_do_not_change_the_result(self):
         with cluster.Cluster(self.folder / "slurm") as self.slurm:
             snakemake = self.snakemake()
             self.addCleanup(snakemake.kill)

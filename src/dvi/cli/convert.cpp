@@ -33,7 +33,7 @@ void add_convert(Program& program) {
     datasets::ReadOptions read{.camera = choice.camera};
     read.topics = choice.topics;
     if (!choice.frames.empty()) read.frames = job::parse_frames(choice.frames);
-    const commands::ConvertReport report = commands::convert(a->drive, read, !a->one_camera, a->out, progress);
+    const commands::ConvertReport report = commands::convert({a->drive, read, !a->one_camera}, a->out, progress);
     fmt::print("{}: {} images of {}, {} scans, from {} frames {}:{}\n", a->out, report.images, fmt::join(report.cameras, ", "),
                report.scans, report.format, report.first_frame, report.last_frame);
   });

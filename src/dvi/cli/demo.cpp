@@ -63,7 +63,7 @@ void add_demo(Program& program) {
         Progress progress(a->common.style());
         const fs::path out = a->out;
         const bool synthetic = a->drive.empty();
-        std::vector<PlannedStage> stages = run::run_stages(a->options.job(out / "result", a->drive, {}));
+        std::vector<PlannedStage> stages = run::plan_run_stages(a->options.job(out / "result", a->drive, {}));
         if (synthetic) stages.insert(stages.begin(), {"synth", 0.3});
         progress.plan(std::move(stages));
         const std::string drive = synthetic ? demo_street(out, a->common.seed, progress) : a->drive;
@@ -84,7 +84,7 @@ void add_demo(Program& program) {
         }
         fmt::print("{}\n", what_to_look_at(fs::path(job.out), synthetic));
       },
-      [a] { return result::kept_in(fs::path(a->out) / "result"); });
+      [a] { return result::describe_progress(fs::path(a->out) / "result"); });
 }
 
 }  // namespace dvi::cli

@@ -40,7 +40,7 @@ void add_fill(Program& program) {
                                           : fmt::format("{} frames filled, {} were finished before", fill.filled,
                                                         fill.frames - fill.filled));
       },
-      [a] { return result::kept_in(a->out); });
+      [a] { return result::describe_progress(a->out); });
 }
 
 }  // namespace dvi::cli

@@ -41,7 +41,7 @@ void add_plan(Program& program) {
         progress.end();
         fmt::print("{}\n", a->common.json ? json_of(plan) : brief(plan, job.out));
       },
-      [a] { return result::kept_in(a->out); });
+      [a] { return result::describe_progress(a->out); });
 }
 
 }  // namespace dvi::cli

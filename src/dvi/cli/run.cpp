@@ -28,7 +28,7 @@ void add_run(Program& program) {
         progress.end();
         fmt::print("{}\n", a->common.json ? result::to_json(report) : report.brief(job.out));
       },
-      [a] { return result::kept_in(a->out); });
+      [a] { return result::describe_progress(a->out); });
 }
 
 }  // namespace dvi::cli

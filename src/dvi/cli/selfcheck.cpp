@@ -36,7 +36,7 @@ void add_selfcheck(Program& program) {
         const ThreadLimit limit(a->common.threads);
         Progress progress(a->common.style());
         const commands::SelfcheckReport report =
-            commands::selfcheck(a->options.job(a->out, a->drive, {}), scenarios, external, a->common.seed, progress);
+            commands::selfcheck(a->options.job(a->out, a->drive, {}), {scenarios, external, a->common.seed}, progress);
         fmt::print("{}\n", a->common.json ? report.json : report.text);
       },
       [] { return "finished scenarios and frames are kept, the same command does the rest"; });

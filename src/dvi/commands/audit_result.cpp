@@ -19,17 +19,17 @@
 namespace dvi::commands {
 namespace {
 
-/// A line of sources.json.
+/// An entry of sources.json.
 struct ListedSource {
   std::string drive, camera, frame;
 
-  bool of_sequence(const ListedSource& other) const { return drive == other.drive && camera == other.camera; }
+  bool is_of_sequence(const ListedSource& other) const { return drive == other.drive && camera == other.camera; }
   cv::Vec3f gain;
 };
 
 std::vector<ListedSource> read_sources(const fs::path& file) {
   const char* remedy = "dvi audit takes the output folder of dvi run";
-  if (!fs::exists(file)) throw InputError(file.parent_path(), "is no result: it has no sources.json", remedy);
+  if (!fs::exists(file)) throw InputError(file.parent_path(), "is not a result: it has no sources.json", remedy);
   std::vector<ListedSource> sources;
   try {
     const nlohmann::json document = read_json(file);
@@ -41,13 +41,13 @@ std::vector<ListedSource> read_sources(const fs::path& file) {
   } catch (const nlohmann::json::exception& e) {
     throw InputError(file, fmt::format("is not what dvi run writes: {}", e.what()));
   }
-  if (sources.empty()) throw InputError(file, "names no source", remedy);
+  if (sources.empty()) throw InputError(file, "lists no source", remedy);
   return sources;
 }
 
-/// The views as sources.json numbers them. Baselines copy from the first drive alone.
-Views views_of(const std::vector<ListedSource>& sources, const inputs::Recordings& drives,
-               const std::vector<objects::GivenMasks>& given, const fs::path& out) {
+/// Makes the views in the order of sources.json. Baselines copy from the first drive only.
+Views make_listed_views(const std::vector<ListedSource>& sources, const inputs::Recordings& drives,
+                        const std::vector<objects::GivenMasks>& given, const fs::path& out) {
   objects::Masks masks;
   for (const objects::GivenMasks& camera : given) masks.push_back({camera.images, nullptr});
   const Views all = inputs::make_unposed_views(drives, masks);
@@ -58,18 +58,18 @@ Views views_of(const std::vector<ListedSource>& sources, const inputs::Recording
   }
   Views views;
   std::vector<std::size_t> found;
-  std::size_t sequence = 0;  // sources come sequence by sequence
+  std::size_t sequence = 0;  // sources are ordered by sequence
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const ListedSource& source = sources[i];
-    if (i > 0 && !source.of_sequence(sources[i - 1])) ++sequence;
+    if (i > 0 && !source.is_of_sequence(sources[i - 1])) ++sequence;
     while (sequence < drives.size() && drives[sequence].drive.camera_name != source.camera) ++sequence;
     if (sequence >= drives.size())
-      throw InputError(out, fmt::format("has sources of another drive or camera, {} {}", source.drive, source.camera),
-                       "name all its drives, the target first");
+      throw InputError(out, fmt::format("was made from another drive or camera, {} {}", source.drive, source.camera),
+                       "give all its drives, the target first");
     const auto it = index.find({static_cast<int>(sequence), source.frame});
     if (it == index.end())
       throw InputError(drives[sequence].drive.path, "has no frame " + source.frame + ", which the result copies from",
-                       "audit a result with the drives it was made from");
+                       "give the drives that the result was made from");
     found.push_back(it->second);
     views.views.push_back(all[it->second]);
   }
@@ -78,31 +78,33 @@ Views views_of(const std::vector<ListedSource>& sources, const inputs::Recording
   return views;
 }
 
-// The poses along which the run decided what stands; a baseline has the given ones only.
-inputs::Poses poses_of(const fs::path& out, const inputs::Recordings& drives, const job::Job& job) {
-  inputs::Poses poses = inputs::given_poses(drives);
+/// Returns the poses that the run used to separate static from moving objects. A baseline uses the given poses only.
+inputs::Poses read_run_poses(const fs::path& out, const inputs::Recordings& drives, const job::Job& job) {
+  inputs::Poses poses = inputs::use_given_poses(drives);
   const fs::path file = out / "map/poses.txt";
   if (job.read.remove == job::Remove::moving && fs::exists(file))
     poses.front().world_from_lidar = datasets::read_poses(file, drives.front().drive);
   return poses;
 }
 
-cv::Mat1b kept_mask(const fs::path& file, const Camera& camera) {
+cv::Mat1b read_result_mask(const fs::path& file, const Camera& camera) {
   if (!fs::exists(file))
-    throw InputError(file, "is missing: it holds what was masked in a frame that pixels are copied from",
-                     "dvi run writes it; run again into another folder");
+    throw InputError(file, "is missing: it is the mask of a source frame", "run again into another folder");
   return media::read_mask(file, {camera.width, camera.height});
 }
 
-/// Shadows, and masks that were detected, found in scans, or reprojected, come on top of the masks that the drives bring: all
-/// that the run masked in each frame, from which nothing may be copied. `more_removed`: in the target's own frames too.
-Lazy<cv::Mat1b> with_removed(const Views& views, const std::vector<std::string>& names, bool more_removed,
-                             const fs::path& out) {
-  return {views.size(), [views, names, more_removed, out](std::size_t i) {
+enum class TargetMasks { given, extended };
+
+/// Returns all masks of the run, from which no pixel may be copied: the masks of the drives together with shadows and with
+/// masks that were detected, found in scans, or reprojected. `target`: whether the run also extended masks of the target's own
+/// frames.
+Lazy<cv::Mat1b> add_run_masks(const Views& views, const std::vector<std::string>& names, TargetMasks target,
+                              const fs::path& out) {
+  return {views.size(), [views, names, target, out](std::size_t i) {
             const bool own = i < names.size();
-            if (own && !more_removed) return views.masks[i]->clone();
+            if (own && target == TargetMasks::given) return views.masks[i]->clone();
             const std::string file = own ? "masks/" + names[i] + ".png" : result::source_mask_file(i);
-            return cv::Mat1b(*views.masks[i] | kept_mask(out / file, views[i].camera));
+            return cv::Mat1b(*views.masks[i] | read_result_mask(out / file, views[i].camera));
           }};
 }
 
@@ -124,19 +126,21 @@ nlohmann::json json_of(const audit::Audit& audit, const fs::path& out) {
 }
 
 std::string text_of(const audit::Audit& audit, const fs::path& out) {
-  static const std::array<const char*, audit::kBreaches.size()> kSay{
-      "mask: the result's mask leaves out what the drive says is to be removed, or holds more",
-      "outside: outside the mask the result is not the drive's image",
-      "receipt: kind and provenance contradict each other, or name what does not exist",
-      "masked source: copied from inside a mask", "color: source and recorded harmonization do not give the color written"};
+  static const std::array<const char*, audit::kBreaches.size()> kDescriptions{
+      "mask: the result's mask differs from the objects to remove in the drive",
+      "outside: outside of the mask, the result differs from the drive's image",
+      "provenance: kind and provenance contradict each other, or refer to a missing source",
+      "masked source: pixels are copied from inside a mask",
+      "color: source and recorded harmonization do not reproduce the color of the result"};
   std::string text = fmt::format(
-      "{}\n  frames   {}\n  removed  {} pixels, {} of them copied: each was traced to its source\n"
+      "{}\n  frames   {}\n  removed  {} pixels, {} of them copied: each was compared with its source\n"
       "  harmonization changed the copies by {:.1f} gray levels in the median, {:.1f} at the 95th percentile\n",
       out.string(), audit.frames, audit.removed, audit.copied, audit.change_median, audit.change_p95);
   for (std::size_t b = 0; b < audit::kBreaches.size(); ++b) {
     const audit::Finding& f = audit.findings[b];
     if (f.pixels > 0)
-      text += fmt::format("  {}\n    {} pixels, the first in frame {} at {}, {}\n", kSay[b], f.pixels, f.frame, f.x, f.y);
+      text +=
+          fmt::format("  {}\n    {} pixels, the first in frame {} at {}, {}\n", kDescriptions[b], f.pixels, f.frame, f.x, f.y);
   }
   return text + (audit.passed() ? "  passed: no pixel comes from a mask, every copy can be reproduced" : "  FAILED");
 }
@@ -150,25 +154,25 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   job.table().load_toml(out / "dvi.toml");
   if (job.sources.size() + 1 != drives.size())
     throw InputError(out, fmt::format("was made from {} drive(s), not {}", job.sources.size() + 1, drives.size()),
-                     "name the same drives, the target first");
+                     "give the same drives, the target first");
   job.target = drives.front();
   job.sources.assign(drives.begin() + 1, drives.end());
   if (!masks.empty()) job.read.masks = job::MasksFrom::parse(masks);
   const bool detected = !job.read.detector.empty() && masks.empty();
-  job.read.detector.clear();  // the result holds what it detected
+  job.read.detector.clear();  // the detected masks are in the result
   inputs::Recordings open =
       inputs::open_recordings(job, detected ? inputs::MaskNeed::optional : inputs::MaskNeed::required, progress);
-  if (!job::is_baseline(job.method)) open = inputs::with_other_cameras(std::move(open), job, progress);
+  if (!job::is_baseline(job.method)) open = inputs::add_other_cameras(std::move(open), job, progress);
   if (detected)
     for (inputs::Recording& recording : open) recording.masks_from = objects::MaskSource::detected;
-  const inputs::Poses poses = poses_of(out, open, job);
+  const inputs::Poses poses = read_run_poses(out, open, job);
   const std::vector<objects::GivenMasks> given =
       objects::draw_given_masks(inputs::collect_evidence(open, poses), job.removal());
-  Views views = views_of(sources, open, given, out);
+  Views views = make_listed_views(sources, open, given, out);
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < views.of_sequence(0).second; ++i) names.push_back(sources[i].frame);
-  views.masks = with_removed(views, names, !given.front().complete, out);
+  views.masks = add_run_masks(views, names, given.front().complete ? TargetMasks::given : TargetMasks::extended, out);
 
   progress.begin("audit", names.size());
   AuditReport report{audit::audit_result(out, views, names, progress.tick()), {}, {}};

@@ -9,14 +9,15 @@
 
 namespace dvi::commands {
 
+/// The findings of an audit, as JSON, and as text.
 struct AuditReport {
   audit::Audit audit;
   std::string json, text;
 };
 
-/// Checks a result against the drives it was made from (the target first), from what is written in it and these alone. What to
-/// remove is what the drives say by the options of OUT/dvi.toml, or by `masks` if that is not empty. InputError where `out` is
-/// no result, or the drives are not its own.
+/// Checks the result in `out` against the drives that it was made from, the target first. Only the files of the result and of
+/// the drives are used. The options of OUT/dvi.toml determine the objects to remove, or `masks` (as `--masks`) if it is not
+/// empty. Throws InputError if `out` is not a result, or if it was made from other drives.
 AuditReport audit_result(const fs::path& out, const std::vector<std::string>& drives, const std::string& masks,
                          Progress& progress);
 

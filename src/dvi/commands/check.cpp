@@ -23,21 +23,21 @@
 namespace dvi::commands {
 namespace {
 
-double median_step(std::vector<std::int64_t> times) {
+double median_step_s(std::vector<std::int64_t> times) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < times.size(); ++i) steps.push_back(1e-9 * static_cast<double>(times[i] - times[i - 1]));
   return median(std::move(steps));
 }
 
 template <class Stamped>
-double rate(const std::vector<Stamped>& items) {
+double rate_hz(const std::vector<Stamped>& items) {
   std::vector<std::int64_t> times;
   for (const Stamped& item : items) times.push_back(item.time_ns);
-  const double step = median_step(times);
-  return step > 0 ? 1 / step : 0;
+  const double step_s = median_step_s(times);
+  return step_s > 0 ? 1 / step_s : 0;
 }
 
-double path_length(const Drive& drive, const Trajectory& trajectory) {
+double path_length_m(const Drive& drive, const Trajectory& trajectory) {
   const std::int64_t first = drive.frames.front().time_ns, last = drive.frames.back().time_ns;
   std::vector<StampedPose> poses;
   for (const StampedPose& pose : trajectory.poses())
@@ -45,12 +45,12 @@ double path_length(const Drive& drive, const Trajectory& trajectory) {
   return inputs::path_length_m(poses);
 }
 
-/// Share of each image that is masked, points of each scan.
+/// The masked share of each image, and the number of points of each scan.
 struct Contents {
   std::vector<double> masked, points;
 };
 
-Contents contents(const Drive& drive, const Lazy<cv::Mat1b>& masks) {
+Contents measure_contents(const Drive& drive, const Lazy<cv::Mat1b>& masks) {
   Contents out;
   out.masked.resize(drive.frames.size());
   out.points.resize(drive.scan_headers.size());
@@ -67,7 +67,7 @@ double mean(const std::vector<double>& values) {
   return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-std::map<std::string, std::size_t> tracks_by_class(const inputs::Recording& open) {
+std::map<std::string, std::size_t> count_tracks_by_class(const inputs::Recording& open) {
   std::set<std::pair<std::string, int>> tracks;
   std::map<std::string, std::size_t> out;
   if (open.masks_from != objects::MaskSource::labels) return out;
@@ -77,10 +77,10 @@ std::map<std::string, std::size_t> tracks_by_class(const inputs::Recording& open
   return out;
 }
 
-CheckReport describe(const inputs::Recording& open, const inputs::PoseChoice& choice, const objects::Masks& masks) {
+CheckReport make_report(const inputs::Recording& open, const inputs::PoseChoice& choice, const objects::Masks& masks) {
   const Drive& drive = open.drive;
-  const Contents found = contents(drive, masks.front().images);
-  const Trajectory& poses = inputs::chosen(drive, choice);
+  const Contents found = measure_contents(drive, masks.front().images);
+  const Trajectory& poses = inputs::trajectory_of(drive, choice);
   CheckReport out{.path = drive.path.string(),
                   .format = drive.format,
                   .camera_name = drive.camera_name,
@@ -90,15 +90,15 @@ CheckReport describe(const inputs::Recording& open, const inputs::PoseChoice& ch
                   .frames = drive.frames.size(),
                   .first_frame = drive.frames.front().number,
                   .last_frame = drive.frames.back().number,
-                  .frame_rate_hz = rate(drive.frames),
+                  .frame_rate_hz = rate_hz(drive.frames),
                   .scans = drive.scan_headers.size(),
-                  .scan_rate_hz = rate(drive.scan_headers),
+                  .scan_rate_hz = rate_hz(drive.scan_headers),
                   .mean_points = mean(found.points),
-                  .path_m = path_length(drive, poses),
+                  .path_m = path_length_m(drive, poses),
                   .poses_from = to_string(choice.from),
                   .poses = std::make_shared<const nlohmann::json>(result::poses_json(drive, choice)),
                   .mask_source = inputs::mask_source(open),
-                  .objects = tracks_by_class(open),
+                  .objects = count_tracks_by_class(open),
                   .mean_masked = mean(found.masked),
                   .largest_masked = found.masked.empty() ? 0.0 : *std::max_element(found.masked.begin(), found.masked.end()),
                   .warnings = drive.warnings,
@@ -109,29 +109,29 @@ CheckReport describe(const inputs::Recording& open, const inputs::PoseChoice& ch
   if (poses.empty()) out.warnings.emplace_back("no poses: give --poses FILE");
   if (!drive.has_geometry()) out.warnings.emplace_back("no scans and no map: nothing can be copied");
   if (!open.masks_from && drive.scan_headers.empty())
-    out.warnings.emplace_back("neither masks nor labels nor scans say what to remove: give --masks DIR or --masks FILE");
+    out.warnings.emplace_back("neither masks, labels, nor scans show the objects to remove: give --masks DIR or --masks FILE");
   if (!drive.map.empty()) out.map_points = drive.map[0]->points.size();
   out.ready = out.frames_with_pose > 0 && drive.has_geometry() && (open.masks_from || !drive.scan_headers.empty());
   return out;
 }
 
-// The report is of one drive: its warnings need no name.
-std::string without_name(const std::string& warning, const inputs::Recording& open) {
+// A report of one drive does not repeat its name in each warning.
+std::string remove_name(const std::string& warning, const inputs::Recording& open) {
   const std::string name = inputs::name_of(open) + ": ";
   return warning.starts_with(name) ? warning.substr(name.size()) : warning;
 }
 
-std::string masks_line(const CheckReport& report) {
+std::string describe_masks(const CheckReport& report) {
   std::vector<std::string> objects;
   for (const auto& [type, count] : report.objects) objects.push_back(fmt::format("{} {}", count, type));
   const std::string what = objects.empty() ? "" : fmt::format(" ({})", fmt::join(objects, ", "));
   if (report.mask_source != "none")
     return fmt::format("from {}{}: {:.1f} % of the image on average, {:.1f} % at most", report.mask_source, what,
                        100 * report.mean_masked, 100 * report.largest_masked);
-  return report.scans > 0 ? "none: dvi run finds what moves; dvi mask shows it" : "none";
+  return report.scans > 0 ? "none: dvi run finds moving objects; dvi mask shows them" : "none";
 }
 
-std::string geometry_line(const CheckReport& report) {
+std::string describe_geometry(const CheckReport& report) {
   if (report.map_points > 0) return fmt::format("  map      {} points, instead of scans\n", report.map_points);
   return fmt::format("  scans    {}, {:.1f} Hz, {:.0f} points each\n", report.scans, report.scan_rate_hz, report.mean_points);
 }
@@ -155,15 +155,16 @@ std::string CheckReport::brief() const {
       "{}  path     {:.1f} m, by {} poses\n"
       "  masks    {}\n",
       path, format, camera_name, camera.width, camera.height, camera.fx, frames, first_frame, last_frame, frame_rate_hz,
-      frames_with_pose, geometry_line(*this), path_m, poses_from, masks_line(*this));
+      frames_with_pose, describe_geometry(*this), path_m, poses_from, describe_masks(*this));
   if (place)
     text += fmt::format("  gps      {} fixes, half of them within {:.2f} m of the path\n", place->fixes, place->residual_m);
   for (const RecordedTopic& topic : topics)
     text += fmt::format("  topic    {} ({}): {} messages, {:.1f} Hz{}\n", topic.name, topic.type, topic.messages, topic.rate_hz,
                         topic.use.empty() ? "" : ": " + topic.use);
   if (forecast)
-    text += fmt::format("  expected {:.1f} % of the hole seen elsewhere, {:.1f} % never (--unobserved says how it is filled)\n",
-                        100 * (1 - forecast->hole.unobserved), 100 * forecast->hole.unobserved);
+    text += fmt::format(
+        "  coverage {:.1f} % of the hole is observed by sources, {:.1f} % is unobserved (--unobserved sets its filling)\n",
+        100 * (1 - forecast->hole.unobserved), 100 * forecast->hole.unobserved);
   for (const std::string& picture : pictures) text += fmt::format("  picture  {}\n", picture);
   for (const std::string& warning : warnings) text += fmt::format("  warning  {}\n", warning);
   return text + (ready ? "  ready for dvi run" : "  not ready for dvi run: see the warnings");
@@ -206,7 +207,7 @@ std::string to_json(const CheckReport& r) {
 
 CheckReport check(const job::Job& given, bool with_forecast, Progress& progress) {
   job::Job job = given;
-  // Shadows are found by comparing frames, a sixth of the whole check, and say nothing of whether the recording is right.
+  // Shadows take a sixth of the time of a check, and do not help to decide whether the recording is valid.
   job.options.masks.shadows = given.options.masks.shadows && with_forecast;
   const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::optional, progress)};
   const Drive& drive = drives.front().drive;
@@ -214,22 +215,22 @@ CheckReport check(const job::Job& given, bool with_forecast, Progress& progress)
   inputs::PoseChoice choice;
   if (!drive.poses.empty() || !drive.scan_headers.empty())
     choice = inputs::choose_poses(drive, job.read.poses, job.options.odometry, progress);
-  const bool posed = !inputs::chosen(drive, choice).empty();
-  const inputs::Poses poses = posed ? inputs::in_one_world(drives, {choice}) : inputs::given_poses(drives);
+  const bool posed = !inputs::trajectory_of(drive, choice).empty();
+  const inputs::Poses poses = posed ? inputs::transform_to_target_world(drives, {choice}) : inputs::use_given_poses(drives);
   const std::size_t known = progress.warnings().size();
   const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
-  CheckReport report = describe(drives.front(), choice, masks);
+  CheckReport report = make_report(drives.front(), choice, masks);
   const std::vector<std::string> warned = progress.warnings();
-  for (std::size_t i = known; i < warned.size(); ++i) report.warnings.push_back(without_name(warned[i], drives.front()));
+  for (std::size_t i = known; i < warned.size(); ++i) report.warnings.push_back(remove_name(warned[i], drives.front()));
   report.place = find_place(poses.front().world_from_lidar, drive.fixes);
   report.warnings.insert(report.warnings.end(), range_warnings.begin(), range_warnings.end());
-  const std::vector<std::string> doubts = inputs::check_setup({drives, poses, masks}, progress);
-  report.warnings.insert(report.warnings.end(), doubts.begin(), doubts.end());
-  for (const std::string& doubt : diagnostics::check_scan_times(drive, inputs::chosen(drive, choice))) {
-    progress.warn(drive.path.filename().string() + ": " + doubt);
-    report.warnings.push_back(doubt);
+  const std::vector<std::string> contradictions = inputs::check_setup({drives, poses, masks}, progress);
+  report.warnings.insert(report.warnings.end(), contradictions.begin(), contradictions.end());
+  for (const std::string& warning : diagnostics::check_scan_times(drive, inputs::trajectory_of(drive, choice))) {
+    progress.warn(drive.path.filename().string() + ": " + warning);
+    report.warnings.push_back(warning);
   }
-  if (!job.out.empty()) report.pictures = write_check_pictures(job.out, drive, inputs::chosen(drive, choice));
+  if (!job.out.empty()) report.pictures = write_check_pictures(job.out, drive, inputs::trajectory_of(drive, choice));
   if (with_forecast && report.ready) report.forecast = forecast_holes({drives, poses, masks}, job, progress);
   return report;
 }

@@ -11,16 +11,16 @@
 namespace dvi::commands {
 namespace {
 
-constexpr std::int64_t kTogether = 20'000'000;  // ns: what another camera took at the time of the first or last frame
+constexpr std::int64_t kMaxCameraGapNs = 20'000'000;  // between images of two cameras that belong together
 
-void pass_on_warnings(const Drive& drive, Progress& progress) {
+void report_warnings(const Drive& drive, Progress& progress) {
   for (const std::string& warning : drive.warnings) progress.warn(drive.camera_name + ": " + warning);
 }
 
-std::vector<Drive> other_cameras(const Drive& drive, datasets::ReadOptions read, Progress& progress) {
+std::vector<Drive> read_other_cameras(const Drive& drive, datasets::ReadOptions read, Progress& progress) {
   std::vector<Drive> out;
   read.frames.reset();
-  read.span = TimeSpan{drive.frames.front().time_ns - kTogether, drive.frames.back().time_ns + kTogether};
+  read.span = TimeSpan{drive.frames.front().time_ns - kMaxCameraGapNs, drive.frames.back().time_ns + kMaxCameraGapNs};
   for (const std::string& camera : drive.camera_names) {
     if (camera == drive.camera_name) continue;
     read.camera = camera;
@@ -35,12 +35,12 @@ std::vector<Drive> other_cameras(const Drive& drive, datasets::ReadOptions read,
 
 }  // namespace
 
-ConvertReport convert(const fs::path& recording, const datasets::ReadOptions& read, bool all_cameras, const fs::path& out,
-                      Progress& progress) {
+ConvertReport convert(const ConvertSource& source, const fs::path& out, Progress& progress) {
   require_empty(out, "drive");
-  const Drive drive = datasets::read_drive(recording, read);
-  pass_on_warnings(drive, progress);
-  const std::vector<Drive> others = all_cameras ? other_cameras(drive, read, progress) : std::vector<Drive>();
+  const Drive drive = datasets::read_drive(source.recording, source.read);
+  report_warnings(drive, progress);
+  const std::vector<Drive> others =
+      source.all_cameras ? read_other_cameras(drive, source.read, progress) : std::vector<Drive>();
   ConvertReport report{.format = drive.format,
                        .cameras = {drive.camera_name},
                        .images = drive.frames.size(),

@@ -10,7 +10,14 @@
 
 namespace dvi::commands {
 
-/// What `dvi convert` wrote.
+/// The recording, or the part of it, to convert.
+struct ConvertSource {
+  fs::path recording;
+  datasets::ReadOptions read;
+  bool all_cameras = true;  ///< also convert the cameras that `read` does not choose
+};
+
+/// The contents of a converted drive.
 struct ConvertReport {
   std::string format;
   std::vector<std::string> cameras;  ///< the drive's own first
@@ -18,10 +25,8 @@ struct ConvertReport {
   int first_frame = 0, last_frame = 0;
 };
 
-/// Writes a recording, or a range of it, in the `folder` layout: as its chosen camera saw it, and, where `all_cameras`, the
-/// others too. Another camera that cannot be read is left out with a warning. InputError where the recording cannot be read, or
-/// the folder is not empty.
-ConvertReport convert(const fs::path& recording, const datasets::ReadOptions& read, bool all_cameras, const fs::path& out,
-                      Progress& progress);
+/// Writes a recording, or a range of it, in the `folder` layout. Another camera that cannot be read is left out with a warning.
+/// Throws InputError if the recording cannot be read, or if the folder is not empty.
+ConvertReport convert(const ConvertSource& source, const fs::path& out, Progress& progress);
 
 }  // namespace dvi::commands

@@ -23,9 +23,9 @@ struct nlohmann::adl_serializer<dvi::audit::HoleShares> {
 namespace dvi::commands {
 namespace {
 
-constexpr int kCoarseFrom = 640;  // px of width from which every second pixel tells enough
+constexpr int kMinCoarseWidthPx = 640;  // from this width on, every second pixel is enough
 
-std::string row(const std::string& name, const std::string& image, const audit::HoleShares& hole) {
+std::string format_row(const std::string& name, const std::string& image, const audit::HoleShares& hole) {
   return fmt::format("{:<20}{:>10}{:>14.1f}{:>18.1f}{:>14.1f}", name, image, 100 * hole.copied, 100 * hole.copied_elsewhere,
                      100 * hole.unobserved);
 }
@@ -34,10 +34,10 @@ std::string row(const std::string& name, const std::string& image, const audit::
 
 std::string ForecastReport::table() const {
   std::string text =
-      fmt::format("{:<20}{:>10}{:>14}{:>18}{:>14}\n", "% of", "image", "hole: seen", "by other drives", "unobserved");
+      fmt::format("{:<20}{:>10}{:>14}{:>18}{:>14}\n", "% of", "image", "hole: copied", "by other drives", "unobserved");
   for (const FrameForecastReport& frame : frames)
-    text += row(frame.name, fmt::format("{:.1f}", 100 * frame.image_share), frame.hole) + "\n";
-  return text + row("all", "", hole);
+    text += format_row(frame.name, fmt::format("{:.1f}", 100 * frame.image_share), frame.hole) + "\n";
+  return text + format_row("all", "", hole);
 }
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameForecastReport, number, name, image_share, hole)
@@ -52,7 +52,7 @@ ForecastReport forecast_holes(const inputs::Inputs& inputs, const job::Job& job,
   const Views views = inputs::make_views(inputs, progress);
   const map::StaticMap map = run::build_map(inputs, job.options.map, progress);
   const Drive& target = inputs.drives.front().drive;
-  const int step = target.camera.width < kCoarseFrom ? 1 : 2;
+  const int step = target.camera.width < kMinCoarseWidthPx ? 1 : 2;
   progress.begin("forecast", views.of_sequence(0).second);
   const audit::Coverage found =
       audit::predict_coverage(views, map, job.options.depth, job.options.sample, step, progress.tick());
@@ -73,7 +73,7 @@ ForecastReport forecast_holes(const inputs::Inputs& inputs, const job::Job& job,
 
 ForecastReport forecast_holes(const job::Job& job, Progress& progress) {
   const inputs::Recordings drives =
-      inputs::with_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::required, progress), job, progress);
+      inputs::add_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::required, progress), job, progress);
   const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);
   const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
   return forecast_holes({drives, poses, masks}, job, progress);

@@ -12,28 +12,29 @@
 
 namespace dvi::commands {
 
+/// The coverage of the hole of one frame.
 struct FrameForecastReport {
   int number = 0;
   std::string name;
-  double image_share = 0;  ///< of the image that is hole
+  double image_share = 0;  ///< share of the image that is hole
   audit::HoleShares hole;
 };
 
-/// What other frames will have seen of each hole.
+/// The share of each hole that sources observe.
 struct ForecastReport {
   audit::HoleShares hole;  ///< of all frames
   std::vector<FrameForecastReport> frames;
 
-  std::string table() const;  ///< for people
+  std::string table() const;  ///< as text
 };
 std::string to_json(const ForecastReport& report);
 void to_json(nlohmann::json& json, const ForecastReport& report);
 
-/// `dvi forecast`: of job.target (with source drives). Writes forecast.png into job.out unless that is empty. InputError where
-/// there are no masks or poses.
+/// Runs `dvi forecast`: estimates the coverage of the holes of job.target by its own frames, cameras, and source drives. Writes
+/// a chart, forecast.png, to job.out unless that is empty. Throws InputError if there are no masks or poses.
 ForecastReport forecast_holes(const job::Job& job, Progress& progress);
 
-/// The same for drives whose poses and masks are known.
+/// Estimates the coverage for drives whose poses and masks are known.
 ForecastReport forecast_holes(const inputs::Inputs& inputs, const job::Job& job, Progress& progress);
 
 }  // namespace dvi::commands

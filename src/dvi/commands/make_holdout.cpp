@@ -13,8 +13,8 @@
 namespace dvi::commands {
 namespace {
 
-// All that a case depends on.
-std::string recipe_of(job::Job job, const holdout::HoldoutOptions& options, const inputs::Recordings& drives) {
+/// Returns a fingerprint of everything that a case depends on.
+std::string fingerprint_case(job::Job job, const holdout::HoldoutOptions& options, const inputs::Recordings& drives) {
   job.out.clear();
   Fingerprint print;
   print.add(kVersion);
@@ -29,20 +29,21 @@ std::string recipe_of(job::Job job, const holdout::HoldoutOptions& options, cons
   return print.hex();
 }
 
-void make(const job::Job& job, const holdout::HoldoutOptions& options, bool keep, Progress& progress) {
-  if (!keep) require_empty(job.out, "case");
+enum class ExistingCase { refuse, reuse };
+
+void make_case(const job::Job& job, const holdout::HoldoutOptions& options, ExistingCase existing, Progress& progress) {
+  if (existing == ExistingCase::refuse) require_empty(job.out, "case");
   inputs::Recordings drives =
-      inputs::with_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::optional, progress), job, progress);
-  // A colored vehicle in a gray picture would pass for a camera in color.
+      inputs::add_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::optional, progress), job, progress);
+  // A colored vehicle in a gray image would make the camera count as a color camera.
   std::erase_if(drives, [gray = drives.front().gray](const inputs::Recording& other) { return other.gray != gray; });
   const inputs::Recording& open = drives.front();
-  if (!open.masks_from) progress.warn("the drive brings neither masks nor labels: its real traffic counts as street");
-  const std::string recipe = recipe_of(job, options, drives);
-  const std::string kept = keep ? holdout::read_holdout_recipe(job.out) : "";
+  if (!open.masks_from) progress.warn("the drive has neither masks nor labels, so its real traffic counts as background");
+  const std::string recipe = fingerprint_case(job, options, drives);
+  const std::string kept = existing == ExistingCase::reuse ? holdout::read_holdout_recipe(job.out) : "";
   if (kept == recipe) return;
   if (!kept.empty())
-    throw InputError(job.out, "holds a case made from another drive or with other options",
-                     "remove it or choose another folder");
+    throw InputError(job.out, "contains a case of another drive or with other options", "remove it or choose another folder");
   const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);
   const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
   progress.begin(fmt::format("holdout {}", holdout::name(options.scenario)),
@@ -54,22 +55,21 @@ void make(const job::Job& job, const holdout::HoldoutOptions& options, bool keep
   const holdout::Holdout holdout(cameras, poses.front().world_from_lidar, options);
   holdout::write_holdout(holdout, job.out, recipe, progress.tick());
   progress.end();
-  if (const auto avoidance = holdout.vehicle() ? holdout.vehicle()->avoidance() : std::nullopt;
-      avoidance && avoidance->returns > 0)
+  if (const auto position = holdout.vehicle() ? holdout.vehicle()->stand() : std::nullopt; position && position->returns > 0)
     progress.warn(
-        fmt::format("the {} vehicle of seed {} stands in what the scans show ({} returns inside it): no place within "
-                    "15 m along the road is free; another --seed may find one",
-                    holdout::name(options.scenario), options.seed, avoidance->returns));
+        fmt::format("the {} vehicle of seed {} overlaps with objects in the scans ({} returns are inside it), because no place "
+                    "within 15 m along the road is free; try another --seed",
+                    holdout::name(options.scenario), options.seed, position->returns));
 }
 
 }  // namespace
 
 void make_holdout(const job::Job& job, const holdout::HoldoutOptions& options, Progress& progress) {
-  make(job, options, false, progress);
+  make_case(job, options, ExistingCase::refuse, progress);
 }
 
-void keep_or_make_holdout(const job::Job& job, const holdout::HoldoutOptions& options, Progress& progress) {
-  make(job, options, true, progress);
+void reuse_or_make_holdout(const job::Job& job, const holdout::HoldoutOptions& options, Progress& progress) {
+  make_case(job, options, ExistingCase::reuse, progress);
 }
 
 }  // namespace dvi::commands

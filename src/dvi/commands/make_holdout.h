@@ -6,11 +6,11 @@
 
 namespace dvi::commands {
 
-/// `dvi holdout`: virtual traffic put into job.target, the case written into job.out. Without masks and labels nothing of the
-/// drive counts as real traffic, which is warned of. InputError where the folder is not empty.
+/// Runs `dvi holdout`: inserts virtual traffic into job.target, and writes the case to job.out. Warns if the drive has neither
+/// masks nor labels, because its real traffic then counts as background. Throws InputError if the folder is not empty.
 void make_holdout(const job::Job& job, const holdout::HoldoutOptions& options, Progress& progress);
 
-/// The same where the folder may hold the very same case already, which is kept. InputError where it holds anything else.
-void keep_or_make_holdout(const job::Job& job, const holdout::HoldoutOptions& options, Progress& progress);
+/// Makes the case unless the folder already contains it. Throws InputError if the folder has other contents.
+void reuse_or_make_holdout(const job::Job& job, const holdout::HoldoutOptions& options, Progress& progress);
 
 }  // namespace dvi::commands

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kMaskRows = 12, kMaskColumns = 2;
 
-cv::Mat3b sheet(const Drive& drive, const Lazy<cv::Mat1b>& masks) {
+cv::Mat3b make_sheet(const Drive& drive, const Lazy<cv::Mat1b>& masks) {
   const std::size_t count = std::min(drive.frames.size(), kMaskRows * kMaskColumns);
   std::vector<media::SheetCell> cells(count);
   parallel_for(count, [&](std::size_t k) {
@@ -88,7 +88,7 @@ int dilation_px(const inputs::Recording& open, const objects::MaskOptions& optio
 
 std::string make_masks(const job::Job& job, Progress& progress) {
   result::require_apart(job);
-  require_empty(job.out, "masks");  // what is there may have been corrected by hand
+  require_empty(job.out, "masks");  // existing masks may have been edited by hand
   const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::required, progress)};
   inputs::verify(drives, job, progress);
   const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);
@@ -106,7 +106,7 @@ std::string make_masks(const job::Job& job, Progress& progress) {
     media::write_png(folder / (drive.frames[i].name + ".png"), mask);
     progress.advance();
   });
-  media::write_png(out / "contact.png", sheet(drive, found.images));
+  media::write_png(out / "contact.png", make_sheet(drive, found.images));
   nlohmann::json frames = nlohmann::json::array();
   for (std::size_t i = 0; i < shares.size(); ++i)
     frames.push_back({{"number", drive.frames[i].number}, {"name", drive.frames[i].name}, {"share", shares[i]}});

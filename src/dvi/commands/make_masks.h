@@ -8,9 +8,9 @@
 
 namespace dvi::commands {
 
-/// `dvi mask`: what is removed from job.target, as a run would decide it, without running: job.out/masks/CAMERA/NAME.png,
-/// contact.png and masks.json, which `--masks` takes back. Returns masks.json. InputError where job.out is not empty, or is,
-/// holds or lies in an input.
+/// Runs `dvi mask`: finds the objects that a run removes from job.target, and writes job.out/masks/CAMERA/NAME.png, which
+/// `--masks` reads, contact.png, and masks.json. Returns masks.json. Throws InputError if job.out is not empty, or is,
+/// contains, or is inside of an input.
 std::string make_masks(const job::Job& job, Progress& progress);
 
 }  // namespace dvi::commands

@@ -10,15 +10,21 @@
 
 namespace dvi::commands {
 
-/// How well dvi, and other programs, do on a drive of one's own: rows per scenario for people, and all figures for machines.
+/// The scores of dvi and of other programs on a drive: `text` has a row per scenario, `json` all figures.
 struct SelfcheckReport {
   std::string json, text;
 };
 
-/// For each scenario: `dvi holdout` of job.target into job.out/SCENARIO/case, `dvi run` of it by job's method and options into
-/// job.out/SCENARIO/result, and `dvi eval`. Finished cases and runs are not made again. Other programs' frames of a
-/// scenario are in FOLDER/SCENARIO. Also writes job.out/selfcheck.json.
-SelfcheckReport selfcheck(const job::Job& job, const std::vector<holdout::Scenario>& scenarios,
-                          const std::vector<metrics::ExternalFrames>& external, int seed, Progress& progress);
+/// The cases of a selfcheck.
+struct SelfcheckOptions {
+  std::vector<holdout::Scenario> scenarios;
+  std::vector<metrics::ExternalFrames> external;  ///< frames of other programs, in FOLDER/SCENARIO
+  int seed = 0;
+};
+
+/// Runs `dvi selfcheck`. For each scenario, it makes a holdout case of job.target in job.out/SCENARIO/case, fills it with the
+/// job's method and options into job.out/SCENARIO/result, and scores the result. Finished cases and runs are not made again.
+/// Also writes job.out/selfcheck.json.
+SelfcheckReport selfcheck(const job::Job& job, const SelfcheckOptions& options, Progress& progress);
 
 }  // namespace dvi::commands

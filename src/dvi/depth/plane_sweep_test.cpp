@@ -104,7 +104,7 @@ TEST(PlaneSweep, ASurfaceContinuesUpwardAsFarAsItsTexture) {
   const auto walls = [&](int first, int last) {
     int count = 0;
     for (int y = first; y < last; ++y)
-      for (int x = kHole.x; x < kHole.br().x; ++x) count += out.z(y, x) == static_cast<float>(FlatScene::kDepth) ? 1 : 0;
+      for (int x = kHole.x; x < kHole.br().x; ++x) count += out.z(y, x) == static_cast<float>(FlatScene::kDepthM) ? 1 : 0;
     return count / static_cast<double>((last - first) * kHole.width);
   };
   EXPECT_GT(walls(24, 30), 0.75);

@@ -23,7 +23,7 @@ TEST(Warp, MapsAPlaneByItsDisparity) {
   const Warp warp(scene.views[0], scene.views[1]);
   for (int y = 0; y < 40; y += 3)
     for (int x = 0; x < 60; x += 3)
-      EXPECT_EQ(warp({x, y}, static_cast<float>(FlatScene::kDepth)),
+      EXPECT_EQ(warp({x, y}, static_cast<float>(FlatScene::kDepthM)),
                 cv::Point2f(static_cast<float>(x + 7), static_cast<float>(y)));
 }
 

@@ -8,14 +8,14 @@
 namespace dvi::inputs {
 namespace {
 
-std::vector<std::string> doubts_of(const Recording& open, const DrivePoses& poses, const objects::CameraMasks& masks) {
+std::vector<std::string> diagnose(const Recording& open, const DrivePoses& poses, const objects::CameraMasks& masks) {
   const Drive& drive = open.drive;
   const diagnostics::FlowPairs pairs = diagnostics::make_flow_pairs(drive, poses.choice.tracks, masks.images);
-  std::vector<std::string> doubts = diagnostics::check_camera(pairs, drive.camera_from_lidar);
-  if (open.rig_of) return doubts;
-  if (doubts.empty()) doubts = diagnostics::check_labels(drive);
-  for (const std::string& fast : diagnostics::check_fast_motion(drive, poses.world_from_lidar)) doubts.push_back(fast);
-  return doubts;
+  std::vector<std::string> warnings = diagnostics::check_camera(pairs, drive.camera_from_lidar);
+  if (open.rig_of) return warnings;
+  if (warnings.empty()) warnings = diagnostics::check_labels(drive);
+  for (const std::string& fast : diagnostics::check_fast_motion(drive, poses.world_from_lidar)) warnings.push_back(fast);
+  return warnings;
 }
 
 }  // namespace
@@ -25,8 +25,8 @@ std::vector<std::string> check_setup(const Inputs& inputs, Progress& progress) {
   std::vector<std::string> warnings;
   progress.begin("camera and labels", drives.size());
   for (std::size_t i = 0; i < drives.size(); ++i) {
-    for (const std::string& doubt : doubts_of(drives[i], poses[i], masks[i]))
-      warnings.push_back(name_of(drives[i]) + ": " + doubt);
+    for (const std::string& warning : diagnose(drives[i], poses[i], masks[i]))
+      warnings.push_back(name_of(drives[i]) + ": " + warning);
     progress.advance();
   }
   progress.end();

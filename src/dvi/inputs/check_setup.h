@@ -8,8 +8,8 @@
 
 namespace dvi::inputs {
 
-/// Warns where a recording contradicts its camera, its clock or its labels (plausibility/), and returns the warnings. Labels
-/// are not judged where the camera is in doubt: boxes may come from it.
+/// Warns where a recording contradicts its camera, its clock, or its labels (diagnostics/), and returns the warnings. Labels
+/// are not checked if there is a warning about the camera, because boxes may be derived from its calibration.
 std::vector<std::string> check_setup(const Inputs& inputs, Progress& progress);
 
 }  // namespace dvi::inputs

@@ -21,26 +21,28 @@ constexpr auto names_of(PoseOrigin) {
   return std::array{std::pair{PoseOrigin::given, "given"}, std::pair{PoseOrigin::loam, "loam"}};
 }
 
-/// Where a drive's poses come from, and how sharp a map they make.
+/// The source of a drive's poses, and the sharpness of the map that they make.
 struct PoseChoice {
   PoseOrigin from = PoseOrigin::given;
   std::optional<odometry::Odometry> odometry;
   std::optional<odometry::Sharpness> given, loam;
-  std::vector<diagnostics::ScanTrack> tracks;       ///< what the poses are held against
-  std::optional<diagnostics::PoseReading> misread;  ///< the given poses mean something else; then they are no guess
-  std::vector<std::string> warnings;                ///< that they are, and maps that hold too little to be judged
+  std::vector<diagnostics::ScanTrack> tracks;       ///< relative motion in the scans, with which poses are compared
+  std::optional<diagnostics::PoseReading> misread;  ///< other meaning of the given poses; they are not used as a guess
+  std::vector<std::string> warnings;                ///< about misread poses, and about maps with too few patches
 };
 
-/// automatic: the given poses or those of the scans, which take the given motion for a guess, whichever lay the scans together
-/// more sharply; the given ones where they are as good, unless the scans show that they mean something else. Whatever is wished
-/// for, a warning says if they do. InputError where loam is wished for and there are no scans.
+/// Chooses the poses of a drive. `automatic` compares the given poses with poses estimated from the scans, for which the given
+/// motion is the initial guess, and chooses those that make the sharper map. Given poses that are as good are kept, unless the
+/// scans show that they have another meaning (inverted, or of the camera). For every `wish`, a warning reports such a meaning.
+/// Throws InputError if `wish` is loam and the drive has no scans, or if odometry fails and there are no given poses.
 PoseChoice choose_poses(const Drive& drive, const job::PosesFrom& wish, const odometry::OdometryOptions& options,
                         Progress& progress);
 
-/// The trajectory that was chosen, in its own world.
-const Trajectory& chosen(const Drive& drive, const PoseChoice& choice);
+/// Returns the chosen trajectory, in its own world.
+const Trajectory& trajectory_of(const Drive& drive, const PoseChoice& choice);
 
-/// The odometry's motion, laid onto the given poses as a whole where there are some: drives that share a world stay together.
-Trajectory laid_onto(const Trajectory& given, const Trajectory& odometry);
+/// Aligns the estimated trajectory as a whole (rotation and translation) to the given poses, so that drives with given poses in
+/// one world remain in it. Returns it unchanged if no given pose covers its times.
+Trajectory align_to_given(const Trajectory& given, const Trajectory& odometry);
 
 }  // namespace dvi::inputs

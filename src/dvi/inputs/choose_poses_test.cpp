@@ -35,16 +35,16 @@ TEST(ChoosePoses, RefusesARecordingOfADepthCameraThatIsMostlyLost) {
     }
 }
 
-TEST(ChoosePoses, WarnsWhereADepthCameraIsLostForAWhile) {
+TEST(ChoosePoses, WarnsOfAPartInWhichADepthCameraIsLost) {
   const Drive drive = drive_to_white_wall(18);
   const PoseChoice choice = choose(drive, job::PosesFrom::Kind::loam);
   EXPECT_EQ(choice.from, PoseOrigin::loam);
   EXPECT_THAT(choice.warnings, testing::Contains(testing::HasSubstr("6 of 24 depth images could not be aligned")));
-  EXPECT_TRUE(chosen(drive, choice).at(drive.frames[17].time_ns));
-  EXPECT_FALSE(chosen(drive, choice).at(drive.frames[18].time_ns));
+  EXPECT_TRUE(trajectory_of(drive, choice).at(drive.frames[17].time_ns));
+  EXPECT_FALSE(trajectory_of(drive, choice).at(drive.frames[18].time_ns));
 }
 
-TEST(ChoosePoses, KeepsGivenPosesWhereADepthCameraIsMostlyLost) {
+TEST(ChoosePoses, KeepsGivenPosesOfADepthCameraThatIsMostlyLost) {
   Drive drive = drive_to_white_wall(8);
   std::vector<StampedPose> given;
   for (const Frame& frame : drive.frames)
@@ -53,7 +53,7 @@ TEST(ChoosePoses, KeepsGivenPosesWhereADepthCameraIsMostlyLost) {
   EXPECT_EQ(choose(drive, job::PosesFrom::Kind::automatic).from, PoseOrigin::given);
 }
 
-TEST(ChoosePoses, TakesThoseOfTheScansWhereGivenOnesAreOfAnotherTime) {
+TEST(ChoosePoses, EstimatesPosesIfGivenPosesCoverOtherTimes) {
   Drive drive = drive_to_white_wall(24);
   constexpr std::int64_t kLaterNs = 1'000'000'000'000;
   drive.poses = Trajectory({{drive.frames.front().time_ns + kLaterNs, SE3{}}, {drive.frames.back().time_ns + kLaterNs, SE3{}}});

@@ -7,8 +7,8 @@
 namespace dvi::inputs {
 namespace {
 
-// For each scan, whether the check of the poses found that it is wrong.
-std::vector<bool> untrusted_scans(const Drive& drive, const PoseChoice& choice) {
+// For each scan, whether its pose is known to be wrong.
+std::vector<bool> find_wrong_scans(const Drive& drive, const PoseChoice& choice) {
   std::vector<bool> untrusted(drive.scan_headers.size(), choice.misread && choice.from == PoseOrigin::given);
   if (choice.from == PoseOrigin::loam && choice.odometry)
     for (std::size_t i = 0; i < std::min(untrusted.size(), choice.odometry->scans.size()); ++i)
@@ -33,7 +33,7 @@ objects::Evidence collect_evidence(const Recordings& drives, const Poses& poses)
   std::vector<objects::CameraEvidence> cameras;
   for (std::size_t i = 0; i < drives.size(); ++i) {
     cameras.push_back(evidence_of(drives[i], poses[i].world_from_lidar));
-    cameras.back().untrusted_scans = untrusted_scans(drives[i].drive, poses[i].choice);
+    cameras.back().untrusted_scans = find_wrong_scans(drives[i].drive, poses[i].choice);
   }
   return objects::Evidence(std::move(cameras));
 }

@@ -6,11 +6,11 @@
 
 namespace dvi::inputs {
 
-/// The recordings together with what was found in them before the map is built. Refers to these only.
+/// The recordings with their poses and masks, from which the map and the views are made. Holds references only.
 struct Inputs {
   const Recordings& drives;
-  const Poses& poses;           ///< as `drives`
-  const objects::Masks& masks;  ///< as `drives`
+  const Poses& poses;           ///< one per recording
+  const objects::Masks& masks;  ///< one per recording
 };
 
 }  // namespace dvi::inputs

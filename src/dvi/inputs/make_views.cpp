@@ -9,8 +9,8 @@
 namespace dvi::inputs {
 namespace {
 
-// Images and masks of the views. The drives' own caches hold the pixels; these only look up the right one.
-void attach_pictures(Views& views, const Recordings& drives, const objects::Masks& masks_of_cameras) {
+// The drives' caches hold the pixels; the sequences of the views only refer to them, so that no image is kept twice.
+void attach_images(Views& views, const Recordings& drives, const objects::Masks& masks_of_cameras) {
   const auto of = [list = views.views](std::size_t i) { return std::pair(list[i].sequence, list[i].frame); };
   std::vector<Lazy<cv::Mat3b>> images;
   std::vector<Lazy<cv::Mat1b>> masks;
@@ -20,7 +20,7 @@ void attach_pictures(Views& views, const Recordings& drives, const objects::Mask
   views.masks = Lazy<cv::Mat1b>::through(views.size(), [=](std::size_t i) { return masks[of(i).first][of(i).second]; });
 }
 
-View numbered(View view, const Recordings& drives, std::size_t sequence) {
+View assign_sequence(View view, const Recordings& drives, std::size_t sequence) {
   view.sequence = static_cast<int>(sequence);
   view.gray = drives[sequence].gray;
   view.drive = static_cast<int>(drives[sequence].rig_of.value_or(sequence));
@@ -36,12 +36,12 @@ Views make_views(const Inputs& inputs, Progress& progress) {
     const Drive& drive = drives[d].drive;
     for (std::size_t i = 0; i < drive.frames.size(); ++i) {
       if (const auto view = posed_view(drive, i, poses[d].world_from_lidar))
-        out.views.push_back(numbered(*view, drives, d));
+        out.views.push_back(assign_sequence(*view, drives, d));
       else
         progress.warn(fmt::format("{}: frame {} has no pose and is left out", name_of(drives[d]), drive.frames[i].name));
     }
   }
-  attach_pictures(out, drives, masks);
+  attach_images(out, drives, masks);
   return out;
 }
 
@@ -50,13 +50,13 @@ Views make_unposed_views(const Recordings& drives, const objects::Masks& masks) 
   for (std::size_t d = 0; d < drives.size(); ++d) {
     const Drive& drive = drives[d].drive;
     for (std::size_t i = 0; i < drive.frames.size(); ++i)
-      out.views.push_back(numbered({0, i, drive.frames[i].time_ns, drive.camera, SE3()}, drives, d));
+      out.views.push_back(assign_sequence({0, i, drive.frames[i].time_ns, drive.camera, SE3()}, drives, d));
   }
-  attach_pictures(out, drives, masks);
+  attach_images(out, drives, masks);
   return out;
 }
 
-Views refined(const Views& views, const exposure::Gains& gains, const align::Cameras& cameras) {
+Views refine_views(const Views& views, const exposure::Gains& gains, const align::Cameras& cameras) {
   Views out = views;
   for (std::size_t i = 0; i < out.size(); ++i) {
     out.views[i].gain = gains.of_view[i];

@@ -8,13 +8,13 @@
 
 namespace dvi::inputs {
 
-/// All posed frames of all drives. Frames without a pose are left out with a warning.
+/// Makes a view of each posed frame of all drives. Frames without a pose are left out with a warning.
 Views make_views(const Inputs& inputs, Progress& progress);
 
-/// All frames of all drives, whether posed or not, each with the identity for its pose: for what does not look at poses.
+/// Makes a view of each frame of all drives, with the identity as its pose, for methods that do not use poses.
 Views make_unposed_views(const Recordings& drives, const objects::Masks& masks);
 
-/// The same views with the gains and poses that were found for them.
-Views refined(const Views& views, const exposure::Gains& gains, const align::Cameras& cameras);
+/// Returns the views with the gains, vignetting, and refined poses set. `gains` and `cameras` have one entry per view.
+Views refine_views(const Views& views, const exposure::Gains& gains, const align::Cameras& cameras);
 
 }  // namespace dvi::inputs

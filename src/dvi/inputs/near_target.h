@@ -6,12 +6,12 @@
 
 namespace dvi::inputs {
 
-/// Meters between positions of two drives beyond which no camera of one sees what the other's target frames show.
-constexpr double kFarApart = 150;
+/// The distance in meters between positions of two drives beyond which their cameras have no view of the same surface.
+constexpr double kMaxSharedViewM = 150;
 
-/// The time from a source drive's first given pose within kFarApart of a target frame's to its last one; up to 70 m more, since
-/// the target's path is kept as cells. None where it comes nowhere near. Both drives must have given poses in one world. Time
-/// grows with the sum of their poses.
+/// Returns the time from the first to the last given pose of a source drive that is within kMaxSharedViewM of a frame of the
+/// target, or up to 70 m more, because the target's path is stored as cells. Returns none if no pose is. Both drives must have
+/// given poses in one world. The computing time is linear in the number of poses.
 std::optional<TimeSpan> time_near_target(const Drive& target, const Drive& source);
 
 }  // namespace dvi::inputs

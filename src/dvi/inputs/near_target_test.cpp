@@ -5,7 +5,7 @@
 namespace dvi::inputs {
 namespace {
 
-// Poses and frames every second; x as given, z of a hill that does not count.
+/// A drive with poses and frames every second at the given x, on a hill whose height must not matter.
 Drive drive_along(const std::vector<double>& xs, double y = 0) {
   Drive drive;
   std::vector<StampedPose> poses;
@@ -19,26 +19,26 @@ Drive drive_along(const std::vector<double>& xs, double y = 0) {
   return drive;
 }
 
-constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kSecondNs = 1'000'000'000;
 
-TEST(NearTarget, IsTheTimeFromTheFirstNearPoseToTheLast) {
+TEST(NearTarget, ReturnsTheTimeFromTheFirstNearPoseToTheLast) {
   const Drive target = drive_along({0, 20, 40});
   const auto near = time_near_target(target, drive_along({-900, -145, 20, 2000, 100, 185, 400}));
   ASSERT_TRUE(near);
-  EXPECT_EQ(near->first, 1 * kSecond);
-  EXPECT_EQ(near->last, 5 * kSecond) << "the drive came back";
+  EXPECT_EQ(near->first, 1 * kSecondNs);
+  EXPECT_EQ(near->last, 5 * kSecondNs) << "the drive returns";
   EXPECT_FALSE(time_near_target(target, drive_along({0, 20, 40}, 230)));
   EXPECT_TRUE(time_near_target(target, drive_along({0, 20, 40}, -149)));
 }
 
-TEST(NearTarget, CountsTheTargetsFramesOnlyNotAllItsPoses) {
+TEST(NearTarget, UsesThePosesOfTheTargetsFramesOnly) {
   Drive target = drive_along({0, 1000});
   target.frames.resize(1);
   EXPECT_FALSE(time_near_target(target, drive_along({1000})));
   EXPECT_TRUE(time_near_target(target, drive_along({10})));
 }
 
-TEST(NearTarget, BringsPositionsToOneScale) {
+TEST(NearTarget, TransformsPositionsToTheTargetsScale) {
   const Drive target = drive_along({1000});
   Drive source = drive_along({2000});
   EXPECT_FALSE(time_near_target(target, source));

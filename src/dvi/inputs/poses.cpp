@@ -9,8 +9,8 @@
 namespace dvi::inputs {
 namespace {
 
-// Given positions of another Mercator scale are brought to the target's.
-Trajectory given_in_target_scale(const Drive& target, const Drive& drive) {
+/// Transforms given positions from the drive's Mercator scale to the target's.
+Trajectory scale_to_target(const Drive& target, const Drive& drive) {
   const double scale = target.world_scale / drive.world_scale;
   std::vector<StampedPose> poses = drive.poses.poses();
   for (StampedPose& p : poses) p.world_from_body.t *= scale;
@@ -20,9 +20,9 @@ Trajectory given_in_target_scale(const Drive& target, const Drive& drive) {
 void require_poses(const Recordings& drives, const std::vector<PoseChoice>& choices) {
   for (std::size_t i = 0; i < choices.size(); ++i) {
     const Drive& drive = drives[i].drive;
-    if (!chosen(drive, choices[i]).empty()) continue;
-    if (i == 0) throw InputError(drive.path, "has no poses", "give --poses FILE (docs/formats.md says which files)");
-    throw InputError(drive.path, "has neither poses nor scans that could place it in " + drives.front().drive.path.string(),
+    if (!trajectory_of(drive, choices[i]).empty()) continue;
+    if (i == 0) throw InputError(drive.path, "has no poses", "give --poses FILE (docs/formats.md lists the formats)");
+    throw InputError(drive.path, "has neither poses nor scans to register it to " + drives.front().drive.path.string(),
                      "give both drives poses in one world (docs/more_drives.md)");
   }
 }
@@ -36,14 +36,14 @@ void require_posed_frame(const Drive& drive, const Trajectory& world_from_lidar)
 
 bool shares_world(const Drive& target, const Drive& drive) { return !target.poses.empty() && !drive.poses.empty(); }
 
-Poses in_one_world(const Recordings& drives, std::vector<PoseChoice> choices) {
+Poses transform_to_target_world(const Recordings& drives, std::vector<PoseChoice> choices) {
   require_poses(drives, choices);
   const Drive& target = drives.front().drive;
   Poses poses;
   for (std::size_t i = 0; i < choices.size(); ++i) {
-    const Trajectory given = given_in_target_scale(target, drives[i].drive);
+    const Trajectory given = scale_to_target(target, drives[i].drive);
     const bool loam = choices[i].from == PoseOrigin::loam;
-    Trajectory trajectory = loam ? laid_onto(given, choices[i].odometry->world_from_lidar) : given;
+    Trajectory trajectory = loam ? align_to_given(given, choices[i].odometry->world_from_lidar) : given;
     poses.push_back({std::move(choices[i]), std::move(trajectory)});
   }
   const Trajectory& first = poses.front().world_from_lidar;
@@ -62,7 +62,7 @@ Poses estimate_poses(const Recordings& drives, const job::Job& job, Progress& pr
     const bool is_target = choices.empty();
     choices.push_back(choose_poses(open.drive, is_target ? job.read.poses : job::PosesFrom(), job.options.odometry, progress));
   }
-  Poses poses = in_one_world(drives, std::move(choices));
+  Poses poses = transform_to_target_world(drives, std::move(choices));
   register_sources(drives, job, poses, progress);
   for (const Recording& open : drives)
     if (open.rig_of) poses.push_back(poses[*open.rig_of]);
@@ -70,7 +70,7 @@ Poses estimate_poses(const Recordings& drives, const job::Job& job, Progress& pr
   return poses;
 }
 
-Poses given_poses(const Recordings& drives) {
+Poses use_given_poses(const Recordings& drives) {
   Poses poses;
   for (const Recording& open : drives) poses.push_back({{}, open.drive.poses});
   return poses;

@@ -10,29 +10,29 @@
 
 namespace dvi::inputs {
 
-/// Where the LiDAR of one drive was.
+/// The poses of the LiDAR of one drive.
 struct DrivePoses {
-  PoseChoice choice;                                          ///< where the poses come from
+  PoseChoice choice;                                          ///< the source of the poses, and its diagnostics
   Trajectory world_from_lidar;                                ///< world: the target's first LiDAR pose
-  std::optional<registration::PlacementFigures> placed = {};  ///< of a source drive that its scans put there
+  std::optional<registration::PlacementFigures> placed = {};  ///< of a source drive registered by its scans
 };
 
-/// As the recordings.
+/// One entry per recording, in the same order.
 using Poses = std::vector<DrivePoses>;
 
-/// Poses of all drives in one world (sections 3.1 and 3.5 of the paper): as the job asks for the target, estimated or given,
-/// whichever makes the sharper map, for source drives, which are then laid onto the target by their scans (register_sources.h).
-/// InputError where a drive has none, or no frame of the target has one.
+/// Estimates the poses of all drives in one world (sections 3.1 and 3.5 of the paper). The job's `poses` applies to the target.
+/// Source drives use estimated or given poses, whichever make the sharper map, and are then registered to the target by their
+/// scans (register_sources.h). Throws InputError if a drive has no poses, or if no frame of the target has one.
 Poses estimate_poses(const Recordings& drives, const job::Job& job, Progress& progress);
 
-/// The poses that each drive's choice names, brought into the world of the target's first LiDAR pose; a source drive whose
-/// given poses cannot be compared with the target's stays in a world of its own. InputError where there are none.
-Poses in_one_world(const Recordings& drives, std::vector<PoseChoice> choices);
+/// Transforms the chosen poses of each drive to the world of the target's first LiDAR pose. A source drive that has no given
+/// poses in the target's world stays in a world of its own. Throws InputError if a drive has no poses.
+Poses transform_to_target_world(const Recordings& drives, std::vector<PoseChoice> choices);
 
-/// Whether a drive's given poses say where it lies to the target.
+/// Whether both drives have given poses, which then are in one world.
 bool shares_world(const Drive& target, const Drive& drive);
 
-/// The given poses, each drive in its own world; empty where none are given.
-Poses given_poses(const Recordings& drives);
+/// Returns the given poses, each drive in its own world; empty for a drive without given poses.
+Poses use_given_poses(const Recordings& drives);
 
 }  // namespace dvi::inputs

@@ -24,8 +24,8 @@
 namespace dvi::inputs {
 namespace {
 
-// Replaces the drive's labels by those of a file, or of a folder with a file per image.
-void take_labels(Drive& drive, const fs::path& path) {
+/// Replaces the drive's labels with those of a file, or of a folder with one file per image.
+void replace_labels(Drive& drive, const fs::path& path) {
   const labels::FileLabels read = labels::read_labels(path, drive);
   if (read.has_only_unknown_frames)
     throw InputError(path, "has no labels of the drive: " + read.warnings.front(),
@@ -46,14 +46,14 @@ std::optional<objects::MaskSource> resolve_masks(Drive& drive, const job::MasksF
     if (need == MaskNeed::optional) return std::nullopt;
     if (!drive.scan_headers.empty()) return source;
     if (need == MaskNeed::required)
-      throw InputError(drive.path, "has neither masks nor labels, and no scans in which what moves could be found",
+      throw InputError(drive.path, "has neither masks nor labels, and no scans in which moving objects could be found",
                        "give --masks DIR (PNG files named as the images, 255 = remove) or --masks FILE (labels)");
     drive.warnings.emplace_back("has neither masks nor labels nor scans, so its traffic may be copied into the result");
     return std::nullopt;
   }
   if (from.kind == job::MasksFrom::Kind::found) {
     if (drive.scan_headers.empty())
-      throw InputError(drive.path, "has no scans in which what moves could be found", "give --masks DIR or --masks FILE");
+      throw InputError(drive.path, "has no scans in which moving objects could be found", "give --masks DIR or --masks FILE");
     return need == MaskNeed::optional ? std::nullopt : std::optional(objects::MaskSource::found);
   }
   if (from.kind == job::MasksFrom::Kind::labels) {
@@ -66,7 +66,7 @@ std::optional<objects::MaskSource> resolve_masks(Drive& drive, const job::MasksF
   }
   if (!fs::exists(from.path))
     throw InputError(from.path, "does not exist", "--masks takes a folder, a file, labels, found or auto");
-  take_labels(drive, from.path);
+  replace_labels(drive, from.path);
   return objects::MaskSource::labels;
 }
 
@@ -77,14 +77,14 @@ std::shared_ptr<const objects::Detector> load_detector(const job::ReadChoice& ch
   return std::make_shared<const objects::Detector>(choice.detector);
 }
 
-// Leaves out labels of other classes, and reads mask files as the user says.
-void choose_masked(Drive& drive, const std::optional<objects::MaskSource>& from, const job::ReadChoice& choice) {
+/// Applies `--classes` and `--polarity` to the drive's labels or mask files.
+void apply_mask_options(Drive& drive, const std::optional<objects::MaskSource>& from, const job::ReadChoice& choice) {
   const std::string& classes = choice.mask_files.classes;
   if (from == objects::MaskSource::files) return labels::read_masks(drive, choice.mask_files);
   if (from == objects::MaskSource::labels && (classes.empty() || choice.is_source)) labels::warn_of_unknown_types(drive);
   if (classes.empty() || choice.is_source) return;
   if (from == objects::MaskSource::detected)
-    throw UsageError("--classes " + classes + ": of a detector, MODEL.toml says which classes are removed");
+    throw UsageError("--classes " + classes + ": MODEL.toml determines the classes that a detector removes");
   if (from != objects::MaskSource::labels)
     throw UsageError("--classes " + classes + ": the drive has neither mask files nor labels to choose from");
   labels::keep_label_types(drive, classes);
@@ -105,95 +105,102 @@ void resolve_poses(Drive& drive, const job::PosesFrom& from) {
   drive.other_files.emplace_back(from.file);
 }
 
-// Meters from the sensor to the returns that are used.
-struct UsedRange {
-  double least, most;
+/// The distances from the sensor between which returns are used.
+struct RangeLimits {
+  double min_m, max_m;
 };
 
-UsedRange used_range(const Drive& drive, const map::MapOptions& options) {
+RangeLimits range_limits(const Drive& drive, const map::MapOptions& options) {
   return {options.min_range_m.value_or(drive.min_range_m()), options.max_range_m.value_or(drive.max_range_m())};
 }
 
-struct Returns {
-  std::size_t all = 0, near = 0, far = 0;  // near and far: outside the range
+struct ReturnCounts {
+  std::size_t all = 0, near = 0, far = 0;  ///< near and far: below and above the limits
 };
 
-Returns count_returns(const Scan& scan, const UsedRange& range) {
-  Returns out{.all = scan.size()};
+ReturnCounts count_returns(const Scan& scan, const RangeLimits& range) {
+  ReturnCounts out{.all = scan.size()};
   for (const Eigen::Vector3f& point : scan.points) {
-    if (point.norm() < range.least) ++out.near;
-    if (point.norm() > range.most) ++out.far;
+    if (point.norm() < range.min_m) ++out.near;
+    if (point.norm() > range.max_m) ++out.far;
   }
   return out;
 }
 
-std::optional<std::string> range_warning(const std::vector<Returns>& scans, const UsedRange& range) {
-  constexpr double kMany = 0.1;
-  Returns sum;
-  for (const Returns& scan : scans) sum.all += scan.all, sum.near += scan.near, sum.far += scan.far;
+std::optional<std::string> describe_unused_returns(const std::vector<ReturnCounts>& scans, const RangeLimits& range) {
+  constexpr double kMaxUnusedShare = 0.1;
+  ReturnCounts sum;
+  for (const ReturnCounts& scan : scans) sum.all += scan.all, sum.near += scan.near, sum.far += scan.far;
   const double all = static_cast<double>(sum.all), near = static_cast<double>(sum.near), far = static_cast<double>(sum.far);
-  if (near + far <= kMany * all) return std::nullopt;
+  if (near + far <= kMaxUnusedShare * all) return std::nullopt;
   return fmt::format(
       "{:.0f} % of all returns are not used: {:.0f} % are nearer than lidar.min_range_m = {:g}, {:.0f} % farther than "
-      "lidar.max_range_m = {:g}; set these to what the sensor sees, such as --set lidar.min_range_m=0.1",
-      100 * (near + far) / all, 100 * near / all, range.least, 100 * far / all, range.most);
+      "lidar.max_range_m = {:g}; set these to the range of the sensor, such as --set lidar.min_range_m=0.1",
+      100 * (near + far) / all, 100 * near / all, range.min_m, 100 * far / all, range.max_m);
 }
 
-/// A revolution of a LiDAR returns about as much as the others, unless its file was cut.
-std::optional<std::string> cut_warning(const Drive& drive, const std::vector<Returns>& scans) {
-  constexpr double kLeast = 0.1;  // of the usual
+/// Every revolution of a LiDAR has about as many returns as the others, unless its file is truncated.
+std::optional<std::string> describe_truncated_scans(const Drive& drive, const std::vector<ReturnCounts>& scans) {
+  constexpr double kMinCountShare = 0.1;  // relative to the median
   if (drive.sensor != Sensor::lidar) return std::nullopt;
   std::vector<double> counts;
-  for (const Returns& scan : scans) counts.push_back(static_cast<double>(scan.all));
-  const double usual = median(counts);
-  const auto is_cut = [&](double count) { return count < kLeast * usual; };
-  const auto first = std::find_if(counts.begin(), counts.end(), is_cut);
+  for (const ReturnCounts& scan : scans) counts.push_back(static_cast<double>(scan.all));
+  const double median_count = median(counts);
+  const auto is_truncated = [&](double count) { return count < kMinCountShare * median_count; };
+  const auto first = std::find_if(counts.begin(), counts.end(), is_truncated);
   if (first == counts.end()) return std::nullopt;
   return fmt::format(
-      "{} of {} scans have less than a tenth of the usual {:.0f} returns, the first is {} with {:.0f}: is it cut?",
-      std::count_if(counts.begin(), counts.end(), is_cut), counts.size(), usual,
+      "{} of {} scans have less than a tenth of the median of {:.0f} returns; the first is {} with {:.0f}: its file may be "
+      "truncated",
+      std::count_if(counts.begin(), counts.end(), is_truncated), counts.size(), median_count,
       drive.scan_headers[static_cast<std::size_t>(first - counts.begin())].name, *first);
 }
 
-bool same_camera(const Drive& a, const Drive& b) {
+bool is_same_camera(const Drive& a, const Drive& b) {
   return a.camera_name == b.camera_name && a.camera.width == b.camera.width && a.camera.height == b.camera.height;
 }
 
-// Of what the program itself leaves, a third each for the map, for what is kept for further use, and for the work in hand,
-// which nothing bounds.
+/// Limits the memory of the map and of the caches to a third each of `memory_mb` without the program's own memory. The last
+/// third is for the data that are being computed, which have no limit.
 void bound_memory(const job::Job& job) {
-  constexpr int kProgram = 150;  // megabytes: code, libraries, the heap's holes
-  const int shared = std::max(job.memory_mb - kProgram, job.memory_mb / 2);
+  constexpr int kProgramMb = 150;  // code, libraries, and the heap's fragmentation
+  const int shared = std::max(job.memory_mb - kProgramMb, job.memory_mb / 2);
   const std::size_t third = static_cast<std::size_t>(shared) * 1'000'000 / 3;
   Scratch::of_process()->set_bound(third);
   CacheBudget::of_process()->set_bound(third);
 }
 
-// A source drive as far as it comes near the target by given poses; what is far off is never read.
-Drive read_near(const Drive& target, const fs::path& path, datasets::ReadOptions read, Progress& progress) {
+/// Reads the part of a source drive that is near the target by given poses; all of it if poses are missing.
+Drive read_near_target(const Drive& target, const fs::path& path, datasets::ReadOptions read, Progress& progress) {
   Drive whole = datasets::read_drive(path, read);
   if (!shares_world(target, whole)) return whole;
   read.span = time_near_target(target, whole);
-  if (!read.span) return whole;  // refused where it is to be placed
+  if (!read.span) return whole;  // register_sources() refuses it
   const auto is_near = [&](const Frame& frame) {
     return frame.time_ns >= read.span->first && frame.time_ns <= read.span->last;
   };
   const auto near = static_cast<std::size_t>(std::count_if(whole.frames.begin(), whole.frames.end(), is_near));
   if (near == 0 || near == whole.frames.size()) return whole;
-  progress.note(fmt::format("{}: {} of {} frames lie near {} by the given poses; the rest is not read",
+  progress.note(fmt::format("{}: {} of {} frames are near {} by the given poses; the other frames are not read",
                             path.filename().string(), near, whole.frames.size(), target.path.filename().string()));
   return datasets::read_drive(path, read);
 }
 
-// `target`: of a source drive.
-Recording open_with(const fs::path& path, const job::ReadChoice& choice,
-                    const std::shared_ptr<const objects::Detector>& detector, MaskNeed need, Progress& progress,
-                    const Drive* target = nullptr) {
+/// The options with which a drive is opened.
+struct OpenOptions {
+  const job::ReadChoice& choice;
+  std::shared_ptr<const objects::Detector> detector;
+  MaskNeed need;
+  const Drive* target = nullptr;  ///< of a source drive
+};
+
+Recording open_drive(const fs::path& path, const OpenOptions& options, Progress& progress) {
+  const auto& [choice, detector, need, target] = options;
   datasets::ReadOptions read;
   read.camera = choice.camera;
   read.topics = choice.topics;
   if (!choice.frames.empty()) read.frames = job::parse_frames(choice.frames);
-  Recording open{target != nullptr ? read_near(*target, path, read, progress) : datasets::read_drive(path, read), {}};
+  Recording open{target != nullptr ? read_near_target(*target, path, read, progress) : datasets::read_drive(path, read), {}};
   if (read.frames && read.frames->first == read.frames->last)
     progress.note(fmt::format("frame {} only (--frames A:B for a range): nothing is copied from the drive's other frames",
                               read.frames->first));
@@ -203,7 +210,7 @@ Recording open_with(const fs::path& path, const job::ReadChoice& choice,
     for (; warned < drive.warnings.size(); ++warned)
       progress.warn(drive.path.filename().string() + ": " + drive.warnings[warned]);
   };
-  warn();  // before what may end the program: it may name the cause
+  warn();  // these may explain an error below
   resolve_poses(drive, choice.poses);
   if (detector) {
     open.masks_from = objects::MaskSource::detected;
@@ -212,7 +219,7 @@ Recording open_with(const fs::path& path, const job::ReadChoice& choice,
   } else {
     open.masks_from = resolve_masks(drive, choice.masks, need);
   }
-  choose_masked(drive, open.masks_from, choice);
+  apply_mask_options(drive, open.masks_from, choice);
   if (!choice.ego_mask.empty()) open.ego_mask = labels::read_static_mask(drive, choice.ego_mask, choice.mask_files.polarity);
   if (open.masks_from == objects::MaskSource::files)
     if (const auto bare = labels::describe_frames_without_mask(drive)) drive.warnings.push_back(*bare);
@@ -229,14 +236,14 @@ std::string name_of(const Recording& open) {
 std::string mask_source(const Recording& open) { return open.masks_from ? to_string(*open.masks_from) : "none"; }
 
 Recording open_recording(const fs::path& path, const job::ReadChoice& choice, MaskNeed need, Progress& progress) {
-  return open_with(path, choice, load_detector(choice), need, progress);
+  return open_drive(path, {choice, load_detector(choice), need}, progress);
 }
 
 Recordings open_recordings(const job::Job& job, MaskNeed need, Progress& progress) {
   bound_memory(job);
   Recordings drives;
   const std::shared_ptr<const objects::Detector> detector = load_detector(job.read);
-  drives.push_back(open_with(job.target, job.read, detector, need, progress));
+  drives.push_back(open_drive(job.target, {job.read, detector, need}, progress));
   job::ReadChoice further;
   further.camera = job.read.camera;
   further.topics = job.read.topics;
@@ -244,9 +251,9 @@ Recordings open_recordings(const job::Job& job, MaskNeed need, Progress& progres
   further.is_source = true;
   const MaskNeed of_sources = need == MaskNeed::required ? MaskNeed::wanted : need;
   for (const std::string& path : job.sources)
-    drives.push_back(open_with(path, further, detector, of_sources, progress, &drives.front().drive));
+    drives.push_back(open_drive(path, {further, detector, of_sources, &drives.front().drive}, progress));
   for (Recording& open : drives)
-    if (same_camera(open.drive, drives.front().drive)) open.ego_mask = drives.front().ego_mask;
+    if (is_same_camera(open.drive, drives.front().drive)) open.ego_mask = drives.front().ego_mask;
   return drives;
 }
 
@@ -264,7 +271,7 @@ Recordings open_images(const job::Job& job, Progress& progress) {
 
 namespace {
 
-// The map that a drive brings must lie where the drive went.
+/// Requires that the drive's own map, if any, has points near its path.
 void verify_map(const Drive& drive, const map::MapOptions& options) {
   if (drive.map.empty()) return;
   if (drive.poses.empty())
@@ -288,10 +295,10 @@ std::vector<std::string> verify(const Recordings& drives, const job::Job& job, P
   for (const Recording& open : drives) {
     if (!open.rig_of) verify_map(open.drive, job.options.map);
     const std::size_t frames = open.drive.frames.size();
-    const UsedRange range = used_range(open.drive, job.options.map);
-    // The first error in order, whichever thread meets one first.
+    const RangeLimits range = range_limits(open.drive, job.options.map);
+    // The first error in the order of the files is reported, independent of the order of the threads.
     std::vector<std::exception_ptr> errors(frames + scans_of(open));
-    std::vector<Returns> returns(scans_of(open));
+    std::vector<ReturnCounts> returns(scans_of(open));
     parallel_for(errors.size(), [&](std::size_t i) {
       try {
         if (i < frames) {
@@ -307,7 +314,8 @@ std::vector<std::string> verify(const Recordings& drives, const job::Job& job, P
     });
     for (const std::exception_ptr& error : errors)
       if (error) std::rethrow_exception(error);
-    for (const std::optional<std::string>& warning : {range_warning(returns, range), cut_warning(open.drive, returns)})
+    for (const std::optional<std::string>& warning :
+         {describe_unused_returns(returns, range), describe_truncated_scans(open.drive, returns)})
       if (warning) warnings.push_back(name_of(open) + ": " + *warning);
   }
   progress.end();
@@ -323,7 +331,7 @@ std::vector<fs::path> files_of(const Recording& open) {
     for (const ScanHeader& header : drive.scan_headers) files.push_back(header.file);
   files.insert(files.end(), drive.mask_files.begin(), drive.mask_files.end());
   files.insert(files.end(), drive.other_files.begin(), drive.other_files.end());
-  // A bag or a video is the file of many frames, and may be of any size.
+  // A bag or a video is the file of many frames.
   if (datasets::holds_many_images(drive.frames.front().file)) {
     std::set<fs::path> known;
     std::erase_if(files, [&](const fs::path& file) { return !file.empty() && !known.insert(file).second; });
@@ -340,7 +348,7 @@ void add_files(Fingerprint& print, const Recording& open) {
     if (files[i].empty()) return;  // a frame without a mask
     hashes[i] = large ? compute_file_hash(files[i]) : compute_file_hash(files[i], kMaxFileBytes);
   });
-  print.add(drive.path.filename().string());  // warnings say it
+  print.add(drive.path.filename().string());  // cached warnings contain it
   print.add(fmt::format("{} {} {}", drive.frames.size(), drive.scan_headers.size(), drive.mask_files.size()));
   for (std::size_t i = 0; i < files.size(); ++i) {
     print.add(files[i].filename().string());

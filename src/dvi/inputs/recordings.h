@@ -14,55 +14,57 @@
 
 namespace dvi::inputs {
 
-/// A drive as one of its cameras saw it, as it was opened: its data on demand, its poses as given, nothing estimated yet.
+/// A drive as observed by one of its cameras. Images and scans are read on demand, and poses are as given.
 struct Recording {
   Drive drive;
-  std::optional<objects::MaskSource> masks_from = {};      ///< none: nothing says what to remove, so nothing is
-  std::shared_ptr<const objects::Detector> detector = {};  ///< where they are detected
-  cv::Mat1b ego_mask = {};                                 ///< removed in all frames, 255; empty: none
+  std::optional<objects::MaskSource> masks_from = {};      ///< none: nothing is removed
+  std::shared_ptr<const objects::Detector> detector = {};  ///< if masks are detected
+  cv::Mat1b ego_mask = {};                                 ///< 255 on the ego vehicle in all frames; empty: none
   bool gray = false;                                       ///< its images have no colors
-  /// Of another camera of a drive: the number of that drive's own recording, whose scans, poses and moving objects it shares.
+  /// For another camera of a drive: the index of the drive's own recording, whose scans, poses, and moving objects it shares.
   std::optional<std::size_t> rig_of = {};
-  /// Of such a camera: labels tell what stands in the view of the drive's own camera only. What they do not draw here, that is
-  /// objects without a box and all that lies outside of that view, is carried over.
+  /// For such a camera: the labels cover the view of the drive's own camera only. Objects without a box, and objects outside of
+  /// that view, are reprojected.
   bool labeled_in_part = false;
 };
 
-/// The name of its folder, and that of the camera where it is not the drive's own.
+/// Returns the name of the drive's folder, followed by the name of the camera if it is another camera of the drive.
 std::string name_of(const Recording& open);
 
-/// files, labels, detector, found or none, for a person.
+/// Returns the name of the mask source: files, labels, detector, found, or none.
 std::string mask_source(const Recording& open);
 
-/// The target first, then the source drives, then other cameras of these (rig.h).
+/// The target, then the source drives, then other cameras of these (rig.h).
 using Recordings = std::vector<Recording>;
 
-/// Whether masks are needed. required: of a drive with neither masks nor labels, what moves is found in its scans; InputError
-/// where there are none either. wanted: then a warning, and nothing is masked. optional: only masks and labels count; nothing
-/// is found, and where there are none, nothing is masked.
+/// Whether masks are needed if a drive has neither masks nor labels. With `required` and `wanted`, moving objects are found in
+/// its scans. Without scans, `required` throws InputError, and `wanted` warns and masks nothing. With `optional`, nothing is
+/// masked.
 enum class MaskNeed { required, wanted, optional };
 
-/// Opens one drive as `source` says; warnings go to `progress`.
+/// Opens one drive as `choice` describes. Warnings go to `progress`.
 Recording open_recording(const fs::path& path, const job::ReadChoice& choice, MaskNeed need, Progress& progress);
 
-/// Opens the target and the source drives, each with one camera. Ranges of frames, masks and poses given by hand are the
-/// target's; a detector is for all. Where the target's masks are required, those of source drives are wanted. The ego mask also
-/// holds for source drives whose camera has the name and size of the target's. Of source drives with given poses, only the
-/// frames near the target are taken.
+/// Opens the target and the source drives, each with one camera. The job's range of frames, masks, and poses apply to the
+/// target only, its detector to all drives. If masks of the target are required, those of source drives are wanted. The ego
+/// mask also applies to source drives whose camera has the name and size of the target's camera. Of source drives with given
+/// poses, only the part near the target is read (near_target.h).
 Recordings open_recordings(const job::Job& job, MaskNeed need, Progress& progress);
 
-/// Opens the target for what needs images and masks only: its scans are left out, and a warning says that source drives are
-/// not used.
+/// Opens the target for methods that use images and masks only. Scans are left out, and a warning reports source drives, which
+/// are not used. Throws InputError if the drive has neither masks nor labels.
 Recordings open_images(const job::Job& job, Progress& progress);
 
-/// Reads every image, mask file and scan once, so that damaged ones are found before hours of work. InputError at the first.
-/// Warns, and returns the warnings, where the job's range of the LiDAR leaves out more than a tenth of a drive's returns.
+/// Reads every image, mask file, and scan once, so that damaged files are reported before hours of work. Throws InputError for
+/// the first damaged file, and for a map that is not near its drive's path. Warns, and returns the warnings, if the LiDAR's
+/// range in the job excludes more than a tenth of a drive's returns, or if scans may be truncated.
 std::vector<std::string> verify(const Recordings& drives, const job::Job& job, Progress& progress);
 
-/// Every file that is read of it, wherever they lie; an empty path where a frame has no mask.
+/// Lists every file that is read of a recording, with an empty path for each frame without a mask.
 std::vector<fs::path> files_of(const Recording& open);
 
-/// Adds the name of the drive, and name and content of every file of files_of(). InputError where one cannot be read.
+/// Adds the name of the drive, and the name and content of every file of files_of() to a fingerprint. Throws InputError if a
+/// file cannot be read.
 void add_files(Fingerprint& print, const Recording& open);
 
 }  // namespace dvi::inputs

@@ -20,7 +20,7 @@ class OpenedDrive : public testing::Test {
   OpenedDrive() {
     folder.write("dvi.toml",
                  "[camera.front]\nsize=[8,6]\nK=[4,0,4,0,4,3,0,0,1]\ncamera_from_lidar=[0,-1,0,0, 0,0,-1,0, 1,0,0,0]\n");
-    const float points[] = {1, 0, 0, 0, 9, 0, 0, 0};  // one near, one in range
+    const float points[] = {1, 0, 0, 0, 9, 0, 0, 0};  // one below the minimum range, one in range
     for (const char* name : {"0", "1"}) {
       folder.write(std::string("lidar/") + name + ".bin", std::string(reinterpret_cast<const char*>(points), sizeof points));
       make_folder(folder.path / "images/front");
@@ -35,7 +35,7 @@ class OpenedDrive : public testing::Test {
   Progress progress{ProgressStyle::quiet};
 };
 
-TEST_F(OpenedDrive, WarnsOfFramesWithoutAMaskAndFingerprintsThem) {
+TEST_F(OpenedDrive, FramesWithoutAMaskCauseAWarningAndHaveAFingerprint) {
   const Recordings drives = open_recordings(job, MaskNeed::required, progress);
   EXPECT_THAT(drives.front().drive.warnings, Contains("1 of 2 frames have no mask file, and nothing is removed in them: 1"));
   Fingerprint print;
@@ -43,7 +43,7 @@ TEST_F(OpenedDrive, WarnsOfFramesWithoutAMaskAndFingerprintsThem) {
   EXPECT_FALSE(print.hex().empty());
 }
 
-TEST_F(OpenedDrive, WithoutMasksAndLabelsWhatMovesIsFound) {
+TEST_F(OpenedDrive, WithoutMasksAndLabelsMovingObjectsAreFound) {
   const TempFolder bare;
   fs::copy(folder.path, bare.path, fs::copy_options::recursive);
   fs::remove_all(bare.path / "masks");
@@ -59,7 +59,7 @@ TEST_F(OpenedDrive, WithoutMasksAndLabelsWhatMovesIsFound) {
   EXPECT_THAT(input_error([&] { open_images(job, progress); }), HasSubstr("dvi mask"));
 }
 
-TEST_F(OpenedDrive, WarnsWhereTheRangeLeavesOutManyReturns) {
+TEST_F(OpenedDrive, WarnsIfTheRangeExcludesManyReturns) {
   const Recordings drives = open_recordings(job, MaskNeed::required, progress);
   EXPECT_THAT(verify(drives, job, progress),
               Contains(AllOf(HasSubstr("50 % of all returns are not used"), HasSubstr("lidar.min_range_m = 2"))));
@@ -67,7 +67,7 @@ TEST_F(OpenedDrive, WarnsWhereTheRangeLeavesOutManyReturns) {
   EXPECT_TRUE(verify(drives, job, progress).empty());
 }
 
-TEST_F(OpenedDrive, WarnsOfAScanThatWasCut) {
+TEST_F(OpenedDrive, WarnsOfATruncatedScan) {
   std::string points;
   for (int i = 0; i < 20; ++i) {
     const float point[] = {9, 0, 0, 0};
@@ -80,7 +80,7 @@ TEST_F(OpenedDrive, WarnsOfAScanThatWasCut) {
               Contains(AllOf(HasSubstr("1 of 2 scans"), HasSubstr("the first is 1 with 1"))));
 }
 
-TEST_F(OpenedDrive, TheLeastRangeIsThatOfTheSensorUnlessTheUserSaysOtherwise) {
+TEST_F(OpenedDrive, TheMinimumRangeDependsOnTheSensorUnlessTheUserSetsIt) {
   Recordings drives = open_recordings(job, MaskNeed::required, progress);
   drives.front().drive.sensor = Sensor::depth_camera;
   EXPECT_TRUE(verify(drives, job, progress).empty());

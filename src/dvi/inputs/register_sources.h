@@ -6,10 +6,10 @@
 
 namespace dvi::inputs {
 
-/// Lays the source drives onto the target by their scans (registration/registration.h), which bends the trajectories of all
-/// drives. Given poses in one world are where it begins, and stay where scans do not confirm them, with a warning; `--poses
-/// given` keeps them as they are. `poses` are those of in_one_world(). InputError for a source drive that is the target itself,
-/// one that overlaps with none, and one whose place cannot be told.
+/// Registers the source drives to the target by their scans (registration/registration.h), which deforms the trajectories of
+/// all drives. `poses` are those of transform_to_target_world(). Given poses in one world are the initial guess. They are kept,
+/// with a warning, if the scans do not confirm them, and are not changed with `--poses given`. Throws InputError for a source
+/// drive that is the target itself, that does not overlap with it, or whose place is ambiguous.
 void register_sources(const Recordings& drives, const job::Job& job, Poses& poses, Progress& progress);
 
 }  // namespace dvi::inputs

@@ -19,8 +19,8 @@
 namespace dvi::inputs {
 namespace {
 
-// None: whichever there are.
-std::optional<std::set<std::string>> cameras_asked_for(const std::string& text) {
+/// Returns the cameras of `--sources`; none for all cameras.
+std::optional<std::set<std::string>> parse_source_cameras(const std::string& text) {
   if (text == "all" || text.empty()) return std::nullopt;
   std::set<std::string> names;
   if (text == "none") return names;
@@ -30,7 +30,7 @@ std::optional<std::set<std::string>> cameras_asked_for(const std::string& text) 
   return names;
 }
 
-void require_there(const std::optional<std::set<std::string>>& asked, const Recordings& drives) {
+void require_existing(const std::optional<std::set<std::string>>& asked, const Recordings& drives) {
   if (!asked) return;
   for (const std::string& name : *asked) {
     const auto has = [&](const Recording& open) {
@@ -47,7 +47,7 @@ TimeSpan span_of(const Drive& drive) {
   return {drive.frames.front().time_ns - objects::kMaxRigGapNs, drive.frames.back().time_ns + objects::kMaxRigGapNs};
 }
 
-// By the first image. A damaged one is named when it is read.
+// Determined by the first image. If it is damaged, verify() reports it later.
 bool is_gray(const Drive& drive) {
   if (datasets::holds_many_images(drive.frames.front().file)) {
     std::vector<cv::Mat> channels;
@@ -67,8 +67,8 @@ bool has_boxes(const Drive& drive) {
   });
 }
 
-// What tells this camera's traffic; sets its mask files.
-std::optional<objects::MaskSource> masks_of(Drive& drive, const Recording& own, const job::ReadChoice& choice) {
+/// Chooses the mask source of another camera, and attaches its mask files.
+std::optional<objects::MaskSource> choose_mask_source(Drive& drive, const Recording& own, const job::ReadChoice& choice) {
   if (!own.masks_from) return std::nullopt;
   const job::MasksFrom from = choice.is_source ? job::MasksFrom() : choice.masks;
   if (from.kind == job::MasksFrom::Kind::found) return objects::MaskSource::found;
@@ -84,7 +84,7 @@ std::optional<objects::MaskSource> masks_of(Drive& drive, const Recording& own, 
                                                                 : objects::MaskSource::reprojected;
 }
 
-// The boxes of the frame that was taken at the same time; outlines are those of the other image.
+/// Copies the boxes of the frame nearest in time. Outlines are left out, because they belong to the other image.
 void share_boxes(const Drive& from, Drive& to) {
   for (Frame& frame : to.frames) {
     frame.labels = nearest_in_time(from.frames.begin(), from.frames.end(), frame.time_ns)->labels;
@@ -110,16 +110,16 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
   drive.scans = own.drive.scans;
   drive.map = own.drive.map;
   drive.poses = own.drive.poses;
-  std::erase_if(drive.warnings, [&](const std::string& warning) {  // of scans, poses and labels
+  std::erase_if(drive.warnings, [&](const std::string& warning) {  // already reported for the own camera
     return std::find(own.drive.warnings.begin(), own.drive.warnings.end(), warning) != own.drive.warnings.end();
   });
   open.rig_of = number;
-  open.masks_from = masks_of(drive, own, choice);
-  // A recording may label each camera's images at their own times; a file that the user names is read for the drive's own.
+  open.masks_from = choose_mask_source(drive, own, choice);
+  // A recording may label each camera's images at their own times. A label file given by the user is for the own camera only.
   const bool labeled = std::any_of(drive.frames.begin(), drive.frames.end(), [](const Frame& f) { return !f.labels.empty(); });
-  const bool of_its_own =
+  const bool has_own_labels =
       labeled && drive.labeled_around && (choice.is_source || choice.masks.kind != job::MasksFrom::Kind::path);
-  if (open.masks_from == objects::MaskSource::labels && !of_its_own) {
+  if (open.masks_from == objects::MaskSource::labels && !has_own_labels) {
     share_boxes(own.drive, drive);
     open.labeled_in_part = !drive.labeled_around;
   }
@@ -131,9 +131,9 @@ Recording open_camera(const Recordings& drives, std::size_t number, const std::s
 
 }  // namespace
 
-Recordings with_other_cameras(Recordings drives, const job::Job& job, Progress& progress) {
-  const auto asked = cameras_asked_for(job.read.source_cameras);
-  require_there(asked, drives);
+Recordings add_other_cameras(Recordings drives, const job::Job& job, Progress& progress) {
+  const auto asked = parse_source_cameras(job.read.source_cameras);
+  require_existing(asked, drives);
   const std::size_t own = drives.size();
   for (std::size_t i = 0; i < own; ++i) {
     job::ReadChoice choice = job.read;
@@ -145,7 +145,7 @@ Recordings with_other_cameras(Recordings drives, const job::Job& job, Progress& 
         for (const std::string& warning : open.drive.warnings) progress.warn(name_of(open) + ": " + warning);
         drives.push_back(std::move(open));
       } catch (const InputError& e) {
-        progress.warn(fmt::format("camera {} lends nothing: {}", camera, e.what()));
+        progress.warn(fmt::format("camera {} is not used as a source: {}", camera, e.what()));
       }
     }
   }

@@ -8,26 +8,27 @@
 
 namespace dvi::inputs {
 
-/// No vehicle moves so far from one pose to the next: meters between parts of a drive whose relative position is unknown.
-inline constexpr double kApartM = 5000;
+/// The distance in meters between parts of a drive whose relative pose is unknown. No vehicle moves so far between two poses.
+inline constexpr double kSeparationM = 5000;
 
-/// Scans [first, last) of a drive without a gap in time.
+/// The scans [first, last) of a drive, without a gap in time.
 struct Stretch {
   std::size_t first = 0, last = 0;
 };
 
-/// Splits the scans where no scan was taken for more than a second and three usual steps, unless given poses cover both sides
-/// of the gap. One stretch where there is no such gap.
+/// Splits the scans at gaps longer than a second and longer than three median steps, unless given poses cover both sides of the
+/// gap. Returns one stretch if there is no such gap.
 std::vector<Stretch> split_at_gaps(const Drive& drive, const Trajectory& given);
 
-/// Odometry of a drive that may have gaps: across a gap, motion that goes on as before is only a guess, and a street looks
-/// alike in several places. Each stretch has odometry of its own. Stretches with given poses are placed by these, the others
-/// are registered to them, or to the longest, as a source drive is to its target (registration.h). What cannot be registered is
-/// put kApartM beside the rest, so that no part of the drive observes what is on the other side, and a warning names the gap.
-odometry::Odometry odometry_of_stretches(const Drive& drive, const odometry::OdometryOptions& options, const Trajectory& given,
-                                         Progress& progress);
+/// Estimates the odometry of a drive that may have gaps. Constant motion across a gap is only a guess, and a street may look
+/// alike in several places, so odometry is estimated for each stretch alone. Stretches with given poses are aligned to these.
+/// The others are registered to them, or to the longest stretch, as a source drive to its target (registration.h). A stretch
+/// that cannot be registered is placed kSeparationM beside the others, so that the parts do not observe each other, and a
+/// warning describes the gap.
+odometry::Odometry estimate_odometry(const Drive& drive, const odometry::OdometryOptions& options, const Trajectory& given,
+                                     Progress& progress);
 
-/// The sum of the steps between poses, without those from one part of a drive to another that lies apart.
+/// Returns the sum of the distances between poses, without the distances between separated parts.
 double path_length_m(const std::vector<StampedPose>& poses);
 
 }  // namespace dvi::inputs

@@ -13,7 +13,7 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 
-/// The synthetic street with only those scans and frames that `keep` accepts; the given poses are the truth.
+/// The synthetic street with the scans and frames that `keep` accepts. Its given poses are the truth.
 template <class Keep>
 Drive street(int frames, const Keep& keep) {
   synth::SynthOptions options;
@@ -30,7 +30,7 @@ Drive street(int frames, const Keep& keep) {
   return drive;
 }
 
-/// Only the times of such scans.
+/// A drive with the times of such scans only.
 template <class Keep>
 Drive times_of(int scans, const Keep& keep) {
   Drive drive;
@@ -39,7 +39,7 @@ Drive times_of(int scans, const Keep& keep) {
   return drive;
 }
 
-TEST(Stretches, EndWhereNothingTiesBothSidesOfAGap) {
+TEST(Stretches, EndAtAGapThatGivenPosesDoNotCover) {
   const Drive drive = times_of(30, [](int i) { return i < 8 || i >= 20; });
   const std::vector<Stretch> found = split_at_gaps(drive, {});
   ASSERT_EQ(found.size(), 2U);
@@ -51,34 +51,34 @@ TEST(Stretches, EndWhereNothingTiesBothSidesOfAGap) {
   given.resize(7);
   EXPECT_EQ(split_at_gaps(drive, Trajectory(given)).size(), 2U) << "given poses cover one side";
   EXPECT_EQ(split_at_gaps(times_of(30, [](int i) { return i < 8 || i >= 16; }), {}).size(), 1U) << "a short gap";
-  EXPECT_EQ(split_at_gaps(times_of(90, [](int i) { return i % 15 == 0; }), {}).size(), 1U) << "the usual step";
+  EXPECT_EQ(split_at_gaps(times_of(90, [](int i) { return i % 15 == 0; }), {}).size(), 1U) << "the median step";
   EXPECT_EQ(split_at_gaps({}, {}).size(), 1U);
 }
 
-TEST(Stretches, AreRegisteredOrPutApart) {
+TEST(Stretches, AreRegisteredOrSeparated) {
   const Drive drive = street(40, [](std::size_t i) { return i < 8 || i >= 32; });
   Progress progress(ProgressStyle::quiet);
-  const odometry::Odometry found = odometry_of_stretches(drive, {}, {}, progress);
+  const odometry::Odometry found = estimate_odometry(drive, {}, {}, progress);
   EXPECT_EQ(found.scans.size(), drive.scan_headers.size());
   const std::vector<StampedPose>& poses = found.world_from_lidar.poses();
   ASSERT_EQ(poses.size(), drive.scan_headers.size());
   const double step_m = (poses[8].world_from_body.t - poses[7].world_from_body.t).norm();
   const double true_m = (drive.poses.at(poses[8].time_ns)->t - drive.poses.at(poses[7].time_ns)->t).norm();
-  if (step_m < kApartM)
+  if (step_m < kSeparationM)
     EXPECT_NEAR(step_m, true_m, 0.3);
   else
     EXPECT_THAT(found.warnings, Contains(HasSubstr("no scan for 2.5 s, between frames 7 and 32, and neither poses nor scans")));
-  EXPECT_LT(path_length_m(poses), 60) << "the step to a part that lies apart is no way driven";
+  EXPECT_LT(path_length_m(poses), 60) << "the path length excludes the distance to a separated part";
 }
 
-TEST(Stretches, WithGivenPosesArePlacedByThem) {
+TEST(Stretches, WithGivenPosesAreAlignedToThem) {
   const Drive drive = street(36, [](std::size_t i) { return i < 8 || i >= 28; });
-  std::vector<StampedPose> some;  // of the middle of each stretch only
+  std::vector<StampedPose> some;  // only the middle of each stretch
   for (const StampedPose& pose : drive.poses.poses())
     if (const auto k = (pose.time_ns - drive.frames.front().time_ns) / 100'000'000; (k > 2 && k < 6) || (k > 30 && k < 34))
       some.push_back(pose);
   Progress progress(ProgressStyle::quiet);
-  const odometry::Odometry found = odometry_of_stretches(drive, {}, Trajectory(some), progress);
+  const odometry::Odometry found = estimate_odometry(drive, {}, Trajectory(some), progress);
   EXPECT_THAT(found.warnings, testing::Not(Contains(HasSubstr("neither poses nor scans"))));
   for (const StampedPose& pose : some)
     EXPECT_LT((found.world_from_lidar.at(pose.time_ns)->t - pose.world_from_body.t).norm(), 0.2);

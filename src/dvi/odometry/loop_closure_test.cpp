@@ -64,14 +64,14 @@ Trajectory make_circular_path(double seconds, const Speed& speed) {
   return Trajectory(poses);
 }
 
-SE3 truth(const Trajectory& path, std::size_t i) { return *path.at(static_cast<std::int64_t>(i) * TestStreet::kScanPeriod); }
+SE3 truth(const Trajectory& path, std::size_t i) { return *path.at(static_cast<std::int64_t>(i) * TestStreet::kScanPeriodNs); }
 
 /// The result of odometry with these poses.
 Odometry make_odometry(const std::vector<SE3>& poses) {
   Odometry out;
   std::vector<StampedPose> stamped;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    stamped.push_back({static_cast<std::int64_t>(i) * TestStreet::kScanPeriod, poses[i]});
+    stamped.push_back({static_cast<std::int64_t>(i) * TestStreet::kScanPeriodNs, poses[i]});
     out.scans.emplace_back();
     out.scans.back().information = 1e5 * Matrix6d::Identity();
   }

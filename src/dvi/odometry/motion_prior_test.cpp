@@ -10,7 +10,7 @@ namespace dvi::odometry {
 
 namespace {
 
-constexpr std::int64_t kScanPeriod = TestStreet::kScanPeriod;
+constexpr std::int64_t kScanPeriod = TestStreet::kScanPeriodNs;
 
 /// The poses of a path at the scans, each changed by `change(i, pose)`.
 template <class Change>

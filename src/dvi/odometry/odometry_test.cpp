@@ -56,7 +56,7 @@ TEST(LocalMap, RemovesPoints) {
 
 /// The true pose at the middle of scan i relative to the first scan.
 SE3 truth_from_start(const Trajectory& path, std::size_t i) {
-  return path.at(0)->inverse() * *path.at(static_cast<std::int64_t>(i) * TestStreet::kScanPeriod);
+  return path.at(0)->inverse() * *path.at(static_cast<std::int64_t>(i) * TestStreet::kScanPeriodNs);
 }
 
 TEST(RegisterScan, FindsAKnownMotion) {

@@ -91,7 +91,7 @@ TEST(Regularize, WarpsNeighborsByTheirOwnDepth) {
     for (int y = 0; y < 70; ++y)
       for (int x = 0; x < 90; ++x) {
         if (near != (x >= 40)) continue;
-        if (near != 0) depth.z(y, x) = static_cast<float>(FlatScene::kDepth) / 2;
+        if (near != 0) depth.z(y, x) = static_cast<float>(FlatScene::kDepthM) / 2;
         const int to = x + (near != 0 ? 16 : 8);
         if (to < 90) source(y, to) = street.truth(y, x);
       }

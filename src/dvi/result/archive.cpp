@@ -14,7 +14,7 @@ ArchiveWriter::ArchiveWriter(const fs::path& file, const std::string& schema)
   *this << schema;
 }
 
-void ArchiveWriter::bytes(const void* from, std::size_t count) {
+void ArchiveWriter::pass_bytes(const void* from, std::size_t count) {
   out_.write(static_cast<const char*>(from), static_cast<std::streamsize>(count));
 }
 
@@ -32,25 +32,25 @@ ArchiveReader::ArchiveReader(fs::path file, const std::string& schema) : file_(s
   in_.open(file_, std::ios::binary);
   std::string found;
   *this >> found;
-  if (found != schema) refuse("is no " + schema);
+  if (found != schema) refuse("does not have the schema " + schema);
 }
 
-void ArchiveReader::bytes(void* to, std::size_t count) {
+void ArchiveReader::pass_bytes(void* to, std::size_t count) {
   if (count > left_ ||
       in_.rdbuf()->sgetn(static_cast<char*>(to), static_cast<std::streamsize>(count)) != static_cast<std::streamsize>(count))
-    refuse("is cut");
+    refuse("is truncated");
   left_ -= count;
 }
 
-std::size_t ArchiveReader::counted() {
+std::size_t ArchiveReader::read_count() {
   std::size_t count = 0;
   *this >> count;
-  if (count > left_) refuse("is cut");
+  if (count > left_) refuse("is truncated");
   return count;
 }
 
 void ArchiveReader::finish() const {
-  if (left_ > 0) refuse("is longer than it should be");
+  if (left_ > 0) refuse("is longer than its contents");
 }
 
 void ArchiveReader::refuse(const std::string& problem) const {

@@ -41,7 +41,7 @@ constexpr auto fields_of(Of<Outer>) {
                     &Outer::yes,   &Outer::matrix, &Outer::box,  &Outer::pixel, &Outer::floats};
 }
 
-static_assert(takes_values<Inner, 2>() && !takes_values<Inner, 3>(), "one field too few in fields_of() is noticed");
+static_assert(takes_values<Inner, 2>() && !takes_values<Inner, 3>(), "an incomplete fields_of() is detected");
 
 class Archive : public testing::Test {
  protected:
@@ -78,7 +78,7 @@ class Archive : public testing::Test {
   const fs::path file = folder.path / "value.bin";
 };
 
-TEST_F(Archive, GivesBackEveryBit) {
+TEST_F(Archive, PreservesEveryBit) {
   write(example());
   const Outer value = read();
   EXPECT_EQ(value.inner[1].letter, 'b');
@@ -95,7 +95,7 @@ TEST_F(Archive, GivesBackEveryBit) {
   EXPECT_EQ(bytes.size(), (8 + 6) + (8 + 2 * 9) + (1 + 9) + 1 + (8 + 3) + 1 + 1 + 72 + 24 + 12 + (8 + 8)) << "no padding";
 }
 
-TEST_F(Archive, ReplacesWhatIsThereAndKeepsItsAllocator) {
+TEST_F(Archive, ReplacesTheValueAndKeepsItsAllocator) {
   write(example());
   Outer value = example();
   value.none = Inner{};
@@ -107,21 +107,22 @@ TEST_F(Archive, ReplacesWhatIsThereAndKeepsItsAllocator) {
   EXPECT_EQ(value.floats.get_allocator().scratch, scratch);
 }
 
-TEST_F(Archive, RefusesWhatIsCutLongerOrOfAnotherSchema) {
+TEST_F(Archive, RefusesFilesThatAreTruncatedLongerOrOfAnotherSchema) {
   write(example());
   const std::string bytes = read_file(file);
-  EXPECT_THAT(input_error([&] { read("test/2"); }), HasSubstr("is no test/2"));
+  EXPECT_THAT(input_error([&] { read("test/2"); }), HasSubstr("does not have the schema test/2"));
   for (std::size_t length = 0; length < bytes.size(); ++length) {
     write_file(file, bytes.substr(0, length));
-    EXPECT_THAT(input_error([&] { read(); }), HasSubstr("is cut")) << length;
+    EXPECT_THAT(input_error([&] { read(); }), HasSubstr("is truncated")) << length;
   }
   write_file(file, bytes + "x");
   EXPECT_THAT(input_error([&] { read(); }), HasSubstr("longer"));
   write_file(file, std::string(64, '\xff'));
-  EXPECT_THAT(input_error([&] { read(); }), HasSubstr("is cut")) << "a count beyond the file takes no memory";
+  EXPECT_THAT(input_error([&] { read(); }), HasSubstr("is truncated"))
+      << "a count beyond the end of the file allocates no memory";
 }
 
-TEST_F(Archive, LeavesNoFileUnlessFinished) {
+TEST_F(Archive, RemovesAnUnfinishedFile) {
   {
     ArchiveWriter(file, "test/1") << example();
   }

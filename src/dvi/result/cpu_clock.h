@@ -10,19 +10,21 @@
 
 namespace dvi::result {
 
-/// CPU seconds a stage over all threads. Stages nest (sampling asks for depth): the inner one's time is its own only.
+/// Sums CPU seconds per stage over all threads. Stages may be nested (sampling computes depth): the time of the inner stage
+/// does not count for the outer one.
 class CpuClock {
  public:
-  /// Calls `stage` and books its CPU time under `name`, less what stages inside it book.
+  /// Calls `stage`, and adds its CPU time, without that of nested stages, to `name`. Returns the result of `stage`.
   template <class Stage, class... Arguments>
   auto time(const std::string& name, const Stage& stage, Arguments&&... arguments) {
     const Scope scope(*this, name);
     return std::invoke(stage, std::forward<Arguments>(arguments)...);
   }
 
-  /// `stage` with its last arguments, its options, bound, and its CPU time booked. Options and clock must outlive it.
+  /// Binds the last arguments of `stage`, its options, and returns a function that calls it with time(). The options and the
+  /// clock must outlive the function.
   template <class Stage, class... Options>
-  auto timed(std::string name, const Stage& stage, const Options&... options) {
+  auto wrap(std::string name, const Stage& stage, const Options&... options) {
     return [this, name = std::move(name), stage, &options...](auto&&... inputs) {
       return time(name, stage, std::forward<decltype(inputs)>(inputs)..., options...);
     };
@@ -52,7 +54,7 @@ class CpuClock {
     const std::string& stage;
     double outer, begun;
   };
-  inline static thread_local double inner = 0;  ///< booked by stages inside the current one, on this thread
+  inline static thread_local double inner = 0;  ///< CPU seconds of stages nested in the current one, on this thread
 
   mutable std::mutex mutex_;
   std::map<std::string, double> seconds_;

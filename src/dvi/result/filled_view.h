@@ -7,10 +7,10 @@
 
 namespace dvi::result {
 
-/// A frame after all stages, and what they report of it.
+/// A frame after all stages, with the figures that the stages report for it.
 struct FilledView {
   harmonize::FilledFrame frame;
-  std::optional<regularize::Energies> energy;  ///< Eqs. 2-4, if belief propagation ran.
+  std::optional<regularize::Energies> energy;  ///< of eqs. 2-4, if belief propagation ran
 };
 
 }  // namespace dvi::result

@@ -29,14 +29,14 @@ std::string listing_of(const inputs::Recordings& drives) {
 
 std::string content_of(const inputs::Recordings& drives) {
   Fingerprint print;
-  print.add(read_file(find_own_binary()));  // another build may make other pixels
+  print.add(read_file(find_own_binary()));  // another build may compute other pixels
   for (const inputs::Recording& open : drives) inputs::add_files(print, open);
   return print.hex();
 }
 
 std::string fingerprint_of(job::Job job, const std::string& content) {
   job.out.clear();
-  job.memory_mb = 0;  // change no pixel
+  job.memory_mb = 0;  // does not affect pixels
   return compute_hash(content + job.table().dump_toml());
 }
 

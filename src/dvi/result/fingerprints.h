@@ -7,23 +7,23 @@
 
 namespace dvi::result {
 
-/// Which drives a result is of; a folder made from others is refused.
+/// Returns the paths and cameras of the drives. A folder of other drives is refused.
 std::string identity_of(const inputs::Recordings& drives);
 
-/// Of this build: another may make other pixels.
+/// Returns the hash of this build of the program. Another build may compute other pixels.
 std::string program_fingerprint();
 
-/// Of name and size of every file that is read: tells most changes without reading them.
+/// Returns a fingerprint of the names and sizes of all input files. It detects most changes without reading the files.
 std::string listing_of(const inputs::Recordings& drives);
 
-/// Of the program and of every file that is read, wherever they lie. Reads them all.
+/// Returns a fingerprint of the program and of the contents of all input files, independent of their paths. Reads all files.
 std::string content_of(const inputs::Recordings& drives);
 
-/// Of all that the frames depend on; `content` is content_of() the drives.
+/// Returns a fingerprint of everything that the frames depend on: the options, and `content`, the content_of() the drives.
 std::string fingerprint_of(job::Job job, const std::string& content);
 
-/// Of all that the stages before the fill depend on: not of what only the fill is told, nor of the names of what `content` is
-/// of.
+/// Returns a fingerprint of everything that the stages before the fill depend on. It omits the options of the fill, and the
+/// paths of the files in `content`.
 std::string stages_fingerprint_of(job::Job job, const std::string& content);
 
 }  // namespace dvi::result

@@ -8,8 +8,8 @@
 namespace dvi::result {
 namespace {
 
-// KITTI's convention: meters x 256, 0 where there is none.
-cv::Mat1w depth_image(const cv::Mat1f& z) {
+/// Converts depth to KITTI's format: meters times 256, 0 without depth.
+cv::Mat1w encode_depth(const cv::Mat1f& z) {
   cv::Mat1w out(z.size(), ushort{0});
   for (int y = 0; y < z.rows; ++y)
     for (int x = 0; x < z.cols; ++x)
@@ -24,22 +24,23 @@ void write_pictures(const fs::path& out, const std::string& name, const harmoniz
   cv::Mat3b color;
   frame.color.convertTo(color, CV_8U);
   const std::string png = name + ".png";
-  const report::FramePictures receipts{.kind = frame.kind,
-                                       .confidence = frame.confidence,
-                                       .depth = depth_image(frame.depth),
-                                       .provenance = frame.provenance,
-                                       .harmonization = harmonize::compute_harmonization(views, view, color, frame),
-                                       .used = frame.used,
-                                       .missing = {}};
+  const report::FramePictures pictures{
+      .kind = frame.kind,
+      .confidence = frame.confidence,
+      .depth = encode_depth(frame.depth),
+      .provenance = frame.provenance,
+      .harmonization = harmonize::harmonization(views, view, color, frame.provenance, frame.used),
+      .used = frame.used,
+      .missing = {}};
   media::write_png(out / "masks" / png, frame.mask);
-  media::write_png(out / "kind" / png, receipts.kind);
-  media::write_png(out / "provenance" / png, receipts.provenance);
-  media::write_png(out / "sources_used" / png, receipts.used);
-  media::write_png(out / "harmonization" / png, receipts.harmonization);
-  media::write_png(out / "confidence" / png, receipts.confidence);
-  media::write_png(out / "depth" / png, receipts.depth);
+  media::write_png(out / "kind" / png, pictures.kind);
+  media::write_png(out / "provenance" / png, pictures.provenance);
+  media::write_png(out / "sources_used" / png, pictures.used);
+  media::write_png(out / "harmonization" / png, pictures.harmonization);
+  media::write_png(out / "confidence" / png, pictures.confidence);
+  media::write_png(out / "depth" / png, pictures.depth);
   media::write_png(out / "frames" / png, color);
-  report::write_frame(out, view, receipts, *views.images[view]);  // at hand here: reading all again takes twice as long
+  report::write_frame(out, view, pictures, *views.images[view]);  // reading the pictures again would double the time
 }
 
 }  // namespace dvi::result

@@ -8,8 +8,8 @@
 
 namespace dvi::result {
 
-/// Writes the pictures of one frame, `out`/frames/NAME.png and so on, and what the report shows of it. Safe to call from
-/// several threads.
+/// Writes the pictures of one frame, `out`/frames/NAME.png and so on, and its data for the report. May be called from several
+/// threads at once.
 void write_pictures(const fs::path& out, const std::string& name, const harmonize::FilledFrame& frame, const Views& views,
                     std::size_t view);
 

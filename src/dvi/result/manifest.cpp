@@ -38,7 +38,7 @@ bool Manifest::holds(const fs::path& out) const {
     if (fs::file_size(out / listed.file, gone) != listed.bytes || gone) return false;
     try {
       return compute_file_hash(out / listed.file) == listed.hash;
-    } catch (const InputError&) {  // answered: what cannot be read is made again
+    } catch (const InputError&) {  // answered: an unreadable file is computed again
       return false;
     }
   });

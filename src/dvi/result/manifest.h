@@ -12,31 +12,33 @@
 
 namespace dvi::result {
 
-/// A file of a result as it was when it was written.
+/// A file of a result, with its size and hash at the time it was written.
 struct ListedFile {
   std::string file;  ///< relative to the result
   std::uint64_t bytes = 0;
   std::string hash;
 };
 
-/// Lists files of a result with their sizes and hashes. InputError where one cannot be read.
+/// Lists files of a result with their sizes and hashes. Throws InputError if a file cannot be read.
 std::vector<ListedFile> list_contents(const fs::path& out, const std::vector<std::string>& files);
 
-/// Says that a part of a result is finished, and from what it was made: a JSON file, written after the files that it lists. A
-/// manifest that is missing, truncated, or of another fingerprint says nothing.
+/// Marks a part of a result as finished, and identifies its inputs: a JSON file that is written after the files that it lists.
+/// A part whose manifest is missing, truncated, or has another fingerprint is not finished.
 struct Manifest {
-  std::string fingerprint;  ///< of all that the part depends on
+  std::string fingerprint;  ///< of everything that the part depends on
   std::vector<ListedFile> files{};
-  std::shared_ptr<const nlohmann::json> content = nullptr;  ///< what else is known of the part; its kind defines it
+  std::shared_ptr<const nlohmann::json> content = nullptr;  ///< further data, which depend on the kind of the part
 
-  /// Whether the files are there as they were written.
+  /// Whether all listed files exist and are unchanged.
   bool holds(const fs::path& out) const;
 };
 
 void write_manifest(const fs::path& file, const Manifest& manifest);
+
+/// Reads a manifest; none if the file is missing or damaged.
 std::optional<Manifest> read_manifest(const fs::path& file);
 
-/// Writes a manifest of content alone.
+/// Writes a manifest that lists no files.
 void write_manifest(const fs::path& file, const std::string& fingerprint, const nlohmann::json& content);
 
 }  // namespace dvi::result

@@ -17,13 +17,18 @@
 namespace dvi::result {
 namespace {
 
-constexpr int kColorFrames = 40;  // frames, evenly spread, from which the map takes its colors
-constexpr double kSplat = 0.07, kTolerance = 0.05;
+/// Parameters of the map's colors.
+struct ColorParams {
+  std::size_t max_frames = 40;  ///< frames, evenly spread, that are compared with the map
+  double splat_m = 0.07;        ///< size of a point
+  double tolerance = 0.05;      ///< relative depth by which a point may be behind another one
+};
+constexpr ColorParams kColors;
 const cv::Vec3b kUncolored(128, 128, 128);
 
-std::string kitti_line(const SE3& pose) { return fmt::format("{:.9g}\n", fmt::join(to_row_major(pose), " ")); }
+std::string format_kitti(const SE3& pose) { return fmt::format("{:.9g}\n", fmt::join(row_major(pose), " ")); }
 
-std::string tum_line(std::int64_t time_ns, const SE3& pose) {
+std::string format_tum(std::int64_t time_ns, const SE3& pose) {
   const Eigen::Quaterniond q(pose.R);
   return fmt::format("{} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", to_seconds(time_ns), pose.t.x(), pose.t.y(),
                      pose.t.z(), q.x(), q.y(), q.z(), q.w());
@@ -36,13 +41,13 @@ std::vector<SE3> camera_poses(const Views& views) {
   return poses;
 }
 
-std::string pose_lines(const Views& views) {
+std::string format_poses(const Views& views) {
   std::string text;
-  for (const SE3& pose : camera_poses(views)) text += kitti_line(pose);
+  for (const SE3& pose : camera_poses(views)) text += format_kitti(pose);
   return text;
 }
 
-std::string time_lines(const Views& views) {
+std::string format_times(const Views& views) {
   std::string text;
   for (const View& view : views.views)
     if (view.sequence == 0) text += to_seconds(view.time_ns) + "\n";
@@ -51,16 +56,17 @@ std::string time_lines(const Views& views) {
 
 using Colors = ScratchVector<cv::Vec3b>;
 
-Colors colors(const map::StaticMap& map, const Views& views) {
+/// Samples the color of each map point from the target's frames.
+Colors sample_colors(const map::StaticMap& map, const Views& views) {
   Colors out(map.points.size(), kUncolored, map.scratch());
   const std::size_t last = views.of_sequence(0).second;
-  const std::size_t step = std::max<std::size_t>(1, last / kColorFrames);
+  const std::size_t step = std::max<std::size_t>(1, last / kColors.max_frames);
   for (std::size_t i = 0; i < last; i += step) {
     const auto image = views.images[i];
     const auto mask = views.masks[i];
-    for (const map::VisiblePoint& p : map::find_visible_points(map, views[i], kSplat, kTolerance)) {
+    for (const map::VisiblePoint& p : map::find_visible_points(map, views[i], kColors.splat_m, kColors.tolerance)) {
       const cv::Point pixel(cvRound(p.u), cvRound(p.v));
-      if ((*mask)(pixel) == 0) out[p.index] = (*image)(pixel);  // later frames are nearer and win
+      if ((*mask)(pixel) == 0) out[p.index] = (*image)(pixel);  // later frames are nearer, so they replace earlier ones
     }
   }
   return out;
@@ -123,7 +129,8 @@ void write_removed(const fs::path& path, const ScratchVector<map::RemovedPoint>&
 
 }  // namespace
 
-std::vector<report::ObjectPath> tracks_of(const FrameLabels& labels, const Views& views, const Trajectory& world_from_lidar) {
+std::vector<report::ObjectPath> collect_object_paths(const FrameLabels& labels, const Views& views,
+                                                     const Trajectory& world_from_lidar) {
   std::map<int, report::ObjectPath> tracks;
   for (std::size_t i = 0; i < views.of_sequence(0).second; ++i) {
     const std::optional<SE3> world = world_from_lidar.at(views[i].time_ns);
@@ -142,27 +149,27 @@ std::vector<report::ObjectPath> tracks_of(const FrameLabels& labels, const Views
   return out;
 }
 
-void write_map_files(const fs::path& folder, const map::StaticMap& map, const Views& views, const Drive& target,
-                     const std::vector<report::ObjectPath>& tracks) {
+void write_map_files(const fs::path& folder, const MapContents& contents) {
+  const auto& [map, views, target, objects] = contents;
   make_folder(folder);
-  write_file(folder / "poses.txt", pose_lines(views));
-  write_file(folder / "times.txt", time_lines(views));
+  write_file(folder / "poses.txt", format_poses(views));
+  write_file(folder / "times.txt", format_times(views));
   const std::string name = target.path.filename().string();
-  const Colors color = colors(map, views);
+  const Colors color = sample_colors(map, views);
   write_map(folder / "map.ply", map, color, "dvi map of " + name);
   report::write_top_view(folder, {.map = map,
-                                  .color = [&](std::size_t point) { return color[point]; },
-                                  .camera = target.camera,
-                                  .world_from_camera = camera_poses(views),
-                                  .tracks = tracks});
+                               .color = [&](std::size_t point) { return color[point]; },
+                               .camera = target.camera,
+                               .world_from_camera = camera_poses(views),
+                               .tracks = objects});
   write_removed(folder / "moving.ply", map.removed, "taken out of the dvi map of " + name);
 }
 
-void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory& world_from_lidar, bool tum) {
+void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory& world_from_lidar, TrajectoryFormat format) {
   std::string text;
   for (const ScanHeader& header : drive.scan_headers)
     if (const std::optional<SE3> pose = world_from_lidar.at(header.time_ns))
-      text += tum ? tum_line(header.time_ns, *pose) : kitti_line(*pose);
+      text += format == TrajectoryFormat::tum ? format_tum(header.time_ns, *pose) : format_kitti(*pose);
   write_file(file, text);
 }
 

@@ -10,17 +10,27 @@
 
 namespace dvi::result {
 
-/// Where the 3D boxes of the target's labels were, in frames that have a pose.
-std::vector<report::ObjectPath> tracks_of(const FrameLabels& labels, const Views& views, const Trajectory& world_from_lidar);
+/// Returns the paths of the 3D boxes of the target's labels, in frames that have a pose.
+std::vector<report::ObjectPath> collect_object_paths(const FrameLabels& labels, const Views& views,
+                                                     const Trajectory& world_from_lidar);
 
-/// poses.txt (KITTI: world_from_camera, one line a frame of the target), times.txt (seconds), map.ply (colored by the
-/// target's frames where they see it), moving.ply (what was taken out, colored by cause), map.png and above.json
-/// (report/top_view.h) into a folder.
-void write_map_files(const fs::path& folder, const map::StaticMap& map, const Views& views, const Drive& target,
-                     const std::vector<report::ObjectPath>& tracks);
+/// The contents of the map's files.
+struct MapContents {
+  const map::StaticMap& map;
+  const Views& views;
+  const Drive& target;
+  std::vector<report::ObjectPath> objects;  ///< paths of the target's objects
+};
 
-/// world_from_lidar at the middle of each scan that has a pose: 12 numbers a line (KITTI), or seconds and tx ty tz qx qy qz qw
-/// (TUM).
-void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory& world_from_lidar, bool tum);
+/// Writes to a folder: poses.txt (world_from_camera in KITTI's format, one line per frame of the target), times.txt (seconds),
+/// map.ply (with the colors of points that the target's frames observe), moving.ply (removed points, colored by cause), and
+/// map.png and above.json (report/above.h).
+void write_map_files(const fs::path& folder, const MapContents& contents);
+
+/// The lines of a trajectory file: 12 numbers of [R | t] (KITTI), or seconds and tx ty tz qx qy qz qw (TUM).
+enum class TrajectoryFormat { kitti, tum };
+
+/// Writes world_from_lidar at the middle of each scan that has a pose, one line per scan.
+void write_trajectory(const fs::path& file, const Drive& drive, const Trajectory& world_from_lidar, TrajectoryFormat format);
 
 }  // namespace dvi::result

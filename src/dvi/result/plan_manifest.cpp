@@ -21,13 +21,14 @@ void write_plan(const fs::path& out, const PlanManifest& plan) { write_manifest(
 
 PlanManifest read_plan(const fs::path& out) {
   if (!fs::is_regular_file(plan_file(out)) || !fs::is_regular_file(out / "dvi.toml"))
-    throw InputError(out, "holds no plan", "dvi plan TARGET -o OUT makes one");
+    throw InputError(out, "does not contain a plan", "make one with dvi plan TARGET -o OUT");
   try {
     if (const std::optional<Manifest> plan = read_manifest(plan_file(out)); plan && plan->content)
       return plan->content->get<PlanManifest>();
   } catch (const nlohmann::json::exception&) {  // answered below
   }
-  throw InputError(plan_file(out), "is damaged, or of another version", "make it again: dvi plan --config OUT/dvi.toml");
+  throw InputError(plan_file(out), "is damaged, or was written by another version of dvi",
+                   "make it again: dvi plan --config OUT/dvi.toml");
 }
 
 void require_plan_of(const fs::path& out, const job::Job& job, const inputs::Recordings& drives, const std::string& content) {
@@ -37,17 +38,17 @@ void require_plan_of(const fs::path& out, const job::Job& job, const inputs::Rec
     throw InputError(out, fmt::format("was planned by another build of dvi (version {})", plan.version),
                      "use the same program on all machines, or " + again);
   if (plan.listing != listing_of(drives) || (!content.empty() && plan.content != content))
-    throw InputError(out, "was planned from other files: the drive has changed since", again);
+    throw InputError(out, "was planned from other files: the drive has changed since then", again);
   if (plan.fingerprint != fingerprint_of(job, plan.content))
     throw InputError(out / "dvi.toml", "was changed since the plan", again);
 }
 
-void keep_cost(const fs::path& out, const std::string& name, const std::string& fingerprint, const CostReport& cost) {
+void write_cost(const fs::path& out, const std::string& name, const std::string& fingerprint, const CostReport& cost) {
   make_folder(costs_folder(out));
   write_manifest(costs_folder(out) / (name + ".json"), fingerprint, cost);
 }
 
-CostReport kept_costs(const fs::path& out, const std::string& fingerprint) {
+CostReport sum_costs(const fs::path& out, const std::string& fingerprint) {
   CostReport sum;
   if (!fs::is_directory(costs_folder(out))) return sum;
   for (const fs::path& file : list_files(costs_folder(out), {".json"}))

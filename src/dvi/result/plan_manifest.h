@@ -10,26 +10,26 @@
 
 namespace dvi::result {
 
-/// OUT/.dvi/plan.json, a manifest: what the stages before the fill were made from, so that fills elsewhere, at any time, can
-/// check that they belong to them. Written after the stages.
+/// The content of the manifest OUT/.dvi/plan.json, which identifies the inputs of the stages before the fill, so that each
+/// fill, possibly on another machine, can check that it belongs to the plan. It is written after the stages.
 struct PlanManifest {
-  std::string version, program, listing, content, fingerprint;  ///< as fingerprints.h
+  std::string version, program, listing, content, fingerprint;  ///< see fingerprints.h
 };
 
 void write_plan(const fs::path& out, const PlanManifest& plan);
 
-/// InputError where `out` holds no plan.
+/// Reads the plan. Throws InputError if `out` does not contain one.
 PlanManifest read_plan(const fs::path& out);
 
-/// InputError where the plan was made by another program, from other files or with other options. `content` of the drives
-/// where all of it was read; empty: names and sizes are compared.
+/// Throws InputError if the plan was made by another program, from other files, or with other options. `content` is the
+/// content_of() the drives; if it is empty, the names and sizes of files are compared instead.
 void require_plan_of(const fs::path& out, const job::Job& job, const inputs::Recordings& drives,
                      const std::string& content = "");
 
-/// Keeps what a part of a result cost, for results that several processes make: OUT/.dvi/costs/NAME.json, one manifest each.
-void keep_cost(const fs::path& out, const std::string& name, const std::string& fingerprint, const CostReport& cost);
+/// Writes the cost of a part of a result that several processes compute, to the manifest OUT/.dvi/costs/NAME.json.
+void write_cost(const fs::path& out, const std::string& name, const std::string& fingerprint, const CostReport& cost);
 
-/// The sum of those that were kept of this fingerprint.
-CostReport kept_costs(const fs::path& out, const std::string& fingerprint);
+/// Returns the sum of the costs that were written with this fingerprint.
+CostReport sum_costs(const fs::path& out, const std::string& fingerprint);
 
 }  // namespace dvi::result

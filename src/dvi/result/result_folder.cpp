@@ -34,7 +34,7 @@ namespace {
 
 fs::path job_file(const fs::path& out) { return out / ".dvi/job.json"; }
 
-// One camera on one drive, as dvi.toml of the plain layout describes it.
+/// Returns the calibration of a camera in the form of dvi.toml of the plain layout.
 nlohmann::json camera_json(const Drive& drive) {
   const Camera& c = drive.camera;
   return {{"drive", fs::absolute(drive.path).lexically_normal().string()},
@@ -44,7 +44,7 @@ nlohmann::json camera_json(const Drive& drive) {
           {"distortion", c.distortion}};
 }
 
-// What sources.json says: the image behind each number in a frame's receipts, and the cameras that took them.
+/// Returns the contents of sources.json: the image of each source number in the provenance, and all cameras.
 nlohmann::json sources_json(const Views& views, const inputs::Recordings& drives) {
   nlohmann::json sources = nlohmann::json::array();
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -64,14 +64,14 @@ nlohmann::json sources_json(const Views& views, const inputs::Recordings& drives
   return {{"schema", "dvi-sources/1"}, {"cameras", cameras}, {"sources", sources}};
 }
 
-std::vector<std::string> pictures_of(const std::string& name) {
+std::vector<std::string> list_pictures(const std::string& name) {
   std::vector<std::string> files;
   for (const std::string& folder : picture_folders()) files.push_back(folder + "/" + name + ".png");
   return files;
 }
 
-/// Where a run writes.
-std::vector<fs::path> own_folders(const fs::path& out) {
+/// Lists the folders that a run writes to.
+std::vector<fs::path> list_own_folders(const fs::path& out) {
   std::vector<fs::path> folders{out, out / ".dvi", out / ".dvi/frames", out / ".dvi/masks", out / ".dvi/report"};
   for (const std::string& folder : picture_folders()) folders.push_back(out / folder);
   for (const char* folder : {"map", "report", "report/before", "report/truth", "report/sources"})
@@ -79,9 +79,9 @@ std::vector<fs::path> own_folders(const fs::path& out) {
   return folders;
 }
 
-/// What complete() writes, as far as it is there: a baseline has no map. Not the reports and the options, which tell times and
-/// places; and the page is written again by whoever has a truth to show.
-std::vector<std::string> files_beside_frames(const fs::path& out) {
+/// Lists the existing files that complete() writes; a baseline has no map. Reports and options are left out, because they
+/// contain times and paths, and because the report is written again when a result is scored.
+std::vector<std::string> list_other_files(const fs::path& out) {
   std::vector<std::string> files{"sources.json",   "video.mp4",     "compare.mp4",   "contact.png",
                                  "map/poses.txt",  "map/times.txt", "map/map.json",  "map/map.ply",
                                  "map/moving.ply", "map/map.png",   "map/above.json"};
@@ -89,8 +89,8 @@ std::vector<std::string> files_beside_frames(const fs::path& out) {
   return files;
 }
 
-/// Everything on disk that the run reads, as named by the user.
-std::vector<fs::path> inputs_of(const job::Job& job) {
+/// Lists the paths of all inputs, as given by the user.
+std::vector<fs::path> list_inputs(const job::Job& job) {
   std::vector<fs::path> inputs{job.target};
   inputs.insert(inputs.end(), job.sources.begin(), job.sources.end());
   if (job.read.masks.kind == job::MasksFrom::Kind::path) inputs.emplace_back(job.read.masks.path);
@@ -104,7 +104,7 @@ void require_apart_from(const fs::path& input, const fs::path& out) {
   const fs::path a = fs::weakly_canonical(fs::absolute(out)), b = fs::weakly_canonical(fs::absolute(input));
   const auto [in_a, in_b] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
   if (in_a == a.end() || in_b == b.end())
-    throw InputError(out, fmt::format("is, holds or lies in an input of the run ({})", input.string()),
+    throw InputError(out, fmt::format("is, contains, or is inside of an input of the run ({})", input.string()),
                      "choose another folder");
 }
 
@@ -116,27 +116,28 @@ const std::vector<std::string>& picture_folders() {
   return folders;
 }
 
-std::string kept_in(const fs::path& out) {
+std::string describe_progress(const fs::path& out) {
   const std::vector<fs::path> manifests = list_files(out / ".dvi/frames", {".json"});
   const auto finished = std::count_if(manifests.begin(), manifests.end(), [](const fs::path& file) {
     const std::optional<Manifest> manifest = read_manifest(file);
     return manifest && manifest->content;
   });
-  std::vector<std::string> kept = cached_stages(out);
+  std::vector<std::string> kept = list_cached_stages(out);
   if (finished > 0) kept.push_back(fmt::format("{} finished frames", finished));
-  if (kept.empty()) return "nothing was finished, the same command starts again";
-  return fmt::format("{} are kept: the same command goes on from there", fmt::join(kept, ", "));
+  if (kept.empty()) return "no part is finished; the same command starts again";
+  return fmt::format("{} are kept; the same command continues the run", fmt::join(kept, ", "));
 }
 
 void require_apart(const job::Job& job) {
-  for (const fs::path& input : inputs_of(job)) require_apart_from(input, job.out);
+  for (const fs::path& input : list_inputs(job)) require_apart_from(input, job.out);
 }
 
-void require_usable_folder(const fs::path& out, bool force) {
-  if (force || !fs::exists(out) || (fs::is_directory(out) && fs::is_empty(out))) return;
-  // Asked last: a run that begins in OUT at this moment makes .dvi before anything else.
+void require_usable_folder(const job::Job& job) {
+  const fs::path out = job.out;
+  if (job.force || !fs::exists(out) || (fs::is_directory(out) && fs::is_empty(out))) return;
+  // This test is last because a run that begins at the same time creates .dvi before anything else.
   if (!fs::is_directory(out / ".dvi"))
-    throw InputError(out, "exists and is no result of dvi", "choose another folder, or --force to write into it");
+    throw InputError(out, "exists and is not a result of dvi", "choose another folder, or --force to write into it");
 }
 
 ResultFolder::ResultFolder(const job::Job& job, const inputs::Recordings& drives, std::string content)
@@ -151,7 +152,7 @@ ResultFolder::ResultFolder(const job::Job& job, const inputs::Recordings& drives
 }
 
 ResultFolder::~ResultFolder() {
-  std::error_code ignored;  // a destructor cannot do more than try
+  std::error_code ignored;  // a destructor must not throw
   const auto unused = [&](const fs::path& folder) { return !fs::exists(folder, ignored) || fs::is_empty(folder, ignored); };
   if (created_ && unused(out_ / ".dvi/frames") && unused(out_ / ".dvi/stages")) fs::remove_all(out_, ignored);
 }
@@ -168,17 +169,17 @@ bool ResultFolder::is_finished(const std::string& name) const {
   return manifest && manifest->content && manifest->fingerprint == fingerprint_ && manifest->holds(out_);
 }
 
-std::string ResultFolder::own_options() const {
+std::string ResultFolder::format_options() const {
   job::Job resolved = job_;
   resolved.out = fs::absolute(job_.out).lexically_normal().string();
   return job::effective_toml(resolved);
 }
 
-std::optional<RunReport> ResultFolder::finished_report(Progress& progress) const {
+std::optional<RunReport> ResultFolder::read_finished_report(Progress& progress) const {
   const std::optional<Manifest> result = read_manifest(result_manifest());
   if (!result || result->fingerprint != fingerprint_ || !result->holds(out_)) return std::nullopt;
   const std::optional<RunReport> read = read_run_report(out_ / "report.json");
-  if (!read || !fs::exists(out_ / "dvi.toml") || read_file(out_ / "dvi.toml") != own_options() ||
+  if (!read || !fs::exists(out_ / "dvi.toml") || read_file(out_ / "dvi.toml") != format_options() ||
       !read_manifest(job_file(out_)))
     return std::nullopt;
   const std::vector<std::string> names = read->frame_names();
@@ -186,7 +187,7 @@ std::optional<RunReport> ResultFolder::finished_report(Progress& progress) const
   parallel_for(finished.size(), [&](std::size_t i) { finished[i] = is_finished(names[i]) ? 1 : 0; });
   if (std::count(finished.begin(), finished.end(), 0) > 0) return std::nullopt;
   progress.note("every frame is finished already: nothing to do");
-  if (!is_report_whole(out_)) write_report(out_, {}, progress);
+  if (!is_report_complete(out_)) write_report(out_, {}, progress);
   return read;
 }
 
@@ -194,9 +195,9 @@ void ResultFolder::claim() {
   const bool created = !fs::exists(out_);
   make_folder(out_ / ".dvi/frames");
   lock_.emplace(out_, out_ / ".dvi/lock");
-  created_ = created;     // only who holds the folder may remove it again
-  refuse_other_drives();  // another run may have begun and ended since the first look
-  for (const fs::path& folder : own_folders(out_)) {
+  created_ = created;     // only the process that locked the folder may remove it
+  refuse_other_drives();  // another run may have begun and ended since the constructor
+  for (const fs::path& folder : list_own_folders(out_)) {
     make_folder(folder);
     remove_temporaries(folder);
   }
@@ -205,8 +206,8 @@ void ResultFolder::claim() {
 
 void ResultFolder::join() {
   lock_.emplace(out_, out_ / ".dvi/lock", FolderLock::Hold::shared);
-  require_plan_of(out_, job_, drives_);  // another process may have planned anew since the first look
-  for (const fs::path& folder : own_folders(out_)) make_folder(folder);
+  require_plan_of(out_, job_, drives_);  // another process may have made a new plan since the constructor
+  for (const fs::path& folder : list_own_folders(out_)) make_folder(folder);
 }
 
 void ResultFolder::claim_plan() {
@@ -215,27 +216,28 @@ void ResultFolder::claim_plan() {
   planned_ = true;
 }
 
-StageCache ResultFolder::stage_cache(Progress& progress, StageCache::Missing missing) const {
+StageCache ResultFolder::make_stage_cache(Progress& progress, StageCache::Missing missing) const {
   return {out_, stages_fingerprint_of(job_, content_), progress, missing};
 }
 
 void ResultFolder::write_plan(const Progress& progress) const {
-  write_file(out_ / "dvi.toml", own_options());
-  keep_cost(out_, "plan", fingerprint_, cost_report(progress, CpuClock(), 0));
+  write_file(out_ / "dvi.toml", format_options());
+  write_cost(out_, "plan", fingerprint_, make_cost_report(progress, CpuClock(), 0));
   result::write_plan(out_, {kVersion, program_fingerprint(), listing_of(drives_), content_, fingerprint_});
 }
 
-void ResultFolder::keep_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu, const Progress& progress) const {
+void ResultFolder::write_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu,
+                                   const Progress& progress) const {
   if (!frames.empty())
-    keep_cost(out_, fmt::format("fill-{}-{}", frames.front(), frames.back()), fingerprint_,
-              cost_report(progress, cpu, frames.size()));
+    write_cost(out_, fmt::format("fill-{}-{}", frames.front(), frames.back()), fingerprint_,
+               make_cost_report(progress, cpu, frames.size()));
 }
 
 std::string ResultFolder::frame_name(const Views& views, std::size_t view) const {
   return drives_.front().drive.frames[views[view].frame].name;
 }
 
-std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progress& progress) {
+std::vector<std::size_t> ResultFolder::find_missing_frames(const Views& views, Progress& progress) {
   const std::size_t count = views.of_sequence(0).second;
   for (std::size_t i = 0; i < count; ++i) names_.push_back(frame_name(views, i));
   std::vector<char> finished(count), stale(count);
@@ -247,7 +249,7 @@ std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progre
   for (std::size_t i = 0; i < count; ++i)
     if (finished[i] == 0) missing.push_back(i);
   if (const auto again = std::count(stale.begin(), stale.end(), 1); again > 0)
-    progress.note(fmt::format("{} of {} frames in {} are of other options or inputs, or damaged: they are made again", again,
+    progress.note(fmt::format("{} of {} frames in {} have other options or inputs, or are damaged: they are made again", again,
                               count, out_.string()));
   if (!missing.empty())
     for (const fs::path& mark : {result_manifest(), out_ / "report.json", out_ / "report.html"}) fs::remove(mark);
@@ -255,23 +257,23 @@ std::vector<std::size_t> ResultFolder::missing_frames(const Views& views, Progre
   return missing;
 }
 
-std::function<void(std::size_t, const FilledView&)> ResultFolder::writer(const Views& views, const align::Cameras& cameras,
-                                                                         CpuClock& cpu, Progress& progress,
-                                                                         const FinishedFrame& hand_on) const {
+std::function<void(std::size_t, const FilledView&)> ResultFolder::make_writer(const Views& views, const align::Cameras& cameras,
+                                                                              CpuClock& cpu, Progress& progress,
+                                                                              const FinishedFrame& hand_on) const {
   const auto source_masks = std::make_shared<SourceMasks>(out_, views);
   return [&, this, source_masks, hand_on](std::size_t view, const FilledView& finished) {
     const Frame& frame = drives_.front().drive.frames[views[view].frame];
     cpu.time("write", [&] {
-      std::ofstream begun(frame_manifest(frame.name));  // empty: the pictures are dvi's, and not finished
+      std::ofstream begun(frame_manifest(frame.name));  // an empty manifest marks the pictures as dvi's, but unfinished
       begun.close();
       write_pictures(out_, frame.name, finished.frame, views, view);
-      std::vector<std::string> files = pictures_of(frame.name);
-      const std::vector<std::string> masks = source_masks->keep(finished.frame.provenance);
+      std::vector<std::string> files = list_pictures(frame.name);
+      const std::vector<std::string> masks = source_masks->write(finished.frame.provenance);
       files.insert(files.end(), masks.begin(), masks.end());
       write_manifest(frame_manifest(frame.name),
                      {fingerprint_, list_contents(out_, files),
                       std::make_shared<const nlohmann::json>(frame_json(frame, finished, cameras.views[view]))});
-      list_report_frame(out_, frame.name, view, fingerprint_);
+      write_report_frame_manifest(out_, frame.name, view, fingerprint_);
     });
     if (hand_on) hand_on(view, finished.frame);
     progress.advance();
@@ -283,7 +285,7 @@ void ResultFolder::remove_other_frames() const {
   for (const fs::path& manifest : list_files(out_ / ".dvi/frames", {".json"})) {
     const std::string name = manifest.stem().string();
     if (own.contains(name)) continue;
-    for (const std::string& picture : pictures_of(name))
+    for (const std::string& picture : list_pictures(name))
       if (const fs::path file = out_ / picture; !fs::is_symlink(file.parent_path())) fs::remove(file);
     fs::remove(manifest);
   }
@@ -300,12 +302,13 @@ void ResultFolder::remove_other_source_masks() const {
 
 void ResultFolder::remove_map() const {
   if (!fs::is_directory(fs::symlink_status(out_ / "map"))) return;
-  for (const std::string& file : files_beside_frames(out_))
+  for (const std::string& file : list_other_files(out_))
     if (file.starts_with("map/")) fs::remove(out_ / file);
   if (fs::is_empty(out_ / "map")) fs::remove(out_ / "map");
 }
 
-RunReport ResultFolder::report(const RunResults& results, const metrics::Artifacts& artifacts, const Progress& progress) const {
+RunReport ResultFolder::make_report(const RunResults& results, const metrics::Artifacts& artifacts,
+                                    const Progress& progress) const {
   nlohmann::json frames = nlohmann::json::array();
   HoleReport hole;
   for (const std::string& name : names_) {
@@ -317,8 +320,8 @@ RunReport ResultFolder::report(const RunResults& results, const metrics::Artifac
   }
   const std::optional<objects::StationaryObjects> stationary =
       objects::count_stationary(inputs::evidence_of(drives_.front(), results.poses.front().world_from_lidar), job_.removal());
-  CostReport cost = cost_report(progress, results.cpu, made_);
-  if (planned_) cost += kept_costs(out_, fingerprint_);
+  CostReport cost = make_cost_report(progress, results.cpu, made_);
+  if (planned_) cost += sum_costs(out_, fingerprint_);
   return RunReport({{"schema", RunReport::kSchema},
                     {"version", kVersion},
                     {"method", to_string(job_.method)},
@@ -339,30 +342,31 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   remove_other_source_masks();
   write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
   if (results.map != nullptr) {
-    write_map_files(out_ / "map", *results.map, results.views, target,
-                    tracks_of(results.objects, results.views, results.poses.front().world_from_lidar));
+    write_map_files(out_ / "map",
+                    {*results.map, results.views, target,
+                     collect_object_paths(results.objects, results.views, results.poses.front().world_from_lidar)});
     write_file(out_ / "map/map.json", json_text(map_json(*results.map)) + "\n");
   } else {
-    remove_map();  // left by another method, as the stages
+    remove_map();  // of an earlier run with another method
     remove_stages(out_);
   }
   write_media(out_, target, names_, job_.options.video, progress);
   const metrics::Artifacts artifacts = metrics::count_artifacts(out_, names_, progress.parts()("artifacts", names_.size()));
   progress.end();
-  write_file(out_ / "dvi.toml", own_options());
+  write_file(out_ / "dvi.toml", format_options());
   std::optional<RunReport> finished;
   progress.begin("report", names_.size());
   write_report(
       job_, names_, fingerprint_,
       [&] {
         progress.end();
-        finished = report(results, artifacts, progress);
+        finished = make_report(results, artifacts, progress);
         const std::string text = to_json(*finished);
         write_file(out_ / "report.json", text + "\n");
         return text;
       },
       progress.tick());
-  write_manifest(result_manifest(), {fingerprint_, list_contents(out_, files_beside_frames(out_))});
+  write_manifest(result_manifest(), {fingerprint_, list_contents(out_, list_other_files(out_))});
   return *finished;
 }
 

@@ -15,90 +15,94 @@
 
 namespace dvi::result {
 
-/// InputError where `out` holds anything but a result of dvi, unless forced. Looks only.
-void require_usable_folder(const fs::path& out, bool force);
+/// Throws InputError if job.out contains anything but a result of dvi, unless job.force. Changes no file.
+void require_usable_folder(const job::Job& job);
 
-/// InputError where job.out is, holds or lies in an input of the job. Looks only.
+/// Throws InputError if job.out is, contains, or is inside of an input of the job. Changes no file.
 void require_apart(const job::Job& job);
 
-/// What a run found out, for what stands beside its frames.
+/// The results of a run that files other than the frames are written from.
 struct RunResults {
   const Views& views;
-  const map::StaticMap* map = nullptr;  ///< a baseline has none
+  const map::StaticMap* map = nullptr;  ///< null for a baseline
   const inputs::Poses& poses;
   const align::Cameras& cameras;
   const CpuClock& cpu;
-  const FrameLabels& objects;  ///< of the target: what was removed
+  const FrameLabels& objects;  ///< removed objects of the target
 };
 
-/// Called with a frame of the target once it is written; may be empty.
+/// Called with each frame of the target after it was written; may be empty.
 using FinishedFrame = std::function<void(std::size_t number, const harmonize::FilledFrame& frame)>;
 
-/// The output folder of a run: which frames in it are finished, and how a frame is written.
+/// The output folder of a run. It knows the layout of the folder and its finished parts, and writes frames and all other files.
 ///
-/// What is finished in it is listed by manifests (manifest.h), each written after the files that it lists: OUT/.dvi/job.json has
-/// the drives that the folder belongs to, .dvi/plan.json the plan, .dvi/stages/NAME.json a cached stage, .dvi/frames/NAME.json
-/// the images of a frame, .dvi/costs/NAME.json the cost of a part, .dvi/report.json the report, and .dvi/result.json all else.
-/// What is missing, damaged, or made from other options or inputs is made again. OUT/.dvi/masks is what source_masks.h keeps. A
-/// folder of other drives, or of anything else, is refused unless forced; one that is, holds, or lies in an input always. Only
-/// files that the manifest of a frame lists are deleted.
+/// Manifests (manifest.h) list the finished parts; each is written after the files that it lists: OUT/.dvi/job.json has the
+/// drives of the folder, .dvi/plan.json the plan, .dvi/stages/NAME.json a cached stage, .dvi/frames/NAME.json the images of a
+/// frame, .dvi/costs/NAME.json the cost of a part, .dvi/report.json the report, and .dvi/result.json all other files. Parts
+/// that are missing, damaged, or made from other options or inputs are computed again. OUT/.dvi/masks has masks of source
+/// frames (source_masks.h). A folder of other drives or with other contents is refused unless forced. A folder that is,
+/// contains, or is inside of an input is always refused. Only files that the manifest of a frame lists are deleted.
 class ResultFolder {
  public:
-  /// InputError where the folder is refused. Looks only. `content`: content_of() the drives, where it is known already.
+  /// Throws InputError if the folder is refused. Changes no file. `content` is the content_of() the drives; it is computed if
+  /// empty.
   ResultFolder(const job::Job& job, const inputs::Recordings& drives, std::string content = "");
-  ~ResultFolder();  ///< removes the folder again if it was made here and nothing was written
+  ~ResultFolder();  ///< removes the folder if this object created it and no frame or stage was finished
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
 
-  /// The report of this very run, if the folder holds all of it already.
-  std::optional<RunReport> finished_report(Progress& progress) const;
+  /// Returns the report if the folder already contains the complete result of this run; otherwise none.
+  std::optional<RunReport> read_finished_report(Progress& progress) const;
 
-  /// Takes the folder for this run. InputError where it cannot be written, or another process writes into it.
+  /// Locks the folder for this run, and creates its subfolders. Throws InputError if it is read-only, or if another process has
+  /// locked it.
   void claim();
 
-  /// Takes the folder together with others that fill frames of its plan. InputError where it is no plan of this job, or another
-  /// process keeps it to itself.
+  /// Locks the folder together with other processes that fill frames of its plan. Throws InputError if it does not contain a
+  /// plan of this job, or if another process has locked it for itself.
   void join();
 
-  /// As claim(), to complete what others filled. InputError where it is no plan of this job.
+  /// Locks the folder as claim(), to complete a plan. Throws InputError if it does not contain a plan of this job.
   void claim_plan();
 
-  /// What earlier calls computed before they filled frames.
-  StageCache stage_cache(Progress& progress, StageCache::Missing missing = StageCache::Missing::made) const;
+  /// Returns the cache of the stages before the fill.
+  StageCache make_stage_cache(Progress& progress, StageCache::Missing missing = StageCache::Missing::compute) const;
 
-  /// Writes down that all stages before the fill are kept, and which options they were made with.
+  /// Writes the options, the cost, and the manifest of the plan, after all stages before the fill are cached.
   void write_plan(const Progress& progress) const;
 
-  /// The views of the target that are still to be made, ascending. From here on the result counts as unfinished, if there are
-  /// any.
-  std::vector<std::size_t> missing_frames(const Views& views, Progress& progress);
+  /// Returns the views of the target whose frames are not finished, ascending. If there are any, marks the result as
+  /// unfinished.
+  std::vector<std::size_t> find_missing_frames(const Views& views, Progress& progress);
 
-  /// Keeps what these frames cost for who completes the result.
-  void keep_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu, const Progress& progress) const;
+  /// Writes the cost of these frames, for the process that completes the result.
+  void write_fill_cost(const std::vector<std::size_t>& frames, const CpuClock& cpu, const Progress& progress) const;
 
-  /// The names of the target's frames, known from missing_frames() on.
+  /// Returns the names of the target's frames; empty before find_missing_frames() is called.
   const std::vector<std::string>& frame_names() const { return names_; }
 
-  /// Writes everything of a frame, its manifest last, and hands it on. Safe to call from several threads.
-  std::function<void(std::size_t view, const FilledView& finished)> writer(const Views& views, const align::Cameras& cameras,
-                                                                           CpuClock& cpu, Progress& progress,
-                                                                           const FinishedFrame& hand_on = {}) const;
+  /// Returns a function that writes all files of a frame, its manifest last, and then passes the frame to `hand_on`. It may be
+  /// called from several threads at once.
+  std::function<void(std::size_t view, const FilledView& finished)> make_writer(const Views& views,
+                                                                                const align::Cameras& cameras, CpuClock& cpu,
+                                                                                Progress& progress,
+                                                                                const FinishedFrame& hand_on = {}) const;
 
-  /// Writes what stands beside the frames, the report last, and removes frames of earlier runs. The report's cost is this
-  /// process's, and that of a plan and its fills where the result was made by them.
+  /// Writes all files other than the frames, the report last, and removes frames of earlier runs. The cost in the report
+  /// includes that of the plan and its fills, if claim_plan() was called.
   RunReport complete(const RunResults& results, Progress& progress);
 
  private:
   fs::path frame_manifest(const std::string& name) const { return out_ / ".dvi/frames" / (name + ".json"); }
   fs::path result_manifest() const { return out_ / ".dvi/result.json"; }
   void refuse_other_drives() const;
-  std::string own_options() const;  ///< what dvi.toml says
+  std::string format_options() const;  ///< the text of dvi.toml
   bool is_finished(const std::string& name) const;
   std::string frame_name(const Views& views, std::size_t view) const;
   void remove_other_frames() const;
   void remove_other_source_masks() const;
   void remove_map() const;
-  RunReport report(const RunResults& results, const metrics::Artifacts& artifacts, const Progress& progress) const;
+  RunReport make_report(const RunResults& results, const metrics::Artifacts& artifacts, const Progress& progress) const;
 
   const job::Job& job_;
   const inputs::Recordings& drives_;
@@ -106,15 +110,15 @@ class ResultFolder {
   const std::string identity_, content_, fingerprint_;
   bool created_ = false;
   std::optional<FolderLock> lock_;
-  std::vector<std::string> names_;  // of the target's views
+  std::vector<std::string> names_;  // names of the target's frames
   std::size_t made_ = 0;            // frames that were missing
-  bool planned_ = false;            // by another process
+  bool planned_ = false;            // whether the result completes a plan
 };
 
-/// After an interrupted run into `out`: what the same run, called again, finds done there, for a person.
-std::string kept_in(const fs::path& out);
+/// Returns a message about the finished parts of an interrupted run, which a repeated run uses.
+std::string describe_progress(const fs::path& out);
 
-/// The pictures of a frame: `frames/NAME.png` and so on.
+/// Returns the folders of the pictures of a frame: "frames" for frames/NAME.png, and so on.
 const std::vector<std::string>& picture_folders();
 
 }  // namespace dvi::result

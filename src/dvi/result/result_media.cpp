@@ -17,9 +17,9 @@ namespace dvi::result {
 namespace {
 
 constexpr std::size_t kSheetRows = 8;
-constexpr int kCellWidth = 480;
+constexpr int kCellWidthPx = 480;
 
-/// "NAME  copied 22 %  interpolated 78 %".
+/// Returns "NAME  copied 22 %  interpolated 78 %".
 std::string caption_of(const cv::Mat1b& kind, const std::string& name) {
   std::array<std::size_t, report::kKindColors.size()> count{};
   for (const uchar k : kind) ++count[std::min<std::size_t>(k, count.size() - 1)];
@@ -32,30 +32,29 @@ std::string caption_of(const cv::Mat1b& kind, const std::string& name) {
   return hole > 0 ? text : text + "  nothing removed";
 }
 
-/// The input with an outline of what is removed, its name and the shares.
-cv::Mat3b marked_input(const cv::Mat3b& input, const cv::Mat1b& kind, const std::string& name) {
+/// Draws the outline of the hole, the frame's name, and the shares on the input.
+cv::Mat3b mark_input(const cv::Mat3b& input, const cv::Mat1b& kind, const std::string& name) {
   cv::Mat3b out = input.clone();
   media::draw_outline(out, cv::Mat1b(kind != 0));
   media::write_caption(out, caption_of(kind, name));
   return out;
 }
 
-/// The whole frame, then a part of it in full size: where most was removed.
-std::vector<media::SheetCell> sheet_row(const cv::Mat3b& input, const cv::Mat3b& result, const cv::Mat1b& kind,
-                                        const std::string& name) {
+/// Makes a row of the contact sheet: the whole frame, then the part with most removed pixels in full size.
+std::vector<media::SheetCell> make_sheet_row(const cv::Mat3b& input, const cv::Mat3b& result, const cv::Mat1b& kind,
+                                             const std::string& name) {
   std::vector<cv::Vec3b> colors;
   for (const report::KindColor& k : report::kKindColors) colors.push_back(k.color);
   const cv::Mat1b mask(kind != 0);
-  const cv::Mat3b whole = media::make_thumbnail(media::draw_mask_overlay(input, mask), kCellWidth);
-  const double closer = std::min(1.0, 0.4 * input.cols / kCellWidth);  // never less than pixel by pixel
+  const cv::Mat3b whole = media::thumbnail(media::mask_overlay(input, mask), kCellWidthPx);
+  const double closer = std::min(1.0, 0.4 * input.cols / kCellWidthPx);  // one pixel of the image is at least one of the sheet
   const cv::Rect part =
-      media::find_densest_part(mask, {std::max(1, cvRound(closer * whole.cols)), std::max(1, cvRound(closer * whole.rows))});
-  return {
-      {whole, caption_of(kind, name)},
-      {media::make_thumbnail(result, kCellWidth), "result"},
-      {input(part).clone(), "before, closer"},
-      {result(part).clone(), "after"},
-      {media::draw_label_overlay(result(part), kind(part), colors), "blue: copied, orange: interpolated, pink: synthesized"}};
+      media::densest_part(mask, {std::max(1, cvRound(closer * whole.cols)), std::max(1, cvRound(closer * whole.rows))});
+  return {{whole, caption_of(kind, name)},
+          {media::thumbnail(result, kCellWidthPx), "result"},
+          {input(part).clone(), "before, closer"},
+          {result(part).clone(), "after"},
+          {media::label_overlay(result(part), kind(part), colors), "blue: copied, orange: interpolated, pink: synthesized"}};
 }
 
 }  // namespace
@@ -68,7 +67,7 @@ void write_media(const fs::path& out, const Drive& target, const std::vector<std
   media::VideoWriter compare(out / "compare.mp4", {size.width, 2 * (size.height + size.height % 2)}, options);
   const std::size_t rows = std::min(kSheetRows, names.size());
   std::vector<std::vector<media::SheetCell>> sheet;
-  std::unordered_map<std::string, std::size_t> number;  // of a frame, by its name
+  std::unordered_map<std::string, std::size_t> number;  // by name of a frame
   for (std::size_t i = 0; i < target.frames.size(); ++i) number[target.frames[i].name] = i;
   for_blocks(names.size(), [&](std::size_t first, std::size_t last) {
     std::vector<cv::Mat3b> inputs(last - first), marked(last - first), results(last - first);
@@ -77,7 +76,7 @@ void write_media(const fs::path& out, const Drive& target, const std::vector<std
       inputs[i] = *target.images[number.at(names[first + i])];
       results[i] = media::read_image(out / "frames" / (names[first + i] + ".png"), size);
       kinds[i] = media::read_png_gray(out / "kind" / (names[first + i] + ".png"), size);
-      marked[i] = marked_input(inputs[i], kinds[i], names[first + i]);
+      marked[i] = mark_input(inputs[i], kinds[i], names[first + i]);
     });
     parallel_for(2, [&](std::size_t which) {
       for (std::size_t i = 0; i < results.size(); ++i)
@@ -86,13 +85,13 @@ void write_media(const fs::path& out, const Drive& target, const std::vector<std
     for (std::size_t i = 0; i < results.size(); ++i) {
       // Rows evenly spread over the drive, the first and the last frame among them.
       if (sheet.size() < rows && first + i == (rows > 1 ? sheet.size() * (names.size() - 1) / (rows - 1) : 0))
-        sheet.push_back(sheet_row(inputs[i], results[i], kinds[i], names[first + i]));
+        sheet.push_back(make_sheet_row(inputs[i], results[i], kinds[i], names[first + i]));
       progress.advance();
     }
   });
   video.finish();
   compare.finish();
-  media::write_png(out / "contact.png", media::make_contact_sheet(sheet, kCellWidth));
+  media::write_png(out / "contact.png", media::contact_sheet(sheet, kCellWidthPx));
 }
 
 }  // namespace dvi::result

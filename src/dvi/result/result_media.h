@@ -10,8 +10,9 @@
 
 namespace dvi::result {
 
-/// video.mp4 (the result), compare.mp4 (the input, what is removed outlined, above the result, with name and shares) and
-/// contact.png (frames spread over the drive, with crops of their holes) of the finished frames in a result folder.
+/// Writes videos and a contact sheet of the finished frames in a result folder: video.mp4 (the result), compare.mp4 (the input
+/// with outlines of the holes, name, and shares, above the result), and contact.png (frames spread over the drive, with crops
+/// of their holes).
 void write_media(const fs::path& out, const Drive& target, const std::vector<std::string>& names,
                  const media::VideoOptions& options, Progress& progress);
 

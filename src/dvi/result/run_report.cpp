@@ -54,7 +54,7 @@ HoleReport count_hole(const cv::Mat1b& kind) {
           of(Kind::empty)};
 }
 
-CostReport cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames_made) {
+CostReport make_cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames_made) {
   return {progress.times(), clock.seconds(), frames_made, peak_memory()};
 }
 
@@ -94,7 +94,7 @@ void from_json(const json& j, CostReport& cost) {
 
 namespace {
 
-// ", 12.0 % unobserved (9.0 % synthesized, 3.0 % interpolated)".
+/// Returns ", 12.0 % unobserved (9.0 % synthesized, 3.0 % interpolated)".
 std::string describe_unobserved(const HoleReport& hole) {
   std::string how;
   for (const auto& [count, name] : {std::pair(hole.synthesized, "synthesized"), std::pair(hole.interpolated, "interpolated"),
@@ -103,7 +103,7 @@ std::string describe_unobserved(const HoleReport& hole) {
   return fmt::format(", {:.1f} % unobserved", 100 * hole.share(hole.unobserved())) + (how.empty() ? "" : " (" + how + ")");
 }
 
-// Where most of the hole are objects that need not be removed.
+/// Returns a line if most of the hole belongs to stationary objects, which need not be removed; otherwise nothing.
 std::string describe_stationary(const json& stationary, const HoleReport& hole) {
   if (stationary.is_null()) return {};
   const double share = hole.share(stationary.at("pixels").get<std::size_t>());
@@ -149,7 +149,7 @@ std::string RunReport::brief(const std::string& out) const {
   for (const json& drive : document().at("drives")) text += describe_registration(drive);
   return text + describe_cost(document().at("cost")) +
          fmt::format(
-             "\n  {0}/report.html  what was removed and how well it went: open it in a browser\n"
+             "\n  {0}/report.html  removed objects and the quality of the result: open it in a browser\n"
              "  {0}/frames       the drive without its traffic\n  {0}/video.mp4    as a video\n"
              "  {0}/compare.mp4  input above result\n  {0}/contact.png  some frames on one sheet\n"
              "  {0}/report.json  all figures",
@@ -164,7 +164,7 @@ std::optional<RunReport> read_run_report(const fs::path& file) {
     RunReport report(json::parse(read_file(file)));
     if (report.document().at("schema") != RunReport::kSchema) return std::nullopt;
     report.frame_names();
-    report.brief("");  // fails where a figure is missing
+    report.brief("");  // throws if a figure is missing
     return report;
   } catch (const json::exception&) {  // answered: truncated by a crash, or changed by hand
     return std::nullopt;

@@ -16,13 +16,13 @@
 
 namespace dvi::result {
 
-/// Pixels of a hole by where they come from. In JSON, `share` has the same as shares of the hole, 0..1, and `unobserved`:
-/// pixels that no source observed, however they were filled.
+/// Numbers of pixels of a hole by origin. In JSON, `share` has them as shares of the hole, 0 to 1, and `unobserved`, the share
+/// of pixels that no source observed, for every kind of filling.
 struct HoleReport {
   std::size_t pixels = 0, copied = 0, copied_elsewhere = 0, interpolated = 0, synthesized = 0, empty = 0;
 
   std::size_t unobserved() const { return interpolated + synthesized + empty; }
-  /// 0..1; 0 of an empty hole.
+  /// Returns the share of the hole, 0 to 1; 0 for an empty hole.
   double share(std::size_t count) const { return pixels > 0 ? static_cast<double>(count) / static_cast<double>(pixels) : 0.0; }
   HoleReport& operator+=(const HoleReport& other);
 };
@@ -32,21 +32,21 @@ void from_json(const nlohmann::json& json, HoleReport& hole);
 /// Counts the pixels of a frame by their harmonize::Kind.
 HoleReport count_hole(const cv::Mat1b& kind);
 
-/// What a result cost, in all processes that made it.
+/// The cost of a result in all processes that computed it.
 struct CostReport {
   std::vector<StageTime> stages;
-  std::map<std::string, double> fill_cpu_seconds;  ///< of the parts of the stage "fill"
+  std::map<std::string, double> fill_cpu_seconds;  ///< by stage of the fill
   std::size_t frames_made = 0;
   std::size_t peak_memory_bytes = 0;
 
-  /// Adds what another process spent on the same result.
+  /// Adds the cost of another process for the same result.
   CostReport& operator+=(const CostReport& other);
 };
 void to_json(nlohmann::json& json, const CostReport& report);
 void from_json(const nlohmann::json& json, CostReport& report);
 
-/// What a run has cost so far.
-CostReport cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames_made);
+/// Returns the cost of a run until now.
+CostReport make_cost_report(const Progress& progress, const CpuClock& clock, std::size_t frames_made);
 
 /// The report of a run: the document report.json, which docs/reference.md describes.
 class RunReport {
@@ -58,17 +58,17 @@ class RunReport {
   const nlohmann::json& document() const { return *document_; }
   std::vector<std::string> frame_names() const;
 
-  /// A few lines for a person: what was filled, from where, what was unobserved, where to look in `out`.
+  /// Returns a summary of a few lines: the shares of the hole by origin, registration, cost, and the files in `out`.
   std::string brief(const std::string& out) const;
 
  private:
   std::shared_ptr<const nlohmann::json> document_;
 };
 
-/// The text of report.json.
+/// Returns the text of report.json.
 std::string to_json(const RunReport& report);
 
-/// Reads it back; nothing where the file is missing or damaged.
+/// Reads report.json; none if the file is missing or damaged.
 std::optional<RunReport> read_run_report(const fs::path& file);
 
 }  // namespace dvi::result

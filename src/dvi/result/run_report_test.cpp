@@ -31,7 +31,7 @@ class ReportFile : public testing::Test {
   fs::path file;
 };
 
-TEST(HoleReport, SharesAddUp) {
+TEST(HoleReport, SharesSumToOne) {
   const HoleReport hole{
       .pixels = 200, .copied = 100, .copied_elsewhere = 20, .interpolated = 50, .synthesized = 10, .empty = 20};
   const json share = json(hole).at("share");
@@ -47,7 +47,7 @@ TEST(HoleReport, SharesAddUp) {
 
 TEST(HoleReport, AFrameWithoutAHoleHasNoShares) { EXPECT_EQ(json(HoleReport{}).at("share").at("unobserved"), 0.0); }
 
-TEST(HoleReport, CountsKindsOfPixels) {
+TEST(HoleReport, CountsPixelsByKind) {
   const cv::Mat1b kind = (cv::Mat1b(2, 4) << 0, 0, 1, 1, 2, 3, 4, 5);
   const HoleReport hole = count_hole(kind);
   EXPECT_EQ(hole.pixels, 6U);
@@ -56,7 +56,7 @@ TEST(HoleReport, CountsKindsOfPixels) {
   EXPECT_EQ(hole.unobserved(), 3U);
 }
 
-TEST(CostReport, IsReadBackAndAddsUp) {
+TEST(CostReport, IsReadBackAndSummed) {
   const CostReport cost{{{"map", 2, 3}, {"fill", 5, 9}}, {{"depth", 1.5}}, 2, 123'000'000};
   CostReport sum = json(cost).get<CostReport>();
   EXPECT_EQ(json(sum), json(cost));
@@ -77,7 +77,7 @@ TEST_F(ReportFile, IsReadBackAsItWasWritten) {
   EXPECT_EQ(read->frame_names(), std::vector<std::string>{"0003"});
 }
 
-TEST_F(ReportFile, IsNoneWhereMissingOrDamaged) {
+TEST_F(ReportFile, IsNoneIfMissingOrDamaged) {
   EXPECT_FALSE(read_run_report(file));
   json without_hole = whole_report(), of_another_version = whole_report();
   without_hole.erase("hole");
@@ -89,7 +89,7 @@ TEST_F(ReportFile, IsNoneWhereMissingOrDamaged) {
   }
 }
 
-TEST(RunReport, BriefStatesWhatWasFilledAndItsCost) {
+TEST(RunReport, BriefStatesOriginsAndCost) {
   const std::string text = RunReport(whole_report()).brief("out");
   for (const char* part : {"1 frames, 100 hole pixels: 60.0 % copied, 10.0 % from other cameras or drives, 30.0 % unobserved "
                            "(25.0 % interpolated, 5.0 % left black)",
@@ -99,13 +99,13 @@ TEST(RunReport, BriefStatesWhatWasFilledAndItsCost) {
     EXPECT_THAT(text, HasSubstr(part));
 }
 
-TEST(RunReport, BriefOmitsStationaryObjectsThatAreLittleOfTheHole) {
+TEST(RunReport, BriefOmitsStationaryObjectsThatAreASmallPartOfTheHole) {
   json document = whole_report();
   document["stationary"]["pixels"] = 50;
   EXPECT_THAT(RunReport(document).brief("out"), Not(HasSubstr("stationary")));
 }
 
-TEST(CpuClock, NestedStagesAreBookedOnce) {
+TEST(CpuClock, TimeOfNestedStagesCountsOnce) {
   CpuClock clock;
   const auto spin = [](double seconds) {
     for (const double begun = thread_cpu_seconds(); thread_cpu_seconds() < begun + seconds;) {
@@ -117,10 +117,10 @@ TEST(CpuClock, NestedStagesAreBookedOnce) {
   EXPECT_LT(clock.seconds().at("outer"), clock.seconds().at("inner"));
 }
 
-TEST(CpuClock, TimedStagesKeepTheirOptionsAndResults) {
+TEST(CpuClock, WrappedStagesKeepTheirOptionsAndResults) {
   CpuClock clock;
   const int option = 3;
-  const auto stage = clock.timed("stage", [](int input, int bound) { return input * bound; }, option);
+  const auto stage = clock.wrap("stage", [](int input, int bound) { return input * bound; }, option);
   EXPECT_EQ(stage(5), 15);
   EXPECT_EQ(clock.seconds().count("stage"), 1U);
 }

@@ -8,7 +8,7 @@ namespace dvi::result {
 
 std::string source_mask_file(std::size_t number) { return fmt::format(".dvi/masks/{:06d}.png", number); }
 
-std::vector<std::string> SourceMasks::keep(const cv::Mat_<cv::Vec3w>& provenance) {
+std::vector<std::string> SourceMasks::write(const cv::Mat_<cv::Vec3w>& provenance) {
   const std::size_t own = views_.of_sequence(0).second;
   std::set<std::size_t> sources;
   for (const cv::Vec3w& from : provenance)

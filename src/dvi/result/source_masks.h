@@ -10,19 +10,19 @@
 
 namespace dvi::result {
 
-/// Where a result keeps the mask of a source frame, relative to the result; numbered as sources.json numbers it.
+/// Returns the file of a source frame's mask, relative to the result. `number` is its number in sources.json.
 std::string source_mask_file(std::size_t number);
 
-/// Keeps with a result what was masked in the frames of other drives and cameras that it copies from, so that `dvi audit` can
-/// check that nothing comes from there: such masks may have been found, carried over, or have shadows added, and no drive holds
-/// them. Those of the target's own frames are in the result anyway.
+/// Writes the masks of frames of other drives and cameras that a result copies from, so that `dvi audit` can check that no
+/// pixel is copied from a mask. Drives do not contain all of these masks, because they may be computed from scans, reprojected,
+/// or extended by shadows. The masks of the target's own frames are part of the result.
 class SourceMasks {
  public:
   SourceMasks(fs::path out, const Views& views) : out_(std::move(out)), views_(views) {}
 
-  /// Writes the masks of a frame's sources unless it has done so before; returns their files, relative to the result,
-  /// ascending. Safe to call from several threads.
-  std::vector<std::string> keep(const cv::Mat_<cv::Vec3w>& provenance);
+  /// Writes the masks of a frame's sources that are not written yet. Returns the files of all its sources, relative to the
+  /// result, ascending. May be called from several threads at once.
+  std::vector<std::string> write(const cv::Mat_<cv::Vec3w>& provenance);
 
  private:
   fs::path out_;

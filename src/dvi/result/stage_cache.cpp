@@ -17,7 +17,7 @@ std::string schema_of(const std::string& name) { return fmt::format("dvi-stage/1
 
 }  // namespace
 
-std::vector<std::string> cached_stages(const fs::path& out) {
+std::vector<std::string> list_cached_stages(const fs::path& out) {
   std::vector<std::string> names;
   for (const fs::path& file : list_files(out / kFolder, {".json"})) names.push_back(file.stem().string());
   std::erase_if(names, [&](const std::string& name) { return !read_manifest(manifest_of(out, name)); });
@@ -26,7 +26,7 @@ std::vector<std::string> cached_stages(const fs::path& out) {
 
 void remove_stages(const fs::path& out) {
   if (fs::is_symlink(out / kFolder)) return;
-  for (const std::string& name : cached_stages(out)) {
+  for (const std::string& name : list_cached_stages(out)) {
     fs::remove(out / file_of(name));
     fs::remove(manifest_of(out, name));
   }
@@ -34,20 +34,20 @@ void remove_stages(const fs::path& out) {
 
 StageCache::StageCache(fs::path out, std::string fingerprint, Progress& progress, Missing missing)
     : out_(std::move(out)), fingerprint_(std::move(fingerprint)), progress_(progress), missing_(missing) {
-  if (missing_ == Missing::made) {
+  if (missing_ == Missing::compute) {
     make_folder(out_ / kFolder);
     remove_temporaries(out_ / kFolder);
   }
-  for (const std::string& name : cached_stages(out_)) {
+  for (const std::string& name : list_cached_stages(out_)) {
     const std::optional<Manifest> manifest = read_manifest(manifest_of(out_, name));
-    if (manifest && manifest->fingerprint == fingerprint_ && manifest->holds(out_)) held_.insert(name);
+    if (manifest && manifest->fingerprint == fingerprint_ && manifest->holds(out_)) valid_.insert(name);
   }
-  if (!held_.empty() && missing_ == Missing::made)
-    progress_.note(fmt::format("{} of an earlier call are used", fmt::join(held_, ", ")));
+  if (!valid_.empty() && missing_ == Missing::compute)
+    progress_.note(fmt::format("{} of an earlier call are used", fmt::join(valid_, ", ")));
 }
 
 bool StageCache::load(const std::string& name, const std::function<void(ArchiveReader&)>& read) const {
-  if (!held_.contains(name)) return false;
+  if (!valid_.contains(name)) return false;
   progress_.begin("load " + name, 0);
   std::vector<std::string> warnings;
   try {
@@ -55,7 +55,7 @@ bool StageCache::load(const std::string& name, const std::function<void(ArchiveR
     in >> warnings;
     read(in);
     in.finish();
-  } catch (const InputError&) {  // answered: what cannot be read is made again
+  } catch (const InputError&) {  // answered: an unreadable stage is computed again
     return false;
   }
   progress_.end();
@@ -64,8 +64,8 @@ bool StageCache::load(const std::string& name, const std::function<void(ArchiveR
 }
 
 void StageCache::refuse_if_missing(const std::string& name) const {
-  if (missing_ == Missing::made) return;
-  throw InputError(out_ / file_of(name), "is missing or damaged", "plan again: dvi plan --config OUT/dvi.toml makes it anew");
+  if (missing_ == Missing::compute) return;
+  throw InputError(out_ / file_of(name), "is missing or damaged", "plan again: dvi plan --config OUT/dvi.toml");
 }
 
 void StageCache::save(const std::string& name, std::size_t warned, const std::function<void(ArchiveWriter&)>& write) const {

@@ -11,21 +11,23 @@
 
 namespace dvi::result {
 
-/// Results of whole stages, so that no later call computes them again.
+/// Caches the results of whole stages in the output folder, so that later calls do not compute them again.
 ///
-/// OUT/.dvi/stages/NAME.bin (archive.h) holds a stage's warnings and its result, and says neither where nor when it was
-/// made. NAME.json is its manifest, written after it. What the manifest does not confirm is made again.
+/// OUT/.dvi/stages/NAME.bin (archive.h) contains a stage's warnings and its result, but no paths and no time. NAME.json is its
+/// manifest, written after it. A stage whose files differ from the manifest is computed again.
 class StageCache {
  public:
-  enum class Missing { made, refused };
+  /// The treatment of stages that are not cached: they are computed, or refused with an InputError.
+  enum class Missing { compute, refuse };
 
-  /// Notes which stages of an earlier call will be used. `fingerprint`: of all that the stages depend on. `missing`: what
-  /// becomes of the others; refused is an InputError.
-  StageCache(fs::path out, std::string fingerprint, Progress& progress, Missing missing = Missing::made);
+  /// Lists the cached stages that have this fingerprint, and reports them with `progress`. `fingerprint` identifies everything
+  /// that the stages depend on.
+  StageCache(fs::path out, std::string fingerprint, Progress& progress, Missing missing = Missing::compute);
 
-  /// What `make` returned to an earlier call, its warnings repeated; otherwise what it returns now. `result`: where to read to.
+  /// Returns the cached result of the stage `name`, and repeats its warnings. If it is not cached, calls `make`, and saves the
+  /// result. `result` is the object to read into, which may have an allocator.
   template <class Make, class Result = std::invoke_result_t<Make>>
-  Result cached(const std::string& name, const Make& make, Result result = Result()) const {
+  Result load_or_compute(const std::string& name, const Make& make, Result result = Result()) const {
     if (load(name, [&](ArchiveReader& in) { in >> result; })) return result;
     refuse_if_missing(name);
     const std::size_t warned = progress_.warnings().size();
@@ -42,14 +44,14 @@ class StageCache {
   const fs::path out_;
   const std::string fingerprint_;
   Progress& progress_;
-  std::set<std::string> held_;  // names
+  std::set<std::string> valid_;  // names
   const Missing missing_;
 };
 
-/// The stages that manifests in OUT name, whatever they were made from, by name.
-std::vector<std::string> cached_stages(const fs::path& out);
+/// Returns the names of all stages that have a manifest in OUT, with any fingerprint, sorted.
+std::vector<std::string> list_cached_stages(const fs::path& out);
 
-/// Removes them: a result that is of another method now has no use for them.
+/// Removes all cached stages, for a result of another method, which does not use them.
 void remove_stages(const fs::path& out);
 
 }  // namespace dvi::result

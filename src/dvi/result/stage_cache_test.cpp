@@ -12,14 +12,14 @@ namespace {
 
 using testing::ElementsAre;
 
-class Cached : public testing::Test {
+class StageCacheTest : public testing::Test {
  protected:
-  // What a call gets from stage "map", which makes `value` and warns; warnings_ are those of the call.
+  /// Runs the stage "map", which returns `value` and warns, with the cache. Sets warnings_ to the warnings of this call.
   int call(int value, const std::string& fingerprint = "inputs") {
     Progress progress(ProgressStyle::quiet);
     progress.warn("before");
     const StageCache stages(folder.path, fingerprint, progress);
-    const int result = stages.cached("map", [&] {
+    const int result = stages.load_or_compute("map", [&] {
       progress.warn("few points");
       return value;
     });
@@ -32,21 +32,21 @@ class Cached : public testing::Test {
   std::vector<std::string> warnings_;
 };
 
-TEST_F(Cached, StageIsMadeOnceAndWarnsEachTime) {
+TEST_F(StageCacheTest, ComputesAStageOnceAndRepeatsItsWarnings) {
   for (const int value : {1, 2}) {
     EXPECT_EQ(call(value), 1);
     EXPECT_THAT(warnings_, ElementsAre("before", "few points", "after"));
   }
-  EXPECT_THAT(cached_stages(folder.path), ElementsAre("map"));
+  EXPECT_THAT(list_cached_stages(folder.path), ElementsAre("map"));
 }
 
-TEST_F(Cached, OfOtherInputsIsMadeAgain) {
+TEST_F(StageCacheTest, ComputesAStageOfOtherInputsAgain) {
   call(1);
   EXPECT_EQ(call(2, "others"), 2);
   EXPECT_EQ(call(3, "others"), 2);
 }
 
-TEST_F(Cached, DamagedIsMadeAgain) {
+TEST_F(StageCacheTest, ComputesADamagedStageAgain) {
   call(1);
   int value = 1;
   for (const fs::path& file : {bin, manifest}) {
@@ -63,7 +63,7 @@ TEST_F(Cached, DamagedIsMadeAgain) {
   }
 }
 
-TEST_F(Cached, OfAnotherSchemaIsMadeAgain) {
+TEST_F(StageCacheTest, ComputesAStageOfAnotherSchemaAgain) {
   call(1);
   {
     ArchiveWriter out(bin, "dvi-stage/2 map");

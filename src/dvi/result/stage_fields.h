@@ -11,7 +11,7 @@
 #include "dvi/map/static_map.h"
 #include "dvi/result/archive.h"
 
-// What the results of the stages are made of, for StageCache: only who keeps stages includes this.
+// Lists the fields of the stages' results for StageCache. Only files that call StageCache::load_or_compute() include this.
 namespace dvi::result {
 
 constexpr auto fields_of(Of<SE3>) { return std::tuple{&SE3::R, &SE3::t}; }

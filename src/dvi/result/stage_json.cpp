@@ -17,26 +17,26 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double kDegrees = 180 / M_PI;
+constexpr double kDegPerRad = 180 / M_PI;
 
 std::array<double, 3> array_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 json sharpness_json(const std::optional<odometry::Sharpness>& s) {
   if (!s) return {};
   return {{"ground_m", s->ground_m},
-              {"vertical_m", s->vertical_m},
-              {"ground_patches", s->ground_patches},
-              {"vertical_patches", s->vertical_patches}};
+          {"vertical_m", s->vertical_m},
+          {"ground_patches", s->ground_patches},
+          {"vertical_patches", s->vertical_patches}};
 }
 
-/// The upper median and the largest of some values.
+/// Returns the upper median and the maximum of some values.
 std::optional<std::pair<double, double>> median_and_largest(std::vector<double> values) {
   if (values.empty()) return std::nullopt;
   std::sort(values.begin(), values.end());
   return std::pair(values[values.size() / 2], values.back());
 }
 
-/// How far the odometry's motion over 10 m is from the given poses'.
+/// Compares the odometry with the given poses over 10 m of the path; null if no given poses cover it.
 json deviation_json(const std::vector<StampedPose>& poses, const Trajectory& given) {
   constexpr double kPathLengthM = 10;
   std::vector<double> meters, degrees;
@@ -83,18 +83,19 @@ json odometry_json(const std::optional<odometry::Odometry>& odometry, const Traj
   for (const odometry::ScanFit& fit : odometry->scans) scans.push_back(scan_json(fit));
   const std::vector<StampedPose>& poses = odometry->world_from_lidar.poses();
   return {{"rings", odometry->rings},
-              {"path_m", inputs::path_length_m(poses)},
-              {"plane_features", odometry->plane_features},
-              {"edge_features", odometry->edge_features},
-              {"drift",
-               {{"lag_correction", lag_correction_json(odometry->scans)},
-                {"given_over_10_m", deviation_json(poses, given)},
-                {"loops", odometry->loops},
-                {"largest_correction_m", odometry->largest_correction_m}}},
-              {"scans", scans}};
+          {"path_m", inputs::path_length_m(poses)},
+          {"plane_features", odometry->plane_features},
+          {"edge_features", odometry->edge_features},
+          {"drift",
+           {{"lag_correction", lag_correction_json(odometry->scans)},
+            {"given_over_10_m", deviation_json(poses, given)},
+            {"loops", odometry->loops},
+            {"largest_correction_m", odometry->largest_correction_m}}},
+          {"scans", scans}};
 }
 
-/// Of a source drive that its scans registered; `target_from_source` is [R | t] of its first LiDAR pose.
+/// Returns the figures of a source drive that was registered by its scans; null for others. `target_from_source` is [R | t] of
+/// its first LiDAR pose.
 json registration_json(const Drive& drive, const inputs::DrivePoses& poses) {
   if (!poses.placed) return {};
   const registration::PlacementFigures& placed = *poses.placed;
@@ -103,14 +104,14 @@ json registration_json(const Drive& drive, const inputs::DrivePoses& poses) {
   json rows = json::array();
   for (int row = 0; row < 3; ++row) rows.push_back({first.R(row, 0), first.R(row, 1), first.R(row, 2), first.t[row]});
   return {{"target_from_source", rows},          {"overlap", placed.overlap},           {"residual_m", placed.residual_m},
-              {"bound_m", placed.bound_m},           {"bound_deg", placed.bound_deg},       {"landmarks", placed.landmarks},
-              {"landmark_inliers", placed.landmark_inliers}, {"passed_share", placed.passed_share}, {"second_best_ratio", placed.second_best_ratio}};
+          {"bound_m", placed.bound_m},           {"bound_deg", placed.bound_deg},       {"things", placed.things},
+          {"things_agree", placed.landmark_inliers}, {"passed_share", placed.passed_share}, {"rival", placed.rival}};
 }
 
 json alignment_json(const align::Cameras& cameras, std::size_t sequence) {
   if (sequence >= cameras.sequences.size()) return {};
   const align::SequenceAlignment& found = cameras.sequences[sequence];
-  return {{"kept", found.kept}, {"mounting_deg", array_of(found.mounting * kDegrees)}};
+  return {{"kept", found.kept}, {"mounting_deg", array_of(found.mounting * kDegPerRad)}};
 }
 
 json energy_json(const std::optional<regularize::Energies>& energy) {
@@ -176,7 +177,7 @@ json frame_json(const Frame& frame, const FilledView& view, const align::ViewAli
           {"hole", count_hole(view.frame.kind)},
           {"energy", energy_json(view.energy)},
           {"alignment",
-           {{"rotation_deg", array_of(alignment.rotation * kDegrees)},
+           {{"rotation_deg", array_of(alignment.rotation * kDegPerRad)},
             {"position_m", array_of(alignment.position)},
             {"offset_before_px", alignment.offset_before_px},
             {"offset_after_px", alignment.offset_after_px},

@@ -21,8 +21,8 @@ namespace {
 
 using nlohmann::json;
 
-/// The options in which a job differs from the default, or from its method's. What it reads and writes is shown elsewhere.
-std::string changed_options(job::Job job) {
+/// Returns the options in which a job differs from the defaults of its method, without its inputs and output.
+std::string list_changed_options(job::Job job) {
   job::Job plain;
   plain.method = job.method;
   job::use_method(plain.method, plain.options);
@@ -37,28 +37,28 @@ std::string changed_options(job::Job job) {
   return json_text(changed, -1);
 }
 
-/// Of dvi.toml in a result.
-std::string options_of(const fs::path& out, std::vector<std::string>& problems) {
+/// Returns the changed options in OUT/dvi.toml.
+std::string read_options(const fs::path& out, std::vector<std::string>& problems) {
   try {
     job::Job job;
     job.table().load_toml(out / "dvi.toml");
-    return changed_options(job);
+    return list_changed_options(job);
   } catch (const UsageError& e) {  // answered: options of an earlier version
-    problems.push_back(std::string("dvi.toml is of another version of dvi: ") + e.what());
+    problems.push_back(std::string("dvi.toml was written by another version of dvi: ") + e.what());
   } catch (const InputError&) {  // answered
     problems.emplace_back("dvi.toml is missing or cannot be read");
   }
   return "[]";
 }
 
-/// report.json of a result. Where there is none, the frames that are finished.
-json run_of(const fs::path& out, std::vector<std::string>& problems) {
+/// Reads report.json of a result. If it does not exist, returns the frames that are finished.
+json read_run(const fs::path& out, std::vector<std::string>& problems) {
   if (fs::exists(out / "report.json")) {
     json run = json::parse(read_file(out / "report.json"), nullptr, false);
     if (run.is_object() && run.value("frames", json()).is_array()) return run;
     problems.emplace_back("report.json is damaged");
   } else {
-    problems.emplace_back("the run is not finished: the same command goes on from there");
+    problems.emplace_back("the run is not finished; the same command continues it");
   }
   HoleReport hole;
   json frames = json::array();
@@ -77,19 +77,19 @@ std::vector<std::string> names_of(const json& run) {
   return names;
 }
 
-/// Before any frame is read, rather than at the first file.
+/// Throws InputError if the folder is read-only, before any frame is read.
 void require_writable(const fs::path& out) {
   if (access(out.c_str(), W_OK) != 0)
     throw InputError(out, std::string("cannot be written (") + std::strerror(errno) + ")",
-                     "copy it to where it can, for a new report; report.html can be opened where it is");
+                     "copy it to a writable folder for a new report; an existing report.html can be opened where it is");
 }
 
 fs::path frame_manifest(const fs::path& out, const std::string& name) { return out / ".dvi/report" / (name + ".json"); }
 
 fs::path report_manifest(const fs::path& out) { return out / ".dvi/report.json"; }
 
-/// Notes what the files of the report are, so that damaged ones are found.
-void list_report(const fs::path& out) {
+/// Writes the manifest of the report's files, which detects damaged files.
+void write_report_manifest(const fs::path& out) {
   std::vector<std::string> files{"report.html"};
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(out / "report"))
     if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), out).string());
@@ -99,12 +99,13 @@ void list_report(const fs::path& out) {
 
 }  // namespace
 
-bool is_report_whole(const fs::path& out) {
+bool is_report_complete(const fs::path& out) {
   const std::optional<Manifest> manifest = read_manifest(report_manifest(out));
   return manifest && manifest->holds(out);
 }
 
-void list_report_frame(const fs::path& out, const std::string& name, std::size_t number, const std::string& fingerprint) {
+void write_report_frame_manifest(const fs::path& out, const std::string& name, std::size_t number,
+                                 const std::string& fingerprint) {
   write_manifest(frame_manifest(out, name), {fingerprint, list_contents(out, report::list_frame_files(out, number))});
 }
 
@@ -118,20 +119,20 @@ void write_report(const job::Job& job, const std::vector<std::string>& names, co
   report::write_report({.out = job.out,
                         .names = names,
                         .run = report_json,
-                        .options = changed_options(job),
+                        .options = list_changed_options(job),
                         .evaluation = "null",
                         .written = written},
                        tick);
-  list_report(job.out);
+  write_report_manifest(job.out);
 }
 
 void write_report(const fs::path& out, const ShownTruth& truth, Progress& progress) {
   if (!fs::is_directory(out / "frames") && !fs::is_directory(out / ".dvi"))
-    throw InputError(out, "is no result of dvi", "dvi report takes the output folder of dvi run");
+    throw InputError(out, "is not a result of dvi", "dvi report takes the output folder of dvi run");
   require_writable(out);
   std::vector<std::string> problems;
-  const json run = run_of(out, problems);
-  const std::string options = options_of(out, problems);
+  const json run = read_run(out, problems);
+  const std::string options = read_options(out, problems);
   const std::vector<std::string> names = names_of(run);
   progress.begin("report", names.size());
   report::write_report({.out = out,
@@ -142,7 +143,7 @@ void write_report(const fs::path& out, const ShownTruth& truth, Progress& progre
                         .truth = truth.folder,
                         .problems = problems},
                        progress.tick());
-  if (fs::is_directory(out / ".dvi")) list_report(out);
+  if (fs::is_directory(out / ".dvi")) write_report_manifest(out);
   progress.end();
 }
 
@@ -150,7 +151,7 @@ void show_truth(const fs::path& out, const ShownTruth& truth, Progress& progress
   if (!fs::is_directory(out / ".dvi")) return;
   try {
     write_report(out, truth, progress);
-  } catch (const InputError& e) {  // answered: the scores are told all the same
+  } catch (const InputError& e) {  // answered: the scores do not depend on the report
     progress.warn(std::string("the report does not show the truth: ") + e.what());
   }
 }

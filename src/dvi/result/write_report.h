@@ -10,28 +10,30 @@
 
 namespace dvi::result {
 
-/// Where the truth of a result is, to show beside it; empty: there is none.
+/// The truth that the report shows beside a result; empty for none.
 struct ShownTruth {
-  fs::path folder;         ///< NAME.png
+  fs::path folder;         ///< with NAME.png per frame
   std::string evaluation;  ///< metrics::Evaluation as JSON
 };
 
-/// Notes what the report's files of a frame are: written after them.
-void list_report_frame(const fs::path& out, const std::string& name, std::size_t number, const std::string& fingerprint);
+/// Writes the manifest of the report's files of a frame, after these files.
+void write_report_frame_manifest(const fs::path& out, const std::string& name, std::size_t number,
+                                 const std::string& fingerprint);
 
-/// OUT/report.html and OUT/report/ of a run's result. `report_json` is asked for once all else is written. Files of frames that
-/// list_report_frame() noted with this fingerprint are kept.
+/// Writes OUT/report.html and OUT/report/ of a run. `report_json` is called after all other files are written. Files of frames
+/// that have a manifest with this fingerprint are kept.
 void write_report(const job::Job& job, const std::vector<std::string>& names, const std::string& fingerprint,
                   const std::function<std::string()>& report_json, const Tick& tick);
 
-/// The same of a result on disk, however whole it is: what is missing is said in the report. InputError where `out` is no
-/// result of dvi or cannot be written.
+/// Writes the report of a result on disk, which may be incomplete: the report lists the missing parts. Throws InputError if
+/// `out` is not a result of dvi, or is read-only.
 void write_report(const fs::path& out, const ShownTruth& truth, Progress& progress);
 
-/// Whether the report of a result is there as it was written.
-bool is_report_whole(const fs::path& out);
+/// Whether the report of a result exists and is unchanged.
+bool is_report_complete(const fs::path& out);
 
-/// The same for who scores a result: nothing where `out` is not of dvi run, a warning where it cannot be written.
+/// Writes the report of a result with its truth after the result was scored. Does nothing if `out` was not written by dvi run,
+/// and warns if it is read-only.
 void show_truth(const fs::path& out, const ShownTruth& truth, Progress& progress);
 
 }  // namespace dvi::result

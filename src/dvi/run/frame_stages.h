@@ -14,18 +14,18 @@
 
 namespace dvi::run {
 
-/// The stages that fill a frame, each with its options, its CPU time booked under its name. The options and the clock must
-/// outlive this.
+/// The stages that fill a frame, bound to their options. Each adds its CPU time to the clock. The options and the clock must
+/// outlive this object.
 struct FrameStages {
   FrameStages(const job::Options& options, result::CpuClock& cpu)
-      : plane_sweep(cpu.timed("plane_sweep", depth::sweep_planes, options.plane_sweep)),
-        sample(cpu.timed("sample", sample::sample, options.sample)),
-        sample_known(cpu.timed("sample", sample::sample_known, options.sample)),
-        regularize(cpu.timed("regularize", regularize::regularize, options.regularize)),
-        compare_illumination(cpu.timed("harmonize", harmonize::compare_illumination)),
-        classify_surfaces(cpu.timed("harmonize", harmonize::classify_surfaces)),
-        harmonize(cpu.timed("harmonize", harmonize::harmonize, options.harmonize)),
-        synthesize(cpu.timed("synthesize", synthesize::synthesize)) {}
+      : plane_sweep(cpu.wrap("plane_sweep", depth::sweep_planes, options.plane_sweep)),
+        sample(cpu.wrap("sample", sample::sample, options.sample)),
+        sample_known(cpu.wrap("sample", sample::sample_known, options.sample)),
+        regularize(cpu.wrap("regularize", regularize::regularize, options.regularize)),
+        compare_illumination(cpu.wrap("harmonize", harmonize::compare_illumination)),
+        classify_surfaces(cpu.wrap("harmonize", harmonize::classify_surfaces)),
+        harmonize(cpu.wrap("harmonize", harmonize::harmonize, options.harmonize)),
+        synthesize(cpu.wrap("synthesize", synthesize::synthesize)) {}
 
   template <class Signature>
   using Stage = std::function<Signature>;

@@ -17,21 +17,21 @@
 namespace dvi::run {
 namespace {
 
-// A map is in the world that the drive's own poses are given in.
+/// Returns the pose of a given map, whose coordinates are those of the drive's given poses.
 SE3 world_from_map(const Drive& drive, const Trajectory& world_from_lidar) {
   if (drive.map.empty()) return {};
   const StampedPose& given = drive.poses.poses().front();
   return world_from_lidar.at(given.time_ns).value() * given.world_from_body.inverse();
 }
 
-std::string share_of(std::size_t count, const map::MapCounts& counts) {
+std::string format_share(std::size_t count, const map::MapCounts& counts) {
   return fmt::format("{:.1f} %",
                      100 * static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(counts.returns, 1)));
 }
 
-/// Names why no return is in the map, and what to do about the most frequent reason. Most returns of a LiDAR are beside the
-/// camera's view in any case, so that this and the range are the reason only where nothing else removed returns.
-[[noreturn]] void fail_empty(const Drive& target, const map::MapCounts& counts, const map::MapOptions& options) {
+/// Throws InputError with the reasons why the map has no points, and the remedy for the most frequent reason. Most returns of a
+/// LiDAR are outside of the camera's view in any case, so the view and the range are the main reason only if there is no other.
+[[noreturn]] void refuse_empty_map(const Drive& target, const map::MapCounts& counts, const map::MapOptions& options) {
   struct Reason {
     std::size_t returns;
     std::string words;
@@ -41,16 +41,16 @@ std::string share_of(std::size_t count, const map::MapCounts& counts) {
   constexpr double kMinShare = 0.01;
   const Reason reasons[] = {
       {counts.masked, "are covered by masks of removed objects",
-       "look at the masks: 255 = remove; --polarity black reads them the other way (dvi mask DRIVE -o MASKS writes "
+       "check the masks: 255 = remove; --polarity black inverts them (dvi mask DRIVE -o MASKS writes "
        "contact.png)"},
-      {counts.boxed, "lie in labeled boxes", "look at the labels: dvi check DRIVE"},
+      {counts.boxed, "are in labeled boxes", "check the labels: dvi check DRIVE"},
       {counts.unseen_by_camera, "were not observed by the camera while they were scanned",
        "check camera_from_lidar, and that images and scans share one clock (offset_s of the camera in dvi.toml)", true},
       {counts.too_near,
        fmt::format("are nearer than {:g} m or farther than {:g} m", options.min_range_m.value_or(target.min_range_m()),
                    options.max_range_m.value_or(target.max_range_m())),
-       "set lidar.min_range_m and lidar.max_range_m to what the sensor measures, in meters", true},
-      {counts.moved, "lie where rays of other scans passed", "check the poses: --poses loam estimates them from the scans"}};
+       "set lidar.min_range_m and lidar.max_range_m to the range of the sensor in meters", true},
+      {counts.moved, "are on the rays of other scans", "check the poses: --poses loam estimates them from the scans"}};
   std::string words;
   const Reason* most = nullptr;
   std::pair<bool, std::size_t> highest;
@@ -58,18 +58,18 @@ std::string share_of(std::size_t count, const map::MapCounts& counts) {
   for (const Reason& reason : reasons) {
     posed += reason.returns;
     if (reason.returns == 0) continue;
-    words += fmt::format(", {} {}", share_of(reason.returns, counts), reason.words);
+    words += fmt::format(", {} {}", format_share(reason.returns, counts), reason.words);
     const bool is_rare = static_cast<double>(reason.returns) < kMinShare * static_cast<double>(counts.returns);
     const auto rank = std::pair(!reason.usual && !is_rare, reason.returns);
     if (most == nullptr || rank > highest) most = &reason, highest = rank;
   }
   if (counts.scans_without_pose > 0)
     words += fmt::format(", {} are of {} scans without a pose",
-                         share_of(counts.returns - std::min(posed, counts.returns), counts), counts.scans_without_pose);
+                         format_share(counts.returns - std::min(posed, counts.returns), counts), counts.scans_without_pose);
   throw InputError(target.path, fmt::format("no static points remain of {} returns{}", counts.returns, words),
                    most != nullptr                 ? most->remedy
                    : counts.scans_without_pose > 0 ? "check that poses and scans share one clock: dvi check DRIVE"
-                                                   : "dvi check DRIVE shows what the recording holds");
+                                                   : "dvi check DRIVE shows the contents of the recording");
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ map::StaticMap build_map(const inputs::Inputs& given, const map::MapOptions& opt
                         world_from_map(drive, poses[i].world_from_lidar)});
   }
   map::StaticMap map = map::build_map(inputs, options, progress.parts());
-  if (map.points.empty()) fail_empty(drives.front().drive, map.counts, options);
+  if (map.points.empty()) refuse_empty_map(drives.front().drive, map.counts, options);
   return map;
 }
 
@@ -107,10 +107,11 @@ std::string make_map(const job::Job& job, const std::string& trajectory, Progres
   progress.begin("write", 0);
   const Drive& target = drives.front().drive;
   const fs::path out = job.out;
-  result::write_map_files(out, map, views, target,
-                          result::tracks_of(*masks.front().objects, views, poses.front().world_from_lidar));
+  result::write_map_files(
+      out, {map, views, target, result::collect_object_paths(*masks.front().objects, views, poses.front().world_from_lidar)});
   if (trajectory != "none")
-    result::write_trajectory(out / "trajectory.txt", target, poses.front().world_from_lidar, trajectory == "tum");
+    result::write_trajectory(out / "trajectory.txt", target, poses.front().world_from_lidar,
+                             trajectory == "tum" ? result::TrajectoryFormat::tum : result::TrajectoryFormat::kitti);
   progress.end();
   nlohmann::json report = result::map_json(map);
   report["poses"] = result::poses_json(target, poses.front().choice);

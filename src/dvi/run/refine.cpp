@@ -17,8 +17,8 @@ exposure::Gains estimate_exposure(const Refinement& from, Progress& progress) {
   if (alone.empty()) return gains;
   const View& first = views[alone.front()];
   progress.warn(
-      fmt::format("exposure: {} of {} frames (first: {}) show too few points of the map in common with others; their "
-                  "light is taken as it is",
+      fmt::format("exposure: {} of {} frames (first: {}) share too few points of the map with others; their exposure "
+                  "is not adjusted",
                   alone.size(), views.size(), drives[static_cast<std::size_t>(first.sequence)].drive.frames[first.frame].name));
   return gains;
 }

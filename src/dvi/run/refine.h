@@ -8,7 +8,7 @@
 
 namespace dvi::run {
 
-/// What the exposure and the poses of views are refined by. Refers to these only.
+/// The inputs from which the exposure and the poses of views are refined. Holds references only.
 struct Refinement {
   const Views& views;
   const map::VisibleMap& map;
@@ -16,11 +16,11 @@ struct Refinement {
   const job::Options& options;
 };
 
-/// Estimates the exposure with progress, and warns of the frames whose gain nothing determines. All gains are 1 where it is
-/// switched off.
+/// Estimates the exposure gains of all views, as a stage of `progress`, and warns of frames that share too few map points with
+/// others. All gains are 1 if the stage is switched off.
 exposure::Gains estimate_exposure(const Refinement& from, Progress& progress);
 
-/// Refines the poses with progress, and passes on the warnings.
+/// Refines the poses of all views, as a stage of `progress`, and reports its warnings.
 align::Cameras align(const Refinement& from, Progress& progress);
 
 }  // namespace dvi::run

@@ -41,7 +41,7 @@ using synthesize::NoiseTexture, synthesize::RoadTexture, synthesize::Textures;
 
 namespace {
 
-/// What filling needs beside the plan: made once, for all frames.
+/// The data that all frames share while they are filled.
 struct FillContext {
   FillContext(const StaticMap& map, const Views& views, const job::Options& options, result::CpuClock& cpu)
       : stages(options, cpu), depths(views, [&](std::size_t view) {  // 3.1
@@ -58,10 +58,10 @@ struct FillContext {
   std::optional<Textures> textures;
 };
 
-/// A run of one job: plan() makes what is global, fill() one frame, finish() what lies beside the frames.
+/// A run of one job: plan() computes the stages before the fill, fill() fills one frame, and finish() writes all other files.
 class Run {
  public:
-  /// Opens the drives and looks at the output folder. `content`: of the drives, where it is known (fingerprints.h).
+  /// Opens the drives and checks the output folder. `content` is the content_of() the drives (fingerprints.h), if it is known.
   Run(const job::Job& job, Progress& progress, std::string content = "")
       : job_(job),
         options_(job.options),
@@ -71,22 +71,22 @@ class Run {
 
   ResultFolder& folder() { return folder_; }
 
-  /// Makes each stage before the fill, or takes it from the cache.
-  void plan(StageCache::Missing missing = StageCache::Missing::made);
+  /// Computes each stage before the fill, or loads it from the cache.
+  void plan(StageCache::Missing missing = StageCache::Missing::compute);
 
-  /// Fills a frame of the target, by its view.
+  /// Fills one frame of the target, given by its view.
   FilledView fill(std::size_t frame) const;
-  /// Fills frames, smooths them, and writes them.
+  /// Fills, smooths, and writes frames, and passes each to `hand_on`.
   void fill_frames(const std::vector<std::size_t>& frames, const result::FinishedFrame& hand_on = {});
 
   result::RunReport finish();
 
-  /// The frames of the target, by their views, that the folder lacks, ascending.
-  std::vector<std::size_t> missing_frames() { return folder_.missing_frames(views_, progress_); }
+  /// Returns the views of the target whose frames are not finished, ascending.
+  std::vector<std::size_t> find_missing_frames() { return folder_.find_missing_frames(views_, progress_); }
   std::size_t frames() const { return views_.of_sequence(0).second; }
-  /// The drive's own number of a frame.
+  /// Returns the number of a frame in the drive.
   int number_of(std::size_t frame) const { return drives_.front().drive.frames[views_[frame].frame].number; }
-  /// "A:B" for each run of frames that follow each other.
+  /// Returns "A:B" for each range of consecutive frames.
   std::vector<std::string> ranges_of(const std::vector<std::size_t>& frames) const;
   const result::CpuClock& cpu() const { return cpu_; }
 
@@ -94,7 +94,7 @@ class Run {
   Recordings open_drives() const;
   Poses estimate_poses() const;
   StaticMap build_map() const;
-  HarmonizeInput harmonize_input(const Target& target, const Candidates& candidates) const;
+  HarmonizeInput make_harmonize_input(const Target& target, const Candidates& candidates) const;
 
   const job::Job& job_;
   const job::Options& options_;
@@ -113,18 +113,19 @@ class Run {
 };
 
 void Run::plan(StageCache::Missing missing) {
-  const StageCache stages = folder_.stage_cache(progress_, missing);
-  poses_ = stages.cached("poses", [&] { return estimate_poses(); });  // 3.1: LOAM, 3.5: further drives
+  const StageCache stages = folder_.make_stage_cache(progress_, missing);
+  poses_ = stages.load_or_compute("poses", [&] { return estimate_poses(); });  // 3.1: LOAM, 3.5: further drives
   const Evidence evidence = inputs::collect_evidence(drives_, poses_);
-  objects_ = stages.cached("objects", [&] { return objects::find_objects(evidence, job_.removal(), progress_); });  // 3.1
+  objects_ =
+      stages.load_or_compute("objects", [&] { return objects::find_objects(evidence, job_.removal(), progress_); });  // 3.1
   masks_ = objects::draw_masks(evidence, objects_, job_.removal(), progress_);
-  map_ = stages.cached("map", [&] { return build_map(); }, StaticMap(Scratch::of_process()));  // 3.1
+  map_ = stages.load_or_compute("map", [&] { return build_map(); }, StaticMap(Scratch::of_process()));  // 3.1
   const Views posed = inputs::make_views({drives_, poses_, masks_}, progress_);
   const VisibleMap visible(map_, posed);
   const Refinement refine{posed, visible, drives_, options_};
-  const Gains gains = stages.cached("exposure", [&] { return estimate_exposure(refine, progress_); });
-  cameras_ = stages.cached("alignment", [&] { return align(refine, progress_); });  // 3.1, eq. 1
-  views_ = inputs::refined(posed, gains, cameras_);
+  const Gains gains = stages.load_or_compute("exposure", [&] { return estimate_exposure(refine, progress_); });
+  cameras_ = stages.load_or_compute("alignment", [&] { return align(refine, progress_); });  // 3.1, eq. 1
+  views_ = inputs::refine_views(posed, gains, cameras_);
 }
 
 FilledView Run::fill(std::size_t frame) const {
@@ -133,7 +134,7 @@ FilledView Run::fill(std::size_t frame) const {
   const Target target{views_, frame, depth, depths.visibility};
   Candidates candidates = stages.sample(target);                             // 3.2
   const Labeling labels = stages.regularize(std::move(candidates), target);  // 3.3, eqs. 2-4
-  const HarmonizeInput input = harmonize_input(target, labels.candidates);
+  const HarmonizeInput input = make_harmonize_input(target, labels.candidates);
   FilledFrame filled = stages.harmonize(target, labels.candidates, input);  // 3.4, eq. 5
   if (textures) filled = stages.synthesize(filled, views_[frame], input.classes, *textures);
   return {std::move(filled), labels.energy};
@@ -144,8 +145,8 @@ void Run::fill_frames(const std::vector<std::size_t>& frames, const result::Fini
   progress_.begin("fill", frames.size());
   for_each_smoothed(frames, this->frames(),
                     {.fill = [&](std::size_t frame) { return fill(frame); },
-                     .smoothing = smoothing(options_.smooth, cpu_),  // 3.6
-                     .write = folder_.writer(views_, cameras_, cpu_, progress_, hand_on)});
+                     .smoothing = make_smoothing(options_.smooth, cpu_),  // 3.6
+                     .write = folder_.make_writer(views_, cameras_, cpu_, progress_, hand_on)});
   progress_.end();
 }
 
@@ -156,8 +157,8 @@ result::RunReport Run::finish() {
 }
 
 Recordings Run::open_drives() const {
-  progress_.plan(run_stages(job_));
-  return inputs::with_other_cameras(inputs::open_recordings(job_, inputs::MaskNeed::required, progress_), job_, progress_);
+  progress_.plan(plan_run_stages(job_));
+  return inputs::add_other_cameras(inputs::open_recordings(job_, inputs::MaskNeed::required, progress_), job_, progress_);
 }
 
 Poses Run::estimate_poses() const {
@@ -171,7 +172,7 @@ StaticMap Run::build_map() const {
   return run::build_map(inputs, options_.map, progress_);
 }
 
-HarmonizeInput Run::harmonize_input(const Target& target, const Candidates& candidates) const {
+HarmonizeInput Run::make_harmonize_input(const Target& target, const Candidates& candidates) const {
   const auto& [stages, depths, ground, textures] = *context_;
   HarmonizeInput input;
   if (options_.harmonize.illumination_change) input.illumination = stages.compare_illumination(target, candidates);
@@ -193,28 +194,29 @@ std::vector<std::string> Run::ranges_of(const std::vector<std::size_t>& frames) 
 }  // namespace
 
 result::RunReport run(const job::Job& job, Progress& progress, const FrameSink& sink) {
-  result::require_usable_folder(job.out, job.force);
+  result::require_usable_folder(job);
   if (job::is_baseline(job.method)) return run_baseline(job, progress, sink);
   Run run(job, progress);
-  if (const std::optional<result::RunReport> finished = run.folder().finished_report(progress)) return *finished;
+  if (const std::optional<result::RunReport> finished = run.folder().read_finished_report(progress)) return *finished;
   run.folder().claim();
   run.plan();
-  const std::vector<std::size_t> missing = run.missing_frames();
+  const std::vector<std::size_t> missing = run.find_missing_frames();
   if (sink.begin) sink.begin(run.folder().frame_names(), missing);
   run.fill_frames(missing, sink.finished);
   return run.finish();
 }
 
 PlanReport plan(const job::Job& job, Progress& progress) {
-  result::require_usable_folder(job.out, job.force);
+  result::require_usable_folder(job);
   if (job::is_baseline(job.method))
-    throw UsageError(fmt::format("--method {} has nothing to plan: dvi run fills each frame by itself", to_string(job.method)));
+    throw UsageError(
+        fmt::format("--method {} cannot be planned: it fills each frame alone; use dvi run", to_string(job.method)));
   Run run(job, progress);
   run.folder().claim();
   run.plan();
   PlanReport report;
   for (std::size_t i = 0; i < run.frames(); ++i) report.frames.push_back(run.number_of(i));
-  report.finished = report.frames.size() - run.missing_frames().size();
+  report.finished = report.frames.size() - run.find_missing_frames().size();
   run.folder().write_plan(progress);
   return report;
 }
@@ -222,28 +224,28 @@ PlanReport plan(const job::Job& job, Progress& progress) {
 FillReport fill(const job::Job& job, const std::optional<FrameRange>& range, Progress& progress) {
   Run run(job, progress, result::read_plan(job.out).content);
   run.folder().join();
-  run.plan(StageCache::Missing::refused);
-  const auto chosen = [&](std::size_t i) { return !range || range->contains(run.number_of(i)); };
+  run.plan(StageCache::Missing::refuse);
+  const auto is_in_range = [&](std::size_t i) { return !range || range->contains(run.number_of(i)); };
   FillReport report;
-  for (std::size_t i = 0; i < run.frames(); ++i) report.frames += chosen(i) ? 1 : 0;
+  for (std::size_t i = 0; i < run.frames(); ++i) report.frames += is_in_range(i) ? 1 : 0;
   if (report.frames == 0) throw InputError(job.out, fmt::format("has no frames {}:{}", range->first, range->last));
-  std::vector<std::size_t> missing = run.missing_frames();
-  std::erase_if(missing, [&](std::size_t i) { return !chosen(i); });
+  std::vector<std::size_t> missing = run.find_missing_frames();
+  std::erase_if(missing, [&](std::size_t i) { return !is_in_range(i); });
   run.fill_frames(missing);
-  run.folder().keep_fill_cost(missing, run.cpu(), progress);
+  run.folder().write_fill_cost(missing, run.cpu(), progress);
   report.filled = missing.size();
   return report;
 }
 
 result::RunReport finish(const job::Job& job, Progress& progress) {
   Run run(job, progress);
-  if (const std::optional<result::RunReport> finished = run.folder().finished_report(progress)) return *finished;
+  if (const std::optional<result::RunReport> finished = run.folder().read_finished_report(progress)) return *finished;
   run.folder().claim_plan();
-  run.plan(StageCache::Missing::refused);
-  if (const std::vector<std::size_t> missing = run.missing_frames(); !missing.empty()) {
+  run.plan(StageCache::Missing::refuse);
+  if (const std::vector<std::size_t> missing = run.find_missing_frames(); !missing.empty()) {
     const std::vector<std::string> ranges = run.ranges_of(missing);
     throw InputError(job.out, fmt::format("lacks {} of {} frames: {}", missing.size(), run.frames(), fmt::join(ranges, ", ")),
-                     fmt::format("dvi fill {} --frames {} makes the first of them", job.out, ranges.front()));
+                     fmt::format("dvi fill {} --frames {} fills the first range", job.out, ranges.front()));
   }
   run.fill_frames({});
   return run.finish();

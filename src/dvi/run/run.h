@@ -13,41 +13,44 @@
 
 namespace dvi::run {
 
-/// Who wants the frames of a run in memory too. Both may throw, which ends the run.
+/// Receives the frames of a run in memory. Both functions may throw, which ends the run.
 struct FrameSink {
-  /// Before any frame is made: the names of all frames of the target, and which of them will be made, ascending. The others are
-  /// finished already.
+  /// Called before any frame is filled, with the names of all frames of the target, and the indices of those that will be
+  /// filled, ascending. The others are finished.
   std::function<void(const std::vector<std::string>& names, const std::vector<std::size_t>& missing)> begin;
-  /// A frame that was made and written. Called from several threads, and not in order.
+  /// Called with each frame after it was filled and written, from several threads, and not in order.
   result::FinishedFrame finished;
 };
 
-/// The main job: the target drive without what its masks cover, into job.out (layout: docs/concepts.md). Goes on from where an
-/// interrupted run stopped. InputError, with nothing half-written, where the data or the folder are not usable.
+/// Runs the whole pipeline: writes the target drive without its removed objects to job.out (layout: docs/reference.md).
+/// Continues an interrupted run. Throws InputError if the data or the folder cannot be used; no file is half-written then.
 result::RunReport run(const job::Job& job, Progress& progress, const FrameSink& sink = {});
 
-// The same in pieces, which make the same files: plan() once, then fill() for ranges of frames, on any machine that sees the
-// drives and job.out under the same paths, in any order, several at once; then finish(). Each may be called again.
+// plan(), fill(), and finish() are the parts of run(), and write the same files. plan() is called once, then fill() for ranges
+// of frames, in any order, several at once, on any machine that has the drives and job.out under the same paths, then finish().
+// Each may be called again.
 
-/// What a plan is of, for who cuts it into ranges.
+/// The frames of a plan, for programs that divide them into ranges.
 struct PlanReport {
-  std::vector<int> frames;   ///< by the drive's own numbers, ascending
-  std::size_t finished = 0;  ///< of these, by earlier calls
+  std::vector<int> frames;   ///< numbers in the drive, ascending
+  std::size_t finished = 0;  ///< number of frames finished by earlier calls
 };
 
-/// All that is global: poses, masks, map, exposure, alignment.
+/// Computes the stages before the fill: poses, objects, masks, map, exposure, and alignment.
 PlanReport plan(const job::Job& job, Progress& progress);
 
+/// The numbers of frames of a fill.
 struct FillReport {
   std::size_t frames = 0;  ///< in the range
-  std::size_t filled = 0;  ///< of these, now; the others were finished
+  std::size_t filled = 0;  ///< filled by this call; the others were finished
 };
 
-/// The frames of a range that are not finished yet; none: all. `job`: OUT/dvi.toml as plan() wrote it. InputError where job.out
-/// is no plan of it, or was made by another program or from other files, or no frame lies in the range.
+/// Fills the unfinished frames of a range; of the whole drive if `range` is none. `job` is OUT/dvi.toml as written by plan().
+/// Throws InputError if job.out does not contain its plan, if the plan was made by another program or from other files, or if
+/// no frame is in the range.
 FillReport fill(const job::Job& job, const std::optional<FrameRange>& range, Progress& progress);
 
-/// Everything beside the frames. InputError, which names them, where frames are missing.
+/// Writes all files other than the frames. Throws InputError, with their numbers, if frames are missing.
 result::RunReport finish(const job::Job& job, Progress& progress);
 
 }  // namespace dvi::run

@@ -7,7 +7,8 @@
 
 namespace dvi::run {
 
-/// run() for the methods that look at images and masks only: no poses, no map. What another method left of these is removed.
+/// Runs a method that uses images and masks only, without poses and map. Removes poses and map of another method from the
+/// folder.
 result::RunReport run_baseline(const job::Job& job, Progress& progress, const FrameSink& sink);
 
 }  // namespace dvi::run

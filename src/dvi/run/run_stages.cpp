@@ -5,16 +5,16 @@ namespace {
 
 using Stages = std::vector<PlannedStage>;
 
-// CPU seconds a frame, measured on a street of KITTI. Only their proportions count: how fast this machine and these frames are
-// is told by the stages that have ended.
-const Stages& before_fill() {
+// CPU seconds per frame, measured on a drive of KITTI. Only their ratios are used: the stages that have ended determine the
+// speed of this machine and drive.
+const Stages& stages_before_fill() {
   static const Stages stages{{"read", 0.02},      {"plausibility", 0.015},    {"odometry", 0.015}, {"loops", 0.001},
                              {"sharpness", 0.01}, {"camera and labels", 0.1}, {"map", 0.015},      {"carve", 0.015},
                              {"normals", 0.005},  {"exposure", 0.03},         {"align", 0.05}};
   return stages;
 }
 
-const Stages& after_fill() {
+const Stages& stages_after_fill() {
   static const Stages stages{{"video", 0.07}, {"artifacts", 0.035}, {"report", 0.02}};
   return stages;
 }
@@ -23,23 +23,23 @@ void append(const Stages& more, Stages& stages) { stages.insert(stages.end(), mo
 
 }  // namespace
 
-Stages run_stages(const job::Job& job) {
+Stages plan_run_stages(const job::Job& job) {
   Stages stages;
   if (job::is_baseline(job.method))
     stages.push_back({"read", 0.02});
   else
-    append(before_fill(), stages);
+    append(stages_before_fill(), stages);
   stages.push_back({"fill", 0.6});
-  append(after_fill(), stages);
+  append(stages_after_fill(), stages);
   return stages;
 }
 
-Stages selfcheck_stages(const job::Job& job, const std::vector<std::string>& scenarios) {
+Stages plan_selfcheck_stages(const job::Job& job, const std::vector<std::string>& scenarios) {
   Stages stages;
   for (const std::string& scenario : scenarios) {
     append({{"plausibility", 0.015}, {"odometry", 0.015}, {"loops", 0.001}, {"sharpness", 0.01}, {"holdout " + scenario, 0.15}},
            stages);
-    append(run_stages(job), stages);
+    append(plan_run_stages(job), stages);
     append({{"eval " + scenario, 0.06, true}, {"report", 0.08}}, stages);
   }
   return stages;

@@ -8,10 +8,10 @@
 
 namespace dvi::run {
 
-/// The stages of `dvi run`, in order, for the time that is left.
-std::vector<PlannedStage> run_stages(const job::Job& job);
+/// Returns the stages of `dvi run` in order, to estimate the remaining time.
+std::vector<PlannedStage> plan_run_stages(const job::Job& job);
 
-/// Those of `dvi selfcheck` with scenarios of these names: of each a case, its run and its scores.
-std::vector<PlannedStage> selfcheck_stages(const job::Job& job, const std::vector<std::string>& scenarios);
+/// Returns the stages of `dvi selfcheck` in order: for each scenario, a case, its run, and its evaluation.
+std::vector<PlannedStage> plan_selfcheck_stages(const job::Job& job, const std::vector<std::string>& scenarios);
 
 }  // namespace dvi::run

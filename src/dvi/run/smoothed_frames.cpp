@@ -9,7 +9,7 @@
 namespace dvi::run {
 namespace {
 
-/// Brings a window to hold just what is needed; what is missing is made in parallel.
+/// Removes the items that are not needed from a window, and makes the missing ones in parallel.
 template <class Item, class Make>
 void move_window(std::map<std::size_t, std::shared_ptr<const Item>>& window, const std::set<std::size_t>& needed,
                  const Make& make) {
@@ -22,7 +22,7 @@ void move_window(std::map<std::size_t, std::shared_ptr<const Item>>& window, con
   for (std::size_t i = 0; i < missing.size(); ++i) window[missing[i]] = made[i];
 }
 
-/// The frames that a block of views needs at a time.
+/// The filled frames and pairs that a block of views needs.
 class FrameWindow {
  public:
   FrameWindow(std::size_t count, const FrameSteps& steps) : count_(count), steps_(steps) {}
@@ -32,18 +32,20 @@ class FrameWindow {
     if (steps_.smoothing)
       for (const std::size_t view : block)
         for (const std::size_t earlier : {view - 1, view})
-          if (earlier < count_ && earlier + 1 < count_) {  // view - 1 of the first view is beyond any count
+          if (earlier < count_ && earlier + 1 < count_) {  // view - 1 of the first view wraps around and exceeds the count
             pairs.insert(earlier);
             views.insert({earlier, earlier + 1});
           }
-    std::erase_if(pairs_, [&](const auto& pair) { return !pairs.contains(pair.first); });  // before the frames they refer to
+    std::erase_if(pairs_, [&](const auto& pair) {
+      return !pairs.contains(pair.first);
+    });  // pairs refer to frames, so they are removed first
     move_window(views_, views, steps_.fill);
     move_window(pairs_, pairs, [&](std::size_t earlier) {
       return steps_.smoothing->pair(views_.at(earlier)->frame, views_.at(earlier + 1)->frame);
     });
   }
 
-  result::FilledView finished(std::size_t view) const {
+  result::FilledView smooth(std::size_t view) const {
     result::FilledView out = *views_.at(view);
     if (steps_.smoothing) out.frame = steps_.smoothing->smooth(pair(view - 1), views_.at(view)->frame, pair(view));
     return out;
@@ -63,7 +65,7 @@ class FrameWindow {
 
 }  // namespace
 
-std::optional<Smoothing> smoothing(const smooth::SmoothOptions& options, result::CpuClock& cpu) {
+std::optional<Smoothing> make_smoothing(const smooth::SmoothOptions& options, result::CpuClock& cpu) {
   if (!options.enabled) return {};
   return Smoothing{.pair =
                        [&cpu](const harmonize::FilledFrame& earlier, const harmonize::FilledFrame& later) {
@@ -82,7 +84,7 @@ void for_each_smoothed(const std::vector<std::size_t>& views, std::size_t count,
     const std::vector<std::size_t> block(views.begin() + static_cast<std::ptrdiff_t>(first),
                                          views.begin() + static_cast<std::ptrdiff_t>(last));
     window.move_to(block);
-    parallel_for(block.size(), [&](std::size_t i) { steps.write(block[i], window.finished(block[i])); });
+    parallel_for(block.size(), [&](std::size_t i) { steps.write(block[i], window.smooth(block[i])); });
   });
 }
 

@@ -14,15 +14,15 @@ namespace {
 using testing::ElementsAre;
 using testing::Pair;
 
-/// A frame that says which view it is, and after smoothing which neighbors it had.
-result::FilledView numbered(std::size_t view) {
+/// A frame whose color is the number of its view, and after smoothing also the numbers of its neighbors.
+result::FilledView make_numbered(std::size_t view) {
   result::FilledView out;
   out.frame.color = cv::Mat3f(1, 1, cv::Vec3f(static_cast<float>(view), -1, -1));
   out.frame.mask = cv::Mat1b(1, 1, uchar{0});
   return out;
 }
 
-float number(const harmonize::FilledFrame* frame) { return frame == nullptr ? -1.0F : frame->color(0, 0)[0]; }
+float number_of(const harmonize::FilledFrame* frame) { return frame == nullptr ? -1.0F : frame->color(0, 0)[0]; }
 
 struct Recorded {
   std::map<std::size_t, int> filled, paired;
@@ -36,22 +36,22 @@ Recorded run(const std::vector<std::size_t>& views, std::size_t count, bool smoo
   steps.fill = [&](std::size_t view) {
     const std::lock_guard lock(mutex);
     ++out.filled[view];
-    return numbered(view);
+    return make_numbered(view);
   };
   if (smooth)
     steps.smoothing = Smoothing{
         .pair =
             [&](const harmonize::FilledFrame& earlier, const harmonize::FilledFrame& later) {
               const std::lock_guard lock(mutex);
-              ++out.paired[static_cast<std::size_t>(number(&earlier))];
+              ++out.paired[static_cast<std::size_t>(number_of(&earlier))];
               return smooth::FramePair(earlier, later);
             },
         .smooth =
             [](const smooth::FramePair* before, const harmonize::FilledFrame& frame, const smooth::FramePair* after) {
               harmonize::FilledFrame smoothed = frame;
               smoothed.color = cv::Mat3f(1, 1,
-                                         cv::Vec3f(number(&frame), number(before == nullptr ? nullptr : &before->earlier),
-                                                   number(after == nullptr ? nullptr : &after->later)));
+                                         cv::Vec3f(number_of(&frame), number_of(before == nullptr ? nullptr : &before->earlier),
+                                                   number_of(after == nullptr ? nullptr : &after->later)));
               return smoothed;
             }};
   steps.write = [&](std::size_t view, const result::FilledView& finished) {
@@ -62,7 +62,7 @@ Recorded run(const std::vector<std::size_t>& views, std::size_t count, bool smoo
   return out;
 }
 
-TEST(SmoothedFrames, EachFrameMeetsItsNeighbors) {
+TEST(SmoothedFrames, EachFrameIsSmoothedBetweenItsNeighbors) {
   for (const int threads : {1, 2, 3}) {
     const ThreadLimit limit(threads);
     const Recorded all = run({0, 1, 2, 3, 4}, 5, true);
@@ -82,13 +82,13 @@ TEST(SmoothedFrames, NeighborsOfMissingFramesAreFilledButNotWritten) {
   EXPECT_THAT(some.written, ElementsAre(Pair(3, cv::Vec3f(3, 2, 4))));
 }
 
-TEST(SmoothedFrames, WithoutSmoothingFramesStandAlone) {
+TEST(SmoothedFrames, WithoutSmoothingNoNeighborsAreFilled) {
   const Recorded some = run({1, 4}, 6, false);
   EXPECT_THAT(some.filled, ElementsAre(Pair(1, 1), Pair(4, 1)));
   EXPECT_THAT(some.written, ElementsAre(Pair(1, cv::Vec3f(1, -1, -1)), Pair(4, cv::Vec3f(4, -1, -1))));
 }
 
-TEST(SmoothedFrames, NothingToDo) { EXPECT_TRUE(run({}, 6, true).filled.empty()); }
+TEST(SmoothedFrames, WithoutViewsNothingIsFilled) { EXPECT_TRUE(run({}, 6, true).filled.empty()); }
 
 }  // namespace
 }  // namespace dvi::run

@@ -9,22 +9,22 @@
 
 namespace dvi {
 
-/// A world for tests: a colored plane at z = 10 m that faces cameras moved sideways, so that a source shows the target's pixel
-/// (x, y) at exactly (x + disparity, y).
+/// A test scene: a colored plane at z = 10 m, observed by cameras that are shifted sideways. A source observes the target's
+/// pixel (x, y) at exactly (x + disparity, y).
 struct FlatScene {
-  static constexpr double kDepth = 10;
+  static constexpr double kDepthM = 10;
 
   int width, height;
   std::vector<View> views;
   std::vector<cv::Mat3b> images;
   std::vector<cv::Mat1b> masks;
 
-  /// View 0, the target, shows `picture`.
+  /// Adds view 0, the target, with the image `picture`.
   FlatScene(const cv::Mat3b& picture, const cv::Mat1b& hole) : width(picture.cols), height(picture.rows) {
     add(0, picture, hole);
   }
 
-  /// A further view, shown what `picture` shows the target, moved. What lies outside the picture is its border.
+  /// Adds a source view with `picture` shifted by `disparity` pixels. Its border is repeated outside of it.
   void add_source(int disparity, const cv::Mat3b& picture, int drive = 0) {
     cv::Mat3b image(picture.size());
     for (int y = 0; y < height; ++y)
@@ -33,7 +33,7 @@ struct FlatScene {
   }
 
   Views lazy() const { return memory_views(views, images, masks); }
-  cv::Mat1f depth() const { return cv::Mat1f(height, width, static_cast<float>(kDepth)); }
+  cv::Mat1f depth() const { return cv::Mat1f(height, width, static_cast<float>(kDepthM)); }
 
  private:
   void add(int disparity, const cv::Mat3b& image, const cv::Mat1b& mask, int drive = 0) {
@@ -42,14 +42,14 @@ struct FlatScene {
     view.frame = views.size();
     view.time_ns = static_cast<std::int64_t>(views.size()) * 100'000'000;
     view.camera = {width, height, 100, 100, width / 2.0, height / 2.0, {}};
-    view.camera_from_world.t.x() = disparity * kDepth / view.camera.fx;
+    view.camera_from_world.t.x() = disparity * kDepthM / view.camera.fx;
     views.push_back(view);
     images.push_back(image.clone());
     masks.push_back(mask.clone());
   }
 };
 
-/// Smooth random colors: waves of `wavelength` pixels and more.
+/// Makes an image of smooth random colors: waves of at least `wavelength` pixels.
 inline cv::Mat3b waves(int width, int height, std::uint64_t seed, double wavelength = 6) {
   constexpr int kWaves = 12;
   Random random(seed);

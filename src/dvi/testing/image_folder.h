@@ -13,7 +13,7 @@
 
 namespace dvi {
 
-/// A folder of a test's own, for images and scans.
+/// A temporary folder to which a test writes images and scans.
 class TestFolder : public TempFolder {
  public:
   fs::path write_image(const fs::path& name, const cv::Mat& image) const {
@@ -21,7 +21,7 @@ class TestFolder : public TempFolder {
     cv::imencode(name.extension().string(), image, bytes);
     return write(name, std::string(bytes.begin(), bytes.end()));
   }
-  /// x y z intensity as float32, four numbers a point.
+  /// Writes points as float32 x, y, z, and intensity.
   fs::path write_bin(const fs::path& name, const std::vector<float>& numbers) const {
     return write(name, std::string(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(float)));
   }

@@ -14,7 +14,7 @@
 
 namespace dvi {
 
-/// A folder of a test's own that goes with it.
+/// A temporary folder, which is removed with this object.
 class TempFolder {
  public:
   TempFolder() {
@@ -29,7 +29,7 @@ class TempFolder {
   TempFolder(const TempFolder&) = delete;
   TempFolder& operator=(const TempFolder&) = delete;
 
-  /// Writes a file, its folders with it, and returns its path.
+  /// Writes a file, creates its folders, and returns its path.
   fs::path write(const fs::path& name, const std::string& bytes) const {
     make_folder((path / name).parent_path());
     write_file(path / name, bytes);
@@ -39,7 +39,7 @@ class TempFolder {
   fs::path path;
 };
 
-/// Every file below a folder by its relative path.
+/// Returns the contents of every file below a folder, by relative path.
 inline std::map<std::string, std::string> contents(const fs::path& root) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(root))
@@ -47,7 +47,7 @@ inline std::map<std::string, std::string> contents(const fs::path& root) {
   return files;
 }
 
-/// What the InputError says that this throws; a failure if it throws none.
+/// Returns the message of the InputError that `body` throws. If it throws none, the test fails.
 template <class Body>
 std::string input_error(const Body& body) {
   try {

@@ -9,7 +9,7 @@
 
 namespace dvi {
 
-/// Writes the networks of test_models.py into a folder. False where no Python with onnx is installed.
+/// Writes the networks of test_models.py to a folder. Returns false if no Python with onnx is installed.
 inline bool make_test_models(const fs::path& folder) {
   for (const char* python : {"python3", "/usr/bin/python3"}) {
     const std::string interpreter = python;
@@ -21,7 +21,7 @@ inline bool make_test_models(const fs::path& folder) {
   return false;
 }
 
-/// A description of these networks.
+/// Returns the TOML description of such a network.
 inline std::string test_description(const std::string& kind, const std::string& input_more = "",
                                     const std::string& output_more = "") {
   const std::string first = kind == "semantic" ? "\"street\", " : "";

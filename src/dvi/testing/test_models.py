@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the tiny networks of the tests: test_models.py FOLDER
 
-They see magenta as a car and cyan as a person, in RGB images of 0..1.
+They detect magenta as a car and cyan as a person, in RGB images with values from 0 to 1.
 """
 import sys
 from pathlib import Path
@@ -12,7 +12,7 @@ from onnx import TensorProto, helper, numpy_helper
 
 FLOAT, INT64 = TensorProto.FLOAT, TensorProto.INT64
 MAGENTA, CYAN = numpy.array([1.0, -2, 1]), numpy.array([-2.0, 1, 1])  # 2 where an image has that color
-SIDE, MASKS = 64, 32  # of the YOLO's input; prototypes
+SIDE, MASKS = 64, 32  # side of the YOLO's input, number of its prototypes
 
 
 def tensor(name, values):
@@ -53,7 +53,7 @@ def semantic(folder):
 
 
 def prototypes():
-    """The first is positive where there is an object; every object takes it alone."""
+    """Prototypes of which only the first is used, which is positive on objects."""
     weights = numpy.zeros((MASKS, 3))
     weights[0] = 1, 1, 1
     bias = numpy.zeros(MASKS)

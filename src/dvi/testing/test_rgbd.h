@@ -10,7 +10,7 @@
 
 namespace dvi {
 
-/// Smooth random values between -1 and 1 in space.
+/// Returns a smooth random value between -1 and 1 at a point in space.
 inline double noise_at(const Eigen::Vector3d& p) {
   const Eigen::Vector3d low = p.array().floor();
   double out = 0;
@@ -25,18 +25,18 @@ inline double noise_at(const Eigen::Vector3d& p) {
   return out;
 }
 
-/// A recording of a depth camera in a room with textured walls, with exact truth.
+/// A recording by a depth camera in a room with textured walls, with exact poses.
 struct TestRgbd {
   static constexpr std::int64_t kPeriodNs = 33'333'333;
 
-  std::function<SE3(double)> world_from_lidar;  ///< by seconds; axes x forward, y left, z up
+  std::function<SE3(double)> world_from_lidar;  ///< by time in seconds; x forward, y left, z up
   std::size_t count = 40;
-  double color_delay_s = 0;                                                    ///< of color images after depth images
-  std::function<double(double)> exposure = [](double) { return 1.0; };         ///< by seconds
-  std::function<bool(std::size_t)> blank = [](std::size_t) { return false; };  ///< these images show a white wall only
-  TestRoom room = furnished();
+  double color_delay_s = 0;                                             ///< delay of color images relative to depth images
+  std::function<double(double)> exposure = [](double) { return 1.0; };  ///< by time in seconds
+  std::function<bool(std::size_t)> blank = [](std::size_t) { return false; };  ///< whether an image shows a white wall only
+  TestRoom room = make_furnished_room();
 
-  static TestRoom furnished() {
+  static TestRoom make_furnished_room() {
     TestRoom room;
     room.furnish(3);
     return room;

@@ -10,8 +10,8 @@
 
 namespace dvi {
 
-/// Four walls, floor, ceiling and furniture, seen by a depth camera of 60 x 45 degrees whose noise grows with the square of the
-/// depth.
+/// A room with four walls, floor, ceiling, and furniture, observed by a depth camera of 60 x 45 degrees whose noise is
+/// proportional to the square of the depth.
 struct TestRoom {
   struct Box {
     Eigen::Array3d low, high;
@@ -19,7 +19,7 @@ struct TestRoom {
   Box walls{{-1, -2, 0}, {3, 1.5, 2.5}};
   std::vector<Box> furniture{{{1.4, -0.5, 0}, {2.2, 0.4, 0.8}}};
 
-  /// Axes of the camera: x forward, y left, z up.
+  /// Makes a scan; the camera's axes are x forward, y left, z up.
   Scan scan(const SE3& world_from_camera, std::uint64_t seed) const {
     Random random(seed);
     Scan out;
@@ -34,7 +34,7 @@ struct TestRoom {
     return out;
   }
 
-  /// What stands along the walls, low and high, drawn by a seed; the middle stays free.
+  /// Replaces the furniture with random boxes of several heights along the walls; the center of the room is free.
   void furnish(std::uint64_t seed) {
     Random random(seed);
     furniture.clear();
@@ -53,7 +53,7 @@ struct TestRoom {
       }
   }
 
-  /// The distance to what a ray meets first, in lengths of the ray.
+  /// Returns the distance to the first surface on a ray, in units of the ray's length.
   double hit(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) const {
     double nearest = 100;
     for (int axis = 0; axis < 3; ++axis)

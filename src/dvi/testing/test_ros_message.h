@@ -7,7 +7,7 @@
 
 namespace dvi {
 
-/// Lays fields out one after another as CDR or ROS 1 do.
+/// Serializes fields in the encoding of CDR or ROS 1.
 class MessageBytes {
  public:
   explicit MessageBytes(bags::BagEncoding encoding) : encoding_(encoding) {}

@@ -8,7 +8,7 @@
 
 namespace dvi {
 
-/// A scan of a rotating LiDAR with 16 rings in a street of 16 m between walls 3 m high, ring by ring.
+/// A scan of a rotating LiDAR with 16 rings, in a street 16 m wide between walls; points are ordered by ring.
 struct TestScan {
   static constexpr int kRings = 16, kSteps = 360;
   std::vector<double> x, y, z, intensity, ring, t;
@@ -29,7 +29,7 @@ struct TestScan {
   }
 };
 
-/// The bytes of a .bin file of such columns.
+/// Returns the bytes of a .bin file with these columns.
 template <class Scalar>
 std::string bin_of(const std::vector<std::vector<double>>& columns) {
   std::string bytes;

@@ -15,15 +15,15 @@
 
 namespace dvi {
 
-/// A street of boxes for the tests of this room, scanned by a LiDAR whose motion is known exactly.
+/// A street of boxes for tests, scanned by a LiDAR with exactly known motion.
 class TestStreet {
  public:
   int beams = 32, columns = 720;
   double noise_m = 0.01;
-  bool rings = true;  ///< whether scans tell the beam of a point
+  bool rings = true;  ///< whether scans have the ring of each point
   std::vector<Eigen::AlignedBox3d> boxes;
 
-  /// Ground, and facades that stand back here and there, with poles before them.
+  /// Adds ground, facades at several distances from the road, and poles in front of them.
   TestStreet() {
     add({-500, -500, -1}, {500, 500, 0});
     Random random(5);
@@ -36,7 +36,7 @@ class TestStreet {
       }
   }
 
-  /// Nothing but ground and two endless walls.
+  /// Makes a street of ground and two long walls only.
   static TestStreet tunnel() {
     TestStreet street;
     street.boxes.clear();
@@ -48,7 +48,7 @@ class TestStreet {
 
   void add(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { boxes.emplace_back(a, b); }
 
-  /// One scan round `time_s`, clockwise from the back, each firing from its own place.
+  /// Makes the scan around `time_s`, which rotates clockwise from behind, with the sensor's pose at the time of each firing.
   Scan scan(const Trajectory& world_from_lidar, double time_s, double scan_s = 0.1) const {
     Random random(static_cast<std::uint64_t>(1e3 * (time_s + 100)));
     Scan out;
@@ -71,25 +71,26 @@ class TestStreet {
     return out;
   }
 
-  /// A drive of `count` scans, 0.1 s apart, of a car that follows `path`.
+  /// Makes a drive of `count` scans, 0.1 s apart, of a car that follows `path`.
   Drive drive(const Trajectory& path, int count) const {
     Drive out;
     for (int i = 0; i < count; ++i) {
-      const std::int64_t t = i * kScanPeriod;
-      out.scan_headers.push_back({std::to_string(i), t, t - kScanPeriod / 2, t + kScanPeriod / 2, {}});
+      const std::int64_t t = i * kScanPeriodNs;
+      out.scan_headers.push_back({std::to_string(i), t, t - kScanPeriodNs / 2, t + kScanPeriodNs / 2, {}});
     }
     out.scans = {out.scan_headers.size(), out.scan_headers.size(),
                  [street = *this, path](std::size_t i) { return street.scan(path, 0.1 * static_cast<double>(i)); }};
     return out;
   }
 
-  /// From 1.8 m above the origin along x, turning left at `turn` radians a second; speeds up from `speed` by `push` a second.
+  /// Makes a path that begins 1.8 m above the ground along x, and turns left at `turn` rad/s; `speed` in m/s grows by `push`
+  /// m/s^2.
   static Trajectory path(double speed, double turn = 0, double push = 0) {
     std::vector<StampedPose> poses;
     SE3 pose;
     pose.t = {-3, 0, 1.8};
     for (int i = -10; i < 400; ++i) {
-      poses.push_back({i * kScanPeriod / 10, pose});
+      poses.push_back({i * kScanPeriodNs / 10, pose});
       Vector6d step = Vector6d::Zero();
       step[0] = 0.01 * (speed + push * 0.01 * std::max(i, 0));
       step[5] = 0.01 * turn;
@@ -98,7 +99,7 @@ class TestStreet {
     return Trajectory(poses);
   }
 
-  static constexpr std::int64_t kScanPeriod = 100'000'000;
+  static constexpr std::int64_t kScanPeriodNs = 100'000'000;
 
  private:
   double hit(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) const {
@@ -112,7 +113,7 @@ class TestStreet {
   }
 };
 
-/// How far, in meters, the worst pose lies from where the sensor was.
+/// Returns the largest position error of a trajectory in meters.
 inline double worst_error(const Trajectory& found, const Trajectory& path) {
   double worst = 0;
   for (const StampedPose& p : found.poses())

@@ -1,7 +1,7 @@
 #include "dvi/datasets/reader.h"
 #include "parser.h"
 
-// global_poses.txt and rel_poses.txt, which follows an empty line. Images tell their kind by their first bytes.
+// global_poses.txt and rel_poses.txt, which follows an empty line. The first bytes of an image determine its format.
 void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
   if (!fs::exists(folder / "image")) {
     put_two_frames(folder / "image", folder / "lidar_bg");

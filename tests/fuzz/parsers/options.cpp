@@ -33,7 +33,7 @@ struct Fields {
 
 }  // namespace
 
-// As a file; and each of its lines as --set takes it. What was accepted is written and read back.
+// Reads options as a file, and each of its lines as an argument of --set. Accepted options are written and read back.
 void dvi::fuzz::parse(const fs::path& folder, const std::string& bytes) {
   const fs::path file = put(folder / "dvi.toml", bytes);
   Fields set;

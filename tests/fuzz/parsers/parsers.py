@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the fuzz targets of the parsers, each for some seconds, and tells what they found.
+"""Runs the fuzz targets of the parsers, each for some seconds, and prints their findings.
 
     parsers.py --build build/asan-ubsan [--seconds N] [--seed S] [--only NAME] [--jobs N]
 
@@ -23,7 +23,7 @@ OPTIONS = {"ASAN_OPTIONS": "detect_stack_use_after_return=1:strict_string_checks
 
 
 class Outcome(NamedTuple):
-    """What a target did: its inputs, the edges and distinct features of our code that these reached."""
+    """The numbers of inputs of a target, and of edges and features of the code that they reached."""
     name: str
     executions: int
     edges: int
@@ -32,24 +32,24 @@ class Outcome(NamedTuple):
 
 
 def counts(log):
-    """(executions, edges, features) as libFuzzer prints them."""
-    seen = re.findall(r"^#(\d+)\s.* cov: (\d+) ft: (\d+)", log, re.M)
-    runs, edges, features = seen[-1] if seen else (0, 0, 0)
+    """Returns (executions, edges, features) from the output of libFuzzer."""
+    printed = re.findall(r"^#(\d+)\s.* cov: (\d+) ft: (\d+)", log, re.M)
+    runs, edges, features = printed[-1] if printed else (0, 0, 0)
     done = re.search(r"^stat::number_of_executed_units: (\d+)", log, re.M)
     return int(done[1] if done else runs), int(edges), int(features)
 
 
 def headline(log):
-    """The line that says what is wrong."""
+    """Returns the line that describes the error."""
     for pattern in (r"dvi: does not hold: .*", r".*: Assertion .* failed", r".*: runtime error: .*",
                     r"terminate called after .*(?:\n +what\(\).*)?", r"ERROR: (?:AddressSanitizer|LeakSanitizer|libFuzzer): .*"):
         if found := re.search(pattern, log):
             return " ".join(found[0].split())
-    return "ended without a word"
+    return "ended without a message"
 
 
 def run(program, seconds, seed, kept):
-    """One target on its seeds, in memory where the system offers that."""
+    """Runs one target on its seeds, in a folder in memory if the system has one."""
     name = program.name.removeprefix("parse_")
     with tempfile.TemporaryDirectory(prefix="dvi-parsers-", dir="/dev/shm" if os.path.isdir("/dev/shm") else None) as temporary:
         folder = Path(temporary)
@@ -77,14 +77,14 @@ def main():
     options.add_argument("--seed", type=int, default=1)
     options.add_argument("--only", default="*", help="the name of a target")
     options.add_argument("--jobs", type=int, default=os.cpu_count())
-    told = options.parse_args()
-    programs = sorted(told.build.resolve().glob(f"bin/parse_{told.only}"))
+    arguments = options.parse_args()
+    programs = sorted(arguments.build.resolve().glob(f"bin/parse_{arguments.only}"))
     if not programs:
-        sys.exit(f"parsers: {told.build} has no target '{told.only}'")
+        sys.exit(f"parsers: {arguments.build} has no target '{arguments.only}'")
     print(f"{'parser':20}{'executions':>12}{'edges':>8}{'features':>10}", flush=True)
-    with ThreadPoolExecutor(told.jobs) as pool:
+    with ThreadPoolExecutor(arguments.jobs) as pool:
         outcomes = []
-        for outcome in pool.map(lambda p: run(p, told.seconds, told.seed, told.build.resolve() / "findings"), programs):
+        for outcome in pool.map(lambda p: run(p, arguments.seconds, arguments.seed, arguments.build.resolve() / "findings"), programs):
             print(f"{outcome.name:20}{outcome.executions:12}{outcome.edges:8}{outcome.features:10}", flush=True)
             for finding in outcome.findings:
                 print(f"  {finding}", flush=True)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of what is read from libFuzzer's output, without a target: scripts take its place."""
+"""Tests the parsing of libFuzzer's output, with scripts instead of targets."""
 import tempfile
 import unittest
 from pathlib import Path
