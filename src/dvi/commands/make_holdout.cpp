@@ -55,7 +55,8 @@ void make_case(const job::Job& job, const holdout::HoldoutOptions& options, Exis
   const holdout::Holdout holdout(cameras, poses.front().world_from_lidar, options);
   holdout::write_holdout(holdout, job.out, recipe, progress.tick());
   progress.end();
-  if (const auto position = holdout.vehicle() ? holdout.vehicle()->stand() : std::nullopt; position && position->returns > 0)
+  if (const auto position = holdout.vehicle() ? holdout.vehicle()->avoidance() : std::nullopt;
+      position && position->returns > 0)
     progress.warn(
         fmt::format("the {} vehicle of seed {} overlaps with objects in the scans ({} returns are inside it), because no place "
                     "within 15 m along the road is free; try another --seed",

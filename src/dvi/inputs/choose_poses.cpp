@@ -40,8 +40,8 @@ enum class Compared { loam, both };
 void compare_sharpness(const Drive& drive, Compared compared, Progress& progress, PoseChoice& choice) {
   const bool both = compared == Compared::both;
   progress.begin("sharpness", (both ? 2 : 1) * odometry::count_sharpness_ticks(drive));
-  choice.loam = odometry::sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
-  if (both) choice.given = odometry::sharpness(drive, drive.poses, progress.tick());
+  choice.loam = odometry::measure_sharpness(drive, choice.odometry->world_from_lidar, progress.tick());
+  if (both) choice.given = odometry::measure_sharpness(drive, drive.poses, progress.tick());
   progress.end();
   if (both && !has_support(*choice.given, *choice.loam) && choice.loam->known())
     choice.warnings.push_back(

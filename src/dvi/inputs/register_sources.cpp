@@ -45,7 +45,7 @@ bool can_register(const Drive& drive, const Trajectory& world_from_lidar) {
 }
 
 std::string describe_inliers(const registration::PlacementFigures& figures) {
-  return fmt::format("{} of {} landmarks are inliers", figures.landmark_inliers, figures.things);
+  return fmt::format("{} of {} landmarks are inliers", figures.landmark_inliers, figures.landmarks);
 }
 
 /// Throws InputError with the reason why a source drive without poses in the target's world cannot be registered.
@@ -54,7 +54,7 @@ std::string describe_inliers(const registration::PlacementFigures& figures) {
   if (figures.overlap > 0)
     throw InputError(source.path, fmt::format("overlaps with {} in only {:.0f} % of its scans", name, 100 * figures.overlap),
                      kRemedy);
-  if (figures.rival > kMinAmbiguousRatio && figures.landmark_inliers > 0)
+  if (figures.second_best_ratio > kMinAmbiguousRatio && figures.landmark_inliers > 0)
     throw InputError(
         source.path,
         fmt::format("fits {} in several places equally well, so its overlap cannot be determined (0 % is certain; in the best "

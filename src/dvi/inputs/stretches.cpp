@@ -189,7 +189,7 @@ odometry::Odometry estimate_odometry(const Drive& drive, const odometry::Odometr
     return odometry::estimate_odometry(drive, options, given, progress.parts());
   std::vector<Part> parts;
   for (const Stretch& scans : stretches) {
-    Part part{scans, odometry::odometry(extract_stretch(drive, scans), options, given, progress.parts()), {}, false};
+    Part part{scans, odometry::estimate_odometry(extract_stretch(drive, scans), options, given, progress.parts()), {}, false};
     part.world_from_lidar = part.odometry.world_from_lidar;
     parts.push_back(std::move(part));
   }

@@ -24,14 +24,13 @@ void write_pictures(const fs::path& out, const std::string& name, const harmoniz
   cv::Mat3b color;
   frame.color.convertTo(color, CV_8U);
   const std::string png = name + ".png";
-  const report::FramePictures pictures{
-      .kind = frame.kind,
-      .confidence = frame.confidence,
-      .depth = encode_depth(frame.depth),
-      .provenance = frame.provenance,
-      .harmonization = harmonize::harmonization(views, view, color, frame.provenance, frame.used),
-      .used = frame.used,
-      .missing = {}};
+  const report::FramePictures pictures{.kind = frame.kind,
+                                       .confidence = frame.confidence,
+                                       .depth = encode_depth(frame.depth),
+                                       .provenance = frame.provenance,
+                                       .harmonization = harmonize::compute_harmonization(views, view, color, frame),
+                                       .used = frame.used,
+                                       .missing = {}};
   media::write_png(out / "masks" / png, frame.mask);
   media::write_png(out / "kind" / png, pictures.kind);
   media::write_png(out / "provenance" / png, pictures.provenance);

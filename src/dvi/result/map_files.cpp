@@ -26,7 +26,7 @@ struct ColorParams {
 constexpr ColorParams kColors;
 const cv::Vec3b kUncolored(128, 128, 128);
 
-std::string format_kitti(const SE3& pose) { return fmt::format("{:.9g}\n", fmt::join(row_major(pose), " ")); }
+std::string format_kitti(const SE3& pose) { return fmt::format("{:.9g}\n", fmt::join(to_row_major(pose), " ")); }
 
 std::string format_tum(std::int64_t time_ns, const SE3& pose) {
   const Eigen::Quaterniond q(pose.R);
@@ -158,10 +158,10 @@ void write_map_files(const fs::path& folder, const MapContents& contents) {
   const Colors color = sample_colors(map, views);
   write_map(folder / "map.ply", map, color, "dvi map of " + name);
   report::write_top_view(folder, {.map = map,
-                               .color = [&](std::size_t point) { return color[point]; },
-                               .camera = target.camera,
-                               .world_from_camera = camera_poses(views),
-                               .tracks = objects});
+                                  .color = [&](std::size_t point) { return color[point]; },
+                                  .camera = target.camera,
+                                  .world_from_camera = camera_poses(views),
+                                  .tracks = objects});
   write_removed(folder / "moving.ply", map.removed, "taken out of the dvi map of " + name);
 }
 

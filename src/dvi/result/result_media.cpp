@@ -46,15 +46,16 @@ std::vector<media::SheetCell> make_sheet_row(const cv::Mat3b& input, const cv::M
   std::vector<cv::Vec3b> colors;
   for (const report::KindColor& k : report::kKindColors) colors.push_back(k.color);
   const cv::Mat1b mask(kind != 0);
-  const cv::Mat3b whole = media::thumbnail(media::mask_overlay(input, mask), kCellWidthPx);
+  const cv::Mat3b whole = media::make_thumbnail(media::draw_mask_overlay(input, mask), kCellWidthPx);
   const double closer = std::min(1.0, 0.4 * input.cols / kCellWidthPx);  // one pixel of the image is at least one of the sheet
   const cv::Rect part =
-      media::densest_part(mask, {std::max(1, cvRound(closer * whole.cols)), std::max(1, cvRound(closer * whole.rows))});
-  return {{whole, caption_of(kind, name)},
-          {media::thumbnail(result, kCellWidthPx), "result"},
-          {input(part).clone(), "before, closer"},
-          {result(part).clone(), "after"},
-          {media::label_overlay(result(part), kind(part), colors), "blue: copied, orange: interpolated, pink: synthesized"}};
+      media::find_densest_part(mask, {std::max(1, cvRound(closer * whole.cols)), std::max(1, cvRound(closer * whole.rows))});
+  return {
+      {whole, caption_of(kind, name)},
+      {media::make_thumbnail(result, kCellWidthPx), "result"},
+      {input(part).clone(), "before, closer"},
+      {result(part).clone(), "after"},
+      {media::draw_label_overlay(result(part), kind(part), colors), "blue: copied, orange: interpolated, pink: synthesized"}};
 }
 
 }  // namespace
@@ -91,7 +92,7 @@ void write_media(const fs::path& out, const Drive& target, const std::vector<std
   });
   video.finish();
   compare.finish();
-  media::write_png(out / "contact.png", media::contact_sheet(sheet, kCellWidthPx));
+  media::write_png(out / "contact.png", media::make_contact_sheet(sheet, kCellWidthPx));
 }
 
 }  // namespace dvi::result

@@ -103,9 +103,15 @@ json registration_json(const Drive& drive, const inputs::DrivePoses& poses) {
   const SE3 first = trajectory.at(drive.scan_headers.front().time_ns).value_or(trajectory.poses().front().world_from_body);
   json rows = json::array();
   for (int row = 0; row < 3; ++row) rows.push_back({first.R(row, 0), first.R(row, 1), first.R(row, 2), first.t[row]});
-  return {{"target_from_source", rows},          {"overlap", placed.overlap},           {"residual_m", placed.residual_m},
-          {"bound_m", placed.bound_m},           {"bound_deg", placed.bound_deg},       {"things", placed.things},
-          {"things_agree", placed.landmark_inliers}, {"passed_share", placed.passed_share}, {"rival", placed.rival}};
+  return {{"target_from_source", rows},
+          {"overlap", placed.overlap},
+          {"residual_m", placed.residual_m},
+          {"bound_m", placed.bound_m},
+          {"bound_deg", placed.bound_deg},
+          {"landmarks", placed.landmarks},
+          {"landmark_inliers", placed.landmark_inliers},
+          {"passed_share", placed.passed_share},
+          {"second_best_ratio", placed.second_best_ratio}};
 }
 
 json alignment_json(const align::Cameras& cameras, std::size_t sequence) {

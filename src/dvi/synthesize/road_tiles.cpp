@@ -100,7 +100,7 @@ TextureTile read_tile(const RoadViews& road_views, const ground::RoadGround& gro
     const double along = first + (x + 0.5) * cell;
     for (int y = 0; y < tile.known.rows; ++y) {
       const double left = (y + 0.5) * cell - RoadTiles::kHalfWidthM;
-      const Eigen::Vector2d place = ground.road().place(along, left);
+      const Eigen::Vector2d place = ground.road().to_world(along, left);
       const Eigen::Vector3d world(place.x(), place.y(), ground.height(along, left));
       for (const ViewReader& view : views)
         if (const auto color = view.read(world, kRoadTile.min_distance_m - 1)) {
