@@ -109,7 +109,7 @@ TEST_F(Poses, InvertedPosesCauseAWarningAndAreNotUsed) {
   }
   write_file(folder / "drive/poses.txt", text);
   EXPECT_EQ(map("drive", "")["from"], "loam");
-  EXPECT_LT(apart(read("out/trajectory.txt"), truth), 0.03);
+  EXPECT_LT(max_distance_m(read("out/trajectory.txt"), truth), 0.03);
   EXPECT_THAT(dvi("check drive --quiet").out, HasSubstr("seem to be inverted"));
 }
 

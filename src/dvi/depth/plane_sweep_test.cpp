@@ -67,7 +67,7 @@ double part(const depth::DepthMap& depth, const std::function<bool(float)>& is) 
   return count / static_cast<double>(kHole.area());
 }
 
-bool is_at_wall(float z) { return std::abs(z / FlatScene::kDepth - 1) < 0.03; }
+bool is_at_wall(float z) { return std::abs(z / FlatScene::kDepthM - 1) < 0.03; }
 bool is_at_infinity(float z) { return z == depth::DepthMap::kInfinity; }
 bool is_unchanged(float z) { return z == depth::DepthMap::kSky; }
 
@@ -99,7 +99,7 @@ TEST(PlaneSweep, ASurfaceContinuesUpwardAsFarAsItsTexture) {
   cv::Mat3b picture = waves(96, 64, 1);
   picture.rowRange(0, 21) = cv::Scalar(230, 180, 150);  // the sky above the wall
   depth::DepthMap depth = no_returns();
-  depth.z.rowRange(30, 58) = FlatScene::kDepth;
+  depth.z.rowRange(30, 58) = FlatScene::kDepthM;
   const depth::DepthMap out = run_plane_sweep(wall(picture, {-1, 1}), depth);  // too little parallax for a depth
   const auto walls = [&](int first, int last) {
     int count = 0;

@@ -57,7 +57,7 @@ Trajectory make_circular_path(double seconds, const Speed& speed) {
   double path_m = 0;
   for (int i = -10; i < static_cast<int>(100 * seconds) + 10; ++i) {
     const double angle = path_m / kRadiusM;
-    poses.push_back({i * TestStreet::kScanPeriod / 10,
+    poses.push_back({i * TestStreet::kScanPeriodNs / 10,
                      {so3_exp({0, 0, angle}), {kRadiusM * std::sin(angle), kRadiusM * (1 - std::cos(angle)), 1.8}}});
     path_m += 0.01 * speed(0.01 * i);
   }
@@ -152,7 +152,7 @@ struct TwoStreets {
                    // The car moves at 15 m/s.
                    std::vector<StampedPose> path;
                    for (const int k : {-1, 0, 1})
-                     path.push_back({(static_cast<std::int64_t>(i) + k) * TestStreet::kScanPeriod,
+                     path.push_back({(static_cast<std::int64_t>(i) + k) * TestStreet::kScanPeriodNs,
                                      {truth[i].R, truth[i].t + Eigen::Vector3d(1.5 * k, 0, 0)}});
                    return world.scan(Trajectory(path), 0.1 * static_cast<double>(i));
                  }};

@@ -25,7 +25,7 @@ depth::DepthMap flat_depth(const FlatScene& scene) { return {scene.depth(), cv::
 
 Lazy<depth::VisibilityMap> flat_visibility(const FlatScene& scene) {
   return {scene.views.size(), 8, [views = scene.views, masks = scene.masks](std::size_t i) {
-            const float z = static_cast<float>(FlatScene::kDepth + views[i].camera_from_world.t.z());
+            const float z = static_cast<float>(FlatScene::kDepthM + views[i].camera_from_world.t.z());
             return depth::make_visibility_map({cv::Mat1f(masks[i].size(), z), cv::Mat1f(masks[i].size(), 0.02F)}, masks[i]);
           }};
 }
