@@ -136,9 +136,9 @@ void bind_commands(py::module_& m) {
     dvi::job::Job job = to_request(options).job("", "", {});
     return job.table().dump_toml([all](const Option& option) { return all || option.audience == Audience::user; });
   });
-  m.def("check", [](const std::string& drive, const std::string& out, const py::dict& options, bool forecast, int threads, const py::object& progress) {
+  m.def("check", [](const std::string& drive, const std::string& out, const py::dict& options, bool coverage, int threads, const py::object& progress) {
     const dvi::job::Job job = to_request(options).job(out, drive, {});
-    return run_task(threads, progress, [&](Progress& p) { return dvi::commands::to_json(dvi::commands::check(job, forecast, p)); });
+    return run_task(threads, progress, [&](Progress& p) { return dvi::commands::to_json(dvi::commands::check(job, coverage, p)); });
   });
   m.def("map", [](const std::string& drive, const std::string& out, const std::string& trajectory, const py::dict& options, int threads, const py::object& progress) {
     const dvi::job::Job job = to_request(options).job(out, drive, {});

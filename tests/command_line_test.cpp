@@ -100,7 +100,7 @@ TEST_F(CommandLine, CheckDescribesADrive) {
   EXPECT_THAT(text.out, testing::AllOf(HasSubstr("ready for dvi run"), Not(HasSubstr("coverage"))));
   const nlohmann::json j = nlohmann::json::parse(dvi("check drive --quiet --json").out);
   EXPECT_EQ(j["format"], "folder");
-  EXPECT_FALSE(j.contains("forecast"));
+  EXPECT_FALSE(j.contains("coverage"));
   EXPECT_EQ(j["frames"]["count"], 6);
   EXPECT_EQ(j["scans"]["count"], 6);
   EXPECT_EQ(j["frames"]["with_pose"], 6);

@@ -32,7 +32,7 @@ rm own/frames/000003.png
 dvi run one -o own --poses loam --remove all   # resumes
 for method in paper flow telea ns; do dvi run one -o "$method" --method "$method"; done
 dvi run one -o labels --masks labels --remove moving --set align.method=paper
-dvi check one --forecast --json -o pictures
+dvi check one --coverage --json -o pictures
 dvi plan one two -o pieces
 dvi fill pieces --frames 0:1
 dvi fill pieces

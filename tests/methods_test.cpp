@@ -142,12 +142,12 @@ TEST_F(Methods, ForecastAgreesWithTheRun) {
 
 TEST_F(Methods, CheckEstimatesTheCoverage) {
   small_drive();
-  EXPECT_THAT(dvi("check drive --forecast --quiet").out, HasSubstr("of the hole is observed by sources"));
-  const nlohmann::json checked = nlohmann::json::parse(dvi("check drive --forecast --quiet --json").out);
-  EXPECT_EQ(checked["forecast"], nlohmann::json::parse(dvi("forecast drive --quiet --json").out));
+  EXPECT_THAT(dvi("check drive --coverage --quiet").out, HasSubstr("of the hole is observed by sources"));
+  const nlohmann::json checked = nlohmann::json::parse(dvi("check drive --coverage --quiet --json").out);
+  EXPECT_EQ(checked["coverage"], nlohmann::json::parse(dvi("forecast drive --quiet --json").out));
   fs::remove(folder / "drive/poses.txt");
   fs::remove_all(folder / "drive/lidar");
-  const Result unposed = dvi("check drive --forecast --quiet");
+  const Result unposed = dvi("check drive --coverage --quiet");
   EXPECT_EQ(unposed.code, 3) << "it is not ready";
   EXPECT_THAT(unposed.out, testing::Not(HasSubstr("coverage")));
 }

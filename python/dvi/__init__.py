@@ -156,11 +156,11 @@ def config(*, all: bool = False, **options: Any) -> str:
     return _dvi.config(options, all)
 
 
-def check(dataset: Source, *, out: "str | os.PathLike | None" = None, forecast: bool = False, threads: int = 0,
+def check(dataset: Source, *, out: "str | os.PathLike | None" = None, coverage: bool = False, threads: int = 0,
           progress: Progress = None, **options: Any) -> dict:
     """What a drive is, whether it is complete and right: what `dvi check --json` prints. out: folder for pictures."""
     with _Opened(dataset, progress) as path:
-        return json.loads(_dvi.check(path, "" if out is None else os.fspath(out), options, forecast, threads, progress))
+        return json.loads(_dvi.check(path, "" if out is None else os.fspath(out), options, coverage, threads, progress))
 
 
 @dataclass

@@ -16,20 +16,20 @@ void add_check(Program& program) {
     std::string drive, out;
     JobOptions options;
     Common common;
-    bool forecast = false;
+    bool coverage = false;
   };
   const auto a = std::make_shared<Arguments>();
   Command command = program.command("check", "What a drive is, whether it is complete and consistent, what is missing");
   command.positional("DRIVE", a->drive, "The drive");
   command.option("-o,--out", a->out, "Folder for pictures: the LiDAR on three images, and the drive from above");
-  command.flag("--forecast", a->forecast, "Also say what share of the holes other frames see; takes much longer");
+  command.flag("--coverage", a->coverage, "Also compute the share of the holes that sources observe, which takes much longer");
   a->options.add_to(command);
   a->common.add_to(command, true);
   command.examples({"dvi check DRIVE", "dvi check DRIVE --frames 10:49 --json"});
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const commands::CheckReport report = commands::check(a->options.job(a->out, a->drive, {}), a->forecast, progress);
+    const commands::CheckReport report = commands::check(a->options.job(a->out, a->drive, {}), a->coverage, progress);
     progress.end();
     fmt::print("{}\n", a->common.json ? commands::to_json(report) : report.brief());
     if (!report.ready) throw InputError(a->drive, "is not ready for dvi run", "see the warnings of the report");

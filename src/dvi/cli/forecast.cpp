@@ -1,4 +1,4 @@
-#include "dvi/commands/forecast_holes.h"
+#include "dvi/commands/estimate_coverage.h"
 
 #include <memory>
 
@@ -18,7 +18,8 @@ void add_forecast(Program& program) {
     Common common;
   };
   const auto a = std::make_shared<Arguments>();
-  Command command = program.command("forecast", "Predict what share of each hole other frames see, without filling");
+  Command command =
+      program.command("forecast", "Compute the coverage of each hole, the share that sources observe, without filling");
   command.positional("DRIVE", a->drive, "The drive");
   command.positional("SOURCE", a->sources, "Source drives of the same street");
   command.option("-o,--out", a->out, "Folder for forecast.png, a chart");
@@ -27,7 +28,7 @@ void add_forecast(Program& program) {
   command.run([a] {
     const ThreadLimit limit(a->common.threads);
     Progress progress(a->common.style());
-    const commands::ForecastReport report = commands::forecast_holes(a->options.job(a->out, a->drive, a->sources), progress);
+    const commands::CoverageReport report = commands::estimate_coverage(a->options.job(a->out, a->drive, a->sources), progress);
     progress.end();
     fmt::print("{}\n", a->common.json ? commands::to_json(report) : report.table());
   });

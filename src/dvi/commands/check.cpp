@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dvi/commands/check_pictures.h"
-#include "dvi/commands/forecast_holes.h"
+#include "dvi/commands/estimate_coverage.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/median.h"
 #include "dvi/core/threads.h"
@@ -103,7 +103,7 @@ CheckReport make_report(const inputs::Recording& open, const inputs::PoseChoice&
                   .largest_masked = found.masked.empty() ? 0.0 : *std::max_element(found.masked.begin(), found.masked.end()),
                   .warnings = drive.warnings,
                   .pictures = {},
-                  .forecast = {}};
+                  .coverage = {}};
   for (const Frame& frame : drive.frames) out.frames_with_pose += poses.at(frame.time_ns) ? 1 : 0;
   out.warnings.insert(out.warnings.end(), choice.warnings.begin(), choice.warnings.end());
   if (poses.empty()) out.warnings.emplace_back("no poses: give --poses FILE");
@@ -161,10 +161,10 @@ std::string CheckReport::brief() const {
   for (const RecordedTopic& topic : topics)
     text += fmt::format("  topic    {} ({}): {} messages, {:.1f} Hz{}\n", topic.name, topic.type, topic.messages, topic.rate_hz,
                         topic.use.empty() ? "" : ": " + topic.use);
-  if (forecast)
+  if (coverage)
     text += fmt::format(
         "  coverage {:.1f} % of the hole is observed by sources, {:.1f} % is unobserved (--unobserved sets its filling)\n",
-        100 * (1 - forecast->hole.unobserved), 100 * forecast->hole.unobserved);
+        100 * (1 - coverage->hole.unobserved), 100 * coverage->hole.unobserved);
   for (const std::string& picture : pictures) text += fmt::format("  picture  {}\n", picture);
   for (const std::string& warning : warnings) text += fmt::format("  warning  {}\n", warning);
   return text + (ready ? "  ready for dvi run" : "  not ready for dvi run: see the warnings");
@@ -201,14 +201,14 @@ std::string to_json(const CheckReport& r) {
       {"ready", r.ready},
       {"warnings", r.warnings}};
   if (r.place) j["place"] = result::place_json(*r.place);
-  if (r.forecast) j["forecast"] = *r.forecast;
+  if (r.coverage) j["coverage"] = *r.coverage;
   return json_text(j);
 }
 
-CheckReport check(const job::Job& given, bool with_forecast, Progress& progress) {
+CheckReport check(const job::Job& given, bool with_coverage, Progress& progress) {
   job::Job job = given;
   // Shadows take a sixth of the time of a check, and do not help to decide whether the recording is valid.
-  job.options.masks.shadows = given.options.masks.shadows && with_forecast;
+  job.options.masks.shadows = given.options.masks.shadows && with_coverage;
   const inputs::Recordings drives{inputs::open_recording(job.target, job.read, inputs::MaskNeed::optional, progress)};
   const Drive& drive = drives.front().drive;
   const std::vector<std::string> range_warnings = inputs::verify(drives, job, progress);
@@ -231,7 +231,7 @@ CheckReport check(const job::Job& given, bool with_forecast, Progress& progress)
     report.warnings.push_back(warning);
   }
   if (!job.out.empty()) report.pictures = write_check_pictures(job.out, drive, inputs::trajectory_of(drive, choice));
-  if (with_forecast && report.ready) report.forecast = forecast_holes({drives, poses, masks}, job, progress);
+  if (with_coverage && report.ready) report.coverage = estimate_coverage({drives, poses, masks}, job, progress);
   return report;
 }
 

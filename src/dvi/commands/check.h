@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "dvi/commands/forecast_holes.h"
+#include "dvi/commands/estimate_coverage.h"
 #include "dvi/core/progress.h"
 #include "dvi/drive/drive.h"
 
@@ -35,15 +35,15 @@ struct CheckReport {
   bool ready = false;                           ///< whether a run is possible
   std::vector<std::string> warnings;
   std::vector<std::string> pictures;       ///< files, if requested
-  std::optional<ForecastReport> forecast;  ///< if requested and ready
+  std::optional<CoverageReport> coverage;  ///< if requested and ready
 
   std::string brief() const;  ///< as text
 };
 std::string to_json(const CheckReport& report);
 
 /// Reads all of job.target once, and reports its format, camera, frames, scans, points, poses, and masks, with warnings about
-/// missing or contradictory data. If `with_forecast` is set, and a run is possible, also estimates the coverage of its holes,
+/// missing or contradictory data. If `with_coverage` is set, and a run is possible, also estimates the coverage of its holes,
 /// which takes much longer. Throws InputError if the drive cannot be read.
-CheckReport check(const job::Job& job, bool with_forecast, Progress& progress);
+CheckReport check(const job::Job& job, bool with_coverage, Progress& progress);
 
 }  // namespace dvi::commands

@@ -55,9 +55,10 @@ OptionTable Job::table() {
   table.add("source_cameras", read.source_cameras, {}, source_cameras).flag = "--sources";
   table.add("frames", read.frames, {},
             "Selects the frames A to B (A:B, inclusive) or one frame (A), by the drive's own numbers; empty: all.");
-  table.add("masks", read.masks,
-            "Determines what is removed: auto (the drive's mask files, else its labels, else moving objects), labels, found "
-            "(moving objects), DIR (PNG masks, LabelMe), or FILE (labels: KITTI, MOTS, COCO, CVAT, boxes.json).");
+  table.add(
+      "masks", read.masks,
+      "Determines the removed objects: auto (the drive's mask files, else its labels, else moving objects), labels, found "
+      "(moving objects), DIR (PNG masks, LabelMe), or FILE (labels: KITTI, MOTS, COCO, CVAT, boxes.json).");
   table.add(
       "polarity", read.mask_files.polarity,
       "States which pixels of mask files are removed: white, black, or auto (white, unless most masks are mostly white).");
@@ -65,13 +66,13 @@ OptionTable Job::table() {
             "Selects the classes to remove from labels, or from masks that are pictures of class ids: car,truck or "
             "semantic-kitti:car or 26,27; empty: all that is masked.");
   table.add("ego_mask", read.ego_mask, {},
-            "Names a PNG of what hides the view in all frames, such as the hood, which is removed too; empty: none.");
+            "Names a PNG that masks the ego vehicle in all frames, such as its hood; it is removed, too; empty: none.");
   table.add("detector", read.detector, {},
             "Names a network (MODEL.onnx, with MODEL.toml beside it) whose detections are removed; empty: masks are used.");
   table.add("poses", read.poses,
             "Selects the poses: auto (given or loam, whichever map is sharper), given, loam (estimated from scans), or FILE.");
   Option& remove = table.add("remove", read.remove,
-                             "Selects what is removed: moving (labeled objects that move), labeled (what the masks cover), or "
+                             "Selects the removed objects: moving (labeled objects that move), labeled (all masked ones), or "
                              "all (both masks and labels).");
   remove.set = [set = remove.set](const OptionValue& value) {
     set(value == OptionValue("labelled") ? OptionValue("labeled") : value);

@@ -13,7 +13,7 @@
 namespace dvi::commands {
 
 /// The coverage of the hole of one frame.
-struct FrameForecastReport {
+struct FrameCoverageReport {
   int number = 0;
   std::string name;
   double image_share = 0;  ///< share of the image that is hole
@@ -21,20 +21,20 @@ struct FrameForecastReport {
 };
 
 /// The share of each hole that sources observe.
-struct ForecastReport {
+struct CoverageReport {
   audit::HoleShares hole;  ///< of all frames
-  std::vector<FrameForecastReport> frames;
+  std::vector<FrameCoverageReport> frames;
 
   std::string table() const;  ///< as text
 };
-std::string to_json(const ForecastReport& report);
-void to_json(nlohmann::json& json, const ForecastReport& report);
+std::string to_json(const CoverageReport& report);
+void to_json(nlohmann::json& json, const CoverageReport& report);
 
 /// Runs `dvi forecast`: estimates the coverage of the holes of job.target by its own frames, cameras, and source drives. Writes
 /// a chart, forecast.png, to job.out unless that is empty. Throws InputError if there are no masks or poses.
-ForecastReport forecast_holes(const job::Job& job, Progress& progress);
+CoverageReport estimate_coverage(const job::Job& job, Progress& progress);
 
 /// Estimates the coverage for drives whose poses and masks are known.
-ForecastReport forecast_holes(const inputs::Inputs& inputs, const job::Job& job, Progress& progress);
+CoverageReport estimate_coverage(const inputs::Inputs& inputs, const job::Job& job, Progress& progress);
 
 }  // namespace dvi::commands

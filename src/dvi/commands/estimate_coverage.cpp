@@ -1,4 +1,4 @@
-#include "dvi/commands/forecast_holes.h"
+#include "dvi/commands/estimate_coverage.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -32,23 +32,23 @@ std::string format_row(const std::string& name, const std::string& image, const 
 
 }  // namespace
 
-std::string ForecastReport::table() const {
+std::string CoverageReport::table() const {
   std::string text =
       fmt::format("{:<20}{:>10}{:>14}{:>18}{:>14}\n", "% of", "image", "hole: copied", "by other drives", "unobserved");
-  for (const FrameForecastReport& frame : frames)
+  for (const FrameCoverageReport& frame : frames)
     text += format_row(frame.name, fmt::format("{:.1f}", 100 * frame.image_share), frame.hole) + "\n";
   return text + format_row("all", "", hole);
 }
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameForecastReport, number, name, image_share, hole)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameCoverageReport, number, name, image_share, hole)
 
-void to_json(nlohmann::json& j, const ForecastReport& report) {
+void to_json(nlohmann::json& j, const CoverageReport& report) {
   j = {{"schema", "dvi-forecast/1"}, {"hole", report.hole}, {"frames", report.frames}};
 }
 
-std::string to_json(const ForecastReport& report) { return json_text(nlohmann::json(report)); }
+std::string to_json(const CoverageReport& report) { return json_text(nlohmann::json(report)); }
 
-ForecastReport forecast_holes(const inputs::Inputs& inputs, const job::Job& job, Progress& progress) {
+CoverageReport estimate_coverage(const inputs::Inputs& inputs, const job::Job& job, Progress& progress) {
   const Views views = inputs::make_views(inputs, progress);
   const map::StaticMap map = run::build_map(inputs, job.options.map, progress);
   const Drive& target = inputs.drives.front().drive;
@@ -57,7 +57,7 @@ ForecastReport forecast_holes(const inputs::Inputs& inputs, const job::Job& job,
   const audit::Coverage found =
       audit::predict_coverage(views, map, job.options.depth, job.options.sample, step, progress.tick());
   progress.end();
-  ForecastReport report{found.total, {}};
+  CoverageReport report{found.total, {}};
   std::vector<int> numbers;
   for (const audit::FrameCoverage& f : found.frames) {
     const Frame& frame = target.frames[views[f.view].frame];
@@ -71,12 +71,12 @@ ForecastReport forecast_holes(const inputs::Inputs& inputs, const job::Job& job,
   return report;
 }
 
-ForecastReport forecast_holes(const job::Job& job, Progress& progress) {
+CoverageReport estimate_coverage(const job::Job& job, Progress& progress) {
   const inputs::Recordings drives =
       inputs::add_other_cameras(inputs::open_recordings(job, inputs::MaskNeed::required, progress), job, progress);
   const inputs::Poses poses = inputs::estimate_poses(drives, job, progress);
   const objects::Masks masks = inputs::find_masks(drives, poses, job, progress);
-  return forecast_holes({drives, poses, masks}, job, progress);
+  return estimate_coverage({drives, poses, masks}, job, progress);
 }
 
 }  // namespace dvi::commands
