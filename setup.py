@@ -26,7 +26,7 @@ class CMakeBuild(build_ext):
 setup(
     name="dvi",
     version=re.search(r"VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text().split("project(")[1]).group(1),
-    description="Removes traffic from recorded drives and fills with what other frames saw",
+    description="Removes traffic from recorded drives and fills the holes with pixels of other frames",
     license="Apache-2.0",
     packages=["dvi"],
     package_dir={"": "python"},

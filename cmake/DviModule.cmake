@@ -1,8 +1,8 @@
 # dvi_module(NAME [TESTS_TOGETHER] [PUBLIC lib...] [PRIVATE lib...])
 #
 # Every *.cpp of the calling folder and its subfolders makes the library dvi::NAME, every *_test.cpp its tests, every
-# *_bench.cpp its benchmarks. The links are the layer table of ARCHITECTURE.md. TESTS_TOGETHER: all tests run in one process, as
-# they share what takes long to make; else each runs in its own.
+# *_bench.cpp its benchmarks. The links are the layer table of ARCHITECTURE.md. TESTS_TOGETHER: all tests run in one process,
+# because they share slowly made fixtures; else each runs in its own.
 function(dvi_module name)
   cmake_parse_arguments(arg "TESTS_TOGETHER" "" "PUBLIC;PRIVATE" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)

@@ -51,7 +51,7 @@ class Run {
   std::vector<bool> missing_;
   std::map<std::size_t, std::shared_ptr<const Frame>> made_;
   std::size_t next_ = 0;
-  bool drained_ = false;  // nobody wants frames any more
+  bool drained_ = false;  // no further frames are requested
   std::unique_ptr<Task> task_;
 };
 

@@ -13,8 +13,8 @@
 
 namespace dvi::python {
 
-/// Work in a thread of its own, so that Python may wait for it with Ctrl-C and a callback, both in the caller's thread. What the
-/// work throws is thrown by wait(). Destroyed earlier, it is canceled.
+/// Runs work in a thread of its own, so that Python may wait for it with Ctrl-C and a callback, both in the caller's thread.
+/// Exceptions of the work are rethrown by wait(). Destroyed earlier, the work is canceled.
 class Task {
  public:
   using Work = std::function<void(Progress& progress)>;
@@ -25,11 +25,11 @@ class Task {
   Task(const Task&) = delete;
   Task& operator=(const Task&) = delete;
 
-  /// Begins the work. Once.
+  /// Begins the work. May be called once.
   void start();
   /// Until `ready`, which is asked under the task's lock, or the end of the work. Needs the GIL, which it gives up meanwhile.
   void wait(const Callback& callback, const std::function<bool()>& ready);
-  /// Until the end of the work; throws what it threw, and warns in Python of what the work warned of.
+  /// Waits for the end of the work, rethrows its exception, and repeats its warnings in Python.
   void finish(const Callback& callback);
   /// Stops the work at its next step and waits for that.
   void cancel();

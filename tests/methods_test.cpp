@@ -1,4 +1,4 @@
-// Runs baselines and the forecast of the program.
+// Runs the baselines and the coverage estimate of the program.
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-"""Removes traffic from recorded drives and fills with what other frames saw.
+"""Removes traffic from recorded drives and fills the holes with pixels of other frames.
 
     for frame in dvi.run("DRIVE", out="OUT"):
         frame.image        # height x width x 3, uint8, RGB: the result
@@ -113,7 +113,7 @@ class Run(Iterator[Frame]):
         self.close()
 
     def close(self) -> None:
-        """Stops the work, and removes what was temporary. With `out`, finished frames are kept: the same call goes on from them."""
+        """Stops the work, and removes temporary files. With `out`, finished frames are kept: the same call goes on from them."""
         if self._run is not None:
             self._run.close()
             self._run = None
@@ -142,7 +142,7 @@ def run(dataset: Source, *sources: Source, out: "str | os.PathLike | None" = Non
     with the program's (nothing is copied):
 
     image         x 3, uint8, RGB: the result; unmasked pixels are the input
-    mask          uint8: 255 what was removed
+    mask          uint8: 255 at removed pixels
     kind          uint8: 0 original, 1 copied, 2 copied from another drive or camera, 3 interpolated, 4 synthesized, 5 empty
     provenance    x 3, uint16: number of the source + 1 (0: none), 16 x and 16 y of the position copied from
     confidence    uint8: 255 times the probability of being within 10 gray levels of the truth
@@ -158,7 +158,7 @@ def config(*, all: bool = False, **options: Any) -> str:
 
 def check(dataset: Source, *, out: "str | os.PathLike | None" = None, coverage: bool = False, threads: int = 0,
           progress: Progress = None, **options: Any) -> dict:
-    """What a drive is, whether it is complete and right: what `dvi check --json` prints. out: folder for pictures."""
+    """Describes a drive, its errors, and its missing data, as `dvi check --json` does. out: folder for pictures."""
     with _Opened(dataset, progress) as path:
         return json.loads(_dvi.check(path, "" if out is None else os.fspath(out), options, coverage, threads, progress))
 
@@ -168,7 +168,7 @@ class Map:
     """The static map of a drive, in world axes: the drive's first LiDAR pose, x forward, y left, z up."""
 
     points: np.ndarray  #: N x 3, float32, meters
-    colors: np.ndarray  #: N x 3, uint8, RGB; 128, 128, 128 where no frame saw the point
+    colors: np.ndarray  #: N x 3, uint8, RGB; 128, 128, 128 where no frame observed the point
     world_from_camera: np.ndarray  #: frames x 4 x 4
     times: np.ndarray  #: frames, seconds
     report: dict  #: as map.json
@@ -197,7 +197,7 @@ class Masks:
 
 def masks(dataset: Source, *, out: "str | os.PathLike | None" = None, threads: int = 0, progress: Progress = None,
           **options: Any) -> Masks:
-    """What a run would remove: `dvi mask`. out: a new folder for the masks; None: only the report is kept."""
+    """Determines the objects that a run would remove: `dvi mask`. out: a new folder for the masks; None: only the report is kept."""
     with tempfile.TemporaryDirectory(prefix="dvi-masks-") as temporary, _Opened(dataset, progress) as path:
         folder = Path(temporary) / "masks" if out is None else Path(out)
         report = json.loads(_dvi.masks(path, str(folder), options, threads, progress))

@@ -16,7 +16,7 @@ Progress = Optional[Callable[[str, int, int], None]]
 
 
 def _ask(place: str, question: Callable[[], Any]) -> Any:
-    """What a dataset answers; whatever it raises is said with the place."""
+    """Returns the answer of a dataset; its errors are reported with the place."""
     try:
         return question()
     except (KeyboardInterrupt, InputError):

@@ -1,4 +1,4 @@
-"""What a recording is to dvi: a path, or an object of your own that answers four questions.
+"""Defines the recordings that dvi reads: a path, or an object of your own that answers four questions.
 
 Axes: camera x right, y down, z forward; LiDAR x forward, y left, z up. Meters, seconds. A transform is named target_from_source.
 """
@@ -34,7 +34,7 @@ class Box:
 
 @dataclass
 class FrameData:
-    """What the cameras saw at one time."""
+    """The images of the cameras at one time."""
 
     images: Mapping[str, np.ndarray]  #: by camera: height x width x 3, uint8, RGB
     time: Any  #: seconds, or a mapping from camera to seconds

@@ -37,7 +37,7 @@ class Waymo:
         frame = self.frames[i]
         ranges, projections, _, top_pose = frame_utils.parse_range_image_and_camera_projection(frame)
         points, _ = frame_utils.convert_range_image_to_point_cloud(frame, ranges, projections, top_pose)
-        points = moved(np.linalg.inv(self.vehicle_from_lidar), points[0])  # of TOP, compensated to the frame's pose
+        points = moved(np.linalg.inv(self.vehicle_from_lidar), points[0])  # from TOP, compensated to the frame's pose
         pose = np.reshape(frame.pose.transform, (4, 4)) @ self.vehicle_from_lidar
         return dvi.ScanData(points, 1e-6 * (frame.timestamp_micros - self.start), world_from_lidar=pose)
 

@@ -67,7 +67,7 @@ class Street:
     def scan(self, i):
         name = self.names[i]
         points = np.fromfile(self.drive / f"lidar/{name}.bin", "<f4").reshape(-1, 4)
-        fraction = 0.5 * (1 - np.arctan2(points[:, 1], points[:, 0]) / np.pi)  # clockwise from behind, 10 a second
+        fraction = 0.5 * (1 - np.arctan2(points[:, 1], points[:, 0]) / np.pi)  # clockwise from behind, 10 per second
         return dvi.ScanData(points, float(self.scan_times[name]), 0.1 * (fraction - 0.5))
 
 
@@ -117,7 +117,7 @@ def test_an_object_gives_the_frames_of_the_folder(street, result):
     assert len(frames) == 5
     for i, frame in enumerate(frames):
         expected = read_png(sorted((result / "frames").iterdir())[i])
-        # Poses are estimated here and given there; what was not removed is the input.
+        # Poses are estimated here and given there; pixels that were not removed are those of the input.
         assert np.array_equal(frame.image[frame.mask == 0], expected[frame.mask == 0])
         assert np.array_equal(frame.kind == 0, frame.mask == 0)
 

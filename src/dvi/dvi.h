@@ -1,6 +1,6 @@
 #pragma once
 
-// The library in one header: what a program of your own needs to check a drive, fill it, and score the result. After
+// The library in one header: everything that a program of your own needs to check a drive, fill it, and score the result. After
 // `cmake --install`, `find_package(dvi)` gives the target dvi::commands; examples/fill_drive.cpp is a whole program.
 //
 // All of it throws dvi::InputError where the data are wrong, dvi::UsageError where an option is, dvi::Interrupted after SIGINT

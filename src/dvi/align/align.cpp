@@ -35,7 +35,7 @@ Cameras align(const Views& views, const map::VisibleMap& map, const AlignOptions
 }
 
 std::size_t count_align_ticks(const Views& views, const AlignOptions& options) {
-  constexpr std::size_t kPasses = 3;  // of the joint method
+  constexpr std::size_t kPasses = 3;  // passes of the joint method
   if (!options.enabled) return 0;
   return views.size() * (options.method == AlignMethod::paper ? 1 : kPasses);
 }

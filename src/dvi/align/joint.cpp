@@ -103,7 +103,7 @@ class Chain {
   const Views& views_;
   const map::VisibleMap& map_;
   std::vector<std::size_t> members_;  // indices of the views of the sequence, then of its anchors
-  std::size_t count_, coarsest_ = 0;  // of the sequence
+  std::size_t count_, coarsest_ = 0;  // views of the sequence, and the coarsest pyramid level
   Poses anchors_;
   const AlignOptions& options_;
   Lazy<BandPass> images_;

@@ -11,7 +11,7 @@ namespace dvi::align {
 struct JointParams {
   double pair_error_px = 0.2;  ///< systematic error of a pair: errors of the map's surfaces, moving illumination
   double room_depth_m = 2;     ///< typical depth of a depth camera, at which pixels are converted to meters
-  double min_slope = 0.01;     ///< of the logarithm of brightness per pixel; a smaller slope is no texture
+  double min_slope = 0.01;     ///< change of the logarithm of brightness per pixel; less is not a texture
   double min_capture = 3;      ///< expected errors that the coarsest level must be able to correct
   double min_sigmas = 2;       ///< standard errors by which held-out points must agree better
   double max_offset_px = 0.6;  ///< median position error without a warning

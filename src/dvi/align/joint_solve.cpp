@@ -11,7 +11,7 @@
 namespace dvi::align {
 namespace {
 
-constexpr int kIterations = 5;  // of reweighting the pairs
+constexpr int kIterations = 5;  // each reweights the pairs
 /// The error of a pair in the common rotation of its views, over its error in the rotation between them.
 constexpr double kCommonErrorRatio = 10;
 constexpr int kMountingIndex = 0, kViewsIndex = 3;  // indices of the unknowns

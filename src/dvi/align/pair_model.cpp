@@ -14,9 +14,9 @@ namespace {
 constexpr double kCauchy = 2.385;   // 95 % efficient for normal noise
 constexpr int kMaxIterations = 10;  // per level
 constexpr double kConvergedPx = 0.01;
-constexpr double kMinCosine = 0.02;  // of the viewing angle; otherwise the surface is assumed to face the camera
+constexpr double kMinCosine = 0.02;  // cosine of the viewing angle; otherwise the surface is assumed to face the camera
 constexpr std::size_t kHeldOutStep = 4;
-constexpr double kMinScale = 1e-3;  // of the logarithm of brightness, because of the rounding to 8 bits
+constexpr double kMinScale = 1e-3;  // in the logarithm of brightness, because of the rounding to 8 bits
 
 enum class PointSet { fitted, held_out };
 

@@ -55,7 +55,7 @@ class GapCounter {
   // Estimates the number of messages in a gap from regular times. Returns nothing if the times are irregular, or if the gap is
   // long in relation to the existing messages.
   std::optional<std::size_t> estimate(const MessageGap& gap) const {
-    constexpr double kMaxIrregularity = 0.25;  // of the period
+    constexpr double kMaxIrregularity = 0.25;  // as a fraction of the period
     std::vector<std::int64_t> steps;
     for (std::size_t i = 1; i < entries_.size(); ++i)
       if (file_of(entries_[i - 1]) == file_of(entries_[i])) steps.push_back(entries_[i].time_ns - entries_[i - 1].time_ns);

@@ -46,7 +46,7 @@ TEST_P(RosClouds, ReadLivoxPoints) {
   bytes.add_header(100, 7, "livox_frame").add<std::uint64_t>(100'000'000'007).add<std::uint32_t>(3);
   bytes.add<std::uint8_t>(1).add<std::uint8_t>(0).add<std::uint8_t>(0).add<std::uint8_t>(0).add<std::uint32_t>(3);
   for (std::uint32_t i = 0; i < 3; ++i) {
-    const float x = i == 1 ? 0 : 2 + static_cast<float>(i);  // a point at the origin is no return
+    const float x = i == 1 ? 0 : 2 + static_cast<float>(i);  // a point at the origin is not a return
     bytes.add<std::uint32_t>(1000 * i).add(x).add<float>(0).add<float>(0);
     bytes.add<std::uint8_t>(40).add<std::uint8_t>(16).add(static_cast<std::uint8_t>(i));
   }

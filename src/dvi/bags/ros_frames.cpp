@@ -5,7 +5,7 @@
 namespace dvi::bags {
 namespace {
 
-constexpr std::size_t kMaxDepth = 100;  // of the tree; stops at cycles
+constexpr std::size_t kMaxDepth = 100;  // depth of the tree; stops at cycles
 
 }  // namespace
 

@@ -18,7 +18,7 @@ void add_audit(Program& program) {
     Common common;
   };
   const auto a = std::make_shared<Arguments>();
-  Command command = program.command("audit", "Check the receipts of a result: every copied pixel against its source frame");
+  Command command = program.command("audit", "Check the provenance of a result: every copied pixel against its source frame");
   command.positional("OUT", a->out, "A result of dvi run");
   command.positional("DRIVE", a->target, "The drive it was made from");
   command.positional("SOURCE", a->drives, "The source drives it was made from, in the same order");

@@ -19,7 +19,7 @@ void add_check(Program& program) {
     bool coverage = false;
   };
   const auto a = std::make_shared<Arguments>();
-  Command command = program.command("check", "What a drive is, whether it is complete and consistent, what is missing");
+  Command command = program.command("check", "Describe a drive: is it complete and consistent, which data are missing");
   command.positional("DRIVE", a->drive, "The drive");
   command.option("-o,--out", a->out, "Folder for pictures: the LiDAR on three images, and the drive from above");
   command.flag("--coverage", a->coverage, "Also compute the share of the holes that sources observe, which takes much longer");

@@ -17,7 +17,7 @@
 namespace dvi::cli {
 namespace {
 
-// Interrupted, and what is kept of the work.
+// An interrupt, with a description of the results that are kept.
 class InterruptedCommand : public Interrupted {
  public:
   explicit InterruptedCommand(const std::string& kept) : text_("interrupted; " + kept) {}
@@ -27,7 +27,7 @@ class InterruptedCommand : public Interrupted {
   std::string text_;
 };
 
-// What a signal cuts short, such as a blocked read, may fail in its own way.
+// An action that a signal interrupts, such as a blocked read, may throw an error of its own.
 void run_interruptibly(const std::function<void()>& action) {
   try {
     action();
@@ -83,7 +83,7 @@ std::optional<std::string> unknown_option(const Understood& in) {
   const bool wants_command = !commands_of(*in.command).empty();
   for (const std::string& word : in.command->remaining()) {
     if (word.size() < 2 || word.front() != '-') {
-      if (wants_command) return std::nullopt;  // what is behind an unknown command would be its options
+      if (wants_command) return std::nullopt;  // the words after an unknown command would be its options
       continue;
     }
     const std::string option = word.substr(0, word.find('='));
@@ -182,7 +182,7 @@ void Command::run(std::function<void()> action, std::function<std::string()> kep
 }
 
 struct Program::Impl {
-  CLI::App app{"dvi: removes traffic from recorded drives, and fills with what other frames saw.", "dvi"};
+  CLI::App app{"dvi: removes traffic from recorded drives, and fills the holes with pixels of other frames.", "dvi"};
   std::string group = "Commands";
 };
 
@@ -191,10 +191,10 @@ Program::Program() : impl_(std::make_unique<Impl>()) {
   impl_->app.footer(
       "Examples:\n"
       "  dvi demo                     on a synthetic street\n"
-      "  dvi check DRIVE              what is this recording, is it complete\n"
+      "  dvi check DRIVE              contents of the recording, missing data\n"
       "  dvi run DRIVE -o OUT         the drive without its traffic\n"
       "  dvi export colmap OUT -o DIR for another tool\n"
-      "dvi COMMAND --help tells the options of a command.");
+      "dvi COMMAND --help lists the options of a command.");
   impl_->app.set_version_flag("--version", fmt::format("dvi {}", kVersion));
 }
 Program::~Program() = default;

@@ -11,7 +11,7 @@
 
 namespace dvi::cli {
 
-/// One command of the program: what it takes and what it does. A thin face of CLI11, whose header is slow to compile.
+/// One command of the program: its arguments and its action. Wraps CLI11, whose header is slow to compile.
 /// Fields are left as they are where the command line does not name them.
 class Command {
  public:
@@ -28,16 +28,16 @@ class Command {
   void option(const std::string& names, std::vector<std::string>& field, const std::string& doc);
   void option(const std::string& names, int& field, const std::string& doc);
   void flag(const std::string& names, bool& field, const std::string& doc);
-  /// The options of the table that have a flag, or those of them that are named (section.key). What the command line assigns
-  /// to them is appended to `given`.
+  /// The options of the table that have a flag, or those of them that are named (section.key). Values that the command
+  /// line assigns to them are appended to `given`.
   void options(const OptionTable& table, std::vector<Assignment>& given, const std::vector<std::string>& names = {});
   /// --config FILE, and --set section.key=value, which is appended to `given`.
   void option_file(std::string& config, std::vector<Assignment>& given);
   /// Lines for the end of the command's help, such as "dvi run DRIVE -o OUT   the usual case".
   void examples(const std::vector<std::string>& lines);
   Command subcommand(const std::string& name, const std::string& summary);
-  /// What to do once the whole command line is understood. `kept` says after an interrupt what the next call finds done ("3
-  /// frames are kept"); without it, nothing is.
+  /// Sets the action, which runs once the whole command line is parsed. After an interrupt, `kept` names the results that the
+  /// next call will use ("3 frames are kept"); without it, there are none.
   void run(std::function<void()> action, std::function<std::string()> kept = {});
 
  private:
@@ -54,7 +54,7 @@ class Program {
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
-  /// Commands added from now on stand below this heading in the help.
+  /// Commands added from now on are listed below this heading in the help.
   void group(const std::string& heading);
   Command command(const std::string& name, const std::string& summary);
   /// The words of the command line, its commands and their options, for completion.h.

@@ -52,7 +52,7 @@ TEST(Program, ExitCodesTellWhoseFaultItIs) {
 
 TEST(Program, EachFailureIsOneMessageOnStderr) {
   EXPECT_THAT(run([] { throw std::logic_error("index"); }).err, AllOf(StartsWith("dvi: index\n"), HasSubstr("please report")));
-  EXPECT_EQ(run([] { throw InputError("a.png", "is no image", "replace it"); }).err.find("dvi: a.png: is no image"), 0);
+  EXPECT_EQ(run([] { throw InputError("a.png", "is not an image", "replace it"); }).err.find("dvi: a.png: is not an image"), 0);
   EXPECT_EQ(run([] { throw Interrupted(); }).err, "dvi: interrupted; nothing is kept, the same command starts again\n");
   EXPECT_THAT(run([] { throw UsageError("--frames"); }).out, IsEmpty());
 }

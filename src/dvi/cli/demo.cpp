@@ -35,9 +35,9 @@ std::string demo_street(const fs::path& out, int seed, Progress& progress) {
 std::string what_to_look_at(const fs::path& result, bool synthetic) {
   return fmt::format(
       "\nNow open {} in a browser.\n"
-      "  Overview    what was removed, how well it went, and the least certain places\n"
+      "  Overview    the removed objects, the quality, and the least certain places\n"
       "  Frames      drag the divider between before and after; click a pixel to see where it comes from{}\n"
-      "  From above  where the drive went, and what no source observed",
+      "  From above  the path of the drive, and the areas that no source observed",
       (result / "report.html").string(), synthetic ? ";\n              the left side can also show the truth" : "");
 }
 

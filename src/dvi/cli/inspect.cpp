@@ -16,12 +16,12 @@ void add_inspect(Program& program) {
     Common common;
   };
   const auto a = std::make_shared<Arguments>();
-  Command command = program.command("inspect", "The receipt of one pixel: where it comes from");
+  Command command = program.command("inspect", "Show the provenance of one pixel: where it comes from");
   command.positional("OUT", a->out, "A result of dvi run");
   command.positional("FRAME", a->frame, "The frame's name, or its number in the drive");
   command.positional("X", a->x, "Column, from 0");
   command.positional("Y", a->y, "Row, from 0");
-  command.option("-o,--out", a->folder, "Folder for result.png and source.png, what lies around the pixel");
+  command.option("-o,--out", a->folder, "Folder for result.png and source.png, the surroundings of the pixel");
   a->common.add_to(command, true, false);
   command.run([a] {
     const report::PixelRecord record = report::read_pixel_record(a->out, a->frame, {a->x, a->y});

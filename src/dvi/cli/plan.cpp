@@ -29,8 +29,7 @@ std::string brief(const run::PlanReport& plan, const std::string& out) {
 
 void add_plan(Program& program) {
   const auto a = std::make_shared<RunArguments>();
-  Command command =
-      program.command("plan", "What is global in a run: poses, masks, map, exposure, alignment; then fill, finish");
+  Command command = program.command("plan", "Run the global stages: poses, masks, map, exposure, alignment; then fill, finish");
   a->add_to(command);
   command.run(
       [a] {

@@ -8,7 +8,7 @@ namespace dvi {
 /// absent. Without finish(), it is removed.
 class Draft {
  public:
-  /// `part` has to be in the same folder as `place`. Removes what a killed process left at `part`.
+  /// `part` has to be in the same folder as `place`. Removes a file that a killed process left at `part`.
   Draft(fs::path place, fs::path part);
   ~Draft();
   Draft(const Draft&) = delete;

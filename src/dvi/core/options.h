@@ -111,7 +111,7 @@ class OptionTable {
   /// Assigns a value. UsageError with what would be right.
   void assign(const Assignment& assignment) const;
   void set(std::string_view assignment) const { assign(Assignment::parse(assignment)); }
-  /// Sets what the file's tables name; tables not known here are left to others if in `ignore`. UsageError otherwise.
+  /// Sets the options in the file's tables; tables not known here are left to others if in `ignore`. UsageError otherwise.
   void load_toml(const std::filesystem::path& path, const std::vector<std::string>& ignore = {});
   /// Formats all options, or the wanted ones, with their documentation as TOML that load_toml() can read. Each section is one
   /// table.

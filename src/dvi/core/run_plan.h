@@ -39,7 +39,7 @@ class RunPlan {
   std::vector<PlannedStage> stages_;
   std::size_t at_ = 0;
   bool planned_ = false;           // whether the current stage is in the plan
-  double seconds_ = 0, cost_ = 0;  // of the ended stages
+  double seconds_ = 0, cost_ = 0;  // sums over the ended stages
 };
 
 }  // namespace dvi

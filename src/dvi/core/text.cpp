@@ -151,7 +151,7 @@ int TextLine::integer(std::size_t i) const {
 
 std::int64_t TextLine::nanoseconds(std::size_t i) const {
   if (const auto value = to_nanoseconds(word(i))) return *value;
-  constexpr std::size_t kNanosecondDigits = 19;  // of a time since 1970
+  constexpr std::size_t kNanosecondDigits = 19;  // digits of a time since 1970
   const bool counts_ns = is_all_digits(word(i)) && word(i).size() == kNanosecondDigits;
   fail("'" + word(i) + "' is not a time in seconds",
        counts_ns ? "it is in nanoseconds; write seconds, such as " + to_seconds(*parse_whole<std::int64_t>(word(i)))

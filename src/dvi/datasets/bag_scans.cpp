@@ -100,7 +100,7 @@ ScanHeader BagScans::header(const bags::StampedEntry& entry) const {
   ScanHeader header{fmt::format("{:06d}", entry.number), entry.time_ns, entry.time_ns, entry.time_ns, file};
   if (has_times()) {
     // A revolution lasts until the next one begins; the last firing is slightly earlier.
-    constexpr double kLastFiringShare = 0.05;  // of a revolution, before its end
+    constexpr double kLastFiringShare = 0.05;  // fraction of a revolution, before its end
     header.start_ns += std::llround(1e9 * first_s_);
     header.end_ns += std::llround(1e9 * last_s_);
     const std::int64_t left = period_ns_ - (header.end_ns - header.start_ns);

@@ -19,9 +19,9 @@ constexpr double kMinDepthM = 0.05, kMaxDepthM = 100;  // the range of all depth
 
 bool is_depth(ushort value) { return value != 0 && value != kSaturated; }
 
-/// Decides whether a neighbor lies on another surface. A surface that joins the two would be seen at less than 6 degrees, even
-/// after the noise is subtracted. The noise of triangulating cameras grows with the square of the depth (Nguyen et al., 3DIMPVT
-/// 2012).
+/// Decides whether a neighbor lies on another surface. A surface that joins the two would be observed at less than 6 degrees,
+/// even after the noise is subtracted. The noise of triangulating cameras grows with the square of the depth (Nguyen et al.,
+/// 3DIMPVT 2012).
 class Jump {
  public:
   explicit Jump(const Camera& camera) : pixel_(1 / std::min(camera.fx, camera.fy)) {}

@@ -20,7 +20,7 @@ std::string packed(T value) {
   return {reinterpret_cast<const char*>(&value), sizeof(T)};
 }
 
-// Coordinates of a map projection: floats would round them by decimeters.
+// Coordinates of a map projection: floats would have errors of decimeters.
 const Eigen::Vector3d kFar(456'789.125, 5'412'345.25, 345.5);
 
 std::string las_header(int minor, int format, std::uint16_t record, std::uint32_t points) {

@@ -16,9 +16,9 @@ namespace {
 struct PoseJumpParams {
   double max_speed_mps = 100;    // faster than any car or hand
   double max_speed_ratio = 10;   // to the usual speed, in case that times are not in seconds
-  double max_noise_m = 5;        // of GPS from one pose to the next
-  double max_correction_m = 50;  // of a GPS; a longer jump has another cause
-  double min_group_share = 0.2;  // of the largest group; a smaller group is an outlier
+  double max_noise_m = 5;        // noise of GPS from one pose to the next
+  double max_correction_m = 50;  // correction by a GPS; a longer jump has another cause
+  double min_group_share = 0.2;  // fraction of the largest group; a smaller group is an outlier
 };
 constexpr PoseJumpParams kJumpParams;
 

@@ -26,7 +26,7 @@ struct DriveContents {
   std::vector<Gap> gaps;
   std::function<Scan(const ScanHeader&)> read_scan;
   std::size_t point_bytes = 16;  ///< of scans in .bin files
-  /// Sets `read_scan` and `point_bytes` by samples of the scans. It is called after the recording is cut to the requested
+  /// Sets `read_scan` and `point_bytes` by samples of the scans. It is called after the recording is limited to the requested
   /// frames. None: both are set already.
   std::function<void(DriveContents&)> inspect_scans = {};
   std::function<cv::Mat3b(const Frame&)> read_image = {};  ///< none: Frame::file is the image

@@ -26,7 +26,7 @@ struct ScanFiles {
 /// their final times. `rotation` is used if neither times nor `config` determine when points were measured.
 ScanFiles inspect_scan_files(Drive& drive, const LidarConfig& config, const Rotation& rotation);
 
-/// Lets a recording inspect its scan files after it is cut to the requested frames, and read them accordingly.
+/// Lets a recording inspect its scan files after it is limited to the requested frames, and read them accordingly.
 void attach_scan_files(DriveContents& recording, const LidarConfig& config, const Rotation& rotation);
 
 /// Describes the files in lidar/ of a drive by their endings if none of them is a scan in a supported format: "20 .las".

@@ -91,7 +91,7 @@ struct Drive {
   /// Warnings about gaps that do not prevent a run.
   std::vector<std::string> warnings;
 
-  /// Returns whether scans or a map determine the distances of what the images show.
+  /// Returns whether scans or a map determine the distances of the surfaces in the images.
   bool has_geometry() const { return !scan_headers.empty() || !map.empty(); }
   bool has_labels() const {
     for (const Frame& frame : frames)

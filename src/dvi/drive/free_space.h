@@ -26,7 +26,7 @@ class FreeSpace {
   float rise() const { return rise_; }
 
   enum class Seen { unknown, hidden, hit, passed };
-  /// Determines what the scan shows of a small object of radius `radius_m` in world axes. `passed` means that all rays within
+  /// Determines whether the scan shows a small object of radius `radius_m` in world axes. `passed` means that all rays within
   /// its radius and the pose error, and the next rays above and below, ended behind it.
   Seen judge(const Eigen::Vector3d& world, double radius_m) const;
 

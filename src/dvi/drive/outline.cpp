@@ -25,7 +25,7 @@ cv::Rect find_covered_pixels(const std::vector<Polygon>& polygons, cv::Size size
 
 // Sets the pixels whose centers lie in the polygon; the first pixel of the mask is `corner`.
 void fill(const Polygon& polygon, cv::Point corner, cv::Mat1b& mask) {
-  std::vector<double> crossings;  // of the center line of a row with the edges
+  std::vector<double> crossings;  // crossings of the center line of a row with the edges
   // Returns the first pixel whose center is not to the left of x.
   const auto pixel = [&](double x) {
     return static_cast<int>(std::clamp(std::ceil(x - corner.x - 0.5), 0.0, static_cast<double>(mask.cols)));

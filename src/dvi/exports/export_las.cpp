@@ -21,7 +21,7 @@ static_assert(std::endian::native == std::endian::little, "numbers are written a
 
 constexpr double kScaleM = 0.001;  // the unit of the whole-number coordinates
 constexpr std::uint16_t kHeaderBytes = 227;
-constexpr std::uint16_t kPointBytes = 34;  // of format 3 with time and color
+constexpr std::uint16_t kPointBytes = 34;  // size in format 3, with time and color
 
 template <class T>
 void put(std::string& bytes, T value) {

@@ -41,7 +41,7 @@ PlyHeader read_header(const fs::path& path, std::istream& in) {
   }
   if (binary && header.points == 0)
     throw InputError(path, "holds no points: no pixel was copied in this result",
-                     "see dvi check for what the drive lacks, then run it again");
+                     "add the data that dvi check reports as missing, then run it again");
   for (const char* name : {"x", "y", "z", "red", "green", "blue", "nx", "ny", "nz", "intensity", "first", "last"})
     if (!binary || !header.offset.contains(name))
       throw InputError(path, fmt::format("is not a map of dvi ('{}')", name), kRunAgainRemedy);

@@ -64,11 +64,12 @@ void require_plausible(const Camera& camera, const fs::path& file, const std::st
 
 std::string describe_off_center_problem(const Camera& camera) {
   constexpr double kMaxOffset =
-      0.15;  // of the image; cameras stay within a few percent, and other sizes are at most 0.75 of this one
+      0.15;  // fraction of the image; cameras stay within a few percent, and other sizes are at most 0.75 of this one
   const double x = (camera.cx + 0.5) / camera.width, y = (camera.cy + 0.5) / camera.height;
   if (std::abs(x - 0.5) < kMaxOffset && std::abs(y - 0.5) < kMaxOffset) return {};
   return fmt::format(
-      "is {}x{} pixels, but the principal point of its camera is at {:g}, {:g}: this camera is for images of another size",
+      "is {}x{} pixels, but the principal point of its camera is at {:g}, {:g}: this camera is for images with a different "
+      "size",
       camera.width, camera.height, camera.cx, camera.cy);
 }
 

@@ -24,8 +24,8 @@ std::string describe_camera_matrix_problem(const std::array<double, 9>& K);
 /// fy must be 0.05 to 50 times its width; the principal point must be within the image enlarged by half its size on each side.
 void require_plausible(const Camera& camera, const fs::path& file, const std::string& field);
 
-/// Describes why a camera is not for its images: its principal point is far from their center, as for K of images of another
-/// size. Returns an empty text otherwise.
+/// Describes why a camera is not for its images: its principal point is far from their center, as for K of images with a
+/// different size. Returns an empty text otherwise.
 std::string describe_off_center_problem(const Camera& camera);
 
 /// Throws InputError if a position is 1e8 m or farther from the origin, beyond any map projection. Voxels are counted in

@@ -61,7 +61,7 @@ class DrivenPath {
 
   Trajectory world_from_lidar_;
   std::vector<double> meters_;  // one per pose
-  Eigen::Vector3d ahead_;       // of the first pose, for a stationary drive
+  Eigen::Vector3d ahead_;       // direction of the first pose, for a stationary drive
   double sensor_height_ = 0;
   std::vector<StampedGround> grounds_;  // in order of time
 };

@@ -18,7 +18,7 @@ namespace {
 constexpr double kRangeNoiseM = 0.02;  // largest error of a range
 constexpr float kIntensity = 0.3F;
 
-/// Derives the seed of one part, which does not depend on what was made before it.
+/// Derives the seed of one part, which does not depend on the parts made before it.
 std::uint64_t derive_seed(int seed, std::uint64_t a, std::uint64_t b = 0) {
   return Random(Random(Random(static_cast<std::uint64_t>(seed)).next() ^ a).next() ^ b).next();
 }
@@ -50,7 +50,7 @@ Box transform(const SE3& target_from_source, const Box& box) { return {target_fr
 class OcclusionCone {
  public:
   OcclusionCone(const Box& lidar_box, double seconds) : axis_(lidar_box.frame_from_box.t.cast<float>()) {
-    constexpr double kMaxSpeedMS = 60;  // of box and sensor together
+    constexpr double kMaxSpeedMS = 60;  // sum of the speeds of box and sensor
     const double radius = 0.5 * lidar_box.size.norm() + kMaxSpeedMS * seconds;
     const double distance = axis_.norm();
     nearest_ = static_cast<float>(distance - radius);

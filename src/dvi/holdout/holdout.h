@@ -79,7 +79,7 @@ class Holdout {
   Drive drive_;
   HoldoutOptions options_;
   Lazy<Scan> scans_;
-  std::vector<std::size_t> scan_indices_;  // of the case's scans in the drive
+  std::vector<std::size_t> scan_indices_;  // indices in the drive of the case's scans
   Pictures target_;
   std::vector<Drive> more_drives_;
   std::vector<Pictures> more_;  // one per drive of more_drives_

@@ -11,7 +11,7 @@ namespace dvi::holdout {
 namespace {
 
 constexpr int kScans = 11;
-constexpr double kHeightM = 1.7;  // of the LiDAR
+constexpr double kHeightM = 1.7;  // height of the LiDAR
 constexpr double kClearanceM = 0.2;
 constexpr std::uint64_t kSeed = 6;
 

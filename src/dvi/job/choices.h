@@ -9,7 +9,7 @@
 
 namespace dvi::job {
 
-using dvi::to_string;  // of the enums below, beside the overloads of this namespace
+using dvi::to_string;  // for the enums below, beside the overloads of this namespace
 
 /// What `--method` takes: ours, its published form, and baselines without depth.
 enum class Method { dvi, paper, flow, telea, ns };
@@ -29,7 +29,7 @@ struct PosesFrom {
   Kind kind = Kind::automatic;
   std::string file = {};  ///< of poses, where the kind says so
 
-  static PosesFrom parse(const std::string& text);  ///< whatever is no word is a file
+  static PosesFrom parse(const std::string& text);  ///< any text that is not a keyword is a file
 };
 constexpr auto names_of(PosesFrom::Kind) {
   using Kind = PosesFrom::Kind;
@@ -37,14 +37,14 @@ constexpr auto names_of(PosesFrom::Kind) {
 }
 std::string to_string(const PosesFrom& from);
 
-/// What `--masks` takes. automatic: what the drive brings, mask files before labels, and what moves if it brings neither.
-/// found: what moves, whatever the drive brings.
+/// The values of `--masks`. automatic: the mask files of the drive, else its labels, else moving objects. found: moving
+/// objects, even if the drive has masks or labels.
 struct MasksFrom {
   enum class Kind { automatic, labels, found, path };
   Kind kind = Kind::automatic;
   std::string path = {};  ///< a folder of PNG or a file of labels, where the kind says so
 
-  static MasksFrom parse(const std::string& text);  ///< whatever is no word is a path
+  static MasksFrom parse(const std::string& text);  ///< any text that is not a keyword is a path
 };
 constexpr auto names_of(MasksFrom::Kind) {
   using Kind = MasksFrom::Kind;

@@ -53,11 +53,11 @@ struct ReadChoice {
   std::string frames;               ///< "A:B" or "A"; empty: all
   MasksFrom masks;
   labels::MaskReading mask_files;  ///< how they are read, of source drives too
-  bool is_source = false;          ///< classes choose among mask files only: what is labeled in a source drive is no background
+  bool is_source = false;          ///< classes select mask files only: labeled objects of a source drive are not background
   std::string ego_mask;            ///< a file: one mask for all frames of the camera; empty: none
   std::string detector;            ///< MODEL.onnx that says what to remove from all drives; empty: `masks` does
   PosesFrom poses;
-  std::string source_cameras = "all";  ///< other cameras of each drive that lend: all, none, or NAME,NAME
+  std::string source_cameras = "all";  ///< other cameras of each drive to copy from: all, none, or NAME,NAME
   Remove remove = Remove::labeled;
 };
 

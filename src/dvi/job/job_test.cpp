@@ -76,7 +76,7 @@ TEST(Job, ChoicesAreWordsOrPaths) {
   EXPECT_FALSE(is_baseline(Method::paper));
 }
 
-// What a run records has to give the same run again, although it leaves out developer options with their default.
+// The options that a run records have to give the same run again, although they omit developer options with their default.
 TEST(Job, RecordedOptionsReadBackAsTheyWere) {
   for (const char* change : {"", "depth.median_px=0", "depth.median_px=3", "stages.smooth=false", "align.method=joint",
                              "sample.max_frame_gap=120", "job.masks=a/folder", "job.remove=all"}) {

@@ -5,7 +5,7 @@
 namespace dvi::job {
 namespace {
 
-// A path that does not exist stays as it is, so that the message names what was typed.
+// A path that does not exist stays as it is, so that the message quotes the user's text.
 void make_absolute(std::string& path) {
   if (!path.empty() && fs::exists(path)) path = fs::absolute(path).lexically_normal().string();
 }

@@ -8,7 +8,7 @@
 
 namespace dvi::job {
 
-/// What a caller states about a job, whichever interface it uses: a file of options, and single options.
+/// The caller's description of a job, with any interface: a file of options, and single options.
 struct Request {
   std::string config;                   ///< a TOML file, such as the dvi.toml of an earlier result; empty: none
   std::vector<Assignment> assignments;  ///< in the order in which they were given

@@ -174,7 +174,7 @@ class Coco {
 
   // Scales coordinates that are fractions of the image, 0 to 1, to pixels.
   void find_unit(const json& annotations) {
-    constexpr int kMinSidePx = 32;  // of an image, in which all shapes are one pixel at most
+    constexpr int kMinSidePx = 32;  // side of an image in which all shapes are one pixel at most
     const std::optional<double> largest = find_largest_coordinate(annotations);
     const cv::Size size = labels_.size();
     if (!largest || *largest == 0 || *largest > kMaxNormalized || std::min(size.width, size.height) < kMinSidePx) return;

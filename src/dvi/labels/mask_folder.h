@@ -22,8 +22,8 @@ fs::path camera_masks(const fs::path& folder, const std::string& camera);
 /// Finds the folder of a camera's masks within a folder for several cameras: masks/CAMERA or CAMERA.
 std::optional<fs::path> find_camera_folder(const fs::path& given, const std::string& camera);
 
-/// Replaces the masks of an open drive by those of a folder, or of its masks/CAMERA or CAMERA. Accepts masks of images that
-/// were cut from the drive. Adds a warning about masks without an image. Throws InputError if no mask belongs to a frame.
+/// Replaces the masks of an open drive by those of a folder, or of its masks/CAMERA or CAMERA. Accepts masks of images
+/// outside the selected frames. Adds a warning about masks without an image. Throws InputError if no mask belongs to a frame.
 void attach_masks(Drive& drive, const fs::path& given);
 
 /// Sets drive.masks to the drive.mask_files: 255 where they are not 0; no mask for a frame without a file.

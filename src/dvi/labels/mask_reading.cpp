@@ -24,8 +24,8 @@ namespace {
 struct MaskReadingParams {
   std::size_t max_sampled_files = 25;  // each file takes about ten milliseconds
   std::size_t min_deciding_files = 3;  // a single truck may fill one image
-  double max_removed_share = 0.5;      // of the image, in the median
-  double min_value_share = 1e-3;       // of the image; rarer values are soft edges
+  double max_removed_share = 0.5;      // fraction of the image, in the median
+  double min_value_share = 1e-3;       // fraction of the image; rarer values are soft edges
   std::size_t min_id_values = 3;       // values other than 0 in an image of ids
 };
 constexpr MaskReadingParams kReadingParams;

@@ -16,7 +16,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::size_t kBinPointBytes = BinShape().point_bytes();  // of a scan that dvi writes
+constexpr std::size_t kBinPointBytes = BinShape().point_bytes();  // in a scan that dvi writes
 
 // The order of the arguments turns NaN into 0.
 std::uint16_t to_ring(double value) { return static_cast<std::uint16_t>(std::max(0.0, std::min(value, 65535.0))); }

@@ -15,7 +15,7 @@ namespace {
 // The relation between the times of a scan and its period.
 struct PointTimeParams {
   double min_periods = 0.5, max_periods = 2.5;  // spanned by the times of a scan
-  double origin_tolerance = 0.25;               // of that span; the first and the last point may be missing
+  double origin_tolerance = 0.25;               // fraction of that span; the first and the last point may be missing
 };
 constexpr PointTimeParams kTimeParams;
 

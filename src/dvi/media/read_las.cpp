@@ -18,7 +18,7 @@ static_assert(std::endian::native == std::endian::little, "numbers are read as t
 constexpr std::size_t kMinorByte = 25, kDataByte = 96, kFormatByte = 104, kRecordByte = 105, kCountByte = 107, kScaleByte = 131,
                       kOffsetByte = 155;
 constexpr std::size_t kMinHeaderBytes = 227, kLongCountByte = 247, kMinLongHeaderBytes = 375;  // the latter two of LAS 1.4
-constexpr std::size_t kMinRecordBytes = 20;                                                    // of point format 0
+constexpr std::size_t kMinRecordBytes = 20;                                                    // size in point format 0
 constexpr unsigned kMaxFormat = 10;
 
 template <class T>

@@ -339,7 +339,7 @@ class OdometryRun {
   ScanTracker tracker_;
   std::vector<WindowScan> starting_;
   double average_share_ = 0;
-  std::size_t refined_ = 0;  // of the window
+  std::size_t refined_ = 0;  // number of refined scans in the window
   std::vector<StampedPose> poses_;
   std::shared_ptr<const Scan> before_;
   std::int64_t before_ns_ = 0;

@@ -79,7 +79,7 @@ TEST(Odometry, FollowsACurveFromAnUnknownSpeed) {
   const Odometry found = estimate_odometry(TestStreet().drive(path, 20), {});
   EXPECT_THAT(found.warnings, IsEmpty());
   ASSERT_EQ(found.world_from_lidar.poses().size(), 20);
-  EXPECT_LT(worst_error(found.world_from_lidar, path), 0.05);  // of 23 m
+  EXPECT_LT(worst_error(found.world_from_lidar, path), 0.05);  // on a path of 23 m
   for (std::size_t i = 1; i < 6; ++i) {
     const auto step = [&](const SE3& a, const SE3& b) { return (a.inverse() * b).t; };
     const auto& poses = found.world_from_lidar.poses();

@@ -27,7 +27,7 @@ struct RgbdTrackingParams {
   std::size_t new_map_after = 10;       // lost images
   double max_roll_deg = 8;              // between two images
   double max_recovery_roll_deg = 24;    // between an image and any key frame
-  double min_known_share = 0.05;        // of the depth of an image that is aligned
+  double min_known_share = 0.05;        // fraction of pixels with depth in an aligned image
   double fast_rad_s = 1.5;              // rotation at which a rolling shutter distorts a key frame noticeably
   double blurred = 0.7;                 // gradient over the average gradient
   double max_delay_error_px = 0.7;      // displacement of the depth by a wrong prediction of the motion

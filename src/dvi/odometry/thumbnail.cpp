@@ -11,7 +11,7 @@ namespace dvi::odometry {
 namespace {
 
 constexpr double kThumbnailBlurPx = 1.2, kRollStepDeg = 8;
-constexpr double kMaxShift = 0.5, kMinCommonShare = 0.35;  // of the image
+constexpr double kMaxShift = 0.5, kMinCommonShare = 0.35;  // fractions of the image
 
 /// Returns the image that the camera would show after a roll about its optical axis; `known` marks pixels with a value.
 cv::Mat1f roll_image(const Thumbnail& thumbnail, double roll, cv::Mat1b& known) {

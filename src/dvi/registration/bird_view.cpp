@@ -18,7 +18,7 @@ using scan_match::Feature;
 
 struct Plane {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  double height = 0;  // of the origin above the plane, in meters
+  double height = 0;  // height of the origin above the plane, in meters
   bool found = false;
 };
 

@@ -31,7 +31,7 @@ struct StaticScan {
 };
 
 /// The scans by which a drive is compared with other drives, at least half a meter apart. Scans are read on demand; copies
-/// share what was read.
+/// share the scans read.
 class KeyScans {
  public:
   /// The pose and motion of a key scan.

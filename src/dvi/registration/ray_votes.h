@@ -19,7 +19,7 @@ struct RayVoteParams {
 };
 inline constexpr RayVoteParams kRayVotes;
 
-/// What the rays of one drive say about the upright points of another drive.
+/// The votes of the rays of one drive on the upright points of another drive.
 struct RayVotes {
   std::size_t hit = 0;     ///< points at which rays ended
   std::size_t passed = 0;  ///< points that rays passed through, so that nothing was there

@@ -18,7 +18,7 @@ struct LocalScene {
   SE3 anchor_from_world;
   Eigen::Vector3d center_in_world;
   scan_match::LocalMaps scene;
-  double share = 0, residual_m = 0;  // of the anchor, which is left out of the scene
+  double share = 0, residual_m = 0;  // result for the anchor, which is left out of the scene
 };
 
 struct Fit {

@@ -347,7 +347,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
                      collect_object_paths(results.objects, results.views, results.poses.front().world_from_lidar)});
     write_file(out_ / "map/map.json", json_text(map_json(*results.map)) + "\n");
   } else {
-    remove_map();  // of an earlier run with another method
+    remove_map();  // left by an earlier run with another method
     remove_stages(out_);
   }
   write_media(out_, target, names_, job_.options.video, progress);

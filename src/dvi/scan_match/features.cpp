@@ -12,7 +12,7 @@ namespace {
 // The thresholds of edges and planes.
 struct FeatureParams {
   std::size_t neighbors = 5;     // on either side
-  float min_range_jump = 0.03F;  // of the range, between two objects along a beam
+  float min_range_jump = 0.03F;  // fraction of the range, between two objects along a beam
   float max_smooth_m = 0.03F;    // distance from the chord up to which a beam is smooth
   float min_corner_m = 0.12F;    // distance from the chord from which on it has a corner
   float max_pole_m = 0.4F;       // width of the widest pole
@@ -76,7 +76,7 @@ class Beam {
     }
   }
 
-  // Returns whether a short run is in front of what is on either side of it.
+  // Returns whether a short run is in front of the surfaces on either side of it.
   bool stands_free(std::size_t first, std::size_t last) const {
     if (first == 0 || last >= index_.size() || last - first < 3) return false;
     const float width = (at(last - 1) - at(first)).norm();

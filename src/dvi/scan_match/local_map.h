@@ -45,7 +45,7 @@ class LocalMap {
  private:
   struct Voxel {
     VoxelKey key;
-    Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // of the moments
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // origin of the moments
     Moments<double> moments;
     bool fitted = false;
     Shape shape;

@@ -10,7 +10,7 @@ namespace {
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
 constexpr double kRevolutionRad = 2 * std::numbers::pi;
-constexpr std::size_t kMinBeams = 8, kMaxBeams = 160;  // of a LiDAR
+constexpr std::size_t kMinBeams = 8, kMaxBeams = 160;  // limits for a LiDAR
 
 float compute_elevation(const Eigen::Vector3f& p) { return std::atan2(p.z(), std::hypot(p.x(), p.y())); }
 

@@ -111,7 +111,7 @@ TEST(Scene, ShowsTheSameStreetInSideCameras) {
   const auto looks = [&](std::size_t camera) { return Eigen::Vector3d(scene.cameras()[camera].camera_from_lidar.R.row(2)); };
   EXPECT_GT(looks(1).y(), 0.8) << "to the left";
   EXPECT_LT(looks(2).y(), -0.8) << "to the right";
-  // A side camera observes what the front camera observed some frames before.
+  // A side camera observes the surfaces that the front camera observed some frames before.
   expect_reprojects(scene, 0, 8, 0, 1, 800);
   expect_reprojects(scene, 0, 8, 0, 2, 800);
   expect_reprojects(scene, 4, 5, 1, 1);

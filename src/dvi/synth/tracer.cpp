@@ -67,7 +67,7 @@ float Tracer::light_left(const Eigen::Vector3d& x) const {
   for (const PlacedMover& placed : movers_) {
     const Eigen::Vector3d local = placed.mover_from_world * x;
     const Eigen::Vector2d outside = (local.head<2>().cwiseAbs() - 0.5 * placed.model->size.head<2>()).cwiseMax(-kShadowReachM);
-    // The shadow decreases from full depth well inside the outline to none at the reach outside it.
+    // The shadow decreases from full depth well inside the outline to none at the distance kShadowReachM outside it.
     const double distance = outside.cwiseMax(0).norm() + std::min(outside.maxCoeff(), 0.0);
     const double u = std::clamp((kShadowReachM - distance) / (2 * kShadowReachM), 0.0, 1.0);
     left *= 1 - kShadowDepth * u * u * (3 - 2 * u);

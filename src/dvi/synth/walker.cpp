@@ -16,7 +16,7 @@ struct Clothes {
 };
 
 struct Leg {
-  Vector3d hip, knee, foot;  // foot: its ankle, 9 cm above the ground when it stands
+  Vector3d hip, knee, foot;  // foot: its ankle, 9 cm above the ground in the stance phase
 };
 
 // The thigh swings like a pendulum; the knee is bent while the leg swings forward.

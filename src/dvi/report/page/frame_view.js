@@ -112,7 +112,7 @@
       e("i", {className: "ramp", style: `background:linear-gradient(90deg, ${ramp.map((c) => `rgb(${c})`).join(",")})`}), e("span", {textContent: overlay.high}));
   };
 
-  // ---- what is shown
+  // ---- selection of the view
   const fit = () => map.fitBounds(bounds(size()), {animate: false});
   const lookNow = (part) => map.fitBounds([[-part[1] - part[3], part[0]], [-part[1], part[0] + part[2]]], {animate: false});
 
