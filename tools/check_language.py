@@ -31,7 +31,8 @@ EXCLUDED = ("tests/foreign/", "tests/layouts/bags/", "tests/fuzz/parsers/corpus/
 NAMES = [("src/dvi/drive/traffic_classes.cpp", '"lorry"'), ("docs/detector.md", "van, truck, lorry"), ("src/dvi/job/", '"labelled"')]
 
 # The files whose phrases are checked. Spelling is checked everywhere.
-PHRASE_FILES = re.compile(r"[A-Z]+\.(?:md|cff)|docs/[\w-]+\.md|tests/.*\.md|bench/.*|deploy/.*|dev")
+PHRASE_FILES = re.compile(r"[A-Z]+\.(?:md|cff)|docs/.*\.md|(?:\.ci|bench|cmake|deploy|examples|python|src|tests|tools)/.*|"
+                          r"CMakeLists\.txt|dev|setup\.py")
 
 
 @dataclass(frozen=True)
@@ -42,15 +43,23 @@ class Phrase:
     allowed: tuple[tuple[str, str], ...] = ()  # (start of the file's name, part of the line)
 
 
+def _names(word, *files):
+    """Allows a word in files in which it is a name: of a variable, type, function, key, command, or file."""
+    return tuple((file, word) for file in files)
+
+
 _EACH = "frame|point|pixel|second|image|scan|hole|channel|drive|minute|hour|camera|step|voxel|return|line|stage|thread|process"
 PHRASES = (
     # Grammar.
     Phrase(r"(?<!\bthere) (?:is|are|was|were) no (?!longer\b|more\b|less\b|fewer\b|other\b|better\b|worse\b)", "is not a"),
-    Phrase(r"\b(?:tells?|told|telling)\b", "show, report, state, determine, distinguish"),
+    Phrase(r"\b(?:tells?|told|telling)\b", "show, report, state, determine, distinguish", _names("told", "src/dvi/media/video_reader.cpp")),
     Phrase(r"\bround (?:the|an?|each|it|its|them|their|this|that|these|those|all|both|every|holes?)\b", "around",
            (("docs/metrics.md", "of the scene round the holes"),)),  # quoted output
-    Phrase(r"(?<!same\s)(?<!this\s)(?<!that\s)(?<!other\s)(?<!either\s)(?<!any\s)(?<!no\s)(?<!a\s)(?<!each\s)(?<!which\s)\bway\b", "path length, distance"),
-    Phrase(r"\b(?:stands?|standing|stood)\b", "is static, is stationary, is"),
+    Phrase(r"(?<!same\s)(?<!this\s)(?<!that\s)(?<!other\s)(?<!either\s)(?<!any\s)(?<!no\s)(?<!a\s)(?<!each\s)(?<!which\s)\bway\b", "path length, distance",
+           _names("way", "src/dvi/geometry/earth_place_test.cpp")),
+    Phrase(r"\b(?:stands?|(?<!free-)standing|stood)\b", "is static, is stationary, is",
+           (*_names("stand(", "src/dvi/synth/static_world.cpp"), *_names("standing", "src/dvi/report/page/overview.js"),
+            *_names('"stand"', "src/dvi/holdout/holdout_files.cpp", "tests/holdout_test.cpp"), ("src/dvi/synth/room.cpp", "The stand is"))),  # a coat stand
     Phrase(r"\b(?:nobody|somebody)\b", "no source, the user"),
     Phrase(rf"(?:\b\d(?:[\d.,]*\d)?|\b(?:bytes?|[KMG]i?B|ms|px|dB|m|s|seconds?|CPU|gain|times?|pixels?|lines?|million)) an? (?:{_EACH})\b",
            "per"),
@@ -59,14 +68,23 @@ PHRASES = (
            (("docs/faq.md", "we cannot"),)),
     Phrase(r"(?://|#) of ", "a comment that begins with its noun"),
     # Terms.
-    Phrase(r"\breceipts?\b", "provenance", (("docs/report.md", "dvi-receipt/1"),)),  # a schema
+    Phrase(r"\breceipts?\b", "provenance",
+           (("docs/report.md", "dvi-receipt/1"), *_names("receipt", "src/dvi/audit/audit.h", "tests/audit_test.cpp"),
+            *_names("eceipt", "src/dvi/report/", "tests/report/"))),  # a schema, a key, and names of the page
     Phrase(r"\b(?:lend(?:s|ing|ers?)?|lent)\b", "is used as a source; source frame, source camera"),
-    Phrase(r"\b(?:saw|sees|seen(?! from))\b", "observed"),
+    Phrase(r"\b(?:saw|sees|seen(?! from))\b", "observed",
+           (*_names("seen", "src/dvi/align/pair_store_test.cpp", "src/dvi/diagnostics/camera_fit.cpp", "src/dvi/exports/export_colmap.cpp",
+                    "src/dvi/exports/export_ortho.cpp", "src/dvi/labels/image_labels.cpp", "src/dvi/map/carve",
+                    "src/dvi/media/video_reader.cpp", "src/dvi/odometry/direct_alignment.cpp", "src/dvi/odometry/rgbd_image.cpp",
+                    "src/dvi/registration/ray_votes.cpp", "src/dvi/report/page/overview.js", "src/dvi/synth/"),
+            *_names("Seen", "src/dvi/drive/free_space", "src/dvi/map/carve", "src/dvi/objects/", "src/dvi/registration/ray_votes.cpp",
+                    "src/dvi/synth/"), ("src/dvi/exports/export_ortho.cpp", "where the camera saw it itself"))),  # a description in files
     Phrase(r"\bnever[- ]seen\b", "unobserved"),
-    Phrase(r"(?<!dvi\s)(?<!--)\bforecasts?\b", "coverage"),
+    Phrase(r"(?<!dvi\s)(?<!--)\bforecasts?\b", "coverage",
+           _names("forecast", "src/dvi/cli/", "src/dvi/commands/estimate_coverage", "tests/")),
     Phrase(r"\bcarried (?:over|masks?)\b|\bcarr(?:y|ies|ied) \w+ masks?\b", "reprojected"),
     Phrase(r"\b(?:laid|lays|laying) (?:\w+ ){0,3}?(?:on|onto|over)\b", "align, overlay"),
-    Phrase(r"\b(?:bent|suited)\b", "deform, adapt"),
+    Phrase(r"\b(?:bent|suited)\b", "deform, adapt", (("src/dvi/synth/walker.cpp", "knee is bent"),)),
     Phrase(r"\brims?\b", "boundary"),
     Phrase(r"\btrusts?\b", "score, weight"),
     Phrase(r"\bmisplaced\b", "position error", (("docs/metrics.md", ""), ("docs/benchmarks.md", ""), ("bench/page.py", ""))),  # a figure
@@ -78,14 +96,16 @@ PHRASES = (
     Phrase(r"\bgrain\b", "noise texture"),
     Phrase(r"\bday[- ]?light\b|\banother (?:sun|light)\b|\blight of (?:another|the other) day\b", "illumination change"),
     Phrase(r"\b(?:rivals?|single things?|things agree)\b", "second-best candidate, landmark, inliers"),
-    Phrase(r"\bfound masks\b|\bmasks (?:that (?:are|were) )?found\b", "motion segmentation"),
+    Phrase(r"\bfound masks\b|(?<!--)\bmasks (?:that (?:are|were) )?found\b", "motion segmentation"),
     Phrase(r"\bwitness(?:es)?\b", "visibility vote"),
     Phrase(r"\b(?:doubts?|in doubt)\b", "diagnostics, uncertain"),
     Phrase(r"\bkept stages?\b", "stage cache"),
     Phrase(r"\b(?:is|was|are|were) cut\b", "truncated"),
     Phrase(r"\b(?:is|are|of) (?:of )?(?:an)?other size\b", "differs in size"),
     Phrase(r"(?<!plane\s)(?<!plane_)(?<!plane-)\bsweeps?\b(?!/)", "scan, plane sweep",
-           (("src/dvi/image/poisson", ""), ("src/dvi/regularize/", ""))),  # of iterative solvers
+           (("src/dvi/image/poisson", ""), ("src/dvi/regularize/", ""),  # of iterative solvers
+            *_names("sweep", "python/examples/argoverse2.py", "src/dvi/datasets/read_nuscenes.cpp", "tests/layouts/layouts.py"),
+            ("docs/algorithms/plane_sweep.md", "A Space-Sweep Approach"))),
     Phrase(r"\bsee_through\b", "occlusion_tolerance"),
 )  # fmt: skip
 

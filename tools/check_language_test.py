@@ -57,6 +57,12 @@ class CheckLanguage(unittest.TestCase):
 
     def test_phrases_are_checked_in_the_listed_files_only(self):
         self.assertEqual(self.check("notes/a.txt", "Nobody lends it.\n")[0], 0)
+        for name in ("src/a.cpp", "python/a.py", "tests/a.sh", "docs/algorithms/a.md", ".ci/run", "setup.py"):
+            self.assertEqual(self.check(name, "Nobody lends it.\n")[0], 1, name)
+
+    def test_names_in_code_pass_in_their_files_only(self):
+        self.assertEqual(self.check("src/dvi/synth/a.cpp", "seen.t = 0;\n")[0], 0)
+        self.assertEqual(self.check("src/dvi/map/a.cpp", "seen.t = 0;\n")[0], 1)
 
     def test_allowed_lines_pass(self):
         phrase = check_language.Phrase(r"\bwhat no\b", "a noun", (("docs/a", "exact words"),))

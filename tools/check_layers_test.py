@@ -16,7 +16,7 @@ def run(root):
 
 class CheckLayers(unittest.TestCase):
     def check(self, **files):
-        """Runs the check on a tree of FOLDER__NAME_EXT="dvi/included.h" files; what is included exists."""
+        """Runs the check on a tree of FOLDER__NAME_EXT="dvi/included.h" files; included files exist."""
         with tempfile.TemporaryDirectory() as folder:
             source = Path(folder) / "src"
             (Path(folder) / "ARCHITECTURE.md").write_text((PROJECT / "ARCHITECTURE.md").read_text(encoding="utf-8"), encoding="utf-8")

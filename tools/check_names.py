@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Holds src/dvi to one meaning a name, which compilers do not check across files (the one definition rule).
+"""Holds src/dvi to one meaning per name, which compilers do not check across files (the one definition rule).
 
     check_names.py [ROOT]       prints each breach as FILE:LINE: what and why; exit code 1 if there is any
 
-What a module declares lies in its own namespace, dvi::MODULE, or in dvi itself if all modules use it. A type outside anonymous
+The declarations of a module lie in its own namespace, dvi::MODULE, or in dvi itself if all modules use it. A type outside anonymous
 namespaces has a name that no other type has, whatever its namespace, and is defined in one file only. No two headers have one name.
 """
 import re
@@ -26,7 +26,7 @@ def code_of(text):
 
 
 def definitions(text):
-    """(offset, namespace, type) of what is defined at namespace scope; type is None where a namespace begins."""
+    """(offset, namespace, type) of the definitions at namespace scope; type is None where a namespace begins."""
     code = code_of(text)
     scopes, begun = [], 0  # a scope: the name of a namespace, or None for any other block
     for at, c in enumerate(code):
