@@ -61,7 +61,7 @@ TEST_F(BadInput, ImagesOfAnotherClock) {
   write_file(times, text);
   for (const char* command : {"run drive -o out --quiet", "check drive --quiet", "map drive -o out --quiet"})
     expect_refused(
-        {"no scan belongs to any image", "37.00 s ahead (TAI against UTC)", "adding -37.00 to offset_s of [camera.front]"},
+        {"no scan belongs to any image", "37.00 s ahead (TAI against UTC)", "add -37.00 to offset_s of [camera.front]"},
         command);
   const fs::path config = folder / "drive/dvi.toml";
   write_file(config, replaced(read_file(config), "[camera.front]\n", "[camera.front]\noffset_s = -37\n"));

@@ -132,14 +132,14 @@ TEST_F(ForeignLabels, Cvat) {
   const std::string cvat = "cvat_dataset/";
   drive_of({"img0"}, {8, 8});
   expect_masked(cvat + "for_images/export_task/train.xml", {8});  // a box of 4 x 2
-  EXPECT_THAT(mask(cvat + "for_images/export_task/train.xml").err, HasSubstr("1 <polyline> left out"));
+  EXPECT_THAT(mask(cvat + "for_images/export_task/train.xml").err, HasSubstr("1 <polyline> ignored"));
   expect_refused(cvat + "for_images/export_project/annotations.xml", "has two images called img0",
                  "keep the images of one camera");
   // Frames 10, 13, 16, 19 of a video: a box of 7 x 1 in the first of them only, beside points and a polyline.
   drive_of({"frame_000010", "frame_000013", "frame_000016", "frame_000019"}, {25, 20});
   expect_masked(cvat + "for_video/annotations.xml", {7, 0, 0, 0});
   drive_of({"000000", "000001"}, {25, 20});
-  expect_refused(cvat + "for_video/annotations.xml", "they are in frames 10 to 10, the drive's images are 0 to 1", "n-th");
+  expect_refused(cvat + "for_video/annotations.xml", "its shapes are in frames 10 to 10, but the drive's images are 0 to 1", "n-th");
 }
 
 TEST_F(ForeignLabels, FormatsThatAreNotRead) {

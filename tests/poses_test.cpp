@@ -162,7 +162,7 @@ TEST_F(Poses, OfAnotherClockAreRefusedWithTheDifference) {
     const Result result = dvi(command + " --quiet --poses late.txt");
     EXPECT_EQ(result.code, 3);
     EXPECT_THAT(result.err, testing::AllOf(HasSubstr("late.txt"), HasSubstr("no given pose near frames 0-5"),
-                                           HasSubstr("37.00 s ahead (TAI against UTC)"), HasSubstr("adding -37.00 s")));
+                                           HasSubstr("37.00 s ahead (TAI against UTC)"), HasSubstr("add -37.00 s")));
   }
 }
 

@@ -38,6 +38,7 @@ struct HarmonizeOptions {
     table.add("unobserved", unobserved,
               "Unobserved pixels: synthesize (interpolated, with road texture or noise texture, kind 4), "
               "interpolate (kind 3), or leave (black, kind 5).");
+    table.flags(false);
     table.developer();
     table.add("poisson", poisson, "Blend copies seamlessly into their surroundings (eq. 5); false copies colors unchanged.");
     table.add("seam_gradients", seam_gradients,
