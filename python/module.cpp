@@ -10,6 +10,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/commands/check.h"
+#include "dvi/commands/make_masks.h"
 #include "dvi/core/error.h"
 #include "dvi/core/json_text.h"
 #include "dvi/core/version.h"
@@ -18,9 +20,7 @@
 #include "dvi/job/request.h"
 #include "dvi/media/write_image.h"
 #include "dvi/metrics/evaluate.h"
-#include "dvi/commands/check.h"
 #include "dvi/run/make_map.h"
-#include "dvi/commands/make_masks.h"
 #include "frames.h"
 #include "task.h"
 
@@ -79,7 +79,8 @@ std::string run_task(int threads, const py::object& progress, Work work) {
 using Bytes = py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>;
 
 void write_rgb(const std::string& path, const Bytes& rgb) {
-  const cv::Mat view(static_cast<int>(rgb.shape(0)), static_cast<int>(rgb.shape(1)), CV_8UC3, const_cast<std::uint8_t*>(rgb.data()));
+  const cv::Mat view(static_cast<int>(rgb.shape(0)), static_cast<int>(rgb.shape(1)), CV_8UC3,
+                     const_cast<std::uint8_t*>(rgb.data()));
   const py::gil_scoped_release released;
   cv::Mat bgr;
   cv::cvtColor(view, bgr, cv::COLOR_RGB2BGR);
@@ -109,7 +110,7 @@ py::tuple read_map(const std::string& ply) {
 void bind_frames(py::module_& m) {
   py::class_<Frame, std::shared_ptr<Frame>> frame(m, "Frame");
   frame.def_readonly("name", &Frame::name).def_readonly("index", &Frame::index);
-  const auto array = [&](const char* name, cv::Mat Frame::*field) {
+  const auto array = [&](const char* name, cv::Mat Frame::* field) {
     frame.def_property_readonly(name, [field](const Frame& f) { return to_array(f.*field); });
   };
   array("image", &Frame::image), array("mask", &Frame::mask), array("kind", &Frame::kind);
@@ -136,25 +137,29 @@ void bind_commands(py::module_& m) {
     dvi::job::Job job = to_request(options).job("", "", {});
     return job.table().dump_toml([all](const Option& option) { return all || option.audience == Audience::user; });
   });
-  m.def("check", [](const std::string& drive, const std::string& out, const py::dict& options, bool coverage, int threads, const py::object& progress) {
+  m.def("check", [](const std::string& drive, const std::string& out, const py::dict& options, bool coverage, int threads,
+                    const py::object& progress) {
     const dvi::job::Job job = to_request(options).job(out, drive, {});
-    return run_task(threads, progress, [&](Progress& p) { return dvi::commands::to_json(dvi::commands::check(job, coverage, p)); });
+    return run_task(threads, progress,
+                    [&](Progress& p) { return dvi::commands::to_json(dvi::commands::check(job, coverage, p)); });
   });
-  m.def("map", [](const std::string& drive, const std::string& out, const std::string& trajectory, const py::dict& options, int threads, const py::object& progress) {
+  m.def("map", [](const std::string& drive, const std::string& out, const std::string& trajectory, const py::dict& options,
+                  int threads, const py::object& progress) {
     const dvi::job::Job job = to_request(options).job(out, drive, {});
     return run_task(threads, progress, [&](Progress& p) { return dvi::run::make_map(job, trajectory, p); });
   });
-  m.def("masks", [](const std::string& drive, const std::string& out, const py::dict& options, int threads, const py::object& progress) {
-    const dvi::job::Job job = to_request(options).job(out, drive, {});
-    return run_task(threads, progress, [&](Progress& p) { return dvi::commands::make_masks(job, p); });
-  });
-  m.def("evaluate", [](const std::string& out, const std::string& truth, const std::string& ignore, const Strings& external, int threads,
-                       const py::object& progress) {
+  m.def("masks",
+        [](const std::string& drive, const std::string& out, const py::dict& options, int threads, const py::object& progress) {
+          const dvi::job::Job job = to_request(options).job(out, drive, {});
+          return run_task(threads, progress, [&](Progress& p) { return dvi::commands::make_masks(job, p); });
+        });
+  m.def("evaluate", [](const std::string& out, const std::string& truth, const std::string& ignore, const Strings& external,
+                       int threads, const py::object& progress) {
     const metrics::EvaluationFolders folders{out, truth, ignore, metrics::parse_external(external)};
     return run_task(threads, progress, [&](Progress& p) { return json_text(metrics::evaluate(folders, p.parts())); });
   });
-  m.def("export", [](const std::string& format, const std::string& out, const std::string& folder, const py::dict& options, int threads,
-                     const py::object& progress) {
+  m.def("export", [](const std::string& format, const std::string& out, const std::string& folder, const py::dict& options,
+                     int threads, const py::object& progress) {
     exports::ExportOptions chosen;
     OptionTable table;
     chosen.describe(table);

@@ -139,7 +139,8 @@ TEST_F(ForeignLabels, Cvat) {
   drive_of({"frame_000010", "frame_000013", "frame_000016", "frame_000019"}, {25, 20});
   expect_masked(cvat + "for_video/annotations.xml", {7, 0, 0, 0});
   drive_of({"000000", "000001"}, {25, 20});
-  expect_refused(cvat + "for_video/annotations.xml", "its shapes are in frames 10 to 10, but the drive's images are 0 to 1", "n-th");
+  expect_refused(cvat + "for_video/annotations.xml", "its shapes are in frames 10 to 10, but the drive's images are 0 to 1",
+                 "n-th");
 }
 
 TEST_F(ForeignLabels, FormatsThatAreNotRead) {

@@ -142,8 +142,9 @@ TEST_F(GivenMasks, ChangedNamesAreMatched) {
   }
   const Result from1 = dvi("check drive --masks from1 --quiet");
   EXPECT_EQ(from1.code, 3);
-  EXPECT_THAT(from1.err, AllOf(HasSubstr("its names are 000001 to 000006, but those of the drive's images are 000000 to 000005"),
-                               HasSubstr("remove 000006")));
+  EXPECT_THAT(from1.err,
+              AllOf(HasSubstr("its names are 000001 to 000006, but those of the drive's images are 000000 to 000005"),
+                    HasSubstr("remove 000006")));
 }
 
 TEST_F(GivenMasks, MaskFilesAreDilatedIfRequested) {

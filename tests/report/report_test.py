@@ -228,8 +228,8 @@ class Report(unittest.TestCase):
             part.chmod(0o555)
         code, message = browser.dvi_without_override(PROGRAM, "report", out, "--quiet")
         self.assertEqual(code, 3)
-        self.assertEqual(message.splitlines(), [f"dvi: {out}: cannot be written (Permission denied); copy it to where it can, for a "
-                                                "new report; report.html can be opened where it is"])
+        self.assertEqual(message.splitlines(), [f"dvi: {out}: cannot be written (Permission denied); copy it to a writable folder for a "
+                                                "new report; an existing report.html can be opened where it is"])
         self.open(out, "frames/0")
         browser.until(self.driver, "document.querySelector('#picture img') && document.querySelector('#picture img').naturalWidth")
         self.no_error(out)

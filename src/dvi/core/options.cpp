@@ -237,7 +237,7 @@ const Option& OptionTable::find(const std::string& name) const {
     names.push_back(option.name());
   }
   throw UsageError(
-      fmt::format("there is no option '{}'{}; `dvi config dump --all` lists all of them", name, suggest(name, names)));
+      fmt::format("there is no option '{}'{}; `dvi config dump --all` lists all options", name, suggest(name, names)));
 }
 
 const Option& OptionTable::find_keyword(const std::string& keyword, const std::vector<std::string>& others) const {

@@ -22,7 +22,8 @@ std::vector<std::size_t> list_candidates(const Views& views, std::size_t target,
     if (target + d < last) out.push_back(target + d);
     if (target >= first + d) out.push_back(target - d);
   }
-  for (const std::size_t view : list_views_of_other_cameras(views, target, kCandidateFrames.other_camera_gap)) out.push_back(view);
+  for (const std::size_t view : list_views_of_other_cameras(views, target, kCandidateFrames.other_camera_gap))
+    out.push_back(view);
   for (const std::size_t view : find_nearest_views_of_other_drives(views, target, kCandidateFrames.other_drive_frames))
     out.push_back(view);
   return out;

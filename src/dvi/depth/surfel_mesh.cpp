@@ -234,7 +234,8 @@ Joint classify_joint(const Surfel& a, const Surfel& b) {
 }
 
 SurfelMesh make_surfel_mesh(const map::StaticMap& map, const View& view, const SurfelMeshOptions& options) {
-  const std::vector<map::VisiblePoint> points = map::find_visible_points(map, view, options.splat_m, options.occlusion_tolerance);
+  const std::vector<map::VisiblePoint> points =
+      map::find_visible_points(map, view, options.splat_m, options.occlusion_tolerance);
   SurfelMesh mesh;
   mesh.surfels.reserve(points.size());
   for (const map::VisiblePoint& p : points) mesh.surfels.push_back(make_surfel(p, map));

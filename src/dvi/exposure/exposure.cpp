@@ -51,7 +51,8 @@ void compare_views(std::size_t a, std::size_t b, const Lazy<PointObservations>& 
 
 /// Finds the views of earlier sequences with the most similar position and direction.
 std::vector<std::size_t> find_anchors(const Views& views, std::size_t view) {
-  return find_nearest_views(views, view, {0, views.of_sequence(views[view].sequence).first}, kExposure.anchors, kExposure.radian_m);
+  return find_nearest_views(views, view, {0, views.of_sequence(views[view].sequence).first}, kExposure.anchors,
+                            kExposure.radian_m);
 }
 
 std::vector<GainRatio> compare_all_views(const Views& views, const Lazy<PointObservations>& observed,

@@ -178,7 +178,7 @@ class LoopSearch {
     Fit out;
     out.registration = scan_match::register_scan(sparse, guess, scans_.twist[i], {}, 0, place, options);
     out.share = scan_match::compute_scene_share(sparse, scans_.twist[i], out.registration.world_from_lidar, place,
-                                           kLoopCheck.surface_noise * options_.noise_m);
+                                                kLoopCheck.surface_noise * options_.noise_m);
     return out;
   }
 

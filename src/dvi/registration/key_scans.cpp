@@ -81,14 +81,16 @@ KeyScans::KeyScans(const Drive& drive, const scan_match::MatchOptions& options, 
       keys_(select_keys(drive, world_from_lidar)) {
   scans_ = Lazy<StaticScan>(keys_.size(), [drive = drive_, options = options_, keys = keys_](std::size_t i) {
     const std::shared_ptr<const Scan> scan = drive->scans[keys[i].scan];
-    const scan_match::ScanFeatures all = scan_match::extract_scan_features(*drive, *scan, scan_match::find_scan_rings(*drive, *scan), options);
+    const scan_match::ScanFeatures all =
+        scan_match::extract_scan_features(*drive, *scan, scan_match::find_scan_rings(*drive, *scan), options);
     const ObjectsOfScan objects(*drive, drive->scan_headers[keys[i].scan]);
     const auto keep = [&](const scan_match::Features& f) {
       return scan_match::Features{keep_static(f.planes, objects, keys[i].twist), keep_static(f.edges, objects, keys[i].twist)};
     };
     const double nearest = options.min_range_m.value_or(drive->min_range_m());
-    return StaticScan{keep(all.dense), keep(all.sparse),
-                      keep_static(thin_returns(*scan, nearest, scan_match::find_feature_range(options)), objects, keys[i].twist)};
+    return StaticScan{
+        keep(all.dense), keep(all.sparse),
+        keep_static(thin_returns(*scan, nearest, scan_match::find_feature_range(options)), objects, keys[i].twist)};
   });
 }
 
@@ -116,7 +118,8 @@ StaticScan make_submap(const KeyScans& keys, std::size_t i, double max_path_m) {
     append(out.points, scan->points);
   }
   const scan_match::MatchOptions& options = keys.options();
-  out.sparse = {scan_match::thin_features(out.sparse.planes, options.cell_m), scan_match::thin_features(out.sparse.edges, options.voxel_m)};
+  out.sparse = {scan_match::thin_features(out.sparse.planes, options.cell_m),
+                scan_match::thin_features(out.sparse.edges, options.voxel_m)};
   out.points = scan_match::thin_features(out.points, kKeyScan.point_spacing_m);
   return out;
 }

@@ -107,8 +107,8 @@ class ShiftFieldBuilder {
 
   /// Adds the terms of eq. 3 for one neighbor outside the hole. Returns 1 if the source shows it, else 0.
   int add_boundary(int node, cv::Point q, const Warp& warp, std::vector<int>& cost) {
-    const cv::Point2f at =
-        find_neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q, warp(q, target_.depth.z(q)));
+    const cv::Point2f at = find_neighbor_in_source(pixel(node), candidate(node).position, warped_[field_.pixel[node]], q,
+                                                   warp(q, target_.depth.z(q)));
     if (!can_sample(*source_mask_, at)) return 0;
     scratch_.resize(row_size());
     sample(at, q, scratch_.data());
