@@ -36,7 +36,7 @@ SE3 color_from_kinect_depth() {
   return {nearest_rotation(R), {-0.025559, 0.000101, 0.002032}};
 }
 
-Camera read_depth_camera(const fs::path& path, Drive& drive) {
+Camera read_kinect_camera(const fs::path& path, Drive& drive) {
   Camera camera{.fx = 585, .fy = 585, .cx = 320, .cy = 240};
   if (const fs::path file = path / "camera-intrinsics.txt"; fs::exists(file)) {
     const std::vector<TextLine> lines = read_text_lines(file);
@@ -59,7 +59,7 @@ DriveContents read_seven_scenes(const fs::path& path, const ReadOptions& options
   recording.gaps = {find_missing_numbers(drive), find_frames_without_depth(drive, 0)};
   drive.camera = kKinectColor;
   set_rgbd_cameras(recording,
-                   {.camera = read_depth_camera(path, drive), .depth_from_color = color_from_kinect_depth().inverse()},
+                   {.camera = read_kinect_camera(path, drive), .depth_from_color = color_from_kinect_depth().inverse()},
                    PosedCamera::depth);
   return recording;
 }
