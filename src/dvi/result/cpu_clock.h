@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "dvi/core/progress.h"
@@ -24,9 +25,10 @@ class CpuClock {
   /// Binds the last arguments of `stage`, its options, and returns a function that calls it with time(). The options and the
   /// clock must outlive the function.
   template <class Stage, class... Options>
-  auto wrap(std::string name, const Stage& stage, const Options&... options) {
-    return [this, name = std::move(name), stage, &options...](auto&&... inputs) {
-      return time(name, stage, std::forward<decltype(inputs)>(inputs)..., options...);
+  auto wrap(std::string name, Stage stage, const Options&... options) {
+    return [this, name = std::move(name), stage, bound = std::tuple<const Options&...>(options...)](auto&&... inputs) {
+      return std::apply(
+          [&](const Options&... last) { return time(name, stage, std::forward<decltype(inputs)>(inputs)..., last...); }, bound);
     };
   }
 
