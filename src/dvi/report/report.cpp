@@ -193,7 +193,7 @@ class ReportWriter {
         if (!file.empty())
           media::write_jpeg(out_ / make_path("sources/", number, ".jpg"), media::read_image(file, media::image_size(file)),
                             kJpegQuality);
-      } catch (const InputError&) {  // the page shows no crop of it
+      } catch (const InputError&) {  // answered: the page shows no crop of it
       }
     });
   }
