@@ -15,9 +15,6 @@ struct nlohmann::adl_serializer<dvi::audit::HoleShares> {
   static void to_json(nlohmann::json& json, const dvi::audit::HoleShares& hole) {
     json = {{"copied", hole.copied}, {"copied_elsewhere", hole.copied_elsewhere}, {"unobserved", hole.unobserved}};
   }
-  static void from_json(const nlohmann::json& json, dvi::audit::HoleShares& hole) {
-    hole = {json.at("copied"), json.at("copied_elsewhere"), json.at("unobserved")};
-  }
 };
 
 namespace dvi::commands {
@@ -40,7 +37,9 @@ std::string CoverageReport::table() const {
   return text + format_row("all", "", hole);
 }
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FrameCoverageReport, number, name, image_share, hole)
+static void to_json(nlohmann::json& j, const FrameCoverageReport& frame) {
+  j = {{"number", frame.number}, {"name", frame.name}, {"image_share", frame.image_share}, {"hole", frame.hole}};
+}
 
 void to_json(nlohmann::json& j, const CoverageReport& report) {
   j = {{"schema", "dvi-forecast/1"}, {"hole", report.hole}, {"frames", report.frames}};

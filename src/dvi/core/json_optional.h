@@ -10,7 +10,4 @@ struct nlohmann::adl_serializer<std::optional<T>> {
   static void to_json(nlohmann::json& json, const std::optional<T>& value) {
     json = value ? nlohmann::json(*value) : nlohmann::json();
   }
-  static void from_json(const nlohmann::json& json, std::optional<T>& value) {
-    value = json.is_null() ? std::nullopt : std::optional<T>(json.get<T>());
-  }
 };

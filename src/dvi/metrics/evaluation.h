@@ -93,9 +93,8 @@ struct ExternalEvaluation {
 /// program.
 std::string format_table(const Evaluation& evaluation);
 
-/// Convert to and from JSON; undefined values are null.
+/// Convert to JSON; undefined values are null.
 void to_json(nlohmann::json& json, const Artifacts& artifacts);
-void from_json(const nlohmann::json& json, Artifacts& artifacts);
 void to_json(nlohmann::json& json, const Evaluation& evaluation);
 
 }  // namespace dvi::metrics

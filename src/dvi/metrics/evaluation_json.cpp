@@ -61,15 +61,6 @@ void to_json(nlohmann::json& json, const Artifacts& a) {
           {"flashes", a.flashes},       {"ring_flashes", a.ring_flashes},       {"overshoots", a.overshoots}};
 }
 
-void from_json(const nlohmann::json& json, Artifacts& a) {
-  a = {.hole = json.at("hole_pixels"),
-       .overshoots = json.at("overshoots"),
-       .hole_between = json.at("hole_between"),
-       .ring_between = json.at("ring_between"),
-       .flashes = json.at("flashes"),
-       .ring_flashes = json.at("ring_flashes")};
-}
-
 void to_json(nlohmann::json& json, const Evaluation& evaluation) {
   json = evaluation.total;
   for (const Origin origin : kOrigins)

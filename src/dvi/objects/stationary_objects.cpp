@@ -17,10 +17,6 @@ void to_json(nlohmann::json& json, const StationaryObjects& objects) {
   json = {{"tracks", objects.tracks}, {"stationary", objects.stationary}, {"pixels", objects.pixels}};
 }
 
-void from_json(const nlohmann::json& json, StationaryObjects& objects) {
-  objects = {.tracks = json.at("tracks"), .stationary = json.at("stationary"), .pixels = json.at("pixels")};
-}
-
 std::optional<StationaryObjects> count_stationary(const CameraEvidence& evidence, const RemovalOptions& options) {
   if (evidence.source != MaskSource::labels || options.remove == Remove::moving) return std::nullopt;
   const Drive& drive = evidence.drive;

@@ -18,7 +18,6 @@ struct StationaryObjects {
 
 // The form of report.json. Only .cpp files that write or read a document use these.
 void to_json(nlohmann::json& json, const StationaryObjects& objects);
-void from_json(const nlohmann::json& json, StationaryObjects& objects);
 
 /// Counts the stationary tracks that are removed. Returns nothing if there are none or the evidence does not show the motion
 /// state.
