@@ -23,20 +23,24 @@ struct ListedFile {
 std::vector<ListedFile> list_contents(const fs::path& out, const std::vector<std::string>& files);
 
 /// Marks a part of a result as finished, and identifies its inputs: a JSON file that is written after the files that it lists.
-/// A part whose manifest is missing, truncated, or has another fingerprint is not finished.
+/// A part whose manifest is missing, damaged, or has another fingerprint is not finished.
 struct Manifest {
   std::string fingerprint;  ///< of everything that the part depends on
   std::vector<ListedFile> files{};
   std::shared_ptr<const nlohmann::json> content = nullptr;  ///< further data, which depend on the kind of the part
 
-  /// Whether all listed files exist and are unchanged.
-  bool holds(const fs::path& out) const;
+  /// Whether the part was made from this fingerprint, and all listed files exist and are unchanged.
+  bool confirms(const std::string& made_from, const fs::path& out) const;
 };
 
 void write_manifest(const fs::path& file, const Manifest& manifest);
 
-/// Reads a manifest; none if the file is missing or damaged.
+/// Reads a manifest; none if the file is missing or differs from what was written. Its seal, the hash of the document, detects
+/// changes that are valid JSON.
 std::optional<Manifest> read_manifest(const fs::path& file);
+
+/// Whether a manifest exists and confirms() its part.
+bool is_confirmed(const fs::path& file, const std::string& fingerprint, const fs::path& out);
 
 /// Writes a manifest that lists no files.
 void write_manifest(const fs::path& file, const std::string& fingerprint, const nlohmann::json& content);

@@ -164,10 +164,7 @@ void ResultFolder::refuse_other_drives() const {
     throw InputError(out_, "is the result of another drive", "choose another folder, or --force to replace it");
 }
 
-bool ResultFolder::is_finished(const std::string& name) const {
-  const std::optional<Manifest> manifest = read_manifest(frame_manifest(name));
-  return manifest && manifest->content && manifest->fingerprint == fingerprint_ && manifest->holds(out_);
-}
+bool ResultFolder::is_finished(const std::string& name) const { return is_confirmed(frame_manifest(name), fingerprint_, out_); }
 
 std::string ResultFolder::format_options() const {
   job::Job resolved = job_;
@@ -176,8 +173,7 @@ std::string ResultFolder::format_options() const {
 }
 
 std::optional<RunReport> ResultFolder::read_finished_report(Progress& progress) const {
-  const std::optional<Manifest> result = read_manifest(result_manifest());
-  if (!result || result->fingerprint != fingerprint_ || !result->holds(out_)) return std::nullopt;
+  if (!is_confirmed(result_manifest(), fingerprint_, out_)) return std::nullopt;
   const std::optional<RunReport> read = read_run_report(out_ / "report.json");
   if (!read || !fs::exists(out_ / "dvi.toml") || read_file(out_ / "dvi.toml") != format_options() ||
       !read_manifest(job_file(out_)))

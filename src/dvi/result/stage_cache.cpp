@@ -38,10 +38,8 @@ StageCache::StageCache(fs::path out, std::string fingerprint, Progress& progress
     make_folder(out_ / kFolder);
     remove_temporaries(out_ / kFolder);
   }
-  for (const std::string& name : list_cached_stages(out_)) {
-    const std::optional<Manifest> manifest = read_manifest(manifest_of(out_, name));
-    if (manifest && manifest->fingerprint == fingerprint_ && manifest->holds(out_)) valid_.insert(name);
-  }
+  for (const std::string& name : list_cached_stages(out_))
+    if (is_confirmed(manifest_of(out_, name), fingerprint_, out_)) valid_.insert(name);
   if (!valid_.empty() && missing_ == Missing::compute)
     progress_.note(fmt::format("{} of an earlier call are used", fmt::join(valid_, ", ")));
 }

@@ -99,10 +99,7 @@ void write_report_manifest(const fs::path& out) {
 
 }  // namespace
 
-bool is_report_complete(const fs::path& out) {
-  const std::optional<Manifest> manifest = read_manifest(report_manifest(out));
-  return manifest && manifest->holds(out);
-}
+bool is_report_complete(const fs::path& out) { return is_confirmed(report_manifest(out), "", out); }
 
 void write_report_frame_manifest(const fs::path& out, const std::string& name, std::size_t number,
                                  const std::string& fingerprint) {
@@ -113,8 +110,7 @@ void write_report(const job::Job& job, const std::vector<std::string>& names, co
                   const std::function<std::string()>& report_json, const Tick& tick) {
   std::vector<char> written(names.size());
   parallel_for(names.size(), [&](std::size_t i) {
-    const std::optional<Manifest> manifest = read_manifest(frame_manifest(job.out, names[i]));
-    written[i] = manifest && manifest->fingerprint == fingerprint && manifest->holds(job.out) ? 1 : 0;
+    written[i] = is_confirmed(frame_manifest(job.out, names[i]), fingerprint, job.out) ? 1 : 0;
   });
   report::write_report({.out = job.out,
                         .names = names,
