@@ -11,6 +11,7 @@
 #include "dvi/core/error.h"
 #include "dvi/core/text.h"
 #include "dvi/core/toml_file.h"
+#include "dvi/geometry/angles.h"
 #include "dvi/geometry/plausible.h"
 #include "dvi/geometry/rigid.h"
 #include "dvi/media/image_file.h"
@@ -19,7 +20,6 @@ namespace dvi::datasets {
 namespace {
 
 constexpr int kVersion = 1;
-constexpr double kRadPerDegree = std::numbers::pi / 180;
 
 // Returns the numbers of a list, or of a list of rows, in order; nothing if it holds anything else.
 std::vector<double> finite_numbers(const toml::node& node) {

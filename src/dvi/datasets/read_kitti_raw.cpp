@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -14,6 +13,7 @@
 #include "dvi/datasets/pose_jumps.h"
 #include "dvi/datasets/reader.h"
 #include "dvi/datasets/scan_files.h"
+#include "dvi/geometry/angles.h"
 #include "dvi/geometry/plausible.h"
 #include "dvi/labels/labels.h"
 #include "dvi/media/image_file.h"
@@ -66,7 +66,7 @@ std::array<double, 6> read_packet(const fs::path& file) {
 // Converts a packet to a pose by the Mercator projection of KITTI's development kit; `scale` is the cosine of the drive's
 // latitude.
 SE3 to_mercator_pose(const std::array<double, 6>& packet, double scale) {
-  constexpr double kEarthRadiusM = 6378137, kRadPerDegree = std::numbers::pi / 180;
+  constexpr double kEarthRadiusM = 6378137;
   const auto [latitude, longitude, altitude, roll, pitch, yaw] = packet;
   SE3 world_from_imu;
   world_from_imu.t = {scale * kEarthRadiusM * longitude * kRadPerDegree,
@@ -81,7 +81,7 @@ struct OxtsPacket {
   fs::path file;
 };
 
-double compute_mercator_scale(const OxtsPacket& first) { return std::cos(first.values[0] * std::numbers::pi / 180); }
+double compute_mercator_scale(const OxtsPacket& first) { return std::cos(to_radians(first.values[0])); }
 
 std::vector<StampedPose> to_mercator_poses(const std::vector<OxtsPacket>& packets, const SE3& imu_from_lidar) {
   std::vector<StampedPose> poses;

@@ -1,7 +1,6 @@
 #include "dvi/exports/geotiff.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -13,6 +12,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/text.h"
+#include "dvi/geometry/angles.h"
 
 namespace dvi::exports {
 
@@ -34,7 +34,7 @@ EarthPlace parse_origin(const std::string& text) {
 std::array<double, 6> GeoPlace::transform() const {
   if (!origin) return {west_m, cell_m, 0, north_m, 0, -cell_m};
   // World x points along the heading, and y to its left.
-  const double heading = origin->heading_deg * std::numbers::pi / 180, s = std::sin(heading), c = std::cos(heading);
+  const double heading = to_radians(origin->heading_deg), s = std::sin(heading), c = std::cos(heading);
   return {s * west_m - c * north_m, s * cell_m, c * cell_m, c * west_m + s * north_m, c * cell_m, -s * cell_m};
 }
 

@@ -4,6 +4,8 @@
 
 namespace dvi {
 
+inline constexpr double kRadPerDegree = std::numbers::pi / 180;
+
 /// Converts an angle from radians to degrees.
 constexpr double to_degrees(double radians) { return radians * 180 / std::numbers::pi; }
 

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 #include "dvi/core/median.h"
+#include "dvi/geometry/angles.h"
 
 namespace dvi {
 namespace {
-
-constexpr double kRadPerDegree = std::numbers::pi / 180;
 
 // The meters per radian of latitude and of longitude at a latitude of the WGS84 ellipsoid.
 struct Radii {

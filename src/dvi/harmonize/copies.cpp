@@ -13,6 +13,7 @@
 #include "dvi/drive/vignetting.h"
 #include "dvi/drive/warp.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/image/neighbors.h"
 #include "dvi/image/region.h"
 #include "dvi/sample/candidates.h"
 
@@ -84,7 +85,7 @@ Copies read_copies(const depth::Target& target, const Fused& fused, const Illumi
       const sample::Candidate& candidate = candidates.leading[i];
       const cv::Vec3f gain = illumination.gain_to(target.view(), views[view], i);
       const auto own = [&] { return source.read_color(p, candidate.position, candidate.footprint).mul(gain); };
-      for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
+      for (const cv::Point q : four_neighbors(p)) {
         if (!frame.contains(q)) continue;
         const int j = hole.index(q);
         const bool seam = j >= 0 && candidates.leading[j].found() && candidates.leading[j].view != view;

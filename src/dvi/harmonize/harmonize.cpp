@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/median.h"
+#include "dvi/core/statistics.h"
 #include "dvi/depth/depth_map.h"
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/confidence.h"
@@ -22,6 +23,7 @@
 #include "dvi/harmonize/screening.h"
 #include "dvi/harmonize/surface_class.h"
 #include "dvi/image/interpolate.h"
+#include "dvi/image/neighbors.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
 #include "dvi/sample/candidates.h"
@@ -43,10 +45,6 @@ constexpr PoissonParams kPoisson;
 
 /// The role of a pixel in an equation.
 enum class Role : std::uint8_t { fixed, solved, absent };
-
-std::array<cv::Point, 4> neighbors_of(cv::Point p) {
-  return {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)};
-}
 
 bool is_inside(const cv::Mat& image, cv::Point p) { return cv::Rect({}, image.size()).contains(p); }
 
@@ -101,7 +99,7 @@ ColorRange estimate_sky_colors(const Window& window, const cv::Mat1b& roles, con
   std::array<std::vector<float>, 3> levels;
   for (std::size_t i = 0; i < window.size(); ++i) {
     if (!window.is_unobserved_sky(window.pixel(i))) continue;
-    for (const cv::Point q : neighbors_of(window.pixel(i))) {
+    for (const cv::Point q : four_neighbors(window.pixel(i))) {
       if (!is_inside(roles, q) || roles(q) != static_cast<uchar>(Role::fixed) || depth::DepthMap::is_solid(window.depth(q)))
         continue;
       for (int c = 0; c < 3; ++c) levels[c].push_back(color(q)[c]);
@@ -112,7 +110,7 @@ ColorRange estimate_sky_colors(const Window& window, const cv::Mat1b& roles, con
   for (int c = 0; c < 3; ++c) {
     const float middle = median(levels[c]);
     for (float& value : levels[c]) value = std::abs(value - middle);
-    const float sigma = 1.4826F * median(std::move(levels[c])) + kPoisson.pixel_noise_levels;
+    const float sigma = static_cast<float>(kSigmaPerMad) * median(std::move(levels[c])) + kPoisson.pixel_noise_levels;
     out.low[c] = middle - kPoisson.sky_sigmas * sigma;
     out.high[c] = middle + kPoisson.sky_sigmas * sigma;
   }
@@ -133,7 +131,7 @@ std::vector<Part> label_parts(const Window& window, const cv::Mat1b& roles, cv::
     const cv::Point p = window.pixel(i);
     Part& part = parts[labels(p)];
     part.has_copies |= window.candidates.leading[i].found();
-    for (const cv::Point q : neighbors_of(p))
+    for (const cv::Point q : four_neighbors(p))
       part.is_bounded |= is_inside(roles, q) && roles(q) == static_cast<uchar>(Role::fixed);
   }
   return parts;
@@ -178,7 +176,7 @@ class Equation {
       const bool copied = window_.candidates.leading[i].found();
       float diagonal = 0;
       cv::Vec3f right = copied ? copies_.outward[i] : cv::Vec3f();
-      for (const cv::Point q : neighbors_of(p)) {
+      for (const cv::Point q : four_neighbors(p)) {
         if (!is_inside(roles_, q) || roles_(q) == static_cast<uchar>(Role::absent)) continue;
         const float weight = pair_weight(p, q) * (is_silhouette(p, q) ? kPoisson.silhouette_weight : 1);
         diagonal += weight;

@@ -15,6 +15,7 @@
 
 #include "dvi/core/lazy.h"
 #include "dvi/core/median.h"
+#include "dvi/core/statistics.h"
 #include "dvi/depth/depth_map.h"
 #include "dvi/depth/visibility_map.h"
 #include "dvi/drive/view.h"
@@ -263,7 +264,7 @@ OrientationChange estimate_change(const std::vector<Comparison>& compared, std::
   std::vector<float> off;
   for (const Comparison& k : both)
     for (int c = 0; c < 3; ++c) off.push_back(std::abs(k.log_ratio[c] - out.log_gain[c]));
-  out.sigma = 1.4826 * median(std::move(off));
+  out.sigma = estimate_sigma(std::move(off));
   return out;
 }
 

@@ -1,13 +1,12 @@
 #include "dvi/harmonize/known_copies.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdlib>
 
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/harmonize/illumination_change.h"
+#include "dvi/image/neighbors.h"
 
 namespace dvi::harmonize {
 namespace {
@@ -18,7 +17,7 @@ constexpr int kMeanWindowPx = 35;      // the window in which the change of illu
 /// Computes the largest difference of a pixel to a neighbor.
 double measure_texture(const cv::Mat3f& image, cv::Point p) {
   float texture = 0;
-  for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)})
+  for (const cv::Point q : four_neighbors(p))
     if (cv::Rect({}, image.size()).contains(q)) texture = std::max(texture, mean_difference(image(p), image(q)));
   return texture;
 }

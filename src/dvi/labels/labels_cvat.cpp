@@ -2,7 +2,6 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 
 #include "dvi/core/error.h"
 #include "dvi/core/text.h"
+#include "dvi/geometry/angles.h"
 #include "dvi/labels/image_labels.h"
 #include "dvi/labels/labels.h"
 
@@ -135,7 +135,7 @@ Shape interpolate(const Shape& a, const Shape& b, int frame) {
 }
 
 Polygon rotate_box(const cv::Point2d& low, const cv::Point2d& high, double degrees) {
-  const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
+  const double angle = to_radians(degrees), c = std::cos(angle), s = std::sin(angle);
   const cv::Point2d middle = 0.5 * (low + high);
   Polygon out{low, {high.x, low.y}, high, {low.x, high.y}};
   for (cv::Point2d& p : out) {

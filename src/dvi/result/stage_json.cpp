@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "dvi/geometry/angles.h"
 #include "dvi/inputs/stretches.h"
 #include "dvi/result/run_report.h"
 
@@ -17,7 +17,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double kDegPerRad = 180 / M_PI;
+constexpr double kDegPerRad = to_degrees(1);
 
 std::array<double, 3> array_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -49,7 +49,7 @@ json deviation_json(const std::vector<StampedPose>& poses, const Trajectory& giv
     if (length >= kPathLengthM && a && b) {
       const SE3 off = (poses[first].world_from_body.inverse() * poses[last].world_from_body).inverse() * (a->inverse() * *b);
       meters.push_back(off.t.norm());
-      degrees.push_back(so3_log(off.R).norm() * 180 / M_PI);
+      degrees.push_back(to_degrees(so3_log(off.R).norm()));
     }
     if (first < last) length -= (poses[first + 1].world_from_body.t - poses[first].world_from_body.t).norm();
   }

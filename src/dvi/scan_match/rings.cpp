@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "dvi/geometry/angles.h"
+
 namespace dvi::scan_match {
 namespace {
 
@@ -74,7 +76,7 @@ Lists group_by_revolution(const Scan& scan) {
 
 // Groups points by gaps between their elevations. Returns nothing if there are no groups.
 Lists group_by_elevation(const Scan& scan) {
-  constexpr double kBinRad = 0.05 * std::numbers::pi / 180;
+  constexpr double kBinRad = to_radians(0.05);
   constexpr int kBins = 3600;  // from straight down to straight up
   const auto bin_of = [&](std::size_t i) {
     return std::clamp(static_cast<int>((compute_elevation(scan.points[i]) + 0.25 * kRevolutionRad) / kBinRad), 0, kBins - 1);

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/threads.h"
+#include "dvi/geometry/angles.h"
 #include "dvi/synth/render.h"
 #include "dvi/synth/room.h"
 #include "dvi/synth/synth_rig.h"
@@ -16,7 +17,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRadPerDegree = std::numbers::pi / 180;
 constexpr std::int64_t kStartNs = 1'000'000'000'000, kReverseDelayNs = 500'000'000'000;
 constexpr double kLidarHeightM = 1.73;
 

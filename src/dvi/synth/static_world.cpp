@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/threads.h"
+#include "dvi/geometry/angles.h"
 #include "dvi/synth/facade.h"
 #include "dvi/synth/models.h"
 #include "dvi/synth/room.h"
@@ -20,7 +21,7 @@ constexpr double kBeginM = -50, kViewM = 110;  // houses close the street at bot
 
 Street make_street(const SynthOptions& options) {
   if (options.turn_deg == 0) return {};
-  const double turn = options.turn_deg * std::numbers::pi / 180;
+  const double turn = to_radians(options.turn_deg);
   // The radius is limited by the houses on the inner side.
   const double length = std::max(0.6 * options.distance(), 24 * std::abs(turn));
   return {0.2 * options.distance() + 4, length, turn};

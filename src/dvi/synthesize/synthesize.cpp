@@ -13,6 +13,7 @@
 #include "dvi/drive/view.h"
 #include "dvi/harmonize/filled_frame.h"
 #include "dvi/image/blur.h"
+#include "dvi/image/neighbors.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
 #include "dvi/synthesize/noise_texture.h"
@@ -143,7 +144,7 @@ std::vector<cv::Vec3f> solve_offsets(const FrameTexture& texture, const cv::Mat1
   for (const cv::Point p : region.pixels) {
     float diagonal = kSynthesis.screening_weight;
     cv::Vec3f right = kSynthesis.screening_weight * texture.difference(p);
-    for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
+    for (const cv::Point q : four_neighbors(p)) {
       if (!inside.contains(q) || texture.known(q) == 0) continue;
       diagonal += 1;
       if (wanted(q) == 0) right += boundary(q);

@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dvi/image/neighbors.h"
 #include "dvi/image/poisson.h"
 #include "dvi/image/region.h"
 
@@ -90,7 +91,7 @@ class SeamBlender {
       const cv::Vec3f own = log_color_(p + offsets_[taken_(p)]);
       float diagonal = kCompletion.screening_weight;
       cv::Vec3f right = kCompletion.screening_weight * own;
-      for (const cv::Point q : {p + cv::Point(-1, 0), p + cv::Point(0, -1), p + cv::Point(1, 0), p + cv::Point(0, 1)}) {
+      for (const cv::Point q : four_neighbors(p)) {
         if (!is_inside(q) || (known_(q) == 0 && taken_(q) < 0)) continue;
         diagonal += 1;
         right += log_ratio(p, q);
