@@ -12,7 +12,7 @@
 namespace dvi::cli {
 
 /// One command of the program: its arguments and its action. Wraps CLI11, whose header is slow to compile.
-/// Fields are left as they are where the command line does not name them.
+/// Fields that the command line does not name keep their values.
 class Command {
  public:
   struct Impl;
@@ -28,12 +28,12 @@ class Command {
   void option(const std::string& names, std::vector<std::string>& field, const std::string& doc);
   void option(const std::string& names, int& field, const std::string& doc);
   void flag(const std::string& names, bool& field, const std::string& doc);
-  /// The options of the table that have a flag, or those of them that are named (section.key). Values that the command
-  /// line assigns to them are appended to `given`.
+  /// Adds the options of the table that have a flag, or those of them that `names` lists (section.key). The values that the
+  /// command line assigns to them are appended to `given`.
   void options(const OptionTable& table, std::vector<Assignment>& given, const std::vector<std::string>& names = {});
-  /// --config FILE, and --set section.key=value, which is appended to `given`.
+  /// Adds --config FILE and --set section.key=value. The assignments of the latter are appended to `given`.
   void option_file(std::string& config, std::vector<Assignment>& given);
-  /// Lines for the end of the command's help, such as "dvi run DRIVE -o OUT   the usual case".
+  /// Adds lines to the end of the command's help, such as "dvi run DRIVE -o OUT   the usual case".
   void examples(const std::vector<std::string>& lines);
   Command subcommand(const std::string& name, const std::string& summary);
   /// Sets the action, which runs once the whole command line is parsed. After an interrupt, `kept` names the results that the
@@ -46,18 +46,18 @@ class Command {
 
 struct Word;
 
-/// The program: reads the command line and runs the command it names. Returns the exit code: 0, 1 our bug, 2 usage, 3 the
-/// user's data, 130 interrupted.
+/// The program, which parses the command line and runs its command. main() returns the exit code: 0, 1 for a bug, 2 for the
+/// usage, 3 for the user's data, 130 after an interrupt.
 class Program {
  public:
   Program();
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
-  /// Commands added from now on are listed below this heading in the help.
+  /// Sets the heading in the help for the commands that are added next.
   void group(const std::string& heading);
   Command command(const std::string& name, const std::string& summary);
-  /// The words of the command line, its commands and their options, for completion.h.
+  /// Returns the words of the command line, its commands and their options, for completion.h.
   Word words() const;
   int main(int argc, char** argv);
 
@@ -66,7 +66,7 @@ class Program {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Options that every working command has.
+/// The options of every command that works on data.
 struct Common {
   int threads = 0, seed = 1;
   bool quiet = false, json_log = false, json = false;
@@ -77,7 +77,7 @@ struct Common {
   }
 };
 
-/// Each adds its command; the fields it parses into live as long as the program.
+/// Each function adds one command. The fields that it parses into exist as long as the program.
 void add_run(Program& program);
 void add_plan(Program& program);
 void add_fill(Program& program);

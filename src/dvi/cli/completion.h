@@ -11,12 +11,12 @@ struct Word {
   std::vector<Word> next = {};
 };
 
-/// The words that may replace the last of `typed`, the words behind the name of the program: options if it begins with "-",
-/// else commands. Empty where a value or a file is expected.
+/// Returns the words that may replace the last of `typed`, the words after the name of the program: options if it begins with
+/// "-", else commands. Returns nothing where a value or a file is expected.
 std::vector<Word> complete(const Word& program, const std::vector<std::string>& typed);
 
-/// A script with which the shell completes commands, options, and files. It calls `dvi completion words`. `shell`: bash, zsh,
-/// or fish. UsageError otherwise.
+/// Returns the script with which a shell completes commands, options, and files. It calls `dvi completion words`. `shell` is
+/// bash, zsh, or fish; throws UsageError for others.
 std::string completion_script(const std::string& shell);
 
 }  // namespace dvi::cli

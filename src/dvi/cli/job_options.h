@@ -23,12 +23,12 @@ struct RunArguments {
 
   void add_to(Command& command);
 
-  /// The job these make, whose folder becomes `out`. UsageError, with the name of the command, where drive or folder are
-  /// missing.
+  /// Makes the job, and sets `out` to its folder. Throws UsageError with the name of the command if the drive or the folder
+  /// is missing.
   job::Job job(const std::string& command);
 };
 
-/// The job that `dvi plan` wrote down in OUT.
+/// Returns the job whose options `dvi plan` wrote to OUT/dvi.toml.
 job::Job planned_job(const std::string& out);
 
 }  // namespace dvi::cli

@@ -69,8 +69,8 @@ OptionValue from_toml(const toml::node& node) {
   throw std::invalid_argument("must be a plain value");
 }
 
-// Written as TOML does not allow: ".5", "5.", "+1.5".
-std::optional<double> decimal(std::string_view text) {
+// Parses numbers in forms that TOML does not allow: ".5", "5.", "+1.5".
+std::optional<double> parse_decimal(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
@@ -78,8 +78,8 @@ std::optional<double> decimal(std::string_view text) {
   return whole_text ? std::optional(value) : std::nullopt;
 }
 
-// A bare word is a string, so that the shell's quotes are enough: --set masks.source=labels.
-OptionValue parse(std::string_view text, const Option& option) {
+// Parses a value by the type of its option. A bare word is a string, so that no quotes within the shell's are needed.
+OptionValue parse_value(std::string_view text, const Option& option) {
   if (option.automatic && text == kAutomatic) return std::string(text);
   const OptionValue like = option.automatic ? OptionValue(0.0) : option.get();
   if (std::holds_alternative<std::string>(like)) return std::string(text);
@@ -94,7 +94,7 @@ OptionValue parse(std::string_view text, const Option& option) {
     if (list && table["v"].is_array()) return from_toml(*table.get("v"));
   } catch (const std::runtime_error&) {  // malformed (parse_error, TOML_ASSERT): answered below
   }
-  if (const auto d = decimal(text)) return *d;
+  if (const auto d = parse_decimal(text)) return *d;
   throw std::invalid_argument(list                                 ? "must be a list of strings"
                               : std::holds_alternative<bool>(like) ? "must be true or false"
                                                                    : "must be a number");
@@ -126,7 +126,7 @@ std::string to_toml(const OptionValue& value) {
   return out.str();
 }
 
-// Makes the option read the first field, and set all of them to what `read` makes of a value.
+// Connects an option with its fields: it reads the first one, and sets all of them to the result of `read`.
 template <class T, class Read>
 Option& connect(Option& option, const std::vector<T*>& fields, const Read& read) {
   option.get = [first = fields.front()] { return to_value(*first); };
@@ -262,7 +262,7 @@ void OptionTable::assign(const Assignment& assignment) const {
   const auto* text = std::get_if<std::string>(&assignment.value);
   std::string shown = text != nullptr ? *text : to_toml(assignment.value);
   try {
-    const OptionValue value = text != nullptr ? parse(*text, option) : assignment.value;
+    const OptionValue value = text != nullptr ? parse_value(*text, option) : assignment.value;
     if (!flag) shown = to_toml(value);
     option.set(value);
   } catch (const std::invalid_argument& e) {

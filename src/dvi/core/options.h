@@ -48,9 +48,9 @@ struct Option {
   std::function<void(const OptionValue&)> set = {};  ///< throws std::invalid_argument with the reason
 
   std::string name() const { return section + "." + key; }
-  std::string text() const;   ///< its value as TOML
-  std::string plain() const;  ///< its value as text() has it, strings without quotes
-  /// set(), with a UsageError that names option, value and what would be right.
+  std::string text() const;   ///< returns the value as TOML
+  std::string plain() const;  ///< returns text(), for strings without the quotes
+  /// Calls set(). Throws UsageError with option, value, and the allowed values if it fails.
   void assign(const OptionValue& value) const;
 };
 
@@ -59,12 +59,12 @@ struct Assignment {
   std::string option;  ///< section.key, or the flag
   OptionValue value;
 
-  /// Parses `section.key=value`, as `--set` takes it. UsageError if there is no "=".
+  /// Parses `section.key=value`, the form of `--set`. Throws UsageError if it has no "=".
   static Assignment parse(std::string_view text);
 };
 
-/// The one description of all options: a stage's struct describes itself into it, field by field, and everything that
-/// reads, writes or documents options works from it. Holds references to the fields.
+/// The only description of all options. The struct of each stage adds its fields, and everything that reads, writes, or
+/// documents options uses this table. It holds references to the fields.
 class OptionTable {
  public:
   /// Sets the section of the fields that are added next, and their audience to the user.
@@ -74,17 +74,17 @@ class OptionTable {
   }
   /// Sets the audience of the fields up to the next section to developers.
   void developer() { audience_ = Audience::developer; }
-  /// Whether fields added from now on have a flag, made of their key: --ego-mask for ego_mask.
+  /// Sets whether the fields that are added next get a flag, which is made of their key: --ego-mask for ego_mask.
   void flags(bool wanted) { flags_ = wanted; }
 
   Option& add(std::string key, bool& field, std::string doc);
   Option& add(std::string key, int& field, Range range, std::string doc);
   Option& add(std::string key, double& field, Range range, std::string doc);
-  /// One option that several structs share: it reads the first field and sets all of them.
+  /// Adds one option that several structs share: it reads the first field and sets all of them.
   Option& add(std::string key, const std::vector<double*>& fields, Range range, std::string doc);
-  /// The same for a number that may be left to the program: none is kAutomatic.
+  /// Adds such an option for a number that may be determined by the program; no value means kAutomatic.
   Option& add_automatic(std::string key, const std::vector<std::optional<double>*>& fields, Range range, std::string doc);
-  /// A number of which only these values have a meaning.
+  /// Adds a number that has only the allowed values.
   Option& add_one_of(std::string key, int& field, const std::vector<int>& allowed, std::string doc);
   Option& add(std::string key, std::string& field, std::vector<std::string> choices, std::string doc);
   Option& add(std::string key, std::vector<std::string>& field, std::string doc);
@@ -103,22 +103,22 @@ class OptionTable {
 
   const std::vector<Option>& options() const { return options_; }
 
-  /// The option of this name, section.key, or with this flag. UsageError with the nearest name if there is none.
+  /// Returns the option of this name, section.key, or with this flag. Throws UsageError with the nearest name for others.
   const Option& find(const std::string& name) const;
-  /// The option whose key is this keyword of the Python package: each option with a flag has one. UsageError with the nearest
-  /// keyword, one of `others` included, if there is none.
+  /// Returns the option whose key is this keyword of the Python package: each option with a flag has one. Throws UsageError
+  /// with the nearest keyword, those of `others` included, for others.
   const Option& find_keyword(const std::string& keyword, const std::vector<std::string>& others = {}) const;
-  /// Assigns a value. UsageError with what would be right.
+  /// Assigns a value. Throws UsageError with the allowed values if it is refused.
   void assign(const Assignment& assignment) const;
   void set(std::string_view assignment) const { assign(Assignment::parse(assignment)); }
-  /// Sets the options in the file's tables; tables not known here are left to others if in `ignore`. UsageError otherwise.
+  /// Sets the options in a TOML file. Skips unknown tables that are in `ignore`. Throws UsageError for others.
   void load_toml(const std::filesystem::path& path, const std::vector<std::string>& ignore = {});
   /// Formats all options, or the wanted ones, with their documentation as TOML that load_toml() can read. Each section is one
   /// table.
   std::string dump_toml(const std::function<bool(const Option&)>& wanted = {}) const;
-  /// The same as a table in Markdown, for the docs.
+  /// Formats the same options as a table in Markdown, for the docs.
   std::string dump_markdown(const std::function<bool(const Option&)>& wanted = {}) const;
-  /// UsageError for the first field that holds what set() would refuse.
+  /// Throws UsageError for the first field with a value that set() would refuse.
   void check() const;
 
  private:

@@ -11,23 +11,23 @@ namespace dvi::job {
 
 using dvi::to_string;  // for the enums below, beside the overloads of this namespace
 
-/// What `--method` takes: ours, its published form, and baselines without depth.
+/// The values of `--method`: the method of this program, its published form, and baselines without depth.
 enum class Method { dvi, paper, flow, telea, ns };
 constexpr auto names_of(Method) {
   return std::array{std::pair{Method::dvi, "dvi"}, std::pair{Method::paper, "paper"}, std::pair{Method::flow, "flow"},
                     std::pair{Method::telea, "telea"}, std::pair{Method::ns, "ns"}};
 }
 
-/// Whether a method looks at images and masks only: it needs no poses and no scans.
+/// Whether a method uses images and masks only, without poses and scans.
 constexpr bool is_baseline(Method method) { return method != Method::dvi && method != Method::paper; }
 
 using objects::Remove;
 
-/// What `--poses` takes. automatic: given or loam, whichever makes the sharper map.
+/// The values of `--poses`. automatic: given or loam, whichever makes the sharper map.
 struct PosesFrom {
   enum class Kind { automatic, given, loam, file };
   Kind kind = Kind::automatic;
-  std::string file = {};  ///< of poses, where the kind says so
+  std::string file = {};  ///< the file of poses, for Kind::file
 
   static PosesFrom parse(const std::string& text);  ///< any text that is not a keyword is a file
 };
@@ -42,7 +42,7 @@ std::string to_string(const PosesFrom& from);
 struct MasksFrom {
   enum class Kind { automatic, labels, found, path };
   Kind kind = Kind::automatic;
-  std::string path = {};  ///< a folder of PNG or a file of labels, where the kind says so
+  std::string path = {};  ///< a folder of PNG files or a file of labels, for Kind::path
 
   static MasksFrom parse(const std::string& text);  ///< any text that is not a keyword is a path
 };

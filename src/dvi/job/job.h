@@ -42,20 +42,20 @@ struct Options {
   media::VideoOptions video;
 
   void describe(OptionTable& table);
-  /// UsageError that names the first option with a value that is not allowed.
+  /// Throws UsageError with the first option whose value is not allowed.
   void check() const;
 };
 
-/// What to read: shared by every command that opens a drive.
+/// The data to read, for every command that opens a drive.
 struct ReadChoice {
   std::string camera;               ///< empty: the drive's first
   std::vector<std::string> topics;  ///< of bags: "image=/front/image_raw"
   std::string frames;               ///< "A:B" or "A"; empty: all
   MasksFrom masks;
-  labels::MaskReading mask_files;  ///< how they are read, of source drives too
+  labels::MaskReading mask_files;  ///< how mask files are read, also those of source drives
   bool is_source = false;          ///< classes select mask files only: labeled objects of a source drive are not background
   std::string ego_mask;            ///< a file: one mask for all frames of the camera; empty: none
-  std::string detector;            ///< MODEL.onnx that says what to remove from all drives; empty: `masks` does
+  std::string detector;            ///< MODEL.onnx that detects the objects to remove in all drives; empty: `masks` is used
   PosesFrom poses;
   std::string source_cameras = "all";  ///< other cameras of each drive to copy from: all, none, or NAME,NAME
   Remove remove = Remove::labeled;
@@ -67,11 +67,11 @@ struct Job {
   std::vector<std::string> sources;  ///< source drives of the same street
   ReadChoice read;
   Method method = Method::dvi;
-  int memory_mb = 2000;  ///< of the whole program, megabytes; how they are shared: describe()
+  int memory_mb = 2000;  ///< limit for the whole program, in megabytes; table() documents its parts
   Options options;
   bool force = false;
 
-  /// Every option, and section [job].
+  /// Returns the table of all options, [job] included. It refers to this job.
   OptionTable table();
 
   objects::RemovalOptions removal() const { return {read.remove, options.masks, options.map.pose_error_m}; }
@@ -80,10 +80,10 @@ struct Job {
 /// Sets the options in which a method differs from the default.
 void use_method(Method method, Options& options);
 
-/// OUT/dvi.toml: all options of the user's, and of the developer's those that differ from their default or their method's.
+/// Formats OUT/dvi.toml: all user options, and the developer options that differ from their default or their method's.
 std::string effective_toml(Job job);
 
-/// "A:B", both included, or "A", that frame only. UsageError otherwise.
+/// Parses "A:B", both included, or "A", that frame only. Throws UsageError for other texts.
 FrameRange parse_frames(const std::string& text);
 
 }  // namespace dvi::job

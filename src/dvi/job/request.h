@@ -14,8 +14,8 @@ struct Request {
   std::vector<Assignment> assignments;  ///< in the order in which they were given
 
   /// Makes the job: the defaults, then the values of the method, then the file, then the assignments. An assignment to masks
-  /// replaces the detector of the file, and vice versa; UsageError if both are assigned. Empty paths leave those of the file.
-  /// Paths that exist become absolute.
+  /// replaces the detector of the file, and vice versa; throws UsageError if both are assigned. Empty paths keep those of the
+  /// file. Existing paths become absolute.
   Job job(const std::string& out, const std::string& target, const std::vector<std::string>& sources) const;
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kSchema = "dvi-manifest/1";
 
-// Of a document without its seal, by which damage inside of valid JSON is found.
+// Hashes a document without its seal, so that changes that are valid JSON are found.
 std::string compute_seal(nlohmann::json document) {
   document.erase("seal");
   return compute_hash(json_text(document, -1));

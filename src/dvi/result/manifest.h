@@ -35,8 +35,8 @@ struct Manifest {
 
 void write_manifest(const fs::path& file, const Manifest& manifest);
 
-/// Reads a manifest; none if the file is missing or differs from what was written. Its seal, the hash of the document, detects
-/// changes that are valid JSON.
+/// Reads a manifest; none if the file is missing or was changed after it was written. Its seal, the hash of the document,
+/// detects changes that are valid JSON.
 std::optional<Manifest> read_manifest(const fs::path& file);
 
 /// Whether a manifest exists and confirms() its part.
