@@ -46,10 +46,8 @@ std::vector<ListedSource> read_sources(const fs::path& file) {
 }
 
 /// Makes the views in the order of sources.json. Baselines copy from the first drive only.
-Views make_listed_views(const std::vector<ListedSource>& sources, const inputs::Recordings& drives,
-                        const std::vector<objects::GivenMasks>& given, const fs::path& out) {
-  objects::Masks masks;
-  for (const objects::GivenMasks& camera : given) masks.push_back({camera.images, nullptr});
+Views make_listed_views(const std::vector<ListedSource>& sources, const inputs::Recordings& drives, const objects::Masks& masks,
+                        const fs::path& out) {
   const Views all = inputs::make_unposed_views(drives, masks);
   std::map<std::pair<int, std::string>, std::size_t> index;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -166,13 +164,12 @@ AuditReport audit_result(const fs::path& out, const std::vector<std::string>& dr
   if (detected)
     for (inputs::Recording& recording : open) recording.masks_from = objects::MaskSource::detected;
   const inputs::Poses poses = read_run_poses(out, open, job);
-  const std::vector<objects::GivenMasks> given =
-      objects::draw_given_masks(inputs::collect_evidence(open, poses), job.removal());
-  Views views = make_listed_views(sources, open, given, out);
+  const objects::GivenMasks given = objects::draw_given_masks(inputs::collect_evidence(open, poses), job.removal());
+  Views views = make_listed_views(sources, open, given.masks, out);
   for (std::size_t i = 0; i < sources.size(); ++i) views.views[i].gain = sources[i].gain;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < views.of_sequence(0).second; ++i) names.push_back(sources[i].frame);
-  views.masks = add_run_masks(views, names, given.front().complete ? TargetMasks::given : TargetMasks::extended, out);
+  views.masks = add_run_masks(views, names, given.complete ? TargetMasks::given : TargetMasks::extended, out);
 
   progress.begin("audit", names.size());
   AuditReport report{audit::audit_result(out, views, names, progress.tick()), {}, {}};

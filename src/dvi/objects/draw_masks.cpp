@@ -92,16 +92,17 @@ Masks find_and_draw(const Evidence& evidence, const RemovalOptions& options, Pro
   return draw_masks(evidence, find_objects(evidence, options, progress), options, progress);
 }
 
-std::vector<GivenMasks> draw_given_masks(const Evidence& evidence, const RemovalOptions& options) {
-  std::vector<GivenMasks> out;
+GivenMasks draw_given_masks(const Evidence& evidence, const RemovalOptions& options) {
+  GivenMasks out;
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     const CameraEvidence& camera = evidence[i];
-    const bool given = camera.source == MaskSource::files || camera.source == MaskSource::labels;
-    const bool complete = !camera.source || (given && !options.masks.shadows && !camera.labeled_in_part);
-    out.push_back(
-        {given ? draw_plain_masks(camera, shared(select_removed_labels(camera, options)), options) : draw_ego_masks(camera),
-         complete});
+    const Lazy<cv::Mat1b> images = camera.is_given()
+                                       ? draw_plain_masks(camera, shared(select_removed_labels(camera, options)), options)
+                                       : draw_ego_masks(camera);
+    out.masks.push_back({images, nullptr});
   }
+  const CameraEvidence& target = evidence[0];
+  out.complete = !target.source || (target.is_given() && !options.masks.shadows);
   return out;
 }
 

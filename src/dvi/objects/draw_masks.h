@@ -24,14 +24,14 @@ Masks draw_masks(const Evidence& evidence, const Objects& objects, const Removal
 /// Finds the objects and draws their masks.
 Masks find_and_draw(const Evidence& evidence, const RemovalOptions& options, Progress& progress);
 
-/// The masks of one camera that follow from mask files and labels alone, without searches in scans or images.
+/// The masks that follow from mask files and labels alone, without searches in scans or images.
 struct GivenMasks {
-  Lazy<cv::Mat1b> images;  ///< per frame of the drive; 255 = remove
-  bool complete = false;   ///< whether a run uses exactly these masks
+  Masks masks;            ///< without labels of objects
+  bool complete = false;  ///< whether a run uses exactly these masks for the own camera of the target
 };
 
-/// Draws the given masks, per camera of the evidence.
-std::vector<GivenMasks> draw_given_masks(const Evidence& evidence, const RemovalOptions& options);
+/// Draws the given masks of all cameras.
+GivenMasks draw_given_masks(const Evidence& evidence, const RemovalOptions& options);
 
 /// Draws the masks of one camera from its mask files or from `objects` (per frame), without ego mask, shadows, and refinement
 /// in the images.

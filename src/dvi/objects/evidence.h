@@ -44,6 +44,9 @@ struct CameraEvidence {
   std::optional<std::size_t> rig_of{};                 ///< for further cameras of a drive: index of the drive's own camera
   bool labeled_in_part = false;                        ///< whether labels cover the view of the drive's own camera only
   std::vector<bool> untrusted_scans{};                 ///< per scan of the drive, whether its pose is known to be wrong
+
+  /// Whether mask files or labels define the objects, so that nothing has to be found.
+  bool is_given() const { return source == MaskSource::files || source == MaskSource::labels; }
 };
 
 /// The evidence of all cameras of all drives: the target drive first, and the own camera of each drive before its further

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::int64_t kMaxFrameToScanNs = 100'000'000;
 
-FrameLabels detect_objects(const CameraEvidence& evidence, Progress& progress) {
+FrameLabels run_detector(const CameraEvidence& evidence, Progress& progress) {
   const Drive& drive = evidence.drive;
   progress.begin("detect", drive.frames.size());
   FrameLabels labels = detect_objects(drive, *evidence.detector, [&] { progress.advance(); });
@@ -35,7 +35,7 @@ FrameLabels detect_objects(const CameraEvidence& evidence, Progress& progress) {
 
 FrameLabels select_objects(const CameraEvidence& evidence, const RemovalOptions& options, Progress& progress) {
   if (evidence.source == MaskSource::reprojected) return FrameLabels(evidence.drive.frames.size());
-  if (evidence.source == MaskSource::detected) return detect_objects(evidence, progress);
+  if (evidence.source == MaskSource::detected) return run_detector(evidence, progress);
   return select_removed_labels(evidence, options);
 }
 
@@ -170,8 +170,7 @@ Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Pr
     if (options.remove == Remove::moving && !camera.rig_of) warn_of_all_removed(camera, progress);
     if (camera.source != MaskSource::found) {
       objects.push_back(shared(select_objects(camera, options, progress)));
-      const bool given = camera.source == MaskSource::labels || camera.source == MaskSource::files;
-      if (!camera.rig_of && given && removes_nothing(camera, objects.back(), options))
+      if (!camera.rig_of && camera.is_given() && removes_nothing(camera, objects.back(), options))
         progress.warn(camera.name + ": " + describe_nothing_removed(camera, options) +
                       describe_unmasked_motion(moving.draw_outlines_in(i), drive));
       continue;

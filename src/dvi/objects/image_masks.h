@@ -26,8 +26,8 @@ FrameLabels extend_in_images(const CameraRef& ref, const Lazy<cv::Mat1b>& masks,
 
 /// The refinements of masks by a comparison of images.
 struct MaskRefinement {
-  SharedLabels
-      outlined;  ///< objects whose outlines the masks are, to be refined to silhouettes (silhouettes.h); empty: no refinement
+  /// The objects whose outlines the masks are, to be refined to silhouettes (silhouettes.h); null: no refinement.
+  SharedLabels outlined;
   bool shadows = true;  ///< whether shadows of the masked objects are added (shadows.h)
 };
 
