@@ -71,8 +71,8 @@ nlohmann::json tracks_json(const inputs::Recording& open, const FrameLabels& rem
                       {"moves", motion.moves},
                       {"removed", gone.contains(motion.track)},
                       {"speed_mps", motion.speed_mps},
-                      {"way_m", motion.displacement_m},
-                      {"way_sigma_m", motion.displacement_sigma_m},
+                      {"displacement_m", motion.displacement_m},
+                      {"displacement_sigma_m", motion.displacement_sigma_m},
                       {"first_frame", drive.frames[motion.first].number},
                       {"last_frame", drive.frames[motion.last].number},
                       {"frames", motion.frames}});
