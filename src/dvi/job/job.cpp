@@ -18,6 +18,7 @@ void Options::describe(OptionTable& table) {
   table.add_automatic("max_range_m", {&map.max_range_m, &odometry.max_range_m}, {1, 500},
                       "Farther returns are left out; auto: 120 m for a LiDAR, 10 m for a depth camera.");
   masks.describe(table);
+  objects.describe(table);
   odometry.describe(table);
   map.describe(table);
   exposure.describe(table);
@@ -92,7 +93,8 @@ OptionTable Job::table() {
 void use_method(Method method, Options& options) {
   if (is_baseline(method)) options.smooth.enabled = false;
   if (method != Method::paper) return;
-  // The published form: every point outside masks and boxes, no exposure model, linear depth, plain occlusion test.
+  // The published form: masks as given, every point outside masks and boxes, no exposure model, linear depth, plain occlusion test.
+  options.objects.complete = false;
   options.map.require_camera_visibility = false;
   options.map.carve = false;
   options.exposure.enabled = false;

@@ -28,6 +28,7 @@ namespace dvi::job {
 /// The options of all stages.
 struct Options {
   objects::MaskOptions masks;
+  objects::ObjectOptions objects;
   odometry::OdometryOptions odometry;
   map::MapOptions map;
   exposure::ExposureOptions exposure;
@@ -74,7 +75,9 @@ struct Job {
   /// Returns the table of all options, [job] included. It refers to this job.
   OptionTable table();
 
-  objects::RemovalOptions removal() const { return {read.remove, options.masks, options.map.pose_error_m}; }
+  objects::RemovalOptions removal() const {
+    return {read.remove, options.masks, options.objects, options.map.pose_error_m};
+  }
 };
 
 /// Sets the options in which a method differs from the default.

@@ -15,18 +15,15 @@ constexpr ClusterParams kClustering{};
 
 using ClusterSquare = std::pair<int, int>;
 
-ClusterSquare to_square(const Eigen::Vector3d& x) {
-  return {static_cast<int>(std::floor(x.x() / kClustering.square_m)),
-          static_cast<int>(std::floor(x.y() / kClustering.square_m))};
+ClusterSquare to_square(const Eigen::Vector3d& x, double square_m) {
+  return {static_cast<int>(std::floor(x.x() / square_m)), static_cast<int>(std::floor(x.y() / square_m))};
 }
 
-// Assigns the squares with moving returns to groups of squares that touch, and returns the number of each square's group.
-std::map<ClusterSquare, int> group_squares(const ObstacleReturns& returns) {
-  std::map<ClusterSquare, int> groups;
-  for (std::size_t i = 0; i < returns.points.size(); ++i)
-    if (returns.vote[i] == VisibilityVote::moving) groups.emplace(to_square(returns.points[i]), -1);
+// Numbers the groups of squares that touch. On return, `squares` holds the group of each square.
+void group_squares(std::map<ClusterSquare, int>& squares) {
+  for (auto& [square, group] : squares) group = -1;
   int count = 0;
-  for (auto& [seed, group] : groups) {
+  for (auto& [seed, group] : squares) {
     if (group >= 0) continue;
     std::vector<ClusterSquare> open{seed};
     group = count;
@@ -35,15 +32,14 @@ std::map<ClusterSquare, int> group_squares(const ObstacleReturns& returns) {
       open.pop_back();
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
-          const auto next = groups.find({at.first + dx, at.second + dy});
-          if (next == groups.end() || next->second >= 0) continue;
+          const auto next = squares.find({at.first + dx, at.second + dy});
+          if (next == squares.end() || next->second >= 0) continue;
           next->second = count;
           open.push_back(next->first);
         }
     }
     ++count;
   }
-  return groups;
 }
 
 }  // namespace
@@ -68,14 +64,27 @@ void measure(Cluster& cluster) {
   cluster.mean_time_ns = cluster.time_ns.front() + time / static_cast<std::int64_t>(cluster.points.size());
 }
 
+std::vector<int> group_by_distance(const std::vector<Eigen::Vector3d>& points, double square_m) {
+  std::map<ClusterSquare, int> squares;
+  for (const Eigen::Vector3d& point : points) squares.emplace(to_square(point, square_m), -1);
+  group_squares(squares);
+  std::vector<int> groups;
+  groups.reserve(points.size());
+  for (const Eigen::Vector3d& point : points) groups.push_back(squares.at(to_square(point, square_m)));
+  return groups;
+}
+
 std::vector<Cluster> find_clusters(const ObstacleReturns& returns) {
-  const std::map<ClusterSquare, int> groups = group_squares(returns);
+  std::map<ClusterSquare, int> groups;
+  for (std::size_t i = 0; i < returns.points.size(); ++i)
+    if (returns.vote[i] == VisibilityVote::moving) groups.emplace(to_square(returns.points[i], kClustering.square_m), -1);
+  group_squares(groups);
   struct Counts {
     std::size_t moving = 0, stationary = 0;
   };
   std::map<int, std::pair<Cluster, Counts>> found;
   for (std::size_t i = 0; i < returns.points.size(); ++i) {
-    const auto group = groups.find(to_square(returns.points[i]));
+    const auto group = groups.find(to_square(returns.points[i], kClustering.square_m));
     if (group == groups.end()) continue;
     auto& [cluster, counts] = found[group->second];
     counts.moving += returns.vote[i] == VisibilityVote::moving;

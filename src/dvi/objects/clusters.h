@@ -25,6 +25,9 @@ void add(Cluster& cluster, const ObstacleReturns& returns, std::size_t i);
 /// Sets center, extent, and mean time from the points. The cluster must have at least one.
 void measure(Cluster& cluster);
 
+/// Groups points in squares of an edge of `square_m` that touch, seen from above. Returns the group of each point.
+std::vector<int> group_by_distance(const std::vector<Eigen::Vector3d>& points, double square_m);
+
 /// Groups moving returns. Returns in squares of half a meter that touch, seen from above, belong to one cluster. A cluster has
 /// at least five moving returns. The returns must have votes.
 std::vector<Cluster> find_clusters(const ObstacleReturns& returns);

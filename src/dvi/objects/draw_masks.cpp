@@ -1,11 +1,13 @@
 #include "dvi/objects/draw_masks.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "dvi/drive/outline.h"
 #include "dvi/objects/image_masks.h"
 #include "dvi/objects/motion.h"
 #include "dvi/objects/past_border.h"
@@ -27,6 +29,16 @@ Lazy<cv::Mat1b> unite(const Lazy<cv::Mat1b>& a, const Lazy<cv::Mat1b>& b) {
   return {a.size(), [a, b](std::size_t i) { return cv::Mat1b(*a[i] | *b[i]); }};
 }
 
+bool has_labels(const FrameLabels& labels) {
+  return std::any_of(labels.begin(), labels.end(), [](const std::vector<Label>& frame) { return !frame.empty(); });
+}
+
+cv::Mat1b draw_outlines(const std::vector<Label>& labels, cv::Size size) {
+  cv::Mat1b mask(size, uchar{0});
+  for (const Label& label : labels) draw(*label.instance, mask);
+  return mask;
+}
+
 // Draws the masks of objects in another camera that the labels of the drive's own camera do not outline there: objects without
 // a box, and everything outside of its view.
 Lazy<cv::Mat1b> draw_unlabeled(const CameraEvidence& own, FrameLabels objects, const CameraEvidence& other,
@@ -38,15 +50,18 @@ Lazy<cv::Mat1b> draw_unlabeled(const CameraEvidence& own, FrameLabels objects, c
 
 Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const RemovalOptions& options, Progress& progress) {
   const CameraEvidence& own = ref.camera();
-  Lazy<cv::Mat1b> images = draw_plain_masks(own, objects[ref.index], options);
+  Lazy<cv::Mat1b> images = draw_plain_masks(own, objects.labels[ref.index], options);
   if (const int radius = options.masks.file_dilation_px(); radius > 0 && own.source == MaskSource::files)
     progress.note(fmt::format("{}: mask files are dilated by {} px (masks.dilate_px)", own.name, radius));
+  if (const SharedLabels& completed = objects.completed[ref.index]; has_labels(*completed))
+    images = unite(images, {images.size(), [completed, size = cv::Size(own.drive.camera.width, own.drive.camera.height)](
+                                               std::size_t i) { return draw_outlines((*completed)[i], size); }});
   const bool from_scans = own.source == MaskSource::found;
   if (own.source && (from_scans || options.masks.shadows))
-    images = refine_masks(ref, images, {from_scans ? objects[ref.index] : nullptr, options.masks.shadows}, progress);
+    images = refine_masks(ref, images, {from_scans ? objects.labels[ref.index] : nullptr, options.masks.shadows}, progress);
   if (own.labeled_in_part) {
     const std::size_t first = *own.rig_of;
-    images = unite(images, draw_unlabeled(ref.evidence[first], *objects[first], own, options));
+    images = unite(images, draw_unlabeled(ref.evidence[first], *objects.labels[first], own, options));
   }
   return images;
 }
@@ -80,9 +95,9 @@ Masks draw_masks(const Evidence& evidence, const Objects& objects, const Removal
     if (camera.source == MaskSource::reprojected) {
       const std::size_t own = *camera.rig_of;
       masks.push_back(
-          {reproject_masks(evidence[own].drive, masks[own].images, camera.drive, camera.world_from_lidar), objects[i]});
+          {reproject_masks(evidence[own].drive, masks[own].images, camera.drive, camera.world_from_lidar), objects.labels[i]});
     } else {
-      masks.push_back({draw_camera({evidence, i}, objects, options, progress), objects[i]});
+      masks.push_back({draw_camera({evidence, i}, objects, options, progress), objects.labels[i]});
     }
   }
   return masks;

@@ -26,10 +26,22 @@ constexpr auto names_of(Remove) {
   return std::array{std::pair{Remove::moving, "moving"}, std::pair{Remove::labeled, "labeled"}, std::pair{Remove::all, "all"}};
 }
 
+/// Options of objects.
+struct ObjectOptions {
+  bool complete = true;  ///< whether objects are completed in frames and cameras whose masks lack them
+
+  void describe(OptionTable& table) {
+    table.section("objects");
+    table.add("complete", complete,
+              "Remove an object also from frames and cameras in which its masks, labels, or detections are missing.");
+  }
+};
+
 /// Which objects are removed, and how their masks are drawn.
 struct RemovalOptions {
   Remove remove = Remove::labeled;
   MaskOptions masks;
+  ObjectOptions objects;
   double pose_error_m = 0.05;  ///< map.pose_error_m: position error between scans at similar times
 };
 

@@ -13,6 +13,7 @@
 
 #include "dvi/core/text.h"
 #include "dvi/drive/nearest_in_time.h"
+#include "dvi/objects/completion/complete.h"
 #include "dvi/objects/draw_masks.h"
 #include "dvi/objects/image_masks.h"
 #include "dvi/objects/motion_segmentation.h"
@@ -59,44 +60,52 @@ void warn_of_untrusted(const CameraEvidence& evidence, const std::vector<std::si
   warn(contradictory_scans, "contradict the other scans at many positions, which indicates wrong poses");
 }
 
+// The returns of one drive and the objects that move in them.
+struct DriveMotion {
+  std::shared_ptr<const ground::ScanGround> ground;  // null without poses or scans
+  std::unique_ptr<MovingReturns> returns;
+  std::vector<Track> tracks;
+};
+
 // The moving objects of all drives, each segmented at the first call.
 class MovingObjects {
  public:
   MovingObjects(const Evidence& evidence, const RemovalOptions& options, Progress& progress)
       : evidence_(evidence), options_(options), progress_(progress) {}
 
-  // Returns the tracks of the drive whose own camera this is; none without poses or scans.
-  const std::vector<Track>& of_drive(std::size_t camera) {
-    const auto [entry, is_new] = tracks_.try_emplace(camera);
+  // Returns the motion in the drive whose own camera this is; without tracks if it has no poses or scans.
+  const DriveMotion& of_drive(std::size_t camera) {
+    const auto [entry, is_new] = drives_.try_emplace(camera);
     if (is_new) entry->second = find(camera);
     return entry->second;
   }
 
-  // Draws their outlines into the images of a camera of the drive.
+  // Draws the outlines of the moving objects into the images of a camera of the drive.
   FrameLabels draw_outlines_in(std::size_t camera) {
     const CameraEvidence& evidence = evidence_[camera];
-    return draw_outlines(of_drive(evidence_.own_camera(camera)), evidence.drive, evidence.world_from_lidar,
+    return draw_outlines(of_drive(evidence_.own_camera(camera)).tracks, evidence.drive, evidence.world_from_lidar,
                          options_.masks.footprint_margin_m);
   }
 
  private:
-  std::vector<Track> find(std::size_t camera) {
+  DriveMotion find(std::size_t camera) {
     const CameraEvidence& evidence = evidence_[camera];
-    const auto ground = evidence_.ground(camera);
-    if (!ground) return {};
+    DriveMotion out{evidence_.ground(camera), nullptr, {}};
+    if (!out.ground) return out;
+    out.returns = std::make_unique<MovingReturns>(
+        evidence.drive, ScanPoses{evidence.world_from_lidar, options_.pose_error_m, evidence.untrusted_scans}, *out.ground);
     progress_.begin("traffic", evidence.drive.scan_headers.size());
-    const MotionSegmentation segmentation =
-        segment_motion(evidence.drive, {evidence.world_from_lidar, options_.pose_error_m, evidence.untrusted_scans}, *ground,
-                       progress_.tick());
+    MotionSegmentation segmentation = segment_motion(*out.returns, progress_.tick());
     progress_.end();
     warn_of_untrusted(evidence, segmentation.contradictory_scans, progress_);
-    return segmentation.tracks;
+    out.tracks = std::move(segmentation.tracks);
+    return out;
   }
 
   const Evidence& evidence_;
   const RemovalOptions& options_;
   Progress& progress_;
-  std::map<std::size_t, std::vector<Track>> tracks_;  // by own camera
+  std::map<std::size_t, DriveMotion> drives_;  // by own camera
 };
 
 // Returns whether masks or labels remove nothing in any frame. The first frame decides for most drives.
@@ -159,6 +168,30 @@ void warn_of_all_removed(const CameraEvidence& evidence, Progress& progress) {
     warn("no label has a 3D box and a track that show which objects are stationary", "give such labels with --masks FILE");
 }
 
+// Whether masks, labels, or detections of this camera show objects.
+bool shows_objects(const CameraEvidence& camera) { return camera.is_given() || camera.source == MaskSource::detected; }
+
+// Completes the objects of the drive whose own camera is `own` in all of its cameras.
+void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOptions& options, MovingObjects& moving,
+                    Progress& progress, Objects& objects) {
+  const Drive& drive = evidence[own].drive;
+  std::vector<CameraMaskEvidence> cameras;
+  for (std::size_t i = own; i < evidence.size(); ++i)
+    if (evidence.own_camera(i) == own && shows_objects(evidence[i]))
+      cameras.push_back({evidence[i], draw_object_masks(evidence[i], objects.labels[i], options)});
+  if (cameras.empty() || !evidence.ground(own)) return;
+  const DriveMotion& motion = moving.of_drive(own);
+  std::vector<std::int64_t> scan_times_ns;
+  for (const ScanHeader& header : drive.scan_headers) scan_times_ns.push_back(header.time_ns);
+  progress.begin("complete", drive.scan_headers.size());
+  const CompletedObjects completed({cameras, *motion.returns, *motion.ground, motion.tracks, options.masks.footprint_margin_m},
+                                   scan_times_ns, progress.tick());
+  progress.end();
+  for (std::size_t i = own; i < evidence.size(); ++i)
+    if (evidence.own_camera(i) == own && shows_objects(evidence[i]))
+      objects.completed[i] = shared(completed.draw(evidence[i], draw_object_masks(evidence[i], objects.labels[i], options)));
+}
+
 }  // namespace
 
 Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Progress& progress) {
@@ -167,22 +200,26 @@ Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Pr
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     const CameraEvidence& camera = evidence[i];
     const Drive& drive = camera.drive;
+    objects.completed.push_back(shared(FrameLabels(drive.frames.size())));
     if (options.remove == Remove::moving && !camera.rig_of) warn_of_all_removed(camera, progress);
     if (camera.source != MaskSource::found) {
-      objects.push_back(shared(select_objects(camera, options, progress)));
-      if (!camera.rig_of && camera.is_given() && removes_nothing(camera, objects.back(), options))
+      objects.labels.push_back(shared(select_objects(camera, options, progress)));
+      if (!camera.rig_of && camera.is_given() && removes_nothing(camera, objects.labels.back(), options))
         progress.warn(camera.name + ": " + describe_nothing_removed(camera, options) +
                       describe_unmasked_motion(moving.draw_outlines_in(i), drive));
       continue;
     }
-    const std::vector<Track>& tracks = moving.of_drive(evidence.own_camera(i));
+    const std::vector<Track>& tracks = moving.of_drive(evidence.own_camera(i)).tracks;
     if (tracks.empty() && !camera.rig_of)
       progress.warn(camera.name + ": its scans show no moving objects, so nothing is removed");
     SharedLabels labels = shared(moving.draw_outlines_in(i));
     if (evidence.ground(i))
       labels = shared(extend_in_images({evidence, i}, draw_plain_masks(camera, labels, options), labels, tracks));
-    objects.push_back(labels);
+    objects.labels.push_back(labels);
   }
+  if (options.objects.complete)
+    for (std::size_t i = 0; i < evidence.size(); ++i)
+      if (!evidence[i].rig_of) complete_drive(evidence, i, options, moving, progress, objects);
   return objects;
 }
 

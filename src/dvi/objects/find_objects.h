@@ -8,12 +8,17 @@
 
 namespace dvi::objects {
 
-/// Labels of the removed objects: per camera of the evidence, per frame.
-using Objects = std::vector<SharedLabels>;
+/// The removed objects, per camera of the evidence.
+struct Objects {
+  std::vector<SharedLabels> labels;     ///< labels of the objects, per frame
+  std::vector<SharedLabels> completed;  ///< outlines of the parts of objects that the masks lack, per frame
+};
 
 /// Finds the objects to remove (section 3.1 of the paper): the labeled objects, without the stationary ones with
 /// Remove::moving; the objects that the detector finds, tracked over time; or, if a drive has neither masks nor labels, the
-/// objects that move in its scans. A warning states when the motion state of objects is unknown, so that all are removed.
+/// objects that move in its scans. Objects that masks, labels, or detections show in some frames
+/// are completed in all frames and cameras of their drive (completion/complete.h). A warning states when the motion state of
+/// objects is unknown, so that all are removed.
 Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Progress& progress);
 
 }  // namespace dvi::objects

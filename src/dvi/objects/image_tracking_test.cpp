@@ -54,6 +54,10 @@ struct BlindStreet {
   BackgroundComparison comparison(const Views& views, const FrameLabels& labels) const {
     return {views, render_static_depth({drive, drive.poses, shared(labels), ground}, views), ground};
   }
+  std::vector<Track> find_tracks() const {
+    MovingReturns returns(drive, {drive.poses}, *ground);
+    return segment_motion(returns, [] {}).tracks;
+  }
   cv::Mat1b draw_labels(const std::vector<Label>& labels) const {
     cv::Mat1b mask(scene->camera().height, scene->camera().width, uchar{0});
     for (const Label& label : labels) draw(*label.instance, mask);
@@ -64,7 +68,7 @@ struct BlindStreet {
 TEST(ImageTracking, ContinuesWhereNoScanShowsTheObject) {
   constexpr std::size_t kBlind = 7;
   const BlindStreet street(14, kBlind);
-  const std::vector<Track> tracks = segment_motion(street.drive, {street.drive.poses}, *street.ground, [] {}).tracks;
+  const std::vector<Track> tracks = street.find_tracks();
   ASSERT_FALSE(tracks.empty());
   const FrameLabels labels = draw_outlines(tracks, street.drive, street.drive.poses, 0.3);
   Views views = street.views(labels);

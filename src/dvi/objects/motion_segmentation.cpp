@@ -11,12 +11,10 @@
 
 namespace dvi::objects {
 
-MotionSegmentation segment_motion(const Drive& drive, const ScanPoses& poses, const ground::ScanGround& ground,
-                                  const Tick& tick) {
-  MovingReturns returns(drive, poses, ground);
+MotionSegmentation segment_motion(MovingReturns& returns, const Tick& tick) {
   Tracker tracker;
-  std::vector<Contradictions> contradictions(drive.scan_headers.size());
-  for_blocks(drive.scan_headers.size(), [&](std::size_t first, std::size_t last) {
+  std::vector<Contradictions> contradictions(returns.scans());
+  for_blocks(returns.scans(), [&](std::size_t first, std::size_t last) {
     std::vector<std::vector<Cluster>> clusters(last - first);
     parallel_for(clusters.size(), [&](std::size_t i) {
       const ObstacleReturns found = returns.vote(first + i);

@@ -2,7 +2,6 @@
 
 #include "dvi/core/interrupt.h"
 #include "dvi/core/options.h"
-#include "dvi/ground/scan_ground.h"
 #include "dvi/objects/moving_returns.h"
 #include "dvi/objects/tracks.h"
 
@@ -15,10 +14,10 @@ struct MotionSegmentation {
 };
 
 /// Finds moving objects without labels. Obstacle returns at positions where other scans observed free space are clustered and
-/// tracked over time. Tracks are extended through the stationary phases before and after the motion. Calls `tick` once per
-/// scan. Method: docs/algorithms/motion_segmentation.md.
-MotionSegmentation segment_motion(const Drive& drive, const ScanPoses& poses, const ground::ScanGround& ground,
-                                  const Tick& tick);
+/// tracked over time. Tracks are extended through the stationary phases before and after the motion. Scans with
+/// wrong poses are excluded from further comparisons. Calls `tick` once per scan. Method:
+/// docs/algorithms/motion_segmentation.md.
+MotionSegmentation segment_motion(MovingReturns& returns, const Tick& tick);
 
 /// Draws the outlines of tracks into the images of a drive, per frame. The track number of a label is the index in `tracks`.
 /// `footprint_m` is the width of the ground around an object that belongs to it, with wheels and the darkest part of the

@@ -37,6 +37,12 @@ struct Street {
   }
 };
 
+MotionSegmentation segment(const Drive& drive, const ScanPoses& poses) {
+  const ground::ScanGround ground(drive, poses.world_from_lidar);
+  MovingReturns returns(drive, poses, ground);
+  return segment_motion(returns, [] {});
+}
+
 cv::Mat1b draw_labels(const std::vector<Label>& labels, cv::Size size) {
   cv::Mat1b mask(size, uchar{0});
   for (const Label& label : labels) draw(*label.instance, mask);
@@ -45,8 +51,7 @@ cv::Mat1b draw_labels(const std::vector<Label>& labels, cv::Size size) {
 
 TEST(MotionSegmentation, FindsMovingObjectsAndNoStaticOnes) {
   const Street street(14);
-  const std::vector<Track> tracks =
-      segment_motion(street.drive, {street.drive.poses}, ground::ScanGround(street.drive, street.drive.poses), [] {}).tracks;
+  const std::vector<Track> tracks = segment(street.drive, {street.drive.poses}).tracks;
   const FrameLabels labels = draw_outlines(tracks, street.drive, street.drive.poses, 0.3);
   ASSERT_EQ(labels.size(), street.drive.frames.size());
   double covered = 0, all = 0;
@@ -98,7 +103,7 @@ Drive make_drive_with_walker(int scans) {
 
 TEST(MotionSegmentation, FindsAWalkingPersonInAShortDrive) {
   const Drive drive = make_drive_with_walker(24);
-  const std::vector<Track> tracks = segment_motion(drive, {drive.poses}, ground::ScanGround(drive, drive.poses), [] {}).tracks;
+  const std::vector<Track> tracks = segment(drive, {drive.poses}).tracks;
   ASSERT_EQ(tracks.size(), 1U);
   EXPECT_GE(tracks[0].observations.size(), 18U);
   EXPECT_NEAR(tracks[0].height_m, 1.8, 0.2);
@@ -107,10 +112,8 @@ TEST(MotionSegmentation, FindsAWalkingPersonInAShortDrive) {
 
 TEST(MotionSegmentation, FindsNothingInOneScanOrWithoutPoses) {
   const Street street(1);
-  const ground::ScanGround ground(street.drive, street.drive.poses);
-  EXPECT_TRUE(segment_motion(street.drive, {street.drive.poses}, ground, [] {}).tracks.empty());
-  const std::vector<Track> unposed =
-      segment_motion(street.drive, {}, ground::ScanGround(street.drive, Trajectory()), [] {}).tracks;
+  EXPECT_TRUE(segment(street.drive, {street.drive.poses}).tracks.empty());
+  const std::vector<Track> unposed = segment(street.drive, {}).tracks;
   EXPECT_TRUE(unposed.empty());
   EXPECT_EQ(draw_outlines(unposed, street.drive, Trajectory(), 0.3).size(), 1U);
 }

@@ -86,9 +86,15 @@ struct Situation {
   }
 };
 
+MotionSegmentation segment(const Drive& drive, const ScanPoses& poses) {
+  const ground::ScanGround ground(drive, drive.poses);
+  MovingReturns returns(drive, poses, ground);
+  return segment_motion(returns, [] {});
+}
+
 MotionSegmentation segment(const Situation& situation) {
   const Drive drive = situation.drive();
-  return segment_motion(drive, {drive.poses}, ground::ScanGround(drive, drive.poses), [] {});
+  return segment(drive, {drive.poses});
 }
 
 bool contains(const Cuboid& cuboid, const Eigen::Vector2d& position) {
@@ -182,10 +188,9 @@ TEST(Contradictions, UntrustedScansAreNotUsed) {
   const Situation situation{.scans = 30, .movers = [](int scan) { return std::vector<Cuboid>{car_at(10 + 0.8 * scan, 1)}; }};
   const Drive drive = situation.drive();
   ScanPoses poses{drive.poses};
-  const ground::ScanGround ground(drive, drive.poses);
-  EXPECT_FALSE(segment_motion(drive, poses, ground, [] {}).tracks.empty());
+  EXPECT_FALSE(segment(drive, poses).tracks.empty());
   poses.untrusted = std::vector<bool>(30, true);
-  EXPECT_TRUE(segment_motion(drive, poses, ground, [] {}).tracks.empty());
+  EXPECT_TRUE(segment(drive, poses).tracks.empty());
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "dvi/exposure/exposure.h"
 #include "dvi/inputs/poses.h"
 #include "dvi/map/static_map.h"
+#include "dvi/objects/find_objects.h"
 #include "dvi/result/archive.h"
 
 // Lists the fields of the stages' results for StageCache. Only files that call StageCache::load_or_compute() include this.
@@ -97,6 +98,9 @@ void pass_parts(Archive& archive, T& labels, Of<SharedLabels>) {
     pass(archive, read);
     labels = shared(std::move(read));
   }
+}
+constexpr auto fields_of(Of<objects::Objects>) {
+  return std::tuple{&objects::Objects::labels, &objects::Objects::completed};
 }
 constexpr auto fields_of(Of<map::MapPoint>) {
   using map::MapPoint;

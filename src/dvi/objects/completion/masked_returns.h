@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "dvi/objects/evidence.h"
+#include "dvi/objects/moving_returns.h"
+
+namespace dvi::objects {
+
+/// What the masks of the images that were taken during a scan show of one of its returns. object: it belongs to a removed
+/// object. background: an image shows it outside the masks. unclear: it is masked but may lie behind the object, or it is at
+/// the boundary of a mask. unseen: it is in no image.
+enum class MaskVote : std::uint8_t { unseen, unclear, background, object };
+
+/// The masks of one camera as evidence of objects.
+struct CameraMaskEvidence {
+  const CameraEvidence& camera;
+  Lazy<cv::Mat1b> masks;  ///< per frame of the camera; 255 = removed
+};
+
+/// A camera of a drive at the time of one of its frames, with the mask of the frame.
+struct MaskedFrame {
+  std::size_t frame = 0;
+  const Camera* camera = nullptr;
+  SE3 camera_from_world;
+  std::shared_ptr<const cv::Mat1b> mask;
+
+  /// Projects a point in world axes. Returns nothing if it is outside the image.
+  std::optional<cv::Point> project(const Eigen::Vector3d& world) const;
+};
+
+/// Finds the frame of a camera nearest to a time. Returns nothing if the nearest frame has no pose or is taken more than half a
+/// scan period, or 100 ms, from that time.
+std::optional<MaskedFrame> find_masked_frame(const CameraMaskEvidence& evidence, std::int64_t time_ns);
+
+/// The nearest surfaces in the masked parts of an image.
+class MaskedSurfaces {
+ public:
+  /// `returns` are those of the scan taken with the frame, world axes.
+  MaskedSurfaces(MaskedFrame frame, const std::vector<Eigen::Vector3d>& returns);
+
+  const MaskedFrame& frame() const { return frame_; }
+  /// Returns the number of the connected part of the mask at a pixel, 0 outside the mask.
+  int part(cv::Point pixel) const { return parts_(pixel); }
+  /// Returns whether a point in world axes, which is a return, lies behind another one in the same part of the mask, at the
+  /// same column of the image. `pixel` is its projection into a part of the mask.
+  bool is_behind(const Eigen::Vector3d& world, cv::Point pixel) const;
+  /// Returns whether the mask shows a point in world axes; nothing if it is outside the image.
+  std::optional<bool> shows_masked(const Eigen::Vector3d& world) const;
+
+ private:
+  double depth_m(const Eigen::Vector3d& world) const { return (frame_.camera_from_world * world).z(); }
+
+  MaskedFrame frame_;
+  cv::Mat1i parts_;
+  std::map<std::pair<int, int>, double> nearest_m_;  // depth by part and strip
+};
+
+/// Determines which returns of a scan belong to removed objects. Returns are grouped to things by their distances, seen from
+/// above. A thing that is masked almost completely is an object, unless another thing hides it in the image: a LiDAR on the
+/// roof sees over cars. If a mask covers a part of a thing only, as a loose mask covers a part of the wall behind, then this
+/// part belongs to the object if it is the nearest thing in the mask and most of its returns. `time_ns` is the time of the
+/// scan. Returns one vote per return.
+std::vector<MaskVote> vote_by_masks(const std::vector<CameraMaskEvidence>& cameras, const ObstacleReturns& returns,
+                                    std::int64_t time_ns);
+
+}  // namespace dvi::objects

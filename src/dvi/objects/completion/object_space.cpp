@@ -1,0 +1,234 @@
+#include "dvi/objects/completion/object_space.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "dvi/core/threads.h"
+#include "dvi/objects/seconds.h"
+
+namespace dvi::objects {
+namespace {
+
+struct ObjectSpaceParams {
+  double judged_radius_m = 0.1;   ///< radius around the center of a voxel that a scan must pass
+  int min_passes = 2;             ///< consecutive scans that pass an empty voxel; rays pass glass and edges at times
+  double min_object_share = 0.2;  ///< of the scans in which images show a voxel, those in which it is masked
+  int neighbor_voxels = 2;        ///< distance between voxels of one object
+  std::size_t min_scans = 2;      ///< scans in which masks show an object
+  double max_step_s = 0.3;        ///< time between voxels of one object that moves
+};
+constexpr ObjectSpaceParams kSpace;
+
+using VoxelKey = std::tuple<int, int, int>;
+
+VoxelKey key_of(const Eigen::Vector3d& x) {
+  return {static_cast<int>(std::floor(x.x() / kObjectVoxelM)), static_cast<int>(std::floor(x.y() / kObjectVoxelM)),
+          static_cast<int>(std::floor(x.z() / kObjectVoxelM))};
+}
+
+Eigen::Vector3i index_of(const VoxelKey& key) { return {std::get<0>(key), std::get<1>(key), std::get<2>(key)}; }
+
+Eigen::Vector3d center_of(const Eigen::Vector3i& index) {
+  return (index.cast<double>() + Eigen::Vector3d::Constant(0.5)) * kObjectVoxelM;
+}
+
+// What one scan shows of a voxel.
+enum class VoxelState : std::uint8_t { free, object, background, unclear };
+
+struct VoxelObservation {
+  std::size_t scan;
+  VoxelState state;
+};
+
+struct CandidateVoxel {
+  VoxelKey key;
+  std::vector<VoxelObservation> observations;  // in order of time
+};
+
+// The voxels with returns of one scan, and what masks show of them.
+using ScanVoxels = std::map<VoxelKey, MaskVote>;
+
+ScanVoxels find_scan_voxels(const std::vector<CameraMaskEvidence>& cameras, const ObstacleReturns& returns,
+                            std::int64_t time_ns) {
+  ScanVoxels out;
+  const std::vector<MaskVote> votes = vote_by_masks(cameras, returns, time_ns);
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    MaskVote& vote = out.try_emplace(key_of(returns.points[i]), MaskVote::unseen).first->second;
+    vote = std::max(vote, votes[i]);
+  }
+  return out;
+}
+
+// Finds the voxels in which masks show an object at any time.
+std::vector<CandidateVoxel> find_candidates(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns,
+                                            const std::vector<std::int64_t>& times, const Tick& tick) {
+  std::set<VoxelKey> found;
+  for_blocks(returns.scans(), [&](std::size_t first, std::size_t last) {
+    std::vector<ScanVoxels> voxels(last - first);
+    parallel_for(voxels.size(), [&](std::size_t i) {
+      voxels[i] = find_scan_voxels(cameras, *returns.obstacles(first + i), times[first + i]);
+    });
+    for (const ScanVoxels& scan : voxels) {
+      for (const auto& [key, vote] : scan)
+        if (vote == MaskVote::object) found.insert(key);
+      tick();
+    }
+  });
+  std::vector<CandidateVoxel> out;
+  out.reserve(found.size());
+  for (const VoxelKey& key : found) out.push_back({key, {}});
+  return out;
+}
+
+VoxelState to_state(MaskVote vote) {
+  return vote == MaskVote::object       ? VoxelState::object
+         : vote == MaskVote::background ? VoxelState::background
+                                        : VoxelState::unclear;
+}
+
+// Adds the observations of one scan to the voxels.
+void observe(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns, std::size_t scan,
+             std::int64_t time_ns, std::vector<CandidateVoxel>& voxels) {
+  if (!returns.is_trusted(scan)) return;
+  const auto space = returns.free_space(scan);
+  const ScanVoxels hit = find_scan_voxels(cameras, *returns.obstacles(scan), time_ns);
+  parallel_for(voxels.size(), [&](std::size_t i) {
+    CandidateVoxel& voxel = voxels[i];
+    if (const auto found = hit.find(voxel.key); found != hit.end()) {
+      voxel.observations.push_back({scan, to_state(found->second)});
+      return;
+    }
+    const Eigen::Vector3d center = center_of(index_of(voxel.key));
+    if (returns.can_observe(scan, center.head<2>()) && space->valid() &&
+        space->judge(center, kSpace.judged_radius_m) == FreeSpace::Seen::passed)
+      voxel.observations.push_back({scan, VoxelState::free});
+  });
+}
+
+// Divides the observations of a voxel into the periods between those in which it is free, and returns the periods in which an
+// object occupied it.
+class Periods {
+ public:
+  Periods(const CandidateVoxel& voxel, const std::vector<std::int64_t>& times) : voxel_(voxel), times_(times) {}
+
+  std::vector<OccupiedVoxel> find() {
+    begin(std::numeric_limits<std::int64_t>::min());
+    const auto& all = voxel_.observations;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all[i].state != VoxelState::free) {
+        add_return(all[i]);
+        continue;
+      }
+      std::size_t end = i;
+      while (end < all.size() && all[end].state == VoxelState::free) ++end;
+      const bool is_clear = static_cast<int>(end - i) >= kSpace.min_passes || end == all.size() || i == 0;
+      if (is_clear) {
+        finish(times_[all[i].scan]);
+        begin(times_[all[end - 1].scan]);
+      }
+      i = end - 1;
+    }
+    finish(std::numeric_limits<std::int64_t>::max());
+    return std::move(out_);
+  }
+
+ private:
+  void begin(std::int64_t free_until_ns) {
+    period_ = {index_of(voxel_.key), free_until_ns, 0, 0, 0, {}, {}, -1};
+    background_ = 0;
+  }
+
+  void add_return(const VoxelObservation& observation) {
+    const std::int64_t time = times_[observation.scan];
+    if (period_.returns.empty()) period_.first_return_ns = time;
+    period_.last_return_ns = time;
+    period_.returns.push_back(observation.scan);
+    if (observation.state == VoxelState::object) period_.evidence.push_back(observation.scan);
+    background_ += observation.state == VoxelState::background;
+  }
+
+  void finish(std::int64_t free_from_ns) {
+    const auto object = static_cast<double>(period_.evidence.size());
+    if (period_.evidence.empty() || object < kSpace.min_object_share * (object + background_)) return;
+    period_.last_ns = free_from_ns;
+    out_.push_back(period_);
+  }
+
+  const CandidateVoxel& voxel_;
+  const std::vector<std::int64_t>& times_;
+  OccupiedVoxel period_;
+  double background_ = 0;
+  std::vector<OccupiedVoxel> out_;
+};
+
+// Joins voxels to objects.
+class ObjectUnion {
+ public:
+  explicit ObjectUnion(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+
+  std::size_t find(std::size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::size_t a, std::size_t b) {
+    a = find(a), b = find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+bool are_at_the_same_time(const OccupiedVoxel& a, const OccupiedVoxel& b) {
+  return seconds_between(a.last_return_ns, b.first_return_ns) <= kSpace.max_step_s &&
+         seconds_between(b.last_return_ns, a.first_return_ns) <= kSpace.max_step_s;
+}
+
+// Numbers the objects in order of their first voxels, and removes those that too few scans show.
+void number_objects(std::vector<OccupiedVoxel>& voxels) {
+  std::map<std::pair<int, int>, std::vector<std::size_t>> columns;
+  for (std::size_t i = 0; i < voxels.size(); ++i) columns[{voxels[i].index.x(), voxels[i].index.y()}].push_back(i);
+  ObjectUnion objects(voxels.size());
+  const int radius = kSpace.neighbor_voxels;
+  for (const auto& [column, members] : columns)
+    for (int dy = -radius; dy <= radius; ++dy)
+      for (int dx = 0; dx <= radius; ++dx) {
+        const auto other = columns.find({column.first + dx, column.second + dy});
+        if (other == columns.end()) continue;
+        for (const std::size_t a : members)
+          for (const std::size_t b : other->second)
+            if (a != b && are_at_the_same_time(voxels[a], voxels[b])) objects.join(a, b);
+      }
+  std::map<std::size_t, std::set<std::size_t>> scans;
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    scans[objects.find(i)].insert(voxels[i].evidence.begin(), voxels[i].evidence.end());
+  std::map<std::size_t, int> number;
+  for (const auto& [root, evidence] : scans)
+    if (evidence.size() >= kSpace.min_scans) number.emplace(root, static_cast<int>(number.size()));
+  for (std::size_t i = 0; i < voxels.size(); ++i)
+    if (const auto found = number.find(objects.find(i)); found != number.end()) voxels[i].object = found->second;
+  std::erase_if(voxels, [](const OccupiedVoxel& voxel) { return voxel.object < 0; });
+}
+
+}  // namespace
+
+Eigen::Vector3d OccupiedVoxel::center() const { return center_of(index); }
+
+std::vector<OccupiedVoxel> find_object_space(const std::vector<CameraMaskEvidence>& cameras, const MovingReturns& returns,
+                                             const std::vector<std::int64_t>& scan_times_ns, const Tick& tick) {
+  std::vector<CandidateVoxel> candidates = find_candidates(cameras, returns, scan_times_ns, tick);
+  for (std::size_t scan = 0; scan < returns.scans(); ++scan) observe(cameras, returns, scan, scan_times_ns[scan], candidates);
+  std::vector<OccupiedVoxel> out;
+  for (const CandidateVoxel& voxel : candidates)
+    for (OccupiedVoxel& period : Periods(voxel, scan_times_ns).find()) out.push_back(std::move(period));
+  number_objects(out);
+  return out;
+}
+
+}  // namespace dvi::objects
