@@ -224,6 +224,8 @@ HOW = """## Other programs and other drives
 ./dev bench quality --quick                            three cases, all methods, about 5 minutes on 2 cores
 ./dev bench quality --drive NAME=PATH@A:B              also a recording of your own: all scenarios
 ./dev bench quality --external NAME=DIR                also frames of another program
+./dev bench quality --constant NAME=VALUE              also an ablation that changes a constant of the source code
+./dev bench quality --list-constants                   prints the constants and their values
 ```
 To compare ProPainter or a network of your own with these results: after a first run, the cases are in
 `build/bench/quality/cases/CASE`. The program reads `drive/images/`, fills the pixels that are 255 in

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures quality: all methods and ablations on cases with a truth, written to docs/benchmarks.md.
 
-    ./dev bench quality [--quick] [--external NAME=DIR]... [--drive NAME=PATH[@A:B]]...
+    ./dev bench quality [--quick] [--external NAME=DIR]... [--drive NAME=PATH[@A:B]]... [--constant NAME=VALUE]...
 
 Finished parts are not run again; Ctrl-C stops, and the same command resumes.
 """
@@ -13,6 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import cases
+import constants
 import page
 import variants
 from cases import Case
@@ -112,6 +113,20 @@ def run_externals(scorer: Scorer, outcome: Outcome, externals: dict[str, Path]) 
             attempt(outcome, case, name, lambda: scorer.external(case, name, frames))
 
 
+def build_changed(changes: list[constants.Change]) -> list[Variant]:
+    """An ablation for each change of a constant. NotBuilt if one does not compile."""
+    rows = []
+    for change in changes:
+        say(f"building the program with {change.label}")
+        rows.append(variants.changed_constant(change, constants.build(TREE, TREE / "build/bench/constants", change)))
+    return rows
+
+
+def list_constants() -> str:
+    return "\n".join(f"{constant.label} = {constant.value}" + (f"  // {constant.comment}" if constant.comment else "")
+                     for constant in constants.find(TREE))
+
+
 def choose_cases(recordings: list[cases.Recording], quick: bool) -> list[Case]:
     chosen = cases.street() + [case for recording in recordings for case in cases.held_out(recording)]
     if not quick:
@@ -135,18 +150,24 @@ def parse_external(text: str) -> tuple[str, Path]:
 def parse(arguments: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="./dev bench quality", description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true",
-                        help="three cases, all methods, no ablations: about 5 minutes; writes build/bench/quality/quick.md")
+                        help="three cases, all methods, ablations only of --constant: about 5 minutes; writes "
+                             "build/bench/quality/quick.md")
     parser.add_argument("--minutes", type=float, default=float("inf"), metavar="N",
                         help="begin no run after N minutes, and write the page with the finished ones")
     parser.add_argument("--external", action="append", default=[], metavar="NAME=DIR",
                         help="frames of another program, DIR/CASE/NAME.png, join the tables")
     parser.add_argument("--drive", action="append", default=[], metavar="NAME=PATH[@A:B]",
                         help="a recording of your own, beside the KITTI raw drives found in $DVI_DATA")
+    parser.add_argument("--constant", action="append", default=[], metavar="[MODULE::]NAME=VALUE",
+                        help="an ablation that builds the program with another value of a constant, such as STRUCT.FIELD")
+    parser.add_argument("--list-constants", action="store_true", help="print all constants and their values, and end")
     parser.add_argument("--dvi", type=Path, default=TREE / "build/release/bin/dvi", help="the program")
     options = parser.parse_args(arguments)
     try:
         options.external = dict(map(parse_external, options.external))
         options.drive = list(map(cases.parse_recording, options.drive))
+        known = constants.find(TREE) if options.constant else []
+        options.constant = list(dict.fromkeys(constants.parse_change(text, known) for text in options.constant))
     except ValueError as wrong:
         parser.error(str(wrong))
     return options
@@ -161,12 +182,20 @@ def recordings(named: list[cases.Recording]) -> list[cases.Recording]:
 
 def main(arguments: list[str]) -> int:
     given = parse(arguments)
+    if given.list_constants:
+        print(list_constants())
+        return 0
+    try:
+        changed = build_changed(given.constant)
+    except constants.NotBuilt as why:
+        say(str(why))
+        return 1
     root = TREE / "build/bench/quality"
     scorer = Scorer(given.dvi, root)
     differing = variants.differences(*(variants.options(given.dvi, method) for method in ("dvi", "paper")))
     ablations = () if given.quick else (*variants.ABLATIONS, *variants.published_switches(differing))
-    outcome = Outcome(choose_cases(recordings(given.drive), given.quick), list(variants.METHODS), list(ablations), differing,
-                      list(given.external), {}, [])
+    outcome = Outcome(choose_cases(recordings(given.drive), given.quick), list(variants.METHODS), [*ablations, *changed],
+                      differing, list(given.external), {}, [])
     run_all(scorer, outcome, time.monotonic() + 60 * given.minutes)
     outcome.cases[:] = [case for case in outcome.cases if (case.name, variants.DVI.name) in outcome.results]
     run_externals(scorer, outcome, given.external)

@@ -7,6 +7,7 @@ import unittest
 from pathlib import Path
 
 import cases
+import constants
 import variants
 from tables import cell, delta, interval, share_of, table
 
@@ -187,6 +188,33 @@ class FromEndToEnd(unittest.TestCase):
         by_dvi = scorer.evaluate(case, scorer.result_folder(case, "dvi"), "--external", f"telea={frames}")
         self.assertEqual(scorer.beside(case, frames), by_dvi["external"]["telea"])
         self.assertEqual(again.same_pixels(case, "telea"), by_dvi["external"]["telea"])
+
+    def test_a_changed_constant_is_an_ablation_run_by_its_own_program(self):
+        root = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        program = root / "program"  # its constant has the effect of an option
+        program.write_text(f"""#!/bin/sh
+command=$1; shift
+[ $command = run ] && set -- "$@" --set harmonize.poisson=false
+exec "{DVI.resolve()}" $command "$@"
+""")
+        program.chmod(0o755)
+        constant = constants.Constant("harmonize", "PoissonParams.weight", "1", "", Path("src/dvi/harmonize/poisson.h"), 1, (0, 1))
+        changed = variants.changed_constant(constants.Change(constant, "0"), program)
+        no_poisson = variants.ABLATIONS[0]
+        case = cases.street((160, 90), 4)[0]
+        outcome = page.Outcome([case], [variants.DVI], [no_poisson, changed], [], [], {}, [])
+        scorer = Scorer(DVI, root)
+        quality.run_all(scorer, outcome)
+        self.assertEqual((outcome.failures, outcome.failed_audits()), ([], []))
+        figures = [outcome.results[case.name, variant.name]["evaluation"]["all"]["mae"]
+                   for variant in (variants.DVI, no_poisson, changed)]
+        self.assertEqual(figures[1], figures[2])
+        self.assertNotEqual(figures[0], figures[2])
+        self.assertIsNotNone(scorer.known(case, changed))
+        program.write_text(program.read_text() + "# another build\n")
+        self.assertIsNone(scorer.known(case, changed))
+        text = page.ablations(outcome)
+        self.assertIn("| harmonize::PoissonParams.weight=0 | constant `harmonize::PoissonParams.weight` = 0 instead of 1 ", text)
 
     def test_a_run_that_fails_its_audit_is_named_and_the_others_stay(self):
         root = Path(self.enterContext(tempfile.TemporaryDirectory()))

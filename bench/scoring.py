@@ -22,6 +22,10 @@ class Failed(Exception):
     """dvi refused or failed: its message."""
 
 
+def hash_of(program: Path) -> str:
+    return hashlib.sha256(program.read_bytes()).hexdigest()
+
+
 def key_of(*parts: object) -> str:
     return hashlib.sha256(json.dumps(parts, default=str).encode()).hexdigest()[:16]
 
@@ -63,7 +67,7 @@ def picture_names(evaluation: dict) -> dict[str, str]:
 class Scorer:
     def __init__(self, dvi: Path, root: Path):
         self.dvi, self.root = dvi.resolve(), root.resolve()
-        self.program = hashlib.sha256(self.dvi.read_bytes()).hexdigest()
+        self.program = hash_of(self.dvi)
 
     def folder(self, case: Case) -> Path:
         return self.root / "cases" / case.name
@@ -71,15 +75,15 @@ class Scorer:
     def result_folder(self, case: Case, name: str) -> Path:
         return self.root / "results" / case.name / name
 
-    def start(self, *arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess:
-        done = subprocess.run([self.dvi, *arguments, "--quiet"], cwd=cwd, capture_output=True, text=True)
+    def start(self, *arguments: str | Path, cwd: Path, program: Path | None = None) -> subprocess.CompletedProcess:
+        done = subprocess.run([program or self.dvi, *arguments, "--quiet"], cwd=cwd, capture_output=True, text=True)
         if done.returncode < 0 or done.returncode == 130:
             raise KeyboardInterrupt
         return done
 
-    def call(self, *arguments: str | Path, cwd: Path) -> str:
+    def call(self, *arguments: str | Path, cwd: Path, program: Path | None = None) -> str:
         """stdout of dvi. Failed with the last line of its message otherwise."""
-        done = self.start(*arguments, cwd=cwd)
+        done = self.start(*arguments, cwd=cwd, program=program)
         if done.returncode:
             raise Failed(refusal(done))
         return done.stdout
@@ -106,7 +110,8 @@ class Scorer:
         return ["run", *self.drives(case, variant), "--set", "masks.shadows=false", *variant.arguments]
 
     def run_key(self, case: Case, variant: Variant) -> str:
-        return key_of(self.case_key(case), case.truth, case.ignore, self.run_arguments(case, variant), "audit")
+        program = [hash_of(variant.program)] if variant.program else []
+        return key_of(self.case_key(case), case.truth, case.ignore, self.run_arguments(case, variant), "audit", *program)
 
     def known(self, case: Case, variant: Variant) -> dict | None:
         """The result, if there is one that is still true."""
@@ -115,12 +120,12 @@ class Scorer:
 
     def score(self, case: Case, variant: Variant, same_pixels: bool) -> dict:
         """Runs a variant on a case that was made, and audits it. With `same_pixels` it is scored on the pixels and kinds of dvi,
-        too."""
+        too. A program with a changed constant runs and audits; the program under test makes the cases and scores."""
         begun = time.monotonic()
         out = self.root / "work"
         shutil.rmtree(out, ignore_errors=True)
         arguments = self.run_arguments(case, variant)
-        self.call(*arguments, "-o", out, cwd=self.folder(case))
+        self.call(*arguments, "-o", out, cwd=self.folder(case), program=variant.program)
         report = json.loads((out / "report.json").read_text())
         result = {
             "key": self.run_key(case, variant),
@@ -140,7 +145,7 @@ class Scorer:
 
     def audit(self, case: Case, variant: Variant, out: Path) -> str:
         """The problem that the audit found in a run's provenance; empty: none."""
-        done = self.start("audit", out, *self.drives(case, variant), "--json", cwd=self.folder(case))
+        done = self.start("audit", out, *self.drives(case, variant), "--json", cwd=self.folder(case), program=variant.program)
         if done.returncode == 0:
             return ""
         return breaches(json.loads(done.stdout)) if done.stdout else refusal(done)

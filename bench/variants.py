@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cases import Case
+from constants import Change
 
 
 @dataclass(frozen=True)
@@ -13,6 +14,7 @@ class Variant:
     what: str
     arguments: tuple[str, ...] = ()  # arguments of `dvi run`
     fusion: bool = True  # whether source drives are used
+    program: Path | None = None  # a program with a changed constant; None: the program under test
 
 
 DVI = Variant("dvi", "the default", ("--method", "dvi"))
@@ -74,6 +76,13 @@ def published_switches(differing: list[tuple[str, str, str]]) -> tuple[Variant, 
         Variant(f"paper-{option.replace('.', '-').replace('_', '-')}", f"as published: `{switch}`", ("--set", switch))
         for switch, option in switches.items() if ("--set", switch) not in known
     )
+
+
+def changed_constant(change: Change, program: Path) -> Variant:
+    """dvi, run by a program with another value of a constant."""
+    constant = change.constant
+    return Variant(change.label, f"constant `{constant.label}` = {change.value} instead of {constant.value} ({constant.file})",
+                   program=program)
 
 
 def applies(variant: Variant, case: Case) -> bool:

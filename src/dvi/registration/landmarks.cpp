@@ -84,12 +84,12 @@ double compute_self_similarity(const cv::Mat1f& similarity, cv::Point best) {
 
 /// Returns whether a point belongs to a structure that continues on both sides, such as a wall.
 bool is_on_wall(const OccupancyGrid& grid, const Vector3d& point) {
-  constexpr int kDirections = 8;
+  constexpr int kWallDirections = 8;
   constexpr std::array kDistancesCells{4, 7, 10};
   constexpr int kMinOccupied = 5;  // out of six cells
   const cv::Point3i c = OccupancyGrid::cell_of(point);
-  for (int k = 0; k < kDirections; ++k) {
-    const double x = std::cos(std::numbers::pi * k / kDirections), y = std::sin(std::numbers::pi * k / kDirections);
+  for (int k = 0; k < kWallDirections; ++k) {
+    const double x = std::cos(std::numbers::pi * k / kWallDirections), y = std::sin(std::numbers::pi * k / kWallDirections);
     int occupied = 0;
     for (const int distance : kDistancesCells)
       for (const int sign : {-1, 1})
