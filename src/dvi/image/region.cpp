@@ -27,6 +27,16 @@ cv::Mat1b grown(const cv::Mat1b& mask, int radius) {
   return out;
 }
 
+cv::Mat1b grown_far(const cv::Mat1b& mask, int radius) {
+  cv::Mat1f distance;
+  if (radius < 0) {
+    cv::distanceTransform(mask, distance, cv::DIST_L2, cv::DIST_MASK_5);
+    return cv::Mat1b(distance > -radius);
+  }
+  cv::distanceTransform(cv::Mat1b(mask == 0), distance, cv::DIST_L2, cv::DIST_MASK_5);
+  return cv::Mat1b(distance <= radius);
+}
+
 int label_connected_parts(const cv::Mat1b& mask, cv::Mat1i& labels) {
   return cv::connectedComponents(mask, labels, 4, CV_32S) - 1;
 }

@@ -20,6 +20,9 @@ struct Region {
 /// Dilates a mask by a disk (positive radius) or erodes it (negative); the radius is in pixels.
 cv::Mat1b grown(const cv::Mat1b& mask, int radius);
 
+/// Does the same at a cost that does not depend on the radius, with circles that deviate by a few percent.
+cv::Mat1b grown_far(const cv::Mat1b& mask, int radius);
+
 /// Labels the 4-connected parts of a mask from 1, with 0 outside. Returns their number.
 int label_connected_parts(const cv::Mat1b& mask, cv::Mat1i& labels);
 

@@ -171,6 +171,11 @@ void warn_of_all_removed(const CameraEvidence& evidence, Progress& progress) {
 // Whether masks, labels, or detections of this camera show objects.
 bool shows_objects(const CameraEvidence& camera) { return camera.is_given() || camera.source == MaskSource::detected; }
 
+FrameLabels select_unboxed(FrameLabels labels) {
+  for (std::vector<Label>& frame : labels) std::erase_if(frame, [](const Label& label) { return label.box.has_value(); });
+  return labels;
+}
+
 // Completes the objects of the drive whose own camera is `own` in all of its cameras.
 void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOptions& options, MovingObjects& moving,
                     Progress& progress, Objects& objects) {
@@ -178,7 +183,9 @@ void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOpti
   std::vector<CameraMaskEvidence> cameras;
   for (std::size_t i = own; i < evidence.size(); ++i)
     if (evidence.own_camera(i) == own && shows_objects(evidence[i]))
-      cameras.push_back({evidence[i], draw_object_masks(evidence[i], objects.labels[i], options)});
+      cameras.push_back({evidence[i], draw_object_masks(evidence[i], objects.labels[i], options),
+                         draw_object_masks(evidence[i], shared(select_unboxed(*objects.labels[i])), options),
+                         objects.labels[i]});
   if (cameras.empty() || !evidence.ground(own)) return;
   const DriveMotion& motion = moving.of_drive(own);
   std::vector<std::int64_t> scan_times_ns;

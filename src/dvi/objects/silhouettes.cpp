@@ -33,17 +33,6 @@ struct SilhouetteParams {
 };
 constexpr SilhouetteParams kSilhouette{};
 
-// Does the same as grown(), at a cost that does not depend on the radius.
-cv::Mat1b grow_far(const cv::Mat1b& mask, int radius) {
-  cv::Mat1f distance;
-  if (radius < 0) {
-    cv::distanceTransform(mask, distance, cv::DIST_L2, cv::DIST_MASK_5);
-    return cv::Mat1b(distance > -radius);
-  }
-  cv::distanceTransform(cv::Mat1b(mask == 0), distance, cv::DIST_L2, cv::DIST_MASK_5);
-  return cv::Mat1b(distance <= radius);
-}
-
 cv::Mat1b resize_nearest(const cv::Mat1b& mask, cv::Size size) {
   cv::Mat1b out;
   cv::resize(mask, out, size, 0, 0, cv::INTER_NEAREST);
@@ -62,10 +51,10 @@ int compute_boundary_width_px(const cv::Rect& part, int min_px = kSilhouette.min
 // person beside a car.
 cv::Mat1b find_middle(const cv::Mat1b& outline, int min_px = kSilhouette.min_boundary_px) {
   const int width_px = compute_boundary_width_px(cv::boundingRect(outline), min_px);
-  cv::Mat1b out = grow_far(outline, -width_px);
+  cv::Mat1b out = grown_far(outline, -width_px);
   if (cv::countNonZero(out) == 0) return out;
   cv::Mat1i parts;
-  const int count = label_connected_parts(cv::Mat1b(outline & ~grow_far(out, width_px)), parts);
+  const int count = label_connected_parts(cv::Mat1b(outline & ~grown_far(out, width_px)), parts);
   for (int i = 1; i <= count; ++i)
     if (const cv::Mat1b part(parts == i); cv::countNonZero(part) >= kSilhouette.min_part_px)
       out |= find_middle(part, kSilhouette.min_boundary_px / 2);
@@ -145,7 +134,7 @@ cv::Mat1b find_silhouettes(const cv::Mat1b& outline, const cv::Mat1b& object, co
     if (cv::countNonZero(seed) == 0) seed = whole;
     const int notch_px =
         std::max(kSilhouette.min_boundary_px - 1, cvRound(kSilhouette.notch_share * std::min(box.width, box.height)));
-    const cv::Mat1b closed = grow_far(grow_far(cv::Mat1b(own | seed), notch_px), -notch_px);
+    const cv::Mat1b closed = grown_far(grown_far(cv::Mat1b(own | seed), notch_px), -notch_px);
     out |= select_overlapping(seed, cv::Mat1b(closed & part));
   }
   return out;

@@ -149,14 +149,19 @@ int to_pixels(double meters, double depth_m, const Camera& camera) {
 
 // Returns the part of an object that a mask lacks, without the deviations at the border of the mask.
 cv::Mat1b find_uncovered(const cv::Mat1b& object, const cv::Mat1b& mask, int border_px) {
-  const cv::Mat1b lacking(object & ~mask);
-  cv::Mat1b core = grown(lacking, -border_px);
-  if (cv::countNonZero(core) == 0) {
-    // A small object that the mask lacks completely has no core.
-    if (cv::countNonZero(object & grown(mask, border_px)) == 0) return lacking;
-    return cv::Mat1b(object.size(), uchar{0});
-  }
-  return cv::Mat1b(grown(core, 2 * border_px) & lacking);
+  cv::Mat1b out(object.size(), uchar{0});
+  cv::Rect box = cv::boundingRect(object);
+  if (box.empty()) return out;
+  box = cv::Rect(box.x - border_px, box.y - border_px, box.width + 2 * border_px, box.height + 2 * border_px) &
+        cv::Rect({}, object.size());
+  const cv::Mat1b drawn = object(box), masked = mask(box), lacking(drawn & ~masked);
+  const cv::Mat1b core = grown_far(lacking, -border_px);
+  // A small object that the mask lacks completely has no core.
+  if (cv::countNonZero(core) > 0)
+    cv::Mat1b(grown_far(core, 2 * border_px) & lacking).copyTo(out(box));
+  else if (cv::countNonZero(drawn & grown_far(masked, border_px)) == 0)
+    lacking.copyTo(out(box));
+  return out;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/drive/nearest_in_time.h"
+#include "dvi/drive/removed_at.h"
 #include "dvi/image/region.h"
 #include "dvi/objects/clusters.h"
 
@@ -19,7 +20,9 @@ struct MaskVoteParams {
   std::int64_t max_frame_to_scan_ns = 100'000'000;  ///< one scan period
   double square_m = 0.3;                            ///< edge of the squares that group returns; cars are parked 0.5 m apart
   double min_object_share = 0.7;                    ///< masked share of the visible returns of an object
-  double min_dominant_share = 0.6;  ///< share of a mask's returns that its object has if other things touch the object
+  double min_dominant_share = 0.6;  ///< share of a mask's returns that its object has if other things touch the object ...
+  double min_touching_share = 0.3;  ///< ... and masked share of the visible returns of both together
+  double box_margin_m = 0.1;        ///< error of 3D boxes
   int strip_px = 8;                 ///< width of the vertical strips of a mask in which its nearest returns are searched
   double max_object_depth_m = 1.5;  ///< a return this far behind the nearest one of its strip may be behind the object
   int boundary_px = 3;              ///< beside a mask, a return may belong to the object: masks and poses have errors
@@ -33,7 +36,7 @@ class MaskedThings {
  public:
   MaskedThings(const MaskedSurfaces& image, const ObstacleReturns& returns, const std::vector<int>& thing)
       : image_(image), returns_(returns), thing_(thing), pixels_(returns.points.size()) {
-    near_ = grown(*image.frame().mask, kMaskVoting.boundary_px);
+    near_ = grown(*image.frame().removed, kMaskVoting.boundary_px);
     for (std::size_t i = 0; i < returns.points.size(); ++i) {
       pixels_[i] = image.frame().project(returns.points[i]);
       if (!pixels_[i]) continue;
@@ -48,12 +51,14 @@ class MaskedThings {
 
   MaskVote vote(std::size_t i) const {
     if (!pixels_[i]) return MaskVote::unseen;
+    if (is_boxed(i)) return MaskVote::object;
     const int part = image_.part(*pixels_[i]);
     const Counts& counts = things_.at(thing_[i]);
     const bool is_object = counts.masked >= kMaskVoting.min_object_share * counts.visible;
+    const bool is_touched = counts.masked >= kMaskVoting.min_touching_share * counts.visible;
     if (part == 0) return is_object || near_(*pixels_[i]) != 0 ? MaskVote::unclear : MaskVote::background;
     if (image_.is_behind(returns_.points[i], *pixels_[i])) return MaskVote::unclear;
-    return is_object || dominates(part, thing_[i]) ? MaskVote::object : MaskVote::unclear;
+    return is_object || (is_touched && dominates(part, thing_[i])) ? MaskVote::object : MaskVote::unclear;
   }
 
  private:
@@ -74,6 +79,11 @@ class MaskedThings {
     ++p.all;
     const double depth_m = (image_.frame().camera_from_world * returns_.points[i]).z();
     if (depth_m < p.nearest_m) p.nearest_m = depth_m, p.nearest_thing = thing_[i];
+  }
+
+  bool is_boxed(std::size_t i) const {
+    const MaskedFrame& frame = image_.frame();
+    return is_in_any_box(*frame.labels, frame.lidar_from_world * returns_.points[i], kMaskVoting.box_margin_m);
   }
 
   bool dominates(int part, int thing) const {
@@ -111,7 +121,8 @@ bool MaskedSurfaces::is_behind(const Eigen::Vector3d& world, cv::Point pixel) co
 std::optional<bool> MaskedSurfaces::shows_masked(const Eigen::Vector3d& world) const {
   const auto pixel = frame_.project(world);
   if (!pixel) return std::nullopt;
-  return part(*pixel) > 0 && !is_behind(world, *pixel);
+  return is_in_any_box(*frame_.labels, frame_.lidar_from_world * world, kMaskVoting.box_margin_m) ||
+         (part(*pixel) > 0 && !is_behind(world, *pixel));
 }
 
 std::optional<cv::Point> MaskedFrame::project(const Eigen::Vector3d& world) const {
@@ -129,7 +140,9 @@ std::optional<MaskedFrame> find_masked_frame(const CameraMaskEvidence& evidence,
   const std::optional<SE3> pose = evidence.camera.world_from_lidar.at(nearest->time_ns);
   if (!pose) return std::nullopt;
   const auto frame = static_cast<std::size_t>(nearest - drive.frames.data());
-  return MaskedFrame{frame, &drive.camera, drive.camera_from_lidar * pose->inverse(), evidence.masks[frame]};
+  return MaskedFrame{
+      &(*evidence.labels)[frame], &drive.camera,        pose->inverse(), drive.camera_from_lidar * pose->inverse(),
+      evidence.removed[frame],    evidence.masks[frame]};
 }
 
 std::vector<MaskVote> vote_by_masks(const std::vector<CameraMaskEvidence>& cameras, const ObstacleReturns& returns,

@@ -22,15 +22,18 @@ enum class MaskVote : std::uint8_t { unseen, unclear, background, object };
 /// The masks of one camera as evidence of objects.
 struct CameraMaskEvidence {
   const CameraEvidence& camera;
-  Lazy<cv::Mat1b> masks;  ///< per frame of the camera; 255 = removed
+  Lazy<cv::Mat1b> removed;  ///< per frame of the camera: all that is removed
+  Lazy<cv::Mat1b> masks;    ///< per frame: the masks of objects without 3D boxes
+  SharedLabels labels;      ///< per frame: the removed labels, whose 3D boxes show which returns belong to objects
 };
 
 /// A camera of a drive at the time of one of its frames, with the mask of the frame.
 struct MaskedFrame {
-  std::size_t frame = 0;
+  const std::vector<Label>* labels = nullptr;
   const Camera* camera = nullptr;
+  SE3 lidar_from_world;
   SE3 camera_from_world;
-  std::shared_ptr<const cv::Mat1b> mask;
+  std::shared_ptr<const cv::Mat1b> removed, mask;  ///< `removed` and `masks` of CameraMaskEvidence
 
   /// Projects a point in world axes. Returns nothing if it is outside the image.
   std::optional<cv::Point> project(const Eigen::Vector3d& world) const;
@@ -63,11 +66,11 @@ class MaskedSurfaces {
   std::map<std::pair<int, int>, double> nearest_m_;  // depth by part and strip
 };
 
-/// Determines which returns of a scan belong to removed objects. Returns are grouped to things by their distances, seen from
-/// above. A thing that is masked almost completely is an object, unless another thing hides it in the image: a LiDAR on the
-/// roof sees over cars. If a mask covers a part of a thing only, as a loose mask covers a part of the wall behind, then this
-/// part belongs to the object if it is the nearest thing in the mask and most of its returns. `time_ns` is the time of the
-/// scan. Returns one vote per return.
+/// Determines which returns of a scan belong to removed objects: those in their 3D boxes, and those in masks. Returns are
+/// grouped to things by their distances, seen from above. A thing that is masked almost completely is an object, unless another
+/// thing hides it in the image: a LiDAR on the roof sees over cars. If a mask covers a part of a thing, as a loose mask covers
+/// a part of the hedge beside a car, then this part belongs to the object if it is the nearest thing in the mask, most of its
+/// returns, and not a small part of the thing. `time_ns` is the time of the scan. Returns one vote per return.
 std::vector<MaskVote> vote_by_masks(const std::vector<CameraMaskEvidence>& cameras, const ObstacleReturns& returns,
                                     std::int64_t time_ns);
 

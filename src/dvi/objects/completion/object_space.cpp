@@ -16,12 +16,14 @@ namespace dvi::objects {
 namespace {
 
 struct ObjectSpaceParams {
-  double judged_radius_m = 0.1;   ///< radius around the center of a voxel that a scan must pass
-  int min_passes = 2;             ///< consecutive scans that pass an empty voxel; rays pass glass and edges at times
-  double min_object_share = 0.2;  ///< of the scans in which images show a voxel, those in which it is masked
-  int neighbor_voxels = 2;        ///< distance between voxels of one object
-  std::size_t min_scans = 2;      ///< scans in which masks show an object
-  double max_step_s = 0.3;        ///< time between voxels of one object that moves
+  double judged_radius_m = 0.1;  ///< radius around the center of a voxel that a scan must pass
+  int min_passes = 2;            ///< consecutive scans that pass an empty voxel; rays pass glass and edges at times
+  /// Share of the scans in which masks show an object in a voxel, among those in which images show the voxel, between the first
+  /// and the last of them, and in all. Labels often begin and end while an object is visible.
+  double min_inner_share = 0.6, min_object_share = 0.2;
+  int neighbor_voxels = 2;    ///< distance between voxels of one object
+  std::size_t min_scans = 2;  ///< scans in which masks show an object
+  double max_step_s = 0.3;    ///< time between voxels of one object that moves
 };
 constexpr ObjectSpaceParams kSpace;
 
@@ -141,7 +143,7 @@ class Periods {
  private:
   void begin(std::int64_t free_until_ns) {
     period_ = {index_of(voxel_.key), free_until_ns, 0, 0, 0, {}, {}, -1};
-    background_ = 0;
+    background_.clear();
   }
 
   void add_return(const VoxelObservation& observation) {
@@ -150,12 +152,24 @@ class Periods {
     period_.last_return_ns = time;
     period_.returns.push_back(observation.scan);
     if (observation.state == VoxelState::object) period_.evidence.push_back(observation.scan);
-    background_ += observation.state == VoxelState::background;
+    if (observation.state == VoxelState::background) background_.push_back(observation.scan);
+  }
+
+  // Counts the scans that show background, from one scan to another, both included.
+  double count_background(std::size_t first, std::size_t last) const {
+    return static_cast<double>(
+        std::count_if(background_.begin(), background_.end(), [&](std::size_t scan) { return scan >= first && scan <= last; }));
+  }
+
+  bool is_object() const {
+    if (period_.evidence.empty()) return false;
+    const auto object = static_cast<double>(period_.evidence.size()), background = static_cast<double>(background_.size());
+    const double inner = count_background(period_.evidence.front(), period_.evidence.back());
+    return object >= kSpace.min_object_share * (object + background) && object >= kSpace.min_inner_share * (object + inner);
   }
 
   void finish(std::int64_t free_from_ns) {
-    const auto object = static_cast<double>(period_.evidence.size());
-    if (period_.evidence.empty() || object < kSpace.min_object_share * (object + background_)) return;
+    if (!is_object()) return;
     period_.last_ns = free_from_ns;
     out_.push_back(period_);
   }
@@ -163,7 +177,7 @@ class Periods {
   const CandidateVoxel& voxel_;
   const std::vector<std::int64_t>& times_;
   OccupiedVoxel period_;
-  double background_ = 0;
+  std::vector<std::size_t> background_;  // scans of the period
   std::vector<OccupiedVoxel> out_;
 };
 
