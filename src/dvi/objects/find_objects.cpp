@@ -191,8 +191,8 @@ void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOpti
   std::vector<std::int64_t> scan_times_ns;
   for (const ScanHeader& header : drive.scan_headers) scan_times_ns.push_back(header.time_ns);
   progress.begin("complete", drive.scan_headers.size());
-  const CompletedObjects completed({cameras, *motion.returns, *motion.ground, motion.tracks, options.masks.footprint_margin_m},
-                                   scan_times_ns, progress.tick());
+  const CompletedObjects completed({cameras, *motion.returns, *motion.ground, motion.tracks, options.masks}, scan_times_ns,
+                                   progress.tick());
   progress.end();
   for (std::size_t i = own; i < evidence.size(); ++i)
     if (evidence.own_camera(i) == own && shows_objects(evidence[i]))

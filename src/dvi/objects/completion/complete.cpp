@@ -171,9 +171,13 @@ CompletedObjects::CompletedObjects(const CompletionInput& input, const std::vect
     : returns_(input.returns),
       ground_(input.ground),
       scan_times_ns_(scan_times_ns),
-      footprint_m_(input.footprint_m),
+      options_(input.options),
       space_(find_object_space(input.cameras, input.returns, scan_times_ns, tick)),
-      tracks_(find_removed_tracks(input)) {}
+      tracks_(find_removed_tracks(input)) {
+  if (input.cameras.empty()) return;
+  const CameraMaskEvidence& own = input.cameras.front();
+  labeled_ = LabeledBoxes::collect(own.camera.drive, *own.labels, own.camera.world_from_lidar);
+}
 
 std::vector<Label> CompletedObjects::draw_frame(const CameraEvidence& camera, std::size_t frame, const cv::Mat1b& mask) const {
   const Drive& drive = camera.drive;
@@ -210,21 +214,33 @@ std::vector<Label> CompletedObjects::draw_frame(const CameraEvidence& camera, st
   }
 
   std::vector<Label> labels;
-  const auto add = [&](const Columns& columns, int track, double max_covered_share) {
-    const cv::Mat1b drawn = columns.draw(ground_, drive.camera, camera_from_world);
+  const auto add = [&](const cv::Mat1b& drawn, double depth_m, int track, const std::string& type, double max_covered_share) {
     if (cv::countNonZero(drawn & mask) > max_covered_share * cv::countNonZero(drawn)) return;
-    const int border_px = std::max(kCompletion.min_border_px,
-                                   to_pixels(kCompletion.border_m, columns.nearest_m(camera_from_world), drive.camera));
+    const int border_px = std::max(kCompletion.min_border_px, to_pixels(kCompletion.border_m, depth_m, drive.camera));
     const cv::Mat1b uncovered = find_uncovered(drawn, mask, border_px);
     if (cv::countNonZero(uncovered) == 0) return;
     Label label;
     label.track = track;
+    label.type = type;
     label.instance = to_outline(uncovered);
     labels.push_back(std::move(label));
   };
-  for (const auto& [number, columns] : objects) add(columns, number, 1);
+  const auto add_columns = [&](const Columns& columns, int track, double max_covered_share) {
+    add(columns.draw(ground_, drive.camera, camera_from_world), columns.nearest_m(camera_from_world), track, "",
+        max_covered_share);
+  };
+  for (const auto& [number, columns] : objects) add_columns(columns, number, 1);
   for (std::size_t k = 0; k < tracks_.size(); ++k)
-    add(fill_columns(tracks_[k], time_ns), static_cast<int>(k), kCompletion.max_covered_share);
+    add_columns(fill_columns(tracks_[k], time_ns), static_cast<int>(k), kCompletion.max_covered_share);
+  for (const LabeledBoxes& object : labeled_) {
+    const std::optional<Box> box = object.at(time_ns);
+    if (!box || (space && is_absent_or_hidden(*box, *space))) continue;
+    Label label;
+    label.box = Box{pose->inverse() * box->frame_from_box, box->size};
+    const cv::Mat1b drawn =
+        grown(draw_label(label, drive.camera, drive.camera_from_lidar, options_), options_.label_dilation_px());
+    add(drawn, (camera_from_world * box->frame_from_box.t).z(), object.track(), object.type(), 1);
+  }
   return labels;
 }
 

@@ -4,6 +4,7 @@
 
 #include "dvi/core/progress.h"
 #include "dvi/drive/label.h"
+#include "dvi/objects/completion/labeled_boxes.h"
 #include "dvi/objects/completion/masked_returns.h"
 #include "dvi/objects/completion/object_space.h"
 #include "dvi/objects/moving_returns.h"
@@ -17,14 +18,14 @@ struct CompletionInput {
   const MovingReturns& returns;
   const ground::ScanGround& ground;
   const std::vector<Track>& tracks;  ///< the moving objects of the drive, whether masks show them or not
-  double footprint_m = 0;            ///< width of the ground around an object that belongs to it
+  const MaskOptions& options;        ///< of the masks of labels
 };
 
 /// The objects of a drive in the world, to be drawn into its cameras.
 class CompletedObjects {
  public:
-  /// Finds the objects that masks show in at least two frames: the space that they occupied (object_space.h), and the moving
-  /// objects among the tracks. Calls `tick` once per scan.
+  /// Finds the objects that masks or labels show in at least two frames: the labeled 3D boxes, the space that objects occupied
+  /// (object_space.h), and the moving objects among the tracks. Calls `tick` once per scan.
   CompletedObjects(const CompletionInput& input, const std::vector<std::int64_t>& scan_times_ns, const Tick& tick);
 
   /// Draws the objects into the frames of a camera of the drive where `masks` (per frame) do not cover them: labels with an
@@ -37,9 +38,10 @@ class CompletedObjects {
   const MovingReturns& returns_;
   const ground::ScanGround& ground_;
   std::vector<std::int64_t> scan_times_ns_;
-  double footprint_m_;
+  MaskOptions options_;
   std::vector<OccupiedVoxel> space_;
-  std::vector<Track> tracks_;  // of removed objects
+  std::vector<Track> tracks_;          // of removed objects
+  std::vector<LabeledBoxes> labeled_;  // of the labels of the drive's cameras
 };
 
 }  // namespace dvi::objects

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dvi/drive/drive.h"
+#include "dvi/drive/free_space.h"
+
+namespace dvi::objects {
+
+/// A labeled object with 3D boxes in several frames, from which its box in other frames follows.
+class LabeledBoxes {
+ public:
+  /// Collects the boxes of all tracks that have boxes in at least two frames with a pose, in order of track numbers.
+  static std::vector<LabeledBoxes> collect(const Drive& drive, const FrameLabels& labels, const Trajectory& world_from_lidar);
+
+  int track() const { return track_; }
+  const std::string& type() const { return type_; }
+
+  /// Returns the box in world axes at a time: of a stationary object, the one nearest in time; of a moving one, the
+  /// interpolation of the boxes before and after if they are at most a second apart, else nothing.
+  std::optional<Box> at(std::int64_t time_ns) const;
+
+ private:
+  struct StampedBox {
+    std::int64_t time_ns;
+    Box world;
+  };
+
+  int track_ = -1;
+  std::string type_;
+  bool moves_ = false;
+  std::vector<StampedBox> boxes_;  // in order of time
+};
+
+/// Returns whether a scan contradicts that an object is in a box (world axes) and visible: rays pass through the box, or
+/// surfaces in front of it hide it. Returns false where the scan shows nothing.
+bool is_absent_or_hidden(const Box& world, const FreeSpace& scan);
+
+}  // namespace dvi::objects
