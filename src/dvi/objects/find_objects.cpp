@@ -176,6 +176,15 @@ FrameLabels select_unboxed(FrameLabels labels) {
   return labels;
 }
 
+// Labels beside mask files are evidence only if they are removed, too.
+CameraMaskEvidence collect_mask_evidence(const CameraEvidence& camera, const SharedLabels& labels,
+                                         const RemovalOptions& options) {
+  const bool are_removed = camera.source != MaskSource::files || options.remove == Remove::all;
+  return {camera, draw_object_masks(camera, labels, options),
+          draw_object_masks(camera, shared(select_unboxed(*labels)), options),
+          are_removed ? labels : shared(FrameLabels(labels->size()))};
+}
+
 // Completes the objects of the drive whose own camera is `own` in all of its cameras.
 void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOptions& options, MovingObjects& moving,
                     Progress& progress, Objects& objects) {
@@ -183,9 +192,7 @@ void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOpti
   std::vector<CameraMaskEvidence> cameras;
   for (std::size_t i = own; i < evidence.size(); ++i)
     if (evidence.own_camera(i) == own && shows_objects(evidence[i]))
-      cameras.push_back({evidence[i], draw_object_masks(evidence[i], objects.labels[i], options),
-                         draw_object_masks(evidence[i], shared(select_unboxed(*objects.labels[i])), options),
-                         objects.labels[i]});
+      cameras.push_back(collect_mask_evidence(evidence[i], objects.labels[i], options));
   if (cameras.empty() || !evidence.ground(own)) return;
   const DriveMotion& motion = moving.of_drive(own);
   std::vector<std::int64_t> scan_times_ns;
