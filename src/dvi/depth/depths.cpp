@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "dvi/core/threads.h"
+#include "dvi/depth/occluders.h"
 #include "dvi/depth/packed_depth.h"
 
 namespace dvi::depth {
@@ -78,12 +79,13 @@ Depths::Depths(const Views& views, const std::function<DepthMap(std::size_t)>& m
             const std::optional<PackedDepth> packed = packed_depths->take(i);
             return packed ? packed->unpack(*masks[i]) : limit_sigma_to(*masks[i], *whole[i]);
           }};
-  visibility = {views.size(),
-                [whole, packed_depths, masks = views.masks, targets = views.of_sequence(0).second](std::size_t i) {
+  visibility = {views.size(), [whole, packed_depths, masks = views.masks, returns = views.returns,
+                               targets = views.of_sequence(0).second](std::size_t i) {
                   const std::shared_ptr<const DepthMap> depth = whole[i];
                   const std::shared_ptr<const cv::Mat1b> mask = masks[i];
                   if (i < targets) packed_depths->put(i, *depth, *mask);
-                  return make_visibility_map(*depth, *mask);
+                  if (returns.empty()) return make_visibility_map(*depth, *mask);
+                  return make_visibility_map(*depth, cv::Mat1b(*mask | find_occluders(*depth, *returns[i])));
                 }};
 }
 

@@ -10,6 +10,7 @@
 #include <opencv2/core/matx.hpp>
 
 #include "dvi/core/lazy.h"
+#include "dvi/drive/image_returns.h"
 #include "dvi/drive/sensor.h"
 #include "dvi/geometry/camera.h"
 #include "dvi/geometry/se3.h"
@@ -46,8 +47,9 @@ inline bool shares_colors(const View& a, const View& b) { return a.gray == b.gra
 /// number.
 struct Views {
   std::vector<View> views;
-  Lazy<cv::Mat3b> images;  ///< one per view
-  Lazy<cv::Mat1b> masks;   ///< one per view; 255 = remove
+  Lazy<cv::Mat3b> images;                    ///< one per view
+  Lazy<cv::Mat1b> masks;                     ///< one per view; 255 = remove
+  Lazy<std::vector<ImageReturn>> returns{};  ///< one per view: the returns of the scan taken with it; empty: unknown
 
   std::size_t size() const { return views.size(); }
   const View& operator[](std::size_t i) const { return views[i]; }

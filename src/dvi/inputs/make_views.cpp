@@ -1,5 +1,6 @@
 #include "dvi/inputs/make_views.h"
 
+#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -18,6 +19,19 @@ void attach_images(Views& views, const Recordings& drives, const objects::Masks&
   for (const objects::CameraMasks& camera : masks_of_cameras) masks.push_back(camera.images);
   views.images = Lazy<cv::Mat3b>::through(views.size(), [=](std::size_t i) { return images[of(i).first][of(i).second]; });
   views.masks = Lazy<cv::Mat1b>::through(views.size(), [=](std::size_t i) { return masks[of(i).first][of(i).second]; });
+}
+
+void attach_returns(Views& views, const Inputs& inputs) {
+  std::vector<Lazy<std::vector<ImageReturn>>> returns;
+  for (std::size_t d = 0; d < inputs.drives.size(); ++d) {
+    const auto drive = std::make_shared<const Drive>(inputs.drives[d].drive);
+    returns.emplace_back(drive->frames.size(), [drive, poses = inputs.poses[d].world_from_lidar](std::size_t i) {
+      return project_returns(*drive, i, poses);
+    });
+  }
+  const auto of = [list = views.views](std::size_t i) { return std::pair(list[i].sequence, list[i].frame); };
+  views.returns =
+      Lazy<std::vector<ImageReturn>>::through(views.size(), [=](std::size_t i) { return returns[of(i).first][of(i).second]; });
 }
 
 View assign_sequence(View view, const Recordings& drives, std::size_t sequence) {
@@ -42,6 +56,7 @@ Views make_views(const Inputs& inputs, Progress& progress) {
     }
   }
   attach_images(out, drives, masks);
+  attach_returns(out, inputs);
   return out;
 }
 

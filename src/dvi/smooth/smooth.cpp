@@ -98,7 +98,7 @@ float compute_difference(const cv::Vec3f& a, const cv::Vec3f& b) {
 /// hole. They do not if one frame is black or saturated, so that its gain is unknown.
 bool is_similar(const FilledFrame& frame, const Neighbor& other, const cv::Mat3f& there, const cv::Vec3f& gain) {
   const cv::Mat3f here = frame.color(other.box);
-  const cv::Mat1b hole = frame.mask(other.box) | other.frame.mask(other.box);
+  const cv::Mat1b hole(frame.mask(other.box) | other.frame.mask(other.box));
   std::vector<float> differences;
   for (int y = 0; y < hole.rows; y += kSmooth.comparison_step_px)
     for (int x = 0; x < hole.cols; x += kSmooth.comparison_step_px)
