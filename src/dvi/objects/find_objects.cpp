@@ -202,8 +202,11 @@ void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOpti
                                    progress.tick());
   progress.end();
   for (std::size_t i = own; i < evidence.size(); ++i)
-    if (evidence.own_camera(i) == own && shows_objects(evidence[i]))
-      objects.completed[i] = shared(completed.draw(evidence[i], draw_object_masks(evidence[i], objects.labels[i], options)));
+    if (evidence.own_camera(i) == own && shows_objects(evidence[i])) {
+      ObjectOutlines outlines = completed.draw(evidence[i], draw_object_masks(evidence[i], objects.labels[i], options));
+      objects.completed[i] = shared(std::move(outlines.completed));
+      objects.shown[i] = shared(std::move(outlines.shown));
+    }
 }
 
 }  // namespace
@@ -215,6 +218,7 @@ Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Pr
     const CameraEvidence& camera = evidence[i];
     const Drive& drive = camera.drive;
     objects.completed.push_back(shared(FrameLabels(drive.frames.size())));
+    objects.shown.push_back(objects.completed.back());
     if (options.remove == Remove::moving && !camera.rig_of) warn_of_all_removed(camera, progress);
     if (camera.source != MaskSource::found) {
       objects.labels.push_back(shared(select_objects(camera, options, progress)));

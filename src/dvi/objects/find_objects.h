@@ -12,6 +12,7 @@ namespace dvi::objects {
 struct Objects {
   std::vector<SharedLabels> labels;     ///< labels of the objects, per frame
   std::vector<SharedLabels> completed;  ///< outlines of the parts of objects that the masks lack, per frame
+  std::vector<SharedLabels> shown;      ///< outlines of the parts of objects in space that the masks show, per frame
 };
 
 /// Finds the objects to remove (section 3.1 of the paper): the labeled objects, without the stationary ones with

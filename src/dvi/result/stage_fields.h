@@ -100,7 +100,7 @@ void pass_parts(Archive& archive, T& labels, Of<SharedLabels>) {
   }
 }
 constexpr auto fields_of(Of<objects::Objects>) {
-  return std::tuple{&objects::Objects::labels, &objects::Objects::completed};
+  return std::tuple{&objects::Objects::labels, &objects::Objects::completed, &objects::Objects::shown};
 }
 constexpr auto fields_of(Of<map::MapPoint>) {
   using map::MapPoint;

@@ -13,8 +13,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dvi/core/threads.h"
+#include "dvi/drive/nearest_in_time.h"
 #include "dvi/drive/outline.h"
 #include "dvi/image/region.h"
+#include "dvi/objects/completion/identities.h"
+#include "dvi/objects/completion/object_columns.h"
 #include "dvi/objects/seconds.h"
 
 namespace dvi::objects {
@@ -27,11 +30,7 @@ struct CompletionParams {
   double max_covered_share = 0.5;              ///< of a track's outline, from which the mask shows the object in this frame
   double static_s = 1;                         ///< time over which scans observe a voxel of a stationary object
   std::int64_t max_scan_gap_ns = 100'000'000;  ///< time to the scan that shows a frame's objects
-  double max_track_gap_s = 0.25;               ///< time to the observation of a track that shows its shape
   double judged_radius_m = 0.1;                ///< radius around the center of a voxel that a scan must pass
-  double column_margin_m = 0.125;              ///< around the voxels, which closes gaps of one voxel
-  int closing_px = 2;                          ///< gaps that remain
-  int margin_px = 2;                           ///< blur of an object's edge in the image
   double border_m = 0.25;                      ///< deviation of an object's drawn outline from its true one
   int min_border_px = 3;                       ///< deviation of masks from the true outline
 };
@@ -84,65 +83,6 @@ std::vector<Track> find_removed_tracks(const CompletionInput& input) {
   return removed;
 }
 
-// The part of space that an object fills in one frame, as columns on the ground.
-class Columns {
- public:
-  void add(const Eigen::Vector3d& point, double half_height_m) {
-    const std::pair<int, int> column(static_cast<int>(std::floor(point.x() / kObjectVoxelM)),
-                                     static_cast<int>(std::floor(point.y() / kObjectVoxelM)));
-    double& top_m = tops_m_.try_emplace(column, -std::numeric_limits<double>::max()).first->second;
-    top_m = std::max(top_m, point.z() + half_height_m);
-  }
-
-  // Draws the columns, each from the ground to its top, and closes the gaps between them.
-  cv::Mat1b draw(const ground::ScanGround& ground, const Camera& camera, const SE3& camera_from_world) const {
-    cv::Mat1b mask(camera.height, camera.width, uchar{0});
-    const double low_m = -kCompletion.column_margin_m, high_m = kObjectVoxelM + kCompletion.column_margin_m;
-    for (const auto& [column, top_m] : tops_m_) {
-      const Eigen::Vector2d at = Eigen::Vector2d(column.first, column.second) * kObjectVoxelM;
-      const double ground_m = ground.height(at).value_or(top_m - kObjectVoxelM);
-      std::vector<Eigen::Vector3d> corners;
-      for (const double dx : {low_m, high_m})
-        for (const double dy : {low_m, high_m})
-          for (const double z : {ground_m, top_m})
-            corners.push_back(camera_from_world * Eigen::Vector3d(at.x() + dx, at.y() + dy, z));
-      if (std::all_of(corners.begin(), corners.end(), [&](const Eigen::Vector3d& x) { return camera.in_front(x); }))
-        draw_hull(corners, camera, mask);
-    }
-    return grown(grown(mask, kCompletion.closing_px), kCompletion.margin_px - kCompletion.closing_px);
-  }
-
-  // Returns the depth of the nearest column in a camera, in meters.
-  double nearest_m(const SE3& camera_from_world) const {
-    double nearest_m = std::numeric_limits<double>::max();
-    for (const auto& [column, top_m] : tops_m_) {
-      const Eigen::Vector3d top(column.first * kObjectVoxelM, column.second * kObjectVoxelM, top_m);
-      nearest_m = std::min(nearest_m, (camera_from_world * top).z());
-    }
-    return nearest_m;
-  }
-
- private:
-  std::map<std::pair<int, int>, double> tops_m_;
-};
-
-// Returns the space that a track fills: the returns of the nearest scan, moved along the track. Nothing if the scan is too far
-// in time.
-Columns fill_columns(const Track& track, std::int64_t time_ns) {
-  Columns out;
-  if (track.observations.empty()) return out;
-  const std::size_t nearest = track.nearest(time_ns);
-  const Cluster& cluster = track.observations[nearest];
-  if (std::abs(seconds_between(cluster.mean_time_ns, time_ns)) > kCompletion.max_track_gap_s) return out;
-  const Eigen::Vector2d velocity = track.velocity(nearest);
-  for (std::size_t k = 0; k < cluster.points.size(); ++k) {
-    Eigen::Vector3d point = cluster.points[k];
-    point.head<2>() += velocity * seconds_between(cluster.time_ns[k], time_ns);
-    out.add(point, 0.5 * std::min(cluster.ray_spacing_m[k], kObjectVoxelM));
-  }
-  return out;
-}
-
 int to_pixels(double meters, double depth_m, const Camera& camera) {
   return cvRound(meters * camera.fx / std::max(depth_m, 1.0));
 }
@@ -168,85 +108,122 @@ cv::Mat1b find_uncovered(const cv::Mat1b& object, const cv::Mat1b& mask, int bor
 
 CompletedObjects::CompletedObjects(const CompletionInput& input, const std::vector<std::int64_t>& scan_times_ns,
                                    const Tick& tick)
-    : returns_(input.returns),
-      ground_(input.ground),
-      scan_times_ns_(scan_times_ns),
-      options_(input.options),
-      space_(find_object_space(input.cameras, input.returns, scan_times_ns, tick)),
-      tracks_(find_removed_tracks(input)) {
+    : returns_(input.returns), ground_(input.ground), scan_times_ns_(scan_times_ns), options_(input.options) {
   if (input.cameras.empty()) return;
   const CameraMaskEvidence& own = input.cameras.front();
-  labeled_ = LabeledBoxes::collect(own.camera.drive, *own.labels, own.camera.world_from_lidar);
+  std::vector<OccupiedVoxel> voxels = find_object_space(input.cameras, input.returns, scan_times_ns, tick);
+  std::vector<Track> tracks = find_removed_tracks(input);
+  const Identities identities = identify(own, {voxels, tracks, scan_times_ns});
+  for (std::size_t i = 0; i < voxels.size(); ++i) objects_[identities.of_voxel[i]].voxels.push_back(std::move(voxels[i]));
+  for (std::size_t k = 0; k < tracks.size(); ++k) objects_[identities.of_track[k]].tracks.push_back(std::move(tracks[k]));
+  for (LabeledBoxes& boxes : LabeledBoxes::collect(own.camera.drive, *own.labels, own.camera.world_from_lidar))
+    objects_[boxes.track()].boxes = std::move(boxes);
 }
 
-std::vector<Label> CompletedObjects::draw_frame(const CameraEvidence& camera, std::size_t frame, const cv::Mat1b& mask) const {
-  const Drive& drive = camera.drive;
-  const std::int64_t time_ns = drive.frames[frame].time_ns;
-  const std::optional<SE3> pose = camera.world_from_lidar.at(time_ns);
-  if (!pose) return {};
-  const SE3 camera_from_world = drive.camera_from_lidar * pose->inverse();
-
-  std::shared_ptr<const FreeSpace> space;
-  std::size_t scan_index = returns_.scans();
-  const auto scan = std::min_element(scan_times_ns_.begin(), scan_times_ns_.end(), [&](std::int64_t a, std::int64_t b) {
-    return std::abs(a - time_ns) < std::abs(b - time_ns);
-  });
-  if (scan != scan_times_ns_.end() && std::abs(*scan - time_ns) <= kCompletion.max_scan_gap_ns) {
-    scan_index = static_cast<std::size_t>(scan - scan_times_ns_.begin());
-    space = returns_.free_space(scan_index);
+// One frame into which objects are drawn.
+class CompletedObjects::FrameDrawing {
+ public:
+  FrameDrawing(const CompletedObjects& objects, const CameraEvidence& camera, std::size_t frame, const SE3& world_from_lidar)
+      : all_(objects),
+        drive_(camera.drive),
+        time_ns_(drive_.frames[frame].time_ns),
+        lidar_from_world_(world_from_lidar.inverse()),
+        camera_from_world_(drive_.camera_from_lidar * lidar_from_world_),
+        scan_(objects.find_scan(time_ns_)) {
+    if (scan_) space_ = objects.returns_.free_space(*scan_);
   }
 
-  std::map<int, Columns> objects;
-  for (const OccupiedVoxel& voxel : space_) {
-    if (time_ns <= voxel.first_ns || time_ns >= voxel.last_ns) continue;
-    const Eigen::Vector3d center = voxel.center(), in_camera = camera_from_world * center;
-    if (!drive.camera.in_front(in_camera)) continue;
-    const bool has_return = std::binary_search(voxel.returns.begin(), voxel.returns.end(), scan_index);
-    const bool is_static = seconds_between(voxel.first_return_ns, voxel.last_return_ns) >= kCompletion.static_s;
-    const bool is_between = time_ns >= voxel.first_return_ns && time_ns <= voxel.last_return_ns;
-    if (!has_return) {
-      if (!is_static && !is_between) continue;
-      const FreeSpace::Seen seen =
-          space && space->valid() ? space->judge(center, kCompletion.judged_radius_m) : FreeSpace::Seen::unknown;
-      if (seen == FreeSpace::Seen::passed || seen == FreeSpace::Seen::hidden) continue;
-    }
-    objects[voxel.object].add(center, 0.5 * kObjectVoxelM);
+  // Draws an object where `mask` lacks it into `completed`, and where the mask shows it into `shown`.
+  void draw(int number, const CompletedObject& object, const cv::Mat1b& mask, std::vector<Label>& completed,
+            std::vector<Label>& shown) const {
+    const std::string type = object.boxes ? object.boxes->type() : "";
+    cv::Mat1b lacking(mask.size(), uchar{0}), covered = lacking.clone();
+    const auto add = [&](const cv::Mat1b& drawn, double depth_m, double max_covered_share) {
+      covered |= drawn & mask;
+      if (cv::countNonZero(drawn & mask) > max_covered_share * cv::countNonZero(drawn)) return;
+      const int border_px = std::max(kCompletion.min_border_px, to_pixels(kCompletion.border_m, depth_m, drive_.camera));
+      lacking |= find_uncovered(drawn, mask, border_px);
+    };
+    const auto add_columns = [&](const ObjectColumns& columns, double max_covered_share) {
+      if (!columns.empty())
+        add(columns.draw(all_.ground_, drive_.camera, camera_from_world_), columns.nearest_m(camera_from_world_),
+            max_covered_share);
+    };
+    add_columns(fill_columns(object.voxels), 1);
+    for (const Track& track : object.tracks) add_columns(objects::fill_columns(track, time_ns_), kCompletion.max_covered_share);
+    if (const std::optional<Box> box = find_visible_box(object))
+      add(draw_box(*box), (camera_from_world_ * box->frame_from_box.t).z(), 1);
+    add_label(number, type, lacking, completed);
+    add_label(number, type, covered, shown);
   }
 
-  std::vector<Label> labels;
-  const auto add = [&](const cv::Mat1b& drawn, double depth_m, int track, const std::string& type, double max_covered_share) {
-    if (cv::countNonZero(drawn & mask) > max_covered_share * cv::countNonZero(drawn)) return;
-    const int border_px = std::max(kCompletion.min_border_px, to_pixels(kCompletion.border_m, depth_m, drive.camera));
-    const cv::Mat1b uncovered = find_uncovered(drawn, mask, border_px);
-    if (cv::countNonZero(uncovered) == 0) return;
+ private:
+  static void add_label(int number, const std::string& type, const cv::Mat1b& drawn, std::vector<Label>& labels) {
+    if (cv::countNonZero(drawn) == 0) return;
     Label label;
-    label.track = track;
+    label.track = number;
     label.type = type;
-    label.instance = to_outline(uncovered);
+    label.instance = to_outline(drawn);
     labels.push_back(std::move(label));
-  };
-  const auto add_columns = [&](const Columns& columns, int track, double max_covered_share) {
-    add(columns.draw(ground_, drive.camera, camera_from_world), columns.nearest_m(camera_from_world), track, "",
-        max_covered_share);
-  };
-  for (const auto& [number, columns] : objects) add_columns(columns, number, 1);
-  for (std::size_t k = 0; k < tracks_.size(); ++k)
-    add_columns(fill_columns(tracks_[k], time_ns), static_cast<int>(k), kCompletion.max_covered_share);
-  for (const LabeledBoxes& object : labeled_) {
-    const std::optional<Box> box = object.at(time_ns);
-    if (!box || (space && is_absent_or_hidden(*box, *space))) continue;
-    Label label;
-    label.box = Box{pose->inverse() * box->frame_from_box, box->size};
-    const cv::Mat1b drawn =
-        grown(draw_label(label, drive.camera, drive.camera_from_lidar, options_), options_.label_dilation_px());
-    add(drawn, (camera_from_world * box->frame_from_box.t).z(), object.track(), object.type(), 1);
   }
-  return labels;
+
+  // Returns whether an object is in a voxel at the time of the frame, and visible. Without a return there, a stationary object
+  // is there for all of its time.
+  bool is_visible(const OccupiedVoxel& voxel) const {
+    if (time_ns_ <= voxel.first_ns || time_ns_ >= voxel.last_ns) return false;
+    if (!drive_.camera.in_front(camera_from_world_ * voxel.center())) return false;
+    if (scan_ && std::binary_search(voxel.returns.begin(), voxel.returns.end(), *scan_)) return true;
+    const bool is_static = seconds_between(voxel.first_return_ns, voxel.last_return_ns) >= kCompletion.static_s;
+    const bool is_between = time_ns_ >= voxel.first_return_ns && time_ns_ <= voxel.last_return_ns;
+    if (!is_static && !is_between) return false;
+    if (!space_ || !space_->valid()) return true;
+    const FreeSpace::Seen seen = space_->judge(voxel.center(), kCompletion.judged_radius_m);
+    return seen != FreeSpace::Seen::passed && seen != FreeSpace::Seen::hidden;
+  }
+
+  ObjectColumns fill_columns(const std::vector<OccupiedVoxel>& voxels) const {
+    ObjectColumns columns;
+    for (const OccupiedVoxel& voxel : voxels)
+      if (is_visible(voxel)) columns.add(voxel.center(), 0.5 * kObjectVoxelM);
+    return columns;
+  }
+
+  std::optional<Box> find_visible_box(const CompletedObject& object) const {
+    if (!object.boxes) return std::nullopt;
+    std::optional<Box> box = object.boxes->at(time_ns_);
+    return box && space_ && is_absent_or_hidden(*box, *space_) ? std::nullopt : box;
+  }
+
+  cv::Mat1b draw_box(const Box& world) const {
+    Label label;
+    label.box = Box{lidar_from_world_ * world.frame_from_box, world.size};
+    return grown(draw_label(label, drive_.camera, drive_.camera_from_lidar, all_.options_), all_.options_.label_dilation_px());
+  }
+
+  const CompletedObjects& all_;
+  const Drive& drive_;
+  std::int64_t time_ns_;
+  SE3 lidar_from_world_, camera_from_world_;
+  std::optional<std::size_t> scan_;  // taken with the frame
+  std::shared_ptr<const FreeSpace> space_;
+};
+
+std::optional<std::size_t> CompletedObjects::find_scan(std::int64_t time_ns) const {
+  const auto nearest =
+      nearest_in_time(scan_times_ns_.begin(), scan_times_ns_.end(), time_ns, [](std::int64_t time) { return time; });
+  if (nearest == scan_times_ns_.end() || std::abs(*nearest - time_ns) > kCompletion.max_scan_gap_ns) return std::nullopt;
+  return static_cast<std::size_t>(nearest - scan_times_ns_.begin());
 }
 
-FrameLabels CompletedObjects::draw(const CameraEvidence& camera, const Lazy<cv::Mat1b>& masks) const {
-  FrameLabels out(camera.drive.frames.size());
-  parallel_in_order(out.size(), [&](std::size_t i) { out[i] = draw_frame(camera, i, *masks[i]); });
+ObjectOutlines CompletedObjects::draw(const CameraEvidence& camera, const Lazy<cv::Mat1b>& masks) const {
+  const std::size_t frames = camera.drive.frames.size();
+  ObjectOutlines out{FrameLabels(frames), FrameLabels(frames)};
+  parallel_in_order(frames, [&](std::size_t i) {
+    const std::optional<SE3> pose = camera.world_from_lidar.at(camera.drive.frames[i].time_ns);
+    if (!pose) return;
+    const FrameDrawing drawing(*this, camera, i, *pose);
+    for (const auto& [number, object] : objects_) drawing.draw(number, object, *masks[i], out.completed[i], out.shown[i]);
+  });
   return out;
 }
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <vector>
 
 #include "dvi/core/progress.h"
@@ -21,6 +24,19 @@ struct CompletionInput {
   const MaskOptions& options;        ///< of the masks of labels
 };
 
+/// Outlines of objects in the frames of one camera. The track of a label is the number of its object.
+struct ObjectOutlines {
+  FrameLabels completed;  ///< per frame: the parts of objects that masks lack
+  FrameLabels shown;      ///< per frame: the parts that masks show
+};
+
+/// The data of one object from which it is drawn.
+struct CompletedObject {
+  std::vector<OccupiedVoxel> voxels;  ///< the space that it occupied
+  std::vector<Track> tracks;          ///< its motion
+  std::optional<LabeledBoxes> boxes;  ///< its labels
+};
+
 /// The objects of a drive in the world, to be drawn into its cameras.
 class CompletedObjects {
  public:
@@ -28,20 +44,20 @@ class CompletedObjects {
   /// (object_space.h), and the moving objects among the tracks. Calls `tick` once per scan.
   CompletedObjects(const CompletionInput& input, const std::vector<std::int64_t>& scan_times_ns, const Tick& tick);
 
-  /// Draws the objects into the frames of a camera of the drive where `masks` (per frame) do not cover them: labels with an
-  /// outline of the uncovered part. The border of a mask counts as covered, so that correct masks remain as they are.
-  FrameLabels draw(const CameraEvidence& camera, const Lazy<cv::Mat1b>& masks) const;
+  /// Draws the objects into the frames of a camera of the drive, whose masks are per frame. The border of a mask counts as
+  /// covered, so that correct masks remain as they are.
+  ObjectOutlines draw(const CameraEvidence& camera, const Lazy<cv::Mat1b>& masks) const;
 
  private:
-  std::vector<Label> draw_frame(const CameraEvidence& camera, std::size_t frame, const cv::Mat1b& mask) const;
+  class FrameDrawing;
+
+  std::optional<std::size_t> find_scan(std::int64_t time_ns) const;
 
   const MovingReturns& returns_;
   const ground::ScanGround& ground_;
   std::vector<std::int64_t> scan_times_ns_;
   MaskOptions options_;
-  std::vector<OccupiedVoxel> space_;
-  std::vector<Track> tracks_;          // of removed objects
-  std::vector<LabeledBoxes> labeled_;  // of the labels of the drive's cameras
+  std::map<int, CompletedObject> objects_;  // by number: the track of its labels, or a higher number
 };
 
 }  // namespace dvi::objects

@@ -61,9 +61,9 @@
     if (hole.interpolated + hole.synthesized + hole.empty > 0.4)
       list.push(["A large part of the removed area was not observed by any frame.",
         "A second drive through the same street as a SOURCE, or more cameras of this drive (--sources all), would observe more of it."]);
-    const standing = dvi.data.run.standing;
-    if (standing && standing.pixels > 0.5 * dvi.data.run.hole.pixels)
-      list.push([`${standing.standing} of ${standing.tracks} removed objects are stationary all the time.`,
+    const stationary = dvi.data.run.stationary;
+    if (stationary && stationary.pixels > 0.5 * dvi.data.run.hole.pixels)
+      list.push([`${stationary.stationary} of ${stationary.tracks} removed objects are stationary all the time.`,
         "The background behind them cannot be observed. --remove moving keeps them in the frames."]);
     return list;
   };

@@ -1,0 +1,114 @@
+#include "dvi/objects/completion/identities.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+namespace dvi::objects {
+namespace {
+
+constexpr double kBoxMarginM = 0.3;  // labels and motion have errors
+
+// Counts votes for numbers of objects.
+class Votes {
+ public:
+  void add(int number) { ++counts_[number]; }
+  void add_other() { ++others_; }
+  // Returns the number with most votes, of equal ones the lowest, if it has at least half of all votes.
+  std::optional<int> majority() const {
+    std::optional<int> best;
+    int most = 0, all = others_;
+    for (const auto& [number, count] : counts_) {
+      all += count;
+      if (count > most) best = number, most = count;
+    }
+    return 2 * most >= all ? best : std::nullopt;
+  }
+
+ private:
+  std::map<int, int> counts_;
+  int others_ = 0;
+};
+
+// Finds the labeled objects at positions.
+class LabelFinder {
+ public:
+  explicit LabelFinder(const CameraMaskEvidence& labeled) : labeled_(labeled) {
+    for (const std::vector<Label>& frame : *labeled.labels)
+      for (const Label& label : frame) next_ = std::max(next_, label.track + 1);
+  }
+
+  int next_number() const { return next_; }
+
+  std::optional<int> find(const Eigen::Vector3d& world, std::int64_t time_ns) {
+    const auto [entry, is_new] = frames_.try_emplace(time_ns);
+    if (is_new) entry->second = find_masked_frame(labeled_, time_ns);
+    const std::optional<MaskedFrame>& frame = entry->second;
+    if (!frame) return std::nullopt;
+    for (const Label& label : *frame->labels)
+      if (label.track >= 0 && label.box && label.box->contains(frame->lidar_from_world * world, kBoxMarginM))
+        return label.track;
+    return std::nullopt;
+  }
+
+ private:
+  const CameraMaskEvidence& labeled_;
+  std::map<std::int64_t, std::optional<MaskedFrame>> frames_;  // by time of the scan
+  int next_ = 0;
+};
+
+using TrackVoxels = std::map<std::tuple<std::size_t, int, int, int>, std::size_t>;  // by scan and voxel
+
+TrackVoxels find_track_voxels(const std::vector<Track>& tracks) {
+  TrackVoxels out;
+  for (std::size_t k = 0; k < tracks.size(); ++k)
+    for (const Cluster& observation : tracks[k].observations)
+      for (const Eigen::Vector3d& point : observation.points) {
+        const Eigen::Vector3i index = (point / kObjectVoxelM).array().floor().cast<int>();
+        out.try_emplace({observation.scan, index.x(), index.y(), index.z()}, k);
+      }
+  return out;
+}
+
+}  // namespace
+
+Identities identify(const CameraMaskEvidence& labeled, const ObjectParts& parts) {
+  Identities out;
+  LabelFinder labels(labeled);
+  int next = labels.next_number();
+  for (const Track& track : parts.tracks) {
+    Votes votes;
+    for (const Cluster& observation : track.observations) {
+      const Eigen::Vector3d middle = observation.points[observation.points.size() / 2];
+      if (const auto number = labels.find(middle, parts.scan_times_ns[observation.scan]))
+        votes.add(*number);
+      else
+        votes.add_other();
+    }
+    const std::optional<int> number = votes.majority();
+    out.of_track.push_back(number ? *number : next++);
+  }
+  const TrackVoxels track_voxels = find_track_voxels(parts.tracks);
+  std::map<int, Votes> votes;  // by group
+  for (const OccupiedVoxel& voxel : parts.voxels)
+    for (const std::size_t scan : voxel.evidence) {
+      const auto track = track_voxels.find({scan, voxel.index.x(), voxel.index.y(), voxel.index.z()});
+      if (const auto number = labels.find(voxel.center(), parts.scan_times_ns[scan]))
+        votes[voxel.object].add(*number);
+      else if (track != track_voxels.end())
+        votes[voxel.object].add(out.of_track[track->second]);
+      else
+        votes[voxel.object].add_other();
+    }
+  std::map<int, int> of_group;
+  for (const auto& [group, vote] : votes) {
+    const std::optional<int> number = vote.majority();
+    of_group[group] = number ? *number : next++;
+  }
+  for (const OccupiedVoxel& voxel : parts.voxels) out.of_voxel.push_back(of_group.at(voxel.object));
+  return out;
+}
+
+}  // namespace dvi::objects

@@ -1,0 +1,74 @@
+#include "dvi/objects/completion/object_columns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "dvi/drive/outline.h"
+#include "dvi/image/region.h"
+#include "dvi/objects/completion/object_space.h"
+#include "dvi/objects/seconds.h"
+
+namespace dvi::objects {
+namespace {
+
+struct ColumnParams {
+  double max_track_gap_s = 0.25;  ///< time to the observation of a track that shows its shape
+  double margin_m = 0.125;        ///< around the columns, which closes gaps of one voxel
+  int closing_px = 2;             ///< gaps that remain
+  int margin_px = 2;              ///< blur of an object's edge in the image
+};
+constexpr ColumnParams kColumns;
+
+}  // namespace
+
+void ObjectColumns::add(const Eigen::Vector3d& point, double half_height_m) {
+  const std::pair<int, int> column(static_cast<int>(std::floor(point.x() / kObjectVoxelM)),
+                                   static_cast<int>(std::floor(point.y() / kObjectVoxelM)));
+  double& top_m = tops_m_.try_emplace(column, -std::numeric_limits<double>::max()).first->second;
+  top_m = std::max(top_m, point.z() + half_height_m);
+}
+
+cv::Mat1b ObjectColumns::draw(const ground::ScanGround& ground, const Camera& camera, const SE3& camera_from_world) const {
+  cv::Mat1b mask(camera.height, camera.width, uchar{0});
+  const double low_m = -kColumns.margin_m, high_m = kObjectVoxelM + kColumns.margin_m;
+  for (const auto& [column, top_m] : tops_m_) {
+    const Eigen::Vector2d at = Eigen::Vector2d(column.first, column.second) * kObjectVoxelM;
+    const double ground_m = ground.height(at).value_or(top_m - kObjectVoxelM);
+    std::vector<Eigen::Vector3d> corners;
+    for (const double dx : {low_m, high_m})
+      for (const double dy : {low_m, high_m})
+        for (const double z : {ground_m, top_m})
+          corners.push_back(camera_from_world * Eigen::Vector3d(at.x() + dx, at.y() + dy, z));
+    if (std::all_of(corners.begin(), corners.end(), [&](const Eigen::Vector3d& x) { return camera.in_front(x); }))
+      draw_hull(corners, camera, mask);
+  }
+  return grown(grown(mask, kColumns.closing_px), kColumns.margin_px - kColumns.closing_px);
+}
+
+double ObjectColumns::nearest_m(const SE3& camera_from_world) const {
+  double nearest_m = std::numeric_limits<double>::max();
+  for (const auto& [column, top_m] : tops_m_) {
+    const Eigen::Vector3d top(column.first * kObjectVoxelM, column.second * kObjectVoxelM, top_m);
+    nearest_m = std::min(nearest_m, (camera_from_world * top).z());
+  }
+  return nearest_m;
+}
+
+ObjectColumns fill_columns(const Track& track, std::int64_t time_ns) {
+  ObjectColumns out;
+  if (track.observations.empty()) return out;
+  const std::size_t nearest = track.nearest(time_ns);
+  const Cluster& cluster = track.observations[nearest];
+  if (std::abs(seconds_between(cluster.mean_time_ns, time_ns)) > kColumns.max_track_gap_s) return out;
+  const Eigen::Vector2d velocity = track.velocity(nearest);
+  for (std::size_t k = 0; k < cluster.points.size(); ++k) {
+    Eigen::Vector3d point = cluster.points[k];
+    point.head<2>() += velocity * seconds_between(cluster.time_ns[k], time_ns);
+    out.add(point, 0.5 * std::min(cluster.ray_spacing_m[k], kObjectVoxelM));
+  }
+  return out;
+}
+
+}  // namespace dvi::objects
