@@ -51,7 +51,7 @@ void make_case(const job::Job& job, const holdout::HoldoutOptions& options, Exis
   std::vector<holdout::HoldoutCamera> cameras;
   for (std::size_t i = 0; i < drives.size(); ++i) cameras.push_back({drives[i].drive, masks[i].images});
   Drive& drive = cameras.front().drive;
-  for (std::size_t i = 0; i < drive.frames.size(); ++i) drive.frames[i].labels = (*masks.front().objects)[i];
+  for (std::size_t i = 0; i < drive.frames.size(); ++i) drive.frames[i].labels = (*masks.front().objects.labels)[i];
   const holdout::Holdout holdout(cameras, poses.front().world_from_lidar, options);
   holdout::write_holdout(holdout, job.out, recipe, progress.tick());
   progress.end();

@@ -116,7 +116,7 @@ std::string make_masks(const job::Job& job, Progress& progress) {
                                       {"source", inputs::mask_source(open)},
                                       {"remove", to_string(job.read.remove)},
                                       {"dilate_px", dilation_px(open, job.options.masks)},
-                                      {"tracks", tracks_json(open, *found.objects, poses.front().world_from_lidar)},
+                                      {"tracks", tracks_json(open, *found.objects.labels, poses.front().world_from_lidar)},
                                       {"frames", frames}});
   write_file(out / "masks.json", text + "\n");
   progress.end();

@@ -50,18 +50,18 @@ Lazy<cv::Mat1b> draw_unlabeled(const CameraEvidence& own, FrameLabels objects, c
 
 Lazy<cv::Mat1b> draw_camera(const CameraRef& ref, const Objects& objects, const RemovalOptions& options, Progress& progress) {
   const CameraEvidence& own = ref.camera();
-  Lazy<cv::Mat1b> images = draw_plain_masks(own, objects.labels[ref.index], options);
+  Lazy<cv::Mat1b> images = draw_plain_masks(own, objects[ref.index].labels, options);
   if (const int radius = options.masks.file_dilation_px(); radius > 0 && own.source == MaskSource::files)
     progress.note(fmt::format("{}: mask files are dilated by {} px (masks.dilate_px)", own.name, radius));
-  if (const SharedLabels& completed = objects.completed[ref.index]; has_labels(*completed))
+  if (const SharedLabels& completed = objects[ref.index].completed; has_labels(*completed))
     images = unite(images, {images.size(), [completed, size = cv::Size(own.drive.camera.width, own.drive.camera.height)](
                                                std::size_t i) { return draw_outlines((*completed)[i], size); }});
   const bool from_scans = own.source == MaskSource::found;
   if (own.source && (from_scans || options.masks.shadows))
-    images = refine_masks(ref, images, {from_scans ? objects.labels[ref.index] : nullptr, options.masks.shadows}, progress);
+    images = refine_masks(ref, images, {from_scans ? objects[ref.index].labels : nullptr, options.masks.shadows}, progress);
   if (own.labeled_in_part) {
     const std::size_t first = *own.rig_of;
-    images = unite(images, draw_unlabeled(ref.evidence[first], *objects.labels[first], own, options));
+    images = unite(images, draw_unlabeled(ref.evidence[first], *objects[first].labels, own, options));
   }
   return images;
 }
@@ -95,9 +95,9 @@ Masks draw_masks(const Evidence& evidence, const Objects& objects, const Removal
     if (camera.source == MaskSource::reprojected) {
       const std::size_t own = *camera.rig_of;
       masks.push_back(
-          {reproject_masks(evidence[own].drive, masks[own].images, camera.drive, camera.world_from_lidar), objects.labels[i]});
+          {reproject_masks(evidence[own].drive, masks[own].images, camera.drive, camera.world_from_lidar), objects[i]});
     } else {
-      masks.push_back({draw_camera({evidence, i}, objects, options, progress), objects.labels[i]});
+      masks.push_back({draw_camera({evidence, i}, objects, options, progress), objects[i]});
     }
   }
   return masks;
@@ -114,7 +114,7 @@ GivenMasks draw_given_masks(const Evidence& evidence, const RemovalOptions& opti
     const Lazy<cv::Mat1b> images = camera.is_given()
                                        ? draw_plain_masks(camera, shared(select_removed_labels(camera, options)), options)
                                        : draw_ego_masks(camera);
-    out.masks.push_back({images, nullptr});
+    out.masks.push_back({images});
   }
   const CameraEvidence& target = evidence[0];
   out.complete = !target.source || (target.is_given() && !options.masks.shadows);

@@ -10,8 +10,8 @@ namespace dvi::objects {
 
 /// The masks and the removed objects of one camera.
 struct CameraMasks {
-  Lazy<cv::Mat1b> images;  ///< per frame of the drive; 255 = remove
-  SharedLabels objects;    ///< labels of the removed objects, per frame of the drive
+  Lazy<cv::Mat1b> images;   ///< per frame of the drive; 255 = remove
+  CameraObjects objects{};  ///< the removed objects
 };
 
 /// Masks per camera of the evidence.

@@ -192,7 +192,7 @@ void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOpti
   std::vector<CameraMaskEvidence> cameras;
   for (std::size_t i = own; i < evidence.size(); ++i)
     if (evidence.own_camera(i) == own && shows_objects(evidence[i]))
-      cameras.push_back(collect_mask_evidence(evidence[i], objects.labels[i], options));
+      cameras.push_back(collect_mask_evidence(evidence[i], objects[i].labels, options));
   if (cameras.empty() || !evidence.ground(own)) return;
   const DriveMotion& motion = moving.of_drive(own);
   std::vector<std::int64_t> scan_times_ns;
@@ -203,9 +203,10 @@ void complete_drive(const Evidence& evidence, std::size_t own, const RemovalOpti
   progress.end();
   for (std::size_t i = own; i < evidence.size(); ++i)
     if (evidence.own_camera(i) == own && shows_objects(evidence[i])) {
-      ObjectOutlines outlines = completed.draw(evidence[i], draw_object_masks(evidence[i], objects.labels[i], options));
-      objects.completed[i] = shared(std::move(outlines.completed));
-      objects.shown[i] = shared(std::move(outlines.shown));
+      ObjectOutlines outlines = completed.draw(evidence[i], draw_object_masks(evidence[i], objects[i].labels, options));
+      objects[i].completed = shared(std::move(outlines.completed));
+      objects[i].shown = shared(std::move(outlines.shown));
+      objects[i].motions = completed.motions();
     }
 }
 
@@ -217,12 +218,10 @@ Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Pr
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     const CameraEvidence& camera = evidence[i];
     const Drive& drive = camera.drive;
-    objects.completed.push_back(shared(FrameLabels(drive.frames.size())));
-    objects.shown.push_back(objects.completed.back());
     if (options.remove == Remove::moving && !camera.rig_of) warn_of_all_removed(camera, progress);
     if (camera.source != MaskSource::found) {
-      objects.labels.push_back(shared(select_objects(camera, options, progress)));
-      if (!camera.rig_of && camera.is_given() && removes_nothing(camera, objects.labels.back(), options))
+      objects.emplace_back(shared(select_objects(camera, options, progress)));
+      if (!camera.rig_of && camera.is_given() && removes_nothing(camera, objects.back().labels, options))
         progress.warn(camera.name + ": " + describe_nothing_removed(camera, options) +
                       describe_unmasked_motion(moving.draw_outlines_in(i), drive));
       continue;
@@ -233,7 +232,7 @@ Objects find_objects(const Evidence& evidence, const RemovalOptions& options, Pr
     SharedLabels labels = shared(moving.draw_outlines_in(i));
     if (evidence.ground(i))
       labels = shared(extend_in_images({evidence, i}, draw_plain_masks(camera, labels, options), labels, tracks));
-    objects.labels.push_back(labels);
+    objects.emplace_back(labels);
   }
   if (options.objects.complete)
     for (std::size_t i = 0; i < evidence.size(); ++i)

@@ -3,17 +3,13 @@
 #include <vector>
 
 #include "dvi/core/progress.h"
-#include "dvi/drive/label.h"
+#include "dvi/objects/camera_objects.h"
 #include "dvi/objects/evidence.h"
 
 namespace dvi::objects {
 
 /// The removed objects, per camera of the evidence.
-struct Objects {
-  std::vector<SharedLabels> labels;     ///< labels of the objects, per frame
-  std::vector<SharedLabels> completed;  ///< outlines of the parts of objects that the masks lack, per frame
-  std::vector<SharedLabels> shown;      ///< outlines of the parts of objects in space that the masks show, per frame
-};
+using Objects = std::vector<CameraObjects>;
 
 /// Finds the objects to remove (section 3.1 of the paper): the labeled objects, without the stationary ones with
 /// Remove::moving; the objects that the detector finds, tracked over time; or, if a drive has neither masks nor labels, the

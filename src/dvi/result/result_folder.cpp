@@ -82,9 +82,9 @@ std::vector<fs::path> list_own_folders(const fs::path& out) {
 /// Lists the existing files that complete() writes; a baseline has no map. Reports and options are left out, because they
 /// contain times and paths, and because the report is written again when a result is scored.
 std::vector<std::string> list_other_files(const fs::path& out) {
-  std::vector<std::string> files{"sources.json",   "video.mp4",     "compare.mp4",   "contact.png",
-                                 "map/poses.txt",  "map/times.txt", "map/map.json",  "map/map.ply",
-                                 "map/moving.ply", "map/map.png",   "map/above.json"};
+  std::vector<std::string> files{"sources.json", "objects.json",   "video.mp4",     "compare.mp4",
+                                 "contact.png",  "map/poses.txt",  "map/times.txt", "map/map.json",
+                                 "map/map.ply",  "map/moving.ply", "map/map.png",   "map/above.json"};
   std::erase_if(files, [&](const std::string& file) { return !fs::exists(out / file); });
   return files;
 }
@@ -303,8 +303,8 @@ void ResultFolder::remove_map() const {
   if (fs::is_empty(out_ / "map")) fs::remove(out_ / "map");
 }
 
-RunReport ResultFolder::make_report(const RunResults& results, const metrics::Artifacts& artifacts,
-                                    const Progress& progress) const {
+RunReport ResultFolder::make_report(const RunResults& results, const std::vector<objects::RemovedObject>& removed,
+                                    const metrics::Artifacts& artifacts, const Progress& progress) const {
   nlohmann::json frames = nlohmann::json::array();
   HoleReport hole;
   for (const std::string& name : names_) {
@@ -314,8 +314,8 @@ RunReport ResultFolder::make_report(const RunResults& results, const metrics::Ar
     frames.push_back(*manifest->content);
     hole += manifest->content->at("hole").get<HoleReport>();
   }
-  const std::optional<objects::StationaryObjects> stationary =
-      objects::count_stationary(inputs::evidence_of(drives_.front(), results.poses.front().world_from_lidar), job_.removal());
+  const objects::CameraEvidence evidence = inputs::evidence_of(drives_.front(), results.poses.front().world_from_lidar);
+  const std::optional<objects::StationaryObjects> stationary = objects::count_stationary(evidence, job_.removal());
   CostReport cost = make_cost_report(progress, results.cpu, made_);
   if (planned_) cost += sum_costs(out_, fingerprint_);
   return RunReport({{"schema", RunReport::kSchema},
@@ -326,6 +326,7 @@ RunReport ResultFolder::make_report(const RunResults& results, const metrics::Ar
                     {"hole", hole},
                     {"artifacts", artifacts},
                     {"stationary", stationary},
+                    {"objects", objects::count_objects(removed)},
                     {"map", results.map != nullptr ? map_json(*results.map) : nlohmann::json()},
                     {"cost", cost},
                     {"warnings", progress.warnings()},
@@ -337,10 +338,13 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
   remove_other_frames();
   remove_other_source_masks();
   write_file(out_ / "sources.json", json_text(sources_json(results.views, drives_)) + "\n");
+  const objects::CameraEvidence evidence = inputs::evidence_of(drives_.front(), results.poses.front().world_from_lidar);
+  const auto removed = objects::list_removed_objects(evidence, results.objects, job_.options.masks);
+  write_file(out_ / "objects.json", json_text(objects::objects_json(removed, inputs::mask_source(drives_.front()))) + "\n");
   if (results.map != nullptr) {
     write_map_files(out_ / "map",
                     {*results.map, results.views, target,
-                     collect_object_paths(results.objects, results.views, results.poses.front().world_from_lidar)});
+                     collect_object_paths(*results.objects.labels, results.views, results.poses.front().world_from_lidar)});
     write_file(out_ / "map/map.json", json_text(map_json(*results.map)) + "\n");
   } else {
     remove_map();  // left by an earlier run with another method
@@ -356,7 +360,7 @@ RunReport ResultFolder::complete(const RunResults& results, Progress& progress) 
       job_, names_, fingerprint_,
       [&] {
         progress.end();
-        finished = make_report(results, artifacts, progress);
+        finished = make_report(results, removed, artifacts, progress);
         const std::string text = to_json(*finished);
         write_file(out_ / "report.json", text + "\n");
         return text;

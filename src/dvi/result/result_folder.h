@@ -9,6 +9,7 @@
 #include "dvi/core/folder_lock.h"
 #include "dvi/inputs/make_views.h"
 #include "dvi/metrics/artifacts.h"
+#include "dvi/objects/removed_objects.h"
 #include "dvi/result/filled_view.h"
 #include "dvi/result/run_report.h"
 #include "dvi/result/stage_cache.h"
@@ -28,7 +29,7 @@ struct RunResults {
   const inputs::Poses& poses;
   const align::Cameras& cameras;
   const CpuClock& cpu;
-  const FrameLabels& objects;  ///< removed objects of the target
+  const objects::CameraObjects& objects;  ///< removed objects of the target
 };
 
 /// Called with each frame of the target after it was written; may be empty.
@@ -102,7 +103,8 @@ class ResultFolder {
   void remove_other_frames() const;
   void remove_other_source_masks() const;
   void remove_map() const;
-  RunReport make_report(const RunResults& results, const metrics::Artifacts& artifacts, const Progress& progress) const;
+  RunReport make_report(const RunResults& results, const std::vector<objects::RemovedObject>& removed,
+                        const metrics::Artifacts& artifacts, const Progress& progress) const;
 
   const job::Job& job_;
   const inputs::Recordings& drives_;

@@ -112,6 +112,14 @@ std::string describe_stationary(const json& stationary, const HoleReport& hole) 
                      stationary.at("stationary").get<std::size_t>(), stationary.at("tracks").get<std::size_t>(), 100 * share);
 }
 
+/// Returns a line if objects were completed in frames whose masks lack them; otherwise nothing.
+std::string describe_completed(const json& objects) {
+  const auto completed = objects.at("completed").get<std::size_t>(), frames = objects.at("completed_frames").get<std::size_t>();
+  if (completed == 0) return {};
+  return fmt::format("\n{} of {} removed objects were completed, in {} frame{} whose masks lack parts of them (objects.json)",
+                     completed, objects.at("removed").get<std::size_t>(), frames, frames == 1 ? "" : "s");
+}
+
 std::string describe_registration(const json& drive) {
   const json& placed = drive.at("registration");
   if (placed.is_null()) return {};
@@ -145,7 +153,8 @@ std::string RunReport::brief(const std::string& out) const {
                                  100 * hole.share(hole.copied));
   if (hole.copied_elsewhere > 0)
     text += fmt::format(", {:.1f} % from other cameras or drives", 100 * hole.share(hole.copied_elsewhere));
-  text += describe_unobserved(hole) + describe_stationary(document().at("stationary"), hole);
+  text += describe_unobserved(hole) + describe_completed(document().at("objects")) +
+          describe_stationary(document().at("stationary"), hole);
   for (const json& drive : document().at("drives")) text += describe_registration(drive);
   return text + describe_cost(document().at("cost")) +
          fmt::format(

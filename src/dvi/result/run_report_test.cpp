@@ -19,6 +19,7 @@ json whole_report() {
   return {{"schema", RunReport::kSchema},
           {"drives", {{{"path", "/a/sunday"}, {"registration", {{"overlap", 1}, {"bound_m", 0.029}, {"bound_deg", 0.08}}}}}},
           {"hole", hole},
+          {"objects", {{"removed", 5}, {"completed", 2}, {"completed_frames", 1}}},
           {"stationary", {{"tracks", 5}, {"stationary", 4}, {"pixels", 80}}},
           {"cost", cost},
           {"frames", {{{"name", "0003"}, {"hole", hole}}}}};
@@ -93,6 +94,7 @@ TEST(RunReport, BriefStatesOriginsAndCost) {
   const std::string text = RunReport(whole_report()).brief("out");
   for (const char* part : {"1 frames, 100 hole pixels: 60.0 % copied, 10.0 % from other cameras or drives, 30.0 % unobserved "
                            "(25.0 % interpolated, 5.0 % left black)",
+                           "2 of 5 removed objects were completed, in 1 frame whose masks lack parts of them (objects.json)",
                            "4 of 5 removed tracks are stationary; they are 80 % of the hole; --remove moving would keep them",
                            "sunday: 100 % of its scans overlap; placed to 2.9 cm and 0.08 degrees (95 %)",
                            "6.0 CPU s per frame, peak memory 123 MB", "out/compare.mp4"})

@@ -99,8 +99,12 @@ void pass_parts(Archive& archive, T& labels, Of<SharedLabels>) {
     labels = shared(std::move(read));
   }
 }
-constexpr auto fields_of(Of<objects::Objects>) {
-  return std::tuple{&objects::Objects::labels, &objects::Objects::completed, &objects::Objects::shown};
+constexpr auto fields_of(Of<objects::ObjectMotion>) {
+  return std::tuple{&objects::ObjectMotion::object, &objects::ObjectMotion::state};
+}
+constexpr auto fields_of(Of<objects::CameraObjects>) {
+  using objects::CameraObjects;
+  return std::tuple{&CameraObjects::labels, &CameraObjects::completed, &CameraObjects::shown, &CameraObjects::motions};
 }
 constexpr auto fields_of(Of<map::MapPoint>) {
   using map::MapPoint;

@@ -85,7 +85,7 @@ map::StaticMap build_map(const inputs::Inputs& given, const map::MapOptions& opt
       inputs.push_back({&drive,
                         poses[i].world_from_lidar,
                         masks[i].images,
-                        masks[i].objects,
+                        masks[i].objects.labels,
                         {},
                         world_from_map(drive, poses[i].world_from_lidar)});
   }
@@ -108,7 +108,7 @@ std::string make_map(const job::Job& job, const std::string& trajectory, Progres
   const Drive& target = drives.front().drive;
   const fs::path out = job.out;
   result::write_map_files(
-      out, {map, views, target, result::collect_object_paths(*masks.front().objects, views, poses.front().world_from_lidar)});
+      out, {map, views, target, result::collect_object_paths(*masks.front().objects.labels, views, poses.front().world_from_lidar)});
   if (trajectory != "none")
     result::write_trajectory(out / "trajectory.txt", target, poses.front().world_from_lidar,
                              trajectory == "tum" ? result::TrajectoryFormat::tum : result::TrajectoryFormat::kitti);

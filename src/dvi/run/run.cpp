@@ -152,7 +152,7 @@ void Run::fill_frames(const std::vector<std::size_t>& frames, const result::Fini
 
 result::RunReport Run::finish() {
   return folder_.complete(
-      {.views = views_, .map = &map_, .poses = poses_, .cameras = cameras_, .cpu = cpu_, .objects = *objects_.labels.front()},
+      {.views = views_, .map = &map_, .poses = poses_, .cameras = cameras_, .cpu = cpu_, .objects = objects_.front()},
       progress_);
 }
 

@@ -44,7 +44,7 @@ result::RunReport run_baseline(const job::Job& job, Progress& progress, const Fr
                      .smoothing = make_smoothing(job.options.smooth, cpu),
                      .write = out.make_writer(views, cameras, cpu, progress, sink.finished)});
   return out.complete(
-      {.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu, .objects = *masks.front().objects},
+      {.views = views, .map = nullptr, .poses = poses, .cameras = cameras, .cpu = cpu, .objects = masks.front().objects},
       progress);
 }
 

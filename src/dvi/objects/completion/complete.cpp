@@ -227,4 +227,18 @@ ObjectOutlines CompletedObjects::draw(const CameraEvidence& camera, const Lazy<c
   return out;
 }
 
+std::vector<ObjectMotion> CompletedObjects::motions() const {
+  std::vector<ObjectMotion> out;
+  for (const auto& [number, object] : objects_) {
+    const bool is_static = std::any_of(object.voxels.begin(), object.voxels.end(), [](const OccupiedVoxel& voxel) {
+      return seconds_between(voxel.first_return_ns, voxel.last_return_ns) >= kCompletion.static_s;
+    });
+    const bool moves = object.boxes ? object.boxes->moves() : !object.tracks.empty();
+    out.push_back({number, moves                       ? MotionState::moving
+                           : object.boxes || is_static ? MotionState::stationary
+                                                       : MotionState::unknown});
+  }
+  return out;
+}
+
 }  // namespace dvi::objects

@@ -7,6 +7,7 @@
 
 #include "dvi/core/progress.h"
 #include "dvi/drive/label.h"
+#include "dvi/objects/camera_objects.h"
 #include "dvi/objects/completion/labeled_boxes.h"
 #include "dvi/objects/completion/masked_returns.h"
 #include "dvi/objects/completion/object_space.h"
@@ -47,6 +48,9 @@ class CompletedObjects {
   /// Draws the objects into the frames of a camera of the drive, whose masks are per frame. The border of a mask counts as
   /// covered, so that correct masks remain as they are.
   ObjectOutlines draw(const CameraEvidence& camera, const Lazy<cv::Mat1b>& masks) const;
+
+  /// Returns the motion of the objects, by number.
+  std::vector<ObjectMotion> motions() const;
 
  private:
   class FrameDrawing;

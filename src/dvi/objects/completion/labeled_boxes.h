@@ -18,6 +18,7 @@ class LabeledBoxes {
 
   int track() const { return track_; }
   const std::string& type() const { return type_; }
+  bool moves() const { return moves_; }
 
   /// Returns the box in world axes at a time: of a stationary object, the one nearest in time; of a moving one, the
   /// interpolation of the boxes before and after if they are at most a second apart, else nothing.

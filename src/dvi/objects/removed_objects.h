@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "dvi/objects/camera_objects.h"
+#include "dvi/objects/evidence.h"
+
+namespace dvi::objects {
+
+/// One removed object in the frames of a camera.
+struct RemovedObject {
+  int number = -1;
+  std::string type;  ///< its class, in lower case; empty if it is unknown
+  MotionState motion = MotionState::unknown;
+  std::vector<int> frames;     ///< numbers of the frames in which it is removed, ascending
+  std::vector<int> completed;  ///< those in which its masks, labels, or detections lack a part of it or all of it
+  std::size_t pixels = 0;      ///< removed pixels in all frames; overlapping objects count for each
+};
+
+/// Lists the removed objects of a camera by their numbers. Labels without a track and masks without scans are left out, because
+/// they do not show which object they belong to.
+std::vector<RemovedObject> list_removed_objects(const CameraEvidence& evidence, const CameraObjects& objects,
+                                                const MaskOptions& options);
+
+/// Counts of removed objects, for summaries.
+struct ObjectCounts {
+  std::size_t removed = 0;
+  std::size_t completed = 0;         ///< those that were completed in at least one frame
+  std::size_t completed_frames = 0;  ///< frames in which at least one object was completed
+};
+ObjectCounts count_objects(const std::vector<RemovedObject>& objects);
+void to_json(nlohmann::json& json, const ObjectCounts& counts);
+
+/// Writes objects as objects.json lists them. `source` is where the evidence is from.
+nlohmann::json objects_json(const std::vector<RemovedObject>& objects, const std::string& source);
+
+}  // namespace dvi::objects
