@@ -159,7 +159,8 @@ The masks of the virtual traffic have the errors of detectors and annotators ([h
 kinds). Images, scans and truth are those of correct masks. `dvi` completes objects where their masks lack them. `masks as given`
 removes only the masked pixels (`objects.complete=false`). PSNR in dB: all pixels of the virtual traffic / those that the given
 masks cover, and in parentheses the share of all its pixels that were removed. Pixels that were not removed show the virtual traffic
-and count with their full error. Covered pixels are others, in other frames, for each kind of errors: compare them within a column.
+and count with their full error. Virtual traffic that is not removed from one frame may also be copied into the holes of other
+frames, which the covered pixels show. Each kind of errors covers other pixels, so compare these figures within a column only.
 """
 
 

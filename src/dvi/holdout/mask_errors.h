@@ -32,7 +32,7 @@ struct MaskErrorParams {
   double miss_probability = 0.2;          ///< per frame
   std::size_t burst_frames = 5;           ///< missed in a row
   double min_late_share = 1.0 / 256;      ///< smallest masked share of an image: 900 pixels of 640x360
-  int opening_radius_px = 3;              ///< narrower details, of less than 7 px, are removed
+  int opening_radius_px = 3;              ///< details narrower than 7 px are removed
   int erosion_radius_px = 2;              ///< by which tight masks are too small
   double false_probability = 0.05;        ///< of a false box, per frame
   int min_box_px = 40, max_box_px = 120;  ///< edges of a false box
